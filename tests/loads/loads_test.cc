@@ -13,6 +13,7 @@
 #include "lake/core/error.h"
 #include "lake/core/run.h"
 #include "lake/exchange/ground_forces.h"
+#include "lake/problem/moment_at_pace.h"
 #include "name_map.h"
 #include "temporary_folder.h"
 
@@ -145,6 +146,34 @@ TEST(Balance, TheOwnPacesMomentsAreTheRises) {
   EXPECT_GT(compared, 40);
 }
 
+// What is written of the body reads back, and the profile's moments at another pace are those of pace.csv.
+TEST(Balance, TheProfileIsOfAnyPace) {
+  REQUIRE_RECORDING();
+  commands::LoadsRunOptions options = OptionsFor("right");
+  options.loads.draws = 20;
+  options.loads.rise_s = 3;
+  const auto outcome = RunOn(options);
+  const loads::BodyPath body = loads::ReadBodyPath(outcome->folder / "out");
+  EXPECT_EQ(body.trunk.size(), 101u);
+  EXPECT_GT(body.feet_from_percent, 10);
+  EXPECT_LT(body.feet_from_percent, 70);
+  EXPECT_NEAR(body.body.trunk.mass_kg, 0.678 * 62.6 / 2, 1e-6);
+  const problem::LoadProfile profile = problem::ReadLoadProfile(outcome->folder / "out");
+  const auto same = problem::AtPace(profile, profile.duration_s), asked = problem::AtPace(profile, 3);
+  ASSERT_TRUE(same && asked);
+  const CsvTable paces = CsvTable::Read(outcome->folder / "out/pace.csv");
+  int compared = 0;
+  for (std::size_t row = 0; row < paces.Rows(); ++row) {
+    const auto percent = static_cast<std::size_t>(paces.RequiredNumber(row, paces.Column("percent")));
+    if (paces.Text(row, paces.Column("pace")) != "asked" || std::isnan(profile.samples[percent].knee_nm)) continue;
+    EXPECT_NEAR(same->samples[percent].knee_nm, profile.samples[percent].knee_nm, 1e-9);
+    // A seventeenth of what the quick rises differ by, the frame before against the moment itself.
+    EXPECT_NEAR(asked->samples[percent].knee_nm, paces.RequiredNumber(row, paces.Column("knee_nm")), 0.5);
+    ++compared;
+  }
+  EXPECT_GT(compared, 40);
+}
+
 class OnForcePlates : public testing::TestWithParam<std::string> {};
 
 TEST_P(OnForcePlates, FromTheGroundItEqualsTheReferenceWithItsInertias) {
@@ -198,6 +227,25 @@ TEST_P(OnForcePlates, FromTheTrunkEachPeakIsInsideItsInterval) {
     near += std::abs(peak["knee_nm"].get<double>() / peak_nm - 1) < 0.25;
   }
   EXPECT_GE(near, 4);  // of five; the left leg's first rise is read 43 % too low
+}
+
+// While the seat bears a part that nobody knows.
+TEST_P(OnForcePlates, TheBoundsBeforeTheSeatIsLeftHoldTheReference) {
+  REQUIRE_RECORDING();
+  const auto outcome = RunOn(OptionsFor(GetParam()));
+  const Reference reference(GetParam());
+  const CsvTable table = CsvTable::Read(outcome->folder / "out/loads.csv");
+  int held = 0, count = 0;
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    const auto low_nm = table.Number(row, table.Column("knee_low_nm"));
+    if (table.Text(row, table.Column("repetition")) == "mean" || table.Number(row, table.Column("knee_nm")) || !low_nm)
+      continue;
+    const double true_nm = reference.At(table.RequiredNumber(row, table.Column("time_s")));
+    held += *low_nm <= true_nm && true_nm <= table.RequiredNumber(row, table.Column("knee_high_nm"));
+    ++count;
+  }
+  EXPECT_GT(count, 100);
+  EXPECT_GE(held, 0.9 * count) << held << " of " << count;
 }
 
 INSTANTIATE_TEST_SUITE_P(, OnForcePlates, testing::Values("right", "left"),

@@ -288,6 +288,17 @@ TEST_F(StudyYaml, TakesLoadsAndAnActuator) {
   ExpectRefused(loads + "assistance: {actuators: none.csv}\n", "none.csv");
 }
 
+TEST_F(StudyYaml, TakesBalanceOfABodyThatItKnows) {
+  const std::string trial = "human: {video: human.mp4}\n", balance = "reoptimize: {balance: {margin_mm: 20}}\n";
+  const study::StudyFile study = Read(trial + "loads: {mass_kg: 70}\n" + balance);
+  EXPECT_EQ(study.redesign->options.balance_mm, 20);
+  for (const steps::StudyStep& step : study::StudySteps(study, folder_ / "out", Json::object()))
+    if (step.name == "redesign") EXPECT_THAT(step.inputs, testing::Contains(folder_ / "out/loads/loads.json"));
+  ExpectRefused(trial + balance, "'balance' needs the person's body");
+  ExpectRefused(trial + "loads: {mass_kg: 70}\nreoptimize: {balance: {margin_mm: -1}}\n", "'margin_mm'");
+  ExpectRefused(trial + "loads: {mass_kg: 70}\nreoptimize: {balance: {margin: 20}}\n", "'margin_mm'");
+}
+
 // A catalogue of one's own that changes makes those steps due that its actuator counts in.
 TEST_F(StudyYaml, StepsKnowTheirActuator) {
   const std::string trial = "human: {video: human.mp4}\nloads: {mass_kg: 70}\n";

@@ -83,7 +83,7 @@ TEST(HumanMotion, TrackingStrokesGiveTheHumansAngles) {
     EXPECT_NEAR(linkage::SolvePose(kPublishedLinks, (*strokes)[i])->theta_rad, human[i].knee_rad, 1e-9);
   const auto prediction = redesign::Predict({kPublishedLinks}, {0, 0}, *strokes, human);
   ASSERT_TRUE(prediction);
-  EXPECT_LT(prediction->relative_rms, 1e-10);
+  EXPECT_LT(prediction->path.relative, 1e-10);
 }
 
 TEST(HumanMotion, AnglesBeyondTheUsedRangeAreClamped) {

@@ -207,6 +207,22 @@ TEST_F(LakeRedesign, WithoutSolutionExitsWithThreeAndSaysWhatWouldDo) {
   EXPECT_THAT(linkage::ReadDesign(folder_ / "out/design.yaml").made_by, HasSubstr("NOT A SOLUTION"));
 }
 
+// Of a joint alone the knee angle has a limit by default, which a constant program cannot hold.
+TEST_F(LakeRedesign, TheJointItselfMayBeLimited) {
+  const std::string joint = "--misalignment joint --max-misalignment 1 --fit-placement ";
+  const Ended ended = RunProgram(Common("out") + joint + "--program free --duration 40");
+  ASSERT_EQ(ended.exit_code, 0) << ended.text;
+  const Json summary = ReadJsonFile(folder_ / "out/summary.json");
+  EXPECT_EQ(summary["misalignment_of"], "joint");
+  EXPECT_EQ(summary["max_angle_mismatch_deg"], 5);
+  EXPECT_LE(summary["misalignment_percent"].get<double>(), 1 + 1e-4);
+  EXPECT_LE(summary["after"]["angle_mismatch_max_deg"].get<double>(), 5 + 1e-4);
+  EXPECT_TRUE(summary["balance"].is_null());
+  const Ended constant = RunProgram(Common("out") + joint);
+  EXPECT_EQ(constant.exit_code, 3);
+  EXPECT_THAT(constant.text, HasSubstr("--max-angle-mismatch"));
+}
+
 TEST_F(LakeRedesign, WrittenOptionsReadBack) {
   ASSERT_EQ(RunProgram(Common("first") + "--max-misalignment 3 --program free --duration 20 --monotone --fit-placement")
                 .exit_code,
@@ -243,6 +259,11 @@ TEST_F(LakeRedesign, WrongInputIsOneLineAndNothingIsWritten) {
       {comparison + "--program fast", 2, "--program"},
       {comparison + "--knots 5", 2, "--knots"},
       {comparison + "--pareto 1", 2, "--pareto"},
+      {comparison + "--balance 20", 2, "give --body loads.json"},
+      {comparison + "--balance=-1", 2, "--balance"},
+      {comparison + "--max-angle-mismatch 0", 2, "--max-angle-mismatch"},
+      {comparison + "--misalignment both", 2, "--misalignment"},
+      {comparison + "--program free --free-ends", 2, "--free-ends"},
       {comparison + "--round 1", 2, "--round"},
       {comparison + "--worn " + (folder_ / "broken.yaml").string(), 1, "broken.yaml"},
       {"--comparison /no/such/folder --human-only", 1, "/no/such/folder"},

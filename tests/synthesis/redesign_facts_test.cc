@@ -50,8 +50,8 @@ class RealMotion : public testing::Test {
 TEST_F(RealMotion, ConstantProgram) {
   const auto prediction = redesign::PredictPoint(problem_, redesign::StartPoint(problem_, kPublishedLinks));
   ASSERT_TRUE(prediction);
-  EXPECT_NEAR(100 * prediction->relative_rms, 8.61, kPercent);
-  EXPECT_NEAR(prediction->rms_mm, 42.3, 1.0);  // 0.2 % of the shank
+  EXPECT_NEAR(100 * prediction->path.relative, 8.61, kPercent);
+  EXPECT_NEAR(prediction->path.mm, 42.3, 1.0);  // 0.2 % of the shank
   redesign::RedesignProblem placed = Published();
   placed.fit_placement = true;
   EXPECT_NEAR(Least(placed, 1), 7.40, kPercent);

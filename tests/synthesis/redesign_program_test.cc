@@ -26,6 +26,20 @@ redesign::RedesignProblem Problem(Kind kind, Goal goal) {
   return problem;
 }
 
+// The same with what a person limits: the knee angle, and balance.
+redesign::RedesignProblem Balanced(Kind kind, Goal goal) {
+  redesign::RedesignProblem problem = Problem(kind, goal);
+  problem.max_angle_mismatch_deg = 20;
+  loads::BodyPath body;
+  body.body.foot = {1.0, 0.06, 0.12}, body.body.shank = {3.3, 0.18, 0.13}, body.body.thigh = {7.0, 0.17, 0.13};
+  body.body.trunk = {23.7, 0.32, 0.25}, body.body.sole = {0.066, 0.2}, body.body.ankle_height_m = 0.07;
+  body.feet_from_percent = 40;
+  for (int i = 0; i < compare::kPercentSamples; ++i) body.trunk.push_back({0.5 - 0.005 * i, {0.1, 0.3}});
+  problem.body = std::make_shared<const loads::BodyPath>(body);
+  problem.balance.emplace();
+  return problem;
+}
+
 nlp::NonlinearProgram Build(const redesign::RedesignProblem& problem, const redesign::RedesignPoint& point) {
   return redesign::RedesignBuilder(problem, point, redesign::ConstantStart::kAtHumanAngle).Build({}).program;
 }
@@ -34,37 +48,42 @@ nlp::NonlinearProgram Build(const redesign::RedesignProblem& problem, const rede
 TEST(RedesignProgram, DerivativesAreThoseOfTheValues) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(-1, 1);
+  std::vector<redesign::RedesignProblem> problems;
   for (const Kind kind : {Kind::kConstant, Kind::kFree})
-    for (const Goal goal : {Goal::kRange, Goal::kMisalignment, Goal::kDuration}) {
-      const redesign::RedesignProblem problem = Problem(kind, goal);
-      const nlp::NonlinearProgram program = Build(problem, redesign::StartPoint(problem, kPublishedLinks));
-      std::vector<double> x;
-      for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start + 0.05 * unit(random));
-      for (const nlp::NlpTerm& term : program.Terms()) {
-        const auto variables = term.term->Variables();
-        const std::size_t n = variables.size();
-        std::vector<double> gradient(n), hessian(n * (n + 1) / 2), above(n), below(n);
-        term.term->Gradient(x.data(), gradient.data());
-        term.term->Hessian(x.data(), hessian.data());
-        for (std::size_t i = 0; i < n; ++i) {
-          const double step = 1e-5 * std::max(1.0, std::abs(x[variables[i]])), kept = x[variables[i]];
-          x[variables[i]] = kept + step;
-          const double value_above = term.term->Value(x.data());
-          term.term->Gradient(x.data(), above.data());
-          x[variables[i]] = kept - step;
-          const double value_below = term.term->Value(x.data());
-          term.term->Gradient(x.data(), below.data());
-          x[variables[i]] = kept;
-          // Of a central difference: its truncation and the rounding of values up to a few hundred.
-          const auto tolerance = [](double value) { return 1e-5 + 1e-6 * std::abs(value); };
-          EXPECT_NEAR(gradient[i], (value_above - value_below) / (2 * step), tolerance(gradient[i]));
-          for (std::size_t j = 0; j <= i; ++j) {
-            const double second = hessian[i * (i + 1) / 2 + j];
-            EXPECT_NEAR(second, (above[j] - below[j]) / (2 * step), tolerance(second));
-          }
+    for (const Goal goal : {Goal::kRange, Goal::kMisalignment, Goal::kDuration})
+      problems.push_back(Problem(kind, goal));
+  for (const Goal goal : {Goal::kRange, Goal::kBalance, Goal::kAngle}) problems.push_back(Balanced(Kind::kFree, goal));
+  problems.push_back(Balanced(Kind::kConstant, Goal::kRange));
+  problems.back().misalignment_of = redesign::MisalignmentOf::kJoint;
+  for (const redesign::RedesignProblem& problem : problems) {
+    const nlp::NonlinearProgram program = Build(problem, redesign::StartPoint(problem, kPublishedLinks));
+    std::vector<double> x;
+    for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start + 0.05 * unit(random));
+    for (const nlp::NlpTerm& term : program.Terms()) {
+      const auto variables = term.term->Variables();
+      const std::size_t n = variables.size();
+      std::vector<double> gradient(n), hessian(n * (n + 1) / 2), above(n), below(n);
+      term.term->Gradient(x.data(), gradient.data());
+      term.term->Hessian(x.data(), hessian.data());
+      for (std::size_t i = 0; i < n; ++i) {
+        const double step = 1e-5 * std::max(1.0, std::abs(x[variables[i]])), kept = x[variables[i]];
+        x[variables[i]] = kept + step;
+        const double value_above = term.term->Value(x.data());
+        term.term->Gradient(x.data(), above.data());
+        x[variables[i]] = kept - step;
+        const double value_below = term.term->Value(x.data());
+        term.term->Gradient(x.data(), below.data());
+        x[variables[i]] = kept;
+        // Of a central difference: its truncation and the rounding of values up to a few hundred.
+        const auto tolerance = [](double value) { return 1e-5 + 1e-6 * std::abs(value); };
+        EXPECT_NEAR(gradient[i], (value_above - value_below) / (2 * step), tolerance(gradient[i]));
+        for (std::size_t j = 0; j <= i; ++j) {
+          const double second = hessian[i * (i + 1) / 2 + j];
+          EXPECT_NEAR(second, (above[j] - below[j]) / (2 * step), tolerance(second));
         }
       }
     }
+  }
 }
 
 // At a point where the linkage follows its program the loops close and the cost is the printed one.
@@ -87,13 +106,13 @@ TEST(RedesignProgram, RowsAndCostAgreeWithTheClosedForm) {
         EXPECT_NEAR(rows[i], 0, 1e-9) << name;
         ++loops;
       } else if (name.starts_with("misalignment")) {
-        EXPECT_NEAR(std::sqrt(rows[i]), 100 * prediction->relative_rms, 1e-9);
+        EXPECT_NEAR(std::sqrt(rows[i]), 100 * prediction->path.relative, 1e-9);
       }
     }
     EXPECT_EQ(loops, 2 * (compare::kPercentSamples + 1));
     const double range_deg = DegreesFromRadians(linkage::SolvePose(kPublishedLinks, 242)->theta_rad);
     // The small costs: 1e-5 of some tens of percent^2, 1e-6 of seconds.
-    EXPECT_NEAR(nlp.Cost(x), -range_deg + 0.3 * prediction->rms_mm, 2e-3);
+    EXPECT_NEAR(nlp.Cost(x), -range_deg + 0.3 * prediction->path.mm, 2e-3);
   }
 }
 

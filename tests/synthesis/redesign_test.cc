@@ -73,7 +73,7 @@ TEST(Redesign, TheLimitHoldsWhenTheComparisonReEvaluatesThePredictedPath) {
 std::optional<double> Objective(const redesign::RedesignProblem& problem, const redesign::RedesignPoint& point) {
   const auto prediction = redesign::PredictPoint(problem, point);
   if (!prediction) return std::nullopt;
-  if (problem.max_misalignment_percent && 100 * prediction->relative_rms > *problem.max_misalignment_percent)
+  if (problem.max_misalignment_percent && 100 * prediction->path.relative > *problem.max_misalignment_percent)
     return std::nullopt;
   if (problem.program.duration_s &&
       redesign::NeededDuration(point.knots_mm, problem.program.max_speed_mm_s) > *problem.program.duration_s)
@@ -145,7 +145,7 @@ TEST(Redesign, NoDifferentialEvolutionFindsABetterObjective) {
     const problem::DesignEvaluation evaluation = problem::Evaluate(links, problem.design);
     const auto prediction = redesign::PredictPoint(problem, point);
     if (!evaluation.IsFeasible() || !prediction) return -1e3 * (1 + std::min(evaluation.violation, 100.0));
-    const double excess = 100 * prediction->relative_rms - *problem.max_misalignment_percent;
+    const double excess = 100 * prediction->path.relative - *problem.max_misalignment_percent;
     return excess > 0 ? -100 * excess : evaluation.range_deg;
   };
   for (const unsigned seed : {1u, 2u}) {
@@ -215,7 +215,7 @@ TEST(Redesign, PenaltyAndLimitAgree) {
   ASSERT_TRUE(other.IsSolved());
   // Along the front range and misalignment trade at this price, so each may be off by what the other makes good.
   EXPECT_NEAR(other.Best().objective,
-              result.Best().Range_deg() - penalised.penalty_deg_per_mm * result.Best().prediction->rms_mm, 1e-3);
+              result.Best().Range_deg() - penalised.penalty_deg_per_mm * result.Best().prediction->path.mm, 1e-3);
   EXPECT_NEAR(other.Best().Misalignment_percent(), result.Best().Misalignment_percent(), 0.02);
 }
 
@@ -268,6 +268,34 @@ TEST(Redesign, AConstantProgramReadsBackAsTheSameStrokes) {
   ASSERT_TRUE(strokes);
   for (int percent = 0; percent < compare::kPercentSamples; ++percent)
     EXPECT_NEAR((*strokes)[percent], result.Best().point.StrokeAt(percent), 1e-6);
+}
+
+// Against a search over both ends on a grid, with the same links.
+TEST(Redesign, TheEndsOfAConstantProgramMayBeSoughtToo) {
+  redesign::RedesignProblem held = Problem();
+  held.goal = Goal::kMisalignment;
+  held = redesign::WithLinks(held, kPublishedLinks);
+  redesign::RedesignProblem free = held;
+  free.program.free_ends = true;
+  const redesign::RedesignPoint start = redesign::StartPoint(held, kPublishedLinks);
+  const redesign::RedesignSolve solve = redesign::SolveFrom(free, start);
+  ASSERT_TRUE(solve.IsUsable());
+  EXPECT_LT(solve.Misalignment_percent(), redesign::SolveFrom(held, start).Misalignment_percent() - 0.1);
+  redesign::RedesignPoint tried = solve.point;
+  double least = 1e9;
+  for (double from = 242; from < 290; from += 1)
+    for (double to = 330; to < 374; to += 1) {
+      tried.knots_mm = {from, to};
+      if (const auto prediction = redesign::PredictPoint(free, tried))
+        least = std::min(least, 100 * prediction->path.relative);
+    }
+  EXPECT_LE(solve.Misalignment_percent(), least + 1e-6);
+  EXPECT_GE(solve.Misalignment_percent(), least - 0.05);  // of a grid of a millimetre
+  // It reads back as two knots at one speed.
+  const linkage::Design design = redesign::DesignOf(free, solve.point);
+  ASSERT_EQ(design.program->knots.size(), 2u);
+  EXPECT_NEAR(design.program->knots.back().stroke_mm - design.program->knots.front().stroke_mm,
+              5 * design.program->knots.back().time_s, 1e-9);
 }
 
 TEST(Redesign, MonotoneForbidsTurningBackWhereTheHumanDoes) {

@@ -32,11 +32,11 @@ std::string FileOf(const std::string& person, const char* file) {
 }
 
 double MisalignmentPercent(const redesign::DesignInMotion& design) {
-  return design.prediction ? 100 * design.prediction->relative_rms : std::nan("");
+  return design.prediction ? 100 * design.prediction->Rms().relative : std::nan("");
 }
 
 double MisalignmentRms(const redesign::DesignInMotion& design) {
-  return design.prediction ? design.prediction->rms_mm : std::nan("");
+  return design.prediction ? design.prediction->Rms().mm : std::nan("");
 }
 
 void AddNothing(CsvWriter& table, int cells) {

@@ -186,6 +186,14 @@ const char* Method(const loads::LoadsResult& result) {
   return result.from_ground ? "bottom-up" : "top-down";
 }
 
+// The mean knee's moment on the same path gone along as slowly as may be, at each percent; null while the seat bears a
+// part. What accelerations add to it falls with the square of the time that a rise takes.
+Json SlowMoments(const loads::Balance& balance) {
+  std::vector<double> moments(loads::kPercents, loads::LoadsRow::kUnknown);
+  for (const loads::PaceRow& row : balance.slow.rows) moments[static_cast<std::size_t>(row.percent)] = row.knee_nm;
+  return moments;
+}
+
 // What a design needs: one leg's profile over the rise.
 Json ProfileJson(const loads::LoadsResult& result, const LoadsRunOptions& options) {
   Json profile;
@@ -195,6 +203,8 @@ Json ProfileJson(const loads::LoadsResult& result, const LoadsRunOptions& option
   Json& percents = profile["percent"] = Json::array();
   for (int percent = 0; percent < loads::kPercents; ++percent) percents.push_back(percent);
   profile.update(ColumnsOf(result.mean));
+  profile["knee_slow_nm"] = SlowMoments(result.balance);
+  profile["body_path"] = loads::BodyPathJson(result.body_path);
   profile["peak"] = PeakJson(result.mean, options.loads.body.mass_kg);
   Json& rises = profile["rises"] = Json::array();
   for (const loads::RiseLoads& rise : result.rises) {

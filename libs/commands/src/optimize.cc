@@ -15,6 +15,8 @@
 #include "lake/figure/redesign_figures.h"
 #include "lake/figure/synthesis_figures.h"
 #include "lake/loads/anthropometry.h"
+#include "lake/loads/body_path.h"
+#include "lake/problem/moment_at_pace.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/redesign/program_options.h"
@@ -43,9 +45,35 @@ void CheckSynthesis(const OptimizeRunOptions& options) {
     throw UsageError("--certify bounds the range, and --duration free seeks the shortest duration: omit one");
 }
 
+// The problem with the moments of a rise in the time that it asks for, or in the shortest that it finds: that depends
+// on them in turn, so it is sought until it stays. `moments_s`: the duration that they are of.
+problem::SynthesisProblem AtItsPace(problem::SynthesisProblem problem, const synthesis::OptimizeOptions& options,
+                                    double& moments_s) {
+  moments_s = problem.profile->duration_s;
+  const problem::LoadProfile measured = *problem.profile;
+  const auto take = [&](double duration_s) {
+    const auto at_pace = problem::AtPace(measured, duration_s);
+    if (at_pace) problem.profile = at_pace, moments_s = duration_s;
+    return at_pace.has_value();
+  };
+  if (problem.duration_s) take(*problem.duration_s);
+  if (!problem.SeeksDuration()) return problem;
+  constexpr int kTries = 6;
+  constexpr double kSame = 0.005;
+  for (int i = 0; i < kTries; ++i) {
+    const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start, options);
+    if (!solve.IsUsable()) break;
+    const double shortest_s = -solve.objective;
+    if (std::abs(shortest_s / moments_s - 1) < kSame || !take(shortest_s)) break;
+  }
+  return problem;
+}
+
 Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   CheckSynthesis(options);
-  const problem::SynthesisProblem problem = problem::WithActuator(options.problem);
+  problem::SynthesisProblem problem = problem::WithActuator(options.problem);
+  double moments_s = 0;
+  if (problem.HasLoadProfile()) problem = AtItsPace(problem, options.study.optimize, moments_s);
   std::vector<std::string> names =
       ResultNames({"sensitivity.csv", "sensitivity.png", "sensitivity.svg", "margin.csv", "margin.png", "margin.svg"});
   if (options.study.round_mm) names.push_back("rounded.yaml");
@@ -65,8 +93,10 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   DrawPngAndSvg("sensitivity", run, [&](const fs::path& path) { figure::DrawSensitivity(outcome, path); });
   if (!outcome.margins.empty())
     DrawPngAndSvg("margin", run, [&](const fs::path& path) { figure::DrawMargins(outcome, path); });
-  if (problem.HasLoadProfile())
+  if (problem.HasLoadProfile()) {
     summary["assistance"] = WriteAssistance(problem::FindAssistance(outcome.BestLinks(), problem), problem, run);
+    summary["assistance"]["moments_of_s"] = moments_s;
+  }
   return summary;
 }
 
@@ -147,6 +177,9 @@ redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, std::
   return measured;
 }
 
+// Of a design whose joint alone is limited: what soft tissue takes up.
+constexpr double kAngleMismatch_deg = 5;
+
 redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
   redesign::RedesignProblem problem;
   const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
@@ -156,7 +189,14 @@ redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
   if (problem.design.duration_s) problem.program.duration_s = problem.design.duration_s;
   problem.design.duration_s.reset();
   problem.max_misalignment_percent = reoptimize.max_misalignment_percent;
+  problem.misalignment_of = reoptimize.misalignment_of;
   problem.penalty_deg_per_mm = reoptimize.penalty_deg_per_mm;
+  problem.max_angle_mismatch_deg = reoptimize.max_angle_mismatch_deg;
+  if (problem.misalignment_of == redesign::MisalignmentOf::kJoint && !problem.max_angle_mismatch_deg)
+    problem.max_angle_mismatch_deg = kAngleMismatch_deg;
+  if (!reoptimize.body.empty())
+    problem.body = std::make_shared<const loads::BodyPath>(loads::ReadBodyPath(reoptimize.body));
+  if (reoptimize.balance_mm) problem.balance = redesign::BalanceLimits{.margin_mm = *reoptimize.balance_mm};
   problem.fit_placement = reoptimize.fit_placement;
   problem.placement_reach_mm = reoptimize.placement_reach_mm;
   return problem;
@@ -210,6 +250,8 @@ void DrawFigures(const redesign::RedesignOutcome& outcome, Run& run) {
     figure::DrawConvergence(outcome.result.BestOrFirst().local, "range less penalties (°)", -1, path);
   });
   DrawPngAndSvg("knee_paths", run, [&](const fs::path& path) { figure::DrawKneePaths(outcome, path); });
+  if (outcome.after.prediction && outcome.after.prediction->balance)
+    DrawPngAndSvg("balance", run, [&](const fs::path& path) { figure::DrawBalance(outcome, path); });
   if (!outcome.fronts.empty())
     DrawPngAndSvg("pareto", run, [&](const fs::path& path) { figure::DrawPareto(outcome, path); });
 }
@@ -218,7 +260,9 @@ void DrawFigures(const redesign::RedesignOutcome& outcome, Run& run) {
 void CheckForGroup(const OptimizeRunOptions& options) {
   for (const auto& [is_given, name] : {std::pair{options.reoptimize->pareto_points.has_value(), "--pareto"},
                                        std::pair{options.study.certify_gap_deg.has_value(), "--certify"},
-                                       std::pair{options.study.yield_tolerance_mm.has_value(), "--yield"}})
+                                       std::pair{options.study.yield_tolerance_mm.has_value(), "--yield"},
+                                       std::pair{options.reoptimize->balance_mm.has_value(), "--balance"},
+                                       std::pair{!options.reoptimize->body.empty(), "--body"}})
     if (is_given) throw UsageError(fmt::format("{} is for one person: omit it, or give one --comparison", name));
 }
 
@@ -279,6 +323,7 @@ Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
                                                 "predicted/comparison.json", "predicted/misalignment.csv"});
   if (measured.worn) names.insert(names.end(), {"joint_moved/comparison.json", "joint_moved/misalignment.csv"});
   if (options.reoptimize->pareto_points) names.insert(names.end(), {"pareto.csv", "pareto.png", "pareto.svg"});
+  if (problem.body) names.insert(names.end(), {"balance.csv", "balance.png", "balance.svg"});
   run.Begin(names);
   const redesign::RedesignOutcome outcome = redesign::RunRedesign(problem, measured, redesign_options);
   Json summary = WriteRedesign(outcome, run);
@@ -297,6 +342,8 @@ void AddInputs(const ReoptimizeRunOptions& options, std::vector<InputFile>& inpu
     for (InputFile& input : TrialTableInputs(options.human, "human")) inputs.push_back(std::move(input));
   for (const fs::path& worn : options.worn) inputs.push_back({worn, "worn"});
   if (!options.participants.empty()) inputs.push_back({options.participants, "participants"});
+  if (!options.body.empty())
+    inputs.push_back({fs::is_directory(options.body) ? options.body / "loads.json" : options.body, "body"});
 }
 
 }  // namespace
@@ -341,6 +388,27 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
       .Unit("degrees per mm RMS")
       .Key("penalty")
       .NotNegative();
+  options.AddChoice("misalignment", o.misalignment_of,
+                    OptionList::Choices<redesign::MisalignmentOf>{{"joint", redesign::MisalignmentOf::kJoint},
+                                                                  {"path", redesign::MisalignmentOf::kPath}},
+                    "What limit and penalty are on: the joint against the knee that it is worn on, or its path against "
+                    "that of the human trial");
+  options
+      .Add("max-angle-mismatch", o.max_angle_mismatch_deg,
+           "Largest difference of the exoskeleton's knee angle from the human's at any instant")
+      .Unit("degrees")
+      .Positive()
+      .Otherwise("5 with --misalignment joint, else no limit");
+  options
+      .Add("balance", o.balance_mm,
+           "Centre of pressure at least so far inside the foot once the seat is left; the person may lean otherwise; "
+           "needs --body")
+      .Unit("mm")
+      .NotNegative()
+      .Otherwise("balance is not asked for");
+  options.Add("body", o.body, "loads.json of the human trial, or the folder of lake-loads: whose balance it is")
+      .IsPath(Option::Path::kFile)
+      .Otherwise("balance is not computed");
   Describe(o.program, options);
   options.Add("fit-placement", o.fit_placement, "Optimise the placement of the joint on the shank too");
   options.Add("placement-reach", o.placement_reach_mm, "Largest distance of the joint from the knee along each axis")

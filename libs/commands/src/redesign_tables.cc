@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "lake/commands/optimize_tables.h"
+#include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
@@ -31,15 +32,22 @@ std::vector<Quantity> Quantities() {
     return [figure](const redesign::DesignInMotion& d) { return d.misalignment ? figure(*d.misalignment) : kNaN; };
   };
   all.push_back({"range", "deg", [](const redesign::DesignInMotion& d) { return d.evaluation.range_deg; }});
-  all.push_back(
-      {"misalignment", "%", compared([](const compare::Misalignment& m) { return 100 * m.metrics.relative_rms; })});
-  all.push_back({"misalignment_rms", "mm", compared([](const compare::Misalignment& m) { return m.metrics.rms_mm; })});
+  const auto predicted = [](auto figure) {
+    return [figure](const redesign::DesignInMotion& d) { return d.prediction ? figure(*d.prediction) : kNaN; };
+  };
+  all.push_back({"misalignment", "%", predicted([](const redesign::Prediction& p) { return 100 * p.Rms().relative; })});
+  all.push_back({"misalignment_rms", "mm", predicted([](const redesign::Prediction& p) { return p.Rms().mm; })});
   all.push_back({"misalignment_max", "mm", compared([](const compare::Misalignment& m) { return m.metrics.max_mm; })});
   all.push_back(
       {"part_placement", "1", compared([](const compare::Misalignment& m) { return m.decomposition.placement; })});
   all.push_back({"part_timing", "1", compared([](const compare::Misalignment& m) { return m.decomposition.timing; })});
   all.push_back({"part_shape", "1", compared([](const compare::Misalignment& m) { return m.decomposition.shape; })});
   all.push_back({"knee_rmse", "deg", compared([](const compare::Misalignment& m) { return m.metrics.knee_rmse_deg; })});
+  all.push_back({"joint_misalignment_rms", "mm", predicted([](const redesign::Prediction& p) { return p.joint.mm; })});
+  all.push_back(
+      {"angle_mismatch_max", "deg", predicted([](const redesign::Prediction& p) { return p.angle_mismatch_deg; })});
+  all.push_back({"balance_margin", "mm",
+                 predicted([](const redesign::Prediction& p) { return p.balance ? p.balance->margin_mm : kNaN; })});
   for (const int axis : {0, 1})
     all.push_back({redesign::PlacementName(axis), "mm",
                    [axis](const redesign::DesignInMotion& d) { return d.design.placement_mm[axis]; }});
@@ -108,7 +116,7 @@ std::vector<LimitedRow> ProgramRows(const redesign::RedesignOutcome& outcome, co
 
 LimitedRow MisalignmentRow(const redesign::RedesignOutcome& outcome) {
   const auto percent = [](const redesign::DesignInMotion& d) {
-    return d.misalignment ? 100 * d.misalignment->metrics.relative_rms : kNaN;
+    return d.prediction ? 100 * d.prediction->Rms().relative : kNaN;
   };
   LimitedRow row{.name = "misalignment",
                  .before = percent(outcome.before),
@@ -119,6 +127,27 @@ LimitedRow MisalignmentRow(const redesign::RedesignOutcome& outcome) {
   if (const auto* entry = outcome.active.Find({On::kMisalignment}); entry && outcome.active.multipliers_unique)
     row.multiplier = entry->price;
   return row;
+}
+
+// What the person's own limits are on.
+std::vector<LimitedRow> PersonRows(const redesign::RedesignOutcome& outcome, const OptimumView& optimum) {
+  std::vector<LimitedRow> rows{MisalignmentRow(outcome)};
+  const auto add = [&](const char* name, const char* unit, On on, problem::Bounds limits, auto figure) {
+    const auto value = [&](const redesign::DesignInMotion& d) { return d.prediction ? figure(*d.prediction) : kNaN; };
+    rows.push_back({.name = name,
+                    .before = value(outcome.before),
+                    .after = value(outcome.after),
+                    .limits = limits,
+                    .multiplier = optimum.PriceOf({on}),
+                    .unit = unit});
+  };
+  if (const auto& limit = outcome.problem.max_angle_mismatch_deg)
+    add("angle_mismatch", "deg", On::kAngleMismatch, {kNaN, *limit},
+        [](const redesign::Prediction& p) { return p.angle_mismatch_deg; });
+  if (const auto& balance = outcome.problem.balance)
+    add("balance_margin", "mm", On::kBalance, {balance->margin_mm, kNaN},
+        [](const redesign::Prediction& p) { return p.balance ? p.balance->margin_mm : kNaN; });
+  return rows;
 }
 
 std::vector<StartRow> StartRows(const redesign::RedesignResult& result) {
@@ -204,6 +233,8 @@ Json InfeasibleJson(const redesign::MisalignmentInfeasibility& report) {
                     {"duration_s", NumberOrNull(way.duration_s)}});
   return {{"reason", report.sentence},
           {"smallest_misalignment_percent", NumberOrNull(report.least_percent)},
+          {"largest_balance_margin_mm", NumberOrNull(report.largest_margin_mm)},
+          {"least_angle_mismatch_deg", NumberOrNull(report.least_angle_mismatch_deg)},
           {"limit_that_holds_percent", NumberOrNull(report.working_percent)},
           {"blocking", blocking},
           {"ways_out", ways}};
@@ -244,6 +275,11 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
     run.Warn(
         "neither --max-misalignment nor --penalty is given, so only the range is optimised; give one of them to limit "
         "the misalignment");
+  if (const auto& after = outcome.after.prediction; after && after->balance && after->balance->margin_mm < 0)
+    run.Warn(fmt::format(
+        "nobody keeps the balance along this program: at {:.0f} % of the rise, in {:.3g} s, the ground's force has to "
+        "act {:.0f} mm outside the foot; require it with --balance, or let something hold the person",
+        after->balance->at_percent, after->balance->duration_s, -after->balance->margin_mm));
   if (!outcome.IsSolved()) return;
   WarnOfMultipliers(outcome.active, run);
   if (outcome.certificate)
@@ -339,34 +375,88 @@ std::string MotionText(const redesign::RedesignOutcome& outcome) {
   return text + TrialText(outcome) + "\n" + BuildText(outcome) + "\n";
 }
 
+double Largest_deg(const std::vector<double>& lean_rad) {
+  double largest = 0;
+  for (const double lean : lean_rad)
+    if (std::abs(lean) > std::abs(largest)) largest = lean;
+  return DegreesFromRadians(largest);
+}
+
+// Whether the person is in balance along the program, how they lean for it, and what that costs; null where the body
+// is not known.
+Json ProgramBalanceJson(const redesign::RedesignOutcome& outcome) {
+  if (!outcome.after.prediction || !outcome.after.prediction->balance) return nullptr;
+  const redesign::BalanceCourse& course = *outcome.after.prediction->balance;
+  const loads::Foot& foot = outcome.problem.body->body.sole;
+  Json json = {{"asked_mm", outcome.problem.balance ? Json(outcome.problem.balance->margin_mm) : Json()},
+               {"margin_mm", course.margin_mm},
+               {"at_percent", course.at_percent},
+               {"duration_s", course.duration_s},
+               {"peak_knee_nm", course.peak_knee_nm},
+               {"foot_mm", {kMmPerM * foot.heel_m, kMmPerM * foot.toe_m}},
+               {"trunk_lean_deg", Largest_deg(outcome.lean.trunk_rad)},
+               {"leg_lean_deg", Largest_deg(outcome.lean.leg_rad)}};
+  json["without"] = outcome.without_balance ? BeforeAfterJson(*outcome.without_balance) : Json();
+  return json;
+}
+
+// The centre of pressure and the knee's moment at the program's pace, and how the person leans for it.
+void WriteProgramBalance(const redesign::RedesignOutcome& outcome, Run& run) {
+  const auto& prediction = outcome.after.prediction;
+  if (!prediction || !prediction->balance) return;
+  const redesign::BalanceCourse& course = *prediction->balance;
+  const redesign::HumanMotion& human = outcome.problem.human;
+  const std::size_t seated = human.size() - course.samples.size();
+  CsvWriter table({"percent", "time_s", "pressure_mm", "margin_mm", "knee_nm", "leg_lean_deg", "trunk_lean_deg",
+                   "trunk_deg", "human_trunk_deg"});
+  for (std::size_t i = 0; i < human.size(); ++i) {
+    const double percent = redesign::PercentOf(i, human);
+    const auto lean_deg = [i](const std::vector<double>& lean) {
+      return lean.empty() ? 0 : DegreesFromRadians(lean[i]);
+    };
+    const double trunk_deg = DegreesFromRadians(outcome.problem.body->trunk[i].tilt_rad);
+    const redesign::BalanceSample sample =
+        i < seated ? redesign::BalanceSample{percent, kNaN, kNaN, kNaN} : course.samples[i - seated];
+    table.Add(percent).Add(course.duration_s * percent / 100).Add(sample.pressure_mm).Add(sample.margin_mm);
+    table.Add(sample.knee_nm).Add(lean_deg(outcome.lean.leg_rad)).Add(lean_deg(outcome.lean.trunk_rad));
+    table.Add(trunk_deg + lean_deg(outcome.lean.trunk_rad)).Add(trunk_deg).EndRow();
+  }
+  table.Write(run.Result("balance.csv"));
+}
+
 void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& optimum, Run& run) {
   WriteOptimumDesign(outcome.after.design, optimum, run);
   WriteOptimum(optimum, ProgramRows(outcome, optimum), run);
-  WriteConstraints(optimum, {MisalignmentRow(outcome)}, run);
+  WriteConstraints(optimum, PersonRows(outcome, optimum), run);
   WriteStarts(StartRows(outcome.result), run);
   WriteConvergence(outcome.result.BestOrFirst().local, "objective_deg", run);
   WriteBeforeAfter(outcome, run);
   WriteProgramTable(outcome.after, outcome.problem.human, run.Result("program.csv"));
   WritePath(outcome.after, "predicted", run);
   if (outcome.joint_moved) WritePath(*outcome.joint_moved, "joint_moved", run);
+  WriteProgramBalance(outcome, run);
   if (!outcome.fronts.empty()) WritePareto(outcome, run);
 }
 
 // What the summary has of the misalignment, the program and the trial, solved or not.
 Json MotionJson(const redesign::RedesignOutcome& outcome) {
-  const auto& compared = outcome.after.misalignment;
-  Json json = {{"misalignment_percent", compared ? Json(100 * compared->metrics.relative_rms) : Json()},
-               {"misalignment_rms_mm", compared ? Json(compared->metrics.rms_mm) : Json()},
-               {"max_misalignment_percent", NumberOrNull(outcome.problem.max_misalignment_percent)},
-               {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},
-               {"links", LinksJson(outcome.after.design.links)},
-               {"placement_mm", outcome.after.design.placement_mm},
-               {"stroke_program", ProgramJson(outcome)},
-               {"trial", TrialJson(outcome)},
-               {"trial_text", TrialText(outcome)},
-               {"placement_range", PlacementRangeJson(outcome)},
-               {"build_text", outcome.IsSolved() ? Json(BuildText(outcome)) : Json()},
-               {"noise_floor_percent", outcome.measured.noise_floor_percent}};
+  const auto& predicted = outcome.after.prediction;
+  Json json = {
+      {"misalignment_of", outcome.problem.misalignment_of == redesign::MisalignmentOf::kJoint ? "joint" : "path"},
+      {"misalignment_percent", predicted ? Json(100 * predicted->Rms().relative) : Json()},
+      {"misalignment_rms_mm", predicted ? Json(predicted->Rms().mm) : Json()},
+      {"max_angle_mismatch_deg", NumberOrNull(outcome.problem.max_angle_mismatch_deg)},
+      {"max_misalignment_percent", NumberOrNull(outcome.problem.max_misalignment_percent)},
+      {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},
+      {"links", LinksJson(outcome.after.design.links)},
+      {"placement_mm", outcome.after.design.placement_mm},
+      {"stroke_program", ProgramJson(outcome)},
+      {"trial", TrialJson(outcome)},
+      {"trial_text", TrialText(outcome)},
+      {"placement_range", PlacementRangeJson(outcome)},
+      {"build_text", outcome.IsSolved() ? Json(BuildText(outcome)) : Json()},
+      {"noise_floor_percent", outcome.measured.noise_floor_percent},
+      {"balance", ProgramBalanceJson(outcome)}};
   for (const NamedDesign& named : DesignsOf(outcome))
     json[named.name] = named.design ? BeforeAfterJson(*named.design) : Json();
   return json;

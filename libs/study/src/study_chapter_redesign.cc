@@ -26,7 +26,10 @@ constexpr BeforeAfterRow kRows[] = {
     {"part_placement", "placement share (%)", "share", 100},
     {"part_timing", "timing share (%)", "share", 100},
     {"part_shape", "shape share (%)", "share", 100},
+    {"joint_misalignment_rms_mm", "joint misalignment, RMS (mm)", "mm"},
     {"knee_rmse_deg", "knee angle, RMS from the human's (°)", "°"},
+    {"angle_mismatch_max_deg", "knee angle, largest difference from the human's (°)", "°"},
+    {"balance_margin_mm", "centre of pressure inside the foot, least (mm; negative: outside)", "mm"},
     {"range_deg", "range of rotation (°)", "°"},
     {"placement_x_mm", "joint in front of the knee (mm)", "joint"},
     {"placement_y_mm", "joint above the knee, along the shank (mm)", "joint"},
@@ -47,6 +50,7 @@ Json MeasuredWorn(const StudyResults& results) {
   for (const char* part : {"placement", "timing", "shape"})
     measured[fmt::format("part_{}", part)] = parts.at(part).at("fraction");
   if (const Json joint = comparison.value("joint", Json()); !joint.is_null()) {
+    measured["joint_misalignment_rms_mm"] = joint.at("rms_mm");
     measured["placement_x_mm"] = joint.at("offset_mm")[0];
     measured["placement_y_mm"] = joint.at("offset_mm")[1];
   }
@@ -67,6 +71,7 @@ Table BeforeAfterTable(const StudyResults& results, const Json& summary) {
        {"New, predicted"}},
       {}};
   for (const BeforeAfterRow& row : kRows) {
+    if (after.at(row.key).is_null() && before.at(row.key).is_null()) continue;
     const double from = row.factor * NumberOrNaN(before.at(row.key)), to = row.factor * NumberOrNaN(after.at(row.key)),
                  recorded = row.factor * NumberOrNaN(measured.value(row.key, Json()));
     const int decimals = DecimalsOf(row.unit);
@@ -103,6 +108,32 @@ Table BuildTable(const StudyResults& results, const Json& summary) {
   add("knee torque to hold (N m)", NumberOrNaN(simulation.at("knee_torque_nm")), DecimalsOf("N m"));
   add("largest actuator force for it (N)", LargestForce(results), DecimalsOf("N"));
   add("largest actuator speed (mm/s)", NumberOrNaN(summary.at("stroke_program").at("max_speed_mm_s")), 1);
+  return table;
+}
+
+// Can this person be lifted, how fast, leaning how far, and what that costs.
+Table ProgramBalanceTable(const Json& summary, const Json& balance) {
+  const Json &asked = balance.at("asked_mm"), &without = balance.at("without"), &after = summary.at("after");
+  Table table{asked.is_null() ? "Balance along the program; it was not required"
+                              : fmt::format("Balance along the program: the centre of pressure at least {} inside the "
+                                            "foot, and what that costs",
+                                            Quantity(NumberOrNaN(asked), "mm")),
+              {{"Quantity"}, {"New design"}, {"Without balance"}},
+              {}};
+  const auto add = [&](const char* what, const char* key, const char* unit) {
+    const double other = without.is_null() ? std::nan("") : NumberOrNaN(without.at(key));
+    table.rows.push_back({what, Number{NumberOrNaN(after.at(key)), DecimalsOf(unit)}, Number{other, DecimalsOf(unit)}});
+  };
+  add("centre of pressure inside the foot, least (mm; negative: outside)", "balance_margin_mm", "mm");
+  add("range of rotation (°)", "range_deg", "°");
+  add("misalignment, RMS (% of the shank length)", "misalignment_percent", "%");
+  add("time for a rise (s)", "program_duration_s", "s");
+  const auto own = [&](const char* what, const char* key) {
+    table.rows.push_back({what, Number{NumberOrNaN(balance.at(key)), 1}, Number{std::nan(""), 1}});
+  };
+  own("trunk leans farther forward than the person's own, most (°)", "trunk_lean_deg");
+  own("leg, ankle to hip, leans farther forward, most (°)", "leg_lean_deg");
+  own("knee moment at this pace, peak (N m)", "peak_knee_nm");
   return table;
 }
 
@@ -335,6 +366,14 @@ Section RedesignChapter(const StudyFile&, const StudyResults& results) {
   } else {
     angles.width = Width::kFull;
     section.blocks.push_back(std::move(angles));
+  }
+  if (const Json balance = summary.value("balance", Json()); balance.is_object()) {
+    section.blocks.push_back(ProgramBalanceTable(summary, balance));
+    results.AddPicture(
+        "redesign/balance.png", "Balance along the program",
+        "Where the ground's force acts within the foot in a rise at the program's pace, once the seat is "
+        "left; how the person leans for it; the knee's moment at that pace.",
+        Width::kFull, section);
   }
   if (List active = ActiveList(summary); !active.items.empty()) {
     section.blocks.push_back(Paragraph{

@@ -117,8 +117,33 @@ std::string OtherProgramText(const Json& redesign) {
                      Quantity(NumberOrNaN(other.at("program_duration_s")), "s"));
 }
 
+// Of a program for which balance was required, or along which it is kept.
+std::string KeptText(const Json& redesign, const Json& balance) {
+  std::string text = fmt::format("Yes: in {} the ground's force acts at least {} inside the foot",
+                                 Quantity(NumberOrNaN(balance.at("duration_s")), "s"),
+                                 Quantity(NumberOrNaN(balance.at("margin_mm")), "mm"));
+  const double trunk_deg = NumberOrNaN(balance.at("trunk_lean_deg")), leg_deg = NumberOrNaN(balance.at("leg_lean_deg"));
+  if (std::abs(trunk_deg) >= 1)
+    text += fmt::format(", with the trunk up to {} farther {} than in the person's own rise",
+                        Quantity(std::abs(trunk_deg), "°"), trunk_deg < 0 ? "back" : "forward");
+  if (std::abs(leg_deg) >= 1)
+    text += fmt::format(" and the leg up to {} farther {}", Quantity(std::abs(leg_deg), "°"),
+                        leg_deg < 0 ? "back" : "forward");
+  if (const Json& without = balance.at("without"); without.is_object()) {
+    const auto change = [&](const char* key) {
+      return NumberOrNaN(redesign.at("after").at(key)) - NumberOrNaN(without.at(key));
+    };
+    text += fmt::format(". Balance costs {} of range, {} of misalignment and {} of time",
+                        Quantity(-change("range_deg"), "°"), Quantity(change("misalignment_percent"), "%"),
+                        Quantity(change("program_duration_s"), "s"));
+  }
+  return text + ".";
+}
+
 // Whether a person keeps the balance on the measured path, which the stroke program keeps, in the program's time.
 std::string BalanceText(const StudyResults& results, const Json& redesign) {
+  const Json kept = redesign.value("balance", Json());
+  if (kept.is_object() && NumberOrNaN(kept.at("margin_mm")) >= 0) return KeptText(redesign, kept);
   const Json balance = results.Summary("loads").at("balance"), &slow = balance.at("slow");
   const double program_s = NumberOrNaN(redesign.at("after").at("program_duration_s")),
                margin_mm = NumberOrNaN(slow.at("margin_mm")), slowest_s = NumberOrNaN(balance.at("slowest_s"));

@@ -219,13 +219,26 @@ problem::LinearActuator ActuatorOf(const YamlNode& node, const InputFiles& files
 }
 
 // What the study gives itself, of the options of a redesign.
-constexpr std::string_view kGivenToRedesign[] = {"comparison", "human", "human-knee", "map",         "up",
-                                                 "forward",    "unit",  "worn",       "participants"};
+constexpr std::string_view kGivenToRedesign[] = {"comparison", "human", "human-knee",   "map",  "up",     "forward",
+                                                 "unit",       "worn",  "participants", "body", "balance"};
+
+// balance: {margin_mm: 20}
+void ReadBalance(YamlNode& node, StudyRedesign& redesign) {
+  auto balance = node.Child("balance");
+  if (!balance) return;
+  redesign.options.balance_mm = balance->Number("margin_mm");
+  if (!redesign.options.balance_mm || !(*redesign.options.balance_mm >= 0))
+    throw Fail("{}: 'balance' needs 'margin_mm', how far the centre of pressure is inside the foot, 0 or more",
+               balance->Where());
+  balance->Finish();
+  redesign.section.given["balance"] = *redesign.options.balance_mm;
+}
 
 StudyRedesign ReadRedesign(YamlNode node, InputFiles& files, const StudyProblem& design,
                            const std::vector<std::string_view>& without) {
   StudyRedesign redesign{.options = {}, .search = {}, .design = design, .section = {}};
   ReadProblemKey(node, files, redesign.design);
+  ReadBalance(node, redesign);
   ReadSection(node, redesign.search, files, redesign.section);
   std::vector<std::string_view> given(std::begin(kGivenToRedesign), std::end(kGivenToRedesign));
   given.insert(given.end(), without.begin(), without.end());
@@ -336,6 +349,8 @@ StudyFile ReadStudyFile(const fs::path& path) {
           where);
   }
   if (auto loads = root.Child("loads")) study.loads = ReadLoads(std::move(*loads), files, study.loads_section);
+  if (study.redesign && study.redesign->options.balance_mm && !study.loads)
+    throw Fail("{}: 'balance' needs the person's body: add loads: {{mass_kg: …}}", root.Where());
   if (auto assistance = root.Child("assistance")) {
     if (!study.loads)
       throw Fail("{}: 'assistance' is a share of what the knee needs: add loads: {{mass_kg: …}}", assistance->Where());

@@ -218,6 +218,7 @@ OptionalStep RedesignStep(const StudyFile& study, const fs::path& out) {
     reoptimize.human_knee = study.compare.human_knee;
   }
   if (study.worn) reoptimize.worn = {*study.worn};
+  if (study.loads) reoptimize.body = ProfileIn(out);
   StudySection section = study.redesign->section;
   section.text["human_knee"] = study.compare.human_knee;
   for (const char* key : {"problem", "clearances"})  // where it says none, those of the study's own design hold
@@ -287,7 +288,10 @@ OptionalStep StrokeStep(const StudyFile& study, const fs::path& out) {
   if (!study.redesign && !options.schedule.speed_mm_s)
     options.schedule.speed_mm_s = linkage::StrokeProgram{}.speed_mm_s;
   // A constant program takes its ends from the person; a free one has its own.
-  const bool is_free = study.redesign && study.redesign->options.program.kind == linkage::StrokeProgram::Kind::kFree;
+  const auto has_own_ends = [](const redesign::ProgramLimits& program) {
+    return program.kind == linkage::StrokeProgram::Kind::kFree || program.free_ends;
+  };
+  const bool is_free = study.redesign && has_own_ends(study.redesign->options.program);
   if (!is_free || options.schedule.speed_mm_s) options.motion = out / "human";
   steps::StudyStep step = StepOf(options, commands::RunStroke, study.stroke_section, 2);
   step.what = "the actuator's program";

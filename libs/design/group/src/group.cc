@@ -104,7 +104,7 @@ std::vector<double> Misalignments_percent(const GroupProblem& problem, const std
   std::vector<double> of_people;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto prediction = redesign::PredictPoint(problem.Of(i), points[i]);
-    of_people.push_back(prediction ? 100 * prediction->relative_rms : std::numeric_limits<double>::infinity());
+    of_people.push_back(prediction ? 100 * prediction->Rms().relative : std::numeric_limits<double>::infinity());
   }
   return of_people;
 }
@@ -161,7 +161,7 @@ GroupDesign DesignOf(Search search) {
 // Of the goal, for one person.
 std::optional<double> ObjectiveFor(const RedesignProblem& problem, const redesign::DesignInMotion& design) {
   if (!design.prediction) return std::nullopt;
-  return design.evaluation.range_deg - problem.penalty_deg_per_mm * design.prediction->rms_mm;
+  return design.evaluation.range_deg - problem.penalty_deg_per_mm * design.prediction->Rms().mm;
 }
 
 // Of those whose misalignment is the largest, or holds the design.

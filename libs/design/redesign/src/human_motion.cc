@@ -80,6 +80,15 @@ HumanMotion MakeHumanMotion(const compare::StsCurve& human) {
   return motion;
 }
 
+HumanMotion Leaning(HumanMotion motion, const std::vector<double>& leg_rad) {
+  for (std::size_t i = 0; i < leg_rad.size(); ++i) {
+    const double c = std::cos(leg_rad[i]), s = std::sin(leg_rad[i]), sin_lean = motion[i].sin_lean;
+    motion[i].sin_lean = sin_lean * c + motion[i].cos_lean * s;
+    motion[i].cos_lean = motion[i].cos_lean * c - sin_lean * s;
+  }
+  return motion;
+}
+
 HumanMotion Thinned(const HumanMotion& motion, std::size_t step) {
   HumanMotion thinned;
   for (std::size_t i = 0; i < motion.size(); i += step) thinned.push_back(motion[i]);
@@ -107,7 +116,7 @@ std::optional<Prediction> Predict(const DrivenLinks& linkage, const Vector2d& pl
   if (!range) return std::nullopt;
   Prediction prediction;
   prediction.stroke_mm = stroke_mm;
-  std::vector<Vector2d> human_knee;
+  std::vector<Vector2d> human_knee, joint;
   std::vector<double> shank_mm;
   for (std::size_t i = 0; i < human.size(); ++i) {
     if (!range->stroke.Contains(stroke_mm[i], kRounding_mm)) return std::nullopt;
@@ -122,11 +131,19 @@ std::optional<Prediction> Predict(const DrivenLinks& linkage, const Vector2d& pl
     prediction.exo.hip.push_back(PredictHip(sample, pose->theta_rad));
     prediction.exo.knee_deg.push_back(DegreesFromRadians(pose->theta_rad));
     prediction.exo.knee_sigma_mm.push_back(0);
+    prediction.angle_mismatch_deg =
+        std::max(prediction.angle_mismatch_deg, std::abs(DegreesFromRadians(pose->theta_rad - sample.knee_rad)));
     human_knee.push_back(sample.knee);
+    joint.push_back(placement_mm + sample.slip_mm);
     shank_mm.push_back(sample.shank_mm);
   }
-  prediction.relative_rms = std::sqrt(compare::MeanSquaredRelativeError(prediction.exo.knee, human_knee, shank_mm));
-  prediction.rms_mm = std::sqrt(compare::MeanSquaredDistance(prediction.exo.knee, human_knee));
+  const std::vector<Vector2d> on_the_knee(human.size(), Vector2d::Zero());
+  const auto rms = [&](const std::vector<Vector2d>& exo, const std::vector<Vector2d>& knee) {
+    return MisalignmentRms{std::sqrt(compare::MeanSquaredRelativeError(exo, knee, shank_mm)),
+                           std::sqrt(compare::MeanSquaredDistance(exo, knee))};
+  };
+  prediction.path = rms(prediction.exo.knee, human_knee);
+  prediction.joint = rms(joint, on_the_knee);
   return prediction;
 }
 

@@ -11,6 +11,7 @@ void Describe(ProgramLimits& o, OptionList& options) {
       .Unit("s")
       .Positive()
       .Otherwise("no limit");
+  options.Add("free-ends", o.free_ends, "The ends of a constant program's stroke are sought too");
   options.Add("monotone", o.monotone, "A free program must not reverse");
   options.Add("knots", o.knots, "Number of knots of a free program");
 }

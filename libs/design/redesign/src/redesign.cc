@@ -16,12 +16,25 @@ using Goal = RedesignProblem::Goal;
 using synthesis::Until;
 
 double Percent(const std::optional<Prediction>& prediction) {
-  return prediction ? 100 * prediction->relative_rms : std::numeric_limits<double>::quiet_NaN();
+  return prediction ? 100 * prediction->Rms().relative : std::numeric_limits<double>::quiet_NaN();
+}
+
+constexpr double kTolerance = 1e-5;  // of a limit on a path, relative
+
+// One person's own limits.
+bool HoldsOnPath(const RedesignProblem& problem, const RedesignPoint& point, const Prediction& prediction) {
+  constexpr double kTolerance_mm = 0.01;  // of a margin that may be 0
+  const auto holds = [](double value, const std::optional<double>& limit) {
+    return !limit || value <= *limit * (1 + kTolerance);
+  };
+  return holds(DurationOf(problem, point), problem.program.duration_s) &&
+         (problem.goal == Goal::kAngle || holds(prediction.angle_mismatch_deg, problem.max_angle_mismatch_deg)) &&
+         (!problem.balance || problem.goal == Goal::kBalance ||
+          prediction.balance->margin_mm >= problem.balance->margin_mm - kTolerance_mm);
 }
 
 // Do the limits hold on the paths that the closed form predicts?
 bool HoldsOnPath(const GroupProblem& group, const GroupSolve& solve) {
-  constexpr double kTolerance = 1e-5;  // relative
   const RedesignProblem& problem = group.shared;
   if (!std::ranges::all_of(solve.predictions, [](const auto& prediction) { return prediction.has_value(); }))
     return false;
@@ -29,10 +42,9 @@ bool HoldsOnPath(const GroupProblem& group, const GroupSolve& solve) {
       group.Combine(solve.Misalignments_percent()) > *problem.max_misalignment_percent * (1 + kTolerance))
     return false;
   if (problem.min_range_deg && solve.Range_deg() < *problem.min_range_deg * (1 - kTolerance)) return false;
-  return !problem.program.duration_s || std::ranges::all_of(solve.points, [&](const RedesignPoint& point) {
-    return NeededDuration(point.knots_mm, problem.program.max_speed_mm_s) <=
-           *problem.program.duration_s * (1 + kTolerance);
-  });
+  for (std::size_t i = 0; i < solve.points.size(); ++i)
+    if (!HoldsOnPath(problem, solve.points[i], *solve.predictions[i])) return false;
+  return true;
 }
 
 // The goal's value for a group; of one person it is the person's own.
@@ -42,7 +54,7 @@ double ObjectiveOf(const GroupProblem& group, const GroupSolve& solve) {
     return ObjectiveOf(problem, solve.points.front(), solve.Range_deg(), *solve.predictions.front());
   if (problem.goal == Goal::kMisalignment) return -group.Combine(solve.Misalignments_percent());
   std::vector<double> rms_mm;
-  for (const auto& prediction : solve.predictions) rms_mm.push_back(prediction->rms_mm);
+  for (const auto& prediction : solve.predictions) rms_mm.push_back(prediction->Rms().mm);
   return solve.Range_deg() - problem.penalty_deg_per_mm * group.Combine(rms_mm);
 }
 
@@ -111,7 +123,7 @@ ParetoPoint ParetoPointOf(const RedesignSolve& solve, double least_range_deg) {
           .point = solve.point,
           .range_deg = solve.Range_deg(),
           .misalignment_percent = solve.Misalignment_percent(),
-          .rms_mm = solve.prediction->rms_mm};
+          .rms_mm = solve.prediction->Rms().mm};
 }
 
 using Front = std::vector<std::optional<ParetoPoint>>;
@@ -168,15 +180,19 @@ double ObjectiveOf(const RedesignProblem& problem, const RedesignPoint& point, d
                    const Prediction& prediction) {
   switch (problem.goal) {
     case Goal::kMisalignment:
-      return -100 * prediction.relative_rms;
+      return -100 * prediction.Rms().relative;
     case Goal::kDuration:
-      return -NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
+      return -DurationOf(problem, point);
     case Goal::kNearest:
       return -point.placement_mm.norm();
+    case Goal::kAngle:
+      return -prediction.angle_mismatch_deg;
+    case Goal::kBalance:
+      return prediction.balance->margin_mm;
     case Goal::kFarthest:
       return problem.farthest.dot(point.placement_mm);
     default:
-      return range_deg - problem.penalty_deg_per_mm * prediction.rms_mm;
+      return range_deg - problem.penalty_deg_per_mm * prediction.Rms().mm;
   }
 }
 
@@ -192,7 +208,8 @@ GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoin
   if (warm) inner.nlp.StartWarm();
   std::vector<ConstantStart> sides(problem.people.size(), ConstantStart::kAtHumanAngle);
   GroupSolve solve = SolveOrFinish(problem, start, sides, inner);
-  if (problem.shared.program.kind == linkage::StrokeProgram::Kind::kFree) return solve;
+  if (problem.shared.program.kind == linkage::StrokeProgram::Kind::kFree || problem.shared.program.free_ends)
+    return solve;
   constexpr double kTouching_mm = 1e-3;
   bool touches = false;
   for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -266,7 +283,7 @@ std::optional<PlacementRange> FindPlacementRange(const RedesignProblem& problem,
   farthest.fit_placement = true;
   PlacementRange range;
   range.within_percent = std::max(problem.max_misalignment_percent.value_or(0),
-                                  100 * prediction->relative_rms + kEqualMisalignment_percent);
+                                  100 * prediction->Rms().relative + kEqualMisalignment_percent);
   farthest.max_misalignment_percent = range.within_percent;
   for (const int axis : {0, 1})
     for (const double side : {-1.0, 1.0}) {

@@ -27,7 +27,7 @@ class Explainer {
   MisalignmentInfeasibility Explain() {
     const std::optional<RedesignSolve> least = Least(problem_);
     if (!least) {
-      ExplainWithoutMisalignment();
+      if (!ExplainAngle() && !ExplainBalance()) ExplainWithoutMisalignment();
       return std::move(report_);
     }
     report_.nearest = least->point;
@@ -44,6 +44,7 @@ class Explainer {
     TryPlacement();
     TryDuration();
     TryReversing();
+    TryWithoutBalance();
     report_.sentence = Sentence();
     return std::move(report_);
   }
@@ -61,7 +62,45 @@ class Explainer {
     problem.program.duration_s.reset();
     const auto shortest = FindOptimum(problem, links_, options_);
     if (!shortest) return std::nullopt;
-    return NeededDuration(shortest->point.knots_mm, problem.program.max_speed_mm_s);
+    return DurationOf(problem, shortest->point);
+  }
+
+  // The knee angle's limit cannot be held, however far the joint is off.
+  bool ExplainAngle() {
+    if (!problem_.max_angle_mismatch_deg) return false;
+    RedesignProblem problem = WithGoal(problem_, Goal::kAngle);
+    problem.balance.reset();
+    const auto least = FindOptimum(problem, links_, options_);
+    if (!least) return false;
+    const double least_deg = least->prediction->angle_mismatch_deg;
+    if (least_deg <= *problem_.max_angle_mismatch_deg) return false;
+    report_.nearest = least->point;
+    report_.least_angle_mismatch_deg = least_deg;
+    report_.sentence = fmt::format(
+        "no design keeps its knee angle within {:.4g}° of the human's at every instant: the least found with the {} "
+        "program is {:.4g}° (--max-angle-mismatch){}",
+        *problem_.max_angle_mismatch_deg, ProgramName(problem_.program.kind), least_deg,
+        problem_.program.kind == Kind::kFree ? "; a longer --duration lets it follow" : "; try --program free");
+    return true;
+  }
+
+  // Nor the balance.
+  bool ExplainBalance() {
+    if (!problem_.balance) return false;
+    const auto most = FindOptimum(WithGoal(problem_, Goal::kBalance), links_, options_);
+    if (!most) return false;
+    const double most_mm = most->prediction->balance->margin_mm;
+    if (most_mm >= problem_.balance->margin_mm) return false;
+    report_.nearest = most->point;
+    report_.largest_margin_mm = most_mm;
+    report_.sentence = fmt::format(
+        "no program keeps the centre of pressure {:.4g} mm inside the foot (--balance): the most found is {:.3g} mm "
+        "{}, "
+        "at {:.0f} % of the rise, leaning the trunk by up to {:.0f}° and the leg by up to {:.0f}° more than the person "
+        "did; a seat that is higher or feet drawn back bring the body over the foot, or something must hold the person",
+        problem_.balance->margin_mm, std::abs(most_mm), most_mm < 0 ? "outside" : "inside",
+        most->prediction->balance->at_percent, problem_.balance->trunk_deg, problem_.balance->leg_deg);
+    return true;
   }
 
   // Does a run of this problem find a design?
@@ -159,6 +198,13 @@ class Explainer {
     RedesignProblem other = problem_;
     other.program.monotone = false;
     AddLeast("a program that may turn back (without --monotone)", other);
+  }
+
+  void TryWithoutBalance() {
+    if (!problem_.balance) return;
+    RedesignProblem other = problem_;
+    other.balance.reset();
+    AddLeast("a person out of balance, whom something holds (without --balance)", other);
   }
 
   std::string Sentence() const {

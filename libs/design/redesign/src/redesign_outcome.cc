@@ -154,6 +154,15 @@ void AssessPlacement(const RedesignPoint& chosen, RedesignOutcome& outcome) {
     outcome.range_at_knee_deg = solve.Range_deg();
 }
 
+// What could be had if the person need not be in balance.
+std::optional<DesignInMotion> WithoutBalance(const RedesignOutcome& outcome, const std::vector<linkage::Links>& links) {
+  RedesignProblem problem = outcome.problem;
+  problem.balance.reset();
+  const auto optimum = FindOptimum(problem, links, outcome.options.optimize);
+  if (!optimum) return std::nullopt;
+  return PutInMotion(problem, outcome.measured.human, DesignOf(problem, optimum->point));
+}
+
 // Of the range alone: the misalignment's limit holds the design's own range down, and a bound never comes near that.
 void CertifyWidest(RedesignOutcome& outcome) {
   const synthesis::SynthesisResult widest = synthesis::Optimize(outcome.problem.design, outcome.options.optimize);
@@ -242,7 +251,7 @@ void RedesignOptions::Check() const {
 }
 
 DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,
-                           const linkage::Design& design) {
+                           const linkage::Design& design, const Lean& lean) {
   problem::SynthesisProblem placed = problem.design;
   placed.clearances.placement_mm = design.placement_mm;
   DesignInMotion in_motion{.design = design,
@@ -254,12 +263,17 @@ DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCur
   const double standing_deg = problem.design.standing_deg;
   const Vector2d placement = PlacementOf(design);
   if (const auto strokes = ProgramStrokes(design, standing_deg, problem.human))
-    in_motion.prediction = Predict(DrivenLinksOf(design, standing_deg), placement, *strokes, problem.human);
+    in_motion.prediction =
+        Predict(DrivenLinksOf(design, standing_deg), placement, *strokes, Leaning(problem.human, lean.leg_rad));
   if (const auto tracking = TrackingStrokes(DrivenLinksOf(design, standing_deg), problem.human))
     in_motion.tracking_time_s = TrackingTime(*tracking, problem.program.max_speed_mm_s);
   if (!in_motion.prediction) return in_motion;
   in_motion.duration_s = ProgramDuration(design, *in_motion.prediction);
   in_motion.prediction->exo.duration_s = in_motion.duration_s;
+  in_motion.prediction->of = problem.misalignment_of;
+  if (problem.body && in_motion.duration_s > 0)
+    in_motion.prediction->balance =
+        FindBalance(problem.human, *problem.body, in_motion.prediction->theta_rad, lean, in_motion.duration_s);
   in_motion.misalignment = ComparePredicted(human, in_motion.prediction->exo);
   return in_motion;
 }
@@ -310,7 +324,9 @@ RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measu
   if (outcome.infeasible && outcome.infeasible->within_reach) StartFromNearest(outcome);
   const RedesignPoint end = outcome.IsSolved() ? NearestToKnee(problem, outcome.result.Best(), options.optimize)
                                                : outcome.infeasible->nearest;
-  outcome.after = PutInMotion(problem, measured.human, DesignOf(problem, end));
+  outcome.after = PutInMotion(problem, measured.human, DesignOf(problem, end), end.lean);
+  outcome.lean = end.lean;
+  if (problem.balance) outcome.without_balance = WithoutBalance(outcome, links);
   if (outcome.IsSolved()) outcome.active = synthesis::FindActiveSet(outcome.result.Best().local);
   if (options.pareto_points) outcome.fronts = Fronts(outcome, links);
   if (!outcome.IsSolved()) return outcome;

@@ -67,10 +67,19 @@ void RedesignProblem::CheckOptions() const {
   constexpr int kFewestKnots = 21;
   if (program.knots < kFewestKnots || program.knots > compare::kPercentSamples)
     throw UsageError(fmt::format("--knots {}: {} to {}", program.knots, kFewestKnots, compare::kPercentSamples));
+  if (program.free_ends && program.kind == Kind::kFree)
+    throw UsageError("--free-ends is for a constant program: a free one has ends of its own; omit it");
   if (max_misalignment_percent) CheckPositive(*max_misalignment_percent, "--max-misalignment", "percent");
   if (!(std::isfinite(penalty_deg_per_mm) && penalty_deg_per_mm >= 0))
     throw UsageError(fmt::format("--penalty {}: a number of deg per mm, 0 or above", penalty_deg_per_mm));
   CheckPositive(placement_reach_mm, "--placement-reach", "mm");
+  if (max_angle_mismatch_deg) CheckPositive(*max_angle_mismatch_deg, "--max-angle-mismatch", "degrees");
+  if (!balance) return;
+  if (!body)
+    throw UsageError("--balance needs the person's body: give --body loads.json, which lake loads writes of the trial");
+  const double room_mm = kMmPerM * body->body.sole.Length() / 2;
+  if (!(balance->margin_mm >= 0 && balance->margin_mm < room_mm))
+    throw UsageError(fmt::format("--balance {}: 0 to less than half the foot, {:.4g} mm", balance->margin_mm, room_mm));
 }
 
 void RedesignProblem::Check() const {
@@ -85,7 +94,9 @@ void to_json(nlohmann::json& json, const RedesignPoint& point) {
   json = {{"links", point.links.Values()},
           {"knots_mm", point.knots_mm},
           {"placement_mm", {point.placement_mm.x(), point.placement_mm.y()}},
-          {"duration_s", point.duration_s}};
+          {"duration_s", point.duration_s},
+          {"leg_lean_rad", point.lean.leg_rad},
+          {"trunk_lean_rad", point.lean.trunk_rad}};
 }
 
 void from_json(const nlohmann::json& json, RedesignPoint& point) {
@@ -93,6 +104,8 @@ void from_json(const nlohmann::json& json, RedesignPoint& point) {
   json.at("knots_mm").get_to(point.knots_mm);
   point.placement_mm = {json.at("placement_mm").at(0).get<double>(), json.at("placement_mm").at(1).get<double>()};
   json.at("duration_s").get_to(point.duration_s);
+  json.at("leg_lean_rad").get_to(point.lean.leg_rad);
+  json.at("trunk_lean_rad").get_to(point.lean.trunk_rad);
 }
 
 KnotSpan SpanOf(std::size_t knots, double percent) {
@@ -111,7 +124,8 @@ double NeededDuration(const std::vector<double>& knots_mm, double max_speed_mm_s
 }
 
 RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& links) {
-  RedesignPoint point{.links = links, .knots_mm = {}, .placement_mm = problem.placement_mm, .duration_s = 0};
+  RedesignPoint point{
+      .links = links, .knots_mm = {}, .placement_mm = problem.placement_mm, .duration_s = 0, .lean = {}};
   const auto tracking = TrackingStrokes(problem.Driven(links), problem.human);
   const std::vector<double> strokes = tracking ? *tracking : PlausibleStrokes(problem);
   const int knots = problem.program.kind == Kind::kFree ? problem.program.knots : 2;
@@ -123,15 +137,20 @@ RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& l
   return point;
 }
 
+double DurationOf(const RedesignProblem& problem, const RedesignPoint& point) {
+  const double needed_s = NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
+  return problem.balance && problem.program.kind == Kind::kFree ? std::max(needed_s, point.duration_s) : needed_s;
+}
+
 linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& point) {
   linkage::Design design;
   design.links = point.links;
   design.d_min_mm = problem.design.d_min_mm;
   design.placement_mm = {point.placement_mm.x(), point.placement_mm.y()};
   linkage::StrokeProgram program;
-  program.kind = problem.program.kind;
+  program.kind = problem.program.free_ends ? Kind::kFree : problem.program.kind;
   program.speed_mm_s = problem.program.max_speed_mm_s;
-  const double duration_s = NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
+  const double duration_s = DurationOf(problem, point);
   if (program.kind == Kind::kFree)
     for (std::size_t k = 0; k < point.knots_mm.size(); ++k)
       program.knots.push_back(
@@ -143,7 +162,14 @@ linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& po
 std::optional<Prediction> PredictPoint(const RedesignProblem& problem, const RedesignPoint& point) {
   std::vector<double> strokes;
   for (std::size_t i = 0; i < problem.human.size(); ++i) strokes.push_back(point.StrokeAt(PercentOf(i, problem.human)));
-  return Predict(problem.Driven(point.links), point.placement_mm, strokes, problem.human);
+  auto prediction =
+      Predict(problem.Driven(point.links), point.placement_mm, strokes, Leaning(problem.human, point.lean.leg_rad));
+  if (!prediction) return std::nullopt;
+  prediction->of = problem.misalignment_of;
+  if (problem.body)
+    prediction->balance =
+        FindBalance(problem.human, *problem.body, prediction->theta_rad, point.lean, DurationOf(problem, point));
+  return prediction;
 }
 
 }  // namespace lake::redesign

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "lake/compare/pointwise_error.h"
@@ -22,7 +23,9 @@ constexpr double kPlacementRidge = 1e-5;    // percent^2 per mm^2, as misalignme
 constexpr double kDurationTie = 1e-6;       // per s
 constexpr double kNearestWeight = 1e-2;     // per mm^2
 constexpr double kLeastDistance_mm = 1e-3;  // RMS that a penalty tells from zero, where its root has no derivative
-constexpr double kLongest_mm = 1e4, kLongest_s = 1e5;
+constexpr double kLeanTie = 1e-5;           // per deg^2 of mean square
+constexpr double kLeanBend = 1e-2;          // per deg^2 of each second difference of a lean: it changes smoothly
+constexpr double kLongest_mm = 1e4, kLongest_s = 1e5, kShortest_s = 0.3;
 
 // v = theta, p_x, p_y. `factor` x the comparison's squared relative error, or squared distance where `shank_mm` is 1.
 struct SquaredErrorTerm {
@@ -31,6 +34,71 @@ struct SquaredErrorTerm {
   template <typename T>
   T operator()(const T* v) const {
     return compare::SquaredRelativeError(PredictKnee(human, v[0], v[1], v[2]), human.knee, shank_mm) * factor;
+  }
+};
+
+// v = theta, p_x, p_y, lean of the leg.
+struct LeaningErrorTerm {
+  SquaredErrorTerm upright;
+  template <typename T>
+  T operator()(const T* v) const {
+    using std::cos, std::sin;
+    const T lean = v[3] + LeanOf(upright.human);
+    const Eigen::Matrix<T, 2, 1> knee = PredictKnee(upright.human, T(sin(lean)), T(cos(lean)), v[0], v[1], v[2]);
+    return compare::SquaredRelativeError(knee, upright.human.knee, upright.shank_mm) * upright.factor;
+  }
+};
+
+// v = p_x, p_y. The joint against the knee: |p + delta|^2.
+struct JointErrorTerm {
+  Eigen::Vector2d slip_mm;
+  double factor;
+  template <typename T>
+  T operator()(const T* v) const {
+    const T x = v[0] + slip_mm.x(), y = v[1] + slip_mm.y();
+    return (x * x + y * y) * factor;
+  }
+};
+
+// v = leans a, b, c of neighbours.
+struct BendTerm {
+  double factor;
+  template <typename T>
+  T operator()(const T* v) const {
+    const T bend = v[0] + v[2] - v[1] * 2.0;
+    return bend * bend * factor;
+  }
+};
+
+// v = theta, lean of the leg. The hip's height above that of the human, mm.
+struct HipHeightTerm {
+  HumanSample human;
+  template <typename T>
+  T operator()(const T* v) const {
+    return HipHeight(human, v[0], v[1]) - HipHeight(human, human.knee_rad, 0.0);
+  }
+};
+
+// v = duration, centre of pressure in mm, then theta and the leans of leg and trunk of the sample before, the sample
+// and, unless the body stays there, the sample after. 0 where the ground's force acts at that centre; mm.
+struct PressureTerm {
+  std::shared_ptr<const loads::BodyPath> body;
+  std::array<HumanSample, 3> human;
+  std::array<std::size_t, 3> at;  // indices of the three samples
+  double step;                    // between them, of the rise
+  bool stays;
+
+  template <typename T>
+  T operator()(const T* v) const {
+    const auto pose = [&](std::size_t i) {
+      const T* w = v + 2 + 3 * (stays ? std::min<std::size_t>(i, 1) : i);
+      return PoseOf(human[i], body->trunk[at[i]], body->body, w[0], w[1], w[2]);
+    };
+    const loads::Support<T> ground =
+        loads::FindGroundSupport(std::array{pose(0), pose(1), pose(2)}, T(v[0] * step), body->body);
+    const double weight_n = loads::kGravity_m_s2 * (body->body.foot.mass_kg + body->body.shank.mass_kg +
+                                                    body->body.thigh.mass_kg + body->body.trunk.mass_kg);
+    return (ground.moment_nm * kMmPerM - ground.force_n * v[1]) / weight_n;
   }
 };
 
@@ -63,15 +131,24 @@ class PersonExtender {
     AddPlacement();
     AddDuration();
     AddPoses();
+    if (problem_.max_angle_mismatch_deg || problem_.goal == Goal::kAngle) AddAngleMismatch();
+    if (problem_.balance) AddBalance();
   }
 
   // `factor` x the mean squared relative error (of L) or squared distance (of 1), as terms of a row or the cost.
   void AddMeanSquare(int row, bool relative, double factor) {
+    const auto [x, y] = variables_.placement;
     for (std::size_t i = 0; i < problem_.human.size(); ++i) {
       const HumanSample& human = problem_.human[i];
-      nlp().AddTerm(row, std::array{variables_.theta[i], variables_.placement[0], variables_.placement[1]},
-                    SquaredErrorTerm{human, relative ? human.shank_mm : 1.0,
-                                     factor / static_cast<double>(problem_.human.size())});
+      const SquaredErrorTerm error{human, relative ? human.shank_mm : 1.0,
+                                   factor / static_cast<double>(problem_.human.size())};
+      if (problem_.misalignment_of == MisalignmentOf::kJoint)
+        nlp().AddTerm(row, std::array{x, y},
+                      JointErrorTerm{human.slip_mm, error.factor / (error.shank_mm * error.shank_mm)});
+      else if (problem_.balance)
+        nlp().AddTerm(row, std::array{variables_.theta[i], x, y, variables_.leg_lean[i]}, LeaningErrorTerm{error});
+      else
+        nlp().AddTerm(row, std::array{variables_.theta[i], x, y}, error);
     }
   }
 
@@ -115,13 +192,16 @@ class PersonExtender {
   void AddDuration() {
     const double speed = problem_.program.max_speed_mm_s;
     const double longest = problem_.program.duration_s.value_or(kLongest_s);
-    variables_.duration = nlp().AddVariable(Named("duration"), start_.duration_s, 0, longest);
+    const double shortest = problem_.balance ? std::min(kShortest_s, longest) : 0;
+    variables_.duration =
+        nlp().AddVariable(Named("duration"), std::max(shortest, start_.duration_s), shortest, longest);
     if (problem_.program.duration_s)
       synthesis_.limits.push_back({{On::kDuration, person_}, "s", -1, variables_.duration});
     const double share = speed / static_cast<double>(variables_.knots.size() - 1);
     const bool may_turn_back = IsFree() && !problem_.program.monotone;
     for (std::size_t k = 1; k < variables_.knots.size(); ++k) {
-      AddSpeedRow(k, 1, share);
+      // At one speed the duration is what the stroke takes, and balance depends on it.
+      AddSpeedRow(k, 1, share, problem_.balance && !IsFree() ? 0 : -nlp::kUnbounded);
       AddSpeedRow(k, -1, may_turn_back ? share : 0);
     }
     synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.duration,
@@ -129,8 +209,8 @@ class PersonExtender {
   }
 
   // direction (d_k - d_k-1) <= share T.
-  void AddSpeedRow(std::size_t knot, double direction, double share) {
-    const int row = nlp().AddRow(Named(fmt::format("speed {:+} at knot {}", direction, knot)), -nlp::kUnbounded, 0);
+  void AddSpeedRow(std::size_t knot, double direction, double share, double least = -nlp::kUnbounded) {
+    const int row = nlp().AddRow(Named(fmt::format("speed {:+} at knot {}", direction, knot)), least, 0);
     synthesis::AddScaledTerm(nlp(), row, variables_.knots[knot], direction);
     synthesis::AddScaledTerm(nlp(), row, variables_.knots[knot - 1], -direction);
     if (share > 0) synthesis::AddScaledTerm(nlp(), row, variables_.duration, -share);
@@ -155,9 +235,97 @@ class PersonExtender {
     }
   }
 
+  // The largest difference is a variable, so that its bound has a price.
+  void AddAngleMismatch() {
+    constexpr double kFarthest_deg = 180;
+    const bool is_sought = problem_.goal == Goal::kAngle;
+    const double most_deg = is_sought ? kFarthest_deg : *problem_.max_angle_mismatch_deg;
+    const int largest = nlp().AddVariable(Named("angle mismatch"), most_deg / 2, 0, most_deg);
+    if (is_sought)
+      synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, largest, 1);
+    else
+      synthesis_.limits.push_back({{On::kAngleMismatch, person_}, "deg", -1, largest});
+    for (std::size_t i = 0; i < problem_.human.size(); ++i) {
+      const double human_deg = DegreesFromRadians(problem_.human[i].knee_rad);
+      for (const double side : {1.0, -1.0}) {
+        const std::string name = fmt::format("angle mismatch {:+} at {:g} %", side, PercentOf(i, problem_.human));
+        const int row = nlp().AddRow(Named(name), -nlp::kUnbounded, side * human_deg);
+        synthesis::AddScaledTerm(nlp(), row, variables_.theta[i], side * kDegreesPerRadian);
+        synthesis::AddScaledTerm(nlp(), row, largest, -1);
+      }
+    }
+  }
+
+  void AddBalance() {
+    const BalanceLimits& balance = *problem_.balance;
+    const bool is_sought = problem_.goal == Goal::kBalance;
+    variables_.margin = nlp().AddVariable(Named("balance"), balance.margin_mm,
+                                          is_sought ? -kLongest_mm : balance.margin_mm, kLongest_mm);
+    if (is_sought)
+      synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.margin, -1);
+    else
+      synthesis_.limits.push_back({{On::kBalance, person_}, "mm", -1, variables_.margin});
+    variables_.leg_lean = AddLean("lean of the leg", balance.leg_deg, start_.lean.leg_rad);
+    variables_.trunk_lean = AddLean("lean of the trunk", balance.trunk_deg, start_.lean.trunk_rad);
+    const std::size_t first = FirstOnFeet(problem_.human, *problem_.body);
+    for (std::size_t i = 0; i < first; ++i)
+      nlp().AddConstraint(Named(fmt::format("hip on the seat at {:g} %", PercentOf(i, problem_.human))), -kSeatGives_mm,
+                          kSeatGives_mm, std::array{variables_.theta[i], variables_.leg_lean[i]},
+                          HipHeightTerm{problem_.human[i]});
+    for (std::size_t i = first; i < problem_.human.size(); ++i) AddPressure(i);
+  }
+
+  // One angle per sample, near the person's own.
+  std::vector<int> AddLean(const char* what, double most_deg, const std::vector<double>& start_rad) {
+    constexpr double kSquareDegrees = kDegreesPerRadian * kDegreesPerRadian;
+    const double most_rad = RadiansFromDegrees(most_deg);
+    std::vector<int> leans;
+    for (std::size_t i = 0; i < problem_.human.size(); ++i) {
+      const std::string name = fmt::format("{} at {:g} %", what, PercentOf(i, problem_.human));
+      leans.push_back(nlp().AddVariable(Named(name), start_rad.empty() ? 0 : start_rad[i], -most_rad, most_rad));
+      nlp().AddCost(std::array{leans.back()},
+                    SquareTerm{kLeanTie * kSquareDegrees / static_cast<double>(problem_.human.size())});
+      if (i >= 2) nlp().AddCost(std::array{leans[i - 2], leans[i - 1], leans[i]}, BendTerm{kLeanBend * kSquareDegrees});
+    }
+    return leans;
+  }
+
+  // The centre of pressure at a sample, and that it is inside the foot by the margin.
+  void AddPressure(std::size_t sample) {
+    const loads::Foot& foot = problem_.body->body.sole;
+    const std::string place = fmt::format(" at {:g} %", PercentOf(sample, problem_.human));
+    const double heel_mm = -kMmPerM * foot.heel_m, toe_mm = kMmPerM * foot.toe_m;
+    const int pressure = nlp().AddVariable(Named("centre of pressure" + place), std::midpoint(heel_mm, toe_mm),
+                                           -kLongest_mm, kLongest_mm);
+    const std::size_t last = problem_.human.size() - 1, reach = BalanceReach(problem_.human);
+    PressureTerm term{problem_.body,
+                      {},
+                      {sample - std::min(sample, reach), sample, std::min(sample + reach, last)},
+                      static_cast<double>(reach) / static_cast<double>(last),
+                      sample == last};
+    for (std::size_t k = 0; k < term.at.size(); ++k) term.human[k] = problem_.human[term.at[k]];
+    const int row = nlp().AddRow(Named("ground" + place), 0, 0);
+    const auto of = [&](std::size_t k) {
+      const std::size_t i = term.at[k];
+      return std::array{variables_.theta[i], variables_.leg_lean[i], variables_.trunk_lean[i]};
+    };
+    const auto [a, b, c] = std::array{of(0), of(1), of(2)};
+    if (term.stays)
+      nlp().AddTerm(row, std::array{variables_.duration, pressure, a[0], a[1], a[2], b[0], b[1], b[2]}, term);
+    else
+      nlp().AddTerm(
+          row, std::array{variables_.duration, pressure, a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]}, term);
+    const int heel = nlp().AddRow(Named("before the heel" + place), heel_mm, nlp::kUnbounded);
+    synthesis::AddScaledTerm(nlp(), heel, pressure, 1);
+    synthesis::AddScaledTerm(nlp(), heel, variables_.margin, -1);
+    const int toe = nlp().AddRow(Named("behind the toe" + place), -nlp::kUnbounded, toe_mm);
+    synthesis::AddScaledTerm(nlp(), toe, pressure, 1);
+    synthesis::AddScaledTerm(nlp(), toe, variables_.margin, 1);
+  }
+
   problem::Bounds AngleBounds(std::size_t sample) const {
     const double standing = Standing_rad(), human = std::max(standing, problem_.human[sample].knee_rad);
-    if (IsFree()) return {standing, std::numbers::pi};
+    if (IsFree() || problem_.program.free_ends) return {standing, std::numbers::pi};
     if (sample + 1 == problem_.human.size()) return {human, human};
     if (sample == 0) return {constant_start_ == ConstantStart::kAtHumanAngle ? human : standing, human};
     return {standing, std::numbers::pi};
@@ -221,7 +389,7 @@ class GroupExtender {
     constexpr double kPlausible_mm = 30, kScale_mm2 = 100;
     const auto start = [](const PersonExtender& person) {
       const auto prediction = person.Predicted();
-      return prediction ? prediction->rms_mm : kPlausible_mm;
+      return prediction ? prediction->Rms().mm : kPlausible_mm;
     };
     AddRoots("rms distance", start, false, 1 / kScale_mm2, shared_.penalty_deg_per_mm);
   }
@@ -249,7 +417,7 @@ class GroupExtender {
   static double StartPercent(const PersonExtender& person) {
     constexpr double kPlausible_percent = 8;
     const auto prediction = person.Predicted();
-    return prediction ? 100 * prediction->relative_rms : kPlausible_percent;
+    return prediction ? 100 * prediction->Rms().relative : kPlausible_percent;
   }
 
   // Each person's RMS relative error in percent, of which the mean is taken.
@@ -334,6 +502,9 @@ void RedesignBuilder::MoveTo(const std::vector<double>& x) {
     for (const int knot : variables.knots) points_[i].knots_mm.push_back(x[knot]);
     points_[i].placement_mm = {x[variables.placement[0]], x[variables.placement[1]]};
     points_[i].duration_s = x[variables.duration];
+    points_[i].lean = {};
+    for (const int lean : variables.leg_lean) points_[i].lean.leg_rad.push_back(x[lean]);
+    for (const int lean : variables.trunk_lean) points_[i].lean.trunk_rad.push_back(x[lean]);
   }
 }
 

@@ -179,7 +179,7 @@ Fit FitOf(const RedesignProblem& person, const linkage::Links& links, const synt
   const auto hold = [&](const RedesignSolve& solve) {
     fit.holds = true;
     fit.percent = solve.Misalignment_percent();
-    fit.value = fit.range_deg - person.penalty_deg_per_mm * solve.prediction->rms_mm;
+    fit.value = fit.range_deg - person.penalty_deg_per_mm * solve.prediction->Rms().mm;
   };
   if (person.penalty_deg_per_mm > 0) {
     const RedesignSolve best = SolveFrom(fixed, start, options);

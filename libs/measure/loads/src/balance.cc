@@ -68,6 +68,26 @@ Balance FindBalance(const Model& model, const TrunkFit& trunk, const std::vector
   return balance;
 }
 
+BodyPath MeanBodyPath(const Model& model, const TrunkFit& trunk, const std::vector<Rise>& rises,
+                      const LoadsOptions& options) {
+  BodyPath path{.body = model.body, .trunk = {}, .feet_from_percent = 0};
+  for (int percent = 0; percent < kPercents; ++percent) {
+    TrunkSample mean{0, Eigen::Vector2d::Zero()};
+    for (const Rise& rise : rises) {
+      const double at_s = TimeOf(rise, percent), share = 1 / static_cast<double>(rises.size());
+      const std::size_t frame = Locate(model.path.time_s, at_s).before;
+      if (!SeatIsLeft(rise, at_s, options)) path.feet_from_percent = percent + 1;
+      const LegPoints& points = model.path.frames[frame];
+      if (!model.path.known[frame]) mean = {};  // NaN stays NaN
+      const SegmentMotion segment = SegmentBetween(points[kHip], points[kTrunkTop]);
+      mean.tilt_rad += share * segment.tilt_rad;
+      mean.centre_m += share * (model.body.trunk.centre_m * segment.along + trunk.At(model.path, frame).value_m);
+    }
+    path.trunk.push_back(mean);
+  }
+  return path;
+}
+
 double SlowMargin(const Model& model, const TrunkFit& trunk, const std::vector<Rise>& rises,
                   const LoadsOptions& options) {
   return AtPace(model, trunk, rises, kSlow_s, options).margin_mm;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/loads/body_path.h"
 #include "loads_model.h"
 
 namespace lake::loads {
@@ -12,6 +13,10 @@ namespace lake::loads {
 // `trunk`: where its centre is at the person's own pace. The margin's interval is left open.
 Balance FindBalance(const Model& model, const TrunkFit& trunk, const std::vector<Rise>& rises,
                     const LoadsOptions& options);
+
+// The body over the rises, their mean.
+BodyPath MeanBodyPath(const Model& model, const TrunkFit& trunk, const std::vector<Rise>& rises,
+                      const LoadsOptions& options);
 
 // The least margin as slowly as may be, mm.
 double SlowMargin(const Model& model, const TrunkFit& trunk, const std::vector<Rise>& rises,

@@ -207,14 +207,39 @@ void SetKnee(const motion::LegMotion& motion, double at_s, LoadsRow& row) {
   row.knee_deg_s = std::lerp(before.knee_deg_s, after.knee_deg_s, b.part);
 }
 
-// The moments without a seat, and with all weight on it.
-void SetBounds(const Model& model, double at_s, LoadsRow& row) {
-  const std::size_t frame = Locate(model.path.time_s, at_s).before;
-  if (!model.path.known[frame]) return;
-  const double free_nm = LoadsAt(model, frame).moments.knee_nm,
-               seated_nm = LoadsFromGround(model.path.frames[frame], model.body, Wrench{}).moments.knee_nm;
-  row.knee_low_nm = std::min(free_nm, seated_nm);
-  row.knee_high_nm = std::max(free_nm, seated_nm);
+// The knee's moments without a seat and with all weight on it, the lower first; NaN where not known.
+struct SeatBounds {
+  double low_nm = LoadsRow::kUnknown, high_nm = LoadsRow::kUnknown;
+};
+
+// At each percent of a rise while the seat bears a part.
+std::vector<SeatBounds> SeatBoundsOf(const Model& model, const Rise& rise, const LoadsOptions& options) {
+  std::vector<SeatBounds> bounds(kPercents);
+  for (int percent = 0; percent < kPercents; ++percent) {
+    const double at_s = TimeOf(rise, percent);
+    const std::size_t frame = Locate(model.path.time_s, at_s).before;
+    if (!model.trunk || SeatIsLeft(rise, at_s, options) || !model.path.known[frame]) continue;
+    const double free_nm = LoadsAt(model, frame).moments.knee_nm,
+                 seated_nm = LoadsFromGround(model.path.frames[frame], model.body, Wrench{}).moments.knee_nm;
+    bounds[static_cast<std::size_t>(percent)] = {std::min(free_nm, seated_nm), std::max(free_nm, seated_nm)};
+  }
+  return bounds;
+}
+
+// What the seat bears is not known, and the bounds are as uncertain as the moments: the lower one's 2.5 % and the
+// higher one's 97.5 %, by the same draws.
+void SetBounds(const std::vector<std::vector<SeatBounds>>& draws, RiseLoads& loads) {
+  for (std::size_t percent = 0; percent < loads.rows.size(); ++percent) {
+    std::vector<double> low_nm, high_nm;
+    for (const std::vector<SeatBounds>& bounds : draws) {
+      if (std::isnan(bounds[percent].low_nm)) continue;
+      low_nm.push_back(bounds[percent].low_nm);
+      high_nm.push_back(bounds[percent].high_nm);
+    }
+    if (low_nm.empty()) continue;
+    loads.rows[percent].knee_low_nm = Quantile(low_nm, kLow);
+    loads.rows[percent].knee_high_nm = Quantile(high_nm, kHigh);
+  }
 }
 
 void SetLoads(const LegLoads& loads, bool seat_is_left, LoadsRow& row) {
@@ -241,10 +266,8 @@ RiseLoads RiseOf(const Model& model, const motion::LegMotion& motion, const Rise
     row.time_s = TimeOf(rise, percent);
     SetKnee(motion, row.time_s, row);
     const bool seat_is_left = SeatIsLeft(rise, row.time_s, options);
-    if (model.trunk && !seat_is_left)
-      SetBounds(model, row.time_s, row);
-    else if (const auto at = LoadsAtTime(model, row.time_s))
-      SetLoads(*at, seat_is_left, row);
+    if (model.trunk && !seat_is_left) continue;
+    if (const auto at = LoadsAtTime(model, row.time_s)) SetLoads(*at, seat_is_left, row);
   }
   return loads;
 }
@@ -446,6 +469,10 @@ void WarnOfTrunk(const Model& model, const std::vector<Window>& windows, const L
 
 void Describe(LoadsOptions& o, OptionList& options) {
   Describe(o.body, options);
+  options.Check([&o](const OptionList& list) {
+    constexpr double kOfAGivenShare = 0.025;  // nobody stands quite evenly either
+    if (list.IsGiven("share")) o.uncertainty.trunk_share = kOfAGivenShare;
+  });
   options
       .Add("rise-time", o.rise_s,
            "Another time for the rise: the moments of the same path in it, and whether the balance is kept")
@@ -486,6 +513,7 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
   }
 
   std::vector<std::vector<std::vector<double>>> curves(rises.size());
+  std::vector<std::vector<std::vector<SeatBounds>>> bounds(rises.size());
   std::vector<double> along_m, across_m, slow_margin_mm;
   Drawing drawing(options.uncertainty, options.seed);
   for (int draw = 0; draw < options.draws; ++draw) {
@@ -501,19 +529,24 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
       along_m.push_back(drawn.trunk->AlongM());
       across_m.push_back(drawn.trunk->AcrossM());
     }
-    for (std::size_t r = 0; r < rises.size(); ++r) curves[r].push_back(KneeCurve(drawn, rises[r], options));
+    for (std::size_t r = 0; r < rises.size(); ++r) {
+      curves[r].push_back(KneeCurve(drawn, rises[r], options));
+      bounds[r].push_back(SeatBoundsOf(drawn, rises[r], options));
+    }
   }
 
   for (std::size_t r = 0; r < rises.size(); ++r) {
     result.rises.push_back(RiseOf(model, motion, rises[r], options));
     SetPeak(result.rises.back());
     SetBands(curves[r], result.rises.back());
+    SetBounds(bounds[r], result.rises.back());
   }
   result.mean = MeanOf(result.rises);
   SetPeak(result.mean);
   SetBands(MeanCurves(curves), result.mean);
-  result.balance = FindBalance(
-      model, model.trunk ? *model.trunk : TrunkFit(model.path, model.body, windows, options.trunk), rises, options);
+  const TrunkFit trunk = model.trunk ? *model.trunk : TrunkFit(model.path, model.body, windows, options.trunk);
+  result.balance = FindBalance(model, trunk, rises, options);
+  result.body_path = MeanBodyPath(model, trunk, rises, options);
   if (const auto warning = BalanceWarning(result.balance)) result.warnings.push_back(*warning);
   if (forces) {
     WarnOfForces(model, rises, options, result);

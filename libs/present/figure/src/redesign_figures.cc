@@ -8,6 +8,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/colours.h"
+#include "lake/core/numbers.h"
 #include "lake/figure/gnuplot.h"
 #include "lake/figure/theme.h"
 #include "percents.h"
@@ -152,6 +153,75 @@ void DrawStrokes(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome
   plot.Draw();
 }
 
+// A figure of each percent; NaN while the seat bears a part, or where balance is not known.
+std::vector<double> Balances(const redesign::DesignInMotion& design, double redesign::BalanceSample::*member) {
+  std::vector<double> values;
+  if (!design.prediction || !design.prediction->balance) return values;
+  const auto& samples = design.prediction->balance->samples;
+  values.assign(design.prediction->theta_rad.size() - samples.size(), std::nan(""));
+  for (const redesign::BalanceSample& sample : samples) values.push_back(sample.*member);
+  return values;
+}
+
+void DrawPressures(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) {
+  const auto name = [](const std::string& what, const redesign::DesignInMotion& design) {
+    if (!design.prediction || !design.prediction->balance) return what;
+    const redesign::BalanceCourse& course = *design.prediction->balance;
+    return fmt::format("{}, {:.3g} s: {:.0f} mm {} the foot", what, course.duration_s, std::abs(course.margin_mm),
+                       course.margin_mm < 0 ? "outside" : "inside");
+  };
+  const loads::Foot& foot = outcome.problem.body->body.sole;
+  const double heel_mm = -kMmPerM * foot.heel_m, toe_mm = kMmPerM * foot.toe_m;
+  figure.Line("set title 'Centre of pressure'; set ylabel 'before the ankle (mm)'; set key top right");
+  figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 80, toe_mm + 120));
+  Plot plot(figure);
+  const auto member = &redesign::BalanceSample::pressure_mm;
+  plot.AddCurve(Balances(outcome.before, member), kBeforeStyle, name("worn", outcome.before));
+  if (outcome.without_balance)
+    plot.AddCurve(Balances(*outcome.without_balance, member), kHumanStyle,
+                  name("without balance", *outcome.without_balance));
+  plot.AddCurve(Balances(outcome.after, member), kAfterStyle, name(AfterName(outcome), outcome.after));
+  for (const double end_mm : {heel_mm, toe_mm})
+    plot.Add(fmt::format("{} with lines lw 2 dt 2 lc rgb '{}' {}", end_mm, colour::kText,
+                         end_mm < 0 ? "title 'heel, toe'" : "notitle"));
+  plot.Draw();
+  figure.Line("set yrange [*:*]");
+}
+
+void DrawTrunk(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) {
+  std::vector<double> human, leaning;
+  for (std::size_t i = 0; i < outcome.problem.body->trunk.size(); ++i) {
+    human.push_back(DegreesFromRadians(outcome.problem.body->trunk[i].tilt_rad));
+    const double more_rad = outcome.lean.trunk_rad.empty() ? 0 : outcome.lean.trunk_rad[i];
+    leaning.push_back(human.back() + DegreesFromRadians(more_rad));
+  }
+  figure.Line("set title 'Trunk'; set ylabel 'forward lean (°)'");
+  Plot plot(figure);
+  plot.AddCurve(human, kHumanStyle, "human");
+  plot.AddCurve(leaning, kAfterStyle, "for " + AfterName(outcome));
+  plot.Draw();
+}
+
+void DrawLegLean(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) {
+  std::vector<double> more_deg;
+  for (const double lean_rad : outcome.lean.leg_rad) more_deg.push_back(DegreesFromRadians(lean_rad));
+  more_deg.resize(outcome.problem.human.size(), 0);
+  figure.Line("set title 'Leg, from ankle to hip'; set ylabel 'farther forward than the human (°)'");
+  figure.Line("set yrange [*<-2:2<*]");
+  Plot plot(figure);
+  plot.AddCurve(more_deg, kAfterStyle, "for " + AfterName(outcome));
+  plot.Draw();
+  figure.Line("set yrange [*:*]");
+}
+
+void DrawKneeMoments(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) {
+  figure.Line("set title 'Knee moment at the pace of the program'; set ylabel 'extension, one leg (N m)'");
+  Plot plot(figure);
+  plot.AddCurve(Balances(outcome.before, &redesign::BalanceSample::knee_nm), kBeforeStyle, "worn");
+  plot.AddCurve(Balances(outcome.after, &redesign::BalanceSample::knee_nm), kAfterStyle, AfterName(outcome));
+  plot.Draw();
+}
+
 void AddDesignMark(const redesign::DesignInMotion& design, const std::string& name, const Look& look, Plot& plot) {
   if (!design.misalignment || !design.evaluation.pose) return;
   plot.AddData({design.evaluation.range_deg}, {100 * design.misalignment->metrics.relative_rms},
@@ -168,6 +238,17 @@ void DrawKneePaths(const redesign::RedesignOutcome& outcome, const std::filesyst
   DrawRelativeError(figure, outcome);
   DrawKneeAngles(figure, outcome);
   DrawStrokes(figure, outcome);
+  figure.Line("unset multiplot").Write(path);
+}
+
+void DrawBalance(const redesign::RedesignOutcome& outcome, const std::filesystem::path& path) {
+  GnuplotFigure figure(1400, 900);
+  figure.Line("set multiplot layout 2,2 margins 0.075,0.98,0.085,0.95 spacing 0.1,0.14");
+  figure.Line("set xlabel 'sit-to-stand (%)'; set xrange [0:100]");
+  DrawPressures(figure, outcome);
+  DrawTrunk(figure, outcome);
+  DrawKneeMoments(figure, outcome);
+  DrawLegLean(figure, outcome);
   figure.Line("unset multiplot").Write(path);
 }
 

@@ -25,8 +25,12 @@ struct ReoptimizeRunOptions {
                                             // required with one
   bool human_only = false;                  // the exoskeleton trial of the comparison is left out
   redesign::ProgramLimits program;
+  redesign::MisalignmentOf misalignment_of = redesign::MisalignmentOf::kPath;
   std::optional<double> max_misalignment_percent;
   double penalty_deg_per_mm = 0;
+  std::optional<double> max_angle_mismatch_deg;  // absent: 5 degrees where the joint's misalignment is limited
+  std::optional<double> balance_mm;              // absent: balance is not asked for
+  std::filesystem::path body;                    // loads.json of the human trial; empty: the body is not known
   bool fit_placement = false;
   double placement_reach_mm = redesign::RedesignProblem{}.placement_reach_mm;
   std::optional<int> pareto_points;

@@ -16,6 +16,7 @@
 
 #include "lake/compare/registration.h"
 #include "lake/linkage/design_file.h"
+#include "lake/redesign/balance_course.h"
 
 namespace lake::redesign {
 
@@ -35,6 +36,10 @@ inline double PercentOf(std::size_t sample, const HumanMotion& motion) {
   return 100.0 * static_cast<double>(sample) / static_cast<double>(motion.size() - 1);
 }
 
+// The same, the leg leaning farther forward by these angles, one per sample; none: as it is. What the exoskeleton's
+// knee is compared with stays.
+HumanMotion Leaning(HumanMotion motion, const std::vector<double>& leg_rad);
+
 // Every `step`th sample; `step` divides 100.
 HumanMotion Thinned(const HumanMotion& motion, std::size_t step);
 
@@ -47,25 +52,48 @@ struct SegmentLengths {
 };
 SegmentLengths SegmentsOf(const HumanMotion& motion);
 
-template <typename T>
-Eigen::Matrix<T, 2, 1> PredictKnee(const HumanSample& human, const T& theta_rad, const T& placement_x_mm,
-                                   const T& placement_y_mm) {
+// With another lean of the leg than the human's.
+template <typename T, typename Lean>
+Eigen::Matrix<T, 2, 1> PredictKnee(const HumanSample& human, const Lean& sin_lean, const Lean& cos_lean,
+                                   const T& theta_rad, const T& placement_x_mm, const T& placement_y_mm) {
   using std::cos, std::sin, std::sqrt;
   const T along = cos(theta_rad) * human.thigh_mm + human.shank_mm, aside = sin(theta_rad) * human.thigh_mm;
   const T leg = sqrt(along * along + aside * aside);  // ankle to hip
-  const T sin_omega = (along * human.sin_lean + aside * human.cos_lean) / leg;
-  const T cos_omega = (along * human.cos_lean - aside * human.sin_lean) / leg;
+  const T sin_omega = (along * sin_lean + aside * cos_lean) / leg;
+  const T cos_omega = (along * cos_lean - aside * sin_lean) / leg;
   const T shank = placement_y_mm + (human.shank_mm + human.slip_mm.y());
   const T anterior = placement_x_mm + human.slip_mm.x();
   return {shank * sin_omega + anterior * cos_omega + human.ankle.x(),
           shank * cos_omega - anterior * sin_omega + human.ankle.y()};
 }
+template <typename T>
+Eigen::Matrix<T, 2, 1> PredictKnee(const HumanSample& human, const T& theta_rad, const T& placement_x_mm,
+                                   const T& placement_y_mm) {
+  return PredictKnee(human, human.sin_lean, human.cos_lean, theta_rad, placement_x_mm, placement_y_mm);
+}
+
+// What of a joint is off the human's knee.
+enum class MisalignmentOf {
+  kPath,  // its path against that of the human's own trial, at equal percent: pace and lean are in it
+  kJoint  // the joint against the knee that it is worn on, at the same instant: p + delta
+};
+
+// RMS over the motion.
+struct MisalignmentRms {
+  double relative = 0;  // of the shank's length
+  double mm = 0;
+};
 
 // The exoskeleton in the human's motion.
 struct Prediction {
-  std::vector<double> stroke_mm, theta_rad;  // per percent
-  compare::StsCurve exo;                     // the joint, and the leg that goes along; the ankle is the human's
-  double relative_rms = 0, rms_mm = 0;       // misalignment, by the comparison's own formula
+  std::vector<double> stroke_mm, theta_rad;   // per percent
+  compare::StsCurve exo;                      // the joint, and the leg that goes along; the ankle is the human's
+  MisalignmentRms path, joint;                // the path's by the comparison's own formula …
+  MisalignmentOf of = MisalignmentOf::kPath;  // … and which of both is limited and weighed
+  double angle_mismatch_deg = 0;              // the largest difference of its knee angle from the human's
+  std::optional<BalanceCourse> balance{};     // where the person's body is known
+
+  const MisalignmentRms& Rms() const { return of == MisalignmentOf::kJoint ? joint : path; }
 };
 
 // A linkage with its actuator: from d_min it is used until the first of d_max, standing, a turning point and the end of

@@ -46,8 +46,9 @@ struct DesignInMotion {
   double duration_s = 0;                              // of its program
 };
 
+// The person leaning otherwise than in their trial by `lean`.
 DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,
-                           const linkage::Design& design);
+                           const linkage::Design& design, const Lean& lean = {});
 
 // Where the joint of a design has the least misalignment, its links and program kept: within the reach of the knee.
 // Absent if it cannot make the motion. In each sample a move adds the same vector, turned, to the difference of both
@@ -63,9 +64,11 @@ struct WayOut {
 };
 
 struct MisalignmentInfeasibility {
-  bool within_reach = false;              // the limits can be held after all; the solver did not get there
-  std::optional<double> least_percent;    // the smallest misalignment found under the given program
-  std::optional<double> working_percent;  // a rounded limit a little above, with which the problem was solved
+  bool within_reach = false;                       // the limits can be held after all; the solver did not get there
+  std::optional<double> largest_margin_mm;         // of balance, where that cannot be had: the most that was found
+  std::optional<double> least_angle_mismatch_deg;  // likewise: the least that was found
+  std::optional<double> least_percent;             // the smallest misalignment found under the given program
+  std::optional<double> working_percent;           // a rounded limit a little above, with which the problem was solved
   // Limits that hold it there; price in % by which the least misalignment falls per unit that the limit is raised; NaN
   // where multipliers are not unique.
   std::vector<synthesis::ActiveSet::Entry> blocking;
@@ -94,6 +97,8 @@ struct RedesignOutcome {
   DesignInMotion before;  // the worn design, or the problem's start under a constant program
   DesignInMotion after;   // the optimum, of equals that with the joint nearest to the knee, or the design of the
                           // smallest misalignment found
+  Lean lean;              // of the person in `after`
+  std::optional<DesignInMotion> without_balance;  // the optimum without that requirement: what balance costs
   // Cheaper repairs of the worn design; absent without one.
   std::optional<DesignInMotion> joint_moved;    // same links and program: the joint on the knee, as its trial shows it
   std::optional<DesignInMotion> other_program;  // same links and joint: the program with the least misalignment, its

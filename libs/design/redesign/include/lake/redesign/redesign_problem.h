@@ -1,16 +1,19 @@
 // A redesign as data: a synthesis problem, the human's motion, and how far the exoskeleton's knee may be off.
 //
-//   max  RoR - w RMS(|e - h|)                  X = links, p = placement, d(s) = stroke program
+//   max  RoR - w RMS(|e - h|)                  X = links, p = placement, d(s) = stroke program, lean(s)
 //   s.t. RMS(|e - h| / L) <= limit,  every requirement and bound of the synthesis problem,
-//        |dd/dt| <= max_speed, total time <= duration, |p_x|, |p_y| <= reach about the knee
+//        |dd/dt| <= max_speed, total time <= duration, |p_x|, |p_y| <= reach about the knee,
+//        max |theta - theta_human| <= limit,  centre of pressure at least a margin inside the foot (balance.h)
 //
-// e(s) is predicted by human_motion.h, the error is the comparison's own (compare/pointwise_error.h).
+// e(s) is predicted by human_motion.h, the error is the comparison's own (compare/pointwise_error.h); of the joint
+// itself p + delta stands for e - h.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "lake/problem/problem.h"
+#include "lake/redesign/balance.h"
 #include "lake/redesign/human_motion.h"
 
 namespace lake::redesign {
@@ -21,6 +24,7 @@ struct ProgramLimits {
   linkage::StrokeProgram::Kind kind = linkage::StrokeProgram::Kind::kConstant;
   double max_speed_mm_s = 5;         // the paper's actuator
   std::optional<double> duration_s;  // of one sit-to-stand, at most; absent: no limit
+  bool free_ends = false;            // constant: its ends are sought too; not: at the human's first and last knee angle
   bool monotone = false;             // free: the stroke may not turn back where the human's knee does
   int knots = 21;                    // free: every 5 % of the motion
 };
@@ -29,11 +33,15 @@ struct RedesignProblem {
   problem::SynthesisProblem design;
   HumanMotion human;
   ProgramLimits program;
-  std::optional<double> max_misalignment_percent;  // RMS relative error
-  double penalty_deg_per_mm = 0;                   // w
+  MisalignmentOf misalignment_of = MisalignmentOf::kPath;  // what limit and penalty are on
+  std::optional<double> max_misalignment_percent;          // RMS relative error
+  double penalty_deg_per_mm = 0;                           // w
   bool fit_placement = false;
   Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();  // where the joint sits; if it is fitted, a start
   double placement_reach_mm = 40;                          // from the knee to either side, x and y, if it is fitted
+  std::optional<double> max_angle_mismatch_deg;            // of the exoskeleton's knee angle, at every instant
+  std::shared_ptr<const loads::BodyPath> body;             // the person's, in the same motion; empty: not known
+  std::optional<BalanceLimits> balance;                    // needs the body
 
   // What is sought. The other goals make Pareto fronts and explain what cannot be had.
   enum class Goal {
@@ -41,6 +49,8 @@ struct RedesignProblem {
     kMisalignment,  // least RMS relative error; no penalty
     kDuration,      // shortest sit-to-stand
     kNearest,       // least |p|: the joint nearest to the knee
+    kBalance,       // largest margin of the centre of pressure inside the foot; needs `balance`
+    kAngle,         // least of the knee angle's largest difference from the human's
     kFarthest       // largest `farthest` . p
   } goal = Goal::kRange;
   std::optional<double> min_range_deg;
@@ -71,6 +81,7 @@ struct RedesignPoint {
   std::vector<double> knots_mm;  // at equal steps of percent; two for a constant program
   Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();
   double duration_s = 0;
+  Lean lean;  // with `balance` only
 
   // The stroke at a percent: linear between knots.
   double StrokeAt(double percent) const;
@@ -94,7 +105,11 @@ double NeededDuration(const std::vector<double>& knots_mm, double max_speed_mm_s
 // program for links that cannot be assembled.
 RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& links);
 
-// A point as other programs read it. The program's duration is what its knots need at the greatest speed.
+// What a rise takes: what the knots need at the greatest speed, or longer where balance asks for that.
+double DurationOf(const RedesignProblem& problem, const RedesignPoint& point);
+
+// A point as other programs read it; a constant program with ends of its own as two knots. The lean is the person's,
+// and not in it.
 linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& point);
 
 // The point's path by the closed form; nullopt if it cannot make the motion.

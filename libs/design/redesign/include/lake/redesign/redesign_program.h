@@ -5,15 +5,19 @@
 //   -v T / (K - 1) <= d_k+1 - d_k <= v T / (K - 1),  0 <= T <= duration    speed
 //   m := mean (100 |e - h| / L)^2 <= limit^2                               in (percent)^2
 //   mean |e - h|^2 <= r^2,  r >= 1 um                                      if there is a penalty, cost + w r
+//   +-(theta(s) - theta_human(s)) <= a,  a <= limit                        if the knee angle has a limit
+//   balance: lean(s) of leg and trunk within its limits, centre of pressure c(s) as a variable,
+//     M(s) = c(s) F(s) of the ground,  -heel + b <= c(s) <= toe - b,  b >= margin       on the feet (balance.h)
+//     |hip's height - the human's| <= 20 mm                                             on the seat
 //   constant: K = 2, theta(0) = the human's and d_0 >= d_min, or d_0 = d_min and theta(0) <= the human's;
-//             theta(100) = the human's, at least standing
+//             theta(100) = the human's, at least standing; with free ends neither is asked for
 //
 // People have nothing but the links in common: in blocks of their own the Jacobian and the Hessian are bordered block
 // diagonal, and grow with the number of people. Of the worst there is one r; of the mean each has an r, and the limit
 // is on the mean of such roots of m.
 //
 // Small costs decide where nothing else does: on misalignment (range is sought), on range (misalignment is sought), on
-// placement and on time.
+// placement, on time, and on leaning otherwise than the person did.
 #pragma once
 
 #include "lake/redesign/group_problem.h"
@@ -30,8 +34,10 @@ struct RedesignVariables {
   std::vector<int> knots;
   std::array<int, 2> placement{};
   int duration = -1;
-  std::vector<int> theta;     // per percent
-  int misalignment_row = -1;  // what bounds this person's misalignment; -1: nothing does
+  std::vector<int> theta;                 // per percent
+  int margin = -1;                        // with balance: how far the centre of pressure is inside the foot …
+  std::vector<int> leg_lean, trunk_lean;  // … and per percent, against the human's
+  int misalignment_row = -1;              // what bounds this person's misalignment; -1: nothing does
 };
 
 // Builds the program of a redesign for the poses of each exchange step, from the point where the last one ended.

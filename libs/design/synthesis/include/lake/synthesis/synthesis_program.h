@@ -73,7 +73,9 @@ struct LimitId {
     kPlacement,
     kDuration,
     kMisalignment,
-    kLeastRange
+    kLeastRange,
+    kAngleMismatch,
+    kBalance
   };
   On on = On::kRequirement;
   int index = 0;                           // link 0..5, or axis of a placement 0..1

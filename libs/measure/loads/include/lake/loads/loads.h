@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lake/core/options.h"
+#include "lake/loads/body_path.h"
 #include "lake/loads/leg_dynamics.h"
 #include "lake/loads/trunk_fit.h"
 #include "lake/motion/leg_motion.h"
@@ -28,7 +29,7 @@ struct Uncertainty {
   double segment_centre = 0.03;    // of the segment's length
   double segment_gyration = 0.08;  // share
   double trunk_gyration = 0.15;    // share: arms and head move
-  double trunk_share = 0.025;      // of --share: nobody stands quite evenly
+  double trunk_share = 0.1;        // of --share where it is not given: few people rise evenly on both legs
   double joint_m = 0.01;           // per axis: how far a marker is from the joint's axis (of the hip 1.5 times)
   double ground_force = 0.01;      // share, of a plate
   double pressure_m = 0.005;       // of a plate's centre of pressure
@@ -114,6 +115,7 @@ struct LoadsResult {
   Eigen::Vector2d trunk_offset_sd_mm = Eigen::Vector2d::Zero();
   bool has_shoulder = false;
   Balance balance;
+  BodyPath body_path;  // with the trunk that balance is told by
   std::vector<std::string> warnings;
 };
 

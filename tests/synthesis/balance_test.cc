@@ -1,0 +1,199 @@
+// A program along which a person keeps the balance: the body's dynamics against Newton's, the requirement in the
+// optimum, and the limits on knee angle and joint beside it.
+#include "lake/redesign/balance.h"
+
+#include <gmock/gmock.h>
+
+#include "compare/closed_form.h"
+#include "lake/redesign/redesign_outcome.h"
+#include "synthesis/paper.h"
+
+namespace lake {
+namespace {
+
+using Goal = redesign::RedesignProblem::Goal;
+using Kind = linkage::StrokeProgram::Kind;
+using redesign::MisalignmentOf;
+using testing::HasSubstr;
+
+constexpr std::size_t kSamples = compare::kPercentSamples;
+
+// A man of 70 kg and 1.75 m: Winter's segments; the trunk leans by 12 deg when the seat is left, then upright. So his
+// centre of mass is behind the heel there.
+std::shared_ptr<const loads::BodyPath> Body() {
+  loads::BodyPath path;
+  path.body.foot = {1.0, 0.06, 0.12};
+  path.body.shank = {3.3, 0.182, 0.127};
+  path.body.thigh = {7.0, 0.173, 0.129};
+  path.body.trunk = {23.7, 0.32, 0.25};
+  path.body.sole = {0.066, 0.2};
+  path.body.ankle_height_m = 0.068;
+  path.feet_from_percent = 40;
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    const double u = static_cast<double>(i) / 100;
+    const double tilt = RadiansFromDegrees(12) * (SmoothStep(u / 0.4) - SmoothStep((u - 0.4) / 0.6));
+    path.trunk.push_back({tilt, 0.32 * Eigen::Vector2d(std::sin(tilt), std::cos(tilt))});
+  }
+  return std::make_shared<const loads::BodyPath>(path);
+}
+
+redesign::RedesignProblem Problem(double duration_s = 30) {
+  redesign::RedesignProblem problem;
+  problem.design = WithMargins(2);
+  problem.human = redesign::MakeHumanMotion(MakeCurve({}));
+  problem.program.kind = Kind::kFree;
+  problem.program.duration_s = duration_s;
+  problem.max_misalignment_percent = 2;
+  problem.body = Body();
+  return problem;
+}
+
+std::optional<redesign::RedesignSolve> Optimum(const redesign::RedesignProblem& problem) {
+  return redesign::FindOptimum(problem, {problem.design.start, kPublishedLinks}, Starts(2));
+}
+
+std::vector<double> HumanAngles(const redesign::HumanMotion& human) {
+  std::vector<double> angles;
+  for (const redesign::HumanSample& sample : human) angles.push_back(sample.knee_rad);
+  return angles;
+}
+
+// Newton–Euler on the same bodies (loads/inverse_dynamics.h), their motion given in closed form with its derivatives.
+TEST(BalanceOfABody, SupportIsThatOfNewtonAndEuler) {
+  const loads::LegBody body = Body()->body;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int draw = 0; draw < 20; ++draw) {
+    constexpr double kStep_s = 1e-3;
+    std::array<loads::BodyPose<double>, 3> poses;
+    std::vector<loads::Body> bodies;
+    const loads::SegmentInertia* inertias[] = {&body.shank, &body.thigh, &body.trunk};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::array amplitude{unit(random), unit(random), unit(random)};
+      const std::array rate{2 + unit(random), 2 + unit(random), 2 + unit(random)};
+      const auto at = [&](std::size_t k, double t) { return amplitude[k] * std::sin(rate[k] * (t + 0.4)); };
+      const auto second = [&](std::size_t k) { return -rate[k] * rate[k] * at(k, 0); };
+      for (std::size_t p = 0; p < 3; ++p) {
+        const double t = kStep_s * (static_cast<double>(p) - 1);
+        poses[p][i] = {at(0, t), at(1, t), at(2, t)};
+      }
+      const double inertia = inertias[i]->mass_kg * inertias[i]->gyration_m * inertias[i]->gyration_m;
+      bodies.push_back({inertias[i]->mass_kg, inertia, {at(0, 0), at(1, 0)}, {second(0), second(1)}, -second(2)});
+    }
+    const Eigen::Vector2d about(0.1, -0.3);
+    const loads::Wrench wrench = loads::RequiredWrench(bodies, about);
+    const loads::Support<double> support = loads::FindSupport(poses, kStep_s, body, 0, about.x(), about.y());
+    // Central differences at 1 ms of motions of up to 3 rad/s: 1e-6 of the accelerations, and their rounding.
+    EXPECT_NEAR(support.force_n, wrench.force_n.y(), 1e-2);
+    EXPECT_NEAR(support.moment_nm, wrench.moment_nm, 1e-2);
+  }
+}
+
+TEST(BalanceOfABody, AsSlowlyAsMayBeThePressureIsUnderTheCentreOfMass) {
+  const redesign::RedesignProblem problem = Problem();
+  const loads::BodyPath& body = *problem.body;
+  const compare::StsCurve curve = MakeCurve({});
+  const redesign::BalanceCourse course =
+      redesign::FindBalance(problem.human, body, HumanAngles(problem.human), {}, 1e4);
+  ASSERT_EQ(course.samples.size(), 61u);
+  for (const redesign::BalanceSample& sample : course.samples) {
+    const auto i = static_cast<std::size_t>(sample.percent);
+    const redesign::HumanSample& human = problem.human[i];
+    const Eigen::Vector2d ankle = curve.ankle[i] / 1000, knee = curve.knee[i] / 1000, hip = curve.hip[i] / 1000;
+    const auto [foot, shank, thigh, trunk] =
+        std::tie(body.body.foot, body.body.shank, body.body.thigh, body.body.trunk);
+    const double moment = foot.mass_kg * foot.centre_m +
+                          shank.mass_kg * std::lerp(knee.x(), ankle.x(), shank.centre_m / (human.shank_mm / 1000)) +
+                          thigh.mass_kg * std::lerp(hip.x(), knee.x(), thigh.centre_m / (human.thigh_mm / 1000)) +
+                          trunk.mass_kg * (hip.x() + body.trunk[i].centre_m.x());
+    const double mass = foot.mass_kg + shank.mass_kg + thigh.mass_kg + trunk.mass_kg;
+    EXPECT_NEAR(sample.pressure_mm, 1000 * moment / mass, 1e-3) << sample.percent;
+  }
+}
+
+TEST(BalancedProgram, IsHeldAtEveryInstantAndItsCostIsTold) {
+  redesign::RedesignProblem problem = Problem();
+  const auto free = Optimum(problem);
+  ASSERT_TRUE(free);
+  EXPECT_LT(free->prediction->balance->margin_mm, 0);  // this rise is one of momentum
+  problem.balance = redesign::BalanceLimits{.margin_mm = 20};
+  const auto balanced = Optimum(problem);
+  ASSERT_TRUE(balanced);
+  const redesign::Prediction& prediction = *balanced->prediction;
+  EXPECT_GE(prediction.balance->margin_mm, 20 - 0.01);
+  EXPECT_LE(balanced->Misalignment_percent(), 2 * (1 + 1e-5));
+  EXPECT_LE(balanced->Range_deg(), free->Range_deg() + 1e-3);
+  EXPECT_LE(prediction.balance->duration_s, 30 * (1 + 1e-5));
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    EXPECT_LE(std::abs(balanced->point.lean.trunk_rad[i]), RadiansFromDegrees(30) + 1e-9);
+    EXPECT_LE(std::abs(balanced->point.lean.leg_rad[i]), RadiansFromDegrees(10) + 1e-9);
+    if (i >= 40) continue;
+    EXPECT_NEAR(redesign::HipHeight(problem.human[i], prediction.theta_rad[i], balanced->point.lean.leg_rad[i]),
+                redesign::HipHeight(problem.human[i], problem.human[i].knee_rad, 0.0), 20 + 1e-3);
+  }
+}
+
+TEST(BalancedProgram, WhatCannotBeHadIsToldWithTheMostThatCan) {
+  redesign::RedesignProblem problem = Problem();
+  problem.max_angle_mismatch_deg = 5;  // a knee that bends at will brings the hip over the foot
+  problem.balance = redesign::BalanceLimits{.margin_mm = 90, .trunk_deg = 5, .leg_deg = 2};
+  const auto report = redesign::ExplainInfeasible(problem, {problem.design.start, kPublishedLinks}, Starts(1));
+  EXPECT_THAT(report.sentence, HasSubstr("(--balance)"));
+  ASSERT_TRUE(report.largest_margin_mm);
+  EXPECT_LT(*report.largest_margin_mm, 90);
+  problem.balance->margin_mm = *report.largest_margin_mm - 0.5;
+  problem.max_misalignment_percent = 20;
+  EXPECT_TRUE(Optimum(problem));
+}
+
+TEST(AngleMismatch, IsALimitOfItsOwnWithAPrice) {
+  redesign::RedesignProblem problem = Problem();
+  problem.program.duration_s = 26;  // too short to follow exactly
+  const auto free = Optimum(problem);
+  ASSERT_TRUE(free);
+  problem.max_angle_mismatch_deg = 0.7 * free->prediction->angle_mismatch_deg;
+  const auto limited = Optimum(problem);
+  ASSERT_TRUE(limited);
+  EXPECT_NEAR(limited->prediction->angle_mismatch_deg, *problem.max_angle_mismatch_deg, 1e-4);
+  EXPECT_LT(limited->Range_deg(), free->Range_deg());
+  const auto price = limited->local.PriceOf(synthesis::LimitId{synthesis::LimitId::On::kAngleMismatch});
+  ASSERT_TRUE(price);
+  constexpr double kStep_deg = 0.02;
+  const auto range = [&](double step_deg) {
+    redesign::RedesignProblem near = problem;
+    *near.max_angle_mismatch_deg += step_deg;
+    return redesign::SolveFrom(near, limited->point).Range_deg();
+  };
+  EXPECT_NEAR((range(kStep_deg) - range(-kStep_deg)) / (2 * kStep_deg), *price, 0.05 * *price + 1e-3);
+}
+
+TEST(JointMisalignment, IsLimitedByThePlacementAloneAndTheAngleByItsOwnLimit) {
+  redesign::RedesignProblem problem = Problem();
+  for (redesign::HumanSample& sample : problem.human) sample.slip_mm = {12, -5};
+  problem.fit_placement = true;
+  problem.misalignment_of = MisalignmentOf::kJoint;
+  problem.max_angle_mismatch_deg = 5;
+  problem.max_misalignment_percent = 0.5;
+  const auto solve = Optimum(problem);
+  ASSERT_TRUE(solve);
+  const redesign::Prediction& prediction = *solve->prediction;
+  EXPECT_NEAR(prediction.joint.mm, (solve->point.placement_mm + Eigen::Vector2d(12, -5)).norm(), 1e-9);
+  EXPECT_LE(100 * prediction.joint.relative, 0.5 * (1 + 1e-5));
+  EXPECT_EQ(solve->Misalignment_percent(), 100 * prediction.joint.relative);
+  EXPECT_LE(prediction.angle_mismatch_deg, 5 + 1e-4);
+  EXPECT_GT(prediction.path.relative, prediction.joint.relative);  // pace is in it
+}
+
+TEST(JointMisalignment, AConstantProgramCannotFollowAndThatIsTold) {
+  redesign::RedesignProblem problem = Problem();
+  problem.program = {};
+  problem.misalignment_of = MisalignmentOf::kJoint;
+  problem.max_angle_mismatch_deg = 5;
+  const auto report = redesign::ExplainInfeasible(problem, {problem.design.start, kPublishedLinks}, Starts(1));
+  ASSERT_TRUE(report.least_angle_mismatch_deg);
+  EXPECT_GT(*report.least_angle_mismatch_deg, 5);
+  EXPECT_THAT(report.sentence, HasSubstr("--program free"));
+}
+
+}  // namespace
+}  // namespace lake
