@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-
 // A hinge 20 mm off, after 90° of flexion, has moved what it carries by 2 · 20 · sin(45°) = 28.3 mm.
 TEST(CuffModel, AHingeBesideTheKneeMovesACuff) {
   for (const double direction : {0.0, 0.7, 2.1, -1.3}) {
@@ -22,12 +21,12 @@ TEST(CuffModel, AHingeBesideTheKneeMovesACuff) {
   }
 }
 
-// … and where only one cuff yields, by shear alone, it takes 28 N at 1 N/mm and 57 N at 2 N/mm: long cuffs keep the links
-// from turning, and the thigh's holds fast.
+// … and where only one cuff yields, by shear alone, it takes 28 N at 1 N/mm and 57 N at 2 N/mm: long cuffs keep the
+// links from turning, and the thigh's holds fast.
 TEST(CuffModel, WhatACuffTakesOfAMisfit) {
   CuffOptions options;
   options.thigh = {{200, 1e5}}, options.shank = {{200, 1e5}};
-  LegState leg{-60, 30, MisfitOf({20, 0}, {20, 0}, -60, 30), 0};
+  const LegState leg{-60, 30, MisfitOf({20, 0}, {20, 0}, -60, 30)};
   for (const auto& [stiffness, force_n] : {std::pair(1.0, 28.28 / 2), std::pair(2.0, 28.28)}) {
     const LegLoad load = LoadOnLeg(leg, options, {stiffness, stiffness});
     EXPECT_NEAR(load.largest_shank_n, force_n, 0.01) << "two alike share the misfit";
@@ -44,7 +43,7 @@ TEST(CuffModel, OneCuffLoadsTheKneeTwoDoNot) {
   options.thigh = {{250, 0}, {100, 0}}, options.shank = {{250, 0}};
   const LegState leg{-40, 20, Vector2d::Zero(), 40};
   const LegLoad one = LoadOnLeg(leg, options, {2, 2});
-  EXPECT_NEAR(one.largest_shank_n, 160, 1e-9);
+  EXPECT_NEAR(std::abs(one.shank[0].force_n.x()), 160, 1e-9);
   EXPECT_NEAR(one.knee_shear_n, 160, 1e-9);
   // With the thigh's cuffs fast the hinge stays, and two cuffs of the shank share: forces as their distances.
   options.shank = {{250, 0}, {50, 0}};
@@ -53,6 +52,20 @@ TEST(CuffModel, OneCuffLoadsTheKneeTwoDoNot) {
   double couple_nm = 0;
   for (std::size_t i = 0; i < 2; ++i) couple_nm += two.shank[i].force_n.x() * options.shank[i].from_knee_mm / 1000;
   EXPECT_NEAR(std::abs(couple_nm), 40, 1e-6) << "about the hinge";
+}
+
+// A hinge that turns freely gives way to two short cuffs; one that is held at the knee's angle loads them, in
+// proportion to how far it is off.
+TEST(CuffModel, AHeldHingeLoadsTheCuffs) {
+  const CuffOptions options;
+  LegState leg{-80, 15, MisfitOf({18, 32}, {18, 32}, -80, 15)};
+  EXPECT_LT(LoadOnLeg(leg, options, {}).largest_shank_n, 2);
+  leg.held_error_deg = 0;
+  const LegLoad held = LoadOnLeg(leg, options, {});
+  EXPECT_GT(held.largest_shank_n, 15);
+  EXPECT_LT(held.largest_shank_n, 1.5 * leg.misfit_mm.norm()) << "a cuff takes no more than all of the misfit";
+  leg.misfit_mm /= 2;
+  EXPECT_NEAR(LoadOnLeg(leg, options, {}).largest_shank_n, held.largest_shank_n / 2, 1e-9);
 }
 
 // What the cuffs do to the leg is what the device's weight and the actuator do: forces sum to the weight, moments about
@@ -64,7 +77,8 @@ TEST(CuffModel, ForcesBalance) {
     CuffOptions options;
     options.thigh = {{200 + 40 * some(random), 60}, {90, 40}}, options.shank = {{220 + 40 * some(random), 80}};
     options.thigh_link_kg = 1.2, options.shank_link_kg = 0.8;
-    const LegState leg{40 * some(random), 30 * some(random), 15 * Vector2d(some(random), some(random)), 30 * some(random)};
+    const LegState leg{40 * some(random), 30 * some(random), 15 * Vector2d(some(random), some(random)),
+                       30 * some(random)};
     const LegLoad load = LoadOnLeg(leg, options, {1.5, 0.7});
     const auto axes = [](double deg) {
       const double a = deg * M_PI / 180;

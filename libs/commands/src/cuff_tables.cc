@@ -25,7 +25,9 @@ constexpr Force kForces[] = {
     {"knee_shear", "shear at the knee", &CuffCase::knee_shear_n, &cuffs::LegLoad::knee_shear_n},
 };
 
-double LeanDeg(const Vector2d& up) { return DegreesFromRadians(std::atan2(up.x(), up.y())); }
+double LeanDeg(const Vector2d& up) {
+  return DegreesFromRadians(std::atan2(up.x(), up.y()));
+}
 
 CuffCase CaseOf(const std::string& name, const std::vector<double>& thigh_deg, const std::vector<double>& shank_deg,
                 const Vector2d& place_shank_mm, const Vector2d& place_thigh_mm, double misfit_share,
@@ -34,10 +36,11 @@ CuffCase CaseOf(const std::string& name, const std::vector<double>& thigh_deg, c
   CuffCase result{name, {}, {}, {}};
   for (std::size_t i = 0; i < thigh_deg.size(); ++i) {
     const cuffs::LegState leg{thigh_deg[i], shank_deg[i],
-                              cuffs::MisfitOf(place_shank_mm, place_thigh_mm, thigh_deg[i], shank_deg[i]), 0};
+                              cuffs::MisfitOf(place_shank_mm, place_thigh_mm, thigh_deg[i], shank_deg[i]), 0, 0};
     const auto loads = [&](double n_mm) { return cuffs::LoadOnLeg(leg, options, {n_mm, n_mm}); };
     const cuffs::LegLoad least = loads(soft), expected = loads(middle), most = loads(stiff);
-    // Without moment and weight every force is in proportion to the misfit.
+    // The actuator holds the hinge at the knee's angle; without its moment and the weight every force is in proportion
+    // to the misfit.
     for (const Force& force : kForces)
       (result.*force.values)
           .push_back({expected.*force.load, least.*force.load * std::max(0.0, 1 - kNormal95 * misfit_share),
@@ -111,8 +114,8 @@ report::Section CuffSection(const std::vector<CuffCase>& cases, const cuffs::Cuf
   return {"Forces at the cuffs",
           {report::Paragraph{fmt::format(
                "A joint beside the knee moves the cuffs along the leg as the knee bends; they and the flesh yield by "
-               "{:g} to {:g} N/mm, and are free of stress at standing. The forces come from the misfit alone: neither "
-               "the actuator nor the device's weight is in them.",
+               "{:g} to {:g} N/mm, and are free of stress at standing. The forces come from the misfit alone: the "
+               "actuator holds the hinge at the knee's angle, and its moment and the device's weight are not in them.",
                options.softest_n_mm, options.stiffest_n_mm)},
            table}};
 }

@@ -21,8 +21,8 @@ using Eigen::Matrix2d, Eigen::Vector2d;
 
 constexpr double kGravity_m_s2 = 9.80665;
 
-// Unknowns: how far the hinge moves from where it would be on the shank (leg frame, mm), and how far the thigh's and the
-// shank's link turn against their segments (rad, forward).
+// Unknowns: how far the hinge moves from where it would be on the shank (leg frame, mm), and how far the thigh's and
+// the shank's link turn against their segments (rad, forward).
 constexpr int kUnknowns = 4;
 using Vector = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -58,12 +58,21 @@ void Check(const CuffOptions& o, const Stiffness& stiffness) {
     if (cuffs->empty()) throw UsageError("a segment without a cuff: each needs one at least");
     for (const Cuff& cuff : *cuffs)
       if (!(cuff.from_knee_mm > 0) || !(cuff.length_mm >= 0))
-        throw UsageError(fmt::format("a cuff {} mm from the knee, {} mm long: give a distance above 0", cuff.from_knee_mm,
-                                     cuff.length_mm));
+        throw UsageError(fmt::format("a cuff {} mm from the knee, {} mm long: give a distance above 0",
+                                     cuff.from_knee_mm, cuff.length_mm));
   }
   if (!(stiffness.across_n_mm > 0) || !(stiffness.along_n_mm > 0))
     throw UsageError(fmt::format("a stiffness of {} and {} N/mm: give numbers above 0", stiffness.across_n_mm,
                                  stiffness.along_n_mm));
+}
+
+// The pose of least energy where the shank's link turns by `error_rad` more than the thigh's.
+Vector HeldPose(const Matrix& stiff, const Vector& pull, double error_rad) {
+  Eigen::Matrix<double, kUnknowns, 3> of_three = Eigen::Matrix<double, kUnknowns, 3>::Identity();
+  of_three(3, 2) = 1;
+  const Vector apart(0, 0, 0, error_rad);
+  const Eigen::Matrix3d held = of_three.transpose() * stiff * of_three;
+  return of_three * held.ldlt().solve(of_three.transpose() * (pull - stiff * apart)) + apart;
 }
 
 double MiddleOf(const std::vector<Cuff>& cuffs) {
@@ -96,7 +105,8 @@ LegLoad LoadOnLeg(const LegState& leg, const CuffOptions& options, const Stiffne
   // Extension: the thigh's link turns forward, the shank's back.
   pull[2] += leg.moment_nm * kMmPerM;
   pull[3] -= leg.moment_nm * kMmPerM;
-  const Vector pose = stiff.ldlt().solve(pull);
+  const Vector pose = leg.held_error_deg ? HeldPose(stiff, pull, RadiansFromDegrees(*leg.held_error_deg))
+                                         : Vector(stiff.ldlt().solve(pull));
   LegLoad load;
   Vector2d on_shank = Vector2d::Zero();
   for (const Link& link : links)
@@ -149,7 +159,9 @@ void Describe(CuffOptions& o, OptionList& options) {
             [cuffs = cuffs] { return CuffsText(*cuffs); })
         .Value("DISTANCE:LENGTH")
         .Repeats();
-  options.Add("cuff-softest", o.softest_n_mm, "The least stiffness of cuff and flesh that is expected").Unit("N/mm").Positive();
+  options.Add("cuff-softest", o.softest_n_mm, "The least stiffness of cuff and flesh that is expected")
+      .Unit("N/mm")
+      .Positive();
   options.Add("cuff-stiffest", o.stiffest_n_mm, "The largest stiffness of cuff and flesh that is expected")
       .Unit("N/mm")
       .Positive();

@@ -15,9 +15,9 @@ namespace {
 
 using Eigen::Matrix2d, Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 
-constexpr Eigen::Index kPoints = 4;    // unknowns of the two points
-constexpr double kLeast_mm = 1e-6;     // exact points have errors of rounding
-constexpr double kNoiseShare = 0.05;   // of the residual: what changes from block to block
+constexpr Eigen::Index kPoints = 4;   // unknowns of the two points
+constexpr double kLeast_mm = 1e-6;    // exact points have errors of rounding
+constexpr double kNoiseShare = 0.05;  // of the residual: what changes from block to block
 
 Matrix3d AcrossAndAlong(const Vector3d& axis) {
   Matrix3d frame;
@@ -113,8 +113,8 @@ std::vector<HingeEquation> EquationsOf(const SegmentMotion& motion, const std::v
     e.angle_rad = std::atan2(turn(1, 0) - turn(0, 1), turn(0, 0) + turn(1, 1));
     if (!equations.empty())
       e.angle_rad = equations.back().angle_rad + std::remainder(e.angle_rad - equations.back().angle_rad, 2 * M_PI);
-    e.offset = axis.shank.leftCols<2>().transpose() * OffsetOf(motion, frame) +
-               axis.thigh_along_mm * turn.col(2).head<2>();
+    e.offset =
+        axis.shank.leftCols<2>().transpose() * OffsetOf(motion, frame) + axis.thigh_along_mm * turn.col(2).head<2>();
     e.rows.resize(2, kPoints + 2 * (shank.cols() + thigh.cols()));
     e.rows.leftCols<kPoints>() << turn.topLeftCorner<2, 2>(), -Matrix2d::Identity();
     const auto row = static_cast<Eigen::Index>(frame);
@@ -146,8 +146,8 @@ MatrixXd Covariances(const std::vector<HingeEquation>& blocks, double memory, Di
   MatrixXd covariance(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j <= i; ++j)
-      covariance(i, j) = covariance(j, i) = Covariance(
-          difference(blocks[static_cast<std::size_t>(i)], blocks[static_cast<std::size_t>(j)]), memory);
+      covariance(i, j) = covariance(j, i) =
+          Covariance(difference(blocks[static_cast<std::size_t>(i)], blocks[static_cast<std::size_t>(j)]), memory);
   return covariance;
 }
 
@@ -191,9 +191,9 @@ void HingeFit::SetPrior(const SegmentMotion& motion, const LearntErrors* learnt)
   const VectorXd plain = SolveRobustly(equations_, prior_precision_, prior_mean_);
   const double shank_lever = plain.segment<2>(2).norm() / shank.radius_mm;
   const double thigh_lever = plain.head<2>().norm() / thigh.radius_mm;
-  markers_at_joint_mm_ =
-      std::max(std::hypot(shank.pose_sd_mm, shank.pose_sd_mm * shank_lever, thigh.pose_sd_mm * std::hypot(1, thigh_lever)),
-               kLeast_mm);
+  markers_at_joint_mm_ = std::max(
+      std::hypot(shank.pose_sd_mm, shank.pose_sd_mm * shank_lever, thigh.pose_sd_mm * std::hypot(1, thigh_lever)),
+      kLeast_mm);
   if (learnt) {
     prior_mean_.tail(carried) = learnt->carried;
     prior_precision_.bottomRightCorner(carried, carried) = learnt->carried_covariance.inverse();

@@ -19,8 +19,8 @@ struct AxisFrames {
 // The frames' mean axis: the directions that the rotations take to each other best.
 AxisFrames AxisFramesOf(const SegmentMotion& motion, const std::vector<std::size_t>& frames);
 
-// rows · unknowns + offset = how far the two points stand apart, mm. Unknowns: thigh's point, shank's point, then two of
-// each mode of the shank's deformation, and of the thigh's.
+// rows · unknowns + offset = how far the two points stand apart, mm. Unknowns: thigh's point, shank's point, then two
+// of each mode of the shank's deformation, and of the thigh's.
 struct HingeEquation {
   double frame = 0;
   double angle_rad = 0;  // of the thigh on the shank about the axis, continuous

@@ -24,15 +24,17 @@ constexpr const char* kTissueReference =
 // How many independent samples a mean over the rise has: noise is correlated over about two percent each way.
 constexpr double kIndependentSamples = kPercentSamples / 5.0;
 
-double DeviationOf(const Interval& interval) { return (interval.high - interval.low) / (2 * kNormal95); }
+double DeviationOf(const Interval& interval) {
+  return (interval.high - interval.low) / (2 * kNormal95);
+}
 
 // What a quantity gains from an error at the knee, the joint or the rise's ends, in its own unit.
 struct Sensitivities {
-  double constant = 0;      // per mm of a constant error along each axis
-  double noise = 0;         // per mm of independent errors of the samples
-  double scale = 0;         // per percent of scale
-  double event_start = 0;   // per s
-  double event_end = 0;     // per s
+  double constant = 0;     // per mm of a constant error along each axis
+  double noise = 0;        // per mm of independent errors of the samples
+  double scale = 0;        // per percent of scale
+  double event_start = 0;  // per s
+  double event_end = 0;    // per s
 };
 
 // d(mean)/d(t0) and d(mean)/d(t1) of a mean over the rise.
@@ -110,10 +112,18 @@ Interval About(const Budget& budget, double deviation) {
 
 }  // namespace
 
-double Budget::MarkerDeviation() const { return std::sqrt(Square(*this, true)); }
-double Budget::Deviation() const { return std::sqrt(Square(*this, false)); }
-Interval Budget::MarkerInterval() const { return About(*this, MarkerDeviation()); }
-Interval Budget::AnatomicalInterval() const { return About(*this, Deviation()); }
+double Budget::MarkerDeviation() const {
+  return std::sqrt(Square(*this, true));
+}
+double Budget::Deviation() const {
+  return std::sqrt(Square(*this, false));
+}
+Interval Budget::MarkerInterval() const {
+  return About(*this, MarkerDeviation());
+}
+Interval Budget::AnatomicalInterval() const {
+  return About(*this, Deviation());
+}
 
 double Budget::SharePercent(const BudgetRow& row) const {
   const double square = Square(*this, false);
@@ -154,12 +164,11 @@ std::string QuantityName(const std::string& quantity) {
 }
 
 std::string WhatNarrows(const Budget& budget) {
-  const auto largest = std::ranges::max_element(budget.rows, {}, [](const BudgetRow& row) {
-    return std::abs(row.Contribution());
-  });
+  const auto largest =
+      std::ranges::max_element(budget.rows, {}, [](const BudgetRow& row) { return std::abs(row.Contribution()); });
   if (largest == budget.rows.end() || largest->Contribution() == 0) return "No source of uncertainty is known.";
-  const std::string share = fmt::format("{:.0f} % of the variance comes from {}", budget.SharePercent(*largest),
-                                        largest->source);
+  const std::string share =
+      fmt::format("{:.0f} % of the variance comes from {}", budget.SharePercent(*largest), largest->source);
   if (largest->source == kSoftTissue)
     return share + ": two or more markers on shank and thigh, and the axis that lake axis finds from them, narrow it.";
   if (largest->source == kPlacement) return share + ": leave the same markers on between the trials.";

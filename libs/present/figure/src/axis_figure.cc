@@ -32,13 +32,15 @@ std::string PlotAxes(GnuplotFigure& figure, const axis::MeanAxesResult& axes, co
   }
   std::string plot;
   if (!x.empty())
-    plot = fmt::format("{0} using 1:2:3 with circles lc rgb '{1}' fs transparent solid 0.08 title 'windows, 95 %', {0} "
-                       "using 1:2 with points pt 7 ps 0.8 lc rgb '{1}', ",
-                       figure.Data({x, y, radius}), colour::kAnkle);
+    plot = fmt::format(
+        "{0} using 1:2:3 with circles lc rgb '{1}' fs transparent solid 0.08 title 'windows, 95 %', {0} "
+        "using 1:2 with points pt 7 ps 0.8 lc rgb '{1}', ",
+        figure.Data({x, y, radius}), colour::kAnkle);
   const Vector2d whole = view(axes.whole.in_shank);
-  return plot + fmt::format("{0} using 1:2:3 with circles lc rgb '{1}' fs transparent solid 0.25 title 'whole, 95 %', "
-                            "{0} using 1:2 with points pt 2 ps 2 lw 3 lc rgb '{1}'",
-                            figure.Data({{whole.x()}, {whole.y()}, {kEllipse95 * axes.whole.sd_mm}}), colour::kKnee);
+  return plot + fmt::format(
+                    "{0} using 1:2:3 with circles lc rgb '{1}' fs transparent solid 0.25 title 'whole, 95 %', "
+                    "{0} using 1:2 with points pt 2 ps 2 lw 3 lc rgb '{1}'",
+                    figure.Data({{whole.x()}, {whole.y()}, {kEllipse95 * axes.whole.sd_mm}}), colour::kKnee);
 }
 
 }  // namespace
@@ -67,8 +69,9 @@ void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& moti
                                                       axes.whole.flexion_deg, motion.shank.deformation.marker_sd_mm,
                                                       motion.thigh.deformation.marker_sd_mm))));
   figure.Line("set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'");
-  figure.Line("set lmargin at screen 0.07; set rmargin at screen 0.47; set tmargin at screen 0.90; set bmargin at screen "
-              "0.11; set size ratio -1; set key top left samplen 2 noautotitle");
+  figure.Line(
+      "set lmargin at screen 0.07; set rmargin at screen 0.47; set tmargin at screen 0.90; set bmargin at screen "
+      "0.11; set size ratio -1; set key top left samplen 2 noautotitle");
   figure.Line("set xlabel 'across the shank (mm)'; set ylabel 'along the shank, from the mean of its markers (mm)'");
   figure.Line("plot " + PlotAxes(figure, axes, view) +
               fmt::format(", {} using 1:2 with points pt 7 ps 0.3 lc rgb '{}' title 'instantaneous centre'",
@@ -77,11 +80,12 @@ void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& moti
   const char* names[] = {"across the shank (mm)", "along the shank (mm)"};
   for (int k = 0; k < 2; ++k) {
     figure.Line(fmt::format("set tmargin at screen {}; set bmargin at screen {}; set ylabel '{}'; set xlabel '{}'",
-                            k == 0 ? 0.90 : 0.46, k == 0 ? 0.55 : 0.11, names[k], k == 0 ? "" : "knee angle (degrees)"));
-    figure.Line(fmt::format("plot {} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder, {} "
-                            "using 1:2 with lines lw 2 lc rgb '{}'",
-                            figure.Data({angle, low[k], high[k]}), colour::kKnee, figure.Data({angle, place[k]}),
-                            colour::kKnee));
+                            k == 0 ? 0.90 : 0.46, k == 0 ? 0.55 : 0.11, names[k],
+                            k == 0 ? "" : "knee angle (degrees)"));
+    figure.Line(fmt::format(
+        "plot {} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder, {} "
+        "using 1:2 with lines lw 2 lc rgb '{}'",
+        figure.Data({angle, low[k], high[k]}), colour::kKnee, figure.Data({angle, place[k]}), colour::kKnee));
   }
   figure.Line("unset multiplot").Write(path);
 }

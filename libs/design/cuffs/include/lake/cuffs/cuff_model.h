@@ -1,12 +1,14 @@
-// What an exoskeleton's cuffs do to the leg: its links are rigid and joined by a hinge, each is held to its segment by one
-// or more cuffs, which yield. Sagittal plane, quasi-static, small movements of the links against the leg.
+// What an exoskeleton's cuffs do to the leg: its links are rigid and joined by a hinge, each is held to its segment by
+// one or more cuffs, which yield. Sagittal plane, quasi-static, small movements of the links against the leg.
 //
 //   energy = ½ Σ slipᵀ K slip − moment · turn − weights · movement,   least over the pose of both links
 //
+// A hinge that is free to turn lets two short cuffs have their way; one that an actuator holds does not.
 // A cuff of length L resists a turn as a row of springs does: k L²/12.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,8 +31,8 @@ struct CuffOptions {
   std::vector<Cuff> thigh{{200, 80}};
   std::vector<Cuff> shank{{200, 80}};
   // From the softest to the stiffest that is expected. Measured values depend on the strap's pressure and on the flesh;
-  // measure your own. How misfit becomes force: Schiele & van der Helm 2009, doi:10.1080/11762320902879961; that it loads
-  // the knee: Bessler-Etten et al. 2022, doi:10.1186/s12984-022-00990-z.
+  // measure your own. How misfit becomes force: Schiele & van der Helm 2009, doi:10.1080/11762320902879961; that it
+  // loads the knee: Bessler-Etten et al. 2022, doi:10.1186/s12984-022-00990-z.
   double softest_n_mm = 1, stiffest_n_mm = 2;
   double thigh_link_kg = 0, shank_link_kg = 0;  // half way from the hinge to the outermost cuff
 };
@@ -40,10 +42,13 @@ void Describe(CuffOptions& o, OptionList& options);
 // The leg and what the device does at an instant. Angles from the vertical, positive when the upper end leans forward.
 struct LegState {
   double thigh_deg = 0, shank_deg = 0;
-  // Where the hinge would be if it kept its place on the thigh, less the same on the shank: leg frame, mm (x anterior, y
-  // up).
+  // Where the hinge would be if it kept its place on the thigh, less the same on the shank: leg frame, mm (x anterior,
+  // y up).
   Eigen::Vector2d misfit_mm = Eigen::Vector2d::Zero();
-  double moment_nm = 0;  // the actuator's, extending the knee
+  double moment_nm = 0;  // the actuator's, extending the knee; of a hinge that is free to turn
+  // The hinge's angle less the knee's where the actuator holds it, as a stroke does: the moment is then what that
+  // takes.
+  std::optional<double> held_error_deg = {};
 };
 
 // On the leg.
@@ -66,7 +71,7 @@ LegLoad LoadOnLeg(const LegState& leg, const CuffOptions& options, const Stiffne
 // The misfit of a hinge over the rise, stress-free at standing (the last sample): place_shank_mm and place_thigh_mm are
 // where it is against the knee at standing in the segments' frames; flexion 0 straight. |misfit| = 2 |place| sin(θ/2)
 // after the knee has turned by θ.
-Eigen::Vector2d MisfitOf(const Eigen::Vector2d& place_shank_mm, const Eigen::Vector2d& place_thigh_mm,
-                         double thigh_deg, double shank_deg);
+Eigen::Vector2d MisfitOf(const Eigen::Vector2d& place_shank_mm, const Eigen::Vector2d& place_thigh_mm, double thigh_deg,
+                         double shank_deg);
 
 }  // namespace lake::cuffs

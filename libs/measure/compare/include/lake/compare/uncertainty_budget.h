@@ -2,8 +2,8 @@
 //
 //   u(y)² = Σ (c_i u_i)²,   c_i = ∂y/∂x_i;  intervals of 95 % are y ± 1.96 u.
 //
-// How precisely the markers are measured and how far they tell of the joint beneath them are two things: each headline has
-// an interval of both kinds.
+// How precisely the markers are measured and how far they tell of the joint beneath them are two things: each headline
+// has an interval of both kinds.
 #pragma once
 
 #include <filesystem>
@@ -23,10 +23,10 @@ struct BudgetOptions {
   // walking and 16.1 mm in cutting (Benoit et al. 2006); single markers on leg and thigh by 4 to 16 mm against
   // fluoroscopy (Ancillao et al. 2021). Such a largest stray is some two standard deviations.
   double soft_tissue_mm = 7;
-  double depth_mm = 10;          // of one marker's distance from the plane against another's
-  double view_slope = 0.1;       // how far the joint stands from the camera's axis over its distance: 0.3 m at 3 m
-  double scale_percent = 0.2;    // of the plane's scale
-  double event_s = 0.02;         // of onset and standing
+  double depth_mm = 10;        // of one marker's distance from the plane against another's
+  double view_slope = 0.1;     // how far the joint stands from the camera's axis over its distance: 0.3 m at 3 m
+  double scale_percent = 0.2;  // of the plane's scale
+  double event_s = 0.02;       // of onset and standing
 };
 
 void Describe(BudgetOptions& o, OptionList& options);
