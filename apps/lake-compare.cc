@@ -25,6 +25,26 @@ std::string JointReport(const lake::Json& summary) {
          fmt::format("; moving the joint leaves {:.2f} mm RMS\n", NumberOrNaN(summary["best_placement"]["rms_mm"]));
 }
 
+// The same headline with what the markers do not tell of the joint beneath them, and what the cuffs make of it.
+std::string AnatomyReport(const lake::Json& summary) {
+  using lake::NumberOrNaN;
+  if (!summary["uncertainty"].contains("joint_rms_mm")) return "";
+  const lake::Json& joint = summary["uncertainty"]["joint_rms_mm"];
+  std::string text = fmt::format("of the joint beneath the skin: 95 % interval {:.1f} to {:.1f} mm RMS; {}\n",
+                                 NumberOrNaN(joint["anatomical_interval"][0]),
+                                 NumberOrNaN(joint["anatomical_interval"][1]), joint["narrower"].get<std::string>());
+  if (!summary.contains("cuffs")) return text;
+  const auto newtons = [&](const char* which, const char* name) {
+    const lake::Json& of = summary["cuffs"][which];
+    const lake::Json& interval = of[fmt::format("{}_interval_n", name)];
+    return fmt::format("{:.0f} N ({:.0f} to {:.0f})", NumberOrNaN(of[fmt::format("{}_n", name)]),
+                       NumberOrNaN(interval[0]), NumberOrNaN(interval[1]));
+  };
+  return text + fmt::format("it loads the thigh's cuff by {}, the shank's by {}; with the joint moved {} and {}\n",
+                            newtons("worn", "thigh_cuff"), newtons("worn", "shank_cuff"),
+                            newtons("moved", "thigh_cuff"), newtons("moved", "shank_cuff"));
+}
+
 // What the exoskeleton does to pace and posture.
 std::string PaceAndPostureReport(const lake::Json& summary) {
   using lake::NumberOrNaN;
@@ -45,7 +65,7 @@ std::string Report(const lake::Json& summary) {
   const lake::Json& parts = summary["decomposition"];
   using lake::NumberOrNaN;
   const auto part = [&](const char* name) { return 100 * NumberOrNaN(parts[name]["fraction"]); };
-  std::string text = JointReport(summary);
+  std::string text = JointReport(summary) + AnatomyReport(summary);
   text += fmt::format(
       "path difference at equal percent {:.2f} mm RMS, {:.2f} mm at most; {:.2f} % of the shank RMS, {:.2f} % at "
       "most\n",

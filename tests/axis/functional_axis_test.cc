@@ -50,16 +50,22 @@ TEST(FunctionalAxis, FindsAnExactHinge) {
   EXPECT_NEAR(axis.flexion_deg, 1.6 * 180 / M_PI, 0.1);
 }
 
-// Ellipses of 95 % (2.45 standard deviations in two dimensions), with residuals correlated over 15 frames. Of 200 draws
-// 90 to 98 % is the aim; the share itself is uncertain by 1.5 %.
+constexpr double kEllipse95 = 2.448;  // standard deviations in two dimensions
+
+// Residuals correlated over 15 frames and nothing else. That a part of them repeats with the angle cannot be excluded,
+// so the ellipses are a little too wide: of 60 draws 54 or more hold the axis, and the error is no less than half of
+// what they say.
 TEST(FunctionalAxis, ItsIntervalHoldsTheAxis) {
+  constexpr unsigned kSeeds = 60;
   int held = 0;
-  for (unsigned seed = 0; seed < 200; ++seed) {
+  std::vector<double> off_mm, sd_mm;
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
     const MeanAxis axis = MeanAxes(MotionOf(Hinge(seed, 1, 15), kMarkers), 0, 10).whole;
-    held += axis.in_file.norm() < 2.448 * axis.sd_mm;
+    held += axis.in_file.norm() < kEllipse95 * axis.sd_mm;
+    off_mm.push_back(axis.in_file.norm()), sd_mm.push_back(axis.sd_mm);
   }
-  EXPECT_GE(held, 180);
-  EXPECT_LE(held, 198);
+  EXPECT_GE(held, 54);
+  EXPECT_GT(RootMeanSquare(off_mm), 0.5 * std::sqrt(2) * RootMeanSquare(sd_mm));
 }
 
 TEST(FunctionalAxis, RefusesMarkersItCannotUse) {
@@ -83,25 +89,166 @@ TEST(FunctionalAxis, TellsTheWindowsThatTurnTooLittle) {
   EXPECT_THAT(result.warnings, testing::ElementsAre(HasSubstr("window 2 is left out")));
 }
 
+// A hinge at (0, 0, 0) of the shank, along z, which a person's skin hides: `count` markers on each segment, whose
+// errors are functions of the angle (smooth: the k-th harmonic has an amplitude of skin / k) and a slow process beside
+// them. Five movements of `range_deg`, no two alike, at 100 Hz.
+exchange::PointRecording HingeUnderSkin(unsigned seed, double skin_mm, double range_deg, std::size_t count,
+                                        exchange::PointSpace space) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const int dimensions = space == exchange::PointSpace::kPlane ? 2 : 3;
+  constexpr int kHarmonics = 3;
+  struct Marker {
+    Vector3d at = Vector3d::Zero(), slow = Vector3d::Zero();
+    std::array<Vector3d, 2 * kHarmonics> harmonics;
+  };
+  const auto draw = [&](double sd_mm) {
+    Vector3d v = Vector3d::Zero();
+    for (int k = 0; k < dimensions; ++k) v[k] = sd_mm * normal(random);
+    return v;
+  };
+  std::vector<Marker> markers(2 * count);
+  exchange::PointRecording points;
+  points.space = space;
+  for (std::size_t m = 0; m < markers.size(); ++m) {
+    const bool is_shank = m < count;
+    markers[m].at =
+        draw(30) + Vector3d(0, (is_shank ? -1 : 1) * (100 + 250 * static_cast<double>(m % count) / (count - 1.0)), 0);
+    for (std::size_t k = 0; k < markers[m].harmonics.size(); ++k)
+      markers[m].harmonics[k] = draw(skin_mm / static_cast<double>(1 + k / 2) / std::sqrt(2));
+    points.points.push_back({(is_shank ? "s" : "t") + std::to_string(m % count), {}});
+  }
+  std::uniform_real_distribution<double> share(0.8, 1);
+  const double keep = std::exp(-1 / 30.0);
+  double tops[5];
+  for (double& top : tops) top = range_deg * M_PI / 180 * share(random);
+  for (int i = 0; i < 1000; ++i) {
+    const double angle = tops[i / 200] * 0.5 * (1 - std::cos(2 * M_PI * i / 200));
+    const Eigen::AngleAxisd turn(angle, Vector3d::UnitZ());
+    for (std::size_t m = 0; m < markers.size(); ++m) {
+      Marker& marker = markers[m];
+      marker.slow = keep * marker.slow + std::sqrt(1 - keep * keep) * draw(0.3 * skin_mm);
+      Vector3d place = marker.at + marker.slow + draw(0.05);
+      for (std::size_t k = 0; k < marker.harmonics.size(); ++k)
+        place += marker.harmonics[k] * (k % 2 ? std::sin(static_cast<double>(k / 2 + 1) * angle)
+                                              : std::cos(static_cast<double>(k / 2 + 1) * angle) - 1);
+      points.points[m].positions.push_back(m < count ? place : Vector3d(turn * place));
+    }
+    points.frame.push_back(i);
+    points.time_s.push_back(0.01 * i);
+  }
+  return points;
+}
+
+SegmentMarkers AllMarkers(std::size_t count) {
+  SegmentMarkers markers;
+  for (std::size_t m = 0; m < count; ++m) {
+    markers.shank.push_back("s" + std::to_string(m));
+    markers.thigh.push_back("t" + std::to_string(m));
+  }
+  return markers;
+}
+
+struct Held {
+  double whole = 0, windows = 0, centres = 0;  // of so many
+  double recordings = 0, all_windows = 0, all_centres = 0;
+
+  void Add(const exchange::PointRecording& points, const SegmentMarkers& markers) {
+    const SegmentMotion motion = MotionOf(points, markers);
+    const MeanAxesResult axes = MeanAxes(motion, 200, 10);
+    const auto distance = [](const Vector3d& place) { return place.head<2>().norm(); };
+    whole += distance(axes.whole.in_file) < kEllipse95 * axes.whole.sd_mm, ++recordings;
+    for (const MeanAxis& axis : axes.windows)
+      windows += distance(axis.in_file) < kEllipse95 * axis.sd_mm, ++all_windows;
+    for (const InstantaneousCentre& c : InstantaneousCentres(motion, axes))
+      centres += distance(c.in_file) < kEllipse95 * c.sd_mm.norm() / std::sqrt(2), ++all_centres;
+  }
+};
+
+// Skin that moves by 3 mm, in part slowly, in part as the angle says, first harmonic included, which looks as a hinge
+// elsewhere does. Of 95 % ellipses at least 90 % must hold the hinge, over clusters of two to five markers and
+// movements of 60 to 120 degrees. The seeds are not those on which the model was worked out (0 to 11, by another
+// program).
+TEST(FunctionalAxis, ItsIntervalsHoldAHingeUnderSkin) {
+  Held held;
+  for (unsigned seed = 100; seed < 106; ++seed) {
+    for (const double range_deg : {60.0, 95.0, 120.0})
+      for (const std::size_t count : {2u, 4u})
+        held.Add(HingeUnderSkin(seed, 3, range_deg, count, exchange::PointSpace::kPlane), AllMarkers(count));
+    held.Add(HingeUnderSkin(seed, 3, 95, 5, exchange::PointSpace::kSpace), AllMarkers(5));
+  }
+  EXPECT_GE(held.whole, 0.9 * held.recordings);
+  EXPECT_GE(held.windows, 0.9 * held.all_windows);
+  EXPECT_GE(held.centres, 0.9 * held.all_centres);
+  RecordProperty("whole", std::to_string(held.whole / held.recordings));
+  RecordProperty("windows", std::to_string(held.windows / held.all_windows));
+  RecordProperty("centres", std::to_string(held.centres / held.all_centres));
+}
+
+// Without skin the intervals are narrow: they are of what is found in the recording.
+TEST(FunctionalAxis, ItsIntervalsAreAsNarrowAsTheMarkersAllow) {
+  const SegmentMotion motion = MotionOf(HingeUnderSkin(3, 0.01, 95, 4, exchange::PointSpace::kPlane), AllMarkers(4));
+  const MeanAxesResult axes = MeanAxes(motion, 200, 10);
+  EXPECT_LT(axes.whole.sd_mm, 0.2);
+  for (const InstantaneousCentre& c : InstantaneousCentres(motion, axes)) EXPECT_LT(c.sd_mm.norm(), 0.6);
+}
+
+// The pin over a range of angles is the one of its frames.
+TEST(FunctionalAxis, PinOverARange) {
+  const SegmentMotion motion = MotionOf(HingeUnderSkin(4, 1, 95, 3, exchange::PointSpace::kPlane), AllMarkers(3));
+  const MeanAxesResult axes = MeanAxes(motion, 0, 10);
+  const std::vector<double> angles = KneeAngles(motion, axes.whole);
+  const auto [least, most] = std::minmax_element(angles.begin(), angles.end());
+  const MeanAxis all = PinOver(motion, axes, *least, *most);
+  EXPECT_NEAR((all.in_shank - axes.whole.in_shank).norm(), 0, 0.3) << "what the modes carry is known before";
+  const MeanAxis half = PinOver(motion, axes, *least, (*least + *most) / 2);
+  EXPECT_LT(half.flexion_deg, 0.51 * all.flexion_deg + 1);
+  EXPECT_GT(half.sd_mm, all.sd_mm);
+  EXPECT_LT((half.in_shank - all.in_shank).norm(), 3 * half.sd_mm);
+  EXPECT_THAT([&] { PinOver(motion, axes, *most + 10, *most + 20); },
+              testing::ThrowsMessage<Error>(HasSubstr("the recording goes from")));
+}
+
 double FromHinge(const exchange::PointRecording& points, const SegmentMotion& motion, const Vector3d& in_shank,
                  std::size_t frame) {
   const Vector3d a = points.Find("ax1")->positions[frame], b = points.Find("ax2")->positions[frame];
-  const Vector3d place = motion.shank[frame].turn * in_shank + motion.shank[frame].origin;
-  return (b - a).normalized().cross(place - a).norm();
+  const Pose& shank = motion.shank.poses[frame];
+  return (b - a).normalized().cross(shank.turn * in_shank + shank.origin - a).norm();
 }
 
-// The place of a knee's instantaneous centre is sought to 2 mm; a frame's centre by differences over 50 ms is 4.75 mm
-// off.
-TEST(FunctionalAxis, FindsTheCentresOfAMeasuredHinge) {
+// Its lower body is strained along its length, by 1.2 mm at some markers, and so carries the joint by 1.5 mm. Where its
+// axis' markers sit beside the axis is not known; their scatter is 0.12 mm. The aims: 0.6 mm over the whole recording,
+// at most 1.3 mm over windows, 2 mm in the median of the centres.
+TEST(FunctionalAxis, FindsAMeasuredHinge) {
   const std::filesystem::path file = std::filesystem::path(LAKE_SHARED_DATA) / "hinge_axis/hinge_a.trc";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is absent";
   const exchange::PointRecording points = exchange::ReadPoints(file);
   const SegmentMotion motion = MotionOf(points, {{"dw1", "dw2", "dw3", "dw4", "dw5", "cld1", "cld2", "cld3"},
                                                  {"up1", "up2", "up3", "up4", "up5", "clu1", "clu2", "clu3"}});
-  std::vector<double> off_mm;
-  for (const InstantaneousCentre& c : InstantaneousCentres(motion, MeanAxes(motion, 0, 10).whole))
-    off_mm.push_back(FromHinge(points, motion, c.in_shank, c.frame));
-  EXPECT_LT(Median(off_mm), 2);
+  const MeanAxesResult axes = MeanAxes(motion, 300, 10);
+  const auto off_mm = [&](const MeanAxis& axis) {
+    Vector3d a = Vector3d::Zero(), b = a;
+    for (std::size_t i = axis.first; i <= axis.last; ++i)
+      a += points.Find("ax1")->positions[i], b += points.Find("ax2")->positions[i];
+    const double n = static_cast<double>(axis.last - axis.first + 1);
+    return (b - a).normalized().cross(axis.in_file - a / n).norm();
+  };
+  EXPECT_LT(off_mm(axes.whole), 0.7);
+  EXPECT_LT(off_mm(axes.whole), kEllipse95 * axes.whole.sd_mm);
+  EXPECT_LT(axes.whole.pin_residual_mm, 0.3);
+  ASSERT_EQ(axes.windows.size(), 6);
+  for (const MeanAxis& axis : axes.windows) {
+    EXPECT_LT(off_mm(axis), 1.4) << axis.window;
+    EXPECT_LT(off_mm(axis), kEllipse95 * axis.sd_mm) << axis.window;
+  }
+  std::vector<double> centre_off_mm;
+  double held = 0;
+  for (const InstantaneousCentre& c : InstantaneousCentres(motion, axes)) {
+    centre_off_mm.push_back(FromHinge(points, motion, c.in_shank, c.frame));
+    held += centre_off_mm.back() < kEllipse95 * c.sd_mm.norm() / std::sqrt(2);
+  }
+  EXPECT_LT(Median(centre_off_mm), 1);
+  EXPECT_GT(held, 0.9 * static_cast<double>(centre_off_mm.size()));
 }
 
 }  // namespace

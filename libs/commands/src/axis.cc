@@ -12,6 +12,8 @@
 #include "lake/core/numbers.h"
 #include "lake/exchange/convert_options.h"
 #include "lake/exchange/formats.h"
+#include "lake/figure/axis_figure.h"
+#include "png_and_svg.h"
 
 namespace lake::commands {
 namespace {
@@ -119,15 +121,22 @@ void WriteCentres(const fs::path& path, const std::vector<axis::InstantaneousCen
   csv.Write(path);
 }
 
-// None where the movement does not repeat: the axis stands without them.
-std::vector<axis::InstantaneousCentre> CentresOf(const axis::SegmentMotion& motion, const axis::MeanAxis& whole,
-                                                 Run& run) {
-  try {
-    return axis::InstantaneousCentres(motion, whole);
-  } catch (const Error& error) {
-    run.Warn(fmt::format("no centre.csv: {}", error.what()));
-    return {};
-  }
+// What the clusters do together on the skin, beside what they do against each other.
+void AddSoftTissue(double soft_tissue_mm, axis::MeanAxesResult& axes, std::vector<axis::InstantaneousCentre>& centres) {
+  axes.whole.sd_mm = std::hypot(axes.whole.sd_mm, soft_tissue_mm);
+  for (axis::MeanAxis& axis : axes.windows) axis.sd_mm = std::hypot(axis.sd_mm, soft_tissue_mm);
+  const Vector3d& along = axes.whole.direction_shank;
+  for (axis::InstantaneousCentre& centre : centres)
+    for (int k = 0; k < 3; ++k)
+      centre.sd_mm[k] = std::hypot(centre.sd_mm[k], soft_tissue_mm * std::sqrt(1 - along[k] * along[k]));
+}
+
+Json PinJson(const axis::MeanAxis& pin, const std::array<double, 2>& range_deg, int dimensions) {
+  return {{"from_deg", range_deg[0]},
+          {"to_deg", range_deg[1]},
+          {"point_mm", PointJson(pin.in_shank, dimensions)},
+          {"sd_mm", pin.sd_mm},
+          {"residual_mm", pin.pin_residual_mm}};
 }
 
 }  // namespace
@@ -156,6 +165,12 @@ void Describe(AxisRunOptions& o, OptionList& options) {
   options.Add("least-turn", o.least_turn_deg, "How far the segments must turn, also within a window")
       .Unit("degrees")
       .Positive();
+  options
+      .Add("soft-tissue", o.soft_tissue_mm,
+           "Standard deviation, per axis, of the joint against clusters on skin that move as one; 7 for a leg")
+      .Unit("mm")
+      .NotNegative();
+  options.Add("range", o.range_deg, "Also the best pin between these two knee angles").Value("FROM,TO").Unit("degrees");
   options.Check([&o](const OptionList&) {
     if (o.segments.shank.empty() || o.segments.thigh.empty())
       throw UsageError(fmt::format("--segment: of the {} no marker is given: add --segment {}=MARKER,MARKER",
@@ -173,18 +188,21 @@ Json RunAxis(const AxisRunOptions& options, Run& run) {
   run.AddInputs(InputsOf(options));
   const int dimensions = points.space == exchange::PointSpace::kSpace ? 3 : 2;
   const axis::SegmentMotion motion = axis::MotionOf(points, options.segments);
-  const axis::MeanAxesResult result = axis::MeanAxes(motion, WindowFrames(options, points), options.least_turn_deg);
-  run.Begin({"summary.json", "axis.csv", "centre.csv"});
+  axis::MeanAxesResult result = axis::MeanAxes(motion, WindowFrames(options, points), options.least_turn_deg);
+  std::vector<axis::InstantaneousCentre> centres = axis::InstantaneousCentres(motion, result);
+  Json pin;
+  if (options.range_deg) {
+    axis::MeanAxis best = axis::PinOver(motion, result, (*options.range_deg)[0], (*options.range_deg)[1]);
+    best.sd_mm = std::hypot(best.sd_mm, options.soft_tissue_mm);
+    pin = PinJson(best, *options.range_deg, dimensions);
+  }
+  AddSoftTissue(options.soft_tissue_mm, result, centres);
+  run.Begin({"summary.json", "axis.csv", "centre.csv", "axis.png", "axis.svg"});
   for (const std::string& warning : points.warnings) run.Warn(warning);
   for (const std::string& warning : result.warnings) run.Warn(warning);
   WriteAxes(run.Result("axis.csv"), result, points, dimensions);
-  const std::vector<axis::InstantaneousCentre> centres = CentresOf(motion, result.whole, run);
-  if (!centres.empty()) {
-    run.Warn(
-        "centre.csv: its standard deviations are of the smoothing alone, and too small where errors repeat at each "
-        "passage: do not take them for intervals of the knee");
-    WriteCentres(run.Result("centre.csv"), centres, points, dimensions);
-  }
+  WriteCentres(run.Result("centre.csv"), centres, points, dimensions);
+  DrawPngAndSvg("axis", run, [&](const fs::path& path) { figure::DrawAxis(path, motion, result, centres); });
   const axis::MeanAxis& whole = result.whole;
   return {{"axis_point_mm", PointJson(whole.in_shank, dimensions)},
           {"axis_direction", PointJson(whole.direction_shank, 3)},
@@ -193,6 +211,9 @@ Json RunAxis(const AxisRunOptions& options, Run& run) {
           {"axis_direction_file", PointJson(whole.direction_file, 3)},
           {"pin_residual_mm", whole.pin_residual_mm},
           {"flexion_deg", whole.flexion_deg},
+          {"shank_marker_sd_mm", motion.shank.deformation.marker_sd_mm},
+          {"thigh_marker_sd_mm", motion.thigh.deformation.marker_sd_mm},
+          {"pin_over_range", pin},
           {"windows", result.windows.size()}};
 }
 

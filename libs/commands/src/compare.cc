@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cuff_tables.h"
 #include "lake/commands/gait.h"
 #include "lake/compare/comparison_file.h"
 #include "lake/compare/misalignment_options.h"
@@ -122,14 +123,43 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   return pair;
 }
 
-void WriteComparisonReport(const std::string& title, const Json& comparison, Run& run) {
+// Precision of the markers and accuracy with respect to the joint, apart.
+report::Section UncertaintySection(const std::vector<compare::Budget>& budgets) {
+  report::Table headlines{.caption = "95 % intervals"};
+  headlines.columns = {{"quantity"}, {"value"}, {"of the markers"}, {"of the joint beneath them"}};
+  report::Table sources{.caption = "Uncertainty budget (GUM): standard deviations"};
+  sources.columns = {{"quantity"}, {"source"}, {"size"}, {"contribution"}, {"share of the variance"}, {"from"}};
+  report::Section section{"Uncertainty", {}};
+  for (const compare::Budget& budget : budgets) {
+    const std::string name = compare::QuantityName(budget.quantity);
+    const auto text = [&](const compare::Interval& interval) {
+      return fmt::format("{:.1f} to {:.1f} {}", interval.low, interval.high, budget.unit);
+    };
+    headlines.rows.push_back({name, fmt::format("{:.1f} {}", budget.value, budget.unit), text(budget.MarkerInterval()),
+                              text(budget.AnatomicalInterval())});
+    for (const compare::BudgetRow& row : budget.rows)
+      sources.rows.push_back({name, row.source, fmt::format("{:.2g} {}", row.size, row.unit),
+                              fmt::format("{:.2g} {}", row.Contribution(), budget.unit),
+                              fmt::format("{:.1f} %", budget.SharePercent(row)), row.reference});
+  }
+  section.blocks = {report::Paragraph{"How precisely the markers are measured is one thing; how far they tell of the "
+                                      "joint beneath the skin is another. " +
+                                      compare::WhatNarrows(budgets.front())},
+                    headlines, sources};
+  return section;
+}
+
+void WriteComparisonReport(const std::string& title, const Json& comparison, std::vector<report::Section> more,
+                           Run& run) {
   report::Report report{.title = "Misalignment of human and exoskeleton knee",
                         .subtitle = title,
                         .warnings = run.Warnings(),
                         .sections = report::MisalignmentSections(comparison)};
+  for (report::Section& section : more) report.sections.push_back(std::move(section));
   report.sections.push_back(
       {"Output files",
        {report::Files{{{"misalignment.csv", "the curves, a row per percent"},
+                       {"uncertainty_budget.csv", "what each figure is uncertain by, source by source"},
                        {"comparison.json", "all values and curves, as lake-optimize reads them"},
                        {"overlay.svg", "knee paths and legs, a figure for print"},
                        {"misalignment.svg", "error, parts and angles over the rise, for print"}}}}});
@@ -198,8 +228,8 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   const RegisteredPair pair = ReadPair(options, run);
   run.AddInputs(InputsOf(options));
   const std::string& exo_knee = pair.exo_knee;
-  run.Begin({"summary.json", "misalignment.csv", "overlay.png", "overlay.svg", "misalignment.png", "misalignment.svg",
-             "comparison.json", "report.html"});
+  run.Begin({"summary.json", "misalignment.csv", "uncertainty_budget.csv", "cuffs.csv", "overlay.png", "overlay.svg",
+             "misalignment.png", "misalignment.svg", "comparison.json", "report.html"});
   const compare::Misalignment misalignment = compare::CompareTrials(pair.human, pair.exo, options.misalignment);
   for (const std::string& warning : misalignment.warnings) run.Warn(warning);
   compare::WriteMisalignmentCsv(run.Result("misalignment.csv"), misalignment);
@@ -209,8 +239,20 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   DrawPngAndSvg("misalignment", run, [&](const fs::path& path) { figure::DrawMisalignmentFigure(path, misalignment); });
   Json comparison = compare::ComparisonJson(misalignment);
   comparison["markers"] = {{"human", options.human_knee}, {"exo", exo_knee}};
+  const std::vector<compare::Budget> budgets =
+      compare::BudgetsOf(misalignment, options.misalignment.replacement_sd_mm, options.budget);
+  compare::WriteUncertaintyBudgetCsv(run.Result("uncertainty_budget.csv"), budgets);
+  comparison["uncertainty"] = compare::BudgetsJson(budgets);
+  std::vector<report::Section> sections{UncertaintySection(budgets)};
+  if (misalignment.joint && !misalignment.exo.leg_knee.empty()) {
+    const double misfit_share = budgets.front().Deviation() / std::max(budgets.front().value, 1e-9);
+    const std::vector<CuffCase> cases = CuffCases(misalignment.exo, *misalignment.joint, misfit_share, options.cuff);
+    WriteCuffTable(run.Result("cuffs.csv"), cases);
+    comparison["cuffs"] = CuffsJson(cases);
+    sections.push_back(CuffSection(cases, options.cuff));
+  }
   WriteJsonFile(run.Result("comparison.json"), comparison);
-  WriteComparisonReport(title, comparison, run);
+  WriteComparisonReport(title, comparison, std::move(sections), run);
   comparison.erase("curves");
   return comparison;
 }
@@ -226,6 +268,8 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   options.Add("human-knee", o.human_knee, "The compared marker of the human trial");
   options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
   Describe(o.misalignment, options);
+  Describe(o.budget, options);
+  Describe(o.cuff, options);
   Describe(o.human_reading, options);
   options.Add("exo-map", o.exo_reading.names, "--map of the exoskeleton trial")
       .Value("NAME=MARKER,...")

@@ -1,173 +1,102 @@
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <optional>
 
-#include "lake/axis/functional_axis.h"
+#include "hinge_fit.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
-#include "lake/core/statistics.h"
 
 namespace lake::axis {
 namespace {
 
-using Eigen::Matrix3d, Eigen::Vector3d;
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-using Rows = Eigen::Matrix<double, 3, 6>;
+using Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 
-// Of one frame, in the shank's frame: turn · in_thigh − in_shank + offset is how far the two points stand apart.
-struct Equation {
-  std::size_t frame;
-  Rows rows;
-  Vector3d offset;
-};
+constexpr std::size_t kLeastFrames = 10;  // four unknowns, and something to judge the residuals by
 
-std::vector<Equation> EquationsOf(const SegmentMotion& motion, std::size_t first, std::size_t last) {
-  std::vector<Equation> equations;
-  for (std::size_t i = first; i <= last; ++i) {
-    const Pose &shank = motion.shank[i], &thigh = motion.thigh[i];
-    if (!shank.IsSeen() || !thigh.IsSeen()) continue;
-    Rows rows;
-    rows << shank.turn.transpose() * thigh.turn, -Matrix3d::Identity();
-    equations.push_back({i, rows, shank.turn.transpose() * (thigh.origin - shank.origin)});
-  }
-  return equations;
+std::vector<std::size_t> SeenFrames(const SegmentMotion& motion, std::size_t first, std::size_t end) {
+  std::vector<std::size_t> frames;
+  for (std::size_t i = first; i < end; ++i)
+    if (motion.shank.poses[i].IsSeen() && motion.thigh.poses[i].IsSeen()) frames.push_back(i);
+  return frames;
 }
 
-struct Solution {
-  Vector6d points;             // in_thigh, in_shank
-  Vector6d direction;          // the same of the axis
-  Matrix6d inverse;            // of the normal matrix, across the axis
-  std::vector<double> weight;  // of each equation
-};
-
-Solution Solve(const std::vector<Equation>& equations) {
-  constexpr double kHuber = 1.345;  // 95 % efficient on normal residuals
-  constexpr int kRounds = 20;
-  Solution s;
-  s.weight.assign(equations.size(), 1);
-  for (int round = 0; round < kRounds; ++round) {
-    Matrix6d normal = Matrix6d::Zero();
-    Vector6d right = Vector6d::Zero();
-    for (std::size_t i = 0; i < equations.size(); ++i) {
-      normal += s.weight[i] * equations[i].rows.transpose() * equations[i].rows;
-      right -= s.weight[i] * equations[i].rows.transpose() * equations[i].offset;
-    }
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(normal);
-    s.direction = eigen.eigenvectors().col(0);
-    s.inverse.setZero();
-    for (int k = 1; k < 6; ++k)
-      s.inverse += eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose() / eigen.eigenvalues()[k];
-    s.points = s.inverse * right;
-    std::vector<double> sizes;
-    std::ranges::transform(equations, std::back_inserter(sizes),
-                           [&](const Equation& e) { return (e.rows * s.points + e.offset).norm(); });
-    const double scale = kHuber * Median(sizes);
-    for (std::size_t i = 0; i < sizes.size(); ++i) s.weight[i] = sizes[i] > scale ? scale / sizes[i] : 1;
-  }
-  return s;
+double LargestTurnDeg(const SegmentMotion& motion, const std::vector<std::size_t>& frames) {
+  const auto turn = [&](std::size_t i) -> Matrix3d {
+    return motion.shank.poses[i].turn.transpose() * motion.thigh.poses[i].turn;
+  };
+  double largest = 0;
+  for (std::size_t i : frames)
+    largest =
+        std::max(largest, DegreesFromRadians(Eigen::AngleAxisd(turn(frames.front()).transpose() * turn(i)).angle()));
+  return largest;
 }
 
-double TurnDeg(const Matrix3d& a, const Matrix3d& b) {
-  return DegreesFromRadians(Eigen::AngleAxisd(a.transpose() * b).angle());
+// How the shank's point moves with the unknowns at the shank's deformation `modes`.
+Eigen::Matrix2Xd ShankPointRows(const Eigen::RowVectorXd& modes, Eigen::Index unknowns) {
+  Eigen::Matrix2Xd rows = Eigen::Matrix2Xd::Zero(2, unknowns);
+  rows.middleCols<2>(2).setIdentity();
+  for (Eigen::Index mode = 0; mode < modes.size(); ++mode)
+    rows.middleCols<2>(4 + 2 * mode).diagonal().setConstant(modes[mode]);
+  return rows;
 }
 
-// The residuals' covariance at each lag of frames over the whole recording, tapered to zero at a quarter of it.
-std::vector<Matrix3d> LagCovariances(const std::vector<Equation>& equations, const Solution& s, std::size_t frames) {
-  std::vector<std::optional<Vector3d>> residual(frames);
-  for (const Equation& e : equations) residual[e.frame] = e.rows * s.points + e.offset;
-  const std::size_t lags = std::max<std::size_t>(frames / 4, 1);
-  std::vector<Matrix3d> covariances(lags, Matrix3d::Zero());
-  for (std::size_t lag = 0; lag < lags; ++lag) {
-    for (std::size_t i = 0; i + lag < frames; ++i)
-      if (residual[i] && residual[i + lag]) covariances[lag] += *residual[i] * residual[i + lag]->transpose();
-    // Divided alike at each lag: so the whole is positive definite.
-    covariances[lag] *=
-        (1 - static_cast<double>(lag) / static_cast<double>(lags)) / static_cast<double>(equations.size());
-  }
-  return covariances;
-}
-
-Matrix6d CovarianceOf(const std::vector<Equation>& equations, const Solution& s, const std::vector<Matrix3d>& lags) {
-  Matrix6d middle = Matrix6d::Zero();
-  for (std::size_t i = 0; i < equations.size(); ++i)
-    for (std::size_t j = i; j < equations.size() && equations[j].frame - equations[i].frame < lags.size(); ++j) {
-      const Matrix6d term = s.weight[i] * s.weight[j] * equations[i].rows.transpose() *
-                            lags[equations[j].frame - equations[i].frame] * equations[j].rows;
-      middle += term;
-      if (j != i) middle += term.transpose();
-    }
-  return s.inverse * middle * s.inverse;
-}
-
-MeanAxis AxisOf(const SegmentMotion& motion, const std::vector<Equation>& equations, const Solution& s,
-                const std::vector<Matrix3d>& lags) {
+MeanAxis AxisOf(const SegmentMotion& motion, const std::vector<std::size_t>& frames, const AxisFrames& across,
+                const HingeFit& fit, const std::vector<ErrorModel>& errors) {
+  const HingeSolution solution = fit.Solve(errors);
+  const double count = static_cast<double>(frames.size());
+  const MatrixXd& modes = motion.shank.deformation.modes;
+  const auto in_shank = [&](const Eigen::RowVectorXd& mode) -> Vector3d {
+    return across.shank.leftCols<2>() * (ShankPointRows(mode, solution.unknowns.size()) * solution.unknowns);
+  };
   MeanAxis axis;
-  axis.first = equations.front().frame;
-  axis.last = equations.back().frame;
-  axis.direction_thigh = s.direction.head<3>().normalized();
-  axis.direction_shank = s.direction.tail<3>().normalized();
-  if (axis.direction_shank.z() < 0) {
-    axis.direction_shank *= -1;
-    axis.direction_thigh *= -1;
-  }
-  const double along = s.points.tail<3>().dot(axis.direction_shank);
-  axis.in_thigh = s.points.head<3>() - along * axis.direction_thigh;
-  axis.in_shank = s.points.tail<3>() - along * axis.direction_shank;
-  const Matrix3d across = Matrix3d::Identity() - axis.direction_shank * axis.direction_shank.transpose();
-  axis.sd_mm = std::sqrt((across * CovarianceOf(equations, s, lags).bottomRightCorner<3, 3>() * across).trace() / 2);
+  axis.first = frames.front(), axis.last = frames.back();
+  axis.direction_shank = across.shank.col(2), axis.direction_thigh = across.thigh.col(2);
+  axis.in_thigh = across.thigh * Vector3d(solution.unknowns[0], solution.unknowns[1], across.thigh_along_mm);
   axis.in_file = axis.direction_file = Vector3d::Zero();
-  double square = 0;
-  const Matrix3d start = equations.front().rows.leftCols<3>();
-  double low = 0, high = 0, angle = 0;
-  Matrix3d before = start;
-  for (const Equation& e : equations) {
-    const Pose& shank = motion.shank[e.frame];
-    axis.in_file += (shank.turn * axis.in_shank + shank.origin) / static_cast<double>(equations.size());
+  Eigen::RowVectorXd mean_modes = Eigen::RowVectorXd::Zero(modes.cols());
+  for (std::size_t i : frames) {
+    const Pose& shank = motion.shank.poses[i];
+    const auto row = modes.row(static_cast<Eigen::Index>(i));
+    mean_modes += row / count;
+    axis.in_file += (shank.turn * in_shank(row) + shank.origin) / count;
     axis.direction_file += shank.turn * axis.direction_shank;
-    square += (across * (e.rows * s.points + e.offset)).squaredNorm();
-    const Matrix3d now = e.rows.leftCols<3>();
-    const Eigen::AngleAxisd step(now * before.transpose());
-    angle += DegreesFromRadians(step.angle()) * step.axis().dot(axis.direction_shank);
-    low = std::min(low, angle);
-    high = std::max(high, angle);
-    before = now;
   }
+  axis.in_shank = in_shank(mean_modes);
   axis.direction_file.normalize();
-  axis.pin_residual_mm = std::sqrt(square / static_cast<double>(equations.size()));
-  axis.flexion_deg = high - low;
+  const Eigen::Matrix2Xd rows = ShankPointRows(mean_modes, solution.unknowns.size());
+  axis.sd_mm = std::sqrt((rows * solution.covariance * rows.transpose()).trace() / 2);
+  double square = 0;
+  for (const HingeEquation& e : fit.Equations()) square += e.Stray(solution.unknowns).squaredNorm();
+  axis.pin_residual_mm = std::sqrt(square / count);
+  const auto [least, most] = std::ranges::minmax_element(fit.Equations(), {}, &HingeEquation::angle_rad);
+  axis.flexion_deg = DegreesFromRadians(most->angle_rad - least->angle_rad);
   return axis;
 }
 
-double LargestTurnDeg(const std::vector<Equation>& equations) {
-  double turn = 0;
-  for (const Equation& e : equations)
-    turn = std::max(turn, TurnDeg(equations.front().rows.leftCols<3>(), e.rows.leftCols<3>()));
-  return turn;
+MeanAxis AxisOver(const SegmentMotion& motion, const std::vector<std::size_t>& frames, const LearntErrors& errors) {
+  const AxisFrames across = AxisFramesOf(motion, frames);
+  return AxisOf(motion, frames, across, HingeFit(motion, EquationsOf(motion, frames, across), &errors), errors.models);
 }
 
 }  // namespace
 
 MeanAxesResult MeanAxes(const SegmentMotion& motion, std::size_t window_frames, double least_turn_deg) {
-  constexpr std::size_t kLeastFrames = 10;  // six unknowns, and something to judge the residuals by
-  const std::size_t frames = motion.shank.size();
-  const std::vector<Equation> all = frames ? EquationsOf(motion, 0, frames - 1) : std::vector<Equation>();
+  const std::size_t count = motion.shank.poses.size();
+  const std::vector<std::size_t> all = SeenFrames(motion, 0, count);
   if (all.size() < kLeastFrames)
     throw Fail("{} frames show both segments; an axis needs at least {}", all.size(), kLeastFrames);
-  if (const double turn = LargestTurnDeg(all); turn < least_turn_deg)
+  if (const double turn = LargestTurnDeg(motion, all); turn < least_turn_deg)
     throw Fail("the segments turn by {:.1f} degrees only; an axis needs at least {:.0f}", turn, least_turn_deg);
-  const Solution whole = Solve(all);
-  const std::vector<Matrix3d> lags = LagCovariances(all, whole, frames);
-  MeanAxesResult result{AxisOf(motion, all, whole, lags), {}, {}};
-  for (std::size_t window = 1; window_frames > 0 && window * window_frames <= frames; ++window) {
-    const std::size_t first = (window - 1) * window_frames, last = window * window_frames - 1;
-    const std::vector<Equation> some = EquationsOf(motion, first, last);
-    const double turn = some.empty() ? 0 : LargestTurnDeg(some);
+  const AxisFrames across = AxisFramesOf(motion, all);
+  const HingeFit fit(motion, EquationsOf(motion, all, across));
+  MeanAxesResult result;
+  result.errors = fit.LearnErrors();
+  result.whole = AxisOf(motion, all, across, fit, result.errors.models);
+  for (std::size_t window = 1; window_frames > 0 && window * window_frames <= count; ++window) {
+    const std::vector<std::size_t> some = SeenFrames(motion, (window - 1) * window_frames, window * window_frames);
+    const double turn = some.empty() ? 0 : LargestTurnDeg(motion, some);
     if (some.size() < kLeastFrames || turn < least_turn_deg) {
       result.warnings.push_back(
           fmt::format("window {} is left out: {} of its frames show both segments, which turn by {:.1f} degrees; an "
@@ -175,10 +104,49 @@ MeanAxesResult MeanAxes(const SegmentMotion& motion, std::size_t window_frames, 
                       window, some.size(), turn, kLeastFrames, least_turn_deg));
       continue;
     }
-    result.windows.push_back(AxisOf(motion, some, Solve(some), lags));
+    result.windows.push_back(AxisOver(motion, some, result.errors));
     result.windows.back().window = window;
   }
   return result;
+}
+
+std::vector<double> KneeAngles(const SegmentMotion& motion, const MeanAxis& axis) {
+  Matrix3d frame;
+  frame.col(0) = axis.direction_shank.unitOrthogonal();
+  frame.col(1) = axis.direction_shank.cross(frame.col(0));
+  frame.col(2) = axis.direction_shank;
+  const Vector3d shank = frame.transpose() * (motion.shank.first_marker - axis.in_shank);
+  const std::size_t count = motion.shank.poses.size();
+  std::vector<double> angles(count, std::numeric_limits<double>::quiet_NaN());
+  double sum = 0, before = 0;
+  bool has_before = false;
+  for (std::size_t i : SeenFrames(motion, 0, count)) {
+    const Matrix3d turn = motion.shank.poses[i].turn.transpose() * motion.thigh.poses[i].turn;
+    const Vector3d thigh = frame.transpose() * (turn * (axis.in_thigh - motion.thigh.first_marker));
+    const double angle = DegreesFromRadians(std::atan2(thigh.y(), thigh.x()) - std::atan2(shank.y(), shank.x()));
+    angles[i] = std::remainder(has_before ? angle - before : angle, 360) + (has_before ? before : 0);
+    sum += before = angles[i];
+    has_before = true;
+  }
+  if (sum < 0)
+    for (double& angle : angles) angle = -angle;
+  return angles;
+}
+
+MeanAxis PinOver(const SegmentMotion& motion, const MeanAxesResult& axes, double from_deg, double to_deg) {
+  const std::vector<double> angles = KneeAngles(motion, axes.whole);
+  std::vector<std::size_t> frames;
+  for (std::size_t i = 0; i < angles.size(); ++i)
+    if (angles[i] >= from_deg && angles[i] <= to_deg) frames.push_back(i);
+  if (frames.size() < kLeastFrames) {
+    const auto seen = SeenFrames(motion, 0, angles.size());
+    const auto [least, most] = std::ranges::minmax(seen, {}, [&](std::size_t i) { return angles[i]; });
+    throw Fail(
+        "{} frames have a knee angle of {:.0f} to {:.0f} degrees; a pin needs at least {}: the recording goes from "
+        "{:.0f} to {:.0f}",
+        frames.size(), from_deg, to_deg, kLeastFrames, angles[least], angles[most]);
+  }
+  return AxisOver(motion, frames, axes.errors);
 }
 
 }  // namespace lake::axis

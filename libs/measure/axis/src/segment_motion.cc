@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -13,12 +14,10 @@
 namespace lake::axis {
 namespace {
 
-using Eigen::Matrix3d, Eigen::Matrix3Xd, Eigen::Vector3d;
+using Eigen::Matrix3d, Eigen::Matrix3Xd, Eigen::MatrixXd, Eigen::Vector3d;
 
-struct Segment {
-  std::vector<Pose> poses;
-  Vector3d first_marker;
-};
+constexpr Eigen::Index kMostModes = 2;    // of a segment: soft tissue moves in few ways
+constexpr double kLeastModeShare = 0.01;  // of the deformation's variance
 
 std::vector<const exchange::PointTrack*> TracksOf(const exchange::PointRecording& points,
                                                   const std::vector<std::string>& names, const char* segment,
@@ -71,6 +70,54 @@ std::optional<Pose> PoseOf(const Matrix3Xd& shape, const std::vector<const excha
   return pose;
 }
 
+// Values at the rows of `known`, which rise, by lines between them.
+MatrixXd Bridged(const MatrixXd& values, const std::vector<Eigen::Index>& known, Eigen::Index rows) {
+  MatrixXd all(rows, values.cols());
+  std::size_t after = 0;
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    while (after + 1 < known.size() && known[after] < row) ++after;
+    const std::size_t before = known[after] > row && after > 0 ? after - 1 : after;
+    const double width = static_cast<double>(known[after] - known[before]);
+    const double share = width > 0 ? static_cast<double>(row - known[before]) / width : 0;
+    all.row(row) = (1 - share) * values.row(static_cast<Eigen::Index>(before)) +
+                   share * values.row(static_cast<Eigen::Index>(after));
+  }
+  return all;
+}
+
+// From the frames with all markers, of which there is one at least.
+Deformation DeformationOf(const Matrix3Xd& shape, const std::vector<const exchange::PointTrack*>& tracks,
+                          const std::vector<Pose>& poses, bool is_plane) {
+  std::vector<Eigen::Index> complete;
+  MatrixXd strays(poses.size(), shape.size());
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    Matrix3Xd stray(3, shape.cols());
+    for (Eigen::Index m = 0; m < shape.cols(); ++m)
+      stray.col(m) = poses[frame].turn.transpose() *
+                         (tracks[static_cast<std::size_t>(m)]->positions[frame] - poses[frame].origin) -
+                     shape.col(m);
+    if (!stray.allFinite()) continue;
+    strays.row(static_cast<Eigen::Index>(complete.size())) = stray.reshaped().transpose();
+    complete.push_back(static_cast<Eigen::Index>(frame));
+  }
+  strays.conservativeResize(static_cast<Eigen::Index>(complete.size()), Eigen::NoChange);
+  strays.rowwise() -= Eigen::RowVectorXd(strays.colwise().mean());
+  const double markers = static_cast<double>(shape.cols()), frames = static_cast<double>(complete.size());
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(strays.transpose() * strays);
+  Eigen::Index modes = 0;
+  const Eigen::Index last = eigen.eigenvalues().size() - 1;
+  while (modes < kMostModes && eigen.eigenvalues()[last - modes] > kLeastModeShare * strays.squaredNorm()) ++modes;
+  const MatrixXd scores = strays * eigen.eigenvectors().rightCols(modes) / std::sqrt(markers);
+  Deformation deformation;
+  deformation.modes = Bridged(scores, complete, static_cast<Eigen::Index>(poses.size()));
+  const double freedom = is_plane ? 2 * markers - 3 : 3 * markers - 6;  // coordinates that a pose does not take
+  deformation.marker_sd_mm = std::sqrt(strays.squaredNorm() / (frames * freedom));
+  deformation.radius_mm = shape.norm() / std::sqrt(markers);
+  deformation.pose_sd_mm = deformation.marker_sd_mm / std::sqrt(markers);
+  deformation.pose_sd_rad = deformation.pose_sd_mm / deformation.radius_mm;
+  return deformation;
+}
+
 // The shape is the mean of the frames laid onto each other, turned as the first complete frame (Procrustes).
 Segment SegmentOf(const std::vector<const exchange::PointTrack*>& tracks, const char* name, bool is_plane,
                   std::size_t least) {
@@ -98,9 +145,10 @@ Segment SegmentOf(const std::vector<const exchange::PointTrack*>& tracks, const 
     mean.colwise() -= Vector3d(mean.rowwise().mean());
     shape = mean * (shape.norm() / mean.norm());
   }
-  Segment segment{std::vector<Pose>(frames), shape.col(0)};
+  Segment segment{std::vector<Pose>(frames), shape.col(0), {}};
   for (std::size_t frame = 0; frame < frames; ++frame)
     segment.poses[frame] = PoseOf(shape, tracks, frame, is_plane, least).value_or(Pose());
+  segment.deformation = DeformationOf(shape, tracks, segment.poses, is_plane);
   return segment;
 }
 
@@ -116,8 +164,7 @@ SegmentMotion MotionOf(const exchange::PointRecording& points, const SegmentMark
   for (const std::string& name : markers.shank)
     if (std::count(markers.thigh.begin(), markers.thigh.end(), name))
       throw UsageError(fmt::format("--segment: '{}' is on the shank and on the thigh", name));
-  Segment s = SegmentOf(shank, "shank", is_plane, least), t = SegmentOf(thigh, "thigh", is_plane, least);
-  return {std::move(s.poses), std::move(t.poses), s.first_marker, t.first_marker};
+  return {SegmentOf(shank, "shank", is_plane, least), SegmentOf(thigh, "thigh", is_plane, least)};
 }
 
 }  // namespace lake::axis

@@ -2,7 +2,9 @@
 // from two or more markers on each, without a leg model.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,12 +22,16 @@ struct AxisRunOptions {
   axis::SegmentMarkers segments;
   double window_s = 0;         // 0: the whole recording only
   double least_turn_deg = 10;  // between two poses of the recording, and of each window
+  // Per axis: of the joint against clusters on skin that move as one, which no marker shows. 0: on bone, or a
+  // mechanism.
+  double soft_tissue_mm = 0;
+  std::optional<std::array<double, 2>> range_deg;  // of knee angles, for a pin of its own
 };
 
 void Describe(AxisRunOptions& o, OptionList& options);
 std::vector<InputFile> InputsOf(const AxisRunOptions& options);
 
-// Writes axis.csv and, where the movement repeats, centre.csv and axis.png; returns the results for the summary.
+// Writes axis.csv, centre.csv, axis.png/.svg; returns the results for the summary.
 Json RunAxis(const AxisRunOptions& options, Run& run);
 
 // What a person wants to read of the summary.

@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "lake/compare/misalignment.h"
+#include "lake/compare/uncertainty_budget.h"
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
+#include "lake/cuffs/cuff_model.h"
 #include "lake/exchange/trial.h"
 
 namespace lake::commands {
@@ -22,6 +24,8 @@ struct CompareRunOptions {
   std::optional<std::string> exo_knee;                // default: exo_knee, or knee where there is none
   exchange::TrialOptions human_reading, exo_reading;  // of files; a folder's markers have their names already
   compare::MisalignmentOptions misalignment;
+  compare::BudgetOptions budget;
+  cuffs::CuffOptions cuff;
 };
 
 void Describe(CompareRunOptions& o, OptionList& options);
@@ -38,8 +42,9 @@ compare::TrialTables ReadTrialTables(const std::filesystem::path& path, const ex
 // Throws UsageError for options of a trial that ReadTrialTables would ignore.
 void CheckReading(const std::filesystem::path& path, const exchange::TrialOptions& reading);
 
-// Writes misalignment.csv, overlay.png, misalignment.png, comparison.json, report.html; returns the results for the
-// summary. Throws Error in one line for trials that cannot be compared.
+// Writes misalignment.csv, uncertainty_budget.csv, cuffs.csv (where the joint's place on the leg is known),
+// overlay.png, misalignment.png, comparison.json, report.html; returns the results for the summary. Throws Error in one
+// line for trials that cannot be compared.
 Json RunCompare(const CompareRunOptions& options, Run& run);
 
 }  // namespace lake::commands

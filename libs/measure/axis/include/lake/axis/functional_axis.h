@@ -1,5 +1,5 @@
-// The axis about which two segments turn, from two or more markers on each: mean axis, and the instantaneous centre of
-// rotation over the flexion. Planar points turn about z.
+// The axis about which two segments turn, from two or more markers on each: mean axis, the best pin over a range of
+// flexion, and the instantaneous centre of rotation over the flexion. Planar points turn about z.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,10 +24,24 @@ struct Pose {
   bool IsSeen() const { return origin.allFinite(); }
 };
 
-// Both segments at each frame. Frames where a segment has too few markers (two, in space three) have no pose.
+// How the markers of a segment move against each other: skin, and noise. Principal components of what the poses leave.
+struct Deformation {
+  Eigen::MatrixXd modes;    // frames × modes, mm, root mean square over the markers; a gap is bridged by a line
+  double marker_sd_mm = 0;  // of each marker, along each axis, if the markers' errors are independent
+  double pose_sd_mm = 0;    // what these leave in the pose's origin, along each axis
+  double pose_sd_rad = 0;   // and in its turn about an axis
+  double radius_mm = 0;     // of the shape: root mean square of the markers' distances from their mean
+};
+
+// A segment at each frame. Frames with too few markers (two, in space three) have no pose.
+struct Segment {
+  std::vector<Pose> poses;
+  Eigen::Vector3d first_marker;  // in the segment's frame, mm
+  Deformation deformation;
+};
+
 struct SegmentMotion {
-  std::vector<Pose> shank, thigh;
-  Eigen::Vector3d shank_marker, thigh_marker;  // the first of each, in its segment's frame, mm
+  Segment shank, thigh;
 };
 
 // Throws UsageError for too few markers or one on both segments; Error, with the file's markers, for an unknown one,
@@ -42,39 +56,67 @@ struct MeanAxis {
   Eigen::Vector3d in_shank, in_thigh, direction_shank, direction_thigh;
   Eigen::Vector3d in_file, direction_file;  // their mean place over the window
   double sd_mm = 0;                         // of the point, along each of the two directions across the axis
-  double pin_residual_mm = 0;               // how far the two points stand apart, across the axis: root mean square
-  double flexion_deg = 0;                   // how far the segments turn within the window
+  // How far the two points stand apart across the axis, root mean square, where the markers' deformation is taken away.
+  double pin_residual_mm = 0;
+  double flexion_deg = 0;  // how far the segments turn within the window
+};
+
+// One supposition on what keeps the segments from turning as a hinge does, along each axis: a part that repeats with
+// the angle, a slow process in time, and noise.
+struct ErrorModel {
+  double probability = 0;
+  double repeated_mm = 0, angle_memory_rad = 0;
+  double slow_mm = 0, memory_frames = 0;
+  double noise_mm = 0;
+};
+
+// What the whole recording tells of the markers, for parts of it.
+struct LearntErrors {
+  std::vector<ErrorModel> models;  // their probabilities sum to 1
+  double residual_mm = 0;          // what a hinge leaves, along each axis
+  // How the deformations' modes carry the joint with them.
+  Eigen::VectorXd carried;
+  Eigen::MatrixXd carried_covariance;
 };
 
 struct MeanAxesResult {
   MeanAxis whole;
+  LearntErrors errors;
   std::vector<MeanAxis> windows;
   std::vector<std::string> warnings;  // of the windows that are left out
 };
 
-// The windows follow each other with `window_frames` each (0: none); a shorter rest at the end is none. The
-// symmetrical axis of rotation (SARA: R. M. Ehrig et al., J. Biomech. 40, 2007), with Huber's weights. Its standard
-// deviation takes the residuals' correlation in time from the whole recording. Throws Error where the segments turn by
-// less than `least_turn_deg` over the whole recording; windows that do so are left out with a warning.
+// The windows follow each other with `window_frames` each (0: none); a shorter rest at the end is none. Throws Error
+// where the segments turn by less than `least_turn_deg` over the whole recording; windows that do so are left out with
+// a warning.
+//
+//   turn(θ) (p_thigh + B_thigh s_thigh) + offset − p_shank − B_shank s_shank = error,    s: the deformations' modes
+//
+// by least squares across the mean axis of the turns, both segments alike (as in SARA: R. M. Ehrig et al., J. Biomech.
+// 40, 2007), corrected for what the poses' own turning errors pull the points towards the markers. The covariance of
+// the errors is learnt by restricted likelihood; before it, they are as large as the markers' deformation lets expect
+// at the joint: a part that repeats with the angle is not told from a hinge elsewhere, and the standard deviation says
+// so.
 MeanAxesResult MeanAxes(const SegmentMotion& motion, std::size_t window_frames, double least_turn_deg);
 
 // The knee angle at each frame, degrees: 0 where the shank's first marker, the axis and the thigh's first marker are in
 // line across the axis, continuous over full turns; positive on average. NaN where a segment is not seen.
 std::vector<double> KneeAngles(const SegmentMotion& motion, const MeanAxis& axis);
 
+// The pin that fits the frames between two knee angles best. Throws Error with too few of them.
+MeanAxis PinOver(const SegmentMotion& motion, const MeanAxesResult& axes, double from_deg, double to_deg);
+
 // The centre about which the thigh turns on the shank at a frame's knee angle, across the mean axis.
 struct InstantaneousCentre {
   std::size_t frame = 0;  // index into the motion
   double knee_deg = 0;
   Eigen::Vector3d in_shank, in_file;  // mm
-  // Of in_shank, along the shank's axes: of the smoothing alone, without the mean axis's own and without what one
-  // recording repeats at each passage. Too small on a measured hinge: see the README.
-  Eigen::Vector3d sd_mm;
+  Eigen::Vector3d sd_mm;              // of in_shank, along the shank's axes
 };
 
-// A joint with one degree of freedom passes the same centres at the same angle: how the thigh's point of the mean axis
-// strays from the shank's is smoothed over the knee angle, each passage through an angle one draw, and its slope gives
-// the centre. Frames without both segments have none. Throws Error with too small a range of angles.
-std::vector<InstantaneousCentre> InstantaneousCentres(const SegmentMotion& motion, const MeanAxis& axis);
+// c = p_shank + j + z × dj/dθ, with j(θ) the part of the errors that repeats with the angle, as far as it is the
+// joint's and not the skin's: the share that a knee's own stray has in the sum of that and of the markers' deformation,
+// carried out to the joint. The standard deviation holds both readings. Frames without both segments have none.
+std::vector<InstantaneousCentre> InstantaneousCentres(const SegmentMotion& motion, const MeanAxesResult& axes);
 
 }  // namespace lake::axis

@@ -1,0 +1,76 @@
+// What each headline of a comparison is uncertain by, and why: a budget after the GUM (JCGM 100:2008, 5.1).
+//
+//   u(y)² = Σ (c_i u_i)²,   c_i = ∂y/∂x_i;  intervals of 95 % are y ± 1.96 u.
+//
+// How precisely the markers are measured and how far they tell of the joint beneath them are two things: each headline
+// has an interval of both kinds.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lake/compare/interval.h"
+#include "lake/compare/misalignment.h"
+#include "lake/core/json.h"
+#include "lake/core/options.h"
+
+namespace lake::compare {
+
+// Standard deviations of what no trial shows of itself.
+struct BudgetOptions {
+  // Per axis, of the knee's marker against the joint beneath it. Skin markers stray from bone pins by up to 13.0 mm in
+  // walking and 16.1 mm in cutting (Benoit et al. 2006); single markers on leg and thigh by 4 to 16 mm against
+  // fluoroscopy (Ancillao et al. 2021). Such a largest stray is some two standard deviations.
+  double soft_tissue_mm = 7;
+  double depth_mm = 10;        // of one marker's distance from the plane against another's
+  double view_slope = 0.1;     // how far the joint stands from the camera's axis over its distance: 0.3 m at 3 m
+  double scale_percent = 0.2;  // of the plane's scale
+  double event_s = 0.02;       // of onset and standing
+};
+
+void Describe(BudgetOptions& o, OptionList& options);
+
+struct BudgetRow {
+  std::string source;
+  std::string distribution;  // normal, uniform, t
+  double size = 0;           // standard deviation of the source
+  std::string unit;          // of the size
+  double sensitivity = 0;    // the headline's unit per the size's unit
+  std::string reference;
+  bool is_of_markers = false;  // precision of the markers; else accuracy with respect to the joint
+
+  double Contribution() const { return sensitivity * size; }
+};
+
+struct Budget {
+  std::string quantity;  // joint_rms, joint_offset_x, joint_offset_y, knee_angle
+  std::string unit;      // mm or deg
+  double value = 0;
+  double least = 0;  // of the quantity's values: 0 for a root mean square
+  std::vector<BudgetRow> rows;
+
+  double MarkerDeviation() const;
+  double Deviation() const;  // of all sources
+  Interval MarkerInterval() const;
+  Interval AnatomicalInterval() const;
+  double SharePercent(const BudgetRow& row) const;  // of the variance
+};
+
+// None of the joint's headlines where the trial does not show the leg's own knee. `replacement_sd_mm` as in
+// MisalignmentOptions.
+std::vector<Budget> BudgetsOf(const Misalignment& misalignment, double replacement_sd_mm, const BudgetOptions& options);
+
+// As people read it: "joint misalignment, RMS".
+std::string QuantityName(const std::string& quantity);
+
+// What would narrow the interval most, in a sentence.
+std::string WhatNarrows(const Budget& budget);
+
+// uncertainty_budget.csv: a row for each source of each headline.
+void WriteUncertaintyBudgetCsv(const std::filesystem::path& path, const std::vector<Budget>& budgets);
+
+// `uncertainty` of comparison.json.
+Json BudgetsJson(const std::vector<Budget>& budgets);
+
+}  // namespace lake::compare

@@ -1,0 +1,219 @@
+#include "lake/compare/uncertainty_budget.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/angles.h"
+#include "lake/core/csv.h"
+#include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
+
+namespace lake::compare {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kNormal95 = 1.959964;
+constexpr const char* kSoftTissue = "soft tissue";
+constexpr const char* kPlacement = "marker placement";
+constexpr const char* kOwnVariation = "the person's own variation";
+
+constexpr const char* kTissueReference =
+    "Benoit et al. 2006, doi:10.1016/j.gaitpost.2005.04.012; Ancillao et al. 2021, PMC8631460; --soft-tissue";
+
+// How many independent samples a mean over the rise has: noise is correlated over about two percent each way.
+constexpr double kIndependentSamples = kPercentSamples / 5.0;
+
+double DeviationOf(const Interval& interval) {
+  return (interval.high - interval.low) / (2 * kNormal95);
+}
+
+// What a quantity gains from an error at the knee, the joint or the rise's ends, in its own unit.
+struct Sensitivities {
+  double constant = 0;     // per mm of a constant error along each axis
+  double noise = 0;        // per mm of independent errors of the samples
+  double scale = 0;        // per percent of scale
+  double event_start = 0;  // per s
+  double event_end = 0;    // per s
+};
+
+// d(mean)/d(t0) and d(mean)/d(t1) of a mean over the rise.
+void SetEvents(double first, double last, double mean, double duration_s, double factor, Sensitivities& s) {
+  s.event_start = factor * (mean - first) / duration_s;
+  s.event_end = factor * (last - mean) / duration_s;
+}
+
+Sensitivities OfRms(const JointMisalignment& joint, double duration_s) {
+  Sensitivities s;
+  const double rms = joint.rms_mm;
+  // d(rms)/d(offset) = mean · direction / rms.
+  s.constant = rms > 0 ? joint.mean_mm.norm() / rms : 1;
+  s.noise = 1 / std::sqrt(kIndependentSamples);
+  s.scale = rms / 100;
+  if (rms > 0)
+    SetEvents(joint.shank_mm.front().squaredNorm(), joint.shank_mm.back().squaredNorm(), rms * rms, duration_s,
+              1 / (2 * rms), s);
+  return s;
+}
+
+Sensitivities OfOffset(const JointMisalignment& joint, int axis, double duration_s) {
+  Sensitivities s;
+  s.constant = 1;
+  s.noise = 1 / std::sqrt(kIndependentSamples);
+  s.scale = std::abs(joint.mean_mm[axis]) / 100;
+  SetEvents(joint.shank_mm.front()[axis], joint.shank_mm.back()[axis], joint.mean_mm[axis], duration_s, 1, s);
+  return s;
+}
+
+void AddSources(const Sensitivities& s, double marker_mm, double markers, double replacement_sd_mm,
+                const BudgetOptions& o, std::vector<BudgetRow>& rows) {
+  const auto add = [&](const char* source, const char* distribution, double size, const char* unit, double sensitivity,
+                       const char* reference, bool is_of_markers) {
+    rows.push_back({source, distribution, size, unit, std::abs(sensitivity), reference, is_of_markers});
+  };
+  add("detection", "normal", marker_mm, "mm", std::sqrt(markers) * s.noise, "sigmas of this recording's markers", true);
+  add("lens and plane", "normal", o.scale_percent, "%", s.scale, "assumed; --scale-sd", true);
+  add("out-of-plane movement and parallax", "normal", o.depth_mm, "mm", o.view_slope * s.constant,
+      "assumed; --depth-sd, --view-slope; lake track --depth removes a known depth", true);
+  add("event times", "normal", o.event_s, "s", std::hypot(s.event_start, s.event_end), "assumed; --event-sd", true);
+  add(kPlacement, "normal", replacement_sd_mm, "mm", s.constant, "assumed; --replacement-sd", false);
+  add(kSoftTissue, "normal", o.soft_tissue_mm, "mm", s.constant, kTissueReference, false);
+}
+
+void AddOwnVariation(double sd, const std::string& unit, std::vector<BudgetRow>& rows) {
+  rows.push_back({kOwnVariation, "t", sd, unit, 1, "repetitions of this trial", true});
+}
+
+// A knee's marker moved across the leg turns shank and thigh against each other.
+Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const BudgetOptions& o) {
+  std::vector<double> shank, thigh;
+  for (std::size_t i = 0; i < m.human.knee.size(); ++i) {
+    shank.push_back((m.human.knee[i] - m.human.ankle[i]).norm());
+    thigh.push_back((m.human.hip[i] - m.human.knee[i]).norm());
+  }
+  const double deg_per_mm = DegreesFromRadians(1 / Mean(shank) + 1 / Mean(thigh));
+  Budget budget{"knee_angle", "deg", Mean(m.human.knee_deg), -180, {}};
+  Sensitivities s;
+  s.constant = s.noise = deg_per_mm;  // of one frame's angle
+  AddSources(s, RootMeanSquare(m.human.knee_sigma_mm), 1, replacement_sd_mm, o, budget.rows);
+  return budget;
+}
+
+double Square(const Budget& budget, bool markers_alone) {
+  double square = 0;
+  for (const BudgetRow& row : budget.rows)
+    if (row.is_of_markers || !markers_alone) square += row.Contribution() * row.Contribution();
+  return square;
+}
+
+Interval About(const Budget& budget, double deviation) {
+  return {std::max(budget.least, budget.value - kNormal95 * deviation), budget.value + kNormal95 * deviation};
+}
+
+}  // namespace
+
+double Budget::MarkerDeviation() const {
+  return std::sqrt(Square(*this, true));
+}
+double Budget::Deviation() const {
+  return std::sqrt(Square(*this, false));
+}
+Interval Budget::MarkerInterval() const {
+  return About(*this, MarkerDeviation());
+}
+Interval Budget::AnatomicalInterval() const {
+  return About(*this, Deviation());
+}
+
+double Budget::SharePercent(const BudgetRow& row) const {
+  const double square = Square(*this, false);
+  return square > 0 ? 100 * row.Contribution() * row.Contribution() / square : 0;
+}
+
+std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, const BudgetOptions& o) {
+  std::vector<Budget> budgets;
+  if (m.joint) {
+    const JointMisalignment& joint = *m.joint;
+    const double marker_mm = RootMeanSquare(m.exo.knee_sigma_mm);
+    const auto add = [&](const char* name, double value, double least, const Sensitivities& s,
+                         Interval JointMisalignment::Intervals::*interval) {
+      Budget budget{name, "mm", value, least, {}};
+      AddSources(s, marker_mm, 2, replacement_sd_mm, o, budget.rows);
+      if (joint.intervals && joint.repetitions > 1)
+        AddOwnVariation(DeviationOf((*joint.intervals).*interval), "mm", budget.rows);
+      budgets.push_back(std::move(budget));
+    };
+    using Intervals = JointMisalignment::Intervals;
+    const double duration_s = m.exo.duration_s;
+    add("joint_rms", joint.rms_mm, 0, OfRms(joint, duration_s), &Intervals::rms_mm);
+    add("joint_offset_x", joint.mean_mm.x(), -kInfinity, OfOffset(joint, 0, duration_s), &Intervals::mean_x_mm);
+    add("joint_offset_y", joint.mean_mm.y(), -kInfinity, OfOffset(joint, 1, duration_s), &Intervals::mean_y_mm);
+  }
+  budgets.push_back(KneeAngleBudget(m, replacement_sd_mm, o));
+  return budgets;
+}
+
+std::string QuantityName(const std::string& quantity) {
+  constexpr std::pair<const char*, const char*> kNames[] = {{"joint_rms", "joint misalignment, RMS"},
+                                                            {"joint_offset_x", "joint in front of the knee"},
+                                                            {"joint_offset_y", "joint above the knee"},
+                                                            {"knee_angle", "knee angle, one frame"}};
+  for (const auto& [key, name] : kNames)
+    if (quantity == key) return name;
+  return quantity;
+}
+
+std::string WhatNarrows(const Budget& budget) {
+  const auto largest =
+      std::ranges::max_element(budget.rows, {}, [](const BudgetRow& row) { return std::abs(row.Contribution()); });
+  if (largest == budget.rows.end() || largest->Contribution() == 0) return "No source of uncertainty is known.";
+  const std::string share =
+      fmt::format("{:.0f} % of the variance comes from {}", budget.SharePercent(*largest), largest->source);
+  if (largest->source == kSoftTissue)
+    return share + ": two or more markers on shank and thigh, and the axis that lake axis finds from them, narrow it.";
+  if (largest->source == kPlacement) return share + ": leave the same markers on between the trials.";
+  if (largest->source == kOwnVariation) return share + ": record more repetitions.";
+  return share + ".";
+}
+
+void WriteUncertaintyBudgetCsv(const std::filesystem::path& path, const std::vector<Budget>& budgets) {
+  CsvWriter csv({"quantity", "source", "distribution", "size", "unit", "sensitivity", "contribution", "share_percent",
+                 "reference"});
+  for (const Budget& budget : budgets)
+    for (const BudgetRow& row : budget.rows) {
+      csv.Add(budget.quantity + "_" + budget.unit).Add(row.source).Add(row.distribution).Add(row.size).Add(row.unit);
+      csv.Add(row.sensitivity).Add(row.Contribution()).Add(budget.SharePercent(row)).Add(row.reference).EndRow();
+    }
+  csv.Write(path);
+}
+
+Json BudgetsJson(const std::vector<Budget>& budgets) {
+  Json json = Json::object();
+  for (const Budget& budget : budgets) {
+    const Interval markers = budget.MarkerInterval(), anatomy = budget.AnatomicalInterval();
+    json[budget.quantity + "_" + budget.unit] = {{"value", budget.value},
+                                                 {"marker_sd", budget.MarkerDeviation()},
+                                                 {"marker_interval", {markers.low, markers.high}},
+                                                 {"anatomical_sd", budget.Deviation()},
+                                                 {"anatomical_interval", {anatomy.low, anatomy.high}},
+                                                 {"narrower", WhatNarrows(budget)}};
+  }
+  return json;
+}
+
+void Describe(BudgetOptions& o, OptionList& options) {
+  options
+      .Add("soft-tissue", o.soft_tissue_mm,
+           "Standard deviation, per axis, of the knee's marker against the joint beneath it; 0 for renderings")
+      .Unit("mm")
+      .NotNegative();
+  options.Add("depth-sd", o.depth_mm, "Standard deviation of a marker's distance from the plane against another's")
+      .Unit("mm")
+      .NotNegative();
+  options.Add("view-slope", o.view_slope, "How far the joint stands from the camera's axis, over its distance")
+      .NotNegative();
+  options.Add("scale-sd", o.scale_percent, "Standard deviation of the plane's scale").Unit("%").NotNegative();
+  options.Add("event-sd", o.event_s, "Standard deviation of onset and standing").Unit("s").NotNegative();
+}
+
+}  // namespace lake::compare

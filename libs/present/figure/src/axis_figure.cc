@@ -1,0 +1,93 @@
+#include "lake/figure/axis_figure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/colours.h"
+#include "lake/figure/gnuplot.h"
+
+namespace lake::figure {
+namespace {
+
+using Eigen::Vector2d, Eigen::Vector3d;
+
+constexpr double kEllipse95 = 2.448;  // standard deviations in two dimensions
+constexpr double kNormal95 = 1.96;
+
+// Across the axis: y from the mean of the shank's markers to the axis, x to its right seen along the axis.
+struct View {
+  Vector3d x, y;
+
+  explicit View(const axis::MeanAxis& whole) : y(whole.in_shank.normalized()) { x = y.cross(whole.direction_shank); }
+  Vector2d operator()(const Vector3d& place) const { return {place.dot(x), place.dot(y)}; }
+};
+
+std::string PlotAxes(GnuplotFigure& figure, const axis::MeanAxesResult& axes, const View& view) {
+  std::vector<double> x, y, radius;
+  for (const axis::MeanAxis& axis : axes.windows) {
+    const Vector2d place = view(axis.in_shank);
+    x.push_back(place.x()), y.push_back(place.y()), radius.push_back(kEllipse95 * axis.sd_mm);
+  }
+  std::string plot;
+  if (!x.empty())
+    plot = fmt::format(
+        "{0} using 1:2:3 with circles lc rgb '{1}' fs transparent solid 0.08 title 'windows, 95 %', {0} "
+        "using 1:2 with points pt 7 ps 0.8 lc rgb '{1}', ",
+        figure.Data({x, y, radius}), colour::kAnkle);
+  const Vector2d whole = view(axes.whole.in_shank);
+  return plot + fmt::format(
+                    "{0} using 1:2:3 with circles lc rgb '{1}' fs transparent solid 0.25 title 'whole, 95 %', "
+                    "{0} using 1:2 with points pt 2 ps 2 lw 3 lc rgb '{1}'",
+                    figure.Data({{whole.x()}, {whole.y()}, {kEllipse95 * axes.whole.sd_mm}}), colour::kKnee);
+}
+
+}  // namespace
+
+void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& motion, const axis::MeanAxesResult& axes,
+              const std::vector<axis::InstantaneousCentre>& centres) {
+  const View view(axes.whole);
+  std::vector<const axis::InstantaneousCentre*> by_angle;
+  for (const axis::InstantaneousCentre& centre : centres) by_angle.push_back(&centre);
+  std::ranges::sort(by_angle, {}, &axis::InstantaneousCentre::knee_deg);
+  std::vector<double> angle;
+  std::vector<double> place[2], low[2], high[2];
+  for (const axis::InstantaneousCentre* centre : by_angle) {
+    angle.push_back(centre->knee_deg);
+    const Vector2d at = view(centre->in_shank);
+    const double sd_mm = centre->sd_mm.norm() / std::sqrt(2);
+    for (int k = 0; k < 2; ++k) {
+      place[k].push_back(at[k]);
+      low[k].push_back(at[k] - kNormal95 * sd_mm), high[k].push_back(at[k] + kNormal95 * sd_mm);
+    }
+  }
+  GnuplotFigure figure(1600, 800);
+  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'",
+                          QuoteForGnuplot(fmt::format("Axis over {:.0f} degrees of flexion; markers stray by {:.1f} mm "
+                                                      "on the shank, {:.1f} mm on the thigh",
+                                                      axes.whole.flexion_deg, motion.shank.deformation.marker_sd_mm,
+                                                      motion.thigh.deformation.marker_sd_mm))));
+  figure.Line("set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'");
+  figure.Line(
+      "set lmargin at screen 0.07; set rmargin at screen 0.47; set tmargin at screen 0.90; set bmargin at screen "
+      "0.11; set size ratio -1; set key top left samplen 2 noautotitle");
+  figure.Line("set xlabel 'across the shank (mm)'; set ylabel 'along the shank, from the mean of its markers (mm)'");
+  figure.Line("plot " + PlotAxes(figure, axes, view) +
+              fmt::format(", {} using 1:2 with points pt 7 ps 0.3 lc rgb '{}' title 'instantaneous centre'",
+                          figure.Data({place[0], place[1]}), colour::kText));
+  figure.Line("set size noratio; set lmargin at screen 0.57; set rmargin at screen 0.97; unset key");
+  const char* names[] = {"across the shank (mm)", "along the shank (mm)"};
+  for (int k = 0; k < 2; ++k) {
+    figure.Line(fmt::format("set tmargin at screen {}; set bmargin at screen {}; set ylabel '{}'; set xlabel '{}'",
+                            k == 0 ? 0.90 : 0.46, k == 0 ? 0.55 : 0.11, names[k],
+                            k == 0 ? "" : "knee angle (degrees)"));
+    figure.Line(fmt::format(
+        "plot {} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder, {} "
+        "using 1:2 with lines lw 2 lc rgb '{}'",
+        figure.Data({angle, low[k], high[k]}), colour::kKnee, figure.Data({angle, place[k]}), colour::kKnee));
+  }
+  figure.Line("unset multiplot").Write(path);
+}
+
+}  // namespace lake::figure

@@ -1,0 +1,114 @@
+#include "lake/cuffs/cuff_model.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "lake/core/error.h"
+
+namespace lake::cuffs {
+namespace {
+
+using Eigen::Vector2d;
+
+// A hinge 20 mm off, after 90° of flexion, has moved what it carries by 2 · 20 · sin(45°) = 28.3 mm.
+TEST(CuffModel, AHingeBesideTheKneeMovesACuff) {
+  for (const double direction : {0.0, 0.7, 2.1, -1.3}) {
+    const Vector2d place = 20 * Vector2d(std::cos(direction), std::sin(direction));
+    EXPECT_NEAR(MisfitOf(place, place, -60, 30).norm(), 28.28, 0.01);
+    EXPECT_NEAR(MisfitOf(place, place, 0, 0).norm(), 0, 1e-12);
+  }
+}
+
+// … and where only one cuff yields, by shear alone, it takes 28 N at 1 N/mm and 57 N at 2 N/mm: long cuffs keep the
+// links from turning, and the thigh's holds fast.
+TEST(CuffModel, WhatACuffTakesOfAMisfit) {
+  CuffOptions options;
+  options.thigh = {{200, 1e5}}, options.shank = {{200, 1e5}};
+  const LegState leg{-60, 30, MisfitOf({20, 0}, {20, 0}, -60, 30)};
+  for (const auto& [stiffness, force_n] : {std::pair(1.0, 28.28 / 2), std::pair(2.0, 28.28)}) {
+    const LegLoad load = LoadOnLeg(leg, options, {stiffness, stiffness});
+    EXPECT_NEAR(load.largest_shank_n, force_n, 0.01) << "two alike share the misfit";
+    EXPECT_NEAR(load.largest_thigh_n, force_n, 0.01);
+  }
+  options.thigh.resize(1000, options.thigh.front());  // a thousand cuffs against one
+  EXPECT_NEAR(LoadOnLeg(leg, options, {1, 1}).largest_shank_n, 28.28, 0.05);
+  EXPECT_NEAR(LoadOnLeg(leg, options, {2, 2}).largest_shank_n, 56.57, 0.1);
+}
+
+// One cuff carries no couple: 40 N m over 0.25 m are 160 N at the cuff, and the knee passes them on. Two carry it.
+TEST(CuffModel, OneCuffLoadsTheKneeTwoDoNot) {
+  CuffOptions options;
+  options.thigh = {{250, 0}, {100, 0}}, options.shank = {{250, 0}};
+  const LegState leg{-40, 20, Vector2d::Zero(), 40};
+  const LegLoad one = LoadOnLeg(leg, options, {2, 2});
+  EXPECT_NEAR(std::abs(one.shank[0].force_n.x()), 160, 1e-9);
+  EXPECT_NEAR(one.knee_shear_n, 160, 1e-9);
+  // With the thigh's cuffs fast the hinge stays, and two cuffs of the shank share: forces as their distances.
+  options.shank = {{250, 0}, {50, 0}};
+  options.thigh = {{100, 1e6}};
+  const LegLoad two = LoadOnLeg(leg, options, {2, 2});
+  double couple_nm = 0;
+  for (std::size_t i = 0; i < 2; ++i) couple_nm += two.shank[i].force_n.x() * options.shank[i].from_knee_mm / 1000;
+  EXPECT_NEAR(std::abs(couple_nm), 40, 1e-6) << "about the hinge";
+}
+
+// A hinge that turns freely gives way to two short cuffs; one that is held at the knee's angle loads them, in
+// proportion to how far it is off.
+TEST(CuffModel, AHeldHingeLoadsTheCuffs) {
+  const CuffOptions options;
+  LegState leg{-80, 15, MisfitOf({18, 32}, {18, 32}, -80, 15)};
+  EXPECT_LT(LoadOnLeg(leg, options, {}).largest_shank_n, 2);
+  leg.held_error_deg = 0;
+  const LegLoad held = LoadOnLeg(leg, options, {});
+  EXPECT_GT(held.largest_shank_n, 15);
+  EXPECT_LT(held.largest_shank_n, 1.5 * leg.misfit_mm.norm()) << "a cuff takes no more than all of the misfit";
+  leg.misfit_mm /= 2;
+  EXPECT_NEAR(LoadOnLeg(leg, options, {}).largest_shank_n, held.largest_shank_n / 2, 1e-9);
+}
+
+// What the cuffs do to the leg is what the device's weight and the actuator do: forces sum to the weight, moments about
+// the knee to nothing but the misfit's lever.
+TEST(CuffModel, ForcesBalance) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> some(-1, 1);
+  for (int k = 0; k < 50; ++k) {
+    CuffOptions options;
+    options.thigh = {{200 + 40 * some(random), 60}, {90, 40}}, options.shank = {{220 + 40 * some(random), 80}};
+    options.thigh_link_kg = 1.2, options.shank_link_kg = 0.8;
+    const LegState leg{40 * some(random), 30 * some(random), 15 * Vector2d(some(random), some(random)),
+                       30 * some(random)};
+    const LegLoad load = LoadOnLeg(leg, options, {1.5, 0.7});
+    const auto axes = [](double deg) {
+      const double a = deg * M_PI / 180;
+      Eigen::Matrix2d m;
+      m << std::cos(a), std::sin(a), -std::sin(a), std::cos(a);
+      return m;
+    };
+    Vector2d sum = Vector2d::Zero();
+    for (const CuffLoad& cuff : load.thigh) sum += axes(leg.thigh_deg) * cuff.force_n;
+    for (const CuffLoad& cuff : load.shank) sum += axes(leg.shank_deg) * cuff.force_n;
+    EXPECT_NEAR(sum.x(), 0, 1e-9);
+    EXPECT_NEAR(sum.y(), -2.0 * 9.80665, 1e-9);
+    // Moments of the shank's link about the hinge: cuffs against actuator and weight.
+    const double middle_m = options.shank[0].from_knee_mm / 2000;
+    double moment = -leg.moment_nm - middle_m * std::sin(leg.shank_deg * M_PI / 180) * 0.8 * 9.80665;
+    for (std::size_t i = 0; i < load.shank.size(); ++i)
+      moment += load.shank[i].force_n.x() * options.shank[i].from_knee_mm / 1000 - load.shank[i].moment_nm;
+    EXPECT_NEAR(moment, 0, 1e-9) << "seed 7, draw " << k;
+  }
+}
+
+TEST(CuffModel, RefusesWhatIsNoCuff) {
+  CuffOptions options;
+  options.shank.clear();
+  EXPECT_THROW(LoadOnLeg({}, options, {}), UsageError);
+  options.shank = {{-1, 80}};
+  EXPECT_THROW(LoadOnLeg({}, options, {}), UsageError);
+  options.shank = {{200, 80}};
+  EXPECT_THROW(LoadOnLeg({}, options, {0, 1}), UsageError);
+}
+
+}  // namespace
+}  // namespace lake::cuffs
