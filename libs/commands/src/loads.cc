@@ -269,7 +269,7 @@ Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& option
 }  // namespace
 
 void Describe(LoadsRunOptions& o, OptionList& options) {
-  Describe(static_cast<GaitRunOptions&>(o), options);
+  DescribeTrialFit(o, options);
   Describe(o.loads, options);
   options.Add("forces", o.forces, "Ground forces: OpenSim's .mot or .sto, or a .c3d")
       .Otherwise("none: from the trunk down");
