@@ -39,8 +39,8 @@ void WriteQuantities(const fs::path& path, const compare::Symmetry& symmetry) {
 }
 
 void WriteCurve(const fs::path& path, const compare::Symmetry& symmetry) {
-  CsvWriter csv({"percent", "left_knee_deg", "right_knee_deg", "difference_deg", "difference_low_deg",
-                 "difference_high_deg"});
+  CsvWriter csv(
+      {"percent", "left_knee_deg", "right_knee_deg", "difference_deg", "difference_low_deg", "difference_high_deg"});
   for (std::size_t percent = 0; percent < symmetry.knee_deg.size(); ++percent) {
     csv.Add(static_cast<int>(percent));
     AddDifference(symmetry.knee_deg[percent], csv);
@@ -91,10 +91,11 @@ std::string SymmetryReport(const Json& summary) {
                                  summary["asymmetric"] == true ? "asymmetric" : "no difference beyond its interval");
   for (const auto& [name, difference] : summary["symmetry"].items()) {
     const Json &interval = difference["interval"], &index = difference["index_interval_percent"];
-    text += fmt::format("{} {}  left less right {:+.3g} (95 %: {:+.3g} to {:+.3g}), index {:+.1f} % ({:+.1f} to {:+.1f})\n",
-                        difference["asymmetric"] == true ? "*" : " ", name, NumberOrNaN(difference["difference"]),
-                        NumberOrNaN(interval[0]), NumberOrNaN(interval[1]), NumberOrNaN(difference["index_percent"]),
-                        NumberOrNaN(index[0]), NumberOrNaN(index[1]));
+    text +=
+        fmt::format("{} {}  left less right {:+.3g} (95 %: {:+.3g} to {:+.3g}), index {:+.1f} % ({:+.1f} to {:+.1f})\n",
+                    difference["asymmetric"] == true ? "*" : " ", name, NumberOrNaN(difference["difference"]),
+                    NumberOrNaN(interval[0]), NumberOrNaN(interval[1]), NumberOrNaN(difference["index_percent"]),
+                    NumberOrNaN(index[0]), NumberOrNaN(index[1]));
   }
   return text;
 }

@@ -84,18 +84,19 @@ Json RunSync(const SyncRunOptions& options, Run& run) {
   for (const std::string& warning : alignment.warnings) run.Warn(warning);
   sync::WriteClock(run.Result("sync.yaml"), alignment.clock);
   DrawPngAndSvg("sync", run, [&](const fs::path& path) {
-    figure::DrawSync(path, alignment, fmt::format("{} and {}", options.a.filename().string(), options.b.filename().string()));
+    figure::DrawSync(path, alignment,
+                     fmt::format("{} and {}", options.a.filename().string(), options.b.filename().string()));
   });
   return AlignmentJson(alignment);
 }
 
 std::string SyncReport(const Json& summary) {
-  return fmt::format("offset {:+.4f} s to add to B's times, drift {:+.1f} ± {:.1f} ppm, standard deviation {:.4f} s; by "
-                     "{}, {} ({:.1f} % not explained) over {:.1f} s\n",
-                     NumberOrNaN(summary["offset_s"]), NumberOrNaN(summary["drift_ppm"]),
-                     NumberOrNaN(summary["drift_sd_ppm"]), NumberOrNaN(summary["sd_s"]),
-                     summary["method"].get<std::string>(), summary["compared"].get<std::string>(),
-                     100 * NumberOrNaN(summary["unexplained"]), NumberOrNaN(summary["overlap_s"]));
+  return fmt::format(
+      "offset {:+.4f} s to add to B's times, drift {:+.1f} ± {:.1f} ppm, standard deviation {:.4f} s; by "
+      "{}, {} ({:.1f} % not explained) over {:.1f} s\n",
+      NumberOrNaN(summary["offset_s"]), NumberOrNaN(summary["drift_ppm"]), NumberOrNaN(summary["drift_sd_ppm"]),
+      NumberOrNaN(summary["sd_s"]), summary["method"].get<std::string>(), summary["compared"].get<std::string>(),
+      100 * NumberOrNaN(summary["unexplained"]), NumberOrNaN(summary["overlap_s"]));
 }
 
 }  // namespace lake::commands

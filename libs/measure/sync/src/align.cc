@@ -99,46 +99,74 @@ struct Fit {
   double unexplained = 1, first_s = 0, last_s = 0;
 };
 
+// So many rows for each unknown at least.
+bool IsEnough(Index rows, Index unknowns) {
+  constexpr Index kRows = 4;
+  return rows >= kRows * (unknowns + kOrder);
+}
+
+// One column of y from x and the constant, by generalised least squares: the map and its residual's autoregression in
+// turns.
+struct ColumnFit {
+  Eigen::VectorXd map, past;
+  Eigen::MatrixXd known_now;  // the innovations of x and the constant
+  double all = 0, left = 0;   // sums of squares: of y about its mean, and of what the map leaves
+};
+
+ColumnFit FitColumn(const Eigen::VectorXd& y, const Eigen::MatrixXd& known, const std::vector<Index>& row) {
+  ColumnFit fit;
+  fit.map = known.colPivHouseholderQr().solve(y);
+  constexpr int kTurns = 3;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    fit.past = Autoregression(y - known * fit.map, row);
+    fit.known_now = Innovations(known, fit.past, row);
+    if (!IsEnough(fit.known_now.rows(), known.cols())) break;
+    fit.map = fit.known_now.colPivHouseholderQr().solve(Innovations(y, fit.past, row));
+  }
+  const Eigen::VectorXd residual = y - known * fit.map;
+  fit.all = (y.array() - y.mean()).square().sum();
+  fit.left = (residual.array() - residual.mean()).square().sum();
+  return fit;
+}
+
+Evidence EvidenceOf(const Rows& rows, Index column, const Eigen::MatrixXd& known, const ColumnFit& fit,
+                    const Warp& warp) {
+  const Index n = rows.Count();
+  Eigen::MatrixXd change(n, 2);
+  change.col(0) = rows.slope * fit.map.head(rows.x.cols());
+  for (Index i = 0; i < n; ++i)
+    change(i, 1) = change(i, 0) * (rows.time_s[static_cast<std::size_t>(i)] - warp.from_s);
+  std::vector<Index> kept;
+  const Eigen::MatrixXd change_now = Innovations(change, fit.past, rows.row, &kept);
+  const Eigen::MatrixXd residual = rows.y.col(column) - known * fit.map;
+  const Eigen::VectorXd left_now = Innovations(residual, fit.past, rows.row);
+  const auto qr = fit.known_now.colPivHouseholderQr();
+  const double sigma = std::sqrt(left_now.squaredNorm() / static_cast<double>(left_now.size() - known.cols()));
+  Evidence evidence{.column = column, .map = fit.map, .past = fit.past, .sigma = sigma};
+  for (const Index i : kept) evidence.time_s.push_back(rows.time_s[static_cast<std::size_t>(i)]);
+  evidence.change = (change_now - fit.known_now * qr.solve(change_now)) / sigma;
+  evidence.left = left_now / sigma;
+  return evidence;
+}
+
 Fit FitMaps(const Pairing& pairing, const Warp& warp) {
   Fit fit;
   double all = 0, left = 0;
   fit.first_s = kInfinity, fit.last_s = -kInfinity;
   for (std::size_t k = 0; k < pairing.parts.size(); ++k) {
     const Rows rows = RowsOf(pairing.parts[k], warp);
-    const Index n = rows.Count(), p = rows.x.cols();
-    if (n < 4 * (p + kOrder)) continue;
+    const Index n = rows.Count();
+    if (!IsEnough(n, rows.x.cols() + 1)) continue;
     fit.first_s = std::min(fit.first_s, rows.time_s.front()), fit.last_s = std::max(fit.last_s, rows.time_s.back());
-    Eigen::MatrixXd known(n, p + 1);
+    Eigen::MatrixXd known(n, rows.x.cols() + 1);
     known << rows.x, Eigen::VectorXd::Ones(n);
-    const double size = rows.y.rowwise().norm().squaredNorm();
+    const double size = rows.y.squaredNorm();  // each part counts by what moves in it, whatever its unit
     for (Index j = 0; j < rows.y.cols(); ++j) {
-      const Eigen::VectorXd y = rows.y.col(j);
-      Eigen::VectorXd map = known.colPivHouseholderQr().solve(y), past, residual;
-      std::vector<Index> kept;
-      Eigen::MatrixXd known_now;
-      for (int i = 0; i < 3; ++i) {
-        residual = y - known * map;
-        past = Autoregression(residual, rows.row);
-        known_now = Innovations(known, past, rows.row);
-        if (known_now.rows() < 4 * (p + kOrder)) break;
-        map = known_now.colPivHouseholderQr().solve(Innovations(y, past, rows.row));
-      }
-      all += (y.array() - y.mean()).square().sum() / size;
-      left += (residual.array() - residual.mean()).square().sum() / size;
-      if (known_now.rows() < 4 * (p + kOrder)) continue;
-      Eigen::MatrixXd change(n, 2);
-      change.col(0) = rows.slope * map.head(p);
-      for (Index i = 0; i < n; ++i)
-        change(i, 1) = change(i, 0) * (rows.time_s[static_cast<std::size_t>(i)] - warp.from_s);
-      const Eigen::MatrixXd change_now = Innovations(change, past, rows.row, &kept);
-      const Eigen::VectorXd left_now = Innovations(Eigen::MatrixXd(y - known * map), past, rows.row);
-      const auto qr = known_now.colPivHouseholderQr();
-      const double sigma = std::sqrt(left_now.squaredNorm() / static_cast<double>(left_now.size() - p - 1));
-      Evidence evidence{.part = k, .column = j, .map = map, .past = past, .sigma = sigma};
-      for (const Index i : kept) evidence.time_s.push_back(rows.time_s[static_cast<std::size_t>(i)]);
-      evidence.change = (change_now - known_now * qr.solve(change_now)) / sigma;
-      evidence.left = left_now / sigma;
-      fit.evidence.push_back(std::move(evidence));
+      const ColumnFit column = FitColumn(rows.y.col(j), known, rows.row);
+      all += column.all / size, left += column.left / size;
+      if (!IsEnough(column.known_now.rows(), known.cols())) continue;
+      fit.evidence.push_back(EvidenceOf(rows, j, known, column, warp));
+      fit.evidence.back().part = k;
     }
   }
   fit.unexplained = all > 0 ? left / all : 1;
