@@ -3,6 +3,7 @@
 #include <string>
 
 #include "lake/commands/compare.h"
+#include "lake/commands/symmetry.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/json.h"
 #include "program.h"
@@ -61,6 +62,7 @@ std::string PaceAndPostureReport(const lake::Json& summary) {
 }
 
 std::string Report(const lake::Json& summary) {
+  if (summary.contains("symmetry")) return lake::commands::SymmetryReport(summary);
   const lake::Json& metrics = summary["metrics"];
   const lake::Json& parts = summary["decomposition"];
   using lake::NumberOrNaN;

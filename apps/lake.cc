@@ -34,6 +34,7 @@ constexpr std::array kSteps = {
     Step{"compare", "misalignment between a human trial and an exoskeleton trial"},
     Step{"loads", "the moments at ankle, knee and hip over the rise"},
     Step{"axis", "the axis about which shank and thigh turn"},
+    Step{"sync", "the clocks of two recordings of one movement, aligned"},
     Step{"optimize", "the links that give the largest range of rotation"},
     Step{"simulate", "poses, angle against stroke and animation of a design"},
     Step{"export", "a design for simulators, CAD and cutters"},

@@ -96,6 +96,21 @@ TEST_P(DetectBoardTest, FindsEveryCornerOfRenderedBoardsWhereItIs) {
   EXPECT_LT((sum / static_cast<double>(errors.size())).norm(), 0.015);
 }
 
+TEST_P(DetectBoardTest, FindsABoardThatIsPrintedWhiteOnBlack) {
+  const camera::Board board = camera::ParseBoard(GetParam());
+  const camera::Camera camera = scene::Lens();
+  std::mt19937_64 random(5);
+  const cv::Mat picture =
+      scene::Render(camera, board, scene::PoseAt(camera, board, {640, 360}, 450, 20, 10, 0), random);
+  const auto positive = camera::DetectBoard(picture, board), negative = camera::DetectBoard(255 - picture, board);
+  ASSERT_TRUE(positive && negative);
+  ASSERT_EQ(negative->corner, positive->corner);
+  const bool turned = (negative->pixel.front() - positive->pixel.front()).norm() >
+                      (negative->pixel.front() - positive->pixel.back()).norm();
+  for (std::size_t c = 0; c < positive->pixel.size(); ++c)
+    EXPECT_LT((negative->pixel[turned ? positive->pixel.size() - 1 - c : c] - positive->pixel[c]).norm(), 0.1) << c;
+}
+
 INSTANTIATE_TEST_SUITE_P(Boards, DetectBoardTest, testing::Values("chessboard:9x6:25", "charuco:9x7:25:18:4X4_50"));
 
 TEST(DetectBoard, SeesNothingWhereThereIsNothing) {

@@ -12,6 +12,7 @@
 #include "lake/commands/optimize.h"
 #include "lake/commands/simulate.h"
 #include "lake/commands/stroke.h"
+#include "lake/commands/sync.h"
 #include "lake/commands/track.h"
 #include "lake/core/yaml.h"
 #include "lake/exchange/convert_options.h"
@@ -183,6 +184,7 @@ TEST(Help, HasEveryDescribedOptionWithItsUnit) {
   ExpectHelp<commands::GaitRunOptions>("lake-gait");
   ExpectHelp<commands::LoadsRunOptions>("lake-loads");
   ExpectHelp<commands::AxisRunOptions>("lake-axis");
+  ExpectHelp<commands::SyncRunOptions>("lake-sync");
   ExpectHelp<reviewing::ReviewRunOptions>("lake-review");
   ExpectHelp<commands::CompareRunOptions>("lake-compare");
   ExpectHelp<commands::OptimizeRunOptions>("lake-optimize");

@@ -98,6 +98,16 @@ TEST(SitToStand, FiveTimesTestIsTheFirstFiveRises) {
               1e-9);
 }
 
+// Bohannon's summary of 13 papers.
+TEST(SitToStand, FiveTimesTestIsHeldAgainstPeopleOfTheAge) {
+  EXPECT_EQ(gait::FiveTimesReference_s(60), 11.4);
+  EXPECT_EQ(gait::FiveTimesReference_s(69.9), 11.4);
+  EXPECT_EQ(gait::FiveTimesReference_s(70), 12.6);
+  EXPECT_EQ(gait::FiveTimesReference_s(89), 14.8);
+  EXPECT_FALSE(gait::FiveTimesReference_s(59));
+  EXPECT_FALSE(gait::FiveTimesReference_s(90));
+}
+
 TEST(SitToStand, TableHasARowARiseAndTheTest) {
   const TemporaryFolder folder;
   gait::LegFitResult fit = Fit(MakeSyntheticLeg({.rate_hz = 50, .repetitions = 2}), {}, 3);

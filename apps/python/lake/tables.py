@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 Path = Union[str, "os.PathLike[str]"]
 Cell = Union[float, str, None]
 
-_PLACES = {"{marker}": ".+", "{estimate}": ".+", "{link}": "l[1-6]"}
+_PLACES = {"{marker}": ".+", "{measure}": ".+", "{estimate}": ".+", "{link}": "l[1-6]"}
 
 
 class Column(NamedTuple):

@@ -4,6 +4,7 @@
 
 #include "cuff_tables.h"
 #include "lake/commands/gait.h"
+#include "lake/commands/symmetry.h"
 #include "lake/compare/comparison_file.h"
 #include "lake/compare/misalignment_options.h"
 #include "lake/core/error.h"
@@ -199,6 +200,15 @@ void CheckReadings(const CompareRunOptions& o) {
     if (is_of_one(option)) exchange::CheckNoneIsUnused(o.exo, {{"--exo-" + option.substr(2), why}});
 }
 
+// Two trials of one kind.
+void CheckTrials(const CompareRunOptions& o) {
+  if (o.left.empty() != o.right.empty()) throw UsageError("--left and --right: a symmetry has two sides; give both");
+  if (!o.left.empty() && !o.human.empty())
+    throw UsageError("--left and --right: both legs of one person stand instead of HUMAN and EXO; leave these out");
+  if (o.left.empty() && (o.human.empty() || o.exo.empty()))
+    throw UsageError("give a HUMAN and an EXO trial, or both legs of one person: --left A --right B");
+}
+
 }  // namespace
 
 void CheckReading(const fs::path& path, const exchange::TrialOptions& reading) {
@@ -218,12 +228,19 @@ std::vector<InputFile> TrialTableInputs(const fs::path& path, const std::string&
 }
 
 std::vector<InputFile> InputsOf(const CompareRunOptions& options) {
+  if (!options.left.empty()) {
+    std::vector<InputFile> inputs = TrialInputs(options.left, "left");
+    for (InputFile& input : TrialInputs(options.right, "right")) inputs.push_back(std::move(input));
+    return inputs;
+  }
   std::vector<InputFile> inputs = TrialTableInputs(options.human, "human");
   for (InputFile& input : TrialTableInputs(options.exo, "exo")) inputs.push_back(std::move(input));
   return inputs;
 }
 
 Json RunCompare(const CompareRunOptions& options, Run& run) {
+  CheckTrials(options);
+  if (!options.left.empty()) return RunSymmetry(options, run);
   CheckReadings(options);
   const RegisteredPair pair = ReadPair(options, run);
   run.AddInputs(InputsOf(options));
@@ -262,9 +279,15 @@ void Describe(CompareRunOptions& o, OptionList& options) {
       .AddOperand(
           "human", o.human,
           "A lake-track folder, .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker), or a comparison's folder")
-      .Required();
+      .Otherwise("--left and --right");
   options.AddOperand("exo", o.exo, "The trial with the exoskeleton, likewise, or lake-optimize's predicted/")
-      .Required();
+      .Otherwise("--left and --right");
+  options.Add("left", o.left, "Instead: both legs of one person, their symmetry; the left one's trial")
+      .Otherwise("human against exo");
+  options.Add("right", o.right, "The right leg's trial, or the same file").Otherwise("human against exo");
+  options.Add("right-map", o.right_reading.names, "--map of the right leg")
+      .Value("NAME=MARKER,...")
+      .Otherwise("as --map");
   options.Add("human-knee", o.human_knee, "The compared marker of the human trial");
   options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
   Describe(o.misalignment, options);
@@ -280,6 +303,9 @@ void Describe(CompareRunOptions& o, OptionList& options) {
     o.exo_reading.up = o.human_reading.up;
     o.exo_reading.forward = o.human_reading.forward;
     o.exo_reading.values = o.human_reading.values;
+    const std::map<std::string, std::string> right_names = o.right_reading.names;
+    o.right_reading = o.human_reading;
+    if (list.IsGiven("right-map")) o.right_reading.names = right_names;
     if (!list.IsGiven("exo-map")) o.exo_reading.names = o.human_reading.names;
     if (!list.IsGiven("exo-unit")) o.exo_reading.mm_per_unit = o.human_reading.mm_per_unit;
   });

@@ -10,6 +10,7 @@
 #include "lake/figure/leg_figure.h"
 #include "lake/gait/corrected_events.h"
 #include "lake/gait/sit_to_stand.h"
+#include "measure_tables.h"
 #include "png_and_svg.h"
 
 namespace lake::commands {
@@ -99,6 +100,19 @@ std::optional<motion::Side> LegOf(const exchange::Trial& trial, const gait::LegF
   return motion::NearLeg(fit.motion.facing);
 }
 
+bool HasLeg(const motion::MarkerRecording& recording, const gait::LegMarkers& markers) {
+  return recording.Find(markers.ankle) && recording.Find(markers.knee) && recording.Find(markers.hip);
+}
+
+// Markers that are no leg: what is measured of them, and nothing else.
+Json MeasureWithoutLeg(const exchange::Trial& trial, const GaitRunOptions& options, Run& run) {
+  for (const std::string& warning : trial.warnings) run.Warn(warning);
+  run.Warn("ankle, knee and hip are not all among the markers: no leg is fitted");
+  Json results = Json::object();
+  WriteMeasures(gait::InPlane(trial.recording, ViewOf(trial, options, run)), options.measures, results, run);
+  return results;
+}
+
 void TakeEvents(const std::filesystem::path& file, gait::LegFitResult& result) {
   result.events = motion::ReadEventsCsv(file);
   gait::SetRepetitions(result.events, result.motion);
@@ -117,9 +131,26 @@ gait::LegFitResult FitOrName(const exchange::Trial& trial, const gait::LegView& 
   }
 }
 
+// Of a summary with the five-times test; empty without.
+std::string FiveTimesText(const Json& summary) {
+  const auto five = summary.find("five_times");
+  if (five == summary.end() || five->is_null()) return "";
+  std::string text = fmt::format("five times in {:.2f} s", NumberOrNaN((*five)["five_times_s"]));
+  if (five->contains("worse_than_average"))
+    text += fmt::format("; more than {:.1f} s is worse than average at this age (Bohannon 2006)",
+                        NumberOrNaN((*five)["reference_s"]));
+  return text + "\n";
+}
+
 }  // namespace
 
 void Describe(GaitRunOptions& o, OptionList& options) {
+  DescribeTrialFit(o, options);
+  gait::DescribeAge(o.age_years, options);
+  Describe(o.measures, options);
+}
+
+void DescribeTrialFit(GaitRunOptions& o, OptionList& options) {
   options.AddOperand("trial", o.trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
       .Required();
   Describe(o.reading, options);
@@ -180,11 +211,14 @@ Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit)
 Json RunGait(const GaitRunOptions& options, Run& run) {
   const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, options);
   run.AddInputs(InputsOf(options));
+  gait::CheckMarkers(options.measures, gait::MarkerNames(trial.recording));
   if (options.events)
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
   run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "trajectory.csv", "tracks.csv",
-             "gait.png", "gait.svg"});
+             "gait.png", "gait.svg", "measures.csv", "measures.png", "measures.svg"});
+  if (!options.measures.empty() && !HasLeg(trial.recording, options.fit.markers))
+    return MeasureWithoutLeg(trial, options, run);
   gait::LegFitResult result = FitTrial(trial, options.fit, run, options);
   Json results = Json::object();
   if (CorrectedEventsOf(trial)) results = {{kEventsCorrected, true}};
@@ -197,6 +231,8 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
   DrawPngAndSvg("gait", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, result); });
   results.update(gait::LegFitJson(result));
+  results["five_times"] = gait::FiveTimesJson(result, options.age_years);
+  WriteMeasures(result.measured, options.measures, results, run);
   if (const auto leg = LegOf(trial, result)) results[exchange::kLegKey] = ToString(*leg);
   return results;
 }
@@ -224,7 +260,8 @@ std::string GaitReport(const Json& summary) {
         fmt::format("knee {:.2f}° to {:.2f}°, marker noise {} (1 SD)\n", knee["smallest"]["deg"].get<double>(),
                     knee["largest"]["deg"].get<double>(), DeviationText(NumberOrNaN(knee["rms_sigma_deg"]), 3, "°"));
   return text +
-         fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size());
+         fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size()) +
+         FiveTimesText(summary);
 }
 
 }  // namespace lake::commands

@@ -13,6 +13,7 @@
 #include "lake/core/statistics.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/figure/loads_figure.h"
+#include "lake/sync/clock.h"
 #include "png_and_svg.h"
 
 namespace lake::commands {
@@ -95,6 +96,10 @@ loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::T
   };
   loads::GroundForces forces;
   forces.time_s = file.time_s;
+  if (options.sync) {
+    const sync::Clock clock = sync::ReadClockOf(*options.sync, options.forces);
+    for (double& time_s : forces.time_s) time_s = clock.FromB(time_s);
+  }
   for (std::size_t i = 0; i < file.time_s.size(); ++i) {
     const Vector2d force_n = in_leg(plate.force_n[i]);
     const double free_nm = side * plane_from_space.row(2).dot(plate.moment_nm[i]);
@@ -274,10 +279,12 @@ Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& option
 }  // namespace
 
 void Describe(LoadsRunOptions& o, OptionList& options) {
-  Describe(static_cast<GaitRunOptions&>(o), options);
+  DescribeTrialFit(o, options);
   Describe(o.loads, options);
   options.Add("forces", o.forces, "Ground forces: OpenSim's .mot or .sto, or a .c3d")
       .Otherwise("none: from the trunk down");
+  options.Add("sync", o.sync, "The forces' clock against the trial's: the sync.yaml of lake sync TRIAL FORCES")
+      .Otherwise("they have one clock");
   options.Add("plates", o.plates, "The feet's force plates, in the file's order").Value("right=N,left=N");
   options
       .AddChoice("leg", o.leg, OptionList::Choices<std::string>{{"right", "right"}, {"left", "left"}},
@@ -286,6 +293,7 @@ void Describe(LoadsRunOptions& o, OptionList& options) {
   options.Check([&o](const OptionList&) {
     exchange::CheckPlates(o.plates);
     if (!o.plates.empty() && o.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
+    if (o.sync && o.forces.empty()) throw UsageError("--sync: whose clock? Give --forces");
     if (!o.leg.empty() && o.forces.empty())
       throw UsageError("--leg has no effect without --forces: it says which force plate is this leg's; leave it out");
   });
@@ -294,6 +302,7 @@ void Describe(LoadsRunOptions& o, OptionList& options) {
 std::vector<InputFile> InputsOf(const LoadsRunOptions& options) {
   std::vector<InputFile> inputs = InputsOf(static_cast<const GaitRunOptions&>(options));
   if (!options.forces.empty()) inputs.push_back({options.forces, "forces"});
+  if (options.sync) inputs.push_back({*options.sync, "sync"});
   return inputs;
 }
 

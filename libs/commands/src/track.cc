@@ -21,6 +21,7 @@
 #include "lake/overlay/numbered_spots.h"
 #include "lake/overlay/overlay_video.h"
 #include "lake/video/video_files.h"
+#include "measure_tables.h"
 #include "png_and_svg.h"
 
 namespace lake::commands {
@@ -87,20 +88,6 @@ void TakeSeenPositions(const motion::MarkerRecording& seen, motion::MarkerRecord
     for (std::size_t i = 0; i < tracks.Frames(); ++i)
       if (marker.samples[i].status == motion::SampleStatus::kDetected)
         marker.samples[i].position = seen.Find(marker.name)->samples[i].position;
-}
-
-// Of a recording without a leg: the plane positions of what was seen.
-motion::MarkerRecording InPlane(const motion::MarkerRecording& tracks, const gait::LegView& view) {
-  motion::MarkerRecording trajectory = tracks;
-  trajectory.unit = gait::PlaneUnit(view);
-  for (motion::MarkerTrack& marker : trajectory.markers)
-    for (motion::MarkerSample& sample : marker.samples) {
-      if (!sample.IsKnown()) continue;
-      const double depth = view.Depth(marker.name);
-      sample.position = gait::PlaneFromRecorded(view, sample.position, depth);
-      sample.sigma *= gait::PlaneUnitsPerRecorded(view, sample.position, depth);
-    }
-  return trajectory;
 }
 
 Json VideoJson(const tracking::TrackResult& tracked) {
@@ -281,7 +268,7 @@ void WriteOverlay(const TrackRunOptions& options, overlay::OverlayContent conten
 motion::MarkerRecording WritePoints(const TrackRunOptions& options, const tracking::TrackResult& tracked,
                                     const gait::LegView& view, const gait::RollingShutter& shutter,
                                     const std::string& note, Run& run) {
-  motion::MarkerRecording trajectory = InPlane(gait::AtFrameTimes(tracked.recording, shutter), view);
+  motion::MarkerRecording trajectory = gait::InPlane(gait::AtFrameTimes(tracked.recording, shutter), view);
   motion::WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
   if (trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), trajectory, motion::Measurements(trajectory));
@@ -359,14 +346,21 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   WriteOverlay(options, {tracks, &fit.motion, &fit.events, comparable ? &estimates : nullptr}, run);
   results.update(gait::LegFitJson(fit));
   results[exchange::kLegKey] = ToString(motion::NearLeg(fit.motion.facing));
+  results["five_times"] = gait::FiveTimesJson(fit, options.age_years);
+  WriteMeasures(fit.measured, options.measures, results, run);
   Export(options, tracked.video, view, MarkersToExport(options, fit, tracks, view), &fit, results, run);
   return results;
 }
 
 Json RunPoints(const TrackRunOptions& options, const tracking::TrackResult& tracked, const gait::LegView& view,
                const gait::RollingShutter& shutter, Json results, Run& run) {
-  run.Warn("ankle, knee and hip are not all among the markers: no leg is fitted, gaps are not filled");
+  const std::vector<std::string>& names = options.track.names;
+  constexpr std::size_t kFew = 3;
+  const bool measures_all = options.measures.empty() && names.size() <= kFew;
+  run.Warn(fmt::format("ankle, knee and hip are not all among the markers: no leg is fitted, gaps are not filled{}",
+                       measures_all ? "; measures.csv has their speeds, distances and angle" : ""));
   const motion::MarkerRecording trajectory = WritePoints(options, tracked, view, shutter, "", run);
+  WriteMeasures(trajectory, measures_all ? gait::UsualMeasures(names) : options.measures, results, run);
   Export(options, tracked.video, view, {tracked.recording, trajectory}, nullptr, results, run);
   return results;
 }
@@ -399,6 +393,7 @@ Json RunList(const TrackRunOptions& options, const tracking::TrackOptions& track
 // What can be known to be wrong before the video is read.
 void CheckOptions(const TrackRunOptions& options) {
   options.track.Check();
+  gait::CheckMarkers(options.measures, options.track.names);
   for (const auto& [name, mm] : options.depth_mm)
     if (std::find(options.track.names.begin(), options.track.names.end(), name) == options.track.names.end())
       throw UsageError(
@@ -475,9 +470,10 @@ void CheckStamps(const TrackRunOptions& options, const std::vector<motion::Corre
 // Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
 std::vector<std::string> ResultNames(const TrackRunOptions& options) {
   if (options.list) return {"summary.json", kCandidatesTable, kCandidatesPicture};
-  std::vector<std::string> names = {"summary.json",   "tracks.csv",       "trajectory.csv", "kinematics.csv",
-                                    "events.csv",     "sit_to_stand.csv", "track.png",      "track.svg",
-                                    kCandidatesTable, kCandidatesPicture};
+  std::vector<std::string> names = {"summary.json",    "tracks.csv",       "trajectory.csv", "kinematics.csv",
+                                    "events.csv",      "sit_to_stand.csv", "track.png",      "track.svg",
+                                    "measures.csv",    "measures.png",     "measures.svg",   kCandidatesTable,
+                                    kCandidatesPicture};
   if (options.overlay) names.push_back("overlay.mp4");
   for (const std::string& format : options.exports)
     names.push_back(exchange::ExportName(format, options.video.stem().string()));
@@ -567,6 +563,8 @@ void Describe(TrackRunOptions& o, OptionList& options) {
       .Value("FORMAT,...");
   options.Add("list", o.list, "Only find and draw what is there, without naming it: candidates.png, candidates.csv");
   options.Add("smoothed", o.smoothed, "Export the fit's estimates, not the measurements");
+  gait::DescribeAge(o.age_years, options);
+  Describe(o.measures, options);
 }
 
 std::vector<InputFile> InputsOf(const TrackRunOptions& options) {

@@ -25,7 +25,7 @@ import lake  # noqa: E402
 import story  # noqa: E402
 
 # What the rooms say of their methods, in the order in which data goes through them.
-ROOMS = ["measure/video", "measure/camera", "measure/tracking", "measure/gait", "measure/axis", "measure/loads", "measure/compare", "design/linkage", "design/problem",
+ROOMS = ["measure/video", "measure/camera", "measure/tracking", "measure/gait", "measure/axis", "measure/sync", "measure/loads", "measure/compare", "design/linkage", "design/problem",
          "design/nlp", "design/certificate", "design/synthesis", "design/redesign", "design/actuator", "measure/reliability", "study/cohort", "present/overlay", "measure/exchange", "study"]
 
 

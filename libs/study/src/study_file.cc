@@ -176,7 +176,7 @@ void CheckCompared(const std::optional<std::string>& marker, const StudyTrial& t
 
 void ReadCompare(YamlNode node, InputFiles& files, StudyFile& study) {
   ReadSection(node, study.compare, files, study.compare_section,
-              {"human", "exo", "map", "up", "forward", "unit", "exo-map", "exo-unit"});
+              {"human", "exo", "map", "up", "forward", "unit", "exo-map", "exo-unit", "left", "right", "right-map"});
   node.Finish();
   if (!study.exo) throw Fail("{}: 'compare' needs an 'exo' trial", node.Where());
   CheckCompared(study.compare.human_knee, study.human, node);

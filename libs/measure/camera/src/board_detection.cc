@@ -196,10 +196,9 @@ void TakeBetter(const cv::Mat& grey, const Board& board, FoundCorners& found) {
     found.pixel = std::move(other.pixel);
 }
 
-}  // namespace
-
-std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board, const BoardDetectionOptions& options) {
-  if (grey.type() != CV_8UC1 || grey.empty()) throw Fail("a board is looked for in a grey picture of 8 bits");
+// A board printed dark on light, as the searches expect it.
+std::optional<BoardView> DetectDarkOnLight(const cv::Mat& grey, const Board& board,
+                                           const BoardDetectionOptions& options) {
   FoundCorners found;
   try {
     found =
@@ -223,6 +222,15 @@ std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board, co
   for (const cv::Point2f& p : found.pixel) view.pixel.emplace_back(p.x, p.y);
   view.edge_width_px = MedianEdgeWidth(grey, found.pixel, half_windows);
   return view;
+}
+
+}  // namespace
+
+std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board, const BoardDetectionOptions& options) {
+  if (grey.type() != CV_8UC1 || grey.empty()) throw Fail("a board is looked for in a grey picture of 8 bits");
+  if (auto view = DetectDarkOnLight(grey, board, options)) return view;
+  const cv::Mat negative = 255 - grey;
+  return DetectDarkOnLight(negative, board, options);
 }
 
 }  // namespace lake::camera

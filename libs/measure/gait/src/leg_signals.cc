@@ -8,27 +8,11 @@
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/core/threads.h"
+#include "noise_from_differences.h"
 #include "sizes.h"
 
 namespace lake::gait {
 namespace {
-
-// The noise of a smooth curve's samples from their sixth differences, whose noise gain is √924; robust against jumps.
-double NoiseFromDifferences(const motion::MarkerTrack& track, const std::vector<char>& seen) {
-  constexpr std::array<double, 7> kSixth = {1, -6, 15, -20, 15, -6, 1};
-  constexpr double kGain = 30.397368307141326;  // √924
-  std::vector<double> differences;
-  for (std::size_t i = 0; i + kSixth.size() <= seen.size(); ++i) {
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    bool whole = true;
-    for (std::size_t k = 0; k < kSixth.size() && whole; ++k) {
-      whole = seen[i + k] != 0;
-      if (whole) sum += kSixth[k] * track.samples[i + k].position;
-    }
-    if (whole) differences.insert(differences.end(), {sum.x(), sum.y()});
-  }
-  return differences.empty() ? 0 : RobustDeviation(differences) / kGain;
-}
 
 // Skin jumps on the bone, and a foot that strikes stops between two frames: how far a marker may be off a smooth path,
 // with its speed as the movement over a moment, which a wrong position hardly changes.
@@ -271,8 +255,7 @@ Detections CollectDetections(const motion::MarkerRecording& recording, const mot
       throw Fail("marker '{}', frame {}: {}", track.name, recording.frame[i], error.what());
     }
   }
-  constexpr double kLeastSigma = 1e-3;  // px or mm; files are written with about this many digits
-  const double estimate = std::max(NoiseFromDifferences(track, d.seen), kLeastSigma);
+  const double estimate = NoiseFromDifferences(track, d.seen);
   for (std::size_t i = 0; i < n; ++i) {
     if (!d.seen[i]) continue;
     d.sigma[i] = track.samples[i].sigma > 0 ? track.samples[i].sigma : estimate;

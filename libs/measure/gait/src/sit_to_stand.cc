@@ -14,12 +14,7 @@ namespace {
 constexpr std::size_t kFive = 5;
 constexpr double kLiftedMass = 0.9, kGravity_m_s2 = 9.81;
 
-struct Quantity {
-  const char* name;
-  Measured SitToStand::*value;
-  bool is_length = false;  // "_mm" or "_px", and what comes after it, ends the name
-  const char* per = "";
-};
+using Quantity = SitToStandQuantity;
 constexpr std::array kQuantities = {Quantity{"onset_s", &SitToStand::onset_s},
                                     Quantity{"seat_off_s", &SitToStand::seat_off_s},
                                     Quantity{"standing_s", &SitToStand::standing_s},
@@ -56,7 +51,7 @@ Measured Times(double factor, const Measured& of) {
 }
 
 // A quantity of every frame, with its SDs.
-struct Course {
+struct ValuesOfFrames {
   std::vector<double> value, sd;
 };
 
@@ -119,7 +114,7 @@ class Rises {
   }
 
   // The value at an event, between two frames; its SD, that of the event's time included.
-  Measured At(const Course& course, const Measured& time) const {
+  Measured At(const ValuesOfFrames& course, const Measured& time) const {
     const auto after = std::lower_bound(time_s_.begin(), time_s_.end(), time.value);
     if (std::isnan(time.value) || after == time_s_.end()) return {};
     const auto i = static_cast<std::size_t>(after - time_s_.begin()), before = i == 0 ? 0 : i - 1;
@@ -130,7 +125,7 @@ class Rises {
   }
 
   // The frame of the largest value from one time to another; nullopt if one of them, or every value, is unknown.
-  std::optional<std::size_t> FrameOfLargest(const Course& course, double from_s, double to_s) const {
+  std::optional<std::size_t> FrameOfLargest(const ValuesOfFrames& course, double from_s, double to_s) const {
     std::optional<std::size_t> largest;
     for (std::size_t i = 0; i < time_s_.size(); ++i)
       if (time_s_[i] >= from_s && time_s_[i] <= to_s && std::isfinite(course.value[i]) &&
@@ -139,7 +134,7 @@ class Rises {
     return largest;
   }
 
-  Measured Largest(const Course& course, const SitToStand& rise) const {
+  Measured Largest(const ValuesOfFrames& course, const SitToStand& rise) const {
     const auto i = FrameOfLargest(course, rise.onset_s.value, rise.standing_s.value);
     return i ? Measured{course.value[*i], course.sd[*i]} : Measured{};
   }
@@ -159,7 +154,7 @@ class Rises {
 
   const LegFitResult& fit_;
   const std::vector<double>& time_s_;
-  Course knee_, hip_, trunk_, shank_, height_, hip_speed_, trunk_speed_, extension_speed_;
+  ValuesOfFrames knee_, hip_, trunk_, shank_, height_, hip_speed_, trunk_speed_, extension_speed_;
 };
 
 SitToStand FiveTimes(const std::vector<SitToStand>& rises, bool in_mm) {
@@ -184,19 +179,56 @@ SitToStand FiveTimes(const std::vector<SitToStand>& rises, bool in_mm) {
 
 }  // namespace
 
+std::string SitToStandQuantity::Column(motion::LengthUnit unit) const {
+  return name + (is_length ? fmt::format("_{}{}", ToString(unit), per) : "");
+}
+
+std::span<const SitToStandQuantity> SitToStandQuantities() {
+  return kQuantities;
+}
+
 std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit) {
   std::vector<SitToStand> rows = Rises(fit).Measure();
   rows.push_back(FiveTimes(rows, fit.motion.unit == motion::LengthUnit::kMm));
   return rows;
 }
 
+std::optional<double> FiveTimesReference_s(double age_years) {
+  struct Reference {
+    double from_years, upper_s;
+  };
+  constexpr double kDecade_years = 10;
+  for (const Reference& reference : {Reference{60, 11.4}, {70, 12.6}, {80, 14.8}})
+    if (age_years >= reference.from_years && age_years < reference.from_years + kDecade_years) return reference.upper_s;
+  return std::nullopt;
+}
+
+Json FiveTimesJson(const LegFitResult& fit, std::optional<double> age_years) {
+  const Measured five = MeasureSitToStands(fit).back().five_times_s;
+  if (std::isnan(five.value)) return nullptr;
+  Json json = {{"five_times_s", five.value}, {"sd_s", five.sd}};
+  if (!age_years) return json;
+  const std::optional<double> reference_s = FiveTimesReference_s(*age_years);
+  json["age_years"] = *age_years;
+  json["reference_s"] = reference_s ? Json(*reference_s) : Json();
+  json["source"] = "Bohannon 2006, doi:10.2466/pms.103.1.215-222";
+  if (reference_s) json["worse_than_average"] = five.value > *reference_s;
+  return json;
+}
+
+Option& DescribeAge(std::optional<double>& age_years, OptionList& options) {
+  constexpr double kOldest_years = 120;
+  return options
+      .Add("age", age_years, "How old the subject is: the five-times test is compared with people of that age")
+      .Unit("years")
+      .Between(0, kOldest_years)
+      .Otherwise("not compared");
+}
+
 void WriteSitToStandCsv(const std::filesystem::path& path, const LegFitResult& fit) {
   std::vector<std::string> header = {"repetition"};
   for (const char* sd : {"", "_sd"})
-    for (const Quantity& quantity : kQuantities)
-      header.push_back(
-          fmt::format("{}{}{}", quantity.name,
-                      quantity.is_length ? fmt::format("_{}{}", ToString(fit.motion.unit), quantity.per) : "", sd));
+    for (const Quantity& quantity : kQuantities) header.push_back(quantity.Column(fit.motion.unit) + sd);
   CsvWriter csv(header);
   for (const SitToStand& row : MeasureSitToStands(fit)) {
     if (row.repetition > 0)

@@ -407,11 +407,11 @@ void WarnOfClock(const Model& model, const std::vector<Window>& windows, const L
   const auto offset = FindClockOffset(model.path.time_s, needed_n, measured_n, windows, options.cutoff_with_forces_hz);
   constexpr double kSure = 3;  // standard deviations
   if (!offset || std::abs(offset->add_s) < kSure * offset->sd_s) return;
-  result.warnings.push_back(
-      fmt::format("the forces' clock is not the markers': the forces follow the motion best with {:+.3f} ± {:.3f} s (1 "
-                  "SD) added to their times; correct the times in the file, as moments of forces and angles of other "
-                  "moments are wrong",
-                  offset->add_s, offset->sd_s));
+  result.warnings.push_back(fmt::format(
+      "the forces' clock is not the markers': the forces follow the motion best with {:+.3f} ± {:.3f} s (1 "
+      "SD) added to their times; bring them to one clock (lake sync TRIAL FORCES, then --sync sync.yaml), as "
+      "moments of forces and angles of other moments are wrong",
+      offset->add_s, offset->sd_s));
 }
 
 // Forces that the motion contradicts: of another leg, another trial, other axes.

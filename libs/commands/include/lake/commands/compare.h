@@ -20,6 +20,9 @@ struct CompareRunOptions {
   // lake-track folders or files that ReadTrial knows; or folders with a comparison.json (of lake-compare, or the
   // predicted path of lake-optimize), whose human or exoskeleton curve is taken.
   std::filesystem::path human, exo;
+  // Instead of these, both legs of one person: their symmetry (symmetry.h). The left one is read by `human_reading`.
+  std::filesystem::path left, right;
+  exchange::TrialOptions right_reading;
   std::string human_knee = "knee";
   std::optional<std::string> exo_knee;                // default: exo_knee, or knee where there is none
   exchange::TrialOptions human_reading, exo_reading;  // of files; a folder's markers have their names already

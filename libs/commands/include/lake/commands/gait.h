@@ -10,6 +10,7 @@
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/gait/marker_measures.h"
 #include "lake/gait/picture_scale.h"
 
 namespace lake::commands {
@@ -20,9 +21,14 @@ struct GaitRunOptions : gait::PictureScale {
   exchange::TrialOptions reading;
   gait::LegFitOptions fit;
   std::optional<std::filesystem::path> events;  // repetition,event,time_s or frame: overrule those found
+  std::optional<double> age_years;              // for the five-times test
+  std::vector<gait::MarkerMeasure> measures;    // of any markers; with them a trial need not have a leg
 };
 
 void Describe(GaitRunOptions& o, OptionList& options);
+
+// The trial and its fit alone, for programs that measure something else.
+void DescribeTrialFit(GaitRunOptions& o, OptionList& options);
 
 std::vector<InputFile> InputsOf(const GaitRunOptions& options);
 
@@ -43,7 +49,8 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
 // naming file and line.
 Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit);
 
-// Writes kinematics.csv, events.csv, trajectory.csv (tracks.csv for a trial in px), gait.png; returns the results for
+// Writes kinematics.csv, events.csv, trajectory.csv (tracks.csv for a trial in px), gait.png, and measures.csv and
+// measures.png of what is measured; of a trial without ankle, knee and hip the latter alone. Returns the results for
 // the summary.
 Json RunGait(const GaitRunOptions& options, Run& run);
 

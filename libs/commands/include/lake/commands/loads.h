@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,10 @@ namespace lake::commands {
 // The trial and its fit are lake-gait's.
 struct LoadsRunOptions : GaitRunOptions {
   loads::LoadsOptions loads;
-  std::filesystem::path forces;       // of OpenSim; empty: without force plates
-  std::map<std::string, int> plates;  // right, left: which plate, from 1
-  std::string leg;                    // right or left; empty: by the ankle marker's name in the file, else right
+  std::filesystem::path forces;               // of OpenSim; empty: without force plates
+  std::optional<std::filesystem::path> sync;  // sync.yaml: the forces' clock; else it is the markers'
+  std::map<std::string, int> plates;          // right, left: which plate, from 1
+  std::string leg;  // right or left; empty: by the ankle marker's name in the file, else right
 };
 
 void Describe(LoadsRunOptions& o, OptionList& options);

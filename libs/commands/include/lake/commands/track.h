@@ -11,6 +11,7 @@
 #include "lake/core/json.h"
 #include "lake/core/run.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/gait/marker_measures.h"
 #include "lake/gait/picture_scale.h"
 #include "lake/tracking/track_markers.h"
 
@@ -28,10 +29,12 @@ struct TrackRunOptions : gait::PictureScale {
   std::optional<std::filesystem::path> corrections;  // frame,marker,x_px,y_px
   std::optional<std::filesystem::path> events;       // repetition,event,time_s or frame: overrule those found
   bool overlay = true;
-  bool anonymise = false;            // no face in overlay.mp4 and candidates.png
-  std::vector<std::string> exports;  // as CheckExportFormats (exchange/formats.h) knows them
-  bool list = false;                 // only find and draw what is there, without naming it
-  bool smoothed = false;             // exports hold the fit's estimates; else the measurements, with their gaps
+  bool anonymise = false;                     // no face in overlay.mp4 and candidates.png
+  std::vector<std::string> exports;           // as CheckExportFormats (exchange/formats.h) knows them
+  bool list = false;                          // only find and draw what is there, without naming it
+  std::optional<double> age_years;            // for the five-times test
+  std::vector<gait::MarkerMeasure> measures;  // of any markers; without a leg, of two or three markers the usual ones
+  bool smoothed = false;  // exports hold the fit's estimates; else the measurements, with their gaps
 };
 
 void Describe(TrackRunOptions& o, OptionList& options);

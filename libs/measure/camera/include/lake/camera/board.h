@@ -67,7 +67,8 @@ struct BoardDetectionOptions {
 };
 
 // nullopt if the board is not seen. `grey` is CV_8UC1. A chessboard must be seen whole, a ChArUco board may be cut off
-// or covered. A chessboard looks the same after half a turn: which of the two was meant cannot be known.
+// or covered; either may be printed dark on light or light on dark. A chessboard looks the same after half a turn:
+// which of the two was meant cannot be known.
 std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board,
                                      const BoardDetectionOptions& options = {});
 

@@ -5,8 +5,13 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
+#include "lake/core/json.h"
+#include "lake/core/options.h"
 #include "lake/gait/leg_fit.h"
 
 namespace lake::gait {
@@ -38,9 +43,32 @@ struct SitToStand {
   Measured five_times_s;  // of the five-times test alone: first onset to fifth standing
 };
 
+// What there is of each row, by the name of its column without the unit of lengths.
+struct SitToStandQuantity {
+  const char* name;
+  Measured SitToStand::*value;
+  bool is_length = false;  // "_mm" or "_px", and what comes after it, ends the name
+  const char* per = "";
+
+  std::string Column(motion::LengthUnit unit) const;
+};
+std::span<const SitToStandQuantity> SitToStandQuantities();
+
 // The rises in order, then the five-times test: the first five rises of which onset and standing are known; without
 // five, all of it is NaN.
 std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit);
+
+// Times of the five-times test beyond which a person of this age does worse than average: 11.4 s from 60 to 69 years,
+// 12.6 s from 70 to 79, 14.8 s from 80 to 89, of both sexes (Bohannon 2006, doi:10.2466/pms.103.1.215-222). That test
+// is timed from the word to the fifth standing or sitting; ours from the first onset to the fifth standing, which is
+// shorter by the reaction. nullopt for other ages: the source has none.
+std::optional<double> FiveTimesReference_s(double age_years);
+
+// For summaries: five_times_s of the test with its SD and, at an age, the reference; null without five rises.
+Json FiveTimesJson(const LegFitResult& fit, std::optional<double> age_years);
+
+// How old the subject is, for FiveTimesJson.
+Option& DescribeAge(std::optional<double>& age_years, OptionList& options);
 
 // sit_to_stand.csv: the values, then the SDs (…_sd); lengths end in the plane's unit.
 void WriteSitToStandCsv(const std::filesystem::path& path, const LegFitResult& fit);

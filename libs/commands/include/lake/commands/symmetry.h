@@ -1,0 +1,19 @@
+// The work of lake-compare --left A --right B: what differs between both legs of one person.
+#pragma once
+
+#include <string>
+
+#include "lake/commands/compare.h"
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+
+namespace lake::commands {
+
+// Writes symmetry.csv, symmetry_curve.csv and symmetry.png; returns the results for the summary. The legs are those of
+// `options.left` and `options.right`.
+Json RunSymmetry(const CompareRunOptions& options, Run& run);
+
+// What a person wants to read of the summary.
+std::string SymmetryReport(const Json& summary);
+
+}  // namespace lake::commands

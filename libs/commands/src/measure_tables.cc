@@ -1,0 +1,18 @@
+#include "measure_tables.h"
+
+#include "lake/figure/measures_figure.h"
+#include "png_and_svg.h"
+
+namespace lake::commands {
+
+void WriteMeasures(const motion::MarkerRecording& recording, const std::vector<gait::MarkerMeasure>& measures,
+                   Json& results, Run& run) {
+  if (measures.empty()) return;
+  const std::vector<gait::MeasuredCourse> courses = gait::MeasureMarkers(recording, measures);
+  gait::WriteMeasuresCsv(run.Result("measures.csv"), recording, courses);
+  DrawPngAndSvg("measures", run,
+                [&](const std::filesystem::path& path) { figure::DrawMeasures(path, recording, courses); });
+  results["measures"] = gait::MeasuresJson(recording, courses);
+}
+
+}  // namespace lake::commands

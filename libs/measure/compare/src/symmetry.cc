@@ -1,0 +1,197 @@
+#include "lake/compare/symmetry.h"
+
+#include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+#include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
+#include "lake/gait/sit_to_stand.h"
+
+namespace lake::compare {
+namespace {
+
+using gait::Measured, gait::SitToStand;
+
+// Those that a leg has of its own: when the rise begins and ends is the person's.
+struct Compared {
+  Measured SitToStand::*value;
+  // The segments between whose markers the angle is, which tell how much a marker on another spot changes it.
+  enum class Angle { kNone, kKnee, kHip } angle = Angle::kNone;
+};
+constexpr Compared kCompared[] = {{&SitToStand::flexion_s},
+                                  {&SitToStand::transfer_s},
+                                  {&SitToStand::extension_s},
+                                  {&SitToStand::knee_seat_off_deg, Compared::Angle::kKnee},
+                                  {&SitToStand::hip_seat_off_deg, Compared::Angle::kHip},
+                                  {&SitToStand::knee_max_deg, Compared::Angle::kKnee},
+                                  {&SitToStand::hip_max_deg, Compared::Angle::kHip},
+                                  {&SitToStand::knee_extension_max_deg_s},
+                                  {&SitToStand::hip_rise},
+                                  {&SitToStand::hip_speed_max}};
+
+constexpr double kOutside = 0.05;
+
+// Of the angle between two segments that share a marker, where each of their three markers is off by `sd`.
+double PlacementDeg(double sd, double first, double second) {
+  const double angle = sd * std::hypot(1 / first, 1 / second, 1 / first + 1 / second);
+  return std::isfinite(angle) ? DegreesFromRadians(angle) : 0;
+}
+
+double PlacementOf(const motion::LegMotion& motion, Compared::Angle angle, double sd) {
+  if (angle == Compared::Angle::kNone || motion.unit != motion::LengthUnit::kMm) return 0;
+  const double thigh = MedianLength(motion, &motion::LegSample::kh);
+  return angle == Compared::Angle::kKnee
+             ? PlacementDeg(sd, MedianLength(motion, &motion::LegSample::ak), thigh)
+             : PlacementDeg(sd, thigh, MedianLength(motion, &motion::LegSample::hw));
+}
+
+// Values of rises by their numbers.
+using ByRise = std::map<int, Measured>;
+
+std::vector<double> Values(const ByRise& rises) {
+  std::vector<double> values;
+  for (const auto& [repetition, measured] : rises) values.push_back(measured.value);
+  return values;
+}
+
+struct MeanDifference {
+  double left = kNaN, right = kNaN, sd = kNaN;  // of the difference
+  double freedom = kInfinity;
+};
+
+MeanDifference PairedDifference(const ByRise& left, const ByRise& right) {
+  std::vector<double> of_left, of_right, differences;
+  double variance = 0;
+  for (const auto& [repetition, measured] : left) {
+    const auto other = right.find(repetition);
+    if (other == right.end()) continue;
+    of_left.push_back(measured.value), of_right.push_back(other->second.value);
+    differences.push_back(measured.value - other->second.value);
+    variance += measured.sd * measured.sd + other->second.sd * other->second.sd;
+  }
+  if (differences.empty()) return {};
+  MeanDifference mean{.left = Mean(of_left), .right = Mean(of_right)};
+  const auto n = static_cast<double>(differences.size());
+  mean.sd = n > 1 ? StandardDeviation(differences) / std::sqrt(n) : std::sqrt(variance);
+  if (n > 1) mean.freedom = n - 1;
+  return mean;
+}
+
+MeanDifference WelchDifference(const ByRise& left, const ByRise& right) {
+  MeanDifference mean{.left = Mean(Values(left)), .right = Mean(Values(right)), .sd = 0};
+  double fourth = 0;
+  for (const ByRise* side : {&left, &right}) {
+    const auto n = static_cast<double>(side->size());
+    const double variance =
+        n > 1 ? std::pow(StandardDeviation(Values(*side)), 2) / n : std::pow(side->begin()->second.sd, 2);
+    mean.sd = std::hypot(mean.sd, std::sqrt(variance));
+    if (n > 1) fourth += variance * variance / (n - 1);
+  }
+  if (fourth > 0) mean.freedom = std::pow(mean.sd, 4) / fourth;
+  return mean;
+}
+
+// `placement`: of the markers, which no number of rises makes smaller.
+SideDifference DifferenceOf(std::string name, const MeanDifference& mean, double placement, double outside) {
+  SideDifference difference{.name = std::move(name), .left = mean.left, .right = mean.right};
+  difference.difference = mean.left - mean.right;
+  const double upper = 1 - outside / 2, normal = quantile(boost::math::normal(), upper),
+               student = std::isfinite(mean.freedom) ? quantile(boost::math::students_t(mean.freedom), upper) : normal,
+               reach = std::hypot(student * mean.sd, normal * placement);
+  difference.interval = {difference.difference - reach, difference.difference + reach};
+  const double to_percent = 100 / ((mean.left + mean.right) / 2);
+  difference.index_percent = to_percent * difference.difference;
+  difference.index_interval = {to_percent * difference.interval.low, to_percent * difference.interval.high};
+  if (to_percent < 0) std::swap(difference.index_interval.low, difference.index_interval.high);
+  return difference;
+}
+
+// The knee angle of each rise at 0 to 100 %, between the frames.
+std::map<int, std::vector<Measured>> KneeCurves(const motion::LegMotion& motion) {
+  constexpr std::size_t kPercents = 101;
+  std::map<int, std::vector<Measured>> curves;
+  for (std::size_t i = 1; i < motion.samples.size(); ++i) {
+    const motion::LegSample &before = motion.samples[i - 1], &after = motion.samples[i];
+    if (!before.repetition || before.repetition != after.repetition || !(after.percent > before.percent)) continue;
+    std::vector<Measured>& curve = curves.try_emplace(*after.repetition, kPercents).first->second;
+    for (auto percent = static_cast<std::size_t>(std::ceil(before.percent));
+         percent < kPercents && static_cast<double>(percent) <= after.percent; ++percent) {
+      const double part = (static_cast<double>(percent) - before.percent) / (after.percent - before.percent);
+      curve[percent] = {std::lerp(before.knee_deg, after.knee_deg, part),
+                        std::lerp(before.knee_sigma_deg, after.knee_sigma_deg, part)};
+    }
+  }
+  return curves;
+}
+
+ByRise AtPercent(const std::map<int, std::vector<Measured>>& curves, std::size_t percent) {
+  ByRise rises;
+  for (const auto& [repetition, curve] : curves)
+    if (std::isfinite(curve[percent].value)) rises[repetition] = curve[percent];
+  return rises;
+}
+
+// Rises from onset to standing, without the row of the five-times test.
+std::vector<SitToStand> WholeRises(const gait::LegFitResult& fit, const char* side) {
+  std::vector<SitToStand> rises = gait::MeasureSitToStands(fit);
+  std::erase_if(rises, [](const SitToStand& rise) { return rise.repetition == 0 || std::isnan(rise.rise_s.value); });
+  if (rises.empty()) throw Fail("the {} leg: no rise has an onset and a standing in the recording", side);
+  return rises;
+}
+
+ByRise Of(const std::vector<SitToStand>& rises, Measured SitToStand::*value) {
+  ByRise values;
+  for (const SitToStand& rise : rises)
+    if (std::isfinite((rise.*value).value)) values[rise.repetition] = rise.*value;
+  return values;
+}
+
+std::string ColumnName(Measured SitToStand::*value, motion::LengthUnit unit) {
+  const auto quantities = gait::SitToStandQuantities();
+  return std::ranges::find(quantities, value, &gait::SitToStandQuantity::value)->Column(unit);
+}
+
+}  // namespace
+
+Symmetry CompareSides(const gait::LegFitResult& left, const gait::LegFitResult& right,
+                      const SymmetryOptions& options) {
+  if (left.motion.unit != right.motion.unit)
+    throw Fail("the left leg is in {} and the right leg in {}: give both a scale", ToString(left.motion.unit),
+               ToString(right.motion.unit));
+  const std::vector<SitToStand> of_left = WholeRises(left, "left"), of_right = WholeRises(right, "right");
+  const auto mean_of = [&](const ByRise& l, const ByRise& r) {
+    return options.one_recording ? PairedDifference(l, r) : WelchDifference(l, r);
+  };
+  Symmetry symmetry{.left_rises = of_left.size(), .right_rises = of_right.size()};
+  for (const Compared& compared : kCompared) {
+    const ByRise l = Of(of_left, compared.value), r = Of(of_right, compared.value);
+    if (l.empty() || r.empty()) continue;
+    const MeanDifference mean = mean_of(l, r);
+    if (!std::isfinite(mean.sd)) continue;
+    const double placement = std::hypot(PlacementOf(left.motion, compared.angle, options.replacement_sd_mm),
+                                        PlacementOf(right.motion, compared.angle, options.replacement_sd_mm));
+    symmetry.quantities.push_back(DifferenceOf(ColumnName(compared.value, left.motion.unit), mean, placement,
+                                               kOutside / static_cast<double>(std::size(kCompared))));
+    symmetry.is_asymmetric |= symmetry.quantities.back().IsAsymmetric();
+  }
+  if (symmetry.quantities.empty())
+    throw Fail("the left leg rises {} and the right leg {} times, and none of the rises is in both",
+               of_left.size(), of_right.size());
+  const auto left_knee = KneeCurves(left.motion), right_knee = KneeCurves(right.motion);
+  const double placement = std::hypot(PlacementOf(left.motion, Compared::Angle::kKnee, options.replacement_sd_mm),
+                                      PlacementOf(right.motion, Compared::Angle::kKnee, options.replacement_sd_mm));
+  for (std::size_t percent = 0; percent <= 100; ++percent) {
+    const ByRise l = AtPercent(left_knee, percent), r = AtPercent(right_knee, percent);
+    const MeanDifference mean = l.empty() || r.empty() ? MeanDifference{} : mean_of(l, r);
+    symmetry.knee_deg.push_back(DifferenceOf(std::to_string(percent), mean, placement, kOutside));
+  }
+  return symmetry;
+}
+
+}  // namespace lake::compare

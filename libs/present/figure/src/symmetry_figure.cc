@@ -1,0 +1,61 @@
+#include "lake/figure/symmetry_figure.h"
+
+#include <fmt/format.h>
+
+#include "lake/core/colours.h"
+#include "lake/figure/gnuplot.h"
+#include "percents.h"
+
+namespace lake::figure {
+namespace {
+
+void DrawKnees(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
+  std::vector<double> left, right, difference, low, high;
+  for (const compare::SideDifference& at : symmetry.knee_deg) {
+    left.push_back(at.left), right.push_back(at.right), difference.push_back(at.difference);
+    low.push_back(at.interval.low), high.push_back(at.interval.high);
+  }
+  const std::string data =
+      figure.Data({Percents(static_cast<int>(left.size())), left, right, difference, low, high});
+  figure.Line("set lmargin at screen 0.07; set rmargin at screen 0.50")
+      .Line("set tmargin at screen 0.93; set bmargin at screen 0.50; set ylabel 'knee (°)'; set format x ''")
+      .Line(fmt::format("plot {0} using 1:2 with lines lw 3 lc rgb '{1}' title 'left', {0} using 1:3 with lines lw 3 dt "
+                        "2 lc rgb '{2}' title 'right'",
+                        data, colour::kKnee, colour::kHip))
+      .Line("set tmargin at screen 0.46; set bmargin at screen 0.09; set ylabel 'left less right (°)'")
+      .Line("set xlabel 'rise (%)'; set format x '%g'")
+      .Line(fmt::format("plot {0} using 1:5:6 with filledcurves fc rgb '{1}' fs transparent solid 0.3 noborder title "
+                        "'95 %', {0} using 1:4 with lines lw 3 lc rgb '{1}' notitle, 0 with lines lw 1 lc rgb "
+                        "'#222222' notitle",
+                        data, colour::kKnee));
+}
+
+void DrawIndices(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
+  std::vector<double> row, index, low, high;
+  std::string names;
+  for (std::size_t i = 0; i < symmetry.quantities.size(); ++i) {
+    const compare::SideDifference& of = symmetry.quantities[i];
+    row.push_back(-static_cast<double>(i)), index.push_back(of.index_percent);
+    low.push_back(of.index_interval.low), high.push_back(of.index_interval.high);
+    names += fmt::format("{}{} -{}", names.empty() ? "" : ", ", QuoteForGnuplot(of.name), i);
+  }
+  figure.Line("set lmargin at screen 0.70; set rmargin at screen 0.97; set tmargin at screen 0.93")
+      .Line(fmt::format("set bmargin at screen 0.09; set ytics ({}) noenhanced; unset ylabel", names))
+      .Line(fmt::format("set yrange [-{}:0.5]; set xlabel 'symmetry index (%)'",
+                        static_cast<double>(symmetry.quantities.size()) - 0.5))
+      .Line("set arrow from 0, graph 0 to 0, graph 1 nohead lw 1 lc rgb '#222222'")
+      .Line(fmt::format("plot {} using 2:1:3:4 with xerrorbars pt 7 ps 1.2 lw 2 lc rgb '{}' notitle",
+                        figure.Data({row, index, low, high}), colour::kText));
+}
+
+}  // namespace
+
+void DrawSymmetry(const std::filesystem::path& path, const compare::Symmetry& symmetry) {
+  GnuplotFigure figure(1500, 800);
+  figure.Line("set multiplot").Line("set key top right samplen 2.5; set grid lc rgb '#EEEEEE'");
+  DrawKnees(figure, symmetry);
+  DrawIndices(figure, symmetry);
+  figure.Line("unset multiplot").Write(path);
+}
+
+}  // namespace lake::figure
