@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lake/core/json.h"
+#include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/sync/align.h"
 
