@@ -67,8 +67,8 @@ TEST_F(BrokenWiresTest, ARetractWireThatBreaksBeforeTheSecondTouchIsNotHome) {
 
 // Every wire in every state: whatever is asked for afterwards, the actuator moves no farther than a stop's travel until
 // a fault is told, and then not at all.
-enum class Wire { kRetract, kExtend, kBoth, kSupply };
-constexpr Wire kWires[] = {Wire::kRetract, Wire::kExtend, Wire::kBoth, Wire::kSupply};
+enum class CutWire { kRetract, kExtend, kBoth, kSupply };
+constexpr CutWire kWires[] = {CutWire::kRetract, CutWire::kExtend, CutWire::kBoth, CutWire::kSupply};
 constexpr const char* kWireNames[] = {"retract", "extend", "both", "supply"};
 
 struct StateCase {
@@ -123,7 +123,7 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
   firmware_options_.home_stroke_mm = 299, firmware_options_.supply_v = 12;
   int cases = 0;
   for (const StateCase& state : kStates)
-    for (const Wire wire : kWires) {
+    for (const CutWire wire : kWires) {
       const std::string what = std::string(kWireNames[static_cast<int>(wire)]) + " wire, " + state.name;
       Build(FreeDesign({{0, 303}, {1, 308}, {1.5, 308}, {2.9, 303.5}}));
       rig_->SetStroke(306);
@@ -131,9 +131,9 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
       state.reach(*rig_);
       ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << what;
       const std::size_t pulled = rig_->Samples().size();
-      if (wire == Wire::kRetract || wire == Wire::kBoth) rig_->PullWire(true, true);
-      if (wire == Wire::kExtend || wire == Wire::kBoth) rig_->PullWire(false, true);
-      if (wire == Wire::kSupply) rig_->Breaks().supply_wire = true;
+      if (wire == CutWire::kRetract || wire == CutWire::kBoth) rig_->PullWire(true, true);
+      if (wire == CutWire::kExtend || wire == CutWire::kBoth) rig_->PullWire(false, true);
+      if (wire == CutWire::kSupply) rig_->Breaks().supply_wire = true;
       rig_->Run(0.3);
       // What a user would try.
       for (const char* line : {"resume", "go", "run", "home", "jog 400 800", "jog -400 800", "home", "jog 400 2000"}) {
@@ -145,7 +145,7 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
       rig_->Run(0.3);
       // Both contradict each other, the supply the firmware's limits: told within 30 ms. A stop that stays pressed
       // costs its travel; 0.35 mm of run-on, twice where it turns round.
-      const bool at_once = wire == Wire::kBoth || wire == Wire::kSupply;
+      const bool at_once = wire == CutWire::kBoth || wire == CutWire::kSupply;
       EXPECT_LE(Way(*rig_, pulled), at_once ? 0.5 : firmware_options_.StopTravel() + 0.7) << what << "\n"
                                                                                           << rig_->Serial();
       const std::size_t told = rig_->Samples().size();

@@ -170,7 +170,7 @@ TEST(Assembly, SaysWhichTriangleMissesByHowMuch) {
         linkage::RequirePose({1, 1, 1, 1, 1, 1}, 242);
       },
       ThrowsMessage<Error>(AllOf(HasSubstr("cannot be assembled at a stroke of 242 mm"),
-                                 HasSubstr("the actuator is too long for l2, l5 and l6 by 239"))));
+                                 HasSubstr("the actuator is too long for l2, l5 and l6 by 240 mm"))));
   EXPECT_FALSE(linkage::SolvePose(kPublishedLinks, std::nan("")));
   EXPECT_TRUE(linkage::FindAssemblyGap(kPublishedLinks, std::nan("")));
   EXPECT_FALSE(linkage::SolvePose(kPublishedLinks, -242));

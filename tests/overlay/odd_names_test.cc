@@ -37,11 +37,12 @@ TEST(Figures, AreTheSameWhateverTheUsersOwnSettingsSay) {
   const TemporaryFolder folder;
   figure::GnuplotFigure figure(200, 100);
   figure.Line("plot x");
-  figure.Write(folder / "before.svg");
+  std::filesystem::create_directories(folder / "after");
+  figure.Write(folder / "figure.svg");
   WriteTextFile(folder / ".gnuplot", "set title 'mine'\nset xrange [0:1]\n");
   const HomeFolder home(folder.Path());
-  figure.Write(folder / "after.svg");
-  EXPECT_EQ(ReadTextFile(folder / "after.svg"), ReadTextFile(folder / "before.svg"));
+  figure.Write(folder / "after/figure.svg");
+  EXPECT_EQ(ReadTextFile(folder / "after/figure.svg"), ReadTextFile(folder / "figure.svg"));
 }
 
 TEST(OddNames, Solids) {

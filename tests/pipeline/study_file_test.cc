@@ -293,7 +293,9 @@ TEST_F(StudyYaml, TakesBalanceOfABodyThatItKnows) {
   const study::StudyFile study = Read(trial + "loads: {mass_kg: 70}\n" + balance);
   EXPECT_EQ(study.redesign->options.balance_mm, 20);
   for (const steps::StudyStep& step : study::StudySteps(study, folder_ / "out", Json::object()))
-    if (step.name == "redesign") EXPECT_THAT(step.inputs, testing::Contains(folder_ / "out/loads/loads.json"));
+    if (step.name == "redesign") {
+      EXPECT_THAT(step.inputs, testing::Contains(folder_ / "out/loads/loads.json"));
+    }
   ExpectRefused(trial + balance, "'balance' needs the person's body");
   ExpectRefused(trial + "loads: {mass_kg: 70}\nreoptimize: {balance: {margin_mm: -1}}\n", "'margin_mm'");
   ExpectRefused(trial + "loads: {mass_kg: 70}\nreoptimize: {balance: {margin: 20}}\n", "'margin_mm'");

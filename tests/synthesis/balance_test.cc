@@ -37,7 +37,7 @@ std::shared_ptr<const loads::BodyPath> Body() {
   return std::make_shared<const loads::BodyPath>(path);
 }
 
-redesign::RedesignProblem Problem(double duration_s = 30) {
+redesign::RedesignProblem BalancedProblem(double duration_s = 30) {
   redesign::RedesignProblem problem;
   problem.design = WithMargins(2);
   problem.human = redesign::MakeHumanMotion(MakeCurve({}));
@@ -90,7 +90,7 @@ TEST(BalanceOfABody, SupportIsThatOfNewtonAndEuler) {
 }
 
 TEST(BalanceOfABody, AsSlowlyAsMayBeThePressureIsUnderTheCentreOfMass) {
-  const redesign::RedesignProblem problem = Problem();
+  const redesign::RedesignProblem problem = BalancedProblem();
   const loads::BodyPath& body = *problem.body;
   const compare::StsCurve curve = MakeCurve({});
   const redesign::BalanceCourse course =
@@ -112,7 +112,7 @@ TEST(BalanceOfABody, AsSlowlyAsMayBeThePressureIsUnderTheCentreOfMass) {
 }
 
 TEST(BalancedProgram, IsHeldAtEveryInstantAndItsCostIsTold) {
-  redesign::RedesignProblem problem = Problem();
+  redesign::RedesignProblem problem = BalancedProblem();
   const auto free = Optimum(problem);
   ASSERT_TRUE(free);
   EXPECT_LT(free->prediction->balance->margin_mm, 0);  // this rise is one of momentum
@@ -134,7 +134,7 @@ TEST(BalancedProgram, IsHeldAtEveryInstantAndItsCostIsTold) {
 }
 
 TEST(BalancedProgram, WhatCannotBeHadIsToldWithTheMostThatCan) {
-  redesign::RedesignProblem problem = Problem();
+  redesign::RedesignProblem problem = BalancedProblem();
   problem.max_angle_mismatch_deg = 5;  // a knee that bends at will brings the hip over the foot
   problem.balance = redesign::BalanceLimits{.margin_mm = 90, .trunk_deg = 5, .leg_deg = 2};
   const auto report = redesign::ExplainInfeasible(problem, {problem.design.start, kPublishedLinks}, Starts(1));
@@ -147,7 +147,7 @@ TEST(BalancedProgram, WhatCannotBeHadIsToldWithTheMostThatCan) {
 }
 
 TEST(AngleMismatch, IsALimitOfItsOwnWithAPrice) {
-  redesign::RedesignProblem problem = Problem();
+  redesign::RedesignProblem problem = BalancedProblem();
   problem.program.duration_s = 26;  // too short to follow exactly
   const auto free = Optimum(problem);
   ASSERT_TRUE(free);
@@ -168,7 +168,7 @@ TEST(AngleMismatch, IsALimitOfItsOwnWithAPrice) {
 }
 
 TEST(JointMisalignment, IsLimitedByThePlacementAloneAndTheAngleByItsOwnLimit) {
-  redesign::RedesignProblem problem = Problem();
+  redesign::RedesignProblem problem = BalancedProblem();
   for (redesign::HumanSample& sample : problem.human) sample.slip_mm = {12, -5};
   problem.fit_placement = true;
   problem.misalignment_of = MisalignmentOf::kJoint;
@@ -185,7 +185,7 @@ TEST(JointMisalignment, IsLimitedByThePlacementAloneAndTheAngleByItsOwnLimit) {
 }
 
 TEST(JointMisalignment, AConstantProgramCannotFollowAndThatIsTold) {
-  redesign::RedesignProblem problem = Problem();
+  redesign::RedesignProblem problem = BalancedProblem();
   problem.program = {};
   problem.misalignment_of = MisalignmentOf::kJoint;
   problem.max_angle_mismatch_deg = 5;

@@ -118,7 +118,7 @@ TEST(GroupProgram, RowsAgreeWithTheClosedForm) {
     const std::vector<double> rows = program.RowValues(x);
     double mean = 0;
     for (std::size_t i = 0; i < kThree.size(); ++i) {
-      const double percent = 100 * redesign::PredictPoint(problem.Of(i), builder.Points()[i])->relative_rms;
+      const double percent = 100 * redesign::PredictPoint(problem.Of(i), builder.Points()[i])->path.relative;
       mean += percent / static_cast<double>(kThree.size());
       const int row = builder.Variables()[i].misalignment_row;
       ASSERT_GE(row, 0);

@@ -412,7 +412,7 @@ TEST(Redesign, OfEqualDesignsTheJointNearestToTheKneeIsTaken) {
   EXPECT_LT(nearest.placement_mm.norm(), 1);
   EXPECT_NEAR(problem::Evaluate(nearest.links, problem.design).range_deg, result.Best().Range_deg(),
               1.001 * redesign::kEqualRange_deg);
-  const double percent = 100 * redesign::PredictPoint(problem, nearest)->relative_rms;
+  const double percent = 100 * redesign::PredictPoint(problem, nearest)->path.relative;
   EXPECT_LE(percent, result.Best().Misalignment_percent() + 1.001 * redesign::kEqualMisalignment_percent);
   // 4 % of the shank of 420 mm: the joint alone may be 16.8 mm off, a little more or less as the program gives way.
   const auto range = redesign::FindPlacementRange(problem, nearest);

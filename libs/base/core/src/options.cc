@@ -31,6 +31,9 @@ constexpr UnitText kUnits[] = {{"mm", "mm", "MM"},
                                {"N", "n", "N"},
                                {"N m", "nm", "NM"},
                                {"kg", "kg", "KG"},
+                               {"years", "years", "YEARS"},
+                               {"N/mm", "n_mm", "N_MM"},
+                               {"ppm", "ppm", "PPM"},
                                {"mm per rad", "mm", "MM_RAD"},
                                {"degrees per mm RMS", "deg_per_mm", "DEG_MM"}};
 

@@ -212,7 +212,7 @@ void Describe(BudgetOptions& o, OptionList& options) {
       .NotNegative();
   options.Add("view-slope", o.view_slope, "How far the joint stands from the camera's axis, over its distance")
       .NotNegative();
-  options.Add("scale-sd", o.scale_percent, "Standard deviation of the plane's scale").Unit("%").NotNegative();
+  options.Add("scale-sd", o.scale_percent, "Standard deviation of the plane's scale").Unit("percent").NotNegative();
   options.Add("event-sd", o.event_s, "Standard deviation of onset and standing").Unit("s").NotNegative();
 }
 
