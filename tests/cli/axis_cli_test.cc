@@ -115,7 +115,8 @@ TEST_F(AxisProgram, FindsAHingeInAPlane) {
   EXPECT_NEAR(summary["axis_point_mm"][1], 20 + 200, kNear_mm);
   EXPECT_EQ(summary["axis_direction"], Json({0, 0, 1}));
   EXPECT_NEAR(summary["flexion_deg"], 80, 0.1);
-  EXPECT_LT(summary["axis_sd_mm"], kNear_mm);
+  EXPECT_LT(summary["axis_sd_mm"],
+            0.5);  // wider than the error: markers may move with the angle by as much as they err
   EXPECT_LT(summary["pin_residual_mm"], 0.2);
   const std::vector<std::string> axes = Lines("A/axis.csv"), centres = Lines("A/centre.csv");
   ASSERT_EQ(axes.size(), 6u) << "a head, the whole and four windows";

@@ -24,7 +24,8 @@ void WriteTable(const std::filesystem::path& path, double rate_hz, double from_s
   csv.precision(10);
   for (int i = 0; from_s + i / rate_hz < until_s; ++i) {
     const double t = from_s + i / rate_hz, s = slower * t;
-    const double knee = 100 * std::sin(2 * s + 3 * std::sin(0.37 * s)), hip = 150 * std::sin(1.3 * s + std::sin(0.9 * s));
+    const double knee = 100 * std::sin(2 * s + 3 * std::sin(0.37 * s)),
+                 hip = 150 * std::sin(1.3 * s + std::sin(0.9 * s));
     csv << i << "," << t - offset_s << "," << knee << "," << 430 - 0.3 * knee << "," << hip << "," << 800 + hip / 2;
     csv << (t > 9 ? ",0,0\n" : ",,\n");
   }

@@ -40,7 +40,8 @@ gait::LegFitResult Leg(double more_deg, unsigned seed, double between_rises_deg 
     const int r = std::min(kRises - 1, std::max(0, static_cast<int>((t - 1) / kEvery_s)));
     const auto rise = static_cast<std::size_t>(r);
     const double part = std::clamp((t - 1 - kEvery_s * r) / kRise_s, 0.0, 1.0);
-    const double done = part * part * (3 - 2 * part), speed = part > 0 && part < 1 ? 6 * part * (1 - part) / kRise_s : 0;
+    const double done = part * part * (3 - 2 * part),
+                 speed = part > 0 && part < 1 ? 6 * part * (1 - part) / kRise_s : 0;
     const double seat_deg = 90 + more_deg + own_deg[rise];
     motion::LegSample sample;
     sample.ak = {100, 430}, sample.kh = {-420 * (1 - done), 420 * done + 1}, sample.hw = {50, 440};
@@ -72,7 +73,8 @@ TEST(Symmetry, TellsAsymmetricRisesFromSymmetricOnes) {
   constexpr int kPeople = 40;
   for (unsigned seed = 0; seed < kPeople; ++seed)
     for (const bool one_recording : {true, false}) {
-      // 3 mm of placement are 1.3 degrees of a knee's difference, 3.6 with ten intervals together; five rises add some 5.
+      // 3 mm of placement are 1.3 degrees of a knee's difference, 3.6 with ten intervals together; five rises add
+      // some 5.
       const compare::SymmetryOptions options{.one_recording = one_recording};
       const compare::Symmetry alike = compare::CompareSides(Leg(0, seed), Leg(0, seed + 1000), options),
                               unlike = compare::CompareSides(Leg(20, seed), Leg(0, seed + 1000), options);

@@ -39,11 +39,11 @@ motion::MarkerRecording Arm(double sigma, unsigned seed, bool says_sigma, int fr
   for (int i = 0; i < frames; ++i) {
     const double t = i / kHz, turn = (180 - ElbowDeg(t)) * kPi / 180;
     const Vector2d shoulder(kShift_mm_s * t, 0), elbow = shoulder - Vector2d(0, kUpper_mm),
-                   wrist = elbow + kFore_mm * Vector2d(std::sin(turn), -std::cos(turn));
+                                                 wrist = elbow + kFore_mm * Vector2d(std::sin(turn), -std::cos(turn));
     recording.frame.push_back(i), recording.time_s.push_back(t);
     for (std::size_t m = 0; const Vector2d& place : {shoulder, elbow, wrist})
-      recording.markers[m++].samples.push_back({place + Vector2d(normal(random), normal(random)),
-                                                says_sigma ? sigma : 0, motion::SampleStatus::kDetected});
+      recording.markers[m++].samples.push_back(
+          {place + Vector2d(normal(random), normal(random)), says_sigma ? sigma : 0, motion::SampleStatus::kDetected});
   }
   return recording;
 }
@@ -100,7 +100,9 @@ TEST(MarkerMeasures, AreGivenByName) {
   std::vector<MarkerMeasure> measures;
   OptionList options;
   gait::Describe(measures, options);
-  const auto give = [&](std::size_t option, const OptionTexts& texts) { options.All()[option].SetFromCommandLine(texts); };
+  const auto give = [&](std::size_t option, const OptionTexts& texts) {
+    options.All()[option].SetFromCommandLine(texts);
+  };
   give(0, {"elbow=shoulder,elbow,wrist"});
   give(1, {"reach=shoulder,wrist", "fore=elbow,wrist"});
   ASSERT_EQ(measures.size(), 3u);

@@ -99,7 +99,7 @@ TEST(StudyPage, FitsScreensOfAllWidthsInLightAndDark) {
   for (const int width : {1300, 400}) {
     const Json answer = browser.Ask(Page(), R"(
       const wide = document.documentElement.clientWidth;
-      const out = [...document.querySelectorAll('main *')].filter(n => !n.closest('.table') && n.getClientRects().length &&
+      const out = [...document.querySelectorAll('main *')].filter(n => !n.closest('.table, .drawing') && n.getClientRects().length &&
         n.getBoundingClientRect().right > wide + 1).map(n => n.tagName + '.' + n.className);
       const boxes = [...document.querySelectorAll('section > *')].map(n => n.getBoundingClientRect());
       const cross = boxes.some((a, i) => boxes.some((b, j) => i < j && a.left < b.right - 1 && b.left < a.right - 1 &&

@@ -57,8 +57,8 @@ class Layers(Project):
         self.assert_found(r"planted\.cc:1: tracking .*exchange.*link lines do not reach it")
 
     def test_public_header_includes_what_is_linked_privately(self):
-        self.plant_in_header("compare", '#include "lake/gait/sts_events.h"\n')
-        self.assert_found(r"\.h:\d+: compare .*gait.*public link lines")
+        self.plant_in_header("report", '#include "lake/compare/registration.h"\n')
+        self.assert_found(r"\.h:\d+: report .*compare.*public link lines")
 
     def test_include_by_a_relative_path(self):
         self.plant(self.room("gait") / "src/planted.cc", '#include "../../camera/src/planted.h"\n')

@@ -62,8 +62,8 @@ class Rises {
 };
 
 struct Camera {
-  double rate_hz = 60, noise = 0.05;                     // of the markers, unit of the picture
-  Eigen::Matrix2d view = Eigen::Matrix2d::Identity();    // per mm
+  double rate_hz = 60, noise = 0.05;                          // of the markers, unit of the picture
+  Eigen::Matrix2d view = Eigen::Matrix2d::Identity();         // per mm
   double from_s = 0, to_s = 30, offset_s = 0, drift_ppm = 0;  // the movement's time is t + offset + drift t
 };
 

@@ -45,7 +45,8 @@ TEST(Clock, IsReadAsItWasWritten) {
   EXPECT_EQ(read.a, clock.a);
   EXPECT_DOUBLE_EQ(read.FromB(12), 12 - 1.25 + 40e-6 * 10);
   EXPECT_EQ(sync::ReadClockOf(folder / "sync.yaml", "x/forces.mot").b, clock.b);
-  EXPECT_THAT(ErrorOf([&] { sync::ReadClockOf(folder / "sync.yaml", "trial: 'human'"); }), HasSubstr("not the other way"));
+  EXPECT_THAT(ErrorOf([&] { sync::ReadClockOf(folder / "sync.yaml", "trial: 'human'"); }),
+              HasSubstr("not the other way"));
   WriteTextFile(folder / "least.yaml", "offset_s: 0.5\n");
   EXPECT_EQ(sync::ReadClock(folder / "least.yaml").FromB(1), 1.5);
 }
@@ -81,8 +82,9 @@ TEST(Movement, ReadsASensorsTableAndItsTrigger) {
 
 TEST(Movement, SeesALampAsAMarkerThatComesIntoSight) {
   const TemporaryFolder folder;
-  WriteTextFile(folder / "tracks.csv",
-                "frame,time_s,knee_x_px,knee_y_px,led_x_px,led_y_px\n0,0,1,1,,\n1,0.1,1,1,,\n2,0.2,1,1,9,9\n3,0.3,1,1,9,9\n");
+  WriteTextFile(
+      folder / "tracks.csv",
+      "frame,time_s,knee_x_px,knee_y_px,led_x_px,led_y_px\n0,0,1,1,,\n1,0.1,1,1,,\n2,0.2,1,1,9,9\n3,0.3,1,1,9,9\n");
   EXPECT_THAT(sync::RisesOf(folder / "tracks.csv", "led"), ElementsAre(testing::DoubleNear(0.15, 1e-9)));
   EXPECT_THAT(ErrorOf([&] { sync::RisesOf(folder / "tracks.csv", "knee"); }), HasSubstr("never comes into sight"));
   EXPECT_THAT(ErrorOf([&] { sync::RisesOf(folder / "tracks.csv", "lamp"); }), HasSubstr("knee, led"));

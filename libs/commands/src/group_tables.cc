@@ -31,14 +31,6 @@ std::string FileOf(const std::string& person, const char* file) {
   return fmt::format("people/{}/{}", person, file);
 }
 
-double MisalignmentPercent(const redesign::DesignInMotion& design) {
-  return design.prediction ? 100 * design.prediction->Rms().relative : std::nan("");
-}
-
-double MisalignmentRms(const redesign::DesignInMotion& design) {
-  return design.prediction ? design.prediction->Rms().mm : std::nan("");
-}
-
 void AddNothing(CsvWriter& table, int cells) {
   for (int i = 0; i < cells; ++i) table.AddEmpty();
 }
@@ -58,7 +50,9 @@ void AddPerson(const PersonRow& row, CsvWriter& table) {
   for (const PersonOutcome& other : row.group.people) prices += other.price;
   table.Add(person.name).Add(static_cast<int>(row.size) + 1).Add(person.counts ? 1 : 0);
   table.Add(leg.shank_mm).Add(leg.thigh_mm);
-  table.Add(design.evaluation.range_deg).Add(MisalignmentPercent(design)).Add(MisalignmentRms(design));
+  table.Add(design.evaluation.range_deg)
+      .Add(redesign::MisalignmentPercent(design))
+      .Add(redesign::MisalignmentRms_mm(design));
   table.Add(prices > 0 ? person.price / prices : 0);
   table.Add(design.design.placement_mm[0]).Add(design.design.placement_mm[1]);
   if (design.prediction)
@@ -70,7 +64,9 @@ void AddPerson(const PersonRow& row, CsvWriter& table) {
     AddNothing(table, 9);
     return;
   }
-  table.Add(person.own->evaluation.range_deg).Add(MisalignmentPercent(*person.own)).Add(MisalignmentRms(*person.own));
+  table.Add(person.own->evaluation.range_deg)
+      .Add(redesign::MisalignmentPercent(*person.own))
+      .Add(redesign::MisalignmentRms_mm(*person.own));
   AddLinkCells(table, person.own->design.links);
 }
 
@@ -188,7 +184,7 @@ Json PeopleJson(const std::vector<PersonRow>& rows) {
     people.push_back({{"person", person.name},
                       {"size", row.size + 1},
                       {"counts", person.counts},
-                      {"misalignment_percent", NumberOrNull(MisalignmentPercent(person.with_group))},
+                      {"misalignment_percent", NumberOrNull(redesign::MisalignmentPercent(person.with_group))},
                       {"cost_deg", NumberOrNull(person.cost_deg)},
                       {"placement_mm", person.with_group.design.placement_mm},
                       {"program_duration_s", person.with_group.duration_s}});
@@ -255,7 +251,8 @@ std::string PeopleText(const std::vector<PersonRow>& rows) {
   std::string text = fmt::format("  {:<20}{:>16}{:>22}\n", "person", "misalignment", "costs, against their own");
   for (const PersonRow& row : rows) {
     const PersonOutcome& person = row.group.people[row.index];
-    text += fmt::format("  {:<20}{:>14} %{:>20} °\n", person.name, cell(MisalignmentPercent(person.with_group), 2),
+    text += fmt::format("  {:<20}{:>14} %{:>20} °\n", person.name,
+                        cell(redesign::MisalignmentPercent(person.with_group), 2),
                         cell(person.cost_deg.value_or(std::nan("")), 1));
   }
   return text;

@@ -35,8 +35,8 @@ std::vector<Quantity> Quantities() {
   const auto predicted = [](auto figure) {
     return [figure](const redesign::DesignInMotion& d) { return d.prediction ? figure(*d.prediction) : kNaN; };
   };
-  all.push_back({"misalignment", "%", predicted([](const redesign::Prediction& p) { return 100 * p.Rms().relative; })});
-  all.push_back({"misalignment_rms", "mm", predicted([](const redesign::Prediction& p) { return p.Rms().mm; })});
+  all.push_back({"misalignment", "%", redesign::MisalignmentPercent});
+  all.push_back({"misalignment_rms", "mm", redesign::MisalignmentRms_mm});
   all.push_back({"misalignment_max", "mm", compared([](const compare::Misalignment& m) { return m.metrics.max_mm; })});
   all.push_back(
       {"part_placement", "1", compared([](const compare::Misalignment& m) { return m.decomposition.placement; })});
@@ -115,12 +115,9 @@ std::vector<LimitedRow> ProgramRows(const redesign::RedesignOutcome& outcome, co
 }
 
 LimitedRow MisalignmentRow(const redesign::RedesignOutcome& outcome) {
-  const auto percent = [](const redesign::DesignInMotion& d) {
-    return d.prediction ? 100 * d.prediction->Rms().relative : kNaN;
-  };
   LimitedRow row{.name = "misalignment",
-                 .before = percent(outcome.before),
-                 .after = percent(outcome.after),
+                 .before = redesign::MisalignmentPercent(outcome.before),
+                 .after = redesign::MisalignmentPercent(outcome.after),
                  .limits = {kNaN, outcome.problem.max_misalignment_percent.value_or(kNaN)},
                  .multiplier = {},
                  .unit = "%"};
@@ -440,11 +437,10 @@ void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& op
 
 // What the summary has of the misalignment, the program and the trial, solved or not.
 Json MotionJson(const redesign::RedesignOutcome& outcome) {
-  const auto& predicted = outcome.after.prediction;
   Json json = {
       {"misalignment_of", outcome.problem.misalignment_of == redesign::MisalignmentOf::kJoint ? "joint" : "path"},
-      {"misalignment_percent", predicted ? Json(100 * predicted->Rms().relative) : Json()},
-      {"misalignment_rms_mm", predicted ? Json(predicted->Rms().mm) : Json()},
+      {"misalignment_percent", NumberOrNull(redesign::MisalignmentPercent(outcome.after))},
+      {"misalignment_rms_mm", NumberOrNull(redesign::MisalignmentRms_mm(outcome.after))},
       {"max_angle_mismatch_deg", NumberOrNull(outcome.problem.max_angle_mismatch_deg)},
       {"max_misalignment_percent", NumberOrNull(outcome.problem.max_misalignment_percent)},
       {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},

@@ -5,6 +5,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/processes.h"
 #include "lake/core/statistics.h"
 #include "lake/synthesis/synthesis_outcome.h"
@@ -248,6 +249,17 @@ void RedesignOptions::Check() const {
   optimize.Check();
   if (pareto_points && (*pareto_points < 2 || *pareto_points > 1000))
     throw UsageError(fmt::format("--pareto {}: 2 to 1000 points", *pareto_points));
+}
+
+double MisalignmentPercent(const DesignInMotion& design) {
+  if (design.prediction && design.prediction->of == MisalignmentOf::kJoint)
+    return 100 * design.prediction->joint.relative;
+  return design.misalignment ? 100 * design.misalignment->metrics.relative_rms : kNaN;
+}
+
+double MisalignmentRms_mm(const DesignInMotion& design) {
+  if (design.prediction && design.prediction->of == MisalignmentOf::kJoint) return design.prediction->joint.mm;
+  return design.misalignment ? design.misalignment->metrics.rms_mm : kNaN;
 }
 
 DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,

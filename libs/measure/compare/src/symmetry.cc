@@ -46,9 +46,8 @@ double PlacementDeg(double sd, double first, double second) {
 double PlacementOf(const motion::LegMotion& motion, Compared::Angle angle, double sd) {
   if (angle == Compared::Angle::kNone || motion.unit != motion::LengthUnit::kMm) return 0;
   const double thigh = MedianLength(motion, &motion::LegSample::kh);
-  return angle == Compared::Angle::kKnee
-             ? PlacementDeg(sd, MedianLength(motion, &motion::LegSample::ak), thigh)
-             : PlacementDeg(sd, thigh, MedianLength(motion, &motion::LegSample::hw));
+  return angle == Compared::Angle::kKnee ? PlacementDeg(sd, MedianLength(motion, &motion::LegSample::ak), thigh)
+                                         : PlacementDeg(sd, thigh, MedianLength(motion, &motion::LegSample::hw));
 }
 
 // Values of rises by their numbers.
@@ -159,8 +158,7 @@ std::string ColumnName(Measured SitToStand::*value, motion::LengthUnit unit) {
 
 }  // namespace
 
-Symmetry CompareSides(const gait::LegFitResult& left, const gait::LegFitResult& right,
-                      const SymmetryOptions& options) {
+Symmetry CompareSides(const gait::LegFitResult& left, const gait::LegFitResult& right, const SymmetryOptions& options) {
   if (left.motion.unit != right.motion.unit)
     throw Fail("the left leg is in {} and the right leg in {}: give both a scale", ToString(left.motion.unit),
                ToString(right.motion.unit));
@@ -181,8 +179,8 @@ Symmetry CompareSides(const gait::LegFitResult& left, const gait::LegFitResult& 
     symmetry.is_asymmetric |= symmetry.quantities.back().IsAsymmetric();
   }
   if (symmetry.quantities.empty())
-    throw Fail("the left leg rises {} and the right leg {} times, and none of the rises is in both",
-               of_left.size(), of_right.size());
+    throw Fail("the left leg rises {} and the right leg {} times, and none of the rises is in both", of_left.size(),
+               of_right.size());
   const auto left_knee = KneeCurves(left.motion), right_knee = KneeCurves(right.motion);
   const double placement = std::hypot(PlacementOf(left.motion, Compared::Angle::kKnee, options.replacement_sd_mm),
                                       PlacementOf(right.motion, Compared::Angle::kKnee, options.replacement_sd_mm));

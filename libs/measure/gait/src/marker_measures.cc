@@ -97,10 +97,11 @@ struct MeasuredNow {
 MeasuredNow MeasuredAngle(const Moving& a, const Moving& b, const Moving& c) {
   const Vector2d u = a.position - b.position, v = c.position - b.position;
   const double angle = std::atan2(Cross(u, v), u.dot(v)), sign = angle < 0 ? -1 : 1;
-  const Vector2d across_u = Vector2d(-u.y(), u.x()) / u.squaredNorm(), across_v = Vector2d(-v.y(), v.x()) / v.squaredNorm();
+  const Vector2d across_u = Vector2d(-u.y(), u.x()) / u.squaredNorm(),
+                 across_v = Vector2d(-v.y(), v.x()) / v.squaredNorm();
   const auto sd = [&](double Moving::*of) {
-    return DegreesFromRadians(std::hypot(across_u.norm() * a.*of, across_v.norm() * c.*of,
-                                         (across_v - across_u).norm() * b.*of));
+    return DegreesFromRadians(
+        std::hypot(across_u.norm() * a.*of, across_v.norm() * c.*of, (across_v - across_u).norm() * b.*of));
   };
   const double turning = across_v.dot(c.velocity - b.velocity) - across_u.dot(a.velocity - b.velocity);
   return {DegreesFromRadians(std::abs(angle)), sd(&Moving::sd), DegreesFromRadians(sign * turning),
@@ -164,8 +165,8 @@ void CheckMarkers(const std::vector<MarkerMeasure>& measures, const std::vector<
   for (const MarkerMeasure& measure : measures)
     for (const std::string& marker : measure.markers)
       if (std::ranges::count(markers, marker) == 0)
-        throw UsageError(fmt::format("'{}': there is no marker '{}'; there are {}", measure.name, marker,
-                                     fmt::join(markers, ", ")));
+        throw UsageError(
+            fmt::format("'{}': there is no marker '{}'; there are {}", measure.name, marker, fmt::join(markers, ", ")));
 }
 
 motion::MarkerRecording InPlane(const motion::MarkerRecording& recorded, const LegView& view) {
@@ -194,8 +195,8 @@ std::vector<MeasuredCourse> MeasureMarkers(const motion::MarkerRecording& record
     for (std::size_t i = 0; i < recording.Frames(); ++i) {
       const auto at = [&](std::size_t k) -> const Moving& { return paths[measure.markers[k]][i]; };
       const MeasuredNow of = measure.kind == MarkerMeasure::Kind::kAngle      ? MeasuredAngle(at(0), at(1), at(2))
-                        : measure.kind == MarkerMeasure::Kind::kDistance ? MeasuredDistance(at(0), at(1))
-                                                          : MeasuredSpeed(at(0));
+                             : measure.kind == MarkerMeasure::Kind::kDistance ? MeasuredDistance(at(0), at(1))
+                                                                              : MeasuredSpeed(at(0));
       course.value.push_back(of.value), course.sd.push_back(of.sd);
       if (!HasRate(measure)) continue;
       course.rate.push_back(of.rate), course.rate_sd.push_back(of.rate_sd);

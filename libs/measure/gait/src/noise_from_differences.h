@@ -7,8 +7,8 @@
 
 namespace lake::gait {
 
-// The noise per axis of a smooth path's samples, from their sixth differences; robust against jumps. At least what files
-// are written with, 0.001.
+// The noise per axis of a smooth path's samples, from their sixth differences; robust against jumps. At least what
+// files are written with, 0.001.
 double NoiseFromDifferences(const motion::MarkerTrack& track, const std::vector<char>& seen);
 
 }  // namespace lake::gait

@@ -66,8 +66,8 @@ Eigen::VectorXd Autoregression(const Eigen::VectorXd& residual, const std::vecto
 }
 
 // Each row less what its past tells; the first rows of a stretch go.
-Eigen::MatrixXd Innovations(const Eigen::MatrixXd& signals, const Eigen::VectorXd& past,
-                            const std::vector<Index>& row, std::vector<Index>* kept = nullptr) {
+Eigen::MatrixXd Innovations(const Eigen::MatrixXd& signals, const Eigen::VectorXd& past, const std::vector<Index>& row,
+                            std::vector<Index>* kept = nullptr) {
   Eigen::MatrixXd innovations(signals.rows(), signals.cols());
   Index n = 0;
   for (Index i = kOrder; i < signals.rows(); ++i) {
@@ -81,8 +81,8 @@ Eigen::MatrixXd Innovations(const Eigen::MatrixXd& signals, const Eigen::VectorX
   return innovations;
 }
 
-// What one column of one part says of offset and drift, by the innovations' time: how they change with both, beside what
-// the map takes, and what is left; in units of their standard deviation.
+// What one column of one part says of offset and drift, by the innovations' time: how they change with both, beside
+// what the map takes, and what is left; in units of their standard deviation.
 struct Evidence {
   std::vector<double> time_s = {};
   Eigen::MatrixX2d change = {};
@@ -134,8 +134,7 @@ Evidence EvidenceOf(const Rows& rows, Index column, const Eigen::MatrixXd& known
   const Index n = rows.Count();
   Eigen::MatrixXd change(n, 2);
   change.col(0) = rows.slope * fit.map.head(rows.x.cols());
-  for (Index i = 0; i < n; ++i)
-    change(i, 1) = change(i, 0) * (rows.time_s[static_cast<std::size_t>(i)] - warp.from_s);
+  for (Index i = 0; i < n; ++i) change(i, 1) = change(i, 0) * (rows.time_s[static_cast<std::size_t>(i)] - warp.from_s);
   std::vector<Index> kept;
   const Eigen::MatrixXd change_now = Innovations(change, fit.past, rows.row, &kept);
   const Eigen::MatrixXd residual = rows.y.col(column) - known * fit.map;
@@ -188,8 +187,8 @@ Step Solve(const Fit& fit, const Warp& warp, double drift_sd) {
     information += evidence.change.transpose() * evidence.change;
     score += evidence.change.transpose() * evidence.left;
     for (std::size_t i = 0; i < evidence.time_s.size(); ++i)
-      scores.emplace_back(evidence.time_s[i],
-                          evidence.change.row(static_cast<Index>(i)).transpose() * evidence.left[static_cast<Index>(i)]);
+      scores.emplace_back(evidence.time_s[i], evidence.change.row(static_cast<Index>(i)).transpose() *
+                                                  evidence.left[static_cast<Index>(i)]);
   }
   Eigen::Matrix2d whole = information;
   if (drift_sd > 0) {
@@ -301,8 +300,8 @@ Best FindBest(const Movement& a, const Movement& b) {
   std::optional<Best> best;
   for (Pairing& pairing : PairingsOf(a, b)) {
     OffsetSearch search = SearchOffsets(pairing);
-    const auto at = static_cast<std::size_t>(std::ranges::max_element(search.log_likelihood) -
-                                             search.log_likelihood.begin());
+    const auto at =
+        static_cast<std::size_t>(std::ranges::max_element(search.log_likelihood) - search.log_likelihood.begin());
     if (!search.offset_s.empty() && (!best || search.log_likelihood[at] > best->search.log_likelihood[best->at]))
       best = Best{std::move(pairing), std::move(search), at};
   }
@@ -387,8 +386,7 @@ Comparison Compare(const Pairing& pairing, const Refined& refined) {
   Comparison comparison{.name = pairing.parts.front().name};
   const Rows rows = RowsOf(pairing.parts.front(), refined.warp);
   const Evidence& evidence = refined.fit.evidence.front();
-  const Eigen::VectorXd told =
-      (rows.x * evidence.map.head(rows.x.cols())).array() + evidence.map[rows.x.cols()];
+  const Eigen::VectorXd told = (rows.x * evidence.map.head(rows.x.cols())).array() + evidence.map[rows.x.cols()];
   for (Index i = 0; i < rows.Count(); ++i) {
     const double t = rows.time_s[static_cast<std::size_t>(i)];
     // A line ends where the next row is not the next time.
@@ -415,7 +413,8 @@ Alignment AlignByMotion(const Movement& a, const Movement& b, const AlignOptions
   if (refined.fit.evidence.empty() || !refined.covariance.allFinite() ||
       refined.fit.unexplained > pairing.most_unexplained)
     throw Fail(
-        "{}: cannot be aligned: at the best offset {:.0f} % of the movement of one ({}) is not explained by that of the "
+        "{}: cannot be aligned: at the best offset {:.0f} % of the movement of one ({}) is not explained by that of "
+        "the "
         "other, where {:.0f} % may be; are these recordings of one movement?",
         both, 100 * std::min(1.0, std::max(refined.fit.unexplained, best.search.unexplained[best.at])),
         pairing.parts.front().name, 100 * pairing.most_unexplained);

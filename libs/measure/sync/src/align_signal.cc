@@ -21,8 +21,7 @@ Matches MatchesAt(double offset_s, double from_s, const std::vector<double>& ris
   Matches matches;
   std::vector<double> apart;
   for (const double b : rises_b) {
-    const auto nearest = std::ranges::min_element(
-        rises_a, {}, [&](double a) { return std::abs(a - b - offset_s); });
+    const auto nearest = std::ranges::min_element(rises_a, {}, [&](double a) { return std::abs(a - b - offset_s); });
     if (std::abs(*nearest - b - offset_s) > tolerance_s + kMostDrift * std::abs(b - from_s)) continue;
     matches.a_s.push_back(*nearest), matches.b_s.push_back(b), apart.push_back(*nearest - b);
   }

@@ -154,7 +154,8 @@ std::string Names(const std::vector<std::string>& names) {
                      shown < names.size() ? ", …" : "");
 }
 
-[[noreturn]] void ThrowNoSuchSignal(const fs::path& path, const std::string& name, const std::vector<std::string>& has) {
+[[noreturn]] void ThrowNoSuchSignal(const fs::path& path, const std::string& name,
+                                    const std::vector<std::string>& has) {
   throw Fail("{}: no signal '{}'; it has: {}", path.string(), name, Names(has));
 }
 
@@ -210,8 +211,8 @@ std::vector<double> RisesOf(const fs::path& path, const std::string& name, const
     return RisesOfChannel(table.time_s, values, where);
   }
   const std::vector<std::string> header = HeaderOf(path);
-  const auto time = std::ranges::find_if(
-      header, [](const std::string& column) { return LowerCase(column).starts_with("time"); });
+  const auto time =
+      std::ranges::find_if(header, [](const std::string& column) { return LowerCase(column).starts_with("time"); });
   if (time != header.end() && std::ranges::count(header, name) > 0) {
     const CsvTable table = CsvTable::Read(path);
     return RisesOfChannel(TimesOf(table, table.Column(*time), SecondsPerUnit(LowerCase(*time))),

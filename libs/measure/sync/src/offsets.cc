@@ -42,8 +42,8 @@ class Correlator {
 // The sums of squares of y about its mean and about what x tells of it, at every shift.
 struct Squares {
   std::vector<double> all, told;
-  std::vector<double> count;   // of times at which both are known
-  std::vector<double> x_all;   // of x, the same
+  std::vector<double> count;  // of times at which both are known
+  std::vector<double> x_all;  // of x, the same
   double y_whole = 0, x_whole = 0;
 };
 

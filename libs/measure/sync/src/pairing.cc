@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index kStride = 3;         // y's step in x's
+constexpr Index kStride = 3;             // y's step in x's
 constexpr std::size_t kMostMarkers = 6;  // those that move most say what there is to say
 constexpr Index kMostComponents = 3;
 // What is not explained of a movement that both show: 0.1 % between cameras, 0.2 to 0.7 % of two people's thighs with a
@@ -103,8 +103,8 @@ Pairing OfMarkers(const Movement& a, const Movement& b) {
     const auto same = std::ranges::find(x.names, y.names[marker]);
     const auto index = static_cast<std::size_t>(same - x.names.begin());
     if (same == x.names.end() || pairing.parts.size() == kMostMarkers || !IsMostlyKnown(x, index)) continue;
-    pairing.parts.push_back(MakePart(y.names[marker], Derivative(MarkerSeries(y, marker, band)),
-                                     Derivative(MarkerSeries(x, index, band))));
+    pairing.parts.push_back(
+        MakePart(y.names[marker], Derivative(MarkerSeries(y, marker, band)), Derivative(MarkerSeries(x, index, band))));
   }
   if (!pairing.parts.empty()) return pairing;
   const auto components = [&](const Movement& movement) {
@@ -118,8 +118,8 @@ Pairing OfMarkers(const Movement& a, const Movement& b) {
 // Of the direction from one marker to another: how fast it turns in the plane; in space, in the vertical plane in which
 // it turns most.
 Series TurningRate(const Movement& movement, std::size_t from, std::size_t to, const Band& band) {
-  const Series between = Sample(movement.time_s, ColumnsOf(movement, to) - ColumnsOf(movement, from), band.cutoff_hz,
-                                band.step_s);
+  const Series between =
+      Sample(movement.time_s, ColumnsOf(movement, to) - ColumnsOf(movement, from), band.cutoff_hz, band.step_s);
   Eigen::MatrixX2d direction(between.Rows(), 2);
   if (movement.dimensions == 2) {
     direction = between.value;
@@ -137,8 +137,7 @@ Series TurningRate(const Movement& movement, std::size_t from, std::size_t to, c
   rate.value.resize(slope.rows(), 1);
   for (Index i = 0; i < slope.rows(); ++i) {
     const double square = direction.row(i).squaredNorm();
-    rate.value(i, 0) =
-        square > 0 ? (direction(i, 0) * slope(i, 1) - direction(i, 1) * slope(i, 0)) / square : 0;
+    rate.value(i, 0) = square > 0 ? (direction(i, 0) * slope(i, 1) - direction(i, 1) * slope(i, 0)) / square : 0;
   }
   return rate;
 }

@@ -16,7 +16,7 @@ struct Part {
 
 struct Pairing {
   std::vector<Part> parts = {};
-  bool y_is_a = false;         // else y is B's
+  bool y_is_a = false;          // else y is B's
   double most_unexplained = 0;  // of a movement that both show
 };
 

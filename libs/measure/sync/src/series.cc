@@ -79,9 +79,9 @@ Series Derivative(const Series& series) {
     const auto at = static_cast<std::size_t>(i);
     if (!std::all_of(&series.known[at - 2], &series.known[at + 2] + 1, [](auto known) { return known != 0; })) continue;
     slope.known[at] = 1;
-    slope.value.row(i) = (8 * (series.value.row(i + 1) - series.value.row(i - 1)) - series.value.row(i + 2) +
-                          series.value.row(i - 2)) /
-                         (12 * series.step_s);
+    slope.value.row(i) =
+        (8 * (series.value.row(i + 1) - series.value.row(i - 1)) - series.value.row(i + 2) + series.value.row(i - 2)) /
+        (12 * series.step_s);
   }
   return slope;
 }

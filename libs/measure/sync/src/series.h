@@ -10,7 +10,7 @@ namespace lake::sync {
 
 struct Series {
   double start_s = 0, step_s = 1;
-  Eigen::MatrixXd value = {};  // a row to each time, 0 where not known
+  Eigen::MatrixXd value = {};             // a row to each time, 0 where not known
   std::vector<unsigned char> known = {};  // of all columns
 
   Eigen::Index Rows() const { return value.rows(); }

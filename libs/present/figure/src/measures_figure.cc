@@ -32,8 +32,9 @@ void DrawMeasures(const std::filesystem::path& path, const motion::MarkerRecordi
     }
     if (k + 1 == shown) figure.Line("set xlabel 'time (s)'");
     const std::string data = figure.Data({recording.time_s, course.value, low, high});
-    figure.Line(fmt::format("set ylabel {} noenhanced", QuoteForGnuplot(fmt::format("{} ({})", course.measure.name,
-                                                                                    UnitText(course, recording.unit)))))
+    figure
+        .Line(fmt::format("set ylabel {} noenhanced", QuoteForGnuplot(fmt::format("{} ({})", course.measure.name,
+                                                                                  UnitText(course, recording.unit)))))
         .Line(fmt::format("plot {0} using 1:3:4 with filledcurves fc rgb '{1}' fs transparent solid 0.3 noborder title "
                           "'± 2 SD', {0} using 1:2 with lines lw 2 lc rgb '{1}' notitle",
                           data, colour::kKnee));

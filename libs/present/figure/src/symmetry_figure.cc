@@ -15,13 +15,13 @@ void DrawKnees(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
     left.push_back(at.left), right.push_back(at.right), difference.push_back(at.difference);
     low.push_back(at.interval.low), high.push_back(at.interval.high);
   }
-  const std::string data =
-      figure.Data({Percents(static_cast<int>(left.size())), left, right, difference, low, high});
+  const std::string data = figure.Data({Percents(static_cast<int>(left.size())), left, right, difference, low, high});
   figure.Line("set lmargin at screen 0.07; set rmargin at screen 0.50")
       .Line("set tmargin at screen 0.93; set bmargin at screen 0.50; set ylabel 'knee (°)'; set format x ''")
-      .Line(fmt::format("plot {0} using 1:2 with lines lw 3 lc rgb '{1}' title 'left', {0} using 1:3 with lines lw 3 dt "
-                        "2 lc rgb '{2}' title 'right'",
-                        data, colour::kKnee, colour::kHip))
+      .Line(
+          fmt::format("plot {0} using 1:2 with lines lw 3 lc rgb '{1}' title 'left', {0} using 1:3 with lines lw 3 dt "
+                      "2 lc rgb '{2}' title 'right'",
+                      data, colour::kKnee, colour::kHip))
       .Line("set tmargin at screen 0.46; set bmargin at screen 0.09; set ylabel 'left less right (°)'")
       .Line("set xlabel 'rise (%)'; set format x '%g'")
       .Line(fmt::format("plot {0} using 1:5:6 with filledcurves fc rgb '{1}' fs transparent solid 0.3 noborder title "

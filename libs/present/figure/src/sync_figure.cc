@@ -11,10 +11,10 @@ namespace {
 void DrawSignals(GnuplotFigure& figure, const sync::Comparison& comparison) {
   figure.Line("set xlabel 'time of A (s)'; set format y ''")
       .Line(fmt::format("set ylabel {} noenhanced", QuoteForGnuplot(comparison.name)))
-      .Line(fmt::format("plot {0} using 1:2 with lines lw 4 lc rgb '{1}' title 'measured', {0} using 1:3 with lines lw 2 "
-                        "dt 2 lc rgb '{2}' title 'from the other recording'",
-                        figure.Data({comparison.time_s, comparison.measured, comparison.told}), colour::kKnee,
-                        colour::kText))
+      .Line(fmt::format(
+          "plot {0} using 1:2 with lines lw 4 lc rgb '{1}' title 'measured', {0} using 1:3 with lines lw 2 "
+          "dt 2 lc rgb '{2}' title 'from the other recording'",
+          figure.Data({comparison.time_s, comparison.measured, comparison.told}), colour::kKnee, colour::kText))
       .Line("set format y '%g'");
 }
 
@@ -32,9 +32,10 @@ void DrawDepartures(GnuplotFigure& figure, const sync::Alignment& alignment) {
     two_sd_ms.push_back(2 * 1000 * part.sd_s);
   }
   figure.Line("set xlabel 'time of A (s)'; set ylabel 'departure (ms)'")
-      .Line(fmt::format("plot {} using 1:2:3 with yerrorbars pt 7 ps 1.2 lw 2 lc rgb '{}' title 'parts, ± 2 SD', 0 with "
-                        "lines lw 1 lc rgb '#222222' notitle",
-                        figure.Data({time_s, departure_ms, two_sd_ms}), colour::kText));
+      .Line(
+          fmt::format("plot {} using 1:2:3 with yerrorbars pt 7 ps 1.2 lw 2 lc rgb '{}' title 'parts, ± 2 SD', 0 with "
+                      "lines lw 1 lc rgb '#222222' notitle",
+                      figure.Data({time_s, departure_ms, two_sd_ms}), colour::kText));
 }
 
 }  // namespace

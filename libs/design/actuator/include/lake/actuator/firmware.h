@@ -59,9 +59,9 @@ struct FirmwareOptions {
   double home_error_mm = 0.1;                     // … and how well the stroke is known after homing
   std::optional<double> stop_travel_mm;  // within which an end stop releases when the actuator moves away from it;
                                          // none: kStopTravel_mm
-  double extend_stop_mm = 0;            // the extend end stop acts so far before the linkage's end; 0: there is none
-  bool accept_drift = false;            // for a bench without a person: the drift may leave the linkage's room
-  Feedback feedback = Feedback::kNone;  // of the stroke; none: open loop
+  double extend_stop_mm = 0;             // the extend end stop acts so far before the linkage's end; 0: there is none
+  bool accept_drift = false;             // for a bench without a person: the drift may leave the linkage's room
+  Feedback feedback = Feedback::kNone;   // of the stroke; none: open loop
   std::optional<PotentiometerScale> potentiometer;  // two readings on A0 with their strokes; feedback needs it
   double feedback_error_mm = 0.5;  // by which that stroke may be off: calibration, linearity, resolution
   double supply_v = 0;             // of the motor, seen on A2 through kSupplyDivider; 0: not wired

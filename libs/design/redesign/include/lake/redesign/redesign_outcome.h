@@ -46,6 +46,11 @@ struct DesignInMotion {
   double duration_s = 0;                              // of its program
 };
 
+// What limit and penalty are on: the joint's misalignment as predicted, or its path's by the comparison. NaN if the
+// design cannot make the motion.
+double MisalignmentPercent(const DesignInMotion& design);
+double MisalignmentRms_mm(const DesignInMotion& design);
+
 // The person leaning otherwise than in their trial by `lean`.
 DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,
                            const linkage::Design& design, const Lean& lean = {});

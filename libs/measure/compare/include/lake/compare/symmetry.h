@@ -16,7 +16,7 @@ struct SymmetryOptions {
 
 // A quantity of sit_to_stand.csv, or the knee angle at a percent of the rise.
 struct SideDifference {
-  std::string name = {};     // its column
+  std::string name = {};  // its column
   double left = 0, right = 0;
   double difference = 0;     // left less right
   Interval interval = {};    // of the difference

@@ -44,7 +44,8 @@ motion::MarkerRecording InPlane(const motion::MarkerRecording& recorded, const L
 struct MeasuredCourse {
   MarkerMeasure measure;
   std::vector<double> value = {}, sd = {};  // degrees, the recording's unit, or that per s
-  std::vector<double> rate = {}, rate_sd = {};  // of angles, degrees per s; of distances, the unit per s; of speeds empty
+  std::vector<double> rate = {},
+                      rate_sd = {};  // of angles, degrees per s; of distances, the unit per s; of speeds empty
 };
 
 // Of a recording in the plane, px or mm. Each marker's path is smoothed by itself (smoothing_spline.h); what was filled
@@ -52,8 +53,8 @@ struct MeasuredCourse {
 std::vector<MeasuredCourse> MeasureMarkers(const motion::MarkerRecording& recording,
                                            const std::vector<MarkerMeasure>& measures);
 
-// measures.csv: frame,time_s, then NAME_deg,NAME_sd_deg,NAME_deg_s,NAME_sd_deg_s of an angle, NAME_U,NAME_sd_U,NAME_U_s,
-// NAME_sd_U_s of a distance, NAME_U_s,NAME_sd_U_s of a speed, U the recording's unit.
+// measures.csv: frame,time_s, then NAME_deg,NAME_sd_deg,NAME_deg_s,NAME_sd_deg_s of an angle,
+// NAME_U,NAME_sd_U,NAME_U_s, NAME_sd_U_s of a distance, NAME_U_s,NAME_sd_U_s of a speed, U the recording's unit.
 void WriteMeasuresCsv(const std::filesystem::path& path, const motion::MarkerRecording& recording,
                       const std::vector<MeasuredCourse>& courses);
 

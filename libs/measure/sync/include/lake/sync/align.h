@@ -43,8 +43,8 @@ struct Alignment {
   std::vector<std::string> warnings = {};
 };
 
-// Throws Error, saying why, where the two cannot be aligned: no movement, too short an overlap, the movement is told too
-// badly, another offset is as likely, or parts of the overlap contradict one another.
+// Throws Error, saying why, where the two cannot be aligned: no movement, too short an overlap, the movement is told
+// too badly, another offset is as likely, or parts of the overlap contradict one another.
 Alignment AlignByMotion(const Movement& a, const Movement& b, const AlignOptions& options = {});
 
 // By a signal that was sent to both, whose rises stand at these times. Each is uniform within its recording's sampling

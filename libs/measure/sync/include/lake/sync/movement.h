@@ -20,8 +20,8 @@ struct Movement {
   // Markers: px, mm or whatever the file has, two or three columns each; forces: one, the sum of the plates' vertical
   // forces, N; inertial: angular rates about the sensor's axes, in any unit.
   std::vector<std::string> names = {};  // of markers, or of the columns
-  int dimensions = 1;              // columns to a name
-  int up = 0;                      // which of a marker's columns is the vertical, up or down
+  int dimensions = 1;                   // columns to a name
+  int up = 0;                           // which of a marker's columns is the vertical, up or down
   Eigen::MatrixXd values = {};          // a row to each time; NaN where missing
 };
 
