@@ -19,8 +19,10 @@ static volatile char tx[TX_SIZE];
 static volatile uint8_t tx_head, tx_tail;
 static volatile char rx[RX_SIZE];
 static volatile uint8_t rx_head, rx_tail;
+static realtime_t (*obey_realtime)(char);
 
-void serial_init(void) {
+void serial_init(realtime_t (*realtime)(char)) {
+  obey_realtime = realtime;
 #if USE_2X
   UCSR0A = _BV(U2X0);
 #else
@@ -38,7 +40,7 @@ static void keep(char c) {
     rx[(rx_head - 1) & (RX_SIZE - 1)] = SERIAL_LOST;
     return;
   }
-  rx[rx_head & (RX_SIZE - 1)] = c;
+  rx[rx_head] = c;
   rx_head = next;
 }
 
@@ -46,7 +48,7 @@ ISR(USART_RX_vect) {
   const uint8_t is_broken = UCSR0A & (_BV(FE0) | _BV(DOR0));
   const char c = UDR0;
   if (is_broken) keep(SERIAL_LOST);
-  switch (serial_realtime(c)) {
+  switch (obey_realtime(c)) {
     case REALTIME_DONE:
       return;
     case REALTIME_FORGET:
@@ -62,7 +64,7 @@ ISR(USART_UDRE_vect) {
   if (tx_head == tx_tail) {
     UCSR0B &= ~_BV(UDRIE0);
   } else {
-    UDR0 = tx[tx_tail & (TX_SIZE - 1)];
+    UDR0 = tx[tx_tail];
     tx_tail = (tx_tail + 1) & (TX_SIZE - 1);
   }
 }
@@ -71,7 +73,7 @@ int16_t serial_read(void) {
   int16_t c = -1;
   ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
     if (rx_tail != rx_head) {
-      c = (uint8_t)rx[rx_tail & (RX_SIZE - 1)];
+      c = (uint8_t)rx[rx_tail];
       rx_tail = (rx_tail + 1) & (RX_SIZE - 1);
     }
   }
@@ -81,7 +83,7 @@ int16_t serial_read(void) {
 void serial_write(char c) {
   const uint8_t next = (tx_head + 1) & (TX_SIZE - 1);
   while (next == tx_tail) sleep_mode();
-  tx[tx_head & (TX_SIZE - 1)] = c;
+  tx[tx_head] = c;
   tx_head = next;
   UCSR0B |= _BV(UDRIE0);
 }
