@@ -270,34 +270,6 @@ TEST(Redesign, AConstantProgramReadsBackAsTheSameStrokes) {
     EXPECT_NEAR((*strokes)[percent], result.Best().point.StrokeAt(percent), 1e-6);
 }
 
-// Against a search over both ends on a grid, with the same links.
-TEST(Redesign, TheEndsOfAConstantProgramMayBeSoughtToo) {
-  redesign::RedesignProblem held = Problem();
-  held.goal = Goal::kMisalignment;
-  held = redesign::WithLinks(held, kPublishedLinks);
-  redesign::RedesignProblem free = held;
-  free.program.free_ends = true;
-  const redesign::RedesignPoint start = redesign::StartPoint(held, kPublishedLinks);
-  const redesign::RedesignSolve solve = redesign::SolveFrom(free, start);
-  ASSERT_TRUE(solve.IsUsable());
-  EXPECT_LT(solve.Misalignment_percent(), redesign::SolveFrom(held, start).Misalignment_percent() - 0.1);
-  redesign::RedesignPoint tried = solve.point;
-  double least = 1e9;
-  for (double from = 242; from < 290; from += 1)
-    for (double to = 330; to < 374; to += 1) {
-      tried.knots_mm = {from, to};
-      if (const auto prediction = redesign::PredictPoint(free, tried))
-        least = std::min(least, 100 * prediction->path.relative);
-    }
-  EXPECT_LE(solve.Misalignment_percent(), least + 1e-6);
-  EXPECT_GE(solve.Misalignment_percent(), least - 0.05);  // of a grid of a millimetre
-  // It reads back as two knots at one speed.
-  const linkage::Design design = redesign::DesignOf(free, solve.point);
-  ASSERT_EQ(design.program->knots.size(), 2u);
-  EXPECT_NEAR(design.program->knots.back().stroke_mm - design.program->knots.front().stroke_mm,
-              5 * design.program->knots.back().time_s, 1e-9);
-}
-
 TEST(Redesign, MonotoneForbidsTurningBackWhereTheHumanDoes) {
   // The knee bends a little before it straightens.
   redesign::RedesignProblem problem = Free(60);
