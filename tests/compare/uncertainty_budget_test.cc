@@ -108,5 +108,27 @@ TEST(UncertaintyBudget, WithoutTheLegsOwnKneeOnlyTheAngle) {
   EXPECT_EQ(budgets[0].quantity, "knee_angle");
 }
 
+// One recording: a knee marker 1 mm across the leg turns shank and thigh against each other by what the budget says.
+TEST(UncertaintyBudget, OfOneRecordingTheKneeAngleOfAFrame) {
+  gait::LegFitResult leg;
+  leg.motion.unit = motion::LengthUnit::kMm;
+  for (int i = 0; i < 50; ++i) {
+    motion::LegSample sample;
+    sample.ak = {0, 400};
+    sample.kh = {0, 410};
+    sample.knee_deg = 0;
+    sample.knee_sigma_deg = 0.02;
+    leg.motion.samples.push_back(sample);
+  }
+  const std::vector<Budget> budgets = BudgetsOf(leg, {});
+  ASSERT_EQ(budgets.size(), 1u);  // no rise
+  const double turned_deg = (std::atan2(1, 400) + std::atan2(1, 410)) * 180 / M_PI;
+  EXPECT_NEAR(Row(budgets[0], "soft tissue").sensitivity, turned_deg, 1e-5 * turned_deg);
+  EXPECT_NEAR(Row(budgets[0], "detection").Contribution(), 0.02, 1e-12);
+  EXPECT_GT(budgets[0].Deviation(), 50 * 0.02);
+  leg.motion.unit = motion::LengthUnit::kPx;
+  EXPECT_TRUE(BudgetsOf(leg, {}).empty());
+}
+
 }  // namespace
 }  // namespace lake::compare

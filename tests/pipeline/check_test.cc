@@ -77,8 +77,7 @@ TEST(Check, NamesWhatMakesARecordingUnfit) {
   still.duration_s = 0.6;  // before the rise
   RenderedTrial resting(still, {.preset = kQuickEncoder});
   const Json seated = CheckVideo(resting.folder / "video.mp4", resting.folder / "check");
-  // Nothing names a leg that does not move, so nothing of its movement is judged.
-  EXPECT_EQ(VerdictOf(seated, "markers"), "not judged") << seated["checks"].dump(1);
+  EXPECT_EQ(VerdictOf(seated, "travel_px"), "unfit") << seated["checks"].dump(1);
 }
 
 // What nothing was seen of, what leans, and fields instead of frames are judged without a video.
@@ -129,6 +128,7 @@ TEST(Check, WhatCannotBeNamedIsNotJudged) {
     const Json check = CheckVideo(folder / "lamps.mp4", folder / "out");
     EXPECT_EQ(VerdictOf(check, "markers"), "not judged") << check["checks"].dump(1);
     EXPECT_FALSE(check["fit"].get<bool>());
+    EXPECT_EQ(VerdictOf(check, "travel_px"), speed_px > 0 ? "absent" : "unfit");
     EXPECT_THAT(check["checks"].dump(), testing::Not(testing::HasSubstr("seen_share\",\"verdict\":\"good")));
     for (const char* name : {"radius_px", "contrast_over_noise", "blur_px", "expected_knee_sd_deg"})
       EXPECT_EQ(VerdictOf(check, name), "absent") << name;

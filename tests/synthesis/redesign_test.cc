@@ -270,6 +270,38 @@ TEST(Redesign, AConstantProgramReadsBackAsTheSameStrokes) {
     EXPECT_NEAR((*strokes)[percent], result.Best().point.StrokeAt(percent), 1e-6);
 }
 
+// Against a search over both ends on a grid, with the same links.
+TEST(Redesign, TheEndsOfAConstantProgramMayBeSoughtToo) {
+  redesign::RedesignProblem held = Problem({}, 0);  // which the published links meet
+  held.goal = Goal::kMisalignment;
+  held = redesign::WithLinks(held, kPublishedLinks);
+  redesign::RedesignProblem free = held;
+  free.program.free_ends = true;
+  const redesign::RedesignPoint start = redesign::StartPoint(held, kPublishedLinks);
+  const redesign::RedesignSolve solve = redesign::SolveFrom(free, start);
+  ASSERT_TRUE(solve.IsUsable());
+  EXPECT_LT(solve.Misalignment_percent(), redesign::SolveFrom(held, start).Misalignment_percent() - 0.1);
+  double least = 1e9, best_from = 266, best_to = 355;
+  for (const double step : {1.0, 0.1, 0.01})  // each grid about the best of the one before
+    for (double center_from = best_from, center_to = best_to, i = -25; i <= 25; ++i)
+      for (double k = -25; k <= 25; ++k) {
+        redesign::RedesignPoint tried = solve.point;
+        tried.knots_mm = {center_from + i * step, center_to + k * step};
+        const auto prediction = redesign::PredictPoint(free, tried);
+        if (!prediction || 100 * prediction->path.relative >= least) continue;
+        least = 100 * prediction->path.relative;
+        best_from = tried.knots_mm.front();
+        best_to = tried.knots_mm.back();
+      }
+  EXPECT_LE(solve.Misalignment_percent(), least + 1e-6);
+  EXPECT_GE(solve.Misalignment_percent(), least - 0.02) << best_from << " to " << best_to;
+  // It reads back as two knots at one speed.
+  const linkage::Design design = redesign::DesignOf(free, solve.point);
+  ASSERT_EQ(design.program->knots.size(), 2u);
+  EXPECT_NEAR(design.program->knots.back().stroke_mm - design.program->knots.front().stroke_mm,
+              5 * design.program->knots.back().time_s, 1e-9);
+}
+
 TEST(Redesign, MonotoneForbidsTurningBackWhereTheHumanDoes) {
   // The knee bends a little before it straightens.
   redesign::RedesignProblem problem = Free(60);

@@ -70,16 +70,25 @@ void JudgeMarkers(const tracking::RecordingCheck& c, int markers, std::vector<Ch
        fmt::format("a shutter of 1/{:.0f} s or shorter, with more light", 4 * std::max(c.video.frame_rate_hz, 25.0))});
 }
 
-// In a rise the hip travels by about the length of a thigh.
+// In a rise the hip travels by about the length of a thigh. Spots without names tell whether anything moves at all: by
+// a twentieth of the picture's height, a quarter of what a hip does in a picture that holds a standing person.
 void JudgeMovement(const tracking::RecordingCheck& c, std::vector<CheckItem>& items) {
-  if (!c.IsNamed()) return;
+  const std::string advice = "record the whole movement: a second of sitting still, the rise, a second of standing";
+  if (!c.IsNamed()) {
+    if (c.spots > 0 && c.travel_px < 0.05 * c.video.height)
+      items.push_back({.name = "travel_px",
+                       .shown = fmt::format("nothing bright moves by more than {:.0f} px", std::ceil(c.travel_px)),
+                       .verdict = Verdict::kUnfit,
+                       .advice = advice});
+    return;
+  }
   constexpr double kEnough = 0.4;  // of a segment's length
   const double travel = c.travel_px / c.segment_px;
   items.push_back({.name = "travel_px",
                    .shown = travel >= kEnough ? fmt::format("the movement is large enough ({:.0f} px)", c.travel_px)
                                               : fmt::format("the movement is small ({:.0f} px)", c.travel_px),
                    .verdict = Judge(-travel, -kEnough, -0.2),
-                   .advice = "record the whole movement: a second of sitting still, the rise, a second of standing"});
+                   .advice = advice});
 }
 
 void JudgePictures(const tracking::RecordingCheck& c, std::vector<CheckItem>& items) {
@@ -159,7 +168,7 @@ Json ChecksJson(const tracking::RecordingCheck& c) {
           {"bits_per_pixel", c.bits_per_pixel},
           {"position_sd_px", named(c.position_sd_px)},
           {"segment_px", named(c.segment_px)},
-          {"travel_px", named(c.travel_px)},
+          {"travel_px", c.travel_px},
           {"named", c.IsNamed()},
           {"expected_knee_sd_deg", named(c.knee_sd_deg)},
           {"flicker", c.flicker},

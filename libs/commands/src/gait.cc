@@ -148,6 +148,7 @@ void Describe(GaitRunOptions& o, OptionList& options) {
   DescribeTrialFit(o, options);
   gait::DescribeAge(o.age_years, options);
   Describe(o.measures, options);
+  Describe(o.budget, options);
 }
 
 void DescribeTrialFit(GaitRunOptions& o, OptionList& options) {
@@ -215,8 +216,8 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (options.events)
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
-  run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "trajectory.csv", "tracks.csv",
-             "gait.png", "gait.svg", "measures.csv", "measures.png", "measures.svg"});
+  run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "uncertainty_budget.csv",
+             "trajectory.csv", "tracks.csv", "gait.png", "gait.svg", "measures.csv", "measures.png", "measures.svg"});
   if (!options.measures.empty() && !HasLeg(trial.recording, options.fit.markers))
     return MeasureWithoutLeg(trial, options, run);
   gait::LegFitResult result = FitTrial(trial, options.fit, run, options);
@@ -226,6 +227,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
   gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), result);
+  WriteUncertaintyBudget(result, options.budget, results, run);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
@@ -259,6 +261,9 @@ std::string GaitReport(const Json& summary) {
     text +=
         fmt::format("knee {:.2f}° to {:.2f}°, marker noise {} (1 SD)\n", knee["smallest"]["deg"].get<double>(),
                     knee["largest"]["deg"].get<double>(), DeviationText(NumberOrNaN(knee["rms_sigma_deg"]), 3, "°"));
+  if (summary.contains("uncertainty"))
+    text += fmt::format("the joint beneath the skin: knee within {} (1 SD; uncertainty_budget.csv)\n",
+                        DeviationText(summary["uncertainty"]["knee_angle_deg"]["anatomical_sd"].get<double>(), 1, "°"));
   return text +
          fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size()) +
          FiveTimesText(summary);

@@ -15,4 +15,12 @@ void WriteMeasures(const motion::MarkerRecording& recording, const std::vector<g
   results["measures"] = gait::MeasuresJson(recording, courses);
 }
 
+void WriteUncertaintyBudget(const gait::LegFitResult& leg, const compare::RecordingBudgetOptions& options,
+                            Json& results, Run& run) {
+  const std::vector<compare::Budget> budgets = compare::BudgetsOf(leg, options);
+  if (budgets.empty()) return;
+  compare::WriteUncertaintyBudgetCsv(run.Result("uncertainty_budget.csv"), budgets);
+  results["uncertainty"] = compare::BudgetsJson(budgets);
+}
+
 }  // namespace lake::commands

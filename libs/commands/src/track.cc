@@ -336,6 +336,7 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
   gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), fit);
+  WriteUncertaintyBudget(fit, options.budget, results, run);
   DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
   const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);
   const bool comparable = shutter.readout_s == 0;  // else what was seen is of another time than the estimate
@@ -466,10 +467,10 @@ void CheckStamps(const TrackRunOptions& options, const std::vector<motion::Corre
 // Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
 std::vector<std::string> ResultNames(const TrackRunOptions& options) {
   if (options.list) return {"summary.json", kCandidatesTable, kCandidatesPicture};
-  std::vector<std::string> names = {"summary.json",    "tracks.csv",       "trajectory.csv", "kinematics.csv",
-                                    "events.csv",      "sit_to_stand.csv", "track.png",      "track.svg",
-                                    "measures.csv",    "measures.png",     "measures.svg",   kCandidatesTable,
-                                    kCandidatesPicture};
+  std::vector<std::string> names = {"summary.json",   "tracks.csv",       "trajectory.csv",         "kinematics.csv",
+                                    "events.csv",     "sit_to_stand.csv", "uncertainty_budget.csv", "track.png",
+                                    "track.svg",      "measures.csv",     "measures.png",           "measures.svg",
+                                    kCandidatesTable, kCandidatesPicture};
   if (options.overlay) names.push_back("overlay.mp4");
   for (const std::string& format : options.exports)
     names.push_back(exchange::ExportName(format, options.video.stem().string()));
@@ -561,6 +562,7 @@ void Describe(TrackRunOptions& o, OptionList& options) {
   options.Add("smoothed", o.smoothed, "Export the fit's estimates, not the measurements");
   gait::DescribeAge(o.age_years, options);
   Describe(o.measures, options);
+  Describe(o.budget, options);
 }
 
 std::vector<InputFile> InputsOf(const TrackRunOptions& options) {

@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
 
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "lake/gait/sit_to_stand.h"
+#include "lake/motion/leg_motion.h"
 
 namespace lake::compare {
 namespace {
@@ -65,18 +70,25 @@ Sensitivities OfOffset(const JointMisalignment& joint, int axis, double duration
   return s;
 }
 
-void AddSources(const Sensitivities& s, double marker_mm, double markers, double replacement_sd_mm,
+constexpr const char* kReplacement = "assumed; --replacement-sd";
+
+BudgetRow Detection(double size, const char* unit, double sensitivity) {
+  return {"detection", "normal", size, unit, sensitivity, "sigmas of this recording's markers", true};
+}
+
+// `placement`: its standard deviation in mm and the option that changes it.
+void AddSources(const Sensitivities& s, BudgetRow detection, std::pair<double, const char*> placement,
                 const BudgetOptions& o, std::vector<BudgetRow>& rows) {
+  rows.push_back(std::move(detection));
   const auto add = [&](const char* source, const char* distribution, double size, const char* unit, double sensitivity,
                        const char* reference, bool is_of_markers) {
     rows.push_back({source, distribution, size, unit, std::abs(sensitivity), reference, is_of_markers});
   };
-  add("detection", "normal", marker_mm, "mm", std::sqrt(markers) * s.noise, "sigmas of this recording's markers", true);
   add("lens and plane", "normal", o.scale_percent, "%", s.scale, "assumed; --scale-sd", true);
   add("out-of-plane movement and parallax", "normal", o.depth_mm, "mm", o.view_slope * s.constant,
       "assumed; --depth-sd, --view-slope; lake track --depth removes a known depth", true);
   add("event times", "normal", o.event_s, "s", std::hypot(s.event_start, s.event_end), "assumed; --event-sd", true);
-  add(kPlacement, "normal", replacement_sd_mm, "mm", s.constant, "assumed; --replacement-sd", false);
+  add(kPlacement, "normal", placement.first, "mm", s.constant, placement.second, false);
   add(kSoftTissue, "normal", o.soft_tissue_mm, "mm", s.constant, kTissueReference, false);
 }
 
@@ -85,17 +97,59 @@ void AddOwnVariation(double sd, const std::string& unit, std::vector<BudgetRow>&
 }
 
 // A knee's marker moved across the leg turns shank and thigh against each other.
+Sensitivities OfKneeAngle(double shank_mm, double thigh_mm) {
+  Sensitivities s;
+  s.constant = s.noise = DegreesFromRadians(1 / shank_mm + 1 / thigh_mm);  // of one frame's angle
+  return s;
+}
+
 Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const BudgetOptions& o) {
   std::vector<double> shank, thigh;
   for (std::size_t i = 0; i < m.human.knee.size(); ++i) {
     shank.push_back((m.human.knee[i] - m.human.ankle[i]).norm());
     thigh.push_back((m.human.hip[i] - m.human.knee[i]).norm());
   }
-  const double deg_per_mm = DegreesFromRadians(1 / Mean(shank) + 1 / Mean(thigh));
   Budget budget{"knee_angle", "deg", Mean(m.human.knee_deg), -180, {}};
-  Sensitivities s;
-  s.constant = s.noise = deg_per_mm;  // of one frame's angle
-  AddSources(s, RootMeanSquare(m.human.knee_sigma_mm), 1, replacement_sd_mm, o, budget.rows);
+  const Sensitivities s = OfKneeAngle(Mean(shank), Mean(thigh));
+  AddSources(s, Detection(RootMeanSquare(m.human.knee_sigma_mm), "mm", s.noise), {replacement_sd_mm, kReplacement}, o,
+             budget.rows);
+  return budget;
+}
+
+Budget KneeAngleBudget(const motion::LegMotion& motion, const RecordingBudgetOptions& o) {
+  std::vector<double> knee_deg, sigma_deg;
+  for (const motion::LegSample& sample : motion.samples)
+    if (!std::isnan(sample.knee_sigma_deg)) {
+      knee_deg.push_back(sample.knee_deg);
+      sigma_deg.push_back(sample.knee_sigma_deg);
+    }
+  Budget budget{"knee_angle", "deg", Mean(knee_deg), -180, {}};
+  const Sensitivities s =
+      OfKneeAngle(MedianLength(motion, &motion::LegSample::ak), MedianLength(motion, &motion::LegSample::kh));
+  AddSources(s, Detection(RootMeanSquare(sigma_deg), "deg", 1), {o.placement_mm, "assumed; --placement-sd"}, o,
+             budget.rows);
+  return budget;
+}
+
+// Of the rises whose time is known.
+std::optional<Budget> RiseBudget(const gait::LegFitResult& leg, const RecordingBudgetOptions& o) {
+  std::vector<double> rise_s, fit_s;
+  for (const gait::SitToStand& rise : gait::MeasureSitToStands(leg))
+    if (rise.repetition > 0 && std::isfinite(rise.rise_s.value)) {
+      rise_s.push_back(rise.rise_s.value);
+      if (std::isfinite(rise.rise_s.sd)) fit_s.push_back(rise.rise_s.sd);
+    }
+  if (rise_s.empty()) return std::nullopt;
+  const double mean = 1 / std::sqrt(static_cast<double>(rise_s.size()));
+  Budget budget{"rise", "s", Mean(rise_s), 0, {}};
+  if (!fit_s.empty())
+    budget.rows.push_back(
+        {"event times as fitted", "normal", RootMeanSquare(fit_s), "s", mean, "covariance of the leg fit", true});
+  budget.rows.push_back({"event times as defined", "normal", o.event_s, "s", std::numbers::sqrt2 * mean,
+                         "assumed, of onset and of standing; --event-sd", true});
+  if (rise_s.size() > 1)
+    budget.rows.push_back(
+        {kOwnVariation, "t", StandardDeviation(rise_s), "s", mean, "repetitions of this recording", true});
   return budget;
 }
 
@@ -134,11 +188,13 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
   std::vector<Budget> budgets;
   if (m.joint) {
     const JointMisalignment& joint = *m.joint;
+    constexpr double kMarkersOfAJoint = 2;  // the exoskeleton's and the knee's
     const double marker_mm = RootMeanSquare(m.exo.knee_sigma_mm);
     const auto add = [&](const char* name, double value, double least, const Sensitivities& s,
                          Interval JointMisalignment::Intervals::*interval) {
       Budget budget{name, "mm", value, least, {}};
-      AddSources(s, marker_mm, 2, replacement_sd_mm, o, budget.rows);
+      AddSources(s, Detection(marker_mm, "mm", std::sqrt(kMarkersOfAJoint) * s.noise),
+                 {replacement_sd_mm, kReplacement}, o, budget.rows);
       if (joint.intervals && joint.repetitions > 1)
         AddOwnVariation(DeviationOf((*joint.intervals).*interval), "mm", budget.rows);
       budgets.push_back(std::move(budget));
@@ -153,11 +209,19 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
   return budgets;
 }
 
+std::vector<Budget> BudgetsOf(const gait::LegFitResult& leg, const RecordingBudgetOptions& o) {
+  if (leg.motion.unit != motion::LengthUnit::kMm) return {};
+  std::vector<Budget> budgets = {KneeAngleBudget(leg.motion, o)};
+  if (auto rise = RiseBudget(leg, o)) budgets.push_back(*std::move(rise));
+  return budgets;
+}
+
 std::string QuantityName(const std::string& quantity) {
   constexpr std::pair<const char*, const char*> kNames[] = {{"joint_rms", "joint misalignment, RMS"},
                                                             {"joint_offset_x", "joint in front of the knee"},
                                                             {"joint_offset_y", "joint above the knee"},
-                                                            {"knee_angle", "knee angle, one frame"}};
+                                                            {"knee_angle", "knee angle, one frame"},
+                                                            {"rise", "mean time of a rise"}};
   for (const auto& [key, name] : kNames)
     if (quantity == key) return name;
   return quantity;
@@ -214,6 +278,15 @@ void Describe(BudgetOptions& o, OptionList& options) {
       .NotNegative();
   options.Add("scale-sd", o.scale_percent, "Standard deviation of the plane's scale").Unit("percent").NotNegative();
   options.Add("event-sd", o.event_s, "Standard deviation of onset and standing").Unit("s").NotNegative();
+}
+
+void Describe(RecordingBudgetOptions& o, OptionList& options) {
+  Describe(static_cast<BudgetOptions&>(o), options);
+  options
+      .Add("placement-sd", o.placement_mm,
+           "Standard deviation, per axis, of a marker's spot on the skin against that of another day or examiner")
+      .Unit("mm")
+      .NotNegative();
 }
 
 }  // namespace lake::compare

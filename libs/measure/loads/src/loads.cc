@@ -207,10 +207,31 @@ void SetKnee(const motion::LegMotion& motion, double at_s, LoadsRow& row) {
   row.knee_deg_s = std::lerp(before.knee_deg_s, after.knee_deg_s, b.part);
 }
 
-// The knee's moments without a seat and with all weight on it, the lower first; NaN where not known.
+// The knee's moments between which those lie while the seat bears an unknown part; NaN where not known.
 struct SeatBounds {
   double low_nm = LoadsRow::kUnknown, high_nm = LoadsRow::kUnknown;
 };
+
+// Without the seat; and with the weight on it, while the foot pushes or pulls along the floor with what the seat's
+// friction holds. Floor and seat both hold most where each bears half.
+SeatBounds SeatBoundsAt(const Model& model, std::size_t frame) {
+  constexpr double kSeatFriction = 0.3;  // clothes on a plain chair; more is seldom used before the seat is left
+  const LegPoints& points = model.path.frames[frame];
+  const LegBody& body = model.body;
+  const double weight_n =
+      kGravity_m_s2 * (body.foot.mass_kg + body.shank.mass_kg + body.thigh.mass_kg + body.trunk.mass_kg);
+  SeatBounds bounds;
+  bounds.low_nm = bounds.high_nm = LoadsAt(model, frame).moments.knee_nm;
+  for (const double push : {-1.0, 1.0}) {
+    Wrench along_floor;
+    along_floor.force_n.x() = push * kSeatFriction * weight_n / 2;
+    along_floor.moment_nm = -GroundPoint(points, body).y() * along_floor.force_n.x();
+    const double seated_nm = LoadsFromGround(points, body, along_floor).moments.knee_nm;
+    bounds.low_nm = std::min(bounds.low_nm, seated_nm);
+    bounds.high_nm = std::max(bounds.high_nm, seated_nm);
+  }
+  return bounds;
+}
 
 // At each percent of a rise while the seat bears a part.
 std::vector<SeatBounds> SeatBoundsOf(const Model& model, const Rise& rise, const LoadsOptions& options) {
@@ -219,9 +240,7 @@ std::vector<SeatBounds> SeatBoundsOf(const Model& model, const Rise& rise, const
     const double at_s = TimeOf(rise, percent);
     const std::size_t frame = Locate(model.path.time_s, at_s).before;
     if (!model.trunk || SeatIsLeft(rise, at_s, options) || !model.path.known[frame]) continue;
-    const double free_nm = LoadsAt(model, frame).moments.knee_nm,
-                 seated_nm = LoadsFromGround(model.path.frames[frame], model.body, Wrench{}).moments.knee_nm;
-    bounds[static_cast<std::size_t>(percent)] = {std::min(free_nm, seated_nm), std::max(free_nm, seated_nm)};
+    bounds[static_cast<std::size_t>(percent)] = SeatBoundsAt(model, frame);
   }
   return bounds;
 }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <ranges>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -206,12 +207,14 @@ double MedianDistance(const motion::MarkerTrack& one, const motion::MarkerTrack&
 }
 
 // The diagonal of the box that holds the path, but for what is farthest out.
-double ReachOf(const motion::MarkerTrack& track) {
+double ReachOf(std::span<const Eigen::Vector2d> path) {
   constexpr double kEnd = 0.02;
+  if (path.empty()) return 0;
   std::vector<double> x, y;
-  for (const motion::MarkerSample& sample : track.samples)
-    if (sample.IsKnown()) x.push_back(sample.position.x()), y.push_back(sample.position.y());
-  if (x.empty()) return 0;
+  for (const Eigen::Vector2d& position : path) {
+    x.push_back(position.x());
+    y.push_back(position.y());
+  }
   return std::hypot(Quantile(x, 1 - kEnd) - Quantile(x, kEnd), Quantile(y, 1 - kEnd) - Quantile(y, kEnd));
 }
 
@@ -229,8 +232,35 @@ void TakeNamed(const TrackResult& tracked, RecordingCheck& check) {
     all += std::ranges::all_of(tracked.recording.markers,
                                [&](const motion::MarkerTrack& track) { return track.samples[i].IsKnown(); });
   check.all_seen_share = static_cast<double>(all) / static_cast<double>(frames);
-  for (const motion::MarkerTrack& track : tracked.recording.markers)
-    check.travel_px = std::max(check.travel_px, ReachOf(track));
+  for (const motion::MarkerTrack& track : tracked.recording.markers) {
+    std::vector<Eigen::Vector2d> path;
+    for (const motion::MarkerSample& sample : track.samples)
+      if (sample.IsKnown()) path.push_back(sample.position);
+    check.travel_px = std::max(check.travel_px, ReachOf(path));
+  }
+}
+
+// How far the strongest spots of each place are followed within it, and how far they are from the nearest spot of the
+// next place; the largest of both, px.
+double TravelOfSpots(const std::vector<Place>& places, std::size_t spots) {
+  double travel_px = 0;
+  std::vector<Eigen::Vector2d> before;
+  for (const Place& place : places) {
+    std::vector<Eigen::Vector2d> here;
+    for (const std::size_t i : place.by_contrast | std::views::take(spots)) {
+      std::vector<Eigen::Vector2d> path;
+      for (const TrackletSample& sample : place.tracklets[i].samples) path.push_back(sample.position);
+      travel_px = std::max(travel_px, ReachOf(path));
+      here.push_back(path[path.size() / 2]);
+    }
+    if (here.empty()) continue;
+    for (const Eigen::Vector2d& from : before) {
+      const auto distance = [&](const Eigen::Vector2d& to) { return (to - from).norm(); };
+      travel_px = std::max(travel_px, distance(*std::ranges::min_element(here, {}, distance)));
+    }
+    before = std::move(here);
+  }
+  return travel_px;
 }
 
 // The spots of a place's middle frame; those at a named marker's place in that frame are it.
@@ -344,7 +374,10 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
   CountSpots(places, options.markers, check);
   const Named named = NameMarkers(video, options, 1e-6 * check.video.width * check.video.height);
   check.why_not_named = named.why_not;
-  if (named.tracked) TakeNamed(*named.tracked, check);
+  if (named.tracked)
+    TakeNamed(*named.tracked, check);
+  else
+    check.travel_px = TravelOfSpots(places, static_cast<std::size_t>(options.markers));
   std::vector<double> tilts;
   for (const Place& place : places)
     if (const auto tilt = TiltDeg(place.middle)) tilts.push_back(*tilt);

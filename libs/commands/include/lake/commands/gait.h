@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/compare/uncertainty_budget.h"
 #include "lake/core/json.h"
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
@@ -23,6 +24,7 @@ struct GaitRunOptions : gait::PictureScale {
   std::optional<std::filesystem::path> events;  // repetition,event,time_s or frame: overrule those found
   std::optional<double> age_years;              // for the five-times test
   std::vector<gait::MarkerMeasure> measures;    // of any markers; with them a trial need not have a leg
+  compare::RecordingBudgetOptions budget;
 };
 
 void Describe(GaitRunOptions& o, OptionList& options);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/compare/uncertainty_budget.h"
 #include "lake/core/json.h"
 #include "lake/core/run.h"
 #include "lake/gait/leg_fit.h"
@@ -34,6 +35,7 @@ struct TrackRunOptions : gait::PictureScale {
   bool list = false;                          // only find and draw what is there, without naming it
   std::optional<double> age_years;            // for the five-times test
   std::vector<gait::MarkerMeasure> measures;  // of any markers; without a leg, of two or three markers the usual ones
+  compare::RecordingBudgetOptions budget;
   bool smoothed = false;  // exports hold the fit's estimates; else the measurements, with their gaps
 };
 

@@ -1,4 +1,5 @@
-// What each headline of a comparison is uncertain by, and why: a budget after the GUM (JCGM 100:2008, 5.1).
+// What each headline of a comparison or of one recording is uncertain by, and why: a budget after the GUM (JCGM
+// 100:2008, 5.1).
 //
 //   u(y)² = Σ (c_i u_i)²,   c_i = ∂y/∂x_i;  intervals of 95 % are y ± 1.96 u.
 //
@@ -14,6 +15,7 @@
 #include "lake/compare/misalignment.h"
 #include "lake/core/json.h"
 #include "lake/core/options.h"
+#include "lake/gait/leg_fit.h"
 
 namespace lake::compare {
 
@@ -31,6 +33,13 @@ struct BudgetOptions {
 
 void Describe(BudgetOptions& o, OptionList& options);
 
+// Of one recording, whose markers were placed once.
+struct RecordingBudgetOptions : BudgetOptions {
+  double placement_mm = 3;  // per axis, of the marker's spot on the skin against that of another day or examiner
+};
+
+void Describe(RecordingBudgetOptions& o, OptionList& options);
+
 struct BudgetRow {
   std::string source;
   std::string distribution;  // normal, uniform, t
@@ -44,8 +53,8 @@ struct BudgetRow {
 };
 
 struct Budget {
-  std::string quantity;  // joint_rms, joint_offset_x, joint_offset_y, knee_angle
-  std::string unit;      // mm or deg
+  std::string quantity;  // joint_rms, joint_offset_x, joint_offset_y, knee_angle, rise
+  std::string unit;      // mm, deg or s
   double value = 0;
   double least = 0;  // of the quantity's values: 0 for a root mean square
   std::vector<BudgetRow> rows;
@@ -60,6 +69,9 @@ struct Budget {
 // None of the joint's headlines where the trial does not show the leg's own knee. `replacement_sd_mm` as in
 // MisalignmentOptions.
 std::vector<Budget> BudgetsOf(const Misalignment& misalignment, double replacement_sd_mm, const BudgetOptions& options);
+
+// Of one recording: the knee angle of a frame, and the mean time of a rise. None where its lengths are in px.
+std::vector<Budget> BudgetsOf(const gait::LegFitResult& leg, const RecordingBudgetOptions& options);
 
 // As people read it: "joint misalignment, RMS".
 std::string QuantityName(const std::string& quantity);

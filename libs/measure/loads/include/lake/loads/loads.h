@@ -61,7 +61,8 @@ struct LoadsRow {
   double knee_deg = kUnknown, knee_deg_s = kUnknown;
   double ankle_nm = kUnknown, knee_nm = kUnknown, hip_nm = kUnknown;
   double knee_sd_nm = kUnknown;
-  // 95 % of the draws; where the seat bears an unknown part, the moments without a seat and with all weight on it.
+  // 95 % of the draws; where the seat bears an unknown part, bounds: without the seat, and with the weight and a push
+  // along the floor on it.
   double knee_low_nm = kUnknown, knee_high_nm = kUnknown;
   double zmp_mm = kUnknown;          // where the ground's force acts, before the ankle
   double ground_force_n = kUnknown;  // vertical, on this foot

@@ -60,7 +60,7 @@ struct RecordingCheck {
   double bits_per_pixel = 0;  // of the file, per pixel and frame
 
   // Why the markers cannot be named as TrackMarkers does it, of itself; empty if they were, and only then what depends
-  // on them is known: `markers`, `compression_px` to `knee_sd_deg`.
+  // on them is known: `markers`, `compression_px` to `segment_px`, `knee_sd_deg`.
   std::string why_not_named = "not looked for";
   double all_seen_share = 0;     // of the frames: every named marker; without names, as many spots as there are markers
   double spots = 0;              // marker-like things in a frame, median
@@ -70,8 +70,8 @@ struct RecordingCheck {
   double compression_px = 0;  // that coding adds to a position's error
   double position_sd_px = 0;  // of one frame, per axis, with it
   double segment_px = 0;      // mean of shank and thigh
-  double travel_px = 0;       // how far the paths reach, the farthest marker's
-  double knee_sd_deg = 0;     // expected of one frame's knee angle
+  double travel_px = 0;    // how far the paths reach, the farthest marker's; without names, the farthest bright spot's
+  double knee_sd_deg = 0;  // expected of one frame's knee angle
 
   double flicker = 0;               // brightness from frame to frame, relative standard deviation
   int repeated_frames = 0;          // of those seen
