@@ -104,6 +104,7 @@ TEST_F(ClosedLoopTest, ProgramsAtTheLimitsOfTravelEnd) {
   for (const double supply : {0.7, 1.0, 1.3})
     for (const double load_n : {-400.0, 0.0, 400.0})
       for (const double noise : {0.5, 5.0}) {
+        SCOPED_TRACE(fmt::format("supply {}, load {} N, noise {}", supply, load_n, noise));
         actuator_.seed = ++seed, actuator_.noise_counts = noise, actuator_.speed_factor = seed % 2 ? 0.98 : 1.02;
         actuator_.supply = [supply](double) { return supply; };
         actuator_.load_n = [load_n](double, double) { return load_n; };

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "config.h"
+#include "divide.h"
 #include "end_stops.h"
 #include "fake_board.h"
 #include "lake/actuator/firmware.h"
@@ -300,6 +301,15 @@ TEST_F(ProtocolTest, RealTimeCharactersAreNoPartOfALine) {
         << c;
   const std::string said = Say("");
   EXPECT_THAT(said.substr(0, said.rfind('*')), EndsWith("|duty:0.0000|stops:0>"));
+}
+
+TEST(Divide, AThousandthIsTheExactQuotient) {
+  std::mt19937 random(1);
+  std::uniform_int_distribution<std::int32_t> any(INT32_MIN, INT32_MAX);
+  for (int i = 0; i < 100'000; ++i)
+    for (const std::int32_t number : {any(random), any(random) / 1000, i}) ASSERT_EQ(thousandth(number), number / 1000);
+  for (const std::int32_t number : {INT32_MIN, INT32_MIN + 1, -1000, -999, 0xFFFF, 0x10000, INT32_MAX})
+    EXPECT_EQ(thousandth(number), number / 1000) << number;
 }
 
 }  // namespace

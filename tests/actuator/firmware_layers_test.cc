@@ -19,7 +19,7 @@ using testing::SizeIs;
 using Files = std::vector<actuator::FirmwareFile>;
 
 // As in libs/design/actuator/README.md, from the lowest.
-const std::vector<std::set<std::string>> kLayers = {{"portable"},
+const std::vector<std::set<std::string>> kLayers = {{"portable", "divide"},
                                                     {"stroke_table", "pins"},
                                                     {"config"},
                                                     {"board", "bridge", "serial"},
@@ -75,7 +75,7 @@ Files With(const std::string& file, const std::string& include) {
 
 TEST(FirmwareLayers, IncludesGoDown) {
   EXPECT_THAT(NotBelow(actuator::FirmwareSources()), IsEmpty());
-  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(25)) << "every module was read";
+  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(26)) << "every module was read";
   EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config", "portable"));
 }
 

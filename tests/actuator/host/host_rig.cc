@@ -25,7 +25,7 @@ constexpr int kBytesPerMs = 11;  // of 115200 baud
 
 // Every file of the firmware that knows nothing of the chip, the tests' board in place of those that do.
 constexpr const char* kPortable =
-    "controller.c state.c program.c calibration.c motor.c power.c button.c end_stops.c protocol.c line.c analog.c "
+    "controller.c state.c divide.c program.c calibration.c motor.c power.c button.c end_stops.c protocol.c line.c analog.c "
     "follow.c";
 
 #if defined(__SANITIZE_ADDRESS__)

@@ -74,7 +74,7 @@ TEST_F(FirmwareImageTest, TheTickEndsWithinItsBudget) {
     actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
     if (closed_loop) {
       options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
-      options.supply_v = 12, options.current_sense = true;
+      options.supply_v = 12, options.current_sense = options.bridge_sense = true;
     }
     Build(FreeDesign(kKnots), "");
     rig_->Run(0.1);
@@ -92,11 +92,11 @@ TEST_F(FirmwareImageTest, TheTickEndsWithinItsBudget) {
   }
 }
 
-// Not in the interrupt, and nowhere else: libgcc's routines for it are not linked.
+// Not in the tick, which is vector 7, and nowhere else: libgcc's routines for it are not linked.
 TEST_F(FirmwareImageTest, NoFloatingPoint) {
   Build(FreeDesign(kKnots), "");
   const std::string symbols = OutputOf(fmt::format("avr-nm '{}'", elf_.string()));
-  EXPECT_THAT(symbols, HasSubstr("controller_tick"));
+  EXPECT_THAT(symbols, HasSubstr("__vector_7"));
   for (const char* routine : {"__addsf3", "__subsf3", "__mulsf3", "__divsf3", "__fixsfsi", "__floatsisf",
                               "__floatunsisf", "__cmpsf2", "__fp_"})
     EXPECT_THAT(symbols, Not(HasSubstr(routine)));

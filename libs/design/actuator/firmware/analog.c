@@ -2,6 +2,7 @@
 
 #include "board.h"
 #include "config.h"
+#include "divide.h"
 
 // How long something must be wrong, and how long nothing is said after a reset.
 #define WRONG_MS 20
@@ -108,8 +109,8 @@ int32_t analog_stroke_um(void) {
 static void tell_stroke(void) {
   // Whole readings and the rest apart, so that 32 bits suffice.
   const uint16_t smooth = (uint16_t)filters[ANALOG_POTENTIOMETER].smooth;
-  const int32_t rest_nm = (int32_t)(smooth & ((1 << SMOOTHING) - 1)) * LAKE_POT_NM_PER_COUNT / (1 << SMOOTHING);
-  stroke_um = (LAKE_POT_ZERO_NM + (int32_t)(smooth >> SMOOTHING) * LAKE_POT_NM_PER_COUNT + rest_nm) / 1000;
+  const int32_t rest_nm = ((int32_t)(smooth & ((1 << SMOOTHING) - 1)) * LAKE_POT_NM_PER_COUNT) >> SMOOTHING;
+  stroke_um = thousandth(LAKE_POT_ZERO_NM + (int32_t)(smooth >> SMOOTHING) * LAKE_POT_NM_PER_COUNT + rest_nm);
 }
 
 // A reading that no actuator can have come to is not taken. If it stays, the wiper is lost.
@@ -163,7 +164,8 @@ static void watch_current(uint16_t counts) {
   filter_t* f = &filters[ANALOG_CURRENT];
   smooth(f);
   const uint16_t reading = f->smooth >> SMOOTHING;
-  current_ma = (int16_t)(((int32_t)reading - (int32_t)(zero >> ZERO_SMOOTHING)) * LAKE_CURRENT_UA_PER_COUNT / 1000);
+  const int16_t from_zero = (int16_t)(reading - (uint16_t)(zero >> ZERO_SMOOTHING));
+  current_ma = (int16_t)thousandth(from_zero * (int32_t)LAKE_CURRENT_UA_PER_COUNT);
   const int16_t ma = current_ma < 0 ? -current_ma : current_ma;
   rest_ms = counted(rest_ms, counts == 0);
   driven_ms = counted(driven_ms, counts > 0);

@@ -55,7 +55,7 @@ static int32_t at_rest(int32_t error_um) {
   if (correcting != direction || magnitude(error_um) < CLOSE_UM) correcting = 0;
   if (!correcting) return 0;
   summed_at_rest += error_um;
-  return within_table(direction, PROPORTIONAL * error_um + summed_at_rest / 1024 * INTEGRAL);
+  return within_table(direction, PROPORTIONAL * error_um + (summed_at_rest >> 10) * INTEGRAL);
 }
 
 int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_um) {
@@ -66,7 +66,7 @@ int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_
   correcting = 0;
   if (behind_um < -AHEAD_UM) is_waiting = 1;
   if (behind_um > -CLOSE_UM) is_waiting = 0;
-  const int32_t wanted = planned_um_s + PROPORTIONAL * error_um + summed_error / 1024 * INTEGRAL;
+  const int32_t wanted = planned_um_s + PROPORTIONAL * error_um + (summed_error >> 10) * INTEGRAL;
   const int32_t speed = within_table(direction, wanted);
   // The sum stands still while it could only drive the speed farther out of its range.
   if (speed == wanted || (wanted > speed) == (error_um < 0)) summed_error += error_um;
@@ -98,7 +98,8 @@ uint16_t follow_counts(int32_t speed_um_s) {
 // Watched over stretches of WATCH_NM of driven way.
 #define WATCH_NM 3000000L
 #define LEAST_PART 12      // of the driven way, one in so many must be seen
-#define SLOW_NM 600000L    // after which less than a quarter is slow
+#define STILL_NM 600000L   // of driven way, in which it must be seen to go on …
+#define STILL_UM 150       // … by more than this
 #define PROVEN_UM 500      // more than noise and play
 #define WRONG_WAY_UM 800   // more than noise, play and a load's give
 #define WRONG_SOON_UM 300  // likewise, if it lasts …
@@ -121,6 +122,7 @@ static struct {
   uint8_t wrong_ms;
   int32_t from_um;
   int32_t driven_nm, allowed_nm;
+  int32_t went_on_um, still_nm;  // where it was last seen to have gone on, what was driven since
   int32_t was_um[QUICK_PLACES];
   int32_t went_nm[QUICK_PLACES];  // signed, from each of them to the next
   int32_t all_nm;                 // of these
@@ -140,7 +142,7 @@ static uint8_t is_too_quick(int32_t driven_um_s, int32_t measured_um) {
   w.place_ms = 0;
   w.place = (uint8_t)(w.place + 1) % QUICK_PLACES;
   const int32_t way_um = measured_um - w.was_um[w.place];
-  const int32_t driven_um = w.all_nm / 1024, beyond_um = QUICK_UM + SUPPLY_UM_S * QUICK_MS / 1000;
+  const int32_t driven_um = w.all_nm >> 10, beyond_um = QUICK_UM + SUPPLY_UM_S * QUICK_MS / 1000;
   const int32_t forward_um = (driven_um > 0 ? 2 * driven_um : 0) + beyond_um;
   const int32_t backward_um = (driven_um < 0 ? 2 * driven_um : 0) - beyond_um;
   w.was_um[w.place] = measured_um;
@@ -169,6 +171,15 @@ static uint8_t is_wrong_way(int32_t seen_um) {
   return w.wrong_ms >= WRONG_SOON_MS || seen_um < -WRONG_WAY_UM;
 }
 
+static uint8_t is_still(int8_t direction, uint32_t driven_nm, int32_t measured_um) {
+  w.still_nm += driven_nm;
+  if (direction * (measured_um - w.went_on_um) > STILL_UM) {
+    w.went_on_um = measured_um;
+    w.still_nm = 0;
+  }
+  return w.still_nm >= STILL_NM;
+}
+
 uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um) {
   const int8_t direction = (driven_um_s > 0) - (driven_um_s < 0);
   if (is_too_quick(driven_um_s, measured_um)) return FOLLOW_RUNAWAY;
@@ -176,20 +187,18 @@ uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um) {
   w.rest_ms = 0;
   if (direction != w.direction) {
     w.direction = direction;
-    w.from_um = measured_um;
-    w.driven_nm = w.allowed_nm = 0;
+    w.from_um = w.went_on_um = measured_um;
+    w.driven_nm = w.allowed_nm = w.still_nm = 0;
     w.wrong_ms = 0;
   }
   w.driven_nm += magnitude(driven_um_s);
   w.allowed_nm += 2 * magnitude(driven_um_s) + SUPPLY_UM_S;
   const int32_t seen_um = direction * (measured_um - w.from_um);
   if (is_wrong_way(seen_um)) return FOLLOW_WRONG_WAY;
-  if (seen_um > w.allowed_nm / 1024 + TOO_FAR_UM) return FOLLOW_RUNAWAY;
-  if (w.driven_nm < WATCH_NM) {
-    if (w.driven_nm >= SLOW_NM && seen_um * 4 < w.driven_nm / 1024) return FOLLOW_SLOW;
-    return seen_um > PROVEN_UM ? FOLLOW_PROVEN : FOLLOW_FINE;
-  }
-  if (seen_um * LEAST_PART < w.driven_nm / 1024) return FOLLOW_NO_MOTION;
+  if (seen_um > (w.allowed_nm >> 10) + TOO_FAR_UM) return FOLLOW_RUNAWAY;
+  const uint8_t still = is_still(direction, magnitude(driven_um_s), measured_um);
+  if (w.driven_nm < WATCH_NM) return still ? FOLLOW_STILL : seen_um > PROVEN_UM ? FOLLOW_PROVEN : FOLLOW_FINE;
+  if (seen_um * LEAST_PART < (w.driven_nm >> 10)) return FOLLOW_NO_MOTION;
   w.from_um = measured_um;
   w.driven_nm = w.allowed_nm = 0;
   return FOLLOW_FINE;

@@ -19,7 +19,7 @@ uint16_t follow_counts(int32_t speed_um_s);
 enum {
   FOLLOW_FINE,
   FOLLOW_PROVEN,  // it has moved the way it is driven
-  FOLLOW_SLOW,    // by less than a quarter of what it is driven
+  FOLLOW_STILL,   // driven, and not seen to go on
   FOLLOW_NO_MOTION,
   FOLLOW_WRONG_WAY,
   FOLLOW_RUNAWAY

@@ -2,6 +2,7 @@
 
 #include "analog.h"
 #include "config.h"
+#include "divide.h"
 #include "end_stops.h"
 #include "follow.h"
 #include "motor.h"
@@ -86,7 +87,7 @@ static void keep_plan(void) {
     stroke_nm += segment.velocity_um_s;
   else if (machine.state != STATE_HOLD && machine.state != STATE_RUNNING)
     stroke_nm = analog_stroke_um() * 1000;
-  planned_now_um = stroke_nm / 1000;
+  planned_now_um = thousandth(stroke_nm);
 }
 
 static void watch_motion(const motion_t* motion) {
@@ -102,7 +103,7 @@ static void watch_motion(const motion_t* motion) {
     case FOLLOW_RUNAWAY:
       state_fault(FAULT_RUNAWAY);
       break;
-    case FOLLOW_SLOW:
+    case FOLLOW_STILL:
       if (analog_is_without_current()) state_fault(FAULT_NO_CURRENT);
       break;
     case FOLLOW_PROVEN:
@@ -116,7 +117,7 @@ static void watch_motion(const motion_t* motion) {
 }
 #else
 int32_t program_stroke_um(void) {
-  return stroke_nm / 1000;
+  return thousandth(stroke_nm);
 }
 
 static int32_t stroke_um(void) {
@@ -124,7 +125,8 @@ static int32_t stroke_um(void) {
 }
 
 uint32_t program_drift_um(void) {
-  return (way_drift_nm + (lag_drift_nm[0] > lag_drift_nm[1] ? lag_drift_nm[0] : lag_drift_nm[1])) / 1000;
+  // Neither is more than LAKE_DRIFT_MOST_NM and a step: their sum is below 2^31.
+  return (uint32_t)thousandth((int32_t)(way_drift_nm + (lag_drift_nm[0] > lag_drift_nm[1] ? lag_drift_nm[0] : lag_drift_nm[1])));
 }
 
 static uint8_t is_away_from(int32_t um) {
@@ -305,10 +307,11 @@ reply_t program_take_zero(void) {
   return REPLY_OK;
 }
 
-// Where the end stop belongs, it is no fault that it is met.
+// Where the end stop belongs, it is no fault that it is met. In open loop the drift is no excuse: a motor that comes so
+// early or late is not the duty table's.
 static uint8_t is_at_stop(int8_t direction) {
   if (!state_end_stop_ahead(direction)) return 0;
-  const int32_t about_um = (int32_t)program_drift_um() + STOP_PLACE_UM;
+  const int32_t about_um = STOP_PLACE_UM + (LAKE_FEEDBACK ? (int32_t)program_drift_um() : 0);
   if (direction < 0) return stroke_um() - about_um <= LAKE_HOME_UM;
   return LAKE_EXTEND_STOP_UM > 0 && stroke_um() + about_um >= LAKE_EXTEND_STOP_UM;
 }
