@@ -99,6 +99,8 @@ TEST_F(ClosedLoopTest, FollowsUnderAnySupplyAndLoad) {
 // whatever the plant within its tolerances. A motor that rests at an end stop where it belongs is no fault.
 TEST_F(ClosedLoopTest, ProgramsAtTheLimitsOfTravelEnd) {
   firmware_options_.extend_stop_mm = 0.7, firmware_options_.current_sense = true, firmware_options_.supply_v = 12;
+  // At 1.3 of its supply this motor takes 3.4 A as it starts against 400 N: only what is more is a short.
+  firmware_options_.max_current_a = 4;
   actuator_.spikes = 0;
   unsigned seed = 0;
   for (const double supply : {0.7, 1.0, 1.3})

@@ -25,7 +25,8 @@ constexpr int kBytesPerMs = 11;  // of 115200 baud
 
 // Every file of the firmware that knows nothing of the chip, the tests' board in place of those that do.
 constexpr const char* kPortable =
-    "controller.c state.c divide.c program.c calibration.c motor.c power.c button.c end_stops.c protocol.c line.c analog.c "
+    "controller.c state.c divide.c program.c calibration.c motor.c power.c button.c end_stops.c protocol.c line.c "
+    "analog.c "
     "follow.c";
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -179,14 +180,17 @@ void HostRig::Move() {
   stroke_mm_ = std::clamp(stroke_mm_, motor_mm_ - actuator_.play_mm / 2, motor_mm_ + actuator_.play_mm / 2);
 }
 
-// Friction and load; what the speed lacks is torque.
+// Friction, load, and the torque that still accelerates it; no more than a motor takes at standstill with that voltage,
+// but where the friction alone takes more, which stands for a short.
 double HostRig::Current() const {
   const double duty = MotorDuty();
   if (duty == 0) return 0;
-  const double lacks = free_mm_s_ > 0 ? 1 - std::abs(speed_mm_s_) / free_mm_s_ : 1;
+  const double lacks = free_mm_s_ > 0 ? (std::abs(target_mm_s_) - std::abs(speed_mm_s_)) / free_mm_s_ : 1;
   const double load_n = std::max(0.0, (duty > 0 ? 1 : -1) * Load());
-  return std::copysign(
-      actuator_.idle_a + actuator_.a_per_n * load_n + actuator_.stall_a * std::abs(duty) * std::max(0.0, lacks), duty);
+  const double torque_a =
+      actuator_.idle_a + actuator_.a_per_n * load_n + actuator_.stall_a * std::abs(duty) * std::max(0.0, lacks);
+  const double most_a = std::max(actuator_.idle_a, actuator_.stall_a * std::abs(duty) * Supply());
+  return std::copysign(std::min(torque_a, most_a), duty);
 }
 
 std::uint16_t HostRig::Read(double volt) {

@@ -36,8 +36,8 @@ TEST_F(FirmwareTest, PwmAndDirectionFollowTheProgram) {
   EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:done]"));
 }
 
-// Before every reversal and stop the motor is off for the dead time: braked where the outputs are read back as low, else
-// it coasts.
+// Before every reversal and stop the motor is off for the dead time: braked where the outputs are read back as low,
+// else it coasts.
 TEST_F(FirmwareTest, BrakesBeforeEveryReversalAndStopOnlyWhereTheOutputsAreReadBack) {
   for (const bool reads_back : {false, true}) {
     firmware_options_.bridge_sense = reads_back;
