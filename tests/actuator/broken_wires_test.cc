@@ -58,7 +58,7 @@ TEST_F(BrokenWiresTest, ARetractWireThatBreaksBeforeTheSecondTouchIsNotHome) {
       rig_->PullWire(true, true);
       ASSERT_TRUE(rig_->RunUntil("ALARM:5\n", 3)) << home_mm << "\n" << rig_->Serial();
       rig_->Run(0.3);
-      EXPECT_LE(std::abs(rig_->Stroke() - from), firmware_options_.stop_travel_mm + 0.1);
+      EXPECT_LE(std::abs(rig_->Stroke() - from), firmware_options_.StopTravel() + 0.1);
       EXPECT_THAT(rig_->Serial(), Not(HasSubstr("[MSG:done]")));
       EXPECT_TRUE(rig_->Asks("reset", "ok"));
       EXPECT_TRUE(rig_->Asks("run", "error:5"));
@@ -67,8 +67,8 @@ TEST_F(BrokenWiresTest, ARetractWireThatBreaksBeforeTheSecondTouchIsNotHome) {
 
 // Every wire in every state: whatever is asked for afterwards, the actuator moves no farther than a stop's travel until
 // a fault is told, and then not at all.
-enum class Wire { kRetract, kExtend, kBoth, kSupply };
-constexpr Wire kWires[] = {Wire::kRetract, Wire::kExtend, Wire::kBoth, Wire::kSupply};
+enum class CutWire { kRetract, kExtend, kBoth, kSupply };
+constexpr CutWire kWires[] = {CutWire::kRetract, CutWire::kExtend, CutWire::kBoth, CutWire::kSupply};
 constexpr const char* kWireNames[] = {"retract", "extend", "both", "supply"};
 
 struct StateCase {
@@ -123,7 +123,7 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
   firmware_options_.home_stroke_mm = 299, firmware_options_.supply_v = 12;
   int cases = 0;
   for (const StateCase& state : kStates)
-    for (const Wire wire : kWires) {
+    for (const CutWire wire : kWires) {
       const std::string what = std::string(kWireNames[static_cast<int>(wire)]) + " wire, " + state.name;
       Build(FreeDesign({{0, 303}, {1, 308}, {1.5, 308}, {2.9, 303.5}}));
       rig_->SetStroke(306);
@@ -131,9 +131,9 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
       state.reach(*rig_);
       ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << what;
       const std::size_t pulled = rig_->Samples().size();
-      if (wire == Wire::kRetract || wire == Wire::kBoth) rig_->PullWire(true, true);
-      if (wire == Wire::kExtend || wire == Wire::kBoth) rig_->PullWire(false, true);
-      if (wire == Wire::kSupply) rig_->Breaks().supply_wire = true;
+      if (wire == CutWire::kRetract || wire == CutWire::kBoth) rig_->PullWire(true, true);
+      if (wire == CutWire::kExtend || wire == CutWire::kBoth) rig_->PullWire(false, true);
+      if (wire == CutWire::kSupply) rig_->Breaks().supply_wire = true;
       rig_->Run(0.3);
       // What a user would try.
       for (const char* line : {"resume", "go", "run", "home", "jog 400 800", "jog -400 800", "home", "jog 400 2000"}) {
@@ -145,9 +145,9 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
       rig_->Run(0.3);
       // Both contradict each other, the supply the firmware's limits: told within 30 ms. A stop that stays pressed
       // costs its travel; 0.35 mm of run-on, twice where it turns round.
-      const bool at_once = wire == Wire::kBoth || wire == Wire::kSupply;
-      EXPECT_LE(Way(*rig_, pulled), at_once ? 0.5 : firmware_options_.stop_travel_mm + 0.7) << what << "\n"
-                                                                                            << rig_->Serial();
+      const bool at_once = wire == CutWire::kBoth || wire == CutWire::kSupply;
+      EXPECT_LE(Way(*rig_, pulled), at_once ? 0.5 : firmware_options_.StopTravel() + 0.7) << what << "\n"
+                                                                                          << rig_->Serial();
       const std::size_t told = rig_->Samples().size();
       for (const char* line : {"run", "home", "jog 400 800", "jog -400 800"}) rig_->Send(line), rig_->Run(0.5);
       EXPECT_FALSE(rig_->ResumeAsks());
@@ -182,10 +182,11 @@ TEST_F(BrokenWiresTest, AFaultIsLatchedUntilItIsAcknowledged) {
   EXPECT_TRUE(rig_->Asks("zero", "ok"));
 }
 
-// Off at the emergency stop or sagging, the supply is told, and what moves ends; within the tolerance it does not.
+// Off at the emergency stop or sagging, the supply is told, and what moves ends; within the tolerance it does not. Open
+// loop it is the voltage that sets the speed: more than 10 % off is refused as well, a tenth of a second later.
 TEST_F(BrokenWiresTest, TheSupplyIsTold) {
   firmware_options_.supply_v = 12;
-  for (const double part : {0.0, 0.55, 0.65, 1.0, 1.35, 1.45}) {
+  for (const double part : {0.0, 0.55, 0.65, 0.88, 0.92, 1.0, 1.08, 1.12, 1.35, 1.45}) {
     Build(FreeDesign({{0, 300}, {2, 306}}));
     ASSERT_TRUE(rig_->Asks("zero", "ok"));
     ASSERT_TRUE(rig_->Asks("run", "ok"));
@@ -193,9 +194,9 @@ TEST_F(BrokenWiresTest, TheSupplyIsTold) {
     const double since = rig_->Time();
     rig_->Actuator().supply = [part](double) { return part; };
     const bool told = rig_->RunUntil("ALARM:6\n", 1);
-    EXPECT_EQ(told, std::abs(part - 1) > 0.4) << part;
+    EXPECT_EQ(told, std::abs(part - 1) > 0.1) << part;
     if (told) {
-      EXPECT_LE(rig_->Time() - since, 0.03);
+      EXPECT_LE(rig_->Time() - since, std::abs(part - 1) > 0.4 ? 0.03 : 0.12);
     }
   }
 }

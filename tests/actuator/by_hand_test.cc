@@ -83,6 +83,7 @@ TEST(SketchNotes, SayWhatIsOfThisSketchAlone) {
 // Wherever a person reads about safety; what `lake-stroke` prints is in stroke_cli_test.cc.
 TEST(Untried, IsSaidWhereverSomebodyReadsAboutSafety) {
   for (const char* page : {"libs/design/actuator/SAFETY.md", "libs/design/actuator/README.md",
+                           "libs/design/actuator/RISKS.md", "libs/design/actuator/BENCH.md",
                            "libs/design/actuator/firmware/README.txt", "libs/present/manual/pages/prototype.md"}) {
     std::string text = ReadTextFile(SourceDir() / page);
     std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "config.h"
+#include "divide.h"
 #include "end_stops.h"
 #include "fake_board.h"
 #include "lake/actuator/firmware.h"
@@ -18,6 +19,7 @@
 #include "model_program.h"
 #include "motor.h"
 #include "places.h"
+#include "power.h"
 #include "protocol.h"
 #include "serial.h"
 
@@ -27,7 +29,7 @@ namespace {
 using testing::EndsWith;
 using testing::HasSubstr;
 
-constexpr auto kOff = FakeBoard::Bridge::kOff, kBrake = FakeBoard::Bridge::kBrake, kDrive = FakeBoard::Bridge::kDrive;
+constexpr auto kOff = FakeBoard::Bridge::kOff, kDrive = FakeBoard::Bridge::kDrive;
 
 // The program of host/stroke_table.h: up at 5 mm/s, up at 2, back at 4, a rest, up.
 actuator::StrokeSchedule HostSchedule() {
@@ -40,6 +42,7 @@ class ControllerTest : public testing::Test {
     fake_board = {};
     end_stops_init();
     motor_init();
+    power_init();
     controller_init();
     Tick(10);  // the end stops have been seen closed
     controller_take_events();
@@ -95,13 +98,12 @@ TEST_F(ControllerTest, PlanFollowsTheScheduleTickByTick) {
 
 TEST_F(ControllerTest, EndStopAheadActsInTheSameTickAndOnlyInItsDirection) {
   Start();
-  TickTalking(100);
-  fake_board.open = END_STOP_RETRACT;  // behind
+  fake_board.open = END_STOP_RETRACT;  // behind, from the beginning
   TickTalking(5);
   ASSERT_EQ(fake_board.bridge, kDrive);
   fake_board.open = END_STOP_RETRACT | END_STOP_EXTEND;
   TickTalking(1);
-  EXPECT_EQ(fake_board.bridge, kBrake);
+  EXPECT_EQ(fake_board.bridge, kOff);
   EXPECT_EQ(controller_take_events(), EVENT_FAULT);
   EXPECT_EQ(controller_status().fault, FAULT_BOTH_STOPS);
   EXPECT_EQ(controller_status().knowledge, STROKE_UNKNOWN);
@@ -112,13 +114,47 @@ TEST_F(ControllerTest, EndStopAheadActsInTheSameTickAndOnlyInItsDirection) {
   EXPECT_EQ(Ask(REQUEST_JOG, -2000, 100), REPLY_OK);
 }
 
+// Away from an end stop that was not pressed nothing can press it but a motor that turns the wrong way, or a broken
+// wire.
+TEST_F(ControllerTest, AnEndStopBehindThatIsPressedByTheMotionStopsAtOnce) {
+  Start();
+  TickTalking(100);  // 0.5 mm
+  fake_board.open = END_STOP_RETRACT;
+  TickTalking(2);
+  EXPECT_EQ(controller_status().fault, FAULT_STUCK);
+  EXPECT_EQ(fake_board.bridge, kOff);
+}
+
+// ENA that something holds high is found before the first count of duty.
+TEST_F(ControllerTest, AJumperOnEnaIsFoundBeforeAnythingMoves) {
+  fake_board.enable_is_held = true;
+  Start();
+  for (int i = 0; i < 20; ++i) {
+    TickTalking(1);
+    ASSERT_NE(fake_board.bridge, kDrive);
+  }
+  EXPECT_EQ(controller_status().fault, FAULT_BRIDGE);
+  EXPECT_EQ(Ask(REQUEST_RESET), REPLY_OK);
+  Start();
+  TickTalking(5);
+  EXPECT_EQ(controller_status().fault, FAULT_BRIDGE) << "it is there still";
+}
+
+// Blocks that no interrupt divides are real wherever this is compiled, and end.
+TEST_F(ControllerTest, BlocksEnd) {
+  Start();
+  TickTalking(50);
+  protocol_turn();
+  EXPECT_EQ(fake_board.blocked, 0u);
+}
+
 TEST_F(ControllerTest, SilenceStopsWhateverMoves) {
   Start();
   Tick(LAKE_COMMAND_TIMEOUT_MS - 1);
   ASSERT_EQ(controller_status().state, STATE_RUNNING);
   Tick();
   EXPECT_EQ(controller_status().state, STATE_HOLD);
-  EXPECT_EQ(fake_board.bridge, kBrake);
+  EXPECT_EQ(fake_board.bridge, kOff);
   EXPECT_EQ(controller_take_events(), EVENT_TIMEOUT);
   Tick(3 * LAKE_COMMAND_TIMEOUT_MS);
   EXPECT_EQ(controller_take_events(), 0) << "told once";
@@ -199,6 +235,7 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
     if (one_in(300)) controller_request(REQUEST_RESUME, 0, 0);
     if (controller_status().state == STATE_HOLD && one_in(3)) controller_request(REQUEST_GO, 0, 0);
     if (one_in(3000 * rare)) controller_abort();
+    if (one_in(40'000)) fake_board = {}, motor_init(), power_init(), controller_init();  // power off and on
     if (!one_in(50)) controller_heard();
     if (one_in(400 * rare)) fake_board.open = random() % 4;
     if (one_in(100)) fake_board.open = 0;
@@ -264,6 +301,15 @@ TEST_F(ProtocolTest, RealTimeCharactersAreNoPartOfALine) {
         << c;
   const std::string said = Say("");
   EXPECT_THAT(said.substr(0, said.rfind('*')), EndsWith("|duty:0.0000|stops:0>"));
+}
+
+TEST(Divide, AThousandthIsTheExactQuotient) {
+  std::mt19937 random(1);
+  std::uniform_int_distribution<std::int32_t> any(INT32_MIN, INT32_MAX);
+  for (int i = 0; i < 100'000; ++i)
+    for (const std::int32_t number : {any(random), any(random) / 1000, i}) ASSERT_EQ(thousandth(number), number / 1000);
+  for (const std::int32_t number : {INT32_MIN, INT32_MIN + 1, -1000, -999, 0xFFFF, 0x10000, INT32_MAX})
+    EXPECT_EQ(thousandth(number), number / 1000) << number;
 }
 
 }  // namespace

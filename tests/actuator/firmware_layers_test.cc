@@ -19,11 +19,12 @@ using testing::SizeIs;
 using Files = std::vector<actuator::FirmwareFile>;
 
 // As in libs/design/actuator/README.md, from the lowest.
-const std::vector<std::set<std::string>> kLayers = {{"portable"},
-                                                    {"stroke_table"},
+const std::vector<std::set<std::string>> kLayers = {{"portable", "divide"},
+                                                    {"stroke_table", "pins"},
                                                     {"config"},
                                                     {"board", "bridge", "serial"},
-                                                    {"analog", "end_stops", "follow", "line", "motor"},
+                                                    {"analog", "button", "end_stops", "follow", "line", "motor"},
+                                                    {"power"},
                                                     {"state"},
                                                     {"program"},
                                                     {"calibration", "controller"},
@@ -74,8 +75,8 @@ Files With(const std::string& file, const std::string& include) {
 
 TEST(FirmwareLayers, IncludesGoDown) {
   EXPECT_THAT(NotBelow(actuator::FirmwareSources()), IsEmpty());
-  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(20)) << "every module was read";
-  EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config"));
+  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(26)) << "every module was read";
+  EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config", "portable"));
 }
 
 TEST(FirmwareLayers, APlantedCircleIsFound) {
@@ -89,7 +90,8 @@ TEST(FirmwareLayers, APlantedCircleIsFound) {
 TEST(FirmwareLayers, NoFileDeclaresAnothersFunctions) {
   static const std::regex declaration(
       "^[a-z_0-9]+\\*? "
-      "(board|bridge|serial|analog|end_stops|follow|motor|state|program|controller|protocol|firmware)_[a-z_]+\\(.*\\)"
+      "(board|bridge|serial|analog|button|end_stops|follow|motor|power|state|program|controller|protocol|firmware)_[a-"
+      "z_]+\\(.*\\)"
       ";");
   for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) {
     std::istringstream lines(file.text);

@@ -75,7 +75,7 @@ TEST(StrokeTable, WhatDoesNotFitIsAnError) {
   actuator::FirmwareOptions options;
   options.table_tolerance_mm = 0.001;
   EXPECT_THAT([&] { actuator::MakeStrokeTable(FreeSchedule(knots), ModelTable(), options); },
-              ThrowsMessage<Error>(HasSubstr("the UNO's flash holds 1612: raise --table-tolerance")));
+              ThrowsMessage<Error>(HasSubstr("the UNO's flash holds 1280: raise --table-tolerance")));
   EXPECT_THAT(
       [] {
         actuator::MakeStrokeTable(FreeSchedule({{0, 300}, {1e7, 340}}), ModelTable(), {});

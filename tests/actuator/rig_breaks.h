@@ -1,7 +1,21 @@
-// What may break in a model of bridge, motor and sensors, whatever runs the firmware.
+// What may break in a model of bridge, motor and sensors, whatever runs the firmware; and the bridge's own logic.
 #pragma once
 
 namespace lake {
+
+enum class Wire { kWhole, kOpen, kGround, kFive };
+
+// An L298N's inputs: levels, ENA as the part of the time for which it is high.
+struct BridgeInputs {
+  double enable = 0;
+  bool in1 = false, in2 = false;
+
+  // Of the motor: signed part of the supply; 0 also where both outputs are alike.
+  double Duty() const { return in1 == in2 ? 0 : in1 ? enable : -enable; }
+  bool IsBrake() const { return in1 == in2 && enable > 0.5; }
+  bool OutputsAreLow() const { return enable == 0 || (!in1 && !in2); }
+  bool operator==(const BridgeInputs&) const = default;
+};
 
 // The end stops' wires are pulled by PullWire.
 struct RigBreaks {
@@ -9,9 +23,23 @@ struct RigBreaks {
 
   Wiper wiper = Wiper::kFine;  // lost: pulled down to 0 V; shorted: at 5 V
   bool supply_wire = false, current_wire = false;
-  bool is_reversed = false;   // the motor
-  bool is_blocked = false;    // the rod
-  double runs_away_mm_s = 0;  // whatever the bridge does
+  bool is_reversed = false;                                         // the motor
+  bool is_blocked = false;                                          // the rod
+  double runs_away_mm_s = 0;                                        // whatever the bridge does
+  Wire ena = Wire::kWhole, in1 = Wire::kWhole, in2 = Wire::kWhole;  // from the UNO to the bridge
+  int shorted = 0;  // transistors: 1 drives with all of the supply to extend, -1 to retract, while there is a supply
+  bool is_relay_welded = false, is_motor_unplugged = false;
+  double current_offset_v = 0;
+
+  // As they arrive at the bridge: its inputs float to high where they are open, and 10 kOhm pull ENA down.
+  BridgeInputs Arriving(BridgeInputs sent) const {
+    if (ena != Wire::kWhole) sent.enable = ena == Wire::kFive ? 1 : 0;
+    if (in1 != Wire::kWhole) sent.in1 = in1 != Wire::kGround;
+    if (in2 != Wire::kWhole) sent.in2 = in2 != Wire::kGround;
+    return sent;
+  }
+  // Of the outputs, read back while ENA is as it is.
+  bool OutputsAreLow(const BridgeInputs& sent) const { return shorted == 0 && Arriving(sent).OutputsAreLow(); }
 };
 
 }  // namespace lake

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lake/actuator/actuator_options.h"
+#include "lake/actuator/commissioning.h"
 #include "lake/actuator/prototype_validation.h"
 #include "lake/actuator/separated_errors.h"
 #include "lake/core/angles.h"
@@ -109,13 +110,16 @@ Json CrawlJson(const actuator::CrawlSummary& crawl) {
           {"added_rest_s", crawl.added_rest_s}};
 }
 
-// What goes into the flash.
+constexpr const char *kSchematic = "schematic.svg", *kSignOff = "SIGN-OFF.md";
+
+// What goes into the flash, and what belongs beside it.
 struct Sketch {
   actuator::StrokeTable table;
   double home_stroke_mm = 0;
   std::optional<double> extend_stop_mm;
   actuator::DriftForecast drift;
   std::string header, notes;
+  std::vector<actuator::FirmwareFile> commissioning;
 };
 
 Json DriftJson(const actuator::DriftForecast& drift, bool accepted) {
@@ -260,7 +264,9 @@ std::optional<Sketch> MakeSketch(const StrokeRunOptions& options, const StrokePl
                 .extend_stop_mm = actuator::ExtendStop(plan.schedule, firmware),
                 .drift = actuator::ForecastDrift(table, plan.schedule, *plan.table, firmware),
                 .header = actuator::StrokeTableHeader(table, plan.schedule, *plan.table, firmware, MadeBy(from)),
-                .notes = actuator::SketchNotes(table, plan.schedule, *plan.table, firmware, MadeBy(from))};
+                .notes = actuator::SketchNotes(table, plan.schedule, *plan.table, firmware, MadeBy(from)),
+                .commissioning = {{kSchematic, actuator::SchematicSvg(firmware)},
+                                  {kSignOff, actuator::SignOffSheet(table, plan.schedule, *plan.table, firmware)}}};
 }
 
 Json WriteValidation(const StrokeRunOptions& options, const actuator::StrokeSchedule& schedule,
@@ -294,7 +300,7 @@ std::string InSketch(const std::string& name) {
 std::vector<std::string> ResultNames(bool has_sketch, bool has_validation) {
   std::vector<std::string> names = {"summary.json", "program.csv", "program.png", "program.svg"};
   if (has_sketch) {
-    names.insert(names.end(), {"stroke_table.h", InSketch("stroke_table.h")});
+    names.insert(names.end(), {"stroke_table.h", InSketch("stroke_table.h"), InSketch(kSchematic), InSketch(kSignOff)});
     for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) names.push_back(InSketch(file.name));
   }
   if (has_validation) names.insert(names.end(), {"validation.csv", "validation.png", "validation.svg"});
@@ -303,13 +309,18 @@ std::vector<std::string> ResultNames(bool has_sketch, bool has_validation) {
 
 }  // namespace
 
-Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run& run) {
+Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run& run,
+                 const std::vector<actuator::FirmwareFile>& further) {
   const auto place = [&](const std::string& name) { return run.Result(InSketch(name)); };
   WriteTextFile(place("stroke_table.h"), stroke_table);
   WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // where the interfaces have it
   Json files = {"stroke_table.h", InSketch("stroke_table.h")};
   for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) {
     WriteTextFile(place(file.name), file.name.ends_with(".ino") ? notes + file.text : file.text);
+    files.push_back(InSketch(file.name));
+  }
+  for (const actuator::FirmwareFile& file : further) {
+    WriteTextFile(place(file.name), file.text);
     files.push_back(InSketch(file.name));
   }
   return files;
@@ -358,9 +369,9 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   DrawPngAndSvg("program", run, [&](const fs::path& path) { figure::DrawStrokeProgram(path, plan.schedule, rows); });
   Json summary = ProgramJson(plan.schedule, rows);
   summary["crawling"] = CrawlJson(plan.crawl);
-  summary["firmware"] =
-      sketch ? FirmwareJson(WriteSketch(sketch->header, sketch->notes, run), *sketch, options.firmware.accept_drift)
-             : Json();
+  summary["firmware"] = sketch ? FirmwareJson(WriteSketch(sketch->header, sketch->notes, run, sketch->commissioning),
+                                              *sketch, options.firmware.accept_drift)
+                               : Json();
   if (validation) {
     summary["validation"] = WriteValidation(options, plan.schedule, *validation, run);
     summary["validation"]["separated"] = separated;

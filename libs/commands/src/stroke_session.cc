@@ -5,6 +5,7 @@
 #include <iostream>
 #include <optional>
 
+#include "lake/actuator/bench_validation.h"
 #include "lake/commands/stroke.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
@@ -16,6 +17,8 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
   if (options.session.port.empty()) throw UsageError("which serial line? give --port /dev/ttyACM0");
   const actuator::SketchIdentity sketch = actuator::ReadSketchIdentity(options.folder);
   run.AddInput(options.folder / "stroke_table.h", "stroke table");
+  for (const std::string& unknown : sketch.unknowns) run.Warn(unknown);
+  run.Warn(actuator::kUntried);
   const auto total_ms = static_cast<std::int64_t>(std::llround(1e3 * sketch.duration_s));
   std::optional<Progress> progress;
   std::int64_t shown_ms = 0;
@@ -37,6 +40,9 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
 }
 
 std::string StrokeSessionReport(const Json& summary) {
+  if (summary["run_s"] == 0.0)
+    return fmt::format("homed in {:.1f} s; {} rows in log.csv\n", summary["homing_s"].get<double>(),
+                       summary["rows"].get<std::size_t>());
   return fmt::format("homed in {:.1f} s, ran for {:.1f} s; {} rows in log.csv\n", summary["homing_s"].get<double>(),
                      summary["run_s"].get<double>(), summary["rows"].get<std::size_t>());
 }
@@ -52,6 +58,52 @@ void Describe(StrokeSessionRunOptions& o, OptionList& options) {
   options.Add("acknowledge", o.session.acknowledge, "The board's fault of before was seen to: clear it");
   options.Add("home", o.session.home, "Home first; --no-home: the actuator stands at the program's start")
       .WithNegation();
+  options.AddFlag("worn", o.session.task, actuator::SessionTask::kRunWorn,
+                  "On a person, who holds the button: does not home; 'lake-stroke home' did, with nobody in it");
+}
+
+void Describe(StrokeHomeRunOptions& o, OptionList& options) {
+  o.run.session.task = actuator::SessionTask::kHome;
+  options.AddOperand("folder", o.run.folder, "Folder of the program that the board has, as lake-stroke wrote it")
+      .IsPath(Option::Path::kFolder)
+      .Value("DIR");
+  options.Add("port", o.run.session.port, "Serial line of the board: /dev/ttyACM0").Value("TTY");
+  options.Add("acknowledge", o.run.session.acknowledge, "The board's fault of before was seen to: clear it");
+}
+
+Json RunBenchValidation(const BenchRunOptions& options, Run& run) {
+  if (!options.folder) {
+    run.Begin({"summary.json", "bench.csv"});
+    actuator::WriteBenchPlan(run.Result("bench.csv"));
+    return {{"plan", actuator::BenchFaults().size() * actuator::BenchStates().size()}};
+  }
+  run.AddInput(*options.folder / "bench.csv", "bench");
+  const actuator::BenchReport report = actuator::ValidateBench(*options.folder);
+  run.Begin({"summary.json", "bench_verdicts.csv"});
+  actuator::WriteBenchReport(run.Result("bench_verdicts.csv"), report);
+  for (const actuator::BenchFinding& finding : report.findings)
+    if (finding.verdict == actuator::BenchVerdict::kFailed)
+      run.Warn(fmt::format("{} while {}: {}", finding.found.fault, finding.found.state, finding.why));
+  return {{"passed", report.Count(actuator::BenchVerdict::kPassed)},
+          {"failed", report.Count(actuator::BenchVerdict::kFailed)},
+          {"missing", report.Count(actuator::BenchVerdict::kMissing)},
+          {"endurance_h", report.endurance_s / 3600}};
+}
+
+std::string BenchReportText(const Json& summary) {
+  if (summary.contains("plan"))
+    return fmt::format("bench.csv has the {} tests of the plan: fill it in, then give its folder\n",
+                       summary["plan"].get<std::size_t>());
+  const int failed = summary["failed"].get<int>(), missing = summary["missing"].get<int>();
+  return fmt::format("{} passed, {} failed, {} missing; the longest log without an alarm has {:.1f} h. {}\n",
+                     summary["passed"].get<int>(), failed, missing, summary["endurance_h"].get<double>(),
+                     failed + missing == 0 ? "This bench has passed the plan." : "This bench has not passed the plan.");
+}
+
+void Describe(BenchRunOptions& o, OptionList& options) {
+  options.AddOperand("folder", o.folder, "Folder with bench.csv and the logs that it names; none: the plan is written")
+      .IsPath(Option::Path::kFolder)
+      .Value("DIR");
 }
 
 Json RunStrokeTalk(const StrokeTalkRunOptions& options, Run& run) {

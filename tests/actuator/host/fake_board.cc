@@ -12,11 +12,30 @@ void bridge_init(void) {
 }
 void bridge_off(void) {
   fake_board.bridge = FakeBoard::Bridge::kOff;
+  fake_board.direction = 0;
 }
 void bridge_brake(void) {
   fake_board.bridge = FakeBoard::Bridge::kBrake;
-  fake_board.direction = 0;
 }
+uint8_t bridge_enable_is_free(void) {
+  return !fake_board.enable_is_held;
+}
+uint8_t bridge_outputs_are_low(void) {
+  return 1;
+}
+
+uint32_t portable_block(void) {
+  return fake_board.blocked++;
+}
+void portable_restore(uint32_t what) {
+  fake_board.blocked = what;
+}
+
+uint8_t board_button(void) {
+  return fake_board.button;
+}
+void board_close_relay(uint8_t) {}
+
 void bridge_direct(int8_t direction) {
   fake_board.shorted = fake_board.shorted || fake_board.bridge != FakeBoard::Bridge::kOff;
   fake_board.direction = direction;
@@ -47,9 +66,9 @@ uint8_t board_is_late(void) {
   return 0;
 }
 
-uint8_t board_remembered(void) {
-  return fake_board.remembered;
+uint8_t board_remembered(uint8_t place) {
+  return fake_board.remembered[place];
 }
-void board_remember(uint8_t number) {
-  fake_board.remembered = number;
+void board_remember(uint8_t place, uint8_t number) {
+  fake_board.remembered[place] = number;
 }

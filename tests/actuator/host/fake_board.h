@@ -14,8 +14,10 @@ struct FakeBoard {
   std::uint8_t open = 0;  // end stops, bits as in end_stops.h
   std::uint16_t adc = 0;
   std::string said;  // over the serial line
-  std::uint8_t remembered = 0;
-  std::string received;  // to be read next
+  std::uint8_t remembered[256] = {};
+  bool button = false, enable_is_held = false;
+  std::uint32_t blocked = 0;  // how deep in blocks that no interrupt divides
+  std::string received;       // to be read next
 };
 
 extern FakeBoard fake_board;

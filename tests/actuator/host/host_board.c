@@ -6,28 +6,57 @@
 
 #include "board.h"
 #include "bridge.h"
+#include "config.h"
 #include "serial.h"
 
 host_board_t host_board;
 
+static void set(int bridge, int enabled, int8_t direction) {
+  host_board.bridge = bridge;
+  host_board.enabled = enabled;
+  host_board.direction = direction;
+  host_board.in1 = direction > 0;
+  host_board.in2 = direction < 0;
+}
+
 void bridge_init(void) {
-  host_board.bridge = HOST_OFF;
-  host_board.direction = 0;
+  set(HOST_OFF, 0, 0);
 }
 void bridge_off(void) {
-  host_board.bridge = HOST_OFF;
+  set(HOST_OFF, 0, 0);
 }
 void bridge_brake(void) {
-  host_board.bridge = HOST_BRAKE;
-  host_board.direction = 0;
+  set(HOST_BRAKE, LAKE_PWM_PERIOD, 0);
 }
 void bridge_direct(int8_t direction) {
   host_board.shorted |= host_board.bridge != HOST_OFF;
-  host_board.direction = direction;
+  set(HOST_OFF, 0, direction);
 }
 void bridge_drive(uint16_t counts) {
-  host_board.bridge = HOST_DRIVE;
+  set(HOST_DRIVE, counts, (int8_t)host_board.direction);
   host_board.counts = counts;
+}
+uint8_t bridge_enable_is_free(void) {
+  return !host_board.enable_is_held;
+}
+uint8_t bridge_outputs_are_low(void) {
+  if (host_board.output_is_stuck) return 0;
+  const int is_enabled = host_board.enable_is_held || host_board.enabled > 0;
+  return !(is_enabled && (host_board.in1 || host_board.in2 || host_board.in1_is_high || host_board.in2_is_high));
+}
+
+uint32_t portable_block(void) {
+  return host_board.blocked++;
+}
+void portable_restore(uint32_t what) {
+  host_board.blocked = what;
+}
+
+uint8_t board_button(void) {
+  return host_board.button;
+}
+void board_close_relay(uint8_t is_closed) {
+  host_board.relay = is_closed;
 }
 
 uint8_t board_end_stops(void) {
@@ -49,9 +78,9 @@ uint8_t board_is_late(void) {
   return 0;
 }
 
-uint8_t board_remembered(void) {
-  return host_board.remembered;
+uint8_t board_remembered(uint8_t place) {
+  return host_board.remembered[place];
 }
-void board_remember(uint8_t number) {
-  host_board.remembered = number;
+void board_remember(uint8_t place, uint8_t number) {
+  host_board.remembered[place] = number;
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <sstream>
@@ -24,7 +25,9 @@ constexpr int kBytesPerMs = 11;  // of 115200 baud
 
 // Every file of the firmware that knows nothing of the chip, the tests' board in place of those that do.
 constexpr const char* kPortable =
-    "controller.c state.c program.c calibration.c motor.c end_stops.c protocol.c line.c analog.c follow.c";
+    "controller.c state.c divide.c program.c calibration.c motor.c power.c button.c end_stops.c protocol.c line.c "
+    "analog.c "
+    "follow.c";
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr const char* kSanitizers = "-fsanitize=address,undefined -fno-sanitize-recover=undefined";
@@ -68,6 +71,8 @@ void HostRig::OpenLibrary() {
   find(board_, "host_board");
   find(motor_init_, "motor_init");
   find(end_stops_init_, "end_stops_init");
+  find(button_init_, "button_init");
+  find(power_init_, "power_init");
   find(analog_init_, "analog_init");
   find(controller_init_, "controller_init");
   find(controller_tick_, "controller_tick");
@@ -77,13 +82,16 @@ void HostRig::OpenLibrary() {
 }
 
 void HostRig::PowerUp() {
-  const std::uint8_t remembered = board_ ? board_->remembered : 0;
+  std::array<std::uint8_t, 256> remembered{};
+  if (board_) std::ranges::copy(board_->remembered, remembered.begin());
   OpenLibrary();
-  board_->remembered = remembered;
+  std::ranges::copy(remembered, board_->remembered);
   to_send_.clear();
   Sense();
   motor_init_();
   end_stops_init_();
+  button_init_();
+  power_init_();
   analog_init_();
   controller_init_();
 }
@@ -136,8 +144,21 @@ double HostRig::Load() const {
   return actuator_.load_n ? actuator_.load_n(Time(), stroke_mm_) : 0;
 }
 
+double HostRig::Supply() const {
+  if (actuator_.has_relay && !is_relay_closed_) return 0;
+  return actuator_.supply ? actuator_.supply(Time()) : 1;
+}
+
+// What arrives at the motor: the firmware's inputs through whole or broken wires.
+double HostRig::MotorDuty() const {
+  if (Supply() <= 0 || breaks_.is_motor_unplugged) return 0;
+  if (breaks_.shorted != 0) return breaks_.shorted;
+  const BridgeInputs sent = {board_->enabled / double{actuator::kPwmPeriod}, board_->in1 != 0, board_->in2 != 0};
+  return breaks_.Arriving(sent).Duty();
+}
+
 void HostRig::Move() {
-  const double duty = breaks_.is_reversed ? -Duty() : Duty(), supply = actuator_.supply ? actuator_.supply(Time()) : 1;
+  const double duty = breaks_.is_reversed ? -MotorDuty() : MotorDuty(), supply = Supply();
   const double direction = duty > 0 ? 1 : -1;
   target_mm_s_ = free_mm_s_ = 0;
   if (duty != 0) {
@@ -148,21 +169,28 @@ void HostRig::Move() {
     const double against_n = direction * Load();
     target_mm_s_ = direction * std::max(0.0, free_mm_s_ - (against_n < 0 ? 0.4 : 1) * against_n * actuator_.mm_s_per_n);
   }
-  const double time_constant = board_->bridge == HOST_BRAKE ? 0.01 : duty == 0 ? 0.06 : actuator_.time_constant_s;
-  speed_mm_s_ += (target_mm_s_ - speed_mm_s_) * (1 - std::exp(-1e-3 / time_constant));
+  const BridgeInputs sent = {board_->enabled / double{actuator::kPwmPeriod}, board_->in1 != 0, board_->in2 != 0};
+  const bool is_brake = breaks_.Arriving(sent).IsBrake() && supply > 0;
+  if (duty == 0 && !is_brake)
+    speed_mm_s_ = std::copysign(std::max(0.0, std::abs(speed_mm_s_) - actuator_.coast_mm_s2 * 1e-3), speed_mm_s_);
+  else
+    speed_mm_s_ += (target_mm_s_ - speed_mm_s_) * (1 - std::exp(-1e-3 / (is_brake ? 0.01 : actuator_.time_constant_s)));
   if (breaks_.is_blocked) speed_mm_s_ = 0;
   motor_mm_ += (speed_mm_s_ + breaks_.runs_away_mm_s) * 1e-3;
   stroke_mm_ = std::clamp(stroke_mm_, motor_mm_ - actuator_.play_mm / 2, motor_mm_ + actuator_.play_mm / 2);
 }
 
-// Friction and load; what the speed lacks is torque.
+// Friction, load, and the torque that still accelerates it; no more than a motor takes at standstill with that voltage,
+// but where the friction alone takes more, which stands for a short.
 double HostRig::Current() const {
-  const double duty = Duty();
+  const double duty = MotorDuty();
   if (duty == 0) return 0;
-  const double lacks = free_mm_s_ > 0 ? 1 - std::abs(speed_mm_s_) / free_mm_s_ : 1;
+  const double lacks = free_mm_s_ > 0 ? (std::abs(target_mm_s_) - std::abs(speed_mm_s_)) / free_mm_s_ : 1;
   const double load_n = std::max(0.0, (duty > 0 ? 1 : -1) * Load());
-  return std::copysign(
-      actuator_.idle_a + actuator_.a_per_n * load_n + actuator_.stall_a * std::abs(duty) * std::max(0.0, lacks), duty);
+  const double torque_a =
+      actuator_.idle_a + actuator_.a_per_n * load_n + actuator_.stall_a * std::abs(duty) * std::max(0.0, lacks);
+  const double most_a = std::max(actuator_.idle_a, actuator_.stall_a * std::abs(duty) * Supply());
+  return std::copysign(std::min(torque_a, most_a), duty);
 }
 
 std::uint16_t HostRig::Read(double volt) {
@@ -184,14 +212,27 @@ void HostRig::Sense() {
   using Wiper = RigBreaks::Wiper;
   if (breaks_.wiper != Wiper::kFrozen) frozen_v_ = 5 * (stroke_mm_ - at_0) / (at_5 - at_0);
   const double wiper_v = breaks_.wiper == Wiper::kLost ? 0 : breaks_.wiper == Wiper::kShorted ? 5 : frozen_v_;
-  const double supply = actuator_.supply ? actuator_.supply(Time()) : 1;
+  const double supply = Supply();
   board_->adc[0] = Read(wiper_v);
-  board_->adc[1] = Read(breaks_.current_wire ? 0 : 2.5 + 0.185 * Current());
+  board_->adc[1] = Read(breaks_.current_wire ? 0 : 2.5 + breaks_.current_offset_v + 0.185 * Current());
   board_->adc[2] = Read(breaks_.supply_wire ? 0 : supply * actuator_.supply_v / actuator_.supply_divider);
+}
+
+// What the pins of the UNO feel of broken wires, of the relay and of the button.
+void HostRig::SetLevels() {
+  board_->enable_is_held = breaks_.ena == Wire::kFive;
+  board_->in1_is_high = breaks_.in1 == Wire::kOpen || breaks_.in1 == Wire::kFive;
+  board_->in2_is_high = breaks_.in2 == Wire::kOpen || breaks_.in2 == Wire::kFive;
+  board_->output_is_stuck = breaks_.shorted != 0 && Supply() > 0;
+  board_->button = is_held_;
+  const bool is_closed = board_->relay || breaks_.is_relay_welded;
+  relay_ms_ = is_closed == is_relay_closed_ ? 0 : relay_ms_ + 1;
+  if (relay_ms_ >= (is_closed ? 15 : 10)) is_relay_closed_ = is_closed;
 }
 
 void HostRig::TickMs() {
   ++now_ms_;
+  SetLevels();
   Move();
   Sense();
   if (talking_ && now_ms_ % kTalkEvery_ms == 0) Send("alive");
@@ -202,7 +243,7 @@ void HostRig::TickMs() {
   controller_tick_();
   if (!hangs_) protocol_turn_(), controller_remember_();
   TakeSaid();
-  samples_.push_back({Time(), stroke_mm_, Duty(), board_->bridge == HOST_BRAKE});
+  samples_.push_back({Time(), stroke_mm_, Duty(), board_->bridge == HOST_BRAKE, MotorDuty()});
 }
 
 void HostRig::Run(double seconds) {

@@ -19,13 +19,17 @@
 namespace lake {
 
 // Speed follows the table at duty times supply, less what the load costs, with a time constant while driven, 10 ms when
-// shorted, 60 ms when off. The screw holds by itself; between motor and rod there is play.
+// shorted. Off it coasts: what the screw's friction takes of the speed, which is what keeps it still in the dead band
+// of the duty table, 3.5 mm/s of the model's, over the time constant. The screw holds by itself; between motor and rod
+// there is play.
 struct HostActuator {
   const actuator::DutyTable* table = nullptr;
   double speed_factor = 1;
   double stroke_mm = 0;
   double retract_stop_mm = 0, extend_stop_mm = 1000;  // where the switches act
   double time_constant_s = 0.03;
+  double coast_mm_s2 = 100;  // 3.5 mm/s in 0.03 s, rounded down
+  bool has_relay = false;    // before the supply's sense; 15 ms to close, 10 to open
   double play_mm = 0;
   double mm_s_per_n = 0;                                          // of the force–speed line
   std::function<double(double time_s)> supply;                    // part of the nominal voltage; none: 1
@@ -39,8 +43,9 @@ struct HostActuator {
 
 struct HostSample {
   double time_s = 0, stroke_mm = 0;
-  double duty = 0;  // signed
+  double duty = 0;  // signed, as the firmware drives
   bool brake = false;
+  double motor_duty = 0;  // as it arrives at the motor, with a supply
 };
 
 class HostRig {
@@ -62,7 +67,8 @@ class HostRig {
   void SendNow(char c);
   void KeepTalking(bool on) { talking_ = on; }
   void PullWire(bool retract, bool pulled) { pulled_[retract ? 0 : 1] = pulled; }
-  void Hang(bool on) { hangs_ = on; }  // the main loop
+  void Hang(bool on) { hangs_ = on; }     // the main loop
+  void Press(bool on) { is_held_ = on; }  // the wearer's button
 
   double Time() const { return 1e-3 * static_cast<double>(now_ms_); }
   double Stroke() const { return stroke_mm_; }
@@ -86,6 +92,9 @@ class HostRig {
   void Sense();
   std::uint16_t Read(double volt);
   double Current() const;
+  double MotorDuty() const;
+  double Supply() const;  // part of the nominal voltage, at the bridge
+  void SetLevels();
   double Load() const;
 
   TemporaryFolder folder_;
@@ -93,6 +102,8 @@ class HostRig {
   host_board_t* board_ = nullptr;
   void (*motor_init_)() = nullptr;
   void (*end_stops_init_)() = nullptr;
+  void (*button_init_)() = nullptr;
+  void (*power_init_)() = nullptr;
   void (*analog_init_)() = nullptr;
   void (*controller_init_)() = nullptr;
   void (*controller_tick_)() = nullptr;
@@ -105,7 +116,9 @@ class HostRig {
   std::mt19937 random_;
   double speed_mm_s_ = 0, motor_mm_ = 0, stroke_mm_ = 0;
   bool pulled_[2] = {false, false};
-  bool talking_ = false, hangs_ = false;
+  bool talking_ = false, hangs_ = false, is_held_ = false;
+  int relay_ms_ = 0;  // for which the contacts are as they will be
+  bool is_relay_closed_ = false;
   std::int64_t now_ms_ = 0;
   std::deque<char> to_send_;
   std::string serial_, wire_;

@@ -1,22 +1,44 @@
 // Stroke program for the UNO. For the tests of the portable part.
+// CANNOT KNOW: The stroke is planned, not measured: a stall, a load, a slow or a reversed motor are not seen.
+// CANNOT KNOW: Without an extend end stop nothing ends a motion the wrong way.
+// CANNOT KNOW: It does not see the emergency stop: released, a program that is under way goes on by itself.
+// CANNOT KNOW: It does not see the supply's voltage: 10 % less is 10 % and more of stroke.
+// CANNOT KNOW: It does not feel a force: only the fuse limits it.
+// CANNOT KNOW: The bridge's outputs are not read back: a stop coasts, without a brake.
+// CANNOT KNOW: There is no second way to switch the motor off: a shorted transistor is told, not stopped.
 #ifndef LAKE_STROKE_TABLE_H
 #define LAKE_STROKE_TABLE_H
 
 #include "portable.h"
 
 #define LAKE_PWM_PERIOD 4000  // counts: 4 kHz at 16 MHz
-#define LAKE_DEAD_TIME_MS 100  // brake before anything else
+#define LAKE_DEAD_TIME_MS 100  // a stop before anything else
 #define LAKE_COMMAND_TIMEOUT_MS 2000  // 0: none
 #define LAKE_SEGMENT_COUNT 6
+#define LAKE_PIN_ENA 9
+#define LAKE_PIN_IN1 7
+#define LAKE_PIN_IN2 8
+#define LAKE_PIN_RETRACT 2
+#define LAKE_PIN_EXTEND 3
+#define LAKE_PIN_OUT1 17
+#define LAKE_PIN_OUT2 18
+#define LAKE_PIN_BUTTON 4
+#define LAKE_BRIDGE_BTS7960 0
+#define LAKE_BRIDGE_SENSE 0
+#define LAKE_RELAY 0
+#define LAKE_WORN 0
+#define LAKE_WORN_TIMEOUT_MS 500
 #define LAKE_SUPPLY_SENSE 0
 #define LAKE_SUPPLY_LEAST 0
 #define LAKE_SUPPLY_MOST 0
+#define LAKE_SUPPLY_NEAR_LEAST 0  // in open loop
+#define LAKE_SUPPLY_NEAR_MOST 0
 #define LAKE_CURRENT_SENSE 0
 #define LAKE_CURRENT_ZERO 2046
 #define LAKE_CURRENT_UA_PER_COUNT 6605L
 #define LAKE_CURRENT_MOST_MA 3000
 #define LAKE_CURRENT_STALL_MA 2000
-#define LAKE_CURRENT_LEAST_MA 40
+#define LAKE_CURRENT_LEAST_MA 100
 #define LAKE_FEEDBACK 0
 #define LAKE_DRIFT_START_UM 101  // the bound on the drift: at first, …
 #define LAKE_DRIFT_PER_1024 103  // … per 1024 of the way, …
@@ -29,19 +51,26 @@
 #define LAKE_START_UM 300000L
 #define LAKE_UPPER_END_UM 374521L  // of the linkage: what the drift must not reach
 #define LAKE_STOP_TRAVEL_UM 2000L  // within which an end stop releases
+#define LAKE_CHECK_UM 300L  // … while it is not known which way the motor turns
+#define LAKE_EXTEND_CREEP_COUNTS 1267  // then
+#define LAKE_EXTEND_CREEP_UM_S 660L
+#define LAKE_RETRACT_CREEP_COUNTS 1167
+#define LAKE_RETRACT_CREEP_UM_S 1080L
+#define LAKE_SPEED_LIMIT_UM_S 11280L
+#define LAKE_HOME_GUARD_UM 296000L  // where homing has passed its end stop
 #define LAKE_EXTEND_STOP_UM 0L  // 0: there is none
 #define LAKE_EXTEND_LEAST_UM_S 440L  // that the duty table has
 #define LAKE_EXTEND_MOST_UM_S 9680L
 #define LAKE_RETRACT_LEAST_UM_S 720L
 #define LAKE_RETRACT_MOST_UM_S 11280L
 #define LAKE_HOME_KNEE "83.2"  // degrees
-#define LAKE_PROGRAM "135fd44e5c3c"
+#define LAKE_PROGRAM "5e2bd3641e31"
 #define LAKE_DESIGN "unknown"
 #define LAKE_DUTY_TABLE "MODEL, not measured"
 #define LAKE_HOME_UM 297000L  // at the retract end stop
 #define LAKE_HOME_COUNTS 2256
 #define LAKE_HOME_SPEED_UM_S 5000L
-#define LAKE_HOME_TIMEOUT_MS 25256L
+#define LAKE_HOME_TIMEOUT_MS 18055L
 #define LAKE_POSITION_COUNTS 2582  // away from the end stop
 #define LAKE_POSITION_SPEED_UM_S 5000L
 #define LAKE_POSITION_MS 200L  // from where it has released on to the start, …

@@ -33,7 +33,7 @@ constexpr std::uint8_t kTimer2CompareA = 7;  // its vector
 constexpr int kRamEnd = 0x8FF;
 constexpr std::size_t kTalkEverySamples = 500;
 constexpr int kCom1a1 = 7;  // of TCCR1A: the timer drives the pin
-enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kIn1 = 7 };
+enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kIn1 = 7, kOut1 = 3 };
 
 bool HasBit(std::uint8_t value, int bit) {
   return (value >> bit) & 1;
@@ -75,6 +75,7 @@ bool AvrRig::HasEnded() const {
   return avr_->state == cpu_Done || avr_->state == cpu_Crashed;
 }
 
+// As they arrive at the bridge. A pin that is no output reads low: the board has pull-downs.
 // The timer's registers rather than the pin: simavr 1.6 does not move the pin's compare event when OCR1A is written.
 BridgeInputs AvrRig::ReadInputs() const {
   const std::uint8_t* data = avr_->data;
@@ -87,12 +88,12 @@ BridgeInputs AvrRig::ReadInputs() const {
     inputs.enable = std::min(1.0, (word(kOcr1a) + 1.0) / (word(kIcr1) + 1.0));
   else
     inputs.enable = level(kPortB, kDdrB, kEna) ? 1 : 0;
-  return inputs;
+  return breaks_.Arriving(inputs);
 }
 
 void AvrRig::CountOnTime() {
   const double cycles = static_cast<double>(avr_->cycle - counted_to_);
-  on_cycles_[static_cast<int>(inputs_.Driven())] += inputs_.enable * cycles;
+  on_cycles_[static_cast<int>(DriveOf(inputs_))] += inputs_.enable * cycles;
   on_cycles_[static_cast<int>(Drive::kOff)] += (1 - inputs_.enable) * cycles;
   counted_to_ = avr_->cycle;
 }
@@ -144,6 +145,15 @@ void AvrRig::SetEndStopPins() {
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kExtendStop), extend);
 }
 
+// ENA as an input: the jumper's 5 V, or the pull-down. The outputs on A3 and A4.
+void AvrRig::SetBridgePins() {
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('B'), kEna), breaks_.ena == Wire::kFive);
+  const bool is_on = inputs_.enable > 0;
+  const bool levels[] = {breaks_.shorted > 0 || (is_on && inputs_.in1), breaks_.shorted < 0 || (is_on && inputs_.in2)};
+  for (const int output : {0, 1})
+    avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('C'), kOut1 + output), levels[output]);
+}
+
 void AvrRig::EndMillisecond() {
   CountOnTime();
   double total = 0;
@@ -155,8 +165,10 @@ void AvrRig::EndMillisecond() {
       duty == 0 ? 0
                 : actuator_.speed_factor *
                       std::copysign(actuator_.table->Curve(duty > 0 ? 1 : -1).SpeedFor(std::abs(duty)), duty);
-  const double time_constant = brake ? 0.01 : duty == 0 ? 0.06 : actuator_.time_constant_s;
-  speed_mm_s_ += (target - speed_mm_s_) * (1 - std::exp(-1e-3 / time_constant));
+  if (duty == 0 && !brake)
+    speed_mm_s_ = std::copysign(std::max(0.0, std::abs(speed_mm_s_) - actuator_.coast_mm_s2 * 1e-3), speed_mm_s_);
+  else
+    speed_mm_s_ += (target - speed_mm_s_) * (1 - std::exp(-1e-3 / (brake ? 0.01 : actuator_.time_constant_s)));
   if (breaks_.is_blocked) speed_mm_s_ = 0;
   actuator_.stroke_mm += (speed_mm_s_ + breaks_.runs_away_mm_s) * 1e-3;
   samples_.push_back({Time(), actuator_.stroke_mm, speed_mm_s_, driven, brake});
@@ -172,7 +184,7 @@ void AvrRig::Sense(double duty) {
   const double wiper = breaks_.wiper == Wiper::kLost ? 0 : breaks_.wiper == Wiper::kShorted ? 1 : wiper_;
   const double current_a = duty == 0 ? 0 : std::copysign(breaks_.motor_a, duty);
   adc_->SetMillivolt(0, wiper * kSupply_mv);
-  adc_->SetMillivolt(1, breaks_.current_wire ? 0 : 2500 + 185 * current_a);
+  adc_->SetMillivolt(1, breaks_.current_wire ? 0 : 2500 + 1e3 * breaks_.current_offset_v + 185 * current_a);
   adc_->SetMillivolt(2, breaks_.supply_wire ? 0 : 1e3 * actuator_.supply_v / actuator::kSupplyDivider);
 }
 
@@ -199,8 +211,9 @@ void AvrRig::Run(double seconds) {
       deepest_stack_ = std::max(deepest_stack_, kRamEnd - pointer);
     if (const BridgeInputs now = ReadInputs(); now != inputs_) {
       CountOnTime();
-      if (now.Driven() != inputs_.Driven()) changes_.push_back({Time(), now.Driven(), now.enable});
+      if (DriveOf(now) != DriveOf(inputs_)) changes_.push_back({Time(), DriveOf(now), now.enable});
       inputs_ = now;
+      SetBridgePins();
     }
     if (avr_->cycle < next_ms) continue;
     next_ms += kCyclesPerMs;

@@ -19,20 +19,15 @@ namespace lake {
 // What the bridge does to the motor.
 enum class Drive { kOff, kExtend, kRetract, kBrake };
 
+inline Drive DriveOf(const BridgeInputs& inputs) {
+  return inputs.in1 == inputs.in2 ? Drive::kBrake : inputs.in1 ? Drive::kExtend : Drive::kRetract;
+}
+
 // One ms of the simulation.
 struct RigSample {
   double time_s = 0, stroke_mm = 0, speed_mm_s = 0;
   double duty = 0;  // signed mean over the ms
   bool brake = false;
-};
-
-// The bridge's inputs as the UNO's registers drive them. A pin that is no output reads low: the board has pull-downs.
-struct BridgeInputs {
-  double enable = 0;  // duty of ENA: that of timer 1 while it drives the pin, else the pin's level
-  bool in1 = false, in2 = false;
-
-  Drive Driven() const { return in1 == in2 ? Drive::kBrake : in1 ? Drive::kExtend : Drive::kRetract; }
-  bool operator==(const BridgeInputs&) const = default;
 };
 
 // A change of IN1 and IN2.
@@ -42,13 +37,15 @@ struct DriveChange {
   double enable = 0;          // of ENA at that moment
 };
 
-// Speed follows the table, times a factor, with a time constant while driven, 10 ms when shorted, 60 ms when off.
+// Speed follows the table, times a factor, with a time constant while driven, 10 ms when shorted; off it coasts, as in
+// HostActuator.
 struct ActuatorModel {
   const actuator::DutyTable* table = nullptr;
   double speed_factor = 1;
   double stroke_mm = 0;
   double retract_stop_mm = 0, extend_stop_mm = 1000;  // where the switches act
   double time_constant_s = 0.03;
+  double coast_mm_s2 = 100;
   double supply_v = 12;
   double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
 };
@@ -77,6 +74,7 @@ class AvrRig {
   double Time() const;
   double Stroke() const { return actuator_.stroke_mm; }
   void SetStroke(double stroke_mm) { actuator_.stroke_mm = stroke_mm; }
+  void FlipBit(int address, int bit) { avr_->data[address] ^= static_cast<std::uint8_t>(1 << bit); }
   bool HasEnded() const;                                 // `quit`
   const std::string& Serial() const { return serial_; }  // whole lines, without their check sums
   const std::vector<RigSample>& Samples() const { return samples_; }
@@ -93,6 +91,7 @@ class AvrRig {
  private:
   static void OnSerial(avr_irq_t* irq, uint32_t value, void* rig);
   BridgeInputs ReadInputs() const;
+  void SetBridgePins();
   void CountOnTime();
   void EndMillisecond();
   void SetEndStopPins();

@@ -52,12 +52,13 @@ TEST_F(FirmwareTest, StatusTellsStrokeDriftDutyAndStops) {
   Build(FreeDesign({{0, 300}, {2, 310}}));
   Start();
   rig_->Run(1);
-  rig_->PullWire(true, true);
-  rig_->Run(0.005);
-  const std::size_t from = rig_->Serial().size();
-  rig_->SendNow('?');
-  ASSERT_TRUE(rig_->RunUntil(">\n", 0.1));
-  const std::string said = rig_->Serial().substr(rig_->Serial().find('<', from));
+  const auto status = [&] {
+    const std::size_t from = rig_->Serial().size();
+    rig_->SendNow('?');
+    EXPECT_TRUE(rig_->RunUntil(">\n", 0.1));
+    return rig_->Serial().substr(rig_->Serial().find('<', from));
+  };
+  const std::string said = status();
   double stroke = 0, drift = 0, duty = 0;
   int stops = 0;
   ASSERT_EQ(
@@ -65,9 +66,13 @@ TEST_F(FirmwareTest, StatusTellsStrokeDriftDutyAndStops) {
       << said;
   EXPECT_NEAR(stroke, 305.05, 0.1);
   EXPECT_NEAR(duty, (5 / 1.1 + 3.2) / 12, 2e-4);
-  EXPECT_EQ(stops, 1);
+  EXPECT_EQ(stops, 0);
   // A tenth of the way, 0.1 mm of homing, 50 ms of lag of one run-up.
   EXPECT_NEAR(drift, 0.1 * (stroke - 300) + 0.1 + 0.25 + stroke_table_.pwm_error_mm, 0.02);
+  // An end stop behind that the motion away from it presses is a fault, after which no stroke is known.
+  rig_->PullWire(true, true);
+  rig_->Run(0.005);
+  EXPECT_THAT(status(), testing::HasSubstr("<fault|stroke:|drift:|duty:0.0000|stops:1>"));
 }
 
 TEST_F(FirmwareTest, HomesToTheEndStopThenToTheStart) {

@@ -104,7 +104,7 @@ TEST_F(FirmwareFaultsTest, WhateverBreaksWhileItRunsIsOffInTheTimeOfSafetyMd) {
       {"runs away", [](AvrBreaks& b) { b.runs_away_mm_s = 12; }, "ALARM:", 0.4},
       {"short", [](AvrBreaks& b) { b.motor_a = 6; }, "ALARM:12\n", 0.03},
       {"stall current", [](AvrBreaks& b) { b.motor_a = 2.5; }, "ALARM:12\n", 0.35},
-      {"no current", [](AvrBreaks& b) { b.motor_a = 0; }, "ALARM:13\n", 0.35},
+      {"unplugged", [](AvrBreaks& b) { b.motor_a = 0, b.is_blocked = true; }, "ALARM:13\n", 0.35},
       {"current wire lost", [](AvrBreaks& b) { b.current_wire = true; }, "ALARM:12\n", 0.03},
   };
   WireEverything();

@@ -24,7 +24,7 @@ namespace lake {
 inline std::filesystem::path BuildFirmware(const std::string& stroke_table, const std::string& flags) {
   return CompiledOnce(
       stroke_table,
-      LAKE_AVR_GCC " -mmcu=atmega328p -std=gnu99 -Os -Wall -Wextra -Werror " + flags + " *.c -o firmware.elf",
+      LAKE_AVR_GCC " -mmcu=atmega328p -std=gnu99 -Os -flto -Wall -Wextra -Werror " + flags + " *.c -o firmware.elf",
       "firmware.elf");
 }
 

@@ -36,32 +36,42 @@ TEST_F(FirmwareTest, PwmAndDirectionFollowTheProgram) {
   EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:done]"));
 }
 
-TEST_F(FirmwareTest, BrakesBeforeEveryReversalAndStop) {
-  Build(FreeDesign(kKnots));
-  Start();
-  rig_->Run(schedule_.Duration() + 0.3);
-  // Inputs only ever change with the bridge off, or to brake.
-  for (const DriveChange& change : rig_->Changes())
-    EXPECT_EQ(change.enable, 0) << "inputs changed under drive at " << change.time_s << " s";
-  // Between opposite duties lies the brake, for the dead time.
-  int last_direction = 0, reversals = 0;
-  double braked_ms = 0;
-  for (const RigSample& sample : rig_->Samples()) {
-    if (sample.brake) ++braked_ms;
-    if (sample.duty == 0) continue;
-    const int direction = sample.duty > 0 ? 1 : -1;
-    if (direction == -last_direction) {
-      EXPECT_NEAR(braked_ms, 100, 2) << "at " << sample.time_s << " s";  // 2 ms: the samples at both ends are shared
-      ++reversals;
+// Before every reversal and stop the motor is off for the dead time: braked where the outputs are read back as low,
+// else it coasts.
+TEST_F(FirmwareTest, BrakesBeforeEveryReversalAndStopOnlyWhereTheOutputsAreReadBack) {
+  for (const bool reads_back : {false, true}) {
+    firmware_options_.bridge_sense = reads_back;
+    Build(FreeDesign(kKnots));
+    Start();
+    rig_->Run(schedule_.Duration() + 0.3);
+    // Inputs only ever change with the bridge off, or to brake.
+    for (const DriveChange& change : rig_->Changes())
+      EXPECT_EQ(change.enable, 0) << "inputs changed under drive at " << change.time_s << " s";
+    int last_direction = 0, reversals = 0;
+    double braked_ms = 0, off_ms = 0;
+    for (const RigSample& sample : rig_->Samples()) {
+      if (sample.brake) ++braked_ms;
+      if (sample.duty == 0) {
+        ++off_ms;
+        continue;
+      }
+      const int direction = sample.duty > 0 ? 1 : -1;
+      if (direction == -last_direction) {
+        // The dead time, less 2 ms: the samples at both ends are shared. The second reversal comes after a rest.
+        EXPECT_GE(off_ms, 98) << "at " << sample.time_s << " s";
+        EXPECT_NEAR(braked_ms, reads_back ? 100 : 0, 2) << "at " << sample.time_s << " s";
+        ++reversals;
+      }
+      braked_ms = off_ms = 0;
+      last_direction = direction;
     }
-    if (direction != last_direction || sample.duty != 0) braked_ms = 0;
-    last_direction = direction;
+    EXPECT_EQ(reversals, 2);
+    EXPECT_EQ(schedule_.reversals, 2);
+    EXPECT_NEAR(braked_ms, reads_back ? 100 : 0, 2) << "after the program's end";
+    const RigSample& last = rig_->Samples().back();
+    EXPECT_EQ(last.duty, 0);
+    EXPECT_FALSE(last.brake);  // off at rest: the screw holds
   }
-  EXPECT_EQ(reversals, 2);
-  EXPECT_EQ(schedule_.reversals, 2);
-  const RigSample& last = rig_->Samples().back();
-  EXPECT_EQ(last.duty, 0);
-  EXPECT_FALSE(last.brake);  // off at rest: the screw holds
 }
 
 TEST_F(FirmwareTest, ClosedLoopStrokeFollowsTheProgram) {

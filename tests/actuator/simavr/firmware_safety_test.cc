@@ -46,6 +46,7 @@ TEST_F(FirmwareTest, PowerUpInMidStrokeIsStillAndAsksToBeHomed) {
 
 // Within one tick of 1 ms, the time the interrupt itself takes included.
 TEST_F(FirmwareTest, EndStopAheadBrakesWithinOneTick) {
+  home_below_start_mm_ = 12;  // far from where either belongs: there it would be no fault
   for (const bool retract : {false, true}) {
     Build(FreeDesign(retract ? std::vector<linkage::StrokeProgram::Knot>{{0, 310}, {3, 300}}
                              : std::vector<linkage::StrokeProgram::Knot>{{0, 300}, {3, 310}}));
@@ -116,9 +117,9 @@ TEST_F(FirmwareTest, AnEndStopBehindThatReleasesDoesNotStop) {
   for (const bool retract : {true, false}) {
     Build(FreeDesign(retract ? std::vector<linkage::StrokeProgram::Knot>{{0, 300}, {2, 306}}
                              : std::vector<linkage::StrokeProgram::Knot>{{0, 306}, {2, 300}}));
-    // It releases half a mm before its travel is over.
-    actuator_.retract_stop_mm = retract ? 300 + firmware_options_.stop_travel_mm - 0.5 : 0;
-    actuator_.extend_stop_mm = retract ? 1000 : 306 - firmware_options_.stop_travel_mm + 0.5;
+    // It releases 0.15 mm before the way is over on which it is found out which way the motor turns.
+    actuator_.retract_stop_mm = retract ? 300 + actuator::kDirectionCheck_mm - 0.15 : 0;
+    actuator_.extend_stop_mm = retract ? 1000 : 306 - actuator::kDirectionCheck_mm + 0.15;
     PowerUp();
     Start();
     rig_->SendNow('?');
@@ -142,8 +143,8 @@ TEST_F(FirmwareTest, AnEndStopBehindThatStaysPressedIsAFault) {
     ASSERT_TRUE(rig_->RunUntil("ALARM:5\n", 1)) << rig_->Serial();
     rig_->Run(0.2);
     EXPECT_EQ(rig_->Samples().back().duty, 0);
-    // 5 mm/s x (10 ms of brake, 1 tick) of run-on, 0.02 mm of PWM rounding.
-    EXPECT_NEAR(std::abs(rig_->Stroke() - from), firmware_options_.stop_travel_mm, 0.06 + 0.02);
+    // Pressed by a motion away from it: at once. 5 mm/s coast for 0.125 mm, and a tick.
+    EXPECT_LE(std::abs(rig_->Stroke() - from), 0.125 + 0.02);
     EXPECT_TRUE(Asks("run", "error:4"));
     EXPECT_TRUE(Asks("reset", "ok"));
     EXPECT_TRUE(Asks("run", "error:5"));
@@ -176,7 +177,7 @@ TEST_F(BrokenWireTest, ARetractWireThatIsBrokenBeforeHomingIsNotHome) {
   rig_->PullWire(true, true);
   ASSERT_TRUE(Asks("home", "ok"));
   ExpectFault("ALARM:5\n");
-  EXPECT_NEAR(rig_->Stroke(), 340, firmware_options_.stop_travel_mm + 0.08) << "it backed off no farther";
+  EXPECT_NEAR(rig_->Stroke(), 340, actuator::kDirectionCheck_mm + 0.08) << "it backed off no farther";
 }
 
 TEST_F(BrokenWireTest, ARetractWireThatBreaksWhileItSeeksIsNotHome) {

@@ -2,6 +2,7 @@
 
 #include "board.h"
 #include "config.h"
+#include "divide.h"
 
 // How long something must be wrong, and how long nothing is said after a reset.
 #define WRONG_MS 20
@@ -10,6 +11,12 @@
 #define SHORT_MS 5
 #define STALL_MS 300
 #define NO_CURRENT_MS 300
+#define NEAR_MS 100     // in open loop, whose speeds the voltage sets
+#define AT_REST_MS 300  // after which a motor takes no current
+#define STRAY_MS 20
+#define STRAY_MA 250
+#define ZERO_READINGS 82  // by which the sensor's zero may be off: 0.1 V
+#define ZERO_SMOOTHING 8
 // From one filtered reading to the next no actuator goes 3 mm.
 #define WIPER_JUMP (3000000L / (LAKE_POT_NM_PER_COUNT < 0 ? -LAKE_POT_NM_PER_COUNT : LAKE_POT_NM_PER_COUNT))
 
@@ -65,11 +72,29 @@ static void judge(uint8_t bit, uint8_t wrong, uint16_t* wrong_ms, uint16_t most_
 }
 #endif
 
+static uint8_t is_supply_expected;
+
+void analog_expect_supply(uint8_t is_on) {
+  is_supply_expected = is_on;
+}
+
+uint8_t analog_has_supply(void) {
+  return LAKE_SUPPLY_SENSE && filters[ANALOG_SUPPLY].middle > LAKE_SUPPLY_LEAST / 3;
+}
+
 #if LAKE_SUPPLY_SENSE
 static void watch_supply(void) {
-  static uint16_t wrong_ms;
+  static uint16_t wrong_ms, far_ms;
   const uint16_t now = filters[ANALOG_SUPPLY].middle;
-  judge(ANALOG_NO_SUPPLY, now < LAKE_SUPPLY_LEAST || now > LAKE_SUPPLY_MOST, &wrong_ms, WRONG_MS);
+  const uint8_t is_off = now < LAKE_SUPPLY_LEAST || now > LAKE_SUPPLY_MOST;
+  judge(ANALOG_NO_SUPPLY, is_supply_expected && is_off, &wrong_ms, WRONG_MS);
+#if !LAKE_FEEDBACK
+  if (faults & ANALOG_NO_SUPPLY) return;
+  const uint8_t is_far = now < LAKE_SUPPLY_NEAR_LEAST || now > LAKE_SUPPLY_NEAR_MOST;
+  judge(ANALOG_NO_SUPPLY, is_supply_expected && is_far, &far_ms, NEAR_MS);
+#else
+  (void)far_ms;
+#endif
 }
 #endif
 
@@ -84,8 +109,8 @@ int32_t analog_stroke_um(void) {
 static void tell_stroke(void) {
   // Whole readings and the rest apart, so that 32 bits suffice.
   const uint16_t smooth = (uint16_t)filters[ANALOG_POTENTIOMETER].smooth;
-  const int32_t rest_nm = (int32_t)(smooth & ((1 << SMOOTHING) - 1)) * LAKE_POT_NM_PER_COUNT / (1 << SMOOTHING);
-  stroke_um = (LAKE_POT_ZERO_NM + (int32_t)(smooth >> SMOOTHING) * LAKE_POT_NM_PER_COUNT + rest_nm) / 1000;
+  const int32_t rest_nm = ((int32_t)(smooth & ((1 << SMOOTHING) - 1)) * LAKE_POT_NM_PER_COUNT) >> SMOOTHING;
+  stroke_um = thousandth(LAKE_POT_ZERO_NM + (int32_t)(smooth >> SMOOTHING) * LAKE_POT_NM_PER_COUNT + rest_nm);
 }
 
 // A reading that no actuator can have come to is not taken. If it stays, the wiper is lost.
@@ -108,27 +133,61 @@ int32_t analog_stroke_um(void) {
 #endif
 
 #if LAKE_CURRENT_SENSE
-static int16_t ma_of(uint16_t reading) {
-  return (int16_t)(((int32_t)reading - LAKE_CURRENT_ZERO) * LAKE_CURRENT_UA_PER_COUNT / 1000);
-}
-
 static int16_t current_ma;
+static uint32_t zero;  // what the sensor reads at rest, << ZERO_SMOOTHING
+static uint16_t rest_ms, driven_ms, none_ms;
+static uint8_t had_inrush;
 
 int16_t analog_current_ma(void) {
   return current_ma;
 }
 
+uint8_t analog_is_without_current(void) {
+  return none_ms >= NO_CURRENT_MS;
+}
+
+static uint8_t is_near_zero(uint16_t reading) {
+  return reading + ZERO_READINGS > LAKE_CURRENT_ZERO && reading < LAKE_CURRENT_ZERO + ZERO_READINGS;
+}
+
+// A lost wire or a current that flows is not learnt.
+static void learn_zero(uint16_t reading) {
+  if (is_near_zero(reading)) zero += reading - (zero >> ZERO_SMOOTHING);
+}
+
+static uint16_t counted(uint16_t ms, uint8_t goes_on) {
+  return !goes_on ? 0 : ms < 0xFFFF ? ms + 1 : ms;
+}
+
 static void watch_current(uint16_t counts) {
-  static uint16_t short_ms, stall_ms, none_ms;
-  smooth(&filters[ANALOG_CURRENT]);
-  current_ma = ma_of(filters[ANALOG_CURRENT].smooth >> SMOOTHING);
+  static uint16_t short_ms, stall_ms, stray_ms;
+  filter_t* f = &filters[ANALOG_CURRENT];
+  smooth(f);
+  const uint16_t reading = f->smooth >> SMOOTHING;
+  const int16_t from_zero = (int16_t)(reading - (uint16_t)(zero >> ZERO_SMOOTHING));
+  current_ma = (int16_t)thousandth(from_zero * (int32_t)LAKE_CURRENT_UA_PER_COUNT);
   const int16_t ma = current_ma < 0 ? -current_ma : current_ma;
+  rest_ms = counted(rest_ms, counts == 0);
+  driven_ms = counted(driven_ms, counts > 0);
+  none_ms = counted(none_ms, counts > 0 && ma < LAKE_CURRENT_LEAST_MA);
+  had_inrush = counts > 0 && (had_inrush || ma >= LAKE_CURRENT_LEAST_MA);
+  const uint8_t is_at_rest = rest_ms >= AT_REST_MS;
+  if (is_at_rest && ma < STRAY_MA) learn_zero(reading);
   judge(ANALOG_OVERCURRENT, ma > LAKE_CURRENT_MOST_MA, &short_ms, SHORT_MS);
   judge(ANALOG_STALL_CURRENT, ma > LAKE_CURRENT_STALL_MA, &stall_ms, STALL_MS);
-  judge(ANALOG_NO_CURRENT, counts > 0 && ma < LAKE_CURRENT_LEAST_MA, &none_ms, NO_CURRENT_MS);
+  judge(ANALOG_STRAY_CURRENT, is_at_rest && ma > STRAY_MA, &stray_ms, STRAY_MS);
+  // A load that helps may leave a motor without current, but not one that is being started.
+  if (driven_ms >= NO_CURRENT_MS && !had_inrush)
+    faults |= ANALOG_NO_INRUSH;
+  else
+    faults &= (uint8_t)~ANALOG_NO_INRUSH;
 }
 #else
 int16_t analog_current_ma(void) {
+  return 0;
+}
+
+uint8_t analog_is_without_current(void) {
   return 0;
 }
 #endif
@@ -136,6 +195,7 @@ int16_t analog_current_ma(void) {
 void analog_init(void) {
   quiet_ms = QUIET_MS;
   faults = 0;
+  is_supply_expected = 1;
 }
 
 void analog_tick(uint16_t counts) {
@@ -144,6 +204,10 @@ void analog_tick(uint16_t counts) {
     for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) settle(&filters[channel]);
 #if LAKE_FEEDBACK
     tell_stroke();
+#endif
+#if LAKE_CURRENT_SENSE
+    const uint16_t reading = filters[ANALOG_CURRENT].middle;
+    zero = (uint32_t)(is_near_zero(reading) ? reading : LAKE_CURRENT_ZERO) << ZERO_SMOOTHING;
 #endif
     --quiet_ms;
     return;

@@ -10,7 +10,8 @@ enum {
   ANALOG_NO_WIPER = 2,       // the potentiometer reads what it cannot: lost, shorted, or it jumps
   ANALOG_OVERCURRENT = 4,    // a short, at once
   ANALOG_STALL_CURRENT = 8,  // less, but for long
-  ANALOG_NO_CURRENT = 16     // none while the bridge drives: motor, supply or sense wire
+  ANALOG_NO_INRUSH = 16,     // the motor took no current when it was started: it, its supply or the sense wire
+  ANALOG_STRAY_CURRENT = 32  // current although the bridge is off
 };
 
 void analog_init(void);
@@ -21,7 +22,12 @@ void analog_tick(uint16_t counts);
 // Bits of what is wrong now.
 uint8_t analog_faults(void);
 
-int32_t analog_stroke_um(void);   // 0 without a potentiometer
-int16_t analog_current_ma(void);  // 0 without a sensor
+// Whether the supply should be there: behind a relay that is open it is not. At first it should.
+void analog_expect_supply(uint8_t is_on);
+uint8_t analog_has_supply(void);  // a fifth of it, at least
+
+int32_t analog_stroke_um(void);           // 0 without a potentiometer
+int16_t analog_current_ma(void);          // 0 without a sensor; from what it reads at rest
+uint8_t analog_is_without_current(void);  // for NO_CURRENT_MS, although the bridge drives
 
 #endif

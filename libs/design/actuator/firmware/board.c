@@ -3,17 +3,15 @@
 #include <avr/eeprom.h>
 #include <avr/interrupt.h>
 #include <avr/io.h>
+#include <avr/pgmspace.h>
 #include <avr/sleep.h>
 #include <avr/wdt.h>
 #include <util/atomic.h>
 #include <util/delay_basic.h>
 
 #include "config.h"
+#include "pins.h"
 
-// Normally closed switches to ground with the internal pull-ups. A pressed switch, a broken wire and a missing switch
-// all read high.
-#define RETRACT_STOP_BIT PD2  // D2, at the shortest stroke
-#define EXTEND_STOP_BIT PD3   // D3, at the longest stroke
 #define END_STOP_READINGS 4
 
 // The time of one ms, with everything wired; FirmwareTimingTest holds the rig's against it.
@@ -28,7 +26,7 @@
 // tick or a round that has not ended when the next ms begins is late: board_is_late.
 #define CONVERSIONS 4  // of each channel in a round
 
-static const uint8_t kWired[] = {
+static const uint8_t kWired[] PROGMEM = {
     ANALOG_POTENTIOMETER,
 #if LAKE_CURRENT_SENSE
     ANALOG_CURRENT,
@@ -38,7 +36,6 @@ static const uint8_t kWired[] = {
 #endif
 };
 
-static void (*on_tick)(void);
 static volatile uint8_t ticks, is_late;
 static uint8_t last_tick;
 static volatile uint16_t readings[ANALOG_COUNT];
@@ -55,18 +52,23 @@ void quiet_watchdog(void) {
   wdt_disable();
 }
 
-static void begin_conversion(void) {
-  ADMUX = _BV(REFS0) | kWired[wired];
+static uint8_t channel(void) {
+  return pgm_read_byte(&kWired[wired]);
+}
+
+// In line, so that the converter's interrupt, twelve in each ms, keeps few registers.
+static inline __attribute__((always_inline)) void begin_conversion(void) {
+  ADMUX = _BV(REFS0) | channel();
   ADCSRA |= _BV(ADSC);
 }
 
 ISR(ADC_vect) {
   sum += ADC;
-  if (++conversion == CONVERSIONS) {
-    readings[kWired[wired]] = sum;
+  if (++conversion >= CONVERSIONS) {
+    if (wired < sizeof kWired) readings[channel()] = sum;
     sum = 0;
     conversion = 0;
-    if (++wired == sizeof kWired) {
+    if (++wired >= sizeof kWired) {
       wired = 0;
       is_round_over = 1;
       return;
@@ -88,7 +90,7 @@ ISR(TIMER2_COMPA_vect) {
   TIMSK2 = 0;  // no tick within a tick
   begin_round();
   sei();
-  on_tick();
+  board_tick();
   cli();
   if (TIFR2 & _BV(OCF2A)) is_late = 1;
   TIMSK2 = _BV(OCIE2A);
@@ -96,14 +98,21 @@ ISR(TIMER2_COMPA_vect) {
 }
 
 void board_init(void) {
-  DDRD &= ~(_BV(RETRACT_STOP_BIT) | _BV(EXTEND_STOP_BIT));
-  PORTD |= _BV(RETRACT_STOP_BIT) | _BV(EXTEND_STOP_BIT);
+  // Normally closed switches to ground with the internal pull-ups: a pressed switch, a broken wire and a missing switch
+  // all read high.
+  PIN_WRITE(LAKE_PIN_RETRACT, 1);
+  PIN_WRITE(LAKE_PIN_EXTEND, 1);
+#if LAKE_WORN
+  PIN_WRITE(LAKE_PIN_BUTTON, 1);
+#endif
+#if LAKE_RELAY
+  PIN_OUTPUT(LAKE_PIN_RELAY, 1);
+#endif
   ADMUX = _BV(REFS0);
   ADCSRA = _BV(ADEN) | _BV(ADIE) | _BV(ADPS2) | _BV(ADPS1);  // 250 kHz
 }
 
-void board_start(void (*tick)(void)) {
-  on_tick = tick;
+void board_start(void) {
   // Timer 2: 16 MHz / 64 / 250 = 1 kHz.
   TCCR2A = _BV(WGM21);
   TCCR2B = _BV(CS22);
@@ -122,16 +131,36 @@ uint8_t board_wait(void) {
   return 1;
 }
 
+static uint8_t open_stops(void) {
+  uint8_t bits = 0;
+  if (PIN_READ(LAKE_PIN_RETRACT)) bits |= END_STOP_RETRACT;
+  if (PIN_READ(LAKE_PIN_EXTEND)) bits |= END_STOP_EXTEND;
+  return bits;
+}
+
 uint8_t board_end_stops(void) {
-  uint8_t open = PIND;
+  uint8_t open = open_stops();
   for (uint8_t i = 1; i < END_STOP_READINGS; ++i) {
     _delay_loop_1(32);  // 96 clocks, 6 us
-    open &= PIND;
+    open &= open_stops();
   }
-  uint8_t bits = 0;
-  if (open & _BV(RETRACT_STOP_BIT)) bits |= END_STOP_RETRACT;
-  if (open & _BV(EXTEND_STOP_BIT)) bits |= END_STOP_EXTEND;
-  return bits;
+  return open;
+}
+
+uint8_t board_button(void) {
+#if LAKE_WORN
+  return !PIN_READ(LAKE_PIN_BUTTON);
+#else
+  return 0;
+#endif
+}
+
+void board_close_relay(uint8_t is_closed) {
+#if LAKE_RELAY
+  PIN_WRITE(LAKE_PIN_RELAY, is_closed);
+#else
+  (void)is_closed;
+#endif
 }
 
 uint16_t board_analog(uint8_t which) {
@@ -146,15 +175,17 @@ uint8_t board_is_late(void) {
   return is_late;
 }
 
-// Erased it reads 255.
-#define REMEMBERED ((uint8_t*)0)
-
-uint8_t board_remembered(void) {
-  return (uint8_t)~eeprom_read_byte(REMEMBERED);
+// Erased a place reads 255.
+static uint8_t* place_of(uint8_t place) {
+  return (uint8_t*)(uint16_t)place;
 }
 
-void board_remember(uint8_t number) {
-  eeprom_update_byte(REMEMBERED, (uint8_t)~number);
+uint8_t board_remembered(uint8_t place) {
+  return (uint8_t)~eeprom_read_byte(place_of(place));
+}
+
+void board_remember(uint8_t place, uint8_t number) {
+  eeprom_update_byte(place_of(place), (uint8_t)~number);
 }
 
 reset_cause_t board_reset_cause(void) {

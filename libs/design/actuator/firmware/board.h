@@ -9,8 +9,9 @@ typedef enum { RESET_BY_POWER_OR_BUTTON, RESET_BY_WATCHDOG, RESET_BY_LOW_VOLTAGE
 // End stops and analogue inputs; nothing runs yet.
 void board_init(void);
 
-// Interrupts on, `tick` once per ms inside the timer's, which all others may interrupt; watchdog of 120 ms.
-void board_start(void (*tick)(void));
+// Interrupts on, board_tick once per ms inside the timer's, which all others may interrupt; watchdog of 120 ms.
+void board_start(void);
+void board_tick(void);  // whoever puts the parts together defines it: a call, no pointer in RAM that a bit could turn
 
 // Sleeps until an interrupt. Nonzero once per tick; then the watchdog has been fed, so it is only while interrupt and
 // main loop both run.
@@ -21,6 +22,9 @@ enum { END_STOP_RETRACT = 1, END_STOP_EXTEND = 2 };
 // Bits of the end stops that are open now. Pins are read four times within 20 us and must agree: the
 // bridge's spikes are shorter.
 uint8_t board_end_stops(void);
+
+uint8_t board_button(void);                 // nonzero while the wearer holds it
+void board_close_relay(uint8_t is_closed);  // the safety relay, open after a reset
 
 // A0, A1, A2.
 enum { ANALOG_POTENTIOMETER, ANALOG_CURRENT, ANALOG_SUPPLY, ANALOG_COUNT };
@@ -33,9 +37,10 @@ uint8_t board_is_late(void);
 
 reset_cause_t board_reset_cause(void);
 
-// A number that outlives resets and lost power, 0 on a board that has never kept one. Writing takes up to 4 ms.
-uint8_t board_remembered(void);
-void board_remember(uint8_t number);
+// Numbers that outlive resets and lost power, 0 on a board that has never kept one there. Writing takes up to 4 ms.
+#define BOARD_REMEMBERED 255
+uint8_t board_remembered(uint8_t place);
+void board_remember(uint8_t place, uint8_t number);
 
 #ifdef LAKE_SIMULATOR
 void board_hang(void);  // the main loop hangs

@@ -4,6 +4,7 @@
 #if LAKE_SEGMENT_COUNT == 0
 
 // No duty table, so no speed, no stroke and no limit but the end stops.
+void program_init(void) {}
 void program_reset(void) {}
 reply_t program_take_run(void) {
   return REPLY_NO_PROGRAM;
@@ -15,8 +16,7 @@ reply_t program_take_zero(void) {
   return REPLY_NO_PROGRAM;
 }
 motion_t program_jog(int8_t direction, uint16_t counts) {
-  const motion_t motion = {direction, counts, 0, 0};
-  return motion;
+  return motion_of(direction, counts, 0);
 }
 uint8_t program_is_measured(int8_t direction, uint16_t counts) {
   (void)direction;
@@ -24,16 +24,26 @@ uint8_t program_is_measured(int8_t direction, uint16_t counts) {
   return 1;
 }
 motion_t program_run(void) {
-  return kRest;
+  return motion_rest();
 }
 motion_t program_home(void) {
-  return kRest;
+  return motion_rest();
 }
 motion_t program_position(void) {
-  return kRest;
+  return motion_rest();
 }
 uint8_t program_soft_limit_ahead(int8_t direction) {
   (void)direction;
+  return 0;
+}
+uint8_t program_hard_limit_ahead(int8_t direction) {
+  (void)direction;
+  return 0;
+}
+motion_t program_careful(motion_t motion) {
+  return motion;
+}
+uint16_t program_sum(void) {
   return 0;
 }
 uint8_t program_stop_contradicts_stroke(void) {

@@ -2,17 +2,23 @@
 
 #include "analog.h"
 #include "board.h"
+#include "button.h"
 #include "config.h"
 #include "end_stops.h"
 #include "motor.h"
 #include "portable.h"
+#include "power.h"
 #include "program.h"
 
 // Shared by the tick and the main loop, and by the tick and the interrupts that it lets in: whoever may be interrupted
 // by another touches them in ATOMICALLY blocks only, which are barriers.
 static status_t told;  // of the last tick
 static uint32_t time_ms;
-static state_t held;  // what a hold goes on with
+static struct {
+  state_t held;  // what a hold goes on with
+  motion_t jog;
+} c __attribute__((aligned(2)));
+static uint16_t sum_kept;
 typedef struct {
   request_t request;
   reply_t reply;  // REPLY_NONE until a tick has it
@@ -25,7 +31,6 @@ static uint8_t hold_asked, abort_asked, heard;
 
 static uint16_t silent_ms;
 static uint16_t resume_left_ms;  // until the first step of a resume is forgotten
-static motion_t jog;
 
 static reply_t take_jog(int16_t request_counts, uint16_t request_ms) {
   const int8_t direction = request_counts < 0 ? -1 : 1;
@@ -34,10 +39,22 @@ static reply_t take_jog(int16_t request_counts, uint16_t request_ms) {
   if (!program_is_measured(direction, counts)) return REPLY_BAD_NUMBER;
   if (state_end_stop_ahead(direction)) return REPLY_STOP_AHEAD;
   if (program_soft_limit_ahead(direction)) return REPLY_LIMIT_AHEAD;
-  jog = program_jog(direction, counts);
+  c.jog = program_jog(direction, counts);
   if (machine.knowledge == STROKE_AT_START) machine.knowledge = STROKE_ESTIMATED;
   state_begin(STATE_JOGGING, request_ms);
   return REPLY_OK;
+}
+
+static uint8_t may_be_worn(void) {
+  return button_is_held() && button_was_released();
+}
+
+static reply_t take_worn(void) {
+  if (!LAKE_WORN) return REPLY_UNKNOWN;
+  if (!may_be_worn()) return REPLY_BUTTON;
+  const reply_t reply = program_take_run();
+  if (reply == REPLY_OK) machine.is_worn = 1;
+  return reply;
 }
 
 static reply_t take_resume(void) {
@@ -48,15 +65,19 @@ static reply_t take_resume(void) {
 
 static reply_t take_go(uint16_t left_ms) {
   if (machine.state != STATE_HOLD || left_ms == 0) return REPLY_STATE;
-  machine.state = held;
+  if (machine.is_worn && !may_be_worn()) return REPLY_BUTTON;
+  machine.state = c.held;
   return REPLY_OK;
 }
 
 static void reset(void) {
+  program_reset();
   machine.state = STATE_IDLE;
   machine.fault = FAULT_NONE;
   machine.knowledge = STROKE_UNKNOWN;
-  program_reset();
+  machine.is_worn = 0;
+  motor_forgive();
+  power_forgive();
 }
 
 // What was asked before a hold or an abort is not done after it.
@@ -79,6 +100,8 @@ static reply_t answer(const asked_t* what) {
   switch (what->request) {
     case REQUEST_RUN:
       return program_take_run();
+    case REQUEST_WORN:
+      return take_worn();
     case REQUEST_HOME:
       return program_take_home();
     case REQUEST_ZERO:
@@ -113,7 +136,7 @@ static uint8_t is_moving(void) {
 }
 
 static void hold(void) {
-  held = machine.state;
+  c.held = machine.state;
   machine.state = STATE_HOLD;
 }
 
@@ -151,10 +174,23 @@ static void take_realtime(void) {
   if (take(&abort_asked)) abort_all();
 }
 
+static void watch_button(void) {
+  if (!LAKE_WORN) return;
+  button_tick();
+  if (!machine.is_worn || !is_moving() || button_is_held()) return;
+  machine.events |= EVENT_RELEASED;
+  suspend();
+}
+
+static uint8_t is_silent(void) {
+  if (LAKE_WORN && machine.is_worn) return silent_ms >= LAKE_WORN_TIMEOUT_MS;
+  return LAKE_COMMAND_TIMEOUT_MS > 0 && silent_ms >= LAKE_COMMAND_TIMEOUT_MS;
+}
+
 static void watch_host(void) {
   if (take(&heard) || !is_moving()) {
     silent_ms = 0;
-  } else if (LAKE_COMMAND_TIMEOUT_MS > 0 && ++silent_ms >= LAKE_COMMAND_TIMEOUT_MS) {
+  } else if (++silent_ms, is_silent()) {
     machine.events |= EVENT_TIMEOUT;
     suspend_silent();
   }
@@ -174,28 +210,45 @@ static void watch_wires(void) {
 
 static void watch_inputs(void) {
   if (board_is_late()) state_fault(FAULT_LATE);
+  if (motor_bridge_is_wrong() || power_fault() == POWER_BRIDGE) state_fault(FAULT_BRIDGE);
+  if (power_fault() == POWER_RELAY) state_fault(FAULT_RELAY);
   const uint8_t wrong = analog_faults();
   if (wrong == 0) return;
-  state_fault(wrong & ANALOG_NO_SUPPLY    ? FAULT_SUPPLY
-              : wrong & ANALOG_NO_WIPER   ? FAULT_WIPER
-              : wrong & ANALOG_NO_CURRENT ? FAULT_NO_CURRENT
-                                          : FAULT_OVERCURRENT);
+  state_fault(wrong & ANALOG_NO_SUPPLY       ? FAULT_SUPPLY
+              : wrong & ANALOG_NO_WIPER      ? FAULT_WIPER
+              : wrong & ANALOG_NO_INRUSH     ? FAULT_NO_CURRENT
+              : wrong & ANALOG_STRAY_CURRENT ? FAULT_BRIDGE
+                                             : FAULT_OVERCURRENT);
+}
+
+// What nothing but the tick changes is as the last tick left it; the fault stays, whatever else has changed.
+static uint16_t sum_now(void) {
+  return state_sum() ^ motor_sum() ^ program_sum() ^ sum_of(&c, sizeof c);
+}
+
+static void watch_memory(void) {
+  if (sum_now() == sum_kept && asked_count <= REQUESTS_MOST) return;
+  motor_stop();
+  asked_count = 0;
+  machine.fault = FAULT_NONE;
+  state_fault(FAULT_MEMORY);
 }
 
 static motion_t jogging(void) {
   if (machine.clock_ms >= machine.end_ms) {
     state_finish(machine.knowledge);
-    return kRest;
+    return motion_rest();
   }
-  if (state_end_stop_ahead(jog.direction) || program_soft_limit_ahead(jog.direction)) {
+  if (state_end_stop_ahead(c.jog.direction) || program_soft_limit_ahead(c.jog.direction)) {
     machine.state = STATE_IDLE;
     machine.events |= EVENT_JOG_LIMIT;
-    return kRest;
+    return motion_rest();
   }
-  return jog;
+  return program_careful(c.jog);
 }
 
 static motion_t wanted(void) {
+  if (!machine.is_ready) return motion_rest();
   switch (machine.state) {
     case STATE_RUNNING:
       return program_run();
@@ -206,7 +259,7 @@ static motion_t wanted(void) {
     case STATE_JOGGING:
       return jogging();
     default:
-      return kRest;
+      return motion_rest();
   }
 }
 
@@ -219,7 +272,7 @@ static uint8_t is_allowed(const motion_t* motion) {
     state_fault(FAULT_STOP);
   else if (program_stop_is_stuck())
     state_fault(FAULT_STUCK);
-  else if (machine.state != STATE_JOGGING && program_soft_limit_ahead(motion->direction))
+  else if (machine.state != STATE_JOGGING && program_hard_limit_ahead(motion->direction))
     state_fault(FAULT_SOFT_LIMIT);
   return machine.state != STATE_FAULT;
 }
@@ -228,8 +281,9 @@ static uint8_t is_allowed(const motion_t* motion) {
 // what it asks for, so that no brake costs stroke.
 static void keep_books(const motion_t* motion) {
   const uint8_t follows = LAKE_FEEDBACK && machine.state == STATE_RUNNING;
-  if (is_moving() && (follows || motor_direction() == motion->direction)) ++machine.clock_ms;
-  program_keep_books(motor_direction() == 0 ? &kRest : motion, motion);
+  if (is_moving() && machine.is_ready && (follows || motor_direction() == motion->direction)) ++machine.clock_ms;
+  const motion_t rest = motion_rest();
+  program_keep_books(motor_direction() == 0 ? &rest : motion, motion);
 }
 
 static void tell(void) {
@@ -240,43 +294,79 @@ static void tell(void) {
                         analog_current_ma(),
                         motor_counts(),
                         motor_direction(),
-                        machine.state,
+                        is_moving() && !machine.is_ready ? STATE_CHECKING : machine.state,
                         machine.fault,
+                        machine.before_fault,
                         machine.knowledge,
                         end_stops_pressed()};
   told = now;
 }
 
+// Places of what outlives a reset: the fault, where the log goes on, the log.
+#define PLACE_FAULT 0
+#define PLACE_NEXT 1
+#define PLACE_LOG 2
+#define LOGGED_BYTES 4
+
 void controller_init(void) {
   time_ms = 0;
+  machine.before_fault = STATE_IDLE;
+  program_init();
   reset();
   asked_count = 0;
   machine.events = 0;
-  const uint8_t latched = board_remembered();
+  const uint8_t latched = board_remembered(PLACE_FAULT);
   if (latched != FAULT_NONE) state_fault((fault_t)latched);
   hold_asked = abort_asked = heard = 0;
   resume_left_ms = 0;
   tell();
+  sum_kept = sum_now();
 }
 
 void controller_tick(void) {
   ++time_ms;
+  watch_memory();
   end_stops_tick();
   analog_tick(motor_counts());
   take_realtime();
   take_requests();
   watch_host();
+  watch_button();
   watch_wires();
   watch_inputs();
+  power_tick(is_moving(), machine.state == STATE_FAULT);
+  machine.is_ready = power_is_ready();
   motion_t motion = wanted();
-  if (!is_allowed(&motion)) motion = kRest;
+  if (!is_allowed(&motion)) motion = motion_rest();
   motor_tick(motion.direction, motion.counts);
   keep_books(&motion);
+  if (machine.state == STATE_IDLE) machine.is_worn = 0;
   tell();
+  sum_kept = sum_now();
 }
 
 void controller_remember(void) {
-  board_remember((uint8_t)controller_status().fault);
+  const status_t now = controller_status();
+  const uint8_t before = board_remembered(PLACE_FAULT);
+  if (now.fault == before) return;
+  board_remember(PLACE_FAULT, (uint8_t)now.fault);
+  if (now.fault == FAULT_NONE) return;
+  const uint8_t next = board_remembered(PLACE_NEXT) % LOGGED_MOST, place = PLACE_LOG + LOGGED_BYTES * next;
+  const uint16_t time_s = (uint16_t)(now.time_ms / 1000);
+  board_remember(place, (uint8_t)now.fault);
+  board_remember(place + 1, (uint8_t)now.before_fault);
+  board_remember(place + 2, (uint8_t)time_s);
+  board_remember(place + 3, (uint8_t)(time_s >> 8));
+  board_remember(PLACE_NEXT, next + 1);
+}
+
+uint8_t controller_logged(uint8_t which, logged_t* logged) {
+  const uint8_t next = board_remembered(PLACE_NEXT) % LOGGED_MOST;
+  const uint8_t place = PLACE_LOG + LOGGED_BYTES * ((uint8_t)(next + LOGGED_MOST - 1 - which) % LOGGED_MOST);
+  logged->fault = board_remembered(place);
+  logged->state = board_remembered(place + 1);
+  logged->time_s = (uint16_t)(board_remembered(place + 2) | board_remembered(place + 3) << 8);
+  return which < LOGGED_MOST && logged->fault != FAULT_NONE;
 }
 
 static void put(request_t request, reply_t reply, int16_t counts, uint16_t ms) {

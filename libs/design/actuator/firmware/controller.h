@@ -16,6 +16,7 @@ typedef enum {
   REQUEST_ZERO,
   REQUEST_RESET,
   REQUEST_JOG,
+  REQUEST_WORN,    // the program on a person, who holds the button
   REQUEST_RESUME,  // the first of two steps that end a hold …
   REQUEST_GO       // … and the second, which must follow upon it within RESUME_MS
 } request_t;
@@ -30,13 +31,25 @@ typedef struct {
   int8_t direction;
   state_t state;
   fault_t fault;
+  state_t before_fault;  // in which it came
   knowledge_t knowledge;
   uint8_t end_stops;
 } status_t;
 
 void controller_init(void);  // with the fault that nobody has acknowledged before a reset, if there is one
 void controller_tick(void);
-void controller_remember(void);  // from the main loop: the fault, for after a reset
+
+// From the main loop: keeps the fault for after a reset, and a new one in the log of faults.
+void controller_remember(void);
+
+// The log of faults, the newest first: what went wrong, in what state, how long after the reset. Nonzero if there is a
+// `which`-th.
+typedef struct {
+  uint8_t fault, state;
+  uint16_t time_s;
+} logged_t;
+#define LOGGED_MOST 16
+uint8_t controller_logged(uint8_t which, logged_t* logged);
 
 // From the main loop. Requests wait for the next tick, which takes all of them in their order; each has one reply, and
 // as many wait as there is room for with replies that nobody took. `jog`: signed duty in counts and a duration.

@@ -33,7 +33,8 @@ static int32_t least_um_s(int8_t direction) {
 }
 
 static int32_t most_um_s(int8_t direction) {
-  return direction < 0 ? LAKE_RETRACT_MOST_UM_S : LAKE_EXTEND_MOST_UM_S;
+  const int32_t most = direction < 0 ? LAKE_RETRACT_MOST_UM_S : LAKE_EXTEND_MOST_UM_S;
+  return most > LAKE_SPEED_LIMIT_UM_S ? LAKE_SPEED_LIMIT_UM_S : most;
 }
 
 static int32_t within_table(int8_t direction, int32_t speed_um_s) {
@@ -54,7 +55,7 @@ static int32_t at_rest(int32_t error_um) {
   if (correcting != direction || magnitude(error_um) < CLOSE_UM) correcting = 0;
   if (!correcting) return 0;
   summed_at_rest += error_um;
-  return within_table(direction, PROPORTIONAL * error_um + summed_at_rest / 1024 * INTEGRAL);
+  return within_table(direction, PROPORTIONAL * error_um + (summed_at_rest >> 10) * INTEGRAL);
 }
 
 int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_um) {
@@ -65,7 +66,7 @@ int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_
   correcting = 0;
   if (behind_um < -AHEAD_UM) is_waiting = 1;
   if (behind_um > -CLOSE_UM) is_waiting = 0;
-  const int32_t wanted = planned_um_s + PROPORTIONAL * error_um + summed_error / 1024 * INTEGRAL;
+  const int32_t wanted = planned_um_s + PROPORTIONAL * error_um + (summed_error >> 10) * INTEGRAL;
   const int32_t speed = within_table(direction, wanted);
   // The sum stands still while it could only drive the speed farther out of its range.
   if (speed == wanted || (wanted > speed) == (error_um < 0)) summed_error += error_um;
@@ -96,47 +97,110 @@ uint16_t follow_counts(int32_t speed_um_s) {
 
 // Watched over stretches of WATCH_NM of driven way.
 #define WATCH_NM 3000000L
-#define LEAST_PART 12     // of the driven way, one in so many must be seen
-#define WRONG_WAY_UM 800  // more than noise, play and a load's give
-#define SUPPLY_UM_S 2000  // what a high supply and a load that helps add near the dead band
-#define TOO_FAR_UM 3000   // beyond that and twice the driven way
-#define UNDRIVEN_UM 1000  // with the bridge off
-#define RUN_DOWN_MS 250   // after which the motor must be at rest
+#define LEAST_PART 12      // of the driven way, one in so many must be seen
+#define STILL_NM 600000L   // of driven way, in which it must be seen to go on …
+#define STILL_UM 150       // … by more than this
+#define PROVEN_UM 500      // more than noise and play
+#define WRONG_WAY_UM 800   // more than noise, play and a load's give
+#define WRONG_SOON_UM 300  // likewise, if it lasts …
+#define WRONG_SOON_MS 30   // … so long
+#define SUPPLY_UM_S 2000L  // what a high supply and a load that helps add near the dead band
+#define TOO_FAR_UM 3000    // beyond that and twice the driven way
+#define UNDRIVEN_UM 1000   // with the bridge off
+#define RUN_DOWN_MS 250    // after which the motor must be at rest
 
-static uint16_t rest_ms;
+// What no drive by the duty table does within QUICK_MS, driven or not.
+#define QUICK_PLACES 8
+#define QUICK_EVERY_MS 8
+#define QUICK_MS (QUICK_PLACES * QUICK_EVERY_MS)
+#define QUICK_UM 400  // beyond twice the driven way and SUPPLY_UM_S
+#define QUICK_TIMES 2
+
+static struct {
+  uint16_t rest_ms;
+  int8_t direction;
+  uint8_t wrong_ms;
+  int32_t from_um;
+  int32_t driven_nm, allowed_nm;
+  int32_t went_on_um, still_nm;  // where it was last seen to have gone on, what was driven since
+  int32_t was_um[QUICK_PLACES];
+  int32_t went_nm[QUICK_PLACES];  // signed, from each of them to the next
+  int32_t all_nm;                 // of these
+  uint8_t place, place_ms, filled, quick;
+} w;
 
 void follow_watch_begin(void) {
-  rest_ms = 0;
+  w.rest_ms = 0;
+  w.filled = w.quick = 0;
+}
+
+// Whether it has gone far beyond what was driven in the last QUICK_MS.
+static uint8_t is_too_quick(int32_t driven_um_s, int32_t measured_um) {
+  w.went_nm[w.place % QUICK_PLACES] += driven_um_s;  // nm: um/s during a ms
+  w.all_nm += driven_um_s;
+  if (++w.place_ms < QUICK_EVERY_MS) return w.quick >= QUICK_TIMES;
+  w.place_ms = 0;
+  w.place = (uint8_t)(w.place + 1) % QUICK_PLACES;
+  const int32_t way_um = measured_um - w.was_um[w.place];
+  const int32_t driven_um = w.all_nm >> 10, beyond_um = QUICK_UM + SUPPLY_UM_S * QUICK_MS / 1000;
+  const int32_t forward_um = (driven_um > 0 ? 2 * driven_um : 0) + beyond_um;
+  const int32_t backward_um = (driven_um < 0 ? 2 * driven_um : 0) - beyond_um;
+  w.was_um[w.place] = measured_um;
+  w.all_nm -= w.went_nm[w.place];
+  w.went_nm[w.place] = 0;
+  if (w.filled < QUICK_PLACES)
+    ++w.filled;
+  else if (way_um > forward_um || way_um < backward_um)
+    ++w.quick;
+  else
+    w.quick = 0;
+  return w.quick >= QUICK_TIMES;
+}
+
+static uint8_t watch_rest(int32_t measured_um) {
+  if (w.rest_ms < RUN_DOWN_MS) {
+    ++w.rest_ms;
+    w.from_um = measured_um;
+  }
+  w.direction = 0;
+  return magnitude(measured_um - w.from_um) > UNDRIVEN_UM ? FOLLOW_RUNAWAY : FOLLOW_FINE;
+}
+
+static uint8_t is_wrong_way(int32_t seen_um) {
+  w.wrong_ms = seen_um < -WRONG_SOON_UM ? w.wrong_ms + 1 : 0;
+  return w.wrong_ms >= WRONG_SOON_MS || seen_um < -WRONG_WAY_UM;
+}
+
+static uint8_t is_still(int8_t direction, uint32_t driven_nm, int32_t measured_um) {
+  w.still_nm += driven_nm;
+  if (direction * (measured_um - w.went_on_um) > STILL_UM) {
+    w.went_on_um = measured_um;
+    w.still_nm = 0;
+  }
+  return w.still_nm >= STILL_NM;
 }
 
 uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um) {
-  static int8_t last_direction;
-  static int32_t from_um;
-  static int32_t driven_nm, allowed_nm;
   const int8_t direction = (driven_um_s > 0) - (driven_um_s < 0);
-  if (direction == 0) {
-    if (rest_ms < RUN_DOWN_MS) {
-      ++rest_ms;
-      from_um = measured_um;
-    }
-    last_direction = 0;
-    return magnitude(measured_um - from_um) > UNDRIVEN_UM ? FOLLOW_RUNAWAY : FOLLOW_FINE;
+  if (is_too_quick(driven_um_s, measured_um)) return FOLLOW_RUNAWAY;
+  if (direction == 0) return watch_rest(measured_um);
+  w.rest_ms = 0;
+  if (direction != w.direction) {
+    w.direction = direction;
+    w.from_um = w.went_on_um = measured_um;
+    w.driven_nm = w.allowed_nm = w.still_nm = 0;
+    w.wrong_ms = 0;
   }
-  rest_ms = 0;
-  if (direction != last_direction) {
-    last_direction = direction;
-    from_um = measured_um;
-    driven_nm = allowed_nm = 0;
-  }
-  driven_nm += magnitude(driven_um_s);
-  allowed_nm += 2 * magnitude(driven_um_s) + SUPPLY_UM_S;
-  const int32_t seen_um = direction * (measured_um - from_um);
-  if (seen_um < -WRONG_WAY_UM) return FOLLOW_WRONG_WAY;
-  if (seen_um > allowed_nm / 1024 + TOO_FAR_UM) return FOLLOW_RUNAWAY;
-  if (driven_nm < WATCH_NM) return FOLLOW_FINE;
-  if (seen_um * LEAST_PART < driven_nm / 1024) return FOLLOW_NO_MOTION;
-  from_um = measured_um;
-  driven_nm = allowed_nm = 0;
+  w.driven_nm += magnitude(driven_um_s);
+  w.allowed_nm += 2 * magnitude(driven_um_s) + SUPPLY_UM_S;
+  const int32_t seen_um = direction * (measured_um - w.from_um);
+  if (is_wrong_way(seen_um)) return FOLLOW_WRONG_WAY;
+  if (seen_um > (w.allowed_nm >> 10) + TOO_FAR_UM) return FOLLOW_RUNAWAY;
+  const uint8_t still = is_still(direction, magnitude(driven_um_s), measured_um);
+  if (w.driven_nm < WATCH_NM) return still ? FOLLOW_STILL : seen_um > PROVEN_UM ? FOLLOW_PROVEN : FOLLOW_FINE;
+  if (seen_um * LEAST_PART < (w.driven_nm >> 10)) return FOLLOW_NO_MOTION;
+  w.from_um = measured_um;
+  w.driven_nm = w.allowed_nm = 0;
   return FOLLOW_FINE;
 }
 

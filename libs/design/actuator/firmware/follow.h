@@ -16,7 +16,14 @@ int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_
 // The inverse of the duty table.
 uint16_t follow_counts(int32_t speed_um_s);
 
-enum { FOLLOW_FINE, FOLLOW_NO_MOTION, FOLLOW_WRONG_WAY, FOLLOW_RUNAWAY };
+enum {
+  FOLLOW_FINE,
+  FOLLOW_PROVEN,  // it has moved the way it is driven
+  FOLLOW_STILL,   // driven, and not seen to go on
+  FOLLOW_NO_MOTION,
+  FOLLOW_WRONG_WAY,
+  FOLLOW_RUNAWAY
+};
 
 // Once per ms: the speed that the bridge drives by the duty table, 0 if it does not drive.
 uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um);

@@ -30,7 +30,7 @@ static void begin_line(void) {
 // The text ends where the check sum begins.
 static line_kind_t judge(void) {
   if (is_damaged) return LINE_DAMAGED;
-  if (is_too_long) return LINE_TOO_LONG;
+  if (is_too_long || length >= LINE_MAX) return LINE_TOO_LONG;
   received[length] = 0;
   char* star = strchr(received, '*');
   if (!star) return LINE_PLAIN;

@@ -2,49 +2,108 @@
 
 #include "bridge.h"
 #include "config.h"
+#include "portable.h"
 
-static int8_t driving;
-static uint16_t driving_counts;
-static uint16_t brake_left_ms;
+#define OUTPUT_WRONG_MS 3
+
+static struct {
+  int8_t driving, probing;
+  uint16_t counts;
+  uint16_t dead_left_ms;
+  uint8_t brakes;  // in this dead time
+  uint8_t wrong_ms;
+  uint8_t is_wrong;
+} m __attribute__((aligned(2)));
 
 void motor_init(void) {
   bridge_init();
-  driving = 0;
-  driving_counts = 0;
-  brake_left_ms = 0;
+  memset(&m, 0, sizeof m);
 }
 
-static void start_brake(void) {
+static void be_wrong(void) {
+  bridge_off();
+  m.driving = 0;
+  m.counts = 0;
+  m.is_wrong = 1;
+}
+
+void motor_stop(void) {
+  bridge_off();
+  m.driving = 0;
+  m.counts = 0;
+  m.dead_left_ms = LAKE_DEAD_TIME_MS;
+  m.brakes = LAKE_BRIDGE_SENSE;
+}
+
+// Both outputs low, or the bridge is off in the same tick.
+static void brake(void) {
   bridge_brake();
-  driving = 0;
-  driving_counts = 0;
-  brake_left_ms = LAKE_DEAD_TIME_MS;
+  if (bridge_outputs_are_low()) return;
+  m.brakes = 0;
+  be_wrong();
+}
+
+// At rest an output is high only by a transistor that is shorted, or by a bridge that is on.
+static void watch_outputs(void) {
+  if (!LAKE_BRIDGE_SENSE || bridge_outputs_are_low())
+    m.wrong_ms = 0;
+  else if (++m.wrong_ms >= OUTPUT_WRONG_MS)
+    be_wrong();
+}
+
+static void begin(int8_t direction) {
+  if (!bridge_enable_is_free()) {
+    be_wrong();
+    return;
+  }
+  bridge_direct(direction);
+  m.driving = direction;
 }
 
 static void drive(int8_t direction, uint16_t counts) {
-  if (driving == direction && driving_counts == counts) return;
-  if (driving == 0) bridge_direct(direction);
+  if (m.driving == direction && m.counts == counts) return;
+  if (m.driving == 0) begin(direction);
+  if (m.is_wrong) return;
   bridge_drive(counts);
-  driving = direction;
-  driving_counts = counts;
+  m.counts = counts;
 }
 
 void motor_tick(int8_t direction, uint16_t counts) {
-  if (counts == 0) direction = 0;
-  if (driving != 0 && direction != driving) {
-    start_brake();
+  if (counts == 0 || m.is_wrong) direction = 0;
+  if (m.driving != 0 && direction != m.driving) {
+    motor_stop();
     return;
   }
-  if (brake_left_ms > 0) {
-    if (--brake_left_ms > 0) return;
+  if (m.dead_left_ms > 0) {
+    if (m.brakes) brake();
+    if (--m.dead_left_ms > 0) return;
     bridge_off();
   }
-  if (direction != 0) drive(direction, counts);
+  if (m.driving == 0) watch_outputs();
+  if (direction != 0 && !m.is_wrong) drive(direction, counts);
+}
+
+void motor_probe(int8_t direction) {
+  if (m.driving != 0 || m.dead_left_ms > 0 || direction == m.probing) return;
+  m.probing = direction;
+  if (direction != 0 && !bridge_enable_is_free())
+    be_wrong();
+  else
+    bridge_direct(direction);
 }
 
 int8_t motor_direction(void) {
-  return driving;
+  return m.driving;
 }
 uint16_t motor_counts(void) {
-  return driving_counts;
+  return m.counts;
+}
+uint8_t motor_bridge_is_wrong(void) {
+  return m.is_wrong;
+}
+void motor_forgive(void) {
+  m.is_wrong = m.wrong_ms = 0;
+}
+uint16_t motor_sum(void) {
+  return sum_of(&m, sizeof m);
 }

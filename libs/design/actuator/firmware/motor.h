@@ -1,5 +1,6 @@
-// The motor behind the bridge. Every change of direction and every stop goes through a brake of LAKE_DEAD_TIME_MS; then
-// the bridge is off, since a lead screw holds by itself.
+// The motor behind the bridge. A stop is ENA low first, then both inputs low: the motor coasts, and the screw holds it.
+// To brake is to switch ENA on, which drives where a wire of the inputs is broken: it is braked only where the outputs
+// are read back and both are low. Between a stop and whatever comes next lie LAKE_DEAD_TIME_MS.
 #ifndef LAKE_MOTOR_H
 #define LAKE_MOTOR_H
 
@@ -9,11 +10,25 @@
 void motor_init(void);
 
 // Once per ms: what is wanted, direction 1 (extend), -1 (retract) or 0, and duty in counts of LAKE_PWM_PERIOD. It is
-// applied once the brake has run out.
+// applied once the dead time has run out.
 void motor_tick(int8_t direction, uint16_t counts);
 
-// What the bridge drives now; 0 while braking or off.
+void motor_stop(void);  // whatever is thought to be driven
+
+// In place of motor_tick while the motor rests: the inputs for a direction with ENA low, where nothing may move; 0 ends
+// it.
+void motor_probe(int8_t direction);
+
+// What the bridge drives now; 0 while it stops or is off.
 int8_t motor_direction(void);
 uint16_t motor_counts(void);
+
+// Nonzero once the bridge was found to do what it was not told: ENA held high by a jumper or a wire, an output that is
+// high at rest or while it is braked. It is off then, until motor_forgive.
+uint8_t motor_bridge_is_wrong(void);
+void motor_forgive(void);
+
+// Of what is kept from tick to tick, to see whether the memory keeps it.
+uint16_t motor_sum(void);
 
 #endif

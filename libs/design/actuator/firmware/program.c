@@ -2,6 +2,8 @@
 
 #include "analog.h"
 #include "config.h"
+#include "divide.h"
+#include "end_stops.h"
 #include "follow.h"
 #include "motor.h"
 #include "portable.h"
@@ -13,10 +15,20 @@ static lake_segment segment;
 static int32_t stroke_nm;         // um/s during one ms are nm
 static uint32_t way_drift_nm;     // what the tolerance of the speed allows
 static uint32_t lag_drift_nm[2];  // what lag allows: behind by speeding up, ahead by slowing down
-static uint32_t pressed_way_nm;   // driven away from an end stop that is pressed all the while
-enum { HOME_SEEK, HOME_BACK_OFF, HOME_TOUCH, HOME_RELEASE };
+enum { HOME_SEEK, HOME_CHECK, HOME_BACK_OFF, HOME_TOUCH, HOME_RELEASE };
 static uint8_t home_phase;
-static int8_t start_lies;  // of where homing ended: 1 beyond, -1 before
+static uint8_t home_tries;  // that have failed
+static int8_t start_lies;   // of where homing ended: 1 beyond, -1 before
+
+// The end stop behind a motion. One that is pressed must release; one that a motion away from it presses shows that the
+// motor turns the wrong way, or a broken wire. A way stays on the account until the end stop is seen released: a fault
+// that is acknowledged does not give the same way once more.
+static struct {
+  uint32_t pressed_way_nm, free_way_nm;
+  int8_t direction;
+  uint8_t is_proven;  // the motor has been seen to turn as it is told
+} behind;
+#define WAY_MOST_NM 1000000000UL
 
 // By the potentiometer it may take longer than by the duty table.
 #define PLANNED_POSITIONING_MS (LAKE_POSITION_MS > 0 ? LAKE_POSITION_MS : LAKE_RETURN_MS)
@@ -58,8 +70,7 @@ static void begin_following(void) {
 static motion_t follow_segment(void) {
   const int32_t velocity_um_s = follow_speed(planned_now_um, segment.velocity_um_s, analog_stroke_um());
   const int8_t direction = (velocity_um_s > 0) - (velocity_um_s < 0);
-  const motion_t motion = {direction, follow_counts(velocity_um_s), velocity_um_s, 0};
-  return motion;
+  return motion_of(direction, follow_counts(velocity_um_s), velocity_um_s);
 }
 
 static uint8_t has_arrived(void) {
@@ -72,11 +83,11 @@ static void count_way(const motion_t* driven) {
 
 // A program's plan goes on whatever the actuator does; otherwise the stroke is what the potentiometer says.
 static void keep_plan(void) {
-  if (machine.state == STATE_RUNNING)
+  if (machine.state == STATE_RUNNING && machine.is_ready)
     stroke_nm += segment.velocity_um_s;
-  else if (machine.state != STATE_HOLD)
+  else if (machine.state != STATE_HOLD && machine.state != STATE_RUNNING)
     stroke_nm = analog_stroke_um() * 1000;
-  planned_now_um = stroke_nm / 1000;
+  planned_now_um = thousandth(stroke_nm);
 }
 
 static void watch_motion(const motion_t* motion) {
@@ -92,15 +103,21 @@ static void watch_motion(const motion_t* motion) {
     case FOLLOW_RUNAWAY:
       state_fault(FAULT_RUNAWAY);
       break;
+    case FOLLOW_STILL:
+      if (analog_is_without_current()) state_fault(FAULT_NO_CURRENT);
+      break;
+    case FOLLOW_PROVEN:
+      behind.is_proven = 1;
+      break;
     default:
-      if (machine.state == STATE_RUNNING && (error_um > LAKE_FOLLOWING_UM || error_um < -LAKE_FOLLOWING_UM))
-        state_fault(FAULT_FOLLOWING);
       break;
   }
+  if (machine.state == STATE_RUNNING && (error_um > LAKE_FOLLOWING_UM || error_um < -LAKE_FOLLOWING_UM))
+    state_fault(FAULT_FOLLOWING);
 }
 #else
 int32_t program_stroke_um(void) {
-  return stroke_nm / 1000;
+  return thousandth(stroke_nm);
 }
 
 static int32_t stroke_um(void) {
@@ -108,7 +125,8 @@ static int32_t stroke_um(void) {
 }
 
 uint32_t program_drift_um(void) {
-  return (way_drift_nm + (lag_drift_nm[0] > lag_drift_nm[1] ? lag_drift_nm[0] : lag_drift_nm[1])) / 1000;
+  // Neither is more than LAKE_DRIFT_MOST_NM and a step: their sum is below 2^31.
+  return (uint32_t)thousandth((int32_t)(way_drift_nm + (lag_drift_nm[0] > lag_drift_nm[1] ? lag_drift_nm[0] : lag_drift_nm[1])));
 }
 
 static uint8_t is_away_from(int32_t um) {
@@ -121,8 +139,7 @@ static void begin_following(void) {}
 static motion_t follow_segment(void) {
   const int32_t velocity_um_s = segment.velocity_um_s;
   const int8_t direction = (velocity_um_s > 0) - (velocity_um_s < 0);
-  const motion_t motion = {direction, segment.counts, velocity_um_s, 0};
-  return motion;
+  return motion_of(direction, segment.counts, velocity_um_s);
 }
 
 static uint8_t has_arrived(void) {
@@ -150,11 +167,34 @@ static void watch_motion(const motion_t* motion) {
 }
 #endif
 
+// Of a fault while homing that another attempt would only repeat.
+static uint8_t has_failed_to_home(void) {
+  if (machine.before_fault != STATE_HOMING && machine.before_fault != STATE_POSITIONING) return 0;
+  return machine.fault == FAULT_STUCK || machine.fault == FAULT_HOME || machine.fault == FAULT_WRONG_WAY ||
+         machine.fault == FAULT_NO_MOTION;
+}
+
 void program_reset(void) {
-  pressed_way_nm = 0;
+  if (has_failed_to_home()) ++home_tries;
 #if LAKE_FEEDBACK
   follow_watch_begin();
 #endif
+}
+
+void program_init(void) {
+  home_tries = 0;
+  memset(&behind, 0, sizeof behind);
+  program_reset();
+}
+
+uint16_t program_sum(void) {
+  uint16_t sum = sum_of(&segment, sizeof segment) ^ sum_of(&stroke_nm, sizeof stroke_nm) ^
+                sum_of(&way_drift_nm, sizeof way_drift_nm) ^ sum_of(lag_drift_nm, sizeof lag_drift_nm) ^
+                sum_of(&behind, sizeof behind) ^ sum_of(&segment_index, sizeof segment_index);
+#if LAKE_FEEDBACK
+  sum ^= sum_of(&planned_now_um, sizeof planned_now_um);
+#endif
+  return sum ^ home_phase ^ (uint16_t)(home_tries << 8) ^ (uint8_t)start_lies;
 }
 
 // A motion with the greatest speed that its duty can give by the duty table: between two nodes the upper one's, since
@@ -188,6 +228,18 @@ uint8_t program_soft_limit_ahead(int8_t direction) {
   return direction < 0 && stroke_um() <= LAKE_LOWER_LIMIT_UM - SOFT_LIMIT_SLACK_UM;
 }
 
+// A plan ends at the soft limit. What is measured passes it by noise and by the loop's error: three quarters of the way
+// to the linkage's end are room for that, and the motor rests there meanwhile.
+#define BEYOND_UM ((LAKE_UPPER_END_UM - LAKE_UPPER_LIMIT_UM) * 3 / 4)
+#define HARD_LIMIT_UM (LAKE_UPPER_LIMIT_UM + (BEYOND_UM > LAKE_LEAST_BEYOND_UM ? BEYOND_UM : LAKE_LEAST_BEYOND_UM))
+
+uint8_t program_hard_limit_ahead(int8_t direction) {
+  if (!LAKE_FEEDBACK) return program_soft_limit_ahead(direction);
+  if (machine.knowledge == STROKE_UNKNOWN) return 0;
+  if (direction > 0) return stroke_um() >= HARD_LIMIT_UM;
+  return direction < 0 && stroke_um() <= LAKE_LOWER_LIMIT_UM - LAKE_PLACE_UM;
+}
+
 reply_t program_take_run(void) {
   if (machine.state != STATE_IDLE) return REPLY_STATE;
   if (machine.knowledge != STROKE_AT_START || is_away_from(LAKE_START_UM)) return REPLY_POSITION;
@@ -219,14 +271,25 @@ uint8_t program_stop_contradicts_stroke(void) {
   return retract_stop_contradicts_stroke() || extend_stop_contradicts_stroke();
 }
 
+// As far as the end stop may be away, at the speeds' tolerance; measured, the guard below home comes before the time does.
+static uint32_t seeking_ms(void) {
+  if (!LAKE_FEEDBACK && machine.knowledge == STROKE_UNKNOWN) return LAKE_HOME_TIMEOUT_MS;
+  int32_t way_um = stroke_um() + (int32_t)program_drift_um() + LAKE_CHECK_UM - LAKE_HOME_UM;
+  if (way_um < LAKE_CHECK_UM) way_um = LAKE_CHECK_UM;
+  way_um += way_um / 1024 * LAKE_DRIFT_PER_1024;
+  return (LAKE_FEEDBACK ? 5000 : 1000) * (uint32_t)way_um / LAKE_HOME_SPEED_UM_S + (LAKE_FEEDBACK ? 200 : 0);
+}
+
 reply_t program_take_home(void) {
   if (machine.state != STATE_IDLE) return REPLY_STATE;
+  if (home_tries >= HOME_TRIES) return REPLY_TRIES;
   const uint8_t stuck = program_stop_contradicts_stroke();
+  const uint32_t most_ms = seeking_ms();
   machine.knowledge = STROKE_UNKNOWN;
   if (stuck)
     state_fault(FAULT_STUCK);
   else
-    begin_homing(HOME_SEEK, LAKE_HOME_TIMEOUT_MS);
+    begin_homing(HOME_SEEK, most_ms);
   return REPLY_OK;
 }
 
@@ -244,98 +307,155 @@ reply_t program_take_zero(void) {
   return REPLY_OK;
 }
 
+// Where the end stop belongs, it is no fault that it is met. In open loop the drift is no excuse: a motor that comes so
+// early or late is not the duty table's.
+static uint8_t is_at_stop(int8_t direction) {
+  if (!state_end_stop_ahead(direction)) return 0;
+  const int32_t about_um = STOP_PLACE_UM + (LAKE_FEEDBACK ? (int32_t)program_drift_um() : 0);
+  if (direction < 0) return stroke_um() - about_um <= LAKE_HOME_UM;
+  return LAKE_EXTEND_STOP_UM > 0 && stroke_um() + about_um >= LAKE_EXTEND_STOP_UM;
+}
+
+// At an end stop, and where the measured stroke has reached a limit, the motor rests while the program goes on.
+static motion_t within_room(motion_t motion) {
+  const int8_t direction = motion.direction;
+  if (direction == 0) return motion;
+  const uint8_t is_at_limit = LAKE_FEEDBACK && program_soft_limit_ahead(direction);
+  return is_at_limit || is_at_stop(direction) ? motion_rest() : motion;
+}
+
 motion_t program_run(void) {
   while (machine.clock_ms >= segment.end_ms) {
-    if (segment_index + 1 == LAKE_SEGMENT_COUNT) {
+    if (segment_index + 1 >= LAKE_SEGMENT_COUNT) {
       state_finish(STROKE_ESTIMATED);
-      return kRest;
+      return motion_rest();
     }
     load_segment(segment_index + 1);
   }
-  return follow_segment();
+  return within_room(follow_segment());
+}
+
+static motion_t extend(void) {
+  return motion_of(1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S);
+}
+
+static motion_t retract(void) {
+  return motion_of(-1, LAKE_HOME_COUNTS, -LAKE_HOME_SPEED_UM_S);
+}
+
+motion_t program_careful(motion_t motion) {
+  if (behind.is_proven || !state_end_stop_ahead(-motion.direction)) return motion;
+  const uint16_t counts = motion.direction < 0 ? LAKE_RETRACT_CREEP_COUNTS : LAKE_EXTEND_CREEP_COUNTS;
+  if (motion.counts <= counts) return motion;
+  motion.counts = counts;
+  motion.velocity_um_s = motion.direction < 0 ? -LAKE_RETRACT_CREEP_UM_S : LAKE_EXTEND_CREEP_UM_S;
+  return motion;
+}
+
+static motion_t home_fault(fault_t what) {
+  state_fault(what);
+  return motion_rest();
+}
+
+// The linkage's dead point, where a potentiometer sees that the end stop has not come.
+static uint8_t has_passed_home(void) {
+  return LAKE_FEEDBACK && analog_stroke_um() < LAKE_HOME_GUARD_UM;
 }
 
 // Retracts until the end stop is pressed.
 static motion_t seek(void) {
   if (state_end_stop_ahead(-1)) {
+    // It was free before: pressed by a motion towards it.
+    if (machine.clock_ms > 0) behind.is_proven = 1;
     if (home_phase == HOME_TOUCH) know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
-    if (home_phase == HOME_TOUCH && is_away_from(LAKE_HOME_UM)) {
-      state_fault(FAULT_WIPER);
-      return kRest;
-    }
-    begin_homing(home_phase == HOME_TOUCH ? HOME_RELEASE : HOME_BACK_OFF, LAKE_BACK_OFF_MS);
-    return kRest;
+    if (home_phase == HOME_TOUCH && is_away_from(LAKE_HOME_UM)) return home_fault(FAULT_WIPER);
+    if (home_phase == HOME_TOUCH)
+      begin_homing(HOME_RELEASE, LAKE_BACK_OFF_MS);
+    else
+      begin_homing(behind.is_proven ? HOME_BACK_OFF : HOME_CHECK, LAKE_BACK_OFF_MS);
+    return motion_rest();
   }
-  if (machine.clock_ms >= machine.end_ms) {
-    state_fault(FAULT_HOME);
-    return kRest;
-  }
-  const motion_t motion = {-1, LAKE_HOME_COUNTS, -LAKE_HOME_SPEED_UM_S, 0};
-  return motion;
+  if (machine.clock_ms >= machine.end_ms || has_passed_home()) return home_fault(FAULT_HOME);
+  return program_careful(retract());
 }
 
-static const motion_t kExtend = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S, 0};
+// Off an end stop that was pressed from the beginning, as long as nothing has shown which way the motor turns.
+static motion_t check_direction(void) {
+  if (state_end_stop_ahead(-1) && !behind.is_proven) return program_careful(extend());
+  begin_homing(HOME_BACK_OFF, LAKE_BACK_OFF_MS);
+  return extend();
+}
 
 // Extends until the end stop must have released.
 static motion_t back_off(void) {
-  if (machine.clock_ms < machine.end_ms) return kExtend;
-  if (state_end_stop_ahead(-1)) {
-    state_fault(FAULT_STUCK);
-    return kRest;
-  }
+  if (machine.clock_ms < machine.end_ms) return extend();
+  if (state_end_stop_ahead(-1)) return home_fault(FAULT_STUCK);
   if (home_phase == HOME_BACK_OFF) {
     begin_homing(HOME_TOUCH, LAKE_TOUCH_TIMEOUT_MS);
-    return kRest;
+    return motion_rest();
   }
   start_lies = LAKE_FEEDBACK ? (analog_stroke_um() < LAKE_START_UM ? 1 : -1) : (LAKE_POSITION_MS > 0 ? 1 : -1);
   state_begin(STATE_POSITIONING, POSITIONING_MS);
-  return start_lies > 0 ? kExtend : kRest;
+  return start_lies > 0 ? extend() : motion_rest();
 }
 
 // Only an end stop that has been seen to release and to be pressed again, twice, is home: a broken wire looks pressed
 // everywhere, and one that breaks after the first release like the second touch.
 motion_t program_home(void) {
+  if (home_phase == HOME_CHECK) return check_direction();
   return home_phase == HOME_SEEK || home_phase == HOME_TOUCH ? seek() : back_off();
+}
+
+static void arrive(void) {
+  home_tries = 0;
+  state_finish(STROKE_AT_START);
 }
 
 // Back to a start that lies before where the end stop was seen to release. There it may be pressed again, no farther
 // from it than the drift: that, too, is the start.
 static motion_t come_back(void) {
-  if (!state_end_stop_ahead(-1)) {
-    const motion_t motion = {-1, LAKE_HOME_COUNTS, -LAKE_HOME_SPEED_UM_S, 0};
-    return motion;
-  }
-  if (stroke_um() - (int32_t)program_drift_um() > LAKE_START_UM)
-    state_fault(FAULT_STUCK);
-  else
-    state_finish(STROKE_AT_START);
-  return kRest;
+  if (!state_end_stop_ahead(-1)) return retract();
+  if (stroke_um() - (int32_t)program_drift_um() > LAKE_START_UM) return home_fault(FAULT_STUCK);
+  arrive();
+  return motion_rest();
 }
 
 motion_t program_position(void) {
   if (has_arrived()) {
-    state_finish(STROKE_AT_START);
-    return kRest;
+    arrive();
+    return motion_rest();
   }
-  if (machine.clock_ms >= machine.end_ms) {
-    state_fault(FAULT_NO_MOTION);
-    return kRest;
-  }
-  return start_lies > 0 ? kExtend : come_back();
+  if (machine.clock_ms >= machine.end_ms) return home_fault(FAULT_NO_MOTION);
+  return start_lies > 0 ? extend() : come_back();
 }
 
-// An end stop releases within its travel when the actuator moves away from it.
 uint8_t program_stop_is_stuck(void) {
-  return pressed_way_nm > LAKE_STOP_TRAVEL_UM * 1000UL;
+  return behind.pressed_way_nm > 1000UL * (behind.is_proven ? LAKE_STOP_TRAVEL_UM : LAKE_CHECK_UM);
+}
+
+static void watch_stop_behind(int32_t velocity_um_s) {
+  const int8_t direction = (velocity_um_s > 0) - (velocity_um_s < 0);
+  const uint32_t way_nm = velocity_um_s < 0 ? -velocity_um_s : velocity_um_s;
+  if (direction == 0) {
+    if (end_stops_pressed() == 0) behind.pressed_way_nm = 0;
+    return;
+  }
+  if (direction != behind.direction) behind.free_way_nm = 0;
+  behind.direction = direction;
+  if (!state_end_stop_ahead(-direction)) {
+    if (behind.pressed_way_nm > 0) behind.is_proven = 1;
+    behind.pressed_way_nm = 0;
+    if (behind.free_way_nm < WAY_MOST_NM) behind.free_way_nm += way_nm;
+  } else if (behind.free_way_nm >= 1000UL * FREE_UM) {
+    behind.pressed_way_nm = WAY_MOST_NM;
+  } else if (behind.pressed_way_nm < WAY_MOST_NM) {
+    behind.pressed_way_nm += way_nm;
+  }
 }
 
 void program_keep_books(const motion_t* driven, const motion_t* wanted) {
-  const int32_t velocity_um_s = driven->velocity_um_s;
   count_way(driven);
-  if (velocity_um_s != 0 && state_end_stop_ahead(velocity_um_s > 0 ? -1 : 1))  // what lies behind
-    pressed_way_nm += velocity_um_s < 0 ? -velocity_um_s : velocity_um_s;
-  else if (velocity_um_s != 0)
-    pressed_way_nm = 0;
+  watch_stop_behind(driven->velocity_um_s);
   keep_plan();
   watch_motion(wanted);
 }

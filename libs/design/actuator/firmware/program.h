@@ -5,7 +5,8 @@
 
 #include "state.h"
 
-void program_reset(void);
+void program_init(void);   // after a reset of the chip
+void program_reset(void);  // of a fault
 
 // Answers to requests.
 reply_t program_take_run(void);
@@ -22,13 +23,21 @@ motion_t program_home(void);
 motion_t program_position(void);
 
 uint8_t program_soft_limit_ahead(int8_t direction);
+uint8_t program_hard_limit_ahead(int8_t direction);  // what a program that runs must not pass
+
+// The same motion, or as slowly as the duty table goes while an end stop behind is pressed and nothing has shown yet
+// that the motor turns as it is told.
+motion_t program_careful(motion_t motion);
+
 uint8_t program_stop_contradicts_stroke(void);  // pressed, though the stroke is known to be somewhere else
-uint8_t program_stop_is_stuck(void);            // pressed although the actuator moved away from it
+uint8_t program_stop_is_stuck(void);            // pressed although the actuator moved away from it, or pressed by that
 
 // Once per ms: what the bridge drives, and what is wanted of it.
 void program_keep_books(const motion_t* driven, const motion_t* wanted);
 
 int32_t program_stroke_um(void);  // as planned
 uint32_t program_drift_um(void);  // how far the actuator may be from it
+
+uint16_t program_sum(void);  // as motor_sum
 
 #endif

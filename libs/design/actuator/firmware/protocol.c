@@ -123,6 +123,9 @@ static void tell_state(state_t state) {
     case STATE_FAULT:
       line_text(PSTR("fault"));
       return;
+    case STATE_CHECKING:
+      line_text(PSTR("checking"));
+      return;
   }
 }
 
@@ -197,6 +200,7 @@ static void tell_events(uint8_t events, fault_t fault) {
   if (events & EVENT_DONE) tell_message(PSTR("done"));
   if (events & EVENT_JOG_LIMIT) tell_message(PSTR("jog ended at a limit"));
   if (events & EVENT_TIMEOUT) tell_message(PSTR("host silent, stopped"));
+  if (events & EVENT_RELEASED) tell_message(PSTR("button released, stopped"));
 }
 
 // The next tick replies. A line that was being read when a hold or an abort came is not obeyed.
@@ -223,12 +227,31 @@ static void obey_jog(const char* text) {
   ask(REQUEST_JOG, (int16_t)(duty * LAKE_PWM_PERIOD / 1000), (uint16_t)duration);
 }
 
+// [FAULT:n,state,time_s], the newest first.
+static void tell_log(void) {
+  logged_t logged;
+  for (uint8_t which = 0; controller_logged(which, &logged); ++which) {
+    line_text(PSTR("[FAULT:"));
+    tell_uint(logged.fault);
+    line_char(',');
+    tell_state((state_t)logged.state);
+    line_char(',');
+    tell_uint(logged.time_s);
+    line_text(PSTR("]\n"));
+  }
+}
+
 // Those that move nothing and forget nothing; nonzero if it was one.
 static uint8_t obey_harmless(const char* line) {
   if (!strcmp_P(line, PSTR("stop"))) {
     ask(REQUEST_STOP, 0, 0);
   } else if (!strcmp_P(line, PSTR("header"))) {
     tell_header();
+    controller_request_reply(REPLY_OK);
+  } else if (!strcmp_P(line, PSTR("who"))) {
+    greeting_asked = 1;
+  } else if (!strcmp_P(line, PSTR("faults"))) {
+    tell_log();
     controller_request_reply(REPLY_OK);
   } else {
     return 0;
@@ -241,6 +264,10 @@ static void obey(const char* line) {
     status_asked = 1;
   } else if (!strcmp_P(line, PSTR("run"))) {
     ask(REQUEST_RUN, 0, 0);
+#if LAKE_WORN
+  } else if (!strcmp_P(line, PSTR("worn"))) {
+    ask(REQUEST_WORN, 0, 0);
+#endif
   } else if (!strcmp_P(line, PSTR("home"))) {
 #if LAKE_SEGMENT_COUNT > 0
     tell_message(PSTR("unworn only: homing takes the knee to " LAKE_HOME_KNEE " degrees"));

@@ -19,10 +19,8 @@ static volatile char tx[TX_SIZE];
 static volatile uint8_t tx_head, tx_tail;
 static volatile char rx[RX_SIZE];
 static volatile uint8_t rx_head, rx_tail;
-static realtime_t (*obey_realtime)(char);
 
-void serial_init(realtime_t (*realtime)(char)) {
-  obey_realtime = realtime;
+void serial_init(void) {
 #if USE_2X
   UCSR0A = _BV(U2X0);
 #else
@@ -40,7 +38,7 @@ static void keep(char c) {
     rx[(rx_head - 1) & (RX_SIZE - 1)] = SERIAL_LOST;
     return;
   }
-  rx[rx_head] = c;
+  rx[rx_head & (RX_SIZE - 1)] = c;
   rx_head = next;
 }
 
@@ -48,7 +46,7 @@ ISR(USART_RX_vect) {
   const uint8_t is_broken = UCSR0A & (_BV(FE0) | _BV(DOR0));
   const char c = UDR0;
   if (is_broken) keep(SERIAL_LOST);
-  switch (obey_realtime(c)) {
+  switch (serial_realtime(c)) {
     case REALTIME_DONE:
       return;
     case REALTIME_FORGET:
@@ -64,7 +62,7 @@ ISR(USART_UDRE_vect) {
   if (tx_head == tx_tail) {
     UCSR0B &= ~_BV(UDRIE0);
   } else {
-    UDR0 = tx[tx_tail];
+    UDR0 = tx[tx_tail & (TX_SIZE - 1)];
     tx_tail = (tx_tail + 1) & (TX_SIZE - 1);
   }
 }
@@ -73,7 +71,7 @@ int16_t serial_read(void) {
   int16_t c = -1;
   ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
     if (rx_tail != rx_head) {
-      c = (uint8_t)rx[rx_tail];
+      c = (uint8_t)rx[rx_tail & (RX_SIZE - 1)];
       rx_tail = (rx_tail + 1) & (RX_SIZE - 1);
     }
   }
@@ -83,7 +81,7 @@ int16_t serial_read(void) {
 void serial_write(char c) {
   const uint8_t next = (tx_head + 1) & (TX_SIZE - 1);
   while (next == tx_tail) sleep_mode();
-  tx[tx_head] = c;
+  tx[tx_head & (TX_SIZE - 1)] = c;
   tx_head = next;
   UCSR0B |= _BV(UDRIE0);
 }

@@ -7,9 +7,11 @@
 // What a real-time character was. Beside those that only stop there is one that also forgets what came before it.
 typedef enum { REALTIME_NONE, REALTIME_DONE, REALTIME_FORGET } realtime_t;
 
-// `realtime` is called for every character inside the receiver's interrupt; what it obeys does not become part of a
-// line.
-void serial_init(realtime_t (*realtime)(char));
+void serial_init(void);
+
+// Called for every character inside the receiver's interrupt; what it obeys does not become part of a line. Whoever
+// knows the real-time characters defines it.
+realtime_t serial_realtime(char c);
 
 // The next character that was received, -1 if there is none. SERIAL_FORGET: what was read before belongs to nothing.
 // SERIAL_LOST stands where characters were lost.

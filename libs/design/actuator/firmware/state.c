@@ -1,6 +1,7 @@
 #include "state.h"
 
 #include "end_stops.h"
+#include "portable.h"
 
 machine_t machine;
 
@@ -8,6 +9,10 @@ void state_begin(state_t next, uint32_t duration_ms) {
   machine.state = next;
   machine.clock_ms = 0;
   machine.end_ms = duration_ms;
+}
+
+uint16_t state_sum(void) {
+  return sum_of(&machine, offsetof(machine_t, events));
 }
 
 void state_finish(knowledge_t known) {
@@ -18,6 +23,7 @@ void state_finish(knowledge_t known) {
 
 void state_fault(fault_t what) {
   if (machine.fault != FAULT_NONE) return;
+  machine.before_fault = machine.state;
   machine.state = STATE_FAULT;
   machine.fault = what;
   machine.knowledge = STROKE_UNKNOWN;

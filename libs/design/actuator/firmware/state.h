@@ -3,6 +3,7 @@
 #ifndef LAKE_STATE_H
 #define LAKE_STATE_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 typedef enum {
@@ -12,7 +13,8 @@ typedef enum {
   STATE_RUNNING,
   STATE_HOLD,
   STATE_JOGGING,
-  STATE_FAULT
+  STATE_FAULT,
+  STATE_CHECKING  // only told: what is to move waits until the relay is closed and the bridge has been looked at
 } state_t;
 
 // How well the stroke is known.
@@ -34,7 +36,9 @@ typedef enum {
   REPLY_NO_PROGRAM = 6,   // a calibration firmware has none
   REPLY_STOP_AHEAD = 7,   // an end stop is pressed in that direction
   REPLY_LIMIT_AHEAD = 8,  // a soft limit is reached in that direction
-  REPLY_CHECK_SUM = 9     // the line has no check sum, or a wrong one
+  REPLY_CHECK_SUM = 9,    // the line has no check sum, or a wrong one
+  REPLY_BUTTON = 10,      // the wearer does not hold the button, or it was never seen released
+  REPLY_TRIES = 11        // homing has failed HOME_TRIES times
 } reply_t;
 
 // What went wrong, the N of `ALARM:N`; the first one stays until it is acknowledged.
@@ -53,7 +57,10 @@ typedef enum {
   FAULT_FOLLOWING = 11,    // too far from the plan
   FAULT_OVERCURRENT = 12,  // a short or a stall
   FAULT_NO_CURRENT = 13,   // driven, it takes none: motor, supply or sense wire
-  FAULT_LATE = 14          // a tick or a round of conversions did not end within its ms
+  FAULT_LATE = 14,         // a tick or a round of conversions did not end within its ms
+  FAULT_BRIDGE = 15,       // the bridge does what it is not told: ENA's jumper, a wire, a transistor
+  FAULT_RELAY = 16,        // the safety relay does not open
+  FAULT_MEMORY = 17        // what was kept has changed by itself
 } fault_t;
 
 // What happened unasked; bits.
@@ -61,7 +68,8 @@ enum {
   EVENT_FAULT = 1 << 0,      // machine.fault has come
   EVENT_DONE = 1 << 1,       // the program, homing or a jog ended as planned
   EVENT_JOG_LIMIT = 1 << 2,  // a jog ended at an end stop or a soft limit
-  EVENT_TIMEOUT = 1 << 3     // the host was silent for too long while something moved
+  EVENT_TIMEOUT = 1 << 3,    // the host was silent for too long while something moved
+  EVENT_RELEASED = 1 << 4    // the wearer let the button go
 };
 
 // What is wanted of the motor in this ms.
@@ -72,7 +80,19 @@ typedef struct {
   uint32_t spread_um_s;  // by which it may be slower, beside the tolerances
 } motion_t;
 
-static const motion_t kRest = {0, 0, 0, 0};
+// Field by field: the compiler keeps a constant motion in RAM, where a bit may flip.
+static inline motion_t motion_of(int8_t direction, uint16_t counts, int32_t velocity_um_s) {
+  motion_t motion;
+  motion.direction = direction;
+  motion.counts = counts;
+  motion.velocity_um_s = velocity_um_s;
+  motion.spread_um_s = 0;
+  return motion;
+}
+
+static inline motion_t motion_rest(void) {
+  return motion_of(0, 0, 0);
+}
 
 typedef struct {
   state_t state;
@@ -80,9 +100,14 @@ typedef struct {
   uint32_t clock_ms;  // of the program, of homing, or of a jog
   uint32_t end_ms;
   fault_t fault;
-  uint8_t events;
+  state_t before_fault;  // in which it came
+  uint8_t is_ready;      // the motor may be driven: until then clocks stand still
+  uint8_t is_worn;       // the program that runs or is held was begun by the wearer's button
+  uint8_t events;        // the last: the main loop takes them
 } machine_t;
 extern machine_t machine;
+
+uint16_t state_sum(void);  // as motor_sum
 
 void state_begin(state_t next, uint32_t duration_ms);
 void state_finish(knowledge_t known);  // as planned

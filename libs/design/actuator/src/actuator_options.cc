@@ -1,6 +1,37 @@
 #include "lake/actuator/actuator_options.h"
 
+#include <algorithm>
+#include <charconv>
+
+#include "lake/core/error.h"
+
 namespace lake::actuator {
+namespace {
+
+// "ena=10,in1=5": of those names, the others as they are.
+Pins WithPins(Pins pins, const std::string& text) {
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin), name = part.substr(0, part.find('='));
+    int* const pin = name == "ena"       ? &pins.ena
+                     : name == "in1"     ? &pins.in1
+                     : name == "in2"     ? &pins.in2
+                     : name == "retract" ? &pins.retract
+                     : name == "extend"  ? &pins.extend
+                     : name == "out1"    ? &pins.out1
+                     : name == "out2"    ? &pins.out2
+                                         : nullptr;
+    const char* const number = part.data() + std::min(name.size() + 1, part.size());
+    if (!pin || std::from_chars(number, part.data() + part.size(), *pin).ptr != part.data() + part.size() ||
+        number == part.data() + part.size())
+      throw UsageError("--pins '" + part +
+                       "': one of ena, in1, in2, retract, extend, out1, out2 and a number, as ena=10");
+    begin = end + 1;
+  }
+  return pins;
+}
+
+}  // namespace
 
 void Describe(ScheduleOptions& o, OptionList& options) {
   options.Add("speed", o.speed_mm_s, "Constant speed instead of the design's program").Unit("mm/s");
@@ -43,7 +74,8 @@ void Describe(FirmwareOptions& o, OptionList& options) {
   options.Add("lag", o.lag_s, "Time by which the speed may lag behind the duty: part of the drift bound").Unit("s");
   options
       .Add("stop-travel", o.stop_travel_mm, "Travel within which an end stop must release when the actuator moves away")
-      .Unit("mm");
+      .Unit("mm")
+      .Otherwise("2");
   options
       .Add("extend-stop", o.extend_stop_mm, "Distance of the extend end stop before the linkage's end; 0: no such stop")
       .Unit("mm");
@@ -76,6 +108,34 @@ void Describe(FirmwareOptions& o, OptionList& options) {
       .Value("AMPERE")
       .Key("max_current_a");
   options.Add("stall-current", o.stall_current_a, "More for 0.3 s is a stall").Value("AMPERE").Key("stall_current_a");
+  options
+      .Add("force-limit", o.force_limit_n,
+           "Largest force of the actuator, held by its current; more for 0.3 s is a stall")
+      .Unit("N")
+      .Otherwise("--stall-current alone");
+  options.Add("force-per-ampere", o.force_n_per_a, "The actuator's force per ampere beyond its idle current")
+      .Value("N_PER_AMPERE")
+      .Key("force_n_per_a");
+  options.Add("idle-current", o.idle_a, "What the motor takes without a load").Value("AMPERE").Key("idle_a");
+  options.Add("speed-limit", o.speed_limit_mm_s, "A faster program is refused, and the closed loop is never faster")
+      .Unit("mm/s")
+      .Otherwise("the duty table's last");
+  options.AddChoice("bridge", o.bridge,
+                    OptionList::Choices<Bridge>{{"l298n", Bridge::kL298n}, {"bts7960", Bridge::kBts7960}},
+                    "The motor's bridge; a BTS7960 needs --pins ena=7,in1=9,in2=10");
+  options.Add("bridge-sense", o.bridge_sense,
+              "The bridge's outputs are read back on A3 and A4, each through a divider: then a stop may brake");
+  options.Add("safety-relay", o.pins.safety_relay, "Pin of a relay in the motor's supply, before the sense of --supply")
+      .Value("PIN");
+  options.Add("worn", o.worn, "A firmware that may be run on a person, who holds a button; not tried on a board yet");
+  options.Add("button", o.pins.button, "Pin of the wearer's hold-to-run button, to ground").Value("PIN");
+  options.Add("worn-timeout", o.worn_timeout_s, "Worn: stop after the host has been silent this long; at most 0.5")
+      .Unit("s");
+  const auto set_pins = [&o](const OptionTexts& texts, const std::string&) {
+    for (const std::string& part : texts) o.pins = WithPins(o.pins, part);
+  };
+  options.AddCustom("pins", "Other pins than D9, D7, D8 of the bridge and D2, D3 of the end stops", set_pins)
+      .Value("NAME=PIN,NAME=PIN");
   options.Add("table-tolerance", o.table_tolerance_mm, "Stroke error allowed to fit a long program into the flash")
       .Unit("mm");
   options.Check([&o](const OptionList&) { o.Check(); });

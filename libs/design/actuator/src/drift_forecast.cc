@@ -87,6 +87,27 @@ void RequireRoom(const DriftForecast& forecast, const StrokeSchedule& schedule, 
       std::ceil(10 * (forecast.drift_mm - forecast.Room()) + 0.01) / 10);
 }
 
+// Which way the motor turns is found out within the room that the linkage has beyond an end stop.
+void RequireRoomToCheck(const Homing& homing, const StrokeSchedule& schedule, const DutyTable& table,
+                        const FirmwareOptions& options) {
+  const double creep_mm_s = std::max(homing.extend_creep_mm_s, homing.retract_creep_mm_s);
+  const double least_mm = std::min(homing.check_mm, kDirectionCheck_mm) + RunOn(creep_mm_s, table, options);
+  const double below_mm = homing.stroke_mm - schedule.limits.lower_end_mm;
+  const double room_mm = options.extend_stop_mm > 0 ? std::min(below_mm, options.extend_stop_mm) : below_mm;
+  if (options.stop_travel_mm && *options.stop_travel_mm >= room_mm)
+    throw UsageError(
+        fmt::format("--stop-travel {} mm is not less than the {:.3f} mm that the linkage has beyond an end stop: give "
+                    "less, or raise "
+                    "--margin, --home-stroke or --extend-stop",
+                    *options.stop_travel_mm, room_mm));
+  if (least_mm >= room_mm)
+    throw Fail(
+        "to find out which way the motor turns takes {:.3f} mm, and beyond an end stop the linkage has {:.3f} mm: "
+        "raise "
+        "--margin, --home-stroke or --extend-stop, or give --accept-drift on a bench without a person",
+        least_mm, room_mm);
+}
+
 // Homing keeps the lower soft limit, run-on past the switch and all.
 void RequireHome(const Homing& homing, const SoftLimits& limits, const DutyTable& table,
                  const FirmwareOptions& options) {
@@ -120,14 +141,23 @@ Homing HomingOf(const StrokeTable& stroke, const StrokeSchedule& schedule, const
   homing.counts = CountsFor(table, -homing.speed_mm_s);
   homing.position_counts = CountsFor(table, homing.position_speed_mm_s);
   const double travel_mm = schedule.limits.used.stroke.upper_mm - homing.stroke_mm;
-  homing.timeout_ms = std::llround(1e3 * (1.5 * travel_mm / homing.speed_mm_s + 2));
-  homing.back_off_ms = std::llround(1e3 * options.stop_travel_mm / homing.position_speed_mm_s);
+  homing.timeout_ms = std::llround(1e3 * ((1 + ToleranceOf(table, options) / 100) * travel_mm / homing.speed_mm_s + 1));
+  homing.back_off_ms = std::llround(1e3 * options.StopTravel() / homing.position_speed_mm_s);
   const double released_mm = homing.stroke_mm + 1e-3 * homing.back_off_ms * homing.position_speed_mm_s;
   if (stroke.start_mm >= released_mm)
     homing.position_ms = std::llround(1e3 * (stroke.start_mm - released_mm) / homing.position_speed_mm_s);
   else
     homing.return_ms = std::llround(1e3 * (released_mm - stroke.start_mm) / homing.speed_mm_s);
-  homing.touch_timeout_ms = std::llround(1e3 * (2 * options.stop_travel_mm / homing.speed_mm_s + 1));
+  constexpr double kCreep = 1.5;       // times the slowest speed, so that it does not stick
+  constexpr double kSeenCheck_mm = 1;  // a potentiometer tells the wrong way before
+  homing.check_mm =
+      std::min(options.StopTravel(), options.feedback == Feedback::kPotentiometer ? kSeenCheck_mm : kDirectionCheck_mm);
+  homing.extend_creep_mm_s = std::min(homing.position_speed_mm_s, kCreep * table.extend.LeastMovingSpeed());
+  homing.retract_creep_mm_s = std::min(homing.speed_mm_s, kCreep * table.retract.LeastMovingSpeed());
+  // What the potentiometer may be off by, and what homing runs on; where the linkage has more room, half of it.
+  homing.guard_mm = homing.stroke_mm - std::max(options.feedback_error_mm + RunOn(homing.speed_mm_s, table, options),
+                                                std::min(1.0, (homing.stroke_mm - schedule.limits.lower_end_mm) / 2));
+  homing.touch_timeout_ms = std::llround(1e3 * (2 * options.StopTravel() / homing.speed_mm_s + 1));
   return homing;
 }
 
@@ -162,7 +192,7 @@ DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& sch
   watch.Turn(0, 0, homing.stroke_mm);
   watch.Turn(Um(homing.position_speed_mm_s), 0, homing.stroke_mm);
   watch.Go(homing.back_off_ms + homing.position_ms, 0,
-           std::max(stroke.start_mm, homing.stroke_mm + options.stop_travel_mm));
+           std::max(stroke.start_mm, homing.stroke_mm + options.StopTravel()));
   watch.Turn(0, 0, stroke.start_mm);
   if (homing.return_ms > 0) {
     watch.Turn(-Um(homing.speed_mm_s), 0, stroke.start_mm);
@@ -186,6 +216,7 @@ DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& sch
 void RequireRoomForDrift(const Homing& homing, const StrokeTable& stroke, const StrokeSchedule& schedule,
                          const DutyTable& table, const FirmwareOptions& options) {
   RequireHome(homing, schedule.limits, table, options);
+  RequireRoomToCheck(homing, schedule, table, options);
   if (options.extend_stop_mm > 0)
     RequireExtendStop(schedule, table, options);
   else

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <utility>
 
 #include "homing.h"
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
+#include "pin_name.h"
 
 namespace lake::actuator {
 namespace {
@@ -49,19 +52,43 @@ int ReadingOf(double volt) {
 
 std::string SupplyDefines(const FirmwareOptions& options) {
   const double sensed_v = options.supply_v / kSupplyDivider;
-  return fmt::format("#define LAKE_SUPPLY_SENSE {}\n#define LAKE_SUPPLY_LEAST {}\n#define LAKE_SUPPLY_MOST {}\n",
-                     options.supply_v > 0 ? 1 : 0, ReadingOf(sensed_v * (1 - kSupplyTolerance)),
-                     ReadingOf(sensed_v * (1 + kSupplyTolerance)));
+  return fmt::format(
+      "#define LAKE_SUPPLY_SENSE {}\n#define LAKE_SUPPLY_LEAST {}\n#define LAKE_SUPPLY_MOST {}\n"
+      "#define LAKE_SUPPLY_NEAR_LEAST {}  // in open loop\n#define LAKE_SUPPLY_NEAR_MOST {}\n",
+      options.supply_v > 0 ? 1 : 0, ReadingOf(sensed_v * (1 - kSupplyTolerance)),
+      ReadingOf(sensed_v * (1 + kSupplyTolerance)), ReadingOf(sensed_v * (1 - kOpenLoopSupplyTolerance)),
+      ReadingOf(sensed_v * (1 + kOpenLoopSupplyTolerance)));
+}
+
+std::string PinDefines(const FirmwareOptions& options) {
+  const Pins& pins = options.pins;
+  std::string text;
+  for (const auto& [name, pin] : std::initializer_list<std::pair<const char*, int>>{{"ENA", pins.ena},
+                                                                                    {"IN1", pins.in1},
+                                                                                    {"IN2", pins.in2},
+                                                                                    {"RETRACT", pins.retract},
+                                                                                    {"EXTEND", pins.extend},
+                                                                                    {"OUT1", pins.out1},
+                                                                                    {"OUT2", pins.out2},
+                                                                                    {"BUTTON", pins.button}})
+    text += fmt::format("#define LAKE_PIN_{} {}\n", name, pin);
+  if (pins.safety_relay) text += fmt::format("#define LAKE_PIN_RELAY {}\n", *pins.safety_relay);
+  return text + fmt::format(
+                    "#define LAKE_BRIDGE_BTS7960 {}\n#define LAKE_BRIDGE_SENSE {}\n#define LAKE_RELAY {}\n#define "
+                    "LAKE_WORN {}\n#define "
+                    "LAKE_WORN_TIMEOUT_MS {}\n",
+                    options.bridge == Bridge::kBts7960 ? 1 : 0, options.bridge_sense ? 1 : 0, pins.safety_relay ? 1 : 0,
+                    options.worn ? 1 : 0, std::llround(1e3 * options.worn_timeout_s));
 }
 
 std::string CurrentDefines(const FirmwareOptions& options) {
-  constexpr int kLeast_ma = 40;  // of any motor that turns
+  constexpr int kLeast_ma = 100;  // of any motor that is being started
   return fmt::format(
       "#define LAKE_CURRENT_SENSE {}\n#define LAKE_CURRENT_ZERO {}\n#define LAKE_CURRENT_UA_PER_COUNT {}L\n#define "
       "LAKE_CURRENT_MOST_MA {}\n#define LAKE_CURRENT_STALL_MA {}\n#define LAKE_CURRENT_LEAST_MA {}\n",
       options.current_sense ? 1 : 0, ReadingOf(options.current_zero_v),
       std::lround(1e6 * kReference_v / kMostReading / options.current_v_per_a),
-      std::lround(1e3 * options.max_current_a), std::lround(1e3 * options.stall_current_a), kLeast_ma);
+      std::lround(1e3 * options.max_current_a), std::lround(1e3 * options.StallCurrent()), kLeast_ma);
 }
 
 // Nearer to a rail a reading is one of a wiper that is lost or shorted.
@@ -143,11 +170,11 @@ std::string DutyTableName(const DutyTable& table) {
 
 std::string CommonDefines(const FirmwareOptions& options, std::size_t segments, const SoftLimits* limits) {
   return fmt::format(
-             "#define LAKE_PWM_PERIOD {}  // counts: 4 kHz at 16 MHz\n#define LAKE_DEAD_TIME_MS {}  // brake before "
+             "#define LAKE_PWM_PERIOD {}  // counts: 4 kHz at 16 MHz\n#define LAKE_DEAD_TIME_MS {}  // a stop before "
              "anything else\n#define LAKE_COMMAND_TIMEOUT_MS {}  // 0: none\n#define LAKE_SEGMENT_COUNT {}\n",
              kPwmPeriod, std::llround(1e3 * options.dead_time_s), std::llround(1e3 * options.command_timeout_s),
              segments) +
-         SupplyDefines(options) + CurrentDefines(options) + FeedbackDefines(options, limits);
+         PinDefines(options) + SupplyDefines(options) + CurrentDefines(options) + FeedbackDefines(options, limits);
 }
 
 // The tolerances behind the bound on the drift.
@@ -160,13 +187,95 @@ std::string DriftDefines(const DriftBound& bound, const FirmwareOptions& options
       options.accept_drift || options.extend_stop_mm > 0 ? 0 : 1);
 }
 
+void RequireSpeedLimit(const StrokeTable& stroke, const FirmwareOptions& options) {
+  if (!options.speed_limit_mm_s) return;
+  std::int32_t most_um_s = 0;
+  for (const StrokeSegment& segment : stroke.segments) most_um_s = std::max(most_um_s, std::abs(segment.velocity_um_s));
+  if (most_um_s > 1e3 * *options.speed_limit_mm_s)
+    throw UsageError(
+        fmt::format("the program goes at {:.3f} mm/s, and --speed-limit is {} mm/s: a slower program (--speed)",
+                    most_um_s / 1e3, *options.speed_limit_mm_s));
+}
+
 constexpr std::string_view kHashLine = "#define LAKE_PROGRAM \"";
 
 constexpr const char* kTypes =
     "\ntypedef struct {\n  uint32_t end_ms;         // since the program's start\n"
     "  int32_t velocity_um_s;   // positive extends\n  uint16_t counts;         // PWM\n} lake_segment;\n\n";
 
+void CheckPins(const FirmwareOptions& options) {
+  const Pins& pins = options.pins;
+  const bool is_bts = options.bridge == Bridge::kBts7960;
+  const auto has_pwm = [](int pin) { return pin == 9 || pin == 10; };
+  if (is_bts ? !has_pwm(pins.in1) || !has_pwm(pins.in2) : !has_pwm(pins.ena))
+    throw UsageError(
+        is_bts ? "--bridge bts7960 has its PWM on IN1 and IN2, and only D9 and D10 can: --pins ena=7,in1=9,in2=10"
+               : fmt::format("--pins: ENA is {}, and only D9 and D10 have a PWM", PinName(pins.ena)));
+  std::vector<std::pair<std::string, int>> used = {{"the potentiometer", 14}, {"ena", pins.ena},
+                                                   {"in1", pins.in1},         {"in2", pins.in2},
+                                                   {"retract", pins.retract}, {"extend", pins.extend}};
+  if (options.current_sense) used.emplace_back("the current sensor", 15);
+  if (options.supply_v > 0) used.emplace_back("the supply sense", 16);
+  if (options.bridge_sense) used.emplace_back("out1", pins.out1), used.emplace_back("out2", pins.out2);
+  if (options.worn) used.emplace_back("button", pins.button);
+  if (pins.safety_relay) used.emplace_back("--safety-relay", *pins.safety_relay);
+  for (auto one = used.begin(); one != used.end(); ++one) {
+    if (one->second < 2 || one->second > 19)
+      throw UsageError(fmt::format("{}: a pin is 2 to 19 (14 to 19 are A0 to A5; 0 and 1 are the serial line), not {}",
+                                   one->first, one->second));
+    for (auto other = used.begin(); other != one; ++other)
+      if (other->second == one->second)
+        throw UsageError(fmt::format("{} and {} are both on {}", other->first, one->first, PinName(one->second)));
+  }
+  if (pins.safety_relay && options.supply_v == 0)
+    throw UsageError("--safety-relay is tested by the supply behind it: wire its sense as well (--supply VOLT)");
+}
+
+// A person may only be moved where each single fault is seen: what is missing, in one line.
+void CheckWorn(const FirmwareOptions& options) {
+  if (!(options.worn_timeout_s >= 0.1 && options.worn_timeout_s <= kMostWornTimeout_s))
+    throw UsageError(
+        fmt::format("--worn-timeout must be within 0.1..{} s, not {}", kMostWornTimeout_s, options.worn_timeout_s));
+  if (!options.worn) return;
+  std::vector<std::string> missing;
+  const auto need = [&](bool there, const char* option) {
+    if (!there) missing.emplace_back(option);
+  };
+  need(options.feedback == Feedback::kPotentiometer, "--feedback pot");
+  need(options.supply_v > 0, "--supply VOLT");
+  need(options.current_sense, "--current-sense");
+  need(options.bridge_sense, "--bridge-sense");
+  need(options.pins.safety_relay.has_value(), "--safety-relay PIN");
+  need(options.force_limit_n.has_value(), "--force-limit N");
+  need(options.speed_limit_mm_s.has_value(), "--speed-limit MM_S");
+  if (!missing.empty()) throw UsageError(fmt::format("--worn needs {}", fmt::join(missing, ", ")));
+  if (options.accept_drift) throw UsageError("--worn and --accept-drift exclude each other");
+}
+
 }  // namespace
+
+double FirmwareOptions::StallCurrent() const {
+  return force_limit_n ? std::min(stall_current_a, idle_a + *force_limit_n / force_n_per_a) : stall_current_a;
+}
+
+std::vector<std::string> Unknowns(const FirmwareOptions& options) {
+  std::vector<std::string> unknown;
+  if (options.feedback == Feedback::kNone) {
+    unknown.push_back("The stroke is planned, not measured: a stall, a load, a slow or a reversed motor are not seen.");
+    if (options.extend_stop_mm == 0)
+      unknown.push_back("Without an extend end stop nothing ends a motion the wrong way.");
+  }
+  if (options.supply_v == 0)
+    unknown.push_back("It does not see the emergency stop: released, a program that is under way goes on by itself.");
+  if (options.supply_v == 0 && options.feedback == Feedback::kNone)
+    unknown.push_back("It does not see the supply's voltage: 10 % less is 10 % and more of stroke.");
+  if (!options.current_sense) unknown.push_back("It does not feel a force: only the fuse limits it.");
+  if (!options.bridge_sense)
+    unknown.push_back("The bridge's outputs are not read back: a stop coasts, without a brake.");
+  if (!options.pins.safety_relay)
+    unknown.push_back("There is no second way to switch the motor off: a shorted transistor is told, not stopped.");
+  return unknown;
+}
 
 void FirmwareOptions::Check() const {
   const auto require = [](bool good, const char* option, double value, const char* what) {
@@ -183,7 +292,7 @@ void FirmwareOptions::Check() const {
     require(*speed_tolerance_percent >= 0 && *speed_tolerance_percent <= 100, "--speed-tolerance",
             *speed_tolerance_percent, "within 0..100 percent");
   require(extend_stop_mm >= 0 && extend_stop_mm <= 100, "--extend-stop", extend_stop_mm, "within 0..100 mm");
-  require(stop_travel_mm >= 0.1 && stop_travel_mm <= 10, "--stop-travel", stop_travel_mm, "within 0.1..10 mm");
+  require(StopTravel() >= 0.1 && StopTravel() <= 10, "--stop-travel", StopTravel(), "within 0.1..10 mm");
   require(lag_s >= 0 && lag_s <= 0.5, "--lag", lag_s, "within 0..0.5 s");
   require(home_error_mm >= 0 && home_error_mm <= 10, "--home-error", home_error_mm, "within 0..10 mm");
   require(supply_v == 0 || (supply_v >= 4 && supply_v * (1 + kSupplyTolerance) / kSupplyDivider < 4.95), "--supply",
@@ -201,6 +310,18 @@ void FirmwareOptions::Check() const {
           "above 0 and within what the sensor reads below 4.9 V");
   require(stall_current_a > 0 && stall_current_a <= max_current_a, "--stall-current", stall_current_a,
           "above 0 and at most --max-current");
+  if (force_limit_n) {
+    require(*force_limit_n > 0 && *force_limit_n <= 10'000, "--force-limit", *force_limit_n,
+            "above 0 and at most 10000 N");
+    require(force_n_per_a > 0, "--force-per-ampere", force_n_per_a, "above 0 N/A where there is a --force-limit");
+    if (!current_sense) throw UsageError("--force-limit is held by the motor's current: give --current-sense as well");
+  }
+  require(idle_a >= 0 && idle_a < max_current_a, "--idle-current", idle_a, "at least 0 and less than --max-current");
+  if (speed_limit_mm_s)
+    require(*speed_limit_mm_s > 0 && *speed_limit_mm_s <= 1000, "--speed-limit", *speed_limit_mm_s,
+            "above 0 and at most 1000 mm/s");
+  CheckPins(*this);
+  CheckWorn(*this);
   require(table_tolerance_mm > 0 && table_tolerance_mm <= 10, "--table-tolerance", table_tolerance_mm,
           "above 0 and at most 10 mm");
 }
@@ -209,9 +330,11 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
                               const FirmwareOptions& options, const std::string& made_by) {
   const Homing homing = HomingOf(stroke, schedule, table, options);
   if (options.feedback == Feedback::kPotentiometer) RequirePotentiometer(options, schedule, homing.stroke_mm);
+  RequireSpeedLimit(stroke, options);
   if (!options.accept_drift) RequireRoomForDrift(homing, stroke, schedule, table, options);
   std::string text = options.accept_drift ? kDriftAccepted : "";
   text += fmt::format("// Stroke program for the UNO. {}\n", Comment(made_by));
+  for (const std::string& unknown : Unknowns(options)) text += "// CANNOT KNOW: " + unknown + "\n";
   text += "#ifndef LAKE_STROKE_TABLE_H\n#define LAKE_STROKE_TABLE_H\n\n#include \"portable.h\"\n\n";
   text += CommonDefines(options, stroke.segments.size(), &schedule.limits);
   text += DriftDefines(DriftBound(stroke, table, options), options);
@@ -221,8 +344,20 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
                       Um(stroke.start_mm));
   text += fmt::format("#define LAKE_UPPER_END_UM {}L  // of the linkage: what the drift must not reach\n",
                       Um(schedule.limits.upper_end_mm));
-  text += fmt::format("#define LAKE_STOP_TRAVEL_UM {}L  // within which an end stop releases\n",
-                      Um(options.stop_travel_mm));
+  text += fmt::format(
+      "#define LAKE_STOP_TRAVEL_UM {}L  // within which an end stop releases\n#define LAKE_CHECK_UM {}L  // … while it "
+      "is "
+      "not known which way the motor turns\n",
+      Um(options.StopTravel()), Um(homing.check_mm));
+  text += fmt::format(
+      "#define LAKE_EXTEND_CREEP_COUNTS {}  // then\n#define LAKE_EXTEND_CREEP_UM_S {}L\n#define "
+      "LAKE_RETRACT_CREEP_COUNTS {}\n#define LAKE_RETRACT_CREEP_UM_S {}L\n",
+      CountsFor(table, homing.extend_creep_mm_s), Um(homing.extend_creep_mm_s),
+      CountsFor(table, -homing.retract_creep_mm_s), Um(homing.retract_creep_mm_s));
+  text +=
+      fmt::format("#define LAKE_SPEED_LIMIT_UM_S {}L\n",
+                  Um(options.speed_limit_mm_s.value_or(std::max(table.extend.MostSpeed(), table.retract.MostSpeed()))));
+  text += fmt::format("#define LAKE_HOME_GUARD_UM {}L  // where homing has passed its end stop\n", Um(homing.guard_mm));
   text += fmt::format("#define LAKE_EXTEND_STOP_UM {}L  // 0: there is none\n",
                       Um(ExtendStop(schedule, options).value_or(0)));
   text += fmt::format(
@@ -282,9 +417,8 @@ std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedul
     text += "// WARNING: MODEL duty table. This actuator's speeds were not measured: lake-stroke calibrate.\n";
   text += fmt::format("// WARNING: UNWORN ONLY: home takes the knee to {:.1f} degrees.\n",
                       KneeDegAt(schedule.links, home_mm));
-  if (options.feedback == Feedback::kNone)
-    text += "// WARNING: open loop. The stroke that it says is planned; what the actuator does nobody measures.\n";
-  if (options.supply_v == 0) text += "// WARNING: it does not see the emergency stop: after one, reset and home.\n";
+  if (options.feedback == Feedback::kNone) text += "// WARNING: open loop.\n";
+  for (const std::string& unknown : Unknowns(options)) text += "// CANNOT KNOW: " + unknown + "\n";
   text += fmt::format("// Program: from {} to {} in {:.1f} s, {} segments.\n", place(stroke.start_mm),
                       place(schedule.knots.back().stroke_mm), schedule.Duration(), stroke.segments.size());
   text += fmt::format("// Retract end stop at {}; extend end stop {}. The linkage ends at {:.3f} and {:.3f} mm.\n",

@@ -25,6 +25,9 @@ struct Homing {
   std::int64_t timeout_ms, back_off_ms, touch_timeout_ms;
   // From where the end stop was seen to release, one of them 0: on to the start, or back to it.
   std::int64_t position_ms = 0, return_ms = 0;
+  // Off a pressed end stop while it is not known which way the motor turns: the way, the speeds.
+  double check_mm, extend_creep_mm_s, retract_creep_mm_s;
+  double guard_mm;  // below it the end stop has not come: by the potentiometer
 };
 
 Homing HomingOf(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,

@@ -37,6 +37,7 @@ SerialPort::SerialPort(const std::filesystem::path& path)
                is_line ? "another program has this serial line; close its serial monitor" : "this is no serial line");
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
+  settings.c_cflag &= ~static_cast<tcflag_t>(HUPCL);  // the line's end does not reset the board
   cfsetspeed(&settings, B115200);
   tcsetattr(file_, TCSANOW, &settings);
   tcflush(file_, TCIOFLUSH);

@@ -80,17 +80,19 @@ class Session {
   Session(const SessionOptions& options, LogFile& log, const std::function<void(const std::string&, double)>& poll)
       : options_(options), log_(log), poll_(poll), port_(options.port) {}
 
-  // Opening the port resets an UNO; a board that does not reset by it is reset by Ctrl-X.
+  // Opening the port resets an UNO unless it has been open before. Then Ctrl-X makes it greet, or where it must not
+  // forget its stroke the question who it is.
   void Greet(const SketchIdentity& sketch) {
     std::string design, program;
-    bool reset = false, has_header = false;
+    bool has_header = false;
+    int asked = 0;
     for (const auto begin = Clock::now(); design.empty() || program.empty() || !has_header;) {
       if (Since(begin) > options_.greeting_s)
         throw Fail("{}: no greeting of lake-stroke's firmware within {} s: is it uploaded?", options_.port.string(),
                    options_.greeting_s);
-      if (!reset && Since(begin) > options_.greeting_s / 2) {
-        port_.Write(kReset);
-        reset = true;
+      if (Since(begin) > (asked + 1) * options_.greeting_s / 4) {
+        port_.Write(options_.task == SessionTask::kRunWorn ? Framed("who") + "\n" : kReset);
+        ++asked;
       }
       const std::optional<std::string> line = Line();
       if (!line) continue;
@@ -140,14 +142,20 @@ class Session {
       if (line && line->starts_with("[MSG:host silent"))
         throw Fail("{}: the firmware did not hear this program in time and stopped; is the computer too busy?",
                    options_.port.string());
+      if (line && line->starts_with("[MSG:button released"))
+        throw Fail(
+            "{}: the wearer let the button go, and the program is held at its place: to go on, button held, say resume "
+            "and "
+            "go to lake-stroke talk; to give up, lower the wearer by hand",
+            options_.port.string());
     }
     throw Fail("{}: {} has not ended within {:.0f} s", options_.port.string(), what, most_s);
   }
 
-  // Whatever it does.
+  // Whatever it does. A worn program keeps its place, so that the wearer need not be moved by hand.
   void Stop() noexcept {
     try {
-      port_.Write(kReset);
+      port_.Write(options_.task == SessionTask::kRunWorn ? "!" : kReset);
       for (const auto begin = Clock::now(); Since(begin) < 0.3;) buffer_ += port_.Read(kPoll_s);
     } catch (const std::exception&) {
       // The line is gone: the firmware stops by its time-out.
@@ -316,6 +324,10 @@ SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder) {
   if (!std::regex_search(text, match, std::regex("#define LAKE_PROGRAM \"([^\"]*)\"")) ||
       match[1] != identity.program_hash)
     throw Fail("{}: it is not as lake-stroke wrote it: write it again, and upload that sketch", file.string());
+  identity.worn = text.find("#define LAKE_WORN 1\n") != std::string::npos;
+  static const std::regex unknown("// CANNOT KNOW: ([^\n]*)");
+  for (std::sregex_iterator at(text.begin(), text.end(), unknown), end; at != end; ++at)
+    identity.unknowns.push_back((*at)[1]);
   static const std::regex segment("\\{([0-9]+), -?[0-9]+, [0-9]+\\},");
   for (std::sregex_iterator at(text.begin(), text.end(), segment), end; at != end; ++at)
     identity.duration_s = std::stod((*at)[1]) / 1e3;
@@ -324,16 +336,21 @@ SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder) {
 
 SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sketch, const std::filesystem::path& log,
                          const std::function<void(const std::string&, double)>& poll) {
+  if (options.task == SessionTask::kRunWorn && !sketch.worn)
+    throw Fail("this program may not be run on a person: write it with --worn, and everything that needs wired");
   LogFile file(log);
   Session session(options, file, poll);
   SessionResult result;
   try {
     session.Greet(sketch);
     session.WriteHeader();
-    session.Ask(options.home ? "home" : "zero");
-    if (options.home) result.homing_s = session.WaitForDone("homing", options.homing_s);
-    session.Ask("run");
-    result.run_s = session.WaitForDone("the program", std::min(options.run_s, 2 * sketch.duration_s + 10));
+    const bool homes = options.task != SessionTask::kRunWorn && options.home;
+    if (options.task != SessionTask::kRunWorn) session.Ask(homes ? "home" : "zero");
+    if (homes) result.homing_s = session.WaitForDone("homing", options.homing_s);
+    if (options.task != SessionTask::kHome) {
+      session.Ask(options.task == SessionTask::kRunWorn ? "worn" : "run");
+      result.run_s = session.WaitForDone("the program", std::min(options.run_s, 2 * sketch.duration_s + 10));
+    }
   } catch (...) {
     session.Stop();
     throw;
@@ -343,12 +360,12 @@ SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sk
 }
 
 std::string AlarmText(int number) {
-  static const std::array<const char*, 14> texts = {
+  static const std::array<const char*, 17> texts = {
       "an end stop in the direction of motion",
       "both end stops at once: their wires",
       "a limit was reached, of the program or of the linkage",
       "no end stop met while homing",
-      "an end stop is pressed away from its place: its wire",
+      "an end stop is pressed away from its place: its wire, or the motor turns the wrong way",
       "the motor's supply is off or outside its limits: emergency stop, or the sense wire",
       "the potentiometer reads what it cannot: wiper lost or shorted, or it contradicts home",
       "driven, it does not move: a stall, a frozen wiper, or no supply",
@@ -357,21 +374,26 @@ std::string AlarmText(int number) {
       "too far from the plan",
       "over-current: a short or a stall",
       "driven, it takes no current: motor, supply or sense wire",
-      "a tick or a conversion came late: the board, or a bug"};
+      "a tick or a conversion came late: the board, or a bug",
+      "the bridge does what it is not told: ENA's jumper, a wire, a shorted transistor",
+      "the safety relay does not open",
+      "the board's memory has changed by itself"};
   return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
                                                                  : "a fault of a newer firmware";
 }
 
 std::string ErrorText(int number) {
-  static const std::array<const char*, 9> texts = {"no such command",
-                                                   "a number out of range",
-                                                   "the line is too long",
-                                                   "not in this state",
-                                                   "it is not at the program's start",
-                                                   "the firmware has no program",
-                                                   "an end stop is pressed in that direction",
-                                                   "a soft limit is reached in that direction",
-                                                   "the line had no check sum, or a wrong one"};
+  static const std::array<const char*, 11> texts = {"no such command",
+                                                    "a number out of range",
+                                                    "the line is too long",
+                                                    "not in this state",
+                                                    "it is not at the program's start",
+                                                    "the firmware has no program",
+                                                    "an end stop is pressed in that direction",
+                                                    "a soft limit is reached in that direction",
+                                                    "the line had no check sum, or a wrong one",
+                                                    "the wearer does not hold the button, or it is never seen released",
+                                                    "homing has failed three times: mend it, then power off and on"};
   return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
                                                                  : "a reply of a newer firmware";
 }

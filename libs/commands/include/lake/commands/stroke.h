@@ -37,7 +37,9 @@ std::vector<InputFile> InputsOf(const StrokeRunOptions& options);
 
 // Writes the firmware's sources with this stroke_table.h into the folder kSketchFolder of the results, `notes` on top
 // of the .ino; returns their names.
-Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run& run);
+// Further files, of this program alone, beside them.
+Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run& run,
+                 const std::vector<actuator::FirmwareFile>& further = {});
 
 // Writes program.csv, program.png; with a duty table the firmware's sketch; with `validate` validation.csv and
 // validation.png. Returns the results for the summary.
@@ -49,6 +51,21 @@ struct StrokeSessionRunOptions {
   actuator::SessionOptions session;
 };
 void Describe(StrokeSessionRunOptions& options, OptionList& list);
+
+// Homing alone, with nobody in the exoskeleton.
+struct StrokeHomeRunOptions {
+  StrokeSessionRunOptions run;
+};
+void Describe(StrokeHomeRunOptions& options, OptionList& list);
+
+struct BenchRunOptions {
+  std::optional<std::filesystem::path> folder;  // of the laboratory's logs; none: the plan is written
+};
+void Describe(BenchRunOptions& options, OptionList& list);
+
+// The plan of the bench's tests, bench.csv, or the verdict on their logs, bench_verdicts.csv.
+Json RunBenchValidation(const BenchRunOptions& options, Run& run);
+std::string BenchReportText(const Json& summary);
 
 struct StrokeTalkRunOptions {
   actuator::TalkOptions talk;

@@ -18,18 +18,35 @@ inline constexpr int kPwmPeriod = 4000;     // counts of timer 1 at 16 MHz: 4 kH
 inline constexpr int kSpeedIntervals = 64;  // of the firmware's own duty-to-speed table
 inline constexpr int kSegmentBytes = 10;    // of a segment in flash
 inline constexpr int kFlashBytes = 32256;   // of the ATmega328P beside the UNO's bootloader
-// Kept for the code: half of the flash. What it takes without feedback is half of that again; the rest is room for
-// the closed loop.
-inline constexpr int kFirmwareBytes = 16128;
+// Kept for the code, with everything wired, as a person needs it.
+inline constexpr int kFirmwareBytes = 19456;
 inline constexpr double kUnmeasuredTolerance_percent = 10;  // of speeds, where nobody has measured it
 inline constexpr int kMostSegments = (kFlashBytes - kFirmwareBytes) / kSegmentBytes;
 
 // 39 kOhm above, 10 kOhm below. Without the wire the lower one pulls A2 to 0 V.
 inline constexpr double kSupplyDivider = 4.9;
-inline constexpr double kSupplyTolerance = 0.4;  // of the nominal voltage: outside is a fault
+inline constexpr double kSupplyTolerance = 0.4;          // of the nominal voltage: outside is a fault
+inline constexpr double kOpenLoopSupplyTolerance = 0.1;  // likewise where nothing but the voltage sets the speed
+inline constexpr double kDirectionCheck_mm =
+    0.3;                                     // off a pressed end stop while it is not known which way the motor turns
+inline constexpr double kStopTravel_mm = 2;  // the default
+inline constexpr double kMostWornTimeout_s = 0.5;
 inline constexpr double kFollowingError_mm = 1;  // at most, in closed loop; at 3 mm the firmware stops
 
 enum class Feedback { kNone, kPotentiometer };
+
+// BTS7960: two half bridges, whose enables are one wire, ENA, and whose PWM inputs are IN1 and IN2.
+enum class Bridge { kL298n, kBts7960 };
+
+// Which of the UNO's pins is wired to what; A0 to A5 are 14 to 19. What has the PWM is an output of timer
+// 1, D9 or D10: ENA of an L298N, IN1 and IN2 of a BTS7960.
+struct Pins {
+  int ena = 9, in1 = 7, in2 = 8;
+  int retract = 2, extend = 3;      // end stops
+  int out1 = 17, out2 = 18;         // the bridge's outputs, with bridge_sense
+  std::optional<int> safety_relay;  // none: not wired
+  int button = 4;                   // the wearer's, to ground
+};
 
 struct FirmwareOptions {
   double home_stroke_mm = 0;                      // at which the retract end stop acts; 0: the lower soft limit
@@ -40,10 +57,11 @@ struct FirmwareOptions {
                                                   // the drift; none: the table's own, else kUnmeasuredTolerance_percent
   double lag_s = 0.05;                            // by which speed lags behind duty at most, for the bound …
   double home_error_mm = 0.1;                     // … and how well the stroke is known after homing
-  double stop_travel_mm = 2;            // within which an end stop releases when the actuator moves away from it
-  double extend_stop_mm = 0;            // the extend end stop acts so far before the linkage's end; 0: there is none
-  bool accept_drift = false;            // for a bench without a person: the drift may leave the linkage's room
-  Feedback feedback = Feedback::kNone;  // of the stroke; none: open loop
+  std::optional<double> stop_travel_mm;  // within which an end stop releases when the actuator moves away from it;
+                                         // none: kStopTravel_mm
+  double extend_stop_mm = 0;             // the extend end stop acts so far before the linkage's end; 0: there is none
+  bool accept_drift = false;             // for a bench without a person: the drift may leave the linkage's room
+  Feedback feedback = Feedback::kNone;   // of the stroke; none: open loop
   std::optional<PotentiometerScale> potentiometer;  // two readings on A0 with their strokes; feedback needs it
   double feedback_error_mm = 0.5;  // by which that stroke may be off: calibration, linearity, resolution
   double supply_v = 0;             // of the motor, seen on A2 through kSupplyDivider; 0: not wired
@@ -51,12 +69,27 @@ struct FirmwareOptions {
   double current_zero_v = 2.5, current_v_per_a = 0.185;  // … what reads so without current, and so much per ampere
   double max_current_a = 3;                              // more is a short: off within 10 ms, …
   double stall_current_a = 2;                            // … more than this for 0.3 s a stall
+  std::optional<double> force_limit_n;  // of the actuator on the leg: a stall current by the two numbers below, if less
+  double force_n_per_a = 0, idle_a = 0;    // the actuator's force per ampere above what it takes without a load
+  std::optional<double> speed_limit_mm_s;  // no motion of the closed loop is faster, and no program may be
+  Bridge bridge = Bridge::kL298n;
+  Pins pins;
+  bool bridge_sense = false;    // the bridge's outputs are read back on A3 and A4: else it is never braked
+  bool worn = false;            // may be run on a person, who holds a button: everything above must be wired
+  double worn_timeout_s = 0.5;  // then the host may be silent for so long
   std::string design_hash =
       "unknown";                     // the first digits of the design file's SHA-256: no option, said in the greeting
   double table_tolerance_mm = 0.05;  // allowed when a program has too many knots for the flash
 
+  double StopTravel() const { return stop_travel_mm.value_or(kStopTravel_mm); }
+  double StallCurrent() const;  // A, by the force limit if that is less
+
   void Check() const;  // throws UsageError
 };
+
+// What a firmware with these options cannot know or do, a sentence each: said on the sketch, by lake-stroke, and before
+// a run.
+std::vector<std::string> Unknowns(const FirmwareOptions& options);
 
 // One stretch of constant speed.
 struct StrokeSegment {

@@ -1,0 +1,270 @@
+// Every single fault of the bench's plan in every state, with everything wired: what is told, how far the rod goes, and
+// whether anything is dangerous. The whole matrix makes libs/design/actuator/RISKS.md:
+//   LAKE_LONG_TESTS=1 LAKE_RISKS=libs/design/actuator/RISKS.md build/test/bin/lake_actuator_test
+//   --gtest_filter='FaultMatrix*'
+// Without LAKE_LONG_TESTS every ninth case is tried.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "host/host_fixture.h"
+#include "lake/actuator/bench_validation.h"
+#include "lake/core/atomic_file.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double kStopWay_mm = 0.3;        // after a stop, whatever is broken: coasting from 5 mm/s takes 0.13
+constexpr double kFailedBridgeWay_mm = 1;  // where the bridge drives by itself: the relay opens 10 ms after the stop
+                                           // has found it out, and the motor coasts from full speed
+constexpr const char* kAtLimit = "running, at the upper limit";
+
+using Act = std::function<void(HostRig&)>;
+
+const std::map<std::string, Act>& Makers() {
+  static const auto wire = [](Wire RigBreaks::*which, Wire how) {
+    return [=](HostRig& rig) { rig.Breaks().*which = how; };
+  };
+  static const auto supply = [](double part) {
+    return [=](HostRig& rig) { rig.Actuator().supply = [part](double) { return part; }; };
+  };
+  static const std::map<std::string, Act> makers = {
+      {"none", [](HostRig&) {}},
+      {"ena_open", wire(&RigBreaks::ena, Wire::kOpen)},
+      {"ena_ground", wire(&RigBreaks::ena, Wire::kGround)},
+      {"ena_5v", wire(&RigBreaks::ena, Wire::kFive)},
+      {"in1_open", wire(&RigBreaks::in1, Wire::kOpen)},
+      {"in1_ground", wire(&RigBreaks::in1, Wire::kGround)},
+      {"in1_5v", wire(&RigBreaks::in1, Wire::kFive)},
+      {"in2_open", wire(&RigBreaks::in2, Wire::kOpen)},
+      {"in2_ground", wire(&RigBreaks::in2, Wire::kGround)},
+      {"in2_5v", wire(&RigBreaks::in2, Wire::kFive)},
+      {"retract_wire", [](HostRig& rig) { rig.PullWire(true, true); }},
+      {"extend_wire", [](HostRig& rig) { rig.PullWire(false, true); }},
+      {"both_wires", [](HostRig& rig) { rig.PullWire(true, true), rig.PullWire(false, true); }},
+      {"retract_shorted", [](HostRig& rig) { rig.Actuator().retract_stop_mm = -1000; }},
+      {"supply_off", supply(0)},
+      {"supply_low", supply(0.5)},
+      {"supply_high", supply(1.5)},
+      {"supply_sense", [](HostRig& rig) { rig.Breaks().supply_wire = true; }},
+      {"wiper_lost", [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kLost; }},
+      {"wiper_shorted", [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kShorted; }},
+      {"wiper_frozen", [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kFrozen; }},
+      {"current_sense", [](HostRig& rig) { rig.Breaks().current_wire = true; }},
+      {"short", [](HostRig& rig) { rig.Actuator().idle_a = 6; }},
+      {"motor_unplugged", [](HostRig& rig) { rig.Breaks().is_motor_unplugged = true; }},
+      {"blocked", [](HostRig& rig) { rig.Breaks().is_blocked = true; }},
+      {"shorted_extend", [](HostRig& rig) { rig.Breaks().shorted = 1; }},
+      {"shorted_retract", [](HostRig& rig) { rig.Breaks().shorted = -1; }},
+      {"relay_welded", [](HostRig& rig) { rig.Breaks().is_relay_welded = true; }},
+      {"host_silent", [](HostRig& rig) { rig.KeepTalking(false); }},
+      {"main_hangs", [](HostRig& rig) { rig.Hang(true); }},
+      {"current_offset", [](HostRig& rig) { rig.Breaks().current_offset_v = 0.03; }},
+  };
+  return makers;
+}
+
+// What one fault in one state came to.
+struct Found {
+  int alarm = 0;       // 0: none was told
+  double told_s = 0;   // after the fault
+  double way_mm = 0;   // from the fault to the rest after what was told
+  double stop_mm = 0;  // after a stop
+  std::string danger;  // empty: none
+};
+
+class FaultMatrixTest : public HostFirmwareTest {
+ protected:
+  void SetUp() override {
+    actuator::FirmwareOptions& options = firmware_options_;
+    options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
+    options.supply_v = 12, options.current_sense = true, options.bridge_sense = true;
+    options.pins.safety_relay = 5;
+    options.worn = true, options.speed_limit_mm_s = 6, options.extend_stop_mm = 0.7;
+    options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
+    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    actuator_.noise_counts = 0.5;
+    actuator_.has_relay = true;
+    actuator_.extend_stop_mm = 374.5205 - 0.7;
+  }
+
+  // Until it says that state, driving that way.
+  void Until(const char* state, int sign) {
+    for (int ms = 0; ms < 40'000; ++ms) {
+      rig_->Run(1e-3);
+      const double duty = rig_->Duty();
+      if ((sign == 0 || duty * sign > 0) && rig_->Status().find(state) != std::string::npos) return;
+    }
+    FAIL() << "never " << state << "\n" << rig_->Serial();
+  }
+
+  void Begin(const char* command) {
+    ASSERT_TRUE(rig_->Asks("zero", "ok"));
+    if (*command == 0) return;
+    ASSERT_TRUE(rig_->Asks(command, "ok")) << rig_->Serial();
+  }
+
+  void Reach(const std::string& state) {
+    const bool at_limit = state == kAtLimit;
+    firmware_options_.home_stroke_mm = at_limit ? 366 : 299;
+    Build(at_limit ? FreeDesign({{0, 368}, {1.5, 372.5}, {2, 372.5}, {3.5, 368.5}})
+                   : FreeDesign({{0, 303}, {1, 307}, {1.5, 307}, {2.9, 303.5}}));
+    if (state.find("homing") != std::string::npos || state.find("jogging") != std::string::npos)
+      rig_->SetStroke(schedule_.knots.front().stroke_mm + 2);
+    rig_->PowerUp();
+    rig_->Run(0.6);  // the relay has been seen open
+    const auto home = [&](int legs) {
+      rig_->Send("home");
+      for (int leg = 0; leg < legs; ++leg) Until("<homing", leg % 2 == 0 ? -1 : 1);
+    };
+    if (state == "idle, at the start") Begin("");
+    if (state == "homing, seeking") home(1);
+    if (state == "homing, backing off") home(2);
+    if (state == "homing, coming again") home(3);
+    if (state == "positioning") rig_->Send("home"), Until("<positioning", 1);
+    if (state == "running, extending" || state == "hold") Begin("run"), Until("<running", 1), rig_->Run(0.4);
+    if (state == "running, resting") Begin("run"), Until("<running", 1), rig_->Run(1.3);
+    if (state == "running, retracting") Begin("run"), Until("<running", -1), rig_->Run(0.2);
+    if (state == "hold") rig_->SendNow('!'), rig_->Run(0.3);
+    if (at_limit) {
+      Begin("run"), Until("<running", 1);
+      while (rig_->Stroke() < 372) rig_->Run(1e-3);
+    }
+    if (state == "jogging, extending") rig_->Send("jog 500 6000"), Until("<jogging", 1), rig_->Run(0.3);
+    if (state == "jogging, retracting") rig_->Send("jog -400 6000"), Until("<jogging", -1), rig_->Run(0.3);
+    if (state == "worn, extending") {
+      rig_->Press(true);
+      rig_->Run(0.1);
+      Begin("worn"), Until("<running", 1), rig_->Run(0.4);
+    }
+    ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << state;
+  }
+
+  // Of the samples from there on: past the linkage's ends, or driven into an end stop that is pressed.
+  std::string Danger(std::size_t from, int most_driven_ms) const {
+    int driven_ms = 0;
+    for (std::size_t i = from; i < rig_->Samples().size(); ++i) {
+      const HostSample& sample = rig_->Samples()[i];
+      if (sample.stroke_mm > schedule_.limits.upper_end_mm || sample.stroke_mm < schedule_.limits.lower_end_mm)
+        return fmt::format("at {:.3f} mm, past the linkage's end", sample.stroke_mm);
+      const bool into_stop = (sample.motor_duty > 0 && sample.stroke_mm >= actuator_.extend_stop_mm) ||
+                             (sample.motor_duty < 0 && sample.stroke_mm <= rig_->Actuator().retract_stop_mm);
+      driven_ms = into_stop ? driven_ms + 1 : 0;
+      if (driven_ms > most_driven_ms)
+        return fmt::format("driven into a pressed end stop at {:.3f} mm", sample.stroke_mm);
+    }
+    return {};
+  }
+
+  double WayFrom(std::size_t from) const {
+    double way = 0;
+    for (std::size_t i = from; i < rig_->Samples().size(); ++i)
+      way = std::max(way, std::abs(rig_->Samples()[i].stroke_mm - rig_->Samples()[from].stroke_mm));
+    return way;
+  }
+
+  Found Try(const std::string& state, const Act& make, bool drives_by_itself) {
+    Reach(state);
+    Found found;
+    if (HasFatalFailure()) return found;
+    const std::size_t from = rig_->Samples().size() - 1;
+    const double since_s = rig_->Time();
+    make(*rig_);
+    if (rig_->RunUntil("ALARM:", 2)) {
+      found.told_s = rig_->Time() - since_s;
+      rig_->Run(0.002);
+      found.alarm = std::atoi(rig_->Serial().c_str() + rig_->Serial().find("ALARM:") + 6);
+      rig_->Run(0.3);
+      found.way_mm = WayFrom(from);
+    }
+    const std::size_t stopped = rig_->Samples().size();
+    rig_->SendNow('!');
+    rig_->Run(0.6);
+    found.stop_mm = WayFrom(stopped + 1);  // it acts with the next tick
+    // What a user would try.
+    for (const char* line : {"reset", "home", "resume", "go", "jog 400 800", "jog -400 800", "reset", "home"})
+      rig_->Send(line), rig_->Run(1);
+    found.danger = Danger(from, drives_by_itself ? 120 : 3);
+    if (found.danger.empty() && found.stop_mm > (drives_by_itself ? kFailedBridgeWay_mm : kStopWay_mm))
+      found.danger = fmt::format("{:.2f} mm after a stop", found.stop_mm);
+    return found;
+  }
+};
+
+// One row of the risk table: the worst of all states.
+struct Risk {
+  std::set<int> alarms;
+  int states = 0, told = 0, dangers = 0;
+  double told_s = 0, way_mm = 0, stop_mm = 0;
+
+  void Add(const Found& found) {
+    ++states;
+    dangers += !found.danger.empty();
+    stop_mm = std::max(stop_mm, found.stop_mm);
+    if (found.alarm == 0) return;
+    ++told;
+    alarms.insert(found.alarm);
+    told_s = std::max(told_s, found.told_s), way_mm = std::max(way_mm, found.way_mm);
+  }
+};
+
+std::string RiskTable(const std::vector<std::pair<actuator::BenchFault, Risk>>& risks) {
+  std::string text = fmt::format(
+      "# Risks of each single fault\n\n**None of this has been tried on a board: nobody may wear it.** In the form of "
+      "ISO 14971, the hazardous "
+      "situation, how it is detected, and the residual travel of the rod: what a person's leg would be moved by. "
+      "Severity is "
+      "not judged here; a laboratory that puts a person into the exoskeleton does, and measures the same rows on its "
+      "bench "
+      "(`lake stroke validate-bench`). Made by `FaultMatrixTest` (`tests/actuator/fault_matrix_test.cc`): the portable "
+      "firmware with everything wired and a model of the plant, each fault in each of {} states; each column has the "
+      "worst "
+      "of them. The rod's way includes what was asked for until the fault is told. Dangerous is: past the linkage's "
+      "end, driven into a pressed end stop, or more than {} mm after a stop, {} mm where the bridge itself has "
+      "failed.\n\n"
+      "| fault | how | ALARM | told in | within | rod goes | after a stop | dangerous |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
+      actuator::BenchStates().size(), kStopWay_mm, kFailedBridgeWay_mm);
+  for (const auto& [fault, risk] : risks) {
+    const std::string alarms = fmt::format("{}", fmt::join(risk.alarms, ", "));
+    text += fmt::format("| `{}` | {} | {} | {} of {} | {} | {} | {:.2f} mm | {} |\n", fault.name, fault.how,
+                        alarms.empty() ? "–" : alarms, risk.told, risk.states,
+                        risk.told ? fmt::format("{:.3f} s", risk.told_s) : "–",
+                        risk.told ? fmt::format("{:.2f} mm", risk.way_mm) : "–", risk.stop_mm, risk.dangers);
+  }
+  return text +
+         "\nWhere a fault is not told nothing moves by it in that state, or it is told when something is to move next: "
+         "what "
+         "was asked for goes on or ends as planned, and the columns of danger hold all the same.\n";
+}
+
+TEST_F(FaultMatrixTest, NoSingleFaultInAnyStateIsDangerous) {
+  const bool all = std::getenv("LAKE_LONG_TESTS") != nullptr;
+  std::vector<std::pair<actuator::BenchFault, Risk>> risks;
+  std::size_t number = 0;
+  for (const actuator::BenchFault& fault : actuator::BenchFaults()) {
+    Risk risk;
+    for (const std::string& state : actuator::BenchStates()) {
+      if (!all && number++ % 9 != 0) continue;
+      const bool drives_by_itself = fault.name.starts_with("shorted_");
+      const Found found = Try(state, Makers().at(fault.name), drives_by_itself);
+      ASSERT_FALSE(HasFatalFailure()) << fault.name << ", " << state;
+      risk.Add(found);
+      EXPECT_EQ(found.danger, "") << fault.name << ", " << state;
+      if (found.alarm == 0) continue;
+      EXPECT_THAT(fault.told, testing::Contains(found.alarm)) << fault.name << ", " << state;
+      EXPECT_LE(found.way_mm, fault.way_mm) << fault.name << ", " << state;
+    }
+    risks.emplace_back(fault, risk);
+  }
+  if (const char* file = std::getenv("LAKE_RISKS"); file && all) WriteTextFile(file, RiskTable(risks));
+}
+
+}  // namespace
+}  // namespace lake

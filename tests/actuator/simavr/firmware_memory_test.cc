@@ -1,0 +1,61 @@
+// Bits of the static memory that flip: nothing starts, and what moves is stopped or goes on as planned. Every bit with
+// LAKE_LONG_TESTS=1, else some.
+#include <cstdlib>
+
+#include "firmware_fixture.h"
+
+namespace lake {
+namespace {
+
+class FirmwareMemoryTest : public FirmwareTest {
+ protected:
+  static constexpr int kFirst = 0x100;  // of the ATmega328P's RAM
+
+  int StaticBytes() {
+    const auto file = folder_ / "size";
+    EXPECT_EQ(
+        std::system(("avr-size '" + elf_.string() + "' | awk 'NR==2 {print $2+$3}' > '" + file.string() + "'").c_str()),
+        0);
+    return std::atoi(ReadTextFile(file).c_str());
+  }
+
+  // Every bit, or one in so many, beginning where the seed says.
+  std::vector<int> Bits(int seed) {
+    const int bits = 8 * StaticBytes(), step = std::getenv("LAKE_LONG_TESTS") ? 1 : bits / 20;
+    std::vector<int> some;
+    for (int bit = seed * 7 % step; bit < bits; bit += step) some.push_back(bit);
+    return some;
+  }
+};
+
+TEST_F(FirmwareMemoryTest, ABitThatFlipsAtRestStartsNothing) {
+  Build(FreeDesign(kKnots), "");
+  for (const int bit : Bits(1)) {
+    PowerUp();
+    rig_->Run(0.03);
+    rig_->FlipBit(kFirst + bit / 8, bit % 8);
+    rig_->Run(0.08);
+    for (const RigSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0) << "bit " << bit;
+  }
+}
+
+// It stops, or goes on as planned, and obeys a hold; a hang ends by the watchdog after 0.12 s.
+TEST_F(FirmwareMemoryTest, ABitThatFlipsInARunDoesNotRunAway) {
+  Build(FreeDesign({{0, 300}, {3, 310}}), "");
+  for (const int bit : Bits(3)) {
+    PowerUp();
+    Start();
+    rig_->Run(0.1);
+    const double from = rig_->Stroke();
+    rig_->FlipBit(kFirst + bit / 8, bit % 8);
+    rig_->Run(0.03);
+    rig_->SendNow('!');
+    rig_->Run(0.2);
+    EXPECT_EQ(rig_->Samples().back().duty, 0) << "bit " << bit << "\n" << rig_->Serial();
+    // 3.3 mm/s for 0.03 s and the run-down; a hang at full speed would be 1.2 mm.
+    EXPECT_LT(std::abs(rig_->Stroke() - from), 1.3) << "bit " << bit;
+  }
+}
+
+}  // namespace
+}  // namespace lake

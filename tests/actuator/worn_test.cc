@@ -1,0 +1,276 @@
+// A program on a person: the button, the silent host, what must be wired, and that homing is another command.
+#include <cstdlib>
+
+#include "host/host_fixture.h"
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::ThrowsMessage;
+
+class WornTest : public HostFirmwareTest {
+ protected:
+  void SetUp() override {
+    actuator::FirmwareOptions& options = firmware_options_;
+    options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
+    options.supply_v = 12, options.current_sense = true, options.bridge_sense = true;
+    options.pins.safety_relay = 5;
+    options.worn = true, options.speed_limit_mm_s = 6;
+    options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
+    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    actuator_.noise_counts = 0.5, actuator_.has_relay = true;
+  }
+  void BuildAtStart() {
+    Build(FreeDesign({{0, 300}, {3, 315}}));
+    rig_->Run(0.6);
+    ASSERT_TRUE(rig_->Asks("zero", "ok"));
+  }
+  void StartWorn() {
+    BuildAtStart();
+    rig_->Press(true);
+    rig_->Run(0.1);
+    ASSERT_TRUE(rig_->Asks("worn", "ok")) << rig_->Serial();
+    rig_->Run(1);
+    ASSERT_GT(rig_->Duty(), 0) << rig_->Serial();
+  }
+};
+
+TEST_F(WornTest, StartsOnlyWithTheButtonHeld) {
+  BuildAtStart();
+  EXPECT_TRUE(rig_->Asks("worn", "error:10"));
+  rig_->Press(true);
+  rig_->Run(0.1);
+  EXPECT_TRUE(rig_->Asks("worn", "ok"));
+  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
+}
+
+// Its wire at ground is a button that is never released.
+TEST_F(WornTest, AButtonThatIsHeldSinceTheResetDoesNotCount) {
+  BuildAtStart();
+  rig_->Press(true);
+  rig_->PowerUp();
+  rig_->Run(0.7);
+  ASSERT_TRUE(rig_->Asks("zero", "ok"));
+  EXPECT_TRUE(rig_->Asks("worn", "error:10"));
+}
+
+TEST_F(WornTest, LettingGoIsOffWithin50MsAndKeepsThePlace) {
+  StartWorn();
+  const double since = rig_->Time(), from = rig_->Stroke();
+  rig_->Press(false);
+  rig_->Run(0.3);
+  double last = since;
+  for (const HostSample& sample : rig_->Samples())
+    if (sample.motor_duty != 0) last = std::max(last, sample.time_s);
+  EXPECT_LE(last - since, 0.05);
+  EXPECT_LE(std::abs(rig_->Stroke() - from), 0.15);
+  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:button released, stopped]"));
+  EXPECT_TRUE(rig_->Asks("resume", "ok"));
+  EXPECT_TRUE(rig_->Asks("go", "error:10")) << "without the button";
+  rig_->Press(true);
+  rig_->Run(0.1);
+  EXPECT_TRUE(rig_->ResumeAsks());
+  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
+}
+
+TEST_F(WornTest, ASilentHostIsOffWithinHalfASecond) {
+  StartWorn();
+  rig_->KeepTalking(false);
+  rig_->Send("alive");
+  rig_->Run(0.01);
+  const double since = rig_->Time();
+  rig_->Run(0.7);
+  double last = 0;
+  for (const HostSample& sample : rig_->Samples())
+    if (sample.motor_duty != 0) last = sample.time_s;
+  EXPECT_LE(last - since, 0.5);
+  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:host silent, stopped]"));
+}
+
+// 400 N are 1.6 A beyond the idle current.
+TEST_F(WornTest, AForceAboveItsLimitIsOff) {
+  EXPECT_NEAR(firmware_options_.StallCurrent(), 1.9, 1e-9);
+  actuator_.a_per_n = 1 / 250.0;
+  StartWorn();
+  EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
+  rig_->Actuator().load_n = [](double, double) { return 420; };
+  EXPECT_TRUE(rig_->RunUntil("ALARM:12\n", 0.4)) << rig_->Serial();
+}
+
+// At rest the relay is open: nothing that the bridge does moves the motor.
+TEST_F(WornTest, TheRelayIsOpenAtRestAndAfterAFault) {
+  BuildAtStart();
+  EXPECT_EQ(rig_->Board().relay, 0);
+  rig_->Press(true);
+  rig_->Run(0.1);
+  ASSERT_TRUE(rig_->Asks("worn", "ok"));
+  rig_->Run(1);
+  EXPECT_EQ(rig_->Board().relay, 1);
+  rig_->PullWire(false, true);
+  ASSERT_TRUE(rig_->RunUntil("ALARM:1\n", 0.1)) << rig_->Serial();
+  rig_->Run(0.002);
+  EXPECT_EQ(rig_->Board().relay, 0);
+}
+
+TEST_F(WornTest, AWeldedRelayIsFoundBeforeAnythingMoves) {
+  Build(FreeDesign({{0, 300}, {3, 315}}));
+  rig_->Breaks().is_relay_welded = true;
+  EXPECT_TRUE(rig_->RunUntil("ALARM:16\n", 1)) << rig_->Serial();
+  for (const HostSample& sample : rig_->Samples()) ASSERT_EQ(sample.motor_duty, 0);
+}
+
+// Power that a shorted transistor takes is off within 100 ms and 1 mm; where it drives the way that the program goes,
+// at most twice as fast as that, a little later: the potentiometer must see that it is ahead of the plan.
+TEST_F(WornTest, AShortedTransistorIsSwitchedOffByTheRelay) {
+  for (const int way : {1, -1})
+    for (const bool is_held : {false, true}) {
+      StartWorn();
+      if (is_held) rig_->SendNow('!'), rig_->Run(0.3);
+      const double since = rig_->Time(), from = rig_->Stroke();
+      rig_->Breaks().shorted = way;
+      rig_->Run(0.3);
+      double last = since, way_mm = 0;
+      for (const HostSample& sample : rig_->Samples())
+        if (sample.time_s > since && sample.motor_duty != 0)
+          last = sample.time_s, way_mm = std::abs(sample.stroke_mm - from);
+      const bool is_along = way > 0 && !is_held;
+      EXPECT_LE(last - since, is_along ? 0.15 : 0.1) << way << is_held << rig_->Serial();
+      EXPECT_LE(way_mm, is_along ? 1.3 : 1) << way << is_held;
+      std::printf("shorted transistor: off after %.0f ms, %.2f mm\n", 1e3 * (last - since), way_mm);
+    }
+}
+
+TEST_F(WornTest, FaultsAreLoggedBeyondAReset) {
+  BuildAtStart();
+  rig_->Breaks().wiper = RigBreaks::Wiper::kLost;
+  ASSERT_TRUE(rig_->RunUntil("ALARM:7\n", 0.1));
+  rig_->Breaks().wiper = RigBreaks::Wiper::kFine;
+  rig_->Run(0.1);
+  ASSERT_TRUE(rig_->Asks("reset", "ok"));
+  rig_->PullWire(true, true), rig_->PullWire(false, true);
+  ASSERT_TRUE(rig_->RunUntil("ALARM:2\n", 0.1));
+  rig_->PowerUp();
+  rig_->Run(0.1);
+  const std::size_t from = rig_->Serial().size();
+  ASSERT_TRUE(rig_->Asks("faults", "ok"));
+  EXPECT_THAT(rig_->Serial().substr(from), HasSubstr("[FAULT:2,idle,0]\n[FAULT:7,idle,0]\n"));
+}
+
+TEST_F(WornTest, WhatIsNotWiredIsRefused) {
+  firmware_options_.bridge_sense = false, firmware_options_.force_limit_n.reset();
+  EXPECT_THAT([&] { firmware_options_.Check(); },
+              ThrowsMessage<Error>(HasSubstr("--worn needs --bridge-sense, --force-limit N")));
+  firmware_options_.worn = false;
+  firmware_options_.Check();
+  firmware_options_.pins.in1 = 8;
+  EXPECT_THAT([&] { firmware_options_.Check(); }, ThrowsMessage<Error>(HasSubstr("in1 and in2 are both on D8")));
+}
+
+TEST_F(WornTest, AFasterProgramThanItsLimitIsRefused) {
+  EXPECT_THAT(
+      [&] {
+        Build(FreeDesign({{0, 300}, {2, 315}}));
+      },
+      ThrowsMessage<Error>(HasSubstr("the program goes at 7.500 mm/s, and --speed-limit is 6 mm/s")));
+}
+
+// Which way the motor turns, where nothing measures the stroke.
+class DirectionTest : public HostFirmwareTest {
+ protected:
+  void BuildNearTheTop() {
+    firmware_options_.extend_stop_mm = 0.7;
+    Build(FreeDesign({{0, 360}, {2, 366}}));
+    rig_->Actuator().extend_stop_mm = schedule_.limits.upper_end_mm - 0.7;
+    rig_->Breaks().is_reversed = true;
+  }
+};
+
+// `home` retracts, and a reversed motor extends: into the extend end stop, or on from it where that is pressed.
+TEST_F(DirectionTest, AReversedMotorDoesNotPassTheLinkagesEnd) {
+  for (const double below_stop_mm : {5.0, 0.1, -0.01}) {
+    BuildNearTheTop();
+    rig_->SetStroke(rig_->Actuator().extend_stop_mm - below_stop_mm);
+    rig_->Run(0.05);
+    for (int i = 0; i < 5; ++i) {
+      rig_->Send("home");
+      rig_->RunUntil("ALARM:5\n", 3);
+      rig_->Run(0.3);
+      EXPECT_LT(rig_->Stroke(), schedule_.limits.upper_end_mm) << below_stop_mm << ", attempt " << i;
+      rig_->Send("reset");
+      rig_->Run(0.1);
+    }
+    EXPECT_THAT(rig_->Serial(), HasSubstr("ALARM:5\n"));
+    EXPECT_TRUE(rig_->Asks("home", "error:11")) << "attempts are counted";
+  }
+}
+
+TEST_F(DirectionTest, AStopTravelThatTheLinkageHasNoRoomForIsRefused) {
+  firmware_options_.home_stroke_mm = 242.4978;  // the lower soft limit: 0.5 mm before the dead point
+  firmware_options_.stop_travel_mm = 0.51;
+  EXPECT_THAT(
+      [&] {
+        Build(FreeDesign({{0, 300}, {2, 306}}));
+      },
+      ThrowsMessage<Error>(HasSubstr("--stop-travel 0.51 mm is not less than the 0.500 mm")));
+  firmware_options_.stop_travel_mm = 0.4;
+  Build(FreeDesign({{0, 300}, {2, 306}}));
+}
+
+// Where the retract end stop does not come, by its wire at ground: the stroke is known, or a potentiometer sees it.
+TEST_F(DirectionTest, HomingEndsBeforeTheDeadPoint) {
+  for (const bool pot : {false, true}) {
+    if (pot) {
+      firmware_options_.feedback = actuator::Feedback::kPotentiometer;
+      firmware_options_.potentiometer = {0, 240, 1023, 380};
+      actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    }
+    firmware_options_.home_stroke_mm = 244;
+    Build(FreeDesign({{0, 245}, {2, 250}}));
+    ASSERT_TRUE(rig_->Asks("zero", "ok"));
+    ASSERT_TRUE(rig_->Asks("jog 500 1000", "ok"));
+    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 2));
+    rig_->Actuator().retract_stop_mm = -1000;
+    rig_->Run(0.3);
+    ASSERT_TRUE(rig_->Asks("home", "ok"));
+    EXPECT_TRUE(rig_->RunUntil("ALARM:4\n", 10)) << rig_->Serial();
+    rig_->Run(0.3);
+    EXPECT_GT(rig_->Stroke(), schedule_.limits.lower_end_mm) << (pot ? "pot" : "planned");
+  }
+}
+
+// Whatever is wired: it homes and runs. All 24 combinations with LAKE_LONG_TESTS=1, else four.
+class CombinationsTest : public HostFirmwareTest {};
+
+TEST_F(CombinationsTest, EachHomesAndRuns) {
+  const bool all = std::getenv("LAKE_LONG_TESTS") != nullptr;
+  for (unsigned bits = 0; bits < 32; ++bits) {
+    const bool pot = bits & 1, supply = bits & 2, current = bits & 4, sense = bits & 8, relay = bits & 16;
+    if ((relay && !supply) || (!all && bits != 2 && bits != 12 && bits != 19 && bits != 22)) continue;
+    firmware_options_ = {};
+    if (pot)
+      firmware_options_.feedback = actuator::Feedback::kPotentiometer,
+      firmware_options_.potentiometer = {0, 240, 1023, 380};
+    firmware_options_.supply_v = supply ? 12 : 0, firmware_options_.current_sense = current;
+    firmware_options_.bridge_sense = sense;
+    if (relay) firmware_options_.pins.safety_relay = 5;
+    actuator_ = {};
+    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380, actuator_.has_relay = relay;
+    Build(FreeDesign({{0, 300}, {2, 306}, {2.5, 306}, {4, 302}}));
+    rig_->SetStroke(304);
+    rig_->PowerUp();
+    rig_->Run(0.6);
+    ASSERT_TRUE(rig_->Asks("home", "ok")) << bits;
+    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 20)) << bits << rig_->Serial();
+    rig_->Run(0.3);
+    ASSERT_TRUE(rig_->Asks("run", "ok")) << bits;
+    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 6)) << bits << rig_->Serial();
+    EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << bits;
+    EXPECT_NEAR(rig_->Stroke(), 302, 0.6) << bits;  // the lags of five changes of speed, open loop
+  }
+}
+
+}  // namespace
+}  // namespace lake
