@@ -120,15 +120,30 @@ TEST(MarkerPath, JoinsItsHalvesAsTheirCovariancesSay) {
     const std::vector<PathSample> path = DrawPath(100 + static_cast<std::uint64_t>(i), 24, 1.0 / 60, density, sigma);
     const std::vector<PathSample> first(path.begin(), path.begin() + 12);
     const std::vector<PathSample> second(path.rbegin(), path.rbegin() + 12);
-    const MotionPrior vague{1e5, 1e6};
+    const MotionPrior vague{1e5, 1e6, 1e9};
     const double gap_s = path[12].time_s - path[11].time_s;
     const PathState before = EvidenceAt(first, path[11].time_s, density, vague).state,
                     after = EvidenceAt(second, path[12].time_s, density, vague).state;
     PathState there = after;
     there.mean = Moved(before, gap_s, density).mean;
-    squares += LogJoin(before, there, gap_s, density) - LogJoin(before, after, gap_s, density);
+    squares += LogJoin(before, there, gap_s, density, vague) - LogJoin(before, after, gap_s, density, vague);
   }
   EXPECT_NEAR(2 * squares / kPaths, 6, 4 * 0.17);
+}
+
+// What a path tells well is left as it is; after a second without a measurement nothing of it is left but that it is a
+// person's.
+TEST(MarkerPath, StaysWithinReach) {
+  const MotionPrior prior = PersonPrior(1);
+  PathState start = StartAt({0, {100, 200}, 0.5}, prior);
+  start.covariance = Eigen::Vector3d(0.5 * 0.5, 10 * 10, 100 * 100).asDiagonal();
+  const PathState soon = WithinReach(Moved(start, 1e-3, 1e9), start.Position(), prior),
+                  late = WithinReach(Moved(start, 1, 1e9), start.Position(), prior);
+  EXPECT_NEAR(std::sqrt(soon.covariance(0, 0)), 0.5, 0.01);
+  EXPECT_NEAR((late.Position() - start.Position()).norm(), 0, 1e-9);
+  EXPECT_LE(std::sqrt(late.covariance(0, 0)), prior.reach);
+  EXPECT_GE(std::sqrt(late.covariance(0, 0)), 0.9 * prior.reach);
+  EXPECT_LE(std::sqrt(late.covariance(1, 1)), prior.speed);
 }
 
 TEST(LearnMotion, FindsTheDensityAndWhatTheSigmasLeaveOut) {

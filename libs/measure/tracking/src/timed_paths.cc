@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "leg_scale.h"
@@ -28,6 +29,12 @@ double LogSum(const std::vector<double>& logs) {
 
 double DensityOf(std::size_t step, double quick) {
   return quick * std::pow(10, static_cast<double>(step) - static_cast<double>(kDensities - 1 - kAboveQuick));
+}
+
+// What of the density of a velocity is left at none.
+double LogShareOfStop(const dynamics::PathState& moving, double elapsed_s, double density) {
+  const dynamics::PathState then = dynamics::Moved(moving, elapsed_s, density);
+  return -0.5 * then.Velocity().squaredNorm() / then.covariance(1, 1);
 }
 
 }  // namespace
@@ -61,12 +68,24 @@ double Passage::LogDensity(const Marker& marker, double elapsed_s, double unrela
   for (const Hypothesis& hypothesis : marker) {
     const auto join = [&](double density) {
       return std::log(1 - unrelated) + hypothesis.log_weight +
-             dynamics::LogJoin(hypothesis.before, hypothesis.after, elapsed_s, density);
+             dynamics::LogJoin(hypothesis.before, hypothesis.after, elapsed_s, density, prior_);
     };
     logs.push_back(std::log(1 - kSuddenShare) + join(hypothesis.density));
     logs.push_back(std::log(kSuddenShare) + join(kSudden * hypothesis.density));
   }
   return LogSum(logs);
+}
+
+double Passage::JumpMm(double elapsed_s) const {
+  std::vector<double> jumps = {0, 0};
+  for (const Marker& marker : markers_) {
+    const Hypothesis& likeliest = *std::ranges::max_element(marker, {}, &Hypothesis::log_weight);
+    jumps.push_back(
+        (likeliest.after.Position() - dynamics::Moved(likeliest.before, elapsed_s, likeliest.density).Position())
+            .norm());
+  }
+  std::ranges::nth_element(jumps, jumps.begin() + 1, std::greater());
+  return unit_mm_ * jumps[1];
 }
 
 int Passage::Faster(double least_px_s) const {
@@ -151,6 +170,8 @@ double TimedPaths::Misfit(const std::vector<std::size_t>& frames, std::size_t af
 Passage TimedPaths::Between(const std::vector<std::size_t>& frames, std::size_t after, std::size_t from,
                             std::size_t to) const {
   Passage passage;
+  passage.unit_mm_ = unit_mm_;
+  passage.prior_ = prior_;
   passage.log_unrelated_ =
       -2 * std::log(kReach_mm / unit_mm_ * prior_.speed * prior_.acceleration) - 2 * std::log(2 * std::numbers::pi);
   for (const motion::MarkerTrack& track : recording_.markers) {
@@ -203,18 +224,9 @@ std::optional<Lateness> TimedPaths::LatenessOf(const std::vector<std::size_t>& f
   return Lateness{along / information, std::sqrt(seen / information), across / seen};
 }
 
-// What of the density of a velocity is left at none.
-double TimedPaths::LogShareOfStop(const dynamics::PathState& moving, double elapsed_s, double density) const {
-  const auto at = [&](double with) {
-    const dynamics::PathState then = dynamics::Moved(moving, elapsed_s, with);
-    return -0.5 * then.Velocity().squaredNorm() / then.covariance(1, 1);
-  };
-  return LogSum({std::log(1 - kSuddenShare) + at(density), std::log(kSuddenShare) + at(kSudden * density)});
-}
-
-// About to begin to move: by a tenth of a person's usual acceleration.
+// About to begin to move: by half of a person's usual acceleration.
 dynamics::PathState TimedPaths::AtRest(const dynamics::PathSample& last, double frame_s) const {
-  constexpr double kDriftPx = 0.05, kBeginning = 0.1;
+  constexpr double kDriftPx = 0.05, kBeginning = 0.5;
   return dynamics::StartAt(last, {kDriftPx / frame_s, kBeginning * prior_.acceleration});
 }
 
@@ -242,12 +254,12 @@ std::optional<TimedPaths::RunLogs> TimedPaths::LogsOfRun(const motion::MarkerTra
     copied += dynamics::Observe(run.back(), last);
   }
   // The density of samples that follow a state, which becomes the last one's.
-  const auto follow = [](std::span<const dynamics::PathSample> samples, double earlier_s, double density,
-                         dynamics::PathState& state, double& at_s) {
+  const auto follow = [&](std::span<const dynamics::PathSample> samples, double earlier_s, double density,
+                          dynamics::PathState& state, double& at_s) {
     double log_density = 0;
     for (dynamics::PathSample sample : samples) {
       sample.time_s -= earlier_s;
-      state = dynamics::Moved(state, sample.time_s - at_s, density);
+      state = dynamics::WithinReach(dynamics::Moved(state, sample.time_s - at_s, density), state.Position(), prior_);
       log_density += dynamics::Observe(sample, state);
       at_s = sample.time_s;
     }
@@ -291,7 +303,7 @@ double TimedPaths::LogOddsOfRepeat(const std::vector<std::size_t>& frames, std::
                                    double frame_s) const {
   // Prior odds: a repetition is a third as likely with each frame more; no time passes meanwhile, or the recording is
   // cut behind it, in one of some thousand.
-  constexpr double kEachFrame = 0.3, kLeast = 1e-8, kClockStands = 0.01, kCut = 1e-4;
+  constexpr double kEachFrame = 0.3, kLeast = 1e-3, kClockStands = 0.01, kCut = 1e-6;
   const double stood_s = recording_.time_s[frames[end]] - recording_.time_s[frames[first - 1]] - frame_s;
   RunLogs all;
   for (const motion::MarkerTrack& marker : recording_.markers)

@@ -298,7 +298,34 @@ void TrackletBuilder::NoteRepeated(std::int64_t frame) {
   repeated_.push_back(frame);
   if (time_s_ + stood_still_s_ - repeated_since_s_ <= kLongest_s) return;
   is_repeated_ = false;
-  TakeBackRepeated();
+  stands_since_ = TakeBackRepeated();
+}
+
+// What came to rest at once has been frozen if it leaves its place at once as well, two things at least; what begins to
+// move, creeps at first.
+void TrackletBuilder::JudgeStanding(std::int64_t frame) {
+  constexpr double kMovedPx = 0.5;
+  int jumped = 0, crept = 0;
+  for (const Live& live : live_) {
+    const TrackletSample *first = live.tracklet.SampleIn(*stands_since_),
+                         *before = live.tracklet.SampleIn(previous_.index), *now = live.tracklet.SampleIn(frame);
+    if (!first) continue;
+    const auto is_away = [&](const TrackletSample* sample) {
+      return !sample || (sample->position - first->position).norm() >= kMovedPx;
+    };
+    if (is_away(now)) ++(is_away(before) ? crept : jumped);
+  }
+  if (jumped + crept < 2) return;
+  if (jumped >= 2 && jumped > crept) {
+    while (!repeated_.empty() && repeated_.back() >= *stands_since_) repeated_.pop_back();
+    for (std::int64_t frozen = *stands_since_; frozen < frame; ++frozen) repeated_.push_back(frozen);
+    for (Live& live : live_)
+      for (TrackletSample& sample : live.tracklet.samples)
+        if (sample.frame >= *stands_since_ && sample.frame < frame) sample.repeated = true;
+    breaks_.push_back(frame);
+    last_loss_s_ = time_s_;
+  }
+  stands_since_.reset();
 }
 
 // Only what has moved on when the picture changes again was hidden from sight; where coding leaves things that come to
@@ -315,14 +342,15 @@ void TrackletBuilder::ConfirmRepeated(std::int64_t frame) {
   if (moved + lost < 2) TakeBackRepeated();
 }
 
-// The last run of repeated frames was none.
-void TrackletBuilder::TakeBackRepeated() {
+// The last run of repeated frames was none; returns its first.
+std::int64_t TrackletBuilder::TakeBackRepeated() {
   std::int64_t last = repeated_.back();
   for (; !repeated_.empty() && repeated_.back() == last; --last) repeated_.pop_back();
   for (Live& live : live_)
     for (auto sample = live.tracklet.samples.rbegin(); sample != live.tracklet.samples.rend() && sample->frame > last;
          ++sample)
       sample->repeated = false;
+  return last + 1;
 }
 
 void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPrediction> predictions) {
@@ -378,6 +406,7 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
   }
   Associate(frame.index, predictions, detector_.Detect(frame, predictions, SearchEverywhere(frame.index)));
   if (ends_repetition) ConfirmRepeated(frame.index);
+  if (stands_since_ && *stands_since_ < frame.index) JudgeStanding(frame.index);
   NoteBreak(frame.index, predictions);
   RetireLost();
   previous_ = frame;
