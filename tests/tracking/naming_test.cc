@@ -341,10 +341,7 @@ TEST(Naming, ANeighbourThatComesBackFirstIsNotTakenForTheMarker) {
     }
 }
 
-// Hands hide knee, hip and waist one after the other while the subject rises. The waist of who sits is lower than the
-// hip of who stands: two pieces of the hip, one as the knee and one as the waist, passed for a leg.
-// In a few frames every distance is constant. The knee was taken for the hip where the hip was seen in pieces
-// only.
+// In a few frames every distance is constant. The knee was taken for the hip where the hip was seen in pieces only.
 TEST(Naming, AFewFramesTogetherAreAQuestion) {
   const LegScene scene{.seed = 5};
   Seen seen(scene.seed, scene.noise_px);
@@ -356,6 +353,8 @@ TEST(Naming, AFewFramesTogetherAreAQuestion) {
   EXPECT_GE(ShareNamed(Name(seen, options), scene), 0.75);
 }
 
+// Hands hide knee, hip and waist one after the other while the subject rises. The waist of who sits is lower than the
+// hip of who stands: two pieces of the hip, one as the knee and one as the waist, passed for a leg.
 TEST(Naming, PiecesOfOneMarkerAreNotTwo) {
   constexpr int kLast = 190;  // standing
   constexpr double kSeen = (4 * (kLast + 1) - 24 - 34 - 26) / (4.0 * kFrames);

@@ -61,8 +61,9 @@ class FrameClock {
     MarkRepeats(same_picture);
     times.captured_hz = TakeLowerRate();
     const TimedPaths paths(recording_, NewFrames());
-    times.uneven_s = Unevenness(paths);
-    if (times.captured_hz == 0) times.chosen_from_hz = TakeHigherRate(paths, times.uneven_s);
+    uneven_s_ = Unevenness(paths);
+    if (times.captured_hz == 0) times.chosen_from_hz = TakeHigherRate(paths);
+    times.uneven_s = uneven_s_;
     TakeJumps(times);
     SpreadTimes();
     times.repeated = RemoveRepeated();
@@ -186,7 +187,7 @@ class FrameClock {
 
   // The times of frames that were chosen from a film of a higher rate, each the nearest one: early or late by up to
   // half a frame of that film, and how uneven they are then. Returns its rate, Hz, or 0.
-  double TakeHigherRate(const TimedPaths& paths, double& uneven_s) {
+  double TakeHigherRate(const TimedPaths& paths) {
     constexpr std::array kRates_hz = {25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0};
     constexpr int kPhases = 24;
     constexpr double kRegular = 0.2, kWhole = 0.02;  // of a frame
@@ -221,8 +222,8 @@ class FrameClock {
     if (best_s.empty()) return 0;
     std::swap(recording_.time_s, best_s);
     const double left_s = Unevenness(TimedPaths(recording_, frames));
-    if (left_s <= kMuchLess * uneven_s) {
-      uneven_s = left_s;
+    if (left_s <= kMuchLess * uneven_s_) {
+      uneven_s_ = left_s;
       return best_hz;
     }
     recording_.time_s = std::move(best_s);  // a film of another kind
@@ -273,8 +274,8 @@ class FrameClock {
     if (passage.Faster(kHeldBackPx / usual_s) < 2) return cut;
     Judgement jump = Likeliest(passage, usual_s, std::max(kLongest_s, stamped_s));
     jump.log_odds += std::log(kJumpOdds / each) - by_stamp;
-    constexpr double kLeastFrames = 0.75, kOthers = 3;  // the logarithm of odds of 20
-    if (std::abs(jump.moved_s - stamped_s) < kLeastFrames * usual_s ||
+    constexpr double kLeastFrames = 0.75, kUneven = 3, kOthers = 3;  // the logarithm of odds of 20
+    if (std::abs(jump.moved_s - stamped_s) < std::max(kLeastFrames * usual_s, kUneven * uneven_s_) ||
         passage.LogRatioWithoutBest(jump.moved_s, stamped_s) < kOthers)
       jump.log_odds = -INFINITY;
     return cut.log_odds > jump.log_odds ? cut : jump;
@@ -465,6 +466,7 @@ class FrameClock {
   motion::MarkerRecording& recording_;
   const std::vector<double> stamps_s_;
   const double frame_s_;  // between frames, usually
+  double uneven_s_ = 0;   // how far frames are from their stamps, root mean square
   std::vector<bool> is_repeated_;
 };
 

@@ -222,12 +222,12 @@ class Namer {
     for (std::size_t m = 0; m < names.size(); ++m) anchor_[names[m]] = chains.front().tracklets[m];
   }
 
-  // A few frames, in which a leg hardly moves, do not say which is which.
+  // A few frames, in which a leg hardly moves, do not say which is ankle, knee and hip.
   void RequireEvidence(const std::vector<std::size_t>& names, const LegChain& chain) const {
     constexpr double kEnough_s = 1, kEnoughShare = 0.1;  // of the longest that anything is seen
     const double longest = static_cast<double>(tracklets_[MostSeen(tracklets_, 1).front()].samples.size()),
                  enough = std::min(kEnoughShare * longest, kEnough_s / MedianInterval(recording_.time_s));
-    for (std::size_t m = 1; m < names.size(); ++m) {
+    for (const std::size_t m : {1u, 2u}) {
       const std::size_t lower = chain.tracklets[m - 1], upper = chain.tracklets[m];
       const int together = tracklets_.Distance(lower, upper).frames;
       if (anchor_[names[m - 1]] || anchor_[names[m]] || together >= enough) continue;

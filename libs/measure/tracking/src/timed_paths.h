@@ -97,7 +97,7 @@ class TimedPaths {
   struct RunLogs {
     double going_on = 0, standing = 0, rested = 0, cut = 0;
   };
-  dynamics::PathState AtRest(const dynamics::PathSample& last, double frame_s) const;
+  dynamics::PathState AtRest(const dynamics::PathSample& last, double frame_s, double beginning) const;
   std::optional<RunLogs> LogsOfRun(const motion::MarkerTrack& marker, const std::vector<std::size_t>& frames,
                                    std::size_t first, std::size_t end, double stood_s) const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 
 #include "lake/core/statistics.h"
 #include "lake/tracking/assignment.h"
@@ -215,9 +216,21 @@ void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPredic
       cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = PairCost(predictions[i], detections[j]);
   const std::vector<int> assigned = AssignRows(cost, 1.0);
   std::vector<bool> taken(detections.size(), false);
+  // What is far from where one leads, and may be another that is lost in this frame, is neither's.
+  const auto is_anybodys = [&](std::size_t row, int column) {
+    constexpr double kNear = 0.05;  // a third of a gate
+    if (cost(static_cast<Eigen::Index>(row), column) < kNear) return false;
+    for (std::size_t i = 0; i < assigned.size(); ++i)
+      if (assigned[i] < 0 && cost(static_cast<Eigen::Index>(i), column) < 1 &&
+          live_[i].tracklet.LastFrame() == previous_.index &&
+          static_cast<int>(live_[i].tracklet.samples.size()) >= options_.followed)
+        return true;
+    return false;
+  };
   for (std::size_t i = 0; i < assigned.size(); ++i) {
     if (assigned[i] < 0) continue;
     taken[static_cast<std::size_t>(assigned[i])] = true;
+    if (is_anybodys(i, assigned[i])) continue;
     Extend(live_[i], frame, detections[static_cast<std::size_t>(assigned[i])]);
   }
   if (is_repeated_) return;  // nothing new can be seen in it
@@ -355,18 +368,32 @@ std::int64_t TrackletBuilder::TakeBackRepeated() {
 
 void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPrediction> predictions) {
   constexpr double kMovingPx = 0.5;
-  int moving = 0, lost = 0;
+  std::size_t moving = 0;
+  std::vector<std::size_t> lost;
   for (std::size_t i = 0; i < predictions.size(); ++i) {
     const std::vector<TrackletSample>& samples = live_[i].tracklet.samples;
     const TrackletSample* before = live_[i].tracklet.SampleIn(previous_.index);
     if (!before || static_cast<int>(samples.size()) < options_.established) continue;
     if ((predictions[i].position - before->position).norm() < kMovingPx) continue;
     ++moving;
-    lost += samples.back().frame != frame;
+    if (samples.back().frame != frame) lost.push_back(i);
   }
-  if (lost < 2 || 2 * lost < moving) return;
+  if (lost.size() < 2 || 2 * lost.size() < moving) return;
   breaks_.push_back(frame);
   last_loss_s_ = time_s_;
+  // Where these lead is wrong: of neighbours each may be found where another is expected. Which goes on as which,
+  // naming tells.
+  const auto has_neighbour = [&](std::size_t i) {
+    return std::ranges::any_of(lost, [&](std::size_t k) {
+      return k != i && (predictions[k].position - predictions[i].position).norm() <
+                           predictions[k].gate_px + predictions[i].gate_px;
+    });
+  };
+  for (const std::size_t i : std::views::reverse(lost)) {
+    if (!has_neighbour(i)) continue;
+    Keep(std::move(live_[i].tracklet));
+    live_.erase(live_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
 }
 
 std::vector<MarkerPrediction> TrackletBuilder::PredictAll(double time_s) const {
