@@ -228,9 +228,8 @@ void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPredic
     return false;
   };
   for (std::size_t i = 0; i < assigned.size(); ++i) {
-    if (assigned[i] < 0) continue;
+    if (assigned[i] < 0 || is_anybodys(i, assigned[i])) continue;
     taken[static_cast<std::size_t>(assigned[i])] = true;
-    if (is_anybodys(i, assigned[i])) continue;
     Extend(live_[i], frame, detections[static_cast<std::size_t>(assigned[i])]);
   }
   if (is_repeated_) return;  // nothing new can be seen in it
