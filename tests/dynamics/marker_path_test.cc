@@ -120,13 +120,13 @@ TEST(MarkerPath, JoinsItsHalvesAsTheirCovariancesSay) {
     const std::vector<PathSample> path = DrawPath(100 + static_cast<std::uint64_t>(i), 24, 1.0 / 60, density, sigma);
     const std::vector<PathSample> first(path.begin(), path.begin() + 12);
     const std::vector<PathSample> second(path.rbegin(), path.rbegin() + 12);
-    const MotionPrior vague{1e5, 1e6, 1e9};
+    const MotionPrior vague{1e5, 1e6};
     const double gap_s = path[12].time_s - path[11].time_s;
     const PathState before = EvidenceAt(first, path[11].time_s, density, vague).state,
                     after = EvidenceAt(second, path[12].time_s, density, vague).state;
     PathState there = after;
     there.mean = Moved(before, gap_s, density).mean;
-    squares += LogJoin(before, there, gap_s, density, vague) - LogJoin(before, after, gap_s, density, vague);
+    squares += LogJoin(before, there, gap_s, density) - LogJoin(before, after, gap_s, density);
   }
   EXPECT_NEAR(2 * squares / kPaths, 6, 4 * 0.17);
 }

@@ -80,9 +80,8 @@ PathEvidence EvidenceAt(std::span<const PathSample> samples, double at_s, double
   return evidence;
 }
 
-double LogJoin(const PathState& before, const PathState& after, double elapsed_s, double density,
-               const MotionPrior& prior) {
-  const PathState told = WithinReach(Moved(before, elapsed_s, density), before.Position(), prior);
+double LogJoin(const PathState& before, const PathState& after, double elapsed_s, double density) {
+  const PathState told = Moved(before, elapsed_s, density);
   const Eigen::LLT<Eigen::Matrix3d> covariance(told.covariance + after.covariance);
   const Eigen::Matrix<double, 3, 2> white = covariance.matrixL().solve(after.mean - told.mean);
   const double log_root = covariance.matrixLLT().diagonal().array().log().sum();

@@ -69,8 +69,7 @@ PathJoin JoinPaths(const PathEnd& before, const PathEnd& after, double gap_s, do
   const Eigen::Matrix<double, 3, 2> apart = first.mean - told.mean;
   const Eigen::LLT<Eigen::Matrix3d> covariance(told.covariance + first.covariance);
   return {covariance.matrixL().solve(apart).squaredNorm(),
-          dynamics::LogJoin(last, first, elapsed_s, density, dynamics::PersonPrior(physics.radius_mm)) -
-              LogUnrelated(physics)};
+          dynamics::LogJoin(last, first, elapsed_s, density) - LogUnrelated(physics)};
 }
 
 }  // namespace lake::tracking

@@ -82,7 +82,7 @@ double Passage::LogDensity(const Marker& marker, double elapsed_s, double unrela
   for (const Hypothesis& hypothesis : marker) {
     const auto join = [&](double density) {
       return std::log(1 - unrelated) + hypothesis.log_weight +
-             dynamics::LogJoin(hypothesis.before, hypothesis.after, elapsed_s, density, prior_);
+             dynamics::LogJoin(hypothesis.before, hypothesis.after, elapsed_s, density);
     };
     logs.push_back(std::log(1 - kSuddenShare) + join(hypothesis.density));
     logs.push_back(std::log(kSuddenShare) + join(kSudden * hypothesis.density));

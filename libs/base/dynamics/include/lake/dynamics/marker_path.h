@@ -64,8 +64,7 @@ struct PathEvidence {
 PathEvidence EvidenceAt(std::span<const PathSample> samples, double at_s, double density, const MotionPrior& prior);
 
 // The logarithm of the density that two states, each known from its own side, are those of one path `elapsed_s` apart.
-double LogJoin(const PathState& before, const PathState& after, double elapsed_s, double density,
-               const MotionPrior& prior);
+double LogJoin(const PathState& before, const PathState& after, double elapsed_s, double density);
 
 // How a recording's markers move and how much their measurements err, learnt from it.
 struct LearntMotion {
