@@ -131,6 +131,21 @@ TEST(MarkerPath, JoinsItsHalvesAsTheirCovariancesSay) {
   EXPECT_NEAR(2 * squares / kPaths, 6, 4 * 0.17);
 }
 
+// What a path tells well is left as it is; after a second without a measurement nothing of it is left but that it is a
+// person's.
+TEST(MarkerPath, StaysWithinReach) {
+  const MotionPrior prior = PersonPrior(1);
+  PathState start = StartAt({0, {100, 200}, 0.5}, prior);
+  start.covariance = Eigen::Vector3d(0.5 * 0.5, 10 * 10, 100 * 100).asDiagonal();
+  const PathState soon = WithinReach(Moved(start, 1e-3, 1e9), start.Position(), prior),
+                  late = WithinReach(Moved(start, 1, 1e9), start.Position(), prior);
+  EXPECT_NEAR(std::sqrt(soon.covariance(0, 0)), 0.5, 0.01);
+  EXPECT_NEAR((late.Position() - start.Position()).norm(), 0, 1e-9);
+  EXPECT_LE(std::sqrt(late.covariance(0, 0)), prior.reach);
+  EXPECT_GE(std::sqrt(late.covariance(0, 0)), 0.9 * prior.reach);
+  EXPECT_LE(std::sqrt(late.covariance(1, 1)), prior.speed);
+}
+
 TEST(LearnMotion, FindsTheDensityAndWhatTheSigmasLeaveOut) {
   for (const std::uint64_t seed : {11u, 12u, 13u, 14u}) {
     const double density = std::pow(10, 7 + 0.5 * static_cast<double>(seed - 11));

@@ -185,6 +185,103 @@ TEST(FrameTimes, OfFramesChosenFromAFasterFilmAreTheirs) {
   }
 }
 
+// How far the markers go from a frame to the next, root mean square, px.
+double StepPx(const synth::Scene& scene, int frame) {
+  const synth::FrameTruth from = scene.Truth(frame), to = scene.Truth(frame + 1);
+  double squares = 0;
+  for (std::size_t m = 0; m < from.markers.size(); ++m)
+    squares += (to.markers[m].px - from.markers[m].px).squaredNorm();
+  return std::sqrt(squares / static_cast<double>(from.markers.size()));
+}
+
+// While something moves, the picture stands for a tenth of a second to a second and a half, and an encoder goes on
+// refining it: the markers creep by hundredths of a pixel. It was taken for a rest of the person, or for a cut where it
+// began. Time goes on meanwhile, and the frames are no measurements.
+TEST(FrameTimes, AFrozenPictureIsNeitherARestNorACut) {
+  int frozen = 0, found = 0, wrong = 0, films = 0;
+  for (const auto& [seed, rate_hz] : {std::pair(771u, 24.0), {773u, 50.0}, {774u, 50.0}}) {
+    const synth::Scene scene = OneRise(seed, rate_hz);
+    for (const double length_s : {0.1, 0.25, 0.6, 1.5}) {
+      const int length = static_cast<int>(std::lround(length_s * rate_hz));
+      std::mt19937_64 random(seed + static_cast<std::uint64_t>(100 * length_s));
+      std::normal_distribution<double> refined(0, 0.01);
+      int begin = static_cast<int>(random() % static_cast<std::uint64_t>(scene.Frames() / 2));
+      while (begin + length + 8 < scene.Frames() && (begin < 8 || StepPx(scene, begin - 1) * rate_hz < 30)) ++begin;
+      if (begin + length + 8 >= scene.Frames() || StepPx(scene, begin + length - 1) * rate_hz < 30) continue;
+      std::vector<int> source(static_cast<std::size_t>(scene.Frames()));
+      std::iota(source.begin(), source.end(), 0);
+      std::fill_n(source.begin() + begin, length, begin);
+      ShownFrames shown = Show(scene, seed, source, rate_hz);
+      for (motion::MarkerTrack& marker : shown.recording.markers) {
+        Eigen::Vector2d crept = Eigen::Vector2d::Zero();
+        for (int i = begin + 1; i < begin + length; ++i) {
+          if (i % 4 == 1) crept += Eigen::Vector2d(refined(random), refined(random));
+          marker.samples[static_cast<std::size_t>(i)].position += crept;
+        }
+      }
+      ++films;
+      FrameTimes times;
+      EXPECT_NO_THROW(times = CorrectFrameTimes({}, shown.recording)) << seed << ", " << rate_hz << ", " << length_s;
+      for (const std::int64_t frame : times.repeated) ++(frame > begin && frame < begin + length ? found : wrong);
+      frozen += length - 1;
+      EXPECT_TRUE(std::ranges::none_of(times.jumps, &TimeJump::is_applied)) << seed << ", " << rate_hz;
+    }
+  }
+  std::printf("frozen: %d films, %d of %d frames found, %d others\n", films, found, frozen, wrong);
+  EXPECT_GE(films, 8);
+  EXPECT_EQ(found, frozen);
+  EXPECT_EQ(wrong, 0);
+}
+
+// Who comes to rest as quickly as a person can, rests to the last digit, and starts as quickly, is no frozen picture:
+// the markers are where they were.
+TEST(FrameTimes, AStillRestIsMeasured) {
+  for (const auto& [seed, rate_hz] : {std::pair(781u, 25.0), {782u, 60.0}}) {
+    const synth::Scene scene = OneRise(seed, rate_hz);
+    const int ease = static_cast<int>(rate_hz / 3), rest = static_cast<int>(rate_hz), all = 2 * ease + rest;
+    int middle = ease;
+    for (int i = ease; i + ease < scene.Frames(); ++i)
+      if (StepPx(scene, i) > StepPx(scene, middle)) middle = i;
+    std::vector<int> source(static_cast<std::size_t>(all) + 1, middle);
+    ShownFrames shown = Show(scene, seed, source, rate_hz);
+    const synth::FrameTruth moved = scene.Truth(middle - ease), stopped = scene.Truth(middle);
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> noise(0, kNoisePx);
+    for (int i = 0; i <= all; ++i) {
+      const int from_rest = i < ease ? ease - i : std::max(0, i - ease - rest);
+      if (from_rest == 0) continue;
+      const double part = std::pow(static_cast<double>(from_rest) / ease, 2);
+      for (std::size_t m = 0; m < moved.markers.size(); ++m)
+        shown.recording.markers[m].samples[static_cast<std::size_t>(i)].position =
+            stopped.markers[m].px + part * (moved.markers[m].px - stopped.markers[m].px) +
+            Eigen::Vector2d(noise(random), noise(random));
+    }
+    EXPECT_EQ(CorrectFrameTimes({}, shown.recording).repeated.size(), 0u) << seed << ", " << rate_hz;
+  }
+}
+
+// All markers jump by 20 mm at once, as where somebody pushes the camera: that is said, and the recording stands.
+TEST(FrameTimes, AJoltIsSaidAndNoCut) {
+  for (const std::uint64_t seed : {791u, 792u}) {
+    const synth::Scene scene = OneRise(seed);
+    std::vector<int> source(static_cast<std::size_t>(scene.Frames()));
+    std::iota(source.begin(), source.end(), 0);
+    ShownFrames shown = Show(scene, seed, source);
+    const int at = scene.Frames() / 2;
+    const double px_per_mm = (scene.Truth(at).markers[0].px - scene.Truth(at).markers[1].px).norm() /
+                             (scene.Truth(at).markers[0].mm - scene.Truth(at).markers[1].mm).norm();
+    for (motion::MarkerTrack& marker : shown.recording.markers)
+      for (std::size_t i = static_cast<std::size_t>(at); i < marker.samples.size(); ++i)
+        marker.samples[i].position.x() += 20 * px_per_mm;
+    FrameTimes times;
+    ASSERT_NO_THROW(times = CorrectFrameTimes({}, shown.recording)) << seed;
+    ASSERT_EQ(times.jolts.size(), 1u) << seed;
+    EXPECT_EQ(times.jolts[0].after, at) << seed;
+    EXPECT_NEAR(times.jolts[0].jump_mm, 20, 4) << seed;  // a leg of 850 mm is assumed
+    EXPECT_TRUE(times.repeated.empty()) << seed;
+  }
+}
+
 // A recording joined to itself: from the standing leg to the sitting one and from one movement into another. A fit
 // through that was off by degrees on both sides, without a word.
 TEST(FrameTimes, ACutIsAnError) {

@@ -341,6 +341,18 @@ TEST(Naming, ANeighbourThatComesBackFirstIsNotTakenForTheMarker) {
     }
 }
 
+// In a few frames every distance is constant. The knee was taken for the hip where the hip was seen in pieces only.
+TEST(Naming, AFewFramesTogetherAreAQuestion) {
+  const LegScene scene{.seed = 5};
+  Seen seen(scene.seed, scene.noise_px);
+  seen.AddMarker(scene, 0).AddMarker(scene, 1).AddMarker(scene, 3);
+  for (const int first : {60, 120, 230}) seen.AddMarker(scene, 2, first, first + 20);
+  EXPECT_THAT(ErrorOf(seen, LegOptions()), AllOf(HasSubstr("named with certainty"), HasSubstr("21 frames")));
+  tracking::NamingOptions options = LegOptions();
+  options.seeds = {{"hip", Leg(scene, Upright(scene, 66))[2], 66}};
+  EXPECT_GE(ShareNamed(Name(seen, options), scene), 0.75);
+}
+
 // Hands hide knee, hip and waist one after the other while the subject rises. The waist of who sits is lower than the
 // hip of who stands: two pieces of the hip, one as the knee and one as the waist, passed for a leg.
 TEST(Naming, PiecesOfOneMarkerAreNotTwo) {

@@ -100,6 +100,9 @@ Json VideoJson(const tracking::TrackResult& tracked) {
                      {"moved_s", jump.moved_s},
                      {"moved_sigma_s", jump.sigma_s},
                      {"applied", jump.is_applied}});
+  Json jolts = Json::array();
+  for (const tracking::Jolt& jolt : tracked.times.jolts)
+    jolts.push_back({{"before_frame", jolt.before}, {"after_frame", jolt.after}, {"jump_mm", jolt.jump_mm}});
   return {{"width", video.width},
           {"height", video.height},
           {"frames", tracked.recording.Frames()},
@@ -108,6 +111,7 @@ Json VideoJson(const tracking::TrackResult& tracked) {
           {"captured_rate_hz", tracked.times.captured_hz > 0 ? Json(tracked.times.captured_hz) : Json()},
           {"chosen_from_rate_hz", tracked.times.chosen_from_hz > 0 ? Json(tracked.times.chosen_from_hz) : Json()},
           {"time_jumps", jumps},
+          {"jolts", jolts},
           {"uneven_times_s", tracked.times.uneven_s},
           {"frame_rate_hz", video.frame_rate_hz},
           {"codec", video.codec},

@@ -44,6 +44,20 @@ PathState Moved(const PathState& state, double elapsed_s, double density) {
   return moved;
 }
 
+PathState WithinReach(const PathState& state, const Eigen::Vector2d& was_at, const MotionPrior& prior) {
+  const Eigen::Vector3d variance =
+      Eigen::Vector3d(prior.reach, prior.speed, prior.acceleration).array().square().matrix();
+  Eigen::Matrix3d sum = state.covariance;
+  sum.diagonal() += variance;
+  const Eigen::Matrix3d gain = sum.llt().solve(state.covariance).transpose();
+  Eigen::Matrix<double, 3, 2> usual = Eigen::Matrix<double, 3, 2>::Zero();
+  usual.row(0) = was_at;
+  PathState within;
+  within.mean = state.mean + gain * (usual - state.mean);
+  within.covariance = state.covariance - gain * state.covariance;
+  return within;
+}
+
 double Observe(const PathSample& sample, PathState& state) {
   const double variance = state.covariance(0, 0) + sample.sigma * sample.sigma;
   const Eigen::RowVector2d innovation = sample.position.transpose() - state.mean.row(0);
@@ -75,8 +89,8 @@ double LogJoin(const PathState& before, const PathState& after, double elapsed_s
 }
 
 MotionPrior PersonPrior(double unit_mm) {
-  constexpr double kSpeed_mm_s = 1000, kAcceleration_mm_s2 = 10000;
-  return {kSpeed_mm_s / unit_mm, kAcceleration_mm_s2 / unit_mm};
+  constexpr double kSpeed_mm_s = 1000, kAcceleration_mm_s2 = 10000, kReach_mm = 500;
+  return {kSpeed_mm_s / unit_mm, kAcceleration_mm_s2 / unit_mm, kReach_mm / unit_mm};
 }
 
 namespace {

@@ -61,9 +61,10 @@ class FrameClock {
     MarkRepeats(same_picture);
     times.captured_hz = TakeLowerRate();
     const TimedPaths paths(recording_, NewFrames());
-    times.uneven_s = Unevenness(paths);
-    if (times.captured_hz == 0) times.chosen_from_hz = TakeHigherRate(paths, times.uneven_s);
-    times.jumps = TakeJumps();
+    uneven_s_ = Unevenness(paths);
+    if (times.captured_hz == 0) times.chosen_from_hz = TakeHigherRate(paths);
+    times.uneven_s = uneven_s_;
+    TakeJumps(times);
     SpreadTimes();
     times.repeated = RemoveRepeated();
     return times;
@@ -91,41 +92,73 @@ class FrameClock {
   }
 
   bool MarkMoreRepeats(const std::vector<std::int64_t>& same_picture) {
-    constexpr double kCopyPx = 0.01, kCopyOfNeighbours = 0.25;
+    constexpr double kCopyPx = 0.01, kOfNeighbours = 0.25;
     const std::vector<std::size_t> frames = NewFrames();
     const auto step_px = [&](std::size_t k) { return StepPx(recording_, frames[k - 1], frames[k]); };
     const auto looks_the_same = [&](std::size_t k) {
       return std::ranges::binary_search(same_picture, recording_.frame[frames[k]]) ||
              step_px(k).value_or(INFINITY) < kCopyPx;
     };
-    // Strong coding changes a copy; a marker that turns round stands as still, so the paths must leave no doubt.
-    const auto may_be_copy = [&](std::size_t k) {
-      return k >= 2 && k + 1 < frames.size() &&
-             step_px(k).value_or(INFINITY) <
-                 kCopyOfNeighbours * std::min(step_px(k - 1).value_or(0), step_px(k + 1).value_or(0));
-    };
     std::optional<TimedPaths> paths;
     bool found = false;
-    for (std::size_t k = 1; k < frames.size(); ++k) {
+    for (std::size_t k = 1, free = 1; k < frames.size(); free = ++k) {
       const bool is_same = looks_the_same(k);
-      if (!is_same && !may_be_copy(k)) continue;
-      const std::size_t first = k++;
-      while (is_same && k < frames.size() && looks_the_same(k)) ++k;
-      if (k == frames.size() || StepPx(recording_, frames[first - 1], frames[k]).value_or(0) < kLeastStepPx) continue;
+      if (!is_same && !MayBeCopy(frames, k, kOfNeighbours)) continue;
+      const auto [first, end] = is_same ? Standing(frames, k, free) : Run{k, k + 1};
+      k = end - 1;
+      if (StepBehind(frames, first - 1, end) < kLeastStepPx) continue;
       if (!paths) paths.emplace(recording_, frames);
-      if (paths->LogOddsOfRepeat(frames, first, k, frame_s_) <= (is_same ? 0 : -std::log(kDoubt))) continue;
-      for (std::size_t run = first; run < k; ++run) is_repeated_[frames[run]] = true;
+      if (paths->LogOddsOfRepeat(frames, first, end, frame_s_) <= (is_same ? 0 : -std::log(kDoubt))) continue;
+      for (std::size_t run = first; run < end; ++run) is_repeated_[frames[run]] = true;
       found = true;
     }
     return found;
   }
 
-  // Frames while something moves.
+  // How far the markers come from one frame to another, or to the first behind it in which two are seen again, px.
+  double StepBehind(const std::vector<std::size_t>& frames, std::size_t from, std::size_t to) const {
+    constexpr std::size_t kFarthest = 8;
+    for (const std::size_t end = std::min(frames.size(), to + kFarthest); to < end; ++to)
+      if (const auto step_px = StepPx(recording_, frames[from], frames[to])) return *step_px;
+    return 0;
+  }
+
+  // Strong coding changes a copy; a marker that turns round stands as still, so other evidence must leave no doubt.
+  bool MayBeCopy(const std::vector<std::size_t>& frames, std::size_t k, double of_neighbours) const {
+    const auto step_px = [&](std::size_t at) { return StepPx(recording_, frames[at - 1], frames[at]); };
+    return k >= 2 && k + 1 < frames.size() &&
+           step_px(k).value_or(INFINITY) <
+               of_neighbours * std::min(step_px(k - 1).value_or(0), step_px(k + 1).value_or(0));
+  }
+
+  struct Run {
+    std::size_t first, end;
+  };
+
+  // The frames beside one that shows the picture before once more, from `free` on, that may do so as well: an encoder
+  // goes on refining a picture that stands, which moves its markers a little. The first that shows it is not among
+  // them.
+  Run Standing(const std::vector<std::size_t>& frames, std::size_t copy, std::size_t free) const {
+    constexpr double kRefinedPx = 0.15;
+    const auto stands = [&](std::size_t k) {
+      return StepPx(recording_, frames[k], frames[copy]).value_or(INFINITY) < kRefinedPx;
+    };
+    Run run{copy, copy + 1};
+    while (run.first > free && stands(run.first - 2)) --run.first;
+    while (run.end < frames.size() && stands(run.end)) ++run.end;
+    return run;
+  }
+
+  // Frames while something moves, but for those of which nothing is certain: strong coding moves the markers of a copy
+  // by up to a pixel, and half as far as those of the new pictures beside it.
   std::vector<ToldFrame> ToldFrames() const {
+    constexpr double kSurelyNewPx = 1, kOfNeighbours = 0.5;
     std::vector<ToldFrame> told;
     const std::vector<std::size_t> frames = NewFrames();
     for (std::size_t k = 1; k < frames.size(); ++k) {
-      if (StepPx(recording_, frames[k - 1], frames[k]).value_or(0) < kLeastStepPx) continue;
+      if (StepPx(recording_, frames[k - 1], frames[k]).value_or(0) < kSurelyNewPx ||
+          MayBeCopy(frames, k, kOfNeighbours))
+        continue;
       for (std::size_t i = frames[k - 1] + 1; i <= frames[k]; ++i) told.push_back({i, is_repeated_[i]});
     }
     return told;
@@ -154,7 +187,7 @@ class FrameClock {
 
   // The times of frames that were chosen from a film of a higher rate, each the nearest one: early or late by up to
   // half a frame of that film, and how uneven they are then. Returns its rate, Hz, or 0.
-  double TakeHigherRate(const TimedPaths& paths, double& uneven_s) {
+  double TakeHigherRate(const TimedPaths& paths) {
     constexpr std::array kRates_hz = {25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0};
     constexpr int kPhases = 24;
     constexpr double kRegular = 0.2, kWhole = 0.02;  // of a frame
@@ -189,8 +222,8 @@ class FrameClock {
     if (best_s.empty()) return 0;
     std::swap(recording_.time_s, best_s);
     const double left_s = Unevenness(TimedPaths(recording_, frames));
-    if (left_s <= kMuchLess * uneven_s) {
-      uneven_s = left_s;
+    if (left_s <= kMuchLess * uneven_s_) {
+      uneven_s_ = left_s;
       return best_hz;
     }
     recording_.time_s = std::move(best_s);  // a film of another kind
@@ -214,7 +247,7 @@ class FrameClock {
     double log_odds = -INFINITY;  // of the likelier of both against the stamp
     bool is_cut = false;
     double moved_s = 0, sigma_s = 0;
-    double misfit = 0;
+    double misfit = 0, jump_mm = 0;
   };
 
   static constexpr std::ptrdiff_t kReach = 32;  // frames: what a path beside a passage rests on at most
@@ -229,15 +262,20 @@ class FrameClock {
     const Passage passage = paths.Between(frames, after, from, to);
     if (passage.Markers() < 2) return {};
     const double by_stamp = passage.LogDensity(stamped_s), each = static_cast<double>(frames.size());
-    const Judgement cut{std::log(kCutOdds / each) + passage.LogDensityOfCut(stamped_s) - by_stamp, true, 0, 0, misfit};
+    const Judgement cut{std::log(kCutOdds / each) + passage.LogDensityOfCut(stamped_s) - by_stamp,
+                        true,
+                        0,
+                        0,
+                        misfit,
+                        passage.JumpMm(stamped_s)};
     // Strong coding holds slow markers back for some frames and then lets them jump, as if time stood still or were
     // lost.
     constexpr double kHeldBackPx = 1;  // in a frame
     if (passage.Faster(kHeldBackPx / usual_s) < 2) return cut;
     Judgement jump = Likeliest(passage, usual_s, std::max(kLongest_s, stamped_s));
     jump.log_odds += std::log(kJumpOdds / each) - by_stamp;
-    constexpr double kLeastFrames = 0.75, kOthers = 3;  // the logarithm of odds of 20
-    if (std::abs(jump.moved_s - stamped_s) < kLeastFrames * usual_s ||
+    constexpr double kLeastFrames = 0.75, kUneven = 3, kOthers = 3;  // the logarithm of odds of 20
+    if (std::abs(jump.moved_s - stamped_s) < std::max(kLeastFrames * usual_s, kUneven * uneven_s_) ||
         passage.LogRatioWithoutBest(jump.moved_s, stamped_s) < kOthers)
       jump.log_odds = -INFINITY;
     return cut.log_odds > jump.log_odds ? cut : jump;
@@ -309,7 +347,8 @@ class FrameClock {
   }
 
   // The clearest first, as it spoils the paths on which its neighbours are judged.
-  std::vector<TimeJump> TakeJumps() {
+  void TakeJumps(FrameTimes& times) {
+    constexpr double kCut_mm = 100;  // of 10 joined recordings 326 and more, of 6 whole ones 57 and less
     Passages passages;
     passages.frames = NewFrames();
     passages.ends = {0, passages.frames.size()};
@@ -318,7 +357,6 @@ class FrameClock {
     const double usual_s = UsualInterval(passages.frames);
     for (std::size_t at = 0; at < passages.frames.size(); at += 2 * kReach)
       JudgeAround(paths, static_cast<std::ptrdiff_t>(at) + kReach, usual_s, passages);
-    std::vector<TimeJump> jumps;
     std::vector<std::pair<std::size_t, std::size_t>> cuts;
     while (true) {
       auto clearest = std::ranges::max_element(passages.before, {}, &Judgement::log_odds);
@@ -332,24 +370,29 @@ class FrameClock {
                                     });
       const std::ptrdiff_t at = clearest - passages.before.begin();
       const auto after = static_cast<std::size_t>(at);
+      const auto part = [&] { passages.ends.insert(std::ranges::upper_bound(passages.ends, after), after); };
       if (clearest->is_cut) {
-        cuts.emplace_back(passages.frames[after - 1], passages.frames[after]);
-        passages.ends.insert(std::ranges::upper_bound(passages.ends, after), after);
+        const std::size_t a = passages.frames[after - 1], b = passages.frames[after];
+        if (clearest->jump_mm > kCut_mm)
+          cuts.emplace_back(a, b);
+        else
+          times.jolts.push_back({recording_.frame[a], recording_.frame[b], clearest->jump_mm});
+        part();
       } else if (!TakeOutRepeat(paths, after, usual_s, passages)) {
-        jumps.push_back(JumpBefore(passages, after));
-        jumps.back().is_applied = true;
+        times.jumps.push_back(JumpBefore(passages, after));
+        times.jumps.back().is_applied = true;
         for (std::size_t i = passages.frames[after]; i < recording_.Frames(); ++i)
-          recording_.time_s[i] += jumps.back().moved_s - jumps.back().stamped_s;
-        passages.ends.insert(std::ranges::upper_bound(passages.ends, after), after);
+          recording_.time_s[i] += times.jumps.back().moved_s - times.jumps.back().stamped_s;
+        part();
       }
       JudgeAround(paths, at, usual_s, passages);
     }
     if (!cuts.empty()) ThrowCuts(cuts);
     for (std::size_t after = 1; after < passages.frames.size(); ++after)
       if (passages.before[after].log_odds > kWorthAWord && !passages.before[after].is_cut)
-        jumps.push_back(JumpBefore(passages, after));
-    std::ranges::sort(jumps, {}, &TimeJump::before);
-    return jumps;
+        times.jumps.push_back(JumpBefore(passages, after));
+    std::ranges::sort(times.jumps, {}, &TimeJump::before);
+    std::ranges::sort(times.jolts, {}, &Jolt::before);
   }
 
   // A fit through a cut would bend the leg's paths towards each other, so each part is to be tracked by itself.
@@ -423,6 +466,7 @@ class FrameClock {
   motion::MarkerRecording& recording_;
   const std::vector<double> stamps_s_;
   const double frame_s_;  // between frames, usually
+  double uneven_s_ = 0;   // how far frames are from their stamps, root mean square
   std::vector<bool> is_repeated_;
 };
 
@@ -458,6 +502,11 @@ std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std
         fmt::format("between frames {} and {} the motion took {:.4f} ± {:.4f} s where the time stamps say {:.4f} s: {}",
                     jump.before, jump.after, jump.moved_s, jump.sigma_s, jump.stamped_s, consequence));
   }
+  for (const Jolt& jolt : times.jolts)
+    warnings.push_back(
+        fmt::format("between frames {} and {} two markers at least come {:.0f} mm farther than a leg moves: a jolt, a "
+                    "camera that was pushed, or something else that was taken for a marker; look at these frames",
+                    jolt.before, jolt.after, jolt.jump_mm));
   if (times.chosen_from_hz > 0)
     warnings.push_back(
         fmt::format("the frames were chosen from a film of {:.4g} frames per second, as when a rate is converted: the "

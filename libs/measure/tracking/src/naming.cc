@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "lake/core/error.h"
+#include "lake/core/statistics.h"
 #include "lake/tracking/candidates.h"
 #include "leg_chain.h"
 #include "path_join.h"
@@ -217,7 +218,27 @@ class Namer {
           tracklets_.size(), names.size(), DescribeAll(tracklets_, MostSeen(tracklets_, 8)),
           TurnThatHelps(chain_options));
     if (const LegChain* rival = FindRival(tracklets_, chains)) ReportAmbiguity(names, chains.front(), *rival);
+    RequireEvidence(names, chains.front());
     for (std::size_t m = 0; m < names.size(); ++m) anchor_[names[m]] = chains.front().tracklets[m];
+  }
+
+  // A few frames, in which a leg hardly moves, do not say which is ankle, knee and hip.
+  void RequireEvidence(const std::vector<std::size_t>& names, const LegChain& chain) const {
+    constexpr double kEnough_s = 1, kEnoughShare = 0.1;  // of the longest that anything is seen
+    const double longest = static_cast<double>(tracklets_[MostSeen(tracklets_, 1).front()].samples.size()),
+                 enough = std::min(kEnoughShare * longest, kEnough_s / MedianInterval(recording_.time_s));
+    for (const std::size_t m : {1u, 2u}) {
+      const std::size_t lower = chain.tracklets[m - 1], upper = chain.tracklets[m];
+      const int together = tracklets_.Distance(lower, upper).frames;
+      if (anchor_[names[m - 1]] || anchor_[names[m]] || together >= enough) continue;
+      const std::string& name = options_.names[names[m]];
+      const TrackletSample& first = tracklets_[upper].samples.front();
+      throw Fail(
+          "the markers cannot be named with certainty: what may be the {} and the {} are seen together in {} frames "
+          "only, {} and {}; say where they are, for example --seed {}={:.0f},{:.0f}@{}",
+          options_.names[names[m - 1]], name, together, Describe(tracklets_[lower]), Describe(tracklets_[upper]), name,
+          first.position.x(), first.position.y(), first.frame);
+    }
   }
 
   // Where no leg holds all seeds, but one without one of them does: throws Error naming that seed.
@@ -380,13 +401,14 @@ class Namer {
     return true;
   }
 
-  // A name's known samples beside a frame: those before it (step −1) or after it (1).
+  // A name's known samples beside a frame, but for repeated pictures: those before it (step −1) or after it (1).
   PathEnd KnownBeside(std::size_t name, std::size_t frame, int step) const {
     const auto& samples = recording_.markers[name].samples;
     PathEnd end;
     for (auto f = static_cast<std::ptrdiff_t>(frame) + step; f >= 0 && f < std::ssize(samples); f += step) {
       const auto i = static_cast<std::size_t>(f);
-      if (samples[i].IsKnown()) end.push_back({.time_s = time_s_[i], .position = samples[i].position});
+      if (samples[i].IsKnown() && !std::ranges::binary_search(options_.repeated, recording_.frame[i]))
+        end.push_back({.time_s = time_s_[i], .position = samples[i].position});
       if (end.size() == kPathEndSamples) break;
     }
     std::ranges::reverse(end);
@@ -394,13 +416,13 @@ class Namer {
   }
 
   // The time in which a marker can have moved on; after a break it can be anywhere.
-  double GapBetween(const PathEnd& before, const PathEnd& after) const {
+  double TimeToMoveOn(const PathEnd& before, const PathEnd& after) const {
     const double from_s = before.back().time_s, to_s = after.back().time_s;
     const bool has_break = std::ranges::any_of(options_.breaks, [&](std::int64_t frame) {
       const double at_s = time_s_[index_of_frame_.at(frame)];
       return at_s > from_s && at_s <= to_s;
     });
-    return has_break ? options_.physics.turns_after_s : to_s - from_s;
+    return has_break ? options_.physics.turns_after_s : GapBetween(before, after);
   }
 
   // The logarithm of the odds against one path with what is known of the name before and after; nullopt where none is
@@ -421,7 +443,7 @@ class Namer {
                                         std::pair(LastSamples(piece), KnownBeside(name, last, 1))}) {
       if (before.empty() || after.empty()) continue;
       const double radius_px = piece.samples.front().radius_px;
-      const PathJoin join = JoinPaths(before, after, GapBetween(before, after), radius_px, options_.physics);
+      const PathJoin join = JoinPaths(before, after, TimeToMoveOn(before, after), radius_px, options_.physics);
       constexpr double kFarthest = 30;
       if (join.squares > kFarthest) return std::nullopt;
       misfit = misfit.value_or(0) - join.log_odds;

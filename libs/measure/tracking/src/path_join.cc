@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 
 namespace lake::tracking {
 namespace {
@@ -13,13 +14,17 @@ constexpr double kClock = 0.2;         // of a time, in frames: a converted rate
 constexpr double kQuick_mm2_s5 = 1e9;  // spectral density of jerk in a quick rise
 constexpr double kReach_mm = 2000;
 
-PathEnd EndOf(const Tracklet& tracklet, bool is_last) {
+// All where there are no others: those of repeated pictures too.
+template <typename Samples>
+PathEnd EndOf(const Samples& from_the_end, bool repeated_too = false) {
   PathEnd end;
-  const std::size_t n = tracklet.samples.size();
-  for (std::size_t k = std::min(n, kPathEndSamples); k-- > 0;) {
-    const TrackletSample& sample = tracklet.samples[is_last ? n - 1 - k : k];
+  for (const TrackletSample& sample : from_the_end) {
+    if (sample.repeated && !repeated_too) continue;
     end.push_back({.time_s = sample.time_s, .position = sample.position});
+    if (end.size() == kPathEndSamples) break;
   }
+  if (end.empty() && !repeated_too) return EndOf(from_the_end, true);
+  std::ranges::reverse(end);
   return end;
 }
 
@@ -43,11 +48,15 @@ double LogUnrelated(const MarkerPhysics& physics) {
 }  // namespace
 
 PathEnd FirstSamples(const Tracklet& tracklet) {
-  return EndOf(tracklet, false);
+  return EndOf(tracklet.samples);
 }
 
 PathEnd LastSamples(const Tracklet& tracklet) {
-  return EndOf(tracklet, true);
+  return EndOf(std::views::reverse(tracklet.samples));
+}
+
+double GapBetween(const PathEnd& before, const PathEnd& after) {
+  return after.back().time_s - before.back().time_s;
 }
 
 PathJoin JoinPaths(const PathEnd& before, const PathEnd& after, double gap_s, double radius_px,

@@ -9,7 +9,8 @@
 
 namespace lake::tracking {
 
-// Times and places, px, of one thing beside a gap: the farthest first. Eight tell as much as more do. Their sigmas are
+// Times and places, px, of one thing beside a gap: the farthest first, those of repeated pictures left out. Eight tell
+// as much as more do. Their sigmas are
 // not used: a place is as uncertain as coding and the clock make it.
 using PathEnd = std::vector<dynamics::PathSample>;
 inline constexpr std::size_t kPathEndSamples = 8;
@@ -23,6 +24,8 @@ struct PathJoin {
   double squares = 0;
   double log_odds = 0;  // of one path against two unrelated ones within a person's reach
 };
+
+double GapBetween(const PathEnd& before, const PathEnd& after);  // s
 
 // Both ends need one sample. A gap counts for no longer than a marker goes on before it turns back.
 PathJoin JoinPaths(const PathEnd& before, const PathEnd& after, double gap_s, double radius_px,

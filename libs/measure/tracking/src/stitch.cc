@@ -21,7 +21,8 @@ bool MayGoOnAs(const Tracklet& ended, const Tracklet& begun, const MarkerPhysics
   const double ratio = first.radius_px / last.radius_px, radius = std::max(first.radius_px, last.radius_px);
   if (ratio < 0.7 || ratio > 1.4) return false;
   constexpr double kFarthest = 22.5;
-  return JoinPaths(LastSamples(ended), FirstSamples(begun), gap_s, radius, physics).squares < kFarthest;
+  const PathEnd before = LastSamples(ended), after = FirstSamples(begun);
+  return JoinPaths(before, after, GapBetween(before, after), radius, physics).squares < kFarthest;
 }
 
 // Which pieces go on as which.

@@ -3,7 +3,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "leg_scale.h"
@@ -28,6 +30,25 @@ double LogSum(const std::vector<double>& logs) {
 
 double DensityOf(std::size_t step, double quick) {
   return quick * std::pow(10, static_cast<double>(step) - static_cast<double>(kDensities - 1 - kAboveQuick));
+}
+
+// By how much likelier a path makes it that the derivatives of a marker's place from the first to the second, or from
+// the second on, are none than they are of a moving person's at any time (Savage and Dickey's ratio); a logarithm.
+double LogOddsOfNone(const dynamics::PathState& state, int derivatives, const dynamics::MotionPrior& prior) {
+  const Eigen::LLT<Eigen::MatrixXd> covariance(state.covariance.block(1, 1, derivatives, derivatives));
+  double odds = 2 * std::log(prior.speed) + (derivatives > 1 ? 2 * std::log(prior.acceleration) : 0);
+  odds -= 2 * covariance.matrixLLT().diagonal().array().log().sum();
+  return odds - 0.5 * covariance.matrixL().solve(state.mean.middleRows(1, derivatives)).squaredNorm();
+}
+
+// The same of a marker that rests, or comes to rest in the last frame or before the next one, against one that rests or
+// moves, of even odds.
+double LogOddsOfStop(const dynamics::PathState& state, double within_s, double density,
+                     const dynamics::MotionPrior& prior) {
+  const double rests = LogOddsOfNone(state, 2, prior);
+  return LogSum({rests, LogOddsOfNone(state, 1, prior),
+                 LogOddsOfNone(dynamics::Moved(state, within_s, density), 1, prior)}) -
+         LogSum({0, rests});
 }
 
 }  // namespace
@@ -67,6 +88,18 @@ double Passage::LogDensity(const Marker& marker, double elapsed_s, double unrela
     logs.push_back(std::log(kSuddenShare) + join(kSudden * hypothesis.density));
   }
   return LogSum(logs);
+}
+
+double Passage::JumpMm(double elapsed_s) const {
+  std::vector<double> jumps = {0, 0};
+  for (const Marker& marker : markers_) {
+    const Hypothesis& likeliest = *std::ranges::max_element(marker, {}, &Hypothesis::log_weight);
+    const dynamics::PathState told = dynamics::WithinReach(
+        dynamics::Moved(likeliest.before, elapsed_s, likeliest.density), likeliest.before.Position(), prior_);
+    jumps.push_back((likeliest.after.Position() - told.Position()).norm());
+  }
+  std::ranges::nth_element(jumps, jumps.begin() + 1, std::greater());
+  return unit_mm_ * jumps[1];
 }
 
 int Passage::Faster(double least_px_s) const {
@@ -151,6 +184,8 @@ double TimedPaths::Misfit(const std::vector<std::size_t>& frames, std::size_t af
 Passage TimedPaths::Between(const std::vector<std::size_t>& frames, std::size_t after, std::size_t from,
                             std::size_t to) const {
   Passage passage;
+  passage.unit_mm_ = unit_mm_;
+  passage.prior_ = prior_;
   passage.log_unrelated_ =
       -2 * std::log(kReach_mm / unit_mm_ * prior_.speed * prior_.acceleration) - 2 * std::log(2 * std::numbers::pi);
   for (const motion::MarkerTrack& track : recording_.markers) {
@@ -203,19 +238,10 @@ std::optional<Lateness> TimedPaths::LatenessOf(const std::vector<std::size_t>& f
   return Lateness{along / information, std::sqrt(seen / information), across / seen};
 }
 
-// What of the density of a velocity is left at none.
-double TimedPaths::LogShareOfStop(const dynamics::PathState& moving, double elapsed_s, double density) const {
-  const auto at = [&](double with) {
-    const dynamics::PathState then = dynamics::Moved(moving, elapsed_s, with);
-    return -0.5 * then.Velocity().squaredNorm() / then.covariance(1, 1);
-  };
-  return LogSum({std::log(1 - kSuddenShare) + at(density), std::log(kSuddenShare) + at(kSudden * density)});
-}
-
-// About to begin to move: by a tenth of a person's usual acceleration.
-dynamics::PathState TimedPaths::AtRest(const dynamics::PathSample& last, double frame_s) const {
-  constexpr double kDriftPx = 0.05, kBeginning = 0.1;
-  return dynamics::StartAt(last, {kDriftPx / frame_s, kBeginning * prior_.acceleration});
+// About to begin to move: by this share of a person's usual acceleration.
+dynamics::PathState TimedPaths::AtRest(const dynamics::PathSample& last, double frame_s, double beginning) const {
+  constexpr double kDriftPx = 0.05;
+  return dynamics::StartAt(last, {kDriftPx / frame_s, beginning * prior_.acceleration});
 }
 
 // Of one marker; nullopt where it is not seen on both sides.
@@ -225,6 +251,7 @@ std::optional<TimedPaths::RunLogs> TimedPaths::LogsOfRun(const motion::MarkerTra
   constexpr double kCopyPx = 0.05,
                    kHiddenPx = 0.1;  // by which coding changes a copy, and displaces what begins to move
   constexpr std::size_t kFewest = 4, kAfter = 6;
+  constexpr std::array kBeginnings = {0.02, 0.2};  // shares of a person's acceleration
   const auto before = Beside(marker, frames, static_cast<std::ptrdiff_t>(first) - 1, -1, -1);
   auto behind = Beside(marker, frames, static_cast<std::ptrdiff_t>(end), static_cast<std::ptrdiff_t>(frames.size()), 1);
   if (before.size() < kFewest || behind.empty()) return std::nullopt;
@@ -232,22 +259,22 @@ std::optional<TimedPaths::RunLogs> TimedPaths::LogsOfRun(const motion::MarkerTra
   behind.resize(std::min(behind.size(), kAfter));
   for (dynamics::PathSample& sample : behind) sample.sigma = std::hypot(sample.sigma, kHiddenPx);
   std::vector<dynamics::PathSample> run;
+  dynamics::PathState shown = dynamics::StartAt(before.back(), prior_);
   double copied = 0;
   for (std::size_t f = first; f < end; ++f) {
     const motion::MarkerSample& sample = marker.samples[frames[f]];
     if (!sample.IsKnown()) continue;
     run.push_back({recording_.time_s[frames[f]], sample.position,
                    std::hypot(sample.sigma, std::hypot(learnt_.extra_sigma, kCopyPx))});
-    dynamics::PathState last = dynamics::StartAt(before.back(), prior_);
-    copied += dynamics::Observe(run.back(), last);
+    copied += dynamics::Observe(run.back(), shown);
   }
   // The density of samples that follow a state, which becomes the last one's.
-  const auto follow = [](std::span<const dynamics::PathSample> samples, double earlier_s, double density,
-                         dynamics::PathState& state, double& at_s) {
+  const auto follow = [&](std::span<const dynamics::PathSample> samples, double earlier_s, double density,
+                          dynamics::PathState& state, double& at_s) {
     double log_density = 0;
     for (dynamics::PathSample sample : samples) {
       sample.time_s -= earlier_s;
-      state = dynamics::Moved(state, sample.time_s - at_s, density);
+      state = dynamics::WithinReach(dynamics::Moved(state, sample.time_s - at_s, density), state.Position(), prior_);
       log_density += dynamics::Observe(sample, state);
       at_s = sample.time_s;
     }
@@ -277,10 +304,14 @@ std::optional<TimedPaths::RunLogs> TimedPaths::LogsOfRun(const motion::MarkerTra
     at_s = before.back().time_s;
     const double moving = weight + follow(run, 0, density, state, at_s),
                  moving_on = follow(behind, 0, density, state, at_s);
-    const double stopped = weight + copied + LogShareOfStop(told, run_s, density);
-    state = AtRest(before.back(), run_s);
-    at_s = end_s;
-    const double starting = follow(behind, 0, density, state, at_s);
+    const double stopped = weight + copied + LogOddsOfStop(told, run_s, density, prior_);
+    std::vector<double> starts;
+    for (const double beginning : kBeginnings) {
+      state = AtRest(before.back(), run_s, beginning);
+      at_s = end_s;
+      starts.push_back(follow(behind, 0, density, state, at_s) - std::log(kBeginnings.size()));
+    }
+    const double starting = LogSum(starts);
     for (const auto& [logs, share] : {std::pair(&rested, kMismeasured), {&cut, kUnrelated}})
       logs->push_back(LogSum({moving + or_unrelated(moving_on, share), stopped + or_unrelated(starting, share)}));
   }
@@ -289,9 +320,9 @@ std::optional<TimedPaths::RunLogs> TimedPaths::LogsOfRun(const motion::MarkerTra
 
 double TimedPaths::LogOddsOfRepeat(const std::vector<std::size_t>& frames, std::size_t first, std::size_t end,
                                    double frame_s) const {
-  // Prior odds: a repetition is a third as likely with each frame more; no time passes meanwhile, or the recording is
-  // cut behind it, in one of some thousand.
-  constexpr double kEachFrame = 0.3, kLeast = 1e-8, kClockStands = 0.01, kCut = 1e-4;
+  // Prior odds: a repetition is a third as likely with each frame more, down to a frozen picture's; that no time passes
+  // meanwhile, a hundredth of it without end.
+  constexpr double kEachFrame = 0.3, kFrozen = 0.01, kClockStands = 0.01, kCut = 1e-6;
   const double stood_s = recording_.time_s[frames[end]] - recording_.time_s[frames[first - 1]] - frame_s;
   RunLogs all;
   for (const motion::MarkerTrack& marker : recording_.markers)
@@ -301,8 +332,9 @@ double TimedPaths::LogOddsOfRepeat(const std::vector<std::size_t>& frames, std::
       all.rested += logs->rested;
       all.cut += logs->cut;
     }
-  const double prior = std::max(std::pow(kEachFrame, static_cast<double>(end - first - 1)), kLeast);
-  return std::log(prior) + LogSum({all.going_on, std::log(kClockStands) + all.standing}) -
+  const double repeated = static_cast<double>(end - first - 1) * std::log(kEachFrame);
+  return LogSum(
+             {std::max(repeated, std::log(kFrozen)) + all.going_on, repeated + std::log(kClockStands) + all.standing}) -
          LogSum({all.rested, std::log(kCut) + all.cut});
 }
 

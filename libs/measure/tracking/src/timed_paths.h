@@ -24,6 +24,9 @@ class Passage {
   // By how much more likely one time is than another, of all markers but that which says so most: what moves alone may
   // have been left behind by the encoder. A logarithm.
   double LogRatioWithoutBest(double elapsed_s, double other_s) const;
+  // How far two markers at least are from where the paths before lead, if `elapsed_s` lie between the two frames; 0 of
+  // fewer.
+  double JumpMm(double elapsed_s) const;
   // How many markers are faster than this on both sides, px/s.
   int Faster(double least_px_s) const;
 
@@ -40,6 +43,8 @@ class Passage {
 
   std::vector<Marker> markers_;
   double log_unrelated_ = 0;
+  double unit_mm_ = 0;  // of a px
+  dynamics::MotionPrior prior_;
 };
 
 // How late (negative: early) a frame's time is, by all markers' paths through its neighbours.
@@ -92,8 +97,7 @@ class TimedPaths {
   struct RunLogs {
     double going_on = 0, standing = 0, rested = 0, cut = 0;
   };
-  double LogShareOfStop(const dynamics::PathState& moving, double elapsed_s, double density) const;
-  dynamics::PathState AtRest(const dynamics::PathSample& last, double frame_s) const;
+  dynamics::PathState AtRest(const dynamics::PathSample& last, double frame_s, double beginning) const;
   std::optional<RunLogs> LogsOfRun(const motion::MarkerTrack& marker, const std::vector<std::size_t>& frames,
                                    std::size_t first, std::size_t end, double stood_s) const;
 

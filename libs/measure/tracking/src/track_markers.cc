@@ -125,7 +125,8 @@ double FootMotion(const motion::MarkerRecording& recording) {
 
 // Where several directions may be up, that with which the markers can be named and the foot rests best.
 void NameWithEachUp(const std::vector<Tracklet>& tracklets, const TrackOptions& options,
-                    const std::vector<std::int64_t>& breaks, TrackResult& result) {
+                    const std::vector<std::int64_t>& breaks, const std::vector<std::int64_t>& repeated,
+                    TrackResult& result) {
   std::vector<Eigen::Vector2d> ups = {options.up_px};
   ups.insert(ups.end(), options.other_ups_px.begin(), options.other_ups_px.end());
   std::optional<motion::MarkerRecording> best;
@@ -135,7 +136,7 @@ void NameWithEachUp(const std::vector<Tracklet>& tracklets, const TrackOptions& 
     try {
       NameTracklets(tracklets,
                     {options.names, options.seeds, Identities(options), options.metric_from_px, up, options.physics,
-                     breaks, options.reader.rotate_deg},
+                     breaks, repeated, options.reader.rotate_deg},
                     named);
     } catch (const UsageError&) {
       throw;
@@ -269,7 +270,7 @@ Followed Follow(const std::filesystem::path& video, const TrackOptions& options)
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options) {
   auto [result, tracklets, repeated, breaks, image] = Follow(video, options);
   try {
-    NameWithEachUp(tracklets, options, breaks, result);
+    NameWithEachUp(tracklets, options, breaks, repeated, result);
   } catch (const UsageError&) {
     throw;
   } catch (const Error& error) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 
 #include "lake/core/statistics.h"
 #include "lake/tracking/assignment.h"
@@ -215,8 +216,19 @@ void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPredic
       cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = PairCost(predictions[i], detections[j]);
   const std::vector<int> assigned = AssignRows(cost, 1.0);
   std::vector<bool> taken(detections.size(), false);
+  // What is far from where one leads, and may be another that is lost in this frame, is neither's.
+  const auto is_anybodys = [&](std::size_t row, int column) {
+    constexpr double kNear = 0.05;  // a third of a gate
+    if (cost(static_cast<Eigen::Index>(row), column) < kNear) return false;
+    for (std::size_t i = 0; i < assigned.size(); ++i)
+      if (assigned[i] < 0 && cost(static_cast<Eigen::Index>(i), column) < 1 &&
+          live_[i].tracklet.LastFrame() == previous_.index &&
+          static_cast<int>(live_[i].tracklet.samples.size()) >= options_.followed)
+        return true;
+    return false;
+  };
   for (std::size_t i = 0; i < assigned.size(); ++i) {
-    if (assigned[i] < 0) continue;
+    if (assigned[i] < 0 || is_anybodys(i, assigned[i])) continue;
     taken[static_cast<std::size_t>(assigned[i])] = true;
     Extend(live_[i], frame, detections[static_cast<std::size_t>(assigned[i])]);
   }
@@ -298,7 +310,34 @@ void TrackletBuilder::NoteRepeated(std::int64_t frame) {
   repeated_.push_back(frame);
   if (time_s_ + stood_still_s_ - repeated_since_s_ <= kLongest_s) return;
   is_repeated_ = false;
-  TakeBackRepeated();
+  stands_since_ = TakeBackRepeated();
+}
+
+// What came to rest at once has been frozen if it leaves its place at once as well, two things at least; what begins to
+// move, creeps at first.
+void TrackletBuilder::JudgeStanding(std::int64_t frame) {
+  constexpr double kMovedPx = 0.5;
+  int jumped = 0, crept = 0;
+  for (const Live& live : live_) {
+    const TrackletSample *first = live.tracklet.SampleIn(*stands_since_),
+                         *before = live.tracklet.SampleIn(previous_.index), *now = live.tracklet.SampleIn(frame);
+    if (!first) continue;
+    const auto is_away = [&](const TrackletSample* sample) {
+      return !sample || (sample->position - first->position).norm() >= kMovedPx;
+    };
+    if (is_away(now)) ++(is_away(before) ? crept : jumped);
+  }
+  if (jumped + crept < 2) return;
+  if (jumped >= 2 && jumped > crept) {
+    while (!repeated_.empty() && repeated_.back() >= *stands_since_) repeated_.pop_back();
+    for (std::int64_t frozen = *stands_since_; frozen < frame; ++frozen) repeated_.push_back(frozen);
+    for (Live& live : live_)
+      for (TrackletSample& sample : live.tracklet.samples)
+        if (sample.frame >= *stands_since_ && sample.frame < frame) sample.repeated = true;
+    breaks_.push_back(frame);
+    last_loss_s_ = time_s_;
+  }
+  stands_since_.reset();
 }
 
 // Only what has moved on when the picture changes again was hidden from sight; where coding leaves things that come to
@@ -315,30 +354,45 @@ void TrackletBuilder::ConfirmRepeated(std::int64_t frame) {
   if (moved + lost < 2) TakeBackRepeated();
 }
 
-// The last run of repeated frames was none.
-void TrackletBuilder::TakeBackRepeated() {
+// The last run of repeated frames was none; returns its first.
+std::int64_t TrackletBuilder::TakeBackRepeated() {
   std::int64_t last = repeated_.back();
   for (; !repeated_.empty() && repeated_.back() == last; --last) repeated_.pop_back();
   for (Live& live : live_)
     for (auto sample = live.tracklet.samples.rbegin(); sample != live.tracklet.samples.rend() && sample->frame > last;
          ++sample)
       sample->repeated = false;
+  return last + 1;
 }
 
 void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPrediction> predictions) {
   constexpr double kMovingPx = 0.5;
-  int moving = 0, lost = 0;
+  std::size_t moving = 0;
+  std::vector<std::size_t> lost;
   for (std::size_t i = 0; i < predictions.size(); ++i) {
     const std::vector<TrackletSample>& samples = live_[i].tracklet.samples;
     const TrackletSample* before = live_[i].tracklet.SampleIn(previous_.index);
     if (!before || static_cast<int>(samples.size()) < options_.established) continue;
     if ((predictions[i].position - before->position).norm() < kMovingPx) continue;
     ++moving;
-    lost += samples.back().frame != frame;
+    if (samples.back().frame != frame) lost.push_back(i);
   }
-  if (lost < 2 || 2 * lost < moving) return;
+  if (lost.size() < 2 || 2 * lost.size() < moving) return;
   breaks_.push_back(frame);
   last_loss_s_ = time_s_;
+  // Where these lead is wrong: of neighbours each may be found where another is expected. Which goes on as which,
+  // naming tells.
+  const auto has_neighbour = [&](std::size_t i) {
+    return std::ranges::any_of(lost, [&](std::size_t k) {
+      return k != i && (predictions[k].position - predictions[i].position).norm() <
+                           predictions[k].gate_px + predictions[i].gate_px;
+    });
+  };
+  for (const std::size_t i : std::views::reverse(lost)) {
+    if (!has_neighbour(i)) continue;
+    Keep(std::move(live_[i].tracklet));
+    live_.erase(live_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
 }
 
 std::vector<MarkerPrediction> TrackletBuilder::PredictAll(double time_s) const {
@@ -378,6 +432,7 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
   }
   Associate(frame.index, predictions, detector_.Detect(frame, predictions, SearchEverywhere(frame.index)));
   if (ends_repetition) ConfirmRepeated(frame.index);
+  if (stands_since_ && *stands_since_ < frame.index) JudgeStanding(frame.index);
   NoteBreak(frame.index, predictions);
   RetireLost();
   previous_ = frame;

@@ -37,12 +37,17 @@ struct PathState {
 struct MotionPrior {
   double speed = 0;         // unit/s
   double acceleration = 0;  // unit/s²
+  double reach = 0;         // unit: from where it was, however long ago
 };
 
 PathState StartAt(const PathSample& sample, const MotionPrior& prior);
 
 // The state `elapsed_s` later, or earlier if that is negative.
 PathState Moved(const PathState& state, double elapsed_s, double density);
+
+// What is known besides the path that leads to a state: it is within reach of where the marker was, as fast as it may
+// be. Over a gap of some tenths of a second that is more.
+PathState WithinReach(const PathState& state, const Eigen::Vector2d& was_at, const MotionPrior& prior);
 
 // Takes a measurement at the state's own time in; returns the logarithm of the density that the state gave it.
 double Observe(const PathSample& sample, PathState& state);
@@ -72,7 +77,7 @@ struct LearntMotion {
 // decade apart; the errors to 4 %. `unit_mm`: mm to a unit. All paths have increasing times.
 LearntMotion LearnMotion(std::span<const std::vector<PathSample>> paths, double unit_mm);
 
-// The prior of a person's marker: 1 m/s and 10 m/s².
+// The prior of a person's marker: 1 m/s, 10 m/s², 0.5 m.
 MotionPrior PersonPrior(double unit_mm);
 
 }  // namespace lake::dynamics

@@ -18,6 +18,13 @@ struct TimeJump {
   bool is_applied = false;             // beyond doubt (1 in 1000): all later times are set by it; else they stand
 };
 
+// Between two frames the markers come farther than a leg's motion explains, but not as far as behind a cut: a real
+// jolt, a camera that was pushed, or a marker that something else was taken for.
+struct Jolt {
+  std::int64_t before = 0, after = 0;  // frames
+  double jump_mm = 0;                  // of two markers at least
+};
+
 struct FrameTimes {
   std::vector<std::int64_t> repeated;  // frames, increasing
   // Frames per second that were captured, if the recording shows them at a higher rate by repeating some and the motion
@@ -27,6 +34,7 @@ struct FrameTimes {
   // there, early or late by up to half a frame of it; 0 otherwise.
   double chosen_from_hz = 0;
   std::vector<TimeJump> jumps;
+  std::vector<Jolt> jolts;
   // How far the times of a converted rate's frames are from those at which they were taken, root mean square; 0
   // otherwise. They stand.
   double uneven_s = 0;
@@ -38,7 +46,8 @@ struct FrameTimes {
 // Every decision compares named hypotheses by the likelihood of the markers' paths under white jerk (lake::dynamics),
 // with these prior odds: a recording is cut 1e-3, its clock jumps 1e-2 (over all its frames), its rate was converted
 // 0.1. A frame whose picture is the one before is repeated if the markers would otherwise have had to stop and start
-// again; of who rests, it is a measurement. Throws Error where a recording is cut.
+// again; of who rests, it is a measurement. Throws Error where a recording is cut: where two markers at least jump by
+// more than 100 mm and nothing else explains it.
 FrameTimes CorrectFrameTimes(const std::vector<std::int64_t>& same_picture, motion::MarkerRecording& recording);
 
 // One line for each thing found, with frame numbers; `frame`: the recording's.

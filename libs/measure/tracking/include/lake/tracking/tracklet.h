@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "lake/tracking/marker_detector.h"
@@ -87,7 +88,8 @@ class TrackletBuilder {
   bool StoodStill(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions) const;
   void NoteRepeated(std::int64_t frame);
   void ConfirmRepeated(std::int64_t frame);
-  void TakeBackRepeated();
+  std::int64_t TakeBackRepeated();
+  void JudgeStanding(std::int64_t frame);
   void NoteBreak(std::int64_t frame, std::span<const MarkerPrediction> predictions);
   bool SearchEverywhere(std::int64_t frame) const;
   bool IsSeed(std::int64_t frame, const MarkerDetection& detection) const;
@@ -111,6 +113,7 @@ class TrackletBuilder {
   double stood_still_s_ = 0;    // in all
   video::VideoFrame previous_;  // its luma is compared with the next one's
   double repeated_since_s_ = 0;
+  std::optional<std::int64_t> stands_since_;  // frame: all came to rest at once in it, or the picture froze
   std::vector<std::int64_t> repeated_, breaks_;
   std::optional<double> last_loss_s_;
 };
