@@ -39,7 +39,8 @@ std::string CalibrationSection() {
 }  // namespace
 
 std::string StudyTemplate() {
-  return "# A study for `lake run`. Paths are relative to this file. Remove the '#' before a key, and before its section,\n"
+  return "# A study for `lake run`. Paths are relative to this file. Remove the '#' before a key, and before its "
+         "section,\n"
          "# to set it; the values shown are the defaults or examples.\n" +
          TemplateLine("name", "My study", "stands above the report") +
          AsComment(TemplateLine("out", "lake-out/my-study", "folder for the results") +
@@ -50,7 +51,8 @@ std::string StudyTemplate() {
                      AsComment(KeysOf<commands::TrackRunOptions>({"video"}), 2)) +
          Section("exo", "The trial with it. Without this section there is nothing to compare.",
                  Line("video", "exo.mp4", "the keys are those of `human`") +
-                     Line("markers", "[ankle, knee, hip, waist, exo_knee]", "the leg's, and that of the exoskeleton's joint") +
+                     Line("markers", "[ankle, knee, hip, waist, exo_knee]",
+                          "the leg's, and that of the exoskeleton's joint") +
                      Line("seeds", "['exo_knee=640,360']", "where the joint's marker is in the first frame, px")) +
          Optional("human", "A trial that was tracked before, in the place of a video; exo likewise.",
                   Line("trial", "human.trc", "a lake track folder, or .csv, .trc, .c3d, .trk, .txt") +
@@ -62,7 +64,8 @@ std::string StudyTemplate() {
                       KeysOf<synthesis::SynthesisOptions>()) +
          Optional("reoptimize", "A design for this person; with an exo trial it needs design: {worn: FILE}.",
                   Line("balance", "{margin_mm: 20}", "the person keeps the balance all along; needs loads") +
-                      KeysOf<synthesis::SynthesisOptions>() + KeysOf<commands::ReoptimizeRunOptions>(kGivenToRedesign)) +
+                      KeysOf<synthesis::SynthesisOptions>() +
+                      KeysOf<commands::ReoptimizeRunOptions>(kGivenToRedesign)) +
          Optional("loads", "The moments at the joints of the trial without exoskeleton.",
                   KeysOf<commands::LoadsRunOptions>(kGivenToLoads)) +
          Optional("assistance", "The links with which an actuator gives what the knee needs; needs loads.",

@@ -29,7 +29,8 @@ std::string ValueOf(const Option& option) {
 }
 
 std::string MeaningOf(const Option& option) {
-  const bool says_values = option.Value().find('|') != std::string::npos || option.Value().find('=') != std::string::npos;
+  const bool says_values =
+      option.Value().find('|') != std::string::npos || option.Value().find('=') != std::string::npos;
   return says_values ? fmt::format("{}: {}", option.Value(), option.Help()) : option.Help();
 }
 
@@ -51,7 +52,8 @@ std::string OptionTemplate(const OptionList& options, int indent) {
 std::string AsComment(std::string_view text, int indent) {
   std::string commented;
   for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size()), column = begin + static_cast<std::size_t>(indent);
+    const std::size_t end = std::min(text.find('\n', begin), text.size()),
+                      column = begin + static_cast<std::size_t>(indent);
     commented += fmt::format("{}# {}\n", text.substr(begin, column - begin), text.substr(column, end - column));
     begin = end + 1;
   }

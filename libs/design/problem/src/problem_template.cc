@@ -9,7 +9,7 @@ namespace lake::problem {
 namespace {
 
 std::string LinkKeys(const SynthesisProblem& paper) {
-  constexpr const char* kLinks[] = {"coupler RS",  "slewing bar PR",          "thigh link KP",
+  constexpr const char* kLinks[] = {"coupler RS",    "slewing bar PR",           "thigh link KP",
                                     "shank link KS", "mount M behind the thigh", "mount M above the thigh pin P"};
   std::string bounds = "bounds:\n", start = "start:\n";
   for (std::size_t i = 0; i < paper.bounds.size(); ++i) {
@@ -32,8 +32,10 @@ std::string ProblemTemplate() {
   OptionList parts;
   parts::Describe(described.parts, parts);
   const auto number = [](double value) { return fmt::format("{}", value); };
-  return "# What a design must satisfy, for `lake optimize --problem FILE` and `problem:` of a study. Remove the '#' before\n"
-         "# a key, and before its section, to set it. With none set the problem is the paper's; other values are examples.\n" +
+  return "# What a design must satisfy, for `lake optimize --problem FILE` and `problem:` of a study. Remove the '#' "
+         "before\n"
+         "# a key, and before its section, to set it. With none set the problem is the paper's; other values are "
+         "examples.\n" +
          TemplateLine("d_min_mm", number(paper.d_min_mm), "the actuator's shortest stroke") +
          AsComment(
              TemplateLine("d_max_mm", "400", "its longest, at which the knee must stand straight") +
@@ -42,7 +44,8 @@ std::string ProblemTemplate() {
              TemplateLine("min_moment_arm_mm", "5", "change of stroke per radian of the knee, over the whole range") +
              TemplateLine("min_transmission_deg", "10", "between coupler and shank link, and its supplement") +
              TemplateLine("robust_mm", "0.1", "tolerance of each link that a design must bear") +
-             TemplateLine("actuator", "LA31-1000", "a name of the catalogue or a file; sets d_min, d_max and max_force") +
+             TemplateLine("actuator", "LA31-1000",
+                          "a name of the catalogue or a file; sets d_min, d_max and max_force") +
              LinkKeys(paper) + "margins:\n" +
              Line("grashof_mm", number(paper.grashof_margin_mm), "l3 + l4 is shorter than l1 + l2 by this") +
              Line("singularity_mm", number(paper.singularity_margin_mm), "of the shortest stroke from the dead point") +
@@ -58,8 +61,10 @@ std::string ProblemTemplate() {
              Line("seat_mm", "5", "of mount, links and actuator from the seat") +
              Line("limb_mm", "5", "of the actuator from thigh and shank") + "body:\n" +
              Line("height_mm", "1750", "stature") + Line("mass_kg", "70", "of the whole body") +
-             Line("thigh_mm", "410", "knee to hip; with shank_mm") + Line("shank_mm", "400", "ankle to knee; with thigh_mm") +
-             Line("seat_edge_mm", number(paper.clearances.seat_edge_mm), "knee to the seat's front edge; 0: half the thigh is seated") +
+             Line("thigh_mm", "410", "knee to hip; with shank_mm") +
+             Line("shank_mm", "400", "ankle to knee; with thigh_mm") +
+             Line("seat_edge_mm", number(paper.clearances.seat_edge_mm),
+                  "knee to the seat's front edge; 0: half the thigh is seated") +
              "parts:\n" + OptionTemplate(parts, 2));
 }
 
