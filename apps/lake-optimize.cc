@@ -1,8 +1,12 @@
 // Finds the links that give the largest range of rotation, proves it, and says what it is worth; with a human's motion,
 // those whose knee also follows it.
+#include <filesystem>
+#include <optional>
 #include <string>
 
 #include "lake/commands/optimize.h"
+#include "lake/core/option_template.h"
+#include "lake/problem/problem_template.h"
 #include "program.h"
 
 int main(int argc, char** argv) {
@@ -17,13 +21,24 @@ int main(int argc, char** argv) {
       "--max-misalignment 3 --program free --duration 25 --fit-placement");
   lake::commands::OptimizeRunOptions options;
   lake::commands::ReoptimizeRunOptions reoptimize;
+  std::optional<std::filesystem::path> make_template;
+  lake::OptionList other;
+  other
+      .Add("template", make_template,
+           "Write a problem.yaml with every key, its default and its meaning; do nothing else")
+      .Value("FILE");
   program.Add(lake::OptionsOf(options));
+  program.Add(std::move(other));
   // The duration stands among the problem's options.
   const auto motion =
       program.Add(lake::OptionsOf(reoptimize).Without({"duration"}), "Re-optimisation, with --comparison or --human");
   return program.Main(
       argc, argv, [] { return std::string("optimize"); },
       [&](lake::Run& run) {
+        if (make_template) {
+          lake::WriteTemplateFile(*make_template, lake::problem::ProblemTemplate());
+          return lake::Json();
+        }
         options.study.quiet = options.study.optimize.quiet = run.Quiet();
         if (motion->IsAnyGiven()) options.reoptimize = reoptimize;
         return lake::commands::RunOptimize(options, run);

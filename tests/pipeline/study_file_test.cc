@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <sstream>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/study/study.h"
+#include "lake/study/study_template.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -43,6 +45,52 @@ class StudyYaml : public testing::Test {
 
   TemporaryFolder folder_;
 };
+
+TEST_F(StudyYaml, TheTemplateIsAStudy) {
+  const study::StudyFile study = Read(study::StudyTemplate());
+  EXPECT_EQ(study.human.Recording().filename(), "human.mp4");
+  ASSERT_TRUE(study.exo);
+  EXPECT_FALSE(study.redesign || study.loads || study.stroke);
+}
+
+// Each key by itself, in its section and with what that needs.
+TEST_F(StudyYaml, EveryKeyOfTheTemplateIsKnown) {
+  std::istringstream lines(study::StudyTemplate());
+  std::vector<std::string> parents;  // by their indentation
+  std::string trial = "video: human.mp4";
+  int keys = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (const std::size_t hash = line.find("# "); hash == line.find_first_not_of(' ') && hash != line.npos)
+      line.erase(hash, 2);
+    const std::size_t indent = line.find_first_not_of(' '), colon = line.find(':');
+    const bool is_key =
+        indent != line.npos && colon != line.npos && indent % 2 == 0 &&
+        line.substr(indent, colon - indent).find_first_not_of("abcdefghijklmnopqrstuvwxyz_0123456789") == line.npos;
+    if (!is_key) continue;
+    parents.resize(indent / 2);
+    if (colon + 1 == line.size()) {
+      parents.push_back(line);
+      continue;
+    }
+    if (line.starts_with("  trial:")) trial = "trial: trial.trc";
+    std::string text;
+    for (const std::string& parent : parents) text += parent + "\n";
+    const std::string section = parents.empty() ? "" : parents.front();
+    const bool is_of_trial = section == "human:" || section == "exo:";
+    if (is_of_trial && !line.starts_with("  video:") && !line.starts_with("  trial:")) text += "  " + trial + "\n";
+    text += line + "\n";
+    if (section != "human:") text += "human: {video: human.mp4}\n";
+    if (section != "exo:") text += "exo: {video: exo.mp4}\n";
+    if (section == "assistance:") text += "loads: {mass_kg: 70}\n";
+    ++keys;
+    try {
+      Read(text);
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), Not(HasSubstr("unknown key"))) << text;
+    }
+  }
+  EXPECT_GT(keys, 150);
+}
 
 constexpr const char* kWhole = R"(name: A study
 out: results

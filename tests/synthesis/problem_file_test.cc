@@ -6,9 +6,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "lake/core/error.h"
 #include "lake/problem/load_profile.h"
+#include "lake/problem/problem_template.h"
 #include "places.h"
 
 namespace lake {
@@ -33,6 +35,27 @@ class ProblemFile : public ::testing::Test {
       std::filesystem::temp_directory_path() /
       (std::string("lake_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml");
 };
+
+// As it is written it is the paper's problem; with every key set that needs no other file, each is known.
+TEST_F(ProblemFile, TheTemplateIsThePapersProblemAndAllItsKeysAreKnown) {
+  const problem::SynthesisProblem read = problem::ReadProblem(Write(problem::ProblemTemplate()));
+  const problem::SynthesisProblem paper;
+  EXPECT_EQ(read.d_min_mm, paper.d_min_mm);
+  EXPECT_FALSE(read.max_force_n || read.clearances.AreAsked());
+  std::istringstream lines(problem::ProblemTemplate());
+  std::string text;
+  int keys = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_key = line.find(':') < line.rfind('#') || line.back() == ':';
+    const bool needs_a_file = line.find("actuator:") != line.npos || line.find("profile:") != line.npos ||
+                              line.find("assist:") != line.npos || line.find("duration_s:") != line.npos;
+    if (!is_key || needs_a_file || line.find(" for `lake") != line.npos) continue;
+    text += (line.starts_with("# ") ? line.substr(2) : line) + "\n";
+    ++keys;
+  }
+  EXPECT_GT(keys, 40);
+  EXPECT_EQ(ErrorOf(text), "") << text;
+}
 
 TEST_F(ProblemFile, PapersFileIsTheDefaultProblem) {
   const problem::SynthesisProblem read = problem::ReadProblem(SourceDir() / "calibration/problems/paper.yaml");

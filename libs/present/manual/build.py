@@ -8,7 +8,8 @@ The site needs no network. Pages are Markdown in pages/, in the order of mkdocs.
     {{figure FILE | caption}}      a picture that a command wrote
     {{frame VIDEO SECONDS | caption}}   a frame of a video that a command wrote
     {{story | caption}}            the picture story of story.py
-    {{columns}} {{options}} {{rooms}} {{file PATH}}   references made of columns.csv, --help, the rooms' READMEs, a file of the project"""
+    {{columns}} {{options}} {{rooms}} {{file PATH}} {{template PROGRAM}}   references made of columns.csv, --help, the rooms' READMEs, a file of the
+                                   project, the YAML file that a program's --template writes"""
 import argparse
 import os
 import pathlib
@@ -95,6 +96,12 @@ class Manual:
     def unlinked(text):
         return re.sub(r"(?<!!)\[([^\]]*)\]\((?!\w+:)[^)]*\)", r"\1", text)
 
+    def template(self, match):
+        """The YAML file that a program writes to be filled in."""
+        path = self.work / f"template-{match[1]}.yaml"
+        subprocess.run(["lake", match[1], "--template", path], env=self.environment, check=True)
+        return path.read_text(encoding="utf-8").rstrip()
+
     def file(self, match):
         text = (ROOT / match[1]).read_text(encoding="utf-8").rstrip()
         return self.unlinked(text) if match[1].endswith(".md") else text
@@ -109,6 +116,7 @@ class Manual:
         text = re.sub(r"^\{\{columns\}\}$", lambda _: columns(), text, flags=re.M)
         text = re.sub(r"^\{\{options\}\}$", self.options, text, flags=re.M)
         text = re.sub(r"^\{\{rooms\}\}$", lambda _: "\n".join(self.room(folder) for folder in ROOMS), text, flags=re.M)
+        text = re.sub(r"^\{\{template (\S+)\}\}$", self.template, text, flags=re.M)
         text = re.sub(r"^\{\{file (\S+)\}\}$", self.file, text, flags=re.M)
         left = re.findall(r"\{\{.*?\}\}", text)
         if left:

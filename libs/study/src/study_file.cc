@@ -13,6 +13,7 @@
 #include "lake/problem/problem_file.h"
 #include "lake/synthesis/synthesis_options.h"
 #include "lake/video/video_files.h"
+#include "section_keys.h"
 
 namespace lake::study {
 namespace {
@@ -99,7 +100,7 @@ ResolvePath FilesOf(InputFiles& files) {
 // All options of `options` but those that the study itself gives.
 template <typename Options>
 void ReadSection(YamlNode& node, Options& options, InputFiles& files, StudySection& section,
-                 const std::vector<std::string_view>& without = {}) {
+                 const OptionNames& without = {}) {
   OptionList list = OptionsOf(options).Without(without);
   ReadOptions(node, list, FilesOf(files));
   section.text = node.ToJson();
@@ -125,7 +126,7 @@ StudyTrial ReadTrialSection(YamlNode node, InputFiles& files) {
 commands::PlaneRunOptions ReadPlane(YamlNode& node, InputFiles& files, StudySection& section) {
   commands::PlaneRunOptions plane;
   if (!node.Has("image")) throw Fail("{}: the plane needs an 'image'", node.Where());
-  ReadSection(node, plane, files, section, {"camera"});
+  ReadSection(node, plane, files, section, kGivenToPlane);
   if (plane.board.empty() == plane.points.empty()) throw Fail("{}: give either 'board' or 'points'", node.Where());
   node.Finish();
   return plane;
@@ -144,7 +145,7 @@ StudyCalibration ReadCalibration(YamlNode node, InputFiles& files) {
   } else if (images) {
     calibration.camera.pictures = files.TakeAll(*images);
   }
-  ReadSection(node, calibration.camera, files, calibration.camera_section, {"pictures"});
+  ReadSection(node, calibration.camera, files, calibration.camera_section, kGivenToCalibration);
   if (auto plane = node.Child("plane")) calibration.plane = ReadPlane(*plane, files, calibration.plane_section);
   node.Finish();
   calibration.camera_section.text.erase("plane");
@@ -175,8 +176,7 @@ void CheckCompared(const std::optional<std::string>& marker, const StudyTrial& t
 }
 
 void ReadCompare(YamlNode node, InputFiles& files, StudyFile& study) {
-  ReadSection(node, study.compare, files, study.compare_section,
-              {"human", "exo", "map", "up", "forward", "unit", "exo-map", "exo-unit", "left", "right", "right-map"});
+  ReadSection(node, study.compare, files, study.compare_section, kGivenToCompare);
   node.Finish();
   if (!study.exo) throw Fail("{}: 'compare' needs an 'exo' trial", node.Where());
   CheckCompared(study.compare.human_knee, study.human, node);
@@ -218,10 +218,6 @@ problem::LinearActuator ActuatorOf(const YamlNode& node, const InputFiles& files
   }
 }
 
-// What the study gives itself, of the options of a redesign.
-constexpr std::string_view kGivenToRedesign[] = {"comparison", "human", "human-knee",   "map",  "up",     "forward",
-                                                 "unit",       "worn",  "participants", "body", "balance"};
-
 // balance: {margin_mm: 20}
 void ReadBalance(YamlNode& node, StudyRedesign& redesign) {
   auto balance = node.Child("balance");
@@ -234,14 +230,11 @@ void ReadBalance(YamlNode& node, StudyRedesign& redesign) {
   redesign.section.given["balance"] = *redesign.options.balance_mm;
 }
 
-StudyRedesign ReadRedesign(YamlNode node, InputFiles& files, const StudyProblem& design,
-                           const std::vector<std::string_view>& without) {
+StudyRedesign ReadRedesign(YamlNode node, InputFiles& files, const StudyProblem& design, const OptionNames& given) {
   StudyRedesign redesign{.options = {}, .search = {}, .design = design, .section = {}};
   ReadProblemKey(node, files, redesign.design);
   ReadBalance(node, redesign);
   ReadSection(node, redesign.search, files, redesign.section);
-  std::vector<std::string_view> given(std::begin(kGivenToRedesign), std::end(kGivenToRedesign));
-  given.insert(given.end(), without.begin(), without.end());
   ReadSection(node, redesign.options, files, redesign.section, given);
   node.Finish();
   return redesign;
@@ -249,7 +242,7 @@ StudyRedesign ReadRedesign(YamlNode node, InputFiles& files, const StudyProblem&
 
 commands::LoadsRunOptions ReadLoads(YamlNode node, InputFiles& files, StudySection& section) {
   commands::LoadsRunOptions options;
-  ReadSection(node, options, files, section, {"trial", "map", "up", "forward", "unit", "rate"});
+  ReadSection(node, options, files, section, kGivenToLoads);
   node.Finish();
   try {
     options.loads.body.Check();
@@ -272,7 +265,7 @@ StudyAssistance ReadAssistance(YamlNode node, InputFiles& files) {
     problem.actuator = ActuatorOf(*actuator, files);
     assistance.section.given["actuator"] = actuator->AsText();
   }
-  ReadSection(node, assistance.options, files, assistance.section, {"problem", "profile", "actuator"});
+  ReadSection(node, assistance.options, files, assistance.section, kGivenToAssistance);
   node.Finish();
   if (assistance.options.actuators.empty() && !problem.actuator)
     throw Fail("{}: 'assistance' needs an 'actuator', or a catalogue of 'actuators'", node.Where());
@@ -281,13 +274,13 @@ StudyAssistance ReadAssistance(YamlNode node, InputFiles& files) {
 
 commands::StrokeRunOptions ReadStroke(YamlNode node, InputFiles& files, StudySection& section) {
   commands::StrokeRunOptions options;
-  ReadSection(node, options, files, section, {"design", "motion", "validate", "tolerance"});
+  ReadSection(node, options, files, section, kGivenToStroke);
   node.Finish();
   return options;
 }
 
 void ReadSimulation(YamlNode node, InputFiles& files, StudyFile& study) {
-  ReadSection(node, study.simulation, files, study.simulation_section, {"thigh", "shank"});
+  ReadSection(node, study.simulation, files, study.simulation_section, kGivenToSimulation);
   node.Finish();
   study.simulation.Check();
 }
@@ -320,7 +313,7 @@ std::string StudyFile::ResultName() const {
 StudyRedesign ReadPopulation(YamlNode node, const fs::path& folder) {
   InputFiles files(folder);
   const std::string where = node.Where();
-  StudyRedesign population = ReadRedesign(std::move(node), files, {}, {"pareto"});
+  StudyRedesign population = ReadRedesign(std::move(node), files, {}, kGivenToPopulation);
   files.ThrowIfMissing(where);
   ReadProblemFile(population.design);
   return population;
@@ -341,7 +334,7 @@ StudyFile ReadStudyFile(const fs::path& path) {
   if (auto design = root.Child("design")) ReadDesignSection(std::move(*design), files, study);
   if (auto reoptimize = root.Child("reoptimize")) {
     const std::string where = reoptimize->Where();
-    study.redesign = ReadRedesign(std::move(*reoptimize), files, study.design, {"across", "quantile", "sizes"});
+    study.redesign = ReadRedesign(std::move(*reoptimize), files, study.design, kGivenToRedesign);
     if (study.exo && !study.worn && !study.redesign->options.human_only)
       throw Fail(
           "{}: 'reoptimize' uses the exo trial: name the design that was worn in it with design: {{worn: FILE}}, or "

@@ -55,7 +55,21 @@ Records ParseRecords(const std::string& text, char delimiter, const std::filesys
   return records;
 }
 
-// A table of one column with another separator in its name: how spreadsheets save where the decimal sign is a comma.
+// What separates the cells of a table that should have commas: semicolons or tabs, where the header has no comma
+// outside quotes. So spreadsheets save where the comma is the decimal sign.
+char FindSeparator(std::string_view text) {
+  bool quoted = false;
+  char found = ',';
+  for (const char c : text.substr(0, text.find_first_of("\r\n"))) {
+    if (c == '"') quoted = !quoted;
+    if (quoted) continue;
+    if (c == ',') return ',';
+    if (c == ';' || (c == '\t' && found == ',')) found = c;
+  }
+  return found;
+}
+
+// A table of one column with another separator in its name.
 void CheckSeparator(const std::vector<std::string>& header, char delimiter, const std::filesystem::path& path) {
   if (header.size() != 1) return;
   for (const auto& [other, name] : {std::pair(';', "semicolons"), {'\t', "tabs"}, {',', "commas"}})
@@ -73,6 +87,7 @@ CsvTable CsvTable::Read(const std::filesystem::path& path, char delimiter, Twice
 CsvTable CsvTable::Parse(std::string text, const std::filesystem::path& path, char delimiter, Twice twice) {
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   text = Utf8FromText(std::move(text), path.string());
+  if (delimiter == ',') delimiter = FindSeparator(text);
   Records records = ParseRecords(text, delimiter, path);
   if (records.rows.empty()) throw Fail("{}: empty, a header line was expected", path.string());
 
@@ -80,6 +95,7 @@ CsvTable CsvTable::Parse(std::string text, const std::filesystem::path& path, ch
 
   CsvTable table;
   table.path_ = path;
+  table.decimal_comma_ = delimiter == ';' || delimiter == '\t';
   for (const std::string& name : records.rows.front()) table.header_.emplace_back(Trim(name));
   std::vector<std::string_view> names(table.header_.begin(), table.header_.end());
   std::sort(names.begin(), names.end());
@@ -108,7 +124,12 @@ std::size_t CsvTable::Column(std::string_view column) const {
 std::optional<double> CsvTable::Number(std::size_t row, std::size_t column) const {
   const std::string_view text = Trim(Text(row, column));
   if (text.empty()) return std::nullopt;
-  const std::optional<double> value = ParseNumber(text);
+  std::optional<double> value = ParseNumber(text);
+  if (!value && decimal_comma_ && text.find('.') == std::string_view::npos) {
+    std::string with_point(text);
+    std::ranges::replace(with_point, ',', '.');  // two commas are no number then either
+    value = ParseNumber(with_point);
+  }
   if (!value) throw Fail("{}: column '{}': '{}' is not a finite number", Where(row), header_.at(column), text);
   return value;
 }

@@ -11,16 +11,6 @@
 namespace lake::exchange {
 namespace {
 
-// Comma; semicolon where the comma is the decimal point.
-char FindSeparator(const std::string& header) {
-  bool quoted = false;
-  for (const char c : header) {
-    if (c == '"') quoted = !quoted;
-    if (c == ';' && !quoted) return ';';
-  }
-  return ',';
-}
-
 struct Column {
   std::string name;
   std::size_t x, y;
@@ -56,7 +46,7 @@ bool IsKinovea(const std::filesystem::path& path) {
 PointRecording ReadKinovea(const std::filesystem::path& path, double mm_per_unit) {
   const TextLines lines(path);
   if (lines.Count() == 0) throw Fail("{}: empty", path.string());
-  const CsvTable table = CsvTable::Read(path, FindSeparator(lines[0]), CsvTable::Twice::kAllowed);
+  const CsvTable table = CsvTable::Read(path, ',', CsvTable::Twice::kAllowed);
   const std::vector<Column> columns = FindColumns(table, path);
   PointRecording recording;
   recording.space = PointSpace::kPlane;

@@ -17,8 +17,9 @@ class CsvTable {
   // Two columns of one name: allowed where they are told apart by their places.
   enum class Twice { kRefused, kAllowed };
 
-  // Quoted cells are understood. Throws Error naming file and line: no header, another separator, a row of another
-  // width, a duplicate column.
+  // Quoted cells are understood, and tables as spreadsheets save them where the comma is the decimal sign: semicolons
+  // or tabs in the place of commas. Throws Error naming file and line: no header, another separator than the one asked
+  // for, a row of another width, a duplicate column.
   static CsvTable Read(const std::filesystem::path& path, char delimiter = ',', Twice twice = Twice::kRefused);
 
   // The same of a text; `path` is where messages say it stands.
@@ -48,6 +49,7 @@ class CsvTable {
   std::vector<std::string> header_;
   std::vector<std::vector<std::string>> rows_;
   std::vector<std::size_t> lines_;
+  bool decimal_comma_ = false;  // is understood too
 };
 
 // Collects rows, then writes the file whole and atomically.
