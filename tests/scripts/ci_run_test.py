@@ -5,7 +5,7 @@ from project import Project
 
 TEST = """#!/bin/sh
 folder=build/test
-[ "$1" != --asan ] || folder=build/asan
+[ "$1" != --asan-readers ] || folder=build/asan
 mkdir -p $folder
 printf '1/1 Test #1: A.B ... %s\\n\\n%s tests passed, %s tests failed out of 1\\n\\nTotal Test time\\n' "$*" $PASSED > $folder/ctest.txt
 """
@@ -27,7 +27,7 @@ class CiRun(Project):
             self.assertIn(f"this is {script}", said)
         self.assertEqual(said.count("100% tests passed, 0 tests failed out of 1\nTotal Test time\n"), 2, said)
         self.assertIn("all stages passed", said)
-        self.assertIn("--asan -L fast", (self.folder / "build/asan/ctest.txt").read_text())
+        self.assertIn("--asan-readers -L fast", (self.folder / "build/asan/ctest.txt").read_text())
 
     def test_a_failed_stage_is_named_and_the_others_run(self):
         self.write("scripts/format.sh", "#!/bin/sh\nexit 1\n", executable=True)
