@@ -58,6 +58,61 @@ TEST_F(BothLegs, AnyMarkersAreMeasuredBesideALegAndWithoutOne) {
   EXPECT_THAT(missing.err, HasSubstr("'elbow': there is no marker 'shoulder'"));
 }
 
+// The markers of the far leg are in the picture too, beside and behind those of the near one.
+class FarLeg : public BothLegs {
+ protected:
+  FarLeg() { trial_ = fs::path(LAKE_SHARED_DATA) / "sts_force_plates/STS1.trc"; }
+
+  void Render() {
+    const Outcome outcome = Shell(
+        folder_, fmt::format("lake-synth --motion {} --map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS "
+                             "--extra-markers L_ankle,L_knee,L_HJC,L.ASIS --rate 30 --duration 5 --quiet -o film",
+                             Quoted(trial_)));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+
+  Outcome Track(const std::string& options) {
+    return Shell(folder_, "lake-track film/video.mp4 --camera film/camera.yaml --quiet -o trial " + options);
+  }
+
+  double Truth(const CsvTable& truth, std::size_t row, const std::string& marker, const char* axis) {
+    return truth.RequiredNumber(row, truth.Column(fmt::format("{}_{}_px", marker, axis)));
+  }
+
+  void ExpectNearLeg() {
+    const CsvTable truth = CsvTable::Read(folder_ / "film/truth.csv"),
+                   tracks = CsvTable::Read(folder_ / "trial/tracks.csv");
+    constexpr double kRadius_px = 4;  // of a marker: further off it is another's place
+    for (const std::string marker : {"ankle", "knee", "hip", "waist"}) {
+      int detected = 0;
+      for (std::size_t row = 0; row < tracks.Rows(); ++row) {
+        if (tracks.Text(row, tracks.Column(marker + "_status")) != "detected") continue;
+        ++detected;
+        EXPECT_NEAR(Truth(tracks, row, marker, "x"), Truth(truth, row, marker, "x"), kRadius_px) << marker << row;
+        EXPECT_NEAR(Truth(tracks, row, marker, "y"), Truth(truth, row, marker, "y"), kRadius_px) << marker << row;
+      }
+      EXPECT_GE(detected, 0.45 * static_cast<double>(tracks.Rows())) << marker;  // both hips overlap for half the film
+    }
+  }
+};
+
+TEST_F(FarLeg, IsNotTakenForTheNearOne) {
+  ASSERT_NO_FATAL_FAILURE(Render());
+  const Outcome alone = Track("");
+  if (alone.exit_code == 0)
+    ExpectNearLeg();
+  else
+    EXPECT_THAT(alone.err, HasSubstr("candidates.png shows what was found, numbered"));
+  const CsvTable truth = CsvTable::Read(folder_ / "film/truth.csv");
+  std::string seeds;
+  for (const char* marker : {"ankle", "knee", "hip", "waist"})
+    seeds +=
+        fmt::format(" --seed {}={:.0f},{:.0f}@0", marker, Truth(truth, 0, marker, "x"), Truth(truth, 0, marker, "y"));
+  const Outcome named = Track(seeds);
+  ASSERT_EQ(named.exit_code, 0) << named.err;
+  ExpectNearLeg();
+}
+
 TEST(CompareProgram, TakesTwoTrialsOrTwoLegs) {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& words, const std::string& message) {

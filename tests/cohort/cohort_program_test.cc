@@ -142,7 +142,7 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
   EXPECT_EQ(ReadJsonFile(folder_ / "out/dataset_description.json")["SourceDatasets"][0]["URL"], "file:../people");
   const std::string page = ReadTextFile(folder_ / "out/group/group.html");
   EXPECT_THAT(page, HasSubstr("../sub-02/comparison/report.html"));
-  EXPECT_THAT(page, HasSubstr("onset to seat-off (s)")) << "names in words, with units";
+  EXPECT_THAT(page, HasSubstr("flexion momentum: onset to seat-off (s)")) << "names in words, with units";
   EXPECT_THAT(page, HasSubstr("<a href=\"./../sub-01/comparison/report.html\">sub-01</a>"));
   EXPECT_THAT(page, HasSubstr("data-filters=\"0 1 2 3\""));
   for (const char* figure : {"knee_angle", "trunk_lean", "misalignment"}) {

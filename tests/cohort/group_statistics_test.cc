@@ -50,7 +50,7 @@ TEST(Group, ComparesSessionsByTheirMeans) {
 // What a rendered cohort would measure without error: 20 people, two sessions.
 GroupData DrawnGroup(const synth::PopulationOptions& population) {
   GroupData group;
-  group.quantities = {"offset_x_mm", "offset_y_mm", "knee_largest_deg", "rise_s"};
+  group.quantities = {"offset_x_mm", "offset_y_mm", "knee_max_deg", "rise_s"};
   for (const synth::Session& session : DrawPopulation(population, {}))
     group.rows.push_back({session.participant,
                           session.session,
@@ -59,7 +59,7 @@ GroupData DrawnGroup(const synth::PopulationOptions& population) {
                           {},
                           {{"offset_x_mm", session.exo.exo_knee_mm->x()},
                            {"offset_y_mm", session.exo.exo_knee_mm->y()},
-                           {"knee_largest_deg", session.human.seated_knee_deg},
+                           {"knee_max_deg", session.human.seated_knee_deg},
                            {"rise_s", session.human.rise_s}}});
   return group;
 }
@@ -74,7 +74,7 @@ TEST(Group, RecoversThePopulationItWasDrawnFrom) {
   const std::map<std::string, double> truth = {
       {"offset_x_mm", icc(of.exo_knee_sd_mm, of.exo_knee_session_sd_mm)},
       {"offset_y_mm", icc(of.exo_knee_sd_mm, of.exo_knee_session_sd_mm)},
-      {"knee_largest_deg", icc(of.seated_knee_sd_deg, of.seated_knee_session_sd_deg)},
+      {"knee_max_deg", icc(of.seated_knee_sd_deg, of.seated_knee_session_sd_deg)},
       {"rise_s", icc(of.rise_sd_s, of.rise_session_sd_s)}};
   constexpr int kPopulations = 200;
   int icc2_holds = 0, icc3_holds = 0, offset_holds = 0;

@@ -367,6 +367,37 @@ TEST(PictureScale, GivesTheViewOfACameraFileOrABar) {
   EXPECT_EQ(gait::ViewOf(picture, tracks, 5, warn).mm_per_px, 5);  // the file's own
 }
 
+// Four known points of the plane do for a calibrated one: with the lens, and, where it has none, without.
+TEST(PictureScale, KnownPointsGiveThePlane) {
+  const gait::LegView calibrated = CalibratedView();
+  camera::Camera pinhole = *calibrated.camera;
+  pinhole.distortion = {};
+  gait::LegView truth = calibrated;
+  std::vector<std::string> warnings;
+  const auto warn = [&](const std::string& text) { warnings.push_back(text); };
+  for (const bool knows_lens : {true, false}) {
+    truth.camera = knows_lens ? *calibrated.camera : pinhole;
+    gait::PictureScale picture;
+    for (const Eigen::Vector2d& mm : {Eigen::Vector2d(0, 0), {500, 0}, {450, 800}, {-50, 900}, {200, 400}}) {
+      const Eigen::Vector2d px = gait::RecordedFromPlane<double>(truth, mm, 0);
+      picture.plane_points += fmt::format("{},{}={},{};", px.x(), px.y(), mm.x(), mm.y());
+    }
+    picture.plane_points.pop_back();
+    std::optional<camera::CameraProfile> profile;
+    if (knows_lens) profile = {{*truth.camera, {}, {}, {}}};
+    const gait::LegView view = gait::MakeView(picture, profile, {}, {}, warn);
+    EXPECT_EQ(PlaneUnit(view), motion::LengthUnit::kMm);
+    const Eigen::Vector2d mm(300, 250), px = gait::RecordedFromPlane<double>(truth, mm, 0);
+    EXPECT_LT((gait::PlaneFromRecorded(view, px, 0) - mm).norm(), 1e-6) << knows_lens;
+    EXPECT_LT((gait::RecordedFromPlane<double>(view, mm, 0) - px).norm(), 1e-6) << knows_lens;
+    EXPECT_NEAR(gait::PlaneUnitsPerRecorded(view, mm, 0), gait::PlaneUnitsPerRecorded(truth, mm, 0), 1e-6);
+    picture.scale = {0, 0, 100, 0, 200};
+    EXPECT_THAT([&] { gait::MakeView(picture, profile, {}, {}, warn); },
+                testing::ThrowsMessage<UsageError>(testing::HasSubstr("leave one out")));
+  }
+  EXPECT_TRUE(warnings.empty());
+}
+
 TEST(LegFit, TheFieldsFiltersAreOffered) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
   const motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.3}, 8);

@@ -12,6 +12,7 @@
 #include "lake/gait/sit_to_stand.h"
 #include "measure_tables.h"
 #include "png_and_svg.h"
+#include "sit_to_stand_tables.h"
 
 namespace lake::commands {
 namespace {
@@ -183,7 +184,7 @@ exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::
   exchange::CheckNoneIsUnused(path, exchange::UnusedOptions(path, reading));
   exchange::Trial trial = exchange::ReadTrial(path, reading);
   if (picture.IsGiven() && trial.recording.unit == motion::LengthUnit::kMm)
-    exchange::CheckNoneIsUnused(trial.file, {{picture.camera ? "--camera" : "--scale", "its lengths are in mm"}});
+    exchange::CheckNoneIsUnused(trial.file, {{picture.OptionName(), "its lengths are in mm"}});
   return trial;
 }
 
@@ -216,8 +217,9 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (options.events)
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
-  run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "uncertainty_budget.csv",
-             "trajectory.csv", "tracks.csv", "gait.png", "gait.svg", "measures.csv", "measures.png", "measures.svg"});
+  run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "sit_to_stand.html",
+             "uncertainty_budget.csv", "trajectory.csv", "tracks.csv", "gait.png", "gait.svg", "measures.csv",
+             "measures.png", "measures.svg"});
   if (!options.measures.empty() && !HasLeg(trial.recording, options.fit.markers))
     return MeasureWithoutLeg(trial, options, run);
   gait::LegFitResult result = FitTrial(trial, options.fit, run, options);
@@ -226,14 +228,13 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (options.events) results = CorrectEventsBy(*options.events, result);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
-  gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), result);
+  WriteSitToStands(result, options.age_years, results, run);
   WriteUncertaintyBudget(result, options.budget, results, run);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
   DrawPngAndSvg("gait", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, result); });
   results.update(gait::LegFitJson(result));
-  results["five_times"] = gait::FiveTimesJson(result, options.age_years);
   WriteMeasures(result.measured, options.measures, results, run);
   if (const auto leg = LegOf(trial, result)) results[exchange::kLegKey] = ToString(*leg);
   return results;

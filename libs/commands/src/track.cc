@@ -23,6 +23,7 @@
 #include "lake/video/video_files.h"
 #include "measure_tables.h"
 #include "png_and_svg.h"
+#include "sit_to_stand_tables.h"
 
 namespace lake::commands {
 namespace {
@@ -50,15 +51,11 @@ Warn WarnThrough(Run& run) {
   return [&run](const std::string& text) { run.Warn(text); };
 }
 
-gait::LegView MakeView(const TrackRunOptions& options, const std::optional<camera::CameraProfile>& profile,
-                       const Warn& warn) {
-  return gait::MakeLegView(motion::LengthUnit::kPx, profile, gait::MmPerPx(options, profile, warn), options.depth_mm);
-}
-
 void WarnOfUnit(const gait::LegView& view, bool has_camera, Run& run) {
   if (gait::PlaneUnit(view) == motion::LengthUnit::kPx)
-    run.Warn(has_camera ? "the camera file has no sagittal plane and no --scale is given: lengths stay in px"
-                        : "neither --camera with a plane nor --scale is given: lengths stay in px");
+    run.Warn(has_camera ? "the camera file has no sagittal plane, and neither --scale nor --plane-points is given: "
+                          "lengths stay in px"
+                        : "none of --camera with a plane, --scale and --plane-points is given: lengths stay in px");
 }
 
 bool HasLeg(const std::vector<std::string>& names) {
@@ -234,7 +231,7 @@ void Export(const TrackRunOptions& options, const video::VideoInfo& video, const
   }
   trial.image.video =
       exchange::SourceVideo{std::filesystem::absolute(options.video).string(), video.width, video.height};
-  if (!view.camera && !view.camera_from_plane) trial.image.mm_per_px = view.mm_per_px;
+  if (!view.camera && !view.homography) trial.image.mm_per_px = view.mm_per_px;
   std::optional<Error> first_error;
   for (const std::string& format : options.exports) {
     try {
@@ -339,7 +336,7 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), fit.trajectory, fit.measured);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
-  gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), fit);
+  WriteSitToStands(fit, options.age_years, results, run);
   WriteUncertaintyBudget(fit, options.budget, results, run);
   DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
   const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);
@@ -347,7 +344,6 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   WriteOverlay(options, {tracks, &fit.motion, &fit.events, comparable ? &estimates : nullptr}, run);
   results.update(gait::LegFitJson(fit));
   results[exchange::kLegKey] = ToString(motion::NearLeg(fit.motion.facing));
-  results["five_times"] = gait::FiveTimesJson(fit, options.age_years);
   WriteMeasures(fit.measured, options.measures, results, run);
   Export(options, tracked.video, view, MarkersToExport(options, fit, tracks, view), &fit, results, run);
   return results;
@@ -471,10 +467,10 @@ void CheckStamps(const TrackRunOptions& options, const std::vector<motion::Corre
 // Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
 std::vector<std::string> ResultNames(const TrackRunOptions& options) {
   if (options.list) return {"summary.json", kCandidatesTable, kCandidatesPicture};
-  std::vector<std::string> names = {"summary.json",   "tracks.csv",       "trajectory.csv",         "kinematics.csv",
-                                    "events.csv",     "sit_to_stand.csv", "uncertainty_budget.csv", "track.png",
-                                    "track.svg",      "measures.csv",     "measures.png",           "measures.svg",
-                                    kCandidatesTable, kCandidatesPicture};
+  std::vector<std::string> names = {"summary.json", "tracks.csv",       "trajectory.csv",    "kinematics.csv",
+                                    "events.csv",   "sit_to_stand.csv", "sit_to_stand.html", "uncertainty_budget.csv",
+                                    "track.png",    "track.svg",        "measures.csv",      "measures.png",
+                                    "measures.svg", kCandidatesTable,   kCandidatesPicture};
   if (options.overlay) names.push_back("overlay.mp4");
   for (const std::string& format : options.exports)
     names.push_back(exchange::ExportName(format, options.video.stem().string()));
@@ -513,7 +509,7 @@ TrackFit FitTracked(const TrackRunOptions& options, const tracking::TrackResult&
   const Warn warn = [&result](const std::string& text) { result.warnings.push_back(text); };
   std::string note;
   const std::optional<camera::CameraProfile> profile = ReadCamera(options, tracked.video, note);
-  const gait::LegView view = MakeView(options, profile, warn);
+  const gait::LegView view = gait::MakeView(options, profile, {}, options.depth_mm, warn);
   result.tracks = tracked.recording;
   if (!HasLeg(options.track.names)) return result;
   const gait::RollingShutter shutter =
@@ -583,7 +579,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   run.AddInputs(InputsOf(options));
   std::string scaled;
   const std::optional<camera::CameraProfile> profile = ReadCamera(options, video, scaled);
-  const gait::LegView view = MakeView(options, profile, WarnThrough(run));
+  const gait::LegView view = gait::MakeView(options, profile, {}, options.depth_mm, WarnThrough(run));
   exchange::CheckExportFormats(options.exports, gait::PlaneUnit(view) == motion::LengthUnit::kMm,
                                HasLeg(options.track.names));
   std::vector<motion::Correction> corrections;

@@ -3,6 +3,7 @@
 #include "lake/core/error.h"
 #include "lake/core/run.h"
 #include "lake/exchange/mot.h"
+#include "marker_files.h"
 #include "text_lines.h"
 
 namespace lake::exchange {
@@ -93,11 +94,11 @@ void ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions
 PointRecording ScaledBy(const gait::PictureScale& picture, PointRecording points, const fs::path& in,
                         const fs::path& out) {
   const auto refuse = [&](const fs::path& file, const char* why) {
-    CheckNoneIsUnused(file, {{picture.camera ? "--camera" : "--scale", why}});
+    CheckNoneIsUnused(file, {{picture.OptionName(), why}});
   };
   if (points.space != PointSpace::kImage) refuse(in, "its lengths are in mm");
   const PointFormat& format = FormatOf(out);
-  if (!format.plane && picture.camera) refuse(out, "it holds px, and at most the scale of a bar");
+  if (!format.plane && !picture.scale) refuse(out, "it holds px, and at most the scale of a bar");
   std::vector<std::string> warnings;
   const gait::LegView view = gait::ViewOf(picture, MarkersFromPoints(points), points.mm_per_px,
                                           [&](const std::string& text) { warnings.push_back(text); });
@@ -161,7 +162,7 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   if (options.flexion_negative || options.leg)
     throw UsageError(fmt::format("{} is for a .mot that is written", options.leg ? "--leg" : "--flexion-negative"));
   CheckNoneIsUnused(in, UnusedOptions(in, options.reading));
-  const fs::path table = fs::is_directory(in) ? TableFor(out, in) : in;
+  const fs::path table = fs::is_directory(in) && MarkerFilesOf(in).empty() ? TableFor(out, in) : in;
   PointRecording points =
       ReadPoints(table, options.reading.mm_per_unit, options.reading.rate_hz, options.reading.values);
   if (options.crop_s) CropPoints(*options.crop_s, in, points);

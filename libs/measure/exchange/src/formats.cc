@@ -11,6 +11,7 @@
 #include "lake/exchange/tracker.h"
 #include "lake/exchange/trc.h"
 #include "lake/motion/marker_recording.h"
+#include "marker_files.h"
 #include "text_lines.h"
 
 namespace lake::exchange {
@@ -75,7 +76,7 @@ const PointFormat& FormatOf(const fs::path& path) {
 fs::path TableOfFolder(const fs::path& folder) {
   for (const char* name : {"trajectory.csv", "tracks.csv"})
     if (const auto table = FindResult(folder, name)) return *table;
-  throw Fail("{}: the folder has neither trajectory.csv nor tracks.csv; is it one that lake-track wrote?",
+  throw Fail("{}: the folder has neither trajectory.csv nor tracks.csv of lake-track, nor one .txt or .csv per marker",
              folder.string());
 }
 
@@ -88,6 +89,8 @@ motion::MarkerRecording ReadTable(const fs::path& path, motion::MarkerValues val
 }
 
 PointRecording ReadPoints(const fs::path& path, double mm_per_unit, double rate_hz, motion::MarkerValues values) {
+  if (const std::vector<fs::path> files = MarkerFilesOf(path); !files.empty())
+    return ReadMarkerFiles(files, mm_per_unit, rate_hz);
   if (fs::is_directory(path)) return ReadOwnPoints(TableOfFolder(path), values);
   if (!fs::exists(path)) throw Fail("{}: no such file", path.string());
   const std::string extension = Lower(path.extension().string());

@@ -10,6 +10,7 @@
 #include "lake/core/json.h"
 #include "lake/exchange/dltdv.h"
 #include "lake/exchange/kinovea.h"
+#include "marker_files.h"
 #include "text_lines.h"
 
 namespace lake::exchange {
@@ -266,6 +267,11 @@ KindOfTrial KindOf(const fs::path& path) {
   const std::string extension = Lower(path.extension().string());
   const bool is_csv = extension == ".csv";
   KindOfTrial kind;
+  if (const std::vector<fs::path> files = MarkerFilesOf(path); !files.empty()) {
+    kind = KindOf(files.front());
+    kind.has_estimates = false;
+    return kind;
+  }
   kind.has_unit = extension != ".txt" && !(is_csv && IsKinovea(path));
   kind.is_in_space = extension == ".trc" || extension == ".c3d";
   kind.has_times = !(is_csv && IsDltdv(path));
@@ -366,7 +372,7 @@ PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const Tria
 
 Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
   Trial trial;
-  trial.file = fs::is_directory(path) ? TableOfFolder(path) : path;
+  trial.file = fs::is_directory(path) && MarkerFilesOf(path).empty() ? TableOfFolder(path) : path;
   if (IsOwnTable(trial.file) && fs::exists(trial.file)) {
     ReadOwnTable(trial.file, options, trial);
   } else {

@@ -1,6 +1,5 @@
 #include "lake/gait/leg_view.h"
 
-#include <Eigen/LU>
 #include <cmath>
 
 #include "lake/core/error.h"
@@ -32,12 +31,13 @@ LegView MakeLegView(motion::LengthUnit recording_unit, const std::optional<camer
 }
 
 motion::LengthUnit PlaneUnit(const LegView& view) {
-  return view.recorded_in_plane || view.camera_from_plane || view.mm_per_px ? motion::LengthUnit::kMm
-                                                                            : motion::LengthUnit::kPx;
+  const bool is_in_mm = view.recorded_in_plane || view.camera_from_plane || view.homography || view.mm_per_px;
+  return is_in_mm ? motion::LengthUnit::kMm : motion::LengthUnit::kPx;
 }
 
 Eigen::Vector2d PlaneFromRecorded(const LegView& view, const Eigen::Vector2d& recorded, double depth_mm) {
   if (view.recorded_in_plane) return recorded;
+  if (view.homography) return camera::ApplyHomography(*view.homography, recorded);
   if (view.camera_from_plane) return camera::PlaneFromPixel(*view.camera, *view.camera_from_plane, recorded, depth_mm);
   Eigen::Vector2d pixel = recorded;
   if (view.camera) {

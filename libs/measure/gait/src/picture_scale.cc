@@ -1,5 +1,6 @@
 #include "lake/gait/picture_scale.h"
 
+#include "lake/camera/plane_fit.h"
 #include "lake/core/error.h"
 
 namespace lake::gait {
@@ -22,21 +23,10 @@ void CheckInPicture(const camera::Camera& camera, const std::filesystem::path& f
     }
 }
 
-}  // namespace
+constexpr double kClickSigma_px = 0.5;
 
-void Describe(PictureScale& o, OptionList& options) {
-  options.Add("camera", o.camera, "camera.yaml: intrinsics and, if it has one, the sagittal plane");
-  options.Add("scale", o.scale, "A scale bar, ends in px, where no plane is calibrated").Value("X1,Y1,X2,Y2,LENGTH_MM");
-}
-
-std::optional<double> MmPerPx(const PictureScale& picture, const std::optional<camera::CameraProfile>& profile,
-                              const Warn& warn) {
-  if (!picture.scale) return std::nullopt;
-  if (profile && profile->camera_from_plane) {
-    warn("--scale is not used: the camera file has a calibrated plane");
-    return std::nullopt;
-  }
-  const auto [x1, y1, x2, y2, length_mm] = *picture.scale;
+double MmPerPx(const std::array<double, 5>& scale, const std::optional<camera::CameraProfile>& profile) {
+  const auto [x1, y1, x2, y2, length_mm] = scale;
   const LegView unscaled = MakeLegView(motion::LengthUnit::kPx, profile);
   const double length_px = (PlaneFromRecorded(unscaled, {x1, y1}, 0) - PlaneFromRecorded(unscaled, {x2, y2}, 0)).norm();
   constexpr double kShortest_mm = 5;  // longer ones in m are longer than a room
@@ -46,6 +36,47 @@ std::optional<double> MmPerPx(const PictureScale& picture, const std::optional<c
   return length_mm / length_px;
 }
 
+// The camera with the plane of the known points.
+camera::CameraProfile WithPlane(camera::CameraProfile profile, const std::vector<camera::PlaneCorrespondence>& points,
+                                const Warn& warn) {
+  const camera::PlaneFit fit = camera::FitPlane(profile.camera, points, {.least_sigma_px = kClickSigma_px});
+  for (const std::string& warning : fit.warnings) warn(warning);
+  profile.camera_from_plane = fit.camera_from_plane;
+  profile.plane_uncertainty = fit.uncertainty;
+  return profile;
+}
+
+}  // namespace
+
+void Describe(PictureScale& o, OptionList& options) {
+  options.Add("camera", o.camera, "camera.yaml: intrinsics and, if it has one, the sagittal plane");
+  options.Add("scale", o.scale, "A scale bar, ends in px, where no plane is calibrated").Value("X1,Y1,X2,Y2,LENGTH_MM");
+  options
+      .Add("plane-points", o.plane_points,
+           "Four or more known points of the sagittal plane, in px and mm, where no plane is calibrated")
+      .Value("X,Y=XMM,YMM;...");
+}
+
+LegView MakeView(const PictureScale& picture, const std::optional<camera::CameraProfile>& profile,
+                 std::optional<double> mm_per_px, const std::map<std::string, double>& depth_mm, const Warn& warn) {
+  constexpr auto kPx = motion::LengthUnit::kPx;
+  if (picture.scale && !picture.plane_points.empty())
+    throw UsageError("--scale and --plane-points both give lengths: leave one out");
+  if (profile && profile->camera_from_plane) {
+    if (picture.scale || !picture.plane_points.empty())
+      warn(fmt::format("{} is not used: the camera file has a calibrated plane",
+                       picture.scale ? "--scale" : "--plane-points"));
+    return MakeLegView(kPx, profile, {}, depth_mm);
+  }
+  if (picture.plane_points.empty())
+    return MakeLegView(kPx, profile, picture.scale ? MmPerPx(*picture.scale, profile) : mm_per_px, depth_mm);
+  const std::vector<camera::PlaneCorrespondence> points = camera::ParsePlanePoints(picture.plane_points);
+  if (profile) return MakeLegView(kPx, WithPlane(*profile, points, warn), {}, depth_mm);
+  LegView view = MakeLegView(kPx, {}, {}, depth_mm);
+  view.homography = camera::PlaneHomography(points);
+  return view;
+}
+
 LegView ViewOf(const PictureScale& picture, const motion::MarkerRecording& recording, std::optional<double> mm_per_px,
                const Warn& warn) {
   std::optional<camera::CameraProfile> profile;
@@ -53,8 +84,7 @@ LegView ViewOf(const PictureScale& picture, const motion::MarkerRecording& recor
     profile = camera::ReadCameraProfile(*picture.camera);
     CheckInPicture(profile->camera, *picture.camera, recording);
   }
-  if (picture.scale) mm_per_px = MmPerPx(picture, profile, warn);
-  return MakeLegView(motion::LengthUnit::kPx, profile, mm_per_px);
+  return MakeView(picture, profile, mm_per_px, {}, warn);
 }
 
 }  // namespace lake::gait

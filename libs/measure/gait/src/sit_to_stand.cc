@@ -15,27 +15,28 @@ constexpr std::size_t kFive = 5;
 constexpr double kLiftedMass = 0.9, kGravity_m_s2 = 9.81;
 
 using Quantity = SitToStandQuantity;
-constexpr std::array kQuantities = {Quantity{"onset_s", &SitToStand::onset_s},
-                                    Quantity{"seat_off_s", &SitToStand::seat_off_s},
-                                    Quantity{"standing_s", &SitToStand::standing_s},
-                                    Quantity{"rise_s", &SitToStand::rise_s},
-                                    Quantity{"flexion_s", &SitToStand::flexion_s},
-                                    Quantity{"transfer_s", &SitToStand::transfer_s},
-                                    Quantity{"extension_s", &SitToStand::extension_s},
-                                    Quantity{"descent_s", &SitToStand::descent_s},
-                                    Quantity{"knee_seat_off_deg", &SitToStand::knee_seat_off_deg},
-                                    Quantity{"hip_seat_off_deg", &SitToStand::hip_seat_off_deg},
-                                    Quantity{"trunk_seat_off_deg", &SitToStand::trunk_seat_off_deg},
-                                    Quantity{"knee_max_deg", &SitToStand::knee_max_deg},
-                                    Quantity{"hip_max_deg", &SitToStand::hip_max_deg},
-                                    Quantity{"trunk_max_deg", &SitToStand::trunk_max_deg},
-                                    Quantity{"knee_extension_max_deg_s", &SitToStand::knee_extension_max_deg_s},
-                                    Quantity{"trunk_flexion_max_deg_s", &SitToStand::trunk_flexion_max_deg_s},
-                                    Quantity{"hip_rise", &SitToStand::hip_rise, true},
-                                    Quantity{"hip_speed", &SitToStand::hip_speed, true, "_s"},
-                                    Quantity{"hip_speed_max", &SitToStand::hip_speed_max, true, "_s"},
-                                    Quantity{"power_w_kg", &SitToStand::power_w_kg},
-                                    Quantity{"five_times_s", &SitToStand::five_times_s}};
+constexpr std::array kQuantities = {
+    Quantity{"onset_s", &SitToStand::onset_s, "onset", "s", false, true},
+    Quantity{"seat_off_s", &SitToStand::seat_off_s, "seat-off", "s", false, true},
+    Quantity{"standing_s", &SitToStand::standing_s, "standing", "s", false, true},
+    Quantity{"rise_s", &SitToStand::rise_s, "time to rise", "s"},
+    Quantity{"flexion_s", &SitToStand::flexion_s, "flexion momentum: onset to seat-off", "s"},
+    Quantity{"transfer_s", &SitToStand::transfer_s, "momentum transfer: seat-off to largest ankle dorsiflexion", "s"},
+    Quantity{"extension_s", &SitToStand::extension_s, "extension: from there to standing", "s"},
+    Quantity{"descent_s", &SitToStand::descent_s, "time to sit down", "s"},
+    Quantity{"knee_seat_off_deg", &SitToStand::knee_seat_off_deg, "knee angle at seat-off", "°"},
+    Quantity{"hip_seat_off_deg", &SitToStand::hip_seat_off_deg, "hip angle at seat-off", "°"},
+    Quantity{"trunk_seat_off_deg", &SitToStand::trunk_seat_off_deg, "trunk lean at seat-off", "°"},
+    Quantity{"knee_max_deg", &SitToStand::knee_max_deg, "largest knee angle", "°"},
+    Quantity{"hip_max_deg", &SitToStand::hip_max_deg, "largest hip angle", "°"},
+    Quantity{"trunk_max_deg", &SitToStand::trunk_max_deg, "largest trunk lean", "°"},
+    Quantity{"knee_extension_max_deg_s", &SitToStand::knee_extension_max_deg_s, "fastest knee extension", "°/s"},
+    Quantity{"trunk_flexion_max_deg_s", &SitToStand::trunk_flexion_max_deg_s, "fastest trunk flexion", "°/s"},
+    Quantity{"hip_rise", &SitToStand::hip_rise, "rise of the hip", "", true},
+    Quantity{"hip_speed", &SitToStand::hip_speed, "mean speed of the hip, seat-off to standing", "/s", true},
+    Quantity{"hip_speed_max", &SitToStand::hip_speed_max, "largest speed of the hip", "/s", true},
+    Quantity{"power_w_kg", &SitToStand::power_w_kg, "mean power over body mass", "W/kg"},
+    Quantity{"five_times_s", &SitToStand::five_times_s, "five-times sit-to-stand", "s"}};
 
 Measured Difference(const Measured& later, const Measured& earlier) {
   return {later.value - earlier.value, std::hypot(later.sd, earlier.sd)};
@@ -179,8 +180,13 @@ SitToStand FiveTimes(const std::vector<SitToStand>& rises, bool in_mm) {
 
 }  // namespace
 
-std::string SitToStandQuantity::Column(motion::LengthUnit unit) const {
-  return name + (is_length ? fmt::format("_{}{}", ToString(unit), per) : "");
+std::string SitToStandQuantity::Unit(motion::LengthUnit of_plane) const {
+  return is_length ? fmt::format("{}{}", ToString(of_plane), unit) : unit;
+}
+
+std::string SitToStandQuantity::Column(motion::LengthUnit of_plane) const {
+  if (!is_length) return name;
+  return fmt::format("{}_{}{}", name, ToString(of_plane), *unit ? "_s" : "");
 }
 
 std::span<const SitToStandQuantity> SitToStandQuantities() {

@@ -7,6 +7,7 @@
 #include "lake/core/json.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "lake/gait/sit_to_stand.h"
 #include "lake/motion/leg_motion.h"
 
 namespace lake::cohort {
@@ -54,12 +55,6 @@ Curve OverPercent(const Rise& rise, double motion::LegSample::*field) {
   return curve;
 }
 
-double EventTime(const std::vector<motion::StsEvent>& events, int repetition, motion::StsEventKind kind) {
-  for (const motion::StsEvent& event : events)
-    if (event.repetition == repetition && event.kind == kind) return event.time_s;
-  return kNaN;
-}
-
 // The quantities of rows, in the order in which they first appear.
 class ResultTable {
  public:
@@ -83,29 +78,48 @@ class ResultTable {
   const DoneStudy& of_;
 };
 
-void AddTrial(const fs::path& folder, const std::string& trial, ResultTable& table) {
+// The durations, angles, speeds and powers of one row of sit_to_stand.csv; NaN where it has none.
+std::map<std::string, double> SitToStandRow(const CsvTable& measured, const std::string& repetition) {
+  std::map<std::string, double> values;
+  for (const gait::SitToStandQuantity& quantity : gait::SitToStandQuantities()) {
+    if (quantity.is_time_of_recording) continue;
+    const std::string column = quantity.Column(motion::LengthUnit::kMm);
+    values[column] = kNaN;
+    for (std::size_t row = 0; row < measured.Rows(); ++row)
+      if (measured.Has(column) && measured.Text(row, measured.Column("repetition")) == repetition)
+        values[column] = measured.Number(row, measured.Column(column)).value_or(kNaN);
+  }
+  return values;
+}
+
+void AddRises(const motion::LegMotion& leg, const CsvTable& measured, const std::string& trial, ResultTable& table) {
   using motion::LegSample;
-  using motion::StsEventKind;
-  const motion::LegMotion leg = motion::ReadKinematicsCsv(folder / "kinematics.csv");
-  const std::vector<motion::StsEvent> events = motion::ReadEventsCsv(folder / "events.csv");
   for (const auto& [repetition, rise] : RisesOf(leg)) {
-    const double onset_s = EventTime(events, repetition, StsEventKind::kOnset);
     table.Begin(trial, repetition);
-    table.Add("rise_s", EventTime(events, repetition, StsEventKind::kStanding) - onset_s);
-    table.Add("seat_off_s", EventTime(events, repetition, StsEventKind::kSeatOff) - onset_s);
-    const double most = Largest(rise, &LegSample::knee_deg), least = Largest(rise, &LegSample::knee_deg, -1);
-    table.Add("knee_largest_deg", most);
-    table.Add("knee_smallest_deg", least);
-    table.Add("knee_range_deg", most - least);
-    table.Add("knee_extension_deg_s", -Largest(rise, &LegSample::knee_deg_s, -1));
-    table.Add("trunk_largest_deg", Largest(rise, &LegSample::trunk_deg));
-    table.Add("shank_largest_deg", Largest(rise, &LegSample::shank_deg));
+    for (const auto& [quantity, value] : SitToStandRow(measured, std::to_string(repetition)))
+      table.Add(quantity, value);
+    const double least = Largest(rise, &LegSample::knee_deg, -1);
+    table.Add("knee_min_deg", least);
+    table.Add("knee_range_deg", Largest(rise, &LegSample::knee_deg) - least);
+    table.Add("shank_max_deg", Largest(rise, &LegSample::shank_deg));
     for (const Angle& angle : kAngles) table.AddCurve(trial, angle.name, OverPercent(rise, angle.field));
   }
-  if (leg.unit != motion::LengthUnit::kMm) return;
+}
+
+void AddTrial(const fs::path& folder, const std::string& trial, ResultTable& table) {
+  const motion::LegMotion leg = motion::ReadKinematicsCsv(folder / "kinematics.csv");
+  const CsvTable measured = CsvTable::Read(folder / "sit_to_stand.csv");
+  AddRises(leg, measured, trial, table);
+  std::map<std::string, double> five_times = SitToStandRow(measured, "five_times");
+  std::map<std::string, double> whole = {{"five_times_s", five_times["five_times_s"]},
+                                         {"five_times_power_w_kg", five_times["power_w_kg"]}};
+  if (leg.unit == motion::LengthUnit::kMm) {
+    whole["shank_mm"] = motion::MedianLength(leg, &motion::LegSample::ak);
+    whole["thigh_mm"] = motion::MedianLength(leg, &motion::LegSample::kh);
+  }
+  if (std::ranges::none_of(whole, [](const auto& of) { return std::isfinite(of.second); })) return;
   table.Begin(trial, {});
-  table.Add("shank_mm", motion::MedianLength(leg, &LegSample::ak));
-  table.Add("thigh_mm", motion::MedianLength(leg, &LegSample::kh));
+  for (const auto& [quantity, value] : whole) table.Add(quantity, value);
 }
 
 void AddComparison(const fs::path& folder, ResultTable& table) {

@@ -9,6 +9,7 @@
 #include "lake/core/colours.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
+#include "lake/gait/sit_to_stand.h"
 
 namespace lake::cohort {
 
@@ -20,15 +21,14 @@ namespace fs = std::filesystem;
 
 // In words, with the unit: a column of trials.csv that both trials have.
 std::string NameOf(const std::string& column) {
+  constexpr auto kMm = motion::LengthUnit::kMm;
+  for (const gait::SitToStandQuantity& quantity : gait::SitToStandQuantities())
+    if (column == quantity.Column(kMm)) return fmt::format("{} ({})", quantity.label, quantity.Unit(kMm));
   constexpr std::pair<std::string_view, const char*> kNames[] = {
-      {"rise_s", "time to rise (s)"},
-      {"seat_off_s", "onset to seat-off (s)"},
-      {"knee_largest_deg", "largest knee angle (°)"},
-      {"knee_smallest_deg", "smallest knee angle (°)"},
+      {"five_times_power_w_kg", "mean power of the five-times test (W/kg)"},
+      {"knee_min_deg", "smallest knee angle (°)"},
       {"knee_range_deg", "knee range (°)"},
-      {"knee_extension_deg_s", "fastest knee extension (°/s)"},
-      {"trunk_largest_deg", "largest trunk lean (°)"},
-      {"shank_largest_deg", "largest shank lean (°)"},
+      {"shank_max_deg", "largest shank lean (°)"},
       {"shank_mm", "shank, knee to ankle (mm)"},
       {"thigh_mm", "thigh, hip to knee (mm)"}};
   for (const auto& [known, name] : kNames)
@@ -330,7 +330,7 @@ Section StudiesSection(const Workflow& workflow, const GroupData& group) {
       const bool is_exo = std::string_view(trial) == "exo";
       table.rows.push_back({LinkTo(of.folder, workflow.out, of.participant), of.session, of.run, condition,
                             MeanIn(rows, trial, "rise_s"), MeanIn(rows, trial, "knee_range_deg"),
-                            MeanIn(rows, trial, "trunk_largest_deg"),
+                            MeanIn(rows, trial, "trunk_max_deg"),
                             is_exo ? MeanIn(rows, "comparison", "rms_mm") : std::nan("")});
     }
   }

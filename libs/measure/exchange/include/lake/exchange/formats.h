@@ -21,7 +21,8 @@ struct PointFormat {
 const PointFormat& FormatOf(const std::filesystem::path& path);
 
 // As it stands in the file, before naming and projection: a lake-track folder, .trc, .c3d, .trk, .trz, .kva, .txt
-// (Tracker), .csv (lake's own, Kinovea's, DLTdv's); endings in any case. `mm_per_unit` and `rate_hz` are for files that
+// (Tracker), .csv (lake's own, Kinovea's, DLTdv's); endings in any case; or a folder with one .txt or .csv per marker,
+// which gives the marker its name. `mm_per_unit` and `rate_hz` are for files that
 // do not say, `values` for those of lake's own tables that hold both kinds. Throws Error for others.
 PointRecording ReadPoints(const std::filesystem::path& path, double mm_per_unit = 1, double rate_hz = 0,
                           motion::MarkerValues values = motion::MarkerValues::kMeasured);

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <map>
 #include <optional>
 #include <string>
 
 #include "lake/camera/camera.h"
+#include "lake/camera/homography.h"
 #include "lake/motion/marker_recording.h"
 
 namespace lake::gait {
@@ -14,6 +16,7 @@ namespace lake::gait {
 // Which of the plane's descriptions holds, best first:
 // - camera and camera_from_plane: a calibrated plane, in mm; a marker's depth is how far it stands proud of it, towards
 //   the camera;
+// - homography: known points of the plane, in mm, without a known lens;
 // - mm_per_px: a scale bar, in mm; the picture (without its lens distortion, if the camera is known) scaled, y flipped
 //   up;
 // - neither: the same with 1 px for 1 mm, in px.
@@ -21,6 +24,7 @@ namespace lake::gait {
 struct LegView {
   std::optional<camera::Camera> camera;
   std::optional<camera::PlanePose> camera_from_plane;
+  std::optional<camera::HomographyFit> homography;
   std::optional<double> mm_per_px;
   std::map<std::string, double> depth_mm;  // by marker; 0 where not named
   bool recorded_in_plane = false;          // the recording is in mm: nothing to project
@@ -44,6 +48,11 @@ Eigen::Vector2d PlaneFromRecorded(const LegView& view, const Eigen::Vector2d& re
 template <typename T>
 Eigen::Matrix<T, 2, 1> RecordedFromPlane(const LegView& view, const Eigen::Matrix<T, 2, 1>& point, double depth_mm) {
   if (view.recorded_in_plane) return point;
+  if (view.homography) {
+    const Eigen::Matrix<T, 3, 1> image = (view.homography->plane_from_image.inverse()).template cast<T>() *
+                                         Eigen::Matrix<T, 3, 1>(point.x(), point.y(), T(1));
+    return {image.x() / image.z(), image.y() / image.z()};
+  }
   if (!view.camera_from_plane && !view.camera) {
     const double scale = view.mm_per_px.value_or(1);
     return {point.x() / scale, -point.y() / scale};

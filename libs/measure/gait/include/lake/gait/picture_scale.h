@@ -1,4 +1,5 @@
-// How positions in a picture get their lengths: the options --camera and --scale of all programs that read some.
+// How positions in a picture get their lengths: the options --camera, --scale and --plane-points of all programs that
+// read some.
 #pragma once
 
 #include <array>
@@ -15,18 +16,22 @@ namespace lake::gait {
 struct PictureScale {
   std::optional<std::filesystem::path> camera;  // camera.yaml
   std::optional<std::array<double, 5>> scale;   // x1 y1 x2 y2 in px, length in mm
+  std::string plane_points;                     // as camera::ParsePlanePoints reads it
 
-  bool IsGiven() const { return camera || scale; }
+  bool IsGiven() const { return camera || scale || !plane_points.empty(); }
+  const char* OptionName() const { return camera ? "--camera" : scale ? "--scale" : "--plane-points"; }
 };
 
 void Describe(PictureScale& o, OptionList& options);
 
 using Warn = std::function<void(const std::string&)>;
 
-// mm per px of the scale bar, its ends freed from the lens's distortion if that is known; nullopt without a bar, and,
-// with a warning, where the plane is calibrated. Throws UsageError for a bar without a length.
-std::optional<double> MmPerPx(const PictureScale& picture, const std::optional<camera::CameraProfile>& profile,
-                              const Warn& warn);
+// The view of a camera with this profile, if there is one. Its calibrated plane holds; else known points give the
+// plane, through the lens where that is known; else a scale bar, its ends freed from the lens's distortion, gives mm
+// per px, else `mm_per_px` does. What is not used is said by a warning. Throws UsageError for a bar without a length,
+// Error as camera::FitPlane and camera::PlaneHomography.
+LegView MakeView(const PictureScale& picture, const std::optional<camera::CameraProfile>& profile,
+                 std::optional<double> mm_per_px, const std::map<std::string, double>& depth_mm, const Warn& warn);
 
 // The view of a recording in px whose picture's size is not known. `mm_per_px`: of the recording's own file, where no
 // bar is given. Throws Error as camera::ReadCameraProfile, and for positions outside the picture that the camera was

@@ -43,14 +43,17 @@ struct SitToStand {
   Measured five_times_s;  // of the five-times test alone: first onset to fifth standing
 };
 
-// What there is of each row, by the name of its column without the unit of lengths.
+// What there is of each row.
 struct SitToStandQuantity {
-  const char* name;
+  const char* name;  // of the column, without the unit of lengths
   Measured SitToStand::*value;
-  bool is_length = false;  // "_mm" or "_px", and what comes after it, ends the name
-  const char* per = "";
+  const char* label;  // in words
+  const char* unit;   // s, °, °/s, W/kg; of lengths what follows the plane's: "" or "/s"
+  bool is_length = false;
+  bool is_time_of_recording = false;  // and no duration
 
-  std::string Column(motion::LengthUnit unit) const;
+  std::string Column(motion::LengthUnit of_plane) const;
+  std::string Unit(motion::LengthUnit of_plane) const;
 };
 std::span<const SitToStandQuantity> SitToStandQuantities();
 

@@ -1,0 +1,139 @@
+#include "sit_to_stand_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
+#include "lake/gait/sit_to_stand.h"
+#include "lake/report/report.h"
+
+namespace lake::commands {
+namespace {
+
+using gait::Measured;
+using gait::SitToStand;
+using namespace report;
+
+constexpr std::size_t kMostRises = 10;     // that a table shows beside each other
+constexpr std::size_t kMostPoints = 2000;  // of a curve
+
+// To two significant digits of the standard deviation, three decimals at most.
+std::string Text(const Measured& measured) {
+  constexpr int kMostDecimals = 3;
+  constexpr double kLeastSd = 0.0005;  // what is left of it in these decimals
+  if (!(measured.sd >= kLeastSd)) return NumberText(measured.value, kMostDecimals);
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(measured.sd))), 0, kMostDecimals);
+  return fmt::format("{} ± {}", NumberText(measured.value, decimals), NumberText(measured.sd, decimals));
+}
+
+KeyFigure Figure(const char* label, const Measured& measured, const char* unit, std::string note) {
+  KeyFigure figure{.label = label, .value = measured.value, .unit = unit, .note = std::move(note)};
+  constexpr double kLeastSd = 0.005;  // what is left of it in two decimals
+  if (measured.sd >= kLeastSd) figure.plus_minus = measured.sd;
+  return figure;
+}
+
+std::string ReferenceNote(const Json& five_times) {
+  if (!five_times.is_object() || !five_times.contains("age_years")) return "give --age to compare";
+  if (five_times["reference_s"].is_null()) return "no reference for this age";
+  return fmt::format("{} than average at this age ({} s, Bohannon 2006)",
+                     five_times["worse_than_average"] == true ? "worse" : "no worse",
+                     NumberText(NumberOrNaN(five_times["reference_s"]), 1));
+}
+
+// The mean over the rises of which it is known, and the standard deviation between them.
+Measured MeanOfRises(const std::vector<SitToStand>& rows, Measured SitToStand::*quantity) {
+  std::vector<double> values;
+  Measured last;
+  for (const SitToStand& rise : rows)
+    if (rise.repetition > 0 && std::isfinite((rise.*quantity).value)) values.push_back((last = rise.*quantity).value);
+  if (values.size() < 2) return last;
+  return {Mean(values), StandardDeviation(values)};
+}
+
+KeyFigures Headline(const std::vector<SitToStand>& rows, const Json& five_times) {
+  const SitToStand& test = rows.back();
+  const KeyFigure rise = Figure("Mean time to rise", MeanOfRises(rows, &SitToStand::rise_s), "s", "onset to standing");
+  if (std::isnan(test.five_times_s.value))
+    return {{rise, Figure("Mean power of a rise", MeanOfRises(rows, &SitToStand::power_w_kg), "W/kg",
+                          "no five-times test: it needs five rises with onset and standing")}};
+  return {{Figure("Five-times sit-to-stand", test.five_times_s, "s", ReferenceNote(five_times)),
+           Figure("Mean power of the test", test.power_w_kg, "W/kg", "Alcazar et al. 2018"), rise}};
+}
+
+Table RisesTable(const std::vector<SitToStand>& rows, motion::LengthUnit unit) {
+  Table table{.caption = "Rises, ± one standard deviation", .columns = {{"quantity"}}};
+  const std::size_t rises = rows.size() - 1, shown = std::min(rises, kMostRises);
+  for (std::size_t i = 0; i < shown; ++i) table.columns.push_back({fmt::format("rise {}", rows[i].repetition)});
+  table.columns.push_back({"five times"});
+  if (rises > shown) table.caption += fmt::format("; {} more are in sit_to_stand.csv", rises - shown);
+  for (const gait::SitToStandQuantity& quantity : gait::SitToStandQuantities()) {
+    std::vector<Cell> row = {fmt::format("{} ({})", quantity.label, quantity.Unit(unit))};
+    for (std::size_t i = 0; i < shown; ++i) row.push_back(Text(rows[i].*quantity.value));
+    row.push_back(Text(rows.back().*quantity.value));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+LineChart AnglesChart(const motion::LegMotion& leg, const std::vector<SitToStand>& rows) {
+  Series knee{.name = "knee"}, hip{.name = "hip", .mark = Mark::kDashed}, trunk{.name = "trunk", .mark = Mark::kDotted};
+  for (std::size_t i = 0; i < leg.samples.size(); i += 1 + leg.samples.size() / kMostPoints) {
+    const motion::LegSample& sample = leg.samples[i];
+    for (Series* series : {&knee, &hip, &trunk}) series->x.push_back(leg.time_s[i]);
+    knee.y.push_back(sample.knee_deg);
+    hip.y.push_back(sample.trunk_deg - sample.thigh_deg);
+    trunk.y.push_back(sample.trunk_deg);
+  }
+  LineChart chart{.title = "Flexion of knee and hip, lean of the trunk",
+                  .caption = "Shaded: from onset to standing. Lines: seat-off.",
+                  .x = {.label = "time (s)"},
+                  .y = {.label = "angle (°)"},
+                  .series = {std::move(knee), std::move(hip), std::move(trunk)}};
+  for (const SitToStand& rise : rows) {
+    if (rise.repetition == 0) continue;
+    if (std::isfinite(rise.rise_s.value))
+      chart.intervals.push_back({rise.onset_s.value, rise.standing_s.value, fmt::format("rise {}", rise.repetition)});
+    if (std::isfinite(rise.seat_off_s.value)) chart.lines.push_back({rise.seat_off_s.value, "seat-off"});
+  }
+  return chart;
+}
+
+Section Method() {
+  return {
+      "How it is measured",
+      {List{{"Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638. Of a rise, the standard deviations are "
+             "those of markers and events; skin movement is not in them.",
+             "Five-times test: from the first onset to the fifth standing; values are the means of five rises, "
+             "standard deviations those between them. A test timed by hand begins at the word, and is longer by the "
+             "reaction.",
+             "Power: 0.9 g × rise of the hip / time, of the five-times test with half of the mean repetition's time "
+             "(Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006).",
+             "Reference times by age: Bohannon 2006, doi:10.2466/pms.103.1.215-222."}}}};
+}
+
+void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& rows, const Json& five_times, Run& run) {
+  Report page{.title = "Sit-to-stand", .warnings = run.Warnings()};
+  if (rows.size() > 1)
+    page.sections = {{"", {Headline(rows, five_times)}},
+                     {"Rises", {AnglesChart(leg.motion, rows), RisesTable(rows, leg.motion.unit)}},
+                     Method()};
+  else
+    page.sections = {{"", {Paragraph{"No sit-to-stand was found in this recording."}}}};
+  page.sections.push_back(ProvenanceSection(run.Head()));
+  WriteReport(run.Result("sit_to_stand.html"), page);
+}
+
+}  // namespace
+
+void WriteSitToStands(const gait::LegFitResult& leg, std::optional<double> age_years, Json& results, Run& run) {
+  const std::vector<SitToStand> rows = gait::MeasureSitToStands(leg);
+  gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), leg);
+  results["five_times"] = gait::FiveTimesJson(leg, age_years);
+  WritePage(leg, rows, results["five_times"], run);
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,77 @@
+// What a group takes of a trial's folder.
+#include "lake/cohort/group_data.h"
+
+#include <gtest/gtest.h>
+
+#include "lake/core/csv.h"
+#include "lake/core/run.h"
+#include "lake/motion/leg_motion.h"
+#include "temporary_folder.h"
+
+namespace lake::cohort {
+namespace {
+
+class TrialFolder : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(folder_ / "human"); }
+
+  // One rise from 90 to 10 degrees with segments of 400 mm.
+  void WriteRise(motion::LengthUnit unit) {
+    motion::LegMotion leg;
+    leg.unit = unit;
+    for (int i = 0; i <= 10; ++i) {
+      motion::LegSample sample;
+      sample.ak = sample.kh = {0, 400};
+      sample.knee_deg = 90 - 8 * i, sample.knee_sigma_deg = 0.1;
+      sample.repetition = 1, sample.percent = 10 * i;
+      leg.frame.push_back(i), leg.time_s.push_back(0.1 * i), leg.samples.push_back(sample);
+    }
+    motion::WriteKinematicsCsv(folder_ / "human/kinematics.csv", leg);
+  }
+
+  void WriteMeasures(const std::string& five_times) {
+    WriteTextFile(folder_ / "human/sit_to_stand.csv",
+                  "repetition,onset_s,rise_s,transfer_s,power_w_kg,five_times_s,rise_s_sd\n"
+                  "1,7.5,1,0.25,3.5,,0.02\n"
+                  "five_times," +
+                      five_times + "\n");
+  }
+
+  GroupData Read() {
+    return ReadGroup(
+        {{.participant = "sub-1", .session = "", .run = "", .folder = folder_.Path(), .steps = {"human"}}});
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(TrialFolder, GivesEachRiseAndTheFiveTimesTest) {
+  WriteRise(motion::LengthUnit::kMm);
+  WriteMeasures("7.5,1.25,,4.5,12,0.1");
+  const GroupData group = Read();
+  ASSERT_EQ(group.rows.size(), 2u);
+  const auto& rise = group.rows[0].values;
+  EXPECT_EQ(group.rows[0].repetition, 1);
+  EXPECT_EQ(rise.at("rise_s"), 1);
+  EXPECT_EQ(rise.at("transfer_s"), 0.25);
+  EXPECT_EQ(rise.at("power_w_kg"), 3.5);
+  EXPECT_NEAR(rise.at("knee_range_deg"), 80, 1e-9);
+  EXPECT_FALSE(rise.contains("onset_s")) << "a time in the recording says nothing of the person";
+  EXPECT_FALSE(rise.contains("rise_s_sd"));
+  const auto& whole = group.rows[1].values;
+  EXPECT_FALSE(group.rows[1].repetition.has_value());
+  EXPECT_EQ(whole.at("five_times_s"), 12);
+  EXPECT_EQ(whole.at("five_times_power_w_kg"), 4.5);
+  EXPECT_NEAR(whole.at("shank_mm"), 400, 1e-9);
+}
+
+TEST_F(TrialFolder, HasNoRowForTheWholeTrialOfWhichNothingIsKnown) {
+  WriteRise(motion::LengthUnit::kPx);
+  WriteMeasures(",,,,,");
+  const GroupData group = Read();
+  ASSERT_EQ(group.rows.size(), 1u);
+  EXPECT_EQ(group.rows[0].repetition, 1);
+}
+
+}  // namespace
+}  // namespace lake::cohort
