@@ -115,6 +115,170 @@ TEST(Intervals, OfThePartsHoldTheTruthAsOftenAsTheySay) {
   EXPECT_GE(all_held, 0.88 * all);
 }
 
+// A person as they stand up again and again: half of the rise is reached earlier or later, the shank leans more or
+// less, onset and standing are told with an error. How much a person varies is itself drawn, around what others do.
+class Person {
+ public:
+  explicit Person(std::mt19937& random) : random_(random) {
+    constexpr double kFreedom = 4;
+    std::chi_squared_distribution<double> chi_squared(kFreedom);
+    variation_ = std::sqrt(kFreedom / chi_squared(random_));
+  }
+
+  // The mean of many would be the truth.
+  compare::StsCurve Rise(const std::function<double(double)>& registration, const Eigen::Vector2d& offset_mm,
+                         double shape_mm) {
+    constexpr double kProgress = 0.04, kLean_deg = 1.5, kEvent = 0.01;
+    std::normal_distribution<double> normal;
+    const double half = variation_ * kProgress * normal(random_), lean_deg = variation_ * kLean_deg * normal(random_),
+                 onset = kEvent * normal(random_), standing = kEvent * normal(random_);
+    ClosedFormLeg leg;
+    for (double* shank_deg : {&leg.seated_shank_deg, &leg.peak_shank_deg, &leg.standing_shank_deg})
+      *shank_deg += lean_deg;
+    const auto at = [&](double s) {
+      return registration(s) + std::lerp(onset, standing, s) + half * std::sin(std::numbers::pi * s);
+    };
+    compare::StsCurve curve = MakeCurve(leg, at, offset_mm);
+    AddShape(shape_mm, curve);
+    AddFilteredNoise(curve, random_);
+    return curve;
+  }
+
+ private:
+  std::mt19937& random_;
+  double variation_ = 1;
+};
+
+struct Repeated {
+  int repetitions;
+  double replacement_sd_mm;
+};
+
+// What an exoskeleton trial differs by.
+struct Differences {
+  Eigen::Vector2d offset_mm;
+  double warp, shape_mm;
+
+  double At(double s) const { return s + warp * std::sin(std::numbers::pi * s); }
+};
+
+compare::StsCurve WithDifferences(const Differences& by) {
+  compare::StsCurve exo = MakeCurve(
+      {}, [&](double s) { return by.At(s); }, by.offset_mm);
+  AddShape(by.shape_mm, exo);
+  return exo;
+}
+
+struct Recordings {
+  int repetitions;
+  double replacement_sd_mm;
+};
+
+// Two trials of a person, the knee's marker put back elsewhere in the second.
+compare::Misalignment MeasureRises(const Differences& by, const Recordings& how, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const double x = normal(random), y = normal(random);
+  const Eigen::Vector2d at_mm = by.offset_mm + how.replacement_sd_mm * Eigen::Vector2d(x, y);
+  Person person(random);
+  compare::RegisteredTrial human, exo;
+  for (int repetition = 0; repetition < how.repetitions; ++repetition) {
+    human.repetitions.push_back(person.Rise([](double s) { return s; }, {0, 0}, 0));
+    exo.repetitions.push_back(person.Rise([&](double s) { return by.At(s); }, at_mm, by.shape_mm));
+  }
+  compare::MisalignmentOptions options;
+  options.resamples = 100;
+  options.replacement_sd_mm = how.replacement_sd_mm;
+  return compare::CompareTrials(human, exo, options);
+}
+
+struct Quantity {
+  const char* name;
+  compare::Interval compare::MisalignmentIntervals::*interval;
+  double truth;
+};
+
+std::vector<Quantity> TrueQuantities(const Differences& by) {
+  using Intervals = compare::MisalignmentIntervals;
+  const compare::StsCurve human = MakeCurve({}), exo = WithDifferences(by);
+  const compare::Decomposition parts = compare::Decompose(human, exo);
+  const double square = compare::MeanSquaredDistance(exo.knee, human.knee),
+               relative = compare::MeanSquaredRelativeError(exo.knee, human.knee, compare::ShankLengths(human));
+  return {{"RMS", &Intervals::rms_mm, std::sqrt(square)},
+          {"relative RMS", &Intervals::relative_rms, std::sqrt(relative)},
+          {"offset x", &Intervals::offset_x_mm, parts.offset_mm.x()},
+          {"offset y", &Intervals::offset_y_mm, parts.offset_mm.y()},
+          {"placement", &Intervals::placement_mm, Rms(parts.placement_mm)},
+          {"timing", &Intervals::timing_mm, Rms(parts.timing_mm)},
+          {"shape", &Intervals::shape_mm, Rms(parts.shape_mm)},
+          {"placement's fraction", &Intervals::placement, parts.placement},
+          {"timing's fraction", &Intervals::timing, parts.timing},
+          {"shape's fraction", &Intervals::shape, parts.shape}};
+}
+
+TEST(Intervals, OfFewRepetitionsHoldTheTruthAsOftenAsTheySay) {
+  constexpr unsigned kPeople = 200;
+  const std::vector<Differences> differences = {
+      {{8, -5}, 0.05, 1.5}, {{18, 32}, 0.04, 4}, {{-25, 10}, -0.03, 8}, {{40, 15}, 0.08, 5}};
+  std::vector<std::vector<Quantity>> truths;
+  for (const Differences& by : differences) truths.push_back(TrueQuantities(by));
+  for (const Recordings& how : {Recordings{1, 0}, Recordings{1, 3}, Recordings{3, 0}, Recordings{3, 3}}) {
+    std::vector<double> held(truths.front().size(), 0);
+    for (unsigned person = 0; person < kPeople; ++person) {
+      const std::size_t which = person % differences.size();
+      const compare::Misalignment m = MeasureRises(differences[which], how, person);
+      for (std::size_t i = 0; i < held.size(); ++i) {
+        const compare::Interval& interval = (*m.intervals).*truths[which][i].interval;
+        held[i] += interval.low <= truths[which][i].truth && truths[which][i].truth <= interval.high;
+      }
+    }
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      const std::string name = truths.front()[i].name;
+      SCOPED_TRACE(testing::Message() << name << " of " << how.repetitions << " repetitions, replacement "
+                                      << how.replacement_sd_mm << " mm");
+      EXPECT_GE(held[i], 0.90 * kPeople);
+      // A shape below its noise has an interval from 0, which can miss it at one end alone.
+      EXPECT_LE(held[i], (name.starts_with("shape") ? 1 : 0.98) * kPeople);
+    }
+  }
+}
+
+// Of two trials that differ by placement, one rise each.
+compare::MisalignmentIntervals IntervalsWith(double event_sd_s, double onset_sd_s, double standing_sd_s) {
+  compare::StsCurve human = MakeCurve({}), exo = MakeCurve({}, [](double s) { return s; }, {8, -5});
+  human.onset_sd_s = onset_sd_s, human.standing_sd_s = standing_sd_s;
+  compare::MisalignmentOptions options;
+  options.replacement_sd_mm = options.progress_sd_percent = options.lean_sd_deg = 0;
+  options.event_sd_s = event_sd_s;
+  return *compare::CompareTrials({{human}, {}}, {{exo}, {}}, options).intervals;
+}
+
+// The events' times are in the intervals of what is over percent: those that the fit tells and those as defined.
+TEST(Intervals, KnowTheUncertaintyOfTheEvents) {
+  const auto width = [](const compare::Interval& interval) { return interval.high - interval.low; };
+  const compare::MisalignmentIntervals sure = IntervalsWith(0, 0, 0), defined = IntervalsWith(0.05, 0, 0),
+                                       onset = IntervalsWith(0, 0.1, 0), standing = IntervalsWith(0, 0, 0.1);
+  for (const auto interval : {&compare::MisalignmentIntervals::rms_mm, &compare::MisalignmentIntervals::timing_mm})
+    for (const compare::MisalignmentIntervals* unsure : {&defined, &onset, &standing}) {
+      EXPECT_GT(width((*unsure).*interval), 2 * width(sure.*interval));
+      EXPECT_LE(((*unsure).*interval).low, (sure.*interval).low);
+    }
+}
+
+// A mean that another comparison wrote, or a predicted path, is no repetition of a person.
+TEST(Intervals, OfAMeanAreItsMarkersNoise) {
+  compare::StsCurve human = MakeCurve({}), exo = MakeCurve({}, [](double s) { return s; }, {8, -5});
+  compare::MisalignmentOptions options;
+  options.replacement_sd_mm = 0;
+  const auto width = [&] {
+    const compare::Interval interval = compare::CompareTrials({{human}, {}}, {{exo}, {}}, options).intervals->rms_mm;
+    return interval.high - interval.low;
+  };
+  EXPECT_GT(width(), 10);
+  human.repetition = exo.repetition = 0;
+  EXPECT_LT(width(), 0.5);
+}
+
 TEST(Intervals, ATrialWithItselfHasNoParts) {
   const compare::StsCurve human = MakeCurve({});
   const compare::Misalignment m = compare::CompareTrials({{human}, {}}, {{human}, {}});

@@ -192,6 +192,16 @@ TEST(Trials, PaceIsNoMisalignment) {
   }
 }
 
+TEST(Trials, EventsKeepWhatTheFitSaysOfTheirTimes) {
+  compare::TrialTables tables = Fit(synth::StsMotion(Still()), {});
+  for (motion::StsEvent& event : tables.events)
+    event.sd_s = event.kind == motion::StsEventKind::kOnset ? 0.03 : event.repetition == 1 ? 0.01 : NAN;
+  const compare::RegisteredTrial trial = Register(tables);
+  EXPECT_EQ(trial.repetitions[0].onset_sd_s, 0.03);
+  EXPECT_EQ(trial.repetitions[0].standing_sd_s, 0.01);
+  EXPECT_EQ(trial.repetitions[1].standing_sd_s, 0);  // not known
+}
+
 TEST(Trials, BadInputIsRefusedInOneLine) {
   const synth::StsMotion motion(Still());
   const compare::TrialTables good = Fit(motion, {});

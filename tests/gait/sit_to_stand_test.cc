@@ -128,6 +128,26 @@ TEST(SitToStand, TableHasARowARiseAndTheTest) {
   EXPECT_FALSE(table.Number(2, table.Column("five_times_s")));
 }
 
+TEST(SitToStand, TableTellsTheEventsDeviations) {
+  const TemporaryFolder folder;
+  gait::LegFitResult fit = Fit(MakeSyntheticLeg({.rate_hz = 50, .repetitions = 2}), {}, 3);
+  gait::WriteSitToStandCsv(folder / "sit_to_stand.csv", fit);
+  std::vector<motion::StsEvent> read = fit.events;
+  for (motion::StsEvent& event : read) event.sd_s = NAN;
+  read[0].time_s += 0.5;  // corrected by hand
+  gait::ReadEventDeviations(folder / "sit_to_stand.csv", read);
+  ASSERT_EQ(read[0].kind, motion::StsEventKind::kOnset);
+  EXPECT_TRUE(std::isnan(read[0].sd_s));
+  for (const motion::StsEvent& event : fit.events) {
+    const auto same = std::ranges::find_if(
+        read, [&](const auto& e) { return e.repetition == event.repetition && e.kind == event.kind; });
+    if (event.kind == motion::StsEventKind::kStanding || event.kind == motion::StsEventKind::kSeatOff) {
+      EXPECT_GT(event.sd_s, 0);
+      EXPECT_EQ(same->sd_s, event.sd_s);
+    }
+  }
+}
+
 // A recording of px has no power, and its lengths are told in px.
 TEST(SitToStand, WithoutAScaleThereIsNoPower) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 50, .repetitions = 1});

@@ -13,6 +13,7 @@
 #include "lake/core/error.h"
 #include "lake/core/run.h"
 #include "lake/exchange/ground_forces.h"
+#include "lake/gait/butterworth.h"
 #include "lake/problem/moment_at_pace.h"
 #include "name_map.h"
 #include "temporary_folder.h"
@@ -203,6 +204,104 @@ TEST_P(OnForcePlates, FromTheGroundItEqualsTheReferenceWithItsInertias) {
   }
   for (const std::string& warning : outcome->warnings)
     EXPECT_THAT(warning, testing::Not(testing::ContainsRegex("swapped|acts outside|bears|clock")));
+}
+
+std::vector<std::string> Fields(const std::string& line) {
+  return SplitText(line, '\t');
+}
+
+// The trial with a marker on the medial side of the right knee, on an axis that is turned by 15° about the vertical
+// from the plane's normal; and at each frame the moment about that axis, in space: the plate's force and the weights
+// of shank and foot, N m, extension positive.
+class MedialMarker {
+ public:
+  explicit MedialMarker(const fs::path& trc) {
+    std::ifstream in(kFolder / "STS1.trc");
+    std::ofstream out(trc);
+    std::string line;
+    for (int row = 0; std::getline(in, line); ++row) {
+      while (!line.empty() && (line.back() == '\r' || line.back() == '\t')) line.pop_back();
+      if (row == 2) line = "100\t100\t1399\t52\tm\t100\t0\t1399";
+      if (row == 3) TakeNames(line), line += "\t\t\tr_knee_med";
+      if (row == 4) line += "\tX52\tY52\tZ52";
+      if (const std::vector<std::string> fields = Fields(line); row > 4 && fields.size() > 2) line += AddFrame(fields);
+      out << line << '\n';
+    }
+  }
+
+  double PeakBetween(double from_s, double to_s) const {
+    double peak_nm = -1e9;
+    const std::vector<double> smooth_nm = gait::ZeroPhaseButterworthAtTimes(moment_nm_, time_s_, 6);
+    for (std::size_t i = 0; i < time_s_.size(); ++i)
+      if (time_s_[i] >= from_s && time_s_[i] <= to_s) peak_nm = std::max(peak_nm, smooth_nm[i]);
+    return peak_nm;
+  }
+
+ private:
+  void TakeNames(const std::string& line) {
+    const std::vector<std::string> names = Fields(line);
+    for (std::size_t i = 2; i < names.size(); i += 3) column_[names[i]] = i;
+  }
+
+  std::string AddFrame(const std::vector<std::string>& fields) {
+    const auto at = [&](const char* name) {
+      const std::size_t i = column_.at(name);
+      return Eigen::Vector3d(std::stod(fields[i]), std::stod(fields[i + 1]), std::stod(fields[i + 2]));
+    };
+    const double yaw = 15 * M_PI / 180;
+    const Eigen::Vector3d axis(std::sin(yaw), 0, -std::cos(yaw));  // to the left: medial of the right knee
+    const Eigen::Vector3d medial = at("r_knee") + 0.1 * axis, knee = at("r_knee") + 0.05 * axis, ankle = at("r_ankle");
+    const std::size_t i = time_s_.size();
+    const auto force = [&](char part) {
+      const double* const first = &grf_[i * kColumns + (part == 'v' ? 1 : 4)];  // after the time
+      return Eigen::Vector3d(first[0], first[1], first[2]);
+    };
+    // Winter's table of 62.6 kg: shank 0.0465, centre at 0.433 below the knee; foot 0.0145, under the ankle's front.
+    const Eigen::Vector3d g(0, -9.80665, 0), shank = knee + 0.433 * (ankle - knee),
+                                             foot = (at("r_calc") + at("r_toe")) / 2;
+    Eigen::Vector3d moment = (force('p') - knee).cross(force('v'));
+    moment += (shank - knee).cross(0.0465 * 62.6 * g) + (foot - knee).cross(0.0145 * 62.6 * g);
+    time_s_.push_back(std::stod(fields[1])), moment_nm_.push_back(moment.dot(axis));
+    return fmt::format("\t{}\t{}\t{}", medial.x(), medial.y(), medial.z());
+  }
+
+  std::map<std::string, std::size_t> column_;
+  static constexpr std::size_t kColumns = 28;
+  std::vector<double> grf_ = Forces();
+  std::vector<double> time_s_, moment_nm_;
+
+  static std::vector<double> Forces() {
+    std::ifstream in(kFolder / "STS1_grf.mot");
+    std::string line;
+    while (std::getline(in, line) && !line.starts_with("time")) continue;
+    std::vector<double> values;
+    for (double value; in >> value;) values.push_back(value);
+    return values;
+  }
+};
+
+// With both markers of the knee the moment is that about its own axis, 15° off the plane in which the leg moves most.
+TEST(LoadsAboutTheKneesAxis, AreThoseOfSpaceWhereMedialMarkersAreGiven) {
+  REQUIRE_RECORDING();
+  const TemporaryFolder folder;
+  const MedialMarker truth(folder / "medial.trc");
+  commands::LoadsRunOptions options = OptionsFor("right");
+  options.trial = folder / "medial.trc";
+  options.forces = kFolder / "STS1_grf.mot";
+  options.plates = {{"right", 1}, {"left", 2}};
+  const auto farthest = [&](const char* knee) {
+    options.reading.names["knee"] = knee;
+    const auto outcome = RunOn(options);
+    EXPECT_EQ(outcome->summary["rises"].size(), 5u);
+    double most = 0;
+    for (const Json& rise : outcome->summary["rises"]) {
+      const double true_nm = truth.PeakBetween(rise["seat_off_s"], rise["standing_s"]);
+      most = std::max(most, std::abs(rise["peak"]["knee_nm"].get<double>() / true_nm - 1));
+    }
+    return most;
+  };
+  EXPECT_LE(farthest("r_knee+r_knee_med"), 0.08);
+  EXPECT_GT(farthest("r_knee"), 0.08);
 }
 
 // Without the plates it is an estimate, and says how sure it is.

@@ -344,6 +344,12 @@ TEST_F(StudyYaml, TakesBalanceOfABodyThatItKnows) {
     if (step.name == "redesign") {
       EXPECT_THAT(step.inputs, testing::Contains(folder_ / "out/loads/loads.json"));
     }
+  const study::StudyFile held = Read(trial + "loads: {mass_kg: 70}\n" +
+                                     "reoptimize: {balance: {margin_mm: 20, device_mass_kg: 2.5, hold_force_n: 60}}\n");
+  EXPECT_EQ(held.redesign->options.aids.device_kg, 2.5);
+  EXPECT_EQ(held.redesign->options.aids.hold_n, 60);
+  ExpectRefused(trial + "loads: {mass_kg: 70}\nreoptimize: {balance: {margin_mm: 20, hold_force_n: -1}}\n",
+                "'hold_force_n'");
   ExpectRefused(trial + balance, "'balance' needs the person's body");
   ExpectRefused(trial + "loads: {mass_kg: 70}\nreoptimize: {balance: {margin_mm: -1}}\n", "'margin_mm'");
   ExpectRefused(trial + "loads: {mass_kg: 70}\nreoptimize: {balance: {margin: 20}}\n", "'margin_mm'");

@@ -60,7 +60,8 @@ std::vector<double> HumanAngles(const redesign::HumanMotion& human) {
 
 // Newton–Euler on the same bodies (loads/inverse_dynamics.h), their motion given in closed form with its derivatives.
 TEST(BalanceOfABody, SupportIsThatOfNewtonAndEuler) {
-  const loads::LegBody body = Body()->body;
+  const std::shared_ptr<const loads::BodyPath> path = Body();
+  const loads::LegBody& body = path->body;
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int draw = 0; draw < 20; ++draw) {
@@ -82,7 +83,7 @@ TEST(BalanceOfABody, SupportIsThatOfNewtonAndEuler) {
     }
     const Eigen::Vector2d about(0.1, -0.3);
     const loads::Wrench wrench = loads::RequiredWrench(bodies, about);
-    const loads::Support<double> support = loads::FindSupport(poses, kStep_s, body, 0, about.x(), about.y());
+    const loads::Support<double> support = loads::FindSupport(poses, kStep_s, *path, 0, about.x(), about.y());
     // Central differences at 1 ms of motions of up to 3 rad/s: 1e-6 of the accelerations, and their rounding.
     EXPECT_NEAR(support.force_n, wrench.force_n.y(), 1e-2);
     EXPECT_NEAR(support.moment_nm, wrench.moment_nm, 1e-2);
@@ -109,6 +110,34 @@ TEST(BalanceOfABody, AsSlowlyAsMayBeThePressureIsUnderTheCentreOfMass) {
     const double mass = foot.mass_kg + shank.mass_kg + thigh.mass_kg + trunk.mass_kg;
     EXPECT_NEAR(sample.pressure_mm, 1000 * moment / mass, 1e-3) << sample.percent;
   }
+}
+
+// A held trunk weighs less on the foot by that force, where the trunk's centre is; the exoskeleton's halves weigh where
+// the centres of shank and thigh are.
+TEST(BalanceOfABody, WhatHoldsAndWhatIsWornCount) {
+  const redesign::RedesignProblem problem = BalancedProblem();
+  const compare::StsCurve curve = MakeCurve({});
+  const auto course_of = [&](const loads::Aids& aids) {
+    loads::BodyPath body = *problem.body;
+    body.aids = aids;
+    return redesign::FindBalance(problem.human, body, HumanAngles(problem.human), {}, 1e4);
+  };
+  const auto alone = course_of({}), held = course_of({.hold_n = 100}), worn = course_of({.device_kg = 4});
+  const loads::LegBody& body = problem.body->body;
+  const double weight_n = 9.80665 * (body.foot.mass_kg + body.shank.mass_kg + body.thigh.mass_kg + body.trunk.mass_kg);
+  for (std::size_t k = 0; k < alone.samples.size(); ++k) {
+    const auto i = static_cast<std::size_t>(alone.samples[k].percent);
+    const Eigen::Vector2d ankle = curve.ankle[i], knee = curve.knee[i], hip = curve.hip[i];
+    const double trunk_mm = hip.x() + 1000 * problem.body->trunk[i].centre_m.x(), half_n = 2 * 9.80665;
+    const double shank_mm = std::lerp(knee.x(), ankle.x(), 1000 * body.shank.centre_m / (knee - ankle).norm()),
+                 thigh_mm = std::lerp(hip.x(), knee.x(), 1000 * body.thigh.centre_m / (hip - knee).norm());
+    const double moment = weight_n * alone.samples[k].pressure_mm;
+    EXPECT_NEAR(held.samples[k].pressure_mm, (moment - 100 * trunk_mm) / (weight_n - 100), 0.01) << i;
+    EXPECT_NEAR(worn.samples[k].pressure_mm, (moment + half_n * (shank_mm + thigh_mm)) / (weight_n + 2 * half_n), 0.01)
+        << i;
+    EXPECT_NEAR(held.samples[k].knee_nm - alone.samples[k].knee_nm, 100 * (trunk_mm - knee.x()) / 1000, 0.01) << i;
+  }
+  EXPECT_GT(held.margin_mm, alone.margin_mm + 5);  // a rise of momentum, held by a helper
 }
 
 TEST(BalancedProgram, IsHeldAtEveryInstantAndItsCostIsTold) {

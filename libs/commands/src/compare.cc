@@ -12,6 +12,7 @@
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/persons_leg.h"
 #include "lake/gait/plausibility.h"
+#include "lake/gait/sit_to_stand.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/report.h"
 #include "png_and_svg.h"
@@ -35,6 +36,7 @@ compare::TrialTables ReadTracked(const fs::path& folder) {
   tables.trajectory = motion::ReadMarkerCsv(exchange::TableOfFolder(folder), motion::MarkerValues::kEstimated);
   tables.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   tables.events = motion::ReadEventsCsv(folder / "events.csv");
+  if (const auto rises = FindResult(folder, "sit_to_stand.csv")) gait::ReadEventDeviations(*rises, tables.events);
   gait::LegFitOptions said;
   said.said_facing = "the direction in which the subject was said to face";
   said.unit_question = [](const std::string& unit) {
@@ -247,7 +249,9 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   const std::string& exo_knee = pair.exo_knee;
   run.Begin({"summary.json", "misalignment.csv", "uncertainty_budget.csv", "cuffs.csv", "overlay.png", "overlay.svg",
              "misalignment.png", "misalignment.svg", "comparison.json", "report.html"});
-  const compare::Misalignment misalignment = compare::CompareTrials(pair.human, pair.exo, options.misalignment);
+  compare::MisalignmentOptions compared = options.misalignment;
+  compared.event_sd_s = options.budget.event_s;
+  const compare::Misalignment misalignment = compare::CompareTrials(pair.human, pair.exo, compared);
   for (const std::string& warning : misalignment.warnings) run.Warn(warning);
   compare::WriteMisalignmentCsv(run.Result("misalignment.csv"), misalignment);
   const std::string title = fmt::format("{} ({}) against {} ({})", options.exo.filename().string(), exo_knee,

@@ -194,8 +194,13 @@ redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
   problem.max_angle_mismatch_deg = reoptimize.max_angle_mismatch_deg;
   if (problem.misalignment_of == redesign::MisalignmentOf::kJoint && !problem.max_angle_mismatch_deg)
     problem.max_angle_mismatch_deg = kAngleMismatch_deg;
-  if (!reoptimize.body.empty())
-    problem.body = std::make_shared<const loads::BodyPath>(loads::ReadBodyPath(reoptimize.body));
+  if (!reoptimize.body.empty()) {
+    loads::BodyPath body = loads::ReadBodyPath(reoptimize.body);
+    body.aids = reoptimize.aids;
+    problem.body = std::make_shared<const loads::BodyPath>(std::move(body));
+  } else if (reoptimize.aids.device_kg > 0 || reoptimize.aids.hold_n > 0) {
+    throw UsageError("--device-mass and --hold-force are of balance: give --body loads.json too");
+  }
   if (reoptimize.balance_mm) problem.balance = redesign::BalanceLimits{.margin_mm = *reoptimize.balance_mm};
   problem.fit_placement = reoptimize.fit_placement;
   problem.placement_reach_mm = reoptimize.placement_reach_mm;
@@ -262,7 +267,9 @@ void CheckForGroup(const OptimizeRunOptions& options) {
                                        std::pair{options.study.certify_gap_deg.has_value(), "--certify"},
                                        std::pair{options.study.yield_tolerance_mm.has_value(), "--yield"},
                                        std::pair{options.reoptimize->balance_mm.has_value(), "--balance"},
-                                       std::pair{!options.reoptimize->body.empty(), "--body"}})
+                                       std::pair{!options.reoptimize->body.empty(), "--body"},
+                                       std::pair{options.reoptimize->aids.device_kg > 0, "--device-mass"},
+                                       std::pair{options.reoptimize->aids.hold_n > 0, "--hold-force"}})
     if (is_given) throw UsageError(fmt::format("{} is for one person: omit it, or give one --comparison", name));
 }
 
@@ -409,6 +416,16 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
   options.Add("body", o.body, "loads.json of the human trial, or the folder of lake-loads: whose balance it is")
       .IsPath(Option::Path::kFile)
       .Otherwise("balance is not computed");
+  options
+      .Add("device-mass", o.aids.device_kg,
+           "The exoskeleton's own mass on this leg, which balance and moments count with shank and thigh")
+      .Unit("kg")
+      .Between(0, 30);
+  options
+      .Add("hold-force", o.aids.hold_n,
+           "Upward force on the trunk, for this leg, of arm rests, a helper or a harness, in balance and moments")
+      .Unit("N")
+      .Between(0, 500);
   Describe(o.program, options);
   options.Add("fit-placement", o.fit_placement, "Optimise the placement of the joint on the shank too");
   options.Add("placement-reach", o.placement_reach_mm, "Largest distance of the joint from the knee along each axis")

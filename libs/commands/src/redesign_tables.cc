@@ -386,6 +386,8 @@ Json ProgramBalanceJson(const redesign::RedesignOutcome& outcome) {
   const redesign::BalanceCourse& course = *outcome.after.prediction->balance;
   const loads::Foot& foot = outcome.problem.body->body.sole;
   Json json = {{"asked_mm", outcome.problem.balance ? Json(outcome.problem.balance->margin_mm) : Json()},
+               {"device_mass_kg", outcome.problem.body->aids.device_kg},
+               {"hold_force_n", outcome.problem.body->aids.hold_n},
                {"margin_mm", course.margin_mm},
                {"at_percent", course.at_percent},
                {"duration_s", course.duration_s},

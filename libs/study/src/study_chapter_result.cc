@@ -129,6 +129,11 @@ std::string KeptText(const Json& redesign, const Json& balance) {
   if (std::abs(leg_deg) >= 1)
     text += fmt::format(" and the leg up to {} farther {}", Quantity(std::abs(leg_deg), "°"),
                         leg_deg < 0 ? "back" : "forward");
+  if (const double hold_n = balance.value("hold_force_n", 0.0); hold_n > 0)
+    text +=
+        fmt::format(". Arm rests, a helper or a harness hold the trunk with {} for this leg", Quantity(hold_n, "N"));
+  if (const double device_kg = balance.value("device_mass_kg", 0.0); device_kg > 0)
+    text += fmt::format(". The exoskeleton's own {} on this leg are in it", Quantity(device_kg, "kg"));
   if (const Json& without = balance.at("without"); without.is_object()) {
     const auto change = [&](const char* key) {
       return NumberOrNaN(redesign.at("after").at(key)) - NumberOrNaN(without.at(key));

@@ -218,7 +218,7 @@ problem::LinearActuator ActuatorOf(const YamlNode& node, const InputFiles& files
   }
 }
 
-// balance: {margin_mm: 20}
+// balance: {margin_mm: 20, device_mass_kg: 2, hold_force_n: 50}
 void ReadBalance(YamlNode& node, StudyRedesign& redesign) {
   auto balance = node.Child("balance");
   if (!balance) return;
@@ -226,8 +226,16 @@ void ReadBalance(YamlNode& node, StudyRedesign& redesign) {
   if (!redesign.options.balance_mm || !(*redesign.options.balance_mm >= 0))
     throw Fail("{}: 'balance' needs 'margin_mm', how far the centre of pressure is inside the foot, 0 or more",
                balance->Where());
+  Json given = {{"margin_mm", *redesign.options.balance_mm}};
+  for (const auto& [key, value] : {std::pair{"device_mass_kg", &redesign.options.aids.device_kg},
+                                   std::pair{"hold_force_n", &redesign.options.aids.hold_n}}) {
+    const auto number = balance->Number(key);
+    if (!number) continue;
+    if (!(*number >= 0)) throw Fail("{}: '{}' is of this leg, 0 or more", balance->Where(), key);
+    given[key] = *value = *number;
+  }
   balance->Finish();
-  redesign.section.given["balance"] = *redesign.options.balance_mm;
+  redesign.section.given["balance"] = given.size() > 1 ? given : given.at("margin_mm");
 }
 
 StudyRedesign ReadRedesign(YamlNode node, InputFiles& files, const StudyProblem& design, const OptionNames& given) {

@@ -29,10 +29,10 @@ BalanceCourse FindBalance(const HumanMotion& human, const loads::BodyPath& body,
   BalanceCourse course{.samples = {}, .duration_s = duration_s, .margin_mm = 0, .at_percent = 0, .peak_knee_nm = 0};
   for (std::size_t i = FirstOnFeet(human, body); i <= last; ++i) {
     const std::array poses = {pose(i - std::min(i, reach)), pose(i), pose(std::min(i + reach, last))};
-    const loads::Support<double> ground = loads::FindGroundSupport(poses, step_s, body.body);
+    const loads::Support<double> ground = loads::FindGroundSupport(poses, step_s, body);
     const double shank_m = human[i].shank_mm / kMmPerM, tilt = poses[1][0].tilt_rad;
     const loads::Support<double> above =
-        loads::FindSupport(poses, step_s, body.body, 1, shank_m * std::sin(tilt), shank_m * std::cos(tilt));
+        loads::FindSupport(poses, step_s, body, 1, shank_m * std::sin(tilt), shank_m * std::cos(tilt));
     BalanceSample sample{.percent = PercentOf(i, human),
                          .pressure_mm = kMmPerM * ground.moment_nm / ground.force_n,
                          .margin_mm = 0,

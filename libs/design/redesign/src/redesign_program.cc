@@ -95,7 +95,7 @@ struct PressureTerm {
       return PoseOf(human[i], body->trunk[at[i]], body->body, w[0], w[1], w[2]);
     };
     const loads::Support<T> ground =
-        loads::FindGroundSupport(std::array{pose(0), pose(1), pose(2)}, T(v[0] * step), body->body);
+        loads::FindGroundSupport(std::array{pose(0), pose(1), pose(2)}, T(v[0] * step), *body);
     const double weight_n = loads::kGravity_m_s2 * (body->body.foot.mass_kg + body->body.shank.mass_kg +
                                                     body->body.thigh.mass_kg + body->body.trunk.mass_kg);
     return (ground.moment_nm * kMmPerM - ground.force_n * v[1]) / weight_n;

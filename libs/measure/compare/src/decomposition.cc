@@ -149,7 +149,7 @@ class Decomposer {
     ceres::Solver::Options solver;
     solver.linear_solver_type = ceres::DENSE_QR;
     solver.max_num_iterations = options_.max_iterations;
-    solver.function_tolerance = 1e-10;
+    solver.function_tolerance = options_.tolerance;
     solver.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);

@@ -45,124 +45,93 @@ std::vector<double> ErrorDeviations(const RegisteredTrial& human, const Register
   return deviations;
 }
 
-// Draws around a known `centre` show how far an estimate strays from the truth: the estimate less that. The basic
-// bootstrap interval (Davison & Hinkley 1997, sec. 5.2); it takes out the bias that noise brings.
-Interval BasicInterval(double estimate, double centre, const std::vector<double>& draws) {
+// Draws around an estimate show how far an estimate strays from the truth: the estimate less that. The basic bootstrap
+// interval (Davison & Hinkley 1997, sec. 5.2).
+Interval BasicInterval(double estimate, const std::vector<double>& draws) {
   const Interval drawn = PercentileInterval(draws);
-  return {estimate - (drawn.high - centre), estimate - (drawn.low - centre)};
+  return {2 * estimate - drawn.high, 2 * estimate - drawn.low};
 }
 
-// Of an RMS, from its square, to which noise adds; the draws of squares are around that of `shrink` times the estimate.
-Interval BasicRms(double square, double shrink, const std::vector<double>& squares) {
-  const Interval basic = BasicInterval(square, shrink * shrink * square, squares);
-  return {std::sqrt(std::max(0.0, basic.low)), std::sqrt(std::max(0.0, basic.high))};
+// The basic interval takes out the bias of noise that is small, but not where large noise makes the estimate itself one
+// of many: then the truth is among the draws.
+Interval FractionInterval(double estimate, const std::vector<double>& draws) {
+  const Interval basic = BasicInterval(estimate, draws), drawn = PercentileInterval(draws);
+  return {std::min(basic.low, drawn.low), std::max(basic.high, drawn.high)};
 }
 
-// Noise adds to a mean square, so what is measured holds it once already: the factor that takes it out.
-double WithoutNoise(double measured_square, double noise_square) {
-  return measured_square > 0 ? std::sqrt(std::max(0.0, 1 - noise_square / measured_square)) : 0;
-}
-
-// Placement, timing, shape of a decomposition to whose shape something is added that the fit takes for nothing else.
-Eigen::Vector3d FractionsWithShape(const Decomposition& d, double factor, const std::vector<Vector2d>& added_mm) {
-  Eigen::Vector3d parts = Eigen::Vector3d::Zero();
-  double total = 0;
-  for (std::size_t i = 0; i < kPercentSamples; ++i) {
-    const Vector2d shape = d.shape_mm[i] + factor * added_mm[i];
-    const Vector2d difference = d.placement_mm[i] + d.timing_mm[i] + shape;
-    parts += Eigen::Vector3d(d.placement_mm[i].dot(difference), d.timing_mm[i].dot(difference), shape.dot(difference));
-    total += difference.squaredNorm();
-  }
-  return parts / total;
+std::vector<Vector2d> Over(std::vector<Vector2d> a, const std::vector<double>& unit) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] /= unit[i];
+  return a;
 }
 
 class Bootstrap {
  public:
   Bootstrap(const RegisteredTrial& human, const RegisteredTrial& exo, const MisalignmentOptions& options)
-      : options_(options), noise_(human, exo, options), random_(options.seed) {}
+      : options_(options), noise_(human, exo, options) {
+    std::mt19937_64 random(options.seed);
+    for (int k = 0; k < options.resamples; ++k) draws_.push_back(noise_.Draw(random));
+  }
 
-  void Run(Misalignment& m) {
-    std::vector<std::vector<Vector2d>> draws;
-    double square_mm = 0, square_relative = 0;
-    const std::vector<Vector2d> zero(kPercentSamples, Vector2d::Zero());
-    for (int k = 0; k < options_.resamples; ++k) {
-      draws.push_back(noise_.Draw(random_));
-      square_mm += MeanSquaredDistance(draws.back(), zero) / options_.resamples;
-      square_relative += MeanSquaredRelativeError(draws.back(), zero, m.shank_mm) / options_.resamples;
-    }
-    m.noise_floor_mm = std::sqrt(square_mm);
-    m.noise_floor_relative = std::sqrt(square_relative);
-    const double shrink = WithoutNoise(m.metrics.relative_rms * m.metrics.relative_rms, square_relative);
-    for (const std::vector<Vector2d>& noise : draws) AddDistances(m, shrink, noise);
+  void Run(Misalignment& m) const {
+    SetFloor(m);
     m.intervals.emplace();
-    SetDistanceIntervals(*m.intervals);
-    SetPartIntervals(m, draws);
+    SetDistanceIntervals(m);
+    SetPartIntervals(m);
   }
 
  private:
-  void AddDistances(const Misalignment& m, double shrink, const std::vector<Vector2d>& noise) {
-    std::vector<double> distance, relative;
-    for (std::size_t i = 0; i < kPercentSamples; ++i) {
-      distance.push_back((shrink * (m.exo.knee[i] - m.human.knee[i]) + noise[i]).norm());
-      relative.push_back(distance.back() / m.shank_mm[i]);
-    }
-    rms_.push_back(RootMeanSquare(distance));
-    max_.push_back(*std::max_element(distance.begin(), distance.end()));
-    relative_rms_.push_back(RootMeanSquare(relative));
-    relative_max_.push_back(*std::max_element(relative.begin(), relative.end()));
+  void SetFloor(Misalignment& m) const {
+    const std::vector<double> square = noise_.Floor();
+    double relative = 0;
+    for (std::size_t i = 0; i < square.size(); ++i) relative += square[i] / (m.shank_mm[i] * m.shank_mm[i]);
+    m.noise_floor_mm = std::sqrt(Mean(square));
+    m.noise_floor_relative = std::sqrt(relative / static_cast<double>(square.size()));
   }
 
-  void SetDistanceIntervals(MisalignmentIntervals& intervals) const {
-    intervals.rms_mm = PercentileInterval(rms_);
-    intervals.max_mm = PercentileInterval(max_);
-    intervals.relative_rms = PercentileInterval(relative_rms_);
-    intervals.relative_max = PercentileInterval(relative_max_);
+  void SetDistanceIntervals(Misalignment& m) const {
+    const auto set = [&](const std::vector<double>& unit, Interval& rms, Interval& max) {
+      std::vector<std::vector<Vector2d>> draws;
+      for (const MeanErrors& errors : draws_) draws.push_back(Over(Less(errors.exo, errors.human), unit));
+      const std::vector<Vector2d> difference = Over(Less(m.exo.knee, m.human.knee), unit);
+      rms = RmsInterval(difference, draws);
+      max = MaxInterval(difference, draws);
+    };
+    set(std::vector<double>(kPercentSamples, 1.0), m.intervals->rms_mm, m.intervals->max_mm);
+    set(m.shank_mm, m.intervals->relative_rms, m.intervals->relative_max);
   }
 
-  // The measured shape holds noise already. So noise is drawn on top of placement and timing alone; what it leaves in
-  // the shape tells how much of the measured shape is noise, and the rest of that is added to every draw: the fit takes
-  // a shape, which is what it left, for nothing else.
-  void SetPartIntervals(Misalignment& m, const std::vector<std::vector<Vector2d>>& draws) const {
-    std::vector<Decomposition> parts;
-    double noise_square = 0;
-    for (const std::vector<Vector2d>& noise : draws) {
-      ThrowIfInterrupted();
-      StsCurve exo = m.exo;
-      for (std::size_t i = 0; i < kPercentSamples; ++i) exo.knee[i] += noise[i] - m.decomposition.shape_mm[i];
-      parts.push_back(DecomposeFrom(m.decomposition, m.human, exo, options_.decomposition));
-      noise_square += MeanSquare(parts.back().shape_mm) / static_cast<double>(draws.size());
-    }
-    const std::vector<Vector2d>& shape_mm = m.decomposition.shape_mm;
-    const double shrink = WithoutNoise(MeanSquare(shape_mm), noise_square);
-    const Eigen::Vector3d centre = FractionsWithShape(m.decomposition, shrink - 1, shape_mm);
-    std::array<std::vector<double>, 3> fractions, squares;
-    std::vector<Vector2d> taken_away_mm = shape_mm;
-    for (Vector2d& v : taken_away_mm) v *= -shrink;
-    std::vector<double> offset_x, offset_y;
-    for (const Decomposition& d : parts) {
-      const Eigen::Vector3d drawn = FractionsWithShape(d, shrink, shape_mm);
-      for (int part = 0; part < 3; ++part) fractions[static_cast<std::size_t>(part)].push_back(drawn[part]);
-      squares[0].push_back(MeanSquare(d.placement_mm));
-      squares[1].push_back(MeanSquare(d.timing_mm));
-      squares[2].push_back(MeanSquaredDistance(d.shape_mm, taken_away_mm));
-      offset_x.push_back(d.offset_mm.x());
-      offset_y.push_back(d.offset_mm.y());
-    }
+  void SetPartIntervals(Misalignment& m) const {
     const Decomposition& d = m.decomposition;
-    m.intervals->placement = BasicInterval(d.placement, centre[0], fractions[0]);
-    m.intervals->timing = BasicInterval(d.timing, centre[1], fractions[1]);
-    m.intervals->shape = BasicInterval(d.shape, centre[2], fractions[2]);
-    m.intervals->placement_mm = BasicRms(MeanSquare(d.placement_mm), 1, squares[0]);
-    m.intervals->timing_mm = BasicRms(MeanSquare(d.timing_mm), 1, squares[1]);
-    m.intervals->shape_mm = BasicRms(MeanSquare(d.shape_mm), shrink, squares[2]);
-    m.intervals->offset_x_mm = BasicInterval(d.offset_mm.x(), d.offset_mm.x(), offset_x);
-    m.intervals->offset_y_mm = BasicInterval(d.offset_mm.y(), d.offset_mm.y(), offset_y);
+    std::array<std::vector<double>, 3> fractions;
+    std::array<std::vector<std::vector<Vector2d>>, 3> parts;
+    std::vector<double> offset_x, offset_y;
+    DecompositionOptions rough = options_.decomposition;  // draws are larger than what more steps would change
+    rough.tolerance = 1e-4, rough.max_iterations = 3;
+    for (const MeanErrors& errors : draws_) {
+      ThrowIfInterrupted();
+      StsCurve human = m.human, exo = m.exo;
+      human.knee = Sum(human.knee, errors.human), exo.knee = Sum(exo.knee, errors.exo);
+      const Decomposition drawn = DecomposeFrom(d, human, exo, rough);
+      fractions[0].push_back(drawn.placement), fractions[1].push_back(drawn.timing);
+      fractions[2].push_back(drawn.shape);
+      parts[0].push_back(Less(drawn.placement_mm, d.placement_mm));
+      parts[1].push_back(Less(drawn.timing_mm, d.timing_mm));
+      parts[2].push_back(Less(drawn.shape_mm, d.shape_mm));
+      offset_x.push_back(drawn.offset_mm.x()), offset_y.push_back(drawn.offset_mm.y());
+    }
+    m.intervals->placement = FractionInterval(d.placement, fractions[0]);
+    m.intervals->timing = FractionInterval(d.timing, fractions[1]);
+    m.intervals->shape = FractionInterval(d.shape, fractions[2]);
+    m.intervals->placement_mm = RmsInterval(d.placement_mm, parts[0]);
+    m.intervals->timing_mm = RmsInterval(d.timing_mm, parts[1]);
+    m.intervals->shape_mm = RmsInterval(d.shape_mm, parts[2]);
+    m.intervals->offset_x_mm = BasicInterval(d.offset_mm.x(), offset_x);
+    m.intervals->offset_y_mm = BasicInterval(d.offset_mm.y(), offset_y);
   }
 
   const MisalignmentOptions& options_;
   NoiseModel noise_;
-  std::mt19937_64 random_;
-  std::vector<double> rms_, max_, relative_rms_, relative_max_;
+  std::vector<MeanErrors> draws_;
 };
 
 // The longest distance from ankle to hip: of the compared markers only the exoskeleton's may sit beside the knee.
@@ -213,7 +182,8 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
   m.spike = FindSpikes(m.human, m.exo, options.spikes);
   std::vector<bool> all(kPercentSamples, true), quiet = m.spike;
   quiet.flip();
-  m.joint = FindJointMisalignment(exo, m.spike, {options.resamples, options.seed, options.noise_width_percent});
+  m.joint = FindJointMisalignment(exo, m.spike,
+                                  {options.resamples, options.seed, options.noise_width_percent, options.event_sd_s});
   m.metrics = ComputeMetrics(m.human, m.exo, all);
   m.metrics_without_spikes = ComputeMetrics(m.human, m.exo, quiet);
   m.decomposition = Decompose(m.human, m.exo, options.decomposition);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
@@ -222,7 +223,28 @@ SagittalAxes FindSagittalAxes(const PointRecording& points, const TrialOptions& 
   return {options.forward.empty() ? FitForward(points, up, path) : GivenForward(options, up), up};
 }
 
-PointRecording Project(const PointRecording& points, const SagittalAxes& axes, const TrialOptions& options,
+// A knee of two markers across the movement is one of a lateral and a medial marker, and their line the axis that it
+// bends about: the plane across it instead, vertical. Nullopt for a knee of one marker, or of two along the movement.
+std::optional<SagittalAxes> AxesAcrossKnee(const PointRecording& points, const TrialOptions& options,
+                                           const SagittalAxes& axes) {
+  constexpr double kMostYaw_deg = 40;  // of a knee's axis against the movement's plane; markers showed up to 18
+  const auto knee = options.names.find("knee");
+  if (knee == options.names.end() || points.Find(knee->second)) return std::nullopt;
+  const std::vector<std::string> parts = SplitText(knee->second, '+');
+  if (parts.size() != 2) return std::nullopt;
+  const PointTrack *a = points.Find(parts[0]), *b = points.Find(parts[1]);
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < a->positions.size(); ++i) {
+    const Eigen::Vector3d v = b->positions[i] - a->positions[i];
+    if (v.allFinite()) along += v - axes.up * axes.up.dot(v);
+  }
+  const Eigen::Vector3d forward = axes.up.cross(along).normalized();
+  const double cosine = forward.dot(axes.forward);
+  if (!(std::abs(cosine) > std::cos(RadiansFromDegrees(kMostYaw_deg)))) return std::nullopt;
+  return SagittalAxes{cosine < 0 ? Eigen::Vector3d(-forward) : forward, axes.up};
+}
+
+PointRecording Project(const PointRecording& points, const SagittalAxes& axes, const std::string& plane_is,
                        const fs::path& path, double* out_of_plane_mm) {
   *out_of_plane_mm = OutOfPlane(points, axes.Across());
   PointRecording plane = points;
@@ -230,10 +252,14 @@ PointRecording Project(const PointRecording& points, const SagittalAxes& axes, c
   for (PointTrack& point : plane.points)
     for (Eigen::Vector3d& p : point.positions)
       if (p.allFinite()) p = {p.dot(axes.forward), p.dot(axes.up), 0};
-  plane.warnings.push_back(fmt::format(
-      "{}: paths are projected onto the vertical plane {}; the leg moves {:.1f} mm RMS out of it", path.string(),
-      options.forward.empty() ? "in which the leg moves most" : "along " + options.forward, *out_of_plane_mm));
+  plane.warnings.push_back(
+      fmt::format("{}: paths are projected onto the vertical plane {}; the leg moves {:.1f} mm RMS out of it",
+                  path.string(), plane_is, *out_of_plane_mm));
   return plane;
+}
+
+std::string DescribePlane(const TrialOptions& options) {
+  return options.forward.empty() ? "in which the leg moves most" : "along " + options.forward;
 }
 
 // Empty where all points lie in one plane: such a file was made of a plane's points.
@@ -297,7 +323,10 @@ Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& o
 }
 
 void Describe(TrialOptions& o, OptionList& options) {
-  options.Add("map", o.names, "Each marker's name in the file; A+B is the midpoint of two").Value("NAME=MARKER,...");
+  options
+      .Add("map", o.names,
+           "Each marker's name in the file; A+B is the midpoint of two, for a knee its lateral and medial marker")
+      .Value("NAME=MARKER,...");
   DescribeUp(o, options);
   options.Add("forward", o.forward, "Direction in which the subject of a 3-D file faces: +x, -x, …")
       .Value("AXIS")
@@ -367,7 +396,7 @@ PointRecording RenamePoints(const PointRecording& points, const std::map<std::st
 
 PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const TrialOptions& options, const fs::path& path,
                                         double* out_of_plane_mm) {
-  return Project(points, FindSagittalAxes(points, options, path), options, path, out_of_plane_mm);
+  return Project(points, FindSagittalAxes(points, options, path), DescribePlane(options), path, out_of_plane_mm);
 }
 
 Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
@@ -376,14 +405,17 @@ Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
   if (IsOwnTable(trial.file) && fs::exists(trial.file)) {
     ReadOwnTable(trial.file, options, trial);
   } else {
-    PointRecording points =
-        RenamePoints(ReadPoints(trial.file, options.mm_per_unit, options.rate_hz), options.names, trial.file);
+    const PointRecording read = ReadPoints(trial.file, options.mm_per_unit, options.rate_hz);
+    PointRecording points = RenamePoints(read, options.names, trial.file);
     if (points.axes) points = PointsInPlane(points);
     if (points.space == PointSpace::kSpace) {
-      const SagittalAxes axes = FindSagittalAxes(points, options, trial.file);
+      SagittalAxes axes = FindSagittalAxes(points, options, trial.file);
+      std::string plane_is = DescribePlane(options);
+      if (const auto across = AxesAcrossKnee(read, options, axes))
+        axes = *across, plane_is = "across the knee's axis, as " + options.names.at("knee") + " show it";
       trial.plane_from_space = axes.PlaneFromSpace();
       trial.across_mm = AcrossPlane(points, axes);
-      points = Project(points, axes, options, trial.file, &trial.out_of_plane_mm);
+      points = Project(points, axes, plane_is, trial.file, &trial.out_of_plane_mm);
       if (!options.forward.empty()) trial.faces_right = true;
     }
     trial.mm_per_px = points.mm_per_px;

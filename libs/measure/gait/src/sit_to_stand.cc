@@ -248,4 +248,23 @@ void WriteSitToStandCsv(const std::filesystem::path& path, const LegFitResult& f
   csv.Write(path);
 }
 
+void ReadEventDeviations(const std::filesystem::path& path, std::vector<motion::StsEvent>& events) {
+  using enum motion::StsEventKind;
+  constexpr double kSame_s = 1e-6;
+  const CsvTable table = CsvTable::Read(path);
+  for (motion::StsEvent& event : events) {
+    const char* name = event.kind == kOnset      ? "onset_s"
+                       : event.kind == kSeatOff  ? "seat_off_s"
+                       : event.kind == kStanding ? "standing_s"
+                                                 : nullptr;
+    if (!name) continue;
+    const std::size_t time = table.Column(name), sd = table.Column(fmt::format("{}_sd", name));
+    for (std::size_t row = 0; row < table.Rows(); ++row) {
+      const std::optional<double> at_s = table.Number(row, time);
+      const bool same = table.Text(row, table.Column("repetition")) == fmt::format("{}", event.repetition);
+      if (same && at_s && std::abs(*at_s - event.time_s) < kSame_s) event.sd_s = table.Number(row, sd).value_or(NAN);
+    }
+  }
+}
+
 }  // namespace lake::gait

@@ -70,7 +70,7 @@ Balance FindBalance(const Model& model, const TrunkFit& trunk, const std::vector
 
 BodyPath MeanBodyPath(const Model& model, const TrunkFit& trunk, const std::vector<Rise>& rises,
                       const LoadsOptions& options) {
-  BodyPath path{.body = model.body, .trunk = {}, .feet_from_percent = 0};
+  BodyPath path{.body = model.body, .aids = {}, .trunk = {}, .feet_from_percent = 0};
   for (int percent = 0; percent < kPercents; ++percent) {
     TrunkSample mean{0, Eigen::Vector2d::Zero()};
     for (const Rise& rise : rises) {

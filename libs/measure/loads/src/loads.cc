@@ -112,12 +112,13 @@ std::optional<LegLoads> LoadsAtTime(const Model& model, double at_s) {
 }
 
 // The knee's moments of one rise, NaN where not known: what draws are compared by.
-std::vector<double> KneeCurve(const Model& model, const Rise& rise, const LoadsOptions& options) {
+std::vector<double> KneeCurve(const Model& model, const Rise& rise, const LoadsOptions& options, double factor) {
   std::vector<double> curve(kPercents, LoadsRow::kUnknown);
   for (int percent = 0; percent < kPercents; ++percent) {
     const double at_s = TimeOf(rise, percent);
     if (model.trunk && !SeatIsLeft(rise, at_s, options)) continue;
-    if (const auto loads = LoadsAtTime(model, at_s)) curve[static_cast<std::size_t>(percent)] = loads->moments.knee_nm;
+    if (const auto loads = LoadsAtTime(model, at_s))
+      curve[static_cast<std::size_t>(percent)] = factor * loads->moments.knee_nm;
   }
   return curve;
 }
@@ -132,10 +133,19 @@ double Largest(const std::vector<double>& curve) {
 // Draws of all that the model takes for granted.
 class Drawing {
  public:
-  Drawing(const Uncertainty& uncertainty, std::uint64_t seed) : u_(uncertainty), random_(seed) {}
+  Drawing(const Uncertainty& uncertainty, std::uint64_t seed)
+      : u_(uncertainty), random_(seed), axis_random_(seed + 1) {}
 
   std::mt19937_64& Random() { return random_; }
   double Normal(double sigma) { return sigma * normal_(random_); }
+  // Of the moment across the plane, that about the knee's own axis, which is turned from the plane's normal about the
+  // vertical: M cos(yaw) + M_frontal sin(yaw).
+  double AxisFactor() {
+    std::normal_distribution<double> normal;
+    const double yaw_rad = u_.axis_yaw_rad * normal(axis_random_), frontal = u_.frontal_moment * normal(axis_random_);
+    return std::cos(yaw_rad) + frontal * std::sin(yaw_rad);
+  }
+
   double Factor(double sigma) { return std::exp(Normal(sigma)); }
   std::size_t Index(std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(random_); }
 
@@ -195,7 +205,7 @@ class Drawing {
 
  private:
   Uncertainty u_;
-  std::mt19937_64 random_;
+  std::mt19937_64 random_, axis_random_;
   std::normal_distribution<double> normal_;
 };
 
@@ -548,8 +558,9 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
       along_m.push_back(drawn.trunk->AlongM());
       across_m.push_back(drawn.trunk->AcrossM());
     }
+    const double axis_factor = drawing.AxisFactor();
     for (std::size_t r = 0; r < rises.size(); ++r) {
-      curves[r].push_back(KneeCurve(drawn, rises[r], options));
+      curves[r].push_back(KneeCurve(drawn, rises[r], options, axis_factor));
       bounds[r].push_back(SeatBoundsOf(drawn, rises[r], options));
     }
   }

@@ -31,6 +31,7 @@ struct ReoptimizeRunOptions {
   std::optional<double> max_angle_mismatch_deg;  // absent: 5 degrees where the joint's misalignment is limited
   std::optional<double> balance_mm;              // absent: balance is not asked for
   std::filesystem::path body;                    // loads.json of the human trial; empty: the body is not known
+  loads::Aids aids;                              // that the person has in balance
   bool fit_placement = false;
   double placement_reach_mm = redesign::RedesignProblem{}.placement_reach_mm;
   std::optional<int> pareto_points;

@@ -18,6 +18,7 @@ struct DecompositionOptions {
   double roughness_weight = 0.1;
   double least_slope = 0.05;
   int max_iterations = 100;
+  double tolerance = 1e-10;  // of the cost, relative
 };
 
 struct Decomposition {

@@ -10,6 +10,9 @@ struct Interval {
   double low = 0, high = 0;
 };
 
+// Below which another draw is with this probability, however few draws there are (type 6 of Hyndman & Fan 1996).
+double DrawnQuantile(const std::vector<double>& draws, double fraction);
+
 // From the 2.5 % to the 97.5 % quantile of draws.
 Interval PercentileInterval(const std::vector<double>& draws);
 

@@ -34,11 +34,12 @@ struct JointNoise {
   int resamples = 300;  // of the intervals; 0: none
   std::uint64_t seed = 1;
   double width_percent = 2;  // over which a marker's noise is correlated
+  double event_sd_s = 0.02;  // of onset and standing, beside what the fit says of their times
 };
 
 // nullopt if no repetition shows the leg's own knee. Intervals (95 %) are of the mean over repetitions like these: of
-// several, they are drawn anew and widened as Student's t asks for their number; of one, its markers' noise is all that
-// is known. `spike`: samples to leave out.
+// several, they are as wide as Student's t asks for their number; of one, its markers' noise and the times of its
+// events are all that is known. `spike`: samples to leave out.
 std::optional<JointMisalignment> FindJointMisalignment(const RegisteredTrial& exo, const std::vector<bool>& spike,
                                                        const JointNoise& noise = {});
 

@@ -25,6 +25,11 @@ struct MisalignmentOptions {
   std::uint64_t seed = 1;
   double noise_width_percent =
       2;  // correlation width of a filtered marker's noise, about 6 Hz in a natural sit-to-stand
+  // A person's own variation between rises, as far as a trial's few repetitions do not show it (the room's README has
+  // the people whom it was measured in): standard deviations of how far along the rise is half way through it and of
+  // the shank's lean, and how many degrees of freedom they are worth.
+  double progress_sd_percent = 4, lean_sd_deg = 1.5, variation_freedom = 4;
+  double event_sd_s = 0.02;  // of onset and standing, beside what the fit says of their times
   SpikeOptions spikes;
   DecompositionOptions decomposition;
 };

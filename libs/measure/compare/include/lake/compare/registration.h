@@ -19,6 +19,7 @@ struct StsCurve {
   int repetition = 0;                             // from 1; 0: a mean
   double duration_s = 0;                          // onset to standing
   std::optional<double> seat_off_s = {};          // after the onset; of a repetition that has one
+  double onset_sd_s = 0, standing_sd_s = 0;       // of the events' times, from the fit; 0: not known
   std::vector<Eigen::Vector2d> ankle, knee, hip;  // knee: the compared marker
   // The leg's own knee, where another marker is compared; empty: the trial does not show it.
   std::vector<Eigen::Vector2d> leg_knee;
@@ -53,6 +54,7 @@ struct StsInterval {
   int repetition = 0;
   double onset_s = 0, standing_s = 0;
   std::optional<double> seat_off_s = {};
+  double onset_sd_s = 0, standing_sd_s = 0;  // 0: not known
 };
 std::vector<StsInterval> FindStsIntervals(const TrialTables& trial);
 

@@ -76,4 +76,8 @@ Option& DescribeAge(std::optional<double>& age_years, OptionList& options);
 // sit_to_stand.csv: the values, then the SDs (…_sd); lengths end in the plane's unit.
 void WriteSitToStandCsv(const std::filesystem::path& path, const LegFitResult& fit);
 
+// The deviations of onset, seat-off and standing as that table has them, which events.csv has not; events that are at
+// another time, as those of a correction are, keep none. Throws Error for a damaged table.
+void ReadEventDeviations(const std::filesystem::path& path, std::vector<motion::StsEvent>& events);
+
 }  // namespace lake::gait

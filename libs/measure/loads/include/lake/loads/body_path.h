@@ -19,8 +19,15 @@ struct TrunkSample {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());  // from the hip
 };
 
+// What a person has beside the own body, on this leg.
+struct Aids {
+  double device_kg = 0;  // an exoskeleton's mass: half moves with the shank, half with the thigh, spread as theirs is
+  double hold_n = 0;     // upward on the trunk's centre: arm rests, a helper, a harness
+};
+
 struct BodyPath {
   LegBody body;
+  Aids aids;
   std::vector<TrunkSample> trunk;  // at 0, 1, … 100 %
   int feet_from_percent = 0;       // the seat bears a part until then
 
@@ -52,11 +59,12 @@ struct Support {
 
 // On the segments from `first` on (0: the shank), of poses at equal steps of time, at the middle one:
 //   F = Σ m (ÿ + g)        M = Σ m [(ÿ + g) (x − x_p) − ẍ (y − y_p)] − I tilt¨
-// with central differences for accelerations.
+// with central differences for accelerations; less what holds the trunk.
 template <typename T>
-Support<T> FindSupport(const std::array<BodyPose<T>, 3>& poses, const T& step_s, const LegBody& body, std::size_t first,
-                       double about_x_m, double about_y_m) {
-  const std::array<const SegmentInertia*, 3> inertias = {&body.shank, &body.thigh, &body.trunk};
+Support<T> FindSupport(const std::array<BodyPose<T>, 3>& poses, const T& step_s, const BodyPath& path,
+                       std::size_t first, double about_x_m, double about_y_m) {
+  const std::array<const SegmentInertia*, 3> inertias = {&path.body.shank, &path.body.thigh, &path.body.trunk};
+  const std::array<double, 3> device_kg = {path.aids.device_kg / 2, path.aids.device_kg / 2, 0};
   const T per_square = 1.0 / (step_s * step_s);
   const auto acceleration = [&](std::size_t segment, T SegmentPose<T>::*member) {
     return (poses[0][segment].*member + poses[2][segment].*member - poses[1][segment].*member * 2.0) * per_square;
@@ -64,21 +72,25 @@ Support<T> FindSupport(const std::array<BodyPose<T>, 3>& poses, const T& step_s,
   Support<T> support{T(), T()};
   for (std::size_t i = first; i < inertias.size(); ++i) {
     const SegmentPose<T>& pose = poses[1][i];
-    const double mass_kg = inertias[i]->mass_kg, inertia = mass_kg * inertias[i]->gyration_m * inertias[i]->gyration_m;
+    const double mass_kg = inertias[i]->mass_kg + device_kg[i],
+                 inertia = mass_kg * inertias[i]->gyration_m * inertias[i]->gyration_m;
     const T up = acceleration(i, &SegmentPose<T>::y_m) + kGravity_m_s2;
     support.force_n += up * mass_kg;
     support.moment_nm +=
         (up * (pose.x_m - about_x_m) - acceleration(i, &SegmentPose<T>::x_m) * (pose.y_m - about_y_m)) * mass_kg -
         acceleration(i, &SegmentPose<T>::tilt_rad) * inertia;
   }
+  support.force_n = support.force_n - path.aids.hold_n;
+  support.moment_nm = support.moment_nm - (poses[1][2].x_m - about_x_m) * path.aids.hold_n;
   return support;
 }
 
 // Of the ground on the foot, about the point under the ankle. The centre of pressure is moment / force before the
 // ankle.
 template <typename T>
-Support<T> FindGroundSupport(const std::array<BodyPose<T>, 3>& poses, const T& step_s, const LegBody& body) {
-  Support<T> support = FindSupport(poses, step_s, body, 0, 0, -body.ankle_height_m);
+Support<T> FindGroundSupport(const std::array<BodyPose<T>, 3>& poses, const T& step_s, const BodyPath& path) {
+  const LegBody& body = path.body;
+  Support<T> support = FindSupport(poses, step_s, path, 0, 0, -body.ankle_height_m);
   const double foot_n = body.foot.mass_kg * kGravity_m_s2;
   support.force_n = support.force_n + foot_n;
   support.moment_nm = support.moment_nm + foot_n * body.foot.centre_m;

@@ -31,8 +31,11 @@ struct Uncertainty {
   double trunk_gyration = 0.15;    // share: arms and head move
   double trunk_share = 0.1;        // of --share where it is not given: few people rise evenly on both legs
   double joint_m = 0.01;           // per axis: how far a marker is from the joint's axis (of the hip 1.5 times)
-  double ground_force = 0.01;      // share, of a plate
-  double pressure_m = 0.005;       // of a plate's centre of pressure
+  // The knee's axis against the plane's normal: the plane in which lateral markers move most was off by up to 18°. The
+  // frontal moment at the knee against the extending one.
+  double axis_yaw_rad = 0.16, frontal_moment = 0.3;
+  double ground_force = 0.01;  // share, of a plate
+  double pressure_m = 0.005;   // of a plate's centre of pressure
 };
 
 struct LoadsOptions {
