@@ -123,7 +123,7 @@ TEST(StudyPage, FitsScreensOfAllWidthsInLightAndDark) {
   LAKE_SKIP_WITHOUT_BROWSER();
   Browser browser;
   EXPECT_THAT(browser.Open(Page()).console, IsEmpty());
-  for (const int width : {1300, 400}) {
+  for (const int width : {1300, 800, 400}) {
     const Json answer = browser.Ask(Page(), R"(
       const wide = document.documentElement.clientWidth;
       const out = [...document.querySelectorAll('main *')].filter(n => !n.closest('.table, .drawing') && n.getClientRects().length &&
