@@ -32,6 +32,12 @@ GroupData Group(int participants) {
   return group;
 }
 
+TEST(Group, ACohortOfThreeIsToldThatItsIccMeansNothingYet) {
+  EXPECT_THAT(IccCaution(3),
+              testing::AllOf(HasSubstr("With 3 participants an ICC means nothing yet"), HasSubstr("about 18")));
+  EXPECT_EQ(IccCaution(18), "");
+}
+
 TEST(Group, ComparesSessionsByTheirMeans) {
   const std::vector<ReliabilityRow> rows = ReliabilityOf(Group(6));
   ASSERT_EQ(rows.size(), 4u) << "two trials, across sessions and repetitions";

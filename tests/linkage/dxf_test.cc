@@ -46,6 +46,10 @@ class Reader : public DL_CreationAdapter {
   }
   void addText(const DL_TextData& text) override {
     (attributes.getLayer() == "LABELS" ? labels : engravings).push_back(text.text);
+    // As wide as its letters may be in any font, from its left end or about its middle.
+    const Vector2d size(1.2 * text.height * static_cast<double>(text.text.size()), text.height), at(text.apx, text.apy);
+    text_corners.push_back(text.hJustification == 0 ? at : at - size / 2);
+    text_sizes.push_back(size);
     if (attributes.getLayer() != "LABELS") {
       EXPECT_EQ(attributes.getLayer(), "ENGRAVING");
       engraved_at.emplace_back(text.apx, text.apy);
@@ -53,7 +57,7 @@ class Reader : public DL_CreationAdapter {
   }
 
   std::vector<std::vector<Vertex>> outlines;
-  std::vector<Vector2d> holes, cuff_holes, engraved_at;
+  std::vector<Vector2d> holes, cuff_holes, engraved_at, text_corners, text_sizes;
   std::vector<double> hole_radii;
   std::vector<std::string> labels, engravings;
 };
@@ -134,6 +138,23 @@ TEST(LinkPlates, AreLabelledEngravedAndDoNotOverlap) {
     for (const Vertex& vertex : plates.outlines[plate + 1]) highest_below = std::max(highest_below, vertex.at.y());
     EXPECT_GT(lowest, highest_below + 10);
     EXPECT_GT(plates.engraved_at[plate].y(), lowest);
+  }
+}
+
+TEST(LinkPlates, NoTextLiesOverAHole) {
+  testing::RandomLinks random;
+  const TemporaryFolder folder;
+  for (int i = 0; i < 20; ++i) {
+    drawing::WriteLinkPlates(folder / "design.dxf", i == 0 ? kPublishedLinks : random.Next());
+    const Reader plates = ReadBack(folder / "design.dxf");
+    std::vector<Vector2d> holes = plates.holes;
+    holes.insert(holes.end(), plates.cuff_holes.begin(), plates.cuff_holes.end());
+    for (std::size_t text = 0; text < plates.text_corners.size(); ++text)
+      for (const Vector2d& hole : holes) {
+        const Vector2d &low = plates.text_corners[text], high = low + plates.text_sizes[text];
+        const double away = (hole - hole.cwiseMax(low).cwiseMin(high)).norm();
+        EXPECT_GT(away, 4.05) << "text " << text << " of design " << i;
+      }
   }
 }
 

@@ -1,7 +1,16 @@
 // The report of a study as a browser shows it: the first screen, its numbers, its layout.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <opencv2/core.hpp>
+
 #include "lake/core/atomic_file.h"
+#include "lake/core/colours.h"
+#include "lake/core/json.h"
+#include "lake/report/report.h"
+#include "lake/review/design_explorer.h"
+#include "lake/reviewing/design_review.h"
+#include "lake/video/image.h"
 #include "pipeline/study_trials.h"
 #include "report/browser.h"
 
@@ -21,15 +30,33 @@ constexpr const char* kDesign =
     "{max_force_n: 2000}, standing_deg: 5}, max_misalignment_percent: 4, program: free, duration_s: 40, "
     "fit_placement: true, pareto: 2, starts: 1}\nstroke: {}\n";
 
-const std::string& Page() {
-  static const std::string page = [] {
-    const StudyFolder study;
+// The folder of its results, made once for all tests.
+const std::filesystem::path& Results() {
+  static StudyFolder study;
+  static const std::filesystem::path results = [] {
     WriteTextFile(study.Folder() / "worn.yaml", kWorn);
-    const_cast<StudyFolder&>(study).WriteStudy(kDesign);
-    const_cast<StudyFolder&>(study).Go();
-    return ReadTextFile(study.Out() / "report.html");
+    study.WriteStudy(kDesign);
+    study.Go();
+    return study.Out();
   }();
+  return results;
+}
+
+const std::string& Page() {
+  static const std::string page = ReadTextFile(Results() / "report.html");
   return page;
+}
+
+// All drawings of all steps, also those that the report leaves to their files.
+std::string PageOfDrawings() {
+  std::vector<std::filesystem::path> drawings;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(Results()))
+    if (entry.path().extension() == ".svg") drawings.push_back(entry.path());
+  std::ranges::sort(drawings);
+  report::Section section{"Drawings", {}};
+  for (const std::filesystem::path& drawing : drawings)
+    section.blocks.push_back(report::Picture{drawing, drawing.lexically_relative(Results()).string(), ""});
+  return report::RenderReport({"Drawings", "", {}, {section}});
 }
 
 // What is wrong and the first thing to do; the ways, from the cheapest on; what forbids them; a picture, a chart; what
@@ -96,7 +123,7 @@ TEST(StudyPage, FitsScreensOfAllWidthsInLightAndDark) {
   LAKE_SKIP_WITHOUT_BROWSER();
   Browser browser;
   EXPECT_THAT(browser.Open(Page()).console, IsEmpty());
-  for (const int width : {1300, 400}) {
+  for (const int width : {1300, 800, 400}) {
     const Json answer = browser.Ask(Page(), R"(
       const wide = document.documentElement.clientWidth;
       const out = [...document.querySelectorAll('main *')].filter(n => !n.closest('.table, .drawing') && n.getClientRects().length &&
@@ -114,6 +141,138 @@ TEST(StudyPage, FitsScreensOfAllWidthsInLightAndDark) {
       EXPECT_LE(answer["last"], 900) << "the first screen is one screen of a laptop";
     }
   }
+}
+
+// At the knee angles of its own program a design has its own misalignment, in its own time; links whose range ends
+// before the person sits have more.
+TEST(StudyPage, ItsDesignIsExploredInThePersonsMotion) {
+  const review::DesignExplorer explorer(reviewing::ReadDesignSubject(Results() / "redesign", "").explored);
+  const auto at_saved_angles = [&](const Json& links, const std::string& what) {
+    const Json explored = explorer.Explore({{"links", links}});
+    for (const Json& check : explored.at("checks"))
+      if (check.at("name") == what + " at the saved knee angles") return check;
+    return Json();
+  };
+  const Json redesign = ReadJsonFile(Results() / "redesign/summary.json"), links = explorer.About().at("links");
+  const Json misalignment = at_saved_angles(links, "misalignment"), rise = at_saved_angles(links, "rise");
+  EXPECT_EQ(misalignment["limit"], 4);
+  EXPECT_TRUE(misalignment["holds"]);
+  EXPECT_NEAR(misalignment["value"].get<double>(), redesign["misalignment_percent"].get<double>(), 0.01);
+  EXPECT_EQ(rise["limit"], 40);
+  EXPECT_TRUE(rise["holds"]);
+  EXPECT_NEAR(rise["value"].get<double>(), redesign["after"]["program_duration_s"].get<double>(), 0.1);
+  Json slower = links;
+  slower[0] = links[0].get<double>() + 1;
+  EXPECT_NE(at_saved_angles(slower, "rise")["value"], rise["value"]);
+  Json short_ranged = links;
+  short_ranged[5] = 200;
+  EXPECT_GT(at_saved_angles(short_ranged, "misalignment")["value"], 4);
+  EXPECT_FALSE(at_saved_angles(short_ranged, "misalignment")["holds"]);
+}
+
+// Contrast as WCAG 2.1 has it, of what is drawn on white and of the same in the dark: `shown` is what the drawings'
+// own filter makes of a colour.
+const std::string kContrast = R"(
+    const linear = c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+    const light = ([r, g, b]) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
+    const contrast = (a, b) => (Math.max(light(a), light(b)) + 0.05) / (Math.min(light(a), light(b)) + 0.05);
+    const turn = [[-0.574, 1.43, 0.144], [0.426, 0.43, 0.144], [0.426, 1.43, -0.856]];
+    const shown = colour => turn.map(row => row.reduce((sum, w, i) => sum + w * (0.9 - 0.8 * colour[i]), 0))
+                                .map(c => Math.min(Math.max(c, 0), 1));
+    const white = [1, 1, 1], black = shown(white);
+    const least = colour => Math.min(contrast(colour, white), contrast(shown(colour), black));
+    const parsed = text => text.startsWith('rgb') ? text.match(/[\d.]+/g).slice(0, 3).map(c => c / 255) : null;
+)";
+
+TEST(StudyPage, DrawingsCanBeReadInLightAndDark) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json answer =
+      Browser().Ask(PageOfDrawings(), kContrast + fmt::format("const grid = ['{}', '#ffffff'];", colour::kGrid) + R"(
+    const isGrid = c => grid.includes('#' + c.map(part => Math.round(255 * part).toString(16).padStart(2, '0')).join('').toUpperCase())
+                        || c.every(part => part === 1);
+    const faults = new Set();
+    let texts = 0, lines = 0;
+    for (const paper of document.querySelectorAll('.paper')) {
+      for (const part of paper.querySelectorAll('tspan')) {
+        const colour = parsed(getComputedStyle(part).fill);
+        if (!colour || !part.textContent.trim()) continue;
+        ++texts;
+        if (least(colour) < 4.5) faults.add(`${paper.ariaLabel}: text ${part.textContent}: ${least(colour).toFixed(2)}`);
+      }
+      for (const line of paper.querySelectorAll('path, line, circle, polyline')) {
+        if (line.closest('defs')) continue;
+        const style = getComputedStyle(line), colour = parsed(style.stroke);
+        if (!colour || isGrid(colour)) continue;
+        ++lines;
+        if (least(colour) < 3) faults.add(`${paper.ariaLabel}: line ${style.stroke}: ${least(colour).toFixed(2)}`);
+      }
+    }
+    return {texts, lines, faults: [...faults]};)");
+  EXPECT_GT(answer["texts"], 200);
+  EXPECT_GT(answer["lines"], 200);
+  EXPECT_EQ(answer["faults"], Json::array());
+}
+
+// A name on a ground of its own is drawn twice, first for its ground.
+TEST(StudyPage, LabelsOfDrawingsAreWithinThePictureAndNotOverEachOther) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json answer = Browser().Ask(PageOfDrawings(), R"(
+    const faults = [];
+    for (const paper of document.querySelectorAll('.paper')) {
+      const frame = paper.querySelector('svg').getBoundingClientRect();
+      const texts = [...paper.querySelectorAll('text')].filter(text => text.textContent.trim() &&
+                                                                       !text.closest('[style*=filter]'));
+      const boxes = texts.map(text => text.getBoundingClientRect()).map(box => {
+        const room = 0.2 * Math.min(box.width, box.height);  // of a line above and below its letters
+        return {left: box.left + room, right: box.right - room, top: box.top + room, bottom: box.bottom - room};
+      });
+      texts.forEach((text, i) => {
+        const a = boxes[i];
+        if (a.left < frame.left || a.right > frame.right || a.top < frame.top || a.bottom > frame.bottom)
+          faults.push(`${paper.ariaLabel}: outside: ${text.textContent}`);
+        boxes.forEach((b, j) => {
+          if (i < j && a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom)
+            faults.push(`${paper.ariaLabel}: ${text.textContent} over ${texts[j].textContent}`);
+        });
+      });
+    }
+    return {drawings: document.querySelectorAll('.paper').length, faults};)");
+  EXPECT_GT(answer["drawings"], 12);
+  EXPECT_EQ(answer["faults"], Json::array());
+}
+
+TEST(StudyPage, DrawingsStandInThePageAtOneSize) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  EXPECT_THAT(Page(), testing::Not(HasSubstr("data:image/svg+xml")));
+  EXPECT_THAT(Page(), testing::Not(HasSubstr("Gnuplot<")));
+  for (const int width : {1400, 400}) {
+    const Json answer = Browser().Ask(Page(), R"(
+      const scales = new Set(), ids = [...document.querySelectorAll('[id]')].map(part => part.id);
+      let least = Infinity;
+      for (const svg of document.querySelectorAll('.paper svg')) {
+        const scale = svg.getBoundingClientRect().width / svg.viewBox.baseVal.width;
+        scales.add(scale.toFixed(2));
+        for (const part of svg.querySelectorAll('tspan'))
+          if (part.textContent.trim()) least = Math.min(least, scale * parseFloat(getComputedStyle(part).fontSize));
+      }
+      return {scales: [...scales], least, repeated: ids.length - new Set(ids).size};)",
+                                      width);
+    EXPECT_EQ(answer["scales"].size(), 1u) << answer;
+    EXPECT_GE(answer["least"], 7.5) << width << " px wide: type of so many px";
+    EXPECT_EQ(answer["repeated"], 0);
+  }
+}
+
+// No more of a dark page is as light as paper than its letters are.
+TEST(StudyPage, DrawingsAreNoWhiteSlabsInTheDark) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  Browser browser;
+  browser.PreferDark();
+  const cv::Mat picture = video::ReadImage(browser.Screenshot(PageOfDrawings(), 1300, 4000), true);
+  cv::Mat channel, light;
+  cv::extractChannel(picture, channel, 1);
+  cv::compare(channel, 200, light, cv::CMP_GT);
+  EXPECT_LT(cv::countNonZero(light), 0.05 * static_cast<double>(light.total()));
 }
 
 }  // namespace

@@ -68,7 +68,8 @@ class StudyFolder {
   }
 
   Json Go() {
-    Run run({"lake-run", "lake run study.yaml", Json::object(), Out(), true});
+    const std::string study = (folder_ / "study.yaml").string();
+    Run run({"lake-run", "lake run study.yaml", {{"study", study}}, Out(), true});
     return run.WriteSummary(study::RunStudyFile(study::ReadStudyFile(folder_ / "study.yaml"), run));
   }
 

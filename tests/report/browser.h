@@ -26,6 +26,9 @@ class Browser {
     return {};
   }
 
+  // The reader's theme from here on.
+  void PreferDark() { theme_ = "--blink-settings=preferredColorScheme=0"; }
+
   // What became of a page: its document as the scripts left it, and what they said on the console.
   struct Visit {
     std::string document, console;
@@ -91,8 +94,8 @@ class Browser {
     WriteTextFile(page, html);
     const std::string command = fmt::format(
         "timeout 120 {0} --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run "
-        "--user-data-dir={1}/profile --enable-logging=stderr {2} file://{3} >{1}/stdout 2>{1}/stderr",
-        Find(), folder_.Path().string(), arguments, page.string());
+        "--user-data-dir={1}/profile --enable-logging=stderr {4} {2} file://{3} >{1}/stdout 2>{1}/stderr",
+        Find(), folder_.Path().string(), arguments, page.string(), theme_);
     const int status = std::system(command.c_str());
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
       throw std::runtime_error("the browser failed: " + ReadTextFile(folder_ / "stderr"));
@@ -109,6 +112,7 @@ class Browser {
   }
 
   TemporaryFolder folder_;
+  std::string theme_;
 };
 
 #define LAKE_SKIP_WITHOUT_BROWSER() \

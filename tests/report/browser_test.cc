@@ -293,6 +293,23 @@ TEST(ReportInBrowser, AReaderChoosesRowsAndTheirCurves) {
       << answer;
 }
 
+TEST(ReportInBrowser, LinesAreSeenOnADarkPage) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  LineChart chart{.title = "Fronts", .x = {"deg"}, .y = {"%"}};
+  for (const char* colour : {"#555555", colour::kAnkle, colour::kGuide, colour::kText})
+    chart.series.push_back({.name = colour, .x = {0, 1}, .y = {1, 2}, .colour = colour});
+  Browser browser;
+  browser.PreferDark();
+  const Json contrasts = browser.Ask(RenderReport({"T", "", {}, {{"S", {chart}}}}), kProbe + R"(
+    const linear = c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+    const light = colour => [1, 3, 5].map(at => linear(parseInt(colour.slice(at, at + 2), 16) / 255))
+      .reduce((sum, c, i) => sum + [0.2126, 0.7152, 0.0722][i] * c, 0.05);
+    return charts[0].data.datasets.map((dataset, i) =>
+      light(charts[0].getDatasetMeta(i).dataset.options.borderColor) / light('#1a1b1d'));)");
+  ASSERT_EQ(contrasts.size(), 4u);
+  for (const Json& contrast : contrasts) EXPECT_GE(contrast.get<double>(), 2.99) << contrasts;
+}
+
 TEST(ReportInBrowser, PrintsPicturesOfTheCharts) {
   LAKE_SKIP_WITHOUT_BROWSER();
   Browser browser;

@@ -127,6 +127,34 @@ TEST(Report, PicturesAreInsideByTheirContent) {
   EXPECT_THROW(PageOf({Picture{folder / "absent.png", "", ""}}), Error);
 }
 
+// With names that no other drawing of the page has; what would run a script is a picture, which runs none.
+TEST(Report, DrawingsAreElementsOfThePage) {
+  TemporaryFolder folder;
+  const auto page = [&](const std::string& inside) {
+    WriteTextFile(folder / "a.svg", "<?xml version=\"1.0\"?>\n<svg \n width=\"1000\" height=\"500\"><title>a</title>" +
+                                        inside + "<path id='m'/><use xlink:href='#m' fill='url(#m)'/></svg>\n");
+    return PageOf({Picture{folder / "a.svg", "a \"knee\"", "caption"}});
+  };
+  const std::string drawn = page("<text>1</text>"), other = page("<text>2</text>");
+  EXPECT_THAT(drawn, HasSubstr("role=\"img\" aria-label=\"a &quot;knee&quot;\" style=\"--wide: 1000px\"><svg"));
+  EXPECT_THAT(drawn, Not(HasSubstr("<title>a</title>")));
+  const auto name_in = [](const std::string& text) {
+    std::smatch names;
+    EXPECT_TRUE(
+        std::regex_search(text, names, std::regex("id='(.+?)'/><use xlink:href='#(.+?)' fill='url\\(#(.+?)\\)'")));
+    EXPECT_EQ(names[1], names[2]);
+    EXPECT_EQ(names[1], names[3]);
+    return names[1].str();
+  };
+  EXPECT_NE(name_in(drawn), name_in(other));
+  for (const char* hostile : {"<script>alert(1)</script>", "<g onload=\"alert(1)\"/>",
+                              "<a href=\"JavaScript:alert(1)\"/>", "<foreignObject/>"}) {
+    EXPECT_THAT(page(hostile), HasSubstr("<img alt=\"a &quot;knee&quot;\" src=\"data:image/svg+xml;base64,"))
+        << hostile;
+    EXPECT_THAT(page(hostile), Not(HasSubstr(hostile)));
+  }
+}
+
 TEST(Report, UnequalColumnsAreNamed) {
   LineChart chart = SmallChart();
   chart.series[0].lower = {1, 2};

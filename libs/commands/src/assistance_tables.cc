@@ -84,7 +84,7 @@ std::string AssistanceText(const problem::Assistance& assistance, const problem:
                        most);
   std::string text = fmt::format(
       "{} gives {:.0f} % of what the knee needs in a rise of {:.2f} s or longer (the person's own: {:.2f} s); its "
-      "speed decides at {:.0f} %, {}",
+      "speed is the limit, at {:.0f} % of the rise; {}",
       name, share, assistance.shortest_s, own_s, assistance.limiting_percent, most);
   if (!assistance.speed_under_load_is_known)
     text += "; its speed under load is not known, so this is a lower bound";

@@ -236,7 +236,7 @@ LineChart ErrorChart(const StudyResults& results) {
   if (results.Has("comparison")) {
     const double floor = 100 * NumberOrNaN(results.Summary("comparison").at("noise_floor_relative"));
     chart.series.push_back(
-        {.name = "noise floor", .x = {0, 100}, .y = {floor, floor}, .colour = "#767676", .mark = Mark::kThin});
+        {.name = "noise floor", .x = {0, 100}, .y = {floor, floor}, .colour = colour::kGuide, .mark = Mark::kThin});
   }
   return chart;
 }

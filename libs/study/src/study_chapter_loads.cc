@@ -71,7 +71,7 @@ std::string ReasonOf(const Json& actuator) {
 Table ActuatorsTable(const Json& assistance) {
   Table table{fmt::format("Actuators; the person's own rise takes {}",
                           Quantity(NumberOrNaN(assistance.at("own_duration_s")), "s")),
-              {{"Actuator"}, {"Largest share (%)", 0}, {"Rise in (s)", 2}, {"Beyond that share"}},
+              {{"Actuator"}, {"Largest share (%)", 0}, {"Rise in (s)", 1}, {"Beyond that share"}},
               {}};
   for (const Json& actuator : assistance.at("actuators")) {
     const Json& points = actuator.at("points");
@@ -86,7 +86,7 @@ Table ActuatorsTable(const Json& assistance) {
 // Of the measured path, gone along at two paces.
 Table BalanceTable(const Json& balance) {
   Table table{"Balance along the measured path: how far inside the foot the ground's force acts (negative: outside)",
-              {{"Pace"}, {"Rise (s)", 2}, {"Margin (mm)", 1}, {"At % of the rise", 0}, {"Knee moment, peak (N m)", 1}},
+              {{"Pace"}, {"Rise (s)", 1}, {"Margin (mm)", 1}, {"At % of the rise", 0}, {"Knee moment, peak (N m)", 1}},
               {}};
   const auto add = [&](const char* name, const Json& pace, double rise_s) {
     table.rows.push_back({name, rise_s, NumberOrNaN(pace.at("margin_mm")), NumberOrNaN(pace.at("at_percent")),

@@ -83,9 +83,9 @@ Table BeforeAfterTable(const StudyResults& results, const Json& summary) {
                           repaired("other_program"), Number{to, decimals}});
   }
   if (const double floor = NumberOrNaN(summary.at("noise_floor_percent")); results.Has("comparison")) {
-    const Number none{std::nan(""), 2};
+    const Number none{std::nan(""), DecimalsOf("%")};
     table.rows.push_back(
-        {"noise floor of a recording (% of the shank length)", Number{floor, 2}, none, none, none, none});
+        {"noise floor of a recording (% of the shank length)", Number{floor, DecimalsOf("%")}, none, none, none, none});
   }
   return table;
 }
@@ -177,7 +177,7 @@ LineChart AnglesChart(const fs::path& program) {
   const CsvTable table = CsvTable::Read(program);
   LineChart chart;
   chart.title = "Knee angles";
-  chart.x = {"sit-to-stand (%)", 0, 100};
+  chart.x = {"rise (%)", 0, 100};
   chart.y.label = "knee flexion (°)";
   chart.width = Width::kHalf;
   chart.caption = "Knee angle of the person and of the new design.";
@@ -193,10 +193,11 @@ LineChart ParetoChart(const Json& summary) {
   chart.title = "Range of rotation against misalignment";
   chart.alt = "Pareto fronts: the least misalignment for each range of rotation";
   chart.caption =
-      "Each point is a design of its own. With the same stroke program none has more range and less misalignment; the "
+      "Misalignment: RMS, of the shank length. Each point is a design of its own. With the same stroke program none "
+      "has more range and less misalignment; the "
       "programs differ in the time that a rise takes.";
   chart.x.label = "range of rotation (°)";
-  chart.y = {"misalignment, RMS (% of the shank length)", 0, std::nullopt};
+  chart.y = {"misalignment (%)", 0, std::nullopt};  // short, as a legend of so many names leaves little height
   for (const Json& front : summary.at("pareto")) {
     Series series;
     series.name = front.at("program").get<std::string>() + " program";
@@ -235,7 +236,7 @@ LineChart ParetoChart(const Json& summary) {
 Table TradeTable(const Json& summary) {
   Table table{
       "What giving up range buys, with the same stroke program",
-      {{"Range of rotation (°)", 1}, {"Range given up (°)", 1}, {"Misalignment, RMS (% of the shank length)", 2}},
+      {{"Range of rotation (°)", 1}, {"Range given up (°)", 1}, {"Misalignment, RMS (% of the shank length)", 1}},
       {}};
   for (const TradePoint& point : OwnFront(summary))
     table.rows.push_back({NumberText(point.range_deg, 1), NumberOrNaN(summary.at("range_deg")) - point.range_deg,
@@ -292,7 +293,7 @@ Table ProgramTable(const Json& summary) {
 }  // namespace
 
 int DecimalsOf(const std::string& unit) {
-  return unit == "%" || unit == "s" ? 2 : unit == "N" || unit == "joint" ? 0 : 1;
+  return unit == "N" || unit == "joint" ? 0 : 1;
 }
 
 std::string Quantity(double value, const std::string& unit) {
@@ -370,7 +371,7 @@ Section RedesignChapter(const StudyFile&, const StudyResults& results) {
   if (const Json balance = summary.value("balance", Json()); balance.is_object()) {
     section.blocks.push_back(ProgramBalanceTable(summary, balance));
     results.AddPicture(
-        "redesign/balance.png", "Balance along the program",
+        "redesign/balance.svg", "Balance along the program",
         "Where the ground's force acts within the foot in a rise at the program's pace, once the seat is "
         "left; how the person leans for it; the knee's moment at that pace.",
         Width::kFull, section);

@@ -4,6 +4,7 @@
 #include "first_screen.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/csv.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/report/misalignment_sections.h"
 #include "study_chapters.h"
 
@@ -15,24 +16,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the joint is on the leg that wears it.
-std::string JointText(const Json& comparison) {
+// Where the joint is on the leg that wears it, as well as markers that are put on again would show it.
+std::string JointText(const StudyResults& results) {
+  const Json comparison = results.Summary("comparison");
   const Json joint = comparison.value("joint", Json());
   if (joint.is_null()) return "";
-  const Json& best = comparison.at("best_placement");
+  const double known_mm = PlacementHalfWidth(results).maxCoeff();
   return fmt::format(
       "The exoskeleton's joint is {} mm RMS from the knee of the leg that wears it; in that trial, moving it there "
       "leaves {} mm. ",
-      UncertainOf(joint.at("rms_mm"), joint.value("rms_interval_mm", Json())).Text(1),
-      UncertainOf(best.at("rms_mm"), best.value("rms_interval_mm", Json())).Text(1));
+      KnownText(NumberOrNaN(joint.at("rms_mm")), known_mm, 1),
+      KnownText(NumberOrNaN(comparison.at("best_placement").at("rms_mm")), known_mm, 1));
 }
 
-std::string WrongText(const Json& comparison) {
+std::string WrongText(const StudyResults& results) {
+  const Json comparison = results.Summary("comparison");
   const Json &metrics = comparison.at("metrics"), intervals = comparison.value("intervals", Json::object());
   const auto text = [&](const char* name, double factor, int otherwise) {
     return UncertainOf(metrics.at(name), intervals.value(name, Json()), factor).Text(otherwise);
   };
-  return JointText(comparison) +
+  return JointText(results) +
          fmt::format("The knee paths of both trials differ by {} mm RMS, {} % of the shank length. {}",
                      text("rms_mm", 1, 1), text("relative_rms", 100, 2), DecompositionAdvice(comparison));
 }
@@ -281,7 +284,7 @@ bool NeedsHolding(const StudyResults& results, const Json& redesign) {
 Section MeasuredResult(const StudyResults& results) {
   Section section{"Result", {}};
   Answers answers;
-  if (results.Has("comparison")) answers.answers.push_back({"What is wrong", WrongText(results.Summary("comparison"))});
+  if (results.Has("comparison")) answers.answers.push_back({"What is wrong", WrongText(results)});
   answers.answers.push_back(
       {"What is possible",
        fmt::format("The design problem allows a range of rotation of {} (benchmark, no person in it).",
@@ -304,7 +307,7 @@ Section DetailsChapter(const StudyFile& study, const StudyResults& results) {
   const auto add = [&](const char* question, std::string text) {
     if (!text.empty()) answers.answers.push_back({question, std::move(text)});
   };
-  if (results.Has("comparison")) add("What is wrong", WrongText(results.Summary("comparison")));
+  if (results.Has("comparison")) add("What is wrong", WrongText(results));
   add("What another program would give", OtherProgramText(redesign));
   if (results.Has("loads")) add("Can a person follow it", BalanceText(results, redesign));
   add("What to build for new links", BuildText(results, redesign));

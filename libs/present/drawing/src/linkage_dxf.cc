@@ -148,7 +148,8 @@ constexpr double kTextHeight_mm = 4;
 void Engrave(Sheet& sheet, const parts::Plate& plate, const Vector2d& at) {
   const std::string text = fmt::format("{} {:g} mm", plate.label, plate.thickness_mm);
   const parts::Hole &first = plate.holes[0], &second = plate.holes[1];
-  const double room = second.at_mm.x() - first.at_mm.x() - first.diameter_mm;
+  constexpr double kGap_mm = 1;  // to each hole
+  const double room = second.at_mm.x() - first.at_mm.x() - first.diameter_mm - 2 * kGap_mm;
   constexpr double kWidthPerHeight = 1.2;  // of a character with its space, at most
   const double height =
       std::min({kTextHeight_mm, plate.radius_mm / 2, room / (kWidthPerHeight * static_cast<double>(text.size()))});

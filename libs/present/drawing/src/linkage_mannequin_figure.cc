@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 
 void DrawTrunk(Scene& scene, const Vector2d& hip, const linkage::Body& body) {
   constexpr const char* kSkin = "#F6E7DA";
-  constexpr const char* kEdge = "#CDB39B";
+  constexpr const char* kEdge = "#A07F60";
   const double depth = 0.5 * body.trunk_depth_mm;
   const Vector2d seat = hip + Vector2d(0, std::max(0.0, depth - body.thigh.proximal_radius_mm));  // as low as the thigh
   const Vector2d shoulder = hip + Vector2d(0, body.trunk_length_mm - depth),

@@ -32,7 +32,7 @@ SceneView WholeView(const LinkageLook& look) {
   const double reach = std::max(body.thigh.length_mm + body.thigh.proximal_radius_mm,
                                 std::hypot(look.links.l5, look.links.l3 + look.links.l6) + 60);
   const double sole = body.shank.length_mm + body.ankle_height_mm;
-  return {.left = -reach - 90,
+  return {.left = -reach - 120,
           .right = std::max(0.75 * body.foot_length_mm, 0.4 * reach) + 30,
           .bottom = -std::max(sole, reach) - 20,
           .top = reach + 20};
@@ -63,6 +63,7 @@ void LabelWhole(Scene& scene, const LinkageLook& look, const PosedLeg& leg) {
   const Vector2d bend = leg.FromThigh({0, pose.mount.y()});
   const std::string l5 = fmt::format("{} = {:.2f} mm", Symbol(5), look.links.l5),
                     l6 = fmt::format("{} = {:.2f} mm", Symbol(6), look.links.l6);
+  scene.Stroke({thigh_pin, bend, mount}, link_colour::kThigh, 1.5, "dashed");
   LabelLine(scene, thigh_pin, bend, 36, l6, link_text::kThigh);
   LabelLine(scene, mount, bend, -26, l5, link_text::kThigh);
   LabelLine(scene, mount, tip, 46, fmt::format("{{/:Italic d}} = {:.2f} mm", pose.stroke_mm), link_text::kCylinder);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/parts/plate.h"
+
 namespace lake::drawing {
 namespace {
 
@@ -36,7 +38,7 @@ Vector2d PosedLeg::FromShank(const Vector2d& p) const {
 
 void DrawLeg(Scene& scene, const PosedLeg& leg, const linkage::Body& body) {
   constexpr const char* kSkin = "#F6E7DA";
-  constexpr const char* kEdge = "#CDB39B";
+  constexpr const char* kEdge = "#A07F60";
   const Vector2d hip = leg.FromThigh({0, body.thigh.length_mm}), ankle = leg.FromShank({0, -body.shank.length_mm});
   const std::vector<PlanePath> shapes{
       FootOutline(leg, body), CapsulePath({0, 0}, ankle, body.shank.proximal_radius_mm, body.shank.distal_radius_mm),
@@ -46,17 +48,31 @@ void DrawLeg(Scene& scene, const PosedLeg& leg, const linkage::Body& body) {
   for (const PlanePath& shape : shapes) scene.Fill(shape, kSkin);
 }
 
+PlanePath ThighPlate(const linkage::Pose& pose, double radius_mm) {
+  parts::Plate plate;
+  plate.corners = {pose.knee, pose.mount, pose.thigh_pin};
+  plate.radius_mm = radius_mm;
+  PlanePath outline;
+  for (const parts::OutlinePiece& piece : parts::OutlineOf(plate)) {
+    if (!piece.is_arc) continue;
+    const PlanePath arc = Arc(piece.centre, radius_mm, piece.from_rad, piece.to_rad);
+    outline.insert(outline.end(), arc.begin(), arc.end());
+  }
+  outline.push_back(outline.front());
+  return outline;
+}
+
 void DrawLinkage(Scene& scene, const PosedLeg& leg, double d_min_mm, double half_width, double pin_size) {
   const linkage::Pose& pose = leg.ThePose();
   const Vector2d knee = leg.FromThigh(pose.knee), thigh_pin = leg.FromThigh(pose.thigh_pin),
                  tip = leg.FromThigh(pose.tip);
   const Vector2d shank_pin = leg.FromThigh(pose.shank_pin), mount = leg.FromThigh(pose.mount);
-  const Vector2d bend = leg.FromThigh({pose.knee.x(), pose.mount.y()});
   const auto bar = [&](const Vector2d& from, const Vector2d& to, const char* colour, double width) {
     scene.Fill(CapsulePath(from, to, width, width), colour);
   };
-  bar(knee, bend, link_colour::kThigh, half_width);
-  bar(bend, mount, link_colour::kThigh, half_width);
+  PlanePath plate = ThighPlate(pose, half_width);
+  for (Vector2d& point : plate) point = leg.FromThigh(point);
+  scene.Fill(plate, link_colour::kThigh);
   bar(knee, shank_pin, link_colour::kShank, half_width);
   bar(thigh_pin, tip, link_colour::kBar, half_width);
   bar(tip, shank_pin, link_colour::kCoupler, half_width);

@@ -45,6 +45,9 @@ inline constexpr const char* kCylinder = link_colour::kCylinder;
 
 void DrawLeg(Scene& scene, const PosedLeg& leg, const linkage::Body& body);
 
+// The outline of the thigh plate, in the thigh frame, as it is cut: round about its pins K, M and P.
+PlanePath ThighPlate(const linkage::Pose& pose, double radius_mm);
+
 // `d_min_mm` decides how long the cylinder is: what the shortest stroke leaves for it. Widths are for looks, not to
 // scale.
 void DrawLinkage(Scene& scene, const PosedLeg& leg, double d_min_mm, double link_half_width_mm, double pin_size);

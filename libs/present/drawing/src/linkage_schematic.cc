@@ -30,6 +30,14 @@ struct Drawing {
   void Link(const Vector2d& from, const Vector2d& to, const char* colour, double half_width = 0.35) const {
     scene.Fill(CapsulePath(Seen(from), Seen(to), half_width * unit, half_width * unit), colour);
   }
+  // Pale, so that the lengths that are measured on it are seen.
+  void ThighPlate(const linkage::Pose& pose) const {
+    constexpr const char* kPale = "#D5E6F2";
+    PlanePath plate = drawing::ThighPlate(pose, 0.9 * unit);
+    for (Vector2d& point : plate) point = Seen(point);
+    scene.Fill(plate, kPale);
+    scene.Stroke(plate, link_colour::kThigh, 1.5);
+  }
   // The name stands to the left of the line from `from` to `to` as it is seen (negative: to the right).
   void Name(const Vector2d& from, const Vector2d& to, const char* text, const char* colour, double aside = 1.3,
             double way = 0.5) const {
@@ -50,11 +58,13 @@ struct Drawing {
 
 void DrawBodies(const Drawing& drawing, const linkage::Pose& p) {
   const Vector2d bend(0, p.mount.y());
-  drawing.Stroke({0, -1.15 * p.shank_pin.norm()}, {0, bend.y() + 3 * drawing.unit}, "#888888", 1);
-  drawing.Stroke(p.thigh_pin, p.mount, "#888888", 1.5);
-  drawing.Stroke(p.knee, p.tip, "#888888", 1.5);
-  drawing.Link(p.knee, bend, link_colour::kThigh);
-  drawing.Link(bend, p.mount, link_colour::kThigh);
+  drawing.ThighPlate(p);
+  drawing.Stroke({0, -1.15 * p.shank_pin.norm()}, {0, bend.y() + 3 * drawing.unit}, "#666666", 1);
+  drawing.Stroke(p.knee, p.thigh_pin, link_text::kThigh, 1.5);
+  drawing.Stroke(p.thigh_pin, bend, link_text::kThigh, 1.5);
+  drawing.Stroke(bend, p.mount, link_text::kThigh, 1.5);
+  drawing.Stroke(p.thigh_pin, p.mount, "#666666", 1.5);
+  drawing.Stroke(p.knee, p.tip, "#666666", 1.5);
   drawing.Link(p.knee, p.shank_pin, link_colour::kShank);
   drawing.Link(p.thigh_pin, p.tip, link_colour::kBar);
   drawing.Link(p.tip, p.shank_pin, link_colour::kCoupler);

@@ -21,7 +21,7 @@ struct SceneView {
 struct LabelStyle {
   std::string colour = colour::kText;
   std::string align = "center";  // left, center, right
-  int size = 12;
+  int size = 13;
   bool box = true;  // on a white ground
 };
 

@@ -14,9 +14,6 @@ namespace {
 
 using problem::AssistanceRow;
 
-constexpr const char* kFrame =
-    "set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'; set key noautotitle";
-
 std::vector<double> Column(const problem::Assistance& assistance, double AssistanceRow::*member) {
   std::vector<double> values;
   for (const AssistanceRow& row : assistance.rows) values.push_back(row.*member);
@@ -115,7 +112,7 @@ void DrawAssistance(const std::filesystem::path& path, const problem::Assistance
   figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'",
                           QuoteForGnuplot(fmt::format("{}{:.0f} % of the knee's moment, a rise in {:.2f} s", name,
                                                       100 * problem.assist.value_or(1), assistance.duration_s))));
-  figure.Line(kFrame).Line("set xrange [0:100]; set lmargin at screen 0.10; set rmargin at screen 0.97");
+  figure.Line("set xrange [0:100]; set lmargin at screen 0.10; set rmargin at screen 0.97");
   figure.Line(
       "set key at graph 1, graph 1.15 right top horizontal samplen 2.5; set offsets 0, 0, graph 0.05, graph 0.05; set "
       "format x ''");
@@ -154,7 +151,6 @@ void DrawActuatorFront(const std::filesystem::path& path, const std::vector<synt
       notes.push_back(Shortened(curve.Actuator().name + ": " + end, 150));
   const int height_px = kPlotHeight_px + kNoteHeight_px * static_cast<int>(notes.size());
   GnuplotFigure figure(1300, height_px);
-  figure.Line(kFrame);
   figure.Line(
       fmt::format("set lmargin at screen 0.08; set rmargin at screen 0.80; set tmargin at screen 0.96; "
                   "set bmargin at screen {}",
@@ -162,7 +158,7 @@ void DrawActuatorFront(const std::filesystem::path& path, const std::vector<synt
   figure.Line("set logscale y; set xlabel 'share of what the knee needs (%)'; set ylabel 'shortest rise (s)'");
   figure.Line(fmt::format("set xrange [0:105]; set key top left samplen 2.5; {}", YRange(curves, own_duration_s)));
   for (std::size_t i = 0; i < notes.size(); ++i)
-    figure.Line(fmt::format("set label {} at screen 0.02, screen {} left noenhanced font ',9'",
+    figure.Line(fmt::format("set label {} at screen 0.02, screen {} left noenhanced font ',12'",
                             QuoteForGnuplot(notes[i]), (kNoteHeight_px * (notes.size() - i) - 8.0) / height_px));
   std::string plot = fmt::format("{} with lines lw 2 dt (8,4) lc rgb '{}' title 'the person{} own rise'",
                                  own_duration_s, colour::kHuman, "''s");
@@ -172,9 +168,9 @@ void DrawActuatorFront(const std::filesystem::path& path, const std::vector<synt
     const bool known = curves[i].Actuator().HasForceSpeedLaw();
     const char* const colour = kCurveColours[i % kCurveColours.size()];
     const bool ends_early = line.assist.back() < kWholeShare;  // beside it others may go on, so its name stands above
-    figure.Line(fmt::format("set label {} at first {}, first {} left offset 1,{} noenhanced tc rgb '{}'",
+    figure.Line(fmt::format("set label {} at first {}, first {} left offset 1,{} noenhanced",
                             QuoteForGnuplot(curves[i].Actuator().name + (known ? "" : " (at least)")),
-                            line.assist.back(), line.duration.back(), ends_early ? 0.8 : 0, colour));
+                            line.assist.back(), line.duration.back(), ends_early ? 0.8 : 0));
     plot += fmt::format(", {} using 1:2 with linespoints lw 2.5 pt {} ps 1.5 lc rgb '{}'{}",
                         figure.Data({line.assist, line.duration}), kMarks[i % kMarks.size()] - (known ? 0 : 1), colour,
                         known ? "" : " dt (3,4)");

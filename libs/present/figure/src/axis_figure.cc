@@ -68,7 +68,6 @@ void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& moti
                                                       "on the shank, {:.1f} mm on the thigh",
                                                       axes.whole.flexion_deg, motion.shank.deformation.marker_sd_mm,
                                                       motion.thigh.deformation.marker_sd_mm))));
-  figure.Line("set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'");
   figure.Line(
       "set lmargin at screen 0.07; set rmargin at screen 0.47; set tmargin at screen 0.90; set bmargin at screen "
       "0.11; set size ratio -1; set key top left samplen 2 noautotitle");

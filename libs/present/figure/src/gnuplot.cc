@@ -79,9 +79,9 @@ void CheckWhole(const std::filesystem::path& written, const std::filesystem::pat
   if (!whole) throw Fail("{}: gnuplot could not write it whole; is the disk full?", path.string());
 }
 
-// In a dark page or viewer the picture is dark: lightness is reversed, and hues stay.
+// In a dark page or viewer the picture is dark, and on paper it is not: lightness is reversed, and hues stay.
 constexpr std::string_view kThemeOfSvg =
-    "<style>@media (prefers-color-scheme: dark) { svg { filter: invert(0.9) hue-rotate(180deg) } }</style>";
+    "<style>@media screen and (prefers-color-scheme: dark) { svg { filter: invert(0.9) hue-rotate(180deg) } }</style>";
 
 // What gnuplot cannot be told of an SVG: its title; that it follows the reader's theme; that filled shapes, for which
 // gnuplot switches smoothing off, have no jagged edges.

@@ -96,8 +96,8 @@ void AddPoses(GnuplotFigure& figure, const gait::LegFitResult& result, const Leg
     y.push_back(motion::LegSample::kUnknown);
   }
   if (!x.empty())
-    parts.push_back(
-        fmt::format("{} using 1:2 with linespoints lw 1 pt 7 ps 0.5 lc rgb '#999999' notitle", figure.Data({x, y})));
+    parts.push_back(fmt::format("{} using 1:2 with linespoints lw 1 pt 7 ps 0.5 lc rgb '{}' notitle",
+                                figure.Data({x, y}), colour::kGuide));
 }
 
 std::string Join(const std::vector<std::string>& parts) {

@@ -12,9 +12,6 @@
 namespace lake::figure {
 namespace {
 
-constexpr const char* kLoadsFrame =
-    "set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'";
-
 std::vector<double> Column(const loads::RiseLoads& rise, double loads::LoadsRow::*member) {
   std::vector<double> values;
   for (const loads::LoadsRow& row : rise.rows) values.push_back(row.*member);
@@ -40,14 +37,14 @@ std::string RisesAndMean(GnuplotFigure& figure, const loads::LoadsResult& result
                          const char* colour) {
   std::string plot;
   for (const loads::RiseLoads& rise : result.rises)
-    plot += CurveOf(figure, rise, member, "lw 1 lc rgb '#999999'") + ", ";
+    plot += CurveOf(figure, rise, member, fmt::format("lw 1 lc rgb '{}'", colour::kGuide)) + ", ";
   return plot + CurveOf(figure, result.mean, member, fmt::format("lw 4 lc rgb '{}' title 'mean'", colour));
 }
 
 void DrawKnee(GnuplotFigure& figure, const loads::LoadsResult& result) {
   using loads::LoadsRow;
   figure.Line(
-      "set lmargin at screen 0.06; set rmargin at screen 0.60; set tmargin at screen 0.91; set bmargin at screen 0.09");
+      "set lmargin at screen 0.08; set rmargin at screen 0.60; set tmargin at screen 0.91; set bmargin at screen 0.09");
   figure.Line("set xlabel 'rise (%)'; set ylabel 'knee extension moment, one leg (N m)'");
   const loads::RiseLoads& mean = result.mean;
   const auto band = [&](bool known) {
@@ -75,7 +72,7 @@ void DrawKnee(GnuplotFigure& figure, const loads::LoadsResult& result) {
 void DrawJoints(GnuplotFigure& figure, const loads::LoadsResult& result) {
   using loads::LoadsRow;
   figure.Line(
-      "set lmargin at screen 0.68; set rmargin at screen 0.98; set tmargin at screen 0.91; set bmargin at screen 0.69");
+      "set lmargin at screen 0.69; set rmargin at screen 0.98; set tmargin at screen 0.91; set bmargin at screen 0.69");
   figure.Line("unset xlabel; set format x ''; set ylabel 'moments, mean (N m)'");
   const auto joint = [&](double LoadsRow::*member, const char* colour, const char* name) {
     return CurveOf(figure, result.mean, member, fmt::format("lw 3 lc rgb '{}' title '{}'", colour, name));
@@ -106,11 +103,11 @@ void DrawPower(GnuplotFigure& figure, const loads::LoadsResult& result) {
 }  // namespace
 
 void DrawLoads(const std::filesystem::path& path, const loads::LoadsResult& result, const std::string& title) {
-  GnuplotFigure figure(1600, 1000);
+  GnuplotFigure figure(1400, 1000);
   figure.Line(fmt::format(
       "set multiplot title {} noenhanced font ',14'",
       QuoteForGnuplot(title + (result.from_ground ? ", from the ground's forces" : ", without force plates"))));
-  figure.Line(kLoadsFrame).Line("set xrange [0:100]; set key top right samplen 2.5 noautotitle");
+  figure.Line("set xrange [0:100]; set key top right samplen 2.5 noautotitle");
   DrawKnee(figure, result);
   DrawJoints(figure, result);
   DrawPressure(figure, result);

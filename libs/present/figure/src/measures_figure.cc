@@ -22,7 +22,7 @@ void DrawMeasures(const std::filesystem::path& path, const motion::MarkerRecordi
   constexpr std::size_t kMost = 6;
   const std::size_t shown = std::min(courses.size(), kMost);
   GnuplotFigure figure(1200, 200 + 200 * static_cast<int>(shown));
-  figure.Line(fmt::format("set multiplot layout {},1", shown)).Line("set grid lc rgb '#dddddd'");
+  figure.Line(fmt::format("set multiplot layout {},1", shown));
   for (std::size_t k = 0; k < shown; ++k) {
     const gait::MeasuredCourse& course = courses[k];
     std::vector<double> low, high;

@@ -104,7 +104,7 @@ void DrawKneePaths(GnuplotFigure& figure, const compare::Misalignment& m) {
   const std::string human = PathOf(m.human.knee).In(figure), exo = PathOf(m.exo.knee).In(figure);
   const std::string human_dots = PathOf(m.human.knee, 25).In(figure), exo_dots = PathOf(m.exo.knee, 25).In(figure);
   std::string plot =
-      fmt::format("plot {} using 1:2 with lines lw 1 lc rgb '#999999' title 'same moment, every 5 %'", ties);
+      fmt::format("plot {} using 1:2 with lines lw 1 lc rgb '{}' title 'same moment, every 5 %'", ties, colour::kGuide);
   plot += fmt::format(", {} using 1:2 with lines {} title 'human knee'", human, LineOf(kHumanLook));
   plot += fmt::format(", {} using 1:2 with lines {} title 'worn exoskeleton'", exo, LineOf(kWornLook));
   plot += fmt::format(", {} using 1:2 with points {} title '0, 25, 50, 75, 100 %'", human_dots, MarkOf(kHumanLook));
@@ -149,8 +149,7 @@ void DrawParts(GnuplotFigure& figure, const compare::Misalignment& m) {
   const compare::Decomposition& d = m.decomposition;
   const std::vector<double> percents = Percents(compare::kPercentSamples);
   figure.Line(
-      "set tmargin at screen 0.48; set bmargin at screen 0.11; set rmargin at screen 0.48; set xlabel 'sit-to-stand "
-      "(%)'");
+      "set tmargin at screen 0.48; set bmargin at screen 0.11; set rmargin at screen 0.48; set xlabel 'rise (%)'");
   // Room below zero, so that a part that is nothing is seen beside the axis.
   figure.Line("set ylabel 'size of the part (mm)'; set yrange [*:*]; set offsets 0, 0, graph 0.35, graph 0.05");
   const auto part = [&](const std::vector<Vector2d>& vectors, const char* name, double fraction,

@@ -107,7 +107,7 @@ void DrawRelativeError(GnuplotFigure& figure, const redesign::RedesignOutcome& o
     return design.misalignment ? fmt::format("{}: RMS {:.2f} %", what, 100 * design.misalignment->metrics.relative_rms)
                                : what;
   };
-  figure.Line("set ylabel 'misalignment (% of the shank length)'; set yrange [0:*]");
+  figure.Line("set title 'Misalignment'; set ylabel '% of the shank length'; set yrange [0:*]");
   figure.Line("set offsets 0, 0, graph 0.3, 0; set key top right");
   Plot plot(figure);
   plot.AddCurve(percent(outcome.before), kBeforeStyle, name("worn", outcome.before));
@@ -234,7 +234,7 @@ void DrawKneePaths(const redesign::RedesignOutcome& outcome, const std::filesyst
   GnuplotFigure figure(1400, 1000);
   figure.Line("set multiplot layout 2,2 margins 0.075,0.98,0.085,0.95 spacing 0.1,0.14");
   DrawPaths(figure, outcome);
-  figure.Line("set xlabel 'sit-to-stand (%)'; set xrange [0:100]");
+  figure.Line("set xlabel 'rise (%)'; set xrange [0:100]");
   DrawRelativeError(figure, outcome);
   DrawKneeAngles(figure, outcome);
   DrawStrokes(figure, outcome);
@@ -244,7 +244,7 @@ void DrawKneePaths(const redesign::RedesignOutcome& outcome, const std::filesyst
 void DrawBalance(const redesign::RedesignOutcome& outcome, const std::filesystem::path& path) {
   GnuplotFigure figure(1400, 900);
   figure.Line("set multiplot layout 2,2 margins 0.075,0.98,0.085,0.95 spacing 0.1,0.14");
-  figure.Line("set xlabel 'sit-to-stand (%)'; set xrange [0:100]");
+  figure.Line("set xlabel 'rise (%)'; set xrange [0:100]");
   DrawPressures(figure, outcome);
   DrawTrunk(figure, outcome);
   DrawKneeMoments(figure, outcome);

@@ -53,9 +53,9 @@ void DrawStroke(GnuplotFigure& figure, const actuator::StrokeSchedule& schedule,
         fmt::format("set label 'soft limit {:.2f} mm' at graph 0.5, first {} center offset 0,{} tc rgb '#666666'",
                     limit, limit, 0.7 * side));
   figure.Line(
-      fmt::format("plot {} with lines lw 2 dt 2 lc rgb '#999999', {} with lines lw 2 dt 2 lc rgb '#999999', "
-                  "{} using 1:2 with lines lw 3 lc rgb '{}'",
-                  lower, upper, figure.Data({c.time, c.stroke}), kExtendColour));
+      fmt::format("plot {0} with lines lw 2 dt 2 lc rgb '{4}', {1} with lines lw 2 dt 2 lc rgb '{4}', "
+                  "{2} using 1:2 with lines lw 3 lc rgb '{3}'",
+                  lower, upper, figure.Data({c.time, c.stroke}), kExtendColour, colour::kGuide));
   figure.Line("unset label");
 }
 
@@ -216,8 +216,8 @@ void DrawValidation(const std::filesystem::path& path, const actuator::StrokeSch
       "set format x '%g'; set xlabel 'time since the program began (s)'; set ylabel 'difference (°)'; set offsets 0, "
       "0, graph 0.35, graph 0.05");
   figure.Line(fmt::format(
-      "plot {} using 1:5 with lines lw 1.5 lc rgb '{}' title 'RMS {:.2f}°, largest {:.2f}°', 0 lw 1 lc rgb '#999999'",
-      samples, colour::kExoskeleton, validation.rms_deg, validation.max_deg));
+      "plot {} using 1:5 with lines lw 1.5 lc rgb '{}' title 'RMS {:.2f}°, largest {:.2f}°', 0 lw 1 lc rgb '{}'",
+      samples, colour::kExoskeleton, validation.rms_deg, validation.max_deg, colour::kGuide));
   figure.Line("unset multiplot").Write(path);
 }
 

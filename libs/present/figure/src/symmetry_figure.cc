@@ -52,7 +52,7 @@ void DrawIndices(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
 
 void DrawSymmetry(const std::filesystem::path& path, const compare::Symmetry& symmetry) {
   GnuplotFigure figure(1500, 800);
-  figure.Line("set multiplot").Line("set key top right samplen 2.5; set grid lc rgb '#EEEEEE'");
+  figure.Line("set multiplot").Line("set key top right samplen 2.5");
   DrawKnees(figure, symmetry);
   DrawIndices(figure, symmetry);
   figure.Line("unset multiplot").Write(path);

@@ -71,7 +71,7 @@ Range RangeOf(const std::vector<problem::SensitivityPoint>& points) {
 }  // namespace
 
 void DrawSensitivity(const synthesis::SynthesisOutcome& outcome, const std::filesystem::path& path) {
-  GnuplotFigure figure(1500, 800);
+  GnuplotFigure figure(1400, 800);
   figure.Line("set multiplot layout 2,4 margins 0.09,0.98,0.15,0.94 spacing 0.065,0.14");
   figure.Line(
       fmt::format("set label 2 'dot: the optimum    solid: feasible    dashed: outside a bound or a requirement    "

@@ -30,7 +30,7 @@ void DrawTracksFigure(const std::filesystem::path& path, const motion::MarkerRec
   }
   const std::string_view unit = motion::ToString(recording.unit);
   figure.Line(fmt::format("set multiplot layout 2,1 title {} noenhanced", QuoteForGnuplot(title)))
-      .Line("set grid lc rgb '#dddddd'\nset key outside right top noenhanced")
+      .Line("set key outside right top noenhanced")
       .Line(fmt::format("set ylabel 'x ({})'\nplot {}", unit, plots[0]))
       // Pixels count downwards.
       .Line(fmt::format("set xlabel 'time (s)'\nset ylabel 'y ({})'\n{}plot {}", unit,

@@ -4,8 +4,23 @@ const DARK = {ink: '#e6e6e6', quiet: '#a6a6a6', grid: '#333437', shade: '#2a2b2e
 const darkness = matchMedia('(prefers-color-scheme: dark)');
 let theme = darkness.matches ? DARK : LIGHT;
 const ink = () => theme.ink, quiet = () => theme.quiet, grid = () => theme.grid;
-// Ink of the data is that of the page.
-const shown = colour => () => colour === LIGHT.ink ? theme.ink : colour;
+const LEAST_CONTRAST = 3;  // of a line (WCAG 2.1)
+const channels = colour => [1, 3, 5].map(at => parseInt(colour.slice(at, at + 2), 16) / 255);
+const luminance = colour => channels(colour).map(c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
+  .reduce((sum, c, i) => sum + [0.2126, 0.7152, 0.0722][i] * c, 0) + 0.05;
+const contrast = (a, b) => Math.max(luminance(a) / luminance(b), luminance(b) / luminance(a));
+const towards = (colour, other, part) => '#' + channels(colour).map((c, i) => c + part * (channels(other)[i] - c))
+  .map(c => Math.round(255 * c).toString(16).padStart(2, '0')).join('');
+
+// Ink of the data is that of the page; what would hardly be seen on its ground comes nearer to the ink.
+function shown(colour) {
+  return () => {
+    if (colour === LIGHT.ink) return theme.ink;
+    let part = 0;
+    while (part < 1 && contrast(towards(colour, theme.ink, part), theme.paper) < LEAST_CONTRAST) part += 0.1;
+    return towards(colour, theme.ink, part);
+  };
+}
 const DASHES = {line: [], thin: [], dashed: [8, 5], dotted: [2, 4], points: []};
 const WIDTHS = {line: 2.25, thin: 1, dashed: 2.25, dotted: 2.25, points: 1};
 const dataOf = new WeakMap();  // of each chart's canvas

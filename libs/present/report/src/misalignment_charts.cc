@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kPlacement = colour::kAnkle;
 constexpr const char* kTiming = colour::kHip;
 constexpr const char* kShape = colour::kWaist;
-const Axis kPercentAxis{"sit-to-stand (%)", 0, 100};
+const Axis kPercentAxis{"rise (%)", 0, 100};
 
 std::vector<double> Scaled(std::vector<double> values, double factor) {
   for (double& value : values) value *= factor;
@@ -34,7 +34,7 @@ std::vector<std::string> PercentLabels(const std::vector<double>& percents) {
 // Between both knees at the same percent.
 Series Ties(const Series& human, const Series& exo) {
   constexpr std::size_t kStep = 10;
-  Series ties{.name = fmt::format("same moment, every {} %", kStep), .colour = "#999999", .mark = Mark::kThin};
+  Series ties{.name = fmt::format("same moment, every {} %", kStep), .colour = colour::kGuide, .mark = Mark::kThin};
   for (std::size_t i = 0; i < human.x.size(); i += kStep) {
     ties.x.insert(ties.x.end(), {human.x[i], exo.x[i], kNaN});
     ties.y.insert(ties.y.end(), {human.y[i], exo.y[i], kNaN});

@@ -8,9 +8,10 @@ namespace lake::report {
 
 struct EmbeddedFile {
   std::string media_type;  // "image/png", …
-  std::string data_uri;
+  std::string data_uri{};
+  std::string drawing{};  // of an SVG that runs nothing: its element, which stands in the page as it is
+  int width_px = 0;       // of the drawing
   bool IsVideo() const { return media_type == "video/mp4"; }
-  bool IsDrawing() const { return media_type == "image/svg+xml"; }  // follows the page's theme
 };
 
 // The type is told by the content. Throws Error: unreadable, unknown, larger than 64 MB.

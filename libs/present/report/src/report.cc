@@ -103,12 +103,18 @@ std::string Html(const Table& table) {
 std::string Html(const Picture& picture) {
   const EmbeddedFile file = EmbedFile(picture.file);
   const std::string alt = EscapeHtml(picture.alt);
+  // At one scale, so that all have one size of type.
+  if (!file.drawing.empty())
+    return fmt::format(
+        "<figure class=\"{} drawing\">\n<div class=\"paper\" role=\"img\" aria-label=\"{}\" style=\"--wide: "
+        "{}px\">{}</div>\n{}</figure>\n",
+        ClassOf(picture.width), alt, file.width_px, file.drawing, Element("figcaption", picture.caption));
   const std::string element =
       file.IsVideo()
           ? fmt::format("<video controls muted playsinline aria-label=\"{}\" src=\"{}\"></video>", alt, file.data_uri)
           : fmt::format("<img alt=\"{}\" src=\"{}\">", alt, file.data_uri);
-  return fmt::format("<figure class=\"{}{}\">{}\n{}</figure>\n", ClassOf(picture.width),
-                     file.IsDrawing() ? " drawing" : "", element, Element("figcaption", picture.caption));
+  return fmt::format("<figure class=\"{}\">{}\n{}</figure>\n", ClassOf(picture.width), element,
+                     Element("figcaption", picture.caption));
 }
 
 // The figure of both kinds of charts; page/charts.js draws the data in its script element on its canvas.

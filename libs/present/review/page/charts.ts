@@ -205,7 +205,8 @@ export class Timeline extends Strip {
 
   private drawTicks(context: CanvasRenderingContext2D): void {
     const below = this.lanes.length * LANE;
-    let free = 0; // labels do not cover each other
+    const circles = this.ticks.map((tick) => this.x(tick.row));
+    let free = 0; // labels cover neither each other nor circles
     this.ticks.forEach((tick, index) => {
       const isHeld = this.held?.tick === index;
       const x = this.x(isHeld ? this.held!.row : tick.row), width = context.measureText(tick.label).width;
@@ -217,7 +218,7 @@ export class Timeline extends Strip {
       context.arc(x, below + 9, 4, 0, 2 * Math.PI);
       if (tick.moved) context.fill();
       context.stroke();
-      if (x < free) return;
+      if (x < free || circles.some((other) => other > x && other < x + width + 13)) return;
       context.fillText(tick.label, Math.min(x + 7, this.canvas.clientWidth - width), below + 10);
       free = x + width + 13;
     });

@@ -43,7 +43,7 @@ export class LinkageView {
 
   /** All that these poses need. */
   fit(poses: PoseMessage[]): void {
-    const places = poses.flatMap((pose) => [...PINS.map((pin) => pose[pin]), pose.elbow]).concat([[40, 60], [-40, -120]]);
+    const places = poses.flatMap((pose) => PINS.map((pin) => pose[pin])).concat([[40, 60], [-40, -120]]);
     const [xs, ys] = [0, 1].map((axis) => places.map((place) => place[axis]));
     const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
     this.centre = [(left + right) / 2, (low + high) / 2];
@@ -135,7 +135,7 @@ export class LinkageView {
 
   private drawLinkage(context: CanvasRenderingContext2D, pose: PoseMessage): void {
     const knee: Place = [0, 0];
-    this.drawBar(context, [knee, pose.elbow, pose.mount], "--l3", WIDTH);
+    this.drawPlate(context, [knee, pose.mount, pose.thigh_pin], "--l3", WIDTH);
     this.drawBar(context, [knee, pose.shank_pin], "--l4", WIDTH);
     this.drawBar(context, [pose.mount, pose.tip], "--quiet", WIDTH / 2);
     const [m, r] = [pose.mount, pose.tip];
@@ -152,6 +152,13 @@ export class LinkageView {
     context.beginPath();
     for (const { x, y } of places.map((place) => this.toScreen(place))) context.lineTo(x, y);
     context.stroke();
+  }
+
+  /** As it is cut: round about its pins. */
+  private drawPlate(context: CanvasRenderingContext2D, pins: Place[], colour: string, width: number): void {
+    this.drawBar(context, [...pins, pins[0]], colour, width);
+    context.fillStyle = colourOf(colour);
+    context.fill();
   }
 
   private drawPin(context: CanvasRenderingContext2D, place: Place, name: string, isMovable: boolean): void {

@@ -162,7 +162,6 @@ export type PinName = "thigh_pin" | "tip" | "shank_pin" | "mount";
 export type Place = [number, number];
 
 export type PoseMessage = { [pin in PinName]: Place } & {
-  elbow: Place; // where the mount's arm leaves the thigh's axis
   thigh: Place; // from knee to hip, of length 1
 };
 
@@ -184,7 +183,7 @@ export interface CheckMessage {
   name: string;
   unit: string;
   is_lower_limit: boolean;
-  limit: number;
+  limit: number | null; // null: there is none
   value: number | null; // null: it cannot be evaluated
   slack: number | null; // to the limit, negative where it fails
   holds: boolean;

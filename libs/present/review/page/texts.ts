@@ -146,11 +146,13 @@ export const TEXTS = {
     if (!asked) return `${capitalised(name)}: ${shown}`;
     // The order of two links says its limit by its name.
     if (name.includes("<=")) return `${name.replace("<=", "≤")}${value === null ? `: ${shown}` : ""}`;
-    return `${capitalised(name)} ${is_lower_limit ? "≥" : "≤"} ${withUnit(limit, unit)}: ${shown}`;
+    return `${capitalised(name)} ${is_lower_limit ? "≥" : "≤"} ${withUnit(limit!, unit)}: ${shown}`;
   },
-  slack: ({ slack, holds, unit, asked, limit }: CheckMessage) =>
-    slack === null ? ""
-    : !asked ? `not asked${holds ? "" : `; it takes ${withUnit(limit, unit)}`}`
+  slack: ({ slack, holds, unit, asked, limit, is_lower_limit }: CheckMessage) =>
+    !asked && limit === null ? (holds ? "" : "cannot be evaluated")
+    : slack === null ? ""
+    : !asked && !is_lower_limit ? `${holds ? "within" : "above"} the ${withUnit(limit!, unit)} of the design`
+    : !asked ? `not asked${holds ? "" : `; it takes ${withUnit(limit!, unit)}`}`
     : !holds ? `fails by ${withUnit(-slack, unit)}`
     : slack < 0.005 ? "at its limit" : `${withUnit(slack, unit)} to spare`,
   worst: ({ worst }: CheckMessage) =>

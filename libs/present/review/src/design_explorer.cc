@@ -85,8 +85,6 @@ Json PoseJson(const std::optional<Pose>& pose) {
           {"tip", PlaceJson(thigh.ToPicture(pose->tip))},
           {"shank_pin", PlaceJson(thigh.ToPicture(pose->shank_pin))},
           {"mount", PlaceJson(thigh.ToPicture(pose->mount))},
-          // Where the mount's arm leaves the thigh's axis.
-          {"elbow", PlaceJson(thigh.ToPicture({0, pose->mount.y()}))},
           {"thigh", PlaceJson(thigh.up)}};
 }
 
@@ -167,6 +165,30 @@ Json WearJson(const Links& links, const problem::SynthesisProblem& problem) {
     checks.push_back(NotAskedJson("actuator's clearance to the shank", "mm", check.shank_clearance_mm, 0,
                                   at(check.shank_clearance_deg)));
   checks.push_back(NotAskedJson("mount to hip", "mm", check.mount_below_hip_mm, 0));
+  return checks;
+}
+
+// Where a person's motion is known.
+Json MotionJson(const Links& links, const ExploredDesign& explored) {
+  Json checks = Json::array();
+  if (!explored.in_motion) return checks;
+  const std::optional<InMotion> motion = explored.in_motion(links);
+  const auto upper = [](const char* name, const char* unit, double value, std::optional<double> most) -> Json {
+    constexpr double kRounding = 1e-3;
+    const double limit = most.value_or(kNaN);
+    return {{"name", name},
+            {"unit", unit},
+            {"is_lower_limit", false},
+            {"limit", Rounded(limit)},
+            {"value", Rounded(value)},
+            {"slack", Rounded(limit - value)},
+            {"holds", std::isfinite(value) && !(value > limit * (1 + kRounding))},
+            {"asked", false},
+            {"worst", Json()}};
+  };
+  checks.push_back(upper("misalignment at the saved knee angles", "%", motion ? motion->misalignment_percent : kNaN,
+                         explored.max_misalignment_percent));
+  checks.push_back(upper("rise at the saved knee angles", "s", motion ? motion->rise_s : kNaN, explored.max_rise_s));
   return checks;
 }
 
@@ -260,7 +282,8 @@ Json DesignExplorer::ChecksJson(const Links& links, bool of_builds) const {
     if (values[i] < bound.lower - problem::kHoldsTo) checks.push_back(BoundJson(i, values[i], bound.lower, true));
     if (values[i] > bound.upper + problem::kHoldsTo) checks.push_back(BoundJson(i, values[i], bound.upper, false));
   }
-  for (const Json& check : WearJson(links, explored_.problem)) checks.push_back(check);
+  for (const Json& more : {WearJson(links, explored_.problem), MotionJson(links, explored_)})
+    checks.insert(checks.end(), more.begin(), more.end());
   return {{"range_deg", Rounded(evaluation.range_deg)},
           {"stands", evaluation.stands_mm ? Rounded(*evaluation.stands_mm) : Json()},
           {"gap", evaluation.gap},

@@ -176,19 +176,10 @@ Section DifferencesSection(const std::vector<DifferenceRow>& rows) {
   return {"Differences", {std::move(table)}};
 }
 
-// How much an ICC of so few means. Some 18 participants with two measurements each tell an ICC of 0.9 from one of 0.7
-// (one-sided 5 %, power 80 %, Walter, Eliasziw & Donner 1998,
-// doi 10.1002/(SICI)1097-0258(19980115)17:1<101::AID-SIM727>3.0.CO;2-E).
 std::string EnoughText(const std::vector<ReliabilityRow>& rows) {
-  constexpr int kEnough = 18;
-  int fewest = kEnough;
-  for (const ReliabilityRow& row : rows) fewest = std::min(fewest, static_cast<int>(row.squares.targets));
-  if (fewest >= kEnough) return "";
-  return fmt::format(
-      "With {} participants an ICC means nothing yet: its interval holds nearly every value. It takes about {} with "
-      "two "
-      "measurements each to tell an ICC of 0.9 from one of 0.7 (Walter, Eliasziw & Donner 1998).",
-      fewest, kEnough);
+  std::size_t fewest = SIZE_MAX;
+  for (const ReliabilityRow& row : rows) fewest = std::min(fewest, static_cast<std::size_t>(row.squares.targets));
+  return IccCaution(fewest);
 }
 
 Section ReliabilitySection(const std::vector<ReliabilityRow>& rows) {

@@ -178,6 +178,15 @@ std::vector<OutlierRow> OutliersOf(const GroupData& group) {
   return rows;
 }
 
+std::string IccCaution(std::size_t participants) {
+  constexpr std::size_t kEnough = 18;
+  if (participants >= kEnough) return "";
+  return fmt::format(
+      "With {} participants an ICC means nothing yet: its interval holds nearly every value. It takes about {} with "
+      "two measurements each to tell an ICC of 0.9 from one of 0.7 (Walter, Eliasziw & Donner 1998).",
+      participants, kEnough);
+}
+
 std::vector<CurveRow> CurvesOf(const GroupData& group) {
   std::vector<CurveRow> rows;
   std::map<std::pair<std::string, std::string>, std::map<std::string, std::vector<const Curve*>>> by;

@@ -1,4 +1,4 @@
-#include "design_review.h"
+#include "lake/reviewing/design_review.h"
 
 #include <fmt/ranges.h>
 
@@ -13,6 +13,7 @@
 
 #include "lake/commands/optimize.h"
 #include "lake/commands/simulate.h"
+#include "lake/compare/comparison_file.h"
 #include "lake/core/child_program.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -21,6 +22,7 @@
 #include "lake/core/shell_word.h"
 #include "lake/core/yaml.h"
 #include "lake/problem/problem_file.h"
+#include "lake/redesign/redesign_outcome.h"
 #include "result_inputs.h"
 #include "study_review.h"
 
@@ -116,6 +118,56 @@ void TakeClearances(const Json& summary, problem::SynthesisProblem& problem) {
   problem.parts.actuator_diameter_mm = used.value("actuator_diameter_mm", problem.parts.actuator_diameter_mm);
 }
 
+// The comparison that a design was made for; empty: none, or one of each of several people.
+fs::path ComparisonOf(const Folder& folder, const commands::ReoptimizeRunOptions& motion) {
+  if (motion.comparisons.size() == 1) return motion.comparisons.front();
+  const fs::path beside = folder.path / ".." / "comparison";
+  return motion.comparisons.empty() && folder.IsOfStudy() && fs::exists(beside) ? beside : fs::path();
+}
+
+// Through these knee angles, as far as the links reach them; nothing if they cannot be assembled.
+std::optional<review::InMotion> ThroughAngles(const redesign::RedesignProblem& problem, const compare::StsCurve& human,
+                                              const std::vector<double>& knee_rad, linkage::Design design) {
+  const auto strokes = redesign::StrokesForAngles(problem.Driven(design.links), knee_rad);
+  if (!strokes) return std::nullopt;
+  const double rise_s = redesign::TrackingTime(*strokes, problem.program.max_speed_mm_s);
+  design.d_max_mm.reset();
+  design.program = linkage::StrokeProgram{
+      .kind = linkage::StrokeProgram::Kind::kFree, .speed_mm_s = problem.program.max_speed_mm_s, .knots = {}};
+  for (std::size_t i = 0; i < strokes->size(); ++i)
+    design.program->knots.push_back(
+        {rise_s * static_cast<double>(i) / static_cast<double>(strokes->size() - 1), (*strokes)[i]});
+  const redesign::DesignInMotion driven = redesign::PutInMotion(problem, human, design);
+  if (!driven.misalignment) return std::nullopt;
+  return review::InMotion{100 * driven.misalignment->metrics.relative_rms, rise_s};
+}
+
+void TakeMotion(const Folder& folder, const commands::ReoptimizeRunOptions& motion, review::ExploredDesign& explored) {
+  const fs::path comparison = ComparisonOf(folder, motion);
+  redesign::DesignInMotion saved;
+  redesign::RedesignProblem problem;
+  compare::StsCurve human;
+  if (!comparison.empty()) {
+    human = compare::ReadComparison(comparison).human;
+    problem.design = explored.problem;
+    problem.program = motion.program;
+    problem.human = redesign::MakeHumanMotion(human);
+    saved = redesign::PutInMotion(problem, human, explored.design);
+  }
+  if (!saved.prediction) {
+    explored.notes.push_back(
+        "the misalignment with the person's motion is not evaluated here: lake optimize and lake compare do that");
+    return;
+  }
+  explored.max_misalignment_percent = motion.max_misalignment_percent;
+  explored.max_rise_s = explored.problem.duration_s;
+  explored.in_motion = [problem, human, saved](const linkage::Links& links) {
+    linkage::Design design = saved.design;
+    design.links = links;
+    return ThroughAngles(problem, human, saved.prediction->theta_rad, design);
+  };
+}
+
 // Limits as lake-optimize had them.
 void TakeLimits(const Folder& folder, DesignSubject& subject) {
   commands::OptimizeRunOptions options;
@@ -138,9 +190,9 @@ void TakeLimits(const Folder& folder, DesignSubject& subject) {
   subject.explored.limits = fmt::format("the limits of {}", folder.path.string());
   if (!has_motion) return;
   folder.Give(said, motion_list);
+  motion_list.Apply();
   AddWords(motion_list, subject.limit_words);
-  subject.explored.notes.push_back(
-      "the misalignment with the person's motion is not evaluated here: lake optimize and lake compare do that");
+  TakeMotion(folder, motion, subject.explored);
 }
 
 linkage::Design DesignOfSimulation(const Folder& folder) {

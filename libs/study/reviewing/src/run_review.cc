@@ -5,11 +5,11 @@
 #include <memory>
 
 #include "comparison_review.h"
-#include "design_review.h"
 #include "lake/core/child_program.h"
 #include "lake/core/error.h"
 #include "lake/core/standard_output.h"
 #include "lake/review/review.h"
+#include "lake/reviewing/design_review.h"
 #include "naming_review.h"
 #include "result_inputs.h"
 #include "study_review.h"

@@ -16,6 +16,8 @@ inline constexpr const char* kWaist = "#D55E00";
 inline constexpr const char* kOther = "#2E8BC0";
 inline constexpr const char* kFronts[] = {"#555555", kHip, kWaist};  // Pareto fronts of the stroke programs
 inline constexpr const char* kGap = "#DDDDDD";
+inline constexpr const char* kGrid = "#E4E4E4";
+inline constexpr const char* kGuide = "#767676";  // thin lines to read by: no paler, or they are not seen
 inline constexpr const char* kText = "#222222";
 }  // namespace colour
 

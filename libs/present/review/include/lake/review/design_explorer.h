@@ -5,6 +5,8 @@
 // knee.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,13 @@
 
 namespace lake::review {
 
+// What links do in the motion of a person that a design was made for, at the knee angles of the design's own stroke
+// program, as far as they reach these.
+struct InMotion {
+  double misalignment_percent = 0;  // RMS, of the shank length
+  double rise_s = 0;                // the shortest
+};
+
 struct ExploredDesign {
   std::string name;                   // for the page
   linkage::Design design;             // as it was saved
@@ -21,6 +30,9 @@ struct ExploredDesign {
                                       // design's placement
   std::string limits;                 // where they are from, one phrase
   std::vector<std::string> notes;     // what a reader must know
+  // Absent: no motion is known. Gives nothing for links that cannot be assembled.
+  std::function<std::optional<InMotion>(const linkage::Links&)> in_motion{};
+  std::optional<double> max_misalignment_percent{}, max_rise_s{};  // that the design was made for
 };
 
 // Keeps nothing of what it was asked before, so that several windows may ask.

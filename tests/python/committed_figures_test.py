@@ -1,0 +1,96 @@
+"""Pictures that are kept in the tree are those that the programs draw today.
+
+Run as a program (LAKE: the program `lake`), it draws them anew where they are kept."""
+import functools
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SAMPLE = ROOT / "data/sts-study"
+PROBLEMS = ROOT / "calibration/problems"
+_kept = tempfile.TemporaryDirectory()
+OUT = pathlib.Path(_kept.name)
+
+
+def run(*words):
+    subprocess.run([os.environ.get("LAKE", "lake"), *map(str, words), "--quiet"], check=True, stdout=subprocess.DEVNULL)
+
+
+@functools.lru_cache(maxsize=None)
+def study():
+    run("run", SAMPLE / "study.yaml", "-o", OUT / "study")
+    return OUT / "study"
+
+
+@functools.lru_cache(maxsize=None)
+def published():
+    links = "59.081,68.840,55.964,71.849,118.630,287.310"
+    run("simulate", "--links", links, "--angles", "70", "--no-animation", "-o", OUT / "published")
+    return OUT / "published"
+
+
+@functools.lru_cache(maxsize=None)
+def with_margins():
+    run("optimize", "--grashof-margin", 2, "--singularity-margin", 2, "--yield", 0.1, "-o", OUT / "margins")
+    return OUT / "margins"
+
+
+def actuators():
+    run("optimize", "--problem", PROBLEMS / "buildable.yaml", "--profile", study() / "loads", "--actuators",
+        ROOT / "calibration/actuators.csv", "-o", OUT / "actuators")
+    return OUT / "actuators"
+
+
+def story():
+    subprocess.run([sys.executable, ROOT / "libs/present/manual/story.py", study(), OUT / "story.png"], check=True, stdout=subprocess.DEVNULL)
+    return OUT / "story.png"
+
+
+FIGURES = {
+    "data/sts-study/human-track.png": lambda: study() / "human/track.png",
+    "libs/measure/loads/sample-study.png": lambda: study() / "loads/loads.png",
+    "libs/present/drawing/published-design-70.png": lambda: published() / "pose_70.png",
+    "libs/design/linkage/linkage.svg": lambda: published() / "schematic.svg",
+    "data/paper/margin.png": lambda: with_margins() / "margin.png",
+    "data/paper/sensitivity.png": lambda: with_margins() / "sensitivity.png",
+    "libs/design/synthesis/actuators-front.png": lambda: actuators() / "actuators_front.png",
+    "libs/present/manual/story.png": story,
+}
+
+
+class CommittedFigures(unittest.TestCase):
+    def test_each_picture_of_the_tree_is_known_here(self):
+        listed = subprocess.run(["git", "-C", ROOT, "ls-files", "*.png", "*.svg", "*.gif", "*.jpg"], capture_output=True, text=True)
+        if listed.returncode != 0:
+            self.skipTest("the sources are no git repository")
+        pictures = {name for name in listed.stdout.split() if not name.startswith("data/pages/")}  # a record of a day
+        self.assertEqual(pictures - set(FIGURES), set())
+
+    def test_they_are_as_drawn_today(self):
+        try:
+            import matplotlib.image
+            import numpy
+        except ImportError as missing:
+            self.skipTest(f"{missing.name} is not installed (python3-matplotlib)")
+        for name, draw in FIGURES.items():
+            with self.subTest(name):
+                kept, drawn = ROOT / name, draw()
+                if kept.suffix == ".svg":
+                    self.assertEqual(kept.read_text(), drawn.read_text())
+                    continue
+                a, b = (matplotlib.image.imread(path)[..., :3] for path in (kept, drawn))
+                self.assertEqual(a.shape, b.shape)
+                # A solver on another machine moves a curve by less than a px; a word, a number or a colour is more.
+                differing = (numpy.abs(a - b).max(axis=2) > 0.3).mean()
+                self.assertLess(differing, 0.0005, "draw it again: LAKE=build/test/bin/lake python3 tests/python/committed_figures_test.py")
+
+
+if __name__ == "__main__":
+    for figure, draw_it in FIGURES.items():
+        shutil.copyfile(draw_it(), ROOT / figure)
+        print(figure)
