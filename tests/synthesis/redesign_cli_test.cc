@@ -259,6 +259,7 @@ TEST_F(LakeRedesign, WrongInputIsOneLineAndNothingIsWritten) {
       {comparison + "--knots 5", 2, "--knots"},
       {comparison + "--pareto 1", 2, "--pareto"},
       {comparison + "--balance 20", 2, "give --body loads.json"},
+      {comparison + "--hold-force 50", 2, "are of balance: give --body loads.json"},
       {comparison + "--balance=-1", 2, "--balance"},
       {comparison + "--max-angle-mismatch 0", 2, "--max-angle-mismatch"},
       {comparison + "--misalignment both", 2, "--misalignment"},
