@@ -199,9 +199,10 @@ Section MethodSection() {
               "together: an offset constant in the shank's frame, a monotone piecewise linear registration of time "
               "with 9 knots, and the rest; a share is the part's projection on the distance vector over its mean "
               "square, so the shares add up to 100 % and a small one can be negative. Spikes are samples at which the "
-              "distance vector leaves its own smooth course by more than 5 median absolute deviations. Intervals are "
-              "95 % bootstrap intervals over repetitions, marker noise and the uncertainty of marker re-placement; "
-              "those of the shares are of the shares without noise, which the measured shape has in it."}}};
+              "distance vector leaves its own smooth course by more than 5 median absolute deviations. Intervals hold "
+              "95 %, by draws of the repetitions (few of them are moderated by how people vary), of the events' times, "
+              "of marker noise and of marker re-placement; those of the shares are of the shares without noise, which "
+              "the measured shape has in it."}}};
 }
 
 }  // namespace
