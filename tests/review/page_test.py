@@ -722,6 +722,7 @@ class ReviewPage(unittest.TestCase):
                      "Actuator's clearance to the shank: "):
             line, = [line for line in unasked if line.startswith(need)]
             self.assertIn("not asked", line)
+            self.assertRegex(line, r": −?\d+(\.\d{1,2})?( mm|°)", "no finer than a workshop works")
 
     def test_builds_within_a_tolerance_follow(self):
         self.trial.mkdir()

@@ -9,7 +9,8 @@ const EVENTS: { [event: string]: string } = {
   seated: "seated",
 };
 
-const short = (value: number) => String(Number(value.toPrecision(4)));
+// No finer than a workshop works.
+const short = (value: number) => String(Number(value.toFixed(Math.abs(value) < 10 ? 2 : 1))).replace("-", "−");
 const fixed = (value: number | null, digits: number) => (value === null ? "–" : value.toFixed(digits));
 
 const capitalised = (name: string) => (/^l\d/.test(name) ? name : name[0].toUpperCase() + name.slice(1));
