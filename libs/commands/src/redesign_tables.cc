@@ -8,6 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/redesign/redesign_outcome.h"
 #include "optimum_tables.h"
 #include "program_table.h"
@@ -322,9 +323,10 @@ std::string BuildText(const redesign::RedesignOutcome& outcome) {
   text += ".";
   if (const auto& range = outcome.placement_range)
     text += fmt::format(
-        " With the stroke program adapted, a joint {:.0f} to {:.0f} mm in front of the knee, or {:.0f} to {:.0f} mm "
-        "above it, keeps the misalignment within {:.1f} %.",
-        range->x_mm.lower, range->x_mm.upper, range->y_mm.lower, range->y_mm.upper, range->within_percent);
+        " With the stroke program adapted, a joint {} to {} mm in front of the knee, or {} to {} mm above it, keeps "
+        "the misalignment within {:.1f} %.",
+        RoundedText(range->x_mm.lower, 0), RoundedText(range->x_mm.upper, 0), RoundedText(range->y_mm.lower, 0),
+        RoundedText(range->y_mm.upper, 0), range->within_percent);
   if (outcome.range_at_knee_deg)
     text += fmt::format(" With the joint on the knee the range would be {:.1f}°.", *outcome.range_at_knee_deg);
   return text;

@@ -237,7 +237,7 @@ std::string NextText(const StudyResults& results) {
          "check the prediction (lake compare, lake stroke --validate).";
 }
 
-KeyFigures RedesignFigures(const Json& redesign) {
+KeyFigures RedesignFigures(const Json& redesign, const Way& way) {
   const auto figure = [&](const char* label, const char* key, const char* unit) {
     const double worn = NumberOrNaN(redesign.at("before").at(key));
     return KeyFigure{label,
@@ -247,9 +247,12 @@ KeyFigures RedesignFigures(const Json& redesign) {
                      std::nullopt,
                      std::isnan(worn) ? "" : fmt::format("worn: {}", Quantity(worn, unit))};
   };
-  return {{figure("misalignment, predicted RMS", "misalignment_percent", "%"),
-           figure("time for a rise", "program_duration_s", "s"), figure("range of rotation", "range_deg", "°"),
-           figure("knee angle error, RMS", "knee_rmse_deg", "°")}};
+  KeyFigure misalignment = figure("misalignment, predicted RMS", "misalignment_percent", "%");
+  if (const Uncertain& of = way.misalignment_percent; of.IsKnown())
+    misalignment.note += fmt::format("{}95 %: {} to {} %", misalignment.note.empty() ? "" : "; ", NumberText(of.low, 1),
+                                     NumberText(of.high, 1));
+  return {{std::move(misalignment), figure("time for a rise", "program_duration_s", "s"),
+           figure("range of rotation", "range_deg", "°"), figure("knee angle error, RMS", "knee_rmse_deg", "°")}};
 }
 
 Files BuildFiles(const StudyResults& results) {
@@ -311,10 +314,11 @@ Section DetailsChapter(const StudyFile& study, const StudyResults& results) {
   add("What another program would give", OtherProgramText(redesign));
   if (results.Has("loads")) add("Can a person follow it", BalanceText(results, redesign));
   add("What to build for new links", BuildText(results, redesign));
-  add("What they give, what they cost", CostText(results, redesign, WaysOf(study, results).back()));
+  const Way way = WaysOf(study, results).back();
+  add("What they give, what they cost", CostText(results, redesign, way));
   add("How sure it is", SureText(results, redesign));
   add("What next", NextText(results));
-  return {"Why, and how sure", {RedesignFigures(redesign), std::move(answers), BuildFiles(results)}};
+  return {"Why, and how sure", {RedesignFigures(redesign, way), std::move(answers), BuildFiles(results)}};
 }
 
 }  // namespace lake::study
