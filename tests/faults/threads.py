@@ -31,7 +31,7 @@ def comparable(files):
         if base == "summary.json":
             summary = without(json.loads(content), ("command", "threads", "seconds"))
             content = json.dumps(summary).encode()
-        if base == "report.html":
+        if base in ("report.html", "sit_to_stand.html"):
             content = b"\n".join(line for line in content.splitlines() if b"--threads" not in line and b">option threads<" not in line)
         if not base.endswith((".lake-files.json", ".lake-step.json")):
             kept[name] = content

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "lake/core/colours.h"
+#include "lake/core/csv.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/linkage/design_file.h"
 #include "lake/report/misalignment_sections.h"
@@ -257,13 +258,20 @@ std::string UncertainPercent(const Uncertain& percent) {
 }
 
 Vector2d PlacementHalfWidth(const StudyResults& results) {
+  constexpr double kNormal = 1.959964;
   Vector2d half_width = Vector2d::Constant(std::nan(""));
   if (!results.Has("comparison")) return half_width;
-  const Json decomposition = results.Summary("comparison").at("decomposition");
-  const Json intervals = decomposition.value("offset_interval_mm", Json());
-  if (!intervals.is_array()) return half_width;
-  for (const int axis : {0, 1})
-    half_width[axis] = (NumberOrNaN(intervals.at(axis).at(1)) - NumberOrNaN(intervals.at(axis).at(0))) / 2;
+  const Json comparison = results.Summary("comparison");
+  const Json uncertainty = comparison.value("uncertainty", Json::object()),
+             intervals = comparison.at("decomposition").value("offset_interval_mm", Json());
+  const double replaced_mm = ParseNumber(comparison.at("options").at("replacement-sd").get<std::string>()).value_or(0);
+  for (const std::size_t axis : {0, 1}) {
+    const char* quantity = axis == 0 ? "joint_offset_x_mm" : "joint_offset_y_mm";
+    if (uncertainty.contains(quantity))
+      half_width[axis] = kNormal * std::hypot(NumberOrNaN(uncertainty[quantity].at("marker_sd")), replaced_mm);
+    else if (intervals.is_array())
+      half_width[axis] = (NumberOrNaN(intervals.at(axis).at(1)) - NumberOrNaN(intervals.at(axis).at(0))) / 2;
+  }
   return half_width;
 }
 

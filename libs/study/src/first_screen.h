@@ -17,8 +17,9 @@ namespace lake::study {
 // "2.6 % (2.6–4.0)", rounded to the interval.
 std::string UncertainPercent(const report::Uncertain& percent);
 
-// How well it is known where the joint is against the knee, half of the 95 % interval along x and y of the shank, mm;
-// markers are put back within some millimetres. NaN without a comparison.
+// How well it is known where the joint is against the knee, half of the 95 % interval along x and y of the shank, mm:
+// where one trial shows both, by their markers and how well these are put back; else by the offset between the trials.
+// NaN without a comparison.
 Eigen::Vector2d PlacementHalfWidth(const StudyResults& results);
 
 // One way to wear an exoskeleton: as it was worn, repaired, or built anew.
