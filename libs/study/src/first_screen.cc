@@ -104,6 +104,7 @@ Way JointMoved(const StudyFile& study, const StudyResults& results, const Json& 
           .misalignment_percent = PredictedPercent(results, moved),
           .rise_s = NumberOrNaN(moved.at("program_duration_s")),
           .build = move.empty() ? "–" : "mount " + move,
+          .mends_joint = !move.empty(),
           .on_body = WornOnBody(study, results, PlacementOf(moved))};
 }
 
@@ -164,10 +165,13 @@ std::string SideOf(const StudyResults& results) {
   return fmt::format("{}", fmt::join(sides, " and "));
 }
 
-// The cheapest way whose misalignment lies below the worn one's interval.
+// The cheapest way that helps for certain: its misalignment lies below the worn one's interval, which holds how rises
+// differ; or, in the trial that shows it, the joint that it moves is off the knee.
 const Way* FirstToTry(const std::vector<Way>& ways) {
+  const Uncertain& worn = ways.front().misalignment_percent;
   for (const Way& way : ways)
-    if (&way != &ways.front() && way.misalignment_percent.value < ways.front().misalignment_percent.low) return &way;
+    if (&way != &ways.front() && way.misalignment_percent.value < (way.mends_joint ? worn.value : worn.low))
+      return &way;
   return nullptr;
 }
 

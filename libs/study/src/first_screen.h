@@ -30,6 +30,7 @@ struct Way {
   std::string build;                            // what has to be built for it
   bool misalignment_is_limit = false;           // asked for in the study file, and reached
   bool time_is_limit = false;                   // likewise
+  bool mends_joint = false;                     // moves a joint that is known to be off the knee
   std::optional<linkage::WearCheck> on_body{};  // absent: not known
 };
 // As worn, with the joint moved, new; those that there are.

@@ -26,7 +26,7 @@ constexpr BeforeAfterRow kRows[] = {
     {"part_placement", "placement share (%)", "share", 100},
     {"part_timing", "timing share (%)", "share", 100},
     {"part_shape", "shape share (%)", "share", 100},
-    {"joint_misalignment_rms_mm", "joint misalignment, RMS (mm)", "mm"},
+    {"joint_misalignment_rms_mm", "joint misalignment, RMS (mm)", "joint"},
     {"knee_rmse_deg", "knee angle, RMS from the human's (°)", "°"},
     {"angle_mismatch_max_deg", "knee angle, largest difference from the human's (°)", "°"},
     {"balance_margin_mm", "centre of pressure inside the foot, least (mm; negative: outside)", "mm"},
