@@ -77,6 +77,7 @@ std::vector<fs::path> MarkerFilesOf(const fs::path& path) {
 
 PointRecording ReadMarkerFiles(const std::vector<fs::path>& paths, double mm_per_unit, double rate_hz) {
   std::vector<PointRecording> files;
+  files.reserve(paths.size());
   for (const fs::path& path : paths) files.push_back(ReadOne(path, mm_per_unit, rate_hz));
   const double interval_s = FrameInterval(files);
   PointRecording merged = files.front();
