@@ -114,7 +114,7 @@ TEST(SitToStand, TableHasARowARiseAndTheTest) {
   std::erase_if(fit.events, [](const motion::StsEvent& e) {
     return e.repetition == 2 && e.kind == motion::StsEventKind::kStanding;
   });
-  gait::WriteSitToStandCsv(folder / "sit_to_stand.csv", fit);
+  gait::WriteSitToStandCsv(folder / "sit_to_stand.csv", gait::MeasureSitToStands(fit), fit.motion.unit);
   const CsvTable table = CsvTable::Read(folder / "sit_to_stand.csv");
   ASSERT_EQ(table.Rows(), 3u);
   EXPECT_THAT(ReadTextFile(folder / "sit_to_stand.csv"),
@@ -131,7 +131,7 @@ TEST(SitToStand, TableHasARowARiseAndTheTest) {
 TEST(SitToStand, TableTellsTheEventsDeviations) {
   const TemporaryFolder folder;
   gait::LegFitResult fit = Fit(MakeSyntheticLeg({.rate_hz = 50, .repetitions = 2}), {}, 3);
-  gait::WriteSitToStandCsv(folder / "sit_to_stand.csv", fit);
+  gait::WriteSitToStandCsv(folder / "sit_to_stand.csv", gait::MeasureSitToStands(fit), fit.motion.unit);
   std::vector<motion::StsEvent> read = fit.events;
   for (motion::StsEvent& event : read) event.sd_s = NAN;
   read[0].time_s += 0.5;  // corrected by hand
@@ -156,7 +156,7 @@ TEST(SitToStand, WithoutAScaleThereIsNoPower) {
   gait::LegFitOptions options;
   const gait::LegFitResult fit = gait::FitLeg(tracks, view, options);
   const TemporaryFolder folder;
-  gait::WriteSitToStandCsv(folder / "sit_to_stand.csv", fit);
+  gait::WriteSitToStandCsv(folder / "sit_to_stand.csv", gait::MeasureSitToStands(fit), fit.motion.unit);
   const CsvTable table = CsvTable::Read(folder / "sit_to_stand.csv");
   EXPECT_TRUE(table.Number(0, table.Column("hip_rise_px")));
   EXPECT_FALSE(table.Number(0, table.Column("power_w_kg")));

@@ -17,8 +17,7 @@ using gait::Measured;
 using gait::SitToStand;
 using namespace report;
 
-constexpr std::size_t kMostRises = 10;     // that a table shows beside each other
-constexpr std::size_t kMostPoints = 2000;  // of a curve
+constexpr std::size_t kMostRises = 10;  // that a table shows beside each other
 
 // To two significant digits of the standard deviation, three decimals at most.
 std::string Text(const Measured& measured) {
@@ -81,7 +80,7 @@ Table RisesTable(const std::vector<SitToStand>& rows, motion::LengthUnit unit) {
 
 LineChart AnglesChart(const motion::LegMotion& leg, const std::vector<SitToStand>& rows) {
   Series knee{.name = "knee"}, hip{.name = "hip", .mark = Mark::kDashed}, trunk{.name = "trunk", .mark = Mark::kDotted};
-  for (std::size_t i = 0; i < leg.samples.size(); i += 1 + leg.samples.size() / kMostPoints) {
+  for (std::size_t i = 0; i < leg.samples.size(); i += ChartStep(leg.samples.size())) {
     const motion::LegSample& sample = leg.samples[i];
     for (Series* series : {&knee, &hip, &trunk}) series->x.push_back(leg.time_s[i]);
     knee.y.push_back(sample.knee_deg);
@@ -131,8 +130,8 @@ void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& row
 
 void WriteSitToStands(const gait::LegFitResult& leg, std::optional<double> age_years, Json& results, Run& run) {
   const std::vector<SitToStand> rows = gait::MeasureSitToStands(leg);
-  gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), leg);
-  results["five_times"] = gait::FiveTimesJson(leg, age_years);
+  gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), rows, leg.motion.unit);
+  results["five_times"] = gait::FiveTimesJson(rows.back().five_times_s, age_years);
   WritePage(leg, rows, results["five_times"], run);
 }
 

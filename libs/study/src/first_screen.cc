@@ -21,11 +21,13 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector2d;
 
+constexpr double kNormal = 1.959964;  // quantile of 97.5 %
+
 // A joint that is put where it was found to be misplaced sits within `half_width` (95 %, each axis) of where it should
 // be, so that the mean square of what is left grows by the square of that distance: 7.378 SD² at 97.5 %, the quantile
 // of chi squared with two degrees of freedom.
 Uncertain PutInPlace(double percent, const Vector2d& half_width_mm, double shank_mm) {
-  constexpr double kNormal = 1.959964, kChiSquared = 7.377759;
+  constexpr double kChiSquared = 7.377759;
   const double sd_mm = half_width_mm.norm() / std::sqrt(2.0) / kNormal;
   return {percent, percent, std::hypot(percent, 100 * std::sqrt(kChiSquared) * sd_mm / shank_mm)};
 }
@@ -262,7 +264,6 @@ std::string UncertainPercent(const Uncertain& percent) {
 }
 
 Vector2d PlacementHalfWidth(const StudyResults& results) {
-  constexpr double kNormal = 1.959964;
   Vector2d half_width = Vector2d::Constant(std::nan(""));
   if (!results.Has("comparison")) return half_width;
   const Json comparison = results.Summary("comparison");

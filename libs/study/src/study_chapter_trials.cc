@@ -104,9 +104,7 @@ void AddRises(const std::vector<motion::StsEvent>& events, LineChart& chart) {
         chart.intervals.push_back({onset.time_s, standing.time_s, fmt::format("rise {}", onset.repetition)});
 }
 
-// Of a long recording every so manieth frame: a page has some two thousand px.
 LineChart KneeChart(const fs::path& folder, const TrialNames& names) {
-  constexpr std::size_t kMostPoints = 2000;
   const motion::LegMotion motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   LineChart chart;
   chart.title = fmt::format("Knee angle, {}", names.what);
@@ -117,7 +115,7 @@ LineChart KneeChart(const fs::path& folder, const TrialNames& names) {
   Series knee;
   knee.name = "knee";
   knee.colour = names.colour;
-  for (std::size_t i = 0; i < motion.samples.size(); i += 1 + motion.samples.size() / kMostPoints) {
+  for (std::size_t i = 0; i < motion.samples.size(); i += ChartStep(motion.samples.size())) {
     const motion::LegSample& sample = motion.samples[i];
     knee.x.push_back(motion.time_s[i]), knee.y.push_back(sample.knee_deg);
     knee.lower.push_back(sample.knee_deg - 2 * sample.knee_sigma_deg);

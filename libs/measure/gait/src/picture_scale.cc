@@ -2,6 +2,7 @@
 
 #include "lake/camera/plane_fit.h"
 #include "lake/core/error.h"
+#include "lake/motion/corrections.h"
 
 namespace lake::gait {
 namespace {
@@ -23,8 +24,6 @@ void CheckInPicture(const camera::Camera& camera, const std::filesystem::path& f
     }
 }
 
-constexpr double kClickSigma_px = 0.5;
-
 double MmPerPx(const std::array<double, 5>& scale, const std::optional<camera::CameraProfile>& profile) {
   const auto [x1, y1, x2, y2, length_mm] = scale;
   const LegView unscaled = MakeLegView(motion::LengthUnit::kPx, profile);
@@ -39,10 +38,9 @@ double MmPerPx(const std::array<double, 5>& scale, const std::optional<camera::C
 // The camera with the plane of the known points.
 camera::CameraProfile WithPlane(camera::CameraProfile profile, const std::vector<camera::PlaneCorrespondence>& points,
                                 const Warn& warn) {
-  const camera::PlaneFit fit = camera::FitPlane(profile.camera, points, {.least_sigma_px = kClickSigma_px});
+  const camera::PlaneFit fit = camera::FitPlane(profile.camera, points, {.least_sigma_px = motion::kClickSigmaPx});
   for (const std::string& warning : fit.warnings) warn(warning);
   profile.camera_from_plane = fit.camera_from_plane;
-  profile.plane_uncertainty = fit.uncertainty;
   return profile;
 }
 

@@ -209,16 +209,15 @@ std::optional<double> FiveTimesReference_s(double age_years) {
   return std::nullopt;
 }
 
-Json FiveTimesJson(const LegFitResult& fit, std::optional<double> age_years) {
-  const Measured five = MeasureSitToStands(fit).back().five_times_s;
-  if (std::isnan(five.value)) return nullptr;
-  Json json = {{"five_times_s", five.value}, {"sd_s", five.sd}};
+Json FiveTimesJson(const Measured& five_times_s, std::optional<double> age_years) {
+  if (std::isnan(five_times_s.value)) return nullptr;
+  Json json = {{"five_times_s", five_times_s.value}, {"sd_s", five_times_s.sd}};
   if (!age_years) return json;
   const std::optional<double> reference_s = FiveTimesReference_s(*age_years);
   json["age_years"] = *age_years;
   json["reference_s"] = reference_s ? Json(*reference_s) : Json();
   json["source"] = "Bohannon 2006, doi:10.2466/pms.103.1.215-222";
-  if (reference_s) json["worse_than_average"] = five.value > *reference_s;
+  if (reference_s) json["worse_than_average"] = five_times_s.value > *reference_s;
   return json;
 }
 
@@ -231,12 +230,13 @@ Option& DescribeAge(std::optional<double>& age_years, OptionList& options) {
       .Otherwise("not compared");
 }
 
-void WriteSitToStandCsv(const std::filesystem::path& path, const LegFitResult& fit) {
+void WriteSitToStandCsv(const std::filesystem::path& path, const std::vector<SitToStand>& rows,
+                        motion::LengthUnit of_plane) {
   std::vector<std::string> header = {"repetition"};
   for (const char* sd : {"", "_sd"})
-    for (const Quantity& quantity : kQuantities) header.push_back(quantity.Column(fit.motion.unit) + sd);
+    for (const Quantity& quantity : kQuantities) header.push_back(quantity.Column(of_plane) + sd);
   CsvWriter csv(header);
-  for (const SitToStand& row : MeasureSitToStands(fit)) {
+  for (const SitToStand& row : rows) {
     if (row.repetition > 0)
       csv.Add(row.repetition);
     else

@@ -61,7 +61,8 @@ void DrawAngleVsStroke(const std::filesystem::path& path, const LinkageLook& loo
   const double pad = 0.02 * (upper - lower);
   const std::string labels = figure.Data(Table(look, LabelledOf(marked_mm, 0.03 * (upper - lower))));
   figure.Line(fmt::format("set xrange [{}:{}]", lower - pad, upper + 2.5 * pad));
-  figure.Line("set lmargin at screen 0.115\nset rmargin at screen 0.88\nset key opaque box lc rgb '#E4E4E4'");
+  figure.Line(fmt::format("set lmargin at screen 0.115\nset rmargin at screen 0.88\nset key opaque box lc rgb '{}'",
+                          colour::kGrid));
   figure.Line("set multiplot");
 
   PlaceRow(figure, 0.57, 0.97, false);

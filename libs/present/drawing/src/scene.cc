@@ -51,9 +51,9 @@ void Scene::Draw(const SceneView& view, const Place& place, bool axes) {
       "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}",
       place.left, place.left + place.width, place.bottom, place.bottom + place.height));
   figure_.Line(fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", view.left, view.right, view.bottom, view.top));
-  figure_.Line(axes ? "set tics out nomirror font ',11'\nset border 3 lc rgb '#666666'\nset xlabel 'mm' offset "
-                      "0,0.3\nset ylabel 'mm' "
-                      "offset 1,0\nset grid lc rgb '#E4E4E4' lt 1"
+  figure_.Line(axes ? fmt::format("set tics out nomirror font ',11'\nset border 3 lc rgb '#666666'\nset xlabel 'mm' "
+                                  "offset 0,0.3\nset ylabel 'mm' offset 1,0\nset grid lc rgb '{}' lt 1",
+                                  colour::kGrid)
                     : "unset tics\nunset border\nunset xlabel\nunset ylabel\nunset grid");
   std::string elements;
   for (const Shape& shape : shapes_) {

@@ -201,8 +201,7 @@ Section MethodSection() {
               "square, so the shares add up to 100 % and a small one can be negative. Spikes are samples at which the "
               "distance vector leaves its own smooth course by more than 5 median absolute deviations. Intervals hold "
               "95 %, by draws of the repetitions (few of them are moderated by how people vary), of the events' times, "
-              "of marker noise and of marker re-placement; those of the shares are of the shares without noise, which "
-              "the measured shape has in it."}}};
+              "of marker noise and of marker re-placement."}}};
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
+#include "lake/motion/corrections.h"
 
 namespace lake::commands {
 
@@ -24,8 +25,8 @@ struct CalibrateRunOptions {
 
 struct PlaneRunOptions {
   std::filesystem::path picture, camera;
-  std::string board, points;    // one of the two: as ParseBoard, as ParsePlanePoints reads it
-  double click_sigma_px = 0.5;  // how well a point of `points` is known
+  std::string board, points;                      // one of the two: as ParseBoard, as ParsePlanePoints reads it
+  double click_sigma_px = motion::kClickSigmaPx;  // how well a point of `points` is known
 };
 
 struct SheetRunOptions {

@@ -68,13 +68,14 @@ std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit);
 std::optional<double> FiveTimesReference_s(double age_years);
 
 // For summaries: five_times_s of the test with its SD and, at an age, the reference; null without five rises.
-Json FiveTimesJson(const LegFitResult& fit, std::optional<double> age_years);
+Json FiveTimesJson(const Measured& five_times_s, std::optional<double> age_years);
 
 // How old the subject is, for FiveTimesJson.
 Option& DescribeAge(std::optional<double>& age_years, OptionList& options);
 
-// sit_to_stand.csv: the values, then the SDs (…_sd); lengths end in the plane's unit.
-void WriteSitToStandCsv(const std::filesystem::path& path, const LegFitResult& fit);
+// sit_to_stand.csv of these rows: the values, then the SDs (…_sd); lengths end in the plane's unit.
+void WriteSitToStandCsv(const std::filesystem::path& path, const std::vector<SitToStand>& rows,
+                        motion::LengthUnit of_plane);
 
 // The deviations of onset, seat-off and standing as that table has them, which events.csv has not; events that are at
 // another time, as those of a correction are, keep none. Throws Error for a damaged table.

@@ -123,6 +123,12 @@ struct LineChart {
   Width width = Width::kFull;
 };
 
+// Of a long recording a chart shows every so manieth sample: a page has some two thousand px.
+constexpr std::size_t ChartStep(std::size_t samples) {
+  constexpr std::size_t kMostPoints = 2000;
+  return 1 + samples / kMostPoints;
+}
+
 struct BarSeries {
   std::string name{};
   std::vector<double> values{};          // one per category
