@@ -6,13 +6,14 @@
 #include <string>
 
 #include "lake/synth/motion_file.h"
+#include "places.h"
 
 namespace lake {
 
 // One leg, "right" or "left", facing right: ankle, knee, hip, and as waist the middle of the pelvis' front and back.
 // nullopt where the recordings are absent.
 inline std::optional<synth::MotionFile> RealLegFile(const std::string& side) {
-  const std::filesystem::path file = std::filesystem::path(LAKE_SHARED_DATA) / "opencap_sts/sts_default_markers.trc";
+  const std::filesystem::path file = SharedData() / "opencap_sts/sts_default_markers.trc";
   if (!std::filesystem::is_regular_file(file)) return std::nullopt;
   const bool right = side == "right";
   synth::MotionFile motion;

@@ -9,6 +9,7 @@
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/formats.h"
+#include "places.h"
 
 namespace lake::axis {
 namespace {
@@ -220,7 +221,7 @@ double FromHinge(const exchange::PointRecording& points, const SegmentMotion& mo
 // axis' markers sit beside the axis is not known; their scatter is 0.12 mm. The aims: 0.6 mm over the whole recording,
 // at most 1.3 mm over windows, 2 mm in the median of the centres.
 TEST(FunctionalAxis, FindsAMeasuredHinge) {
-  const std::filesystem::path file = std::filesystem::path(LAKE_SHARED_DATA) / "hinge_axis/hinge_a.trc";
+  const std::filesystem::path file = SharedData() / "hinge_axis/hinge_a.trc";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is absent";
   const exchange::PointRecording points = exchange::ReadPoints(file);
   const SegmentMotion motion = MotionOf(points, {{"dw1", "dw2", "dw3", "dw4", "dw5", "cld1", "cld2", "cld3"},

@@ -11,6 +11,7 @@
 #include "lake/camera/calibration_quality.h"
 #include "lake/core/error.h"
 #include "lake/video/image.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -246,7 +247,7 @@ class OpenCvRecording : public testing::TestWithParam<RealSet> {
   static std::vector<camera::BoardView> Views(const std::string& side, int half_window) {
     std::vector<camera::BoardView> views;
     for (int i = 1; i <= 14; ++i) {
-      const fs::path file = fs::path(LAKE_SHARED_DATA) / "opencv_leftright" / fmt::format("{}{:02}.jpg", side, i);
+      const fs::path file = SharedData() / "opencv_leftright" / fmt::format("{}{:02}.jpg", side, i);
       if (i == 10) continue;  // not in the set
       camera::BoardDetectionOptions options;
       options.half_window_px = half_window;
@@ -276,7 +277,7 @@ double RmsOfOpenCv(const std::vector<camera::BoardView>& views, int flags) {
 }
 
 TEST_P(OpenCvRecording, LeastSquaresIsOpenCvsMinimumAndThePublishedOne) {
-  if (!fs::exists(fs::path(LAKE_SHARED_DATA) / "opencv_leftright")) GTEST_SKIP() << "opencv_leftright is absent";
+  if (!fs::exists(SharedData() / "opencv_leftright")) GTEST_SKIP() << "opencv_leftright is absent";
   const auto [side, half_window, rms, fx] = GetParam();
   const auto views = Views(side, half_window);
   ASSERT_EQ(views.size(), 13u);
@@ -299,7 +300,7 @@ INSTANTIATE_TEST_SUITE_P(Sides, OpenCvRecording,
 using OpenCvRecordings = OpenCvRecording;
 
 TEST_F(OpenCvRecordings, OwnWindowsAndRobustLossDoBetter) {
-  if (!fs::exists(fs::path(LAKE_SHARED_DATA) / "opencv_leftright")) GTEST_SKIP() << "opencv_leftright is absent";
+  if (!fs::exists(SharedData() / "opencv_leftright")) GTEST_SKIP() << "opencv_leftright is absent";
   for (const char* side : {"left", "right"}) {
     const auto own = Views(side, 0), wide = Views(side, 11);
     const auto least = camera::CalibrateCamera(kBoard, own, 640, 480, LeastSquares()),
@@ -324,7 +325,7 @@ TEST_F(OpenCvRecordings, OwnWindowsAndRobustLossDoBetter) {
 // left_intrinsics.yml was made with fx = fy and half-window 11: fx 535.916, error 0.3926 (views 320 .. of the same
 // corners).
 TEST_F(OpenCvRecordings, ReproducesThePublishedFile) {
-  const fs::path file = fs::path(LAKE_SHARED_DATA) / "opencv_leftright/left_intrinsics.yml";
+  const fs::path file = SharedData() / "opencv_leftright/left_intrinsics.yml";
   if (!fs::exists(file)) GTEST_SKIP() << file << " is absent";
   camera::CalibrationOptions options = LeastSquares();
   options.square_pixels = true;

@@ -7,6 +7,7 @@
 #include "lake/camera/camera.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "places.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -188,7 +189,7 @@ TEST_F(CameraProfileTest, FilesOfManyLevelsAreErrorsNotCrashes) {
 }
 
 TEST(CameraProfile, LoadsTheFilesOfOpenCvsOwnSamples) {
-  const fs::path folder = fs::path(LAKE_SHARED_DATA) / "opencv_leftright";
+  const fs::path folder = SharedData() / "opencv_leftright";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is absent";
   const camera::Camera left = camera::ReadCameraProfile(folder / "left_intrinsics.yml").camera;
   EXPECT_EQ(left.image_width, 640);

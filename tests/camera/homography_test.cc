@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "lake/core/error.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -130,7 +131,7 @@ std::vector<std::vector<double>> ReadTable(const std::filesystem::path& path) {
 class SitToStandVideo : public testing::TestWithParam<std::string> {};
 
 TEST_P(SitToStandVideo, MapsTheMarkersToALegOfHumanSize) {
-  const auto folder = std::filesystem::path(LAKE_SHARED_DATA) / "sts_markers_imu/data/video" / GetParam();
+  const auto folder = SharedData() / "sts_markers_imu/data/video" / GetParam();
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
   const auto corners = ReadTable(folder / "calib.txt"), knee = ReadTable(folder / "knee.txt"),
              thigh = ReadTable(folder / "thigh.txt");

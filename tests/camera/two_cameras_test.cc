@@ -8,6 +8,7 @@
 
 #include "board_scene.h"
 #include "lake/video/image.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -61,7 +62,7 @@ class OpenCvSides : public testing::Test {
     left_ = Side("left"), right_ = Side("right");
   }
 
-  const std::filesystem::path folder_ = std::filesystem::path(LAKE_SHARED_DATA) / "opencv_leftright";
+  const std::filesystem::path folder_ = SharedData() / "opencv_leftright";
   std::vector<BoardView> left_, right_;
 
  private:

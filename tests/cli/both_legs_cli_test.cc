@@ -5,6 +5,7 @@
 #include "cli/program_run.h"
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -20,7 +21,7 @@ class BothLegs : public testing::Test {
   void SetUp() override {
     if (!fs::exists(trial_)) GTEST_SKIP() << trial_.string() << " is not here";
   }
-  fs::path trial_ = fs::path(LAKE_SHARED_DATA) / "opencap_sts/sts_default_markers.trc";
+  fs::path trial_ = SharedData() / "opencap_sts/sts_default_markers.trc";
   TemporaryFolder folder_;
 };
 
@@ -61,7 +62,7 @@ TEST_F(BothLegs, AnyMarkersAreMeasuredBesideALegAndWithoutOne) {
 // The markers of the far leg are in the picture too, beside and behind those of the near one.
 class FarLeg : public BothLegs {
  protected:
-  FarLeg() { trial_ = fs::path(LAKE_SHARED_DATA) / "sts_force_plates/STS1.trc"; }
+  FarLeg() { trial_ = SharedData() / "sts_force_plates/STS1.trc"; }
 
   void Render() {
     const Outcome outcome = Shell(

@@ -4,6 +4,7 @@
 
 #include "cli/program_run.h"
 #include "lake/core/json.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -13,7 +14,7 @@ using testing::HasSubstr;
 class ConfigFile : public testing::Test {
  protected:
   static std::string Export() {
-    return fmt::format("lake-export '{}/data/sts-study/worn.yaml' dxf --quiet -o out", LAKE_SOURCE_DIR);
+    return fmt::format("lake-export '{}/data/sts-study/worn.yaml' dxf --quiet -o out", SourceDir().string());
   }
 
   void ExpectRefused(const std::string& program, const std::string& text, const std::string& message) {

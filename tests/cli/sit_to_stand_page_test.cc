@@ -4,6 +4,7 @@
 
 #include "cli/program_run.h"
 #include "lake/core/csv.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -13,7 +14,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 TEST(SitToStandPage, ShowsWhatTheTableHolds) {
-  const fs::path trial = fs::path(LAKE_SHARED_DATA) / "sts_force_plates/STS1.trc";
+  const fs::path trial = SharedData() / "sts_force_plates/STS1.trc";
   if (!fs::exists(trial)) GTEST_SKIP() << trial.string() << " is not here";
   const TemporaryFolder folder;
   const Outcome outcome =

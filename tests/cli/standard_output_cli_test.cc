@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cli/program_run.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -17,7 +18,7 @@ TEST(StandardOutput, ThatIsFullIsAnError) {
        {std::string("lake-info trial.csv"), std::string("lake-info trial.csv --json"),
         std::string("lake-gait --version"), std::string("lake-gait --help"), std::string("lake --version"),
         std::string("lake --help"),
-        fmt::format("lake-export '{}/data/sts-study/worn.yaml' dxf --quiet -o out --json", LAKE_SOURCE_DIR)}) {
+        fmt::format("lake-export '{}/data/sts-study/worn.yaml' dxf --quiet -o out --json", SourceDir().string())}) {
     const Outcome full = Shell(folder, command + " > /dev/full");
     EXPECT_EQ(full.exit_code, 1) << command;
     EXPECT_THAT(full.err, HasSubstr(": stdout: cannot ")) << command;

@@ -8,6 +8,7 @@
 #include "lake/exchange/mot.h"
 #include "lake/exchange/tracker.h"
 #include "lake/exchange/trc.h"
+#include "places.h"
 #include "recordings.h"
 #include "temporary_folder.h"
 
@@ -26,7 +27,7 @@ struct RealFile {
 class RealFiles : public testing::TestWithParam<RealFile> {};
 
 TEST_P(RealFiles, HoldWhatTheyAreKnownToHold) {
-  const fs::path path = fs::path(LAKE_SHARED_DATA) / GetParam().path;
+  const fs::path path = SharedData() / GetParam().path;
   if (!fs::exists(path)) GTEST_SKIP() << path.string() << " is not here";
   const exchange::PointRecording points = exchange::ReadPoints(path);
   EXPECT_EQ(points.time_s.size(), GetParam().frames);
@@ -41,7 +42,7 @@ TEST_P(RealFiles, HoldWhatTheyAreKnownToHold) {
 
 // Written in every format that holds them and read again, they are what they were.
 TEST_P(RealFiles, RoundTripsLoseNothing) {
-  const fs::path path = fs::path(LAKE_SHARED_DATA) / GetParam().path;
+  const fs::path path = SharedData() / GetParam().path;
   if (!fs::exists(path)) GTEST_SKIP() << path.string() << " is not here";
   const TemporaryFolder folder;
   exchange::PointRecording points = exchange::ReadPoints(path);
@@ -85,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // The laboratory's exporter thinned the C3D files out tenfold: equal times hold equal places.
 TEST(OpensimWalk, TrcFilesAreEveryTenthFrameOfTheC3dFiles) {
-  const fs::path folder = fs::path(LAKE_SHARED_DATA) / "opensim_walk";
+  const fs::path folder = SharedData() / "opensim_walk";
   if (!fs::exists(folder)) GTEST_SKIP() << folder.string() << " is not here";
   for (const auto& [trc_name, c3d_name] :
        {std::pair{"std_walking2_markers.trc", "walking2.c3d"}, {"std_walking5_markers.trc", "walking5.c3d"}}) {
@@ -109,7 +110,7 @@ TEST(OpensimWalk, TrcFilesAreEveryTenthFrameOfTheC3dFiles) {
 }
 
 TEST(OpensimWalk, InverseKinematicsTablesReadBack) {
-  const fs::path folder = fs::path(LAKE_SHARED_DATA) / "opensim_walk";
+  const fs::path folder = SharedData() / "opensim_walk";
   if (!fs::exists(folder)) GTEST_SKIP() << folder.string() << " is not here";
   const TemporaryFolder written;
   for (const char* name : {"subject01_walk1_ik.mot", "std_subject01_walk1_ik.mot"}) {
@@ -125,7 +126,7 @@ TEST(OpensimWalk, InverseKinematicsTablesReadBack) {
 
 // Tracker's project through our own writer: positions, times, axes and scale stay.
 TEST(TrackerBalltoss, ProjectReadsBack) {
-  const fs::path file = fs::path(LAKE_SHARED_DATA) / "tracker_balltoss/BallToss_BallToss.trk";
+  const fs::path file = SharedData() / "tracker_balltoss/BallToss_BallToss.trk";
   if (!fs::exists(file)) GTEST_SKIP() << file.string() << " is not here";
   const TemporaryFolder folder;
   const exchange::PointRecording ball = exchange::ReadTrk(file);

@@ -14,6 +14,7 @@
 #include "lake/exchange/tracker.h"
 #include "lake/exchange/trc.h"
 #include "name_map.h"
+#include "places.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -279,7 +280,7 @@ TEST(Trial, ExportsOfEveryFormatReadBack) {
 }
 
 TEST(Trial, TrackerProjectsHoldPixelsAndAScale) {
-  const fs::path file = fs::path(LAKE_SHARED_DATA) / "tracker_balltoss/BallToss_BallToss.trk";
+  const fs::path file = SharedData() / "tracker_balltoss/BallToss_BallToss.trk";
   if (!fs::exists(file)) GTEST_SKIP() << file.string() << " is not here";
   const exchange::PointRecording points = exchange::ReadTrk(file);
   ASSERT_EQ(points.points.size(), 1u);

@@ -8,6 +8,7 @@
 #include "lake/core/json.h"
 #include "lake/exchange/formats.h"
 #include "lake/exchange/mot.h"
+#include "places.h"
 
 namespace {
 
@@ -42,7 +43,7 @@ void WriteSeeds(const fs::path& folder, std::size_t frames, std::size_t points) 
 
 // The files that a user writes: those of the repository, and each kind of section once.
 void WriteUserFiles(const fs::path& folder) {
-  const fs::path source = LAKE_SOURCE_DIR;
+  const fs::path source = SourceDir();
   const auto copy = [&](const char* target, const fs::path& file) {
     fs::copy_file(source / file, SeedPath(folder, target, file.filename()), fs::copy_options::overwrite_existing);
   };

@@ -9,6 +9,7 @@
 #include "lake/core/error.h"
 #include "lake/exchange/trial.h"
 #include "name_map.h"
+#include "places.h"
 #include "real_markers.h"
 #include "synthetic_leg.h"
 
@@ -20,7 +21,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 fs::path Recording(const std::string& name) {
-  return fs::path(LAKE_SHARED_DATA) / name;
+  return SharedData() / name;
 }
 
 #define REQUIRE_TRIAL(name) \

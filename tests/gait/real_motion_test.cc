@@ -12,6 +12,7 @@
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/smoothing_spline.h"
 #include "name_map.h"
+#include "places.h"
 #include "real_markers.h"
 #include "synthetic_leg.h"
 
@@ -32,7 +33,7 @@ constexpr RealMotion kRealMotions[] = {{"SquatsRight", "real_motions/subject4_sq
                                        {"AnotherSitToStand", "opencap_sts/sts_default_markers.trc", kLeftLeg}};
 
 fs::path FileOf(const RealMotion& motion) {
-  return fs::path(LAKE_SHARED_DATA) / motion.file;
+  return SharedData() / motion.file;
 }
 
 exchange::Trial Read(const RealMotion& motion) {

@@ -15,6 +15,7 @@
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"
 #include "name_map.h"
+#include "places.h"
 #include "synthetic_leg.h"
 
 namespace lake {
@@ -23,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path SharedData(const std::string& name) {
-  return fs::path(LAKE_SHARED_DATA) / name;
+  return SharedData() / name;
 }
 
 #define REQUIRE_RECORDING(path) \

@@ -15,6 +15,7 @@
 #include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
 #include "lake/gait/leg_angles.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -127,7 +128,7 @@ Agreement Compare(const Signal& video, const Signal& imu) {
 class ThighMarkersAndImu : public testing::TestWithParam<const char*> {};
 
 TEST_P(ThighMarkersAndImu, Agree) {
-  const fs::path data = fs::path(LAKE_SHARED_DATA) / "sts_markers_imu/data";
+  const fs::path data = SharedData() / "sts_markers_imu/data";
   if (!fs::exists(data)) GTEST_SKIP() << data.string() << " is not here";
   const Signal video = LowPass(ThighOfVideo(data / "video" / GetParam()));
   const Signal imu = ThighOfImu(data / "NGIMU" / GetParam() / "NGIMU - 002D50FB");

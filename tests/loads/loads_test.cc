@@ -16,6 +16,7 @@
 #include "lake/gait/butterworth.h"
 #include "lake/problem/moment_at_pace.h"
 #include "name_map.h"
+#include "places.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -23,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kFolder = fs::path(LAKE_SHARED_DATA) / "sts_force_plates";
+const fs::path kFolder = SharedData() / "sts_force_plates";
 
 #define REQUIRE_RECORDING() \
   if (!fs::exists(kFolder)) GTEST_SKIP() << kFolder.string() << " is not here"
@@ -498,7 +499,7 @@ TEST(LoadsOfBadInput, ForcesOfAnotherTimeAreRefused) {
 }
 
 TEST(LoadsOfBadInput, AMotionWithoutASeatSaysSo) {
-  const fs::path walk = fs::path(LAKE_SHARED_DATA) / "opensim_walk/walking2.c3d";
+  const fs::path walk = SharedData() / "opensim_walk/walking2.c3d";
   if (!fs::exists(walk)) GTEST_SKIP() << walk.string() << " is not here";
   commands::LoadsRunOptions options;
   options.trial = walk;
@@ -528,7 +529,7 @@ TEST(GroundForces, OlderFilesNameAllPlatesAlike) {
 // Someone walks over two plates: each step bears about the body's weight, and the force acts within a foot's length of
 // an ankle.
 TEST(GroundForces, OfAC3dFileActUnderTheFoot) {
-  const fs::path walk = fs::path(LAKE_SHARED_DATA) / "opensim_walk/walking2.c3d";
+  const fs::path walk = SharedData() / "opensim_walk/walking2.c3d";
   if (!fs::exists(walk)) GTEST_SKIP() << walk.string() << " is not here";
   const exchange::GroundForceRecording forces = exchange::ReadGroundForces(walk);
   const exchange::PointRecording points = exchange::ReadPoints(walk);

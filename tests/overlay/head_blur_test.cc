@@ -10,6 +10,7 @@
 #include "lake/core/error.h"
 #include "lake/exchange/trial.h"
 #include "lake/video/video_writer.h"
+#include "places.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -70,8 +71,8 @@ TEST(HeadBlur, SaysWhereTheLegMayHideTheFace) {
 // Head and neck of the real person: the head's middle a tenth of the stature beyond the seventh vertebra, the neck 25°
 // before the trunk's line and nodding by 45° either way, the head 0.15 of the stature across (Drillis & Contini).
 TEST(HeadBlur, CoversTheHeadInEveryFrameOfRealRises) {
-  const std::filesystem::path file = std::filesystem::path(LAKE_SHARED_DATA) / "opencap_sts/sts_default_markers.trc";
-  if (!std::filesystem::is_regular_file(file)) GTEST_SKIP() << "no real recordings in " LAKE_SHARED_DATA;
+  const std::filesystem::path file = SharedData() / "opencap_sts/sts_default_markers.trc";
+  if (!std::filesystem::is_regular_file(file)) GTEST_SKIP() << "no real recordings in " << SharedData();
   for (const char* trunk : {"waist=r.ASIS", "waist=r.PSIS", "waist=r.ASIS+r.PSIS", "shoulder=R_Shoulder"}) {
     const auto [name, marker] =
         std::pair(std::string(trunk, std::string_view(trunk).find('=')),

@@ -2,6 +2,7 @@
 // of the recording's own markers in the plane that was rendered. Real markers slide on the skin and real people sway,
 // which the synthetic leg does not.
 #include "pipeline/rendered_trial.h"
+#include "places.h"
 #include "real_leg.h"
 
 namespace lake {
@@ -21,7 +22,7 @@ class RealMotionVideo : public testing::TestWithParam<Case> {};
 
 TEST_P(RealMotionVideo, GivesTheRecordingsOwnKneeAngle) {
   const auto leg = RealLeg(GetParam().side);
-  if (!leg) GTEST_SKIP() << "no recording in " << LAKE_SHARED_DATA << "/opencap_sts";
+  if (!leg) GTEST_SKIP() << "no recording in " << SharedData() / "opencap_sts";
   const std::uint64_t seed = GetParam().seed;
   const bool mirror = GetParam().facing == motion::Facing::kLeft;  // the subject of the recording faces right
   synth::SceneOptions scene = CleanLeg(seed);

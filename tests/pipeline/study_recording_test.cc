@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/study_trials.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -32,7 +33,7 @@ simulate: {{animation: false}}
 )";
 
 TEST(StudyOfTheOpticalRecording, RunsThroughWithPlausibleNumbers) {
-  const fs::path file = fs::path(LAKE_SHARED_DATA) / "opencap_sts/sts_default_markers.trc";
+  const fs::path file = SharedData() / "opencap_sts/sts_default_markers.trc";
   if (!fs::exists(file)) GTEST_SKIP() << file << " is absent";
   const TemporaryFolder folder;
   WriteTextFile(folder / "study.yaml", fmt::format(kStudy, file.string()));

@@ -11,6 +11,7 @@
 #include "lake/core/uncertain_text.h"
 #include "lake/report/misalignment_sections.h"
 #include "name_map.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -123,12 +124,12 @@ TEST(MisalignmentReport, ABrowserDrawsIt) {
 
 // Right leg as the human's, left leg as the exoskeleton's: a recording of five sit-to-stands at 100 Hz.
 TEST(MisalignmentReport, LakeCompareWritesItForARealRecording) {
-  const std::filesystem::path folder = std::filesystem::path(LAKE_SHARED_DATA) / "opencap_sts";
+  const std::filesystem::path folder = SharedData() / "opencap_sts";
   std::filesystem::path trc;
   if (std::filesystem::is_directory(folder))
     for (const auto& entry : std::filesystem::directory_iterator(folder))
       if (entry.path().extension() == ".trc") trc = entry.path();
-  if (trc.empty()) GTEST_SKIP() << "no recording opencap_sts in " << LAKE_SHARED_DATA;
+  if (trc.empty()) GTEST_SKIP() << "no recording opencap_sts in " << SharedData();
   TemporaryFolder out;
   lake::Run::Info info;
   info.program = "lake-compare", info.command = "lake-compare <a> b", info.out = out / "cmp", info.quiet = true;

@@ -13,6 +13,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -146,7 +147,7 @@ TEST(AlignByMotion, RefusesRestAndOtherKinds) {
 }
 
 fs::path Shared(const std::string& name) {
-  return fs::path(LAKE_SHARED_DATA) / name;
+  return SharedData() / name;
 }
 
 sync::Movement Part(const sync::Movement& whole, double from_s, double to_s, double add_s = 0) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "lake/synth/scene.h"
+#include "places.h"
 #include "real_leg.h"
 
 namespace lake {
@@ -9,7 +10,7 @@ namespace {
 
 TEST(RealMotion, RendersWithTheRecordingsOwnAnglesAndFiveStandUps) {
   const auto leg = RealLeg("right");
-  if (!leg) GTEST_SKIP() << "no recording in " << LAKE_SHARED_DATA << "/opencap_sts";
+  if (!leg) GTEST_SKIP() << "no recording in " << SharedData() / "opencap_sts";
   const synth::MotionTable& table = *leg;
   ASSERT_EQ(table.time_s.size(), 861u);
   for (const bool mirror : {false, true}) {

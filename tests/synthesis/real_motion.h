@@ -7,12 +7,13 @@
 #include "lake/exchange/trial.h"
 #include "lake/gait/butterworth.h"
 #include "lake/redesign/human_motion.h"
+#include "places.h"
 
 namespace lake {
 
 // Right leg of opencap_sts in its x-y plane, 0.26-0.93 s, Butterworth 6 Hz; nullopt where the recordings are absent.
 inline std::optional<redesign::HumanMotion> RealSitToStand() {
-  const std::filesystem::path file = std::filesystem::path(LAKE_SHARED_DATA) / "opencap_sts/sts_default_markers.trc";
+  const std::filesystem::path file = SharedData() / "opencap_sts/sts_default_markers.trc";
   if (!std::filesystem::is_regular_file(file)) return std::nullopt;
   exchange::TrialOptions reading;
   reading.names = {{"ankle", "r_ankle"}, {"knee", "r_knee"}, {"hip", "R_HJC"}};

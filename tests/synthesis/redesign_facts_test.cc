@@ -5,6 +5,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/redesign/redesign.h"
+#include "places.h"
 #include "synthesis/paper.h"
 #include "synthesis/real_motion.h"
 
@@ -19,7 +20,7 @@ class RealMotion : public testing::Test {
  protected:
   void SetUp() override {
     const auto human = RealSitToStand();
-    if (!human) GTEST_SKIP() << "the recording opencap_sts is not in " << LAKE_SHARED_DATA;
+    if (!human) GTEST_SKIP() << "the recording opencap_sts is not in " << SharedData();
     problem_.human = *human;
     problem_.design.start = kPublishedLinks;
     problem_.goal = Goal::kMisalignment;

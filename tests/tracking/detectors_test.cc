@@ -13,6 +13,7 @@
 #include "lake/core/options.h"
 #include "lake/tracking/track_markers.h"
 #include "lake/tracking/tracklet.h"
+#include "places.h"
 #include "tracking/marker_scene.h"
 
 namespace lake {
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 
 TEST(ColorDetector, LightsOfAWalkingLegGiveTheirPublishedFlexion) {
-  const fs::path video = fs::path(LAKE_SHARED_DATA) / "led_leg_walk" / "mocap1_Chang2.mp4";
+  const fs::path video = SharedData() / "led_leg_walk" / "mocap1_Chang2.mp4";
   if (!fs::exists(video)) GTEST_SKIP() << video << " is not here";
   tracking::TrackOptions options;
   options.names = {"hip", "knee", "ankle", "toe"};
@@ -181,7 +182,7 @@ TEST(MarkerColor, ListsWithCommasKeepPlacesWhole) {
 
 // A ball of 4.5 px that moves up to 70 px a frame past brighter things; in frame 5 it touches one of them.
 TEST(ReflectiveDetector, AThrownBallIsWhereTrackerSawIt) {
-  const fs::path folder = fs::path(LAKE_SHARED_DATA) / "tracker_balltoss";
+  const fs::path folder = SharedData() / "tracker_balltoss";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not here";
   const CsvTable truth = CsvTable::Read(folder / "truth_ball_from_trk.csv");
   const auto place = [&](std::size_t row) {

@@ -8,6 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/video/video_files.h"
+#include "places.h"
 #include "video_files.h"
 
 namespace lake::test {
@@ -364,7 +365,7 @@ TEST(VideoReader, TurnsPicturesThatAreStoredBottomUp) {
 }
 
 TEST(VideoReader, ReadsRealRecordings) {
-  const std::filesystem::path data = LAKE_SHARED_DATA;
+  const std::filesystem::path data = SharedData();
   if (!std::filesystem::exists(data)) GTEST_SKIP() << data << " is not there";
   const auto walk = data / "led_leg_walk/mocap1_Chang2.mp4",
              toss = data / "tracker_balltoss/videos/BallToss_new_BallToss.mp4";

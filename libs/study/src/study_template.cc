@@ -4,6 +4,7 @@
 
 #include "lake/core/option_template.h"
 #include "lake/study/study_file.h"
+#include "lake/synthesis/synthesis_options.h"
 #include "section_keys.h"
 
 namespace lake::study {

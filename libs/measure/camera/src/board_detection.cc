@@ -36,13 +36,13 @@ FoundCorners WholeGrid(const Board& board, std::vector<cv::Point2f> pixel) {
   return found;
 }
 
-// By the quadrangles of the squares; without `thorough` a picture that shows no board is known not to within
-// milliseconds.
-FoundCorners FindByQuadrangles(const cv::Mat& grey, const Board& board, bool thorough) {
+// By the quadrangles of the squares. With `only_if_likely` a picture that shows no board is known not to within
+// milliseconds; without it that takes many seconds.
+FoundCorners FindByQuadrangles(const cv::Mat& grey, const Board& board, bool only_if_likely) {
   std::vector<cv::Point2f> pixel;
   const int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
   if (!cv::findChessboardCorners(grey, {board.CornerColumns(), board.CornerRows()}, pixel,
-                                 thorough ? flags : flags | cv::CALIB_CB_FAST_CHECK))
+                                 only_if_likely ? flags | cv::CALIB_CB_FAST_CHECK : flags))
     return {};
   return WholeGrid(board, std::move(pixel));
 }
@@ -196,18 +196,25 @@ void TakeBetter(const cv::Mat& grey, const Board& board, FoundCorners& found) {
     found.pixel = std::move(other.pixel);
 }
 
+// How a board is looked for: the searches that take milliseconds, or a second where the search is thorough, and the one
+// of last resort.
+enum class Search { kFirst, kLast };
+
+FoundCorners Find(const cv::Mat& grey, const Board& board, bool thorough, Search search) {
+  try {
+    if (search == Search::kLast) return FindByQuadrangles(grey, board, false);
+    if (board.kind == BoardKind::kCharuco) return FindCharuco(grey, board);
+    FoundCorners found = FindByQuadrangles(grey, board, true);
+    return found.corner.empty() && thorough ? FindBySectors(grey, board) : found;
+  } catch (const cv::Exception&) {
+    return {};  // OpenCV's searches assert on some pictures without a board, e.g. noise
+  }
+}
+
 // A board printed dark on light, as the searches expect it.
 std::optional<BoardView> DetectDarkOnLight(const cv::Mat& grey, const Board& board,
-                                           const BoardDetectionOptions& options) {
-  FoundCorners found;
-  try {
-    found =
-        board.kind == BoardKind::kCharuco ? FindCharuco(grey, board) : FindByQuadrangles(grey, board, options.thorough);
-    if (found.corner.empty() && board.kind == BoardKind::kChessboard && options.thorough)
-      found = FindBySectors(grey, board);
-  } catch (const cv::Exception&) {
-    return std::nullopt;  // OpenCV's searches assert on some pictures without a board, e.g. noise
-  }
+                                           const BoardDetectionOptions& options, Search search) {
+  FoundCorners found = Find(grey, board, options.thorough, search);
   if (static_cast<int>(found.corner.size()) < options.least_corners || !SpanThePlane(board, found.corner))
     return std::nullopt;
   std::vector<int> half_windows;
@@ -228,9 +235,13 @@ std::optional<BoardView> DetectDarkOnLight(const cv::Mat& grey, const Board& boa
 
 std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board, const BoardDetectionOptions& options) {
   if (grey.type() != CV_8UC1 || grey.empty()) throw Fail("a board is looked for in a grey picture of 8 bits");
-  if (auto view = DetectDarkOnLight(grey, board, options)) return view;
   const cv::Mat negative = 255 - grey;
-  return DetectDarkOnLight(negative, board, options);
+  std::vector<Search> searches = {Search::kFirst};
+  if (options.thorough && board.kind == BoardKind::kChessboard) searches.push_back(Search::kLast);
+  for (const Search search : searches)
+    for (const cv::Mat& picture : {grey, negative})
+      if (auto view = DetectDarkOnLight(picture, board, options, search)) return view;
+  return std::nullopt;
 }
 
 }  // namespace lake::camera
