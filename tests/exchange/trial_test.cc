@@ -10,6 +10,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
+#include "lake/exchange/convert.h"
 #include "lake/exchange/formats.h"
 #include "lake/exchange/tracker.h"
 #include "lake/exchange/trc.h"
@@ -64,6 +65,30 @@ TEST(Trial, TheSagittalPlaneIsFittedToTheLegsMovement) {
       }
       EXPECT_LT(trial.out_of_plane_mm, 1e-3);
     }
+}
+
+// A conversion to a format of a plane projects as a program that reads the trial does.
+TEST(Trial, ConversionTakesThePlaneAcrossTheKneesAxisToo) {
+  const TemporaryFolder folder;
+  exchange::PointRecording points = BendingLeg(0, 'y');
+  constexpr double kYaw_rad = 0.2;
+  points.points.push_back({"RKNE_med", points.points[1].positions});
+  for (Eigen::Vector3d& p : points.points.back().positions)
+    p += 100 * Eigen::Vector3d(std::sin(kYaw_rad), 0, -std::cos(kYaw_rad));
+  exchange::WritePoints(folder / "a.trc", points);
+  exchange::ConvertOptions options;
+  options.reading.names = NameMap("ankle=RANK,knee=RKNE+RKNE_med,hip=RHIP");
+  EXPECT_THAT(exchange::ConvertFile(folder / "a.trc", folder / "a.csv", options),
+              testing::ElementsAre(testing::HasSubstr("across the knee's axis")));
+  const exchange::Trial read = exchange::ReadTrial(folder / "a.trc", options.reading),
+                        converted = exchange::ReadTrial(folder / "a.csv");
+  const auto thigh = [](const exchange::Trial& trial, std::size_t i) {
+    return Eigen::Vector2d(trial.recording.Find("hip")->samples[i].position -
+                           trial.recording.Find("knee")->samples[i].position);
+  };
+  for (const std::size_t i : {0u, 30u, 59u}) EXPECT_LT((thigh(read, i) - thigh(converted, i)).norm(), 1e-3) << i;
+  // Seen across the axis the thigh is shorter forward, by the yaw's cosine but for the knee's own offset.
+  EXPECT_LT(thigh(read, 59).norm(), 409);
 }
 
 TEST(Trial, ForwardAndUpAreTakenAsGiven) {

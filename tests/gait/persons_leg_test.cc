@@ -20,12 +20,8 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-fs::path Recording(const std::string& name) {
-  return SharedData() / name;
-}
-
 #define REQUIRE_TRIAL(name) \
-  if (!fs::exists(Recording(name))) GTEST_SKIP() << Recording(name).string() << " is not here"
+  if (!fs::exists(SharedData() / name)) GTEST_SKIP() << (SharedData() / name).string() << " is not here"
 
 gait::LegFitResult Fit(const exchange::Trial& trial, gait::LegFitOptions options = {}) {
   if (trial.faces_right) options.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
@@ -34,7 +30,7 @@ gait::LegFitResult Fit(const exchange::Trial& trial, gait::LegFitOptions options
 
 gait::LegFitResult Fit(const std::string& file, const std::string& names, std::optional<char> up = {},
                        const std::string& forward = "", const gait::LegFitOptions& options = {}) {
-  return Fit(exchange::ReadTrial(Recording(file), {NameMap(names), up, forward}), options);
+  return Fit(exchange::ReadTrial(SharedData() / file, {NameMap(names), up, forward}), options);
 }
 
 struct TrueTrial {

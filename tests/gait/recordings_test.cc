@@ -23,10 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path SharedData(const std::string& name) {
-  return SharedData() / name;
-}
-
 #define REQUIRE_RECORDING(path) \
   if (!fs::exists(path)) GTEST_SKIP() << (path).string() << " is not here"
 
@@ -95,7 +91,7 @@ void ExpectFiveStandUps(const gait::LegFitResult& result) {
 
 class OpticalSitToStand : public testing::TestWithParam<std::tuple<char, bool>> {
  protected:
-  const fs::path file_ = SharedData("opencap_sts/sts_default_markers.trc");
+  const fs::path file_ = SharedData() / "opencap_sts/sts_default_markers.trc";
 };
 
 // Knee and waist leave two places for a hip that is hidden, ankle and hip two for a knee: the mirror image in the line
@@ -163,7 +159,7 @@ INSTANTIATE_TEST_SUITE_P(, OpticalSitToStand, testing::Combine(testing::Values('
                          });
 
 TEST(OpticalSitToStandFile, ThreeDimensionalFlexionHasTheListedRange) {
-  const fs::path file = SharedData("opencap_sts/sts_default_markers.trc");
+  const fs::path file = SharedData() / "opencap_sts/sts_default_markers.trc";
   REQUIRE_RECORDING(file);
   const exchange::PointRecording points = exchange::ReadTrc(file);
   EXPECT_EQ(points.time_s.size(), 861u);
@@ -184,7 +180,7 @@ TEST(OpticalSitToStandFile, ThreeDimensionalFlexionHasTheListedRange) {
 // The subject faces along x; the plane fitted to the leg's movement must find that, and the leg's lengths vary as
 // listed for 3-D.
 TEST(OpticalSitToStandFile, TheSagittalPlaneIsFound) {
-  const fs::path file = SharedData("opencap_sts/sts_default_markers.trc");
+  const fs::path file = SharedData() / "opencap_sts/sts_default_markers.trc";
   REQUIRE_RECORDING(file);
   for (const char side : {'r', 'l'}) {
     const exchange::Trial fitted = exchange::ReadTrial(file, {NameMap(LegNames(side)), {}, ""});
@@ -201,7 +197,7 @@ TEST(OpticalSitToStandFile, TheSagittalPlaneIsFound) {
 }
 
 TEST(OpticalSitToStandFile, SkinMovementIsReportedAndNoError) {
-  const fs::path file = SharedData("opencap_sts/sts_default_markers.trc");
+  const fs::path file = SharedData() / "opencap_sts/sts_default_markers.trc";
   REQUIRE_RECORDING(file);
   const gait::LegFitResult result =
       gait::FitLeg(ReadOpticalLeg(file, 'r', false).trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}));
@@ -223,7 +219,7 @@ TEST(RealMotions, SitToStandsAreCountedAndSquatsAreNot) {
                             {"sts_force_plates/STS1.trc", right, 5, 0},
                             {"sts_force_plates/STS1.trc", left, 5, 0}};
   for (const auto& [name, names, rises, squats] : motions) {
-    const fs::path file = SharedData(name);
+    const fs::path file = SharedData() / name;
     REQUIRE_RECORDING(file);
     const exchange::Trial trial = exchange::ReadTrial(file, {NameMap(names), {}, ""});
     const gait::LegFitResult result =
@@ -241,7 +237,7 @@ TEST(RealMotions, BothLegsHaveTheSameEvents) {
   const char *left = "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS",
              *right = "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS";
   for (const char* name : {"sts_force_plates/STS1.trc", "opencap_sts/sts_default_markers.trc"}) {
-    const fs::path file = SharedData(name);
+    const fs::path file = SharedData() / name;
     REQUIRE_RECORDING(file);
     std::vector<std::vector<motion::StsEvent>> events;
     for (const char* names : {left, right}) {
@@ -267,10 +263,10 @@ class OpticalWalk : public testing::TestWithParam<Walk> {};
 
 // The TRC files hold every tenth frame of the C3D files.
 TEST_P(OpticalWalk, TrcAndC3dHoldTheSameAngles) {
-  const fs::path trc_file = SharedData(std::string("opensim_walk/") + GetParam().trc);
+  const fs::path trc_file = SharedData() / "opensim_walk" / GetParam().trc;
   REQUIRE_RECORDING(trc_file);
   const exchange::PointRecording trc = exchange::ReadTrc(trc_file),
-                                 c3d = exchange::ReadC3d(SharedData(std::string("opensim_walk/") + GetParam().c3d));
+                                 c3d = exchange::ReadC3d(SharedData() / "opensim_walk" / GetParam().c3d);
   EXPECT_EQ(c3d.up_axis, 'z');
   double least = 180, most = 0;
   int compared = 0;
@@ -291,7 +287,7 @@ TEST_P(OpticalWalk, TrcAndC3dHoldTheSameAngles) {
 
 // Both through the readers, the fitted plane and the fit: walking has no sit-to-stand and no error.
 TEST_P(OpticalWalk, IsFittedWithoutStandUps) {
-  const fs::path file = SharedData(std::string("opensim_walk/") + GetParam().c3d);
+  const fs::path file = SharedData() / "opensim_walk" / GetParam().c3d;
   REQUIRE_RECORDING(file);
   const exchange::Trial trial = exchange::ReadTrial(file, {NameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
   const gait::LegFitResult result = gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}));
@@ -308,7 +304,7 @@ INSTANTIATE_TEST_SUITE_P(, OpticalWalk,
                          [](const auto& info) { return std::string(info.param.c3d, 8); });
 
 TEST(OpticalWalkFiles, AWrongVerticalIsAnErrorThatSaysSo) {
-  const fs::path file = SharedData("opensim_walk/std_walking2_markers.trc");  // z up, though TRC is y up by custom
+  const fs::path file = SharedData() / "opensim_walk/std_walking2_markers.trc";  // z up, though TRC is y up by custom
   REQUIRE_RECORDING(file);
   const exchange::Trial wrong = exchange::ReadTrial(file, {NameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
   try {
@@ -322,7 +318,7 @@ TEST(OpticalWalkFiles, AWrongVerticalIsAnErrorThatSaysSo) {
 }
 
 TEST(OpticalWalkFiles, InverseKinematicsTablesAreRead) {
-  const fs::path file = SharedData("opensim_walk/subject01_walk1_ik.mot");
+  const fs::path file = SharedData() / "opensim_walk/subject01_walk1_ik.mot";
   REQUIRE_RECORDING(file);
   const exchange::MotTable table = exchange::ReadMot(file);
   const std::size_t knee = table.Column("knee_angle_r");

@@ -146,10 +146,6 @@ TEST(AlignByMotion, RefusesRestAndOtherKinds) {
   }
 }
 
-fs::path Shared(const std::string& name) {
-  return SharedData() / name;
-}
-
 sync::Movement Part(const sync::Movement& whole, double from_s, double to_s, double add_s = 0) {
   sync::Movement part = whole;
   part.time_s.clear();
@@ -165,7 +161,7 @@ sync::Movement Part(const sync::Movement& whole, double from_s, double to_s, dou
 
 // The plates' clock is the markers'.
 TEST(AlignByMotion, BringsPlatesToTheMarkers) {
-  const fs::path folder = Shared("sts_force_plates");
+  const fs::path folder = SharedData() / "sts_force_plates";
   if (!fs::exists(folder)) GTEST_SKIP() << folder.string() << " is not here";
   const sync::Movement markers = sync::ReadMovement(folder / "STS1.trc"),
                        plates = sync::ReadMovement(folder / "STS1_grf.mot");
@@ -182,7 +178,8 @@ TEST(AlignByMotion, BringsPlatesToTheMarkers) {
 }
 
 TEST(AlignByMotion, RefusesOtherPeople) {
-  const fs::path other = Shared("opencap_sts/sts_default_markers.trc"), folder = Shared("sts_force_plates");
+  const fs::path other = SharedData() / "opencap_sts/sts_default_markers.trc",
+                 folder = SharedData() / "sts_force_plates";
   if (!fs::exists(other)) GTEST_SKIP() << other.string() << " is not here";
   const sync::Movement markers = sync::ReadMovement(other);
   EXPECT_THROW(sync::AlignByMotion(markers, sync::ReadMovement(folder / "STS1.trc")), Error);
@@ -215,7 +212,7 @@ sync::Movement ThighOfVideo(const fs::path& folder) {
 
 // What the clocks' truth is nobody knows; that two parts of one recording say the same can be known.
 TEST(AlignByMotion, BringsASensorToAVideo) {
-  const fs::path data = Shared("sts_markers_imu/data");
+  const fs::path data = SharedData() / "sts_markers_imu/data";
   if (!fs::exists(data)) GTEST_SKIP() << data.string() << " is not here";
   std::vector<sync::Movement> videos, sensors;
   for (const char* person : {"participant1", "participant2"}) {

@@ -78,7 +78,7 @@ TEST_F(LakeOptimizeWithLoads, ComparesTheActuatorsOfAFile) {
   for (std::size_t i = 0; i < table.Rows(); ++i) {
     if (table.Text(i, name) == "weak") {
       EXPECT_EQ(table.Text(i, status), "no design");
-      EXPECT_THAT(table.Text(i, table.Column("reason")), HasSubstr("force <= 20 N"));
+      EXPECT_THAT(table.Text(i, table.Column("reason")), HasSubstr("force ≤ 20 N"));
     } else {
       EXPECT_EQ(table.Text(i, status), "solved");
       EXPECT_GE(*table.Number(i, time), last_s * (1 - 1e-6)) << "a larger share cannot be had in less time";

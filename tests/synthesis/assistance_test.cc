@@ -234,7 +234,7 @@ TEST(ActuatorFront, CurvesEndWhereALimitFails) {
       problem, {Known("L16-50-35"), Known("L16-140-150"), Known("LA23-2500")}, {0.05, 0.5}, options);
   ASSERT_EQ(curves.size(), 3u);
   EXPECT_EQ(curves[0].Last(), nullptr);
-  EXPECT_THAT(curves[0].limits, ::testing::Contains(::testing::HasSubstr("stroke when standing <= 168 mm")));
+  EXPECT_THAT(curves[0].limits, ::testing::Contains(::testing::HasSubstr("stroke when standing ≤ 168 mm")));
   ASSERT_NE(curves[1].Last(), nullptr);
   EXPECT_EQ(curves[1].Last()->assist, 0.05);
   EXPECT_TRUE(curves[1].points[0].is_on_front);

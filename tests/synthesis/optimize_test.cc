@@ -117,9 +117,9 @@ TEST(Optimize, PricesAreDerivativesOfTheRange) {
     return 0.0;
   };
   // Central differences: second-order error step^2 f''' / 6 below 1e-5 deg / mm.
-  EXPECT_NEAR(price("grashof >= 2 mm"), (range(2 + step, 2, 50) - range(2 - step, 2, 50)) / (2 * step), 1e-5);
-  EXPECT_NEAR(price("singularity >= 2 mm"), (range(2, 2 + step, 50) - range(2, 2 - step, 50)) / (2 * step), 1e-5);
-  EXPECT_NEAR(price("l5 >= 50 mm"), (range(2, 2, 50 + step) - range(2, 2, 50 - step)) / (2 * step), 1e-5);
+  EXPECT_NEAR(price("grashof ≥ 2 mm"), (range(2 + step, 2, 50) - range(2 - step, 2, 50)) / (2 * step), 1e-5);
+  EXPECT_NEAR(price("singularity ≥ 2 mm"), (range(2, 2 + step, 50) - range(2, 2 - step, 50)) / (2 * step), 1e-5);
+  EXPECT_NEAR(price("l5 ≥ 50 mm"), (range(2, 2, 50 + step) - range(2, 2, 50 - step)) / (2 * step), 1e-5);
 }
 
 TEST(Optimize, MultipliersAreNotUniqueAtZeroMargins) {

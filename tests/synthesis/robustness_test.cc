@@ -195,11 +195,11 @@ TEST(Infeasibility, NamesTheFightersAndTheSmallestRelaxation) {
   ASSERT_TRUE(report.solved) << report.sentence;
   // l1 >= 90 and l4 <= 60 against l1 <= l4: nothing less than 30 mm will do.
   ASSERT_EQ(report.relaxations.size(), 1u) << report.sentence;
-  EXPECT_EQ(report.relaxations[0].text, "l1 <= l4");
+  EXPECT_EQ(report.relaxations[0].text, "l1 ≤ l4");
   EXPECT_NEAR(report.relaxations[0].relaxed, -30, 1e-4);
-  EXPECT_THAT(report.fighting, ::testing::IsSupersetOf({"l1 <= l4", "l1 >= 90 mm", "l4 <= 60 mm"}));
+  EXPECT_THAT(report.fighting, ::testing::IsSupersetOf({"l1 ≤ l4", "l1 ≥ 90 mm", "l4 ≤ 60 mm"}));
   EXPECT_THAT(report.sentence, ::testing::HasSubstr("cannot hold together"));
-  EXPECT_THAT(report.sentence, ::testing::HasSubstr(": allow l1 <= l4 + 30"));
+  EXPECT_THAT(report.sentence, ::testing::HasSubstr(": allow l1 ≤ l4 + 30"));
 }
 
 TEST(Infeasibility, ForceAndMomentArmAgreeOnTheLimit) {

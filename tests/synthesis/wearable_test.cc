@@ -80,7 +80,7 @@ TEST(Clearance, OfTheLimbThatCannotBeHadSaysByHowMuch) {
   problem.clearances.thigh_mm = problem.clearances.shank_mm = 10;
   const synthesis::InfeasibilityReport report = synthesis::AnalyseInfeasibility(problem);
   ASSERT_TRUE(report.solved);
-  EXPECT_THAT(report.sentence, HasSubstr("relax thigh clearance >= 10 mm by "));
+  EXPECT_THAT(report.sentence, HasSubstr("relax thigh clearance ≥ 10 mm by "));
   // What it takes is what the closed form says of the nearest design.
   const linkage::WearCheck nearest = WearOf(report.links, problem);
   for (const auto& [name, clearance_mm] :

@@ -32,7 +32,7 @@ Requirement Order(int smaller, int larger) {
   std::array<double, 6> coefficients{};
   coefficients[smaller] = -1;
   coefficients[larger] = 1;
-  const std::string name = fmt::format("{} <= {}", LinkName(smaller), LinkName(larger));
+  const std::string name = fmt::format("{} ≤ {}", LinkName(smaller), LinkName(larger));
   return {.id = {Requirement::Kind::kOrder, smaller, larger},
           .name = name,
           .coefficients = coefficients,
@@ -164,7 +164,7 @@ double Requirement::Slack(double value) const {
 
 std::string Requirement::Text() const {
   if (IsLinear() && limit == 0) return id.kind == Kind::kGrashof ? "Grashof's law" : name;
-  const std::string text = fmt::format("{} {} {:.6g}", name, is_lower_limit ? ">=" : "<=", limit);
+  const std::string text = fmt::format("{} {} {:.6g}", name, is_lower_limit ? "≥" : "≤", limit);
   return unit == "1" ? text : text + " " + unit;
 }
 

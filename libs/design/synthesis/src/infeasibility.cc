@@ -121,8 +121,8 @@ void CollectFighting(const ElasticSolve& solve, InfeasibilityReport& report) {
     const nlp::NlpVariable& variable = solve.program.program.Variables()[link];
     const double cost = solution.variable_marginal_costs[link];
     if (std::abs(cost) > kNoCost)
-      report.fighting.push_back(fmt::format("{} {} {:.6g} mm", variable.name,
-                                            cost > 0 ? ">=" : "<=", cost > 0 ? variable.lower : variable.upper));
+      report.fighting.push_back(fmt::format("{} {} {:.6g} mm", variable.name, cost > 0 ? "≥" : "≤",
+                                            cost > 0 ? variable.lower : variable.upper));
   }
 }
 

@@ -205,7 +205,7 @@ class ActiveSetFinder {
     const auto found = limit_of_variable_.find(index);
     if (found == limit_of_variable_.end()) return;
     const Limit& limit = *found->second;
-    const char* sign = lower && upper ? "=" : lower ? ">=" : "<=";
+    const char* sign = lower && upper ? "=" : lower ? "≥" : "≤";
     const std::string name =
         fmt::format("{} {} {:.6g} {}", variable.name, sign, lower ? variable.lower : variable.upper, limit.unit);
     active_.entries.push_back({limit.id, name, solve_.PriceOf(limit), limit.unit});

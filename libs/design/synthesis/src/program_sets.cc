@@ -122,8 +122,8 @@ void AddPoseRows(nlp::NonlinearProgram& program, const std::string& name, const 
                  const ShankBranch& shank_branch) {
   AddPoseRow(program, "actuator loop" + name, 0, actuator_loop, LoopRow{0});
   AddPoseRow(program, "four-bar loop" + name, 0, four_bar_loop, LoopRow{1});
-  AddPoseRow(program, "alpha2 >= 0" + name, nlp::kUnbounded, actuator_branch, BranchRow{0});
-  AddPoseRow(program, "beta2 >= 0" + name, nlp::kUnbounded, shank_branch, BranchRow{1});
+  AddPoseRow(program, "alpha2 ≥ 0" + name, nlp::kUnbounded, actuator_branch, BranchRow{0});
+  AddPoseRow(program, "beta2 ≥ 0" + name, nlp::kUnbounded, shank_branch, BranchRow{1});
 }
 
 int AddBarAngle(nlp::NonlinearProgram& program, const std::string& name, double start_rad) {

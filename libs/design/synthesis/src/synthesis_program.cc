@@ -126,7 +126,7 @@ class Builder {
   }
 
   void AddElasticBound(int variable, const std::string& name, double limit, bool is_lower_limit) {
-    const std::string text = fmt::format("{} {} {:.6g} mm", name, is_lower_limit ? ">=" : "<=", limit);
+    const std::string text = fmt::format("{} {} {:.6g} mm", name, is_lower_limit ? "≥" : "≤", limit);
     const int row =
         is_lower_limit ? nlp().AddRow(text, limit, nlp::kUnbounded) : nlp().AddRow(text, -nlp::kUnbounded, limit);
     AddScaledTerm(nlp(), row, variable, 1);

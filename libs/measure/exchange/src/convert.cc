@@ -115,16 +115,17 @@ PointRecording ScaledBy(const gait::PictureScale& picture, PointRecording points
   return points;
 }
 
-PointRecording FitToFormat(PointRecording points, const fs::path& in, const fs::path& out,
+PointRecording FitToFormat(const PointRecording& read, const fs::path& in, const fs::path& out,
                            const ConvertOptions& options) {
   const PointFormat& format = FormatOf(out);
+  PointRecording points = RenamePoints(read, options.reading.names, in);
   if (points.space == PointSpace::kImage && !format.image) points = PointsInPlane(points);
   if (points.space != PointSpace::kSpace && !options.reading.forward.empty())
     CheckNoneIsUnused(in, {{"--forward", "its points lie in a plane"}});
   if (points.space != PointSpace::kSpace) return points;
   if (options.reading.up) points.up_axis = *options.reading.up;
   double out_of_plane_mm = 0;
-  if (!format.space) return ProjectOntoSagittalPlane(points, options.reading, in, &out_of_plane_mm);
+  if (!format.space) return ProjectOntoSagittalPlane(read, options.reading, in, &out_of_plane_mm);
   return options.reading.forward.empty() ? points : PointsFacing(points, options.reading);
 }
 
@@ -167,7 +168,7 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
       ReadPoints(table, options.reading.mm_per_unit, options.reading.rate_hz, options.reading.values);
   if (options.crop_s) CropPoints(*options.crop_s, in, points);
   if (options.picture.IsGiven()) points = ScaledBy(options.picture, std::move(points), in, out);
-  points = FitToFormat(RenamePoints(points, options.reading.names, in), in, out, options);
+  points = FitToFormat(points, in, out, options);
   if (!points.events.empty() && Lower(out.extension().string()) != ".c3d")
     points.warnings.push_back(
         fmt::format("{}: {} events are left out; only C3D holds them", in.string(), points.events.size()));

@@ -244,22 +244,36 @@ std::optional<SagittalAxes> AxesAcrossKnee(const PointRecording& points, const T
   return SagittalAxes{cosine < 0 ? Eigen::Vector3d(-forward) : forward, axes.up};
 }
 
-PointRecording Project(const PointRecording& points, const SagittalAxes& axes, const std::string& plane_is,
-                       const fs::path& path, double* out_of_plane_mm) {
-  *out_of_plane_mm = OutOfPlane(points, axes.Across());
+std::string DescribePlane(const TrialOptions& options) {
+  return options.forward.empty() ? "in which the leg moves most" : "along " + options.forward;
+}
+
+struct SagittalPlane {
+  SagittalAxes axes;
+  std::string name;  // which plane that is
+};
+
+// Of the points as `read`, and of those that the names say.
+SagittalPlane FindSagittalPlane(const PointRecording& read, const PointRecording& named, const TrialOptions& options,
+                                const fs::path& path) {
+  const SagittalAxes axes = FindSagittalAxes(named, options, path);
+  if (const auto across = AxesAcrossKnee(read, options, axes))
+    return {*across, "across the knee's axis, as " + options.names.at("knee") + " show it"};
+  return {axes, DescribePlane(options)};
+}
+
+PointRecording Project(const PointRecording& points, const SagittalPlane& onto, const fs::path& path,
+                       double* out_of_plane_mm) {
+  *out_of_plane_mm = OutOfPlane(points, onto.axes.Across());
   PointRecording plane = points;
   plane.space = PointSpace::kPlane;
   for (PointTrack& point : plane.points)
     for (Eigen::Vector3d& p : point.positions)
-      if (p.allFinite()) p = {p.dot(axes.forward), p.dot(axes.up), 0};
+      if (p.allFinite()) p = {p.dot(onto.axes.forward), p.dot(onto.axes.up), 0};
   plane.warnings.push_back(
       fmt::format("{}: paths are projected onto the vertical plane {}; the leg moves {:.1f} mm RMS out of it",
-                  path.string(), plane_is, *out_of_plane_mm));
+                  path.string(), onto.name, *out_of_plane_mm));
   return plane;
-}
-
-std::string DescribePlane(const TrialOptions& options) {
-  return options.forward.empty() ? "in which the leg moves most" : "along " + options.forward;
 }
 
 // Empty where all points lie in one plane: such a file was made of a plane's points.
@@ -394,9 +408,11 @@ PointRecording RenamePoints(const PointRecording& points, const std::map<std::st
   return renamed;
 }
 
-PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const TrialOptions& options, const fs::path& path,
+PointRecording ProjectOntoSagittalPlane(const PointRecording& read, const TrialOptions& options, const fs::path& path,
                                         double* out_of_plane_mm) {
-  return Project(points, FindSagittalAxes(points, options, path), DescribePlane(options), path, out_of_plane_mm);
+  const PointRecording points = RenamePoints(read, options.names, path);
+  const SagittalPlane plane = FindSagittalPlane(read, points, options, path);
+  return Project(points, plane, path, out_of_plane_mm);
 }
 
 Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
@@ -409,13 +425,10 @@ Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
     PointRecording points = RenamePoints(read, options.names, trial.file);
     if (points.axes) points = PointsInPlane(points);
     if (points.space == PointSpace::kSpace) {
-      SagittalAxes axes = FindSagittalAxes(points, options, trial.file);
-      std::string plane_is = DescribePlane(options);
-      if (const auto across = AxesAcrossKnee(read, options, axes))
-        axes = *across, plane_is = "across the knee's axis, as " + options.names.at("knee") + " show it";
-      trial.plane_from_space = axes.PlaneFromSpace();
-      trial.across_mm = AcrossPlane(points, axes);
-      points = Project(points, axes, plane_is, trial.file, &trial.out_of_plane_mm);
+      const SagittalPlane plane = FindSagittalPlane(read, points, options, trial.file);
+      trial.plane_from_space = plane.axes.PlaneFromSpace();
+      trial.across_mm = AcrossPlane(points, plane.axes);
+      points = Project(points, plane, trial.file, &trial.out_of_plane_mm);
       if (!options.forward.empty()) trial.faces_right = true;
     }
     trial.mm_per_px = points.mm_per_px;

@@ -321,13 +321,18 @@ export class Chart extends Strip {
     context.globalAlpha = 1;
   }
 
+  // In ink beside a piece of the curve: letters take more contrast than lines do.
   private drawNames(context: CanvasRenderingContext2D): void {
+    const SWATCH = 10;
     if (this.curves.length < 2) return;
     let x = LEFT + 6;
+    context.lineWidth = 2;
+    context.fillStyle = colourOf("--ink");
     for (const curve of this.curves) {
-      context.fillStyle = colourOf(curve.colour);
-      context.fillText(curve.name, x, 10);
-      x += context.measureText(curve.name).width + 12;
+      context.strokeStyle = colourOf(curve.colour);
+      line(context, x, 10, x + SWATCH, 10);
+      context.fillText(curve.name, x + SWATCH + 4, 10);
+      x += SWATCH + 4 + context.measureText(curve.name).width + 12;
     }
   }
 }

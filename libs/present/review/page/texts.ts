@@ -146,7 +146,7 @@ export const TEXTS = {
     const shown = value === null ? "cannot be evaluated" : withUnit(value, unit);
     if (!asked) return `${capitalised(name)}: ${shown}`;
     // The order of two links says its limit by its name.
-    if (name.includes("<=")) return `${name.replace("<=", "≤")}${value === null ? `: ${shown}` : ""}`;
+    if (name.includes("≤")) return `${name}${value === null ? `: ${shown}` : ""}`;
     return `${capitalised(name)} ${is_lower_limit ? "≥" : "≤"} ${withUnit(limit!, unit)}: ${shown}`;
   },
   slack: ({ slack, holds, unit, asked, limit, is_lower_limit }: CheckMessage) =>

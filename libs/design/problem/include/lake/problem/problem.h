@@ -138,7 +138,7 @@ struct Requirement {
     bool operator==(const Id&) const = default;
   };
   Id id;
-  std::string name;                      // short, as in the tables: "grashof", "l3 <= l1", "moment arm"
+  std::string name;                      // short, as in the tables: "grashof", "l3 ≤ l1", "moment arm"
   std::array<double, 6> coefficients{};  // of the links, if it is linear in them
   bool is_lower_limit = true;            // value >= limit
   double limit = 0;

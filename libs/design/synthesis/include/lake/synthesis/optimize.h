@@ -72,7 +72,7 @@ LocalSolve SolveFrom(const problem::SynthesisProblem& problem, const linkage::Li
 struct ActiveSet {
   struct Entry {
     LimitId id;
-    std::string name;  // "grashof >= 1 mm", "l3 >= 50 mm"
+    std::string name;  // "grashof ≥ 1 mm", "l3 ≥ 50 mm"
     double price;      // LocalSolve::PriceOf
     std::string unit;  // of the limit
   };

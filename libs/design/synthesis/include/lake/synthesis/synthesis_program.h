@@ -56,7 +56,7 @@ struct RequirementRow {
 
 // A link bound or d_min that gives way (Elasticity::kEverything).
 struct ElasticBound {
-  std::string text;  // "l1 >= 50 mm"
+  std::string text;  // "l1 ≥ 50 mm"
   double limit;
   bool is_lower_limit;
   int slack;

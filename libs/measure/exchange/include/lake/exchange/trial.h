@@ -74,9 +74,10 @@ std::optional<motion::Side> LegInSummary(const Json& summary);
 // message lists those that are).
 Trial ReadTrial(const std::filesystem::path& path, const TrialOptions& options = {});
 
-// 3-D points as they are seen from the side: kPlane, x along `options.forward` or the fitted direction; the fit needs
-// the names ankle, knee and hip. The RMS lateral movement goes to `out_of_plane_mm`.
-PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const TrialOptions& options,
+// 3-D points as read from a file, named by the options and seen from the side: kPlane, x along `options.forward`, the
+// fitted direction (the fit needs the names ankle, knee and hip) or across the knee's axis where a lateral and a medial
+// marker give it. The RMS lateral movement goes to `out_of_plane_mm`.
+PointRecording ProjectOntoSagittalPlane(const PointRecording& read, const TrialOptions& options,
                                         const std::filesystem::path& path, double* out_of_plane_mm);
 
 // 3-D points in the axes that OpenSim's models stand in: x where the subject faces (`options.forward`), y up, z to the
