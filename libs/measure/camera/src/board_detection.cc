@@ -184,28 +184,15 @@ double MedianEdgeWidth(const cv::Mat& grey, const std::vector<cv::Point2f>& pixe
   return widths.empty() ? std::numeric_limits<double>::infinity() : Median(widths);
 }
 
-// The corners of the sector-based search, where they lie on smoother lines.
-void TakeBetter(const cv::Mat& grey, const Board& board, FoundCorners& found) {
-  FoundCorners other;
-  try {
-    other = FindBySectors(grey, board);
-  } catch (const cv::Exception&) {
-    return;
-  }
-  if (!other.corner.empty() && Roughness(board, other.pixel) < Roughness(board, found.pixel))
-    found.pixel = std::move(other.pixel);
-}
-
-// How a board is looked for: the searches that take milliseconds, or a second where the search is thorough, and the one
-// of last resort.
+// A chessboard is looked for by sectors, in a second at most, and where that fails by quadrangles, which takes many
+// seconds where there is none; where the search is not thorough, by quadrangles if they are likely.
 enum class Search { kFirst, kLast };
 
 FoundCorners Find(const cv::Mat& grey, const Board& board, bool thorough, Search search) {
   try {
-    if (search == Search::kLast) return FindByQuadrangles(grey, board, false);
     if (board.kind == BoardKind::kCharuco) return FindCharuco(grey, board);
-    FoundCorners found = FindByQuadrangles(grey, board, true);
-    return found.corner.empty() && thorough ? FindBySectors(grey, board) : found;
+    return thorough && search == Search::kFirst ? FindBySectors(grey, board)
+                                                : FindByQuadrangles(grey, board, !thorough);
   } catch (const cv::Exception&) {
     return {};  // OpenCV's searches assert on some pictures without a board, e.g. noise
   }
@@ -220,10 +207,13 @@ std::optional<BoardView> DetectDarkOnLight(const cv::Mat& grey, const Board& boa
   std::vector<int> half_windows;
   for (const double distance : LineDistances(board, found))
     half_windows.push_back(HalfWindow(board, distance, options.half_window_px));
+  const std::vector<cv::Point2f> as_found = found.pixel;
   for (std::size_t i = 0; i < found.pixel.size(); ++i)
     found.pixel[i] = RefineCorner(grey, found.pixel[i], half_windows[i]);
-  if (board.kind == BoardKind::kChessboard && options.thorough && options.half_window_px == 0)
-    TakeBetter(grey, board, found);
+  // Sectors give fractions of a pixel, too: the corners that lie on smoother lines are taken.
+  if (board.kind == BoardKind::kChessboard && options.thorough && options.half_window_px == 0 &&
+      Roughness(board, as_found) < Roughness(board, found.pixel))
+    found.pixel = as_found;
   BoardView view;
   view.corner = found.corner;
   for (const cv::Point2f& p : found.pixel) view.pixel.emplace_back(p.x, p.y);

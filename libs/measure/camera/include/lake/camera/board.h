@@ -60,8 +60,8 @@ struct BoardDetectionOptions {
   // Half the window of the sub-pixel corner search, px; 0 takes 0.35 of the distance to the next line of the
   // grid, 2..15 px: a window that reaches other edges spoils the result.
   int half_window_px = 0;
-  // Of a chessboard: also OpenCV's sector-based search, which takes longer and finds more; the corners that lie on
-  // smoother lines are taken. Without it a picture that shows no board is known not to within milliseconds.
+  // Of a chessboard: by OpenCV's sector-based search first, which takes longer and finds more. Without it a picture
+  // that shows no board is known not to within milliseconds.
   bool thorough = true;
   int least_corners = 8;  // fewer seen corners of a ChArUco board are no use
 };
