@@ -1,5 +1,6 @@
 #include "lake/gait/sts_events.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -298,6 +299,19 @@ TEST(StsEvents, PercentRunsFromOnsetToStanding) {
   EXPECT_NEAR(motion.samples[40].percent, 100, 1e-9);
   EXPECT_EQ(motion.samples[30].repetition, 1);
   EXPECT_FALSE(motion.samples[41].repetition || motion.samples[95].repetition);  // the second was cut off
+}
+
+// Of two rises of 2 s the second's onset is known to 0.3 s: that alone is told.
+TEST(StsEvents, AnEventThatCannotBeToldToATenthOfTheRiseIsWarnedOf) {
+  using Kind = motion::StsEventKind;
+  const auto event = [](int rise, Kind kind, double time_s, double sd_s) {
+    return motion::StsEvent{.repetition = rise, .kind = kind, .frame = 0, .time_s = time_s, .sd_s = sd_s};
+  };
+  const std::vector<motion::StsEvent> events = {event(1, Kind::kOnset, 1, 0.02),   event(1, Kind::kSeatOff, 1.8, 0.5),
+                                                event(1, Kind::kStanding, 3, 0.1), event(2, Kind::kOnset, 5, 0.3),
+                                                event(2, Kind::kStanding, 7, NAN), event(3, Kind::kOnset, 9, 0.9)};
+  EXPECT_THAT(gait::UncertainEvents(events),
+              testing::ElementsAre(testing::HasSubstr("rise 2: its onset is uncertain by 0.30 s")));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "lake/gait/sts_events.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -440,6 +442,28 @@ class EventFinder {
 FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options) {
   const StsSignals known = KnownOnly(signals);
   return EventFinder(known, options).Find();
+}
+
+std::vector<std::string> UncertainEvents(const std::vector<motion::StsEvent>& events) {
+  constexpr double kMost = 0.1;  // of the rise
+  std::map<int, double> onset_s, standing_s;
+  for (const motion::StsEvent& event : events) {
+    if (event.kind == motion::StsEventKind::kOnset) onset_s[event.repetition] = event.time_s;
+    if (event.kind == motion::StsEventKind::kStanding) standing_s[event.repetition] = event.time_s;
+  }
+  std::vector<std::string> sentences;
+  for (const motion::StsEvent& event : events) {
+    const int rise = event.repetition;
+    if (event.kind != motion::StsEventKind::kOnset && event.kind != motion::StsEventKind::kStanding) continue;
+    if (!onset_s.contains(rise) || !standing_s.contains(rise)) continue;
+    const double duration_s = standing_s.at(rise) - onset_s.at(rise);
+    if (!(event.sd_s > kMost * duration_s)) continue;
+    sentences.push_back(fmt::format(
+        "rise {}: its {} is uncertain by {:.2f} s (1 SD), and it takes {:.2f} s: look at the curves in lake "
+        "review, and give the events with --events if you see them better",
+        rise, motion::ToString(event.kind), event.sd_s, duration_s));
+  }
+  return sentences;
 }
 
 void SetRepetitions(const std::vector<motion::StsEvent>& events, motion::LegMotion& motion) {
