@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 
 #include "compare/closed_form.h"
 #include "lake/compare/comparison_file.h"
@@ -131,6 +132,36 @@ TEST_F(LakeRedesign, RepairsOfTheWornDesignStandBesideTheNewOne) {
     if (const std::string design = front.Text(row, front.Column("design")); design != "front")
       designs.push_back(design);
   EXPECT_THAT(designs, testing::ElementsAre("before", "joint_moved", "other_program", "after"));
+}
+
+// Worn, with the joint moved, and new: forces at the cuffs over the rise, each within its interval, and those of the
+// new design as lake-compare finds them in its predicted path.
+TEST_F(LakeRedesign, ForcesAtTheCuffsStandBesideEachDesign) {
+  const Ended ended = RunProgram(Common("out") + "--max-misalignment 2.5 --program free --duration 45 --fit-placement");
+  ASSERT_EQ(ended.exit_code, 0) << ended.text;
+  const Json summary = ReadJsonFile(folder_ / "out/summary.json");
+  const CsvTable table = CsvTable::Read(folder_ / "out/cuffs.csv");
+  EXPECT_EQ(table.Rows(), 4u * 101);
+  for (const std::string force : {"thigh_cuff", "shank_cuff", "knee_shear"}) {
+    std::map<std::string, double> largest;
+    for (std::size_t row = 0; row < table.Rows(); ++row) {
+      const auto cell = [&](const std::string& column) { return table.RequiredNumber(row, table.Column(column)); };
+      const double force_n = cell(force + "_n");
+      EXPECT_LE(cell(force + "_low_n"), force_n);
+      EXPECT_GE(cell(force + "_high_n"), force_n);
+      double& most = largest[std::string(table.Text(row, table.Column("case")))];
+      most = std::max(most, force_n);
+    }
+    for (const char* design : {"before", "joint_moved", "other_program", "after"})
+      EXPECT_NEAR(summary[design]["cuffs"][force + "_n"].get<double>(), largest.at(design), 1e-9) << design << force;
+    EXPECT_LT(largest["joint_moved"], 0.01 * largest["before"]) << "the joint was 8 mm off throughout";
+  }
+  const std::string compare = fmt::format("{0} {1} {1}/out/predicted --replacement-sd 0 --quiet -o {1}/again",
+                                          Quoted(BinDir() / "lake-compare"), folder_.Path().string());
+  ASSERT_EQ(std::system((compare + " >/dev/null 2>&1").c_str()), 0);
+  const Json again = ReadJsonFile(folder_ / "again/summary.json")["cuffs"]["worn"];
+  for (const char* force : {"thigh_cuff_n", "shank_cuff_n", "knee_shear_n"})
+    EXPECT_NEAR(again[force].get<double>(), summary["after"]["cuffs"][force].get<double>(), 1e-9) << force;
 }
 
 // The known offset of 8 mm is recovered, though the trial is late and leans otherwise; a program worn with it changes

@@ -266,10 +266,10 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   comparison["uncertainty"] = compare::BudgetsJson(budgets);
   std::vector<report::Section> sections{UncertaintySection(budgets)};
   if (misalignment.joint && !misalignment.exo.leg_knee.empty()) {
-    const double misfit_share = budgets.front().Deviation() / std::max(budgets.front().value, 1e-9);
-    const std::vector<CuffCase> cases = CuffCases(misalignment.exo, *misalignment.joint, misfit_share, options.cuff);
+    const std::vector<CuffCase> cases =
+        CuffCases(misalignment.exo, *misalignment.joint, budgets.front().Deviation(), options.cuff);
     WriteCuffTable(run.Result("cuffs.csv"), cases);
-    comparison["cuffs"] = CuffsJson(cases);
+    for (const CuffCase& one : cases) comparison["cuffs"][one.name] = CuffsJson(one.course);
     sections.push_back(CuffSection(cases, options.cuff));
   }
   WriteJsonFile(run.Result("comparison.json"), comparison);

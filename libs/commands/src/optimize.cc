@@ -149,6 +149,11 @@ compare::StsCurve ReadHuman(const ReoptimizeRunOptions& options, Run& run) {
   return compare::MeanCurve(trial.repetitions);
 }
 
+// Of a joint against the knee where no trial showed both: what skin and the marker's placement leave open.
+double PlaceDeviation_mm() {
+  return std::hypot(compare::RecordingBudgetOptions{}.soft_tissue_mm, compare::RecordingBudgetOptions{}.placement_mm);
+}
+
 // Of one comparison, and the design worn in it.
 redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::size_t i) {
   redesign::MeasuredMotion measured;
@@ -156,6 +161,7 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
   const compare::ComparedCurves curves = compare::ReadComparison(comparison);
   measured.human = curves.human;
   measured.noise_floor_percent = 100 * curves.noise_floor_relative;
+  measured.joint_sd_mm = curves.joint_sd_mm.value_or(PlaceDeviation_mm());
   if (!options.human_only) {
     measured.exo = curves.exo;
     measured.spike = curves.spike;
@@ -166,7 +172,7 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
 redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, std::size_t i, Run& run) {
   redesign::MeasuredMotion measured;
   if (options.comparisons.empty())
-    measured.human = ReadHuman(options, run);
+    measured.human = ReadHuman(options, run), measured.joint_sd_mm = PlaceDeviation_mm();
   else
     measured = ReadCompared(options, i);
   if (!options.worn.empty()) {
@@ -202,6 +208,7 @@ redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
     throw UsageError("--device-mass and --hold-force are of balance: give --body loads.json too");
   }
   if (reoptimize.balance_mm) problem.balance = redesign::BalanceLimits{.margin_mm = *reoptimize.balance_mm};
+  problem.cuffs = reoptimize.cuffs;
   problem.fit_placement = reoptimize.fit_placement;
   problem.placement_reach_mm = reoptimize.placement_reach_mm;
   return problem;
@@ -326,8 +333,9 @@ Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
   if (options.reoptimize->comparisons.size() > 1 || options.reoptimize->sizes)
     return RunForGroup(options, problem, run);
   const redesign::MeasuredMotion measured = ReadMeasured(*options.reoptimize, 0, run);
-  std::vector<std::string> names = ResultNames({"before_after.csv", "program.csv", "knee_paths.png", "knee_paths.svg",
-                                                "predicted/comparison.json", "predicted/misalignment.csv"});
+  std::vector<std::string> names =
+      ResultNames({"before_after.csv", "cuffs.csv", "program.csv", "knee_paths.png", "knee_paths.svg",
+                   "predicted/comparison.json", "predicted/misalignment.csv"});
   if (measured.worn) names.insert(names.end(), {"joint_moved/comparison.json", "joint_moved/misalignment.csv"});
   if (options.reoptimize->pareto_points) names.insert(names.end(), {"pareto.csv", "pareto.png", "pareto.svg"});
   if (problem.body) names.insert(names.end(), {"balance.csv", "balance.png", "balance.svg"});
@@ -426,6 +434,7 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
            "Upward force on the trunk, for this leg, of arm rests, a helper or a harness, in balance and moments")
       .Unit("N")
       .Between(0, 500);
+  Describe(o.cuffs, options);
   Describe(o.program, options);
   options.Add("fit-placement", o.fit_placement, "Optimise the placement of the joint on the shank too");
   options.Add("placement-reach", o.placement_reach_mm, "Largest distance of the joint from the knee along each axis")

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 
+#include "cuff_tables.h"
 #include "lake/commands/optimize_tables.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -73,6 +74,16 @@ std::array<NamedDesign, 4> DesignsOf(const redesign::RedesignOutcome& outcome) {
            {"joint_moved", of(outcome.joint_moved)},
            {"other_program", of(outcome.other_program)},
            {"after", &outcome.after}}};
+}
+
+// Of those that can make the motion.
+std::vector<CuffCase> CuffCases(const redesign::RedesignOutcome& outcome) {
+  std::vector<CuffCase> cases;
+  for (const auto& [name, design] : DesignsOf(outcome))
+    if (design)
+      if (const auto course = redesign::CuffsOf(outcome.problem, *design, outcome.measured.joint_sd_mm))
+        cases.push_back({name, *course});
+  return cases;
 }
 
 void WriteBeforeAfter(const redesign::RedesignOutcome& outcome, Run& run) {
@@ -432,6 +443,7 @@ void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& op
   WriteStarts(StartRows(outcome.result), run);
   WriteConvergence(outcome.result.BestOrFirst().local, "objective_deg", run);
   WriteBeforeAfter(outcome, run);
+  WriteCuffTable(run.Result("cuffs.csv"), CuffCases(outcome));
   WriteProgramTable(outcome.after, outcome.problem.human, run.Result("program.csv"));
   WritePath(outcome.after, "predicted", run);
   if (outcome.joint_moved) WritePath(*outcome.joint_moved, "joint_moved", run);
@@ -459,6 +471,7 @@ Json MotionJson(const redesign::RedesignOutcome& outcome) {
       {"balance", ProgramBalanceJson(outcome)}};
   for (const NamedDesign& named : DesignsOf(outcome))
     json[named.name] = named.design ? BeforeAfterJson(*named.design) : Json();
+  for (const CuffCase& one : CuffCases(outcome)) json[one.name]["cuffs"] = CuffsJson(one.course);
   return json;
 }
 

@@ -290,6 +290,13 @@ DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCur
   return in_motion;
 }
 
+std::optional<cuffs::CuffCourse> CuffsOf(const RedesignProblem& problem, const DesignInMotion& design,
+                                         double joint_sd_mm) {
+  if (!design.prediction) return std::nullopt;
+  const Vector2d place_mm = PlacementOf(design.design) + problem.human.back().slip_mm;
+  return cuffs::CourseOf(design.prediction->exo.knee_deg, {place_mm, joint_sd_mm}, problem.cuffs);
+}
+
 std::optional<Vector2d> BestPlacement(const RedesignProblem& problem, const DesignInMotion& design) {
   if (!design.prediction) return std::nullopt;
   const Vector2d placement = PlacementOf(design.design);

@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 
+#include "lake/cuffs/cuff_model.h"
 #include "lake/problem/problem.h"
 #include "lake/redesign/balance.h"
 #include "lake/redesign/human_motion.h"
@@ -40,6 +41,7 @@ struct RedesignProblem {
   Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();  // where the joint sits; if it is fitted, a start
   double placement_reach_mm = 40;                          // from the knee to either side, x and y, if it is fitted
   std::optional<double> max_angle_mismatch_deg;            // of the exoskeleton's knee angle, at every instant
+  cuffs::CuffOptions cuffs;                                // that hold the exoskeleton to the leg
   std::shared_ptr<const loads::BodyPath> body;             // the person's, in the same motion; empty: not known
   std::optional<BalanceLimits> balance;                    // needs the body
 
