@@ -140,6 +140,30 @@ TEST(CuffCourse, DoesNotDependOnTheLean) {
   EXPECT_NEAR(course.knee_shear_n.front().force_n, load.knee_shear_n, 1e-9);
 }
 
+// The closed form for any cuffs is what the least energy gives.
+TEST(CuffCourse, TheClosedFormIsTheModel) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> some(0, 1);
+  for (int draw = 0; draw < 50; ++draw) {
+    CuffOptions options;
+    options.thigh = {{150 + 100 * some(random), 120 * some(random)}, {60, 40}};
+    options.shank = {{150 + 100 * some(random), 120 * some(random)}};
+    if (draw % 2) options.shank.push_back({90, 0});
+    const Vector2d place(30 * some(random) - 15, 60 * some(random) - 30);
+    const double bent = 2 * some(random), standing = 0.2 * some(random);
+    const auto degrees = [](double rad) { return rad * 180 / M_PI; };
+    const Vector2d on_thigh = MisfitOf(Vector2d::Zero(), place, degrees(standing), 0);
+    const LegLoad load =
+        LoadOnLeg({-degrees(bent), 0, MisfitOf(place, on_thigh, -degrees(bent), 0), 0, 0}, options, {1.7, 1.7});
+    for (const bool on_thigh : {true, false})
+      for (std::size_t k = 0; k < (on_thigh ? options.thigh : options.shank).size(); ++k) {
+        const auto [x, y] = SlipOf(options, on_thigh, k, bent, standing, place.x(), place.y());
+        EXPECT_NEAR(std::hypot(x, y), (on_thigh ? load.thigh : load.shank)[k].slip_mm.norm(), 1e-9)
+            << "seed 5, draw " << draw;
+      }
+  }
+}
+
 TEST(CuffModel, RefusesWhatIsNoCuff) {
   CuffOptions options;
   options.shank.clear();

@@ -209,6 +209,8 @@ redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
   }
   if (reoptimize.balance_mm) problem.balance = redesign::BalanceLimits{.margin_mm = *reoptimize.balance_mm};
   problem.cuffs = reoptimize.cuffs;
+  problem.max_cuff_force_n = reoptimize.max_cuff_force_n;
+  problem.cuff_penalty_deg_per_n = reoptimize.cuff_penalty_deg_per_n;
   problem.fit_placement = reoptimize.fit_placement;
   problem.placement_reach_mm = reoptimize.placement_reach_mm;
   return problem;
@@ -275,6 +277,7 @@ void CheckForGroup(const OptimizeRunOptions& options) {
                                        std::pair{options.study.yield_tolerance_mm.has_value(), "--yield"},
                                        std::pair{options.reoptimize->balance_mm.has_value(), "--balance"},
                                        std::pair{!options.reoptimize->body.empty(), "--body"},
+                                       std::pair{options.reoptimize->cuff_penalty_deg_per_n > 0, "--cuff-penalty"},
                                        std::pair{options.reoptimize->aids.device_kg > 0, "--device-mass"},
                                        std::pair{options.reoptimize->aids.hold_n > 0, "--hold-force"}})
     if (is_given) throw UsageError(fmt::format("{} is for one person: omit it, or give one --comparison", name));
@@ -434,6 +437,15 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
            "Upward force on the trunk, for this leg, of arm rests, a helper or a harness, in balance and moments")
       .Unit("N")
       .Between(0, 500);
+  options
+      .Add("max-cuff-force", o.max_cuff_force_n,
+           "Largest force at a cuff over the rise, of the joint's misfit, where cuffs and flesh are stiffest")
+      .Unit("N")
+      .Positive();
+  options.Add("cuff-penalty", o.cuff_penalty_deg_per_n, "Weight of the largest force at a cuff in the objective")
+      .Unit("degrees per N")
+      .Key("cuff_penalty")
+      .NotNegative();
   Describe(o.cuffs, options);
   Describe(o.program, options);
   options.Add("fit-placement", o.fit_placement, "Optimise the placement of the joint on the shank too");

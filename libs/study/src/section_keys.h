@@ -14,7 +14,7 @@ inline const OptionNames kGivenToCompare{"human",   "exo",      "map",  "up",   
                                          "exo-map", "exo-unit", "left", "right", "right-map"};
 inline const OptionNames kGivenToPopulation{"comparison", "human",       "human-knee", "map",          "up",
                                             "forward",    "unit",        "worn",       "participants", "body",
-                                            "balance",    "device-mass", "hold-force", "pareto"};
+                                            "balance",    "device-mass", "hold-force", "pareto",       "cuff-penalty"};
 inline const OptionNames kGivenToRedesign{"comparison", "human",  "human-knee",   "map",  "up",      "forward",
                                           "unit",       "worn",   "participants", "body", "balance", "device-mass",
                                           "hold-force", "across", "quantile",     "sizes"};

@@ -195,6 +195,7 @@ std::optional<DesignInMotion> WithOtherProgram(const RedesignOutcome& outcome) {
   for (std::size_t i = 0; i < same.design.bounds.size(); ++i)
     same.design.bounds[i] = {worn.links.Values()[i] - kAround_mm, worn.links.Values()[i] + kAround_mm};
   same = WithLinks(same, worn.links);
+  same.max_cuff_force_n.reset();
   same.fit_placement = false;
   same.placement_mm = PlacementOf(worn);
   const RedesignSolve solve = SolveFrom(same, StartPoint(same, worn.links), outcome.options.optimize);
@@ -283,6 +284,7 @@ DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCur
   in_motion.duration_s = ProgramDuration(design, *in_motion.prediction);
   in_motion.prediction->exo.duration_s = in_motion.duration_s;
   in_motion.prediction->of = problem.misalignment_of;
+  in_motion.prediction->cuff_force_n = LargestCuffForce(problem, in_motion.prediction->theta_rad, placement);
   if (problem.body && in_motion.duration_s > 0)
     in_motion.prediction->balance =
         FindBalance(problem.human, *problem.body, in_motion.prediction->theta_rad, lean, in_motion.duration_s);

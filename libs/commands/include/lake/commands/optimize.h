@@ -31,8 +31,10 @@ struct ReoptimizeRunOptions {
   std::optional<double> max_angle_mismatch_deg;  // absent: 5 degrees where the joint's misalignment is limited
   std::optional<double> balance_mm;              // absent: balance is not asked for
   cuffs::CuffOptions cuffs;                      // that hold the exoskeleton to the leg
-  std::filesystem::path body;                    // loads.json of the human trial; empty: the body is not known
-  loads::Aids aids;                              // that the person has in balance
+  std::optional<double> max_cuff_force_n;
+  double cuff_penalty_deg_per_n = 0;
+  std::filesystem::path body;  // loads.json of the human trial; empty: the body is not known
+  loads::Aids aids;            // that the person has in balance
   bool fit_placement = false;
   double placement_reach_mm = redesign::RedesignProblem{}.placement_reach_mm;
   std::optional<int> pareto_points;

@@ -78,6 +78,7 @@ struct MisalignmentInfeasibility {
   bool within_reach = false;                       // the limits can be held after all; the solver did not get there
   std::optional<double> largest_margin_mm;         // of balance, where that cannot be had: the most that was found
   std::optional<double> least_angle_mismatch_deg;  // likewise: the least that was found
+  std::optional<double> least_cuff_force_n;        // likewise
   std::optional<double> least_percent;             // the smallest misalignment found under the given program
   std::optional<double> working_percent;           // a rounded limit a little above, with which the problem was solved
   // Limits that hold it there; price in % by which the least misalignment falls per unit that the limit is raised; NaN
