@@ -139,19 +139,25 @@ Json RunActuatorFront(const OptimizeRunOptions& options, Run& run) {
   return summary;
 }
 
-compare::StsCurve ReadHuman(const ReoptimizeRunOptions& options, Run& run) {
-  CheckReading(options.human, options.human_reading);
-  const compare::TrialTables tables = ReadTrialTables(options.human, options.human_reading, options.human_knee, run);
-  compare::RegistrationOptions registration;
-  registration.knee = options.human_knee;
-  const compare::RegisteredTrial trial = compare::RegisterTrial(tables, registration);
-  for (const std::string& warning : trial.warnings) run.Warn(warning);
-  return compare::MeanCurve(trial.repetitions);
+// Of a joint against the knee where no trial showed both: what skin and the marker's placement, or the axis that stands
+// for it, leave open.
+double PlaceDeviation_mm(const std::optional<double>& axis_mm) {
+  const compare::RecordingBudgetOptions budget;
+  return std::hypot(budget.soft_tissue_mm, axis_mm.value_or(budget.placement_mm));
 }
 
-// Of a joint against the knee where no trial showed both: what skin and the marker's placement leave open.
-double PlaceDeviation_mm() {
-  return std::hypot(compare::RecordingBudgetOptions{}.soft_tissue_mm, compare::RecordingBudgetOptions{}.placement_mm);
+void ReadHuman(const ReoptimizeRunOptions& options, Run& run, redesign::MeasuredMotion& measured) {
+  CheckReading(options.human, options.human_reading);
+  const FunctionalTables read =
+      options.knee.knee == KneeFrom::kFunctional
+          ? ReadFunctionalTables(options.human, options.human_reading, options.human_knee, options.knee, run)
+          : FunctionalTables{ReadTrialTables(options.human, options.human_reading, options.human_knee, run), {}};
+  compare::RegistrationOptions registration;
+  registration.knee = options.human_knee;
+  const compare::RegisteredTrial trial = compare::RegisterTrial(read.tables, registration);
+  for (const std::string& warning : trial.warnings) run.Warn(warning);
+  measured.human = compare::MeanCurve(trial.repetitions);
+  measured.joint_sd_mm = PlaceDeviation_mm(read.sd_mm);
 }
 
 // Of one comparison, and the design worn in it.
@@ -159,9 +165,14 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
   redesign::MeasuredMotion measured;
   const fs::path& comparison = options.comparisons[i];
   const compare::ComparedCurves curves = compare::ReadComparison(comparison);
+  if (options.knee.knee == KneeFrom::kFunctional && !curves.knee_is_functional)
+    throw UsageError(
+        fmt::format("--knee functional: {} is of the knees' markers; run lake-compare with --knee "
+                    "functional and --segment, and take its folder",
+                    comparison.string()));
   measured.human = curves.human;
   measured.noise_floor_percent = 100 * curves.noise_floor_relative;
-  measured.joint_sd_mm = curves.joint_sd_mm.value_or(PlaceDeviation_mm());
+  measured.joint_sd_mm = curves.joint_sd_mm.value_or(PlaceDeviation_mm({}));
   if (!options.human_only) {
     measured.exo = curves.exo;
     measured.spike = curves.spike;
@@ -172,7 +183,7 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
 redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, std::size_t i, Run& run) {
   redesign::MeasuredMotion measured;
   if (options.comparisons.empty())
-    measured.human = ReadHuman(options, run), measured.joint_sd_mm = PlaceDeviation_mm();
+    ReadHuman(options, run, measured);
   else
     measured = ReadCompared(options, i);
   if (!options.worn.empty()) {
@@ -391,6 +402,7 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
       .Repeats();
   options.Add("human", o.human, "A human trial alone, as lake-compare reads it");
   options.Add("human-knee", o.human_knee, "The knee marker of --human");
+  Describe(o.knee, options);
   Describe(o.human_reading, options);
   options
       .Add("worn", o.worn,

@@ -198,6 +198,7 @@ class ComparisonReader {
     curves.noise_floor_relative = NoiseFloor("noise_floor_relative");
     const Json joint = json_.value("uncertainty", Json::object()).value("joint_rms_mm", Json::object());
     if (joint.contains("anatomical_sd")) curves.joint_sd_mm = NumberOrNaN(joint["anatomical_sd"]);
+    curves.knee_is_functional = json_.value("knee_from", Json()) == "functional";
     CheckShank(curves.human);
     return curves;
   }

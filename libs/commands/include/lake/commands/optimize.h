@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/commands/functional_knee.h"
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
@@ -20,6 +21,7 @@ struct ReoptimizeRunOptions {
                                                    // one design for all …
   std::filesystem::path human;                     // … or a human trial alone, as lake-compare reads it; one of both
   std::string human_knee = "knee";                 // the compared marker of the human trial
+  KneeOptions knee;                                // of `human`; a comparison has its own, and must have been made so
   exchange::TrialOptions human_reading;            // of files; a folder's markers have their names already
   std::vector<std::filesystem::path> worn;  // design.yaml worn in the exoskeleton trial, one of all or one for each;
                                             // required with one
