@@ -123,6 +123,21 @@ TEST(CuffCourse, IsThatOfTheMisfitWithAnInterval) {
   EXPECT_NEAR(on_knee.high_n, 2 * per_mm * 1.96 * 5, 0.1);
 }
 
+// Short cuffs resist a joint that is off along the leg more than one that is off across it: where it may be off in any
+// direction, the interval holds what the worst of them does.
+TEST(CuffCourse, AnUncertainPlaceMayBeOffInAnyDirection) {
+  const CuffOptions options;
+  const CuffForce on_knee = Largest(CourseOf({80, 5}, {Vector2d::Zero(), 6}, options).shank_n);
+  double least_n = 1e9, most_n = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Vector2d off = 1.96 * 6 * Vector2d(std::cos(k * M_PI / 60), std::sin(k * M_PI / 60));
+    const double stiffest_n = std::sqrt(2.0) * Largest(CourseOf({80, 5}, {off, 0}, options).shank_n).force_n;
+    least_n = std::min(least_n, stiffest_n), most_n = std::max(most_n, stiffest_n);
+  }
+  EXPECT_NEAR(on_knee.high_n, most_n, 0.03 * most_n);
+  EXPECT_LT(least_n, 0.8 * most_n) << "the direction matters";
+}
+
 // The same as the model's wherever the leg leans: forces are in the segments' frames.
 TEST(CuffCourse, DoesNotDependOnTheLean) {
   const CuffOptions options;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -34,21 +35,27 @@ CuffCourse CourseOf(const std::vector<double>& flexion_deg, const HingePlace& pl
   if (!(options.softest_n_mm <= options.stiffest_n_mm))
     throw UsageError(fmt::format("cuffs of {} N/mm at the softest and {} at the stiffest: give them in this order",
                                  options.softest_n_mm, options.stiffest_n_mm));
-  // In proportion to the distance: of 1 mm along the way there, forward where there is none.
-  const double distance_mm = place.mm.norm();
-  const Vector2d along = distance_mm > 0 ? Vector2d(place.mm / distance_mm) : Vector2d::UnitX();
   const double soft = options.softest_n_mm, stiff = options.stiffest_n_mm, middle = std::sqrt(soft * stiff);
-  const double least_mm = std::max(0.0, distance_mm - kNormal95 * place.sd_mm),
-               most_mm = distance_mm + kNormal95 * place.sd_mm;
   CuffCourse course;
   for (const double flexion : flexion_deg) {
-    const LegLoad load = LoadAt(flexion, flexion_deg.back(), along, options, middle);
-    const auto force = [&](double n) {
-      return CuffForce{n * distance_mm, n * soft / middle * least_mm, n * stiff / middle * most_mm};
+    const auto load = [&](const Vector2d& place_mm) {
+      return LoadAt(flexion, flexion_deg.back(), place_mm, options, middle);
     };
-    course.thigh_n.push_back(force(load.largest_thigh_n));
-    course.shank_n.push_back(force(load.largest_shank_n));
-    course.knee_shear_n.push_back(force(load.knee_shear_n));
+    const LegLoad at_place = load(place.mm);
+    // The place may be off in any direction, and in some the cuffs resist more.
+    std::vector<LegLoad> per_mm;
+    constexpr int kDirections = 12;  // of half a turn
+    for (int k = 0; k < kDirections; ++k)
+      per_mm.push_back(load(Eigen::Rotation2Dd(M_PI * k / kDirections) * Vector2d::UnitX()));
+    const auto force = [&](double LegLoad::*of) {
+      double open_n = 0;
+      for (const LegLoad& one : per_mm) open_n = std::max(open_n, kNormal95 * place.sd_mm * one.*of);
+      const double n = at_place.*of;
+      return CuffForce{n, soft / middle * std::max(0.0, n - open_n), stiff / middle * (n + open_n)};
+    };
+    course.thigh_n.push_back(force(&LegLoad::largest_thigh_n));
+    course.shank_n.push_back(force(&LegLoad::largest_shank_n));
+    course.knee_shear_n.push_back(force(&LegLoad::knee_shear_n));
   }
   return course;
 }

@@ -54,7 +54,7 @@ struct CuffCourse {
 CuffForce Largest(const std::vector<CuffForce>& course);
 
 // Where the hinge is against the knee at standing: shank's frame (x anterior, y up the shank), standard deviation along
-// the way there.
+// each axis.
 struct HingePlace {
   Eigen::Vector2d mm = Eigen::Vector2d::Zero();
   double sd_mm = 0;
