@@ -6,6 +6,7 @@
 #include "cli/program_run.h"
 #include "compare/closed_form.h"
 #include "lake/core/json.h"
+#include "lake/core/statistics.h"
 
 namespace lake {
 namespace {
@@ -95,6 +96,26 @@ TEST_F(FunctionalKnee, WhereATrialHasNoSegmentsItsMarkerIsTakenAndThatIsSaid) {
   const Outcome none = Shell(folder_, "lake-compare human.csv exo.csv --knee functional " + kSegments + " -o D");
   EXPECT_EQ(none.exit_code, 2) << none.err;
   EXPECT_THAT(none.err, HasSubstr("no trial has markers of --segment"));
+}
+
+// Optical rises in space, skin markers: from the ankle to the axis is nearly one length (2.2 mm SD measured), to the
+// knee's marker it is not (10.6 mm).
+TEST_F(FunctionalKnee, OnARealLegTheShankKeepsItsLength) {
+  const std::filesystem::path trial = std::filesystem::path(LAKE_SHARED_DATA) / "opencap_sts/sts_default_markers.trc";
+  if (!std::filesystem::exists(trial)) GTEST_SKIP() << trial << " is absent";
+  const auto variation_mm = [&](const std::string& words) {
+    const Outcome outcome =
+        Shell(folder_, fmt::format("lake-compare {0} {0} --map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=R_Shoulder "
+                                   "--exo-knee knee {1} -o R --quiet",
+                                   Quoted(trial), words));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return StandardDeviation(NumbersOrNaN(ReadJsonFile(folder_ / "R/comparison.json")["curves"]["shank_mm"]));
+  };
+  const double of_axis_mm = variation_mm(
+      "--knee functional --segment shank=r_shank_antsup,r_sh2,r_sh3,r_sh4,r_ankle --segment "
+      "thigh=r_thigh1,r_thigh2,r_thigh3,r_thigh4,r_thigh5");
+  EXPECT_LT(of_axis_mm, 3);
+  EXPECT_GT(variation_mm(""), 3 * of_axis_mm);
 }
 
 TEST_F(FunctionalKnee, WrongUseIsToldAndTheRedesignTakesWhatTheComparisonHas) {
