@@ -7,6 +7,7 @@
 #include <random>
 
 #include "lake/core/error.h"
+#include "lake/core/json.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/formats.h"
 #include "places.h"
@@ -153,11 +154,20 @@ SegmentMarkers AllMarkers(std::size_t count) {
 struct Held {
   double whole = 0, windows = 0, centres = 0;  // of so many
   double recordings = 0, all_windows = 0, all_centres = 0;
+  // Sums of squares: how far off, and what the standard deviations say of that.
+  double whole_off = 0, whole_said = 0, windows_off = 0, windows_said = 0, centres_off = 0, centres_said = 0;
 
   void Add(const exchange::PointRecording& points, const SegmentMarkers& markers) {
     const SegmentMotion motion = MotionOf(points, markers);
     const MeanAxesResult axes = MeanAxes(motion, 200, 10);
     const auto distance = [](const Vector3d& place) { return place.head<2>().norm(); };
+    const auto add = [](double off_mm, double sd_mm, double& off, double& said) {
+      off += off_mm * off_mm, said += 2 * sd_mm * sd_mm;
+    };
+    add(distance(axes.whole.in_file), axes.whole.sd_mm, whole_off, whole_said);
+    for (const MeanAxis& axis : axes.windows) add(distance(axis.in_file), axis.sd_mm, windows_off, windows_said);
+    for (const InstantaneousCentre& c : InstantaneousCentres(motion, axes))
+      add(distance(c.in_file), c.sd_mm.norm() / std::sqrt(2), centres_off, centres_said);
     whole += distance(axes.whole.in_file) < kEllipse95 * axes.whole.sd_mm, ++recordings;
     for (const MeanAxis& axis : axes.windows)
       windows += distance(axis.in_file) < kEllipse95 * axis.sd_mm, ++all_windows;
@@ -184,6 +194,11 @@ TEST(FunctionalAxis, ItsIntervalsHoldAHingeUnderSkin) {
   RecordProperty("whole", std::to_string(held.whole / held.recordings));
   RecordProperty("windows", std::to_string(held.windows / held.all_windows));
   RecordProperty("centres", std::to_string(held.centres / held.all_centres));
+  // Nor are they idle: the errors are more than half of what the standard deviations say (0.61 to 0.68 measured).
+  for (const auto& [name, off, said] : {std::tuple("whole", held.whole_off, held.whole_said),
+                                        std::tuple("windows", held.windows_off, held.windows_said),
+                                        std::tuple("centres", held.centres_off, held.centres_said)})
+    EXPECT_GT(std::sqrt(off / said), 0.5) << name;
 }
 
 // Without skin the intervals are narrow: they are of what is found in the recording.
@@ -208,6 +223,51 @@ TEST(FunctionalAxis, PinOverARange) {
   EXPECT_LT((half.in_shank - all.in_shank).norm(), 3 * half.sd_mm);
   EXPECT_THAT([&] { PinOver(motion, axes, *most + 10, *most + 20); },
               testing::ThrowsMessage<Error>(HasSubstr("the recording goes from")));
+}
+
+// Five rises in the laboratory, both legs, against the knee's centre of a skeletal model that was fitted to the same
+// markers (OpenSim: the tibia's origin). The model's files stand somewhere else than the markers', by a shift that
+// nobody wrote down: it is taken from the means, so that what is compared is how the centre moves. Of the 95 % ellipses
+// with 7 mm of soft tissue 90 % must hold the model's centre, and the centre strays from it by half of what the knee's
+// own marker does.
+TEST(FunctionalAxis, KeepsToASkeletalModelsKneeWhereSkinStrays) {
+  const std::filesystem::path folder = std::filesystem::path(LAKE_SHARED_DATA) / "opencap_sts";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+  const exchange::PointRecording points = exchange::ReadPoints(folder / "sts_default_markers.trc");
+  const Json bodies = ReadJsonFile(folder / "sts_default_opensim_bodies.json").at("bodies");
+  const SegmentMarkers right{{"r_shank_antsup", "r_sh2", "r_sh3", "r_sh4", "r_ankle"},
+                             {"r_thigh1", "r_thigh2", "r_thigh3", "r_thigh4", "r_thigh5"}},
+      left{{"L_shank_antsup", "L_sh2", "L_sh3", "L_ankle"}, {"L_thigh1", "L_thigh2", "L_thigh3", "L_thigh4"}};
+  for (const auto& [markers, knee, tibia] :
+       {std::tuple(right, "r_knee", "tibia_r"), std::tuple(left, "L_knee", "tibia_l")}) {
+    const SegmentMotion motion = MotionOf(points, markers);
+    const MeanAxesResult axes = MeanAxes(motion, 0, 10);
+    const Json& places = bodies.at(tibia).at("translation");
+    // From the side: x forward, y up.
+    std::vector<Eigen::Vector2d> centre_off, marker_off;
+    std::vector<double> radius_mm;
+    for (const InstantaneousCentre& c : InstantaneousCentres(motion, axes)) {
+      const Json& place = places.at(c.frame);
+      const Eigen::Vector2d model = 1000 * Eigen::Vector2d(place.at(0).get<double>(), place.at(1).get<double>());
+      centre_off.push_back(c.in_file.head<2>() - model);
+      marker_off.push_back(points.Find(knee)->positions[c.frame].head<2>() - model);
+      constexpr double kSoftTissue_mm = 7;
+      radius_mm.push_back(kEllipse95 * std::hypot(c.sd_mm.norm() / std::sqrt(2), kSoftTissue_mm));
+    }
+    const auto strays = [](const std::vector<Eigen::Vector2d>& off) {
+      Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+      for (const Eigen::Vector2d& one : off) mean += one / static_cast<double>(off.size());
+      std::vector<double> lengths;
+      for (const Eigen::Vector2d& one : off) lengths.push_back((one - mean).norm());
+      return lengths;
+    };
+    const std::vector<double> centre = strays(centre_off), marker = strays(marker_off);
+    double held = 0;
+    for (std::size_t i = 0; i < centre.size(); ++i) held += centre[i] < radius_mm[i];
+    EXPECT_GE(held, 0.9 * static_cast<double>(centre.size())) << knee;
+    EXPECT_LT(RootMeanSquare(centre), 0.5 * RootMeanSquare(marker)) << knee;
+    RecordProperty(knee, std::to_string(RootMeanSquare(centre)) + " of " + std::to_string(RootMeanSquare(marker)));
+  }
 }
 
 double FromHinge(const exchange::PointRecording& points, const SegmentMotion& motion, const Vector3d& in_shank,

@@ -1,11 +1,10 @@
-#include "lake/cuffs/cuff_model.h"
-
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <random>
 
 #include "lake/core/error.h"
+#include "lake/cuffs/cuff_course.h"
 
 namespace lake::cuffs {
 namespace {
@@ -100,6 +99,86 @@ TEST(CuffModel, ForcesBalance) {
   }
 }
 
+// The course of a hinge 20 mm off from 90° to standing: 28.3 mm of misfit, of which a cuff that yields alone takes 28 N
+// at 1 N/mm and 57 N at 2 N/mm; where the place is known to 5 mm alone, as much less and more.
+TEST(CuffCourse, IsThatOfTheMisfitWithAnInterval) {
+  CuffOptions options;
+  options.thigh.assign(1000, {200, 1e5}), options.shank = {{200, 1e5}};
+  const double per_mm = 2 * std::sin(M_PI / 4);
+  for (const double direction : {0.0, 1.1, 2.9, -1.7}) {
+    HingePlace place{20 * Vector2d(std::cos(direction), std::sin(direction)), 0};
+    const CuffForce shank = Largest(CourseOf({90, 40, 0}, place, options).shank_n);
+    EXPECT_NEAR(shank.low_n, 28.28, 0.05);
+    EXPECT_NEAR(shank.force_n, 28.28 * std::sqrt(2.0), 0.05);
+    EXPECT_NEAR(shank.high_n, 56.57, 0.1);
+    place.sd_mm = 5;
+    const CuffForce vague = Largest(CourseOf({90, 40, 0}, place, options).shank_n);
+    EXPECT_NEAR(vague.low_n, per_mm * (20 - 1.96 * 5), 0.05);
+    EXPECT_NEAR(vague.high_n, 2 * per_mm * (20 + 1.96 * 5), 0.1);
+    EXPECT_EQ(CourseOf({90, 40, 0}, place, options).shank_n.back().force_n, 0) << "free of stress at standing";
+  }
+  // A joint on the knee makes no force, but its place is not known better for that.
+  const CuffForce on_knee = Largest(CourseOf({90, 0}, {Vector2d::Zero(), 5}, options).shank_n);
+  EXPECT_EQ(on_knee.force_n, 0);
+  EXPECT_NEAR(on_knee.high_n, 2 * per_mm * 1.96 * 5, 0.1);
+}
+
+// Short cuffs resist a joint that is off along the leg more than one that is off across it: where it may be off in any
+// direction, the interval holds what the worst of them does.
+TEST(CuffCourse, AnUncertainPlaceMayBeOffInAnyDirection) {
+  const CuffOptions options;
+  const CuffForce on_knee = Largest(CourseOf({80, 5}, {Vector2d::Zero(), 6}, options).shank_n);
+  double least_n = 1e9, most_n = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Vector2d off = 1.96 * 6 * Vector2d(std::cos(k * M_PI / 60), std::sin(k * M_PI / 60));
+    const double stiffest_n = std::sqrt(2.0) * Largest(CourseOf({80, 5}, {off, 0}, options).shank_n).force_n;
+    least_n = std::min(least_n, stiffest_n), most_n = std::max(most_n, stiffest_n);
+  }
+  EXPECT_NEAR(on_knee.high_n, most_n, 0.03 * most_n);
+  EXPECT_LT(least_n, 0.8 * most_n) << "the direction matters";
+}
+
+// The same as the model's wherever the leg leans: forces are in the segments' frames.
+TEST(CuffCourse, DoesNotDependOnTheLean) {
+  const CuffOptions options;
+  const Vector2d place(12, -21);
+  const double standing_deg = 4, bent_deg = 71, lean_deg = 17;
+  const double angle = standing_deg * M_PI / 180;
+  const Vector2d on_thigh(std::cos(angle) * place.x() + std::sin(angle) * place.y(),
+                          -std::sin(angle) * place.x() + std::cos(angle) * place.y());
+  const LegLoad load =
+      LoadOnLeg({lean_deg - bent_deg, lean_deg, MisfitOf(place, on_thigh, lean_deg - bent_deg, lean_deg), 0, 0},
+                options, {std::sqrt(2.0), std::sqrt(2.0)});
+  const CuffCourse course = CourseOf({bent_deg, standing_deg}, {place, 0}, options);
+  EXPECT_NEAR(course.thigh_n.front().force_n, load.largest_thigh_n, 1e-9);
+  EXPECT_NEAR(course.shank_n.front().force_n, load.largest_shank_n, 1e-9);
+  EXPECT_NEAR(course.knee_shear_n.front().force_n, load.knee_shear_n, 1e-9);
+}
+
+// The closed form for any cuffs is what the least energy gives.
+TEST(CuffCourse, TheClosedFormIsTheModel) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> some(0, 1);
+  for (int draw = 0; draw < 50; ++draw) {
+    CuffOptions options;
+    options.thigh = {{150 + 100 * some(random), 120 * some(random)}, {60, 40}};
+    options.shank = {{150 + 100 * some(random), 120 * some(random)}};
+    if (draw % 2) options.shank.push_back({90, 0});
+    const Vector2d place(30 * some(random) - 15, 60 * some(random) - 30);
+    const double bent = 2 * some(random), standing = 0.2 * some(random);
+    const auto degrees = [](double rad) { return rad * 180 / M_PI; };
+    const Vector2d on_thigh = MisfitOf(Vector2d::Zero(), place, degrees(standing), 0);
+    const LegLoad load =
+        LoadOnLeg({-degrees(bent), 0, MisfitOf(place, on_thigh, -degrees(bent), 0), 0, 0}, options, {1.7, 1.7});
+    for (const bool on_thigh : {true, false})
+      for (std::size_t k = 0; k < (on_thigh ? options.thigh : options.shank).size(); ++k) {
+        const auto [x, y] = SlipOf(options, on_thigh, k, bent, standing, place.x(), place.y());
+        EXPECT_NEAR(std::hypot(x, y), (on_thigh ? load.thigh : load.shank)[k].slip_mm.norm(), 1e-9)
+            << "seed 5, draw " << draw;
+      }
+  }
+}
+
 TEST(CuffModel, RefusesWhatIsNoCuff) {
   CuffOptions options;
   options.shank.clear();
@@ -108,6 +187,8 @@ TEST(CuffModel, RefusesWhatIsNoCuff) {
   EXPECT_THROW(LoadOnLeg({}, options, {}), UsageError);
   options.shank = {{200, 80}};
   EXPECT_THROW(LoadOnLeg({}, options, {0, 1}), UsageError);
+  options.softest_n_mm = 3;
+  EXPECT_THROW(CourseOf({90, 0}, {}, options), UsageError);
 }
 
 }  // namespace

@@ -55,6 +55,9 @@ TEST_F(Export, RefusesWhatItCannotWrite) {
   Refused("design.yaml step --plate 4mm,cheese", 2, "no material 'cheese'");
   Refused("design.yaml step --plate PLA", 2, "a thickness and a material, such as 4mm,PLA");
   Refused("design.yaml dxf --pin-diameter 30", 1, "a pin of 30 mm does not fit");
+  Refused("design.yaml urdf --body loads.json", 2, "--body is for mjcf, not for urdf");
+  Refused("design.yaml mjcf --motion predicted", 2, "give --body loads.json too");
+  Refused("design.yaml mjcf --body loads.json", 2, "predicted is not there: give --motion");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // The report of a study as a browser shows it: the first screen, its numbers, its layout.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -57,6 +58,23 @@ std::string PageOfDrawings() {
   for (const std::filesystem::path& drawing : drawings)
     section.blocks.push_back(report::Picture{drawing, drawing.lexically_relative(Results()).string(), ""});
   return report::RenderReport({"Drawings", "", {}, {section}});
+}
+
+// Of each design its cuff forces with intervals, as the step's summary has them.
+TEST(StudyPage, HasTheForcesAtTheCuffsOfEachDesign) {
+  const std::string& page = Page();
+  const std::size_t table = page.find("Largest forces over the rise that come of a joint beside the knee");
+  ASSERT_NE(table, page.npos);
+  const std::string text = page.substr(table, page.find("</table>", table) - table);
+  const Json summary = ReadJsonFile(Results() / "redesign/summary.json");
+  for (const char* design : {"before", "joint_moved", "other_program", "after"}) {
+    const Json& cuffs = summary[design]["cuffs"];
+    const Json& interval = cuffs["shank_cuff_interval_n"];
+    EXPECT_THAT(text, HasSubstr(fmt::format("{:.1f} ({:.1f} to {:.1f})", cuffs["shank_cuff_n"].get<double>(),
+                                            interval[0].get<double>(), interval[1].get<double>())))
+        << design;
+    EXPECT_LT(cuffs["shank_cuff_n"].get<double>(), interval[1].get<double>());
+  }
 }
 
 // What is wrong and the first thing to do; the ways, from the cheapest on; what forbids them; a picture, a chart; what

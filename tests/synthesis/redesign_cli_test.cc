@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 
 #include "compare/closed_form.h"
 #include "lake/compare/comparison_file.h"
@@ -131,6 +132,61 @@ TEST_F(LakeRedesign, RepairsOfTheWornDesignStandBesideTheNewOne) {
     if (const std::string design = front.Text(row, front.Column("design")); design != "front")
       designs.push_back(design);
   EXPECT_THAT(designs, testing::ElementsAre("before", "joint_moved", "other_program", "after"));
+}
+
+// Worn, with the joint moved, and new: forces at the cuffs over the rise, each within its interval, and those of the
+// new design as lake-compare finds them in its predicted path.
+TEST_F(LakeRedesign, ForcesAtTheCuffsStandBesideEachDesign) {
+  const Ended ended = RunProgram(Common("out") + "--max-misalignment 2.5 --program free --duration 45 --fit-placement");
+  ASSERT_EQ(ended.exit_code, 0) << ended.text;
+  const Json summary = ReadJsonFile(folder_ / "out/summary.json");
+  const CsvTable table = CsvTable::Read(folder_ / "out/cuffs.csv");
+  EXPECT_EQ(table.Rows(), 4u * 101);
+  for (const std::string force : {"thigh_cuff", "shank_cuff", "knee_shear"}) {
+    std::map<std::string, double> largest;
+    for (std::size_t row = 0; row < table.Rows(); ++row) {
+      const auto cell = [&](const std::string& column) { return table.RequiredNumber(row, table.Column(column)); };
+      const double force_n = cell(force + "_n");
+      EXPECT_LE(cell(force + "_low_n"), force_n);
+      EXPECT_GE(cell(force + "_high_n"), force_n);
+      double& most = largest[std::string(table.Text(row, table.Column("case")))];
+      most = std::max(most, force_n);
+    }
+    for (const char* design : {"before", "joint_moved", "other_program", "after"})
+      EXPECT_NEAR(summary[design]["cuffs"][force + "_n"].get<double>(), largest.at(design), 1e-9) << design << force;
+    EXPECT_LT(largest["joint_moved"], 0.01 * largest["before"]) << "the joint was 8 mm off throughout";
+  }
+  const std::string compare = fmt::format("{0} {1} {1}/out/predicted --replacement-sd 0 --quiet -o {1}/again",
+                                          Quoted(BinDir() / "lake-compare"), folder_.Path().string());
+  ASSERT_EQ(std::system((compare + " >/dev/null 2>&1").c_str()), 0);
+  const Json again = ReadJsonFile(folder_ / "again/summary.json")["cuffs"]["worn"];
+  for (const char* force : {"thigh_cuff_n", "shank_cuff_n", "knee_shear_n"})
+    EXPECT_NEAR(again[force].get<double>(), summary["after"]["cuffs"][force].get<double>(), 1e-9) << force;
+}
+
+// The limit holds as lake-compare finds the forces in the predicted path, whose headline is at the geometric mean of
+// both stiffnesses; a limit that cannot be held is told with one that can.
+TEST_F(LakeRedesign, TheForceAtTheCuffsMayBeLimited) {
+  const std::string asked = "--program free --duration 45 --cuff-softest 1 --cuff-stiffest 4 ";
+  const Ended ended = RunProgram(Common("out") + asked + "--max-misalignment 2.5 --fit-placement --max-cuff-force 2");
+  ASSERT_EQ(ended.exit_code, 0) << ended.text;
+  const Json summary = ReadJsonFile(folder_ / "out/summary.json");
+  EXPECT_LE(summary["after"]["cuff_force_max_n"].get<double>(), 2 * (1 + 1e-5));
+  const std::string compare = fmt::format(
+      "{0} {1} {1}/out/predicted --replacement-sd 0 --cuff-softest 1 --cuff-stiffest 4 --quiet -o {1}/again",
+      Quoted(BinDir() / "lake-compare"), folder_.Path().string());
+  ASSERT_EQ(std::system((compare + " >/dev/null 2>&1").c_str()), 0);
+  const Json again = ReadJsonFile(folder_ / "again/summary.json")["cuffs"]["worn"];
+  for (const char* cuff : {"thigh_cuff_n", "shank_cuff_n"}) EXPECT_LE(2 * again[cuff].get<double>(), 2 * (1 + 1e-4));
+  const std::string limits = asked + "--max-misalignment 2.5 --max-cuff-force ";
+  const Ended none = RunProgram(Common("none") + limits + "2");
+  EXPECT_EQ(none.exit_code, 3) << none.text;
+  const std::size_t end = none.text.find(" N at the cuffs"), start = none.text.rfind("a limit of ", end);
+  ASSERT_NE(end, none.text.npos) << none.text;
+  const double possible_n = std::stod(none.text.substr(start + 11));
+  EXPECT_GT(possible_n, 2);
+  const Ended held = RunProgram(Common("held") + limits + fmt::format("{}", possible_n));
+  EXPECT_EQ(held.exit_code, 0) << held.text;
 }
 
 // The known offset of 8 mm is recovered, though the trial is late and leans otherwise; a program worn with it changes
@@ -262,6 +318,7 @@ TEST_F(LakeRedesign, WrongInputIsOneLineAndNothingIsWritten) {
       {comparison + "--hold-force 50", 2, "are of balance: give --body loads.json"},
       {comparison + "--balance=-1", 2, "--balance"},
       {comparison + "--max-angle-mismatch 0", 2, "--max-angle-mismatch"},
+      {comparison + "--max-cuff-force 0", 2, "--max-cuff-force"},
       {comparison + "--misalignment both", 2, "--misalignment"},
       {comparison + "--program free --free-ends", 2, "--free-ends"},
       {comparison + "--round 1", 2, "--round"},

@@ -55,6 +55,12 @@ TEST(RedesignProgram, DerivativesAreThoseOfTheValues) {
   for (const Goal goal : {Goal::kRange, Goal::kBalance, Goal::kAngle}) problems.push_back(Balanced(Kind::kFree, goal));
   problems.push_back(Balanced(Kind::kConstant, Goal::kRange));
   problems.back().misalignment_of = redesign::MisalignmentOf::kJoint;
+  for (const Goal goal : {Goal::kRange, Goal::kCuffForce}) {
+    problems.push_back(Problem(Kind::kFree, goal));
+    problems.back().max_cuff_force_n = 12, problems.back().cuff_penalty_deg_per_n = 0.2;
+    problems.back().cuffs.shank.push_back({90, 40});
+    problems.back().human.back().slip_mm = {7, -4};
+  }
   for (const redesign::RedesignProblem& problem : problems) {
     const nlp::NonlinearProgram program = Build(problem, redesign::StartPoint(problem, kPublishedLinks));
     std::vector<double> x;

@@ -69,6 +69,75 @@ TEST(Redesign, TheLimitHoldsWhenTheComparisonReEvaluatesThePredictedPath) {
     }
 }
 
+// Worn on a mount that sits 12 mm forward and 5 mm low, which a joint on the path must not follow.
+redesign::RedesignProblem OnAMount(double duration_s = 14) {
+  redesign::RedesignProblem problem = Free(duration_s);
+  for (redesign::HumanSample& sample : problem.human) sample.slip_mm = {12, -5};
+  problem.fit_placement = true;
+  return problem;
+}
+
+// The comparison's own joint, in the path that was predicted, through the cuffs' model at the stiffest.
+double CuffForceOfPath(const redesign::RedesignProblem& problem, const redesign::RedesignPoint& point) {
+  const redesign::DesignInMotion design =
+      redesign::PutInMotion(problem, MakeCurve({}), redesign::DesignOf(problem, point));
+  cuffs::CuffOptions stiffest = problem.cuffs;
+  stiffest.softest_n_mm = stiffest.stiffest_n_mm;
+  const cuffs::CuffCourse course =
+      cuffs::CourseOf(design.prediction->exo.knee_deg, {design.misalignment->joint->shank_mm.back(), 0}, stiffest);
+  return std::max(cuffs::Largest(course.thigh_n).force_n, cuffs::Largest(course.shank_n).force_n);
+}
+
+TEST(Redesign, TheLimitOnCuffForcesHoldsInThePredictedPathAndHasAPrice) {
+  redesign::RedesignProblem problem = OnAMount();
+  problem.max_misalignment_percent = TightLimit(problem);
+  const redesign::RedesignResult free = Solve(problem);
+  ASSERT_TRUE(free.IsSolved());
+  const double free_n = CuffForceOfPath(problem, free.Best().point);
+  EXPECT_NEAR(free.Best().prediction->cuff_force_n, free_n, 1e-9 * free_n);
+  problem.max_cuff_force_n = 0.8 * free_n;
+  const redesign::RedesignResult limited = Solve(problem);
+  ASSERT_TRUE(limited.IsSolved());
+  EXPECT_NEAR(CuffForceOfPath(problem, limited.Best().point) / *problem.max_cuff_force_n, 1, 1e-5);
+  EXPECT_LT(limited.Best().Range_deg(), free.Best().Range_deg());
+  const auto price = limited.Best().local.PriceOf(synthesis::LimitId{synthesis::LimitId::On::kCuffForce});
+  ASSERT_TRUE(price);
+  const auto range = [&](double step_n) {
+    redesign::RedesignProblem near = problem;
+    *near.max_cuff_force_n += step_n;
+    return redesign::SolveFrom(near, limited.Best().point).Range_deg();
+  };
+  constexpr double kStep_n = 0.02;
+  EXPECT_NEAR((range(kStep_n) - range(-kStep_n)) / (2 * kStep_n), *price, 0.05 * *price + 1e-3);
+  // A penalty of that price, instead of the limit, buys the same force.
+  problem.max_cuff_force_n.reset();
+  problem.cuff_penalty_deg_per_n = *price;
+  const redesign::RedesignResult penalised = Solve(problem);
+  ASSERT_TRUE(penalised.IsSolved());
+  EXPECT_NEAR(penalised.Best().prediction->cuff_force_n, 0.8 * free_n, 0.02 * free_n);
+}
+
+TEST(Redesign, SaysWhichForceAtTheCuffsIsPossible) {
+  redesign::RedesignProblem problem = OnAMount(45);
+  problem.max_angle_mismatch_deg = 10;  // a leg that need not bend has no misfit
+  problem.fit_placement = false;
+  problem.placement_mm = {8, 20};
+  problem.max_cuff_force_n = 1;
+  const std::vector<linkage::Links> links{problem.design.start, kPublishedLinks};
+  const redesign::MisalignmentInfeasibility report = redesign::ExplainInfeasible(problem, links, Starts(2));
+  ASSERT_TRUE(report.least_cuff_force_n);
+  EXPECT_GT(*report.least_cuff_force_n, 1);
+  EXPECT_THAT(report.sentence, HasSubstr("(--max-cuff-force)"));
+  EXPECT_THAT(report.sentence,
+              HasSubstr("N at the cuffs can be held; fitting the placement (--fit-placement) reaches"));
+  ASSERT_EQ(report.ways.size(), 1u);
+  EXPECT_TRUE(report.ways.front().enough);
+  problem.fit_placement = true;
+  const redesign::RedesignResult fitted = Solve(problem, 2);
+  ASSERT_TRUE(fitted.IsSolved());
+  EXPECT_LE(CuffForceOfPath(problem, fitted.Best().point), 1 + 1e-4);
+}
+
 // What a search may vary, as a point; a constant program's strokes follow from the links.
 std::optional<double> Objective(const redesign::RedesignProblem& problem, const redesign::RedesignPoint& point) {
   const auto prediction = redesign::PredictPoint(problem, point);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/commands/functional_knee.h"
 #include "lake/commands/gait.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -22,31 +23,6 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
 constexpr const char* kCoordinates[] = {"x", "y", "z"};
-
-std::vector<std::string> SplitAtCommas(const std::string& text) {
-  std::vector<std::string> parts{""};
-  for (const char c : text)
-    if (c == ',')
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  return parts;
-}
-
-void SetSegments(const OptionTexts& texts, const std::string& said, axis::SegmentMarkers& segments) {
-  segments = {};
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    const std::string name = text.substr(0, equals);
-    if (equals == std::string::npos || (name != "shank" && name != "thigh"))
-      throw UsageError(fmt::format("{} '{}': give shank=MARKER,MARKER or thigh=MARKER,MARKER", said, text));
-    std::vector<std::string>& markers = name == "shank" ? segments.shank : segments.thigh;
-    if (!markers.empty()) throw UsageError(fmt::format("{}: the {} is given twice", said, name));
-    markers = SplitAtCommas(text.substr(equals + 1));
-    if (std::count(markers.begin(), markers.end(), ""))
-      throw UsageError(fmt::format("{} '{}': a marker's name is empty", said, text));
-  }
-}
 
 exchange::PointRecording ReadMarkers(const AxisRunOptions& options) {
   exchange::TrialOptions reading;
@@ -144,17 +120,8 @@ Json PinJson(const axis::MeanAxis& pin, const std::array<double, 2>& range_deg, 
 void Describe(AxisRunOptions& o, OptionList& options) {
   options.AddOperand("trial", o.trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
       .Required();
-  options
-      .AddCustom(
-          "segment", "Markers of the shank, and of the thigh: two or more of each, of a 3-D file three or more",
-          [&o](const OptionTexts& texts, const std::string& said) { SetSegments(texts, said, o.segments); },
-          [&o] {
-            return o.segments.shank.empty() ? std::string()
-                                            : fmt::format("shank={} thigh={}", fmt::join(o.segments.shank, ","),
-                                                          fmt::join(o.segments.thigh, ","));
-          })
-      .Value("shank=A,B or thigh=C,D")
-      .Repeats()
+  DescribeSegments("segment", o.segments,
+                   "Markers of the shank, and of the thigh: two or more of each, of a 3-D file three or more", options)
       .Required();
   exchange::DescribeUnit("unit", o.mm_per_unit, options);
   exchange::DescribeRate(o.rate_hz, options);

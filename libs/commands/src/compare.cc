@@ -60,9 +60,11 @@ exchange::TrialOptions FolderReading(const exchange::TrialOptions& reading) {
   return folder;
 }
 
-compare::TrialTables FitTables(const fs::path& path, const exchange::TrialOptions& reading, const std::string& knee,
-                               Run& run) {
-  const exchange::Trial trial = ReadTrialFor(path, fs::is_directory(path) ? FolderReading(reading) : reading);
+exchange::Trial ReadMarkers(const fs::path& path, const exchange::TrialOptions& reading) {
+  return ReadTrialFor(path, fs::is_directory(path) ? FolderReading(reading) : reading);
+}
+
+compare::TrialTables FitTables(const fs::path& path, const exchange::Trial& trial, const std::string& knee, Run& run) {
   gait::LegFitOptions fit;
   fit.facing_option = "--forward";
   if (!trial.recording.Find(kKnee)) fit.markers.knee = knee;
@@ -108,18 +110,29 @@ compare::RegisteredTrial ReadCurve(const fs::path& folder, compare::StsCurve com
 struct RegisteredPair {
   compare::RegisteredTrial human, exo;
   std::string exo_knee;
+  std::optional<double> human_axis_mm, exo_axis_mm;  // of functional knees
 };
 
 RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   std::optional<compare::TrialTables> human, exo;
-  if (!IsCompared(options.human))
-    human = ReadTrialTables(options.human, options.human_reading, options.human_knee, run);
-  if (!IsCompared(options.exo)) exo = ReadTrialTables(options.exo, options.exo_reading, ExoKneeOf(options), run);
+  std::optional<double> human_axis_mm, exo_axis_mm;
+  const auto read = [&](const fs::path& path, const exchange::TrialOptions& reading, const std::string& knee,
+                        std::optional<double>& axis_mm) {
+    if (options.knee.knee == KneeFrom::kMarker) return ReadTrialTables(path, reading, knee, run);
+    FunctionalTables of = ReadFunctionalTables(path, reading, knee, options.knee, run);
+    axis_mm = of.sd_mm;
+    return std::move(of.tables);
+  };
+  if (!IsCompared(options.human)) human = read(options.human, options.human_reading, options.human_knee, human_axis_mm);
+  if (!IsCompared(options.exo)) exo = read(options.exo, options.exo_reading, ExoKneeOf(options), exo_axis_mm);
+  if (options.knee.knee == KneeFrom::kFunctional && !human_axis_mm && !exo_axis_mm)
+    throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
   if (human && exo) CheckUnits(*human, *exo);
   if (human && exo && human->trajectory.Find(kExoKnee) && !exo->trajectory.Find(kExoKnee))
     run.Warn(fmt::format("{} has a marker {} and {} has none: the trial without exoskeleton goes first", human->name,
                          kExoKnee, exo->name));
   RegisteredPair pair;
+  pair.human_axis_mm = human_axis_mm, pair.exo_axis_mm = exo_axis_mm;
   pair.exo_knee = exo ? FindExoKnee(exo->trajectory, options) : options.exo_knee.value_or(kExoKnee);
   pair.human = human ? Register(*human, options.human_knee) : ReadCurve(options.human, &compare::ComparedCurves::human);
   pair.exo = exo ? Register(*exo, pair.exo_knee) : ReadCurve(options.exo, &compare::ComparedCurves::exo);
@@ -205,6 +218,8 @@ void CheckReadings(const CompareRunOptions& o) {
 // Two trials of one kind.
 void CheckTrials(const CompareRunOptions& o) {
   if (o.left.empty() != o.right.empty()) throw UsageError("--left and --right: a symmetry has two sides; give both");
+  if (!o.left.empty() && o.knee.knee == KneeFrom::kFunctional)
+    throw UsageError("--knee functional is of HUMAN against EXO: omit it, or --left and --right");
   if (!o.left.empty() && !o.human.empty())
     throw UsageError("--left and --right: both legs of one person stand instead of HUMAN and EXO; leave these out");
   if (o.left.empty() && (o.human.empty() || o.exo.empty()))
@@ -219,7 +234,19 @@ void CheckReading(const fs::path& path, const exchange::TrialOptions& reading) {
 
 compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run) {
-  return IsTracked(path) ? ReadTracked(path) : FitTables(path, reading, knee, run);
+  return IsTracked(path) ? ReadTracked(path) : FitTables(path, ReadMarkers(path, reading), knee, run);
+}
+
+FunctionalTables ReadFunctionalTables(const fs::path& path, const exchange::TrialOptions& reading,
+                                      const std::string& knee, const KneeOptions& options, Run& run) {
+  exchange::Trial trial = ReadMarkers(path, reading);
+  // The leg's own knee; where a trial has no other marker for it, the compared one.
+  const bool has_exo = knee != kKnee && trial.recording.Find(kKnee) && trial.recording.Find(knee);
+  const exchange::TrialOptions read = fs::is_directory(path) ? FolderReading(reading) : reading;
+  const std::optional<double> sd_mm =
+      PutAxis(options.segments, trial.recording.Find(kKnee) || has_exo ? kKnee : knee, read, trial, run);
+  if (!options.exo_segments.shank.empty() && has_exo) PutAxis(options.exo_segments, knee, read, trial, run);
+  return {FitTables(path, trial, knee, run), sd_mm};
 }
 
 std::vector<InputFile> TrialTableInputs(const fs::path& path, const std::string& role) {
@@ -260,16 +287,21 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   DrawPngAndSvg("misalignment", run, [&](const fs::path& path) { figure::DrawMisalignmentFigure(path, misalignment); });
   Json comparison = compare::ComparisonJson(misalignment);
   comparison["markers"] = {{"human", options.human_knee}, {"exo", exo_knee}};
+  comparison["knee_from"] = options.knee.knee == KneeFrom::kFunctional ? "functional" : "marker";
+  comparison["knee_axis_sd_mm"] = {{"human", NumberOrNull(pair.human_axis_mm)},
+                                   {"exo", NumberOrNull(pair.exo_axis_mm)}};
+  compare::BudgetOptions budget = options.budget;
+  budget.human_axis_mm = pair.human_axis_mm, budget.exo_axis_mm = pair.exo_axis_mm;
   const std::vector<compare::Budget> budgets =
-      compare::BudgetsOf(misalignment, options.misalignment.replacement_sd_mm, options.budget);
+      compare::BudgetsOf(misalignment, options.misalignment.replacement_sd_mm, budget);
   compare::WriteUncertaintyBudgetCsv(run.Result("uncertainty_budget.csv"), budgets);
   comparison["uncertainty"] = compare::BudgetsJson(budgets);
   std::vector<report::Section> sections{UncertaintySection(budgets)};
   if (misalignment.joint && !misalignment.exo.leg_knee.empty()) {
-    const double misfit_share = budgets.front().Deviation() / std::max(budgets.front().value, 1e-9);
-    const std::vector<CuffCase> cases = CuffCases(misalignment.exo, *misalignment.joint, misfit_share, options.cuff);
+    const std::vector<CuffCase> cases =
+        CuffCases(misalignment.exo, *misalignment.joint, budgets.front().Deviation(), options.cuff);
     WriteCuffTable(run.Result("cuffs.csv"), cases);
-    comparison["cuffs"] = CuffsJson(cases);
+    for (const CuffCase& one : cases) comparison["cuffs"][one.name] = CuffsJson(one.course);
     sections.push_back(CuffSection(cases, options.cuff));
   }
   WriteJsonFile(run.Result("comparison.json"), comparison);
@@ -294,6 +326,7 @@ void Describe(CompareRunOptions& o, OptionList& options) {
       .Otherwise("as --map");
   options.Add("human-knee", o.human_knee, "The compared marker of the human trial");
   options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
+  Describe(o.knee, options);
   Describe(o.misalignment, options);
   Describe(o.budget, options);
   Describe(o.cuff, options);

@@ -1,37 +1,32 @@
-// What the cuffs do to the leg over the rise, worn as measured and with the joint moved onto the knee.
+// What the cuffs do to the leg over the rise, of several places of the joint or designs.
 #pragma once
 
-#include <Eigen/Core>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "lake/compare/joint_misalignment.h"
 #include "lake/core/json.h"
-#include "lake/core/run.h"
-#include "lake/cuffs/cuff_model.h"
+#include "lake/cuffs/cuff_course.h"
 #include "lake/report/report.h"
 
 namespace lake::commands {
 
-// N, with what the stiffness and the misfit's own uncertainty leave open (95 %).
-struct CuffForce {
-  double force_n = 0, low_n = 0, high_n = 0;
-};
-
 struct CuffCase {
-  std::string name;                                       // worn, moved
-  std::vector<CuffForce> thigh_n, shank_n, knee_shear_n;  // per percent, the largest of a segment's cuffs
+  std::string name;  // worn, moved; before, joint_moved, other_program, after
+  cuffs::CuffCourse course;
 };
 
-// `leg`: the exoskeleton trial's mean, with the leg's own knee. `misfit_share`: standard deviation of the misfit over
-// itself. The cuffs are free of stress at standing.
+// The joint as worn and moved onto the knee. `leg`: the exoskeleton trial's mean, with the leg's own knee.
+// `place_sd_mm`: of the joint's place against the knee.
 std::vector<CuffCase> CuffCases(const compare::StsCurve& leg, const compare::JointMisalignment& joint,
-                                double misfit_share, const cuffs::CuffOptions& options);
+                                double place_sd_mm, const cuffs::CuffOptions& options);
 
+// case, percent, then thigh_cuff, shank_cuff and knee_shear, each with its limits.
 void WriteCuffTable(const std::filesystem::path& path, const std::vector<CuffCase>& cases);
 
-// The largest over the rise: of each case thigh_n, shank_n, knee_shear_n, each with its …_interval_n.
-Json CuffsJson(const std::vector<CuffCase>& cases);
+// The largest over the rise: thigh_cuff_n, shank_cuff_n, knee_shear_n, each with its …_interval_n.
+Json CuffsJson(const cuffs::CuffCourse& course);
 
 report::Section CuffSection(const std::vector<CuffCase>& cases, const cuffs::CuffOptions& options);
 

@@ -1,14 +1,19 @@
 #include "lake/commands/export.h"
 
+#include <cmath>
 #include <functional>
+#include <optional>
 #include <vector>
 
+#include "lake/compare/comparison_file.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/drawing/linkage_dxf.h"
 #include "lake/linkage/design_file.h"
+#include "lake/model/coupled_model.h"
 #include "lake/model/simulator_model.h"
 #include "lake/model/step_file.h"
+#include "lake/redesign/human_motion.h"
 #include "part_tables.h"
 
 namespace lake::commands {
@@ -46,19 +51,82 @@ const Format& FormatNamed(const std::string& name) {
   throw UsageError(fmt::format("no format '{}': there are {}", name, fmt::join(known, ", ")));
 }
 
+std::filesystem::path MotionOf(const ExportOptions& options) {
+  return options.motion.empty() ? options.design.parent_path() / "predicted" : options.motion;
+}
+
+void CheckBody(const ExportOptions& options) {
+  if (options.body.empty()) {
+    if (!options.motion.empty()) throw UsageError("--motion is of a worn mechanism: give --body loads.json too");
+    return;
+  }
+  if (options.format != "mjcf") throw UsageError(fmt::format("--body is for mjcf, not for {}", options.format));
+  if (const std::filesystem::path motion = MotionOf(options); options.motion.empty() && !exists(motion))
+    throw UsageError(
+        fmt::format("{} is not there: give --motion, a folder of lake-optimize's predicted/ or of "
+                    "lake-compare",
+                    motion.string()));
+}
+
+double LeanDeg(const Eigen::Vector2d& up) {
+  return DegreesFromRadians(std::atan2(up.x(), up.y()));
+}
+
+// The person in the motion of the exoskeleton's leg, the actuator by the design's program.
+model::Wearer WearerOf(const ExportOptions& options, const linkage::Design& design) {
+  const std::filesystem::path folder = MotionOf(options);
+  const compare::ComparedCurves curves = compare::ReadComparison(folder);
+  const compare::StsCurve& exo = curves.exo;
+  if (exo.leg_knee.empty())
+    throw Fail("{}: it shows no leg beside the exoskeleton's joint: nobody wears it", folder.string());
+  const auto strokes = redesign::ProgramStrokes(design, 0, redesign::MakeHumanMotion(curves.human));
+  if (!strokes) throw Fail("{}: the design cannot be assembled at d_min", options.design.string());
+  model::Wearer wearer{.body = loads::ReadBodyPath(options.body), .cuffs = options.cuffs, .rise = {}};
+  for (std::size_t i = 0; i < exo.knee.size(); ++i) {
+    const Eigen::Vector2d shank = exo.leg_knee[i] - exo.ankle[i], thigh = exo.hip[i] - exo.leg_knee[i];
+    wearer.shank_mm += shank.norm() / static_cast<double>(exo.knee.size());
+    wearer.thigh_mm += thigh.norm() / static_cast<double>(exo.knee.size());
+    wearer.rise.push_back({.time_s = exo.duration_s * static_cast<double>(i) / static_cast<double>(exo.knee.size() - 1),
+                           .shank_deg = LeanDeg(shank),
+                           .knee_deg = LeanDeg(shank) - LeanDeg(thigh),
+                           .trunk_deg = DegreesFromRadians(wearer.body.trunk[i].tilt_rad),
+                           .stroke_mm = (*strokes)[i]});
+  }
+  const std::size_t last = exo.knee.size() - 1;
+  wearer.hinge_mm =
+      compare::AxesAlong(exo.leg_knee[last] - exo.ankle[last]).transpose() * (exo.knee[last] - exo.leg_knee[last]);
+  return wearer;
+}
+
 }  // namespace
+
+std::vector<InputFile> InputsOf(const ExportOptions& options) {
+  std::vector<InputFile> inputs{{options.design, "design"}};
+  if (options.body.empty()) return inputs;
+  inputs.push_back({std::filesystem::is_directory(options.body) ? options.body / "loads.json" : options.body, "body"});
+  inputs.push_back({MotionOf(options) / "comparison.json", "motion"});
+  return inputs;
+}
 
 Json RunExport(const ExportOptions& options, Run& run) {
   const Format& format = FormatNamed(options.format);
+  CheckBody(options);
   const linkage::Design design = linkage::ReadDesign(options.design);
-  run.AddInput(options.design, "design");
+  std::optional<model::Wearer> wearer;
+  if (!options.body.empty()) wearer = WearerOf(options, design);
+  run.AddInputs(InputsOf(options));
   const linkage::UsedRange range = linkage::FindUsedRange(design.links, design.d_min_mm, design.d_max_mm);
   const parts::Mechanism mechanism = parts::MakeMechanism(design.links, range, options.parts);
-  run.Begin({"summary.json", format.file, "parts.csv"});
+  run.Begin({"summary.json", format.file, "parts.csv", "course.csv"});
   WarnOfStack(mechanism, run);
   if (options.format == "urdf")
     run.Warn("URDF cannot close loops: the simulator has to join coupler_end to shank_pin and rod_end to bar_tip");
-  format.write(run.Result(format.file), mechanism);
+  if (wearer) {
+    model::WriteCoupledMjcf(run.Result(format.file), mechanism, *wearer);
+    model::WriteCourse(run.Result("course.csv"), *wearer);
+  } else {
+    format.write(run.Result(format.file), mechanism);
+  }
   WritePartList(run.Result("parts.csv"), mechanism);
   std::vector<std::string> layers;
   for (const std::vector<std::string>& bodies : LayersOf(mechanism.stack))
@@ -79,6 +147,17 @@ void Describe(ExportOptions& o, OptionList& options) {
   for (const Format& format : Formats()) names.push_back(format.name);
   options.AddOperand("format", o.format, "What to write").Value(fmt::format("{}", fmt::join(names, "|"))).Required();
   Describe(o.parts, options);
+  options
+      .Add(
+          "body", o.body,
+          "Of mjcf: worn by this person, loads.json or the folder of lake-loads: leg, trunk, cuffs that yield, and the "
+          "rise")
+      .IsPath(Option::Path::kFile)
+      .Otherwise("the mechanism alone");
+  options.Add("motion", o.motion, "With --body: the rise, a folder of lake-optimize's predicted/ or of lake-compare")
+      .IsPath(Option::Path::kFolder)
+      .Otherwise("predicted/ beside the design");
+  Describe(o.cuffs, options);
 }
 
 }  // namespace lake::commands

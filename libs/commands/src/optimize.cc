@@ -139,14 +139,25 @@ Json RunActuatorFront(const OptimizeRunOptions& options, Run& run) {
   return summary;
 }
 
-compare::StsCurve ReadHuman(const ReoptimizeRunOptions& options, Run& run) {
+// Of a joint against the knee where no trial showed both: what skin and the marker's placement, or the axis that stands
+// for it, leave open.
+double PlaceDeviation_mm(const std::optional<double>& axis_mm) {
+  const compare::RecordingBudgetOptions budget;
+  return std::hypot(budget.soft_tissue_mm, axis_mm.value_or(budget.placement_mm));
+}
+
+void ReadHuman(const ReoptimizeRunOptions& options, Run& run, redesign::MeasuredMotion& measured) {
   CheckReading(options.human, options.human_reading);
-  const compare::TrialTables tables = ReadTrialTables(options.human, options.human_reading, options.human_knee, run);
+  const FunctionalTables read =
+      options.knee.knee == KneeFrom::kFunctional
+          ? ReadFunctionalTables(options.human, options.human_reading, options.human_knee, options.knee, run)
+          : FunctionalTables{ReadTrialTables(options.human, options.human_reading, options.human_knee, run), {}};
   compare::RegistrationOptions registration;
   registration.knee = options.human_knee;
-  const compare::RegisteredTrial trial = compare::RegisterTrial(tables, registration);
+  const compare::RegisteredTrial trial = compare::RegisterTrial(read.tables, registration);
   for (const std::string& warning : trial.warnings) run.Warn(warning);
-  return compare::MeanCurve(trial.repetitions);
+  measured.human = compare::MeanCurve(trial.repetitions);
+  measured.joint_sd_mm = PlaceDeviation_mm(read.sd_mm);
 }
 
 // Of one comparison, and the design worn in it.
@@ -154,8 +165,14 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
   redesign::MeasuredMotion measured;
   const fs::path& comparison = options.comparisons[i];
   const compare::ComparedCurves curves = compare::ReadComparison(comparison);
+  if (options.knee.knee == KneeFrom::kFunctional && !curves.knee_is_functional)
+    throw UsageError(
+        fmt::format("--knee functional: {} is of the knees' markers; run lake-compare with --knee "
+                    "functional and --segment, and take its folder",
+                    comparison.string()));
   measured.human = curves.human;
   measured.noise_floor_percent = 100 * curves.noise_floor_relative;
+  measured.joint_sd_mm = curves.joint_sd_mm.value_or(PlaceDeviation_mm({}));
   if (!options.human_only) {
     measured.exo = curves.exo;
     measured.spike = curves.spike;
@@ -166,7 +183,7 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
 redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, std::size_t i, Run& run) {
   redesign::MeasuredMotion measured;
   if (options.comparisons.empty())
-    measured.human = ReadHuman(options, run);
+    ReadHuman(options, run, measured);
   else
     measured = ReadCompared(options, i);
   if (!options.worn.empty()) {
@@ -202,6 +219,9 @@ redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
     throw UsageError("--device-mass and --hold-force are of balance: give --body loads.json too");
   }
   if (reoptimize.balance_mm) problem.balance = redesign::BalanceLimits{.margin_mm = *reoptimize.balance_mm};
+  problem.cuffs = reoptimize.cuffs;
+  problem.max_cuff_force_n = reoptimize.max_cuff_force_n;
+  problem.cuff_penalty_deg_per_n = reoptimize.cuff_penalty_deg_per_n;
   problem.fit_placement = reoptimize.fit_placement;
   problem.placement_reach_mm = reoptimize.placement_reach_mm;
   return problem;
@@ -268,6 +288,7 @@ void CheckForGroup(const OptimizeRunOptions& options) {
                                        std::pair{options.study.yield_tolerance_mm.has_value(), "--yield"},
                                        std::pair{options.reoptimize->balance_mm.has_value(), "--balance"},
                                        std::pair{!options.reoptimize->body.empty(), "--body"},
+                                       std::pair{options.reoptimize->cuff_penalty_deg_per_n > 0, "--cuff-penalty"},
                                        std::pair{options.reoptimize->aids.device_kg > 0, "--device-mass"},
                                        std::pair{options.reoptimize->aids.hold_n > 0, "--hold-force"}})
     if (is_given) throw UsageError(fmt::format("{} is for one person: omit it, or give one --comparison", name));
@@ -326,8 +347,9 @@ Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
   if (options.reoptimize->comparisons.size() > 1 || options.reoptimize->sizes)
     return RunForGroup(options, problem, run);
   const redesign::MeasuredMotion measured = ReadMeasured(*options.reoptimize, 0, run);
-  std::vector<std::string> names = ResultNames({"before_after.csv", "program.csv", "knee_paths.png", "knee_paths.svg",
-                                                "predicted/comparison.json", "predicted/misalignment.csv"});
+  std::vector<std::string> names =
+      ResultNames({"before_after.csv", "cuffs.csv", "program.csv", "knee_paths.png", "knee_paths.svg",
+                   "predicted/comparison.json", "predicted/misalignment.csv"});
   if (measured.worn) names.insert(names.end(), {"joint_moved/comparison.json", "joint_moved/misalignment.csv"});
   if (options.reoptimize->pareto_points) names.insert(names.end(), {"pareto.csv", "pareto.png", "pareto.svg"});
   if (problem.body) names.insert(names.end(), {"balance.csv", "balance.png", "balance.svg"});
@@ -380,6 +402,7 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
       .Repeats();
   options.Add("human", o.human, "A human trial alone, as lake-compare reads it");
   options.Add("human-knee", o.human_knee, "The knee marker of --human");
+  Describe(o.knee, options);
   Describe(o.human_reading, options);
   options
       .Add("worn", o.worn,
@@ -426,6 +449,16 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
            "Upward force on the trunk, for this leg, of arm rests, a helper or a harness, in balance and moments")
       .Unit("N")
       .Between(0, 500);
+  options
+      .Add("max-cuff-force", o.max_cuff_force_n,
+           "Largest force at a cuff over the rise, of the joint's misfit, where cuffs and flesh are stiffest")
+      .Unit("N")
+      .Positive();
+  options.Add("cuff-penalty", o.cuff_penalty_deg_per_n, "Weight of the largest force at a cuff in the objective")
+      .Unit("degrees per N")
+      .Key("cuff_penalty")
+      .NotNegative();
+  Describe(o.cuffs, options);
   Describe(o.program, options);
   options.Add("fit-placement", o.fit_placement, "Optimise the placement of the joint on the shank too");
   options.Add("placement-reach", o.placement_reach_mm, "Largest distance of the joint from the knee along each axis")

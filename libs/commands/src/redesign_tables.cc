@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 
+#include "cuff_tables.h"
 #include "lake/commands/optimize_tables.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -47,6 +48,7 @@ std::vector<Quantity> Quantities() {
   all.push_back({"joint_misalignment_rms", "mm", predicted([](const redesign::Prediction& p) { return p.joint.mm; })});
   all.push_back(
       {"angle_mismatch_max", "deg", predicted([](const redesign::Prediction& p) { return p.angle_mismatch_deg; })});
+  all.push_back({"cuff_force_max", "N", predicted([](const redesign::Prediction& p) { return p.cuff_force_n; })});
   all.push_back({"balance_margin", "mm",
                  predicted([](const redesign::Prediction& p) { return p.balance ? p.balance->margin_mm : kNaN; })});
   for (const int axis : {0, 1})
@@ -75,6 +77,16 @@ std::array<NamedDesign, 4> DesignsOf(const redesign::RedesignOutcome& outcome) {
            {"after", &outcome.after}}};
 }
 
+// Of those that can make the motion.
+std::vector<CuffCase> CuffCases(const redesign::RedesignOutcome& outcome) {
+  std::vector<CuffCase> cases;
+  for (const auto& [name, design] : DesignsOf(outcome))
+    if (design)
+      if (const auto course = redesign::CuffsOf(outcome.problem, *design, outcome.measured.joint_sd_mm))
+        cases.push_back({name, *course});
+  return cases;
+}
+
 void WriteBeforeAfter(const redesign::RedesignOutcome& outcome, Run& run) {
   std::vector<std::string> header = {"quantity", "unit"};
   for (const NamedDesign& named : DesignsOf(outcome)) header.emplace_back(named.name);
@@ -90,7 +102,10 @@ void WriteBeforeAfter(const redesign::RedesignOutcome& outcome, Run& run) {
 Json BeforeAfterJson(const redesign::DesignInMotion& design) {
   Json json = Json::object();
   for (const Quantity& quantity : Quantities()) {
-    const std::string unit = quantity.unit == "1" ? "" : quantity.unit == "%" ? "_percent" : "_" + quantity.unit;
+    const std::string unit = quantity.unit == "1"   ? ""
+                             : quantity.unit == "%" ? "_percent"
+                             : quantity.unit == "N" ? "_n"
+                                                    : "_" + quantity.unit;
     json[quantity.name + unit] = NumberOrNull(quantity.value(design));
   }
   json["program"] = redesign::ProgramName(design.design.program->kind);
@@ -142,6 +157,9 @@ std::vector<LimitedRow> PersonRows(const redesign::RedesignOutcome& outcome, con
   if (const auto& limit = outcome.problem.max_angle_mismatch_deg)
     add("angle_mismatch", "deg", On::kAngleMismatch, {kNaN, *limit},
         [](const redesign::Prediction& p) { return p.angle_mismatch_deg; });
+  if (const auto& limit = outcome.problem.max_cuff_force_n)
+    add("cuff_force", "N", On::kCuffForce, {kNaN, *limit},
+        [](const redesign::Prediction& p) { return p.cuff_force_n; });
   if (const auto& balance = outcome.problem.balance)
     add("balance_margin", "mm", On::kBalance, {balance->margin_mm, kNaN},
         [](const redesign::Prediction& p) { return p.balance ? p.balance->margin_mm : kNaN; });
@@ -233,6 +251,7 @@ Json InfeasibleJson(const redesign::MisalignmentInfeasibility& report) {
           {"smallest_misalignment_percent", NumberOrNull(report.least_percent)},
           {"largest_balance_margin_mm", NumberOrNull(report.largest_margin_mm)},
           {"least_angle_mismatch_deg", NumberOrNull(report.least_angle_mismatch_deg)},
+          {"least_cuff_force_n", NumberOrNull(report.least_cuff_force_n)},
           {"limit_that_holds_percent", NumberOrNull(report.working_percent)},
           {"blocking", blocking},
           {"ways_out", ways}};
@@ -432,6 +451,7 @@ void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& op
   WriteStarts(StartRows(outcome.result), run);
   WriteConvergence(outcome.result.BestOrFirst().local, "objective_deg", run);
   WriteBeforeAfter(outcome, run);
+  WriteCuffTable(run.Result("cuffs.csv"), CuffCases(outcome));
   WriteProgramTable(outcome.after, outcome.problem.human, run.Result("program.csv"));
   WritePath(outcome.after, "predicted", run);
   if (outcome.joint_moved) WritePath(*outcome.joint_moved, "joint_moved", run);
@@ -448,6 +468,8 @@ Json MotionJson(const redesign::RedesignOutcome& outcome) {
       {"max_angle_mismatch_deg", NumberOrNull(outcome.problem.max_angle_mismatch_deg)},
       {"max_misalignment_percent", NumberOrNull(outcome.problem.max_misalignment_percent)},
       {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},
+      {"max_cuff_force_n", NumberOrNull(outcome.problem.max_cuff_force_n)},
+      {"cuff_penalty_deg_per_n", outcome.problem.cuff_penalty_deg_per_n},
       {"links", LinksJson(outcome.after.design.links)},
       {"placement_mm", outcome.after.design.placement_mm},
       {"stroke_program", ProgramJson(outcome)},
@@ -459,6 +481,7 @@ Json MotionJson(const redesign::RedesignOutcome& outcome) {
       {"balance", ProgramBalanceJson(outcome)}};
   for (const NamedDesign& named : DesignsOf(outcome))
     json[named.name] = named.design ? BeforeAfterJson(*named.design) : Json();
+  for (const CuffCase& one : CuffCases(outcome)) json[one.name]["cuffs"] = CuffsJson(one.course);
   return json;
 }
 

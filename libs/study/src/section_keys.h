@@ -12,12 +12,13 @@ inline const OptionNames kGivenToCalibration{"pictures"};
 inline const OptionNames kGivenToPlane{"camera"};
 inline const OptionNames kGivenToCompare{"human",   "exo",      "map",  "up",    "forward",  "unit",
                                          "exo-map", "exo-unit", "left", "right", "right-map"};
-inline const OptionNames kGivenToPopulation{"comparison", "human",       "human-knee", "map",          "up",
-                                            "forward",    "unit",        "worn",       "participants", "body",
-                                            "balance",    "device-mass", "hold-force", "pareto"};
-inline const OptionNames kGivenToRedesign{"comparison", "human",  "human-knee",   "map",  "up",      "forward",
-                                          "unit",       "worn",   "participants", "body", "balance", "device-mass",
-                                          "hold-force", "across", "quantile",     "sizes"};
+inline const OptionNames kGivenToPopulation{"comparison", "human",  "human-knee",   "map",  "up",      "forward",
+                                            "unit",       "worn",   "participants", "body", "balance", "device-mass",
+                                            "hold-force", "pareto", "cuff-penalty", "knee", "segment", "exo-segment"};
+inline const OptionNames kGivenToRedesign{"comparison", "human",       "human-knee", "map",          "up",
+                                          "forward",    "unit",        "worn",       "participants", "body",
+                                          "balance",    "device-mass", "hold-force", "across",       "quantile",
+                                          "sizes",      "knee",        "segment",    "exo-segment"};
 inline const OptionNames kGivenToLoads{"trial", "map", "up", "forward", "unit", "rate"};
 inline const OptionNames kGivenToAssistance{"problem", "profile", "actuator"};
 inline const OptionNames kGivenToStroke{"design", "motion", "validate", "tolerance"};

@@ -111,6 +111,31 @@ Table BuildTable(const StudyResults& results, const Json& summary) {
   return table;
 }
 
+// What the cuffs do to the leg, worn, with the joint moved, and new; no rows without a prediction.
+Table CuffTable(const Json& summary) {
+  Table table{
+      "Largest forces over the rise that come of a joint beside the knee, N, with what the stiffness of cuff and "
+      "flesh and the joint's place leave open (95 %)",
+      {{"Design, predicted"}, {"Thigh cuff"}, {"Shank cuff"}, {"Shear at the knee"}},
+      {}};
+  constexpr std::pair<const char*, const char*> kDesigns[] = {{"before", "worn"},
+                                                              {"joint_moved", "worn, joint moved"},
+                                                              {"other_program", "worn, other program"},
+                                                              {"after", "new"}};
+  for (const auto& [design, name] : kDesigns) {
+    const Json& of = summary.at(design);
+    if (!of.is_object() || !of.contains("cuffs")) continue;
+    std::vector<Cell> row{name};
+    for (const char* force : {"thigh_cuff", "shank_cuff", "knee_shear"}) {
+      const Json& interval = of["cuffs"].at(fmt::format("{}_interval_n", force));
+      row.emplace_back(fmt::format("{:.1f} ({:.1f} to {:.1f})", NumberOrNaN(of["cuffs"].at(fmt::format("{}_n", force))),
+                                   NumberOrNaN(interval.at(0)), NumberOrNaN(interval.at(1))));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
 // Can this person be lifted, how fast, leaning how far, and what that costs.
 Table ProgramBalanceTable(const Json& summary, const Json& balance) {
   const Json &asked = balance.at("asked_mm"), &without = balance.at("without"), &after = summary.at("after");
@@ -351,6 +376,7 @@ Section RedesignChapter(const StudyFile&, const StudyResults& results) {
   section.blocks.push_back(BeforeAfterTable(results, summary));
   if (std::string others = OtherLimitsText(summary); !others.empty())
     section.blocks.push_back(Paragraph{std::move(others)});
+  section.blocks.push_back(CuffTable(summary));
   section.blocks.push_back(BuildTable(results, summary));
   results.AddPicture(
       "redesign/knee_paths.svg",

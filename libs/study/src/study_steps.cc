@@ -207,6 +207,17 @@ OptionalStep OptimumStep(const StudyFile& study, const fs::path& out) {
   return step;
 }
 
+// Where the redesign says nothing of its cuffs, they are those of the comparison.
+void TakeCuffs(const StudyFile& study, StudySection& section, commands::ReoptimizeRunOptions& reoptimize) {
+  constexpr const char* kNames[] = {"thigh-cuff", "shank-cuff", "cuff-softest", "cuff-stiffest"};
+  const auto says = [&section](const char* name) { return section.given.contains(name); };
+  if (std::ranges::any_of(kNames, says)) return;
+  reoptimize.cuffs = study.compare.cuff;
+  for (const char* name : kNames)
+    if (const auto given = study.compare_section.given.find(name); given != study.compare_section.given.end())
+      section.given[name] = section.text[name] = *given;
+}
+
 OptionalStep RedesignStep(const StudyFile& study, const fs::path& out) {
   if (!study.redesign) return std::nullopt;
   commands::OptimizeRunOptions options = OptionsFor(study.redesign->design, study.redesign->search);
@@ -225,6 +236,7 @@ OptionalStep RedesignStep(const StudyFile& study, const fs::path& out) {
     if (!section.text.contains(key) && study.design_section.text.contains(key))
       section.text[key] = study.design_section.text[key];
   section.given["human-knee"] = study.compare.human_knee;
+  TakeCuffs(study, section, reoptimize);
   if (study.redesign->design.file) section.given["problem"] = study.redesign->design.file->string();
   steps::StudyStep step = DesignStep(study, out, std::move(options), std::move(section), 20);
   step.what = "the design for this person";

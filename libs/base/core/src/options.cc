@@ -35,7 +35,8 @@ constexpr UnitText kUnits[] = {{"mm", "mm", "MM"},
                                {"N/mm", "n_mm", "N_MM"},
                                {"ppm", "ppm", "PPM"},
                                {"mm per rad", "mm", "MM_RAD"},
-                               {"degrees per mm RMS", "deg_per_mm", "DEG_MM"}};
+                               {"degrees per mm RMS", "deg_per_mm", "DEG_MM"},
+                               {"degrees per N", "deg_per_n", "DEG_N"}};
 
 const UnitText* FindUnit(const std::string& unit) {
   const auto* found =

@@ -29,6 +29,7 @@ bool HoldsOnPath(const RedesignProblem& problem, const RedesignPoint& point, con
   };
   return holds(DurationOf(problem, point), problem.program.duration_s) &&
          (problem.goal == Goal::kAngle || holds(prediction.angle_mismatch_deg, problem.max_angle_mismatch_deg)) &&
+         (problem.goal == Goal::kCuffForce || holds(prediction.cuff_force_n, problem.max_cuff_force_n)) &&
          (!problem.balance || problem.goal == Goal::kBalance ||
           prediction.balance->margin_mm >= problem.balance->margin_mm - kTolerance_mm);
 }
@@ -172,7 +173,7 @@ RedesignProblem WithGoal(RedesignProblem problem, Goal goal, std::optional<doubl
   problem.goal = goal;
   problem.min_range_deg = min_range_deg;
   problem.max_misalignment_percent.reset();
-  problem.penalty_deg_per_mm = 0;
+  problem.penalty_deg_per_mm = problem.cuff_penalty_deg_per_n = 0;
   return problem;
 }
 
@@ -187,12 +188,15 @@ double ObjectiveOf(const RedesignProblem& problem, const RedesignPoint& point, d
       return -point.placement_mm.norm();
     case Goal::kAngle:
       return -prediction.angle_mismatch_deg;
+    case Goal::kCuffForce:
+      return -prediction.cuff_force_n;
     case Goal::kBalance:
       return prediction.balance->margin_mm;
     case Goal::kFarthest:
       return problem.farthest.dot(point.placement_mm);
     default:
-      return range_deg - problem.penalty_deg_per_mm * prediction.Rms().mm;
+      return range_deg - problem.penalty_deg_per_mm * prediction.Rms().mm -
+             problem.cuff_penalty_deg_per_n * prediction.cuff_force_n;
   }
 }
 
@@ -270,6 +274,7 @@ RedesignPoint NearestToKnee(const RedesignProblem& problem, const RedesignSolve&
   nearest.max_misalignment_percent = optimum.Misalignment_percent() + kEqualMisalignment_percent;
   if (problem.max_misalignment_percent)
     nearest.max_misalignment_percent = std::min(*nearest.max_misalignment_percent, *problem.max_misalignment_percent);
+  if (problem.cuff_penalty_deg_per_n > 0) nearest.max_cuff_force_n = optimum.prediction->cuff_force_n;
   const RedesignSolve solve = SolveFrom(nearest, optimum.point, options, true);
   const bool nearer = solve.IsUsable() && solve.point.placement_mm.norm() < optimum.point.placement_mm.norm();
   return nearer ? solve.point : optimum.point;

@@ -27,7 +27,7 @@ class Explainer {
   MisalignmentInfeasibility Explain() {
     const std::optional<RedesignSolve> least = Least(problem_);
     if (!least) {
-      if (!ExplainAngle() && !ExplainBalance()) ExplainWithoutMisalignment();
+      if (!ExplainAngle() && !ExplainCuffs() && !ExplainBalance()) ExplainWithoutMisalignment();
       return std::move(report_);
     }
     report_.nearest = least->point;
@@ -45,6 +45,7 @@ class Explainer {
     TryDuration();
     TryReversing();
     TryWithoutBalance();
+    TryCuffs();
     report_.sentence = Sentence();
     return std::move(report_);
   }
@@ -70,6 +71,7 @@ class Explainer {
     if (!problem_.max_angle_mismatch_deg) return false;
     RedesignProblem problem = WithGoal(problem_, Goal::kAngle);
     problem.balance.reset();
+    problem.max_cuff_force_n.reset();
     const auto least = FindOptimum(problem, links_, options_);
     if (!least) return false;
     const double least_deg = least->prediction->angle_mismatch_deg;
@@ -81,6 +83,49 @@ class Explainer {
         "program is {:.4g}° (--max-angle-mismatch){}",
         *problem_.max_angle_mismatch_deg, ProgramName(problem_.program.kind), least_deg,
         problem_.program.kind == Kind::kFree ? "; a longer --duration lets it follow" : "; try --program free");
+    return true;
+  }
+
+  // With all other limits.
+  std::optional<RedesignSolve> LeastCuffForce(RedesignProblem problem) const {
+    problem.goal = Goal::kCuffForce;
+    problem.penalty_deg_per_mm = problem.cuff_penalty_deg_per_n = 0;
+    problem.max_cuff_force_n.reset();
+    return FindOptimum(problem, links_, options_);
+  }
+
+  std::optional<double> WorkingCuffForce(double least_n, const RedesignProblem& problem) const {
+    return Working(least_n, problem, [](RedesignProblem& p, double value) { p.max_cuff_force_n = value; });
+  }
+
+  // Nor the force at the cuffs, however far the path is off.
+  bool ExplainCuffs() {
+    if (!problem_.max_cuff_force_n) return false;
+    RedesignProblem unlimited = problem_;
+    unlimited.max_misalignment_percent.reset();
+    unlimited.balance.reset();
+    const auto least = LeastCuffForce(unlimited);
+    if (!least) return false;
+    const double least_n = least->prediction->cuff_force_n;
+    if (least_n <= *problem_.max_cuff_force_n) return false;
+    report_.nearest = least->point;
+    report_.least_cuff_force_n = least_n;
+    const auto working_n = WorkingCuffForce(least_n, unlimited);
+    report_.sentence = fmt::format(
+        "no design keeps the force at each cuff within {:.4g} N (--max-cuff-force): the least found is {:.3g} N where "
+        "cuffs and flesh are stiffest ({:.3g} N/mm)",
+        *problem_.max_cuff_force_n, least_n, problem_.cuffs.stiffest_n_mm);
+    if (working_n) report_.sentence += fmt::format("; a limit of {:.4g} N at the cuffs can be held", *working_n);
+    RedesignProblem other = unlimited;
+    other.fit_placement = true;
+    const char* change = "fitting the placement (--fit-placement)";
+    if (problem_.fit_placement)
+      other.placement_reach_mm *= 2, change = "a joint that may be moved twice as far (--placement-reach)";
+    if (const auto moved = LeastCuffForce(other)) {
+      const double moved_n = moved->prediction->cuff_force_n;
+      report_.ways.push_back({change, moved_n <= *problem_.max_cuff_force_n, {}, {}});
+      report_.sentence += fmt::format("; {} reaches {:.3g} N", change, moved_n);
+    }
     return true;
   }
 
@@ -205,6 +250,15 @@ class Explainer {
     RedesignProblem other = problem_;
     other.balance.reset();
     AddLeast("a person out of balance, whom something holds (without --balance)", other);
+  }
+
+  void TryCuffs() {
+    if (!problem_.max_cuff_force_n) return;
+    const auto least = LeastCuffForce(problem_);
+    if (!least) return;
+    if (const auto working_n = WorkingCuffForce(least->prediction->cuff_force_n, problem_))
+      report_.ways.push_back(
+          {fmt::format("a limit of {:.4g} N at the cuffs (--max-cuff-force)", *working_n), true, {}, {}});
   }
 
   std::string Sentence() const {

@@ -195,6 +195,7 @@ std::optional<DesignInMotion> WithOtherProgram(const RedesignOutcome& outcome) {
   for (std::size_t i = 0; i < same.design.bounds.size(); ++i)
     same.design.bounds[i] = {worn.links.Values()[i] - kAround_mm, worn.links.Values()[i] + kAround_mm};
   same = WithLinks(same, worn.links);
+  same.max_cuff_force_n.reset();
   same.fit_placement = false;
   same.placement_mm = PlacementOf(worn);
   const RedesignSolve solve = SolveFrom(same, StartPoint(same, worn.links), outcome.options.optimize);
@@ -283,11 +284,19 @@ DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCur
   in_motion.duration_s = ProgramDuration(design, *in_motion.prediction);
   in_motion.prediction->exo.duration_s = in_motion.duration_s;
   in_motion.prediction->of = problem.misalignment_of;
+  in_motion.prediction->cuff_force_n = LargestCuffForce(problem, in_motion.prediction->theta_rad, placement);
   if (problem.body && in_motion.duration_s > 0)
     in_motion.prediction->balance =
         FindBalance(problem.human, *problem.body, in_motion.prediction->theta_rad, lean, in_motion.duration_s);
   in_motion.misalignment = ComparePredicted(human, in_motion.prediction->exo);
   return in_motion;
+}
+
+std::optional<cuffs::CuffCourse> CuffsOf(const RedesignProblem& problem, const DesignInMotion& design,
+                                         double joint_sd_mm) {
+  if (!design.prediction) return std::nullopt;
+  const Vector2d place_mm = PlacementOf(design.design) + problem.human.back().slip_mm;
+  return cuffs::CourseOf(design.prediction->exo.knee_deg, {place_mm, joint_sd_mm}, problem.cuffs);
 }
 
 std::optional<Vector2d> BestPlacement(const RedesignProblem& problem, const DesignInMotion& design) {

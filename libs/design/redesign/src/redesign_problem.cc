@@ -5,6 +5,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/cuffs/cuff_course.h"
 
 namespace lake::redesign {
 namespace {
@@ -73,6 +74,9 @@ void RedesignProblem::CheckOptions() const {
   if (!(std::isfinite(penalty_deg_per_mm) && penalty_deg_per_mm >= 0))
     throw UsageError(fmt::format("--penalty {}: a number of deg per mm, 0 or above", penalty_deg_per_mm));
   CheckPositive(placement_reach_mm, "--placement-reach", "mm");
+  if (max_cuff_force_n) CheckPositive(*max_cuff_force_n, "--max-cuff-force", "N");
+  if (!(std::isfinite(cuff_penalty_deg_per_n) && cuff_penalty_deg_per_n >= 0))
+    throw UsageError(fmt::format("--cuff-penalty {}: a number of deg per N, 0 or above", cuff_penalty_deg_per_n));
   if (max_angle_mismatch_deg) CheckPositive(*max_angle_mismatch_deg, "--max-angle-mismatch", "degrees");
   if (!balance) return;
   if (!body)
@@ -159,6 +163,20 @@ linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& po
   return design;
 }
 
+double LargestCuffForce(const RedesignProblem& problem, const std::vector<double>& theta_rad,
+                        const Eigen::Vector2d& placement_mm) {
+  const Eigen::Vector2d place_mm = placement_mm + problem.human.back().slip_mm;
+  double largest_mm = 0;
+  for (const double theta : theta_rad)
+    for (const bool on_thigh : {true, false})
+      for (std::size_t k = 0; k < (on_thigh ? problem.cuffs.thigh : problem.cuffs.shank).size(); ++k) {
+        const auto [x, y] =
+            cuffs::SlipOf(problem.cuffs, on_thigh, k, theta, theta_rad.back(), place_mm.x(), place_mm.y());
+        largest_mm = std::max(largest_mm, std::hypot(x, y));
+      }
+  return problem.cuffs.stiffest_n_mm * largest_mm;
+}
+
 std::optional<Prediction> PredictPoint(const RedesignProblem& problem, const RedesignPoint& point) {
   std::vector<double> strokes;
   for (std::size_t i = 0; i < problem.human.size(); ++i) strokes.push_back(point.StrokeAt(PercentOf(i, problem.human)));
@@ -166,6 +184,7 @@ std::optional<Prediction> PredictPoint(const RedesignProblem& problem, const Red
       Predict(problem.Driven(point.links), point.placement_mm, strokes, Leaning(problem.human, point.lean.leg_rad));
   if (!prediction) return std::nullopt;
   prediction->of = problem.misalignment_of;
+  prediction->cuff_force_n = LargestCuffForce(problem, prediction->theta_rad, point.placement_mm);
   if (problem.body)
     prediction->balance =
         FindBalance(problem.human, *problem.body, prediction->theta_rad, point.lean, DurationOf(problem, point));

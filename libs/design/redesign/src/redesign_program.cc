@@ -9,6 +9,7 @@
 #include "lake/compare/pointwise_error.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/cuffs/cuff_course.h"
 
 namespace lake::redesign {
 namespace {
@@ -102,6 +103,20 @@ struct PressureTerm {
   }
 };
 
+// v = theta, theta at standing, p_x, p_y. `factor` x the squared slip of a cuff.
+struct CuffSlipTerm {
+  cuffs::CuffOptions cuffs;
+  bool on_thigh;
+  std::size_t cuff;
+  Eigen::Vector2d slip_mm;  // of the mount
+  double factor;
+  template <typename T>
+  T operator()(const T* v) const {
+    const auto [x, y] = cuffs::SlipOf(cuffs, on_thigh, cuff, v[0], v[1], T(v[2] + slip_mm.x()), T(v[3] + slip_mm.y()));
+    return (x * x + y * y) * factor;
+  }
+};
+
 struct SquareTerm {
   double factor;
   template <typename T>
@@ -132,6 +147,7 @@ class PersonExtender {
     AddDuration();
     AddPoses();
     if (problem_.max_angle_mismatch_deg || problem_.goal == Goal::kAngle) AddAngleMismatch();
+    if (problem_.max_cuff_force_n || WeighsCuffs()) AddCuffForce();
     if (problem_.balance) AddBalance();
   }
 
@@ -254,6 +270,39 @@ class PersonExtender {
         synthesis::AddScaledTerm(nlp(), row, largest, -1);
       }
     }
+  }
+
+  bool WeighsCuffs() const {
+    return problem_.goal == Goal::kCuffForce || (problem_.goal == Goal::kRange && problem_.cuff_penalty_deg_per_n > 0);
+  }
+
+  // The largest force at a cuff is a variable too. At standing the cuffs are free of stress.
+  void AddCuffForce() {
+    constexpr double kMost_n = 1e5, kLeast_n = 1e-3, kScale_n2 = 100;
+    const bool is_sought = problem_.goal == Goal::kCuffForce;
+    const double most_n = is_sought ? kMost_n : problem_.max_cuff_force_n.value_or(kMost_n);
+    const auto predicted = Predicted();
+    constexpr double kPlausible_n = 30;
+    const double least_n = std::min(kLeast_n, most_n),
+                 start_n = std::clamp(predicted ? predicted->cuff_force_n : kPlausible_n, least_n, most_n);
+    const int largest = nlp().AddVariable(Named("cuff force"), start_n, least_n, most_n);
+    if (WeighsCuffs())
+      synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, largest, is_sought ? 1 : problem_.cuff_penalty_deg_per_n);
+    if (!is_sought && problem_.max_cuff_force_n)
+      synthesis_.limits.push_back({{On::kCuffForce, person_}, "N", -1, largest});
+    const double stiff = problem_.cuffs.stiffest_n_mm;
+    const auto [x, y] = variables_.placement;
+    for (std::size_t i = 0; i + 1 < problem_.human.size(); ++i)
+      for (const bool on_thigh : {true, false})
+        for (std::size_t k = 0; k < (on_thigh ? problem_.cuffs.thigh : problem_.cuffs.shank).size(); ++k) {
+          const int row = nlp().AddRow(Named(fmt::format("force of {} cuff {} at {:g} %", on_thigh ? "thigh" : "shank",
+                                                         k + 1, PercentOf(i, problem_.human))),
+                                       -nlp::kUnbounded, 0);
+          nlp().AddTerm(
+              row, std::array{variables_.theta[i], variables_.theta.back(), x, y},
+              CuffSlipTerm{problem_.cuffs, on_thigh, k, problem_.human.back().slip_mm, stiff * stiff / kScale_n2});
+          nlp().AddTerm(row, std::array{largest}, SquareTerm{-1 / kScale_n2});
+        }
   }
 
   void AddBalance() {

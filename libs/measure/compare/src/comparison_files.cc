@@ -196,6 +196,9 @@ class ComparisonReader {
     if (!Entry("exo_leg_knee_x_mm").empty()) curves.exo.leg_knee = Path("exo_leg_knee");
     curves.noise_floor_mm = NoiseFloor("noise_floor_mm");
     curves.noise_floor_relative = NoiseFloor("noise_floor_relative");
+    const Json joint = json_.value("uncertainty", Json::object()).value("joint_rms_mm", Json::object());
+    if (joint.contains("anatomical_sd")) curves.joint_sd_mm = NumberOrNaN(joint["anatomical_sd"]);
+    curves.knee_is_functional = json_.value("knee_from", Json()) == "functional";
     CheckShank(curves.human);
     return curves;
   }

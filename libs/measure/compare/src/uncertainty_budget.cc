@@ -21,6 +21,7 @@ using Eigen::Vector2d;
 constexpr double kNormal95 = 1.959964;
 constexpr const char* kSoftTissue = "soft tissue";
 constexpr const char* kPlacement = "marker placement";
+constexpr const char* kAxis = "axis of rotation";
 constexpr const char* kOwnVariation = "the person's own variation";
 
 constexpr const char* kTissueReference =
@@ -76,9 +77,9 @@ BudgetRow Detection(double size, const char* unit, double sensitivity) {
   return {"detection", "normal", size, unit, sensitivity, "sigmas of this recording's markers", true};
 }
 
-// `placement`: its standard deviation in mm and the option that changes it.
+// `placement`: its standard deviation in mm and the option that changes it; an axis has none, but its own, `axis_mm`.
 void AddSources(const Sensitivities& s, BudgetRow detection, std::pair<double, const char*> placement,
-                const BudgetOptions& o, std::vector<BudgetRow>& rows) {
+                const std::optional<double>& axis_mm, const BudgetOptions& o, std::vector<BudgetRow>& rows) {
   rows.push_back(std::move(detection));
   const auto add = [&](const char* source, const char* distribution, double size, const char* unit, double sensitivity,
                        const char* reference, bool is_of_markers) {
@@ -88,7 +89,11 @@ void AddSources(const Sensitivities& s, BudgetRow detection, std::pair<double, c
   add("out-of-plane movement and parallax", "normal", o.depth_mm, "mm", o.view_slope * s.constant,
       "assumed; --depth-sd, --view-slope; lake track --depth removes a known depth", true);
   add("event times", "normal", o.event_s, "s", std::hypot(s.event_start, s.event_end), "assumed; --event-sd", true);
-  add(kPlacement, "normal", placement.first, "mm", s.constant, placement.second, false);
+  if (axis_mm)
+    add(kAxis, "normal", *axis_mm, "mm", s.constant, "how the markers of shank and thigh move against each other",
+        false);
+  else
+    add(kPlacement, "normal", placement.first, "mm", s.constant, placement.second, false);
   add(kSoftTissue, "normal", o.soft_tissue_mm, "mm", s.constant, kTissueReference, false);
 }
 
@@ -111,8 +116,8 @@ Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const Bu
   }
   Budget budget{"knee_angle", "deg", Mean(m.human.knee_deg), -180, {}};
   const Sensitivities s = OfKneeAngle(Mean(shank), Mean(thigh));
-  AddSources(s, Detection(RootMeanSquare(m.human.knee_sigma_mm), "mm", s.noise), {replacement_sd_mm, kReplacement}, o,
-             budget.rows);
+  AddSources(s, Detection(RootMeanSquare(m.human.knee_sigma_mm), "mm", s.noise), {replacement_sd_mm, kReplacement},
+             o.human_axis_mm, o, budget.rows);
   return budget;
 }
 
@@ -126,7 +131,7 @@ Budget KneeAngleBudget(const motion::LegMotion& motion, const RecordingBudgetOpt
   Budget budget{"knee_angle", "deg", Mean(knee_deg), -180, {}};
   const Sensitivities s =
       OfKneeAngle(MedianLength(motion, &motion::LegSample::ak), MedianLength(motion, &motion::LegSample::kh));
-  AddSources(s, Detection(RootMeanSquare(sigma_deg), "deg", 1), {o.placement_mm, "assumed; --placement-sd"}, o,
+  AddSources(s, Detection(RootMeanSquare(sigma_deg), "deg", 1), {o.placement_mm, "assumed; --placement-sd"}, {}, o,
              budget.rows);
   return budget;
 }
@@ -194,7 +199,7 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
                          Interval JointMisalignment::Intervals::*interval) {
       Budget budget{name, "mm", value, least, {}};
       AddSources(s, Detection(marker_mm, "mm", std::sqrt(kMarkersOfAJoint) * s.noise),
-                 {replacement_sd_mm, kReplacement}, o, budget.rows);
+                 {replacement_sd_mm, kReplacement}, o.exo_axis_mm, o, budget.rows);
       if (joint.intervals && joint.repetitions > 1)
         AddOwnVariation(DeviationOf((*joint.intervals).*interval), "mm", budget.rows);
       budgets.push_back(std::move(budget));
@@ -233,6 +238,10 @@ std::string WhatNarrows(const Budget& budget) {
   if (largest == budget.rows.end() || largest->Contribution() == 0) return "No source of uncertainty is known.";
   const std::string share =
       fmt::format("{:.0f} % of the variance comes from {}", budget.SharePercent(*largest), largest->source);
+  const bool has_axis = std::ranges::any_of(budget.rows, [](const BudgetRow& row) { return row.source == kAxis; });
+  if (largest->source == kSoftTissue && has_axis)
+    return share + ": no marker shows what skin does as a whole; more markers, or plates on bone, narrow it.";
+  if (largest->source == kAxis) return share + ": more markers on shank and thigh, or a larger movement, narrow it.";
   if (largest->source == kSoftTissue)
     return share + ": two or more markers on shank and thigh, and the axis that lake axis finds from them, narrow it.";
   if (largest->source == kPlacement) return share + ": leave the same markers on between the trials.";

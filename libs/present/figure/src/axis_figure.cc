@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lake/core/colours.h"
+#include "lake/core/statistics.h"
 #include "lake/figure/gnuplot.h"
 
 namespace lake::figure {
@@ -43,6 +44,55 @@ std::string PlotAxes(GnuplotFigure& figure, const axis::MeanAxesResult& axes, co
                     figure.Data({{whole.x()}, {whole.y()}, {kEllipse95 * axes.whole.sd_mm}}), colour::kKnee);
 }
 
+// A square that holds the axes' ellipses and nearly all centres.
+struct Square {
+  Vector2d middle = Vector2d::Zero();
+  double half_mm = 1;
+};
+
+Square SquareAround(const axis::MeanAxesResult& axes, const View& view, const std::vector<double> (&place)[2]) {
+  Vector2d low = Vector2d::Constant(1e9), high = -low;
+  const auto hold = [&](const Vector2d& at, double radius) {
+    low = low.cwiseMin(Vector2d(at.array() - radius)), high = high.cwiseMax(Vector2d(at.array() + radius));
+  };
+  hold(view(axes.whole.in_shank), kEllipse95 * axes.whole.sd_mm);
+  for (const axis::MeanAxis& axis : axes.windows) hold(view(axis.in_shank), kEllipse95 * axis.sd_mm);
+  constexpr double kNearlyAll[] = {0.005, 0.995};
+  for (const double share : kNearlyAll)
+    if (!place[0].empty()) hold({Quantile(place[0], share), Quantile(place[1], share)}, 0);
+  constexpr double kRoom = 1.05;
+  return {(low + high) / 2, kRoom * (high - low).maxCoeff() / 2};
+}
+
+// Over the knee angle: means of two degrees each.
+struct Course {
+  std::vector<double> angle_deg, place[2], low[2], high[2];
+};
+
+Course CourseOf(const std::vector<const axis::InstantaneousCentre*>& by_angle, const View& view) {
+  constexpr double kBin_deg = 2;
+  Course course;
+  for (auto first = by_angle.begin(); first != by_angle.end();) {
+    const auto last = std::find_if(first, by_angle.end(), [&](const axis::InstantaneousCentre* centre) {
+      return centre->knee_deg > (*first)->knee_deg + kBin_deg;
+    });
+    const auto mean = [&](auto figure) {
+      double sum = 0;
+      for (auto one = first; one != last; ++one) sum += figure(**one);
+      return sum / static_cast<double>(last - first);
+    };
+    using Centre = axis::InstantaneousCentre;
+    course.angle_deg.push_back(mean([](const Centre& c) { return c.knee_deg; }));
+    const double half_mm = kNormal95 * mean([](const Centre& c) { return c.sd_mm.norm() / std::sqrt(2); });
+    for (int k = 0; k < 2; ++k) {
+      const double at = mean([&](const Centre& c) { return view(c.in_shank)[k]; });
+      course.place[k].push_back(at), course.low[k].push_back(at - half_mm), course.high[k].push_back(at + half_mm);
+    }
+    first = last;
+  }
+  return course;
+}
+
 }  // namespace
 
 void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& motion, const axis::MeanAxesResult& axes,
@@ -51,40 +101,41 @@ void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& moti
   std::vector<const axis::InstantaneousCentre*> by_angle;
   for (const axis::InstantaneousCentre& centre : centres) by_angle.push_back(&centre);
   std::ranges::sort(by_angle, {}, &axis::InstantaneousCentre::knee_deg);
-  std::vector<double> angle;
-  std::vector<double> place[2], low[2], high[2];
+  std::vector<double> angle, place[2];
   for (const axis::InstantaneousCentre* centre : by_angle) {
     angle.push_back(centre->knee_deg);
-    const Vector2d at = view(centre->in_shank);
-    const double sd_mm = centre->sd_mm.norm() / std::sqrt(2);
-    for (int k = 0; k < 2; ++k) {
-      place[k].push_back(at[k]);
-      low[k].push_back(at[k] - kNormal95 * sd_mm), high[k].push_back(at[k] + kNormal95 * sd_mm);
-    }
+    for (int k = 0; k < 2; ++k) place[k].push_back(view(centre->in_shank)[k]);
   }
+  const Course course = CourseOf(by_angle, view);
   GnuplotFigure figure(1600, 800);
   figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'",
                           QuoteForGnuplot(fmt::format("Axis over {:.0f} degrees of flexion; markers stray by {:.1f} mm "
                                                       "on the shank, {:.1f} mm on the thigh",
                                                       axes.whole.flexion_deg, motion.shank.deformation.marker_sd_mm,
                                                       motion.thigh.deformation.marker_sd_mm))));
+  const Square square = SquareAround(axes, view, place);
   figure.Line(
-      "set lmargin at screen 0.07; set rmargin at screen 0.47; set tmargin at screen 0.90; set bmargin at screen "
-      "0.11; set size ratio -1; set key top left samplen 2 noautotitle");
+      "set lmargin at screen 0.07; set rmargin at screen 0.455; set tmargin at screen 0.88; set bmargin at screen "
+      "0.11; set key at screen 0.2625, screen 0.93 center horizontal Left reverse maxrows 1 samplen 1 width -2 font "
+      "',12' noautotitle");
+  figure.Line(fmt::format("set xrange [{}:{}]; set yrange [{}:{}]", square.middle.x() - square.half_mm,
+                          square.middle.x() + square.half_mm, square.middle.y() - square.half_mm,
+                          square.middle.y() + square.half_mm));
   figure.Line("set xlabel 'across the shank (mm)'; set ylabel 'along the shank, from the mean of its markers (mm)'");
   figure.Line("plot " + PlotAxes(figure, axes, view) +
               fmt::format(", {} using 1:2 with points pt 7 ps 0.3 lc rgb '{}' title 'instantaneous centre'",
                           figure.Data({place[0], place[1]}), colour::kText));
-  figure.Line("set size noratio; set lmargin at screen 0.57; set rmargin at screen 0.97; unset key");
+  figure.Line("set autoscale; set lmargin at screen 0.57; set rmargin at screen 0.97; unset key");
   const char* names[] = {"across the shank (mm)", "along the shank (mm)"};
   for (int k = 0; k < 2; ++k) {
     figure.Line(fmt::format("set tmargin at screen {}; set bmargin at screen {}; set ylabel '{}'; set xlabel '{}'",
-                            k == 0 ? 0.90 : 0.46, k == 0 ? 0.55 : 0.11, names[k],
+                            k == 0 ? 0.88 : 0.46, k == 0 ? 0.53 : 0.11, names[k],
                             k == 0 ? "" : "knee angle (degrees)"));
     figure.Line(fmt::format(
-        "plot {} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder, {} "
-        "using 1:2 with lines lw 2 lc rgb '{}'",
-        figure.Data({angle, low[k], high[k]}), colour::kKnee, figure.Data({angle, place[k]}), colour::kKnee));
+        "plot {} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder, {} using 1:2 with "
+        "points pt 7 ps 0.2 lc rgb '{}', {} using 1:2 with lines lw 2 lc rgb '{}'",
+        figure.Data({course.angle_deg, course.low[k], course.high[k]}), colour::kKnee, figure.Data({angle, place[k]}),
+        colour::kText, figure.Data({course.angle_deg, course.place[k]}), colour::kKnee));
   }
   figure.Line("unset multiplot").Write(path);
 }

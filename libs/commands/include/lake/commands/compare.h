@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/commands/functional_knee.h"
 #include "lake/compare/misalignment.h"
 #include "lake/compare/uncertainty_budget.h"
 #include "lake/core/json.h"
@@ -29,6 +30,7 @@ struct CompareRunOptions {
   compare::MisalignmentOptions misalignment;
   compare::BudgetOptions budget;
   cuffs::CuffOptions cuff;
+  KneeOptions knee;
 };
 
 void Describe(CompareRunOptions& o, OptionList& options);
@@ -41,6 +43,14 @@ std::vector<InputFile> TrialTableInputs(const std::filesystem::path& path, const
 // trial has no marker `knee`, it is the leg's knee as well.
 compare::TrialTables ReadTrialTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run);
+
+// The same with the axis about which the segments turn where the markers were; always of a leg fit.
+struct FunctionalTables {
+  compare::TrialTables tables;
+  std::optional<double> sd_mm;  // of the knee's axis; absent where the trial shows none, and its marker is taken
+};
+FunctionalTables ReadFunctionalTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
+                                      const std::string& knee, const KneeOptions& options, Run& run);
 
 // Throws UsageError for options of a trial that ReadTrialTables would ignore.
 void CheckReading(const std::filesystem::path& path, const exchange::TrialOptions& reading);

@@ -7,6 +7,7 @@
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
+#include "lake/cuffs/cuff_model.h"
 #include "lake/parts/mechanism.h"
 
 namespace lake::commands {
@@ -15,12 +16,18 @@ struct ExportOptions {
   std::filesystem::path design;
   std::string format;  // mjcf, sdf, urdf, step, dxf
   parts::PartOptions parts;
+  // With a body (loads.json of a person) mjcf is of the mechanism worn, in a motion that lake-optimize or lake-compare
+  // wrote; without one of its own, the design's `predicted`.
+  std::filesystem::path body, motion;
+  cuffs::CuffOptions cuffs;
 };
+std::vector<InputFile> InputsOf(const ExportOptions& options);
+
 void Describe(ExportOptions& o, OptionList& options);
 
-// Writes design.xml (mjcf), design.sdf, design.urdf, design.step or design.dxf, with parts.csv, through the run and
-// returns what goes into the summary. Throws UsageError for another format, Error if the design cannot be assembled at
-// d_min.
+// Writes design.xml (mjcf), design.sdf, design.urdf, design.step or design.dxf, with parts.csv and, of a worn
+// mechanism, course.csv, through the run and returns what goes into the summary. Throws UsageError for another format,
+// Error if the design cannot be assembled at d_min.
 Json RunExport(const ExportOptions& options, Run& run);
 
 }  // namespace lake::commands

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/commands/functional_knee.h"
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
@@ -20,6 +21,7 @@ struct ReoptimizeRunOptions {
                                                    // one design for all …
   std::filesystem::path human;                     // … or a human trial alone, as lake-compare reads it; one of both
   std::string human_knee = "knee";                 // the compared marker of the human trial
+  KneeOptions knee;                                // of `human`; a comparison has its own, and must have been made so
   exchange::TrialOptions human_reading;            // of files; a folder's markers have their names already
   std::vector<std::filesystem::path> worn;  // design.yaml worn in the exoskeleton trial, one of all or one for each;
                                             // required with one
@@ -30,8 +32,11 @@ struct ReoptimizeRunOptions {
   double penalty_deg_per_mm = 0;
   std::optional<double> max_angle_mismatch_deg;  // absent: 5 degrees where the joint's misalignment is limited
   std::optional<double> balance_mm;              // absent: balance is not asked for
-  std::filesystem::path body;                    // loads.json of the human trial; empty: the body is not known
-  loads::Aids aids;                              // that the person has in balance
+  cuffs::CuffOptions cuffs;                      // that hold the exoskeleton to the leg
+  std::optional<double> max_cuff_force_n;
+  double cuff_penalty_deg_per_n = 0;
+  std::filesystem::path body;  // loads.json of the human trial; empty: the body is not known
+  loads::Aids aids;            // that the person has in balance
   bool fit_placement = false;
   double placement_reach_mm = redesign::RedesignProblem{}.placement_reach_mm;
   std::optional<int> pareto_points;

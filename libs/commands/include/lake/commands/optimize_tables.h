@@ -12,10 +12,10 @@ namespace lake::commands {
 // there is one, rounded.yaml; returns the results for summary.json. Warns through the run of what a reader must know.
 Json WriteSynthesis(const synthesis::SynthesisOutcome& outcome, Run& run);
 
-// Writes design.yaml, optimum.csv, constraints.csv, starts.csv, convergence.csv, before_after.csv, program.csv,
-// predicted/misalignment.csv and predicted/comparison.json (as lake-compare writes them), the same in joint_moved/ for
-// the worn design with its joint moved, and, if asked for, pareto.csv; returns the results for summary.json. Warns
-// through the run of what a reader must know.
+// Writes design.yaml, optimum.csv, constraints.csv, starts.csv, convergence.csv, before_after.csv, cuffs.csv,
+// program.csv, predicted/misalignment.csv and predicted/comparison.json (as lake-compare writes them), the same in
+// joint_moved/ for the worn design with its joint moved, and, if asked for, pareto.csv; returns the results for
+// summary.json. Warns through the run of what a reader must know.
 Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run);
 
 }  // namespace lake::commands

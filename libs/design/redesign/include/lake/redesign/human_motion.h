@@ -90,6 +90,7 @@ struct Prediction {
   compare::StsCurve exo;                      // the joint, and the leg that goes along; the ankle is the human's
   MisalignmentRms path, joint;                // the path's by the comparison's own formula …
   MisalignmentOf of = MisalignmentOf::kPath;  // … and which of both is limited and weighed
+  double cuff_force_n = 0;                    // the largest at a cuff, where cuffs and flesh are stiffest
   double angle_mismatch_deg = 0;              // the largest difference of its knee angle from the human's
   std::optional<BalanceCourse> balance{};     // where the person's body is known
 

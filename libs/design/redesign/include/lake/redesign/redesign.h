@@ -14,8 +14,7 @@ namespace lake::redesign {
 // One local solve, exchange included.
 struct SolveInMotion {
   synthesis::LocalSolve local;
-  // Of the goal, larger is better: RoR - w RMS in deg; -percent; -s; -|p|, farthest . p or a margin
-  // in mm.
+  // Of the goal, larger is better: RoR less penalties in deg; -percent; -s; -N; -|p|, farthest . p or a margin in mm.
   double objective = 0;
   bool holds_on_path = false;  // the limits on misalignment, range and time, within 1e-5
 

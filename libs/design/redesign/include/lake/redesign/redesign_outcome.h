@@ -8,6 +8,7 @@
 #include "lake/certificate/certificate.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/run.h"
+#include "lake/cuffs/cuff_course.h"
 #include "lake/problem/robustness.h"
 #include "lake/redesign/redesign.h"
 
@@ -19,6 +20,7 @@ struct MeasuredMotion {
   std::optional<compare::StsCurve> exo{};  // of the trial with an exoskeleton
   std::vector<bool> spike{};               // per percent of both; empty: none
   double noise_floor_percent = 0;          // of their comparison, RMS; 0: not known
+  double joint_sd_mm = 0;                  // of the joint's place against the knee
   std::optional<linkage::Design> worn{};   // in that trial; without a program it was moved by the leg
   std::string worn_file{};                 // for messages
 };
@@ -55,6 +57,10 @@ double MisalignmentRms_mm(const DesignInMotion& design);
 DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,
                            const linkage::Design& design, const Lean& lean = {});
 
+// What the cuffs do to the leg in this motion, which bends as the exoskeleton does; absent if it cannot be made.
+std::optional<cuffs::CuffCourse> CuffsOf(const RedesignProblem& problem, const DesignInMotion& design,
+                                         double joint_sd_mm);
+
 // Where the joint of a design has the least misalignment, its links and program kept: within the reach of the knee.
 // Absent if it cannot make the motion. In each sample a move adds the same vector, turned, to the difference of both
 // knees, so that their mean square is that at the optimum and the square of the way there, weighted alike.
@@ -72,6 +78,7 @@ struct MisalignmentInfeasibility {
   bool within_reach = false;                       // the limits can be held after all; the solver did not get there
   std::optional<double> largest_margin_mm;         // of balance, where that cannot be had: the most that was found
   std::optional<double> least_angle_mismatch_deg;  // likewise: the least that was found
+  std::optional<double> least_cuff_force_n;        // likewise
   std::optional<double> least_percent;             // the smallest misalignment found under the given program
   std::optional<double> working_percent;           // a rounded limit a little above, with which the problem was solved
   // Limits that hold it there; price in % by which the least misalignment falls per unit that the limit is raised; NaN

@@ -1,8 +1,9 @@
 // A redesign as data: a synthesis problem, the human's motion, and how far the exoskeleton's knee may be off.
 //
-//   max  RoR - w RMS(|e - h|)                  X = links, p = placement, d(s) = stroke program, lean(s)
+//   max  RoR - w RMS(|e - h|) - w_f F          X = links, p = placement, d(s) = stroke program, lean(s)
 //   s.t. RMS(|e - h| / L) <= limit,  every requirement and bound of the synthesis problem,
 //        |dd/dt| <= max_speed, total time <= duration, |p_x|, |p_y| <= reach about the knee,
+//        largest force at a cuff F <= limit (cuffs/cuff_course.h: of the misfit, where cuffs and flesh are stiffest),
 //        max |theta - theta_human| <= limit,  centre of pressure at least a margin inside the foot (balance.h)
 //
 // e(s) is predicted by human_motion.h, the error is the comparison's own (compare/pointwise_error.h); of the joint
@@ -12,6 +13,7 @@
 #include <optional>
 #include <string>
 
+#include "lake/cuffs/cuff_model.h"
 #include "lake/problem/problem.h"
 #include "lake/redesign/balance.h"
 #include "lake/redesign/human_motion.h"
@@ -40,6 +42,9 @@ struct RedesignProblem {
   Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();  // where the joint sits; if it is fitted, a start
   double placement_reach_mm = 40;                          // from the knee to either side, x and y, if it is fitted
   std::optional<double> max_angle_mismatch_deg;            // of the exoskeleton's knee angle, at every instant
+  cuffs::CuffOptions cuffs;                                // that hold the exoskeleton to the leg
+  std::optional<double> max_cuff_force_n;                  // at the stiffest, over the motion
+  double cuff_penalty_deg_per_n = 0;                       // w_f; of one person
   std::shared_ptr<const loads::BodyPath> body;             // the person's, in the same motion; empty: not known
   std::optional<BalanceLimits> balance;                    // needs the body
 
@@ -50,6 +55,7 @@ struct RedesignProblem {
     kDuration,      // shortest sit-to-stand
     kNearest,       // least |p|: the joint nearest to the knee
     kBalance,       // largest margin of the centre of pressure inside the foot; needs `balance`
+    kCuffForce,     // least of the largest force at a cuff
     kAngle,         // least of the knee angle's largest difference from the human's
     kFarthest       // largest `farthest` . p
   } goal = Goal::kRange;
@@ -111,6 +117,11 @@ double DurationOf(const RedesignProblem& problem, const RedesignPoint& point);
 // A point as other programs read it; a constant program with ends of its own as two knots. The lean is the person's,
 // and not in it.
 linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& point);
+
+// The largest force at a cuff over a motion in which the knee bends so, the joint at this placement; where cuffs and
+// flesh are stiffest.
+double LargestCuffForce(const RedesignProblem& problem, const std::vector<double>& theta_rad,
+                        const Eigen::Vector2d& placement_mm);
 
 // The point's path by the closed form; nullopt if it cannot make the motion.
 std::optional<Prediction> PredictPoint(const RedesignProblem& problem, const RedesignPoint& point);

@@ -6,6 +6,7 @@
 //   m := mean (100 |e - h| / L)^2 <= limit^2                               in (percent)^2
 //   mean |e - h|^2 <= r^2,  r >= 1 um                                      if there is a penalty, cost + w r
 //   +-(theta(s) - theta_human(s)) <= a,  a <= limit                        if the knee angle has a limit
+//   |F(s)|^2 <= f^2 at each cuff,  f >= 1 mN,  f <= limit              if the cuffs' forces count, cost + w_f f
 //   balance: lean(s) of leg and trunk within its limits, centre of pressure c(s) as a variable,
 //     M(s) = c(s) F(s) of the ground,  -heel + b <= c(s) <= toe - b,  b >= margin       on the feet (balance.h)
 //     |hip's height - the human's| <= 20 mm                                             on the seat

@@ -75,6 +75,7 @@ struct LimitId {
     kMisalignment,
     kLeastRange,
     kAngleMismatch,
+    kCuffForce,
     kBalance
   };
   On on = On::kRequirement;

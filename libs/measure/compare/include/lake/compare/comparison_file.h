@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "lake/compare/misalignment.h"
 
@@ -12,6 +13,8 @@ struct ComparedCurves {
   StsCurve human, exo;
   std::vector<bool> spike{};                            // per percent
   double noise_floor_mm = 0, noise_floor_relative = 0;  // RMS that noise alone would show
+  bool knee_is_functional = false;                      // the axis of rotation, not the marker
+  std::optional<double> joint_sd_mm{};  // of the joint's distance from the knee beneath the skin; where it was seen
 };
 
 // `path`: the folder that lake-compare wrote, or its comparison.json. Throws Error naming the file: absent, not JSON,

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct BudgetOptions {
   double view_slope = 0.1;     // how far the joint stands from the camera's axis over its distance: 0.3 m at 3 m
   double scale_percent = 0.2;  // of the plane's scale
   double event_s = 0.02;       // of onset and standing
+  // Of the axis of rotation that stands for the knee's marker, along each axis; absent: it is the marker. No options:
+  // the trials tell.
+  std::optional<double> human_axis_mm{}, exo_axis_mm{};
 };
 
 void Describe(BudgetOptions& o, OptionList& options);

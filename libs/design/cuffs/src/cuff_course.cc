@@ -1,0 +1,63 @@
+#include "lake/cuffs/cuff_course.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/error.h"
+
+namespace lake::cuffs {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kNormal95 = 1.959964;
+
+// Of a hinge at `place` where the knee is bent by this angle; standing is the other.
+LegLoad LoadAt(double flexion_deg, double standing_deg, const Vector2d& place_mm, const CuffOptions& options,
+               double stiffness_n_mm) {
+  const Vector2d on_thigh_mm = MisfitOf(Vector2d::Zero(), place_mm, standing_deg, 0);  // the same point, thigh's frame
+  const LegState leg{-flexion_deg, 0, MisfitOf(place_mm, on_thigh_mm, -flexion_deg, 0), 0, 0};
+  CuffOptions weightless = options;
+  weightless.thigh_link_kg = weightless.shank_link_kg = 0;
+  return LoadOnLeg(leg, weightless, {stiffness_n_mm, stiffness_n_mm});
+}
+
+}  // namespace
+
+CuffForce Largest(const std::vector<CuffForce>& course) {
+  return *std::ranges::max_element(course, {}, &CuffForce::force_n);
+}
+
+CuffCourse CourseOf(const std::vector<double>& flexion_deg, const HingePlace& place, const CuffOptions& options) {
+  if (!(options.softest_n_mm <= options.stiffest_n_mm))
+    throw UsageError(fmt::format("cuffs of {} N/mm at the softest and {} at the stiffest: give them in this order",
+                                 options.softest_n_mm, options.stiffest_n_mm));
+  const double soft = options.softest_n_mm, stiff = options.stiffest_n_mm, middle = std::sqrt(soft * stiff);
+  CuffCourse course;
+  for (const double flexion : flexion_deg) {
+    const auto load = [&](const Vector2d& place_mm) {
+      return LoadAt(flexion, flexion_deg.back(), place_mm, options, middle);
+    };
+    const LegLoad at_place = load(place.mm);
+    // The place may be off in any direction, and in some the cuffs resist more.
+    std::vector<LegLoad> per_mm;
+    constexpr int kDirections = 12;  // of half a turn
+    for (int k = 0; k < kDirections; ++k)
+      per_mm.push_back(load(Eigen::Rotation2Dd(M_PI * k / kDirections) * Vector2d::UnitX()));
+    const auto force = [&](double LegLoad::*of) {
+      double open_n = 0;
+      for (const LegLoad& one : per_mm) open_n = std::max(open_n, kNormal95 * place.sd_mm * one.*of);
+      const double n = at_place.*of;
+      return CuffForce{n, soft / middle * std::max(0.0, n - open_n), stiff / middle * (n + open_n)};
+    };
+    course.thigh_n.push_back(force(&LegLoad::largest_thigh_n));
+    course.shank_n.push_back(force(&LegLoad::largest_shank_n));
+    course.knee_shear_n.push_back(force(&LegLoad::knee_shear_n));
+  }
+  return course;
+}
+
+}  // namespace lake::cuffs

@@ -1,0 +1,228 @@
+// The mechanism on a leg, simulated: MuJoCo against the cuffs' model, the body's masses and the mechanism's loops.
+#include "lake/model/coupled_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lake/core/angles.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "model/mujoco_model.h"
+#include "published_links.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+constexpr double kShortestStroke_mm = 245;
+
+parts::Mechanism Published() {
+  return parts::MakeMechanism(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, kShortestStroke_mm, {}), {});
+}
+
+// A rise of 6 s from 92° to 8°.
+model::Wearer Person(const parts::Mechanism& mechanism, const Eigen::Vector2d& hinge_mm = {14, -22}) {
+  model::Wearer wearer;
+  loads::LegBody& body = wearer.body.body;
+  body.foot = {1.0, 0.06, 0.12}, body.shank = {3.3, 0.18, 0.13}, body.thigh = {7.0, 0.17, 0.13};
+  body.trunk = {23.7, 0.32, 0.25}, body.sole = {0.066, 0.2}, body.ankle_height_m = 0.07;
+  wearer.shank_mm = 420, wearer.thigh_mm = 400;
+  wearer.hinge_mm = hinge_mm;
+  wearer.cuffs.thigh = {{210, 80}, {90, 50}};
+  for (int i = 0; i <= 100; ++i) {
+    const double u = i / 100.0, share = u * u * (3 - 2 * u), knee_deg = 92 - 84 * share;
+    wearer.rise.push_back(
+        {.time_s = 6 * u,
+         .shank_deg = 6 + 40 * u * (1 - u),
+         .knee_deg = knee_deg,
+         .trunk_deg = 10 + 120 * u * (1 - u),
+         .stroke_mm = *linkage::StrokeForAngle(mechanism.links, mechanism.range, RadiansFromDegrees(knee_deg))});
+    const double tilt_rad = RadiansFromDegrees(wearer.rise.back().trunk_deg);
+    wearer.body.trunk.push_back({tilt_rad, 0.32 * Eigen::Vector2d(std::sin(tilt_rad), std::cos(tilt_rad))});
+  }
+  return wearer;
+}
+
+TEST(CoupledModel, RefusesWhatIsNoCuff) {
+  const TemporaryFolder folder;
+  const parts::Mechanism mechanism = Published();
+  model::Wearer wearer = Person(mechanism);
+  wearer.cuffs.shank.clear();
+  EXPECT_THROW(model::WriteCoupledMjcf(folder / "design.xml", mechanism, wearer), UsageError);
+}
+
+TEST(CoupledModel, ItsCourseIsTheRise) {
+  const TemporaryFolder folder;
+  const model::Wearer wearer = Person(Published());
+  model::WriteCourse(folder / "course.csv", wearer);
+  const CsvTable table = CsvTable::Read(folder / "course.csv");
+  ASSERT_EQ(table.Rows(), 101u);
+  const auto at = [&](std::size_t row, const char* column) { return table.RequiredNumber(row, table.Column(column)); };
+  EXPECT_EQ(at(100, "time_s"), 6);
+  EXPECT_EQ(at(50, "human_knee_deg"), wearer.rise[50].knee_deg);
+  // Shank, less the knee, and the hip on top make the trunk's lean.
+  EXPECT_NEAR(at(50, "ankle_deg") - at(50, "human_knee_deg") + at(50, "hip_deg"), wearer.rise[50].trunk_deg, 1e-9);
+}
+
+#ifdef LAKE_HAS_MUJOCO
+
+class Worn : public ::testing::Test {
+ protected:
+  Worn() { Wear(Person(mechanism_)); }
+
+  void Wear(const model::Wearer& wearer) {
+    wearer_ = wearer;
+    const TemporaryFolder folder;
+    model::WriteCoupledMjcf(folder / "design.xml", mechanism_, wearer_);
+    simulation_ = std::make_unique<testing::MujocoModel>(folder / "design.xml");
+    mj_forward(simulation_->Model(), simulation_->Data());
+    pin_in_shank_ = Local("shank_link", CouplerEnd());
+    tip_in_bar_ = Local("slewing_bar", At("actuator_rod", {0, 0, 0}));
+  }
+
+  using Point = std::array<double, 3>;
+  int Body(const char* name) { return simulation_->Id(mjOBJ_BODY, name); }
+  Point At(const char* body, const Point& local) {
+    Point world{};
+    mju_rotVecMat(world.data(), local.data(), simulation_->Data()->xmat + 9 * Body(body));
+    mju_addTo3(world.data(), simulation_->Data()->xpos + 3 * Body(body));
+    return world;
+  }
+  Point Local(const char* body, const Point& world) {
+    Point from{}, local{};
+    mju_sub3(from.data(), world.data(), simulation_->Data()->xpos + 3 * Body(body));
+    mju_rotVecMatT(local.data(), from.data(), simulation_->Data()->xmat + 9 * Body(body));
+    return local;
+  }
+  Point CouplerEnd() { return At("coupler", {1e-3 * mechanism_.links.l1, 0, 0}); }
+  static double Apart_mm(const Point& a, const Point& b) { return 1e3 * mju_dist3(a.data(), b.data()); }
+  double LoopsApart_mm() {
+    return std::max(Apart_mm(CouplerEnd(), At("shank_link", pin_in_shank_)),
+                    Apart_mm(At("actuator_rod", {0, 0, 0}), At("slewing_bar", tip_in_bar_)));
+  }
+
+  static std::array<double, 4> ControlOf(const model::WornSample& s) {
+    return {RadiansFromDegrees(s.shank_deg), RadiansFromDegrees(s.knee_deg),
+            RadiansFromDegrees(s.trunk_deg - s.shank_deg + s.knee_deg), 1e-3 * s.stroke_mm};
+  }
+
+  // From where the controls are, in so many seconds.
+  void Ramp(const std::array<double, 4>& to, double seconds) {
+    mjData* data = simulation_->Data();
+    const int steps = static_cast<int>(seconds / simulation_->Model()->opt.timestep);
+    std::array<double, 4> from{};
+    std::copy_n(data->ctrl, 4, from.begin());
+    for (int step = 1; step <= steps; ++step) {
+      for (std::size_t k = 0; k < 4; ++k) data->ctrl[k] = std::lerp(from[k], to[k], static_cast<double>(step) / steps);
+      mj_step(simulation_->Model(), data);
+    }
+  }
+
+  void StartInReference() {
+    const char* joints[] = {"ankle", "human_knee", "hip", "stroke"};
+    for (int k = 0; k < 4; ++k) simulation_->Data()->ctrl[k] = simulation_->Position(joints[k]);
+  }
+
+  // How far the simulated cuffs' forces are from those of their model at the angles that the simulation has, as a share
+  // of the largest.
+  double OffTheModel() {
+    const double stiffness = std::sqrt(wearer_.cuffs.softest_n_mm * wearer_.cuffs.stiffest_n_mm);
+    const double knee_deg = DegreesFromRadians(simulation_->Position("human_knee")),
+                 hinge_deg = DegreesFromRadians(simulation_->Position("knee"));
+    const Eigen::Vector2d on_thigh =
+        cuffs::MisfitOf(Eigen::Vector2d::Zero(), wearer_.hinge_mm, wearer_.rise.back().knee_deg, 0);
+    const cuffs::LegLoad load = cuffs::LoadOnLeg(
+        {-knee_deg, 0, cuffs::MisfitOf(wearer_.hinge_mm, on_thigh, -knee_deg, 0), 0, hinge_deg - knee_deg},
+        wearer_.cuffs, {stiffness, stiffness});
+    double off_n = 0;
+    const auto compare = [&](const std::string& pad, const cuffs::CuffLoad& expected) {
+      const Eigen::Vector2d force(1e3 * stiffness * simulation_->Position((pad + "_x").c_str()),
+                                  1e3 * stiffness * simulation_->Position((pad + "_z").c_str()));
+      off_n = std::max(off_n, (force - expected.force_n).norm());
+    };
+    compare("thigh_cuff_1", load.thigh[0]);
+    compare("thigh_cuff_2", load.thigh[1]);
+    compare("shank_cuff_1", load.shank[0]);
+    return off_n / std::max(load.largest_thigh_n, load.largest_shank_n);
+  }
+
+  const parts::Mechanism mechanism_ = Published();
+  model::Wearer wearer_;
+  std::unique_ptr<testing::MujocoModel> simulation_;
+  Point pin_in_shank_{}, tip_in_bar_{};
+};
+
+TEST_F(Worn, TheBodyHasItsMasses) {
+  const mjModel& m = *simulation_->Model();
+  const loads::LegBody& body = wearer_.body.body;
+  for (const auto& [name, segment] : {std::pair{"foot", &body.foot}, std::pair{"shank", &body.shank},
+                                      std::pair{"thigh", &body.thigh}, std::pair{"trunk", &body.trunk}}) {
+    EXPECT_NEAR(m.body_mass[Body(name)], segment->mass_kg, 1e-9) << name;
+    EXPECT_NEAR(m.body_inertia[3 * Body(name) + 1], segment->mass_kg * segment->gyration_m * segment->gyration_m, 1e-9);
+  }
+  // Centres: upright from the ankle, the thigh bent at the reference, the trunk upright.
+  const double* shank = simulation_->Data()->xipos + 3 * Body("shank");
+  EXPECT_NEAR(shank[2], 0.42 - body.shank.centre_m, 1e-9);
+  const double* trunk = simulation_->Data()->xipos + 3 * Body("trunk");
+  const double* hip = simulation_->Data()->xpos + 3 * Body("trunk");
+  EXPECT_NEAR(trunk[2] - hip[2], 0.32, 1e-6);
+  EXPECT_NEAR(trunk[0] - hip[0], 0, 1e-6);
+}
+
+// At rest, without weight, the cuffs do what their model says: within 1 % where the joint is off the knee by little
+// against the cuffs' distances, as the model has it; 26 mm of 90 and 210 make 10 %.
+TEST_F(Worn, CuffsDoAtRestWhatTheirModelSays) {
+  for (const auto& [hinge_mm, most] :
+       {std::pair(Eigen::Vector2d(0.35, -0.55), 0.01), {Eigen::Vector2d(14, -22), 0.1}}) {
+    Wear(Person(mechanism_, hinge_mm));
+    mju_zero(simulation_->Model()->opt.gravity, 3);
+    StartInReference();
+    for (const std::size_t percent : {70u, 40u, 0u}) {
+      Ramp(ControlOf(wearer_.rise[percent]), 1.5);
+      simulation_->Settle();
+      for (const char* joint : {"human_knee", "knee"})
+        EXPECT_NEAR(DegreesFromRadians(simulation_->Position(joint)), wearer_.rise[percent].knee_deg, 0.02);
+      EXPECT_LT(OffTheModel(), most) << hinge_mm.transpose() << " mm at " << percent << " %";
+      EXPECT_LT(LoopsApart_mm(), 0.01);
+    }
+  }
+}
+
+// With weight, through the whole rise to standing; loops closed throughout.
+TEST_F(Worn, RisesToStanding) {
+  StartInReference();
+  Ramp(ControlOf(wearer_.rise.front()), 2);
+  double most_mm = 0;
+  for (std::size_t i = 1; i < wearer_.rise.size(); ++i) {
+    Ramp(ControlOf(wearer_.rise[i]), wearer_.rise[i].time_s - wearer_.rise[i - 1].time_s);
+    most_mm = std::max(most_mm, LoopsApart_mm());
+    ASSERT_NEAR(DegreesFromRadians(simulation_->Position("human_knee")), wearer_.rise[i].knee_deg, 1) << i << " %";
+    ASSERT_NEAR(DegreesFromRadians(simulation_->Position("knee")), wearer_.rise[i].knee_deg, 1) << i << " %";
+  }
+  EXPECT_LT(most_mm, 0.01);
+  simulation_->Settle();
+  EXPECT_NEAR(DegreesFromRadians(simulation_->Position("human_knee")), wearer_.rise.back().knee_deg, 0.1);
+  EXPECT_NEAR(simulation_->Data()->xpos[3 * Body("trunk") + 2],
+              0.42 * std::cos(RadiansFromDegrees(6)) + 0.4 * std::cos(RadiansFromDegrees(2)), 0.002);
+}
+
+// The keyframes have the controls of the rise.
+TEST_F(Worn, KeyframesAreTheRise) {
+  const mjModel& m = *simulation_->Model();
+  ASSERT_EQ(m.nkey, 21);
+  const int half = simulation_->Id(mjOBJ_KEY, "50_percent");
+  EXPECT_NEAR(m.key_time[half], 3, 1e-12);
+  const std::array<double, 4> control = ControlOf(wearer_.rise[50]);
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(m.key_ctrl[4 * half + k], control[static_cast<std::size_t>(k)], 1e-9);
+}
+
+#else
+TEST(Worn, IsSimulated) {
+  GTEST_SKIP() << "MuJoCo is not installed";
+}
+#endif
+
+}  // namespace
+}  // namespace lake
