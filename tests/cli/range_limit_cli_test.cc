@@ -43,7 +43,9 @@ TEST_F(RangeLimit, IsKeptByMoreThanTheUncertainty) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const CsvTable table = Table();
   ASSERT_EQ(table.Rows(), 2u);
-  const auto value = [&](std::size_t row, const char* column) { return table.RequiredNumber(row, table.Column(column)); };
+  const auto value = [&](std::size_t row, const char* column) {
+    return table.RequiredNumber(row, table.Column(column));
+  };
   EXPECT_NEAR(value(0, "measured_deg"), 4, 0.05);
   EXPECT_NEAR(value(1, "measured_deg"), 112, 0.05);
   EXPECT_EQ(value(0, "visits"), 4);  // begins and ends there

@@ -66,8 +66,8 @@ End Find(const motion::LegMotion& motion, const char* name, int towards, double 
 }
 
 void WriteTable(const std::filesystem::path& path, const std::vector<End>& ends) {
-  CsvWriter csv({"end", "measured_deg", "expanded_deg", "coverage", "limit_deg", "margin_deg", "time_s", "visits",
-                 "result"});
+  CsvWriter csv(
+      {"end", "measured_deg", "expanded_deg", "coverage", "limit_deg", "margin_deg", "time_s", "visits", "result"});
   for (const End& end : ends) {
     csv.Add(end.name).Add(end.measured_deg).Add(end.expanded_deg).Add(kCoverage).Add(end.limit_deg);
     csv.Add(end.MarginDeg()).Add(end.time_s).Add(end.visits).Add(end.Verdict()).EndRow();
@@ -76,13 +76,13 @@ void WriteTable(const std::filesystem::path& path, const std::vector<End>& ends)
 }
 
 Table EndsTable(const std::vector<End>& ends) {
-  Table table{.caption = "Measured range, ± U (k = 2), against the limits",
-              .columns = {{"end"}, {"measured (°)"}, {"limit (°)"}, {"inside by (°)", 2}, {"visits", 0}, {"result"}, {""}}};
+  Table table{
+      .caption = "Measured range, ± U (k = 2), against the limits",
+      .columns = {{"end"}, {"measured (°)"}, {"limit (°)"}, {"inside by (°)", 2}, {"visits", 0}, {"result"}, {""}}};
   for (const End& end : ends)
-    table.rows.push_back({end.name,
-                          fmt::format("{} ± {}", NumberText(end.measured_deg, 2), NumberText(end.expanded_deg, 2)),
-                          NumberText(end.limit_deg, 2), end.MarginDeg(), static_cast<double>(end.visits), end.Verdict(),
-                          end.Why()});
+    table.rows.push_back(
+        {end.name, fmt::format("{} ± {}", NumberText(end.measured_deg, 2), NumberText(end.expanded_deg, 2)),
+         NumberText(end.limit_deg, 2), end.MarginDeg(), static_cast<double>(end.visits), end.Verdict(), end.Why()});
   return table;
 }
 
@@ -90,8 +90,11 @@ LineChart AngleChart(const motion::LegMotion& motion, const std::vector<End>& en
   Series knee{.name = "knee angle"};
   for (std::size_t i = 0; i < motion.samples.size(); i += ChartStep(motion.samples.size()))
     knee.x.push_back(motion.time_s[i]), knee.y.push_back(motion.samples[i].knee_deg);
-  LineChart chart{.title = "Knee angle of the mechanism", .caption = "Dashed: the limits.",
-                  .x = {.label = "time (s)"}, .y = {.label = "angle (°)"}, .series = {std::move(knee)}};
+  LineChart chart{.title = "Knee angle of the mechanism",
+                  .caption = "Dashed: the limits.",
+                  .x = {.label = "time (s)"},
+                  .y = {.label = "angle (°)"},
+                  .series = {std::move(knee)}};
   for (const End& end : ends) {
     Series limit{.name = end.towards > 0 ? "upper limit" : "lower limit", .mark = Mark::kDashed};
     limit.x = {motion.time_s.front(), motion.time_s.back()}, limit.y = {end.limit_deg, end.limit_deg};
@@ -101,16 +104,18 @@ LineChart AngleChart(const motion::LegMotion& motion, const std::vector<End>& en
 }
 
 Section Method() {
-  return {"How it is measured",
-          {report::List{{"Markers on the mechanism's joints, filmed or captured as in any trial; the angle is that of the leg's "
-                 "knee. Without load, or with a dummy: nobody wears a prototype whose range is not known.",
-                 "U = 2 u, u of the markers in the frame of the extreme, of the markers' places beside the joints' axes "
-                 "(--placement-sd), of the distance from the plane (--depth-sd, --view-slope) and of its scale "
-                 "(--scale-sd); no soft tissue. The recording's largest and smallest angle count, not a mean.",
-                 "An end passes if it keeps within its limit by U or more (guard band, ILAC-G8:09/2019); else it fails.",
-                 "After the COVR protocols for the safety skill “limit range of movement” (ROB-LRM-2: the range is "
-                 "assessed by optical tracking of markers); a manufacturer's limits and how often each is tried are those "
-                 "of the risk assessment (IEC 80601-2-78, ISO 14971)."}}}};
+  return {
+      "How it is measured",
+      {report::List{
+          {"Markers on the mechanism's joints, filmed or captured as in any trial; the angle is that of the leg's "
+           "knee. Without load, or with a dummy: nobody wears a prototype whose range is not known.",
+           "U = 2 u, u of the markers in the frame of the extreme, of the markers' places beside the joints' axes "
+           "(--placement-sd), of the distance from the plane (--depth-sd, --view-slope) and of its scale "
+           "(--scale-sd); no soft tissue. The recording's largest and smallest angle count, not a mean.",
+           "An end passes if it keeps within its limit by U or more (guard band, ILAC-G8:09/2019); else it fails.",
+           "After the COVR protocols for the safety skill “limit range of movement” (ROB-LRM-2: the range is "
+           "assessed by optical tracking of markers); a manufacturer's limits and how often each is tried are those "
+           "of the risk assessment (IEC 80601-2-78, ISO 14971)."}}}};
 }
 
 }  // namespace
@@ -132,8 +137,8 @@ void WriteRangeLimit(const gait::LegFitResult& leg, compare::RecordingBudgetOpti
                             {"result", end.Verdict()}});
   results["range_limit"] = std::move(json);
   Report page{.title = "Measured range of the mechanism", .warnings = run.Warnings()};
-  const std::string verdict =
-      passes ? "Pass: the measured range keeps within both limits." : "Fail: the range is not shown to keep within both limits.";
+  const std::string verdict = passes ? "Pass: the measured range keeps within both limits."
+                                     : "Fail: the range is not shown to keep within both limits.";
   page.sections = {{"", {Paragraph{verdict}, EndsTable(ends), AngleChart(leg.motion, ends)}},
                    Method(),
                    ProvenanceSection(run.Head())};
