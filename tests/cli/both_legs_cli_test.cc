@@ -40,6 +40,7 @@ TEST_F(BothLegs, AreComparedRiseByRise) {
   const CsvTable curve = CsvTable::Read(folder_ / "S/symmetry_curve.csv");
   EXPECT_EQ(curve.Rows(), 101u);
   for (const char* name : {"S/symmetry.csv", "S/symmetry.png"}) EXPECT_TRUE(fs::exists(folder_ / name)) << name;
+  EXPECT_THAT(ReadTextFile(folder_ / "S/symmetry.svg"), testing::HasSubstr("largest knee angle (°)"));
 }
 
 TEST_F(BothLegs, AnyMarkersAreMeasuredBesideALegAndWithoutOne) {

@@ -37,9 +37,8 @@ class TrialFolder : public testing::Test {
                       five_times + "\n");
   }
 
-  GroupData Read() {
-    return ReadGroup(
-        {{.participant = "sub-1", .session = "", .run = "", .folder = folder_.Path(), .steps = {"human"}}});
+  GroupData Read(const std::set<std::string>& steps = {"human"}) {
+    return ReadGroup({{.participant = "sub-1", .session = "", .run = "", .folder = folder_.Path(), .steps = steps}});
   }
 
   TemporaryFolder folder_;
@@ -63,6 +62,19 @@ TEST_F(TrialFolder, GivesEachRiseAndTheFiveTimesTest) {
   EXPECT_EQ(whole.at("five_times_s"), 12);
   EXPECT_EQ(whole.at("five_times_power_w_kg"), 4.5);
   EXPECT_NEAR(whole.at("shank_mm"), 400, 1e-9);
+}
+
+TEST_F(TrialFolder, GivesTheCentreOfMassOfEachRiseWhereItsLoadsAreKnown) {
+  WriteRise(motion::LengthUnit::kMm);
+  WriteMeasures("7.5,1.25,,4.5,12,0.1");
+  std::filesystem::create_directories(folder_ / "loads");
+  WriteTextFile(folder_ / "loads/momentum.csv",
+                "repetition,com_seat_off_mm,com_seat_off_mm_sd,com_upward_max_ns\n2,-90,9,80\n1,-120,8,\n");
+  EXPECT_FALSE(Read().rows[0].values.contains("com_seat_off_mm")) << "of a study without loads";
+  const auto rise = Read({"human", "loads"}).rows[0].values;
+  EXPECT_EQ(rise.at("com_seat_off_mm"), -120);
+  EXPECT_FALSE(rise.contains("com_seat_off_mm_sd"));
+  EXPECT_FALSE(rise.contains("com_upward_max_ns"));
 }
 
 TEST_F(TrialFolder, HasNoRowForTheWholeTrialOfWhichNothingIsKnown) {

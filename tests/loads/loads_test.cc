@@ -12,6 +12,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/run.h"
+#include "lake/core/statistics.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/gait/butterworth.h"
 #include "lake/problem/moment_at_pace.h"
@@ -174,6 +175,61 @@ TEST(Balance, TheProfileIsOfAnyPace) {
     ++compared;
   }
   EXPECT_GT(compared, 40);
+}
+
+// What both plates give the body on the feet alone is the change of its momentum, N s, forward and up.
+TEST(CentreOfMass, ItsMomentumChangesByWhatThePlatesGive) {
+  REQUIRE_RECORDING();
+  const exchange::GroundForceRecording ground = exchange::ReadGroundForces(kFolder / "STS1_grf.mot");
+  const auto impulse_ns = [&](double from_s, double to_s) {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (std::size_t i = 1; i < ground.time_s.size(); ++i)
+      if (ground.time_s[i] > from_s && ground.time_s[i] <= to_s)
+        sum += (ground.time_s[i] - ground.time_s[i - 1]) *
+               (ground.plates[0].force_n[i] + ground.plates[1].force_n[i] - 62.6 * 9.80665 * Eigen::Vector3d::UnitY())
+                   .head<2>();
+    return sum;
+  };
+  for (const char* side : {"right", "left"}) {
+    commands::LoadsRunOptions options = OptionsFor(side);
+    options.loads.draws = 20;
+    const auto outcome = RunOn(options);
+    const CsvTable centre = CsvTable::Read(outcome->folder / "out/centre_of_mass.csv");
+    ASSERT_EQ(centre.Rows(), 5u * 101);
+    const auto at = [&](std::size_t row, const char* column) {
+      return centre.RequiredNumber(row, centre.Column(column));
+    };
+    for (std::size_t rise = 0; rise < 5; ++rise) {
+      const double left_s = outcome->summary["rises"][rise]["seat_off_s"].get<double>() + 0.1;
+      const std::size_t standing = 101 * rise + 100;
+      std::vector<double> forward_ns, upward_ns;  // the motion's less the plates', up to a constant
+      for (std::size_t row = 101 * rise; row <= standing; ++row) {
+        if (at(row, "time_s") < left_s) continue;
+        const Eigen::Vector2d given = impulse_ns(at(row, "time_s"), at(standing, "time_s"));
+        forward_ns.push_back(at(row, "com_forward_ns") + given.x());
+        upward_ns.push_back(at(row, "com_upward_ns") + given.y());
+      }
+      // A tenth of the largest, 42 and 55 N s: arms swing and markers slide.
+      EXPECT_LT(StandardDeviation(forward_ns), 4.2) << side << " " << rise;
+      EXPECT_LT(StandardDeviation(upward_ns), 5.5) << side << " " << rise;
+    }
+    const Json& momentum = outcome->summary["momentum"];
+    // Plates add nothing to what is of the motion alone.
+    options.forces = kFolder / "STS1_grf.mot";
+    options.plates = {{"right", 1}, {"left", 2}};
+    const auto with_plates = RunOn(options);
+    EXPECT_EQ(with_plates->summary["momentum"], momentum) << side;
+    EXPECT_EQ(with_plates->summary["balance"]["own"], outcome->summary["balance"]["own"]) << side;
+    const CsvTable table = CsvTable::Read(outcome->folder / "out/momentum.csv");
+    for (std::size_t row = 0; row < 5; ++row) {
+      const auto value = [&](const char* column) { return table.RequiredNumber(row, table.Column(column)); };
+      EXPECT_NEAR(value("com_forward_max_ns"), 0.0626 * value("com_forward_max_mm_s"), 1e-9);
+      EXPECT_LT(value("com_seat_off_mm"), -50);  // behind the heel: carried by momentum
+      EXPECT_GT(value("com_seat_off_mm_sd"), 5);
+      EXPECT_GT(value("com_forward_max_mm_s_sd"), 5);
+      EXPECT_LT(std::abs(value("com_forward_lead_s")), 0.15);
+    }
+  }
 }
 
 class OnForcePlates : public testing::TestWithParam<std::string> {};

@@ -12,6 +12,7 @@
 #include "lake/gait/sit_to_stand.h"
 #include "measure_tables.h"
 #include "png_and_svg.h"
+#include "range_limit.h"
 #include "sit_to_stand_tables.h"
 
 namespace lake::commands {
@@ -150,6 +151,16 @@ void Describe(GaitRunOptions& o, OptionList& options) {
   gait::DescribeAge(o.age_years, options);
   Describe(o.measures, options);
   Describe(o.budget, options);
+  options
+      .Add("range-limit", o.range_limit_deg,
+           "A mechanism's markers: is its knee shown to keep within these limits? range_limit.csv and .html")
+      .Unit("degrees")
+      .Value("LOW,HIGH");
+  options.Check([&o](const OptionList&) {
+    if (o.range_limit_deg && !((*o.range_limit_deg)[0] < (*o.range_limit_deg)[1]))
+      throw UsageError(
+          fmt::format("--range-limit {},{}: the lower limit first", (*o.range_limit_deg)[0], (*o.range_limit_deg)[1]));
+  });
 }
 
 void DescribeTrialFit(GaitRunOptions& o, OptionList& options) {
@@ -218,8 +229,8 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
   run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "sit_to_stand.html",
-             "uncertainty_budget.csv", "trajectory.csv", "tracks.csv", "gait.png", "gait.svg", "measures.csv",
-             "measures.png", "measures.svg"});
+             "uncertainty_budget.csv", "range_limit.csv", "range_limit.html", "trajectory.csv", "tracks.csv",
+             "gait.png", "gait.svg", "measures.csv", "measures.png", "measures.svg"});
   if (!options.measures.empty() && !HasLeg(trial.recording, options.fit.markers))
     return MeasureWithoutLeg(trial, options, run);
   gait::LegFitResult result = FitTrial(trial, options.fit, run, options);
@@ -230,6 +241,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
   WriteSitToStands(result, options.age_years, results, run);
   WriteUncertaintyBudget(result, options.budget, results, run);
+  if (options.range_limit_deg) WriteRangeLimit(result, options.budget, *options.range_limit_deg, results, run);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
@@ -265,6 +277,11 @@ std::string GaitReport(const Json& summary) {
   if (summary.contains("uncertainty"))
     text += fmt::format("the joint beneath the skin: knee within {} (1 SD; uncertainty_budget.csv)\n",
                         DeviationText(summary["uncertainty"]["knee_angle_deg"]["anatomical_sd"].get<double>(), 1, "°"));
+  if (summary.contains("range_limit"))
+    for (const Json& end : summary["range_limit"]["ends"])
+      text += fmt::format("{} {:.2f}° ± {:.2f}° (k = 2), limit {:.2f}°: {}\n", end["end"].get<std::string>(),
+                          end["measured_deg"].get<double>(), end["expanded_deg"].get<double>(),
+                          end["limit_deg"].get<double>(), end["result"].get<std::string>());
   return text +
          fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size()) +
          FiveTimesText(summary);

@@ -125,6 +125,40 @@ void WriteTable(const fs::path& path, const loads::LoadsResult& result) {
   csv.Write(path);
 }
 
+// The whole body's centre of mass over each rise, and its momentum.
+void WriteCentres(const fs::path& path, const loads::LoadsResult& result, double mass_kg) {
+  CsvWriter csv({"repetition", "percent", "time_s", "com_x_mm", "com_y_mm", "com_forward_mm_s", "com_upward_mm_s",
+                 "com_forward_ns", "com_upward_ns"});
+  for (const loads::RiseLoads& rise : result.rises)
+    for (std::size_t percent = 0; percent < rise.rows.size(); ++percent) {
+      const loads::CentreOfMass& centre = rise.momentum.rows[percent];
+      csv.Add(rise.repetition).Add(static_cast<int>(percent)).Add(rise.rows[percent].time_s);
+      for (const Vector2d& of : {Vector2d(kMmPerM * centre.position_m), Vector2d(kMmPerM * centre.velocity_m_s),
+                                 Vector2d(mass_kg * centre.velocity_m_s)})
+        csv.Add(of.x()).Add(of.y());
+      csv.EndRow();
+    }
+  csv.Write(path);
+}
+
+// One row a rise: what carries the body off the seat.
+void WriteMomenta(const fs::path& path, const loads::LoadsResult& result, double mass_kg) {
+  CsvWriter csv({"repetition", "com_seat_off_mm", "com_seat_off_mm_sd", "com_forward_seat_off_mm_s",
+                 "com_forward_seat_off_mm_s_sd", "com_forward_max_mm_s", "com_forward_max_mm_s_sd",
+                 "com_forward_lead_s", "com_upward_max_mm_s", "com_upward_max_mm_s_sd", "com_forward_max_ns",
+                 "com_upward_max_ns"});
+  for (const loads::RiseLoads& rise : result.rises) {
+    const loads::RiseMomentum& of = rise.momentum;
+    const loads::MomentumSd& sd = rise.momentum_sd;
+    csv.Add(rise.repetition).Add(kMmPerM * of.seat_off_m).Add(kMmPerM * sd.seat_off_m);
+    csv.Add(kMmPerM * of.forward_seat_off_m_s).Add(kMmPerM * sd.forward_seat_off_m_s);
+    csv.Add(kMmPerM * of.forward_max_m_s).Add(kMmPerM * sd.forward_max_m_s).Add(of.forward_lead_s);
+    csv.Add(kMmPerM * of.upward_max_m_s).Add(kMmPerM * sd.upward_max_m_s);
+    csv.Add(mass_kg * of.forward_max_m_s).Add(mass_kg * of.upward_max_m_s).EndRow();
+  }
+  csv.Write(path);
+}
+
 // The same path at the person's own pace, as slowly as may be, and in the time that was asked for.
 void WritePaces(const fs::path& path, const loads::Balance& balance) {
   CsvWriter csv({"pace", "rise_s", "percent", "time_s", "knee_nm", "zmp_mm", "margin_mm"});
@@ -237,6 +271,23 @@ Json BodyJson(const loads::LegBody& body) {
           {"trunk", segment(body.trunk)}};
 }
 
+// Means of the rises.
+Json MomentumJson(const loads::LoadsResult& result, double mass_kg) {
+  const auto mean = [&](double loads::RiseMomentum::*member) {
+    std::vector<double> values;
+    for (const loads::RiseLoads& rise : result.rises) values.push_back(rise.momentum.*member);
+    return Mean(values);
+  };
+  const double forward_m_s = mean(&loads::RiseMomentum::forward_max_m_s),
+               upward_m_s = mean(&loads::RiseMomentum::upward_max_m_s);
+  return {{"com_seat_off_mm", kMmPerM * mean(&loads::RiseMomentum::seat_off_m)},
+          {"com_forward_max_mm_s", kMmPerM * forward_m_s},
+          {"com_upward_max_mm_s", kMmPerM * upward_m_s},
+          {"com_forward_max_ns", mass_kg * forward_m_s},
+          {"com_upward_max_ns", mass_kg * upward_m_s},
+          {"com_forward_lead_s", mean(&loads::RiseMomentum::forward_lead_s)}};
+}
+
 // Over all rises: their peaks' mean, and the share of it that the mean curve's draws leave open.
 Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& options) {
   const double mass_kg = options.loads.body.mass_kg;
@@ -271,6 +322,7 @@ Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& option
     json["trunk_from"] = result.has_shoulder ? "shoulder" : "waist";
   }
   json["balance"] = BalanceJson(result);
+  json["momentum"] = MomentumJson(result, mass_kg);
   json["body"] = BodyJson(result.body);
   json["rises"] = std::move(rises);
   return json;
@@ -315,7 +367,8 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
         "{}: a trial in a plane does not say where the force plates are; give the marker file of the same laboratory "
         "(.trc, .c3d)",
         trial.file.string());
-  run.Begin({"summary.json", "loads.csv", "pace.csv", "loads.json", "loads.png", "loads.svg"});
+  run.Begin({"summary.json", "loads.csv", "pace.csv", "centre_of_mass.csv", "momentum.csv", "loads.json", "loads.png",
+             "loads.svg"});
   const gait::LegFitResult fit = FitTrial(trial, options.fit, run, options);
   std::optional<loads::GroundForces> forces;
   if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
@@ -328,6 +381,9 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
   for (const std::string& warning : result.warnings) run.Warn(warning);
   WriteTable(run.Result("loads.csv"), result);
   WritePaces(run.Result("pace.csv"), result.balance);
+  const double mass_kg = options.loads.body.mass_kg;
+  WriteCentres(run.Result("centre_of_mass.csv"), result, mass_kg);
+  WriteMomenta(run.Result("momentum.csv"), result, mass_kg);
   WriteJsonFile(run.Result("loads.json"), ProfileJson(result, options));
   DrawPngAndSvg("loads", run,
                 [&](const fs::path& path) { figure::DrawLoads(path, result, options.trial.filename().string()); });
@@ -351,6 +407,14 @@ std::string LoadsReport(const Json& summary) {
   text += balance["slowest_s"].is_null() ? "\n"
                                          : fmt::format("; along this path balance takes a rise of at most {:.2g} s\n",
                                                        NumberOrNaN(balance["slowest_s"]));
+  const Json& momentum = summary["momentum"];
+  const double seat_off_mm = NumberOrNaN(momentum["com_seat_off_mm"]);
+  text += fmt::format(
+      "centre of mass: {:.0f} mm {} the ankle at seat-off; forward at most {:.2f} m/s ({:.0f} N s), upward {:.2f} m/s "
+      "({:.0f} N s)\n",
+      std::abs(seat_off_mm), seat_off_mm < 0 ? "behind" : "before",
+      NumberOrNaN(momentum["com_forward_max_mm_s"]) / kMmPerM, NumberOrNaN(momentum["com_forward_max_ns"]),
+      NumberOrNaN(momentum["com_upward_max_mm_s"]) / kMmPerM, NumberOrNaN(momentum["com_upward_max_ns"]));
   if (summary["trunk_offset_mm"].is_object()) {
     const Json& offset = summary["trunk_offset_mm"];
     text += fmt::format(

@@ -289,7 +289,9 @@ RiseLoads RiseOf(const Model& model, const motion::LegMotion& motion, const Rise
                   .standing_s = rise.standing_s,
                   .rows = {},
                   .peak = {},
-                  .knee_energy_j = 0};
+                  .knee_energy_j = 0,
+                  .momentum = {},
+                  .momentum_sd = {}};
   for (int percent = 0; percent < kPercents; ++percent) {
     LoadsRow& row = loads.rows.emplace_back();
     row.time_s = TimeOf(rise, percent);
@@ -369,6 +371,18 @@ std::vector<std::vector<double>> MeanCurves(const std::vector<std::vector<std::v
       means[draw][percent] = sum / static_cast<double>(by_rise.size());
     }
   return means;
+}
+
+MomentumSd SpreadOf(const std::vector<RiseMomentum>& draws) {
+  const auto of = [&](double RiseMomentum::*member) {
+    std::vector<double> values;
+    for (const RiseMomentum& draw : draws) values.push_back(draw.*member);
+    return StandardDeviation(values);
+  };
+  return {.seat_off_m = of(&RiseMomentum::seat_off_m),
+          .forward_seat_off_m_s = of(&RiseMomentum::forward_seat_off_m_s),
+          .forward_max_m_s = of(&RiseMomentum::forward_max_m_s),
+          .upward_max_m_s = of(&RiseMomentum::upward_max_m_s)};
 }
 
 void CheckOverlap(const GroundForces& forces, const std::vector<Rise>& rises) {
@@ -494,6 +508,15 @@ void WarnOfTrunk(const Model& model, const std::vector<Window>& windows, const L
                     kMmPerM * model.trunk->AlongM(), kMmPerM * model.trunk->AcrossM()));
 }
 
+Model ByMotionAlone(const motion::MarkerRecording& trajectory, LegPathOptions path_options,
+                    const std::vector<Window>& windows, const LoadsOptions& options) {
+  path_options.cutoff_hz = options.cutoff_hz;
+  Model model{MakeLegPath(trajectory, path_options), {}, {}, {}};
+  model.body = MakeLegBody(options.body, model.path);
+  model.trunk.emplace(model.path, model.body, windows, options.trunk);
+  return model;
+}
+
 }  // namespace
 
 void Describe(LoadsOptions& o, OptionList& options) {
@@ -543,6 +566,16 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
 
   std::vector<std::vector<std::vector<double>>> curves(rises.size());
   std::vector<std::vector<std::vector<SeatBounds>>> bounds(rises.size());
+  std::vector<std::vector<RiseMomentum>> momenta(rises.size());
+  const auto momentum_of = [&](const LegPath& path, const LegBody& body, const TrunkFit& fit, const Rise& rise) {
+    const std::size_t left = FrameFrom(path.time_s, rise.seat_off_s + options.seat_release_s);
+    return FindMomentum(path, body, options.body.mass_kg, fit.InTrunkM(left), rise.onset_s, rise.seat_off_s,
+                        rise.standing_s);
+  };
+  // What is of the motion alone is the same with plates, and so is the low-pass that the trunk is fitted at.
+  const Model by_motion = forces ? ByMotionAlone(trajectory, path_options, windows, options) : model;
+  const TrunkFit& trunk = *by_motion.trunk;
+  std::mt19937_64 trunk_random(options.seed + 2);  // with plates the draws need no trunk but for the momentum
   std::vector<double> along_m, across_m, slow_margin_mm;
   Drawing drawing(options.uncertainty, options.seed);
   for (int draw = 0; draw < options.draws; ++draw) {
@@ -558,10 +591,12 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
       along_m.push_back(drawn.trunk->AlongM());
       across_m.push_back(drawn.trunk->AcrossM());
     }
+    const TrunkFit drawn_trunk = drawn.trunk ? *drawn.trunk : trunk.Draw(trunk_random);
     const double axis_factor = drawing.AxisFactor();
     for (std::size_t r = 0; r < rises.size(); ++r) {
       curves[r].push_back(KneeCurve(drawn, rises[r], options, axis_factor));
       bounds[r].push_back(SeatBoundsOf(drawn, rises[r], options));
+      momenta[r].push_back(momentum_of(drawn.path, drawn.body, drawn_trunk, rises[r]));
     }
   }
 
@@ -570,13 +605,14 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
     SetPeak(result.rises.back());
     SetBands(curves[r], result.rises.back());
     SetBounds(bounds[r], result.rises.back());
+    result.rises.back().momentum = momentum_of(by_motion.path, by_motion.body, trunk, rises[r]);
+    result.rises.back().momentum_sd = SpreadOf(momenta[r]);
   }
   result.mean = MeanOf(result.rises);
   SetPeak(result.mean);
   SetBands(MeanCurves(curves), result.mean);
-  const TrunkFit trunk = model.trunk ? *model.trunk : TrunkFit(model.path, model.body, windows, options.trunk);
-  result.balance = FindBalance(model, trunk, rises, options);
-  result.body_path = MeanBodyPath(model, trunk, rises, options);
+  result.balance = FindBalance(by_motion, trunk, rises, options);
+  result.body_path = MeanBodyPath(by_motion, trunk, rises, options);
   if (const auto warning = BalanceWarning(result.balance)) result.warnings.push_back(*warning);
   if (forces) {
     WarnOfForces(model, rises, options, result);

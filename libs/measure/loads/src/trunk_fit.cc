@@ -70,14 +70,19 @@ const TrunkFit::Piece* TrunkFit::PieceAt(std::size_t frame) const {
   return nullptr;
 }
 
+Vector2d TrunkFit::InTrunkM(std::size_t frame) const {
+  const Piece* piece = PieceAt(frame);
+  const Vector2d common = common_.head<2>();
+  return piece ? Vector2d(common + piece->own.tail<2>()) : common;
+}
+
 Displacement TrunkFit::At(const LegPath& path, std::size_t frame) const {
   const LegPoints& points = path.frames[frame];
   const SegmentMotion trunk = SegmentBetween(points[kHip], points[kTrunkTop]);
+  const Vector2d in_trunk_m = InTrunkM(frame);
+  const Displacement fixed = FixedInTrunk(trunk, in_trunk_m.x(), in_trunk_m.y());
   const Piece* piece = PieceAt(frame);
-  if (!piece) return FixedInTrunk(trunk, common_[0], common_[1]);
-  const Vector2d posture = piece->own.tail<2>();
-  return FixedInTrunk(trunk, common_[0] + posture[0], common_[1] + posture[1]) +
-         Wobble(piece->grid, path.time_s[frame], piece->own);
+  return piece ? fixed + Wobble(piece->grid, path.time_s[frame], piece->own) : fixed;
 }
 
 void TrunkFit::Accumulate(const LegPath& path, const LegBody& body, const TrunkPrior& prior, Piece& piece,

@@ -4,10 +4,22 @@
 
 #include "lake/core/colours.h"
 #include "lake/figure/gnuplot.h"
+#include "lake/gait/sit_to_stand.h"
 #include "percents.h"
 
 namespace lake::figure {
 namespace {
+
+// In words, with the unit.
+std::string NameOf(const std::string& column) {
+  for (const motion::LengthUnit unit : {motion::LengthUnit::kMm, motion::LengthUnit::kPx})
+    for (const gait::SitToStandQuantity& quantity : gait::SitToStandQuantities())
+      if (column == quantity.Column(unit)) {
+        const std::string label = quantity.label;  // a phase's name goes before a colon
+        return fmt::format("{} ({})", label.substr(0, label.find(':')), quantity.Unit(unit));
+      }
+  return column;
+}
 
 void DrawKnees(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
   std::vector<double> left, right, difference, low, high;
@@ -16,16 +28,17 @@ void DrawKnees(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
     low.push_back(at.interval.low), high.push_back(at.interval.high);
   }
   const std::string data = figure.Data({Percents(static_cast<int>(left.size())), left, right, difference, low, high});
-  figure.Line("set lmargin at screen 0.07; set rmargin at screen 0.50")
+  figure.Line("set lmargin at screen 0.07; set rmargin at screen 0.45")
       .Line("set tmargin at screen 0.93; set bmargin at screen 0.50; set ylabel 'knee (°)'; set format x ''")
       .Line(
           fmt::format("plot {0} using 1:2 with lines lw 3 lc rgb '{1}' title 'left', {0} using 1:3 with lines lw 3 dt "
                       "2 lc rgb '{2}' title 'right'",
                       data, colour::kKnee, colour::kHip))
-      .Line("set tmargin at screen 0.46; set bmargin at screen 0.09; set ylabel 'left less right (°)'")
+      .Line("set tmargin at screen 0.46; set bmargin at screen 0.09; unset key")
+      .Line("set ylabel 'left less right, 95 % (°)'")
       .Line("set xlabel 'rise (%)'; set format x '%g'")
-      .Line(fmt::format("plot {0} using 1:5:6 with filledcurves fc rgb '{1}' fs transparent solid 0.3 noborder title "
-                        "'95 %', {0} using 1:4 with lines lw 3 lc rgb '{1}' notitle, 0 with lines lw 1 lc rgb "
+      .Line(fmt::format("plot {0} using 1:5:6 with filledcurves fc rgb '{1}' fs transparent solid 0.3 noborder "
+                        "notitle, {0} using 1:4 with lines lw 3 lc rgb '{1}' notitle, 0 with lines lw 1 lc rgb "
                         "'#222222' notitle",
                         data, colour::kKnee));
 }
@@ -37,9 +50,9 @@ void DrawIndices(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
     const compare::SideDifference& of = symmetry.quantities[i];
     row.push_back(-static_cast<double>(i)), index.push_back(of.index_percent);
     low.push_back(of.index_interval.low), high.push_back(of.index_interval.high);
-    names += fmt::format("{}{} -{}", names.empty() ? "" : ", ", QuoteForGnuplot(of.name), i);
+    names += fmt::format("{}{} -{}", names.empty() ? "" : ", ", QuoteForGnuplot(NameOf(of.name)), i);
   }
-  figure.Line("set lmargin at screen 0.70; set rmargin at screen 0.97; set tmargin at screen 0.93")
+  figure.Line("set lmargin at screen 0.76; set rmargin at screen 0.97; set tmargin at screen 0.93")
       .Line(fmt::format("set bmargin at screen 0.09; set ytics ({}) noenhanced; unset ylabel", names))
       .Line(fmt::format("set yrange [-{}:0.5]; set xlabel 'symmetry index (%)'",
                         static_cast<double>(symmetry.quantities.size()) - 0.5))

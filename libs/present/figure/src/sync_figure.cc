@@ -43,7 +43,7 @@ void DrawDepartures(GnuplotFigure& figure, const sync::Alignment& alignment) {
 void DrawSync(const std::filesystem::path& path, const sync::Alignment& alignment, const std::string& title) {
   GnuplotFigure figure(1400, 900);
   figure.Line(fmt::format("set multiplot title {} noenhanced", QuoteForGnuplot(title)));
-  figure.Line("set key top right samplen 2.5");
+  figure.Line("set key tmargin right horizontal samplen 2.5");
   if (alignment.comparison.time_s.empty()) {
     DrawDepartures(figure, alignment);
   } else {

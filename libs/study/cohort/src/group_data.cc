@@ -92,12 +92,25 @@ std::map<std::string, double> SitToStandRow(const CsvTable& measured, const std:
   return values;
 }
 
-void AddRises(const motion::LegMotion& leg, const CsvTable& measured, const std::string& trial, ResultTable& table) {
+// The centre of mass's row of one rise in momentum.csv.
+void AddMomentum(const CsvTable& momenta, int repetition, ResultTable& table) {
+  for (std::size_t row = 0; row < momenta.Rows(); ++row) {
+    if (momenta.Text(row, momenta.Column("repetition")) != std::to_string(repetition)) continue;
+    for (const std::string& column : momenta.Header())
+      if (column.starts_with("com_") && !column.ends_with("_sd"))
+        table.Add(column, momenta.Number(row, momenta.Column(column)).value_or(kNaN));
+  }
+}
+
+// `momenta`: momentum.csv, where the loads of this trial are known.
+void AddRises(const motion::LegMotion& leg, const CsvTable& measured, const std::optional<CsvTable>& momenta,
+              const std::string& trial, ResultTable& table) {
   using motion::LegSample;
   for (const auto& [repetition, rise] : RisesOf(leg)) {
     table.Begin(trial, repetition);
     for (const auto& [quantity, value] : SitToStandRow(measured, std::to_string(repetition)))
       table.Add(quantity, value);
+    if (momenta) AddMomentum(*momenta, repetition, table);
     const double least = Largest(rise, &LegSample::knee_deg, -1);
     table.Add("knee_min_deg", least);
     table.Add("knee_range_deg", Largest(rise, &LegSample::knee_deg) - least);
@@ -106,10 +119,11 @@ void AddRises(const motion::LegMotion& leg, const CsvTable& measured, const std:
   }
 }
 
-void AddTrial(const fs::path& folder, const std::string& trial, ResultTable& table) {
+void AddTrial(const fs::path& folder, const std::optional<CsvTable>& momenta, const std::string& trial,
+              ResultTable& table) {
   const motion::LegMotion leg = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   const CsvTable measured = CsvTable::Read(folder / "sit_to_stand.csv");
-  AddRises(leg, measured, trial, table);
+  AddRises(leg, measured, momenta, trial, table);
   std::map<std::string, double> five_times = SitToStandRow(measured, "five_times");
   std::map<std::string, double> whole = {{"five_times_s", five_times["five_times_s"]},
                                          {"five_times_power_w_kg", five_times["power_w_kg"]}};
@@ -157,8 +171,10 @@ GroupData ReadGroup(const std::vector<DoneStudy>& studies) {
   for (const DoneStudy& study : studies) {
     ResultTable table(group, study);
     const auto has = [&](const char* step) { return study.steps.contains(step); };
-    for (const char* trial : {"human", "exo"})
-      if (has(trial)) AddTrial(study.folder / trial, trial, table);
+    std::optional<CsvTable> momenta;
+    if (has("loads")) momenta = CsvTable::Read(study.folder / "loads/momentum.csv");
+    if (has("human")) AddTrial(study.folder / "human", momenta, "human", table);
+    if (has("exo")) AddTrial(study.folder / "exo", {}, "exo", table);
     if (has("comparison")) AddComparison(study.folder / "comparison", table);
     if (const char* design = study.has_redesign ? "redesign" : "optimum"; has(design))
       AddDesign(study.folder / design, table);

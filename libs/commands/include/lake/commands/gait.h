@@ -1,6 +1,7 @@
 // The work of lake-gait: from an existing trial, without its video, to leg motion, events and a figure.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -25,6 +26,7 @@ struct GaitRunOptions : gait::PictureScale {
   std::optional<double> age_years;              // for the five-times test
   std::vector<gait::MarkerMeasure> measures;    // of any markers; with them a trial need not have a leg
   compare::RecordingBudgetOptions budget;
+  std::optional<std::array<double, 2>> range_limit_deg;  // that a mechanism's knee must keep within
 };
 
 void Describe(GaitRunOptions& o, OptionList& options);
@@ -51,9 +53,9 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
 // naming file and line.
 Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit);
 
-// Writes kinematics.csv, events.csv, trajectory.csv (tracks.csv for a trial in px), gait.png, and measures.csv and
-// measures.png of what is measured; of a trial without ankle, knee and hip the latter alone. Returns the results for
-// the summary.
+// Writes kinematics.csv, events.csv, range_limit.csv and .html where limits are given, trajectory.csv (tracks.csv for a
+// trial in px), gait.png, and measures.csv and measures.png of what is measured; of a trial without ankle, knee and hip
+// the latter alone. Returns the results for the summary.
 Json RunGait(const GaitRunOptions& options, Run& run);
 
 // What a person wants to read of a summary with a leg's fit; empty without one.

@@ -27,7 +27,8 @@ struct LoadsRunOptions : GaitRunOptions {
 void Describe(LoadsRunOptions& o, OptionList& options);
 std::vector<InputFile> InputsOf(const LoadsRunOptions& options);
 
-// Writes loads.csv, loads.json, loads.png; returns the results for the summary.
+// Writes loads.csv, pace.csv, centre_of_mass.csv, momentum.csv, loads.json, loads.png; returns the results for the
+// summary.
 Json RunLoads(const LoadsRunOptions& options, Run& run);
 
 // What a person wants to read of the summary.

@@ -10,6 +10,7 @@
 
 #include "lake/core/options.h"
 #include "lake/loads/body_path.h"
+#include "lake/loads/centre_of_mass.h"
 #include "lake/loads/leg_dynamics.h"
 #include "lake/loads/trunk_fit.h"
 #include "lake/motion/leg_motion.h"
@@ -77,12 +78,19 @@ struct Peak {
   double knee_deg = 0, percent = 0;
 };
 
+// One standard deviation of what RiseMomentum has, of the draws: tables, markers, the trunk's centre.
+struct MomentumSd {
+  double seat_off_m = 0, forward_seat_off_m_s = 0, forward_max_m_s = 0, upward_max_m_s = 0;
+};
+
 struct RiseLoads {
   int repetition = 0;  // 0: the mean of all
   double onset_s = 0, seat_off_s = 0, standing_s = 0;
   std::vector<LoadsRow> rows;  // 0..100 %
   Peak peak;
   double knee_energy_j = 0;  // the knee's work from where its moment is known to standing
+  RiseMomentum momentum;     // of the whole body; not of the mean
+  MomentumSd momentum_sd;
 };
 
 // The same path gone along evenly in another time. What lies outside the foot cannot be held: along this path the

@@ -50,6 +50,9 @@ class TrunkFit {
   double AcrossM() const { return common_[1]; }
   Eigen::Vector2d SigmaM() const { return common_covariance_.diagonal().head<2>().cwiseSqrt(); }
 
+  // Along and across, with the posture of the rise in whose window the frame is.
+  Eigen::Vector2d InTrunkM(std::size_t frame) const;
+
   // At a frame: fixed in the trunk and, within the windows, w.
   Displacement At(const LegPath& path, std::size_t frame) const;
 

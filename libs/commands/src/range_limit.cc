@@ -1,0 +1,148 @@
+#include "range_limit.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/numbers.h"
+#include "lake/report/report.h"
+
+namespace lake::commands {
+namespace {
+
+using namespace report;
+
+constexpr double kCoverage = 2;
+
+// One end of the range.
+struct End {
+  std::string name;
+  double limit_deg = 0;
+  int towards = 1;  // 1: the upper one
+  double measured_deg = 0, time_s = 0, expanded_deg = 0;
+  int visits = 0;  // how often the mechanism went to this end
+
+  double MarginDeg() const { return towards * (limit_deg - measured_deg); }
+  bool Passes() const { return MarginDeg() >= expanded_deg; }
+  const char* Verdict() const { return Passes() ? "pass" : "fail"; }
+  std::string Why() const {
+    if (Passes()) return "inside the limit by U or more";
+    return MarginDeg() < -expanded_deg ? "the limit is passed" : "the limit is nearer than U: not shown to be kept";
+  }
+};
+
+// The standard deviation of the knee angle by all but this frame's own markers.
+double SharedDeviation(const gait::LegFitResult& leg, const compare::RecordingBudgetOptions& options) {
+  for (const compare::Budget& budget : compare::BudgetsOf(leg, options))
+    if (budget.quantity.starts_with("knee_angle"))
+      return std::sqrt(std::pow(budget.Deviation(), 2) - std::pow(budget.MarkerDeviation(), 2));
+  throw Fail(
+      "--range-limit: the lengths are in px, and without mm nobody knows how uncertain the angle is: give --camera "
+      "or --scale");
+}
+
+End Find(const motion::LegMotion& motion, const char* name, int towards, double limit_deg, double shared_deg) {
+  End end{.name = name, .limit_deg = limit_deg, .towards = towards};
+  double farthest = -INFINITY, nearest = INFINITY;
+  for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+    const motion::LegSample& sample = motion.samples[i];
+    const double at = towards * sample.knee_deg;
+    nearest = std::fmin(nearest, at);
+    if (!(at > farthest)) continue;
+    farthest = at, end.measured_deg = sample.knee_deg, end.time_s = motion.time_s[i];
+    end.expanded_deg = kCoverage * std::hypot(shared_deg, sample.knee_sigma_deg);
+  }
+  if (!std::isfinite(farthest)) throw Fail("--range-limit: the knee angle is not known in any frame");
+  // A visit begins in the last tenth of the range and ends beyond its middle.
+  bool there = false;
+  for (const motion::LegSample& sample : motion.samples) {
+    const double to_go = (farthest - towards * sample.knee_deg) / (farthest - nearest);
+    if (!there && to_go < 0.1) there = true, ++end.visits;
+    if (to_go > 0.5) there = false;
+  }
+  return end;
+}
+
+void WriteTable(const std::filesystem::path& path, const std::vector<End>& ends) {
+  CsvWriter csv(
+      {"end", "measured_deg", "expanded_deg", "coverage", "limit_deg", "margin_deg", "time_s", "visits", "result"});
+  for (const End& end : ends) {
+    csv.Add(end.name).Add(end.measured_deg).Add(end.expanded_deg).Add(kCoverage).Add(end.limit_deg);
+    csv.Add(end.MarginDeg()).Add(end.time_s).Add(end.visits).Add(end.Verdict()).EndRow();
+  }
+  csv.Write(path);
+}
+
+Table EndsTable(const std::vector<End>& ends) {
+  Table table{
+      .caption = "Measured range, ± U (k = 2), against the limits",
+      .columns = {{"end"}, {"measured (°)"}, {"limit (°)"}, {"inside by (°)", 2}, {"visits", 0}, {"result"}, {""}}};
+  for (const End& end : ends)
+    table.rows.push_back(
+        {end.name, fmt::format("{} ± {}", NumberText(end.measured_deg, 2), NumberText(end.expanded_deg, 2)),
+         NumberText(end.limit_deg, 2), end.MarginDeg(), static_cast<double>(end.visits), end.Verdict(), end.Why()});
+  return table;
+}
+
+LineChart AngleChart(const motion::LegMotion& motion, const std::vector<End>& ends) {
+  Series knee{.name = "knee angle"};
+  for (std::size_t i = 0; i < motion.samples.size(); i += ChartStep(motion.samples.size()))
+    knee.x.push_back(motion.time_s[i]), knee.y.push_back(motion.samples[i].knee_deg);
+  LineChart chart{.title = "Knee angle of the mechanism",
+                  .caption = "Dashed: the limits.",
+                  .x = {.label = "time (s)"},
+                  .y = {.label = "angle (°)"},
+                  .series = {std::move(knee)}};
+  for (const End& end : ends) {
+    Series limit{.name = end.towards > 0 ? "upper limit" : "lower limit", .mark = Mark::kDashed};
+    limit.x = {motion.time_s.front(), motion.time_s.back()}, limit.y = {end.limit_deg, end.limit_deg};
+    chart.series.push_back(std::move(limit));
+  }
+  return chart;
+}
+
+Section Method() {
+  return {
+      "How it is measured",
+      {report::List{
+          {"Markers on the mechanism's joints, filmed or captured as in any trial; the angle is that of the leg's "
+           "knee. Without load, or with a dummy: nobody wears a prototype whose range is not known.",
+           "U = 2 u, u of the markers in the frame of the extreme, of the markers' places beside the joints' axes "
+           "(--placement-sd), of the distance from the plane (--depth-sd, --view-slope) and of its scale "
+           "(--scale-sd); no soft tissue. The recording's largest and smallest angle count, not a mean.",
+           "An end passes if it keeps within its limit by U or more (guard band, ILAC-G8:09/2019); else it fails.",
+           "After the COVR protocols for the safety skill “limit range of movement” (ROB-LRM-2: the range is "
+           "assessed by optical tracking of markers); a manufacturer's limits and how often each is tried are those "
+           "of the risk assessment (IEC 80601-2-78, ISO 14971)."}}}};
+}
+
+}  // namespace
+
+void WriteRangeLimit(const gait::LegFitResult& leg, compare::RecordingBudgetOptions budget,
+                     const std::array<double, 2>& limit_deg, Json& results, Run& run) {
+  budget.soft_tissue_mm = 0;
+  const double shared_deg = SharedDeviation(leg, budget);
+  const std::vector<End> ends = {Find(leg.motion, "smallest angle", -1, limit_deg[0], shared_deg),
+                                 Find(leg.motion, "largest angle", 1, limit_deg[1], shared_deg)};
+  WriteTable(run.Result("range_limit.csv"), ends);
+  const bool passes = ends[0].Passes() && ends[1].Passes();
+  Json json = {{"passes", passes}, {"ends", Json::array()}};
+  for (const End& end : ends)
+    json["ends"].push_back({{"end", end.name},
+                            {"measured_deg", end.measured_deg},
+                            {"expanded_deg", end.expanded_deg},
+                            {"limit_deg", end.limit_deg},
+                            {"result", end.Verdict()}});
+  results["range_limit"] = std::move(json);
+  Report page{.title = "Measured range of the mechanism", .warnings = run.Warnings()};
+  const std::string verdict = passes ? "Pass: the measured range keeps within both limits."
+                                     : "Fail: the range is not shown to keep within both limits.";
+  page.sections = {{"", {Paragraph{verdict}, EndsTable(ends), AngleChart(leg.motion, ends)}},
+                   Method(),
+                   ProvenanceSection(run.Head())};
+  WriteReport(run.Result("range_limit.html"), page);
+}
+
+}  // namespace lake::commands
