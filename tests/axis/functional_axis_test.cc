@@ -231,7 +231,7 @@ TEST(FunctionalAxis, PinOverARange) {
 // with 7 mm of soft tissue 90 % must hold the model's centre, and the centre strays from it by half of what the knee's
 // own marker does.
 TEST(FunctionalAxis, KeepsToASkeletalModelsKneeWhereSkinStrays) {
-  const std::filesystem::path folder = std::filesystem::path(LAKE_SHARED_DATA) / "opencap_sts";
+  const std::filesystem::path folder = SharedData() / "opencap_sts";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
   const exchange::PointRecording points = exchange::ReadPoints(folder / "sts_default_markers.trc");
   const Json bodies = ReadJsonFile(folder / "sts_default_opensim_bodies.json").at("bodies");

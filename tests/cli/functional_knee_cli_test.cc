@@ -7,6 +7,7 @@
 #include "compare/closed_form.h"
 #include "lake/core/json.h"
 #include "lake/core/statistics.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -101,7 +102,7 @@ TEST_F(FunctionalKnee, WhereATrialHasNoSegmentsItsMarkerIsTakenAndThatIsSaid) {
 // Optical rises in space, skin markers: from the ankle to the axis is nearly one length (2.2 mm SD measured), to the
 // knee's marker it is not (10.6 mm).
 TEST_F(FunctionalKnee, OnARealLegTheShankKeepsItsLength) {
-  const std::filesystem::path trial = std::filesystem::path(LAKE_SHARED_DATA) / "opencap_sts/sts_default_markers.trc";
+  const std::filesystem::path trial = SharedData() / "opencap_sts/sts_default_markers.trc";
   if (!std::filesystem::exists(trial)) GTEST_SKIP() << trial << " is absent";
   const auto variation_mm = [&](const std::string& words) {
     const Outcome outcome =
