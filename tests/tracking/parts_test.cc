@@ -412,6 +412,24 @@ TEST(SigmaCalibration, KnowsWhatACodecUsuallyAdds) {
   EXPECT_LT(h265, 1.2 * 0.05);
 }
 
+// What is added to slow samples of a person's markers, over what is added to moving ones (GoAndRest: slow from 0.9 s of
+// each 2 s on, moving in the middle of the way). JitterThatIsThereAtRestToo says that this is a person's.
+TEST(SigmaCalibration, SlowMarkersOfAPersonAreDisplacedFartherInH264AndHevc) {
+  const auto slow_over_moving = [](const video::VideoInfo& video) {
+    constexpr double kFit_px = 0.01;
+    GoingAndResting made = GoAndRest(0, 0, kFit_px, 0.05, 36);
+    tracking::CalibrateSigmas(video, made.recording);
+    const auto added_px = [&](std::size_t frame) {
+      return std::sqrt(std::pow(made.recording.markers[1].samples[frame].sigma, 2) - kFit_px * kFit_px);
+    };
+    return added_px(150 + 60) / added_px(150);  // at 3.5 s and 2.5 s
+  };
+  EXPECT_NEAR(slow_over_moving(kH264), 1.25, 1e-9);
+  EXPECT_NEAR(slow_over_moving(CodedBy("hevc")), 1.25, 1e-9);
+  EXPECT_NEAR(slow_over_moving(CodedBy("mpeg4")), 1, 1e-9);
+  EXPECT_NEAR(slow_over_moving(CodedBy("mjpeg", true)), 1, 1e-9);
+}
+
 // One of little contrast is displaced farther than the others.
 TEST(SigmaCalibration, IsOfEachMarker) {
   motion::MarkerRecording recording = Curves(0.02, 0.02, 6);

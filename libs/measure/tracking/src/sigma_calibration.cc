@@ -231,11 +231,11 @@ double UsualOverFit(const video::VideoInfo& video) {
   return video.coded_frame_by_frame ? 1.15 : 4.2;
 }
 
-// How much farther than moving ones slow markers are displaced where frames are predicted from others: an encoder
-// leaves a small displacement until it is worth a correction. 1.06 to 1.65, median 1.26, of nine rendered recordings of
-// people (x264 ultrafast to faster, crf 19 to 33; x265); it lasts for some frames, with correlations of 0.2 to 0.7 from
-// one to the next, of moving ones 0 to 0.2. The quantiser that the decoder reports (17 to 37) tells no more than the
-// fits' sigma.
+// How much farther than moving ones slow markers are displaced in H.264 and HEVC: an encoder leaves a small
+// displacement until it is worth a correction. 1.06 to 1.65, median 1.26, of nine rendered recordings of people (x264
+// ultrafast to faster, crf 19 to 33; x265); it lasts for some frames, with correlations of 0.2 to 0.7 from one to the
+// next, of moving ones 0 to 0.2. In MPEG-4 it was 1.1 (one recording), of other codecs nothing is known. The quantiser
+// that the decoder reports (17 to 37) tells no more than the fits' sigma.
 double SlowOverMoving(const video::VideoInfo& video) {
   constexpr double kSlow = 1.25;
   return video.codec == "h264" || video.codec == "hevc" ? kSlow : 1;
