@@ -158,6 +158,11 @@ void Describe(ExportOptions& o, OptionList& options) {
       .IsPath(Option::Path::kFolder)
       .Otherwise("predicted/ beside the design");
   Describe(o.cuffs, options);
+  options.Check([&o](const OptionList& list) {
+    for (const char* name : {"thigh-cuff", "shank-cuff", "cuff-softest", "cuff-stiffest"})
+      if (o.body.empty() && list.IsGiven(name))
+        throw UsageError(fmt::format("--{} is of a worn mechanism: give --body loads.json too", name));
+  });
 }
 
 }  // namespace lake::commands
