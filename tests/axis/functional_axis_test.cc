@@ -52,6 +52,17 @@ TEST(FunctionalAxis, FindsAnExactHinge) {
   EXPECT_NEAR(axis.flexion_deg, 1.6 * 180 / M_PI, 0.1);
 }
 
+// Across the shank, where its turning counts in.
+TEST(FunctionalAxis, APointFarFromTheMarkersIsAsPreciseAsTheyTell) {
+  const SegmentMotion motion = MotionOf(Hinge(1, 1, 0.01), kMarkers);
+  const Vector3d joint = motion.shank.poses[0].turn.transpose() * -motion.shank.poses[0].origin;
+  std::vector<double> across_mm;
+  for (const Pose& pose : motion.shank.poses) across_mm.push_back((pose.turn * joint + pose.origin).x());
+  const double sd_mm = StandardDeviation(across_mm);
+  EXPECT_GT(sd_mm, 1.5 * motion.shank.deformation.pose_sd_mm);
+  EXPECT_NEAR(motion.shank.deformation.PointSd_mm(joint.norm()) / sd_mm, 1, 0.1);
+}
+
 constexpr double kEllipse95 = 2.448;  // standard deviations in two dimensions
 
 // Residuals correlated over 15 frames and nothing else. That a part of them repeats with the angle cannot be excluded,

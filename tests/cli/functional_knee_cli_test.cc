@@ -22,12 +22,14 @@ const std::string kSegments = "--segment shank=s1,s2 --segment thigh=t1,t2 ";
 class FunctionalKnee : public testing::Test {
  protected:
   // A second of rest, a rise of two, a second of rest, at 100 Hz, errors of 0.02 mm. `joint`: the name of the
-  // exoskeleton's marker; empty: none.
-  void Write(const std::string& file, const std::string& joint, bool with_clusters = true) const {
+  // exoskeleton's marker; empty: none. `with_parts`: markers on the exoskeleton's parts too, e1, e2 and f1, f2.
+  void Write(const std::string& file, const std::string& joint, bool with_clusters = true,
+             bool with_parts = false) const {
     std::ofstream csv(folder_ / file);
     std::vector<std::string> names{"ankle", "knee", "hip", "waist"};
     if (with_clusters) names.insert(names.end(), {"s1", "s2", "t1", "t2"});
     if (!joint.empty()) names.push_back(joint);
+    if (with_parts) names.insert(names.end(), {"e1", "e2", "f1", "f2"});
     csv << "frame,time_s";
     for (const std::string& name : names) csv << "," << name << "_x_mm," << name << "_y_mm";
     csv << "\n";
@@ -41,7 +43,12 @@ class FunctionalKnee : public testing::Test {
         for (const Vector2d& place : {Vector2d(-30, -280), Vector2d(25, -120)}) places.push_back(knee + shank * place);
         for (const Vector2d& place : {Vector2d(30, 110), Vector2d(-20, 290)}) places.push_back(knee + thigh * place);
       }
-      if (!joint.empty()) places.push_back(knee + shank * kJointOff);
+      const Vector2d hinge = knee + shank * kJointOff;
+      if (!joint.empty()) places.push_back(hinge);
+      if (with_parts) {
+        for (const Vector2d& place : {Vector2d(-20, -190), Vector2d(20, -70)}) places.push_back(hinge + shank * place);
+        for (const Vector2d& place : {Vector2d(20, 80), Vector2d(-20, 200)}) places.push_back(hinge + thigh * place);
+      }
       csv << i << "," << 0.01 * i;
       for (std::size_t m = 0; m < places.size(); ++m)
         csv << "," << places[m].x() + 0.02 * std::sin(7.3 * i + 2.0 * static_cast<double>(m)) << ","
@@ -88,11 +95,52 @@ TEST_F(FunctionalKnee, TheLegBendsAtTheAxis) {
   EXPECT_NEAR(curves["shank_mm"].front().get<double>(), leg.shank_mm, 0.5);
 }
 
+// Beside a marker `knee` as well, which then is not the leg's either.
+TEST_F(FunctionalKnee, TheAxisStandsForTheMarkerThatIsCompared) {
+  Write("human.csv", "patella"), Write("exo.csv", "exo_knee");
+  const Json compared = Compared("--human-knee patella --knee functional " + kSegments);
+  EXPECT_EQ(compared["knee_from"], "functional");
+  const Json curves = ReadJsonFile(folder_ / "C/comparison.json")["curves"];
+  const ClosedFormLeg leg;
+  EXPECT_NEAR(curves["shank_mm"].front().get<double>(), leg.shank_mm, 0.5);
+  EXPECT_NEAR(curves["human_knee_deg"].front().get<double>(), leg.seated_knee_deg, 0.3);
+}
+
+// An exoskeleton trial's `knee` alone is the joint's: the person's axis is not put over it.
+TEST_F(FunctionalKnee, AJointWithoutMarkerOfItsOwnIsTheAxisOfItsParts) {
+  Write("human.csv", ""), Write("exo.csv", "", true, true);
+  const std::string words = "--knee functional " + kSegments;
+  const Outcome refused = Shell(folder_, "lake-compare human.csv exo.csv " + words + "-o C");
+  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("exo.csv shows no joint of the exoskeleton"));
+  EXPECT_THAT(refused.err, HasSubstr("--exo-segment shank=A,B"));
+  const Json joint = Compared(words + "--exo-segment shank=e1,e2 --exo-segment thigh=f1,f2")["joint"];
+  EXPECT_NEAR(joint["offset_mm"][0].get<double>(), kJointOff.x(), 0.5);
+  EXPECT_NEAR(joint["offset_mm"][1].get<double>(), kJointOff.y(), 0.5);
+}
+
+TEST_F(FunctionalKnee, AComparisonsHumanKneeStaysWhatItWas) {
+  Write("human.csv", ""), Write("exo.csv", "exo_knee");
+  const auto again = [&](const std::string& words) {
+    const Outcome outcome = Shell(folder_, "lake-compare C exo.csv -o D --quiet --json " + words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.exit_code == 0 ? Json::parse(outcome.out)["knee_from"] : Json();
+  };
+  Compared("--knee functional " + kSegments);
+  EXPECT_EQ(again(""), "functional");
+  Compared("--knee marker");
+  EXPECT_EQ(again("--knee functional " + kSegments), "marker");
+}
+
 TEST_F(FunctionalKnee, WhereATrialHasNoSegmentsItsMarkerIsTakenAndThatIsSaid) {
   Write("human.csv", "", false), Write("exo.csv", "exo_knee");
   const Outcome outcome = Shell(folder_, "lake-compare human.csv exo.csv --knee functional " + kSegments + " -o C");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("human.csv: it has none of the markers s1, s2, t1, t2: its marker knee is taken"));
+  EXPECT_EQ(ReadJsonFile(folder_ / "C/comparison.json")["knee_from"], "marker");
+  const Outcome alone = Shell(folder_, "lake-optimize --human human.csv --knee functional " + kSegments + "-o O");
+  EXPECT_EQ(alone.exit_code, 2) << alone.err;
+  EXPECT_THAT(alone.err, HasSubstr("human.csv has no markers of --segment"));
   Write("exo.csv", "exo_knee", false);
   const Outcome none = Shell(folder_, "lake-compare human.csv exo.csv --knee functional " + kSegments + " -o D");
   EXPECT_EQ(none.exit_code, 2) << none.err;
@@ -112,9 +160,10 @@ TEST_F(FunctionalKnee, OnARealLegTheShankKeepsItsLength) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return StandardDeviation(NumbersOrNaN(ReadJsonFile(folder_ / "R/comparison.json")["curves"]["shank_mm"]));
   };
-  const double of_axis_mm = variation_mm(
-      "--knee functional --segment shank=r_shank_antsup,r_sh2,r_sh3,r_sh4,r_ankle --segment "
-      "thigh=r_thigh1,r_thigh2,r_thigh3,r_thigh4,r_thigh5");
+  // Nobody wears an exoskeleton: its joint is the knee.
+  const double of_axis_mm = variation_mm(fmt::format(
+      "--knee functional --segment {0} --segment {1} --exo-segment {0} --exo-segment {1}",
+      "shank=r_shank_antsup,r_sh2,r_sh3,r_sh4,r_ankle", "thigh=r_thigh1,r_thigh2,r_thigh3,r_thigh4,r_thigh5"));
   EXPECT_LT(of_axis_mm, 3);
   EXPECT_GT(variation_mm(""), 3 * of_axis_mm);
 }
@@ -130,9 +179,15 @@ TEST_F(FunctionalKnee, WrongUseIsToldAndTheRedesignTakesWhatTheComparisonHas) {
     EXPECT_THAT(outcome.err, HasSubstr(message)) << words;
   }
   Compared("--knee marker");
-  const Outcome refused = Shell(folder_, "lake-optimize --comparison C --human-only --knee functional -o O");
-  EXPECT_EQ(refused.exit_code, 2) << refused.err;
-  EXPECT_THAT(refused.err, HasSubstr("run lake-compare with --knee functional"));
+  const std::pair<std::string, const char*> kRefused[] = {
+      {"", "run lake-compare with --knee functional"},
+      {kSegments, "--segment is for --human"},
+      {"--exo-segment shank=e1,e2 --exo-segment thigh=f1,f2", "--exo-segment is of an exoskeleton trial"}};
+  for (const auto& [words, message] : kRefused) {
+    const Outcome refused = Shell(folder_, "lake-optimize --comparison C --human-only --knee functional -o O " + words);
+    EXPECT_EQ(refused.exit_code, 2) << words << refused.err;
+    EXPECT_THAT(refused.err, HasSubstr(message)) << words;
+  }
 }
 
 }  // namespace

@@ -376,6 +376,20 @@ TEST_F(StudyYaml, StepsKnowTheirActuator) {
   EXPECT_THAT(changed(trial + "design: {problem: {actuator: 'own.csv:fast'}}\n"), ElementsAre("optimum"));
 }
 
+// Each of the comparison's cuffs and stiffnesses that the redesign does not say otherwise.
+TEST_F(StudyYaml, TheRedesignHasTheComparisonsCuffs) {
+  const std::string yaml =
+      "human: {video: human.mp4}\nexo: {trial: trial.trc}\n"
+      "compare: {thigh_cuff: ['150:60'], cuff_softest_n_mm: 0.5}\n"
+      "reoptimize: {human_only: true, cuff_softest_n_mm: 0.7, shank_cuff: ['180:80']}\n";
+  const auto steps = study::StudySteps(Read(yaml), folder_ / "out", Json::object());
+  const auto redesign = std::ranges::find(steps, "redesign", &steps::StudyStep::name);
+  ASSERT_NE(redesign, steps.end());
+  EXPECT_THAT(redesign->options.value("thigh-cuff", Json()).dump(), HasSubstr("150:60"));
+  for (const char* name : {"shank-cuff", "cuff-softest", "cuff-stiffest"})
+    EXPECT_FALSE(redesign->options.contains(name)) << name;
+}
+
 TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
   const std::string trial = "human: {video: human.mp4}\n";
   ExpectRefused(trial + "reoptimize:\n  program: slow\n", "study.yaml:3: 'program' must be one of");

@@ -8,6 +8,7 @@
 #include "lake/compare/comparison_file.h"
 #include "lake/compare/misalignment_options.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/figure/misalignment_figures.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/persons_leg.h"
@@ -64,10 +65,16 @@ exchange::Trial ReadMarkers(const fs::path& path, const exchange::TrialOptions& 
   return ReadTrialFor(path, fs::is_directory(path) ? FolderReading(reading) : reading);
 }
 
-compare::TrialTables FitTables(const fs::path& path, const exchange::Trial& trial, const std::string& knee, Run& run) {
+// The leg's knee where `knee` is compared.
+std::string LegKneeOf(const exchange::Trial& trial, const std::string& knee) {
+  return trial.recording.Find(kKnee) ? kKnee : knee;
+}
+
+compare::TrialTables FitTables(const fs::path& path, const exchange::Trial& trial, const std::string& leg_knee,
+                               Run& run) {
   gait::LegFitOptions fit;
   fit.facing_option = "--forward";
-  if (!trial.recording.Find(kKnee)) fit.markers.knee = knee;
+  fit.markers.knee = leg_knee;
   const gait::LegFitResult result = FitTrial(trial, fit, run);
   return {.name = path.string(), .trajectory = result.trajectory, .motion = result.motion, .events = result.events};
 }
@@ -75,7 +82,7 @@ compare::TrialTables FitTables(const fs::path& path, const exchange::Trial& tria
 // The marker of the exoskeleton's knee, known only once the trial's markers are.
 std::string FindExoKnee(const motion::MarkerRecording& recording, const CompareRunOptions& options) {
   if (options.exo_knee) return *options.exo_knee;
-  return recording.Find(kExoKnee) ? kExoKnee : kKnee;
+  return recording.Find(kExoKnee) || !options.knee.exo_segments.shank.empty() ? kExoKnee : kKnee;
 }
 
 std::string ExoKneeOf(const CompareRunOptions& options) {
@@ -110,6 +117,7 @@ compare::RegisteredTrial ReadCurve(const fs::path& folder, compare::StsCurve com
 struct RegisteredPair {
   compare::RegisteredTrial human, exo;
   std::string exo_knee;
+  bool is_human_functional = false;                  // by this comparison or by the one that the curve is of
   std::optional<double> human_axis_mm, exo_axis_mm;  // of functional knees
 };
 
@@ -117,14 +125,16 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   std::optional<compare::TrialTables> human, exo;
   std::optional<double> human_axis_mm, exo_axis_mm;
   const auto read = [&](const fs::path& path, const exchange::TrialOptions& reading, const std::string& knee,
-                        std::optional<double>& axis_mm) {
+                        TrialSide side, std::optional<double>& axis_mm) {
     if (options.knee.knee == KneeFrom::kMarker) return ReadTrialTables(path, reading, knee, run);
-    FunctionalTables of = ReadFunctionalTables(path, reading, knee, options.knee, run);
+    FunctionalTables of = ReadFunctionalTables(path, reading, knee, side, options.knee, run);
     axis_mm = of.sd_mm;
     return std::move(of.tables);
   };
-  if (!IsCompared(options.human)) human = read(options.human, options.human_reading, options.human_knee, human_axis_mm);
-  if (!IsCompared(options.exo)) exo = read(options.exo, options.exo_reading, ExoKneeOf(options), exo_axis_mm);
+  if (!IsCompared(options.human))
+    human = read(options.human, options.human_reading, options.human_knee, TrialSide::kHuman, human_axis_mm);
+  if (!IsCompared(options.exo))
+    exo = read(options.exo, options.exo_reading, ExoKneeOf(options), TrialSide::kExo, exo_axis_mm);
   if (options.knee.knee == KneeFrom::kFunctional && !human_axis_mm && !exo_axis_mm)
     throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
   if (human && exo) CheckUnits(*human, *exo);
@@ -133,6 +143,8 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
                          kExoKnee, exo->name));
   RegisteredPair pair;
   pair.human_axis_mm = human_axis_mm, pair.exo_axis_mm = exo_axis_mm;
+  pair.is_human_functional =
+      human ? human_axis_mm.has_value() : compare::ReadComparison(options.human).knee_is_functional;
   pair.exo_knee = exo ? FindExoKnee(exo->trajectory, options) : options.exo_knee.value_or(kExoKnee);
   pair.human = human ? Register(*human, options.human_knee) : ReadCurve(options.human, &compare::ComparedCurves::human);
   pair.exo = exo ? Register(*exo, pair.exo_knee) : ReadCurve(options.exo, &compare::ComparedCurves::exo);
@@ -234,19 +246,31 @@ void CheckReading(const fs::path& path, const exchange::TrialOptions& reading) {
 
 compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run) {
-  return IsTracked(path) ? ReadTracked(path) : FitTables(path, ReadMarkers(path, reading), knee, run);
+  if (IsTracked(path)) return ReadTracked(path);
+  const exchange::Trial trial = ReadMarkers(path, reading);
+  return FitTables(path, trial, LegKneeOf(trial, knee), run);
 }
 
 FunctionalTables ReadFunctionalTables(const fs::path& path, const exchange::TrialOptions& reading,
-                                      const std::string& knee, const KneeOptions& options, Run& run) {
+                                      const std::string& knee, TrialSide side, const KneeOptions& options, Run& run) {
   exchange::Trial trial = ReadMarkers(path, reading);
-  // The leg's own knee; where a trial has no other marker for it, the compared one.
-  const bool has_exo = knee != kKnee && trial.recording.Find(kKnee) && trial.recording.Find(knee);
-  const exchange::TrialOptions read = fs::is_directory(path) ? FolderReading(reading) : reading;
-  const std::optional<double> sd_mm =
-      PutAxis(options.segments, trial.recording.Find(kKnee) || has_exo ? kKnee : knee, read, trial, run);
-  if (!options.exo_segments.shank.empty() && has_exo) PutAxis(options.exo_segments, knee, read, trial, run);
-  return {FitTables(path, trial, knee, run), sd_mm};
+  const auto put = [&](const axis::SegmentMarkers& segments, const std::string& marker) {
+    return PutAxis(segments, marker, fs::is_directory(path) ? FolderReading(reading) : reading, trial, run);
+  };
+  if (side == TrialSide::kHuman) {
+    const std::optional<double> sd_mm = put(options.segments, knee);
+    return {FitTables(path, trial, sd_mm ? knee : LegKneeOf(trial, knee), run), sd_mm};
+  }
+  const bool has_joint = knee != kKnee && trial.recording.Find(knee);
+  const bool is_joint_put = !options.exo_segments.shank.empty() && put(options.exo_segments, knee);
+  if (!has_joint && !is_joint_put)
+    throw UsageError(fmt::format(
+        "--knee functional: {} shows no joint of the exoskeleton beside the knee: name its marker with "
+        "--exo-knee, or markers on the exoskeleton's parts, --exo-segment shank=A,B --exo-segment thigh=C,D",
+        path.string()));
+  std::optional<double> sd_mm;
+  if (knee != kKnee) sd_mm = put(options.segments, kKnee);  // else the joint has the place of the person's knee
+  return {FitTables(path, trial, LegKneeOf(trial, knee), run), sd_mm};
 }
 
 std::vector<InputFile> TrialTableInputs(const fs::path& path, const std::string& role) {
@@ -287,7 +311,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   DrawPngAndSvg("misalignment", run, [&](const fs::path& path) { figure::DrawMisalignmentFigure(path, misalignment); });
   Json comparison = compare::ComparisonJson(misalignment);
   comparison["markers"] = {{"human", options.human_knee}, {"exo", exo_knee}};
-  comparison["knee_from"] = options.knee.knee == KneeFrom::kFunctional ? "functional" : "marker";
+  comparison["knee_from"] = pair.is_human_functional ? "functional" : "marker";
   comparison["knee_axis_sd_mm"] = {{"human", NumberOrNull(pair.human_axis_mm)},
                                    {"exo", NumberOrNull(pair.exo_axis_mm)}};
   compare::BudgetOptions budget = options.budget;

@@ -1,5 +1,6 @@
 #include "lake/commands/export.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -7,6 +8,7 @@
 
 #include "lake/compare/comparison_file.h"
 #include "lake/core/angles.h"
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/drawing/linkage_dxf.h"
 #include "lake/linkage/design_file.h"
@@ -72,14 +74,39 @@ double LeanDeg(const Eigen::Vector2d& up) {
   return DegreesFromRadians(std::atan2(up.x(), up.y()));
 }
 
-// The person in the motion of the exoskeleton's leg, the actuator by the design's program.
+// By the design's program; without one the leg moved it, as in a redesign: at the knee angles of its trial.
+std::optional<std::vector<double>> WornStrokes(const linkage::Design& design, const compare::ComparedCurves& curves) {
+  if (design.program) return redesign::ProgramStrokes(design, 0, redesign::MakeHumanMotion(curves.human));
+  std::vector<double> knee_rad;
+  for (const double knee_deg : curves.exo.knee_deg) knee_rad.push_back(RadiansFromDegrees(knee_deg));
+  return redesign::StrokesForAngles(redesign::DrivenLinksOf(design, 0), knee_rad);
+}
+
+// lake-optimize's balance.csv beside the design says how the trunk leans for balance.
+void WarnOfLean(const ExportOptions& options, Run& run) {
+  const std::filesystem::path file = options.design.parent_path() / "balance.csv";
+  if (!exists(file)) return;
+  const CsvTable balance = CsvTable::Read(file);
+  if (!balance.Has("trunk_lean_deg")) return;
+  double largest_deg = 0;
+  for (std::size_t i = 0; i < balance.Rows(); ++i)
+    largest_deg = std::max(largest_deg, std::abs(balance.RequiredNumber(i, balance.Column("trunk_lean_deg"))));
+  constexpr double kTold_deg = 0.5;
+  if (largest_deg >= kTold_deg)
+    run.Warn(
+        fmt::format("the trunk leans as in {}; that it has to lean up to {:.0f} degrees otherwise for balance, as {} "
+                    "says, is not in the model",
+                    options.body.string(), largest_deg, file.string()));
+}
+
+// The person in the motion of the exoskeleton's leg.
 model::Wearer WearerOf(const ExportOptions& options, const linkage::Design& design) {
   const std::filesystem::path folder = MotionOf(options);
   const compare::ComparedCurves curves = compare::ReadComparison(folder);
   const compare::StsCurve& exo = curves.exo;
   if (exo.leg_knee.empty())
     throw Fail("{}: it shows no leg beside the exoskeleton's joint: nobody wears it", folder.string());
-  const auto strokes = redesign::ProgramStrokes(design, 0, redesign::MakeHumanMotion(curves.human));
+  const auto strokes = WornStrokes(design, curves);
   if (!strokes) throw Fail("{}: the design cannot be assembled at d_min", options.design.string());
   model::Wearer wearer{.body = loads::ReadBodyPath(options.body), .cuffs = options.cuffs, .rise = {}};
   for (std::size_t i = 0; i < exo.knee.size(); ++i) {
@@ -113,7 +140,10 @@ Json RunExport(const ExportOptions& options, Run& run) {
   CheckBody(options);
   const linkage::Design design = linkage::ReadDesign(options.design);
   std::optional<model::Wearer> wearer;
-  if (!options.body.empty()) wearer = WearerOf(options, design);
+  if (!options.body.empty()) {
+    wearer = WearerOf(options, design);
+    WarnOfLean(options, run);
+  }
   run.AddInputs(InputsOf(options));
   const linkage::UsedRange range = linkage::FindUsedRange(design.links, design.d_min_mm, design.d_max_mm);
   const parts::Mechanism mechanism = parts::MakeMechanism(design.links, range, options.parts);
@@ -158,6 +188,11 @@ void Describe(ExportOptions& o, OptionList& options) {
       .IsPath(Option::Path::kFolder)
       .Otherwise("predicted/ beside the design");
   Describe(o.cuffs, options);
+  options.Check([&o](const OptionList& list) {
+    for (const char* name : {"thigh-cuff", "shank-cuff", "cuff-softest", "cuff-stiffest"})
+      if (o.body.empty() && list.IsGiven(name))
+        throw UsageError(fmt::format("--{} is of a worn mechanism: give --body loads.json too", name));
+  });
 }
 
 }  // namespace lake::commands

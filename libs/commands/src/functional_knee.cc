@@ -54,9 +54,11 @@ bool HasAny(const exchange::PointRecording& points, const axis::SegmentMarkers& 
   return std::ranges::any_of(segments.shank, has) || std::ranges::any_of(segments.thigh, has);
 }
 
-// How precisely a frame's middle of both is known, mm, by what the shapes show.
-double PoseSigma(const axis::SegmentMotion& motion) {
-  return std::hypot(motion.shank.deformation.pose_sd_mm, motion.thigh.deformation.pose_sd_mm) / 2;
+// How precisely the middle of where both segments carry the axis is known in a frame, mm, by what the shapes show.
+double FrameSigma(const axis::SegmentMotion& motion, const axis::MeanAxis& mean) {
+  return std::hypot(motion.shank.deformation.PointSd_mm(mean.in_shank.norm()),
+                    motion.thigh.deformation.PointSd_mm(mean.in_thigh.norm())) /
+         2;
 }
 
 }  // namespace
@@ -132,14 +134,14 @@ std::optional<double> PutAxis(const axis::SegmentMarkers& segments, const std::s
     }
   };
   const auto [motion, mean] = fit();
+  const double sigma_mm = trial.known_sigmas ? FrameSigma(motion, mean) : 0;
   for (std::size_t i = 0; i < track.samples.size(); ++i) {
     const axis::Pose &shank = motion.shank.poses[i], &thigh = motion.thigh.poses[i];
     if (!shank.IsSeen() || !thigh.IsSeen()) continue;
     const Eigen::Vector3d in_file =
         (shank.turn * mean.in_shank + shank.origin + thigh.turn * mean.in_thigh + thigh.origin) / 2;
     const Eigen::Vector3d in_plane = trial.plane_from_space ? *trial.plane_from_space * in_file : in_file;
-    track.samples[i] = {in_plane.head<2>(), trial.known_sigmas ? PoseSigma(motion) : 0,
-                        motion::SampleStatus::kDetected};
+    track.samples[i] = {in_plane.head<2>(), sigma_mm, motion::SampleStatus::kDetected};
   }
   return mean.sd_mm;
 }

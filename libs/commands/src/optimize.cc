@@ -150,8 +150,12 @@ void ReadHuman(const ReoptimizeRunOptions& options, Run& run, redesign::Measured
   CheckReading(options.human, options.human_reading);
   const FunctionalTables read =
       options.knee.knee == KneeFrom::kFunctional
-          ? ReadFunctionalTables(options.human, options.human_reading, options.human_knee, options.knee, run)
+          ? ReadFunctionalTables(options.human, options.human_reading, options.human_knee, TrialSide::kHuman,
+                                 options.knee, run)
           : FunctionalTables{ReadTrialTables(options.human, options.human_reading, options.human_knee, run), {}};
+  if (options.knee.knee == KneeFrom::kFunctional && !read.sd_mm)
+    throw UsageError(
+        fmt::format("--knee functional: {} has no markers of --segment on shank and thigh", options.human.string()));
   compare::RegistrationOptions registration;
   registration.knee = options.human_knee;
   const compare::RegisteredTrial trial = compare::RegisterTrial(read.tables, registration);
@@ -243,6 +247,10 @@ void CheckRedesign(const OptimizeRunOptions& options) {
     throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: specify exactly one");
   if (reoptimize.comparisons.empty() && reoptimize.human_only)
     throw UsageError("--human-only leaves out the exoskeleton trial of --comparison, and --human has none: omit it");
+  if (!reoptimize.comparisons.empty() && !reoptimize.knee.segments.shank.empty())
+    throw UsageError("--segment is for --human: lake-compare has found the knees of --comparison; omit it");
+  if (!reoptimize.knee.exo_segments.shank.empty())
+    throw UsageError("--exo-segment is of an exoskeleton trial, which lake-compare reads: give it there");
   if (!reoptimize.comparisons.empty() && reoptimize.worn.empty() && !reoptimize.human_only)
     throw UsageError(
         "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "

@@ -207,15 +207,16 @@ OptionalStep OptimumStep(const StudyFile& study, const fs::path& out) {
   return step;
 }
 
-// Where the redesign says nothing of its cuffs, they are those of the comparison.
+// What the redesign does not say of its cuffs is as in the comparison.
 void TakeCuffs(const StudyFile& study, StudySection& section, commands::ReoptimizeRunOptions& reoptimize) {
-  constexpr const char* kNames[] = {"thigh-cuff", "shank-cuff", "cuff-softest", "cuff-stiffest"};
-  const auto says = [&section](const char* name) { return section.given.contains(name); };
-  if (std::ranges::any_of(kNames, says)) return;
-  reoptimize.cuffs = study.compare.cuff;
-  for (const char* name : kNames)
-    if (const auto given = study.compare_section.given.find(name); given != study.compare_section.given.end())
-      section.given[name] = section.text[name] = *given;
+  const auto take = [&](const char* name, auto cuffs::CuffOptions::*value) {
+    const auto given = study.compare_section.given.find(name);
+    if (section.given.contains(name) || given == study.compare_section.given.end()) return;
+    reoptimize.cuffs.*value = study.compare.cuff.*value;
+    section.given[name] = section.text[name] = *given;
+  };
+  take("thigh-cuff", &cuffs::CuffOptions::thigh), take("shank-cuff", &cuffs::CuffOptions::shank);
+  take("cuff-softest", &cuffs::CuffOptions::softest_n_mm), take("cuff-stiffest", &cuffs::CuffOptions::stiffest_n_mm);
 }
 
 OptionalStep RedesignStep(const StudyFile& study, const fs::path& out) {

@@ -189,11 +189,9 @@ void HingeFit::SetPrior(const SegmentMotion& motion, const LearntErrors* learnt)
   // At first without the deformation, to know where about the joint is.
   prior_precision_.diagonal().tail(carried).setConstant(1 / (kLeast_mm * kLeast_mm));
   const VectorXd plain = SolveRobustly(equations_, prior_precision_, prior_mean_);
-  const double shank_lever = plain.segment<2>(2).norm() / shank.radius_mm;
-  const double thigh_lever = plain.head<2>().norm() / thigh.radius_mm;
-  markers_at_joint_mm_ = std::max(
-      std::hypot(shank.pose_sd_mm, shank.pose_sd_mm * shank_lever, thigh.pose_sd_mm * std::hypot(1, thigh_lever)),
-      kLeast_mm);
+  const double shank_mm = plain.segment<2>(2).norm(), thigh_mm = plain.head<2>().norm();
+  const double shank_lever = shank_mm / shank.radius_mm, thigh_lever = thigh_mm / thigh.radius_mm;
+  markers_at_joint_mm_ = std::max(std::hypot(shank.PointSd_mm(shank_mm), thigh.PointSd_mm(thigh_mm)), kLeast_mm);
   if (learnt) {
     prior_mean_.tail(carried) = learnt->carried;
     prior_precision_.bottomRightCorner(carried, carried) = learnt->carried_covariance.inverse();

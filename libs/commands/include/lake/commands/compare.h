@@ -25,7 +25,8 @@ struct CompareRunOptions {
   std::filesystem::path left, right;
   exchange::TrialOptions right_reading;
   std::string human_knee = "knee";
-  std::optional<std::string> exo_knee;                // default: exo_knee, or knee where there is none
+  std::optional<std::string> exo_knee;                // default: exo_knee, or knee where there is neither
+                                                      // that nor --exo-segment
   exchange::TrialOptions human_reading, exo_reading;  // of files; a folder's markers have their names already
   compare::MisalignmentOptions misalignment;
   compare::BudgetOptions budget;
@@ -44,13 +45,16 @@ std::vector<InputFile> TrialTableInputs(const std::filesystem::path& path, const
 compare::TrialTables ReadTrialTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run);
 
-// The same with the axis about which the segments turn where the markers were; always of a leg fit.
+// The same with the axis about which the person's segments turn: of a human trial where the compared marker was, beside
+// an exoskeleton's joint as the marker `knee`. Always of a leg fit. Throws UsageError for an exoskeleton trial that
+// shows its joint neither by a marker `knee` other than the leg's nor by --exo-segment.
+enum class TrialSide { kHuman, kExo };
 struct FunctionalTables {
   compare::TrialTables tables;
   std::optional<double> sd_mm;  // of the knee's axis; absent where the trial shows none, and its marker is taken
 };
 FunctionalTables ReadFunctionalTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
-                                      const std::string& knee, const KneeOptions& options, Run& run);
+                                      const std::string& knee, TrialSide side, const KneeOptions& options, Run& run);
 
 // Throws UsageError for options of a trial that ReadTrialTables would ignore.
 void CheckReading(const std::filesystem::path& path, const exchange::TrialOptions& reading);

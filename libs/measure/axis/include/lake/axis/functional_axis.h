@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -31,6 +32,9 @@ struct Deformation {
   double pose_sd_mm = 0;    // what these leave in the pose's origin, along each axis
   double pose_sd_rad = 0;   // and in its turn about an axis
   double radius_mm = 0;     // of the shape: root mean square of the markers' distances from their mean
+
+  // Along each axis, in a point of the segment so far from the pose's origin.
+  double PointSd_mm(double distance_mm) const { return std::hypot(pose_sd_mm, pose_sd_rad * distance_mm); }
 };
 
 // A segment at each frame. Frames with too few markers (two, in space three) have no pose.
