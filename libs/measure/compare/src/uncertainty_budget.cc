@@ -221,6 +221,13 @@ std::vector<Budget> BudgetsOf(const gait::LegFitResult& leg, const RecordingBudg
   return budgets;
 }
 
+double PlaceDeviation(const std::vector<Budget>& budgets) {
+  double most_mm = -1;
+  for (const Budget& budget : budgets)
+    if (budget.quantity.starts_with("joint_offset")) most_mm = LargerOrNaN(most_mm, budget.Deviation());
+  return most_mm < 0 ? kNaN : most_mm;
+}
+
 std::string QuantityName(const std::string& quantity) {
   constexpr std::pair<const char*, const char*> kNames[] = {{"joint_rms", "joint misalignment, RMS"},
                                                             {"joint_offset_x", "joint in front of the knee"},
