@@ -370,7 +370,7 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
         trial.file.string());
   run.Begin({"summary.json", "loads.csv", "pace.csv", "centre_of_mass.csv", "momentum.csv", "loads.json", "loads.png",
              "loads.svg"});
-  const gait::LegFitResult fit = FitTrial(trial, options.fit, run, options);
+  const gait::LegFitResult fit = FitTrial(trial, options.fit, run, options, options.events);
   std::optional<loads::GroundForces> forces;
   if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
   loads::LegPathOptions path;

@@ -74,7 +74,7 @@ Sensitivities OfOffset(const JointMisalignment& joint, int axis, double duration
 constexpr const char* kReplacement = "assumed; --replacement-sd";
 
 BudgetRow Detection(double size, const char* unit, double sensitivity) {
-  return {"detection", "normal", size, unit, sensitivity, "sigmas of this recording's markers", true};
+  return {kDetection, "normal", size, unit, sensitivity, "sigmas of this recording's markers", true};
 }
 
 // `placement`: its standard deviation in mm and the option that changes it; an axis has none, but its own, `axis_mm`.

@@ -44,6 +44,8 @@ struct RecordingBudgetOptions : BudgetOptions {
 
 void Describe(RecordingBudgetOptions& o, OptionList& options);
 
+inline constexpr const char* kDetection = "detection";  // source of each budget's row of the markers' own noise
+
 struct BudgetRow {
   std::string source;
   std::string distribution;  // normal, uniform, t
