@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <regex>
 
 #include "cli/program_run.h"
 #include "lake/core/csv.h"
@@ -16,19 +17,26 @@ using testing::HasSubstr;
 
 class RangeLimit : public testing::Test {
  protected:
-  // A mechanism with its shank held upright, bent from 4° to 112° and back three times in twelve seconds.
-  void SetUp() override {
+  // A mechanism with its shank held upright, bent from 4° to 112° and back three times in twelve seconds. In the frames
+  // between these two the ankle alone is seen.
+  void Write(int hidden_from, int hidden_to) {
     std::ofstream out(folder_ / "trial.csv");
     out << "frame,time_s";
     for (const char* name : {"ankle", "knee", "hip"})
       out << fmt::format(",{0}_x_mm,{0}_y_mm,{0}_sigma_mm,{0}_status", name);
     for (int frame = 0; frame <= 720; ++frame) {
       const double time_s = frame / 60.0, knee = (58 - 54 * std::cos(M_PI * time_s / 2)) * M_PI / 180;
-      out << fmt::format("\n{},{},0,0,0.05,detected,0,400,0.05,detected,{},{},0.05,detected", frame, time_s,
-                         -420 * std::sin(knee), 400 + 420 * std::cos(knee));
+      out << fmt::format("\n{},{},0,0,0.05,detected", frame, time_s);
+      if (frame > hidden_from && frame < hidden_to)
+        out << ",,,,missing,,,,missing";
+      else
+        out << fmt::format(",0,400,0.05,detected,{},{},0.05,detected", -420 * std::sin(knee),
+                           400 + 420 * std::cos(knee));
     }
     out << '\n';
   }
+
+  void SetUp() override { Write(0, 0); }
 
   Outcome Test(const std::string& options) {
     return Shell(folder_, "lake-gait trial.csv --facing right --quiet -o G " + options);
@@ -63,6 +71,37 @@ TEST_F(RangeLimit, IsKeptByMoreThanTheUncertainty) {
   EXPECT_NEAR(Table().RequiredNumber(1, Table().Column("expanded_deg")) / fine_deg, 10, 0.3);
 }
 
+// Of segments of 400 and 420 mm: each marker 0.5 mm beside its axis, the knee's 10 mm · 0.1 off by its distance.
+TEST_F(RangeLimit, TheUncertaintyIsOfPlacesAndDistancesAndNotOfScale) {
+  const double knee = 1 / 400.0 + 1 / 420.0, placement = 0.5 * std::hypot(knee, 1 / 400.0, 1 / 420.0);
+  const double expanded_deg = 2 * std::hypot(placement, 10 * 0.1 * knee) * 180 / M_PI;
+  for (const char* scale : {"0", "5"}) {
+    const Outcome outcome =
+        Test(fmt::format("--range-limit 0,120 --placement-sd 0.5 --depth-sd 10 --view-slope 0.1 --scale-sd {}", scale));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const CsvTable table = Table();
+    for (const std::size_t row : {0, 1})
+      EXPECT_NEAR(table.RequiredNumber(row, table.Column("expanded_deg")), expanded_deg, 0.01) << scale;
+  }
+}
+
+// For two seconds of twelve, in which it goes to its largest angle and back.
+TEST_F(RangeLimit, IsNotShownWhereTheAngleIsUnknownTooOften) {
+  Write(300, 420);
+  const Outcome outcome = Test("--range-limit -60,230 --placement-sd 0.5 --depth-sd 0");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const CsvTable table = Table();
+  for (const std::size_t row : {0, 1}) {
+    EXPECT_EQ(table.Text(row, table.Column("result")), "not shown");
+    EXPECT_GT(table.RequiredNumber(row, table.Column("unknown_percent")), 5);
+    EXPECT_GT(table.RequiredNumber(row, table.Column("unknown_frames")), 36);
+    EXPECT_LT(table.RequiredNumber(row, table.Column("unknown_frames")), 120);
+  }
+  EXPECT_FALSE(ReadJsonFile(folder_ / "G/summary.json")["range_limit"]["passes"].get<bool>());
+  EXPECT_THAT(ReadTextFile(folder_ / "G/range_limit.html"), HasSubstr("Not shown: "));
+  EXPECT_THAT(ReadTextFile(folder_ / "G/range_limit.html"), HasSubstr("Frames without an angle: "));
+}
+
 TEST_F(RangeLimit, FailsWhereItIsPassedOrNotShownToBeKept) {
   ASSERT_EQ(Test("--range-limit 0,112.1 --placement-sd 0.5").exit_code, 0);
   CsvTable table = Table();
@@ -75,6 +114,11 @@ TEST_F(RangeLimit, FailsWhereItIsPassedOrNotShownToBeKept) {
   EXPECT_NEAR(table.RequiredNumber(0, table.Column("margin_deg")), -2, 0.05);
   EXPECT_THAT(ReadTextFile(folder_ / "G/range_limit.html"), HasSubstr("the limit is passed"));
   EXPECT_EQ(Test("--range-limit 120,0").exit_code, 2);
+  WriteTextFile(folder_ / "trial.csv",
+                std::regex_replace(ReadTextFile(folder_ / "trial.csv"), std::regex("knee"), "elbow"));
+  const Outcome no_leg = Test("--range-limit 0,120 --distance reach=ankle,elbow");
+  EXPECT_EQ(no_leg.exit_code, 2);
+  EXPECT_THAT(no_leg.err, HasSubstr("--range-limit: of which knee?"));
 }
 
 }  // namespace

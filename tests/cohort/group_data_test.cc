@@ -75,6 +75,10 @@ TEST_F(TrialFolder, GivesTheCentreOfMassOfEachRiseWhereItsLoadsAreKnown) {
   EXPECT_EQ(rise.at("com_seat_off_mm"), -120);
   EXPECT_FALSE(rise.contains("com_seat_off_mm_sd"));
   EXPECT_FALSE(rise.contains("com_upward_max_ns"));
+  std::filesystem::remove(folder_ / "loads/momentum.csv");
+  const auto earlier = Read({"human", "loads"}).rows[0].values;
+  EXPECT_FALSE(earlier.contains("com_seat_off_mm")) << "of loads by a version that did not write it";
+  EXPECT_TRUE(earlier.contains("rise_s"));
 }
 
 TEST_F(TrialFolder, HasNoRowForTheWholeTrialOfWhichNothingIsKnown) {

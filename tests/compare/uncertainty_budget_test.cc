@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 
 namespace lake::compare {
 namespace {
@@ -98,6 +99,19 @@ TEST(UncertaintyBudget, TheKneeAngleOfSkinMarkersIsKnownToDegrees) {
   const Budget angle = Of(BudgetsOf(Measured(Worn({18, 24})), 3, {}), "knee_angle");
   EXPECT_GT(angle.Deviation(), 1);
   EXPECT_LT(angle.Deviation(), 3.5);
+}
+
+// Of a joint far above the knee or far before it, where a wrong scale is the larger part.
+TEST(UncertaintyBudget, TheJointsPlaceIsAsUncertainAsAlongItsWorseAxis) {
+  BudgetOptions options;
+  options.scale_percent = 10;
+  for (const auto& [joint_mm, worse, other] : {std::tuple(Vector2d(5, 80), "joint_offset_y", "joint_offset_x"),
+                                               std::tuple(Vector2d(80, 5), "joint_offset_x", "joint_offset_y")}) {
+    const std::vector<Budget> budgets = BudgetsOf(Measured(Worn(joint_mm)), 3, options);
+    EXPECT_EQ(PlaceDeviation(budgets), Of(budgets, worse).Deviation());
+    EXPECT_GT(PlaceDeviation(budgets), Of(budgets, other).Deviation());
+  }
+  EXPECT_TRUE(std::isnan(PlaceDeviation({})));
 }
 
 TEST(UncertaintyBudget, WithoutTheLegsOwnKneeOnlyTheAngle) {

@@ -11,6 +11,8 @@ namespace {
 
 using Eigen::Vector2d;
 
+const double k95 = std::sqrt(-2 * std::log(0.05));  // of the distance of a place in two directions: Rayleigh
+
 // A hinge 20 mm off, after 90° of flexion, has moved what it carries by 2 · 20 · sin(45°) = 28.3 mm.
 TEST(CuffModel, AHingeBesideTheKneeMovesACuff) {
   for (const double direction : {0.0, 0.7, 2.1, -1.3}) {
@@ -113,14 +115,14 @@ TEST(CuffCourse, IsThatOfTheMisfitWithAnInterval) {
     EXPECT_NEAR(shank.high_n, 56.57, 0.1);
     place.sd_mm = 5;
     const CuffForce vague = Largest(CourseOf({90, 40, 0}, place, options).shank_n);
-    EXPECT_NEAR(vague.low_n, per_mm * (20 - 1.96 * 5), 0.05);
-    EXPECT_NEAR(vague.high_n, 2 * per_mm * (20 + 1.96 * 5), 0.1);
+    EXPECT_NEAR(vague.low_n, per_mm * (20 - k95 * 5), 0.05);
+    EXPECT_NEAR(vague.high_n, 2 * per_mm * (20 + k95 * 5), 0.1);
     EXPECT_EQ(CourseOf({90, 40, 0}, place, options).shank_n.back().force_n, 0) << "free of stress at standing";
   }
   // A joint on the knee makes no force, but its place is not known better for that.
   const CuffForce on_knee = Largest(CourseOf({90, 0}, {Vector2d::Zero(), 5}, options).shank_n);
   EXPECT_EQ(on_knee.force_n, 0);
-  EXPECT_NEAR(on_knee.high_n, 2 * per_mm * 1.96 * 5, 0.1);
+  EXPECT_NEAR(on_knee.high_n, 2 * per_mm * k95 * 5, 0.1);
 }
 
 // Short cuffs resist a joint that is off along the leg more than one that is off across it: where it may be off in any
@@ -130,7 +132,7 @@ TEST(CuffCourse, AnUncertainPlaceMayBeOffInAnyDirection) {
   const CuffForce on_knee = Largest(CourseOf({80, 5}, {Vector2d::Zero(), 6}, options).shank_n);
   double least_n = 1e9, most_n = 0;
   for (int k = 0; k < 60; ++k) {
-    const Vector2d off = 1.96 * 6 * Vector2d(std::cos(k * M_PI / 60), std::sin(k * M_PI / 60));
+    const Vector2d off = k95 * 6 * Vector2d(std::cos(k * M_PI / 60), std::sin(k * M_PI / 60));
     const double stiffest_n = std::sqrt(2.0) * Largest(CourseOf({80, 5}, {off, 0}, options).shank_n).force_n;
     least_n = std::min(least_n, stiffest_n), most_n = std::max(most_n, stiffest_n);
   }
@@ -189,6 +191,25 @@ TEST(CuffModel, RefusesWhatIsNoCuff) {
   EXPECT_THROW(LoadOnLeg({}, options, {0, 1}), UsageError);
   options.softest_n_mm = 3;
   EXPECT_THROW(CourseOf({90, 0}, {}, options), UsageError);
+}
+
+TEST(CuffModel, TheSoftestMayNotBeStifferThanTheStiffest) {
+  CuffOptions options;
+  OptionList list;
+  Describe(options, list);
+  EXPECT_NO_THROW(list.RunChecks());
+  options.softest_n_mm = 3;
+  EXPECT_THROW(list.RunChecks(), UsageError) << "the stiffest is 2 N/mm";
+}
+
+TEST(CuffModel, AnUnknownMisfitIsNoForceOfZero) {
+  const CuffOptions options;
+  EXPECT_TRUE(std::isnan(LoadOnLeg({-60, 30, {NAN, 0}}, options, {}).largest_thigh_n));
+  for (const HingePlace& place : {HingePlace{{NAN, 3}, 5}, HingePlace{{20, 3}, NAN}}) {
+    const CuffForce force = Largest(CourseOf({90, 40, 0}, place, options).thigh_n);
+    EXPECT_TRUE(std::isnan(force.low_n) && std::isnan(force.high_n));
+  }
+  EXPECT_TRUE(std::isnan(Largest({{1, 1, 1}, {NAN, NAN, NAN}, {2, 2, 2}}).force_n));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lake/gait/corrected_events.h"
 #include "synthetic_leg.h"
 
 namespace lake {
@@ -312,6 +313,12 @@ TEST(StsEvents, AnEventThatCannotBeToldToATenthOfTheRiseIsWarnedOf) {
                                                 event(2, Kind::kStanding, 7, NAN), event(3, Kind::kOnset, 9, 0.9)};
   EXPECT_THAT(gait::UncertainEvents(events),
               testing::ElementsAre(testing::HasSubstr("rise 2: its onset is uncertain by 0.30 s")));
+  gait::LegFitResult fit;
+  fit.events = {events[0], events[2], events[3], events[4]};
+  for (int frame = 0; frame <= 100; ++frame)
+    fit.motion.frame.push_back(frame), fit.motion.time_s.push_back(frame / 10.0), fit.motion.samples.emplace_back();
+  gait::CorrectEvents({{.repetition = 2, .kind = Kind::kOnset, .frame = {}, .time_s = 5.2}}, fit);
+  EXPECT_THAT(gait::UncertainEvents(fit.events), testing::IsEmpty()) << "a person gave it";
 }
 
 }  // namespace

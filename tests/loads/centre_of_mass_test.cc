@@ -100,7 +100,13 @@ TEST(CentreOfMass, PeaksAndSeatOffAreThoseOfAFallingPole) {
   const double tilt = kLean * (1 - std::cos(kRate * 0.9)) / 2;
   EXPECT_NEAR(momentum.seat_off_m, arm_m * std::sin(tilt) + 2 * 1 * 0.05 / 70, 1e-6);
   path.known[90] = 0;
-  EXPECT_TRUE(std::isnan(FindMomentum(path, BodyOf70Kg(), kBody_kg, Vector2d::Zero(), 0, 0.9, 1.5).seat_off_m));
+  const RiseMomentum gap = FindMomentum(path, BodyOf70Kg(), kBody_kg, Vector2d::Zero(), 0, 0.9, 1.5);
+  EXPECT_TRUE(std::isnan(gap.seat_off_m));
+  EXPECT_NEAR(gap.forward_lead_s, momentum.forward_lead_s, 1e-9);
+  path.known.assign(path.known.size(), 0);
+  const RiseMomentum unknown = FindMomentum(path, BodyOf70Kg(), kBody_kg, Vector2d::Zero(), 0, 0.9, 1.5);
+  EXPECT_TRUE(std::isnan(unknown.forward_max_m_s));
+  EXPECT_TRUE(std::isnan(unknown.forward_lead_s)) << "of a largest velocity that is not known";
 }
 
 }  // namespace

@@ -323,7 +323,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   std::vector<report::Section> sections{UncertaintySection(budgets)};
   if (misalignment.joint && !misalignment.exo.leg_knee.empty()) {
     const std::vector<CuffCase> cases =
-        CuffCases(misalignment.exo, *misalignment.joint, budgets.front().Deviation(), options.cuff);
+        CuffCases(misalignment.exo, *misalignment.joint, compare::PlaceDeviation(budgets), options.cuff);
     WriteCuffTable(run.Result("cuffs.csv"), cases);
     for (const CuffCase& one : cases) comparison["cuffs"][one.name] = CuffsJson(one.course);
     sections.push_back(CuffSection(cases, options.cuff));

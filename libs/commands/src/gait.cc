@@ -71,6 +71,7 @@ void WarnOfFrozenMarkers(const motion::MarkerRecording& recording, Run& run) {
 void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result, Run& run) {
   for (const std::string& warning : trial.warnings) run.Warn(warning);
   for (const std::string& warning : result.warnings) run.Warn(warning);
+  for (const std::string& warning : gait::UncertainEvents(result.events)) run.Warn(warning);
   WarnOfFrozenMarkers(trial.recording, run);
   if (result.motion.unit == motion::LengthUnit::kPx)
     run.Warn("the trial has no scale: lengths are in px; give --scale, or a --camera with the sagittal plane");
@@ -200,7 +201,7 @@ exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::
 }
 
 gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run,
-                            const gait::PictureScale& picture) {
+                            const gait::PictureScale& picture, const std::optional<std::filesystem::path>& events) {
   fit.quiet = run.Quiet();
   const gait::LegView view = ViewOf(trial, picture, run);
   if (trial.up) fit.up = UpIn(view, trial);
@@ -211,7 +212,8 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
   }
   fit.unit_question = [&](const std::string& unit) { return UnitQuestion(trial, unit); };
   gait::LegFitResult result = FitOrName(trial, view, fit);
-  if (const auto events = CorrectedEventsOf(trial)) TakeEvents(*events, result);
+  if (const auto corrected = CorrectedEventsOf(trial)) TakeEvents(*corrected, result);
+  if (events) CorrectEventsBy(*events, result);
   SayWarnings(trial, result, run);
   return result;
 }
@@ -225,18 +227,19 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, options);
   run.AddInputs(InputsOf(options));
   gait::CheckMarkers(options.measures, gait::MarkerNames(trial.recording));
+  const bool measures_alone = !options.measures.empty() && !HasLeg(trial.recording, options.fit.markers);
+  if (measures_alone && options.range_limit_deg)
+    throw UsageError("--range-limit: of which knee? Ankle, knee and hip are not all among the markers; see --map");
   if (options.events)
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
   run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "sit_to_stand.html",
              "uncertainty_budget.csv", "range_limit.csv", "range_limit.html", "trajectory.csv", "tracks.csv",
              "gait.png", "gait.svg", "measures.csv", "measures.png", "measures.svg"});
-  if (!options.measures.empty() && !HasLeg(trial.recording, options.fit.markers))
-    return MeasureWithoutLeg(trial, options, run);
-  gait::LegFitResult result = FitTrial(trial, options.fit, run, options);
+  if (measures_alone) return MeasureWithoutLeg(trial, options, run);
+  const gait::LegFitResult result = FitTrial(trial, options.fit, run, options, options.events);
   Json results = Json::object();
-  if (CorrectedEventsOf(trial)) results = {{kEventsCorrected, true}};
-  if (options.events) results = CorrectEventsBy(*options.events, result);
+  if (CorrectedEventsOf(trial) || options.events) results = {{kEventsCorrected, true}};
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
   WriteSitToStands(result, options.age_years, results, run);
@@ -277,11 +280,13 @@ std::string GaitReport(const Json& summary) {
   if (summary.contains("uncertainty"))
     text += fmt::format("the joint beneath the skin: knee within {} (1 SD; uncertainty_budget.csv)\n",
                         DeviationText(summary["uncertainty"]["knee_angle_deg"]["anatomical_sd"].get<double>(), 1, "°"));
-  if (summary.contains("range_limit"))
+  if (summary.contains("range_limit")) {
     for (const Json& end : summary["range_limit"]["ends"])
       text += fmt::format("{} {:.2f}° ± {:.2f}° (k = 2), limit {:.2f}°: {}\n", end["end"].get<std::string>(),
                           end["measured_deg"].get<double>(), end["expanded_deg"].get<double>(),
                           end["limit_deg"].get<double>(), end["result"].get<std::string>());
+    if (const std::string unknown = UnknownText(summary["range_limit"]); !unknown.empty()) text += unknown + "\n";
+  }
   return text +
          fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size()) +
          FiveTimesText(summary);

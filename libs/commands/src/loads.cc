@@ -271,11 +271,12 @@ Json BodyJson(const loads::LegBody& body) {
           {"trunk", segment(body.trunk)}};
 }
 
-// Means of the rises.
+// Means of the rises of which they are known.
 Json MomentumJson(const loads::LoadsResult& result, double mass_kg) {
   const auto mean = [&](double loads::RiseMomentum::*member) {
     std::vector<double> values;
-    for (const loads::RiseLoads& rise : result.rises) values.push_back(rise.momentum.*member);
+    for (const loads::RiseLoads& rise : result.rises)
+      if (std::isfinite(rise.momentum.*member)) values.push_back(rise.momentum.*member);
     return Mean(values);
   };
   const double forward_m_s = mean(&loads::RiseMomentum::forward_max_m_s),
@@ -369,7 +370,7 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
         trial.file.string());
   run.Begin({"summary.json", "loads.csv", "pace.csv", "centre_of_mass.csv", "momentum.csv", "loads.json", "loads.png",
              "loads.svg"});
-  const gait::LegFitResult fit = FitTrial(trial, options.fit, run, options);
+  const gait::LegFitResult fit = FitTrial(trial, options.fit, run, options, options.events);
   std::optional<loads::GroundForces> forces;
   if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
   loads::LegPathOptions path;
@@ -409,12 +410,16 @@ std::string LoadsReport(const Json& summary) {
                                                        NumberOrNaN(balance["slowest_s"]));
   const Json& momentum = summary["momentum"];
   const double seat_off_mm = NumberOrNaN(momentum["com_seat_off_mm"]);
-  text += fmt::format(
-      "centre of mass: {:.0f} mm {} the ankle at seat-off; forward at most {:.2f} m/s ({:.0f} N s), upward {:.2f} m/s "
-      "({:.0f} N s)\n",
-      std::abs(seat_off_mm), seat_off_mm < 0 ? "behind" : "before",
-      NumberOrNaN(momentum["com_forward_max_mm_s"]) / kMmPerM, NumberOrNaN(momentum["com_forward_max_ns"]),
-      NumberOrNaN(momentum["com_upward_max_mm_s"]) / kMmPerM, NumberOrNaN(momentum["com_upward_max_ns"]));
+  if (const double forward_mm_s = NumberOrNaN(momentum["com_forward_max_mm_s"]); std::isfinite(forward_mm_s)) {
+    text += "centre of mass: ";
+    if (std::isfinite(seat_off_mm))
+      text += fmt::format("{:.0f} mm {} the ankle at seat-off; ", std::abs(seat_off_mm),
+                          seat_off_mm < 0 ? "behind" : "before");
+    text +=
+        fmt::format("forward at most {:.2f} m/s ({:.0f} N s), upward {:.2f} m/s ({:.0f} N s)\n", forward_mm_s / kMmPerM,
+                    NumberOrNaN(momentum["com_forward_max_ns"]), NumberOrNaN(momentum["com_upward_max_mm_s"]) / kMmPerM,
+                    NumberOrNaN(momentum["com_upward_max_ns"]));
+  }
   if (summary["trunk_offset_mm"].is_object()) {
     const Json& offset = summary["trunk_offset_mm"];
     text += fmt::format(

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include "lake/compare/uncertainty_budget.h"
 #include "lake/core/json.h"
@@ -12,10 +13,15 @@ namespace lake::commands {
 
 // Writes range_limit.csv and range_limit.html, and puts `range_limit` into the results: the smallest and largest knee
 // angle of the recording with their expanded uncertainty U (k = 2), each against its limit (degrees, the lower one
-// first). An end passes if it keeps within the limit by U or more (ILAC-G8:09/2019: guard band U). The markers
-// are those of a mechanism: there is no soft tissue in U, and the budget's placement is theirs beside the joints' axes.
+// first), in the frame that is nearest to it with its U. An end passes if it keeps within the limit by U or more
+// (ILAC-G8:09/2019: guard band U); it is "not shown" where more than 5 % of the frames between the first and the last
+// known angle have none. The markers are those of a mechanism: there is no soft tissue in U, and the budget's placement
+// is that of all three beside the joints' axes.
 // Throws Error where lengths are in px, as the budget needs mm.
 void WriteRangeLimit(const gait::LegFitResult& leg, compare::RecordingBudgetOptions budget,
                      const std::array<double, 2>& limit_deg, Json& results, Run& run);
+
+// Of a summary's `range_limit`, in how many frames the angle is unknown, a sentence; empty where in none.
+std::string UnknownText(const Json& range_limit);
 
 }  // namespace lake::commands

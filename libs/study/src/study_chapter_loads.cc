@@ -83,18 +83,21 @@ Table ActuatorsTable(const Json& assistance) {
   return table;
 }
 
-// How a person gets off the seat: the means of the rises.
+// How a person gets off the seat: the means of the rises. Empty where it is not known: loads of an earlier version have
+// no momentum.
 std::string MomentumText(const Json& momentum) {
+  if (momentum.is_null() || std::isnan(NumberOrNaN(momentum.at("com_forward_max_mm_s")))) return "";
   const auto quantity = [&](const char* name, const char* unit) {
     return Quantity(NumberOrNaN(momentum.at(name)), unit);
   };
   const double before_mm = NumberOrNaN(momentum.at("com_seat_off_mm"));
-  return fmt::format(
-      "The body's centre of mass is {} {} the ankle at seat-off; it moves forward with at most {} ({}) and upward with "
-      "at most {} ({}).",
-      Quantity(std::abs(before_mm), "mm"), before_mm < 0 ? "behind" : "before",
-      quantity("com_forward_max_mm_s", "mm/s"), quantity("com_forward_max_ns", "N s"),
-      quantity("com_upward_max_mm_s", "mm/s"), quantity("com_upward_max_ns", "N s"));
+  const std::string place = std::isnan(before_mm)
+                                ? ""
+                                : fmt::format("is {} {} the ankle at seat-off; it ",
+                                              Quantity(std::abs(before_mm), "mm"), before_mm < 0 ? "behind" : "before");
+  return fmt::format("The body's centre of mass {}moves forward with at most {} ({}) and upward with at most {} ({}).",
+                     place, quantity("com_forward_max_mm_s", "mm/s"), quantity("com_forward_max_ns", "N s"),
+                     quantity("com_upward_max_mm_s", "mm/s"), quantity("com_upward_max_ns", "N s"));
 }
 
 // Of the measured path, gone along at two paces.
@@ -131,7 +134,8 @@ Section LoadsChapter(const StudyFile&, const StudyResults& results) {
   results.AddPicture("assistance/assistance.svg", "Force, speed and power of the actuator over the rise",
                      "The actuator's force, speed and power in a rise as long as its title says, with its limits.",
                      Width::kFull, section);
-  section.blocks.push_back(Paragraph{MomentumText(results.Summary("loads").at("momentum"))});
+  if (const std::string text = MomentumText(results.Summary("loads").value("momentum", Json())); !text.empty())
+    section.blocks.push_back(Paragraph{text});
   section.blocks.push_back(BalanceTable(results.Summary("loads").at("balance")));
   if (assistance.contains("actuators")) section.blocks.push_back(ActuatorsTable(assistance));
   results.AddPicture("assistance/actuators_front.svg", "Shortest rise against the share of the knee's moment",

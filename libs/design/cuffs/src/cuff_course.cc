@@ -1,19 +1,15 @@
 #include "lake/cuffs/cuff_course.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "lake/core/error.h"
+#include "lake/core/numbers.h"
 
 namespace lake::cuffs {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kNormal95 = 1.959964;
 
 // Of a hinge at `place` where the knee is bent by this angle; standing is the other.
 LegLoad LoadAt(double flexion_deg, double standing_deg, const Vector2d& place_mm, const CuffOptions& options,
@@ -28,13 +24,12 @@ LegLoad LoadAt(double flexion_deg, double standing_deg, const Vector2d& place_mm
 }  // namespace
 
 CuffForce Largest(const std::vector<CuffForce>& course) {
-  return *std::ranges::max_element(course, {}, &CuffForce::force_n);
+  const auto unknown = std::ranges::find_if(course, [](const CuffForce& at) { return std::isnan(at.force_n); });
+  return unknown != course.end() ? *unknown : *std::ranges::max_element(course, {}, &CuffForce::force_n);
 }
 
 CuffCourse CourseOf(const std::vector<double>& flexion_deg, const HingePlace& place, const CuffOptions& options) {
-  if (!(options.softest_n_mm <= options.stiffest_n_mm))
-    throw UsageError(fmt::format("cuffs of {} N/mm at the softest and {} at the stiffest: give them in this order",
-                                 options.softest_n_mm, options.stiffest_n_mm));
+  CheckStiffnesses(options);
   const double soft = options.softest_n_mm, stiff = options.stiffest_n_mm, middle = std::sqrt(soft * stiff);
   CuffCourse course;
   for (const double flexion : flexion_deg) {
@@ -49,9 +44,9 @@ CuffCourse CourseOf(const std::vector<double>& flexion_deg, const HingePlace& pl
       per_mm.push_back(load(Eigen::Rotation2Dd(M_PI * k / kDirections) * Vector2d::UnitX()));
     const auto force = [&](double LegLoad::*of) {
       double open_n = 0;
-      for (const LegLoad& one : per_mm) open_n = std::max(open_n, kNormal95 * place.sd_mm * one.*of);
+      for (const LegLoad& one : per_mm) open_n = LargerOrNaN(open_n, kEllipse95 * place.sd_mm * one.*of);
       const double n = at_place.*of;
-      return CuffForce{n, soft / middle * std::max(0.0, n - open_n), stiff / middle * (n + open_n)};
+      return CuffForce{n, soft / middle * LargerOrNaN(0, n - open_n), stiff / middle * (n + open_n)};
     };
     course.thigh_n.push_back(force(&LegLoad::largest_thigh_n));
     course.shank_n.push_back(force(&LegLoad::largest_shank_n));

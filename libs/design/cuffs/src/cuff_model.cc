@@ -116,7 +116,7 @@ LegLoad LoadOnLeg(const LegState& leg, const CuffOptions& options, const Stiffne
       one.force_n = springs.cwiseProduct(one.slip_mm);
       one.moment_nm = turn_stiffness(cuff) * pose[link.turn] / kMmPerM;
       double& largest_n = link.side > 0 ? load.largest_thigh_n : load.largest_shank_n;
-      largest_n = std::max(largest_n, one.force_n.norm());
+      largest_n = LargerOrNaN(largest_n, one.force_n.norm());
       if (link.side < 0) on_shank += one.force_n;
       (link.side > 0 ? load.thigh : load.shank).push_back(one);
     }
@@ -149,6 +149,12 @@ std::string CuffsText(const std::vector<Cuff>& cuffs) {
 
 }  // namespace
 
+void CheckStiffnesses(const CuffOptions& o) {
+  if (!(o.softest_n_mm <= o.stiffest_n_mm))
+    throw UsageError(fmt::format("--cuff-softest {} is above --cuff-stiffest {}: give the softest and the stiffest",
+                                 o.softest_n_mm, o.stiffest_n_mm));
+}
+
 void Describe(CuffOptions& o, OptionList& options) {
   for (const auto& [name, segment, cuffs] :
        {std::tuple("thigh-cuff", "thigh", &o.thigh), std::tuple("shank-cuff", "shank", &o.shank)})
@@ -165,6 +171,7 @@ void Describe(CuffOptions& o, OptionList& options) {
   options.Add("cuff-stiffest", o.stiffest_n_mm, "The largest stiffness of cuff and flesh that is expected")
       .Unit("N/mm")
       .Positive();
+  options.Check([&o](const OptionList&) { CheckStiffnesses(o); });
 }
 
 Vector2d MisfitOf(const Vector2d& place_shank_mm, const Vector2d& place_thigh_mm, double thigh_deg, double shank_deg) {

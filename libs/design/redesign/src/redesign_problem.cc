@@ -5,6 +5,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/cuffs/cuff_course.h"
 
 namespace lake::redesign {
@@ -172,7 +173,7 @@ double LargestCuffForce(const RedesignProblem& problem, const std::vector<double
       for (std::size_t k = 0; k < (on_thigh ? problem.cuffs.thigh : problem.cuffs.shank).size(); ++k) {
         const auto [x, y] =
             cuffs::SlipOf(problem.cuffs, on_thigh, k, theta, theta_rad.back(), place_mm.x(), place_mm.y());
-        largest_mm = std::max(largest_mm, std::hypot(x, y));
+        largest_mm = LargerOrNaN(largest_mm, std::hypot(x, y));
       }
   return problem.cuffs.stiffest_n_mm * largest_mm;
 }

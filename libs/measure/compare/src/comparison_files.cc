@@ -6,6 +6,7 @@
 #include "lake/compare/pointwise_error.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 
 namespace lake::compare {
@@ -196,8 +197,10 @@ class ComparisonReader {
     if (!Entry("exo_leg_knee_x_mm").empty()) curves.exo.leg_knee = Path("exo_leg_knee");
     curves.noise_floor_mm = NoiseFloor("noise_floor_mm");
     curves.noise_floor_relative = NoiseFloor("noise_floor_relative");
-    const Json joint = json_.value("uncertainty", Json::object()).value("joint_rms_mm", Json::object());
-    if (joint.contains("anatomical_sd")) curves.joint_sd_mm = NumberOrNaN(joint["anatomical_sd"]);
+    const Json uncertainty = json_.value("uncertainty", Json::object());
+    for (const char* offset : {"joint_offset_x_mm", "joint_offset_y_mm"})
+      if (const Json of = uncertainty.value(offset, Json::object()); of.contains("anatomical_sd"))
+        curves.joint_sd_mm = LargerOrNaN(curves.joint_sd_mm.value_or(0), NumberOrNaN(of["anatomical_sd"]));
     curves.knee_is_functional = json_.value("knee_from", Json()) == "functional";
     CheckShank(curves.human);
     return curves;

@@ -74,7 +74,7 @@ Sensitivities OfOffset(const JointMisalignment& joint, int axis, double duration
 constexpr const char* kReplacement = "assumed; --replacement-sd";
 
 BudgetRow Detection(double size, const char* unit, double sensitivity) {
-  return {"detection", "normal", size, unit, sensitivity, "sigmas of this recording's markers", true};
+  return {kDetection, "normal", size, unit, sensitivity, "sigmas of this recording's markers", true};
 }
 
 // `placement`: its standard deviation in mm and the option that changes it; an axis has none, but its own, `axis_mm`.
@@ -219,6 +219,13 @@ std::vector<Budget> BudgetsOf(const gait::LegFitResult& leg, const RecordingBudg
   std::vector<Budget> budgets = {KneeAngleBudget(leg.motion, o)};
   if (auto rise = RiseBudget(leg, o)) budgets.push_back(*std::move(rise));
   return budgets;
+}
+
+double PlaceDeviation(const std::vector<Budget>& budgets) {
+  double most_mm = -1;
+  for (const Budget& budget : budgets)
+    if (budget.quantity.starts_with("joint_offset")) most_mm = LargerOrNaN(most_mm, budget.Deviation());
+  return most_mm < 0 ? kNaN : most_mm;
 }
 
 std::string QuantityName(const std::string& quantity) {

@@ -387,7 +387,6 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
         "so far behind the feet that a seat must carry it; if they are sit-to-stands, give their events "
         "with --events",
         result.without_seat.size()));
-  for (std::string& sentence : UncertainEvents(result.events)) result.warnings.push_back(std::move(sentence));
   SetRepetitions(result.events, result.motion);
 }
 

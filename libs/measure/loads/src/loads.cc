@@ -376,7 +376,8 @@ std::vector<std::vector<double>> MeanCurves(const std::vector<std::vector<std::v
 MomentumSd SpreadOf(const std::vector<RiseMomentum>& draws) {
   const auto of = [&](double RiseMomentum::*member) {
     std::vector<double> values;
-    for (const RiseMomentum& draw : draws) values.push_back(draw.*member);
+    for (const RiseMomentum& draw : draws)
+      if (std::isfinite(draw.*member)) values.push_back(draw.*member);
     return StandardDeviation(values);
   };
   return {.seat_off_m = of(&RiseMomentum::seat_off_m),

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lake/core/colours.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/figure/gnuplot.h"
 
@@ -14,7 +15,6 @@ namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr double kEllipse95 = 2.448;  // standard deviations in two dimensions
 constexpr double kNormal95 = 1.96;
 
 // Across the axis: y from the mean of the shank's markers to the axis, x to its right seen along the axis.

@@ -56,7 +56,7 @@ Json MarkerJson(const CorrectionBook& book, const motion::MarkerRecording& measu
 }
 
 // With those that a person moved in their places; where these do not suit what is found now, as found, and `warnings`
-// say why.
+// say why, as they do of events that are uncertain.
 Json EventsJson(const CorrectionBook& book, const gait::LegFitResult& leg, Json& warnings) {
   std::vector<motion::StsEvent> events = leg.events;
   try {
@@ -64,6 +64,7 @@ Json EventsJson(const CorrectionBook& book, const gait::LegFitResult& leg, Json&
   } catch (const Error& error) {
     warnings.push_back(fmt::format("the moved events do not suit those found: {}", error.what()));
   }
+  for (const std::string& sentence : gait::UncertainEvents(events)) warnings.push_back(sentence);
   Json list = Json::array();
   for (const motion::StsEvent& event : events)
     list.push_back({{"repetition", event.repetition},

@@ -172,7 +172,9 @@ GroupData ReadGroup(const std::vector<DoneStudy>& studies) {
     ResultTable table(group, study);
     const auto has = [&](const char* step) { return study.steps.contains(step); };
     std::optional<CsvTable> momenta;
-    if (has("loads")) momenta = CsvTable::Read(study.folder / "loads/momentum.csv");
+    // Loads of an earlier version have none.
+    if (const fs::path file = study.folder / "loads/momentum.csv"; has("loads") && fs::exists(file))
+      momenta = CsvTable::Read(file);
     if (has("human")) AddTrial(study.folder / "human", momenta, "human", table);
     if (has("exo")) AddTrial(study.folder / "exo", {}, "exo", table);
     if (has("comparison")) AddComparison(study.folder / "comparison", table);

@@ -12,7 +12,8 @@
 
 namespace lake::cuffs {
 
-// N, with what the stiffness and the place's own uncertainty leave open (95 %).
+// N, with what the stiffness and the place's own uncertainty leave open (95 %: of the place the ellipse, 2.45 standard
+// deviations in any direction).
 struct CuffForce {
   double force_n = 0, low_n = 0, high_n = 0;
 };
@@ -50,7 +51,7 @@ struct CuffCourse {
   std::vector<CuffForce> thigh_n, shank_n, knee_shear_n;
 };
 
-// The largest over the course.
+// The largest over the course; NaN where one is unknown.
 CuffForce Largest(const std::vector<CuffForce>& course);
 
 // Where the hinge is against the knee at standing: shank's frame (x anterior, y up the shank), standard deviation along

@@ -39,6 +39,9 @@ struct CuffOptions {
 
 void Describe(CuffOptions& o, OptionList& options);
 
+// Throws UsageError where the softest is stiffer than the stiffest.
+void CheckStiffnesses(const CuffOptions& o);
+
 // The leg and what the device does at an instant. Angles from the vertical, positive when the upper end leans forward.
 struct LegState {
   double thigh_deg = 0, shank_deg = 0;
@@ -65,7 +68,8 @@ struct LegLoad {
   double knee_axial_n = 0;  // along the shank; positive presses the joint
 };
 
-// Throws UsageError where a segment has no cuff, or a number is out of range.
+// Throws UsageError where a segment has no cuff, or a number is out of range. Forces of an unknown misfit (NaN) are
+// NaN.
 LegLoad LoadOnLeg(const LegState& leg, const CuffOptions& options, const Stiffness& stiffness);
 
 // The misfit of a hinge over the rise, stress-free at standing (the last sample): place_shank_mm and place_thigh_mm are

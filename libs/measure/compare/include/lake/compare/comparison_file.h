@@ -14,7 +14,8 @@ struct ComparedCurves {
   std::vector<bool> spike{};                            // per percent
   double noise_floor_mm = 0, noise_floor_relative = 0;  // RMS that noise alone would show
   bool knee_is_functional = false;                      // the axis of rotation, not the marker
-  std::optional<double> joint_sd_mm{};  // of the joint's distance from the knee beneath the skin; where it was seen
+  // Of the joint's place against the knee beneath the skin, along the worse axis; where it was seen.
+  std::optional<double> joint_sd_mm{};
 };
 
 // `path`: the folder that lake-compare wrote, or its comparison.json. Throws Error naming the file: absent, not JSON,

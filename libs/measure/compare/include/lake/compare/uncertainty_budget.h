@@ -44,6 +44,8 @@ struct RecordingBudgetOptions : BudgetOptions {
 
 void Describe(RecordingBudgetOptions& o, OptionList& options);
 
+inline constexpr const char* kDetection = "detection";  // source of each budget's row of the markers' own noise
+
 struct BudgetRow {
   std::string source;
   std::string distribution;  // normal, uniform, t
@@ -76,6 +78,10 @@ std::vector<Budget> BudgetsOf(const Misalignment& misalignment, double replaceme
 
 // Of one recording: the knee angle of a frame, and the mean time of a rise. None where its lengths are in px.
 std::vector<Budget> BudgetsOf(const gait::LegFitResult& leg, const RecordingBudgetOptions& options);
+
+// Of the joint's place against the knee beneath the skin, along the axis that it is known worse along, mm; NaN without
+// the joint's headlines.
+double PlaceDeviation(const std::vector<Budget>& budgets);
 
 // As people read it: "joint misalignment, RMS".
 std::string QuantityName(const std::string& quantity);

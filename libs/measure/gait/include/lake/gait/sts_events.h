@@ -73,8 +73,8 @@ struct FoundStsEvents {
 // A repetition that the recording cuts off has only the events that are in it. Empty if there is no sit-to-stand.
 FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options = {});
 
-// A sentence for each onset or standing whose SD is more than a tenth of the time between the two: the percent of such
-// a rise, and all that is read over it, hang on it.
+// To be said once events are corrected: a sentence for each onset or standing whose SD is known and more than a tenth
+// of the time between the two: the percent of such a rise, and all that is read over it, hang on it.
 std::vector<std::string> UncertainEvents(const std::vector<motion::StsEvent>& events);
 
 // Sets `repetition` and `percent` (0 at onset, 100 at standing) of the samples between the two, and clears them
