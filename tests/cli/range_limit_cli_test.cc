@@ -99,7 +99,7 @@ TEST_F(RangeLimit, IsNotShownWhereTheAngleIsUnknownTooOften) {
   }
   EXPECT_FALSE(ReadJsonFile(folder_ / "G/summary.json")["range_limit"]["passes"].get<bool>());
   EXPECT_THAT(ReadTextFile(folder_ / "G/range_limit.html"), HasSubstr("Not shown: "));
-  EXPECT_THAT(ReadTextFile(folder_ / "G/range_limit.html"), HasSubstr("Frames without an angle: "));
+  EXPECT_THAT(ReadTextFile(folder_ / "G/range_limit.html"), HasSubstr("Frames without a measured angle: "));
 }
 
 TEST_F(RangeLimit, FailsWhereItIsPassedOrNotShownToBeKept) {

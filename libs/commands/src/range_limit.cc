@@ -19,10 +19,10 @@ using namespace report;
 constexpr double kCoverage = 2;
 constexpr double kMostUnknown_percent = 5;
 
-// Frames without an angle.
+// Frames in which the angle was not measured, as a marker was hidden: the fit's bridge over them is no test of a limit.
 struct Unknown {
   int frames = 0;
-  double percent = 0;  // of those between the first and the last known angle
+  double percent = 0;  // of those between the first and the last measured angle
 };
 
 // One end of the range, in the frame that is nearest to its limit, U counted.
@@ -40,7 +40,7 @@ struct End {
   const char* Verdict() const { return Passes() ? "pass" : IsInside() ? "not shown" : "fail"; }
   std::string Why() const {
     if (Passes()) return "inside the limit by U or more";
-    if (IsInside()) return "inside where it is known, but unknown too often";
+    if (IsInside()) return "inside where it was measured, but not measured often enough";
     return MarginDeg() < -expanded_deg ? "the limit is passed" : "the limit is nearer than U: not shown to be kept";
   }
 };
@@ -64,10 +64,10 @@ double SharedDeviation(const gait::LegFitResult& leg, const compare::RecordingBu
 
 Unknown FindUnknown(const motion::LegMotion& motion) {
   const auto is_known = [](const motion::LegSample& sample) {
-    return std::isfinite(sample.knee_deg) && std::isfinite(sample.knee_sigma_deg);
+    return std::isfinite(sample.knee_raw_deg) && std::isfinite(sample.knee_deg);
   };
   const auto known = std::ranges::count_if(motion.samples, is_known);
-  if (known == 0) throw Fail("--range-limit: the knee angle is not known in any frame");
+  if (known == 0) throw Fail("--range-limit: the knee angle is not measured in any frame");
   const auto first = std::ranges::find_if(motion.samples, is_known);
   const auto last = std::find_if(motion.samples.rbegin(), motion.samples.rend(), is_known).base();
   const auto between = static_cast<double>(last - first);
@@ -160,8 +160,9 @@ std::string UnknownText(const Json& range_limit) {
   const int frames = range_limit["unknown_frames"].get<int>();
   if (frames == 0) return "";
   return fmt::format(
-      "Frames without an angle: {}; between the first and the last known angle {:.1f} % of the recording.", frames,
-      range_limit["unknown_percent"].get<double>());
+      "Frames without a measured angle: {}; between the first and the last of those with one, {:.1f} % of the "
+      "recording.",
+      frames, range_limit["unknown_percent"].get<double>());
 }
 
 void WriteRangeLimit(const gait::LegFitResult& leg, compare::RecordingBudgetOptions budget,
@@ -190,7 +191,7 @@ void WriteRangeLimit(const gait::LegFitResult& leg, compare::RecordingBudgetOpti
   const bool fails = std::ranges::any_of(ends, [](const End& end) { return !end.IsInside(); });
   const std::string verdict = passes  ? "Pass: the measured range keeps within both limits."
                               : fails ? "Fail: the range is not shown to keep within both limits."
-                                      : "Not shown: the angle is unknown in too much of the recording.";
+                                      : "Not shown: the angle was not measured in too much of the recording.";
   Section result{"", {Paragraph{verdict}, EndsTable(ends), AngleChart(leg.motion, ends)}};
   if (!unknown_text.empty()) result.blocks.insert(result.blocks.begin() + 1, Paragraph{unknown_text});
   page.sections = {std::move(result), Method(), ProvenanceSection(run.Head())};
