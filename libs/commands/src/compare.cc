@@ -16,6 +16,7 @@
 #include "lake/gait/sit_to_stand.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/report.h"
+#include "optimum_tables.h"
 #include "png_and_svg.h"
 
 namespace lake::commands {

@@ -114,8 +114,8 @@ double HipDeg(const WornSample& sample) {
   return sample.trunk_deg - (sample.shank_deg - sample.knee_deg);
 }
 
-// Where the trunk's centre of mass is in its own frame, mean over the rise.
-Eigen::Vector3d TrunkCentre_m(const loads::BodyPath& body) {
+// Where the trunk's centre of mass is in its own frame, m, mean over the rise.
+Eigen::Vector3d TrunkCentre(const loads::BodyPath& body) {
   Vector2d sum = Vector2d::Zero();
   for (const loads::TrunkSample& sample : body.trunk) sum += Eigen::Rotation2Dd(sample.tilt_rad) * sample.centre_m;
   sum /= static_cast<double>(body.trunk.size());
@@ -172,7 +172,7 @@ class CoupledModel {
     AddLimb(thigh, thigh_m, 0.06);
     const pugi::xml_node trunk = AddSegment(thigh, "trunk", thigh_m, knee_rad);
     AddPersonsJoint(trunk, "hip", "0 1 0", knee_deg_);
-    AddMass(trunk, body.trunk, TrunkCentre_m(wearer_.body));
+    AddMass(trunk, body.trunk, TrunkCentre(wearer_.body));
     AddLimb(trunk, 2 * body.trunk.centre_m, 0.1);
     AddPads(shank, thigh, shank_m);
     const Vector2d hinge_m = kMetresPerMillimetre * wearer_.hinge_mm;
