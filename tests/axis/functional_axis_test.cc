@@ -60,7 +60,7 @@ TEST(FunctionalAxis, APointFarFromTheMarkersIsAsPreciseAsTheyTell) {
   for (const Pose& pose : motion.shank.poses) across_mm.push_back((pose.turn * joint + pose.origin).x());
   const double sd_mm = StandardDeviation(across_mm);
   EXPECT_GT(sd_mm, 1.5 * motion.shank.deformation.pose_sd_mm);
-  EXPECT_NEAR(motion.shank.deformation.PointSd_mm(joint.norm()) / sd_mm, 1, 0.1);
+  EXPECT_NEAR(motion.shank.deformation.PointSdMm(joint.norm()) / sd_mm, 1, 0.1);
 }
 
 constexpr double kEllipse95 = 2.448;  // standard deviations in two dimensions

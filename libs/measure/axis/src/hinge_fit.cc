@@ -191,7 +191,7 @@ void HingeFit::SetPrior(const SegmentMotion& motion, const LearntErrors* learnt)
   const VectorXd plain = SolveRobustly(equations_, prior_precision_, prior_mean_);
   const double shank_mm = plain.segment<2>(2).norm(), thigh_mm = plain.head<2>().norm();
   const double shank_lever = shank_mm / shank.radius_mm, thigh_lever = thigh_mm / thigh.radius_mm;
-  markers_at_joint_mm_ = std::max(std::hypot(shank.PointSd_mm(shank_mm), thigh.PointSd_mm(thigh_mm)), kLeast_mm);
+  markers_at_joint_mm_ = std::max(std::hypot(shank.PointSdMm(shank_mm), thigh.PointSdMm(thigh_mm)), kLeast_mm);
   if (learnt) {
     prior_mean_.tail(carried) = learnt->carried;
     prior_precision_.bottomRightCorner(carried, carried) = learnt->carried_covariance.inverse();

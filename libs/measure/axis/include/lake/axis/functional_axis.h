@@ -34,7 +34,7 @@ struct Deformation {
   double radius_mm = 0;     // of the shape: root mean square of the markers' distances from their mean
 
   // Along each axis, in a point of the segment so far from the pose's origin.
-  double PointSd_mm(double distance_mm) const { return std::hypot(pose_sd_mm, pose_sd_rad * distance_mm); }
+  double PointSdMm(double distance_mm) const { return std::hypot(pose_sd_mm, pose_sd_rad * distance_mm); }
 };
 
 // A segment at each frame. Frames with too few markers (two, in space three) have no pose.
