@@ -97,10 +97,10 @@ class Worn : public ::testing::Test {
     return local;
   }
   Point CouplerEnd() { return At("coupler", {1e-3 * mechanism_.links.l1, 0, 0}); }
-  static double Apart_mm(const Point& a, const Point& b) { return 1e3 * mju_dist3(a.data(), b.data()); }
-  double LoopsApart_mm() {
-    return std::max(Apart_mm(CouplerEnd(), At("shank_link", pin_in_shank_)),
-                    Apart_mm(At("actuator_rod", {0, 0, 0}), At("slewing_bar", tip_in_bar_)));
+  static double ApartMm(const Point& a, const Point& b) { return 1e3 * mju_dist3(a.data(), b.data()); }
+  double LoopsApartMm() {
+    return std::max(ApartMm(CouplerEnd(), At("shank_link", pin_in_shank_)),
+                    ApartMm(At("actuator_rod", {0, 0, 0}), At("slewing_bar", tip_in_bar_)));
   }
 
   static std::array<double, 4> ControlOf(const model::WornSample& s) {
@@ -185,7 +185,7 @@ TEST_F(Worn, CuffsDoAtRestWhatTheirModelSays) {
       for (const char* joint : {"human_knee", "knee"})
         EXPECT_NEAR(DegreesFromRadians(simulation_->Position(joint)), wearer_.rise[percent].knee_deg, 0.02);
       EXPECT_LT(OffTheModel(), most) << hinge_mm.transpose() << " mm at " << percent << " %";
-      EXPECT_LT(LoopsApart_mm(), 0.01);
+      EXPECT_LT(LoopsApartMm(), 0.01);
     }
   }
 }
@@ -197,7 +197,7 @@ TEST_F(Worn, RisesToStanding) {
   double most_mm = 0;
   for (std::size_t i = 1; i < wearer_.rise.size(); ++i) {
     Ramp(ControlOf(wearer_.rise[i]), wearer_.rise[i].time_s - wearer_.rise[i - 1].time_s);
-    most_mm = std::max(most_mm, LoopsApart_mm());
+    most_mm = std::max(most_mm, LoopsApartMm());
     ASSERT_NEAR(DegreesFromRadians(simulation_->Position("human_knee")), wearer_.rise[i].knee_deg, 1) << i << " %";
     ASSERT_NEAR(DegreesFromRadians(simulation_->Position("knee")), wearer_.rise[i].knee_deg, 1) << i << " %";
   }

@@ -78,6 +78,7 @@ double LeanDeg(const Eigen::Vector2d& up) {
 std::optional<std::vector<double>> WornStrokes(const linkage::Design& design, const compare::ComparedCurves& curves) {
   if (design.program) return redesign::ProgramStrokes(design, 0, redesign::MakeHumanMotion(curves.human));
   std::vector<double> knee_rad;
+  knee_rad.reserve(curves.exo.knee_deg.size());
   for (const double knee_deg : curves.exo.knee_deg) knee_rad.push_back(RadiansFromDegrees(knee_deg));
   return redesign::StrokesForAngles(redesign::DrivenLinksOf(design, 0), knee_rad);
 }

@@ -141,7 +141,7 @@ Json RunActuatorFront(const OptimizeRunOptions& options, Run& run) {
 
 // Of a joint against the knee where no trial showed both: what skin and the marker's placement, or the axis that stands
 // for it, leave open.
-double PlaceDeviation_mm(const std::optional<double>& axis_mm) {
+double PlaceDeviationMm(const std::optional<double>& axis_mm) {
   const compare::RecordingBudgetOptions budget;
   return std::hypot(budget.soft_tissue_mm, axis_mm.value_or(budget.placement_mm));
 }
@@ -161,7 +161,7 @@ void ReadHuman(const ReoptimizeRunOptions& options, Run& run, redesign::Measured
   const compare::RegisteredTrial trial = compare::RegisterTrial(read.tables, registration);
   for (const std::string& warning : trial.warnings) run.Warn(warning);
   measured.human = compare::MeanCurve(trial.repetitions);
-  measured.joint_sd_mm = PlaceDeviation_mm(read.sd_mm);
+  measured.joint_sd_mm = PlaceDeviationMm(read.sd_mm);
 }
 
 // Of one comparison, and the design worn in it.
@@ -176,7 +176,7 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
                     comparison.string()));
   measured.human = curves.human;
   measured.noise_floor_percent = 100 * curves.noise_floor_relative;
-  measured.joint_sd_mm = curves.joint_sd_mm.value_or(PlaceDeviation_mm({}));
+  measured.joint_sd_mm = curves.joint_sd_mm.value_or(PlaceDeviationMm({}));
   if (!options.human_only) {
     measured.exo = curves.exo;
     measured.spike = curves.spike;

@@ -38,8 +38,9 @@ CuffCourse CourseOf(const std::vector<double>& flexion_deg, const HingePlace& pl
     };
     const LegLoad at_place = load(place.mm);
     // The place may be off in any direction, and in some the cuffs resist more.
-    std::vector<LegLoad> per_mm;
     constexpr int kDirections = 12;  // of half a turn
+    std::vector<LegLoad> per_mm;
+    per_mm.reserve(kDirections);
     for (int k = 0; k < kDirections; ++k)
       per_mm.push_back(load(Eigen::Rotation2Dd(M_PI * k / kDirections) * Vector2d::UnitX()));
     const auto force = [&](double LegLoad::*of) {
