@@ -110,10 +110,6 @@ compare::RegisteredTrial Register(const compare::TrialTables& tables, const std:
   return compare::RegisterTrial(tables, options);
 }
 
-compare::RegisteredTrial ReadCurve(const fs::path& folder, compare::StsCurve compare::ComparedCurves::*side) {
-  return {{compare::ReadComparison(folder).*side}, {}};
-}
-
 // Both trials at 0..100 %, and the marker that is the exoskeleton's knee.
 struct RegisteredPair {
   compare::RegisteredTrial human, exo;
@@ -123,32 +119,35 @@ struct RegisteredPair {
 };
 
 RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
-  std::optional<compare::TrialTables> human, exo;
-  std::optional<double> human_axis_mm, exo_axis_mm;
-  const auto read = [&](const fs::path& path, const exchange::TrialOptions& reading, const std::string& knee,
-                        TrialSide side, std::optional<double>& axis_mm) {
-    if (options.knee.knee == KneeFrom::kMarker) return ReadTrialTables(path, reading, knee, run);
-    FunctionalTables of = ReadFunctionalTables(path, reading, knee, side, options.knee, run);
-    axis_mm = of.sd_mm;
-    return std::move(of.tables);
-  };
+  std::optional<FunctionalTables> human, exo;
   if (!IsCompared(options.human))
-    human = read(options.human, options.human_reading, options.human_knee, TrialSide::kHuman, human_axis_mm);
+    human = ReadFunctionalTables(options.human, options.human_reading, options.human_knee, TrialSide::kHuman,
+                                 options.knee, run);
   if (!IsCompared(options.exo))
-    exo = read(options.exo, options.exo_reading, ExoKneeOf(options), TrialSide::kExo, exo_axis_mm);
-  if (options.knee.knee == KneeFrom::kFunctional && !human_axis_mm && !exo_axis_mm)
-    throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
-  if (human && exo) CheckUnits(*human, *exo);
-  if (human && exo && human->trajectory.Find(kExoKnee) && !exo->trajectory.Find(kExoKnee))
-    run.Warn(fmt::format("{} has a marker {} and {} has none: the trial without exoskeleton goes first", human->name,
-                         kExoKnee, exo->name));
+    exo =
+        ReadFunctionalTables(options.exo, options.exo_reading, ExoKneeOf(options), TrialSide::kExo, options.knee, run);
   RegisteredPair pair;
-  pair.human_axis_mm = human_axis_mm, pair.exo_axis_mm = exo_axis_mm;
-  pair.is_human_functional =
-      human ? human_axis_mm.has_value() : compare::ReadComparison(options.human).knee_is_functional;
-  pair.exo_knee = exo ? FindExoKnee(exo->trajectory, options) : options.exo_knee.value_or(kExoKnee);
-  pair.human = human ? Register(*human, options.human_knee) : ReadCurve(options.human, &compare::ComparedCurves::human);
-  pair.exo = exo ? Register(*exo, pair.exo_knee) : ReadCurve(options.exo, &compare::ComparedCurves::exo);
+  if (human) pair.human_axis_mm = human->sd_mm;
+  if (exo) pair.exo_axis_mm = exo->sd_mm;
+  if (options.knee.knee == KneeFrom::kFunctional && !pair.human_axis_mm && !pair.exo_axis_mm)
+    throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
+  if (human && exo) CheckUnits(human->tables, exo->tables);
+  if (human && exo && human->tables.trajectory.Find(kExoKnee) && !exo->tables.trajectory.Find(kExoKnee))
+    run.Warn(fmt::format("{} has a marker {} and {} has none: the trial without exoskeleton goes first",
+                         human->tables.name, kExoKnee, exo->tables.name));
+  pair.exo_knee = exo ? FindExoKnee(exo->tables.trajectory, options) : options.exo_knee.value_or(kExoKnee);
+  if (human) {
+    pair.human = Register(human->tables, options.human_knee);
+    pair.is_human_functional = pair.human_axis_mm.has_value();
+  } else {
+    const compare::ComparedCurves curves = compare::ReadComparison(options.human);
+    pair.human.repetitions = {curves.human};
+    pair.is_human_functional = curves.knee_is_functional;
+  }
+  if (exo)
+    pair.exo = Register(exo->tables, pair.exo_knee);
+  else
+    pair.exo.repetitions = {compare::ReadComparison(options.exo).exo};
   return pair;
 }
 
@@ -254,6 +253,7 @@ compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::Trial
 
 FunctionalTables ReadFunctionalTables(const fs::path& path, const exchange::TrialOptions& reading,
                                       const std::string& knee, TrialSide side, const KneeOptions& options, Run& run) {
+  if (options.knee == KneeFrom::kMarker) return {ReadTrialTables(path, reading, knee, run), {}};
   exchange::Trial trial = ReadMarkers(path, reading);
   const auto put = [&](const axis::SegmentMarkers& segments, const std::string& marker) {
     return PutAxis(segments, marker, fs::is_directory(path) ? FolderReading(reading) : reading, trial, run);

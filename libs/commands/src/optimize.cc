@@ -148,11 +148,8 @@ double PlaceDeviationMm(const std::optional<double>& axis_mm) {
 
 void ReadHuman(const ReoptimizeRunOptions& options, Run& run, redesign::MeasuredMotion& measured) {
   CheckReading(options.human, options.human_reading);
-  const FunctionalTables read =
-      options.knee.knee == KneeFrom::kFunctional
-          ? ReadFunctionalTables(options.human, options.human_reading, options.human_knee, TrialSide::kHuman,
-                                 options.knee, run)
-          : FunctionalTables{ReadTrialTables(options.human, options.human_reading, options.human_knee, run), {}};
+  const FunctionalTables read = ReadFunctionalTables(options.human, options.human_reading, options.human_knee,
+                                                     TrialSide::kHuman, options.knee, run);
   if (options.knee.knee == KneeFrom::kFunctional && !read.sd_mm)
     throw UsageError(
         fmt::format("--knee functional: {} has no markers of --segment on shank and thigh", options.human.string()));

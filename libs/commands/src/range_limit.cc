@@ -147,7 +147,7 @@ Section Method() {
            "(--placement-sd) and of their distances from the plane (--depth-sd, --view-slope); no soft tissue, and a "
            "scale changes no angle. The frame counts that is nearest to the limit with its U, not a mean.",
            fmt::format("An end passes if it keeps within its limit by U or more (guard band, ILAC-G8:09/2019), and if "
-                       "at most {} % of the frames between the first and the last known angle have none.",
+                       "at most {} % of the frames between the first and the last measured angle have none.",
                        kMostUnknown_percent),
            "After the COVR protocols for the safety skill “limit range of movement” (ROB-LRM-2: the range is "
            "assessed by optical tracking of markers); a manufacturer's limits and how often each is tried are those "

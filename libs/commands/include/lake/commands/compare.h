@@ -45,9 +45,10 @@ std::vector<InputFile> TrialTableInputs(const std::filesystem::path& path, const
 compare::TrialTables ReadTrialTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run);
 
-// The same with the axis about which the person's segments turn: of a human trial where the compared marker was, beside
-// an exoskeleton's joint as the marker `knee`. Always of a leg fit. Throws UsageError for an exoskeleton trial that
-// shows its joint neither by a marker `knee` other than the leg's nor by --exo-segment.
+// The same by --knee: with `marker` as it is, with `functional` with the axis about which the person's segments turn:
+// of a human trial where the compared marker was, beside an exoskeleton's joint as the marker `knee`. Always of a leg
+// fit. Throws UsageError for an exoskeleton trial that shows its joint neither by a marker `knee` other than the leg's
+// nor by --exo-segment.
 enum class TrialSide { kHuman, kExo };
 struct FunctionalTables {
   compare::TrialTables tables;
