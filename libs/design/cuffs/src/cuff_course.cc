@@ -15,7 +15,8 @@ using Eigen::Vector2d;
 LegLoad LoadAt(double flexion_deg, double standing_deg, const Vector2d& place_mm, const CuffOptions& options,
                double stiffness_n_mm) {
   const Vector2d on_thigh_mm = MisfitOf(Vector2d::Zero(), place_mm, standing_deg, 0);  // the same point, thigh's frame
-  const LegState leg{-flexion_deg, 0, MisfitOf(place_mm, on_thigh_mm, -flexion_deg, 0), 0, 0};
+  const LegState leg{
+      .thigh_deg = -flexion_deg, .hinge_on_thigh_mm = on_thigh_mm, .hinge_on_shank_mm = place_mm, .held_error_deg = 0};
   CuffOptions weightless = options;
   weightless.thigh_link_kg = weightless.shank_link_kg = 0;
   return LoadOnLeg(leg, weightless, {stiffness_n_mm, stiffness_n_mm});
@@ -37,15 +38,16 @@ CuffCourse CourseOf(const std::vector<double>& flexion_deg, const HingePlace& pl
       return LoadAt(flexion, flexion_deg.back(), place_mm, options, middle);
     };
     const LegLoad at_place = load(place.mm);
-    // The place may be off in any direction, and in some the cuffs resist more.
-    constexpr int kDirections = 12;  // of half a turn
-    std::vector<LegLoad> per_mm;
-    per_mm.reserve(kDirections);
+    // The place may be off in any direction, and in some the cuffs resist more. Forces are nearly in proportion to how
+    // far the hinge is off (its levers are long against that), so that those of the error add to those of the place.
+    constexpr int kDirections = 24;
+    std::vector<LegLoad> of_errors;
+    of_errors.reserve(kDirections);
     for (int k = 0; k < kDirections; ++k)
-      per_mm.push_back(load(Eigen::Rotation2Dd(M_PI * k / kDirections) * Vector2d::UnitX()));
+      of_errors.push_back(load(Eigen::Rotation2Dd(2 * M_PI * k / kDirections) * Vector2d(kEllipse95 * place.sd_mm, 0)));
     const auto force = [&](double LegLoad::*of) {
       double open_n = 0;
-      for (const LegLoad& one : per_mm) open_n = LargerOrNaN(open_n, kEllipse95 * place.sd_mm * one.*of);
+      for (const LegLoad& one : of_errors) open_n = LargerOrNaN(open_n, one.*of);
       const double n = at_place.*of;
       return CuffForce{n, soft / middle * LargerOrNaN(0, n - open_n), stiff / middle * (n + open_n)};
     };

@@ -169,12 +169,10 @@ double LargestCuffForce(const RedesignProblem& problem, const std::vector<double
   const Eigen::Vector2d place_mm = placement_mm + problem.human.back().slip_mm;
   double largest_mm = 0;
   for (const double theta : theta_rad)
-    for (const bool on_thigh : {true, false})
-      for (std::size_t k = 0; k < (on_thigh ? problem.cuffs.thigh : problem.cuffs.shank).size(); ++k) {
-        const auto [x, y] =
-            cuffs::SlipOf(problem.cuffs, on_thigh, k, theta, theta_rad.back(), place_mm.x(), place_mm.y());
-        largest_mm = LargerOrNaN(largest_mm, std::hypot(x, y));
-      }
+    for (const cuffs::CuffPlace& cuff : cuffs::PlacesOf(problem.cuffs)) {
+      const auto [x, y] = cuffs::SlipOf(problem.cuffs, cuff, theta, theta_rad.back(), place_mm.x(), place_mm.y());
+      largest_mm = LargerOrNaN(largest_mm, std::hypot(x, y));
+    }
   return problem.cuffs.stiffest_n_mm * largest_mm;
 }
 

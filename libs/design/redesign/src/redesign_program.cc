@@ -106,13 +106,12 @@ struct PressureTerm {
 // v = theta, theta at standing, p_x, p_y. `factor` x the squared slip of a cuff.
 struct CuffSlipTerm {
   cuffs::CuffOptions cuffs;
-  bool on_thigh;
-  std::size_t cuff;
+  cuffs::CuffPlace cuff;
   Eigen::Vector2d slip_mm;  // of the mount
   double factor;
   template <typename T>
   T operator()(const T* v) const {
-    const auto [x, y] = cuffs::SlipOf(cuffs, on_thigh, cuff, v[0], v[1], T(v[2] + slip_mm.x()), T(v[3] + slip_mm.y()));
+    const auto [x, y] = cuffs::SlipOf(cuffs, cuff, v[0], v[1], T(v[2] + slip_mm.x()), T(v[3] + slip_mm.y()));
     return (x * x + y * y) * factor;
   }
 };
@@ -293,16 +292,15 @@ class PersonExtender {
     const double stiff = problem_.cuffs.stiffest_n_mm;
     const auto [x, y] = variables_.placement;
     for (std::size_t i = 0; i + 1 < problem_.human.size(); ++i)
-      for (const bool on_thigh : {true, false})
-        for (std::size_t k = 0; k < (on_thigh ? problem_.cuffs.thigh : problem_.cuffs.shank).size(); ++k) {
-          const int row = nlp().AddRow(Named(fmt::format("force of {} cuff {} at {:g} %", on_thigh ? "thigh" : "shank",
-                                                         k + 1, PercentOf(i, problem_.human))),
-                                       -nlp::kUnbounded, 0);
-          nlp().AddTerm(
-              row, std::array{variables_.theta[i], variables_.theta.back(), x, y},
-              CuffSlipTerm{problem_.cuffs, on_thigh, k, problem_.human.back().slip_mm, stiff * stiff / kScale_n2});
-          nlp().AddTerm(row, std::array{largest}, SquareTerm{-1 / kScale_n2});
-        }
+      for (const cuffs::CuffPlace& cuff : cuffs::PlacesOf(problem_.cuffs)) {
+        const int row =
+            nlp().AddRow(Named(fmt::format("force of {} cuff {} at {:g} %", cuff.on_thigh ? "thigh" : "shank",
+                                           cuff.number + 1, PercentOf(i, problem_.human))),
+                         -nlp::kUnbounded, 0);
+        nlp().AddTerm(row, std::array{variables_.theta[i], variables_.theta.back(), x, y},
+                      CuffSlipTerm{problem_.cuffs, cuff, problem_.human.back().slip_mm, stiff * stiff / kScale_n2});
+        nlp().AddTerm(row, std::array{largest}, SquareTerm{-1 / kScale_n2});
+      }
   }
 
   void AddBalance() {

@@ -1,5 +1,5 @@
 // What an exoskeleton's cuffs do to the leg: its links are rigid and joined by a hinge, each is held to its segment by
-// one or more cuffs, which yield. Sagittal plane, quasi-static, small movements of the links against the leg.
+// one or more cuffs, which yield in proportion to their slip. Sagittal plane, quasi-static.
 //
 //   energy = ½ Σ slipᵀ K slip − moment · turn − weights · movement,   least over the pose of both links
 //
@@ -37,6 +37,15 @@ struct CuffOptions {
   double thigh_link_kg = 0, shank_link_kg = 0;  // half way from the hinge to the outermost cuff
 };
 
+// Which of the cuffs.
+struct CuffPlace {
+  bool on_thigh = true;
+  std::size_t number = 0;  // on its segment, from 0
+};
+
+std::vector<CuffPlace> PlacesOf(const CuffOptions& options);
+const Cuff& CuffAt(const CuffOptions& options, const CuffPlace& place);
+
 void Describe(CuffOptions& o, OptionList& options);
 
 // Throws UsageError where the softest is stiffer than the stiffest.
@@ -45,9 +54,9 @@ void CheckStiffnesses(const CuffOptions& o);
 // The leg and what the device does at an instant. Angles from the vertical, positive when the upper end leans forward.
 struct LegState {
   double thigh_deg = 0, shank_deg = 0;
-  // Where the hinge would be if it kept its place on the thigh, less the same on the shank: leg frame, mm (x anterior,
-  // y up).
-  Eigen::Vector2d misfit_mm = Eigen::Vector2d::Zero();
+  // Where the hinge is against the knee while its links have not moved: in the thigh's and in the shank's frame, mm
+  // (x anterior, y along the segment, up). The two are one point at standing; as the knee bends they come apart.
+  Eigen::Vector2d hinge_on_thigh_mm = Eigen::Vector2d::Zero(), hinge_on_shank_mm = Eigen::Vector2d::Zero();
   double moment_nm = 0;  // the actuator's, extending the knee; of a hinge that is free to turn
   // The hinge's angle less the knee's where the actuator holds it, as a stroke does: the moment is then what that
   // takes.
@@ -72,9 +81,8 @@ struct LegLoad {
 // NaN.
 LegLoad LoadOnLeg(const LegState& leg, const CuffOptions& options, const Stiffness& stiffness);
 
-// The misfit of a hinge over the rise, stress-free at standing (the last sample): place_shank_mm and place_thigh_mm are
-// where it is against the knee at standing in the segments' frames; flexion 0 straight. |misfit| = 2 |place| sin(θ/2)
-// after the knee has turned by θ.
+// How far the hinge's place on the thigh is from its place on the shank, mm in the leg frame (x anterior, y up).
+// |misfit| = 2 |place| sin(θ/2) after the knee has turned by θ from where the two places are one.
 Eigen::Vector2d MisfitOf(const Eigen::Vector2d& place_shank_mm, const Eigen::Vector2d& place_thigh_mm, double thigh_deg,
                          double shank_deg);
 
