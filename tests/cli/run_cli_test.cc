@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "cli/program_run.h"
@@ -126,6 +127,10 @@ TEST_F(RunProgram, PlansAndDoesStepsOneByOne) {
   EXPECT_EQ(FilesIn(folder_ / "results"), 0u);
   const Json plan = Json::parse(planned.out);
   EXPECT_EQ(plan["steps"][3]["name"], "optimum");
+  EXPECT_EQ(plan["steps"][3]["expected_from"], "the size of its work");
+  double longest_s = 0;
+  for (const Json& step : plan["steps"]) longest_s = std::max(longest_s, step["expected"]["seconds"].get<double>());
+  EXPECT_GE(plan["expected"]["seconds"].get<double>(), longest_s);
   ExpectRefused("study.yaml --only report", 1, "step human leaves, which has not been done");
   ExpectRefused("study.yaml --only stroke", 1, "no step 'stroke' in this study");
   ExpectRefused("study.yaml --only human --plan", 2, "not with --only");
@@ -133,6 +138,9 @@ TEST_F(RunProgram, PlansAndDoesStepsOneByOne) {
   EXPECT_TRUE(fs::is_regular_file(plan["steps"][3]["outputs"][0].get<std::string>()));
   EXPECT_FALSE(fs::exists(folder_ / "results/summary.json"));
   EXPECT_FALSE(fs::exists(folder_ / "results/human"));
+  const Json again = Json::parse(Shell(folder_, "lake-run study.yaml --plan -o results").out);
+  EXPECT_EQ(again["steps"][3]["expected_from"], "its last run");
+  EXPECT_LT(again["expected"]["seconds"], plan["expected"]["seconds"]) << "the optimum is not due any more";
 }
 
 }  // namespace

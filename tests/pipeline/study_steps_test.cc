@@ -36,8 +36,8 @@ class Steps : public testing::TestWithParam<int> {
   ~Steps() override { SetThreads(before_); }
 
   steps::StudyStep Copy(const std::string& name) {
-    steps::StudyStep step{name, "a copy of " + name + ".txt", "copy", Out(name), {folder_ / (name + ".txt")}, {}, {}, 1,
-                          {}};
+    steps::StudyStep step{
+        name, "a copy of " + name + ".txt", "copy", Out(name), {folder_ / (name + ".txt")}, {}, {}, {}, {}};
     step.options = {{"suffix", suffix_}};
     step.work = [this, name](lake::Run& run) {
       NoteDone(name);
@@ -48,7 +48,7 @@ class Steps : public testing::TestWithParam<int> {
 
   steps::StudyStep Join() {
     steps::StudyStep step{
-        "join", "both copies", "join", Out("join"), {Out("a") / "copy.txt", Out("b") / "copy.txt"}, {}, {}, 1, {}};
+        "join", "both copies", "join", Out("join"), {Out("a") / "copy.txt", Out("b") / "copy.txt"}, {}, {}, {}, {}};
     step.work = [this](lake::Run& run) {
       NoteDone("join");
       if (fail_) fail_();
@@ -58,7 +58,7 @@ class Steps : public testing::TestWithParam<int> {
   }
 
   steps::StudyStep Report() {
-    steps::StudyStep step{"report", "all of it", "report", folder_ / "out", {}, {"a", "b", "join"}, {}, 1, {}};
+    steps::StudyStep step{"report", "all of it", "report", folder_ / "out", {}, {"a", "b", "join"}, {}, {}, {}};
     step.work = [this](lake::Run& run) {
       NoteDone("report");
       WriteTextFile(run.Result("report.html"), "report");
@@ -315,7 +315,7 @@ class StepsAtOnce : public testing::Test {
   ~StepsAtOnce() override { SetThreads(before_); }
 
   steps::StudyStep Step(const std::string& name, const std::function<void(lake::Run&)>& work) {
-    return {name, name, "lake-track", folder_ / name, {}, {}, {}, 1, work};
+    return {name, name, "lake-track", folder_ / name, {}, {}, {}, {}, work};
   }
 
   const int before_ = Threads();
@@ -355,6 +355,32 @@ TEST_F(StepsAtOnce, ComeToTheirEndWhereAnotherFails) {
   EXPECT_TRUE(fs::exists(folder_ / "patient/end.txt"));
   EXPECT_EQ(steps::WhyDoSteps({patient}, "this build").front(), "") << "it is done";
   EXPECT_FALSE(fs::exists(folder_ / "later/later.txt")) << "no other is begun";
+}
+
+// Two at a time: the long one and beside it the two short ones, which follow one another; the last waits for both ends.
+TEST(StepCost, StepsOverlapAsTheirOrderAllows) {
+  const std::vector<steps::StepCost> costs{{10, 300}, {4, 100}, {5, 200}, {1, 50}};
+  const std::vector<std::vector<std::size_t>> before{{}, {}, {1}, {0, 2}};
+  const steps::StepCost two = steps::CostOfAll(costs, before, 2);
+  EXPECT_EQ(two.seconds, 11);
+  EXPECT_EQ(two.memory_mb, 500);
+  const steps::StepCost one = steps::CostOfAll(costs, before, 1);
+  EXPECT_EQ(one.seconds, 20);
+  EXPECT_EQ(one.memory_mb, 300);
+  EXPECT_EQ(steps::CostOfAll({}, {}, 2).seconds, 0) << "nothing is due";
+}
+
+TEST_F(StepsAtOnce, TheLastCostIsKept) {
+  const steps::StudyStep step = Step("a", [&](lake::Run& run) {
+    const std::vector<char> memory(100 << 20, 'a');  // written to, so it is there
+    WriteTextFile(run.Result("a.txt"), memory.data() == nullptr ? "" : "a");
+  });
+  EXPECT_FALSE(steps::LastCost(step));
+  steps::RunSteps({step}, {"this build", "test", true});
+  const auto cost = steps::LastCost(step);
+  ASSERT_TRUE(cost);
+  EXPECT_GT(cost->seconds, 0);
+  EXPECT_GT(cost->memory_mb, 100);
 }
 
 }  // namespace

@@ -406,6 +406,50 @@ class ReviewPage(unittest.TestCase):
                  (self.part(name).rect for name in ("timeline", "knee-chart", "lengths-chart", "residuals-chart"))}
         self.assertEqual(len(sides), 1, "an event does not stand over its curve")
 
+    def measured(self, name):
+        return self.browser.execute_script(
+            "const m = document.querySelector(`#measures [data-measure=${arguments[0]}] h2`); return m && m.textContent",
+            name)
+
+    def measure(self, kind, *markers):
+        Select(self.part("measure-kind")).select_by_value(kind)
+        for which, marker in zip(("first", "second", "third"), markers):
+            Select(self.part(f"measure-{which}")).select_by_value(marker)
+        self.part("measure").click()
+
+    def test_angles_distances_and_speeds_of_any_markers(self):
+        self.open_trial()
+        self.measure("angle", "ankle", "knee", "hip")
+        self.measure("distance", "ankle", "waist")
+        self.measure("speed", "hip")
+        name = "ankle_knee_hip_angle"
+        self.until(lambda: self.measured(name) and self.measured("hip_speed"))
+        # The same words to lake track give the same numbers.
+        words = shlex.split(self.text("command"))[1:]
+        self.assertEqual(words[-6:], ["--angle", f"{name}=ankle,knee,hip", "--distance",
+                                      "ankle_waist_distance=ankle,waist", "--speed", "hip_speed=hip"])
+        words[words.index("-o") + 1] = self.folder / "measured"
+        (self.trial / "corrections.csv").write_text("frame,marker,x_px,y_px,sigma_px\n")
+        run(BIN / "lake-track", *words[1:], "--quiet", "--no-overlay", cwd=self.folder)
+        table = read_table(self.folder / "measured" / "measures.csv")
+        for frame in (0, 80):
+            self.seek(frame)
+            row = table[frame]
+            for shown, column, digits in ((name, f"{name}_deg", 1), ("ankle_waist_distance", "ankle_waist_distance_mm", 1),
+                                          ("hip_speed", "hip_speed_mm_s", 2)):
+                value = float(self.measured(shown).split(": ")[1].split("±")[0].strip().split(" ")[0].rstrip("°"))
+                self.assertAlmostEqual(value, float(row[column]), delta=0.51 * 10 ** -digits + 1e-4)  # as rounded
+        # A marker that is moved moves what is measured of it; what was asked stays in the address.
+        before = self.measured(name)
+        self.press("2")
+        self.press(Keys.ARROW_RIGHT, holding=Keys.ALT)
+        self.until(lambda: self.measured(name) != before)
+        self.browser.refresh()
+        self.until(lambda: self.frame() == 0 and self.measured("hip_speed"))
+        self.browser.find_element(By.CSS_SELECTOR, f"[aria-label='Remove {name}']").click()
+        self.until(lambda: not self.measured(name))
+        self.assertNotIn("--angle", self.text("command"))
+
     def test_controls_handle_their_own_keys(self):
         self.open_trial()
         keys = self.browser.find_element(By.CSS_SELECTOR, ".foot summary")

@@ -7,22 +7,13 @@
 #include <cmath>
 #include <utility>
 
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/formats.h"
 
 namespace lake::commands {
 namespace {
-
-std::vector<std::string> SplitAtCommas(const std::string& text) {
-  std::vector<std::string> parts{""};
-  for (const char c : text)
-    if (c == ',')
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  return parts;
-}
 
 void SetSegments(const OptionTexts& texts, const std::string& said, axis::SegmentMarkers& segments) {
   segments = {};
@@ -33,7 +24,7 @@ void SetSegments(const OptionTexts& texts, const std::string& said, axis::Segmen
       throw UsageError(fmt::format("{} '{}': give shank=MARKER,MARKER or thigh=MARKER,MARKER", said, text));
     std::vector<std::string>& markers = name == "shank" ? segments.shank : segments.thigh;
     if (!markers.empty()) throw UsageError(fmt::format("{}: the {} is given twice", said, name));
-    markers = SplitAtCommas(text.substr(equals + 1));
+    markers = SplitText(text.substr(equals + 1), ',');
     if (std::count(markers.begin(), markers.end(), ""))
       throw UsageError(fmt::format("{} '{}': a marker's name is empty", said, text));
   }

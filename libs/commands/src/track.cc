@@ -511,15 +511,19 @@ TrackFit FitTracked(const TrackRunOptions& options, const tracking::TrackResult&
   std::string note;
   const std::optional<camera::CameraProfile> profile = ReadCamera(options, tracked.video, note);
   const gait::LegView view = gait::MakeView(options, profile, {}, options.depth_mm, warn);
-  result.tracks = tracked.recording;
-  if (!HasLeg(options.track.names)) return result;
   const gait::RollingShutter shutter =
       gait::ShutterOf(ReadoutOf(options, profile), tracked.video.width, tracked.video.height,
                       tracked.video.rotation_deg, tracked.video.mirrored);
-  result.leg = gait::FitLeg(gait::AtFrameTimes(tracked.recording, shutter), view,
-                            FitOptions(options, tracked, view, true, warn));
+  const motion::MarkerRecording at_frames = gait::AtFrameTimes(tracked.recording, shutter);
+  result.tracks = tracked.recording;
+  if (!HasLeg(options.track.names)) {
+    result.in_plane = gait::InPlane(at_frames, view);
+    return result;
+  }
+  result.leg = gait::FitLeg(at_frames, view, FitOptions(options, tracked, view, true, warn));
   result.warnings.insert(result.warnings.end(), result.leg->warnings.begin(), result.leg->warnings.end());
   result.tracks = result.leg->tracks;
+  result.in_plane = result.leg->measured;
   result.estimates = EstimatesInPicture(*result.leg, view);
   if (shutter.readout_s != 0) TakeSeenPositions(tracked.recording, result.tracks);
   return result;

@@ -1,9 +1,12 @@
 #include "lake/study/study.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 #include "lake/core/error.h"
 #include "lake/core/paths.h"
+#include "lake/core/threads.h"
 #include "step_table.h"
 #include "study_report.h"
 
@@ -64,7 +67,14 @@ const StepKind& KindOf(const std::string& step) {
   return kReport;
 }
 
-PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>& before, const std::string& why) {
+// Measured where the step has been done, else expected of this machine.
+steps::StepCost CostOn(double pace, const steps::StudyStep& step, const std::optional<steps::StepCost>& last) {
+  return last.value_or(steps::StepCost{.seconds = pace * step.expected.seconds, .memory_mb = step.expected.memory_mb});
+}
+
+PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>& before, const std::string& why,
+                   double pace) {
+  const std::optional<steps::StepCost> last = steps::LastCost(step);
   const StepKind& kind = KindOf(step.name);
   PlannedStep plan{.name = step.name,
                    .what = step.what,
@@ -75,7 +85,9 @@ PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>&
                    .outputs = {},
                    .due = why.empty() ? std::nullopt : std::optional(why),
                    .failed = steps::StepFailure(step),
-                   .needs = kind.needs};
+                   .needs = kind.needs,
+                   .cost = CostOn(pace, step, last),
+                   .was_done = last.has_value()};
   for (const fs::path& input : step.inputs) plan.inputs.push_back(Absolute(input));
   for (const char* output : kind.outputs) plan.outputs.push_back(Absolute(step.folder / output));
   return plan;
@@ -144,18 +156,43 @@ Json RunStudyFile(const StudyFile& study, Run& run, bool keep_going) {
   return summary;
 }
 
+steps::StepCost CostOfDue(const std::vector<PlannedStep>& steps, int at_a_time) {
+  std::vector<steps::StepCost> costs;
+  std::vector<std::vector<std::size_t>> before;
+  std::map<std::string, std::size_t> place;
+  for (const PlannedStep& step : steps) {
+    if (!step.due) continue;
+    place[step.name] = costs.size();
+    costs.push_back(step.cost);
+    std::vector<std::size_t>& waits_for = before.emplace_back();
+    for (const std::string& name : step.after)
+      if (const auto found = place.find(name); found != place.end()) waits_for.push_back(found->second);
+  }
+  return steps::CostOfAll(costs, before, at_a_time);
+}
+
 StudyPlan PlanStudy(const StudyFile& study, const fs::path& out, const std::string& made_by) {
   const std::vector<steps::StudyStep> steps = StudySteps(study, out, Json::object());
   const std::vector<std::string> reasons = steps::WhyDoSteps(steps, made_by);
   StudyPlan plan{.name = study.name, .study = Absolute(study.file), .out = Absolute(out), .steps = {}};
+  const double pace = steps::MachinePace();
+  plan.steps.reserve(steps.size());
   for (std::size_t i = 0; i < steps.size(); ++i)
-    plan.steps.push_back(PlanOf(steps[i], steps::StepsBefore(steps, steps[i]), reasons[i]));
+    plan.steps.push_back(PlanOf(steps[i], steps::StepsBefore(steps, steps[i]), reasons[i], pace));
+  plan.cost = CostOfDue(plan.steps, Threads());
   return plan;
 }
 
+Json CostJson(const steps::StepCost& cost) {
+  return {{"seconds", std::round(10 * cost.seconds) / 10}, {"memory_mb", std::round(cost.memory_mb)}};
+}
+
 Json PlanJson(const StudyPlan& plan) {
-  Json json = {
-      {"name", plan.name}, {"study", plan.study.string()}, {"out", plan.out.string()}, {"steps", Json::array()}};
+  Json json = {{"name", plan.name},
+               {"study", plan.study.string()},
+               {"out", plan.out.string()},
+               {"expected", CostJson(plan.cost)},
+               {"steps", Json::array()}};
   for (const PlannedStep& step : plan.steps)
     json["steps"].push_back(
         {{"name", step.name},
@@ -167,6 +204,8 @@ Json PlanJson(const StudyPlan& plan) {
          {"outputs", Texts(step.outputs)},
          {"due", step.due ? Json(*step.due) : Json()},
          {"failed", step.failed ? Json(*step.failed) : Json()},
+         {"expected", CostJson(step.cost)},
+         {"expected_from", step.was_done ? "its last run" : "the size of its work"},
          {"resources",
           {{"threads", step.needs.threads}, {"memory_mb", step.needs.memory_mb}, {"minutes", step.needs.minutes}}}});
   return json;

@@ -7,6 +7,7 @@
 #include "knees_picture.h"
 #include "lake/core/options_json.h"
 #include "lake/motion/leg_motion.h"
+#include "step_costs.h"
 
 namespace lake::study {
 namespace {
@@ -23,9 +24,8 @@ void Tell(const OptionList& list, const Json& given, steps::StudyStep& step) {
 
 // One command with these options.
 template <typename Options>
-steps::StudyStep StepOf(Options options, Json (*command)(const Options&, Run&), const StudySection& section,
-                        double expected_s) {
-  steps::StudyStep step{.options = section.text, .expected_s = expected_s};
+steps::StudyStep StepOf(Options options, Json (*command)(const Options&, Run&), const StudySection& section) {
+  steps::StudyStep step{.options = section.text, .expected = CostOf(options)};
   for (const InputFile& input : InputsOf(options)) step.inputs.push_back(input.path);
   Tell(OptionsOf(options), section.given, step);
   step.work = [options = std::move(options), command](Run& run) { run.WriteSummary(command(options, run)); };
@@ -43,10 +43,10 @@ steps::StudyStep TrialStep(const StudyTrial& trial, const std::string& what, con
   if (trial.IsVideo()) {
     commands::TrackRunOptions options = std::get<commands::TrackRunOptions>(trial.work);
     if (!options.camera) options.camera = camera;
-    step = StepOf(options, commands::RunTrack, trial.section, 20);
+    step = StepOf(options, commands::RunTrack, trial.section);
     step.program = "lake-track";
   } else {
-    step = StepOf(std::get<commands::GaitRunOptions>(trial.work), commands::RunGait, trial.section, 3);
+    step = StepOf(std::get<commands::GaitRunOptions>(trial.work), commands::RunGait, trial.section);
     step.program = "lake-gait";
   }
   step.what = fmt::format("{}, {}", what, trial.Recording().filename().string());
@@ -87,8 +87,7 @@ linkage::BodySize BodyOf(const StudyFile& study, linkage::BodySize body) {
 // A step of lake-optimize. Clearances are on the body of the person, with the parts that are simulated. `profile` is
 // read once it has been found.
 steps::StudyStep DesignStep(const StudyFile& study, const fs::path& out, commands::OptimizeRunOptions options,
-                            StudySection section, double expected_s,
-                            const std::optional<fs::path>& profile = std::nullopt) {
+                            StudySection section, const std::optional<fs::path>& profile = std::nullopt) {
   problem::SynthesisProblem& problem = options.problem;
   problem::Clearances& clearances = problem.clearances;
   if (problem.actuator) section.text["known of the actuator"] = ActuatorJson(*problem.actuator);
@@ -103,7 +102,7 @@ steps::StudyStep DesignStep(const StudyFile& study, const fs::path& out, command
                             {"seat_edge_mm", clearances.seat_edge_mm},
                             {"parts", study.simulation_section.text}};
   }
-  steps::StudyStep step = StepOf(options, commands::RunOptimize, section, expected_s);
+  steps::StudyStep step = StepOf(options, commands::RunOptimize, section);
   for (const char* key : {"problem", "clearances"})
     if (const auto map = section.text.find(key); map != section.text.end() && map->is_object())
       step.summary_options[key] = *map;
@@ -149,8 +148,7 @@ void TakeLoadOf(const fs::path& profile, const problem::SynthesisProblem& proble
 
 OptionalStep CalibrationStep(const StudyFile& study, const fs::path&) {
   if (!study.calibration) return std::nullopt;
-  steps::StudyStep step =
-      StepOf(study.calibration->camera, commands::RunCalibrate, study.calibration->camera_section, 30);
+  steps::StudyStep step = StepOf(study.calibration->camera, commands::RunCalibrate, study.calibration->camera_section);
   step.what = "the camera";
   return step;
 }
@@ -159,7 +157,7 @@ OptionalStep PlaneStep(const StudyFile& study, const fs::path& out) {
   if (!study.calibration || !study.calibration->plane) return std::nullopt;
   commands::PlaneRunOptions options = *study.calibration->plane;
   options.camera = out / "calibration" / "camera.yaml";
-  steps::StudyStep step = StepOf(options, commands::RunPlane, study.calibration->plane_section, 2);
+  steps::StudyStep step = StepOf(options, commands::RunPlane, study.calibration->plane_section);
   step.what = "the sagittal plane";
   return step;
 }
@@ -178,7 +176,7 @@ OptionalStep ComparisonStep(const StudyFile& study, const fs::path& out) {
   commands::CompareRunOptions options = study.compare;
   options.human = out / "human";
   options.exo = out / "exo";
-  steps::StudyStep step = StepOf(options, commands::RunCompare, study.compare_section, 4);
+  steps::StudyStep step = StepOf(options, commands::RunCompare, study.compare_section);
   step.what = "the misalignment of exo against human";
   if (study.exo->IsVideo()) step.inputs.push_back(study.exo->Recording());
   step.work = [options, trial = *study.exo](Run& run) {
@@ -193,7 +191,7 @@ OptionalStep LoadsStep(const StudyFile& study, const fs::path& out) {
   if (!study.loads) return std::nullopt;
   commands::LoadsRunOptions options = *study.loads;
   options.trial = out / "human";
-  steps::StudyStep step = StepOf(options, commands::RunLoads, study.loads_section, 2);
+  steps::StudyStep step = StepOf(options, commands::RunLoads, study.loads_section);
   step.what = "what the knee needs";
   return step;
 }
@@ -202,7 +200,7 @@ OptionalStep OptimumStep(const StudyFile& study, const fs::path& out) {
   StudySection section = study.design_section;
   section.text.erase("worn");
   if (study.design.file) section.given["problem"] = study.design.file->string();
-  steps::StudyStep step = DesignStep(study, out, OptionsFor(study.design, study.optimum), std::move(section), 15);
+  steps::StudyStep step = DesignStep(study, out, OptionsFor(study.design, study.optimum), std::move(section));
   step.what = "the largest range of rotation";
   return step;
 }
@@ -239,7 +237,7 @@ OptionalStep RedesignStep(const StudyFile& study, const fs::path& out) {
   section.given["human-knee"] = study.compare.human_knee;
   TakeCuffs(study, section, reoptimize);
   if (study.redesign->design.file) section.given["problem"] = study.redesign->design.file->string();
-  steps::StudyStep step = DesignStep(study, out, std::move(options), std::move(section), 20);
+  steps::StudyStep step = DesignStep(study, out, std::move(options), std::move(section));
   step.what = "the design for this person";
   return step;
 }
@@ -249,7 +247,7 @@ OptionalStep AssistanceStep(const StudyFile& study, const fs::path& out) {
   StudySection section = study.assistance->section;
   if (const fs::path& file = study.assistance->options.problem_file; !file.empty())
     section.given["problem"] = file.string();
-  steps::StudyStep step = DesignStep(study, out, study.assistance->options, std::move(section), 5, ProfileIn(out));
+  steps::StudyStep step = DesignStep(study, out, study.assistance->options, std::move(section), ProfileIn(out));
   step.what = "what an actuator gives of it";
   return step;
 }
@@ -257,7 +255,7 @@ OptionalStep AssistanceStep(const StudyFile& study, const fs::path& out) {
 OptionalStep SimulationStep(const StudyFile& study, const fs::path& out) {
   commands::SimulationOptions options = study.simulation;
   steps::StudyStep step{
-      .what = "the design's poses", .options = study.simulation_section.text, .expected_s = 8, .keys = {}};
+      .what = "the design's poses", .options = study.simulation_section.text, .expected = CostOf(options), .keys = {}};
   step.keys = steps::KeysOf(OptionsOf(options));
   const fs::path design = DesignOf(study, out), leg = out / "human" / "kinematics.csv";
   step.inputs = {design, leg};
@@ -306,7 +304,7 @@ OptionalStep StrokeStep(const StudyFile& study, const fs::path& out) {
   };
   const bool is_free = study.redesign && has_own_ends(study.redesign->options.program);
   if (!is_free || options.schedule.speed_mm_s) options.motion = out / "human";
-  steps::StudyStep step = StepOf(options, commands::RunStroke, study.stroke_section, 2);
+  steps::StudyStep step = StepOf(options, commands::RunStroke, study.stroke_section);
   step.what = "the actuator's program";
   return step;
 }

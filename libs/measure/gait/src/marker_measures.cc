@@ -42,6 +42,10 @@ void SetMeasures(const OptionTexts& texts, const std::string& said, const Measur
   }
 }
 
+const MeasureKind& RowOf(MarkerMeasure::Kind kind) {
+  return *std::ranges::find(kMeasureKinds, kind, &MeasureKind::kind);
+}
+
 std::string MeasuresText(const std::vector<MarkerMeasure>& measures, MarkerMeasure::Kind kind) {
   std::string text;
   for (const MarkerMeasure& measure : measures)
@@ -142,6 +146,26 @@ void Describe(std::vector<MarkerMeasure>& measures, OptionList& options) {
       if (!names.insert(measure.name).second)
         throw UsageError(fmt::format("--angle, --distance, --speed: two are called '{}'", measure.name));
   });
+}
+
+const char* ToString(MarkerMeasure::Kind kind) {
+  return RowOf(kind).option;
+}
+
+MarkerMeasure MeasureFrom(const Json& json) {
+  const auto said = json.at("kind").get<std::string>();
+  const auto* kind = std::ranges::find_if(kMeasureKinds, [&](const MeasureKind& one) { return said == one.option; });
+  if (kind == std::end(kMeasureKinds))
+    throw UsageError(fmt::format("measures are angles, distances and speeds, not '{}'", said));
+  MarkerMeasure measure{.kind = kind->kind, .name = json.at("name"), .markers = json.at("markers")};
+  if (measure.name.empty()) throw UsageError(fmt::format("the {} has no name", said));
+  if (measure.markers.size() != kind->markers)
+    throw UsageError(fmt::format("{} '{}' is of {} markers: {}", said, measure.name, kind->markers, kind->value));
+  return measure;
+}
+
+Json MeasureJson(const MarkerMeasure& measure) {
+  return {{"kind", ToString(measure.kind)}, {"name", measure.name}, {"markers", measure.markers}};
 }
 
 std::vector<MarkerMeasure> UsualMeasures(const std::vector<std::string>& markers) {

@@ -103,7 +103,7 @@ void DrawPower(GnuplotFigure& figure, const loads::LoadsResult& result) {
 }  // namespace
 
 void DrawLoads(const std::filesystem::path& path, const loads::LoadsResult& result, const std::string& title) {
-  GnuplotFigure figure(1400, 1000);
+  GnuplotFigure figure(1100, 860);
   figure.Line(fmt::format(
       "set multiplot title {} noenhanced font ',14'",
       QuoteForGnuplot(title + (result.from_ground ? ", from the ground's forces" : ", without force plates"))));

@@ -71,8 +71,8 @@ Range RangeOf(const std::vector<problem::SensitivityPoint>& points) {
 }  // namespace
 
 void DrawSensitivity(const synthesis::SynthesisOutcome& outcome, const std::filesystem::path& path) {
-  GnuplotFigure figure(1400, 800);
-  figure.Line("set multiplot layout 2,4 margins 0.09,0.98,0.15,0.94 spacing 0.065,0.14");
+  GnuplotFigure figure(1100, 760);
+  figure.Line("set multiplot layout 2,4 margins 0.085,0.985,0.16,0.94 spacing 0.07,0.15");
   figure.Line(
       fmt::format("set label 2 'dot: the optimum    solid: feasible    dashed: outside a bound or a requirement    "
                   "grey: cannot be assembled' at screen 0.5,0.03 center textcolor rgb '{}'",

@@ -56,12 +56,26 @@ export interface StateMessage {
   corrections?: number;
 }
 
+export interface MeasureMessage {
+  kind: "angle" | "distance" | "speed";
+  name: string;
+  markers: string[]; // three, two, one
+}
+
+export interface CourseMessage {
+  measure: MeasureMessage;
+  unit: string; // deg, mm, px, mm_s, px_s
+  value: Column;
+  sd: Column;
+}
+
 export interface AboutMessage {
   name: string;
   folder: string;
   command: string; // tracks with the corrections …
   command_with_events: string; // … and with events that were moved
   warnings: string[]; // of the run that tracked it
+  measures: MeasureMessage[]; // that it was tracked with
   width: number; // px
   height: number;
 }

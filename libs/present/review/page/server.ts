@@ -1,7 +1,7 @@
 // Questions to the server that served this page; addresses are relative, so the token stays in them.
 import {
-  Choices, ComparisonMessage, DesignMessage, EditMessage, ExploreQuestion, ExploredMessage, NamingMessage, SnapAnswer,
-  SnapQuestion, StateMessage, StudyMessage, TrackOptions, TrialMessage,
+  Choices, ComparisonMessage, CourseMessage, DesignMessage, EditMessage, ExploreQuestion, ExploredMessage, MeasureMessage,
+  NamingMessage, SnapAnswer, SnapQuestion, StateMessage, StudyMessage, TrackOptions, TrialMessage,
 } from "./messages";
 
 /** The server's own words on why not. */
@@ -37,6 +37,7 @@ export const server = {
   state: () => get<StateMessage>(`state?window=${thisWindow}`),
   trial: () => get<TrialMessage>("trial"),
   edit: (edit: EditMessage) => post<StateMessage>("edit", edit),
+  measure: (measures: MeasureMessage[]) => post<CourseMessage[]>("measure", { measures }),
   snap: (question: SnapQuestion) => post<SnapAnswer>("snap", question),
   naming: (options: TrackOptions) => post<NamingMessage>("naming", options),
   command: (choices: Choices) => post<{ command: string }>("command", choices),

@@ -1,5 +1,5 @@
 // Every text of the page, in one place.
-import { CheckMessage, PinName, ProblemKind } from "./messages";
+import { CheckMessage, CourseMessage, MeasureMessage, PinName, ProblemKind } from "./messages";
 
 const EVENTS: { [event: string]: string } = {
   onset: "onset",
@@ -51,6 +51,23 @@ export const TEXTS = {
   placedFree: (marker: string) => `${marker} placed where you pointed, ± 0.5 px: no marker was measured there`,
   snapped: (marker: string, x: number, y: number) => `${marker} snapped to (${x.toFixed(2)}, ${y.toFixed(2)})`,
   swapped: (one: string, other: string, frame: number) => `${one} and ${other} swapped from frame ${frame} on`,
+
+  // Angles, distances and speeds
+  measured: ({ measure, unit, value, sd }: CourseMessage, row: number) => {
+    const digits = unit === "deg" || unit === "mm" ? 1 : 2, known = value.filter((one) => one !== null) as number[];
+    const said = unit === "deg" ? "°" : ` ${unit.replace("_s", "/s")}`;
+    const least = known.reduce((a, b) => Math.min(a, b), Infinity), most = known.reduce((a, b) => Math.max(a, b), -Infinity);
+    const here = value[row] ?? null, band = sd[row] ?? null;
+    const text = here === null ? "not seen here" : fixed(here, digits) + said + (band === null ? "" : ` ± ${fixed(2 * band, digits)}${said}`);
+    return `${measure.name}: ${text}` + (known.length ? `; ${fixed(least, digits)} to ${fixed(most, digits)}${said}` : "");
+  },
+  sameMarkers: "Choose different markers",
+  remove: "Remove",
+  removeMeasure: (name: string) => `Remove ${name}`,
+  measureWords: (measures: MeasureMessage[], isCommand: boolean) =>
+    measures
+      .map(({ kind, name, markers }) => `${isCommand ? ` --${kind} ` : `, ${kind}: `}${name}=${markers.join()}`)
+      .join(""),
 
   // Problems
   problem: (kind: ProblemKind, marker: string, first: number, last: number, value: number) => {

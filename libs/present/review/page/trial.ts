@@ -2,6 +2,7 @@
 import { Chart, Mark, Tick, Timeline, colourOf } from "./charts";
 import { button, isOfControl, onClick, part, say, sayWhy, undoOf } from "./dom";
 import { Frames } from "./frames";
+import { Measures } from "./measures";
 import { Column, EditMessage, EventMessage, MarkerMessage, ProblemMessage, StateMessage, TrialMessage } from "./messages";
 import { server } from "./server";
 import { TEXTS } from "./texts";
@@ -28,6 +29,8 @@ export class TrialPage {
   private view: PictureView;
   private timeline: Timeline;
   private charts: { knee: Chart; lengths: Chart; residuals: Chart };
+  private measures: Measures;
+  private measuredFit = -1; // the revision that the measures are of
   private isReloading = false;
 
   constructor(private trial: TrialMessage) {
@@ -49,6 +52,8 @@ export class TrialPage {
       lengths: new Chart(part("lengths-chart"), rows, seek),
       residuals: new Chart(part("residuals-chart"), rows, seek),
     };
+    this.measures = new Measures(trial.markers.map((marker) => marker.name), trial.about.measures, rows, seek,
+      () => this.showCommand());
     this.connect();
     this.take(trial);
     this.seek(0);
@@ -77,15 +82,27 @@ export class TrialPage {
     this.rowOf = new Map(trial.frame.map((frame, row) => [frame, row]));
     document.title = `${trial.about.name} – lake review`;
     part("name").textContent = trial.about.name;
-    const isMoved = this.events().some((event) => event.moved);
-    part("command").textContent = isMoved ? trial.about.command_with_events : trial.about.command;
+    this.showCommand();
     this.showState(trial.state);
+    this.measure(trial.state);
     this.showProblems();
     this.showEvents();
     this.showCharts();
     this.showMarkers();
     this.showFrameText();
     this.view.redraw();
+  }
+
+  private showCommand(): void {
+    const { command, command_with_events } = this.trial.about, isMoved = this.events().some((event) => event.moved);
+    const words = TEXTS.measureWords(this.measures.added(), command.startsWith("lake track"));
+    part("command").textContent = (isMoved ? command_with_events : command) + words;
+  }
+
+  private measure({ fitted, fit_error }: StateMessage): void {
+    if (fitted === undefined || fitted < 0 || fitted === this.measuredFit || fit_error) return;
+    this.measuredFit = fitted;
+    void this.measures.ask();
   }
 
   private showState(state: StateMessage): void {
@@ -121,6 +138,7 @@ export class TrialPage {
     this.showFrameText();
     this.timeline.showRow(this.row);
     for (const chart of Object.values(this.charts)) chart.showRow(this.row);
+    this.measures.showRow(this.row);
     this.showMarkers();
   }
 

@@ -44,6 +44,7 @@ class ReviewServer {
   void AddTrial() {
     page_.GetOther("trial", [this](const LocalRequest&) { return LocalReply{"application/json", Session().Trial()}; });
     page_.Post("edit", [this](const Json& edit) { return Session().Edit(edit); });
+    page_.Post("measure", [this](const Json& asked) { return Session().Measure(asked.at("measures")); });
   }
 
   void AddNaming() {

@@ -5,6 +5,7 @@
 
 #include "column.h"
 #include "lake/core/error.h"
+#include "lake/gait/marker_measures.h"
 #include "lake/review/problems.h"
 
 namespace lake::review {
@@ -104,6 +105,20 @@ Json TrialJson(const CorrectionBook& book, const TrialFit* fit, const std::vecto
           {"leg", leg_json},
           {"warnings", warnings},
           {"problems", problems}};
+}
+
+Json CoursesJson(const motion::MarkerRecording& in_plane, const Json& asked) {
+  std::vector<gait::MarkerMeasure> measures;
+  measures.reserve(asked.size());
+  for (const Json& one : asked) measures.push_back(gait::MeasureFrom(one));
+  gait::CheckMarkers(measures, gait::MarkerNames(in_plane));
+  Json courses = Json::array();
+  for (const gait::MeasuredCourse& course : gait::MeasureMarkers(in_plane, measures))
+    courses.push_back({{"measure", gait::MeasureJson(course.measure)},
+                       {"unit", gait::UnitOf(course, in_plane.unit)},
+                       {"value", Column(course.value.size(), [&](std::size_t row) { return course.value[row]; })},
+                       {"sd", Column(course.sd.size(), [&](std::size_t row) { return course.sd[row]; })}});
+  return courses;
 }
 
 }  // namespace lake::review

@@ -10,4 +10,7 @@ namespace lake::review {
 // `fit` is nullptr where there is none (yet).
 Json TrialJson(const CorrectionBook& book, const TrialFit* fit, const std::vector<std::int64_t>& repeated);
 
+// `asked` is a list of gait::MeasureFrom.
+Json CoursesJson(const motion::MarkerRecording& in_plane, const Json& asked);
+
 }  // namespace lake::review

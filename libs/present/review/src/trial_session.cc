@@ -78,6 +78,16 @@ Json TrialSession::Edit(const Json& edit) {
   return StateNow();
 }
 
+Json TrialSession::Measure(const Json& asked) const {
+  motion::MarkerRecording in_plane;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!fit_) throw Error(fit_error_.empty() ? "the leg is being fitted; ask again" : fit_error_);
+    in_plane = fit_->in_plane;
+  }
+  return CoursesJson(in_plane, asked);
+}
+
 void TrialSession::CheckEvents(const CorrectionBook& changed) const {
   if (!fit_ || !fit_->leg) throw Error("there is no leg, so there are no events to be moved");
   const motion::LegMotion& motion = fit_->leg->motion;

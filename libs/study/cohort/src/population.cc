@@ -47,7 +47,7 @@ steps::StudyStep PopulationStep(const Cohort& cohort, const Workflow& workflow, 
                         .program = "lake-optimize",
                         .folder = workflow.out / "group" / kPopulationStep,
                         .options = {{"population", cohort.population->section.text}, {"people", reoptimize.people}},
-                        .expected_s = static_cast<double>(reoptimize.people.size())};
+                        .expected = {.seconds = static_cast<double>(reoptimize.people.size())}};
   for (const InputFile& input : InputsOf(options)) step.inputs.push_back(input.path);
   step.work = [options](Run& run) {
     commands::OptimizeRunOptions work = options;

@@ -168,6 +168,8 @@ void CheckLevel(const CohortRunOptions& options) {
   if (options.only && *options.only != "motion" && *options.only != "tables")
     throw UsageError(fmt::format("--only {}: motion or tables", *options.only));
   if (options.cores && (options.slurm || options.profile)) throw UsageError("--cores: not with --slurm or --profile");
+  if (options.plan && (options.slurm || options.profile))
+    throw UsageError("--plan: of this machine, so not with --slurm or --profile");
   if (options.slurm && options.profile) throw UsageError("--slurm: not with --profile, which can say so itself");
 }
 
@@ -183,6 +185,10 @@ void Describe(CohortRunOptions& o, OptionList& options) {
   options.Add("jobs", o.jobs, "With --slurm: so many at a time").AtLeast(1);
   options.Add("profile", o.profile, "A Snakemake profile: any other cluster, or accounts and partitions of Slurm")
       .Value("DIR|NAME");
+  options.Add(
+      "plan", o.plan,
+      "Print what is to be done of each recording, and the time and memory that it is expected to take, as JSON; "
+      "do nothing");
   options.Add("template", o.make_template, "Make a folder to fill with recordings, and do nothing else")
       .IsPath(Option::Path::kFolder);
   options.Add("only", o.only, "Do this alone, here and now, as a job of the workflow does").Value("motion|tables");
@@ -204,8 +210,14 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   CheckFolder(cohort, run.Folder());
   if (options.profile) CheckProfile(*options.profile);
   if (options.slurm) CheckSlurm();
-  WriteDatasetFiles(cohort, run);
   const fs::path out = fs::absolute(run.Folder()).lexically_normal();
+  if (options.plan) {
+    const FileLock lock = LockWorkflow(out, run.Quiet());
+    const Workflow workflow = PrepareWorkflow(cohort, out);
+    fmt::print("{}\n", WorkflowPlanJson(workflow, options.cores.value_or(Threads())).dump(2));
+    return {};
+  }
+  WriteDatasetFiles(cohort, run);
   const FileLock lock = LockWorkflow(out, run.Quiet());
   const Workflow workflow = PrepareWorkflow(cohort, out);
   if (workflow.studies.empty())

@@ -271,6 +271,28 @@ Workflow ReadWorkflow(const fs::path& out) {
   return workflow;
 }
 
+Json WorkflowPlanJson(const Workflow& workflow, int cores) {
+  const std::string made_by = LakeRun();
+  Json recordings = Json::array(), failed = Json::array();
+  std::vector<steps::StepCost> costs;
+  int threads = 1;
+  for (const WorkflowStudy& of : workflow.studies) {
+    std::vector<study::PlannedStep> steps = PlanOf(of, made_by).steps;
+    std::erase_if(steps, [&](const study::PlannedStep& step) { return !step.due || !Has(of.steps, step.name); });
+    std::vector<std::string> names;
+    for (const study::PlannedStep& step : steps) names.push_back(step.name);
+    const steps::StepCost cost = study::CostOfDue(steps, of.needs.threads);
+    recordings.push_back({{"name", of.name}, {"due", names}, {"expected", study::CostJson(cost)}});
+    if (steps.empty()) continue;
+    costs.push_back(cost);
+    threads = std::max(threads, of.needs.threads);
+  }
+  for (const Failure& failure : workflow.failed) failed.push_back(failure.Text());
+  const std::vector<std::vector<std::size_t>> independent(costs.size());
+  const steps::StepCost all = steps::CostOfAll(costs, independent, std::max(1, cores / threads));
+  return {{"name", workflow.name}, {"expected", study::CostJson(all)}, {"recordings", recordings}, {"failed", failed}};
+}
+
 void WriteMotion(const Workflow& workflow, const WorkflowStudy& of) {
   if (AreTrialsDone(PlanOf(of, LakeRun()), of))
     WriteMotionFiles(of.folder, MotionNamesOf(workflow, of), MotionFolder(workflow, of));

@@ -103,9 +103,11 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
     tracked.recording = corrected;
     commands::TrackFit fitted = commands::FitTracked(folder->options, tracked);
     return review::TrialFit{std::move(fitted.leg), std::move(fitted.tracks), std::move(fitted.estimates),
-                            std::move(fitted.warnings)};
+                            std::move(fitted.in_plane), std::move(fitted.warnings)};
   };
   const auto save = [folder](const review::CorrectionBook& book) { SaveCorrections(*folder, book); };
+  Json measures = Json::array();
+  for (const gait::MarkerMeasure& measure : folder->options.measures) measures.push_back(gait::MeasureJson(measure));
   const video::VideoInfo& video = folder->tracked.video;
   const std::vector<std::int64_t>& repeated = folder->tracked.times.repeated;
   return {BookOf(*folder),
@@ -116,6 +118,7 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
            {"folder", folder->folder.string()},
            {"command", folder->command},
            {"command_with_events", folder->command_with_events},
+           {"measures", measures},
            {"warnings", folder->warnings},
            {"width", video.width},
            {"height", video.height}}};

@@ -8,6 +8,7 @@
 
 #include "file_state.h"
 #include "lake/core/json.h"
+#include "lake/steps/step_cost.h"
 
 namespace lake::steps {
 
@@ -15,7 +16,7 @@ struct StepStamp {
   std::string made_by = {};
   Json options = {};
   std::vector<FileState> inputs = {}, outputs = {};
-  double seconds = 0;
+  StepCost cost = {};
 };
 
 // nullopt if there is none, or none that can be read: the step is then done again.

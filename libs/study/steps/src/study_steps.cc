@@ -1,6 +1,7 @@
 #include "lake/steps/study_steps.h"
 
 #include <fmt/ranges.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -90,6 +91,17 @@ std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp
   }
 }
 
+// Of this process and of the largest that it has started.
+double PeakMemoryMb() {
+  double kilobytes = 0;
+  for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    getrusage(who, &usage);
+    kilobytes += static_cast<double>(usage.ru_maxrss);
+  }
+  return kilobytes / 1024;
+}
+
 StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const StepRunOptions& options) {
   const Clock::time_point start = Clock::now();
   Run run({.program = step.program,
@@ -106,8 +118,10 @@ StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const 
   } catch (...) {
     RethrowAbout(step);
   }
-  StepStamp stamp{
-      .made_by = options.made_by, .options = step.options, .inputs = inputs, .seconds = SecondsSince(start)};
+  StepStamp stamp{.made_by = options.made_by,
+                  .options = step.options,
+                  .inputs = inputs,
+                  .cost = {.seconds = SecondsSince(start), .memory_mb = PeakMemoryMb()}};
   for (const fs::path& path : run.Results()) stamp.outputs.push_back(StateOf(path));
   WriteStamp(step.folder, step.name, stamp);
   return stamp;
@@ -119,7 +133,7 @@ class StepProgress {
   StepProgress(const std::vector<StudyStep>& steps, bool quiet) : steps_(steps), quiet_(quiet) {
     for (const StudyStep& step : steps) {
       const auto stamp = ReadStamp(step.folder, step.name);
-      expected_s_.push_back(stamp ? stamp->seconds : step.expected_s);
+      expected_s_.push_back(stamp ? stamp->cost.seconds : step.expected.seconds);
       left_s_ += expected_s_.back();
     }
   }
@@ -316,7 +330,7 @@ class StepRunner {
   void TakeStep(std::size_t i, bool told, const std::function<StepStamp()>& take) {
     try {
       StepStamp stamp = take();
-      progress_.Done(i, stamp.seconds, told);
+      progress_.Done(i, stamp.cost.seconds, told);
       Finish(i, std::move(stamp));
     } catch (const Error& error) {
       failures_[i] = std::current_exception();
@@ -327,7 +341,7 @@ class StepRunner {
   }
 
   void Finish(std::size_t i, StepStamp stamp) {
-    outcomes_[i].seconds = stamp.seconds;
+    outcomes_[i].seconds = stamp.cost.seconds;
     stamps_[steps_[i].name] = std::move(stamp);
     state_[i] = State::kDone;
   }
@@ -388,6 +402,11 @@ std::vector<std::string> WhyDoSteps(const std::vector<StudyStep>& steps, const s
     if (reasons.back().empty()) done[step.name] = std::move(*stamp);
   }
   return reasons;
+}
+
+std::optional<StepCost> LastCost(const StudyStep& step) {
+  const std::optional<StepStamp> stamp = ReadStamp(step.folder, step.name);
+  return stamp ? std::optional(stamp->cost) : std::nullopt;
 }
 
 std::optional<std::string> StepFailure(const StudyStep& step) {

@@ -56,6 +56,7 @@ struct TrackFit {
   std::optional<gait::LegFitResult> leg;  // nullopt without ankle, knee and hip among the markers
   motion::MarkerRecording tracks;         // as tracks.csv has them
   motion::MarkerRecording estimates;      // the fit's, where they lie in the picture; empty without a leg
+  motion::MarkerRecording in_plane;       // what was measured, in the sagittal plane
   std::vector<std::string> warnings;
 };
 

@@ -27,6 +27,14 @@ struct MarkerMeasure {
 // --angle NAME=A,B,C, --distance NAME=A,B, --speed NAME=A, each any number of times.
 void Describe(std::vector<MarkerMeasure>& measures, OptionList& options);
 
+// "angle", "distance", "speed": the options' names.
+const char* ToString(MarkerMeasure::Kind kind);
+
+// From {"kind": "angle", "name": "knee", "markers": ["ankle", "knee", "hip"]}, and back. Throws UsageError for another
+// kind or number of markers, or an empty name.
+MarkerMeasure MeasureFrom(const Json& json);
+Json MeasureJson(const MarkerMeasure& measure);
+
 // What is measured of markers that are no leg where nobody says it: each one's speed, the distance of each two that
 // follow one another, and the angle of each three.
 std::vector<MarkerMeasure> UsualMeasures(const std::vector<std::string>& markers);

@@ -22,6 +22,7 @@ struct TrialFit {
   std::optional<gait::LegFitResult> leg;  // nullopt where the markers are no leg's; its events are those found
   motion::MarkerRecording tracks;         // px, gaps filled
   motion::MarkerRecording estimates;      // px, the fit's own; empty without a leg
+  motion::MarkerRecording in_plane;       // what was measured, in the sagittal plane
   std::vector<std::string> warnings;
 };
 
@@ -46,6 +47,10 @@ class TrialSession {
 
   // As CorrectionBook::Make(). Throws Error where it cannot be done or cannot be saved: then nothing has changed.
   Json Edit(const Json& edit);
+
+  // Angles, distances and speeds of any markers; CoursesMessage in page/messages.ts. Throws Error where there is no
+  // fit, UsageError for what cannot be measured.
+  Json Measure(const Json& asked) const;
 
   // The nearest frame but this one in which the marker is measured, and where; nullopt if there is none.
   struct Measured {

@@ -22,6 +22,7 @@ struct CohortRunOptions {
   int jobs = 100;  // at a time on a cluster
   std::optional<std::filesystem::path> profile;
   std::optional<std::filesystem::path> make_template;
+  bool plan = false;                // only says what would be done and what it takes
   std::optional<std::string> only;  // what a job of the workflow does: motion, tables
   std::string recordings;           // of which, for motion: sub-01_ses-1
 };

@@ -12,6 +12,7 @@
 
 #include "lake/core/json.h"
 #include "lake/core/run.h"
+#include "lake/steps/step_cost.h"
 #include "lake/steps/study_keys.h"
 
 namespace lake::steps {
@@ -24,7 +25,7 @@ struct StudyStep {
   std::vector<std::filesystem::path> inputs = {};  // files and folders it reads; one that is absent counts as such
   std::vector<std::string> whole_steps = {};       // earlier steps all outputs of which it reads
   Json options = Json::object();                   // what else its outputs depend on
-  double expected_s = 1;                           // how long it takes, until its stamp says so; for the time left
+  StepCost expected = {};                          // until its stamp says what it took
   std::function<void(Run&)> work = {};  // writes through the run: its outputs are what the run has given out as results
   Json summary_options = Json::object();  // options for its summary, named as its program's
   std::vector<std::string> given = {};    // those of them that the study gives
@@ -70,6 +71,9 @@ std::vector<std::string> StepsBefore(const std::vector<StudyStep>& steps, const 
 // be done (whose outputs may come out the same). Nothing is done or written.
 std::vector<std::string> WhyDoSteps(const std::vector<StudyStep>& steps,
                                     const std::string& made_by = StepRunOptions::ThisProgram());
+
+// What a step took the last time, whatever has changed since; nullopt if it has not been done.
+std::optional<StepCost> LastCost(const StudyStep& step);
 
 // The error of the step's last run; nullopt if it did not fail.
 std::optional<std::string> StepFailure(const StudyStep& step);
