@@ -41,43 +41,43 @@ StepCost CostOf(const commands::CalibrateRunOptions& options) {
 }
 
 StepCost CostOf(const commands::PlaneRunOptions&) {
-  return {.seconds = 1.5, .memory_mb = 150};
+  return {.seconds = 1.5, .memory_mb = 120};
 }
 
 StepCost CostOf(const commands::TrackRunOptions& options) {
   const FilmSize film = SizeOf(options.video, options.track.reader);
   // A frame is decoded and searched twice, and once more drawn and coded for the overlay; the fit and the figures take
   // their time by frames alone.
-  const double per_megapixel_s = options.overlay ? 0.012 : 0.004;
-  return {.seconds = 4 + film.frames * (0.006 + per_megapixel_s * film.megapixels),
-          .memory_mb = 200 + 60 * film.megapixels};
+  const double per_megapixel_s = options.overlay ? 0.010 : 0.004;
+  return {.seconds = 3 + film.frames * (0.005 + per_megapixel_s * film.megapixels),
+          .memory_mb = 150 + 130 * film.megapixels};
 }
 
 StepCost CostOf(const commands::GaitRunOptions&) {
-  return {.seconds = 3, .memory_mb = 150};
+  return {.seconds = 2, .memory_mb = 100};
 }
 
 StepCost CostOf(const commands::CompareRunOptions&) {
-  return {.seconds = 2, .memory_mb = 150};
+  return {.seconds = 2, .memory_mb = 85};
 }
 
 StepCost CostOf(const commands::LoadsRunOptions&) {
-  return {.seconds = 3, .memory_mb = 150};
+  return {.seconds = 1.5, .memory_mb = 80};
 }
 
 StepCost CostOf(const commands::OptimizeRunOptions& options) {
-  double seconds = 3 + 0.1 * options.study.optimize.starts;
-  if (options.study.certify_gap_deg) seconds += 2;
-  if (options.reoptimize) seconds += 10 + 3 * options.reoptimize->pareto_points.value_or(0);
-  return {.seconds = seconds, .memory_mb = 150};
+  double seconds = 1.5 + 0.1 * options.study.optimize.starts;
+  if (options.study.certify_gap_deg) seconds += 1;
+  if (options.reoptimize) seconds += 6 + 2 * options.reoptimize->pareto_points.value_or(0);
+  return {.seconds = seconds, .memory_mb = 85};
 }
 
 StepCost CostOf(const commands::SimulationOptions& options) {
-  return {.seconds = options.animation ? 8.0 : 3.0, .memory_mb = 250};
+  return {.seconds = options.animation ? 9.0 : 3.0, .memory_mb = 480};
 }
 
 StepCost CostOf(const commands::StrokeRunOptions&) {
-  return {.seconds = 2, .memory_mb = 150};
+  return {.seconds = 0.5, .memory_mb = 60};
 }
 
 }  // namespace lake::study

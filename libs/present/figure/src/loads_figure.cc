@@ -44,7 +44,7 @@ std::string RisesAndMean(GnuplotFigure& figure, const loads::LoadsResult& result
 void DrawKnee(GnuplotFigure& figure, const loads::LoadsResult& result) {
   using loads::LoadsRow;
   figure.Line(
-      "set lmargin at screen 0.08; set rmargin at screen 0.60; set tmargin at screen 0.91; set bmargin at screen 0.09");
+      "set lmargin at screen 0.09; set rmargin at screen 0.60; set tmargin at screen 0.90; set bmargin at screen 0.09");
   figure.Line("set xlabel 'rise (%)'; set ylabel 'knee extension moment, one leg (N m)'");
   const loads::RiseLoads& mean = result.mean;
   const auto band = [&](bool known) {
@@ -72,8 +72,9 @@ void DrawKnee(GnuplotFigure& figure, const loads::LoadsResult& result) {
 void DrawJoints(GnuplotFigure& figure, const loads::LoadsResult& result) {
   using loads::LoadsRow;
   figure.Line(
-      "set lmargin at screen 0.69; set rmargin at screen 0.98; set tmargin at screen 0.91; set bmargin at screen 0.69");
-  figure.Line("unset xlabel; set format x ''; set ylabel 'moments, mean (N m)'");
+      "set lmargin at screen 0.70; set rmargin at screen 0.98; set tmargin at screen 0.90; set bmargin at screen 0.70");
+  figure.Line("set key at graph 1, graph 1.02 right bottom horizontal samplen 1.5 width -1 noautotitle");
+  figure.Line("unset xlabel; set format x ''; set ytics 20; set ylabel 'moments (N m)'");
   const auto joint = [&](double LoadsRow::*member, const char* colour, const char* name) {
     return CurveOf(figure, result.mean, member, fmt::format("lw 3 lc rgb '{}' title '{}'", colour, name));
   };
@@ -85,8 +86,8 @@ void DrawJoints(GnuplotFigure& figure, const loads::LoadsResult& result) {
 
 void DrawPressure(GnuplotFigure& figure, const loads::LoadsResult& result) {
   const double heel_mm = -kMmPerM * result.body.sole.heel_m, toe_mm = kMmPerM * result.body.sole.toe_m;
-  figure.Line("set tmargin at screen 0.64; set bmargin at screen 0.40; set ylabel 'ground force acts at (mm)'");
-  figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 60, toe_mm + 120));
+  figure.Line("set tmargin at screen 0.61; set bmargin at screen 0.41; set ytics 100; set ylabel 'ground force at (mm)'");
+  figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 60, toe_mm + 60));
   figure.Line("plot " + RisesAndMean(figure, result, &loads::LoadsRow::zmp_mm, colour::kAnkle) +
               fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'heel, toe', {} with lines lw 2 dt 2 lc rgb "
                           "'{}', 0 with lines lw 1 lc rgb '#222222'",
@@ -94,7 +95,9 @@ void DrawPressure(GnuplotFigure& figure, const loads::LoadsResult& result) {
 }
 
 void DrawPower(GnuplotFigure& figure, const loads::LoadsResult& result) {
-  figure.Line("set tmargin at screen 0.35; set bmargin at screen 0.09; set yrange [*:*]; set format x '%g'");
+  figure.Line(
+      "set tmargin at screen 0.32; set bmargin at screen 0.09; set yrange [*:*]; set ytics autofreq; set format x "
+      "'%g'");
   figure.Line("set xlabel 'rise (%)'; set ylabel 'knee power (W)'");
   figure.Line("plot " + RisesAndMean(figure, result, &loads::LoadsRow::knee_power_w, colour::kKnee) +
               ", 0 with lines lw 1 lc rgb '#222222'");

@@ -50,7 +50,7 @@ void DrawLengthPanel(GnuplotFigure& figure, const std::vector<problem::Sensitivi
   const std::string name = link + 1 < kLengths ? problem::LengthName(link) : "shortest stroke";
   figure.Line(fmt::format("set title '{} = {:.2f} mm' offset 0,-0.6", name, length_mm));
   figure.Line(fmt::format("set yrange [{}:{}]", range.lower, range.upper));
-  figure.Line(link + kColumns >= kLengths ? "set xlabel 'change of the length (mm)'" : "unset xlabel");
+  figure.Line(link + kColumns >= kLengths ? "set xlabel 'change (mm)'" : "unset xlabel");
   figure.Line(link % kColumns == 0 ? "set ylabel 'range of rotation (°)'" : "unset ylabel");
   figure.Line(
       fmt::format("plot {0} using 1:2 with lines lw 2.5 dt (6,5) lc rgb '{1}' notitle, "

@@ -54,11 +54,11 @@ export const TEXTS = {
 
   // Angles, distances and speeds
   measured: ({ measure, unit, value, sd }: CourseMessage, row: number) => {
-    const digits = unit === "deg" || unit === "mm" ? 1 : 2, known = value.filter((one) => one !== null) as number[];
+    const digits = unit.startsWith("px") ? 2 : 1, known = value.filter((one) => one !== null) as number[];
     const said = unit === "deg" ? "°" : ` ${unit.replace("_s", "/s")}`;
     const least = known.reduce((a, b) => Math.min(a, b), Infinity), most = known.reduce((a, b) => Math.max(a, b), -Infinity);
     const here = value[row] ?? null, band = sd[row] ?? null;
-    const text = here === null ? "not seen here" : fixed(here, digits) + said + (band === null ? "" : ` ± ${fixed(2 * band, digits)}${said}`);
+    const text = here === null ? "not seen here" : fixed(here, digits) + said + (band === null ? "" : ` ± ${fixed(2 * band, digits + 1)}${said}`);
     return `${measure.name}: ${text}` + (known.length ? `; ${fixed(least, digits)} to ${fixed(most, digits)}${said}` : "");
   },
   sameMarkers: "Choose different markers",
