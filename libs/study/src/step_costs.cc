@@ -37,47 +37,47 @@ StepCost CostOf(const commands::CalibrateRunOptions& options) {
     const FilmSize size = SizeOf(picture, {});
     megapixels += std::max(size.frames, 1.0) * size.megapixels;
   }
-  return {.seconds = 2 + 0.1 * megapixels, .memory_mb = 300};
+  return {.seconds = 1 + 0.05 * megapixels, .memory_mb = 300};
 }
 
 StepCost CostOf(const commands::PlaneRunOptions&) {
-  return {.seconds = 1.5, .memory_mb = 120};
+  return {.seconds = 0.8, .memory_mb = 120};
 }
 
 StepCost CostOf(const commands::TrackRunOptions& options) {
   const FilmSize film = SizeOf(options.video, options.track.reader);
   // A frame is decoded and searched twice, and once more drawn and coded for the overlay; the fit and the figures take
   // their time by frames alone.
-  const double per_megapixel_s = options.overlay ? 0.010 : 0.004;
-  return {.seconds = 3 + film.frames * (0.005 + per_megapixel_s * film.megapixels),
+  const double per_megapixel_s = options.overlay ? 0.005 : 0.002;
+  return {.seconds = 1.5 + film.frames * (0.0022 + per_megapixel_s * film.megapixels),
           .memory_mb = 150 + 130 * film.megapixels};
 }
 
 StepCost CostOf(const commands::GaitRunOptions&) {
-  return {.seconds = 2, .memory_mb = 100};
+  return {.seconds = 1, .memory_mb = 100};
 }
 
 StepCost CostOf(const commands::CompareRunOptions&) {
-  return {.seconds = 2, .memory_mb = 85};
+  return {.seconds = 1, .memory_mb = 85};
 }
 
 StepCost CostOf(const commands::LoadsRunOptions&) {
-  return {.seconds = 1.5, .memory_mb = 80};
+  return {.seconds = 1.2, .memory_mb = 80};
 }
 
 StepCost CostOf(const commands::OptimizeRunOptions& options) {
-  double seconds = 1.5 + 0.1 * options.study.optimize.starts;
-  if (options.study.certify_gap_deg) seconds += 1;
-  if (options.reoptimize) seconds += 6 + 2 * options.reoptimize->pareto_points.value_or(0);
+  double seconds = 1 + 0.06 * options.study.optimize.starts;
+  if (options.study.certify_gap_deg) seconds += 0.5;
+  if (options.reoptimize) seconds += 3 + 0.9 * options.reoptimize->pareto_points.value_or(0);
   return {.seconds = seconds, .memory_mb = 85};
 }
 
 StepCost CostOf(const commands::SimulationOptions& options) {
-  return {.seconds = options.animation ? 9.0 : 3.0, .memory_mb = 480};
+  return {.seconds = options.animation ? 5.0 : 1.5, .memory_mb = 480};
 }
 
 StepCost CostOf(const commands::StrokeRunOptions&) {
-  return {.seconds = 0.5, .memory_mb = 60};
+  return {.seconds = 0.3, .memory_mb = 60};
 }
 
 }  // namespace lake::study

@@ -26,7 +26,7 @@ steps::StudyStep ReportStep(const StudyFile& study, const fs::path& out, const J
                         .folder = out,
                         .inputs = {study.file},
                         .options = {{"name", study.name}},
-                        .expected = {.seconds = 0.3, .memory_mb = 40}};
+                        .expected = {.seconds = 0.2, .memory_mb = 40}};
   for (const steps::StudyStep& earlier : before) step.whole_steps.push_back(earlier.name);
   step.work = [study, out, head, steps = step.whole_steps](Run& run) {
     report::WriteReport(run.Result("report.html"), MakeStudyReport(study, {out, steps}, head));

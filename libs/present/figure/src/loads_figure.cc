@@ -86,7 +86,8 @@ void DrawJoints(GnuplotFigure& figure, const loads::LoadsResult& result) {
 
 void DrawPressure(GnuplotFigure& figure, const loads::LoadsResult& result) {
   const double heel_mm = -kMmPerM * result.body.sole.heel_m, toe_mm = kMmPerM * result.body.sole.toe_m;
-  figure.Line("set tmargin at screen 0.61; set bmargin at screen 0.41; set ytics 100; set ylabel 'ground force at (mm)'");
+  figure.Line(
+      "set tmargin at screen 0.61; set bmargin at screen 0.41; set ytics 100; set ylabel 'ground force at (mm)'");
   figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 60, toe_mm + 60));
   figure.Line("plot " + RisesAndMean(figure, result, &loads::LoadsRow::zmp_mm, colour::kAnkle) +
               fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'heel, toe', {} with lines lw 2 dt 2 lc rgb "
