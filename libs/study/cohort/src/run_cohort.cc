@@ -212,9 +212,7 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   if (options.slurm) CheckSlurm();
   const fs::path out = fs::absolute(run.Folder()).lexically_normal();
   if (options.plan) {
-    const FileLock lock = LockWorkflow(out, run.Quiet());
-    const Workflow workflow = PrepareWorkflow(cohort, out);
-    fmt::print("{}\n", WorkflowPlanJson(workflow, options.cores.value_or(Threads())).dump(2));
+    fmt::print("{}\n", WorkflowPlanJson(WorkflowOf(cohort, out), options.cores.value_or(Threads())).dump(2));
     return {};
   }
   WriteDatasetFiles(cohort, run);

@@ -129,9 +129,9 @@ bool HasMotion(const Workflow& workflow, const WorkflowStudy& of) {
   return HasMotionFiles(of.folder, MotionNamesOf(workflow, of), MotionFolder(workflow, of));
 }
 
-// The plan of one study, and no mark if it has something to do.
-WorkflowStudy PlanFor(const Recordings& recordings, const std::vector<std::string>& asked, const std::string& made_by,
-                      const Workflow& workflow) {
+// One study as it would be done; its study.yaml is written, as plans are read from it.
+WorkflowStudy StudyFor(const Recordings& recordings, const std::vector<std::string>& asked, const std::string& made_by,
+                       const Workflow& workflow) {
   const fs::path file = workflow.out / recordings.Folder() / "study.yaml";
   WorkflowStudy of{.name = recordings.Name(),
                    .participant = recordings.participant,
@@ -146,13 +146,17 @@ WorkflowStudy PlanFor(const Recordings& recordings, const std::vector<std::strin
   const study::StudyPlan plan = PlanOf(of, made_by);
   of.steps = WantedSteps(plan, asked);
   AddNeeds(plan, of);
+  return of;
+}
+
+// Snakemake does what has no mark.
+void TakeBackMark(const WorkflowStudy& of, const std::string& made_by, const Workflow& workflow) {
+  const study::StudyPlan plan = PlanOf(of, made_by);
   const bool is_due = std::ranges::any_of(
       plan.steps, [&](const study::PlannedStep& step) { return Has(of.steps, step.name) && step.due; });
-  if (is_due || (AreTrialsDone(plan, of) && !HasMotion(workflow, of))) {
-    fs::remove(MarkOf(workflow.out, of.name));
-    fs::remove(LogOf(workflow.out, of.name));
-  }
-  return of;
+  if (!is_due && (!AreTrialsDone(plan, of) || HasMotion(workflow, of))) return;
+  fs::remove(MarkOf(workflow.out, of.name));
+  fs::remove(LogOf(workflow.out, of.name));
 }
 
 // As Snakemake reads it.
@@ -223,7 +227,7 @@ const WorkflowStudy* Workflow::Find(const std::string& name) const {
   return found == studies.end() ? nullptr : &*found;
 }
 
-Workflow PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
+Workflow WorkflowOf(const Cohort& cohort, const fs::path& out) {
   CheckHasNoBraces(out.string());
   const std::string made_by = LakeRun();
   Workflow workflow{.source = cohort.folder,
@@ -237,11 +241,18 @@ Workflow PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
     workflow.failed.push_back({.participant = participant, .step = "recordings", .error = "there are no recordings"});
   for (const Recordings& recordings : cohort.recordings) {
     try {
-      workflow.studies.push_back(PlanFor(recordings, cohort.steps, made_by, workflow));
+      workflow.studies.push_back(StudyFor(recordings, cohort.steps, made_by, workflow));
     } catch (const Error& error) {
       workflow.failed.push_back({recordings.participant, recordings.session, recordings.run, "study", error.what()});
     }
   }
+  return workflow;
+}
+
+Workflow PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
+  Workflow workflow = WorkflowOf(cohort, out);
+  const std::string made_by = LakeRun();
+  for (const WorkflowStudy& of : workflow.studies) TakeBackMark(of, made_by, workflow);
   WriteIfChanged(out / "logs" / "cohort.json", WorkflowJson(workflow).dump(1) + "\n");
   return workflow;
 }

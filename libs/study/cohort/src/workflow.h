@@ -49,9 +49,11 @@ struct Workflow {
   const WorkflowStudy* Find(const std::string& name) const;  // nullptr if there is none of these recordings
 };
 
-// Writes each study.yaml and logs/cohort.json, and takes back the marks of studies that have something to do, so that
-// Snakemake does them: steps whose inputs, options, outputs or program are not as they were. A study that cannot be
-// read stands in the configuration with its error.
+// Writes each study.yaml, nothing else. A study that cannot be read stands there with its error.
+Workflow WorkflowOf(const Cohort& cohort, const std::filesystem::path& out);
+
+// The same, and writes logs/cohort.json and takes back the marks of studies that have something to do, so that
+// Snakemake does them: steps whose inputs, options, outputs or program are not as they were.
 Workflow PrepareWorkflow(const Cohort& cohort, const std::filesystem::path& out);
 Workflow ReadWorkflow(const std::filesystem::path& out);
 

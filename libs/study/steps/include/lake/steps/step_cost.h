@@ -12,7 +12,8 @@ struct StepCost {
 };
 
 // How long this machine takes for a fixed piece of work against the machine that expected costs were measured on: 1
-// where it is as fast. The least of some tries, 0.1 s in all.
+// where it is as fast. Measured once, the least of some tries, 0.1 s in
+// all.
 double MachinePace();
 
 // Of steps that each begin once those before them have ended, at most so many at a time, in their order: when the last
