@@ -78,13 +78,7 @@ void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
                       "--min-moment-arm or --max-force",
                       transmission.moment_arm_mm));
   }
-  if (outcome.certificate && !outcome.certificate->reached)
-    run.Warn(fmt::format(
-        "the gap of the certificate is {:.3g}°, more than requested{}", outcome.certificate->gap_deg,
-        outcome.certificate_ignores_used_range
-            ? ": the bound is of the requirements on the links alone, without those over the used range, on the body "
-              "and on strength, and without the tolerance"
-            : ""));
+  if (outcome.certificate) WarnOfCertificate(*outcome.certificate, outcome.problem, run);
   if (outcome.options.round_mm && !outcome.rounded)
     run.Warn(fmt::format(
         "near the optimum, no design whose links are multiples of {} mm satisfies the problem; try a smaller --round",
@@ -116,8 +110,7 @@ Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
     json["robust"] = {{"tolerance_mm", *outcome.problem.robust_mm},
                       {"worst_range_deg", NumberOrNull(best.evaluation.worst_range_deg)},
                       {"builds", best.poses.builds.size()}};
-  if (outcome.certificate)
-    json["certificate"] = CertificateJson(*outcome.certificate, outcome.certificate_ignores_used_range);
+  if (outcome.certificate) json["certificate"] = CertificateJson(*outcome.certificate, outcome.problem);
   if (outcome.yield) json["yield"] = YieldJson(*outcome.yield);
   if (outcome.rounded) json["rounded"] = RoundedJson(*outcome.rounded);
   return json;
