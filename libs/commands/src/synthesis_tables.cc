@@ -96,6 +96,20 @@ const char* Gained(const problem::SynthesisProblem& problem) {
   return problem.SeeksDuration() ? "s gained" : "deg";
 }
 
+Json StationaryJson(const certificate::StationaryPoint& point) {
+  return {{"certified", point.is_certified},
+          {"reason", point.is_certified ? Json() : Json(point.reason)},
+          {"box_mm", point.is_certified ? Json(2 * point.largest_radius) : Json()},
+          {"distance_mm", point.is_certified ? Json(point.distance) : Json()},
+          {"unknowns", point.unknowns}};
+}
+
+std::string StationaryText(const certificate::StationaryPoint& point) {
+  if (!point.is_certified) return fmt::format("  not proved to be an isolated stationary point: {}\n", point.reason);
+  return fmt::format("  proved to be a stationary point, the only one in a box of {:.1g} mm\n",
+                     2 * point.largest_radius);
+}
+
 // What the summary has behind its head.
 Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
   const synthesis::LocalSolve& best = outcome.result.Best();
@@ -104,6 +118,7 @@ Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
                {"exchanges", best.exchanges},
                {"multipliers_unique", outcome.active.multipliers_unique},
                {"active", ActiveJson(outcome.active, Gained(outcome.problem))},
+               {"stationary_point", StationaryJson(outcome.stationary)},
                {"clearances", ClearancesJson(outcome.problem)},
                {"optimum", EvaluationJson(best.evaluation)}};
   if (outcome.problem.robust_mm)
@@ -121,6 +136,7 @@ std::string ReportOf(const synthesis::SynthesisOutcome& outcome, double range_de
   if (outcome.problem.robust_mm)
     text += fmt::format("  at least {:.4f} deg for every build within {:.4g} mm\n",
                         outcome.result.Best().evaluation.worst_range_deg, *outcome.problem.robust_mm);
+  text += StationaryText(outcome.stationary);
   return text + LinksText(outcome.BestLinks()) + ActiveText(outcome.active, Gained(outcome.problem));
 }
 

@@ -168,7 +168,8 @@ std::optional<PoseSlopes> PoseAtAngle(const Region& region, const Interval& kapp
   pose.phi.value = PhiAt(box, kappa_rad);
   if (pose.phi.value.IsEmpty()) return std::nullopt;
   DifferentiatePhi(box, kappa_rad, margins, pose.phi);
-  Tighten(pose.phi, [&](const AxisBox& at) { return PhiAt(at, kappa_rad); }, region);
+  Tighten(
+      pose.phi, [&](const AxisBox& at) { return PhiAt(at, kappa_rad); }, region);
   if (pose.phi.value.IsEmpty()) return std::nullopt;
   DifferentiatePhi(box, kappa_rad, margins, pose.phi);
   pose.stroke = StrokeOf(pose.links, pose.phi);

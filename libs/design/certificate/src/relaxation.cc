@@ -21,7 +21,9 @@ Interval KappaOfAngle(double theta_rad) {
 void AddRows(const problem::Requirement& requirement, const problem::SynthesisProblem& problem, double torque_nm,
              std::vector<PoseRow>& rows) {
   const double torque = std::abs(torque_nm) * kMillimetresPerMetre, limit = requirement.limit;
-  const auto arm = [&](double force_n) { rows.push_back({PoseRow::Kind::kMomentArm, (torque / Interval(force_n)).lower, 0}); };
+  const auto arm = [&](double force_n) {
+    rows.push_back({PoseRow::Kind::kMomentArm, (torque / Interval(force_n)).lower, 0});
+  };
   const auto member = [&](PoseRow::Kind kind, double force_n) { rows.push_back({kind, force_n, torque}); };
   const auto members = [&](double coupler_n, double bar_n, double actuator_n) {
     member(PoseRow::Kind::kCoupler, coupler_n);
@@ -82,7 +84,8 @@ Relaxation::Relaxation(const problem::SynthesisProblem& problem, const RangeBoun
 std::vector<PoseRow> Relaxation::RowsOverRange(const problem::SynthesisProblem& problem) const {
   std::vector<PoseRow> rows;
   for (const problem::Requirement& requirement : problem::RequirementsOf(problem))
-    if (requirement.IsFamily() && !requirement.along_profile) AddRows(requirement, problem, problem.knee_torque_nm, rows);
+    if (requirement.IsFamily() && !requirement.along_profile)
+      AddRows(requirement, problem, problem.knee_torque_nm, rows);
   return rows;
 }
 
@@ -230,8 +233,8 @@ void Relaxation::AddMount(const AxisBox& box, const Interval& phi_rad, const Axi
   const Slope axis = Slope::Axis(kPhi, box[kPhi]), mount = MountAngle(box);
   const double least_between = std::max(0.0, (Interval(phi_rad.lower) - mount.value).lower);
   cuts.Add(UpperCut(axis - mount, at[kPhi] - MountAngle(point).value - least_between, at, box));
-  cuts.Add(UpperCut(ActuatorSlack(box, d_min_mm_),
-                    ActuatorSlack(point, d_min_mm_).value - margins_.singularity_mm, at, box));
+  cuts.Add(UpperCut(ActuatorSlack(box, d_min_mm_), ActuatorSlack(point, d_min_mm_).value - margins_.singularity_mm, at,
+                    box));
 }
 
 // phi at d_min is what the links make it.
