@@ -324,44 +324,44 @@ TEST(Certificate, ABoundBelowAKnownRangeIsAnError) {
 }
 
 TEST(Certificate, IsTheSameForAnyNumberOfThreads) {
-  const problem::SynthesisProblem problem = WithMargins(1);
-  certificate::CertificateOptions options;
-  options.max_boxes = 1500;
-  options.threads = 1;
-  const certificate::Certificate alone = certificate::CertifyRange(problem, std::nullopt, options);
-  EXPECT_EQ(alone.boxes, options.max_boxes);
-  for (const int threads : {2, 3, 5}) {
-    options.threads = threads;
-    const certificate::Certificate together = certificate::CertifyRange(problem, std::nullopt, options);
-    EXPECT_EQ(together.upper_bound_deg, alone.upper_bound_deg) << threads;
-    EXPECT_EQ(together.boxes, alone.boxes) << threads;
+  for (const bool has_limits : {false, true}) {
+    const problem::SynthesisProblem problem = has_limits ? Buildable() : WithMargins(1);
+    const std::optional<double> known = has_limits ? std::optional(148.5) : std::nullopt;  // buildable.yaml: README
+    certificate::CertificateOptions options;
+    options.max_boxes = 1500;
+    options.threads = 1;
+    const certificate::Certificate alone = certificate::CertifyRange(problem, known, options);
+    EXPECT_EQ(alone.boxes, options.max_boxes);
+    for (const int threads : {2, 3, 5}) {
+      options.threads = threads;
+      const certificate::Certificate together = certificate::CertifyRange(problem, known, options);
+      EXPECT_EQ(together.upper_bound_deg, alone.upper_bound_deg) << threads;
+      EXPECT_EQ(together.boxes, alone.boxes) << threads;
+    }
   }
 }
 
 // Refined bounds of problems unlike the paper's must meet the optimum that Ipopt finds: never below it, and not far
-// above where l1 can follow l3 down, as in the paper's bounds (elsewhere branching is slow, and a small budget is not
-// enough).
+// above.
 TEST(Certificate, MeetsTheOptimumOfRandomProblems) {
   std::mt19937_64 random(20260202);
-  int reached = 0, solved = 0;
+  int solved = 0;
   for (int trial = 0; trial < 60; ++trial) {
     problem::SynthesisProblem problem = RandomProblem(random);
-    const bool like_paper = trial % 3 > 0;
-    if (like_paper) problem.bounds[0] = {problem.bounds[2].lower, problem.bounds[2].lower + 40};
+    if (trial % 3 > 0) problem.bounds[0] = {problem.bounds[2].lower, problem.bounds[2].lower + 40};
     synthesis::OptimizeOptions options;
     options.starts = 3;
     const synthesis::SynthesisResult result = synthesis::Optimize(problem, options);
     if (result.best < 0) continue;
-    solved += like_paper;
+    ++solved;
     certificate::CertificateOptions certificate_options;
-    certificate_options.max_boxes = 5000;
+    certificate_options.max_boxes = 20000;
     const certificate::Certificate certificate =
         certificate::CertifyRange(problem, result.Best().evaluation.range_deg, certificate_options);
     EXPECT_GE(certificate.gap_deg, -1e-6) << "trial " << trial;
-    reached += like_paper && certificate.reached;
+    EXPECT_TRUE(certificate.reached) << "trial " << trial << " gap " << certificate.gap_deg;
   }
   EXPECT_GT(solved, 15);
-  EXPECT_EQ(reached, solved);
 }
 
 // Fifteen problems unlike the paper's, as they come.

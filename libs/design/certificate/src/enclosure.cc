@@ -57,8 +57,8 @@ Enclosure operator*(const Enclosure& a, const Enclosure& b) {
   for (int i = 0; i < f.count; ++i) {
     f.first[i] = a.first[i] * b.value + a.value * b.first[i];
     for (int j = 0; j <= i; ++j)
-      f.second[Enclosure::Place(i, j)] = a.Second(i, j) * b.value + a.value * b.Second(i, j) +
-                                         a.first[i] * b.first[j] + a.first[j] * b.first[i];
+      f.second[Enclosure::Place(i, j)] =
+          a.Second(i, j) * b.value + a.value * b.Second(i, j) + a.first[i] * b.first[j] + a.first[j] * b.first[i];
   }
   return f;
 }

@@ -148,7 +148,7 @@ std::optional<PoseSlopes> PoseAtShortestStroke(const Region& region, double d_mi
   PoseSlopes pose;
   pose.links = LinkSlopes(box);
   pose.phi = Slope::Axis(kPhi, box[kPhi]);
-  pose.stroke = d_min_mm;
+  pose.stroke = Interval(d_min_mm);
   pose.kappa.value = KappaOf(box);
   if (pose.kappa.value.IsEmpty()) return std::nullopt;
   DifferentiateKappa(box, margins, pose.kappa);

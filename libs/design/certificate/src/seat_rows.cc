@@ -16,7 +16,7 @@ SeatRows::SeatRows(const problem::SynthesisProblem& problem)
 
 SeatRows::Place SeatRows::PlaceOf(linkage::Pin pin, const PoseSlopes& pose) const {
   const auto& l = pose.links;
-  Slope x = 0.0, y = 0.0;
+  Slope x, y;
   switch (pin) {
     case linkage::kPinK:
       break;

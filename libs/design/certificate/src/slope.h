@@ -18,7 +18,6 @@ struct Slope {
 
   Slope() = default;
   Slope(const Interval& constant) : value(constant) {}  // NOLINT: an interval is a function that does not change
-  Slope(double constant) : value(constant) {}           // NOLINT
 
   static Slope Axis(std::size_t axis, const Interval& range) {
     Slope slope(range);
@@ -55,6 +54,24 @@ inline Slope operator*(const Slope& a, const Slope& b) {
 inline Slope operator/(const Slope& a, const Slope& b) {
   const Interval quotient = a.value / b.value;
   return Chain(a, b, quotient, 1.0 / b.value, -quotient / b.value);
+}
+inline Slope operator+(const Interval& a, const Slope& b) {
+  return Slope(a) + b;
+}
+inline Slope operator+(const Slope& a, const Interval& b) {
+  return a + Slope(b);
+}
+inline Slope operator-(const Interval& a, const Slope& b) {
+  return Slope(a) - b;
+}
+inline Slope operator-(const Slope& a, const Interval& b) {
+  return a - Slope(b);
+}
+inline Slope operator*(const Interval& a, const Slope& b) {
+  return Chain(b, a * b.value, a);
+}
+inline Slope operator*(const Slope& a, const Interval& b) {
+  return b * a;
 }
 inline Slope Square(const Slope& a) {
   return Chain(a, Square(a.value), 2.0 * a.value);

@@ -70,7 +70,10 @@ ActiveSystem ActiveSystemOf(const nlp::NonlinearProgram& program, const std::vec
   for (std::size_t j = 0; j < x.size(); ++j) {
     const nlp::NlpVariable& variable = program.Variables()[j];
     const bool is_held = variable.lower == variable.upper;
-    const int side = is_held || !has_effect[j] ? 0 : IsAt(x[j], variable.lower) ? 1 : IsAt(x[j], variable.upper) ? -1 : 0;
+    const int side = is_held || !has_effect[j]    ? 0
+                     : IsAt(x[j], variable.lower) ? 1
+                     : IsAt(x[j], variable.upper) ? -1
+                                                  : 0;
     system.side.push_back(side);
     system.x.emplace_back(is_held || side > 0 ? variable.lower : side < 0 ? variable.upper : x[j]);
     if (side != 0)
@@ -288,8 +291,7 @@ StationaryPoint CertifyStationaryPoint(const nlp::NonlinearProgram& program, con
   }
   Box z(radii.size());
   for (std::size_t i = 0; i < radii.size(); ++i) z[i] = Interval(centre->z[i]) + Interval(-radii[i], radii[i]);
-  for (std::size_t k = 0; k < active.free.size(); ++k)
-    point.largest_radius = std::max(point.largest_radius, radii[k]);
+  for (std::size_t k = 0; k < active.free.size(); ++k) point.largest_radius = std::max(point.largest_radius, radii[k]);
   const Box x = system.VariablesAt(z);
   for (std::size_t j = 0; j < x.size(); ++j)
     point.distance = std::max(point.distance, std::abs(x[j].Middle() - solution.x[j]));

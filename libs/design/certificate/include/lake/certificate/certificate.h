@@ -16,7 +16,7 @@ namespace lake::certificate {
 struct CertificateOptions {
   double gap_deg = 0.1;            // stop once bound - range is no larger
   std::int64_t max_boxes = 50000;  // examined at most; up to a minute on one core
-  std::optional<double> time_s;    // ends the search earlier; the outcome then depends on the machine
+  std::optional<double> time_s{};  // ends the search earlier; the outcome then depends on the machine
   int threads = Threads();         // the result is the same for any number
   bool quiet = true;               // no progress
 

@@ -1,5 +1,5 @@
-// A function of a few variables over a box, with first and second derivatives, in verified arithmetic: what the terms of
-// a nonlinear program are templates over, so that they can be enclosed as well as differentiated.
+// A function of a few variables over a box, with first and second derivatives, in verified arithmetic: what the terms
+// of a nonlinear program are templates over, so that they can be enclosed as well as differentiated.
 #pragma once
 
 #include <array>
