@@ -101,11 +101,12 @@ TEST(SynthesisOutcome, InfeasibleProblemLeavesItsBestPointMarked) {
   EXPECT_FALSE(std::filesystem::exists(written->folder / "sensitivity.csv"));
 }
 
+// Without the force limit the range is 12.5° larger, which the bound was until it took that limit in.
 TEST(SynthesisOutcome, CertificateHoldsWithRequirementsOverTheUsedRange) {
   problem::SynthesisProblem problem = WithMargins(1);
   problem.max_force_n = 2000;
   const double range = synthesis::SolveFrom(problem, problem.start).evaluation.range_deg;
-  const certificate::Certificate certificate = certificate::CertifyRange(problem, range, {.gap_deg = 1});
+  const certificate::Certificate certificate = certificate::CertifyRange(problem, range, {.gap_deg = 8});
   EXPECT_GT(certificate.upper_bound_deg, range);
   EXPECT_TRUE(certificate.reached);
 }
