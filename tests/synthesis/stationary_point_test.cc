@@ -154,10 +154,10 @@ TEST(StationaryPoint, ThePublishedProblemHasDependentLimits) {
 }
 
 // All stationary points of the paper's problem with margins in its reduced form, without any bound on the range: what
-// README says of the signs leaves l3 at its bound, l4 = l2 and Grashof's law l1 = l3 + g, so l2, l5 and l6 are searched,
-// the whole of them, for boxes that may hold one. A box holds none if some direction d raises theta everywhere in it and
-// leads into the set at every limit that may be active there: grad theta + sum m grad c = 0 with m >= 0, times d, would
-// be above 0.
+// README says of the signs leaves l3 at its bound, l4 = l2 and Grashof's law l1 = l3 + g, so l2, l5 and l6 are
+// searched, the whole of them, for boxes that may hold one. A box holds none if some direction d raises theta
+// everywhere in it and leads into the set at every limit that may be active there: grad theta + sum m grad c = 0 with m
+// >= 0, times d, would be above 0.
 class StationarySearch {
  public:
   using Box = std::array<Interval, 3>;  // l2, l5, l6
@@ -255,9 +255,8 @@ class StationarySearch {
     };
     return std::ranges::any_of(Directions(box), [&](const std::array<double, 3>& d) {
       constexpr double kExact = -1e-300;  // a bound's gradient times zero, widened by the least number
-      return least_along(*theta, d) > 0 && std::ranges::all_of(active, [&](const Gradient& each) {
-               return least_along(each, d) >= kExact;
-             });
+      return least_along(*theta, d) > 0 &&
+             std::ranges::all_of(active, [&](const Gradient& each) { return least_along(each, d) >= kExact; });
     });
   }
 

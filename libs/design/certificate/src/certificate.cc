@@ -109,7 +109,9 @@ class Search {
     for (std::size_t link = 0; link < parent.box.size(); ++link) {
       if (!CanBeSplit(parent.box[link])) continue;
       const double width = parent.box[link].Width() / range_.Root()[link].Width();
-      if (width > most) most = width, axis = link;
+      if (width <= most) continue;
+      most = width;
+      axis = link;
     }
     return axis;
   }

@@ -71,13 +71,18 @@ class DualSimplex {
       std::size_t entering = columns_;
       double least = -kNothing;
       for (std::size_t c = 0; c + 1 < columns_; ++c)
-        if (At(kAxes, c) < least) least = At(kAxes, c), entering = c;
+        if (At(kAxes, c) < least) {
+          least = At(kAxes, c);
+          entering = c;
+        }
       if (entering == columns_) break;
       std::size_t leaving = kAxes;
       double least_ratio = kInfinity;
       for (std::size_t r = 0; r < kAxes; ++r)
-        if (At(r, entering) > kNothing && At(r, columns_ - 1) / At(r, entering) < least_ratio)
-          least_ratio = At(r, columns_ - 1) / At(r, entering), leaving = r;
+        if (At(r, entering) > kNothing && At(r, columns_ - 1) / At(r, entering) < least_ratio) {
+          least_ratio = At(r, columns_ - 1) / At(r, entering);
+          leaving = r;
+        }
       if (leaving == kAxes) {
         ray_ = entering;
         return false;

@@ -1,4 +1,4 @@
-// Bounds theta(X, d_min) from above on a box of links; the mathematics is in certificate.h.
+// Bounds theta(X, d_min) from above on a box of links; the mathematics is in the room's README.
 #pragma once
 
 #include <array>

@@ -305,59 +305,61 @@ std::size_t Relaxation::WidestOf(const Cuts& cuts, const LinearBound& bound, con
   return static_cast<std::size_t>(std::max_element(given.begin(), given.begin() + kPhi) - given.begin());
 }
 
+// Removes what violates a cut, or is below the floor; false if nothing is left.
+bool Relaxation::ContractBy(const Cuts& cuts, const LinearBound& bound, AxisBox& box) const {
+  const AxisBox cut_for = box;
+  if (std::isfinite(floor_rad_))
+    for (Cut goal : {bound.combined, *cuts.goal}) {
+      goal.constant = (Interval(goal.constant) - floor_rad_).upper;
+      if (!Contract(goal, cut_for, box)) return false;
+    }
+  for (const Cut& cut : cuts.all)
+    if (!Contract(cut, cut_for, box)) return false;
+  LinkBox links = LinksOf(box);
+  if (!range_.Contract(links)) return false;
+  std::copy(links.begin(), links.end(), box.begin());
+  return true;
+}
+
 std::optional<Relaxation::Result> Relaxation::Examine(const LinkBox& links) const {
   Result result{links, range_.UpperBound(links), std::nullopt};
   if (result.bound_rad < floor_rad_) return std::nullopt;
-  const RangeBound::BarAngle angle = range_.BarAngleOf(links);
   AxisBox box;
   std::copy(links.begin(), links.end(), box.begin());
-  Interval phi_of_links{angle.least, angle.phi.upper};
-  box[kPhi] = Intersection(phi_of_links, {0, kPiInterval.upper});
-  if (box[kPhi].IsEmpty()) return result;
-
+  box[kPhi] = {0, kPiInterval.upper};
   AxisPoint towards;
   for (std::size_t i = 0; i < kAxes; ++i) towards[i] = box[i].Middle();
   constexpr int kRounds = 3;
   for (int round = 0; round < kRounds; ++round) {
+    const RangeBound::BarAngle angle = range_.BarAngleOf(result.box);
+    // Past phi = pi, which the relaxation does not follow, theta <= 0.
+    if (!(floor_rad_ > 0) && angle.phi.upper > kPiInterval.lower) return result;
+    const Interval phi_of_links{angle.least, angle.phi.upper};
+    box[kPhi] = Intersection(box[kPhi], phi_of_links);
+    if (box[kPhi].IsEmpty()) return std::nullopt;
+
     for (std::size_t i = 0; i < kAxes; ++i) towards[i] = std::clamp(towards[i], box[i].lower, box[i].upper);
-    const std::optional<AxisPoint> anchor = AnchorIn(box, towards);
-    const Region region{box, anchor};
+    const Region region{box, AnchorIn(box, towards)};
     Cuts cuts;
     AddLinear(box, cuts);
-    AddMount(box, phi_of_links, anchor.value_or(towards), cuts);
+    AddMount(box, phi_of_links, region.anchor.value_or(towards), cuts);
     if (!AddCuts(region, phi_of_links, cuts)) return std::nullopt;
     if (!cuts.goal) cuts.goal = GoalOfBarAngle(box);
     const LinearBound bound = BoundBy(*cuts.goal, cuts.all, box);
     result.bound_rad = std::min(result.bound_rad, bound.upper);
     if (result.bound_rad < floor_rad_) return std::nullopt;
-
     result.widest = WidestOf(cuts, bound, box);
 
     const AxisBox before = box;
-    if (std::isfinite(floor_rad_)) {
-      Cut goal = bound.combined;
-      goal.constant = (Interval(goal.constant) - floor_rad_).upper;
-      if (!Contract(goal, before, box)) return std::nullopt;
-      goal = *cuts.goal;
-      goal.constant = (Interval(goal.constant) - floor_rad_).upper;
-      if (!Contract(goal, before, box)) return std::nullopt;
-    }
-    for (const Cut& cut : cuts.all)
-      if (!Contract(cut, before, box)) return std::nullopt;
-    LinkBox left = LinksOf(box);
-    if (!range_.Contract(left)) return std::nullopt;
-    std::copy(left.begin(), left.end(), box.begin());
-    result.box = left;
+    if (!ContractBy(cuts, bound, box)) return std::nullopt;
+    result.box = LinksOf(box);
     double shrink = 1;
     for (std::size_t i = 0; i < kAxes; ++i) {
       towards[i] = before[i].lower + bound.optimum[i] * before[i].Width();
       if (before[i].Width() > 0) shrink = std::min(shrink, box[i].Width() / before[i].Width());
     }
-    const RangeBound::BarAngle now = range_.BarAngleOf(left);
-    phi_of_links = {now.least, now.phi.upper};
-    box[kPhi] = Intersection(box[kPhi], phi_of_links);
-    if (box[kPhi].IsEmpty()) return std::nullopt;
-    if (round > 0 && shrink > 0.8) break;
+    constexpr double kHardlySmaller = 0.8;  // the second round is worth it for its better anchor alone
+    if (round > 0 && shrink > kHardlySmaller) break;
   }
   return result;
 }

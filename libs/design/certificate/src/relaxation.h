@@ -39,6 +39,7 @@ class Relaxation {
   void AddMount(const AxisBox& box, const Interval& phi_rad, const AxisPoint& at, Cuts& cuts) const;
   bool AddPose(const PoseSlopes& pose, const std::optional<PoseSlopes>& at_anchor, const std::vector<PoseRow>& rows,
                const Region& region, Cuts& cuts) const;
+  bool ContractBy(const Cuts& cuts, const LinearBound& bound, AxisBox& box) const;
   std::size_t WidestOf(const Cuts& cuts, const LinearBound& bound, const AxisBox& box) const;
   void AddLinear(const AxisBox& box, Cuts& cuts) const;
   // A design of the box that satisfies what is convex in the links, near `towards`.

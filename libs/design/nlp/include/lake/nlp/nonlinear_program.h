@@ -49,7 +49,7 @@ class NonlinearProgram {
   void AddTerm(int row, const std::array<int, N>& variables, F f) {
     AddTerm(row, std::make_unique<FunctorTerm<static_cast<int>(N), F>>(variables, std::move(f)));
   }
-  void AddTerm(int row, std::unique_ptr<Term> term);
+  void AddTerm(int row, std::unique_ptr<Term> term);  // of a kind of its own
   template <std::size_t N, typename F>
   void AddCost(const std::array<int, N>& variables, F f) {
     AddTerm(NlpTerm::kCost, variables, std::move(f));
