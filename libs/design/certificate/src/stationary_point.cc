@@ -276,6 +276,12 @@ StationaryPoint CertifyStationaryPoint(const nlp::NonlinearProgram& program, con
   const KktSystem system(program, active);
   StationaryPoint point;
   point.unknowns = static_cast<int>(active.Size());
+  constexpr int kMostUnknowns = 600;  // the work grows with the third power
+  if (point.unknowns > kMostUnknowns) {
+    point.reason =
+        fmt::format("its program has {} unknowns, more than the {} that are tried", point.unknowns, kMostUnknowns);
+    return point;
+  }
   Eigen::VectorXd start(active.Size());
   for (std::size_t k = 0; k < active.free.size(); ++k) start[k] = solution.x[active.free[k]];
   for (std::size_t k = 0; k < active.rows.size(); ++k)
