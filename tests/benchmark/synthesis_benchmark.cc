@@ -1,7 +1,8 @@
 // The synthesis problem by Ipopt on the loop equations (ours) and by NLopt on the closed form, from the same 20 starts:
 // SLSQP (gradient), ISRES (global, with constraints) and CRS2 (global, constraints as a penalty). Counters: best
 // feasible range, how many of the starts came within 0.01 deg of the best that is known, evaluations per start; time is
-// per start. Then the certificate's time.
+// per start. Then the certificate's time on one core, of margins, of random problems, and of those with limits over the
+// used range.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -11,8 +12,11 @@
 
 #include "lake/certificate/certificate.h"
 #include "lake/core/angles.h"
+#include "lake/problem/problem_file.h"
 #include "lake/synthesis/optimize.h"
 #include "linkage/independent_routes.h"
+#include "places.h"
+#include "synthesis/random_problem.h"
 
 namespace {
 
@@ -158,13 +162,29 @@ void Nlopt(benchmark::State& state, nlopt::algorithm algorithm, bool penalty) {
   Report(state, ranges, KnownBest(form.problem), form.evaluations);
 }
 
-void CertificateTime(benchmark::State& state) {
-  const problem::SynthesisProblem problem = WithMargins(static_cast<double>(state.range(0)));
-  const double range = KnownBest(problem);
+void Certify(benchmark::State& state, const problem::SynthesisProblem& problem, double range_deg) {
   certificate::Certificate certificate;
-  for (auto _ : state) certificate = certificate::CertifyRange(problem, range);
+  for (auto _ : state) certificate = certificate::CertifyRange(problem, range_deg, {.threads = 1});
   state.counters["gap_deg"] = certificate.gap_deg;
   state.counters["boxes"] = static_cast<double>(certificate.boxes);
+}
+
+void CertificateTime(benchmark::State& state) {
+  const problem::SynthesisProblem problem = WithMargins(static_cast<double>(state.range(0)));
+  Certify(state, problem, KnownBest(problem));
+}
+
+void CertificateOfRandomProblem(benchmark::State& state) {
+  static const std::vector<SolvedProblem> kProblems = RandomSolvedProblems(15);
+  const SolvedProblem& solved = kProblems.at(static_cast<std::size_t>(state.range(0)));
+  Certify(state, solved.problem, solved.range_deg);
+}
+
+void CertificateOfFile(benchmark::State& state, const char* name) {
+  const problem::SynthesisProblem problem = problem::ReadProblem(SourceDir() / "calibration/problems" / name);
+  synthesis::OptimizeOptions options;
+  options.starts = 3;
+  Certify(state, problem, synthesis::Optimize(problem, options).Best().evaluation.range_deg);
 }
 
 void Margins(benchmark::internal::Benchmark* benchmark) {
@@ -177,6 +197,15 @@ BENCHMARK_CAPTURE(Nlopt, SLSQP, nlopt::LD_SLSQP, false)->Apply(Margins);
 BENCHMARK_CAPTURE(Nlopt, ISRES, nlopt::GN_ISRES, false)->Apply(Margins);
 BENCHMARK_CAPTURE(Nlopt, CRS2, nlopt::GN_CRS2_LM, true)->Apply(Margins);
 BENCHMARK(CertificateTime)->Apply(Margins);
+BENCHMARK(CertificateOfRandomProblem)->DenseRange(0, 14)->Unit(benchmark::kMillisecond)->Iterations(1)->UseRealTime();
+BENCHMARK_CAPTURE(CertificateOfFile, buildable, "buildable.yaml")
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(1)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(CertificateOfFile, wearable, "wearable.yaml")
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(1)
+    ->UseRealTime();
 
 }  // namespace
 

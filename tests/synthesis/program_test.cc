@@ -10,6 +10,7 @@
 #include "lake/core/json.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
+#include "places.h"
 #include "synthesis/program_run.h"
 #include "temporary_folder.h"
 
@@ -28,6 +29,22 @@ TEST(LakeOptimize, WritesEverythingThatTheInterfaceNames) {
   for (const char* key : {"range_deg", "status", "constraint_violation", "kkt_error", "certified_upper_bound_deg"})
     EXPECT_TRUE(summary.contains(key)) << key;
   EXPECT_EQ(summary["starts"].size(), 5u);
+}
+
+// The time of the proof is the user's own limit: the bound so far is written, and the run is no failure.
+TEST(LakeOptimize, AProofThatMayTakeNoLongerEndsWithTheGapSoFar) {
+  const TemporaryFolder folder;
+  const std::string problem = (SourceDir() / "calibration/problems/buildable.yaml").string();
+  const Ended ended = RunProgram("--problem " + problem + " --starts 1 --certify 0.001 --certify-time 0.1 -o " +
+                                 (folder / "out").string());
+  EXPECT_EQ(ended.exit_code, 0) << ended.text;
+  EXPECT_NE(ended.text.find("the time of --certify-time was over"), std::string::npos) << ended.text;
+  const Json summary = ReadJsonFile(folder / "out/summary.json");
+  EXPECT_EQ(summary["certificate"]["ended_by"], "time");
+  EXPECT_FALSE(summary["certificate"]["reached"].get<bool>());
+  EXPECT_GT(summary["certified_upper_bound_deg"].get<double>(), summary["range_deg"].get<double>());
+  EXPECT_TRUE(summary["stationary_point"]["certified"].get<bool>());
+  EXPECT_LE(summary["stationary_point"]["box_mm"].get<double>(), 1e-6);
 }
 
 TEST(LakeOptimize, OptionsOverruleTheFile) {
@@ -119,6 +136,7 @@ TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
       {"--start nan,85,85,80,80,235", 2, "nan"},
       {"--starts 0", 2, "starts"},
       {"--certify -1", 2, "--certify must be positive"},
+      {"--certify-time 5", 2, "--certify-time is how long --certify may take"},
       {"--certify=nan", 2, "--certify"},
       {"--yield 0", 2, "--yield must be positive"},
       {"--yield=-1", 2, "--yield must be positive"},

@@ -269,7 +269,7 @@ redesign::RedesignOptions RedesignOptionsOf(const OptimizeRunOptions& options) {
   reoptimize.optimize = options.study.optimize;
   reoptimize.pareto_points = options.reoptimize->pareto_points;
   reoptimize.certify_gap_deg = options.study.certify_gap_deg;
-  reoptimize.certify_boxes = options.study.certify_boxes;
+  reoptimize.certify_time_s = options.study.certify_time_s;
   reoptimize.yield_tolerance_mm = options.study.yield_tolerance_mm;
   reoptimize.quiet = options.study.quiet;
   return reoptimize;

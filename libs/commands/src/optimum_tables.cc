@@ -1,5 +1,7 @@
 #include "optimum_tables.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -249,12 +251,42 @@ Json ActiveJson(const synthesis::ActiveSet& active, const std::string& gained) {
   return entries;
 }
 
-Json CertificateJson(const certificate::Certificate& certificate, bool ignores_used_range) {
+namespace {
+
+std::string_view NameOf(certificate::Certificate::End end) {
+  switch (end) {
+    case certificate::Certificate::End::kGap:
+      return "gap";
+    case certificate::Certificate::End::kBoxes:
+      return "boxes";
+    case certificate::Certificate::End::kTime:
+      return "time";
+  }
+  return "";
+}
+
+}  // namespace
+
+Json CertificateJson(const certificate::Certificate& certificate, const problem::SynthesisProblem& problem) {
   return {{"upper_bound_deg", NumberOrNull(certificate.upper_bound_deg)},
           {"gap_deg", NumberOrNull(certificate.gap_deg)},
           {"reached", certificate.reached},
+          {"ended_by", NameOf(certificate.end)},
           {"boxes", certificate.boxes},
-          {"leaves_out_requirements_over_used_range", ignores_used_range}};
+          {"not_in_bound", certificate::NotInBound(problem)}};
+}
+
+void WarnOfCertificate(const certificate::Certificate& certificate, const problem::SynthesisProblem& problem,
+                       Run& run) {
+  if (certificate.reached) return;
+  std::string text = fmt::format("the gap of the certificate is {:.3g}°, more than requested", certificate.gap_deg);
+  if (certificate.end == certificate::Certificate::End::kTime)
+    text += ": the time of --certify-time was over, so another machine may come to another gap";
+  if (certificate.end == certificate::Certificate::End::kBoxes)
+    text += fmt::format(": the search ended after {} boxes", certificate.boxes);
+  if (const auto names = certificate::NotInBound(problem); !names.empty())
+    text += fmt::format("; the bound holds for all requirements, but is found without {}", fmt::join(names, ", "));
+  run.Warn(text);
 }
 
 }  // namespace lake::commands

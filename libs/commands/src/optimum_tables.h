@@ -79,7 +79,9 @@ Json EvaluationJson(const problem::DesignEvaluation& evaluation);
 Json YieldJson(const problem::Yield& yield);
 // `gained`: what is maximised, in its unit: "deg", "s gained".
 Json ActiveJson(const synthesis::ActiveSet& active, const std::string& gained = "deg");
-Json CertificateJson(const certificate::Certificate& certificate, bool ignores_used_range);
+Json CertificateJson(const certificate::Certificate& certificate, const problem::SynthesisProblem& problem);
+// Where the gap asked for was not reached: what ended the search, and what the bound does without.
+void WarnOfCertificate(const certificate::Certificate& certificate, const problem::SynthesisProblem& problem, Run& run);
 Json NumberOrNull(double value);
 Json NumberOrNull(std::optional<double> value);
 

@@ -299,11 +299,13 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
         after->balance->at_percent, after->balance->duration_s, -after->balance->margin_mm));
   if (!outcome.IsSolved()) return;
   WarnOfMultipliers(outcome.active, run);
-  if (outcome.certificate)
+  if (outcome.certificate) {
+    WarnOfCertificate(*outcome.certificate, outcome.problem.design, run);
     run.Warn(
         fmt::format("the certified bound is one on the range alone, without the limit on misalignment; the largest "
                     "range found without that limit is {:.4f}°",
                     *outcome.widest_deg));
+  }
 }
 
 Json TrialJson(const redesign::RedesignOutcome& outcome) {
@@ -511,7 +513,7 @@ Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   summary.update(best ? SolvedJson(*best, outcome.active) : InfeasibleJson(*outcome.infeasible));
   summary["clearances"] = ClearancesJson(outcome.problem.design);
   summary["optimum"] = EvaluationJson(after.evaluation);
-  if (outcome.certificate) summary["certificate"] = CertificateJson(*outcome.certificate, true);
+  if (outcome.certificate) summary["certificate"] = CertificateJson(*outcome.certificate, outcome.problem.design);
   if (outcome.yield) summary["yield"] = YieldJson(*outcome.yield);
   if (!outcome.fronts.empty()) summary["pareto"] = FrontsJson(outcome);
   if (best)

@@ -78,13 +78,7 @@ void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
                       "--min-moment-arm or --max-force",
                       transmission.moment_arm_mm));
   }
-  if (outcome.certificate && !outcome.certificate->reached)
-    run.Warn(fmt::format(
-        "the gap of the certificate is {:.3g}°, more than requested{}", outcome.certificate->gap_deg,
-        outcome.certificate_ignores_used_range
-            ? ": the bound is of the requirements on the links alone, without those over the used range, on the body "
-              "and on strength, and without the tolerance"
-            : ""));
+  if (outcome.certificate) WarnOfCertificate(*outcome.certificate, outcome.problem, run);
   if (outcome.options.round_mm && !outcome.rounded)
     run.Warn(fmt::format(
         "near the optimum, no design whose links are multiples of {} mm satisfies the problem; try a smaller --round",
@@ -102,6 +96,20 @@ const char* Gained(const problem::SynthesisProblem& problem) {
   return problem.SeeksDuration() ? "s gained" : "deg";
 }
 
+Json StationaryJson(const certificate::StationaryPoint& point) {
+  return {{"certified", point.is_certified},
+          {"reason", point.is_certified ? Json() : Json(point.reason)},
+          {"box_mm", point.is_certified ? Json(2 * point.largest_radius) : Json()},
+          {"distance_mm", point.is_certified ? Json(point.distance) : Json()},
+          {"unknowns", point.unknowns}};
+}
+
+std::string StationaryText(const certificate::StationaryPoint& point) {
+  if (!point.is_certified) return fmt::format("  not proved to be an isolated stationary point: {}\n", point.reason);
+  return fmt::format("  proved to be a stationary point, the only one in a box of {:.1g} mm\n",
+                     2 * point.largest_radius);
+}
+
 // What the summary has behind its head.
 Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
   const synthesis::LocalSolve& best = outcome.result.Best();
@@ -110,14 +118,14 @@ Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
                {"exchanges", best.exchanges},
                {"multipliers_unique", outcome.active.multipliers_unique},
                {"active", ActiveJson(outcome.active, Gained(outcome.problem))},
+               {"stationary_point", StationaryJson(outcome.stationary)},
                {"clearances", ClearancesJson(outcome.problem)},
                {"optimum", EvaluationJson(best.evaluation)}};
   if (outcome.problem.robust_mm)
     json["robust"] = {{"tolerance_mm", *outcome.problem.robust_mm},
                       {"worst_range_deg", NumberOrNull(best.evaluation.worst_range_deg)},
                       {"builds", best.poses.builds.size()}};
-  if (outcome.certificate)
-    json["certificate"] = CertificateJson(*outcome.certificate, outcome.certificate_ignores_used_range);
+  if (outcome.certificate) json["certificate"] = CertificateJson(*outcome.certificate, outcome.problem);
   if (outcome.yield) json["yield"] = YieldJson(*outcome.yield);
   if (outcome.rounded) json["rounded"] = RoundedJson(*outcome.rounded);
   return json;
@@ -128,6 +136,7 @@ std::string ReportOf(const synthesis::SynthesisOutcome& outcome, double range_de
   if (outcome.problem.robust_mm)
     text += fmt::format("  at least {:.4f} deg for every build within {:.4g} mm\n",
                         outcome.result.Best().evaluation.worst_range_deg, *outcome.problem.robust_mm);
+  text += StationaryText(outcome.stationary);
   return text + LinksText(outcome.BestLinks()) + ActiveText(outcome.active, Gained(outcome.problem));
 }
 

@@ -49,6 +49,7 @@ void Progress::Show(Clock::time_point now) {
   std::string line = total_ ? fmt::format("{}: {}/{} {}", what_, done_, *total_, unit_)
                             : fmt::format("{}: {} {}", what_, done_, unit_);
   line += fmt::format(", {:.3g}/s", rate);
+  if (!note_.empty()) line += ", " + note_;
   if (total_ && *total_ > done_)
     line += fmt::format(", {} left", FormatDuration(static_cast<double>(*total_ - done_) / rate));
   fmt::print(stderr, "{}{}{}", terminal_ ? "\r\x1b[K" : "", line, terminal_ ? "" : "\n");

@@ -1,6 +1,7 @@
 #include "lake/certificate/certificate.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <queue>
@@ -11,89 +12,86 @@
 #include "lake/core/interrupt.h"
 #include "lake/core/numbers.h"
 #include "lake/core/progress.h"
-#include "range_bound.h"
+#include "relaxation.h"
 
 namespace lake::certificate {
 namespace {
 
+// Below the known range by more than CheckAgainstKnown() allows, so that it sees where nothing as good is left.
+constexpr double kBelowKnown_deg = 1.5 * kKnownRangeTolerance_deg;
+
 struct OpenBox {
   double bound_rad;
   LinkBox box;
+  std::optional<std::size_t> widest;
   bool operator<(const OpenBox& other) const { return bound_rad < other.bound_rad; }
 };
 
-// The two halves along one link, contracted and bounded; those that are empty are left out.
-std::vector<OpenBox> Halves(const RangeBound& range, const OpenBox& parent, std::size_t link) {
-  std::vector<OpenBox> halves;
-  const double middle = parent.box[link].Middle();
-  for (const bool low : {true, false}) {
-    OpenBox half = parent;
-    (low ? half.box[link].upper : half.box[link].lower) = middle;
-    if (!range.Contract(half.box)) continue;
-    half.bound_rad = std::min(parent.bound_rad, range.UpperBound(half.box));
-    halves.push_back(half);
-  }
-  return halves;
+std::optional<OpenBox> Examined(const Relaxation& relaxation, const LinkBox& box, double parent_rad) {
+  const std::optional<Relaxation::Result> result = relaxation.Examine(box);
+  if (!result) return std::nullopt;
+  return OpenBox{std::min(parent_rad, result->bound_rad), result->box, result->widest};
 }
 
-// Splits along the relatively widest of the links whose split lowers both halves' bounds; if there is none, along the
-// widest of all. nullopt: no link can be split.
-std::optional<std::vector<OpenBox>> Split(const RangeBound& range, const OpenBox& parent) {
-  constexpr double kLowered_rad = 1e-9;
-  const LinkBox root = range.Root();
-  std::optional<std::vector<OpenBox>> best;
-  double best_score = -1;
-  for (std::size_t link = 1; link < parent.box.size(); ++link) {  // l1 is eliminated
-    const Interval& length = parent.box[link];
-    if (!(length.lower < length.Middle() && length.Middle() < length.upper)) continue;
-    std::vector<OpenBox> halves = Halves(range, parent, link);
-    const bool lowers = std::all_of(halves.begin(), halves.end(), [&](const OpenBox& half) {
-      return half.bound_rad < parent.bound_rad - kLowered_rad;
-    });
-    const double width = length.Width() / root[link].Width();  // at most 1
-    const double score = lowers ? 1 + width : width;
-    if (score > best_score) {
-      best_score = score;
-      best = std::move(halves);
-    }
-  }
-  return best;
+bool CanBeSplit(const Interval& length) {
+  return length.lower < length.Middle() && length.Middle() < length.upper;
 }
 
 // Best-first. Boxes are taken in batches of one size and put back in the order in which they were taken, so that the
 // outcome does not depend on the number of threads.
 class Search {
  public:
-  Search(const problem::SynthesisProblem& problem, double target_rad, const CertificateOptions& options)
-      : range_(problem), target_rad_(target_rad), options_(options) {}
+  Search(const problem::SynthesisProblem& problem, std::optional<double> range_deg, const CertificateOptions& options)
+      : range_(problem),
+        floor_rad_(range_deg ? RadiansFromDegrees(*range_deg - kBelowKnown_deg) : -kInfinity),
+        target_rad_(range_deg ? RadiansFromDegrees(*range_deg + options.gap_deg) : -kInfinity),
+        relaxation_(problem, range_, floor_rad_),
+        options_(options) {
+    if (problem.max_angle_deg) cap_rad_ = (Interval(*problem.max_angle_deg) / 180.0 * kPiInterval).upper;
+    if (range_deg) best_ = fmt::format(", best {:.4f}°", *range_deg);
+  }
 
-  void Run() {
-    Progress progress("certificate", "boxes", std::nullopt, options_.quiet);
-    OpenBox root{std::numbers::pi, range_.Root()};
-    if (range_.Contract(root.box)) open_.push({range_.UpperBound(root.box), root.box});
+  Certificate::End Run() {
+    Progress progress("certificate", "boxes", options_.max_boxes, options_.quiet);
+    LinkBox root = range_.Root();
+    if (range_.Contract(root)) {
+      if (const auto whole = Examined(relaxation_, root, cap_rad_))
+        open_.push(*whole);
+      else
+        Close(floor_rad_);
+    }
     boxes_ = 1;
-    while (CanLowerTheBound() && boxes_ < options_.max_boxes) {
+    const auto start = std::chrono::steady_clock::now();
+    while (CanLowerTheBound()) {
+      if (boxes_ >= options_.max_boxes) return Certificate::End::kBoxes;
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+      if (options_.time_s && taken.count() > *options_.time_s) return Certificate::End::kTime;
       ThrowIfInterrupted();
       const std::vector<OpenBox> batch = NextBatch();
-      const std::vector<Halved> halved = SplitAll(batch);
-      for (std::size_t i = 0; i < batch.size(); ++i) Keep(batch[i], halved[i]);
+      for (const Halved& halved : SplitAll(batch)) Keep(halved);
       boxes_ += static_cast<std::int64_t>(batch.size());
+      progress.Note(fmt::format("bound {:.4f}°{}", DegreesFromRadians(Bound_rad()), best_));
       progress.Advance(static_cast<std::int64_t>(batch.size()));
     }
+    return Certificate::End::kGap;
   }
 
   std::int64_t Boxes() const { return boxes_; }
   // -infinity if no box is left: nothing is feasible.
-  double Bound_rad() const { return open_.empty() ? leaf_rad_ : std::max(leaf_rad_, open_.top().bound_rad); }
+  double Bound_rad() const { return open_.empty() ? closed_rad_ : std::max(closed_rad_, open_.top().bound_rad); }
 
  private:
-  using Halved = std::optional<std::vector<OpenBox>>;
+  struct Halved {
+    std::vector<OpenBox> open;
+    double closed_rad;  // bound of what is not split further
+  };
 
-  bool IsWorthSplitting(const OpenBox& box) const { return box.bound_rad > std::max(target_rad_, leaf_rad_); }
+  bool IsWorthSplitting(const OpenBox& box) const { return box.bound_rad > std::max(target_rad_, closed_rad_); }
   bool CanLowerTheBound() const { return !open_.empty() && IsWorthSplitting(open_.top()); }
+  void Close(double bound_rad) { closed_rad_ = std::max(closed_rad_, bound_rad); }
 
   std::vector<OpenBox> NextBatch() {
-    constexpr std::int64_t kBatch = 256;
+    constexpr std::int64_t kBatch = 64;
     const auto size = static_cast<std::size_t>(std::min(kBatch, options_.max_boxes - boxes_));
     std::vector<OpenBox> batch;
     while (batch.size() < size && CanLowerTheBound()) {
@@ -103,24 +101,54 @@ class Search {
     return batch;
   }
 
-  std::vector<Halved> SplitAll(const std::vector<OpenBox>& batch) const {
-    std::vector<Halved> halved(batch.size());
-    ForEachInThreads(batch.size(), options_.threads, [&](std::size_t i) { halved[i] = Split(range_, batch[i]); });
+  // The link along which to split: the one whose width costs most, or else the relatively widest.
+  std::optional<std::size_t> AxisOf(const OpenBox& parent) const {
+    if (parent.widest && CanBeSplit(parent.box[*parent.widest])) return parent.widest;
+    std::optional<std::size_t> axis;
+    double most = 0;
+    for (std::size_t link = 0; link < parent.box.size(); ++link) {
+      if (!CanBeSplit(parent.box[link])) continue;
+      const double width = parent.box[link].Width() / range_.Root()[link].Width();
+      if (width <= most) continue;
+      most = width;
+      axis = link;
+    }
+    return axis;
+  }
+
+  Halved Split(const OpenBox& parent) const {
+    const std::optional<std::size_t> axis = AxisOf(parent);
+    if (!axis) return {{}, parent.bound_rad};
+    Halved halved{{}, floor_rad_};  // what is below is cut off
+    const double middle = parent.box[*axis].Middle();
+    for (const bool low : {true, false}) {
+      LinkBox half = parent.box;
+      (low ? half[*axis].upper : half[*axis].lower) = middle;
+      if (!range_.Contract(half)) continue;
+      if (const auto examined = Examined(relaxation_, half, parent.bound_rad)) halved.open.push_back(*examined);
+    }
     return halved;
   }
 
-  void Keep(const OpenBox& parent, const Halved& halved) {
-    if (!halved)
-      leaf_rad_ = std::max(leaf_rad_, parent.bound_rad);
-    else
-      for (const OpenBox& half : *halved) open_.push(half);
+  std::vector<Halved> SplitAll(const std::vector<OpenBox>& batch) const {
+    std::vector<Halved> halved(batch.size());
+    ForEachInThreads(batch.size(), options_.threads, [&](std::size_t i) { halved[i] = Split(batch[i]); });
+    return halved;
+  }
+
+  void Keep(const Halved& halved) {
+    Close(halved.closed_rad);
+    for (const OpenBox& half : halved.open) open_.push(half);
   }
 
   const RangeBound range_;
-  const double target_rad_;
+  const double floor_rad_, target_rad_;
+  const Relaxation relaxation_;
   const CertificateOptions& options_;
+  double cap_rad_ = kPiInterval.upper;
+  std::string best_;
   std::priority_queue<OpenBox> open_;
-  double leaf_rad_ = -std::numeric_limits<double>::infinity();  // the highest bound of the boxes that cannot be split
+  double closed_rad_ = -kInfinity;  // the highest bound of what is not split
   std::int64_t boxes_ = 0;
 };
 
@@ -136,7 +164,23 @@ void CheckAgainstKnown(double upper_bound_deg, double range_deg) {
 
 void CertificateOptions::Check() const {
   if (!(gap_deg > 0)) throw Fail("the gap to certify must be above 0 deg, not {}", gap_deg);
+  if (time_s && !(*time_s > 0)) throw Fail("the certificate needs a time above 0 s, not {}", *time_s);
   if (threads < 1 || max_boxes < 1) throw Fail("the certificate needs at least one thread and one box");
+}
+
+std::vector<std::string> NotInBound(const problem::SynthesisProblem& problem) {
+  using Kind = problem::Requirement::Kind;
+  std::vector<std::string> names;
+  for (const problem::Requirement& requirement : problem::RequirementsOf(problem)) {
+    const Kind kind = requirement.id.kind;
+    const bool is_out = kind == Kind::kThigh || kind == Kind::kShank || kind == Kind::kDuration ||
+                        (kind == Kind::kSeat && problem.clearances.placement_reach_mm) ||
+                        (kind == Kind::kHolding && requirement.along_profile && !problem.rests_anywhere);
+    if (is_out) names.push_back(requirement.name);
+    if (kind == Kind::kSafety) names.emplace_back("buckling of the rod");
+  }
+  if (problem.robust_mm) names.emplace_back("tolerance");
+  return names;
 }
 
 Certificate CertifyRange(const problem::SynthesisProblem& problem, std::optional<double> range_deg,
@@ -144,10 +188,10 @@ Certificate CertifyRange(const problem::SynthesisProblem& problem, std::optional
   problem.Check();
   options.Check();
   if (range_deg && !std::isfinite(*range_deg)) throw Fail("certificate: a known range of {} deg", *range_deg);
-  Search search(problem, range_deg ? RadiansFromDegrees(*range_deg + options.gap_deg) : -kInfinity, options);
-  search.Run();
+  Search search(problem, range_deg, options);
 
   Certificate certificate;
+  certificate.end = search.Run();
   certificate.boxes = search.Boxes();
   certificate.feasible_set_empty = search.Bound_rad() == -kInfinity;
   certificate.upper_bound_deg =

@@ -1,9 +1,9 @@
 #include "range_bound.h"
 
+#include "slope.h"
+
 namespace lake::certificate {
 namespace {
-
-enum Link { kL1, kL2, kL3, kL4, kL5, kL6 };
 
 Interval Min(const Interval& a, const Interval& b) {
   return {std::min(a.lower, b.lower), std::min(a.upper, b.upper)};
@@ -80,7 +80,7 @@ bool RangeBound::Contract(LinkBox& box) const {
     box[kL5].upper = std::min(box[kL5].upper, Sqrt(Square(longest) - l6_square).upper);
     const Interval l7 = Sqrt(Square(box[kL5]) + Square(box[kL6]));
     box[kL2].lower = std::max(box[kL2].lower, (l7 - d_min_ + singularity_margin_).lower);
-    for (const int i : {kL2, kL5, kL6})
+    for (const Axis i : {kL2, kL5, kL6})
       if (box[i].IsEmpty()) return false;
     if (l7.upper < (d_min_ - box[kL2]).lower || l7.upper < (box[kL2] - d_min_).lower) return false;
   }
@@ -101,7 +101,7 @@ RangeBound::BarAngle RangeBound::BarAngleOf(const LinkBox& box) const {
   };
   const Interval phi = angle(box[kL6]);
   // dphi/dl6 < 0 if l7^2 + d^2 - l2^2 > 0.
-  const bool falls = (Square(box[kL5]) + Square(box[kL6]) + Square(d_min_) - Square(box[kL2])).lower > 0;
+  const bool falls = (Square(box[kL5]) + Square(box[kL6]) + Square(Interval(d_min_)) - Square(box[kL2])).lower > 0;
   return {phi, falls ? angle(box[kL6].upper).lower : phi.lower};
 }
 
@@ -138,7 +138,8 @@ double RangeBound::UpperBound(const LinkBox& box) const {
     bars.l4 = Max(least, bars.l2);
     bars.l1 = Max(box[kL1].lower, bars.l3 + Max(least - bars.l2, 0) + grashof_margin_);
   }
-  return std::max(0.0, (kPiInterval - Interval(LeastKappa(bars))).upper);
+  // kappa >= phi: relaxation.cc.
+  return std::max(0.0, (kPiInterval - Interval(std::max(LeastKappa(bars), bar.least))).upper);
 }
 
 }  // namespace lake::certificate

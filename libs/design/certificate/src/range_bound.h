@@ -1,4 +1,4 @@
-// Bounds theta(X, d_min) from above on a box of links; the mathematics is in certificate.h.
+// Bounds theta(X, d_min) from above on a box of links; the mathematics is in the room's README.
 #pragma once
 
 #include <array>
@@ -23,13 +23,14 @@ class RangeBound {
   // No design in the box that satisfies the constraints has a larger knee angle, rad.
   double UpperBound(const LinkBox& box) const;
 
- private:
   struct BarAngle {
     Interval phi;
     double least;  // smallest phi of the box's feasible designs
   };
+  // At d_min, of the designs of the box that satisfy the constraints.
   BarAngle BarAngleOf(const LinkBox& box) const;
 
+ private:
   // The best l1 = max(lower bound, l3 + l4 + g - l2), and how steeply it follows l3 and l4: 0, 1 or undecided.
   struct Coupler {
     Interval l1, slope;

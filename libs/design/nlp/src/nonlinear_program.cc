@@ -28,7 +28,7 @@ int NonlinearProgram::AddRow(std::string name, double lower, double upper) {
   return static_cast<int>(rows_.size()) - 1;
 }
 
-void NonlinearProgram::Add(int row, std::unique_ptr<Term> term) {
+void NonlinearProgram::AddTerm(int row, std::unique_ptr<Term> term) {
   assert(row >= NlpTerm::kCost && row < static_cast<int>(rows_.size()));
   terms_.push_back({row, std::move(term)});
 }

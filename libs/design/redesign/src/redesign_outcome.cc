@@ -170,8 +170,9 @@ void CertifyWidest(RedesignOutcome& outcome) {
   outcome.widest_deg = outcome.result.Best().Range_deg();
   if (widest.best >= 0) outcome.widest_deg = std::max(*outcome.widest_deg, widest.Best().evaluation.range_deg);
   outcome.certificate =
-      synthesis::Certify(outcome.problem.design, *outcome.widest_deg, *outcome.options.certify_gap_deg,
-                         outcome.options.certify_boxes, outcome.options.quiet);
+      certificate::CertifyRange(outcome.problem.design, *outcome.widest_deg,
+                                synthesis::CertificateOptionsOf(*outcome.options.certify_gap_deg,
+                                                                outcome.options.certify_time_s, outcome.options.quiet));
 }
 
 // No start found a way, but the least misalignment holds the limit: one more start from there.

@@ -16,6 +16,13 @@ void Describe(SynthesisOptions& o, OptionList& options) {
       .Positive()
       .Implied(FormatNumber(certificate::CertificateOptions{}.gap_deg));
   options
+      .Add(
+          "certify-time", o.certify_time_s,
+          "End that proof after this time with the gap so far, which then depends on the machine; without it the proof "
+          "ends after a number of steps, the same everywhere")
+      .Unit("s")
+      .Positive();
+  options
       .Add("yield", o.yield_tolerance_mm,
            "Evaluate the fraction of builds that work when every link, and nothing else, deviates by up to this; not a "
            "requirement")

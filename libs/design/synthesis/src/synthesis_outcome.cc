@@ -12,31 +12,6 @@ namespace {
 constexpr std::array kMargins_mm{0.0, 0.1, 0.2,  0.5,  1.0,  2.0,  3.0,  4.0, 5.0,
                                  6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0};
 
-bool NeedsStanding(const problem::SynthesisProblem& problem) {
-  for (const problem::Requirement& requirement : problem::RequirementsOf(problem))
-    if (requirement.NeedsStanding()) return true;
-  return false;
-}
-
-// The requirements that the certificate works with.
-problem::SynthesisProblem OnlyLinkRequirements(problem::SynthesisProblem problem) {
-  problem.d_max_mm.reset();
-  problem.max_force_n.reset();
-  problem.min_moment_arm_mm.reset();
-  problem.min_transmission_deg.reset();
-  problem.max_angle_deg.reset();
-  problem.clearances = {};
-  problem.max_pin_force_n.reset();
-  problem.max_mount_force_n.reset();
-  problem.safety_factor.reset();
-  problem.robust_mm.reset();
-  problem.profile.reset();
-  problem.actuator.reset();
-  problem.duration_s.reset();
-  problem.goal = problem::SynthesisProblem::Goal::kRange;
-  return problem;
-}
-
 // A few starts are enough along a curve of problems that differ little: the last optimum is one of them.
 LocalSolve BestOfFew(const problem::SynthesisProblem& problem, const linkage::Links& last,
                      const OptimizeOptions& options) {
@@ -71,7 +46,10 @@ MarginPoint SolveMargin(problem::SynthesisProblem problem, double margin_mm, con
   point.range_deg = best.evaluation.range_deg;
   if (options.certify_gap_deg)
     point.upper_bound_deg =
-        Certify(problem, point.range_deg, *options.certify_gap_deg, options.certify_boxes, true).upper_bound_deg;
+        certificate::CertifyRange(problem, point.range_deg,
+                                  CertificateOptionsOf(*options.certify_gap_deg, options.certify_time_s,
+                                                       /*quiet=*/true, /*shares=*/static_cast<int>(kMargins_mm.size())))
+            .upper_bound_deg;
   if (options.yield_tolerance_mm)
     point.yield =
         YieldOf(point.links, problem, *options.yield_tolerance_mm, options.optimize.seed).assembled_and_grashof.value;
@@ -105,30 +83,22 @@ void SynthesisOptions::Check() const {
   optimize.Check();
   if (certify_gap_deg && !(std::isfinite(*certify_gap_deg) && *certify_gap_deg > 0))
     throw UsageError(fmt::format("--certify {}: a gap above 0 deg", *certify_gap_deg));
+  if (certify_time_s && !certify_gap_deg)
+    throw UsageError("--certify-time is how long --certify may take: give that too");
   if (yield_tolerance_mm && !(*yield_tolerance_mm > 0 && *yield_tolerance_mm < 10))
     throw UsageError(fmt::format("--yield {}: a tolerance between 0 and 10 mm", *yield_tolerance_mm));
   if (round_mm && !(std::isfinite(*round_mm) && *round_mm > 0))
     throw UsageError(fmt::format("--round {}: a step above 0 mm", *round_mm));
 }
 
-certificate::Certificate Certify(const problem::SynthesisProblem& problem, double range_deg, double gap_deg,
-                                 std::int64_t max_boxes, bool quiet) {
-  const problem::SynthesisProblem simpler = OnlyLinkRequirements(problem);
-  double aim_deg = range_deg;
-  if (NeedsStanding(problem) || problem.max_angle_deg || problem.robust_mm) {
-    const LocalSolve best = BestOfFew(simpler, problem.start, {});
-    if (best.IsUsable()) aim_deg = std::max(aim_deg, best.evaluation.range_deg);
-  }
+certificate::CertificateOptions CertificateOptionsOf(double gap_deg, std::optional<double> time_s, bool quiet,
+                                                     int shares) {
   certificate::CertificateOptions options;
   options.gap_deg = gap_deg;
-  options.max_boxes = max_boxes;
+  options.max_boxes /= shares;
+  if (time_s) options.time_s = *time_s / shares;
   options.quiet = quiet;
-  certificate::Certificate certificate = certificate::CertifyRange(simpler, aim_deg, options);
-  if (problem.max_angle_deg)
-    certificate.upper_bound_deg = std::min(certificate.upper_bound_deg, *problem.max_angle_deg);
-  certificate.gap_deg = certificate.upper_bound_deg - range_deg;
-  certificate.reached = certificate.gap_deg <= gap_deg;
-  return certificate;
+  return options;
 }
 
 SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const SynthesisOptions& options) {
@@ -148,10 +118,11 @@ SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const Sy
   if (!outcome.IsSolved()) return outcome;
   const LocalSolve& best = outcome.result.Best();
   outcome.active = FindActiveSet(best);
-  outcome.certificate_ignores_used_range = NeedsStanding(problem) || problem.robust_mm;
+  outcome.stationary = certificate::CertifyStationaryPoint(best.program.program, best.solution);
   if (options.certify_gap_deg)
-    outcome.certificate =
-        Certify(problem, best.evaluation.range_deg, *options.certify_gap_deg, options.certify_boxes, options.quiet);
+    outcome.certificate = certificate::CertifyRange(
+        problem, best.evaluation.range_deg,
+        CertificateOptionsOf(*options.certify_gap_deg, options.certify_time_s, options.quiet));
   {
     constexpr double kSpan_mm = 5;
     constexpr int kSteps = 100;

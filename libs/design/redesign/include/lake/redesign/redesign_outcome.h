@@ -31,7 +31,7 @@ struct RedesignOptions {
   double short_program_s = 20;            // of the free program whose front stands beside the others: too
                                           // short for exact tracking by nearly every linkage at 5 mm/s
   std::optional<double> certify_gap_deg;  // absent: no certificate
-  std::int64_t certify_boxes = certificate::CertificateOptions{}.max_boxes;
+  std::optional<double> certify_time_s;
   std::optional<double> yield_tolerance_mm;  // absent: no yield
   bool quiet = true;
 

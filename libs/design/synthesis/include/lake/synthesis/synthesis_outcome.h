@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lake/certificate/certificate.h"
+#include "lake/certificate/stationary_point.h"
 #include "lake/core/run.h"
 #include "lake/problem/robustness.h"
 #include "lake/synthesis/infeasibility.h"
@@ -15,8 +16,8 @@ namespace lake::synthesis {
 
 struct SynthesisOptions {
   OptimizeOptions optimize;
-  std::optional<double> certify_gap_deg;  // absent: no certificate
-  std::int64_t certify_boxes = certificate::CertificateOptions{}.max_boxes;
+  std::optional<double> certify_gap_deg;     // absent: no certificate
+  std::optional<double> certify_time_s;      // absent: the search for a bound ends by its gap or its boxes alone
   std::optional<double> yield_tolerance_mm;  // absent: no yield
   std::optional<double> round_mm;            // absent: no rounding
   bool quiet = true;
@@ -42,9 +43,8 @@ struct SynthesisOutcome {
   std::optional<InfeasibilityReport> infeasible;  // if no start is usable
   // The rest is there if a start is usable.
   ActiveSet active;
+  certificate::StationaryPoint stationary;  // of the best start's last program, with its poses
   std::optional<certificate::Certificate> certificate;
-  bool certificate_ignores_used_range =
-      false;  // the bound leaves out requirements over the used range, clearances, strength and tolerance
   std::vector<problem::SensitivityPoint> sensitivity;
   std::vector<MarginPoint> margins;  // none where the duration is what is sought, or with a tolerance
   std::optional<problem::Yield> yield, start_yield;
@@ -58,10 +58,8 @@ struct SynthesisOutcome {
 // Throws Error for a problem or options that fail Check(), Interrupted on a signal.
 SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const SynthesisOptions& options);
 
-// A certificate for a solved problem. Requirements over the used range and the cap are left out of the branch and
-// bound, which then aims at the optimum of that simpler problem; the bound holds for the whole one. Throws Error if the
-// bound is below `range_deg`, the range of a known solution.
-certificate::Certificate Certify(const problem::SynthesisProblem& problem, double range_deg, double gap_deg,
-                                 std::int64_t max_boxes, bool quiet);
+// Of a certificate that is asked for, of one of `shares` equal parts of its boxes and its time.
+certificate::CertificateOptions CertificateOptionsOf(double gap_deg, std::optional<double> time_s, bool quiet,
+                                                     int shares = 1);
 
 }  // namespace lake::synthesis

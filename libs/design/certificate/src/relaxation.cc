@@ -1,0 +1,367 @@
+#include "relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "lake/core/angles.h"
+#include "lake/parts/strength.h"
+
+namespace lake::certificate {
+namespace {
+
+using Kind = problem::Requirement::Kind;
+constexpr double kMillimetresPerMetre = 1000;
+
+Interval KappaOfAngle(double theta_rad) {
+  return kPiInterval - Interval(theta_rad);
+}
+
+// The rows of a requirement under a torque in N m.
+void AddRows(const problem::Requirement& requirement, const problem::SynthesisProblem& problem, double torque_nm,
+             std::vector<PoseRow>& rows) {
+  const double torque = std::abs(torque_nm) * kMillimetresPerMetre, limit = requirement.limit;
+  const auto arm = [&](double force_n) {
+    rows.push_back({PoseRow::Kind::kMomentArm, (torque / Interval(force_n)).lower, 0});
+  };
+  const auto member = [&](PoseRow::Kind kind, double force_n) { rows.push_back({kind, force_n, torque}); };
+  const auto members = [&](double coupler_n, double bar_n, double actuator_n) {
+    member(PoseRow::Kind::kCoupler, coupler_n);
+    member(PoseRow::Kind::kBar, bar_n);
+    member(PoseRow::Kind::kBarPulling, bar_n);
+    arm(actuator_n);
+  };
+  switch (requirement.id.kind) {
+    case Kind::kMomentArm:
+      rows.push_back({PoseRow::Kind::kMomentArm, limit, 0});
+      break;
+    case Kind::kTransmission:
+      rows.push_back({PoseRow::Kind::kTransmission, Sin(Interval(limit) / 180.0 * kPiInterval).lower, 0});
+      break;
+    case Kind::kForce:
+    case Kind::kHolding:
+    case Kind::kMountForce:
+      arm(limit);
+      break;
+    case Kind::kPinForce:
+      members(limit, limit, limit);
+      break;
+    case Kind::kSafety: {
+      const parts::Capacity capacity = parts::CapacityOf(problem.parts);
+      const auto allowed = [&](double bears_n) { return (Interval(bears_n) / Interval(limit)).upper; };
+      members(allowed(capacity.coupler_n), allowed(capacity.bar_n), allowed(capacity.actuator_n));
+      break;
+    }
+    default:
+      break;
+  }
+}
+
+}  // namespace
+
+// Cuts of one region, and which of them give how much away.
+struct Relaxation::Cuts {
+  std::vector<Cut> all;
+  std::optional<Cut> goal;
+  bool has_bar_angle = false;
+  std::array<double, kAxes> phi_spread{};  // then: of phi at d_min, by the links
+
+  void Add(std::optional<Cut> cut) {
+    if (cut) all.push_back(*cut);
+  }
+};
+
+Relaxation::Relaxation(const problem::SynthesisProblem& problem, const RangeBound& range, double floor_rad)
+    : range_(range),
+      d_min_mm_(problem.d_min_mm),
+      floor_rad_(floor_rad),
+      margins_{problem.grashof_margin_mm, problem.singularity_margin_mm} {
+  for (const problem::Requirement& requirement : problem::RequirementsOf(problem))
+    if (requirement.IsLinear()) linear_.push_back(requirement);
+  AddPlaces(problem, floor_rad);
+}
+
+std::vector<PoseRow> Relaxation::RowsOverRange(const problem::SynthesisProblem& problem) const {
+  std::vector<PoseRow> rows;
+  for (const problem::Requirement& requirement : problem::RequirementsOf(problem))
+    if (requirement.IsFamily() && !requirement.along_profile)
+      AddRows(requirement, problem, problem.knee_torque_nm, rows);
+  return rows;
+}
+
+// What stands has, at every knee angle from standing to the floor, a pose of its used range.
+void Relaxation::AddPlaces(const problem::SynthesisProblem& problem, double floor_rad) {
+  const std::vector<problem::Requirement> requirements = problem::RequirementsOf(problem);
+  const bool stands = std::ranges::any_of(requirements, [](const auto& each) { return each.NeedsStanding(); });
+  const double standing_rad = std::max(0.0, RadiansFromDegrees(problem.standing_deg));
+  if (!stands) return;
+  at_shortest_ = RowsOverRange(problem);
+  if (!(floor_rad > standing_rad)) return;
+  constexpr int kSteps = 4;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double theta = std::min(floor_rad, std::lerp(standing_rad, floor_rad, static_cast<double>(i) / kSteps));
+    Place place{KappaOfAngle(theta), RowsOverRange(problem)};
+    if (i == 0 && problem.d_max_mm)  // past it the stroke is only longer
+      place.rows.push_back({PoseRow::Kind::kLongest, *problem.d_max_mm, 0});
+    if (i == kSteps) place.rows.push_back({PoseRow::Kind::kShortest, problem.d_min_mm, 0});
+    places_.push_back(place);
+  }
+  // Where a placement is sought, the seat says nothing about the links alone.
+  if (problem.clearances.seat_mm && !problem.clearances.placement_reach_mm && floor_rad >= problem.SeatedAngle_rad())
+    seat_.emplace(problem);
+  if (problem.HasLoadProfile()) AddSamples(problem, requirements, floor_rad);
+}
+
+void Relaxation::AddSamples(const problem::SynthesisProblem& problem,
+                            const std::vector<problem::Requirement>& requirements, double floor_rad) {
+  constexpr std::size_t kMostSamples = 8;
+  std::vector<const problem::LoadSample*> samples;
+  for (const problem::LoadSample& sample : problem.profile->samples)
+    if (sample.knee_rad >= std::max(0.0, RadiansFromDegrees(problem.standing_deg)) && sample.knee_rad <= floor_rad)
+      samples.push_back(&sample);
+  const std::size_t step = 1 + samples.size() / kMostSamples;
+  for (std::size_t i = 0; i < samples.size(); i += step) {
+    Place place{KappaOfAngle(samples[i]->knee_rad), {}};
+    for (const problem::Requirement& requirement : requirements)
+      if (requirement.along_profile && (requirement.id.kind != Kind::kHolding || problem.rests_anywhere))
+        AddRows(requirement, problem, problem.TorqueAt(*samples[i]), place.rows);
+    places_.push_back(place);
+  }
+}
+
+bool Relaxation::IsInSet(const AxisPoint& at) const {
+  for (const problem::Requirement& row : linear_) {
+    Interval sum = 0;
+    for (std::size_t i = 0; i < 6; ++i)
+      if (row.coefficients[i] != 0) sum = sum + Interval(row.coefficients[i]) * at[i];
+    if (!(sum.lower >= row.limit - kRounding_mm)) return false;
+  }
+  const Interval l7 = Sqrt(Square(Interval(at[kL5])) + Square(Interval(at[kL6])));
+  return (Interval(at[kL2]) + d_min_mm_ - l7).lower >= margins_.singularity_mm - kRounding_mm;
+}
+
+std::optional<AxisPoint> Relaxation::AnchorIn(const AxisBox& box, const AxisPoint& towards) const {
+  AxisPoint at = towards;
+  const auto move = [&](std::size_t axis, double by) {
+    const double before = at[axis];
+    at[axis] = std::clamp(before + by, box[axis].lower, box[axis].upper);
+    return at[axis] - before;
+  };
+  // Moves of the same length along each link of a row that can still move.
+  const auto meet = [&](const problem::Requirement& row) {
+    double missing = row.limit;
+    for (std::size_t i = 0; i < 6; ++i) missing -= row.coefficients[i] * at[i];
+    for (int pass = 0; pass < 3 && missing > 0; ++pass) {
+      int free = 0;
+      for (std::size_t i = 0; i < 6; ++i) {
+        const double end = row.coefficients[i] > 0 ? box[i].upper : box[i].lower;
+        free += row.coefficients[i] != 0 && at[i] != end;
+      }
+      if (free == 0) return;
+      const double step = missing / free;
+      for (std::size_t i = 0; i < 6; ++i)
+        if (row.coefficients[i] != 0) missing -= row.coefficients[i] * move(i, row.coefficients[i] * step);
+    }
+  };
+  constexpr int kSweeps = 40;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    if (IsInSet(at)) return at;
+    for (const problem::Requirement& row : linear_) meet(row);
+    const double l7 = std::hypot(at[kL5], at[kL6]);
+    const double missing = l7 + margins_.singularity_mm - at[kL2] - d_min_mm_;
+    if (missing <= 0) continue;
+    for (const auto& [axis, slope] : {std::pair{kL2, 1.0}, {kL5, -at[kL5] / l7}, {kL6, -at[kL6] / l7}})
+      move(axis, missing * slope);
+  }
+  return IsInSet(at) ? std::optional(at) : std::nullopt;
+}
+
+void Relaxation::AddLinear(const AxisBox& box, Cuts& cuts) const {
+  for (const problem::Requirement& row : linear_) {
+    Cut cut;
+    Interval constant = -row.limit;
+    for (std::size_t i = 0; i < 6; ++i) {
+      constant = constant + Interval(row.coefficients[i]) * box[i].lower;
+      cut.coefficients[i] = row.coefficients[i];
+    }
+    cut.constant = constant.upper;
+    cuts.all.push_back(cut);
+  }
+}
+
+// False if a row holds nowhere in the region.
+bool Relaxation::AddPose(const PoseSlopes& pose, const std::optional<PoseSlopes>& at_anchor,
+                         const std::vector<PoseRow>& rows, const Region& region, Cuts& cuts) const {
+  for (const PoseRow& row : rows) {
+    const Slope slope = ValueOf(row, pose);
+    if (slope.value.upper < 0) return false;
+    if (slope.value.lower < 0 && at_anchor)
+      cuts.Add(UpperCut(slope, ValueOf(row, *at_anchor).value, *region.anchor, region.box));
+  }
+  return true;
+}
+
+namespace {
+
+// The region shrunk to one of its points.
+Region PointOf(Region region, const AxisPoint& at) {
+  for (std::size_t i = 0; i < kAxes; ++i) region.box[i] = at[i];
+  return region;
+}
+
+// theta <= pi - phi, or kappa >= phi: as l1 >= l4 - (l2 - l3) and l4 >= l2,
+//   cos beta2 = (l8^2 + l4^2 - l1^2) / (2 l8 l4) <= (l8^2 + l2^2 - l3^2) / (2 l8 l2) = cos(phi - beta1).
+Cut GoalOfBarAngle(const AxisBox& box) {
+  Cut goal;
+  goal.constant = (kPiInterval - box[kPhi].lower).upper;
+  goal.coefficients[kPhi] = -1;
+  return goal;
+}
+
+LinkBox LinksOf(const AxisBox& box) {
+  LinkBox links;
+  std::copy_n(box.begin(), links.size(), links.begin());
+  return links;
+}
+
+}  // namespace
+
+// The angle and length of the mount, which are smooth everywhere: expanded about any point.
+void Relaxation::AddMount(const AxisBox& box, const Interval& phi_rad, const AxisPoint& at, Cuts& cuts) const {
+  AxisBox point;
+  std::copy(at.begin(), at.end(), point.begin());
+  const Slope axis = Slope::Axis(kPhi, box[kPhi]), mount = MountAngle(box);
+  const double least_between = std::max(0.0, (Interval(phi_rad.lower) - mount.value).lower);
+  cuts.Add(UpperCut(axis - mount, at[kPhi] - MountAngle(point).value - least_between, at, box));
+  cuts.Add(UpperCut(ActuatorSlack(box, d_min_mm_), ActuatorSlack(point, d_min_mm_).value - margins_.singularity_mm, at,
+                    box));
+}
+
+// phi at d_min is what the links make it.
+void Relaxation::AddBarAngle(const Region& region, const Interval& phi_rad, Cuts& cuts) const {
+  const AxisBox& box = region.box;
+  const Slope axis = Slope::Axis(kPhi, box[kPhi]), bar = BarAngleAtShortestStroke(box, phi_rad, d_min_mm_, margins_);
+  const Interval bar_at = BarAngleOfPoint(PointOf(region, *region.anchor).box, d_min_mm_);
+  if (bar_at.IsEmpty()) return;
+  const Interval above_at = Interval((*region.anchor)[kPhi]) - bar_at;
+  const auto above = UpperCut(axis - bar, above_at, *region.anchor, box);
+  cuts.Add(above);
+  cuts.Add(UpperCut(bar - axis, -above_at, *region.anchor, box));
+  cuts.has_bar_angle = above.has_value();
+  if (above) cuts.phi_spread = above->spread;
+}
+
+bool Relaxation::AddSeat(const Region& region, const std::optional<Region>& point, Cuts& cuts) const {
+  const auto pose = PoseAtAngle(region, seat_->Kappa(), d_min_mm_, margins_);
+  if (!pose) return false;
+  const auto pose_at = point ? PoseAtAngle(*point, seat_->Kappa(), 0, margins_) : std::nullopt;
+  const auto rows = seat_->Over(*pose, pose_at.value_or(*pose));
+  if (!rows) return false;
+  for (const SeatRows::Row& row : *rows) {
+    if (row.over_box.value.upper < 0) return false;
+    if (row.over_box.value.lower < 0 && pose_at)
+      cuts.Add(UpperCut(row.over_box, row.at_anchor, *region.anchor, region.box));
+  }
+  return true;
+}
+
+// False if nothing of the region is left.
+bool Relaxation::AddCuts(const Region& region, const Interval& phi_rad, Cuts& cuts) const {
+  std::optional<Region> point;
+  if (region.anchor) {
+    point = PointOf(region, *region.anchor);
+    AddBarAngle(region, phi_rad, cuts);
+  }
+  const auto pose = PoseAtShortestStroke(region, d_min_mm_, margins_);
+  if (!pose) return false;
+  const auto pose_at = point ? PoseAtShortestStroke(*point, d_min_mm_, margins_) : std::nullopt;
+  if (pose_at)
+    cuts.goal =
+        UpperCut(Slope(kPiInterval) - pose->kappa, kPiInterval - pose_at->kappa.value, *region.anchor, region.box);
+  if (!AddPose(*pose, pose_at, at_shortest_, region, cuts)) return false;
+  if (seat_ && !AddSeat(region, point, cuts)) return false;
+  for (const Place& place : places_) {
+    const auto used = PoseAtAngle(region, place.kappa_rad, d_min_mm_, margins_);
+    if (!used) return false;
+    const auto used_at = point ? PoseAtAngle(*point, place.kappa_rad, 0, margins_) : std::nullopt;
+    if (!AddPose(*used, used_at, place.rows, region, cuts)) return false;
+  }
+  return true;
+}
+
+// The link by which the bound gives most away. That of phi goes to the links that it follows from: as their cut has it,
+// or by their widths where phi is known no better than by its own range.
+std::size_t Relaxation::WidestOf(const Cuts& cuts, const LinearBound& bound, const AxisBox& box) const {
+  std::array<double, kAxes> given = cuts.goal->spread;
+  for (std::size_t i = 0; i < cuts.all.size(); ++i)
+    for (std::size_t j = 0; j < kAxes; ++j) given[j] += bound.multipliers[i] * cuts.all[i].spread[j];
+  std::array<double, kAxes> shares = cuts.phi_spread;
+  if (!cuts.has_bar_angle) {
+    given[kPhi] += std::abs(cuts.goal->coefficients[kPhi]) * box[kPhi].Width();
+    for (const Axis j : {kL2, kL5, kL6}) shares[j] = box[j].Width();
+  }
+  const double total = std::accumulate(shares.begin(), shares.end(), 0.0);
+  for (std::size_t j = 0; j < kPhi && total > 0; ++j) given[j] += given[kPhi] * shares[j] / total;
+  return static_cast<std::size_t>(std::max_element(given.begin(), given.begin() + kPhi) - given.begin());
+}
+
+// Removes what violates a cut, or is below the floor; false if nothing is left.
+bool Relaxation::ContractBy(const Cuts& cuts, const LinearBound& bound, AxisBox& box) const {
+  const AxisBox cut_for = box;
+  if (std::isfinite(floor_rad_))
+    for (Cut goal : {bound.combined, *cuts.goal}) {
+      goal.constant = (Interval(goal.constant) - floor_rad_).upper;
+      if (!Contract(goal, cut_for, box)) return false;
+    }
+  for (const Cut& cut : cuts.all)
+    if (!Contract(cut, cut_for, box)) return false;
+  LinkBox links = LinksOf(box);
+  if (!range_.Contract(links)) return false;
+  std::copy(links.begin(), links.end(), box.begin());
+  return true;
+}
+
+std::optional<Relaxation::Result> Relaxation::Examine(const LinkBox& links) const {
+  Result result{links, range_.UpperBound(links), std::nullopt};
+  if (result.bound_rad < floor_rad_) return std::nullopt;
+  AxisBox box;
+  std::copy(links.begin(), links.end(), box.begin());
+  box[kPhi] = {0, kPiInterval.upper};
+  AxisPoint towards;
+  for (std::size_t i = 0; i < kAxes; ++i) towards[i] = box[i].Middle();
+  constexpr int kRounds = 3;
+  for (int round = 0; round < kRounds; ++round) {
+    const RangeBound::BarAngle angle = range_.BarAngleOf(result.box);
+    // Past phi = pi, which the relaxation does not follow, theta <= 0.
+    if (!(floor_rad_ > 0) && angle.phi.upper > kPiInterval.lower) return result;
+    const Interval phi_of_links{angle.least, angle.phi.upper};
+    box[kPhi] = Intersection(box[kPhi], phi_of_links);
+    if (box[kPhi].IsEmpty()) return std::nullopt;
+
+    for (std::size_t i = 0; i < kAxes; ++i) towards[i] = std::clamp(towards[i], box[i].lower, box[i].upper);
+    const Region region{box, AnchorIn(box, towards)};
+    Cuts cuts;
+    AddLinear(box, cuts);
+    AddMount(box, phi_of_links, region.anchor.value_or(towards), cuts);
+    if (!AddCuts(region, phi_of_links, cuts)) return std::nullopt;
+    if (!cuts.goal) cuts.goal = GoalOfBarAngle(box);
+    const LinearBound bound = BoundBy(*cuts.goal, cuts.all, box);
+    result.bound_rad = std::min(result.bound_rad, bound.upper);
+    if (result.bound_rad < floor_rad_) return std::nullopt;
+    result.widest = WidestOf(cuts, bound, box);
+
+    const AxisBox before = box;
+    if (!ContractBy(cuts, bound, box)) return std::nullopt;
+    result.box = LinksOf(box);
+    double shrink = 1;
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      towards[i] = before[i].lower + bound.optimum[i] * before[i].Width();
+      if (before[i].Width() > 0) shrink = std::min(shrink, box[i].Width() / before[i].Width());
+    }
+    constexpr double kHardlySmaller = 0.8;  // the second round is worth it for its better anchor alone
+    if (round > 0 && shrink > kHardlySmaller) break;
+  }
+  return result;
+}
+
+}  // namespace lake::certificate
