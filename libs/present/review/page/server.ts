@@ -1,6 +1,7 @@
 // Questions to the server that served this page; addresses are relative, so the token stays in them.
 import {
-  Choices, ComparisonMessage, DesignMessage, EditMessage, ExploreQuestion, ExploredMessage, NamingMessage, SnapAnswer,
+  Choices, ComparisonMessage, DesignMessage, EditMessage, ExploreQuestion, ExploredMessage, LiveAct, LiveMessage, LiveStateMessage,
+  LiveViewMessage, NamingMessage, SnapAnswer,
   SnapQuestion, StateMessage, StudyMessage, TrackOptions, TrialMessage,
 } from "./messages";
 
@@ -50,6 +51,10 @@ export const server = {
   comparison: () => get<ComparisonMessage>("comparison"),
   study: () => get<StudyMessage>("study"),
   runStep: (step: string) => post<StateMessage>("run", { step }), // empty: all that is due
+  live: () => get<LiveMessage>("live"),
+  liveView: (after: number) => post<LiveViewMessage>("view", { after }),
+  livePicture: (frame: number) => picture(`picture/${frame}.jpg`),
+  act: (act: LiveAct) => post<LiveStateMessage>("act", act),
   frame: (frame: number) => picture(`frame/${frame}.jpg`),
   frameOf: (trial: "human" | "exo") => (frame: number) => picture(`${trial}/${frame}.jpg`),
 };
