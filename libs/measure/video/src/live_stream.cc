@@ -123,7 +123,9 @@ void Describe(LiveStreamOptions& o, OptionList& options) {
       .Otherwise("the device's own");
   options.Add("replay", o.replay, "The input is a file, whose frames come at the pace at which they were taken");
   options.Add("patience", o.patience_s, "A stream that has sent nothing for so long has ended").Unit("s").Positive();
-  options.Add("least-free", o.least_free_mb, "Stop recording before less is free on the disk").Unit("MB").NotNegative();
+  options.Add("least-free", o.least_free_mb, "Stop recording before less than so many MB are free on the disk")
+      .Value("MB")
+      .NotNegative();
 }
 
 struct LiveStream::Impl {

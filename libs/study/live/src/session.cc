@@ -81,8 +81,8 @@ Session::Session(const LiveRunOptions& options, fs::path programs, Run& run)
 
 Session::~Session() {
   Abandon();
-  for (std::thread* thread : {&tracker_thread_, &analyst_thread_})
-    if (thread->joinable()) thread->join();
+  if (tracker_thread_.joinable()) tracker_thread_.join();
+  if (analyst_thread_.joinable()) analyst_thread_.join();
 }
 
 void Session::CheckMarkers() const {
@@ -115,8 +115,8 @@ void Session::ReadPlane() {
 }
 
 void Session::Start() {
-  tracker_thread_ = std::thread([this] { Work(); });
   analyst_thread_ = std::thread([this] { Analyse(); });
+  tracker_thread_ = std::thread([this] { Work(); });
 }
 
 void Session::Abandon() {
@@ -126,21 +126,21 @@ void Session::Abandon() {
 }
 
 void Session::Finish() {
-  for (std::thread* thread : {&tracker_thread_, &analyst_thread_})
-    if (thread->joinable()) thread->join();
+  if (tracker_thread_.joinable()) tracker_thread_.join();
   if (failure_) std::rethrow_exception(failure_);
 }
 
 void Session::Work() {
   try {
     TrackAll();
+    if (analyst_thread_.joinable()) analyst_thread_.join();  // looks once more, now at all of it
     FinishTrial();
   } catch (...) {
     failure_ = std::current_exception();
   }
   {
     const std::lock_guard lock(mutex_);
-    has_ended_ = true;
+    has_ended_ = true;  // also where the frames ended in a failure
     phase_ = failure_ ? Phase::kFailed : Phase::kDone;
     if (failure_) try {
         std::rethrow_exception(failure_);
@@ -294,13 +294,14 @@ void Session::Analyse() {
   std::optional<Clock::time_point> named_last;
   Clock::duration naming_took{};
   while (true) {
-    bool is_rise_due = false, is_naming_due = false;
+    bool is_rise_due = false, is_naming_due = false, is_last = false;
     {
       std::unique_lock lock(mutex_);
       changed_.wait_for(lock, kPause, [this] { return has_ended_ || is_rise_due_; });
-      if (has_ended_) return;
-      is_rise_due = std::exchange(is_rise_due_, false);
-      const bool has_rested = !named_last || Clock::now() - *named_last > std::max<Clock::duration>(kPause, 3 * naming_took);
+      if (is_abandoned_) return;
+      is_last = has_ended_;
+      is_rise_due = std::exchange(is_rise_due_, false) || is_last;
+      const bool has_rested = is_last || !named_last || Clock::now() - *named_last > std::max<Clock::duration>(kPause, 3 * naming_took);
       is_naming_due = !tracker_->HasAllNames() && has_rested && tracker_->Measured().Frames() > 1;
     }
     try {
@@ -316,6 +317,7 @@ void Session::Analyse() {
       const std::lock_guard lock(mutex_);
       why_no_rise_ = error.what();
     }
+    if (is_last) return;
   }
 }
 
