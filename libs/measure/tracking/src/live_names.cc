@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
@@ -27,9 +28,9 @@ std::vector<MarkerSeed> LastPlaces(const motion::MarkerRecording& named) {
 }
 
 // Where a thing is in the shank's frame, metric units of length, in each frame that shows it with ankle and knee: x
-// across, y along it from the knee.
+// across, y along it from the knee; and how the shank stands, rad.
 struct InShank {
-  std::vector<double> across, along, shank;
+  std::vector<double> across, along, shank, direction_rad;
 };
 
 InShank PlacesInShank(const Tracklet& thing, const motion::MarkerRecording& leg, const LiveTrackOptions& options) {
@@ -37,7 +38,7 @@ InShank PlacesInShank(const Tracklet& thing, const motion::MarkerRecording& leg,
   InShank places;
   for (const TrackletSample& sample : thing.samples) {
     const auto found = std::ranges::lower_bound(leg.frame, sample.frame);
-    if (found == leg.frame.end() || *found != sample.frame) continue;
+    if (sample.frame < options.others_since || found == leg.frame.end() || *found != sample.frame) continue;
     const auto row = static_cast<std::size_t>(found - leg.frame.begin());
     if (!ankle.samples[row].IsKnown() || !knee.samples[row].IsKnown()) continue;
     const Vector2d foot = options.metric_from_px(ankle.samples[row].position),
@@ -47,6 +48,7 @@ InShank PlacesInShank(const Tracklet& thing, const motion::MarkerRecording& leg,
     places.along.push_back((place - joint).dot(up));
     places.across.push_back((place - joint).dot(Vector2d(up.y(), -up.x())));
     places.shank.push_back((joint - foot).norm());
+    places.direction_rad.push_back(std::atan2(up.x(), up.y()));
   }
   return places;
 }
@@ -56,11 +58,15 @@ MarkerSeed BesideKnee(const LiveSnapshot& snapshot, const motion::MarkerRecordin
                       const LiveTrackOptions& options) {
   // A joint that is strapped to the leg slips by some millimetres of a shank of 400; a lamp moves by a third of it.
   constexpr double kFarthest = 0.4, kSteady = 0.02;
-  constexpr std::size_t kFewest = 30;  // frames
+  constexpr double kTurned_rad = 0.1;  // in a rise it turns by 0.3 and more; while it rests, a lamp is steady as well
+  constexpr std::size_t kFewest = 20;  // frames
   std::vector<const TrackletSample*> found;
   for (const Tracklet& thing : snapshot.tracklets) {
+    if (thing.LastFrame() < snapshot.frames.frame.back()) continue;
     const InShank in_shank = PlacesInShank(thing, leg, options);
     if (in_shank.along.size() < kFewest) continue;
+    const auto [least, most] = std::ranges::minmax(in_shank.direction_rad);
+    if (most - least < kTurned_rad) continue;
     const double shank = Median(in_shank.shank), along = Median(in_shank.along), across = Median(in_shank.across);
     const double away = std::hypot(along, across);
     const bool is_knee = away < 1e-3 * shank;

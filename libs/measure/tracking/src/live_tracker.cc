@@ -123,17 +123,35 @@ void LiveTracker::Name(std::string_view name, const Vector2d& place_px) {
     if (last.frame != measured_.frame.back() || away_px > kSeedSlackPx || away_px >= least_px) continue;
     nearest = thing, least_px = away_px;
   }
+  ForgetDistances(index);
   if (!nearest) throw Fail("{}: there is no marker at {:.0f},{:.0f}", name, place_px.x(), place_px.y());
   Give(index, *nearest);
 }
 
 void LiveTracker::TakeNames(const std::vector<MarkerSeed>& found) {
   constexpr double kSamePx = 0.5;
-  for (const MarkerSeed& seed : found)
+  for (const MarkerSeed& seed : found) {
+    const std::size_t index = IndexOf(seed.name);
+    if (ThingOf(index)) continue;
     for (const TrackletBuilder::Thing& thing : builder_->Things()) {
       const TrackletSample* sample = thing.tracklet->SampleIn(seed.frame);
-      if (sample && (sample->position - seed.position).norm() < kSamePx) Give(IndexOf(seed.name), thing);
+      if (!sample || (sample->position - seed.position).norm() >= kSamePx) continue;
+      ForgetDistances(index);
+      Give(index, thing);
     }
+  }
+}
+
+// It may be elsewhere now, as a joint that was moved.
+void LiveTracker::ForgetDistances(std::size_t name) {
+  std::erase_if(distances_, [&](const auto& one) { return one.first.first == name || one.first.second == name; });
+}
+
+bool LiveTracker::IsAnyLost() const {
+  constexpr double kLost_s = 1;
+  for (std::size_t n = 0; n < thing_.size(); ++n)
+    if (!thing_[n] || (!ThingOf(n) && measured_.time_s.back() - filters_[n].seen_s > kLost_s)) return true;
+  return false;
 }
 
 bool LiveTracker::HasAllNames() const {

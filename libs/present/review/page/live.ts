@@ -8,7 +8,7 @@ import { PictureView, Point, distance } from "./view";
 
 const SHOWN_S = 20, STEP_S = 0.05; // of the curves
 const TRAIL = 20; // frames
-const ARROW_PX = 6;
+const ARROW_PX = 6, LEAST_ARROW_PX = 80;
 
 type Sample = LiveViewMessage["samples"][number];
 
@@ -36,7 +36,9 @@ export class LivePage {
     });
     const chart = (id: string, title: string) => {
       part(`live-${id}-title`).textContent = title;
-      return new Chart(part(`live-${id}-chart`), SHOWN_S / STEP_S + 1, () => undefined);
+      const made = new Chart(part(`live-${id}-chart`), SHOWN_S / STEP_S + 1, () => undefined);
+      made.showRow(SHOWN_S / STEP_S); // now
+      return made;
     };
     this.charts = { knee: chart("knee", TEXTS.liveKnee), joint: chart("joint", TEXTS.liveJoint) };
     for (const [index, name] of message.markers.entries()) {
@@ -80,7 +82,7 @@ export class LivePage {
     }
     const column = (index: 1 | 2 | 3): Column => {
       const values: Column = new Array(SHOWN_S / STEP_S + 1).fill(null);
-      for (const sample of this.samples) values[Math.floor((sample[0] - next.time_s + SHOWN_S) / STEP_S)] = sample[index];
+      for (const sample of this.samples) values[Math.round((sample[0] - next.time_s + SHOWN_S) / STEP_S)] = sample[index];
       return values;
     };
     this.charts.knee.show([{ name: "", colour: "--accent", values: column(1) }]);
@@ -124,7 +126,18 @@ export class LivePage {
     const [from, to] = this.shown.move.map(([x, y]) => this.view.toScreen({ x, y }));
     const length = distance(from, to);
     if (length < 2) return;
-    const along = { x: (to.x - from.x) / length, y: (to.y - from.y) / length }, head = Math.min(3 * ARROW_PX, length);
+    context.strokeStyle = "#fff";
+    context.lineWidth = 2;
+    context.beginPath();
+    context.arc(to.x, to.y, 5, 0, 2 * Math.PI);
+    context.stroke();
+    this.drawPointer(context, from, { x: (to.x - from.x) / length, y: (to.y - from.y) / length }, Math.max(length, LEAST_ARROW_PX));
+  }
+
+  // The direction is the move's; the place where it ends is the ring's, as an arrow of some millimetres cannot be seen.
+  private drawPointer(context: CanvasRenderingContext2D, from: Point, along: Point, length: number): void {
+    const to = { x: from.x + length * along.x, y: from.y + length * along.y };
+    const head = 3 * ARROW_PX;
     const corner = (side: number) => ({
       x: to.x - head * along.x - side * 0.6 * head * along.y,
       y: to.y - head * along.y + side * 0.6 * head * along.x,

@@ -63,7 +63,9 @@ std::vector<RiseOffset> FindRiseOffsets(motion::MarkerRecording recording, const
   std::vector<RiseOffset> rises;
   for (const compare::StsCurve& curve : trial.repetitions) {
     const auto interval = std::ranges::find(intervals, curve.repetition, &compare::StsInterval::repetition);
-    if (interval != intervals.end() && !curve.leg_knee.empty()) rises.push_back(OffsetOf(curve, *interval));
+    if (interval == intervals.end() || curve.leg_knee.empty()) continue;
+    rises.push_back(OffsetOf(curve, *interval));
+    rises.back().mean_mm -= finding.marker_at_mm;
   }
   return rises;
 }

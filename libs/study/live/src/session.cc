@@ -194,7 +194,7 @@ Session::Sample Session::MeasureFrame() const {
   sample.knee_deg = facing_ ? leg.knee_deg : std::abs(leg.knee_deg);
   if (!facing_ || !(joint = in_plane(options_.joint))) return sample;
   const Eigen::Matrix2d shank = compare::AxesAlong(leg.ak);
-  sample.joint_mm = shank.transpose() * gait::LegFromPlane(*joint - *points.knee, facing, kUpInPlane);
+  sample.joint_mm = shank.transpose() * gait::LegFromPlane(*joint - *points.knee, facing, kUpInPlane) - MarkerAt();
   if (const std::optional<JointPlace> place = Place()) {
     const Vector2d target = *joint - gait::PlaneFromLeg(shank * place->offset_mm, facing, kUpInPlane);
     sample.from_px = PlaceIn(told, options_.joint);
@@ -302,7 +302,7 @@ void Session::Analyse() {
       is_last = has_ended_;
       is_rise_due = std::exchange(is_rise_due_, false) || is_last;
       const bool has_rested = is_last || !named_last || Clock::now() - *named_last > std::max<Clock::duration>(kPause, 3 * naming_took);
-      is_naming_due = !tracker_->HasAllNames() && has_rested && tracker_->Measured().Frames() > 1;
+      is_naming_due = tracker_->Measured().Frames() > 1 && has_rested && tracker_->IsAnyLost();
     }
     try {
       if (is_naming_due) {
@@ -338,7 +338,7 @@ void Session::FindTheNames() {
   }
   const std::lock_guard lock(mutex_);
   why_not_named_ = why_not;
-  if (!found.empty()) tracker_->TakeNames(found);
+  tracker_->TakeNames(found);
   if (tracker_->HasAllNames()) SaveLive();
 }
 
@@ -378,7 +378,8 @@ motion::MarkerRecording Session::Window() const {
 }
 
 void Session::FindTheRises() {
-  RiseFinding finding{.view = view_, .shutter = {}, .video = {}, .joint = options_.joint};
+  RiseFinding finding{
+      .view = view_, .shutter = {}, .video = {}, .joint = options_.joint, .marker_at_mm = MarkerAt()};
   motion::MarkerRecording window;
   {
     const std::lock_guard lock(mutex_);

@@ -63,6 +63,7 @@ class Session {
   };
 
   void ReadPlane();
+  Eigen::Vector2d MarkerAt() const { return {options_.joint_at_mm[0], options_.joint_at_mm[1]}; }
   void CheckMarkers() const;
 
   // The tracker's thread.

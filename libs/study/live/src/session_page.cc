@@ -177,6 +177,7 @@ void Session::Act(const Json& act) {
     stream_->Stop();
   } else if (what == "moved") {
     moves_s_.push_back(now_s);
+    track_.others_since = tracker_->Told().frame.back();
     moves_table_->Row({fmt::format("{}", moves_s_.size()), FormatNumber(now_s),
                        fmt::format("{}", tracker_->Told().frame.back())});
     moves_table_->Flush();

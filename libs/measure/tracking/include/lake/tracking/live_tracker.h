@@ -36,6 +36,7 @@ struct LiveTrackOptions {
   Eigen::Vector2d up_px = {0, -1};
   double px_per_mm = 1;  // about; how quickly the filter follows rests on it
   MarkerPhysics physics;
+  std::int64_t others_since = 0;  // frame: what is no marker of the leg may have been put elsewhere before it
 };
 
 // Something bright in the last frame.
@@ -61,11 +62,12 @@ class LiveTracker {
   void Add(const video::VideoFrame& frame);
 
   std::vector<LiveSpot> Spots() const;
-  bool HasAllNames() const;
+  bool HasAllNames() const;   // every name was given once
+  bool IsAnyLost() const;     // a name has had no thing for so long that Rejoining has no way back to it, or never one
 
   // The thing at a place of the last frame. Throws Error where there is none, or no such name.
   void Name(std::string_view name, const Eigen::Vector2d& place_px);
-  // Those at the places that FindNames found.
+  // Those at the places that FindNames found, for names that have no thing.
   void TakeNames(const std::vector<MarkerSeed>& found);
 
   // Until the next frame. One sample per frame and name, in px: what was told at each frame's own time (detected: from
@@ -96,6 +98,7 @@ class LiveTracker {
   const Tracklet* ThingOf(std::size_t name) const;
   const TrackletSample* SeenNow(std::size_t name) const;
   void Give(std::size_t name, const TrackletBuilder::Thing& thing);
+  void ForgetDistances(std::size_t name);
   void TakeSeeds(std::int64_t frame);
   void Rejoin();
   void LearnDistances();

@@ -29,6 +29,7 @@ struct RiseFinding {
   gait::RollingShutter shutter;
   video::VideoInfo video;
   std::string joint = "exo_knee";
+  Eigen::Vector2d marker_at_mm = Eigen::Vector2d::Zero();  // of that marker, less the joint's axis; shank's frame
 };
 
 // The whole rises in a recording (px, measurements with the fits' own sigmas), as lake compare measures them: sigmas

@@ -2,6 +2,7 @@
 // it is worn, everything recorded, and a trial in the end.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -23,6 +24,8 @@ struct LiveRunOptions : gait::PictureScale {
   tracking::Polarity polarity = tracking::Polarity::kBright;
   cv::Rect crop;
   std::string joint = "exo_knee";  // of the markers: the exoskeleton's
+  // Where that marker is against the joint's axis, shank's frame: beside it where both markers would cover one another.
+  std::array<double, 2> joint_at_mm = {0, 0};
   double tolerance_mm = 5;
   bool overlay = true;
   int port = 0;
