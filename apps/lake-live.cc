@@ -4,9 +4,9 @@
 #include "program.h"
 
 int main(int argc, char** argv) {
-  lake::Program program("lake-live",
-                        "Align an exoskeleton while it is worn: where its joint sits against the knee after each rise",
-                        "lake-live /dev/video0 --size 1920x1080 --rate 60 --format mjpeg --camera camera.yaml -o trial --open");
+  lake::Program program(
+      "lake-live", "Align an exoskeleton while it is worn: where its joint sits against the knee after each rise",
+      "lake-live /dev/video0 --size 1920x1080 --rate 60 --format mjpeg --camera camera.yaml -o trial --open");
   lake::live::LiveRunOptions options;
   program.Add(lake::OptionsOf(options));
   const auto name = [&] {

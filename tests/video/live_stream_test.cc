@@ -42,7 +42,8 @@ LiveStreamOptions Replay() {
   return options;
 }
 
-std::string ReasonOf(const std::string& input, const LiveStreamOptions& options, const std::filesystem::path& recording) {
+std::string ReasonOf(const std::string& input, const LiveStreamOptions& options,
+                     const std::filesystem::path& recording) {
   try {
     LiveStream stream(input, options, recording);
   } catch (const Error& error) {

@@ -96,10 +96,12 @@ Json RunCheck(const CheckRunOptions& options, Run& run) {
   run.AddInput(video::FilesOfVideo(options.video), "video");
   run.Begin({"summary.json", "check.png"});
   const std::vector<tracking::CheckItem> items = tracking::JudgeRecording(check, options.check.markers);
-  const auto has = [&](tracking::Verdict verdict) { return std::ranges::count(items, verdict, &tracking::CheckItem::verdict) > 0; };
+  const auto has = [&](tracking::Verdict verdict) {
+    return std::ranges::count(items, verdict, &tracking::CheckItem::verdict) > 0;
+  };
   const std::string verdict = has(tracking::Verdict::kUnfit)       ? "not fit"
                               : has(tracking::Verdict::kNotJudged) ? ToString(tracking::Verdict::kNotJudged)
-                                                         : "fit";
+                                                                   : "fit";
   const std::string title = fmt::format("{}: {} (frame at {:.2f} s)", options.video.filename().string(), verdict,
                                         static_cast<double>(check.shown_frame_ms) / 1000);
   video::WriteImage(run.Result("check.png"), overlay::DrawCheckPicture(PictureOf(check, items, title)));

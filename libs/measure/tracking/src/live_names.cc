@@ -117,8 +117,7 @@ std::vector<MarkerSeed> FindNames(const LiveSnapshot& snapshot, const LiveTrackO
       others.push_back(name);
     if (seed != options.seeds.end()) naming.seeds.push_back(*seed);
   }
-  if (others.size() > 1)
-    throw Fail("which things are {} cannot be told; point at them", fmt::join(others, ", "));
+  if (others.size() > 1) throw Fail("which things are {} cannot be told; point at them", fmt::join(others, ", "));
   motion::MarkerRecording named = snapshot.frames;
   NameTracklets(snapshot.tracklets, naming, named);
   CheckHasMoved(named, options);

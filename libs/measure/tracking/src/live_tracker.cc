@@ -16,9 +16,9 @@ namespace {
 
 // Of a quick rise (dynamics' README): nine in ten people move with less. A filter that expects more leans on the
 // measurement more, and never lags.
-constexpr double kQuickDensityMm = 1e9;  // mm²/s⁵
-constexpr double kForetold_s = 0.1;      // as long as a tracklet goes on unseen
-constexpr double kForgotten_s = 0.25;    // a filter that saw nothing for longer begins anew
+constexpr double kQuickDensityMm = 1e9;    // mm²/s⁵
+constexpr double kForetold_s = 0.1;        // as long as a tracklet goes on unseen
+constexpr double kForgotten_s = 0.25;      // a filter that saw nothing for longer begins anew
 constexpr double kLengthTolerance = 0.05;  // of a distance that stays, as in naming
 
 motion::MarkerRecording EmptyRecording(const std::vector<std::string>& names) {
@@ -35,7 +35,7 @@ motion::MarkerSample Detected(const Vector2d& position, double sigma) {
 }  // namespace
 
 bool LiveTracker::Distance::IsRigid() const {
-  constexpr int kEnough = 15;         // frames
+  constexpr int kEnough = 15;          // frames
   constexpr double kVariation = 0.03;  // skin's, over the length
   return count >= kEnough && std::sqrt(squares / count) <= kVariation * mean;
 }
@@ -90,7 +90,8 @@ const TrackletSample* LiveTracker::SeenNow(std::size_t name) const {
 
 std::size_t LiveTracker::IndexOf(std::string_view name) const {
   const auto found = std::ranges::find(options_.names, name);
-  if (found == options_.names.end()) throw Fail("'{}' is not one of the markers ({})", name, fmt::join(options_.names, ", "));
+  if (found == options_.names.end())
+    throw Fail("'{}' is not one of the markers ({})", name, fmt::join(options_.names, ", "));
   return static_cast<std::size_t>(found - options_.names.begin());
 }
 
@@ -164,10 +165,11 @@ std::vector<LiveSpot> LiveTracker::Spots() const {
     const TrackletSample& last = thing.tracklet->samples.back();
     if (measured_.frame.empty() || last.frame != measured_.frame.back()) continue;
     const auto named = std::ranges::find(thing_, std::optional(thing.number));
-    spots.push_back({.number = thing.number,
-                     .position = last.position,
-                     .radius_px = last.radius_px,
-                     .name = named == thing_.end() ? "" : options_.names[static_cast<std::size_t>(named - thing_.begin())]});
+    spots.push_back(
+        {.number = thing.number,
+         .position = last.position,
+         .radius_px = last.radius_px,
+         .name = named == thing_.end() ? "" : options_.names[static_cast<std::size_t>(named - thing_.begin())]});
   }
   return spots;
 }
@@ -272,7 +274,8 @@ struct LiveTracker::Rejoining {
 };
 
 void LiveTracker::Rejoin() {
-  Rejoining join{.tracker = *this, .lost = {}, .things = {}, .thing_metric = {}, .name_metric = {}, .chosen = {}, .best = {}};
+  Rejoining join{
+      .tracker = *this, .lost = {}, .things = {}, .thing_metric = {}, .name_metric = {}, .chosen = {}, .best = {}};
   for (std::size_t n = 0; n < thing_.size(); ++n)
     if (thing_[n] && last_place_px_[n] && !ThingOf(n)) join.lost.push_back(n);
   if (join.lost.empty()) return;

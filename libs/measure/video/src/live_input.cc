@@ -110,8 +110,8 @@ void LiveInput::Open(const LiveStreamOptions& options) {
 }
 
 bool LiveInput::HasTimes() const {
-  constexpr std::array<std::string_view, 8> kWithout = {"h264", "hevc",  "mpegvideo", "mjpeg",
-                                                        "obu",  "av1",   "m4v",       "mpjpeg"};
+  constexpr std::array<std::string_view, 8> kWithout = {"h264", "hevc", "mpegvideo", "mjpeg",
+                                                        "obu",  "av1",  "m4v",       "mpjpeg"};
   return std::ranges::find(kWithout, std::string_view(opened_->iformat->name)) == kWithout.end();
 }
 

@@ -98,9 +98,9 @@ class RawEncoder {
  private:
   void Convert(const AVFrame& raw) {
     if (!scaler_)
-      scaler_.reset(sws_getContext(codec_->width, codec_->height, static_cast<AVPixelFormat>(raw.format),
-                                   codec_->width, codec_->height, codec_->pix_fmt, SWS_POINT | SWS_ACCURATE_RND,
-                                   nullptr, nullptr, nullptr));
+      scaler_.reset(sws_getContext(codec_->width, codec_->height, static_cast<AVPixelFormat>(raw.format), codec_->width,
+                                   codec_->height, codec_->pix_fmt, SWS_POINT | SWS_ACCURATE_RND, nullptr, nullptr,
+                                   nullptr));
     if (!scaler_ || av_frame_make_writable(frame_.get()) < 0) throw std::bad_alloc();
     sws_scale(scaler_.get(), raw.data, raw.linesize, 0, codec_->height, frame_->data, frame_->linesize);
   }
@@ -115,7 +115,8 @@ class RawEncoder {
 
 void Describe(LiveStreamOptions& o, OptionList& options) {
   options.Add("size", o.size, "Of a device: size of its pictures").Value("WxH").Otherwise("the device's own");
-  options.Add("rate", o.rate_hz, "Of a device: its frame rate; of a raw stream, which has no time stamps: the rate of it")
+  options
+      .Add("rate", o.rate_hz, "Of a device: its frame rate; of a raw stream, which has no time stamps: the rate of it")
       .Unit("Hz")
       .Positive()
       .Otherwise("the device's, or the stream's own times");
@@ -241,7 +242,8 @@ void LiveStream::Impl::OpenDecoder() {
   codec->flags |= AV_CODEC_FLAG_UNALIGNED;
   codec->max_pixels = libav::kMaxPixels;
   const int result = avcodec_open2(codec.get(), decoder, nullptr);
-  if (result < 0) throw Fail("{}: the {} decoder cannot be started ({})", input_name, decoder->name, libav::ErrorText(result));
+  if (result < 0)
+    throw Fail("{}: the {} decoder cannot be started ({})", input_name, decoder->name, libav::ErrorText(result));
   width = stream.codecpar->width, height = stream.codecpar->height;
   if (width <= 0 || height <= 0) throw Fail("{}: its picture size cannot be found", input_name);
   const bool turns = options.rotate_deg % 180 != 0;
@@ -297,7 +299,8 @@ bool LiveStream::Impl::WaitForPace(const AVPacket& packet) {
   while (Clock::now() < began + after) {
     if (is_stopped || IsInterrupted()) return false;
     constexpr std::chrono::milliseconds kLook{50};
-    changed.wait_until(lock, std::min(Clock::now() + kLook, began + std::chrono::duration_cast<Clock::duration>(after)));
+    changed.wait_until(lock,
+                       std::min(Clock::now() + kLook, began + std::chrono::duration_cast<Clock::duration>(after)));
   }
   return true;
 }
@@ -466,8 +469,7 @@ std::int64_t LiveStream::DamagedFrames() const {
 }
 
 double LiveStream::FirstStampS() const {
-  return impl_->first_ticks == AV_NOPTS_VALUE ? 0
-                                              : libav::Seconds(impl_->first_ticks, impl_->input.Stream().time_base);
+  return impl_->first_ticks == AV_NOPTS_VALUE ? 0 : libav::Seconds(impl_->first_ticks, impl_->input.Stream().time_base);
 }
 
 void LiveStream::Finish() {

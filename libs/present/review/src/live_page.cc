@@ -16,7 +16,8 @@ void ServeLive(const PageOptions& options, const LiveWork& work) {
   page.Get("live", work.about);
   page.Post("view", [&work](const Json& message) { return work.view(message.at("after").get<std::int64_t>()); });
   page.GetOther("picture/", [&work](const LocalRequest& request) {
-    return LocalReply{.type = "image/jpeg", .body = JpegEncoder(kQuality).Encode(work.picture(FrameNumber(request.rest)))};
+    return LocalReply{.type = "image/jpeg",
+                      .body = JpegEncoder(kQuality).Encode(work.picture(FrameNumber(request.rest)))};
   });
   page.Post("act", [&work, &state](const Json& act) {
     work.act(act);

@@ -87,7 +87,8 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
       const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
       half_width = std::max(half_width, t * std::sqrt(spread / (n - 1) / n));
     }
-    const double plane = std::hypot(budget.scale_percent / 100 * place.offset_mm[axis], budget.depth_mm * budget.view_slope);
+    const double plane =
+        std::hypot(budget.scale_percent / 100 * place.offset_mm[axis], budget.depth_mm * budget.view_slope);
     const double skin = std::hypot(budget.placement_mm, budget.soft_tissue_mm);
     place.half_width_mm[axis] = std::hypot(half_width, kNormal95 * plane);
     place.anatomical_half_width_mm[axis] = std::hypot(place.half_width_mm[axis], kNormal95 * skin);
@@ -108,7 +109,8 @@ std::string ChangeText(const JointPlace& before, const JointPlace& now) {
   const double nearer_mm = before.DistanceMm() - now.DistanceMm();
   // Scale and parallax are the same before and after; what is left is less than both intervals together.
   const double half_width_mm = std::hypot(before.UncertaintyMm(), now.UncertaintyMm());
-  if (std::abs(nearer_mm) < 0.5) return fmt::format("As far from the knee as before the last move {}", PlusMinus(half_width_mm));
+  if (std::abs(nearer_mm) < 0.5)
+    return fmt::format("As far from the knee as before the last move {}", PlusMinus(half_width_mm));
   return fmt::format("{:.0f} mm {} the knee than before the last move {}", std::abs(nearer_mm),
                      nearer_mm > 0 ? "nearer to" : "farther from", PlusMinus(half_width_mm));
 }

@@ -32,8 +32,7 @@ std::vector<std::string> ArgumentsIn(const fs::path& folder) {
 Json FinishFolder(const LiveRunOptions& options, const fs::path& programs) {
   const fs::path folder = options.input, recording = folder / kVideo;
   const bool is_unfinished = fs::exists(video::UnfinishedRecording(recording));
-  if (!is_unfinished && !fs::exists(recording))
-    throw Fail("{}: holds no recording of lake live", folder.string());
+  if (!is_unfinished && !fs::exists(recording)) throw Fail("{}: holds no recording of lake live", folder.string());
   if (fs::exists(folder / "summary.json")) throw Fail("{}: is a trial already", folder.string());
   if (is_unfinished) video::CompleteRecording(recording);
   const auto say = [](const std::string&) {};

@@ -86,12 +86,14 @@ Session::~Session() {
 }
 
 void Session::CheckMarkers() const {
-  const auto has = [&](std::string_view name) { return std::ranges::find(options_.markers, name) != options_.markers.end(); };
+  const auto has = [&](std::string_view name) {
+    return std::ranges::find(options_.markers, name) != options_.markers.end();
+  };
   for (const std::string_view name : {"ankle", "knee", "hip"})
     if (!has(name)) throw UsageError(fmt::format("--markers: '{}' is missing; the leg's own knee must be seen", name));
   if (!has(options_.joint))
-    throw UsageError(fmt::format("--joint {}: is not one of the markers ({})", options_.joint,
-                                 fmt::join(options_.markers, ", ")));
+    throw UsageError(
+        fmt::format("--joint {}: is not one of the markers ({})", options_.joint, fmt::join(options_.markers, ", ")));
   if (options_.joint == "knee") throw UsageError("--joint knee: is the leg's own; the joint has a marker beside it");
   for (const tracking::MarkerSeed& seed : options_.seeds) {
     if (!has(seed.name)) throw UsageError(fmt::format("--seed {}: not one of the markers", seed.name));
@@ -209,7 +211,8 @@ void Session::WriteTrackRow() {
   for (const motion::MarkerTrack& track : told.markers) {
     const motion::MarkerSample& sample = track.samples.back();
     if (sample.IsKnown())
-      for (const double value : {sample.position.x(), sample.position.y(), sample.sigma}) cells.push_back(FormatNumber(value));
+      for (const double value : {sample.position.x(), sample.position.y(), sample.sigma})
+        cells.push_back(FormatNumber(value));
     else
       cells.insert(cells.end(), 3, "");
     cells.emplace_back(motion::ToString(sample.status));
@@ -240,7 +243,9 @@ std::vector<std::string> Session::SeedsFrom(double start_s) const {
   for (const motion::MarkerTrack& track : measured.markers) {
     const bool is_leg = std::ranges::find(tracking::kLegMarkers, track.name) != tracking::kLegMarkers.end();
     if (is_leg && std::ranges::find(by_hand_, track.name, &tracking::MarkerSeed::name) == by_hand_.end()) continue;
-    const auto is_seen = [&](std::size_t row) { return track.samples[row].IsKnown() && measured.time_s[row] >= start_s; };
+    const auto is_seen = [&](std::size_t row) {
+      return track.samples[row].IsKnown() && measured.time_s[row] >= start_s;
+    };
     for (std::size_t row = 0; row < measured.Frames(); ++row) {
       if (!is_seen(row)) continue;
       const Vector2d& place = track.samples[row].position;
@@ -301,7 +306,8 @@ void Session::Analyse() {
       if (is_abandoned_) return;
       is_last = has_ended_;
       is_rise_due = std::exchange(is_rise_due_, false) || is_last;
-      const bool has_rested = is_last || !named_last || Clock::now() - *named_last > std::max<Clock::duration>(kPause, 3 * naming_took);
+      const bool has_rested =
+          is_last || !named_last || Clock::now() - *named_last > std::max<Clock::duration>(kPause, 3 * naming_took);
       is_naming_due = tracker_->Measured().Frames() > 1 && has_rested && tracker_->IsAnyLost();
     }
     try {
@@ -348,7 +354,8 @@ void Session::FindFacing() {
     const std::lock_guard lock(mutex_);
     if (facing_) return;
     const motion::MarkerRecording& measured = tracker_->Measured();
-    const motion::MarkerTrack &ankle = *measured.Find("ankle"), &knee = *measured.Find("knee"), &hip = *measured.Find("hip");
+    const motion::MarkerTrack &ankle = *measured.Find("ankle"), &knee = *measured.Find("knee"),
+                              &hip = *measured.Find("hip");
     for (std::size_t row = 0; row < measured.Frames(); ++row) {
       if (!ankle.samples[row].IsKnown() || !knee.samples[row].IsKnown() || !hip.samples[row].IsKnown()) continue;
       const auto place = [&](const motion::MarkerTrack& track) {
@@ -378,8 +385,7 @@ motion::MarkerRecording Session::Window() const {
 }
 
 void Session::FindTheRises() {
-  RiseFinding finding{
-      .view = view_, .shutter = {}, .video = {}, .joint = options_.joint, .marker_at_mm = MarkerAt()};
+  RiseFinding finding{.view = view_, .shutter = {}, .video = {}, .joint = options_.joint, .marker_at_mm = MarkerAt()};
   motion::MarkerRecording window;
   {
     const std::lock_guard lock(mutex_);
@@ -389,7 +395,8 @@ void Session::FindTheRises() {
   }
   constexpr std::size_t kFewest = 60;  // frames, from which sigmas can be calibrated
   if (window.Frames() < kFewest) return;
-  finding.shutter = gait::ShutterOf(readout_s_, finding.video.width, finding.video.height, finding.video.rotation_deg, false);
+  finding.shutter =
+      gait::ShutterOf(readout_s_, finding.video.width, finding.video.height, finding.video.rotation_deg, false);
   std::vector<RiseOffset> found;
   std::string why_not;
   try {
@@ -431,8 +438,8 @@ void Session::JudgePictures() {
     check.video.frame_rate_hz = 1 / interval_s;
     check.frames_seen = static_cast<int>(frames);
     check.frames_in_file = static_cast<std::int64_t>(looked);
-    check.dropped_frames =
-        std::max<std::int64_t>(std::llround((time_s.back() - time_s.front()) / interval_s) + 1 - check.frames_in_file, 0);
+    check.dropped_frames = std::max<std::int64_t>(
+        std::llround((time_s.back() - time_s.front()) / interval_s) + 1 - check.frames_in_file, 0);
     check.repeated_frames = static_cast<int>(tracker_->RepeatedFrames());
     if (tracker_->HasAllNames()) check.why_not_named.clear();
     std::size_t all = 0;

@@ -58,7 +58,7 @@ class Session {
   struct Sample {
     double time_s = 0;
     double knee_deg = motion::LegSample::kUnknown;
-    std::optional<Eigen::Vector2d> joint_mm = {};  // joint less knee, shank's frame
+    std::optional<Eigen::Vector2d> joint_mm = {};             // joint less knee, shank's frame
     std::optional<Eigen::Vector2d> from_px = {}, to_px = {};  // the move, in the picture
   };
 

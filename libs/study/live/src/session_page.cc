@@ -117,7 +117,8 @@ Json Session::View(std::int64_t after) const {
   constexpr std::chrono::milliseconds kWait{500};
   const auto has_later = [&] { return !tracker_->Told().frame.empty() && tracker_->Told().frame.back() > after; };
   changed_.wait_for(lock, kWait, [&] { return has_later() || has_ended_; });
-  if (!has_later()) return {{"frame", after}, {"markers", Json::array()}, {"spots", Json::array()}, {"samples", Json::array()}};
+  if (!has_later())
+    return {{"frame", after}, {"markers", Json::array()}, {"spots", Json::array()}, {"samples", Json::array()}};
   const motion::MarkerRecording& told = tracker_->Told();
   Json markers = Json::array(), spots = Json::array(), samples = Json::array();
   for (const motion::MarkerTrack& track : told.markers) {
@@ -129,7 +130,8 @@ Json Session::View(std::int64_t after) const {
                        {"sigma", is_known ? Json(sample.sigma) : Json()}});
   }
   for (const tracking::LiveSpot& spot : tracker_->Spots())
-    spots.push_back({{"x", spot.position.x()}, {"y", spot.position.y()}, {"radius", spot.radius_px}, {"name", spot.name}});
+    spots.push_back(
+        {{"x", spot.position.x()}, {"y", spot.position.y()}, {"radius", spot.radius_px}, {"name", spot.name}});
   constexpr std::size_t kMost = 600;
   const auto later = std::ranges::upper_bound(told.frame, after);
   std::size_t first = static_cast<std::size_t>(later - told.frame.begin());
@@ -178,8 +180,8 @@ void Session::Act(const Json& act) {
   } else if (what == "moved") {
     moves_s_.push_back(now_s);
     track_.others_since = tracker_->Told().frame.back();
-    moves_table_->Row({fmt::format("{}", moves_s_.size()), FormatNumber(now_s),
-                       fmt::format("{}", tracker_->Told().frame.back())});
+    moves_table_->Row(
+        {fmt::format("{}", moves_s_.size()), FormatNumber(now_s), fmt::format("{}", tracker_->Told().frame.back())});
     moves_table_->Flush();
   } else if (what == "name") {
     const std::string name = act.at("name");

@@ -18,8 +18,8 @@ std::vector<std::string> TrackArguments(const LiveRunOptions& options, const std
   if (!options.plane_points.empty()) words.push_back("--plane-points=" + options.plane_points);
   if (options.polarity == tracking::Polarity::kDark) words.push_back("--polarity=dark");
   if (!options.crop.empty())
-    words.push_back(fmt::format("--crop={},{},{},{}", options.crop.x, options.crop.y, options.crop.width,
-                                options.crop.height));
+    words.push_back(
+        fmt::format("--crop={},{},{},{}", options.crop.x, options.crop.y, options.crop.width, options.crop.height));
   if (options.stream.rotate_deg != 0) words.push_back(fmt::format("--rotate={}", options.stream.rotate_deg));
   if (!options.overlay) words.push_back("--no-overlay");
   words.insert(words.end(), more.begin(), more.end());

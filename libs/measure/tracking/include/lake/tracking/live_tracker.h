@@ -1,10 +1,10 @@
 // Markers followed, named and filtered while the frames come: what is known of each frame at its own time, from it and
 // those before it.
 //
-// Detection and following are TrackMarkers' own. A position is that of a Kalman filter under white jerk (lake::dynamics)
-// and has the filter's standard deviation; nothing later changes it. Names are given once, by a place or by FindNames; a
-// marker that was lost gets its name back where its distances to the others, and the way that it can have come, leave
-// one thing alone for it.
+// Detection and following are TrackMarkers' own. A position is that of a Kalman filter under white jerk
+// (lake::dynamics) and has the filter's standard deviation; nothing later changes it. Names are given once, by a place
+// or by FindNames; a marker that was lost gets its name back where its distances to the others, and the way that it can
+// have come, leave one thing alone for it.
 #pragma once
 
 #include <Eigen/Core>
@@ -62,8 +62,8 @@ class LiveTracker {
   void Add(const video::VideoFrame& frame);
 
   std::vector<LiveSpot> Spots() const;
-  bool HasAllNames() const;   // every name was given once
-  bool IsAnyLost() const;     // a name has had no thing for so long that Rejoining has no way back to it, or never one
+  bool HasAllNames() const;  // every name was given once
+  bool IsAnyLost() const;    // a name has had no thing for so long that Rejoining has no way back to it, or never one
 
   // The thing at a place of the last frame. Throws Error where there is none, or no such name.
   void Name(std::string_view name, const Eigen::Vector2d& place_px);
@@ -71,8 +71,8 @@ class LiveTracker {
   void TakeNames(const std::vector<MarkerSeed>& found);
 
   // Until the next frame. One sample per frame and name, in px: what was told at each frame's own time (detected: from
-  // a measurement; filled: foretold, for a tenth of a second at most), and the measurements alone with the fits' sigmas,
-  // also those from before a thing had its name.
+  // a measurement; filled: foretold, for a tenth of a second at most), and the measurements alone with the fits'
+  // sigmas, also those from before a thing had its name.
   const motion::MarkerRecording& Told() const { return told_; }
   const motion::MarkerRecording& Measured() const { return measured_; }
 
@@ -116,9 +116,9 @@ class LiveTracker {
   motion::MarkerRecording told_, measured_;
 };
 
-// Where each marker is, in a frame in which it was seen: the leg's by NameTracklets, others by their seeds, and one more
-// as the thing beside the knee that moves with the shank. Long enough to be done in another thread. Throws Error saying
-// what is missing.
+// Where each marker is, in a frame in which it was seen: the leg's by NameTracklets, others by their seeds, and one
+// more as the thing beside the knee that moves with the shank. Long enough to be done in another thread. Throws Error
+// saying what is missing.
 std::vector<MarkerSeed> FindNames(const LiveSnapshot& snapshot, const LiveTrackOptions& options);
 
 }  // namespace lake::tracking

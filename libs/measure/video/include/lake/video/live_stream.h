@@ -18,12 +18,12 @@
 namespace lake::video {
 
 struct LiveStreamOptions {
-  std::string size;         // of a V4L2 device: "1280x720"; empty: the device's own
-  double rate_hz = 0;       // of a device, or of a stream without time stamps of its own; 0: the device's, the stream's
-  std::string format;       // of a device: "mjpeg", "h264", "yuyv422", …; empty: the device's own
-  bool replay = false;      // the input is a file, whose frames come at the pace at which they were taken
-  double patience_s = 10;   // without data for so long, the stream has ended
-  int rotate_deg = 0;       // as in VideoReaderOptions
+  std::string size;        // of a V4L2 device: "1280x720"; empty: the device's own
+  double rate_hz = 0;      // of a device, or of a stream without time stamps of its own; 0: the device's, the stream's
+  std::string format;      // of a device: "mjpeg", "h264", "yuyv422", …; empty: the device's own
+  bool replay = false;     // the input is a file, whose frames come at the pace at which they were taken
+  double patience_s = 10;  // without data for so long, the stream has ended
+  int rotate_deg = 0;      // as in VideoReaderOptions
   double least_free_mb = 64;  // of the recording's disk; recording stops before less is left
 };
 
@@ -49,16 +49,16 @@ struct StreamEnd {
 class LiveStream {
  public:
   // `input`: /dev/video…, an address (rtsp://, udp://, tcp://, http://), "-" for standard input, a named pipe, or with
-  // `replay` a file. `recording`: NAME.mkv; while it is under way it is NAME.part.mkv. Throws Error: nothing that can be
-  // read, no video, no time stamps and no rate, a recording that is there already, a disk with too little space.
+  // `replay` a file. `recording`: NAME.mkv; while it is under way it is NAME.part.mkv. Throws Error: nothing that can
+  // be read, no video, no time stamps and no rate, a recording that is there already, a disk with too little space.
   LiveStream(const std::string& input, const LiveStreamOptions& options, const std::filesystem::path& recording);
   ~LiveStream();
 
   // Width, height, codec and form of the pictures; the rate and intervals are those of the frames so far.
   const VideoInfo& Info() const;
 
-  // Waits for the next frame. False after the last one. What is damaged, and what builds on it until the next key frame,
-  // is recorded and counted, not handed out.
+  // Waits for the next frame. False after the last one. What is damaged, and what builds on it until the next key
+  // frame, is recorded and counted, not handed out.
   bool Read(LiveFrame& frame);
 
   // From any thread: nothing more is received, what has been is handed out.

@@ -17,7 +17,8 @@
 namespace lake::live {
 
 struct LiveRunOptions : gait::PictureScale {
-  std::string input;  // a device, an address, "-", a pipe, a file to be replayed, or a folder whose trial is to be finished
+  std::string
+      input;  // a device, an address, "-", a pipe, a file to be replayed, or a folder whose trial is to be finished
   video::LiveStreamOptions stream;
   std::vector<std::string> markers = {"ankle", "knee", "hip", "waist", "exo_knee"};
   std::vector<tracking::MarkerSeed> seeds;
