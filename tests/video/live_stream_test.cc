@@ -5,10 +5,11 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <csignal>
+#include <atomic>
 #include <thread>
 
 #include "file_limit.h"
+#include "lake/core/file_descriptor.h"
 #include "video_files.h"
 
 namespace lake::test {
@@ -86,14 +87,9 @@ TEST(LiveStream, ReplaysAtTheFilesOwnPace) {
 
 TEST(LiveStream, RawPicturesAreRecordedWithoutLoss) {
   const TemporaryFolder folder;
-  const auto pipe = folder / "pipe";
-  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  std::thread writer([&] {
-    Ffmpeg(TestPicture("size=160x120:rate=25:duration=1") + "-pix_fmt yuv420p -f yuv4mpegpipe " + Quote(pipe));
-  });
-  const Played played = Play(pipe.string(), {}, folder / "video.mkv");
-  writer.join();
-  EXPECT_EQ(played.end.kind, StreamEnd::Kind::kEnded);
+  Ffmpeg(TestPicture("size=160x120:rate=25:duration=1") + "-pix_fmt yuv420p " + Quote(folder / "film.y4m"));
+  const Played played = Play((folder / "film.y4m").string(), Replay(), folder / "video.mkv");
+  EXPECT_EQ(played.end.kind, StreamEnd::Kind::kEnded) << played.end.why;
   ASSERT_EQ(played.frames.size(), 25u);
   ExpectRecorded(played, folder / "video.mkv");
 }
@@ -134,7 +130,7 @@ TEST(LiveStream, SilenceEndsIt) {
 TEST(LiveStream, AFullDiskLeavesWholeClusters) {
   const TemporaryFolder folder;
   // 2 MB/s of noise, so that the limit is met in the middle of a cluster.
-  Ffmpeg("-f lavfi -i nullsrc=size=320x240:rate=30:duration=3,geq=random(1)*255:128:128 -c:v mjpeg -q:v 4 " +
+  Ffmpeg("-f lavfi -i 'nullsrc=size=320x240:rate=30:duration=3,geq=random(1)*255:128:128' -c:v mjpeg -q:v 4 " +
          Quote(folder / "film.avi"));
   const auto bytes = std::filesystem::file_size(folder / "film.avi");
   Played played;

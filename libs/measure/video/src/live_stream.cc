@@ -432,7 +432,7 @@ void LiveStream::Impl::Finish() {
       if (encoder) encoder->Encode(nullptr, 0, [this](const AVPacket& packet) { Record(packet); });
       recorder->Finish();
     } catch (const Error& error) {
-      NoteEnd(StreamEnd::Kind::kDiskFull, error.what());
+      end = {StreamEnd::Kind::kDiskFull, error.what()};  // worse than why no more frames came
     }
   }
   recorder.reset();
