@@ -25,7 +25,8 @@ namespace {
 
 // What may come from a pipe or over a network: no playlists, which would name further addresses.
 constexpr const char* kStreams =
-    "mov,matroska,webm,avi,mpegts,mpeg,mpegvideo,m4v,h264,hevc,ivf,mjpeg,jpeg_pipe,mpjpeg,flv,asf,ogg,nut,yuv4mpegpipe,av1,obu,"
+    "mov,matroska,webm,avi,mpegts,mpeg,mpegvideo,m4v,h264,hevc,ivf,mjpeg,jpeg_pipe,mpjpeg,flv,asf,ogg,nut,yuv4mpegpipe,"
+    "av1,obu,"
     "rtsp,sdp,rtp,v4l2,video4linux2";
 constexpr const char* kProtocols = "file,pipe,udp,tcp,rtp,rtsp,http,https,tls,crypto,unix";
 
@@ -111,7 +112,7 @@ void LiveInput::Open(const LiveStreamOptions& options) {
 
 bool LiveInput::HasTimes() const {
   constexpr std::array<std::string_view, 9> kWithout = {"jpeg_pipe", "h264", "hevc", "mpegvideo", "mjpeg",
-                                                        "obu",  "av1",  "m4v",       "mpjpeg"};
+                                                        "obu",       "av1",  "m4v",  "mpjpeg"};
   return std::ranges::find(kWithout, std::string_view(opened_->iformat->name)) == kWithout.end();
 }
 

@@ -52,65 +52,6 @@ AVRational RateOf(const AVStream& stream, double given_hz) {
   return stream.avg_frame_rate.num > 0 ? stream.avg_frame_rate : stream.r_frame_rate;
 }
 
-// A camera's raw pictures as H.264 that gives back their samples, quickly.
-class RawEncoder {
- public:
-  RawEncoder(const AVFrame& like, AVRational time_base, AVRational rate) {
-    const AVCodec* encoder = avcodec_find_encoder_by_name("libx264");
-    if (!encoder) throw Fail("libavcodec has no libx264 encoder, with which raw pictures are recorded");
-    codec_ = libav::NewCodec(encoder);
-    codec_->width = like.width & ~1, codec_->height = like.height & ~1;
-    codec_->pix_fmt =
-        avcodec_find_best_pix_fmt_of_list(encoder->pix_fmts, static_cast<AVPixelFormat>(like.format), 0, nullptr);
-    codec_->color_range = like.color_range, codec_->colorspace = like.colorspace;
-    codec_->time_base = time_base;
-    codec_->framerate = rate;
-    codec_->gop_size = 30;  // a reader finds a beginning each second or so
-    codec_->max_b_frames = 0;
-    codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-    libav::Dictionary settings;
-    settings.Set("preset", std::string("ultrafast"));
-    settings.Set("qp", 0);
-    const int result = avcodec_open2(codec_.get(), encoder, settings.Get());
-    if (result < 0) throw Fail("the H.264 encoder cannot be started ({})", libav::ErrorText(result));
-    frame_->format = codec_->pix_fmt, frame_->width = codec_->width, frame_->height = codec_->height;
-    frame_->color_range = codec_->color_range, frame_->colorspace = codec_->colorspace;
-    if (av_frame_get_buffer(frame_.get(), 0) < 0) throw std::bad_alloc();
-  }
-
-  const AVCodecContext& Codec() const { return *codec_; }
-
-  // Null: the end. `write` gets the packets.
-  template <typename Write>
-  void Encode(const AVFrame* raw, std::int64_t ticks, const Write& write) {
-    if (raw) {
-      Convert(*raw);
-      frame_->pts = ticks;
-    }
-    const int sent = avcodec_send_frame(codec_.get(), raw ? frame_.get() : nullptr);
-    if (sent < 0) throw Fail("a raw picture cannot be encoded ({})", libav::ErrorText(sent));
-    while (avcodec_receive_packet(codec_.get(), packet_.get()) >= 0) {
-      write(*packet_);
-      av_packet_unref(packet_.get());
-    }
-  }
-
- private:
-  void Convert(const AVFrame& raw) {
-    if (!scaler_)
-      scaler_.reset(sws_getContext(codec_->width, codec_->height, static_cast<AVPixelFormat>(raw.format), codec_->width,
-                                   codec_->height, codec_->pix_fmt, SWS_POINT | SWS_ACCURATE_RND, nullptr, nullptr,
-                                   nullptr));
-    if (!scaler_ || av_frame_make_writable(frame_.get()) < 0) throw std::bad_alloc();
-    sws_scale(scaler_.get(), raw.data, raw.linesize, 0, codec_->height, frame_->data, frame_->linesize);
-  }
-
-  libav::Codec codec_;
-  libav::Frame frame_ = libav::NewFrame();
-  libav::Packet packet_ = libav::NewPacket();
-  libav::Scaler scaler_;
-};
-
 }  // namespace
 
 void Describe(LiveStreamOptions& o, OptionList& options) {
@@ -120,7 +61,7 @@ void Describe(LiveStreamOptions& o, OptionList& options) {
       .Unit("Hz")
       .Positive()
       .Otherwise("the device's, or the stream's own times");
-  options.Add("format", o.format, "Of a device: how it sends its pictures: mjpeg, h264, yuyv422, …")
+  options.Add("format", o.format, "Of a device: how it sends its pictures, coded: mjpeg, h264")
       .Otherwise("the device's own");
   options.Add("replay", o.replay, "The input is a file, whose frames come at the pace at which they were taken");
   options.Add("patience", o.patience_s, "A stream that has sent nothing for so long has ended").Unit("s").Positive();
@@ -168,7 +109,6 @@ struct LiveStream::Impl {
   std::optional<PictureConverter> converter;
   Orientation orientation;
   int width = 0, height = 0, format = AV_PIX_FMT_NONE;
-  std::optional<RawEncoder> encoder;
   std::unique_ptr<Recorder> recorder;
   bool recorder_failed = false;
 
@@ -201,11 +141,13 @@ LiveStream::Impl::Impl(const std::string& input_text, const LiveStreamOptions& o
     throw Fail("{}: a raw stream has no time stamps; say how many pictures a second it has, --rate HZ", input_name);
   for (const fs::path& file : {recording, UnfinishedRecording(recording)})
     if (fs::exists(file)) throw Fail("{}: is there already, and no recording is written over", file.string());
+  if (IsRaw(stream.codecpar->codec_id))
+    throw Fail("{}: sends raw pictures, which are not recorded; ask the camera for coded ones, --format mjpeg or h264",
+               input_name);
   CheckSpace();
   OpenDecoder();
-  if (!IsRaw(stream.codecpar->codec_id))
-    recorder = std::make_unique<Recorder>(UnfinishedRecording(recording), *stream.codecpar, stream.time_base,
-                                          RateOf(stream, options.rate_hz));
+  recorder = std::make_unique<Recorder>(UnfinishedRecording(recording), *stream.codecpar, stream.time_base,
+                                        RateOf(stream, options.rate_hz));
   orientation = Orientation{}.TurnedOn(options.rotate_deg / 90);
   stamps.emplace(stream.time_base, 0);
   thread = std::thread([this] { Receive(); });
@@ -389,25 +331,6 @@ bool LiveStream::Impl::Read(LiveFrame& frame) {
 }
 
 void LiveStream::Impl::HandOut(const std::shared_ptr<AVFrame>& decoded, LiveFrame& live) {
-  if (IsRaw(input.Stream().codecpar->codec_id) && !recorder_failed) {
-    try {
-      const AVRational base = input.Stream().time_base;
-      if (!encoder) encoder.emplace(*decoded, base, RateOf(input.Stream(), options.rate_hz));
-      if (!recorder) {
-        const std::unique_ptr<AVCodecParameters, void (*)(AVCodecParameters*)> parameters(
-            avcodec_parameters_alloc(), [](AVCodecParameters* p) { avcodec_parameters_free(&p); });
-        avcodec_parameters_from_context(parameters.get(), &encoder->Codec());
-        recorder = std::make_unique<Recorder>(UnfinishedRecording(recording), *parameters, base,
-                                              RateOf(input.Stream(), options.rate_hz));
-      }
-      encoder->Encode(decoded.get(), decoded->best_effort_timestamp,
-                      [this](const AVPacket& packet) { Record(packet); });
-    } catch (const Error& error) {
-      recorder_failed = true;
-      NoteEnd(StreamEnd::Kind::kDiskFull, error.what());
-      is_stopped = true;
-    }
-  }
   if (!converter) converter.emplace(*decoded);
   stamps->Describe(info);
   live.frame.index = index++;
@@ -429,7 +352,6 @@ void LiveStream::Impl::Finish() {
   const fs::path part = UnfinishedRecording(recording);
   if (recorder && !recorder_failed) {
     try {
-      if (encoder) encoder->Encode(nullptr, 0, [this](const AVPacket& packet) { Record(packet); });
       recorder->Finish();
     } catch (const Error& error) {
       end = {StreamEnd::Kind::kDiskFull, error.what()};  // worse than why no more frames came

@@ -1,8 +1,8 @@
 // The frames of a camera, a network stream or a pipe as they come, recorded meanwhile as they came.
 //
-// A thread receives: whatever becomes of the frames, all that arrives is recorded. A coded stream is put into Matroska
-// as it is; a camera's raw pictures are encoded losslessly (H.264). Clusters are short and written whole, so what was
-// recorded up to half a second ago can be read even if the program is killed.
+// A thread receives: whatever becomes of the frames, all that arrives is recorded. The coded stream is put into
+// Matroska as it is; cameras that send raw pictures are refused, as most send coded ones if asked to. Clusters are
+// short and written whole, so what was recorded up to half a second ago can be read even if the program is killed.
 #pragma once
 
 #include <chrono>
@@ -20,7 +20,7 @@ namespace lake::video {
 struct LiveStreamOptions {
   std::string size;        // of a V4L2 device: "1280x720"; empty: the device's own
   double rate_hz = 0;      // of a device, or of a stream without time stamps of its own; 0: the device's, the stream's
-  std::string format;      // of a device: "mjpeg", "h264", "yuyv422", …; empty: the device's own
+  std::string format;      // of a device: "mjpeg", "h264"; empty: the device's own
   bool replay = false;     // the input is a file, whose frames come at the pace at which they were taken
   double patience_s = 10;  // without data for so long, the stream has ended
   int rotate_deg = 0;      // as in VideoReaderOptions
