@@ -29,6 +29,7 @@ constexpr std::array kSteps = {
     Step{"check", "in seconds: is a recording fit, and what to change"},
     Step{"track", "markers, leg vectors and knee angle from a video"},
     Step{"review", "in the browser: correct a trial, name markers, explore a design"},
+    Step{"live", "an exoskeleton aligned while it is worn: its joint's place after each rise"},
     Step{"anonymise", "a copy of a recording with the head blurred"},
     Step{"gait", "the leg fit on tracks made before, or by another program"},
     Step{"compare", "misalignment between a human trial and an exoskeleton trial"},

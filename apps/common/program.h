@@ -52,6 +52,9 @@ class Program {
   std::function<bool()> AddCommand(const std::string& name, const std::string& what, const std::string& example,
                                    OptionList options);
 
+  // Whether --json was given; for a program that writes its summary itself (null results).
+  bool SaysJson() const { return json_; }
+
   // The folder for the results is given by its place on the command line, after what was added before, not by --out.
   void TakeOutByPlace();
 

@@ -213,9 +213,9 @@ TEST_P(Programs, AnswerHelpVersionAndUnknownOptions) {
 
 INSTANTIATE_TEST_SUITE_P(All, Programs,
                          testing::Values("lake", "lake-track", "lake-anonymise", "lake-check", "lake-gait",
-                                         "lake-loads", "lake-axis", "lake-sync", "lake-review", "lake-cohort",
-                                         "lake-convert", "lake-info", "lake-simulate", "lake-export", "lake-calibrate",
-                                         "lake-optimize", "lake-stroke", "lake-synth", "lake-run"),
+                                         "lake-loads", "lake-axis", "lake-sync", "lake-review", "lake-live",
+                                         "lake-cohort", "lake-convert", "lake-info", "lake-simulate", "lake-export",
+                                         "lake-calibrate", "lake-optimize", "lake-stroke", "lake-synth", "lake-run"),
                          [](const auto& info) {
                            std::string name = info.param;
                            std::replace(name.begin(), name.end(), '-', '_');

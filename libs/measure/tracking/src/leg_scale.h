@@ -9,4 +9,6 @@ namespace lake::tracking {
 // 2 where these are not named or never seen together.
 double MillimetresPerPx(const motion::MarkerRecording& recording);
 
+inline constexpr double kReach_mm = 2000;  // where a person may be
+
 }  // namespace lake::tracking

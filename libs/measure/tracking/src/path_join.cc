@@ -6,13 +6,14 @@
 #include <numbers>
 #include <ranges>
 
+#include "leg_scale.h"
+
 namespace lake::tracking {
 namespace {
 
 constexpr double kError_mm = 0.4;      // of a position, by coding
 constexpr double kClock = 0.2;         // of a time, in frames: a converted rate shows pictures too early or too late
 constexpr double kQuick_mm2_s5 = 1e9;  // spectral density of jerk in a quick rise
-constexpr double kReach_mm = 2000;
 
 // All where there are no others: those of repeated pictures too.
 template <typename Samples>

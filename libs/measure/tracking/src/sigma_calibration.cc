@@ -223,14 +223,6 @@ double FitsSigma(const Seen& seen) {
   return Median(std::move(sigmas));
 }
 
-// What a codec adds over the fits' sigma: the medians of 97 rendered recordings with the motion of people. Half of them
-// lie within 15 % (Motion JPEG), 15 % (MPEG-4), 20 % (x264) and 15 % (x265).
-double UsualOverFit(const video::VideoInfo& video) {
-  if (video.codec == "mpeg4") return 2.9;
-  if (video.codec == "hevc") return 5.8;
-  return video.coded_frame_by_frame ? 1.15 : 4.2;
-}
-
 // How much farther than moving ones slow markers are displaced in H.264 and HEVC: an encoder leaves a small
 // displacement until it is worth a correction. 1.06 to 1.65, median 1.26, of nine rendered recordings of people (x264
 // ultrafast to faster, crf 19 to 33; x265); it lasts for some frames, with correlations of 0.2 to 0.7 from one to the
@@ -254,7 +246,7 @@ std::vector<Displacement> OfPeople(const Scatters& scatters, const video::VideoI
   for (std::size_t m = 0; m < paths.size(); ++m) {
     const double own_px =
         paths[m].size() < kEnough ? pooled_px : dynamics::LearnMotion(std::span(&paths[m], 1), unit_mm).extra_sigma;
-    const double usual_px = UsualOverFit(video) * FitsSigma(scatters.markers[m]);
+    const double usual_px = UsualCompression(video) * FitsSigma(scatters.markers[m]);
     const double weighed_px = std::pow(usual_px, kWeightOfUsual) * std::pow(own_px, 1 - kWeightOfUsual),
                  scatter_px = std::min({weighed_px, own_px, kMostOfUsual * usual_px});
     const double error_px = scatter_px * UsualSlowFactor(scatter_px);
@@ -264,6 +256,14 @@ std::vector<Displacement> OfPeople(const Scatters& scatters, const video::VideoI
 }
 
 }  // namespace
+
+// What a codec adds over the fits' sigma: the medians of 97 rendered recordings with the motion of people. Half of them
+// lie within 15 % (Motion JPEG), 15 % (MPEG-4), 20 % (x264) and 15 % (x265).
+double UsualCompression(const video::VideoInfo& video) {
+  if (video.codec == "mpeg4") return 2.9;
+  if (video.codec == "hevc") return 5.8;
+  return video.coded_frame_by_frame ? 1.15 : 4.2;
+}
 
 SigmaCalibration CalibrateSigmas(const video::VideoInfo& video, motion::MarkerRecording& recording) {
   const Scatters scatters = ScattersOf(recording);

@@ -18,7 +18,6 @@ constexpr int kAboveQuick = 1;                      // … so many of them above
 constexpr double kSudden = 30, kSuddenShare = 0.1;  // a jerk out of all that was before: times the density, how often
 constexpr double kMismeasured = 1e-6,
                  kUnrelated = 0.5;  // shares of markers that are something else afterwards: usually, after a cut
-constexpr double kReach_mm = 2000;  // where a person may be
 
 double LogSum(const std::vector<double>& logs) {
   const double most = *std::max_element(logs.begin(), logs.end());

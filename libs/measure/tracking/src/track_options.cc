@@ -65,12 +65,12 @@ cv::Rect CropOf(const std::array<double, 4>& numbers, const std::string& said) {
 
 }  // namespace
 
-void Describe(TrackOptions& o, OptionList& options) {
-  options.Add("markers", o.names, "Names of the markers to find; ankle, knee, hip, waist are understood as the leg")
+void DescribeNames(std::vector<std::string>& names, std::vector<MarkerSeed>& seeds, OptionList& options) {
+  options.Add("markers", names, "Names of the markers to find; ankle, knee, hip, waist are understood as the leg")
       .Value("NAME,...");
-  const auto set_seeds = [&o](const OptionTexts& texts, const std::string& said) {
-    o.seeds.clear();
-    for (const std::string& text : texts) o.seeds.push_back(ParseSeed(text, said));
+  const auto set_seeds = [&seeds](const OptionTexts& texts, const std::string& said) {
+    seeds.clear();
+    for (const std::string& text : texts) seeds.push_back(ParseSeed(text, said));
   };
   options
       .AddCustom("seed", "Position of a marker in a frame, or its number in candidates.png (may be repeated)",
@@ -79,6 +79,10 @@ void Describe(TrackOptions& o, OptionList& options) {
       .Key("seeds")
       .Value("NAME=X,Y[@FRAME]|NAME=#N")
       .Repeats();
+}
+
+void Describe(TrackOptions& o, OptionList& options) {
+  DescribeNames(o.names, o.seeds, options);
   options.AddChoice("detector", o.detector,
                     OptionList::Choices<DetectorKind>{{"reflective", DetectorKind::kReflective},
                                                       {"color", DetectorKind::kColor},

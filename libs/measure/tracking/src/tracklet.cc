@@ -106,6 +106,11 @@ void WidenFirst(std::vector<TrackletSample>& samples) {
   samples[0].sigma_px = std::hypot(samples[0].sigma_px, kOfStep * step_px);
 }
 
+void SortByFirstFrame(std::vector<Tracklet>& tracklets) {
+  std::sort(tracklets.begin(), tracklets.end(),
+            [](const Tracklet& a, const Tracklet& b) { return a.FirstFrame() < b.FirstFrame(); });
+}
+
 // What is found after a gap and not followed for `fewest` samples may be something else.
 void CutUnsureEnd(std::vector<TrackletSample>& samples, std::size_t fewest) {
   const auto last_run = [&] {
@@ -237,7 +242,7 @@ void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPredic
     if (taken[j]) continue;
     const bool is_seed = IsSeed(frame, detections[j]);
     if (!is_seed && live_.size() >= options_.max_live && !MakePlaceFor(detections[j])) continue;
-    live_.push_back({{}, detections[j].appearance, detections[j].quality, time_s_, is_seed});
+    live_.push_back({{}, detections[j].appearance, detections[j].quality, time_s_, is_seed, ++things_});
     Extend(live_.back(), frame, detections[j]);
   }
 }
@@ -275,12 +280,25 @@ void TrackletBuilder::RetireLost() {
 }
 
 void TrackletBuilder::Keep(Tracklet tracklet) {
+  if (std::optional<Tracklet> judged = Judged(std::move(tracklet))) finished_.push_back(*std::move(judged));
+}
+
+// Without what is no measurement of it; nullopt where too little is left.
+std::optional<Tracklet> TrackletBuilder::Judged(Tracklet tracklet) const {
   if (!detector_.KnowsIdentities()) {
     WidenFirst(tracklet.samples);
     if (!detector_.NeedsColour()) JudgeLooks(tracklet.samples);  // in the chroma size is too uncertain to tell
     CutUnsureEnd(tracklet.samples, static_cast<std::size_t>(options_.min_samples));
   }
-  if (static_cast<int>(tracklet.samples.size()) >= options_.min_samples) finished_.push_back(std::move(tracklet));
+  if (static_cast<int>(tracklet.samples.size()) < options_.min_samples) return std::nullopt;
+  return tracklet;
+}
+
+std::vector<TrackletBuilder::Thing> TrackletBuilder::Things() const {
+  std::vector<Thing> things;
+  things.reserve(live_.size());
+  for (const Live& live : live_) things.push_back({live.number, &live.tracklet});
+  return things;
 }
 
 // Of all that was seen in the frame before and has a certain place, as a face that is followed by its hue has not.
@@ -439,11 +457,18 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
   ++frames_seen_;
 }
 
+std::vector<Tracklet> TrackletBuilder::SoFar() const {
+  std::vector<Tracklet> all = finished_;
+  for (const Live& live : live_)
+    if (std::optional<Tracklet> judged = Judged(live.tracklet)) all.push_back(*std::move(judged));
+  SortByFirstFrame(all);
+  return all;
+}
+
 std::vector<Tracklet> TrackletBuilder::Finish() {
   for (Live& live : live_) Keep(std::move(live.tracklet));
   live_.clear();
-  std::sort(finished_.begin(), finished_.end(),
-            [](const Tracklet& a, const Tracklet& b) { return a.FirstFrame() < b.FirstFrame(); });
+  SortByFirstFrame(finished_);
   return std::move(finished_);
 }
 

@@ -1,8 +1,10 @@
-// Opens what the server has: a tracked trial, a video whose markers are to be named, a design, a comparison, a study.
+// Opens what the server has: a tracked trial, a video whose markers are to be named, a design, a comparison, a study, a
+// camera's session.
 import { ComparisonPage } from "./comparison";
 import { DesignPage } from "./design";
 import { part, say, sayWhy } from "./dom";
-import { StateMessage } from "./messages";
+import { LivePage } from "./live";
+import { LiveStateMessage, StateMessage } from "./messages";
 import { NamingPage } from "./naming";
 import { server } from "./server";
 import { StudyPage } from "./study";
@@ -16,6 +18,7 @@ let naming: NamingPage | null = null;
 let design: DesignPage | null = null;
 let isComparing = false;
 let study: StudyPage | null = null;
+let live: LivePage | null = null;
 let isEnded = false;
 
 async function update(state: StateMessage): Promise<void> {
@@ -28,6 +31,9 @@ async function update(state: StateMessage): Promise<void> {
   } else if (state.mode === "study") {
     study ??= new StudyPage(await server.study());
     study.update(state);
+  } else if (state.mode === "live") {
+    live ??= new LivePage(await server.live());
+    live.update(state as LiveStateMessage);
   } else if (state.mode === "trial") {
     naming?.close();
     naming = null;
@@ -49,7 +55,7 @@ async function poll(): Promise<void> {
   } catch (why) {
     if (!(why instanceof TypeError)) return sayWhy(why);
     isEnded = true; // nobody answers
-    say(TEXTS.ended, true);
+    say(live ? TEXTS.liveEnded : TEXTS.ended, true);
   }
 }
 

@@ -1,5 +1,6 @@
 // What the page and the server tell each other. The server's side is src/review.cc, trial_session.cc, trial_json.cc and
-// design_explorer.cc; the naming of markers comes from lake::reviewing (naming_review.cc).
+// design_explorer.cc; the naming of markers comes from lake::reviewing (naming_review.cc), a live session from lake::live
+// (session_page.cc).
 
 /** A column has one value per row of the recording; null where there is none. */
 export type Column = (number | null)[];
@@ -44,7 +45,7 @@ export interface JobMessage {
 }
 
 export interface StateMessage {
-  mode: "trial" | "naming" | "tracking" | "design" | "comparison" | "study";
+  mode: "trial" | "naming" | "tracking" | "design" | "comparison" | "study" | "live";
   job?: JobMessage; // tracking, optimising, a step of a study
   step?: string; // of a study: the one that is under way or was the last
   optimum?: { number: number; links: number[] } | null; // of a design: the last one found
@@ -276,3 +277,59 @@ export interface StudyMessage {
   report: string; // its file
   has_report: boolean;
 }
+
+/** A camera's session, once. */
+export interface LiveMessage {
+  input: string;
+  folder: string;
+  width: number;
+  height: number;
+  markers: string[];
+  joint: string; // of the markers
+  tolerance_mm: number;
+}
+
+export type Pair = [number, number];
+
+/** Of the rises since the joint was moved last. */
+export interface LivePlace {
+  rises: number;
+  offset_mm: Pair; // joint less knee: anterior, along the shank
+  half_width_mm: Pair;
+  anatomical_half_width_mm: Pair;
+  distance_mm: number;
+  where: string;
+  move: string; // what to do, in words
+  verdict: "within" | "beyond" | "undecided";
+}
+
+export interface LiveStateMessage extends StateMessage {
+  phase: "watching" | "trial" | "finishing" | "done" | "failed";
+  recorded_s: number;
+  frames: number;
+  moves: number;
+  is_named: boolean;
+  why_not_named: string;
+  missing: string[]; // markers that are not seen now
+  why_no_rise: string;
+  rises: { standing_s: number; offset_mm: Pair; moves: number }[];
+  place: LivePlace | null;
+  change: string; // what the last move did, in words
+  checks: { shown: string; verdict: string; advice: string }[];
+  progress: string;
+  end: string | null; // why no more frames come
+  failed: string;
+  difference_px: number | null; // of the live positions to those of the trial, RMS
+}
+
+/** One frame, and the curves since the frame that was named. */
+export interface LiveViewMessage {
+  frame: number;
+  time_s: number;
+  markers: { name: string; x: number | null; y: number | null; sigma: number | null }[];
+  spots: { x: number; y: number; radius: number; name: string }[];
+  samples: [number, number | null, number | null, number | null][]; // s, knee degrees, joint less knee mm
+  move: [Pair, Pair] | null; // from where the joint is to where it should be, px
+}
+
+export type LiveAct = { what: "begin" } | { what: "end" } | { what: "moved" } | { what: "name"; name: string; x: number; y: number };

@@ -1,7 +1,8 @@
 // Questions to the server that served this page; addresses are relative, so the token stays in them.
 import {
-  Choices, ComparisonMessage, CourseMessage, DesignMessage, EditMessage, ExploreQuestion, ExploredMessage, MeasureMessage,
-  NamingMessage, SnapAnswer, SnapQuestion, StateMessage, StudyMessage, TrackOptions, TrialMessage,
+  Choices, ComparisonMessage, CourseMessage, DesignMessage, EditMessage, ExploreQuestion, ExploredMessage, LiveAct,
+  LiveMessage, LiveStateMessage, LiveViewMessage, MeasureMessage, NamingMessage, SnapAnswer, SnapQuestion, StateMessage,
+  StudyMessage, TrackOptions, TrialMessage,
 } from "./messages";
 
 /** The server's own words on why not. */
@@ -51,6 +52,10 @@ export const server = {
   comparison: () => get<ComparisonMessage>("comparison"),
   study: () => get<StudyMessage>("study"),
   runStep: (step: string) => post<StateMessage>("run", { step }), // empty: all that is due
+  live: () => get<LiveMessage>("live"),
+  liveView: (after: number) => post<LiveViewMessage>("view", { after }),
+  livePicture: (frame: number) => picture(`picture/${frame}.jpg`),
+  act: (act: LiveAct) => post<LiveStateMessage>("act", act),
   frame: (frame: number) => picture(`frame/${frame}.jpg`),
   frameOf: (trial: "human" | "exo") => (frame: number) => picture(`${trial}/${frame}.jpg`),
 };

@@ -187,4 +187,32 @@ export const TEXTS = {
   optimising: "Optimising",
   optimiseFailed: (why: string) => `No optimum: ${why}`,
   optimised: "The optimum from these links; Undo goes back to them",
+
+  // Live
+  liveEnded: "lake live has ended; what was recorded is in its folder",
+  phase: (phase: string, seconds: number, end: string | null) =>
+    phase === "watching" ? `Recording, ${seconds.toFixed(0)} s; begin the trial when the person sits`
+    : phase === "trial" ? `Trial, ${seconds.toFixed(0)} s recorded`
+    : phase === "finishing" ? `${end ? `The recording has ended: ${end}. ` : ""}Making the trial`
+    : phase === "done" ? `The trial is ready: ${end}` : "There is no trial",
+  beginTrial: "Begin trial",
+  endTrial: "End trial",
+  measuring: "Stand up and sit down: the joint's place is told after each rise",
+  notNamed: (missing: string[]) => `Not named yet: ${missing.join(", ")}. Stand up and sit down once, or click a name and its spot`,
+  toleranceText: (verdict: string, tolerance: number) =>
+    verdict === "within" ? `✓ Within ${tolerance} mm` : verdict === "beyond" ? `✗ Not within ${tolerance} mm` : `? About ${tolerance} mm: one rise more tells`,
+  placeDetail: (rises: number, where: string, beneath: number) =>
+    `${rises === 1 ? "1 rise" : `mean of ${rises} rises`} since the joint was put there: it sits ${where}; of the joint beneath the skin ± ${beneath.toFixed(0)} mm`,
+  riseRow: (rise: number, x: number, y: number, moves: number) =>
+    `Rise ${rise}: ${Math.abs(x).toFixed(0)} mm ${x >= 0 ? "in front of" : "behind"}, ${Math.abs(y).toFixed(0)} mm ${y >= 0 ? "above" : "below"} the knee${moves ? ` (after move ${moves})` : ""}`,
+  riseCount: (count: number) => (count === 0 ? "No rise yet" : count === 1 ? "1 rise" : `${count} rises`),
+  movedSaid: (moves: number) => `Move ${moves} noted; the next rises are of the new place`,
+  clickSpot: (name: string) => `Click the spot that is ${name}; Esc ends it`,
+  named: (name: string) => `${name} named`,
+  liveKnee: "Knee angle (°), the last 20 s",
+  liveJoint: "Joint against the knee (mm), the last 20 s",
+  anterior: "in front",
+  above: "above",
+  difference: (px: number) => `Live positions differ from the trial's by ${px.toFixed(3)} px (root mean square)`,
+  checkCount: (bad: number) => (bad === 0 ? "Pictures: all good" : bad === 1 ? "Pictures: 1 thing to change" : `Pictures: ${bad} things to change`),
 };

@@ -15,36 +15,12 @@
 #include <utility>
 #include <vector>
 
+#include "jpeg_encoder.h"
 #include "lake/core/error.h"
 #include "lake/video/video_files.h"
 
 namespace lake::review {
 namespace {
-
-class JpegEncoder {
- public:
-  explicit JpegEncoder(int quality) : quality_(quality), handle_(tjInitCompress()) {
-    if (!handle_) throw Error("the JPEG encoder cannot be started");
-  }
-  JpegEncoder(const JpegEncoder&) = delete;
-  JpegEncoder& operator=(const JpegEncoder&) = delete;
-  ~JpegEncoder() { tjDestroy(handle_); }
-
-  std::string Encode(const cv::Mat& bgr) {
-    buffer_.resize(tjBufSize(bgr.cols, bgr.rows, TJSAMP_420));
-    unsigned char* buffer = buffer_.data();
-    unsigned long size = buffer_.size();  // the library's type
-    if (tjCompress2(handle_, bgr.data, bgr.cols, static_cast<int>(bgr.step), bgr.rows, TJPF_BGR, &buffer, &size,
-                    TJSAMP_420, quality_, TJFLAG_FASTDCT | TJFLAG_NOREALLOC) != 0)
-      throw Fail("a frame cannot be written as JPEG: {}", tjGetErrorStr2(handle_));
-    return {reinterpret_cast<const char*>(buffer), size};
-  }
-
- private:
-  int quality_;
-  tjhandle handle_;
-  std::vector<unsigned char> buffer_;
-};
 
 std::size_t BytesOf(const StoredFrame& frame) {
   return frame.jpeg->size() + frame.luma.total();

@@ -50,6 +50,11 @@ void PageServer::Serve(const std::function<bool()>& is_busy) {
   server_.Serve([&] { return windows_.AllClosed() && !is_busy(); });
 }
 
+void PageServer::ServeUntil(const std::function<bool()>& is_done) {
+  if (options_.ready) options_.ready(server_.Address());
+  server_.Serve([&] { return is_done() && windows_.NoneOpen(); });
+}
+
 std::int64_t FrameNumber(std::string text) {
   constexpr std::string_view kEnding = ".jpg";
   std::int64_t number = -1;

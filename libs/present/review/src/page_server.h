@@ -25,6 +25,9 @@ class PageServer {
   // Until the last window is closed and nothing is under way. Throws Interrupted once a signal has arrived.
   void Serve(const std::function<bool()>& is_busy);
 
+  // Until the work is done and no window is open, whether one ever was or not. Throws as Serve().
+  void ServeUntil(const std::function<bool()>& is_done);
+
  private:
   const PageOptions& options_;
   Windows windows_;

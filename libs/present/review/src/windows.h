@@ -24,9 +24,13 @@ class Windows {
     last_closed_ = Clock::now();
   }
 
+  bool NoneOpen() const {
+    const std::lock_guard lock(mutex_);
+    return open_.empty() && Clock::now() - last_closed_ > kReload;
+  }
+
   // A page that is loaded again closes before it opens.
   bool AllClosed() const {
-    constexpr std::chrono::seconds kReload{3};
     const std::lock_guard lock(mutex_);
     return had_any_ && open_.empty() && Clock::now() - last_closed_ > kReload;
   }
@@ -34,6 +38,7 @@ class Windows {
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr std::size_t kMost = 1000;
+  static constexpr std::chrono::seconds kReload{3};
 
   mutable std::mutex mutex_;
   std::set<std::string> open_, gone_;

@@ -1,13 +1,12 @@
 #include "lake/reviewing/run_review.h"
 
-#include <csignal>
 #include <cstdio>
 #include <memory>
 
 #include "comparison_review.h"
-#include "lake/core/child_program.h"
 #include "lake/core/error.h"
 #include "lake/core/standard_output.h"
+#include "lake/review/open_browser.h"
 #include "lake/review/review.h"
 #include "lake/reviewing/design_review.h"
 #include "naming_review.h"
@@ -20,19 +19,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// With the desktop's own program for addresses.
-void OpenInBrowser(const std::string& address) {
-  std::signal(SIGCHLD, SIG_DFL);
-  if (IsInPath("xdg-open"))
-    StartChild({"xdg-open", address}, {});
-  else
-    fmt::print(stderr, "lake-review: xdg-open is not there; open the address yourself\n");
-}
-
 void Announce(const std::string& address, bool open) {
   fmt::print("{}\nOpen this address in a browser; closing the page or Ctrl-C ends it.\n", address);
   FlushStdout();
-  if (open) OpenInBrowser(address);
+  if (open) review::OpenInBrowser("lake-review", address);
 }
 
 // With the steps of the last session, unless its corrections were changed by hand since.

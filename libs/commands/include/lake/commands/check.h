@@ -8,7 +8,7 @@
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
-#include "lake/tracking/recording_quality.h"
+#include "lake/tracking/recording_verdicts.h"
 
 namespace lake::commands {
 
@@ -18,19 +18,6 @@ struct CheckRunOptions {
 };
 
 void Describe(CheckRunOptions& o, OptionList& options);
-
-enum class Verdict { kGood, kPoor, kUnfit, kNotJudged };
-
-// One thing that was looked at, with what to change where it is not good.
-struct CheckItem {
-  std::string name;   // of the figure in the summary
-  std::string shown;  // the figure in words
-  Verdict verdict = Verdict::kGood;
-  std::string advice = {};
-};
-
-// Every figure of a check, judged.
-std::vector<CheckItem> JudgeRecording(const tracking::RecordingCheck& check, int markers);
 
 // The figures of markers, as both lake-check's and lake-track's summary have them.
 Json FiguresJson(const tracking::MarkerFigures& figures);

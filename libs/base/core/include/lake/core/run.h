@@ -58,6 +58,9 @@ class Run {
   std::filesystem::path Result(const std::string& name);
   const std::filesystem::path& Folder() const { return info_.out; }
 
+  // Leaves the folder to another program, whose results stand beside this one's; this run goes on in its own files.
+  void ReleaseFolder() { lock_.reset(); }
+
   // The results that were written so far.
   std::vector<std::filesystem::path> Results() const;
 

@@ -42,6 +42,7 @@ struct TrackOptions {
 
 // With the reader's.
 void Describe(TrackOptions& o, OptionList& options);
+void DescribeNames(std::vector<std::string>& names, std::vector<MarkerSeed>& seeds, OptionList& options);
 Option& DescribePolarity(Polarity& polarity, OptionList& options);
 Option& DescribeCrop(cv::Rect& crop, OptionList& options);
 

@@ -62,6 +62,16 @@ class TrackletBuilder {
 
   void Add(const video::VideoFrame& frame);
 
+  // What is followed at the moment, each with a number that stays its own. Valid until the next frame.
+  struct Thing {
+    std::int64_t number;
+    const Tracklet* tracklet;
+  };
+  std::vector<Thing> Things() const;
+
+  // What Finish() would return if the last frame were the last of all.
+  std::vector<Tracklet> SoFar() const;
+
   // All tracklets, in order of their first frame. Call once, after the last frame.
   std::vector<Tracklet> Finish();
 
@@ -78,6 +88,7 @@ class TrackletBuilder {
     double quality = 0;
     double seen_s = 0;    // time of the last detection
     bool seeded = false;  // began at a seed
+    std::int64_t number = 0;
 
     bool IsFastStart() const { return seeded && tracklet.samples.size() < 3; }
   };
@@ -98,6 +109,7 @@ class TrackletBuilder {
   bool MakePlaceFor(const MarkerDetection& detection);
   void RetireLost();
   void Keep(Tracklet tracklet);
+  std::optional<Tracklet> Judged(Tracklet tracklet) const;
   void Extend(Live& live, std::int64_t frame, const MarkerDetection& detection) const;
 
   MarkerDetector& detector_;
@@ -105,7 +117,7 @@ class TrackletBuilder {
   std::vector<Live> live_;
   std::vector<Tracklet> finished_;
   std::vector<Eigen::Vector2d> evicted_;  // where things rested that were given up for others
-  std::int64_t frames_seen_ = 0;
+  std::int64_t frames_seen_ = 0, things_ = 0;
   double frame_s_ = 0;  // between frames, usually; 0: not known yet
   // The frame at work: its time, as in TrackletSample.
   double time_s_ = 0;

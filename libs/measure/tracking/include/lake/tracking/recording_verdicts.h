@@ -1,0 +1,26 @@
+// What the figures of a recording mean for who records: good, poor, unfit, with what to change.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lake/tracking/recording_quality.h"
+
+namespace lake::tracking {
+
+enum class Verdict { kGood, kPoor, kUnfit, kNotJudged };
+
+std::string ToString(Verdict verdict);  // good, poor, unfit, not judged
+
+// One thing that was looked at, with what to change where it is not good.
+struct CheckItem {
+  std::string name;   // of the figure in the summary
+  std::string shown;  // the figure in words
+  Verdict verdict = Verdict::kGood;
+  std::string advice = {};
+};
+
+// Every figure of a check, judged.
+std::vector<CheckItem> JudgeRecording(const RecordingCheck& check, int markers);
+
+}  // namespace lake::tracking

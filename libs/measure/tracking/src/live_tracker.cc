@@ -1,0 +1,323 @@
+#include "lake/tracking/live_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lake/core/error.h"
+#include "lake/tracking/naming.h"
+#include "lake/tracking/sigma_calibration.h"
+
+namespace lake::tracking {
+
+using Eigen::Vector2d;
+
+namespace {
+
+// Of a quick rise (dynamics' README): nine in ten people move with less. A filter that expects more leans on the
+// measurement more, and never lags.
+constexpr double kQuickDensityMm = 1e9;    // mm²/s⁵
+constexpr double kForetold_s = 0.1;        // as long as a tracklet goes on unseen
+constexpr double kForgotten_s = 0.25;      // a filter that saw nothing for longer begins anew
+constexpr double kLengthTolerance = 0.05;  // of a distance that stays, as in naming
+
+motion::MarkerRecording EmptyRecording(const std::vector<std::string>& names) {
+  motion::MarkerRecording recording;
+  recording.unit = motion::LengthUnit::kPx;
+  for (const std::string& name : names) recording.markers.push_back({name, {}});
+  return recording;
+}
+
+motion::MarkerSample Detected(const Vector2d& position, double sigma) {
+  return {position, sigma, motion::SampleStatus::kDetected};
+}
+
+}  // namespace
+
+bool LiveTracker::Distance::IsRigid() const {
+  constexpr int kEnough = 15;          // frames
+  constexpr double kVariation = 0.03;  // skin's, over the length
+  return count >= kEnough && std::sqrt(squares / count) <= kVariation * mean;
+}
+
+LiveTracker::LiveTracker(LiveTrackOptions options, const video::VideoInfo& video)
+    : options_(std::move(options)),
+      sigma_factor_(std::hypot(1, UsualCompression(video))),
+      detector_(MakeReflectiveDetector(options_.polarity, DetectorRegion{options_.crop})),
+      thing_(options_.names.size()),
+      last_place_px_(options_.names.size()),
+      filters_(options_.names.size()),
+      told_(EmptyRecording(options_.names)),
+      measured_(EmptyRecording(options_.names)) {
+  TrackletOptions following;
+  following.physics = options_.physics;
+  for (const MarkerSeed& seed : options_.seeds) following.seeds.push_back({seed.frame, seed.position});
+  builder_ = std::make_unique<TrackletBuilder>(*detector_, following);
+}
+
+void LiveTracker::Add(const video::VideoFrame& frame) {
+  builder_->Add(frame);
+  for (motion::MarkerRecording* recording : {&told_, &measured_}) {
+    recording->frame.push_back(frame.index);
+    recording->time_s.push_back(frame.time_s);
+    for (motion::MarkerTrack& track : recording->markers) track.samples.emplace_back();
+  }
+  TakeSeeds(frame.index);
+  Rejoin();
+  for (std::size_t n = 0; n < thing_.size(); ++n)
+    if (const TrackletSample* sample = SeenNow(n)) {
+      measured_.markers[n].samples.back() = Detected(sample->position, sample->sigma_px);
+      last_place_px_[n] = sample->position;
+    }
+  LearnDistances();
+  FilterAll(frame.time_s);
+}
+
+const Tracklet* LiveTracker::ThingOf(std::size_t name) const {
+  if (!thing_[name]) return nullptr;
+  for (const TrackletBuilder::Thing& thing : builder_->Things())
+    if (thing.number == *thing_[name]) return thing.tracklet;
+  return nullptr;
+}
+
+// Not in a picture that repeats the one before.
+const TrackletSample* LiveTracker::SeenNow(std::size_t name) const {
+  const Tracklet* thing = ThingOf(name);
+  if (!thing || measured_.frame.empty()) return nullptr;
+  const TrackletSample& last = thing->samples.back();
+  return last.frame == measured_.frame.back() && !last.repeated ? &last : nullptr;
+}
+
+std::size_t LiveTracker::IndexOf(std::string_view name) const {
+  const auto found = std::ranges::find(options_.names, name);
+  if (found == options_.names.end())
+    throw Fail("'{}' is not one of the markers ({})", name, fmt::join(options_.names, ", "));
+  return static_cast<std::size_t>(found - options_.names.begin());
+}
+
+// With all that was measured of it before.
+void LiveTracker::Give(std::size_t name, const TrackletBuilder::Thing& thing) {
+  for (std::optional<std::int64_t>& other : thing_)
+    if (other == thing.number) other.reset();
+  thing_[name] = thing.number;
+  filters_[name] = {};
+  for (const TrackletSample& sample : thing.tracklet->samples) {
+    const auto found = std::ranges::lower_bound(measured_.frame, sample.frame);
+    if (found == measured_.frame.end() || *found != sample.frame || sample.repeated) continue;
+    const auto row = static_cast<std::size_t>(found - measured_.frame.begin());
+    measured_.markers[name].samples[row] = Detected(sample.position, sample.sigma_px);
+  }
+}
+
+void LiveTracker::TakeSeeds(std::int64_t frame) {
+  for (const MarkerSeed& seed : options_.seeds)
+    if (seed.frame == frame) Name(seed.name, seed.position);
+}
+
+void LiveTracker::Name(std::string_view name, const Vector2d& place_px) {
+  const std::size_t index = IndexOf(name);
+  std::optional<TrackletBuilder::Thing> nearest;
+  double least_px = std::numeric_limits<double>::infinity();
+  for (const TrackletBuilder::Thing& thing : builder_->Things()) {
+    const TrackletSample& last = thing.tracklet->samples.back();
+    const double away_px = (last.position - place_px).norm() - last.radius_px;
+    if (last.frame != measured_.frame.back() || away_px > kSeedSlackPx || away_px >= least_px) continue;
+    nearest = thing, least_px = away_px;
+  }
+  ForgetDistances(index);
+  if (!nearest) throw Fail("{}: there is no marker at {:.0f},{:.0f}", name, place_px.x(), place_px.y());
+  Give(index, *nearest);
+}
+
+void LiveTracker::TakeNames(const std::vector<MarkerSeed>& found) {
+  constexpr double kSamePx = 0.5;
+  for (const MarkerSeed& seed : found) {
+    const std::size_t index = IndexOf(seed.name);
+    if (ThingOf(index)) continue;
+    for (const TrackletBuilder::Thing& thing : builder_->Things()) {
+      const TrackletSample* sample = thing.tracklet->SampleIn(seed.frame);
+      if (!sample || (sample->position - seed.position).norm() >= kSamePx) continue;
+      ForgetDistances(index);
+      Give(index, thing);
+    }
+  }
+}
+
+// It may be elsewhere now, as a joint that was moved.
+void LiveTracker::ForgetDistances(std::size_t name) {
+  std::erase_if(distances_, [&](const auto& one) { return one.first.first == name || one.first.second == name; });
+}
+
+bool LiveTracker::IsAnyLost() const {
+  constexpr double kLost_s = 1;
+  for (std::size_t n = 0; n < thing_.size(); ++n)
+    if (!thing_[n] || (!ThingOf(n) && measured_.time_s.back() - filters_[n].seen_s > kLost_s)) return true;
+  return false;
+}
+
+bool LiveTracker::HasAllNames() const {
+  return std::ranges::all_of(thing_, [](const auto& number) { return number.has_value(); });
+}
+
+std::vector<LiveSpot> LiveTracker::Spots() const {
+  std::vector<LiveSpot> spots;
+  for (const TrackletBuilder::Thing& thing : builder_->Things()) {
+    const TrackletSample& last = thing.tracklet->samples.back();
+    if (measured_.frame.empty() || last.frame != measured_.frame.back()) continue;
+    const auto named = std::ranges::find(thing_, std::optional(thing.number));
+    spots.push_back(
+        {.number = thing.number,
+         .position = last.position,
+         .radius_px = last.radius_px,
+         .name = named == thing_.end() ? "" : options_.names[static_cast<std::size_t>(named - thing_.begin())]});
+  }
+  return spots;
+}
+
+void LiveTracker::LearnDistances() {
+  std::vector<std::optional<Vector2d>> places(thing_.size());
+  for (std::size_t n = 0; n < places.size(); ++n)
+    if (const TrackletSample* sample = SeenNow(n)) places[n] = options_.metric_from_px(sample->position);
+  for (std::size_t a = 0; a < places.size(); ++a)
+    for (std::size_t b = a + 1; b < places.size(); ++b) {
+      if (!places[a] || !places[b]) continue;
+      Distance& distance = distances_[{a, b}];
+      const double off = (*places[a] - *places[b]).norm() - distance.mean;
+      ++distance.count;
+      distance.mean += off / distance.count;
+      distance.squares += off * ((*places[a] - *places[b]).norm() - distance.mean);
+    }
+}
+
+void LiveTracker::FilterAll(double time_s) {
+  const double density_px = kQuickDensityMm * options_.px_per_mm * options_.px_per_mm;
+  const dynamics::MotionPrior prior = dynamics::PersonPrior(options_.px_per_mm);
+  for (std::size_t n = 0; n < filters_.size(); ++n) {
+    Filter& filter = filters_[n];
+    const TrackletSample* seen = SeenNow(n);
+    if (filter.state && time_s - filter.seen_s > kForgotten_s) filter.state.reset();
+    if (filter.state) filter.state = dynamics::Moved(*filter.state, time_s - filter.time_s, density_px);
+    if (seen) {
+      const dynamics::PathSample sample{time_s, seen->position, seen->sigma_px * sigma_factor_};
+      if (filter.state)
+        dynamics::Observe(sample, *filter.state);
+      else
+        filter.state = dynamics::StartAt(sample, prior);
+      filter.seen_s = time_s;
+    }
+    filter.time_s = time_s;
+    if (!filter.state || time_s - filter.seen_s > kForetold_s) continue;
+    told_.markers[n].samples.back() = {filter.state->Position(), std::sqrt(filter.state->covariance(0, 0)),
+                                       seen ? motion::SampleStatus::kDetected : motion::SampleStatus::kFilled};
+  }
+}
+
+// Names that have lost their things, and the things without a name that they may be. The assignment of least cost is
+// taken where no other is nearly as good.
+struct LiveTracker::Rejoining {
+  static constexpr double kUnassigned = 3;  // costs more than any thing that fits
+  static constexpr double kClear = 0.5;     // between the best and the next
+  static constexpr std::size_t kMostThings = 12;
+
+  const LiveTracker& tracker;
+  std::vector<std::size_t> lost;
+  std::vector<TrackletBuilder::Thing> things;
+  std::vector<Vector2d> thing_metric;
+  std::vector<std::optional<Vector2d>> name_metric;  // of names that are seen
+  std::vector<int> chosen, best;                     // thing by lost name, -1: none
+  double best_cost = std::numeric_limits<double>::infinity(), next_cost = best_cost;
+
+  // Squared, in units of what may be; nullopt for more than that.
+  std::optional<double> Cost(std::size_t lost_index, std::size_t thing) const {
+    const std::size_t name = lost[lost_index];
+    const TrackletSample& last = things[thing].tracklet->samples.back();
+    constexpr double kReachMm = 500;  // as far as a marker of a person ever goes (MotionPrior)
+    const double reach_px = kReachMm / tracker.options_.physics.radius_mm * last.radius_px;
+    const double away_px = (last.position - *tracker.last_place_px_[name]).norm();
+    double cost = std::pow(away_px / reach_px, 2);
+    if (cost > 1) return std::nullopt;
+    constexpr double kSamePlaceRadii = 3;
+    bool has_partner = away_px < kSamePlaceRadii * last.radius_px;
+    const auto compare = [&](std::size_t other, const Vector2d& place) {
+      const auto found = tracker.distances_.find(std::minmax(name, other));
+      if (found == tracker.distances_.end() || !found->second.IsRigid()) return true;
+      const double off = (place - thing_metric[thing]).norm() / found->second.mean - 1;
+      cost += std::pow(off / kLengthTolerance, 2);
+      has_partner = true;
+      return std::abs(off) <= kLengthTolerance;
+    };
+    for (std::size_t other = 0; other < name_metric.size(); ++other)
+      if (name_metric[other] && !compare(other, *name_metric[other])) return std::nullopt;
+    for (std::size_t before = 0; before < lost_index; ++before)
+      if (chosen[before] >= 0 && !compare(lost[before], thing_metric[static_cast<std::size_t>(chosen[before])]))
+        return std::nullopt;
+    return has_partner ? std::optional(cost) : std::nullopt;
+  }
+
+  void Try(std::size_t lost_index, double cost) {
+    if (cost >= next_cost) return;
+    if (lost_index == lost.size()) {
+      next_cost = cost < best_cost ? best_cost : cost;
+      if (cost < best_cost) best_cost = cost, best = chosen;
+      return;
+    }
+    for (std::size_t thing = 0; thing < things.size(); ++thing) {
+      if (std::ranges::find(chosen, static_cast<int>(thing)) != chosen.end()) continue;
+      const std::optional<double> more = Cost(lost_index, thing);
+      if (!more) continue;
+      chosen[lost_index] = static_cast<int>(thing);
+      Try(lost_index + 1, cost + *more);
+      chosen[lost_index] = -1;
+    }
+    Try(lost_index + 1, cost + kUnassigned);
+  }
+};
+
+void LiveTracker::Rejoin() {
+  Rejoining join{
+      .tracker = *this, .lost = {}, .things = {}, .thing_metric = {}, .name_metric = {}, .chosen = {}, .best = {}};
+  for (std::size_t n = 0; n < thing_.size(); ++n)
+    if (thing_[n] && last_place_px_[n] && !ThingOf(n)) join.lost.push_back(n);
+  if (join.lost.empty()) return;
+  constexpr std::size_t kFollowed = 4;  // frames: shorter is chance
+  for (const TrackletBuilder::Thing& thing : builder_->Things()) {
+    const TrackletSample& last = thing.tracklet->samples.back();
+    const bool is_named = std::ranges::find(thing_, std::optional(thing.number)) != thing_.end();
+    if (is_named || thing.tracklet->samples.size() < kFollowed || last.frame != measured_.frame.back()) continue;
+    if (join.things.size() == Rejoining::kMostThings) break;
+    join.things.push_back(thing);
+    join.thing_metric.push_back(options_.metric_from_px(last.position));
+  }
+  if (join.things.empty()) return;
+  for (std::size_t n = 0; n < thing_.size(); ++n) {
+    const TrackletSample* sample = SeenNow(n);
+    join.name_metric.push_back(sample ? std::optional(options_.metric_from_px(sample->position)) : std::nullopt);
+  }
+  join.chosen.assign(join.lost.size(), -1);
+  join.Try(0, 0);
+  if (join.best.empty() || join.next_cost - join.best_cost < Rejoining::kClear) return;
+  for (std::size_t i = 0; i < join.lost.size(); ++i)
+    if (join.best[i] >= 0) Give(join.lost[i], join.things[static_cast<std::size_t>(join.best[i])]);
+}
+
+LiveSnapshot LiveTracker::Snapshot() const {
+  LiveSnapshot snapshot{.tracklets = builder_->SoFar(),
+                        .frames = EmptyRecording({}),
+                        .breaks = builder_->Breaks(),
+                        .repeated = builder_->RepeatedFrames()};
+  snapshot.frames.frame = measured_.frame, snapshot.frames.time_s = measured_.time_s;
+  return snapshot;
+}
+
+std::vector<Tracklet> LiveTracker::Named(std::size_t samples) const {
+  std::vector<Tracklet> named;
+  for (std::size_t n = 0; n < thing_.size(); ++n) {
+    const Tracklet* thing = ThingOf(n);
+    if (!thing) continue;
+    const std::size_t count = std::min(samples, thing->samples.size());
+    named.push_back({{thing->samples.end() - static_cast<std::ptrdiff_t>(count), thing->samples.end()}, {}});
+  }
+  return named;
+}
+
+}  // namespace lake::tracking

@@ -1,0 +1,41 @@
+// A camera, stream, pipe or file opened for what comes from it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "lake/core/file_descriptor.h"
+#include "lake/video/live_stream.h"
+#include "libav.h"
+
+namespace lake::video {
+
+class LiveInput {
+ public:
+  // `gives_up` is asked all the time while nothing comes; then opening and reading fail. Throws Error as LiveStream.
+  LiveInput(const std::string& input, const LiveStreamOptions& options, std::function<bool()> gives_up);
+  LiveInput(const LiveInput&) = delete;
+  LiveInput& operator=(const LiveInput&) = delete;
+
+  const AVStream& Stream() const { return *stream_; }
+
+  // libav's result; the packet is one of Stream().
+  int Read(AVPacket& packet);
+
+  // False of raw streams, for which libav makes up 25 Hz.
+  bool HasTimes() const;
+
+ private:
+  void Open(const LiveStreamOptions& options);
+  std::string Address(const LiveStreamOptions& options, const AVInputFormat*& format);
+  void OpenPipe();
+
+  std::string input_;
+  std::function<bool()> gives_up_;
+  std::unique_ptr<FileDescriptor> pipe_;
+  libav::Input opened_;
+  const AVStream* stream_ = nullptr;  // of opened_
+};
+
+}  // namespace lake::video

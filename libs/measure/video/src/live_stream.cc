@@ -1,0 +1,431 @@
+#include "lake/video/live_stream.h"
+
+extern "C" {
+#include <libavutil/pixdesc.h>
+}
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <new>
+#include <thread>
+#include <utility>
+
+#include "damage_log.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/threads.h"
+#include "live_input.h"
+#include "orientation.h"
+#include "picture.h"
+#include "recorder.h"
+#include "stamps.h"
+
+namespace lake::video {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kBytesPerMb = 1e6;
+
+bool IsInterrupted() {
+  try {
+    ThrowIfInterrupted();
+  } catch (const Interrupted&) {
+    return true;
+  }
+  return false;
+}
+
+bool IsRaw(AVCodecID codec) {
+  return codec == AV_CODEC_ID_RAWVIDEO || codec == AV_CODEC_ID_WRAPPED_AVFRAME;
+}
+
+AVRational RateOf(const AVStream& stream, double given_hz) {
+  if (given_hz > 0) return av_d2q(given_hz, 100000);
+  return stream.avg_frame_rate.num > 0 ? stream.avg_frame_rate : stream.r_frame_rate;
+}
+
+}  // namespace
+
+void Describe(LiveStreamOptions& o, OptionList& options) {
+  options.Add("size", o.size, "Of a device: size of its pictures").Value("WxH").Otherwise("the device's own");
+  options
+      .Add("rate", o.rate_hz, "Of a device: its frame rate; of a raw stream, which has no time stamps: the rate of it")
+      .Unit("Hz")
+      .Positive()
+      .Otherwise("the device's, or the stream's own times");
+  options.Add("format", o.format, "Of a device: how it sends its pictures, coded: mjpeg, h264")
+      .Otherwise("the device's own");
+  options.Add("replay", o.replay, "The input is a file, whose frames come at the pace at which they were taken");
+  options.Add("patience", o.patience_s, "A stream that has sent nothing for so long has ended").Unit("s").Positive();
+  options.Add("least-free", o.least_free_mb, "Stop recording before less than so many MB are free on the disk")
+      .Value("MB")
+      .NotNegative();
+}
+
+struct LiveStream::Impl {
+  struct Received {
+    libav::Packet packet;
+    Clock::time_point arrived;
+  };
+
+  Impl(const std::string& input, const LiveStreamOptions& options, const fs::path& recording);
+  ~Impl();
+
+  void OpenDecoder();
+  void FillInfo(const AVFrame& first);
+  void CheckSpace() const;
+  bool GivesUp() const;
+
+  // The receiver's thread.
+  void Receive();
+  void Take(libav::Packet packet);
+  bool WaitForPace(const AVPacket& packet);
+  void NoteEnd(StreamEnd::Kind kind, std::string why);
+
+  bool Read(LiveFrame& frame);
+  std::optional<Received> Next();
+  void Record(const AVPacket& packet);
+  void HandOut(const std::shared_ptr<AVFrame>& decoded, LiveFrame& frame);
+  void Finish();
+
+  std::string input_name;
+  LiveStreamOptions options;
+  fs::path recording;
+  std::atomic<Clock::rep> last_came = Clock::now().time_since_epoch().count();
+  std::atomic<bool> is_stopped = false;
+  DamageLog log;  // keeps libav quiet
+  LiveInput input;
+  libav::Codec codec;
+  VideoInfo info;
+  std::optional<Stamps> stamps;
+  std::optional<PictureConverter> converter;
+  Orientation orientation;
+  int width = 0, height = 0, format = AV_PIX_FMT_NONE;
+  std::unique_ptr<Recorder> recorder;
+  bool recorder_failed = false;
+
+  // The receiver's.
+  std::int64_t packets = 0, first_ticks = AV_NOPTS_VALUE, last_dts = AV_NOPTS_VALUE;
+  Clock::time_point began, space_checked = Clock::now();
+  std::int64_t pace_from = AV_NOPTS_VALUE;
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<Received> queue;
+  std::size_t queued_bytes = 0;
+  std::optional<StreamEnd> end;
+
+  // The reader's.
+  std::deque<std::pair<std::int64_t, Clock::time_point>> arrivals;  // stamp of a packet that was sent to the decoder
+  std::int64_t index = 0, damaged = 0;
+  bool is_damaged = false, is_flushed = false;
+
+  std::thread thread;
+};
+
+LiveStream::Impl::Impl(const std::string& input_text, const LiveStreamOptions& o, const fs::path& recording_path)
+    : input_name(input_text),
+      options(o),
+      recording(recording_path),
+      input(input_text, o, [this] { return GivesUp(); }) {
+  const AVStream& stream = input.Stream();
+  if (!input.HasTimes() && options.rate_hz <= 0)
+    throw Fail("{}: a raw stream has no time stamps; say how many pictures a second it has, --rate HZ", input_name);
+  for (const fs::path& file : {recording, UnfinishedRecording(recording)})
+    if (fs::exists(file)) throw Fail("{}: is there already, and no recording is written over", file.string());
+  if (IsRaw(stream.codecpar->codec_id))
+    throw Fail("{}: sends raw pictures, which are not recorded; ask the camera for coded ones, --format mjpeg or h264",
+               input_name);
+  CheckSpace();
+  OpenDecoder();
+  recorder = std::make_unique<Recorder>(UnfinishedRecording(recording), *stream.codecpar, stream.time_base,
+                                        RateOf(stream, options.rate_hz));
+  orientation = Orientation{}.TurnedOn(options.rotate_deg / 90);
+  stamps.emplace(stream.time_base, 0);
+  thread = std::thread([this] { Receive(); });
+}
+
+LiveStream::Impl::~Impl() {
+  is_stopped = true;
+  changed.notify_all();
+  if (thread.joinable()) thread.join();
+}
+
+bool LiveStream::Impl::GivesUp() const {
+  const std::chrono::duration<double> silent = Clock::now().time_since_epoch() - Clock::duration(last_came);
+  return is_stopped || silent.count() > options.patience_s || IsInterrupted();
+}
+
+void LiveStream::Impl::CheckSpace() const {
+  std::error_code error;
+  const fs::space_info space = fs::space(recording.parent_path().empty() ? "." : recording.parent_path(), error);
+  if (!error && static_cast<double>(space.available) < options.least_free_mb * kBytesPerMb)
+    throw Fail("{}: the disk is full: less than {:.0f} MB are free", recording.string(), options.least_free_mb);
+}
+
+// Without frame threads, which hold back as many frames as they are.
+void LiveStream::Impl::OpenDecoder() {
+  const AVStream& stream = input.Stream();
+  const AVCodec* decoder = avcodec_find_decoder(stream.codecpar->codec_id);
+  if (!decoder) throw Fail("{}: no decoder for {}", input_name, avcodec_get_name(stream.codecpar->codec_id));
+  codec = libav::NewCodec(decoder);
+  avcodec_parameters_to_context(codec.get(), stream.codecpar);
+  codec->pkt_timebase = stream.time_base;
+  codec->thread_count = Threads();
+  codec->thread_type = FF_THREAD_SLICE;
+  codec->flags |= AV_CODEC_FLAG_UNALIGNED;
+  codec->max_pixels = libav::kMaxPixels;
+  const int result = avcodec_open2(codec.get(), decoder, nullptr);
+  if (result < 0)
+    throw Fail("{}: the {} decoder cannot be started ({})", input_name, decoder->name, libav::ErrorText(result));
+  width = stream.codecpar->width, height = stream.codecpar->height;
+  if (width <= 0 || height <= 0) throw Fail("{}: its picture size cannot be found", input_name);
+  const bool turns = options.rotate_deg % 180 != 0;
+  info.width = turns ? height : width, info.height = turns ? width : height;
+  info.rotation_deg = options.rotate_deg;
+  info.codec = avcodec_get_name(stream.codecpar->codec_id);
+  const AVCodecDescriptor* descriptor = avcodec_descriptor_get(stream.codecpar->codec_id);
+  info.coded_frame_by_frame = descriptor && (descriptor->props & AV_CODEC_PROP_INTRA_ONLY) != 0;
+  const AVRational rate = RateOf(stream, options.rate_hz);
+  if (rate.num > 0 && rate.den > 0) info.frame_rate_hz = av_q2d(rate);
+}
+
+void LiveStream::Impl::FillInfo(const AVFrame& first) {
+  const char* name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(first.format));
+  format = first.format;
+  info.pixel_format = name ? name : "unknown";
+  info.bt709 = IsBt709(first);
+  info.interlaced = first.interlaced_frame;
+}
+
+void LiveStream::Impl::NoteEnd(StreamEnd::Kind kind, std::string why) {
+  const std::lock_guard lock(mutex);
+  if (!end) end = {kind, std::move(why)};
+  changed.notify_all();
+}
+
+void LiveStream::Impl::Receive() {
+  while (true) {
+    libav::Packet packet = libav::NewPacket();
+    last_came = Clock::now().time_since_epoch().count();  // silence counts from here
+    const int result = input.Read(*packet);
+    if (is_stopped || IsInterrupted()) return NoteEnd(StreamEnd::Kind::kStopped, "it was stopped");
+    if (result == AVERROR(EAGAIN)) continue;
+    if (result == AVERROR_EOF) return NoteEnd(StreamEnd::Kind::kEnded, "the stream ended");
+    if (result == AVERROR_EXIT)
+      return NoteEnd(StreamEnd::Kind::kLost, fmt::format("nothing has come for {} s", options.patience_s));
+    if (result < 0)
+      return NoteEnd(StreamEnd::Kind::kLost, fmt::format("nothing comes any more ({})", libav::ErrorText(result)));
+    try {
+      Take(std::move(packet));
+    } catch (const Error& error) {
+      return NoteEnd(StreamEnd::Kind::kDiskFull, error.what());
+    }
+  }
+}
+
+// Of a file: until it would have come.
+bool LiveStream::Impl::WaitForPace(const AVPacket& packet) {
+  const std::int64_t ticks = packet.dts != AV_NOPTS_VALUE ? packet.dts : packet.pts;
+  if (pace_from == AV_NOPTS_VALUE) pace_from = ticks, began = Clock::now();
+  const std::chrono::duration<double> after(libav::Seconds(ticks - pace_from, input.Stream().time_base));
+  std::unique_lock lock(mutex);
+  while (Clock::now() < began + after) {
+    if (is_stopped || IsInterrupted()) return false;
+    constexpr std::chrono::milliseconds kLook{50};
+    changed.wait_until(lock,
+                       std::min(Clock::now() + kLook, began + std::chrono::duration_cast<Clock::duration>(after)));
+  }
+  return true;
+}
+
+void LiveStream::Impl::Take(libav::Packet packet) {
+  const AVStream& stream = input.Stream();
+  if (!input.HasTimes()) {
+    packet->pts = packet->dts = std::llround(static_cast<double>(packets) / options.rate_hz / av_q2d(stream.time_base));
+  }
+  if (packets == 0 && !(packet->flags & AV_PKT_FLAG_KEY)) return;  // nothing can be decoded yet
+  if (packet->pts == AV_NOPTS_VALUE) packet->pts = packet->dts;
+  if (packet->pts == AV_NOPTS_VALUE) return;
+  if (options.replay && !WaitForPace(*packet)) return;
+  if (first_ticks == AV_NOPTS_VALUE) first_ticks = packet->pts;
+  if (packet->pts < first_ticks) return;  // builds on what came before the first key frame
+  packet->pts -= first_ticks;
+  if (packet->dts != AV_NOPTS_VALUE) packet->dts -= first_ticks;
+  // A clock that was set back: what it says now was said before.
+  if (packet->dts != AV_NOPTS_VALUE && last_dts != AV_NOPTS_VALUE && packet->dts <= last_dts) return;
+  if (packet->dts != AV_NOPTS_VALUE) last_dts = packet->dts;
+  ++packets;
+  constexpr std::chrono::milliseconds kLook{500};
+  const Clock::time_point now = Clock::now();
+  if (now - space_checked > kLook) {
+    CheckSpace();
+    space_checked = now;
+  }
+  if (recorder) Record(*packet);
+  std::unique_lock lock(mutex);
+  constexpr std::size_t kMostBytes = 256 << 20;  // then a pipe's writer waits, and a device leaves frames out
+  changed.wait(lock, [&] { return queued_bytes < kMostBytes || is_stopped; });
+  queued_bytes += static_cast<std::size_t>(packet->size);
+  queue.push_back({std::move(packet), now});
+  changed.notify_all();
+}
+
+void LiveStream::Impl::Record(const AVPacket& packet) {
+  try {
+    recorder->Write(packet);
+  } catch (...) {
+    recorder_failed = true;
+    throw;
+  }
+}
+
+std::optional<LiveStream::Impl::Received> LiveStream::Impl::Next() {
+  std::unique_lock lock(mutex);
+  changed.wait(lock, [this] { return !queue.empty() || end; });
+  if (queue.empty()) return std::nullopt;
+  Received received = std::move(queue.front());
+  queue.pop_front();
+  queued_bytes -= static_cast<std::size_t>(received.packet->size);
+  changed.notify_all();
+  return received;
+}
+
+bool LiveStream::Impl::Read(LiveFrame& frame) {
+  while (true) {
+    const std::shared_ptr<AVFrame> decoded = libav::NewFrame();
+    const int result = avcodec_receive_frame(codec.get(), decoded.get());
+    if (result == AVERROR_EOF) return false;
+    if (result >= 0) {
+      if (format == AV_PIX_FMT_NONE) FillInfo(*decoded);
+      if (decoded->width != width || decoded->height != height || decoded->format != format) {
+        NoteEnd(StreamEnd::Kind::kLost, "its pictures changed their size or format");
+        is_stopped = true;
+        return false;
+      }
+      const bool failed = (decoded->flags & AV_FRAME_FLAG_CORRUPT) || decoded->decode_error_flags != 0;
+      if (decoded->key_frame) is_damaged = false;
+      is_damaged |= failed;
+      if (!is_damaged && stamps->Add(decoded->best_effort_timestamp, 0)) {
+        HandOut(decoded, frame);
+        return true;
+      }
+      ++damaged, ++index;
+      continue;
+    }
+    std::optional<Received> received = result == AVERROR(EAGAIN) && !is_flushed ? Next() : std::nullopt;
+    if (!received && is_flushed) return false;
+    is_flushed = !received;
+    if (received) arrivals.emplace_back(received->packet->pts, received->arrived);
+    const int sent = avcodec_send_packet(codec.get(), received ? received->packet.get() : nullptr);
+    if (sent < 0 && sent != AVERROR_EOF) is_damaged = true;
+  }
+}
+
+void LiveStream::Impl::HandOut(const std::shared_ptr<AVFrame>& decoded, LiveFrame& live) {
+  if (!converter) converter.emplace(*decoded);
+  stamps->Describe(info);
+  live.frame.index = index++;
+  live.frame.time_s = stamps->Last();
+  live.frame.luma = orientation.Apply(converter->Luma(*decoded));
+  const AVBufferRef* memory = decoded->buf[0];
+  const bool shares = live.frame.luma.data >= memory->data && live.frame.luma.data < memory->data + memory->size;
+  live.frame.keep_alive = shares ? decoded : nullptr;
+  live.arrived = Clock::now();
+  for (const auto& [ticks, arrived] : arrivals)
+    if (ticks == decoded->best_effort_timestamp) live.arrived = arrived;
+  std::erase_if(arrivals, [&](const auto& one) { return one.first <= decoded->best_effort_timestamp; });
+}
+
+void LiveStream::Impl::Finish() {
+  is_stopped = true;
+  changed.notify_all();
+  if (thread.joinable()) thread.join();
+  const fs::path part = UnfinishedRecording(recording);
+  if (recorder && !recorder_failed) {
+    try {
+      recorder->Finish();
+    } catch (const Error& error) {
+      end = {StreamEnd::Kind::kDiskFull, error.what()};  // worse than why no more frames came
+    }
+  }
+  recorder.reset();
+  if (!fs::exists(part)) return;
+  std::error_code error;
+  fs::rename(part, recording, error);
+  if (error) throw Fail("{}: cannot be moved to {} ({})", part.string(), recording.string(), error.message());
+}
+
+LiveStream::LiveStream(const std::string& input, const LiveStreamOptions& options, const fs::path& recording)
+    : impl_(std::make_unique<Impl>(input, options, recording)) {}
+
+LiveStream::~LiveStream() = default;
+
+const VideoInfo& LiveStream::Info() const {
+  return impl_->info;
+}
+
+bool LiveStream::Read(LiveFrame& frame) {
+  return impl_->Read(frame);
+}
+
+void LiveStream::Stop() {
+  impl_->is_stopped = true;
+  impl_->changed.notify_all();
+}
+
+const StreamEnd& LiveStream::End() const {
+  return *impl_->end;
+}
+
+std::int64_t LiveStream::DamagedFrames() const {
+  return impl_->damaged;
+}
+
+double LiveStream::FirstStampS() const {
+  return impl_->first_ticks == AV_NOPTS_VALUE ? 0 : libav::Seconds(impl_->first_ticks, impl_->input.Stream().time_base);
+}
+
+void LiveStream::Finish() {
+  impl_->Finish();
+}
+
+fs::path UnfinishedRecording(const fs::path& recording) {
+  fs::path part = recording;
+  return part.replace_extension(".part" + recording.extension().string());
+}
+
+void CompleteRecording(const fs::path& recording) {
+  const fs::path part = UnfinishedRecording(recording);
+  fs::path whole = recording;
+  whole.replace_extension(".whole" + recording.extension().string());
+  const DamageLog quiet;
+  LiveStreamOptions file;
+  file.replay = true;
+  LiveInput input(part.string(), file, [] { return IsInterrupted(); });
+  const AVStream& stream = input.Stream();
+  fs::remove(whole);  // of an attempt before
+  Recorder recorder(whole, *stream.codecpar, stream.time_base, RateOf(stream, 0));
+  const libav::Packet packet = libav::NewPacket();
+  std::int64_t packets = 0;
+  for (; input.Read(*packet) >= 0; ++packets) {
+    ThrowIfInterrupted();
+    if (packet->flags & AV_PKT_FLAG_CORRUPT) break;
+    recorder.Write(*packet);
+    av_packet_unref(packet.get());
+  }
+  if (packets == 0) throw Fail("{}: holds no frame", part.string());
+  recorder.Finish();
+  fs::rename(whole, recording);
+  fs::remove(part);
+}
+
+}  // namespace lake::video

@@ -1,0 +1,255 @@
+// An exoskeleton aligned while it is worn: what the camera sees, what to do in letters for the whole room, curves, rises.
+import { Chart, colourOf } from "./charts";
+import { button, isOfControl, onClick, part, say, sayWhy, showProgress } from "./dom";
+import { Column, LiveAct, LiveMessage, LiveStateMessage, LiveViewMessage } from "./messages";
+import { server } from "./server";
+import { TEXTS } from "./texts";
+import { PictureView, Point, distance } from "./view";
+
+const SHOWN_S = 20, STEP_S = 0.05; // of the curves
+const TRAIL = 20; // frames
+const ARROW_PX = 6, LEAST_ARROW_PX = 80;
+
+type Sample = LiveViewMessage["samples"][number];
+
+export class LivePage {
+  private view: PictureView;
+  private shown: LiveViewMessage | null = null;
+  private samples: Sample[] = [];
+  private trails = new Map<string, Point[]>();
+  private placing: string | null = null; // the name that the next click gives
+  private phase: LiveStateMessage["phase"] = "watching";
+  private names = new Map<string, HTMLButtonElement>();
+  private charts: { knee: Chart; joint: Chart };
+
+  constructor(private message: LiveMessage) {
+    part("live").hidden = false;
+    part("name").textContent = message.input;
+    document.title = `${message.input} – lake live`;
+    part("live-folder").textContent = message.folder;
+    this.view = new PictureView(part("live-picture"), { x: message.width, y: message.height }, {
+      draw: (context) => this.draw(context),
+      grab: () => false,
+      drag: () => undefined,
+      drop: () => undefined,
+      click: (at) => this.click(at),
+    });
+    const chart = (id: string, title: string) => {
+      part(`live-${id}-title`).textContent = title;
+      const made = new Chart(part(`live-${id}-chart`), SHOWN_S / STEP_S + 1, () => undefined);
+      made.showRow(SHOWN_S / STEP_S); // now
+      return made;
+    };
+    this.charts = { knee: chart("knee", TEXTS.liveKnee), joint: chart("joint", TEXTS.liveJoint) };
+    for (const [index, name] of message.markers.entries()) {
+      const made = button(name, () => this.place(name));
+      made.style.setProperty("--marker", `var(--marker-${index % 7})`);
+      this.names.set(name, made);
+      part("live-names").append(made);
+    }
+    onClick("live-trial", () => this.beginOrEnd());
+    onClick("live-moved", () => this.moved());
+    document.addEventListener("keydown", (event) => this.key(event));
+    void this.follow();
+  }
+
+  // Frame after frame, as quickly as they can be shown; none is drawn over but by its own markers.
+  private async follow(): Promise<void> {
+    let after = -1;
+    while (this.phase === "watching" || this.phase === "trial") {
+      try {
+        const next = await server.liveView(after);
+        if (next.frame === after) continue;
+        const picture = await server.livePicture(next.frame);
+        after = next.frame;
+        this.take(next);
+        this.view.show(picture);
+        part("live-picture").dataset.frame = String(next.frame);
+      } catch {
+        await new Promise((resolve) => setTimeout(resolve, 300)); // a picture that is gone already; the next one comes
+      }
+    }
+  }
+
+  private take(next: LiveViewMessage): void {
+    this.shown = next;
+    this.samples.push(...next.samples);
+    this.samples = this.samples.filter(([time_s]) => time_s > next.time_s - SHOWN_S);
+    for (const { name, x, y } of next.markers) {
+      const trail = this.trails.get(name) ?? [];
+      if (x !== null && y !== null) trail.push({ x, y });
+      this.trails.set(name, trail.slice(-TRAIL));
+    }
+    const column = (index: 1 | 2 | 3): Column => {
+      const values: Column = new Array(SHOWN_S / STEP_S + 1).fill(null);
+      for (const sample of this.samples) values[Math.round((sample[0] - next.time_s + SHOWN_S) / STEP_S)] = sample[index];
+      return values;
+    };
+    this.charts.knee.show([{ name: "", colour: "--accent", values: column(1) }]);
+    this.charts.joint.show([
+      { name: TEXTS.anterior, colour: "--marker-4", values: column(2) },
+      { name: TEXTS.above, colour: "--marker-2", values: column(3) },
+    ]);
+  }
+
+  private draw(context: CanvasRenderingContext2D): void {
+    if (!this.shown) return;
+    context.font = "bold 14px system-ui, sans-serif";
+    for (const spot of this.shown.spots) {
+      if (spot.name !== "") continue;
+      const at = this.view.toScreen(spot);
+      context.strokeStyle = colourOf("--over-5");
+      context.setLineDash([4, 4]);
+      context.lineWidth = 1.5;
+      context.beginPath();
+      context.arc(at.x, at.y, Math.max(spot.radius * this.view.scale(), 4) + 5, 0, 2 * Math.PI);
+      context.stroke();
+    }
+    context.setLineDash([]);
+    this.shown.markers.forEach(({ name, x, y }, index) => {
+      if (x === null || y === null) return;
+      const at = this.view.toScreen({ x, y });
+      context.strokeStyle = context.fillStyle = colourOf(`--over-${index % 7}`);
+      context.lineWidth = 1.5;
+      this.view.strokeLine(context, this.trails.get(name) ?? []);
+      context.lineWidth = 2.5;
+      context.beginPath();
+      context.arc(at.x, at.y, 9, 0, 2 * Math.PI);
+      context.stroke();
+      context.fillText(name, at.x + 13, at.y + 5);
+    });
+    this.drawArrow(context);
+  }
+
+  private drawArrow(context: CanvasRenderingContext2D): void {
+    if (!this.shown?.move) return;
+    const [from, to] = this.shown.move.map(([x, y]) => this.view.toScreen({ x, y }));
+    const length = distance(from, to);
+    if (length < 2) return;
+    context.strokeStyle = "#fff";
+    context.lineWidth = 2;
+    context.beginPath();
+    context.arc(to.x, to.y, 5, 0, 2 * Math.PI);
+    context.stroke();
+    this.drawPointer(context, from, { x: (to.x - from.x) / length, y: (to.y - from.y) / length }, Math.max(length, LEAST_ARROW_PX));
+  }
+
+  // The direction is the move's; the place where it ends is the ring's, as an arrow of some millimetres cannot be seen.
+  private drawPointer(context: CanvasRenderingContext2D, from: Point, along: Point, length: number): void {
+    const to = { x: from.x + length * along.x, y: from.y + length * along.y };
+    const head = 3 * ARROW_PX;
+    const corner = (side: number) => ({
+      x: to.x - head * along.x - side * 0.6 * head * along.y,
+      y: to.y - head * along.y + side * 0.6 * head * along.x,
+    });
+    context.lineCap = "round";
+    for (const [colour, width] of [["#000", ARROW_PX + 3], ["#fff", ARROW_PX]] as const) {
+      context.strokeStyle = context.fillStyle = colour;
+      context.lineWidth = width;
+      context.beginPath();
+      context.moveTo(from.x, from.y);
+      context.lineTo(to.x - head * along.x, to.y - head * along.y);
+      context.stroke();
+      context.lineWidth = width - ARROW_PX + 1;
+      context.beginPath();
+      context.moveTo(to.x, to.y);
+      for (const side of [1, -1]) context.lineTo(corner(side).x, corner(side).y);
+      context.closePath();
+      context.fill();
+      context.stroke();
+    }
+  }
+
+  private async act(act: LiveAct, said: (state: LiveStateMessage) => string): Promise<void> {
+    try {
+      const state = await server.act(act);
+      this.update(state);
+      say(said(state));
+    } catch (why) {
+      sayWhy(why);
+    }
+  }
+
+  private beginOrEnd(): void {
+    const what = this.phase === "watching" ? "begin" : "end";
+    void this.act({ what }, () => "");
+  }
+
+  private moved(): void {
+    void this.act({ what: "moved" }, ({ moves }) => TEXTS.movedSaid(moves));
+  }
+
+  private place(name: string | null): void {
+    this.placing = name;
+    part("live-picture").classList.toggle("placing", name !== null);
+    for (const [other, made] of this.names) made.setAttribute("aria-pressed", String(other === name));
+    say(name === null ? "" : TEXTS.clickSpot(name));
+  }
+
+  private click(at: Point): void {
+    const name = this.placing;
+    if (name === null) return;
+    this.place(null);
+    void this.act({ what: "name", name, x: at.x, y: at.y }, () => TEXTS.named(name));
+  }
+
+  private key(event: KeyboardEvent): void {
+    if (isOfControl(event) || event.ctrlKey || event.metaKey || event.repeat) return;
+    const isOn = this.phase === "watching" || this.phase === "trial";
+    if (event.key === "Escape") this.place(null);
+    else if (event.key === " " && isOn) this.beginOrEnd();
+    else if (event.key.toLowerCase() === "m" && isOn) this.moved();
+    else return;
+    event.preventDefault();
+  }
+
+  update(state: LiveStateMessage): void {
+    this.phase = state.phase;
+    const isOn = state.phase === "watching" || state.phase === "trial";
+    part("state").textContent = TEXTS.phase(state.phase, state.recorded_s, state.end);
+    if (state.failed !== "") say(state.failed, true);
+    const trial = part<HTMLButtonElement>("live-trial");
+    trial.textContent = state.phase === "watching" ? TEXTS.beginTrial : TEXTS.endTrial;
+    trial.disabled = part<HTMLButtonElement>("live-moved").disabled = !isOn;
+    const progress = part<HTMLProgressElement>("live-progress");
+    progress.hidden = state.phase !== "finishing";
+    showProgress(progress, state.progress);
+    this.showPlace(state);
+    part("live-naming").textContent = state.is_named ? "" : TEXTS.notNamed(state.missing);
+    part("live-naming").title = state.why_not_named;
+    for (const [name, made] of this.names) made.classList.toggle("missing", state.missing.includes(name));
+    part("live-rise-count").textContent = TEXTS.riseCount(state.rises.length);
+    part("live-rises").replaceChildren(...state.rises.map(({ offset_mm: [x, y], moves }, index) => line(TEXTS.riseRow(index + 1, x, y, moves))));
+    const bad = state.checks.filter(({ verdict }) => verdict === "poor" || verdict === "unfit").length;
+    part("live-check-count").textContent = TEXTS.checkCount(bad);
+    part("live-checks").replaceChildren(...state.checks.map(({ shown, verdict, advice }) => {
+      const item = line(`${verdict}: ${shown}`);
+      item.classList.add(verdict === "not judged" ? "unjudged" : verdict);
+      if (advice !== "") item.append(small(advice));
+      return item;
+    }));
+    part("live-difference").textContent = state.difference_px === null ? "" : TEXTS.difference(state.difference_px);
+  }
+
+  private showPlace({ place, change, is_named, why_no_rise }: LiveStateMessage): void {
+    part("live-place").className = place ? place.verdict : "";
+    part("live-move").textContent = place ? place.move : is_named ? TEXTS.measuring : "";
+    part("live-verdict").textContent = place ? TEXTS.toleranceText(place.verdict, this.message.tolerance_mm) : "";
+    part("live-detail").textContent = place
+      ? TEXTS.placeDetail(place.rises, place.where, Math.max(...place.anatomical_half_width_mm))
+      : why_no_rise;
+    part("live-change").textContent = change;
+  }
+}
+
+function line(text: string): HTMLLIElement {
+  const item = document.createElement("li");
+  item.textContent = text;
+  return item;
+}
+
+function small(text: string): HTMLElement {
+  const made = document.createElement("small");
+  made.textContent = text;
+  return made;
+}

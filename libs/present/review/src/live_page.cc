@@ -1,0 +1,29 @@
+#include "lake/review/live_page.h"
+
+#include "jpeg_encoder.h"
+#include "page_server.h"
+
+namespace lake::review {
+
+void ServeLive(const PageOptions& options, const LiveWork& work) {
+  constexpr int kQuality = 80;
+  const auto state = [&work] {
+    Json message = work.state();
+    message["mode"] = "live";
+    return message;
+  };
+  PageServer page(options, state);
+  page.Get("live", work.about);
+  page.Post("view", [&work](const Json& message) { return work.view(message.at("after").get<std::int64_t>()); });
+  page.GetOther("picture/", [&work](const LocalRequest& request) {
+    return LocalReply{.type = "image/jpeg",
+                      .body = JpegEncoder(kQuality).Encode(work.picture(FrameNumber(request.rest)))};
+  });
+  page.Post("act", [&work, &state](const Json& act) {
+    work.act(act);
+    return state();
+  });
+  page.ServeUntil(work.is_over);
+}
+
+}  // namespace lake::review

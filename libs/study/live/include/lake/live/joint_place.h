@@ -1,0 +1,67 @@
+// Where an exoskeleton's joint sits against the knee that wears it, after some rises, and how to move it.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lake/compare/uncertainty_budget.h"
+#include "lake/gait/leg_view.h"
+#include "lake/gait/rolling_shutter.h"
+#include "lake/motion/marker_recording.h"
+#include "lake/video/video_reader.h"
+
+namespace lake::live {
+
+// One rise. Joint less knee, mm, in the shank's frame: x anterior, y from ankle to knee.
+struct RiseOffset {
+  double onset_s = 0, standing_s = 0;
+  Eigen::Vector2d mean_mm = Eigen::Vector2d::Zero();      // over the rise
+  Eigen::Vector2d noise_sd_mm = Eigen::Vector2d::Zero();  // of that, from the markers' noise and the events' times
+  double remainder_mm = 0;                                // RMS of what a move of the joint leaves
+};
+
+struct RiseFinding {
+  gait::LegView view;
+  gait::RollingShutter shutter;
+  video::VideoInfo video;
+  std::string joint = "exo_knee";
+  Eigen::Vector2d marker_at_mm = Eigen::Vector2d::Zero();  // of that marker, less the joint's axis; shank's frame
+};
+
+// The whole rises in a recording (px, measurements with the fits' own sigmas), as lake compare measures them: sigmas
+// calibrated, the leg fitted, the joint registered against the knee. Throws Error as CalibrateSigmas, FitLeg and
+// RegisterTrial do, also where there is no rise yet.
+std::vector<RiseOffset> FindRiseOffsets(motion::MarkerRecording recording, const RiseFinding& finding);
+
+// The mean of rises between which the joint was not moved. Half widths of 95 % intervals, per axis.
+struct JointPlace {
+  int rises = 0;
+  Eigen::Vector2d offset_mm = Eigen::Vector2d::Zero();
+  // Of the markers: their noise and how the rises differ (Student's t), the plane's scale, parallax. What moving the
+  // joint by −offset_mm leaves lies in it.
+  Eigen::Vector2d half_width_mm = Eigen::Vector2d::Zero();
+  // Of the joint beneath the knee's marker: with the marker's placement and soft tissue.
+  Eigen::Vector2d anatomical_half_width_mm = Eigen::Vector2d::Zero();
+
+  double DistanceMm() const { return offset_mm.norm(); }
+  double UncertaintyMm() const { return half_width_mm.maxCoeff(); }
+};
+
+// Needs one rise.
+JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBudgetOptions& budget = {});
+
+// "Move the joint 12 mm back and 30 mm down (± 3 mm)"; a part that is smaller than its interval is not said.
+std::string MoveText(const JointPlace& place);
+
+// "4 mm nearer to the knee than before the last move (± 3 mm)".
+std::string ChangeText(const JointPlace& before, const JointPlace& now);
+
+enum class ToleranceVerdict { kWithin, kBeyond, kUndecided };  // undecided: its interval holds the limit
+ToleranceVerdict JudgeTolerance(const JointPlace& place, double tolerance_mm);
+std::string ToString(ToleranceVerdict verdict);  // within, beyond, undecided
+
+}  // namespace lake::live

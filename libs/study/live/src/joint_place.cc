@@ -1,0 +1,129 @@
+#include "lake/live/joint_place.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "lake/compare/joint_misalignment.h"
+#include "lake/compare/registration.h"
+#include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
+#include "lake/gait/leg_fit.h"
+#include "lake/tracking/sigma_calibration.h"
+
+namespace lake::live {
+
+using Eigen::Vector2d;
+
+namespace {
+
+constexpr double kNormal95 = 1.959964;
+
+double DeviationOf(const compare::Interval& interval) {
+  return (interval.high - interval.low) / (2 * kNormal95);
+}
+
+RiseOffset OffsetOf(const compare::StsCurve& curve, const compare::StsInterval& interval) {
+  compare::RegisteredTrial one;
+  one.repetitions.push_back(curve);
+  const std::vector<bool> no_spikes(curve.knee.size());
+  constexpr int kDraws = 100;  // the standard deviation to 7 %
+  const auto joint = compare::FindJointMisalignment(one, no_spikes, {.resamples = kDraws});
+  if (!joint) throw Error("the recording does not show the leg's own knee");
+  return {.onset_s = interval.onset_s,
+          .standing_s = interval.standing_s,
+          .mean_mm = joint->mean_mm,
+          .noise_sd_mm = {DeviationOf(joint->intervals->mean_x_mm), DeviationOf(joint->intervals->mean_y_mm)},
+          .remainder_mm = joint->remainder_mm};
+}
+
+// "12 mm back"; empty where it is not told apart from nothing.
+std::string PartText(double move_mm, double half_width_mm, const char* forward, const char* back) {
+  if (std::abs(move_mm) < half_width_mm || std::abs(move_mm) < 0.5) return "";
+  return fmt::format("{:.0f} mm {}", std::abs(move_mm), move_mm > 0 ? forward : back);
+}
+
+std::string PlusMinus(double half_width_mm) {
+  return fmt::format("(± {:.0f} mm)", std::max(1.0, std::ceil(half_width_mm)));
+}
+
+}  // namespace
+
+std::vector<RiseOffset> FindRiseOffsets(motion::MarkerRecording recording, const RiseFinding& finding) {
+  tracking::CalibrateSigmas(finding.video, recording);
+  gait::LegFitOptions fit;
+  fit.known_sigmas = true;
+  const gait::LegFitResult leg = gait::FitLeg(gait::AtFrameTimes(recording, finding.shutter), finding.view, fit);
+  const compare::TrialTables tables{"live", leg.trajectory, leg.motion, leg.events};
+  compare::RegistrationOptions registration;
+  registration.knee = finding.joint;
+  const compare::RegisteredTrial trial = compare::RegisterTrial(tables, registration);
+  const std::vector<compare::StsInterval> intervals = compare::FindStsIntervals(tables);
+  std::vector<RiseOffset> rises;
+  for (const compare::StsCurve& curve : trial.repetitions) {
+    const auto interval = std::ranges::find(intervals, curve.repetition, &compare::StsInterval::repetition);
+    if (interval == intervals.end() || curve.leg_knee.empty()) continue;
+    rises.push_back(OffsetOf(curve, *interval));
+    rises.back().mean_mm -= finding.marker_at_mm;
+  }
+  return rises;
+}
+
+JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBudgetOptions& budget) {
+  const auto n = static_cast<double>(rises.size());
+  JointPlace place;
+  place.rises = static_cast<int>(rises.size());
+  for (const RiseOffset& rise : rises) place.offset_mm += rise.mean_mm / n;
+  for (const int axis : {0, 1}) {
+    double noise = 0, spread = 0;  // variances
+    for (const RiseOffset& rise : rises) {
+      noise += std::pow(rise.noise_sd_mm[axis], 2) / n;
+      spread += std::pow(rise.mean_mm[axis] - place.offset_mm[axis], 2);
+    }
+    // Rises differ by the noise at least; by what more, as few of them as there are tell.
+    double half_width = kNormal95 * std::sqrt(noise / n);
+    if (rises.size() > 1) {
+      const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
+      half_width = std::max(half_width, t * std::sqrt(spread / (n - 1) / n));
+    }
+    const double plane =
+        std::hypot(budget.scale_percent / 100 * place.offset_mm[axis], budget.depth_mm * budget.view_slope);
+    const double skin = std::hypot(budget.placement_mm, budget.soft_tissue_mm);
+    place.half_width_mm[axis] = std::hypot(half_width, kNormal95 * plane);
+    place.anatomical_half_width_mm[axis] = std::hypot(place.half_width_mm[axis], kNormal95 * skin);
+  }
+  return place;
+}
+
+std::string MoveText(const JointPlace& place) {
+  const Vector2d move_mm = -place.offset_mm;
+  const std::string along = PartText(move_mm.x(), place.half_width_mm.x(), "forward", "back"),
+                    up = PartText(move_mm.y(), place.half_width_mm.y(), "up", "down");
+  const std::string within = PlusMinus(place.UncertaintyMm());
+  if (along.empty() && up.empty()) return "Leave the joint where it is " + within;
+  return fmt::format("Move the joint {}{}{} {}", along, along.empty() || up.empty() ? "" : " and ", up, within);
+}
+
+std::string ChangeText(const JointPlace& before, const JointPlace& now) {
+  const double nearer_mm = before.DistanceMm() - now.DistanceMm();
+  // Scale and parallax are the same before and after; what is left is less than both intervals together.
+  const double half_width_mm = std::hypot(before.UncertaintyMm(), now.UncertaintyMm());
+  if (std::abs(nearer_mm) < 0.5)
+    return fmt::format("As far from the knee as before the last move {}", PlusMinus(half_width_mm));
+  return fmt::format("{:.0f} mm {} the knee than before the last move {}", std::abs(nearer_mm),
+                     nearer_mm > 0 ? "nearer to" : "farther from", PlusMinus(half_width_mm));
+}
+
+ToleranceVerdict JudgeTolerance(const JointPlace& place, double tolerance_mm) {
+  if (place.DistanceMm() + place.UncertaintyMm() <= tolerance_mm) return ToleranceVerdict::kWithin;
+  if (place.DistanceMm() - place.UncertaintyMm() > tolerance_mm) return ToleranceVerdict::kBeyond;
+  return ToleranceVerdict::kUndecided;
+}
+
+std::string ToString(ToleranceVerdict verdict) {
+  constexpr std::array kNames = {"within", "beyond", "undecided"};
+  return kNames.at(static_cast<std::size_t>(verdict));
+}
+
+}  // namespace lake::live

@@ -1,0 +1,119 @@
+#include "lake/live/run_live.h"
+
+#include <csignal>
+#include <cstdio>
+
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/standard_output.h"
+#include "lake/review/open_browser.h"
+#include "lake/tracking/track_markers.h"
+#include "session.h"
+#include "trial.h"
+
+namespace lake::live {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// The address goes to stderr: stdout has the report, or with --json the summary.
+void Announce(const std::string& address, bool open) {
+  fmt::print(stderr, "{}\nOpen this address in a browser; Ctrl-C ends the recording.\n", address);
+  std::fflush(stderr);
+  if (open) review::OpenInBrowser("lake-live", address);
+}
+
+std::vector<std::string> ArgumentsIn(const fs::path& folder) {
+  return ReadJsonFile(folder / kLive).at("track_arguments").get<std::vector<std::string>>();
+}
+
+// What a program that was killed or interrupted has left.
+Json FinishFolder(const LiveRunOptions& options, const fs::path& programs) {
+  const fs::path folder = options.input, recording = folder / kVideo;
+  const bool is_unfinished = fs::exists(video::UnfinishedRecording(recording));
+  if (!is_unfinished && !fs::exists(recording)) throw Fail("{}: holds no recording of lake live", folder.string());
+  if (fs::exists(folder / "summary.json")) throw Fail("{}: is a trial already", folder.string());
+  if (is_unfinished) video::CompleteRecording(recording);
+  const auto say = [](const std::string&) {};
+  TrackTrial(programs, folder, ArgumentsIn(folder), say, [] { ThrowIfInterrupted(); });
+  Json live = ReadJsonFile(folder / kLive);
+  live["difference"] = DifferenceJson(motion::ReadMarkerCsv(folder / kTracks), folder);
+  if (live["ended"].is_null()) live["ended"] = "the program was interrupted";
+  WriteJsonFile(folder / kLive, live);
+  return live;
+}
+
+}  // namespace
+
+void Describe(LiveRunOptions& o, OptionList& options) {
+  options
+      .AddOperand("input", o.input,
+                  "A camera (/dev/video0), a stream (rtsp://, udp://, tcp://, http://), - for standard input, a pipe, "
+                  "with --replay a file; or the folder of a recording that was interrupted, to finish it")
+      .Required()
+      .IsPath(Option::Path::kVideo);
+  video::Describe(o.stream, options);
+  Describe(static_cast<gait::PictureScale&>(o), options);
+  tracking::DescribeNames(o.markers, o.seeds, options);
+  tracking::DescribePolarity(o.polarity, options);
+  tracking::DescribeCrop(o.crop, options);
+  options.Add("joint", o.joint, "Which of the markers sits on the exoskeleton's joint").Value("NAME");
+  options
+      .Add("joint-at", o.joint_at_mm,
+           "Where that marker is on the exoskeleton, seen from the joint's axis: anterior, up along the shank")
+      .Unit("mm")
+      .Value("X,Y");
+  options.Add("tolerance", o.tolerance_mm, "How far the joint may be from the knee").Unit("mm").Positive();
+  options.Add("overlay", o.overlay, "Let lake track write overlay.mp4").WithNegation();
+  options.Add("port", o.port, "Port on 127.0.0.1").Between(0, 65535).Otherwise("any that is free");
+  options.Add("open", o.open, "Open the page in the browser");
+}
+
+bool IsFolderToFinish(const LiveRunOptions& options) {
+  std::error_code error;
+  return fs::is_directory(options.input, error);
+}
+
+Json RunLive(const LiveRunOptions& options, const fs::path& programs, Run& run) {
+  if (IsFolderToFinish(options)) return FinishFolder(options, programs);
+  Session session(options, programs, run);
+  review::PageOptions page;
+  page.port = options.port;
+  page.ready = [&](const std::string& address) {
+    Announce(address, options.open);
+    session.Start();
+  };
+  try {
+    review::ServeLive(page, session.PageWork());
+  } catch (const Interrupted&) {
+    session.Abandon();
+    try {
+      session.Finish();
+    } catch (const std::exception&) {
+      // That the trial was not made is what the interruption asked for.
+    }
+    fmt::print(stderr, "lake-live: the recording is whole; make a trial of it with: lake live {}\n",
+               run.Folder().string());
+    throw;
+  }
+  session.Finish();
+  return session.LiveJson();
+}
+
+std::string LiveReport(const Json& live) {
+  std::string text = fmt::format("{} frames in {:.1f} s recorded; {}\n", live.at("frames").get<std::int64_t>(),
+                                 live.at("recorded_s").get<double>(), live.at("ended").get<std::string>());
+  const Json& place = live.at("place");
+  if (place.is_null())
+    text += "no rise was measured\n";
+  else
+    text += fmt::format("after {} rise{} the joint sits {}\n{}\n", place.at("rises").get<int>(),
+                        place.at("rises").get<int>() == 1 ? "" : "s", place.at("where").get<std::string>(),
+                        place.at("move").get<std::string>());
+  if (const Json& rms = live.at("difference").at("rms_px"); !rms.is_null())
+    text += fmt::format("live positions differ from lake track's by {:.3f} px RMS\n", rms.get<double>());
+  return text;
+}
+
+}  // namespace lake::live

@@ -1,0 +1,488 @@
+#include "session.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lake/compare/registration.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/statistics.h"
+#include "lake/tracking/naming.h"
+#include "lake/tracking/recording_quality.h"
+#include "lake/tracking/recording_verdicts.h"
+#include "lake/tracking/sigma_calibration.h"
+#include "trial.h"
+
+namespace lake::live {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using Eigen::Vector2d;
+
+namespace {
+
+const Vector2d kUpInPlane = Vector2d::UnitY();
+
+std::vector<std::string> TrackHeader(const std::vector<std::string>& names) {
+  std::vector<std::string> header = {"frame", "time_s"};
+  for (const std::string& name : names)
+    for (const char* column : {"_x_px", "_y_px", "_sigma_px", "_status"}) header.push_back(name + column);
+  return header;
+}
+
+std::optional<Vector2d> PlaceIn(const motion::MarkerRecording& told, std::string_view name) {
+  const motion::MarkerTrack* track = told.Find(name);
+  if (!track || track->samples.empty() || !track->samples.back().IsKnown()) return std::nullopt;
+  return track->samples.back().position;
+}
+
+// From one row on, to another.
+motion::MarkerRecording Rows(const motion::MarkerRecording& all, std::size_t first, std::size_t last) {
+  const auto cut = [&](const auto& column) {
+    return std::decay_t<decltype(column)>(column.begin() + static_cast<std::ptrdiff_t>(first),
+                                          column.begin() + static_cast<std::ptrdiff_t>(last));
+  };
+  motion::MarkerRecording part;
+  part.unit = all.unit;
+  part.frame = cut(all.frame), part.time_s = cut(all.time_s);
+  part.markers.reserve(all.markers.size());
+  for (const motion::MarkerTrack& track : all.markers) part.markers.push_back({track.name, cut(track.samples)});
+  return part;
+}
+
+}  // namespace
+
+Session::Session(const LiveRunOptions& options, fs::path programs, Run& run)
+    : options_(options), programs_(std::move(programs)), run_(run), by_hand_(options.seeds) {
+  CheckMarkers();
+  for (const char* file : {kVideo, "video.part.mkv"})
+    if (fs::exists(run.Folder() / file))
+      throw Fail("{}: holds a recording; choose another folder with -o, or finish that one: lake live {}",
+                 run.Folder().string(), run.Folder().string());
+  run.Begin({kVideo, kTracks, kRises, kMoves, kLive});
+  stream_ = std::make_unique<video::LiveStream>(options_.input, options_.stream, run.Folder() / kVideo);
+  ReadPlane();
+  track_.names = options_.markers, track_.seeds = options_.seeds;
+  track_.polarity = options_.polarity, track_.crop = options_.crop;
+  track_.metric_from_px = [this](const Vector2d& px) { return gait::PlaneFromRecorded(view_, px, 0); };
+  const Vector2d middle(0.5 * stream_->Info().width, 0.5 * stream_->Info().height);
+  track_.px_per_mm = 1 / gait::PlaneUnitsPerRecorded(view_, track_.metric_from_px(middle), 0);
+  tracker_.emplace(track_, stream_->Info());
+  tracks_table_.emplace(run.Result(kTracks), TrackHeader(options_.markers));
+  rises_table_.emplace(run.Result(kRises),
+                       std::vector<std::string>{"rise", "onset_s", "standing_s", "moves", "joint_x_mm", "joint_y_mm",
+                                                "noise_sd_x_mm", "noise_sd_y_mm", "remainder_mm"});
+  moves_table_.emplace(run.Result(kMoves), std::vector<std::string>{"move", "time_s", "frame"});
+  SaveLive();
+}
+
+Session::~Session() {
+  Abandon();
+  if (tracker_thread_.joinable()) tracker_thread_.join();
+  if (analyst_thread_.joinable()) analyst_thread_.join();
+}
+
+void Session::CheckMarkers() const {
+  const auto has = [&](std::string_view name) {
+    return std::ranges::find(options_.markers, name) != options_.markers.end();
+  };
+  for (const std::string_view name : {"ankle", "knee", "hip"})
+    if (!has(name)) throw UsageError(fmt::format("--markers: '{}' is missing; the leg's own knee must be seen", name));
+  if (!has(options_.joint))
+    throw UsageError(
+        fmt::format("--joint {}: is not one of the markers ({})", options_.joint, fmt::join(options_.markers, ", ")));
+  if (options_.joint == "knee") throw UsageError("--joint knee: is the leg's own; the joint has a marker beside it");
+  for (const tracking::MarkerSeed& seed : options_.seeds) {
+    if (!has(seed.name)) throw UsageError(fmt::format("--seed {}: not one of the markers", seed.name));
+    if (seed.candidate) throw UsageError(fmt::format("--seed {}: give its place, X,Y@FRAME", seed.name));
+  }
+}
+
+void Session::ReadPlane() {
+  const video::VideoInfo& info = stream_->Info();
+  std::optional<camera::CameraProfile> profile;
+  if (options_.camera) {
+    profile = camera::ReadCameraProfile(*options_.camera);
+    const auto scaled = camera::CameraAtSize(profile->camera, info.width, info.height);
+    if (!scaled) camera::CheckResolution(profile->camera, *options_.camera, info.width, info.height, options_.input);
+    profile->camera = *scaled;
+    readout_s_ = profile->readout_s;
+  }
+  view_ = gait::MakeView(options_, profile, {}, {}, [this](const std::string& text) { run_.Warn(text); });
+  if (gait::PlaneUnit(view_) == motion::LengthUnit::kPx)
+    throw Fail("no lengths in mm: give a camera file with a sagittal plane (--camera), --scale or --plane-points");
+}
+
+void Session::Start() {
+  analyst_thread_ = std::thread([this] { Analyse(); });
+  tracker_thread_ = std::thread([this] { Work(); });
+}
+
+void Session::Abandon() {
+  is_abandoned_ = true;
+  if (stream_) stream_->Stop();
+  changed_.notify_all();
+}
+
+void Session::Finish() {
+  if (tracker_thread_.joinable()) tracker_thread_.join();
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+void Session::Work() {
+  try {
+    TrackAll();
+    if (analyst_thread_.joinable()) analyst_thread_.join();  // looks once more, now at all of it
+    FinishTrial();
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    has_ended_ = true;  // also where the frames ended in a failure
+    phase_ = failure_ ? Phase::kFailed : Phase::kDone;
+    if (failure_) try {
+        std::rethrow_exception(failure_);
+      } catch (const std::exception& error) {
+        failure_text_ = error.what();
+      }
+  }
+  changed_.notify_all();
+  is_over_ = true;
+}
+
+void Session::TrackAll() {
+  for (video::LiveFrame live; stream_->Read(live);) {
+    AddFrame(live);
+    changed_.notify_all();
+  }
+  stream_->Finish();
+  const std::lock_guard lock(mutex_);
+  end_ = stream_->End();
+  phase_ = Phase::kFinishing;
+  has_ended_ = true;
+  tracks_table_->Flush();
+  SaveLive();
+}
+
+void Session::AddFrame(const video::LiveFrame& live) {
+  const std::lock_guard lock(mutex_);
+  tracker_->Add(live.frame);
+  samples_.push_back(MeasureFrame());
+  if (watch_.Add(live.frame.time_s, std::abs(samples_.back().knee_deg))) is_rise_due_ = true;
+  WriteTrackRow();
+  constexpr std::size_t kKept = 16;  // more than a page is ever behind
+  pictures_.push_back(live.frame);
+  if (pictures_.size() > kKept) pictures_.pop_front();
+  latencies_ms_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - live.arrived).count());
+}
+
+Session::Sample Session::MeasureFrame() const {
+  const motion::MarkerRecording& told = tracker_->Told();
+  Sample sample{.time_s = told.time_s.back()};
+  gait::LegPoints points;
+  std::optional<Vector2d> joint;
+  const auto in_plane = [&](std::string_view name) -> std::optional<Vector2d> {
+    const std::optional<Vector2d> px = PlaceIn(told, name);
+    return px ? std::optional(gait::PlaneFromRecorded(view_, *px, 0)) : std::nullopt;
+  };
+  points.ankle = in_plane("ankle"), points.knee = in_plane("knee"), points.hip = in_plane("hip");
+  if (!points.ankle || !points.knee) return sample;
+  const motion::Facing facing = facing_.value_or(motion::Facing::kRight);
+  const motion::LegSample leg = gait::MakeLegSample(points, facing, kUpInPlane);
+  sample.knee_deg = facing_ ? leg.knee_deg : std::abs(leg.knee_deg);
+  if (!facing_ || !(joint = in_plane(options_.joint))) return sample;
+  const Eigen::Matrix2d shank = compare::AxesAlong(leg.ak);
+  sample.joint_mm = shank.transpose() * gait::LegFromPlane(*joint - *points.knee, facing, kUpInPlane) - MarkerAt();
+  if (const std::optional<JointPlace> place = Place()) {
+    const Vector2d target = *joint - gait::PlaneFromLeg(shank * place->offset_mm, facing, kUpInPlane);
+    sample.from_px = PlaceIn(told, options_.joint);
+    sample.to_px = gait::RecordedFromPlane<double>(view_, target, 0);
+  }
+  return sample;
+}
+
+void Session::WriteTrackRow() {
+  const motion::MarkerRecording& told = tracker_->Told();
+  std::vector<std::string> cells = {fmt::format("{}", told.frame.back()), FormatNumber(told.time_s.back())};
+  for (const motion::MarkerTrack& track : told.markers) {
+    const motion::MarkerSample& sample = track.samples.back();
+    if (sample.IsKnown())
+      for (const double value : {sample.position.x(), sample.position.y(), sample.sigma})
+        cells.push_back(FormatNumber(value));
+    else
+      cells.insert(cells.end(), 3, "");
+    cells.emplace_back(motion::ToString(sample.status));
+  }
+  tracks_table_->Row(cells);
+  constexpr std::chrono::milliseconds kFlush{300};
+  if (Clock::now() - flushed_ < kFlush) return;
+  flushed_ = Clock::now();
+  try {
+    tracks_table_->Flush();
+  } catch (const Error&) {
+    stream_->Stop();  // its own recording will say so, too, or this at the end
+  }
+}
+
+// Of the recording since the joint was moved last, as one trial has one place of the joint.
+double Session::TrialStartS() const {
+  double start_s = begin_s_.value_or(0);
+  if (!moves_s_.empty() && !RisesAfterMoves(static_cast<int>(moves_s_.size())).empty())
+    start_s = std::max(start_s, moves_s_.back());
+  return start_s;
+}
+
+// Of markers that lake-track cannot name by itself: where they were first measured in that part.
+std::vector<std::string> Session::SeedsFrom(double start_s) const {
+  std::vector<std::string> seeds;
+  const motion::MarkerRecording& measured = tracker_->Measured();
+  for (const motion::MarkerTrack& track : measured.markers) {
+    const bool is_leg = std::ranges::find(tracking::kLegMarkers, track.name) != tracking::kLegMarkers.end();
+    if (is_leg && std::ranges::find(by_hand_, track.name, &tracking::MarkerSeed::name) == by_hand_.end()) continue;
+    const auto is_seen = [&](std::size_t row) {
+      return track.samples[row].IsKnown() && measured.time_s[row] >= start_s;
+    };
+    for (std::size_t row = 0; row < measured.Frames(); ++row) {
+      if (!is_seen(row)) continue;
+      const Vector2d& place = track.samples[row].position;
+      seeds.push_back(fmt::format("--seed={}={:.2f},{:.2f}@{}", track.name, place.x(), place.y(), measured.frame[row]));
+      break;
+    }
+  }
+  return seeds;
+}
+
+std::vector<std::string> Session::Arguments() const {
+  const double start_s = TrialStartS();
+  std::vector<std::string> more = SeedsFrom(start_s);
+  // The recording keeps its stamps to the millisecond.
+  const auto rounded = [](double time_s) { return fmt::format("{:.3f}", time_s); };
+  if (start_s > 0) more.push_back("--start=" + rounded(start_s));
+  if (end_s_) more.push_back("--end=" + rounded(*end_s_));
+  return TrackArguments(options_, more);
+}
+
+void Session::FinishTrial() {
+  std::vector<std::string> arguments;
+  {
+    const std::lock_guard lock(mutex_);
+    if (tracker_->Measured().Frames() == 0) throw Fail("{}: not one frame came: {}", options_.input, end_->why);
+    arguments = Arguments();
+  }
+  run_.ReleaseFolder();
+  const auto say = [this](const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    progress_ = line;
+  };
+  const auto check = [this] {
+    ThrowIfInterrupted();
+    if (is_abandoned_) throw Error("the trial was left as it was recorded");
+  };
+  check();
+  TrackTrial(programs_, run_.Folder(), arguments, say, check);
+  const Json difference = DifferenceJson(tracker_->Told(), run_.Folder());
+  const std::lock_guard lock(mutex_);
+  difference_ = difference;
+  SaveLive();
+  if (end_->kind == video::StreamEnd::Kind::kDiskFull)
+    throw Fail("{}; what was recorded until then is a trial in {}", end_->why, run_.Folder().string());
+}
+
+// ---- the analyst
+
+void Session::Analyse() {
+  constexpr std::chrono::milliseconds kPause{500};
+  std::optional<Clock::time_point> named_last;
+  Clock::duration naming_took{};
+  while (true) {
+    bool is_rise_due = false, is_naming_due = false, is_last = false;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait_for(lock, kPause, [this] { return has_ended_ || is_rise_due_; });
+      if (is_abandoned_) return;
+      is_last = has_ended_;
+      is_rise_due = std::exchange(is_rise_due_, false) || is_last;
+      const bool has_rested =
+          is_last || !named_last || Clock::now() - *named_last > std::max<Clock::duration>(kPause, 3 * naming_took);
+      is_naming_due = tracker_->Measured().Frames() > 1 && has_rested && tracker_->IsAnyLost();
+    }
+    try {
+      if (is_naming_due) {
+        const Clock::time_point began = Clock::now();
+        FindTheNames();
+        named_last = Clock::now(), naming_took = *named_last - began;
+      }
+      FindFacing();
+      if (is_rise_due) FindTheRises();
+      JudgePictures();
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(mutex_);
+      why_no_rise_ = error.what();
+    }
+    if (is_last) return;
+  }
+}
+
+void Session::FindTheNames() {
+  tracking::LiveSnapshot snapshot;
+  tracking::LiveTrackOptions track = track_;
+  {
+    const std::lock_guard lock(mutex_);
+    snapshot = tracker_->Snapshot();
+    track.seeds = by_hand_;
+  }
+  std::string why_not;
+  std::vector<tracking::MarkerSeed> found;
+  try {
+    found = tracking::FindNames(snapshot, track);
+  } catch (const Error& error) {
+    why_not = error.what();
+  }
+  const std::lock_guard lock(mutex_);
+  why_not_named_ = why_not;
+  tracker_->TakeNames(found);
+  if (tracker_->HasAllNames()) SaveLive();
+}
+
+void Session::FindFacing() {
+  std::vector<gait::LegPoints> legs;
+  {
+    const std::lock_guard lock(mutex_);
+    if (facing_) return;
+    const motion::MarkerRecording& measured = tracker_->Measured();
+    const motion::MarkerTrack &ankle = *measured.Find("ankle"), &knee = *measured.Find("knee"),
+                              &hip = *measured.Find("hip");
+    for (std::size_t row = 0; row < measured.Frames(); ++row) {
+      if (!ankle.samples[row].IsKnown() || !knee.samples[row].IsKnown() || !hip.samples[row].IsKnown()) continue;
+      const auto place = [&](const motion::MarkerTrack& track) {
+        return gait::PlaneFromRecorded(view_, track.samples[row].position, 0);
+      };
+      legs.push_back({.ankle = place(ankle), .knee = place(knee), .hip = place(hip), .waist = {}});
+    }
+  }
+  if (legs.empty()) return;
+  const gait::FacingFound found = gait::FindFacing(legs);
+  const std::lock_guard lock(mutex_);
+  if (found.IsCertain()) facing_ = found.facing;
+}
+
+// From three seconds before the last rise that is known: what the leg fit needs of a rest.
+motion::MarkerRecording Session::Window() const {
+  constexpr double kBefore_s = 3, kLongest_s = 40;
+  const motion::MarkerRecording& measured = tracker_->Measured();
+  double from_s = rises_.empty() ? 0 : rises_.back().onset_s - kBefore_s;
+  from_s = std::max(from_s, measured.time_s.back() - kLongest_s);
+  std::size_t first = 0;
+  const auto shows_leg = [&](std::size_t row) {
+    return std::ranges::all_of(measured.markers, [&](const auto& track) { return track.samples[row].IsKnown(); });
+  };
+  while (first < measured.Frames() && (measured.time_s[first] < from_s || !shows_leg(first))) ++first;
+  return Rows(measured, first, measured.Frames());
+}
+
+void Session::FindTheRises() {
+  RiseFinding finding{.view = view_, .shutter = {}, .video = {}, .joint = options_.joint, .marker_at_mm = MarkerAt()};
+  motion::MarkerRecording window;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!tracker_->HasAllNames()) return;
+    window = Window();
+    finding.video = stream_->Info();
+  }
+  constexpr std::size_t kFewest = 60;  // frames, from which sigmas can be calibrated
+  if (window.Frames() < kFewest) return;
+  finding.shutter =
+      gait::ShutterOf(readout_s_, finding.video.width, finding.video.height, finding.video.rotation_deg, false);
+  std::vector<RiseOffset> found;
+  std::string why_not;
+  try {
+    found = FindRiseOffsets(std::move(window), finding);
+  } catch (const Error& error) {
+    why_not = error.what();
+  }
+  const std::lock_guard lock(mutex_);
+  why_no_rise_ = why_not;
+  for (const RiseOffset& rise : found) {
+    constexpr double kSame_s = 0.3;  // the same one, measured again
+    if (!rises_.empty() && rise.standing_s < rises_.back().standing_s + kSame_s) continue;
+    rises_.push_back(rise);
+    rises_table_->Row({fmt::format("{}", rises_.size()), FormatNumber(rise.onset_s), FormatNumber(rise.standing_s),
+                       fmt::format("{}", MovesBefore(rise.onset_s)), FormatNumber(rise.mean_mm.x()),
+                       FormatNumber(rise.mean_mm.y()), FormatNumber(rise.noise_sd_mm.x()),
+                       FormatNumber(rise.noise_sd_mm.y()), FormatNumber(rise.remainder_mm)});
+    rises_table_->Flush();
+    SaveLive();
+  }
+}
+
+// Of what lake check judges: that which a recording under way tells of itself.
+void Session::JudgePictures() {
+  constexpr std::array kJudged = {"all_seen_share", "radius_px",     "contrast_over_noise", "saturated_share",
+                                  "blur_px",        "frame_rate_hz", "repeated_frames",     "dropped_frames"};
+  tracking::RecordingCheck check;
+  std::vector<tracking::Tracklet> named;
+  std::optional<tracking::ImageFigures> image;
+  {
+    const std::lock_guard lock(mutex_);
+    const motion::MarkerRecording& measured = tracker_->Measured();
+    constexpr std::size_t kLooked = 300;  // frames
+    const std::size_t frames = measured.Frames(), looked = std::min(frames, kLooked);
+    if (looked < 2) return;
+    check.video = stream_->Info();
+    std::vector<double> time_s(measured.time_s.end() - static_cast<std::ptrdiff_t>(looked), measured.time_s.end());
+    const double interval_s = MedianInterval(time_s);
+    check.video.frame_rate_hz = 1 / interval_s;
+    check.frames_seen = static_cast<int>(frames);
+    check.frames_in_file = static_cast<std::int64_t>(looked);
+    check.dropped_frames = std::max<std::int64_t>(
+        std::llround((time_s.back() - time_s.front()) / interval_s) + 1 - check.frames_in_file, 0);
+    check.repeated_frames = static_cast<int>(tracker_->RepeatedFrames());
+    if (tracker_->HasAllNames()) check.why_not_named.clear();
+    std::size_t all = 0;
+    for (std::size_t row = frames - looked; row < frames; ++row)
+      all += std::ranges::all_of(measured.markers, [&](const auto& track) { return track.samples[row].IsKnown(); });
+    check.all_seen_share = static_cast<double>(all) / static_cast<double>(looked);
+    named = tracker_->Named(looked);
+    image = tracker_->Figures();
+  }
+  if (check.IsNamed() && image && !named.empty()) {
+    std::vector<const tracking::Tracklet*> pointers;
+    pointers.reserve(named.size());
+    for (const tracking::Tracklet& tracklet : named) pointers.push_back(&tracklet);
+    check.markers = tracking::FiguresOf(pointers, *image);
+  }
+  Json checks = Json::array();
+  for (const tracking::CheckItem& item : tracking::JudgeRecording(check, static_cast<int>(options_.markers.size()))) {
+    if (std::ranges::find(kJudged, item.name) == kJudged.end()) continue;
+    if (!check.IsNamed() && item.name == "all_seen_share") continue;
+    checks.push_back({{"shown", item.shown},
+                      {"verdict", tracking::ToString(item.verdict)},
+                      {"advice", item.verdict == tracking::Verdict::kGood ? "" : item.advice}});
+  }
+  const std::lock_guard lock(mutex_);
+  checks_ = std::move(checks);
+}
+
+// ---- what has been found
+
+int Session::MovesBefore(double time_s) const {
+  return static_cast<int>(std::ranges::count_if(moves_s_, [&](double moved_s) { return moved_s <= time_s; }));
+}
+
+std::vector<RiseOffset> Session::RisesAfterMoves(int moves) const {
+  std::vector<RiseOffset> rises;
+  for (const RiseOffset& rise : rises_)
+    if (MovesBefore(rise.onset_s) == moves) rises.push_back(rise);
+  return rises;
+}
+
+std::optional<JointPlace> Session::Place() const {
+  const std::vector<RiseOffset> rises = RisesAfterMoves(static_cast<int>(moves_s_.size()));
+  return rises.empty() ? std::nullopt : std::optional(PlaceOf(rises));
+}
+
+}  // namespace lake::live

@@ -1,0 +1,177 @@
+// Streams that are recorded while they come: files at their own pace, pipes, what breaks off.
+#include "lake/video/live_stream.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <atomic>
+#include <thread>
+
+#include "file_limit.h"
+#include "lake/core/file_descriptor.h"
+#include "video_files.h"
+
+namespace lake::test {
+namespace {
+
+using video::LiveStream;
+using video::LiveStreamOptions;
+using video::StreamEnd;
+
+struct Played {
+  std::vector<video::LiveFrame> frames;
+  StreamEnd end;
+};
+
+Played Play(const std::string& input, const LiveStreamOptions& options, const std::filesystem::path& recording) {
+  LiveStream stream(input, options, recording);
+  Played played;
+  for (video::LiveFrame frame; stream.Read(frame);) {
+    frame.frame.luma = frame.frame.luma.clone();  // not as many of the decoder's pictures at once
+    frame.frame.keep_alive = nullptr;
+    played.frames.push_back(frame);
+  }
+  stream.Finish();
+  played.end = stream.End();
+  return played;
+}
+
+LiveStreamOptions Replay() {
+  LiveStreamOptions options;
+  options.replay = true;
+  return options;
+}
+
+std::string ReasonOf(const std::string& input, const LiveStreamOptions& options,
+                     const std::filesystem::path& recording) {
+  try {
+    LiveStream stream(input, options, recording);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// The recording holds the frames that were handed out, to the bit, at their times: Matroska keeps milliseconds.
+void ExpectRecorded(const Played& played, const std::filesystem::path& recording) {
+  constexpr double kMatroska_s = 0.5e-3 + 1e-9;
+  const Recording recorded = ReadAll(recording);
+  ASSERT_EQ(recorded.frames.size(), played.frames.size());
+  for (std::size_t i = 0; i < recorded.frames.size(); ++i) {
+    EXPECT_EQ(played.frames[i].frame.index, static_cast<std::int64_t>(i));
+    EXPECT_NEAR(recorded.frames[i].time_s, played.frames[i].frame.time_s, kMatroska_s);
+    ASSERT_EQ(LargestDifference(recorded.frames[i].luma, played.frames[i].frame.luma), 0) << i;
+  }
+}
+
+TEST(LiveStream, RecordsACodedStreamAsItCame) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=320x240:rate=30:duration=1") + kH264 + Quote(folder / "film.mp4"));
+  const Played played = Play((folder / "film.mp4").string(), Replay(), folder / "video.mkv");
+  EXPECT_EQ(played.end.kind, StreamEnd::Kind::kEnded);
+  ASSERT_EQ(played.frames.size(), 30u);
+  ExpectRecorded(played, folder / "video.mkv");
+  EXPECT_FALSE(std::filesystem::exists(folder / "video.part.mkv"));
+  EXPECT_EQ(ReadAll(folder / "video.mkv").info.codec, "h264");
+}
+
+TEST(LiveStream, ReplaysAtTheFilesOwnPace) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=160x120:rate=20:duration=1") + "-c:v mjpeg " + Quote(folder / "film.avi"));
+  const Played played = Play((folder / "film.avi").string(), Replay(), folder / "video.mkv");
+  ASSERT_EQ(played.frames.size(), 20u);
+  const std::chrono::duration<double> took = played.frames.back().arrived - played.frames.front().arrived;
+  EXPECT_GE(took.count(), 0.95 - 1e-3);  // 19 intervals; a loaded machine may take longer, never less
+}
+
+TEST(LiveStream, RawPicturesAreRefused) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=160x120:rate=25:duration=1") + "-pix_fmt yuv420p " + Quote(folder / "film.y4m"));
+  EXPECT_THAT(ReasonOf((folder / "film.y4m").string(), Replay(), folder / "video.mkv"),
+              testing::HasSubstr("--format mjpeg or h264"));
+}
+
+TEST(LiveStream, ARawStreamTakesItsTimesFromTheRate) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=160x120:rate=25:duration=1") + "-c:v mjpeg -f mjpeg " + Quote(folder / "film.mjpeg"));
+  EXPECT_THAT(ReasonOf((folder / "film.mjpeg").string(), Replay(), folder / "video.mkv"), testing::HasSubstr("--rate"));
+  LiveStreamOptions options = Replay();
+  options.rate_hz = 50;
+  const Played played = Play((folder / "film.mjpeg").string(), options, folder / "video.mkv");
+  ASSERT_EQ(played.frames.size(), 25u);
+  EXPECT_NEAR(played.frames.back().frame.time_s, 24 / 50.0, 1e-6);
+}
+
+TEST(LiveStream, SilenceEndsIt) {
+  const TemporaryFolder folder;
+  const auto pipe = folder / "pipe", film = folder / "film.ts";
+  Ffmpeg(TestPicture("size=160x120:rate=25:duration=1") + "-c:v libx264 -g 5 -bf 0 " + Quote(film));
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::atomic<bool> is_done = false;
+  std::thread writer([&] {  // keeps the pipe open, as a camera that has frozen
+    const std::string bytes = ReadTextFile(film);
+    const FileDescriptor end(open(pipe.c_str(), O_WRONLY));
+    ASSERT_EQ(write(end, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+    while (!is_done) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  });
+  LiveStreamOptions options;
+  options.patience_s = 1;
+  const Played played = Play(pipe.string(), options, folder / "video.mkv");
+  is_done = true;
+  writer.join();
+  EXPECT_EQ(played.end.kind, StreamEnd::Kind::kLost);
+  EXPECT_GE(played.frames.size(), 24u);  // the last of a transport stream is known to be whole by the next
+  ExpectRecorded(played, folder / "video.mkv");
+}
+
+TEST(LiveStream, AFullDiskLeavesWholeClusters) {
+  const TemporaryFolder folder;
+  // 2 MB/s of noise, so that the limit is met in the middle of a cluster.
+  Ffmpeg("-f lavfi -i 'nullsrc=size=320x240:rate=30:duration=3,geq=random(1)*255:128:128' -c:v mjpeg -q:v 4 " +
+         Quote(folder / "film.avi"));
+  const auto bytes = std::filesystem::file_size(folder / "film.avi");
+  Played played;
+  {
+    const FileLimit limit(bytes / 2);
+    played = Play((folder / "film.avi").string(), Replay(), folder / "video.mkv");
+  }
+  EXPECT_EQ(played.end.kind, StreamEnd::Kind::kDiskFull);
+  EXPECT_THAT(played.end.why, testing::HasSubstr("video.part.mkv: cannot be written further"));
+  const Recording recorded = ReadAll(folder / "video.mkv");
+  EXPECT_GT(recorded.frames.size(), 20u);
+  EXPECT_LE(recorded.frames.size(), played.frames.size());
+}
+
+TEST(LiveStream, ARecordingThatWasCutIsCompleted) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=160x120:rate=30:duration=2") + "-c:v libx264 -g 10 -bf 2 " + Quote(folder / "film.mkv"));
+  const std::string bytes = ReadTextFile(folder / "film.mkv");
+  WriteTextFile(folder / "video.part.mkv", bytes.substr(0, bytes.size() * 2 / 3));
+  EXPECT_NE(ErrorOf(folder / "video.part.mkv"), "");
+  video::CompleteRecording(folder / "video.mkv");
+  EXPECT_GT(ReadAll(folder / "video.mkv").frames.size(), 10u);
+  EXPECT_FALSE(std::filesystem::exists(folder / "video.part.mkv"));
+}
+
+TEST(LiveStream, NothingIsWrittenOver) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=160x120:rate=30:duration=1") + kH264 + Quote(folder / "film.mp4"));
+  WriteTextFile(folder / "video.mkv", "a recording");
+  EXPECT_THAT(ReasonOf((folder / "film.mp4").string(), Replay(), folder / "video.mkv"),
+              testing::HasSubstr("is there already"));
+}
+
+TEST(LiveStream, SaysWhatCannotBeOpened) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "text.txt", "no video\n");
+  const auto why = [&](const std::string& input, const LiveStreamOptions& options) {
+    return ReasonOf(input, options, folder / "video.mkv");
+  };
+  EXPECT_THAT(why((folder / "absent").string(), {}), testing::HasSubstr("no such device or file"));
+  EXPECT_THAT(why((folder / "text.txt").string(), {}), testing::HasSubstr("--replay"));
+  EXPECT_THAT(why((folder / "text.txt").string(), Replay()), testing::HasSubstr("no video that can be read"));
+}
+
+}  // namespace
+}  // namespace lake::test
