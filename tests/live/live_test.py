@@ -49,7 +49,7 @@ def ffmpeg(*words):
 def frames_of(film):
     shown = run("ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-show_entries", "stream=nb_read_frames",
                 "-of", "csv=p=0", film)
-    return int(shown.stdout.strip().strip(","))
+    return int(shown.stdout.split()[0].strip(","))  # a transport stream is told of twice
 
 
 def read_table(path):
@@ -84,7 +84,9 @@ class Live:
     def close(self):
         if self.process.poll() is None:
             self.process.kill()
-            self.process.communicate()
+        self.process.wait(WAIT_S)
+        self.process.stdout.close()
+        self.process.stderr.close()
 
 
 class Films(unittest.TestCase):

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/standard_output.h"
@@ -28,6 +29,13 @@ std::vector<std::string> ArgumentsIn(const fs::path& folder) {
   return ReadJsonFile(folder / kLive).at("track_arguments").get<std::vector<std::string>>();
 }
 
+// A killed program may have written a part of the last row.
+void DropTornRow(const fs::path& table) {
+  if (!fs::exists(table)) return;
+  const std::string text = ReadTextFile(table);
+  if (!text.empty() && text.back() != '\n') WriteTextFile(table, text.substr(0, text.rfind('\n') + 1));
+}
+
 // What a program that was killed or interrupted has left.
 Json FinishFolder(const LiveRunOptions& options, const fs::path& programs) {
   const fs::path folder = options.input, recording = folder / kVideo;
@@ -35,6 +43,7 @@ Json FinishFolder(const LiveRunOptions& options, const fs::path& programs) {
   if (!is_unfinished && !fs::exists(recording)) throw Fail("{}: holds no recording of lake live", folder.string());
   if (fs::exists(folder / "summary.json")) throw Fail("{}: is a trial already", folder.string());
   if (is_unfinished) video::CompleteRecording(recording);
+  for (const char* table : {kTracks, kRises, kMoves}) DropTornRow(folder / table);
   const auto say = [](const std::string&) {};
   TrackTrial(programs, folder, ArgumentsIn(folder), say, [] { ThrowIfInterrupted(); });
   Json live = ReadJsonFile(folder / kLive);
