@@ -5,6 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "lake/tracking/recording_verdicts.h"
 #include "lake/video/video_writer.h"
 #include "pipeline/rendered_trial.h"
 #include "places.h"
@@ -86,7 +87,7 @@ TEST(Check, JudgesFiguresOneByOne) {
   check.video.frame_rate_hz = 60, check.frames_seen = 240, check.all_seen_share = 1;
   check.why_not_named = "fewer than four markers";
   const auto verdict = [&](const std::string& name) {
-    for (const commands::CheckItem& item : commands::JudgeRecording(check, 4))
+    for (const tracking::CheckItem& item : tracking::JudgeRecording(check, 4))
       if (item.name == name) return fmt::format("{} {}", static_cast<int>(item.verdict), item.advice);
     return std::string("absent");
   };
@@ -165,7 +166,7 @@ TEST(Check, AmongSixtyLampsItJudgesTheMarkersThatAreTracked) {
     EXPECT_LT((spot.position - trial.Truth(frame).markers[marker].px).norm(), 1) << spot.name;
   }
   EXPECT_EQ(named, 4u);
-  for (const commands::CheckItem& item : commands::JudgeRecording(check, 4))
+  for (const tracking::CheckItem& item : tracking::JudgeRecording(check, 4))
     EXPECT_LT(item.verdict, commands::Verdict::kUnfit) << item.shown;
 }
 

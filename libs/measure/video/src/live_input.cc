@@ -1,9 +1,5 @@
 #include "live_input.h"
 
-extern "C" {
-#include <libavdevice/avdevice.h>
-}
-
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
@@ -72,9 +68,8 @@ std::string LiveInput::Address(const LiveStreamOptions& options, const AVInputFo
     return fmt::format("pipe:{}", static_cast<int>(*pipe_));
   }
   if (IsDevice(input_)) {
-    avdevice_register_all();
     format = av_find_input_format("video4linux2");
-    if (!format) throw Fail("{}: this libavdevice has no V4L2", input_);
+    if (!format) throw Fail("{}: V4L2 is not there: this program has not registered libavdevice", input_);
     return input_;
   }
   if (!fs::exists(status)) throw Fail("{}: no such device or file", input_);

@@ -1,5 +1,9 @@
 #include "lake/live/run_live.h"
 
+extern "C" {
+#include <libavdevice/avdevice.h>
+}
+
 #include <csignal>
 #include <cstdio>
 
@@ -86,6 +90,7 @@ bool IsFolderToFinish(const LiveRunOptions& options) {
 
 Json RunLive(const LiveRunOptions& options, const fs::path& programs, Run& run) {
   if (IsFolderToFinish(options)) return FinishFolder(options, programs);
+  avdevice_register_all();
   Session session(options, programs, run);
   review::PageOptions page;
   page.port = options.port;

@@ -48,9 +48,10 @@ struct StreamEnd {
 
 class LiveStream {
  public:
-  // `input`: /dev/video…, an address (rtsp://, udp://, tcp://, http://), "-" for standard input, a named pipe, or with
-  // `replay` a file. `recording`: NAME.mkv; while it is under way it is NAME.part.mkv. Throws Error: nothing that can
-  // be read, no video, no time stamps and no rate, a recording that is there already, a disk with too little space.
+  // `input`: /dev/video… (once the program has called avdevice_register_all: libavdevice loads forty libraries that
+  // other programs do without), an address (rtsp://, udp://, tcp://, http://), "-" for standard input, a named pipe, or
+  // with `replay` a file. `recording`: NAME.mkv; while it is under way it is NAME.part.mkv. Throws Error: nothing that
+  // can be read, no video, no time stamps and no rate, a recording that is there already, a disk with too little space.
   LiveStream(const std::string& input, const LiveStreamOptions& options, const std::filesystem::path& recording);
   ~LiveStream();
 
