@@ -167,7 +167,7 @@ TEST(Check, AmongSixtyLampsItJudgesTheMarkersThatAreTracked) {
   }
   EXPECT_EQ(named, 4u);
   for (const tracking::CheckItem& item : tracking::JudgeRecording(check, 4))
-    EXPECT_LT(item.verdict, commands::Verdict::kUnfit) << item.shown;
+    EXPECT_LT(item.verdict, tracking::Verdict::kUnfit) << item.shown;
 }
 
 TEST(Check, CountsRepeatedAndDroppedFrames) {
