@@ -29,7 +29,7 @@ constexpr std::array kSteps = {
     Step{"check", "in seconds: is a recording fit, and what to change"},
     Step{"track", "markers, leg vectors and knee angle from a video"},
     Step{"review", "in the browser: correct a trial, name markers, explore a design"},
-    Step{"live", "an exoskeleton aligned while it is worn: its joint's place after each rise"},
+    Step{"live", "an exoskeleton aligned while it is worn, by where its joint sits after each rise"},
     Step{"anonymise", "a copy of a recording with the head blurred"},
     Step{"gait", "the leg fit on tracks made before, or by another program"},
     Step{"compare", "misalignment between a human trial and an exoskeleton trial"},
@@ -56,7 +56,7 @@ void PrintHelp(const fs::path& folder) {
   fmt::print("\n`lake STEP --help` tells of a step; each is also a program of its own, lake-STEP.\n");
 }
 
-// Completes the steps; what follows is completed as lake-STEP completes it.
+// Completes the steps, whose descriptions have no quotes and no colons; what follows is completed as lake-STEP completes it.
 std::optional<std::string> Completion(const fs::path& folder, std::string_view shell) {
   std::string names, zsh, fish;
   for (const Step& step : kSteps) {
