@@ -56,7 +56,7 @@ void PrintHelp(const fs::path& folder) {
   fmt::print("\n`lake STEP --help` tells of a step; each is also a program of its own, lake-STEP.\n");
 }
 
-// Completes the steps, whose descriptions have no quotes and no colons; what follows is completed as lake-STEP completes it.
+// Completes the steps, whose descriptions have no quotes; what follows is completed as lake-STEP completes it.
 std::optional<std::string> Completion(const fs::path& folder, std::string_view shell) {
   std::string names, zsh, fish;
   for (const Step& step : kSteps) {
