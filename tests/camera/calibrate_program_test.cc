@@ -126,6 +126,11 @@ TEST_F(CalibrateProgram, BadInputIsOneLineAndTheRightExitCode) {
                 "mirrored");
   ExpectOneLine(Run("plane 00.png --camera camera.yaml --points '10,10=0,0;90,10=1.2,0;90,90=1.2,0.9;10,90=0,0.9'"), 2,
                 "within 1.5 mm of each other");
+  // Points in a line, two at one place: no word of Ceres' own log.
+  for (const char* points :
+       {"10,10=0,0;300,10=900,0;500,10=1800,0;600,10=2000,0", "10,400=0,0;10,400=0,0;500,60=1800,1000;600,400=2000,0"})
+    ExpectOneLine(Run(fmt::format("plane 00.png --camera camera.yaml --points '{}'", points)), 1,
+                  "do not span a plane");
   ExpectOneLine(Run("00.png --board chessboard:9x6:0.025"), 2, "is it in m?");
   ExpectOneLine(Run("plane 00.png --camera none.yaml --board chessboard:9x6:25"), 1, "none.yaml");
   ExpectOneLine(Run("board --board chessboard:9x6:90 --paper a4"), 1, "does not fit on a4");

@@ -9,6 +9,7 @@
 #include "lake/core/colours.h"
 #include "lake/core/json.h"
 #include "lake/report/report.h"
+#include "lake/report/uncertain.h"
 #include "lake/review/design_explorer.h"
 #include "lake/reviewing/design_review.h"
 #include "lake/video/image.h"
@@ -70,15 +71,17 @@ TEST(StudyPage, HasTheForcesAtTheCuffsOfEachDesign) {
   for (const char* design : {"before", "joint_moved", "other_program", "after"}) {
     const Json& cuffs = summary[design]["cuffs"];
     const Json& interval = cuffs["shank_cuff_interval_n"];
-    EXPECT_THAT(text, HasSubstr(fmt::format("{:.1f} ({:.1f} to {:.1f})", cuffs["shank_cuff_n"].get<double>(),
-                                            interval[0].get<double>(), interval[1].get<double>())))
+    const auto force_n = report::UncertainOf(cuffs["shank_cuff_n"], interval);
+    EXPECT_THAT(text,
+                HasSubstr(fmt::format("{} ({} to {})", force_n.Text(1), RoundedText(force_n.low, force_n.Decimals(1)),
+                                      RoundedText(force_n.high, force_n.Decimals(1)))))
         << design;
     EXPECT_LT(cuffs["shank_cuff_n"].get<double>(), interval[1].get<double>());
   }
 }
 
 // What is wrong and the first thing to do; the ways, from the cheapest on; what forbids them; a picture, a chart; what
-// next. Then the warnings, and all of it in words.
+// next. Then the warnings, folded, and all of it in words.
 TEST(StudyPage, SaysTheCheapestRepairFirst) {
   const std::string& page = Page();
   const std::size_t warnings = page.find("<h2>Warnings</h2>"), contents = page.find("<nav");
@@ -94,6 +97,7 @@ TEST(StudyPage, SaysTheCheapestRepairFirst) {
     last = at;
   }
   EXPECT_LT(warnings, contents);
+  EXPECT_THAT(page, HasSubstr("<details>\n<summary><h2>Warnings</h2></summary>"));
   const std::string first = page.substr(0, warnings);
   EXPECT_THAT(first, AllOf(HasSubstr("overlaps the thigh by"), HasSubstr("limit you set"), HasSubstr("mm back"),
                            HasSubstr("mm lower")));
@@ -102,15 +106,35 @@ TEST(StudyPage, SaysTheCheapestRepairFirst) {
     EXPECT_THAT(page, HasSubstr(file));
 }
 
-// The first table's rows: less than as worn with the joint moved, in the same time, as the redesign's own summary has
-// it.
+// Where the worn joint is as good as the new one's place, nobody is told to move it there.
+TEST(StudyPage, MovesTheJointOnlyWhereThatHelps) {
+  const Json redesign = ReadJsonFile(Results() / "redesign/summary.json"), &range = redesign["placement_range"];
+  const std::string text = redesign["build_text"];
+  ASSERT_FALSE(text.empty());
+  const auto is_as_good = [&](const char* axis) {
+    if (!range.is_object()) return false;  // a side was not found
+    const double worn_mm = redesign["before"][fmt::format("placement_{}", axis)];
+    return range[axis][0].get<double>() <= worn_mm && worn_mm <= range[axis][1].get<double>();
+  };
+  EXPECT_EQ(text.find("mm further ") == text.npos, is_as_good("x_mm")) << text;
+  EXPECT_EQ(text.find("mm lower") == text.npos && text.find("mm higher") == text.npos, is_as_good("y_mm")) << text;
+}
+
+TEST(StudyPage, ItsDrawingsHaveNoNamesOfGnuplot) {
+  EXPECT_THAT(Page(), testing::Not(HasSubstr("gnuplot_")));
+}
+
+// All that is open before the first chapter, but for the contents. The first table's rows: less than as worn with the
+// joint moved, in the same time, as the redesign's own summary has it.
 TEST(StudyPage, TheFirstScreenIsShort) {
   LAKE_SKIP_WITHOUT_BROWSER();
   const Json answer = Browser().Ask(Page(), R"(
     const first = document.querySelector('#section-1');
     const forbids = first.querySelector('.answers').getBoundingClientRect().bottom;
     for (const part of first.querySelectorAll('figure')) part.style.display = 'none';
-    const text = first.innerText.replace(/\([\d.]+–[\d.]+\)/g, '');
+    for (const part of document.querySelectorAll('details:not([open]) > :not(summary)')) part.style.display = 'none';
+    const open = [first, ...document.querySelectorAll('main > .warnings')];
+    const text = open.map(part => part.innerText).join(' ').replace(/\([\d.]+–[\d.]+\)/g, '');
     const rows = [...first.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => parseFloat(cell.innerText)));
     return {forbids, rows, words: text.match(/[A-Za-z]{2,}/g).filter(word => word !== 'mm').length,
             numbers: text.match(/\d+(\.\d+)?/g).length};)",

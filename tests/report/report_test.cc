@@ -101,7 +101,14 @@ TEST(Report, WarningsFollowTheMessage) {
       RenderReport({"T", "", {"beware"}, {{"Message", {Paragraph{"text"}}}, {"Numbers", {Paragraph{"text"}}}}});
   EXPECT_LT(page.find("Message"), page.find("beware"));
   EXPECT_LT(page.find("beware"), page.find("Numbers"));
+  EXPECT_THAT(page, Not(HasSubstr("<details>")));
   EXPECT_THAT(RenderReport({"T", "", {}, {}}), Not(HasSubstr("Warnings")));
+}
+
+TEST(Report, WarningsOfALongReportAreFolded) {
+  const std::string page =
+      RenderReport({"T", "", {"beware"}, {{"Message", {}}, {"A", {}}, {"B", {}}, {"C", {}}, {"D", {}}}});
+  EXPECT_THAT(page, HasSubstr("<details>\n<summary><h2>Warnings</h2></summary>\n<ul>\n<li>beware</li>"));
 }
 
 TEST(Report, NumbersAsOneReadsThem) {

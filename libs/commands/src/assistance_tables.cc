@@ -83,13 +83,13 @@ std::string AssistanceText(const problem::Assistance& assistance, const problem:
     return fmt::format("{} cannot give {:.0f} % of what the knee needs with this linkage: that takes {}", name, share,
                        most);
   std::string text = fmt::format(
-      "{} gives {:.0f} % of what the knee needs in a rise of {:.2f} s or longer (the person's own: {:.2f} s); its "
+      "{} gives {:.0f} % of what the knee needs in a rise of {:.1f} s or longer (the person's own: {:.1f} s); its "
       "speed is the limit, at {:.0f} % of the rise; {}",
       name, share, assistance.shortest_s, own_s, assistance.limiting_percent, most);
   if (!assistance.speed_under_load_is_known)
     text += "; its speed under load is not known, so this is a lower bound";
   else if (std::isfinite(assistance.bound_s))
-    text += fmt::format("; with its power no linkage could be faster than {:.2f} s", assistance.bound_s);
+    text += fmt::format("; with its power no linkage could be faster than {:.1f} s", assistance.bound_s);
   return text;
 }
 

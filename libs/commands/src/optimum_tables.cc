@@ -121,10 +121,7 @@ void WriteOptimumDesign(const linkage::Design& design, const OptimumView& optimu
 
 void WarnOfMultipliers(const synthesis::ActiveSet& active, Run& run) {
   if (active.multipliers_unique) return;
-  run.Warn(
-      "no sensitivities: several limits bind at once (the gradients of the active constraints are linearly dependent, "
-      "so "
-      "multipliers are not unique). Add margins to obtain them");
+  run.Warn("no sensitivities: several limits bind at once. Add margins to obtain them");
 }
 
 std::string RangeText(double range_deg, const std::optional<certificate::Certificate>& certificate) {

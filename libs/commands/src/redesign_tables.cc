@@ -1,7 +1,11 @@
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "cuff_tables.h"
 #include "lake/commands/optimize_tables.h"
@@ -331,16 +335,29 @@ Json PlacementRangeJson(const redesign::RedesignOutcome& outcome) {
           {"range_at_knee_deg", NumberOrNull(outcome.range_at_knee_deg)}};
 }
 
+// From where it was worn to where the new design has it: "5 mm further back and 32 mm lower". Without an axis along
+// which the worn place is as good.
+std::string MoveText(const redesign::RedesignOutcome& outcome, const std::array<double, 2>& worn_mm) {
+  const auto& to_mm = outcome.after.design.placement_mm;
+  std::vector<std::string> moves;
+  const auto add = [&](std::size_t axis, const problem::Bounds* as_good, const char* less, const char* more) {
+    const double way_mm = to_mm[axis] - worn_mm[axis];
+    if (as_good && as_good->lower <= worn_mm[axis] && worn_mm[axis] <= as_good->upper) return;
+    moves.push_back(fmt::format("{:.0f} mm {}", std::abs(way_mm), way_mm < 0 ? less : more));
+  };
+  const auto& range = outcome.placement_range;
+  add(0, range ? &range->x_mm : nullptr, "further back", "further forward");
+  add(1, range ? &range->y_mm : nullptr, "lower", "higher");
+  return fmt::format("{}", fmt::join(moves, " and "));
+}
+
 // One sentence that says what to build, and how free that is.
 std::string BuildText(const redesign::RedesignOutcome& outcome) {
   const auto& placement = outcome.after.design.placement_mm;
   std::string text = fmt::format("Build it with the joint {}", compare::DescribeJoint({placement[0], placement[1]}));
-  if (outcome.measured.worn) {
-    const auto& worn = outcome.measured.worn->placement_mm;
-    const double x = placement[0] - worn[0], y = placement[1] - worn[1];
-    text += fmt::format(", that is {:.0f} mm further {} and {:.0f} mm {} than it was worn", std::abs(x),
-                        x < 0 ? "back" : "forward", std::abs(y), y < 0 ? "lower" : "higher");
-  }
+  if (outcome.measured.worn)
+    if (const std::string move = MoveText(outcome, outcome.measured.worn->placement_mm); !move.empty())
+      text += fmt::format(", that is {} than it was worn", move);
   text += ".";
   if (const auto& range = outcome.placement_range)
     text += fmt::format(

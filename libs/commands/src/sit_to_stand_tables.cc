@@ -55,7 +55,7 @@ Measured MeanOfRises(const std::vector<SitToStand>& rows, Measured SitToStand::*
 
 KeyFigures Headline(const std::vector<SitToStand>& rows, const Json& five_times) {
   const SitToStand& test = rows.back();
-  const KeyFigure rise = Figure("Mean time to rise", MeanOfRises(rows, &SitToStand::rise_s), "s", "onset to standing");
+  const KeyFigure rise = Figure("Mean rise time", MeanOfRises(rows, &SitToStand::rise_s), "s", "onset to standing");
   if (std::isnan(test.five_times_s.value))
     return {{rise, Figure("Mean power of a rise", MeanOfRises(rows, &SitToStand::power_w_kg), "W/kg",
                           "no five-times test: it needs five rises with onset and standing")}};
@@ -111,6 +111,8 @@ Section Method() {
              "reaction.",
              "Power: 0.9 g × rise of the hip / time, of the five-times test with half of the mean repetition's time "
              "(Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006).",
+             "Centre of mass and momentum (momentum.csv) and the knee's power (loads.csv), from force plates where "
+             "there are some, are given by lake loads: they need the body mass.",
              "Reference times by age: Bohannon 2006, doi:10.2466/pms.103.1.215-222."}}}};
 }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "lake/core/uncertain_text.h"
+#include "lake/report/uncertain.h"
 #include "study_chapters.h"
 
 namespace lake::study {
@@ -11,12 +13,14 @@ using namespace report;
 namespace {
 
 std::string NeedText(const Json& loads) {
-  const Json& interval = loads.at("peak_knee_nm_interval");
+  const Uncertain peak_nm = UncertainOf(loads.at("peak_knee_nm"), loads.at("peak_knee_nm_interval"));
+  const double of_mass = NumberOrNaN(loads.at("peak_knee_nm_kg"));
   return fmt::format(
-      "One leg extends its knee with {} at most (95 % interval {} to {}), {} N m per kg of body mass, at a knee "
+      "One leg extends its knee with {} N m at most (95 % interval {} to {} N m), {} N m per kg of body mass, at a "
+      "knee "
       "angle of {}; mean of {} rise{}, {}.",
-      Quantity(NumberOrNaN(loads.at("peak_knee_nm")), "N m"), NumberText(NumberOrNaN(interval.at(0)), 1),
-      Quantity(NumberOrNaN(interval.at(1)), "N m"), NumberText(NumberOrNaN(loads.at("peak_knee_nm_kg")), 2),
+      peak_nm.Text(1), RoundedText(peak_nm.low, peak_nm.Decimals(1)), RoundedText(peak_nm.high, peak_nm.Decimals(1)),
+      KnownText(of_mass, peak_nm.HalfWidth() * of_mass / peak_nm.value, 2),
       Quantity(NumberOrNaN(loads.at("peak_knee_deg")), "°"), loads.at("rises").size(),
       loads.at("rises").size() == 1 ? "" : "s",
       loads.at("method") == "bottom-up" ? "from the ground's forces" : "without force plates");
@@ -37,10 +41,11 @@ std::string SpeedText(const Json& assistance) {
   const double shortest_s = NumberOrNaN(assistance.at("shortest_duration_s")),
                any_s = NumberOrNaN(assistance.at("any_linkage_duration_s"));
   if (!std::isfinite(shortest_s)) return "Its speed is not known.";
-  std::string text =
-      fmt::format("In {} or longer, where the person takes {}: its speed is the limit, at {:.0f} % of the rise.",
-                  Quantity(shortest_s, "s"), Quantity(NumberOrNaN(assistance.at("own_duration_s")), "s"),
-                  NumberOrNaN(assistance.at("limiting_percent")));
+  std::string text = fmt::format(
+      "With links that are the best for it, in {} or longer, where the person takes {}: its speed is the limit, at "
+      "{:.0f} % of the rise.",
+      Quantity(shortest_s, "s"), Quantity(NumberOrNaN(assistance.at("own_duration_s")), "s"),
+      NumberOrNaN(assistance.at("limiting_percent")));
   if (assistance.at("shortest_is_lower_bound").get<bool>())
     text += " Its speed under load is not known, so this is a lower bound.";
   else if (std::isfinite(any_s))
@@ -48,11 +53,23 @@ std::string SpeedText(const Json& assistance) {
   return text;
 }
 
+// Why the new design's rise takes so long on the first screen; empty without one.
+std::string OwnTimeText(const StudyResults& results) {
+  if (!results.Has("redesign")) return "";
+  const Json redesign = results.Summary("redesign");
+  const double own_s = NumberOrNaN(redesign.at("after").at("program_duration_s"));
+  if (!std::isfinite(own_s)) return "";
+  return fmt::format(
+      " The new design's own time, {}, is that of its stroke program, with the study's actuator and its limit of "
+      "{:.4g} mm/s.",
+      Quantity(own_s, "s"), NumberOrNaN(redesign.at("stroke_program").at("max_speed_mm_s")));
+}
+
 // With the links that are the best for the actuator, and with those of the study's design.
 Answers LiftAnswers(const StudyResults& results, const Json& assistance, const std::string& need) {
   Answers answers{{{"What the knee needs", need},
                    {"Will it lift me?", LiftText(assistance)},
-                   {"How fast?", SpeedText(assistance)}}};
+                   {"How fast?", SpeedText(assistance) + OwnTimeText(results)}}};
   const Json simulation = results.Summary("simulation");
   if (results.Has("redesign") && simulation.contains("assistance"))
     answers.answers.push_back(
@@ -71,7 +88,7 @@ std::string ReasonOf(const Json& actuator) {
 Table ActuatorsTable(const Json& assistance) {
   Table table{fmt::format("Actuators; the person's own rise takes {}",
                           Quantity(NumberOrNaN(assistance.at("own_duration_s")), "s")),
-              {{"Actuator"}, {"Largest share (%)", 0}, {"Rise in (s)", 1}, {"Beyond that share"}},
+              {{"Actuator"}, {"Largest share (%)", 0}, {"Rise time (s)", 1}, {"Beyond that share"}},
               {}};
   for (const Json& actuator : assistance.at("actuators")) {
     const Json& points = actuator.at("points");
@@ -83,18 +100,23 @@ Table ActuatorsTable(const Json& assistance) {
   return table;
 }
 
+// To two significant digits, as of a mean whose uncertainty is not known.
+std::string TwoDigits(double value) {
+  return RoundedText(value, value == 0 ? 0 : 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
+}
+
 // How a person gets off the seat: the means of the rises. Empty where it is not known: loads of an earlier version have
 // no momentum.
 std::string MomentumText(const Json& momentum) {
   if (momentum.is_null() || std::isnan(NumberOrNaN(momentum.at("com_forward_max_mm_s")))) return "";
   const auto quantity = [&](const char* name, const char* unit) {
-    return Quantity(NumberOrNaN(momentum.at(name)), unit);
+    return fmt::format("{} {}", TwoDigits(NumberOrNaN(momentum.at(name))), unit);
   };
   const double before_mm = NumberOrNaN(momentum.at("com_seat_off_mm"));
   const std::string place = std::isnan(before_mm)
                                 ? ""
-                                : fmt::format("is {} {} the ankle at seat-off; it ",
-                                              Quantity(std::abs(before_mm), "mm"), before_mm < 0 ? "behind" : "before");
+                                : fmt::format("is {:.0f} mm {} the ankle at seat-off; it ", std::abs(before_mm),
+                                              before_mm < 0 ? "behind" : "before");
   return fmt::format("The body's centre of mass {}moves forward with at most {} ({}) and upward with at most {} ({}).",
                      place, quantity("com_forward_max_mm_s", "mm/s"), quantity("com_forward_max_ns", "N s"),
                      quantity("com_upward_max_mm_s", "mm/s"), quantity("com_upward_max_ns", "N s"));
@@ -102,9 +124,10 @@ std::string MomentumText(const Json& momentum) {
 
 // Of the measured path, gone along at two paces.
 Table BalanceTable(const Json& balance) {
-  Table table{"Balance along the measured path: how far inside the foot the ground's force acts (negative: outside)",
-              {{"Pace"}, {"Rise (s)", 1}, {"Margin (mm)", 1}, {"At % of the rise", 0}, {"Knee moment, peak (N m)", 1}},
-              {}};
+  Table table{
+      "Balance along the measured path: how far inside the foot the ground's force acts (negative: outside)",
+      {{"Pace"}, {"Rise time (s)", 1}, {"Margin (mm)", 1}, {"At % of the rise", 0}, {"Knee moment, peak (N m)", 1}},
+      {}};
   const auto add = [&](const char* name, const Json& pace, double rise_s) {
     table.rows.push_back({name, rise_s, NumberOrNaN(pace.at("margin_mm")), NumberOrNaN(pace.at("at_percent")),
                           NumberOrNaN(pace.at("peak_knee_nm"))});

@@ -5,6 +5,8 @@
 
 #include "lake/core/colours.h"
 #include "lake/core/csv.h"
+#include "lake/core/uncertain_text.h"
+#include "lake/report/uncertain.h"
 #include "study_chapters.h"
 
 namespace lake::study {
@@ -33,7 +35,7 @@ constexpr BeforeAfterRow kRows[] = {
     {"range_deg", "range of rotation (°)", "°"},
     {"placement_x_mm", "joint in front of the knee (mm)", "joint"},
     {"placement_y_mm", "joint above the knee, along the shank (mm)", "joint"},
-    {"program_duration_s", "time for a rise (s)", "s"},
+    {"program_duration_s", "rise time (s)", "s"},
     {"exact_tracking_time_s", "minimum time for exact tracking (s)", "s"},
 };
 
@@ -127,9 +129,11 @@ Table CuffTable(const Json& summary) {
     if (!of.is_object() || !of.contains("cuffs")) continue;
     std::vector<Cell> row{name};
     for (const char* force : {"thigh_cuff", "shank_cuff", "knee_shear"}) {
-      const Json& interval = of["cuffs"].at(fmt::format("{}_interval_n", force));
-      row.emplace_back(fmt::format("{:.1f} ({:.1f} to {:.1f})", NumberOrNaN(of["cuffs"].at(fmt::format("{}_n", force))),
-                                   NumberOrNaN(interval.at(0)), NumberOrNaN(interval.at(1))));
+      const Json& cuffs = of["cuffs"];
+      const Uncertain force_n =
+          UncertainOf(cuffs.at(fmt::format("{}_n", force)), cuffs.at(fmt::format("{}_interval_n", force)));
+      row.emplace_back(fmt::format("{} ({} to {})", force_n.Text(1), RoundedText(force_n.low, force_n.Decimals(1)),
+                                   RoundedText(force_n.high, force_n.Decimals(1))));
     }
     table.rows.push_back(std::move(row));
   }
@@ -152,7 +156,7 @@ Table ProgramBalanceTable(const Json& summary, const Json& balance) {
   add("centre of pressure inside the foot, least (mm; negative: outside)", "balance_margin_mm", "mm");
   add("range of rotation (°)", "range_deg", "°");
   add("misalignment, RMS (% of the shank length)", "misalignment_percent", "%");
-  add("time for a rise (s)", "program_duration_s", "s");
+  add("rise time (s)", "program_duration_s", "s");
   const auto own = [&](const char* what, const char* key) {
     table.rows.push_back({what, Number{NumberOrNaN(balance.at(key)), 1}, Number{std::nan(""), 1}});
   };

@@ -251,7 +251,7 @@ KeyFigures RedesignFigures(const Json& redesign, const Way& way) {
   if (const Uncertain& of = way.misalignment_percent; of.IsKnown())
     misalignment.note += fmt::format("{}95 %: {} to {} %", misalignment.note.empty() ? "" : "; ", NumberText(of.low, 1),
                                      NumberText(of.high, 1));
-  return {{std::move(misalignment), figure("time for a rise", "program_duration_s", "s"),
+  return {{std::move(misalignment), figure("rise time", "program_duration_s", "s"),
            figure("range of rotation", "range_deg", "°"), figure("knee angle error, RMS", "knee_rmse_deg", "°")}};
 }
 

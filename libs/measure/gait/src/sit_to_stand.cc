@@ -19,7 +19,7 @@ constexpr std::array kQuantities = {
     Quantity{"onset_s", &SitToStand::onset_s, "onset", "s", false, true},
     Quantity{"seat_off_s", &SitToStand::seat_off_s, "seat-off", "s", false, true},
     Quantity{"standing_s", &SitToStand::standing_s, "standing", "s", false, true},
-    Quantity{"rise_s", &SitToStand::rise_s, "time to rise", "s"},
+    Quantity{"rise_s", &SitToStand::rise_s, "rise time", "s"},
     Quantity{"flexion_s", &SitToStand::flexion_s, "flexion momentum: onset to seat-off", "s"},
     Quantity{"transfer_s", &SitToStand::transfer_s, "momentum transfer: seat-off to largest ankle dorsiflexion", "s"},
     Quantity{"extension_s", &SitToStand::extension_s, "extension: from there to standing", "s"},

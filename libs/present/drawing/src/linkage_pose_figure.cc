@@ -119,7 +119,7 @@ void DrawPosePage(figure::GnuplotFigure& figure, const LinkageLook& look, const 
   DrawLeg(scene, leg, look.body);
   DrawLinkage(scene, leg, d_min, 6, 0.7);
   LabelWhole(scene, look, leg);
-  scene.Draw(WholeView(look), {0.055, 0.085, 0.46, 0.80});
+  scene.Draw(WholeView(look), {0.075, 0.085, 0.44, 0.80});
   figure.Line("unset label 101\nunset label 102");
 
   const SceneView near = FourBarView(look);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -83,8 +84,16 @@ void CheckWhole(const std::filesystem::path& written, const std::filesystem::pat
 constexpr std::string_view kThemeOfSvg =
     "<style>@media screen and (prefers-color-scheme: dark) { svg { filter: invert(0.9) hue-rotate(180deg) } }</style>";
 
-// What gnuplot cannot be told of an SVG: its title; that it follows the reader's theme; that filled shapes, for which
-// gnuplot switches smoothing off, have no jagged edges.
+// gnuplot's names of its parts, which a viewer shows as a hint over them, and of which a page with several plots has
+// each more than once.
+void DropNames(std::string& line) {
+  if (line.find("gnuplot_") == std::string::npos) return;
+  static const std::regex kNames(" id=\"gnuplot_[a-z0-9_]*\"|<title>gnuplot_plot_[0-9a-z]*</title>");
+  line = std::regex_replace(line, kNames, "");
+}
+
+// What gnuplot cannot be told of an SVG: its title, and that its parts have none; that it follows the reader's theme;
+// that filled shapes, for which gnuplot switches smoothing off, have no jagged edges.
 void FinishSvg(const std::filesystem::path& svg, std::string title) {
   std::ranges::replace(title, '_', ' ');
   const std::pair<std::string_view, std::string> kChanges[] = {
@@ -97,6 +106,7 @@ void FinishSvg(const std::filesystem::path& svg, std::string title) {
     for (const auto& [old, now] : kChanges)
       for (std::size_t at = 0; (at = line.find(old, at)) != std::string::npos; at += now.size())
         line.replace(at, old.size(), now);
+    DropNames(line);
     to << line << '\n';
   }
   to.close();

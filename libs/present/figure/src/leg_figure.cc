@@ -180,7 +180,7 @@ void DrawPaths(GnuplotFigure& figure, const gait::LegFitResult& result) {
       "set lmargin at screen 0.075; set rmargin at screen 0.355; set tmargin at screen 0.88; set bmargin at screen "
       "0.10");
   figure.Line(
-      "set size ratio -1; set key at screen 0.385, screen 0.86 right top samplen 1.5 spacing 1.1 noautotitle "
+      "set size ratio -1; set key at screen 0.37, screen 0.86 right top samplen 1.5 spacing 1.1 noautotitle "
       "noenhanced");
   figure.Line(fmt::format("set xtics {0}; set ytics {0}", TicStep(result.trajectory)));
   figure.Line(

@@ -256,7 +256,7 @@ void DrawPareto(const redesign::RedesignOutcome& outcome, const std::filesystem:
   constexpr const char* kDashes[] = {"1", "(12,5)", "(3,4)"};
   constexpr int kMarks[] = {13, 8, 4};
   GnuplotFigure figure(1000, 700);
-  figure.Line("set key at screen 0.5, screen 0.02 center bottom horizontal; set bmargin 7");
+  figure.Line("set key at screen 0.5, screen 0.02 center bottom horizontal; set bmargin 8.5");
   figure.Line("set xlabel 'range of rotation (°)'; set ylabel 'misalignment, RMS (% of the shank length)'");
   figure.Line("set offsets graph 0.04, graph 0.04, graph 0.06, 0; set yrange [0:*]");
   Plot plot(figure);

@@ -148,11 +148,11 @@ void DrawStrokeProgram(const std::filesystem::path& path, const actuator::Stroke
   const ProgramColumns columns(rows);
   figure.Line("set multiplot");
   figure.Line(fmt::format("set xrange [0:{}]; set format x ''", schedule.Duration()));
-  Place(figure, 0.08, 0.92, 0.68, 0.97);
+  Place(figure, 0.09, 0.90, 0.68, 0.97);
   DrawStroke(figure, schedule, columns);
-  Place(figure, 0.08, 0.92, 0.38, 0.64);
+  Place(figure, 0.09, 0.90, 0.38, 0.64);
   DrawSpeed(figure, columns);
-  Place(figure, 0.08, 0.92, 0.07, 0.34);
+  Place(figure, 0.09, 0.90, 0.07, 0.34);
   figure.Line(
       "set format x '%g'; set xlabel 'time (s)'; set ylabel 'knee angle (°)'; set yrange [0:*]; set offsets 0, 0, "
       "graph 0.08, 0");

@@ -131,7 +131,7 @@ LineChart RelativeErrorChart(const Json& comparison) {
   chart.x = kPercentAxis;
   chart.y = {"path difference (% of the shank)", 0, std::nullopt};
   const Series error = ErrorSeries(curves);
-  if (!error.lower.empty()) chart.caption = "Band: ± 1 SD over all pairs of a human and an exoskeleton repetition.";
+  if (!error.lower.empty()) chart.caption = "Band: ± 1 SD over all pairs of a human and an exoskeleton rise.";
   chart.series = {error, Level(rms, fmt::format("RMS {:.2f} %", rms), colour::kText, Mark::kDashed),
                   Level(floor, fmt::format("noise floor {:.2f} %", floor), colour::kAnkle, Mark::kDotted)};
   Series spikes = SpikesOf(error, curves.at("spike"));

@@ -81,7 +81,7 @@ struct MetricRow {
   double factor;
 };
 constexpr MetricRow kMetricRows[] = {
-    {"relative_rms", "path difference, RMS (% of the shank length)", 100},
+    {"relative_rms", "misalignment (path difference), RMS (% of the shank length)", 100},
     {"relative_max", "path difference, largest (% of the shank length)", 100},
     {"relative_p95", "path difference, 95th percentile (% of the shank length)", 100},
     {"rms_mm", "path difference, RMS (mm)", 1},

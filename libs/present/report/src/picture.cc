@@ -50,8 +50,6 @@ std::optional<std::string> ElementOf(const std::string& svg) {
   const std::size_t title = element.find("<title>"), title_end = element.find("</title>");
   if (title < title_end && title_end != element.npos)
     element.erase(title, title_end + std::string_view("</title>").size() - title);
-  static const std::regex kOfNoUse(" id=\"gnuplot_[a-z0-9_]*\"");  // and several of a name where plots stand together
-  element = std::regex_replace(element, kOfNoUse, "");
   NameParts(element);
   return element;
 }

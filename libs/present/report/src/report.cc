@@ -150,17 +150,27 @@ std::string SectionHtml(const Section& section, std::size_t index) {
   return html + "</section>\n";
 }
 
-std::string WarningsHtml(const std::vector<std::string>& warnings) {
+bool IsLong(const Report& report) {
+  constexpr std::size_t kLongReport = 5;  // chapters
+  return report.sections.size() >= kLongReport;
+}
+
+// Folded in a long report, so that they do not stand between its message and its chapters.
+std::string WarningsHtml(const Report& report) {
+  const std::vector<std::string>& warnings = report.warnings;
   if (warnings.empty()) return "";
-  std::string html = "<section class=\"warnings\">\n<h2>Warnings</h2>\n<ul>\n";
-  for (const std::string& warning : warnings) html += Element("li", warning);
-  return html + "</ul>\n</section>\n";
+  std::string list = "<ul>\n";
+  for (const std::string& warning : warnings) list += Element("li", warning);
+  list += "</ul>\n";
+  if (!IsLong(report)) return "<section class=\"warnings\">\n<h2>Warnings</h2>\n" + list + "</section>\n";
+  return "<section class=\"warnings\">\n<details>\n<summary><h2>Warnings</h2></summary>\n" + list +
+         "</details>\n</section>\n";
 }
 
 // The headings of a long report after the first.
-std::string ContentsHtml(const std::vector<Section>& sections) {
-  constexpr std::size_t kLongReport = 5;
-  if (sections.size() < kLongReport) return "";
+std::string ContentsHtml(const Report& report) {
+  const std::vector<Section>& sections = report.sections;
+  if (!IsLong(report)) return "";
   std::string html = "<nav aria-label=\"Contents\"><ol>\n";
   for (std::size_t i = 1; i < sections.size(); ++i)
     if (!sections[i].heading.empty())
@@ -198,7 +208,7 @@ std::string RenderReport(const Report& report) {
       kSecurityPolicy, title, PageStyle(), title, Element("p", report.subtitle));
   for (std::size_t i = 0; i < report.sections.size(); ++i) {
     html += SectionHtml(report.sections[i], i + 1);
-    if (i == 0) html += WarningsHtml(report.warnings) + ContentsHtml(report.sections);
+    if (i == 0) html += WarningsHtml(report) + ContentsHtml(report);
   }
   html += "</main>\n";
   if (HasBlock(report.sections, IsChart))

@@ -314,7 +314,7 @@ Section StudiesSection(const Workflow& workflow, const GroupData& group) {
                {"Session"},
                {"Run"},
                {"Exoskeleton"},
-               {"Time to rise (s)", 2},
+               {"Rise time (s)", 2},
                {"Knee range (°)", 1},
                {"Trunk lean (°)", 1},
                {"Misalignment, RMS (mm)", 1}},

@@ -113,8 +113,8 @@ Curve MeanCurve(const std::vector<const Curve*>& curves) {
 
 const std::vector<MainQuantity>& MainQuantities() {
   static const std::vector<MainQuantity> kMain = {
-      {"human", "rise_s", "time to rise, human", "s", 2},
-      {"exo", "rise_s", "time to rise, exoskeleton", "s", 2},
+      {"human", "rise_s", "rise time, human", "s", 2},
+      {"exo", "rise_s", "rise time, exoskeleton", "s", 2},
       {"human", "knee_range_deg", "knee range, human", "°", 1},
       {"exo", "knee_range_deg", "knee range, exoskeleton", "°", 1},
       {"human", "knee_extension_max_deg_s", "knee extension speed, human", "°/s", 1},
