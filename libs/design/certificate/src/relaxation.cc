@@ -127,8 +127,7 @@ void Relaxation::AddSamples(const problem::SynthesisProblem& problem,
   constexpr std::size_t kMostSamples = 8;
   std::vector<const problem::LoadSample*> samples;
   for (const problem::LoadSample& sample : problem.profile->samples)
-    if (sample.knee_rad >= Standing_rad(problem) && sample.knee_rad <= floor_rad)
-      samples.push_back(&sample);
+    if (sample.knee_rad >= Standing_rad(problem) && sample.knee_rad <= floor_rad) samples.push_back(&sample);
   const std::size_t step = 1 + samples.size() / kMostSamples;
   for (std::size_t i = 0; i < samples.size(); i += step) {
     Place place{KappaOfAngle(samples[i]->knee_rad), {}};

@@ -26,11 +26,11 @@ struct ActiveSystem {
     int side;  // 1: at its lower limit, -1: at its upper, 0: an equation
   };
   std::vector<Row> rows;
-  std::vector<int> free;   // variables
-  std::vector<int> fixed;  // variables at a bound
+  std::vector<int> free;          // variables
+  std::vector<int> fixed;         // variables at a bound
   std::vector<std::string> held;  // variables of no effect on the cost and the active rows
-  std::vector<int> side;   // of each variable: 1 at its lower bound, -1 at its upper, 0 free, held or of no effect
-  Box x;                   // of all variables; the free ones as the solver left them
+  std::vector<int> side;  // of each variable: 1 at its lower bound, -1 at its upper, 0 free, held or of no effect
+  Box x;                  // of all variables; the free ones as the solver left them
 
   std::size_t Size() const { return free.size() + rows.size(); }
 };
@@ -290,10 +290,10 @@ double StationaryPoint::Distance(const std::vector<double>& x, std::span<const i
   return distance;
 }
 
-double StationaryPoint::SmallestWidth(std::span<const int> variables) const {
+double StationaryPoint::SmallestRadius(std::span<const int> variables) const {
   double smallest = kInfinity;
   for (const int j : variables)
-    if (box[j].Width() > 0) smallest = std::min(smallest, box[j].Width());
+    if (radii[j] > 0) smallest = std::min(smallest, radii[j]);
   return smallest;
 }
 
@@ -325,6 +325,8 @@ StationaryPoint CertifyStationaryPoint(const nlp::NonlinearProgram& program, con
   Box z(radii.size());
   for (std::size_t i = 0; i < radii.size(); ++i) z[i] = Interval(centre->z[i]) + Interval(-radii[i], radii[i]);
   point.box = system.VariablesAt(z);
+  point.radii.assign(point.box.size(), 0);
+  for (std::size_t k = 0; k < active.free.size(); ++k) point.radii[active.free[k]] = radii[k];
   std::vector<int> all(point.box.size());
   std::iota(all.begin(), all.end(), 0);
   if (!(point.Distance(solution.x, all) <= kStationaryDistance))

@@ -22,13 +22,14 @@ struct StationaryPoint {
   bool is_certified = false;
   std::string reason;             // why not, one clause
   std::vector<Interval> box;      // of all variables, each in its unit; the point is in it. Empty: none was found
+  std::vector<double> radii;      // half the box's width, likewise; 0: at a bound or held
   std::vector<std::string> held;  // names of variables
   int unknowns = 0;               // of the system
 
-  // How far the point may be from `x`, at most, and how wide the box is at least, in any of these variables of the
-  // program; those at a bound or held have no width.
+  // Over these variables of the program: how far the point may be from `x`, at most, and the smallest radius but 0;
+  // infinity if there is none.
   double Distance(const std::vector<double>& x, std::span<const int> variables) const;
-  double SmallestWidth(std::span<const int> variables) const;
+  double SmallestRadius(std::span<const int> variables) const;
 };
 
 // Of half the box's width, at most: 1e-6 in all.
