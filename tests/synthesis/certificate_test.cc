@@ -345,23 +345,26 @@ TEST(Certificate, IsTheSameForAnyNumberOfThreads) {
 // above.
 TEST(Certificate, MeetsTheOptimumOfRandomProblems) {
   std::mt19937_64 random(20260202);
-  int solved = 0;
+  int solved = 0, like_the_papers = 0;
   for (int trial = 0; trial < 60; ++trial) {
     problem::SynthesisProblem problem = RandomProblem(random);
-    if (trial % 3 > 0) problem.bounds[0] = {problem.bounds[2].lower, problem.bounds[2].lower + 40};
+    const bool like_paper = trial % 3 > 0;  // l1 may follow Grashof's law
+    if (like_paper) problem.bounds[0] = {problem.bounds[2].lower, problem.bounds[2].lower + 40};
     synthesis::OptimizeOptions options;
     options.starts = 3;
     const synthesis::SynthesisResult result = synthesis::Optimize(problem, options);
     if (result.best < 0) continue;
     ++solved;
+    like_the_papers += like_paper;
     certificate::CertificateOptions certificate_options;
-    certificate_options.max_boxes = 20000;
+    certificate_options.max_boxes = like_paper ? 5000 : 20000;
     const certificate::Certificate certificate =
         certificate::CertifyRange(problem, result.Best().evaluation.range_deg, certificate_options);
     EXPECT_GE(certificate.gap_deg, -1e-6) << "trial " << trial;
     EXPECT_TRUE(certificate.reached) << "trial " << trial << " gap " << certificate.gap_deg;
   }
   EXPECT_GT(solved, 15);
+  EXPECT_GT(like_the_papers, 15);
 }
 
 // Fifteen problems unlike the paper's, as they come.
@@ -409,8 +412,32 @@ TEST(Certificate, SaysWhenNothingIsFeasible) {
   problem.bounds[3] = {50, 60};  // l1 <= l4 is impossible
   const certificate::Certificate certificate = certificate::CertifyRange(problem, std::nullopt);
   EXPECT_TRUE(certificate.feasible_set_empty);
+  EXPECT_EQ(certificate.end, certificate::Certificate::End::kNothingToSplit);
   EXPECT_EQ(certificate.upper_bound_deg, -std::numeric_limits<double>::infinity());
   EXPECT_FALSE(certificate.reached);
+}
+
+// The seat counts for every design that satisfies the problem, also where the knee bends no further than sitting, and
+// where no range is known.
+TEST(Certificate, TheSeatIsInTheBoundWhereTheKneeBendsNoFurtherThanSitting) {
+  problem::SynthesisProblem problem = WithMargins(2);
+  problem.max_angle_deg = 85;
+  problem.standing_deg = 5;
+  problem.clearances.seat_mm = 1000;  // more than any linkage within the bounds
+  EXPECT_THAT(certificate::NotInBound(problem), ::testing::IsEmpty());
+  EXPECT_TRUE(certificate::CertifyRange(problem, std::nullopt, {.max_boxes = 2000}).feasible_set_empty);
+  EXPECT_THROW(certificate::CertifyRange(problem, 85), Error);
+
+  // And cuts off none that sits at its shortest stroke.
+  problem.clearances.seat_mm = 5;
+  const synthesis::SynthesisResult result = synthesis::Optimize(problem, Starts(3));
+  ASSERT_TRUE(result.IsSolved());
+  EXPECT_NEAR(result.Best().evaluation.range_deg, 85, 1e-4);
+  const certificate::Certificate certificate = certificate::CertifyRange(problem, result.Best().evaluation.range_deg);
+  EXPECT_TRUE(certificate.reached) << certificate.gap_deg;
+  certificate::LinkBox box;
+  for (std::size_t i = 0; i < box.size(); ++i) box[i] = result.Best().end.Values()[i];
+  EXPECT_TRUE(certificate::Relaxation(problem, certificate::RangeBound(problem), -kInfinity).Examine(box));
 }
 
 TEST(Certificate, RefusesSenselessOptions) {

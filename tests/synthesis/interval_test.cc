@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace lake {
@@ -39,6 +40,25 @@ TEST_F(IntervalTest, ArithmeticEncloses) {
     ExpectEncloses(certificate::Max(a, b), std::max(x, y));
     if (a.lower > 0) ExpectEncloses(certificate::Sqrt(a), std::sqrt(x));
   }
+}
+
+TEST_F(IntervalTest, UnboundedOperandsGiveNumbers) {
+  using certificate::Interval;
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  // But for the least number, by which a product is widened.
+  constexpr double kLeast = std::numeric_limits<double>::denorm_min();
+  const Interval all{-kInf, kInf};
+  for (const Interval& nothing : {all * Interval(0, 0), Interval(0, 0) * all}) {
+    EXPECT_GE(nothing.lower, -kLeast);
+    EXPECT_LE(nothing.upper, kLeast);
+    EXPECT_TRUE(nothing.Contains(0));
+  }
+  const Interval half = all * Interval(0, 2);
+  EXPECT_EQ(half.lower, -kInf);
+  EXPECT_EQ(half.upper, kInf);
+  const Interval quotient = Interval(1, kInf) / Interval(2, kInf);
+  EXPECT_LE(quotient.lower, 0);
+  EXPECT_EQ(quotient.upper, kInf);
 }
 
 TEST_F(IntervalTest, FunctionsEnclose) {

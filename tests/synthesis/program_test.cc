@@ -136,7 +136,7 @@ TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
       {"--start nan,85,85,80,80,235", 2, "nan"},
       {"--starts 0", 2, "starts"},
       {"--certify -1", 2, "--certify must be positive"},
-      {"--certify-time 5", 2, "--certify-time is how long --certify may take"},
+      {"--certify-time 5", 2, "--certify-time limits --certify: give --certify as well"},
       {"--certify=nan", 2, "--certify"},
       {"--yield 0", 2, "--yield must be positive"},
       {"--yield=-1", 2, "--yield must be positive"},

@@ -111,10 +111,31 @@ TEST(SynthesisOutcome, CertificateHoldsWithRequirementsOverTheUsedRange) {
   EXPECT_TRUE(certificate.reached);
 }
 
+// What the bound does without sets what it can come to: it is found without using up the budget, and does not reach the
+// gap asked for.
+TEST(SynthesisOutcome, CertificateAimsAtTheOptimumWithoutWhatItDoesWithout) {
+  problem::SynthesisProblem problem = WithMargins(2);
+  const double without_deg = synthesis::SolveFrom(problem, problem.start).evaluation.range_deg;
+  problem.robust_mm = 0.5;
+  const synthesis::LocalSolve robust = synthesis::SolveFrom(problem, problem.start);
+  ASSERT_TRUE(robust.IsUsable());
+  const double range_deg = robust.evaluation.range_deg;
+  ASSERT_LT(range_deg, without_deg - 0.2);
+  const certificate::CertificateOptions options{.max_boxes = 5000};
+  const certificate::Certificate certificate =
+      synthesis::CertifyOptimum(problem, robust.end, range_deg, options, FewStarts().optimize);
+  EXPECT_LT(certificate.boxes, options.max_boxes);
+  EXPECT_EQ(certificate.end, certificate::Certificate::End::kGap);
+  EXPECT_GE(certificate.upper_bound_deg, without_deg - 1e-6);
+  EXPECT_LE(certificate.upper_bound_deg, without_deg + options.gap_deg + 1e-6);
+  EXPECT_EQ(certificate.range_deg, range_deg);
+  EXPECT_FALSE(certificate.reached);
+}
+
 TEST(SynthesisOutcome, CapIsPartOfTheCertificate) {
   problem::SynthesisProblem problem = WithMargins(1);
   problem.max_angle_deg = 130;
-  const certificate::Certificate certificate = certificate::CertifyRange(problem, 130);
+  const certificate::Certificate certificate = certificate::CertifyRange(problem, 130, {.max_boxes = 1000});
   EXPECT_TRUE(certificate.reached);
   EXPECT_EQ(certificate.upper_bound_deg, 130);
 }

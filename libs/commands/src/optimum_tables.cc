@@ -258,22 +258,25 @@ std::string_view NameOf(certificate::Certificate::End end) {
       return "boxes";
     case certificate::Certificate::End::kTime:
       return "time";
+    case certificate::Certificate::End::kNothingToSplit:
+      return "nothing_to_split";
   }
   return "";
 }
 
 }  // namespace
 
-Json CertificateJson(const certificate::Certificate& certificate, const problem::SynthesisProblem& problem) {
+Json CertificateJson(const certificate::Certificate& certificate, const std::vector<std::string>& not_in_bound) {
   return {{"upper_bound_deg", NumberOrNull(certificate.upper_bound_deg)},
+          {"of_range_deg", NumberOrNull(certificate.range_deg)},
           {"gap_deg", NumberOrNull(certificate.gap_deg)},
           {"reached", certificate.reached},
           {"ended_by", NameOf(certificate.end)},
           {"boxes", certificate.boxes},
-          {"not_in_bound", certificate::NotInBound(problem)}};
+          {"not_in_bound", not_in_bound}};
 }
 
-void WarnOfCertificate(const certificate::Certificate& certificate, const problem::SynthesisProblem& problem,
+void WarnOfCertificate(const certificate::Certificate& certificate, const std::vector<std::string>& not_in_bound,
                        Run& run) {
   if (certificate.reached) return;
   std::string text = fmt::format("the gap of the certificate is {:.3g}°, more than requested", certificate.gap_deg);
@@ -281,8 +284,11 @@ void WarnOfCertificate(const certificate::Certificate& certificate, const proble
     text += ": the time of --certify-time was over, so another machine may come to another gap";
   if (certificate.end == certificate::Certificate::End::kBoxes)
     text += fmt::format(": the search ended after {} boxes", certificate.boxes);
-  if (const auto names = certificate::NotInBound(problem); !names.empty())
-    text += fmt::format("; the bound holds for all requirements, but is found without {}", fmt::join(names, ", "));
+  if (certificate.end == certificate::Certificate::End::kNothingToSplit)
+    text += ": no box is left that can be split further";
+  if (!not_in_bound.empty())
+    text +=
+        fmt::format("; the bound holds for all requirements, but is found without {}", fmt::join(not_in_bound, ", "));
   run.Warn(text);
 }
 

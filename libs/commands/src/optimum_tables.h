@@ -79,9 +79,11 @@ Json EvaluationJson(const problem::DesignEvaluation& evaluation);
 Json YieldJson(const problem::Yield& yield);
 // `gained`: what is maximised, in its unit: "deg", "s gained".
 Json ActiveJson(const synthesis::ActiveSet& active, const std::string& gained = "deg");
-Json CertificateJson(const certificate::Certificate& certificate, const problem::SynthesisProblem& problem);
+// `not_in_bound`: names of the requirements that the bound does without.
+Json CertificateJson(const certificate::Certificate& certificate, const std::vector<std::string>& not_in_bound);
 // Where the gap asked for was not reached: what ended the search, and what the bound does without.
-void WarnOfCertificate(const certificate::Certificate& certificate, const problem::SynthesisProblem& problem, Run& run);
+void WarnOfCertificate(const certificate::Certificate& certificate, const std::vector<std::string>& not_in_bound,
+                       Run& run);
 Json NumberOrNull(double value);
 Json NumberOrNull(std::optional<double> value);
 

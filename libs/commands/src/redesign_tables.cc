@@ -274,6 +274,17 @@ Json ProgramJson(const redesign::RedesignOutcome& outcome) {
   return json;
 }
 
+// The bound is of the linkage alone: nothing that a redesign asks for in the motion is in it.
+std::vector<std::string> NotInBound(const redesign::RedesignProblem& problem) {
+  std::vector<std::string> names = certificate::NotInBound(problem.design);
+  names.emplace_back("program");
+  if (problem.max_misalignment_percent || problem.penalty_deg_per_mm > 0) names.emplace_back("misalignment");
+  if (problem.max_cuff_force_n || problem.cuff_penalty_deg_per_n > 0) names.emplace_back("cuff force");
+  if (problem.max_angle_mismatch_deg) names.emplace_back("angle mismatch");
+  if (problem.balance) names.emplace_back("balance");
+  return names;
+}
+
 void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   const redesign::RedesignProblem& problem = outcome.problem;
   if (outcome.measured.exo && outcome.measured.worn && !outcome.slip)
@@ -304,7 +315,7 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   if (!outcome.IsSolved()) return;
   WarnOfMultipliers(outcome.active, run);
   if (outcome.certificate) {
-    WarnOfCertificate(*outcome.certificate, outcome.problem.design, run);
+    WarnOfCertificate(*outcome.certificate, NotInBound(problem), run);
     run.Warn(
         fmt::format("the certified bound is one on the range alone, without the limit on misalignment; the largest "
                     "range found without that limit is {:.4f}°",
@@ -530,7 +541,7 @@ Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   summary.update(best ? SolvedJson(*best, outcome.active) : InfeasibleJson(*outcome.infeasible));
   summary["clearances"] = ClearancesJson(outcome.problem.design);
   summary["optimum"] = EvaluationJson(after.evaluation);
-  if (outcome.certificate) summary["certificate"] = CertificateJson(*outcome.certificate, outcome.problem.design);
+  if (outcome.certificate) summary["certificate"] = CertificateJson(*outcome.certificate, NotInBound(outcome.problem));
   if (outcome.yield) summary["yield"] = YieldJson(*outcome.yield);
   if (!outcome.fronts.empty()) summary["pareto"] = FrontsJson(outcome);
   if (best)

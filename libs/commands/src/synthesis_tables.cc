@@ -39,7 +39,7 @@ void WriteMargins(const synthesis::SynthesisOutcome& outcome, Run& run) {
   CsvWriter table(header);
   for (const synthesis::MarginPoint& point : outcome.margins) {
     table.Add(point.margin_mm).Add(point.solved ? "solved" : "no solution").Add(point.range_deg);
-    table.Add(point.upper_bound_deg).Add(point.yield);
+    table.Add(point.certificate ? std::optional(point.certificate->upper_bound_deg) : std::nullopt).Add(point.yield);
     for (const double value : point.links.Values()) table.Add(point.solved ? value : kNaN);
     table.EndRow();
   }
@@ -67,6 +67,21 @@ Json StartsJson(const synthesis::SynthesisResult& result) {
   return starts;
 }
 
+// One line for all margins.
+void WarnOfMargins(const synthesis::SynthesisOutcome& outcome, Run& run) {
+  const synthesis::MarginPoint* widest = nullptr;
+  int unreached = 0;
+  for (const synthesis::MarginPoint& point : outcome.margins) {
+    if (!point.certificate || point.certificate->reached) continue;
+    ++unreached;
+    if (!widest || point.certificate->gap_deg > widest->certificate->gap_deg) widest = &point;
+  }
+  if (widest)
+    run.Warn(
+        fmt::format("margin.csv: {} of the {} bounds have a larger gap than requested, the largest {:.3g}° at {} mm",
+                    unreached, outcome.margins.size(), widest->certificate->gap_deg, widest->margin_mm));
+}
+
 void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
   WarnOfMultipliers(outcome.active, run);
   if (const auto& pose = outcome.result.Best().evaluation.pose) {
@@ -78,7 +93,8 @@ void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
                       "--min-moment-arm or --max-force",
                       transmission.moment_arm_mm));
   }
-  if (outcome.certificate) WarnOfCertificate(*outcome.certificate, outcome.problem, run);
+  if (outcome.certificate) WarnOfCertificate(*outcome.certificate, certificate::NotInBound(outcome.problem), run);
+  WarnOfMargins(outcome, run);
   if (outcome.options.round_mm && !outcome.rounded)
     run.Warn(fmt::format(
         "near the optimum, no design whose links are multiples of {} mm satisfies the problem; try a smaller --round",
@@ -96,18 +112,45 @@ const char* Gained(const problem::SynthesisProblem& problem) {
   return problem.SeeksDuration() ? "s gained" : "deg";
 }
 
-Json StationaryJson(const certificate::StationaryPoint& point) {
+// The certified point against the links of the design: how far it may be, and in how wide a box it is the only one. A
+// box without width, all links at a bound, has none.
+struct StationaryLinks {
+  double distance_mm = kNaN, box_mm = kNaN;
+};
+StationaryLinks StationaryLinksOf(const synthesis::SynthesisOutcome& outcome) {
+  if (!outcome.stationary.is_certified) return {};
+  const synthesis::LocalSolve& best = outcome.result.Best();
+  return {outcome.stationary.Distance(best.solution.x, best.program.links),
+          2 * outcome.stationary.SmallestRadius(best.program.links)};
+}
+
+Json StationaryJson(const synthesis::SynthesisOutcome& outcome) {
+  const certificate::StationaryPoint& point = outcome.stationary;
+  const StationaryLinks links = StationaryLinksOf(outcome);
   return {{"certified", point.is_certified},
           {"reason", point.is_certified ? Json() : Json(point.reason)},
-          {"box_mm", point.is_certified ? Json(2 * point.largest_radius) : Json()},
-          {"distance_mm", point.is_certified ? Json(point.distance) : Json()},
+          {"box_mm", NumberOrNull(links.box_mm)},
+          {"distance_mm", NumberOrNull(links.distance_mm)},
+          {"held", point.held},
+          {"poses", outcome.result.Best().poses.Size()},
           {"unknowns", point.unknowns}};
 }
 
-std::string StationaryText(const certificate::StationaryPoint& point) {
-  if (!point.is_certified) return fmt::format("  not proved to be an isolated stationary point: {}\n", point.reason);
-  return fmt::format("  proved to be a stationary point, the only one in a box of {:.1g} mm\n",
-                     2 * point.largest_radius);
+// To one digit, upwards.
+double RoundedUp(double value) {
+  if (!(value > 0)) return value;
+  const double unit = std::pow(10.0, std::floor(std::log10(value)));
+  return std::ceil(value / unit) * unit;
+}
+
+std::string StationaryText(const synthesis::SynthesisOutcome& outcome) {
+  const certificate::StationaryPoint& point = outcome.stationary;
+  if (!point.is_certified) return fmt::format("  not proved to be near a stationary point: {}\n", point.reason);
+  const std::size_t poses = outcome.result.Best().poses.Size();
+  return fmt::format(
+      "  a stationary point of the last program{} is proved to lie within {:.1g} mm of this design,\n"
+      "  the only one in its box at which the same limits are active\n",
+      poses > 0 ? fmt::format(", with its {} poses,", poses) : "", RoundedUp(StationaryLinksOf(outcome).distance_mm));
 }
 
 // What the summary has behind its head.
@@ -118,14 +161,15 @@ Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
                {"exchanges", best.exchanges},
                {"multipliers_unique", outcome.active.multipliers_unique},
                {"active", ActiveJson(outcome.active, Gained(outcome.problem))},
-               {"stationary_point", StationaryJson(outcome.stationary)},
+               {"stationary_point", StationaryJson(outcome)},
                {"clearances", ClearancesJson(outcome.problem)},
                {"optimum", EvaluationJson(best.evaluation)}};
   if (outcome.problem.robust_mm)
     json["robust"] = {{"tolerance_mm", *outcome.problem.robust_mm},
                       {"worst_range_deg", NumberOrNull(best.evaluation.worst_range_deg)},
                       {"builds", best.poses.builds.size()}};
-  if (outcome.certificate) json["certificate"] = CertificateJson(*outcome.certificate, outcome.problem);
+  if (outcome.certificate)
+    json["certificate"] = CertificateJson(*outcome.certificate, certificate::NotInBound(outcome.problem));
   if (outcome.yield) json["yield"] = YieldJson(*outcome.yield);
   if (outcome.rounded) json["rounded"] = RoundedJson(*outcome.rounded);
   return json;
@@ -136,7 +180,7 @@ std::string ReportOf(const synthesis::SynthesisOutcome& outcome, double range_de
   if (outcome.problem.robust_mm)
     text += fmt::format("  at least {:.4f} deg for every build within {:.4g} mm\n",
                         outcome.result.Best().evaluation.worst_range_deg, *outcome.problem.robust_mm);
-  text += StationaryText(outcome.stationary);
+  text += StationaryText(outcome);
   return text + LinksText(outcome.BestLinks()) + ActiveText(outcome.active, Gained(outcome.problem));
 }
 

@@ -73,7 +73,8 @@ class Search {
       progress.Note(fmt::format("bound {:.4f}°{}", DegreesFromRadians(Bound_rad()), best_));
       progress.Advance(static_cast<std::int64_t>(batch.size()));
     }
-    return Certificate::End::kGap;
+    const bool is_known = std::isfinite(target_rad_);
+    return is_known && Bound_rad() <= target_rad_ ? Certificate::End::kGap : Certificate::End::kNothingToSplit;
   }
 
   std::int64_t Boxes() const { return boxes_; }
@@ -101,7 +102,7 @@ class Search {
     return batch;
   }
 
-  // The link along which to split: the one whose width costs most, or else the relatively widest.
+  // A box is split along the link that contributes most to the bound's excess, or else along the relatively widest.
   std::optional<std::size_t> AxisOf(const OpenBox& parent) const {
     if (parent.widest && CanBeSplit(parent.box[*parent.widest])) return parent.widest;
     std::optional<std::size_t> axis;
@@ -199,6 +200,7 @@ Certificate CertifyRange(const problem::SynthesisProblem& problem, std::optional
   if (problem.max_angle_deg)
     certificate.upper_bound_deg = std::min(certificate.upper_bound_deg, *problem.max_angle_deg);
   if (range_deg) CheckAgainstKnown(certificate.upper_bound_deg, *range_deg);
+  certificate.range_deg = range_deg;
   certificate.gap_deg = certificate.upper_bound_deg - range_deg.value_or(std::numeric_limits<double>::quiet_NaN());
   certificate.reached = certificate.gap_deg <= options.gap_deg * (1 + 1e-12);
   return certificate;

@@ -134,6 +134,12 @@ class DualSimplex {
 
 }  // namespace
 
+AxisBox BoxOf(const AxisPoint& point) {
+  AxisBox box;
+  std::copy(point.begin(), point.end(), box.begin());
+  return box;
+}
+
 std::optional<Cut> UpperCut(const Slope& slope, const Interval& at_anchor, const AxisPoint& anchor,
                             const AxisBox& box) {
   if (at_anchor.IsEmpty()) return std::nullopt;

@@ -21,6 +21,7 @@ struct Cut {
 };
 
 using AxisPoint = std::array<double, kAxes>;
+AxisBox BoxOf(const AxisPoint& point);
 
 // A linear function nowhere below f in the box, at the points that a segment from the anchor reaches along which the
 // slopes hold: f at the anchor, and for each axis the chord over the steepest of its slopes on either side (at a corner

@@ -27,17 +27,11 @@ Interval TwiceArea(const Interval& sum, const Interval& first, const Interval& s
   return Sqrt(sum * NotNegative(first) * NotNegative(second) * NotNegative(third)) / 2.0;
 }
 
-AxisBox Point(const AxisPoint& at) {
-  AxisBox point;
-  for (std::size_t i = 0; i < kAxes; ++i) point[i] = at[i];
-  return point;
-}
-
 // f over a box is within f(anchor) + derivatives x distances as well.
 template <typename Function>
 void Tighten(Slope& f, const Function& at, const Region& region) {
   if (!region.anchor) return;
-  const Interval at_anchor = at(Point(*region.anchor));
+  const Interval at_anchor = at(BoxOf(*region.anchor));
   if (at_anchor.IsEmpty()) return;
   Interval around = at_anchor;
   for (std::size_t i = 0; i < kAxes; ++i)

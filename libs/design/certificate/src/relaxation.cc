@@ -20,7 +20,8 @@ Interval KappaOfAngle(double theta_rad) {
 // The rows of a requirement under a torque in N m.
 void AddRows(const problem::Requirement& requirement, const problem::SynthesisProblem& problem, double torque_nm,
              std::vector<PoseRow>& rows) {
-  const double torque = std::abs(torque_nm) * kMillimetresPerMetre, limit = requirement.limit;
+  // No more than the torque: every row then holds where the requirement does.
+  const double torque = (Interval(std::abs(torque_nm)) * kMillimetresPerMetre).lower, limit = requirement.limit;
   const auto arm = [&](double force_n) {
     rows.push_back({PoseRow::Kind::kMomentArm, (torque / Interval(force_n)).lower, 0});
   };
@@ -89,13 +90,25 @@ std::vector<PoseRow> Relaxation::RowsOverRange(const problem::SynthesisProblem& 
   return rows;
 }
 
-// What stands has, at every knee angle from standing to the floor, a pose of its used range.
+namespace {
+
+// No straighter than standing.
+double Standing_rad(const problem::SynthesisProblem& problem) {
+  return std::max(0.0, (Interval(problem.standing_deg) / 180.0 * kPiInterval).upper);
+}
+
+}  // namespace
+
+// A design that can stand has, at every knee angle from standing to the floor, a pose of its used range.
 void Relaxation::AddPlaces(const problem::SynthesisProblem& problem, double floor_rad) {
   const std::vector<problem::Requirement> requirements = problem::RequirementsOf(problem);
   const bool stands = std::ranges::any_of(requirements, [](const auto& each) { return each.NeedsStanding(); });
-  const double standing_rad = std::max(0.0, RadiansFromDegrees(problem.standing_deg));
+  const double standing_rad = Standing_rad(problem);
   if (!stands) return;
   at_shortest_ = RowsOverRange(problem);
+  // Every design that satisfies the problem can sit, whatever the floor. Where a placement is sought, the seat says
+  // nothing about the links alone.
+  if (problem.clearances.seat_mm && !problem.clearances.placement_reach_mm) seat_.emplace(problem);
   if (!(floor_rad > standing_rad)) return;
   constexpr int kSteps = 4;
   for (int i = 0; i <= kSteps; ++i) {
@@ -106,9 +119,6 @@ void Relaxation::AddPlaces(const problem::SynthesisProblem& problem, double floo
     if (i == kSteps) place.rows.push_back({PoseRow::Kind::kShortest, problem.d_min_mm, 0});
     places_.push_back(place);
   }
-  // Where a placement is sought, the seat says nothing about the links alone.
-  if (problem.clearances.seat_mm && !problem.clearances.placement_reach_mm && floor_rad >= problem.SeatedAngle_rad())
-    seat_.emplace(problem);
   if (problem.HasLoadProfile()) AddSamples(problem, requirements, floor_rad);
 }
 
@@ -117,8 +127,7 @@ void Relaxation::AddSamples(const problem::SynthesisProblem& problem,
   constexpr std::size_t kMostSamples = 8;
   std::vector<const problem::LoadSample*> samples;
   for (const problem::LoadSample& sample : problem.profile->samples)
-    if (sample.knee_rad >= std::max(0.0, RadiansFromDegrees(problem.standing_deg)) && sample.knee_rad <= floor_rad)
-      samples.push_back(&sample);
+    if (sample.knee_rad >= Standing_rad(problem) && sample.knee_rad <= floor_rad) samples.push_back(&sample);
   const std::size_t step = 1 + samples.size() / kMostSamples;
   for (std::size_t i = 0; i < samples.size(); i += step) {
     Place place{KappaOfAngle(samples[i]->knee_rad), {}};
@@ -204,9 +213,8 @@ bool Relaxation::AddPose(const PoseSlopes& pose, const std::optional<PoseSlopes>
 namespace {
 
 // The region shrunk to one of its points.
-Region PointOf(Region region, const AxisPoint& at) {
-  for (std::size_t i = 0; i < kAxes; ++i) region.box[i] = at[i];
-  return region;
+Region PointOf(const Region& region, const AxisPoint& at) {
+  return {BoxOf(at), region.anchor};
 }
 
 // theta <= pi - phi, or kappa >= phi: as l1 >= l4 - (l2 - l3) and l4 >= l2,
@@ -228,8 +236,7 @@ LinkBox LinksOf(const AxisBox& box) {
 
 // The angle and length of the mount, which are smooth everywhere: expanded about any point.
 void Relaxation::AddMount(const AxisBox& box, const Interval& phi_rad, const AxisPoint& at, Cuts& cuts) const {
-  AxisBox point;
-  std::copy(at.begin(), at.end(), point.begin());
+  const AxisBox point = BoxOf(at);
   const Slope axis = Slope::Axis(kPhi, box[kPhi]), mount = MountAngle(box);
   const double least_between = std::max(0.0, (Interval(phi_rad.lower) - mount.value).lower);
   cuts.Add(UpperCut(axis - mount, at[kPhi] - MountAngle(point).value - least_between, at, box));
@@ -241,7 +248,7 @@ void Relaxation::AddMount(const AxisBox& box, const Interval& phi_rad, const Axi
 void Relaxation::AddBarAngle(const Region& region, const Interval& phi_rad, Cuts& cuts) const {
   const AxisBox& box = region.box;
   const Slope axis = Slope::Axis(kPhi, box[kPhi]), bar = BarAngleAtShortestStroke(box, phi_rad, d_min_mm_, margins_);
-  const Interval bar_at = BarAngleOfPoint(PointOf(region, *region.anchor).box, d_min_mm_);
+  const Interval bar_at = BarAngleOfPoint(BoxOf(*region.anchor), d_min_mm_);
   if (bar_at.IsEmpty()) return;
   const Interval above_at = Interval((*region.anchor)[kPhi]) - bar_at;
   const auto above = UpperCut(axis - bar, above_at, *region.anchor, box);
@@ -252,7 +259,8 @@ void Relaxation::AddBarAngle(const Region& region, const Interval& phi_rad, Cuts
 }
 
 bool Relaxation::AddSeat(const Region& region, const std::optional<Region>& point, Cuts& cuts) const {
-  const auto pose = PoseAtAngle(region, seat_->Kappa(), d_min_mm_, margins_);
+  // Sitting may be the pose at d_min itself, so the stroke is not held against it: rounding would cut designs off.
+  const auto pose = PoseAtAngle(region, seat_->Kappa(), 0, margins_);
   if (!pose) return false;
   const auto pose_at = point ? PoseAtAngle(*point, seat_->Kappa(), 0, margins_) : std::nullopt;
   const auto rows = seat_->Over(*pose, pose_at.value_or(*pose));
@@ -346,6 +354,7 @@ std::optional<Relaxation::Result> Relaxation::Examine(const LinkBox& links) cons
     if (!AddCuts(region, phi_of_links, cuts)) return std::nullopt;
     if (!cuts.goal) cuts.goal = GoalOfBarAngle(box);
     const LinearBound bound = BoundBy(*cuts.goal, cuts.all, box);
+    if (bound.upper == -kInfinity) return std::nullopt;  // whatever the floor
     result.bound_rad = std::min(result.bound_rad, bound.upper);
     if (result.bound_rad < floor_rad_) return std::nullopt;
     result.widest = WidestOf(cuts, bound, box);

@@ -17,7 +17,7 @@ class Relaxation {
   struct Result {
     LinkBox box;                        // without what is known to violate a requirement, or to be below the floor
     double bound_rad;                   // of what is left
-    std::optional<std::size_t> widest;  // the link whose width the bound gives most away for; none: not known
+    std::optional<std::size_t> widest;  // the link that contributes most to the bound's excess; none: not known
   };
   // nullopt if nothing is left.
   std::optional<Result> Examine(const LinkBox& box) const;

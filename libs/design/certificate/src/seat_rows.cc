@@ -55,15 +55,15 @@ Interval SeatRows::Headings(const Place& from, const Place& to, double distance_
 std::optional<std::vector<SeatRows::Row>> SeatRows::Over(const PoseSlopes& pose, const PoseSlopes& at_anchor) const {
   std::vector<Row> rows;
   for (const linkage::WornPart& part : linkage::WornPartsOf(wear_)) {
-    const double distance = clearance_mm_ + part.radius_mm;
-    const Interval headings = Headings(PlaceOf(part.from, pose), PlaceOf(part.to, pose), distance);
+    const Interval distance = Interval(clearance_mm_) + part.radius_mm;
+    const Interval headings = Headings(PlaceOf(part.from, pose), PlaceOf(part.to, pose), distance.lower);
     if (headings.IsEmpty()) return std::nullopt;
     const Interval middle = headings.Middle(), cosine = Cos(middle), sine = Sin(middle);
     for (const linkage::Pin pin : {part.from, part.to}) {
       const Place place = PlaceOf(pin, pose), at = PlaceOf(pin, at_anchor);
       // What another of the headings may have more.
       const Interval more = (Cos(headings) - cosine) * place.below.value + (Sin(headings) - sine) * place.behind.value;
-      const Interval offset = more.upper - Interval(distance);
+      const Interval offset = more.upper - distance;
       rows.push_back({cosine * place.below + sine * place.behind + offset,
                       cosine * at.below.value + sine * at.behind.value + offset});
     }

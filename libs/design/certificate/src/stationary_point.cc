@@ -6,10 +6,12 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "lake/certificate/enclosure.h"
 #include "lake/core/error.h"
+#include "lake/core/interrupt.h"
 
 namespace lake::certificate {
 namespace {
@@ -24,18 +26,14 @@ struct ActiveSystem {
     int side;  // 1: at its lower limit, -1: at its upper, 0: an equation
   };
   std::vector<Row> rows;
-  std::vector<int> free;   // variables
-  std::vector<int> fixed;  // variables at a bound
-  std::vector<int> side;   // of each variable: 1 at its lower bound, -1 at its upper, 0 free, held or of no effect
-  Box x;                   // of all variables; the free ones as the solver left them
+  std::vector<int> free;          // variables
+  std::vector<int> fixed;         // variables at a bound
+  std::vector<std::string> held;  // variables of no effect on the cost and the active rows
+  std::vector<int> side;  // of each variable: 1 at its lower bound, -1 at its upper, 0 free, held or of no effect
+  Box x;                  // of all variables; the free ones as the solver left them
 
   std::size_t Size() const { return free.size() + rows.size(); }
 };
-
-bool IsAt(double value, double limit) {
-  constexpr double kTouching = 1e-5;  // far above an interior point's distance to an active limit
-  return std::isfinite(limit) && std::abs(value - limit) <= kTouching * std::max(1.0, std::abs(limit));
-}
 
 const Enclosable& EnclosableOf(const nlp::NlpTerm& term) {
   const auto* enclosable = dynamic_cast<const Enclosable*>(term.term.get());
@@ -61,25 +59,29 @@ ActiveSystem ActiveSystemOf(const nlp::NonlinearProgram& program, const std::vec
     const int index = static_cast<int>(i);
     if (row.lower == row.upper)
       system.rows.push_back({index, row.lower, 0});
-    else if (IsAt(values[i], row.lower))
+    else if (IsActive(values[i], row.lower))
       system.rows.push_back({index, row.lower, 1});
-    else if (IsAt(values[i], row.upper))
+    else if (IsActive(values[i], row.upper))
       system.rows.push_back({index, row.upper, -1});
   }
   const std::vector<bool> has_effect = HasEffect(program, system.rows);
   for (std::size_t j = 0; j < x.size(); ++j) {
     const nlp::NlpVariable& variable = program.Variables()[j];
     const bool is_held = variable.lower == variable.upper;
-    const int side = is_held || !has_effect[j]    ? 0
-                     : IsAt(x[j], variable.lower) ? 1
-                     : IsAt(x[j], variable.upper) ? -1
-                                                  : 0;
+    const int side = is_held || !has_effect[j]        ? 0
+                     : IsActive(x[j], variable.lower) ? 1
+                     : IsActive(x[j], variable.upper) ? -1
+                                                      : 0;
     system.side.push_back(side);
     system.x.emplace_back(is_held || side > 0 ? variable.lower : side < 0 ? variable.upper : x[j]);
     if (side != 0)
       system.fixed.push_back(static_cast<int>(j));
-    else if (!is_held && has_effect[j])
+    else if (is_held)
+      continue;
+    else if (has_effect[j])
       system.free.push_back(static_cast<int>(j));
+    else
+      system.held.push_back(variable.name);
   }
   return system;
 }
@@ -163,7 +165,6 @@ Eigen::MatrixXd MiddleOf(const std::vector<Box>& matrix) {
 bool HasDependentLimits(const Eigen::MatrixXd& jacobian, const ActiveSystem& active) {
   const auto rows = static_cast<Eigen::Index>(active.rows.size()), free = static_cast<Eigen::Index>(active.free.size());
   if (rows > free) return true;
-  constexpr double kIndependent = 1e-6;
   const Eigen::MatrixXd gradients = jacobian.bottomLeftCorner(rows, free).rowwise().normalized();
   return rows > 0 && Eigen::JacobiSVD<Eigen::MatrixXd>(gradients).singularValues().tail<1>()[0] < kIndependent;
 }
@@ -176,6 +177,7 @@ Box PointsAt(const Eigen::VectorXd& z) {
 struct Centre {
   Eigen::VectorXd z;
   Eigen::MatrixXd inverse;
+  Box residuals;  // at z
 };
 std::optional<Centre> FindCentre(const KktSystem& system, Eigen::VectorXd z) {
   constexpr int kSteps = 6;
@@ -184,9 +186,9 @@ std::optional<Centre> FindCentre(const KktSystem& system, Eigen::VectorXd z) {
     const Conditions at = system.At(PointsAt(z));
     const Eigen::FullPivLU<Eigen::MatrixXd> lu(MiddleOf(at.jacobian));
     if (!(lu.rcond() > kSingular)) return std::nullopt;
-    if (step == kSteps) return Centre{z, lu.inverse()};
-    Eigen::VectorXd residuals(z.size());
     const Box enclosed = system.ResidualsOf(at);
+    if (step == kSteps) return Centre{z, lu.inverse(), enclosed};
+    Eigen::VectorXd residuals(z.size());
     for (Eigen::Index i = 0; i < z.size(); ++i) residuals[i] = enclosed[i].Middle();
     z -= lu.solve(residuals);
     if (!z.allFinite()) return std::nullopt;
@@ -196,15 +198,18 @@ std::optional<Centre> FindCentre(const KktSystem& system, Eigen::VectorXd z) {
 // z - Y F(z) + (I - Y F'(Z)) (Z - z) less z, for the box Z of these radii about z.
 Box KrawczykAbout(const KktSystem& system, const Centre& centre, const std::vector<double>& radii) {
   const std::size_t size = radii.size();
-  const Box residuals = system.ResidualsOf(system.At(PointsAt(centre.z)));
   Box box(size), moved(size);
   for (std::size_t i = 0; i < size; ++i) box[i] = Interval(centre.z[i]) + Interval(-radii[i], radii[i]);
   const std::vector<Box> jacobian = system.At(box).jacobian;
+  std::vector<std::vector<std::size_t>> entries(size);  // of each column, those that are not zero throughout
+  for (std::size_t j = 0; j < size; ++j)
+    for (std::size_t k = 0; k < size; ++k)
+      if (jacobian[k][j].lower != 0 || jacobian[k][j].upper != 0) entries[j].push_back(k);
   for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t k = 0; k < size; ++k) moved[i] = moved[i] - Interval(centre.inverse(i, k)) * residuals[k];
+    for (std::size_t k = 0; k < size; ++k) moved[i] = moved[i] - Interval(centre.inverse(i, k)) * centre.residuals[k];
     for (std::size_t j = 0; j < size; ++j) {
       Interval left = i == j ? 1 : 0;
-      for (std::size_t k = 0; k < size; ++k) left = left - Interval(centre.inverse(i, k)) * jacobian[k][j];
+      for (const std::size_t k : entries[j]) left = left - Interval(centre.inverse(i, k)) * jacobian[k][j];
       moved[i] = moved[i] + left * Interval(-radii[j], radii[j]);
     }
   }
@@ -223,14 +228,14 @@ std::vector<double> RadiiMappedInside(const KktSystem& system, const Centre& cen
     }
     constexpr int kWidenings = 12;
     for (int widening = 0; widening < kWidenings; ++widening) {
+      ThrowIfInterrupted();
       const Box moved = KrawczykAbout(system, centre, radii);
       bool is_inside = true, may_be = true;
       for (std::size_t i = 0; i < radii.size(); ++i) {
-        const double reach = std::max(-moved[i].lower, moved[i].upper);
-        if (reach < radii[i]) continue;
+        if (-moved[i].lower < radii[i] && moved[i].upper < radii[i]) continue;  // false for what is not a number
         is_inside = false;
-        may_be = may_be && i >= variables && std::isfinite(reach);
-        radii[i] = 2 * reach;
+        may_be = may_be && i >= variables && std::isfinite(moved[i].lower) && std::isfinite(moved[i].upper);
+        radii[i] = 2 * std::max(-moved[i].lower, moved[i].upper);
       }
       if (is_inside) return radii;
       if (!may_be) break;
@@ -271,11 +276,33 @@ std::string Contradiction(const nlp::NonlinearProgram& program, const ActiveSyst
 
 }  // namespace
 
+bool IsActive(double value, double limit) {
+  constexpr double kTouching = 1e-5;  // far above an interior point's distance to an active limit, mu / price
+  return std::isfinite(limit) && std::abs(value - limit) <= kTouching * std::max(1.0, std::abs(limit));
+}
+
+double StationaryPoint::Distance(const std::vector<double>& x, std::span<const int> variables) const {
+  double distance = 0;
+  for (const int j : variables) {
+    const Interval away = box[j] - Interval(x[j]);
+    distance = std::max({distance, -away.lower, away.upper});
+  }
+  return distance;
+}
+
+double StationaryPoint::SmallestRadius(std::span<const int> variables) const {
+  double smallest = kInfinity;
+  for (const int j : variables)
+    if (radii[j] > 0) smallest = std::min(smallest, radii[j]);
+  return smallest;
+}
+
 StationaryPoint CertifyStationaryPoint(const nlp::NonlinearProgram& program, const nlp::NlpSolution& solution) {
   const ActiveSystem active = ActiveSystemOf(program, solution.x);
   const KktSystem system(program, active);
   StationaryPoint point;
   point.unknowns = static_cast<int>(active.Size());
+  point.held = active.held;
   constexpr int kMostUnknowns = 600;  // the work grows with the third power
   if (point.unknowns > kMostUnknowns) {
     point.reason =
@@ -292,16 +319,18 @@ StationaryPoint CertifyStationaryPoint(const nlp::NonlinearProgram& program, con
   if (radii.empty()) {
     point.reason = HasDependentLimits(MiddleOf(system.At(PointsAt(start)).jacobian), active)
                        ? "the gradients of its active limits are linearly dependent"
-                       : "it is nearly one of a continuum: the conditions of an optimum are singular";
+                       : "its conditions are too near singular for the proof, or too curved for the box";
     return point;
   }
   Box z(radii.size());
   for (std::size_t i = 0; i < radii.size(); ++i) z[i] = Interval(centre->z[i]) + Interval(-radii[i], radii[i]);
-  for (std::size_t k = 0; k < active.free.size(); ++k) point.largest_radius = std::max(point.largest_radius, radii[k]);
-  const Box x = system.VariablesAt(z);
-  for (std::size_t j = 0; j < x.size(); ++j)
-    point.distance = std::max(point.distance, std::abs(x[j].Middle() - solution.x[j]));
-  if (point.distance > kStationaryDistance) point.reason = "the nearest stationary point is another";
+  point.box = system.VariablesAt(z);
+  point.radii.assign(point.box.size(), 0);
+  for (std::size_t k = 0; k < active.free.size(); ++k) point.radii[active.free[k]] = radii[k];
+  std::vector<int> all(point.box.size());
+  std::iota(all.begin(), all.end(), 0);
+  if (!(point.Distance(solution.x, all) <= kStationaryDistance))
+    point.reason = "the nearest stationary point is another";
   if (point.reason.empty()) point.reason = Contradiction(program, active, system, z);
   point.is_certified = point.reason.empty();
   return point;

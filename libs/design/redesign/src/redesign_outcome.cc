@@ -169,10 +169,12 @@ void CertifyWidest(RedesignOutcome& outcome) {
   const synthesis::SynthesisResult widest = synthesis::Optimize(outcome.problem.design, outcome.options.optimize);
   outcome.widest_deg = outcome.result.Best().Range_deg();
   if (widest.best >= 0) outcome.widest_deg = std::max(*outcome.widest_deg, widest.Best().evaluation.range_deg);
+  const linkage::Links links = widest.best >= 0 ? widest.Best().end : outcome.result.Best().point.links;
   outcome.certificate =
-      certificate::CertifyRange(outcome.problem.design, *outcome.widest_deg,
+      synthesis::CertifyOptimum(outcome.problem.design, links, *outcome.widest_deg,
                                 synthesis::CertificateOptionsOf(*outcome.options.certify_gap_deg,
-                                                                outcome.options.certify_time_s, outcome.options.quiet));
+                                                                outcome.options.certify_time_s, outcome.options.quiet),
+                                outcome.options.optimize);
 }
 
 // No start found a way, but the least misalignment holds the limit: one more start from there.

@@ -10,12 +10,15 @@
 #include <utility>
 
 #include "exchange.h"
+#include "lake/certificate/stationary_point.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
 
 namespace lake::synthesis {
 namespace {
+
+using certificate::IsActive;
 
 // Gradients of the rows and bounds that hold with equality, in columns scaled to length one.
 class ActiveGradients {
@@ -51,11 +54,6 @@ class ActiveGradients {
   std::map<int, Eigen::VectorXd> rows_;
   std::vector<Eigen::VectorXd> columns_;
 };
-
-bool IsActive(double value, double limit) {
-  constexpr double kTouching = 1e-5;  // far above the interior point's distance to an active limit, mu / price
-  return std::isfinite(limit) && std::abs(value - limit) <= kTouching * std::max(1.0, std::abs(limit));
-}
 
 std::vector<int> Basins(const problem::SynthesisProblem& problem, const std::vector<LocalSolve>& starts) {
   constexpr double kSameRange_deg = 0.01, kSameDuration = 1e-3;
@@ -176,8 +174,7 @@ class ActiveSetFinder {
     for (std::size_t i = 0; i < rows_.size(); ++i) AddRow(static_cast<int>(i));
     for (std::size_t j = 0; j < solve_.solution.x.size(); ++j) AddVariable(static_cast<int>(j));
     active_.smallest_singular_value = gradients_.SmallestSingularValue();
-    constexpr double kIndependent = 1e-6;
-    active_.multipliers_unique = active_.smallest_singular_value > kIndependent;
+    active_.multipliers_unique = active_.smallest_singular_value > certificate::kIndependent;
     return std::move(active_);
   }
 

@@ -16,10 +16,9 @@ void Describe(SynthesisOptions& o, OptionList& options) {
       .Positive()
       .Implied(FormatNumber(certificate::CertificateOptions{}.gap_deg));
   options
-      .Add(
-          "certify-time", o.certify_time_s,
-          "End that proof after this time with the gap so far, which then depends on the machine; without it the proof "
-          "ends after a number of steps, the same everywhere")
+      .Add("certify-time", o.certify_time_s,
+           "End that proof after this time with the gap so far, which then depends on the machine, and those for all "
+           "margins after as long again together; without it proofs end after a number of steps, the same everywhere")
       .Unit("s")
       .Positive();
   options

@@ -24,13 +24,14 @@ struct CertificateOptions {
 };
 
 struct Certificate {
-  enum class End { kGap, kBoxes, kTime };
-  double upper_bound_deg = 0;       // rigorous, however the search ended
-  double gap_deg = 0;               // upper bound - range; NaN if no range is known
-  bool reached = false;             // gap <= the one asked for
-  End end = End::kGap;              // what ended the search
-  std::int64_t boxes = 0;           // examined, the whole one included
-  bool feasible_set_empty = false;  // proved: no X satisfies the constraints at all; the bound is then -infinity
+  enum class End { kGap, kBoxes, kTime, kNothingToSplit };
+  double upper_bound_deg = 0;         // rigorous, however the search ended
+  std::optional<double> range_deg{};  // the known one
+  double gap_deg = 0;                 // upper bound - range; NaN if no range is known
+  bool reached = false;               // gap <= the one asked for
+  End end = End::kGap;                // what ended the search
+  std::int64_t boxes = 0;             // examined, the whole one included
+  bool feasible_set_empty = false;    // proved: no X satisfies the constraints at all; the bound is then -infinity
 };
 
 // The names of the requirements that the bound does without, and of the tolerance.

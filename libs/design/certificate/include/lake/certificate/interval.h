@@ -52,6 +52,15 @@ inline Interval Widened(double lower, double upper, int steps = 1) {
   return {lower, upper};
 }
 
+// Of two ends: an end at infinity stands for numbers beyond every bound, and zero times each of them is zero.
+inline double Product(double x, double y) {
+  return x == 0 || y == 0 ? 0 : x * y;
+}
+// Likewise what is over numbers beyond every bound comes as near to zero as it likes.
+inline double Quotient(double x, double y) {
+  return std::isinf(y) ? 0 : x / y;
+}
+
 }  // namespace interval_detail
 
 // Contains pi.
@@ -67,14 +76,18 @@ inline Interval operator-(const Interval& a, const Interval& b) {
   return a + (-b);
 }
 inline Interval operator*(const Interval& a, const Interval& b) {
-  const double products[] = {a.lower * b.lower, a.lower * b.upper, a.upper * b.lower, a.upper * b.upper};
+  using interval_detail::Product;
+  const double products[] = {Product(a.lower, b.lower), Product(a.lower, b.upper), Product(a.upper, b.lower),
+                             Product(a.upper, b.upper)};
   const auto [least, most] = std::minmax_element(std::begin(products), std::end(products));
   return interval_detail::Widened(*least, *most);
 }
 // The whole line if the divisor contains zero.
 inline Interval operator/(const Interval& a, const Interval& b) {
   if (b.Contains(0)) return {-kInfinity, kInfinity};
-  const double quotients[] = {a.lower / b.lower, a.lower / b.upper, a.upper / b.lower, a.upper / b.upper};
+  using interval_detail::Quotient;
+  const double quotients[] = {Quotient(a.lower, b.lower), Quotient(a.lower, b.upper), Quotient(a.upper, b.lower),
+                              Quotient(a.upper, b.upper)};
   const auto [least, most] = std::minmax_element(std::begin(quotients), std::end(quotients));
   return interval_detail::Widened(*least, *most);
 }

@@ -30,9 +30,9 @@ struct MarginPoint {
   double margin_mm = 0;
   bool solved = false;
   linkage::Links links;
-  double range_deg = 0;                   // NaN if not solved
-  std::optional<double> upper_bound_deg;  // if a certificate is asked for
-  std::optional<double> yield;            // assembled and Grashof, if a yield is asked for
+  double range_deg = 0;                                 // NaN if not solved
+  std::optional<certificate::Certificate> certificate;  // if one is asked for
+  std::optional<double> yield;                          // assembled and Grashof, if a yield is asked for
 };
 
 struct SynthesisOutcome {
@@ -61,5 +61,11 @@ SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const Sy
 // Of a certificate that is asked for, of one of `shares` equal parts of its boxes and its time.
 certificate::CertificateOptions CertificateOptionsOf(double gap_deg, std::optional<double> time_s, bool quiet,
                                                      int shares = 1);
+
+// A certificate for the range of an optimum. Where the bound does without requirements (certificate::NotInBound), the
+// search aims at the optimum without these, as it cannot come below that.
+certificate::Certificate CertifyOptimum(const problem::SynthesisProblem& problem, const linkage::Links& optimum,
+                                        double range_deg, const certificate::CertificateOptions& certificate_options,
+                                        const OptimizeOptions& options);
 
 }  // namespace lake::synthesis
