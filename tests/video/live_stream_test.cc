@@ -2,14 +2,18 @@
 #include "lake/video/live_stream.h"
 
 #include <fcntl.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <atomic>
+#include <csignal>
+#include <sstream>
 #include <thread>
 
 #include "file_limit.h"
 #include "lake/core/file_descriptor.h"
+#include "lake/core/interrupt.h"
 #include "video_files.h"
 
 namespace lake::test {
@@ -152,6 +156,82 @@ TEST(LiveStream, ARecordingThatWasCutIsCompleted) {
   video::CompleteRecording(folder / "video.mkv");
   EXPECT_GT(ReadAll(folder / "video.mkv").frames.size(), 10u);
   EXPECT_FALSE(std::filesystem::exists(folder / "video.part.mkv"));
+}
+
+// How many packets end before so many bytes of the file.
+std::size_t PacketsBefore(const std::filesystem::path& video, std::size_t bytes) {
+  const TemporaryFolder folder;
+  Shell(fmt::format("ffprobe -v error -show_entries packet=pos,size -of csv=p=0 {} > {}", Quote(video),
+                    Quote(folder / "packets")));
+  std::istringstream lines(ReadTextFile(folder / "packets"));
+  std::size_t packets = 0, size = 0, at = 0;
+  constexpr std::size_t kHeader = 16;  // of a Matroska block, at most
+  for (char comma = 0; lines >> size >> comma >> at;)
+    if (at + kHeader + size <= bytes) ++packets;
+  return packets;
+}
+
+// Killed at any byte: what stands before it is kept, and the file's torn end is no damage.
+TEST(LiveStream, ARecordingIsCompletedWhereverItWasCut) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=96x64:rate=30:duration=1") + "-c:v mjpeg -f matroska -cluster_time_limit 300 " +
+         Quote(folder / "film.mkv"));
+  const std::string bytes = ReadTextFile(folder / "film.mkv");
+  for (std::size_t percent = 31; percent < 100; percent += 7) {
+    SCOPED_TRACE(percent);
+    const std::size_t cut = bytes.size() * percent / 100;
+    std::filesystem::remove(folder / "video.mkv");
+    WriteTextFile(folder / "video.part.mkv", bytes.substr(0, cut));
+    video::CompleteRecording(folder / "video.mkv");
+    const std::size_t whole = PacketsBefore(folder / "film.mkv", cut);
+    EXPECT_GT(whole, 5u);
+    EXPECT_GE(ReadAll(folder / "video.mkv").frames.size(), whole);
+  }
+}
+
+// A hole, which the packets' counters show.
+TEST(LiveStream, ARecordingDamagedInItsMiddleIsLeftAsItIs) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=320x240:rate=30:duration=2") + kH264 + Quote(folder / "film.ts"));
+  std::string bytes = ReadTextFile(folder / "film.ts");
+  constexpr std::size_t kPacket = 188;
+  bytes.erase(bytes.size() / kPacket / 2 * kPacket, 3 * kPacket);
+  WriteTextFile(folder / "video.part.mkv", bytes);
+  EXPECT_THROW(video::CompleteRecording(folder / "video.mkv"), Error);
+  EXPECT_EQ(ReadTextFile(folder / "video.part.mkv"), bytes);
+  EXPECT_FALSE(std::filesystem::exists(folder / "video.mkv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "video.whole.mkv"));
+}
+
+// 0 if the interrupt in the middle of the file was thrown, and what was left is still there.
+int CompleteUntilInterrupted() {
+  const TemporaryFolder folder;
+  const auto part = folder / "video.part.mkv";
+  Ffmpeg("-f lavfi -i 'nullsrc=size=320x240:rate=30:duration=2,geq=random(1)*255:128:128' -c:v mjpeg -q:v 4 " +
+         Quote(folder / "film.mkv"));
+  const std::string bytes = ReadTextFile(folder / "film.mkv");
+  if (mkfifo(part.c_str(), 0600) != 0) return 1;
+  CatchInterrupts();
+  std::thread writer([&] {  // all but what the pipe holds has been read when the signal comes
+    const FileDescriptor end(open(part.c_str(), O_WRONLY));
+    const auto most = static_cast<ssize_t>(bytes.size() * 2 / 3);
+    const bool is_written = write(end, bytes.data(), static_cast<std::size_t>(most)) == most;
+    std::raise(is_written ? SIGINT : SIGKILL);
+  });
+  int code = 2;
+  try {
+    video::CompleteRecording(folder / "video.mkv");
+  } catch (const Interrupted&) {
+    code = std::filesystem::exists(part) && !std::filesystem::exists(folder / "video.mkv") ? 0 : 3;
+  }
+  writer.join();
+  return code;
+}
+
+// In a process of its own, as a signal stays.
+TEST(LiveStreamDeathTest, AnInterruptedCompletionLosesNothing) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(std::exit(CompleteUntilInterrupted()), testing::ExitedWithCode(0), "");
 }
 
 TEST(LiveStream, NothingIsWrittenOver) {

@@ -403,27 +403,52 @@ fs::path UnfinishedRecording(const fs::path& recording) {
   return part.replace_extension(".part" + recording.extension().string());
 }
 
+namespace {
+
+// Whatever ends it before the file does is thrown. The last packet may be a torn one.
+void CopyWholePackets(const fs::path& from, const fs::path& to) {
+  LiveStreamOptions file;
+  file.replay = true;
+  LiveInput input(from.string(), file, [] { return IsInterrupted(); });
+  const AVStream& stream = input.Stream();
+  Recorder recorder(to, *stream.codecpar, stream.time_base, RateOf(stream, 0));
+  const libav::Packet packet = libav::NewPacket();
+  std::int64_t packets = 0;
+  int result = 0;
+  for (; (result = input.Read(*packet)) >= 0; ++packets) {
+    ThrowIfInterrupted();
+    if (packet->flags & AV_PKT_FLAG_CORRUPT) {
+      av_packet_unref(packet.get());
+      result = input.Read(*packet);
+      if (result >= 0) result = AVERROR_INVALIDDATA;
+      break;
+    }
+    recorder.Write(*packet);
+    av_packet_unref(packet.get());
+  }
+  ThrowIfInterrupted();
+  if (result != AVERROR_EOF)
+    throw Fail("{}: is damaged after {} frames ({}) and left as it is; what can be saved: ffmpeg -i {} -c copy saved.mkv",
+               from.string(), packets, libav::ErrorText(result), from.string());
+  if (packets == 0) throw Fail("{}: holds no frame", from.string());
+  recorder.Finish();
+}
+
+}  // namespace
+
 void CompleteRecording(const fs::path& recording) {
   const fs::path part = UnfinishedRecording(recording);
   fs::path whole = recording;
   whole.replace_extension(".whole" + recording.extension().string());
   const DamageLog quiet;
-  LiveStreamOptions file;
-  file.replay = true;
-  LiveInput input(part.string(), file, [] { return IsInterrupted(); });
-  const AVStream& stream = input.Stream();
   fs::remove(whole);  // of an attempt before
-  Recorder recorder(whole, *stream.codecpar, stream.time_base, RateOf(stream, 0));
-  const libav::Packet packet = libav::NewPacket();
-  std::int64_t packets = 0;
-  for (; input.Read(*packet) >= 0; ++packets) {
-    ThrowIfInterrupted();
-    if (packet->flags & AV_PKT_FLAG_CORRUPT) break;
-    recorder.Write(*packet);
-    av_packet_unref(packet.get());
+  try {
+    CopyWholePackets(part, whole);
+  } catch (...) {
+    std::error_code ignored;  // what was thrown is the one to tell of
+    fs::remove(whole, ignored);
+    throw;
   }
-  if (packets == 0) throw Fail("{}: holds no frame", part.string());
-  recorder.Finish();
   fs::rename(whole, recording);
   fs::remove(part);
 }

@@ -82,7 +82,8 @@ class LiveStream {
 // Where a recording is while it is under way: NAME.part.mkv.
 std::filesystem::path UnfinishedRecording(const std::filesystem::path& recording);
 
-// Completes what a killed program left under that name: all whole packets. Throws Error where there are none.
+// Completes what a killed program left under that name: all whole packets. Throws Error where there are none or
+// the file is damaged before its end, Interrupted upon Ctrl-C; what was left stays as it is then.
 void CompleteRecording(const std::filesystem::path& recording);
 
 }  // namespace lake::video
