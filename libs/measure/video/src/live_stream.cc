@@ -11,6 +11,7 @@ extern "C" {
 #include <deque>
 #include <mutex>
 #include <new>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -76,6 +77,12 @@ struct LiveStream::Impl {
     Clock::time_point arrived;
   };
 
+  // One that was sent to the decoder.
+  struct Sent {
+    std::int64_t number, ticks;
+    Clock::time_point arrived;
+  };
+
   Impl(const std::string& input, const LiveStreamOptions& options, const fs::path& recording);
   ~Impl();
 
@@ -83,6 +90,7 @@ struct LiveStream::Impl {
   void FillInfo(const AVFrame& first);
   void CheckSpace() const;
   bool GivesUp() const;
+  void SetStopped();
 
   // The receiver's thread.
   void Receive();
@@ -92,6 +100,10 @@ struct LiveStream::Impl {
 
   bool Read(LiveFrame& frame);
   std::optional<Received> Next();
+  void Feed();
+  void NoteDamage();
+  bool IsWhole(const AVFrame& decoded);
+  Clock::time_point ArrivalOf(const AVFrame& decoded);
   void Record(const AVPacket& packet);
   void HandOut(const std::shared_ptr<AVFrame>& decoded, LiveFrame& frame);
   void Finish();
@@ -101,7 +113,7 @@ struct LiveStream::Impl {
   fs::path recording;
   std::atomic<Clock::rep> last_came = Clock::now().time_since_epoch().count();
   std::atomic<bool> is_stopped = false;
-  DamageLog log;  // keeps libav quiet
+  DamageLog log;
   LiveInput input;
   libav::Codec codec;
   VideoInfo info;
@@ -124,9 +136,13 @@ struct LiveStream::Impl {
   std::optional<StreamEnd> end;
 
   // The reader's.
-  std::deque<std::pair<std::int64_t, Clock::time_point>> arrivals;  // stamp of a packet that was sent to the decoder
+  bool is_read = false;
+  std::deque<Sent> sent;  // whose frames have not come out
+  std::int64_t sent_packets = 0;
+  Clock::time_point last_arrived;  // of the one sent last
+  std::set<std::int64_t> broken;   // packets since the last whole key frame that were damaged
   std::int64_t index = 0, damaged = 0;
-  bool is_damaged = false, is_flushed = false;
+  bool is_flushed = false;
 
   std::thread thread;
 };
@@ -154,9 +170,18 @@ LiveStream::Impl::Impl(const std::string& input_text, const LiveStreamOptions& o
 }
 
 LiveStream::Impl::~Impl() {
+  SetStopped();
+  if (thread.joinable()) thread.join();
+  if (is_read) return;  // what was recorded is kept, however it ends
+  recorder.reset();
+  std::error_code ignored;
+  fs::remove(UnfinishedRecording(recording), ignored);
+}
+
+void LiveStream::Impl::SetStopped() {
+  const std::lock_guard lock(mutex);
   is_stopped = true;
   changed.notify_all();
-  if (thread.joinable()) thread.join();
 }
 
 bool LiveStream::Impl::GivesUp() const {
@@ -178,6 +203,7 @@ void LiveStream::Impl::OpenDecoder() {
   if (!decoder) throw Fail("{}: no decoder for {}", input_name, avcodec_get_name(stream.codecpar->codec_id));
   codec = libav::NewCodec(decoder);
   avcodec_parameters_to_context(codec.get(), stream.codecpar);
+  log.Attach(*codec);
   codec->pkt_timebase = stream.time_base;
   codec->thread_count = Threads();
   codec->thread_type = FF_THREAD_SLICE;
@@ -299,34 +325,68 @@ std::optional<LiveStream::Impl::Received> LiveStream::Impl::Next() {
   return received;
 }
 
+// The next packet to the decoder, or that nothing follows.
+void LiveStream::Impl::Feed() {
+  std::optional<Received> received = Next();
+  is_flushed = !received;
+  if (!received) {
+    avcodec_send_packet(codec.get(), nullptr);
+    return;
+  }
+  AVPacket& packet = *received->packet;
+  last_arrived = received->arrived;
+  sent.push_back({sent_packets, packet.pts, received->arrived});
+  log.SetPacket(*codec, packet, sent_packets++);
+  const int result = avcodec_send_packet(codec.get(), &packet);
+  NoteDamage();
+  if (result >= 0) return;
+  broken.insert(sent.back().number);  // the recording has it, but no frame of it will come
+  ++damaged, ++index;
+}
+
+// Without frame threads libav reports damage while it works on the packet.
+void LiveStream::Impl::NoteDamage() {
+  if (const std::optional<std::int64_t> packet = log.TakeDamage()) broken.insert(*packet);
+}
+
+// Neither damaged nor built on what is.
+bool LiveStream::Impl::IsWhole(const AVFrame& decoded) {
+  const std::int64_t packet = DamageLog::PacketOf(decoded);
+  if ((decoded.flags & AV_FRAME_FLAG_CORRUPT) || decoded.decode_error_flags != 0) broken.insert(packet);
+  if (!decoded.key_frame) return broken.empty() || packet < *broken.begin();
+  if (broken.contains(packet)) return false;
+  broken.erase(broken.begin(), broken.lower_bound(packet));
+  return true;
+}
+
 bool LiveStream::Impl::Read(LiveFrame& frame) {
+  is_read = true;
   while (true) {
     const std::shared_ptr<AVFrame> decoded = libav::NewFrame();
     const int result = avcodec_receive_frame(codec.get(), decoded.get());
+    NoteDamage();
     if (result == AVERROR_EOF) return false;
-    if (result >= 0) {
-      if (format == AV_PIX_FMT_NONE) FillInfo(*decoded);
-      if (decoded->width != width || decoded->height != height || decoded->format != format) {
-        NoteEnd(StreamEnd::Kind::kLost, "its pictures changed their size or format");
-        is_stopped = true;
-        return false;
-      }
-      const bool failed = (decoded->flags & AV_FRAME_FLAG_CORRUPT) || decoded->decode_error_flags != 0;
-      if (decoded->key_frame) is_damaged = false;
-      is_damaged |= failed;
-      if (!is_damaged && stamps->Add(decoded->best_effort_timestamp, 0)) {
-        HandOut(decoded, frame);
-        return true;
-      }
+    if (result == AVERROR(EAGAIN)) {
+      if (is_flushed) return false;
+      Feed();
+      continue;
+    }
+    if (result < 0) {  // of the packet sent last; libav ends draining after some of these
+      broken.insert(sent_packets - 1);
       ++damaged, ++index;
       continue;
     }
-    std::optional<Received> received = result == AVERROR(EAGAIN) && !is_flushed ? Next() : std::nullopt;
-    if (!received && is_flushed) return false;
-    is_flushed = !received;
-    if (received) arrivals.emplace_back(received->packet->pts, received->arrived);
-    const int sent = avcodec_send_packet(codec.get(), received ? received->packet.get() : nullptr);
-    if (sent < 0 && sent != AVERROR_EOF) is_damaged = true;
+    if (format == AV_PIX_FMT_NONE) FillInfo(*decoded);
+    if (decoded->width != width || decoded->height != height || decoded->format != format) {
+      NoteEnd(StreamEnd::Kind::kLost, "its pictures changed their size or format");
+      SetStopped();
+      return false;
+    }
+    if (IsWhole(*decoded) && stamps->Add(decoded->best_effort_timestamp, 0)) {
+      HandOut(decoded, frame);
+      return true;
+    }
+    ++damaged, ++index;
   }
 }
 
@@ -339,15 +399,22 @@ void LiveStream::Impl::HandOut(const std::shared_ptr<AVFrame>& decoded, LiveFram
   const AVBufferRef* memory = decoded->buf[0];
   const bool shares = live.frame.luma.data >= memory->data && live.frame.luma.data < memory->data + memory->size;
   live.frame.keep_alive = shares ? decoded : nullptr;
-  live.arrived = Clock::now();
-  for (const auto& [ticks, arrived] : arrivals)
-    if (ticks == decoded->best_effort_timestamp) live.arrived = arrived;
-  std::erase_if(arrivals, [&](const auto& one) { return one.first <= decoded->best_effort_timestamp; });
+  live.arrived = ArrivalOf(*decoded);
+}
+
+// By its stamp, as a frame that is shown again has a later packet's. A stamp that the decoder made up is no packet's;
+// then by the number of the packet that it was decoded from, or that it came out upon.
+Clock::time_point LiveStream::Impl::ArrivalOf(const AVFrame& decoded) {
+  const std::int64_t ticks = decoded.best_effort_timestamp;
+  auto packet = std::ranges::find(sent, ticks, &Sent::ticks);
+  if (packet == sent.end()) packet = std::ranges::find(sent, DamageLog::PacketOf(decoded), &Sent::number);
+  const Clock::time_point arrived = packet == sent.end() ? last_arrived : packet->arrived;
+  std::erase_if(sent, [&](const Sent& one) { return one.ticks <= ticks; });
+  return arrived;
 }
 
 void LiveStream::Impl::Finish() {
-  is_stopped = true;
-  changed.notify_all();
+  SetStopped();
   if (thread.joinable()) thread.join();
   const fs::path part = UnfinishedRecording(recording);
   if (recorder && !recorder_failed) {
@@ -378,8 +445,7 @@ bool LiveStream::Read(LiveFrame& frame) {
 }
 
 void LiveStream::Stop() {
-  impl_->is_stopped = true;
-  impl_->changed.notify_all();
+  impl_->SetStopped();
 }
 
 const StreamEnd& LiveStream::End() const {
@@ -428,8 +494,9 @@ void CopyWholePackets(const fs::path& from, const fs::path& to) {
   }
   ThrowIfInterrupted();
   if (result != AVERROR_EOF)
-    throw Fail("{}: is damaged after {} frames ({}) and left as it is; what can be saved: ffmpeg -i {} -c copy saved.mkv",
-               from.string(), packets, libav::ErrorText(result), from.string());
+    throw Fail(
+        "{}: is damaged after {} frames ({}) and left as it is; what can be saved: ffmpeg -i {} -c copy saved.mkv",
+        from.string(), packets, libav::ErrorText(result), from.string());
   if (packets == 0) throw Fail("{}: holds no frame", from.string());
   recorder.Finish();
 }
