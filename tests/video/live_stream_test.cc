@@ -270,6 +270,19 @@ TEST(LiveStream, DamagedPicturesAreCountedNotHandedOut) {
   }
 }
 
+// The same half second twice: all is recorded, with stamps that go on.
+TEST(LiveStream, AClockThatIsSetBackEndsNothing) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=160x120:rate=30:duration=0.5") + "-c:v mpeg2video -bf 0 " + Quote(folder / "a.mpg"));
+  const std::string bytes = ReadTextFile(folder / "a.mpg");
+  WriteTextFile(folder / "twice.mpg", bytes + bytes);
+  const Played played = Play((folder / "twice.mpg").string(), Replay(), folder / "video.mkv");
+  EXPECT_EQ(played.end.kind, StreamEnd::Kind::kEnded);
+  EXPECT_THAT(played.end.why, testing::HasSubstr("the camera's clock was set back 1 time"));
+  EXPECT_GE(played.frames.size(), 29u);  // the first half's last packet ends with the next one's beginning
+  ExpectRecorded(played, folder / "video.mkv");
+}
+
 TEST(LiveStream, WhatNobodyReadIsNoRecording) {
   const TemporaryFolder folder;
   Ffmpeg(TestPicture("size=160x120:rate=30:duration=0.2") + kH264 + Quote(folder / "film.mp4"));

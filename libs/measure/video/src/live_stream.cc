@@ -96,6 +96,7 @@ struct LiveStream::Impl {
   void Receive();
   void Take(libav::Packet packet);
   bool WaitForPace(const AVPacket& packet);
+  bool TakeStamps(AVPacket& packet);
   void NoteEnd(StreamEnd::Kind kind, std::string why);
 
   bool Read(LiveFrame& frame);
@@ -107,6 +108,7 @@ struct LiveStream::Impl {
   void Record(const AVPacket& packet);
   void HandOut(const std::shared_ptr<AVFrame>& decoded, LiveFrame& frame);
   void Finish();
+  void FinishRecording();
 
   std::string input_name;
   LiveStreamOptions options;
@@ -126,6 +128,8 @@ struct LiveStream::Impl {
 
   // The receiver's.
   std::int64_t packets = 0, first_ticks = AV_NOPTS_VALUE, last_dts = AV_NOPTS_VALUE;
+  std::int64_t interval = 0, set_back = 0;  // ticks between the last two packets; by how much the clock was set back
+  int times_set_back = 0, left_out = 0;
   Clock::time_point began, space_checked = Clock::now();
   std::int64_t pace_from = AV_NOPTS_VALUE;
 
@@ -244,7 +248,6 @@ void LiveStream::Impl::Receive() {
     last_came = Clock::now().time_since_epoch().count();  // silence counts from here
     const int result = input.Read(*packet);
     if (is_stopped || IsInterrupted()) return NoteEnd(StreamEnd::Kind::kStopped, "it was stopped");
-    if (result == AVERROR(EAGAIN)) continue;
     if (result == AVERROR_EOF) return NoteEnd(StreamEnd::Kind::kEnded, "the stream ended");
     if (result == AVERROR_EXIT)
       return NoteEnd(StreamEnd::Kind::kLost, fmt::format("nothing has come for {} s", options.patience_s));
@@ -253,7 +256,8 @@ void LiveStream::Impl::Receive() {
     try {
       Take(std::move(packet));
     } catch (const Error& error) {
-      return NoteEnd(StreamEnd::Kind::kDiskFull, error.what());
+      const bool is_refused = recorder_failed && !recorder->IsDiskFailing();
+      return NoteEnd(is_refused ? StreamEnd::Kind::kUnrecorded : StreamEnd::Kind::kDiskFull, error.what());
     }
   }
 }
@@ -283,12 +287,7 @@ void LiveStream::Impl::Take(libav::Packet packet) {
   if (packet->pts == AV_NOPTS_VALUE) return;
   if (options.replay && !WaitForPace(*packet)) return;
   if (first_ticks == AV_NOPTS_VALUE) first_ticks = packet->pts;
-  if (packet->pts < first_ticks) return;  // builds on what came before the first key frame
-  packet->pts -= first_ticks;
-  if (packet->dts != AV_NOPTS_VALUE) packet->dts -= first_ticks;
-  // A clock that was set back: what it says now was said before.
-  if (packet->dts != AV_NOPTS_VALUE && last_dts != AV_NOPTS_VALUE && packet->dts <= last_dts) return;
-  if (packet->dts != AV_NOPTS_VALUE) last_dts = packet->dts;
+  if (!TakeStamps(*packet)) return;
   ++packets;
   constexpr std::chrono::milliseconds kLook{500};
   const Clock::time_point now = Clock::now();
@@ -303,6 +302,37 @@ void LiveStream::Impl::Take(libav::Packet packet) {
   queued_bytes += static_cast<std::size_t>(packet->size);
   queue.push_back({std::move(packet), now});
   changed.notify_all();
+}
+
+// Moves them to the recording's, which begins at 0 and never steps back. False if the packet has no place in it.
+bool LiveStream::Impl::TakeStamps(AVPacket& packet) {
+  // Less is a packet that the network brought twice or too late.
+  constexpr double kLeastSetBack_s = 0.1;
+  const AVRational time_base = input.Stream().time_base;
+  const bool has_dts = packet.dts != AV_NOPTS_VALUE;
+  const std::int64_t behind =
+      has_dts && last_dts != AV_NOPTS_VALUE ? last_dts - (packet.dts - first_ticks + set_back) : -1;
+  if (behind >= 0 && libav::Seconds(behind, time_base) < kLeastSetBack_s) {
+    ++left_out;
+    return false;
+  }
+  if (behind >= 0) {
+    set_back += behind + std::max<std::int64_t>(interval, 1);
+    ++times_set_back;
+  }
+  packet.pts += set_back - first_ticks;
+  if (packet.pts < 0) return false;  // builds on what came before the first key frame
+  if (!has_dts) return true;
+  packet.dts = std::min(packet.dts + set_back - first_ticks, packet.pts);  // not shown before it is decoded
+  if (last_dts != AV_NOPTS_VALUE) {
+    if (packet.dts < last_dts) {
+      ++left_out;
+      return false;
+    }
+    interval = packet.dts - last_dts;
+  }
+  last_dts = packet.dts;
+  return true;
 }
 
 void LiveStream::Impl::Record(const AVPacket& packet) {
@@ -416,19 +446,27 @@ Clock::time_point LiveStream::Impl::ArrivalOf(const AVFrame& decoded) {
 void LiveStream::Impl::Finish() {
   SetStopped();
   if (thread.joinable()) thread.join();
+  FinishRecording();
+  if (end && times_set_back > 0)
+    end->why +=
+        fmt::format("; the camera's clock was set back {} time{}", times_set_back, times_set_back == 1 ? "" : "s");
+  if (end && left_out > 0) end->why += fmt::format("; {} pictures that came twice or too late were left out", left_out);
   const fs::path part = UnfinishedRecording(recording);
-  if (recorder && !recorder_failed) {
-    try {
-      recorder->Finish();
-    } catch (const Error& error) {
-      end = {StreamEnd::Kind::kDiskFull, error.what()};  // worse than why no more frames came
-    }
-  }
-  recorder.reset();
   if (!fs::exists(part)) return;
   std::error_code error;
   fs::rename(part, recording, error);
   if (error) throw Fail("{}: cannot be moved to {} ({})", part.string(), recording.string(), error.message());
+}
+
+void LiveStream::Impl::FinishRecording() {
+  if (recorder && !recorder_failed) {
+    try {
+      recorder->Finish();
+    } catch (const Error& error) {  // worse than why no more frames came
+      end = {recorder->IsDiskFailing() ? StreamEnd::Kind::kDiskFull : StreamEnd::Kind::kUnrecorded, error.what()};
+    }
+  }
+  recorder.reset();
 }
 
 LiveStream::LiveStream(const std::string& input, const LiveStreamOptions& options, const fs::path& recording)
