@@ -2,14 +2,19 @@
 #include "lake/video/live_stream.h"
 
 #include <fcntl.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <atomic>
+#include <csignal>
+#include <random>
+#include <sstream>
 #include <thread>
 
 #include "file_limit.h"
 #include "lake/core/file_descriptor.h"
+#include "lake/core/interrupt.h"
 #include "video_files.h"
 
 namespace lake::test {
@@ -22,6 +27,7 @@ using video::StreamEnd;
 struct Played {
   std::vector<video::LiveFrame> frames;
   StreamEnd end;
+  std::int64_t damaged = 0;
 };
 
 Played Play(const std::string& input, const LiveStreamOptions& options, const std::filesystem::path& recording) {
@@ -34,6 +40,7 @@ Played Play(const std::string& input, const LiveStreamOptions& options, const st
   }
   stream.Finish();
   played.end = stream.End();
+  played.damaged = stream.DamagedFrames();
   return played;
 }
 
@@ -79,10 +86,11 @@ TEST(LiveStream, RecordsACodedStreamAsItCame) {
 TEST(LiveStream, ReplaysAtTheFilesOwnPace) {
   const TemporaryFolder folder;
   Ffmpeg(TestPicture("size=160x120:rate=20:duration=1") + "-c:v mjpeg " + Quote(folder / "film.avi"));
+  const auto began = std::chrono::steady_clock::now();
   const Played played = Play((folder / "film.avi").string(), Replay(), folder / "video.mkv");
   ASSERT_EQ(played.frames.size(), 20u);
-  const std::chrono::duration<double> took = played.frames.back().arrived - played.frames.front().arrived;
-  EXPECT_GE(took.count(), 0.95 - 1e-3);  // 19 intervals; a loaded machine may take longer, never less
+  const std::chrono::duration<double> took = played.frames.back().arrived - began;
+  EXPECT_GE(took.count(), 0.95 - 1e-6);  // 19 intervals after the first frame, which came after `began`
 }
 
 TEST(LiveStream, RawPicturesAreRefused) {
@@ -152,6 +160,135 @@ TEST(LiveStream, ARecordingThatWasCutIsCompleted) {
   video::CompleteRecording(folder / "video.mkv");
   EXPECT_GT(ReadAll(folder / "video.mkv").frames.size(), 10u);
   EXPECT_FALSE(std::filesystem::exists(folder / "video.part.mkv"));
+}
+
+// How many packets end before so many bytes of the file.
+std::size_t PacketsBefore(const std::filesystem::path& video, std::size_t bytes) {
+  const TemporaryFolder folder;
+  Shell(fmt::format("ffprobe -v error -show_entries packet=pos,size -of csv=p=0 {} > {}", Quote(video),
+                    Quote(folder / "packets")));
+  std::istringstream lines(ReadTextFile(folder / "packets"));
+  std::size_t packets = 0, size = 0, at = 0;
+  constexpr std::size_t kHeader = 16;  // of a Matroska block, at most
+  for (char comma = 0; lines >> size >> comma >> at;)
+    if (at + kHeader + size <= bytes) ++packets;
+  return packets;
+}
+
+// Killed at any byte: what stands before it is kept, and the file's torn end is no damage.
+TEST(LiveStream, ARecordingIsCompletedWhereverItWasCut) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=96x64:rate=30:duration=1") + "-c:v mjpeg -f matroska -cluster_time_limit 300 " +
+         Quote(folder / "film.mkv"));
+  const std::string bytes = ReadTextFile(folder / "film.mkv");
+  for (std::size_t percent = 31; percent < 100; percent += 7) {
+    SCOPED_TRACE(percent);
+    const std::size_t cut = bytes.size() * percent / 100;
+    std::filesystem::remove(folder / "video.mkv");
+    WriteTextFile(folder / "video.part.mkv", bytes.substr(0, cut));
+    video::CompleteRecording(folder / "video.mkv");
+    const std::size_t whole = PacketsBefore(folder / "film.mkv", cut);
+    EXPECT_GT(whole, 5u);
+    EXPECT_GE(ReadAll(folder / "video.mkv").frames.size(), whole);
+  }
+}
+
+// A hole, which the packets' counters show.
+TEST(LiveStream, ARecordingDamagedInItsMiddleIsLeftAsItIs) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=320x240:rate=30:duration=2") + kH264 + Quote(folder / "film.ts"));
+  std::string bytes = ReadTextFile(folder / "film.ts");
+  constexpr std::size_t kPacket = 188;
+  bytes.erase(bytes.size() / kPacket / 2 * kPacket, 3 * kPacket);
+  WriteTextFile(folder / "video.part.mkv", bytes);
+  EXPECT_THROW(video::CompleteRecording(folder / "video.mkv"), Error);
+  EXPECT_EQ(ReadTextFile(folder / "video.part.mkv"), bytes);
+  EXPECT_FALSE(std::filesystem::exists(folder / "video.mkv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "video.whole.mkv"));
+}
+
+// 0 if the interrupt in the middle of the file was thrown, and what was left is still there.
+int CompleteUntilInterrupted() {
+  const TemporaryFolder folder;
+  const auto part = folder / "video.part.mkv";
+  Ffmpeg("-f lavfi -i 'nullsrc=size=320x240:rate=30:duration=2,geq=random(1)*255:128:128' -c:v mjpeg -q:v 4 " +
+         Quote(folder / "film.mkv"));
+  const std::string bytes = ReadTextFile(folder / "film.mkv");
+  if (mkfifo(part.c_str(), 0600) != 0) return 1;
+  CatchInterrupts();
+  std::thread writer([&] {  // all but what the pipe holds has been read when the signal comes
+    const FileDescriptor end(open(part.c_str(), O_WRONLY));
+    const auto most = static_cast<ssize_t>(bytes.size() * 2 / 3);
+    const bool is_written = write(end, bytes.data(), static_cast<std::size_t>(most)) == most;
+    std::raise(is_written ? SIGINT : SIGKILL);
+  });
+  int code = 2;
+  try {
+    video::CompleteRecording(folder / "video.mkv");
+  } catch (const Interrupted&) {
+    code = std::filesystem::exists(part) && !std::filesystem::exists(folder / "video.mkv") ? 0 : 3;
+  }
+  writer.join();
+  return code;
+}
+
+// In a process of its own, as a signal stays.
+TEST(LiveStreamDeathTest, AnInterruptedCompletionLosesNothing) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(std::exit(CompleteUntilInterrupted()), testing::ExitedWithCode(0), "");
+}
+
+// Each frame that is handed out is the whole film's of its number, to the bit; returns how many were not.
+std::int64_t ExpectWholeFrames(const std::filesystem::path& damaged, const Recording& whole) {
+  const TemporaryFolder folder;
+  const Played played = Play(damaged.string(), Replay(), folder / "video.mkv");
+  EXPECT_EQ(played.frames.size() + static_cast<std::size_t>(played.damaged), whole.frames.size());
+  for (const video::LiveFrame& live : played.frames) {
+    const auto index = static_cast<std::size_t>(live.frame.index);
+    if (index >= whole.frames.size()) return played.damaged;
+    EXPECT_EQ(LargestDifference(live.frame.luma, whole.frames[index].luma), 0) << "frame " << index;
+  }
+  return played.damaged;
+}
+
+TEST(LiveStream, DamagedPicturesAreCountedNotHandedOut) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=320x240:rate=60:duration=0.5,noise=alls=12:allf=t") + "-c:v mjpeg -q:v 3 " +
+         Quote(folder / "film.avi"));
+  const Recording whole = ReadAll(folder / "film.avi");
+  const std::string bytes = ReadTextFile(folder / "film.avi");
+  std::size_t chunk = bytes.find("movi");
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    SCOPED_TRACE(seed);
+    for (int i = 0; i < 3; ++i) chunk = bytes.find("00dc", chunk + 1);
+    std::mt19937 random(seed);
+    std::string changed = bytes;
+    constexpr std::size_t kIntoPicture = 2000;  // of some 20 kB
+    for (std::size_t i = 0; i < 400; ++i) changed[chunk + kIntoPicture + i] = static_cast<char>(random());
+    WriteTextFile(folder / "damaged.avi", changed);
+    EXPECT_EQ(ExpectWholeFrames(folder / "damaged.avi", whole), 1);  // each picture is coded by itself
+  }
+}
+
+// The same half second twice: all is recorded, with stamps that go on.
+TEST(LiveStream, AClockThatIsSetBackEndsNothing) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=160x120:rate=30:duration=0.5") + "-c:v mpeg2video -bf 0 " + Quote(folder / "a.mpg"));
+  const std::string bytes = ReadTextFile(folder / "a.mpg");
+  WriteTextFile(folder / "twice.mpg", bytes + bytes);
+  const Played played = Play((folder / "twice.mpg").string(), Replay(), folder / "video.mkv");
+  EXPECT_EQ(played.end.kind, StreamEnd::Kind::kEnded);
+  EXPECT_THAT(played.end.why, testing::HasSubstr("the camera's clock was set back 1 time"));
+  EXPECT_GE(played.frames.size(), 29u);  // the first half's last packet ends with the next one's beginning
+  ExpectRecorded(played, folder / "video.mkv");
+}
+
+TEST(LiveStream, WhatNobodyReadIsNoRecording) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=160x120:rate=30:duration=0.2") + kH264 + Quote(folder / "film.mp4"));
+  { const LiveStream stream((folder / "film.mp4").string(), Replay(), folder / "video.mkv"); }
+  EXPECT_EQ(FilesIn(folder), 1);
+  EXPECT_EQ(Play((folder / "film.mp4").string(), Replay(), folder / "video.mkv").frames.size(), 6u);
 }
 
 TEST(LiveStream, NothingIsWrittenOver) {

@@ -55,6 +55,11 @@ std::int64_t DamageLog::PacketOf(const AVFrame& frame) {
   return NumberOf(frame);
 }
 
+std::optional<std::int64_t> DamageLog::TakeDamage() {
+  const std::int64_t first = first_damaged_packet_.exchange(kNone);
+  return first == kNone ? std::nullopt : std::optional(first);
+}
+
 void DamageLog::Receive(void* source, int level, const char* format, va_list) {
   if (!source || level > AV_LOG_INFO) return;
   const AVClass* kind = *static_cast<const AVClass**>(source);

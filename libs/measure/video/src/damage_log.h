@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "libav.h"
 
@@ -38,6 +39,9 @@ class DamageLog {
   // Whether a packet up to this one was damaged. Final once the packet's frame has come out of the decoder.
   bool IsDamagedUpTo(std::int64_t packet) const { return packet >= first_damaged_packet_; }
 
+  // The first damaged packet, which is forgotten: for those who go on behind the damage.
+  std::optional<std::int64_t> TakeDamage();
+
   // Whether the file ended within its own structure.
   bool IsFileCut() const { return file_is_cut_; }
 
@@ -47,13 +51,15 @@ class DamageLog {
     std::int64_t number;
   };
 
+  static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
+
   static void Receive(void* source, int level, const char* format, va_list arguments);
   void NoteDamage(std::int64_t packet);
 
   // A codec's opaque points to the one sent last; its threads, which are fewer by far, to the one they work on.
   std::array<SentPacket, 256> sent_packets_ = {};
   std::size_t sent_ = 0;
-  std::atomic<std::int64_t> first_damaged_packet_ = std::numeric_limits<std::int64_t>::max();
+  std::atomic<std::int64_t> first_damaged_packet_ = kNone;
   std::atomic<bool> file_is_cut_ = false;
 };
 

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <new>
 #include <string_view>
+#include <thread>
 
 #include "lake/core/error.h"
 
@@ -19,7 +21,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What may come from a pipe or over a network: no playlists, which would name further addresses.
+// What may come from a pipe or over a network: no playlists. (A session's description, sdp, names addresses too, but
+// rtsp needs it.)
 constexpr const char* kStreams =
     "mov,matroska,webm,avi,mpegts,mpeg,mpegvideo,m4v,h264,hevc,ivf,mjpeg,jpeg_pipe,mpjpeg,flv,asf,ogg,nut,yuv4mpegpipe,"
     "av1,obu,"
@@ -98,6 +101,7 @@ void LiveInput::Open(const LiveStreamOptions& options) {
   if (!opened) throw std::bad_alloc();
   opened->interrupt_callback.opaque = this;
   opened->interrupt_callback.callback = [](void* self) { return static_cast<LiveInput*>(self)->gives_up_() ? 1 : 0; };
+  if (format) opened->flags |= AVFMT_FLAG_NONBLOCK;  // V4L2 waits without asking whether to go on
   const int result = avformat_open_input(&opened, address.c_str(), format, settings.Get());
   if (result < 0) throw Fail("{}: no video that can be read comes from it ({})", input_, libav::ErrorText(result));
   opened_.reset(opened);
@@ -114,7 +118,14 @@ bool LiveInput::HasTimes() const {
 int LiveInput::Read(AVPacket& packet) {
   while (true) {
     const int result = av_read_frame(opened_.get(), &packet);
-    if (result < 0 || packet.stream_index == stream_->index) return result;
+    if (result == AVERROR(EAGAIN)) {
+      if (gives_up_()) return AVERROR_EXIT;
+      constexpr std::chrono::milliseconds kLook{2};  // well below the 8 ms between pictures at 120 Hz
+      std::this_thread::sleep_for(kLook);
+      continue;
+    }
+    // V4L2 hands out a picture that did not arrive whole as an empty one.
+    if (result < 0 || (packet.stream_index == stream_->index && packet.size > 0)) return result;
     av_packet_unref(&packet);
   }
 }

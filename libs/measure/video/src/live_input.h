@@ -20,7 +20,7 @@ class LiveInput {
 
   const AVStream& Stream() const { return *stream_; }
 
-  // libav's result; the packet is one of Stream().
+  // libav's result; the packet is one of Stream(), and not empty. Waits for it, or ends with AVERROR_EXIT.
   int Read(AVPacket& packet);
 
   // False of raw streams, for which libav makes up 25 Hz.

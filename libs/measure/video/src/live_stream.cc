@@ -11,6 +11,7 @@ extern "C" {
 #include <deque>
 #include <mutex>
 #include <new>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -76,6 +77,12 @@ struct LiveStream::Impl {
     Clock::time_point arrived;
   };
 
+  // One that was sent to the decoder.
+  struct Sent {
+    std::int64_t number, ticks;
+    Clock::time_point arrived;
+  };
+
   Impl(const std::string& input, const LiveStreamOptions& options, const fs::path& recording);
   ~Impl();
 
@@ -83,25 +90,32 @@ struct LiveStream::Impl {
   void FillInfo(const AVFrame& first);
   void CheckSpace() const;
   bool GivesUp() const;
+  void SetStopped();
 
   // The receiver's thread.
   void Receive();
   void Take(libav::Packet packet);
   bool WaitForPace(const AVPacket& packet);
+  bool TakeStamps(AVPacket& packet);
   void NoteEnd(StreamEnd::Kind kind, std::string why);
 
   bool Read(LiveFrame& frame);
   std::optional<Received> Next();
+  void Feed();
+  void NoteDamage();
+  bool IsWhole(const AVFrame& decoded);
+  Clock::time_point ArrivalOf(const AVFrame& decoded);
   void Record(const AVPacket& packet);
   void HandOut(const std::shared_ptr<AVFrame>& decoded, LiveFrame& frame);
   void Finish();
+  void FinishRecording();
 
   std::string input_name;
   LiveStreamOptions options;
   fs::path recording;
   std::atomic<Clock::rep> last_came = Clock::now().time_since_epoch().count();
   std::atomic<bool> is_stopped = false;
-  DamageLog log;  // keeps libav quiet
+  DamageLog log;
   LiveInput input;
   libav::Codec codec;
   VideoInfo info;
@@ -114,6 +128,8 @@ struct LiveStream::Impl {
 
   // The receiver's.
   std::int64_t packets = 0, first_ticks = AV_NOPTS_VALUE, last_dts = AV_NOPTS_VALUE;
+  std::int64_t interval = 0, set_back = 0;  // ticks between the last two packets; by how much the clock was set back
+  int times_set_back = 0, left_out = 0;
   Clock::time_point began, space_checked = Clock::now();
   std::int64_t pace_from = AV_NOPTS_VALUE;
 
@@ -124,9 +140,13 @@ struct LiveStream::Impl {
   std::optional<StreamEnd> end;
 
   // The reader's.
-  std::deque<std::pair<std::int64_t, Clock::time_point>> arrivals;  // stamp of a packet that was sent to the decoder
+  bool is_read = false;
+  std::deque<Sent> sent;  // whose frames have not come out
+  std::int64_t sent_packets = 0;
+  Clock::time_point last_arrived;  // of the one sent last
+  std::set<std::int64_t> broken;   // packets since the last whole key frame that were damaged
   std::int64_t index = 0, damaged = 0;
-  bool is_damaged = false, is_flushed = false;
+  bool is_flushed = false;
 
   std::thread thread;
 };
@@ -154,9 +174,18 @@ LiveStream::Impl::Impl(const std::string& input_text, const LiveStreamOptions& o
 }
 
 LiveStream::Impl::~Impl() {
+  SetStopped();
+  if (thread.joinable()) thread.join();
+  if (is_read) return;  // what was recorded is kept, however it ends
+  recorder.reset();
+  std::error_code ignored;
+  fs::remove(UnfinishedRecording(recording), ignored);
+}
+
+void LiveStream::Impl::SetStopped() {
+  const std::lock_guard lock(mutex);
   is_stopped = true;
   changed.notify_all();
-  if (thread.joinable()) thread.join();
 }
 
 bool LiveStream::Impl::GivesUp() const {
@@ -178,6 +207,7 @@ void LiveStream::Impl::OpenDecoder() {
   if (!decoder) throw Fail("{}: no decoder for {}", input_name, avcodec_get_name(stream.codecpar->codec_id));
   codec = libav::NewCodec(decoder);
   avcodec_parameters_to_context(codec.get(), stream.codecpar);
+  log.Attach(*codec);
   codec->pkt_timebase = stream.time_base;
   codec->thread_count = Threads();
   codec->thread_type = FF_THREAD_SLICE;
@@ -218,7 +248,6 @@ void LiveStream::Impl::Receive() {
     last_came = Clock::now().time_since_epoch().count();  // silence counts from here
     const int result = input.Read(*packet);
     if (is_stopped || IsInterrupted()) return NoteEnd(StreamEnd::Kind::kStopped, "it was stopped");
-    if (result == AVERROR(EAGAIN)) continue;
     if (result == AVERROR_EOF) return NoteEnd(StreamEnd::Kind::kEnded, "the stream ended");
     if (result == AVERROR_EXIT)
       return NoteEnd(StreamEnd::Kind::kLost, fmt::format("nothing has come for {} s", options.patience_s));
@@ -227,7 +256,8 @@ void LiveStream::Impl::Receive() {
     try {
       Take(std::move(packet));
     } catch (const Error& error) {
-      return NoteEnd(StreamEnd::Kind::kDiskFull, error.what());
+      const bool is_refused = recorder_failed && !recorder->IsDiskFailing();
+      return NoteEnd(is_refused ? StreamEnd::Kind::kUnrecorded : StreamEnd::Kind::kDiskFull, error.what());
     }
   }
 }
@@ -257,12 +287,7 @@ void LiveStream::Impl::Take(libav::Packet packet) {
   if (packet->pts == AV_NOPTS_VALUE) return;
   if (options.replay && !WaitForPace(*packet)) return;
   if (first_ticks == AV_NOPTS_VALUE) first_ticks = packet->pts;
-  if (packet->pts < first_ticks) return;  // builds on what came before the first key frame
-  packet->pts -= first_ticks;
-  if (packet->dts != AV_NOPTS_VALUE) packet->dts -= first_ticks;
-  // A clock that was set back: what it says now was said before.
-  if (packet->dts != AV_NOPTS_VALUE && last_dts != AV_NOPTS_VALUE && packet->dts <= last_dts) return;
-  if (packet->dts != AV_NOPTS_VALUE) last_dts = packet->dts;
+  if (!TakeStamps(*packet)) return;
   ++packets;
   constexpr std::chrono::milliseconds kLook{500};
   const Clock::time_point now = Clock::now();
@@ -277,6 +302,37 @@ void LiveStream::Impl::Take(libav::Packet packet) {
   queued_bytes += static_cast<std::size_t>(packet->size);
   queue.push_back({std::move(packet), now});
   changed.notify_all();
+}
+
+// Moves them to the recording's, which begins at 0 and never steps back. False if the packet has no place in it.
+bool LiveStream::Impl::TakeStamps(AVPacket& packet) {
+  // Less is a packet that the network brought twice or too late.
+  constexpr double kLeastSetBack_s = 0.1;
+  const AVRational time_base = input.Stream().time_base;
+  const bool has_dts = packet.dts != AV_NOPTS_VALUE;
+  const std::int64_t behind =
+      has_dts && last_dts != AV_NOPTS_VALUE ? last_dts - (packet.dts - first_ticks + set_back) : -1;
+  if (behind >= 0 && libav::Seconds(behind, time_base) < kLeastSetBack_s) {
+    ++left_out;
+    return false;
+  }
+  if (behind >= 0) {
+    set_back += behind + std::max<std::int64_t>(interval, 1);
+    ++times_set_back;
+  }
+  packet.pts += set_back - first_ticks;
+  if (packet.pts < 0) return false;  // builds on what came before the first key frame
+  if (!has_dts) return true;
+  packet.dts = std::min(packet.dts + set_back - first_ticks, packet.pts);  // not shown before it is decoded
+  if (last_dts != AV_NOPTS_VALUE) {
+    if (packet.dts < last_dts) {
+      ++left_out;
+      return false;
+    }
+    interval = packet.dts - last_dts;
+  }
+  last_dts = packet.dts;
+  return true;
 }
 
 void LiveStream::Impl::Record(const AVPacket& packet) {
@@ -299,34 +355,68 @@ std::optional<LiveStream::Impl::Received> LiveStream::Impl::Next() {
   return received;
 }
 
+// The next packet to the decoder, or that nothing follows.
+void LiveStream::Impl::Feed() {
+  std::optional<Received> received = Next();
+  is_flushed = !received;
+  if (!received) {
+    avcodec_send_packet(codec.get(), nullptr);
+    return;
+  }
+  AVPacket& packet = *received->packet;
+  last_arrived = received->arrived;
+  sent.push_back({sent_packets, packet.pts, received->arrived});
+  log.SetPacket(*codec, packet, sent_packets++);
+  const int result = avcodec_send_packet(codec.get(), &packet);
+  NoteDamage();
+  if (result >= 0) return;
+  broken.insert(sent.back().number);  // the recording has it, but no frame of it will come
+  ++damaged, ++index;
+}
+
+// Without frame threads libav reports damage while it works on the packet.
+void LiveStream::Impl::NoteDamage() {
+  if (const std::optional<std::int64_t> packet = log.TakeDamage()) broken.insert(*packet);
+}
+
+// Neither damaged nor built on what is.
+bool LiveStream::Impl::IsWhole(const AVFrame& decoded) {
+  const std::int64_t packet = DamageLog::PacketOf(decoded);
+  if ((decoded.flags & AV_FRAME_FLAG_CORRUPT) || decoded.decode_error_flags != 0) broken.insert(packet);
+  if (!decoded.key_frame) return broken.empty() || packet < *broken.begin();
+  if (broken.contains(packet)) return false;
+  broken.erase(broken.begin(), broken.lower_bound(packet));
+  return true;
+}
+
 bool LiveStream::Impl::Read(LiveFrame& frame) {
+  is_read = true;
   while (true) {
     const std::shared_ptr<AVFrame> decoded = libav::NewFrame();
     const int result = avcodec_receive_frame(codec.get(), decoded.get());
+    NoteDamage();
     if (result == AVERROR_EOF) return false;
-    if (result >= 0) {
-      if (format == AV_PIX_FMT_NONE) FillInfo(*decoded);
-      if (decoded->width != width || decoded->height != height || decoded->format != format) {
-        NoteEnd(StreamEnd::Kind::kLost, "its pictures changed their size or format");
-        is_stopped = true;
-        return false;
-      }
-      const bool failed = (decoded->flags & AV_FRAME_FLAG_CORRUPT) || decoded->decode_error_flags != 0;
-      if (decoded->key_frame) is_damaged = false;
-      is_damaged |= failed;
-      if (!is_damaged && stamps->Add(decoded->best_effort_timestamp, 0)) {
-        HandOut(decoded, frame);
-        return true;
-      }
+    if (result == AVERROR(EAGAIN)) {
+      if (is_flushed) return false;
+      Feed();
+      continue;
+    }
+    if (result < 0) {  // of the packet sent last; libav ends draining after some of these
+      broken.insert(sent_packets - 1);
       ++damaged, ++index;
       continue;
     }
-    std::optional<Received> received = result == AVERROR(EAGAIN) && !is_flushed ? Next() : std::nullopt;
-    if (!received && is_flushed) return false;
-    is_flushed = !received;
-    if (received) arrivals.emplace_back(received->packet->pts, received->arrived);
-    const int sent = avcodec_send_packet(codec.get(), received ? received->packet.get() : nullptr);
-    if (sent < 0 && sent != AVERROR_EOF) is_damaged = true;
+    if (format == AV_PIX_FMT_NONE) FillInfo(*decoded);
+    if (decoded->width != width || decoded->height != height || decoded->format != format) {
+      NoteEnd(StreamEnd::Kind::kLost, "its pictures changed their size or format");
+      SetStopped();
+      return false;
+    }
+    if (IsWhole(*decoded) && stamps->Add(decoded->best_effort_timestamp, 0)) {
+      HandOut(decoded, frame);
+      return true;
+    }
+    ++damaged, ++index;
   }
 }
 
@@ -339,29 +429,44 @@ void LiveStream::Impl::HandOut(const std::shared_ptr<AVFrame>& decoded, LiveFram
   const AVBufferRef* memory = decoded->buf[0];
   const bool shares = live.frame.luma.data >= memory->data && live.frame.luma.data < memory->data + memory->size;
   live.frame.keep_alive = shares ? decoded : nullptr;
-  live.arrived = Clock::now();
-  for (const auto& [ticks, arrived] : arrivals)
-    if (ticks == decoded->best_effort_timestamp) live.arrived = arrived;
-  std::erase_if(arrivals, [&](const auto& one) { return one.first <= decoded->best_effort_timestamp; });
+  live.arrived = ArrivalOf(*decoded);
+}
+
+// By its stamp, as a frame that is shown again has a later packet's. A stamp that the decoder made up is no packet's;
+// then by the number of the packet that it was decoded from, or that it came out upon.
+Clock::time_point LiveStream::Impl::ArrivalOf(const AVFrame& decoded) {
+  const std::int64_t ticks = decoded.best_effort_timestamp;
+  auto packet = std::ranges::find(sent, ticks, &Sent::ticks);
+  if (packet == sent.end()) packet = std::ranges::find(sent, DamageLog::PacketOf(decoded), &Sent::number);
+  const Clock::time_point arrived = packet == sent.end() ? last_arrived : packet->arrived;
+  std::erase_if(sent, [&](const Sent& one) { return one.ticks <= ticks; });
+  return arrived;
 }
 
 void LiveStream::Impl::Finish() {
-  is_stopped = true;
-  changed.notify_all();
+  SetStopped();
   if (thread.joinable()) thread.join();
+  FinishRecording();
+  if (end && times_set_back > 0)
+    end->why +=
+        fmt::format("; the camera's clock was set back {} time{}", times_set_back, times_set_back == 1 ? "" : "s");
+  if (end && left_out > 0) end->why += fmt::format("; {} pictures that came twice or too late were left out", left_out);
   const fs::path part = UnfinishedRecording(recording);
-  if (recorder && !recorder_failed) {
-    try {
-      recorder->Finish();
-    } catch (const Error& error) {
-      end = {StreamEnd::Kind::kDiskFull, error.what()};  // worse than why no more frames came
-    }
-  }
-  recorder.reset();
   if (!fs::exists(part)) return;
   std::error_code error;
   fs::rename(part, recording, error);
   if (error) throw Fail("{}: cannot be moved to {} ({})", part.string(), recording.string(), error.message());
+}
+
+void LiveStream::Impl::FinishRecording() {
+  if (recorder && !recorder_failed) {
+    try {
+      recorder->Finish();
+    } catch (const Error& error) {  // worse than why no more frames came
+      end = {recorder->IsDiskFailing() ? StreamEnd::Kind::kDiskFull : StreamEnd::Kind::kUnrecorded, error.what()};
+    }
+  }
+  recorder.reset();
 }
 
 LiveStream::LiveStream(const std::string& input, const LiveStreamOptions& options, const fs::path& recording)
@@ -378,8 +483,7 @@ bool LiveStream::Read(LiveFrame& frame) {
 }
 
 void LiveStream::Stop() {
-  impl_->is_stopped = true;
-  impl_->changed.notify_all();
+  impl_->SetStopped();
 }
 
 const StreamEnd& LiveStream::End() const {
@@ -403,27 +507,53 @@ fs::path UnfinishedRecording(const fs::path& recording) {
   return part.replace_extension(".part" + recording.extension().string());
 }
 
+namespace {
+
+// Whatever ends it before the file does is thrown. The last packet may be a torn one.
+void CopyWholePackets(const fs::path& from, const fs::path& to) {
+  LiveStreamOptions file;
+  file.replay = true;
+  LiveInput input(from.string(), file, [] { return IsInterrupted(); });
+  const AVStream& stream = input.Stream();
+  Recorder recorder(to, *stream.codecpar, stream.time_base, RateOf(stream, 0));
+  const libav::Packet packet = libav::NewPacket();
+  std::int64_t packets = 0;
+  int result = 0;
+  for (; (result = input.Read(*packet)) >= 0; ++packets) {
+    ThrowIfInterrupted();
+    if (packet->flags & AV_PKT_FLAG_CORRUPT) {
+      av_packet_unref(packet.get());
+      result = input.Read(*packet);
+      if (result >= 0) result = AVERROR_INVALIDDATA;
+      break;
+    }
+    recorder.Write(*packet);
+    av_packet_unref(packet.get());
+  }
+  ThrowIfInterrupted();
+  if (result != AVERROR_EOF)
+    throw Fail(
+        "{}: is damaged after {} frames ({}) and left as it is; what can be saved: ffmpeg -i {} -c copy saved.mkv",
+        from.string(), packets, libav::ErrorText(result), from.string());
+  if (packets == 0) throw Fail("{}: holds no frame", from.string());
+  recorder.Finish();
+}
+
+}  // namespace
+
 void CompleteRecording(const fs::path& recording) {
   const fs::path part = UnfinishedRecording(recording);
   fs::path whole = recording;
   whole.replace_extension(".whole" + recording.extension().string());
   const DamageLog quiet;
-  LiveStreamOptions file;
-  file.replay = true;
-  LiveInput input(part.string(), file, [] { return IsInterrupted(); });
-  const AVStream& stream = input.Stream();
   fs::remove(whole);  // of an attempt before
-  Recorder recorder(whole, *stream.codecpar, stream.time_base, RateOf(stream, 0));
-  const libav::Packet packet = libav::NewPacket();
-  std::int64_t packets = 0;
-  for (; input.Read(*packet) >= 0; ++packets) {
-    ThrowIfInterrupted();
-    if (packet->flags & AV_PKT_FLAG_CORRUPT) break;
-    recorder.Write(*packet);
-    av_packet_unref(packet.get());
+  try {
+    CopyWholePackets(part, whole);
+  } catch (...) {
+    std::error_code ignored;  // what was thrown is the one to tell of
+    fs::remove(whole, ignored);
+    throw;
   }
-  if (packets == 0) throw Fail("{}: holds no frame", part.string());
-  recorder.Finish();
   fs::rename(whole, recording);
   fs::remove(part);
 }

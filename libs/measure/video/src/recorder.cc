@@ -1,5 +1,6 @@
 #include "recorder.h"
 
+#include <cerrno>
 #include <new>
 
 #include "lake/core/error.h"
@@ -59,11 +60,13 @@ void Recorder::Finish() {
   avio_flush(output_->pb);
   Check(output_->pb->error, "cannot be completed");
   const int closed = avio_closep(&output_->pb);
+  is_disk_failing_ = closed < 0;
   if (closed < 0) throw Fail("{}: cannot be completed ({})", path_.string(), libav::ErrorText(closed));
 }
 
 void Recorder::Check(int result, const char* what) {
   if (result >= 0 && output_->pb->error >= 0) return;
+  is_disk_failing_ = output_->pb->error < 0 || result == AVERROR(ENOSPC) || result == AVERROR(EFBIG);
   FailWhole(fmt::format("{} ({})", what, libav::ErrorText(result < 0 ? result : output_->pb->error)));
 }
 

@@ -19,6 +19,9 @@ class Recorder {
   // Stamps from 0. Throws Error when the file cannot be written further; what was written before stays readable.
   void Write(const AVPacket& packet);
 
+  // Whether that was the disk's doing, and not the packet's.
+  bool IsDiskFailing() const { return is_disk_failing_; }
+
   // Writes index and duration. Throws Error as Write().
   void Finish();
 
@@ -39,6 +42,7 @@ class Recorder {
   AVRational time_base_;
   libav::Packet packet_ = libav::NewPacket();
   std::chrono::steady_clock::time_point cluster_began_;
+  bool is_disk_failing_ = false;
   std::int64_t whole_bytes_ = 0;  // of the file, in whole clusters
 };
 

@@ -34,13 +34,14 @@ struct LiveFrame {
   std::chrono::steady_clock::time_point arrived;  // when its packet was there
 };
 
-// Why no more frames come.
+// Why no more frames come. A clock that is set back ends nothing: stamps go on one interval later.
 struct StreamEnd {
   enum class Kind {
     kStopped,  // Stop() was called
     kEnded,    // the stream said so: a file's or a pipe's end, a connection that was closed
     kLost,     // a device that is gone, a network error, silence for `patience_s`
-    kDiskFull  // or a file that cannot be written further
+    kDiskFull,   // or a file that cannot be written further
+    kUnrecorded  // Matroska does not take what came; what was recorded until then is whole
   };
   Kind kind = Kind::kEnded;
   std::string why;  // in words
@@ -65,7 +66,7 @@ class LiveStream {
   // From any thread: nothing more is received, what has been is handed out.
   void Stop();
 
-  // Once Read() has returned false.
+  // Once Read() has returned false; after Finish() its words tell of the camera's clock, too, if that was set back.
   const StreamEnd& End() const;
   std::int64_t DamagedFrames() const;
   double FirstStampS() const;  // of the camera's clock, which is this recording's 0
@@ -82,7 +83,8 @@ class LiveStream {
 // Where a recording is while it is under way: NAME.part.mkv.
 std::filesystem::path UnfinishedRecording(const std::filesystem::path& recording);
 
-// Completes what a killed program left under that name: all whole packets. Throws Error where there are none.
+// Completes what a killed program left under that name: all whole packets. Throws Error where there are none or
+// the file is damaged before its end, Interrupted upon Ctrl-C; what was left stays as it is then.
 void CompleteRecording(const std::filesystem::path& recording);
 
 }  // namespace lake::video
