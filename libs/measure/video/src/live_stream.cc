@@ -358,7 +358,7 @@ void LiveStream::Impl::Finish() {
     }
   }
   recorder.reset();
-  if (!fs::exists(part)) return;
+  if (!fs::exists(part)) throw Fail("{}: the recording is gone", part.string());
   std::error_code error;
   fs::rename(part, recording, error);
   if (error) throw Fail("{}: cannot be moved to {} ({})", part.string(), recording.string(), error.message());
