@@ -22,14 +22,36 @@ JointPlace At(double x_mm, double y_mm, double half_width_mm = 2) {
 }
 
 TEST(JointPlace, SaysTheWayToTheKnee) {
-  EXPECT_EQ(live::MoveText(At(12, 30, 2.6)), "Move the joint 12 mm back and 30 mm down (± 3 mm)");
-  EXPECT_EQ(live::MoveText(At(-7.4, -20)), "Move the joint 7 mm forward and 20 mm up (± 2 mm)");
+  EXPECT_EQ(live::MoveText(At(12, 30, 2.6), 5), "Move the joint 12 mm back and 30 mm down (± 3 mm)");
+  EXPECT_EQ(live::MoveText(At(-7.4, -20), 5), "Move the joint 7 mm forward and 20 mm up (± 2 mm)");
 }
 
 TEST(JointPlace, DoesNotSayWhatIsWithinItsInterval) {
-  EXPECT_EQ(live::MoveText(At(12, 1.5)), "Move the joint 12 mm back (± 2 mm)");
-  EXPECT_EQ(live::MoveText(At(0, -5)), "Move the joint 5 mm up (± 2 mm)");
-  EXPECT_EQ(live::MoveText(At(1, 1.5)), "Leave the joint where it is (± 2 mm)");
+  EXPECT_EQ(live::MoveText(At(12, 1.5), 5), "Move the joint 12 mm back (± 2 mm)");
+  EXPECT_EQ(live::MoveText(At(0, -5), 5), "Move the joint 5 mm up (± 2 mm)");
+  EXPECT_EQ(live::MoveText(At(1, 1.5), 5), "Leave the joint where it is (± 2 mm)");
+}
+
+// Neither a move nor to leave it: the interval holds more than the tolerance.
+TEST(JointPlace, DoesNotTakeNotKnowingForAPlace) {
+  JointPlace wide = At(4, 0, 17.2);
+  EXPECT_EQ(live::MoveText(wide, 5), "The joint's place is not known well enough yet (± 18 mm): one more rise");
+  wide.fixed_half_width_mm = {17, 17};
+  EXPECT_FALSE(wide.DoRisesNarrow());
+  EXPECT_EQ(live::MoveText(wide, 5), "The joint's place cannot be told from 5 mm (± 18 mm)");
+  EXPECT_EQ(live::ChangeText(At(10, 0), wide), "Not told apart from before the last move (± 18 mm)");
+  EXPECT_EQ(live::ChangeText(At(10, 0), At(9, 0)), "Not told apart from before the last move (± 3 mm): one more rise");
+}
+
+// 10 mm of depth times a slope of 0.1, 1.96 standard deviations.
+TEST(JointPlace, NoRiseNarrowsWhatParallaxLeavesOpen) {
+  EXPECT_NEAR(live::LeastUncertaintyMm(), 1.96, 0.001);
+  std::vector<RiseOffset> rises(1);
+  rises[0].noise_sd_mm = {2, 2};
+  EXPECT_TRUE(live::PlaceOf(rises).DoRisesNarrow());
+  rises.resize(20, rises[0]);
+  EXPECT_FALSE(live::PlaceOf(rises).DoRisesNarrow());
+  EXPECT_GT(live::PlaceOf(rises).UncertaintyMm(), live::LeastUncertaintyMm());
 }
 
 TEST(JointPlace, ATestOfTheToleranceTakesTheInterval) {
@@ -63,6 +85,10 @@ TEST(JointPlace, ItsIntervalsHoldTheTruth) {
     }
     // Of 2000 at 95 % the standard deviation is 0.5 %; the larger of noise and spread makes intervals too wide.
     EXPECT_GE(held, kPlaces * 0.935) << rises;
+    // One rise has no spread, so its interval is of the noise alone, and just as wide as it should be.
+    if (rises == 1) {
+      EXPECT_LE(held, kPlaces * 0.965);
+    }
   }
 }
 

@@ -223,6 +223,37 @@ class Streams(Films):
         run(BIN / "lake-live", "interrupted", cwd=self.folder)
         self.assertTrue((self.folder / "interrupted/kinematics.csv").is_file())
 
+    def test_a_recording_under_way_is_not_finished_by_another(self):
+        ffmpeg("-i", self.film, "-c", "copy", self.folder / "under_way.ts")
+        # A pipe that is kept open: the session goes on as long as it takes.
+        reader, writer = os.pipe()
+        with open(reader, "rb") as camera, open(writer, "wb") as sender:
+            feed = threading.Thread(target=lambda: sender.write((self.folder / "under_way.ts").read_bytes()) and sender.flush())
+            feed.start()
+            live = self.live("-", "-o", "running", "--patience", WAIT_S, stdin=camera)
+            feed.join()
+            self.until(lambda: live.ask("state")["recorded_s"] > 4)
+            for words, code, text in ((("running",), 1, "another run is at work"),
+                                      (("running", "-o", "elsewhere"), 2, "-o")):
+                other = subprocess.run([BIN / "lake-live", *words], cwd=self.folder, capture_output=True, text=True, check=False)
+                self.assertEqual(other.returncode, code, other.stderr)
+                self.assertIn(text, other.stderr)
+            self.assertTrue((self.folder / "running/video.part.mkv").is_file())
+            live.process.send_signal(signal.SIGINT)
+        code, _, err = live.end()
+        self.assertEqual(code, 130, err)
+        self.assertIn("lake live", err)
+        run(BIN / "lake-live", "running", cwd=self.folder)
+        self.assertTrue((self.folder / "running/tracks.csv").is_file())
+
+    def test_a_seed_that_points_at_nothing_costs_no_recording(self):
+        code, _, err = self.live(self.film, "--replay", "-o", "missed", "--seed=exo_knee=5,5", "--tolerance", 1).end()
+        self.assertEqual(frames_of(self.folder / "missed/video.mkv"), self.frames, err)
+        self.assertEqual(len(read_table(self.folder / "missed/live_tracks.csv")), self.frames)
+        self.assertIn("--tolerance 1 mm", err)  # below what any number of rises tells
+        self.assertEqual(code, 1, err)  # lake track is told of the joint's marker by no one
+        self.assertIn("the recording is whole", err)
+
     def test_errors_say_what_to_do(self):
         for words, code, text in (((self.film,), 2, "--replay"), (("absent.mp4",), 1, "no such device or file"),
                                   ((self.film, "--replay", "--markers", "ankle,knee,hip"), 2, "--joint exo_knee"),

@@ -45,6 +45,7 @@ LiveTracker::LiveTracker(LiveTrackOptions options, const video::VideoInfo& video
       sigma_factor_(std::hypot(1, UsualCompression(video))),
       detector_(MakeReflectiveDetector(options_.polarity, DetectorRegion{options_.crop})),
       thing_(options_.names.size()),
+      why_no_seed_(options_.names.size()),
       last_place_px_(options_.names.size()),
       filters_(options_.names.size()),
       told_(EmptyRecording(options_.names)),
@@ -110,8 +111,28 @@ void LiveTracker::Give(std::size_t name, const TrackletBuilder::Thing& thing) {
 }
 
 void LiveTracker::TakeSeeds(std::int64_t frame) {
-  for (const MarkerSeed& seed : options_.seeds)
-    if (seed.frame == frame) Name(seed.name, seed.position);
+  for (const MarkerSeed& seed : options_.seeds) {
+    if (seed.frame != frame) continue;
+    try {
+      Name(seed.name, seed.position);
+    } catch (const Error& error) {
+      why_no_seed_[IndexOf(seed.name)] = fmt::format("seed {}", error.what());
+    }
+  }
+}
+
+std::string LiveTracker::WhyNoSeed() const {
+  for (std::size_t n = 0; n < thing_.size(); ++n)
+    if (!thing_[n] && !why_no_seed_[n].empty()) return why_no_seed_[n];
+  return "";
+}
+
+std::optional<Vector2d> LiveTracker::MetricOf(const Vector2d& px) const {
+  try {
+    return options_.metric_from_px(px);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
 void LiveTracker::Name(std::string_view name, const Vector2d& place_px) {
@@ -124,8 +145,8 @@ void LiveTracker::Name(std::string_view name, const Vector2d& place_px) {
     if (last.frame != measured_.frame.back() || away_px > kSeedSlackPx || away_px >= least_px) continue;
     nearest = thing, least_px = away_px;
   }
-  ForgetDistances(index);
   if (!nearest) throw Fail("{}: there is no marker at {:.0f},{:.0f}", name, place_px.x(), place_px.y());
+  ForgetDistances(index);
   Give(index, *nearest);
 }
 
@@ -177,7 +198,7 @@ std::vector<LiveSpot> LiveTracker::Spots() const {
 void LiveTracker::LearnDistances() {
   std::vector<std::optional<Vector2d>> places(thing_.size());
   for (std::size_t n = 0; n < places.size(); ++n)
-    if (const TrackletSample* sample = SeenNow(n)) places[n] = options_.metric_from_px(sample->position);
+    if (const TrackletSample* sample = SeenNow(n)) places[n] = MetricOf(sample->position);
   for (std::size_t a = 0; a < places.size(); ++a)
     for (std::size_t b = a + 1; b < places.size(); ++b) {
       if (!places[a] || !places[b]) continue;
@@ -285,13 +306,15 @@ void LiveTracker::Rejoin() {
     const bool is_named = std::ranges::find(thing_, std::optional(thing.number)) != thing_.end();
     if (is_named || thing.tracklet->samples.size() < kFollowed || last.frame != measured_.frame.back()) continue;
     if (join.things.size() == Rejoining::kMostThings) break;
+    const std::optional<Vector2d> metric = MetricOf(last.position);
+    if (!metric) continue;
     join.things.push_back(thing);
-    join.thing_metric.push_back(options_.metric_from_px(last.position));
+    join.thing_metric.push_back(*metric);
   }
   if (join.things.empty()) return;
   for (std::size_t n = 0; n < thing_.size(); ++n) {
     const TrackletSample* sample = SeenNow(n);
-    join.name_metric.push_back(sample ? std::optional(options_.metric_from_px(sample->position)) : std::nullopt);
+    join.name_metric.push_back(sample ? MetricOf(sample->position) : std::nullopt);
   }
   join.chosen.assign(join.lost.size(), -1);
   join.Try(0, 0);

@@ -452,7 +452,7 @@ void LiveStream::Impl::Finish() {
         fmt::format("; the camera's clock was set back {} time{}", times_set_back, times_set_back == 1 ? "" : "s");
   if (end && left_out > 0) end->why += fmt::format("; {} pictures that came twice or too late were left out", left_out);
   const fs::path part = UnfinishedRecording(recording);
-  if (!fs::exists(part)) return;
+  if (!fs::exists(part)) throw Fail("{}: the recording is gone", part.string());
   std::error_code error;
   fs::rename(part, recording, error);
   if (error) throw Fail("{}: cannot be moved to {} ({})", part.string(), recording.string(), error.message());

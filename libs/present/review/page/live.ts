@@ -206,7 +206,7 @@ export class LivePage {
   update(state: LiveStateMessage): void {
     this.phase = state.phase;
     const isOn = state.phase === "watching" || state.phase === "trial";
-    part("state").textContent = TEXTS.phase(state.phase, state.recorded_s, state.end);
+    part("state").textContent = TEXTS.phase(state);
     if (state.failed !== "") say(state.failed, true);
     const trial = part<HTMLButtonElement>("live-trial");
     trial.textContent = state.phase === "watching" ? TEXTS.beginTrial : TEXTS.endTrial;
@@ -234,9 +234,9 @@ export class LivePage {
   private showPlace({ place, change, is_named, why_no_rise }: LiveStateMessage): void {
     part("live-place").className = place ? place.verdict : "";
     part("live-move").textContent = place ? place.move : is_named ? TEXTS.measuring : "";
-    part("live-verdict").textContent = place ? TEXTS.toleranceText(place.verdict, this.message.tolerance_mm) : "";
+    part("live-verdict").textContent = place ? TEXTS.toleranceText(place, this.message.tolerance_mm) : "";
     part("live-detail").textContent = place
-      ? TEXTS.placeDetail(place.rises, place.where, Math.max(...place.anatomical_half_width_mm))
+      ? TEXTS.placeDetail(place.rises, place.where, Math.max(...place.anatomical_half_width_mm), this.message.joint_at_mm)
       : why_no_rise;
     part("live-change").textContent = change;
   }

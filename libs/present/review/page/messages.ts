@@ -286,6 +286,7 @@ export interface LiveMessage {
   height: number;
   markers: string[];
   joint: string; // of the markers
+  joint_at_mm: Pair; // where that is against the joint's axis: anterior, along the shank
   tolerance_mm: number;
 }
 
@@ -299,6 +300,7 @@ export interface LivePlace {
   anatomical_half_width_mm: Pair;
   distance_mm: number;
   where: string;
+  do_rises_narrow: boolean; // whether one more makes the interval narrower
   move: string; // what to do, in words
   verdict: "within" | "beyond" | "undecided";
 }
@@ -319,6 +321,7 @@ export interface LiveStateMessage extends StateMessage {
   progress: string;
   end: string | null; // why no more frames come
   failed: string;
+  has_trial: boolean; // also after a recording that was cut short by a full disk
   difference_px: number | null; // of the live positions to those of the trial, RMS
 }
 

@@ -1,5 +1,5 @@
 // Every text of the page, in one place.
-import { CheckMessage, CourseMessage, MeasureMessage, PinName, ProblemKind } from "./messages";
+import { CheckMessage, CourseMessage, LivePlace, LiveStateMessage, MeasureMessage, Pair, PinName, ProblemKind } from "./messages";
 
 const EVENTS: { [event: string]: string } = {
   onset: "onset",
@@ -190,19 +190,22 @@ export const TEXTS = {
 
   // Live
   liveEnded: "lake live has ended; what was recorded is in its folder",
-  phase: (phase: string, seconds: number, end: string | null) =>
-    phase === "watching" ? `Recording, ${seconds.toFixed(0)} s; begin the trial when the person sits`
-    : phase === "trial" ? `Trial, ${seconds.toFixed(0)} s recorded`
+  phase: ({ phase, recorded_s, end, has_trial }: LiveStateMessage) =>
+    phase === "watching" ? `Recording, ${recorded_s.toFixed(0)} s; begin the trial when the person sits`
+    : phase === "trial" ? `Trial, ${recorded_s.toFixed(0)} s recorded`
     : phase === "finishing" ? `${end ? `The recording has ended: ${end}. ` : ""}Making the trial`
-    : phase === "done" ? `The trial is ready: ${end}` : "There is no trial",
+    : has_trial ? `The trial is ready: ${end}` : "There is no trial",
   beginTrial: "Begin trial",
   endTrial: "End trial",
   measuring: "Stand up and sit down: the joint's place is told after each rise",
   notNamed: (missing: string[]) => `Not named yet: ${missing.join(", ")}. Stand up and sit down once, or click a name and its spot`,
-  toleranceText: (verdict: string, tolerance: number) =>
-    verdict === "within" ? `✓ Within ${tolerance} mm` : verdict === "beyond" ? `✗ Not within ${tolerance} mm` : `? About ${tolerance} mm: one rise more tells`,
-  placeDetail: (rises: number, where: string, beneath: number) =>
-    `${rises === 1 ? "1 rise" : `mean of ${rises} rises`} since the joint was put there: it sits ${where}; of the joint beneath the skin ± ${beneath.toFixed(0)} mm`,
+  toleranceText: ({ verdict, do_rises_narrow }: LivePlace, tolerance: number) =>
+    verdict === "within" ? `✓ Within ${tolerance} mm`
+    : verdict === "beyond" ? `✗ Not within ${tolerance} mm`
+    : do_rises_narrow ? `? Not known yet whether within ${tolerance} mm: one more rise`
+    : `? Cannot be told from ${tolerance} mm`,
+  placeDetail: (rises: number, where: string, beneath: number, [x, y]: Pair) =>
+    `${rises === 1 ? "1 rise" : `mean of ${rises} rises`} since the joint was put there: it sits ${where}; of the joint beneath the skin ± ${beneath.toFixed(0)} mm${x !== 0 || y !== 0 ? `; all of it for a marker exactly ${x}, ${y} mm from the joint's axis (--joint-at)` : ""}`,
   riseRow: (rise: number, x: number, y: number, moves: number) =>
     `Rise ${rise}: ${Math.abs(x).toFixed(0)} mm ${x >= 0 ? "in front of" : "behind"}, ${Math.abs(y).toFixed(0)} mm ${y >= 0 ? "above" : "below"} the knee${moves ? ` (after move ${moves})` : ""}`,
   riseCount: (count: number) => (count === 0 ? "No rise yet" : count === 1 ? "1 rise" : `${count} rises`),

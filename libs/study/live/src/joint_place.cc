@@ -90,18 +90,37 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
     const double plane =
         std::hypot(budget.scale_percent / 100 * place.offset_mm[axis], budget.depth_mm * budget.view_slope);
     const double skin = std::hypot(budget.placement_mm, budget.soft_tissue_mm);
-    place.half_width_mm[axis] = std::hypot(half_width, kNormal95 * plane);
+    place.fixed_half_width_mm[axis] = kNormal95 * plane;
+    place.half_width_mm[axis] = std::hypot(half_width, place.fixed_half_width_mm[axis]);
     place.anatomical_half_width_mm[axis] = std::hypot(place.half_width_mm[axis], kNormal95 * skin);
   }
   return place;
 }
 
-std::string MoveText(const JointPlace& place) {
+bool JointPlace::DoRisesNarrow() const {
+  Eigen::Index axis = 0;
+  half_width_mm.maxCoeff(&axis);
+  const double all = std::pow(half_width_mm[axis], 2), fixed = std::pow(fixed_half_width_mm[axis], 2);
+  return all - fixed > fixed;
+}
+
+double LeastUncertaintyMm(const compare::RecordingBudgetOptions& budget) {
+  const RiseOffset at_knee;  // without noise
+  return PlaceOf({&at_knee, 1}, budget).UncertaintyMm();
+}
+
+std::string MoveText(const JointPlace& place, double tolerance_mm) {
   const Vector2d move_mm = -place.offset_mm;
   const std::string along = PartText(move_mm.x(), place.half_width_mm.x(), "forward", "back"),
                     up = PartText(move_mm.y(), place.half_width_mm.y(), "up", "down");
   const std::string within = PlusMinus(place.UncertaintyMm());
-  if (along.empty() && up.empty()) return "Leave the joint where it is " + within;
+  if (along.empty() && up.empty()) {
+    if (JudgeTolerance(place, tolerance_mm) == ToleranceVerdict::kWithin)
+      return "Leave the joint where it is " + within;
+    if (place.DoRisesNarrow())
+      return fmt::format("The joint's place is not known well enough yet {}: one more rise", within);
+    return fmt::format("The joint's place cannot be told from {:g} mm {}", tolerance_mm, within);
+  }
   return fmt::format("Move the joint {}{}{} {}", along, along.empty() || up.empty() ? "" : " and ", up, within);
 }
 
@@ -109,8 +128,9 @@ std::string ChangeText(const JointPlace& before, const JointPlace& now) {
   const double nearer_mm = before.DistanceMm() - now.DistanceMm();
   // Scale and parallax are the same before and after; what is left is less than both intervals together.
   const double half_width_mm = std::hypot(before.UncertaintyMm(), now.UncertaintyMm());
-  if (std::abs(nearer_mm) < 0.5)
-    return fmt::format("As far from the knee as before the last move {}", PlusMinus(half_width_mm));
+  if (std::abs(nearer_mm) < half_width_mm)
+    return fmt::format("Not told apart from before the last move {}{}", PlusMinus(half_width_mm),
+                       now.DoRisesNarrow() ? ": one more rise" : "");
   return fmt::format("{:.0f} mm {} the knee than before the last move {}", std::abs(nearer_mm),
                      nearer_mm > 0 ? "nearer to" : "farther from", PlusMinus(half_width_mm));
 }

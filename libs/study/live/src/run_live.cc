@@ -4,7 +4,6 @@ extern "C" {
 #include <libavdevice/avdevice.h>
 }
 
-#include <csignal>
 #include <cstdio>
 
 #include "lake/core/atomic_file.h"
@@ -41,20 +40,40 @@ void DropTornRow(const fs::path& table) {
 }
 
 // What a program that was killed or interrupted has left.
-Json FinishFolder(const LiveRunOptions& options, const fs::path& programs) {
+Json FinishFolder(const LiveRunOptions& options, const fs::path& programs, Run& run) {
   const fs::path folder = options.input, recording = folder / kVideo;
+  std::error_code error;
+  if (!fs::equivalent(run.Folder(), folder, error))
+    throw UsageError(
+        fmt::format("-o {}: the trial is made where the recording is, {}", run.Folder().string(), folder.string()));
+  run.TakeFolder();  // a session may be recording there
   const bool is_unfinished = fs::exists(video::UnfinishedRecording(recording));
   if (!is_unfinished && !fs::exists(recording)) throw Fail("{}: holds no recording of lake live", folder.string());
-  if (fs::exists(folder / "summary.json")) throw Fail("{}: is a trial already", folder.string());
+  if (fs::exists(folder / kSummary)) throw Fail("{}: is a trial already", folder.string());
   if (is_unfinished) video::CompleteRecording(recording);
   for (const char* table : {kTracks, kRises, kMoves}) DropTornRow(folder / table);
   const auto say = [](const std::string&) {};
+  run.ReleaseFolder();
   TrackTrial(programs, folder, ArgumentsIn(folder), say, [] { ThrowIfInterrupted(); });
   Json live = ReadJsonFile(folder / kLive);
   live["difference"] = DifferenceJson(motion::ReadMarkerCsv(folder / kTracks), folder);
   if (live["ended"].is_null()) live["ended"] = "the program was interrupted";
   WriteJsonFile(folder / kLive, live);
   return live;
+}
+
+// That the trial was not made is what the interruption asked for; that the recording was not completed is not.
+void FinishInterrupted(Session& session, const fs::path& folder) {
+  std::string why;
+  try {
+    session.Finish();
+  } catch (const std::exception& error) {
+    why = error.what();
+  }
+  if (fs::exists(folder / kVideo) && !fs::exists(folder / kSummary))
+    fmt::print(stderr, "lake-live: the recording is whole; make a trial of it with: lake live {}\n", folder.string());
+  else if (!why.empty())
+    fmt::print(stderr, "lake-live: {}\n", why);
 }
 
 }  // namespace
@@ -89,7 +108,7 @@ bool IsFolderToFinish(const LiveRunOptions& options) {
 }
 
 Json RunLive(const LiveRunOptions& options, const fs::path& programs, Run& run) {
-  if (IsFolderToFinish(options)) return FinishFolder(options, programs);
+  if (IsFolderToFinish(options)) return FinishFolder(options, programs, run);
   avdevice_register_all();
   Session session(options, programs, run);
   review::PageOptions page;
@@ -102,13 +121,7 @@ Json RunLive(const LiveRunOptions& options, const fs::path& programs, Run& run) 
     review::ServeLive(page, session.PageWork());
   } catch (const Interrupted&) {
     session.Abandon();
-    try {
-      session.Finish();
-    } catch (const std::exception&) {
-      // That the trial was not made is what the interruption asked for.
-    }
-    fmt::print(stderr, "lake-live: the recording is whole; make a trial of it with: lake live {}\n",
-               run.Folder().string());
+    FinishInterrupted(session, run.Folder());
     throw;
   }
   session.Finish();

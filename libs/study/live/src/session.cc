@@ -58,19 +58,26 @@ motion::MarkerRecording Rows(const motion::MarkerRecording& all, std::size_t fir
 Session::Session(const LiveRunOptions& options, fs::path programs, Run& run)
     : options_(options), programs_(std::move(programs)), run_(run), by_hand_(options.seeds) {
   CheckMarkers();
-  for (const char* file : {kVideo, "video.part.mkv"})
-    if (fs::exists(run.Folder() / file))
+  const fs::path recording = run.Folder() / kVideo;
+  for (const fs::path& file : {recording, video::UnfinishedRecording(recording)})
+    if (fs::exists(file))
       throw Fail("{}: holds a recording; choose another folder with -o, or finish that one: lake live {}",
                  run.Folder().string(), run.Folder().string());
   run.Begin({kVideo, kTracks, kRises, kMoves, kLive});
-  stream_ = std::make_unique<video::LiveStream>(options_.input, options_.stream, run.Folder() / kVideo);
+  stream_ = std::make_unique<video::LiveStream>(options_.input, options_.stream, recording);
+  video_ = stream_->Info();
   ReadPlane();
+  if (options_.tolerance_mm < LeastUncertaintyMm())
+    run_.Warn(
+        fmt::format("--tolerance {:g} mm: after however many rises the joint's place is known to ± {:.1f} mm at best, "
+                    "so no joint is told to be within",
+                    options_.tolerance_mm, LeastUncertaintyMm()));
   track_.names = options_.markers, track_.seeds = options_.seeds;
   track_.polarity = options_.polarity, track_.crop = options_.crop;
   track_.metric_from_px = [this](const Vector2d& px) { return gait::PlaneFromRecorded(view_, px, 0); };
-  const Vector2d middle(0.5 * stream_->Info().width, 0.5 * stream_->Info().height);
+  const Vector2d middle(0.5 * video_.width, 0.5 * video_.height);
   track_.px_per_mm = 1 / gait::PlaneUnitsPerRecorded(view_, track_.metric_from_px(middle), 0);
-  tracker_.emplace(track_, stream_->Info());
+  tracker_.emplace(track_, video_);
   tracks_table_.emplace(run.Result(kTracks), TrackHeader(options_.markers));
   rises_table_.emplace(run.Result(kRises),
                        std::vector<std::string>{"rise", "onset_s", "standing_s", "moves", "joint_x_mm", "joint_y_mm",
@@ -102,12 +109,12 @@ void Session::CheckMarkers() const {
 }
 
 void Session::ReadPlane() {
-  const video::VideoInfo& info = stream_->Info();
   std::optional<camera::CameraProfile> profile;
   if (options_.camera) {
     profile = camera::ReadCameraProfile(*options_.camera);
-    const auto scaled = camera::CameraAtSize(profile->camera, info.width, info.height);
-    if (!scaled) camera::CheckResolution(profile->camera, *options_.camera, info.width, info.height, options_.input);
+    const auto scaled = camera::CameraAtSize(profile->camera, video_.width, video_.height);
+    if (!scaled)
+      camera::CheckResolution(profile->camera, *options_.camera, video_.width, video_.height, options_.input);
     profile->camera = *scaled;
     readout_s_ = profile->readout_s;
   }
@@ -155,9 +162,13 @@ void Session::Work() {
 }
 
 void Session::TrackAll() {
-  for (video::LiveFrame live; stream_->Read(live);) {
-    AddFrame(live);
-    changed_.notify_all();
+  try {
+    for (video::LiveFrame live; stream_->Read(live);) {
+      AddFrame(live);
+      changed_.notify_all();
+    }
+  } catch (const std::exception& error) {
+    BreakOff(error.what());
   }
   stream_->Finish();
   const std::lock_guard lock(mutex_);
@@ -168,8 +179,16 @@ void Session::TrackAll() {
   SaveLive();
 }
 
+// What ends the tracking does not cost the recording.
+void Session::BreakOff(const std::string& why) {
+  stream_->Stop();
+  stream_->Finish();
+  throw Fail("{}; the recording is whole: lake live {}", why, run_.Folder().string());
+}
+
 void Session::AddFrame(const video::LiveFrame& live) {
   const std::lock_guard lock(mutex_);
+  video_ = stream_->Info();
   tracker_->Add(live.frame);
   samples_.push_back(MeasureFrame());
   if (watch_.Add(live.frame.time_s, std::abs(samples_.back().knee_deg))) is_rise_due_ = true;
@@ -180,6 +199,14 @@ void Session::AddFrame(const video::LiveFrame& live) {
   latencies_ms_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - live.arrived).count());
 }
 
+std::optional<Vector2d> Session::InPlane(const Vector2d& px) const {
+  try {
+    return gait::PlaneFromRecorded(view_, px, 0);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
 Session::Sample Session::MeasureFrame() const {
   const motion::MarkerRecording& told = tracker_->Told();
   Sample sample{.time_s = told.time_s.back()};
@@ -187,7 +214,7 @@ Session::Sample Session::MeasureFrame() const {
   std::optional<Vector2d> joint;
   const auto in_plane = [&](std::string_view name) -> std::optional<Vector2d> {
     const std::optional<Vector2d> px = PlaceIn(told, name);
-    return px ? std::optional(gait::PlaneFromRecorded(view_, *px, 0)) : std::nullopt;
+    return px ? InPlane(*px) : std::nullopt;
   };
   points.ankle = in_plane("ankle"), points.knee = in_plane("knee"), points.hip = in_plane("hip");
   if (!points.ankle || !points.knee) return sample;
@@ -228,12 +255,11 @@ void Session::WriteTrackRow() {
   }
 }
 
-// Of the recording since the joint was moved last, as one trial has one place of the joint.
-double Session::TrialStartS() const {
-  double start_s = begin_s_.value_or(0);
-  if (!moves_s_.empty() && !RisesAfterMoves(static_cast<int>(moves_s_.size())).empty())
-    start_s = std::max(start_s, moves_s_.back());
-  return start_s;
+TrialPart Session::Trial() const {
+  std::vector<double> onsets_s;
+  onsets_s.reserve(rises_.size());
+  for (const RiseOffset& rise : rises_) onsets_s.push_back(rise.onset_s);
+  return PartOfTrial({.begin_s = begin_s_, .end_s = end_s_}, moves_s_, onsets_s);
 }
 
 // Of markers that lake-track cannot name by itself: where they were first measured in that part.
@@ -257,12 +283,12 @@ std::vector<std::string> Session::SeedsFrom(double start_s) const {
 }
 
 std::vector<std::string> Session::Arguments() const {
-  const double start_s = TrialStartS();
-  std::vector<std::string> more = SeedsFrom(start_s);
+  const TrialPart part = Trial();
+  std::vector<std::string> more = SeedsFrom(part.begin_s.value_or(0));
   // The recording keeps its stamps to the millisecond.
   const auto rounded = [](double time_s) { return fmt::format("{:.3f}", time_s); };
-  if (start_s > 0) more.push_back("--start=" + rounded(start_s));
-  if (end_s_) more.push_back("--end=" + rounded(*end_s_));
+  if (part.begin_s) more.push_back("--start=" + rounded(*part.begin_s));
+  if (part.end_s) more.push_back("--end=" + rounded(*part.end_s));
   return TrackArguments(options_, more);
 }
 
@@ -288,7 +314,8 @@ void Session::FinishTrial() {
   const std::lock_guard lock(mutex_);
   difference_ = difference;
   SaveLive();
-  if (end_->kind == video::StreamEnd::Kind::kDiskFull)
+  using Kind = video::StreamEnd::Kind;
+  if (end_->kind == Kind::kDiskFull || end_->kind == Kind::kUnrecorded)
     throw Fail("{}; what was recorded until then is a trial in {}", end_->why, run_.Folder().string());
 }
 
@@ -343,8 +370,8 @@ void Session::FindTheNames() {
     why_not = error.what();
   }
   const std::lock_guard lock(mutex_);
-  why_not_named_ = why_not;
   tracker_->TakeNames(found);
+  why_not_named_ = why_not.empty() ? tracker_->WhyNoSeed() : why_not;
   if (tracker_->HasAllNames()) SaveLive();
 }
 
@@ -357,11 +384,12 @@ void Session::FindFacing() {
     const motion::MarkerTrack &ankle = *measured.Find("ankle"), &knee = *measured.Find("knee"),
                               &hip = *measured.Find("hip");
     for (std::size_t row = 0; row < measured.Frames(); ++row) {
-      if (!ankle.samples[row].IsKnown() || !knee.samples[row].IsKnown() || !hip.samples[row].IsKnown()) continue;
       const auto place = [&](const motion::MarkerTrack& track) {
-        return gait::PlaneFromRecorded(view_, track.samples[row].position, 0);
+        const motion::MarkerSample& sample = track.samples[row];
+        return sample.IsKnown() ? InPlane(sample.position) : std::nullopt;
       };
-      legs.push_back({.ankle = place(ankle), .knee = place(knee), .hip = place(hip), .waist = {}});
+      const gait::LegPoints leg{.ankle = place(ankle), .knee = place(knee), .hip = place(hip), .waist = {}};
+      if (leg.ankle && leg.knee && leg.hip) legs.push_back(leg);
     }
   }
   if (legs.empty()) return;
@@ -391,7 +419,7 @@ void Session::FindTheRises() {
     const std::lock_guard lock(mutex_);
     if (!tracker_->HasAllNames()) return;
     window = Window();
-    finding.video = stream_->Info();
+    finding.video = video_;
   }
   constexpr std::size_t kFewest = 60;  // frames, from which sigmas can be calibrated
   if (window.Frames() < kFewest) return;
@@ -423,6 +451,7 @@ void Session::FindTheRises() {
 void Session::JudgePictures() {
   constexpr std::array kJudged = {"all_seen_share", "radius_px",     "contrast_over_noise", "saturated_share",
                                   "blur_px",        "frame_rate_hz", "repeated_frames",     "dropped_frames"};
+  constexpr std::array kOfMarkers = {"radius_px", "contrast_over_noise", "saturated_share", "blur_px"};
   tracking::RecordingCheck check;
   std::vector<tracking::Tracklet> named;
   std::optional<tracking::ImageFigures> image;
@@ -432,7 +461,7 @@ void Session::JudgePictures() {
     constexpr std::size_t kLooked = 300;  // frames
     const std::size_t frames = measured.Frames(), looked = std::min(frames, kLooked);
     if (looked < 2) return;
-    check.video = stream_->Info();
+    check.video = video_;
     std::vector<double> time_s(measured.time_s.end() - static_cast<std::ptrdiff_t>(looked), measured.time_s.end());
     const double interval_s = MedianInterval(time_s);
     check.video.frame_rate_hz = 1 / interval_s;
@@ -449,7 +478,8 @@ void Session::JudgePictures() {
     named = tracker_->Named(looked);
     image = tracker_->Figures();
   }
-  if (check.IsNamed() && image && !named.empty()) {
+  const bool has_markers = check.IsNamed() && image && !named.empty();
+  if (has_markers) {
     std::vector<const tracking::Tracklet*> pointers;
     pointers.reserve(named.size());
     for (const tracking::Tracklet& tracklet : named) pointers.push_back(&tracklet);
@@ -459,6 +489,7 @@ void Session::JudgePictures() {
   for (const tracking::CheckItem& item : tracking::JudgeRecording(check, static_cast<int>(options_.markers.size()))) {
     if (std::ranges::find(kJudged, item.name) == kJudged.end()) continue;
     if (!check.IsNamed() && item.name == "all_seen_share") continue;
+    if (!has_markers && std::ranges::find(kOfMarkers, item.name) != kOfMarkers.end()) continue;
     checks.push_back({{"shown", item.shown},
                       {"verdict", tracking::ToString(item.verdict)},
                       {"advice", item.verdict == tracking::Verdict::kGood ? "" : item.advice}});

@@ -22,6 +22,7 @@
 #include "lake/gait/leg_view.h"
 #include "lake/live/joint_place.h"
 #include "lake/live/run_live.h"
+#include "lake/live/trial_part.h"
 #include "lake/review/live_page.h"
 #include "lake/tracking/live_tracker.h"
 #include "lake/video/live_stream.h"
@@ -65,10 +66,13 @@ class Session {
   void ReadPlane();
   Eigen::Vector2d MarkerAt() const { return {options_.joint_at_mm[0], options_.joint_at_mm[1]}; }
   void CheckMarkers() const;
+  // Of a place that the camera's model puts into the plane.
+  std::optional<Eigen::Vector2d> InPlane(const Eigen::Vector2d& px) const;
 
   // The tracker's thread.
   void Work();
   void TrackAll();
+  [[noreturn]] void BreakOff(const std::string& why);
   void AddFrame(const video::LiveFrame& live);
   Sample MeasureFrame() const;
   void WriteTrackRow();
@@ -87,7 +91,7 @@ class Session {
   std::optional<JointPlace> Place() const;
   motion::MarkerRecording Window() const;
   std::vector<std::string> SeedsFrom(double start_s) const;
-  double TrialStartS() const;
+  TrialPart Trial() const;
   std::vector<std::string> Arguments() const;
   void SaveLive();
   std::string PhaseText() const;
@@ -105,6 +109,7 @@ class Session {
   std::filesystem::path programs_;
   Run& run_;
   gait::LegView view_;
+  video::VideoInfo video_;  // under the mutex once the session has started: the stream's own is its reader's
   double readout_s_ = 0;
   std::unique_ptr<video::LiveStream> stream_;
   tracking::LiveTrackOptions track_;

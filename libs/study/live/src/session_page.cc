@@ -25,14 +25,15 @@ Json NumberJson(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
-Json JointPlaceJson(const JointPlace& place) {
+Json JointPlaceJson(const JointPlace& place, double tolerance_mm) {
   return {{"rises", place.rises},
           {"offset_mm", PointJson(place.offset_mm)},
           {"half_width_mm", PointJson(place.half_width_mm)},
           {"anatomical_half_width_mm", PointJson(place.anatomical_half_width_mm)},
           {"distance_mm", place.DistanceMm()},
           {"where", compare::DescribeJoint(place.offset_mm)},
-          {"move", MoveText(place)}};
+          {"do_rises_narrow", place.DoRisesNarrow()},
+          {"move", MoveText(place, tolerance_mm)}};
 }
 
 }  // namespace
@@ -47,12 +48,14 @@ review::LiveWork Session::PageWork() {
 }
 
 Json Session::About() const {
+  const std::lock_guard lock(mutex_);
   return {{"input", options_.input},
           {"folder", run_.Folder().string()},
-          {"width", stream_->Info().width},
-          {"height", stream_->Info().height},
+          {"width", video_.width},
+          {"height", video_.height},
           {"markers", options_.markers},
           {"joint", options_.joint},
+          {"joint_at_mm", options_.joint_at_mm},
           {"tolerance_mm", options_.tolerance_mm}};
 }
 
@@ -75,7 +78,7 @@ std::string Session::PhaseText() const {
 // The place since the last move, what to do, and what the last move did.
 Json Session::PlaceJson() const {
   const std::optional<JointPlace> place = Place();
-  Json json = place ? JointPlaceJson(*place) : Json();
+  Json json = place ? JointPlaceJson(*place, options_.tolerance_mm) : Json();
   if (place) json["verdict"] = ToString(JudgeTolerance(*place, options_.tolerance_mm));
   return json;
 }
@@ -109,6 +112,7 @@ Json Session::State() const {
           {"progress", progress_},
           {"end", end_ ? Json(end_->why) : Json()},
           {"failed", failure_text_},
+          {"has_trial", !difference_.is_null()},
           {"difference_px", difference_.is_null() ? Json() : difference_.at("rms_px")}};
 }
 
@@ -212,7 +216,7 @@ Json Session::LiveJsonLocked() const {
     rises.push_back({{"onset_s", rise.onset_s},
                      {"standing_s", rise.standing_s},
                      {"moves", MovesBefore(rise.onset_s)},
-                     {"place", JointPlaceJson(PlaceOf(std::vector{rise}))}});
+                     {"place", JointPlaceJson(PlaceOf(std::vector{rise}), options_.tolerance_mm)}});
   json["recording"] = kVideo;
   json["frames"] = samples_.size();
   json["damaged_frames"] = end_ ? Json(stream_->DamagedFrames()) : Json();

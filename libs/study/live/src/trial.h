@@ -17,6 +17,7 @@ inline constexpr const char* kTracks = "live_tracks.csv";
 inline constexpr const char* kRises = "rises.csv";
 inline constexpr const char* kMoves = "moves.csv";
 inline constexpr const char* kLive = "live.json";
+inline constexpr const char* kSummary = "summary.json";  // lake-track's, written last: with it the folder is a trial
 
 // What lake-track is told beside the video and the folder. `more`: seeds and the part of the recording.
 std::vector<std::string> TrackArguments(const LiveRunOptions& options, const std::vector<std::string>& more);

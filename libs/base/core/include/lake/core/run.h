@@ -54,6 +54,10 @@ class Run {
   // that this program did not write or, as a default folder, another subject's results; it is not writable.
   void Begin(const std::vector<std::string>& names = {});
 
+  // Locks the folder and changes nothing in it, for a run that goes on with what is there. Throws Error: another run is
+  // at work in it; it is not writable.
+  void TakeFolder();
+
   // The full path of a result ("tracks.csv", "predicted/comparison.json"); creates the folder. Throws as Begin().
   std::filesystem::path Result(const std::string& name);
   const std::filesystem::path& Folder() const { return info_.out; }
@@ -84,7 +88,6 @@ class Run {
   Json WriteSummary(const Json& results);
 
  private:
-  void TakeFolder();
   void Retire(ResultsList old);
   void CheckIsFree(const std::string& name) const;
   void WriteList() const;
@@ -94,7 +97,7 @@ class Run {
   std::vector<std::string> warnings_;
   std::string report_;
   Json inputs_ = Json::array();
-  std::shared_ptr<FolderLock> lock_;  // held from Begin() on
+  std::shared_ptr<FolderLock> lock_;  // held from TakeFolder() or Begin() on
   bool begun_ = false;
   bool made_folder_ = false;
   bool older_version_ = false;  // results of this program without a list that can be read

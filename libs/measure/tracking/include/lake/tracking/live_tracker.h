@@ -32,6 +32,8 @@ struct LiveTrackOptions {
   std::vector<MarkerSeed> seeds;  // places; numbers of candidates are not known yet
   Polarity polarity = Polarity::kBright;
   cv::Rect crop;  // px; empty: the whole picture
+  // May throw Error for a place that has none there; what is seen at such a place is followed, and its distances to
+  // others are not known.
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> metric_from_px = [](const Eigen::Vector2d& px) { return px; };
   Eigen::Vector2d up_px = {0, -1};
   double px_per_mm = 1;  // about; how quickly the filter follows rests on it
@@ -58,12 +60,15 @@ class LiveTracker {
  public:
   LiveTracker(LiveTrackOptions options, const video::VideoInfo& video);
 
-  // In order; time stamps increase.
+  // In order; time stamps increase. A seed that points at nothing gives no name: WhyNoSeed.
   void Add(const video::VideoFrame& frame);
 
   std::vector<LiveSpot> Spots() const;
   bool HasAllNames() const;  // every name was given once
   bool IsAnyLost() const;    // a name has had no thing for so long that Rejoining has no way back to it, or never one
+
+  // Of a name that no thing has had yet: why its seed gave it none; else empty.
+  std::string WhyNoSeed() const;
 
   // The thing at a place of the last frame. Throws Error where there is none, or no such name.
   void Name(std::string_view name, const Eigen::Vector2d& place_px);
@@ -97,6 +102,7 @@ class LiveTracker {
 
   const Tracklet* ThingOf(std::size_t name) const;
   const TrackletSample* SeenNow(std::size_t name) const;
+  std::optional<Eigen::Vector2d> MetricOf(const Eigen::Vector2d& px) const;
   void Give(std::size_t name, const TrackletBuilder::Thing& thing);
   void ForgetDistances(std::size_t name);
   void TakeSeeds(std::int64_t frame);
@@ -110,6 +116,7 @@ class LiveTracker {
   std::unique_ptr<MarkerDetector> detector_;
   std::unique_ptr<TrackletBuilder> builder_;
   std::vector<std::optional<std::int64_t>> thing_;  // number, by name
+  std::vector<std::string> why_no_seed_;            // by name
   std::vector<std::optional<Eigen::Vector2d>> last_place_px_;
   std::map<std::pair<std::size_t, std::size_t>, Distance> distances_;  // by names, the lesser first
   std::vector<Filter> filters_;

@@ -37,9 +37,9 @@ struct LiveFrame {
 // Why no more frames come. A clock that is set back ends nothing: stamps go on one interval later.
 struct StreamEnd {
   enum class Kind {
-    kStopped,  // Stop() was called
-    kEnded,    // the stream said so: a file's or a pipe's end, a connection that was closed
-    kLost,     // a device that is gone, a network error, silence for `patience_s`
+    kStopped,    // Stop() was called
+    kEnded,      // the stream said so: a file's or a pipe's end, a connection that was closed
+    kLost,       // a device that is gone, a network error, silence for `patience_s`
     kDiskFull,   // or a file that cannot be written further
     kUnrecorded  // Matroska does not take what came; what was recorded until then is whole
   };

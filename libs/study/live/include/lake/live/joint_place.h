@@ -44,20 +44,27 @@ struct JointPlace {
   // Of the markers: their noise and how the rises differ (Student's t), the plane's scale, parallax. What moving the
   // joint by −offset_mm leaves lies in it.
   Eigen::Vector2d half_width_mm = Eigen::Vector2d::Zero();
+  Eigen::Vector2d fixed_half_width_mm = Eigen::Vector2d::Zero();  // of that, what no rise narrows: scale, parallax
   // Of the joint beneath the knee's marker: with the marker's placement and soft tissue.
   Eigen::Vector2d anatomical_half_width_mm = Eigen::Vector2d::Zero();
 
   double DistanceMm() const { return offset_mm.norm(); }
   double UncertaintyMm() const { return half_width_mm.maxCoeff(); }
+  // Whether most of UncertaintyMm() is of the rises, so that one more narrows it.
+  bool DoRisesNarrow() const;
 };
 
-// Needs one rise.
+// Needs one rise. Takes the place of the marker on the exoskeleton as known exactly.
 JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBudgetOptions& budget = {});
 
-// "Move the joint 12 mm back and 30 mm down (± 3 mm)"; a part that is smaller than its interval is not said.
-std::string MoveText(const JointPlace& place);
+// UncertaintyMm() of a joint at the knee after however many rises; a smaller tolerance is never kept for certain.
+double LeastUncertaintyMm(const compare::RecordingBudgetOptions& budget = {});
 
-// "4 mm nearer to the knee than before the last move (± 3 mm)".
+// "Move the joint 12 mm back and 30 mm down (± 3 mm)"; a part that is smaller than its interval is not said. To leave
+// it is said only of a joint within the tolerance.
+std::string MoveText(const JointPlace& place, double tolerance_mm);
+
+// "4 mm nearer to the knee than before the last move (± 3 mm)"; not what is smaller than the interval.
 std::string ChangeText(const JointPlace& before, const JointPlace& now);
 
 enum class ToleranceVerdict { kWithin, kBeyond, kUndecided };  // undecided: its interval holds the limit
