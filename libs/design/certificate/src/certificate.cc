@@ -70,16 +70,16 @@ class Search {
       const std::vector<OpenBox> batch = NextBatch();
       for (const Halved& halved : SplitAll(batch)) Keep(halved);
       boxes_ += static_cast<std::int64_t>(batch.size());
-      progress.Note(fmt::format("bound {:.4f}°{}", DegreesFromRadians(Bound_rad()), best_));
+      progress.Note(fmt::format("bound {:.4f}°{}", DegreesFromRadians(BoundRad()), best_));
       progress.Advance(static_cast<std::int64_t>(batch.size()));
     }
     const bool is_known = std::isfinite(target_rad_);
-    return is_known && Bound_rad() <= target_rad_ ? Certificate::End::kGap : Certificate::End::kNothingToSplit;
+    return is_known && BoundRad() <= target_rad_ ? Certificate::End::kGap : Certificate::End::kNothingToSplit;
   }
 
   std::int64_t Boxes() const { return boxes_; }
   // -infinity if no box is left: nothing is feasible.
-  double Bound_rad() const { return open_.empty() ? closed_rad_ : std::max(closed_rad_, open_.top().bound_rad); }
+  double BoundRad() const { return open_.empty() ? closed_rad_ : std::max(closed_rad_, open_.top().bound_rad); }
 
  private:
   struct Halved {
@@ -194,9 +194,9 @@ Certificate CertifyRange(const problem::SynthesisProblem& problem, std::optional
   Certificate certificate;
   certificate.end = search.Run();
   certificate.boxes = search.Boxes();
-  certificate.feasible_set_empty = search.Bound_rad() == -kInfinity;
+  certificate.feasible_set_empty = search.BoundRad() == -kInfinity;
   certificate.upper_bound_deg =
-      certificate.feasible_set_empty ? -kInfinity : (Interval(search.Bound_rad()) * 180.0 / kPiInterval).upper;
+      certificate.feasible_set_empty ? -kInfinity : (Interval(search.BoundRad()) * 180.0 / kPiInterval).upper;
   if (problem.max_angle_deg)
     certificate.upper_bound_deg = std::min(certificate.upper_bound_deg, *problem.max_angle_deg);
   if (range_deg) CheckAgainstKnown(certificate.upper_bound_deg, *range_deg);

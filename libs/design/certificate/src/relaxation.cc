@@ -93,7 +93,7 @@ std::vector<PoseRow> Relaxation::RowsOverRange(const problem::SynthesisProblem& 
 namespace {
 
 // No straighter than standing.
-double Standing_rad(const problem::SynthesisProblem& problem) {
+double StandingRad(const problem::SynthesisProblem& problem) {
   return std::max(0.0, (Interval(problem.standing_deg) / 180.0 * kPiInterval).upper);
 }
 
@@ -103,7 +103,7 @@ double Standing_rad(const problem::SynthesisProblem& problem) {
 void Relaxation::AddPlaces(const problem::SynthesisProblem& problem, double floor_rad) {
   const std::vector<problem::Requirement> requirements = problem::RequirementsOf(problem);
   const bool stands = std::ranges::any_of(requirements, [](const auto& each) { return each.NeedsStanding(); });
-  const double standing_rad = Standing_rad(problem);
+  const double standing_rad = StandingRad(problem);
   if (!stands) return;
   at_shortest_ = RowsOverRange(problem);
   // Every design that satisfies the problem can sit, whatever the floor. Where a placement is sought, the seat says
@@ -127,7 +127,7 @@ void Relaxation::AddSamples(const problem::SynthesisProblem& problem,
   constexpr std::size_t kMostSamples = 8;
   std::vector<const problem::LoadSample*> samples;
   for (const problem::LoadSample& sample : problem.profile->samples)
-    if (sample.knee_rad >= Standing_rad(problem) && sample.knee_rad <= floor_rad) samples.push_back(&sample);
+    if (sample.knee_rad >= StandingRad(problem) && sample.knee_rad <= floor_rad) samples.push_back(&sample);
   const std::size_t step = 1 + samples.size() / kMostSamples;
   for (std::size_t i = 0; i < samples.size(); i += step) {
     Place place{KappaOfAngle(samples[i]->knee_rad), {}};

@@ -291,6 +291,7 @@ Json WorkflowPlanJson(const Workflow& workflow, int cores) {
     std::vector<study::PlannedStep> steps = PlanOf(of, made_by).steps;
     std::erase_if(steps, [&](const study::PlannedStep& step) { return !step.due || !Has(of.steps, step.name); });
     std::vector<std::string> names;
+    names.reserve(steps.size());
     for (const study::PlannedStep& step : steps) names.push_back(step.name);
     const steps::StepCost cost = study::CostOfDue(steps, of.needs.threads);
     recordings.push_back({{"name", of.name}, {"due", names}, {"expected", study::CostJson(cost)}});
