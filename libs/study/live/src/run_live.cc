@@ -119,12 +119,12 @@ Json RunLive(const LiveRunOptions& options, const fs::path& programs, Run& run) 
   };
   try {
     review::ServeLive(page, session.PageWork());
+    session.Finish();
   } catch (const Interrupted&) {
     session.Abandon();
     FinishInterrupted(session, run.Folder());
     throw;
   }
-  session.Finish();
   return session.LiveJson();
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "lake/core/child_program.h"
 #include "lake/core/csv.h"
@@ -38,6 +39,10 @@ void TrackTrial(const fs::path& programs, const fs::path& folder, const std::vec
 
 Json DifferenceJson(const motion::MarkerRecording& told, const fs::path& folder) {
   const motion::MarkerRecording offline = motion::ReadMarkerCsv(folder / "tracks.csv");
+  // Where a recording was cut, a picture that others are coded from may be missing before its last ones: what has the
+  // same number is then not the same picture. Matroska's times are rounded to a millisecond.
+  constexpr double kRounding_s = 0.002;
+  std::optional<double> first_apart_s;
   double squares = 0, largest = 0;
   std::int64_t count = 0;
   Json markers = Json::object();
@@ -48,6 +53,9 @@ Json DifferenceJson(const motion::MarkerRecording& told, const fs::path& folder)
     for (std::size_t row = 0; track && row < offline.Frames(); ++row) {
       const auto found = std::ranges::lower_bound(told.frame, offline.frame[row]);
       if (found == told.frame.end() || *found != offline.frame[row]) continue;
+      const double apart_s = told.time_s[static_cast<std::size_t>(found - told.frame.begin())] - offline.time_s[row];
+      if (!first_apart_s) first_apart_s = apart_s;
+      if (std::abs(apart_s - *first_apart_s) > kRounding_s) continue;
       const motion::MarkerSample& then = live.samples[static_cast<std::size_t>(found - told.frame.begin())];
       if (then.status != motion::SampleStatus::kDetected ||
           track->samples[row].status != motion::SampleStatus::kDetected)
