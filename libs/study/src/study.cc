@@ -68,13 +68,13 @@ const StepKind& KindOf(const std::string& step) {
   return kReport;
 }
 
-// Measured where the step has been done, else expected of this machine.
-steps::StepCost CostOn(double pace, const steps::StudyStep& step, const std::optional<steps::StepCost>& last) {
-  return last.value_or(steps::StepCost{.seconds = pace * step.expected.seconds, .memory_mb = step.expected.memory_mb});
+// Measured where the step has been done, else expected of this machine, whose pace is measured for that alone.
+steps::StepCost PlannedCost(const steps::StudyStep& step, const std::optional<steps::StepCost>& last) {
+  if (last) return *last;
+  return {.seconds = steps::MachinePace() * step.expected.seconds, .memory_mb = step.expected.memory_mb};
 }
 
-PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>& before, const std::string& why,
-                   double pace) {
+PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>& before, const std::string& why) {
   const std::optional<steps::StepCost> last = steps::LastCost(step);
   const StepKind& kind = KindOf(step.name);
   PlannedStep plan{.name = step.name,
@@ -87,7 +87,7 @@ PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>&
                    .due = why.empty() ? std::nullopt : std::optional(why),
                    .failed = steps::StepFailure(step),
                    .needs = kind.needs,
-                   .cost = CostOn(pace, step, last),
+                   .cost = PlannedCost(step, last),
                    .was_done = last.has_value()};
   for (const fs::path& input : step.inputs) plan.inputs.push_back(Absolute(input));
   for (const char* output : kind.outputs) plan.outputs.push_back(Absolute(step.folder / output));
@@ -176,10 +176,9 @@ StudyPlan PlanStudy(const StudyFile& study, const fs::path& out, const std::stri
   const std::vector<steps::StudyStep> steps = StudySteps(study, out, Json::object());
   const std::vector<std::string> reasons = steps::WhyDoSteps(steps, made_by);
   StudyPlan plan{.name = study.name, .study = Absolute(study.file), .out = Absolute(out), .steps = {}};
-  const double pace = steps::MachinePace();
   plan.steps.reserve(steps.size());
   for (std::size_t i = 0; i < steps.size(); ++i)
-    plan.steps.push_back(PlanOf(steps[i], steps::StepsBefore(steps, steps[i]), reasons[i], pace));
+    plan.steps.push_back(PlanOf(steps[i], steps::StepsBefore(steps, steps[i]), reasons[i]));
   plan.cost = CostOfDue(plan.steps, Threads());
   return plan;
 }
