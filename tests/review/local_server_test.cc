@@ -5,6 +5,7 @@
 #include <httplib.h>
 
 #include <atomic>
+#include <memory>
 #include <stdexcept>
 #include <thread>
 
@@ -28,6 +29,10 @@ class Server : public testing::Test {
     server_.Get("report", [](const LocalRequest&) {
       return LocalReply{.type = "text/html", .body = "<h1>report</h1>", .is_framed = true};
     });
+    server_.GetHeld("window", [this] {
+      ++held_;
+      return std::shared_ptr<void>(this, [](Server* server) { --server->held_; });
+    });
     server_.Get("broken", [](const LocalRequest&) -> LocalReply { throw std::length_error("too long"); });
     const std::string address = server_.Address();
     const std::size_t host = address.find("//") + 2, path = address.find('/', host);
@@ -46,6 +51,7 @@ class Server : public testing::Test {
   }
   httplib::Client Client() const { return httplib::Client("http://" + host_); }
 
+  std::atomic<int> held_ = 0;
   LocalServer server_;
   std::string host_, path_;
   std::atomic<bool> done_ = false;
@@ -116,6 +122,19 @@ TEST_F(Server, AFramedDocumentMayAskForNothing) {
   EXPECT_THAT(policy, testing::Not(HasSubstr("connect-src")));
   EXPECT_THAT(policy, testing::Not(HasSubstr("allow-same-origin")));
   EXPECT_EQ(Client().Get(path_)->get_header_value_count("Content-Security-Policy"), 1u);
+}
+
+// How the program knows that a window is open: it is as long as its connection, however it is closed.
+TEST_F(Server, HoldsWhatAConnectionHolds) {
+  EXPECT_EQ(held_, 0);
+  std::atomic<bool> is_closed = false;
+  std::thread window([&] { Client().Get(path_ + "window", [&](const char*, std::size_t) { return !is_closed; }); });
+  while (held_ == 0) std::this_thread::yield();
+  EXPECT_EQ(Status(path_), 200) << "others are answered meanwhile";
+  EXPECT_EQ(held_, 1);
+  is_closed = true;
+  window.join();
+  while (held_ != 0) std::this_thread::yield();
 }
 
 TEST_F(Server, RefusesAPortInUse) {

@@ -31,11 +31,9 @@ async function picture(path: string): Promise<ImageBitmap> {
   return createImageBitmap(await response.blob());
 }
 
-const newWindow = () => crypto.getRandomValues(new Uint32Array(2)).join("-");
-let thisWindow = newWindow();
-
 export const server = {
-  state: () => get<StateMessage>(`state?window=${thisWindow}`),
+  window: new EventSource("window"), // open as long as this window is: the program ends with its last one
+  state: () => get<StateMessage>("state"),
   trial: () => get<TrialMessage>("trial"),
   edit: (edit: EditMessage) => post<StateMessage>("edit", edit),
   measure: (measures: MeasureMessage[]) => post<CourseMessage[]>("measure", { measures }),
@@ -59,9 +57,3 @@ export const server = {
   frame: (frame: number) => picture(`frame/${frame}.jpg`),
   frameOf: (trial: "human" | "exo") => (frame: number) => picture(`${trial}/${frame}.jpg`),
 };
-
-// The program ends with its last window.
-window.addEventListener("pagehide", () => {
-  navigator.sendBeacon("closed", new Blob([JSON.stringify({ window: thisWindow })], { type: "application/json" }));
-  thisWindow = newWindow();
-});

@@ -68,6 +68,7 @@ struct LocalServer::Impl {
   struct Route {
     std::string method, path;
     Handler handler;
+    std::function<std::shared_ptr<void>()> hold;  // instead of the handler
   };
 
   // Whose request it is; an empty text lets it pass.
@@ -109,14 +110,13 @@ struct LocalServer::Impl {
     for (const Route& route : routes) {
       const bool is_folder = route.path.ends_with('/');
       if (route.method != method || (is_folder ? !path.starts_with(route.path) : path != route.path)) continue;
-      return Call(route, {path.substr(route.path.size()), {}, request.body}, request, response);
+      if (route.hold) return Hold(route.hold(), response);
+      return Call(route, {path.substr(route.path.size()), request.body}, response);
     }
     Refuse(404, "there is nothing of that name", response);
   }
 
-  static void Call(const Route& route, LocalRequest local, const httplib::Request& request,
-                   httplib::Response& response) {
-    for (const auto& [name, value] : request.params) local.query[name] = value;
+  static void Call(const Route& route, const LocalRequest& local, httplib::Response& response) {
     try {
       LocalReply reply = route.handler(local);
       response.status = reply.status;
@@ -132,6 +132,19 @@ struct LocalServer::Impl {
     } catch (const std::exception& error) {
       Refuse(500, error.what(), response);
     }
+  }
+
+  static void Hold(std::shared_ptr<void> held, httplib::Response& response) {
+    constexpr std::chrono::milliseconds kBeat{250};  // a connection that has gone is noticed at the second
+    constexpr std::string_view kComment = ":\n\n";   // an event stream's
+    response.set_header("Cache-Control", "no-store");
+    response.set_chunked_content_provider(
+        "text/event-stream",
+        [kBeat, kComment](std::size_t, httplib::DataSink& sink) {
+          std::this_thread::sleep_for(kBeat);
+          return sink.write(kComment.data(), kComment.size());
+        },
+        [held = std::move(held)](bool) mutable { held.reset(); });
   }
 
   httplib::Server server;
@@ -174,11 +187,15 @@ std::string LocalServer::Address() const {
 }
 
 void LocalServer::Get(const std::string& path, Handler handler) {
-  impl_->routes.push_back({"GET", path, std::move(handler)});
+  impl_->routes.push_back({"GET", path, std::move(handler), {}});
 }
 
 void LocalServer::Post(const std::string& path, Handler handler) {
-  impl_->routes.push_back({"POST", path, std::move(handler)});
+  impl_->routes.push_back({"POST", path, std::move(handler), {}});
+}
+
+void LocalServer::GetHeld(const std::string& path, std::function<std::shared_ptr<void>()> begin) {
+  impl_->routes.push_back({"GET", path, {}, std::move(begin)});
 }
 
 void LocalServer::Serve(const std::function<bool()>& is_done) {

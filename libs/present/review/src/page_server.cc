@@ -24,15 +24,8 @@ PageServer::PageServer(const PageOptions& options, std::function<Json()> state)
   server_.Get("", File("text/html; charset=utf-8", PageHtml()));
   server_.Get("review.css", File("text/css; charset=utf-8", PageStyle()));
   server_.Get("review.js", File("text/javascript; charset=utf-8", PageScript()));
-  server_.Get("state", [this, state = std::move(state)](const LocalRequest& request) {
-    if (const auto window = request.query.find("window"); window != request.query.end())
-      windows_.Opened(window->second);
-    return JsonReply(state());
-  });
-  Post("closed", [this](const Json& message) {
-    windows_.Closed(message.at("window"));
-    return Json();
-  });
+  server_.GetHeld("window", [this] { return windows_.Open(); });
+  Get("state", std::move(state));
 }
 
 void PageServer::Get(const std::string& path, std::function<Json()> answer) {

@@ -1,49 +1,39 @@
-// Which windows show the page: when the last one is closed, the program has done its work.
+// How many windows show the page: when the last one is closed, the program has done its work.
 #pragma once
 
+#include <atomic>
 #include <chrono>
-#include <mutex>
-#include <set>
-#include <string>
+#include <memory>
 
 namespace lake::review {
 
 class Windows {
  public:
-  void Opened(const std::string& id) {
-    const std::lock_guard lock(mutex_);
-    if (gone_.contains(id) || open_.size() >= kMost) return;
-    open_.insert(id);
+  // A window is open as long as what this returns lives, at most as long as this object.
+  std::shared_ptr<void> Open() {
+    ++open_;
     had_any_ = true;
-  }
-
-  void Closed(const std::string& id) {
-    const std::lock_guard lock(mutex_);
-    open_.erase(id);
-    if (gone_.size() < kMost) gone_.insert(id);  // a question of its may still be on its way
-    last_closed_ = Clock::now();
+    return {this, [](Windows* windows) { windows->Close(); }};
   }
 
   bool NoneOpen() const {
-    const std::lock_guard lock(mutex_);
-    return open_.empty() && Clock::now() - last_closed_ > kReload;
+    return open_ == 0 && Clock::now().time_since_epoch() - Clock::duration(last_closed_) > kReload;
   }
 
-  // A page that is loaded again closes before it opens.
-  bool AllClosed() const {
-    const std::lock_guard lock(mutex_);
-    return had_any_ && open_.empty() && Clock::now() - last_closed_ > kReload;
-  }
+  bool AllClosed() const { return had_any_ && NoneOpen(); }
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::size_t kMost = 1000;
-  static constexpr std::chrono::seconds kReload{3};
+  static constexpr std::chrono::seconds kReload{3};  // a page that is loaded again closes before it opens
 
-  mutable std::mutex mutex_;
-  std::set<std::string> open_, gone_;
-  bool had_any_ = false;
-  Clock::time_point last_closed_{};
+  void Close() {
+    last_closed_ = Clock::now().time_since_epoch().count();
+    --open_;
+  }
+
+  std::atomic<int> open_ = 0;
+  std::atomic<bool> had_any_ = false;
+  std::atomic<Clock::rep> last_closed_ = 0;
 };
 
 }  // namespace lake::review

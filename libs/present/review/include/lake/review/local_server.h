@@ -6,16 +6,14 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 
 namespace lake::review {
 
 struct LocalRequest {
-  std::string rest;                          // of the path, behind the handler's own: "12.jpg" for frame/12.jpg
-  std::map<std::string, std::string> query;  // the last of each name
-  std::string body;                          // of a POST: JSON, 1 MB at most
+  std::string rest;  // of the path, behind the handler's own: "12.jpg" for frame/12.jpg
+  std::string body;  // of a POST: JSON, 1 MB at most
 };
 
 struct LocalReply {
@@ -42,6 +40,10 @@ class LocalServer {
   // A path below the address, "trial"; all that begins with it if it ends in '/'. To be called before Serve().
   void Get(const std::string& path, Handler handler);
   void Post(const std::string& path, Handler handler);
+
+  // An answer without an end (server-sent events that say nothing): what `begin` returns lives as long as the one who
+  // asked keeps the connection.
+  void GetHeld(const std::string& path, std::function<std::shared_ptr<void>()> begin);
 
   // Answers until `is_done` says true. Handlers run in several threads. Throws Interrupted once a signal has arrived.
   void Serve(const std::function<bool()>& is_done);
