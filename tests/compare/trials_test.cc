@@ -192,6 +192,27 @@ TEST(Trials, PaceIsNoMisalignment) {
   }
 }
 
+// A marker on the exoskeleton's shank, so that the axis of its joint does not cover the knee's marker.
+TEST(Trials, AMarkerBesideTheJointTellsOfTheJoint) {
+  const Eigen::Vector2d joint_mm(10, -7), marker_at_mm(4, -60);
+  synth::StsMotionOptions options = Still();
+  options.repetitions = 1;
+  const compare::RegisteredTrial human = Register(Fit(synth::StsMotion(options), {}));
+  options.exo_knee_mm = joint_mm + marker_at_mm;
+  for (const motion::Facing facing : {motion::Facing::kRight, motion::Facing::kLeft}) {
+    options.facing = facing;
+    compare::RegistrationOptions at;
+    at.knee = "exo_knee";
+    at.marker_at_mm = marker_at_mm;
+    const compare::TrialTables worn = Fit(synth::StsMotion(options), {.rate_hz = 30, .seed = 2});
+    const compare::Misalignment m = compare::CompareTrials(human, compare::RegisterTrial(worn, at));
+    ASSERT_TRUE(m.joint);
+    EXPECT_LT((m.joint->mean_mm - joint_mm).norm(), 0.1) << m.joint->mean_mm.transpose();  // noise of 0.1 mm
+    EXPECT_LT(m.joint->remainder_mm, 0.2);
+    EXPECT_NEAR(m.metrics.rms_mm, joint_mm.norm(), 0.5);
+  }
+}
+
 TEST(Trials, EventsKeepWhatTheFitSaysOfTheirTimes) {
   compare::TrialTables tables = Fit(synth::StsMotion(Still()), {});
   for (motion::StsEvent& event : tables.events)

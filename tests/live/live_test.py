@@ -373,7 +373,10 @@ class Page(Films):
         self.assertEqual([row["move"] for row in moves], ["1"])
         rises = read_table(self.folder / "session/rises.csv")
         self.assertEqual([row["moves"] for row in rises], ["0", "0", "1", "1"])
-        # The trial is what was recorded since the move.
+        # The trial tells of the same joint, and is what was recorded since the move.
+        run(BIN / "lake-compare", "session", "session", "--exo-knee", "exo_knee", "--joint-at", "0,-60", "-o", "compared", cwd=self.folder)
+        joint = json.loads((self.folder / "compared/comparison.json").read_text())["joint"]
+        self.assertLess(math.dist(joint["offset_mm"], MOVED), 1)
         start_s = float(read_table(self.folder / "session/tracks.csv")[0]["time_s"])
         self.assertGreaterEqual(start_s, float(moves[0]["time_s"]) - 0.001)
 

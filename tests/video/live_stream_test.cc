@@ -93,11 +93,29 @@ TEST(LiveStream, ReplaysAtTheFilesOwnPace) {
   EXPECT_GE(took.count(), 0.95 - 1e-6);  // 19 intervals after the first frame, which came after `began`
 }
 
-TEST(LiveStream, RawPicturesAreRefused) {
+// As cameras send them: in one plane (YUYV, UYVY), in several, grey, in colours.
+TEST(LiveStream, RawPicturesAreRecordedWithoutLoss) {
+  for (const char* pixels : {"yuyv422", "uyvy422", "yuv420p", "nv12", "gray", "bgr24"}) {
+    SCOPED_TRACE(pixels);
+    const TemporaryFolder folder;
+    Ffmpeg(TestPicture("size=162x120:rate=50:duration=0.5") + "-c:v rawvideo -pix_fmt " + pixels + " " +
+           Quote(folder / "film.nut"));
+    const Played played = Play((folder / "film.nut").string(), Replay(), folder / "video.mkv");
+    EXPECT_EQ(played.end.kind, StreamEnd::Kind::kEnded);
+    ASSERT_EQ(played.frames.size(), 25u);
+    ExpectRecorded(played, folder / "video.mkv");
+    EXPECT_EQ(ReadAll(folder / "video.mkv").info.codec, "ffv1");
+    ExpectRecorded(played, folder / "film.nut");
+  }
+}
+
+TEST(LiveStream, ASensorsColourMosaicIsRefused) {
   const TemporaryFolder folder;
-  Ffmpeg(TestPicture("size=160x120:rate=25:duration=1") + "-pix_fmt yuv420p " + Quote(folder / "film.y4m"));
-  EXPECT_THAT(ReasonOf((folder / "film.y4m").string(), Replay(), folder / "video.mkv"),
-              testing::HasSubstr("--format mjpeg or h264"));
+  Ffmpeg(TestPicture("size=160x120:rate=25:duration=1") + "-pix_fmt gray -f rawvideo " + Quote(folder / "film.raw"));
+  Ffmpeg("-f rawvideo -pix_fmt bayer_rggb8 -video_size 160x120 -i " + Quote(folder / "film.raw") + " -c copy " +
+         Quote(folder / "film.nut"));
+  EXPECT_THAT(ReasonOf((folder / "film.nut").string(), Replay(), folder / "video.mkv"),
+              testing::HasSubstr("--format mjpeg"));
 }
 
 TEST(LiveStream, ARawStreamTakesItsTimesFromTheRate) {

@@ -104,9 +104,15 @@ void CheckUnits(const compare::TrialTables& human, const compare::TrialTables& e
                human.name, ToString(human.trajectory.unit), exo.name, ToString(exo.trajectory.unit));
 }
 
-compare::RegisteredTrial Register(const compare::TrialTables& tables, const std::string& knee) {
+compare::RegisteredTrial RegisterExo(const compare::TrialTables& tables, const std::string& joint,
+                                     const std::array<double, 2>& joint_at_mm) {
   compare::RegistrationOptions options;
-  options.knee = knee;
+  options.knee = joint;
+  options.marker_at_mm = {joint_at_mm[0], joint_at_mm[1]};
+  if (!options.marker_at_mm.isZero() && (joint == kKnee || !tables.trajectory.Find(kKnee)))
+    throw UsageError(fmt::format(
+        "--joint-at: {} has no marker of the joint beside the leg's own knee, by which the shank's direction is known",
+        tables.name));
   return compare::RegisterTrial(tables, options);
 }
 
@@ -137,7 +143,9 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
                          human->tables.name, kExoKnee, exo->tables.name));
   pair.exo_knee = exo ? FindExoKnee(exo->tables.trajectory, options) : options.exo_knee.value_or(kExoKnee);
   if (human) {
-    pair.human = Register(human->tables, options.human_knee);
+    compare::RegistrationOptions registration;
+    registration.knee = options.human_knee;
+    pair.human = compare::RegisterTrial(human->tables, registration);
     pair.is_human_functional = pair.human_axis_mm.has_value();
   } else {
     const compare::ComparedCurves curves = compare::ReadComparison(options.human);
@@ -145,7 +153,7 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
     pair.is_human_functional = curves.knee_is_functional;
   }
   if (exo)
-    pair.exo = Register(exo->tables, pair.exo_knee);
+    pair.exo = RegisterExo(exo->tables, pair.exo_knee, options.joint_at_mm);
   else
     pair.exo.repetitions = {compare::ReadComparison(options.exo).exo};
   return pair;
@@ -234,6 +242,11 @@ void CheckTrials(const CompareRunOptions& o) {
     throw UsageError("--knee functional is of HUMAN against EXO: omit it, or --left and --right");
   if (!o.left.empty() && !o.human.empty())
     throw UsageError("--left and --right: both legs of one person stand instead of HUMAN and EXO; leave these out");
+  const bool is_beside = o.joint_at_mm != std::array<double, 2>{0, 0};
+  if (is_beside && (!o.left.empty() || IsCompared(o.exo)))
+    throw UsageError("--joint-at is of the joint's marker in an EXO trial, and none is read; leave it out");
+  if (is_beside && !o.knee.exo_segments.shank.empty())
+    throw UsageError("--joint-at is of the joint's marker; --exo-segment finds the axis itself: leave one of them out");
   if (o.left.empty() && (o.human.empty() || o.exo.empty()))
     throw UsageError("give a HUMAN and an EXO trial, or both legs of one person: --left A --right B");
 }
@@ -312,6 +325,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   DrawPngAndSvg("misalignment", run, [&](const fs::path& path) { figure::DrawMisalignmentFigure(path, misalignment); });
   Json comparison = compare::ComparisonJson(misalignment);
   comparison["markers"] = {{"human", options.human_knee}, {"exo", exo_knee}};
+  comparison["joint_at_mm"] = options.joint_at_mm;
   comparison["knee_from"] = pair.is_human_functional ? "functional" : "marker";
   comparison["knee_axis_sd_mm"] = {{"human", NumberOrNull(pair.human_axis_mm)},
                                    {"exo", NumberOrNull(pair.exo_axis_mm)}};
@@ -351,6 +365,11 @@ void Describe(CompareRunOptions& o, OptionList& options) {
       .Otherwise("as --map");
   options.Add("human-knee", o.human_knee, "The compared marker of the human trial");
   options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
+  options
+      .Add("joint-at", o.joint_at_mm,
+           "Where that marker is on the exoskeleton, seen from the joint's axis: anterior, up along the shank")
+      .Unit("mm")
+      .Value("X,Y");
   Describe(o.knee, options);
   Describe(o.misalignment, options);
   Describe(o.budget, options);

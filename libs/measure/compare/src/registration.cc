@@ -112,6 +112,7 @@ class Registrar {
 
   RegisteredTrial Register() {
     leg_from_plane_ = FindLegFromPlane(trial_, ankle_, hip_);
+    PutOnAxis(knee_);
     const std::vector<StsInterval> intervals = FindStsIntervals(trial_);
     origin_ = MedianPosition(ankle_, SeatedFrames(trial_, intervals), trial_.name);
     RegisteredTrial registered;
@@ -127,6 +128,16 @@ class Registrar {
   }
 
  private:
+  // A marker that sits beside the joint's axis, on a part that turns with the shank.
+  void PutOnAxis(Path& marker) const {
+    for (std::size_t i = 0; i < marker.x.size(); ++i) {
+      const Vector2d beside = AxesAlong(trial_.motion.samples[i].ak) * options_.marker_at_mm;
+      const Vector2d in_plane = leg_from_plane_.transpose() * beside;
+      marker.x[i] -= in_plane.x();
+      marker.y[i] -= in_plane.y();
+    }
+  }
+
   // Empty, or why the repetition cannot be used.
   std::string FindGap(const StsInterval& interval) const {
     const std::pair<const std::string*, const Path*> markers[] = {

@@ -20,6 +20,7 @@ extern "C" {
 #include "lake/core/interrupt.h"
 #include "lake/core/threads.h"
 #include "live_input.h"
+#include "lossless_encoder.h"
 #include "orientation.h"
 #include "picture.h"
 #include "recorder.h"
@@ -42,10 +43,6 @@ bool IsInterrupted() {
     return true;
   }
   return false;
-}
-
-bool IsRaw(AVCodecID codec) {
-  return codec == AV_CODEC_ID_RAWVIDEO || codec == AV_CODEC_ID_WRAPPED_AVFRAME;
 }
 
 AVRational RateOf(const AVStream& stream, double given_hz) {
@@ -86,6 +83,7 @@ struct LiveStream::Impl {
   Impl(const std::string& input, const LiveStreamOptions& options, const fs::path& recording);
   ~Impl();
 
+  const AVCodecParameters& Coded() const;
   void OpenDecoder();
   void FillInfo(const AVFrame& first);
   void CheckSpace() const;
@@ -95,6 +93,7 @@ struct LiveStream::Impl {
   // The receiver's thread.
   void Receive();
   void Take(libav::Packet packet);
+  bool TakeTimes(AVPacket& packet);
   bool WaitForPace(const AVPacket& packet);
   bool TakeStamps(AVPacket& packet);
   void NoteEnd(StreamEnd::Kind kind, std::string why);
@@ -117,6 +116,7 @@ struct LiveStream::Impl {
   std::atomic<bool> is_stopped = false;
   DamageLog log;
   LiveInput input;
+  std::optional<LosslessEncoder> lossless;  // of raw pictures; all else is recorded as it comes
   libav::Codec codec;
   VideoInfo info;
   std::optional<Stamps> stamps;
@@ -129,7 +129,7 @@ struct LiveStream::Impl {
   // The receiver's.
   std::int64_t packets = 0, first_ticks = AV_NOPTS_VALUE, last_dts = AV_NOPTS_VALUE;
   std::int64_t interval = 0, set_back = 0;  // ticks between the last two packets; by how much the clock was set back
-  int times_set_back = 0, left_out = 0;
+  int times_set_back = 0, left_out = 0, torn = 0;
   Clock::time_point began, space_checked = Clock::now();
   std::int64_t pace_from = AV_NOPTS_VALUE;
 
@@ -161,12 +161,11 @@ LiveStream::Impl::Impl(const std::string& input_text, const LiveStreamOptions& o
     throw Fail("{}: a raw stream has no time stamps; say how many pictures a second it has, --rate HZ", input_name);
   for (const fs::path& file : {recording, UnfinishedRecording(recording)})
     if (fs::exists(file)) throw Fail("{}: is there already, and no recording is written over", file.string());
-  if (IsRaw(stream.codecpar->codec_id))
-    throw Fail("{}: sends raw pictures, which are not recorded; ask the camera for coded ones, --format mjpeg or h264",
-               input_name);
   CheckSpace();
+  if (stream.codecpar->codec_id == AV_CODEC_ID_RAWVIDEO)
+    lossless.emplace(input_name, *stream.codecpar, stream.time_base);
   OpenDecoder();
-  recorder = std::make_unique<Recorder>(UnfinishedRecording(recording), *stream.codecpar, stream.time_base,
+  recorder = std::make_unique<Recorder>(UnfinishedRecording(recording), Coded(), stream.time_base,
                                         RateOf(stream, options.rate_hz));
   orientation = Orientation{}.TurnedOn(options.rotate_deg / 90);
   stamps.emplace(stream.time_base, 0);
@@ -200,13 +199,19 @@ void LiveStream::Impl::CheckSpace() const {
     throw Fail("{}: the disk is full: less than {:.0f} MB are free", recording.string(), options.least_free_mb);
 }
 
+// What is recorded and looked at.
+const AVCodecParameters& LiveStream::Impl::Coded() const {
+  return lossless ? lossless->Parameters() : *input.Stream().codecpar;
+}
+
 // Without frame threads, which hold back as many frames as they are.
 void LiveStream::Impl::OpenDecoder() {
   const AVStream& stream = input.Stream();
-  const AVCodec* decoder = avcodec_find_decoder(stream.codecpar->codec_id);
-  if (!decoder) throw Fail("{}: no decoder for {}", input_name, avcodec_get_name(stream.codecpar->codec_id));
+  const AVCodecParameters& coded = Coded();
+  const AVCodec* decoder = avcodec_find_decoder(coded.codec_id);
+  if (!decoder) throw Fail("{}: no decoder for {}", input_name, avcodec_get_name(coded.codec_id));
   codec = libav::NewCodec(decoder);
-  avcodec_parameters_to_context(codec.get(), stream.codecpar);
+  avcodec_parameters_to_context(codec.get(), &coded);
   log.Attach(*codec);
   codec->pkt_timebase = stream.time_base;
   codec->thread_count = Threads();
@@ -216,13 +221,13 @@ void LiveStream::Impl::OpenDecoder() {
   const int result = avcodec_open2(codec.get(), decoder, nullptr);
   if (result < 0)
     throw Fail("{}: the {} decoder cannot be started ({})", input_name, decoder->name, libav::ErrorText(result));
-  width = stream.codecpar->width, height = stream.codecpar->height;
+  width = coded.width, height = coded.height;
   if (width <= 0 || height <= 0) throw Fail("{}: its picture size cannot be found", input_name);
   const bool turns = options.rotate_deg % 180 != 0;
   info.width = turns ? height : width, info.height = turns ? width : height;
   info.rotation_deg = options.rotate_deg;
-  info.codec = avcodec_get_name(stream.codecpar->codec_id);
-  const AVCodecDescriptor* descriptor = avcodec_descriptor_get(stream.codecpar->codec_id);
+  info.codec = avcodec_get_name(coded.codec_id);
+  const AVCodecDescriptor* descriptor = avcodec_descriptor_get(coded.codec_id);
   info.coded_frame_by_frame = descriptor && (descriptor->props & AV_CODEC_PROP_INTRA_ONLY) != 0;
   const AVRational rate = RateOf(stream, options.rate_hz);
   if (rate.num > 0 && rate.den > 0) info.frame_rate_hz = av_q2d(rate);
@@ -277,17 +282,26 @@ bool LiveStream::Impl::WaitForPace(const AVPacket& packet) {
   return true;
 }
 
-void LiveStream::Impl::Take(libav::Packet packet) {
+// False if the packet has none, or comes before anything can be decoded.
+bool LiveStream::Impl::TakeTimes(AVPacket& packet) {
   const AVStream& stream = input.Stream();
-  if (!input.HasTimes()) {
-    packet->pts = packet->dts = std::llround(static_cast<double>(packets) / options.rate_hz / av_q2d(stream.time_base));
+  if (!input.HasTimes())
+    packet.pts = packet.dts = std::llround(static_cast<double>(packets) / options.rate_hz / av_q2d(stream.time_base));
+  if (packets == 0 && !(packet.flags & AV_PKT_FLAG_KEY)) return false;
+  if (packet.pts == AV_NOPTS_VALUE) packet.pts = packet.dts;
+  if (packet.pts == AV_NOPTS_VALUE) return false;
+  if (options.replay && !WaitForPace(packet)) return false;
+  if (first_ticks == AV_NOPTS_VALUE) first_ticks = packet.pts;
+  return TakeStamps(packet);
+}
+
+void LiveStream::Impl::Take(libav::Packet packet) {
+  if (!TakeTimes(*packet)) return;
+  if (lossless) packet = lossless->Encode(*packet);
+  if (!packet) {
+    ++torn;
+    return;
   }
-  if (packets == 0 && !(packet->flags & AV_PKT_FLAG_KEY)) return;  // nothing can be decoded yet
-  if (packet->pts == AV_NOPTS_VALUE) packet->pts = packet->dts;
-  if (packet->pts == AV_NOPTS_VALUE) return;
-  if (options.replay && !WaitForPace(*packet)) return;
-  if (first_ticks == AV_NOPTS_VALUE) first_ticks = packet->pts;
-  if (!TakeStamps(*packet)) return;
   ++packets;
   constexpr std::chrono::milliseconds kLook{500};
   const Clock::time_point now = Clock::now();
@@ -451,6 +465,7 @@ void LiveStream::Impl::Finish() {
     end->why +=
         fmt::format("; the camera's clock was set back {} time{}", times_set_back, times_set_back == 1 ? "" : "s");
   if (end && left_out > 0) end->why += fmt::format("; {} pictures that came twice or too late were left out", left_out);
+  if (end && torn > 0) end->why += fmt::format("; {} raw pictures that were torn were left out", torn);
   const fs::path part = UnfinishedRecording(recording);
   if (!fs::exists(part)) throw Fail("{}: the recording is gone", part.string());
   std::error_code error;

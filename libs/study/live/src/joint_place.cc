@@ -58,6 +58,7 @@ std::vector<RiseOffset> FindRiseOffsets(motion::MarkerRecording recording, const
   const compare::TrialTables tables{"live", leg.trajectory, leg.motion, leg.events};
   compare::RegistrationOptions registration;
   registration.knee = finding.joint;
+  registration.marker_at_mm = finding.marker_at_mm;
   const compare::RegisteredTrial trial = compare::RegisterTrial(tables, registration);
   const std::vector<compare::StsInterval> intervals = compare::FindStsIntervals(tables);
   std::vector<RiseOffset> rises;
@@ -65,7 +66,6 @@ std::vector<RiseOffset> FindRiseOffsets(motion::MarkerRecording recording, const
     const auto interval = std::ranges::find(intervals, curve.repetition, &compare::StsInterval::repetition);
     if (interval == intervals.end() || curve.leg_knee.empty()) continue;
     rises.push_back(OffsetOf(curve, *interval));
-    rises.back().mean_mm -= finding.marker_at_mm;
   }
   return rises;
 }

@@ -1,5 +1,6 @@
 #include "comparison_review.h"
 
+#include <array>
 #include <utility>
 
 #include "lake/commands/compare.h"
@@ -17,10 +18,11 @@ namespace fs = std::filesystem;
 namespace {
 
 // Each rise at 0 to 100 %, as it was compared: the compared joint in the leg frame, mm, and the knee angle.
-Json RisesOf(const fs::path& folder, const std::string& marker) {
+Json RisesOf(const fs::path& folder, const std::string& marker, const Eigen::Vector2d& marker_at_mm) {
   Run reading({"lake-review", "", Json::object(), folder, true});
   compare::RegistrationOptions registration;
   registration.knee = marker;
+  registration.marker_at_mm = marker_at_mm;
   const compare::RegisteredTrial trial =
       compare::RegisterTrial(commands::ReadTrialTables(folder, {}, marker, reading), registration);
   Json rises = Json::array();
@@ -32,7 +34,8 @@ Json RisesOf(const fs::path& folder, const std::string& marker) {
   return rises;
 }
 
-review::ComparedVideo ReadVideo(const fs::path& folder, const std::string& marker) {
+review::ComparedVideo ReadVideo(const fs::path& folder, const std::string& marker,
+                                const Eigen::Vector2d& marker_at_mm) {
   TrackedFolder tracked = ReadTrackedFolder(folder);
   review::ComparedVideo trial;
   trial.name = fs::path(tracked.options.video).filename().string();
@@ -41,7 +44,7 @@ review::ComparedVideo ReadVideo(const fs::path& folder, const std::string& marke
   trial.reader = tracked.options.track.reader;
   trial.tracks = motion::ReadMarkerCsv(folder / "tracks.csv");
   trial.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
-  trial.rises = RisesOf(folder, marker);
+  trial.rises = RisesOf(folder, marker, marker_at_mm);
   return trial;
 }
 
@@ -78,8 +81,9 @@ review::ComparedPair ReadComparedPair(const fs::path& folder) {
     const fs::path human = TrialFolder(summary, "human", folder), exo = TrialFolder(summary, "exo", folder);
     const Json& markers = summary.at("markers");
     const fs::path name = folder.has_filename() ? folder : folder.parent_path();
-    return {name.filename().string(), ReadVideo(human, markers.at("human")), ReadVideo(exo, markers.at("exo")),
-            CurvesOf(folder, summary)};
+    const auto joint_at_mm = summary.value("joint_at_mm", std::array<double, 2>{0, 0});  // of older comparisons: none
+    return {name.filename().string(), ReadVideo(human, markers.at("human"), Eigen::Vector2d::Zero()),
+            ReadVideo(exo, markers.at("exo"), {joint_at_mm[0], joint_at_mm[1]}), CurvesOf(folder, summary)};
   } catch (const nlohmann::json::exception& error) {
     throw Fail("{}: is not a summary as lake compare writes it ({})", (folder / "summary.json").string(), error.what());
   }

@@ -1,6 +1,7 @@
 // The work of lake-compare: from a human and an exoskeleton trial to the misalignment between their knees.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -25,8 +26,10 @@ struct CompareRunOptions {
   std::filesystem::path left, right;
   exchange::TrialOptions right_reading;
   std::string human_knee = "knee";
-  std::optional<std::string> exo_knee;                // default: exo_knee, or knee where there is neither
-                                                      // that nor --exo-segment
+  std::optional<std::string> exo_knee;  // default: exo_knee, or knee where there is neither
+                                        // that nor --exo-segment
+  std::array<double, 2> joint_at_mm = {0,
+                                       0};  // of that marker, seen from the joint's axis: anterior, up along the shank
   exchange::TrialOptions human_reading, exo_reading;  // of files; a folder's markers have their names already
   compare::MisalignmentOptions misalignment;
   compare::BudgetOptions budget;

@@ -41,7 +41,10 @@ struct RegistrationOptions {
   std::string ankle = "ankle", hip = "hip";
   std::string knee = "knee";      // the compared marker
   std::string leg_knee = "knee";  // the leg's own
-  double max_gap_s = 0.2;         // a longer gap in a repetition makes it useless
+  // Where the compared marker is, seen from the joint's axis: anterior, up along the shank. What is registered is the
+  // axis.
+  Eigen::Vector2d marker_at_mm = Eigen::Vector2d::Zero();
+  double max_gap_s = 0.2;  // a longer gap in a repetition makes it useless
 };
 
 struct RegisteredTrial {

@@ -1,8 +1,8 @@
 // The frames of a camera, a network stream or a pipe as they come, recorded meanwhile as they came.
 //
 // A thread receives: whatever becomes of the frames, all that arrives is recorded. The coded stream is put into
-// Matroska as it is; cameras that send raw pictures are refused, as most send coded ones if asked to. Clusters are
-// short and written whole, so what was recorded up to half a second ago can be read even if the program is killed.
+// Matroska as it is; raw pictures are coded without loss first (FFV1). Clusters are short and written whole, so what
+// was recorded up to half a second ago can be read even if the program is killed.
 #pragma once
 
 #include <chrono>
