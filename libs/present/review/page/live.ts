@@ -12,6 +12,19 @@ const ARROW_PX = 6, LEAST_ARROW_PX = 80;
 
 type Sample = LiveViewMessage["samples"][number];
 
+interface Label extends Point {
+  width: number;
+}
+
+const LINE_HEIGHT = 16;
+
+// Below those that it would cover.
+function freeOf(labels: Label[], label: Label): Label {
+  const covered = labels.find(({ x, y, width }) =>
+    x < label.x + label.width && label.x < x + width && Math.abs(y - label.y) < LINE_HEIGHT);
+  return covered ? freeOf(labels, { ...label, y: covered.y + LINE_HEIGHT }) : label;
+}
+
 export class LivePage {
   private view: PictureView;
   private shown: LiveViewMessage | null = null;
@@ -106,6 +119,7 @@ export class LivePage {
       context.stroke();
     }
     context.setLineDash([]);
+    const labels: Label[] = [];
     this.shown.markers.forEach(({ name, x, y }, index) => {
       if (x === null || y === null) return;
       const at = this.view.toScreen({ x, y });
@@ -116,7 +130,9 @@ export class LivePage {
       context.beginPath();
       context.arc(at.x, at.y, 9, 0, 2 * Math.PI);
       context.stroke();
-      context.fillText(name, at.x + 13, at.y + 5);
+      const label = freeOf(labels, { x: at.x + 13, y: at.y + 5, width: context.measureText(name).width });
+      labels.push(label);
+      context.fillText(name, label.x, label.y);
     });
     this.drawArrow(context);
   }
@@ -233,7 +249,7 @@ export class LivePage {
 
   private showPlace({ place, change, is_named, why_no_rise }: LiveStateMessage): void {
     part("live-place").className = place ? place.verdict : "";
-    part("live-move").textContent = place ? place.move : is_named ? TEXTS.measuring : "";
+    part("live-move").textContent = place ? place.move.replace("± ", "±\u00a0") : is_named ? TEXTS.measuring : "";
     part("live-verdict").textContent = place ? TEXTS.toleranceText(place, this.message.tolerance_mm) : "";
     part("live-detail").textContent = place
       ? TEXTS.placeDetail(place.rises, place.where, Math.max(...place.anatomical_half_width_mm), this.message.joint_at_mm)

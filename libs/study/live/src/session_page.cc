@@ -49,7 +49,7 @@ review::LiveWork Session::PageWork() {
 
 Json Session::About() const {
   const std::lock_guard lock(mutex_);
-  return {{"input", options_.input},
+  return {{"input", options_.input == "-" ? "standard input" : options_.input},
           {"folder", run_.Folder().string()},
           {"width", video_.width},
           {"height", video_.height},
