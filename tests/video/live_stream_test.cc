@@ -7,8 +7,10 @@
 #include <sys/stat.h>
 
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <random>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -116,6 +118,28 @@ TEST(LiveStream, ASensorsColourMosaicIsRefused) {
          Quote(folder / "film.nut"));
   EXPECT_THAT(ReasonOf((folder / "film.nut").string(), Replay(), folder / "video.mkv"),
               testing::HasSubstr("--format mjpeg"));
+}
+
+// A camera that needs longer in the dark, and a network that brings pictures unevenly.
+TEST(LiveStream, ARateThatChangesAndJitterKeepTheirStamps) {
+  const TemporaryFolder folder;
+  const std::string coded = "-c:v libx264 -g 5 -bf 0 -vsync passthrough ";
+  Ffmpeg(TestPicture("size=160x120:rate=30:duration=1") +
+         "-vf 'settb=1/90000,setpts=PTS+1080*random(1)' -enc_time_base 1:90000 " + coded + Quote(folder / "light.ts"));
+  Ffmpeg(TestPicture("size=160x120:rate=12:duration=1") + coded + "-output_ts_offset 1.1 " + Quote(folder / "dark.ts"));
+  WriteTextFile(folder / "film.ts", ReadTextFile(folder / "light.ts") + ReadTextFile(folder / "dark.ts"));
+  const Played played = Play((folder / "film.ts").string(), Replay(), folder / "video.mkv");
+  EXPECT_EQ(played.end.kind, StreamEnd::Kind::kEnded);
+  ASSERT_EQ(played.frames.size(), 30u + 12u);
+  ExpectRecorded(played, folder / "video.mkv");
+  const auto interval_s = [&](std::size_t i) {
+    return played.frames[i].frame.time_s - played.frames[i - 1].frame.time_s;
+  };
+  constexpr double kTick_s = 1 / 90000.0;
+  for (std::size_t i = 31; i < 42; ++i) EXPECT_NEAR(interval_s(i), 1 / 12.0, kTick_s);
+  std::set<int> jittered_ms;
+  for (std::size_t i = 1; i < 30; ++i) jittered_ms.insert(static_cast<int>(std::lround(1000 * interval_s(i))));
+  EXPECT_GT(jittered_ms.size(), 5u);
 }
 
 TEST(LiveStream, ARawStreamTakesItsTimesFromTheRate) {

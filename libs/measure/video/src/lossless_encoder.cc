@@ -45,8 +45,9 @@ void LosslessEncoder::OpenEncoder(AVRational time_base) {
   encoder_ = libav::NewCodec(encoder);
   encoder_->pix_fmt = PlanesOf(decoder_->pix_fmt, *encoder);
   if (encoder_->pix_fmt == AV_PIX_FMT_NONE)
-    throw Fail("{}: its raw pictures ({}) cannot be recorded without loss; ask the camera for coded ones, --format mjpeg",
-               input_, av_get_pix_fmt_name(decoder_->pix_fmt));
+    throw Fail(
+        "{}: its raw pictures ({}) cannot be recorded without loss; ask the camera for coded ones, --format mjpeg",
+        input_, av_get_pix_fmt_name(decoder_->pix_fmt));
   encoder_->width = decoder_->width, encoder_->height = decoder_->height;
   encoder_->color_range = decoder_->color_range;
   encoder_->colorspace = decoder_->colorspace;
