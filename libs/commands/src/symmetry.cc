@@ -15,10 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-gait::LegFitResult FitSide(const fs::path& path, const exchange::TrialOptions& reading, Run& run) {
+gait::LegFitResult FitSide(const fs::path& path, const exchange::TrialOptions& reading,
+                           const gait::PictureScale& picture, Run& run) {
   gait::LegFitOptions fit;
   fit.facing_option = "--forward";
-  return FitTrial(ReadTrialFor(path, reading), fit, run);
+  return FitTrial(ReadTrialFor(path, reading, picture), fit, run, picture);
 }
 
 void AddDifference(const compare::SideDifference& difference, CsvWriter& csv) {
@@ -65,8 +66,8 @@ Json RunSymmetry(const CompareRunOptions& options, Run& run) {
   CheckReading(options.left, options.human_reading);
   CheckReading(options.right, options.right_reading);
   run.AddInputs(InputsOf(options));
-  const gait::LegFitResult left = FitSide(options.left, options.human_reading, run),
-                           right = FitSide(options.right, options.right_reading, run);
+  const gait::LegFitResult left = FitSide(options.left, options.human_reading, options.human_picture, run),
+                           right = FitSide(options.right, options.right_reading, options.right_picture, run);
   compare::SymmetryOptions of_sides;
   of_sides.replacement_sd_mm = options.misalignment.replacement_sd_mm;
   of_sides.one_recording = fs::equivalent(options.left, options.right);
