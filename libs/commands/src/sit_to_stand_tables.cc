@@ -104,7 +104,9 @@ LineChart AnglesChart(const motion::LegMotion& leg, const std::vector<SitToStand
 Section Method() {
   return {
       "How it is measured",
-      {List{{"Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638. Of a rise, the standard deviations are "
+      {List{{"Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638; steady is who moves hip and knee "
+             "at less than 5 % of their peak speeds for half a second, a limit of our own. Of a rise, the standard "
+             "deviations are "
              "those of markers and events; skin movement is not in them.",
              "Five-times test: from the first onset to the fifth standing; values are the means of five rises, "
              "standard deviations those between them. A test timed by hand begins at the word, and is longer by the "
