@@ -97,6 +97,22 @@ TEST(Symmetry, FollowsTheKneeOverTheRise) {
   EXPECT_EQ(symmetry.left_rises, 5u);
 }
 
+// Forces of five rises: Student's t of four degrees of freedom at 1 − 0.05 / 2 is 2.776, and 1.96 of the plates' 1 %.
+TEST(Symmetry, TakesForcesUnderTheFeet) {
+  compare::RiseQuantity force;
+  force.name = "force_n", force.relative_sd = 0.01;
+  const double more_n[] = {8, 9, 10, 11, 12};  // their mean's SD is √(2.5 / 5)
+  for (int r = 1; r <= 5; ++r) force.left[r].value = 300 + more_n[r - 1], force.right[r].value = 300;
+  compare::SymmetryOptions options;
+  options.one_recording = true, options.further = {force};
+  const compare::Symmetry symmetry = compare::CompareSides(Leg(0, 1), Leg(0, 2), options);
+  const compare::SideDifference& of = Of(symmetry, "force_n");
+  EXPECT_NEAR(of.difference, 10, 1e-9);
+  const double reach = std::hypot(2.776 * std::sqrt(0.5), 1.96 * 0.01 * std::hypot(310, 300));
+  EXPECT_NEAR(of.interval.high - of.difference, reach, 0.01);
+  EXPECT_TRUE(of.IsAsymmetric());
+}
+
 TEST(Symmetry, OfOneRiseTakesTheFitsDeviations) {
   gait::LegFitResult left = Leg(12, 1), right = Leg(0, 2);
   for (gait::LegFitResult* leg : {&left, &right})

@@ -9,6 +9,7 @@
 #include "lake/compare/misalignment_options.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/exchange/ground_forces.h"
 #include "lake/figure/misalignment_figures.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/persons_leg.h"
@@ -254,6 +255,9 @@ void CheckTrials(const CompareRunOptions& o) {
     throw UsageError("--knee functional is of HUMAN against EXO: omit it, or --left and --right");
   if (!o.left.empty() && !o.human.empty())
     throw UsageError("--left and --right: both legs of one person stand instead of HUMAN and EXO; leave these out");
+  if (o.left.empty() && !o.forces.empty())
+    throw UsageError(
+        "--forces: what each foot bears is of both legs, --left A --right B; leave it out, or see lake loads");
   if (o.left.empty() && (o.human.empty() || o.exo.empty()))
     throw UsageError("give a HUMAN and an EXO trial, or both legs of one person: --left A --right B");
 }
@@ -310,6 +314,8 @@ std::vector<InputFile> InputsOf(const CompareRunOptions& options) {
   std::vector<InputFile> inputs = of_legs ? TrialInputs(options.left, first) : TrialTableInputs(options.human, first);
   for (InputFile& input : of_legs ? TrialInputs(options.right, second) : TrialTableInputs(options.exo, second))
     inputs.push_back(std::move(input));
+  if (!options.forces.empty()) inputs.push_back({options.forces, "forces"});
+  if (options.sync) inputs.push_back({*options.sync, "sync"});
   if (const auto& camera = options.human_picture.camera) inputs.push_back({*camera, fmt::format("{} camera", first)});
   if (const auto& camera = second_picture.camera) inputs.push_back({*camera, fmt::format("{} camera", second)});
   return inputs;
@@ -372,6 +378,11 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   options.Add("right-map", o.right_reading.names, "--map of the right leg")
       .Value("NAME=MARKER,...")
       .Otherwise("as --map");
+  options.Add("forces", o.forces, "Of both legs: ground forces of their recording, OpenSim's .mot or .sto, or a .c3d")
+      .Otherwise("what each foot bears is not told");
+  options.Add("plates", o.plates, "The feet's force plates, in the file's order").Value("left=N,right=N");
+  options.Add("sync", o.sync, "The forces' clock against the trial's: the sync.yaml of lake sync TRIAL FORCES")
+      .Otherwise("one clock");
   options.Add("human-knee", o.human_knee, "The compared marker of the human trial");
   options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
   Describe(o.knee, options);
@@ -388,6 +399,9 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   gait::DescribeOther("right", "the right leg's trial", o.right_picture, options);
   // What is said of the human trial alone holds for both.
   options.Check([&o](const OptionList& list) {
+    exchange::CheckPlates(o.plates);
+    if (!o.plates.empty() && o.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
+    if (o.sync && o.forces.empty()) throw UsageError("--sync: whose clock? Give --forces");
     o.exo_reading.up = o.human_reading.up;
     o.exo_reading.forward = o.human_reading.forward;
     o.exo_reading.values = o.human_reading.values;

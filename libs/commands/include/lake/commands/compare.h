@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ struct CompareRunOptions {
   // Instead of these, both legs of one person: their symmetry (symmetry.h). The left one is read by `human_reading`.
   std::filesystem::path left, right;
   exchange::TrialOptions right_reading;
+  std::filesystem::path forces;               // of both legs' recording: what each foot bears; empty: not told
+  std::map<std::string, int> plates;          // left, right: which plate, from 1
+  std::optional<std::filesystem::path> sync;  // sync.yaml: the forces' clock; else it is the markers'
   std::string human_knee = "knee";
   std::optional<std::string> exo_knee;                // default: exo_knee, or knee where there is neither
                                                       // that nor --exo-segment
