@@ -54,8 +54,9 @@ gait::LegFitResult Leg(double more_deg, unsigned seed, double between_rises_deg 
     s.knee_deg_s.push_back(-seat_deg * speed), s.trunk_deg_s.push_back(30 * kPi * std::cos(kPi * part) / kRise_s);
     s.shank_deg.push_back(sample.shank_deg);
     s.shank_deg_s.push_back(part > 0 && part < 1 ? 12 * kPi * std::cos(kPi * part) / kRise_s : 0);
-    for (auto* sd : {&s.sd.hip_height, &s.sd.hip_up_speed, &s.sd.knee_deg, &s.sd.knee_deg_s, &s.sd.trunk_deg,
-                     &s.sd.trunk_deg_s, &s.sd.shank_deg, &s.sd.shank_deg_s, &s.sd.hip_deg})
+    s.hip_deg_s.push_back(s.trunk_deg_s.back() - s.shank_deg_s.back() + s.knee_deg_s.back());
+    for (auto* sd : {&s.sd.hip_deg_s, &s.sd.hip_height, &s.sd.hip_up_speed, &s.sd.knee_deg, &s.sd.knee_deg_s,
+                     &s.sd.trunk_deg, &s.sd.trunk_deg_s, &s.sd.shank_deg, &s.sd.shank_deg_s, &s.sd.hip_deg})
       sd->push_back(0.1);
   }
   s.time_s = fit.motion.time_s, s.frame = fit.motion.frame;

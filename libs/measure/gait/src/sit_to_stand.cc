@@ -75,6 +75,8 @@ class Rises {
     extension_speed_ = {fit.signals.knee_deg_s, sd.knee_deg_s};
     for (double& speed : extension_speed_.value) speed = -speed;
     steadied_ = {{{fit.signals.hip_deg_s, sd.hip_deg_s}, {fit.signals.knee_deg_s, sd.knee_deg_s}, hip_speed_}};
+    for (ValuesOfFrames& speed : steadied_)  // empty where not known
+      speed.value.resize(time_s_.size(), NAN), speed.sd.resize(time_s_.size(), NAN);
   }
 
   std::vector<SitToStand> Measure() const {

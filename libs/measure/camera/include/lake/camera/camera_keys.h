@@ -1,4 +1,5 @@
-// The keys of camera.yaml, each described once: for the template that a person fills in who has the lens from elsewhere.
+// The keys of camera.yaml, each described once: for the template that a person fills in who has the lens from
+// elsewhere.
 #pragma once
 
 #include <span>
@@ -16,8 +17,8 @@ struct CameraKey {
 // In the file's order: all that ReadCameraProfile knows.
 std::span<const CameraKey> CameraKeys();
 
-// A camera.yaml with every key and what it means, those that may be absent as comments. ReadCameraProfile takes it as it
-// is: a camera of 1280 × 720 px without distortion and without a plane.
+// A camera.yaml with every key and what it means, those that may be absent as comments. ReadCameraProfile takes it as
+// it is: a camera of 1280 × 720 px without distortion and without a plane.
 std::string CameraTemplate();
 
 }  // namespace lake::camera
