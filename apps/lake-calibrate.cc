@@ -1,7 +1,11 @@
 // lake-calibrate: a camera from pictures of a board; the sagittal plane from one picture; boards to print.
+#include <filesystem>
 #include <functional>
+#include <optional>
 
+#include "lake/camera/camera_keys.h"
 #include "lake/commands/calibrate.h"
+#include "lake/core/option_template.h"
 #include "program.h"
 
 int main(int argc, char** argv) {
@@ -11,7 +15,15 @@ int main(int argc, char** argv) {
   commands::CalibrateRunOptions calibrate;
   commands::PlaneRunOptions plane;
   commands::SheetRunOptions sheet;
+  std::optional<std::filesystem::path> make_template;
+  OptionList other;
+  other
+      .Add("template", make_template,
+           "Write a camera.yaml with every key and its meaning, for a lens that is known from elsewhere; do nothing "
+           "else")
+      .Value("FILE");
   program.Add(OptionsOf(calibrate));
+  program.Add(std::move(other));
   const std::function<bool()> plane_command = program.AddCommand(
       "plane", "The sagittal plane from one board image or four and more known points",
       "lake-calibrate plane board.png --camera camera.yaml --board chessboard:9x6:25 -o plane", OptionsOf(plane));
@@ -23,6 +35,10 @@ int main(int argc, char** argv) {
       [&](Run& run) {
         if (plane_command()) return commands::RunPlane(plane, run);
         if (sheet_command()) return commands::RunSheet(sheet, run);
+        if (make_template) {
+          WriteTemplateFile(*make_template, camera::CameraTemplate());
+          return Json();
+        }
         return commands::RunCalibrate(calibrate, run);
       });
 }

@@ -43,6 +43,58 @@ TEST_F(BothLegs, AreComparedRiseByRise) {
   EXPECT_THAT(ReadTextFile(folder_ / "S/symmetry.svg"), testing::HasSubstr("largest knee angle (°)"));
 }
 
+// Of the legs of one person, whose knees bend alike within what 3 mm of a marker are, every interval holds zero; of the
+// legs of two people, whose thighs are unlike, not all do.
+TEST_F(BothLegs, OfOnePersonAreSymmetricAndOfTwoPeopleAreNot) {
+  const std::string other = Quoted(SharedData() / "sts_force_plates/STS1.trc");
+  const auto compare = [&](const std::string& left, const std::string& right) {
+    const Outcome outcome =
+        Shell(folder_, fmt::format("lake-compare --left {} --right {} --map {} --right-map {} --forward x --quiet "
+                                   "--json -o S",
+                                   left, right, kLeft, kRight));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
+  };
+  for (const std::string& trial : {Quoted(trial_), other}) {
+    const Json same = compare(trial, trial);
+    EXPECT_EQ(same["asymmetric"], false) << trial;
+    for (const auto& [name, difference] : same["symmetry"].items())
+      EXPECT_TRUE(difference["interval"][0] < 0 && difference["interval"][1] > 0) << trial << name;
+  }
+  const Json unlike = compare(other, Quoted(trial_));
+  EXPECT_EQ(unlike["asymmetric"], true);
+  EXPECT_LT(unlike["symmetry"]["hip_rise_mm"]["interval"][1], 0);
+  EXPECT_EQ(unlike["matched"], false);
+}
+
+// A person on two plates rests on the left leg a little more while rising: 253 N against 280 on average, read from the
+// table of forces at the times of the right leg's events. The largest forces are alike.
+TEST_F(BothLegs, BearUnequalLoads) {
+  const fs::path folder = SharedData() / "sts_force_plates";
+  const std::string legs = fmt::format(
+      "lake-compare --left {0} --right {0} --map {1} --right-map {2} --forward x --quiet --json -o S "
+      "--forces {3} ",
+      Quoted(folder / "STS1.trc"), kLeft, kRight, Quoted(folder / "STS1_grf.mot"));
+  const Outcome outcome = Shell(folder_, legs + "--plates right=1,left=2");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json summary = Json::parse(outcome.out), &mean = summary["symmetry"]["load_mean_n"],
+             &largest = summary["symmetry"]["load_max_n"];
+  EXPECT_EQ(summary["asymmetric"], true);
+  EXPECT_NEAR(mean["left"], 280, 3);  // the events of both legs are 10 ms apart
+  EXPECT_NEAR(mean["right"], 253, 3);
+  EXPECT_GT(mean["interval"][0], 0);
+  EXPECT_NEAR(largest["difference"], -5.5, 0.5);
+  EXPECT_LT(largest["interval"][0], 0);
+  EXPECT_GT(largest["interval"][1], 0);
+  const Outcome unnamed = Shell(folder_, legs);
+  EXPECT_EQ(unnamed.exit_code, 1);
+  EXPECT_THAT(unnamed.err, HasSubstr("say which is the left foot's, as --plates left=1"));
+  WriteTextFile(folder_ / "sync.yaml", "offset_s: 60\n");
+  const Outcome apart = Shell(folder_, legs + "--plates right=1,left=2 --sync sync.yaml");
+  EXPECT_EQ(apart.exit_code, 1);
+  EXPECT_THAT(apart.err, HasSubstr("it has the forces of 0 of the 5 rises"));
+}
+
 TEST_F(BothLegs, AnyMarkersAreMeasuredBesideALegAndWithoutOne) {
   const std::string elbow = "--angle elbow=shoulder,elbow,wrist --speed hand=wrist",
                     arm = "shoulder=R_Shoulder,elbow=R_elbow_lat,wrist=R_wrist_radius";
@@ -126,6 +178,8 @@ TEST(CompareProgram, TakesTwoTrialsOrTwoLegs) {
   refused("human", "--left A --right B");
   refused("--left a", "give both");
   refused("human exo --left a --right b", "instead of HUMAN and EXO");
+  refused("human exo --forces f.mot", "--forces: what each foot bears is of both legs");
+  refused("--left a --right b --plates left=1", "--plates: of which file?");
 }
 
 }  // namespace

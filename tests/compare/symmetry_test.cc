@@ -54,8 +54,9 @@ gait::LegFitResult Leg(double more_deg, unsigned seed, double between_rises_deg 
     s.knee_deg_s.push_back(-seat_deg * speed), s.trunk_deg_s.push_back(30 * kPi * std::cos(kPi * part) / kRise_s);
     s.shank_deg.push_back(sample.shank_deg);
     s.shank_deg_s.push_back(part > 0 && part < 1 ? 12 * kPi * std::cos(kPi * part) / kRise_s : 0);
-    for (auto* sd : {&s.sd.hip_height, &s.sd.hip_up_speed, &s.sd.knee_deg, &s.sd.knee_deg_s, &s.sd.trunk_deg,
-                     &s.sd.trunk_deg_s, &s.sd.shank_deg, &s.sd.shank_deg_s, &s.sd.hip_deg})
+    s.hip_deg_s.push_back(s.trunk_deg_s.back() - s.shank_deg_s.back() + s.knee_deg_s.back());
+    for (auto* sd : {&s.sd.hip_deg_s, &s.sd.hip_height, &s.sd.hip_up_speed, &s.sd.knee_deg, &s.sd.knee_deg_s,
+                     &s.sd.trunk_deg, &s.sd.trunk_deg_s, &s.sd.shank_deg, &s.sd.shank_deg_s, &s.sd.hip_deg})
       sd->push_back(0.1);
   }
   s.time_s = fit.motion.time_s, s.frame = fit.motion.frame;
@@ -95,6 +96,22 @@ TEST(Symmetry, FollowsTheKneeOverTheRise) {
   EXPECT_NEAR(symmetry.knee_deg[50].difference, 5, 0.3);
   EXPECT_NEAR(symmetry.knee_deg[50].left, 50, 0.5);
   EXPECT_EQ(symmetry.left_rises, 5u);
+}
+
+// Forces of five rises: Student's t of four degrees of freedom at 1 − 0.05 / 2 is 2.776, and 1.96 of the plates' 1 %.
+TEST(Symmetry, TakesForcesUnderTheFeet) {
+  compare::RiseQuantity force;
+  force.name = "force_n", force.relative_sd = 0.01;
+  const double more_n[] = {8, 9, 10, 11, 12};  // their mean's SD is √(2.5 / 5)
+  for (int r = 1; r <= 5; ++r) force.left[r].value = 300 + more_n[r - 1], force.right[r].value = 300;
+  compare::SymmetryOptions options;
+  options.one_recording = true, options.further = {force};
+  const compare::Symmetry symmetry = compare::CompareSides(Leg(0, 1), Leg(0, 2), options);
+  const compare::SideDifference& of = Of(symmetry, "force_n");
+  EXPECT_NEAR(of.difference, 10, 1e-9);
+  const double reach = std::hypot(2.776 * std::sqrt(0.5), 1.96 * 0.01 * std::hypot(310, 300));
+  EXPECT_NEAR(of.interval.high - of.difference, reach, 0.01);
+  EXPECT_TRUE(of.IsAsymmetric());
 }
 
 TEST(Symmetry, OfOneRiseTakesTheFitsDeviations) {

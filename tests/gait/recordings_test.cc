@@ -5,11 +5,13 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <set>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
+#include "lake/exchange/ground_forces.h"
 #include "lake/exchange/mot.h"
 #include "lake/exchange/trc.h"
 #include "lake/exchange/trial.h"
@@ -251,6 +253,45 @@ TEST(RealMotions, BothLegsHaveTheSameEvents) {
       EXPECT_NEAR(events[0][i].time_s, events[1][i].time_s, 0.1)
           << name << ", repetition " << events[0][i].repetition << ", " << motion::ToString(events[0][i].kind);
     }
+  }
+}
+
+// When the feet bear so much of what they take over from the seat, in the rise around a time.
+double TakenOver(const exchange::GroundForceRecording& plates, double part, double weight_n, double around_s) {
+  std::optional<double> time_s;
+  for (std::size_t i = 1; i < plates.time_s.size(); ++i) {
+    const auto load = [&](std::size_t k) { return plates.plates[0].force_n[k].y() + plates.plates[1].force_n[k].y(); };
+    const double step = load(i) - load(i - 1), level = part * weight_n;
+    if (std::abs(plates.time_s[i] - around_s) < 0.3 && load(i - 1) < level && load(i) >= level)
+      time_s = std::lerp(plates.time_s[i - 1], plates.time_s[i], (level - load(i - 1)) / step);
+  }
+  return time_s.value();
+}
+
+// Seat-off is when the hip starts up, of which the force under the feet is the cause: they bear a quarter of the weight
+// then, and all of it some 80 ms later, as the seat springs back under the thighs meanwhile. Before the rises here the
+// feet bear less than 1 % of it. The plates' clock is the markers' within 4 ms (sync).
+TEST(RealMotions, SeatOffIsWhenTheFeetTakeOverTheWeight) {
+  const fs::path folder = SharedData() / "sts_force_plates";
+  REQUIRE_RECORDING(folder);
+  const exchange::GroundForceRecording plates = exchange::ReadGroundForces(folder / "STS1_grf.mot");
+  constexpr double kWeight_n = 62.6 * 9.81;
+  for (const char* names : {"ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS",
+                            "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS"}) {
+    const exchange::Trial trial = exchange::ReadTrial(folder / "STS1.trc", {NameMap(names), {}, "x"});
+    const gait::LegFitResult result =
+        gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}), {}, trial.across_mm);
+    int rises = 0;
+    for (const motion::StsEvent& event : result.events) {
+      if (event.kind != motion::StsEventKind::kSeatOff) continue;
+      ++rises;
+      const double quarter_s = TakenOver(plates, 0.25, kWeight_n, event.time_s),
+                   whole_s = TakenOver(plates, 0.95, kWeight_n, event.time_s);
+      EXPECT_NEAR(event.time_s, quarter_s, 0.05) << names << ", rise " << event.repetition;
+      EXPECT_GT(whole_s - event.time_s, 0.05);
+      EXPECT_LT(whole_s - event.time_s, 0.1);
+    }
+    EXPECT_EQ(rises, 5);
   }
 }
 

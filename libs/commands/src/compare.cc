@@ -9,6 +9,7 @@
 #include "lake/compare/misalignment_options.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/exchange/ground_forces.h"
 #include "lake/figure/misalignment_figures.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/persons_leg.h"
@@ -62,8 +63,12 @@ exchange::TrialOptions FolderReading(const exchange::TrialOptions& reading) {
   return folder;
 }
 
+exchange::TrialOptions ReadingOf(const fs::path& path, const exchange::TrialOptions& reading) {
+  return fs::is_directory(path) ? FolderReading(reading) : reading;
+}
+
 exchange::Trial ReadMarkers(const fs::path& path, const exchange::TrialOptions& reading) {
-  return ReadTrialFor(path, fs::is_directory(path) ? FolderReading(reading) : reading);
+  return ReadTrialFor(path, ReadingOf(path, reading));
 }
 
 // The leg's knee where `knee` is compared.
@@ -72,11 +77,11 @@ std::string LegKneeOf(const exchange::Trial& trial, const std::string& knee) {
 }
 
 compare::TrialTables FitTables(const fs::path& path, const exchange::Trial& trial, const std::string& leg_knee,
-                               Run& run) {
+                               Run& run, const gait::PictureScale& picture) {
   gait::LegFitOptions fit;
   fit.facing_option = "--forward";
   fit.markers.knee = leg_knee;
-  const gait::LegFitResult result = FitTrial(trial, fit, run);
+  const gait::LegFitResult result = FitTrial(trial, fit, run, picture);
   return {.name = path.string(), .trajectory = result.trajectory, .motion = result.motion, .events = result.events};
 }
 
@@ -88,9 +93,7 @@ std::string FindExoKnee(const motion::MarkerRecording& recording, const CompareR
 
 std::string ExoKneeOf(const CompareRunOptions& options) {
   if (options.exo_knee || IsTracked(options.exo)) return options.exo_knee.value_or(kExoKnee);
-  const exchange::TrialOptions reading =
-      fs::is_directory(options.exo) ? FolderReading(options.exo_reading) : options.exo_reading;
-  return FindExoKnee(exchange::ReadTrial(options.exo, reading).recording, options);
+  return FindExoKnee(exchange::ReadTrial(options.exo, ReadingOf(options.exo, options.exo_reading)).recording, options);
 }
 
 // A folder that lake-compare wrote, or the predicted path of lake-optimize: its curves are registered already.
@@ -100,8 +103,10 @@ bool IsCompared(const fs::path& path) {
 
 void CheckUnits(const compare::TrialTables& human, const compare::TrialTables& exo) {
   if (human.trajectory.unit != exo.trajectory.unit)
-    throw Fail("{} is in {} and {} in {}: give the one in px a scale (lake-track --camera with a plane, or --scale)",
-               human.name, ToString(human.trajectory.unit), exo.name, ToString(exo.trajectory.unit));
+    throw Fail("{} is in {} and {} in {}: give the one in px a scale: {} with a plane, or {}", human.name,
+               ToString(human.trajectory.unit), exo.name, ToString(exo.trajectory.unit),
+               human.trajectory.unit == motion::LengthUnit::kPx ? "--camera" : "--exo-camera",
+               human.trajectory.unit == motion::LengthUnit::kPx ? "--scale" : "--exo-scale");
 }
 
 compare::RegisteredTrial RegisterExo(const compare::TrialTables& tables, const std::string& joint,
@@ -128,10 +133,10 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   std::optional<FunctionalTables> human, exo;
   if (!IsCompared(options.human))
     human = ReadFunctionalTables(options.human, options.human_reading, options.human_knee, TrialSide::kHuman,
-                                 options.knee, run);
+                                 options.knee, run, options.human_picture);
   if (!IsCompared(options.exo))
-    exo =
-        ReadFunctionalTables(options.exo, options.exo_reading, ExoKneeOf(options), TrialSide::kExo, options.knee, run);
+    exo = ReadFunctionalTables(options.exo, options.exo_reading, ExoKneeOf(options), TrialSide::kExo, options.knee, run,
+                               options.exo_picture);
   RegisteredPair pair;
   if (human) pair.human_axis_mm = human->sd_mm;
   if (exo) pair.exo_axis_mm = exo->sd_mm;
@@ -203,12 +208,25 @@ void WriteComparisonReport(const std::string& title, const Json& comparison, std
   report::WriteReport(run.Result("report.html"), report);
 }
 
+// The scale of a picture where no picture is measured in.
+std::vector<exchange::UnusedOption> UnusedPicture(const fs::path& path, const exchange::TrialOptions& reading,
+                                                  const gait::PictureScale& picture) {
+  if (!picture.IsGiven()) return {};
+  if (IsCompared(path)) return {{picture.OptionName(), "its curves have their scale already"}};
+  if (exchange::ReadTrial(path, ReadingOf(path, reading)).recording.unit == motion::LengthUnit::kPx) return {};
+  return {{picture.OptionName(), "its lengths are in mm"}};
+}
+
 // What reading one of the trials passes over of what its options say.
-std::vector<exchange::UnusedOption> UnusedReading(const fs::path& path, const exchange::TrialOptions& reading) {
-  const bool is_fitted = !IsCompared(path) && !IsTracked(path);
-  if (is_fitted && !fs::is_directory(path)) return exchange::UnusedOptions(path, reading);
+std::vector<exchange::UnusedOption> UnusedReading(const fs::path& path, const exchange::TrialOptions& reading,
+                                                  const gait::PictureScale& picture) {
+  const bool is_fitted = !IsCompared(path) && (!IsTracked(path) || picture.IsGiven());
+  std::vector<exchange::UnusedOption> unused = UnusedPicture(path, reading, picture);
+  if (is_fitted && !fs::is_directory(path)) {
+    for (const exchange::UnusedOption& one : exchange::UnusedOptions(path, reading)) unused.push_back(one);
+    return unused;
+  }
   const char* why = "its markers have names, axes and units already";
-  std::vector<exchange::UnusedOption> unused;
   if (!reading.names.empty()) unused.push_back({"--map", why});
   if (reading.up) unused.push_back({"--up", why});
   if (!reading.forward.empty()) unused.push_back({"--forward", why});
@@ -224,10 +242,13 @@ bool Has(const std::vector<exchange::UnusedOption>& unused, const std::string& o
 
 // An option that holds for both trials is of use if it is for one of them.
 void CheckReadings(const CompareRunOptions& o) {
-  const auto human = UnusedReading(o.human, o.human_reading), exo = UnusedReading(o.exo, o.exo_reading);
+  const auto human = UnusedReading(o.human, o.human_reading, o.human_picture),
+             exo = UnusedReading(o.exo, o.exo_reading, o.exo_picture);
   const auto is_of_one = [&](const std::string& option) {
+    const bool is_of_picture = option == o.human_picture.OptionName() || option == o.exo_picture.OptionName();
     return (option == "--map" && o.exo_reading.names != o.human_reading.names) ||
-           (option == "--unit" && o.exo_reading.mm_per_unit != o.human_reading.mm_per_unit);
+           (option == "--unit" && o.exo_reading.mm_per_unit != o.human_reading.mm_per_unit) ||
+           (is_of_picture && o.exo_picture != o.human_picture);
   };
   for (const auto& [option, why] : human)
     if (is_of_one(option) || Has(exo, option)) exchange::CheckNoneIsUnused(o.human, {{option, why}});
@@ -247,33 +268,38 @@ void CheckTrials(const CompareRunOptions& o) {
     throw UsageError("--joint-at is of the joint's marker in an EXO trial, and none is read; leave it out");
   if (is_beside && !o.knee.exo_segments.shank.empty())
     throw UsageError("--joint-at is of the joint's marker; --exo-segment finds the axis itself: leave one of them out");
+  if (o.left.empty() && !o.forces.empty())
+    throw UsageError(
+        "--forces: what each foot bears is of both legs, --left A --right B; leave it out, or see lake loads");
   if (o.left.empty() && (o.human.empty() || o.exo.empty()))
     throw UsageError("give a HUMAN and an EXO trial, or both legs of one person: --left A --right B");
 }
 
 }  // namespace
 
-void CheckReading(const fs::path& path, const exchange::TrialOptions& reading) {
-  exchange::CheckNoneIsUnused(path, UnusedReading(path, reading));
+void CheckReading(const fs::path& path, const exchange::TrialOptions& reading, const gait::PictureScale& picture) {
+  exchange::CheckNoneIsUnused(path, UnusedReading(path, reading, picture));
 }
 
 compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::TrialOptions& reading,
-                                     const std::string& knee, Run& run) {
-  if (IsTracked(path)) return ReadTracked(path);
+                                     const std::string& knee, Run& run, const gait::PictureScale& picture) {
+  if (!picture.IsGiven() && IsTracked(path)) return ReadTracked(path);
   const exchange::Trial trial = ReadMarkers(path, reading);
-  return FitTables(path, trial, LegKneeOf(trial, knee), run);
+  if (trial.recording.unit == motion::LengthUnit::kMm && IsTracked(path)) return ReadTracked(path);
+  return FitTables(path, trial, LegKneeOf(trial, knee), run, picture);
 }
 
 FunctionalTables ReadFunctionalTables(const fs::path& path, const exchange::TrialOptions& reading,
-                                      const std::string& knee, TrialSide side, const KneeOptions& options, Run& run) {
-  if (options.knee == KneeFrom::kMarker) return {ReadTrialTables(path, reading, knee, run), {}};
+                                      const std::string& knee, TrialSide side, const KneeOptions& options, Run& run,
+                                      const gait::PictureScale& picture) {
+  if (options.knee == KneeFrom::kMarker) return {ReadTrialTables(path, reading, knee, run, picture), {}};
   exchange::Trial trial = ReadMarkers(path, reading);
   const auto put = [&](const axis::SegmentMarkers& segments, const std::string& marker) {
     return PutAxis(segments, marker, fs::is_directory(path) ? FolderReading(reading) : reading, trial, run);
   };
   if (side == TrialSide::kHuman) {
     const std::optional<double> sd_mm = put(options.segments, knee);
-    return {FitTables(path, trial, sd_mm ? knee : LegKneeOf(trial, knee), run), sd_mm};
+    return {FitTables(path, trial, sd_mm ? knee : LegKneeOf(trial, knee), run, picture), sd_mm};
   }
   const bool has_joint = knee != kKnee && trial.recording.Find(knee);
   const bool is_joint_put = !options.exo_segments.shank.empty() && put(options.exo_segments, knee);
@@ -284,7 +310,7 @@ FunctionalTables ReadFunctionalTables(const fs::path& path, const exchange::Tria
         path.string()));
   std::optional<double> sd_mm;
   if (knee != kKnee) sd_mm = put(options.segments, kKnee);  // else the joint has the place of the person's knee
-  return {FitTables(path, trial, LegKneeOf(trial, knee), run), sd_mm};
+  return {FitTables(path, trial, LegKneeOf(trial, knee), run, picture), sd_mm};
 }
 
 std::vector<InputFile> TrialTableInputs(const fs::path& path, const std::string& role) {
@@ -295,13 +321,16 @@ std::vector<InputFile> TrialTableInputs(const fs::path& path, const std::string&
 }
 
 std::vector<InputFile> InputsOf(const CompareRunOptions& options) {
-  if (!options.left.empty()) {
-    std::vector<InputFile> inputs = TrialInputs(options.left, "left");
-    for (InputFile& input : TrialInputs(options.right, "right")) inputs.push_back(std::move(input));
-    return inputs;
-  }
-  std::vector<InputFile> inputs = TrialTableInputs(options.human, "human");
-  for (InputFile& input : TrialTableInputs(options.exo, "exo")) inputs.push_back(std::move(input));
+  const bool of_legs = !options.left.empty();
+  const char *first = of_legs ? "left" : "human", *second = of_legs ? "right" : "exo";
+  const gait::PictureScale& second_picture = of_legs ? options.right_picture : options.exo_picture;
+  std::vector<InputFile> inputs = of_legs ? TrialInputs(options.left, first) : TrialTableInputs(options.human, first);
+  for (InputFile& input : of_legs ? TrialInputs(options.right, second) : TrialTableInputs(options.exo, second))
+    inputs.push_back(std::move(input));
+  if (!options.forces.empty()) inputs.push_back({options.forces, "forces"});
+  if (options.sync) inputs.push_back({*options.sync, "sync"});
+  if (const auto& camera = options.human_picture.camera) inputs.push_back({*camera, fmt::format("{} camera", first)});
+  if (const auto& camera = second_picture.camera) inputs.push_back({*camera, fmt::format("{} camera", second)});
   return inputs;
 }
 
@@ -363,6 +392,11 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   options.Add("right-map", o.right_reading.names, "--map of the right leg")
       .Value("NAME=MARKER,...")
       .Otherwise("as --map");
+  options.Add("forces", o.forces, "Of both legs: ground forces of their recording, OpenSim's .mot or .sto, or a .c3d")
+      .Otherwise("what each foot bears is not told");
+  options.Add("plates", o.plates, "The feet's force plates, in the file's order").Value("left=N,right=N");
+  options.Add("sync", o.sync, "The forces' clock against the trial's: the sync.yaml of lake sync TRIAL FORCES")
+      .Otherwise("one clock");
   options.Add("human-knee", o.human_knee, "The compared marker of the human trial");
   options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
   options
@@ -379,8 +413,14 @@ void Describe(CompareRunOptions& o, OptionList& options) {
       .Value("NAME=MARKER,...")
       .Otherwise("as --map");
   exchange::DescribeUnit("exo-unit", o.exo_reading.mm_per_unit, options).Otherwise("as --unit");
+  Describe(o.human_picture, options);
+  gait::DescribeOther("exo", "the exoskeleton trial", o.exo_picture, options);
+  gait::DescribeOther("right", "the right leg's trial", o.right_picture, options);
   // What is said of the human trial alone holds for both.
   options.Check([&o](const OptionList& list) {
+    exchange::CheckPlates(o.plates);
+    if (!o.plates.empty() && o.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
+    if (o.sync && o.forces.empty()) throw UsageError("--sync: whose clock? Give --forces");
     o.exo_reading.up = o.human_reading.up;
     o.exo_reading.forward = o.human_reading.forward;
     o.exo_reading.values = o.human_reading.values;
@@ -388,6 +428,8 @@ void Describe(CompareRunOptions& o, OptionList& options) {
     o.right_reading = o.human_reading;
     if (list.IsGiven("right-map")) o.right_reading.names = right_names;
     if (!list.IsGiven("exo-map")) o.exo_reading.names = o.human_reading.names;
+    for (gait::PictureScale* other : {&o.exo_picture, &o.right_picture})
+      if (!other->IsGiven()) *other = o.human_picture;
     if (!list.IsGiven("exo-unit")) o.exo_reading.mm_per_unit = o.human_reading.mm_per_unit;
   });
 }

@@ -104,7 +104,9 @@ LineChart AnglesChart(const motion::LegMotion& leg, const std::vector<SitToStand
 Section Method() {
   return {
       "How it is measured",
-      {List{{"Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638. Of a rise, the standard deviations are "
+      {List{{"Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638; steady is who moves hip and knee "
+             "at less than 5 % of their peak speeds for half a second, a limit of our own. Of a rise, the standard "
+             "deviations are "
              "those of markers and events; skin movement is not in them.",
              "Five-times test: from the first onset to the fifth standing; values are the means of five rises, "
              "standard deviations those between them. A test timed by hand begins at the word, and is longer by the "
@@ -113,7 +115,9 @@ Section Method() {
              "(Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006).",
              "Centre of mass and momentum (momentum.csv) and the knee's power (loads.csv), from force plates where "
              "there are some, are given by lake loads: they need the body mass.",
-             "Reference times by age: Bohannon 2006, doi:10.2466/pms.103.1.215-222."}}}};
+             "Reference times by age, of both sexes: Bohannon 2006, doi:10.2466/pms.103.1.215-222. Sex told nothing of "
+             "the "
+             "time beyond age and strength in Bohannon et al. 2010, doi:10.3233/IES-2010-0389."}}}};
 }
 
 void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& rows, const Json& five_times, Run& run) {

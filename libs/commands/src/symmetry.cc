@@ -2,12 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
+
 #include "lake/commands/gait.h"
 #include "lake/compare/symmetry.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
+#include "lake/exchange/ground_forces.h"
 #include "lake/figure/symmetry_figure.h"
+#include "lake/gait/sit_to_stand.h"
+#include "lake/sync/clock.h"
 #include "png_and_svg.h"
 
 namespace lake::commands {
@@ -15,10 +22,75 @@ namespace {
 
 namespace fs = std::filesystem;
 
-gait::LegFitResult FitSide(const fs::path& path, const exchange::TrialOptions& reading, Run& run) {
+gait::LegFitResult FitSide(const fs::path& path, const exchange::TrialOptions& reading,
+                           const gait::PictureScale& picture, Run& run) {
   gait::LegFitOptions fit;
   fit.facing_option = "--forward";
-  return FitTrial(ReadTrialFor(path, reading), fit, run);
+  return FitTrial(ReadTrialFor(path, reading, picture), fit, run, picture);
+}
+
+struct Window {
+  double from_s, to_s;
+};
+
+// From seat-off to standing of the rises that both legs show, the mean of what they say.
+std::map<int, Window> LoadedWindows(const gait::LegFitResult& left, const gait::LegFitResult& right) {
+  std::map<int, Window> windows;
+  const std::vector<gait::SitToStand> of_right = gait::MeasureSitToStands(right);
+  for (const gait::SitToStand& l : gait::MeasureSitToStands(left))
+    for (const gait::SitToStand& r : of_right) {
+      if (l.repetition == 0 || l.repetition != r.repetition) continue;
+      const Window window{(l.seat_off_s.value + r.seat_off_s.value) / 2, (l.standing_s.value + r.standing_s.value) / 2};
+      if (window.from_s < window.to_s) windows[l.repetition] = window;
+    }
+  return windows;
+}
+
+// The vertical force under one foot in each rise: its mean and its largest, N.
+struct FootLoads {
+  std::map<int, gait::Measured> mean, largest;
+};
+
+FootLoads LoadsOf(const exchange::PlateForces& plate, Eigen::Index up, const std::vector<double>& time_s,
+                  const std::map<int, Window>& windows) {
+  FootLoads loads;
+  for (const auto& [repetition, window] : windows) {
+    std::vector<double> forces_n;
+    for (std::size_t i = 0; i < time_s.size(); ++i)
+      if (time_s[i] >= window.from_s && time_s[i] <= window.to_s) forces_n.push_back(plate.force_n[i][up]);
+    if (forces_n.empty() || time_s.front() > window.from_s || time_s.back() < window.to_s) continue;
+    loads.mean[repetition].value = Mean(forces_n);
+    loads.largest[repetition].value = *std::ranges::max_element(forces_n);
+  }
+  return loads;
+}
+
+std::vector<compare::RiseQuantity> ReadLoads(const CompareRunOptions& options, const gait::LegFitResult& left,
+                                             const gait::LegFitResult& right) {
+  if (options.forces.empty()) return {};
+  if (!fs::equivalent(options.left, options.right))
+    throw UsageError(
+        "--forces: of which recording? What each foot bears is told of one that shows both legs: give it as "
+        "--left and as --right");
+  const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
+  std::vector<double> time_s = file.time_s;
+  if (options.sync) {
+    const sync::Clock clock = sync::ReadClockOf(*options.sync, options.forces);
+    for (double& time : time_s) time = clock.FromB(time);
+  }
+  const std::map<int, Window> windows = LoadedWindows(left, right);
+  const auto of = [&](const char* leg) {
+    return LoadsOf(exchange::PlateOf(file, options.plates, leg, options.forces), file.up_axis - 'x', time_s, windows);
+  };
+  const FootLoads of_left = of("left"), of_right = of("right");
+  if (of_left.mean.size() < 2)
+    throw Fail(
+        "{}: it has the forces of {} of the {} rises; a difference needs two (are both on one clock? See lake "
+        "sync)",
+        options.forces.string(), of_left.mean.size(), windows.size());
+  constexpr double kPlate = 0.01;  // of a force: what makers state as linearity and crosstalk is 0.2 to 2 %
+  return {{"load_mean_n", of_left.mean, of_right.mean, kPlate},
+          {"load_max_n", of_left.largest, of_right.largest, kPlate}};
 }
 
 void AddDifference(const compare::SideDifference& difference, CsvWriter& csv) {
@@ -65,11 +137,12 @@ Json RunSymmetry(const CompareRunOptions& options, Run& run) {
   CheckReading(options.left, options.human_reading);
   CheckReading(options.right, options.right_reading);
   run.AddInputs(InputsOf(options));
-  const gait::LegFitResult left = FitSide(options.left, options.human_reading, run),
-                           right = FitSide(options.right, options.right_reading, run);
+  const gait::LegFitResult left = FitSide(options.left, options.human_reading, options.human_picture, run),
+                           right = FitSide(options.right, options.right_reading, options.right_picture, run);
   compare::SymmetryOptions of_sides;
   of_sides.replacement_sd_mm = options.misalignment.replacement_sd_mm;
   of_sides.one_recording = fs::equivalent(options.left, options.right);
+  of_sides.further = ReadLoads(options, left, right);
   const compare::Symmetry symmetry = compare::CompareSides(left, right, of_sides);
   run.Begin({"summary.json", "symmetry.csv", "symmetry_curve.csv", "symmetry.png", "symmetry.svg"});
   WriteQuantities(run.Result("symmetry.csv"), symmetry);

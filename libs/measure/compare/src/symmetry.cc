@@ -167,16 +167,24 @@ Symmetry CompareSides(const gait::LegFitResult& left, const gait::LegFitResult& 
     return options.one_recording ? PairedDifference(l, r) : WelchDifference(l, r);
   };
   Symmetry symmetry{.left_rises = of_left.size(), .right_rises = of_right.size()};
-  for (const Compared& compared : kCompared) {
-    const ByRise l = Of(of_left, compared.value), r = Of(of_right, compared.value);
-    if (l.empty() || r.empty()) continue;
+  const auto add = [&](const std::string& name, const ByRise& l, const ByRise& r, double placement, double outside) {
+    if (l.empty() || r.empty()) return;
     const MeanDifference mean = mean_of(l, r);
-    if (!std::isfinite(mean.sd)) continue;
-    const double placement = std::hypot(PlacementOf(left.motion, compared.angle, options.replacement_sd_mm),
-                                        PlacementOf(right.motion, compared.angle, options.replacement_sd_mm));
-    symmetry.quantities.push_back(DifferenceOf(ColumnName(compared.value, left.motion.unit), mean, placement,
-                                               kOutside / static_cast<double>(std::size(kCompared))));
+    if (!std::isfinite(mean.sd)) return;
+    symmetry.quantities.push_back(DifferenceOf(name, mean, placement, outside));
     symmetry.is_asymmetric |= symmetry.quantities.back().IsAsymmetric();
+  };
+  for (const Compared& compared : kCompared)
+    add(ColumnName(compared.value, left.motion.unit), Of(of_left, compared.value), Of(of_right, compared.value),
+        std::hypot(PlacementOf(left.motion, compared.angle, options.replacement_sd_mm),
+                   PlacementOf(right.motion, compared.angle, options.replacement_sd_mm)),
+        kOutside / static_cast<double>(std::size(kCompared)));
+  for (const RiseQuantity& quantity : options.further) {
+    if (quantity.left.empty() || quantity.right.empty()) continue;
+    const double instruments =
+        quantity.relative_sd * std::hypot(Mean(Values(quantity.left)), Mean(Values(quantity.right)));
+    add(quantity.name, quantity.left, quantity.right, instruments,
+        kOutside / static_cast<double>(options.further.size()));
   }
   if (symmetry.quantities.empty())
     throw Fail("the left leg rises {} and the right leg {} times, and none of the rises is in both", of_left.size(),

@@ -83,6 +83,7 @@ void AddDeviations(const StateVector& state, const StateMatrix& of_state, const 
   sd.trunk_deg_s.push_back(trunk(of_rate(kTrunkAngle, kTrunkAngle)));
   sd.hip_deg.push_back(trunk(DifferenceVariance(of_state, kTrunkAngle, kThighAngle) +
                              JointVarianceOfMarkers(state, kThigh, kTrunk, slow)));
+  sd.hip_deg_s.push_back(trunk(DifferenceVariance(of_rate, kTrunkAngle, kThighAngle)));
 }
 
 using SlowNoises = std::array<std::vector<double>, kLegMarkers>;  // variances, recorded unit, per frame

@@ -237,6 +237,8 @@ StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<Mar
     signals.trunk_deg_s.push_back(value(trunk, DegreesFromRadians(curves.rate[i][kTrunkAngle])));
     signals.shank_deg.push_back(value(known, DegreesFromRadians(state[kShankAngle])));
     signals.shank_deg_s.push_back(value(known, DegreesFromRadians(curves.rate[i][kShankAngle])));
+    signals.hip_deg_s.push_back(
+        value(trunk, DegreesFromRadians(curves.rate[i][kTrunkAngle] - curves.rate[i][kThighAngle])));
   }
   return signals;
 }

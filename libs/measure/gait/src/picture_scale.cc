@@ -1,5 +1,7 @@
 #include "lake/gait/picture_scale.h"
 
+#include <fmt/format.h>
+
 #include "lake/camera/plane_fit.h"
 #include "lake/core/error.h"
 #include "lake/motion/corrections.h"
@@ -53,6 +55,15 @@ void Describe(PictureScale& o, OptionList& options) {
       .Add("plane-points", o.plane_points,
            "Four or more known points of the sagittal plane, in px and mm, where no plane is calibrated")
       .Value("X,Y=XMM,YMM;...");
+}
+
+void DescribeOther(const std::string& prefix, const std::string& whose, PictureScale& o, OptionList& options) {
+  const std::string otherwise = fmt::format("as --camera, --scale and --plane-points if no --{}-… is given", prefix);
+  options.Add(prefix + "-camera", o.camera, "--camera of " + whose).Otherwise(otherwise);
+  options.Add(prefix + "-scale", o.scale, "--scale of " + whose).Value("X1,Y1,X2,Y2,LENGTH_MM").Otherwise("likewise");
+  options.Add(prefix + "-plane-points", o.plane_points, "--plane-points of " + whose)
+      .Value("X,Y=XMM,YMM;...")
+      .Otherwise("likewise");
 }
 
 LegView MakeView(const PictureScale& picture, const std::optional<camera::CameraProfile>& profile,

@@ -12,6 +12,7 @@ namespace lake::gait {
 namespace {
 
 constexpr std::size_t kFive = 5;
+constexpr std::size_t kSteadied = 3;
 constexpr double kLiftedMass = 0.9, kGravity_m_s2 = 9.81;
 
 using Quantity = SitToStandQuantity;
@@ -23,6 +24,7 @@ constexpr std::array kQuantities = {
     Quantity{"flexion_s", &SitToStand::flexion_s, "flexion momentum: onset to seat-off", "s"},
     Quantity{"transfer_s", &SitToStand::transfer_s, "momentum transfer: seat-off to largest ankle dorsiflexion", "s"},
     Quantity{"extension_s", &SitToStand::extension_s, "extension: from there to standing", "s"},
+    Quantity{"stabilisation_s", &SitToStand::stabilisation_s, "stabilisation: from there until steady", "s"},
     Quantity{"descent_s", &SitToStand::descent_s, "time to sit down", "s"},
     Quantity{"knee_seat_off_deg", &SitToStand::knee_seat_off_deg, "knee angle at seat-off", "°"},
     Quantity{"hip_seat_off_deg", &SitToStand::hip_seat_off_deg, "hip angle at seat-off", "°"},
@@ -72,6 +74,9 @@ class Rises {
     shank_ = {fit.signals.shank_deg, sd.shank_deg};
     extension_speed_ = {fit.signals.knee_deg_s, sd.knee_deg_s};
     for (double& speed : extension_speed_.value) speed = -speed;
+    steadied_ = {{{fit.signals.hip_deg_s, sd.hip_deg_s}, {fit.signals.knee_deg_s, sd.knee_deg_s}, hip_speed_}};
+    for (ValuesOfFrames& speed : steadied_)  // empty where not known
+      speed.value.resize(time_s_.size(), NAN), speed.sd.resize(time_s_.size(), NAN);
   }
 
   std::vector<SitToStand> Measure() const {
@@ -97,6 +102,7 @@ class Rises {
     rise.flexion_s = Difference(rise.seat_off_s, rise.onset_s);
     rise.transfer_s = Difference(leaned_s, rise.seat_off_s);
     rise.extension_s = Difference(rise.standing_s, leaned_s);
+    rise.stabilisation_s = Stabilisation(rise, time[motion::StsEventKind::kDescent].value);
     MeasureAngles(rise);
     rise.hip_rise = Difference(At(height_, rise.standing_s), At(height_, rise.onset_s));
     rise.hip_speed = Ratio(rise.hip_rise, Difference(rise.standing_s, rise.seat_off_s));
@@ -140,22 +146,64 @@ class Rises {
     return i ? Measured{course.value[*i], course.sd[*i]} : Measured{};
   }
 
-  // When the shank leans forward most: there its speed crosses zero. At seat-off if it only goes back from there.
+  // When the shank leans forward most: where its speed crosses zero beside the frame of the largest lean. At seat-off
+  // if it only goes back from there, at standing if it leans until then.
   Measured LargestLean(const Measured& seat_off, const Measured& standing) const {
-    const auto i = FrameOfLargest(shank_, seat_off.value, standing.value);
-    if (!i) return {};
+    const auto largest = FrameOfLargest(shank_, seat_off.value, standing.value);
+    if (!largest) return {};
     const std::vector<double>& speed = fit_.signals.shank_deg_s;
-    const std::size_t before = speed[*i] > 0 ? *i : *i - 1, after = before + 1;
-    if (*i == 0 || after == time_s_.size() || !(speed[before] > 0) || !(speed[after] <= 0) ||
-        time_s_[before] < seat_off.value)
-      return seat_off;
-    const double step_s = time_s_[after] - time_s_[before], slope = (speed[before] - speed[after]) / step_s;
-    return {time_s_[before] + speed[before] / slope, fit_.signals.sd.shank_deg_s[*i] / slope};
+    std::size_t before = *largest;  // the last frame in which it still leans forward
+    while (before > 0 && !(speed[before] > 0)) --before;
+    while (before + 1 < time_s_.size() && speed[before + 1] > 0) ++before;
+    if (time_s_[before] < seat_off.value) return seat_off;
+    if (before + 1 == time_s_.size() || time_s_[before + 1] > standing.value) return standing;
+    const double step_s = time_s_[before + 1] - time_s_[before], slope = (speed[before] - speed[before + 1]) / step_s;
+    return {time_s_[before] + speed[before] / slope, fit_.signals.sd.shank_deg_s[before] / slope};
+  }
+
+  double PeakOf(const ValuesOfFrames& speed, const SitToStand& rise) const {
+    double peak = NAN;
+    for (std::size_t i = 0; i < time_s_.size(); ++i)
+      if (time_s_[i] >= rise.onset_s.value && time_s_[i] <= rise.standing_s.value)
+        peak = std::fmax(peak, std::abs(speed.value[i]));
+    return peak;
+  }
+
+  // From standing to the last time at which a speed comes below its limit before all stay there.
+  Measured Stabilisation(const SitToStand& rise, double descent_s) const {
+    std::array<double, kSteadied> limit{};
+    for (std::size_t k = 0; k < kSteadied; ++k) limit[k] = kSteadyFraction * PeakOf(steadied_[k], rise);
+    const double until_s = std::isnan(descent_s) ? time_s_.back() : descent_s;
+    Measured steady{rise.standing_s.value, 0};
+    const auto next = std::upper_bound(time_s_.begin(), time_s_.end(), steady.value);
+    for (auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, next - time_s_.begin()) - 1);
+         i < time_s_.size() && time_s_[i] <= std::min(until_s, steady.value + kSteady_s); ++i)
+      for (std::size_t k = 0; k < kSteadied; ++k) {
+        const Measured slow = ComesBelow(steadied_[k], limit[k], i);
+        if (std::isnan(slow.value)) return {};
+        if (slow.value > steady.value) steady = slow;
+      }
+    if (!(steady.value + kSteady_s <= until_s)) return {};
+    return {steady.value - rise.standing_s.value, std::hypot(steady.sd, rise.standing_s.sd)};
+  }
+
+  // When a speed comes below its limit after frame i, or the next frame if it stays above; −∞ if it is below there, NaN
+  // where it is not known well enough.
+  Measured ComesBelow(const ValuesOfFrames& speed, double limit, std::size_t i) const {
+    const double size = std::abs(speed.value[i]);
+    if (!std::isfinite(size) || !(speed.sd[i] <= limit / 2)) return {};
+    if (size <= limit) return {-INFINITY, 0};
+    if (i + 1 == time_s_.size()) return {};
+    const double after = std::abs(speed.value[i + 1]), step_s = time_s_[i + 1] - time_s_[i];
+    if (!(after <= limit)) return {time_s_[i + 1], 0};
+    const double slope = (size - after) / step_s;
+    return {time_s_[i] + (size - limit) / slope, speed.sd[i] / slope};
   }
 
   const LegFitResult& fit_;
   const std::vector<double>& time_s_;
   ValuesOfFrames knee_, hip_, trunk_, shank_, height_, hip_speed_, trunk_speed_, extension_speed_;
+  std::array<ValuesOfFrames, kSteadied> steadied_;  // the speeds of which the person becomes steady
 };
 
 SitToStand FiveTimes(const std::vector<SitToStand>& rises, bool in_mm) {

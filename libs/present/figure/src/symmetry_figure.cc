@@ -18,6 +18,8 @@ std::string NameOf(const std::string& column) {
         const std::string label = quantity.label;  // a phase's name goes before a colon
         return fmt::format("{} ({})", label.substr(0, label.find(':')), quantity.Unit(unit));
       }
+  if (column == "load_mean_n") return "mean force under the foot (N)";
+  if (column == "load_max_n") return "largest force under the foot (N)";
   return column;
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "lake/core/run.h"
 #include "lake/cuffs/cuff_model.h"
 #include "lake/exchange/trial.h"
+#include "lake/gait/picture_scale.h"
 
 namespace lake::commands {
 
@@ -25,12 +27,17 @@ struct CompareRunOptions {
   // Instead of these, both legs of one person: their symmetry (symmetry.h). The left one is read by `human_reading`.
   std::filesystem::path left, right;
   exchange::TrialOptions right_reading;
+  std::filesystem::path forces;               // of both legs' recording: what each foot bears; empty: not told
+  std::map<std::string, int> plates;          // left, right: which plate, from 1
+  std::optional<std::filesystem::path> sync;  // sync.yaml: the forces' clock; else it is the markers'
   std::string human_knee = "knee";
   std::optional<std::string> exo_knee;  // default: exo_knee, or knee where there is neither
                                         // that nor --exo-segment
   std::array<double, 2> joint_at_mm = {0,
                                        0};  // of that marker, seen from the joint's axis: anterior, up along the shank
   exchange::TrialOptions human_reading, exo_reading;  // of files; a folder's markers have their names already
+  // Of trials in px. The left leg's is `human_picture`.
+  gait::PictureScale human_picture, exo_picture, right_picture;
   compare::MisalignmentOptions misalignment;
   compare::BudgetOptions budget;
   cuffs::CuffOptions cuff;
@@ -43,10 +50,10 @@ std::vector<InputFile> InputsOf(const CompareRunOptions& options);
 // What ReadTrialTables reads, or ReadComparison of a folder with a comparison.json. A folder need not be there yet.
 std::vector<InputFile> TrialTableInputs(const std::filesystem::path& path, const std::string& role);
 
-// Of a lake-track folder its tables, of another trial those of a leg fit. `knee` is the compared marker; where the
-// trial has no marker `knee`, it is the leg's knee as well.
+// Of a lake-track folder its tables, of another trial, or with a scale of its picture, those of a leg fit. `knee` is
+// the compared marker; where the trial has no marker `knee`, it is the leg's knee as well.
 compare::TrialTables ReadTrialTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
-                                     const std::string& knee, Run& run);
+                                     const std::string& knee, Run& run, const gait::PictureScale& picture = {});
 
 // The same by --knee: with `marker` as it is, with `functional` with the axis about which the person's segments turn:
 // of a human trial where the compared marker was, beside an exoskeleton's joint as the marker `knee`. Always of a leg
@@ -58,10 +65,12 @@ struct FunctionalTables {
   std::optional<double> sd_mm;  // of the knee's axis; absent where the trial shows none, and its marker is taken
 };
 FunctionalTables ReadFunctionalTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
-                                      const std::string& knee, TrialSide side, const KneeOptions& options, Run& run);
+                                      const std::string& knee, TrialSide side, const KneeOptions& options, Run& run,
+                                      const gait::PictureScale& picture = {});
 
-// Throws UsageError for options of a trial that ReadTrialTables would ignore.
-void CheckReading(const std::filesystem::path& path, const exchange::TrialOptions& reading);
+// Throws UsageError for options of a trial that ReadTrialTables would ignore, as a scale is where lengths are in mm.
+void CheckReading(const std::filesystem::path& path, const exchange::TrialOptions& reading,
+                  const gait::PictureScale& picture = {});
 
 // Writes misalignment.csv, uncertainty_budget.csv, cuffs.csv (where the joint's place on the leg is known),
 // overlay.png, misalignment.png, comparison.json, report.html; returns the results for the summary. Throws Error in one

@@ -1,17 +1,28 @@
 // Both legs of one person: what differs between them in the rises that both made, with intervals that hold together.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "lake/compare/interval.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/gait/sit_to_stand.h"
 
 namespace lake::compare {
+
+// What else is known of each side's rises, by their numbers, as the force under its foot. Where the SD of a rise is not
+// known (NaN), it takes two rises to tell a difference.
+struct RiseQuantity {
+  std::string name;  // a column's, its unit at the end
+  std::map<int, gait::Measured> left, right;
+  double relative_sd = 0;  // of the instrument of either side, which no number of rises makes smaller
+};
 
 struct SymmetryOptions {
   double replacement_sd_mm = 3;  // how well a marker is put on the same spot of either leg: in angles
   bool one_recording = false;    // rises are matched by their numbers; else those of two recordings are not
+  std::vector<RiseQuantity> further = {};
 };
 
 // A quantity of sit_to_stand.csv, or the knee angle at a percent of the rise.
@@ -26,13 +37,15 @@ struct SideDifference {
 };
 
 struct Symmetry {
-  std::vector<SideDifference> quantities = {};  // the intervals hold together with 95 % (Bonferroni)
+  std::vector<SideDifference> quantities = {};  // the intervals of the leg's motion hold together with 95 %
+                                                // (Bonferroni), and so do those of what was given besides
   std::vector<SideDifference> knee_deg = {};    // at 0 to 100 %, each by itself with 95 %
   std::size_t left_rises = 0, right_rises = 0;
   bool is_asymmetric = false;  // some quantity's interval excludes zero
 };
 
-// Angles at seat-off and at most, peak speeds, phases and the hip's rise, aligned by the rises' events. Between rises
+// Angles at seat-off and at most, peak speeds, phases, the hip's rise and what is given besides, aligned by the rises'
+// events. Between rises
 // the interval is Student's (paired, or Welch's); of one rise each it is the fits'. To angles it adds where the markers
 // sit. Throws Error where a side has no rise with an onset and a standing, and for rises that are matched and none is.
 Symmetry CompareSides(const gait::LegFitResult& left, const gait::LegFitResult& right, const SymmetryOptions& options);

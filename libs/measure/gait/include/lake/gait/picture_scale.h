@@ -20,9 +20,14 @@ struct PictureScale {
 
   bool IsGiven() const { return camera || scale || !plane_points.empty(); }
   const char* OptionName() const { return camera ? "--camera" : scale ? "--scale" : "--plane-points"; }
+  bool operator==(const PictureScale&) const = default;
 };
 
 void Describe(PictureScale& o, OptionList& options);
+
+// The same of another recording beside it, as --exo-camera with the prefix `exo`; `whose`: "the exoskeleton trial".
+// Where none of them is given, it is for the program to take what holds for the first recording.
+void DescribeOther(const std::string& prefix, const std::string& whose, PictureScale& o, OptionList& options);
 
 using Warn = std::function<void(const std::string&)>;
 

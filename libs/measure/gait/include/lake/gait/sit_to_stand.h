@@ -21,6 +21,9 @@ struct Measured {
   double value = NAN, sd = NAN;
 };
 
+inline constexpr double kSteadyFraction = 0.05;  // as of the knee's extension at standing
+inline constexpr double kSteady_s = 0.5;
+
 // One rise, or the means of five. Of a rise, the SDs are the fit's, of the events' times too; those of the events' own
 // definition and of the person's skin are not in them. Of the five-times test they are those between its rises.
 struct SitToStand {
@@ -30,6 +33,12 @@ struct SitToStand {
   // Phases I to III of Schenkman et al. (1990, doi:10.1093/ptj/70.10.638): onset to seat-off, from there to the largest
   // ankle dorsiflexion (forward lean of the shank), from there to standing.
   Measured flexion_s, transfer_s, extension_s;
+  // Phase IV: from standing until the person is steady. Schenkman et al. end it when all motion that belongs to
+  // stabilisation is complete, and give no limit; here it is when the angular speeds of hip and knee and the hip's
+  // speed up or down have come below kSteadyFraction of their peaks in the rise, and stay there for kSteady_s. NaN
+  // where that is not recorded, where the descent begins before, without a waist marker, and where a speed's SD is more
+  // than half of its limit.
+  Measured stabilisation_s;
   Measured descent_s;                                                // from standing to the seat
   Measured knee_seat_off_deg, hip_seat_off_deg, trunk_seat_off_deg;  // knee and hip: flexion; trunk: from the vertical
   Measured knee_max_deg, hip_max_deg, trunk_max_deg;                 // between onset and standing

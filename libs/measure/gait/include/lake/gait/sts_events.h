@@ -13,7 +13,7 @@ namespace lake::gait {
 // Standard deviations of the signals below, one value per frame; empty where not known.
 struct StsDeviations {
   std::vector<double> hip_height, hip_up_speed, knee_deg, knee_deg_s, trunk_deg, trunk_deg_s;
-  std::vector<double> shank_deg, shank_deg_s, hip_deg;
+  std::vector<double> shank_deg, shank_deg_s, hip_deg, hip_deg_s;
 };
 
 // What the events, and the times and speeds of sit_to_stand.h, are read from, one value per frame; NaN where not known.
@@ -27,7 +27,8 @@ struct StsSignals {
   std::vector<double> knee_deg, knee_deg_s;    // flexion positive
   std::vector<double> trunk_deg, trunk_deg_s;  // forward positive; NaN without a waist marker
   double leg_length = 0;                       // |AK| + |KH|
-  std::vector<double> shank_deg, shank_deg_s;  // forward positive; no event is read from these
+  std::vector<double> shank_deg, shank_deg_s;  // forward positive; no event is read from these, nor from the next
+  std::vector<double> hip_deg_s;               // flexion positive; NaN without a waist marker
   StsDeviations sd;
 };
 

@@ -1,0 +1,113 @@
+// lake-compare of tracks that other programs leave in px: a camera file or a scale bar gives what the same tracks in mm
+// give.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <optional>
+
+#include "cli/program_run.h"
+#include "gait/synthetic_leg.h"
+#include "lake/camera/camera.h"
+#include "lake/core/json.h"
+#include "lake/motion/marker_recording.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class TracksInPx : public testing::Test {
+ protected:
+  // The leg, and the same person with a joint that sits 20 mm before and 10 mm above the knee.
+  void SetUp() override {
+    const gait::LegView calibrated = CalibratedView();
+    camera::WriteCameraProfile(folder_ / "camera.yaml", {*calibrated.camera, calibrated.camera_from_plane, {}, {}});
+    gait::LegView mm;
+    mm.recorded_in_plane = true;
+    Write("human", "human_mm", MakeSyntheticLeg({.rate_hz = 60}), calibrated, mm, std::nullopt);
+    Write("exo", "exo_mm", MakeSyntheticLeg({.rate_hz = 60, .move_s = 2}), ScaledView(), mm, Eigen::Vector2d(20, 10));
+  }
+
+  void Write(const std::string& in_px, const std::string& in_mm, const SyntheticLeg& leg, const gait::LegView& view,
+             const gait::LegView& mm, const std::optional<Eigen::Vector2d>& joint_mm) const {
+    for (const auto& [name, of_view] : {std::pair(in_px, view), std::pair(in_mm, mm)}) {
+      motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, of_view, {.sigma_px = 0.02}, 5);
+      if (joint_mm) {
+        motion::MarkerTrack joint = tracks.markers[1];
+        joint.name = "exo_knee";
+        for (std::size_t i = 0; i < leg.time_s.size(); ++i)
+          joint.samples[i].position = gait::RecordedFromPlane<double>(of_view, *leg.points_mm[i].knee + *joint_mm, 0);
+        tracks.markers.push_back(std::move(joint));
+      }
+      motion::WriteMarkerCsv(folder_ / (name + ".csv"), tracks);
+    }
+  }
+
+  Json Compare(const std::string& words) const {
+    const Outcome outcome = Shell(folder_, "lake-compare " + words + " --resamples 0 --quiet --json");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
+  }
+
+  void ExpectRefused(const std::string& words, int exit_code, const std::string& message) const {
+    const Outcome outcome = Shell(folder_, "lake-compare " + words + " -o R");
+    EXPECT_EQ(outcome.exit_code, exit_code) << words;
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+    EXPECT_FALSE(fs::exists(folder_ / "R"));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(TracksInPx, AreComparedAsTheSameTracksInMm) {
+  const Json mm = Compare("human_mm.csv exo_mm.csv -o M"),
+             px = Compare("human.csv exo.csv --camera camera.yaml --exo-scale 0,0,500,0,1000 -o P");
+  ASSERT_TRUE(px.is_object() && mm.is_object());
+  // 0.02 px are up to 0.06 mm, of each of some hundred samples.
+  EXPECT_NEAR(px["joint"]["rms_mm"], mm["joint"]["rms_mm"], 0.05);
+  EXPECT_NEAR(px["joint"]["rms_mm"], std::hypot(20, 10), 0.2);
+  EXPECT_NEAR(px["metrics"]["rms_mm"], mm["metrics"]["rms_mm"], 0.05);
+  const Json summary = ReadJsonFile(folder_ / "P/summary.json");
+  EXPECT_TRUE(std::ranges::any_of(summary["inputs"], [](const Json& input) { return input["role"] == "human camera"; }))
+      << summary["inputs"].dump();
+}
+
+TEST_F(TracksInPx, OneScaleIsForBothUnlessTheOtherHasItsOwn) {
+  const Json both = Compare("exo.csv exo.csv --human-knee knee --scale 0,0,500,0,1000 -o B");
+  EXPECT_NEAR(both["joint"]["rms_mm"], std::hypot(20, 10), 0.2);
+  // Of use for one of the two is enough.
+  const Json one = Compare("human_mm.csv exo.csv --scale 0,0,500,0,1000 -o O");
+  EXPECT_NEAR(one["joint"]["rms_mm"], std::hypot(20, 10), 0.2);
+}
+
+TEST_F(TracksInPx, OfBothLegsHaveTheirScalesToo) {
+  const Json legs = Compare("--left human.csv --right exo.csv --camera camera.yaml --right-scale 0,0,500,0,1000 -o S");
+  ASSERT_TRUE(legs.is_object());
+  EXPECT_TRUE(legs["symmetry"].contains("hip_rise_mm"));
+  EXPECT_LT(std::abs(legs["symmetry"]["hip_rise_mm"]["difference"].get<double>()), 1);
+}
+
+TEST_F(TracksInPx, AScaleThatHasNoEffectIsRefused) {
+  ExpectRefused("human_mm.csv exo_mm.csv --scale 0,0,500,0,1000", 2,
+                "--scale has no effect on human_mm.csv: its lengths are in mm");
+  ExpectRefused("human.csv exo_mm.csv --scale 0,0,500,0,1000 --exo-camera camera.yaml", 2,
+                "--exo-camera has no effect on exo_mm.csv: its lengths are in mm");
+  ExpectRefused("human_mm.csv exo.csv --exo-scale 0,0,500,0,1000 --camera camera.yaml", 2,
+                "--camera has no effect on human_mm.csv: its lengths are in mm");
+  ExpectRefused("human_mm.csv exo.csv", 1, "give the one in px a scale: --exo-camera with a plane, or --exo-scale");
+  ExpectRefused("--left human_mm.csv --right human_mm.csv --scale 0,0,500,0,1000", 2, "--scale has no effect");
+}
+
+// A folder of lake-gait in px is fitted once more, with its scale.
+TEST_F(TracksInPx, AFolderWithoutScaleIsGivenOne) {
+  ASSERT_EQ(Shell(folder_, "lake-gait exo.csv --quiet -o E").exit_code, 0);
+  const Json folder = Compare("human_mm.csv E --exo-scale 0,0,500,0,1000 -o F");
+  EXPECT_NEAR(folder["joint"]["rms_mm"], std::hypot(20, 10), 0.2);
+  ASSERT_EQ(Shell(folder_, "lake-gait human_mm.csv --quiet -o H").exit_code, 0);
+  ExpectRefused("H E --camera camera.yaml --exo-scale 0,0,500,0,1000", 2, "--camera has no effect on H");
+  ExpectRefused("F E --camera camera.yaml --exo-scale 0,0,500,0,1000", 2, "--camera has no effect on F");
+}
+
+}  // namespace
+}  // namespace lake
