@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """What a run costs as its input grows: processor time of lake-gait over frames, of lake-calibrate over views, of lake-optimize over
-starts, and of each program's start. Where the cost is linear the time per unit stays, and the exponent is 1.
+starts, and of each program's start. Where the cost is linear the time per unit stays, and the exponent is 1. With --against another
+build's folder of programs, whole runs of both in turn, and how much less time this one takes.
 
 costs.py [--quick] [--only gait calibrate optimize begin]     LAKE_BIN names the folder of the programs, build/test/bin by default
+costs.py --against FOLDER [--rounds N]
 """
 import argparse
 import csv
@@ -10,6 +12,7 @@ import math
 import os
 import pathlib
 import random
+import statistics
 import sys
 import tempfile
 
@@ -23,9 +26,9 @@ SIZES = {
 UNITS = {"gait": "frames", "calibrate": "views", "optimize": "starts"}
 
 
-def processor_s(words, folder):
+def processor_s(words, folder, bin_folder=programs.BIN):
     """Of a run that must end well, all its processes together, and its largest memory in MB."""
-    command = [str(programs.BIN / words[0])] + [str(word) for word in words[1:]]
+    command = [str(bin_folder / words[0])] + [str(word) for word in words[1:]]
     previous = os.getcwd()
     os.chdir(folder)
     try:
@@ -99,13 +102,35 @@ def show_beginnings(folder):
         print(f"{program.name:16} begins in {1000 * best_s:4.0f} ms", flush=True)
 
 
+WHOLE = {
+    "lake-optimize --version": ["lake-optimize", "--version"],
+    "lake-optimize, one start": ["lake-optimize", "--starts", 1, "--quiet", "-o", "out"],
+    "lake-optimize, 100 starts": ["lake-optimize", "--starts", 100, "--quiet", "-o", "out"],
+    "lake-track --version": ["lake-track", "--version"],
+}
+
+
+def compare_with(other, rounds, folder):
+    """Medians of runs of both in turn: what else the machine does meets both."""
+    for name, words in WHOLE.items():
+        pairs = [(processor_s(words, folder, other)[0], processor_s(words, folder)[0]) for _ in range(rounds)]
+        before_s, now_s = (statistics.median(times) for times in zip(*pairs))
+        ratio = statistics.median(now / before for before, now in pairs)
+        print(f"{name:26} {1000 * before_s:6.0f} ms before {1000 * now_s:6.0f} ms now, ratio {ratio:.2f}", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--only", nargs="*", default=["begin", "gait", "calibrate", "optimize"])
+    parser.add_argument("--against", type=pathlib.Path)
+    parser.add_argument("--rounds", type=int, default=5)
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
+        if asked.against:
+            compare_with(asked.against.resolve(), asked.rounds, folder)
+            return
         for name in asked.only:
             if name == "begin":
                 show_beginnings(folder)

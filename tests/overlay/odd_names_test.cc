@@ -45,6 +45,18 @@ TEST(Figures, AreTheSameWhateverTheUsersOwnSettingsSay) {
   EXPECT_EQ(ReadTextFile(folder / "after/figure.svg"), ReadTextFile(folder / "figure.svg"));
 }
 
+TEST(Figures, OfBothFormsAreAsEachAlone) {
+  const TemporaryFolder folder;
+  figure::GnuplotFigure figure(200, 100);
+  figure.Line("set multiplot layout 1,2").Line("set logscale y").Line("plot x").Line("set title 'right'");
+  figure.Line("plot " + figure.Data({{0, 1, 2}, {1, 10, 100}})).Line("unset multiplot");
+  std::filesystem::create_directories(folder / "alone");
+  for (const char* name : {"figure.png", "figure.svg"}) figure.Write(folder / "alone" / name);
+  figure.Write(folder / "figure");
+  for (const char* name : {"figure.png", "figure.svg"})
+    EXPECT_EQ(ReadTextFile(folder / name), ReadTextFile(folder / "alone" / name)) << name;
+}
+
 TEST(OddNames, Solids) {
   const linkage::Links links{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
   const parts::Mechanism mechanism = parts::MakeMechanism(links, linkage::FindUsedRange(links, 245, {}), {});

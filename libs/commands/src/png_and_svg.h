@@ -5,16 +5,16 @@
 #include <string>
 
 #include "lake/core/run.h"
-#include "lake/core/threads.h"
 
 namespace lake::commands {
 
-// Calls draw(path) for NAME.png and NAME.svg among the run's results, both at the same time: gnuplot draws them in
-// processes of its own.
+// Calls draw(path) for NAME.png and NAME.svg among the run's results: the path without extension, of which
+// figure::GnuplotFigure makes both.
 template <typename Draw>
 void DrawPngAndSvg(const std::string& name, Run& run, const Draw& draw) {
-  const std::filesystem::path png = run.Result(name + ".png"), svg = run.Result(name + ".svg");
-  ForEachInThreads(2, 2, [&](std::size_t i) { draw(i == 0 ? png : svg); });
+  std::filesystem::path both = run.Result(name + ".png");
+  run.Result(name + ".svg");
+  draw(both.replace_extension());
 }
 
 }  // namespace lake::commands

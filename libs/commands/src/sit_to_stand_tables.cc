@@ -101,7 +101,7 @@ LineChart AnglesChart(const motion::LegMotion& leg, const std::vector<SitToStand
   return chart;
 }
 
-Section Method() {
+Section SitToStandMethod() {
   return {
       "How it is measured",
       {List{{"Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638; steady is who moves hip and knee "
@@ -125,7 +125,7 @@ void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& row
   if (rows.size() > 1)
     page.sections = {{"", {Headline(rows, five_times)}},
                      {"Rises", {AnglesChart(leg.motion, rows), RisesTable(rows, leg.motion.unit)}},
-                     Method()};
+                     SitToStandMethod()};
   else
     page.sections = {{"", {Paragraph{"No sit-to-stand was found in this recording."}}}};
   page.sections.push_back(ProvenanceSection(run.Head()));

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -33,11 +34,15 @@ int RunGnuplot(const std::filesystem::path& script, const std::filesystem::path&
   return WaitForChild(child, "gnuplot", std::chrono::milliseconds(2));  // drawing takes a hundred
 }
 
+std::filesystem::path WithEnding(std::filesystem::path path, const char* ending) {
+  return path += ending;
+}
+
 // Scratch files of one drawing, named after the result; never committed, so they vanish with the scope.
 class Scratch {
  public:
   explicit Scratch(const std::filesystem::path& result)
-      : script_(With(result, ".gnuplot")), log_(With(result, ".log")) {}
+      : script_(WithEnding(result, ".gnuplot")), log_(WithEnding(result, ".log")) {}
 
   // Throws Error with gnuplot's own words.
   void Draw(const std::filesystem::path& result, const std::vector<std::string_view>& script) const {
@@ -52,13 +57,21 @@ class Scratch {
   }
 
  private:
-  static std::filesystem::path With(std::filesystem::path path, const char* ending) { return path += ending; }
   AtomicFile script_, log_;
 };
 
 std::string PngTerminal(int width_px, int height_px) {
   return fmt::format("set terminal pngcairo size {},{} font '{}' enhanced background '#ffffff'\n", width_px, height_px,
                      kFont);
+}
+
+std::string SvgTerminal(int width_px, int height_px) {
+  return fmt::format("set terminal svg size {},{} font '{}' enhanced background '#ffffff'\n", width_px, height_px,
+                     kFont);
+}
+
+bool IsSvg(const std::filesystem::path& path) {
+  return path.extension() == ".svg";
 }
 
 // A figure of half an hour has 30 MB: its end says enough.
@@ -158,19 +171,25 @@ GnuplotFigure& GnuplotFigure::NextPage() {
 }
 
 void GnuplotFigure::Write(const std::filesystem::path& path) const {
-  AtomicFile picture(path);
-  const bool svg = path.extension() == ".svg";
-  const std::string terminal =
-      svg ? fmt::format("set terminal svg size {},{} font '{}' enhanced background '#ffffff'\n", width_px_, height_px_,
-                        kFont)
-          : PngTerminal(width_px_, height_px_);
-  const std::string output = SetOutput(picture.TemporaryPath());
-  std::vector<std::string_view> script = {terminal, output};
-  script.insert(script.end(), pages_.begin(), pages_.end());
-  Scratch(path).Draw(path, script);
-  CheckWhole(picture.TemporaryPath(), path);
-  if (svg) FinishSvg(picture.TemporaryPath(), path.stem().string());
-  picture.Commit();
+  std::vector<std::filesystem::path> paths = {path};
+  if (!path.has_extension()) paths = {WithEnding(path, ".png"), WithEnding(path, ".svg")};
+  std::deque<AtomicFile> pictures;
+  std::deque<std::string> begins;
+  std::vector<std::string_view> script;
+  for (const std::filesystem::path& one : paths) {
+    const AtomicFile& picture = pictures.emplace_back(one);
+    begins.push_back((IsSvg(one) ? SvgTerminal(width_px_, height_px_) : PngTerminal(width_px_, height_px_)) +
+                     SetOutput(picture.TemporaryPath()));
+    if (!script.empty()) script.emplace_back("\nunset output\nreset\n");
+    script.push_back(begins.back());
+    script.insert(script.end(), pages_.begin(), pages_.end());
+  }
+  Scratch(paths.front()).Draw(paths.front(), script);
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    CheckWhole(pictures[i].TemporaryPath(), paths[i]);
+    if (IsSvg(paths[i])) FinishSvg(pictures[i].TemporaryPath(), paths[i].stem().string());
+    pictures[i].Commit();
+  }
 }
 
 void GnuplotFigure::WriteGif(const std::filesystem::path& path, double pages_per_s) const {

@@ -23,7 +23,8 @@ class GnuplotFigure {
   // Starts a new page, with the settings as at the start; tables stay known.
   GnuplotFigure& NextPage();
 
-  // Draws, atomically. Throws Error with gnuplot's own words if it fails or is not installed.
+  // Draws, atomically; to a path without extension as PATH.png and PATH.svg, by one gnuplot, whose start takes longer
+  // than most drawings. Throws Error with gnuplot's own words if it fails or is not installed.
   void Write(const std::filesystem::path& path) const;
 
   // Draws the pages as an endless animation.
