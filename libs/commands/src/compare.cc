@@ -9,6 +9,7 @@
 #include "lake/compare/misalignment_options.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
 #include "lake/figure/misalignment_figures.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/persons_leg.h"
@@ -18,6 +19,7 @@
 #include "lake/report/report.h"
 #include "optimum_tables.h"
 #include "png_and_svg.h"
+#include "worn_joint.h"
 
 namespace lake::commands {
 namespace {
@@ -177,6 +179,30 @@ report::Section UncertaintySection(const std::vector<compare::Budget>& budgets) 
   return section;
 }
 
+// The worn linkage on the person whom the human trial shows.
+WornJoint CheckWorn(const compare::Misalignment& misalignment, const CompareRunOptions& options) {
+  linkage::BodySize size = options.body;
+  std::vector<double> thigh_mm;
+  thigh_mm.reserve(misalignment.human.knee.size());
+  for (std::size_t i = 0; i < misalignment.human.knee.size(); ++i)
+    thigh_mm.push_back((misalignment.human.hip[i] - misalignment.human.knee[i]).norm());
+  size.leg = linkage::LegLengths{Mean(thigh_mm), Mean(misalignment.shank_mm)};
+  return CheckWornJoint(linkage::ReadDesign(*options.worn), misalignment.joint->mean_mm, linkage::BodyOf(size),
+                        options.wear);
+}
+
+// What moving the joint leaves, and what seat and limbs allow of it: `on_body`, null where the worn links are not
+// known, and `body_text`.
+void AddToBestPlacement(const compare::Misalignment& misalignment, const CompareRunOptions& options,
+                        Json& best_placement) {
+  best_placement["on_body"] = nullptr;
+  best_placement["body_text"] = "What seat and limbs allow of it is not known: name the design that was worn (--worn).";
+  if (!options.worn) return;
+  const WornJoint joint = CheckWorn(misalignment, options);
+  best_placement["on_body"] = WornJointJson(joint);
+  best_placement["body_text"] = WornJointText(joint, misalignment.joint->remainder_mm);
+}
+
 void WriteComparisonReport(const std::string& title, const Json& comparison, std::vector<report::Section> more,
                            Run& run) {
   report::Report report{.title = "Misalignment of human and exoskeleton knee",
@@ -234,6 +260,7 @@ void CheckTrials(const CompareRunOptions& o) {
     throw UsageError("--knee functional is of HUMAN against EXO: omit it, or --left and --right");
   if (!o.left.empty() && !o.human.empty())
     throw UsageError("--left and --right: both legs of one person stand instead of HUMAN and EXO; leave these out");
+  if (!o.left.empty() && o.worn) throw UsageError("--worn is of HUMAN against EXO: omit it, or --left and --right");
   if (o.left.empty() && (o.human.empty() || o.exo.empty()))
     throw UsageError("give a HUMAN and an EXO trial, or both legs of one person: --left A --right B");
 }
@@ -289,6 +316,7 @@ std::vector<InputFile> InputsOf(const CompareRunOptions& options) {
   }
   std::vector<InputFile> inputs = TrialTableInputs(options.human, "human");
   for (InputFile& input : TrialTableInputs(options.exo, "exo")) inputs.push_back(std::move(input));
+  if (options.worn) inputs.push_back({*options.worn, "worn"});
   return inputs;
 }
 
@@ -315,6 +343,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   comparison["knee_from"] = pair.is_human_functional ? "functional" : "marker";
   comparison["knee_axis_sd_mm"] = {{"human", NumberOrNull(pair.human_axis_mm)},
                                    {"exo", NumberOrNull(pair.exo_axis_mm)}};
+  if (misalignment.joint) AddToBestPlacement(misalignment, options, comparison["best_placement"]);
   compare::BudgetOptions budget = options.budget;
   budget.human_axis_mm = pair.human_axis_mm, budget.exo_axis_mm = pair.exo_axis_mm;
   const std::vector<compare::Budget> budgets =
@@ -353,6 +382,15 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
   Describe(o.knee, options);
   Describe(o.misalignment, options);
+  options.Add("worn", o.worn,
+              "The design that was worn in EXO: whether seat and limbs allow its joint to be moved onto the knee");
+  options.Add("height", o.body.height_mm, "Body height, for --worn").Unit("mm").Otherwise("by the leg");
+  options.Add("mass", o.body.mass_kg, "Body mass, for --worn")
+      .Unit("kg")
+      .Otherwise("80 at 1800 mm, else of the same BMI");
+  options.Add("seat-edge", o.wear.seat_edge_mm, "Knee to the seat's front edge, for --worn; 0: half the thigh")
+      .Unit("mm")
+      .Between(0, 5000);
   Describe(o.budget, options);
   Describe(o.cuff, options);
   Describe(o.human_reading, options);

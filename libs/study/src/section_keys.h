@@ -10,8 +10,9 @@ using OptionNames = std::vector<std::string_view>;
 
 inline const OptionNames kGivenToCalibration{"pictures"};
 inline const OptionNames kGivenToPlane{"camera"};
-inline const OptionNames kGivenToCompare{"human",   "exo",      "map",  "up",    "forward",  "unit",
-                                         "exo-map", "exo-unit", "left", "right", "right-map"};
+inline const OptionNames kGivenToCompare{"human",     "exo",     "map",      "up",   "forward",
+                                         "unit",      "exo-map", "exo-unit", "left", "right",
+                                         "right-map", "worn",    "height",   "mass", "seat-edge"};
 inline const OptionNames kGivenToPopulation{"comparison", "human",  "human-knee",   "map",  "up",      "forward",
                                             "unit",       "worn",   "participants", "body", "balance", "device-mass",
                                             "hold-force", "pareto", "cuff-penalty", "knee", "segment", "exo-segment"};

@@ -237,7 +237,20 @@ std::string NextText(const StudyResults& results) {
          "check the prediction (lake compare, lake stroke --validate).";
 }
 
-KeyFigures RedesignFigures(const Json& redesign, const Way& way) {
+void Note(const std::string& text, KeyFigure& figure) {
+  figure.note += (figure.note.empty() ? "" : "; ") + text;
+}
+
+// Rounds the figure to its interval, which is noted below it.
+void NoteInterval(const Uncertain& of, const char* unit, KeyFigure& figure) {
+  if (!of.IsKnown()) return;
+  figure.decimals = of.Decimals(figure.decimals);
+  Note(fmt::format("95 %: {} to {}{}", RoundedText(of.low, figure.decimals), RoundedText(of.high, figure.decimals),
+                   unit),
+       figure);
+}
+
+KeyFigures RedesignFigures(const StudyResults& results, const Json& redesign, const Way& way) {
   const auto figure = [&](const char* label, const char* key, const char* unit) {
     const double worn = NumberOrNaN(redesign.at("before").at(key));
     return KeyFigure{label,
@@ -248,11 +261,15 @@ KeyFigures RedesignFigures(const Json& redesign, const Way& way) {
                      std::isnan(worn) ? "" : fmt::format("worn: {}", Quantity(worn, unit))};
   };
   KeyFigure misalignment = figure("misalignment, predicted RMS", "misalignment_percent", "%");
-  if (const Uncertain& of = way.misalignment_percent; of.IsKnown())
-    misalignment.note += fmt::format("{}95 %: {} to {} %", misalignment.note.empty() ? "" : "; ", NumberText(of.low, 1),
-                                     NumberText(of.high, 1));
-  return {{std::move(misalignment), figure("rise time", "program_duration_s", "s"),
-           figure("range of rotation", "range_deg", "°"), figure("knee angle error, RMS", "knee_rmse_deg", "°")}};
+  NoteInterval(way.misalignment_percent, " %", misalignment);
+  if (way.misalignment_is_limit) Note("limit you set", misalignment);
+  KeyFigure rise = figure("rise time", "program_duration_s", "s"),
+            range = figure("range of rotation", "range_deg", "°"),
+            knee = figure("knee angle error, RMS", "knee_rmse_deg", "°");
+  Note(way.time_is_limit ? "limit you set" : "exact: set by the stroke program", rise);
+  Note("exact: follows from the links", range);
+  NoteInterval(KneeAngleError(results, redesign.at("after")), "°", knee);
+  return {{std::move(misalignment), std::move(rise), std::move(range), std::move(knee)}};
 }
 
 Files BuildFiles(const StudyResults& results) {
@@ -318,7 +335,7 @@ Section DetailsChapter(const StudyFile& study, const StudyResults& results) {
   add("What they give, what they cost", CostText(results, redesign, way));
   add("How sure it is", SureText(results, redesign));
   add("What next", NextText(results));
-  return {"Why, and how sure", {RedesignFigures(redesign, way), std::move(answers), BuildFiles(results)}};
+  return {"Why, and how sure", {RedesignFigures(results, redesign, way), std::move(answers), BuildFiles(results)}};
 }
 
 }  // namespace lake::study

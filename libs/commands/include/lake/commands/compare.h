@@ -14,6 +14,7 @@
 #include "lake/core/run.h"
 #include "lake/cuffs/cuff_model.h"
 #include "lake/exchange/trial.h"
+#include "lake/linkage/body.h"
 
 namespace lake::commands {
 
@@ -32,6 +33,10 @@ struct CompareRunOptions {
   compare::BudgetOptions budget;
   cuffs::CuffOptions cuff;
   KneeOptions knee;
+  // The design of the exoskeleton trial: whether seat and limbs of this person allow its joint on the knee.
+  std::optional<std::filesystem::path> worn;
+  linkage::BodySize body;     // the leg: that of the human trial
+  linkage::WearOptions wear;  // but for the placement, which is measured
 };
 
 void Describe(CompareRunOptions& o, OptionList& options);
