@@ -84,9 +84,8 @@ std::string WornJointText(const WornJoint& joint, double unmoved_mm) {
   if (joint.nearest_mm && joint.nearest_mm->isZero())
     return "Seat and limbs allow it: nothing reaches further into them than as worn.";
   const std::string before = Collisions(joint.as_worn);
-  std::string text =
-      fmt::format("Seat or limbs are in the way of that: seen from the side, {}; as worn, {}.", Collisions(joint.moved),
-                  before.empty() ? "nothing overlaps" : before);
+  std::string text = fmt::format("Seat or limbs are in the way of that: seen from the side, {}; as worn, {}.",
+                                 Collisions(joint.moved), before.empty() ? "nothing overlaps" : before);
   if (!joint.moved.ClearsSeat())
     text += fmt::format(" A seat whose edge is at least {:.0f} mm behind the knee is clear of it.",
                         std::ceil(joint.moved.seat_edge_needed_mm));
@@ -95,14 +94,13 @@ std::string WornJointText(const WornJoint& joint, double unmoved_mm) {
                       " The nearest place at which nothing reaches further than as worn is {}; it leaves {:.0f} mm RMS "
                       "between joint and knee.",
                       compare::DescribeJoint(*joint.nearest_mm), std::hypot(joint.nearest_mm->norm(), unmoved_mm));
-  return text + fmt::format(" At every place within {:.0f} mm of the knee something reaches further than as worn.",
-                            kReach_mm);
+  return text +
+         fmt::format(" At every place within {:.0f} mm of the knee something reaches further than as worn.", kReach_mm);
 }
 
 Json WornJointJson(const WornJoint& joint) {
-  Json json = {{"as_worn", ClearancesJson(joint.as_worn)},
-               {"moved", ClearancesJson(joint.moved)},
-               {"nearest_mm", nullptr}};
+  Json json = {
+      {"as_worn", ClearancesJson(joint.as_worn)}, {"moved", ClearancesJson(joint.moved)}, {"nearest_mm", nullptr}};
   if (const auto& nearest = joint.nearest_mm) json["nearest_mm"] = {nearest->x(), nearest->y()};
   return json;
 }

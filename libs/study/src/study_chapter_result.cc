@@ -106,8 +106,11 @@ std::string CostText(const StudyResults& results, const Json& redesign, const Wa
   if (results.Has("stroke"))
     if (const double rest_s = NumberOrNaN(results.Summary("stroke").at("added_rest_s")); rest_s >= 0.005)
       text += fmt::format(", and {} of rests at reversals", Quantity(rest_s, "s"));
-  text += fmt::format(". Range of rotation {}; knee angle {} RMS from the human's.", from_to("range_deg", "°"),
-                      from_to("knee_rmse_deg", "°"));
+  const Uncertain knee = KneeAngleError(results, after), worn_knee = KneeAngleError(results, before);
+  text += fmt::format(
+      ". Range of rotation {}; knee angle {}° RMS from the human's{}.", from_to("range_deg", "°"),
+      knee.Text(DecimalsOf("°")),
+      std::isfinite(worn_knee.value) ? fmt::format(" instead of {}°", worn_knee.Text(DecimalsOf("°"))) : "");
   return text + LimitsText(way, redesign) + TradeText(redesign);
 }
 
@@ -208,6 +211,14 @@ std::string BodyText(const StudyResults& results) {
                      AskedText(AskedClearances(results)));
 }
 
+// "9 %", as far as the recordings tell.
+std::string MeasuredPercent(const StudyResults& results) {
+  const Json comparison = results.Summary("comparison"), intervals = comparison.value("intervals", Json::object());
+  return UncertainOf(comparison.at("metrics").at("relative_rms"), intervals.value("relative_rms", Json()), 100)
+             .Text(DecimalsOf("%")) +
+         " %";
+}
+
 std::string SureText(const StudyResults& results, const Json& redesign) {
   std::string text = "The new design is predicted, not recorded.";
   if (results.Has("comparison")) {
@@ -215,10 +226,12 @@ std::string SureText(const StudyResults& results, const Json& redesign) {
     const double worn = NumberOrNaN(redesign.at("before").at("misalignment_percent"));
     if (trial.is_object() && std::isfinite(worn))
       text += fmt::format(" For the worn design the same prediction gives {} where {} was measured.",
-                          Quantity(worn, "%"), Quantity(NumberOrNaN(trial.at("misalignment_percent")), "%"));
+                          Quantity(worn, "%"), MeasuredPercent(results));
     text += fmt::format(
         " Below {}, the noise floor, a recording shows only noise. Intervals on the first screen are "
-        "95 %; those of predictions say how well the joint can be put in its place.",
+        "95 %: as worn and with the joint moved how rises differ is in them, of new links only how well the joint can "
+        "be "
+        "put in its place; the knee angle's say how well the person's own mean is known.",
         Quantity(NumberOrNaN(redesign.at("noise_floor_percent")), "%"));
   }
   return text + " " + BodyText(results);
@@ -268,6 +281,8 @@ KeyFigures RedesignFigures(const StudyResults& results, const Json& redesign, co
             knee = figure("knee angle error, RMS", "knee_rmse_deg", "°");
   Note(way.time_is_limit ? "limit you set" : "exact: set by the stroke program", rise);
   Note("exact: follows from the links", range);
+  if (const Uncertain worn = KneeAngleError(results, redesign.at("before")); std::isfinite(worn.value))
+    knee.note = fmt::format("worn: {}°", worn.Text(DecimalsOf("°")));
   NoteInterval(KneeAngleError(results, redesign.at("after")), "°", knee);
   return {{std::move(misalignment), std::move(rise), std::move(range), std::move(knee)}};
 }
