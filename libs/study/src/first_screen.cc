@@ -161,7 +161,7 @@ Table WaysTable(const std::vector<Way>& ways, const Json& redesign) {
       const std::string other = OtherTime(redesign);
       time += ", limit you set" + (other.empty() ? "" : fmt::format(" ({})", other));
     } else if (way.time_is_set) {
-      time += ", set by program";
+      time += ", programmed";
     }
     table.rows.push_back({way.name, std::move(misalignment), std::move(time), way.build});
   }
@@ -238,18 +238,14 @@ std::string CollisionText(const std::vector<Way>& ways) {
   return text;
 }
 
-// A moved joint takes its linkage with it.
-std::string FurtherIntoSeatText(const std::vector<Way>& ways) {
-  std::string text;
-  for (const Way& way : ways) {
-    if (!way.mends_joint || !way.on_body || !ways.front().on_body) continue;
-    const double further_mm =
-        std::min(0.0, ways.front().on_body->seat_clearance_mm) - std::min(0.0, way.on_body->seat_clearance_mm);
-    if (further_mm >= 1)
-      text += fmt::format(" Moved, the linkage reaches {} mm further into the seat than as worn.",
-                          NumberText(further_mm, 0));
-  }
-  return text;
+// A moved joint takes its linkage with it, further into the seat than it was worn.
+std::string SeatText(const std::vector<Way>& ways) {
+  const auto into_mm = [](const Way& way) { return std::max(0.0, -way.on_body->seat_clearance_mm); };
+  constexpr double kTold_mm = 1;
+  const bool meets = std::ranges::any_of(ways, [&](const Way& way) {
+    return way.mends_joint && way.on_body && ways.front().on_body && into_mm(way) >= into_mm(ways.front()) + kTold_mm;
+  });
+  return meets ? " Moved, it meets the seat." : "";
 }
 
 // The three ways over the rise, and what a recording could not tell from none.
@@ -338,7 +334,7 @@ Section ResultChapter(const StudyFile& study, const StudyResults& results) {
   const Json redesign = results.Summary("redesign");
   const std::vector<Way> ways = WaysOf(study, results);
   Section section{"Result", {Paragraph{LeadText(results, ways)}, WaysTable(ways, redesign)}};
-  std::string forbids = CollisionText(ways) + FurtherIntoSeatText(ways);
+  std::string forbids = CollisionText(ways) + SeatText(ways);
   if (NeedsHolding(results, redesign))
     forbids += fmt::format("{}At the new pace a person must be held.", forbids.empty() ? "" : " ");
   if (!forbids.empty()) section.blocks.push_back(Answers{{{"What forbids it", std::move(forbids)}}});
