@@ -22,8 +22,15 @@ std::string JointReport(const lake::Json& summary) {
     const lake::Json& interval = joint["rms_interval_mm"];
     text += fmt::format(" (95 % interval {:.2f} to {:.2f} mm RMS)", NumberOrNaN(interval[0]), NumberOrNaN(interval[1]));
   }
-  return text +
-         fmt::format("; moving the joint leaves {:.2f} mm RMS\n", NumberOrNaN(summary["best_placement"]["rms_mm"]));
+  const lake::Json& moved = summary["best_placement"];
+  text += fmt::format("; moving the joint leaves {:.2f} mm RMS", NumberOrNaN(moved["rms_mm"]));
+  if (moved.contains("path_relative_rms"))
+    text += fmt::format(" and a path difference of {:.2f} %", 100 * NumberOrNaN(moved["path_relative_rms"]));
+  if (moved.contains("path_relative_rms_interval"))
+    text +=
+        fmt::format(" (95 % interval {:.2f} to {:.2f} %)", 100 * NumberOrNaN(moved["path_relative_rms_interval"][0]),
+                    100 * NumberOrNaN(moved["path_relative_rms_interval"][1]));
+  return text + "\n" + moved["body_text"].get<std::string>() + "\n";
 }
 
 // The same headline with what the markers do not tell of the joint beneath them, and what the cuffs make of it.

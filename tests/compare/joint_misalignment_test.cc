@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "lake/compare/misalignment.h"
+
 namespace lake {
 namespace {
 
@@ -52,6 +54,26 @@ TEST(JointMisalignment, AngleIsTheOneThatItsMarkersMake) {
     square += std::pow(std::atan2(40 * std::sin(theta), 410 - 40 * std::cos(theta)) * 180 / M_PI, 2);
   }
   EXPECT_NEAR(joint->angle_rms_deg, std::sqrt(square / compare::kPercentSamples), 1e-9);
+}
+
+// The trial's own leg is 10 mm longer at the shank and its joint is beside the knee: moved there, its path is the
+// knee's, and differs by those 10 mm from the human's.
+TEST(JointMisalignment, MovedItsPathIsTheOwnKnees) {
+  compare::StsCurve human = Worn({0, 0}), exo = Worn({18, 32});
+  human.leg_knee.clear();
+  for (std::size_t i = 0; i < exo.knee.size(); ++i) {
+    const Eigen::Vector2d up = (exo.leg_knee[i] - exo.ankle[i]).normalized();
+    exo.leg_knee[i] += 10 * up, exo.knee[i] += 10 * up;
+  }
+  compare::MisalignmentOptions options;
+  options.resamples = 0;
+  const compare::Misalignment m = compare::CompareTrials({{human}, {}}, {{exo}, {}}, options);
+  ASSERT_TRUE(m.joint_moved);
+  EXPECT_NEAR(m.joint_moved->rms_mm, 10, 1e-9);
+  EXPECT_NEAR(m.joint_moved->relative_rms, 10 / 400.0, 1e-12);
+  EXPECT_FALSE(m.joint_moved->intervals);
+  exo.leg_knee.clear();
+  EXPECT_FALSE(compare::CompareTrials({{human}, {}}, {{exo}, {}}, options).joint_moved);
 }
 
 TEST(JointMisalignment, SpikesAndRepetitionsWithoutAKneeAreLeftOut) {

@@ -32,6 +32,17 @@ TEST(PaceAndPosture, DifferencesAreTheExoskeletonsLessTheHumans) {
   EXPECT_NEAR(posture.trunk->max_deg, 1, 1e-12);
 }
 
+// Student's t of 2 degrees of freedom is 4.3027 at 97.5 %; the mean of 2, 2.2, 2.1 is 2.1, their deviation 0.1.
+TEST(PaceAndPosture, AMeanOfSeveralRisesHasAnInterval) {
+  const compare::RegisteredTrial three{{Rise(2, 10, 30), Rise(2.2, 10, 30), Rise(2.1, 10, 30)}, {}},
+      one{{Rise(3, 10, 30)}, {}};
+  const compare::Difference rise = compare::ComparePace(one, three).rise;
+  EXPECT_FALSE(rise.human_interval);
+  ASSERT_TRUE(rise.exo_interval);
+  EXPECT_NEAR(rise.exo_interval->low, 2.1 - 4.3027 * 0.1 / std::sqrt(3), 1e-5);
+  EXPECT_NEAR(rise.exo_interval->high, 2.1 + 4.3027 * 0.1 / std::sqrt(3), 1e-5);
+}
+
 TEST(PaceAndPosture, WhatATrialDoesNotShowIsAbsent) {
   compare::StsCurve no_waist = Rise(2, 10, NAN), no_seat_off = Rise(2, 10, 30);
   no_seat_off.seat_off_s.reset();

@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <numeric>
 #include <opencv2/core.hpp>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/colours.h"
 #include "lake/core/json.h"
+#include "lake/linkage/body.h"
 #include "lake/report/report.h"
 #include "lake/report/uncertain.h"
 #include "lake/review/design_explorer.h"
@@ -20,6 +22,7 @@ namespace lake {
 namespace {
 
 using testing::AllOf;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -104,6 +107,63 @@ TEST(StudyPage, SaysTheCheapestRepairFirst) {
   EXPECT_THAT(page.substr(warnings, 200), HasSubstr("Fit on the body: "));
   for (const char* file : {"simulation/design.dxf", "simulation/schematic.svg", "redesign/design.yaml"})
     EXPECT_THAT(page, HasSubstr(file));
+}
+
+// Nobody asks of a place of the worn joint that it reach less far into seat and limbs than it did: the nearest such
+// place, found here again among all of a grid of 2 mm.
+TEST(StudyPage, SaysWhatSeatAndLimbsAllowOfTheMovedJoint) {
+  const Json best = ReadJsonFile(Results() / "comparison/summary.json")["best_placement"], &on_body = best["on_body"];
+  const Json human = ReadJsonFile(Results() / "comparison/comparison.json")["curves"];
+  const auto mean = [&](const char* curve) {
+    const std::vector<double> lengths = human[curve];
+    return std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
+  };
+  linkage::BodySize size;
+  size.leg = linkage::LegLengths{mean("thigh_mm"), mean("shank_mm")};
+  const linkage::Body body = linkage::BodyOf(size);
+  const linkage::Links links = linkage::Links::FromValues({59.081, 68.840, 55.964, 71.849, 118.630, 287.310});
+  const linkage::UsedRange range = linkage::FindUsedRange(links, 242, std::nullopt);
+  const auto at = [&](double x, double y) {
+    linkage::WearOptions wear;
+    wear.placement_mm = {x, y};
+    return linkage::CheckWear(links, range, body, wear);
+  };
+  const linkage::WearCheck on_knee = at(0, 0),
+                           worn = at(-best["move_mm"][0].get<double>(), -best["move_mm"][1].get<double>());
+  EXPECT_NEAR(on_body["moved"]["seat_clearance_mm"].get<double>(), on_knee.seat_clearance_mm, 1e-6);
+  EXPECT_NEAR(on_body["as_worn"]["actuator_to_thigh_mm"].get<double>(), worn.thigh_clearance_mm, 1e-6);
+  const auto is_allowed = [&](const linkage::WearCheck& check) {
+    return check.seat_clearance_mm >= std::min(0.0, worn.seat_clearance_mm) &&
+           check.thigh_clearance_mm >= std::min(0.0, worn.thigh_clearance_mm) &&
+           check.shank_clearance_mm >= std::min(0.0, worn.shank_clearance_mm) &&
+           check.mount_below_hip_mm >= std::min(0.0, worn.mount_below_hip_mm);
+  };
+  ASSERT_TRUE(on_body["nearest_mm"].is_array());
+  const double x = on_body["nearest_mm"][0], y = on_body["nearest_mm"][1];
+  EXPECT_TRUE(is_allowed(at(x, y)));
+  for (int i = -20; i <= 20; ++i)
+    for (int j = -20; j <= 20; ++j)
+      if (std::hypot(2 * i, 2 * j) < std::hypot(x, y) - 1e-9) {
+        EXPECT_FALSE(is_allowed(at(2 * i, 2 * j))) << i << " " << j;
+      }
+  EXPECT_THAT(ReadTextFile(Results() / "comparison/report.html"), HasSubstr("The nearest place at which nothing"));
+}
+
+// Every headline number has an interval beside it, or says why it needs none.
+TEST(StudyPage, HeadlineNumbersHaveIntervalsOrAreExact) {
+  const std::string& page = Page();
+  const std::size_t table = page.find("<tbody>");
+  const std::string first = page.substr(table, page.find("</table>", table) - table);
+  EXPECT_THAT(first, ContainsRegex("as worn</th>.*[0-9] % \\([0-9.]+–[0-9.]+\\).*[0-9] s \\([0-9.]+–[0-9.]+\\)"));
+  EXPECT_THAT(first, ContainsRegex("joint moved</th>.*[0-9] % \\([0-9.]+–[0-9.]+\\)"));
+  const auto note_of = [&](const char* figure) {
+    const std::size_t note = page.find("class=\"note\">", page.find(figure));
+    return page.substr(note, page.find("</dd>", note) - note);
+  };
+  EXPECT_THAT(note_of("<dt>misalignment, predicted RMS"), ContainsRegex("95 %: [0-9.]+ to [0-9.]+ %"));
+  EXPECT_THAT(note_of("<dt>rise time"), HasSubstr("limit you set"));
+  EXPECT_THAT(note_of("<dt>range of rotation"), HasSubstr("exact: follows from the links"));
+  EXPECT_THAT(note_of("<dt>knee angle error, RMS"), ContainsRegex("95 %: [0-9.]+ to [0-9.]+°"));
 }
 
 // Where the worn joint is as good as the new one's place, nobody is told to move it there.

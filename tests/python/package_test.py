@@ -156,6 +156,49 @@ class Tables(unittest.TestCase):
         # As in the README: 0.016° over all frames.
         self.assertLess(((both["knee_deg"] - both["knee_deg_true"]) ** 2).mean() ** 0.5, 0.02)
 
+    def test_what_a_moved_joint_leaves(self):
+        """The joint taken back along the shank of the leg that wears it, from the tables of both trials: 1.7 %.
+
+        The paths that are left apart are those of the person's own knee, so that without any joint the same comes out."""
+        import numpy
+        folders = results()
+        rises, joint = {}, []
+        for trial in ("human", "exo"):
+            table, events = folders[trial]["trajectory"], folders[trial]["events"]
+            rises[trial] = []
+            for _, rise in events.groupby("repetition"):
+                time = rise.set_index("event")["time_s"]
+                at = numpy.linspace(time["onset"], time["standing"], 101)
+                place = lambda marker: numpy.stack([numpy.interp(at, table["time_s"], table[f"{marker}_{axis}_mm"]) for axis in "xy"], 1)
+                knee = place("knee") - place("ankle")
+                rises[trial].append(knee)
+                if trial == "exo":
+                    up = knee / numpy.linalg.norm(knee, axis=1)[:, None]
+                    axes = numpy.stack([numpy.stack([up[:, 1], -up[:, 0]], 1), up], 1)  # rows: forward, up the shank
+                    joint.append((place("exo_knee") - place("ankle"), axes))
+        human = numpy.mean(rises["human"], axis=0)
+        shank = numpy.mean([numpy.linalg.norm(knee, axis=1) for knee in rises["human"]], axis=0)
+        offset = numpy.mean([numpy.einsum("iab,ib->ia", axes, at - knee).mean(axis=0) for (at, axes), knee in zip(joint, rises["exo"])], axis=0)
+        moved = numpy.mean([at - numpy.einsum("iab,a->ib", axes, offset) for at, axes in joint], axis=0)
+        percent = lambda path: 100 * ((((path - human) ** 2).sum(axis=1)) / shank ** 2).mean() ** 0.5
+
+        best, design = folders["comparison"].json("comparison")["best_placement"], folders["design"].summary["joint_moved"]
+        self.assertLess(abs(offset - (18, 32)).max(), 0.2)  # as rendered; markers are found within 0.1 mm
+        found = percent(moved)
+        self.assertAlmostEqual(found, 1.73, delta=0.02)
+        self.assertAlmostEqual(percent(numpy.mean(rises["exo"], axis=0)), found, delta=0.02)
+        # Frames between events are interpolated here by lines, there by cubics; where the ankle rests is told otherwise.
+        self.assertAlmostEqual(100 * best["path_relative_rms"], found, delta=0.01)
+        self.assertAlmostEqual(design["misalignment_percent"], found, delta=0.01)
+        low, high = (100 * end for end in best["path_relative_rms_interval"])
+        self.assertTrue(low <= found <= high)
+        self.assertLess(high, 9.33)  # less than as worn, three rises or not
+        self.assertAlmostEqual(design["program_duration_s"], 2.21, places=9)  # set by the program of worn.yaml
+        self.assertEqual(design["l1_mm"], 59.081)
+        with tempfile.TemporaryDirectory() as out:
+            again = lake.run("compare", folders["human"].path, folders["design"].path / "joint_moved", replacement_sd=0, out=pathlib.Path(out) / "again")
+            self.assertAlmostEqual(100 * again.summary["metrics"]["relative_rms"], design["misalignment_percent"], places=9)
+
 
 class Figures(unittest.TestCase):
     def test_each_folder_has_a_figure_that_shows_its_table(self):

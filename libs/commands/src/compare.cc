@@ -9,6 +9,7 @@
 #include "lake/compare/misalignment_options.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/figure/misalignment_figures.h"
 #include "lake/gait/leg_fit.h"
@@ -19,6 +20,7 @@
 #include "lake/report/report.h"
 #include "optimum_tables.h"
 #include "png_and_svg.h"
+#include "worn_joint.h"
 
 namespace lake::commands {
 namespace {
@@ -190,6 +192,30 @@ report::Section UncertaintySection(const std::vector<compare::Budget>& budgets) 
   return section;
 }
 
+// The worn linkage on the person whom the human trial shows.
+WornJoint CheckWorn(const compare::Misalignment& misalignment, const CompareRunOptions& options) {
+  linkage::BodySize size = options.body;
+  std::vector<double> thigh_mm;
+  thigh_mm.reserve(misalignment.human.knee.size());
+  for (std::size_t i = 0; i < misalignment.human.knee.size(); ++i)
+    thigh_mm.push_back((misalignment.human.hip[i] - misalignment.human.knee[i]).norm());
+  size.leg = linkage::LegLengths{Mean(thigh_mm), Mean(misalignment.shank_mm)};
+  return CheckWornJoint(linkage::ReadDesign(*options.worn), misalignment.joint->mean_mm, linkage::BodyOf(size),
+                        options.wear);
+}
+
+// What moving the joint leaves, and what seat and limbs allow of it: `on_body`, null where the worn links are not
+// known, and `body_text`.
+void AddToBestPlacement(const compare::Misalignment& misalignment, const CompareRunOptions& options,
+                        Json& best_placement) {
+  best_placement["on_body"] = nullptr;
+  best_placement["body_text"] = "What seat and limbs allow of it is not known: name the design that was worn (--worn).";
+  if (!options.worn) return;
+  const WornJoint joint = CheckWorn(misalignment, options);
+  best_placement["on_body"] = WornJointJson(joint);
+  best_placement["body_text"] = WornJointText(joint, misalignment.joint->remainder_mm);
+}
+
 void WriteComparisonReport(const std::string& title, const Json& comparison, std::vector<report::Section> more,
                            Run& run) {
   report::Report report{.title = "Misalignment of human and exoskeleton knee",
@@ -271,6 +297,7 @@ void CheckTrials(const CompareRunOptions& o) {
   if (o.left.empty() && !o.forces.empty())
     throw UsageError(
         "--forces: what each foot bears is of both legs, --left A --right B; leave it out, or see lake loads");
+  if (!o.left.empty() && o.worn) throw UsageError("--worn is of HUMAN against EXO: omit it, or --left and --right");
   if (o.left.empty() && (o.human.empty() || o.exo.empty()))
     throw UsageError("give a HUMAN and an EXO trial, or both legs of one person: --left A --right B");
 }
@@ -331,6 +358,7 @@ std::vector<InputFile> InputsOf(const CompareRunOptions& options) {
   if (options.sync) inputs.push_back({*options.sync, "sync"});
   if (const auto& camera = options.human_picture.camera) inputs.push_back({*camera, fmt::format("{} camera", first)});
   if (const auto& camera = second_picture.camera) inputs.push_back({*camera, fmt::format("{} camera", second)});
+  if (options.worn) inputs.push_back({*options.worn, "worn"});
   return inputs;
 }
 
@@ -358,6 +386,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   comparison["knee_from"] = pair.is_human_functional ? "functional" : "marker";
   comparison["knee_axis_sd_mm"] = {{"human", NumberOrNull(pair.human_axis_mm)},
                                    {"exo", NumberOrNull(pair.exo_axis_mm)}};
+  if (misalignment.joint) AddToBestPlacement(misalignment, options, comparison["best_placement"]);
   compare::BudgetOptions budget = options.budget;
   budget.human_axis_mm = pair.human_axis_mm, budget.exo_axis_mm = pair.exo_axis_mm;
   const std::vector<compare::Budget> budgets =
@@ -406,6 +435,15 @@ void Describe(CompareRunOptions& o, OptionList& options) {
       .Value("X,Y");
   Describe(o.knee, options);
   Describe(o.misalignment, options);
+  options.Add("worn", o.worn,
+              "The design that was worn in EXO: whether seat and limbs allow its joint to be moved onto the knee");
+  options.Add("height", o.body.height_mm, "Body height, for --worn").Unit("mm").Otherwise("by the leg");
+  options.Add("mass", o.body.mass_kg, "Body mass, for --worn")
+      .Unit("kg")
+      .Otherwise("80 at 1800 mm, else of the same BMI");
+  options.Add("seat-edge", o.wear.seat_edge_mm, "Knee to the seat's front edge, for --worn; 0: half the thigh")
+      .Unit("mm")
+      .Between(0, 5000);
   Describe(o.budget, options);
   Describe(o.cuff, options);
   Describe(o.human_reading, options);

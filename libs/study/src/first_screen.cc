@@ -90,36 +90,50 @@ Way AsWorn(const StudyFile& study, const StudyResults& results, const Json& rede
   const Json comparison = results.Summary("comparison");
   const Json intervals = comparison.value("intervals", Json::object());
   Way way{.name = "as worn",
+          .design = "before",
           .misalignment_percent =
               UncertainOf(comparison.at("metrics").at("relative_rms"), intervals.value("relative_rms", Json()), 100),
-          .rise_s = NumberOrNaN(comparison.at("duration_s").at("exo")),
+          .rise_s = RecordedRise(results),
           .build = "–"};
-  if (study.worn) way.rise_s = NumberOrNaN(redesign.at("before").at("program_duration_s"));  // its program's, as moved
   if (study.worn) way.on_body = WornOnBody(study, results, PlacementOf(redesign.at("before")));
   return way;
+}
+
+// As the comparison has it, whose interval holds how rises differ; where its trial shows no knee, as predicted.
+Uncertain MovedPercent(const StudyResults& results, const Json& moved) {
+  const Json best = results.Summary("comparison").value("best_placement", Json());
+  if (!best.is_object() || !best.contains("path_relative_rms_interval")) return PredictedPercent(results, moved);
+  return UncertainOf(moved.at("misalignment_percent"), {100 * NumberOrNaN(best["path_relative_rms_interval"].at(0)),
+                                                        100 * NumberOrNaN(best["path_relative_rms_interval"].at(1))});
 }
 
 Way JointMoved(const StudyFile& study, const StudyResults& results, const Json& redesign) {
   const Json& moved = redesign.at("joint_moved");
   const std::string move = MoveOf(redesign.at("before"), moved, PlacementHalfWidth(results));
-  return {.name = "same links, joint moved",
-          .misalignment_percent = PredictedPercent(results, moved),
-          .rise_s = NumberOrNaN(moved.at("program_duration_s")),
-          .build = move.empty() ? "–" : "mount " + move,
-          .mends_joint = !move.empty(),
-          .on_body = WornOnBody(study, results, PlacementOf(moved))};
+  const bool has_program = study.worn && linkage::ReadDesign(*study.worn).program;
+  return {
+      .name = "same links, joint moved",
+      .design = "joint_moved",
+      .misalignment_percent = MovedPercent(results, moved),
+      .rise_s = has_program ? Uncertain{.value = NumberOrNaN(moved.at("program_duration_s"))} : RecordedRise(results),
+      .build = move.empty() ? "–" : "mount " + move,
+      .time_is_set = has_program,
+      .mends_joint = !move.empty(),
+      .on_body = WornOnBody(study, results, PlacementOf(moved))};
 }
 
 Way NewLinks(const StudyResults& results, const Json& redesign) {
   const Json& after = redesign.at("after");
   return {.name = "new links",
+          .design = "after",
           .misalignment_percent = PredictedPercent(results, after),
-          .rise_s = NumberOrNaN(after.at("program_duration_s")),
+          .rise_s = {.value = NumberOrNaN(after.at("program_duration_s"))},
           .build = "six links, mount, stroke program",
           .misalignment_is_limit = IsReached(NumberOrNaN(after.at("misalignment_percent")),
                                              NumberOrNaN(redesign.at("max_misalignment_percent"))),
           .time_is_limit = IsReached(NumberOrNaN(after.at("program_duration_s")),
                                      NumberOrNaN(redesign.at("stroke_program").at("duration_limit_s"))),
+          .time_is_set = true,
           .on_body = SimulatedOnBody(results.Summary("simulation").at("mannequin"))};
 }
 
@@ -138,14 +152,16 @@ std::string OtherTime(const Json& redesign) {
 }
 
 Table WaysTable(const std::vector<Way>& ways, const Json& redesign) {
-  Table table{"", {{"Way"}, {"Misalignment"}, {"Rise"}, {"To build"}}, {}};
+  Table table{"", {{"Way"}, {"Misalignment"}, {"Rise time"}, {"To build"}}, {}};
   for (const Way& way : ways) {
-    std::string misalignment = UncertainPercent(way.misalignment_percent),
-                time = NumberText(way.rise_s, way.rise_s < 10 ? 1 : 0) + " s";
+    std::string misalignment = UncertainText(way.misalignment_percent, " %"),
+                time = UncertainText(way.rise_s, " s", way.rise_s.value < 10 ? 1 : 0);
     if (way.misalignment_is_limit) misalignment += ", limit you set";
     if (way.time_is_limit) {
       const std::string other = OtherTime(redesign);
       time += ", limit you set" + (other.empty() ? "" : fmt::format(" ({})", other));
+    } else if (way.time_is_set) {
+      time += ", programmed";
     }
     table.rows.push_back({way.name, std::move(misalignment), std::move(time), way.build});
   }
@@ -222,6 +238,16 @@ std::string CollisionText(const std::vector<Way>& ways) {
   return text;
 }
 
+// A moved joint takes its linkage with it, further into the seat than it was worn.
+std::string SeatText(const std::vector<Way>& ways) {
+  const auto into_mm = [](const Way& way) { return std::max(0.0, -way.on_body->seat_clearance_mm); };
+  constexpr double kTold_mm = 1;
+  const bool meets = std::ranges::any_of(ways, [&](const Way& way) {
+    return way.mends_joint && way.on_body && ways.front().on_body && into_mm(way) >= into_mm(ways.front()) + kTold_mm;
+  });
+  return meets ? " Moved, it meets the seat." : "";
+}
+
 // The three ways over the rise, and what a recording could not tell from none.
 LineChart ErrorChart(const StudyResults& results) {
   LineChart chart;
@@ -256,11 +282,24 @@ std::string NextSteps(const std::vector<Way>& ways) {
 
 }  // namespace
 
-std::string UncertainPercent(const Uncertain& percent) {
-  const int decimals = std::max(0, percent.Decimals(1));
-  const std::string text = RoundedText(percent.value, decimals) + " %";
-  if (!percent.IsKnown()) return text;
-  return fmt::format("{} ({}–{})", text, RoundedText(percent.low, decimals), RoundedText(percent.high, decimals));
+std::string UncertainText(const Uncertain& of, const std::string& unit, int otherwise) {
+  const int decimals = of.Decimals(otherwise);
+  const std::string text = RoundedText(of.value, decimals) + unit;
+  if (!of.IsKnown()) return text;
+  return fmt::format("{} ({}–{})", text, RoundedText(of.low, decimals), RoundedText(of.high, decimals));
+}
+
+// The RMS of a prediction against the human's mean is off by no more than that mean is (triangle inequality).
+Uncertain KneeAngleError(const StudyResults& results, const Json& design) {
+  const double error_deg = NumberOrNaN(design.at("knee_rmse_deg"));
+  if (!results.Has("comparison")) return {.value = error_deg};
+  const double strays_deg = NumberOrNaN(results.Summary("comparison").value("human_angle_strays_deg", Json()));
+  return {error_deg, std::max(0.0, error_deg - strays_deg), error_deg + strays_deg};
+}
+
+Uncertain RecordedRise(const StudyResults& results) {
+  const Json pace = results.Summary("comparison").at("pace");
+  return UncertainOf(pace.at("exo_s"), pace.value("exo_interval_s", Json()));
 }
 
 Vector2d PlacementHalfWidth(const StudyResults& results) {
@@ -295,7 +334,7 @@ Section ResultChapter(const StudyFile& study, const StudyResults& results) {
   const Json redesign = results.Summary("redesign");
   const std::vector<Way> ways = WaysOf(study, results);
   Section section{"Result", {Paragraph{LeadText(results, ways)}, WaysTable(ways, redesign)}};
-  std::string forbids = CollisionText(ways);
+  std::string forbids = CollisionText(ways) + SeatText(ways);
   if (NeedsHolding(results, redesign))
     forbids += fmt::format("{}At the new pace a person must be held.", forbids.empty() ? "" : " ");
   if (!forbids.empty()) section.blocks.push_back(Answers{{{"What forbids it", std::move(forbids)}}});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "first_screen.h"
 #include "lake/core/colours.h"
 #include "lake/core/csv.h"
 #include "lake/core/uncertain_text.h"
@@ -59,12 +60,45 @@ Json MeasuredWorn(const StudyResults& results) {
   return measured;
 }
 
+// 95 %, in the rows' units, of what the recording tells.
+Json IntervalsOfMeasured(const StudyResults& results) {
+  if (!results.Has("comparison")) return Json::object();
+  const Json comparison = results.Summary("comparison"), of = comparison.value("intervals", Json::object());
+  Json intervals = {{"misalignment_rms_mm", of.value("rms_mm", Json())},
+                    {"misalignment_max_mm", of.value("max_mm", Json())},
+                    {"knee_rmse_deg", of.value("knee_rmse_deg", Json())},
+                    {"program_duration_s", comparison.at("pace").value("exo_interval_s", Json())}};
+  if (const Json relative = of.value("relative_rms", Json()); relative.is_array())
+    intervals["misalignment_percent"] = {100 * NumberOrNaN(relative.at(0)), 100 * NumberOrNaN(relative.at(1))};
+  return intervals;
+}
+
+// Rounded to its interval, where one is known.
+Cell UncertainCell(const Uncertain& of, int otherwise) {
+  if (!of.IsKnown()) return Number{of.value, otherwise};
+  return UncertainText(of, "", otherwise);
+}
+
+// A headline number of a prediction, as the first screen has it.
+Uncertain PredictedHeadline(const StudyFile& study, const StudyResults& results, const Json& summary,
+                            const std::string& design, const BeforeAfterRow& row) {
+  const Json& of = summary.at(design);
+  if (!of.is_object()) return {};
+  if (row.key == std::string("knee_rmse_deg")) return KneeAngleError(results, of);
+  if (row.key == std::string("misalignment_percent") && (design == "joint_moved" || design == "after"))
+    for (const Way& way : WaysOf(study, results))
+      if (way.design == design) return way.misalignment_percent;
+  return {.value = row.factor * NumberOrNaN(of.at(row.key))};
+}
+
 // The worn design as recorded and as predicted are two things: the prediction leaves pace and lean of its trial out.
-Table BeforeAfterTable(const StudyResults& results, const Json& summary) {
-  const Json &before = summary.at("before"), &after = summary.at("after"), measured = MeasuredWorn(results);
+Table BeforeAfterTable(const StudyFile& study, const StudyResults& results, const Json& summary) {
+  const Json &before = summary.at("before"), &after = summary.at("after"), measured = MeasuredWorn(results),
+             intervals = IntervalsOfMeasured(results);
   Table table{
-      "Worn, repaired and new design. The predictions are for the human trial's movement, without the pace and lean of "
-      "the exoskeleton trial",
+      "Worn, repaired and new design, with 95 % intervals of what is estimated; ranges, places and times of a program "
+      "are exact. The predictions are for the human trial's movement, without the pace and lean of the exoskeleton "
+      "trial, which a moved joint alone keeps",
       {{"Quantity"},
        {"Worn, measured"},
        {"Worn, predicted"},
@@ -74,15 +108,13 @@ Table BeforeAfterTable(const StudyResults& results, const Json& summary) {
       {}};
   for (const BeforeAfterRow& row : kRows) {
     if (after.at(row.key).is_null() && before.at(row.key).is_null()) continue;
-    const double from = row.factor * NumberOrNaN(before.at(row.key)), to = row.factor * NumberOrNaN(after.at(row.key)),
-                 recorded = row.factor * NumberOrNaN(measured.value(row.key, Json()));
+    Uncertain recorded = UncertainOf(measured.value(row.key, Json()), intervals.value(row.key, Json()));
+    recorded.value *= row.factor;
     const int decimals = DecimalsOf(row.unit);
-    const auto repaired = [&](const char* design) {
-      const Json& of = summary.at(design);
-      return Number{of.is_object() ? row.factor * NumberOrNaN(of.at(row.key)) : std::nan(""), decimals};
-    };
-    table.rows.push_back({row.what, Number{recorded, decimals}, Number{from, decimals}, repaired("joint_moved"),
-                          repaired("other_program"), Number{to, decimals}});
+    std::vector<Cell> cells{row.what, UncertainCell(recorded, decimals)};
+    for (const char* design : {"before", "joint_moved", "other_program", "after"})
+      cells.push_back(UncertainCell(PredictedHeadline(study, results, summary, design, row), decimals));
+    table.rows.push_back(std::move(cells));
   }
   if (const double floor = NumberOrNaN(summary.at("noise_floor_percent")); results.Has("comparison")) {
     const Number none{std::nan(""), DecimalsOf("%")};
@@ -371,13 +403,13 @@ LineChart PathsChart(const StudyResults& results) {
   return chart;
 }
 
-Section RedesignChapter(const StudyFile&, const StudyResults& results) {
+Section RedesignChapter(const StudyFile& study, const StudyResults& results) {
   const Json summary = results.Summary("redesign");
   Section section{"New design", {}};
   if (summary.at("build_text").is_string())
     section.blocks.push_back(Paragraph{summary.at("build_text").get<std::string>()});
   section.blocks.push_back(Paragraph{summary.at("trial_text").get<std::string>()});
-  section.blocks.push_back(BeforeAfterTable(results, summary));
+  section.blocks.push_back(BeforeAfterTable(study, results, summary));
   if (std::string others = OtherLimitsText(summary); !others.empty())
     section.blocks.push_back(Paragraph{std::move(others)});
   section.blocks.push_back(CuffTable(summary));

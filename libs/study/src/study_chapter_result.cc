@@ -106,8 +106,11 @@ std::string CostText(const StudyResults& results, const Json& redesign, const Wa
   if (results.Has("stroke"))
     if (const double rest_s = NumberOrNaN(results.Summary("stroke").at("added_rest_s")); rest_s >= 0.005)
       text += fmt::format(", and {} of rests at reversals", Quantity(rest_s, "s"));
-  text += fmt::format(". Range of rotation {}; knee angle {} RMS from the human's.", from_to("range_deg", "°"),
-                      from_to("knee_rmse_deg", "°"));
+  const Uncertain knee = KneeAngleError(results, after), worn_knee = KneeAngleError(results, before);
+  text += fmt::format(
+      ". Range of rotation {}; knee angle {}° RMS from the human's{}.", from_to("range_deg", "°"),
+      knee.Text(DecimalsOf("°")),
+      std::isfinite(worn_knee.value) ? fmt::format(" instead of {}°", worn_knee.Text(DecimalsOf("°"))) : "");
   return text + LimitsText(way, redesign) + TradeText(redesign);
 }
 
@@ -208,6 +211,14 @@ std::string BodyText(const StudyResults& results) {
                      AskedText(AskedClearances(results)));
 }
 
+// "9 %", as far as the recordings tell.
+std::string MeasuredPercent(const StudyResults& results) {
+  const Json comparison = results.Summary("comparison"), intervals = comparison.value("intervals", Json::object());
+  return UncertainOf(comparison.at("metrics").at("relative_rms"), intervals.value("relative_rms", Json()), 100)
+             .Text(DecimalsOf("%")) +
+         " %";
+}
+
 std::string SureText(const StudyResults& results, const Json& redesign) {
   std::string text = "The new design is predicted, not recorded.";
   if (results.Has("comparison")) {
@@ -215,10 +226,12 @@ std::string SureText(const StudyResults& results, const Json& redesign) {
     const double worn = NumberOrNaN(redesign.at("before").at("misalignment_percent"));
     if (trial.is_object() && std::isfinite(worn))
       text += fmt::format(" For the worn design the same prediction gives {} where {} was measured.",
-                          Quantity(worn, "%"), Quantity(NumberOrNaN(trial.at("misalignment_percent")), "%"));
+                          Quantity(worn, "%"), MeasuredPercent(results));
     text += fmt::format(
         " Below {}, the noise floor, a recording shows only noise. Intervals on the first screen are "
-        "95 %; those of predictions say how well the joint can be put in its place.",
+        "95 %: as worn and with the joint moved how rises differ is in them, of new links only how well the joint can "
+        "be "
+        "put in its place; the knee angle's say how well the person's own mean is known.",
         Quantity(NumberOrNaN(redesign.at("noise_floor_percent")), "%"));
   }
   return text + " " + BodyText(results);
@@ -237,7 +250,20 @@ std::string NextText(const StudyResults& results) {
          "check the prediction (lake compare, lake stroke --validate).";
 }
 
-KeyFigures RedesignFigures(const Json& redesign, const Way& way) {
+void Note(const std::string& text, KeyFigure& figure) {
+  figure.note += (figure.note.empty() ? "" : "; ") + text;
+}
+
+// Rounds the figure to its interval, which is noted below it.
+void NoteInterval(const Uncertain& of, const char* unit, KeyFigure& figure) {
+  if (!of.IsKnown()) return;
+  figure.decimals = of.Decimals(figure.decimals);
+  Note(fmt::format("95 %: {} to {}{}", RoundedText(of.low, figure.decimals), RoundedText(of.high, figure.decimals),
+                   unit),
+       figure);
+}
+
+KeyFigures RedesignFigures(const StudyResults& results, const Json& redesign, const Way& way) {
   const auto figure = [&](const char* label, const char* key, const char* unit) {
     const double worn = NumberOrNaN(redesign.at("before").at(key));
     return KeyFigure{label,
@@ -248,11 +274,17 @@ KeyFigures RedesignFigures(const Json& redesign, const Way& way) {
                      std::isnan(worn) ? "" : fmt::format("worn: {}", Quantity(worn, unit))};
   };
   KeyFigure misalignment = figure("misalignment, predicted RMS", "misalignment_percent", "%");
-  if (const Uncertain& of = way.misalignment_percent; of.IsKnown())
-    misalignment.note += fmt::format("{}95 %: {} to {} %", misalignment.note.empty() ? "" : "; ", NumberText(of.low, 1),
-                                     NumberText(of.high, 1));
-  return {{std::move(misalignment), figure("rise time", "program_duration_s", "s"),
-           figure("range of rotation", "range_deg", "°"), figure("knee angle error, RMS", "knee_rmse_deg", "°")}};
+  NoteInterval(way.misalignment_percent, " %", misalignment);
+  if (way.misalignment_is_limit) Note("limit you set", misalignment);
+  KeyFigure rise = figure("rise time", "program_duration_s", "s"),
+            range = figure("range of rotation", "range_deg", "°"),
+            knee = figure("knee angle error, RMS", "knee_rmse_deg", "°");
+  Note(way.time_is_limit ? "limit you set" : "exact: set by the stroke program", rise);
+  Note("exact: follows from the links", range);
+  if (const Uncertain worn = KneeAngleError(results, redesign.at("before")); std::isfinite(worn.value))
+    knee.note = fmt::format("worn: {}°", worn.Text(DecimalsOf("°")));
+  NoteInterval(KneeAngleError(results, redesign.at("after")), "°", knee);
+  return {{std::move(misalignment), std::move(rise), std::move(range), std::move(knee)}};
 }
 
 Files BuildFiles(const StudyResults& results) {
@@ -318,7 +350,7 @@ Section DetailsChapter(const StudyFile& study, const StudyResults& results) {
   add("What they give, what they cost", CostText(results, redesign, way));
   add("How sure it is", SureText(results, redesign));
   add("What next", NextText(results));
-  return {"Why, and how sure", {RedesignFigures(redesign, way), std::move(answers), BuildFiles(results)}};
+  return {"Why, and how sure", {RedesignFigures(results, redesign, way), std::move(answers), BuildFiles(results)}};
 }
 
 }  // namespace lake::study

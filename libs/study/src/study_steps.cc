@@ -171,12 +171,30 @@ OptionalStep ExoStep(const StudyFile& study, const fs::path& out) {
   return TrialStep(*study.exo, "the trial with exoskeleton", CameraOf(study, out));
 }
 
+// What was worn, on the body and with the parts that a design of the study is checked with.
+void TakeWorn(const StudyFile& study, StudySection& section, commands::CompareRunOptions& options) {
+  if (!study.worn) return;
+  options.worn = study.worn;
+  options.body = BodyOf(study, {});
+  options.wear = {.bar_width_mm = study.simulation.parts.bar_width_mm,
+                  .actuator_diameter_mm = study.simulation.parts.actuator_diameter_mm,
+                  .seat_edge_mm = study.simulation.seat_edge_mm};
+  section.given["worn"] = study.worn->string();
+  section.text["body"] = {{"mass_kg", options.body.mass_kg.value_or(0)},
+                          {"height_mm", options.body.height_mm.value_or(0)},
+                          {"seat_edge_mm", options.wear.seat_edge_mm},
+                          {"bar_width_mm", options.wear.bar_width_mm},
+                          {"actuator_diameter_mm", options.wear.actuator_diameter_mm}};
+}
+
 OptionalStep ComparisonStep(const StudyFile& study, const fs::path& out) {
   if (!study.exo) return std::nullopt;
   commands::CompareRunOptions options = study.compare;
   options.human = out / "human";
   options.exo = out / "exo";
-  steps::StudyStep step = StepOf(options, commands::RunCompare, study.compare_section);
+  StudySection section = study.compare_section;
+  TakeWorn(study, section, options);
+  steps::StudyStep step = StepOf(options, commands::RunCompare, section);
   step.what = "the misalignment of exo against human";
   if (study.exo->IsVideo()) step.inputs.push_back(study.exo->Recording());
   step.work = [options, trial = *study.exo](Run& run) {

@@ -128,10 +128,18 @@ Json JointJson(const JointMisalignment& joint) {
   return json;
 }
 
-// The worn linkage moved to where its joint is nearest the knee.
-Json BestPlacementJson(const JointMisalignment& joint) {
+// The worn linkage moved to where its joint is nearest the knee, and what that leaves: of the joint against the knee
+// beneath it, and of its path against the human trial's.
+Json BestPlacementJson(const JointMisalignment& joint, const std::optional<JointMoved>& moved) {
   Json json = {{"move_mm", {-joint.mean_mm.x(), -joint.mean_mm.y()}}, {"rms_mm", joint.remainder_mm}};
   if (joint.intervals) json["rms_interval_mm"] = IntervalJson(joint.intervals->remainder_mm);
+  if (!moved) return json;
+  json["path_rms_mm"] = moved->rms_mm;
+  json["path_relative_rms"] = moved->relative_rms;
+  if (moved->intervals) {
+    json["path_rms_interval_mm"] = IntervalJson(moved->intervals->rms_mm);
+    json["path_relative_rms_interval"] = IntervalJson(moved->intervals->relative_rms);
+  }
   return json;
 }
 
@@ -147,10 +155,13 @@ Json PartsJson(const Misalignment& m) {
 
 // Keys end in the unit: "s" or "deg".
 Json DifferenceJson(const Difference& difference, const std::string& unit) {
+  const auto interval = [](const std::optional<Interval>& of) { return of ? IntervalJson(*of) : Json(); };
   return {{"human_" + unit, difference.human},
+          {"human_interval_" + unit, interval(difference.human_interval)},
           {"exo_" + unit, difference.exo},
+          {"exo_interval_" + unit, interval(difference.exo_interval)},
           {"difference_" + unit, difference.Value()},
-          {"difference_interval_" + unit, difference.interval ? IntervalJson(*difference.interval) : Json()}};
+          {"difference_interval_" + unit, interval(difference.interval)}};
 }
 
 Json PaceJson(const Pace& pace) {
@@ -321,13 +332,15 @@ Json ComparisonJson(const Misalignment& m) {
     json["intervals"] = {{"rms_mm", IntervalJson(m.intervals->rms_mm)},
                          {"max_mm", IntervalJson(m.intervals->max_mm)},
                          {"relative_rms", IntervalJson(m.intervals->relative_rms)},
-                         {"relative_max", IntervalJson(m.intervals->relative_max)}};
+                         {"relative_max", IntervalJson(m.intervals->relative_max)},
+                         {"knee_rmse_deg", IntervalJson(m.intervals->knee_rmse_deg)}};
+  json["human_angle_strays_deg"] = m.human_angle_strays_deg ? Json(*m.human_angle_strays_deg) : Json();
   json["noise_floor_mm"] = m.noise_floor_mm;
   json["noise_floor_relative"] = m.noise_floor_relative;
   json["spikes"] = kPercentSamples - m.metrics_without_spikes.samples;
   json["decomposition"] = DecompositionJson(m);
   json["joint"] = m.joint ? JointJson(*m.joint) : Json();
-  json["best_placement"] = m.joint ? BestPlacementJson(*m.joint) : Json();
+  json["best_placement"] = m.joint ? BestPlacementJson(*m.joint, m.joint_moved) : Json();
   json["parts_mm"] = PartsJson(m);
   json["pace"] = PaceJson(m.pace);
   json["posture"] = PostureJson(m.posture);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lake/compare/pointwise_error.h"
+#include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
@@ -64,10 +65,48 @@ std::vector<Vector2d> Over(std::vector<Vector2d> a, const std::vector<double>& u
   return a;
 }
 
+// The exoskeleton's path with its joint moved by −mean_mm in the shank's frame; empty where no leg is shown.
+std::vector<Vector2d> PathWithJointMoved(const Misalignment& m) {
+  if (!m.joint || m.exo.leg_knee.empty()) return {};
+  std::vector<Vector2d> path = m.exo.knee;
+  for (std::size_t i = 0; i < path.size(); ++i)
+    path[i] -= AxesAlong(m.exo.leg_knee[i] - m.exo.ankle[i]) * m.joint->mean_mm;
+  return path;
+}
+
+std::optional<JointMoved> MoveJoint(const Misalignment& m) {
+  const std::vector<Vector2d> path = PathWithJointMoved(m);
+  if (path.empty()) return std::nullopt;
+  return JointMoved{std::sqrt(MeanSquaredDistance(path, m.human.knee)),
+                    std::sqrt(MeanSquaredRelativeError(path, m.human.knee, m.shank_mm)),
+                    {}};
+}
+
+// The knee angle in degrees, and 0, in the place of the knee: its noise is that of a knee that is seen from both ends
+// of the leg.
+RegisteredTrial AnglesOf(const RegisteredTrial& trial) {
+  RegisteredTrial angles;
+  for (const StsCurve& curve : trial.repetitions) {
+    StsCurve& angle = angles.repetitions.emplace_back(curve);
+    for (std::size_t i = 0; i < curve.knee_deg.size(); ++i) {
+      angle.knee[i] = {curve.knee_deg[i], 0};
+      const double per_mm = 1 / (curve.knee[i] - curve.ankle[i]).norm() + 1 / (curve.hip[i] - curve.knee[i]).norm();
+      angle.knee_sigma_mm[i] = DegreesFromRadians(curve.knee_sigma_mm[i] * per_mm);
+    }
+  }
+  return angles;
+}
+
+// Neither lean nor a marker that is put back elsewhere along the leg turns the knee.
+MisalignmentOptions OfAngles(MisalignmentOptions options) {
+  options.replacement_sd_mm = options.lean_sd_deg = 0;
+  return options;
+}
+
 class Bootstrap {
  public:
   Bootstrap(const RegisteredTrial& human, const RegisteredTrial& exo, const MisalignmentOptions& options)
-      : options_(options), noise_(human, exo, options) {
+      : options_(options), human_(human), exo_(exo), noise_(human, exo, options) {
     std::mt19937_64 random(options.seed);
     for (int k = 0; k < options.resamples; ++k) draws_.push_back(noise_.Draw(random));
   }
@@ -77,6 +116,7 @@ class Bootstrap {
     m.intervals.emplace();
     SetDistanceIntervals(m);
     SetPartIntervals(m);
+    SetAngleIntervals(m);
   }
 
  private:
@@ -89,15 +129,40 @@ class Bootstrap {
   }
 
   void SetDistanceIntervals(Misalignment& m) const {
-    const auto set = [&](const std::vector<double>& unit, Interval& rms, Interval& max) {
+    const std::vector<Vector2d> moved = PathWithJointMoved(m);
+    JointMoved::Intervals of_moved;
+    const auto set = [&](const std::vector<double>& unit, Interval& rms, Interval& max, Interval& moved_rms) {
       std::vector<std::vector<Vector2d>> draws;
+      draws.reserve(draws_.size());
       for (const MeanErrors& errors : draws_) draws.push_back(Over(Less(errors.exo, errors.human), unit));
       const std::vector<Vector2d> difference = Over(Less(m.exo.knee, m.human.knee), unit);
       rms = RmsInterval(difference, draws);
       max = MaxInterval(difference, draws);
+      if (!moved.empty()) moved_rms = RmsInterval(Over(Less(moved, m.human.knee), unit), draws);
     };
-    set(std::vector<double>(kPercentSamples, 1.0), m.intervals->rms_mm, m.intervals->max_mm);
-    set(m.shank_mm, m.intervals->relative_rms, m.intervals->relative_max);
+    set(std::vector<double>(kPercentSamples, 1.0), m.intervals->rms_mm, m.intervals->max_mm, of_moved.rms_mm);
+    set(m.shank_mm, m.intervals->relative_rms, m.intervals->relative_max, of_moved.relative_rms);
+    if (m.joint_moved) m.joint_moved->intervals = of_moved;
+  }
+
+  void SetAngleIntervals(Misalignment& m) const {
+    const RegisteredTrial human = AnglesOf(human_), exo = AnglesOf(exo_);
+    const MisalignmentOptions options = OfAngles(options_);
+    const NoiseModel noise(human, exo, options);
+    std::mt19937_64 random(options.seed);
+    std::vector<std::vector<Vector2d>> draws;
+    std::vector<double> strays_deg;
+    draws.reserve(draws_.size());
+    strays_deg.reserve(draws_.size());
+    for (int k = 0; k < options.resamples; ++k) {
+      const MeanErrors errors = noise.Draw(random);
+      draws.push_back(Less(errors.exo, errors.human));
+      strays_deg.push_back(std::sqrt(MeanSquare(errors.human)));
+    }
+    const StsCurve of_human = MeanCurve(human.repetitions), of_exo = MeanCurve(exo.repetitions);
+    m.intervals->knee_rmse_deg = RmsInterval(Less(of_exo.knee, of_human.knee), draws);
+    constexpr double kMost = 0.95;
+    m.human_angle_strays_deg = DrawnQuantile(strays_deg, kMost);
   }
 
   void SetPartIntervals(Misalignment& m) const {
@@ -130,6 +195,7 @@ class Bootstrap {
   }
 
   const MisalignmentOptions& options_;
+  const RegisteredTrial &human_, &exo_;
   NoiseModel noise_;
   std::vector<MeanErrors> draws_;
 };
@@ -184,6 +250,7 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
   quiet.flip();
   m.joint = FindJointMisalignment(exo, m.spike,
                                   {options.resamples, options.seed, options.noise_width_percent, options.event_sd_s});
+  m.joint_moved = MoveJoint(m);
   m.metrics = ComputeMetrics(m.human, m.exo, all);
   m.metrics_without_spikes = ComputeMetrics(m.human, m.exo, quiet);
   m.decomposition = Decompose(m.human, m.exo, options.decomposition);

@@ -9,6 +9,17 @@
 namespace lake::compare {
 namespace {
 
+constexpr double kUpper = 0.975;
+
+// By Student's t.
+std::optional<Interval> IntervalOfMean(const std::vector<double>& values) {
+  if (values.size() < 2) return std::nullopt;
+  const auto n = static_cast<double>(values.size());
+  const double mean = Mean(values),
+               reach = quantile(boost::math::students_t(n - 1), kUpper) * StandardDeviation(values) / std::sqrt(n);
+  return Interval{mean - reach, mean + reach};
+}
+
 // By Welch's t with Satterthwaite's degrees of freedom.
 std::optional<Interval> IntervalOfDifference(const std::vector<double>& human, const std::vector<double>& exo) {
   if (human.size() < 2 || exo.size() < 2) return std::nullopt;
@@ -21,13 +32,16 @@ std::optional<Interval> IntervalOfDifference(const std::vector<double>& human, c
   const double freedom = both * both /
                          (of_human * of_human / static_cast<double>(human.size() - 1) +
                           of_exo * of_exo / static_cast<double>(exo.size() - 1));
-  constexpr double kUpper = 0.975;
   const double reach = quantile(boost::math::students_t(freedom), kUpper) * std::sqrt(both);
   return Interval{difference - reach, difference + reach};
 }
 
 Difference Compare(const std::vector<double>& human, const std::vector<double>& exo) {
-  return {Mean(human), Mean(exo), IntervalOfDifference(human, exo)};
+  return {.human = Mean(human),
+          .exo = Mean(exo),
+          .interval = IntervalOfDifference(human, exo),
+          .human_interval = IntervalOfMean(human),
+          .exo_interval = IntervalOfMean(exo)};
 }
 
 // A value of each repetition; empty if one has none.

@@ -67,7 +67,7 @@ std::vector<double> Lengths(const std::vector<double>& x, const std::vector<doub
   return lengths;
 }
 
-// The relative error in percent of the shank, with ± 1 SD over the pairs of repetitions if there are several.
+// The misalignment in percent of the shank, with ± 1 SD over the pairs of repetitions if there are several.
 Series ErrorSeries(const Json& curves) {
   Series error;
   error.name = "path difference";

@@ -44,6 +44,24 @@ Uncertain OffsetOf(const Json& decomposition, const Eigen::Vector2d& joint_mm, i
   return UncertainOf(joint_mm[axis], intervals.is_array() ? intervals.at(static_cast<std::size_t>(axis)) : Json());
 }
 
+// What moving the joint leaves and why its paths still differ, and what seat and limbs allow of it; empty where the
+// trial shows no knee beside the joint.
+std::string MovedText(const Json& comparison) {
+  const Json best = comparison.value("best_placement", Json());
+  if (!best.is_object() || !best.contains("path_relative_rms")) return "";
+  const Uncertain path =
+      UncertainOf(best.at("path_relative_rms"), best.value("path_relative_rms_interval", Json()), 100);
+  std::string text = fmt::format(
+      "With the joint moved onto the knee {} % of path difference would be left{}: that of the knees of both trials at "
+      "equal percent, as the two differ in pace and posture.",
+      path.Text(2),
+      path.IsKnown() ? fmt::format(" (95 %: {} to {} %)", RoundedText(path.low, path.Decimals(2)),
+                                   RoundedText(path.high, path.Decimals(2)))
+                     : "");
+  if (best.contains("body_text")) text += " " + best.at("body_text").get<std::string>();
+  return text;
+}
+
 Section KeySection(const Json& comparison) {
   const Json& repetitions = comparison.at("repetitions");
   const Json& duration = comparison.at("duration_s");
@@ -55,6 +73,7 @@ Section KeySection(const Json& comparison) {
       repetitions.at("human").get<int>(), NumberOrNaN(duration.at("human")), repetitions.at("exo").get<int>(),
       NumberOrNaN(duration.at("exo")), NumberOrNaN(comparison.at("shank_mm")),
       NumberOrNaN(comparison.at("noise_floor_mm")), 100 * NumberOrNaN(comparison.at("noise_floor_relative")))});
+  if (std::string moved = MovedText(comparison); !moved.empty()) section.blocks.push_back(Paragraph{std::move(moved)});
   return section;
 }
 
@@ -228,11 +247,18 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
                      .plus_minus = std::nullopt,
                      .note = "the trial does not show the knee"};
   };
+  const Json best = comparison.value("best_placement", Json());
+  const KeyFigure joint_moved =
+      FigureOf("path difference, joint moved, of the shank",
+               best.is_object() && best.contains("path_relative_rms")
+                   ? UncertainOf(best.at("path_relative_rms"), best.value("path_relative_rms_interval", Json()), 100)
+                   : Uncertain{},
+               2, "%");
   return {
       {of_joint("joint misalignment, RMS", worn, "rms_mm", "rms_interval_mm"),
        of_joint("joint misalignment, largest", worn, "max_mm", "max_interval_mm"),
-       of_joint("joint misalignment, joint moved", comparison.value("best_placement", Json()), "rms_mm",
-                "rms_interval_mm"),
+       of_joint("joint misalignment, joint moved", best, "rms_mm", "rms_interval_mm"),
+       joint_moved,
        figure("path difference, RMS, of the shank", "relative_rms", 100, 2, "%"),
        figure("path difference, largest, of the shank", "relative_max", 100, 2, "%"),
        figure("path difference, RMS", "rms_mm", 1, 1, "mm"),

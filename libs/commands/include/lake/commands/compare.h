@@ -17,6 +17,7 @@
 #include "lake/cuffs/cuff_model.h"
 #include "lake/exchange/trial.h"
 #include "lake/gait/picture_scale.h"
+#include "lake/linkage/body.h"
 
 namespace lake::commands {
 
@@ -42,6 +43,10 @@ struct CompareRunOptions {
   compare::BudgetOptions budget;
   cuffs::CuffOptions cuff;
   KneeOptions knee;
+  // The design of the exoskeleton trial: whether seat and limbs of this person allow its joint on the knee.
+  std::optional<std::filesystem::path> worn;
+  linkage::BodySize body;     // the leg: that of the human trial
+  linkage::WearOptions wear;  // but for the placement, which is measured
 };
 
 void Describe(CompareRunOptions& o, OptionList& options);

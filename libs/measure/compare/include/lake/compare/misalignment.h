@@ -39,6 +39,18 @@ struct MisalignmentIntervals {
   Interval placement, timing, shape;           // of the fractions without noise; NaN where both paths are one
   Interval placement_mm, timing_mm, shape_mm;  // RMS of the parts
   Interval offset_x_mm, offset_y_mm;
+  Interval knee_rmse_deg;
+};
+
+// The path difference that the exoskeleton trial would have with its joint moved onto the knee, by the mean of the
+// joint misalignment: pace and posture stay those of that trial. Its interval holds how rises differ, and how well a
+// joint is put where it is meant to be, for which the replacement of a marker stands.
+struct JointMoved {
+  double rms_mm = 0, relative_rms = 0;
+  struct Intervals {
+    Interval rms_mm, relative_rms;
+  };
+  std::optional<Intervals> intervals;
 };
 
 struct Misalignment {
@@ -55,6 +67,10 @@ struct Misalignment {
   // Against the exo trial's own leg; absent where that leg is not shown. The decomposition's offset is the one that
   // explains most of the difference of the paths.
   std::optional<JointMisalignment> joint;
+  std::optional<JointMoved> joint_moved;  // absent as `joint`
+  // How far the human's mean knee angle strays from that of many rises, RMS over the rise: 95 % stray less. With
+  // intervals alone.
+  std::optional<double> human_angle_strays_deg;
   Pace pace;
   Posture posture;
   FixedPivot best_pivot;  // of the knee model over the human's range of knee angles

@@ -10,11 +10,11 @@
 
 namespace lake::compare {
 
-// Means over a trial's repetitions, and what the exoskeleton trial has more. The interval (95 %, Welch 1947) needs two
-// repetitions of each.
+// Means over a trial's repetitions, and what the exoskeleton trial has more. The intervals of the means (95 %, Student
+// 1908) need two repetitions, that of the difference (Welch 1947) two of each.
 struct Difference {
   double human = 0, exo = 0;
-  std::optional<Interval> interval;
+  std::optional<Interval> interval{}, human_interval{}, exo_interval{};
 
   double Value() const { return exo - human; }
 };
