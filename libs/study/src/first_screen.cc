@@ -128,7 +128,7 @@ Way NewLinks(const StudyResults& results, const Json& redesign) {
           .design = "after",
           .misalignment_percent = PredictedPercent(results, after),
           .rise_s = {.value = NumberOrNaN(after.at("program_duration_s"))},
-          .build = "six links, mount, stroke program",
+          .build = "links, mount, program",
           .misalignment_is_limit = IsReached(NumberOrNaN(after.at("misalignment_percent")),
                                              NumberOrNaN(redesign.at("max_misalignment_percent"))),
           .time_is_limit = IsReached(NumberOrNaN(after.at("program_duration_s")),
@@ -193,14 +193,24 @@ const Way* FirstToTry(const std::vector<Way>& ways) {
   return nullptr;
 }
 
+// A moved joint takes its linkage with it, further into the seat than it was worn.
+bool MeetsSeat(const std::vector<Way>& ways) {
+  const auto into_mm = [](const Way& way) { return std::max(0.0, -way.on_body->seat_clearance_mm); };
+  constexpr double kTold_mm = 1;
+  return std::ranges::any_of(ways, [&](const Way& way) {
+    return way.mends_joint && way.on_body && ways.front().on_body && into_mm(way) >= into_mm(ways.front()) + kTold_mm;
+  });
+}
+
 std::string LeadText(const StudyResults& results, const std::vector<Way>& ways) {
   if (!results.Has("comparison")) return "No exoskeleton was recorded: new links for this person's movement.";
   const std::string side = SideOf(results);
-  std::string text = side.empty() ? "The exoskeleton's joint sits on the knee, as far as is known. "
-                                  : fmt::format("The exoskeleton's joint sits {} the knee. ", side);
+  std::string text = side.empty() ? "The joint sits on the knee, as far as is known. "
+                                  : fmt::format("The joint sits {} the knee. ", side);
   const Way* first = FirstToTry(ways);
   if (!first) return text + "No way below is certain to help: record more rises first.";
-  return text + (first == &ways.back() ? "New links help." : "Move it onto the knee first.");
+  if (first == &ways.back()) return text + "New links help.";
+  return text + fmt::format("Move it {} the knee first.", MeetsSeat(ways) ? "towards" : "onto");
 }
 
 // The parts that would be where the person or the seat is, each with how far.
@@ -225,7 +235,7 @@ std::string CollisionText(const std::vector<Way>& ways) {
     const auto worst = std::ranges::max_element(overlaps, {}, [](const auto& overlap) { return overlap.second; });
     if (worst == overlaps.end()) continue;
     const std::string by =
-        fmt::format("by {} mm ({})", NumberText(worst->second, 0), i + 1 == ways.size() ? "new" : "moved");
+        fmt::format("{} mm ({})", NumberText(worst->second, 0), i + 1 == ways.size() ? "new" : "moved");
     const auto same = std::ranges::find(sentences, worst->first, [](const auto& sentence) { return sentence.first; });
     if (same == sentences.end())
       sentences.push_back({worst->first, {by}});
@@ -234,18 +244,8 @@ std::string CollisionText(const std::vector<Way>& ways) {
   }
   std::string text;
   for (const auto& [what, by] : sentences)
-    text += fmt::format("{}{} {}.", text.empty() ? "" : " ", what, fmt::join(by, ", "));
+    text += fmt::format("{}{} by {}.", text.empty() ? "" : " ", what, fmt::join(by, ", "));
   return text;
-}
-
-// A moved joint takes its linkage with it, further into the seat than it was worn.
-std::string SeatText(const std::vector<Way>& ways) {
-  const auto into_mm = [](const Way& way) { return std::max(0.0, -way.on_body->seat_clearance_mm); };
-  constexpr double kTold_mm = 1;
-  const bool meets = std::ranges::any_of(ways, [&](const Way& way) {
-    return way.mends_joint && way.on_body && ways.front().on_body && into_mm(way) >= into_mm(ways.front()) + kTold_mm;
-  });
-  return meets ? " Moved, it meets the seat." : "";
 }
 
 // The three ways over the rise, and what a recording could not tell from none.
@@ -276,7 +276,7 @@ LineChart ErrorChart(const StudyResults& results) {
 
 std::string NextSteps(const std::vector<Way>& ways) {
   if (const Way* first = FirstToTry(ways); first && first != &ways.back())
-    return "Move the mount (an hour), record again (an hour); cut links only if that is not enough.";
+    return "Move the mount (an hour), record again (an hour), then decide.";
   return "Cut links (a day), test without a person (a day), record again (an hour).";
 }
 
@@ -334,10 +334,12 @@ Section ResultChapter(const StudyFile& study, const StudyResults& results) {
   const Json redesign = results.Summary("redesign");
   const std::vector<Way> ways = WaysOf(study, results);
   Section section{"Result", {Paragraph{LeadText(results, ways)}, WaysTable(ways, redesign)}};
-  std::string forbids = CollisionText(ways) + SeatText(ways);
-  if (NeedsHolding(results, redesign))
-    forbids += fmt::format("{}At the new pace a person must be held.", forbids.empty() ? "" : " ");
-  if (!forbids.empty()) section.blocks.push_back(Answers{{{"What forbids it", std::move(forbids)}}});
+  std::vector<std::string> forbids;
+  if (std::string collision = CollisionText(ways); !collision.empty()) forbids.push_back(std::move(collision));
+  if (MeetsSeat(ways)) forbids.emplace_back("Moved, the linkage meets the seat.");
+  if (NeedsHolding(results, redesign)) forbids.emplace_back("At the new pace a person must be held.");
+  if (!forbids.empty())
+    section.blocks.push_back(Answers{{{"What forbids it", fmt::format("{}", fmt::join(forbids, " "))}}});
   if (results.HasFile(kKneesPicture))
     section.blocks.push_back(Picture{results.Folder() / kKneesPicture, KneesPictureAlt(results), "", Width::kHalf});
   else
