@@ -57,9 +57,9 @@ void PrepareLastWords(const std::string& program) {
   std::signal(SIGABRT, SayLastWords);
 }
 
-// By default the C library returns every freed block of more than 128 KB to the system, which clears its pages anew
-// when it is next asked for. MUMPS takes and frees its workspace in each factorization: a third of the processor time
-// of lake-optimize was this.
+// By default the C library gives the heap's free end back to the system soon, which clears its pages anew when they are
+// next asked for. MUMPS takes and frees its workspace in each factorization: a third of the processor time of
+// lake-optimize was this.
 void KeepFreedMemory() {
   constexpr int kLargestFromHeap = 32 << 20, kMostKept = 64 << 20;  // bytes; the first is the largest glibc takes
   mallopt(M_MMAP_THRESHOLD, kLargestFromHeap);

@@ -1,6 +1,7 @@
 """lake live as a laboratory uses it: the built program, rendered films, a pipe, a socket, a full disk, headless Chromium.
 
 The films show an exoskeleton whose joint is where it is known to be. LAKE_BIN: where the programs are."""
+import contextlib
 import csv
 import json
 import math
@@ -115,14 +116,19 @@ class Camera:
             if before.ident:
                 before.join()
             written = 0
-            while written < len(part):
-                written += os.write(self.input, part[written:])
+            with contextlib.suppress(BrokenPipeError):  # the program has ended, which its test tells of
+                while written < len(part):
+                    written += os.write(self.input, part[written:])
 
         self.writing = threading.Thread(target=write, daemon=True)
         self.writing.start()
 
+    def is_read_by_another(self):
+        """Its end, if it comes, ends the writing."""
+        os.close(self.output)
+
     def end(self):
-        self.writing.join()
+        self.writing.join(WAIT_S)
         os.close(self.input)
 
 
@@ -336,6 +342,7 @@ class Page(Films):
         camera = Camera(self.folder / "session.ts")
         camera.send(camera.at(0.8))  # the person sits still
         live = self.live("-", "--tolerance", 6, "--joint-at", "0,-60", "--patience", WAIT_S, "-o", "session", stdin=camera.output)
+        camera.is_read_by_another()
         self.browser.get(live.address)
         self.until(lambda: self.part("live-trial").text == "Begin trial")
         self.until(lambda: self.part("live-picture").get_attribute("data-frame"))
@@ -384,6 +391,7 @@ class Page(Films):
         camera = Camera(self.folder / "film.ts")
         camera.send(camera.at(0.8))
         live = self.live("-", "--patience", WAIT_S, "-o", "clicked", stdin=camera.output)
+        camera.is_read_by_another()
         self.browser.get(live.address)
         self.until(lambda: self.part("live-picture").get_attribute("data-frame"))
         row = read_table(self.folder / "worn/truth.csv")[0]  # seated, the joint rests

@@ -127,9 +127,12 @@ TEST_F(Server, AFramedDocumentMayAskForNothing) {
 // How the program knows that a window is open: it is as long as its connection, however it is closed.
 TEST_F(Server, HoldsWhatAConnectionHolds) {
   EXPECT_EQ(held_, 0);
-  std::atomic<bool> is_closed = false;
-  std::thread window([&] { Client().Get(path_ + "window", [&](const char*, std::size_t) { return !is_closed; }); });
-  while (held_ == 0) std::this_thread::yield();
+  std::atomic<bool> is_closed = false, is_over = false;
+  std::thread window([&] {
+    Client().Get(path_ + "window", [&](const char*, std::size_t) { return !is_closed; });
+    is_over = true;
+  });
+  while (held_ == 0 && !is_over) std::this_thread::yield();
   EXPECT_EQ(Status(path_), 200) << "others are answered meanwhile";
   EXPECT_EQ(held_, 1);
   is_closed = true;

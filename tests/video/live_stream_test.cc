@@ -95,12 +95,24 @@ TEST(LiveStream, ReplaysAtTheFilesOwnPace) {
   EXPECT_GE(took.count(), 0.95 - 1e-6);  // 19 intervals after the first frame, which came after `began`
 }
 
+// Each picture's bits, colours too, as the pixels that were sent.
+std::string AllPlanes(const std::filesystem::path& film, const std::string& pixels) {
+  const auto hashes = film.parent_path() / "hashes.txt";
+  Ffmpeg("-i " + Quote(film) + " -pix_fmt " + pixels + " -vsync passthrough -f framehash -hash md5 " + Quote(hashes));
+  std::string of_pictures;
+  std::istringstream lines(ReadTextFile(hashes));
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("0,")) of_pictures += line.substr(line.rfind(',')) + "\n";
+  EXPECT_FALSE(of_pictures.empty());
+  return of_pictures;
+}
+
 // As cameras send them: in one plane (YUYV, UYVY), in several, grey, in colours.
 TEST(LiveStream, RawPicturesAreRecordedWithoutLoss) {
   for (const char* pixels : {"yuyv422", "uyvy422", "yuv420p", "nv12", "gray", "bgr24"}) {
     SCOPED_TRACE(pixels);
     const TemporaryFolder folder;
-    Ffmpeg(TestPicture("size=162x120:rate=50:duration=0.5") + "-c:v rawvideo -pix_fmt " + pixels + " " +
+    Ffmpeg(TestPicture("size=162x121:rate=50:duration=0.5") + "-c:v rawvideo -pix_fmt " + pixels + " " +
            Quote(folder / "film.nut"));
     const Played played = Play((folder / "film.nut").string(), Replay(), folder / "video.mkv");
     EXPECT_EQ(played.end.kind, StreamEnd::Kind::kEnded);
@@ -108,7 +120,19 @@ TEST(LiveStream, RawPicturesAreRecordedWithoutLoss) {
     ExpectRecorded(played, folder / "video.mkv");
     EXPECT_EQ(ReadAll(folder / "video.mkv").info.codec, "ffv1");
     ExpectRecorded(played, folder / "film.nut");
+    EXPECT_EQ(AllPlanes(folder / "video.mkv", pixels), AllPlanes(folder / "film.nut", pixels));
   }
+}
+
+TEST(LiveStream, RawPicturesKeepTheShapeOfTheirPixelsAndTheirRange) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=160x120:rate=25:duration=0.2") +
+         "-vf setsar=4/3 -color_range pc -c:v rawvideo -pix_fmt yuv420p " + Quote(folder / "film.nut"));
+  Play((folder / "film.nut").string(), Replay(), folder / "video.mkv");
+  const video::VideoInfo info = ReadAll(folder / "video.mkv").info, film = ReadAll(folder / "film.nut").info;
+  EXPECT_NEAR(info.pixel_aspect, 4 / 3.0, 1e-9);
+  EXPECT_EQ(info.pixel_aspect, film.pixel_aspect);
+  EXPECT_EQ(AllPlanes(folder / "video.mkv", "yuv420p"), AllPlanes(folder / "film.nut", "yuv420p"));
 }
 
 TEST(LiveStream, ASensorsColourMosaicIsRefused) {

@@ -209,7 +209,9 @@ WornJoint CheckWorn(const compare::Misalignment& misalignment, const CompareRunO
 void AddToBestPlacement(const compare::Misalignment& misalignment, const CompareRunOptions& options,
                         Json& best_placement) {
   best_placement["on_body"] = nullptr;
-  best_placement["body_text"] = "What seat and limbs allow of it is not known: name the design that was worn (--worn).";
+  best_placement["body_text"] =
+      "What seat and limbs allow of it is not known without the design that was worn (--worn, in a study design: "
+      "worn).";
   if (!options.worn) return;
   const WornJoint joint = CheckWorn(misalignment, options);
   best_placement["on_body"] = WornJointJson(joint);

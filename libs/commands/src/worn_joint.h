@@ -13,8 +13,9 @@ namespace lake::commands {
 
 struct WornJoint {
   linkage::WearCheck as_worn, moved;  // on this person, the joint where it was and where it is best
-  // Of the places within 40 mm of the knee at which linkage and actuator reach no further into seat and limbs than as
-  // worn, the nearest to the knee, in steps of 2 mm, shank frame; absent: there is none.
+  // Of the places nearer to the knee than as worn, and within 40 mm of it, at which linkage and actuator reach no
+  // further into seat and limbs than as worn, the nearest to the knee, in steps of 2 mm, shank frame; absent: there is
+  // none.
   std::optional<Eigen::Vector2d> nearest_mm;
 };
 

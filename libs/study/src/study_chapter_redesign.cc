@@ -96,7 +96,8 @@ Table BeforeAfterTable(const StudyFile& study, const StudyResults& results, cons
   const Json &before = summary.at("before"), &after = summary.at("after"), measured = MeasuredWorn(results),
              intervals = IntervalsOfMeasured(results);
   Table table{
-      "Worn, repaired and new design, with 95 % intervals of what is estimated; ranges, places and times of a program "
+      "Worn, repaired and new design, with 95 % intervals where they are known; ranges, and places and times of a "
+      "design, "
       "are exact. The predictions are for the human trial's movement, without the pace and lean of the exoskeleton "
       "trial, which a moved joint alone keeps",
       {{"Quantity"},

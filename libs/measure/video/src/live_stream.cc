@@ -104,6 +104,7 @@ struct LiveStream::Impl {
   void NoteDamage();
   bool IsWhole(const AVFrame& decoded);
   Clock::time_point ArrivalOf(const AVFrame& decoded);
+  libav::Packet Code(const AVPacket& raw);
   void Record(const AVPacket& packet);
   void HandOut(const std::shared_ptr<AVFrame>& decoded, LiveFrame& frame);
   void Finish();
@@ -124,7 +125,7 @@ struct LiveStream::Impl {
   Orientation orientation;
   int width = 0, height = 0, format = AV_PIX_FMT_NONE;
   std::unique_ptr<Recorder> recorder;
-  bool recorder_failed = false;
+  bool coding_failed = false, recorder_failed = false;
 
   // The receiver's.
   std::int64_t packets = 0, first_ticks = AV_NOPTS_VALUE, last_dts = AV_NOPTS_VALUE;
@@ -261,8 +262,10 @@ void LiveStream::Impl::Receive() {
     try {
       Take(std::move(packet));
     } catch (const Error& error) {
-      const bool is_refused = recorder_failed && !recorder->IsDiskFailing();
-      return NoteEnd(is_refused ? StreamEnd::Kind::kUnrecorded : StreamEnd::Kind::kDiskFull, error.what());
+      const bool is_disk = !coding_failed && (!recorder_failed || recorder->IsDiskFailing());
+      return NoteEnd(is_disk ? StreamEnd::Kind::kDiskFull : StreamEnd::Kind::kUnrecorded, error.what());
+    } catch (const std::exception& error) {  // no memory
+      return NoteEnd(StreamEnd::Kind::kUnrecorded, fmt::format("{}: {}", input_name, error.what()));
     }
   }
 }
@@ -297,7 +300,7 @@ bool LiveStream::Impl::TakeTimes(AVPacket& packet) {
 
 void LiveStream::Impl::Take(libav::Packet packet) {
   if (!TakeTimes(*packet)) return;
-  if (lossless) packet = lossless->Encode(*packet);
+  if (lossless) packet = Code(*packet);
   if (!packet) {
     ++torn;
     return;
@@ -347,6 +350,15 @@ bool LiveStream::Impl::TakeStamps(AVPacket& packet) {
   }
   last_dts = packet.dts;
   return true;
+}
+
+libav::Packet LiveStream::Impl::Code(const AVPacket& raw) {
+  try {
+    return lossless->Encode(raw);
+  } catch (...) {
+    coding_failed = true;
+    throw;
+  }
 }
 
 void LiveStream::Impl::Record(const AVPacket& packet) {
@@ -465,7 +477,7 @@ void LiveStream::Impl::Finish() {
     end->why +=
         fmt::format("; the camera's clock was set back {} time{}", times_set_back, times_set_back == 1 ? "" : "s");
   if (end && left_out > 0) end->why += fmt::format("; {} pictures that came twice or too late were left out", left_out);
-  if (end && torn > 0) end->why += fmt::format("; {} raw pictures that were torn were left out", torn);
+  if (end && torn > 0) end->why += fmt::format("; {} torn raw picture{} left out", torn, torn == 1 ? " was" : "s were");
   const fs::path part = UnfinishedRecording(recording);
   if (!fs::exists(part)) throw Fail("{}: the recording is gone", part.string());
   std::error_code error;

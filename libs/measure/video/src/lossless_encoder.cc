@@ -35,6 +35,7 @@ void LosslessEncoder::OpenDecoder(const AVCodecParameters& raw) {
   const AVCodec* decoder = avcodec_find_decoder(raw.codec_id);
   decoder_ = libav::NewCodec(decoder);
   avcodec_parameters_to_context(decoder_.get(), &raw);
+  decoder_->max_pixels = libav::kMaxPixels;
   const int result = avcodec_open2(decoder_.get(), decoder, nullptr);
   if (result < 0) throw Fail("{}: its raw pictures cannot be read ({})", input_, libav::ErrorText(result));
 }
@@ -49,8 +50,12 @@ void LosslessEncoder::OpenEncoder(AVRational time_base) {
         "{}: its raw pictures ({}) cannot be recorded without loss; ask the camera for coded ones, --format mjpeg",
         input_, av_get_pix_fmt_name(decoder_->pix_fmt));
   encoder_->width = decoder_->width, encoder_->height = decoder_->height;
+  encoder_->sample_aspect_ratio = decoder_->sample_aspect_ratio;
   encoder_->color_range = decoder_->color_range;
   encoder_->colorspace = decoder_->colorspace;
+  encoder_->color_primaries = decoder_->color_primaries;
+  encoder_->color_trc = decoder_->color_trc;
+  encoder_->chroma_sample_location = decoder_->chroma_sample_location;
   encoder_->time_base = time_base;
   encoder_->gop_size = 1;
   encoder_->level = 3;  // pictures in slices, which several threads code at once
@@ -59,7 +64,8 @@ void LosslessEncoder::OpenEncoder(AVRational time_base) {
   encoder_->thread_type = FF_THREAD_SLICE;  // frame threads would hold pictures back
   const int result = avcodec_open2(encoder_.get(), encoder, nullptr);
   if (result < 0) throw Fail("{}: FFV1 does not take its raw pictures ({})", input_, libav::ErrorText(result));
-  if (encoder_->pix_fmt == decoder_->pix_fmt) return;
+  raw_format_ = decoder_->pix_fmt;
+  if (encoder_->pix_fmt == raw_format_) return;
   repack_.reset(sws_getContext(encoder_->width, encoder_->height, decoder_->pix_fmt, encoder_->width, encoder_->height,
                                encoder_->pix_fmt, SWS_POINT, nullptr, nullptr, nullptr));
   planes_->format = encoder_->pix_fmt;
@@ -70,6 +76,8 @@ void LosslessEncoder::OpenEncoder(AVRational time_base) {
 libav::Packet LosslessEncoder::Encode(const AVPacket& raw) {
   if (avcodec_send_packet(decoder_.get(), &raw) < 0) return nullptr;
   if (avcodec_receive_frame(decoder_.get(), picture_.get()) < 0) return nullptr;
+  if (picture_->width != encoder_->width || picture_->height != encoder_->height || picture_->format != raw_format_)
+    throw Fail("{}: its pictures changed their size or format", input_);
   libav::Packet coded = libav::NewPacket();
   int result = avcodec_send_frame(encoder_.get(), &InEncodersFormat());
   if (result >= 0) result = avcodec_receive_packet(encoder_.get(), coded.get());

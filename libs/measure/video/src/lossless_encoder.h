@@ -15,7 +15,7 @@ class LosslessEncoder {
 
   const AVCodecParameters& Parameters() const { return *parameters_; }
 
-  // With the raw packet's stamps. Null where that packet is torn.
+  // With the raw packet's stamps. Null where that packet is torn. Throws Error where pictures change their size.
   libav::Packet Encode(const AVPacket& raw);
 
  private:
@@ -29,6 +29,7 @@ class LosslessEncoder {
 
   std::string input_;
   libav::Codec decoder_, encoder_;
+  int raw_format_ = AV_PIX_FMT_NONE;
   libav::Scaler repack_;  // of pixels in one plane into those of several
   libav::Frame picture_ = libav::NewFrame(), planes_ = libav::NewFrame();
   std::unique_ptr<AVCodecParameters, Delete> parameters_{avcodec_parameters_alloc()};

@@ -248,12 +248,13 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
                      .note = "the trial does not show the knee"};
   };
   const Json best = comparison.value("best_placement", Json());
-  const KeyFigure joint_moved =
+  KeyFigure joint_moved =
       FigureOf("path difference, joint moved, of the shank",
                best.is_object() && best.contains("path_relative_rms")
                    ? UncertainOf(best.at("path_relative_rms"), best.value("path_relative_rms_interval", Json()), 100)
                    : Uncertain{},
                2, "%");
+  if (!best.is_object()) joint_moved.note = "the trial does not show the knee";
   return {
       {of_joint("joint misalignment, RMS", worn, "rms_mm", "rms_interval_mm"),
        of_joint("joint misalignment, largest", worn, "max_mm", "max_interval_mm"),

@@ -32,7 +32,9 @@ async function picture(path: string): Promise<ImageBitmap> {
 }
 
 export const server = {
-  window: new EventSource("window"), // open as long as this window is: the program ends with its last one
+  // Lives as long as a window of this browser does, and holds a connection meanwhile: the program ends with the last
+  // one. (A connection of each window's own would be one of the six that a browser opens.)
+  windows: new SharedWorker("windows.js"),
   state: () => get<StateMessage>("state"),
   trial: () => get<TrialMessage>("trial"),
   edit: (edit: EditMessage) => post<StateMessage>("edit", edit),

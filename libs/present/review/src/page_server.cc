@@ -24,6 +24,7 @@ PageServer::PageServer(const PageOptions& options, std::function<Json()> state)
   server_.Get("", File("text/html; charset=utf-8", PageHtml()));
   server_.Get("review.css", File("text/css; charset=utf-8", PageStyle()));
   server_.Get("review.js", File("text/javascript; charset=utf-8", PageScript()));
+  server_.Get("windows.js", File("text/javascript; charset=utf-8", "const open = new EventSource('window');\n"));
   server_.GetHeld("window", [this] { return windows_.Open(); });
   Get("state", std::move(state));
 }

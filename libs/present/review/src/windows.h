@@ -1,4 +1,4 @@
-// How many windows show the page: when the last one is closed, the program has done its work.
+// In how many browsers windows show the page: when the last one is closed, the program has done its work.
 #pragma once
 
 #include <atomic>
@@ -9,7 +9,7 @@ namespace lake::review {
 
 class Windows {
  public:
-  // A window is open as long as what this returns lives, at most as long as this object.
+  // Windows of one browser are open as long as what this returns lives, at most as long as this object.
   std::shared_ptr<void> Open() {
     ++open_;
     had_any_ = true;
