@@ -2,8 +2,10 @@
 // its own angles at a rate so high that differences are derivatives.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "lake/gait/leg_angles.h"

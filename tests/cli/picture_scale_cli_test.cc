@@ -2,8 +2,12 @@
 // give.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "cli/program_run.h"
 #include "gait/synthetic_leg.h"
@@ -22,7 +26,10 @@ class TracksInPx : public testing::Test {
   // The leg, and the same person with a joint that sits 20 mm before and 10 mm above the knee.
   void SetUp() override {
     const gait::LegView calibrated = CalibratedView();
-    camera::WriteCameraProfile(folder_ / "camera.yaml", {*calibrated.camera, calibrated.camera_from_plane, {}, {}});
+    camera::WriteCameraProfile(folder_ / "camera.yaml", {.camera = *calibrated.camera,
+                                                         .camera_from_plane = calibrated.camera_from_plane,
+                                                         .uncertainty = {},
+                                                         .plane_uncertainty = {}});
     gait::LegView mm;
     mm.recorded_in_plane = true;
     Write("human", "human_mm", MakeSyntheticLeg({.rate_hz = 60}), calibrated, mm, std::nullopt);
@@ -86,6 +93,13 @@ TEST_F(TracksInPx, OfBothLegsHaveTheirScalesToo) {
   ASSERT_TRUE(legs.is_object());
   EXPECT_TRUE(legs["symmetry"].contains("hip_rise_mm"));
   EXPECT_LT(std::abs(legs["symmetry"]["hip_rise_mm"]["difference"].get<double>()), 1);
+  // Of use for the left one alone is enough, and so is a scale of the right one's own.
+  for (const char* words : {"--left exo.csv --right human_mm.csv --scale 0,0,500,0,1000 -o L",
+                            "--left human_mm.csv --right exo.csv --right-scale 0,0,500,0,1000 -o R"}) {
+    const Json one = Compare(words);
+    ASSERT_TRUE(one.is_object()) << words;
+    EXPECT_LT(std::abs(one["symmetry"]["hip_rise_mm"]["difference"].get<double>()), 1) << words;
+  }
 }
 
 TEST_F(TracksInPx, AScaleThatHasNoEffectIsRefused) {
@@ -97,6 +111,16 @@ TEST_F(TracksInPx, AScaleThatHasNoEffectIsRefused) {
                 "--camera has no effect on human_mm.csv: its lengths are in mm");
   ExpectRefused("human_mm.csv exo.csv", 1, "give the one in px a scale: --exo-camera with a plane, or --exo-scale");
   ExpectRefused("--left human_mm.csv --right human_mm.csv --scale 0,0,500,0,1000", 2, "--scale has no effect");
+  ExpectRefused("--left human_mm.csv --right exo.csv", 1,
+                "give the one in px a scale: --right-camera with a plane, or --right-scale");
+  ExpectRefused("--left exo.csv --right human_mm.csv", 1,
+                "give the one in px a scale: --camera with a plane, or --scale");
+  ExpectRefused("--left human.csv --right exo.csv --scale 0,0,500,0,1000 --exo-scale 0,0,500,0,1000", 2,
+                "--exo-scale: there is no EXO trial with --left and --right; see --right-scale");
+  ExpectRefused("human.csv exo.csv --scale 0,0,500,0,1000 --right-camera camera.yaml", 2,
+                "--right-camera is of --left and --right; see --exo-camera");
+  ExpectRefused("human_mm.csv exo_mm.csv --height 1800", 2,
+                "--height is of the person on whom a worn design is checked");
 }
 
 // A folder of lake-gait in px is fitted once more, with its scale.

@@ -6,9 +6,11 @@
 
 #include <cmath>
 #include <random>
+#include <set>
 
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/gait/sit_to_stand.h"
 
 namespace lake {
 namespace {
@@ -98,20 +100,56 @@ TEST(Symmetry, FollowsTheKneeOverTheRise) {
   EXPECT_EQ(symmetry.left_rises, 5u);
 }
 
-// Forces of five rises: Student's t of four degrees of freedom at 1 − 0.05 / 2 is 2.776, and 1.96 of the plates' 1 %.
+// Forces of five rises beside the ten quantities of the motion: at 1 − 0.05 / 11 / 2 Student's t of four degrees of
+// freedom is 5.747, and that of the plates' 1 % 2.838.
 TEST(Symmetry, TakesForcesUnderTheFeet) {
   compare::RiseQuantity force;
   force.name = "force_n", force.relative_sd = 0.01;
-  const double more_n[] = {8, 9, 10, 11, 12};  // their mean's SD is √(2.5 / 5)
+  const double more_n[] = {28, 29, 30, 31, 32};  // their mean's SD is √(2.5 / 5)
   for (int r = 1; r <= 5; ++r) force.left[r].value = 300 + more_n[r - 1], force.right[r].value = 300;
   compare::SymmetryOptions options;
   options.one_recording = true, options.further = {force};
   const compare::Symmetry symmetry = compare::CompareSides(Leg(0, 1), Leg(0, 2), options);
   const compare::SideDifference& of = Of(symmetry, "force_n");
-  EXPECT_NEAR(of.difference, 10, 1e-9);
-  const double reach = std::hypot(2.776 * std::sqrt(0.5), 1.96 * 0.01 * std::hypot(310, 300));
+  EXPECT_NEAR(of.difference, 30, 1e-9);
+  const double reach = std::hypot(5.747 * std::sqrt(0.5), 2.838 * 0.01 * std::hypot(330, 300));
   EXPECT_NEAR(of.interval.high - of.difference, reach, 0.01);
   EXPECT_TRUE(of.IsAsymmetric());
+}
+
+// The right leg's second rise was not found, so that its third is numbered second.
+TEST(Symmetry, MatchesRisesOfOneRecordingByTheirTimes) {
+  const gait::LegFitResult left = Leg(10, 1);
+  gait::LegFitResult right = Leg(0, 2);
+  std::erase_if(right.events, [](const motion::StsEvent& event) { return event.repetition == 2; });
+  for (motion::StsEvent& event : right.events)
+    if (event.repetition > 2) --event.repetition;
+  for (motion::LegSample& sample : right.motion.samples)
+    if (sample.repetition == 2)
+      sample.repetition.reset();
+    else if (sample.repetition > 2)
+      --*sample.repetition;
+  const compare::MatchedRises matched = compare::MatchRises(left, right);
+  std::set<int> of_events, of_samples;
+  for (const motion::StsEvent& event : matched.right.events) of_events.insert(event.repetition);
+  for (const motion::LegSample& sample : matched.right.motion.samples)
+    if (sample.repetition) of_samples.insert(*sample.repetition);
+  EXPECT_THAT(of_events, testing::ElementsAre(1, 3, 4, 5));
+  EXPECT_EQ(of_samples, of_events);
+  EXPECT_THAT(matched.warnings, testing::ElementsAre("rise 2 of the left leg, 5.00 to 6.50 s, is none of the right "
+                                                     "leg's: it is left out"));
+  const compare::Symmetry symmetry = compare::CompareSides(left, right, {.one_recording = true});
+  EXPECT_EQ(symmetry.left_rises, 5u);
+  EXPECT_EQ(symmetry.right_rises, 4u);
+  EXPECT_EQ(symmetry.warnings, matched.warnings);
+  // The means are of the same four rises.
+  double left_deg = 0;
+  for (const gait::SitToStand& rise : gait::MeasureSitToStands(left))
+    if (rise.repetition != 0 && rise.repetition != 2) left_deg += rise.knee_max_deg.value / 4;
+  EXPECT_NEAR(Of(symmetry, "knee_max_deg").left, left_deg, 1e-9);
+  for (motion::StsEvent& event : right.events) event.time_s += 2;  // between those of the left leg
+  EXPECT_THAT(compare::MatchRises(left, right).right.events, testing::IsEmpty());
+  EXPECT_THROW(compare::CompareSides(left, right, {.one_recording = true}), Error);
 }
 
 TEST(Symmetry, OfOneRiseTakesTheFitsDeviations) {

@@ -1,7 +1,11 @@
 // Times of rises in rendered films: the phases against the closed form that was rendered, and the clocks of two films
 // of one movement against their known offset.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <memory>
+
+#include "lake/core/csv.h"
 #include "lake/sync/align.h"
 #include "lake/synth/sts_motion.h"
 #include "pipeline/rendered_trial.h"

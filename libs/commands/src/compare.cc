@@ -284,6 +284,22 @@ void CheckReadings(const CompareRunOptions& o) {
     if (is_of_one(option)) exchange::CheckNoneIsUnused(o.exo, {{"--exo-" + option.substr(2), why}});
 }
 
+// Options of what is not compared, of which only who gave them knows.
+void CheckIsCompared(const CompareRunOptions& o, const OptionList& list) {
+  const bool of_legs = !o.left.empty() || !o.right.empty();
+  for (const char* name : {"camera", "scale", "plane-points"}) {
+    const std::string other = fmt::format("{}-{}", of_legs ? "exo" : "right", name);
+    if (!list.IsGiven(other)) continue;
+    throw UsageError(
+        of_legs ? fmt::format("--{}: there is no EXO trial with --left and --right; see --right-{}", other, name)
+                : fmt::format("--{} is of --left and --right; see --exo-{}", other, name));
+  }
+  for (const char* name : {"height", "mass", "seat-edge"})
+    if (!o.worn && list.IsGiven(name))
+      throw UsageError(
+          fmt::format("--{} is of the person on whom a worn design is checked: add --worn, or omit it", name));
+}
+
 // Two trials of one kind.
 void CheckTrials(const CompareRunOptions& o) {
   if (o.left.empty() != o.right.empty()) throw UsageError("--left and --right: a symmetry has two sides; give both");
@@ -388,7 +404,13 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   comparison["knee_from"] = pair.is_human_functional ? "functional" : "marker";
   comparison["knee_axis_sd_mm"] = {{"human", NumberOrNull(pair.human_axis_mm)},
                                    {"exo", NumberOrNull(pair.exo_axis_mm)}};
-  if (misalignment.joint) AddToBestPlacement(misalignment, options, comparison["best_placement"]);
+  if (misalignment.joint)
+    AddToBestPlacement(misalignment, options, comparison["best_placement"]);
+  else if (options.worn)
+    run.Warn(
+        fmt::format("{} shows no knee of the leg beside the joint: what seat and limbs allow of the worn design's "
+                    "joint is not told",
+                    options.exo.filename().string()));
   compare::BudgetOptions budget = options.budget;
   budget.human_axis_mm = pair.human_axis_mm, budget.exo_axis_mm = pair.exo_axis_mm;
   const std::vector<compare::Budget> budgets =
@@ -461,6 +483,7 @@ void Describe(CompareRunOptions& o, OptionList& options) {
     exchange::CheckPlates(o.plates);
     if (!o.plates.empty() && o.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
     if (o.sync && o.forces.empty()) throw UsageError("--sync: whose clock? Give --forces");
+    CheckIsCompared(o, list);
     o.exo_reading.up = o.human_reading.up;
     o.exo_reading.forward = o.human_reading.forward;
     o.exo_reading.values = o.human_reading.values;

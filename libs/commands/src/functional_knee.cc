@@ -33,7 +33,10 @@ void SetSegments(const OptionTexts& texts, const std::string& said, axis::Segmen
 // Under the names that they have in the file, mm.
 exchange::PointRecording PointsOf(const exchange::TrialOptions& reading, const exchange::Trial& trial) {
   if (trial.recording.unit != motion::LengthUnit::kMm)
-    throw Fail("{}: its lengths are in px; an axis needs mm", trial.file.string());
+    throw Fail(
+        "{}: its lengths are in px; --knee functional needs mm: give the folder that lake gait with --camera (with a "
+        "plane) or --scale writes of it",
+        trial.file.string());
   const exchange::PointRecording points = reading.names.empty() && !trial.plane_from_space
                                               ? exchange::PointsFromMarkers(trial.recording)
                                               : exchange::ReadPoints(trial.file, reading.mm_per_unit, reading.rate_hz);

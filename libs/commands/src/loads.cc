@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "force_plates.h"
 #include "lake/commands/gait.h"
 #include "lake/core/cross.h"
 #include "lake/core/csv.h"
@@ -30,65 +31,14 @@ std::string LegOf(const LoadsRunOptions& options) {
   return left ? "left" : "right";
 }
 
-// Where a plate's force acts at the height of the point that its moment is about, on average, weighted by the force.
-std::optional<Vector3d> MeanPoint(const exchange::PlateForces& plate, const Vector3d& up) {
-  constexpr double kLeast_n = 20;
-  Vector3d sum = Vector3d::Zero();
-  double weight = 0;
-  for (std::size_t i = 0; i < plate.force_n.size(); ++i) {
-    const double force_n = plate.force_n[i].dot(up);
-    if (force_n < kLeast_n) continue;
-    sum += force_n * plate.point_m[i] + up.cross(plate.moment_nm[i]);
-    weight += force_n;
-  }
-  return weight > 0 ? std::optional<Vector3d>(sum / weight) : std::nullopt;
-}
-
-Vector3d MeanAnkle(const exchange::PointRecording& points) {
-  Vector3d sum = Vector3d::Zero();
-  int count = 0;
-  for (const Vector3d& position : points.Find("ankle")->positions)
-    if (position.allFinite()) {
-      sum += position / kMmPerM;
-      ++count;
-    }
-  return sum / std::max(count, 1);
-}
-
-// Plates that were named the wrong way round: another plate's force acts under this ankle.
-void WarnOfSwappedPlates(const exchange::GroundForceRecording& forces, const exchange::PlateForces& plate,
-                         const std::string& leg, const Vector3d& ankle_m, const Vector3d& up, Run& run) {
-  const auto distance_mm = [&](const exchange::PlateForces& p) {
-    const std::optional<Vector3d> point_m = MeanPoint(p, up);
-    if (!point_m) return std::numeric_limits<double>::infinity();
-    const Vector3d apart_m = *point_m - ankle_m;
-    return kMmPerM * (apart_m - apart_m.dot(up) * up).norm();
-  };
-  const exchange::PlateForces* nearest = &plate;
-  for (const exchange::PlateForces& other : forces.plates)
-    if (distance_mm(other) < distance_mm(*nearest)) nearest = &other;
-  if (nearest != &plate)
-    run.Warn(
-        fmt::format("{} is taken for the {} foot, but its force acts {:.0f} mm from the ankle, that of {} {:.0f} mm: "
-                    "are the plates swapped? Name them with --plates, the leg with --leg",
-                    plate.name, leg, distance_mm(plate), nearest->name, distance_mm(*nearest)));
-}
-
 loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::Trial& trial,
                                const gait::LegFitResult& fit, Run& run) {
   const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
   const Eigen::Matrix3d& plane_from_space = *trial.plane_from_space;
-  const Vector3d up = plane_from_space.row(1);
-  if (up != Vector3d::Unit(file.up_axis - 'x'))
-    throw Fail("{}: its vertical is {}, and that of the markers is another: give both in the same axes",
-               options.forces.string(), file.up_axis);
+  VerticalOf(file, trial, options.forces);  // both have one
   const std::string leg = LegOf(options);
   const exchange::PlateForces& plate = exchange::PlateOf(file, options.plates, leg, options.forces);
-  WarnOfSwappedPlates(file, plate, leg,
-                      MeanAnkle(exchange::RenamePoints(
-                          exchange::ReadPoints(trial.file, options.reading.mm_per_unit, options.reading.rate_hz),
-                          options.reading.names, trial.file)),
-                      up, run);
+  WarnOfSwappedPlates(file, plate, leg, trial, options.reading, "Name them with --plates, the leg with --leg", run);
   const motion::Facing facing = fit.motion.facing;
   const double side = facing == motion::Facing::kRight ? 1 : -1;  // the leg's x is the plane's, or its opposite
   const auto in_leg = [&](const Vector3d& v) {

@@ -104,20 +104,20 @@ LineChart AnglesChart(const motion::LegMotion& leg, const std::vector<SitToStand
 Section SitToStandMethod() {
   return {
       "How it is measured",
-      {List{{"Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638; steady is who moves hip and knee "
-             "at less than 5 % of their peak speeds for half a second, a limit of our own. Of a rise, the standard "
-             "deviations are "
-             "those of markers and events; skin movement is not in them.",
-             "Five-times test: from the first onset to the fifth standing; values are the means of five rises, "
-             "standard deviations those between them. A test timed by hand begins at the word, and is longer by the "
-             "reaction.",
-             "Power: 0.9 g × rise of the hip / time, of the five-times test with half of the mean repetition's time "
-             "(Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006).",
-             "Centre of mass and momentum (momentum.csv) and the knee's power (loads.csv), from force plates where "
-             "there are some, are given by lake loads: they need the body mass.",
-             "Reference times by age, of both sexes: Bohannon 2006, doi:10.2466/pms.103.1.215-222. Sex told nothing of "
-             "the "
-             "time beyond age and strength in Bohannon et al. 2010, doi:10.3233/IES-2010-0389."}}}};
+      {List{
+          {"Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638; steady is who turns hip and knee, and moves "
+           "the hip up or down, at less than 5 % of the rise's peak speeds for half a second, a limit of our own; "
+           "without a waist marker the hip's angle is unknown, and stabilisation is left empty. Of a rise, the "
+           "standard deviations are those of markers and events; skin movement is not in them.",
+           "Five-times test: from the first onset to the fifth standing; values are the means of five rises, "
+           "standard deviations those between them. A test timed by hand begins at the word, and is longer by the "
+           "reaction.",
+           "Power: 0.9 g × rise of the hip / time, of the five-times test with half of the mean repetition's time "
+           "(Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006).",
+           "Centre of mass and momentum (momentum.csv) and the knee's power (loads.csv), from force plates where "
+           "there are some, are given by lake loads: they need the body mass.",
+           "Reference times by age, of both sexes: Bohannon 2006, doi:10.2466/pms.103.1.215-222. In Bohannon et al. "
+           "2010, doi:10.3233/IES-2010-0389, sex did not predict the time once age and strength were known."}}}};
 }
 
 void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& rows, const Json& five_times, Run& run) {

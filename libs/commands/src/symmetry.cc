@@ -3,8 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "force_plates.h"
 #include "lake/commands/gait.h"
 #include "lake/compare/symmetry.h"
 #include "lake/core/csv.h"
@@ -22,18 +27,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-gait::LegFitResult FitSide(const fs::path& path, const exchange::TrialOptions& reading,
-                           const gait::PictureScale& picture, Run& run) {
-  gait::LegFitOptions fit;
-  fit.facing_option = "--forward";
-  return FitTrial(ReadTrialFor(path, reading, picture), fit, run, picture);
+// A leg's trial and its fit.
+struct Side {
+  exchange::Trial trial;
+  gait::LegFitResult fit;
+};
+
+Side FitSide(const fs::path& path, const exchange::TrialOptions& reading, const gait::PictureScale& picture, Run& run) {
+  gait::LegFitOptions options;
+  options.facing_option = "--forward";
+  exchange::Trial trial = ReadTrialFor(path, reading, picture);
+  gait::LegFitResult fit = FitTrial(trial, options, run, picture);
+  return {std::move(trial), std::move(fit)};
+}
+
+// What is said of the left leg's picture holds for the right leg's too, where that is in px.
+gait::PictureScale RightPicture(const CompareRunOptions& options) {
+  if (!options.right_picture.IsGiven() || options.right_picture != options.human_picture) return options.right_picture;
+  const exchange::Trial right = exchange::ReadTrial(options.right, options.right_reading);
+  return right.recording.unit == motion::LengthUnit::kPx ? options.right_picture : gait::PictureScale{};
 }
 
 struct Window {
   double from_s, to_s;
 };
 
-// From seat-off to standing of the rises that both legs show, the mean of what they say.
+// From seat-off to standing of the rises that both legs show, the mean of what they say. The numbers are matched.
 std::map<int, Window> LoadedWindows(const gait::LegFitResult& left, const gait::LegFitResult& right) {
   std::map<int, Window> windows;
   const std::vector<gait::SitToStand> of_right = gait::MeasureSitToStands(right);
@@ -51,13 +70,13 @@ struct FootLoads {
   std::map<int, gait::Measured> mean, largest;
 };
 
-FootLoads LoadsOf(const exchange::PlateForces& plate, Eigen::Index up, const std::vector<double>& time_s,
+FootLoads LoadsOf(const exchange::PlateForces& plate, const Eigen::Vector3d& up, const std::vector<double>& time_s,
                   const std::map<int, Window>& windows) {
   FootLoads loads;
   for (const auto& [repetition, window] : windows) {
     std::vector<double> forces_n;
     for (std::size_t i = 0; i < time_s.size(); ++i)
-      if (time_s[i] >= window.from_s && time_s[i] <= window.to_s) forces_n.push_back(plate.force_n[i][up]);
+      if (time_s[i] >= window.from_s && time_s[i] <= window.to_s) forces_n.push_back(plate.force_n[i].dot(up));
     if (forces_n.empty() || time_s.front() > window.from_s || time_s.back() < window.to_s) continue;
     loads.mean[repetition].value = Mean(forces_n);
     loads.largest[repetition].value = *std::ranges::max_element(forces_n);
@@ -65,8 +84,8 @@ FootLoads LoadsOf(const exchange::PlateForces& plate, Eigen::Index up, const std
   return loads;
 }
 
-std::vector<compare::RiseQuantity> ReadLoads(const CompareRunOptions& options, const gait::LegFitResult& left,
-                                             const gait::LegFitResult& right) {
+std::vector<compare::RiseQuantity> ReadLoads(const CompareRunOptions& options, const Side& left, const Side& right,
+                                             Run& run) {
   if (options.forces.empty()) return {};
   if (!fs::equivalent(options.left, options.right))
     throw UsageError(
@@ -78,11 +97,20 @@ std::vector<compare::RiseQuantity> ReadLoads(const CompareRunOptions& options, c
     const sync::Clock clock = sync::ReadClockOf(*options.sync, options.forces);
     for (double& time : time_s) time = clock.FromB(time);
   }
-  const std::map<int, Window> windows = LoadedWindows(left, right);
-  const auto of = [&](const char* leg) {
-    return LoadsOf(exchange::PlateOf(file, options.plates, leg, options.forces), file.up_axis - 'x', time_s, windows);
-  };
-  const FootLoads of_left = of("left"), of_right = of("right");
+  const exchange::PlateForces &l = exchange::PlateOf(file, options.plates, "left", options.forces),
+                              &r = exchange::PlateOf(file, options.plates, "right", options.forces);
+  if (&l == &r)
+    throw Fail(
+        "{}: {} is the only plate that bears a force: under both feet it does not say what either bears; leave "
+        "--forces out",
+        options.forces.string(), l.name);
+  const Eigen::Vector3d up = VerticalOf(file, left.trial, options.forces);
+  VerticalOf(file, right.trial, options.forces);  // the same
+  const std::string way_out = "Name them with --plates";
+  WarnOfSwappedPlates(file, l, "left", left.trial, options.human_reading, way_out, run);
+  WarnOfSwappedPlates(file, r, "right", right.trial, options.right_reading, way_out, run);
+  const std::map<int, Window> windows = LoadedWindows(left.fit, compare::MatchRises(left.fit, right.fit).right);
+  const FootLoads of_left = LoadsOf(l, up, time_s, windows), of_right = LoadsOf(r, up, time_s, windows);
   if (of_left.mean.size() < 2)
     throw Fail(
         "{}: it has the forces of {} of the {} rises; a difference needs two (are both on one clock? See lake "
@@ -136,14 +164,17 @@ Json DifferenceJson(const compare::SideDifference& difference) {
 Json RunSymmetry(const CompareRunOptions& options, Run& run) {
   CheckReading(options.left, options.human_reading);
   CheckReading(options.right, options.right_reading);
-  run.AddInputs(InputsOf(options));
-  const gait::LegFitResult left = FitSide(options.left, options.human_reading, options.human_picture, run),
-                           right = FitSide(options.right, options.right_reading, options.right_picture, run);
+  CompareRunOptions used = options;
+  used.right_picture = RightPicture(options);
+  run.AddInputs(InputsOf(used));
+  const Side left = FitSide(options.left, options.human_reading, options.human_picture, run),
+             right = FitSide(options.right, options.right_reading, used.right_picture, run);
   compare::SymmetryOptions of_sides;
   of_sides.replacement_sd_mm = options.misalignment.replacement_sd_mm;
   of_sides.one_recording = fs::equivalent(options.left, options.right);
-  of_sides.further = ReadLoads(options, left, right);
-  const compare::Symmetry symmetry = compare::CompareSides(left, right, of_sides);
+  of_sides.further = ReadLoads(options, left, right, run);
+  const compare::Symmetry symmetry = compare::CompareSides(left.fit, right.fit, of_sides);
+  for (const std::string& warning : symmetry.warnings) run.Warn(warning);
   run.Begin({"summary.json", "symmetry.csv", "symmetry_curve.csv", "symmetry.png", "symmetry.svg"});
   WriteQuantities(run.Result("symmetry.csv"), symmetry);
   WriteCurve(run.Result("symmetry_curve.csv"), symmetry);

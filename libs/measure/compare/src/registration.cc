@@ -209,8 +209,10 @@ std::vector<T> MeanOf(const std::vector<StsCurve>& curves, std::vector<T> StsCur
 
 RegisteredTrial RegisterTrial(const TrialTables& trial, const RegistrationOptions& options) {
   if (trial.trajectory.unit != motion::LengthUnit::kMm || trial.motion.unit != motion::LengthUnit::kMm)
-    throw Fail("{}: its lengths are in px; a comparison needs mm: track it with --camera (with a plane) or --scale",
-               trial.name);
+    throw Fail(
+        "{}: its lengths are in px; a comparison needs mm: give it a scale: --camera with a plane, --scale or "
+        "--plane-points",
+        trial.name);
   if (trial.trajectory.time_s != trial.motion.time_s)
     throw Fail("{}: trajectory.csv has {} frames and kinematics.csv {}, or other times; track it again", trial.name,
                trial.trajectory.Frames(), trial.motion.samples.size());

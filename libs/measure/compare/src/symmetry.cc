@@ -1,11 +1,16 @@
 #include "lake/compare/symmetry.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <map>
-#include <set>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -70,7 +75,8 @@ MeanDifference PairedDifference(const ByRise& left, const ByRise& right) {
   for (const auto& [repetition, measured] : left) {
     const auto other = right.find(repetition);
     if (other == right.end()) continue;
-    of_left.push_back(measured.value), of_right.push_back(other->second.value);
+    of_left.push_back(measured.value);
+    of_right.push_back(other->second.value);
     differences.push_back(measured.value - other->second.value);
     variance += measured.sd * measured.sd + other->second.sd * other->second.sd;
   }
@@ -137,11 +143,54 @@ ByRise AtPercent(const std::map<int, std::vector<Measured>>& curves, std::size_t
 }
 
 // Rises from onset to standing, without the row of the five-times test.
-std::vector<SitToStand> WholeRises(const gait::LegFitResult& fit, const char* side) {
+std::vector<SitToStand> WholeRisesOf(const gait::LegFitResult& fit) {
   std::vector<SitToStand> rises = gait::MeasureSitToStands(fit);
   std::erase_if(rises, [](const SitToStand& rise) { return rise.repetition == 0 || std::isnan(rise.rise_s.value); });
+  return rises;
+}
+
+std::vector<SitToStand> WholeRises(const gait::LegFitResult& fit, const char* side) {
+  std::vector<SitToStand> rises = WholeRisesOf(fit);
   if (rises.empty()) throw Fail("the {} leg: no rise has an onset and a standing in the recording", side);
   return rises;
+}
+
+// From onset, or from seat-off where the recording begins after the onset, to standing.
+struct RiseTimes {
+  int repetition;
+  double from_s, to_s;
+};
+
+std::vector<RiseTimes> TimesOf(const gait::LegFitResult& fit) {
+  std::vector<RiseTimes> times;
+  for (const SitToStand& rise : gait::MeasureSitToStands(fit)) {
+    const double from_s = std::fmin(rise.onset_s.value, rise.seat_off_s.value), to_s = rise.standing_s.value;
+    if (rise.repetition != 0 && std::isfinite(from_s) && std::isfinite(to_s))
+      times.push_back({rise.repetition, from_s, to_s});
+  }
+  return times;
+}
+
+// The left leg's number by the right leg's, of rises that overlap in time, each with the one that it overlaps longest.
+std::map<int, int> LeftByRight(const std::vector<RiseTimes>& left, const std::vector<RiseTimes>& right) {
+  std::map<int, int> left_by_right;
+  for (const RiseTimes& l : left) {
+    const RiseTimes* match = nullptr;
+    double most_s = 0;
+    for (const RiseTimes& r : right) {
+      const double both_s = std::min(l.to_s, r.to_s) - std::max(l.from_s, r.from_s);
+      if (!(both_s > most_s) || left_by_right.contains(r.repetition)) continue;
+      most_s = both_s;
+      match = &r;
+    }
+    if (match) left_by_right[match->repetition] = l.repetition;
+  }
+  return left_by_right;
+}
+
+std::string WithoutMatch(const RiseTimes& rise, const char* side, const char* other) {
+  return fmt::format("rise {} of the {} leg, {:.2f} to {:.2f} s, is none of the {} leg's: it is left out",
+                     rise.repetition, side, rise.from_s, rise.to_s, other);
 }
 
 ByRise Of(const std::vector<SitToStand>& rises, Measured SitToStand::*value) {
@@ -158,16 +207,46 @@ std::string ColumnName(Measured SitToStand::*value, motion::LengthUnit unit) {
 
 }  // namespace
 
-Symmetry CompareSides(const gait::LegFitResult& left, const gait::LegFitResult& right, const SymmetryOptions& options) {
-  if (left.motion.unit != right.motion.unit)
-    throw Fail("the left leg is in {} and the right leg in {}: give both a scale", ToString(left.motion.unit),
-               ToString(right.motion.unit));
-  const std::vector<SitToStand> of_left = WholeRises(left, "left"), of_right = WholeRises(right, "right");
+MatchedRises MatchRises(const gait::LegFitResult& left, gait::LegFitResult right) {
+  const std::vector<RiseTimes> of_left = TimesOf(left), of_right = TimesOf(right);
+  const std::map<int, int> left_by_right = LeftByRight(of_left, of_right);
+  MatchedRises matched;
+  for (const RiseTimes& l : of_left)
+    if (std::ranges::none_of(left_by_right, [&](const auto& pair) { return pair.second == l.repetition; }))
+      matched.warnings.push_back(WithoutMatch(l, "left", "right"));
+  for (const RiseTimes& r : of_right)
+    if (!left_by_right.contains(r.repetition)) matched.warnings.push_back(WithoutMatch(r, "right", "left"));
+  std::erase_if(right.events, [&](const motion::StsEvent& event) { return !left_by_right.contains(event.repetition); });
+  for (motion::StsEvent& event : right.events) event.repetition = left_by_right.at(event.repetition);
+  for (motion::LegSample& sample : right.motion.samples) {
+    if (!sample.repetition) continue;
+    const auto number = left_by_right.find(*sample.repetition);
+    sample.repetition = number != left_by_right.end() ? std::optional<int>(number->second) : std::nullopt;
+  }
+  matched.right = std::move(right);
+  return matched;
+}
+
+Symmetry CompareSides(const gait::LegFitResult& left, const gait::LegFitResult& all_of_right,
+                      const SymmetryOptions& options) {
+  if (left.motion.unit != all_of_right.motion.unit)
+    throw Fail("the left leg is in {} and the right leg in {}: give the one in px a scale: {} with a plane, or {}",
+               ToString(left.motion.unit), ToString(all_of_right.motion.unit),
+               left.motion.unit == motion::LengthUnit::kPx ? "--camera" : "--right-camera",
+               left.motion.unit == motion::LengthUnit::kPx ? "--scale" : "--right-scale");
+  const std::vector<SitToStand> of_left = WholeRises(left, "left");
+  const std::size_t right_rises = WholeRises(all_of_right, "right").size();
+  MatchedRises matched =
+      options.one_recording ? MatchRises(left, all_of_right) : MatchedRises{.right = all_of_right, .warnings = {}};
+  const gait::LegFitResult& right = matched.right;
+  const std::vector<SitToStand> of_right = WholeRisesOf(right);
   const auto mean_of = [&](const ByRise& l, const ByRise& r) {
     return options.one_recording ? PairedDifference(l, r) : WelchDifference(l, r);
   };
-  Symmetry symmetry{.left_rises = of_left.size(), .right_rises = of_right.size()};
-  const auto add = [&](const std::string& name, const ByRise& l, const ByRise& r, double placement, double outside) {
+  Symmetry symmetry{.left_rises = of_left.size(), .right_rises = right_rises};
+  symmetry.warnings = std::move(matched.warnings);
+  const double outside = kOutside / static_cast<double>(std::size(kCompared) + options.further.size());
+  const auto add = [&](const std::string& name, const ByRise& l, const ByRise& r, double placement) {
     if (l.empty() || r.empty()) return;
     const MeanDifference mean = mean_of(l, r);
     if (!std::isfinite(mean.sd)) return;
@@ -177,18 +256,16 @@ Symmetry CompareSides(const gait::LegFitResult& left, const gait::LegFitResult& 
   for (const Compared& compared : kCompared)
     add(ColumnName(compared.value, left.motion.unit), Of(of_left, compared.value), Of(of_right, compared.value),
         std::hypot(PlacementOf(left.motion, compared.angle, options.replacement_sd_mm),
-                   PlacementOf(right.motion, compared.angle, options.replacement_sd_mm)),
-        kOutside / static_cast<double>(std::size(kCompared)));
+                   PlacementOf(right.motion, compared.angle, options.replacement_sd_mm)));
   for (const RiseQuantity& quantity : options.further) {
     if (quantity.left.empty() || quantity.right.empty()) continue;
     const double instruments =
         quantity.relative_sd * std::hypot(Mean(Values(quantity.left)), Mean(Values(quantity.right)));
-    add(quantity.name, quantity.left, quantity.right, instruments,
-        kOutside / static_cast<double>(options.further.size()));
+    add(quantity.name, quantity.left, quantity.right, instruments);
   }
   if (symmetry.quantities.empty())
     throw Fail("the left leg rises {} and the right leg {} times, and none of the rises is in both", of_left.size(),
-               of_right.size());
+               right_rises);
   const auto left_knee = KneeCurves(left.motion), right_knee = KneeCurves(right.motion);
   const double placement = std::hypot(PlacementOf(left.motion, Compared::Angle::kKnee, options.replacement_sd_mm),
                                       PlacementOf(right.motion, Compared::Angle::kKnee, options.replacement_sd_mm));

@@ -24,7 +24,7 @@ constexpr std::array kQuantities = {
     Quantity{"flexion_s", &SitToStand::flexion_s, "flexion momentum: onset to seat-off", "s"},
     Quantity{"transfer_s", &SitToStand::transfer_s, "momentum transfer: seat-off to largest ankle dorsiflexion", "s"},
     Quantity{"extension_s", &SitToStand::extension_s, "extension: from there to standing", "s"},
-    Quantity{"stabilisation_s", &SitToStand::stabilisation_s, "stabilisation: from there until steady", "s"},
+    Quantity{"stabilisation_s", &SitToStand::stabilisation_s, "stabilisation: from standing until steady", "s"},
     Quantity{"descent_s", &SitToStand::descent_s, "time to sit down", "s"},
     Quantity{"knee_seat_off_deg", &SitToStand::knee_seat_off_deg, "knee angle at seat-off", "°"},
     Quantity{"hip_seat_off_deg", &SitToStand::hip_seat_off_deg, "hip angle at seat-off", "°"},
@@ -75,8 +75,10 @@ class Rises {
     extension_speed_ = {fit.signals.knee_deg_s, sd.knee_deg_s};
     for (double& speed : extension_speed_.value) speed = -speed;
     steadied_ = {{{fit.signals.hip_deg_s, sd.hip_deg_s}, {fit.signals.knee_deg_s, sd.knee_deg_s}, hip_speed_}};
-    for (ValuesOfFrames& speed : steadied_)  // empty where not known
-      speed.value.resize(time_s_.size(), NAN), speed.sd.resize(time_s_.size(), NAN);
+    for (ValuesOfFrames& speed : steadied_) {  // empty where not known
+      speed.value.resize(time_s_.size(), NAN);
+      speed.sd.resize(time_s_.size(), NAN);
+    }
   }
 
   std::vector<SitToStand> Measure() const {
@@ -280,17 +282,19 @@ Option& DescribeAge(std::optional<double>& age_years, OptionList& options) {
 
 void WriteSitToStandCsv(const std::filesystem::path& path, const std::vector<SitToStand>& rows,
                         motion::LengthUnit of_plane) {
+  auto quantities = kQuantities;  // in the order of the columns, to which the fourth phase came last
+  std::ranges::stable_partition(quantities, [](const Quantity& q) { return q.value != &SitToStand::stabilisation_s; });
   std::vector<std::string> header = {"repetition"};
   for (const char* sd : {"", "_sd"})
-    for (const Quantity& quantity : kQuantities) header.push_back(quantity.Column(of_plane) + sd);
+    for (const Quantity& quantity : quantities) header.push_back(quantity.Column(of_plane) + sd);
   CsvWriter csv(header);
   for (const SitToStand& row : rows) {
     if (row.repetition > 0)
       csv.Add(row.repetition);
     else
       csv.Add("five_times");
-    for (const Quantity& quantity : kQuantities) csv.Add((row.*quantity.value).value);
-    for (const Quantity& quantity : kQuantities) csv.Add((row.*quantity.value).sd);
+    for (const Quantity& quantity : quantities) csv.Add((row.*quantity.value).value);
+    for (const Quantity& quantity : quantities) csv.Add((row.*quantity.value).sd);
     csv.EndRow();
   }
   csv.Write(path);

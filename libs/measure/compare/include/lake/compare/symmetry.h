@@ -11,8 +11,8 @@
 
 namespace lake::compare {
 
-// What else is known of each side's rises, by their numbers, as the force under its foot. Where the SD of a rise is not
-// known (NaN), it takes two rises to tell a difference.
+// What else is known of each side's rises, by their numbers, of one recording by the left leg's (MatchRises), as the
+// force under its foot. Where the SD of a rise is not known (NaN), it takes two rises to tell a difference.
 struct RiseQuantity {
   std::string name;  // a column's, its unit at the end
   std::map<int, gait::Measured> left, right;
@@ -21,7 +21,7 @@ struct RiseQuantity {
 
 struct SymmetryOptions {
   double replacement_sd_mm = 3;  // how well a marker is put on the same spot of either leg: in angles
-  bool one_recording = false;    // rises are matched by their numbers; else those of two recordings are not
+  bool one_recording = false;    // rises are matched (MatchRises); else those of two recordings are not
   std::vector<RiseQuantity> further = {};
 };
 
@@ -37,17 +37,26 @@ struct SideDifference {
 };
 
 struct Symmetry {
-  std::vector<SideDifference> quantities = {};  // the intervals of the leg's motion hold together with 95 %
-                                                // (Bonferroni), and so do those of what was given besides
+  std::vector<SideDifference> quantities = {};  // all their intervals hold together with 95 % (Bonferroni)
   std::vector<SideDifference> knee_deg = {};    // at 0 to 100 %, each by itself with 95 %
   std::size_t left_rises = 0, right_rises = 0;
   bool is_asymmetric = false;  // some quantity's interval excludes zero
+  std::vector<std::string> warnings = {};
 };
 
+// Of one recording, whose legs need not have been found to rise the same number of times: the right leg with the
+// numbers of the left leg's rises that its own overlap in time. A rise that overlaps none is left out, and a warning
+// names it.
+struct MatchedRises {
+  gait::LegFitResult right;
+  std::vector<std::string> warnings = {};
+};
+MatchedRises MatchRises(const gait::LegFitResult& left, gait::LegFitResult right);
+
 // Angles at seat-off and at most, peak speeds, phases, the hip's rise and what is given besides, aligned by the rises'
-// events. Between rises
-// the interval is Student's (paired, or Welch's); of one rise each it is the fits'. To angles it adds where the markers
-// sit. Throws Error where a side has no rise with an onset and a standing, and for rises that are matched and none is.
+// events. Between rises the interval is Student's (paired, or Welch's); of one rise each it is the fits'. To angles it
+// adds where the markers sit. Throws Error where a side has no rise with an onset and a standing, and for rises that
+// are matched and none is.
 Symmetry CompareSides(const gait::LegFitResult& left, const gait::LegFitResult& right, const SymmetryOptions& options);
 
 }  // namespace lake::compare
