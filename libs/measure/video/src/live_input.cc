@@ -46,6 +46,8 @@ LiveInput::LiveInput(const std::string& input, const LiveStreamOptions& options,
   const int best = av_find_best_stream(opened_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
   if (best < 0) throw Fail("{}: holds no video stream that can be decoded", input_);
   stream_ = opened_->streams[best];
+  AVRational& pixel_aspect = stream_->codecpar->sample_aspect_ratio;
+  if (pixel_aspect.num == 0) pixel_aspect = stream_->sample_aspect_ratio;  // what only the container says
   for (unsigned i = 0; i < opened_->nb_streams; ++i)
     if (static_cast<int>(i) != best) opened_->streams[i]->discard = AVDISCARD_ALL;
 }

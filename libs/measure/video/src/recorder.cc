@@ -20,6 +20,7 @@ Recorder::Recorder(std::filesystem::path path, const AVCodecParameters& codec, A
   stream->codecpar->codec_tag = 0;  // another container's
   stream->time_base = time_base_;
   stream->avg_frame_rate = rate;
+  stream->sample_aspect_ratio = codec.sample_aspect_ratio;
   output_->avoid_negative_ts = AVFMT_AVOID_NEG_TS_DISABLED;  // else all stamps would be moved
   const int made = avio_open(&output_->pb, url.c_str(), AVIO_FLAG_WRITE);
   if (made < 0) throw Fail("{}: cannot be written ({})", path_.string(), libav::ErrorText(made));
