@@ -276,7 +276,7 @@ LineChart ErrorChart(const StudyResults& results) {
 
 std::string NextSteps(const std::vector<Way>& ways) {
   if (const Way* first = FirstToTry(ways); first && first != &ways.back())
-    return "Move the mount (an hour), record again (an hour), then decide.";
+    return "Move the mount (an hour), record again (an hour).";
   return "Cut links (a day), test without a person (a day), record again (an hour).";
 }
 
