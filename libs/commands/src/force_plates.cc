@@ -44,7 +44,7 @@ Vector3d MeanAnkle(const exchange::PointRecording& points) {
 
 Vector3d VerticalOf(const exchange::GroundForceRecording& forces, const exchange::Trial& trial,
                     const std::filesystem::path& path) {
-  const Vector3d up = Vector3d::Unit(forces.up_axis - 'x');
+  Vector3d up = Vector3d::Unit(forces.up_axis - 'x');
   if (trial.plane_from_space && Vector3d(trial.plane_from_space->row(1)) != up)
     throw Fail("{}: its vertical is {}, and that of the markers is another: give both in the same axes", path.string(),
                forces.up_axis);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "lake/compare/misalignment.h"
@@ -34,7 +35,8 @@ bool IsAllowed(const linkage::WearCheck& check, const linkage::WearCheck& as_wor
 std::vector<Vector2d> PlacesAboutKnee(double worn_mm) {
   std::vector<Vector2d> places;
   constexpr int kSteps = static_cast<int>(kReach_mm / kStep_mm);
-  places.reserve((2 * kSteps + 1) * (2 * kSteps + 1));
+  constexpr std::size_t kPerAxis = 2 * kSteps + 1;
+  places.reserve(kPerAxis * kPerAxis);
   for (int i = -kSteps; i <= kSteps; ++i)
     for (int j = -kSteps; j <= kSteps; ++j) places.emplace_back(kStep_mm * i, kStep_mm * j);
   std::erase_if(places, [&](const Vector2d& place) { return place.norm() > std::min(kReach_mm, worn_mm); });

@@ -284,7 +284,7 @@ std::string NextSteps(const std::vector<Way>& ways) {
 
 std::string UncertainText(const Uncertain& of, const std::string& unit, int otherwise) {
   const int decimals = of.Decimals(otherwise);
-  const std::string text = RoundedText(of.value, decimals) + unit;
+  std::string text = RoundedText(of.value, decimals) + unit;
   if (!of.IsKnown()) return text;
   return fmt::format("{} ({}–{})", text, RoundedText(of.low, decimals), RoundedText(of.high, decimals));
 }

@@ -283,7 +283,8 @@ Option& DescribeAge(std::optional<double>& age_years, OptionList& options) {
 void WriteSitToStandCsv(const std::filesystem::path& path, const std::vector<SitToStand>& rows,
                         motion::LengthUnit of_plane) {
   auto quantities = kQuantities;  // in the order of the columns, to which the fourth phase came last
-  std::ranges::stable_partition(quantities, [](const Quantity& q) { return q.value != &SitToStand::stabilisation_s; });
+  std::stable_partition(quantities.begin(), quantities.end(),
+                        [](const Quantity& q) { return q.value != &SitToStand::stabilisation_s; });
   std::vector<std::string> header = {"repetition"};
   for (const char* sd : {"", "_sd"})
     for (const Quantity& quantity : quantities) header.push_back(quantity.Column(of_plane) + sd);
