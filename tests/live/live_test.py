@@ -268,22 +268,20 @@ class Streams(Films):
 
     def test_a_recording_under_way_is_not_finished_by_another(self):
         ffmpeg("-i", self.film, "-c", "copy", self.folder / "under_way.ts")
-        # A pipe that is kept open: the session goes on as long as it takes.
-        reader, writer = os.pipe()
-        with open(reader, "rb") as camera, open(writer, "wb") as sender:
-            feed = threading.Thread(target=lambda: sender.write((self.folder / "under_way.ts").read_bytes()) and sender.flush())
-            feed.start()
-            live = self.live("-", "-o", "running", "--patience", WAIT_S, stdin=camera)
-            feed.join()
-            self.until(lambda: live.ask("state")["recorded_s"] > 4)
-            for words, code, text in ((("running",), 1, "another run is at work"),
-                                      (("running", "-o", "elsewhere"), 2, "-o")):
-                other = subprocess.run([BIN / "lake-live", *words], cwd=self.folder, capture_output=True, text=True, check=False)
-                self.assertEqual(other.returncode, code, other.stderr)
-                self.assertIn(text, other.stderr)
-            self.assertTrue((self.folder / "running/video.part.mkv").is_file())
-            live.process.send_signal(signal.SIGINT)
+        camera = Camera(self.folder / "under_way.ts")  # kept open: the session goes on as long as it takes
+        camera.send()
+        live = self.live("-", "-o", "running", "--patience", WAIT_S, stdin=camera.output)
+        camera.is_read_by_another()
+        self.until(lambda: live.ask("state")["recorded_s"] > 4)
+        for words, code, text in ((("running",), 1, "another run is at work"),
+                                  (("running", "-o", "elsewhere"), 2, "-o")):
+            other = subprocess.run([BIN / "lake-live", *words], cwd=self.folder, capture_output=True, text=True, check=False)
+            self.assertEqual(other.returncode, code, other.stderr)
+            self.assertIn(text, other.stderr)
+        self.assertTrue((self.folder / "running/video.part.mkv").is_file())
+        live.process.send_signal(signal.SIGINT)
         code, _, err = live.end()
+        camera.end()
         self.assertEqual(code, 130, err)
         self.assertIn("lake live", err)
         run(BIN / "lake-live", "running", cwd=self.folder)

@@ -112,15 +112,15 @@ void CheckUnits(const compare::TrialTables& human, const compare::TrialTables& e
 }
 
 compare::RegisteredTrial RegisterExo(const compare::TrialTables& tables, const std::string& joint,
-                                     const std::array<double, 2>& joint_at_mm) {
-  compare::RegistrationOptions options;
-  options.knee = joint;
-  options.marker_at_mm = {joint_at_mm[0], joint_at_mm[1]};
-  if (!options.marker_at_mm.isZero() && (joint == kKnee || !tables.trajectory.Find(kKnee)))
+                                     const CompareRunOptions& options) {
+  compare::RegistrationOptions registration;
+  registration.knee = joint;
+  registration.marker_at_mm = {options.joint_at_mm[0], options.joint_at_mm[1]};
+  if (!options.IsMarkerOnAxis() && (joint == kKnee || !tables.trajectory.Find(kKnee)))
     throw UsageError(fmt::format(
         "--joint-at: {} has no marker of the joint beside the leg's own knee, by which the shank's direction is known",
         tables.name));
-  return compare::RegisterTrial(tables, options);
+  return compare::RegisterTrial(tables, registration);
 }
 
 // Both trials at 0..100 %, and the marker that is the exoskeleton's knee.
@@ -160,7 +160,7 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
     pair.is_human_functional = curves.knee_is_functional;
   }
   if (exo)
-    pair.exo = RegisterExo(exo->tables, pair.exo_knee, options.joint_at_mm);
+    pair.exo = RegisterExo(exo->tables, pair.exo_knee, options);
   else
     pair.exo.repetitions = {compare::ReadComparison(options.exo).exo};
   return pair;
@@ -307,10 +307,9 @@ void CheckTrials(const CompareRunOptions& o) {
     throw UsageError("--knee functional is of HUMAN against EXO: omit it, or --left and --right");
   if (!o.left.empty() && !o.human.empty())
     throw UsageError("--left and --right: both legs of one person stand instead of HUMAN and EXO; leave these out");
-  const bool is_beside = o.joint_at_mm != std::array<double, 2>{0, 0};
-  if (is_beside && (!o.left.empty() || IsCompared(o.exo)))
+  if (!o.IsMarkerOnAxis() && (!o.left.empty() || IsCompared(o.exo)))
     throw UsageError("--joint-at is of the joint's marker in an EXO trial, and none is read; leave it out");
-  if (is_beside && !o.knee.exo_segments.shank.empty())
+  if (!o.IsMarkerOnAxis() && !o.knee.exo_segments.shank.empty())
     throw UsageError("--joint-at is of the joint's marker; --exo-segment finds the axis itself: leave one of them out");
   if (o.left.empty() && !o.forces.empty())
     throw UsageError(
@@ -452,11 +451,7 @@ void Describe(CompareRunOptions& o, OptionList& options) {
       .Otherwise("one clock");
   options.Add("human-knee", o.human_knee, "The compared marker of the human trial");
   options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
-  options
-      .Add("joint-at", o.joint_at_mm,
-           "Where that marker is on the exoskeleton, seen from the joint's axis: anterior, up along the shank")
-      .Unit("mm")
-      .Value("X,Y");
+  compare::DescribeJointAt(o.joint_at_mm, options);
   Describe(o.knee, options);
   Describe(o.misalignment, options);
   options.Add("worn", o.worn,

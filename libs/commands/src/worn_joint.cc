@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -24,11 +25,19 @@ bool IsNoWorse(double clearance_mm, double worn_mm) {
   return clearance_mm >= std::min(0.0, worn_mm) - kRounding_mm;
 }
 
+struct Clearance {
+  double linkage::WearCheck::*mm;
+  const char* overlap;  // what a negative one means
+};
+
+constexpr std::array kClearances = {
+    Clearance{&linkage::WearCheck::thigh_clearance_mm, "the actuator would overlap the thigh"},
+    Clearance{&linkage::WearCheck::shank_clearance_mm, "the actuator would overlap the shank"},
+    Clearance{&linkage::WearCheck::seat_clearance_mm, "the linkage would reach into the seat"},
+    Clearance{&linkage::WearCheck::mount_below_hip_mm, "the mount would reach past the hip"}};
+
 bool IsAllowed(const linkage::WearCheck& check, const linkage::WearCheck& as_worn) {
-  return IsNoWorse(check.mount_below_hip_mm, as_worn.mount_below_hip_mm) &&
-         IsNoWorse(check.seat_clearance_mm, as_worn.seat_clearance_mm) &&
-         IsNoWorse(check.thigh_clearance_mm, as_worn.thigh_clearance_mm) &&
-         IsNoWorse(check.shank_clearance_mm, as_worn.shank_clearance_mm);
+  return std::ranges::all_of(kClearances, [&](const Clearance& of) { return IsNoWorse(check.*of.mm, as_worn.*of.mm); });
 }
 
 // Nearer to the knee than `worn_mm`, the nearest first.
@@ -47,19 +56,14 @@ std::vector<Vector2d> PlacesAboutKnee(double worn_mm) {
 // "the actuator would overlap the thigh by 68 mm (as worn: 60 mm)": what reaches further than as worn.
 std::string Collisions(const linkage::WearCheck& check, const linkage::WearCheck& as_worn) {
   std::vector<std::string> collisions;
-  const auto add = [&](const char* what, double clearance_mm, double worn_mm) {
-    if (!IsNoWorse(clearance_mm, worn_mm))
-      collisions.push_back(
-          fmt::format("{} by {:.0f} mm (as worn: {:.0f} mm)", what, -clearance_mm, std::max(0.0, -worn_mm)));
-  };
-  add("the actuator would overlap the thigh", check.thigh_clearance_mm, as_worn.thigh_clearance_mm);
-  add("the actuator would overlap the shank", check.shank_clearance_mm, as_worn.shank_clearance_mm);
-  add("the linkage would reach into the seat", check.seat_clearance_mm, as_worn.seat_clearance_mm);
-  add("the mount would reach past the hip", check.mount_below_hip_mm, as_worn.mount_below_hip_mm);
+  for (const Clearance& of : kClearances)
+    if (!IsNoWorse(check.*of.mm, as_worn.*of.mm))
+      collisions.push_back(fmt::format("{} by {:.0f} mm (as worn: {:.0f} mm)", of.overlap, -(check.*of.mm),
+                                       std::max(0.0, -(as_worn.*of.mm))));
   return fmt::format("{}", fmt::join(collisions, ", and "));
 }
 
-Json WearJson(const linkage::WearCheck& check) {
+Json ReachJson(const linkage::WearCheck& check) {
   return {{"mount_below_hip_mm", check.mount_below_hip_mm},
           {"seat_clearance_mm", check.seat_clearance_mm},
           {"actuator_to_thigh_mm", check.thigh_clearance_mm},
@@ -104,7 +108,7 @@ std::string WornJointText(const WornJoint& joint, double unmoved_mm) {
 }
 
 Json WornJointJson(const WornJoint& joint) {
-  Json json = {{"as_worn", WearJson(joint.as_worn)}, {"moved", WearJson(joint.moved)}, {"nearest_mm", nullptr}};
+  Json json = {{"as_worn", ReachJson(joint.as_worn)}, {"moved", ReachJson(joint.moved)}, {"nearest_mm", nullptr}};
   if (const auto& nearest = joint.nearest_mm) json["nearest_mm"] = {nearest->x(), nearest->y()};
   return json;
 }

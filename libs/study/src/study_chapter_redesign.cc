@@ -80,13 +80,13 @@ Cell UncertainCell(const Uncertain& of, int otherwise) {
 }
 
 // A headline number of a prediction, as the first screen has it.
-Uncertain PredictedHeadline(const StudyFile& study, const StudyResults& results, const Json& summary,
+Uncertain PredictedHeadline(const std::vector<Way>& ways, const StudyResults& results, const Json& summary,
                             const std::string& design, const BeforeAfterRow& row) {
   const Json& of = summary.at(design);
   if (!of.is_object()) return {};
   if (row.key == std::string("knee_rmse_deg")) return KneeAngleError(results, of);
   if (row.key == std::string("misalignment_percent") && (design == "joint_moved" || design == "after"))
-    for (const Way& way : WaysOf(study, results))
+    for (const Way& way : ways)
       if (way.design == design) return way.misalignment_percent;
   return {.value = row.factor * NumberOrNaN(of.at(row.key))};
 }
@@ -95,11 +95,11 @@ Uncertain PredictedHeadline(const StudyFile& study, const StudyResults& results,
 Table BeforeAfterTable(const StudyFile& study, const StudyResults& results, const Json& summary) {
   const Json &before = summary.at("before"), &after = summary.at("after"), measured = MeasuredWorn(results),
              intervals = IntervalsOfMeasured(results);
+  const std::vector<Way> ways = WaysOf(study, results);
   Table table{
       "Worn, repaired and new design, with 95 % intervals where they are known; ranges, and places and times of a "
-      "design, "
-      "are exact. The predictions are for the human trial's movement, without the pace and lean of the exoskeleton "
-      "trial, which a moved joint alone keeps",
+      "design, are exact. The predictions are for the human trial's movement, without the pace and lean of the "
+      "exoskeleton trial, which a moved joint alone keeps",
       {{"Quantity"},
        {"Worn, measured"},
        {"Worn, predicted"},
@@ -114,7 +114,7 @@ Table BeforeAfterTable(const StudyFile& study, const StudyResults& results, cons
     const int decimals = DecimalsOf(row.unit);
     std::vector<Cell> cells{row.what, UncertainCell(recorded, decimals)};
     for (const char* design : {"before", "joint_moved", "other_program", "after"})
-      cells.push_back(UncertainCell(PredictedHeadline(study, results, summary, design, row), decimals));
+      cells.push_back(UncertainCell(PredictedHeadline(ways, results, summary, design, row), decimals));
     table.rows.push_back(std::move(cells));
   }
   if (const double floor = NumberOrNaN(summary.at("noise_floor_percent")); results.Has("comparison")) {

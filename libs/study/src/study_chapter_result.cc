@@ -230,8 +230,7 @@ std::string SureText(const StudyResults& results, const Json& redesign) {
     text += fmt::format(
         " Below {}, the noise floor, a recording shows only noise. Intervals on the first screen are "
         "95 %: as worn and with the joint moved how rises differ is in them, of new links only how well the joint can "
-        "be "
-        "put in its place; the knee angle's say how well the person's own mean is known.",
+        "be put in its place; the knee angle's say how well the person's own mean is known.",
         Quantity(NumberOrNaN(redesign.at("noise_floor_percent")), "%"));
   }
   return text + " " + BodyText(results);

@@ -199,8 +199,7 @@ OptionalStep ComparisonStep(const StudyFile& study, const fs::path& out) {
   if (study.exo->IsVideo()) step.inputs.push_back(study.exo->Recording());
   step.work = [options, trial = *study.exo](Run& run) {
     const Json comparison = commands::RunCompare(options, run);
-    const bool is_on_axis = options.joint_at_mm == std::array<double, 2>{0, 0};
-    if (is_on_axis) DrawKneesOf(trial, options.exo, comparison.at("markers").at("exo"), run);
+    if (options.IsMarkerOnAxis()) DrawKneesOf(trial, options.exo, comparison.at("markers").at("exo"), run);
     run.WriteSummary(comparison);
   };
   return step;

@@ -13,4 +13,12 @@ void Describe(MisalignmentOptions& o, OptionList& options) {
   options.Add("seed-number", o.seed, "Random seed of the bootstrap");
 }
 
+void DescribeJointAt(std::array<double, 2>& joint_at_mm, OptionList& options) {
+  options
+      .Add("joint-at", joint_at_mm,
+           "Where that marker is on the exoskeleton, seen from the joint's axis: anterior, up along the shank")
+      .Unit("mm")
+      .Value("X,Y");
+}
+
 }  // namespace lake::compare

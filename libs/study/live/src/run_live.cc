@@ -6,6 +6,7 @@ extern "C" {
 
 #include <cstdio>
 
+#include "lake/compare/misalignment_options.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
@@ -91,11 +92,7 @@ void Describe(LiveRunOptions& o, OptionList& options) {
   tracking::DescribePolarity(o.polarity, options);
   tracking::DescribeCrop(o.crop, options);
   options.Add("joint", o.joint, "Which of the markers sits on the exoskeleton's joint").Value("NAME");
-  options
-      .Add("joint-at", o.joint_at_mm,
-           "Where that marker is on the exoskeleton, seen from the joint's axis: anterior, up along the shank")
-      .Unit("mm")
-      .Value("X,Y");
+  compare::DescribeJointAt(o.joint_at_mm, options);
   options.Add("tolerance", o.tolerance_mm, "How far the joint may be from the knee").Unit("mm").Positive();
   options.Add("overlay", o.overlay, "Let lake track write overlay.mp4").WithNegation();
   options.Add("port", o.port, "Port on 127.0.0.1").Between(0, 65535).Otherwise("any that is free");

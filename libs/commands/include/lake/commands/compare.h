@@ -34,8 +34,8 @@ struct CompareRunOptions {
   std::string human_knee = "knee";
   std::optional<std::string> exo_knee;  // default: exo_knee, or knee where there is neither
                                         // that nor --exo-segment
-  std::array<double, 2> joint_at_mm = {0,
-                                       0};  // of that marker, seen from the joint's axis: anterior, up along the shank
+  // Of that marker, seen from the joint's axis: anterior, up along the shank.
+  std::array<double, 2> joint_at_mm = {0, 0};
   exchange::TrialOptions human_reading, exo_reading;  // of files; a folder's markers have their names already
   // Of trials in px. The left leg's is `human_picture`.
   gait::PictureScale human_picture, exo_picture, right_picture;
@@ -47,6 +47,8 @@ struct CompareRunOptions {
   std::optional<std::filesystem::path> worn;
   linkage::BodySize body;     // the leg: that of the human trial
   linkage::WearOptions wear;  // but for the placement, which is measured
+
+  bool IsMarkerOnAxis() const { return joint_at_mm == std::array<double, 2>{0, 0}; }
 };
 
 void Describe(CompareRunOptions& o, OptionList& options);
