@@ -92,10 +92,13 @@ class ChainSearch {
       const auto knee = CostOfKnee(chain);
       return knee ? std::optional(cost + *knee) : std::nullopt;
     }
-    // The waist is above the hip and nearer to it than a thigh is long, at a distance that varies between people.
+    // The waist is above the hip, from the pelvis (0.28 thighs away) up to the shoulder (1.5, where a squat turns the
+    // thigh aside 1.7).
+    constexpr double kWaist = 0.65, kWaistDeviation = 0.6, kFarthestWaist = 2;
     const double thigh = tracklets_.Distance(chain[1], chain[2]).mean;
-    if (rise < 0.3 * segment.mean || segment.mean > 1.5 * thigh || !IsCarried(last, thigh)) return std::nullopt;
-    return cost + Squared(std::log(segment.mean / (0.5 * thigh)) / 0.6);
+    if (rise < 0.3 * segment.mean || segment.mean > kFarthestWaist * thigh || !IsCarried(last, thigh))
+      return std::nullopt;
+    return cost + Squared(std::log(segment.mean / (kWaist * thigh)) / kWaistDeviation);
   }
 
   // Ankle, knee and hip: the knee flexes, the hip moves, the ankle hardly; shank and thigh are about as long.
