@@ -313,6 +313,19 @@ std::vector<ExpectedStep> TrackletBuilder::ExpectedSteps(std::span<const MarkerP
   return steps;
 }
 
+// Whether two things at least have left the places that they had before a run of repeated frames: the picture is no
+// repetition, but its things move more slowly than was expected, the more so the longer the expectation goes on.
+bool TrackletBuilder::HasCrept() const {
+  constexpr double kCreptPx = 1;  // coding that refines a copy moves a marker by less
+  const auto crept = std::ranges::count_if(live_, [&](const Live& live) {
+    const std::vector<TrackletSample>& samples = live.tracklet.samples;
+    const auto before =
+        std::ranges::find_if(samples.rbegin(), samples.rend(), [](const TrackletSample& s) { return !s.repeated; });
+    return before != samples.rend() && (samples.back().position - before->position).norm() > kCreptPx;
+  });
+  return crept >= 2;
+}
+
 // Whether, after repeated frames, everything is where it would be had no time passed during them.
 bool TrackletBuilder::StoodStill(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions) const {
   constexpr double kAlike = 0.35;
@@ -449,6 +462,10 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
     predictions = PredictAll(time_s_);
   }
   Associate(frame.index, predictions, detector_.Detect(frame, predictions, SearchEverywhere(frame.index)));
+  if (is_repeated_ && HasCrept()) {
+    is_repeated_ = false;
+    TakeBackRepeated();
+  }
   if (ends_repetition) ConfirmRepeated(frame.index);
   if (stands_since_ && *stands_since_ < frame.index) JudgeStanding(frame.index);
   NoteBreak(frame.index, predictions);

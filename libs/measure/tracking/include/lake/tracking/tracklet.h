@@ -96,6 +96,7 @@ class TrackletBuilder {
   std::vector<MarkerPrediction> PredictAll(double time_s) const;
   std::vector<ExpectedStep> ExpectedSteps(std::span<const MarkerPrediction> predictions) const;
   void NoteInterval(double interval_s);
+  bool HasCrept() const;
   bool StoodStill(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions) const;
   void NoteRepeated(std::int64_t frame);
   void ConfirmRepeated(std::int64_t frame);
