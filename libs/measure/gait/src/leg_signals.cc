@@ -357,6 +357,21 @@ void KeepCutoff(const std::vector<SmoothSignal>& signals, LegStart& start) {
       roughness *= std::pow(start.sigma_scale / signals[s].noise_scale, 2);
 }
 
+// A person moves as a whole: a segment that is hidden may move as quickly as another one does at times, or as one that
+// is seen meanwhile.
+void QuickenWithOthers(std::vector<SmoothSignal>& signals) {
+  std::vector<SmoothSignal*> angles;
+  for (const std::size_t s : {kShankAngle, kThighAngle, kTrunkAngle})
+    if (s < signals.size()) angles.push_back(&signals[s]);
+  for (std::size_t k = 0; k < angles.front()->roughness.size(); ++k) {
+    double quick = 0;
+    for (const SmoothSignal* angle : angles)
+      quick = std::max({quick, angle->quick_roughness, (1 - angle->change[k]) * angle->roughness[k]});
+    for (SmoothSignal* angle : angles)
+      angle->roughness[k] += angle->change[k] * std::max(0.0, quick - angle->quick_roughness);
+  }
+}
+
 LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states,
                        const LegFitOptions& options) {
   const double frame_step_s = MedianInterval(time_s);
@@ -370,6 +385,8 @@ LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& tim
     best = std::move(candidate);
     break;
   }
+
+  if (!options.HasSplineCutoff()) QuickenWithOthers(best.signals);
 
   LegStart start;
   start.grid = best.grid;
