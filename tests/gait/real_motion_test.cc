@@ -121,7 +121,7 @@ TEST_P(RealMotionFit, TheEstimateIsNoWorseThanTheMeasurement) {
       EXPECT_GE(errors.normalized, 0.7);
       EXPECT_LE(errors.normalized, 1.4);
       EXPECT_TRUE(result.outliers.empty());
-      EXPECT_LE(FarthestFromMeasured(result), 1.01);  // a pixel's size differs a little over the picture
+      EXPECT_LE(FarthestFromMeasured(result), 1.51);  // 1.5 at most; a pixel's size differs a little over the picture
     }
 }
 

@@ -358,7 +358,7 @@ void KeepCutoff(const std::vector<SmoothSignal>& signals, LegStart& start) {
 }
 
 // A person moves as a whole: a segment that is hidden may move as quickly as another one does at times, or as one that
-// is seen meanwhile.
+// is seen meanwhile. The likeliest path is that of the segment's own movement; how uncertain it is, this tells.
 void QuickenWithOthers(std::vector<SmoothSignal>& signals) {
   std::vector<SmoothSignal*> angles;
   for (const std::size_t s : {kShankAngle, kThighAngle, kTrunkAngle})
@@ -386,8 +386,6 @@ LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& tim
     break;
   }
 
-  if (!options.HasSplineCutoff()) QuickenWithOthers(best.signals);
-
   LegStart start;
   start.grid = best.grid;
   start.coefficients.resize(best.grid.count * static_cast<std::size_t>(states));
@@ -402,7 +400,13 @@ LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& tim
     for (std::size_t k = 0; k < best.grid.count; ++k)
       start.coefficients[k * static_cast<std::size_t>(states) + s] = best.signals[s].coefficients[k];
   }
-  if (options.HasSplineCutoff()) KeepCutoff(best.signals, start);
+  if (options.HasSplineCutoff())
+    KeepCutoff(best.signals, start);
+  else
+    QuickenWithOthers(best.signals);
+  for (std::size_t s = 0; s < static_cast<std::size_t>(states); ++s)
+    start.priors[s].possible_roughness =
+        options.HasSplineCutoff() ? start.priors[s].roughness : std::move(best.signals[s].roughness);
   start.knee_cutoff_hz = std::sqrt(best.signals[kShankAngle].cutoff_hz * best.signals[kThighAngle].cutoff_hz);
   return start;
 }
