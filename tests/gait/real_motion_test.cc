@@ -86,6 +86,19 @@ ResampledLeg Resample(const exchange::Trial& trial, double rate_hz) {
 
 class RealMotionFit : public testing::TestWithParam<RealMotion> {};
 
+// Of a marker that was seen, from the estimate to the measurement, in deviations of its noise.
+double FarthestFromMeasured(const gait::LegFitResult& result) {
+  double farthest = 0;
+  for (std::size_t m = 0; m < result.measured.markers.size(); ++m)
+    for (std::size_t i = 0; i < result.measured.Frames(); ++i) {
+      const motion::MarkerSample &measured = result.measured.markers[m].samples[i],
+                                 &estimated = result.trajectory.markers[m].samples[i];
+      if (measured.IsKnown())
+        farthest = std::max(farthest, (estimated.position - measured.position).norm() / measured.sigma);
+    }
+  return farthest;
+}
+
 // On these same frames the fit was worse than the frames' own markers by up to 28 times (a jump's landing at 25 Hz),
 // and by 3 times on a sit-to-stand.
 TEST_P(RealMotionFit, TheEstimateIsNoWorseThanTheMeasurement) {
@@ -108,6 +121,7 @@ TEST_P(RealMotionFit, TheEstimateIsNoWorseThanTheMeasurement) {
       EXPECT_GE(errors.normalized, 0.7);
       EXPECT_LE(errors.normalized, 1.4);
       EXPECT_TRUE(result.outliers.empty());
+      EXPECT_LE(FarthestFromMeasured(result), 1.51);  // 1.5 at most; a pixel's size differs a little over the picture
     }
 }
 
@@ -235,6 +249,41 @@ TEST(RealMotionGaps, TheSdHoldsWhereAMarkerIsHidden) {
   EXPECT_LE(seen.Beyond(2), 0.06);
   // A gap of a few frames is bridged nearly as well as the frames beside it are seen.
   EXPECT_LE(Median(brief.sigmas_deg), 2 * Median(seen.sigmas_deg));
+}
+
+// At the end of a slow squat the knee stops at once, while the hip is hidden; nothing that was seen of the thigh in
+// this recording is as quick. The knee's angle was off by 4.5 SD there (5.2 in a film of it), when a hidden segment was
+// taken to move as that segment does where it is seen.
+TEST(RealMotionGaps, TheSdHoldsWhereOnlyOtherSegmentsAreSeenToStop) {
+  const RealMotion squat = {"Squat", "real_motions/tabs_squat2.trc", "ankle=RANK,knee=RKNE,hip=RASI+RPSI,waist=RSHO"};
+  if (!fs::exists(FileOf(squat))) GTEST_SKIP() << FileOf(squat) << " is not here";
+  constexpr double kRateHz = 60, kBefore_s = 0.17, kAfter_s = 0.12;
+  const ResampledLeg leg = Resample(Read(squat), kRateHz);
+  const auto knee_deg = [](const gait::LegPoints& points) {
+    return std::abs(gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY()).knee_deg);
+  };
+  const auto deepest = std::ranges::max_element(leg.points_mm, {}, knee_deg),
+             stops = std::find_if(deepest, leg.points_mm.end() - 1, [&](const gait::LegPoints&points) {
+               return knee_deg(points) < 10 && knee_deg(*(&points + 1)) > knee_deg(points);
+             });
+  const auto at = static_cast<std::size_t>(stops - leg.points_mm.begin());
+  gait::LegFitOptions options;
+  options.known_sigmas = true;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.05}, seed);
+    const auto hip = std::ranges::find(tracks.markers, "hip", &motion::MarkerTrack::name);
+    const std::size_t begin = at - std::lround(kBefore_s * kRateHz), end = at + std::lround(kAfter_s * kRateHz);
+    for (std::size_t i = begin; i < end; ++i) hip->samples[i] = {};
+    const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), options);
+    double worst = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const motion::LegSample& sample = result.motion.samples[i];
+      const double truth_deg =
+          gait::MakeLegSample(leg.points_mm[i], result.motion.facing, Eigen::Vector2d::UnitY()).knee_deg;
+      worst = std::max(worst, std::abs(sample.knee_deg - truth_deg) / sample.knee_sigma_deg);
+    }
+    EXPECT_LT(worst, 4) << seed;
+  }
 }
 
 class GoldStandard : public testing::TestWithParam<RealMotion> {};

@@ -146,6 +146,25 @@ TEST(FrameTimes, OfALowerRateAreThoseOfRoundedStamps) {
     }
 }
 
+// Of 24 frames in a second, shown at 25, one in 25 is a repetition. Two in 25 agree with nearly as many frames: new
+// frames were taken for repetitions, and the time behind one of them to stand still.
+TEST(FrameTimes, OfALowerRateAreThoseOfTheLikeliestPattern) {
+  for (const std::uint64_t seed : {745u, 746u, 747u, 748u}) {
+    synth::SceneOptions options = synth::CleanScene(seed);
+    options.motion.repetitions = 3;
+    options.frame_rate_hz = 24;
+    const synth::Scene scene(options);
+    std::vector<int> source;
+    for (int i = 0; i * 24 / 25 < scene.Frames(); ++i) source.push_back(i * 24 / 25);
+    ShownFrames shown = Show(scene, seed, source, 25);
+    const FrameTimes times = CorrectFrameTimes({}, shown.recording);
+    EXPECT_NEAR(times.captured_hz, 24, 0.01) << seed;
+    EXPECT_TRUE(times.jumps.empty()) << seed;
+    for (const std::int64_t frame : times.repeated)
+      EXPECT_EQ(source[static_cast<std::size_t>(frame)], source[static_cast<std::size_t>(frame) - 1]) << seed;
+  }
+}
+
 // Strong coding changes a picture that is shown again, and none is the one before.
 TEST(FrameTimes, OfALowerRateAreFoundWhereCodingChangesTheCopies) {
   for (const std::uint64_t seed : {745u, 746u, 747u}) {

@@ -129,7 +129,8 @@ std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<doub
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
     if (model.noise_share[o.marker].empty() || !IsOrdinary(model, o, residual.value)) continue;
-    const double depth_mm = model.depth_mm[o.marker], share = model.noise_share[o.marker][o.frame];
+    const double depth_mm = model.depth_mm[o.marker],
+                 share = LimitedShare(model.noise_share[o.marker][o.frame], residual.value.norm() / model.Sigma(o));
     const Eigen::Vector2d seen = PlaneFromRecorded(model.view, o.seen, depth_mm);
     const double variance = std::pow(model.Sigma(o) * PlaneUnitsPerRecorded(model.view, seen, depth_mm), 2);
     const Eigen::Vector2d smooth = PointOf(o.marker, states[o.frame]).position;
@@ -250,10 +251,11 @@ SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double
     result.rate.push_back(SlopeAt(place, signal.coefficients));
     result.scatter.push_back(1 / std::sqrt(signal.noise_share[i]));
     if (std::isfinite(values[i])) {
-      const double residual = values[i] - result.value[i];
+      const double residual = values[i] - result.value[i],
+                   kept = LimitedShare(share, std::abs(residual) / std::sqrt(noise));
       samples.push_back({time_s[i], residual * residual * share / noise, 1 - own * share / noise});
-      result.value[i] += (1 - share) * residual;
-      result.variance.push_back(share * share * own + (1 - share) * noise);
+      result.value[i] += (1 - kept) * residual;
+      result.variance.push_back(kept * kept * own + (1 - kept) * noise);
       noise_variance.push_back(noise);
     } else {
       result.variance.push_back(own);

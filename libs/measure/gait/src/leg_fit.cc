@@ -400,10 +400,11 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   for (std::size_t m = 0; m < leg.size(); ++m) model.depth_mm[m] = leg[m].depth_mm;
   model.observations = MakeObservations(leg, recording.Frames(), model.states == kLegStates ? 4 : 3);
   model.sigma_scale.fill(start.sigma_scale);
-  const Solution solution = SolveLeg(std::move(model), std::move(start.coefficients), options);
+  Solution solution = SolveLeg(std::move(model), std::move(start.coefficients), options);
   if (!solution.solve.usable) throw SolverError(fmt::format("leg fit: no solution: {}", solution.solve.message));
   progress.Advance();
 
+  for (LegPrior& prior : solution.model.priors) prior.roughness = std::move(prior.possible_roughness);
   LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients, !across.empty());
   if (!across.empty()) {
     AddAcross(recording, leg, solution.model, options, curves);

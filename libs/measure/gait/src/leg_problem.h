@@ -39,8 +39,9 @@ struct LegObservation {
 };
 
 struct LegPrior {
-  std::vector<double> roughness;  // q, per third difference
-  double slope_variance = 0;      // p; 0: no such term
+  std::vector<double> roughness;           // q, per third difference
+  std::vector<double> possible_roughness;  // ≥ q: of what may have happened in gaps; for the covariance
+  double slope_variance = 0;               // p; 0: no such term
 };
 
 struct LegModel {

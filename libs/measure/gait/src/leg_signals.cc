@@ -357,6 +357,21 @@ void KeepCutoff(const std::vector<SmoothSignal>& signals, LegStart& start) {
       roughness *= std::pow(start.sigma_scale / signals[s].noise_scale, 2);
 }
 
+// A person moves as a whole: a segment that is hidden may move as quickly as another one does at times, or as one that
+// is seen meanwhile. The likeliest path is that of the segment's own movement; how uncertain it is, this tells.
+void QuickenWithOthers(std::vector<SmoothSignal>& signals) {
+  std::vector<SmoothSignal*> angles;
+  for (const std::size_t s : {kShankAngle, kThighAngle, kTrunkAngle})
+    if (s < signals.size()) angles.push_back(&signals[s]);
+  for (std::size_t k = 0; k < angles.front()->roughness.size(); ++k) {
+    double quick = 0;
+    for (const SmoothSignal* angle : angles)
+      quick = std::max({quick, angle->quick_roughness, (1 - angle->change[k]) * angle->roughness[k]});
+    for (SmoothSignal* angle : angles)
+      angle->roughness[k] += angle->change[k] * std::max(0.0, quick - angle->quick_roughness);
+  }
+}
+
 LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states,
                        const LegFitOptions& options) {
   const double frame_step_s = MedianInterval(time_s);
@@ -385,7 +400,13 @@ LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& tim
     for (std::size_t k = 0; k < best.grid.count; ++k)
       start.coefficients[k * static_cast<std::size_t>(states) + s] = best.signals[s].coefficients[k];
   }
-  if (options.HasSplineCutoff()) KeepCutoff(best.signals, start);
+  if (options.HasSplineCutoff())
+    KeepCutoff(best.signals, start);
+  else
+    QuickenWithOthers(best.signals);
+  for (std::size_t s = 0; s < static_cast<std::size_t>(states); ++s)
+    start.priors[s].possible_roughness =
+        options.HasSplineCutoff() ? start.priors[s].roughness : std::move(best.signals[s].roughness);
   start.knee_cutoff_hz = std::sqrt(best.signals[kShankAngle].cutoff_hz * best.signals[kThighAngle].cutoff_hz);
   return start;
 }

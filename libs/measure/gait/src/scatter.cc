@@ -49,6 +49,10 @@ std::vector<double> NoiseShares(std::span<const Residual> residuals, std::span<c
   return shares;
 }
 
+double LimitedShare(double share, double deviations) {
+  return share * deviations > kTranslation ? kTranslation / deviations : share;
+}
+
 std::vector<double> SlowNoise(std::span<const Residual> residuals, std::span<const double> time_s) {
   std::vector<double> slow;
   slow.reserve(time_s.size());

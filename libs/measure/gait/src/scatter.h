@@ -20,6 +20,11 @@ struct Residual {
 // Where there is no residual within reach, that of all. Residuals and times must not decrease.
 std::vector<double> NoiseShares(std::span<const Residual> residuals, std::span<const double> time_s);
 
+// The share of a residual by which the estimate leaves the measurement, where the residual is so many times the noise's
+// deviation: no farther than a few of these deviations, as what moved in one frame only is not to be seen in the shares
+// around it (limited translation: B. Efron & C. Morris, Journal of the American Statistical Association 67, 1972).
+double LimitedShare(double share, double deviations);
+
 // What is stated of noise around each moment and not to be seen in the residuals, in variances of a measurement (1: all
 // of it). It is too slow to be told from motion: it is in the path, and must be in the path's variance.
 std::vector<double> SlowNoise(std::span<const Residual> residuals, std::span<const double> time_s);

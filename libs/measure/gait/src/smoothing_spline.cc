@@ -143,24 +143,15 @@ std::vector<double> ChancesOfChange(const SplineGrid& grid, const std::vector<Sa
   return chances;
 }
 
-// That of a quick movement: nine in ten of the differences that the data determine have less.
-double QuickRoughness(const std::vector<double>& roughness, const std::vector<double>& determined) {
-  constexpr double kQuick = 0.9;
-  std::vector<std::pair<double, double>> sorted;
-  for (std::size_t k = 0; k < roughness.size(); ++k)
-    sorted.emplace_back(roughness[k], determined[k + 1] - determined[k]);
-  std::ranges::sort(sorted);
-  double below = 0;
-  for (const auto& [value, weight] : sorted)
-    if ((below += weight) >= kQuick * determined.back()) return value;
-  return sorted.back().first;
-}
+// Roughness around each difference, and how many of those before it are determined by the data.
+struct WindowedRoughness {
+  std::vector<double> roughness, determined;
+};
 
 // Of n differences, n − Σ V/q are determined by the data: their squares add up to that many times the variance q. In a
-// window around each, with a share of the whole. What a person did in a gap nobody saw: it went on as beside it, or was
-// any movement of the recording; so that the error is known of quick ones too, a quick one.
-std::vector<double> NextRoughness(const Round& round, const std::vector<double>& roughness, std::size_t reach,
-                                  double common, const std::vector<double>& chances_of_change) {
+// window around each, with a share of the whole.
+WindowedRoughness RoughnessIn(const Round& round, const std::vector<double>& roughness, std::size_t reach,
+                              double common) {
   const std::size_t n = roughness.size();
   std::vector<double> squares(n + 1, 0.0), determined(n + 1, 0.0);  // running sums
   for (std::size_t k = 0; k < n; ++k) {
@@ -173,10 +164,28 @@ std::vector<double> NextRoughness(const Round& round, const std::vector<double>&
     const std::size_t begin = k > reach ? k - reach : 0, end = std::min(n, k + reach + 1);
     next[k] = (squares[end] - squares[begin] + common * whole) / (determined[end] - determined[begin] + common);
   }
-  if (std::ranges::all_of(chances_of_change, [](double chance) { return chance == 0; })) return next;
-  const double quick = QuickRoughness(next, determined);
-  for (std::size_t k = 0; k < n; ++k) next[k] += chances_of_change[k] * (quick - next[k]);
-  return next;
+  return {std::move(next), std::move(determined)};
+}
+
+// That of a quick movement: 19 of 20 of the differences that the data determine have less.
+double QuickRoughness(const WindowedRoughness& windowed) {
+  constexpr double kQuick = 0.95;
+  const std::vector<double>& determined = windowed.determined;
+  std::vector<std::pair<double, double>> sorted;
+  sorted.reserve(windowed.roughness.size());
+  for (std::size_t k = 0; k < windowed.roughness.size(); ++k)
+    sorted.emplace_back(windowed.roughness[k], determined[k + 1] - determined[k]);
+  std::ranges::sort(sorted);
+  double below = 0;
+  for (const auto& [value, weight] : sorted)
+    if ((below += weight) >= kQuick * determined.back()) return value;
+  return sorted.back().first;
+}
+
+// What a person did in a gap nobody saw: it went on as beside it, or was any movement of the recording; so that the
+// error is known of quick ones too, a quick one.
+void SetInGaps(double quick, const std::vector<double>& chances_of_change, std::vector<double>& roughness) {
+  for (std::size_t k = 0; k < roughness.size(); ++k) roughness[k] += chances_of_change[k] * (quick - roughness[k]);
 }
 
 double GeometricMean(const std::vector<double>& values) {
@@ -279,8 +288,10 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
   SmoothSignal signal;
   signal.roughness.assign(grid.count - 3, roughness_of(options.cutoff_hz.value_or(kFirstCutoffHz), 1));
   signal.noise_share.assign(time_s.size(), 1);
-  const std::vector<double> chances_of_change = ChancesOfChange(grid, samples, options.memory_s);
+  signal.change = ChancesOfChange(grid, samples, options.memory_s);
+  const bool has_gaps = std::ranges::any_of(signal.change, [](double chance) { return chance > 0; });
   Round round;
+  WindowedRoughness windowed;
   // What the path can follow is the path's: scatter is looked for when the roughness is nearly known.
   bool seeks_scatter = false;
   for (; signal.iterations < options.max_iterations && !signal.converged; ++signal.iterations) {
@@ -294,7 +305,9 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
     signal.noise_share = std::move(shares);
     for (Sample& sample : samples) sample.noise_share = signal.noise_share[sample.index];
     signal.noise_scale = ScatterOf(samples);
-    std::vector<double> next = NextRoughness(round, signal.roughness, reach, options.common, chances_of_change);
+    windowed = RoughnessIn(round, signal.roughness, reach, options.common);
+    std::vector<double> next = windowed.roughness;
+    if (has_gaps) SetInGaps(QuickRoughness(windowed), signal.change, next);
     const double least = roughness_of(options.least_cutoff_hz, signal.noise_scale);
     for (double& q : next)
       q = options.cutoff_hz ? roughness_of(*options.cutoff_hz, signal.noise_scale) : std::max(q, least);
@@ -303,6 +316,7 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
     seeks_scatter |= change < kNearlyConverged;
     signal.roughness = std::move(next);
   }
+  signal.quick_roughness = QuickRoughness(windowed);
   signal.coefficients = std::move(round.coefficients);
   signal.covariance = std::move(round.covariance);
   signal.slope_square = round.slope_square;

@@ -21,8 +21,9 @@ struct ToldFrame {
   bool is_repeated = false;
 };
 
-// The rate whose repetitions are those that were found (Beatty's sequence); of all that agree, the simplest ratio.
-// nullopt if there are too few, or they recur in no such way.
+// The rate whose repetitions are those that were found (Beatty's sequence): the likeliest, where one in 33 frames is
+// told wrongly and a ratio of denominator n has the odds 1/n². nullopt if there are too few, or it is likelier that
+// they recur in no such way.
 std::optional<LowerRate> FindLowerRate(const std::vector<ToldFrame>& told);
 
 }  // namespace lake::tracking
