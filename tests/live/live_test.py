@@ -345,6 +345,9 @@ class Page(Films):
         self.until(lambda: self.part("live-trial").text == "Begin trial")
         self.until(lambda: self.part("live-picture").get_attribute("data-frame"))
         self.shot("begin")
+        self.assertFalse(self.part("live-sound").is_selected())
+        self.part("live-sound").click()
+        rung = self.until(lambda: int(self.part("live-sound").get_attribute("data-rung") or 0))
         self.part("name").click()  # the focus is the page's
         ActionChains(self.browser).send_keys(" ").perform()
         self.until(lambda: self.part("live-trial").text == "End trial")
@@ -353,6 +356,7 @@ class Page(Films):
         self.until(lambda: self.part("live-move").text == "Move the joint 18 mm back and 32 mm down (± 2 mm)")
         self.assertEqual(self.part("live-place").get_attribute("class"), "beyond")
         self.assertEqual(self.part("live-verdict").text, "✗ Not within 6 mm")  # in words, not by a colour alone
+        self.assertEqual(int(self.part("live-sound").get_attribute("data-rung")), rung)
         self.shot("rise")
         self.until(lambda: live.ask("state")["recorded_s"] > self.before_s - 0.3)
         self.part("live-moved").click()  # the person sits; the joint is moved
@@ -363,6 +367,7 @@ class Page(Films):
         self.until(lambda: "nearer to the knee than before the last move" in self.part("live-change").text)
         self.assertEqual(self.part("live-place").get_attribute("class"), "within")
         self.assertEqual(self.part("live-verdict").text, "✓ Within 6 mm")
+        self.assertGreater(int(self.part("live-sound").get_attribute("data-rung")), rung)
         self.shot("moved")
         camera.end()
         state = self.until(lambda: (now := live.ask("state"))["phase"] in ("done", "failed") and now)

@@ -238,16 +238,21 @@ sync::Movement Sampled(double from_s, double to_s, double rate_hz) {
   return movement;
 }
 
+sync::Alignment BySignal(const std::vector<double>& in_a, const std::vector<double>& in_b, const sync::Movement& a,
+                         const sync::Movement& b, const sync::AlignOptions& options = {}) {
+  return sync::AlignBySignal(sync::SampledSignal(in_a, a), sync::SampledSignal(in_b, b), a, b, options);
+}
+
 TEST(AlignBySignal, FitsRisesToOneAnother) {
   const sync::Movement a = Sampled(0, 60, 50), b = Sampled(100, 160, 1000);
-  const sync::Alignment once = sync::AlignBySignal({12.01}, {108.5}, a, b);
+  const sync::Alignment once = BySignal({12.01}, {108.5}, a, b);
   EXPECT_NEAR(once.clock.FromB(108.5), 12.01, 1e-9);
   EXPECT_NEAR(once.clock.sd_s, 0.0161, 0.001) << "a frame's 20 ms over √12, and 300 ppm over 51 s";
   // Three flashes at unlike intervals, of which A misses one and B's clock runs 200 ppm slow.
   std::vector<double> in_a, in_b;
   for (const double t : {3.0, 17.0, 52.0}) in_b.push_back(100 + t), in_a.push_back(4.2 + t * (1 + 200e-6));
   in_a.erase(in_a.begin() + 1);
-  const sync::Alignment several = sync::AlignBySignal(in_a, in_b, a, b, {.drift_sd_ppm = 1e4});
+  const sync::Alignment several = BySignal(in_a, in_b, a, b, {.drift_sd_ppm = 1e4});
   EXPECT_NEAR(several.clock.drift_ppm, 200, 1);
   EXPECT_NEAR(several.clock.FromB(117), 4.2 + 17 * (1 + 200e-6), 1e-4);
 }
@@ -256,7 +261,7 @@ TEST(AlignBySignal, RefusesWhatFitsNowhereOrAnywhere) {
   const sync::Movement a = Sampled(0, 60, 100), b = a;
   const auto said = [&](const std::vector<double>& in_a, const std::vector<double>& in_b) -> std::string {
     try {
-      sync::AlignBySignal(in_a, in_b, a, b);
+      BySignal(in_a, in_b, a, b);
     } catch (const Error& error) {
       return error.what();
     }

@@ -4,6 +4,8 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 
 #include <atomic>
@@ -29,7 +31,8 @@ using video::StreamEnd;
 struct Played {
   std::vector<video::LiveFrame> frames;
   StreamEnd end;
-  std::int64_t damaged = 0;
+  std::int64_t damaged = 0, missing = 0;
+  double first_stamp_s = 0;
 };
 
 Played Play(const std::string& input, const LiveStreamOptions& options, const std::filesystem::path& recording) {
@@ -43,6 +46,8 @@ Played Play(const std::string& input, const LiveStreamOptions& options, const st
   stream.Finish();
   played.end = stream.End();
   played.damaged = stream.DamagedFrames();
+  played.missing = stream.MissingFrames();
+  played.first_stamp_s = stream.FirstStampS();
   return played;
 }
 
@@ -164,6 +169,102 @@ TEST(LiveStream, ARateThatChangesAndJitterKeepTheirStamps) {
   std::set<int> jittered_ms;
   for (std::size_t i = 1; i < 30; ++i) jittered_ms.insert(static_cast<int>(std::lround(1000 * interval_s(i))));
   EXPECT_GT(jittered_ms.size(), 5u);
+  EXPECT_EQ(played.missing, 0) << "another rate, and no gaps";
+}
+
+// As a camera leaves pictures out that nobody fetched in time: only their stamps are missing.
+TEST(LiveStream, PicturesThatNeverCameAreCounted) {
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=160x120:rate=30:duration=2") +
+         "-vf \"select='not(eq(n,20)+between(n,31,33)+eq(n,50))'\" -vsync vfr -c:v rawvideo " +
+         Quote(folder / "film.nut"));
+  const Played played = Play((folder / "film.nut").string(), Replay(), folder / "video.mkv");
+  EXPECT_EQ(played.frames.size(), 55u);
+  EXPECT_EQ(played.missing, 5);
+  EXPECT_THAT(played.end.why,
+              testing::HasSubstr("5 pictures are missing in 3 gaps of the time stamps, of up to 0.13 s"));
+  ExpectRecorded(played, folder / "video.mkv");
+}
+
+// Datagrams from one socket to another on this machine. Nothing is sent until somebody listens.
+class Sender {
+ public:
+  Sender() : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+    // A port that is free, of which the other end will be the owner.
+    const FileDescriptor probe(::socket(AF_INET, SOCK_DGRAM, 0));
+    address_.sin_family = AF_INET;
+    address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address_;
+    if (::bind(probe, Address(), size) != 0) throw Fail("no port is free");
+    ::getsockname(probe, Address(), &size);
+    if (::connect(socket_, Address(), size) != 0) throw Fail("no connection");
+  }
+
+  std::string Url() const { return fmt::format("udp://127.0.0.1:{}", ntohs(address_.sin_port)); }
+
+  // A refused datagram was sent to a port that nobody listens on.
+  void WaitForListener() const {
+    for (const char nothing = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+      ::send(socket_, &nothing, 0, 0);
+      int error = 0;
+      socklen_t size = sizeof error;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      ::getsockopt(socket_, SOL_SOCKET, SO_ERROR, &error, &size);
+      if (error == 0) return;
+    }
+  }
+
+  void Send(std::string_view datagram) const { ::send(socket_, datagram.data(), datagram.size(), 0); }
+
+ private:
+  sockaddr* Address() { return reinterpret_cast<sockaddr*>(&address_); }
+
+  FileDescriptor socket_;
+  sockaddr_in address_ = {};
+};
+
+// What comes of a stream of which datagrams are lost is as it was sent, at its own time, and the rest is told of. How
+// much more is lost on a busy machine is not the test's.
+TEST(LiveStream, OverUdpLossIsSaidAndNoPictureIsMadeUp) {
+  constexpr int kKeyEvery = 15;
+  const TemporaryFolder folder;
+  Ffmpeg(TestPicture("size=160x120:rate=30:duration=6") +
+         fmt::format("-c:v libx264 -preset veryfast -crf 20 -g {} -sc_threshold 0 -bf 0 -f mpegts ", kKeyEvery) +
+         Quote(folder / "film.ts"));
+  const Recording sent = ReadAll(folder / "film.ts");
+  const std::string bytes = ReadTextFile(folder / "film.ts");
+  const Sender sender;
+  std::thread sending([&] {
+    sender.WaitForListener();
+    constexpr std::size_t kDatagram = 7 * 188, kBegin = 60'000;  // nothing is lost before the stream is known
+    std::mt19937 random(38);
+    for (std::size_t at = 0; at < bytes.size(); at += kDatagram) {
+      if (at < kBegin || random() % 12 != 0) sender.Send(std::string_view(bytes).substr(at, kDatagram));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // a camera does not send all at once
+    }
+  });
+  LiveStreamOptions options;
+  options.patience_s = 5;
+  const Played played = Play(sender.Url(), options, folder / "video.mkv");
+  sending.join();
+  EXPECT_EQ(played.end.kind, StreamEnd::Kind::kLost);
+  EXPECT_THAT(played.end.why, testing::HasSubstr("nothing has come for 5 s"));
+  EXPECT_GT(played.damaged + played.missing, 0);
+  ASSERT_FALSE(played.frames.empty());
+  EXPECT_LT(played.frames.size(), sent.frames.size());
+  std::vector<const video::VideoFrame*> as_sent;
+  for (const video::LiveFrame& live : played.frames) {
+    const double time_s = live.frame.time_s + played.first_stamp_s;
+    const auto same = std::ranges::find_if(
+        sent.frames, [&](const video::VideoFrame& frame) { return std::abs(frame.time_s - time_s) < 1e-4; });
+    ASSERT_NE(same, sent.frames.end()) << time_s;
+    as_sent.push_back(&*same);
+  }
+  // Of the last picture before a key frame the decoder alone can tell, which overlooks one damage of eight.
+  for (std::size_t i = 0; i + 1 < as_sent.size(); ++i) {
+    if (as_sent[i + 1]->index % kKeyEvery == 0) continue;
+    EXPECT_EQ(cv::norm(played.frames[i].frame.luma, as_sent[i]->luma, cv::NORM_INF), 0) << as_sent[i]->index;
+  }
 }
 
 TEST(LiveStream, ARawStreamTakesItsTimesFromTheRate) {

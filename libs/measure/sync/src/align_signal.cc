@@ -58,13 +58,19 @@ Matches FindMatches(const std::vector<double>& rises_a, const std::vector<double
 
 }  // namespace
 
-Alignment AlignBySignal(const std::vector<double>& rises_a, const std::vector<double>& rises_b, const Movement& a,
-                        const Movement& b, const AlignOptions& options) {
-  const double interval_a_s = MedianInterval(a.time_s), interval_b_s = MedianInterval(b.time_s);
+Signal SampledSignal(std::vector<double> rises_s, const Movement& recording) {
+  return {.name = "rises of the signal",
+          .rises_s = std::move(rises_s),
+          .sd_s = MedianInterval(recording.time_s) / std::sqrt(12.0)};
+}
+
+Alignment AlignBySignal(const Signal& in_a, const Signal& in_b, const Movement& a, const Movement& b,
+                        const AlignOptions& options) {
   const std::string both = fmt::format("{} and {}", a.file.string(), b.file.string());
-  const Matches matches = FindMatches(rises_a, rises_b, interval_a_s + interval_b_s, both);
-  // A rise lies anywhere within a sampling interval.
-  const double variance = (interval_a_s * interval_a_s + interval_b_s * interval_b_s) / 12;
+  // As far as two that are uniform within intervals of these SDs can be apart.
+  const double tolerance_s = std::sqrt(12.0) * (in_a.sd_s + in_b.sd_s);
+  const Matches matches = FindMatches(in_a.rises_s, in_b.rises_s, tolerance_s, both);
+  const double variance = in_a.sd_s * in_a.sd_s + in_b.sd_s * in_b.sd_s;
   const double from_s = b.time_s.front(), prior = 1e-6 * options.drift_sd_ppm;
   // a − b = offset + drift (b − from), least squares with the drift's prior; the offset at the rises' mean.
   const double middle_s = Mean(matches.b_s);
@@ -84,9 +90,12 @@ Alignment AlignBySignal(const std::vector<double>& rises_a, const std::vector<do
                      .method = "signal"};
   alignment.drift_sd_ppm = 1e6 * std::sqrt(drift_variance);
   const double reach_s = std::max(middle_s - from_s, b.time_s.back() - middle_s);
-  alignment.clock.sd_s = std::sqrt(variance / count + drift_variance * reach_s * reach_s);
+  alignment.clock.sd_s =
+      std::hypot(std::sqrt(variance / count + drift_variance * reach_s * reach_s), in_a.common_sd_s, in_b.common_sd_s);
   alignment.overlap_s = matches.b_s.back() - matches.b_s.front();
-  alignment.comparison.name = fmt::format("{} rises of the signal", matches.a_s.size());
+  alignment.comparison.name = fmt::format("{}: {}", in_a.name, matches.a_s.size());
+  alignment.warnings = in_a.warnings;
+  alignment.warnings.insert(alignment.warnings.end(), in_b.warnings.begin(), in_b.warnings.end());
   for (std::size_t i = 0; i < matches.a_s.size(); ++i)
     alignment.parts.push_back({.time_s = matches.a_s[i],
                                .departure_s = matches.a_s[i] - alignment.clock.FromB(matches.b_s[i]),

@@ -51,6 +51,29 @@ std::int64_t CountIndex(const AVStream& stream, bool shown_only) {
   return count;
 }
 
+void SetWhitelists(libav::Dictionary& options) {
+  options.Set("protocol_whitelist", "file");
+  options.Set("format_whitelist", kContainers);
+}
+
+libav::Input OpenInput(const fs::path& path, const std::string& url, const AVInputFormat* format,
+                       libav::Dictionary& options, DamageLog& log) {
+  AVFormatContext* opened = avformat_alloc_context();
+  if (!opened) throw std::bad_alloc();
+  log.Attach(*opened);
+  const int result = avformat_open_input(&opened, url.c_str(), format, options.Get());
+  if (result < 0)
+    throw Fail("{}: not a video that can be read, or damaged at its beginning or index ({})", path.string(),
+               libav::ErrorText(result));
+  libav::Input input(opened);
+  std::vector<AVDictionary*> stream_options(input->nb_streams, nullptr);
+  for (AVDictionary*& entry : stream_options) av_dict_set_int(&entry, "max_pixels", libav::kMaxPixels, 0);
+  const int found = avformat_find_stream_info(input.get(), stream_options.data());
+  for (AVDictionary*& entry : stream_options) av_dict_free(&entry);
+  if (found < 0) throw Fail("{}: its streams cannot be read ({})", path.string(), libav::ErrorText(found));
+  return input;
+}
+
 }  // namespace
 
 Demuxer::Demuxer(fs::path path, double capture_rate_hz, DamageLog& log)
@@ -61,10 +84,16 @@ Demuxer::Demuxer(fs::path path, double capture_rate_hz, DamageLog& log)
   packets_promised_ = PacketsPromised();
 }
 
+libav::Input OpenFilm(const fs::path& path, DamageLog& log) {
+  CheckIsFile(path);
+  libav::Dictionary options;
+  SetWhitelists(options);
+  return OpenInput(path, libav::FileUrl(path), nullptr, options, log);
+}
+
 void Demuxer::Open(double capture_rate_hz) {
   libav::Dictionary options;
-  options.Set("protocol_whitelist", "file");
-  options.Set("format_whitelist", kContainers);
+  SetWhitelists(options);
   const AVInputFormat* format = nullptr;
   if (sequence_ || IsPicture(path_)) {
     format = av_find_input_format("image2");
@@ -74,21 +103,7 @@ void Demuxer::Open(double capture_rate_hz) {
     options.Set("start_number", sequence_->FirstNumber());
     if (capture_rate_hz > 0) options.Set("framerate", fmt::format("{:.6f}", capture_rate_hz));
   }
-  const std::string url = sequence_ ? sequence_->Url() : libav::FileUrl(path_);
-  AVFormatContext* opened = avformat_alloc_context();
-  if (!opened) throw std::bad_alloc();
-  log_.Attach(*opened);
-  const int result = avformat_open_input(&opened, url.c_str(), format, options.Get());
-  if (result < 0)
-    throw Fail("{}: not a video that can be read, or damaged at its beginning or index ({})", path_.string(),
-               libav::ErrorText(result));
-  input_.reset(opened);
-
-  std::vector<AVDictionary*> stream_options(input_->nb_streams, nullptr);
-  for (AVDictionary*& entry : stream_options) av_dict_set_int(&entry, "max_pixels", libav::kMaxPixels, 0);
-  const int found = avformat_find_stream_info(input_.get(), stream_options.data());
-  for (AVDictionary*& entry : stream_options) av_dict_free(&entry);
-  if (found < 0) throw Fail("{}: its streams cannot be read ({})", path_.string(), libav::ErrorText(found));
+  input_ = OpenInput(path_, sequence_ ? sequence_->Url() : libav::FileUrl(path_), format, options, log_);
 }
 
 void Demuxer::ChooseStream() {

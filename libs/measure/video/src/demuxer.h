@@ -11,6 +11,9 @@
 
 namespace lake::video {
 
+// A file with all its streams; the same are refused as by Demuxer. The log must outlive it.
+libav::Input OpenFilm(const std::filesystem::path& path, DamageLog& log);
+
 class Demuxer {
  public:
   // Throws Error naming the path: absent, a folder, empty, not a video, no video stream. The log must outlive this.

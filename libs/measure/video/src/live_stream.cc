@@ -21,6 +21,7 @@ extern "C" {
 #include "lake/core/threads.h"
 #include "live_input.h"
 #include "lossless_encoder.h"
+#include "missing_pictures.h"
 #include "orientation.h"
 #include "picture.h"
 #include "recorder.h"
@@ -98,10 +99,12 @@ struct LiveStream::Impl {
   bool TakeTimes(AVPacket& packet);
   bool WaitForPace(const AVPacket& packet);
   bool TakeStamps(AVPacket& packet);
+  void NoteGaps(std::int64_t ticks);
   void NoteEnd(StreamEnd::Kind kind, std::string why);
 
   bool Read(LiveFrame& frame);
   std::optional<Received> Next();
+  bool IsKeyNext();
   void Feed();
   void NoteDamage();
   bool IsWhole(const AVFrame& decoded);
@@ -117,6 +120,7 @@ struct LiveStream::Impl {
   fs::path recording;
   std::atomic<Clock::rep> last_came = Clock::now().time_since_epoch().count();
   std::atomic<bool> is_stopped = false;
+  std::atomic<std::int64_t> missing = 0;  // the receiver's `gaps`, for others
   DamageLog log;
   LiveInput input;
   std::optional<LosslessEncoder> lossless;  // of raw pictures; all else is recorded as it comes
@@ -133,6 +137,7 @@ struct LiveStream::Impl {
   std::int64_t packets = 0, first_ticks = AV_NOPTS_VALUE, last_dts = AV_NOPTS_VALUE;
   std::int64_t interval = 0, set_back = 0;  // ticks between the last two packets; by how much the clock was set back
   int times_set_back = 0, left_out = 0, torn = 0;
+  MissingPictures gaps;
   Clock::time_point began, space_checked = Clock::now();
   std::int64_t pace_from = AV_NOPTS_VALUE;
 
@@ -149,7 +154,7 @@ struct LiveStream::Impl {
   Clock::time_point last_arrived;  // of the one sent last
   std::set<std::int64_t> broken;   // packets since the last whole key frame that were damaged
   std::int64_t index = 0, damaged = 0;
-  bool is_flushed = false;
+  bool is_flushed = false, is_next_torn = false;
 
   std::thread thread;
 };
@@ -308,6 +313,7 @@ void LiveStream::Impl::Take(libav::Packet packet) {
     return;
   }
   ++packets;
+  NoteGaps(packet->dts != AV_NOPTS_VALUE ? packet->dts : packet->pts);
   constexpr std::chrono::milliseconds kLook{500};
   const Clock::time_point now = Clock::now();
   if (now - space_checked > kLook) {
@@ -321,6 +327,11 @@ void LiveStream::Impl::Take(libav::Packet packet) {
   queued_bytes += static_cast<std::size_t>(packet->size);
   queue.push_back({std::move(packet), now});
   changed.notify_all();
+}
+
+void LiveStream::Impl::NoteGaps(std::int64_t ticks) {
+  gaps.Add(ticks);
+  missing = gaps.Missing();
 }
 
 // Moves them to the recording's, which begins at 0 and never steps back. False if the packet has no place in it.
@@ -383,6 +394,13 @@ std::optional<LiveStream::Impl::Received> LiveStream::Impl::Next() {
   return received;
 }
 
+// Waits for it. Where nothing follows, nothing is built on what was lost.
+bool LiveStream::Impl::IsKeyNext() {
+  std::unique_lock lock(mutex);
+  changed.wait(lock, [this] { return !queue.empty() || end; });
+  return queue.empty() || (queue.front().packet->flags & AV_PKT_FLAG_KEY) != 0;
+}
+
 // The next packet to the decoder, or that nothing follows.
 void LiveStream::Impl::Feed() {
   std::optional<Received> received = Next();
@@ -397,6 +415,10 @@ void LiveStream::Impl::Feed() {
   log.SetPacket(*codec, packet, sent_packets++);
   const int result = avcodec_send_packet(codec.get(), &packet);
   NoteDamage();
+  // A transport stream's packets are numbered: of this picture some were lost, or of those between it and the next, of
+  // which a decoder says nothing. libav says so one picture too early, as it holds back the one that it cuts out.
+  if (is_next_torn && !IsKeyNext()) broken.insert(sent.back().number);
+  is_next_torn = (packet.flags & AV_PKT_FLAG_CORRUPT) != 0;
   if (result >= 0) return;
   broken.insert(sent.back().number);  // the recording has it, but no frame of it will come
   ++damaged, ++index;
@@ -480,6 +502,10 @@ void LiveStream::Impl::Finish() {
         fmt::format("; the camera's clock was set back {} time{}", times_set_back, times_set_back == 1 ? "" : "s");
   if (end && left_out > 0) end->why += fmt::format("; {} pictures that came twice or too late were left out", left_out);
   if (end && torn > 0) end->why += fmt::format("; {} torn raw picture{} left out", torn, torn == 1 ? " was" : "s were");
+  if (end && missing > 0)
+    end->why += fmt::format("; {} pictures are missing in {} gap{} of the time stamps, of up to {:.2f} s",
+                            missing.load(), gaps.Gaps(), gaps.Gaps() == 1 ? "" : "s",
+                            libav::Seconds(gaps.LongestTicks(), input.Stream().time_base));
   const fs::path part = UnfinishedRecording(recording);
   if (!fs::exists(part)) throw Fail("{}: the recording is gone", part.string());
   std::error_code error;
@@ -521,6 +547,10 @@ const StreamEnd& LiveStream::End() const {
 
 std::int64_t LiveStream::DamagedFrames() const {
   return impl_->damaged;
+}
+
+std::int64_t LiveStream::MissingFrames() const {
+  return impl_->missing;
 }
 
 double LiveStream::FirstStampS() const {

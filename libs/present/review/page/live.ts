@@ -34,6 +34,8 @@ export class LivePage {
   private phase: LiveStateMessage["phase"] = "watching";
   private names = new Map<string, HTMLButtonElement>();
   private charts: { knee: Chart; joint: Chart };
+  private chime = new Chime();
+  private chimed = ""; // what was told last
 
   constructor(private message: LiveMessage) {
     part("live").hidden = false;
@@ -62,6 +64,8 @@ export class LivePage {
     }
     onClick("live-trial", () => this.beginOrEnd());
     onClick("live-moved", () => this.moved());
+    const sound = part<HTMLInputElement>("live-sound");
+    sound.addEventListener("change", () => this.chime.turn(sound.checked));
     document.addEventListener("keydown", (event) => this.key(event));
     void this.follow();
   }
@@ -231,6 +235,7 @@ export class LivePage {
     progress.hidden = state.phase !== "finishing";
     showProgress(progress, state.progress);
     this.showPlace(state);
+    this.tellBySound(state);
     part("live-naming").textContent = state.is_named ? "" : TEXTS.notNamed(state.missing);
     part("live-naming").title = state.why_not_named;
     for (const [name, made] of this.names) made.classList.toggle("missing", state.missing.includes(name));
@@ -247,6 +252,14 @@ export class LivePage {
     part("live-difference").textContent = state.difference_px === null ? "" : TEXTS.difference(state.difference_px);
   }
 
+  // Once for each rise after which the joint is within the tolerance.
+  private tellBySound({ place, rises, moves }: LiveStateMessage): void {
+    const told = place?.verdict === "within" ? `${moves} ${rises.length}` : "";
+    if (told !== "" && told !== this.chimed) this.chime.ring();
+    this.chimed = told;
+    part("live-sound").dataset.rung = String(this.chime.rung);
+  }
+
   private showPlace({ place, change, is_named, why_no_rise }: LiveStateMessage): void {
     part("live-place").className = place ? place.verdict : "";
     part("live-move").textContent = place ? place.move.replace("± ", "±\u00a0") : is_named ? TEXTS.measuring : "";
@@ -255,6 +268,39 @@ export class LivePage {
       ? TEXTS.placeDetail(place.rises, place.where, Math.max(...place.anatomical_half_width_mm), this.message.joint_at_mm)
       : why_no_rise;
     part("live-change").textContent = change;
+  }
+}
+
+// Two short tones, for those who look at the straps. A browser gives sound only after a click: turning it on is one.
+class Chime {
+  rung = 0;
+  private audio: AudioContext | null = null;
+
+  turn(isOn: boolean): void {
+    if (isOn) {
+      this.audio = new AudioContext();
+      this.ring(); // how it sounds
+    } else {
+      void this.audio?.close();
+      this.audio = null;
+    }
+  }
+
+  ring(): void {
+    if (!this.audio) return;
+    const TONE_S = 0.18, LOUDNESS = 0.2;
+    for (const [index, pitch_hz] of [660, 880].entries()) {
+      const from_s = this.audio.currentTime + index * TONE_S;
+      const tone = new OscillatorNode(this.audio, { frequency: pitch_hz });
+      const volume = new GainNode(this.audio, { gain: 0 });
+      volume.gain.setValueAtTime(0, from_s);
+      volume.gain.linearRampToValueAtTime(LOUDNESS, from_s + 0.01); // no click
+      volume.gain.linearRampToValueAtTime(0, from_s + TONE_S);
+      tone.connect(volume).connect(this.audio.destination);
+      tone.start(from_s);
+      tone.stop(from_s + TONE_S);
+    }
+    ++this.rung;
   }
 }
 

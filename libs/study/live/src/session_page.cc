@@ -220,6 +220,7 @@ Json Session::LiveJsonLocked() const {
   json["recording"] = kVideo;
   json["frames"] = samples_.size();
   json["damaged_frames"] = end_ ? Json(stream_->DamagedFrames()) : Json();
+  json["missing_frames"] = stream_ ? Json(stream_->MissingFrames()) : Json();
   json["camera_clock_start_s"] = end_ ? Json(stream_->FirstStampS()) : Json();
   json["recorded_s"] = samples_.empty() ? 0 : samples_.back().time_s;
   json["latency_ms"] = {{"median", has_frames ? Json(Median(latencies_ms_)) : Json()},

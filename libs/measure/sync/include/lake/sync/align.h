@@ -47,10 +47,21 @@ struct Alignment {
 // too badly, another offset is as likely, or parts of the overlap contradict one another.
 Alignment AlignByMotion(const Movement& a, const Movement& b, const AlignOptions& options = {});
 
-// By a signal that was sent to both, whose rises stand at these times. Each is uniform within its recording's sampling
-// interval. Where one has more rises than the other, those that fit one another best are taken. Throws Error where they
-// contradict one another.
-Alignment AlignBySignal(const std::vector<double>& rises_a, const std::vector<double>& rises_b, const Movement& a,
-                        const Movement& b, const AlignOptions& options = {});
+// A signal in one recording, which somebody sent to both.
+struct Signal {
+  std::string name = {};             // "claps"
+  std::vector<double> rises_s = {};  // when it comes on, on the recording's clock
+  double sd_s = 0;                   // of each by itself
+  double common_sd_s = 0;            // of all of them alike
+  std::vector<std::string> warnings = {};
+};
+
+// Rises that a recording shows: each lies anywhere within its sampling interval.
+Signal SampledSignal(std::vector<double> rises_s, const Movement& recording);
+
+// By such a signal. Where one has more rises than the other, those that fit one another best are taken. Throws Error
+// where they contradict one another.
+Alignment AlignBySignal(const Signal& in_a, const Signal& in_b, const Movement& a, const Movement& b,
+                        const AlignOptions& options = {});
 
 }  // namespace lake::sync

@@ -69,6 +69,11 @@ class LiveStream {
   // Once Read() has returned false; after Finish() its words tell of the camera's clock, too, if that was set back.
   const StreamEnd& End() const;
   std::int64_t DamagedFrames() const;
+
+  // At any time: pictures that never came, by the gaps that they left in the time stamps: dropped by a camera that is
+  // quicker than what receives it, or lost by the network. A break of the stream is one, too.
+  std::int64_t MissingFrames() const;
+
   double FirstStampS() const;  // of the camera's clock, which is this recording's 0
 
   // Completes the recording, and gives it its name. Call it once, after the last frame; what cannot be completed, as on
