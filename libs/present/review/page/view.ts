@@ -18,6 +18,7 @@ export interface ViewActions {
 
 interface Label extends Point {
   width: number;
+  draw: (at: Point) => void;
 }
 
 const LINE_HEIGHT = 16; // px, of labels
@@ -105,14 +106,23 @@ export class PictureView {
     context.stroke();
   }
 
-  /** A text with its left end at this place of the screen, or below the labels that it would cover. */
+  /** A text with its left end at this place of the screen, or below the labels of higher places that it would cover. */
   label(context: CanvasRenderingContext2D, text: string, at: Point): void {
-    const { x, y, width } = freeOf(this.labels, { ...at, width: context.measureText(text).width });
-    this.labels.push({ x, y, width });
-    context.lineWidth = 3;
-    context.strokeStyle = "rgba(0, 0, 0, 0.75)";
-    context.strokeText(text, x, y);
-    context.fillText(text, x, y);
+    const { font, fillStyle, globalAlpha } = context;
+    const draw = ({ x, y }: Point) => {
+      Object.assign(context, { font, fillStyle, globalAlpha, lineWidth: 3, strokeStyle: "rgba(0, 0, 0, 0.75)" });
+      context.strokeText(text, x, y);
+      context.fillText(text, x, y);
+    };
+    this.labels.push({ ...at, width: context.measureText(text).width, draw });
+  }
+
+  private drawLabels(): void {
+    const placed: Label[] = [];
+    for (const label of this.labels.sort((a, b) => a.y - b.y)) {
+      placed.push(freeOf(placed, label));
+      label.draw(placed[placed.length - 1]);
+    }
   }
 
   middle(): Point {
@@ -155,6 +165,7 @@ export class PictureView {
     context.drawImage(this.picture, corner.x, corner.y, this.size.x * scale, this.size.y * scale);
     this.labels = [];
     this.actions.draw(context, this);
+    this.drawLabels();
   }
 
   private centreOn(at: Point): void {
