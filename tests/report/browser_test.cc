@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <opencv2/core.hpp>
+#include <sstream>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/colours.h"
@@ -324,6 +325,32 @@ TEST(ReportInBrowser, PrintsPicturesOfTheCharts) {
   EXPECT_EQ(answer["printed"], Json({2720, 2720, 2720}));  // 680 px of paper at 4 px each
   EXPECT_EQ(answer["left"], 0);
   EXPECT_EQ(ReadTextFile(browser.Print(SamplePage())).substr(0, 5), "%PDF-");
+}
+
+// On an upright page the type of a drawing of 1400 px, 14 px high, would be of 5 pt.
+TEST(ReportInBrowser, PrintsWideDrawingsOnAPageAcross) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const TemporaryFolder folder;
+  const auto pages_across = [&](int width_px) {
+    WriteTextFile(
+        folder / "drawing.svg",
+        fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"600\" viewBox=\"0 0 {0} "
+                    "600\"><text x=\"9\" y=\"99\" font-size=\"14\">wide</text></svg>",
+                    width_px));
+    Browser browser;
+    const std::string pdf = ReadTextFile(
+        browser.Print(RenderReport({"T", "", {}, {{"S", {Picture{folder / "drawing.svg", "a drawing", ""}}}}})));
+    const std::string box = "/MediaBox [0 0 ";
+    int across = 0;
+    for (std::size_t at = pdf.find(box); at != pdf.npos; at = pdf.find(box, at + 1)) {
+      double wide_pt = 0, high_pt = 0;
+      std::istringstream(pdf.substr(at + box.size(), 40)) >> wide_pt >> high_pt;
+      across += wide_pt > high_pt ? 1 : 0;
+    }
+    return across;
+  };
+  EXPECT_EQ(pages_across(1400), 1);
+  EXPECT_EQ(pages_across(1000), 0);
 }
 
 TEST(ReportInBrowser, WithoutJavaScriptTablesAndPicturesAreThere) {

@@ -766,6 +766,7 @@ class ReviewPage(unittest.TestCase):
                      "Actuator's clearance to the shank: "):
             line, = [line for line in unasked if line.startswith(need)]
             self.assertIn("not asked", line)
+            self.assertNotIn("not asked at", line, "where its value is least, not where it is not asked")
             self.assertRegex(line, r": −?\d+(\.\d{1,2})?( mm|°)", "no finer than a workshop works")
 
     def test_builds_within_a_tolerance_follow(self):

@@ -253,7 +253,7 @@ LineChart ErrorChart(const StudyResults& results) {
   LineChart chart;
   chart.alt = "Distance of the knees over the rise: as worn, with the joint moved, with new links, and the noise floor";
   chart.x = {"rise (%)", 0, 100};
-  chart.y = {"misalignment (% of the shank)", 0, std::nullopt};
+  chart.y = {"misalignment (%)", 0, std::nullopt};
   chart.width = Width::kHalf;
   const auto add = [&](const char* file, const char* name, const char* colour, Mark mark) {
     if (!results.HasFile(file)) return;

@@ -48,10 +48,12 @@ struct Drawing {
   void Label(const Vector2d& at, const char* text, const LabelStyle& style) const {
     scene.Label(Seen(at), text, style);
   }
-  void Angle(const Vector2d& at, double from, double to, double radius, const char* text) const {
+  // The name stands outside the arc, half its way along (aside: how many units; negative: inside).
+  void Angle(const Vector2d& at, double from, double to, double radius, const char* text, double aside = 1.1,
+             double way = 0.5) const {
     scene.Stroke(Arc(Seen(at), radius * unit, HeadingOf(from), HeadingOf(to)), "#444444", 1.5);
-    const double middle = HeadingOf(0.5 * (from + to));
-    scene.Label(Seen(at) + (radius + 1.1) * unit * Vector2d(std::cos(middle), std::sin(middle)), text,
+    const double heading = HeadingOf(from + way * (to - from));
+    scene.Label(Seen(at) + (radius + aside) * unit * Vector2d(std::cos(heading), std::sin(heading)), text,
                 {.size = 14, .box = false});
   }
 };
@@ -82,12 +84,12 @@ void NameAll(const Drawing& drawing, const linkage::Pose& p) {
   drawing.Name(p.knee, p.shank_pin, "{/:Italic l}_4", link_text::kShank, 1.2, 0.75);
   drawing.Name(bend, p.mount, "{/:Italic l}_5", link_text::kThigh, -1.2);
   drawing.Name(bend, p.thigh_pin, "{/:Italic l}_6", link_text::kThigh);
-  drawing.Name(p.thigh_pin, p.mount, "{/:Italic l}_7", "#666666", -1.0, 0.65);
-  drawing.Name(p.knee, p.tip, "{/:Italic l}_8", "#666666", 0.9, 0.8);
+  drawing.Name(p.thigh_pin, p.mount, "{/:Italic l}_7", "#666666", 1.0, 0.35);
+  drawing.Name(p.knee, p.tip, "{/:Italic l}_8", "#666666", 0.9, 0.72);
   drawing.Name(p.mount, p.tip, "{/:Italic d}", link_text::kCylinder, -1.6);
   drawing.Angle(p.thigh_pin, 0, p.alpha1_rad, 6, "{/:Italic α}_1");
   drawing.Angle(p.thigh_pin, p.alpha1_rad, p.phi_rad, 3, "{/:Italic α}_2");
-  drawing.Angle(p.knee, 0, p.beta1_rad, 4.2, "{/:Italic β}_1");
+  drawing.Angle(p.knee, 0, p.beta1_rad, 4.2, "{/:Italic β}_1", -1.2, 0.4);
   drawing.Angle(p.knee, p.beta1_rad, p.beta1_rad + p.beta2_rad, 1.9, "{/:Italic β}_2");
   drawing.Angle(p.knee, std::numbers::pi - p.theta_rad, std::numbers::pi, 2.8, "{/:Italic θ}");
   const double u = drawing.unit;

@@ -103,12 +103,14 @@ std::string Html(const Table& table) {
 std::string Html(const Picture& picture) {
   const EmbeddedFile file = EmbedFile(picture.file);
   const std::string alt = EscapeHtml(picture.alt);
-  // At one scale, so that all have one size of type.
+  // At one scale, so that all have one size of type; what an upright page has no room for is printed on one of its own.
+  constexpr int kUprightPage_px = 1120;
   if (!file.drawing.empty())
     return fmt::format(
-        "<figure class=\"{} drawing\">\n<div class=\"paper\" role=\"img\" aria-label=\"{}\" style=\"--wide: "
+        "<figure class=\"{} drawing{}\">\n<div class=\"paper\" role=\"img\" aria-label=\"{}\" style=\"--wide: "
         "{}px\">{}</div>\n{}</figure>\n",
-        ClassOf(picture.width), alt, file.width_px, file.drawing, Element("figcaption", picture.caption));
+        ClassOf(picture.width), file.width_px > kUprightPage_px ? " wide" : "", alt, file.width_px, file.drawing,
+        Element("figcaption", picture.caption));
   const std::string element =
       file.IsVideo()
           ? fmt::format("<video controls muted playsinline aria-label=\"{}\" src=\"{}\"></video>", alt, file.data_uri)

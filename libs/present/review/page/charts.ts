@@ -219,11 +219,14 @@ export class Timeline extends Strip {
       if (tick.moved) context.fill();
       context.stroke();
       if (x < free || circles.some((other) => other > x && other < x + width + 13)) return;
-      context.fillText(tick.label, Math.min(x + 7, this.canvas.clientWidth - width), below + 10);
+      if (x + 7 + width > this.canvas.clientWidth) return; // over its own circle
+      context.fillText(tick.label, x + 7, below + 10);
       free = x + width + 13;
     });
   }
 }
+
+const NAMES = 20; // px above the curves, of their names
 
 export class Chart extends Strip {
   private curves: Curve[] = [];
@@ -235,8 +238,8 @@ export class Chart extends Strip {
 
   protected draw(context: CanvasRenderingContext2D): void {
     const [low, high] = this.range();
-    const height = this.canvas.clientHeight - 8;
-    const y = (value: number) => 4 + (1 - (value - low) / (high - low)) * height;
+    const top = this.curves.length > 1 ? NAMES : 4, height = this.canvas.clientHeight - top - 4;
+    const y = (value: number) => top + (1 - (value - low) / (high - low)) * height;
     this.drawAxis(context, low, high, y);
     for (const curve of this.curves) {
       if (curve.sigma) this.drawBand(context, curve, curve.sigma, y);

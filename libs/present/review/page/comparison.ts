@@ -78,7 +78,7 @@ class ComparedView {
       context.arc(at.x, at.y, isCompared ? 10 : 6, 0, 2 * Math.PI);
       context.stroke();
       context.font = `${isCompared ? "bold " : ""}12px system-ui, sans-serif`;
-      context.fillText(name, at.x + 12, at.y - 8);
+      this.view.label(context, name, { x: at.x + 12, y: at.y - 8 });
     });
     context.globalAlpha = 1;
   }

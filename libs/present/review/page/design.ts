@@ -275,8 +275,10 @@ export class DesignPage {
   private checkLine(check: CheckMessage): HTMLElement {
     const line = document.createElement("li"), detail = document.createElement("small"), at = check.worst?.knee_deg;
     const shown = at === undefined ? line : button("", () => this.seekAngle(at));
-    shown.textContent = TEXTS.check(check);
-    detail.textContent = [TEXTS.slack(check), TEXTS.worst(check)].filter((text) => text !== "").join(" ");
+    // Where nothing is asked, it is the value that is of a pose, not what is missing.
+    const words = (parts: string[]) => parts.filter((text) => text !== "").join(" ");
+    shown.textContent = check.asked ? TEXTS.check(check) : words([TEXTS.check(check), TEXTS.worst(check)]);
+    detail.textContent = check.asked ? words([TEXTS.slack(check), TEXTS.worst(check)]) : TEXTS.slack(check);
     shown.append(detail);
     shown.classList.toggle("fails", !check.holds);
     shown.classList.toggle("unasked", !check.asked);

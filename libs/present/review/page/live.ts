@@ -12,19 +12,6 @@ const ARROW_PX = 6, LEAST_ARROW_PX = 80;
 
 type Sample = LiveViewMessage["samples"][number];
 
-interface Label extends Point {
-  width: number;
-}
-
-const LINE_HEIGHT = 16;
-
-// Below those that it would cover.
-function freeOf(labels: Label[], label: Label): Label {
-  const covered = labels.find(({ x, y, width }) =>
-    x < label.x + label.width && label.x < x + width && Math.abs(y - label.y) < LINE_HEIGHT);
-  return covered ? freeOf(labels, { ...label, y: covered.y + LINE_HEIGHT }) : label;
-}
-
 export class LivePage {
   private view: PictureView;
   private shown: LiveViewMessage | null = null;
@@ -123,7 +110,6 @@ export class LivePage {
       context.stroke();
     }
     context.setLineDash([]);
-    const labels: Label[] = [];
     this.shown.markers.forEach(({ name, x, y }, index) => {
       if (x === null || y === null) return;
       const at = this.view.toScreen({ x, y });
@@ -134,9 +120,7 @@ export class LivePage {
       context.beginPath();
       context.arc(at.x, at.y, 9, 0, 2 * Math.PI);
       context.stroke();
-      const label = freeOf(labels, { x: at.x + 13, y: at.y + 5, width: context.measureText(name).width });
-      labels.push(label);
-      context.fillText(name, label.x, label.y);
+      this.view.label(context, name, { x: at.x + 13, y: at.y + 5 });
     });
     this.drawArrow(context);
   }

@@ -270,23 +270,26 @@ export class NamingPage {
   private draw(context: CanvasRenderingContext2D): void {
     const names = new Map(Object.entries(this.choices.seeds).map(([name, id]) => [id, name]));
     context.font = "bold 13px system-ui, sans-serif";
-    for (const spot of this.message?.spots ?? []) {
+    const spots = this.message?.spots ?? [];
+    const radiusOf = (spot: SpotMessage) => Math.max(spot.radius * this.view!.scale() + 4, 8);
+    const colour = (spot: SpotMessage) => (names.has(spot.id) ? "#56B4E9" : spot.moves ? "#F0E442" : "#BBBBBB");
+    for (const spot of spots) {
       const { x, y } = this.view!.toScreen(spot), name = names.get(spot.id);
-      const radius = Math.max(spot.radius * this.view!.scale() + 4, 8);
-      context.strokeStyle = context.fillStyle = name ? "#56B4E9" : spot.moves ? "#F0E442" : "#BBBBBB";
+      context.strokeStyle = colour(spot);
       context.lineWidth = 1;
       if (spot.moves) this.view!.strokeLine(context, spot.path.map(([px, py]) => ({ x: px, y: py })));
       context.lineWidth = name ? 3 : 1.5;
       context.setLineDash(spot.frame === this.frame ? [] : [3, 4]); // seen there in another frame
       context.beginPath();
-      context.arc(x, y, radius, 0, 2 * Math.PI);
+      context.arc(x, y, radiusOf(spot), 0, 2 * Math.PI);
       context.stroke();
       context.setLineDash([]);
-      const label = name ? `${name} #${spot.id}` : `${spot.id}`;
-      context.lineWidth = 3;
-      context.strokeStyle = "rgba(0, 0, 0, 0.75)";
-      context.strokeText(label, x + radius + 2, y - 4);
-      context.fillText(label, x + radius + 2, y - 4);
+    }
+    // Over the rings of all spots.
+    for (const spot of spots) {
+      const { x, y } = this.view!.toScreen(spot), name = names.get(spot.id);
+      context.fillStyle = colour(spot);
+      this.view!.label(context, name ? `${name} #${spot.id}` : `${spot.id}`, { x: x + radiusOf(spot) + 2, y: y - 4 });
     }
   }
 }

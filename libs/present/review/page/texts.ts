@@ -170,7 +170,7 @@ export const TEXTS = {
     !asked && limit === null ? (holds ? "" : "cannot be evaluated")
     : slack === null ? ""
     : !asked && !is_lower_limit ? `${holds ? "within" : "above"} the ${withUnit(limit!, unit)} of the design`
-    : !asked ? `not asked${holds ? "" : `; it takes ${withUnit(limit!, unit)}`}`
+    : !asked ? `not asked${holds ? "" : `; at least ${withUnit(limit!, unit)} is needed`}`
     : !holds ? `fails by ${withUnit(-slack, unit)}`
     : slack < 0.005 ? "at its limit" : `${withUnit(slack, unit)} to spare`,
   worst: ({ worst }: CheckMessage) =>

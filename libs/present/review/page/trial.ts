@@ -462,10 +462,7 @@ export class TrialPage {
     context.stroke();
     context.setLineDash([]);
     context.font = `${isSelected ? "bold " : ""}12px system-ui, sans-serif`;
-    context.lineWidth = 3;
-    context.strokeStyle = "rgba(0, 0, 0, 0.7)";
-    context.strokeText(marker.name, x + size + 3, y - size);
-    context.fillText(marker.name, x + size + 3, y - size);
+    this.view.label(context, marker.name, { x: x + size + 3, y: y - size });
   }
 
   private drawTrail(context: CanvasRenderingContext2D, marker: MarkerMessage): void {

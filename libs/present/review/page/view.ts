@@ -16,6 +16,20 @@ export interface ViewActions {
   click(at: Point, free: boolean): void;
 }
 
+interface Label extends Point {
+  width: number;
+  draw: (at: Point) => void;
+}
+
+const LINE_HEIGHT = 16; // px, of labels
+
+// Below those that it would cover.
+function freeOf(labels: Label[], label: Label): Label {
+  const covered = labels.find(({ x, y, width }) =>
+    x < label.x + label.width && label.x < x + width && Math.abs(y - label.y) < LINE_HEIGHT);
+  return covered ? freeOf(labels, { ...label, y: covered.y + LINE_HEIGHT }) : label;
+}
+
 const MOST_ZOOM = 64; // screen px per px of the picture, over what fits
 
 export class PictureView {
@@ -26,6 +40,7 @@ export class PictureView {
   private grabbed = false;
   private moved = 0;
   private pinch = 0;
+  private labels: Label[] = []; // of what is drawn now
 
   constructor(private canvas: HTMLCanvasElement, private size: Point, private actions: ViewActions) {
     this.centre = this.wholeCentre();
@@ -91,6 +106,25 @@ export class PictureView {
     context.stroke();
   }
 
+  /** A text with its left end at this place of the screen, or below the labels of higher places that it would cover. */
+  label(context: CanvasRenderingContext2D, text: string, at: Point): void {
+    const { font, fillStyle, globalAlpha } = context;
+    const draw = ({ x, y }: Point) => {
+      Object.assign(context, { font, fillStyle, globalAlpha, lineWidth: 3, strokeStyle: "rgba(0, 0, 0, 0.75)" });
+      context.strokeText(text, x, y);
+      context.fillText(text, x, y);
+    };
+    this.labels.push({ ...at, width: context.measureText(text).width, draw });
+  }
+
+  private drawLabels(): void {
+    const placed: Label[] = [];
+    for (const label of this.labels.sort((a, b) => a.y - b.y)) {
+      placed.push(freeOf(placed, label));
+      label.draw(placed[placed.length - 1]);
+    }
+  }
+
   middle(): Point {
     return { ...this.centre };
   }
@@ -129,7 +163,9 @@ export class PictureView {
     const corner = this.toScreen({ x: -0.5, y: -0.5 });
     context.imageSmoothingEnabled = scale < 4;
     context.drawImage(this.picture, corner.x, corner.y, this.size.x * scale, this.size.y * scale);
+    this.labels = [];
     this.actions.draw(context, this);
+    this.drawLabels();
   }
 
   private centreOn(at: Point): void {
