@@ -87,6 +87,17 @@ TEST_F(SyncProgram, TakesAClapAndALamp) {
   EXPECT_NEAR(summary["offset_s"], kOffset_s, 0.5 / 60 + 0.006) << "half a frame of B, and the clap's place in A's";
   EXPECT_NEAR(summary["sd_s"], 1 / 60. / std::sqrt(12), 0.0005);
   EXPECT_EQ(summary["compared"], "claps: 1");
+  // A trial whose times are not the stamps' cannot be aligned by its film's sound.
+  std::filesystem::create_directories(folder_ / "trial");
+  std::filesystem::copy(folder_ / "a.csv", folder_ / "trial/trajectory.csv");
+  for (const auto& [said, text] :
+       {std::pair{R"({"options": {"capture-rate": "240"}})", "its times are those of --capture-rate 240"},
+        {R"({"video": {"time_jumps": [{"after_frame": 7, "applied": true}]}})", "its times after frame 7"}}) {
+    WriteTextFile(folder_ / "trial/summary.json", said);
+    const Outcome refused = Go("trial b.csv --clap-a a.mkv --signal-b lamp --quiet");
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.err, HasSubstr(text));
+  }
 }
 
 TEST_F(SyncProgram, RefusesWhatCannotBeAligned) {

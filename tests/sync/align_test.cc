@@ -255,6 +255,11 @@ TEST(AlignBySignal, FitsRisesToOneAnother) {
   const sync::Alignment several = BySignal(in_a, in_b, a, b, {.drift_sd_ppm = 1e4});
   EXPECT_NEAR(several.clock.drift_ppm, 200, 1);
   EXPECT_NEAR(several.clock.FromB(117), 4.2 + 17 * (1 + 200e-6), 1e-4);
+  // Claps are known so much more surely that the drift between two of them is far beyond their SD.
+  const sync::Signal claps{.name = "claps", .rises_s = {10, 41, 70}, .sd_s = 2e-4};
+  sync::Signal drifting = claps;
+  for (double& t : drifting.rises_s) t *= 1 + 100e-6;
+  EXPECT_NEAR(sync::AlignBySignal(drifting, claps, a, a).clock.drift_ppm, 100, 1);
 }
 
 TEST(AlignBySignal, RefusesWhatFitsNowhereOrAnywhere) {

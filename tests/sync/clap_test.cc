@@ -207,6 +207,13 @@ TEST(Sound, NeedsASound) {
   EXPECT_THAT([&] { video::ReadSound(folder / "none.mp4"); }, testing::ThrowsMessage<Error>(HasSubstr("no such file")));
 }
 
+TEST(Sound, WithNumbersThatAreNoneIsDamaged) {
+  const TemporaryFolder folder;
+  Ffmpeg("-f lavfi -i \"aevalsrc='if(eq(n,30000),0/0,0.1)':s=48000:d=1\" -c:a pcm_f32le " + Quote(folder / "film.mkv"));
+  EXPECT_THAT([&] { video::ReadSound(folder / "film.mkv"); },
+              testing::ThrowsMessage<Error>(HasSubstr("its sound is damaged")));
+}
+
 TEST(FindClaps, FindsThemWithinTheirInterval) {
   int beyond = 0, claps = 0;
   for (const double rate_hz : {16000., 44100., 48000.})
@@ -237,6 +244,12 @@ TEST(FindClaps, SaysWhyThereIsNone) {
     EXPECT_THAT(ReasonOf(MadeSound(seed).Speech(1, 4.9, 0.5)), HasSubstr("no clap"));
   EXPECT_THAT(ReasonOf(MadeSound(7).Speech(1, 4.9, 0.5).Clap(0.5, 0.05)), HasSubstr("no clap stands out"));
   EXPECT_THAT(ReasonOf(MadeSound(8).Clap(1).Noise(3, 0.2)), HasSubstr("no clap stands out"));
+  EXPECT_THAT(ReasonOf(MadeSound(9).Noise(kLength_s - 0.05, 0.2)), HasSubstr("no clap is heard"))
+      << "nobody knows that it dies away";
+  MadeSound applause(10);
+  for (double at_s = 0.3; at_s < 4.8; at_s += 0.2) applause.Clap(at_s);
+  EXPECT_THAT(ReasonOf(applause), HasSubstr("clap"));
+  EXPECT_THAT(ReasonOf(MadeSound(11, 50).Clap(1)), HasSubstr("50 samples a second"));
 }
 
 TEST(SignalOfClaps, TakesOffTheSoundsWay) {

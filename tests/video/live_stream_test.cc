@@ -202,16 +202,17 @@ class Sender {
 
   std::string Url() const { return fmt::format("udp://127.0.0.1:{}", ntohs(address_.sin_port)); }
 
-  // A refused datagram was sent to a port that nobody listens on.
-  void WaitForListener() const {
-    for (const char nothing = 0;; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
-      ::send(socket_, &nothing, 0, 0);
+  // A refused datagram was sent to a port that nobody listens on. False: `stop` came first.
+  bool WaitForListener(const std::stop_token& stop) const {
+    for (const char nothing = 0; !stop.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+      const bool is_sent = ::send(socket_, &nothing, 0, 0) == 0;
       int error = 0;
       socklen_t size = sizeof error;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       ::getsockopt(socket_, SOL_SOCKET, SO_ERROR, &error, &size);
-      if (error == 0) return;
+      if (is_sent && error == 0) return true;
     }
+    return false;
   }
 
   void Send(std::string_view datagram) const { ::send(socket_, datagram.data(), datagram.size(), 0); }
@@ -234,11 +235,11 @@ TEST(LiveStream, OverUdpLossIsSaidAndNoPictureIsMadeUp) {
   const Recording sent = ReadAll(folder / "film.ts");
   const std::string bytes = ReadTextFile(folder / "film.ts");
   const Sender sender;
-  std::thread sending([&] {
-    sender.WaitForListener();
+  std::jthread sending([&](const std::stop_token& stop) {
+    if (!sender.WaitForListener(stop)) return;
     constexpr std::size_t kDatagram = 7 * 188, kBegin = 60'000;  // nothing is lost before the stream is known
     std::mt19937 random(38);
-    for (std::size_t at = 0; at < bytes.size(); at += kDatagram) {
+    for (std::size_t at = 0; at < bytes.size() && !stop.stop_requested(); at += kDatagram) {
       if (at < kBegin || random() % 12 != 0) sender.Send(std::string_view(bytes).substr(at, kDatagram));
       std::this_thread::sleep_for(std::chrono::milliseconds(1));  // a camera does not send all at once
     }

@@ -35,15 +35,19 @@ bool HasSignal(const Synced& side) {
   return !side.signal.empty() || !side.film.empty();
 }
 
-// A trial's times are its film's stamps, or else by a rate that was given or found.
+// A trial's times are its film's stamps, unless a rate was given for them or a jump in them was mended.
 void CheckFilmsTimes(const Synced& side) {
-  const fs::path summary = side.recording / "summary.json";
-  if (!IsTrialFolder(side.recording) || !fs::exists(summary)) return;
-  const Json said = ReadJsonFile(summary);
-  if (said.contains("video") && said["video"].is_object() &&
-      said["video"].value("captured_rate_hz", Json()).is_number())
-    throw Fail("{}: its times are those of a capture rate, not of the stamps in {}, and the sound is on these",
-               side.recording.string(), side.film.string());
+  const fs::path folder = IsTrialFolder(side.recording) ? side.recording : side.recording.parent_path();
+  if (!IsTrialFolder(folder) || !fs::exists(folder / "summary.json")) return;
+  const Json said = ReadJsonFile(folder / "summary.json");
+  const Json rate = said.value(Json::json_pointer("/options/capture-rate"), Json());
+  if (rate.is_string() && !rate.get<std::string>().empty())
+    throw Fail("{}: its times are those of --capture-rate {}, not of the stamps in {}, and the sound is on these",
+               folder.string(), rate.get<std::string>(), side.film.string());
+  for (const Json& jump : said.value(Json::json_pointer("/video/time_jumps"), Json::array()))
+    if (jump.value("applied", false))
+      throw Fail("{}: its times after frame {} are not those of the stamps in {}, and the sound is on these",
+                 folder.string(), jump.value("after_frame", 0), side.film.string());
 }
 
 sync::Signal SignalOf(const Synced& side, const sync::Movement& recording, const sync::MovementOptions& reading) {

@@ -8,6 +8,8 @@
 namespace lake::sync {
 namespace {
 
+constexpr double kMostDrift = 1e-3;
+
 // Rises of A and B that are one, by their order.
 struct Matches {
   std::vector<double> a_s, b_s;
@@ -17,7 +19,6 @@ struct Matches {
 // With this offset, each rise of B and the nearest of A, as far as clocks may differ meanwhile.
 Matches MatchesAt(double offset_s, double from_s, const std::vector<double>& rises_a,
                   const std::vector<double>& rises_b, double tolerance_s) {
-  constexpr double kMostDrift = 1e-3;
   Matches matches;
   std::vector<double> apart;
   for (const double b : rises_b) {
@@ -32,18 +33,18 @@ Matches MatchesAt(double offset_s, double from_s, const std::vector<double>& ris
 Matches FindMatches(const std::vector<double>& rises_a, const std::vector<double>& rises_b, double tolerance_s,
                     const std::string& both) {
   Matches best;
-  double best_s = 0;
+  double best_s = 0, best_b = 0;
   bool is_one = true;
   for (const double a : rises_a)
     for (const double b : rises_b) {
       const Matches matches = MatchesAt(a - b, b, rises_a, rises_b, tolerance_s);
-      const bool is_another = std::abs(a - b - best_s) > 2 * tolerance_s;
+      const bool is_another = std::abs(a - b - best_s) > 2 * tolerance_s + kMostDrift * std::abs(b - best_b);
       if (matches.a_s.size() == best.a_s.size() && is_another) is_one = false;
       if (matches.a_s.size() < best.a_s.size() ||
           (matches.a_s.size() == best.a_s.size() && matches.square >= best.square))
         continue;
       if (matches.a_s.size() > best.a_s.size()) is_one = true;
-      best = matches, best_s = a - b;
+      best = matches, best_s = a - b, best_b = b;
     }
   if (!is_one)
     throw Fail(

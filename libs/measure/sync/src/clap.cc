@@ -11,7 +11,9 @@ namespace lake::sync {
 
 namespace {
 
-constexpr double kBin_s = 0.0005;  // of which the rise is told
+constexpr double kBin_s = 0.0005;   // of which the rise is told
+constexpr double kSilence = 1e-10;  // −100 dB of full scale: the last bit of 16
+constexpr std::size_t kMostClaps = 20;
 
 double Db(double power_ratio) {
   return 10 * std::log10(power_ratio);
@@ -51,7 +53,6 @@ class Power {
 
   // The mean from one bin to before the other, as far as there are any; kSilence at least.
   double Mean(std::ptrdiff_t from, std::ptrdiff_t to) const {
-    constexpr double kSilence = 1e-10;  // −100 dB of full scale: the last bit of 16
     from = std::clamp<std::ptrdiff_t>(from, 0, Bins()), to = std::clamp<std::ptrdiff_t>(to, 0, Bins());
     if (to <= from) return kSilence;
     const double sum = sums_[static_cast<std::size_t>(to)] - sums_[static_cast<std::size_t>(from)];
@@ -72,12 +73,13 @@ struct Onset {
 constexpr double kRise = 100, kFall = 10, kApart = 10;  // ratios of power: 20, 10 and 10 dB
 constexpr double kLoud_s = 0.005;
 
-// What rises and falls like a clap, loudest first; of those within a quarter of a second the loudest: others echo.
+// What rises and falls like a clap, loudest first, down to kApart below the loudest; of those within a quarter of a
+// second the loudest: others echo. No more than one beyond kMostClaps.
 std::vector<Onset> FindOnsets(const Power& power) {
   const std::ptrdiff_t rise = power.BinsIn(0.003), before = power.BinsIn(0.1), loud = power.BinsIn(kLoud_s),
                        later = power.BinsIn(0.1), long_later = power.BinsIn(0.15), dead = power.BinsIn(0.25);
   std::vector<Onset> onsets;
-  for (std::ptrdiff_t bin = before; bin < power.Bins(); ++bin) {
+  for (std::ptrdiff_t bin = before; bin + long_later <= power.Bins(); ++bin) {
     const double background = power.Mean(bin - rise - before, bin - rise), now = power.Mean(bin, bin + 1);
     const double loudness = power.Mean(bin, bin + loud);
     if (now > kRise * background && power.Mean(bin + later, bin + long_later) < loudness / kFall)
@@ -85,16 +87,18 @@ std::vector<Onset> FindOnsets(const Power& power) {
   }
   std::ranges::stable_sort(onsets, std::greater{}, &Onset::loudness);
   std::vector<Onset> apart;
-  for (const Onset& onset : onsets)
+  for (const Onset& onset : onsets) {
+    if (onset.loudness <= onsets.front().loudness / kApart || apart.size() > kMostClaps) break;
     if (std::ranges::none_of(apart, [&](const Onset& other) { return std::abs(other.bin - onset.bin) < dead; }))
       apart.push_back(onset);
+  }
   return apart;
 }
 
 // The loudest 5 ms apart from these, from just before each until it has died away.
 double LoudestElse(const Power& power, const std::vector<Onset>& onsets) {
   const std::ptrdiff_t loud = power.BinsIn(kLoud_s), begin = power.BinsIn(0.03), end = power.BinsIn(0.6);
-  double loudest = 0;
+  double loudest = kSilence;
   for (std::ptrdiff_t bin = 0; bin + loud <= power.Bins(); ++bin) {
     const bool is_of_one =
         std::ranges::any_of(onsets, [&](const Onset& o) { return bin > o.bin - begin && bin < o.bin + end; });
@@ -140,37 +144,33 @@ Clap Begin(const Onset& onset, const std::vector<float>& samples, const Power& p
           .sd_s = std::hypot(rise_s / std::sqrt(12.0), kLeastSd_s)};
 }
 
-std::vector<Onset> Loudest(const std::vector<Onset>& onsets) {
-  std::vector<Onset> loudest;
-  for (const Onset& onset : onsets)
-    if (onset.loudness > onsets.front().loudness / kApart) loudest.push_back(onset);
-  return loudest;
-}
-
 }  // namespace
 
 std::vector<Clap> FindClaps(const video::Sound& sound, const std::filesystem::path& film) {
+  constexpr double kLeastRateHz = 8000;  // a telephone's: below it little is left above the filter's corner
+  if (!(sound.rate_hz >= kLeastRateHz))
+    throw Fail("{}: its sound has {:g} samples a second; a clap is found in {:g} or more", film.string(), sound.rate_hz,
+               kLeastRateHz);
   const std::vector<float> samples = HighPassed(sound);
   const Power power(samples, sound.rate_hz);
-  const std::vector<Onset> onsets = Loudest(FindOnsets(power));
+  const std::vector<Onset> onsets = FindOnsets(power);
   if (onsets.empty())
     throw Fail("{}: no clap is heard: nothing rises by {:.0f} dB within 3 ms and has died away 0.1 s later",
                film.string(), Db(kRise));
-  const double apart = onsets.back().loudness / LoudestElse(power, onsets);
+  if (onsets.size() > kMostClaps)
+    throw Fail("{}: more than {} claps are heard; a signal is one of them, or a few at unlike intervals", film.string(),
+               kMostClaps);
+  const double loudest_else = LoudestElse(power, onsets), apart = onsets.back().loudness / loudest_else;
   if (apart < kApart)
     throw Fail(
         "{}: no clap stands out: the loudest sudden sound, at {:.2f} s, is {:+.0f} dB against what else is heard, "
         "speech perhaps, where a clap is {:.0f} dB above it; clap nearer to the microphone, and be silent meanwhile",
         film.string(), sound.TimeOf(static_cast<double>(power.FirstSample(onsets.front().bin))), Db(apart), Db(kApart));
-  constexpr std::size_t kMost = 20;
-  if (onsets.size() > kMost)
-    throw Fail("{}: {} claps are heard; a signal is one of them, or a few at unlike intervals", film.string(),
-               onsets.size());
   std::vector<Clap> claps;
   claps.reserve(onsets.size());
   for (const Onset& onset : onsets) {
     claps.push_back(Begin(onset, samples, power, sound));
-    claps.back().above_db = Db(onset.loudness / LoudestElse(power, onsets));
+    claps.back().above_db = Db(onset.loudness / loudest_else);
   }
   std::ranges::sort(claps, {}, &Clap::time_s);
   return claps;

@@ -75,6 +75,7 @@ struct LiveStream::Impl {
   struct Received {
     libav::Packet packet;
     Clock::time_point arrived;
+    bool follows_loss = false;  // what came before it is damaged, and was left out
   };
 
   // One that was sent to the decoder.
@@ -137,6 +138,7 @@ struct LiveStream::Impl {
   std::int64_t packets = 0, first_ticks = AV_NOPTS_VALUE, last_dts = AV_NOPTS_VALUE;
   std::int64_t interval = 0, set_back = 0;  // ticks between the last two packets; by how much the clock was set back
   int times_set_back = 0, left_out = 0, torn = 0;
+  bool is_loss_before = false;
   MissingPictures gaps;
   Clock::time_point began, space_checked = Clock::now();
   std::int64_t pace_from = AV_NOPTS_VALUE;
@@ -306,14 +308,20 @@ bool LiveStream::Impl::TakeTimes(AVPacket& packet) {
 }
 
 void LiveStream::Impl::Take(libav::Packet packet) {
-  if (!TakeTimes(*packet)) return;
+  if (!TakeTimes(*packet)) {
+    is_loss_before |= (packet->flags & AV_PKT_FLAG_CORRUPT) != 0;
+    return;
+  }
   if (lossless) packet = Code(*packet);
   if (!packet) {
     ++torn;
     return;
   }
   ++packets;
-  NoteGaps(packet->dts != AV_NOPTS_VALUE ? packet->dts : packet->pts);
+  if (packet->dts != AV_NOPTS_VALUE)
+    NoteGaps(packet->dts);
+  else if (input.Stream().codecpar->video_delay == 0)  // else pictures do not come in their order
+    NoteGaps(packet->pts);
   constexpr std::chrono::milliseconds kLook{500};
   const Clock::time_point now = Clock::now();
   if (now - space_checked > kLook) {
@@ -325,7 +333,7 @@ void LiveStream::Impl::Take(libav::Packet packet) {
   constexpr std::size_t kMostBytes = 256 << 20;  // then a pipe's writer waits, and a device leaves frames out
   changed.wait(lock, [&] { return queued_bytes < kMostBytes || is_stopped; });
   queued_bytes += static_cast<std::size_t>(packet->size);
-  queue.push_back({std::move(packet), now});
+  queue.push_back({std::move(packet), now, std::exchange(is_loss_before, false)});
   changed.notify_all();
 }
 
@@ -417,7 +425,8 @@ void LiveStream::Impl::Feed() {
   NoteDamage();
   // A transport stream's packets are numbered: of this picture some were lost, or of those between it and the next, of
   // which a decoder says nothing. libav says so one picture too early, as it holds back the one that it cuts out.
-  if (is_next_torn && !IsKeyNext()) broken.insert(sent.back().number);
+  const bool is_torn = is_next_torn && !IsKeyNext();
+  if (is_torn || (received->follows_loss && !(packet.flags & AV_PKT_FLAG_KEY))) broken.insert(sent.back().number);
   is_next_torn = (packet.flags & AV_PKT_FLAG_CORRUPT) != 0;
   if (result >= 0) return;
   broken.insert(sent.back().number);  // the recording has it, but no frame of it will come
@@ -503,8 +512,8 @@ void LiveStream::Impl::Finish() {
   if (end && left_out > 0) end->why += fmt::format("; {} pictures that came twice or too late were left out", left_out);
   if (end && torn > 0) end->why += fmt::format("; {} torn raw picture{} left out", torn, torn == 1 ? " was" : "s were");
   if (end && missing > 0)
-    end->why += fmt::format("; {} pictures are missing in {} gap{} of the time stamps, of up to {:.2f} s",
-                            missing.load(), gaps.Gaps(), gaps.Gaps() == 1 ? "" : "s",
+    end->why += fmt::format("; {} picture{} missing in {} gap{} of the time stamps, of up to {:.2f} s", missing.load(),
+                            missing == 1 ? " is" : "s are", gaps.Gaps(), gaps.Gaps() == 1 ? "" : "s",
                             libav::Seconds(gaps.LongestTicks(), input.Stream().time_base));
   const fs::path part = UnfinishedRecording(recording);
   if (!fs::exists(part)) throw Fail("{}: the recording is gone", part.string());

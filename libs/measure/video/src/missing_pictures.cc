@@ -18,6 +18,7 @@ void MissingPictures::Add(std::int64_t ticks) {
   last_[static_cast<std::size_t>(intervals_++) % kRemembered] = interval;
   if (usual <= 0 || 2 * interval <= 3 * usual) {
     in_row_ = missing_in_row_ = 0;
+    longest_before_row_ = longest_;
     return;
   }
   const std::int64_t missing = (interval + usual / 2) / usual - 1;
@@ -25,7 +26,7 @@ void MissingPictures::Add(std::int64_t ticks) {
   ++in_row_, missing_in_row_ += missing;
   // More than half of those remembered: from here on the usual interval is the new one.
   if (in_row_ > static_cast<std::int64_t>(kRemembered / 2)) {
-    gaps_ -= in_row_, missing_ -= missing_in_row_;
+    gaps_ -= in_row_, missing_ -= missing_in_row_, longest_ = longest_before_row_;
     in_row_ = missing_in_row_ = 0;
     return;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace lake::video {
@@ -26,6 +27,7 @@ class MissingPictures {
   bool has_previous_ = false;
   std::int64_t in_row_ = 0, missing_in_row_ = 0;  // gaps up to now without a usual interval between them
   std::int64_t missing_ = 0, gaps_ = 0, longest_ = 0;
+  std::int64_t longest_before_row_ = 0;
 };
 
 }  // namespace lake::video

@@ -75,7 +75,8 @@ class SoundReader {
     if (!decoder)
       throw Fail("{}: no decoder for its sound ({})", path_.string(), avcodec_get_name(stream_->codecpar->codec_id));
     codec_ = libav::NewCodec(decoder);
-    avcodec_parameters_to_context(codec_.get(), stream_->codecpar);
+    const int set = avcodec_parameters_to_context(codec_.get(), stream_->codecpar);
+    if (set < 0) FailDamaged(set);
     codec_->pkt_timebase = stream_->time_base;  // stamps move with the samples that are left out
     const int result = avcodec_open2(codec_.get(), decoder, nullptr);
     if (result < 0) FailDamaged(result);
@@ -88,11 +89,12 @@ class SoundReader {
 
   // Upon nullptr what the decoder still holds comes out.
   void Send(const AVPacket* packet) {
+    if (packet && packet->size == 0) return;  // would end the decoding
     if (packet && av_packet_get_side_data(packet, AV_PKT_DATA_SKIP_SAMPLES, nullptr) && sound_.samples.empty())
       tells_priming_ = true;
     if (packet && (packet->flags & AV_PKT_FLAG_CORRUPT)) FailDamaged(AVERROR_INVALIDDATA);
     const int sent = avcodec_send_packet(codec_.get(), packet);
-    if (sent < 0 && sent != AVERROR_EOF) FailDamaged(sent);
+    if (sent < 0) FailDamaged(sent);
     int result = 0;
     while ((result = avcodec_receive_frame(codec_.get(), frame_.get())) >= 0) Take(*frame_);
     if (result != AVERROR(EAGAIN) && result != AVERROR_EOF) FailDamaged(result);
@@ -117,6 +119,7 @@ class SoundReader {
       float sum = 0;
       for (int c = 0; c < channels_; ++c)
         sum += interleaved_[i * static_cast<std::size_t>(channels_) + static_cast<std::size_t>(c)];
+      if (!std::isfinite(sum)) FailDamaged(AVERROR_INVALIDDATA);
       sound_.samples.push_back(sum / static_cast<float>(channels_));
     }
   }
