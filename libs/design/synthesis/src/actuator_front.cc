@@ -18,15 +18,22 @@ SynthesisProblem ProblemOf(SynthesisProblem problem, const problem::LinearActuat
   return problem::WithActuator(std::move(problem));
 }
 
-// From few starts and the links of the last share; from all starts where there are none.
+// From few starts and the links of the last share; from all starts where these lead to nothing.
 LocalSolve SolveShare(const SynthesisProblem& problem, const std::optional<linkage::Links>& last,
                       const OptimizeOptions& options) {
-  constexpr int kFewStarts = 4;
-  std::vector<linkage::Links> starts =
-      StartsOf(problem, {problem.start}, last ? std::min(options.starts, kFewStarts) : options.starts, options.seed);
-  if (last) starts.push_back(*last);
-  return SolveFromEach(starts, [&](const linkage::Links& start) { return SolveFrom(problem, start, options); })
-      .TakeBestOrFirst();
+  const auto solve_from = [&](const std::vector<linkage::Links>& starts) {
+    return SolveFromEach(starts, [&](const linkage::Links& start) { return SolveFrom(problem, start, options); })
+        .TakeBestOrFirst();
+  };
+  if (last) {
+    constexpr int kFewStarts = 4;
+    std::vector<linkage::Links> few =
+        StartsOf(problem, {problem.start}, std::min(options.starts, kFewStarts), options.seed);
+    few.push_back(*last);
+    LocalSolve best = solve_from(few);
+    if (best.IsUsable()) return best;
+  }
+  return solve_from(StartsOf(problem, {problem.start}, options.starts, options.seed));
 }
 
 // What a share fails for.

@@ -23,10 +23,10 @@ interface Label extends Point {
 
 const LINE_HEIGHT = 16; // px, of labels
 
-// Below those that it would cover.
+// Below those that it would cover. By less than a line, as rounding could else leave it where it is for ever.
 function freeOf(labels: Label[], label: Label): Label {
   const covered = labels.find(({ x, y, width }) =>
-    x < label.x + label.width && label.x < x + width && Math.abs(y - label.y) < LINE_HEIGHT);
+    x < label.x + label.width && label.x < x + width && Math.abs(y - label.y) < LINE_HEIGHT - 0.5);
   return covered ? freeOf(labels, { ...label, y: covered.y + LINE_HEIGHT }) : label;
 }
 
