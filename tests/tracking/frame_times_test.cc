@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -251,46 +250,6 @@ TEST(FrameTimes, AFrozenPictureIsNeitherARestNorACut) {
   EXPECT_GE(films, 8);
   EXPECT_EQ(found, frozen);
   EXPECT_EQ(wrong, 0);
-}
-
-// Quick knee bends of 0.9 s at 60 Hz, whose picture stands for 1.5 s: that hides other movements, and where the path
-// before leads in that time says nothing but that a person stays within reach. It was taken for a cut.
-TEST(FrameTimes, BehindALongFrozenPictureAPersonMayDoAnything) {
-  constexpr int kFrames = 300, kLength = 90;
-  constexpr double kBend_s = 0.9;
-  constexpr double kShankPx = 200, kThighPx = 180, kTrunkPx = 270;
-  for (const int begin : {150, 168, 177}) {
-    std::mt19937_64 random(static_cast<std::uint64_t>(begin));
-    std::normal_distribution<double> noise(0, 0.05);
-    motion::MarkerRecording recording;
-    for (const char* name : {"ankle", "knee", "hip", "waist"}) recording.markers.push_back({name, {}});
-    for (int i = 0; i < kFrames; ++i) {
-      recording.frame.push_back(i);
-      recording.time_s.push_back(i / kRateHz);
-      const int source = i >= begin && i < begin + kLength ? begin : i;
-      const double bend = 0.5 - 0.5 * std::cos(2 * M_PI * source / (kBend_s * kRateHz));
-      const auto up = [](double length, double forward) {
-        return Eigen::Vector2d(length * std::sin(forward), -length * std::cos(forward));
-      };
-      const std::array segments = {Eigen::Vector2d(300, 700), up(kShankPx, 0.5 * bend), up(kThighPx, -1.6 * bend),
-                                   up(kTrunkPx, 0.8 * bend)};
-      Eigen::Vector2d place = Eigen::Vector2d::Zero();
-      for (std::size_t m = 0; m < segments.size(); ++m) {
-        place += segments[m];
-        auto& samples = recording.markers[m].samples;
-        if (source == i)
-          samples.push_back(
-              {place + Eigen::Vector2d(noise(random), noise(random)), 0.05, motion::SampleStatus::kDetected});
-        else
-          samples.push_back(samples.back());
-      }
-    }
-    FrameTimes times;
-    ASSERT_NO_THROW(times = CorrectFrameTimes({}, recording)) << begin;
-    EXPECT_EQ(times.repeated.size(), static_cast<std::size_t>(kLength - 1)) << begin;
-    EXPECT_TRUE(times.jolts.empty()) << begin;
-    EXPECT_TRUE(std::ranges::none_of(times.jumps, &TimeJump::is_applied)) << begin;
-  }
 }
 
 // Who comes to rest as quickly as a person can, rests to the last digit, and starts as quickly, is no frozen picture:

@@ -52,10 +52,6 @@ double LogOddsOfStop(const dynamics::PathState& state, double within_s, double d
 
 }  // namespace
 
-dynamics::PathState Passage::Told(const dynamics::PathState& before, double elapsed_s, double density) const {
-  return dynamics::WithinReach(dynamics::Moved(before, elapsed_s, density), before.Position(), prior_);
-}
-
 double Passage::LogDensity(double elapsed_s) const {
   return LogDensity(elapsed_s, kMismeasured);
 }
@@ -85,7 +81,7 @@ double Passage::LogDensity(const Marker& marker, double elapsed_s, double unrela
   for (const Hypothesis& hypothesis : marker) {
     const auto join = [&](double density) {
       return std::log(1 - unrelated) + hypothesis.log_weight +
-             dynamics::LogJoin(Told(hypothesis.before, elapsed_s, density), hypothesis.after, 0, density);
+             dynamics::LogJoin(hypothesis.before, hypothesis.after, elapsed_s, density);
     };
     logs.push_back(std::log(1 - kSuddenShare) + join(hypothesis.density));
     logs.push_back(std::log(kSuddenShare) + join(kSudden * hypothesis.density));
@@ -97,7 +93,8 @@ double Passage::JumpMm(double elapsed_s) const {
   std::vector<double> jumps = {0, 0};
   for (const Marker& marker : markers_) {
     const Hypothesis& likeliest = *std::ranges::max_element(marker, {}, &Hypothesis::log_weight);
-    const dynamics::PathState told = Told(likeliest.before, elapsed_s, likeliest.density);
+    const dynamics::PathState told = dynamics::WithinReach(
+        dynamics::Moved(likeliest.before, elapsed_s, likeliest.density), likeliest.before.Position(), prior_);
     jumps.push_back((likeliest.after.Position() - told.Position()).norm());
   }
   std::ranges::nth_element(jumps, jumps.begin() + 1, std::greater());

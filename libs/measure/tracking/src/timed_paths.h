@@ -38,9 +38,6 @@ class Passage {
   };
   using Marker = std::vector<Hypothesis>;  // one for each density
 
-  // Where a path leads: as far as a person comes, as a jerk that goes on for a second would throw a marker out of
-  // sight.
-  dynamics::PathState Told(const dynamics::PathState& before, double elapsed_s, double density) const;
   double LogDensity(const Marker& marker, double elapsed_s, double unrelated) const;
   double LogDensity(double elapsed_s, double unrelated) const;  // that share of markers is something else afterwards
 
