@@ -28,7 +28,8 @@ struct Sound {
   double TimeOf(double sample) const;
 };
 
-// Of the film's main sound stream, as libav chooses it (default, else the most channels and bits). Throws Error: no file that can be read, no sound, damaged sound.
+// Of the film's main sound stream, as libav chooses it (default, else the most channels and bits). Throws Error: no
+// file that can be read, no sound, damaged sound.
 Sound ReadSound(const std::filesystem::path& path);
 
 }  // namespace lake::video
