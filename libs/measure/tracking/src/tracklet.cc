@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ranges>
 
 #include "lake/core/statistics.h"
 #include "lake/tracking/assignment.h"
@@ -419,11 +418,11 @@ void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPredic
                            predictions[k].gate_px + predictions[i].gate_px;
     });
   };
-  for (const std::size_t i : std::views::reverse(lost)) {
-    if (!has_neighbour(i)) continue;
+  std::for_each(lost.rbegin(), lost.rend(), [&](std::size_t i) {
+    if (!has_neighbour(i)) return;
     Keep(std::move(live_[i].tracklet));
     live_.erase(live_.begin() + static_cast<std::ptrdiff_t>(i));
-  }
+  });
 }
 
 std::vector<MarkerPrediction> TrackletBuilder::PredictAll(double time_s) const {
