@@ -38,7 +38,7 @@ bool HasSignal(const Synced& side) {
 // A trial's times are its film's stamps, unless a rate was given for them or a jump in them was mended.
 void CheckFilmsTimes(const Synced& side) {
   const fs::path folder = IsTrialFolder(side.recording) ? side.recording : side.recording.parent_path();
-  if (!IsTrialFolder(folder) || !fs::exists(folder / "summary.json")) return;
+  if (!fs::exists(folder / "summary.json")) return;
   const Json said = ReadJsonFile(folder / "summary.json");
   const Json rate = said.value(Json::json_pointer("/options/capture-rate"), Json());
   if (rate.is_string() && !rate.get<std::string>().empty())

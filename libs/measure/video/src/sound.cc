@@ -9,7 +9,6 @@ extern "C" {
 #include <array>
 #include <cmath>
 #include <memory>
-#include <new>
 #include <string_view>
 
 #include "damage_log.h"
