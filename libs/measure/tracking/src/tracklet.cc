@@ -220,10 +220,12 @@ void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPredic
       cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = PairCost(predictions[i], detections[j]);
   const std::vector<int> assigned = AssignRows(cost, 1.0);
   std::vector<bool> taken(detections.size(), false);
-  // What is far from where one leads, and may be another that is lost in this frame, is neither's.
+  // What is far from where one leads is neither's if it may be another that is lost in this frame, or if the one was
+  // lost for so long, as beside a gap in the time stamps, that it may be anywhere.
   const auto is_anybodys = [&](std::size_t row, int column) {
     constexpr double kNear = 0.05;  // a third of a gate
     if (cost(static_cast<Eigen::Index>(row), column) < kNear) return false;
+    if (!detector_.KnowsIdentities() && time_s_ - live_[row].seen_s > CoastS()) return true;
     for (std::size_t i = 0; i < assigned.size(); ++i)
       if (assigned[i] < 0 && cost(static_cast<Eigen::Index>(i), column) < 1 &&
           live_[i].tracklet.LastFrame() == previous_.index &&
@@ -266,8 +268,12 @@ bool TrackletBuilder::MakePlaceFor(const MarkerDetection& detection) {
   return true;
 }
 
+double TrackletBuilder::CoastS() const {
+  return std::max(options_.max_coast_s, (options_.max_coast_frames + 0.5) * frame_s_);
+}
+
 void TrackletBuilder::RetireLost() {
-  const double coast_s = std::max(options_.max_coast_s, (options_.max_coast_frames + 0.5) * frame_s_);
+  const double coast_s = CoastS();
   std::erase_if(live_, [&](Live& live) {
     const bool young = !live.seeded && static_cast<int>(live.tracklet.samples.size()) < options_.min_samples;
     const bool established = static_cast<int>(live.tracklet.samples.size()) >= options_.established;

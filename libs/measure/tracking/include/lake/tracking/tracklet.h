@@ -108,6 +108,7 @@ class TrackletBuilder {
   void Associate(std::int64_t frame, std::span<const MarkerPrediction> predictions,
                  std::vector<MarkerDetection> detections);
   bool MakePlaceFor(const MarkerDetection& detection);
+  double CoastS() const;  // how long a thing may be lost before its tracklet ends
   void RetireLost();
   void Keep(Tracklet tracklet);
   std::optional<Tracklet> Judged(Tracklet tracklet) const;
