@@ -119,7 +119,7 @@ def draw_motion(seed, world, kinds, brief):
     pace = it.choice((1, 1, 1, 1, it.uniform(0.8, 1.25), it.uniform(1.2, 1.7)))
     total = (times[-1] - times[0]) * pace
     length = min(length, total - 0.05)
-    begin = it.uniform(0, total - length - 0.02)
+    begin = max(it.uniform(0, total - length - 0.02), 0.1)  # the first exposure begins before its time
     far = it.random() < 0.08
     facing = side if not far else {"left": "right", "right": "left"}[side]
     world |= {"file": file, "pace": round(pace, 3), "far": far}
