@@ -95,9 +95,9 @@ TEST(Anthropometry, DeLevasGyrationsAreThoseOfTheMeasurementsBehindThem) {
   }
 }
 
-// Other people by another method (McConville et al. 1980 and Young et al. 1983, in Dumas et al. 2007, J. Biomech. 40(3),
-// 543-553, doi 10.1016/j.jbiomech.2006.02.013, men and women): about the mediolateral axis 0.30 and 0.32 of the thigh,
-// 0.28 of the shank. They cut the thigh from the trunk elsewhere, and people differ by a tenth.
+// Other people by another method (McConville et al. 1980 and Young et al. 1983, in Dumas et al. 2007, J. Biomech.
+// 40(3), 543-553, doi 10.1016/j.jbiomech.2006.02.013, men and women): about the mediolateral axis 0.30 and 0.32 of the
+// thigh, 0.28 of the shank. They cut the thigh from the trunk elsewhere, and people differ by a tenth.
 TEST(Anthropometry, AnotherMeasurementHasSimilarGyrations) {
   const auto expect_near = [](double gyration, double other) { EXPECT_NEAR(gyration, other, 0.15 * other); };
   const Anthropometry male = FindAnthropometry("deleva", Sex::kMale),
