@@ -92,6 +92,7 @@ class HostRig {
   void Sense();
   std::uint16_t Read(double volt);
   double Current() const;
+  BridgeInputs Sent() const;  // by the firmware
   double MotorDuty() const;
   double Supply() const;  // part of the nominal voltage, at the bridge
   void SetLevels();
