@@ -24,12 +24,6 @@ constexpr int kTalkEvery_ms = 500;
 constexpr double kReadsHigh = 0.62;  // of 12 V: 3 V behind the outputs' dividers, which every pin reads as high
 constexpr int kBytesPerMs = 11;      // of 115200 baud
 
-// Every file of the firmware that knows nothing of the chip, the tests' board in place of those that do.
-constexpr const char* kPortable =
-    "controller.c state.c divide.c program.c calibration.c motor.c power.c button.c end_stops.c protocol.c line.c "
-    "analog.c "
-    "follow.c";
-
 #if defined(__SANITIZE_ADDRESS__)
 constexpr const char* kSanitizers = "-fsanitize=address,undefined -fno-sanitize-recover=undefined";
 #else
@@ -41,7 +35,7 @@ std::filesystem::path Library(const std::string& stroke_table) {
   const std::string command = fmt::format(
       "{} -std=gnu99 -O1 -g1 -fPIC -shared -Wl,-Bsymbolic -Wall -Wextra -Werror {} -I. -I{} {} {} "
       "-o firmware.so",
-      LAKE_HOST_CC, kSanitizers, Quoted(host), kPortable, Quoted(host / "host_board.c"));
+      LAKE_HOST_CC, kSanitizers, Quoted(host), kPortableSources, Quoted(host / "host_board.c"));
   return CompiledOnce(stroke_table, command, "firmware.so",
                       ReadTextFile(host / "host_board.c") + ReadTextFile(host / "host_board.h"));
 }
