@@ -23,6 +23,7 @@ using testing::Not;
 constexpr double kStopWay_mm = 0.3;        // after a stop, whatever is broken: coasting from 5 mm/s takes 0.13
 constexpr double kFailedBridgeWay_mm = 1;  // where the bridge drives by itself: the relay opens 10 ms after the stop
                                            // has found it out, and the motor coasts from full speed
+constexpr double kFailedBridgeTold_s = 0.085;  // then: the relay opens within 100 ms of the fault
 constexpr const char* kAtLimit = "running, at the upper limit";
 
 using Act = std::function<void(HostRig&)>;
@@ -260,6 +261,9 @@ TEST_F(FaultMatrixTest, NoSingleFaultInAnyStateIsDangerous) {
       if (found.alarm == 0) continue;
       EXPECT_THAT(fault.told, testing::Contains(found.alarm)) << fault.name << ", " << state;
       EXPECT_LE(found.way_mm, fault.way_mm) << fault.name << ", " << state;
+      if (drives_by_itself) {
+        EXPECT_LE(found.told_s, kFailedBridgeTold_s) << fault.name << ", " << state;
+      }
     }
     risks.emplace_back(fault, risk);
   }

@@ -38,6 +38,17 @@ struct RigBreaks {
     if (in2 != Wire::kWhole) sent.in2 = in2 != Wire::kGround;
     return sent;
   }
+  // Whether outputs that are read back are other than a bridge's that drives: in the PWM's high part the driven one
+  // high and the other low, in its low part, where the motor's current still flows, the driven one low.
+  bool Contradict(const BridgeInputs& sent, bool has_supply) const {
+    const BridgeInputs at = Arriving(sent);
+    const bool is_on = has_supply && shorted == 0 && at.enable > 0;
+    const bool out1 = has_supply && (shorted > 0 || (is_on && at.in1));
+    const bool out2 = has_supply && (shorted < 0 || (is_on && at.in2));
+    const bool driven = sent.in1 ? out1 : out2, other = sent.in1 ? out2 : out1;
+    const bool low_part = has_supply && sent.enable < 1 && (shorted != 0 || ena == Wire::kFive) && driven;
+    return !driven || other || low_part;
+  }
   // Of the outputs, read back while ENA is as it is.
   bool OutputsAreLow(const BridgeInputs& sent) const { return shorted == 0 && Arriving(sent).OutputsAreLow(); }
 };

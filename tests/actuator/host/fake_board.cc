@@ -23,6 +23,9 @@ uint8_t bridge_enable_is_free(void) {
 uint8_t bridge_outputs_are_low(void) {
   return 1;
 }
+uint8_t bridge_outputs_contradict(void) {
+  return 0;
+}
 
 uint32_t portable_block(void) {
   return fake_board.blocked++;

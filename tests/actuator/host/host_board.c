@@ -44,6 +44,9 @@ uint8_t bridge_outputs_are_low(void) {
   const int is_enabled = host_board.enable_is_held || host_board.enabled > 0;
   return !(is_enabled && (host_board.in1 || host_board.in2 || host_board.in1_is_high || host_board.in2_is_high));
 }
+uint8_t bridge_outputs_contradict(void) {
+  return LAKE_BRIDGE_SENSE && host_board.outputs_contradict;
+}
 
 uint32_t portable_block(void) {
   return host_board.blocked++;

@@ -16,6 +16,7 @@ typedef struct {
   int in1, in2;
   int enable_is_held;            // by a jumper or a wire at 5 V
   int output_is_stuck;           // high, whatever the bridge is told
+  int outputs_contradict;        // what the bridge was told in the last ms
   int in1_is_high, in2_is_high;  // by broken wires
   uint8_t relay, button;
   uint32_t blocked;       // how deep in blocks that no interrupt divides

@@ -21,13 +21,8 @@ namespace lake {
 namespace {
 
 constexpr int kTalkEvery_ms = 500;
-constexpr int kBytesPerMs = 11;  // of 115200 baud
-
-// Every file of the firmware that knows nothing of the chip, the tests' board in place of those that do.
-constexpr const char* kPortable =
-    "controller.c state.c divide.c program.c calibration.c motor.c power.c button.c end_stops.c protocol.c line.c "
-    "analog.c "
-    "follow.c";
+constexpr double kReadsHigh = 0.62;  // of 12 V: 3 V behind the outputs' dividers, which every pin reads as high
+constexpr int kBytesPerMs = 11;      // of 115200 baud
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr const char* kSanitizers = "-fsanitize=address,undefined -fno-sanitize-recover=undefined";
@@ -40,7 +35,7 @@ std::filesystem::path Library(const std::string& stroke_table) {
   const std::string command = fmt::format(
       "{} -std=gnu99 -O1 -g1 -fPIC -shared -Wl,-Bsymbolic -Wall -Wextra -Werror {} -I. -I{} {} {} "
       "-o firmware.so",
-      LAKE_HOST_CC, kSanitizers, Quoted(host), kPortable, Quoted(host / "host_board.c"));
+      LAKE_HOST_CC, kSanitizers, Quoted(host), kPortableSources, Quoted(host / "host_board.c"));
   return CompiledOnce(stroke_table, command, "firmware.so",
                       ReadTextFile(host / "host_board.c") + ReadTextFile(host / "host_board.h"));
 }
@@ -149,12 +144,15 @@ double HostRig::Supply() const {
   return actuator_.supply ? actuator_.supply(Time()) : 1;
 }
 
+BridgeInputs HostRig::Sent() const {
+  return {board_->enabled / double{actuator::kPwmPeriod}, board_->in1 != 0, board_->in2 != 0};
+}
+
 // What arrives at the motor: the firmware's inputs through whole or broken wires.
 double HostRig::MotorDuty() const {
   if (Supply() <= 0 || breaks_.is_motor_unplugged) return 0;
   if (breaks_.shorted != 0) return breaks_.shorted;
-  const BridgeInputs sent = {board_->enabled / double{actuator::kPwmPeriod}, board_->in1 != 0, board_->in2 != 0};
-  return breaks_.Arriving(sent).Duty();
+  return breaks_.Arriving(Sent()).Duty();
 }
 
 void HostRig::Move() {
@@ -169,8 +167,7 @@ void HostRig::Move() {
     const double against_n = direction * Load();
     target_mm_s_ = direction * std::max(0.0, free_mm_s_ - (against_n < 0 ? 0.4 : 1) * against_n * actuator_.mm_s_per_n);
   }
-  const BridgeInputs sent = {board_->enabled / double{actuator::kPwmPeriod}, board_->in1 != 0, board_->in2 != 0};
-  const bool is_brake = breaks_.Arriving(sent).IsBrake() && supply > 0;
+  const bool is_brake = breaks_.Arriving(Sent()).IsBrake() && supply > 0;
   if (duty == 0 && !is_brake)
     speed_mm_s_ = std::copysign(std::max(0.0, std::abs(speed_mm_s_) - actuator_.coast_mm_s2 * 1e-3), speed_mm_s_);
   else
@@ -224,6 +221,7 @@ void HostRig::SetLevels() {
   board_->in1_is_high = breaks_.in1 == Wire::kOpen || breaks_.in1 == Wire::kFive;
   board_->in2_is_high = breaks_.in2 == Wire::kOpen || breaks_.in2 == Wire::kFive;
   board_->output_is_stuck = breaks_.shorted != 0 && Supply() > 0;
+  board_->outputs_contradict = board_->bridge == HOST_DRIVE && breaks_.Contradict(Sent(), Supply() > kReadsHigh);
   board_->button = is_held_;
   const bool is_closed = board_->relay || breaks_.is_relay_welded;
   relay_ms_ = is_closed == is_relay_closed_ ? 0 : relay_ms_ + 1;

@@ -18,6 +18,11 @@
 
 namespace lake {
 
+// Every file of the firmware that knows nothing of the chip; a board's own, the tests' or another chip's, come beside.
+inline constexpr const char* kPortableSources =
+    "controller.c state.c divide.c program.c calibration.c motor.c power.c button.c end_stops.c protocol.c line.c "
+    "analog.c follow.c";
+
 // Speed follows the table at duty times supply, less what the load costs, with a time constant while driven, 10 ms when
 // shorted. Off it coasts: what the screw's friction takes of the speed, which is what keeps it still in the dead band
 // of the duty table, 3.5 mm/s of the model's, over the time constant. The screw holds by itself; between motor and rod
@@ -92,6 +97,7 @@ class HostRig {
   void Sense();
   std::uint16_t Read(double volt);
   double Current() const;
+  BridgeInputs Sent() const;  // by the firmware
   double MotorDuty() const;
   double Supply() const;  // part of the nominal voltage, at the bridge
   void SetLevels();

@@ -33,7 +33,7 @@ constexpr std::uint8_t kTimer2CompareA = 7;  // its vector
 constexpr int kRamEnd = 0x8FF;
 constexpr std::size_t kTalkEverySamples = 500;
 constexpr int kCom1a1 = 7;  // of TCCR1A: the timer drives the pin
-enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kIn1 = 7, kOut1 = 3 };
+enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kRelay = 5, kIn1 = 7, kOut1 = 3 };
 
 bool HasBit(std::uint8_t value, int bit) {
   return (value >> bit) & 1;
@@ -61,6 +61,7 @@ AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator) 
   avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);  // nothing to the test's own output
   adc_ = std::make_unique<DatasheetAdc>(avr_);
   receiver_ = std::make_unique<DatasheetReceiver>(avr_);
+  pwm_ = std::make_unique<DatasheetPwm>(avr_, [this](bool is_high) { SetBridgePins(is_high); });
   SetEndStopPins();
 }
 
@@ -75,6 +76,14 @@ bool AvrRig::HasEnded() const {
   return avr_->state == cpu_Done || avr_->state == cpu_Crashed;
 }
 
+bool AvrRig::IsPwm() const {
+  return HasBit(avr_->data[kTccr1a], kCom1a1) && HasBit(avr_->data[kDdrB], kEna);
+}
+
+bool AvrRig::IsRelayClosed() const {
+  return HasBit(avr_->data[kPortD], kRelay) && HasBit(avr_->data[kDdrD], kRelay);
+}
+
 // As they arrive at the bridge. A pin that is no output reads low: the board has pull-downs.
 // The timer's registers rather than the pin: simavr 1.6 does not move the pin's compare event when OCR1A is written.
 BridgeInputs AvrRig::ReadInputs() const {
@@ -84,7 +93,7 @@ BridgeInputs AvrRig::ReadInputs() const {
   };
   const auto word = [&](std::uint16_t address) { return data[address] | data[address + 1] << 8; };
   BridgeInputs inputs{0, level(kPortD, kDdrD, kIn1), level(kPortB, kDdrB, kIn2)};
-  if (HasBit(data[kTccr1a], kCom1a1) && HasBit(data[kDdrB], kEna))
+  if (IsPwm())
     inputs.enable = std::min(1.0, (word(kOcr1a) + 1.0) / (word(kIcr1) + 1.0));
   else
     inputs.enable = level(kPortB, kDdrB, kEna) ? 1 : 0;
@@ -145,11 +154,14 @@ void AvrRig::SetEndStopPins() {
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kExtendStop), extend);
 }
 
-// ENA as an input: the jumper's 5 V, or the pull-down. The outputs on A3 and A4.
-void AvrRig::SetBridgePins() {
+// ENA as an input: the jumper's 5 V, or the pull-down. The outputs on A3 and A4, of a PWM those of its high or low
+// part. In the low part the motor's current holds the driven one at ground.
+void AvrRig::SetBridgePins(bool is_high) {
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('B'), kEna), breaks_.ena == Wire::kFive);
-  const bool is_on = inputs_.enable > 0;
-  const bool levels[] = {breaks_.shorted > 0 || (is_on && inputs_.in1), breaks_.shorted < 0 || (is_on && inputs_.in2)};
+  const bool is_off = inputs_.enable == 0 || (IsPwm() && breaks_.ena == Wire::kWhole && !is_high),
+             is_on = breaks_.shorted == 0 && !is_off;
+  const bool levels[] = {HasSupply() && (breaks_.shorted > 0 || (is_on && inputs_.in1)),
+                         HasSupply() && (breaks_.shorted < 0 || (is_on && inputs_.in2))};
   for (const int output : {0, 1})
     avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('C'), kOut1 + output), levels[output]);
 }
@@ -159,7 +171,8 @@ void AvrRig::EndMillisecond() {
   double total = 0;
   for (const double cycles : on_cycles_) total += cycles;
   const auto share = [&](Drive drive) { return on_cycles_[static_cast<int>(drive)] / total; };
-  const double driven = share(Drive::kExtend) - share(Drive::kRetract), duty = breaks_.is_reversed ? -driven : driven;
+  const double driven = HasSupply() ? share(Drive::kExtend) - share(Drive::kRetract) : 0,
+               duty = breaks_.is_reversed ? -driven : driven;
   const bool brake = share(Drive::kBrake) > 0.5;
   const double target =
       duty == 0 ? 0
@@ -185,7 +198,7 @@ void AvrRig::Sense(double duty) {
   const double current_a = duty == 0 ? 0 : std::copysign(breaks_.motor_a, duty);
   adc_->SetMillivolt(0, wiper * kSupply_mv);
   adc_->SetMillivolt(1, breaks_.current_wire ? 0 : 2500 + 1e3 * breaks_.current_offset_v + 185 * current_a);
-  adc_->SetMillivolt(2, breaks_.supply_wire ? 0 : 1e3 * actuator_.supply_v / actuator::kSupplyDivider);
+  adc_->SetMillivolt(2, breaks_.supply_wire || !HasSupply() ? 0 : 1e3 * actuator_.supply_v / actuator::kSupplyDivider);
 }
 
 void AvrRig::WatchInterrupts(std::uint64_t before) {
@@ -213,7 +226,7 @@ void AvrRig::Run(double seconds) {
       CountOnTime();
       if (DriveOf(now) != DriveOf(inputs_)) changes_.push_back({Time(), DriveOf(now), now.enable});
       inputs_ = now;
-      SetBridgePins();
+      SetBridgePins(true);
     }
     if (avr_->cycle < next_ms) continue;
     next_ms += kCyclesPerMs;

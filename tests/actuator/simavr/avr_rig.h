@@ -47,6 +47,7 @@ struct ActuatorModel {
   double time_constant_s = 0.03;
   double coast_mm_s2 = 100;
   double supply_v = 12;
+  bool has_relay = false;                 // in the supply, before its sense
   double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
 };
 
@@ -74,6 +75,7 @@ class AvrRig {
   double Time() const;
   double Stroke() const { return actuator_.stroke_mm; }
   void SetStroke(double stroke_mm) { actuator_.stroke_mm = stroke_mm; }
+  bool IsRelayClosed() const;  // its pin, D5
   void FlipBit(int address, int bit) { avr_->data[address] ^= static_cast<std::uint8_t>(1 << bit); }
   bool HasEnded() const;                                 // `quit`
   const std::string& Serial() const { return serial_; }  // whole lines, without their check sums
@@ -91,7 +93,9 @@ class AvrRig {
  private:
   static void OnSerial(avr_irq_t* irq, uint32_t value, void* rig);
   BridgeInputs ReadInputs() const;
-  void SetBridgePins();
+  bool HasSupply() const { return !actuator_.has_relay || IsRelayClosed(); }
+  bool IsPwm() const;  // whether the timer drives ENA
+  void SetBridgePins(bool is_high);
   void CountOnTime();
   void EndMillisecond();
   void SetEndStopPins();
@@ -108,6 +112,7 @@ class AvrRig {
   std::string serial_, line_;
   std::unique_ptr<DatasheetAdc> adc_;
   std::unique_ptr<DatasheetReceiver> receiver_;
+  std::unique_ptr<DatasheetPwm> pwm_;
   bool talking_ = false;
   static void OnTick(avr_irq_t* irq, uint32_t runs, void* rig);
   void WatchInterrupts(std::uint64_t before);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace lake {
 namespace {
@@ -14,7 +15,9 @@ namespace {
 constexpr std::uint16_t kAdcl = 0x78, kAdch = 0x79, kAdcsra = 0x7A, kAdmux = 0x7C, kUcsr0a = 0xC0, kUdr0 = 0xC6;
 constexpr std::uint8_t kAden = 0x80, kAdsc = 0x40, kAdif = 0x10, kPrescaler = 0x07, kChannel = 0x0F, kRxc = 0x80,
                        kDor = 0x08;
-constexpr int kAdcVector = 21, kReceiveVector = 18;
+constexpr std::uint16_t kTimsk1 = 0x6F, kTcnt1 = 0x84, kTop1 = 0x86, kCompare1 = 0x88;
+constexpr std::uint8_t kToie1 = 0x01, kOcie1a = 0x02;
+constexpr int kAdcVector = 21, kReceiveVector = 18, kCompareVector = 11;
 constexpr double kReference_mv = 5000;
 constexpr double kCyclesPerByte = 16e6 / 115200 * 10;
 
@@ -200,6 +203,51 @@ std::uint8_t DatasheetReceiver::ReadData(avr_t* avr, avr_io_addr_t, void* self) 
     avr_raise_interrupt(avr, receiver.vector_);
   }
   return byte;
+}
+
+DatasheetPwm::DatasheetPwm(avr_t* avr, std::function<void(bool is_high)> on_edge)
+    : avr_(avr), vector_(VectorOf(avr, kCompareVector)), on_edge_(std::move(on_edge)) {
+  OnWrite(avr, kTimsk1, WriteMask, this);
+  OnWrite(avr, kCompare1, WriteCompare, this);  // so that simavr has no compare event of its own
+}
+
+void DatasheetPwm::WriteCompare(avr_t* avr, avr_io_addr_t address, std::uint8_t value, void*) {
+  avr->data[address] = value;
+}
+
+int DatasheetPwm::Word(int address) const {
+  return avr_->data[address] | avr_->data[address + 1] << 8;
+}
+
+avr_cycle_count_t DatasheetPwm::Until(int count) const {
+  const auto& read = avr_->io[AVR_DATA_TO_IO(kTcnt1)].r;
+  read.c(avr_, kTcnt1, read.param);  // brings the counter's registers up to date
+  const int period = Word(kTop1) + 1;
+  return static_cast<avr_cycle_count_t>((count - Word(kTcnt1) + 2 * period - 1) % period + 1);
+}
+
+void DatasheetPwm::WriteMask(avr_t* avr, avr_io_addr_t address, std::uint8_t value, void* self) {
+  const DatasheetPwm& pwm = *static_cast<DatasheetPwm*>(self);
+  avr->data[address] = value;
+  avr_cycle_timer_cancel(avr, OnCompare, self);
+  if (value & kToie1) avr_cycle_timer_register(avr, pwm.Until(0), OnRise, self);
+  if (value & kOcie1a) avr_cycle_timer_register(avr, pwm.Until(pwm.Word(kCompare1)), OnCompare, self);
+  if (value & kOcie1a) avr_cycle_timer_register(avr, pwm.Until(pwm.Word(kCompare1)) + 1, OnFall, self);
+}
+
+avr_cycle_count_t DatasheetPwm::OnCompare(avr_t* avr, avr_cycle_count_t, void* self) {
+  avr_raise_interrupt(avr, static_cast<DatasheetPwm*>(self)->vector_);
+  return 0;
+}
+
+avr_cycle_count_t DatasheetPwm::OnRise(avr_t*, avr_cycle_count_t, void* self) {
+  static_cast<DatasheetPwm*>(self)->on_edge_(true);
+  return 0;
+}
+
+avr_cycle_count_t DatasheetPwm::OnFall(avr_t*, avr_cycle_count_t, void* self) {
+  static_cast<DatasheetPwm*>(self)->on_edge_(false);
+  return 0;
 }
 
 }  // namespace lake

@@ -1,5 +1,6 @@
-// Two peripherals of the ATmega328P as its data sheet has them, in place of simavr's. simavr reads the channel when the
-// result is read, and its receiver holds 64 bytes: firmware that runs there may fail on the chip.
+// Three peripherals of the ATmega328P as its data sheet has them, in place of simavr's. simavr reads the channel when
+// the result is read, its receiver holds 64 bytes, and the PWM's compare event stays where it was when the timer was
+// started: firmware that runs there may fail on the chip.
 #pragma once
 
 #include <simavr/sim_avr.h>
@@ -7,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <optional>
 
 namespace lake {
@@ -88,6 +90,28 @@ class DatasheetReceiver {
   std::optional<std::uint8_t> shift_register_;
   std::uint64_t lost_ = 0;
   avr_cycle_count_t longest_wait_ = 0;
+};
+
+// The PWM of timer 1 (data sheet, chapter 16): mode 14, up to ICR1, without a prescaler; simavr's own counter and
+// overflow. While the program has one of its interrupts enabled the next rise or fall is told.
+class DatasheetPwm {
+ public:
+  DatasheetPwm(avr_t* avr, std::function<void(bool is_high)> on_edge);
+  DatasheetPwm(const DatasheetPwm&) = delete;
+  DatasheetPwm& operator=(const DatasheetPwm&) = delete;
+
+ private:
+  static void WriteMask(avr_t* avr, avr_io_addr_t address, std::uint8_t value, void* self);
+  static void WriteCompare(avr_t* avr, avr_io_addr_t address, std::uint8_t value, void* self);
+  static avr_cycle_count_t OnCompare(avr_t* avr, avr_cycle_count_t when, void* self);
+  static avr_cycle_count_t OnRise(avr_t* avr, avr_cycle_count_t when, void* self);
+  static avr_cycle_count_t OnFall(avr_t* avr, avr_cycle_count_t when, void* self);
+  avr_cycle_count_t Until(int count) const;  // cycles, to the next time that the counter has this value
+  int Word(int address) const;
+
+  avr_t* avr_;
+  avr_int_vector_t* vector_;
+  std::function<void(bool is_high)> on_edge_;
 };
 
 }  // namespace lake

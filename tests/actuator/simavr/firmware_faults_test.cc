@@ -129,5 +129,57 @@ TEST_F(FirmwareFaultsTest, WhateverBreaksWhileItRunsIsOffInTheTimeOfSafetyMd) {
   }
 }
 
+// The outputs of a bridge that drives by itself, or whose wires are broken, are seen in the PWM's high and low parts;
+// the relay opens. From 96 % of duty on there is no low part to be seen, and what drives the same way adds next to
+// nothing.
+TEST_F(FirmwareFaultsTest, ABridgeThatDoesNotFollowThePwmIsSwitchedOff) {
+  WireEverything();
+  firmware_options_.bridge_sense = true, firmware_options_.pins.safety_relay = 5;
+  actuator_.has_relay = true;
+  struct Case {
+    const char* jog;
+    int shorted;
+    Wire ena, in1, in2;
+    bool is_told;
+  };
+  using enum Wire;
+  const Case cases[] = {
+      {"jog 300 2000", 0, kWhole, kWhole, kWhole, false},  {"jog -300 2000", 0, kWhole, kWhole, kWhole, false},
+      {"jog 50 2000", 0, kWhole, kWhole, kWhole, false},   {"jog 980 600", 0, kWhole, kWhole, kWhole, false},
+      {"jog 1000 600", 0, kWhole, kWhole, kWhole, false},  {"jog 300 2000", 1, kWhole, kWhole, kWhole, true},
+      {"jog -300 2000", -1, kWhole, kWhole, kWhole, true}, {"jog 300 2000", -1, kWhole, kWhole, kWhole, true},
+      {"jog -1000 900", 1, kWhole, kWhole, kWhole, true},  {"jog 50 2000", 1, kWhole, kWhole, kWhole, true},
+      {"jog 950 600", 1, kWhole, kWhole, kWhole, true},    {"jog 1000 600", 1, kWhole, kWhole, kWhole, false},
+      {"jog 300 2000", 0, kFive, kWhole, kWhole, true},    {"jog -300 2000", 0, kOpen, kWhole, kWhole, true},
+      {"jog 300 2000", 0, kWhole, kGround, kWhole, true},  {"jog 300 2000", 0, kWhole, kWhole, kFive, true},
+      {"jog -300 2000", 0, kWhole, kOpen, kWhole, true},
+  };
+  double longest_s = 0;
+  for (const Case& one : cases) {
+    BuildAndStand(kBothWays, 305);
+    rig_->Run(0.6);
+    ASSERT_TRUE(Asks(one.jog, "ok")) << rig_->Serial();
+    RunUntilDuty(one.jog[4] == '-' ? -1 : 1);
+    rig_->Run(0.15);
+    ASSERT_TRUE(rig_->IsRelayClosed());
+    const double since = rig_->Time();
+    AvrBreaks& breaks = rig_->Breaks();
+    breaks.shorted = one.shorted, breaks.ena = one.ena, breaks.in1 = one.in1, breaks.in2 = one.in2;
+    rig_->Run(0.1);
+    const std::string what = fmt::format("{}, shorted {}, {}{}{}", one.jog, one.shorted, static_cast<int>(one.ena),
+                                         static_cast<int>(one.in1), static_cast<int>(one.in2));
+    EXPECT_EQ(rig_->IsRelayClosed(), !one.is_told) << what << rig_->Serial();
+    EXPECT_LT(rig_->LongestBlocked_us(), 50) << "the budget of board.c";
+    if (one.is_told) {
+      EXPECT_THAT(rig_->Serial(), HasSubstr("ALARM:15\n")) << what;
+      EXPECT_LE(DriveTimeAfter(since), 0.04) << what;
+      longest_s = std::max(longest_s, DriveTimeAfter(since));
+    } else {
+      EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << what;
+    }
+  }
+  std::printf("a bridge that does not follow: off after %.0f ms at most\n", 1e3 * longest_s);
+}
+
 }  // namespace
 }  // namespace lake

@@ -1,5 +1,7 @@
 #include "bridge.h"
 
+#include <avr/interrupt.h>
+#include <util/atomic.h>
 #include <util/delay_basic.h>
 
 #include "config.h"
@@ -11,7 +13,67 @@
 
 #define CONNECT_TO(pin) ((pin) == 9 ? _BV(COM1A1) : _BV(COM1B1))
 
-static int8_t direction_now;
+static volatile int8_t direction_now;
+
+#if LAKE_BRIDGE_SENSE
+
+// A period is looked at in two interrupts of timer 1, each of which asks for itself anew: at the PWM's rise and at its
+// fall. Soon after the fall the motor's current still flows, through the diodes, and holds the driven output at ground;
+// once it has ended the output has the voltage that the motor generates.
+#define RISE_LOOPS 43    // 129 clocks, 8 us: delay and rise of an L298N (data sheet: 3 us), and the divider's
+#define FALL_LOOPS 21    // 63 clocks, 4 us: its delay and fall (2 us)
+#define LOW_CLOCKS 160   // 10 us: a shorter low part, from 96 % of duty on, is not looked at
+#define LATE_CLOCKS 320  // 20 us after the fall: by another interrupt, too late to tell
+
+static volatile uint8_t contradicts, contradicts_high;  // of the last looks that could tell
+
+static uint8_t driven_is_high(void) {
+  return direction_now > 0 ? PIN_READ(LAKE_PIN_OUT1) : PIN_READ(LAKE_PIN_OUT2);
+}
+static uint8_t other_is_high(void) {
+  return direction_now > 0 ? PIN_READ(LAKE_PIN_OUT2) : PIN_READ(LAKE_PIN_OUT1);
+}
+
+ISR(TIMER1_OVF_vect) {
+  _delay_loop_1(RISE_LOOPS);
+  const uint8_t is_wrong = !driven_is_high() || other_is_high();
+  if (TCNT1 < OCR1A) contradicts_high = is_wrong;
+  TIFR1 = _BV(OCF1A);
+  TIMSK1 = _BV(OCIE1A);
+}
+
+ISR(TIMER1_COMPA_vect) {
+  TIMSK1 = 0;
+  _delay_loop_1(FALL_LOOPS);
+  const uint8_t is_high = driven_is_high() != 0;
+  const uint16_t fall = OCR1A;
+  if (contradicts_high || fall > LAKE_PWM_PERIOD - LOW_CLOCKS)
+    contradicts = contradicts_high;
+  else if ((uint16_t)(TCNT1 - fall) < LATE_CLOCKS)
+    contradicts = is_high;
+}
+
+static void stop_looking(void) {
+  TIMSK1 = 0;
+  contradicts = contradicts_high = 0;
+}
+
+uint8_t bridge_outputs_contradict(void) {
+  const uint8_t last = contradicts;
+  TIFR1 = _BV(TOV1);
+  TIMSK1 = _BV(TOIE1);
+  return last;
+}
+
+#else
+
+static void stop_looking(void) {}
+
+uint8_t bridge_outputs_contradict(void) {
+  return 0;
+}
+
+#endif
 
 static void disconnect_pwm(void) {
   TCCR1A = _BV(WGM11);
@@ -35,6 +97,7 @@ void bridge_init(void) {
 }
 
 void bridge_off(void) {
+  stop_looking();
   PIN_WRITE(LAKE_PIN_ENA, 0);
   disconnect_pwm();
   set_inputs(0, 0);
@@ -55,7 +118,9 @@ void bridge_direct(int8_t direction) {
 // high).
 void bridge_drive(uint16_t counts) {
   const uint8_t is_full = counts >= LAKE_PWM_PERIOD;
-  OCR1A = OCR1B = counts - 1;  // high for one clock more of each period
+  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {  // the halves of timer 1's registers share one place with those of the looks
+    OCR1A = OCR1B = counts - 1;        // high for one clock more of each period
+  }
 #if LAKE_BRIDGE_BTS7960
   TCCR1A = _BV(WGM11) | (is_full ? 0 : CONNECT_TO(direction_now > 0 ? LAKE_PIN_IN1 : LAKE_PIN_IN2));
   PIN_WRITE(LAKE_PIN_ENA, 1);

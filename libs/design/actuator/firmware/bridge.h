@@ -26,4 +26,9 @@ uint8_t bridge_enable_is_free(void);
 // Nonzero if both outputs read low. Only with LAKE_BRIDGE_SENSE.
 uint8_t bridge_outputs_are_low(void);
 
+// While it drives: nonzero if in the last period of the PWM that was looked at the outputs were not as they are told,
+// the driven one high and the other low in its high part, the driven one low after its fall. Has the next period looked
+// at. 0 without LAKE_BRIDGE_SENSE.
+uint8_t bridge_outputs_contradict(void);
+
 #endif

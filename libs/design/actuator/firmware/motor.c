@@ -5,6 +5,7 @@
 #include "portable.h"
 
 #define OUTPUT_WRONG_MS 3
+#define DRIVE_WRONG_MS 30  // longer than a supply that is off needs to be told as such: analog.c
 
 static struct {
   int8_t driving, probing;
@@ -31,6 +32,7 @@ void motor_stop(void) {
   bridge_off();
   m.driving = 0;
   m.counts = 0;
+  m.wrong_ms = 0;
   m.dead_left_ms = LAKE_DEAD_TIME_MS;
   m.brakes = LAKE_BRIDGE_SENSE;
 }
@@ -48,6 +50,14 @@ static void watch_outputs(void) {
   if (!LAKE_BRIDGE_SENSE || bridge_outputs_are_low())
     m.wrong_ms = 0;
   else if (++m.wrong_ms >= OUTPUT_WRONG_MS)
+    be_wrong();
+}
+
+// Driven, the outputs follow the PWM, but for a broken wire, a transistor that is shorted, or no supply.
+static void watch_drive(void) {
+  if (!bridge_outputs_contradict())
+    m.wrong_ms = 0;
+  else if (++m.wrong_ms >= DRIVE_WRONG_MS)
     be_wrong();
 }
 
@@ -81,6 +91,7 @@ void motor_tick(int8_t direction, uint16_t counts) {
   }
   if (m.driving == 0) watch_outputs();
   if (direction != 0 && !m.is_wrong) drive(direction, counts);
+  if (m.driving != 0) watch_drive();
 }
 
 void motor_probe(int8_t direction) {
