@@ -55,6 +55,17 @@ class CalibrateProgram : public testing::Test {
   TemporaryFolder folder_;
 };
 
+// A board square to the camera, five times the same picture: focal length and distance are one, and Ceres, which finds
+// no covariance, warns of it in its own log.
+TEST_F(CalibrateProgram, SaysNothingInTheWordsOfALibrary) {
+  std::mt19937_64 random(9);
+  const auto pose = scene::PoseAt(kSmallCamera, kBoard, {320, 240}, 320, 0, 0, 0);
+  const cv::Mat1b picture = scene::Render(kSmallCamera, kBoard, pose, random, {0.6, 1.5, 3});
+  for (int i = 0; i < 5; ++i) video::WriteImage(folder_ / fmt::format("{}.png", i), picture);
+  ExpectOneLine(Run("*.png --board chessboard:9x6:25 --quiet -o camera"), 1,
+                "lake-calibrate: the views do not fix the camera");
+}
+
 TEST_F(CalibrateProgram, FromPicturesToThePlane) {
   Photograph(12);
   video::WriteImage(folder_ / "99.png", cv::Mat1b(480, 640, uchar{90}));
