@@ -1,6 +1,7 @@
 #include "program.h"
 
 #include <fmt/format.h>
+#include <glog/logging.h>
 #include <malloc.h>
 #include <unistd.h>
 
@@ -64,6 +65,12 @@ void KeepFreedMemory() {
   constexpr int kLargestFromHeap = 32 << 20, kMostKept = 64 << 20;  // bytes; the first is the largest glibc takes
   mallopt(M_MMAP_THRESHOLD, kLargestFromHeap);
   mallopt(M_TRIM_THRESHOLD, kMostKept);
+}
+
+// What Ceres finds remarkable, such as a Jacobian of less than full rank, is in what it returns, and is said in words
+// of our own where it matters.
+void SilenceCeres() {
+  FLAGS_minloglevel = google::GLOG_FATAL;
 }
 
 // As it was given, but for the folder of the program.
@@ -252,6 +259,7 @@ int ParseAndRun(CLI::App& cli, const std::vector<SharedOptions>& lists, int argc
   cli.set_version_flag("--version", fmt::format("{} {}", name, VersionAndCommit()));
   AddPages(cli);
   KeepFreedMemory();
+  SilenceCeres();
   PrepareLastWords(name);
   const auto parse_and_work = [&] {
     try {

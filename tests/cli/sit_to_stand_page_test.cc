@@ -2,8 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
 #include "cli/program_run.h"
+#include "lake/core/angles.h"
 #include "lake/core/csv.h"
+#include "lake/core/json.h"
+#include "lake/exchange/formats.h"
 #include "places.h"
 
 namespace lake {
@@ -32,6 +39,51 @@ TEST(SitToStandPage, ShowsWhatTheTableHolds) {
   for (const char* text : {"rise 5", "five times", "time to sit down (s)", "mean power over body mass (W/kg)"})
     EXPECT_THAT(page, HasSubstr(text));
   EXPECT_THAT(page, Not(HasSubstr(">nan")));
+}
+
+// What the file's own coordinates give, x forward and y up; they are smooth, and the fit changes them by hundredths of
+// a degree.
+TEST(SitToStandPage, LeanToThePelvisIsThatOfTheMarkers) {
+  const fs::path trial = SharedData() / "sts_force_plates/STS1.trc";
+  if (!fs::exists(trial)) GTEST_SKIP() << trial.string() << " is not here";
+  const TemporaryFolder folder;
+  const std::string leg = "ankle=r_ankle,knee=r_knee,hip=R_HJC,";
+  const std::string pelvis = ",asis=r.ASIS+L.ASIS,psis=r.PSIS+L.PSIS";
+  const Outcome outcome = Shell(folder, fmt::format("lake-gait {} --map {}waist=R_Shoulder{} --forward x --sex female "
+                                                    "--age 70 --quiet -o G",
+                                                    Quoted(trial), leg, pelvis));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const exchange::PointRecording points = exchange::ReadPoints(trial);
+  const auto at = [&](const char* name, std::size_t i) { return points.Find(name)->positions[i]; };
+  const auto lean_deg = [&](std::size_t i) {
+    const Eigen::Vector3d trunk = at("R_Shoulder", i) - at("R_HJC", i),
+                          front = (at("r.ASIS", i) + at("L.ASIS", i) - at("r.PSIS", i) - at("L.PSIS", i)) / 2;
+    return DegreesFromRadians(std::atan2(trunk.x(), trunk.y()) + std::atan2(front.y(), front.x()));
+  };
+  const CsvTable table = CsvTable::Read(folder / "G/sit_to_stand.csv");
+  ASSERT_EQ(table.Rows(), 6U);
+  for (std::size_t row = 0; row < 5; ++row) {
+    const auto number = [&](const char* column) { return table.RequiredNumber(row, table.Column(column)); };
+    double most_deg = -INFINITY, at_seat_off_deg = 0;
+    for (std::size_t i = 0; i + 1 < points.time_s.size(); ++i) {
+      const double time_s = points.time_s[i], part = (number("seat_off_s") - time_s) / (points.time_s[i + 1] - time_s);
+      if (part >= 0 && part < 1) at_seat_off_deg = std::lerp(lean_deg(i), lean_deg(i + 1), part);
+      if (time_s >= number("onset_s") && time_s <= number("standing_s")) most_deg = std::max(most_deg, lean_deg(i));
+    }
+    EXPECT_NEAR(number("trunk_pelvis_seat_off_deg"), at_seat_off_deg, 0.05);
+    EXPECT_NEAR(number("trunk_pelvis_max_deg"), most_deg, 0.05);
+    EXPECT_GT(number("trunk_pelvis_max_deg_sd"), 0);
+    EXPECT_LT(number("trunk_pelvis_max_deg_sd"), 1);
+  }
+  const Json five = ReadJsonFile(folder / "G/summary.json")["five_times"];
+  EXPECT_EQ(five["low_power"], five["power_w_kg"].get<double>() < 1.9);
+  EXPECT_THAT(ReadTextFile(folder / "G/sit_to_stand.html"), HasSubstr("for older women (below 1.9 W/kg is low"));
+  // With the middle of the pelvis for a waist, as a leg alone would have it, there is no trunk to lean on it.
+  const Outcome low = Shell(folder, fmt::format("lake-gait {} --map {}waist=r.ASIS+r.PSIS{} --forward x --quiet -o L",
+                                                Quoted(trial), leg, pelvis));
+  ASSERT_EQ(low.exit_code, 0) << low.err;
+  EXPECT_THAT(low.err, HasSubstr("the waist marker is on the pelvis itself"));
+  EXPECT_THAT(ReadTextFile(folder / "L/sit_to_stand.csv"), Not(HasSubstr("nan")));
 }
 
 }  // namespace

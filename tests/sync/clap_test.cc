@@ -9,6 +9,7 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <random>
+#include <span>
 
 #include "lake/core/error.h"
 #include "lake/video/video_reader.h"
@@ -73,10 +74,15 @@ class MadeSound {
       put(static_cast<std::uint16_t>(std::lround(32767 * std::clamp(sample, -1.0, 1.0))), 2);
   }
 
-  video::Sound AsRead() const {
-    video::Sound sound{.rate_hz = rate_hz_, .stamps = {{.sample = 0, .time_s = 0}}};
-    sound.samples.assign(samples_.begin(), samples_.end());
-    return sound;
+  // In blocks of 1000 samples.
+  sync::SoundReading AsRead() const {
+    std::vector<float> samples(samples_.begin(), samples_.end());
+    return [samples = std::move(samples), rate_hz = rate_hz_](const video::TakeSamples& take) {
+      constexpr std::size_t kBlock = 1000;
+      for (std::size_t i = 0; i < samples.size(); i += kBlock)
+        take(rate_hz, std::span(samples).subspan(i, std::min(kBlock, samples.size() - i)));
+      return video::Sound{.rate_hz = rate_hz, .samples = samples.size(), .stamps = {{.sample = 0, .time_s = 0}}};
+    };
   }
 
  private:
@@ -102,6 +108,15 @@ void MakeFilm(const std::filesystem::path& film, const MadeSound& sound, const s
       "-f lavfi -i \"color=black:size=64x48:rate=25:duration=5,drawbox=color=white:t=fill:enable='gte(t,{})'\" {} -i "
       "{} {} {}",
       kFlash_s, before_sound, Quote(folder / "sound.wav"), coding, Quote(film)));
+}
+
+sync::SoundReading ReadingOf(const std::filesystem::path& film) {
+  return [film](const video::TakeSamples& take) { return video::ReadSound(film, take); };
+}
+
+// What is known of a film's sound.
+video::Sound SoundOf(const std::filesystem::path& film) {
+  return video::ReadSound(film, [](double, std::span<const float>) {});
 }
 
 // When the film turns white, on the clock of its frames.
@@ -143,9 +158,8 @@ TEST_P(ClapInAFilm, BeginsWhenItDoes) {
   const TemporaryFolder folder;
   const auto film = folder / param.name;
   MakeFilm(film, MadeSound(36).Clap(kClap_s).Speech(3, 4.8, 0.02), param.coding, param.before_sound);
-  const video::Sound sound = video::ReadSound(film);
-  EXPECT_EQ(sound.is_priming_known, param.is_told);
-  const std::vector<sync::Clap> claps = sync::FindClaps(sound, film);
+  EXPECT_EQ(SoundOf(film).is_priming_known, param.is_told);
+  const std::vector<sync::Clap> claps = sync::FindClaps(ReadingOf(film), film);
   ASSERT_EQ(claps.size(), 1U);
   // The clap's own rise, a coder's smear, and Matroska's stamps of the frames, rounded to 1 ms.
   EXPECT_NEAR(claps[0].time_s - FlashOf(film), kClap_s - kFlash_s + param.sound_later_s, 0.001);
@@ -177,7 +191,7 @@ TEST(ClapInACut, IsWhereItWasInACopyThatWasCut) {
   const TemporaryFolder folder;
   MakeFilm(folder / "film.mp4", MadeSound(37).Clap(kClap_s), kAac);
   Ffmpeg(fmt::format("-ss 0.48 -i {} -c copy {}", Quote(folder / "film.mp4"), Quote(folder / "cut.mp4")));
-  const auto claps = sync::FindClaps(video::ReadSound(folder / "cut.mp4"), "cut.mp4");
+  const auto claps = sync::FindClaps(ReadingOf(folder / "cut.mp4"), "cut.mp4");
   ASSERT_EQ(claps.size(), 1U);
   EXPECT_NEAR(claps[0].time_s - FlashOf(folder / "cut.mp4"), kClap_s - kFlash_s, 0.001);
 }
@@ -190,7 +204,7 @@ TEST(Sound, WithUntoldPrimingSaysSo) {
     const TemporaryFolder folder;
     const auto film = folder / "film.avi";
     MakeFilm(film, MadeSound(38).Clap(kClap_s), coding);
-    EXPECT_FALSE(video::ReadSound(film).is_priming_known);
+    EXPECT_FALSE(SoundOf(film).is_priming_known);
     const sync::Signal signal = sync::SignalOfClaps(film, {.distance_mm = 0});
     ASSERT_EQ(signal.rises_s.size(), 1U);
     EXPECT_NEAR(signal.rises_s[0] - FlashOf(film), kClap_s - kFlash_s, 2 * signal.common_sd_s) << coding;
@@ -199,19 +213,52 @@ TEST(Sound, WithUntoldPrimingSaysSo) {
   }
 }
 
+// So that a long film's sound takes no more memory than a short one's.
+TEST(Sound, ComesInShortBlocks) {
+  const TemporaryFolder folder;
+  for (const char* coding : {kPcm, kAac}) {
+    const auto film = folder / (coding == kPcm ? "pcm.mkv" : "aac.mkv");
+    MakeFilm(film, MadeSound(39).Clap(kClap_s), coding);
+    std::size_t longest = 0, samples = 0;
+    const video::Sound sound = video::ReadSound(film, [&](double rate_hz, std::span<const float> block) {
+      EXPECT_EQ(rate_hz, 48000);
+      longest = std::max(longest, block.size()), samples += block.size();
+    });
+    EXPECT_EQ(samples, sound.samples);
+    EXPECT_NEAR(static_cast<double>(samples), kLength_s * 48000, 2 * 1024);  // coders fill a packet at both ends
+    EXPECT_LT(longest, 24000U);                                              // half a second
+  }
+}
+
+// With its index at the front a film opens as if it were whole; with it at the end, as cameras write it, not at all.
+TEST(Sound, OfAFilmThatIsCutOffSaysSo) {
+  const TemporaryFolder folder;
+  for (const char* coding : {kPcm, kAac})
+    for (const bool index_first : {true, false}) {
+      const auto film = folder / "film.mov";
+      MakeFilm(film, MadeSound(40).Clap(kClap_s), std::string(coding) + (index_first ? " -movflags +faststart" : ""));
+      EXPECT_NO_THROW(SoundOf(film));
+      std::filesystem::resize_file(film, std::filesystem::file_size(film) * 7 / 10);
+      SCOPED_TRACE(testing::Message() << coding << ", index " << (index_first ? "first" : "last"));
+      for (const bool clap : {true, false})
+        EXPECT_THAT([&] { clap ? void(sync::SignalOfClaps(film)) : void(SoundOf(film)); },
+                    testing::ThrowsMessage<Error>(
+                        HasSubstr(index_first ? "film.mov: its sound is " : "damaged at its beginning or index")));
+    }
+}
+
 TEST(Sound, NeedsASound) {
   const TemporaryFolder folder;
   Ffmpeg(TestPicture("size=64x48:rate=25:duration=1") + Quote(folder / "mute.mp4"));
-  EXPECT_THAT([&] { video::ReadSound(folder / "mute.mp4"); },
+  EXPECT_THAT([&] { SoundOf(folder / "mute.mp4"); },
               testing::ThrowsMessage<Error>(HasSubstr("mute.mp4: holds no sound")));
-  EXPECT_THAT([&] { video::ReadSound(folder / "none.mp4"); }, testing::ThrowsMessage<Error>(HasSubstr("no such file")));
+  EXPECT_THAT([&] { SoundOf(folder / "none.mp4"); }, testing::ThrowsMessage<Error>(HasSubstr("no such file")));
 }
 
 TEST(Sound, WithNumbersThatAreNoneIsDamaged) {
   const TemporaryFolder folder;
   Ffmpeg("-f lavfi -i \"aevalsrc='if(eq(n,30000),0/0,0.1)':s=48000:d=1\" -c:a pcm_f32le " + Quote(folder / "film.mkv"));
-  EXPECT_THAT([&] { video::ReadSound(folder / "film.mkv"); },
-              testing::ThrowsMessage<Error>(HasSubstr("its sound is damaged")));
+  EXPECT_THAT([&] { SoundOf(folder / "film.mkv"); }, testing::ThrowsMessage<Error>(HasSubstr("its sound is damaged")));
 }
 
 TEST(FindClaps, FindsThemWithinTheirInterval) {

@@ -142,6 +142,11 @@ std::string FiveTimesText(const Json& summary) {
   if (five->contains("worse_than_average"))
     text += fmt::format("; more than {:.1f} s is worse than average at this age (Bohannon 2006)",
                         NumberOrNaN((*five)["reference_s"]));
+  if (five->contains("low_power"))
+    text += fmt::format(
+        "; {:.2f} W/kg, of which less than {:.1f} is low among older adults of this sex "
+        "(Baltasar-Fernandez 2021)",
+        NumberOrNaN((*five)["power_w_kg"]), NumberOrNaN((*five)["low_power_below_w_kg"]));
   return text + "\n";
 }
 
@@ -149,7 +154,7 @@ std::string FiveTimesText(const Json& summary) {
 
 void Describe(GaitRunOptions& o, OptionList& options) {
   DescribeTrialFit(o, options);
-  gait::DescribeAge(o.age_years, options);
+  Describe(o.person, options);
   Describe(o.measures, options);
   Describe(o.budget, options);
   options
@@ -242,7 +247,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (CorrectedEventsOf(trial) || options.events) results = {{kEventsCorrected, true}};
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
-  WriteSitToStands(result, options.age_years, results, run);
+  WriteSitToStands(result, options.person, results, run);
   WriteUncertaintyBudget(result, options.budget, results, run);
   if (options.range_limit_deg) WriteRangeLimit(result, options.budget, *options.range_limit_deg, results, run);
   if (result.trajectory.unit == motion::LengthUnit::kMm)

@@ -35,6 +35,14 @@ KeyFigure Figure(const char* label, const Measured& measured, const char* unit, 
   return figure;
 }
 
+std::string PowerNote(const Json& five_times) {
+  if (!five_times.contains("sex")) return "Alcazar et al. 2018; give --sex to compare";
+  if (five_times["low_power_below_w_kg"].is_null()) return "Alcazar et al. 2018; no reference for this age";
+  return fmt::format("{} for older {} (below {} W/kg is low: Baltasar-Fernandez et al. 2021)",
+                     five_times["low_power"] == true ? "low" : "not low", five_times["sex"] == "male" ? "men" : "women",
+                     NumberText(NumberOrNaN(five_times["low_power_below_w_kg"]), 1));
+}
+
 std::string ReferenceNote(const Json& five_times) {
   if (!five_times.is_object() || !five_times.contains("age_years")) return "give --age to compare";
   if (five_times["reference_s"].is_null()) return "no reference for this age";
@@ -60,7 +68,7 @@ KeyFigures Headline(const std::vector<SitToStand>& rows, const Json& five_times)
     return {{rise, Figure("Mean power of a rise", MeanOfRises(rows, &SitToStand::power_w_kg), "W/kg",
                           "no five-times test: it needs five rises with onset and standing")}};
   return {{Figure("Five-times sit-to-stand", test.five_times_s, "s", ReferenceNote(five_times)),
-           Figure("Mean power of the test", test.power_w_kg, "W/kg", "Alcazar et al. 2018"), rise}};
+           Figure("Mean power of the test", test.power_w_kg, "W/kg", PowerNote(five_times)), rise}};
 }
 
 Table RisesTable(const std::vector<SitToStand>& rows, motion::LengthUnit unit) {
@@ -117,7 +125,11 @@ Section SitToStandMethod() {
            "Centre of mass and momentum (momentum.csv) and the knee's power (loads.csv), from force plates where "
            "there are some, are given by lake loads: they need the body mass.",
            "Reference times by age, of both sexes: Bohannon 2006, doi:10.2466/pms.103.1.215-222. In Bohannon et al. "
-           "2010, doi:10.3233/IES-2010-0389, sex did not predict the time once age and strength were known."}}}};
+           "2010, doi:10.3233/IES-2010-0389, sex did not predict the time once age and strength were known.",
+           "Low power among older adults, by sex: Baltasar-Fernandez et al. 2021, doi:10.1038/s41598-021-98871-3, who "
+           "have the rise of the hip from stature and height of the chair, where here it is measured.",
+           "Lean to the pelvis: the trunk's lean less the angle by which the line from the marker psis to asis falls "
+           "below the horizontal; without these markers it is left empty."}}}};
 }
 
 void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& rows, const Json& five_times, Run& run) {
@@ -134,10 +146,11 @@ void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& row
 
 }  // namespace
 
-void WriteSitToStands(const gait::LegFitResult& leg, std::optional<double> age_years, Json& results, Run& run) {
+void WriteSitToStands(const gait::LegFitResult& leg, const gait::Person& person, Json& results, Run& run) {
+  if (const auto warning = gait::PelvisWarning(leg)) run.Warn(*warning);
   const std::vector<SitToStand> rows = gait::MeasureSitToStands(leg);
   gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), rows, leg.motion.unit);
-  results["five_times"] = gait::FiveTimesJson(rows.back().five_times_s, age_years);
+  results["five_times"] = gait::FiveTimesJson(rows.back(), person);
   WritePage(leg, rows, results["five_times"], run);
 }
 

@@ -337,7 +337,7 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), fit.trajectory, fit.measured);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
-  WriteSitToStands(fit, options.age_years, results, run);
+  WriteSitToStands(fit, options.person, results, run);
   WriteUncertaintyBudget(fit, options.budget, results, run);
   DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
   const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);
@@ -565,7 +565,7 @@ void Describe(TrackRunOptions& o, OptionList& options) {
       .Value("FORMAT,...");
   options.Add("list", o.list, "Only find and draw what is there, without naming it: candidates.png, candidates.csv");
   options.Add("smoothed", o.smoothed, "Export the fit's estimates, not the measurements");
-  gait::DescribeAge(o.age_years, options);
+  Describe(o.person, options);
   Describe(o.measures, options);
   Describe(o.budget, options);
 }

@@ -362,6 +362,7 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   Progress progress("leg fit", "steps", 4, options.quiet);
   LegFitResult result;
   result.up = options.up;
+  result.leg_markers = options.markers;
   const double skin = options.skin_jump * ShankOf(recording, options.markers);
   std::array<Detections, kLegMarkers> leg = CollectLeg(recording, view, options.markers, skin);
   if (!across.empty()) SetAcross(across, leg);

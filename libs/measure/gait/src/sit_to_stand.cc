@@ -4,9 +4,11 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "lake/core/csv.h"
 #include "lake/core/statistics.h"
+#include "trunk_on_pelvis.h"
 
 namespace lake::gait {
 namespace {
@@ -38,7 +40,10 @@ constexpr std::array kQuantities = {
     Quantity{"hip_speed", &SitToStand::hip_speed, "mean speed of the hip, seat-off to standing", "/s", true},
     Quantity{"hip_speed_max", &SitToStand::hip_speed_max, "largest speed of the hip", "/s", true},
     Quantity{"power_w_kg", &SitToStand::power_w_kg, "mean power over body mass", "W/kg"},
-    Quantity{"five_times_s", &SitToStand::five_times_s, "five-times sit-to-stand", "s"}};
+    Quantity{"five_times_s", &SitToStand::five_times_s, "five-times sit-to-stand", "s"},
+    Quantity{"trunk_pelvis_seat_off_deg", &SitToStand::trunk_pelvis_seat_off_deg,
+             "trunk lean to the pelvis at seat-off", "°"},
+    Quantity{"trunk_pelvis_max_deg", &SitToStand::trunk_pelvis_max_deg, "largest trunk lean to the pelvis", "°"}};
 
 Measured Difference(const Measured& later, const Measured& earlier) {
   return {later.value - earlier.value, std::hypot(later.sd, earlier.sd)};
@@ -68,6 +73,8 @@ class Rises {
       hip_.value.push_back(sample.trunk_deg - sample.thigh_deg), trunk_.value.push_back(sample.trunk_deg);
     }
     hip_.sd = sd.hip_deg, trunk_.sd = sd.trunk_deg;
+    TrunkOnPelvis on_pelvis = FindTrunkOnPelvis(fit);
+    on_pelvis_ = {std::move(on_pelvis.deg), std::move(on_pelvis.sd_deg)};
     height_ = {fit.signals.hip_height, sd.hip_height};
     hip_speed_ = {fit.signals.hip_up_speed, sd.hip_up_speed};
     trunk_speed_ = {fit.signals.trunk_deg_s, sd.trunk_deg_s};
@@ -118,6 +125,8 @@ class Rises {
     rise.knee_seat_off_deg = At(knee_, rise.seat_off_s), rise.knee_max_deg = Largest(knee_, rise);
     rise.hip_seat_off_deg = At(hip_, rise.seat_off_s), rise.hip_max_deg = Largest(hip_, rise);
     rise.trunk_seat_off_deg = At(trunk_, rise.seat_off_s), rise.trunk_max_deg = Largest(trunk_, rise);
+    rise.trunk_pelvis_seat_off_deg = At(on_pelvis_, rise.seat_off_s);
+    rise.trunk_pelvis_max_deg = Largest(on_pelvis_, rise);
     rise.knee_extension_max_deg_s = Largest(extension_speed_, rise);
     rise.trunk_flexion_max_deg_s = Largest(trunk_speed_, rise);
   }
@@ -204,7 +213,7 @@ class Rises {
 
   const LegFitResult& fit_;
   const std::vector<double>& time_s_;
-  ValuesOfFrames knee_, hip_, trunk_, shank_, height_, hip_speed_, trunk_speed_, extension_speed_;
+  ValuesOfFrames knee_, hip_, trunk_, on_pelvis_, shank_, height_, hip_speed_, trunk_speed_, extension_speed_;
   std::array<ValuesOfFrames, kSteadied> steadied_;  // the speeds of which the person becomes steady
 };
 
@@ -249,6 +258,11 @@ std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit) {
   return rows;
 }
 
+std::optional<std::string> PelvisWarning(const LegFitResult& fit) {
+  const std::string warning = FindTrunkOnPelvis(fit).warning;
+  return warning.empty() ? std::nullopt : std::optional(warning);
+}
+
 std::optional<double> FiveTimesReference_s(double age_years) {
   struct Reference {
     double from_years, upper_s;
@@ -259,32 +273,52 @@ std::optional<double> FiveTimesReference_s(double age_years) {
   return std::nullopt;
 }
 
-Json FiveTimesJson(const Measured& five_times_s, std::optional<double> age_years) {
-  if (std::isnan(five_times_s.value)) return nullptr;
-  Json json = {{"five_times_s", five_times_s.value}, {"sd_s", five_times_s.sd}};
-  if (!age_years) return json;
-  const std::optional<double> reference_s = FiveTimesReference_s(*age_years);
-  json["age_years"] = *age_years;
-  json["reference_s"] = reference_s ? Json(*reference_s) : Json();
-  json["source"] = "Bohannon 2006, doi:10.2466/pms.103.1.215-222";
-  if (reference_s) json["worse_than_average"] = five_times_s.value > *reference_s;
+std::optional<double> LowPower_W_kg(motion::Sex sex, std::optional<double> age_years) {
+  if (age_years && *age_years < kOlder_years) return std::nullopt;
+  return sex == motion::Sex::kMale ? 2.5 : 1.9;
+}
+
+Json FiveTimesJson(const SitToStand& five_times, const Person& person) {
+  const Measured &time_s = five_times.five_times_s, &power = five_times.power_w_kg;
+  if (std::isnan(time_s.value)) return nullptr;
+  Json json = {{"five_times_s", time_s.value}, {"sd_s", time_s.sd}};
+  if (person.age_years) {
+    const std::optional<double> reference_s = FiveTimesReference_s(*person.age_years);
+    json["age_years"] = *person.age_years;
+    json["reference_s"] = reference_s ? Json(*reference_s) : Json();
+    json["source"] = "Bohannon 2006, doi:10.2466/pms.103.1.215-222";
+    if (reference_s) json["worse_than_average"] = time_s.value > *reference_s;
+  }
+  if (std::isnan(power.value)) return json;
+  json["power_w_kg"] = power.value, json["power_sd_w_kg"] = power.sd;
+  if (!person.sex) return json;
+  const std::optional<double> low = LowPower_W_kg(*person.sex, person.age_years);
+  json["sex"] = *person.sex == motion::Sex::kMale ? "male" : "female";
+  json["low_power_below_w_kg"] = low ? Json(*low) : Json();
+  json["power_source"] = "Baltasar-Fernandez et al. 2021, doi:10.1038/s41598-021-98871-3";
+  if (low) json["low_power"] = power.value < *low;
   return json;
 }
 
-Option& DescribeAge(std::optional<double>& age_years, OptionList& options) {
+void Describe(Person& o, OptionList& options) {
   constexpr double kOldest_years = 120;
-  return options
-      .Add("age", age_years, "How old the subject is: the five-times test is compared with people of that age")
+  options.Add("age", o.age_years, "How old the subject is: the five-times test is compared with people of that age")
       .Unit("years")
       .Between(0, kOldest_years)
+      .Otherwise("not compared");
+  options
+      .AddChoice("sex", o.sex,
+                 OptionList::Choices<motion::Sex>{{"male", motion::Sex::kMale}, {"female", motion::Sex::kFemale}},
+                 "The subject's sex: the five-times test's power is compared with that of older women or men")
       .Otherwise("not compared");
 }
 
 void WriteSitToStandCsv(const std::filesystem::path& path, const std::vector<SitToStand>& rows,
                         motion::LengthUnit of_plane) {
-  auto quantities = kQuantities;  // in the order of the columns, to which the fourth phase came last
-  std::stable_partition(quantities.begin(), quantities.end(),
-                        [](const Quantity& q) { return q.value != &SitToStand::stabilisation_s; });
+  auto quantities = kQuantities;  // in the order of the columns, to which the fourth phase and the pelvis came last
+  const auto phase = std::ranges::find(quantities, &SitToStand::stabilisation_s, &Quantity::value),
+             pelvis = std::ranges::find(quantities, &SitToStand::trunk_pelvis_seat_off_deg, &Quantity::value);
+  std::rotate(phase, phase + 1, pelvis);
   std::vector<std::string> header = {"repetition"};
   for (const char* sd : {"", "_sd"})
     for (const Quantity& quantity : quantities) header.push_back(quantity.Column(of_plane) + sd);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
+#include <span>
 
 #include "lake/core/error.h"
 
@@ -20,31 +22,38 @@ double Db(double power_ratio) {
 }
 
 // Butterworth's of the second order: what speech has least of. Its delay is below 0.2 ms.
-std::vector<float> HighPassed(const video::Sound& sound) {
-  const double corner_hz = std::min(1500.0, 0.2 * sound.rate_hz);
-  const double k = std::tan(std::numbers::pi * corner_hz / sound.rate_hz),
-               norm = 1 / (1 + k * std::numbers::sqrt2 + k * k);
-  const double a1 = 2 * (k * k - 1) * norm, a2 = (1 - k * std::numbers::sqrt2 + k * k) * norm;
-  std::vector<float> passed(sound.samples.size());
-  double x1 = 0, x2 = 0, y1 = 0, y2 = 0;
-  for (std::size_t i = 0; i < passed.size(); ++i) {
-    const double x = sound.samples[i], y = norm * (x - 2 * x1 + x2) - a1 * y1 - a2 * y2;
-    x2 = x1, x1 = x, y2 = y1, y1 = y;
-    passed[i] = static_cast<float>(y);
+class HighPass {
+ public:
+  explicit HighPass(double rate_hz) {
+    const double corner_hz = std::min(1500.0, 0.2 * rate_hz);
+    const double k = std::tan(std::numbers::pi * corner_hz / rate_hz);
+    norm_ = 1 / (1 + k * std::numbers::sqrt2 + k * k);
+    a1_ = 2 * (k * k - 1) * norm_, a2_ = (1 - k * std::numbers::sqrt2 + k * k) * norm_;
   }
-  return passed;
-}
+
+  float Next(double x) {
+    const double y = norm_ * (x - 2 * x1_ + x2_) - a1_ * y1_ - a2_ * y2_;
+    x2_ = x1_, x1_ = x, y2_ = y1_, y1_ = y;
+    return static_cast<float>(y);
+  }
+
+ private:
+  double norm_ = 0, a1_ = 0, a2_ = 0, x1_ = 0, x2_ = 0, y1_ = 0, y2_ = 0;
+};
 
 // The sound's power over time, in bins.
 class Power {
  public:
-  Power(const std::vector<float>& samples, double rate_hz)
+  explicit Power(double rate_hz)
       : per_bin_(std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(kBin_s * rate_hz)))),
-        bin_s_(static_cast<double>(per_bin_) / rate_hz) {
-    sums_.reserve(samples.size() / per_bin_ + 1);
-    sums_.push_back(0);
-    for (std::size_t i = 0; i + per_bin_ <= samples.size(); i += per_bin_)
-      sums_.push_back(sums_.back() + std::inner_product(&samples[i], &samples[i] + per_bin_, &samples[i], 0.0));
+        bin_s_(static_cast<double>(per_bin_) / rate_hz) {}
+
+  // The next sample; what does not fill a bin at the end counts nowhere.
+  void Add(float sample) {
+    sum_ += sample * sample;
+    if (++in_bin_ < per_bin_) return;
+    sums_.push_back(sums_.back() + sum_);
+    sum_ = 0, in_bin_ = 0;
   }
 
   std::ptrdiff_t Bins() const { return std::ssize(sums_) - 1; }
@@ -60,9 +69,9 @@ class Power {
   }
 
  private:
-  std::size_t per_bin_;
-  double bin_s_;
-  std::vector<double> sums_;
+  std::size_t per_bin_, in_bin_ = 0;
+  double bin_s_, sum_ = 0;
+  std::vector<double> sums_ = {0};
 };
 
 struct Onset {
@@ -107,14 +116,20 @@ double LoudestElse(const Power& power, const std::vector<Onset>& onsets) {
   return loudest;
 }
 
-// The sound's amplitude around a sample: root mean square over half a millisecond.
-std::vector<double> AmplitudeOf(const std::vector<float>& samples, std::size_t from, std::size_t to, double rate_hz) {
-  const auto half = static_cast<std::size_t>(std::llround(kBin_s / 2 * rate_hz));
+// Some of the high-passed samples, from one to before the other.
+struct Excerpt {
+  std::size_t begin = 0, end = 0;
+  std::vector<float> samples = {};
+};
+
+// The sound's amplitude around these samples: root mean square over half a millisecond.
+std::vector<double> AmplitudeOf(const Excerpt& excerpt, std::size_t from, std::size_t to, std::size_t half) {
   std::vector<double> amplitude;
   amplitude.reserve(to - from);
   for (std::size_t i = from; i < to; ++i) {
-    const std::size_t begin = i - std::min(i, half), end = std::min(samples.size(), i + half + 1);
-    const double sum = std::inner_product(&samples[begin], &samples[begin] + (end - begin), &samples[begin], 0.0);
+    const std::size_t begin = i - std::min(i, half), end = std::min(excerpt.end, i + half + 1);
+    const float* const first = excerpt.samples.data() + (begin - excerpt.begin);
+    const double sum = std::inner_product(first, first + (end - begin), first, 0.0);
     amplitude.push_back(std::sqrt(sum / static_cast<double>(end - begin)));
   }
   return amplitude;
@@ -129,30 +144,80 @@ std::size_t Passes(const std::vector<double>& amplitude, std::size_t peak, doubl
   return passes;
 }
 
+// What is looked at around an onset: 20 ms before it, 10 ms after, and on both sides what an amplitude is of.
+class Surroundings {
+ public:
+  Surroundings(const Onset& onset, const Power& power, const video::Sound& sound)
+      : half_(static_cast<std::size_t>(std::llround(kBin_s / 2 * sound.rate_hz))) {
+    const std::size_t at = power.FirstSample(onset.bin), reach = static_cast<std::size_t>(0.01 * sound.rate_hz);
+    from_ = at - std::min(at, 2 * reach), to_ = std::min(sound.samples, at + reach);
+    excerpt_ = {.begin = from_ - std::min(from_, half_), .end = std::min(sound.samples, to_ + half_)};
+    excerpt_.samples.reserve(excerpt_.end - excerpt_.begin);
+  }
+
+  void Take(std::size_t index, float sample) {
+    if (index >= excerpt_.begin && index < excerpt_.end) excerpt_.samples.push_back(sample);
+  }
+
+  std::size_t From() const { return from_; }
+  std::vector<double> Amplitude() const { return AmplitudeOf(excerpt_, from_, to_, half_); }
+
+ private:
+  std::size_t half_, from_ = 0, to_ = 0;
+  Excerpt excerpt_;
+};
+
 // It begins where it has a third of its first peak's amplitude (−10 dB), as certain as it rises from a tenth to 0.7:
 // coders smear what precedes a sudden sound (pre-echo).
-Clap Begin(const Onset& onset, const std::vector<float>& samples, const Power& power, const video::Sound& sound) {
+Clap Begin(const Surroundings& around, const video::Sound& sound) {
   const double rate_hz = sound.rate_hz;
-  const std::size_t at = power.FirstSample(onset.bin), reach = static_cast<std::size_t>(0.01 * rate_hz);
-  const std::size_t from = at - std::min(at, 2 * reach), to = std::min(samples.size(), at + reach);
-  const std::vector<double> amplitude = AmplitudeOf(samples, from, to, rate_hz);
+  const std::vector<double> amplitude = around.Amplitude();
   const auto peak = static_cast<std::size_t>(std::ranges::max_element(amplitude) - amplitude.begin());
   const auto passes = [&](double part) { return Passes(amplitude, peak, part * amplitude[peak], rate_hz); };
   constexpr double kLeastSd_s = 0.0001;  // of the high-pass filter's delay and the half millisecond's shape
   const double rise_s = static_cast<double>(passes(0.7) - passes(0.1)) / rate_hz;
-  return {.time_s = sound.TimeOf(static_cast<double>(from + passes(0.316))),
+  return {.time_s = sound.TimeOf(static_cast<double>(around.From() + passes(0.316))),
           .sd_s = std::hypot(rise_s / std::sqrt(12.0), kLeastSd_s)};
 }
 
-}  // namespace
-
-std::vector<Clap> FindClaps(const video::Sound& sound, const std::filesystem::path& film) {
+// The power of a sound, and what is known of it. Throws Error for a rate at which no clap is found.
+struct HeardSound {
+  video::Sound sound;
+  Power power;
+};
+HeardSound Hear(const SoundReading& read, const std::filesystem::path& film) {
   constexpr double kLeastRateHz = 8000;  // a telephone's: below it little is left above the filter's corner
-  if (!(sound.rate_hz >= kLeastRateHz))
-    throw Fail("{}: its sound has {:g} samples a second; a clap is found in {:g} or more", film.string(), sound.rate_hz,
-               kLeastRateHz);
-  const std::vector<float> samples = HighPassed(sound);
-  const Power power(samples, sound.rate_hz);
+  std::optional<HighPass> filter;
+  std::optional<Power> power;
+  video::Sound sound = read([&](double rate_hz, std::span<const float> samples) {
+    if (!(rate_hz >= kLeastRateHz))
+      throw Fail("{}: its sound has {:g} samples a second; a clap is found in {:g} or more", film.string(), rate_hz,
+                 kLeastRateHz);
+    if (!filter) filter.emplace(rate_hz), power.emplace(rate_hz);
+    for (const float sample : samples) power->Add(filter->Next(sample));
+  });
+  return {std::move(sound), std::move(power.value())};
+}
+
+std::vector<Surroundings> SurroundingsOf(const std::vector<Onset>& onsets, const HeardSound& heard,
+                                         const SoundReading& read) {
+  std::vector<Surroundings> around;
+  around.reserve(onsets.size());
+  for (const Onset& onset : onsets) around.emplace_back(onset, heard.power, heard.sound);
+  HighPass filter(heard.sound.rate_hz);
+  std::size_t index = 0;
+  read([&](double, std::span<const float> samples) {
+    for (const float sample : samples) {
+      const float passed = filter.Next(sample);
+      for (Surroundings& one : around) one.Take(index, passed);
+      ++index;
+    }
+  });
+  return around;
+}
+
+std::vector<Clap> ClapsIn(const HeardSound& heard, const SoundReading& read, const std::filesystem::path& film) {
+  const auto& [sound, power] = heard;
   const std::vector<Onset> onsets = FindOnsets(power);
   if (onsets.empty())
     throw Fail("{}: no clap is heard: nothing rises by {:.0f} dB within 3 ms and has died away 0.1 s later",
@@ -166,24 +231,33 @@ std::vector<Clap> FindClaps(const video::Sound& sound, const std::filesystem::pa
         "{}: no clap stands out: the loudest sudden sound, at {:.2f} s, is {:+.0f} dB against what else is heard, "
         "speech perhaps, where a clap is {:.0f} dB above it; clap nearer to the microphone, and be silent meanwhile",
         film.string(), sound.TimeOf(static_cast<double>(power.FirstSample(onsets.front().bin))), Db(apart), Db(kApart));
+  const std::vector<Surroundings> around = SurroundingsOf(onsets, heard, read);
   std::vector<Clap> claps;
   claps.reserve(onsets.size());
-  for (const Onset& onset : onsets) {
-    claps.push_back(Begin(onset, samples, power, sound));
-    claps.back().above_db = Db(onset.loudness / loudest_else);
+  for (std::size_t i = 0; i < onsets.size(); ++i) {
+    claps.push_back(Begin(around[i], sound));
+    claps.back().above_db = Db(onsets[i].loudness / loudest_else);
   }
   std::ranges::sort(claps, {}, &Clap::time_s);
   return claps;
 }
 
+}  // namespace
+
+std::vector<Clap> FindClaps(const SoundReading& read, const std::filesystem::path& film) {
+  return ClapsIn(Hear(read, film), read, film);
+}
+
 Signal SignalOfClaps(const std::filesystem::path& film, const ClapOptions& options) {
   constexpr double kSound_mm_s = 343e3, kFarthest_mm = 5000;  // air at 20 °C; a laboratory
-  const video::Sound sound = video::ReadSound(film);
+  const SoundReading read = [&film](const video::TakeSamples& take) { return video::ReadSound(film, take); };
+  const HeardSound heard = Hear(read, film);
+  const video::Sound& sound = heard.sound;
   const double way_s = options.distance_mm.value_or(kFarthest_mm / 2) / kSound_mm_s;
   const double way_sd_s = options.distance_mm ? 0 : kFarthest_mm / kSound_mm_s / std::sqrt(12.0);
   const double priming_s = sound.is_priming_known ? 0 : video::Sound::kMostPriming / sound.rate_hz;
   Signal signal{.name = "claps", .sd_s = 0};
-  for (const Clap& clap : FindClaps(sound, film)) {
+  for (const Clap& clap : ClapsIn(heard, read, film)) {
     signal.rises_s.push_back(clap.time_s - way_s - priming_s / 2);
     signal.sd_s = std::max(signal.sd_s, clap.sd_s);
   }

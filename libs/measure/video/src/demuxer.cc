@@ -123,11 +123,14 @@ bool Demuxer::HasTimes() const {
   return !sequence_ && format == kWithoutContainer.end();
 }
 
-std::optional<std::int64_t> Demuxer::PacketsPromised() const {
-  const std::string_view container = input_->iformat->name;
-  if (sequence_) return sequence_->Files();
-  if (container.starts_with("mov")) return CountIndex(*stream_, false);
+std::optional<std::int64_t> PacketsInIndex(const AVFormatContext& input, const AVStream& stream) {
+  if (std::string_view(input.iformat->name).starts_with("mov")) return CountIndex(stream, false);
   return std::nullopt;
+}
+
+std::optional<std::int64_t> Demuxer::PacketsPromised() const {
+  if (sequence_) return sequence_->Files();
+  return PacketsInIndex(*input_, *stream_);
 }
 
 std::optional<std::int64_t> Demuxer::FramesPromised() const {

@@ -14,6 +14,10 @@ namespace lake::video {
 // A file with all its streams; the same are refused as by Demuxer. The log must outlive it.
 libav::Input OpenFilm(const std::filesystem::path& path, DamageLog& log);
 
+// How many packets of this stream the file says that it holds; nullopt where its container says it only by the packets
+// themselves. Of a file that was just opened.
+std::optional<std::int64_t> PacketsInIndex(const AVFormatContext& input, const AVStream& stream);
+
 class Demuxer {
  public:
   // Throws Error naming the path: absent, a folder, empty, not a video, no video stream. The log must outlive this.

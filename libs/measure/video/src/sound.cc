@@ -9,6 +9,7 @@ extern "C" {
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "damage_log.h"
@@ -43,13 +44,14 @@ bool StampsWhatIsHeard(const AVFormatContext& input) {
 
 class SoundReader {
  public:
-  explicit SoundReader(const fs::path& path) : path_(path) {
+  SoundReader(const fs::path& path, const TakeSamples& take) : path_(path), take_(take) {
     input_ = OpenFilm(path, log_);
     const int best = av_find_best_stream(input_.get(), AVMEDIA_TYPE_AUDIO, -1, -1, nullptr, 0);
     if (best < 0) throw Fail("{}: holds no sound", path_.string());
     stream_ = input_->streams[best];
     for (unsigned i = 0; i < input_->nb_streams; ++i)
       if (static_cast<int>(i) != best) input_->streams[i]->discard = AVDISCARD_ALL;
+    packets_promised_ = PacketsInIndex(*input_, *stream_);
     OpenDecoder();
   }
 
@@ -58,12 +60,16 @@ class SoundReader {
     int result = 0;
     while ((result = av_read_frame(input_.get(), packet.get())) >= 0) {
       ThrowIfInterrupted();
-      if (packet->stream_index == stream_->index) Send(packet.get());
+      if (packet->stream_index == stream_->index) Send(packet.get()), ++packets_;
       av_packet_unref(packet.get());
     }
+    if (packets_promised_ && packets_ < *packets_promised_)
+      throw Fail(
+          "{}: its sound is cut off: the file ends after {} of its {} packets; copy the file from the camera again",
+          path_.string(), packets_, *packets_promised_);
     if (result != AVERROR_EOF || log_.IsFileCut()) FailDamaged(result == AVERROR_EOF ? AVERROR_INVALIDDATA : result);
     Send(nullptr);
-    if (sound_.samples.empty()) throw Fail("{}: its sound is empty", path_.string());
+    if (sound_.samples == 0) throw Fail("{}: its sound is empty", path_.string());
     sound_.is_priming_known = tells_priming_ || !IsPrimed(*stream_->codecpar) || StampsWhatIsHeard(*input_);
     return std::move(sound_);
   }
@@ -82,14 +88,14 @@ class SoundReader {
   }
 
   [[noreturn]] void FailDamaged(int result) const {
-    throw Fail("{}: its sound is damaged after {} samples ({})", path_.string(), sound_.samples.size(),
+    throw Fail("{}: its sound is damaged after {} samples ({})", path_.string(), sound_.samples,
                libav::ErrorText(result));
   }
 
   // Upon nullptr what the decoder still holds comes out.
   void Send(const AVPacket* packet) {
     if (packet && packet->size == 0) return;  // would end the decoding
-    if (packet && av_packet_get_side_data(packet, AV_PKT_DATA_SKIP_SAMPLES, nullptr) && sound_.samples.empty())
+    if (packet && av_packet_get_side_data(packet, AV_PKT_DATA_SKIP_SAMPLES, nullptr) && sound_.samples == 0)
       tells_priming_ = true;
     if (packet && (packet->flags & AV_PKT_FLAG_CORRUPT)) FailDamaged(AVERROR_INVALIDDATA);
     const int sent = avcodec_send_packet(codec_.get(), packet);
@@ -102,11 +108,9 @@ class SoundReader {
   void Take(AVFrame& frame) {
     if (!resampler_) OpenResampler(frame);
     if (frame.sample_rate != sound_.rate_hz || frame.format != format_ || frame.ch_layout.nb_channels != channels_)
-      throw Fail("{}: its sound changes rate, format or channels after {} samples", path_.string(),
-                 sound_.samples.size());
+      throw Fail("{}: its sound changes rate, format or channels after {} samples", path_.string(), sound_.samples);
     const std::int64_t stamp = frame.best_effort_timestamp;
-    if (stamp != AV_NOPTS_VALUE)
-      sound_.stamps.push_back({sound_.samples.size(), libav::Seconds(stamp, stream_->time_base)});
+    if (stamp != AV_NOPTS_VALUE) sound_.stamps.push_back({sound_.samples, libav::Seconds(stamp, stream_->time_base)});
     if (sound_.stamps.empty()) throw Fail("{}: its sound has no time stamps", path_.string());
     const auto count = static_cast<std::size_t>(frame.nb_samples);
     interleaved_.resize(count * static_cast<std::size_t>(channels_));
@@ -114,13 +118,16 @@ class SoundReader {
     const int converted = swr_convert(resampler_.get(), &out, frame.nb_samples,
                                       const_cast<const std::uint8_t**>(frame.extended_data), frame.nb_samples);
     if (converted != frame.nb_samples) FailDamaged(converted < 0 ? converted : AVERROR_INVALIDDATA);
+    mean_.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
       float sum = 0;
       for (int c = 0; c < channels_; ++c)
         sum += interleaved_[i * static_cast<std::size_t>(channels_) + static_cast<std::size_t>(c)];
       if (!std::isfinite(sum)) FailDamaged(AVERROR_INVALIDDATA);
-      sound_.samples.push_back(sum / static_cast<float>(channels_));
+      mean_[i] = sum / static_cast<float>(channels_);
     }
+    sound_.samples += count;
+    take_(sound_.rate_hz, mean_);
   }
 
   // Only the format of the samples changes.
@@ -138,6 +145,7 @@ class SoundReader {
   }
 
   fs::path path_;
+  const TakeSamples& take_;
   DamageLog log_;
   libav::Input input_;
   AVStream* stream_ = nullptr;  // of input_
@@ -145,7 +153,9 @@ class SoundReader {
   libav::Frame frame_ = libav::NewFrame();
   Resampler resampler_;
   int format_ = AV_SAMPLE_FMT_NONE, channels_ = 0;
-  std::vector<float> interleaved_;
+  std::vector<float> interleaved_, mean_;  // of the frame at hand: all channels, their mean
+  std::optional<std::int64_t> packets_promised_;
+  std::int64_t packets_ = 0;
   bool tells_priming_ = false;
   Sound sound_;
 };
@@ -173,8 +183,8 @@ double Sound::TimeOf(double sample) const {
   return sum_s / count + sample / rate_hz;
 }
 
-Sound ReadSound(const fs::path& path) {
-  return SoundReader(path).Read();
+Sound ReadSound(const fs::path& path, const TakeSamples& take) {
+  return SoundReader(path, take).Read();
 }
 
 }  // namespace lake::video

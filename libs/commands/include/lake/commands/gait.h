@@ -14,6 +14,7 @@
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/marker_measures.h"
 #include "lake/gait/picture_scale.h"
+#include "lake/gait/sit_to_stand.h"
 
 namespace lake::commands {
 
@@ -23,7 +24,7 @@ struct GaitRunOptions : gait::PictureScale {
   exchange::TrialOptions reading;
   gait::LegFitOptions fit;
   std::optional<std::filesystem::path> events;  // repetition,event,time_s or frame: overrule those found
-  std::optional<double> age_years;              // for the five-times test
+  gait::Person person;                          // whom the five-times test is compared with
   std::vector<gait::MarkerMeasure> measures;    // of any markers; with them a trial need not have a leg
   compare::RecordingBudgetOptions budget;
   std::optional<std::array<double, 2>> range_limit_deg;  // that a mechanism's knee must keep within

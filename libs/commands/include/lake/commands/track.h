@@ -14,6 +14,7 @@
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/marker_measures.h"
 #include "lake/gait/picture_scale.h"
+#include "lake/gait/sit_to_stand.h"
 #include "lake/tracking/track_markers.h"
 
 namespace lake::commands {
@@ -33,7 +34,7 @@ struct TrackRunOptions : gait::PictureScale {
   bool anonymise = false;                     // no face in overlay.mp4 and candidates.png
   std::vector<std::string> exports;           // as CheckExportFormats (exchange/formats.h) knows them
   bool list = false;                          // only find and draw what is there, without naming it
-  std::optional<double> age_years;            // for the five-times test
+  gait::Person person;                        // whom the five-times test is compared with
   std::vector<gait::MarkerMeasure> measures;  // of any markers; without a leg, of two or three markers the usual ones
   compare::RecordingBudgetOptions budget;
   bool smoothed = false;  // exports hold the fit's estimates; else the measurements, with their gaps

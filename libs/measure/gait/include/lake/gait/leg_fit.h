@@ -129,6 +129,7 @@ struct LegFitResult {
   std::vector<OutlierReport> outliers;
   std::optional<AcrossReport> across;
   Eigen::Vector2d up = Eigen::Vector2d::UnitY();  // in the plane, as the options had it
+  LegMarkers leg_markers;                         // what they are called in the recording, as the options had it
   std::vector<std::string> warnings;
   LegFitSummary summary;
 };

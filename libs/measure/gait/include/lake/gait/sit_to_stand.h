@@ -13,6 +13,7 @@
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/motion/person.h"
 
 namespace lake::gait {
 
@@ -20,6 +21,10 @@ namespace lake::gait {
 struct Measured {
   double value = NAN, sd = NAN;
 };
+
+// The markers of the pelvis: above its front and its back (spina iliaca anterior and posterior superior), each of the
+// near side, or in three dimensions the middle of both sides.
+inline constexpr const char *kAsis = "asis", *kPsis = "psis";
 
 inline constexpr double kSteadyFraction = 0.05;  // as of the knee's extension at standing
 inline constexpr double kSteady_s = 0.5;
@@ -50,6 +55,11 @@ struct SitToStand {
   // (Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006). Only with lengths in mm.
   Measured power_w_kg;
   Measured five_times_s;  // of the five-times test alone: first onset to fifth standing
+  // Lean of the trunk relative to the pelvis, at seat-off and the largest between onset and standing: the trunk's lean
+  // less the pelvis' forward tilt, which is the angle of the line from kPsis to kAsis below the horizontal. Positive:
+  // the back is bent forward; below zero in a person who stands, whose pelvis is tilted forward. NaN without these
+  // markers, and where PelvisWarning says why.
+  Measured trunk_pelvis_seat_off_deg, trunk_pelvis_max_deg;
 };
 
 // What there is of each row.
@@ -70,17 +80,33 @@ std::span<const SitToStandQuantity> SitToStandQuantities();
 // five, all of it is NaN.
 std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit);
 
+// Why no lean to the pelvis is told, of a recording in which one of its markers is: the other one is not, they are
+// exchanged, or the waist marker is on the pelvis too.
+std::optional<std::string> PelvisWarning(const LegFitResult& fit);
+
+// Whom norms are looked up for.
+struct Person {
+  std::optional<double> age_years;
+  std::optional<motion::Sex> sex;
+};
+void Describe(Person& o, OptionList& options);
+
 // Times of the five-times test beyond which a person of this age does worse than average: 11.4 s from 60 to 69 years,
 // 12.6 s from 70 to 79, 14.8 s from 80 to 89, of both sexes (Bohannon 2006, doi:10.2466/pms.103.1.215-222). That test
 // is timed from the word to the fifth standing or sitting; ours from the first onset to the fifth standing, which is
 // shorter by the reaction. nullopt for other ages: the source has none.
 std::optional<double> FiveTimesReference_s(double age_years);
 
-// For summaries: five_times_s of the test with its SD and, at an age, the reference; null without five rises.
-Json FiveTimesJson(const Measured& five_times_s, std::optional<double> age_years);
+// Power of the five-times test over body mass below which it is low among older adults: 2.5 W/kg of men, 1.9 W/kg of
+// women (Baltasar-Fernandez et al. 2021, doi:10.1038/s41598-021-98871-3). They have the hip's rise from stature and
+// height of the chair, by Alcazar's equation; ours is measured. nullopt below kOlder_years: the source has older adults
+// alone.
+inline constexpr double kOlder_years = 65;
+std::optional<double> LowPower_W_kg(motion::Sex sex, std::optional<double> age_years);
 
-// How old the subject is, for FiveTimesJson.
-Option& DescribeAge(std::optional<double>& age_years, OptionList& options);
+// For summaries: time and power of the five-times test with their SDs and, at an age, the time's reference, and of a
+// sex the power's; null without five rises.
+Json FiveTimesJson(const SitToStand& five_times, const Person& person);
 
 // sit_to_stand.csv of these rows: the values, then the SDs (…_sd); lengths end in the plane's unit.
 void WriteSitToStandCsv(const std::filesystem::path& path, const std::vector<SitToStand>& rows,

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "lake/motion/person.h"
+
 namespace lake::loads {
 
 // What a person can be; anything else is a slip, mostly of units.
@@ -24,7 +26,7 @@ struct Anthropometry {
   SegmentShare foot, shank, thigh, trunk;
 };
 
-enum class Sex { kMale, kFemale };
+using motion::Sex;
 
 inline constexpr const char* kDeLeva = "deleva";  // the table that is not the same for both
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -16,9 +17,13 @@ struct Clap {
   double above_db = 0;  // above all that is heard apart from claps
 };
 
+// Goes through a sound from its beginning, each time that it is called.
+using SoundReading = std::function<video::Sound(const video::TakeSamples& take)>;
+
 // Sounds that rise by 20 dB within 3 ms above 1.5 kHz, have fallen by 10 dB after 0.1 s, and of which everything else
-// stays 10 dB below; those within 10 dB of the loudest, in order. Throws Error, saying why, where there is none.
-std::vector<Clap> FindClaps(const video::Sound& sound, const std::filesystem::path& film);
+// stays 10 dB below; those within 10 dB of the loudest, in order. The sound is read twice: for its power, of which 16
+// kB a second are kept, and for the samples around each clap. Throws Error, saying why, where there is none.
+std::vector<Clap> FindClaps(const SoundReading& read, const std::filesystem::path& film);
 
 struct ClapOptions {
   // From the clap to the film's microphone, mm. Not known: anything up to 5 m is as likely.

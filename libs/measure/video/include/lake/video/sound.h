@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <vector>
 
 namespace lake::video {
@@ -13,9 +15,10 @@ struct SoundStamp {
   double time_s = 0;       // by its presentation time stamp, as VideoFrame::time_s
 };
 
+// What is known of a sound besides its samples.
 struct Sound {
-  double rate_hz = 0;               // samples a second
-  std::vector<float> samples = {};  // the mean of the channels; full scale is 1
+  double rate_hz = 0;  // samples a second
+  std::size_t samples = 0;
   std::vector<SoundStamp> stamps = {};
   // A coder puts silence before the first sample (AAC: 1024 to 2112 of them). MP4's edit list tells of it, and it is
   // left out; Matroska and transport streams stamp each packet. Of AVI, and of MP4 without such a list, it is not
@@ -28,8 +31,12 @@ struct Sound {
   double TimeOf(double sample) const;
 };
 
-// Of the film's main sound stream, as libav chooses it (default, else the most channels and bits). Throws Error: no
-// file that can be read, no sound, damaged sound.
-Sound ReadSound(const std::filesystem::path& path);
+// Takes the next samples, the mean of the channels; full scale is 1. The rate is the same of all.
+using TakeSamples = std::function<void(double rate_hz, std::span<const float> samples)>;
+
+// Of the film's main sound stream, as libav chooses it (default, else the most channels and bits). Its samples go to
+// `take` in order, in blocks as they are coded, so that none of a long film are kept here. Throws Error: no file that
+// can be read, no sound, damaged sound, a sound that the file ends before.
+Sound ReadSound(const std::filesystem::path& path, const TakeSamples& take);
 
 }  // namespace lake::video
