@@ -93,8 +93,8 @@ class OsimFile {
     const Isometry3d& line = poses.at(BodyAt(constraint.child("socket_line_body").text().get()));
     const Isometry3d& follower = poses.at(BodyAt(constraint.child("socket_follower_body").text().get()));
     const Vector3d along = line.linear() * VectorIn(constraint.child("line_direction_vec"));
-    const Vector3d apart = follower * VectorIn(constraint.child("point_on_follower")) -
-                           line * VectorIn(constraint.child("point_on_line"));
+    const Vector3d apart =
+        follower * VectorIn(constraint.child("point_on_follower")) - line * VectorIn(constraint.child("point_on_line"));
     return along.cross(apart).norm();
   }
 
@@ -295,8 +295,8 @@ TEST(Osim, TheMechanismAloneFollowsItsClosedForm) {
   const Eigen::Vector3d then = turns(model::ReferencePose(mechanism));
   EXPECT_LT(file.LoopsApart(file.Poses(file.Default())), 1e-12);
   for (const double part : {0.1, 0.6, 0.9}) {
-    const linkage::Pose pose = linkage::RequirePose(
-        mechanism.links, mechanism.range.stroke.lower_mm + part * mechanism.range.stroke.Travel());
+    const linkage::Pose pose =
+        linkage::RequirePose(mechanism.links, mechanism.range.stroke.lower_mm + part * mechanism.range.stroke.Travel());
     const Eigen::Vector3d turned = turns(pose) - then;
     const auto poses = file.Poses({{"knee", pose.theta_rad},
                                    {"thigh_pin", turned[0]},

@@ -77,7 +77,10 @@ OsimCoordinate StrokeAt(const RigidBodies& bodies) {
 class CoupledOsim {
  public:
   CoupledOsim(const parts::Mechanism& mechanism, const Wearer& wearer)
-      : mechanism_(mechanism), wearer_(wearer), worn_(WornBodyOf(mechanism, wearer)), document_("worn_knee_exoskeleton") {}
+      : mechanism_(mechanism),
+        wearer_(wearer),
+        worn_(WornBodyOf(mechanism, wearer)),
+        document_("worn_knee_exoskeleton") {}
 
   void Write(const std::filesystem::path& path) {
     AddPerson();
@@ -121,11 +124,11 @@ class CoupledOsim {
   template <typename Degrees>
   void AddPersonsJoint(const char* name, const WornSegment& parent, const WornSegment& child, double value_rad,
                        bool forward, Degrees degrees) {
-    document_.AddJoint(
-        OsimJoint::kPin, name, parent.name, child.name, forward ? TurnedOver(FrameOf(child)) : FrameOf(child),
-        {{.name = name,
-          .value = value_rad,
-          .prescribed = CourseOf([&](const WornSample& s) { return RadiansFromDegrees(degrees(s)); })}});
+    document_.AddJoint(OsimJoint::kPin, name, parent.name, child.name,
+                       forward ? TurnedOver(FrameOf(child)) : FrameOf(child),
+                       {{.name = name, .value = value_rad, .prescribed = CourseOf([&](const WornSample& s) {
+                                                             return RadiansFromDegrees(degrees(s));
+                                                           })}});
     document_.AddActuator(std::string(name) + "_moment", name);
   }
 
@@ -207,8 +210,8 @@ PlatePlace PlateAt(const WornSample& sample, const Wearer& wearer, double hinge_
       std::atan2(before.x() * after.y() - before.y() * after.x(), before.dot(after));  // anticlockwise
   const Vector2d knee_mm = Leaning(shank_deg) * Vector2d(0, wearer.shank_mm);
   return {turned_rad - RadiansFromDegrees(thigh_deg),
-          kMetresPerMillimetre * (knee_mm + thigh_cuff -
-                                  Eigen::Rotation2Dd(turned_rad) * Leaning(thigh_deg) * (on_thigh - on_thigh_mm))};
+          kMetresPerMillimetre *
+              (knee_mm + thigh_cuff - Eigen::Rotation2Dd(turned_rad) * Leaning(thigh_deg) * (on_thigh - on_thigh_mm))};
 }
 
 }  // namespace
@@ -242,8 +245,8 @@ void WriteOsimMotion(const std::filesystem::path& path, const parts::Mechanism& 
     const PlatePlace plate = PlateAt(sample, wearer, hinge_deg);
     table.time_s.push_back(sample.time_s);
     table.rows.push_back({sample.shank_deg, sample.knee_deg, HipDeg(sample), kMetresPerMillimetre * sample.stroke_mm,
-                          hinge_deg, turned[1], turned[2] - turned[1], turned[3],
-                          DegreesFromRadians(plate.turn_rad), plate.hinge_m.x(), plate.hinge_m.y()});
+                          hinge_deg, turned[1], turned[2] - turned[1], turned[3], DegreesFromRadians(plate.turn_rad),
+                          plate.hinge_m.x(), plate.hinge_m.y()});
   }
   exchange::WriteMot(path, table);
 }

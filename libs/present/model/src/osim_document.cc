@@ -54,7 +54,8 @@ Isometry3d MovedBy(OsimJoint type, const std::vector<OsimCoordinate>& q) {
   Isometry3d moved = Isometry3d::Identity();
   if (type == OsimJoint::kSlider) moved.translation().x() = q[0].value;
   if (type == OsimJoint::kPlanar) moved.translation() << q[1].value, q[2].value, 0;
-  if (type == OsimJoint::kPin || type == OsimJoint::kPlanar) moved.rotate(Eigen::AngleAxisd(q[0].value, Vector3d::UnitZ()));
+  if (type == OsimJoint::kPin || type == OsimJoint::kPlanar)
+    moved.rotate(Eigen::AngleAxisd(q[0].value, Vector3d::UnitZ()));
   return moved;
 }
 
@@ -140,8 +141,7 @@ void OsimDocument::AddBrick(const std::string& body, const Vector3d& middle_m, c
   AddText(AddShape(body, Moved(middle_m), "Brick"), "half_lengths", TextOf(half_m));
 }
 
-void OsimDocument::AddCylinder(const std::string& body, const Vector3d& from_m, const Vector3d& to_m,
-                               double radius_m) {
+void OsimDocument::AddCylinder(const std::string& body, const Vector3d& from_m, const Vector3d& to_m, double radius_m) {
   // OpenSim's cylinder stands along y.
   Isometry3d middle = Moved((from_m + to_m) / 2);
   middle.rotate(Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), to_m - from_m));
@@ -181,7 +181,8 @@ void OsimDocument::AddPin(const std::string& name, const std::string& line_body,
 void OsimDocument::AddBushing(const OsimBushing& bushing) {
   const pugi::xml_node node = AddNamed(forces_, "BushingForce", bushing.name);
   AddText(node, "appliesForce", BoolText(true));
-  const std::string on_segment = bushing.name + "_on_" + bushing.segment, on_link = bushing.name + "_on_" + bushing.link;
+  const std::string on_segment = bushing.name + "_on_" + bushing.segment,
+                    on_link = bushing.name + "_on_" + bushing.link;
   AddText(node, "socket_frame1", on_segment);
   AddText(node, "socket_frame2", on_link);
   const pugi::xml_node frames = Add(node, "frames");

@@ -36,13 +36,13 @@ std::vector<WornCuff> CuffsOf(const Wearer& wearer, double knee_deg) {
   std::vector<WornCuff> worn;
   for (const cuffs::CuffPlace& place : cuffs::PlacesOf(wearer.cuffs)) {
     const cuffs::Cuff& cuff = cuffs::CuffAt(wearer.cuffs, place);
-    worn.push_back({.name = fmt::format("{}_cuff_{}", place.on_thigh ? "thigh" : "shank", place.number + 1),
-                    .on_thigh = place.on_thigh,
-                    .up_m = kMetresPerMillimetre *
-                            (place.on_thigh ? cuff.from_knee_mm : wearer.shank_mm - cuff.from_knee_mm),
-                    .slip_m = place.on_thigh ? Vector2d(kMetresPerMillimetre * slip_mm) : Vector2d::Zero(),
-                    .stiffness_n_m = stiffness_n_mm / kMetresPerMillimetre,
-                    .turn_nm = stiffness_n_mm * cuff.length_mm * cuff.length_mm / 12 * kMetresPerMillimetre});
+    worn.push_back(
+        {.name = fmt::format("{}_cuff_{}", place.on_thigh ? "thigh" : "shank", place.number + 1),
+         .on_thigh = place.on_thigh,
+         .up_m = kMetresPerMillimetre * (place.on_thigh ? cuff.from_knee_mm : wearer.shank_mm - cuff.from_knee_mm),
+         .slip_m = place.on_thigh ? Vector2d(kMetresPerMillimetre * slip_mm) : Vector2d::Zero(),
+         .stiffness_n_m = stiffness_n_mm / kMetresPerMillimetre,
+         .turn_nm = stiffness_n_mm * cuff.length_mm * cuff.length_mm / 12 * kMetresPerMillimetre});
   }
   return worn;
 }

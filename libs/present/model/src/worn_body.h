@@ -35,8 +35,8 @@ inline constexpr double kCuffDamping_n_s_m = 200, kCuffDamping_nm_s = 2;
 struct WornCuff {
   std::string name;
   bool on_thigh = true;
-  double up_m = 0;          // on its segment
-  Eigen::Vector2d slip_m;   // in the file's pose, own axes of the segment
+  double up_m = 0;           // on its segment
+  Eigen::Vector2d slip_m;    // in the file's pose, own axes of the segment
   double stiffness_n_m = 0;  // across and along
   double turn_nm = 0;        // per rad
 
