@@ -188,12 +188,11 @@ struct Held {
 };
 
 // Skin that moves by 3 mm, in part slowly, in part as the angle says, first harmonic included, which looks as a hinge
-// elsewhere does. Of 95 % ellipses at least 90 % must hold the hinge, over clusters of two to five markers and
-// movements of 60 to 120 degrees. The seeds are not those on which the model was worked out (0 to 11, by another
-// program).
+// elsewhere does. Of 95 % ellipses at least 90 % must hold the hinge, and not all, over clusters of two to five markers
+// and movements of 60 to 120 degrees. The seeds are not those on which the model was worked out (0 to 11, 100 to 105).
 TEST(FunctionalAxis, ItsIntervalsHoldAHingeUnderSkin) {
   Held held;
-  for (unsigned seed = 100; seed < 106; ++seed) {
+  for (unsigned seed = 300; seed < 306; ++seed) {
     for (const double range_deg : {60.0, 95.0, 120.0})
       for (const std::size_t count : {2u, 4u})
         held.Add(HingeUnderSkin(seed, 3, range_deg, count, exchange::PointSpace::kPlane), AllMarkers(count));
@@ -205,11 +204,14 @@ TEST(FunctionalAxis, ItsIntervalsHoldAHingeUnderSkin) {
   RecordProperty("whole", std::to_string(held.whole / held.recordings));
   RecordProperty("windows", std::to_string(held.windows / held.all_windows));
   RecordProperty("centres", std::to_string(held.centres / held.all_centres));
-  // Nor are they idle: the errors are more than half of what the standard deviations say (0.61 to 0.68 measured).
+  EXPECT_LT(held.whole, held.recordings);
+  EXPECT_LT(held.windows, held.all_windows);
+  EXPECT_LT(held.centres, 0.99 * held.all_centres);
+  // Nor are they idle: the errors are what the standard deviations say (0.82 to 0.95 of it measured).
   for (const auto& [name, off, said] : {std::tuple("whole", held.whole_off, held.whole_said),
                                         std::tuple("windows", held.windows_off, held.windows_said),
                                         std::tuple("centres", held.centres_off, held.centres_said)})
-    EXPECT_GT(std::sqrt(off / said), 0.5) << name;
+    EXPECT_GT(std::sqrt(off / said), 0.7) << name;
 }
 
 // Without skin the intervals are narrow: they are of what is found in the recording.

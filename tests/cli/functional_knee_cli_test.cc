@@ -126,8 +126,16 @@ TEST_F(FunctionalKnee, AComparisonsHumanKneeStaysWhatItWas) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.exit_code == 0 ? Json::parse(outcome.out)["knee_from"] : Json();
   };
-  Compared("--knee functional " + kSegments);
+  const Json sd_mm = Compared("--knee functional " + kSegments)["knee_axis_sd_mm"]["human"];
   EXPECT_EQ(again(""), "functional");
+  EXPECT_EQ(ReadJsonFile(folder_ / "D/comparison.json")["knee_axis_sd_mm"]["human"], sd_mm);
+  // A file of before that was written.
+  Json before = ReadJsonFile(folder_ / "C/comparison.json");
+  before.erase("knee_axis_sd_mm");
+  WriteJsonFile(folder_ / "C/comparison.json", before);
+  const Outcome outcome = Shell(folder_, "lake-compare C exo.csv -o E --quiet");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("does not say how precise its functional knee is"));
   Compared("--knee marker");
   EXPECT_EQ(again("--knee functional " + kSegments), "marker");
 }

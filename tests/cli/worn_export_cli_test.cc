@@ -1,4 +1,4 @@
-// lake-export mjcf --body: the actuator and the person in one rise.
+// lake-export mjcf or osim --body: the actuator and the person in one rise.
 #include <gmock/gmock.h>
 
 #include "cli/program_run.h"
@@ -6,6 +6,7 @@
 #include "lake/compare/comparison_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
+#include "lake/exchange/mot.h"
 #include "lake/linkage/design_file.h"
 #include "lake/loads/body_path.h"
 #include "lake/redesign/human_motion.h"
@@ -66,6 +67,22 @@ TEST_F(WornExport, ADesignWithoutProgramFollowsItsTrialsKnee) {
     off_line_mm = std::max(off_line_mm, std::abs(stroke_mm - line_mm));
   }
   EXPECT_GT(off_line_mm, 2);
+}
+
+TEST_F(WornExport, OsimIsOfTheSameRise) {
+  const Outcome outcome =
+      Shell(folder_, "lake-export design.yaml osim --body loads.json --motion C -o out --quiet --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(Json::parse(outcome.out)["file"], "design.osim");
+  EXPECT_THAT(ReadTextFile(folder_ / "out/design.osim"), HasSubstr("worn_knee_exoskeleton"));
+  const CsvTable course = CsvTable::Read(folder_ / "out/course.csv");
+  const exchange::MotTable motion = exchange::ReadMot(folder_ / "out/course.mot");
+  ASSERT_EQ(motion.rows.size(), course.Rows());
+  for (std::size_t i = 0; i < course.Rows(); ++i) {
+    const auto at = [&](const char* column) { return course.RequiredNumber(i, course.Column(column)); };
+    EXPECT_NEAR(motion.rows[i][motion.Column("human_knee")], at("human_knee_deg"), 1e-9) << i;
+    EXPECT_NEAR(motion.rows[i][motion.Column("stroke")], 1e-3 * at("stroke_mm"), 1e-12) << i;
+  }
 }
 
 TEST_F(WornExport, SaysThatTheTrunksLeanForBalanceIsNotTaken) {

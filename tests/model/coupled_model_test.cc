@@ -10,52 +10,23 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "model/mujoco_model.h"
-#include "published_links.h"
+#include "model/worn_person.h"
 #include "temporary_folder.h"
 
 namespace lake {
 namespace {
 
-constexpr double kShortestStroke_mm = 245;
-
-parts::Mechanism Published() {
-  return parts::MakeMechanism(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, kShortestStroke_mm, {}), {});
-}
-
-// A rise of 6 s from 92° to 8°.
-model::Wearer Person(const parts::Mechanism& mechanism, const Eigen::Vector2d& hinge_mm = {14, -22}) {
-  model::Wearer wearer;
-  loads::LegBody& body = wearer.body.body;
-  body.foot = {1.0, 0.06, 0.12}, body.shank = {3.3, 0.18, 0.13}, body.thigh = {7.0, 0.17, 0.13};
-  body.trunk = {23.7, 0.32, 0.25}, body.sole = {0.066, 0.2}, body.ankle_height_m = 0.07;
-  wearer.shank_mm = 420, wearer.thigh_mm = 400;
-  wearer.hinge_mm = hinge_mm;
-  wearer.cuffs.thigh = {{210, 80}, {90, 50}};
-  for (int i = 0; i <= 100; ++i) {
-    const double u = i / 100.0, share = u * u * (3 - 2 * u), knee_deg = 92 - 84 * share;
-    wearer.rise.push_back(
-        {.time_s = 6 * u,
-         .shank_deg = 6 + 40 * u * (1 - u),
-         .knee_deg = knee_deg,
-         .trunk_deg = 10 + 120 * u * (1 - u),
-         .stroke_mm = *linkage::StrokeForAngle(mechanism.links, mechanism.range, RadiansFromDegrees(knee_deg))});
-    const double tilt_rad = RadiansFromDegrees(wearer.rise.back().trunk_deg);
-    wearer.body.trunk.push_back({tilt_rad, 0.32 * Eigen::Vector2d(std::sin(tilt_rad), std::cos(tilt_rad))});
-  }
-  return wearer;
-}
-
 TEST(CoupledModel, RefusesWhatIsNoCuff) {
   const TemporaryFolder folder;
-  const parts::Mechanism mechanism = Published();
-  model::Wearer wearer = Person(mechanism);
+  const parts::Mechanism mechanism = testing::Published();
+  model::Wearer wearer = testing::Wearing(mechanism);
   wearer.cuffs.shank.clear();
   EXPECT_THROW(model::WriteCoupledMjcf(folder / "design.xml", mechanism, wearer), UsageError);
 }
 
 TEST(CoupledModel, ItsCourseIsTheRise) {
   const TemporaryFolder folder;
-  const model::Wearer wearer = Person(Published());
+  const model::Wearer wearer = testing::Wearing(testing::Published());
   model::WriteCourse(folder / "course.csv", wearer);
   const CsvTable table = CsvTable::Read(folder / "course.csv");
   ASSERT_EQ(table.Rows(), 101u);
@@ -70,7 +41,7 @@ TEST(CoupledModel, ItsCourseIsTheRise) {
 
 class Worn : public ::testing::Test {
  protected:
-  Worn() { Wear(Person(mechanism_)); }
+  Worn() { Wear(testing::Wearing(mechanism_)); }
 
   void Wear(const model::Wearer& wearer) {
     wearer_ = wearer;
@@ -147,7 +118,7 @@ class Worn : public ::testing::Test {
     return off_n / std::max(load.largest_thigh_n, load.largest_shank_n);
   }
 
-  const parts::Mechanism mechanism_ = Published();
+  const parts::Mechanism mechanism_ = testing::Published();
   model::Wearer wearer_;
   std::unique_ptr<testing::MujocoModel> simulation_;
   Point pin_in_shank_{}, tip_in_bar_{};
@@ -173,7 +144,7 @@ TEST_F(Worn, TheBodyHasItsMasses) {
 // At rest, without weight, the cuffs do what their model says: within 1 %, on the knee and 26 mm off.
 TEST_F(Worn, CuffsDoAtRestWhatTheirModelSays) {
   for (const Eigen::Vector2d& hinge_mm : {Eigen::Vector2d(0.35, -0.55), Eigen::Vector2d(14, -22)}) {
-    Wear(Person(mechanism_, hinge_mm));
+    Wear(testing::Wearing(mechanism_, hinge_mm));
     mju_zero(simulation_->Model()->opt.gravity, 3);
     StartInReference();
     for (const std::size_t percent : {70u, 40u, 0u}) {

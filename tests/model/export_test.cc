@@ -32,6 +32,7 @@ class Export : public ::testing::Test {
 TEST_F(Export, WritesEachFormatWithItsPartsAndNothingElseToStdout) {
   const std::pair<const char*, std::pair<const char*, const char*>> kFormats[] = {
       {"mjcf", {"design.xml", "<?xml version=\"1.0\"?>\n<mujoco"}},
+      {"osim", {"design.osim", "<?xml version=\"1.0\"?>\n<OpenSimDocument Version=\"40000\">"}},
       {"sdf", {"design.sdf", "<?xml version=\"1.0\"?>\n<sdf version=\"1.9\">"}},
       {"urdf", {"design.urdf", "<?xml version=\"1.0\"?>\n<robot"}},
       {"step", {"design.step", "ISO-10303-21;"}},
@@ -50,12 +51,12 @@ TEST_F(Export, WritesEachFormatWithItsPartsAndNothingElseToStdout) {
 }
 
 TEST_F(Export, RefusesWhatItCannotWrite) {
-  Refused("design.yaml stl", 2, "no format 'stl': there are mjcf, sdf, urdf, step, dxf");
+  Refused("design.yaml stl", 2, "no format 'stl': there are mjcf, osim, sdf, urdf, step, dxf");
   Refused("none.yaml step", 1, "none.yaml");
   Refused("design.yaml step --plate 4mm,cheese", 2, "no material 'cheese'");
   Refused("design.yaml step --plate PLA", 2, "a thickness and a material, such as 4mm,PLA");
   Refused("design.yaml dxf --pin-diameter 30", 1, "a pin of 30 mm does not fit");
-  Refused("design.yaml urdf --body loads.json", 2, "--body is for mjcf, not for urdf");
+  Refused("design.yaml urdf --body loads.json", 2, "--body is for mjcf and osim, not for urdf");
   Refused("design.yaml mjcf --motion predicted", 2, "give --body loads.json too");
   Refused("design.yaml mjcf --thigh-cuff 210:80", 2, "--thigh-cuff is of a worn mechanism: give --body loads.json too");
   Refused("design.yaml mjcf --cuff-softest 2", 2, "--cuff-softest is of a worn mechanism");

@@ -131,6 +131,19 @@ struct RegisteredPair {
   std::optional<double> human_axis_mm, exo_axis_mm;  // of functional knees
 };
 
+// How precise the functional axis of an earlier comparison's trial is; none of a marker.
+std::optional<double> AxisOfCompared(const fs::path& comparison, const char* trial, bool is_functional, Run& run) {
+  const fs::path file = fs::is_directory(comparison) ? comparison / "comparison.json" : comparison;
+  const Json sds = ReadJsonFile(file).value("knee_axis_sd_mm", Json::object());
+  if (const Json sd = sds.value(trial, Json()); sd.is_number()) return sd.get<double>();
+  if (is_functional)
+    run.Warn(
+        fmt::format("{} does not say how precise its functional knee is: the budget has a marker's placement for it; "
+                    "compare its trials again",
+                    file.string()));
+  return std::nullopt;
+}
+
 RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   std::optional<FunctionalTables> human, exo;
   if (!IsCompared(options.human))
@@ -142,6 +155,10 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   RegisteredPair pair;
   if (human) pair.human_axis_mm = human->sd_mm;
   if (exo) pair.exo_axis_mm = exo->sd_mm;
+  if (!human)
+    pair.human_axis_mm =
+        AxisOfCompared(options.human, "human", compare::ReadComparison(options.human).knee_is_functional, run);
+  if (!exo) pair.exo_axis_mm = AxisOfCompared(options.exo, "exo", false, run);
   if (options.knee.knee == KneeFrom::kFunctional && !pair.human_axis_mm && !pair.exo_axis_mm)
     throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
   if (human && exo) CheckUnits(human->tables, exo->tables);

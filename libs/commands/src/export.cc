@@ -25,11 +25,14 @@ struct Format {
   const char* name;
   const char* file;
   std::function<void(const std::filesystem::path&, const parts::Mechanism&)> write;
+  // Worn by a person; none where the format has no such model.
+  std::function<void(const std::filesystem::path&, const parts::Mechanism&, const model::Wearer&)> write_worn = nullptr;
 };
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format> kFormats = {
-      {"mjcf", "design.xml", model::WriteMjcf},
+      {"mjcf", "design.xml", model::WriteMjcf, model::WriteCoupledMjcf},
+      {"osim", "design.osim", model::WriteOsim, model::WriteCoupledOsim},
       {"sdf", "design.sdf", model::WriteSdf},
       {"urdf", "design.urdf", model::WriteUrdf},
       {"step", "design.step",
@@ -62,7 +65,8 @@ void CheckBody(const ExportOptions& options) {
     if (!options.motion.empty()) throw UsageError("--motion is of a worn mechanism: give --body loads.json too");
     return;
   }
-  if (options.format != "mjcf") throw UsageError(fmt::format("--body is for mjcf, not for {}", options.format));
+  if (!FormatNamed(options.format).write_worn)
+    throw UsageError(fmt::format("--body is for mjcf and osim, not for {}", options.format));
   if (const std::filesystem::path motion = MotionOf(options); options.motion.empty() && !exists(motion))
     throw UsageError(
         fmt::format("{} is not there: give --motion, a folder of lake-optimize's predicted/ or of "
@@ -148,13 +152,14 @@ Json RunExport(const ExportOptions& options, Run& run) {
   run.AddInputs(InputsOf(options));
   const linkage::UsedRange range = linkage::FindUsedRange(design.links, design.d_min_mm, design.d_max_mm);
   const parts::Mechanism mechanism = parts::MakeMechanism(design.links, range, options.parts);
-  run.Begin({"summary.json", format.file, "parts.csv", "course.csv"});
+  run.Begin({"summary.json", format.file, "parts.csv", "course.csv", "course.mot"});
   WarnOfStack(mechanism, run);
   if (options.format == "urdf")
     run.Warn("URDF cannot close loops: the simulator has to join coupler_end to shank_pin and rod_end to bar_tip");
   if (wearer) {
-    model::WriteCoupledMjcf(run.Result(format.file), mechanism, *wearer);
+    format.write_worn(run.Result(format.file), mechanism, *wearer);
     model::WriteCourse(run.Result("course.csv"), *wearer);
+    if (options.format == "osim") model::WriteOsimMotion(run.Result("course.mot"), mechanism, *wearer);
   } else {
     format.write(run.Result(format.file), mechanism);
   }
@@ -179,10 +184,10 @@ void Describe(ExportOptions& o, OptionList& options) {
   options.AddOperand("format", o.format, "What to write").Value(fmt::format("{}", fmt::join(names, "|"))).Required();
   Describe(o.parts, options);
   options
-      .Add(
-          "body", o.body,
-          "Of mjcf: worn by this person, loads.json or the folder of lake-loads: leg, trunk, cuffs that yield, and the "
-          "rise")
+      .Add("body", o.body,
+           "Of mjcf and osim: worn by this person, loads.json or the folder of lake-loads: leg, trunk, cuffs that "
+           "yield, "
+           "and the rise")
       .IsPath(Option::Path::kFile)
       .Otherwise("the mechanism alone");
   options.Add("motion", o.motion, "With --body: the rise, a folder of lake-optimize's predicted/ or of lake-compare")

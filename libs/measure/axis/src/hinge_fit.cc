@@ -7,6 +7,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "lake/core/statistics.h"
 
@@ -191,7 +192,9 @@ void HingeFit::SetPrior(const SegmentMotion& motion, const LearntErrors* learnt)
   const VectorXd plain = SolveRobustly(equations_, prior_precision_, prior_mean_);
   const double shank_mm = plain.segment<2>(2).norm(), thigh_mm = plain.head<2>().norm();
   const double shank_lever = shank_mm / shank.radius_mm, thigh_lever = thigh_mm / thigh.radius_mm;
-  markers_at_joint_mm_ = std::max(std::hypot(shank.PointSdMm(shank_mm), thigh.PointSdMm(thigh_mm)), kLeast_mm);
+  const double shank_sd_mm = shank.PointSdMm(shank_mm), thigh_sd_mm = thigh.PointSdMm(thigh_mm);
+  markers_at_joint_mm_ = std::max(std::hypot(shank_sd_mm, thigh_sd_mm), kLeast_mm);
+  shank_share_ = std::pow(shank_sd_mm / markers_at_joint_mm_, 2);
   if (learnt) {
     prior_mean_.tail(carried) = learnt->carried;
     prior_precision_.bottomRightCorner(carried, carried) = learnt->carried_covariance.inverse();
@@ -229,17 +232,27 @@ void HingeFit::SolveCorrected(const SegmentMotion& motion) {
   unknowns_ = inverse_ * right;
 }
 
+// A segment's frame is its markers' mean over these frames: what of its errors is alike in all of them moves its point
+// and its frame together, and is no error of the axis' place. So the errors count about their mean: those of the shank
+// in its axes, those of the thigh in its own.
 HingeSolution HingeFit::Solve(const std::vector<ErrorModel>& errors) const {
-  MatrixXd middle = std::pow(residual_mm_, 4) * prior_precision_;
   const auto n = static_cast<Eigen::Index>(blocks_.size());
-  MatrixXd x(n, unknowns_.size()), y(n, unknowns_.size());
+  const Eigen::Index unknowns = unknowns_.size();
+  MatrixXd in_shank(n, 2 * unknowns), in_thigh(n, 2 * unknowns);
   for (Eigen::Index i = 0; i < n; ++i) {
     const HingeEquation& block = blocks_[static_cast<std::size_t>(i)];
-    x.row(i) = block.weight * block.rows.row(0), y.row(i) = block.weight * block.rows.row(1);
+    const Eigen::Matrix2Xd rows = block.weight * block.rows, turned = block.rows.leftCols<2>().transpose() * rows;
+    in_shank.row(i) << rows.row(0), rows.row(1);
+    in_thigh.row(i) << turned.row(0), turned.row(1);
   }
-  for (const ErrorModel& model : errors) {
-    const MatrixXd covariance = BlockCovariance(blocks_, model);
-    middle += model.probability * (x.transpose() * covariance * x + y.transpose() * covariance * y);
+  in_shank.rowwise() -= in_shank.colwise().mean().eval();
+  in_thigh.rowwise() -= in_thigh.colwise().mean().eval();
+  MatrixXd covariance = MatrixXd::Zero(n, n);
+  for (const ErrorModel& model : errors) covariance += model.probability * BlockCovariance(blocks_, model);
+  MatrixXd middle = std::pow(residual_mm_, 4) * prior_precision_;
+  for (const auto& [design, share] : {std::pair(&in_shank, shank_share_), std::pair(&in_thigh, 1 - shank_share_)}) {
+    const MatrixXd square = design->transpose() * covariance * *design;
+    middle += share * (square.topLeftCorner(unknowns, unknowns) + square.bottomRightCorner(unknowns, unknowns));
   }
   return {unknowns_, inverse_ * middle * inverse_};
 }

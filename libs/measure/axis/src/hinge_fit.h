@@ -63,6 +63,7 @@ class HingeFit {
   Eigen::VectorXd prior_mean_;
   double residual_mm_ = 0;  // along each axis
   double markers_at_joint_mm_ = 0;
+  double shank_share_ = 0;  // of that variance
   Eigen::VectorXd unknowns_;
   Eigen::MatrixXd inverse_;  // of the corrected normal matrix of the blocks
 };

@@ -20,6 +20,11 @@ linkage::Pose ReferencePose(const parts::Mechanism& mechanism);
 // constraints, which in MuJoCo yield a little: stiff enough for a hundredth of a degree.
 void WriteMjcf(const std::filesystem::path& path, const parts::Mechanism& mechanism);
 
+// OpenSim 4: the thigh plate welded to ground, coordinates `knee` and `stroke` (the true angle, rad, and length, m);
+// `thigh_pin`, `tip` and `mount` count from the reference pose. The loops are closed by point-on-line constraints. Here
+// x is anterior, y up the thigh, z along the pins to the right; layers lie towards -z.
+void WriteOsim(const std::filesystem::path& path, const parts::Mechanism& mechanism);
+
 // SDFormat 1.9 (Gazebo): both loops are joints, which a physics engine must support. Joint positions count from the
 // reference pose, as SDFormat has it; a comment in the file says which that is.
 void WriteSdf(const std::filesystem::path& path, const parts::Mechanism& mechanism);
