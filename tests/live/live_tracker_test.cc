@@ -11,6 +11,7 @@
 #include <optional>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lake/camera/camera.h"
@@ -32,19 +33,19 @@ using motion::SampleStatus;
 
 const Vector2d kWornMm(18, 32);  // joint less knee, shank's frame
 const std::vector<std::string> kNames = {"ankle", "knee", "hip", "waist", "exo_knee"};
-constexpr int kRises = 3;
 
 struct CameraMode {
   std::string title;
   int width_px, height_px;
   double radius_px, rate_hz;
+  int rises;
 };
 
 void PrintTo(const CameraMode& camera, std::ostream* out) {
   *out << camera.title;
 }
 
-// Three quick rises with short rests, before an even background: what is measured here are the markers.
+// Quick rises with short rests, before an even background: what is measured here are the markers.
 synth::SceneOptions SceneOf(const CameraMode& camera) {
   synth::SceneOptions scene;
   scene.seed = scene.motion.seed = 38;
@@ -52,7 +53,7 @@ synth::SceneOptions SceneOf(const CameraMode& camera) {
   scene.marker_radius_px = camera.radius_px;
   scene.frame_rate_hz = camera.rate_hz;
   scene.room = scene.body = false;
-  scene.motion.repetitions = kRises;
+  scene.motion.repetitions = camera.rises;
   scene.motion.rise_s = 1.1, scene.motion.descent_s = 0.9;
   scene.motion.min_rest_s = 0.6, scene.motion.max_rest_s = 0.7;
   scene.motion.ankle_sway_mm = scene.motion.body_sway_deg = 0;  // so that the joint's place is one for all frames
@@ -60,12 +61,23 @@ synth::SceneOptions SceneOf(const CameraMode& camera) {
   return scene;
 }
 
+// Where the markers are in the first frame.
+std::vector<tracking::MarkerSeed> SeedsOf(const synth::Scene& scene) {
+  const synth::FrameTruth truth = scene.Truth(0);
+  std::vector<tracking::MarkerSeed> seeds;
+  seeds.reserve(kNames.size());
+  for (std::size_t n = 0; n < kNames.size(); ++n) seeds.push_back({.name = kNames[n], .position = truth.markers[n].px});
+  return seeds;
+}
+
 // What a session does, frame by frame: names are looked for once a second until all are known.
 class LiveSession {
  public:
-  LiveSession(const synth::Scene& scene, const std::filesystem::path& film)
-      : view_(gait::MakeLegView(motion::LengthUnit::kPx, scene.Profile())), reader_(video::VideoReader::Open(film, {})) {
+  LiveSession(const synth::Scene& scene, const std::filesystem::path& film, std::vector<tracking::MarkerSeed> seeds)
+      : view_(gait::MakeLegView(motion::LengthUnit::kPx, scene.Profile())),
+        reader_(video::VideoReader::Open(film, {})) {
     options_.names = kNames;
+    options_.seeds = std::move(seeds);
     options_.metric_from_px = [this](const Vector2d& px) { return gait::PlaneFromRecorded(view_, px, 0); };
     const Vector2d middle(0.5 * reader_->Info().width, 0.5 * reader_->Info().height);
     options_.px_per_mm = 1 / gait::PlaneUnitsPerRecorded(view_, options_.metric_from_px(middle), 0);
@@ -115,7 +127,9 @@ TEST_P(LiveTracking, TellsWhatTheWholeRecordingTells) {
   const auto motion = std::make_shared<synth::StsMotion>(options.motion);
   const synth::Scene scene(options, motion);
   synth::WriteRecording(scene, folder.Path(), {});
-  LiveSession session(scene, folder / "video.mp4");
+  // A film of one rise is too short for names to be found in it.
+  const bool is_short = GetParam().rises == 1;
+  LiveSession session(scene, folder / "video.mp4", is_short ? SeedsOf(scene) : std::vector<tracking::MarkerSeed>());
 
   // After each rise the joint's interval holds where it is.
   std::vector<live::RiseOffset> rises;
@@ -128,7 +142,7 @@ TEST_P(LiveTracking, TellsWhatTheWholeRecordingTells) {
     for (const int axis : {0, 1})
       EXPECT_LE(std::abs(place.offset_mm[axis] - kWornMm[axis]), place.half_width_mm[axis]) << "rise " << rises.size();
   }
-  ASSERT_EQ(rises.size(), static_cast<std::size_t>(kRises));
+  ASSERT_EQ(rises.size(), static_cast<std::size_t>(GetParam().rises));
   EXPECT_LT((live::PlaceOf(rises).offset_mm - kWornMm).norm(), 1) << "mm";
   session.RunUntil(motion->DurationS());
 
@@ -136,7 +150,7 @@ TEST_P(LiveTracking, TellsWhatTheWholeRecordingTells) {
   tracking::TrackOptions whole;
   whole.names = kNames;
   whole.metric_from_px = session.Options().metric_from_px;
-  whole.seeds = {{.name = "exo_knee", .position = scene.Truth(0).markers.back().px}};
+  whole.seeds = {SeedsOf(scene).back()};
   whole.quiet = true;
   const MarkerRecording offline = tracking::TrackMarkers(folder / "video.mp4", whole).recording;
   const MarkerRecording& told = session.Told();
@@ -156,23 +170,35 @@ TEST_P(LiveTracking, TellsWhatTheWholeRecordingTells) {
     }
     EXPECT_GT(compared, 0.5 * static_cast<double>(told.Frames())) << kNames[n];
   }
-  // Its standard deviation is what it is off by; a little more, as it holds what codecs usually add, and this film's crf
-  // of 17 adds less.
+  // Its standard deviation is what it is off by; a little more, as it holds what codecs usually add, and this film's
+  // crf of 17 adds less.
   const double normalised = std::sqrt(squares / count);
   EXPECT_GT(normalised, 0.5);
   EXPECT_LT(normalised, 1.2);
 }
 
-CameraMode Small(double rate_hz) {
-  return {.title = fmt::format("At720p{}", rate_hz), .width_px = 1280, .height_px = 720, .radius_px = 4, .rate_hz = rate_hz};
+CameraMode Small(double rate_hz, int rises) {
+  return {.title = fmt::format("At720p{}", rate_hz),
+          .width_px = 1280,
+          .height_px = 720,
+          .radius_px = 4,
+          .rate_hz = rate_hz,
+          .rises = rises};
 }
 
-CameraMode Large(double rate_hz) {
-  return {.title = fmt::format("At1080p{}", rate_hz), .width_px = 1920, .height_px = 1080, .radius_px = 6, .rate_hz = rate_hz};
+CameraMode Large(double rate_hz, int rises) {
+  return {.title = fmt::format("At1080p{}", rate_hz),
+          .width_px = 1920,
+          .height_px = 1080,
+          .radius_px = 6,
+          .rate_hz = rate_hz,
+          .rises = rises};
 }
 
-INSTANTIATE_TEST_SUITE_P(Cameras, LiveTracking, testing::Values(Small(30), Small(60), Small(120), Large(30), Large(60), Large(120)),
-    [](const auto& tested) { return tested.param.title; });
+INSTANTIATE_TEST_SUITE_P(Cameras, LiveTracking,
+                         testing::Values(Small(30, 3), Small(60, 1), Small(120, 1), Large(30, 3), Large(60, 1),
+                                         Large(120, 1)),
+                         [](const auto& tested) { return tested.param.title; });
 
 }  // namespace
 }  // namespace lake::test

@@ -1,8 +1,8 @@
-// A camera for tests, as there is none where they run: preloaded, it makes of one character device a V4L2 capture device
-// that sends the files of a folder as Motion JPEG. Everything else goes to the kernel.
+// A camera for tests, as there is none where they run: preloaded, it makes of one character device a V4L2 capture
+// device that sends the files of a folder as Motion JPEG. Everything else goes to the kernel.
 //
-// LAKE_CAMERA_DEVICE: which device; LAKE_CAMERA_PICTURES: the folder (00001.jpg, 00002.jpg, …; an empty file is a picture
-// that did not arrive whole); LAKE_CAMERA_SIZE, LAKE_CAMERA_RATE: "1280x720", "30", the only ones that it has;
+// LAKE_CAMERA_DEVICE: which device; LAKE_CAMERA_PICTURES: the folder (00001.jpg, 00002.jpg, …; an empty file is a
+// picture that did not arrive whole); LAKE_CAMERA_SIZE, LAKE_CAMERA_RATE: "1280x720", "30", the only ones that it has;
 // LAKE_CAMERA_END: the errno with which it answers after the last picture (19: it was unplugged), 0: it is frozen.
 #include <fcntl.h>
 #include <linux/videodev2.h>
