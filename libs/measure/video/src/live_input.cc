@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <new>
 #include <string_view>
@@ -46,6 +47,7 @@ LiveInput::LiveInput(const std::string& input, const LiveStreamOptions& options,
   const int best = av_find_best_stream(opened_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
   if (best < 0) throw Fail("{}: holds no video stream that can be decoded", input_);
   stream_ = opened_->streams[best];
+  if (IsDevice(input_)) CheckDevice(options);
   AVRational& pixel_aspect = stream_->codecpar->sample_aspect_ratio;
   if (pixel_aspect.num == 0) pixel_aspect = stream_->sample_aspect_ratio;  // what only the container says
   for (unsigned i = 0; i < opened_->nb_streams; ++i)
@@ -109,6 +111,18 @@ void LiveInput::Open(const LiveStreamOptions& options) {
   opened_.reset(opened);
   const int found = avformat_find_stream_info(opened_.get(), nullptr);
   if (found < 0) throw Fail("{}: its streams cannot be read ({})", input_, libav::ErrorText(found));
+}
+
+// A driver makes of a size or a rate that its camera does not have one that it has, and says nothing.
+void LiveInput::CheckDevice(const LiveStreamOptions& options) const {
+  const AVCodecParameters& sent = *stream_->codecpar;
+  const std::string size = fmt::format("{}x{}", sent.width, sent.height);
+  if (!options.size.empty() && options.size != size)
+    throw Fail("{}: has no pictures of --size {}; the nearest is {}", input_, options.size, size);
+  constexpr double kSameRate = 0.01;  // 29.97 Hz for 30
+  const AVRational rate = stream_->avg_frame_rate;
+  if (options.rate_hz > 0 && rate.num > 0 && std::abs(av_q2d(rate) / options.rate_hz - 1) > kSameRate)
+    throw Fail("{}: does not send at --rate {:g} Hz; the nearest is {:g} Hz", input_, options.rate_hz, av_q2d(rate));
 }
 
 bool LiveInput::HasTimes() const {

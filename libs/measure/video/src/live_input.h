@@ -30,6 +30,7 @@ class LiveInput {
   void Open(const LiveStreamOptions& options);
   std::string Address(const LiveStreamOptions& options, const AVInputFormat*& format);
   void OpenPipe();
+  void CheckDevice(const LiveStreamOptions& options) const;
 
   std::string input_;
   std::function<bool()> gives_up_;

@@ -97,6 +97,7 @@ struct LiveStream::Impl {
   // The receiver's thread.
   void Receive();
   void Take(libav::Packet packet);
+  libav::Packet KeepUnstamped(libav::Packet& packet);
   bool TakeTimes(AVPacket& packet);
   bool WaitForPace(const AVPacket& packet);
   bool TakeStamps(AVPacket& packet);
@@ -139,6 +140,7 @@ struct LiveStream::Impl {
   std::int64_t interval = 0, set_back = 0;  // ticks between the last two packets; by how much the clock was set back
   int times_set_back = 0, left_out = 0, torn = 0;
   bool is_loss_before = false;
+  libav::Packet unstamped;  // the first, until the second comes
   MissingPictures gaps;
   Clock::time_point began, space_checked = Clock::now();
   std::int64_t pace_from = AV_NOPTS_VALUE;
@@ -307,7 +309,28 @@ bool LiveStream::Impl::TakeTimes(AVPacket& packet) {
   return TakeStamps(packet);
 }
 
+// libav's parser loses the stamp of an RTP stream's first picture, on which the next ones build: it is put one interval
+// before the second. Returns the first once the second is there, with its stamp. Where pictures do not come in their
+// order, or at an unknown rate, it cannot be told.
+libav::Packet LiveStream::Impl::KeepUnstamped(libav::Packet& packet) {
+  const AVStream& stream = input.Stream();
+  const AVRational rate = RateOf(stream, options.rate_hz);
+  const bool has_stamp = packet->pts != AV_NOPTS_VALUE || packet->dts != AV_NOPTS_VALUE;
+  if (packets > 0 || !input.HasTimes() || rate.num <= 0 || stream.codecpar->video_delay > 0) return nullptr;
+  if (!has_stamp && !unstamped && (packet->flags & AV_PKT_FLAG_KEY)) {
+    unstamped = std::move(packet);
+    return nullptr;
+  }
+  if (!has_stamp || !unstamped) return nullptr;
+  unstamped->pts =
+      (packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts) - av_rescale_q(1, av_inv_q(rate), stream.time_base);
+  unstamped->dts = unstamped->pts;
+  return std::move(unstamped);
+}
+
 void LiveStream::Impl::Take(libav::Packet packet) {
+  if (libav::Packet first = KeepUnstamped(packet)) Take(std::move(first));
+  if (!packet) return;  // kept
   if (!TakeTimes(*packet)) {
     is_loss_before |= (packet->flags & AV_PKT_FLAG_CORRUPT) != 0;
     return;
