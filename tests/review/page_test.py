@@ -438,7 +438,7 @@ class ReviewPage(unittest.TestCase):
             row = table[frame]
             for shown, column, digits in ((name, f"{name}_deg", 1), ("ankle_waist_distance", "ankle_waist_distance_mm", 1),
                                           ("hip_speed", "hip_speed_mm_s", 1)):
-                value = float(self.measured(shown).split(": ")[1].split("±")[0].strip().split(" ")[0].rstrip("°"))
+                value = float(self.measured(shown).split(": ")[1].split("±")[0].split()[0].rstrip("°"))
                 self.assertAlmostEqual(value, float(row[column]), delta=0.51 * 10 ** -digits + 1e-4)  # as rounded
         # Of a marker that is hidden nothing is measured; what was asked stays in the address.
         self.press("2", "h")
@@ -968,6 +968,28 @@ class ReviewPage(unittest.TestCase):
         review = Review("/", results)
         self.addCleanup(review.close)
         self.assertEqual(review.ask("study")["name"], "Here")
+
+    def test_a_step_of_a_study_opens_from_any_folder(self):
+        """Its files are named from the folder in which the study was run, which is neither here nor above the results."""
+        (self.trial / "problems").mkdir(parents=True)
+        (self.trial / "problems/limits.yaml").write_text(PROBLEM)
+        (self.trial / "study.yaml").write_text("name: Here\ndesign: {problem: problems/limits.yaml, starts: 1}\n"
+                                               f"human: {{trial: {self.folder / 'trial'}}}\n")
+        results = self.folder / "steps elsewhere"
+        run(BIN / "lake-run", "study.yaml", "--quiet", "-o", results, cwd=self.trial)
+        review = Review("/", results / "optimum")
+        self.addCleanup(review.close)
+        told = review.ask("explore", {"links": review.ask("design")["links"]})
+        self.assertIn("force", [check["name"] for check in told["checks"]])
+
+    def test_a_trial_that_was_carried_away_opens_from_any_folder(self):
+        """By its list, which tells of what video it is."""
+        with tempfile.TemporaryDirectory(prefix="lake-test-") as other:
+            shutil.copytree(self.folder / "trial", pathlib.Path(other) / "trial")
+            review = Review("/", pathlib.Path(other) / "trial")
+            self.addCleanup(review.close)
+            self.assertEqual(len(review.ask("trial")["leg"]["knee"]), 120)
+            review.close()
 
     def until_there(self, selector):
         end = time.monotonic() + WAIT_S
