@@ -5,6 +5,7 @@ import csv
 import json
 import os
 import pathlib
+import re
 import resource
 import shlex
 import shutil
@@ -620,6 +621,30 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: self.text("said") == "")
         self.assertNotIn("error", self.part("said").get_attribute("class"))
 
+    def test_paths_of_what_moves_are_drawn(self):
+        """As in candidates.png: in the spot's own colour, yellow until it is named; what does not move has none."""
+        review = self.open("recording/video.mp4")
+        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
+        found = review.ask("naming", {})["spots"]
+        waist, = [spot for spot in found if spot["id"] == SEEDS["waist"]]
+        self.assertTrue(waist["moves"])
+        away = max(waist["path"], key=lambda at: abs(at[0] - waist["x"]) + abs(at[1] - waist["y"]))
+        self.until(lambda: self.yellow_at(away))
+        self.browser.execute_script(f"document.querySelector('#spots [data-spot=\"{SEEDS['waist']}\"]').click()")
+        self.until(lambda: not self.yellow_at(away))
+
+    def yellow_at(self, place):
+        """Pixels of #F0E442 within 3 px of a place of the naming picture."""
+        x, y, _ = self.on_screen("naming-picture", *place)
+        return self.browser.execute_script(
+            "const [canvas, x, y] = arguments, scale = canvas.width / canvas.clientWidth;"
+            "const at = [canvas.width / 2 + x * scale - 3, canvas.height / 2 + y * scale - 3].map(Math.round);"
+            "const {data} = canvas.getContext('2d').getImageData(...at, 7, 7);"
+            "let count = 0;"
+            "for (let i = 0; i < data.length; i += 4)"
+            "  count += data[i] > 170 && data[i + 1] > 160 && data[i + 2] < data[i] - 60;"
+            "return count;", self.part("naming-picture"), x, y)
+
     def test_scale_part_and_colour_are_pointed_at(self):
         self.open("recording/video.mp4")
         self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
@@ -954,6 +979,10 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: "up to date" in step().text)
         summary = json.loads((self.trial / "out/comparison/summary.json").read_text())
         self.assertEqual(summary["markers"]["exo"], "waist")
+        # Its report is a step too, which lies beside the study's own summary.
+        self.browser.find_element(By.CSS_SELECTOR, "[data-step=report] button").click()
+        self.until(lambda: "report: done" in self.text("said"))
+        self.until(lambda: "steps are up to date" in self.text("state"))
         self.narrow_and_dark()
         self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400)
         self.assertEqual(review.end()[0], 130)
@@ -988,7 +1017,8 @@ class ReviewPage(unittest.TestCase):
             shutil.copytree(self.folder / "trial", pathlib.Path(other) / "trial")
             review = Review("/", pathlib.Path(other) / "trial")
             self.addCleanup(review.close)
-            self.assertEqual(len(review.ask("trial")["leg"]["knee"]), 120)
+            with urllib.request.urlopen(review.address + "frame/0", timeout=WAIT_S) as picture:
+                self.assertEqual(picture.read(2), b"\xff\xd8", "no JPEG")
             review.close()
 
     def until_there(self, selector):
@@ -1007,6 +1037,18 @@ class ReviewPage(unittest.TestCase):
             self.browser.get(self.start(subject).address)
             self.until(lambda: self.text("state") not in ("", "Loading"))
             self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400, subject)
+
+    def test_a_number_and_its_unit_stay_on_one_line(self):
+        for subject in ["trial"] + self.other_subjects():
+            self.browser.get("about:blank")
+            self.browser.get(self.start(subject).address)
+            self.until(lambda: self.text("state") not in ("", "Loading", "Fitting the leg"))
+            shown = self.browser.execute_script(
+                "const walk = document.createTreeWalker(document.querySelector('main:not([hidden])'), NodeFilter.SHOW_TEXT);"
+                "const texts = []; while (walk.nextNode()) if (!walk.currentNode.parentElement.closest('code'))"
+                "  texts.push(walk.currentNode.data); return texts;")
+            self.assertTrue([text for text in shown if "\u00a0" in text], subject)
+            self.assertEqual([text for text in shown if re.search(r"\d (mm|px|s|N|%)(?!\w)|± ", text)], [], subject)
 
     def other_subjects(self):
         return ["optimum", self.compared()]
