@@ -11,6 +11,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
 #include "lake/exchange/formats.h"
+#include "page_text.h"
 #include "places.h"
 
 namespace lake {
@@ -29,7 +30,7 @@ TEST(SitToStandPage, ShowsWhatTheTableHolds) {
                                 "x --age 72 --quiet -o G",
                                 Quoted(trial)));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const std::string page = ReadTextFile(folder / "G/sit_to_stand.html");
+  const std::string page = ReadPageText(folder / "G/sit_to_stand.html");
   const CsvTable table = CsvTable::Read(folder / "G/sit_to_stand.csv");
   const std::size_t test = table.Rows() - 1, five = table.Column("five_times_s");
   ASSERT_EQ(table.Text(test, 0), "five_times");

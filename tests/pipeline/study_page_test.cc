@@ -15,6 +15,7 @@
 #include "lake/review/design_explorer.h"
 #include "lake/reviewing/design_review.h"
 #include "lake/video/image.h"
+#include "page_text.h"
 #include "pipeline/study_trials.h"
 #include "report/browser.h"
 
@@ -52,6 +53,12 @@ const std::string& Page() {
   return page;
 }
 
+// As it is read.
+const std::string& PageText() {
+  static const std::string text = WithPlainSpaces(Page());
+  return text;
+}
+
 // All drawings of all steps, also those that the report leaves to their files.
 std::string PageOfDrawings() {
   std::vector<std::filesystem::path> drawings;
@@ -66,7 +73,7 @@ std::string PageOfDrawings() {
 
 // Of each design its cuff forces with intervals, as the step's summary has them.
 TEST(StudyPage, HasTheForcesAtTheCuffsOfEachDesign) {
-  const std::string& page = Page();
+  const std::string& page = PageText();
   const std::size_t table = page.find("Largest forces over the rise that come of a joint beside the knee");
   ASSERT_NE(table, page.npos);
   const std::string text = page.substr(table, page.find("</table>", table) - table);
@@ -86,7 +93,7 @@ TEST(StudyPage, HasTheForcesAtTheCuffsOfEachDesign) {
 // What is wrong and the first thing to do; the ways, from the cheapest on; what forbids them; a picture, a chart; what
 // next. Then the warnings, folded, and all of it in words.
 TEST(StudyPage, SaysTheCheapestRepairFirst) {
-  const std::string& page = Page();
+  const std::string& page = PageText();
   const std::size_t warnings = page.find("<h2>Warnings</h2>"), contents = page.find("<nav");
   // On the knee its linkage reaches further into the seat than as worn.
   const Json on_body = ReadJsonFile(Results() / "comparison/summary.json")["best_placement"]["on_body"];
@@ -149,12 +156,41 @@ TEST(StudyPage, SaysWhatSeatAndLimbsAllowOfTheMovedJoint) {
       if (std::hypot(2 * i, 2 * j) < std::hypot(x, y) - 1e-9) {
         EXPECT_FALSE(is_allowed(at(2 * i, 2 * j))) << i << " " << j;
       }
-  EXPECT_THAT(ReadTextFile(Results() / "comparison/report.html"), HasSubstr("The nearest place at which nothing"));
+  EXPECT_THAT(ReadPageText(Results() / "comparison/report.html"), HasSubstr("The nearest place at which nothing"));
+}
+
+// As the list of reworded sentences has it (tests/scripts/words_test.py), in the places where a reader meets them; what
+// to do next has its time, and what another time for a rise would give stands beside the limit.
+TEST(StudyPage, SaysItPlainly) {
+  const std::string& page = PageText();
+  EXPECT_THAT(page, AllOf(HasSubstr("Moving the joint onto the knee removes this part."),
+                          ContainsRegex("To hold [0-9.]+ N m the actuator pushes with at most [0-9.]+ N"),
+                          ContainsRegex("Below [0-9.]+ %, the noise floor, a recording shows only noise."),
+                          HasSubstr("Knee angle of the person and of the new design.")));
+  EXPECT_THAT(page, AllOf(HasSubstr("Move the mount (an hour), record again (an hour)."),
+                          ContainsRegex("limit you set \\([0-9]+ s: [0-9.]+ %\\)")));
+}
+
+// Both trials at one height; in the trade of range against misalignment the designs of the first table too.
+TEST(StudyPage, ChartsCanBeComparedAndHaveTheDesignsInThem) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json answer = Browser().Ask(Page(), R"(
+    const chart = title => {
+      const heading = [...document.querySelectorAll('figure.chart h3')].find(h3 => h3.textContent === title);
+      return Chart.getChart(heading.parentElement.querySelector('canvas'));
+    };
+    const range = title => [chart(title).scales.y.min, chart(title).scales.y.max];
+    return {without: range('Knee angle, without exoskeleton'), with: range('Knee angle, with exoskeleton'),
+            designs: chart('Range of rotation against misalignment').data.datasets.filter(set => set.data.length === 1)
+              .map(set => set.label)};)");
+  EXPECT_EQ(answer["without"], answer["with"]);
+  const std::vector<std::string> designs = answer["designs"];
+  EXPECT_THAT(designs, testing::IsSupersetOf({"worn", "worn, joint moved", "new design"}));
 }
 
 // Every headline number has an interval beside it, or says why it needs none.
 TEST(StudyPage, HeadlineNumbersHaveIntervalsOrAreExact) {
-  const std::string& page = Page();
+  const std::string& page = PageText();
   const std::size_t table = page.find("<tbody>");
   const std::string first = page.substr(table, page.find("</table>", table) - table);
   EXPECT_THAT(first, ContainsRegex("as worn</th>.*[0-9] % \\([0-9.]+–[0-9.]+\\).*[0-9] s \\([0-9.]+–[0-9.]+\\)"));
@@ -222,6 +258,25 @@ TEST(StudyPage, EveryNumberOfTheAnswersIsInATable) {
     return {count: said.length, unknown: said.filter(number => !told.has(number) && number !== '95')};)");
   EXPECT_GT(answer["count"], 30);
   EXPECT_EQ(answer["unknown"], Json::array());
+}
+
+// Wherever a line ends.
+TEST(StudyPage, NoNumberStandsWithoutItsUnit) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json answer = Browser().Ask(Page(), R"(
+    const quantity = /\d[ \n](%|mm|s|N|N m|N[ \u00a0]m|kg|px|Hz)(?![\w])|\d\u00a0N m(?!\w)|± |\w ±/g;
+    const walk = document.createTreeWalker(document.querySelector('main'), NodeFilter.SHOW_TEXT), faults = [];
+    let kept = 0;
+    while (walk.nextNode()) {
+      const node = walk.currentNode;
+      if (node.parentElement.closest('script, style, svg, .code, .key .value')) continue;
+      kept += (node.data.match(/\d\u00a0(%|mm|s|N)(?!\w)/g) ?? []).length;
+      for (const fault of node.data.matchAll(quantity))
+        faults.push(node.data.slice(Math.max(0, fault.index - 20), fault.index + 20));
+    }
+    return {kept, faults};)");
+  EXPECT_GT(answer["kept"], 100);
+  EXPECT_EQ(answer["faults"], Json::array());
 }
 
 TEST(StudyPage, FitsScreensOfAllWidthsInLightAndDark) {

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "lake/core/error.h"
+#include "page_text.h"
 #include "pipeline/study_trials.h"
 
 namespace lake {
@@ -102,7 +103,7 @@ TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
   EXPECT_NEAR(summary["stroke"]["duration_s"].get<double>(),
               summary["redesign"]["stroke_program"]["duration_s"].get<double>(),
               1);  // pauses before reversals
-  const std::string page = ReadTextFile(study.Out() / "report.html");
+  const std::string page = ReadPageText(study.Out() / "report.html");
   for (const char* chapter : {"Result", "New design", "Fit on the body, and motion", "Stroke program", "Recordings",
                               "Benchmark optimum", "Methods"})
     EXPECT_THAT(page, HasSubstr(chapter));
@@ -120,7 +121,7 @@ TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
   EXPECT_THAT(study.Done(study.Go()), ElementsAre("simulation", "report"));
   EXPECT_FALSE(fs::exists(study.Out() / "redesign"));
   EXPECT_EQ(std::distance(fs::recursive_directory_iterator(study.Out() / "stroke"), {}), 1) << "the user's notes";
-  const std::string after = ReadTextFile(study.Out() / "report.html");
+  const std::string after = ReadPageText(study.Out() / "report.html");
   for (const char* chapter : {"New design", "Stroke program"}) EXPECT_THAT(after, Not(HasSubstr(chapter)));
 }
 

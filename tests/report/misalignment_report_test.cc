@@ -11,6 +11,7 @@
 #include "lake/core/uncertain_text.h"
 #include "lake/report/misalignment_sections.h"
 #include "name_map.h"
+#include "page_text.h"
 #include "places.h"
 
 namespace lake {
@@ -38,7 +39,7 @@ Json Placed(int repetitions) {
 }
 
 std::string PageOf(const Json& comparison) {
-  return RenderReport({"Misalignment", "exo against human", {}, MisalignmentSections(comparison)});
+  return WithPlainSpaces(RenderReport({"Misalignment", "exo against human", {}, MisalignmentSections(comparison)}));
 }
 
 TEST(MisalignmentReport, ShowsTheComparisonsNumbers) {

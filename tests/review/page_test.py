@@ -5,6 +5,7 @@ import csv
 import json
 import os
 import pathlib
+import re
 import resource
 import shlex
 import shutil
@@ -438,7 +439,7 @@ class ReviewPage(unittest.TestCase):
             row = table[frame]
             for shown, column, digits in ((name, f"{name}_deg", 1), ("ankle_waist_distance", "ankle_waist_distance_mm", 1),
                                           ("hip_speed", "hip_speed_mm_s", 1)):
-                value = float(self.measured(shown).split(": ")[1].split("±")[0].strip().split(" ")[0].rstrip("°"))
+                value = float(self.measured(shown).split(": ")[1].split("±")[0].split()[0].rstrip("°"))
                 self.assertAlmostEqual(value, float(row[column]), delta=0.51 * 10 ** -digits + 1e-4)  # as rounded
         # Of a marker that is hidden nothing is measured; what was asked stays in the address.
         self.press("2", "h")
@@ -619,6 +620,30 @@ class ReviewPage(unittest.TestCase):
         self.browser.switch_to.alert.dismiss()
         self.until(lambda: self.text("said") == "")
         self.assertNotIn("error", self.part("said").get_attribute("class"))
+
+    def test_paths_of_what_moves_are_drawn(self):
+        """As in candidates.png: in the spot's own colour, yellow until it is named; what does not move has none."""
+        review = self.open("recording/video.mp4")
+        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
+        found = review.ask("naming", {})["spots"]
+        waist, = [spot for spot in found if spot["id"] == SEEDS["waist"]]
+        self.assertTrue(waist["moves"])
+        away = max(waist["path"], key=lambda at: abs(at[0] - waist["x"]) + abs(at[1] - waist["y"]))
+        self.until(lambda: self.yellow_at(away))
+        self.browser.execute_script(f"document.querySelector('#spots [data-spot=\"{SEEDS['waist']}\"]').click()")
+        self.until(lambda: not self.yellow_at(away))
+
+    def yellow_at(self, place):
+        """Pixels of #F0E442 within 3 px of a place of the naming picture."""
+        x, y, _ = self.on_screen("naming-picture", *place)
+        return self.browser.execute_script(
+            "const [canvas, x, y] = arguments, scale = canvas.width / canvas.clientWidth;"
+            "const at = [canvas.width / 2 + x * scale - 3, canvas.height / 2 + y * scale - 3].map(Math.round);"
+            "const {data} = canvas.getContext('2d').getImageData(...at, 7, 7);"
+            "let count = 0;"
+            "for (let i = 0; i < data.length; i += 4)"
+            "  count += data[i] > 170 && data[i + 1] > 160 && data[i + 2] < data[i] - 60;"
+            "return count;", self.part("naming-picture"), x, y)
 
     def test_scale_part_and_colour_are_pointed_at(self):
         self.open("recording/video.mp4")
@@ -954,6 +979,10 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: "up to date" in step().text)
         summary = json.loads((self.trial / "out/comparison/summary.json").read_text())
         self.assertEqual(summary["markers"]["exo"], "waist")
+        # Its report is a step too, which lies beside the study's own summary.
+        self.browser.find_element(By.CSS_SELECTOR, "[data-step=report] button").click()
+        self.until(lambda: "report: done" in self.text("said"))
+        self.until(lambda: "steps are up to date" in self.text("state"))
         self.narrow_and_dark()
         self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400)
         self.assertEqual(review.end()[0], 130)
@@ -968,6 +997,29 @@ class ReviewPage(unittest.TestCase):
         review = Review("/", results)
         self.addCleanup(review.close)
         self.assertEqual(review.ask("study")["name"], "Here")
+
+    def test_a_step_of_a_study_opens_from_any_folder(self):
+        """Its files are named from the folder in which the study was run, which is neither here nor above the results."""
+        (self.trial / "problems").mkdir(parents=True)
+        (self.trial / "problems/limits.yaml").write_text(PROBLEM)
+        (self.trial / "study.yaml").write_text("name: Here\ndesign: {problem: problems/limits.yaml, starts: 1}\n"
+                                               f"human: {{trial: {self.folder / 'trial'}}}\n")
+        results = self.folder / "steps elsewhere"
+        run(BIN / "lake-run", "study.yaml", "--quiet", "-o", results, cwd=self.trial)
+        review = Review("/", results / "optimum")
+        self.addCleanup(review.close)
+        told = review.ask("explore", {"links": review.ask("design")["links"]})
+        self.assertIn("force", [check["name"] for check in told["checks"]])
+
+    def test_a_trial_that_was_carried_away_opens_from_any_folder(self):
+        """By its list, which tells of what video it is."""
+        with tempfile.TemporaryDirectory(prefix="lake-test-") as other:
+            shutil.copytree(self.folder / "trial", pathlib.Path(other) / "trial")
+            review = Review("/", pathlib.Path(other) / "trial")
+            self.addCleanup(review.close)
+            with urllib.request.urlopen(review.address + "frame/0", timeout=WAIT_S) as picture:
+                self.assertEqual(picture.read(2), b"\xff\xd8", "no JPEG")
+            review.close()
 
     def until_there(self, selector):
         end = time.monotonic() + WAIT_S
@@ -985,6 +1037,18 @@ class ReviewPage(unittest.TestCase):
             self.browser.get(self.start(subject).address)
             self.until(lambda: self.text("state") not in ("", "Loading"))
             self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400, subject)
+
+    def test_a_number_and_its_unit_stay_on_one_line(self):
+        for subject in ["trial"] + self.other_subjects():
+            self.browser.get("about:blank")
+            self.browser.get(self.start(subject).address)
+            self.until(lambda: self.text("state") not in ("", "Loading", "Fitting the leg"))
+            shown = self.browser.execute_script(
+                "const walk = document.createTreeWalker(document.querySelector('main:not([hidden])'), NodeFilter.SHOW_TEXT);"
+                "const texts = []; while (walk.nextNode()) if (!walk.currentNode.parentElement.closest('code'))"
+                "  texts.push(walk.currentNode.data); return texts;")
+            self.assertTrue([text for text in shown if "\u00a0" in text], subject)
+            self.assertEqual([text for text in shown if re.search(r"\d (mm|px|s|N|%)(?!\w)|± ", text)], [], subject)
 
     def other_subjects(self):
         return ["optimum", self.compared()]

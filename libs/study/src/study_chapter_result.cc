@@ -54,7 +54,7 @@ std::string BuildText(const StudyResults& results, const Json& redesign) {
                       NumberText(NumberOrNaN(stroke.at(1)), 2),
                       fmt::format("{} mm", NumberText(NumberOrNaN(simulation.at("travel_mm")), 2)));
   if (const double force_n = LargestForce(results); std::isfinite(force_n))
-    text += fmt::format(". To hold {} it pushes with at most {}",
+    text += fmt::format(". To hold {} the actuator pushes with at most {}",
                         Quantity(NumberOrNaN(simulation.at("knee_torque_nm")), "N m"), Quantity(force_n, "N"));
   return text + ".";
 }

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <iterator>
 #include <string_view>
 
 #include "lake/core/error.h"
 #include "lake/core/json.h"
+#include "lake/core/provenance.h"
+#include "lake/core/results_subject.h"
 
 namespace lake {
 namespace {
@@ -123,6 +126,13 @@ std::vector<ResultsList> ResultsListsIn(const fs::path& folder) {
     if (const std::string name = entry.path().filename().string(); name.starts_with('.') && name.ends_with(kSuffix))
       if (ResultsList list = ReadList(entry.path()); !list.program.empty()) lists.push_back(std::move(list));
   return lists;
+}
+
+std::vector<fs::path> SubjectsOf(const fs::path& folder) {
+  std::vector<fs::path> subjects;
+  for (const ResultsList& list : ResultsListsIn(folder))
+    std::ranges::transform(list.subject, std::back_inserter(subjects), FromHome);
+  return subjects;
 }
 
 void WriteResultsList(const fs::path& folder, const ResultsList& list) {

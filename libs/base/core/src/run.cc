@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <stdexcept>
 
@@ -31,6 +32,14 @@ std::string OwnerOf(const fs::path& folder, const std::string& name) {
     if (list.files.contains(name)) return "a result of " + list.Describe();
   const ResultsList made = ReadSummaryHead(folder);
   return name == kSummary && !made.program.empty() ? "a result of " + made.Describe() : "not a result of lake's";
+}
+
+// Whether a folder holds the summary of the study that this step is of: a step that lies there, its report, leaves it
+// alone.
+bool IsBesideItsStudy(const Run::Info& info) {
+  return !info.step.empty() && std::ranges::any_of(ResultsListsIn(info.out), [&](const ResultsList& list) {
+    return list.step.empty() && list.subject == info.subject && list.files.contains(kSummary);
+  });
 }
 
 // In every text that it holds.
@@ -97,7 +106,7 @@ void Run::Retire(ResultsList old) {
   if (info_.default_folder && old.subject != info_.subject && !old.files.empty())
     throw Fail("{}: holds the results of {}; choose another folder for those of {} with -o", info_.out.string(),
                old.Describe(), SubjectText());
-  if (!old.files.contains(kSummary)) CheckIsFree(kSummary);
+  if (!old.files.contains(kSummary) && !IsBesideItsStudy(info_)) CheckIsFree(kSummary);
   // What this run reads stays until its own result takes the place.
   for (const Json& input : inputs_)
     std::erase_if(old.files, [&](const std::string& name) {

@@ -4,6 +4,7 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 
@@ -13,6 +14,35 @@ namespace {
 // Through the JSON library, which knows UTF-8.
 std::string ValidUtf8(std::string_view text) {
   return Json::parse(Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+}
+
+bool IsDigit(char c) {
+  return std::isdigit(static_cast<unsigned char>(c));
+}
+
+bool IsLetter(char c) {
+  return std::isalpha(static_cast<unsigned char>(c));
+}
+
+constexpr std::string_view kPlusMinus = "±", kNoBreakSpace = "\u00A0";
+
+// Whether a unit stands at the beginning of the text, and no longer word that begins like it.
+bool BeginsWithUnit(std::string_view text) {
+  constexpr std::array<std::string_view, 22> kUnits = {"%", "°",  "mm", "cm", "m", "µm", "s", "ms", "min", "h",  "px",
+                                                       "N", "kN", "kg", "g",  "W", "J",  "V", "mV", "A",   "mA", "Hz"};
+  return std::ranges::any_of(kUnits, [&](std::string_view unit) {
+    return text.starts_with(unit) &&
+           (text.size() == unit.size() || (!IsLetter(text[unit.size()]) && !IsDigit(text[unit.size()])));
+  });
+}
+
+// Whether a line must not end at this space.
+bool IsWithinQuantity(std::string_view text, std::size_t space) {
+  const std::string_view before = text.substr(0, space), after = text.substr(space + 1);
+  if (after.starts_with(kPlusMinus) || before.ends_with(kPlusMinus)) return true;
+  const bool is_moment = after.starts_with("m") && BeginsWithUnit(after) && before.size() > 1 &&
+                         before.ends_with("N") && !IsLetter(before[before.size() - 2]);
+  return is_moment || (!before.empty() && IsDigit(before.back()) && BeginsWithUnit(after));
 }
 
 }  // namespace
@@ -42,6 +72,18 @@ std::string EscapeHtml(std::string_view text) {
     }
   }
   return escaped;
+}
+
+std::string TextHtml(std::string_view text) {
+  const std::string escaped = EscapeHtml(text);
+  std::string html;
+  for (std::size_t i = 0; i < escaped.size(); ++i) {
+    if (escaped[i] == ' ' && IsWithinQuantity(escaped, i))
+      html += kNoBreakSpace;
+    else
+      html += escaped[i];
+  }
+  return html;
 }
 
 std::string ScriptJson(const Json& value) {

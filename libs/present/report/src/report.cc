@@ -20,7 +20,7 @@ constexpr const char* kSecurityPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; media-src data:";
 
 std::string Element(const char* name, const std::string& text) {
-  return text.empty() ? "" : fmt::format("<{0}>{1}</{0}>\n", name, EscapeHtml(text));
+  return text.empty() ? "" : fmt::format("<{0}>{1}</{0}>\n", name, TextHtml(text));
 }
 
 const char* ClassOf(Width width) {
@@ -34,7 +34,7 @@ bool IsText(const Cell& cell) {
 std::string CellHtml(const Cell& cell, const Column& column, bool first) {
   const bool is_text = IsText(cell);
   std::string text;
-  if (const auto* words = std::get_if<std::string>(&cell)) text = EscapeHtml(*words);
+  if (const auto* words = std::get_if<std::string>(&cell)) text = column.code ? EscapeHtml(*words) : TextHtml(*words);
   if (const auto* link = std::get_if<Link>(&cell))
     text = fmt::format("<a href=\"{}\">{}</a>", EscapeHref(link->path), EscapeHtml(link->text));
   if (const auto* value = std::get_if<double>(&cell)) text = NumberText(*value, column.decimals);
@@ -61,12 +61,12 @@ std::string Html(const List& list) {
 std::string Html(const KeyFigures& key) {
   std::string html = "<dl class=\"key\">\n";
   for (const KeyFigure& figure : key.figures) {
-    html += fmt::format("<div><dt>{}</dt><dd><span class=\"value\">{}", EscapeHtml(figure.label),
+    html += fmt::format("<div><dt>{}</dt><dd><span class=\"value\">{}", TextHtml(figure.label),
                         NumberText(figure.value, figure.decimals));
     if (figure.plus_minus)
       html += fmt::format("<span class=\"pm\"> ± {}</span>", NumberText(*figure.plus_minus, figure.decimals));
     html += fmt::format("<span class=\"unit\"> {}</span></span>", EscapeHtml(figure.unit));
-    if (!figure.note.empty()) html += fmt::format("<span class=\"note\">{}</span>", EscapeHtml(figure.note));
+    if (!figure.note.empty()) html += fmt::format("<span class=\"note\">{}</span>", TextHtml(figure.note));
     html += "</dd></div>\n";
   }
   return html + "</dl>\n";
@@ -75,7 +75,7 @@ std::string Html(const KeyFigures& key) {
 std::string Html(const Answers& answers) {
   std::string html = fmt::format("<dl class=\"answers {}\">\n", ClassOf(answers.width));
   for (const Answers::Answer& answer : answers.answers)
-    html += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", EscapeHtml(answer.question), EscapeHtml(answer.text));
+    html += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", TextHtml(answer.question), TextHtml(answer.text));
   return html + "</dl>\n";
 }
 
@@ -90,7 +90,7 @@ std::string Html(const Table& table) {
   html += Element("caption", table.caption) + "<thead><tr>";
   for (std::size_t i = 0; i < table.columns.size(); ++i)
     html += fmt::format("<th scope=\"col\"{}>{}</th>", IsNumeric(table, i) ? " class=\"number\"" : "",
-                        EscapeHtml(table.columns[i].heading));
+                        TextHtml(table.columns[i].heading));
   html += "</tr></thead>\n<tbody>\n";
   for (const auto& row : table.rows) {
     html += "<tr>";
@@ -142,7 +142,7 @@ std::string Html(const Files& files) {
   std::string html = "<ul class=\"files\">\n";
   for (const Files::File& file : files.files)
     html += fmt::format("<li><a href=\"{}\">{}</a>: {}</li>\n", EscapeHref(file.path), EscapeHtml(file.path.string()),
-                        EscapeHtml(file.what));
+                        TextHtml(file.what));
   return html + "</ul>\n";
 }
 

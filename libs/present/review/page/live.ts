@@ -3,7 +3,7 @@ import { Chart, colourOf } from "./charts";
 import { button, isOfControl, onClick, part, say, sayWhy, showProgress } from "./dom";
 import { Column, LiveAct, LiveMessage, LiveStateMessage, LiveViewMessage } from "./messages";
 import { server } from "./server";
-import { TEXTS } from "./texts";
+import { TEXTS, unbroken } from "./texts";
 import { PictureView, Point, distance } from "./view";
 
 const SHOWN_S = 20, STEP_S = 0.05; // of the curves
@@ -246,12 +246,12 @@ export class LivePage {
 
   private showPlace({ place, change, is_named, why_no_rise }: LiveStateMessage): void {
     part("live-place").className = place ? place.verdict : "";
-    part("live-move").textContent = place ? place.move.replace("± ", "±\u00a0") : is_named ? TEXTS.measuring : "";
+    part("live-move").textContent = place ? unbroken(place.move) : is_named ? TEXTS.measuring : "";
     part("live-verdict").textContent = place ? TEXTS.toleranceText(place, this.message.tolerance_mm) : "";
     part("live-detail").textContent = place
       ? TEXTS.placeDetail(place.rises, place.where, Math.max(...place.anatomical_half_width_mm), this.message.joint_at_mm)
       : why_no_rise;
-    part("live-change").textContent = change;
+    part("live-change").textContent = unbroken(change);
   }
 }
 
@@ -290,12 +290,12 @@ class Chime {
 
 function line(text: string): HTMLLIElement {
   const item = document.createElement("li");
-  item.textContent = text;
+  item.textContent = unbroken(text);
   return item;
 }
 
 function small(text: string): HTMLElement {
   const made = document.createElement("small");
-  made.textContent = text;
+  made.textContent = unbroken(text);
   return made;
 }

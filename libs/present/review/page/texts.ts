@@ -17,7 +17,28 @@ const capitalised = (name: string) => (/^l\d/.test(name) ? name : name[0].toUppe
 const withUnit = (value: number, unit: string) => short(value) + (unit === "deg" ? "°" : unit === "1" ? "" : ` ${unit}`);
 const percentage = (part: number) => `${Math.round(100 * part)} %`;
 
-export const TEXTS = {
+const NO_BREAK = "\u00a0";
+
+/** The text with no line's end between a number and its unit, nor at "±". */
+export const unbroken = (text: string) =>
+  text
+    .replace(/(\d) (?=(?:N m|mm|cm|px|ms|Hz|kg|[%°smNAVW])(?![A-Za-z\d]))/g, `$1${NO_BREAK}`)
+    .replace(/(\d\u00a0N) m\b/g, `$1${NO_BREAK}m`)
+    .replace(/ ?± /g, (at) => at.replace(/ /g, NO_BREAK));
+
+/** The same of all texts in it, and of those that its functions make. */
+function allUnbroken<T>(texts: T): T {
+  const made = (): unknown => {
+    if (typeof texts === "string") return unbroken(texts);
+    if (typeof texts === "function") return (...args: unknown[]) => allUnbroken(texts(...args) as unknown);
+    if (Array.isArray(texts)) return texts.map(allUnbroken);
+    if (typeof texts !== "object" || texts === null) return texts;
+    return Object.fromEntries(Object.entries(texts).map(([key, text]) => [key, allUnbroken(text as unknown)]));
+  };
+  return made() as T;
+}
+
+export const TEXTS = allUnbroken({
   // What the program is doing
   loading: "Loading",
   fitting: "Fitting the leg",
@@ -218,4 +239,4 @@ export const TEXTS = {
   above: "above",
   difference: (px: number) => `Live positions differ from the trial's by ${px.toFixed(3)} px (root mean square)`,
   checkCount: (bad: number) => (bad === 0 ? "Pictures: all good" : bad === 1 ? "Pictures: 1 thing to change" : `Pictures: ${bad} things to change`),
-};
+});

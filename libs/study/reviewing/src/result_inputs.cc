@@ -5,6 +5,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
+#include "lake/core/results_subject.h"
 
 namespace lake::reviewing {
 
@@ -17,6 +18,21 @@ void PutHomeInto(Json& json) {
   if (json.is_string()) json = FromHome(json.get<std::string>()).string();
   if (json.is_structured())
     for (Json& value : json) PutHomeInto(value);
+}
+
+// A folder, given as an absolute path, and those above it.
+void AddWithAbove(const fs::path& folder, std::vector<fs::path>& places) {
+  for (fs::path place = folder.lexically_normal(); place.has_relative_path(); place = place.parent_path())
+    places.push_back(place);
+}
+
+// Where files of a run may lie: they are named as from the folder in which it was started, which is the present one or,
+// as a rule, one above the results or above what the results are of.
+std::vector<fs::path> PlacesOfInputs(const fs::path& results) {
+  std::vector<fs::path> places = {fs::current_path()};
+  AddWithAbove(fs::absolute(results), places);
+  for (const fs::path& subject : SubjectsOf(results)) AddWithAbove(subject.parent_path(), places);
+  return places;
 }
 
 }  // namespace
@@ -43,10 +59,7 @@ Json GivenOptions(const Json& summary, const fs::path& folder) {
 
 fs::path FindInput(const Json& input, const fs::path& results) {
   const fs::path path = input.at("path").get<std::string>();
-  std::vector<fs::path> places = {fs::current_path()};
-  for (fs::path place = fs::absolute(results).lexically_normal(); place.has_relative_path();
-       place = place.parent_path())
-    places.push_back(place);
+  const std::vector<fs::path> places = PlacesOfInputs(results);
   bool is_there = false;
   std::set<fs::path> seen;  // a long video is not hashed twice
   for (const fs::path& named : {path, path.has_filename() ? path.filename() : path.parent_path().filename()})

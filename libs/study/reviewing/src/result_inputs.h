@@ -21,8 +21,9 @@ bool IsOfStudy(const Json& summary);
 Json GivenOptions(const Json& summary, const std::filesystem::path& folder);
 
 // The file that an entry of a summary's `inputs` names. Inputs are named as from the folder in which the run was
-// started: the present one, or one above the results. One that was moved is known by its content, if it lies in one of
-// these. Throws Error: not to be found, or changed.
+// started: the present one, or one above the results or above what the results are of, as their list has it (a study's
+// file). One that was moved is known by its content, if it lies in one of these. Throws Error: not to be found, or
+// changed.
 std::filesystem::path FindInput(const Json& input, const std::filesystem::path& results);
 
 // The entry of a summary's `inputs` with this role, the first of several; nullptr if there is none.

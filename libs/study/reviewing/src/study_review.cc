@@ -6,7 +6,7 @@
 #include "lake/core/child_program.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
-#include "lake/core/provenance.h"
+#include "lake/core/results_subject.h"
 #include "lake/core/shell_word.h"
 #include "lake/study/study.h"
 #include "result_inputs.h"
@@ -15,21 +15,10 @@ namespace lake::reviewing {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-// Where the study file was when the report was made, whatever folder that was done in; empty if nothing tells.
-fs::path StudyFileToldIn(const fs::path& folder) {
-  const fs::path list = folder / ".lake-run-report.lake-files.json";
-  if (!fs::exists(list)) return {};
-  const Json subject = ReadJsonFile(list).value("subject", Json::array());
-  return subject.empty() ? fs::path() : FromHome(subject.at(0).get<std::string>());
-}
-
-}  // namespace
-
 fs::path StudyFileOf(const Json& summary, const fs::path& folder) {
   const fs::path named = summary.at("options").at("study").get<std::string>();
-  if (const fs::path told = StudyFileToldIn(folder); fs::exists(told)) return told;
+  for (const fs::path& told : SubjectsOf(folder))
+    if (told.filename() == named.filename() && fs::exists(told)) return told;
   for (fs::path place = fs::absolute(folder).lexically_normal(); place.has_relative_path(); place = place.parent_path())
     if (fs::exists(place / named)) return place / named;
   if (fs::exists(named)) return named;
