@@ -5,12 +5,14 @@
 #include <cmath>
 #include <compare>
 #include <map>
+#include <numbers>
 #include <optional>
 
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/tracking/candidates.h"
 #include "leg_chain.h"
+#include "name_together.h"
 #include "path_join.h"
 #include "rigidity.h"
 #include "seed_check.h"
@@ -18,6 +20,8 @@
 
 namespace lake::tracking {
 namespace {
+
+constexpr double kToleranceDeviations = 3;  // standard deviations of a distance in its tolerance
 
 // Two names whose distance stays constant.
 struct Link {
@@ -376,8 +380,8 @@ class Namer {
       }
     }
     if (count > 0 && bad > 0.2 * count) return std::nullopt;
-    constexpr double kDeviations = 3;  // in a tolerance
-    if (count > 0) return FitToName{false, *continuity + 0.5 * kDeviations * kDeviations * squares / count};
+    if (count > 0)
+      return FitToName{false, *continuity + 0.5 * kToleranceDeviations * kToleranceDeviations * squares / count};
     if (RestsElsewhere(tracklets_[tracklet], name) || *continuity > 0) return std::nullopt;
     return FitToName{true, *continuity};
   }
@@ -477,11 +481,50 @@ class Namer {
     });
   }
 
+  using Fits = std::vector<std::optional<FitToName>>;  // by tracklet and name
+
+  // By the distance of two pieces whose names are linked, against two things that are up to twice as far apart.
+  std::optional<double> DistanceMisfit(const NamedPiece& one, const NamedPiece& other) const {
+    const auto link = std::ranges::find_if(links_, [&](const Link& l) {
+      return (l.a == one.name && l.b == other.name) || (l.b == one.name && l.a == other.name);
+    });
+    if (link == links_.end()) return 0;
+    constexpr int kFewest = 5;
+    const PairDistance& pair = tracklets_.Distance(one.piece, other.piece);
+    if (pair.frames < kFewest) return 0;
+    const double off = std::hypot(pair.mean - link->length, pair.mean * pair.deviation) / link->tolerance;
+    if (off > 1) return std::nullopt;
+    const double sigma = link->tolerance / kToleranceDeviations, range = 2 * link->length;
+    return 0.5 * std::pow(kToleranceDeviations * off, 2) + std::log(std::sqrt(2 * std::numbers::pi) * sigma / range);
+  }
+
+  // What is joined next: the best-fitting piece or, where its neighbours are not known, all that is seen with it.
+  std::vector<NamedPiece> Next(const NamedPiece& best, const Fits& fits, const std::vector<Span>& spans) const {
+    constexpr std::size_t kMostNames = 8, kMostPieces = 3;  // of each name the best-fitting ones
+    const std::size_t names = anchor_.size();
+    if (!fits[best.piece * names + best.name]->without_neighbours || names > kMostNames || !options_.identities.empty())
+      return {best};
+    const auto meets = [&](std::size_t t) {
+      return spans[t].last >= spans[best.piece].first && spans[t].first <= spans[best.piece].last;
+    };
+    std::vector<std::vector<NamedPiece>> choices(names);
+    for (std::size_t n = 0; n < names; ++n) {
+      std::vector<NamedPiece>& pieces = choices[n];
+      for (std::size_t t = 0; t < tracklets_.size(); ++t)
+        if (const auto& fit = fits[t * names + n]; fit && meets(t)) pieces.push_back({t, n, fit->misfit});
+      std::ranges::stable_sort(pieces, {}, &NamedPiece::misfit);
+      pieces.resize(std::min(pieces.size(), kMostPieces));
+    }
+    std::vector<NamedPiece> together =
+        LikeliestTogether(choices, [&](const auto& one, const auto& other) { return DistanceMisfit(one, other); });
+    return together.empty() ? std::vector{best} : together;
+  }
+
   // Joins the best-fitting piece that is left to its name until none fits. What a piece changes is how those fit that
   // lie beside it, in its own name and in those linked to it: all others' fits are kept.
   void JoinPieces() {
     const std::size_t names = anchor_.size();
-    std::vector<std::optional<FitToName>> fits(tracklets_.size() * names);  // by tracklet and name
+    Fits fits(tracklets_.size() * names);
     const auto fit = [&](std::size_t t, std::size_t n) { fits[t * names + n] = Misfit(t, n); };
     std::vector<Span> spans;
     for (std::size_t t = 0; t < tracklets_.size(); ++t) {
@@ -494,17 +537,18 @@ class Namer {
       for (std::size_t i = 0; i < fits.size(); ++i)
         if (fits[i] && (!least || *fits[i] < *least)) least = fits[i], best = i;
       if (!least) return;
-      const std::size_t joined = best / names, name = best % names;
-      const Span own = spans[joined], beside = Widened(own, name);
-      Give(name, joined);
-      std::fill_n(fits.begin() + static_cast<std::ptrdiff_t>(joined * names), names, std::nullopt);
-      for (std::size_t t = 0; t < tracklets_.size(); ++t) {
-        if (owner_[t]) continue;
-        const auto meets = [&piece = spans[t]](const Span& span) {
-          return piece.last >= span.first && piece.first <= span.last;
-        };
-        for (std::size_t n = 0; n < names; ++n)
-          if (n == name ? meets(beside) : meets(own) && AreLinked(n, name)) fit(t, n);
+      for (const auto& [joined, name, misfit] : Next({best / names, best % names, least->misfit}, fits, spans)) {
+        const Span own = spans[joined], beside = Widened(own, name);
+        Give(name, joined);
+        std::fill_n(fits.begin() + static_cast<std::ptrdiff_t>(joined * names), names, std::nullopt);
+        for (std::size_t t = 0; t < tracklets_.size(); ++t) {
+          if (owner_[t]) continue;
+          const auto meets = [&piece = spans[t]](const Span& span) {
+            return piece.last >= span.first && piece.first <= span.last;
+          };
+          for (std::size_t n = 0; n < names; ++n)
+            if (n == name ? meets(beside) : meets(own) && AreLinked(n, name)) fit(t, n);
+        }
       }
     }
   }
