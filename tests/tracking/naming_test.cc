@@ -342,6 +342,22 @@ TEST(Naming, ANeighbourThatComesBackFirstIsNotTakenForTheMarker) {
     }
 }
 
+// Behind a gap in the stamps all of a leg begins anew. Hip and waist, each by itself, may go on as the other; with the
+// knee's distance to the hip they cannot.
+TEST(Naming, AllOfALegThatBeginsAnewIsNamedTogether) {
+  constexpr int kGap = 16;
+  for (unsigned seed = 1; seed <= 4; ++seed)
+    for (int last = 45; last <= 120; last += 5) {
+      const LegScene scene{.facing = seed % 2 ? 1 : -1, .seed = seed, .trunk_px = 20.0 + 15 * seed};
+      Seen seen(seed, scene.noise_px);
+      for (const std::size_t m : {2u, 0u, 3u, 1u}) seen.AddMarker(scene, m, 0, last);
+      for (const std::size_t m : {3u, 1u, 0u, 2u}) seen.AddMarker(scene, m, last + kGap + 1);
+      const motion::MarkerRecording recording = Name(seen, LegOptions());
+      EXPECT_DOUBLE_EQ(ShareNamed(recording, scene), 1 - static_cast<double>(kGap) / kFrames)
+          << "seed " << seed << ", gap after frame " << last;
+    }
+}
+
 // A waist marker at the shoulder is 1.5 thighs away from the hip, and 1.7 where a squat turns the thigh aside: no leg
 // was found, or pieces of one marker passed for knee and waist.
 TEST(Naming, AWaistMarkerAtTheShoulderMakesALeg) {

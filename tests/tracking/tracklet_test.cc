@@ -38,12 +38,15 @@ class Scripted : public tracking::MarkerDetector {
   Script script_;
 };
 
-std::vector<tracking::Tracklet> Follow(const Scripted::Script& script, int frames, double rate_hz) {
+// A gap in the stamps, s, may stand before a frame.
+std::vector<tracking::Tracklet> Follow(const Scripted::Script& script, int frames, double rate_hz, int gap_before = 0,
+                                       double gap_s = 0) {
   Scripted detector(script);
   tracking::TrackletBuilder builder(detector, {});
   for (int i = 0; i < frames; ++i) {
     video::VideoFrame frame;
-    frame.index = i, frame.time_s = i / rate_hz;
+    frame.index = i;
+    frame.time_s = i / rate_hz + (i >= gap_before ? gap_s : 0);
     builder.Add(frame);
   }
   return builder.Finish();
@@ -157,6 +160,24 @@ TEST(Tracklet, WhatIsFoundAfterAGapMustBeFollowed) {
     ASSERT_EQ(tracklets.size(), 1u);
     EXPECT_EQ(tracklets.front().LastFrame(), 49) << times;
   }
+}
+
+// Behind a gap of 0.3 s in the stamps a rise's hip would be where its waist is, had it gone on as before: it was
+// followed there, and the waist was nobody.
+TEST(Tracklet, NothingIsFollowedToAnotherMarkerBehindAGap) {
+  constexpr int kGapBefore = 60;
+  constexpr double kRadius_px = 6.7, kAhead_px = 40;  // within the gate, far from where it leads
+  const auto hip = [](int frame) -> Eigen::Vector2d { return {100 + 10.0 * frame, 300}; };
+  const auto others = [&](int frame) { return Eigen::Vector2d(hip(frame).x(), frame < kGapBefore ? 230 : 410); };
+  const std::vector<tracking::Tracklet> tracklets = Follow(
+      [&](int frame) {
+        const Eigen::Vector2d turned(frame < kGapBefore ? 0 : 90 + kAhead_px, 0);
+        return std::vector{Disc(hip(frame) + turned, kRadius_px), Disc(others(frame) + turned, kRadius_px)};
+      },
+      120, 30, kGapBefore, 0.3);
+  EXPECT_EQ(tracklets.size(), 4u);
+  for (const tracking::Tracklet& tracklet : tracklets)
+    EXPECT_TRUE(tracklet.LastFrame() < kGapBefore || tracklet.FirstFrame() >= kGapBefore) << tracklet.FirstFrame();
 }
 
 }  // namespace
