@@ -78,7 +78,7 @@ TEST(SitToStandPage, LeanToThePelvisIsThatOfTheMarkers) {
   }
   const Json five = ReadJsonFile(folder / "G/summary.json")["five_times"];
   EXPECT_EQ(five["low_power"], five["power_w_kg"].get<double>() < 1.9);
-  EXPECT_THAT(ReadTextFile(folder / "G/sit_to_stand.html"), HasSubstr("for older women (below 1.9 W/kg is low"));
+  EXPECT_THAT(ReadPageText(folder / "G/sit_to_stand.html"), HasSubstr("for older women (below 1.9 W/kg is low"));
   // With the middle of the pelvis for a waist, as a leg alone would have it, there is no trunk to lean on it.
   const Outcome low = Shell(folder, fmt::format("lake-gait {} --map {}waist=r.ASIS+r.PSIS{} --forward x --quiet -o L",
                                                 Quoted(trial), leg, pelvis));

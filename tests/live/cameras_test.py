@@ -39,7 +39,13 @@ class RtspCamera:
         self.asked_for = []  # transports
         sender = subprocess.Popen(["ffmpeg", "-v", "error", "-nostdin", "-i", film, "-c", "copy", "-f", "rtsp",
                                    "-rtsp_transport", "tcp", self.url], stderr=subprocess.PIPE, text=True)
-        self.talk(self.server.accept()[0])
+        self.server.settimeout(WAIT_S)
+        try:
+            self.talk(self.server.accept()[0])
+        except TimeoutError as late:
+            sender.kill()
+            raise AssertionError(sender.stderr.read()) from late
+        self.server.settimeout(None)
         assert (sender.wait(WAIT_S), sender.stderr.read()) == (0, "")
         sender.stderr.close()
         self.serving = threading.Thread(target=self.serve, daemon=True)
@@ -139,7 +145,7 @@ class Network(live_test.Films):
         code(self.film, self.folder / "sent.mp4")
         camera = RtspCamera(self.folder / "sent.mp4")
         self.addCleanup(camera.close)
-        ended, _, err = self.live(camera.url, "-o", "rtsp").end()
+        ended, _, err = self.live(camera.url, "-o", "rtsp", *self.seeds()).end()  # named at once, however slow it goes
         self.assertEqual(ended, 0, err)
         self.assertIn("TCP", camera.asked_for[-1])
         live = self.expect_trial(self.folder / "rtsp", self.frames, 2)

@@ -147,6 +147,11 @@ class Films(unittest.TestCase):
         self.addCleanup(live.close)
         return live
 
+    def seeds(self):
+        truth = read_table(self.folder / "worn/truth.csv")[0]
+        return [f"--seed={name}={truth[name + '_x_px']},{truth[name + '_y_px']}"
+                for name in ("ankle", "knee", "hip", "waist", "exo_knee")]
+
     def until(self, is_so, wait_s=WAIT_S):
         end = time.monotonic() + wait_s
         while not (found := is_so()):
@@ -185,10 +190,7 @@ class Streams(Films):
         self.assertLess(math.dist(live["place"]["offset_mm"], WORN), 1)
 
     def test_a_seed_names_the_joint_at_once(self):
-        truth = read_table(self.folder / "worn/truth.csv")[0]
-        seeds = [f"--seed={name}={truth[name + '_x_px']},{truth[name + '_y_px']}"
-                 for name in ("ankle", "knee", "hip", "waist", "exo_knee")]
-        code, _, err = self.live(self.film, "--replay", "-o", "seeded", *seeds).end()
+        code, _, err = self.live(self.film, "--replay", "-o", "seeded", *self.seeds()).end()
         self.assertEqual(code, 0, err)
         self.assertEqual(read_table(self.folder / "seeded/live_tracks.csv")[0]["exo_knee_status"], "detected")
         self.expect_trial(self.folder / "seeded", self.frames, 2)

@@ -138,6 +138,7 @@ TEST_P(LiveTracking, TellsWhatTheWholeRecordingTells) {
     session.RunUntil(phase.end_s);
     ASSERT_TRUE(session.HasAllNames());
     rises = session.Rises();
+    ASSERT_FALSE(rises.empty()) << phase.end_s;
     const live::JointPlace place = live::PlaceOf({&rises.back(), 1});
     for (const int axis : {0, 1})
       EXPECT_LE(std::abs(place.offset_mm[axis] - kWornMm[axis]), place.half_width_mm[axis]) << "rise " << rises.size();

@@ -343,7 +343,7 @@ TEST_F(WornOsim, InItsPoseEachBodyIsWhereMuJoCoHasIt) {
 }
 
 #else
-TEST(WornOsim, InItsPoseEachBodyIsWhereMuJoCoHasIt) {
+TEST_F(WornOsim, InItsPoseEachBodyIsWhereMuJoCoHasIt) {
   GTEST_SKIP() << "MuJoCo is not installed";
 }
 #endif

@@ -131,17 +131,15 @@ struct RegisteredPair {
   std::optional<double> human_axis_mm, exo_axis_mm;  // of functional knees
 };
 
-// How precise the functional axis of an earlier comparison's trial is; none of a marker.
-std::optional<double> AxisOfCompared(const fs::path& comparison, const char* trial, bool is_functional, Run& run) {
-  const fs::path file = fs::is_directory(comparison) ? comparison / "comparison.json" : comparison;
-  const Json sds = ReadJsonFile(file).value("knee_axis_sd_mm", Json::object());
-  if (const Json sd = sds.value(trial, Json()); sd.is_number()) return sd.get<double>();
-  if (is_functional)
-    run.Warn(
-        fmt::format("{} does not say how precise its functional knee is: the budget has a marker's placement for it; "
-                    "compare its trials again",
-                    file.string()));
-  return std::nullopt;
+// One trial's part of an earlier comparison.
+compare::ComparedCurves ReadCompared(const fs::path& comparison, Run& run) {
+  compare::ComparedCurves curves = compare::ReadComparison(comparison);
+  if (curves.knee_is_functional && !curves.says_axes)
+    run.Warn(fmt::format(
+        "{} does not say how precise its functional knee is: the budget has a marker's placement for it; compare its "
+        "trials again",
+        comparison.string()));
+  return curves;
 }
 
 RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
@@ -152,13 +150,12 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   if (!IsCompared(options.exo))
     exo = ReadFunctionalTables(options.exo, options.exo_reading, ExoKneeOf(options), TrialSide::kExo, options.knee, run,
                                options.exo_picture);
+  std::optional<compare::ComparedCurves> human_curves, exo_curves;
+  if (!human) human_curves = ReadCompared(options.human, run);
+  if (!exo) exo_curves = ReadCompared(options.exo, run);
   RegisteredPair pair;
-  if (human) pair.human_axis_mm = human->sd_mm;
-  if (exo) pair.exo_axis_mm = exo->sd_mm;
-  if (!human)
-    pair.human_axis_mm =
-        AxisOfCompared(options.human, "human", compare::ReadComparison(options.human).knee_is_functional, run);
-  if (!exo) pair.exo_axis_mm = AxisOfCompared(options.exo, "exo", false, run);
+  pair.human_axis_mm = human ? human->sd_mm : human_curves->human_axis_mm;
+  pair.exo_axis_mm = exo ? exo->sd_mm : exo_curves->exo_axis_mm;
   if (options.knee.knee == KneeFrom::kFunctional && !pair.human_axis_mm && !pair.exo_axis_mm)
     throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
   if (human && exo) CheckUnits(human->tables, exo->tables);
@@ -172,14 +169,13 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
     pair.human = compare::RegisterTrial(human->tables, registration);
     pair.is_human_functional = pair.human_axis_mm.has_value();
   } else {
-    const compare::ComparedCurves curves = compare::ReadComparison(options.human);
-    pair.human.repetitions = {curves.human};
-    pair.is_human_functional = curves.knee_is_functional;
+    pair.human.repetitions = {human_curves->human};
+    pair.is_human_functional = human_curves->knee_is_functional;
   }
   if (exo)
     pair.exo = RegisterExo(exo->tables, pair.exo_knee, options);
   else
-    pair.exo.repetitions = {compare::ReadComparison(options.exo).exo};
+    pair.exo.repetitions = {exo_curves->exo};
   return pair;
 }
 

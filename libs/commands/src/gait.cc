@@ -144,9 +144,9 @@ std::string FiveTimesText(const Json& summary) {
                         NumberOrNaN((*five)["reference_s"]));
   if (five->contains("low_power"))
     text += fmt::format(
-        "; {:.2f} W/kg, of which less than {:.1f} is low among older adults of this sex "
-        "(Baltasar-Fernandez 2021)",
-        NumberOrNaN((*five)["power_w_kg"]), NumberOrNaN((*five)["low_power_below_w_kg"]));
+        "; mean power {:.2f} W/kg; below {:.1f} W/kg is low among older {} (Baltasar-Fernandez et al. 2021)",
+        NumberOrNaN((*five)["power_w_kg"]), NumberOrNaN((*five)["low_power_below_w_kg"]),
+        (*five)["sex"] == "male" ? "men" : "women");
   return text + "\n";
 }
 

@@ -36,6 +36,7 @@ KeyFigure Figure(const char* label, const Measured& measured, const char* unit, 
 }
 
 std::string PowerNote(const Json& five_times) {
+  if (!five_times.contains("power_w_kg")) return "needs lengths in mm: give --camera, --scale or --plane-points";
   if (!five_times.contains("sex")) return "Alcazar et al. 2018; give --sex to compare";
   if (five_times["low_power_below_w_kg"].is_null()) return "Alcazar et al. 2018; no reference for this age";
   return fmt::format("{} for older {} (below {} W/kg is low: Baltasar-Fernandez et al. 2021)",

@@ -193,8 +193,9 @@ void HingeFit::SetPrior(const SegmentMotion& motion, const LearntErrors* learnt)
   const double shank_mm = plain.segment<2>(2).norm(), thigh_mm = plain.head<2>().norm();
   const double shank_lever = shank_mm / shank.radius_mm, thigh_lever = thigh_mm / thigh.radius_mm;
   const double shank_sd_mm = shank.PointSdMm(shank_mm), thigh_sd_mm = thigh.PointSdMm(thigh_mm);
-  markers_at_joint_mm_ = std::max(std::hypot(shank_sd_mm, thigh_sd_mm), kLeast_mm);
-  shank_share_ = std::pow(shank_sd_mm / markers_at_joint_mm_, 2);
+  const double both_mm = std::hypot(shank_sd_mm, thigh_sd_mm);
+  markers_at_joint_mm_ = std::max(both_mm, kLeast_mm);
+  shank_share_ = both_mm > 0 ? std::pow(shank_sd_mm / both_mm, 2) : 0.5;
   if (learnt) {
     prior_mean_.tail(carried) = learnt->carried;
     prior_precision_.bottomRightCorner(carried, carried) = learnt->carried_covariance.inverse();

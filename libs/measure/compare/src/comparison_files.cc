@@ -213,6 +213,9 @@ class ComparisonReader {
       if (const Json of = uncertainty.value(offset, Json::object()); of.contains("anatomical_sd"))
         curves.joint_sd_mm = LargerOrNaN(curves.joint_sd_mm.value_or(0), NumberOrNaN(of["anatomical_sd"]));
     curves.knee_is_functional = json_.value("knee_from", Json()) == "functional";
+    curves.says_axes = json_.contains("knee_axis_sd_mm");
+    curves.human_axis_mm = AxisSd("human");
+    curves.exo_axis_mm = AxisSd("exo");
     CheckShank(curves.human);
     return curves;
   }
@@ -241,6 +244,15 @@ class ComparisonReader {
     const double floor = Number(json_, name, name);
     if (!(floor >= 0)) throw Fail("{}: {} = {} is below 0: run lake-compare again", file_, name, floor);
     return floor;
+  }
+
+  std::optional<double> AxisSd(const char* trial) const {
+    const Json sds = json_.value("knee_axis_sd_mm", Json());
+    if (!sds.is_object() || sds.value(trial, Json()).is_null()) return std::nullopt;
+    const std::string name = fmt::format("knee_axis_sd_mm.{}", trial);
+    const double sd_mm = Number(sds, trial, name);
+    if (!(sd_mm >= 0)) throw Fail("{}: {} = {} is below 0: run lake-compare again", file_, name, sd_mm);
+    return sd_mm;
   }
 
   double Duration(const std::string& who) const {

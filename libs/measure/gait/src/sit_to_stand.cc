@@ -289,11 +289,12 @@ Json FiveTimesJson(const SitToStand& five_times, const Person& person) {
     json["source"] = "Bohannon 2006, doi:10.2466/pms.103.1.215-222";
     if (reference_s) json["worse_than_average"] = time_s.value > *reference_s;
   }
+  if (person.sex) json["sex"] = *person.sex == motion::Sex::kMale ? "male" : "female";
   if (std::isnan(power.value)) return json;
-  json["power_w_kg"] = power.value, json["power_sd_w_kg"] = power.sd;
+  json["power_w_kg"] = power.value;
+  json["power_sd_w_kg"] = power.sd;
   if (!person.sex) return json;
   const std::optional<double> low = LowPower_W_kg(*person.sex, person.age_years);
-  json["sex"] = *person.sex == motion::Sex::kMale ? "male" : "female";
   json["low_power_below_w_kg"] = low ? Json(*low) : Json();
   json["power_source"] = "Baltasar-Fernandez et al. 2021, doi:10.1038/s41598-021-98871-3";
   if (low) json["low_power"] = power.value < *low;

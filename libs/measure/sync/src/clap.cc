@@ -200,7 +200,7 @@ HeardSound Hear(const SoundReading& read, const std::filesystem::path& film) {
 }
 
 std::vector<Surroundings> SurroundingsOf(const std::vector<Onset>& onsets, const HeardSound& heard,
-                                         const SoundReading& read) {
+                                         const SoundReading& read, const std::filesystem::path& film) {
   std::vector<Surroundings> around;
   around.reserve(onsets.size());
   for (const Onset& onset : onsets) around.emplace_back(onset, heard.power, heard.sound);
@@ -213,6 +213,7 @@ std::vector<Surroundings> SurroundingsOf(const std::vector<Onset>& onsets, const
       ++index;
     }
   });
+  if (index != heard.sound.samples) throw Fail("{}: its sound changed while it was read; try again", film.string());
   return around;
 }
 
@@ -231,7 +232,7 @@ std::vector<Clap> ClapsIn(const HeardSound& heard, const SoundReading& read, con
         "{}: no clap stands out: the loudest sudden sound, at {:.2f} s, is {:+.0f} dB against what else is heard, "
         "speech perhaps, where a clap is {:.0f} dB above it; clap nearer to the microphone, and be silent meanwhile",
         film.string(), sound.TimeOf(static_cast<double>(power.FirstSample(onsets.front().bin))), Db(apart), Db(kApart));
-  const std::vector<Surroundings> around = SurroundingsOf(onsets, heard, read);
+  const std::vector<Surroundings> around = SurroundingsOf(onsets, heard, read, film);
   std::vector<Clap> claps;
   claps.reserve(onsets.size());
   for (std::size_t i = 0; i < onsets.size(); ++i) {

@@ -176,7 +176,7 @@ std::string ContentsHtml(const Report& report) {
   std::string html = "<nav aria-label=\"Contents\"><ol>\n";
   for (std::size_t i = 1; i < sections.size(); ++i)
     if (!sections[i].heading.empty())
-      html += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, EscapeHtml(sections[i].heading));
+      html += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, TextHtml(sections[i].heading));
   return html + "</ol></nav>\n";
 }
 
