@@ -136,32 +136,31 @@ void BlobFinder::FitTogether(const cv::Mat& grey, std::span<const MarkerPredicti
   }
 }
 
-// While the shutter is unknown, a fast marker may be a streak or as sharp as at rest: what leaves less is believed.
+// A fast marker's streak is as long as it was expected to move or, where it turned, as it moved; while the shutter is
+// unknown it may also be as sharp as at rest. What leaves least is believed.
 std::optional<BlobFit> BlobFinder::FitStreak(const cv::Mat& grey, const Eigen::Vector2d& place,
                                              const MarkerPrediction& prediction, const BlobFitOptions& options) const {
-  Blob streak = Start(prediction);
-  streak.center = place;
-  std::vector<Blob> starts = {streak};
-  if (!shutter_.IsKnown() && streak.blur_px.norm() > streak.RadiusPx()) {
-    starts.push_back(streak);
-    starts.back().blur_px.setZero();
+  const double radius = prediction.appearance.RadiusPx();
+  const Eigen::Vector2d beside = place - prediction.position;
+  std::vector<MarkerPrediction> expected = {prediction};
+  if (shutter_.Fraction() * beside.norm() > 0.5 * radius) {
+    expected.push_back(prediction);
+    expected.back().velocity_px += beside;
+  }
+  std::vector<std::pair<MarkerPrediction, Blob>> starts;
+  for (const MarkerPrediction& one : expected) starts.emplace_back(one, Start(one));
+  if (!shutter_.IsKnown() && starts.front().second.blur_px.norm() > radius) {
+    starts.push_back(starts.front());
+    starts.back().second.blur_px.setZero();
   }
   std::optional<BlobFit> best;
-  for (const Blob& start : starts) {
+  for (auto& [one, start] : starts) {
+    start.center = place;
     const auto fit = FitBlobs(grey, std::span(&start, 1), options);
-    if (!fit || !LooksLike(fit->front(), prediction)) continue;
+    if (!fit || !LooksLike(fit->front(), one)) continue;
     if (!best || fit->front().relative_residual < best->relative_residual) best = fit->front();
   }
   return best;
-}
-
-// A marker that turned is as long a streak as it moved, not as it was expected to move.
-std::optional<BlobFit> BlobFinder::FitTurned(const cv::Mat& grey, const Eigen::Vector2d& place,
-                                             MarkerPrediction prediction, const BlobFitOptions& options) const {
-  const Eigen::Vector2d beside = place - prediction.position;
-  if (shutter_.Fraction() * beside.norm() < 0.5 * prediction.appearance.RadiusPx()) return std::nullopt;
-  prediction.velocity_px += beside;
-  return FitStreak(grey, place, prediction, options);
 }
 
 // Where a prediction's blob and its surroundings may be.
@@ -184,8 +183,7 @@ std::optional<BlobFit> BlobFinder::SearchAndFit(const cv::Mat& grey, const Marke
   options.shape_freedom = 0.3;
   std::optional<BlobFit> nearest;
   for (const BlobCandidate& candidate : FindBlobs(grey, box, search)) {
-    std::optional<BlobFit> fit = FitStreak(grey, candidate.position, prediction, options);
-    if (!fit) fit = FitTurned(grey, candidate.position, prediction, options);
+    const auto fit = FitStreak(grey, candidate.position, prediction, options);
     if (!fit) continue;
     const auto distance = [&](const BlobFit& f) { return (f.blob.center - prediction.position).norm(); };
     if (!nearest || distance(*fit) < distance(*nearest)) nearest = fit;
