@@ -119,8 +119,7 @@ bool BlobFinder::LooksLike(const BlobFit& fit, const MarkerPrediction& predictio
   const double axis_change = (now.unit_circle_from_px - before.unit_circle_from_px).norm() * radius;
   if (axis_change > 1.5 * size_tolerance) return false;
   if (std::abs(now.RadiusPx() / radius - 1) > size_tolerance) return false;
-  constexpr double kDimmer = 0.6, kBrighter = 1.6;  // of a small one the light is known better than the brightness
-  if (std::max(brightness, light) < kDimmer || std::min(brightness, light) > kBrighter) return false;
+  if (brightness < 0.6 || brightness > 1.6) return false;
   return fit.relative_residual < std::min(kMaxRelativeResidual, 2.5 * prediction.quality + 0.01);
 }
 
@@ -136,28 +135,20 @@ void BlobFinder::FitTogether(const cv::Mat& grey, std::span<const MarkerPredicti
   }
 }
 
-// A fast marker's streak is as long as it was expected to move or, where it turned, as it moved; while the shutter is
-// unknown it may also be as sharp as at rest. What leaves least is believed.
+// While the shutter is unknown, a fast marker may be a streak or as sharp as at rest: what leaves less is believed.
 std::optional<BlobFit> BlobFinder::FitStreak(const cv::Mat& grey, const Eigen::Vector2d& place,
                                              const MarkerPrediction& prediction, const BlobFitOptions& options) const {
-  const double radius = prediction.appearance.RadiusPx();
-  const Eigen::Vector2d beside = place - prediction.position;
-  std::vector<MarkerPrediction> expected = {prediction};
-  if (shutter_.Fraction() * beside.norm() > 0.5 * radius) {
-    expected.push_back(prediction);
-    expected.back().velocity_px += beside;
-  }
-  std::vector<std::pair<MarkerPrediction, Blob>> starts;
-  for (const MarkerPrediction& one : expected) starts.emplace_back(one, Start(one));
-  if (!shutter_.IsKnown() && starts.front().second.blur_px.norm() > radius) {
-    starts.push_back(starts.front());
-    starts.back().second.blur_px.setZero();
+  Blob streak = Start(prediction);
+  streak.center = place;
+  std::vector<Blob> starts = {streak};
+  if (!shutter_.IsKnown() && streak.blur_px.norm() > streak.RadiusPx()) {
+    starts.push_back(streak);
+    starts.back().blur_px.setZero();
   }
   std::optional<BlobFit> best;
-  for (auto& [one, start] : starts) {
-    start.center = place;
+  for (const Blob& start : starts) {
     const auto fit = FitBlobs(grey, std::span(&start, 1), options);
-    if (!fit || !LooksLike(fit->front(), one)) continue;
+    if (!fit || !LooksLike(fit->front(), prediction)) continue;
     if (!best || fit->front().relative_residual < best->relative_residual) best = fit->front();
   }
   return best;
