@@ -25,46 +25,6 @@ bool IsFinite(const double* values, std::size_t count) {
   return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
 }
 
-// `places` has one for each derivative of each term; terms that touch the same place share an entry.
-TermMatrix MatrixOf(const std::vector<std::pair<Index, Index>>& places) {
-  TermMatrix matrix{.places = places, .place_of = {}};
-  std::ranges::sort(matrix.places);
-  matrix.places.erase(std::unique(matrix.places.begin(), matrix.places.end()), matrix.places.end());
-  matrix.place_of.reserve(places.size());
-  for (const auto& place : places) {
-    const auto found = std::ranges::lower_bound(matrix.places, place);
-    matrix.place_of.push_back(static_cast<std::size_t>(found - matrix.places.begin()));
-  }
-  return matrix;
-}
-
-TermMatrix JacobianOf(const NonlinearProgram& program) {
-  std::vector<std::pair<Index, Index>> places;
-  for (const NlpTerm& term : program.Terms()) {
-    if (term.row == NlpTerm::kCost) continue;
-    for (const int variable : term.term->Variables()) places.emplace_back(term.row, variable);
-  }
-  return MatrixOf(places);
-}
-
-TermMatrix HessianOf(const NonlinearProgram& program) {
-  std::vector<std::pair<Index, Index>> places;
-  for (const NlpTerm& term : program.Terms()) {
-    const auto variables = term.term->Variables();
-    for (std::size_t i = 0; i < variables.size(); ++i)
-      for (std::size_t j = 0; j <= i; ++j)
-        places.emplace_back(std::max(variables[i], variables[j]), std::min(variables[i], variables[j]));
-  }
-  return MatrixOf(places);
-}
-
-void TellPlaces(const TermMatrix& matrix, Index* rows, Index* columns) {
-  for (const auto& [row, column] : matrix.places) {
-    *rows++ = row;
-    *columns++ = column;
-  }
-}
-
 // multiplier x distance, zero for a bound that is not there.
 double Complementarity(double multiplier, double distance) {
   return std::isfinite(distance) ? std::abs(multiplier * distance) : 0.0;
@@ -73,7 +33,7 @@ double Complementarity(double multiplier, double distance) {
 }  // namespace
 
 IpoptProgram::IpoptProgram(const NonlinearProgram& program, NlpSolution& solution)
-    : program_(program), solution_(solution), jacobian_(JacobianOf(program)), hessian_(HessianOf(program)) {
+    : program_(program), solution_(solution) {
   std::size_t largest = 1;
   for (const NlpTerm& term : program.Terms()) largest = std::max(largest, HessianSize(*term.term));
   scratch_.resize(largest);
@@ -92,8 +52,11 @@ bool IpoptProgram::get_nlp_info(Index& n, Index& m, Index& jacobian_entries, Ind
                                 IndexStyleEnum& style) {
   n = static_cast<Index>(program_.Variables().size());
   m = static_cast<Index>(program_.Rows().size());
-  jacobian_entries = static_cast<Index>(jacobian_.places.size());
-  hessian_entries = static_cast<Index>(hessian_.places.size());
+  jacobian_entries = hessian_entries = 0;
+  for (const NlpTerm& term : program_.Terms()) {
+    if (term.row != NlpTerm::kCost) jacobian_entries += static_cast<Index>(term.term->Variables().size());
+    hessian_entries += static_cast<Index>(HessianSize(*term.term));
+  }
   style = C_STYLE;
   return true;
 }
@@ -144,22 +107,23 @@ bool IpoptProgram::eval_g(Index n, const double* x, bool /*new_x*/, Index m, dou
   });
 }
 
+// Several terms may touch the same entry; Ipopt sums them.
 bool IpoptProgram::eval_jac_g(Index /*n*/, const double* x, bool /*new_x*/, Index /*m*/, Index entries, Index* rows,
                               Index* columns, double* values) {
   return Guard([&] {
-    if (!values) {
-      TellPlaces(jacobian_, rows, columns);
-      return true;
-    }
-    std::fill_n(values, entries, 0.0);
-    auto place = jacobian_.place_of.begin();
+    Index entry = 0;
     for (const NlpTerm& term : program_.Terms()) {
       if (term.row == NlpTerm::kCost) continue;
-      term.term->Gradient(x, scratch_.data());
-      const std::size_t size = term.term->Variables().size();
-      for (std::size_t k = 0; k < size; ++k) values[*place++] += scratch_[k];
+      const auto variables = term.term->Variables();
+      if (values) {
+        term.term->Gradient(x, values + entry);
+      } else {
+        std::fill_n(rows + entry, variables.size(), term.row);
+        std::copy(variables.begin(), variables.end(), columns + entry);
+      }
+      entry += static_cast<Index>(variables.size());
     }
-    return IsFinite(values, entries);
+    return !values || IsFinite(values, entries);
   });
 }
 
@@ -167,19 +131,25 @@ bool IpoptProgram::eval_h(Index /*n*/, const double* x, bool /*new_x*/, double c
                           const double* lambda, bool /*new_lambda*/, Index entries, Index* rows, Index* columns,
                           double* values) {
   return Guard([&] {
-    if (!values) {
-      TellPlaces(hessian_, rows, columns);
-      return true;
-    }
-    std::fill_n(values, entries, 0.0);
-    auto place = hessian_.place_of.begin();
+    Index entry = 0;
     for (const NlpTerm& term : program_.Terms()) {
-      term.term->Hessian(x, scratch_.data());
-      const double factor = term.row == NlpTerm::kCost ? cost_factor : lambda[term.row];
-      const std::size_t size = HessianSize(*term.term);
-      for (std::size_t k = 0; k < size; ++k) values[*place++] += factor * scratch_[k];
+      const auto variables = term.term->Variables();
+      const auto size = static_cast<Index>(HessianSize(*term.term));
+      if (values) {
+        const double factor = term.row == NlpTerm::kCost ? cost_factor : lambda[term.row];
+        term.term->Hessian(x, values + entry);
+        for (Index k = 0; k < size; ++k) values[entry + k] *= factor;
+      } else {
+        Index k = entry;
+        for (std::size_t i = 0; i < variables.size(); ++i)
+          for (std::size_t j = 0; j <= i; ++j, ++k) {
+            rows[k] = std::max(variables[i], variables[j]);
+            columns[k] = std::min(variables[i], variables[j]);
+          }
+      }
+      entry += size;
     }
-    return IsFinite(values, entries);
+    return !values || IsFinite(values, entries);
   });
 }
 

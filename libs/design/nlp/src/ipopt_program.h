@@ -4,19 +4,11 @@
 #include <IpTNLP.hpp>
 #include <exception>
 #include <functional>
-#include <utility>
 #include <vector>
 
 #include "lake/nlp/solve.h"
 
 namespace lake::nlp {
-
-// A sparse matrix that terms add to: its entries, each place once and in order of row and column, and to which of them
-// each derivative of each term is added, in the terms' order.
-struct TermMatrix {
-  std::vector<std::pair<Ipopt::Index, Ipopt::Index>> places;
-  std::vector<std::size_t> place_of;
-};
 
 class IpoptProgram final : public Ipopt::TNLP {
  public:
@@ -59,7 +51,6 @@ class IpoptProgram final : public Ipopt::TNLP {
   const NonlinearProgram& program_;
   NlpSolution& solution_;
   std::exception_ptr failure_;
-  TermMatrix jacobian_, hessian_;  // of the Hessian the lower triangle
   mutable std::vector<double> scratch_;
 };
 
