@@ -284,9 +284,9 @@ TEST(SitToStand, FiveTimesTestIsHeldAgainstPeopleOfTheAge) {
 // Baltasar-Fernandez et al.: among older adults, 2.5 W/kg of men and 1.9 W/kg of women.
 TEST(SitToStand, PowerOfTheTestIsHeldAgainstOlderPeopleOfTheSex) {
   using motion::Sex;
-  EXPECT_EQ(gait::LowPower_W_kg(Sex::kMale, {}), 2.5);
-  EXPECT_EQ(gait::LowPower_W_kg(Sex::kFemale, 65), 1.9);
-  EXPECT_FALSE(gait::LowPower_W_kg(Sex::kMale, 64));
+  EXPECT_EQ(gait::LowPowerWKg(Sex::kMale, {}), 2.5);
+  EXPECT_EQ(gait::LowPowerWKg(Sex::kFemale, 65), 1.9);
+  EXPECT_FALSE(gait::LowPowerWKg(Sex::kMale, 64));
   SitToStand test;
   EXPECT_TRUE(gait::FiveTimesJson(test, {{}, Sex::kMale}).is_null());
   test.five_times_s = {12, 0.1}, test.power_w_kg = {2.2, 0.1};

@@ -273,7 +273,7 @@ std::optional<double> FiveTimesReference_s(double age_years) {
   return std::nullopt;
 }
 
-std::optional<double> LowPower_W_kg(motion::Sex sex, std::optional<double> age_years) {
+std::optional<double> LowPowerWKg(motion::Sex sex, std::optional<double> age_years) {
   if (age_years && *age_years < kOlder_years) return std::nullopt;
   return sex == motion::Sex::kMale ? 2.5 : 1.9;
 }
@@ -294,7 +294,7 @@ Json FiveTimesJson(const SitToStand& five_times, const Person& person) {
   json["power_w_kg"] = power.value;
   json["power_sd_w_kg"] = power.sd;
   if (!person.sex) return json;
-  const std::optional<double> low = LowPower_W_kg(*person.sex, person.age_years);
+  const std::optional<double> low = LowPowerWKg(*person.sex, person.age_years);
   json["low_power_below_w_kg"] = low ? Json(*low) : Json();
   json["power_source"] = "Baltasar-Fernandez et al. 2021, doi:10.1038/s41598-021-98871-3";
   if (low) json["low_power"] = power.value < *low;

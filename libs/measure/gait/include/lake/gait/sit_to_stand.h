@@ -102,7 +102,7 @@ std::optional<double> FiveTimesReference_s(double age_years);
 // height of the chair, by Alcazar's equation; ours is measured. nullopt below kOlder_years: the source has older adults
 // alone.
 inline constexpr double kOlder_years = 65;
-std::optional<double> LowPower_W_kg(motion::Sex sex, std::optional<double> age_years);
+std::optional<double> LowPowerWKg(motion::Sex sex, std::optional<double> age_years);
 
 // For summaries: time and power of the five-times test with their SDs and, at an age, the time's reference, and of a
 // sex the power's; null without five rises.
