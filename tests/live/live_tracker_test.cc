@@ -178,27 +178,19 @@ TEST_P(LiveTracking, TellsWhatTheWholeRecordingTells) {
   EXPECT_LT(normalised, 1.2);
 }
 
-CameraMode Small(double rate_hz, int rises) {
-  return {.title = fmt::format("At720p{}", rate_hz),
-          .width_px = 1280,
-          .height_px = 720,
-          .radius_px = 4,
-          .rate_hz = rate_hz,
-          .rises = rises};
-}
-
-CameraMode Large(double rate_hz, int rises) {
-  return {.title = fmt::format("At1080p{}", rate_hz),
-          .width_px = 1920,
-          .height_px = 1080,
-          .radius_px = 6,
+// 16 : 9, the markers as large against the picture in each.
+CameraMode Mode(int height_px, double rate_hz, int rises) {
+  return {.title = fmt::format("At{}p{}", height_px, rate_hz),
+          .width_px = 16 * height_px / 9,
+          .height_px = height_px,
+          .radius_px = height_px / 180.0,
           .rate_hz = rate_hz,
           .rises = rises};
 }
 
 INSTANTIATE_TEST_SUITE_P(Cameras, LiveTracking,
-                         testing::Values(Small(30, 3), Small(60, 1), Small(120, 1), Large(30, 3), Large(60, 1),
-                                         Large(120, 1)),
+                         testing::Values(Mode(720, 30, 3), Mode(720, 60, 1), Mode(720, 120, 1), Mode(1080, 30, 3),
+                                         Mode(1080, 60, 1), Mode(1080, 120, 1)),
                          [](const auto& tested) { return tested.param.title; });
 
 }  // namespace

@@ -186,8 +186,7 @@ void Describe(ExportOptions& o, OptionList& options) {
   options
       .Add("body", o.body,
            "Of mjcf and osim: worn by this person, loads.json or the folder of lake-loads: leg, trunk, cuffs that "
-           "yield, and "
-           "the rise")
+           "yield, and the rise")
       .IsPath(Option::Path::kFile)
       .Otherwise("the mechanism alone");
   options.Add("motion", o.motion, "With --body: the rise, a folder of lake-optimize's predicted/ or of lake-compare")

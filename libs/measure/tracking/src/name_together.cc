@@ -17,7 +17,10 @@ class Combinations {
   // All choices of this name and those after it, beside what has been chosen for those before it.
   void Try(std::size_t name, double misfit) {
     if (name == choices_.size()) {
-      if (misfit < least_) least_ = misfit, best_ = chosen_;
+      if (misfit < least_) {
+        least_ = misfit;
+        best_ = chosen_;
+      }
       return;
     }
     Try(name + 1, misfit);

@@ -458,6 +458,8 @@ class Namer {
   // Frames by their place in the recording, both ends included.
   struct Span {
     std::size_t first = 0, last = 0;
+
+    bool Meets(const Span& other) const { return last >= other.first && first <= other.last; }
   };
 
   Span SpanOf(std::size_t tracklet) const {
@@ -475,20 +477,20 @@ class Namer {
     return span;
   }
 
-  bool AreLinked(std::size_t one, std::size_t other) const {
-    return std::ranges::any_of(links_, [&](const Link& link) {
+  // nullptr if there is none.
+  const Link* LinkBetween(std::size_t one, std::size_t other) const {
+    const auto found = std::ranges::find_if(links_, [&](const Link& link) {
       return (link.a == one && link.b == other) || (link.a == other && link.b == one);
     });
+    return found == links_.end() ? nullptr : &*found;
   }
 
   using Fits = std::vector<std::optional<FitToName>>;  // by tracklet and name
 
   // By the distance of two pieces whose names are linked, against two things that are up to twice as far apart.
   std::optional<double> DistanceMisfit(const NamedPiece& one, const NamedPiece& other) const {
-    const auto link = std::ranges::find_if(links_, [&](const Link& l) {
-      return (l.a == one.name && l.b == other.name) || (l.b == one.name && l.a == other.name);
-    });
-    if (link == links_.end()) return 0;
+    const Link* link = LinkBetween(one.name, other.name);
+    if (!link) return 0;
     constexpr int kFewest = 5;
     const PairDistance& pair = tracklets_.Distance(one.piece, other.piece);
     if (pair.frames < kFewest) return 0;
@@ -504,14 +506,12 @@ class Namer {
     const std::size_t names = anchor_.size();
     if (!fits[best.piece * names + best.name]->without_neighbours || names > kMostNames || !options_.identities.empty())
       return {best};
-    const auto meets = [&](std::size_t t) {
-      return spans[t].last >= spans[best.piece].first && spans[t].first <= spans[best.piece].last;
-    };
     std::vector<std::vector<NamedPiece>> choices(names);
     for (std::size_t n = 0; n < names; ++n) {
       std::vector<NamedPiece>& pieces = choices[n];
       for (std::size_t t = 0; t < tracklets_.size(); ++t)
-        if (const auto& fit = fits[t * names + n]; fit && meets(t)) pieces.push_back({t, n, fit->misfit});
+        if (const auto& fit = fits[t * names + n]; fit && spans[t].Meets(spans[best.piece]))
+          pieces.push_back({t, n, fit->misfit});
       std::ranges::stable_sort(pieces, {}, &NamedPiece::misfit);
       pieces.resize(std::min(pieces.size(), kMostPieces));
     }
@@ -520,16 +520,29 @@ class Namer {
     return together.empty() ? std::vector{best} : together;
   }
 
-  // Joins the best-fitting piece that is left to its name until none fits. What a piece changes is how those fit that
-  // lie beside it, in its own name and in those linked to it: all others' fits are kept.
+  // What a piece changes is how those fit that lie beside it, in its own name and in those linked to it: all others'
+  // fits are kept.
+  void Join(std::size_t joined, std::size_t name, const std::vector<Span>& spans, Fits& fits) {
+    const std::size_t names = anchor_.size();
+    const Span own = spans[joined], beside = Widened(own, name);
+    Give(name, joined);
+    std::fill_n(fits.begin() + static_cast<std::ptrdiff_t>(joined * names), names, std::nullopt);
+    for (std::size_t t = 0; t < tracklets_.size(); ++t) {
+      if (owner_[t]) continue;
+      for (std::size_t n = 0; n < names; ++n)
+        if (n == name ? spans[t].Meets(beside) : spans[t].Meets(own) && LinkBetween(n, name))
+          fits[t * names + n] = Misfit(t, n);
+    }
+  }
+
+  // Joins the best-fitting piece that is left to its name until none fits.
   void JoinPieces() {
     const std::size_t names = anchor_.size();
     Fits fits(tracklets_.size() * names);
-    const auto fit = [&](std::size_t t, std::size_t n) { fits[t * names + n] = Misfit(t, n); };
     std::vector<Span> spans;
     for (std::size_t t = 0; t < tracklets_.size(); ++t) {
       spans.push_back(SpanOf(t));
-      for (std::size_t n = 0; n < names && !owner_[t]; ++n) fit(t, n);
+      for (std::size_t n = 0; n < names && !owner_[t]; ++n) fits[t * names + n] = Misfit(t, n);
     }
     while (true) {
       std::optional<FitToName> least;
@@ -537,19 +550,8 @@ class Namer {
       for (std::size_t i = 0; i < fits.size(); ++i)
         if (fits[i] && (!least || *fits[i] < *least)) least = fits[i], best = i;
       if (!least) return;
-      for (const auto& [joined, name, misfit] : Next({best / names, best % names, least->misfit}, fits, spans)) {
-        const Span own = spans[joined], beside = Widened(own, name);
-        Give(name, joined);
-        std::fill_n(fits.begin() + static_cast<std::ptrdiff_t>(joined * names), names, std::nullopt);
-        for (std::size_t t = 0; t < tracklets_.size(); ++t) {
-          if (owner_[t]) continue;
-          const auto meets = [&piece = spans[t]](const Span& span) {
-            return piece.last >= span.first && piece.first <= span.last;
-          };
-          for (std::size_t n = 0; n < names; ++n)
-            if (n == name ? meets(beside) : meets(own) && AreLinked(n, name)) fit(t, n);
-        }
-      }
+      for (const NamedPiece& next : Next({best / names, best % names, least->misfit}, fits, spans))
+        Join(next.piece, next.name, spans, fits);
     }
   }
 

@@ -60,7 +60,10 @@ class SoundReader {
     int result = 0;
     while ((result = av_read_frame(input_.get(), packet.get())) >= 0) {
       ThrowIfInterrupted();
-      if (packet->stream_index == stream_->index) Send(packet.get()), ++packets_;
+      if (packet->stream_index == stream_->index) {
+        Send(packet.get());
+        ++packets_;
+      }
       av_packet_unref(packet.get());
     }
     if (packets_promised_ && packets_ < *packets_promised_)

@@ -1,9 +1,11 @@
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "lake/core/angles.h"
+#include "lake/core/cross.h"
 #include "lake/exchange/mot.h"
 #include "lake/model/coupled_model.h"
 #include "lake/model/simulator_model.h"
@@ -206,8 +208,7 @@ PlatePlace PlateAt(const WornSample& sample, const Wearer& wearer, double hinge_
   const Vector2d before = Leaning(thigh_deg) * (on_thigh - on_thigh_mm) -
                           Leaning(shank_deg + held_deg) * (on_shank - wearer.hinge_mm),
                  after = thigh_cuff - shank_cuff;
-  const double turned_rad =
-      std::atan2(before.x() * after.y() - before.y() * after.x(), before.dot(after));  // anticlockwise
+  const double turned_rad = std::atan2(Cross(before, after), before.dot(after));  // anticlockwise
   const Vector2d knee_mm = Leaning(shank_deg) * Vector2d(0, wearer.shank_mm);
   return {turned_rad - RadiansFromDegrees(thigh_deg),
           kMetresPerMillimetre *
@@ -240,7 +241,7 @@ void WriteOsimMotion(const std::filesystem::path& path, const parts::Mechanism& 
     const std::array<double, 4> now = TurnsOf(linkage::RequirePose(mechanism.links, sample.stroke_mm));
     std::array<double, 4> turned{};
     for (std::size_t k = 0; k < now.size(); ++k)
-      turned[k] = DegreesFromRadians(std::remainder(now[k] - then[k], 2 * M_PI));
+      turned[k] = DegreesFromRadians(std::remainder(now[k] - then[k], 2 * std::numbers::pi));
     const double hinge_deg = DegreesFromRadians(reference.theta_rad) + turned[0];
     const PlatePlace plate = PlateAt(sample, wearer, hinge_deg);
     table.time_s.push_back(sample.time_s);

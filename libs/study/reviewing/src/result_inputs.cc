@@ -20,22 +20,27 @@ void PutHomeInto(Json& json) {
     for (Json& value : json) PutHomeInto(value);
 }
 
-// A folder, given as an absolute path, and those above it.
-void AddWithAbove(const fs::path& folder, std::vector<fs::path>& places) {
-  for (fs::path place = folder.lexically_normal(); place.has_relative_path(); place = place.parent_path())
-    places.push_back(place);
-}
-
 // Where files of a run may lie: they are named as from the folder in which it was started, which is the present one or,
 // as a rule, one above the results or above what the results are of.
 std::vector<fs::path> PlacesOfInputs(const fs::path& results) {
   std::vector<fs::path> places = {fs::current_path()};
-  AddWithAbove(fs::absolute(results), places);
-  for (const fs::path& subject : SubjectsOf(results)) AddWithAbove(subject.parent_path(), places);
+  const auto add_with_above = [&](const fs::path& folder) {
+    const std::vector<fs::path> more = WithAbove(folder);
+    places.insert(places.end(), more.begin(), more.end());
+  };
+  add_with_above(fs::absolute(results));
+  for (const fs::path& subject : SubjectsOf(results)) add_with_above(subject.parent_path());
   return places;
 }
 
 }  // namespace
+
+std::vector<fs::path> WithAbove(const fs::path& folder) {
+  std::vector<fs::path> places;
+  for (fs::path place = folder.lexically_normal(); place.has_relative_path(); place = place.parent_path())
+    places.push_back(place);
+  return places;
+}
 
 Json ReadSummary(const fs::path& file) {
   Json summary = ReadJsonFile(file);

@@ -20,6 +20,9 @@ bool IsOfStudy(const Json& summary);
 // one of these names. Throws Error for a summary of an older version, which does not tell.
 Json GivenOptions(const Json& summary, const std::filesystem::path& folder);
 
+// A folder, given as an absolute path, and those above it, the nearest first.
+std::vector<std::filesystem::path> WithAbove(const std::filesystem::path& folder);
+
 // The file that an entry of a summary's `inputs` names. Inputs are named as from the folder in which the run was
 // started: the present one, or one above the results or above what the results are of, as their list has it (a study's
 // file). One that was moved is known by its content, if it lies in one of these. Throws Error: not to be found, or

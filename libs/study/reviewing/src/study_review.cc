@@ -19,7 +19,7 @@ fs::path StudyFileOf(const Json& summary, const fs::path& folder) {
   const fs::path named = summary.at("options").at("study").get<std::string>();
   for (const fs::path& told : SubjectsOf(folder))
     if (told.filename() == named.filename() && fs::exists(told)) return told;
-  for (fs::path place = fs::absolute(folder).lexically_normal(); place.has_relative_path(); place = place.parent_path())
+  for (const fs::path& place : WithAbove(fs::absolute(folder)))
     if (fs::exists(place / named)) return place / named;
   if (fs::exists(named)) return named;
   throw Fail("{}: is not to be found; start lake review in the folder in which {} was made", named.string(),
