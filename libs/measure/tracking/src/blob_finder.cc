@@ -154,6 +154,15 @@ std::optional<BlobFit> BlobFinder::FitStreak(const cv::Mat& grey, const Eigen::V
   return best;
 }
 
+// A marker that turned is as long a streak as it moved, not as it was expected to move.
+std::optional<BlobFit> BlobFinder::FitTurned(const cv::Mat& grey, const Eigen::Vector2d& place,
+                                             MarkerPrediction prediction, const BlobFitOptions& options) const {
+  const Eigen::Vector2d beside = place - prediction.position;
+  if (shutter_.Fraction() * beside.norm() < 0.5 * prediction.appearance.RadiusPx()) return std::nullopt;
+  prediction.velocity_px += beside;
+  return FitStreak(grey, place, prediction, options);
+}
+
 // Where a prediction's blob and its surroundings may be.
 cv::Rect BlobFinder::BoxAround(const cv::Mat& grey, const MarkerPrediction& prediction) const {
   const double reach = prediction.gate_px + 4 * prediction.appearance.RadiusPx() + 8;
@@ -174,7 +183,8 @@ std::optional<BlobFit> BlobFinder::SearchAndFit(const cv::Mat& grey, const Marke
   options.shape_freedom = 0.3;
   std::optional<BlobFit> nearest;
   for (const BlobCandidate& candidate : FindBlobs(grey, box, search)) {
-    const auto fit = FitStreak(grey, candidate.position, prediction, options);
+    std::optional<BlobFit> fit = FitStreak(grey, candidate.position, prediction, options);
+    if (!fit) fit = FitTurned(grey, candidate.position, prediction, options);
     if (!fit) continue;
     const auto distance = [&](const BlobFit& f) { return (f.blob.center - prediction.position).norm(); };
     if (!nearest || distance(*fit) < distance(*nearest)) nearest = fit;

@@ -59,6 +59,8 @@ class BlobFinder {
                    const std::vector<std::size_t>& members, std::vector<std::optional<BlobFit>>& fits) const;
   std::optional<BlobFit> FitStreak(const cv::Mat& grey, const Eigen::Vector2d& place,
                                    const MarkerPrediction& prediction, const BlobFitOptions& options) const;
+  std::optional<BlobFit> FitTurned(const cv::Mat& grey, const Eigen::Vector2d& place, MarkerPrediction prediction,
+                                   const BlobFitOptions& options) const;
   std::optional<BlobFit> SearchAndFit(const cv::Mat& grey, const MarkerPrediction& prediction) const;
   cv::Rect BoxAround(const cv::Mat& grey, const MarkerPrediction& prediction) const;
   void FindNew(const cv::Mat& grey, const cv::Rect& box, std::span<const MarkerPrediction> predictions,
