@@ -117,15 +117,21 @@ SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegMod
 // residual but its share of noise; elsewhere it is not known, but there.
 struct MarkerMoves {
   std::array<Eigen::Vector2d, kLegMarkers> move;
-  std::array<double, kLegMarkers> path_share = {};  // of the estimate's error that is the smooth path's
-  std::array<double, kLegMarkers> variance = {};    // of the rest, per axis
+  std::array<double, kLegMarkers> path_share;     // of the estimate's error that is the smooth path's
+  std::array<double, kLegMarkers> variance = {};  // of the rest, per axis
+
+  MarkerMoves() {
+    move.fill(Eigen::Vector2d::Zero());
+    path_share.fill(1);
+  }
 };
 
 std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<double>& coefficients,
-                                   const std::vector<StateVector>& states) {
+                                   const std::vector<StateVector>& states, const std::vector<double>& time_s) {
   std::array<std::vector<double>, kLegMarkers> variances;
   std::vector<MarkerMoves> moves(states.size());
-  std::vector<std::array<bool, kLegMarkers>> known(states.size());
+  std::array<std::vector<char>, kLegMarkers> known;
+  known.fill(std::vector<char>(states.size()));
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
     if (model.noise_share[o.marker].empty() || !IsOrdinary(model, o, residual.value)) continue;
@@ -137,16 +143,16 @@ std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<doub
     MarkerMoves& frame = moves[o.frame];
     frame.move[o.marker] = (1 - share) * (model.plane_from_leg.transpose() * seen - smooth);
     frame.path_share[o.marker] = share, frame.variance[o.marker] = (1 - share) * variance;
-    known[o.frame][o.marker] = true;
+    known[o.marker][o.frame] = 1;
     variances[o.marker].push_back(variance);
   }
   for (std::size_t m = 0; m < kLegMarkers; ++m) {
-    const double usual = variances[m].empty() ? 0 : Median(variances[m]);
+    if (variances[m].empty()) continue;
+    const double usual = Median(variances[m]);
+    const std::vector<double> hidden =
+        ScatterInGaps(model.noise_share[m], known[m], time_s, SmoothingOptions{}.memory_s);
     for (std::size_t i = 0; i < moves.size(); ++i)
-      if (!known[i][m]) {
-        moves[i].move[m].setZero(), moves[i].path_share[m] = 1;
-        moves[i].variance[m] = usual > 0 ? (1 / model.noise_share[m][i] - 1) * usual : 0;
-      }
+      if (!known[m][i]) moves[i].variance[m] = hidden[i] * usual;
   }
   return moves;
 }
@@ -203,7 +209,7 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
     curves.hip_speed_in_leg.push_back(PointOf(kHip, curves.state[i]).by_state * curves.rate[i]);
   }
   const SlowNoises slow = FindSlowNoises(recording, model, coefficients, covariances.state);
-  const std::vector<MarkerMoves> moves = FindMoves(model, coefficients, curves.state);
+  const std::vector<MarkerMoves> moves = FindMoves(model, coefficients, curves.state, recording.time_s);
   for (std::size_t i = 0; i < n; ++i) {
     StateMatrix of_state = covariances.state.At(i);
     MoveMarkers(moves[i], model.states, curves.state[i], of_state);
@@ -242,7 +248,10 @@ SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double
   SmoothCoordinate result;
   result.settled = signal.converged;
   std::vector<Residual> samples;
-  std::vector<double> noise_variance;
+  std::vector<double> noise_variance, shares;
+  std::vector<char> seen;
+  shares.reserve(time_s.size());
+  seen.reserve(time_s.size());
   for (std::size_t i = 0; i < time_s.size(); ++i) {
     const SplineGrid::Place place = grid.At(time_s[i]);
     const double share = std::min(1.0, signal.noise_share[i] / usual), own = VarianceAt(place, signal.covariance),
@@ -250,6 +259,8 @@ SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double
     result.value.push_back(ValueAt(place, signal.coefficients));
     result.rate.push_back(SlopeAt(place, signal.coefficients));
     result.scatter.push_back(1 / std::sqrt(signal.noise_share[i]));
+    shares.push_back(share);
+    seen.push_back(std::isfinite(values[i]));
     if (std::isfinite(values[i])) {
       const double residual = values[i] - result.value[i],
                    kept = LimitedShare(share, std::abs(residual) / std::sqrt(noise));
@@ -263,11 +274,8 @@ SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double
   }
   const std::vector<double> slow = SlowNoise(samples, time_s);
   const double usual_noise = Median(noise_variance);
-  for (std::size_t i = 0; i < time_s.size(); ++i) {
-    result.variance[i] += slow[i] * usual_noise;
-    if (!std::isfinite(values[i]))
-      result.variance[i] += (std::max(1.0, usual / signal.noise_share[i]) - 1) * usual_noise;
-  }
+  const std::vector<double> hidden = ScatterInGaps(shares, seen, time_s, smoothing.memory_s);
+  for (std::size_t i = 0; i < time_s.size(); ++i) result.variance[i] += (slow[i] + hidden[i]) * usual_noise;
   return result;
 }
 

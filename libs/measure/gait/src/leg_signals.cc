@@ -364,11 +364,11 @@ void QuickenWithOthers(std::vector<SmoothSignal>& signals) {
   for (const std::size_t s : {kShankAngle, kThighAngle, kTrunkAngle})
     if (s < signals.size()) angles.push_back(&signals[s]);
   for (std::size_t k = 0; k < angles.front()->roughness.size(); ++k) {
-    double quick = 0;
+    double quickest = 0;
     for (const SmoothSignal* angle : angles)
-      quick = std::max({quick, angle->quick_roughness, (1 - angle->change[k]) * angle->roughness[k]});
+      quickest = std::max({quickest, angle->quickest_roughness, (1 - angle->change[k]) * angle->roughness[k]});
     for (SmoothSignal* angle : angles)
-      angle->roughness[k] += angle->change[k] * std::max(0.0, quick - angle->quick_roughness);
+      angle->roughness[k] += angle->change[k] * std::max(0.0, quickest - angle->quickest_roughness);
   }
 }
 

@@ -49,6 +49,29 @@ std::vector<double> NoiseShares(std::span<const Residual> residuals, std::span<c
   return shares;
 }
 
+std::vector<double> ScatterInGaps(std::span<const double> noise_shares, std::span<const char> seen,
+                                  std::span<const double> time_s, double memory_s) {
+  const auto extra = [&](std::size_t i) { return 1 / noise_shares[i] - 1; };
+  const std::size_t n = seen.size();
+  std::vector<double> away_s(n, INFINITY);  // from the nearest moment in which it is seen
+  double most = 0, before_s = -INFINITY, after_s = INFINITY;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (seen[i]) before_s = time_s[i], most = std::max(most, extra(i));
+    away_s[i] = time_s[i] - before_s;
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    if (seen[i]) after_s = time_s[i];
+    away_s[i] = std::min(away_s[i], after_s - time_s[i]);
+  }
+  std::vector<double> scatter(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (seen[i]) continue;
+    const double chance_of_change = -std::expm1(-away_s[i] / memory_s);
+    scatter[i] = extra(i) + chance_of_change * std::max(0.0, most - extra(i));
+  }
+  return scatter;
+}
+
 double LimitedShare(double share, double deviations) {
   return share * deviations > kTranslation ? kTranslation / deviations : share;
 }

@@ -20,6 +20,12 @@ struct Residual {
 // Where there is no residual within reach, that of all. Residuals and times must not decrease.
 std::vector<double> NoiseShares(std::span<const Residual> residuals, std::span<const double> time_s);
 
+// What a marker does beside its smooth path where it is not seen, as a variance in those of its noise, per moment (0
+// where it is seen): as much as beside the gap or, the likelier the farther from it (after `memory_s`), as much as it
+// ever did.
+std::vector<double> ScatterInGaps(std::span<const double> noise_shares, std::span<const char> seen,
+                                  std::span<const double> time_s, double memory_s);
+
 // The share of a residual by which the estimate leaves the measurement, where the residual is so many times the noise's
 // deviation: no farther than a few of these deviations, as what moved in one frame only is not to be seen in the shares
 // around it (limited translation: B. Efron & C. Morris, Journal of the American Statistical Association 67, 1972).

@@ -143,15 +143,10 @@ std::vector<double> ChancesOfChange(const SplineGrid& grid, const std::vector<Sa
   return chances;
 }
 
-// Roughness around each difference, and how many of those before it are determined by the data.
-struct WindowedRoughness {
-  std::vector<double> roughness, determined;
-};
-
 // Of n differences, n − Σ V/q are determined by the data: their squares add up to that many times the variance q. In a
 // window around each, with a share of the whole.
-WindowedRoughness RoughnessIn(const Round& round, const std::vector<double>& roughness, std::size_t reach,
-                              double common) {
+std::vector<double> RoughnessIn(const Round& round, const std::vector<double>& roughness, std::size_t reach,
+                                double common) {
   const std::size_t n = roughness.size();
   std::vector<double> squares(n + 1, 0.0), determined(n + 1, 0.0);  // running sums
   for (std::size_t k = 0; k < n; ++k) {
@@ -164,28 +159,13 @@ WindowedRoughness RoughnessIn(const Round& round, const std::vector<double>& rou
     const std::size_t begin = k > reach ? k - reach : 0, end = std::min(n, k + reach + 1);
     next[k] = (squares[end] - squares[begin] + common * whole) / (determined[end] - determined[begin] + common);
   }
-  return {std::move(next), std::move(determined)};
-}
-
-// That of a quick movement: 19 of 20 of the differences that the data determine have less.
-double QuickRoughness(const WindowedRoughness& windowed) {
-  constexpr double kQuick = 0.95;
-  const std::vector<double>& determined = windowed.determined;
-  std::vector<std::pair<double, double>> sorted;
-  sorted.reserve(windowed.roughness.size());
-  for (std::size_t k = 0; k < windowed.roughness.size(); ++k)
-    sorted.emplace_back(windowed.roughness[k], determined[k + 1] - determined[k]);
-  std::ranges::sort(sorted);
-  double below = 0;
-  for (const auto& [value, weight] : sorted)
-    if ((below += weight) >= kQuick * determined.back()) return value;
-  return sorted.back().first;
+  return next;
 }
 
 // What a person did in a gap nobody saw: it went on as beside it, or was any movement of the recording; so that the
-// error is known of quick ones too, a quick one.
-void SetInGaps(double quick, const std::vector<double>& chances_of_change, std::vector<double>& roughness) {
-  for (std::size_t k = 0; k < roughness.size(); ++k) roughness[k] += chances_of_change[k] * (quick - roughness[k]);
+// error is known of quick ones too, the quickest.
+void SetInGaps(double quickest, const std::vector<double>& chances_of_change, std::vector<double>& roughness) {
+  for (std::size_t k = 0; k < roughness.size(); ++k) roughness[k] += chances_of_change[k] * (quickest - roughness[k]);
 }
 
 double GeometricMean(const std::vector<double>& values) {
@@ -291,7 +271,6 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
   signal.change = ChancesOfChange(grid, samples, options.memory_s);
   const bool has_gaps = std::ranges::any_of(signal.change, [](double chance) { return chance > 0; });
   Round round;
-  WindowedRoughness windowed;
   // What the path can follow is the path's: scatter is looked for when the roughness is nearly known.
   bool seeks_scatter = false;
   for (; signal.iterations < options.max_iterations && !signal.converged; ++signal.iterations) {
@@ -305,9 +284,9 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
     signal.noise_share = std::move(shares);
     for (Sample& sample : samples) sample.noise_share = signal.noise_share[sample.index];
     signal.noise_scale = ScatterOf(samples);
-    windowed = RoughnessIn(round, signal.roughness, reach, options.common);
-    std::vector<double> next = windowed.roughness;
-    if (has_gaps) SetInGaps(QuickRoughness(windowed), signal.change, next);
+    std::vector<double> next = RoughnessIn(round, signal.roughness, reach, options.common);
+    signal.quickest_roughness = *std::ranges::max_element(next);
+    if (has_gaps) SetInGaps(signal.quickest_roughness, signal.change, next);
     const double least = roughness_of(options.least_cutoff_hz, signal.noise_scale);
     for (double& q : next)
       q = options.cutoff_hz ? roughness_of(*options.cutoff_hz, signal.noise_scale) : std::max(q, least);
@@ -316,7 +295,6 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
     seeks_scatter |= change < kNearlyConverged;
     signal.roughness = std::move(next);
   }
-  signal.quick_roughness = QuickRoughness(windowed);
   signal.coefficients = std::move(round.coefficients);
   signal.covariance = std::move(round.covariance);
   signal.slope_square = round.slope_square;

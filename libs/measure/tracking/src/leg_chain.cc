@@ -57,6 +57,15 @@ class ChainSearch {
     return things_ <= options_.markers && !IsCarried(ankle, thigh) && !IsCarried(knee, thigh);
   }
 
+  // Whether two segments turn against each other in a joint: three markers of one segment keep all of their distances.
+  bool Bends(std::size_t lower, std::size_t joint, std::size_t upper) const {
+    constexpr double kLeast = 0.02, kStiffer = 1.5;
+    const PairDistance& ends = tracklets_.Distance(lower, upper);
+    const double stiffness =
+        std::max(tracklets_.Distance(lower, joint).deviation, tracklets_.Distance(joint, upper).deviation);
+    return ends.frames >= kMinCommonFrames && ends.deviation >= std::max(kLeast, kStiffer * stiffness);
+  }
+
   bool IsSegment(std::size_t lower, std::size_t upper) const {
     const PairDistance& pair = tracklets_.Distance(lower, upper);
     return pair.frames >= kMinCommonFrames && pair.deviation < kMaxDeviation && pair.mean > 0;
@@ -98,6 +107,7 @@ class ChainSearch {
     const double thigh = tracklets_.Distance(chain[1], chain[2]).mean;
     if (rise < 0.3 * segment.mean || segment.mean > kFarthestWaist * thigh || !IsCarried(last, thigh))
       return std::nullopt;
+    if (things_ > options_.markers && !Bends(chain[1], chain[2], last)) return std::nullopt;
     return cost + Squared(std::log(segment.mean / (kWaist * thigh)) / kWaistDeviation);
   }
 
@@ -105,10 +115,7 @@ class ChainSearch {
   std::optional<double> CostOfKnee(const std::vector<std::size_t>& chain) const {
     const auto [ankle, knee, hip] = std::tuple(chain[0], chain[1], chain[2]);
     const double shank = tracklets_.Distance(ankle, knee).mean, thigh = tracklets_.Distance(knee, hip).mean;
-    const PairDistance& leg = tracklets_.Distance(ankle, hip);
-    const double stiffness =
-        std::max(tracklets_.Distance(ankle, knee).deviation, tracklets_.Distance(knee, hip).deviation);
-    if (leg.frames < kMinCommonFrames || leg.deviation < std::max(0.02, 1.5 * stiffness)) return std::nullopt;
+    if (!Bends(ankle, knee, hip)) return std::nullopt;
     if (extent_[hip] < 0.2 * thigh || options_.up.dot(tracklets_.MeanWay(ankle, hip)) < 0) return std::nullopt;
     if (!IsCarried(knee, thigh) && !IsClamped(ankle, knee, thigh)) return std::nullopt;
     constexpr double kRatioDeviation = 0.25;  // of log(shank / thigh); anatomically 0.1, markers add to it

@@ -52,7 +52,7 @@ struct SmoothSignal {
   BandedMatrix covariance{0, 3};    // of the coefficients, within three of the diagonal
   std::vector<double> roughness;    // variance of Δ³ of the coefficients, count − 3
   std::vector<double> change;       // per difference, the chance that the movement is not that of the samples beside it
-  double quick_roughness = 0;       // of a quick movement, which `roughness` takes in with that chance
+  double quickest_roughness = 0;    // of the quickest movement, which `roughness` takes in with that chance
   double slope_square = 0;          // mean square of f′ at the samples, its uncertainty included
   std::vector<double> noise_share;  // of the scatter about the curve, at each sample
   double noise_scale = 1;           // ≥ 1: scatter about the curve over the samples' sigmas, root mean square
