@@ -251,6 +251,17 @@ TEST(RealMotionGaps, TheSdHoldsWhereAMarkerIsHidden) {
   EXPECT_LE(Median(brief.sigmas_deg), 2 * Median(seen.sigmas_deg));
 }
 
+// Of the knee angle from the truth, in its SDs, in frames begin..end − 1.
+double WorstDeviation(const motion::LegMotion& motion, const ResampledLeg& leg, std::size_t begin, std::size_t end) {
+  double worst = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const motion::LegSample& sample = motion.samples[i];
+    const double truth_deg = gait::MakeLegSample(leg.points_mm[i], motion.facing, Eigen::Vector2d::UnitY()).knee_deg;
+    worst = std::max(worst, std::abs(sample.knee_deg - truth_deg) / sample.knee_sigma_deg);
+  }
+  return worst;
+}
+
 // At the end of a slow squat the knee stops at once, while the hip is hidden; nothing that was seen of the thigh in
 // this recording is as quick. The knee's angle was off by 4.5 SD there (5.2 in a film of it), when a hidden segment was
 // taken to move as that segment does where it is seen.
@@ -275,14 +286,30 @@ TEST(RealMotionGaps, TheSdHoldsWhereOnlyOtherSegmentsAreSeenToStop) {
     const std::size_t begin = at - std::lround(kBefore_s * kRateHz), end = at + std::lround(kAfter_s * kRateHz);
     for (std::size_t i = begin; i < end; ++i) hip->samples[i] = {};
     const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), options);
-    double worst = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      const motion::LegSample& sample = result.motion.samples[i];
-      const double truth_deg =
-          gait::MakeLegSample(leg.points_mm[i], result.motion.facing, Eigen::Vector2d::UnitY()).knee_deg;
-      worst = std::max(worst, std::abs(sample.knee_deg - truth_deg) / sample.knee_sigma_deg);
-    }
-    EXPECT_LT(worst, 4) << seed;
+    EXPECT_LT(WorstDeviation(result.motion, leg, begin, end), 4) << seed;
+  }
+}
+
+// The knee is hidden while the person meets the seat, where the thigh's skin is jolted. The angle was off by 5.3 SD in
+// a film of it and by 5.0 and 4.8 here (seeds 1 and 2), when a hidden marker was taken to be jolted only as beside the
+// gap.
+TEST(RealMotionGaps, TheSdHoldsWhereTheSeatIsMet) {
+  const RealMotion rise = {"SitToStand", "sts_force_plates/STS1.trc", kRightLeg};
+  if (!fs::exists(FileOf(rise))) GTEST_SKIP() << FileOf(rise) << " is not here";
+  constexpr double kRateHz = 30, kFrom_s = 7.68, kTo_s = 7.87;
+  const ResampledLeg leg = Resample(Read(rise), kRateHz);
+  const auto index_of = [&](double at_s) {
+    return static_cast<std::size_t>(std::ranges::lower_bound(leg.time_s, at_s) - leg.time_s.begin());
+  };
+  const std::size_t begin = index_of(kFrom_s), end = index_of(kTo_s);
+  gait::LegFitOptions options;
+  options.known_sigmas = true;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.1}, seed);
+    const auto knee = std::ranges::find(tracks.markers, "knee", &motion::MarkerTrack::name);
+    for (std::size_t i = begin; i < end; ++i) knee->samples[i] = {};
+    const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), options);
+    EXPECT_LT(WorstDeviation(result.motion, leg, begin, end), 4.7) << seed;
   }
 }
 

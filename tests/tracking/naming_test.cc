@@ -372,6 +372,33 @@ TEST(Naming, AWaistMarkerAtTheShoulderMakesALeg) {
     }
 }
 
+// Two further markers on the thigh keep their distances to the knee and to each other better than the hip does beneath
+// the skin: they passed for hip and waist, which a rigid thigh is not.
+TEST(Naming, MarkersOfOneThighAreNoHipAndWaist) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    const LegScene scene{.facing = seed % 2 ? 1 : -1, .seed = seed, .trunk_px = 335};
+    Seen seen(scene.seed, scene.noise_px);
+    const auto on_thigh = [&](int frame, double along, double above) {
+      const std::array<Vector2d, 4> leg = Leg(scene, Upright(scene, frame));
+      const Vector2d thigh = leg[2] - leg[1];
+      return Vector2d(leg[1] + along * thigh + above * scene.facing * Vector2d(-thigh.y(), thigh.x()));
+    };
+    constexpr double kSkin = 0.07;  // of the thigh's length
+    const auto hip = [&](int frame) { return on_thigh(frame, 1 - kSkin * (1 - Upright(scene, frame)), 0); };
+    seen.AddMarker(scene, 0).AddMarker(scene, 1).Add(hip).AddMarker(scene, 3);
+    seen.Add([&](int frame) { return on_thigh(frame, 0.67, 0.02); });
+    seen.Add([&](int frame) { return on_thigh(frame, 0.68, -0.26); });
+    const std::string error = ErrorOf(seen, LegOptions());
+    if (error != "no error") {
+      EXPECT_THAT(error, HasSubstr("named with certainty"));
+      continue;
+    }
+    const motion::MarkerRecording recording = Name(seen, LegOptions());
+    EXPECT_LT((recording.markers[2].samples[0].position - hip(0)).norm(), 1) << seed;
+    EXPECT_LT((recording.markers[3].samples[0].position - Leg(scene, Upright(scene, 0))[3]).norm(), 1) << seed;
+  }
+}
+
 // In a few frames every distance is constant. The knee was taken for the hip where the hip was seen in pieces only.
 TEST(Naming, AFewFramesTogetherAreAQuestion) {
   const LegScene scene{.seed = 5};

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "lake/core/statistics.h"
 #include "sizes.h"
 
 namespace lake::gait {
@@ -53,20 +55,24 @@ std::vector<double> ScatterInGaps(std::span<const double> noise_shares, std::spa
                                   std::span<const double> time_s, double memory_s) {
   const auto extra = [&](std::size_t i) { return 1 / noise_shares[i] - 1; };
   const std::size_t n = seen.size();
+  const double half_frame_s = MedianInterval(time_s) / 2;
   std::vector<double> away_s(n, INFINITY);  // from the nearest moment in which it is seen
-  double most = 0, before_s = -INFINITY, after_s = INFINITY;
+  std::vector<double> extra_seen;
+  double before_s = -INFINITY, after_s = INFINITY;
   for (std::size_t i = 0; i < n; ++i) {
-    if (seen[i]) before_s = time_s[i], most = std::max(most, extra(i));
+    if (seen[i]) before_s = time_s[i], extra_seen.push_back(extra(i));
     away_s[i] = time_s[i] - before_s;
   }
   for (std::size_t i = n; i-- > 0;) {
     if (seen[i]) after_s = time_s[i];
     away_s[i] = std::min(away_s[i], after_s - time_s[i]);
   }
+  constexpr double kUsually = 0.95;  // of the moments in which it is seen it does less
+  const double most = Quantile(std::move(extra_seen), kUsually);
   std::vector<double> scatter(n, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
     if (seen[i]) continue;
-    const double chance_of_change = -std::expm1(-away_s[i] / memory_s);
+    const double chance_of_change = -std::expm1(-std::max(0.0, away_s[i] - half_frame_s) / memory_s);
     scatter[i] = extra(i) + chance_of_change * std::max(0.0, most - extra(i));
   }
   return scatter;
