@@ -21,8 +21,8 @@ struct Residual {
 std::vector<double> NoiseShares(std::span<const Residual> residuals, std::span<const double> time_s);
 
 // What a marker does beside its smooth path where it is not seen, as a variance in those of its noise, per moment (0
-// where it is seen): as much as beside the gap or, the likelier the farther from it (after `memory_s`), as much as it
-// seldom exceeds where it is seen.
+// where it is seen): as much as beside the gap or, the likelier the farther from it (after `memory_s`), as it
+// does less than in 95 % of the moments in which it is seen.
 std::vector<double> ScatterInGaps(std::span<const double> noise_shares, std::span<const char> seen,
                                   std::span<const double> time_s, double memory_s);
 
