@@ -20,7 +20,7 @@ constexpr double kShutter = 0.7;
 
 // To and fro at one speed.
 struct Zigzag {
-  double speed_px;       // per frame
+  double speed_px;      // per frame
   double frames_a_way;  // from one turn to the next
 
   double At(double frame) const {

@@ -158,7 +158,8 @@ std::optional<BlobFit> BlobFinder::FitStreak(const cv::Mat& grey, const Eigen::V
 std::optional<BlobFit> BlobFinder::FitTurned(const cv::Mat& grey, const Eigen::Vector2d& place,
                                              MarkerPrediction prediction, const BlobFitOptions& options) const {
   const Eigen::Vector2d beside = place - prediction.position;
-  if (shutter_.Fraction() * beside.norm() < 0.5 * prediction.appearance.RadiusPx()) return std::nullopt;
+  const double radius = prediction.appearance.RadiusPx();
+  if (!shutter_.IsKnown() || shutter_.Fraction() * beside.norm() < 0.5 * radius) return std::nullopt;
   prediction.velocity_px += beside;
   return FitStreak(grey, place, prediction, options);
 }

@@ -98,6 +98,7 @@ void Decoder::NumberPacket() {
   const bool is_leading = !any_key_sent_ || (packet_->pts != AV_NOPTS_VALUE && packet_->pts < first_key_ticks_);
   log_.SetPacket(*codec_, *packet_, is_leading ? DamageLog::kMayFail : packets_);
   ++packets_;
+  bytes_ += packet_->size;
 }
 
 void Decoder::CheckIsWhole(const AVFrame& frame) const {

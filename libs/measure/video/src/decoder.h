@@ -18,6 +18,9 @@ class Decoder {
 
   const Demuxer& Source() const { return demuxer_; }
 
+  // Of the packets sent so far.
+  double BitsPerPicture() const { return 8 * static_cast<double>(bytes_) / static_cast<double>(packets_); }
+
   // Null after the last one. Throws Error naming the frame if it is not whole. The frames before are handed out; of
   // those that stand after missing ones, none.
   std::shared_ptr<AVFrame> Next();
@@ -36,7 +39,7 @@ class Decoder {
   Demuxer demuxer_;
   libav::Codec codec_;
   libav::Packet packet_ = libav::NewPacket();
-  std::int64_t packets_ = 0;
+  std::int64_t packets_ = 0, bytes_ = 0;
   std::int64_t frames_ = 0;
   bool any_key_sent_ = false;
   std::int64_t first_key_ticks_ = AV_NOPTS_VALUE;

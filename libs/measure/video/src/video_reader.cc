@@ -177,6 +177,7 @@ void LibavReader::CheckIsLikeFirst(const AVFrame& frame) const {
 double LibavReader::Time(const AVFrame& frame) {
   const bool good = stamps_.Add(frame.best_effort_timestamp, frame.pkt_duration);
   stamps_.Describe(info_);
+  info_.bits_per_pixel = decoder_.BitsPerPicture() / (static_cast<double>(width_) * height_);
   if (options_.capture_rate_hz > 0)
     return stamps_.First().value_or(0) + static_cast<double>(next_index_) / options_.capture_rate_hz;
   if (!good)

@@ -18,9 +18,8 @@ struct SigmaCalibration {
 // - Of markers that hold still at rest (a mechanism's): what the moving ones scatter about a smooth path (the residual
 //   of a local fourth-degree polynomial in time, Savitzky & Golay 1964), times how much larger than that the errors are
 //   which last for some frames, by windows twice as wide; less at rest, where the displacement is frozen.
-// - Of a person's: what the likelihood of white jerk (lake::dynamics) leaves to the measurement, which includes the
-//   skin's tremor, weighed with what such a codec usually adds to the fits' sigma; a quarter more to slow samples,
-//   where an encoder leaves a small displacement for some frames.
+// - Of a person's: a power of what the likelihood of white jerk (lake::dynamics) leaves to the measurement, which
+//   includes the skin's tremor, and of the bits per pixel, as found in rendered recordings of each codec.
 // Without compression nothing is added. `recording`: of at least 60 samples, or nothing is found.
 SigmaCalibration CalibrateSigmas(const video::VideoInfo& video, motion::MarkerRecording& recording);
 

@@ -32,6 +32,7 @@ struct VideoInfo {
   double longest_interval_s = 0;
   bool irregular_stamps =
       false;  // the two differ by more than a tenth of the mean interval (and the stamps' own rounding)
+  std::optional<double> bits_per_pixel;  // of the coded pictures; not of a live stream
   std::int64_t repaired_stamps = 0;  // frames without a stamp, which got the previous stamp plus one frame's duration
 };
 
