@@ -117,7 +117,7 @@ Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const Bu
   Budget budget{"knee_angle", "deg", Mean(m.human.knee_deg), -180, {}};
   const Sensitivities s = OfKneeAngle(Mean(shank), Mean(thigh));
   AddSources(s, Detection(RootMeanSquare(m.human.knee_sigma_mm), "mm", s.noise), {replacement_sd_mm, kReplacement},
-             o.human_axis_mm, o, budget.rows);
+             o.axes.human_mm, o, budget.rows);
   return budget;
 }
 
@@ -199,7 +199,7 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
                          Interval JointMisalignment::Intervals::*interval) {
       Budget budget{name, "mm", value, least, {}};
       AddSources(s, Detection(marker_mm, "mm", std::sqrt(kMarkersOfAJoint) * s.noise),
-                 {replacement_sd_mm, kReplacement}, o.exo_axis_mm, o, budget.rows);
+                 {replacement_sd_mm, kReplacement}, o.axes.exo_mm, o, budget.rows);
       if (joint.intervals && joint.repetitions > 1)
         AddOwnVariation(DeviationOf((*joint.intervals).*interval), "mm", budget.rows);
       budgets.push_back(std::move(budget));
