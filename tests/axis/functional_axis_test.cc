@@ -306,12 +306,12 @@ TEST(FunctionalAxis, FindsAMeasuredHinge) {
     const double n = static_cast<double>(axis.last - axis.first + 1);
     return (b - a).normalized().cross(axis.in_file - a / n).norm();
   };
-  EXPECT_LT(off_mm(axes.whole), 0.7);
+  EXPECT_LT(off_mm(axes.whole), 0.6);
   EXPECT_LT(off_mm(axes.whole), kEllipse95 * axes.whole.sd_mm);
   EXPECT_LT(axes.whole.pin_residual_mm, 0.3);
   ASSERT_EQ(axes.windows.size(), 6);
   for (const MeanAxis& axis : axes.windows) {
-    EXPECT_LT(off_mm(axis), 1.4) << axis.window;
+    EXPECT_LT(off_mm(axis), 1.3) << axis.window;
     EXPECT_LT(off_mm(axis), kEllipse95 * axis.sd_mm) << axis.window;
   }
   std::vector<double> centre_off_mm;

@@ -94,6 +94,19 @@ TEST(UncertaintyBudget, TellsMarkersFromTheJointBeneath) {
   }
 }
 
+// Soft tissue, placement and repetitions, each with its share and what to do about it; not what is a hundredth at most.
+TEST(UncertaintyBudget, SaysWhatWouldNarrowIt) {
+  Budget budget = Of(BudgetsOf(Measured(Worn({18, 24})), 3, {}), "joint_rms");
+  budget.rows.push_back({"the person's own variation", "t", 3, "mm", 1, "repetitions of this trial", true});
+  const std::string text = WhatNarrows(budget);
+  EXPECT_THAT(text, testing::MatchesRegex("7[0-9] % of the variance comes from soft tissue: two or more markers on "
+                                          "shank and thigh, .*; 1[0-9] % from .*; 1[0-9] % from .*\\."));
+  EXPECT_THAT(text, HasSubstr("% from marker placement: leave the same markers on between the trials"));
+  EXPECT_THAT(text, HasSubstr("% from the person's own variation: record more repetitions"));
+  budget.rows.back().size = 0.3;
+  EXPECT_THAT(WhatNarrows(budget), testing::Not(HasSubstr("repetitions")));
+}
+
 // Against a skeletal model the knee angle of markers is off by 0.7 to 2.0 degrees on average and 7 in single frames.
 TEST(UncertaintyBudget, TheKneeAngleOfSkinMarkersIsKnownToDegrees) {
   const Budget angle = Of(BudgetsOf(Measured(Worn({18, 24})), 3, {}), "knee_angle");

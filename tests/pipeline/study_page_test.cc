@@ -90,6 +90,15 @@ TEST(StudyPage, HasTheForcesAtTheCuffsOfEachDesign) {
   }
 }
 
+// The misalignment's interval of the markers and that of the joints beneath the skin, and what would narrow them.
+TEST(StudyPage, HasTheBudgetOfTheMisalignment) {
+  const Json rms = ReadJsonFile(Results() / "comparison/summary.json")["uncertainty"]["joint_rms_mm"];
+  for (const char* interval : {"marker_interval", "anatomical_interval"})
+    EXPECT_THAT(PageText(), HasSubstr(fmt::format("{:.1f} to {:.1f} mm", rms[interval][0].get<double>(),
+                                                  rms[interval][1].get<double>())));
+  EXPECT_THAT(PageText(), HasSubstr(rms["narrower"].get<std::string>()));
+}
+
 // What is wrong and the first thing to do; the ways, from the cheapest on; what forbids them; a picture, a chart; what
 // next. Then the warnings, folded, and all of it in words.
 TEST(StudyPage, SaysTheCheapestRepairFirst) {

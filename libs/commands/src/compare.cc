@@ -127,14 +127,14 @@ compare::RegisteredTrial RegisterExo(const compare::TrialTables& tables, const s
 struct RegisteredPair {
   compare::RegisteredTrial human, exo;
   std::string exo_knee;
-  bool is_human_functional = false;                  // by this comparison or by the one that the curve is of
-  std::optional<double> human_axis_mm, exo_axis_mm;  // of functional knees
+  bool is_human_functional = false;  // by this comparison or by the one that the curve is of
+  compare::KneeAxes axes;
 };
 
 // One trial's part of an earlier comparison.
 compare::ComparedCurves ReadCompared(const fs::path& comparison, Run& run) {
   compare::ComparedCurves curves = compare::ReadComparison(comparison);
-  if (curves.knee_is_functional && !curves.says_axes)
+  if (curves.knee_is_functional && !curves.axes)
     run.Warn(fmt::format(
         "{} does not say how precise its functional knee is: the budget has a marker's placement for it; compare its "
         "trials again",
@@ -154,9 +154,9 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   if (!human) human_curves = ReadCompared(options.human, run);
   if (!exo) exo_curves = ReadCompared(options.exo, run);
   RegisteredPair pair;
-  pair.human_axis_mm = human ? human->sd_mm : human_curves->human_axis_mm;
-  pair.exo_axis_mm = exo ? exo->sd_mm : exo_curves->exo_axis_mm;
-  if (options.knee.knee == KneeFrom::kFunctional && !pair.human_axis_mm && !pair.exo_axis_mm)
+  pair.axes.human_mm = human ? human->sd_mm : human_curves->axes.value_or(compare::KneeAxes{}).human_mm;
+  pair.axes.exo_mm = exo ? exo->sd_mm : exo_curves->axes.value_or(compare::KneeAxes{}).exo_mm;
+  if (options.knee.knee == KneeFrom::kFunctional && !pair.axes.human_mm && !pair.axes.exo_mm)
     throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
   if (human && exo) CheckUnits(human->tables, exo->tables);
   if (human && exo && human->tables.trajectory.Find(kExoKnee) && !exo->tables.trajectory.Find(kExoKnee))
@@ -167,7 +167,7 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
     compare::RegistrationOptions registration;
     registration.knee = options.human_knee;
     pair.human = compare::RegisterTrial(human->tables, registration);
-    pair.is_human_functional = pair.human_axis_mm.has_value();
+    pair.is_human_functional = pair.axes.human_mm.has_value();
   } else {
     pair.human.repetitions = {human_curves->human};
     pair.is_human_functional = human_curves->knee_is_functional;
@@ -414,8 +414,8 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   comparison["markers"] = {{"human", options.human_knee}, {"exo", exo_knee}};
   comparison["joint_at_mm"] = options.joint_at_mm;
   comparison["knee_from"] = pair.is_human_functional ? "functional" : "marker";
-  comparison["knee_axis_sd_mm"] = {{"human", NumberOrNull(pair.human_axis_mm)},
-                                   {"exo", NumberOrNull(pair.exo_axis_mm)}};
+  comparison["knee_axis_sd_mm"] = {{"human", NumberOrNull(pair.axes.human_mm)},
+                                   {"exo", NumberOrNull(pair.axes.exo_mm)}};
   if (misalignment.joint)
     AddToBestPlacement(misalignment, options, comparison["best_placement"]);
   else if (options.worn)
@@ -424,7 +424,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
                     "joint is not told",
                     options.exo.filename().string()));
   compare::BudgetOptions budget = options.budget;
-  budget.human_axis_mm = pair.human_axis_mm, budget.exo_axis_mm = pair.exo_axis_mm;
+  budget.axes = pair.axes;
   const std::vector<compare::Budget> budgets =
       compare::BudgetsOf(misalignment, options.misalignment.replacement_sd_mm, budget);
   compare::WriteUncertaintyBudgetCsv(run.Result("uncertainty_budget.csv"), budgets);

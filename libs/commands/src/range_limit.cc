@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
@@ -45,16 +44,13 @@ struct End {
   }
 };
 
-// The standard deviation of the knee angle by all but the detection, which is each frame's own. The budget's placement
-// is of the knee's marker alone; the ankle's and the hip's are as uncertain, each over its segment's length.
+// The standard deviation of the knee angle by all but the detection, which is each frame's own.
 double SharedDeviation(const gait::LegFitResult& leg, const compare::RecordingBudgetOptions& options) {
   for (const compare::Budget& budget : compare::BudgetsOf(leg, options))
     if (budget.quantity.starts_with("knee_angle")) {
       double square = 0;
       for (const compare::BudgetRow& row : budget.rows)
         if (row.source != compare::kDetection) square += std::pow(row.Contribution(), 2);
-      for (const auto segment : {&motion::LegSample::ak, &motion::LegSample::kh})
-        square += std::pow(DegreesFromRadians(options.placement_mm / motion::MedianLength(leg.motion, segment)), 2);
       return std::sqrt(square);
     }
   throw Fail(

@@ -140,6 +140,21 @@ void ShareAxis(std::vector<LineChart>& charts) {
   }
 }
 
+// How well the markers tell the headline, how well that tells of the joint beneath the skin, and what would narrow it.
+std::string BudgetText(const Json& comparison) {
+  const Json uncertainty = comparison.value("uncertainty", Json::object());
+  if (!uncertainty.contains("joint_rms_mm")) return "";
+  const Json& rms = uncertainty.at("joint_rms_mm");
+  const auto interval = [&](const char* name) {
+    return fmt::format("{:.1f} to {:.1f} mm", NumberOrNaN(rms.at(name).at(0)), NumberOrNaN(rms.at(name).at(1)));
+  };
+  return fmt::format(
+      "The joint misalignment is {} RMS as the markers show it, and {} between the joints beneath the skin (95 % "
+      "each). "
+      "{} Each source is in comparison/uncertainty_budget.csv.",
+      interval("marker_interval"), interval("anatomical_interval"), rms.at("narrower").get<std::string>());
+}
+
 }  // namespace
 
 Section TrialsChapter(const StudyFile& study, const StudyResults& results) {
@@ -156,12 +171,15 @@ Section MisalignmentChapter(const StudyFile&, const StudyResults& results) {
   LineChart paths = KneePathsChart(comparison), error = RelativeErrorChart(comparison);
   BarChart parts = DecompositionChart(comparison);
   paths.width = error.width = Width::kHalf;
-  return {
+  Section section{
       "Knee misalignment",
       {MisalignmentKeyFigures(comparison), std::move(paths), std::move(error),
        Paragraph{DecompositionAdvice(comparison)}, std::move(parts),
        Paragraph{"Placement is an offset constant in the frame of the shank, which moving the joint removes; timing "
                  "is a change of pace within the rise, which the stroke program can remove; shape is the rest."}}};
+  if (std::string budget = BudgetText(comparison); !budget.empty())
+    section.blocks.push_back(Paragraph{std::move(budget)});
+  return section;
 }
 
 }  // namespace lake::study

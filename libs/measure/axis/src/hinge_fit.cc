@@ -16,9 +16,10 @@ namespace {
 
 using Eigen::Matrix2d, Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 
-constexpr Eigen::Index kPoints = 4;   // unknowns of the two points
-constexpr double kLeast_mm = 1e-6;    // exact points have errors of rounding
-constexpr double kNoiseShare = 0.05;  // of the residual: what changes from block to block
+constexpr Eigen::Index kPoints = 4;        // unknowns of the two points
+constexpr double kLeast_mm = 1e-6;         // exact points have errors of rounding
+constexpr double kLeastMemory_rad = 0.35;  // over which errors that repeat with the angle are alike
+constexpr double kNoiseShare = 0.05;       // of the residual: what changes from block to block
 
 Matrix3d AcrossAndAlong(const Vector3d& axis) {
   Matrix3d frame;
@@ -48,6 +49,27 @@ VectorXd SolveWeighted(const std::vector<HingeEquation>& equations, const Matrix
   return normal.ldlt().solve(right);
 }
 
+// All angles count alike, however long a person stays at one: frames whose errors repeat with the angle share them.
+void SetShares(std::vector<HingeEquation>& equations) {
+  std::vector<double> angles;
+  angles.reserve(equations.size());
+  for (const HingeEquation& e : equations) angles.push_back(e.angle_rad);
+  std::ranges::sort(angles);
+  double sum = 0;
+  for (HingeEquation& e : equations) {
+    const double from = std::max(angles.front(), e.angle_rad - kLeastMemory_rad);
+    const double to = std::min(angles.back(), e.angle_rad + kLeastMemory_rad);
+    const auto frames =
+        std::upper_bound(angles.begin(), angles.end(), to) - std::lower_bound(angles.begin(), angles.end(), from);
+    e.share = (to - from) / static_cast<double>(frames);
+    sum += e.share;
+  }
+  for (HingeEquation& e : equations) {
+    e.share *= static_cast<double>(equations.size()) / sum;
+    e.weight = e.share;
+  }
+}
+
 // Slow errors are no outliers: what is weighed less is far from all others.
 VectorXd SolveRobustly(std::vector<HingeEquation>& equations, const MatrixXd& precision, const VectorXd& mean) {
   constexpr double kFar = 3;  // medians of the distances: 3.5 standard deviations of normal ones
@@ -58,7 +80,8 @@ VectorXd SolveRobustly(std::vector<HingeEquation>& equations, const MatrixXd& pr
     std::vector<double> sizes;
     for (const HingeEquation& e : equations) sizes.push_back(e.Stray(unknowns).norm());
     const double scale = kFar * Median(sizes);
-    for (std::size_t i = 0; i < sizes.size(); ++i) equations[i].weight = sizes[i] > scale ? scale / sizes[i] : 1;
+    for (std::size_t i = 0; i < sizes.size(); ++i)
+      equations[i].weight = equations[i].share * (sizes[i] > scale ? scale / sizes[i] : 1);
   }
   return unknowns;
 }
@@ -174,6 +197,7 @@ MatrixXd BlockCovariance(const std::vector<HingeEquation>& blocks, const ErrorMo
 
 HingeFit::HingeFit(const SegmentMotion& motion, std::vector<HingeEquation> equations, const LearntErrors* learnt)
     : equations_(std::move(equations)) {
+  SetShares(equations_);
   SetPrior(motion, learnt);
   const VectorXd rough = SolveRobustly(equations_, prior_precision_, prior_mean_);
   residual_mm_ = learnt ? learnt->residual_mm : ResidualOf(equations_, rough);
@@ -222,7 +246,9 @@ void HingeFit::SolveCorrected(const SegmentMotion& motion) {
   VectorXd pull = VectorXd::Zero(size);
   pull.head<2>().setConstant(std::pow(motion.thigh.deformation.pose_sd_rad, 2));
   pull.segment<2>(2).setConstant(std::pow(motion.shank.deformation.pose_sd_rad, 2));
-  pull *= static_cast<double>(blocks_.size());
+  double frames = 0;
+  for (const HingeEquation& block : blocks_) frames += block.weight;
+  pull *= frames;
   const auto least = [](const MatrixXd& matrix) {
     return Eigen::SelfAdjointEigenSolver<MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues()[0];
   };
@@ -258,6 +284,20 @@ HingeSolution HingeFit::Solve(const std::vector<ErrorModel>& errors) const {
   return {unknowns_, inverse_ * middle * inverse_};
 }
 
+// A pin that fits a part of the range strays from that of the whole as an instantaneous centre does: by 1 mm, as a knee
+// from a hinge, and by the slope of that over the shortest memory.
+HingeSolution WithWhole(HingeSolution own, const AxisFrames& axis, const LearntErrors& learnt) {
+  constexpr double kPinStray_mm = 3;
+  const Eigen::Index shank = 2;
+  const double variance_mm2 = kPinStray_mm * kPinStray_mm + learnt.pin_sd_mm * learnt.pin_sd_mm;
+  const Matrix2d both = own.covariance.block<2, 2>(shank, shank) + variance_mm2 * Matrix2d::Identity();
+  const MatrixXd gain = own.covariance.middleCols<2>(shank) * both.inverse();
+  const Vector2d whole = axis.shank.leftCols<2>().transpose() * learnt.pin_in_shank;
+  own.unknowns += gain * (whole - own.unknowns.segment<2>(shank));
+  own.covariance -= gain * own.covariance.middleRows<2>(shank).eval();
+  return own;
+}
+
 // Restricted, by generalised least squares.
 double HingeFit::LogLikelihood(const MatrixXd& covariance) const {
   const auto n = static_cast<Eigen::Index>(blocks_.size()), unknowns = unknowns_.size();
@@ -278,8 +318,8 @@ double HingeFit::LogLikelihood(const MatrixXd& covariance) const {
   return -0.5 * (square(unknowns, unknowns) - right.dot(normal.solve(right))) - 2 * log_sum(factor) - log_sum(normal);
 }
 
-LearntErrors HingeFit::LearnErrors() const {
-  constexpr double kAngleMemories[] = {0.35, 0.7, 1.4};  // rad
+LearntErrors HingeFit::LearnErrors(const AxisFrames& axis) const {
+  constexpr double kAngleMemories[] = {kLeastMemory_rad, 2 * kLeastMemory_rad, 4 * kLeastMemory_rad};
   constexpr double kFrameMemories[] = {5, 20, 80};
   constexpr double kRepeated[] = {0.125, 0.25, 0.5, 1, 2, 4};  // of what the markers' deformation lets expect
   constexpr double kSlow[] = {0.25, 0.5, 1, 2};                // of the residual
@@ -312,8 +352,14 @@ LearntErrors HingeFit::LearnErrors() const {
   for (ErrorModel& model : models) model.probability /= sum;
   const HingeSolution solution = Solve(models);
   const Eigen::Index carried = unknowns_.size() - kPoints;
-  return {std::move(models), residual_mm_, solution.unknowns.tail(carried),
-          solution.covariance.bottomRightCorner(carried, carried)};
+  LearntErrors learnt;
+  learnt.models = std::move(models);
+  learnt.residual_mm = residual_mm_;
+  learnt.carried = solution.unknowns.tail(carried);
+  learnt.carried_covariance = solution.covariance.bottomRightCorner(carried, carried);
+  learnt.pin_in_shank = axis.shank.leftCols<2>() * solution.unknowns.segment<2>(2);
+  learnt.pin_sd_mm = std::sqrt(solution.covariance.diagonal().segment<2>(2).mean());
+  return learnt;
 }
 
 }  // namespace lake::axis

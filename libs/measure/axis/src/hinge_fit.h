@@ -24,7 +24,8 @@ AxisFrames AxisFramesOf(const SegmentMotion& motion, const std::vector<std::size
 struct HingeEquation {
   double frame = 0;
   double angle_rad = 0;  // of the thigh on the shank about the axis, continuous
-  double weight = 1;     // Huber's
+  double share = 1;      // of the range of angles, 1 on average
+  double weight = 1;     // the share, and Huber's weight
   Eigen::Matrix2Xd rows;
   Eigen::Vector2d offset;
 
@@ -39,13 +40,16 @@ struct HingeSolution {
   Eigen::MatrixXd covariance;
 };
 
+// With what is known of the pin from the whole recording.
+HingeSolution WithWhole(HingeSolution own, const AxisFrames& axis, const LearntErrors& learnt);
+
 // The equations of some frames, and means over blocks of neighbours, few enough for full covariances.
 class HingeFit {
  public:
   // `learnt`: from the whole recording, of which these frames are a part; else nothing is known before.
   HingeFit(const SegmentMotion& motion, std::vector<HingeEquation> equations, const LearntErrors* learnt = nullptr);
 
-  LearntErrors LearnErrors() const;
+  LearntErrors LearnErrors(const AxisFrames& axis) const;
   HingeSolution Solve(const std::vector<ErrorModel>& errors) const;
 
   const std::vector<HingeEquation>& Equations() const { return equations_; }

@@ -43,8 +43,7 @@ Eigen::Matrix2Xd ShankPointRows(const Eigen::RowVectorXd& modes, Eigen::Index un
 }
 
 MeanAxis AxisOf(const SegmentMotion& motion, const std::vector<std::size_t>& frames, const AxisFrames& across,
-                const HingeFit& fit, const std::vector<ErrorModel>& errors) {
-  const HingeSolution solution = fit.Solve(errors);
+                const HingeFit& fit, const HingeSolution& solution) {
   const double count = static_cast<double>(frames.size());
   const MatrixXd& modes = motion.shank.deformation.modes;
   const auto in_shank = [&](const Eigen::RowVectorXd& mode) -> Vector3d {
@@ -77,7 +76,8 @@ MeanAxis AxisOf(const SegmentMotion& motion, const std::vector<std::size_t>& fra
 
 MeanAxis AxisOver(const SegmentMotion& motion, const std::vector<std::size_t>& frames, const LearntErrors& errors) {
   const AxisFrames across = AxisFramesOf(motion, frames);
-  return AxisOf(motion, frames, across, HingeFit(motion, EquationsOf(motion, frames, across), &errors), errors.models);
+  const HingeFit fit(motion, EquationsOf(motion, frames, across), &errors);
+  return AxisOf(motion, frames, across, fit, WithWhole(fit.Solve(errors.models), across, errors));
 }
 
 }  // namespace
@@ -92,8 +92,8 @@ MeanAxesResult MeanAxes(const SegmentMotion& motion, std::size_t window_frames, 
   const AxisFrames across = AxisFramesOf(motion, all);
   const HingeFit fit(motion, EquationsOf(motion, all, across));
   MeanAxesResult result;
-  result.errors = fit.LearnErrors();
-  result.whole = AxisOf(motion, all, across, fit, result.errors.models);
+  result.errors = fit.LearnErrors(across);
+  result.whole = AxisOf(motion, all, across, fit, fit.Solve(result.errors.models));
   for (std::size_t window = 1; window_frames > 0 && window * window_frames <= count; ++window) {
     const std::vector<std::size_t> some = SeenFrames(motion, (window - 1) * window_frames, window * window_frames);
     const double turn = some.empty() ? 0 : LargestTurnDeg(motion, some);

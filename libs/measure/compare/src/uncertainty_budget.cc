@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -108,6 +109,15 @@ Sensitivities OfKneeAngle(double shank_mm, double thigh_mm) {
   return s;
 }
 
+// Of the angle alone, as that of a frame hangs on all three markers.
+void AddAnkleAndHip(double shank_mm, double thigh_mm, std::pair<double, const char*> placement, const BudgetOptions& o,
+                    std::vector<BudgetRow>& rows) {
+  const double sensitivity = DegreesFromRadians(std::hypot(1 / shank_mm, 1 / thigh_mm));
+  rows.push_back({"placement of ankle and hip", "normal", placement.first, "mm", sensitivity, placement.second, false});
+  rows.push_back(
+      {"soft tissue at ankle and hip", "normal", o.soft_tissue_mm, "mm", sensitivity, kTissueReference, false});
+}
+
 Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const BudgetOptions& o) {
   std::vector<double> shank, thigh;
   for (std::size_t i = 0; i < m.human.knee.size(); ++i) {
@@ -117,7 +127,8 @@ Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const Bu
   Budget budget{"knee_angle", "deg", Mean(m.human.knee_deg), -180, {}};
   const Sensitivities s = OfKneeAngle(Mean(shank), Mean(thigh));
   AddSources(s, Detection(RootMeanSquare(m.human.knee_sigma_mm), "mm", s.noise), {replacement_sd_mm, kReplacement},
-             o.human_axis_mm, o, budget.rows);
+             o.axes.human_mm, o, budget.rows);
+  AddAnkleAndHip(Mean(shank), Mean(thigh), {replacement_sd_mm, kReplacement}, o, budget.rows);
   return budget;
 }
 
@@ -129,10 +140,12 @@ Budget KneeAngleBudget(const motion::LegMotion& motion, const RecordingBudgetOpt
       sigma_deg.push_back(sample.knee_sigma_deg);
     }
   Budget budget{"knee_angle", "deg", Mean(knee_deg), -180, {}};
-  const Sensitivities s =
-      OfKneeAngle(MedianLength(motion, &motion::LegSample::ak), MedianLength(motion, &motion::LegSample::kh));
-  AddSources(s, Detection(RootMeanSquare(sigma_deg), "deg", 1), {o.placement_mm, "assumed; --placement-sd"}, {}, o,
+  const double shank_mm = MedianLength(motion, &motion::LegSample::ak),
+               thigh_mm = MedianLength(motion, &motion::LegSample::kh);
+  const std::pair<double, const char*> placement{o.placement_mm, "assumed; --placement-sd"};
+  AddSources(OfKneeAngle(shank_mm, thigh_mm), Detection(RootMeanSquare(sigma_deg), "deg", 1), placement, {}, o,
              budget.rows);
+  AddAnkleAndHip(shank_mm, thigh_mm, placement, o, budget.rows);
   return budget;
 }
 
@@ -199,7 +212,7 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
                          Interval JointMisalignment::Intervals::*interval) {
       Budget budget{name, "mm", value, least, {}};
       AddSources(s, Detection(marker_mm, "mm", std::sqrt(kMarkersOfAJoint) * s.noise),
-                 {replacement_sd_mm, kReplacement}, o.exo_axis_mm, o, budget.rows);
+                 {replacement_sd_mm, kReplacement}, o.axes.exo_mm, o, budget.rows);
       if (joint.intervals && joint.repetitions > 1)
         AddOwnVariation(DeviationOf((*joint.intervals).*interval), "mm", budget.rows);
       budgets.push_back(std::move(budget));
@@ -239,21 +252,37 @@ std::string QuantityName(const std::string& quantity) {
   return quantity;
 }
 
+namespace {
+
+// What a person who records can do about a source; empty: nothing.
+std::string WayOut(const std::string& source, bool has_axis) {
+  if (source == kSoftTissue && has_axis)
+    return "no marker shows what skin does as a whole; more markers, or plates on bone, narrow it";
+  if (source == kSoftTissue)
+    return "two or more markers on shank and thigh, and the axis that lake axis finds from them, narrow it";
+  if (source == kAxis) return "more markers on shank and thigh, or a larger movement, narrow it";
+  if (source == kPlacement) return "leave the same markers on between the trials";
+  if (source == kOwnVariation) return "record more repetitions";
+  return "";
+}
+
+}  // namespace
+
 std::string WhatNarrows(const Budget& budget) {
-  const auto largest =
-      std::ranges::max_element(budget.rows, {}, [](const BudgetRow& row) { return std::abs(row.Contribution()); });
-  if (largest == budget.rows.end() || largest->Contribution() == 0) return "No source of uncertainty is known.";
-  const std::string share =
-      fmt::format("{:.0f} % of the variance comes from {}", budget.SharePercent(*largest), largest->source);
-  const bool has_axis = std::ranges::any_of(budget.rows, [](const BudgetRow& row) { return row.source == kAxis; });
-  if (largest->source == kSoftTissue && has_axis)
-    return share + ": no marker shows what skin does as a whole; more markers, or plates on bone, narrow it.";
-  if (largest->source == kAxis) return share + ": more markers on shank and thigh, or a larger movement, narrow it.";
-  if (largest->source == kSoftTissue)
-    return share + ": two or more markers on shank and thigh, and the axis that lake axis finds from them, narrow it.";
-  if (largest->source == kPlacement) return share + ": leave the same markers on between the trials.";
-  if (largest->source == kOwnVariation) return share + ": record more repetitions.";
-  return share + ".";
+  constexpr double kLeast_percent = 1;
+  std::vector<BudgetRow> rows = budget.rows;
+  std::ranges::sort(rows, std::ranges::greater(), &BudgetRow::Contribution);
+  if (rows.empty() || rows.front().Contribution() == 0) return "No source of uncertainty is known.";
+  const bool has_axis = std::ranges::find(rows, kAxis, &BudgetRow::source) != rows.end();
+  std::string text =
+      fmt::format("{:.0f} % of the variance comes from {}", budget.SharePercent(rows.front()), rows.front().source);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string way_out = WayOut(rows[i].source, has_axis);
+    if (way_out.empty() || budget.SharePercent(rows[i]) < kLeast_percent) continue;
+    if (i > 0) text += fmt::format("; {:.0f} % from {}", budget.SharePercent(rows[i]), rows[i].source);
+    text += ": " + way_out;
+  }
+  return text + ".";
 }
 
 void WriteUncertaintyBudgetCsv(const std::filesystem::path& path, const std::vector<Budget>& budgets) {

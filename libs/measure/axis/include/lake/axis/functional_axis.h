@@ -81,6 +81,9 @@ struct LearntErrors {
   // How the deformations' modes carry the joint with them.
   Eigen::VectorXd carried;
   Eigen::MatrixXd carried_covariance;
+  // The pin that fits all frames, in the shank's frame, where the deformation is none; along each axis.
+  Eigen::Vector3d pin_in_shank = Eigen::Vector3d::Zero();
+  double pin_sd_mm = 0;
 };
 
 struct MeanAxesResult {
@@ -94,13 +97,15 @@ struct MeanAxesResult {
 // where the segments turn by less than `least_turn_deg` over the whole recording; windows that do so are left out with
 // a warning.
 //
+// All angles count alike, however many frames show them.
+//
 //   turn(θ) (p_thigh + B_thigh s_thigh) + offset − p_shank − B_shank s_shank = error,    s: the deformations' modes
 //
 // by least squares across the mean axis of the turns, both segments alike (as in SARA: R. M. Ehrig et al., J. Biomech.
 // 40, 2007), corrected for what the poses' own turning errors pull the points towards the markers. The covariance of
 // the errors is learnt by restricted likelihood; before it, they are as large as the markers' deformation lets expect
 // at the joint: a part that repeats with the angle is not told from a hinge elsewhere, and the standard deviation says
-// so.
+// so. Windows know of the whole recording's pin, from which theirs strays by 3 mm.
 MeanAxesResult MeanAxes(const SegmentMotion& motion, std::size_t window_frames, double least_turn_deg);
 
 // The knee angle at each frame, degrees: 0 where the shank's first marker, the axis and the thigh's first marker are in

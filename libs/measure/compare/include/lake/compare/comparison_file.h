@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "lake/compare/knee_axes.h"
 #include "lake/compare/misalignment.h"
 
 namespace lake::compare {
@@ -11,11 +12,10 @@ namespace lake::compare {
 // The means over the repetitions that were compared; leg frame, mm.
 struct ComparedCurves {
   StsCurve human, exo;
-  std::vector<bool> spike{};                             // per percent
-  double noise_floor_mm = 0, noise_floor_relative = 0;   // RMS that noise alone would show
-  bool knee_is_functional = false;                       // the axis of rotation, not the marker
-  bool says_axes = false;                                // older files do not say how precise a functional axis is
-  std::optional<double> human_axis_mm{}, exo_axis_mm{};  // standard deviations; none of a marker
+  std::vector<bool> spike{};                            // per percent
+  double noise_floor_mm = 0, noise_floor_relative = 0;  // RMS that noise alone would show
+  bool knee_is_functional = false;                      // the axis of rotation, not the marker
+  std::optional<KneeAxes> axes{};                       // absent: an older file, which does not say
   // Of the joint's place against the knee beneath the skin, along the worse axis; where it was seen.
   std::optional<double> joint_sd_mm{};
 };

@@ -8,11 +8,11 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "lake/compare/interval.h"
+#include "lake/compare/knee_axes.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/json.h"
 #include "lake/core/options.h"
@@ -30,9 +30,7 @@ struct BudgetOptions {
   double view_slope = 0.1;     // how far the joint stands from the camera's axis over its distance: 0.3 m at 3 m
   double scale_percent = 0.2;  // of the plane's scale
   double event_s = 0.02;       // of onset and standing
-  // Of the axis of rotation that stands for the knee's marker, along each axis; absent: it is the marker. No options:
-  // the trials tell.
-  std::optional<double> human_axis_mm{}, exo_axis_mm{};
+  KneeAxes axes{};             // no option: the trials tell
 };
 
 void Describe(BudgetOptions& o, OptionList& options);
@@ -86,7 +84,8 @@ double PlaceDeviation(const std::vector<Budget>& budgets);
 // As people read it: "joint misalignment, RMS".
 std::string QuantityName(const std::string& quantity);
 
-// What would narrow the interval most, in a sentence.
+// What would narrow the interval, in a sentence: the largest source first, then what can be done about those of 1 % of
+// the variance and more.
 std::string WhatNarrows(const Budget& budget);
 
 // uncertainty_budget.csv: a row for each source of each headline.
