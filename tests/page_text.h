@@ -4,16 +4,17 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "lake/core/atomic_file.h"
 
 namespace lake {
 
-// With spaces where a line must not end, as elsewhere.
+// With plain spaces and dashes where a line must not end.
 inline std::string WithPlainSpaces(std::string page) {
-  constexpr std::string_view kNoBreakSpace = "\u00A0";
-  for (std::size_t at = page.find(kNoBreakSpace); at != page.npos; at = page.find(kNoBreakSpace, at + 1))
-    page.replace(at, kNoBreakSpace.size(), " ");
+  for (const auto& [kept, plain] : {std::pair<std::string_view, std::string_view>{"\u00A0", " "}, {"\u2060", ""}})
+    for (std::size_t at = page.find(kept); at != page.npos; at = page.find(kept, at))
+      page.replace(at, kept.size(), plain);
   return page;
 }
 

@@ -1,9 +1,12 @@
-"""Pictures that are kept in the tree are those that the programs draw today.
+"""Pictures that are kept in the tree are those that the programs draw today; what the sample study's report says first is so.
 
 Run as a program (LAKE: the program `lake`), it draws them anew where they are kept."""
 import functools
+import html
+import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -88,6 +91,44 @@ class CommittedFigures(unittest.TestCase):
                 # A solver on another machine moves a curve by less than a px; a word, a number or a colour is more.
                 differing = (numpy.abs(a - b).max(axis=2) > 0.3).mean()
                 self.assertLess(differing, 0.0005, "draw it again: LAKE=build/test/bin/lake python3 tests/python/committed_figures_test.py")
+
+
+def summary(step):
+    return json.loads((study() / step / "summary.json").read_text())
+
+
+class SampleReport(unittest.TestCase):
+    def page(self):
+        return html.unescape((study() / "report.html").read_text()).replace("\u00a0", " ").replace("\u2060", "")
+
+    def test_the_moved_joint_of_the_first_table_is_the_optimisers_and_confirmed(self):
+        moved, best = summary("redesign")["joint_moved"], summary("comparison")["best_placement"]
+        row = re.search(r"same links, joint moved</th><td>([\d.]+) % \(([\d.]+)–([\d.]+)\)</td><td>([\d.]+) s, programmed</td>", self.page())
+        percent, low, high, rise_s = map(float, row.groups())
+        self.assertAlmostEqual(percent, moved["misalignment_percent"], delta=0.5)  # told to its interval's first digit
+        for told, end in zip((low, high), best["path_relative_rms_interval"]):
+            self.assertAlmostEqual(told, 100 * end, delta=0.5)
+        self.assertAlmostEqual(rise_s, moved["program_duration_s"], delta=0.05)
+        again = OUT / "again"
+        run("compare", study() / "human", study() / "redesign/joint_moved", "--replacement-sd", 0, "-o", again)
+        confirmed = 100 * json.loads((again / "summary.json").read_text())["metrics"]["relative_rms"]
+        self.assertAlmostEqual(confirmed, moved["misalignment_percent"], places=9)
+        # What the placement's share leaves of the path difference is of another fit, with the timing, at equal percent.
+        share = summary("comparison")["decomposition"]["placement"]["fraction"]
+        self.assertAlmostEqual(100 * summary("comparison")["metrics"]["relative_rms"] * (1 - share) ** 0.5, confirmed, delta=0.2)
+
+    def test_each_time_of_a_rise_says_whose_it_is(self):
+        redesign, best, new = summary("redesign")["after"], summary("assistance")["assistance"], summary("simulation")["assistance"]
+        text = self.page()
+        text = text[text.index("<dt>How fast?</dt>"):]
+        text = text[:text.index("</dl>")]
+        told = [float(time) for time in re.search(
+            r"With links that are the best for it, in ([\d.]+) s or longer, where the person takes ([\d.]+) s: .*"
+            r"The new design's own time, ([\d.]+) s, is that of its stroke program, with the study's actuator and its limit of 5 mm/s\..*"
+            r"And with the new design\?.* in a rise of ([\d.]+) s or longer", text, re.S).groups()]
+        for number, seconds in zip(told, (best["shortest_duration_s"], best["own_duration_s"], redesign["program_duration_s"], new["shortest_duration_s"])):
+            self.assertAlmostEqual(number, seconds, delta=0.0501)
+        self.assertEqual(len(set(told)), 4)
 
 
 if __name__ == "__main__":

@@ -46,6 +46,27 @@ min_transmission_deg: 10
 """
 
 
+# What of the page's text, but for what cannot be used now, has too little contrast with its ground, is small or cut off.
+HARD_TO_READ = """
+const linear = c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+const channels = text => text.match(/[\\d.]+/g).map(Number);
+const light = ([r, g, b]) => 0.2126 * linear(r / 255) + 0.7152 * linear(g / 255) + 0.0722 * linear(b / 255) + 0.05;
+const ground = part => {
+  for (; part; part = part.parentElement) {
+    const colour = channels(getComputedStyle(part).backgroundColor);
+    if (colour.length < 4 || colour[3] > 0) return colour;
+  }
+};
+return [...document.querySelectorAll("body *")].filter(part => {
+  const words = [...part.childNodes].some(child => child.nodeType === Node.TEXT_NODE && child.data.trim());
+  if (!words || part.closest("script, style, select") || part.disabled || !part.getClientRects().length) return false;
+  const style = getComputedStyle(part), lights = [light(channels(style.color)), light(ground(part))];
+  return Math.max(...lights) / Math.min(...lights) < 4.5 || parseFloat(style.fontSize) < 12 ||
+    (style.textOverflow === "ellipsis" && part.scrollWidth > part.clientWidth);
+}).map(part => `${part.tagName}: ${part.textContent}`);
+"""
+
+
 def run(*words, files=None, **options):
     for path, text in (files or {}).items():
         path.write_text(text)
@@ -1037,6 +1058,19 @@ class ReviewPage(unittest.TestCase):
             self.browser.get(self.start(subject).address)
             self.until(lambda: self.text("state") not in ("", "Loading"))
             self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400, subject)
+
+    def test_every_text_can_be_read_in_light_and_dark(self):
+        """Contrast of at least 4.5 (WCAG 2.1), type of at least 12 px, nothing cut off."""
+        for subject in ["trial"] + self.other_subjects():
+            self.browser.get("about:blank")
+            self.browser.get(self.start(subject).address)
+            self.until(lambda: self.text("state") not in ("", "Loading", "Fitting the leg"))
+            for theme in ("light", "dark"):
+                self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia",
+                                             {"features": [{"name": "prefers-color-scheme", "value": theme}]})
+                with self.subTest(subject=subject, theme=theme):
+                    self.assertEqual(self.browser.execute_script(HARD_TO_READ), [])
+        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
     def test_a_number_and_its_unit_stay_on_one_line(self):
         for subject in ["trial"] + self.other_subjects():

@@ -41,6 +41,12 @@ class Words(unittest.TestCase):
                 if was not in ONE_NAME:
                     self.assertTrue([text for _, text in texts if instead in text], f"nobody says: {instead}")
 
+    def test_no_number_is_written_as_a_power_of_ten(self):
+        """What the commands and their rooms of design print has SignificantText's digits (core/uncertain_text.h)."""
+        rooms = tuple(f"libs/{room}/" for room in ("commands", "design/linkage", "design/actuator", "design/problem", "design/group"))
+        self.assertEqual([f"{file}: {text}" for file, text in said()
+                          if str(file).startswith(rooms) and re.search(r"\{:[^{}]*\.\d[ge]\}", text)], [])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -11,6 +11,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/exchange/convert_options.h"
 #include "lake/exchange/formats.h"
 #include "lake/figure/axis_figure.h"
@@ -36,8 +37,8 @@ std::size_t WindowFrames(const AxisRunOptions& options, const exchange::PointRec
   if (options.window_s == 0) return 0;
   const double frames = std::round(options.window_s * exchange::FrameRate(points.time_s));
   if (frames < 1 || frames > static_cast<double>(points.time_s.size()))
-    throw Fail("--window {}: the recording has {} frames at {:.4g} Hz; give a shorter window", options.window_s,
-               points.time_s.size(), exchange::FrameRate(points.time_s));
+    throw Fail("--window {}: the recording has {} frames at {} Hz; give a shorter window", options.window_s,
+               points.time_s.size(), SignificantText(exchange::FrameRate(points.time_s), 4));
   return static_cast<std::size_t>(frames);
 }
 

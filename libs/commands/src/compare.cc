@@ -10,6 +10,7 @@
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/figure/misalignment_figures.h"
 #include "lake/gait/leg_fit.h"
@@ -194,8 +195,8 @@ report::Section UncertaintySection(const std::vector<compare::Budget>& budgets) 
     headlines.rows.push_back({name, fmt::format("{:.1f} {}", budget.value, budget.unit), text(budget.MarkerInterval()),
                               text(budget.AnatomicalInterval())});
     for (const compare::BudgetRow& row : budget.rows)
-      sources.rows.push_back({name, row.source, fmt::format("{:.2g} {}", row.size, row.unit),
-                              fmt::format("{:.2g} {}", row.Contribution(), budget.unit),
+      sources.rows.push_back({name, row.source, fmt::format("{} {}", SignificantText(row.size, 2), row.unit),
+                              fmt::format("{} {}", SignificantText(row.Contribution(), 2), budget.unit),
                               fmt::format("{:.1f} %", budget.SharePercent(row)), row.reference});
   }
   section.blocks = {report::Paragraph{"How precisely the markers are measured is one thing; how far they tell of the "

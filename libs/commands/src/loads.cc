@@ -12,6 +12,7 @@
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/figure/loads_figure.h"
 #include "lake/sync/clock.h"
@@ -356,8 +357,8 @@ std::string LoadsReport(const Json& summary) {
       "balance: as slowly as may be, the ground's force acts {:.0f} mm {} the foot (at {:.0f} % of the rise)",
       std::abs(margin_mm), margin_mm < 0 ? "outside" : "inside", NumberOrNaN(slow["at_percent"]));
   text += balance["slowest_s"].is_null() ? "\n"
-                                         : fmt::format("; along this path balance takes a rise of at most {:.2g} s\n",
-                                                       NumberOrNaN(balance["slowest_s"]));
+                                         : fmt::format("; along this path balance takes a rise of at most {} s\n",
+                                                       SignificantText(NumberOrNaN(balance["slowest_s"]), 2));
   const Json& momentum = summary["momentum"];
   const double seat_off_mm = NumberOrNaN(momentum["com_seat_off_mm"]);
   if (const double forward_mm_s = NumberOrNaN(momentum["com_forward_max_mm_s"]); std::isfinite(forward_mm_s)) {

@@ -8,6 +8,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::commands {
 namespace {
@@ -141,7 +142,8 @@ std::string ActiveText(const synthesis::ActiveSet& active, const std::string& ga
   std::string text;
   for (const synthesis::ActiveSet::Entry& entry : active.entries) {
     text += fmt::format("  at its limit: {}", entry.name);
-    if (active.multipliers_unique) text += fmt::format(", {:.4g} {} per {}", entry.price, gained, entry.unit);
+    if (active.multipliers_unique)
+      text += fmt::format(", {} {} per {}", SignificantText(entry.price, 4), gained, entry.unit);
     text += "\n";
   }
   return text;
@@ -279,7 +281,8 @@ Json CertificateJson(const certificate::Certificate& certificate, const std::vec
 void WarnOfCertificate(const certificate::Certificate& certificate, const std::vector<std::string>& not_in_bound,
                        Run& run) {
   if (certificate.reached) return;
-  std::string text = fmt::format("the gap of the certificate is {:.3g}°, more than requested", certificate.gap_deg);
+  std::string text =
+      fmt::format("the gap of the certificate is {}°, more than requested", SignificantText(certificate.gap_deg, 3));
   if (certificate.end == certificate::Certificate::End::kTime)
     text += ": the time of --certify-time was over, so another machine may come to another gap";
   if (certificate.end == certificate::Certificate::End::kBoxes)

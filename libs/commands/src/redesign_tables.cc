@@ -309,9 +309,9 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
         "the misalignment");
   if (const auto& after = outcome.after.prediction; after && after->balance && after->balance->margin_mm < 0)
     run.Warn(fmt::format(
-        "nobody keeps the balance along this program: at {:.0f} % of the rise, in {:.3g} s, the ground's force has to "
+        "nobody keeps the balance along this program: at {:.0f} % of the rise, in {} s, the ground's force has to "
         "act {:.0f} mm outside the foot; require it with --balance, or let something hold the person",
-        after->balance->at_percent, after->balance->duration_s, -after->balance->margin_mm));
+        after->balance->at_percent, SignificantText(after->balance->duration_s, 3), -after->balance->margin_mm));
   if (!outcome.IsSolved()) return;
   WarnOfMultipliers(outcome.active, run);
   if (outcome.certificate) {
@@ -389,11 +389,11 @@ std::string TrialText(const redesign::RedesignOutcome& outcome) {
                                  *outcome.measured_percent);
   if (!outcome.slip) return text + " It shows no leg of its own, so the slip of its mount is unknown and left out.";
   return text + fmt::format(
-                    " Relative to the leg, the joint sat {}; its mount slipped by {:.2g} mm RMS, which the prediction "
-                    "assumes for the new design too. The rest of the difference between the trials is pace ({:.2g} mm "
-                    "RMS) and lean ({:.2g} mm RMS), which the prediction leaves out.",
-                    compare::DescribeJoint(outcome.slip->placement_mm), outcome.slip->slip_mm, outcome.slip->pace_mm,
-                    outcome.slip->lean_mm);
+                    " Relative to the leg, the joint sat {}; its mount slipped by {} mm RMS, which the prediction "
+                    "assumes for the new design too. The rest of the difference between the trials is pace ({} mm "
+                    "RMS) and lean ({} mm RMS), which the prediction leaves out.",
+                    compare::DescribeJoint(outcome.slip->placement_mm), SignificantText(outcome.slip->slip_mm, 2),
+                    SignificantText(outcome.slip->pace_mm, 2), SignificantText(outcome.slip->lean_mm, 2));
 }
 
 // For the report: the design that was worn and the new one.
@@ -412,7 +412,7 @@ std::string MotionText(const redesign::RedesignOutcome& outcome) {
                 {"exact tracking takes", "exact_tracking_time", "s"}};
   const std::vector<Quantity> quantities = Quantities();
   const auto cell = [](double value) {
-    return std::isfinite(value) ? fmt::format("{:10.4g}", value) : fmt::format("{:>10}", "-");
+    return std::isfinite(value) ? fmt::format("{:>10}", SignificantText(value, 4)) : fmt::format("{:>10}", "-");
   };
   std::string text;
   for (const auto& line : kLines) {

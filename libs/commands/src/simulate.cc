@@ -9,6 +9,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/drawing/linkage_animation.h"
 #include "lake/drawing/linkage_dxf.h"
 #include "lake/drawing/linkage_figures.h"
@@ -50,10 +51,10 @@ std::vector<double> DefaultAngles(const linkage::Links& links, const linkage::Us
 double RequireStroke(const linkage::Links& links, const linkage::UsedRange& range, double angle_deg) {
   const auto stroke = linkage::StrokeForAngle(links, range, RadiansFromDegrees(angle_deg));
   if (stroke) return *stroke;
-  throw Fail("the knee angle {}° is outside the range of this design, {:.1f}°..{:.1f}° (strokes {:.6g}..{:.6g} mm)",
-             angle_deg, DegreesFromRadians(std::min(range.theta_at_lower_rad, range.theta_at_upper_rad)),
-             DegreesFromRadians(std::max(range.theta_at_lower_rad, range.theta_at_upper_rad)), range.stroke.lower_mm,
-             range.stroke.upper_mm);
+  throw Fail("the knee angle {}° is outside the range of this design, {:.1f}°..{:.1f}° (strokes {}..{} mm)", angle_deg,
+             DegreesFromRadians(std::min(range.theta_at_lower_rad, range.theta_at_upper_rad)),
+             DegreesFromRadians(std::max(range.theta_at_lower_rad, range.theta_at_upper_rad)),
+             SignificantText(range.stroke.lower_mm, 6), SignificantText(range.stroke.upper_mm, 6));
 }
 
 // What is asked for, made sure of before anything is written.
@@ -182,18 +183,19 @@ std::string AdviceOn(const parts::StrengthCheck& weakest, const linkage::Links& 
   const double off_deg = DeadPointAngle_deg(links, weakest.at.pose);
   if (weakest.kind != Kind::kBending && off_deg < kNear_deg)
     return fmt::format(
-        "the linkage is {:.2g}° from a dead point there, where forces grow without bound: end its range before that, "
+        "the linkage is {}° from a dead point there, where forces grow without bound: end its range before that, "
         "or optimise with a transmission angle or a safety factor (lake optimize --min-transmission, "
         "--safety-factor)",
-        off_deg);
+        SignificantText(off_deg, 2));
   return weakest.kind == Kind::kBuckling ? "a thicker rod, a shorter actuator or a smaller torque would help"
                                          : "thicker or wider plates, thicker pins or a smaller torque would help";
 }
 
 void WarnOfStrength(const parts::StrengthCheck& weakest, const linkage::Links& links, Run& run) {
   if (!(weakest.Safety() < 1)) return;
-  run.Warn(fmt::format("{} of the {} exceeds what it bears at {:.1f}° (safety factor {:.2g}): {}", weakest.check,
-                       weakest.part, weakest.KneeAngle_deg(), weakest.Safety(), AdviceOn(weakest, links)));
+  run.Warn(fmt::format("{} of the {} exceeds what it bears at {:.1f}° (safety factor {}): {}", weakest.check,
+                       weakest.part, weakest.KneeAngle_deg(), SignificantText(weakest.Safety(), 2),
+                       AdviceOn(weakest, links)));
 }
 
 // Each pin's largest force, and where.
@@ -265,14 +267,17 @@ std::string ReportOf(const linkage::Design& design, const Request& request, cons
   const linkage::Grashof grashof = linkage::GrashofOf(design.links);
   std::string text = fmt::format(
       "range {:.4f}° to {:.4f}° over strokes {:.4f} to {:.4f} mm (travel {:.2f} mm, ends at: {})\n"
-      "Grashof: {}, slack {:.4g} mm; actuator {:.4g} mm from its dead point at d_min\n",
+      "Grashof: {}, slack {} mm; actuator {} mm from its dead point at d_min\n",
       DegreesFromRadians(range.theta_at_lower_rad), DegreesFromRadians(range.theta_at_upper_rad), range.stroke.lower_mm,
-      range.stroke.upper_mm, range.stroke.Travel(), EndOf(range), linkage::NameOf(grashof.type), grashof.slack_mm,
-      linkage::DistancesToSingularities(design.links, linkage::RequirePose(design.links, range.stroke.lower_mm))
-          .actuator_folded_mm);
+      range.stroke.upper_mm, range.stroke.Travel(), EndOf(range), linkage::NameOf(grashof.type),
+      SignificantText(grashof.slack_mm, 4),
+      SignificantText(
+          linkage::DistancesToSingularities(design.links, linkage::RequirePose(design.links, range.stroke.lower_mm))
+              .actuator_folded_mm,
+          4));
   if (weakest)
-    text += fmt::format("least safety factor {:.3g}: {} of the {} at {:.1f}°\n", weakest->Safety(), weakest->check,
-                        weakest->part, weakest->KneeAngle_deg());
+    text += fmt::format("least safety factor {}: {} of the {} at {:.1f}°\n", SignificantText(weakest->Safety(), 3),
+                        weakest->check, weakest->part, weakest->KneeAngle_deg());
   text += fmt::format("{:>10} {:>9} {:>9} {:>10} {:>9} {:>13} {:>11}\n", "stroke mm", "knee °", "° per mm",
                       "arm mm/rad", "force N", "transmission °", "actuator °");
   for (const double stroke_mm : request.shown_mm) {
@@ -351,21 +356,22 @@ void WarnOf(const linkage::Design& design, const linkage::UsedRange& range, Run&
           .actuator_folded_mm;
   if (slack < 1)
     run.Warn(fmt::format(
-        "at the shortest stroke the linkage is {:.3g} mm from the actuator's dead point, where the force has no bound; "
+        "at the shortest stroke the linkage is {} mm from the actuator's dead point, where the force has no bound; "
         "choose a longer one, or a design with --singularity-margin",
-        slack));
+        SignificantText(slack, 3)));
 }
 
 // The actuator is as long as the design says; what does not fit its maker's lengths is a warning.
 void WarnOfActuator(const problem::LinearActuator& actuator, const linkage::StrokeRange& used, Run& run) {
   constexpr double kRounding_mm = 1e-3;
   if (actuator.closed_mm && *actuator.closed_mm > used.lower_mm + kRounding_mm)
-    run.Warn(fmt::format("{} is {:.6g} mm long when closed, and the design goes down to {:.6g} mm", actuator.name,
-                         *actuator.closed_mm, used.lower_mm));
+    run.Warn(fmt::format("{} is {} mm long when closed, and the design goes down to {} mm", actuator.name,
+                         SignificantText(*actuator.closed_mm, 6), SignificantText(used.lower_mm, 6)));
   if (actuator.closed_mm && actuator.stroke_mm &&
       *actuator.closed_mm + *actuator.stroke_mm < used.upper_mm - kRounding_mm)
-    run.Warn(fmt::format("{} reaches {:.6g} mm, and the design goes up to {:.6g} mm", actuator.name,
-                         *actuator.closed_mm + *actuator.stroke_mm, used.upper_mm));
+    run.Warn(fmt::format("{} reaches {} mm, and the design goes up to {} mm", actuator.name,
+                         SignificantText(*actuator.closed_mm + *actuator.stroke_mm, 6),
+                         SignificantText(used.upper_mm, 6)));
 }
 
 bool IsAbove(double value, const std::optional<double>& limit) {
@@ -402,8 +408,8 @@ void WarnOfShare(const problem::LinearActuator& actuator, const problem::Assista
     run.Warn(fmt::format("{} holds {:.0f} N at rest, and its share takes {:.0f} N{}", actuator.name,
                          *actuator.holding_force_n, force_n, load.rests_anywhere ? "" : " when standing"));
   if (std::isfinite(assistance.shortest_s) && IsAbove(assistance.shortest_s, load.duration_s))
-    run.Warn(fmt::format("a rise in {:.6g} s is asked for, and {} takes {:.2f} s or longer with this linkage",
-                         *load.duration_s, actuator.name, assistance.shortest_s));
+    run.Warn(fmt::format("a rise in {} s is asked for, and {} takes {:.2f} s or longer with this linkage",
+                         SignificantText(*load.duration_s, 6), actuator.name, assistance.shortest_s));
 }
 
 // What the design's actuator does along the load profile; null without one.

@@ -12,6 +12,7 @@
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/figure/stroke_figures.h"
 #include "lake/motion/leg_motion.h"
 #include "png_and_svg.h"
@@ -280,12 +281,12 @@ Json WriteValidation(const StrokeRunOptions& options, const actuator::StrokeSche
 std::string DriftReport(const Json& firmware) {
   const Json &drift = firmware["drift"], &nearest = drift["nearest"];
   std::string text = fmt::format(
-      "drift: with speeds within {:.3g} % of the duty table{} {:.3f} ± {:.3f} mm at most, the linkage ends at {:.3f} "
+      "drift: with speeds within {} % of the duty table{} {:.3f} ± {:.3f} mm at most, the linkage ends at {:.3f} "
       "mm\n"
       "home: put the retract end stop at {:.3f} mm\n",
-      drift["tolerance_percent"].get<double>(), drift["tolerance_measured"].get<bool>() ? "" : " (not measured)",
-      nearest["planned_mm"].get<double>(), nearest["drift_mm"].get<double>(), drift["end_mm"].get<double>(),
-      firmware["home_stroke_mm"].get<double>());
+      SignificantText(drift["tolerance_percent"].get<double>(), 3),
+      drift["tolerance_measured"].get<bool>() ? "" : " (not measured)", nearest["planned_mm"].get<double>(),
+      nearest["drift_mm"].get<double>(), drift["end_mm"].get<double>(), firmware["home_stroke_mm"].get<double>());
   if (firmware["extend_stop_mm"].is_number())
     text += fmt::format("extend end stop: put it at {:.3f} mm; it catches the drift\n",
                         firmware["extend_stop_mm"].get<double>());

@@ -6,6 +6,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/synthesis/synthesis_outcome.h"
 #include "optimum_tables.h"
 
@@ -77,9 +78,9 @@ void WarnOfMargins(const synthesis::SynthesisOutcome& outcome, Run& run) {
     if (!widest || point.certificate->gap_deg > widest->certificate->gap_deg) widest = &point;
   }
   if (widest)
-    run.Warn(
-        fmt::format("margin.csv: {} of the {} bounds have a larger gap than requested, the largest {:.3g}° at {} mm",
-                    unreached, outcome.margins.size(), widest->certificate->gap_deg, widest->margin_mm));
+    run.Warn(fmt::format("margin.csv: {} of the {} bounds have a larger gap than requested, the largest {}° at {} mm",
+                         unreached, outcome.margins.size(), SignificantText(widest->certificate->gap_deg, 3),
+                         widest->margin_mm));
 }
 
 void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
@@ -89,9 +90,9 @@ void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
     constexpr double kUseless_mm = 1;
     if (!(transmission.moment_arm_mm > kUseless_mm))
       run.Warn(
-          fmt::format("at the shortest stroke the moment arm is {:.2g} mm, so the actuator holds no load there; set "
+          fmt::format("at the shortest stroke the moment arm is {} mm, so the actuator holds no load there; set "
                       "--min-moment-arm or --max-force",
-                      transmission.moment_arm_mm));
+                      SignificantText(transmission.moment_arm_mm, 2)));
   }
   if (outcome.certificate) WarnOfCertificate(*outcome.certificate, certificate::NotInBound(outcome.problem), run);
   WarnOfMargins(outcome, run);
@@ -148,9 +149,10 @@ std::string StationaryText(const synthesis::SynthesisOutcome& outcome) {
   if (!point.is_certified) return fmt::format("  not proved to be near a stationary point: {}\n", point.reason);
   const std::size_t poses = outcome.result.Best().poses.Size();
   return fmt::format(
-      "  a stationary point of the last program{} is proved to lie within {:.1g} mm of this design,\n"
+      "  a stationary point of the last program{} is proved to lie within {} mm of this design,\n"
       "  the only one in its box at which the same limits are active\n",
-      poses > 0 ? fmt::format(", with its {} poses,", poses) : "", RoundedUp(StationaryLinksOf(outcome).distance_mm));
+      poses > 0 ? fmt::format(", with its {} poses,", poses) : "",
+      SignificantText(RoundedUp(StationaryLinksOf(outcome).distance_mm), 1));
 }
 
 // What the summary has behind its head.
@@ -178,8 +180,9 @@ Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
 std::string ReportOf(const synthesis::SynthesisOutcome& outcome, double range_deg) {
   std::string text = RangeText(range_deg, outcome.certificate);
   if (outcome.problem.robust_mm)
-    text += fmt::format("  at least {:.4f} deg for every build within {:.4g} mm\n",
-                        outcome.result.Best().evaluation.worst_range_deg, *outcome.problem.robust_mm);
+    text +=
+        fmt::format("  at least {:.4f} deg for every build within {} mm\n",
+                    outcome.result.Best().evaluation.worst_range_deg, SignificantText(*outcome.problem.robust_mm, 4));
   text += StationaryText(outcome);
   return text + LinksText(outcome.BestLinks()) + ActiveText(outcome.active, Gained(outcome.problem));
 }

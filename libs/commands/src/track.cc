@@ -8,6 +8,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/formats.h"
 #include "lake/exchange/trial.h"
@@ -177,17 +178,16 @@ void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateLi
 
 void WarnOfVideo(const video::VideoInfo& video, Run& run) {
   if (video.irregular_stamps)
-    run.Warn(
-        fmt::format("the frames' time stamps are irregular ({:.4g} to {:.4g} s apart); each frame's own stamp is used",
-                    video.shortest_interval_s, video.longest_interval_s));
+    run.Warn(fmt::format("the frames' time stamps are irregular ({} to {} s apart); each frame's own stamp is used",
+                         SignificantText(video.shortest_interval_s, 4), SignificantText(video.longest_interval_s, 4)));
   if (video.repaired_stamps > 0)
     run.Warn(fmt::format("{} frames have no time stamp: each is put one frame's duration after the one before",
                          video.repaired_stamps));
   if (std::abs(video.pixel_aspect - 1) > 0.01)
-    run.Warn(fmt::format(
-        "the video's pixels are not square ({:.3g} wide to 1 high): positions are in its own pixels; only a "
-        "camera calibrated on such pictures makes lengths and angles of them right",
-        video.pixel_aspect));
+    run.Warn(
+        fmt::format("the video's pixels are not square ({} wide to 1 high): positions are in its own pixels; only a "
+                    "camera calibrated on such pictures makes lengths and angles of them right",
+                    SignificantText(video.pixel_aspect, 3)));
 }
 
 std::vector<exchange::PointEvent> PointEvents(const std::vector<motion::StsEvent>& events) {

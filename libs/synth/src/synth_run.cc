@@ -17,7 +17,7 @@ void DescribeMotion(SynthRunOptions& o, OptionList& options) {
   const OptionList::Choices<motion::Facing> sides = {{"left", motion::Facing::kLeft},
                                                      {"right", motion::Facing::kRight}};
   options.AddChoice("facing", o.facing, sides, "Where the subject looks");
-  options.Add("repetitions", o.repetitions, "Stand-ups; the video becomes as long as they take").AtLeast(1);
+  options.Add("repetitions", o.repetitions, "Rises; the video becomes as long as they take").AtLeast(1);
   options.Add("motion-seed", o.motion_seed, "Seed of the motion").Otherwise("--seed-number");
   options.Add("walk-in", o.walk_in_s, "The subject walks in for so long before the motion begins").Unit("s").Positive();
   options

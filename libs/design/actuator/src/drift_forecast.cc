@@ -4,6 +4,7 @@
 
 #include "homing.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::actuator {
 namespace {
@@ -76,9 +77,10 @@ void RequireRoom(const DriftForecast& forecast, const StrokeSchedule& schedule, 
     stop = fmt::format("an extend end stop before it (--extend-stop {:.1f}), ", least_mm);
   std::string tolerance;
   if (forecast.tolerable_percent > 0)
-    tolerance = fmt::format(
-        "a duty table with a measured tolerance of at most {:.1f} % (lake-stroke calibrate; now {:.3g} %{}), ",
-        forecast.tolerable_percent, forecast.tolerance_percent, forecast.is_measured ? "" : ", not measured");
+    tolerance =
+        fmt::format("a duty table with a measured tolerance of at most {:.1f} % (lake-stroke calibrate; now {} %{}), ",
+                    forecast.tolerable_percent, SignificantText(forecast.tolerance_percent, 3),
+                    forecast.is_measured ? "" : ", not measured");
   throw Fail(
       "the drift may carry the actuator past the linkage's end at {:.3f} mm: {:.3f} ± {:.3f} mm are planned at {:.2f} "
       "s. Ways out: {}{}a program that ends at least {:.1f} mm earlier (--margin or --to-angle, if its speed is "

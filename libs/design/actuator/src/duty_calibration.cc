@@ -9,6 +9,7 @@
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::actuator {
 namespace {
@@ -43,8 +44,8 @@ Plateau MeasurePlateau(const DutyLog& log, std::size_t first, std::size_t last, 
   if (plateau.end_s - plateau.begin_s < options.min_plateau_s) return plateau;
   while (first < last && log.time_s[first] < plateau.begin_s + options.settle_s) ++first;
   if (last - first < kFewestOfPlateau) {
-    warnings.push_back(fmt::format("{}: the plateau of duty {:.4g} at {:.3f} s has {} samples after settling; left out",
-                                   log.name, plateau.duty, plateau.begin_s, last - first));
+    warnings.push_back(fmt::format("{}: the plateau of duty {} at {:.3f} s has {} samples after settling; left out",
+                                   log.name, SignificantText(plateau.duty, 4), plateau.begin_s, last - first));
     return plateau;
   }
   const RobustSlope fit = FitRobustSlope(Part(log.time_s, first, last), Part(log.stroke_mm, first, last));
@@ -53,9 +54,9 @@ Plateau MeasurePlateau(const DutyLog& log, std::size_t first, std::size_t last, 
   plateau.used = IsSteady(log, first, last, options);
   if (!plateau.used)
     warnings.push_back(
-        fmt::format("{}: the plateau of duty {:.4g} at {:.3f}..{:.3f} s is not steady (an end of travel? a changing "
+        fmt::format("{}: the plateau of duty {} at {:.3f}..{:.3f} s is not steady (an end of travel? a changing "
                     "load?); left out",
-                    log.name, plateau.duty, plateau.begin_s, plateau.end_s));
+                    log.name, SignificantText(plateau.duty, 4), plateau.begin_s, plateau.end_s));
   return plateau;
 }
 
@@ -98,9 +99,9 @@ std::vector<DutySpeed> SpeedsOf(const std::vector<Plateau>& plateaus, int direct
     DutySpeed& last = speeds.back();
     if (last.speed < -std::max(options.still_mm_s, 3 * last.error))
       throw Fail(
-          "{}: duty {:+.4g} moves the stroke at {:+.4g} mm/s, the wrong way; swap the motor's two wires or the sign of "
+          "{}: duty {} moves the stroke at {} mm/s, the wrong way; swap the motor's two wires or the sign of "
           "the duty",
-          group.front()->log, group.front()->duty, direction * last.speed);
+          group.front()->log, SignificantText(group.front()->duty, 4), SignificantText(direction * last.speed, 4));
     if (last.speed < std::max(options.still_mm_s, 3 * last.error)) last.speed = 0;
   }
   return speeds;
@@ -236,9 +237,9 @@ DutyCalibration CalibrateDuty(const std::vector<DutyLog>& logs, const CalibrateO
     for (const DutySpeed& s : *speeds) largest_error = std::max(largest_error, s.error);
   if (calibration.largest_adjustment_mm_s > std::max(3 * largest_error, options.still_mm_s))
     calibration.warnings.push_back(
-        fmt::format("a speed falls as the duty rises and was changed by {:.3g} mm/s to stop that: was the supply or "
+        fmt::format("a speed falls as the duty rises and was changed by {} mm/s to stop that: was the supply or "
                     "the load another?",
-                    calibration.largest_adjustment_mm_s));
+                    SignificantText(calibration.largest_adjustment_mm_s, 3)));
   return calibration;
 }
 

@@ -8,6 +8,7 @@
 #include "homing.h"
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
+#include "lake/core/uncertain_text.h"
 #include "pin_name.h"
 
 namespace lake::actuator {
@@ -130,10 +131,11 @@ void RequirePotentiometer(const FirmwareOptions& options, const StrokeSchedule& 
           pot, stroke_mm, reading / 4, kRail / 4, kMostCount - kRail / 4));
     if (error_mm > options.feedback_error_mm)
       throw UsageError(fmt::format(
-          "{}: one count is {:.3g} mm, so a stroke of {:.3f} mm may be off by {:.3g} mm, and --feedback-error is {} "
+          "{}: one count is {} mm, so a stroke of {:.3f} mm may be off by {} mm, and --feedback-error is {} "
           "mm: measure two points farther apart, take a potentiometer of shorter travel, or give a larger "
           "--feedback-error",
-          pot, std::abs(4 * line.mm_per_reading), stroke_mm, error_mm, options.feedback_error_mm));
+          pot, SignificantText(std::abs(4 * line.mm_per_reading), 3), stroke_mm, SignificantText(error_mm, 3),
+          options.feedback_error_mm));
   }
   const double first_mm = line.zero_mm, last_mm = line.zero_mm + kMostReading * line.mm_per_reading;
   if (std::max(std::abs(first_mm), std::abs(last_mm)) > kMostStroke_mm)

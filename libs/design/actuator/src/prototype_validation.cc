@@ -15,6 +15,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::actuator {
 namespace {
@@ -34,7 +35,8 @@ void CheckSamples(const std::vector<AngleSample>& samples) {
     high = std::max(high, samples[i].knee_deg);
   }
   if (high - low < kLeastChange_deg)
-    throw Fail("the tracked knee angle changes by {:.3g}° only, which cannot be aligned with a program", high - low);
+    throw Fail("the tracked knee angle changes by {}° only, which cannot be aligned with a program",
+               SignificantText(high - low, 3));
 }
 
 std::vector<double> ErrorsAt(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, double shift_s) {
@@ -194,8 +196,8 @@ Validation ValidatePrototype(const StrokeSchedule& schedule, const std::vector<A
       std::min(schedule.Duration(), v.samples.back().program_time_s) - std::max(0.0, v.samples.front().program_time_s);
   v.covered = std::max(0.0, seen) / schedule.Duration();
   if (v.covered < kLeastCovered)
-    throw Fail("where the video fits best it shows {:.0f} % of the program of {:.3g} s; is the speed right?",
-               100 * v.covered, schedule.Duration());
+    throw Fail("where the video fits best it shows {:.0f} % of the program of {} s; is the speed right?",
+               100 * v.covered, SignificantText(schedule.Duration(), 3));
   Summarise(v);
   FitOffset(schedule, samples, v);
   FitTravel(schedule, samples, v);

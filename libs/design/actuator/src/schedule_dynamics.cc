@@ -4,6 +4,7 @@
 
 #include "lake/actuator/stroke_schedule.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::actuator {
 namespace {
@@ -122,9 +123,10 @@ void LimitAcceleration(StrokeSchedule& schedule, double most_mm_s2, double dead_
     const double missing_s = (rest ? std::min(length_s, dead_time_s) : 0) + ramps_s - length_s;
     if (!rest && missing_s > 1e-9)
       throw Fail(
-          "the stretch of {:.4g} mm/s from {:.4g} s to {:.4g} s is too short for its ramps of {:.4g} s together; "
+          "the stretch of {} mm/s from {} s to {} s is too short for its ramps of {} s together; "
           "raise --max-acceleration ({} mm/s²) or slow the program down",
-          speeds[i + 1], knots[i].time_s, knots[i + 1].time_s, ramps_s, most_mm_s2);
+          SignificantText(speeds[i + 1], 4), SignificantText(knots[i].time_s, 4),
+          SignificantText(knots[i + 1].time_s, 4), SignificantText(ramps_s, 4), most_mm_s2);
     if (rest && missing_s > 0) {
       later_s += missing_s;
       schedule.added_rest_s += missing_s;

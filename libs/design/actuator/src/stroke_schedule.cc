@@ -7,6 +7,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::actuator {
 namespace {
@@ -57,9 +58,9 @@ void CheckLimits(Knots& knots, const SoftLimits& limits, double margin_mm) {
   for (Knot& knot : knots) {
     const bool low = knot.stroke_mm < limits.lower_mm - kStrokeTolerance_mm;
     if (low || knot.stroke_mm > limits.upper_mm + kStrokeTolerance_mm)
-      throw Fail(
-          "the program's stroke {:.4f} mm at {:.4g} s is {} the soft limit {:.4f} mm (margin {} mm, see --margin)",
-          knot.stroke_mm, knot.time_s, low ? "below" : "above", low ? limits.lower_mm : limits.upper_mm, margin_mm);
+      throw Fail("the program's stroke {:.4f} mm at {} s is {} the soft limit {:.4f} mm (margin {} mm, see --margin)",
+                 knot.stroke_mm, SignificantText(knot.time_s, 4), low ? "below" : "above",
+                 low ? limits.lower_mm : limits.upper_mm, margin_mm);
     knot.stroke_mm = std::clamp(knot.stroke_mm, limits.lower_mm, limits.upper_mm);
   }
 }
@@ -68,8 +69,8 @@ void CheckMaxSpeed(const Knots& knots, double max_speed_mm_s) {
   for (std::size_t i = 1; i < knots.size(); ++i) {
     const double speed = SpeedOf(knots[i - 1], knots[i]);
     if (std::abs(speed) > max_speed_mm_s * (1 + kSpeedTolerance))
-      throw Fail("the program asks for {:.4g} mm/s from {:.4g} s to {:.4g} s; --max-speed is {} mm/s", speed,
-                 knots[i - 1].time_s, knots[i].time_s, max_speed_mm_s);
+      throw Fail("the program asks for {} mm/s from {} s to {} s; --max-speed is {} mm/s", SignificantText(speed, 4),
+                 SignificantText(knots[i - 1].time_s, 4), SignificantText(knots[i].time_s, 4), max_speed_mm_s);
   }
 }
 
@@ -246,8 +247,9 @@ void CheckSpeeds(const StrokeSchedule& schedule, const DutyTable& table) {
     const DutyCurve& curve = table.Curve(direction);
     const bool fast = std::abs(speed) > curve.MostSpeed() * (1 + kSpeedTolerance);
     if (fast || std::abs(speed) < curve.LeastSpeed())
-      throw Fail("the program asks for {:.4g} mm/s from {:.4g} s to {:.4g} s; {} has {:.4g}..{:.4g} mm/s {}", speed,
-                 a.time_s, b.time_s, table.name, curve.LeastSpeed(), curve.MostSpeed(),
+      throw Fail("the program asks for {} mm/s from {} s to {} s; {} has {}..{} mm/s {}", SignificantText(speed, 4),
+                 SignificantText(a.time_s, 4), SignificantText(b.time_s, 4), table.name,
+                 SignificantText(curve.LeastSpeed(), 4), SignificantText(curve.MostSpeed(), 4),
                  direction > 0 ? "extending" : "retracting");
   }
 }
@@ -257,8 +259,8 @@ std::vector<ScheduleRow> SampleSchedule(const StrokeSchedule& schedule, double r
     throw UsageError(fmt::format("--rate must be above 0 and at most 1000 Hz, not {}", rate_hz));
   const double samples = std::floor(schedule.Duration() * rate_hz);
   if (!(samples + static_cast<double>(schedule.knots.size()) < static_cast<double>(kMostScheduleRows)))
-    throw Fail("a program of {:.6g} s at {} Hz has more than {} rows; lower --rate or shorten the program",
-               schedule.Duration(), rate_hz, kMostScheduleRows);
+    throw Fail("a program of {} s at {} Hz has more than {} rows; lower --rate or shorten the program",
+               SignificantText(schedule.Duration(), 6), rate_hz, kMostScheduleRows);
   std::vector<double> times;
   for (std::size_t i = 0; static_cast<double>(i) <= samples; ++i) times.push_back(static_cast<double>(i) / rate_hz);
   for (const Knot& knot : schedule.knots) times.push_back(knot.time_s);

@@ -4,6 +4,7 @@
 
 #include "homing.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::actuator {
 namespace {
@@ -70,11 +71,11 @@ std::vector<Knot> KnotsThatFit(const StrokeSchedule& schedule, double tolerance_
 
 void CheckFits(const StrokeSchedule& schedule) {
   if (schedule.Duration() > kMostDuration_s)
-    throw Fail("a program of {:.6g} s is too long for the firmware, which counts up to {:.0f} s", schedule.Duration(),
-               kMostDuration_s);
+    throw Fail("a program of {} s is too long for the firmware, which counts up to {:.0f} s",
+               SignificantText(schedule.Duration(), 6), kMostDuration_s);
   if (schedule.limits.upper_mm > kMostStroke_mm)
-    throw Fail("a stroke of {:.6g} mm is too long for the firmware, which counts up to {:.0f} mm",
-               schedule.limits.upper_mm, kMostStroke_mm);
+    throw Fail("a stroke of {} mm is too long for the firmware, which counts up to {:.0f} mm",
+               SignificantText(schedule.limits.upper_mm, 6), kMostStroke_mm);
 }
 
 // Both ways of following the table are piecewise linear, so their worst distances from the schedule are at knots of one

@@ -10,6 +10,7 @@
 #include "lake/core/interrupt.h"
 #include "lake/core/processes.h"
 #include "lake/core/progress.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/group/group_design.h"
 
 namespace lake::group {
@@ -188,14 +189,15 @@ std::string WhyNone(const GroupOutcome& outcome) {
   if (problem.shared.max_misalignment_percent &&
       outcome.Misalignment_percent() <= *problem.shared.max_misalignment_percent)
     return fmt::format(
-        "the largest range of a design for {} people was not found, although {} can be as small as {:.4g} %; without "
+        "the largest range of a design for {} people was not found, although {} can be as small as {} %; without "
         "margins an optimum need not be unique: set --grashof-margin and --singularity-margin, or more --starts",
-        problem.people.size(), AcrossText(problem), outcome.Misalignment_percent());
+        problem.people.size(), AcrossText(problem), SignificantText(outcome.Misalignment_percent(), 4));
   return fmt::format(
-      "no design for {} people keeps {} within {:.6g} %: the least found is {:.4g} %, and {} hold it there; allow "
+      "no design for {} people keeps {} within {} %: the least found is {} %, and {} hold it there; allow "
       "more, more time or a free program, fit the placement, or make more sizes",
-      problem.people.size(), AcrossText(problem), problem.shared.max_misalignment_percent.value_or(0),
-      outcome.Misalignment_percent(), NamesOfBlocking(outcome));
+      problem.people.size(), AcrossText(problem),
+      SignificantText(problem.shared.max_misalignment_percent.value_or(0), 6),
+      SignificantText(outcome.Misalignment_percent(), 4), NamesOfBlocking(outcome));
 }
 
 // The least misalignments, where no start held the limit; from there the designs once more.

@@ -6,6 +6,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/linkage/loop_equations.h"
 
 namespace lake::linkage {
@@ -80,20 +81,20 @@ std::optional<AssemblyGap> FindAssemblyGap(const Links& links, double stroke_mm)
   const double actuator_gap = TriangleGap(l7, links.l2, stroke_mm);
   if (!(stroke_mm > 0) || !(actuator_gap <= kRounding_mm))
     return AssemblyGap{AssemblyGap::Triangle::kActuator, actuator_gap,
-                       fmt::format("{} by {:.3g} mm",
+                       fmt::format("{} by {} mm",
                                    stroke_mm > std::max(l7, links.l2) ? "the actuator is too long for l2, l5 and l6"
                                    : links.l2 > l7                    ? "l2 is too long for l5, l6 and the actuator"
                                                                       : "l5 or l6 is too long for l2 and the actuator",
-                                   actuator_gap)};
+                                   SignificantText(actuator_gap, 3))};
   const double l8 = TipDistance(links, std::atan2(links.l5, links.l6) + TriangleAngle(l7, links.l2, stroke_mm));
   const double shank_gap = TriangleGap(l8, links.l4, links.l1);
   if (shank_gap > kRounding_mm)
     return AssemblyGap{AssemblyGap::Triangle::kShank, shank_gap,
-                       fmt::format("{} by {:.3g} mm",
+                       fmt::format("{} by {} mm",
                                    l8 > std::max(links.l1, links.l4) ? "l1 or l4 is too short"
                                    : links.l1 > links.l4             ? "l1 is too long or l4 too short"
                                                                      : "l4 is too long or l1 too short",
-                                   shank_gap)};
+                                   SignificantText(shank_gap, 3))};
   return std::nullopt;
 }
 
@@ -123,7 +124,7 @@ Pose RequirePose(const Links& links, double stroke_mm) {
   const std::optional<Pose> pose = SolvePose(links, stroke_mm);
   if (pose) return *pose;
   const std::optional<AssemblyGap> gap = FindAssemblyGap(links, stroke_mm);
-  throw Fail("the linkage cannot be assembled at a stroke of {:.6g} mm: {}", stroke_mm,
+  throw Fail("the linkage cannot be assembled at a stroke of {} mm: {}", SignificantText(stroke_mm, 6),
              gap ? gap->text : "no triangle");
 }
 

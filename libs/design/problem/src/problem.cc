@@ -7,6 +7,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::problem {
 namespace {
@@ -72,8 +73,8 @@ void SynthesisProblem::Check() const {
     throw Fail("standing_deg = {} must lie between -30 and 90", standing_deg);
   if (assist && !(*assist >= 0 && *assist <= 1)) throw Fail("assist = {} must lie between 0 and 1", *assist);
   if (profile && !(DegreesFromRadians(profile->LargestAngle()) > standing_deg))
-    throw Fail("the load profile ends before standing_deg = {}: its largest knee angle is {:.4g}°", standing_deg,
-               DegreesFromRadians(profile->LargestAngle()));
+    throw Fail("the load profile ends before standing_deg = {}: its largest knee angle is {}°", standing_deg,
+               SignificantText(DegreesFromRadians(profile->LargestAngle()), 4));
   if (actuator) actuator->Check();
   clearances.Check();
   parts.Check();
@@ -164,7 +165,7 @@ double Requirement::Slack(double value) const {
 
 std::string Requirement::Text() const {
   if (IsLinear() && limit == 0) return id.kind == Kind::kGrashof ? "Grashof's law" : name;
-  const std::string text = fmt::format("{} {} {:.6g}", name, is_lower_limit ? "≥" : "≤", limit);
+  const std::string text = fmt::format("{} {} {}", name, is_lower_limit ? "≥" : "≤", SignificantText(limit, 6));
   return unit == "1" ? text : text + " " + unit;
 }
 

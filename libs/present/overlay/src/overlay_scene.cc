@@ -346,7 +346,7 @@ void OverlayScene::DrawProgress(double y, const motion::LegSample* leg) {
   constexpr Colour kDim = {0.72, 0.72, 0.72};
   const double left = panel_.x + kPanelPadding * unit_px_, right = panel_.x + panel_.width - kPanelPadding * unit_px_;
   if (!leg || !leg->repetition || !std::isfinite(leg->percent)) {
-    Text("between stand-ups", {left, y}, kDim);
+    Text("between rises", {left, y}, kDim);
     return;
   }
   const std::string percent = fmt::format("{:.0f} %", leg->percent);

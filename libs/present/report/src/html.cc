@@ -4,9 +4,11 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
+#include <vector>
+
+#include "page_files.h"
 
 namespace lake::report {
 namespace {
@@ -24,13 +26,12 @@ bool IsLetter(char c) {
   return std::isalpha(static_cast<unsigned char>(c));
 }
 
-constexpr std::string_view kPlusMinus = "±", kNoBreakSpace = "\u00A0";
+constexpr std::string_view kPlusMinus = "±", kNoBreakSpace = "\u00A0", kDash = "–", kWordJoiner = "\u2060";
 
 // Whether a unit stands at the beginning of the text, and no longer word that begins like it.
 bool BeginsWithUnit(std::string_view text) {
-  constexpr std::array<std::string_view, 22> kUnits = {"%", "°",  "mm", "cm", "m", "µm", "s", "ms", "min", "h",  "px",
-                                                       "N", "kN", "kg", "g",  "W", "J",  "V", "mV", "A",   "mA", "Hz"};
-  return std::ranges::any_of(kUnits, [&](std::string_view unit) {
+  static const std::vector<std::string> units = Json::parse(PageUnits());
+  return std::ranges::any_of(units, [&](const std::string& unit) {
     return text.starts_with(unit) &&
            (text.size() == unit.size() || (!IsLetter(text[unit.size()]) && !IsDigit(text[unit.size()])));
   });
@@ -43,6 +44,11 @@ bool IsWithinQuantity(std::string_view text, std::size_t space) {
   const bool is_moment = after.starts_with("m") && BeginsWithUnit(after) && before.size() > 1 &&
                          before.ends_with("N") && !IsLetter(before[before.size() - 2]);
   return is_moment || (!before.empty() && IsDigit(before.back()) && BeginsWithUnit(after));
+}
+
+// Whether the dash before `next` stands between two numbers.
+bool IsWithinRange(std::string_view text, std::size_t next) {
+  return next > kDash.size() && next < text.size() && IsDigit(text[next - kDash.size() - 1]) && IsDigit(text[next]);
 }
 
 }  // namespace
@@ -82,6 +88,7 @@ std::string TextHtml(std::string_view text) {
       html += kNoBreakSpace;
     else
       html += escaped[i];
+    if (html.ends_with(kDash) && IsWithinRange(escaped, i + 1)) html += kWordJoiner;
   }
   return html;
 }

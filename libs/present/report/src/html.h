@@ -13,7 +13,8 @@ namespace lake::report {
 std::string EscapeHtml(std::string_view text);
 
 // Text for an element, escaped, with no-break spaces where a line must not end: between a number and its unit, in a
-// unit of two words, before and after "±". Not for what is copied, such as command lines and names of files.
+// unit of two words, before and after "±"; and no line's end at the dash between two numbers. Not for what is copied,
+// such as command lines and names of files.
 std::string TextHtml(std::string_view text);
 
 // JSON for a <script> element: has no "<", so that neither "</script>" nor "<!--" can end or change it.

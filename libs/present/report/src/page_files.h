@@ -11,5 +11,6 @@ std::string_view PageCharts();    // page/charts.js
 std::string_view PageControls();  // page/controls.js
 std::string_view PageFilters();   // page/filters.js
 std::string_view PageStyle();     // page/report.css
+std::string_view PageUnits();     // page/units.json
 
 }  // namespace lake::report

@@ -92,7 +92,6 @@ export class DesignPage {
       short.textContent = `l${link + 1}`;
       name.append(short, ` ${TEXTS.links[link]}, ${TEXTS.bounds(lower, upper)}`);
       name.className = "name";
-      name.title = name.textContent!;
       range.type = "range";
       number.type = "number";
       number.step = range.step = "0.1";

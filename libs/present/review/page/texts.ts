@@ -1,4 +1,5 @@
 // Every text of the page, in one place.
+import UNITS from "../../report/page/units.json";
 import { CheckMessage, CourseMessage, LivePlace, LiveStateMessage, MeasureMessage, Pair, PinName, ProblemKind } from "./messages";
 
 const EVENTS: { [event: string]: string } = {
@@ -18,13 +19,15 @@ const withUnit = (value: number, unit: string) => short(value) + (unit === "deg"
 const percentage = (part: number) => `${Math.round(100 * part)} %`;
 
 const NO_BREAK = "\u00a0";
+const BEFORE_UNIT = new RegExp(`(\\d) (?=(?:${UNITS.join("|")})(?![A-Za-z\\d]))`, "g");
 
-/** The text with no line's end between a number and its unit, nor at "±". */
+/** The text with no line's end between a number and its unit, at "±", nor at the dash between two numbers. */
 export const unbroken = (text: string) =>
   text
-    .replace(/(\d) (?=(?:N m|mm|cm|px|ms|Hz|kg|[%°smNAVW])(?![A-Za-z\d]))/g, `$1${NO_BREAK}`)
+    .replace(BEFORE_UNIT, `$1${NO_BREAK}`)
     .replace(/(\d\u00a0N) m\b/g, `$1${NO_BREAK}m`)
-    .replace(/ ?± /g, (at) => at.replace(/ /g, NO_BREAK));
+    .replace(/ ?± /g, (at) => at.replace(/ /g, NO_BREAK))
+    .replace(/(\d–)(?=\d)/g, "$1\u2060");
 
 /** The same of all texts in it, and of those that its functions make. */
 function allUnbroken<T>(texts: T): T {
