@@ -109,9 +109,13 @@ class Datagrams:
     def __init__(self, data):
         self.data = data
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+        # Kept for who asks for reuse. Being its own peer, this socket gets none of the datagrams itself.
+        self.reserved = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.reserved.bind(("127.0.0.1", 0))
+        self.reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.reserved.connect(self.reserved.getsockname())
+        self.port = self.reserved.getsockname()[1]
+        self.url = f"udp://127.0.0.1:{self.port}?reuse=1"
         self.socket.connect(("127.0.0.1", self.port))
         self.sending = threading.Thread(target=self.send, daemon=True)
 
@@ -119,7 +123,7 @@ class Datagrams:
         """In the reader's socket; None: there is none."""
         for line in pathlib.Path("/proc/net/udp").read_text().splitlines()[1:]:
             words = line.split()
-            if words[1] == f"0100007F:{self.port:04X}" or words[1] == f"00000000:{self.port:04X}":
+            if words[1] in (f"0100007F:{self.port:04X}", f"00000000:{self.port:04X}") and words[2] == "00000000:0000":
                 return int(words[4].partition(":")[2], 16)
         return None
 
@@ -137,6 +141,7 @@ class Datagrams:
     def close(self):
         self.sending.join(WAIT_S)
         self.socket.close()
+        self.reserved.close()
 
 
 class Network(live_test.Films):
@@ -189,7 +194,7 @@ class OnThePage(live_test.Browser):
         camera = Datagrams((self.folder / "datagrams.ts").read_bytes())
         self.addCleanup(camera.close)
         camera.sending.start()
-        live = self.live(f"udp://127.0.0.1:{camera.port}", "--patience", 20, "-o", "udp")
+        live = self.live(camera.url, "--patience", 20, "-o", "udp")
         self.browser.get(live.address)
         self.until(lambda: self.part("live-picture").get_attribute("data-frame"))
         self.until(lambda: len(live.ask("state")["rises"]) == 2)

@@ -7,6 +7,7 @@ import json
 import math
 import os
 import pathlib
+import random
 import resource
 import shutil
 import signal
@@ -32,6 +33,12 @@ WAIT_S = 600  # a loaded machine; what is waited for takes some seconds
 WORN = (18, 32)  # joint less knee, mm, shank frame
 MOVED = (3, 2)  # after the joint was moved
 MARKER_AT = (0, -60)  # in those two films the joint's marker, which would cover the knee's otherwise
+MM = 96 / 25.4  # CSS px
+LETTER_PX = 3000 * math.tan(math.radians(16 / 60)) * MM  # of a capital seen at 16' from 3 m, ISO 9241-303's least
+NAMES = ("ankle", "knee", "hip", "waist", "exo_knee")
+# Of what lake check judges: that which a recording under way tells of itself.
+JUDGED = ("all_seen_share", "radius_px", "contrast_over_noise", "saturated_share", "blur_px", "frame_rate_hz", "repeated_frames",
+          "dropped_frames")
 
 
 def run(*words, **options):
@@ -88,6 +95,20 @@ class Live:
         self.process.wait(WAIT_S)
         self.process.stdout.close()
         self.process.stderr.close()
+
+
+def send_unevenly(parts, write):
+    """As a network brings them, in pieces of any size at any time; between the two nothing comes for 2 s."""
+    drawn = random.Random(38)
+    for number, part in enumerate(parts):
+        if number:
+            time.sleep(2)
+        data, at = part.read_bytes(), 0
+        while at < len(data):
+            piece = drawn.randint(1, 20000)
+            write(data[at:at + piece])
+            at += piece
+            time.sleep(drawn.uniform(0, 0.03))
 
 
 class Camera:
@@ -150,7 +171,7 @@ class Films(unittest.TestCase):
     def seeds(self):
         truth = read_table(self.folder / "worn/truth.csv")[0]
         return [f"--seed={name}={truth[name + '_x_px']},{truth[name + '_y_px']}"
-                for name in ("ankle", "knee", "hip", "waist", "exo_knee")]
+                for name in NAMES]
 
     def until(self, is_so, wait_s=WAIT_S):
         end = time.monotonic() + wait_s
@@ -202,35 +223,138 @@ class Streams(Films):
             self.assertEqual(code, 0, err)
         self.expect_trial(self.folder / "piped", self.frames, 2)
 
-    def test_a_socket_with_a_break_of_two_seconds(self):
+    def parts(self, *second):
+        """Of the film, with a gap of half a second and more in its stamps."""
+        coded = ("-c:v", "libx264", "-preset", "veryfast", "-g", 15, "-bf", 0, "-crf", 18)
+        ffmpeg("-i", self.film, *coded, "-t", 4, "-f", "mpegts", self.folder / "first.ts")
+        ffmpeg("-ss", 5.5, "-i", self.film, *coded, *second, "-output_ts_offset", 6, "-f", "mpegts", self.folder / "second.ts")
+        return self.folder / "first.ts", self.folder / "second.ts"
+
+    def expect_both_parts(self, folder, parts):
         """What came before the break is told during it, and the markers have their names again after it."""
-        ffmpeg("-i", self.film, "-c:v", "libx264", "-g", 15, "-bf", 0, "-crf", 18, "-t", 4, "-f", "mpegts", self.folder / "first.ts")
-        ffmpeg("-ss", 5.5, "-i", self.film, "-c:v", "libx264", "-g", 15, "-bf", 0, "-crf", 18, "-output_ts_offset", 6, "-f", "mpegts",
-               self.folder / "second.ts")
+        live = json.loads((self.folder / folder / "live.json").read_text())
+        self.assertEqual(live["frames"], sum(frames_of(part) for part in parts))
+        self.assertLess(live["difference"]["rms_px"], 0.1)
+        self.expect_place(live["place"], WORN)
+        rows = read_table(self.folder / folder / "live_tracks.csv")
+        self.assertGreater(max(float(b["time_s"]) - float(a["time_s"]) for a, b in zip(rows, rows[1:])), 1.5)
+        for name in NAMES:
+            self.assertEqual(rows[-1][name + "_status"], "detected")
+        return rows
+
+    def test_a_socket_with_a_break_of_two_seconds(self):
+        parts = self.parts()
         server = socket.create_server(("127.0.0.1", 0))
         self.addCleanup(server.close)
-        frames = frames_of(self.folder / "first.ts") + frames_of(self.folder / "second.ts")
 
         def serve():
             connection = server.accept()[0]
             with connection:
-                connection.sendall((self.folder / "first.ts").read_bytes())
-                time.sleep(2)  # the break
-                connection.sendall((self.folder / "second.ts").read_bytes())
+                send_unevenly(parts, connection.sendall)
 
         thread = threading.Thread(target=serve)
         thread.start()
         code, _, err = self.live(f"tcp://127.0.0.1:{server.getsockname()[1]}", "-o", "broken").end()
         thread.join()
         self.assertEqual(code, 0, err)
-        live = json.loads((self.folder / "broken/live.json").read_text())
-        self.assertEqual(live["frames"], frames)
-        self.assertLess(live["difference"]["rms_px"], 0.1)
-        self.expect_place(live["place"], WORN)
-        rows = read_table(self.folder / "broken/live_tracks.csv")
-        self.assertGreater(max(float(b["time_s"]) - float(a["time_s"]) for a, b in zip(rows, rows[1:])), 1.5)
-        for name in ("ankle", "knee", "hip", "waist", "exo_knee"):
-            self.assertEqual(rows[-1][name + "_status"], "detected")
+        self.expect_both_parts("broken", parts)
+
+    def test_a_pipe_with_a_break_of_two_seconds_and_another_rate_after_it(self):
+        parts = self.parts("-r", 15)
+        output, end = os.pipe()
+
+        def write():
+            with os.fdopen(end, "wb", buffering=0) as pipe:
+                send_unevenly(parts, pipe.write)
+
+        thread = threading.Thread(target=write)
+        thread.start()
+        live = self.live("-", "-o", "halved", stdin=output)
+        os.close(output)
+        code, _, err = live.end()
+        thread.join()
+        self.assertEqual(code, 0, err)
+        rows = self.expect_both_parts("halved", parts)
+        for row, interval_s in ((1, 1 / 30), (-1, 1 / 15)):
+            self.assertAlmostEqual(float(rows[row]["time_s"]) - float(rows[row - 1]["time_s"]), interval_s, delta=1.1 / 90000)
+
+    def watched(self, film, *words):
+        """What the page is told once all of a film has come, and no end of it."""
+        frames = frames_of(film)
+        camera = Camera(film)
+        camera.send()
+        live = self.live("-", "--patience", WAIT_S, "-o", film.stem, *words, stdin=camera.output)
+        camera.is_read_by_another()
+        state = self.until(lambda: (now := live.ask("state"))["frames"] == frames
+                           and any(f" of {frames} frames seen" in check["shown"] for check in now["checks"]) and now)
+        view = live.ask("view", {"after": -1})
+        live.close()
+        camera.end()
+        return state, view
+
+    def as_sent(self, name, *words, film=None):
+        """The film as a camera sends it: each picture is whole as it comes, and stamps are in whole milliseconds."""
+        ffmpeg("-i", film or self.film, *words, "-c:v", "mjpeg", "-q:v", 2, "-pix_fmt", "yuvj420p", self.folder / f"{name}.mkv")
+        return self.folder / f"{name}.mkv"
+
+    def expect_verdicts(self, name, wrong, *words, film=None):
+        """Those of lake check, of which these are not good."""
+        sent = self.as_sent(name, "-t", 4, *words, film=film)
+        state, _ = self.watched(sent)
+        checked = subprocess.run([BIN / "lake-check", sent, "--json", "-o", self.folder / f"{name}.checked"], capture_output=True,
+                                 text=True, check=False)
+        self.assertIn(checked.returncode, (0, 1), checked.stderr)
+        known = {item["name"]: item["verdict"] for item in json.loads(checked.stdout)["checks"]}
+        told = dict(zip(JUDGED, state["checks"]))
+        self.assertEqual({figure: check["verdict"] for figure, check in told.items()}, {figure: known[figure] for figure in JUDGED})
+        for figure, check in told.items():
+            self.assertEqual(check["verdict"] != "good", figure in (*wrong, "frame_rate_hz"), check)  # 30 Hz is poor
+            self.assertEqual(check["advice"] == "", check["verdict"] == "good")
+
+    def test_verdicts_are_those_of_lake_check(self):
+        grey = "lutyuv=y='clip(16+(val-16)*{},16,235)'"
+        for name, wrong, words in (
+                ("fit", (), ()),
+                ("dark", ("contrast_over_noise",), ("-vf", grey.format(0.7) + ",noise=c0s=12:c0f=t")),
+                ("small", ("radius_px",), ("-vf", "scale=iw/2:-1")),
+                ("repeating", ("repeated_frames",), ("-vf", "fps=28,fps=30")),
+                ("gaps", ("dropped_frames",), ("-vf", "select='mod(n,20)'", "-vsync", "passthrough"))):
+            with self.subTest(name):
+                self.expect_verdicts(name, wrong, *words)
+
+    def test_curves_and_the_arrow_are_the_truth(self):
+        film = self.as_sent("curves")
+        state, view = self.watched(film, *self.seeds())
+        truth = read_table(self.folder / "worn/truth.csv")
+        self.assertEqual((state["is_named"], state["missing"], len(state["rises"])), (True, [], 2))
+        self.assertEqual(len(view["samples"]), len(truth))
+        for (time_s, knee_deg, *joint_mm), row in zip(view["samples"], truth):
+            self.assertAlmostEqual(time_s, float(row["time_s"]), delta=0.0011)  # Matroska's milliseconds
+            self.assertAlmostEqual(knee_deg, float(row["knee_deg"]), delta=0.5)
+            if None not in joint_mm:  # which way the person looks is not known before the rise
+                self.assertLess(math.dist(joint_mm, WORN), 1)
+        self.assertEqual(sum(None in joint_mm for _, _, *joint_mm in view["samples"][len(truth) // 2:]), 0)
+        # The arrow leads from the joint to the knee.
+        for end, name in zip(view["move"], ("exo_knee", "knee")):
+            self.assertLess(math.dist(end, [float(truth[-1][f"{name}_{axis}_px"]) for axis in "xy"]), 1)
+
+    def test_a_disk_without_space_is_a_clear_stop(self):
+        """A file system of which 8 MB are to stay free for the trial, and that has room for three quarters of the film."""
+        mounted = ["unshare", "--map-root-user", "--mount", "sh", "-c"]
+        if subprocess.run([*mounted, "mount -t tmpfs none /mnt"], capture_output=True, check=False).returncode != 0:
+            self.skipTest("no file system can be mounted here")
+        size = 8_000_000 + self.film.stat().st_size * 3 // 4
+        disk = self.folder / "disk"
+        disk.mkdir()
+        ended = subprocess.run(
+            [*mounted, f'mount -t tmpfs -o size={size} none "$0" && {{ "$@" -o "$0/full"; code=$?; cp -r "$0/full" "$0.kept"; exit $code; }}',
+             disk, BIN / "lake-live", self.film, "--replay", "--camera", self.camera, "--no-overlay", "--least-free", "8"],
+            capture_output=True, text=True, check=False)
+        self.assertEqual(ended.returncode, 1, ended.stderr)
+        self.assertIn("the disk is full: less than 8 MB are free; what was recorded until then is a trial", ended.stderr)
+        kept = self.folder / "disk.kept"
+        self.assertEqual(len(read_table(kept / "live_tracks.csv")), frames_of(kept / "video.mkv"))
+        self.assertGreater(len(read_table(kept / "tracks.csv")), 0.4 * self.frames)
 
     def test_a_full_disk_is_a_clear_stop(self):
         limit = self.film.stat().st_size * 3 // 4
@@ -258,7 +382,13 @@ class Streams(Films):
         self.assertEqual((again.returncode, "is a trial already" in again.stderr), (1, True))
 
     def test_ctrl_c_leaves_a_whole_recording(self):
-        live = self.live(self.film, "--replay", "-o", "interrupted")
+        opener = self.folder / "opener/xdg-open"
+        opener.parent.mkdir()
+        opener.write_text(f'#!/bin/sh\necho "$1" >"{self.folder}/opened"\n')
+        opener.chmod(0o755)
+        live = self.live(self.film, "--replay", "-o", "interrupted", "--open",
+                         env=dict(os.environ, PATH=f"{opener.parent}:{os.environ['PATH']}"))
+        self.until(lambda: (self.folder / "opened").is_file() and (self.folder / "opened").read_text() == f"{live.address}\n")
         self.until(lambda: live.ask("state")["recorded_s"] > 4)
         live.process.send_signal(signal.SIGINT)
         code, _, err = live.end()
@@ -352,6 +482,12 @@ class Page(Browser):
         self.browser.get(live.address)
         self.until(lambda: self.part("live-trial").text == "Begin trial")
         self.until(lambda: self.part("live-picture").get_attribute("data-frame"))
+        # Before the start: what is wrong with the pictures, and who has no name yet.
+        for name in NAMES:
+            self.assertIn(name, self.part("live-naming").text)
+        self.until(lambda: "poor: 30 frames/s" in self.part("live-checks").text)
+        self.assertEqual(self.part("live-check-count").text, "Pictures: 1 thing to change")
+        self.click_marker("exo_knee", read_table(self.folder / "before/truth.csv")[0])
         self.shot("begin")
         self.assertFalse(self.part("live-sound").is_selected())
         self.part("live-sound").click()
@@ -366,6 +502,11 @@ class Page(Browser):
         self.assertEqual(self.part("live-verdict").text, "✗ Not within 6 mm")  # in words, not by a colour alone
         self.assertEqual(int(self.part("live-sound").get_attribute("data-rung")), rung)
         self.shot("rise")
+        for width in (800, 1400):
+            self.browser.set_window_size(width, 1250)
+            for text in ("live-move", "live-verdict"):
+                self.assertGreaterEqual(self.capital_px(text), LETTER_PX, (text, width))
+            self.shot(f"rise-{width}")
         self.until(lambda: live.ask("state")["recorded_s"] > self.before_s - 0.3)
         self.part("live-moved").click()  # the person sits; the joint is moved
         self.until(lambda: "Move 1 noted" in self.part("said").text)
@@ -398,6 +539,24 @@ class Page(Browser):
         start_s = float(read_table(self.folder / "session/tracks.csv")[0]["time_s"])
         self.assertGreaterEqual(start_s, float(moves[0]["time_s"]) - 0.001)
 
+    def capital_px(self, name):
+        return self.browser.execute_script(
+            "const letter = document.createElement('canvas').getContext('2d');"
+            "letter.font = getComputedStyle(arguments[0]).font;"
+            "return letter.measureText('M').actualBoundingBoxAscent", self.part(name))
+
+    def click_marker(self, name, truth):
+        """As a person does where it must ask: the name, then its spot."""
+        picture = self.part("live-picture")
+        scale = picture.rect["width"] / 1280
+        for button in self.part("live-names").find_elements(By.TAG_NAME, "button"):
+            if button.text == name:
+                button.click()
+        away = [(float(truth[f"{name}_{axis}_px"]) + 0.5) * scale - size / 2
+                for axis, size in (("x", picture.rect["width"]), ("y", picture.rect["height"]))]
+        ActionChains(self.browser).move_to_element_with_offset(picture, *away).click().perform()
+        self.until(lambda: self.part("said").text == f"{name} named")
+
     def test_a_marker_is_named_by_a_click_and_a_trial_ended_by_a_button(self):
         camera = Camera(self.folder / "film.ts")
         camera.send(camera.at(0.8))
@@ -405,20 +564,16 @@ class Page(Browser):
         camera.is_read_by_another()
         self.browser.get(live.address)
         self.until(lambda: self.part("live-picture").get_attribute("data-frame"))
-        row = read_table(self.folder / "worn/truth.csv")[0]  # seated, the joint rests
-        picture = self.part("live-picture")
-        scale = picture.rect["width"] / 1280
-        for button in self.part("live-names").find_elements(By.TAG_NAME, "button"):
-            if button.text == "exo_knee":
-                button.click()
-        away = [(float(row[f"exo_knee_{axis}_px"]) + 0.5) * scale - size / 2
-                for axis, size in (("x", picture.rect["width"]), ("y", picture.rect["height"]))]
-        ActionChains(self.browser).move_to_element_with_offset(picture, *away).click().perform()
-        self.until(lambda: self.part("said").text == "exo_knee named")
+        self.click_marker("exo_knee", read_table(self.folder / "worn/truth.csv")[0])  # seated, the joint rests
         self.part("live-trial").click()
         self.until(lambda: self.part("live-trial").text == "End trial")
+        # Nothing is lost while the page is closed, and it is as it was when it is opened again.
+        self.browser.get("about:blank")
         camera.send()
         self.until(lambda: len(live.ask("state")["rises"]) == 2)
+        self.browser.get(live.address)
+        self.until(lambda: self.part("live-rise-count").text == "2 rises")
+        self.assertEqual(self.part("live-trial").text, "End trial")
         self.part("live-trial").click()
         state = self.until(lambda: (now := live.ask("state"))["phase"] in ("done", "failed") and now)
         self.assertEqual(state["failed"], "")

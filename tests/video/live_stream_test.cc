@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cmath>
 #include <csignal>
+#include <functional>
 #include <random>
 #include <set>
 #include <sstream>
@@ -149,18 +150,39 @@ TEST(LiveStream, ASensorsColourMosaicIsRefused) {
               testing::HasSubstr("--format mjpeg"));
 }
 
-// A camera that needs longer in the dark, and a network that brings pictures unevenly.
-TEST(LiveStream, ARateThatChangesAndJitterKeepTheirStamps) {
-  const TemporaryFolder folder;
-  const std::string coded = "-c:v libx264 -g 5 -bf 0 -vsync passthrough ";
-  Ffmpeg(TestPicture("size=160x120:rate=30:duration=1") +
-         "-vf 'settb=1/90000,setpts=PTS+1080*random(1)' -enc_time_base 1:90000 " + coded + Quote(folder / "light.ts"));
-  Ffmpeg(TestPicture("size=160x120:rate=12:duration=1") + coded + "-output_ts_offset 1.1 " + Quote(folder / "dark.ts"));
-  WriteTextFile(folder / "film.ts", ReadTextFile(folder / "light.ts") + ReadTextFile(folder / "dark.ts"));
-  const Played played = Play((folder / "film.ts").string(), Replay(), folder / "video.mkv");
+// Writes a file into the pipe or the connection that `open` makes.
+std::jthread SendingTo(std::function<int()> open, const std::filesystem::path& file) {
+  return std::jthread([open = std::move(open), bytes = ReadTextFile(file)] {
+    const FileDescriptor end(open());
+    ASSERT_EQ(write(end, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  });
+}
+
+Played PlayOverPipe(const std::filesystem::path& file, const std::filesystem::path& recording) {
+  const auto pipe = file.parent_path() / "camera";
+  if (mkfifo(pipe.c_str(), 0600) != 0) throw Fail("{}: cannot be made", pipe.string());
+  const std::jthread sending = SendingTo([&] { return open(pipe.c_str(), O_WRONLY); }, file);
+  return Play(pipe.string(), {}, recording);
+}
+
+Played PlayOverTcp(const std::filesystem::path& file, const std::filesystem::path& recording) {
+  const FileDescriptor server(::socket(AF_INET, SOCK_STREAM, 0));
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  auto* const named = reinterpret_cast<sockaddr*>(&address);
+  if (::bind(server, named, size) != 0 || ::listen(server, 1) != 0) throw Fail("no port is free");
+  ::getsockname(server, named, &size);
+  const std::jthread sending = SendingTo([&] { return ::accept(server, nullptr, nullptr); }, file);
+  return Play(fmt::format("tcp://127.0.0.1:{}", ntohs(address.sin_port)), {}, recording);
+}
+
+// 30 pictures at 30 Hz, unevenly, then 12 at 12 Hz.
+void ExpectStampsOfBothRates(const Played& played, const std::filesystem::path& recording) {
   EXPECT_EQ(played.end.kind, StreamEnd::Kind::kEnded);
   ASSERT_EQ(played.frames.size(), 30u + 12u);
-  ExpectRecorded(played, folder / "video.mkv");
+  ExpectRecorded(played, recording);
   const auto interval_s = [&](std::size_t i) {
     return played.frames[i].frame.time_s - played.frames[i - 1].frame.time_s;
   };
@@ -170,6 +192,26 @@ TEST(LiveStream, ARateThatChangesAndJitterKeepTheirStamps) {
   for (std::size_t i = 1; i < 30; ++i) jittered_ms.insert(static_cast<int>(std::lround(1000 * interval_s(i))));
   EXPECT_GT(jittered_ms.size(), 5u);
   EXPECT_EQ(played.missing, 0) << "another rate, and no gaps";
+}
+
+// A camera that needs longer in the dark, and a network that brings pictures unevenly: over a pipe, over a connection,
+// and from a file at its own pace.
+TEST(LiveStream, ARateThatChangesAndJitterKeepTheirStamps) {
+  const TemporaryFolder folder;
+  const std::string coded = "-c:v libx264 -g 5 -bf 0 -vsync passthrough ";
+  Ffmpeg(TestPicture("size=160x120:rate=30:duration=1") +
+         "-vf 'settb=1/90000,setpts=PTS+1080*random(1)' -enc_time_base 1:90000 " + coded + Quote(folder / "light.ts"));
+  Ffmpeg(TestPicture("size=160x120:rate=12:duration=1") + coded + "-output_ts_offset 1.1 " + Quote(folder / "dark.ts"));
+  WriteTextFile(folder / "film.ts", ReadTextFile(folder / "light.ts") + ReadTextFile(folder / "dark.ts"));
+  for (const char* way : {"pipe", "tcp", "file"}) {
+    SCOPED_TRACE(way);
+    const auto recording = folder / way / "video.mkv";
+    std::filesystem::create_directory(folder / way);
+    const Played played = way == std::string("pipe")  ? PlayOverPipe(folder / "film.ts", recording)
+                          : way == std::string("tcp") ? PlayOverTcp(folder / "film.ts", recording)
+                                                      : Play((folder / "film.ts").string(), Replay(), recording);
+    ExpectStampsOfBothRates(played, recording);
+  }
 }
 
 // As a camera leaves pictures out that nobody fetched in time: only their stamps are missing.
@@ -189,18 +231,20 @@ TEST(LiveStream, PicturesThatNeverCameAreCounted) {
 // Datagrams from one socket to another on this machine. Nothing is sent until somebody listens.
 class Sender {
  public:
-  Sender() : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
-    // A port that is free, of which the other end will be the owner.
-    const FileDescriptor probe(::socket(AF_INET, SOCK_DGRAM, 0));
+  Sender() : socket_(::socket(AF_INET, SOCK_DGRAM, 0)), reserved_(::socket(AF_INET, SOCK_DGRAM, 0)) {
     address_.sin_family = AF_INET;
     address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof address_;
-    if (::bind(probe, Address(), size) != 0) throw Fail("no port is free");
-    ::getsockname(probe, Address(), &size);
-    if (::connect(socket_, Address(), size) != 0) throw Fail("no connection");
+    if (::bind(reserved_, Address(), size) != 0) throw Fail("no port is free");
+    ::getsockname(reserved_, Address(), &size);
+    // Kept for who asks for reuse. Being its own peer, the socket gets none of the datagrams itself.
+    const int reuse = 1;
+    ::setsockopt(reserved_, SOL_SOCKET, SO_REUSEADDR, &reuse, sizeof reuse);
+    if (::connect(reserved_, Address(), size) != 0 || ::connect(socket_, Address(), size) != 0)
+      throw Fail("no connection");
   }
 
-  std::string Url() const { return fmt::format("udp://127.0.0.1:{}", ntohs(address_.sin_port)); }
+  std::string Url() const { return fmt::format("udp://127.0.0.1:{}?reuse=1", ntohs(address_.sin_port)); }
 
   // A refused datagram was sent to a port that nobody listens on. False: `stop` came first.
   bool WaitForListener(const std::stop_token& stop) const {
@@ -220,7 +264,7 @@ class Sender {
  private:
   sockaddr* Address() { return reinterpret_cast<sockaddr*>(&address_); }
 
-  FileDescriptor socket_;
+  FileDescriptor socket_, reserved_;
   sockaddr_in address_ = {};
 };
 

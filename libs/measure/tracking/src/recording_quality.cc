@@ -107,16 +107,6 @@ double Flicker(const Place& place) {
   return std::sqrt(sum / count / 1.5) / std::max(level / count, 1.0);
 }
 
-std::int64_t DroppedFrames(const std::vector<double>& stamps_s) {
-  if (stamps_s.size() < 4) return 0;
-  const double usual = MedianInterval(stamps_s);
-  std::int64_t dropped = 0;
-  for (std::size_t i = 1; i < stamps_s.size(); ++i)
-    if (const double step = stamps_s[i] - stamps_s[i - 1]; step > 1.5 * usual)
-      dropped += std::llround(step / usual) - 1;
-  return dropped;
-}
-
 // How far what stands nearly upright in the room leans: the mode of the edges' directions about the vertical, each
 // weighed by its strength. nullopt where no direction stands out.
 std::optional<double> TiltDeg(const cv::Mat& grey) {
@@ -340,6 +330,16 @@ MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFig
   constexpr double kUsualShutter = 0.5;
   figures.blur_px = figures.fastest_px * image.shutter_fraction.value_or(kUsualShutter);
   return figures;
+}
+
+std::int64_t DroppedFrames(const std::vector<double>& stamps_s) {
+  if (stamps_s.size() < 4) return 0;
+  const double usual = MedianInterval(stamps_s);
+  std::int64_t dropped = 0;
+  for (std::size_t i = 1; i < stamps_s.size(); ++i)
+    if (const double step = stamps_s[i] - stamps_s[i - 1]; step > 1.5 * usual)
+      dropped += std::llround(step / usual) - 1;
+  return dropped;
 }
 
 RecordingCheck CheckRecording(const std::filesystem::path& video, const RecordingCheckOptions& options) {

@@ -7,6 +7,7 @@ import { TEXTS, unbroken } from "./texts";
 import { PictureView, Point, distance } from "./view";
 
 const SHOWN_S = 20, STEP_S = 0.05; // of the curves
+const LATE_S = 1; // what a person would wonder at
 const TRAIL = 20; // frames
 const ARROW_PX = 6, LEAST_ARROW_PX = 80;
 
@@ -68,7 +69,9 @@ export class LivePage {
         after = next.frame;
         this.take(next);
         this.view.show(picture);
-        part("live-picture").dataset.frame = String(next.frame);
+        Object.assign(part("live-picture").dataset, { frame: next.frame, arrived: next.arrived_ms });
+        const late_s = (Date.now() - next.arrived_ms) / 1000;
+        part("live-late").textContent = late_s > LATE_S ? TEXTS.late(late_s) : "";
       } catch {
         await new Promise((resolve) => setTimeout(resolve, 300)); // a picture that is gone already; the next one comes
       }

@@ -329,6 +329,7 @@ export interface LiveStateMessage extends StateMessage {
 export interface LiveViewMessage {
   frame: number;
   time_s: number;
+  arrived_ms: number; // since 1970
   markers: { name: string; x: number | null; y: number | null; sigma: number | null }[];
   spots: { x: number; y: number; radius: number; name: string }[];
   samples: [number, number | null, number | null, number | null][]; // s, knee degrees, joint less knee mm

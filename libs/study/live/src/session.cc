@@ -9,7 +9,6 @@
 #include "lake/compare/registration.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
-#include "lake/core/statistics.h"
 #include "lake/tracking/naming.h"
 #include "lake/tracking/recording_quality.h"
 #include "lake/tracking/recording_verdicts.h"
@@ -194,7 +193,7 @@ void Session::AddFrame(const video::LiveFrame& live) {
   if (watch_.Add(live.frame.time_s, std::abs(samples_.back().knee_deg))) is_rise_due_ = true;
   WriteTrackRow();
   constexpr std::size_t kKept = 16;  // more than a page is ever behind
-  pictures_.push_back(live.frame);
+  pictures_.push_back(live);
   if (pictures_.size() > kKept) pictures_.pop_front();
   latencies_ms_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - live.arrived).count());
 }
@@ -463,12 +462,11 @@ void Session::JudgePictures() {
     if (looked < 2) return;
     check.video = video_;
     std::vector<double> time_s(measured.time_s.end() - static_cast<std::ptrdiff_t>(looked), measured.time_s.end());
-    const double interval_s = MedianInterval(time_s);
-    check.video.frame_rate_hz = 1 / interval_s;
     check.frames_seen = static_cast<int>(frames);
     check.frames_in_file = static_cast<std::int64_t>(looked);
-    check.dropped_frames = std::max<std::int64_t>(
-        std::llround((time_s.back() - time_s.front()) / interval_s) + 1 - check.frames_in_file, 0);
+    check.dropped_frames = tracking::DroppedFrames(time_s);
+    check.video.frame_rate_hz = static_cast<double>(check.frames_in_file - 1 + check.dropped_frames) /
+                                (time_s.back() - time_s.front());  // stamps may be in whole ms
     check.repeated_frames = static_cast<int>(tracker_->RepeatedFrames());
     if (tracker_->HasAllNames()) check.why_not_named.clear();
     std::size_t all = 0;

@@ -120,8 +120,8 @@ class Session {
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   std::optional<tracking::LiveTracker> tracker_;
-  std::vector<Sample> samples_;             // one per frame
-  std::deque<video::VideoFrame> pictures_;  // the last ones
+  std::vector<Sample> samples_;            // one per frame
+  std::deque<video::LiveFrame> pictures_;  // the last ones
   std::vector<double> latencies_ms_;
   std::optional<motion::Facing> facing_;
   RiseWatch watch_;

@@ -1,5 +1,6 @@
 // What the page of a session is told, and what live.json holds.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -19,6 +20,13 @@ constexpr int kPictureWidthPx = 1280;  // of what the page shows, at most
 
 Json PointJson(const Vector2d& point) {
   return {point.x(), point.y()};
+}
+
+// On the clock that a page on the same machine has, too: ms since 1970.
+double WallClockMs(std::chrono::steady_clock::time_point time) {
+  const auto ago = std::chrono::steady_clock::now() - time;
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration<double, std::milli>(now - ago).count();
 }
 
 Json NumberJson(double value) {
@@ -148,6 +156,7 @@ Json Session::View(std::int64_t after) const {
   const Sample& now = samples_.back();
   return {{"frame", told.frame.back()},
           {"time_s", now.time_s},
+          {"arrived_ms", WallClockMs(pictures_.back().arrived)},
           {"markers", markers},
           {"spots", spots},
           {"samples", samples},
@@ -158,9 +167,10 @@ cv::Mat Session::Picture(std::int64_t frame) const {
   video::VideoFrame kept;
   {
     const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find(pictures_, frame, &video::VideoFrame::index);
+    const auto found =
+        std::ranges::find(pictures_, frame, [](const video::LiveFrame& live) { return live.frame.index; });
     if (found == pictures_.end()) throw Fail("frame {} is not kept any more", frame);
-    kept = *found;
+    kept = found->frame;
   }
   if (kept.luma.cols <= kPictureWidthPx) return kept.luma.clone();
   cv::Mat smaller;

@@ -86,6 +86,9 @@ struct RecordingCheck {
   double seconds = 0;
 };
 
+// How many frames are missing where two stamps are farther apart than one and a half of the median interval.
+std::int64_t DroppedFrames(const std::vector<double>& stamps_s);
+
 // Looks into the recording at places over its whole length, as far as `budget_mpx` goes, and names the leg's markers as
 // TrackMarkers does in as much of its beginning. Throws Error as VideoReader does.
 RecordingCheck CheckRecording(const std::filesystem::path& video, const RecordingCheckOptions& options = {});
