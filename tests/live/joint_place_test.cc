@@ -32,6 +32,12 @@ TEST(JointPlace, DoesNotSayWhatIsWithinItsInterval) {
   EXPECT_EQ(live::MoveText(At(1, 1.5), 5), "Leave the joint where it is (± 2 mm)");
 }
 
+// It is known where the joint would be nearer, and that it need not be.
+TEST(JointPlace, AJointWithinTheToleranceIsLeftWhereItIs) {
+  EXPECT_EQ(live::MoveText(At(3, 0), 6), "Leave the joint where it is (± 2 mm)");
+  EXPECT_EQ(live::MoveText(At(3, 0), 4), "Move the joint 3 mm back (± 2 mm)");
+}
+
 // Neither a move nor to leave it: the interval holds more than the tolerance.
 TEST(JointPlace, DoesNotTakeNotKnowingForAPlace) {
   JointPlace wide = At(4, 0, 17.2);

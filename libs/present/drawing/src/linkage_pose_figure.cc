@@ -72,8 +72,8 @@ void LabelWhole(Scene& scene, const LinkageLook& look, const PosedLeg& leg) {
   const double radius = 0.28 * look.body.thigh.length_mm, up = std::numbers::pi / 2;
   scene.Stroke({{0, 0}, {0, 1.5 * radius}}, "#888888", 1.5, "dashed");
   scene.Stroke(Arc({0, 0}, radius, up, up + pose.theta_rad), "#444444", 1.5);
-  const double middle = up + 0.35 * pose.theta_rad;
-  scene.Label(1.3 * radius * Vector2d(std::cos(middle), std::sin(middle)), "{/:Italic θ}", {.size = 14});
+  const double middle = up + 0.3 * pose.theta_rad;
+  scene.Label(0.55 * radius * Vector2d(std::cos(middle), std::sin(middle)), "{/:Italic θ}", {.size = 14});
 }
 
 void LabelFourBar(Scene& scene, const LinkageLook& look, const PosedLeg& leg, double view_half_mm) {

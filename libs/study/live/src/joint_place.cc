@@ -110,18 +110,16 @@ double LeastUncertaintyMm(const compare::RecordingBudgetOptions& budget) {
 }
 
 std::string MoveText(const JointPlace& place, double tolerance_mm) {
+  const std::string within = PlusMinus(place.UncertaintyMm());
+  if (JudgeTolerance(place, tolerance_mm) == ToleranceVerdict::kWithin) return "Leave the joint where it is " + within;
   const Vector2d move_mm = -place.offset_mm;
   const std::string along = PartText(move_mm.x(), place.half_width_mm.x(), "forward", "back"),
                     up = PartText(move_mm.y(), place.half_width_mm.y(), "up", "down");
-  const std::string within = PlusMinus(place.UncertaintyMm());
-  if (along.empty() && up.empty()) {
-    if (JudgeTolerance(place, tolerance_mm) == ToleranceVerdict::kWithin)
-      return "Leave the joint where it is " + within;
-    if (place.DoRisesNarrow())
-      return fmt::format("The joint's place is not known well enough yet {}: one more rise", within);
-    return fmt::format("The joint's place cannot be told from {:g} mm {}", tolerance_mm, within);
-  }
-  return fmt::format("Move the joint {}{}{} {}", along, along.empty() || up.empty() ? "" : " and ", up, within);
+  if (!along.empty() || !up.empty())
+    return fmt::format("Move the joint {}{}{} {}", along, along.empty() || up.empty() ? "" : " and ", up, within);
+  if (place.DoRisesNarrow())
+    return fmt::format("The joint's place is not known well enough yet {}: one more rise", within);
+  return fmt::format("The joint's place cannot be told from {:g} mm {}", tolerance_mm, within);
 }
 
 std::string ChangeText(const JointPlace& before, const JointPlace& now) {

@@ -60,8 +60,8 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
 // UncertaintyMm() of a joint at the knee after however many rises; a smaller tolerance is never kept for certain.
 double LeastUncertaintyMm(const compare::RecordingBudgetOptions& budget = {});
 
-// "Move the joint 12 mm back and 30 mm down (± 3 mm)"; a part that is smaller than its interval is not said. To leave
-// it is said only of a joint within the tolerance.
+// "Move the joint 12 mm back and 30 mm down (± 3 mm)"; a part that is smaller than its interval is not said. Of a joint
+// within the tolerance: to leave it.
 std::string MoveText(const JointPlace& place, double tolerance_mm);
 
 // "4 mm nearer to the knee than before the last move (± 3 mm)"; not what is smaller than the interval.
