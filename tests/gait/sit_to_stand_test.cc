@@ -195,7 +195,7 @@ TEST(TrunkOnPelvis, LeanIsTrunkLessPelvisInClosedForm) {
   for (const auto facing : {motion::Facing::kRight, motion::Facing::kLeft}) {
     const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 1, .facing = facing});
     const gait::LegFitResult fit = gait::FitLeg(WithPelvis(leg, {}, 3, facing), ScaledView());
-    EXPECT_FALSE(gait::PelvisWarning(fit));
+    EXPECT_EQ(gait::FindTrunkOnPelvis(fit).warning, "");
     const SitToStand rise = gait::MeasureSitToStands(fit).front();
     const auto lean_at = [&](double time_s) {
       const motion::LegSample& sample = leg.truth[static_cast<std::size_t>(std::lround(time_s * 100))];
@@ -235,7 +235,7 @@ TEST(TrunkOnPelvis, IsUnknownWithoutAPelvisOfItsOwn) {
   const motion::MarkerRecording whole = WithPelvis(leg, {}, 3);
   const auto expect_none = [](const motion::MarkerRecording& recording, const char* why) {
     const gait::LegFitResult fit = gait::FitLeg(recording, ScaledView());
-    EXPECT_THAT(gait::PelvisWarning(fit).value_or(""), testing::HasSubstr(why));
+    EXPECT_THAT(gait::FindTrunkOnPelvis(fit).warning, testing::HasSubstr(why));
     const SitToStand rise = gait::MeasureSitToStands(fit).front();
     EXPECT_TRUE(std::isfinite(rise.trunk_max_deg.value));
     EXPECT_TRUE(std::isnan(rise.trunk_pelvis_seat_off_deg.value));
@@ -250,7 +250,7 @@ TEST(TrunkOnPelvis, IsUnknownWithoutAPelvisOfItsOwn) {
   const SyntheticLeg low = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 1, .trunk_mm = 90});
   expect_none(WithPelvis(low, {}, 3), "the waist marker is on the pelvis itself");
   without.markers.pop_back();
-  EXPECT_FALSE(gait::PelvisWarning(gait::FitLeg(without, ScaledView())));
+  EXPECT_EQ(gait::FindTrunkOnPelvis(gait::FitLeg(without, ScaledView())).warning, "");
 }
 
 TEST(SitToStand, FiveTimesTestIsTheFirstFiveRises) {

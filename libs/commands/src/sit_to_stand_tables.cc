@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lake/core/numbers.h"
@@ -148,8 +149,9 @@ void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& row
 }  // namespace
 
 void WriteSitToStands(const gait::LegFitResult& leg, const gait::Person& person, Json& results, Run& run) {
-  if (const auto warning = gait::PelvisWarning(leg)) run.Warn(*warning);
-  const std::vector<SitToStand> rows = gait::MeasureSitToStands(leg);
+  gait::TrunkOnPelvis on_pelvis = gait::FindTrunkOnPelvis(leg);
+  if (!on_pelvis.warning.empty()) run.Warn(on_pelvis.warning);
+  const std::vector<SitToStand> rows = gait::MeasureSitToStands(leg, std::move(on_pelvis));
   gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), rows, leg.motion.unit);
   results["five_times"] = gait::FiveTimesJson(rows.back(), person);
   WritePage(leg, rows, results["five_times"], run);

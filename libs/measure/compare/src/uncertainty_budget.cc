@@ -152,7 +152,7 @@ Budget KneeAngleBudget(const motion::LegMotion& motion, const RecordingBudgetOpt
 // Of the rises whose time is known.
 std::optional<Budget> RiseBudget(const gait::LegFitResult& leg, const RecordingBudgetOptions& o) {
   std::vector<double> rise_s, fit_s;
-  for (const gait::SitToStand& rise : gait::MeasureSitToStands(leg))
+  for (const gait::SitToStand& rise : gait::MeasureSitToStands(leg, {}))
     if (rise.repetition > 0 && std::isfinite(rise.rise_s.value)) {
       rise_s.push_back(rise.rise_s.value);
       if (std::isfinite(rise.rise_s.sd)) fit_s.push_back(rise.rise_s.sd);

@@ -8,7 +8,6 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/statistics.h"
-#include "trunk_on_pelvis.h"
 
 namespace lake::gait {
 namespace {
@@ -66,14 +65,13 @@ struct ValuesOfFrames {
 // What a rise is measured by.
 class Rises {
  public:
-  explicit Rises(const LegFitResult& fit) : fit_(fit), time_s_(fit.motion.time_s) {
+  Rises(const LegFitResult& fit, TrunkOnPelvis on_pelvis) : fit_(fit), time_s_(fit.motion.time_s) {
     const StsDeviations& sd = fit.signals.sd;
     for (const motion::LegSample& sample : fit.motion.samples) {
       knee_.value.push_back(sample.knee_deg), knee_.sd.push_back(sample.knee_sigma_deg);
       hip_.value.push_back(sample.trunk_deg - sample.thigh_deg), trunk_.value.push_back(sample.trunk_deg);
     }
     hip_.sd = sd.hip_deg, trunk_.sd = sd.trunk_deg;
-    TrunkOnPelvis on_pelvis = FindTrunkOnPelvis(fit);
     on_pelvis_ = {std::move(on_pelvis.deg), std::move(on_pelvis.sd_deg)};
     height_ = {fit.signals.hip_height, sd.hip_height};
     hip_speed_ = {fit.signals.hip_up_speed, sd.hip_up_speed};
@@ -82,10 +80,12 @@ class Rises {
     extension_speed_ = {fit.signals.knee_deg_s, sd.knee_deg_s};
     for (double& speed : extension_speed_.value) speed = -speed;
     steadied_ = {{{fit.signals.hip_deg_s, sd.hip_deg_s}, {fit.signals.knee_deg_s, sd.knee_deg_s}, hip_speed_}};
-    for (ValuesOfFrames& speed : steadied_) {  // empty where not known
-      speed.value.resize(time_s_.size(), NAN);
-      speed.sd.resize(time_s_.size(), NAN);
-    }
+    const auto fill = [&](ValuesOfFrames& course) {  // empty where not known
+      course.value.resize(time_s_.size(), NAN);
+      course.sd.resize(time_s_.size(), NAN);
+    };
+    fill(on_pelvis_);
+    std::ranges::for_each(steadied_, fill);
   }
 
   std::vector<SitToStand> Measure() const {
@@ -253,14 +253,13 @@ std::span<const SitToStandQuantity> SitToStandQuantities() {
 }
 
 std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit) {
-  std::vector<SitToStand> rows = Rises(fit).Measure();
-  rows.push_back(FiveTimes(rows, fit.motion.unit == motion::LengthUnit::kMm));
-  return rows;
+  return MeasureSitToStands(fit, FindTrunkOnPelvis(fit));
 }
 
-std::optional<std::string> PelvisWarning(const LegFitResult& fit) {
-  const std::string warning = FindTrunkOnPelvis(fit).warning;
-  return warning.empty() ? std::nullopt : std::optional(warning);
+std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit, TrunkOnPelvis on_pelvis) {
+  std::vector<SitToStand> rows = Rises(fit, std::move(on_pelvis)).Measure();
+  rows.push_back(FiveTimes(rows, fit.motion.unit == motion::LengthUnit::kMm));
+  return rows;
 }
 
 std::optional<double> FiveTimesReference_s(double age_years) {

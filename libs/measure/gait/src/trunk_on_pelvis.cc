@@ -1,4 +1,4 @@
-#include "trunk_on_pelvis.h"
+#include "lake/gait/trunk_on_pelvis.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 #include "lake/core/angles.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
-#include "lake/gait/sit_to_stand.h"
 
 namespace lake::gait {
 namespace {

@@ -13,6 +13,7 @@
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/gait/trunk_on_pelvis.h"
 #include "lake/motion/person.h"
 
 namespace lake::gait {
@@ -21,10 +22,6 @@ namespace lake::gait {
 struct Measured {
   double value = NAN, sd = NAN;
 };
-
-// The markers of the pelvis: above its front and its back (spina iliaca anterior and posterior superior), each of the
-// near side, or in three dimensions the middle of both sides.
-inline constexpr const char *kAsis = "asis", *kPsis = "psis";
 
 inline constexpr double kSteadyFraction = 0.05;  // as of the knee's extension at standing
 inline constexpr double kSteady_s = 0.5;
@@ -58,7 +55,7 @@ struct SitToStand {
   // Lean of the trunk relative to the pelvis, at seat-off and the largest between onset and standing: the trunk's lean
   // less the pelvis' forward tilt, which is the angle of the line from kPsis to kAsis below the horizontal. Positive:
   // the back is bent forward; below zero in a person who stands, whose pelvis is tilted forward. NaN without these
-  // markers, and where PelvisWarning says why.
+  // markers, and where TrunkOnPelvis has a warning.
   Measured trunk_pelvis_seat_off_deg, trunk_pelvis_max_deg;
 };
 
@@ -77,12 +74,10 @@ struct SitToStandQuantity {
 std::span<const SitToStandQuantity> SitToStandQuantities();
 
 // The rises in order, then the five-times test: the first five rises of which onset and standing are known; without
-// five, all of it is NaN.
+// five, all of it is NaN. `on_pelvis` is what FindTrunkOnPelvis says of this fit; empty, for whoever does not ask for
+// it.
+std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit, TrunkOnPelvis on_pelvis);
 std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit);
-
-// Why no lean to the pelvis is told, of a recording in which one of its markers is: the other one is not, they are
-// exchanged, or the waist marker is on the pelvis too.
-std::optional<std::string> PelvisWarning(const LegFitResult& fit);
 
 // Whom norms are looked up for.
 struct Person {
