@@ -206,7 +206,7 @@ TEST(FunctionalAxis, ItsIntervalsHoldAHingeUnderSkin) {
   RecordProperty("centres", std::to_string(held.centres / held.all_centres));
   EXPECT_LT(held.windows, held.all_windows);
   EXPECT_LT(held.centres, 0.99 * held.all_centres);
-  // Nor are they idle: the errors are what the standard deviations say (0.82 to 0.95 of it measured).
+  // Nor are they idle: the errors are what the standard deviations say.
   for (const auto& [name, off, said] : {std::tuple("whole", held.whole_off, held.whole_said),
                                         std::tuple("windows", held.windows_off, held.windows_said),
                                         std::tuple("centres", held.centres_off, held.centres_said)})

@@ -36,7 +36,7 @@ TEST(UncertainText, SignificantDigitsAreWrittenOut) {
   EXPECT_EQ(SignificantText(99999.6, 5), "100000");
   EXPECT_EQ(SignificantText(0.02714, 2), "0.027");
   EXPECT_EQ(SignificantText(-7.30, 3), "−7.3");
-  EXPECT_EQ(SignificantText(2.4e-6, 2), "less than 0.0001");
+  EXPECT_EQ(SignificantText(2.4e-6, 2), "0.0000024");
   EXPECT_EQ(SignificantText(0, 3), "0");
   EXPECT_EQ(SignificantText(std::nan(""), 3), "–");
 }

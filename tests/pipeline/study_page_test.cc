@@ -242,7 +242,7 @@ TEST(StudyPage, TheFirstScreenIsShort) {
     for (const part of first.querySelectorAll('figure')) part.style.display = 'none';
     for (const part of document.querySelectorAll('details:not([open]) > :not(summary)')) part.style.display = 'none';
     const open = [first, ...document.querySelectorAll('main > .warnings')];
-    const text = open.map(part => part.innerText).join(' ').replace(/\([\d.]+–[\d.]+\)/g, '');
+    const text = open.map(part => part.innerText).join(' ').replace(/\u2060/g, '').replace(/\([\d.]+–[\d.]+\)/g, '');
     const rows = [...first.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => parseFloat(cell.innerText)));
     return {forbids, rows, words: text.match(/[A-Za-z]{2,}/g).filter(word => word !== 'mm').length,
             numbers: text.match(/\d+(\.\d+)?/g).length};)",

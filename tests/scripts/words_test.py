@@ -42,10 +42,10 @@ class Words(unittest.TestCase):
                     self.assertTrue([text for _, text in texts if instead in text], f"nobody says: {instead}")
 
     def test_no_number_is_written_as_a_power_of_ten(self):
-        """What the commands and their rooms of design print has SignificantText's digits (core/uncertain_text.h)."""
+        """What the commands and their rooms of design print has SignificantText's digits (core/uncertain_text.h), but for signed ones."""
         rooms = tuple(f"libs/{room}/" for room in ("commands", "design/linkage", "design/actuator", "design/problem", "design/group"))
         self.assertEqual([f"{file}: {text}" for file, text in said()
-                          if str(file).startswith(rooms) and re.search(r"\{:[^{}]*\.\d[ge]\}", text)], [])
+                          if str(file).startswith(rooms) and re.search(r"\{:[^{}+]*\.\d[ge]\}", text)], [])
 
 
 if __name__ == "__main__":

@@ -413,6 +413,9 @@ TEST(SigmaCalibration, KnowsWhatCodingUsuallyAdds) {
   const video::VideoInfo motion_jpeg = CodedBy("mjpeg", true);
   EXPECT_NEAR(added_px(motion_jpeg, 0.2), std::sqrt(1.3 * 1.3 - 1) * 0.01, 1e-6);
   EXPECT_NEAR(added_px(motion_jpeg, 0.9), added_px(motion_jpeg, 0.2), 1e-12);
+  video::VideoInfo ffv1 = CodedBy("ffv1", true);
+  ffv1.is_lossless = true;
+  EXPECT_EQ(added_px(ffv1, 0.2), 0);
   const double h264 = added_px(kH264, 0.01), many_bits = added_px(kH264, 0.1), h265 = added_px(CodedBy("hevc"), 0.01);
   EXPECT_GT(h264, 3 * 0.01);
   EXPECT_NEAR(std::hypot(h264, 0.01) / std::hypot(many_bits, 0.01), std::pow(10, 0.12), 1e-6);

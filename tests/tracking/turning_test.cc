@@ -1,5 +1,4 @@
 // Markers whose movement turns at once, as a limb's does at a jolt: their streaks are not those that were expected.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

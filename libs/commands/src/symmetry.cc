@@ -16,7 +16,6 @@
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
-#include "lake/core/uncertain_text.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/figure/symmetry_figure.h"
 #include "lake/gait/sit_to_stand.h"
@@ -196,11 +195,11 @@ std::string SymmetryReport(const Json& summary) {
                                  summary["asymmetric"] == true ? "asymmetric" : "no difference beyond its interval");
   for (const auto& [name, difference] : summary["symmetry"].items()) {
     const Json &interval = difference["interval"], &index = difference["index_interval_percent"];
-    text += fmt::format("{} {}  left less right {} (95 %: {} to {}), index {:+.1f} % ({:+.1f} to {:+.1f})\n",
-                        difference["asymmetric"] == true ? "*" : " ", name,
-                        SignificantText(NumberOrNaN(difference["difference"]), 3),
-                        SignificantText(NumberOrNaN(interval[0]), 3), SignificantText(NumberOrNaN(interval[1]), 3),
-                        NumberOrNaN(difference["index_percent"]), NumberOrNaN(index[0]), NumberOrNaN(index[1]));
+    text +=
+        fmt::format("{} {}  left less right {:+.3g} (95 %: {:+.3g} to {:+.3g}), index {:+.1f} % ({:+.1f} to {:+.1f})\n",
+                    difference["asymmetric"] == true ? "*" : " ", name, NumberOrNaN(difference["difference"]),
+                    NumberOrNaN(interval[0]), NumberOrNaN(interval[1]), NumberOrNaN(difference["index_percent"]),
+                    NumberOrNaN(index[0]), NumberOrNaN(index[1]));
   }
   return text;
 }

@@ -90,9 +90,9 @@ void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
     constexpr double kUseless_mm = 1;
     if (!(transmission.moment_arm_mm > kUseless_mm))
       run.Warn(
-          fmt::format("at the shortest stroke the moment arm is {} mm, so the actuator holds no load there; set "
+          fmt::format("at the shortest stroke the moment arm is {:.1f} mm, so the actuator holds no load there; set "
                       "--min-moment-arm or --max-force",
-                      SignificantText(transmission.moment_arm_mm, 2)));
+                      transmission.moment_arm_mm));
   }
   if (outcome.certificate) WarnOfCertificate(*outcome.certificate, certificate::NotInBound(outcome.problem), run);
   WarnOfMargins(outcome, run);

@@ -65,7 +65,7 @@ void SetShares(std::vector<HingeEquation>& equations) {
     sum += e.share;
   }
   for (HingeEquation& e : equations) {
-    e.share *= static_cast<double>(equations.size()) / sum;
+    e.share = sum > 0 ? e.share * static_cast<double>(equations.size()) / sum : 1;  // 0 where nothing turns
     e.weight = e.share;
   }
 }

@@ -74,7 +74,7 @@ MeanAxis AxisOf(const SegmentMotion& motion, const std::vector<std::size_t>& fra
   return axis;
 }
 
-MeanAxis AxisOver(const SegmentMotion& motion, const std::vector<std::size_t>& frames, const LearntErrors& errors) {
+MeanAxis WindowAxis(const SegmentMotion& motion, const std::vector<std::size_t>& frames, const LearntErrors& errors) {
   const AxisFrames across = AxisFramesOf(motion, frames);
   const HingeFit fit(motion, EquationsOf(motion, frames, across), &errors);
   return AxisOf(motion, frames, across, fit, WithWhole(fit.Solve(errors.models), across, errors));
@@ -104,7 +104,7 @@ MeanAxesResult MeanAxes(const SegmentMotion& motion, std::size_t window_frames, 
                       window, some.size(), turn, kLeastFrames, least_turn_deg));
       continue;
     }
-    result.windows.push_back(AxisOver(motion, some, result.errors));
+    result.windows.push_back(WindowAxis(motion, some, result.errors));
     result.windows.back().window = window;
   }
   return result;
@@ -146,7 +146,9 @@ MeanAxis PinOver(const SegmentMotion& motion, const MeanAxesResult& axes, double
         "{:.0f} to {:.0f}",
         frames.size(), from_deg, to_deg, kLeastFrames, angles[least], angles[most]);
   }
-  return AxisOver(motion, frames, axes.errors);
+  const AxisFrames across = AxisFramesOf(motion, frames);
+  const HingeFit fit(motion, EquationsOf(motion, frames, across), &axes.errors);
+  return AxisOf(motion, frames, across, fit, fit.Solve(axes.errors.models));
 }
 
 }  // namespace lake::axis

@@ -255,13 +255,13 @@ std::string QuantityName(const std::string& quantity) {
 namespace {
 
 // What a person who records can do about a source; empty: nothing.
-std::string WayOut(const std::string& source, bool has_axis) {
+std::string WayOut(const std::string& source, bool has_axis, bool is_of_two_trials) {
   if (source == kSoftTissue && has_axis)
     return "no marker shows what skin does as a whole; more markers, or plates on bone, narrow it";
   if (source == kSoftTissue)
     return "two or more markers on shank and thigh, and the axis that lake axis finds from them, narrow it";
   if (source == kAxis) return "more markers on shank and thigh, or a larger movement, narrow it";
-  if (source == kPlacement) return "leave the same markers on between the trials";
+  if (source == kPlacement && is_of_two_trials) return "leave the same markers on between the trials";
   if (source == kOwnVariation) return "record more repetitions";
   return "";
 }
@@ -277,7 +277,7 @@ std::string WhatNarrows(const Budget& budget) {
   std::string text =
       fmt::format("{:.0f} % of the variance comes from {}", budget.SharePercent(rows.front()), rows.front().source);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::string way_out = WayOut(rows[i].source, has_axis);
+    const std::string way_out = WayOut(rows[i].source, has_axis, budget.quantity.starts_with("joint"));
     if (way_out.empty() || budget.SharePercent(rows[i]) < kLeast_percent) continue;
     if (i > 0) text += fmt::format("; {:.0f} % from {}", budget.SharePercent(rows[i]), rows[i].source);
     text += ": " + way_out;

@@ -58,9 +58,13 @@ std::vector<double> ScatterInGaps(std::span<const double> noise_shares, std::spa
   const double half_frame_s = MedianInterval(time_s) / 2;
   std::vector<double> away_s(n, INFINITY);  // from the nearest moment in which it is seen
   std::vector<double> extra_seen;
+  extra_seen.reserve(n);
   double before_s = -INFINITY, after_s = INFINITY;
   for (std::size_t i = 0; i < n; ++i) {
-    if (seen[i]) before_s = time_s[i], extra_seen.push_back(extra(i));
+    if (seen[i]) {
+      before_s = time_s[i];
+      extra_seen.push_back(extra(i));
+    }
     away_s[i] = time_s[i] - before_s;
   }
   for (std::size_t i = n; i-- > 0;) {

@@ -158,8 +158,8 @@ std::optional<BlobFit> BlobFinder::FitStreak(const cv::Mat& grey, const Eigen::V
 std::optional<BlobFit> BlobFinder::FitTurned(const cv::Mat& grey, const Eigen::Vector2d& place,
                                              MarkerPrediction prediction, const BlobFitOptions& options) const {
   const Eigen::Vector2d beside = place - prediction.position;
-  const double radius = prediction.appearance.RadiusPx();
-  if (!shutter_.IsKnown() || shutter_.Fraction() * beside.norm() < 0.5 * radius) return std::nullopt;
+  const double least_px = 0.5 * prediction.appearance.RadiusPx();  // a shorter one changes the picture little
+  if (!shutter_.IsKnown() || shutter_.Fraction() * beside.norm() < least_px) return std::nullopt;
   prediction.velocity_px += beside;
   return FitStreak(grey, place, prediction, options);
 }

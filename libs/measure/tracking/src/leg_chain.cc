@@ -107,8 +107,8 @@ class ChainSearch {
     const double thigh = tracklets_.Distance(chain[1], chain[2]).mean;
     if (rise < 0.3 * segment.mean || segment.mean > kFarthestWaist * thigh || !IsCarried(last, thigh))
       return std::nullopt;
-    // A hip that keeps still while the knee flexes is one person's in twenty; three markers of a thigh always are.
-    constexpr double kStill = 6;
+    // A hip that keeps still while the knee flexes is one person's in twenty; three markers of a thigh always do.
+    constexpr double kStill = 6;  // −2 ln (1 / 20)
     if (!Bends(chain[1], chain[2], last)) cost += kStill;
     return cost + Squared(std::log(segment.mean / (kWaist * thigh)) / kWaistDeviation);
   }

@@ -42,7 +42,7 @@ bool LiveTracker::Distance::IsRigid() const {
 
 LiveTracker::LiveTracker(LiveTrackOptions options, const video::VideoInfo& video)
     : options_(std::move(options)),
-      sigma_factor_(std::hypot(1, UsualCompression(video))),
+      sigma_factor_(UsualErrorOverFit(video)),
       detector_(MakeReflectiveDetector(options_.polarity, DetectorRegion{options_.crop})),
       thing_(options_.names.size()),
       why_no_seed_(options_.names.size()),

@@ -229,11 +229,12 @@ double FitsSigma(const Seen& seen) {
 // say. Of the markers of 75 rendered recordings of people (x264, x265, MPEG-4; 24 to 120 Hz, 0.001 to 0.9 bits per
 // pixel), moving or slow, the error was k scatter^0.43 (bits per pixel / 0.01)^−0.12 within a factor of 1.25 (1 SD;
 // each recording by the others). The factors k here are a tenth larger than found, as errors that last do more to an
-// angle than to a position. Where each picture is coded by itself the error was 1.3 times the fits' sigma, whatever the
-// scatter.
+// angle than to a position; H.264's stands for codecs that were not measured. Where each picture is coded by itself
+// (Motion JPEG, seven recordings) the error was 1.3 times the fits' sigma, whatever the scatter.
 double ErrorOverFit(const video::VideoInfo& video, double scatter) {
   constexpr double kOfScatter = 0.43, kOfBits = -0.12, kUsualBitsPerPixel = 0.01, kCodedByItself = 1.3;
   constexpr double kMostScatter = 10;  // 95 % of the markers had less; more is the person's
+  if (video.is_lossless) return 1;
   if (video.coded_frame_by_frame) return kCodedByItself;
   const double k = video.codec == "hevc" ? 2.9 : 2.25,
                bits = video.bits_per_pixel.value_or(kUsualBitsPerPixel) / kUsualBitsPerPixel;
@@ -260,12 +261,9 @@ std::vector<Displacement> OfPeople(const Scatters& scatters, const video::VideoI
 
 }  // namespace
 
-// What a codec adds over the fits' sigma: the medians of 97 rendered recordings with the motion of people. Half of them
-// lie within 15 % (Motion JPEG), 15 % (MPEG-4), 20 % (x264) and 15 % (x265).
-double UsualCompression(const video::VideoInfo& video) {
-  if (video.codec == "mpeg4") return 2.9;
-  if (video.codec == "hevc") return 5.8;
-  return video.coded_frame_by_frame ? 1.15 : 4.2;
+double UsualErrorOverFit(const video::VideoInfo& video) {
+  constexpr double kUsualScatter = 4.3;  // the median of H.264's
+  return ErrorOverFit(video, kUsualScatter);
 }
 
 SigmaCalibration CalibrateSigmas(const video::VideoInfo& video, motion::MarkerRecording& recording) {

@@ -125,6 +125,7 @@ void LibavReader::FillInfo() {
   info_.codec = avcodec_get_name(stream.codecpar->codec_id);
   const AVCodecDescriptor* descriptor = avcodec_descriptor_get(stream.codecpar->codec_id);
   info_.coded_frame_by_frame = descriptor && (descriptor->props & AV_CODEC_PROP_INTRA_ONLY) != 0;
+  info_.is_lossless = descriptor && (descriptor->props & AV_CODEC_PROP_LOSSY) == 0;
   info_.pixel_format = FormatName(format_);
   const AVRational aspect = av_guess_sample_aspect_ratio(nullptr, const_cast<AVStream*>(&stream), &first);
   if (aspect.num > 0 && aspect.den > 0) info_.pixel_aspect = av_q2d(orientation_.transpose ? av_inv_q(aspect) : aspect);

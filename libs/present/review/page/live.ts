@@ -66,12 +66,13 @@ export class LivePage {
         const next = await server.liveView(after);
         if (next.frame === after) continue;
         const picture = await server.livePicture(next.frame);
+        const isNew = after >= 0; // what a page finds when it is opened may be old
         after = next.frame;
         this.take(next);
         this.view.show(picture);
         Object.assign(part("live-picture").dataset, { frame: next.frame, arrived: next.arrived_ms });
         const late_s = (Date.now() - next.arrived_ms) / 1000;
-        part("live-late").textContent = late_s > LATE_S ? TEXTS.late(late_s) : "";
+        part("live-late").textContent = isNew && late_s > LATE_S ? TEXTS.late(late_s) : "";
       } catch {
         await new Promise((resolve) => setTimeout(resolve, 300)); // a picture that is gone already; the next one comes
       }
@@ -214,6 +215,7 @@ export class LivePage {
     this.phase = state.phase;
     const isOn = state.phase === "watching" || state.phase === "trial";
     part("state").textContent = TEXTS.phase(state);
+    if (!isOn) part("live-late").textContent = "";
     if (state.failed !== "") say(state.failed, true);
     const trial = part<HTMLButtonElement>("live-trial");
     trial.textContent = state.phase === "watching" ? TEXTS.beginTrial : TEXTS.endTrial;

@@ -221,7 +221,7 @@ export const TEXTS = allUnbroken({
     : has_trial ? `The trial is ready: ${end}` : "There is no trial",
   beginTrial: "Begin trial",
   endTrial: "End trial",
-  late: (late_s: number) => `The picture is ${late_s.toFixed(1)} s late: this computer is too busy. What is recorded is whole`,
+  late: (late_s: number) => `The picture is ${late_s.toFixed(0)} s late: this computer is too busy. What is recorded is whole`,
   measuring: "Stand up and sit down: the joint's place is told after each rise",
   notNamed: (missing: string[]) => `Not named yet: ${missing.join(", ")}. Stand up and sit down once, or click a name and its spot`,
   toleranceText: ({ verdict, do_rises_narrow }: LivePlace, tolerance: number) =>

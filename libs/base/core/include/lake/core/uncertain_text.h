@@ -25,12 +25,9 @@ inline std::string RoundedText(double value, int decimals) {
   return fmt::format("{}{:.{}f}", rounded < 0 ? "−" : "", std::abs(rounded), std::max(0, decimals));
 }
 
-// With so many significant digits and no zeros behind them: "0.0213", "2000", "35". Never as a power of ten; what is
-// too little to matter in any unit here is "less than 0.0001".
+// With so many significant digits and no zeros behind them: "0.0213", "2000", "35". Never as a power of ten.
 inline std::string SignificantText(double value, int digits) {
-  constexpr double kLittle = 1e-4;
   if (value == 0 || !std::isfinite(value)) return RoundedText(value, 0);
-  if (std::abs(value) < kLittle) return "less than 0.0001";
   std::string text = RoundedText(value, digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
   if (text.find('.') == std::string::npos) return text;
   text.erase(text.find_last_not_of('0') + 1);

@@ -23,7 +23,7 @@ struct SigmaCalibration {
 // Without compression nothing is added. `recording`: of at least 60 samples, or nothing is found.
 SigmaCalibration CalibrateSigmas(const video::VideoInfo& video, motion::MarkerRecording& recording);
 
-// What such a codec usually adds in quadrature to the fits' sigmas of moving markers, in these sigmas.
-double UsualCompression(const video::VideoInfo& video);
+// The usual error of a person's markers in such a film, in the fits' sigmas.
+double UsualErrorOverFit(const video::VideoInfo& video);
 
 }  // namespace lake::tracking

@@ -19,6 +19,7 @@ struct VideoInfo {
   std::optional<std::int64_t> frames;  // approximate number, if the container states it; for progress only
   std::string codec;
   bool coded_frame_by_frame = false;  // without prediction from other frames, as Motion JPEG, PNG or FFV1
+  bool is_lossless = false;           // of a codec that always is, as PNG or FFV1
   std::string pixel_format;           // as stored, in libav's name, e.g. "yuv420p"
   int rotation_deg = 0;               // clockwise, applied by the reader: the file's own and what was asked for
   bool mirrored = false;              // left and right exchanged after the rotation, applied by the reader
