@@ -51,34 +51,37 @@ std::vector<double> NoiseShares(std::span<const Residual> residuals, std::span<c
   return shares;
 }
 
+std::vector<double> ChancesOfChange(std::span<const double> at_s, std::span<const double> seen_s, double usual_s,
+                                    double memory_s) {
+  std::vector<double> chances;
+  chances.reserve(at_s.size());
+  std::size_t next = 0;
+  for (const double now_s : at_s) {
+    while (next < seen_s.size() && seen_s[next] < now_s) ++next;
+    const double after_s = next < seen_s.size() ? seen_s[next] - now_s : INFINITY,
+                 before_s = next > 0 ? now_s - seen_s[next - 1] : INFINITY;
+    chances.push_back(-std::expm1(-std::max(0.0, std::min(before_s, after_s) - usual_s / 2) / memory_s));
+  }
+  return chances;
+}
+
 std::vector<double> ScatterInGaps(std::span<const double> noise_shares, std::span<const char> seen,
                                   std::span<const double> time_s, double memory_s) {
-  const auto extra = [&](std::size_t i) { return 1 / noise_shares[i] - 1; };
-  const std::size_t n = seen.size();
-  const double half_frame_s = MedianInterval(time_s) / 2;
-  std::vector<double> away_s(n, INFINITY);  // from the nearest moment in which it is seen
-  std::vector<double> extra_seen;
-  extra_seen.reserve(n);
-  double before_s = -INFINITY, after_s = INFINITY;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (seen[i]) {
-      before_s = time_s[i];
-      extra_seen.push_back(extra(i));
-    }
-    away_s[i] = time_s[i] - before_s;
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    if (seen[i]) after_s = time_s[i];
-    away_s[i] = std::min(away_s[i], after_s - time_s[i]);
-  }
   constexpr double kUsually = 0.95;  // of the moments in which it is seen it does less
-  const double most = Quantile(std::move(extra_seen), kUsually);
-  std::vector<double> scatter(n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (seen[i]) continue;
-    const double chance_of_change = -std::expm1(-std::max(0.0, away_s[i] - half_frame_s) / memory_s);
-    scatter[i] = extra(i) + chance_of_change * std::max(0.0, most - extra(i));
+  const auto extra = [&](std::size_t i) { return 1 / noise_shares[i] - 1; };
+  std::vector<double> seen_s, extra_seen;
+  seen_s.reserve(seen.size());
+  extra_seen.reserve(seen.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!seen[i]) continue;
+    seen_s.push_back(time_s[i]);
+    extra_seen.push_back(extra(i));
   }
+  const double most = Quantile(std::move(extra_seen), kUsually);
+  const std::vector<double> chances = ChancesOfChange(time_s, seen_s, MedianInterval(time_s), memory_s);
+  std::vector<double> scatter(seen.size(), 0.0);
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (!seen[i]) scatter[i] = extra(i) + chances[i] * std::max(0.0, most - extra(i));
   return scatter;
 }
 

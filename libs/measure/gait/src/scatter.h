@@ -20,9 +20,13 @@ struct Residual {
 // Where there is no residual within reach, that of all. Residuals and times must not decrease.
 std::vector<double> NoiseShares(std::span<const Residual> residuals, std::span<const double> time_s);
 
+// How likely it is, at each moment, that a movement is no longer what it was where it was seen last or is seen next,
+// which goes on for about `memory_s`; `usual_s` lies between samples. Times must not decrease.
+std::vector<double> ChancesOfChange(std::span<const double> at_s, std::span<const double> seen_s, double usual_s,
+                                    double memory_s);
+
 // What a marker does beside its smooth path where it is not seen, as a variance in those of its noise, per moment (0
-// where it is seen): as much as beside the gap or, the likelier the farther from it (after `memory_s`), as it
-// does less than in 95 % of the moments in which it is seen.
+// where it is seen): as much as beside the gap or, with the chance of change, the 95 % quantile of where it is seen.
 std::vector<double> ScatterInGaps(std::span<const double> noise_shares, std::span<const char> seen,
                                   std::span<const double> time_s, double memory_s);
 

@@ -124,23 +124,15 @@ std::optional<Round> RunRound(const SplineGrid& grid, const std::vector<Sample>&
   return round;
 }
 
-// How likely it is, at each difference, that the movement is no longer what it was where it was seen last or is seen
-// next; a movement goes on for about `memory_s`.
-std::vector<double> ChancesOfChange(const SplineGrid& grid, const std::vector<Sample>& samples, double memory_s) {
-  std::vector<double> time_s;
-  time_s.reserve(samples.size());
-  for (const Sample& sample : samples) time_s.push_back(sample.time_s);
-  const double usual_s = MedianInterval(time_s);
-  std::vector<double> chances;
-  std::size_t next = 0;
-  for (std::size_t k = 0; k + 3 < grid.count; ++k) {
-    const double at_s = grid.start_s + (static_cast<double>(k) + 0.5) * grid.step_s;  // the middle of its jerk
-    while (next < time_s.size() && time_s[next] < at_s) ++next;
-    const double after_s = next < time_s.size() ? time_s[next] - at_s : INFINITY,
-                 before_s = next > 0 ? at_s - time_s[next - 1] : INFINITY;
-    chances.push_back(-std::expm1(-std::max(0.0, std::min(before_s, after_s) - usual_s / 2) / memory_s));
-  }
-  return chances;
+// Of change, in the middle of each difference.
+std::vector<double> ChancesAtDifferences(const SplineGrid& grid, const std::vector<Sample>& samples, double memory_s) {
+  std::vector<double> at_s, seen_s;
+  seen_s.reserve(samples.size());
+  for (const Sample& sample : samples) seen_s.push_back(sample.time_s);
+  at_s.reserve(grid.count);
+  for (std::size_t k = 0; k + 3 < grid.count; ++k)
+    at_s.push_back(grid.start_s + (static_cast<double>(k) + 0.5) * grid.step_s);  // the middle of its jerk
+  return ChancesOfChange(at_s, seen_s, MedianInterval(seen_s), memory_s);
 }
 
 // Of n differences, n − Σ V/q are determined by the data: their squares add up to that many times the variance q. In a
@@ -268,7 +260,7 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
   SmoothSignal signal;
   signal.roughness.assign(grid.count - 3, roughness_of(options.cutoff_hz.value_or(kFirstCutoffHz), 1));
   signal.noise_share.assign(time_s.size(), 1);
-  signal.change = ChancesOfChange(grid, samples, options.memory_s);
+  signal.change = ChancesAtDifferences(grid, samples, options.memory_s);
   const bool has_gaps = std::ranges::any_of(signal.change, [](double chance) { return chance > 0; });
   Round round;
   // What the path can follow is the path's: scatter is looked for when the roughness is nearly known.
