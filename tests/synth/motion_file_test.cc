@@ -104,6 +104,21 @@ TEST_F(MotionFileTest, IsSeenInSpaceAndItsTruthIsWhatThePlaneShows) {
   }
 }
 
+TEST_F(MotionFileTest, GoesOnBeforeAndAfterThePartThatIsShown) {
+  motion_.begin_s = 0.4;
+  const synth::MotionTable table = synth::ReadMotionFile(motion_, 1.2);
+  const auto part = synth::MakeTableMotion(table);
+  motion_.begin_s = 0;
+  const auto whole = synth::MakeTableMotion(synth::ReadMotionFile(motion_, 0));
+  EXPECT_NEAR(part->DurationS(), 1.2, 1e-9);
+  const std::size_t knee = static_cast<std::size_t>(synth::IndexOfMarker(*part, "knee"));
+  for (const double t : {-0.04, -0.011, 0.0, 0.6, 1.2, 1.213, 1.24}) {
+    const Vector2d here = part->At(t)[knee], there = whole->At(0.4 + t)[knee];
+    EXPECT_LT((here - there).norm(), 0.05) << t;  // the spline's ends are elsewhere
+  }
+  EXPECT_GT((part->At(-0.04)[knee] - part->At(0)[knee]).norm(), 1) << "the knee is held where the part begins";
+}
+
 TEST_F(MotionFileTest, DrawsAMarkerThatIsNearerLargerAndWhereItsTruthIs) {
   synth::SceneOptions options = synth::CleanScene(1);
   options.duration_s = 0, options.room = options.body = false;

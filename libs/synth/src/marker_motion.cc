@@ -32,7 +32,10 @@ std::vector<Vector3d> SplineCurvature(const std::vector<double>& t, const std::v
 class TableMotion : public MarkerMotion {
  public:
   explicit TableMotion(const MotionTable& table)
-      : time_s_(table.time_s), names_(table.names), facing_(FacingOf(table)) {
+      : time_s_(table.time_s),
+        names_(table.names),
+        duration_s_(table.time_s.back() - table.after_s),
+        facing_(FacingOf(table)) {
     for (std::size_t m = 0; m < names_.size(); ++m) {
       std::vector<Vector3d>& path = positions_.emplace_back();
       for (std::size_t i = 0; i < time_s_.size(); ++i) {
@@ -45,7 +48,7 @@ class TableMotion : public MarkerMotion {
 
   const std::vector<std::string>& Names() const override { return names_; }
   motion::Facing FacingInImage() const override { return facing_; }
-  double DurationS() const override { return time_s_.back(); }
+  double DurationS() const override { return duration_s_; }
 
   std::vector<Vector2d> At(double time_s) const override {
     std::vector<Vector2d> markers;
@@ -72,6 +75,7 @@ class TableMotion : public MarkerMotion {
   std::vector<double> time_s_;
   std::vector<std::string> names_;
   std::vector<std::vector<Vector3d>> positions_, curvature_;  // mm and, at the knots, mm/s²
+  double duration_s_;
   motion::Facing facing_;
 };
 
@@ -146,7 +150,7 @@ MotionTable ReadMotionTable(const std::filesystem::path& path) {
 std::unique_ptr<MarkerMotion> MakeTableMotion(MotionTable table, bool mirror) {
   if (table.time_s.size() < 3 || table.names.empty() || table.positions.size() != table.names.size())
     throw Fail("a motion needs at least 3 times and one marker");
-  const double start = table.time_s.front();
+  const double start = table.time_s.front() + table.before_s;
   for (std::size_t i = 0; i < table.time_s.size(); ++i) {
     table.time_s[i] -= start;
     if (i > 0 && !(table.time_s[i] > table.time_s[i - 1])) throw Fail("a motion's times must increase (row {})", i);

@@ -26,6 +26,25 @@ Rows RowsOf(const MotionFile& motion, const std::vector<double>& time_s, double 
   return {static_cast<std::size_t>(first - time_s.begin()), static_cast<std::size_t>(last - time_s.begin()) + 1};
 }
 
+bool AllAreKnown(const Trial& trial, std::size_t row) {
+  return std::ranges::all_of(trial.recording.markers,
+                             [&](const MarkerTrack& marker) { return marker.samples[row].IsKnown(); });
+}
+
+// With what the file has before and after, as the first and the last exposure reach beyond the frames' times.
+Rows WithWhatIsAround(const Rows& rows, const Trial& trial) {
+  constexpr double kReach_s = 0.1;  // more than any frame takes
+  const std::vector<double>& time_s = trial.recording.time_s;
+  Rows around = rows;
+  while (around.first > 0 && time_s[around.first - 1] > time_s[rows.first] - kReach_s &&
+         AllAreKnown(trial, around.first - 1))
+    --around.first;
+  while (around.end < time_s.size() && time_s[around.end] < time_s[rows.end - 1] + kReach_s &&
+         AllAreKnown(trial, around.end))
+    ++around.end;
+  return around;
+}
+
 // Of a 3-D file, how far the marker is to the right of the middle of the leg; of a plane, 0.
 double Across(const Trial& trial, const std::string& marker, std::size_t row) {
   const auto across = trial.across_mm.find(marker);
@@ -60,18 +79,23 @@ MotionTable ReadMotionFile(const MotionFile& motion, double duration_s) {
     throw Fail("{}: is in px; a motion to show is in mm", trial.file.string());
   const Rows rows = RowsOf(motion, trial.recording.time_s, duration_s);
   const double middle = MiddleOfLeg(trial, rows);
-  MotionTable table;
   const auto& times = trial.recording.time_s;
-  table.time_s.assign(times.begin() + static_cast<std::ptrdiff_t>(rows.first),
-                      times.begin() + static_cast<std::ptrdiff_t>(rows.end));
+  for (const MarkerTrack& marker : trial.recording.markers)
+    for (std::size_t row = rows.first; row < rows.end; ++row)
+      if (!marker.samples[row].IsKnown())
+        throw Fail("{}: marker '{}' is missing at {:.2f} s; show another part, or go without it", trial.file.string(),
+                   marker.name, times[row]);
+  const Rows around = WithWhatIsAround(rows, trial);
+  MotionTable table;
+  table.time_s.assign(times.begin() + static_cast<std::ptrdiff_t>(around.first),
+                      times.begin() + static_cast<std::ptrdiff_t>(around.end));
+  table.before_s = times[rows.first] - times[around.first];
+  table.after_s = times[around.end - 1] - times[rows.end - 1];
   for (const MarkerTrack& marker : trial.recording.markers) {
     table.names.push_back(marker.name);
     auto& places = table.positions.emplace_back();
     auto& depths = table.depth_mm.emplace_back();
-    for (std::size_t row = rows.first; row < rows.end; ++row) {
-      if (!marker.samples[row].IsKnown())
-        throw Fail("{}: marker '{}' is missing at {:.2f} s; show another part, or go without it", trial.file.string(),
-                   marker.name, times[row]);
+    for (std::size_t row = around.first; row < around.end; ++row) {
       places.push_back(marker.samples[row].position);
       depths.push_back(Across(trial, marker.name, row) - middle);
     }

@@ -20,7 +20,7 @@ class MarkerMotion {
   virtual const std::vector<std::string>& Names() const = 0;
   virtual motion::Facing FacingInImage() const = 0;
 
-  // The motion runs from 0 to here; before and after, its ends are held.
+  // The motion runs from 0 to here. Where nothing is known of the time before and after, its ends are held.
   virtual double DurationS() const = 0;
 
   // One position per name, in mm in the plane frame; smooth in time (its second derivative is continuous).
@@ -42,12 +42,14 @@ double KneeAngleDeg(const Eigen::Vector2d& ankle, const Eigen::Vector2d& knee, c
                     motion::Facing facing);
 
 // Recorded positions: times in s (increasing, at least 3), positions[marker][time] in mm in the plane frame, and
-// depth_mm[marker][time], how far they are in front of the plane (empty: all in it).
+// depth_mm[marker][time], how far they are in front of the plane (empty: all in it). The motion begins before_s after
+// the first time and ends after_s before the last: the rest is what an exposure sees that begins earlier or ends later.
 struct MotionTable {
   std::vector<double> time_s;
   std::vector<std::string> names;
   std::vector<std::vector<Eigen::Vector2d>> positions;
   std::vector<std::vector<double>> depth_mm;
+  double before_s = 0, after_s = 0;
 };
 
 // The side on which the knee stands of the line from ankle to hip, on average; right if one of them is absent.
@@ -57,7 +59,7 @@ motion::Facing FacingOf(const MotionTable& table);
 // file and line: no marker, an empty cell, times that do not increase.
 MotionTable ReadMotionTable(const std::filesystem::path& path);
 
-// Natural cubic splines through the table, whose first time becomes 0. With `mirror` x changes its sign.
+// Natural cubic splines through the table; the motion's begin becomes 0. With `mirror` x changes its sign.
 std::unique_ptr<MarkerMotion> MakeTableMotion(MotionTable table, bool mirror = false);
 
 }  // namespace lake::synth
