@@ -120,7 +120,7 @@ class ChainSearch {
     if (!Bends(ankle, knee, hip)) return std::nullopt;
     if (extent_[hip] < 0.2 * thigh || options_.up.dot(tracklets_.MeanWay(ankle, hip)) < 0) return std::nullopt;
     if (!IsCarried(knee, thigh) && !IsClamped(ankle, knee, thigh)) return std::nullopt;
-    constexpr double kRatioDeviation = 0.25;  // of log(shank / thigh); anatomically 0.1, markers add to it
+    constexpr double kRatioDeviation = 0.15;  // of log(shank / thigh); anatomically 0.1, as much again by the markers
     constexpr double kAnkleMotion = 0.15;     // ankle's extent over hip's
     return Squared(std::log(shank / thigh) / kRatioDeviation) + Squared(AnkleOverHip(ankle, hip, thigh) / kAnkleMotion);
   }
