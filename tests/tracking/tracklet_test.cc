@@ -99,6 +99,28 @@ TEST(Tracklet, WhatHidesAPartOfAMarkerIsInItsSigma) {
     }
 }
 
+// A streak that turns, or coding, makes a disc look larger, and nothing that comes before it does: it is kept, beside a
+// gap as well, and its place is hardly less sure. It was taken for displaced by the difference, or for another thing.
+TEST(Tracklet, WhatLooksLargerIsNotHidden) {
+  for (const bool behind_gap : {false, true}) {
+    int larger = 0;
+    const auto disc = [&](int frame) {
+      const bool is_missing = behind_gap && frame >= 56 && frame < 60;
+      const double size = frame >= 60 && frame < 64 ? 1.15 : frame % 2 ? 1.005 : 0.995;
+      if (is_missing) return std::vector<tracking::MarkerDetection>();
+      return std::vector{Disc({100 + 4.0 * frame, 200}, kRadius_px * size)};
+    };
+    for (const tracking::Tracklet& tracklet : Follow(disc, 120, 30))
+      for (const tracking::TrackletSample& sample : tracklet.samples) {
+        if (!IsHidden(sample)) continue;
+        ++larger;
+        if (sample.frame == tracklet.samples.front().frame) continue;  // may be a streak
+        EXPECT_LE(sample.sigma_px, std::sqrt(2) * 0.05 + 1e-9) << "frame " << sample.frame;  // 1.4 times its own
+      }
+    EXPECT_EQ(larger, 4) << (behind_gap ? "behind a gap" : "");
+  }
+}
+
 TEST(Tracklet, LessThanHalfAMarkerIsNone) {
   for (const unsigned seed : {1u, 2u, 3u})
     for (const double scatter : {0.005, 0.02, 0.045})
