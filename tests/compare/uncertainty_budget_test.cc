@@ -103,6 +103,9 @@ TEST(UncertaintyBudget, SaysWhatWouldNarrowIt) {
                                           "shank and thigh, .*; 1[0-9] % from .*; 1[0-9] % from .*\\."));
   EXPECT_THAT(text, HasSubstr("% from marker placement: leave the same markers on between the trials"));
   EXPECT_THAT(text, HasSubstr("% from the person's own variation: record more repetitions"));
+  const std::string angle = WhatNarrows(Of(BudgetsOf(Measured(Worn({18, 24})), 3, {}), "knee_angle"));
+  EXPECT_THAT(angle, HasSubstr("% from soft tissue at ankle and hip: two or more markers on shank and thigh"));
+  EXPECT_THAT(angle, HasSubstr("% from placement of ankle and hip: find malleolus and greater trochanter"));
   budget.rows.back().size = 0.3;
   EXPECT_THAT(WhatNarrows(budget), testing::Not(HasSubstr("repetitions")));
 }

@@ -22,6 +22,8 @@ using Eigen::Vector2d;
 constexpr double kNormal95 = 1.959964;
 constexpr const char* kSoftTissue = "soft tissue";
 constexpr const char* kPlacement = "marker placement";
+constexpr const char* kAnkleAndHipTissue = "soft tissue at ankle and hip";
+constexpr const char* kAnkleAndHipPlacement = "placement of ankle and hip";
 constexpr const char* kAxis = "axis of rotation";
 constexpr const char* kOwnVariation = "the person's own variation";
 
@@ -113,9 +115,8 @@ Sensitivities OfKneeAngle(double shank_mm, double thigh_mm) {
 void AddAnkleAndHip(double shank_mm, double thigh_mm, std::pair<double, const char*> placement, const BudgetOptions& o,
                     std::vector<BudgetRow>& rows) {
   const double sensitivity = DegreesFromRadians(std::hypot(1 / shank_mm, 1 / thigh_mm));
-  rows.push_back({"placement of ankle and hip", "normal", placement.first, "mm", sensitivity, placement.second, false});
-  rows.push_back(
-      {"soft tissue at ankle and hip", "normal", o.soft_tissue_mm, "mm", sensitivity, kTissueReference, false});
+  rows.push_back({kAnkleAndHipPlacement, "normal", placement.first, "mm", sensitivity, placement.second, false});
+  rows.push_back({kAnkleAndHipTissue, "normal", o.soft_tissue_mm, "mm", sensitivity, kTissueReference, false});
 }
 
 Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const BudgetOptions& o) {
@@ -260,6 +261,12 @@ std::string WayOut(const std::string& source, bool has_axis, bool is_of_two_tria
     return "no marker shows what skin does as a whole; more markers, or plates on bone, narrow it";
   if (source == kSoftTissue)
     return "two or more markers on shank and thigh, and the axis that lake axis finds from them, narrow it";
+  if (source == kAnkleAndHipTissue)
+    return "two or more markers on shank and thigh, whose turn against each other needs no marker at ankle and hip "
+           "(lake axis), narrow it";
+  if (source == kAnkleAndHipPlacement)
+    return "find malleolus and greater trochanter by touch, always by the same examiner; --placement-sd or "
+           "--replacement-sd says how well that is repeated";
   if (source == kAxis) return "more markers on shank and thigh, or a larger movement, narrow it";
   if (source == kPlacement && is_of_two_trials) return "leave the same markers on between the trials";
   if (source == kOwnVariation) return "record more repetitions";
