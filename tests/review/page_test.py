@@ -1082,7 +1082,9 @@ class ReviewPage(unittest.TestCase):
                 "const texts = []; while (walk.nextNode()) if (!walk.currentNode.parentElement.closest('code'))"
                 "  texts.push(walk.currentNode.data); return texts;")
             self.assertTrue([text for text in shown if "\u00a0" in text], subject)
-            self.assertEqual([text for text in shown if re.search(r"\d (mm|px|s|N|%)(?!\w)|± ", text)], [], subject)
+            self.assertEqual([text for text in shown if re.search(r"\d (mm|px|s|N|%)(?!\w)|± |\d–\d", text)], [], subject)
+            intervals = [text for text in shown if re.search(r"\d–\u2060\d", text)]
+            self.assertEqual(bool(intervals), subject == "optimum", "the links' bounds")
 
     def other_subjects(self):
         return ["optimum", self.compared()]
