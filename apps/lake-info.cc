@@ -6,6 +6,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/json.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/exchange/convert_options.h"
 #include "lake/exchange/mot.h"
 #include "program.h"
@@ -92,7 +93,7 @@ void PrintEvents(const lake::Json& events) {
 
 std::string Text(const lake::Json& value) {
   if (value.is_string()) return value.get<std::string>();
-  return value.is_number_float() ? fmt::format("{:.6g}", value.get<double>()) : value.dump();
+  return value.is_number_float() ? lake::SignificantText(value.get<double>(), 6) : value.dump();
 }
 
 void Print(const lake::Json& info) {

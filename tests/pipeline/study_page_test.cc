@@ -269,22 +269,33 @@ TEST(StudyPage, EveryNumberOfTheAnswersIsInATable) {
   EXPECT_EQ(answer["unknown"], Json::array());
 }
 
-// Wherever a line ends.
+// Wherever a line ends; nor does one at the dash of an interval.
 TEST(StudyPage, NoNumberStandsWithoutItsUnit) {
   LAKE_SKIP_WITHOUT_BROWSER();
   const Json answer = Browser().Ask(Page(), R"(
     const quantity = /\d[ \n](%|mm|s|N|N m|N[ \u00a0]m|kg|px|Hz)(?![\w])|\d\u00a0N m(?!\w)|± |\w ±/g;
     const walk = document.createTreeWalker(document.querySelector('main'), NodeFilter.SHOW_TEXT), faults = [];
-    let kept = 0;
+    let kept = 0, intervals = 0;
     while (walk.nextNode()) {
       const node = walk.currentNode;
       if (node.parentElement.closest('script, style, svg, .code, .key .value')) continue;
       kept += (node.data.match(/\d\u00a0(%|mm|s|N)(?!\w)/g) ?? []).length;
+      for (const interval of node.data.matchAll(/\d–\u2060?\d/g)) {
+        if (!node.parentElement.getClientRects().length) continue;
+        const range = document.createRange(), end = interval.index + interval[0].length;
+        range.setStart(node, interval.index), range.setEnd(node, end);
+        ++intervals;
+        const tall = range.getBoundingClientRect().height / parseFloat(getComputedStyle(node.parentElement).fontSize);
+        if (tall > 1.8 || interval[0].length !== 4)  // two lines are 2.4 letters tall or more
+          faults.push(node.data.slice(Math.max(0, interval.index - 20), end + 20));
+      }
       for (const fault of node.data.matchAll(quantity))
         faults.push(node.data.slice(Math.max(0, fault.index - 20), fault.index + 20));
     }
-    return {kept, faults};)");
+    return {kept, intervals, faults};)",
+                                    400);
   EXPECT_GT(answer["kept"], 100);
+  EXPECT_GE(answer["intervals"], 3);
   EXPECT_EQ(answer["faults"], Json::array());
 }
 

@@ -185,6 +185,7 @@ class Tables(unittest.TestCase):
         best, design = folders["comparison"].json("comparison")["best_placement"], folders["design"].summary["joint_moved"]
         self.assertLess(abs(offset - (18, 32)).max(), 0.2)  # as rendered; markers are found within 0.1 mm
         found = percent(moved)
+        # 0.02 % of the shank are 0.08 mm, as well as markers are found; measured: 1.7324 and 1.7338, the program 1.7318.
         self.assertAlmostEqual(found, 1.73, delta=0.02)
         self.assertAlmostEqual(percent(numpy.mean(rises["exo"], axis=0)), found, delta=0.02)
         # Frames between events are interpolated here by lines, there by cubics; where the ankle rests is told otherwise.

@@ -1082,7 +1082,7 @@ class ReviewPage(unittest.TestCase):
                 "const texts = []; while (walk.nextNode()) if (!walk.currentNode.parentElement.closest('code'))"
                 "  texts.push(walk.currentNode.data); return texts;")
             self.assertTrue([text for text in shown if "\u00a0" in text], subject)
-            self.assertEqual([text for text in shown if re.search(r"\d (mm|px|s|N|%)(?!\w)|± ", text)], [], subject)
+            self.assertEqual([text for text in shown if re.search(r"\d (mm|px|s|N|%)(?!\w)|± |\d–\d", text)], [], subject)
 
     def other_subjects(self):
         return ["optimum", self.compared()]

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "lake/core/uncertain_text.h"
+
 namespace lake {
 namespace {
 
@@ -48,7 +50,7 @@ void Progress::Show(Clock::time_point now) {
   const double rate = static_cast<double>(done_) / elapsed;
   std::string line = total_ ? fmt::format("{}: {}/{} {}", what_, done_, *total_, unit_)
                             : fmt::format("{}: {} {}", what_, done_, unit_);
-  line += fmt::format(", {:.3g}/s", rate);
+  line += fmt::format(", {}/s", SignificantText(rate, 3));
   if (!note_.empty()) line += ", " + note_;
   if (total_ && *total_ > done_)
     line += fmt::format(", {} left", FormatDuration(static_cast<double>(*total_ - done_) / rate));

@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/redesign/redesign_outcome.h"
 #include "lake/synthesis/infeasibility.h"
 
@@ -79,9 +80,10 @@ class Explainer {
     report_.nearest = least->point;
     report_.least_angle_mismatch_deg = least_deg;
     report_.sentence = fmt::format(
-        "no design keeps its knee angle within {:.4g}° of the human's at every instant: the least found with the {} "
-        "program is {:.4g}° (--max-angle-mismatch){}",
-        *problem_.max_angle_mismatch_deg, ProgramName(problem_.program.kind), least_deg,
+        "no design keeps its knee angle within {}° of the human's at every instant: the least found with the {} "
+        "program is {}° (--max-angle-mismatch){}",
+        SignificantText(*problem_.max_angle_mismatch_deg, 4), ProgramName(problem_.program.kind),
+        SignificantText(least_deg, 4),
         problem_.program.kind == Kind::kFree ? "; a longer --duration lets it follow" : "; try --program free");
     return true;
   }
@@ -112,10 +114,12 @@ class Explainer {
     report_.least_cuff_force_n = least_n;
     const auto working_n = WorkingCuffForce(least_n, unlimited);
     report_.sentence = fmt::format(
-        "no design keeps the force at each cuff within {:.4g} N (--max-cuff-force): the least found is {:.3g} N where "
-        "cuffs and flesh are stiffest ({:.3g} N/mm)",
-        *problem_.max_cuff_force_n, least_n, problem_.cuffs.stiffest_n_mm);
-    if (working_n) report_.sentence += fmt::format("; a limit of {:.4g} N at the cuffs can be held", *working_n);
+        "no design keeps the force at each cuff within {} N (--max-cuff-force): the least found is {} N where "
+        "cuffs and flesh are stiffest ({} N/mm)",
+        SignificantText(*problem_.max_cuff_force_n, 4), SignificantText(least_n, 3),
+        SignificantText(problem_.cuffs.stiffest_n_mm, 3));
+    if (working_n)
+      report_.sentence += fmt::format("; a limit of {} N at the cuffs can be held", SignificantText(*working_n, 4));
     RedesignProblem other = unlimited;
     other.fit_placement = true;
     const char* change = "fitting the placement (--fit-placement)";
@@ -124,7 +128,7 @@ class Explainer {
     if (const auto moved = LeastCuffForce(other)) {
       const double moved_n = moved->prediction->cuff_force_n;
       report_.ways.push_back({change, moved_n <= *problem_.max_cuff_force_n, {}, {}});
-      report_.sentence += fmt::format("; {} reaches {:.3g} N", change, moved_n);
+      report_.sentence += fmt::format("; {} reaches {} N", change, SignificantText(moved_n, 3));
     }
     return true;
   }
@@ -139,12 +143,13 @@ class Explainer {
     report_.nearest = most->point;
     report_.largest_margin_mm = most_mm;
     report_.sentence = fmt::format(
-        "no program keeps the centre of pressure {:.4g} mm inside the foot (--balance): the most found is {:.3g} mm "
+        "no program keeps the centre of pressure {} mm inside the foot (--balance): the most found is {} mm "
         "{}, "
         "at {:.0f} % of the rise, leaning the trunk by up to {:.0f}° and the leg by up to {:.0f}° more than the person "
         "did; a seat that is higher or feet drawn back bring the body over the foot, or something must hold the person",
-        problem_.balance->margin_mm, std::abs(most_mm), most_mm < 0 ? "outside" : "inside",
-        most->prediction->balance->at_percent, problem_.balance->trunk_deg, problem_.balance->leg_deg);
+        SignificantText(problem_.balance->margin_mm, 4), SignificantText(std::abs(most_mm), 3),
+        most_mm < 0 ? "outside" : "inside", most->prediction->balance->at_percent, problem_.balance->trunk_deg,
+        problem_.balance->leg_deg);
     return true;
   }
 
@@ -186,9 +191,11 @@ class Explainer {
       needed_s = WorkingDuration(unlimited);
     }
     if (needed_s && problem_.program.duration_s) {
-      report_.ways.push_back({fmt::format("a duration of {:.4g} s", *needed_s), true, {}, needed_s});
-      report_.sentence = fmt::format("no design stands up within {:.4g} s at {:.4g} mm/s: {:.4g} s are enough",
-                                     *problem_.program.duration_s, problem_.program.max_speed_mm_s, *needed_s);
+      report_.ways.push_back({fmt::format("a duration of {} s", SignificantText(*needed_s, 4)), true, {}, needed_s});
+      report_.sentence =
+          fmt::format("no design stands up within {} s at {} mm/s: {} s are enough",
+                      SignificantText(*problem_.program.duration_s, 4),
+                      SignificantText(problem_.program.max_speed_mm_s, 4), SignificantText(*needed_s, 4));
     } else {
       report_.sentence = "no design was found that can make the human's motion; ask for more --starts or wider bounds";
     }
@@ -220,7 +227,9 @@ class Explainer {
     if (problem_.fit_placement) return;
     RedesignProblem other = problem_;
     other.fit_placement = true;
-    AddLeast(fmt::format("fitting the placement within {:.4g} mm (--fit-placement)", other.placement_reach_mm), other);
+    AddLeast(fmt::format("fitting the placement within {} mm (--fit-placement)",
+                         SignificantText(other.placement_reach_mm, 4)),
+             other);
   }
 
   void TryDuration() {
@@ -229,12 +238,14 @@ class Explainer {
     const auto needed_s = WorkingDuration(other);
     if (!needed_s) return;
     const double speed = problem_.program.max_speed_mm_s;
-    std::string text = fmt::format(
-        "{} of at least {:.4g} s at {:.4g} mm/s",
-        problem_.program.kind == Kind::kFree ? "a duration" : "a free program (--program free)", *needed_s, speed);
+    std::string text =
+        fmt::format("{} of at least {} s at {} mm/s",
+                    problem_.program.kind == Kind::kFree ? "a duration" : "a free program (--program free)",
+                    SignificantText(*needed_s, 4), SignificantText(speed, 4));
     if (problem_.program.duration_s)
-      text += fmt::format(", or {:.4g} mm/s in {:.4g} s", RoundedUp(speed * *needed_s / *problem_.program.duration_s),
-                          *problem_.program.duration_s);
+      text += fmt::format(", or {} mm/s in {} s",
+                          SignificantText(RoundedUp(speed * *needed_s / *problem_.program.duration_s), 4),
+                          SignificantText(*problem_.program.duration_s, 4));
     report_.ways.push_back({text, true, {}, needed_s});
   }
 
@@ -258,17 +269,23 @@ class Explainer {
     if (!least) return;
     if (const auto working_n = WorkingCuffForce(least->prediction->cuff_force_n, problem_))
       report_.ways.push_back(
-          {fmt::format("a limit of {:.4g} N at the cuffs (--max-cuff-force)", *working_n), true, {}, {}});
+          {fmt::format("a limit of {} N at the cuffs (--max-cuff-force)", SignificantText(*working_n, 4)),
+           true,
+           {},
+           {}});
   }
 
   std::string Sentence() const {
     const bool free = problem_.program.kind == Kind::kFree;
     std::string program = fmt::format("{} program", ProgramName(problem_.program.kind));
-    if (problem_.program.duration_s) program += fmt::format(" of {:.4g} s", *problem_.program.duration_s);
-    std::string text = fmt::format(
-        "no design has a misalignment of at most {:.4g} %: the smallest found with the {} at {:.4g} mm/s is {:.4g} %",
-        *problem_.max_misalignment_percent, program, problem_.program.max_speed_mm_s, *report_.least_percent);
-    if (report_.working_percent) text += fmt::format(" (a limit of {:.4g} % can be held)", *report_.working_percent);
+    if (problem_.program.duration_s)
+      program += fmt::format(" of {} s", SignificantText(*problem_.program.duration_s, 4));
+    std::string text =
+        fmt::format("no design has a misalignment of at most {} %: the smallest found with the {} at {} mm/s is {} %",
+                    SignificantText(*problem_.max_misalignment_percent, 4), program,
+                    SignificantText(problem_.program.max_speed_mm_s, 4), SignificantText(*report_.least_percent, 4));
+    if (report_.working_percent)
+      text += fmt::format(" (a limit of {} % can be held)", SignificantText(*report_.working_percent, 4));
     std::vector<std::string> names;
     for (const synthesis::ActiveSet::Entry& entry : report_.blocking) names.push_back(entry.name);
     if (!free) names.insert(names.begin(), "the constant program");
@@ -278,7 +295,7 @@ class Explainer {
       if (way.enough)
         enough.push_back(way.text);
       else
-        too_little.push_back(fmt::format("{} reaches {:.4g} %", way.text, *way.misalignment_percent));
+        too_little.push_back(fmt::format("{} reaches {} %", way.text, SignificantText(*way.misalignment_percent, 4)));
     if (!enough.empty()) text += fmt::format("; what would free it: {}", fmt::join(enough, "; or "));
     if (!too_little.empty()) text += fmt::format("; not enough: {}", fmt::join(too_little, ", "));
     return text;

@@ -8,6 +8,7 @@
 #include "lake/core/numbers.h"
 #include "lake/core/processes.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::redesign {
@@ -37,7 +38,8 @@ linkage::StrokeProgram ProgramOfTrial(const linkage::Design& worn, const compare
   std::vector<double> knee_rad;
   for (const double knee_deg : exo.knee_deg) knee_rad.push_back(RadiansFromDegrees(knee_deg));
   const auto strokes = StrokesForAngles(DrivenLinksOf(worn, standing_deg), knee_rad);
-  if (!strokes) throw Fail("the worn design cannot be assembled at its d_min of {:.6g} mm", worn.d_min_mm);
+  if (!strokes)
+    throw Fail("the worn design cannot be assembled at its d_min of {} mm", SignificantText(worn.d_min_mm, 6));
   linkage::StrokeProgram program{Kind::kFree, 0, {}};
   for (std::size_t i = 0; i < strokes->size(); ++i)
     program.knots.push_back({exo.duration_s * static_cast<double>(i) / (compare::kPercentSamples - 1), (*strokes)[i]});
@@ -65,9 +67,10 @@ bool LeavesTooMuch(const MountSlip& slip) {
 void CheckWorn(const MeasuredMotion& measured, const MountSlip& slip, const HumanMotion& human) {
   if (!LeavesTooMuch(slip)) return;
   std::string text = fmt::format(
-      "{}: the joint of its trial was {:.3g} mm RMS off the leg's knee, and {:.3g} mm RMS of that are not explained by "
-      "placement_mm: [{:.4g}, {:.4g}]",
-      measured.worn_file, slip.mount_mm, slip.slip_mm, measured.worn->placement_mm[0], measured.worn->placement_mm[1]);
+      "{}: the joint of its trial was {} mm RMS off the leg's knee, and {} mm RMS of that are not explained by "
+      "placement_mm: [{:.1f}, {:.1f}]",
+      measured.worn_file, SignificantText(slip.mount_mm, 3), SignificantText(slip.slip_mm, 3),
+      measured.worn->placement_mm[0], measured.worn->placement_mm[1]);
   HumanMotion other = human;
   if (const auto placed = SetSlip(*measured.exo, measured.spike, slip.placement_mm, other); !LeavesTooMuch(*placed))
     text +=
@@ -127,7 +130,7 @@ std::vector<NamedFront> Fronts(const RedesignOutcome& outcome, const std::vector
   for (std::size_t i = 0; i < problems.size(); ++i) {
     const ProgramLimits& program = problems[i].program;
     std::string name = ProgramName(program.kind);
-    if (program.duration_s) name += fmt::format(" {:.4g} s", *program.duration_s);
+    if (program.duration_s) name += fmt::format(" {} s", SignificantText(*program.duration_s, 4));
     fronts.push_back({std::move(name), program, points[i]});
   }
   return fronts;

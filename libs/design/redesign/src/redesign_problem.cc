@@ -6,6 +6,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/cuffs/cuff_course.h"
 
 namespace lake::redesign {
@@ -84,7 +85,8 @@ void RedesignProblem::CheckOptions() const {
     throw UsageError("--balance needs the person's body: give --body loads.json, which lake loads writes of the trial");
   const double room_mm = kMmPerM * body->body.sole.Length() / 2;
   if (!(balance->margin_mm >= 0 && balance->margin_mm < room_mm))
-    throw UsageError(fmt::format("--balance {}: 0 to less than half the foot, {:.4g} mm", balance->margin_mm, room_mm));
+    throw UsageError(fmt::format("--balance {}: 0 to less than half the foot, {} mm", balance->margin_mm,
+                                 SignificantText(room_mm, 4)));
 }
 
 void RedesignProblem::Check() const {

@@ -9,6 +9,7 @@
 #include "lake/compare/pointwise_error.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/cuffs/cuff_course.h"
 
 namespace lake::redesign {
@@ -413,7 +414,7 @@ class GroupExtender {
   void AddMisalignmentLimit() {
     if (!shared_.max_misalignment_percent) return;
     const double limit = *shared_.max_misalignment_percent;
-    const std::string text = fmt::format("misalignment ≤ {:.6g} %", limit);
+    const std::string text = fmt::format("misalignment ≤ {} %", SignificantText(limit, 6));
     if (IsMean()) {
       const int row = nlp().AddRow("mean " + text, -nlp::kUnbounded, limit);
       for (const int root : Roots())
@@ -446,8 +447,8 @@ class GroupExtender {
       person.AddMeanSquare(nlp::NlpTerm::kCost, true, kPercentSquared * MisalignmentWeight(problem_));
     if (shared_.goal == Goal::kMisalignment && people_.size() > 1) AddLeastMisalignment();
     if (!shared_.min_range_deg) return;
-    const int row = nlp().AddRow(fmt::format("range ≥ {:.6g} deg", *shared_.min_range_deg), *shared_.min_range_deg,
-                                 nlp::kUnbounded);
+    const int row = nlp().AddRow(fmt::format("range ≥ {} deg", SignificantText(*shared_.min_range_deg, 6)),
+                                 *shared_.min_range_deg, nlp::kUnbounded);
     synthesis::AddScaledTerm(nlp(), row, synthesis_.range, kDegreesPerRadian);
     synthesis_.limits.push_back({{On::kLeastRange}, "deg", row});
   }

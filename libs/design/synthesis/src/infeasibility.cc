@@ -7,6 +7,7 @@
 #include "exchange.h"
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::synthesis {
 namespace {
@@ -121,8 +122,8 @@ void CollectFighting(const ElasticSolve& solve, InfeasibilityReport& report) {
     const nlp::NlpVariable& variable = solve.program.program.Variables()[link];
     const double cost = solution.variable_marginal_costs[link];
     if (std::abs(cost) > kNoCost)
-      report.fighting.push_back(fmt::format("{} {} {:.6g} mm", variable.name, cost > 0 ? "≥" : "≤",
-                                            cost > 0 ? variable.lower : variable.upper));
+      report.fighting.push_back(fmt::format("{} {} {} mm", variable.name, cost > 0 ? "≥" : "≤",
+                                            SignificantText(cost > 0 ? variable.lower : variable.upper, 6)));
   }
 }
 
@@ -147,9 +148,10 @@ std::string Sentence(const InfeasibilityReport& report) {
     text += i ? ", " : " ";
     // An order of two lengths, l2 <= l4, has no number of its own.
     if (relaxation.limit == 0 && sign < 0)
-      text += fmt::format("allow {} + {:.4g}{}", relaxation.text, by, unit);
+      text += fmt::format("allow {} + {}{}", relaxation.text, SignificantText(by, 4), unit);
     else
-      text += fmt::format("relax {} by {:.4g}{} to {:.8g}", relaxation.text, by, unit, relaxation.limit + sign * by);
+      text += fmt::format("relax {} by {}{} to {}", relaxation.text, SignificantText(by, 4), unit,
+                          SignificantText(relaxation.limit + sign * by, 8));
   }
   return text;
 }

@@ -14,6 +14,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::synthesis {
 namespace {
@@ -203,8 +204,8 @@ class ActiveSetFinder {
     if (found == limit_of_variable_.end()) return;
     const Limit& limit = *found->second;
     const char* sign = lower && upper ? "=" : lower ? "≥" : "≤";
-    const std::string name =
-        fmt::format("{} {} {:.6g} {}", variable.name, sign, lower ? variable.lower : variable.upper, limit.unit);
+    const std::string name = fmt::format("{} {} {} {}", variable.name, sign,
+                                         SignificantText(lower ? variable.lower : variable.upper, 6), limit.unit);
     active_.entries.push_back({limit.id, name, solve_.PriceOf(limit), limit.unit});
   }
 

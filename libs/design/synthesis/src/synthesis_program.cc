@@ -6,6 +6,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/problem/assistance.h"
 #include "lake/problem/evaluate.h"
 
@@ -126,7 +127,7 @@ class Builder {
   }
 
   void AddElasticBound(int variable, const std::string& name, double limit, bool is_lower_limit) {
-    const std::string text = fmt::format("{} {} {:.6g} mm", name, is_lower_limit ? "≥" : "≤", limit);
+    const std::string text = fmt::format("{} {} {} mm", name, is_lower_limit ? "≥" : "≤", SignificantText(limit, 6));
     const int row =
         is_lower_limit ? nlp().AddRow(text, limit, nlp::kUnbounded) : nlp().AddRow(text, -nlp::kUnbounded, limit);
     AddScaledTerm(nlp(), row, variable, 1);
@@ -250,7 +251,7 @@ class Builder {
   void AddProfile(const std::vector<int>& samples) {
     for (const int i : samples) {
       const problem::LoadSample& sample = problem_.profile->samples[i];
-      const std::string name = fmt::format(" at {:.4g} %{}", sample.percent, current_.name);
+      const std::string name = fmt::format(" at {} %{}", SignificantText(sample.percent, 4), current_.name);
       const PoseStart start = StartOf(sample.knee_rad);
       const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
       const PoseVariables pose = AddPose(nlp(), name, result_.links, stroke, current_.range, /*fraction=*/0,
@@ -294,7 +295,7 @@ class Builder {
     std::sort(fractions.begin(), fractions.end());
     fractions.erase(std::unique(fractions.begin(), fractions.end()), fractions.end());
     for (const double fraction : fractions) {
-      const std::string name = fmt::format(" at {:.4g}{}", fraction, current_.name);
+      const std::string name = fmt::format(" at {}{}", SignificantText(fraction, 4), current_.name);
       const double standing = RadiansFromDegrees(problem_.standing_deg);
       const PoseStart start = StartOf(std::lerp(standing, at_range_.theta_rad, fraction));
       const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
+#include "label_room.h"
 #include "lake/core/angles.h"
 #include "lake/drawing/linkage_figures.h"
 #include "linkage_page.h"
@@ -18,12 +20,46 @@ std::string Symbol(int link) {
   return fmt::format("{{/:Italic l}}_{}", link);
 }
 
-// Writes a dimension beside the middle of a line, on its right (negative: left), clear of it at any slope.
-void LabelLine(Scene& scene, const Vector2d& from, const Vector2d& to, double aside, const std::string& text,
-               const char* colour) {
-  const Vector2d along = (to - from).normalized(), out = aside * Vector2d(along.y(), -along.x());
-  const double slope = out.x() / out.norm();
-  scene.Label(0.5 * (from + to) + out, text, {colour, slope > 0.5 ? "left" : slope < -0.5 ? "right" : "center"});
+// A length beside its line, first on its right (`side` 1) or left (-1).
+struct Dimension {
+  Vector2d from, to;
+  int side;
+  std::string symbol;
+  double length_mm;
+  const char* colour;
+};
+
+// Writes the letters at their points, then the dimensions.
+class Labels {
+ public:
+  Labels(Scene& scene, LabelRoom& room, double gap_mm) : scene_(scene), room_(room), gap_mm_(gap_mm) {}
+
+  void Letter(const Vector2d& at, const Vector2d& first, const char* letter) {
+    scene_.Label(room_.Place(RoundPoint(at, first), gap_mm_, 1), letter);
+  }
+  void Length(const Dimension& d) {
+    const std::string value = fmt::format(" = {:.2f} mm", d.length_mm);
+    scene_.Label(room_.Place(BesideLine(d.from, d.to, d.side), gap_mm_, 2 + value.size()), d.symbol + value,
+                 {.colour = d.colour});
+  }
+
+ private:
+  Scene& scene_;
+  LabelRoom& room_;
+  double gap_mm_;
+};
+
+// The linkage, and the leg's edges where there is other room.
+void AvoidMechanism(LabelRoom& room, const LinkageLook& look, const PosedLeg& leg, double half_width_mm) {
+  constexpr double kEdgeWeight = 0.1;
+  const linkage::Pose& pose = leg.ThePose();
+  const Vector2d knee(0, 0), thigh_pin = leg.FromThigh(pose.thigh_pin), tip = leg.FromThigh(pose.tip);
+  const Vector2d shank_pin = leg.FromThigh(pose.shank_pin), mount = leg.FromThigh(pose.mount);
+  for (const double way : {0.0, 0.25, 0.5, 0.75, 1.0})  // all of the plate
+    room.Avoid({mount, knee + way * (thigh_pin - knee)}, half_width_mm);
+  room.Avoid({knee, shank_pin, tip, thigh_pin, knee}, half_width_mm);
+  room.Avoid({mount, tip}, 1.6 * half_width_mm);
+  for (const PlanePath& outline : LegOutlines(leg, look.body)) room.Avoid(outline, 0, kEdgeWeight);
 }
 
 // Wide enough for the leg in every pose of the range, so that pictures of one design compare.
@@ -56,47 +92,51 @@ SceneView FourBarView(const LinkageLook& look) {
   return {centre.x() - half, centre.x() + half, centre.y() - half, centre.y() + half};
 }
 
-void LabelWhole(Scene& scene, const LinkageLook& look, const PosedLeg& leg) {
+void LabelWhole(Scene& scene, LabelRoom& room, const LinkageLook& look, const PosedLeg& leg) {
+  constexpr double kGap_mm = 8;
   const linkage::Pose& pose = leg.ThePose();
   const Vector2d thigh_pin = leg.FromThigh(pose.thigh_pin), mount = leg.FromThigh(pose.mount),
-                 tip = leg.FromThigh(pose.tip);
-  const Vector2d bend = leg.FromThigh({0, pose.mount.y()});
-  const std::string l5 = fmt::format("{} = {:.2f} mm", Symbol(5), look.links.l5),
-                    l6 = fmt::format("{} = {:.2f} mm", Symbol(6), look.links.l6);
+                 tip = leg.FromThigh(pose.tip), bend = leg.FromThigh({0, pose.mount.y()});
   scene.Stroke({thigh_pin, bend, mount}, link_colour::kThigh, 1.5, "dashed");
-  LabelLine(scene, thigh_pin, bend, 36, l6, link_text::kThigh);
-  LabelLine(scene, mount, bend, -26, l5, link_text::kThigh);
-  LabelLine(scene, mount, tip, 46, fmt::format("{{/:Italic d}} = {:.2f} mm", pose.stroke_mm), link_text::kCylinder);
-  scene.Label(mount + (mount - bend).normalized() * 28, "M");
-  if (std::abs(pose.theta_rad) < RadiansFromDegrees(8)) return;  // no room for an arc
-  const double radius = 0.28 * look.body.thigh.length_mm, up = std::numbers::pi / 2;
-  scene.Stroke({{0, 0}, {0, 1.5 * radius}}, "#888888", 1.5, "dashed");
-  scene.Stroke(Arc({0, 0}, radius, up, up + pose.theta_rad), "#444444", 1.5);
-  const double middle = up + 0.3 * pose.theta_rad;
-  scene.Label(0.55 * radius * Vector2d(std::cos(middle), std::sin(middle)), "{/:Italic θ}", {.size = 14});
+  room.Avoid({thigh_pin, bend, mount}, 0);
+  Labels labels(scene, room, kGap_mm);
+  if (std::abs(pose.theta_rad) > RadiansFromDegrees(8)) {  // room for an arc
+    const double radius = 0.28 * look.body.thigh.length_mm, up = std::numbers::pi / 2;
+    const PlanePath zero{{0, 0}, {0, 1.5 * radius}}, arc = Arc({0, 0}, radius, up, up + pose.theta_rad);
+    scene.Stroke(zero, "#888888", 1.5, "dashed");
+    scene.Stroke(arc, "#444444", 1.5);
+    room.Avoid(zero, 0);
+    room.Avoid(arc, 0);
+    const double middle = up + 0.3 * pose.theta_rad;
+    const Vector2d out(std::cos(middle), std::sin(middle));
+    labels.Letter(radius * out, -out, "{/:Italic θ}");
+  }
+  labels.Letter(mount, mount - bend, "M");
+  labels.Length({mount, tip, 1, "{/:Italic d}", pose.stroke_mm, link_text::kCylinder});
+  labels.Length({thigh_pin, bend, 1, Symbol(6), look.links.l6, link_text::kThigh});
+  labels.Length({mount, bend, -1, Symbol(5), look.links.l5, link_text::kThigh});
 }
 
-void LabelFourBar(Scene& scene, const LinkageLook& look, const PosedLeg& leg, double view_half_mm) {
+void LabelFourBar(Scene& scene, LabelRoom& room, const LinkageLook& look, const PosedLeg& leg, double view_half_mm) {
   const linkage::Pose& pose = leg.ThePose();
   const Vector2d knee(0, 0), thigh_pin = leg.FromThigh(pose.thigh_pin), tip = leg.FromThigh(pose.tip);
   const Vector2d shank_pin = leg.FromThigh(pose.shank_pin);
-  // Round the four-bar, whose outside is on the left this way; a bar that lies along the thigh plate has its label
-  // beyond the plate.
-  const double outside = -0.13 * view_half_mm;
-  const bool along_thigh = pose.phi_rad < RadiansFromDegrees(50);
-  const auto dimension = [&](const Vector2d& from, const Vector2d& to, int link, double length, const char* colour,
-                             double aside) {
-    LabelLine(scene, from, to, aside, fmt::format("{} = {:.2f} mm", Symbol(link), length), colour);
-  };
-  dimension(thigh_pin, knee, 3, look.links.l3, link_text::kThigh, outside);
-  dimension(knee, shank_pin, 4, look.links.l4, link_text::kShank, outside);
-  dimension(tip, thigh_pin, 2, look.links.l2, link_text::kBar, along_thigh ? 3 * outside : outside);
-  dimension(shank_pin, tip, 1, look.links.l1, link_text::kCoupler, outside);
-  const double away = 0.1 * view_half_mm;
-  scene.Label(knee + away * Vector2d(1, 0.2), "K");
-  scene.Label(shank_pin + away * Vector2d(0.8, -0.6), "S");
-  scene.Label(thigh_pin + away * (leg.FromThigh({-0.95, 0.3})), "P");
-  scene.Label(tip + away * (leg.FromThigh({0.95, -0.3})), "R");
+  Labels labels(scene, room, 0.03 * view_half_mm);
+  labels.Letter(knee, {1, 0.2}, "K");
+  labels.Letter(shank_pin, {0.8, -0.6}, "S");
+  labels.Letter(thigh_pin, leg.FromThigh({-0.95, 0.3}), "P");
+  labels.Letter(tip, leg.FromThigh({0.95, -0.3}), "R");
+  // Round the four-bar, whose outside is on the left this way.
+  labels.Length({thigh_pin, knee, -1, Symbol(3), look.links.l3, link_text::kThigh});
+  labels.Length({knee, shank_pin, -1, Symbol(4), look.links.l4, link_text::kShank});
+  labels.Length({tip, thigh_pin, -1, Symbol(2), look.links.l2, link_text::kBar});
+  labels.Length({shank_pin, tip, -1, Symbol(1), look.links.l1, link_text::kCoupler});
+}
+
+// mm per px of a view that is drawn to one scale on both axes.
+double ScaleOf(const SceneView& view, const Scene::Place& place) {
+  return std::max((view.right - view.left) / (place.width * kPosePageWidth_px),
+                  (view.top - view.bottom) / (place.height * kPosePageHeight_px));
 }
 
 }  // namespace
@@ -116,18 +156,24 @@ void DrawPosePage(figure::GnuplotFigure& figure, const LinkageLook& look, const 
   figure.Line("set multiplot");
   Scene scene(figure);
   const double d_min = look.range.stroke.lower_mm;
+  constexpr double kHalfWidth_mm = 6;
+  constexpr Scene::Place kLeft = {0.075, 0.085, 0.44, 0.80}, kRight = {0.54, 0.085, 0.45, 0.80};
+  const SceneView whole = WholeView(look), near = FourBarView(look);
   DrawLeg(scene, leg, look.body);
-  DrawLinkage(scene, leg, d_min, 6, 0.7);
-  LabelWhole(scene, look, leg);
-  scene.Draw(WholeView(look), {0.075, 0.085, 0.44, 0.80});
+  DrawLinkage(scene, leg, d_min, kHalfWidth_mm, 0.7);
+  LabelRoom beside(whole, ScaleOf(whole, kLeft));
+  AvoidMechanism(beside, look, leg, kHalfWidth_mm);
+  LabelWhole(scene, beside, look, leg);
+  scene.Draw(whole, kLeft);
   figure.Line("unset label 101\nunset label 102");
 
-  const SceneView near = FourBarView(look);
-  const double half = 0.5 * (near.right - near.left);
+  const double half = 0.5 * (near.right - near.left), half_width = 0.03 * half;
   DrawLeg(scene, leg, look.body);
-  DrawLinkage(scene, leg, d_min, 0.03 * half, 1.3);
-  LabelFourBar(scene, look, leg, half);
-  scene.Draw(near, {0.54, 0.085, 0.45, 0.80});
+  DrawLinkage(scene, leg, d_min, half_width, 1.3);
+  LabelRoom around(near, ScaleOf(near, kRight));
+  AvoidMechanism(around, look, leg, half_width);
+  LabelFourBar(scene, around, look, leg, half);
+  scene.Draw(near, kRight);
   figure.Line("unset multiplot");
 }
 

@@ -36,13 +36,17 @@ Vector2d PosedLeg::FromShank(const Vector2d& p) const {
   return Turned(p, shank_tilt_rad_);
 }
 
+std::vector<PlanePath> LegOutlines(const PosedLeg& leg, const linkage::Body& body) {
+  const Vector2d hip = leg.FromThigh({0, body.thigh.length_mm}), ankle = leg.FromShank({0, -body.shank.length_mm});
+  return {FootOutline(leg, body),
+          CapsulePath({0, 0}, ankle, body.shank.proximal_radius_mm, body.shank.distal_radius_mm),
+          CapsulePath(hip, {0, 0}, body.thigh.proximal_radius_mm, body.thigh.distal_radius_mm)};
+}
+
 void DrawLeg(Scene& scene, const PosedLeg& leg, const linkage::Body& body) {
   constexpr const char* kSkin = "#F6E7DA";
   constexpr const char* kEdge = "#A07F60";
-  const Vector2d hip = leg.FromThigh({0, body.thigh.length_mm}), ankle = leg.FromShank({0, -body.shank.length_mm});
-  const std::vector<PlanePath> shapes{
-      FootOutline(leg, body), CapsulePath({0, 0}, ankle, body.shank.proximal_radius_mm, body.shank.distal_radius_mm),
-      CapsulePath(hip, {0, 0}, body.thigh.proximal_radius_mm, body.thigh.distal_radius_mm)};
+  const std::vector<PlanePath> shapes = LegOutlines(leg, body);
   // All edges first, then all fills: the edges within the leg disappear.
   for (const PlanePath& shape : shapes) scene.Stroke(shape, kEdge, 3);
   for (const PlanePath& shape : shapes) scene.Fill(shape, kSkin);

@@ -3,6 +3,8 @@
 // Picture frame: origin at the knee, x anterior (to the right, the way the subject faces), y up, mm.
 #pragma once
 
+#include <vector>
+
 #include "lake/linkage/body.h"
 #include "lake/linkage/linkage.h"
 #include "scene.h"
@@ -42,6 +44,9 @@ inline constexpr const char* kCoupler = "#8A5A00";
 inline constexpr const char* kShank = "#9C3F70";
 inline constexpr const char* kCylinder = link_colour::kCylinder;
 }  // namespace link_text
+
+// Foot, shank and thigh.
+std::vector<PlanePath> LegOutlines(const PosedLeg& leg, const linkage::Body& body);
 
 void DrawLeg(Scene& scene, const PosedLeg& leg, const linkage::Body& body);
 

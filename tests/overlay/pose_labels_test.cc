@@ -1,0 +1,96 @@
+// Labels of the linkage's poses, as in the pictures and the animation, whose pages are the same.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/json.h"
+#include "lake/drawing/linkage_figures.h"
+#include "lake/linkage/body.h"
+#include "lake/linkage/linkage.h"
+#include "published_links.h"
+#include "report/browser.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+// Poses from the shortest to the longest stroke, in one page.
+std::string PageOfPoses(const linkage::Links& links, int poses) {
+  constexpr double kShortest_mm = 242;
+  const drawing::LinkageLook look{.links = links,
+                                  .range = linkage::FindUsedRange(links, kShortest_mm, {}),
+                                  .body = linkage::BodyOf(1800, 80),
+                                  .wear = {},
+                                  .knee_torque_nm = 40};
+  const TemporaryFolder folder;
+  std::string page = "<!DOCTYPE html><html><head>\n</head><body>";
+  for (int i = 0; i < poses; ++i) {
+    const double stroke_mm = kShortest_mm + look.range.stroke.Travel() * i / (poses - 1);
+    drawing::DrawLinkagePose(folder / "pose.svg", look, linkage::RequirePose(links, stroke_mm));
+    page += ReadTextFile(folder / "pose.svg");
+  }
+  return page + "</body></html>";
+}
+
+// In PNG and GIF letters are 4/3 as large as in the SVG, where a point is a px; a line of text has room above and below
+// its letters, a fifth of its height. On a ground of its own a name is drawn twice, first for its ground. Grid, axes
+// and the leg's edges may be behind a label.
+constexpr const char* kFaults = R"(
+  const behind = ['rgb(228, 228, 228)', 'rgb(102, 102, 102)', 'rgb(160, 127, 96)', 'rgb(246, 231, 218)'];
+  const drawn = (part, kind) => {
+    const colour = getComputedStyle(part)[kind];
+    return colour.startsWith('rgb') && !behind.includes(colour);
+  };
+  const faults = [];
+  let labels = 0;
+  for (const svg of document.querySelectorAll('svg')) {
+    const frame = svg.getBoundingClientRect(), 
+          pose = [...svg.querySelectorAll('text')].find(text => text.textContent.includes('°')).textContent.slice(0, 9);
+    const texts = [...svg.querySelectorAll('text')].filter(text => text.textContent.trim() && !text.closest('[style*=filter]'));
+    const boxes = texts.map(text => text.getBoundingClientRect()).map(box => {
+      const x = (box.left + box.right) / 2, y = (box.top + box.bottom) / 2, wide = box.width * 2 / 3, high = 0.8 * box.height * 2 / 3;
+      return {left: x - wide, right: x + wide, top: y - high, bottom: y + high};
+    });
+    const lines = [...svg.querySelectorAll('path')].filter(part => !part.closest('defs') && drawn(part, 'stroke'));
+    const plates = [...svg.querySelectorAll('polygon')].filter(part => drawn(part, 'fill'));
+    texts.forEach((text, i) => {
+      const a = boxes[i];
+      if (a.left < frame.left || a.right > frame.right || a.top < frame.top || a.bottom > frame.bottom)
+        faults.push(`${pose}: outside: ${text.textContent}`);
+      boxes.forEach((b, j) => {
+        if (i < j && a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom)
+          faults.push(`${pose}: ${text.textContent} over ${texts[j].textContent}`);
+      });
+      if (!/^([KPRSMθ]|[ld]\d? = .* mm)$/.test(text.textContent)) return;
+      ++labels;
+      const covers = part => {
+        const box = part.getBoundingClientRect();
+        if (box.left > a.right || box.right < a.left || box.top > a.bottom || box.bottom < a.top) return false;
+        for (let x = a.left; x <= a.right; x += 2)
+          for (let y = a.top; y <= a.bottom; y += 2) {
+            const point = new DOMPoint(x, y).matrixTransform(part.getScreenCTM().inverse());
+            if (part.tagName === 'path' ? part.isPointInStroke(point) : part.isPointInFill(point)) return true;
+          }
+        return false;
+      };
+      for (const part of [...lines, ...plates])
+        if (covers(part)) faults.push(`${pose}: ${text.textContent} over a ${part.tagName} ${part.getAttribute('stroke') ?? part.getAttribute('fill')}`);
+    });
+  }
+  return {labels, faults};)";
+
+TEST(PoseLabels, CoverNeitherEachOtherNorLinksAndStayInThePicture) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  constexpr linkage::Links kRedesign{59.894, 65.557, 50.000, 65.557, 58.513, 299.902};  // of the sample study
+  for (const linkage::Links& links : {kPublishedLinks, kRedesign}) {
+    constexpr int kPoses = 25;  // the animation's
+    const Json answer = Browser().Ask(PageOfPoses(links, kPoses), kFaults, 1400);
+    EXPECT_GE(answer["labels"], 12 * kPoses);  // five letters, seven lengths; near 0° no θ
+    EXPECT_EQ(answer["faults"], Json::array()) << "l6 = " << links.l6;
+  }
+}
+
+}  // namespace
+}  // namespace lake
