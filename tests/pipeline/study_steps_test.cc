@@ -361,13 +361,24 @@ TEST_F(StepsAtOnce, ComeToTheirEndWhereAnotherFails) {
 TEST(StepCost, StepsOverlapAsTheirOrderAllows) {
   const std::vector<steps::StepCost> costs{{10, 300}, {4, 100}, {5, 200}, {1, 50}};
   const std::vector<std::vector<std::size_t>> before{{}, {}, {1}, {0, 2}};
-  const steps::StepCost two = steps::CostOfAll(costs, before, 2);
+  const steps::StepCost two = steps::CostOfAll(costs, before, 2).all;
   EXPECT_EQ(two.seconds, 11);
   EXPECT_EQ(two.memory_mb, 500);
-  const steps::StepCost one = steps::CostOfAll(costs, before, 1);
+  const steps::StepCost one = steps::CostOfAll(costs, before, 1).all;
   EXPECT_EQ(one.seconds, 20);
   EXPECT_EQ(one.memory_mb, 300);
-  EXPECT_EQ(steps::CostOfAll({}, {}, 2).seconds, 0) << "nothing is due";
+  EXPECT_EQ(steps::CostOfAll({}, {}, 2).all.seconds, 0) << "nothing is due";
+}
+
+// A step that keeps both processors busy, and one that keeps one busy, take half as long again while both go.
+TEST(StepCost, StepsShareTheProcessors) {
+  const std::vector<steps::StepCost> costs{{.seconds = 10, .memory_mb = 1, .processors = 2}, {.seconds = 4}};
+  const steps::CostsOfRun run = steps::CostOfAll(costs, {{}, {}}, 2);
+  EXPECT_EQ(run.all.seconds, 12);  // 24 s of two processors
+  EXPECT_EQ(run.seconds, (std::vector<double>{12, 6}));
+  const steps::StepCost alone = steps::CostWith(1, costs[0]);
+  EXPECT_EQ(alone.seconds, 20);
+  EXPECT_EQ(alone.processors, 1);
 }
 
 TEST_F(StepsAtOnce, TheLastCostIsKept) {
@@ -381,6 +392,7 @@ TEST_F(StepsAtOnce, TheLastCostIsKept) {
   ASSERT_TRUE(cost);
   EXPECT_GT(cost->seconds, 0);
   EXPECT_GT(cost->memory_mb, 100);
+  EXPECT_GT(cost->processors, 0);
 }
 
 }  // namespace

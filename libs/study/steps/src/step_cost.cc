@@ -40,27 +40,40 @@ double MachinePace() {
   return pace;
 }
 
-StepCost CostOfAll(const std::vector<StepCost>& steps, const std::vector<std::vector<std::size_t>>& before,
-                   int at_a_time) {
+StepCost CostWith(int processors, StepCost cost) {
+  const double most = std::min(cost.processors, static_cast<double>(processors));
+  cost.seconds *= cost.processors / most;
+  cost.processors = most;
+  return cost;
+}
+
+CostsOfRun CostOfAll(const std::vector<StepCost>& steps, const std::vector<std::vector<std::size_t>>& before,
+                     int at_a_time) {
   constexpr double kWaiting = std::numeric_limits<double>::infinity();
-  std::vector<double> ends(steps.size(), kWaiting);
+  std::vector<double> left_s(steps.size(), kWaiting);  // with all the processors that it wants
   std::vector<std::size_t> running;
-  StepCost all{.seconds = 0, .memory_mb = 0};
-  const auto is_over = [&](std::size_t step) { return ends[step] <= all.seconds; };
+  CostsOfRun run{.all = {.seconds = 0, .memory_mb = 0}, .seconds = std::vector<double>(steps.size())};
+  const auto is_over = [&](std::size_t step) { return left_s[step] <= 0; };
   while (true) {
     for (std::size_t i = 0; i < steps.size() && running.size() < static_cast<std::size_t>(at_a_time); ++i) {
-      if (ends[i] != kWaiting || !std::ranges::all_of(before[i], is_over)) continue;
-      ends[i] = all.seconds + steps[i].seconds;
+      if (left_s[i] != kWaiting || !std::ranges::all_of(before[i], is_over)) continue;
+      left_s[i] = steps[i].seconds;
       running.push_back(i);
     }
-    if (running.empty()) return all;
-    double memory_mb = 0, next_s = kWaiting;
+    if (running.empty()) return run;
+    double memory_mb = 0, processors = 0, next_s = kWaiting;
     for (const std::size_t step : running) {
       memory_mb += steps[step].memory_mb;
-      next_s = std::min(next_s, ends[step]);
+      processors += steps[step].processors;
+      next_s = std::min(next_s, left_s[step]);
     }
-    all.memory_mb = std::max(all.memory_mb, memory_mb);
-    all.seconds = next_s;
+    const double slower = std::max(1.0, processors / at_a_time);
+    run.all.memory_mb = std::max(run.all.memory_mb, memory_mb);
+    run.all.seconds += slower * next_s;
+    for (const std::size_t step : running) {
+      left_s[step] -= next_s;
+      run.seconds[step] += slower * next_s;
+    }
     std::erase_if(running, is_over);
   }
 }
