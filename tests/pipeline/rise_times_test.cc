@@ -51,11 +51,16 @@ TEST_P(RenderedRise, HasItsPhasesWithinAFrame) {
   const auto within = [&](const char* column, double is_s, double tolerance_s) {
     EXPECT_NEAR(table.RequiredNumber(0, table.Column(column)), is_s, tolerance_s) << column;
   };
-  // 3 % of the trunk's peak speed is little: at 240 Hz the noise, which the SD tells, is more than a frame.
-  const double onset_sd_s = table.RequiredNumber(0, table.Column("onset_s_sd"));
-  EXPECT_LT(onset_sd_s, 0.006);
-  within("onset_s", truth.onset_s, std::max(frame_s, 3 * onset_sd_s));
-  within("flexion_s", truth.seat_off_s - truth.onset_s, std::max(frame_s, 3 * onset_sd_s));
+  // The onset is where the trunk has a small part of its peak speed. Noise moves it by a time that does not shrink with
+  // the frame: at 240 Hz by more than one, and then the SD that the table itself says is what it must keep.
+  double onset_s = frame_s;
+  if (scene.frame_rate_hz == 240) {
+    const double sd_s = table.RequiredNumber(0, table.Column("onset_s_sd"));
+    EXPECT_LT(sd_s, 1 / 120.0) << "less than the frame that a film at half the rate keeps";
+    onset_s = std::max(frame_s, 3 * sd_s);
+  }
+  within("onset_s", truth.onset_s, onset_s);
+  within("flexion_s", truth.seat_off_s - truth.onset_s, onset_s);
   within("seat_off_s", truth.seat_off_s, frame_s);
   within("standing_s", truth.standing_s, frame_s);
   within("transfer_s", truth.leaned_s - truth.seat_off_s, frame_s);

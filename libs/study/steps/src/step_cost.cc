@@ -41,9 +41,9 @@ double MachinePace() {
 }
 
 StepCost CostWith(int processors, StepCost cost) {
-  const double most = std::min(cost.processors, static_cast<double>(processors));
-  cost.seconds *= cost.processors / most;
-  cost.processors = most;
+  if (cost.processors <= processors) return cost;
+  cost.seconds *= cost.processors / processors;
+  cost.processors = processors;
   return cost;
 }
 
