@@ -12,10 +12,43 @@ namespace {
 
 using steps::StepCost;
 
+// What a piece of work takes, measured (tests/benchmark/plan_cost.py): whatever its size, for each frame (each start,
+// where designs are sought), and for each million pixels of a frame.
+struct Rates {
+  double fixed_s = 0, frame_s = 0, megapixel_s = 0;
+  double fixed_mb = 0, megapixel_mb = 0;
+  double processors = 1;  // that it keeps busy
+};
+
+constexpr Rates kCalibrate{.fixed_s = 1, .megapixel_s = 0.05, .fixed_mb = 300};
+constexpr Rates kPlane{.fixed_s = 0.8, .fixed_mb = 120};
+// A frame is decoded and searched; for the overlay decoded, drawn and coded. Pictures on their way from thread to
+// thread, and the encoder's, take the memory.
+constexpr Rates kTrack{
+    .fixed_s = 0.4, .frame_s = 0.0001, .megapixel_s = 0.0012, .fixed_mb = 135, .megapixel_mb = 50, .processors = 1.85};
+constexpr Rates kTrackWithOverlay{
+    .fixed_s = 0.4, .frame_s = 0.0019, .megapixel_s = 0.0021, .fixed_mb = 200, .megapixel_mb = 50, .processors = 1.85};
+constexpr Rates kGait{.fixed_s = 0.1, .frame_s = 0.0007, .fixed_mb = 90};
+constexpr Rates kCompare{.fixed_s = 1, .fixed_mb = 130};
+constexpr Rates kLoads{.fixed_s = 0.1, .frame_s = 0.001, .fixed_mb = 105};
+constexpr Rates kOptimize{.fixed_s = 1.3, .frame_s = 0.018, .fixed_mb = 115};
+constexpr Rates kOptimizeWithActuator{.fixed_s = 1, .frame_s = 0.06, .fixed_mb = 115};
+constexpr double kCertify_s = 0.5;
+constexpr double kReoptimize_s = 3, kParetoPoint_s = 0.9;
+constexpr Rates kFigures{.fixed_s = 1.5, .fixed_mb = 370};
+constexpr Rates kFiguresAndAnimation{.fixed_s = 4.8, .fixed_mb = 370, .processors = 1.4};
+constexpr Rates kStroke{.fixed_s = 0.3, .fixed_mb = 75};
+
 // Frames, and a million pixels of each.
 struct RecordingSize {
   double frames = 0, megapixels = 0;
 };
+
+StepCost CostAt(const Rates& rates, const RecordingSize& size = {}) {
+  return {.seconds = rates.fixed_s + size.frames * (rates.frame_s + rates.megapixel_s * size.megapixels),
+          .memory_mb = rates.fixed_mb + rates.megapixel_mb * size.megapixels,
+          .processors = rates.processors};
+}
 
 constexpr double kUsualFrames = 500;  // where a recording does not say
 
@@ -52,55 +85,49 @@ StepCost CostOf(const commands::CalibrateRunOptions& options) {
     const RecordingSize size = SizeOf(picture, {});
     megapixels += std::max(size.frames, 1.0) * size.megapixels;
   }
-  return {.seconds = 1 + 0.05 * megapixels, .memory_mb = 300};
+  return CostAt(kCalibrate, {.frames = 1, .megapixels = megapixels});
 }
 
 StepCost CostOf(const commands::PlaneRunOptions&) {
-  return {.seconds = 0.8, .memory_mb = 120};
+  return CostAt(kPlane);
 }
 
 StepCost CostOf(const commands::TrackRunOptions& options) {
-  const RecordingSize film = SizeOf(options.video, options.track.reader);
-  // A frame is decoded and searched, and once more drawn and coded for the overlay.
-  double per_frame_s = 0.0001 + 0.0012 * film.megapixels;
-  if (options.overlay) per_frame_s += 0.0018 + 0.0009 * film.megapixels;
-  return {.seconds = 0.4 + per_frame_s * film.frames,
-          // Pictures that are on their way from thread to thread, and the encoder's.
-          .memory_mb = 80 + 25 * film.megapixels + (options.overlay ? 65 : 0),
-          .processors = 1.85};
+  return CostAt(options.overlay ? kTrackWithOverlay : kTrack, SizeOf(options.video, options.track.reader));
 }
 
 StepCost CostOf(const commands::GaitRunOptions& options) {
-  return {.seconds = 0.1 + 0.0007 * RowsOf(options.trial), .memory_mb = 90};
+  return CostAt(kGait, {.frames = RowsOf(options.trial)});
 }
 
 StepCost CostOf(const commands::CompareRunOptions&) {
-  return {.seconds = 1, .memory_mb = 95};
+  return CostAt(kCompare);
 }
 
 StepCost CostOfLoads(const StudyTrial& trial) {
   const auto* video = std::get_if<commands::TrackRunOptions>(&trial.work);
-  const double frames = video ? SizeOf(video->video, video->track.reader).frames : RowsOf(trial.Recording());
-  return {.seconds = 0.1 + 0.0014 * frames, .memory_mb = 75};
+  return CostAt(kLoads,
+                {.frames = video ? SizeOf(video->video, video->track.reader).frames : RowsOf(trial.Recording())});
 }
 
 StepCost CostOf(const commands::OptimizeRunOptions& options) {
-  // With an actuator the time of each pose is sought too; of a catalogue, one problem for each row but the first.
-  double per_start_s = 0.009;
-  if (options.problem.actuator) per_start_s = 0.06;
-  if (!options.actuators.empty()) per_start_s = 0.06 * (RowsOf(options.actuators) - 1);
-  double seconds = 1 + per_start_s * options.study.optimize.starts;
-  if (options.study.certify_gap_deg) seconds += 0.5;
-  if (options.reoptimize) seconds += 3 + 0.9 * options.reoptimize->pareto_points.value_or(0);
-  return {.seconds = seconds, .memory_mb = 95};
+  // Of a catalogue, one problem for each row but the first.
+  const double problems = options.actuators.empty() ? 1 : RowsOf(options.actuators) - 1;
+  const bool with_actuator = options.problem.actuator || !options.actuators.empty();
+  StepCost cost =
+      CostAt(with_actuator ? kOptimizeWithActuator : kOptimize, {.frames = problems * options.study.optimize.starts});
+  if (options.study.certify_gap_deg) cost.seconds += kCertify_s;
+  if (options.reoptimize)
+    cost.seconds += kReoptimize_s + kParetoPoint_s * options.reoptimize->pareto_points.value_or(0);
+  return cost;
 }
 
 StepCost CostOf(const commands::SimulationOptions& options) {
-  return {.seconds = options.animation ? 4.8 : 1.5, .memory_mb = 350};
+  return CostAt(options.animation ? kFiguresAndAnimation : kFigures);
 }
 
 StepCost CostOf(const commands::StrokeRunOptions&) {
-  return {.seconds = 0.3, .memory_mb = 75};
+  return CostAt(kStroke);
 }
 
 }  // namespace lake::study

@@ -70,10 +70,10 @@ const StepKind& KindOf(const std::string& step) {
 
 // Measured where the step has been done, else expected of this machine, whose pace is measured for that alone.
 steps::StepCost PlannedCost(const steps::StudyStep& step, const std::optional<steps::StepCost>& last) {
-  if (last) return steps::CostWith(Threads(), *last);
+  if (last) return *last;
   steps::StepCost expected = step.expected;
   expected.seconds *= steps::MachinePace();
-  return steps::CostWith(Threads(), expected);
+  return expected;
 }
 
 PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>& before, const std::string& why) {

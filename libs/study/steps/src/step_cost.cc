@@ -1,8 +1,8 @@
 #include "lake/steps/step_cost.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <numeric>
 
@@ -19,16 +19,16 @@ double FixedWork() {
   return std::accumulate(numbers.begin(), numbers.end(), 0.0);
 }
 
+// In processor time, which does not hang on what else the machine does at the moment.
 double MeasuredPace() {
-  using Clock = std::chrono::steady_clock;
   constexpr int kTries = 5;
   constexpr double kReference_s = 0.0162;  // of the machine that costs were measured on
   double least_s = std::numeric_limits<double>::infinity();
   for (int attempt = 0; attempt < kTries; ++attempt) {
-    const Clock::time_point start = Clock::now();
+    const std::clock_t start = std::clock();
     volatile double kept = FixedWork();  // is not left out
     (void)kept;
-    least_s = std::min(least_s, std::chrono::duration<double>(Clock::now() - start).count());
+    least_s = std::min(least_s, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
   }
   return least_s / kReference_s;
 }
@@ -38,13 +38,6 @@ double MeasuredPace() {
 double MachinePace() {
   static const double pace = MeasuredPace();
   return pace;
-}
-
-StepCost CostWith(int processors, StepCost cost) {
-  if (cost.processors <= processors) return cost;
-  cost.seconds *= cost.processors / processors;
-  cost.processors = processors;
-  return cost;
 }
 
 CostsOfRun CostOfAll(const std::vector<StepCost>& steps, const std::vector<std::vector<std::size_t>>& before,

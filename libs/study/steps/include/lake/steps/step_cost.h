@@ -16,9 +16,6 @@ struct StepCost {
 // where it is as fast. Measured once, the least of some tries, 0.1 s in all.
 double MachinePace();
 
-// The same work where a step has no more than so many processors.
-StepCost CostWith(int processors, StepCost cost);
-
 struct CostsOfRun {
   StepCost all;                 // when the last has ended, and the most memory at a time
   std::vector<double> seconds;  // of each, from its beginning to its end, beside the others
