@@ -1,6 +1,8 @@
 // A folder with one file per marker, as Tracker exports single tracks.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/exchange/convert.h"
@@ -47,6 +49,20 @@ TEST_F(MarkerFiles, AreOneFrameWhereTimesAreRounded) {
   Write("knee", 0, 5, 100);
   Write("ankle", 0, 5, 200, 0.0004);
   EXPECT_EQ(Read().time_s.size(), 5u);
+}
+
+// As Tracker writes them where the language has it so.
+TEST_F(MarkerFiles, MayHaveADecimalComma) {
+  Write("knee", 0, 5, 100.5);
+  const PointRecording with_points = Read();
+  const std::filesystem::path file = folder_ / "markers/knee.txt";
+  std::string text = ReadTextFile(file);
+  std::ranges::replace(text, '.', ',');
+  WriteTextFile(file, text);
+  const PointRecording with_commas = Read();
+  EXPECT_EQ(with_commas.time_s, with_points.time_s);
+  EXPECT_EQ(with_commas.points[0].positions, with_points.points[0].positions);
+  EXPECT_EQ(with_commas.points[0].positions[1], Eigen::Vector3d(101.5, 10, 0));
 }
 
 TEST_F(MarkerFiles, OfOtherTimesAreRefused) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "lake/core/csv.h"
@@ -40,26 +41,35 @@ TEST_P(RenderedRise, HasItsPhasesWithinAFrame) {
   scene.motion.repetitions = 1;
   scene.motion.min_rest_s = 1, scene.motion.max_rest_s = 1.2;
   const auto motion = std::make_shared<synth::StsMotion>(scene.motion);
+  scene.duration_s = motion->DurationS();
   const TrueRiseTimes truth = TrueTimesOf(*motion);
   RenderedTrial trial(synth::Scene(scene, motion), {.crf = 17});
   trial.Track();
   const CsvTable table = CsvTable::Read(trial.folder / "trial/sit_to_stand.csv");
   ASSERT_EQ(table.Rows(), 2u);
   const double frame_s = 1 / scene.frame_rate_hz;
-  const auto within = [&](const char* column, double is_s) {
-    EXPECT_NEAR(table.RequiredNumber(0, table.Column(column)), is_s, frame_s) << column;
+  const auto within = [&](const char* column, double is_s, double tolerance_s) {
+    EXPECT_NEAR(table.RequiredNumber(0, table.Column(column)), is_s, tolerance_s) << column;
   };
-  within("onset_s", truth.onset_s);
-  within("seat_off_s", truth.seat_off_s);
-  within("standing_s", truth.standing_s);
-  within("flexion_s", truth.seat_off_s - truth.onset_s);
-  within("transfer_s", truth.leaned_s - truth.seat_off_s);
-  within("extension_s", truth.standing_s - truth.leaned_s);
-  within("stabilisation_s", truth.steady_s - truth.standing_s);
-  within("descent_s", truth.seated_s - truth.descent_s);
+  // The onset is where the trunk has a small part of its peak speed. Noise moves it by a time that does not shrink with
+  // the frame: at 240 Hz by more than one, and then the SD that the table itself says is what it must keep.
+  double onset_s = frame_s;
+  if (scene.frame_rate_hz == 240) {
+    const double sd_s = table.RequiredNumber(0, table.Column("onset_s_sd"));
+    EXPECT_LT(sd_s, 1 / 120.0) << "less than the frame that a film at half the rate keeps";
+    onset_s = std::max(frame_s, 3 * sd_s);
+  }
+  within("onset_s", truth.onset_s, onset_s);
+  within("flexion_s", truth.seat_off_s - truth.onset_s, onset_s);
+  within("seat_off_s", truth.seat_off_s, frame_s);
+  within("standing_s", truth.standing_s, frame_s);
+  within("transfer_s", truth.leaned_s - truth.seat_off_s, frame_s);
+  within("extension_s", truth.standing_s - truth.leaned_s, frame_s);
+  within("stabilisation_s", truth.steady_s - truth.standing_s, frame_s);
+  within("descent_s", truth.seated_s - truth.descent_s, frame_s);
 }
 
-INSTANTIATE_TEST_SUITE_P(, RenderedRise, testing::Values(30.0, 120.0),
+INSTANTIATE_TEST_SUITE_P(, RenderedRise, testing::Values(30.0, 60.0, 120.0, 240.0),
                          [](const auto& info) { return fmt::format("{:.0f}Hz", info.param); });
 
 // The same person, seen by a camera at 60 Hz and by another at 30 Hz that was started later and stands elsewhere.

@@ -9,12 +9,16 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <opencv2/core.hpp>
 #include <thread>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/threads.h"
+#include "lake/study/study.h"
+#include "lake/study/study_file.h"
+#include "lake/video/video_writer.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -361,13 +365,22 @@ TEST_F(StepsAtOnce, ComeToTheirEndWhereAnotherFails) {
 TEST(StepCost, StepsOverlapAsTheirOrderAllows) {
   const std::vector<steps::StepCost> costs{{10, 300}, {4, 100}, {5, 200}, {1, 50}};
   const std::vector<std::vector<std::size_t>> before{{}, {}, {1}, {0, 2}};
-  const steps::StepCost two = steps::CostOfAll(costs, before, 2);
+  const steps::StepCost two = steps::CostOfAll(costs, before, 2).all;
   EXPECT_EQ(two.seconds, 11);
   EXPECT_EQ(two.memory_mb, 500);
-  const steps::StepCost one = steps::CostOfAll(costs, before, 1);
+  const steps::StepCost one = steps::CostOfAll(costs, before, 1).all;
   EXPECT_EQ(one.seconds, 20);
   EXPECT_EQ(one.memory_mb, 300);
-  EXPECT_EQ(steps::CostOfAll({}, {}, 2).seconds, 0) << "nothing is due";
+  EXPECT_EQ(steps::CostOfAll({}, {}, 2).all.seconds, 0) << "nothing is due";
+}
+
+// A step that keeps both processors busy, and one that keeps one busy, take half as long again while both go.
+TEST(StepCost, StepsShareTheProcessors) {
+  const std::vector<steps::StepCost> costs{{.seconds = 10, .memory_mb = 1, .processors = 2}, {.seconds = 4}};
+  const steps::CostsOfRun run = steps::CostOfAll(costs, {{}, {}}, 2);
+  EXPECT_EQ(run.all.seconds, 12);  // 24 s of two processors
+  EXPECT_EQ(run.seconds, (std::vector<double>{12, 6}));
+  EXPECT_EQ(steps::CostOfAll({costs[0]}, {{}}, 1).all.seconds, 20) << "half as many processors as it keeps busy";
 }
 
 TEST_F(StepsAtOnce, TheLastCostIsKept) {
@@ -381,6 +394,31 @@ TEST_F(StepsAtOnce, TheLastCostIsKept) {
   ASSERT_TRUE(cost);
   EXPECT_GT(cost->seconds, 0);
   EXPECT_GT(cost->memory_mb, 100);
+  EXPECT_GT(cost->processors, 0);
+}
+
+// Tracking a film of so many frames and that size, as its study is planned before it is ever done. All plans of one
+// process know one pace of the machine.
+steps::StepCost PlannedTracking(int frames, int width, const std::string& options = "") {
+  TemporaryFolder folder;
+  video::VideoWriter writer(folder / "human.mp4",
+                            {.width = width, .height = width / 2, .grey = true, .preset = "ultrafast", .threads = 1});
+  for (int i = 0; i < frames; ++i) writer.Write(cv::Mat(width / 2, width, CV_8UC1, cv::Scalar(40)), i / 30.0);
+  writer.Finish();
+  WriteTextFile(folder / "study.yaml", "human: {video: human.mp4" + options + "}\n");
+  return study::PlanStudy(study::ReadStudyFile(folder / "study.yaml"), folder / "out").steps.front().cost;
+}
+
+TEST(StepCost, OfAFilmGrowsWithItsFramesAndTheirPixels) {
+  const double once_s = PlannedTracking(20, 320).seconds, twice_s = PlannedTracking(40, 320).seconds;
+  EXPECT_GT(twice_s, once_s);
+  EXPECT_NEAR(PlannedTracking(80, 320).seconds - twice_s, 2 * (twice_s - once_s), 1e-9);
+  // Of the frames that are read; the rate is the container's mean.
+  EXPECT_NEAR(PlannedTracking(80, 320, ", end_s: 0.6667").seconds, once_s, 0.1 * (twice_s - once_s));
+  const steps::StepCost large = PlannedTracking(20, 640), larger = PlannedTracking(20, 1280);
+  EXPECT_NEAR((larger.seconds - large.seconds) / (large.seconds - once_s), 4, 1e-6);
+  EXPECT_GT(larger.memory_mb, large.memory_mb);
+  EXPECT_LT(PlannedTracking(20, 640, ", overlay: false").seconds, large.seconds);
 }
 
 }  // namespace

@@ -1,32 +1,80 @@
 #include "step_costs.h"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 
 #include "lake/core/error.h"
-#include "lake/video/video_reader.h"
+#include "lake/video/video_files.h"
 
 namespace lake::study {
 namespace {
 
 using steps::StepCost;
 
+// What a piece of work takes, measured (tests/benchmark/plan_cost.py): whatever its size, for each frame (each start,
+// where designs are sought), and for each million pixels of a frame.
+struct Rates {
+  double fixed_s = 0, frame_s = 0, megapixel_s = 0;
+  double fixed_mb = 0, megapixel_mb = 0;
+  double processors = 1;  // that it keeps busy
+};
+
+constexpr Rates kCalibrate{.fixed_s = 1, .megapixel_s = 0.05, .fixed_mb = 300};
+constexpr Rates kPlane{.fixed_s = 0.8, .fixed_mb = 120};
+// A frame is decoded and searched; for the overlay decoded, drawn and coded. Pictures on their way from thread to
+// thread, and the encoder's, take the memory.
+constexpr Rates kTrack{
+    .fixed_s = 0.4, .frame_s = 0.0001, .megapixel_s = 0.0012, .fixed_mb = 135, .megapixel_mb = 50, .processors = 1.85};
+constexpr Rates kTrackWithOverlay{
+    .fixed_s = 0.4, .frame_s = 0.0019, .megapixel_s = 0.0021, .fixed_mb = 200, .megapixel_mb = 50, .processors = 1.85};
+constexpr Rates kGait{.fixed_s = 0.1, .frame_s = 0.0007, .fixed_mb = 90};
+constexpr Rates kCompare{.fixed_s = 1, .fixed_mb = 130};
+constexpr Rates kLoads{.fixed_s = 0.1, .frame_s = 0.001, .fixed_mb = 105};
+constexpr Rates kOptimize{.fixed_s = 1.3, .frame_s = 0.018, .fixed_mb = 115};
+constexpr Rates kOptimizeWithActuator{.fixed_s = 1, .frame_s = 0.06, .fixed_mb = 115};
+constexpr double kCertify_s = 0.5;
+constexpr double kReoptimize_s = 3, kParetoPoint_s = 0.9;
+constexpr Rates kFigures{.fixed_s = 1.5, .fixed_mb = 370};
+constexpr Rates kFiguresAndAnimation{.fixed_s = 4.8, .fixed_mb = 370, .processors = 1.4};
+constexpr Rates kStroke{.fixed_s = 0.3, .fixed_mb = 75};
+
 // Frames, and a million pixels of each.
-struct FilmSize {
+struct RecordingSize {
   double frames = 0, megapixels = 0;
 };
 
+StepCost CostAt(const Rates& rates, const RecordingSize& size = {}) {
+  return {.seconds = rates.fixed_s + size.frames * (rates.frame_s + rates.megapixel_s * size.megapixels),
+          .memory_mb = rates.fixed_mb + rates.megapixel_mb * size.megapixels,
+          .processors = rates.processors};
+}
+
+constexpr double kUsualFrames = 500;  // where a recording does not say
+
 // Of what will be read of it. A file that cannot be opened costs nothing: its step says why.
-FilmSize SizeOf(const std::filesystem::path& video, const video::VideoReaderOptions& options) {
+RecordingSize SizeOf(const std::filesystem::path& video, const video::VideoReaderOptions& options) {
+  constexpr double kUsual_hz = 30;
   try {
-    const video::VideoInfo info = video::VideoReader::Open(video, options)->Info();
-    constexpr double kUsualFrames = 500;  // where the container does not say
-    double frames = info.frames ? static_cast<double>(*info.frames) : kUsualFrames;
-    const double end_s = options.end_s.value_or(frames / std::max(info.frame_rate_hz, 1.0));
-    frames = std::min(frames, std::max(0.0, end_s - options.start_s.value_or(0)) * info.frame_rate_hz);
-    return {frames, 1e-6 * info.width * info.height};
+    const video::FilmSize film = video::SizeOfFilm(video);
+    const double rate_hz = options.capture_rate_hz > 0 ? options.capture_rate_hz
+                           : film.frame_rate_hz > 0    ? film.frame_rate_hz
+                                                       : kUsual_hz;
+    double frames = film.frames ? static_cast<double>(*film.frames) : kUsualFrames;
+    const double end_s = options.end_s.value_or(frames / rate_hz);
+    frames = std::min(frames, std::max(0.0, end_s - options.start_s.value_or(0)) * rate_hz);
+    return {frames, 1e-6 * film.width * film.height};
   } catch (const Error&) {
     return {};
   }
+}
+
+// A table's frames, one in a row; what is no text has as many as is usual.
+double RowsOf(const std::filesystem::path& table) {
+  std::ifstream file(table, std::ios::binary);
+  if (!file || !std::filesystem::is_regular_file(table) || table.extension() == ".c3d") return kUsualFrames;
+  using Characters = std::istreambuf_iterator<char>;
+  return static_cast<double>(std::count(Characters(file), Characters(), '\n'));
 }
 
 }  // namespace
@@ -34,50 +82,52 @@ FilmSize SizeOf(const std::filesystem::path& video, const video::VideoReaderOpti
 StepCost CostOf(const commands::CalibrateRunOptions& options) {
   double megapixels = 0;
   for (const std::filesystem::path& picture : options.pictures) {
-    const FilmSize size = SizeOf(picture, {});
+    const RecordingSize size = SizeOf(picture, {});
     megapixels += std::max(size.frames, 1.0) * size.megapixels;
   }
-  return {.seconds = 1 + 0.05 * megapixels, .memory_mb = 300};
+  return CostAt(kCalibrate, {.frames = 1, .megapixels = megapixels});
 }
 
 StepCost CostOf(const commands::PlaneRunOptions&) {
-  return {.seconds = 0.8, .memory_mb = 120};
+  return CostAt(kPlane);
 }
 
 StepCost CostOf(const commands::TrackRunOptions& options) {
-  const FilmSize film = SizeOf(options.video, options.track.reader);
-  // A frame is decoded and searched twice, and once more drawn and coded for the overlay; the fit and the figures take
-  // their time by frames alone.
-  const double per_megapixel_s = options.overlay ? 0.005 : 0.002;
-  return {.seconds = 1.5 + film.frames * (0.0022 + per_megapixel_s * film.megapixels),
-          .memory_mb = 150 + 130 * film.megapixels};
+  return CostAt(options.overlay ? kTrackWithOverlay : kTrack, SizeOf(options.video, options.track.reader));
 }
 
-StepCost CostOf(const commands::GaitRunOptions&) {
-  return {.seconds = 1, .memory_mb = 100};
+StepCost CostOf(const commands::GaitRunOptions& options) {
+  return CostAt(kGait, {.frames = RowsOf(options.trial)});
 }
 
 StepCost CostOf(const commands::CompareRunOptions&) {
-  return {.seconds = 1, .memory_mb = 85};
+  return CostAt(kCompare);
 }
 
-StepCost CostOf(const commands::LoadsRunOptions&) {
-  return {.seconds = 1.2, .memory_mb = 80};
+StepCost CostOfLoads(const StudyTrial& trial) {
+  const auto* video = std::get_if<commands::TrackRunOptions>(&trial.work);
+  return CostAt(kLoads,
+                {.frames = video ? SizeOf(video->video, video->track.reader).frames : RowsOf(trial.Recording())});
 }
 
 StepCost CostOf(const commands::OptimizeRunOptions& options) {
-  double seconds = 1 + 0.06 * options.study.optimize.starts;
-  if (options.study.certify_gap_deg) seconds += 0.5;
-  if (options.reoptimize) seconds += 3 + 0.9 * options.reoptimize->pareto_points.value_or(0);
-  return {.seconds = seconds, .memory_mb = 85};
+  // Of a catalogue, one problem for each row but the first.
+  const double problems = options.actuators.empty() ? 1 : RowsOf(options.actuators) - 1;
+  const bool with_actuator = options.problem.actuator || !options.actuators.empty();
+  StepCost cost =
+      CostAt(with_actuator ? kOptimizeWithActuator : kOptimize, {.frames = problems * options.study.optimize.starts});
+  if (options.study.certify_gap_deg) cost.seconds += kCertify_s;
+  if (options.reoptimize)
+    cost.seconds += kReoptimize_s + kParetoPoint_s * options.reoptimize->pareto_points.value_or(0);
+  return cost;
 }
 
 StepCost CostOf(const commands::SimulationOptions& options) {
-  return {.seconds = options.animation ? 5.0 : 1.5, .memory_mb = 480};
+  return CostAt(options.animation ? kFiguresAndAnimation : kFigures);
 }
 
 StepCost CostOf(const commands::StrokeRunOptions&) {
-  return {.seconds = 0.3, .memory_mb = 60};
+  return CostAt(kStroke);
 }
 
 }  // namespace lake::study

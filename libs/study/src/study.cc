@@ -26,7 +26,7 @@ steps::StudyStep ReportStep(const StudyFile& study, const fs::path& out, const J
                         .folder = out,
                         .inputs = {study.file},
                         .options = {{"name", study.name}},
-                        .expected = {.seconds = 0.2, .memory_mb = 40}};
+                        .expected = {.seconds = 0.2, .memory_mb = 60}};
   for (const steps::StudyStep& earlier : before) step.whole_steps.push_back(earlier.name);
   step.work = [study, out, head, steps = step.whole_steps](Run& run) {
     report::WriteReport(run.Result("report.html"), MakeStudyReport(study, {out, steps}, head));
@@ -71,7 +71,9 @@ const StepKind& KindOf(const std::string& step) {
 // Measured where the step has been done, else expected of this machine, whose pace is measured for that alone.
 steps::StepCost PlannedCost(const steps::StudyStep& step, const std::optional<steps::StepCost>& last) {
   if (last) return *last;
-  return {.seconds = steps::MachinePace() * step.expected.seconds, .memory_mb = step.expected.memory_mb};
+  steps::StepCost expected = step.expected;
+  expected.seconds *= steps::MachinePace();
+  return expected;
 }
 
 PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>& before, const std::string& why) {
@@ -88,6 +90,7 @@ PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>&
                    .failed = steps::StepFailure(step),
                    .needs = kind.needs,
                    .cost = PlannedCost(step, last),
+                   .seconds = 0,
                    .was_done = last.has_value()};
   for (const fs::path& input : step.inputs) plan.inputs.push_back(Absolute(input));
   for (const char* output : kind.outputs) plan.outputs.push_back(Absolute(step.folder / output));
@@ -157,19 +160,23 @@ Json RunStudyFile(const StudyFile& study, Run& run, bool keep_going) {
   return summary;
 }
 
-steps::StepCost CostOfDue(const std::vector<PlannedStep>& steps, int at_a_time) {
+steps::StepCost CostOfDue(std::vector<PlannedStep>& steps, int at_a_time) {
+  std::vector<PlannedStep*> due;
   std::vector<steps::StepCost> costs;
   std::vector<std::vector<std::size_t>> before;
   std::map<std::string, std::size_t> place;
-  for (const PlannedStep& step : steps) {
+  for (PlannedStep& step : steps) {
     if (!step.due) continue;
     place[step.name] = costs.size();
+    due.push_back(&step);
     costs.push_back(step.cost);
     std::vector<std::size_t>& waits_for = before.emplace_back();
     for (const std::string& name : step.after)
       if (const auto found = place.find(name); found != place.end()) waits_for.push_back(found->second);
   }
-  return steps::CostOfAll(costs, before, at_a_time);
+  const steps::CostsOfRun run = steps::CostOfAll(costs, before, at_a_time);
+  for (std::size_t i = 0; i < due.size(); ++i) due[i]->seconds = run.seconds[i];
+  return run.all;
 }
 
 StudyPlan PlanStudy(const StudyFile& study, const fs::path& out, const std::string& made_by) {
@@ -177,8 +184,10 @@ StudyPlan PlanStudy(const StudyFile& study, const fs::path& out, const std::stri
   const std::vector<std::string> reasons = steps::WhyDoSteps(steps, made_by);
   StudyPlan plan{.name = study.name, .study = Absolute(study.file), .out = Absolute(out), .steps = {}};
   plan.steps.reserve(steps.size());
-  for (std::size_t i = 0; i < steps.size(); ++i)
+  for (std::size_t i = 0; i < steps.size(); ++i) {
     plan.steps.push_back(PlanOf(steps[i], steps::StepsBefore(steps, steps[i]), reasons[i]));
+    plan.steps.back().seconds = plan.steps.back().cost.seconds;
+  }
   plan.cost = CostOfDue(plan.steps, Threads());
   return plan;
 }
@@ -204,7 +213,7 @@ Json PlanJson(const StudyPlan& plan) {
          {"outputs", Texts(step.outputs)},
          {"due", step.due ? Json(*step.due) : Json()},
          {"failed", step.failed ? Json(*step.failed) : Json()},
-         {"expected", CostJson(step.cost)},
+         {"expected", CostJson({.seconds = step.seconds, .memory_mb = step.cost.memory_mb})},
          {"expected_from", step.was_done ? "its last run" : "the size of its work"},
          {"resources",
           {{"threads", step.needs.threads}, {"memory_mb", step.needs.memory_mb}, {"minutes", step.needs.minutes}}}});

@@ -24,12 +24,18 @@ void Tell(const OptionList& list, const Json& given, steps::StudyStep& step) {
 
 // One command with these options.
 template <typename Options>
-steps::StudyStep StepOf(Options options, Json (*command)(const Options&, Run&), const StudySection& section) {
-  steps::StudyStep step{.options = section.text, .expected = CostOf(options)};
+steps::StudyStep StepOf(Options options, Json (*command)(const Options&, Run&), const StudySection& section,
+                        const steps::StepCost& expected) {
+  steps::StudyStep step{.options = section.text, .expected = expected};
   for (const InputFile& input : InputsOf(options)) step.inputs.push_back(input.path);
   Tell(OptionsOf(options), section.given, step);
   step.work = [options = std::move(options), command](Run& run) { run.WriteSummary(command(options, run)); };
   return step;
+}
+
+template <typename Options>
+steps::StudyStep StepOf(const Options& options, Json (*command)(const Options&, Run&), const StudySection& section) {
+  return StepOf(options, command, section, CostOf(options));
 }
 
 // The camera file that the videos are tracked with.
@@ -209,7 +215,7 @@ OptionalStep LoadsStep(const StudyFile& study, const fs::path& out) {
   if (!study.loads) return std::nullopt;
   commands::LoadsRunOptions options = *study.loads;
   options.trial = out / "human";
-  steps::StudyStep step = StepOf(options, commands::RunLoads, study.loads_section);
+  steps::StudyStep step = StepOf(options, commands::RunLoads, study.loads_section, CostOfLoads(study.human));
   step.what = "what the knee needs";
   return step;
 }

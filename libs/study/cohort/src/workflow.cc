@@ -301,7 +301,7 @@ Json WorkflowPlanJson(const Workflow& workflow, int cores) {
   }
   for (const Failure& failure : workflow.failed) failed.push_back(failure.Text());
   const std::vector<std::vector<std::size_t>> independent(costs.size());
-  const steps::StepCost all = steps::CostOfAll(costs, independent, std::max(1, cores / threads));
+  const steps::StepCost all = steps::CostOfAll(costs, independent, std::max(1, cores / threads)).all;
   return {{"name", workflow.name}, {"expected", study::CostJson(all)}, {"recordings", recordings}, {"failed", failed}};
 }
 

@@ -1,8 +1,8 @@
 #include "lake/steps/step_cost.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <numeric>
 
@@ -19,16 +19,16 @@ double FixedWork() {
   return std::accumulate(numbers.begin(), numbers.end(), 0.0);
 }
 
+// In processor time, which does not hang on what else the machine does at the moment.
 double MeasuredPace() {
-  using Clock = std::chrono::steady_clock;
   constexpr int kTries = 5;
   constexpr double kReference_s = 0.0162;  // of the machine that costs were measured on
   double least_s = std::numeric_limits<double>::infinity();
   for (int attempt = 0; attempt < kTries; ++attempt) {
-    const Clock::time_point start = Clock::now();
+    const std::clock_t start = std::clock();
     volatile double kept = FixedWork();  // is not left out
     (void)kept;
-    least_s = std::min(least_s, std::chrono::duration<double>(Clock::now() - start).count());
+    least_s = std::min(least_s, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
   }
   return least_s / kReference_s;
 }
@@ -40,27 +40,33 @@ double MachinePace() {
   return pace;
 }
 
-StepCost CostOfAll(const std::vector<StepCost>& steps, const std::vector<std::vector<std::size_t>>& before,
-                   int at_a_time) {
+CostsOfRun CostOfAll(const std::vector<StepCost>& steps, const std::vector<std::vector<std::size_t>>& before,
+                     int at_a_time) {
   constexpr double kWaiting = std::numeric_limits<double>::infinity();
-  std::vector<double> ends(steps.size(), kWaiting);
+  std::vector<double> left_s(steps.size(), kWaiting);  // with all the processors that it wants
   std::vector<std::size_t> running;
-  StepCost all{.seconds = 0, .memory_mb = 0};
-  const auto is_over = [&](std::size_t step) { return ends[step] <= all.seconds; };
+  CostsOfRun run{.all = {.seconds = 0, .memory_mb = 0}, .seconds = std::vector<double>(steps.size())};
+  const auto is_over = [&](std::size_t step) { return left_s[step] <= 0; };
   while (true) {
     for (std::size_t i = 0; i < steps.size() && running.size() < static_cast<std::size_t>(at_a_time); ++i) {
-      if (ends[i] != kWaiting || !std::ranges::all_of(before[i], is_over)) continue;
-      ends[i] = all.seconds + steps[i].seconds;
+      if (left_s[i] != kWaiting || !std::ranges::all_of(before[i], is_over)) continue;
+      left_s[i] = steps[i].seconds;
       running.push_back(i);
     }
-    if (running.empty()) return all;
-    double memory_mb = 0, next_s = kWaiting;
+    if (running.empty()) return run;
+    double memory_mb = 0, processors = 0, next_s = kWaiting;
     for (const std::size_t step : running) {
       memory_mb += steps[step].memory_mb;
-      next_s = std::min(next_s, ends[step]);
+      processors += steps[step].processors;
+      next_s = std::min(next_s, left_s[step]);
     }
-    all.memory_mb = std::max(all.memory_mb, memory_mb);
-    all.seconds = next_s;
+    const double slower = std::max(1.0, processors / at_a_time);
+    run.all.memory_mb = std::max(run.all.memory_mb, memory_mb);
+    run.all.seconds += slower * next_s;
+    for (const std::size_t step : running) {
+      left_s[step] -= next_s;
+      run.seconds[step] += slower * next_s;
+    }
     std::erase_if(running, is_over);
   }
 }

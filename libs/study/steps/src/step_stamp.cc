@@ -58,12 +58,13 @@ std::optional<StepStamp> ReadStamp(const fs::path& folder, const std::string& st
   const Json json = ReadFile(StampPath(folder, step));
   if (!json.is_object() || !json.contains("outputs")) return std::nullopt;
   try {
-    return StepStamp{
-        .made_by = json.at("maker").get<std::string>(),
-        .options = json.at("options"),
-        .inputs = StatesFrom(json.at("inputs")),
-        .outputs = OutputsFrom(json.at("outputs"), folder),
-        .cost = {.seconds = json.at("seconds").get<double>(), .memory_mb = json.at("memory_mb").get<double>()}};
+    return StepStamp{.made_by = json.at("maker").get<std::string>(),
+                     .options = json.at("options"),
+                     .inputs = StatesFrom(json.at("inputs")),
+                     .outputs = OutputsFrom(json.at("outputs"), folder),
+                     .cost = {.seconds = json.at("seconds").get<double>(),
+                              .memory_mb = json.at("memory_mb").get<double>(),
+                              .processors = json.at("processors").get<double>()}};
   } catch (const Error&) {
     return std::nullopt;
   } catch (const Json::exception&) {
@@ -76,6 +77,7 @@ void WriteStamp(const fs::path& folder, const std::string& step, const StepStamp
                                           {"maker", stamp.made_by},
                                           {"seconds", stamp.cost.seconds},
                                           {"memory_mb", stamp.cost.memory_mb},
+                                          {"processors", stamp.cost.processors},
                                           {"options", stamp.options},
                                           {"inputs", StatesJson(stamp.inputs)},
                                           {"outputs", OutputsJson(stamp.outputs, folder)}});

@@ -102,8 +102,23 @@ double PeakMemoryMb() {
   return kilobytes / 1024;
 }
 
+// Of this process and of all that it has started and that have ended.
+double ProcessorSeconds() {
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  double sum_s = 0;
+  for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    getrusage(who, &usage);
+    sum_s += seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  }
+  return sum_s;
+}
+
 StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const StepRunOptions& options) {
   const Clock::time_point start = Clock::now();
+  const double processor_start_s = ProcessorSeconds();
   Run run({.program = step.program,
            .command = options.command,
            .options = step.summary_options,
@@ -118,10 +133,13 @@ StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const 
   } catch (...) {
     RethrowAbout(step);
   }
+  const double seconds = SecondsSince(start);
   StepStamp stamp{.made_by = options.made_by,
                   .options = step.options,
                   .inputs = inputs,
-                  .cost = {.seconds = SecondsSince(start), .memory_mb = PeakMemoryMb()}};
+                  .cost = {.seconds = seconds,
+                           .memory_mb = PeakMemoryMb(),
+                           .processors = (ProcessorSeconds() - processor_start_s) / seconds}};
   for (const fs::path& path : run.Results()) stamp.outputs.push_back(StateOf(path));
   WriteStamp(step.folder, step.name, stamp);
   return stamp;

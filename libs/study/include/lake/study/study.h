@@ -46,6 +46,7 @@ struct PlannedStep {
   std::optional<std::string> failed;           // why it failed the last time
   StepNeeds needs;
   steps::StepCost cost;   // that is expected if it is done: what it took the last time, else by the size of its work
+  double seconds = 0;     // what cost.seconds becomes beside the other steps that are due
   bool was_done = false;  // at some time
 };
 
@@ -62,8 +63,8 @@ StudyPlan PlanStudy(const StudyFile& study, const std::filesystem::path& out,
                     const std::string& made_by = steps::StepRunOptions::ThisProgram());
 Json PlanJson(const StudyPlan& plan);
 
-// Of the steps among them that are due, at most so many at a time.
-steps::StepCost CostOfDue(const std::vector<PlannedStep>& steps, int at_a_time);
+// Of the steps among them that are due, at most so many at a time; sets their `seconds`.
+steps::StepCost CostOfDue(std::vector<PlannedStep>& steps, int at_a_time);
 Json CostJson(const steps::StepCost& cost);
 
 // A line per step for the terminal: how long it took, and whether it was done this time.

@@ -1,6 +1,7 @@
 // Properties of a recording that need no decoding.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -12,6 +13,16 @@ namespace lake::video {
 // The files that a path given for a recording stands for: itself, or the folder of an image sequence's pictures
 // (frames/%05d.png), which is the working folder where the pattern names none.
 std::filesystem::path FilesOfVideo(const std::filesystem::path& path);
+
+// What a recording's container says of all of it.
+struct FilmSize {
+  int width = 0, height = 0;           // px, as stored
+  double frame_rate_hz = 0;            // on average; 0 where it does not say
+  std::optional<std::int64_t> frames;  // nullopt where it does not say
+};
+
+// Opens the file and decodes nothing. Throws Error as VideoReader::Open does, but not where a rate is missing.
+FilmSize SizeOfFilm(const std::filesystem::path& path);
 
 // Whether the file has time stamps. An image sequence and a stream without a container have none and need a capture
 // rate. Throws Error as VideoReader::Open does.
