@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "lake/core/csv.h"
-#include "lake/core/numbers.h"
 #include "optimum_tables.h"
 
 namespace lake::commands {

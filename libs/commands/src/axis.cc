@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "lake/commands/functional_knee.h"
 #include "lake/commands/gait.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/convert_options.h"
 #include "lake/exchange/formats.h"

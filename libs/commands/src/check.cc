@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "lake/overlay/check_picture.h"
 #include "lake/tracking/track_markers.h"

@@ -8,7 +8,6 @@
 #include "lake/compare/comparison_file.h"
 #include "lake/compare/misalignment_options.h"
 #include "lake/core/error.h"
-#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/ground_forces.h"
@@ -135,7 +134,7 @@ struct RegisteredPair {
 // One trial's part of an earlier comparison.
 compare::ComparedCurves ReadCompared(const fs::path& comparison, Run& run) {
   compare::ComparedCurves curves = compare::ReadComparison(comparison);
-  if (curves.knee_is_functional && !curves.axes)
+  if (curves.knee_is_functional && !curves.axes.human_mm)
     run.Warn(fmt::format(
         "{} does not say how precise its functional knee is: the budget has a marker's placement for it; compare its "
         "trials again",
@@ -155,8 +154,8 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   if (!human) human_curves = ReadCompared(options.human, run);
   if (!exo) exo_curves = ReadCompared(options.exo, run);
   RegisteredPair pair;
-  pair.axes.human_mm = human ? human->sd_mm : human_curves->axes.value_or(compare::KneeAxes{}).human_mm;
-  pair.axes.exo_mm = exo ? exo->sd_mm : exo_curves->axes.value_or(compare::KneeAxes{}).exo_mm;
+  pair.axes.human_mm = human ? human->sd_mm : human_curves->axes.human_mm;
+  pair.axes.exo_mm = exo ? exo->sd_mm : exo_curves->axes.exo_mm;
   if (options.knee.knee == KneeFrom::kFunctional && !pair.axes.human_mm && !pair.axes.exo_mm)
     throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
   if (human && exo) CheckUnits(human->tables, exo->tables);

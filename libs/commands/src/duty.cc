@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "lake/actuator/duty_video.h"
 #include "lake/commands/stroke.h"

@@ -9,7 +9,6 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/statistics.h"
 #include "lake/exchange/formats.h"
 
 namespace lake::commands {

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "optimum_tables.h"
 #include "program_table.h"

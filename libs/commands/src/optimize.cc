@@ -53,7 +53,10 @@ problem::SynthesisProblem AtItsPace(problem::SynthesisProblem problem, const syn
   const problem::LoadProfile measured = *problem.profile;
   const auto take = [&](double duration_s) {
     const auto at_pace = problem::AtPace(measured, duration_s);
-    if (at_pace) problem.profile = at_pace, moments_s = duration_s;
+    if (at_pace) {
+      problem.profile = at_pace;
+      moments_s = duration_s;
+    }
     return at_pace.has_value();
   };
   if (problem.duration_s) take(*problem.duration_s);

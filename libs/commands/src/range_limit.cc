@@ -7,7 +7,6 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/numbers.h"
 #include "lake/report/report.h"
 
 namespace lake::commands {
@@ -77,18 +76,24 @@ End Find(const motion::LegMotion& motion, const char* name, int towards, double 
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const motion::LegSample& sample = motion.samples[i];
     const double at = towards * sample.knee_deg;
-    nearest = std::fmin(nearest, at), farthest = std::fmax(farthest, at);
+    nearest = std::fmin(nearest, at);
+    farthest = std::fmax(farthest, at);
     const double expanded_deg = kCoverage * std::hypot(shared_deg, sample.knee_sigma_deg);
     const double inside_deg = towards * limit_deg - at - expanded_deg;
     if (!(inside_deg < least)) continue;  // also where it is not known
-    least = inside_deg, end.measured_deg = sample.knee_deg, end.time_s = motion.time_s[i];
+    least = inside_deg;
+    end.measured_deg = sample.knee_deg;
+    end.time_s = motion.time_s[i];
     end.expanded_deg = expanded_deg;
   }
   // A visit begins in the last tenth of the range and ends beyond its middle.
   bool there = false;
   for (const motion::LegSample& sample : motion.samples) {
     const double to_go = (farthest - towards * sample.knee_deg) / (farthest - nearest);
-    if (!there && to_go < 0.1) there = true, ++end.visits;
+    if (!there && to_go < 0.1) {
+      there = true;
+      ++end.visits;
+    }
     if (to_go > 0.5) there = false;
   }
   return end;
@@ -118,8 +123,10 @@ Table EndsTable(const std::vector<End>& ends) {
 
 LineChart AngleChart(const motion::LegMotion& motion, const std::vector<End>& ends) {
   Series knee{.name = "knee angle"};
-  for (std::size_t i = 0; i < motion.samples.size(); i += ChartStep(motion.samples.size()))
-    knee.x.push_back(motion.time_s[i]), knee.y.push_back(motion.samples[i].knee_deg);
+  for (std::size_t i = 0; i < motion.samples.size(); i += ChartStep(motion.samples.size())) {
+    knee.x.push_back(motion.time_s[i]);
+    knee.y.push_back(motion.samples[i].knee_deg);
+  }
   LineChart chart{.title = "Knee angle of the mechanism",
                   .caption = "Dashed: the limits.",
                   .x = {.label = "time (s)"},
@@ -127,7 +134,8 @@ LineChart AngleChart(const motion::LegMotion& motion, const std::vector<End>& en
                   .series = {std::move(knee)}};
   for (const End& end : ends) {
     Series limit{.name = end.towards > 0 ? "upper limit" : "lower limit", .mark = Mark::kDashed};
-    limit.x = {motion.time_s.front(), motion.time_s.back()}, limit.y = {end.limit_deg, end.limit_deg};
+    limit.x = {motion.time_s.front(), motion.time_s.back()};
+    limit.y = {end.limit_deg, end.limit_deg};
     chart.series.push_back(std::move(limit));
   }
   return chart;

@@ -12,7 +12,6 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
-#include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/redesign/redesign_outcome.h"
 #include "optimum_tables.h"

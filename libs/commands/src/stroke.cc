@@ -7,7 +7,6 @@
 #include "lake/actuator/commissioning.h"
 #include "lake/actuator/prototype_validation.h"
 #include "lake/actuator/separated_errors.h"
-#include "lake/core/angles.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"

@@ -14,7 +14,6 @@
 #include "lake/compare/symmetry.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/figure/symmetry_figure.h"
@@ -55,8 +54,8 @@ struct Window {
 // From seat-off to standing of the rises that both legs show, the mean of what they say. The numbers are matched.
 std::map<int, Window> LoadedWindows(const gait::LegFitResult& left, const gait::LegFitResult& right) {
   std::map<int, Window> windows;
-  const std::vector<gait::SitToStand> of_right = gait::MeasureSitToStands(right);
-  for (const gait::SitToStand& l : gait::MeasureSitToStands(left))
+  const std::vector<gait::SitToStand> of_right = gait::MeasureSitToStands(right, {});
+  for (const gait::SitToStand& l : gait::MeasureSitToStands(left, {}))
     for (const gait::SitToStand& r : of_right) {
       if (l.repetition == 0 || l.repetition != r.repetition) continue;
       const Window window{(l.seat_off_s.value + r.seat_off_s.value) / 2, (l.standing_s.value + r.standing_s.value) / 2};

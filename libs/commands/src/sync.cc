@@ -4,8 +4,6 @@
 
 #include "lake/commands/gait.h"
 #include "lake/core/error.h"
-#include "lake/core/numbers.h"
-#include "lake/core/statistics.h"
 #include "lake/exchange/convert_options.h"
 #include "lake/figure/sync_figure.h"
 #include "png_and_svg.h"
@@ -147,7 +145,8 @@ std::vector<InputFile> InputsOf(const SyncRunOptions& options) {
 
 Json RunSync(const SyncRunOptions& options, Run& run) {
   sync::Alignment alignment = Align(options);
-  alignment.clock.a = options.a, alignment.clock.b = options.b;
+  alignment.clock.a = options.a;
+  alignment.clock.b = options.b;
   run.AddInputs(InputsOf(options));
   run.Begin({"summary.json", "sync.yaml", "sync.png", "sync.svg"});
   for (const std::string& warning : alignment.warnings) run.Warn(warning);

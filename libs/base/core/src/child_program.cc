@@ -35,7 +35,8 @@ class Stream {
   explicit Stream(const fs::path& program) {
     std::array<int, 2> pipe;
     if (pipe2(pipe.data(), O_CLOEXEC) != 0) throw Fail("{}: {}", program.string(), std::strerror(errno));
-    read_ = pipe[0], write_ = pipe[1];
+    read_ = pipe[0];
+    write_ = pipe[1];
   }
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;

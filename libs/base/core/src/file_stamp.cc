@@ -25,8 +25,10 @@ std::optional<FileStamp> FileStamp::Of(const std::filesystem::path& path) {
   stamp.seen_ns = Now();
   struct stat status;
   if (stat(path.c_str(), &status) != 0) return std::nullopt;
-  stamp.size = status.st_size, stamp.inode = status.st_ino;
-  stamp.modified_ns = Nanoseconds(status.st_mtim), stamp.changed_ns = Nanoseconds(status.st_ctim);
+  stamp.size = status.st_size;
+  stamp.inode = status.st_ino;
+  stamp.modified_ns = Nanoseconds(status.st_mtim);
+  stamp.changed_ns = Nanoseconds(status.st_ctim);
   stamp.is_file = S_ISREG(status.st_mode);
   return stamp;
 }

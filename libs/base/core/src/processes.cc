@@ -29,7 +29,8 @@ bool WriteAll(int pipe, const char* bytes, std::size_t count) {
     const ssize_t written = write(pipe, bytes, count);
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) return false;
-    bytes += written, count -= static_cast<std::size_t>(written);
+    bytes += written;
+    count -= static_cast<std::size_t>(written);
   }
   return true;
 }

@@ -24,7 +24,10 @@ std::string WordWithoutHome(const std::string& word) {
     std::string_view part = parts[i];
     const bool begins = line.empty() && (part.empty() || part.front() == '/');
     line += begins ? std::string_view("~") : "\"$HOME\"";  // sh knows ~ at the beginning of a word, before a bare slash
-    if (begins && !part.empty()) line += '/', part.remove_prefix(1);
+    if (begins && !part.empty()) {
+      line += '/';
+      part.remove_prefix(1);
+    }
     if (!part.empty()) line += ShellWord(std::string(part));
   }
   return line;

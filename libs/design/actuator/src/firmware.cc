@@ -218,7 +218,10 @@ void CheckPins(const FirmwareOptions& options) {
                                                    {"retract", pins.retract}, {"extend", pins.extend}};
   if (options.current_sense) used.emplace_back("the current sensor", 15);
   if (options.supply_v > 0) used.emplace_back("the supply sense", 16);
-  if (options.bridge_sense) used.emplace_back("out1", pins.out1), used.emplace_back("out2", pins.out2);
+  if (options.bridge_sense) {
+    used.emplace_back("out1", pins.out1);
+    used.emplace_back("out2", pins.out2);
+  }
   if (options.worn) used.emplace_back("button", pins.button);
   if (pins.safety_relay) used.emplace_back("--safety-relay", *pins.safety_relay);
   for (auto one = used.begin(); one != used.end(); ++one) {

@@ -83,7 +83,6 @@ SeparatedErrors SeparateErrorsByLog(const StrokeSchedule& plan, const StrokeSeri
   SeparatedErrors separated;
   separated.linkage_rms_deg = linkage.rms_deg;
   separated.linkage_max_deg = linkage.max_deg;
-  separated.linkage_shift_s = linkage.shift_s - strokes.time_s.front();
   FillActuator(plan, strokes, separated);
   return separated;
 }

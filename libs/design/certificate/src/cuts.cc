@@ -53,7 +53,8 @@ class DualSimplex {
       const double width = box[j].Width();
       const double sign = goal.coefficients[j] * width >= 0 ? 1 : -1;  // rows are turned so that the basis is positive
       for (std::size_t i = 0; i < cuts_; ++i) At(j, i) = -sign * cuts[i].coefficients[j] * width;
-      At(j, P(j)) = sign, At(j, Q(j)) = -sign;
+      At(j, P(j)) = sign;
+      At(j, Q(j)) = -sign;
       At(j, columns_ - 1) = sign * goal.coefficients[j] * width;
       basis_[j] = sign > 0 ? P(j) : Q(j);
     }

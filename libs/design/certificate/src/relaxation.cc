@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "lake/core/angles.h"
 #include "lake/parts/strength.h"
 
 namespace lake::certificate {

@@ -1,7 +1,5 @@
 #include "seat_rows.h"
 
-#include <algorithm>
-
 namespace lake::certificate {
 
 SeatRows::SeatRows(const problem::SynthesisProblem& problem)

@@ -1,8 +1,6 @@
 #include "size_search.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
 #include "lake/core/interrupt.h"
 #include "lake/core/processes.h"

@@ -1,7 +1,6 @@
 #include "lake/sizes/sizes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -235,7 +234,7 @@ SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<group::Perso
   SizeSearch coarse(group::Coarse(problem), human, links, count, options);
   for (const Assignment& first : FirstAssignments(problem, leg_mm, count, options.seed)) {
     Alternation found = coarse.Alternate(first);
-    if (outcome.assignments++ == 0 || found.Value() > best.Value()) best = std::move(found);
+    if (best.assignment.empty() || found.Value() > best.Value()) best = std::move(found);
   }
   coarse.Settle(SizeSearch::From::kAllStarts, best);
   outcome.is_settled = SizeSearch(problem, human, links, count, options).Settle(SizeSearch::From::kFound, best);

@@ -11,7 +11,6 @@
 
 #include "exchange.h"
 #include "lake/certificate/stationary_point.h"
-#include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
 #include "lake/core/uncertain_text.h"

@@ -341,7 +341,9 @@ std::array<int, 12 + N> With(const ClearancePose& at, const std::array<int, N>& 
   const auto pose = at.pose.All();
   std::array<int, 12 + N> variables{};
   auto next = std::copy(pose.begin(), pose.end(), variables.begin());
-  *next++ = at.limit, *next++ = at.placement[0], *next++ = at.placement[1];
+  *next++ = at.limit;
+  *next++ = at.placement[0];
+  *next++ = at.placement[1];
   std::copy(others.begin(), others.end(), next);
   return variables;
 }

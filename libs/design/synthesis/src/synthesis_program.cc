@@ -74,7 +74,6 @@ class Builder {
     std::array<double, 6> shift{};
     int range = -1;
     std::string name;
-    bool is_build = false;
   };
 
   void AddPoses(const Collocation& poses) {
@@ -86,7 +85,9 @@ class Builder {
   // A build's own shortest stroke and range, and everything that poses have to satisfy.
   void AddBuild(const problem::BuildError& error, const Collocation& poses) {
     const problem::SynthesisProblem of_build = problem::ProblemOf(error, problem_);
-    current_ = {problem::LinksOf(error, start_), error.back(), {}, -1, fmt::format(" of build {}", ++builds_), true};
+    current_ = {.links = problem::LinksOf(error, start_),
+                .d_min_off_mm = error.back(),
+                .name = fmt::format(" of build {}", ++builds_)};
     std::copy_n(error.begin(), current_.shift.size(), current_.shift.begin());
     at_range_ = StartAtRange(of_build, current_.links);
     const std::string& name = current_.name;

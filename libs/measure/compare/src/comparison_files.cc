@@ -213,7 +213,7 @@ class ComparisonReader {
       if (const Json of = uncertainty.value(offset, Json::object()); of.contains("anatomical_sd"))
         curves.joint_sd_mm = LargerOrNaN(curves.joint_sd_mm.value_or(0), NumberOrNaN(of["anatomical_sd"]));
     curves.knee_is_functional = json_.value("knee_from", Json()) == "functional";
-    if (json_.contains("knee_axis_sd_mm")) curves.axes = KneeAxes{AxisSd("human"), AxisSd("exo")};
+    if (json_.contains("knee_axis_sd_mm")) curves.axes = {AxisSd("human"), AxisSd("exo")};
     CheckShank(curves.human);
     return curves;
   }

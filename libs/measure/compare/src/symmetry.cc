@@ -163,7 +163,7 @@ struct RiseTimes {
 
 std::vector<RiseTimes> TimesOf(const gait::LegFitResult& fit) {
   std::vector<RiseTimes> times;
-  for (const SitToStand& rise : gait::MeasureSitToStands(fit)) {
+  for (const SitToStand& rise : gait::MeasureSitToStands(fit, {})) {
     const double from_s = std::fmin(rise.onset_s.value, rise.seat_off_s.value), to_s = rise.standing_s.value;
     if (rise.repetition != 0 && std::isfinite(from_s) && std::isfinite(to_s))
       times.push_back({rise.repetition, from_s, to_s});

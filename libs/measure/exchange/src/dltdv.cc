@@ -1,6 +1,5 @@
 #include "lake/exchange/dltdv.h"
 
-#include <algorithm>
 #include <set>
 
 #include "lake/core/error.h"

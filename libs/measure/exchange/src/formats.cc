@@ -1,7 +1,5 @@
 #include "lake/exchange/formats.h"
 
-#include <algorithm>
-
 #include "lake/core/error.h"
 #include "lake/core/run.h"
 #include "lake/exchange/c3d.h"

@@ -1,7 +1,5 @@
 #include "lake/exchange/kinovea.h"
 
-#include <cmath>
-
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"

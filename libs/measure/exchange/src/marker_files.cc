@@ -1,7 +1,6 @@
 #include "marker_files.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "lake/core/error.h"
 #include "lake/core/run.h"

@@ -1,7 +1,6 @@
 #include "lake/exchange/tracker.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "frame_points.h"
 #include "lake/core/atomic_file.h"

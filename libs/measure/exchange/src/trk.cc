@@ -1,8 +1,6 @@
 // Tracker's projects. What their parts mean is taken from Tracker's own loaders (OpenSourcePhysics/osp:
 // ImageCoordSystem, VideoPlayer, VideoClip): angle in degrees, counter-clockwise; time = start time + (frame − start
 // frame) × frame duration.
-#include <cmath>
-#include <map>
 #include <optional>
 
 #include "frame_points.h"

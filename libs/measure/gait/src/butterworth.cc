@@ -29,7 +29,10 @@ void RunPass(const Biquad& f, std::vector<double>& values) {
   for (double& value : values) {
     const double x = value;
     value = f.b0 * x + f.b1 * x1 + f.b2 * x2 - f.a1 * y1 - f.a2 * y2;
-    x2 = x1, x1 = x, y2 = y1, y1 = value;
+    x2 = x1;
+    x1 = x;
+    y2 = y1;
+    y1 = value;
   }
 }
 

@@ -14,7 +14,8 @@ void AccountForFilterLoss(const std::vector<double>& taken_deg, double cutoff_hz
   std::vector<double> taken, angles;
   for (std::size_t i = 0; i < taken_deg.size(); ++i) {
     if (!std::isfinite(taken_deg[i])) continue;
-    taken.push_back(taken_deg[i]), angles.push_back(motion.samples[i].knee_deg - taken_deg[i]);
+    taken.push_back(taken_deg[i]);
+    angles.push_back(motion.samples[i].knee_deg - taken_deg[i]);
     motion.samples[i].knee_sigma_deg = std::hypot(motion.samples[i].knee_sigma_deg, taken_deg[i]);
   }
   const double rms_deg = RootMeanSquare(taken), share = std::pow(rms_deg / StandardDeviation(angles), 2);

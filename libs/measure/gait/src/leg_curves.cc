@@ -142,7 +142,8 @@ std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<doub
     const Eigen::Vector2d smooth = PointOf(o.marker, states[o.frame]).position;
     MarkerMoves& frame = moves[o.frame];
     frame.move[o.marker] = (1 - share) * (model.plane_from_leg.transpose() * seen - smooth);
-    frame.path_share[o.marker] = share, frame.variance[o.marker] = (1 - share) * variance;
+    frame.path_share[o.marker] = share;
+    frame.variance[o.marker] = (1 - share) * variance;
     known[o.marker][o.frame] = 1;
     variances[o.marker].push_back(variance);
   }
@@ -285,7 +286,8 @@ MarkerCurve SmoothMarker(const motion::MarkerRecording& recording, const Detecti
   const SplineGrid grid = MakeSplineGrid(
       recording.time_s, (recording.time_s.back() - recording.time_s.front()) / static_cast<double>(n - 1));
   MarkerCurve curve;
-  curve.in_plane.resize(n), curve.scatter.assign(n, 1);
+  curve.in_plane.resize(n);
+  curve.scatter.assign(n, 1);
   std::vector<double> variance(n, 0.0);
   for (int axis = 0; axis < 2; ++axis) {
     std::vector<double> values(n, motion::LegSample::kUnknown);

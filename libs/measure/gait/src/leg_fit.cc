@@ -125,9 +125,10 @@ std::array<Detections, kLegMarkers> CollectLeg(const motion::MarkerRecording& re
   const std::array<const std::string*, kLegMarkers> wanted = {&names.ankle, &names.knee, &names.hip, &names.waist};
   for (std::size_t m = 0; m < kLegMarkers; ++m) {
     const motion::MarkerTrack* track = recording.Find(*wanted[m]);
-    if (track)
-      leg[m] = CollectDetections(recording, *track, view, skin), MistrustTheLone(leg[m], recording.time_s);
-    else if (m != kWaist)
+    if (track) {
+      leg[m] = CollectDetections(recording, *track, view, skin);
+      MistrustTheLone(leg[m], recording.time_s);
+    } else if (m != kWaist)
       throw Fail("leg fit: no marker '{}' in the recording (it has: {}); name the leg's markers with --map", *wanted[m],
                  Names(recording));
     else
@@ -139,7 +140,9 @@ std::array<Detections, kLegMarkers> CollectLeg(const motion::MarkerRecording& re
 LegPath MeasuredPath(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg,
                      const LegModel& model, motion::Facing facing, const LegFitOptions& options) {
   LegPath path;
-  path.unit = PlaneUnit(model.view), path.facing = facing, path.is_facing_given = options.facing.has_value();
+  path.unit = PlaneUnit(model.view);
+  path.facing = facing;
+  path.is_facing_given = options.facing.has_value();
   path.frame = recording.frame;
   for (std::size_t m = 0; m < leg.size(); ++m) {
     const Detections& d = leg[m];
@@ -449,9 +452,10 @@ void Blank(const std::vector<Implausible>& implausible, const LegMarkers& names,
     for (std::size_t i = 0; i < found.at.size(); ++i) {
       motion::LegSample& sample = result.motion.samples[i];
       if (!found.at[i]) continue;
-      if (found.markers == std::vector{names.waist})
-        sample.hw = motion::LegSample().hw, sample.trunk_deg = motion::LegSample::kUnknown;
-      else
+      if (found.markers == std::vector{names.waist}) {
+        sample.hw = motion::LegSample().hw;
+        sample.trunk_deg = motion::LegSample::kUnknown;
+      } else
         sample = {};
     }
     result.trajectory = Without({found}, std::move(result.trajectory));

@@ -29,7 +29,10 @@ Json KneeJson(const motion::LegMotion& motion) {
   double squares = 0;
   int count = 0;
   for (const motion::LegSample& sample : motion.samples)
-    if (std::isfinite(sample.knee_sigma_deg)) squares += sample.knee_sigma_deg * sample.knee_sigma_deg, ++count;
+    if (std::isfinite(sample.knee_sigma_deg)) {
+      squares += sample.knee_sigma_deg * sample.knee_sigma_deg;
+      ++count;
+    }
   if (count > 0) knee["rms_sigma_deg"] = std::sqrt(squares / count);
   return knee;
 }

@@ -86,11 +86,15 @@ MarkerOutput MakeOutput(const Detections& d, MarkerCurve curve, const std::vecto
                         const LegFitOptions& options) {
   MarkerOutput output{&d, std::move(curve), {}, {}, {}, {}, {}};
   output.status = StatusOf(d, output.curve, most_sigma, options.outlier_deviations);
-  output.shown = output.curve.in_plane, output.shown_sigma = output.curve.plane_sigma;
+  output.shown = output.curve.in_plane;
+  output.shown_sigma = output.curve.plane_sigma;
   output.shown_across = output.curve.across;
   if (options.filter == LegFilter::kSpline) return output;
   for (std::size_t i = 0; i < d.seen.size(); ++i)
-    if (d.seen[i]) output.shown[i] = d.in_plane[i], output.shown_sigma[i] = d.plane_sigma[i];
+    if (d.seen[i]) {
+      output.shown[i] = d.in_plane[i];
+      output.shown_sigma[i] = d.plane_sigma[i];
+    }
   for (std::size_t i = 0; i < output.shown_across.size(); ++i)
     if (d.seen[i]) output.shown_across[i] = d.across[i];
   if (options.filter == LegFilter::kButterworth)
@@ -104,8 +108,10 @@ motion::MarkerTrack TrackOf(const MarkerOutput& output) {
     motion::MarkerSample& sample = track.samples[i];
     sample.status = output.status[i];
     if (sample.status == motion::SampleStatus::kDetected) sample.sigma = output.detections->sigma[i];
-    if (sample.status == motion::SampleStatus::kFilled)
-      sample.position = output.curve.recorded[i], sample.sigma = output.curve.recorded_sigma[i];
+    if (sample.status == motion::SampleStatus::kFilled) {
+      sample.position = output.curve.recorded[i];
+      sample.sigma = output.curve.recorded_sigma[i];
+    }
   }
   return track;
 }
@@ -176,7 +182,8 @@ motion::LegMotion MakeMotion(const motion::MarkerRecording& recording, const std
   motion::LegMotion motion;
   motion.unit = PlaneUnit(model.view);
   motion.facing = facing;
-  motion.frame = recording.frame, motion.time_s = recording.time_s;
+  motion.frame = recording.frame;
+  motion.time_s = recording.time_s;
   for (std::size_t i = 0; i < recording.Frames(); ++i) {
     motion::LegSample sample = MakeLegSample(PointsAt(leg, i, false), facing, options.up);
     const motion::LegSample raw = MakeLegSample(PointsAt(leg, i, true), facing, options.up);
@@ -220,8 +227,10 @@ std::vector<double> KneeTakenByFilter(const std::vector<MarkerOutput>& leg, cons
 StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<MarkerOutput>& leg,
                           const LegCurves& curves, double leg_length, const Eigen::Vector2d& up) {
   StsSignals signals;
-  signals.frame = motion.frame, signals.time_s = motion.time_s;
-  signals.leg_length = leg_length, signals.sd = curves.sd;
+  signals.frame = motion.frame;
+  signals.time_s = motion.time_s;
+  signals.leg_length = leg_length;
+  signals.sd = curves.sd;
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const bool known = std::isfinite(motion.samples[i].knee_deg);
     const bool trunk = leg.size() == kLegMarkers && std::isfinite(motion.samples[i].trunk_deg);
@@ -279,7 +288,10 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
     const double distance = (d.track->samples[i].position - output.curve.recorded[i]).norm(),
                  deviations = distance / (output.curve.scatter[i] * d.sigma[i]);
     scatter.push_back(output.curve.scatter[i]);
-    if (distance > report.worst) report.worst = distance, report.worst_frame = recording.frame[i];
+    if (distance > report.worst) {
+      report.worst = distance;
+      report.worst_frame = recording.frame[i];
+    }
     if (IsOutlier(d, output.curve, i, outlier_deviations)) {
       ++report.outliers;
       outliers.push_back({recording.frame[i], d.name, distance, deviations});

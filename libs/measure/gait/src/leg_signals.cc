@@ -112,7 +112,10 @@ double MeanOfKnown(const std::vector<double>& values) {
   double sum = 0;
   std::size_t count = 0;
   for (const double value : values)
-    if (std::isfinite(value)) sum += value, ++count;
+    if (std::isfinite(value)) {
+      sum += value;
+      ++count;
+    }
   return sum / static_cast<double>(count);
 }
 
@@ -297,7 +300,8 @@ LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const 
   for (std::size_t i = 0; i < n; ++i) {
     if (!leg[kAnkle].trusted[i]) continue;
     const Eigen::Vector2d ankle = leg_from_plane * leg[kAnkle].in_plane[i];
-    signals.value[kAnkleX][i] = ankle.x(), signals.value[kAnkleY][i] = ankle.y();
+    signals.value[kAnkleX][i] = ankle.x();
+    signals.value[kAnkleY][i] = ankle.y();
     signals.sigma[kAnkleX][i] = signals.sigma[kAnkleY][i] = leg[kAnkle].plane_sigma[i];
   }
   const int segments = states == kLegStates ? 3 : 2;

@@ -46,7 +46,8 @@ struct KneeAngle {
 KneeAngle KneeAngleOf(const StateVector& state, double ak_across, double kh_across, const Eigen::Vector3d& axis) {
   std::array<PartsJet, kParts> part;
   for (std::size_t k = 0; k < kPlaneParts.size(); ++k) part[k] = PartsJet(state[kPlaneParts[k]], static_cast<int>(k));
-  part[4] = PartsJet(ak_across, 4), part[5] = PartsJet(kh_across, 5);
+  part[4] = PartsJet(ak_across, 4);
+  part[5] = PartsJet(kh_across, 5);
   const Vector3Jet ak(part[2] * sin(part[0]), part[2] * cos(part[0]), part[4]),
       kh(part[3] * sin(part[1]), part[3] * cos(part[1]), part[5]);
   const PartsJet angle = KneeAngleAbout(ak, kh, axis);
@@ -97,7 +98,8 @@ void SmoothAcross(const motion::MarkerRecording& recording, const Detections& d,
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!d.trusted[i]) values[i] = motion::LegSample::kUnknown;
   SmoothCoordinate smooth = SmoothByItself(grid, recording.time_s, values, d.plane_sigma, options);
-  curve.across = std::move(smooth.value), curve.across_rate = std::move(smooth.rate);
+  curve.across = std::move(smooth.value);
+  curve.across_rate = std::move(smooth.rate);
   curve.across_variance = std::move(smooth.variance);
 }
 
@@ -166,8 +168,15 @@ AcrossReport ReportAcross(const std::array<Detections, kLegMarkers>& leg) {
     double sum = 0, sum2 = 0;
     std::size_t n = 0;
     for (std::size_t i = 0; i < leg[m].across.size(); ++i)
-      if (leg[m].trusted[i]) sum += leg[m].across[i], sum2 += leg[m].across[i] * leg[m].across[i], ++n;
-    if (n > 0) square += sum2 - sum * sum / static_cast<double>(n), count += n;
+      if (leg[m].trusted[i]) {
+        sum += leg[m].across[i];
+        sum2 += leg[m].across[i] * leg[m].across[i];
+        ++n;
+      }
+    if (n > 0) {
+      square += sum2 - sum * sum / static_cast<double>(n);
+      count += n;
+    }
   }
   report.rms_mm = std::sqrt(std::max(0.0, square / static_cast<double>(std::max<std::size_t>(count, 1))));
   report.largest_shank_deg = LargestAngleDeg(leg[kAnkle], leg[kKnee]);

@@ -221,9 +221,11 @@ std::vector<MeasuredCourse> MeasureMarkers(const motion::MarkerRecording& record
       const MeasuredNow of = measure.kind == MarkerMeasure::Kind::kAngle      ? MeasuredAngle(at(0), at(1), at(2))
                              : measure.kind == MarkerMeasure::Kind::kDistance ? MeasuredDistance(at(0), at(1))
                                                                               : MeasuredSpeed(at(0));
-      course.value.push_back(of.value), course.sd.push_back(of.sd);
+      course.value.push_back(of.value);
+      course.sd.push_back(of.sd);
       if (!HasRate(measure)) continue;
-      course.rate.push_back(of.rate), course.rate_sd.push_back(of.rate_sd);
+      course.rate.push_back(of.rate);
+      course.rate_sd.push_back(of.rate_sd);
     }
   }
   return courses;

@@ -215,7 +215,9 @@ std::string FindExchange(const LegPath& path, const std::vector<motion::StsEvent
 
 LegPath PathOf(const motion::LegMotion& motion) {
   LegPath path;
-  path.unit = motion.unit, path.facing = motion.facing, path.frame = motion.frame;
+  path.unit = motion.unit;
+  path.facing = motion.facing;
+  path.frame = motion.frame;
   path.has_true_lengths = false;
   for (const motion::LegSample& sample : motion.samples) {
     Eigen::Vector3d place = Eigen::Vector3d::Zero();

@@ -7,7 +7,6 @@
 #include "known_values.h"
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
-#include "lake/core/statistics.h"
 
 namespace lake::gait {
 namespace {
@@ -20,7 +19,10 @@ void FindBeyond(const std::vector<double>& values, double least, double most, co
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double over = std::max(values[i] - most, least - values[i]);
     implausible.at[i] = over > 0;
-    if (over > beyond) beyond = over, worst = values[i];
+    if (over > beyond) {
+      beyond = over;
+      worst = values[i];
+    }
   }
   if (beyond == 0) return;
   implausible.what =

@@ -1,6 +1,5 @@
 #include "lake/gait/rolling_shutter.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace lake::gait {
@@ -45,7 +44,9 @@ std::vector<TimedPlace> PlacesAround(const motion::MarkerRecording& recording, c
         seen = marker.samples[next].status == motion::SampleStatus::kDetected;
       }
       if (!seen) break;
-      places.push_back(place(next)), last = next, ++found;
+      places.push_back(place(next));
+      last = next;
+      ++found;
     }
   }
   return places;

@@ -26,8 +26,10 @@ std::vector<Around> MeansAround(std::span<const Residual> residuals, std::span<c
     double weights = 0, weights2 = 0;
     for (std::size_t k = begin; k < residuals.size() && residuals[k].time_s < now_s + kMovement_s; ++k) {
       const double weight = 1 - std::abs(residuals[k].time_s - now_s) / kMovement_s;
-      around.square += weight * residuals[k].square, around.free += weight * residuals[k].free;
-      weights += weight, weights2 += weight * weight;
+      around.square += weight * residuals[k].square;
+      around.free += weight * residuals[k].free;
+      weights += weight;
+      weights2 += weight * weight;
     }
     // The mean of n squares scatters by 1/√n of itself (two axes).
     if (weights > 0)

@@ -68,10 +68,13 @@ class Rises {
   Rises(const LegFitResult& fit, TrunkOnPelvis on_pelvis) : fit_(fit), time_s_(fit.motion.time_s) {
     const StsDeviations& sd = fit.signals.sd;
     for (const motion::LegSample& sample : fit.motion.samples) {
-      knee_.value.push_back(sample.knee_deg), knee_.sd.push_back(sample.knee_sigma_deg);
-      hip_.value.push_back(sample.trunk_deg - sample.thigh_deg), trunk_.value.push_back(sample.trunk_deg);
+      knee_.value.push_back(sample.knee_deg);
+      knee_.sd.push_back(sample.knee_sigma_deg);
+      hip_.value.push_back(sample.trunk_deg - sample.thigh_deg);
+      trunk_.value.push_back(sample.trunk_deg);
     }
-    hip_.sd = sd.hip_deg, trunk_.sd = sd.trunk_deg;
+    hip_.sd = sd.hip_deg;
+    trunk_.sd = sd.trunk_deg;
     on_pelvis_ = {std::move(on_pelvis.deg), std::move(on_pelvis.sd_deg)};
     height_ = {fit.signals.hip_height, sd.hip_height};
     hip_speed_ = {fit.signals.hip_up_speed, sd.hip_up_speed};
@@ -122,9 +125,12 @@ class Rises {
   }
 
   void MeasureAngles(SitToStand& rise) const {
-    rise.knee_seat_off_deg = At(knee_, rise.seat_off_s), rise.knee_max_deg = Largest(knee_, rise);
-    rise.hip_seat_off_deg = At(hip_, rise.seat_off_s), rise.hip_max_deg = Largest(hip_, rise);
-    rise.trunk_seat_off_deg = At(trunk_, rise.seat_off_s), rise.trunk_max_deg = Largest(trunk_, rise);
+    rise.knee_seat_off_deg = At(knee_, rise.seat_off_s);
+    rise.knee_max_deg = Largest(knee_, rise);
+    rise.hip_seat_off_deg = At(hip_, rise.seat_off_s);
+    rise.hip_max_deg = Largest(hip_, rise);
+    rise.trunk_seat_off_deg = At(trunk_, rise.seat_off_s);
+    rise.trunk_max_deg = Largest(trunk_, rise);
     rise.trunk_pelvis_seat_off_deg = At(on_pelvis_, rise.seat_off_s);
     rise.trunk_pelvis_max_deg = Largest(on_pelvis_, rise);
     rise.knee_extension_max_deg_s = Largest(extension_speed_, rise);
@@ -229,7 +235,9 @@ SitToStand FiveTimes(const std::vector<SitToStand>& rises, bool in_mm) {
       if (const double value = (rise.*quantity.value).value; std::isfinite(value)) values.push_back(value);
     if (values.size() == kFive) test.*quantity.value = {Mean(values), StandardDeviation(values)};
   }
-  test.onset_s = five.front().onset_s, test.standing_s = five.back().standing_s, test.seat_off_s = {};
+  test.onset_s = five.front().onset_s;
+  test.standing_s = five.back().standing_s;
+  test.seat_off_s = {};
   test.five_times_s = Difference(test.standing_s, test.onset_s);
   if (in_mm)
     test.power_w_kg =

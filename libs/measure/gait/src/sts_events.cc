@@ -35,10 +35,14 @@ std::vector<Stretch> FindStretches(const Values& height, double threshold) {
     if (height[i] >= height[high]) high = i;
     if (direction <= 0 && height[i] - height[low] >= threshold) {
       stretches.push_back({{start, low}, false});
-      start = low, high = i, direction = 1;
+      start = low;
+      high = i;
+      direction = 1;
     } else if (direction >= 0 && height[high] - height[i] >= threshold) {
       stretches.push_back({{start, high}, true});
-      start = high, low = i, direction = -1;
+      start = high;
+      low = i;
+      direction = -1;
     }
     if (direction > 0) low = high;
     if (direction < 0) high = low;
@@ -55,17 +59,22 @@ StsSignals KnownOnly(const StsSignals& s) {
   for (std::size_t i = 0; i < s.frame.size(); ++i) {
     if (!std::isfinite(s.hip_height[i] + s.hip_up_speed[i] + s.hip_behind[i] + s.knee_deg[i] + s.knee_deg_s[i]))
       continue;
-    known.frame.push_back(s.frame[i]), known.time_s.push_back(s.time_s[i]);
-    known.hip_height.push_back(s.hip_height[i]), known.hip_up_speed.push_back(s.hip_up_speed[i]);
+    known.frame.push_back(s.frame[i]);
+    known.time_s.push_back(s.time_s[i]);
+    known.hip_height.push_back(s.hip_height[i]);
+    known.hip_up_speed.push_back(s.hip_up_speed[i]);
     known.hip_behind.push_back(s.hip_behind[i]);
-    known.knee_deg.push_back(s.knee_deg[i]), known.knee_deg_s.push_back(s.knee_deg_s[i]);
+    known.knee_deg.push_back(s.knee_deg[i]);
+    known.knee_deg_s.push_back(s.knee_deg_s[i]);
     // Without a trunk, it says nothing: rest is left by the hip alone.
     const bool has_trunk = std::isfinite(s.trunk_deg[i] + s.trunk_deg_s[i]);
     known.trunk_deg.push_back(has_trunk ? s.trunk_deg[i] : 0);
     known.trunk_deg_s.push_back(has_trunk ? s.trunk_deg_s[i] : 0);
     if (s.sd.hip_height.empty()) continue;
-    known.sd.hip_height.push_back(s.sd.hip_height[i]), known.sd.hip_up_speed.push_back(s.sd.hip_up_speed[i]);
-    known.sd.knee_deg_s.push_back(s.sd.knee_deg_s[i]), known.sd.trunk_deg_s.push_back(s.sd.trunk_deg_s[i]);
+    known.sd.hip_height.push_back(s.sd.hip_height[i]);
+    known.sd.hip_up_speed.push_back(s.sd.hip_up_speed[i]);
+    known.sd.knee_deg_s.push_back(s.sd.knee_deg_s[i]);
+    known.sd.trunk_deg_s.push_back(s.sd.trunk_deg_s[i]);
   }
   return known;
 }
@@ -178,7 +187,10 @@ class EventFinder {
     }
     ++repetition_;
     if (std::optional<motion::StsEvent> onset = FindOnset({std::min(rest_from, seat_off), seat_off}, rise)) {
-      if (onset->time_s > left_seat.time_s) *onset = left_seat, onset->kind = motion::StsEventKind::kOnset;
+      if (onset->time_s > left_seat.time_s) {
+        *onset = left_seat;
+        onset->kind = motion::StsEventKind::kOnset;
+      }
       Add(*onset);
     } else {
       found_.begins_during_lean = true;
@@ -378,7 +390,10 @@ class EventFinder {
     for (std::size_t i = span.begin + 1; i < span.end; ++i) {
       double moved = 0;
       for (const Band& band : bands) moved += std::pow(((*band.values)[i + 1] - (*band.values)[i - 1]) / band.width, 2);
-      if (moved < least) slowest = i, least = moved;
+      if (moved < least) {
+        slowest = i;
+        least = moved;
+      }
     }
     return slowest;
   }
@@ -467,8 +482,10 @@ std::vector<std::string> UncertainEvents(const std::vector<motion::StsEvent>& ev
 }
 
 void SetRepetitions(const std::vector<motion::StsEvent>& events, motion::LegMotion& motion) {
-  for (motion::LegSample& sample : motion.samples)
-    sample.repetition.reset(), sample.percent = motion::LegSample::kUnknown;
+  for (motion::LegSample& sample : motion.samples) {
+    sample.repetition.reset();
+    sample.percent = motion::LegSample::kUnknown;
+  }
   std::map<int, double> onset_s;
   for (const motion::StsEvent& event : events) {
     if (event.kind == motion::StsEventKind::kOnset) onset_s[event.repetition] = event.time_s;

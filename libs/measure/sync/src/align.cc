@@ -34,18 +34,23 @@ struct Rows {
 Rows RowsOf(const Part& part, const Warp& warp) {
   Rows rows;
   const Index all = part.y.Rows();
-  rows.y.resize(all, part.y.value.cols()), rows.x.resize(all, part.x.value.cols());
+  rows.y.resize(all, part.y.value.cols());
+  rows.x.resize(all, part.x.value.cols());
   rows.slope.resize(all, part.x.value.cols());
   Eigen::RowVectorXd value, slope;
   Index n = 0;
   for (Index i = 0; i < all; ++i) {
     const double t = part.y.TimeAt(i);
     if (!part.y.known[static_cast<std::size_t>(i)] || !ValuesAt(part.x, warp.At(t), value, slope)) continue;
-    rows.time_s.push_back(t), rows.row.push_back(i);
-    rows.y.row(n) = part.y.value.row(i), rows.x.row(n) = value, rows.slope.row(n) = slope;
+    rows.time_s.push_back(t);
+    rows.row.push_back(i);
+    rows.y.row(n) = part.y.value.row(i);
+    rows.x.row(n) = value;
+    rows.slope.row(n) = slope;
     ++n;
   }
-  rows.y.conservativeResize(n, Eigen::NoChange), rows.x.conservativeResize(n, Eigen::NoChange);
+  rows.y.conservativeResize(n, Eigen::NoChange);
+  rows.x.conservativeResize(n, Eigen::NoChange);
   rows.slope.conservativeResize(n, Eigen::NoChange);
   return rows;
 }
@@ -59,7 +64,8 @@ Eigen::VectorXd Autoregression(const Eigen::VectorXd& residual, const std::vecto
   for (Index i = kOrder; i < residual.size(); ++i) {
     if (row[static_cast<std::size_t>(i)] - row[static_cast<std::size_t>(i - kOrder)] != kOrder) continue;
     const Eigen::VectorXd past = residual.segment(i - kOrder, kOrder).reverse();
-    square += past * past.transpose(), product += residual[i] * past;
+    square += past * past.transpose();
+    product += residual[i] * past;
   }
   square.diagonal() *= 1 + 1e-9;
   return square.trace() > 0 ? Eigen::VectorXd(square.ldlt().solve(product)) : Eigen::VectorXd::Zero(kOrder);
@@ -151,18 +157,21 @@ Evidence EvidenceOf(const Rows& rows, Index column, const Eigen::MatrixXd& known
 Fit FitMaps(const Pairing& pairing, const Warp& warp) {
   Fit fit;
   double all = 0, left = 0;
-  fit.first_s = kInfinity, fit.last_s = -kInfinity;
+  fit.first_s = kInfinity;
+  fit.last_s = -kInfinity;
   for (std::size_t k = 0; k < pairing.parts.size(); ++k) {
     const Rows rows = RowsOf(pairing.parts[k], warp);
     const Index n = rows.Count();
     if (!IsEnough(n, rows.x.cols() + 1)) continue;
-    fit.first_s = std::min(fit.first_s, rows.time_s.front()), fit.last_s = std::max(fit.last_s, rows.time_s.back());
+    fit.first_s = std::min(fit.first_s, rows.time_s.front());
+    fit.last_s = std::max(fit.last_s, rows.time_s.back());
     Eigen::MatrixXd known(n, rows.x.cols() + 1);
     known << rows.x, Eigen::VectorXd::Ones(n);
     const double size = rows.y.squaredNorm();  // each part counts by what moves in it, whatever its unit
     for (Index j = 0; j < rows.y.cols(); ++j) {
       const ColumnFit column = FitColumn(rows.y.col(j), known, rows.row);
-      all += column.all / size, left += column.left / size;
+      all += column.all / size;
+      left += column.left / size;
       if (!IsEnough(column.known_now.rows(), known.cols())) continue;
       fit.evidence.push_back(EvidenceOf(rows, j, known, column, warp));
       fit.evidence.back().part = k;
@@ -195,7 +204,9 @@ Step Solve(const Fit& fit, const Warp& warp, double drift_sd) {
     whole(1, 1) += 1 / (drift_sd * drift_sd);
     score[1] -= warp.drift / (drift_sd * drift_sd);
   } else {
-    whole(1, 1) = 1, whole(0, 1) = whole(1, 0) = 0, score[1] = 0;
+    whole(1, 1) = 1;
+    whole(0, 1) = whole(1, 0) = 0;
+    score[1] = 0;
   }
   Step result;
   const Eigen::Matrix2d inverse = whole.inverse();
@@ -213,9 +224,13 @@ Step Solve(const Fit& fit, const Warp& warp, double drift_sd) {
   result.covariance = inverse;
   for (Index k = 0; k < 2; ++k) {
     const double wider = std::max(1.0, std::sqrt(sandwich(k, k) / inverse(k, k)));
-    result.covariance.row(k) *= wider, result.covariance.col(k) *= wider;
+    result.covariance.row(k) *= wider;
+    result.covariance.col(k) *= wider;
   }
-  if (!(drift_sd > 0)) result.covariance.row(1).setZero(), result.covariance.col(1).setZero();
+  if (!(drift_sd > 0)) {
+    result.covariance.row(1).setZero();
+    result.covariance.col(1).setZero();
+  }
   return result;
 }
 
@@ -265,7 +280,8 @@ std::vector<PartOffset> OffsetsOfParts(const Pairing& pairing, const Fit& fit, c
             Innovations(Eigen::MatrixXd(residual), evidence.past, rows.row, &kept) / evidence.sigma;
         for (std::size_t i = 0; i < kept.size(); ++i) {
           const std::size_t part = part_of(rows.time_s[static_cast<std::size_t>(kept[i])]);
-          cost[part][s] += left[static_cast<Index>(i)] * left[static_cast<Index>(i)], ++count[part][s];
+          cost[part][s] += left[static_cast<Index>(i)] * left[static_cast<Index>(i)];
+          ++count[part][s];
         }
       }
     }
@@ -339,7 +355,8 @@ Refined Refine(const Pairing& pairing, double offset_s, double drift_sd) {
   for (int i = 0; i < kMostSteps && !refined.fit.evidence.empty(); ++i) {
     Eigen::Vector2d step = Solve(refined.fit, refined.warp, drift_sd).step;
     step /= std::max({1.0, std::abs(step[0]) / kLongest_s, std::abs(step[1]) / kMostDrift});
-    refined.warp.offset_s += step[0], refined.warp.drift += step[1];
+    refined.warp.offset_s += step[0];
+    refined.warp.drift += step[1];
     refined.fit = FitMaps(pairing, refined.warp);
     if (std::abs(step[0]) < kSettled_s) break;
   }
@@ -391,10 +408,13 @@ Comparison Compare(const Pairing& pairing, const Refined& refined) {
     const double t = rows.time_s[static_cast<std::size_t>(i)];
     // A line ends where the next row is not the next time.
     if (i > 0 && rows.row[static_cast<std::size_t>(i)] != rows.row[static_cast<std::size_t>(i - 1)] + 1) {
-      comparison.time_s.push_back(t), comparison.measured.push_back(kNaN), comparison.told.push_back(kNaN);
+      comparison.time_s.push_back(t);
+      comparison.measured.push_back(kNaN);
+      comparison.told.push_back(kNaN);
     }
     comparison.time_s.push_back(pairing.y_is_a ? t : refined.warp.At(t));
-    comparison.measured.push_back(rows.y(i, evidence.column)), comparison.told.push_back(told[i]);
+    comparison.measured.push_back(rows.y(i, evidence.column));
+    comparison.told.push_back(told[i]);
   }
   return comparison;
 }

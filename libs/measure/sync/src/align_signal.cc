@@ -24,7 +24,9 @@ Matches MatchesAt(double offset_s, double from_s, const std::vector<double>& ris
   for (const double b : rises_b) {
     const auto nearest = std::ranges::min_element(rises_a, {}, [&](double a) { return std::abs(a - b - offset_s); });
     if (std::abs(*nearest - b - offset_s) > tolerance_s + kMostDrift * std::abs(b - from_s)) continue;
-    matches.a_s.push_back(*nearest), matches.b_s.push_back(b), apart.push_back(*nearest - b);
+    matches.a_s.push_back(*nearest);
+    matches.b_s.push_back(b);
+    apart.push_back(*nearest - b);
   }
   for (const double d : apart) matches.square += std::pow(d - Mean(apart), 2);
   return matches;
@@ -44,7 +46,9 @@ Matches FindMatches(const std::vector<double>& rises_a, const std::vector<double
           (matches.a_s.size() == best.a_s.size() && matches.square >= best.square))
         continue;
       if (matches.a_s.size() > best.a_s.size()) is_one = true;
-      best = matches, best_s = a - b, best_b = b;
+      best = matches;
+      best_s = a - b;
+      best_b = b;
     }
   if (!is_one)
     throw Fail(
@@ -79,7 +83,9 @@ Alignment AlignBySignal(const Signal& in_a, const Signal& in_b, const Movement& 
   const auto count = static_cast<double>(matches.a_s.size());
   for (std::size_t i = 0; i < matches.a_s.size(); ++i) {
     const double x = matches.b_s[i] - middle_s, y = matches.a_s[i] - matches.b_s[i];
-    xx += x * x, xy += x * y, apart_s += y / count;
+    xx += x * x;
+    xy += x * y;
+    apart_s += y / count;
   }
   const double weight = prior > 0 ? xx / variance + 1 / (prior * prior) : 0;
   const double drift = weight > 0 ? xy / variance / weight : 0, drift_variance = weight > 0 ? 1 / weight : 0;

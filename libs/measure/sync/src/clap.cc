@@ -28,12 +28,16 @@ class HighPass {
     const double corner_hz = std::min(1500.0, 0.2 * rate_hz);
     const double k = std::tan(std::numbers::pi * corner_hz / rate_hz);
     norm_ = 1 / (1 + k * std::numbers::sqrt2 + k * k);
-    a1_ = 2 * (k * k - 1) * norm_, a2_ = (1 - k * std::numbers::sqrt2 + k * k) * norm_;
+    a1_ = 2 * (k * k - 1) * norm_;
+    a2_ = (1 - k * std::numbers::sqrt2 + k * k) * norm_;
   }
 
   float Next(double x) {
     const double y = norm_ * (x - 2 * x1_ + x2_) - a1_ * y1_ - a2_ * y2_;
-    x2_ = x1_, x1_ = x, y2_ = y1_, y1_ = y;
+    x2_ = x1_;
+    x1_ = x;
+    y2_ = y1_;
+    y1_ = y;
     return static_cast<float>(y);
   }
 
@@ -53,7 +57,8 @@ class Power {
     sum_ += sample * sample;
     if (++in_bin_ < per_bin_) return;
     sums_.push_back(sums_.back() + sum_);
-    sum_ = 0, in_bin_ = 0;
+    sum_ = 0;
+    in_bin_ = 0;
   }
 
   std::ptrdiff_t Bins() const { return std::ssize(sums_) - 1; }
@@ -62,7 +67,8 @@ class Power {
 
   // The mean from one bin to before the other, as far as there are any; kSilence at least.
   double Mean(std::ptrdiff_t from, std::ptrdiff_t to) const {
-    from = std::clamp<std::ptrdiff_t>(from, 0, Bins()), to = std::clamp<std::ptrdiff_t>(to, 0, Bins());
+    from = std::clamp<std::ptrdiff_t>(from, 0, Bins());
+    to = std::clamp<std::ptrdiff_t>(to, 0, Bins());
     if (to <= from) return kSilence;
     const double sum = sums_[static_cast<std::size_t>(to)] - sums_[static_cast<std::size_t>(from)];
     return std::max(kSilence, sum / static_cast<double>((to - from) * static_cast<std::ptrdiff_t>(per_bin_)));
@@ -150,7 +156,8 @@ class Surroundings {
   Surroundings(const Onset& onset, const Power& power, const video::Sound& sound)
       : half_(static_cast<std::size_t>(std::llround(kBin_s / 2 * sound.rate_hz))) {
     const std::size_t at = power.FirstSample(onset.bin), reach = static_cast<std::size_t>(0.01 * sound.rate_hz);
-    from_ = at - std::min(at, 2 * reach), to_ = std::min(sound.samples, at + reach);
+    from_ = at - std::min(at, 2 * reach);
+    to_ = std::min(sound.samples, at + reach);
     excerpt_ = {.begin = from_ - std::min(from_, half_), .end = std::min(sound.samples, to_ + half_)};
     excerpt_.samples.reserve(excerpt_.end - excerpt_.begin);
   }
@@ -193,7 +200,10 @@ HeardSound Hear(const SoundReading& read, const std::filesystem::path& film) {
     if (!(rate_hz >= kLeastRateHz))
       throw Fail("{}: its sound has {:g} samples a second; a clap is found in {:g} or more", film.string(), rate_hz,
                  kLeastRateHz);
-    if (!filter) filter.emplace(rate_hz), power.emplace(rate_hz);
+    if (!filter) {
+      filter.emplace(rate_hz);
+      power.emplace(rate_hz);
+    }
     for (const float sample : samples) power->Add(filter->Next(sample));
   });
   return {std::move(sound), std::move(power.value())};

@@ -74,9 +74,12 @@ Squares SquaresOf(const Part& part, Correlator& correlator) {
     syy.push_back(correlator.Correlate(correlator.Transform(y.col(j).cwiseAbs2()), x_seen));
     for (Index i = 0; i < p; ++i) sxy.push_back(correlator.Correlate(spectrum, x_spectra[static_cast<std::size_t>(i)]));
   }
-  squares.y_whole = y.squaredNorm(), squares.x_whole = x.squaredNorm();
+  squares.y_whole = y.squaredNorm();
+  squares.x_whole = x.squaredNorm();
   const std::size_t shifts = squares.count.size();
-  squares.all.assign(shifts, 0), squares.told.assign(shifts, 0), squares.x_all.assign(shifts, 0);
+  squares.all.assign(shifts, 0);
+  squares.told.assign(shifts, 0);
+  squares.x_all.assign(shifts, 0);
   for (std::size_t k = 0; k < shifts; ++k) {
     const double n = squares.count[k];
     if (n < static_cast<double>(p) + 3) continue;
@@ -119,7 +122,8 @@ OffsetSearch SearchOffsets(const Pairing& pairing) {
     for (const Squares& s : parts) {
       // Each part by what moves in it, whatever its unit.
       if (!(s.y_whole > 0) || !(s.x_whole > 0)) continue;
-      all += s.all[k] / s.y_whole, told += s.told[k] / s.y_whole;
+      all += s.all[k] / s.y_whole;
+      told += s.told[k] / s.y_whole;
       share = std::max(share, std::min(1.0, std::max(s.all[k] / s.y_whole, s.x_all[k] / s.x_whole)));
       overlap_s = std::max(overlap_s, s.count[k] * step_s);
     }

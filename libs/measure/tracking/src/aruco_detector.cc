@@ -46,7 +46,9 @@ std::optional<double> EdgePlace(const cv::Mat& grey, const Eigen::Vector2d& midd
   double rise = 0, moment = 0, last = Level(grey, middle - reach_px * outward);
   for (double s = -reach_px + kStep; s <= reach_px; s += kStep) {
     const double level = Level(grey, middle + s * outward), slope = std::max(level - last, 0.0);
-    rise += slope, moment += slope * (s - kStep / 2), last = level;
+    rise += slope;
+    moment += slope * (s - kStep / 2);
+    last = level;
   }
   return rise > kLeastRise ? std::optional(moment / rise) : std::nullopt;
 }
@@ -80,7 +82,8 @@ std::optional<Side> FitSide(const cv::Mat& grey, const Eigen::Vector2d& from, co
       const Eigen::Vector2d row(1, place.x());
       const double residual = place.y() - row.dot(side.offset_and_turn);
       const double weight = round == 0 ? 1 : kHuberPx / std::max(kHuberPx, std::abs(residual));
-      normal += weight * row * row.transpose(), right += weight * place.y() * row;
+      normal += weight * row * row.transpose();
+      right += weight * place.y() * row;
       square_sum += weight * residual * residual;
     }
     side.offset_and_turn = normal.ldlt().solve(right);
@@ -181,7 +184,8 @@ class ArucoDetector : public MarkerDetector {
   // A square is as large as it must be in the whole picture.
   std::vector<MarkerDetection> FindIn(const cv::Mat& grey, const cv::Rect& box, const ThresholdWindows& windows) {
     if (box.empty()) return {};
-    parameters_->adaptiveThreshWinSizeMin = windows.least, parameters_->adaptiveThreshWinSizeMax = windows.most;
+    parameters_->adaptiveThreshWinSizeMin = windows.least;
+    parameters_->adaptiveThreshWinSizeMax = windows.most;
     const cv::Rect whole = region_.Of(grey);
     parameters_->minMarkerPerimeterRate =
         least_perimeter_ * std::max(whole.width, whole.height) / std::max(box.width, box.height);

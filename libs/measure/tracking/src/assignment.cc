@@ -27,13 +27,20 @@ std::vector<int> AssignRows(const Eigen::MatrixXd& cost, double forbidden) {
       for (int j = 1; j <= columns; ++j) {
         if (used[j]) continue;
         const double reduced = at(row_of[column] - 1, j - 1) - row_potential[row_of[column]] - column_potential[j];
-        if (reduced < least[j]) least[j] = reduced, way[j] = column;
-        if (least[j] < delta) delta = least[j], next = j;
+        if (reduced < least[j]) {
+          least[j] = reduced;
+          way[j] = column;
+        }
+        if (least[j] < delta) {
+          delta = least[j];
+          next = j;
+        }
       }
       for (int j = 0; j <= columns; ++j) {
-        if (used[j])
-          row_potential[row_of[j]] += delta, column_potential[j] -= delta;
-        else
+        if (used[j]) {
+          row_potential[row_of[j]] += delta;
+          column_potential[j] -= delta;
+        } else
           least[j] -= delta;
       }
       column = next;

@@ -177,7 +177,8 @@ std::optional<BlobFit> BlobFinder::SearchAndFit(const cv::Mat& grey, const Marke
   const cv::Rect box = BoxAround(grey, prediction);
   if (box.empty()) return std::nullopt;
   BlobSearchOptions search;
-  search.min_radius_px = 0.6 * radius, search.max_radius_px = 1.6 * radius;
+  search.min_radius_px = 0.6 * radius;
+  search.max_radius_px = 1.6 * radius;
   search.min_contrast = 0.3 * prediction.appearance.amplitude;
   search.max_count = 6;
   BlobFitOptions options = fit_options_;

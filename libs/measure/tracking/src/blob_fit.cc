@@ -54,7 +54,8 @@ struct Model {
 
 LAKE_WIDE_VECTORS void StartModel(const PixelBlock& block, float background, float by_x, float by_y, Model& model) {
   for (std::size_t i = 0; i < kBlock; ++i) {
-    model.level.at[i] = background, model.seen.at[i] = 1;
+    model.level.at[i] = background;
+    model.seen.at[i] = 1;
     model.slope.at[i] = by_x * block.x.at[i] + by_y * block.y.at[i];
   }
 }
@@ -97,9 +98,12 @@ LAKE_WIDE_VECTORS void WeighResiduals(const PixelBlock& block, const Pixels& lev
     const float plain = counts / (read_variance + gain * std::max(level.at[i], 0.F));
     const float z = std::abs(value) * std::sqrt(plain);
     const float weight = plain * (huber / std::max(z, huber));
-    residuals.value.at[i] = value, residuals.weight.at[i] = weight, residuals.counts.at[i] = counts;
+    residuals.value.at[i] = value;
+    residuals.weight.at[i] = weight;
+    residuals.counts.at[i] = counts;
     residuals.cost.at[i] = z <= huber ? z * z : 2 * huber * z - huber * huber;
-    residuals.square.at[i] = counts * value * value, residuals.weighted_square.at[i] = weight * value * value;
+    residuals.square.at[i] = counts * value * value;
+    residuals.weighted_square.at[i] = weight * value * value;
   }
 }
 
@@ -107,8 +111,10 @@ struct ResidualSums {
   LaneSum counts = {}, cost = {}, square = {}, weighted_square = {};
 
   void Add(const Residuals& residuals) {
-    AddSum(residuals.counts, counts), AddSum(residuals.cost, cost);
-    AddSum(residuals.square, square), AddSum(residuals.weighted_square, weighted_square);
+    AddSum(residuals.counts, counts);
+    AddSum(residuals.cost, cost);
+    AddSum(residuals.square, square);
+    AddSum(residuals.weighted_square, weighted_square);
   }
 };
 
@@ -190,7 +196,8 @@ class JointFit {
         continue;
       }
       Restore(before);
-      normal_ = normal_before, gradient_ = gradient_before;
+      normal_ = normal_before;
+      gradient_ = gradient_before;
       if (last_px < 0.1 * options_.converged_px) return AllSane();
       damping *= 10;
       if (damping > 1e6) return false;
@@ -240,7 +247,8 @@ class JointFit {
           picture;
       blocks_.reserve(blocks_.size() + static_cast<std::size_t>(box.area()) / kBlock + 1);
       const auto width = static_cast<std::size_t>(box.width);
-      marks.resize(width), marks_of_others.resize(width);
+      marks.resize(width);
+      marks_of_others.resize(width);
       for (int y = box.y; y < box.y + box.height; ++y) {
         Mark(blobs_[i], box.x, y, marks);
         for (std::size_t other = 0; other < i; ++other) {
@@ -262,7 +270,8 @@ class JointFit {
     const auto at = pixels_++ % kBlock;
     if (at == 0) blocks_.push_back({});
     PixelBlock& block = blocks_.back();
-    block.x.at[at] = static_cast<float>(place.x()), block.y.at[at] = static_cast<float>(place.y());
+    block.x.at[at] = static_cast<float>(place.x());
+    block.y.at[at] = static_cast<float>(place.y());
     block.level.at[at] = level;
     block.counts.at[at] = 1;
     clipped_ |= level >= options_.saturation_level;
@@ -303,7 +312,8 @@ class JointFit {
 
   // Normal equations at the current parameters; returns the robust cost.
   double Accumulate() {
-    normal_.setZero(parameters_, parameters_), gradient_.setZero(parameters_);
+    normal_.setZero(parameters_, parameters_);
+    gradient_.setZero(parameters_);
     square_sum_ = weighted_square_sum_ = counting_ = 0;
     double cost = 0;
     constexpr std::size_t kAtOnce = 16;  // blocks, 512 pixels, in sums of single precision

@@ -137,7 +137,8 @@ void SearchLevel(const cv::Mat& grey, double scale, const cv::Rect& region, doub
   std::array<ContrastRows::Row, 3> rows;  // y − 1, y, y + 1, each at its number modulo 3
   rows.fill(ContrastRows::Row(static_cast<std::size_t>(grey.cols)));
   const auto row = [&](int y) -> ContrastRows::Row& { return rows[static_cast<std::size_t>(y % 3)]; };
-  contrast.Next(row(kBorder - 1)), contrast.Next(row(kBorder));
+  contrast.Next(row(kBorder - 1));
+  contrast.Next(row(kBorder));
   std::vector<int> columns;
   for (int y = kBorder; y < grey.rows - kBorder; ++y) {
     contrast.Next(row(y + 1));

@@ -49,8 +49,10 @@ Candidate MakeCandidate(const Tracklet& tracklet, int id, std::int64_t frame) {
 double TrimmedExtentPx(const Tracklet& tracklet) {
   constexpr double kEnd = 0.02;
   std::vector<double> x, y;
-  for (const TrackletSample& sample : tracklet.samples)
-    x.push_back(sample.position.x()), y.push_back(sample.position.y());
+  for (const TrackletSample& sample : tracklet.samples) {
+    x.push_back(sample.position.x());
+    y.push_back(sample.position.y());
+  }
   const auto range = [](const std::vector<double>& values) {
     return Quantile(values, 1 - kEnd) - Quantile(values, kEnd);
   };

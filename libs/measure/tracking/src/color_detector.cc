@@ -208,7 +208,10 @@ class ColorDetector : public MarkerDetector {
     const Vector2d corner(box.x, box.y);
     const bool is_dark = Contrast(part, spot.center - corner, radius) < 0;
     cv::Mat inverted;
-    if (is_dark) cv::bitwise_not(part, inverted), part = inverted;
+    if (is_dark) {
+      cv::bitwise_not(part, inverted);
+      part = inverted;
+    }
     BlobFitOptions options;
     options.noise = luma_noise_.Estimate();
     if (!is_dark) options.saturation_level = luma_noise_.SaturationLevel();

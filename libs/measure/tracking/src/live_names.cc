@@ -1,7 +1,6 @@
 // Names for what was followed, out of what has been seen so far.
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "lake/core/error.h"

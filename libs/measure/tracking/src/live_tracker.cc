@@ -143,7 +143,8 @@ void LiveTracker::Name(std::string_view name, const Vector2d& place_px) {
     const TrackletSample& last = thing.tracklet->samples.back();
     const double away_px = (last.position - place_px).norm() - last.radius_px;
     if (last.frame != measured_.frame.back() || away_px > kSeedSlackPx || away_px >= least_px) continue;
-    nearest = thing, least_px = away_px;
+    nearest = thing;
+    least_px = away_px;
   }
   if (!nearest) throw Fail("{}: there is no marker at {:.0f},{:.0f}", name, place_px.x(), place_px.y());
   ForgetDistances(index);
@@ -279,7 +280,10 @@ struct LiveTracker::Rejoining {
     if (cost >= next_cost) return;
     if (lost_index == lost.size()) {
       next_cost = cost < best_cost ? best_cost : cost;
-      if (cost < best_cost) best_cost = cost, best = chosen;
+      if (cost < best_cost) {
+        best_cost = cost;
+        best = chosen;
+      }
       return;
     }
     for (std::size_t thing = 0; thing < things.size(); ++thing) {
@@ -328,7 +332,8 @@ LiveSnapshot LiveTracker::Snapshot() const {
                         .frames = EmptyRecording({}),
                         .breaks = builder_->Breaks(),
                         .repeated = builder_->RepeatedFrames()};
-  snapshot.frames.frame = measured_.frame, snapshot.frames.time_s = measured_.time_s;
+  snapshot.frames.frame = measured_.frame;
+  snapshot.frames.time_s = measured_.time_s;
   return snapshot;
 }
 

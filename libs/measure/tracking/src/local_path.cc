@@ -14,7 +14,8 @@ PathPoint LocalPath::Fit() const {
   const int n = degree_ + 1;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost> normal(n, n);
   Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMost, 2> right(n, 2);
-  normal.setZero(), right.setZero();
+  normal.setZero();
+  right.setZero();
   bool any_at = false;
   for (const Sample& sample : samples_) {
     Powers powers(n);

@@ -5,7 +5,6 @@
 #include "chroma_planes.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/statistics.h"
 #include "lake/tracking/marker_detector.h"
 
 namespace lake::tracking {

@@ -164,7 +164,10 @@ class Namer {
         const TrackletSample* sample = tracklets_[i].SampleIn(seed.frame);
         if (!sample) continue;
         const double distance = (sample->position - seed.position).norm() - sample->radius_px;
-        if (distance < nearest) nearest = distance, best = i;
+        if (distance < nearest) {
+          nearest = distance;
+          best = i;
+        }
       }
       if (!(nearest <= kSeedSlackPx))
         throw Fail("{}: no marker is seen there{}", SeedText(seed),
@@ -199,7 +202,10 @@ class Namer {
       for (const TrackletSample& sample : tracklets_[i].samples)
         seen += sample.amplitude * sample.amplitude * (sample.quality < kMarkerQuality ? 1 : kNoDisc);
       if (!stays && TrimmedExtentPx(tracklets_[i]) < tracklets_[i].samples.front().radius_px) seen *= kRests;
-      if (seen > most) most = seen, best = i;
+      if (seen > most) {
+        most = seen;
+        best = i;
+      }
     }
     return best;
   }
@@ -548,7 +554,10 @@ class Namer {
       std::optional<FitToName> least;
       std::size_t best = 0;
       for (std::size_t i = 0; i < fits.size(); ++i)
-        if (fits[i] && (!least || *fits[i] < *least)) least = fits[i], best = i;
+        if (fits[i] && (!least || *fits[i] < *least)) {
+          least = fits[i];
+          best = i;
+        }
       if (!least) return;
       for (const NamedPiece& next : Next({best / names, best % names, least->misfit}, fits, spans))
         Join(next.piece, next.name, spans, fits);
@@ -576,7 +585,8 @@ void PlaceCandidates(const std::vector<Tracklet>& tracklets, std::vector<MarkerS
     const auto found = std::ranges::find(list.candidates, *seed.candidate, &Candidate::id);
     if (found == list.candidates.end())
       throw Fail("{}: the things found have the numbers 1 to {}", SeedText(seed), list.candidates.size());
-    seed.position = found->position, seed.frame = found->frame;
+    seed.position = found->position;
+    seed.frame = found->frame;
   }
 }
 

@@ -49,7 +49,8 @@ bool IsRepeated(const cv::Mat& before, const cv::Mat& now, const std::vector<Exp
     const cv::Mat old = PatchAt(before, e.position, size), same = PatchAt(now, e.position, size),
                   moved = PatchAt(now, e.position + e.step, size),
                   slope = PatchAt(before, e.position - nearby, size) - PatchAt(before, e.position + nearby, size);
-    as_before += cv::norm(same, old, cv::NORM_L2SQR), as_expected += cv::norm(moved, old, cv::NORM_L2SQR);
+    as_before += cv::norm(same, old, cv::NORM_L2SQR);
+    as_expected += cv::norm(moved, old, cv::NORM_L2SQR);
     along += (same - old).dot(0.5 * slope) * nearby.norm() / e.step.norm();
     slopes += 0.25 * slope.dot(slope);
   }

@@ -1,11 +1,8 @@
 #include "lake/tracking/recording_quality.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <ranges>
 
@@ -81,10 +78,14 @@ Place LookAt(const std::filesystem::path& path, const RecordingCheckOptions& opt
     if (frame.time_s < from_s && is_spent) continue;  // else what was asked for is not seen
     builder.Add(frame);
     const cv::Mat small = Small(frame.luma);
-    place.time_s.push_back(frame.time_s), place.frame.push_back(frame.index);
+    place.time_s.push_back(frame.time_s);
+    place.frame.push_back(frame.index);
     place.brightness.push_back(cv::mean(small)[0]);
-    if (place.time_s.size() == static_cast<std::size_t>(options.frames_per_run) / 2 || place.middle.empty())
-      place.middle = frame.luma.clone(), place.middle_s = frame.time_s, place.middle_frame = frame.index;
+    if (place.time_s.size() == static_cast<std::size_t>(options.frames_per_run) / 2 || place.middle.empty()) {
+      place.middle = frame.luma.clone();
+      place.middle_s = frame.time_s;
+      place.middle_frame = frame.index;
+    }
   }
   info = reader->Info();
   place.tracklets = builder.Finish();
@@ -100,7 +101,8 @@ double Flicker(const Place& place) {
   double sum = 0, level = 0;
   for (std::size_t i = 1; i + 1 < n; ++i) {
     const double bend = place.brightness[i] - (place.brightness[i - 1] + place.brightness[i + 1]) / 2;
-    sum += bend * bend, level += place.brightness[i];
+    sum += bend * bend;
+    level += place.brightness[i];
   }
   const auto count = static_cast<double>(n - 2);
   // White noise bends by √1.5 of itself.
@@ -129,8 +131,10 @@ std::optional<double> TiltDeg(const cv::Mat& grey) {
   const double usual = Median(weight), enough = kLeastEdge * 0.2 * grey.rows;
   if (weight[peak] < 3 * usual || weight[peak] < enough) return std::nullopt;
   double sum = 0, at = 0;
-  for (std::size_t k = peak > 1 ? peak - 2 : 0; k <= std::min(peak + 2, weight.size() - 1); ++k)
-    sum += weight[k], at += weight[k] * (static_cast<double>(k) * kBin_deg - kReach_deg);
+  for (std::size_t k = peak > 1 ? peak - 2 : 0; k <= std::min(peak + 2, weight.size() - 1); ++k) {
+    sum += weight[k];
+    at += weight[k] * (static_cast<double>(k) * kBin_deg - kReach_deg);
+  }
   return at / sum;
 }
 
@@ -157,7 +161,8 @@ void CountSpots(const std::vector<Place>& places, std::size_t markers, Recording
           std::max(check.strongest_clutter, MedianContrast(place.tracklets[place.by_contrast[markers]]) /
                                                 MedianContrast(place.tracklets[place.by_contrast[markers - 1]]));
   }
-  check.spots = spots.empty() ? 0 : Median(spots), check.clutter = clutter.empty() ? 0 : Median(clutter);
+  check.spots = spots.empty() ? 0 : Median(spots);
+  check.clutter = clutter.empty() ? 0 : Median(clutter);
   check.all_seen_share = spots.empty() ? 0 : static_cast<double>(all) / static_cast<double>(spots.size());
 }
 
@@ -255,7 +260,8 @@ double TravelOfSpots(const std::vector<Place>& places, std::size_t spots) {
 
 // The spots of a place's middle frame; those at a named marker's place in that frame are it.
 void ShowFrame(const Place& place, const std::optional<TrackResult>& tracked, RecordingCheck& check) {
-  check.frame = place.middle, check.shown_frame_ms = std::llround(1000 * place.middle_s);
+  check.frame = place.middle;
+  check.shown_frame_ms = std::llround(1000 * place.middle_s);
   for (const Tracklet& tracklet : place.tracklets)
     if (const TrackletSample* sample = tracklet.SampleIn(place.middle_frame))
       check.spots_shown.push_back({sample->position, sample->radius_px, sample->amplitude, ""});
@@ -311,7 +317,8 @@ MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFig
     for (std::size_t i = 0; i < marker->samples.size(); ++i) {
       const TrackletSample& sample = marker->samples[i];
       const double level = std::min(sample.amplitude, image.saturation_level);
-      radius.push_back(sample.radius_px), contrast.push_back(level);
+      radius.push_back(sample.radius_px);
+      contrast.push_back(level);
       over_noise.push_back(level / std::sqrt(image.noise.Variance(level)));
       saturated += sample.amplitude >= kSaturated * image.saturation_level;
       variance += sample.sigma_px * sample.sigma_px;
@@ -321,7 +328,8 @@ MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFig
   figures.samples = radius.size();
   if (radius.empty()) return figures;
   const auto n = static_cast<double>(radius.size());
-  figures.radius_px = Median(radius), figures.contrast = Median(contrast);
+  figures.radius_px = Median(radius);
+  figures.contrast = Median(contrast);
   figures.noise = std::sqrt(image.noise.Variance(figures.contrast));
   figures.contrast_over_noise = Quantile(over_noise, 0.1);
   figures.saturated_share = saturated / n;

@@ -45,7 +45,10 @@ class SeedChecker {
     std::size_t mover = 0;
     for (std::size_t m = 0; m < leg_.tracklets.size(); ++m) {
       const double extent = TrimmedExtentPx(tracklets_[leg_.tracklets[m]]);
-      if (m != marker && extent > most) most = extent, mover = m;
+      if (m != marker && extent > most) {
+        most = extent;
+        mover = m;
+      }
     }
     const Tracklet& own = tracklets_[leg_.tracklets[marker]];
     const double extent = TrimmedExtentPx(own), radius = own.samples.front().radius_px;
@@ -124,7 +127,10 @@ class SeedChecker {
       const std::size_t other = chain.tracklets[marker];
       if (other == own || CommonFrames(tracklets_[other], tracklets_[own]) < kLeastFrames) continue;
       if (!leg_.seeds[marker] && !SeedOfOther(other)) continue;
-      if (const double gain = Gain(other, marker); gain > most) most = gain, best = other;
+      if (const double gain = Gain(other, marker); gain > most) {
+        most = gain;
+        best = other;
+      }
     }
     return best;
   }

@@ -128,8 +128,10 @@ Scatters ScattersOf(const motion::MarkerRecording& recording) {
     Seen seen{marker.samples, recording.time_s, 0, {}};
     std::vector<double> times_s;
     for (std::size_t i = 0; i < marker.samples.size(); ++i)
-      if (marker.samples[i].status == motion::SampleStatus::kDetected)
-        seen.frames.push_back(i), times_s.push_back(recording.time_s[i]);
+      if (marker.samples[i].status == motion::SampleStatus::kDetected) {
+        seen.frames.push_back(i);
+        times_s.push_back(recording.time_s[i]);
+      }
     seen.frame_s = MedianInterval(times_s.size() > 1 ? times_s : recording.time_s);
     found.markers.push_back(std::move(seen));
   }
@@ -138,8 +140,11 @@ Scatters ScattersOf(const motion::MarkerRecording& recording) {
     for (std::size_t k = 0; k < seen.frames.size(); ++k)
       if (const auto residual = Residual(seen, k, HalfWindow(seen.frame_s)))
         (IsFast(seen, k) ? fast : slow).Add(*residual, seen.Sample(k).sigma);
-    Append(fast, found.all_fast), Append(fast, found.all), Append(slow, found.all);
-    found.fast.push_back(std::move(fast)), found.slow.push_back(std::move(slow));
+    Append(fast, found.all_fast);
+    Append(fast, found.all);
+    Append(slow, found.all);
+    found.fast.push_back(std::move(fast));
+    found.slow.push_back(std::move(slow));
   }
   return found;
 }
@@ -152,7 +157,8 @@ bool HoldStillAtRest(const Scatters& scatters, const SigmaCalibration& pooled) {
   Scatter at_rest, moving;
   for (std::size_t m = 0; m < scatters.markers.size(); ++m) {
     if (scatters.fast[m].sigmas.size() < kEnough) continue;
-    Append(scatters.slow[m], at_rest), Append(scatters.fast[m], moving);
+    Append(scatters.slow[m], at_rest);
+    Append(scatters.fast[m], moving);
   }
   if (at_rest.sigmas.size() < kEnough) return false;
   return TrimmedDeviation(at_rest.residuals) < std::max(kStill * TrimmedDeviation(moving.residuals), pooled.fit_px);

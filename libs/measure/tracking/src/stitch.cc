@@ -32,7 +32,10 @@ class Continuations {
       : tracklets_(tracklets), after_(tracklets.size()), before_(tracklets.size()) {
     for (std::size_t a = 0; a < tracklets.size(); ++a)
       for (std::size_t b = 0; b < tracklets.size(); ++b)
-        if (a != b && MayGoOnAs(tracklets[a], tracklets[b], physics)) after_[a].push_back(b), before_[b].push_back(a);
+        if (a != b && MayGoOnAs(tracklets[a], tracklets[b], physics)) {
+          after_[a].push_back(b);
+          before_[b].push_back(a);
+        }
   }
 
   // The piece that this one certainly goes on as.

@@ -258,7 +258,8 @@ Followed Follow(const std::filesystem::path& video, const TrackOptions& options)
     throw Fail("{}: has only {} frame; a motion needs more", video.string(), recording.Frames());
   CheckSeedFrames(options, recording);
   followed.tracklets = builder.Finish();
-  followed.repeated = builder.RepeatedFrames(), followed.breaks = builder.Breaks();
+  followed.repeated = builder.RepeatedFrames();
+  followed.breaks = builder.Breaks();
   followed.image = detector->Figures();
   followed.result.tracklets = followed.tracklets.size();
   followed.result.radius_px = MedianRadius(followed.tracklets);

@@ -1,6 +1,5 @@
 #include "lake/video/image.h"
 
-#include <cstdio>
 #include <opencv2/core.hpp>
 
 #include "damage_log.h"

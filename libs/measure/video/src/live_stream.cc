@@ -233,10 +233,12 @@ void LiveStream::Impl::OpenDecoder() {
   const int result = avcodec_open2(codec.get(), decoder, nullptr);
   if (result < 0)
     throw Fail("{}: the {} decoder cannot be started ({})", input_name, decoder->name, libav::ErrorText(result));
-  width = coded.width, height = coded.height;
+  width = coded.width;
+  height = coded.height;
   if (width <= 0 || height <= 0) throw Fail("{}: its picture size cannot be found", input_name);
   const bool turns = options.rotate_deg % 180 != 0;
-  info.width = turns ? height : width, info.height = turns ? width : height;
+  info.width = turns ? height : width;
+  info.height = turns ? width : height;
   info.rotation_deg = options.rotate_deg;
   info.codec = avcodec_get_name(coded.codec_id);
   const AVCodecDescriptor* descriptor = avcodec_descriptor_get(coded.codec_id);
@@ -284,7 +286,10 @@ void LiveStream::Impl::Receive() {
 // Of a file: until it would have come.
 bool LiveStream::Impl::WaitForPace(const AVPacket& packet) {
   const std::int64_t ticks = packet.dts != AV_NOPTS_VALUE ? packet.dts : packet.pts;
-  if (pace_from == AV_NOPTS_VALUE) pace_from = ticks, began = Clock::now();
+  if (pace_from == AV_NOPTS_VALUE) {
+    pace_from = ticks;
+    began = Clock::now();
+  }
   const std::chrono::duration<double> after(libav::Seconds(ticks - pace_from, input.Stream().time_base));
   std::unique_lock lock(mutex);
   while (Clock::now() < began + after) {
@@ -453,7 +458,8 @@ void LiveStream::Impl::Feed() {
   is_next_torn = (packet.flags & AV_PKT_FLAG_CORRUPT) != 0;
   if (result >= 0) return;
   broken.insert(sent.back().number);  // the recording has it, but no frame of it will come
-  ++damaged, ++index;
+  ++damaged;
+  ++index;
 }
 
 // Without frame threads libav reports damage while it works on the packet.
@@ -485,7 +491,8 @@ bool LiveStream::Impl::Read(LiveFrame& frame) {
     }
     if (result < 0) {  // of the packet sent last; libav ends draining after some of these
       broken.insert(sent_packets - 1);
-      ++damaged, ++index;
+      ++damaged;
+      ++index;
       continue;
     }
     if (format == AV_PIX_FMT_NONE) FillInfo(*decoded);
@@ -498,7 +505,8 @@ bool LiveStream::Impl::Read(LiveFrame& frame) {
       HandOut(decoded, frame);
       return true;
     }
-    ++damaged, ++index;
+    ++damaged;
+    ++index;
   }
 }
 

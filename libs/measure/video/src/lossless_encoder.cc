@@ -49,7 +49,8 @@ void LosslessEncoder::OpenEncoder(AVRational time_base) {
     throw Fail(
         "{}: its raw pictures ({}) cannot be recorded without loss; ask the camera for coded ones, --format mjpeg",
         input_, av_get_pix_fmt_name(decoder_->pix_fmt));
-  encoder_->width = decoder_->width, encoder_->height = decoder_->height;
+  encoder_->width = decoder_->width;
+  encoder_->height = decoder_->height;
   encoder_->sample_aspect_ratio = decoder_->sample_aspect_ratio;
   encoder_->color_range = decoder_->color_range;
   encoder_->colorspace = decoder_->colorspace;
@@ -69,7 +70,8 @@ void LosslessEncoder::OpenEncoder(AVRational time_base) {
   repack_.reset(sws_getContext(encoder_->width, encoder_->height, decoder_->pix_fmt, encoder_->width, encoder_->height,
                                encoder_->pix_fmt, SWS_POINT, nullptr, nullptr, nullptr));
   planes_->format = encoder_->pix_fmt;
-  planes_->width = encoder_->width, planes_->height = encoder_->height;
+  planes_->width = encoder_->width;
+  planes_->height = encoder_->height;
   if (!repack_ || av_frame_get_buffer(planes_.get(), 0) < 0) throw std::bad_alloc();
 }
 
@@ -82,7 +84,9 @@ libav::Packet LosslessEncoder::Encode(const AVPacket& raw) {
   int result = avcodec_send_frame(encoder_.get(), &InEncodersFormat());
   if (result >= 0) result = avcodec_receive_packet(encoder_.get(), coded.get());
   if (result < 0) throw Fail("{}: a raw picture cannot be coded ({})", input_, libav::ErrorText(result));
-  coded->pts = raw.pts, coded->dts = raw.dts, coded->duration = raw.duration;
+  coded->pts = raw.pts;
+  coded->dts = raw.dts;
+  coded->duration = raw.duration;
   return coded;
 }
 
@@ -91,7 +95,8 @@ const AVFrame& LosslessEncoder::InEncodersFormat() {
   if (av_frame_make_writable(planes_.get()) < 0) throw std::bad_alloc();
   sws_scale(repack_.get(), picture_->data, picture_->linesize, 0, picture_->height, planes_->data, planes_->linesize);
   planes_->pts = picture_->pts;
-  planes_->color_range = picture_->color_range, planes_->colorspace = picture_->colorspace;
+  planes_->color_range = picture_->color_range;
+  planes_->colorspace = picture_->colorspace;
   return *planes_;
 }
 

@@ -7,7 +7,8 @@ namespace lake::video {
 void MissingPictures::Add(std::int64_t ticks) {
   const std::int64_t interval = ticks - previous_;
   const bool is_first = !has_previous_;
-  previous_ = ticks, has_previous_ = true;
+  previous_ = ticks;
+  has_previous_ = true;
   if (is_first) return;
   std::int64_t usual = 0;
   if (intervals_ >= static_cast<std::int64_t>(kRemembered)) {
@@ -22,11 +23,15 @@ void MissingPictures::Add(std::int64_t ticks) {
     return;
   }
   const std::int64_t missing = (interval + usual / 2) / usual - 1;
-  ++gaps_, missing_ += missing;
-  ++in_row_, missing_in_row_ += missing;
+  ++gaps_;
+  missing_ += missing;
+  ++in_row_;
+  missing_in_row_ += missing;
   // More than half of those remembered: from here on the usual interval is the new one.
   if (in_row_ > static_cast<std::int64_t>(kRemembered / 2)) {
-    gaps_ -= in_row_, missing_ -= missing_in_row_, longest_ = longest_before_row_;
+    gaps_ -= in_row_;
+    missing_ -= missing_in_row_;
+    longest_ = longest_before_row_;
     in_row_ = missing_in_row_ = 0;
     return;
   }

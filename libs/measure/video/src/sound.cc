@@ -136,7 +136,8 @@ class SoundReader {
   // Only the format of the samples changes.
   void OpenResampler(const AVFrame& first) {
     sound_.rate_hz = first.sample_rate;
-    format_ = first.format, channels_ = first.ch_layout.nb_channels;
+    format_ = first.format;
+    channels_ = first.ch_layout.nb_channels;
     AVChannelLayout layout = {};
     av_channel_layout_default(&layout, channels_);
     SwrContext* opened = nullptr;
@@ -180,8 +181,10 @@ double Sound::TimeOf(double sample) const {
   };
   double sum_s = begin_s(*own);
   int count = 1;
-  for (auto stamp = own; stamp != stamps.begin() && belongs(*(stamp - 1)); --stamp)
-    sum_s += begin_s(*(stamp - 1)), ++count;
+  for (auto stamp = own; stamp != stamps.begin() && belongs(*(stamp - 1)); --stamp) {
+    sum_s += begin_s(*(stamp - 1));
+    ++count;
+  }
   for (auto stamp = own + 1; stamp < stamps.end() && belongs(*stamp); ++stamp) sum_s += begin_s(*stamp), ++count;
   return sum_s / count + sample / rate_hz;
 }

@@ -1,7 +1,6 @@
 #include "lake/video/video_files.h"
 
 #include <algorithm>
-#include <memory>
 
 #include "demuxer.h"
 #include "lake/core/interrupt.h"

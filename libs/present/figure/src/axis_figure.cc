@@ -29,7 +29,9 @@ std::string PlotAxes(GnuplotFigure& figure, const axis::MeanAxesResult& axes, co
   std::vector<double> x, y, radius;
   for (const axis::MeanAxis& axis : axes.windows) {
     const Vector2d place = view(axis.in_shank);
-    x.push_back(place.x()), y.push_back(place.y()), radius.push_back(kEllipse95 * axis.sd_mm);
+    x.push_back(place.x());
+    y.push_back(place.y());
+    radius.push_back(kEllipse95 * axis.sd_mm);
   }
   std::string plot;
   if (!x.empty())
@@ -53,7 +55,8 @@ struct Square {
 Square SquareAround(const axis::MeanAxesResult& axes, const View& view, const std::vector<double> (&place)[2]) {
   Vector2d low = Vector2d::Constant(1e9), high = -low;
   const auto hold = [&](const Vector2d& at, double radius) {
-    low = low.cwiseMin(Vector2d(at.array() - radius)), high = high.cwiseMax(Vector2d(at.array() + radius));
+    low = low.cwiseMin(Vector2d(at.array() - radius));
+    high = high.cwiseMax(Vector2d(at.array() + radius));
   };
   hold(view(axes.whole.in_shank), kEllipse95 * axes.whole.sd_mm);
   for (const axis::MeanAxis& axis : axes.windows) hold(view(axis.in_shank), kEllipse95 * axis.sd_mm);
@@ -86,7 +89,9 @@ Course CourseOf(const std::vector<const axis::InstantaneousCentre*>& by_angle, c
     const double half_mm = kNormal95 * mean([](const Centre& c) { return c.sd_mm.norm() / std::sqrt(2); });
     for (int k = 0; k < 2; ++k) {
       const double at = mean([&](const Centre& c) { return view(c.in_shank)[k]; });
-      course.place[k].push_back(at), course.low[k].push_back(at - half_mm), course.high[k].push_back(at + half_mm);
+      course.place[k].push_back(at);
+      course.low[k].push_back(at - half_mm);
+      course.high[k].push_back(at + half_mm);
     }
     first = last;
   }

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "lake/core/colours.h"
-#include "lake/core/statistics.h"
 #include "lake/figure/gnuplot.h"
 
 namespace lake::figure {

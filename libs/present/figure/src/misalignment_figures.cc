@@ -7,7 +7,6 @@
 
 #include "lake/core/colours.h"
 #include "lake/core/numbers.h"
-#include "lake/core/statistics.h"
 #include "lake/figure/gnuplot.h"
 #include "lake/figure/theme.h"
 #include "percents.h"

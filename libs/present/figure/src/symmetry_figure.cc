@@ -26,8 +26,11 @@ std::string NameOf(const std::string& column) {
 void DrawKnees(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
   std::vector<double> left, right, difference, low, high;
   for (const compare::SideDifference& at : symmetry.knee_deg) {
-    left.push_back(at.left), right.push_back(at.right), difference.push_back(at.difference);
-    low.push_back(at.interval.low), high.push_back(at.interval.high);
+    left.push_back(at.left);
+    right.push_back(at.right);
+    difference.push_back(at.difference);
+    low.push_back(at.interval.low);
+    high.push_back(at.interval.high);
   }
   const std::string data = figure.Data({Percents(static_cast<int>(left.size())), left, right, difference, low, high});
   figure.Line("set lmargin at screen 0.07; set rmargin at screen 0.45")
@@ -50,8 +53,10 @@ void DrawIndices(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
   std::string names;
   for (std::size_t i = 0; i < symmetry.quantities.size(); ++i) {
     const compare::SideDifference& of = symmetry.quantities[i];
-    row.push_back(-static_cast<double>(i)), index.push_back(of.index_percent);
-    low.push_back(of.index_interval.low), high.push_back(of.index_interval.high);
+    row.push_back(-static_cast<double>(i));
+    index.push_back(of.index_percent);
+    low.push_back(of.index_interval.low);
+    high.push_back(of.index_interval.high);
     names += fmt::format("{}{} -{}", names.empty() ? "" : ", ", QuoteForGnuplot(NameOf(of.name)), i);
   }
   figure.Line("set lmargin at screen 0.76; set rmargin at screen 0.97; set tmargin at screen 0.93")

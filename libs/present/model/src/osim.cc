@@ -2,7 +2,6 @@
 #include <cmath>
 #include <numbers>
 #include <string>
-#include <vector>
 
 #include "lake/core/angles.h"
 #include "lake/core/cross.h"

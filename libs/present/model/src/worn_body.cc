@@ -67,9 +67,12 @@ WornBody WornBodyOf(const parts::Mechanism& mechanism, const Wearer& wearer) {
                 .hinge_m = Vector2d(0, shank_m) + kMetresPerMillimetre * wearer.hinge_mm};
   worn.knee_rad = worn.mechanism.reference.theta_rad;
   worn.cuffs = CuffsOf(wearer, DegreesFromRadians(worn.knee_rad));
-  worn.shank.length_m = shank_m, worn.shank.radius_m = 0.045;
-  worn.thigh.length_m = thigh_m, worn.thigh.radius_m = 0.06;
-  worn.trunk.length_m = 2 * body.trunk.centre_m, worn.trunk.radius_m = 0.1;
+  worn.shank.length_m = shank_m;
+  worn.shank.radius_m = 0.045;
+  worn.thigh.length_m = thigh_m;
+  worn.thigh.radius_m = 0.06;
+  worn.trunk.length_m = 2 * body.trunk.centre_m;
+  worn.trunk.radius_m = 0.1;
   worn.thigh.lean_rad = -worn.knee_rad;
   worn.thigh.at_m = Vector2d(0, shank_m);
   worn.trunk.at_m = worn.thigh.at_m + Eigen::Rotation2Dd(worn.knee_rad) * Vector2d(0, thigh_m);

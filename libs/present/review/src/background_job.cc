@@ -17,8 +17,10 @@ void BackgroundJob::Start(Work work) {
   const std::lock_guard lock(mutex_);
   if (is_running_) throw Error("that is under way");
   if (thread_.joinable()) thread_.join();  // has ended
-  is_running_ = true, is_stopped_ = false;
-  progress_.clear(), failed_.clear();
+  is_running_ = true;
+  is_stopped_ = false;
+  progress_.clear();
+  failed_.clear();
   thread_ = std::thread([this, work = std::move(work)] { Do(work); });
 }
 
@@ -39,7 +41,8 @@ void BackgroundJob::Do(const Work& work) {
     failure = error.what();
   }
   const std::lock_guard lock(mutex_);
-  is_running_ = false, failed_ = failure;
+  is_running_ = false;
+  failed_ = failure;
 }
 
 bool BackgroundJob::IsRunning() const {

@@ -70,7 +70,8 @@ CorrectionBook::CorrectionBook(motion::MarkerRecording detected, int width, int 
   }
   motion::CheckAreInside(events, detected_.frame, detected_.time_s);
   for (const motion::EventCorrection& event : events) events_[{event.repetition, event.kind}] = event;
-  base_ = Corrections(), base_events_ = Events();
+  base_ = Corrections();
+  base_events_ = Events();
 }
 
 std::size_t CorrectionBook::Row(std::int64_t frame) const {

@@ -59,7 +59,8 @@ struct At {
   At(const Links& links, double stroke_mm, double knee_torque_nm) : pose(linkage::SolvePose(links, stroke_mm)) {
     if (!pose) return;
     const linkage::Transmission transmission = linkage::TransmissionOf(links, *pose);
-    knee_deg = DegreesFromRadians(pose->theta_rad), arm_mm = transmission.moment_arm_mm;
+    knee_deg = DegreesFromRadians(pose->theta_rad);
+    arm_mm = transmission.moment_arm_mm;
     force_n = linkage::ActuatorForce(transmission, knee_torque_nm);
     transmission_deg = DegreesFromRadians(transmission.transmission_rad);
   }
@@ -253,7 +254,8 @@ Json DesignExplorer::CurvesJson(const Links& links) const {
       return At(of, is_within ? std::min(stroke(row), within->stroke.upper_mm) : kNaN,
                 explored_.problem.knee_torque_nm);
     };
-    now.push_back(at(links, range)), saved.push_back(at(explored_.design.links, saved_range));
+    now.push_back(at(links, range));
+    saved.push_back(at(explored_.design.links, saved_range));
   }
   const auto columns = [&](const std::vector<At>& rows) -> Json {
     const auto column = [&](double At::*value) {
@@ -297,11 +299,13 @@ Json DesignExplorer::Explore(const Json& question) const {
   if (const auto drag = question.find("drag"); drag != question.end() && !drag->is_null()) {
     double stroke_mm = 0;
     std::tie(links, stroke_mm) = Dragged(links, *drag);
-    stroke = stroke_mm, pose = PoseJson(linkage::SolvePose(links, stroke_mm));
+    stroke = stroke_mm;
+    pose = PoseJson(linkage::SolvePose(links, stroke_mm));
   }
   Json message = ChecksJson(links, question.value("builds", false));
   message["links"] = links.Values();
-  message["stroke"] = stroke, message["pose"] = pose;
+  message["stroke"] = stroke;
+  message["pose"] = pose;
   message["curves"] = CurvesJson(links);
   return message;
 }
@@ -310,7 +314,8 @@ linkage::Design DesignExplorer::With(const Links& links) const {
   const problem::DesignEvaluation evaluation = problem::Evaluate(links, explored_.problem);
   if (!evaluation.pose) throw Fail("cannot be saved: {}", evaluation.gap);
   linkage::Design design = explored_.design;
-  design.links = links, design.d_min_mm = explored_.problem.d_min_mm;
+  design.links = links;
+  design.d_min_mm = explored_.problem.d_min_mm;
   design.range_deg = evaluation.range_deg;
   design.d_max_mm.reset();
   if (evaluation.stands_mm && *evaluation.stands_mm > design.d_min_mm) design.d_max_mm = evaluation.stands_mm;

@@ -3,9 +3,7 @@
 #include <turbojpeg.h>
 
 #include <algorithm>
-#include <array>
 #include <condition_variable>
-#include <cstdlib>
 #include <limits>
 #include <list>
 #include <map>
@@ -30,7 +28,8 @@ std::size_t BytesOf(const StoredFrame& frame) {
 class FrameSeeker {
  public:
   FrameSeeker(std::filesystem::path video, const video::VideoReaderOptions& reader) : video_(std::move(video)) {
-    options_.rotate_deg = reader.rotate_deg, options_.capture_rate_hz = reader.capture_rate_hz;
+    options_.rotate_deg = reader.rotate_deg;
+    options_.capture_rate_hz = reader.capture_rate_hz;
     options_.colour = true;
     OpenAtStart();
     info_ = reader_->Info();
@@ -63,7 +62,8 @@ class FrameSeeker {
     held_.reset();
     options_.seek_s.reset();
     reader_ = video::VideoReader::Open(video_, options_);
-    next_ = 0, counts_from_start_ = true;
+    next_ = 0;
+    counts_from_start_ = true;
   }
 
   bool Read(video::VideoFrame& frame) {
@@ -97,7 +97,9 @@ class FrameSeeker {
     if (!reader->Read(first)) return false;
     first.index = IndexOf(first.time_s);
     if (first.index < 0 || first.index > target) return false;
-    reader_ = std::move(reader), next_ = first.index, counts_from_start_ = false;
+    reader_ = std::move(reader);
+    next_ = first.index;
+    counts_from_start_ = false;
     held_ = std::move(first);
     return true;
   }

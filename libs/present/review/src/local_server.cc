@@ -120,7 +120,10 @@ struct LocalServer::Impl {
     try {
       LocalReply reply = route.handler(local);
       response.status = reply.status;
-      if (reply.is_framed) response.headers.erase(kPolicy), response.set_header(kPolicy, kFramedPolicy);
+      if (reply.is_framed) {
+        response.headers.erase(kPolicy);
+        response.set_header(kPolicy, kFramedPolicy);
+      }
       response.set_header("Cache-Control", reply.may_keep ? "private, max-age=86400" : "no-store");
       response.set_content(std::move(reply.body), reply.type);
     } catch (const Error& error) {

@@ -39,7 +39,8 @@ void AddRuns(const motion::MarkerRecording& recording, const Problem& like, cons
     const std::int64_t frame = recording.frame[row];
     if (!is_open || frame > problems.back().last + kBridged) {
       problems.push_back(like);
-      problems.back().first = frame, problems.back().value = *value;
+      problems.back().first = frame;
+      problems.back().value = *value;
       is_open = true;
     }
     Problem& run = problems.back();

@@ -72,7 +72,8 @@ class ReviewServer {
     if (!snapping.detector) return Json();
     const StoredFrame stored = frames_.Frame(frame);
     video::VideoFrame picture;
-    picture.index = frame, picture.luma = stored.luma;
+    picture.index = frame;
+    picture.luma = stored.luma;
     const auto colours = [&stored] { return ColoursOf(stored); };
     const auto found = SnapToMarker(picture, place, reach_px, snapping.detector, colours);
     if (!found) return Json();
@@ -113,7 +114,8 @@ class ReviewServer {
     auto session = std::make_unique<TrialSession>(std::move(trial.book), std::move(trial.repeated),
                                                   std::move(trial.work), std::move(trial.about));
     const std::lock_guard lock(mutex_);
-    session_ = std::move(session), snap_to_ = trial.snap_to;
+    session_ = std::move(session);
+    snap_to_ = trial.snap_to;
   }
 
   void StartTracking(const Json& choices) {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <utility>
 
 #include "lake/core/error.h"
 
@@ -48,7 +47,10 @@ std::optional<tracking::MarkerDetection> SnapToMarker(video::VideoFrame frame, c
   double least = reach_px;
   for (const tracking::MarkerDetection& found : detector->Detect(frame, {}, true)) {
     const double distance = (found.position - place).norm();
-    if (distance <= least) nearest = found, least = distance;
+    if (distance <= least) {
+      nearest = found;
+      least = distance;
+    }
   }
   return nearest;
 }

@@ -41,7 +41,9 @@ void TrialSession::FitAgain() {
       failure = error.what();
     }
     lock.lock();
-    fit_ = std::move(fit), fit_error_ = failure, fitted_ = revision;
+    fit_ = std::move(fit);
+    fit_error_ = failure;
+    fitted_ = revision;
   }
 }
 

@@ -12,7 +12,8 @@ figure::ConditionCurve CurveOf(const CurveRow& row) {
   for (const reliability::MeanOfSubjects& of : row.percent) {
     curve.mean.push_back(of.mean.value);
     if (curve.people < 2) continue;
-    curve.low.push_back(of.mean.interval.low), curve.high.push_back(of.mean.interval.high);
+    curve.low.push_back(of.mean.interval.low);
+    curve.high.push_back(of.mean.interval.high);
   }
   return curve;
 }

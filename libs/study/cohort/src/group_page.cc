@@ -113,17 +113,23 @@ void AddCurve(const CurveRow* row, const std::string& name, const char* colour, 
   mean.mark = mark;
   for (int percent = 0; percent < kPercents; ++percent) {
     const reliability::Estimate& of = row->percent[static_cast<std::size_t>(percent)].mean;
-    mean.x.push_back(percent), mean.y.push_back(of.value);
-    mean.lower.push_back(of.interval.low), mean.upper.push_back(of.interval.high);
+    mean.x.push_back(percent);
+    mean.y.push_back(of.value);
+    mean.lower.push_back(of.interval.low);
+    mean.upper.push_back(of.interval.high);
   }
-  if (row->participants.size() < 2) mean.lower.clear(), mean.upper.clear();
+  if (row->participants.size() < 2) {
+    mean.lower.clear();
+    mean.upper.clear();
+  }
   chart.series.push_back(mean);
   if (!all) return;
   for (const auto& [participant, curve] : row->participants) {
     Series own;
     own.name = participant;
     own.mark = Mark::kThin;
-    own.x = mean.x, own.y.assign(curve.begin(), curve.end());
+    own.x = mean.x;
+    own.y.assign(curve.begin(), curve.end());
     chart.series.push_back(std::move(own));
   }
 }

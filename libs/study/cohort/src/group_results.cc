@@ -1,7 +1,6 @@
 #include "group_results.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "group_figures.h"
 #include "group_page.h"

@@ -149,7 +149,9 @@ std::vector<DifferenceRow> DifferencesOf(const GroupData& group) {
       const auto without = ValueOf(group, participant, "human", quantity);
       const auto with = ValueOf(group, participant, "exo", quantity);
       if (!without || !with) continue;
-      human.push_back(*without), exo.push_back(*with), difference.push_back(*with - *without);
+      human.push_back(*without);
+      exo.push_back(*with);
+      difference.push_back(*with - *without);
     }
     if (!difference.empty()) rows.push_back({quantity, Mean(human), Mean(exo), reliability::MeanOf(difference)});
   }
@@ -168,8 +170,10 @@ std::vector<OutlierRow> OutliersOf(const GroupData& group) {
     std::vector<std::string> who;
     std::vector<double> values;
     for (const std::string& participant : ParticipantsOf(group))
-      if (const auto value = ValueOf(group, participant, quantity.trial, quantity.name))
-        who.push_back(participant), values.push_back(*value);
+      if (const auto value = ValueOf(group, participant, quantity.trial, quantity.name)) {
+        who.push_back(participant);
+        values.push_back(*value);
+      }
     const std::vector<double> scores = reliability::RobustScores(values);
     for (std::size_t i = 0; i < scores.size(); ++i)
       if (std::abs(scores[i]) > reliability::kOutlierScore)

@@ -2,7 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <set>
@@ -10,7 +9,6 @@
 
 #include "group_results.h"
 #include "lake/cohort/cohort_file.h"
-#include "lake/cohort/motion_files.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/paths.h"

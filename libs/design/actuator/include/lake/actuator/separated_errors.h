@@ -19,7 +19,6 @@ struct StrokeSeries {
 // Both clocks are the strokes' own: a log's, or the video's.
 struct SeparatedErrors {
   double linkage_rms_deg = 0, linkage_max_deg = 0;  // measured angle less theta(measured stroke)
-  double linkage_shift_s = 0;                       // of the angles' clock against the strokes'; 0 if they share one
   double stroke_offset_mm = 0;  // of lengths between markers: less this they are strokes; fitted to the angles
   double actuator_rms_mm = 0, actuator_max_mm = 0;  // measured stroke less the program's, over its duration
   double actuator_end_mm = 0;                       // at its end

@@ -59,7 +59,6 @@ struct SizesOutcome {
   std::size_t rule_not_held = 0;  // how many people's limits the size that the rule gives them does not hold
   std::vector<LeftOut> left_out;  // per person; empty where a size has no design
   double mean_value_deg = 0;      // of what is maximised, over people; NaN where a limit is not held
-  int assignments = 0;            // from how many the search began
   bool is_settled = false;        // everybody wears the size that is best for them
 
   bool IsSolved() const;

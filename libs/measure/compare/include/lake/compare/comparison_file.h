@@ -15,7 +15,7 @@ struct ComparedCurves {
   std::vector<bool> spike{};                            // per percent
   double noise_floor_mm = 0, noise_floor_relative = 0;  // RMS that noise alone would show
   bool knee_is_functional = false;                      // the axis of rotation, not the marker
-  std::optional<KneeAxes> axes{};                       // absent: an older file, which does not say
+  KneeAxes axes{};                                      // empty in an older file, which does not say
   // Of the joint's place against the knee beneath the skin, along the worse axis; where it was seen.
   std::optional<double> joint_sd_mm{};
 };

@@ -30,8 +30,6 @@ struct BodyPath {
   Aids aids;
   std::vector<TrunkSample> trunk;  // at 0, 1, … 100 %
   int feet_from_percent = 0;       // the seat bears a part until then
-
-  bool IsOnFeet(int percent) const { return percent >= feet_from_percent; }
 };
 
 // As loads.json has it under "body_path"; lengths in mm, angles in degrees.
