@@ -17,6 +17,7 @@ import tempfile
 import threading
 import time
 import unittest
+import urllib.error
 import urllib.request
 
 try:
@@ -29,6 +30,7 @@ except ImportError:
 
 BIN = pathlib.Path(os.environ.get("LAKE_BIN", "build/test/bin")).resolve()
 DRIVER = shutil.which("chromedriver")
+SAMPLE = pathlib.Path(os.environ.get("LAKE_SOURCE", pathlib.Path(__file__).resolve().parents[2])) / "data/sts-study"
 WAIT_S = 600  # a loaded machine; what is waited for takes some seconds
 WORN = (18, 32)  # joint less knee, mm, shank frame
 MOVED = (3, 2)  # after the joint was moved
@@ -163,8 +165,8 @@ class Films(unittest.TestCase):
         cls.film, cls.camera = cls.folder / "worn/video.mp4", cls.folder / "worn/camera.yaml"
         cls.frames = frames_of(cls.film)
 
-    def live(self, *words, **options):
-        live = Live(self.folder, *words, "--camera", self.camera, "--no-overlay", **options)
+    def live(self, *words, camera=None, **options):
+        live = Live(self.folder, *words, "--camera", camera or self.camera, "--no-overlay", **options)
         self.addCleanup(live.close)
         return live
 
@@ -209,6 +211,21 @@ class Streams(Films):
         self.assertIn("Move the joint 18 mm back and 32 mm down (± 2 mm)", out)
         # With the mean of two rises and no error but noise, the millimetre that is asked for after three.
         self.assertLess(math.dist(live["place"]["offset_mm"], WORN), 1)
+
+    def test_the_sample_study(self):
+        """Three rises at 60 Hz: the recording is the exoskeleton's in a study as well as a trial to be compared."""
+        code, _, err = self.live(SAMPLE / "exo.mp4", "--replay", "-o", "sample", camera=SAMPLE / "camera.yaml").end()
+        self.assertEqual(code, 0, err)
+        live = self.expect_trial(self.folder / "sample", frames_of(SAMPLE / "exo.mp4"), 3)
+        self.assertLess(math.dist(live["place"]["offset_mm"], WORN), 1)
+        self.assertLess(live["difference"]["largest_px"], 0.1)
+        study = {"camera": str(SAMPLE / "camera.yaml"), "human": {"video": str(SAMPLE / "human.mp4")},
+                 "exo": {"video": "sample/video.mkv", "markers": NAMES, "seeds": ["knee=728,431@0", "exo_knee=740,415@0"]},
+                 "compare": {"exo_knee": "exo_knee"}}
+        (self.folder / "study.yaml").write_text(json.dumps(study))
+        run(BIN / "lake-run", "study.yaml", "-o", "study", cwd=self.folder)
+        joint = json.loads((self.folder / "study/comparison/comparison.json").read_text())["joint"]
+        self.assertLess(math.dist(joint["offset_mm"], live["place"]["offset_mm"]), 0.5)
 
     def test_a_seed_names_the_joint_at_once(self):
         code, _, err = self.live(self.film, "--replay", "-o", "seeded", *self.seeds()).end()
@@ -294,25 +311,27 @@ class Streams(Films):
 
     def as_sent(self, name, *words, film=None):
         """The film as a camera sends it: each picture is whole as it comes, and stamps are in whole milliseconds."""
-        ffmpeg("-i", film or self.film, *words, "-c:v", "mjpeg", "-q:v", 2, "-pix_fmt", "yuvj420p", self.folder / f"{name}.mkv")
+        ffmpeg("-i", film or self.film, "-c:v", "mjpeg", "-q:v", 2, "-pix_fmt", "yuvj420p", *words, self.folder / f"{name}.mkv")
         return self.folder / f"{name}.mkv"
 
-    def expect_verdicts(self, name, wrong, *words, film=None):
-        """Those of lake check, of which these are not good."""
+    def expect_verdicts(self, name, wrong, *words, film=None, apart=""):
+        """Those of lake check, of which these are not good; `apart` is not looked at."""
         sent = self.as_sent(name, "-t", 4, *words, film=film)
         state, _ = self.watched(sent)
         checked = subprocess.run([BIN / "lake-check", sent, "--json", "-o", self.folder / f"{name}.checked"], capture_output=True,
                                  text=True, check=False)
         self.assertIn(checked.returncode, (0, 1), checked.stderr)
         known = {item["name"]: item["verdict"] for item in json.loads(checked.stdout)["checks"]}
-        told = dict(zip(JUDGED, state["checks"]))
-        self.assertEqual({figure: check["verdict"] for figure, check in told.items()}, {figure: known[figure] for figure in JUDGED})
+        self.assertEqual(len(state["checks"]), len(JUDGED))
+        told = {figure: check for figure, check in zip(JUDGED, state["checks"]) if figure != apart}
+        self.assertEqual({figure: check["verdict"] for figure, check in told.items()}, {figure: known[figure] for figure in told})
         for figure, check in told.items():
             self.assertEqual(check["verdict"] != "good", figure in (*wrong, "frame_rate_hz"), check)  # 30 Hz is poor
             self.assertEqual(check["advice"] == "", check["verdict"] == "good")
 
     def test_verdicts_are_those_of_lake_check(self):
         grey = "lutyuv=y='clip(16+(val-16)*{},16,235)'"
+        overexposed = "format=gray,lutyuv=y='if(gt(val,120),min(255,120+(val-120)*3),val)'"
         for name, wrong, words in (
                 ("fit", (), ()),
                 ("dark", ("contrast_over_noise",), ("-vf", grey.format(0.7) + ",noise=c0s=12:c0f=t")),
@@ -321,6 +340,11 @@ class Streams(Films):
                 ("gaps", ("dropped_frames",), ("-vf", "select='mod(n,20)'", "-vsync", "passthrough"))):
             with self.subTest(name):
                 self.expect_verdicts(name, wrong, *words)
+        with self.subTest("overexposed"):
+            # Coded without loss: other coding blurs the level at which it is clipped, and neither tells. The spots of knee and
+            # joint, grown, touch in many frames; lake check then looks on in more of them than a session.
+            self.expect_verdicts("overexposed", ("saturated_share",), "-vf", overexposed, "-c:v", "ffv1", "-pix_fmt", "gray",
+                                 apart="all_seen_share")
 
     def test_curves_and_the_arrow_are_the_truth(self):
         film = self.as_sent("curves")
@@ -337,6 +361,52 @@ class Streams(Films):
         # The arrow leads from the joint to the knee.
         for end, name in zip(view["move"], ("exo_knee", "knee")):
             self.assertLess(math.dist(end, [float(truth[-1][f"{name}_{axis}_px"]) for axis in "xy"]), 1)
+
+    def status(self, address, data=None, **how):
+        request = urllib.request.Request(address, data, {"Content-Type": "application/json", **how.pop("headers", {})}, **how)
+        try:
+            with urllib.request.urlopen(request, timeout=WAIT_S) as response:
+                return response.status
+        except urllib.error.HTTPError as refused:
+            with refused:
+                return refused.code
+
+    def test_strangers_change_nothing(self):
+        """Whatever is sent to it by whom: it is refused, and the session goes on as it was."""
+        ffmpeg("-i", self.film, "-c", "copy", self.folder / "asked.ts")
+        camera = Camera(self.folder / "asked.ts")
+        camera.send()
+        live = self.live("-", "-o", "asked", "--patience", WAIT_S, *self.seeds(), stdin=camera.output)
+        camera.is_read_by_another()
+        before = self.until(lambda: len((now := live.ask("state"))["rises"]) == 2 and now)
+        host, token = live.address.split("/")[2:4]
+        moved = b'{"what": "moved"}'
+        others = token[:-1] + ("1" if token[-1] == "0" else "0")
+        for path in ("", others + "/", token[:-1] + "/", token + token + "/"):
+            for what, data in (("state", None), ("picture/0.jpg", None), ("view", b'{"after": -1}'), ("act", moved)):
+                self.assertEqual(self.status(f"http://{host}/{path}{what}", data), 403, path)
+        for headers in ({"Host": "evil.example"}, {"Origin": "http://evil.example"}, {"Origin": "null"}):
+            self.assertEqual(self.status(live.address + "act", moved, headers=headers), 403, headers)
+        self.assertEqual(self.status(live.address + "act", moved, headers={"Content-Type": "text/plain"}), 415)
+        for method, code in (("PUT", 405), ("DELETE", 405), ("PATCH", 405), ("OPTIONS", 405), ("GET", 404)):
+            self.assertEqual(self.status(live.address + "act", moved, method=method), code, method)
+        self.assertEqual(self.status(live.address + "act", b" " * (2 << 20) + moved), 413)
+        for act in (b"", b"moved", b"[]", b"null", b'"moved"', b"[" * 500_000, b"\xff\xfe", b"{}", b'{"what": 1}', b'{"what": "kill"}',
+                    b'{"what": "begin"', b'{"what": "name"}', b'{"what": "name", "name": "toe", "x": 1, "y": 1}',
+                    b'{"what": "name", "name": "knee", "x": "1", "y": 1}', b'{"what": "name", "name": "knee", "x": 1e308, "y": -1e308}',
+                    b'{"what": "name", "name": "knee", "x": null, "y": 1}', b'{"what": "name", "name": "knee", "x": 1e999, "y": 1}'):
+            self.assertEqual(self.status(live.address + "act", act), 400, act[:60])
+        for view in (b"", b"[]", b"{}", b'{"after": "0"}', b'{"after": null}', b'{"after": 1e300}', b'{"after": 0.5}', b'{"after": 99999999999999999999}'):
+            self.assertEqual(self.status(live.address + "view", view), 400, view)
+        for frame in ("", "x.jpg", "-1.jpg", "1e3.jpg", "99999999999999999999.jpg", "123456.jpg", "../../etc/passwd", "0.jpg%00"):
+            self.assertIn(self.status(live.address + "picture/" + frame), (400, 403, 404), frame)
+        after = live.ask("state")
+        for what in ("phase", "moves", "is_named", "rises", "failed"):
+            self.assertEqual(after[what], before[what], what)
+        live.process.send_signal(signal.SIGINT)
+        camera.end()
+        self.assertEqual(live.end()[0], 130)
+        self.assertEqual(read_table(self.folder / "asked/moves.csv"), [])
 
     def test_a_disk_without_space_is_a_clear_stop(self):
         """A file system of which 8 MB are to stay free for the trial, and that has room for three quarters of the film."""
@@ -508,7 +578,7 @@ class Page(Browser):
                 self.assertGreaterEqual(self.capital_px(text), LETTER_PX, (text, width))
             self.shot(f"rise-{width}")
         self.until(lambda: live.ask("state")["recorded_s"] > self.before_s - 0.3)
-        self.part("live-moved").click()  # the person sits; the joint is moved
+        ActionChains(self.browser).send_keys("m").perform()  # the person sits; the joint is moved
         self.until(lambda: "Move 1 noted" in self.part("said").text)
         camera.send()
         self.until(lambda: len(live.ask("state")["rises"]) == 4)
@@ -567,6 +637,8 @@ class Page(Browser):
         self.click_marker("exo_knee", read_table(self.folder / "worn/truth.csv")[0])  # seated, the joint rests
         self.part("live-trial").click()
         self.until(lambda: self.part("live-trial").text == "End trial")
+        self.part("live-moved").click()
+        self.until(lambda: "Move 1 noted" in self.part("said").text)
         # Nothing is lost while the page is closed, and it is as it was when it is opened again.
         self.browser.get("about:blank")
         camera.send()
@@ -582,6 +654,7 @@ class Page(Browser):
         code, _, err = live.end()
         self.assertEqual(code, 0, err)
         self.expect_place(json.loads((self.folder / "clicked/live.json").read_text())["place"], WORN)
+        self.assertEqual(len(read_table(self.folder / "clicked/moves.csv")), 1)
         self.assertTrue((self.folder / "clicked/kinematics.csv").is_file())
 
 

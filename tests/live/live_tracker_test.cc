@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -57,6 +59,7 @@ synth::SceneOptions SceneOf(const CameraMode& camera) {
   scene.motion.rise_s = 1.1, scene.motion.descent_s = 0.9;
   scene.motion.min_rest_s = 0.6, scene.motion.max_rest_s = 0.7;
   scene.motion.ankle_sway_mm = scene.motion.body_sway_deg = 0;  // so that the joint's place is one for all frames
+  if (camera.rises == 1) scene.motion.variation = 0;            // ends as it begins: it can be played again at once
   scene.motion.exo_knee_mm = kWornMm;
   return scene;
 }
@@ -75,6 +78,7 @@ class LiveSession {
  public:
   LiveSession(const synth::Scene& scene, const std::filesystem::path& film, std::vector<tracking::MarkerSeed> seeds)
       : view_(gait::MakeLegView(motion::LengthUnit::kPx, scene.Profile())),
+        film_(film),
         reader_(video::VideoReader::Open(film, {})) {
     options_.names = kNames;
     options_.seeds = std::move(seeds);
@@ -87,12 +91,20 @@ class LiveSession {
   void RunUntil(double time_s) {
     constexpr double kPause_s = 1;
     for (video::VideoFrame frame; last_s_ < time_s && reader_->Read(frame);) {
+      frame.index += begin_, frame.time_s += begin_s_;
       tracker_->Add(frame);
       last_s_ = frame.time_s;
       if (last_s_ < asked_s_ + kPause_s || !tracker_->IsAnyLost()) continue;
       asked_s_ = last_s_;
       FindNames();
     }
+  }
+
+  // The film from its beginning, as if it had gone on.
+  void PlayAgain() {
+    begin_ = Told().frame.back() + 1, begin_s_ = last_s_ + 1 / reader_->Info().frame_rate_hz;
+    reader_ = video::VideoReader::Open(film_, {});
+    RunUntil(std::numeric_limits<double>::infinity());
   }
 
   std::vector<live::RiseOffset> Rises() const {
@@ -113,13 +125,31 @@ class LiveSession {
   }
 
   gait::LegView view_;
+  std::filesystem::path film_;
   std::unique_ptr<video::VideoReader> reader_;
+  std::int64_t begin_ = 0;  // of the film as it plays now
+  double begin_s_ = 0;
   tracking::LiveTrackOptions options_;
   std::optional<tracking::LiveTracker> tracker_;
   double last_s_ = -1, asked_s_ = 0;
 };
 
 class LiveTracking : public testing::TestWithParam<CameraMode> {};
+
+// After each rise the joint's interval holds where it is; the mean of all is within a millimetre. `count` 0: any
+// number.
+void ExpectHeld(const std::vector<live::RiseOffset>& rises, std::size_t count) {
+  ASSERT_FALSE(rises.empty());
+  if (count > 0) {
+    ASSERT_EQ(rises.size(), count);
+  }
+  for (const live::RiseOffset& rise : rises) {
+    const live::JointPlace place = live::PlaceOf({&rise, 1});
+    for (const int axis : {0, 1})
+      EXPECT_LE(std::abs(place.offset_mm[axis] - kWornMm[axis]), place.half_width_mm[axis]) << rise.standing_s;
+  }
+  EXPECT_LT((live::PlaceOf(rises).offset_mm - kWornMm).norm(), 1) << "mm";
+}
 
 TEST_P(LiveTracking, TellsWhatTheWholeRecordingTells) {
   const TemporaryFolder folder;
@@ -131,20 +161,13 @@ TEST_P(LiveTracking, TellsWhatTheWholeRecordingTells) {
   const bool is_short = GetParam().rises == 1;
   LiveSession session(scene, folder / "video.mp4", is_short ? SeedsOf(scene) : std::vector<tracking::MarkerSeed>());
 
-  // After each rise the joint's interval holds where it is.
-  std::vector<live::RiseOffset> rises;
   for (const synth::StsPhase& phase : motion->Phases()) {
     if (phase.kind != synth::StsPhase::Kind::kStanding) continue;
     session.RunUntil(phase.end_s);
     ASSERT_TRUE(session.HasAllNames());
-    rises = session.Rises();
-    ASSERT_FALSE(rises.empty()) << phase.end_s;
-    const live::JointPlace place = live::PlaceOf({&rises.back(), 1});
-    for (const int axis : {0, 1})
-      EXPECT_LE(std::abs(place.offset_mm[axis] - kWornMm[axis]), place.half_width_mm[axis]) << "rise " << rises.size();
+    ExpectHeld(session.Rises(), 0);
   }
-  ASSERT_EQ(rises.size(), static_cast<std::size_t>(GetParam().rises));
-  EXPECT_LT((live::PlaceOf(rises).offset_mm - kWornMm).norm(), 1) << "mm";
+  ExpectHeld(session.Rises(), static_cast<std::size_t>(GetParam().rises));
   session.RunUntil(motion->DurationS());
 
   // Every frame was looked at, and no position is far from that of the whole recording.
@@ -176,6 +199,13 @@ TEST_P(LiveTracking, TellsWhatTheWholeRecordingTells) {
   const double normalised = std::sqrt(squares / count);
   EXPECT_GT(normalised, 0.5);
   EXPECT_LT(normalised, 1.2);
+
+  // Rendered once and played three times: what is wrong in one rise does not average out.
+  if (is_short) {
+    session.PlayAgain();
+    session.PlayAgain();
+    ExpectHeld(session.Rises(), 3);
+  }
 }
 
 // 16 : 9, the markers as large against the picture in each.

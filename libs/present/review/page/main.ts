@@ -50,7 +50,9 @@ async function update(state: StateMessage): Promise<void> {
 async function poll(): Promise<void> {
   try {
     const state = await server.state();
-    if (isEnded) location.reload();
+    if (isEnded && !live) location.reload();
+    if (isEnded) say(""); // a busy computer lost an answer; the session has all the page shows
+    isEnded = false;
     await update(state);
   } catch (why) {
     if (!(why instanceof TypeError)) return sayWhy(why);

@@ -1,6 +1,7 @@
 #include "lake/review/live_page.h"
 
 #include "jpeg_encoder.h"
+#include "lake/core/error.h"
 #include "page_server.h"
 
 namespace lake::review {
@@ -14,7 +15,11 @@ void ServeLive(const PageOptions& options, const LiveWork& work) {
   };
   PageServer page(options, state);
   page.Get("live", work.about);
-  page.Post("view", [&work](const Json& message) { return work.view(message.at("after").get<std::int64_t>()); });
+  page.Post("view", [&work](const Json& message) {
+    const Json& after = message.at("after");
+    if (!after.is_number_integer()) throw Fail("{} is not the number of a frame", after.dump());
+    return work.view(after.get<std::int64_t>());
+  });
   page.GetOther("picture/", [&work](const LocalRequest& request) {
     return LocalReply{.type = "image/jpeg",
                       .body = JpegEncoder(kQuality).Encode(work.picture(FrameNumber(request.rest)))};

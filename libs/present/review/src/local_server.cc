@@ -80,7 +80,7 @@ struct LocalServer::Impl {
     const std::string_view path = request.path;
     if (path.size() < token.size() + 2 || path[0] != '/' || path[token.size() + 1] != '/' ||
         !IsSame(path.substr(1, token.size()), token))
-      return "the address needs the token that lake review printed";
+      return "the address needs the token that was printed with it";
     return {};
   }
 
