@@ -152,17 +152,18 @@ TEST(StsPace, SwayHardlyMovesTheEvents) {
   const Events natural = Natural();
   std::vector<double> onset_error, seat_off_error, standing_error;  // of the rise's duration
   for (const double rise_s : {2.0, 4.0, 8.0, 16.0, 35.0})
-    for (unsigned seed = 1; seed <= 20; ++seed) {
-      const double factor = rise_s / kRise_s;
-      const Events slow = EventsOf(Play([&](double t) { return kRest_s + (t - kRest_s) / factor; },
-                                        kRest_s + rise_s + 3, 60, {0.2, 0.2, 1, seed}));
-      const auto error = [&](double found_s, double event_s) {
-        return std::abs(found_s - kRest_s - (event_s - kRest_s) * factor) / rise_s;
-      };
-      onset_error.push_back(error(slow.onset_s, natural.onset_s));
-      seat_off_error.push_back(error(slow.seat_off_s, natural.seat_off_s));
-      standing_error.push_back(error(slow.standing_s, natural.standing_s));
-    }
+    for (const double slide_mm : {0.0, 60.0})
+      for (unsigned seed = 1; seed <= 20; ++seed) {
+        const double factor = rise_s / kRise_s;
+        const Events slow = EventsOf(Play([&](double t) { return kRest_s + (t - kRest_s) / factor; },
+                                          kRest_s + rise_s + 3, 60, {0.2, 0.2, 1, seed}, slide_mm));
+        const auto error_s = [&](double found_s, double event_s) {
+          return std::abs(found_s - kRest_s - (event_s - kRest_s) * factor);
+        };
+        onset_error.push_back(error_s(slow.onset_s, natural.onset_s) / rise_s);
+        seat_off_error.push_back(error_s(slow.seat_off_s, natural.seat_off_s) / rise_s);
+        standing_error.push_back(error_s(slow.standing_s, natural.standing_s) / rise_s);
+      }
   EXPECT_LT(Quantile(onset_error, 0.85), 0.02);
   EXPECT_LT(Quantile(onset_error, 1), 0.05);
   EXPECT_LT(Quantile(seat_off_error, 0.95), 0.02);
