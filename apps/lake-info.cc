@@ -93,7 +93,10 @@ void PrintEvents(const lake::Json& events) {
 
 std::string Text(const lake::Json& value) {
   if (value.is_string()) return value.get<std::string>();
-  return value.is_number_float() ? lake::SignificantText(value.get<double>(), 6) : value.dump();
+  if (!value.is_number_float()) return value.dump();
+  constexpr double kSixDigits = 1e6;
+  const double number = value.get<double>();
+  return std::abs(number) < kSixDigits ? lake::SignificantText(number, 6) : fmt::format("{:.0f}", number);
 }
 
 void Print(const lake::Json& info) {

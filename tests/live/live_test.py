@@ -396,7 +396,7 @@ class Streams(Films):
                     b'{"what": "name", "name": "knee", "x": "1", "y": 1}', b'{"what": "name", "name": "knee", "x": 1e308, "y": -1e308}',
                     b'{"what": "name", "name": "knee", "x": null, "y": 1}', b'{"what": "name", "name": "knee", "x": 1e999, "y": 1}'):
             self.assertEqual(self.status(live.address + "act", act), 400, act[:60])
-        for view in (b"", b"[]", b"{}", b'{"after": "0"}', b'{"after": null}', b'{"after": 1e300}', b'{"after": 0.5}', b'{"after": 99999999999999999999}'):
+        for view in (b"", b"[]", b"{}", b'{"after": "0"}', b'{"after": null}', b'{"after": 1e300}', b'{"after": 0.5}', b'{"after": 18446744073709551615}', b'{"after": 99999999999999999999}'):
             self.assertEqual(self.status(live.address + "view", view), 400, view)
         for frame in ("", "x.jpg", "-1.jpg", "1e3.jpg", "99999999999999999999.jpg", "123456.jpg", "../../etc/passwd", "0.jpg%00"):
             self.assertIn(self.status(live.address + "picture/" + frame), (400, 403, 404), frame)

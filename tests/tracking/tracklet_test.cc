@@ -100,7 +100,7 @@ TEST(Tracklet, WhatHidesAPartOfAMarkerIsInItsSigma) {
 }
 
 // A streak that turns, or coding, makes a disc look larger, and nothing that comes before it does: it is kept, beside a
-// gap as well, and its place is hardly less sure. It was taken for displaced by the difference, or for another thing.
+// gap as well, and its place is hardly less sure.
 TEST(Tracklet, WhatLooksLargerIsNotHidden) {
   for (const bool behind_gap : {false, true}) {
     int larger = 0;
@@ -114,7 +114,7 @@ TEST(Tracklet, WhatLooksLargerIsNotHidden) {
       for (const tracking::TrackletSample& sample : tracklet.samples) {
         if (!IsHidden(sample)) continue;
         ++larger;
-        if (sample.frame == tracklet.samples.front().frame) continue;  // may be a streak
+        if (sample.frame == tracklet.samples.front().frame) continue;                        // may be a streak
         EXPECT_LE(sample.sigma_px, std::sqrt(2) * 0.05 + 1e-9) << "frame " << sample.frame;  // 1.4 times its own
       }
     EXPECT_EQ(larger, 4) << (behind_gap ? "behind a gap" : "");

@@ -1,4 +1,3 @@
-
 #include "lake/actuator/duty_video.h"
 #include "lake/commands/stroke.h"
 #include "lake/core/csv.h"

@@ -69,10 +69,12 @@ RecordingSize SizeOf(const std::filesystem::path& video, const video::VideoReade
   }
 }
 
-// A table's frames, one in a row; what is no text has as many as is usual.
+// A table's lines, of which a recording has one for each frame; as many as is usual of what is no text or cannot be
+// read twice, as a pipe.
 double RowsOf(const std::filesystem::path& table) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(table, ignored) || table.extension() == ".c3d") return kUsualFrames;
   std::ifstream file(table, std::ios::binary);
-  if (!file || !std::filesystem::is_regular_file(table) || table.extension() == ".c3d") return kUsualFrames;
   using Characters = std::istreambuf_iterator<char>;
   return static_cast<double>(std::count(Characters(file), Characters(), '\n'));
 }
@@ -111,8 +113,10 @@ StepCost CostOfLoads(const StudyTrial& trial) {
 }
 
 StepCost CostOf(const commands::OptimizeRunOptions& options) {
-  // Of a catalogue, one problem for each row but the first.
-  const double problems = options.actuators.empty() ? 1 : RowsOf(options.actuators) - 1;
+  // Of a catalogue, one problem for each row but the first. Why one cannot be read is said by the step.
+  std::error_code ignored;
+  const bool has_catalogue = std::filesystem::is_regular_file(options.actuators, ignored);
+  const double problems = has_catalogue ? std::max(0.0, RowsOf(options.actuators) - 1) : 1;
   const bool with_actuator = options.problem.actuator || !options.actuators.empty();
   StepCost cost =
       CostAt(with_actuator ? kOptimizeWithActuator : kOptimize, {.frames = problems * options.study.optimize.starts});

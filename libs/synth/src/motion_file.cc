@@ -33,13 +33,13 @@ bool AllAreKnown(const Trial& trial, std::size_t row) {
 
 // With what the file has before and after, as the first and the last exposure reach beyond the frames' times.
 Rows WithWhatIsAround(const Rows& rows, const Trial& trial) {
-  constexpr double kReach_s = 0.1;  // more than any frame takes
+  constexpr double kReach_s = 0.1;  // and to the row beyond
   const std::vector<double>& time_s = trial.recording.time_s;
   Rows around = rows;
-  while (around.first > 0 && time_s[around.first - 1] > time_s[rows.first] - kReach_s &&
+  while (around.first > 0 && time_s[around.first] > time_s[rows.first] - kReach_s &&
          AllAreKnown(trial, around.first - 1))
     --around.first;
-  while (around.end < time_s.size() && time_s[around.end] < time_s[rows.end - 1] + kReach_s &&
+  while (around.end < time_s.size() && time_s[around.end - 1] < time_s[rows.end - 1] + kReach_s &&
          AllAreKnown(trial, around.end))
     ++around.end;
   return around;

@@ -99,9 +99,9 @@ std::vector<DutySpeed> SpeedsOf(const std::vector<Plateau>& plateaus, int direct
     DutySpeed& last = speeds.back();
     if (last.speed < -std::max(options.still_mm_s, 3 * last.error))
       throw Fail(
-          "{}: duty {} moves the stroke at {} mm/s, the wrong way; swap the motor's two wires or the sign of "
+          "{}: duty {:+.2f} moves the stroke at {:+.2f} mm/s, the wrong way; swap the motor's two wires or the sign of "
           "the duty",
-          group.front()->log, SignificantText(group.front()->duty, 4), SignificantText(direction * last.speed, 4));
+          group.front()->log, group.front()->duty, direction * last.speed);
     if (last.speed < std::max(options.still_mm_s, 3 * last.error)) last.speed = 0;
   }
   return speeds;

@@ -68,9 +68,9 @@ void CheckWorn(const MeasuredMotion& measured, const MountSlip& slip, const Huma
   if (!LeavesTooMuch(slip)) return;
   std::string text = fmt::format(
       "{}: the joint of its trial was {} mm RMS off the leg's knee, and {} mm RMS of that are not explained by "
-      "placement_mm: [{:.1f}, {:.1f}]",
+      "placement_mm: [{}, {}]",
       measured.worn_file, SignificantText(slip.mount_mm, 3), SignificantText(slip.slip_mm, 3),
-      measured.worn->placement_mm[0], measured.worn->placement_mm[1]);
+      SignificantText(measured.worn->placement_mm[0], 4), SignificantText(measured.worn->placement_mm[1], 4));
   HumanMotion other = human;
   if (const auto placed = SetSlip(*measured.exo, measured.spike, slip.placement_mm, other); !LeavesTooMuch(*placed))
     text +=

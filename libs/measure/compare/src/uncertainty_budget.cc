@@ -262,8 +262,7 @@ std::string WayOut(const std::string& source, bool has_axis, bool is_of_two_tria
   if (source == kSoftTissue)
     return "two or more markers on shank and thigh, and the axis that lake axis finds from them, narrow it";
   if (source == kAnkleAndHipTissue)
-    return "two or more markers on shank and thigh, whose turn against each other needs no marker at ankle and hip "
-           "(lake axis), narrow it";
+    return "two or more markers on shank and thigh show the turn without ankle and hip (lake axis)";
   if (source == kAnkleAndHipPlacement)
     return "find malleolus and greater trochanter by touch, always by the same examiner; --placement-sd or "
            "--replacement-sd says how well that is repeated";

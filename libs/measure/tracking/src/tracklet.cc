@@ -58,15 +58,15 @@ bool IsNearGap(const std::vector<TrackletSample>& samples, std::ptrdiff_t i) {
 
 // Where a sample's size differs from its neighbours' in time, coding or a turn of its streak has spread its light,
 // which makes its place less sure; where it is smaller by more than all other sizes differ, something hides a part of
-// it, and it is displaced by as much as the difference. Its sigma takes that in. What is less than half a marker, or
-// beside a gap, where something comes before it, less than a whole one, is removed. A tracklet that begins half hidden
-// would pass for the marker's look, so this waits until all of it is known.
+// it, and it is displaced by as much as the difference. Its sigma takes that in. What differs by half a marker, or
+// beside a gap, where something comes before it, shows less than a whole one, is removed. A tracklet that begins half
+// hidden would pass for the marker's look, so this waits until all of it is known.
 void JudgeLooks(std::vector<TrackletSample>& samples) {
   constexpr std::ptrdiff_t kNeighbours = 15;
   // Of 28 000 whole markers in 107 coded recordings those whose size differed by 0.1 to 0.8 px were 0.12 px off per
-  // axis, whatever the difference, others 0.085: 1.4 times as much at most. The centre of what a straight edge leaves
-  // of a disc is off by 1.06 of the difference of the radii of equal area. What the noise makes differ is in the sigma
-  // already.
+  // axis, others 0.085: the error grows with the difference, to 1.4 times as much from 0.1 px on. The centre of what a
+  // straight edge leaves of a disc is off by 1.06 of the difference of the radii of equal area. What the noise makes
+  // differ is in the sigma already.
   constexpr double kOfScatter = 4, kDisplacedByCoding = 0.4, kMostByCoding = 1, kDisplacedByHiding = 1.06;
   struct Tolerance {
     double size, size_slack_px, quality_factor, quality_slack;
@@ -90,9 +90,10 @@ void JudgeLooks(std::vector<TrackletSample>& samples) {
     const bool near_gap = IsNearGap(samples, i);
     const Tolerance& tolerance = near_gap ? kNearGap : kWithin;
     // What turns while the shutter is open looks larger than a streak of its length, with nothing before it.
-    unlike[static_cast<std::size_t>(i)] =
-        (near_gap ? smaller_px : off_px) > tolerance.size * radius + tolerance.size_slack_px ||
-        sample.quality > tolerance.quality_factor * quality + tolerance.quality_slack;
+    const double hidden_px = near_gap ? smaller_px : off_px;
+    unlike[static_cast<std::size_t>(i)] = off_px > kWithin.size * radius ||
+                                          hidden_px > tolerance.size * radius + tolerance.size_slack_px ||
+                                          sample.quality > tolerance.quality_factor * quality + tolerance.quality_slack;
     const double beyond_noise_px = std::sqrt(std::max(0.0, off_px * off_px - sample.sigma_px * sample.sigma_px)),
                  displaced_px = smaller_px > kOfScatter * scatter
                                     ? kDisplacedByHiding * beyond_noise_px

@@ -61,15 +61,15 @@ cv::Mat DrawCheckPicture(const CheckPicture& picture) {
   const double height =
       std::max(frame_height + 2 * kLineHeight + kMargin, WriteLines(picture.lines, 0, false, measure) + kMargin);
   Page page(static_cast<int>(kFrameWidth + kAdviceWidth), static_cast<int>(std::ceil(height)), kTextSize);
-  constexpr double kBeside = 4;
+  constexpr double kBeside_px = 4;
   page.Paint(picture.frame, scale);
   for (const CheckPicture::Spot& spot : picture.spots) {
     const double x = (spot.position.x() + 0.5) * scale, y = (spot.position.y() + 0.5) * scale,
                  radius = std::max(9.0, 1.8 * spot.radius_px * scale);
     page.Circle(x, y, radius, spot.name.empty() ? kOtherSpot : kNamedSpot, !spot.name.empty());
     if (spot.name.empty()) continue;
-    const double right = x + radius + kBeside, width = page.WidthOf(spot.name);
-    page.WriteOver(spot.name, right + width < kFrameWidth ? right : x - radius - kBeside - width, y + 5, kNamedSpot);
+    const double right = x + radius + kBeside_px, width = page.WidthOf(spot.name);
+    page.WriteOver(spot.name, right + width < kFrameWidth ? right : x - radius - kBeside_px - width, y + 5, kNamedSpot);
   }
   const double left = kFrameWidth + kMargin, legend = frame_height + kLineHeight + kMargin / 2;
   page.Write(picture.title, left, kMargin + kLineHeight / 2, kInk);

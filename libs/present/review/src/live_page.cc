@@ -1,5 +1,8 @@
 #include "lake/review/live_page.h"
 
+#include <cstdint>
+#include <utility>
+
 #include "jpeg_encoder.h"
 #include "lake/core/error.h"
 #include "page_server.h"
@@ -17,7 +20,9 @@ void ServeLive(const PageOptions& options, const LiveWork& work) {
   page.Get("live", work.about);
   page.Post("view", [&work](const Json& message) {
     const Json& after = message.at("after");
-    if (!after.is_number_integer()) throw Fail("{} is not the number of a frame", after.dump());
+    const bool fits = after.is_number_integer() &&
+                      (!after.is_number_unsigned() || std::in_range<std::int64_t>(after.get<std::uint64_t>()));
+    if (!fits) throw Fail("{} is not the number of a frame", after.dump());
     return work.view(after.get<std::int64_t>());
   });
   page.GetOther("picture/", [&work](const LocalRequest& request) {

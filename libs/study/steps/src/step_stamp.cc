@@ -64,7 +64,7 @@ std::optional<StepStamp> ReadStamp(const fs::path& folder, const std::string& st
                      .outputs = OutputsFrom(json.at("outputs"), folder),
                      .cost = {.seconds = json.at("seconds").get<double>(),
                               .memory_mb = json.at("memory_mb").get<double>(),
-                              .processors = json.at("processors").get<double>()}};
+                              .processors = json.value("processors", 1.0)}};
   } catch (const Error&) {
     return std::nullopt;
   } catch (const Json::exception&) {

@@ -8,7 +8,7 @@ namespace lake::tracking {
 struct MarkerPhysics {
   double radius_mm = 8;
   double max_acceleration_mm_s2 = 9600;  // about 1 g, while the leg stands up
-  double turns_after_s = 0.3;            // it turns back before it has gone on for longer
+  double turns_after_s = 0.3;            // s, in which a marker goes one way at most
   double fast_start_mm = 160;            // from one frame to the next, of what begins at a seed: a ball that is thrown
 
   double AccelerationRadii() const { return max_acceleration_mm_s2 / radius_mm; }  // per s²

@@ -14,7 +14,7 @@ namespace lake::video {
 // (frames/%05d.png), which is the working folder where the pattern names none.
 std::filesystem::path FilesOfVideo(const std::filesystem::path& path);
 
-// What a recording's container says of all of it.
+// What a recording's container says of the whole recording.
 struct FilmSize {
   int width = 0, height = 0;           // px, as stored
   double frame_rate_hz = 0;            // on average; 0 where it does not say
