@@ -34,7 +34,8 @@ std::vector<LabelSpot> RoundPoint(const Vector2d& at, const Vector2d& first) {
   std::vector<LabelSpot> spots;
   spots.reserve(kWays);
   for (int i = 0; i < kWays; ++i) {  // to both sides in turn, away from the first
-    const double turned = heading + (i % 2 ? 1 : -1) * ((i + 1) / 2) * 2 * std::numbers::pi / kWays;
+    const int steps = (i + 1) / 2;
+    const double turned = heading + (i % 2 ? steps : -steps) * 2 * std::numbers::pi / kWays;
     spots.push_back({at, {std::cos(turned), std::sin(turned)}});
   }
   return spots;
