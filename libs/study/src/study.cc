@@ -78,6 +78,7 @@ steps::StepCost PlannedCost(const steps::StudyStep& step, const std::optional<st
 
 PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>& before, const std::string& why) {
   const std::optional<steps::StepCost> last = steps::LastCost(step);
+  const steps::StepCost cost = PlannedCost(step, last);
   const StepKind& kind = KindOf(step.name);
   PlannedStep plan{.name = step.name,
                    .what = step.what,
@@ -89,8 +90,8 @@ PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>&
                    .due = why.empty() ? std::nullopt : std::optional(why),
                    .failed = steps::StepFailure(step),
                    .needs = kind.needs,
-                   .cost = PlannedCost(step, last),
-                   .seconds = 0,
+                   .cost = cost,
+                   .seconds = cost.seconds,
                    .was_done = last.has_value()};
   for (const fs::path& input : step.inputs) plan.inputs.push_back(Absolute(input));
   for (const char* output : kind.outputs) plan.outputs.push_back(Absolute(step.folder / output));
@@ -184,10 +185,8 @@ StudyPlan PlanStudy(const StudyFile& study, const fs::path& out, const std::stri
   const std::vector<std::string> reasons = steps::WhyDoSteps(steps, made_by);
   StudyPlan plan{.name = study.name, .study = Absolute(study.file), .out = Absolute(out), .steps = {}};
   plan.steps.reserve(steps.size());
-  for (std::size_t i = 0; i < steps.size(); ++i) {
+  for (std::size_t i = 0; i < steps.size(); ++i)
     plan.steps.push_back(PlanOf(steps[i], steps::StepsBefore(steps, steps[i]), reasons[i]));
-    plan.steps.back().seconds = plan.steps.back().cost.seconds;
-  }
   plan.cost = CostOfDue(plan.steps, Threads());
   return plan;
 }

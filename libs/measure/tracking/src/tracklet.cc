@@ -67,7 +67,7 @@ void JudgeLooks(std::vector<TrackletSample>& samples) {
   // axis, others 0.085: the error grows with the difference, to 1.4 times as much from 0.1 px on. The centre of what a
   // straight edge leaves of a disc is off by 1.06 of the difference of the radii of equal area. What the noise makes
   // differ is in the sigma already.
-  constexpr double kOfScatter = 4, kDisplacedByCoding = 0.4, kMostByCoding = 1, kDisplacedByHiding = 1.06;
+  constexpr double kOfScatter = 4, kDisplacedByCoding = 0.4, kDisplacedByHiding = 1.06;
   struct Tolerance {
     double size, size_slack_px, quality_factor, quality_slack;
   };
@@ -87,17 +87,15 @@ void JudgeLooks(std::vector<TrackletSample>& samples) {
     const double scatter = RobustDeviation(radii);
     const double radius = Median(std::move(radii)), quality = Median(std::move(qualities)),
                  smaller_px = radius - sample.radius_px, off_px = std::abs(smaller_px);
-    const bool near_gap = IsNearGap(samples, i);
-    const Tolerance& tolerance = near_gap ? kNearGap : kWithin;
+    const Tolerance& tolerance = IsNearGap(samples, i) ? kNearGap : kWithin;
     // What turns while the shutter is open looks larger than a streak of its length, with nothing before it.
-    const double hidden_px = near_gap ? smaller_px : off_px;
     unlike[static_cast<std::size_t>(i)] = off_px > kWithin.size * radius ||
-                                          hidden_px > tolerance.size * radius + tolerance.size_slack_px ||
+                                          smaller_px > tolerance.size * radius + tolerance.size_slack_px ||
                                           sample.quality > tolerance.quality_factor * quality + tolerance.quality_slack;
     const double beyond_noise_px = std::sqrt(std::max(0.0, off_px * off_px - sample.sigma_px * sample.sigma_px)),
                  displaced_px = smaller_px > kOfScatter * scatter
                                     ? kDisplacedByHiding * beyond_noise_px
-                                    : std::min(kDisplacedByCoding * beyond_noise_px, kMostByCoding * sample.sigma_px);
+                                    : std::min(kDisplacedByCoding * beyond_noise_px, sample.sigma_px);
     sample.sigma_px = std::hypot(sample.sigma_px, displaced_px);
   }
   std::erase_if(samples, [&, i = std::size_t{0}](const TrackletSample&) mutable { return unlike[i++]; });

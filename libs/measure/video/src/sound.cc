@@ -185,7 +185,10 @@ double Sound::TimeOf(double sample) const {
     sum_s += begin_s(*(stamp - 1));
     ++count;
   }
-  for (auto stamp = own + 1; stamp < stamps.end() && belongs(*stamp); ++stamp) sum_s += begin_s(*stamp), ++count;
+  for (auto stamp = own + 1; stamp < stamps.end() && belongs(*stamp); ++stamp) {
+    sum_s += begin_s(*stamp);
+    ++count;
+  }
   return sum_s / count + sample / rate_hz;
 }
 

@@ -69,10 +69,10 @@ double LabelRoom::Covered(const Box& label) const {
 }
 
 Vector2d LabelRoom::Place(const std::vector<LabelSpot>& spots, double gap_mm, std::size_t letters) {
-  constexpr double kLetter_px = 10.2, kHeight_px = 24;  // of 13 points in DejaVu Sans, with the ground behind
+  constexpr double kLetter_px = 10.2, kAround_px = 8, kHeight_px = 24;  // of 13 points in DejaVu Sans, on their ground
   constexpr int kSteps = 16;
   constexpr double kStep = 0.02;  // what a step further away counts, of a line covered
-  const Array2d half = 0.5 * scale_ * Array2d(kLetter_px * static_cast<double>(letters) + 8, kHeight_px);
+  const Array2d half = 0.5 * scale_ * Array2d(kLetter_px * static_cast<double>(letters) + kAround_px, kHeight_px);
   double least = std::numeric_limits<double>::infinity();
   Box best{Array2d::Zero(), Array2d::Zero()};
   for (int step = 0; step < kSteps; ++step)
@@ -81,7 +81,9 @@ Vector2d LabelRoom::Place(const std::vector<LabelSpot>& spots, double gap_mm, st
       const Array2d centre = (spot.at + reach * spot.outward).array();
       const Box box{centre - half, centre + half};
       const double cost = Covered(box) + kStep * step;
-      if (cost < least) least = cost, best = box;
+      if (cost >= least) continue;
+      least = cost;
+      best = box;
     }
   taken_.push_back(best);
   return (0.5 * (best.low + best.high)).matrix();

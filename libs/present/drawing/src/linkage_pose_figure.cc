@@ -58,7 +58,7 @@ void AvoidMechanism(LabelRoom& room, const LinkageLook& look, const PosedLeg& le
   for (const double way : {0.0, 0.25, 0.5, 0.75, 1.0})  // all of the plate
     room.Avoid({mount, knee + way * (thigh_pin - knee)}, half_width_mm);
   room.Avoid({knee, shank_pin, tip, thigh_pin, knee}, half_width_mm);
-  room.Avoid({mount, tip}, 1.6 * half_width_mm);
+  room.Avoid({mount, tip}, kCylinderWidth * half_width_mm);
   for (const PlanePath& outline : LegOutlines(leg, look.body)) room.Avoid(outline, 0, kEdgeWeight);
 }
 
@@ -161,18 +161,18 @@ void DrawPosePage(figure::GnuplotFigure& figure, const LinkageLook& look, const 
   const SceneView whole = WholeView(look), near = FourBarView(look);
   DrawLeg(scene, leg, look.body);
   DrawLinkage(scene, leg, d_min, kHalfWidth_mm, 0.7);
-  LabelRoom beside(whole, ScaleOf(whole, kLeft));
-  AvoidMechanism(beside, look, leg, kHalfWidth_mm);
-  LabelWhole(scene, beside, look, leg);
+  LabelRoom whole_room(whole, ScaleOf(whole, kLeft));
+  AvoidMechanism(whole_room, look, leg, kHalfWidth_mm);
+  LabelWhole(scene, whole_room, look, leg);
   scene.Draw(whole, kLeft);
   figure.Line("unset label 101\nunset label 102");
 
   const double half = 0.5 * (near.right - near.left), half_width = 0.03 * half;
   DrawLeg(scene, leg, look.body);
   DrawLinkage(scene, leg, d_min, half_width, 1.3);
-  LabelRoom around(near, ScaleOf(near, kRight));
-  AvoidMechanism(around, look, leg, half_width);
-  LabelFourBar(scene, around, look, leg, half);
+  LabelRoom near_room(near, ScaleOf(near, kRight));
+  AvoidMechanism(near_room, look, leg, half_width);
+  LabelFourBar(scene, near_room, look, leg, half);
   scene.Draw(near, kRight);
   figure.Line("unset multiplot");
 }

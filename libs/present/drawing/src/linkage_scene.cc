@@ -85,7 +85,7 @@ void DrawLinkage(Scene& scene, const PosedLeg& leg, double d_min_mm, double half
   const Vector2d along = (tip - mount).normalized();
   const double cylinder = std::min((1 - kRodEnd) * d_min_mm, (tip - mount).norm());
   bar(mount, tip, link_colour::kPiston, 0.55 * half_width);
-  bar(mount, mount + cylinder * along, link_colour::kCylinder, 1.6 * half_width);
+  bar(mount, mount + cylinder * along, link_colour::kCylinder, kCylinderWidth * half_width);
   for (const Vector2d& pin : {knee, thigh_pin, tip, shank_pin, mount}) scene.Pin(pin, pin_size);
 }
 

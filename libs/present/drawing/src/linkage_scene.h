@@ -53,6 +53,8 @@ void DrawLeg(Scene& scene, const PosedLeg& leg, const linkage::Body& body);
 // The outline of the thigh plate, in the thigh frame, as it is cut: round about its pins K, M and P.
 PlanePath ThighPlate(const linkage::Pose& pose, double radius_mm);
 
+inline constexpr double kCylinderWidth = 1.6;  // in widths of the links
+
 // `d_min_mm` decides how long the cylinder is: what the shortest stroke leaves for it. Widths are for looks, not to
 // scale.
 void DrawLinkage(Scene& scene, const PosedLeg& leg, double d_min_mm, double link_half_width_mm, double pin_size);
