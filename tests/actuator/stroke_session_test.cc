@@ -66,8 +66,10 @@ class PtyBoard {
   void GoDeaf(double running_s) {
     Later(running_s, [this](HostRig&) { mute_ = true; });
   }
-  // Of the digits that it says, so that no answer is lost.
-  void DamageOneInSoMany(int digits) { one_in_ = digits; }
+  // Of these lines the first character arrives as another one.
+  void DamageLines(std::function<bool(const std::string& line)> which) {
+    Do([this, &which](HostRig&) { is_damaged_ = std::move(which); });
+  }
   int Damaged() const { return damaged_; }
   bool HasReceived() const { return has_received_; }
   // Until its own clock has gone on for that long.
@@ -81,6 +83,20 @@ class PtyBoard {
     has_received_ = true;
     rig_.SendPlain({c});
   }
+  static std::string WholeLines(const std::string& said) { return said.substr(0, said.rfind('\n') + 1); }
+  std::string AsTheyArrive(const std::string& lines) {
+    std::string arriving;
+    for (std::size_t begin = 0, end = 0; begin < lines.size(); begin = end) {
+      end = lines.find('\n', begin) + 1;
+      std::string line = lines.substr(begin, end - begin);
+      if (is_damaged_ && is_damaged_(line)) {
+        line[0] ^= 1;
+        ++damaged_;
+      }
+      arriving += line;
+    }
+    return arriving;
+  }
   void Serve() {
     std::array<char, 256> buffer;
     std::size_t said = rig_.Wire().size();
@@ -93,11 +109,10 @@ class PtyBoard {
       time_s_ = rig_.Time();
       if (since_s < 0 && rig_.Serial().find(",running,") != std::string::npos) since_s = rig_.Time();
       if (act_ && since_s >= 0 && rig_.Time() >= since_s + later_s_) act_(rig_), act_ = nullptr;
-      std::string bytes = rig_.Wire().substr(said);
-      for (char& c : bytes)
-        if (one_in_ > 0 && std::isdigit(static_cast<unsigned char>(c)) && ++digits_ % one_in_ == 0) c ^= 1, ++damaged_;
+      const std::string lines = WholeLines(rig_.Wire().substr(said));
+      said += lines.size();
+      const std::string bytes = AsTheyArrive(lines);
       if (!mute_ && !bytes.empty() && write(master_, bytes.data(), bytes.size()) < 0) break;
-      said = rig_.Wire().size();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   }
@@ -109,8 +124,8 @@ class PtyBoard {
   std::atomic<double> time_s_ = 0;
   std::function<void(HostRig&)> now_;
   std::atomic<bool> is_due_ = false;
-  std::atomic<int> one_in_ = 0, damaged_ = 0;
-  int digits_ = 0;
+  std::function<bool(const std::string&)> is_damaged_;
+  std::atomic<int> damaged_ = 0;
   double later_s_ = 0;
   std::function<void(HostRig&)> act_;
   std::thread thread_;
@@ -299,13 +314,32 @@ TEST_F(StrokeSessionTest, ATerminalJogsAndStopsAtTheEndOfItsInput) {
 
 // A row may be damaged on its way: it is left out, and nothing else happens.
 TEST_F(StrokeSessionTest, ADamagedRowIsLeftOut) {
-  board_->DamageOneInSoMany(400);
+  board_->DamageLines([rows = 0](const std::string& line) mutable {
+    return std::isdigit(static_cast<unsigned char>(line[0])) && ++rows % 20 == 0;
+  });
   const actuator::SessionResult result = Run();
   const CsvTable log = CsvTable::Read(folder_ / "log.csv");
   EXPECT_EQ(log.Rows(), result.rows);
-  EXPECT_GT(board_->Damaged(), 3);
-  EXPECT_GE(log.Rows(), 40u);
+  EXPECT_GE(board_->Damaged(), 3);
+  EXPECT_GE(log.Rows(), 57u) << "of 60, and 3 damaged";
   for (std::size_t i = 1; i < log.Rows(); ++i) EXPECT_GT(log.RequiredNumber(i, 0), log.RequiredNumber(i - 1, 0)) << i;
+}
+
+// The remark that homing or the program has ended comes once only; the rows say it again and again.
+TEST_F(StrokeSessionTest, ADamagedRemarkOfTheEndIsToldByTheRows) {
+  board_->DamageLines([](const std::string& line) { return line.starts_with("[MSG:done]"); });
+  EXPECT_GE(Run().rows, 60u);
+  EXPECT_EQ(board_->Damaged(), 2);
+  board_->End();
+  EXPECT_NEAR(rig_->Stroke(), 310, 0.3);
+}
+
+TEST_F(StrokeSessionTest, AHoldWhoseReasonIsDamagedIsTold) {
+  board_->DamageLines([](const std::string& line) { return line.starts_with("[MSG:host silent"); });
+  options_.keep_alive_s = 60;
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("is held at its place, and the firmware's reason was "
+                                                             "damaged on the line")));
+  ExpectStill();
 }
 
 // As a user runs it; Ctrl-C in the middle of the program.

@@ -29,6 +29,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kPoll_s = 0.05, kReply_s = 1;
+constexpr int kHoldRows = 2;  // the reason comes in the ms in which the hold begins, so before the second row
 constexpr const char* kReset = "!\x18";
 constexpr std::string_view kAlarm = "ALARM:";
 
@@ -132,22 +133,24 @@ class Session {
     throw Fail("{}: no answer to '{}'", options_.port.string(), command);
   }
 
-  // Until what moves says that it is done.
+  // Until what moves says that it is done, or the rows do: the remark may be damaged on its way.
   double WaitForDone(const std::string& what, double most_s) {
     const auto begin = Clock::now();
+    bool has_moved = false;
+    int rows_in_hold = 0;
     while (Since(begin) < most_s) {
       const std::optional<std::string> line = Line();
       poll_(state_, Since(begin));
+      if (!line) continue;
       if (line == "[MSG:done]") return Since(begin);
-      if (line && line->starts_with("[MSG:host silent"))
-        throw Fail("{}: the firmware did not hear this program in time and stopped; is the computer too busy?",
-                   options_.port.string());
-      if (line && line->starts_with("[MSG:button released"))
-        throw Fail(
-            "{}: the wearer let the button go, and the program is held at its place: to go on, button held, say resume "
-            "and "
-            "go to lake-stroke talk; to give up, lower the wearer by hand",
-            options_.port.string());
+      RefuseIfHeld(*line);
+      if (!IsRow(*line)) continue;
+      if (state_ == "idle" && has_moved) return Since(begin);
+      has_moved = has_moved || state_ != "idle";
+      rows_in_hold = state_ == "hold" ? rows_in_hold + 1 : 0;
+      if (rows_in_hold > kHoldRows)
+        throw Fail("{}: {} is held at its place, and the firmware's reason was damaged on the line",
+                   options_.port.string(), what);
     }
     throw Fail("{}: {} has not ended within {:.0f} s", options_.port.string(), what, most_s);
   }
@@ -165,6 +168,17 @@ class Session {
   std::size_t Rows() const { return rows_; }
 
  private:
+  void RefuseIfHeld(const std::string& line) const {
+    if (line.starts_with("[MSG:host silent"))
+      throw Fail("{}: the firmware did not hear this program in time and stopped; is the computer too busy?",
+                 options_.port.string());
+    if (line.starts_with("[MSG:button released"))
+      throw Fail(
+          "{}: the wearer let the button go, and the program is held at its place: to go on, button held, say resume "
+          "and go to lake-stroke talk; to give up, lower the wearer by hand",
+          options_.port.string());
+  }
+
   // What the first row after the greeting tells of before; the fault itself is told between them. One that is still
   // there is told again.
   void TakeUpFault() {
@@ -200,7 +214,7 @@ class Session {
     const std::string line = buffer_.substr(0, end);
     buffer_.erase(0, end + 1);
     // A line that was damaged on its way says nothing: rows come again, a reply that does not come is an error, and
-    // each row says whether there is a fault.
+    // each row says whether there is a fault, a hold or an end.
     std::optional<std::string> text = Unframed(line);
     if (text) Take(*text);
     return text;
