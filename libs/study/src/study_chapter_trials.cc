@@ -117,7 +117,8 @@ LineChart KneeChart(const fs::path& folder, const TrialNames& names) {
   knee.colour = names.colour;
   for (std::size_t i = 0; i < motion.samples.size(); i += ChartStep(motion.samples.size())) {
     const motion::LegSample& sample = motion.samples[i];
-    knee.x.push_back(motion.time_s[i]), knee.y.push_back(sample.knee_deg);
+    knee.x.push_back(motion.time_s[i]);
+    knee.y.push_back(sample.knee_deg);
     knee.lower.push_back(sample.knee_deg - 2 * sample.knee_sigma_deg);
     knee.upper.push_back(sample.knee_deg + 2 * sample.knee_sigma_deg);
   }
@@ -131,7 +132,10 @@ void ShareAxis(std::vector<LineChart>& charts) {
   double least_deg = std::numeric_limits<double>::infinity(), most_deg = -least_deg;
   for (const LineChart& chart : charts)
     for (const double knee_deg : chart.series.front().y)
-      if (std::isfinite(knee_deg)) least_deg = std::min(least_deg, knee_deg), most_deg = std::max(most_deg, knee_deg);
+      if (std::isfinite(knee_deg)) {
+        least_deg = std::min(least_deg, knee_deg);
+        most_deg = std::max(most_deg, knee_deg);
+      }
   if (least_deg > most_deg) return;
   constexpr double kStep_deg = 10;
   for (LineChart& chart : charts) {

@@ -237,8 +237,10 @@ void TakeCuffs(const StudyFile& study, StudySection& section, commands::Reoptimi
     reoptimize.cuffs.*value = study.compare.cuff.*value;
     section.given[name] = section.text[name] = *given;
   };
-  take("thigh-cuff", &cuffs::CuffOptions::thigh), take("shank-cuff", &cuffs::CuffOptions::shank);
-  take("cuff-softest", &cuffs::CuffOptions::softest_n_mm), take("cuff-stiffest", &cuffs::CuffOptions::stiffest_n_mm);
+  take("thigh-cuff", &cuffs::CuffOptions::thigh);
+  take("shank-cuff", &cuffs::CuffOptions::shank);
+  take("cuff-softest", &cuffs::CuffOptions::softest_n_mm);
+  take("cuff-stiffest", &cuffs::CuffOptions::stiffest_n_mm);
 }
 
 OptionalStep RedesignStep(const StudyFile& study, const fs::path& out) {

@@ -11,10 +11,12 @@ void button_init(void) {
 
 void button_tick(void) {
   const uint8_t now = board_button();
-  if (now == is_held)
+  if (now == is_held) {
     other_for_ms = 0;
-  else if (++other_for_ms >= (now ? BUTTON_PRESSED_MS : BUTTON_RELEASED_MS))
-    is_held = now, other_for_ms = 0;
+  } else if (++other_for_ms >= (now ? BUTTON_PRESSED_MS : BUTTON_RELEASED_MS)) {
+    is_held = now;
+    other_for_ms = 0;
+  }
   if (!now && !is_held) was_released = 1;
 }
 

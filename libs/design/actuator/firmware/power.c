@@ -79,8 +79,10 @@ void power_tick(uint8_t is_wanted, uint8_t is_fault) {
 #endif
   if (is_wanted && !is_fault && is_on() && p.probed_ms < 2 * PROBE_MS)
     probe();
-  else if (p.probed_ms < 2 * PROBE_MS)
-    motor_probe(0), p.probed_ms = 0;
+  else if (p.probed_ms < 2 * PROBE_MS) {
+    motor_probe(0);
+    p.probed_ms = 0;
+  }
 }
 
 uint8_t power_is_ready(void) {

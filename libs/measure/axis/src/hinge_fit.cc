@@ -102,11 +102,18 @@ std::vector<HingeEquation> BlocksOf(const std::vector<HingeEquation>& equations)
     const std::size_t first = k * all / count * frames;
     HingeEquation block = equations[first];
     for (std::size_t i = first + 1; i < first + frames; ++i) {
-      block.frame += equations[i].frame, block.angle_rad += equations[i].angle_rad;
-      block.weight += equations[i].weight, block.rows += equations[i].rows, block.offset += equations[i].offset;
+      block.frame += equations[i].frame;
+      block.angle_rad += equations[i].angle_rad;
+      block.weight += equations[i].weight;
+      block.rows += equations[i].rows;
+      block.offset += equations[i].offset;
     }
     const double n = static_cast<double>(frames);
-    block.frame /= n, block.angle_rad /= n, block.weight /= n, block.rows /= n, block.offset /= n;
+    block.frame /= n;
+    block.angle_rad /= n;
+    block.weight /= n;
+    block.rows /= n;
+    block.offset /= n;
     blocks.push_back(std::move(block));
   }
   return blocks;

@@ -61,7 +61,8 @@ Curves CurvesOf(const StsCurve& leg, const std::vector<Vector2d>& place_mm, cons
   Vector2d mean_mm = Vector2d::Zero();
   for (std::size_t i = 0; i < place_mm.size(); ++i) {
     if (spike[i]) continue;
-    curves.place_mm.push_back(place_mm[i]), mean_mm += place_mm[i];
+    curves.place_mm.push_back(place_mm[i]);
+    mean_mm += place_mm[i];
     curves.angle_deg.emplace_back(AngleBeside(leg, i, place_mm[i]), 0);
   }
   mean_mm /= static_cast<double>(curves.place_mm.size());
@@ -84,7 +85,8 @@ JointMisalignment::Intervals DrawIntervals(const RegisteredTrial& against, const
     remainder.push_back(Less(drawn.remainder_mm, found.remainder_mm));
     angle.push_back(Less(drawn.angle_deg, found.angle_deg));
     const Vector2d mean_mm = drawn.place_mm.front() - drawn.remainder_mm.front();
-    mean_x.push_back(mean_mm.x()), mean_y.push_back(mean_mm.y());
+    mean_x.push_back(mean_mm.x());
+    mean_y.push_back(mean_mm.y());
   }
   return {RmsInterval(found.place_mm, place),
           MaxInterval(found.place_mm, place),

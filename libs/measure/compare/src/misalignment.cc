@@ -171,18 +171,22 @@ class Bootstrap {
     std::array<std::vector<std::vector<Vector2d>>, 3> parts;
     std::vector<double> offset_x, offset_y;
     DecompositionOptions rough = options_.decomposition;  // draws are larger than what more steps would change
-    rough.tolerance = 1e-4, rough.max_iterations = 3;
+    rough.tolerance = 1e-4;
+    rough.max_iterations = 3;
     for (const MeanErrors& errors : draws_) {
       ThrowIfInterrupted();
       StsCurve human = m.human, exo = m.exo;
-      human.knee = Sum(human.knee, errors.human), exo.knee = Sum(exo.knee, errors.exo);
+      human.knee = Sum(human.knee, errors.human);
+      exo.knee = Sum(exo.knee, errors.exo);
       const Decomposition drawn = DecomposeFrom(d, human, exo, rough);
-      fractions[0].push_back(drawn.placement), fractions[1].push_back(drawn.timing);
+      fractions[0].push_back(drawn.placement);
+      fractions[1].push_back(drawn.timing);
       fractions[2].push_back(drawn.shape);
       parts[0].push_back(Less(drawn.placement_mm, d.placement_mm));
       parts[1].push_back(Less(drawn.timing_mm, d.timing_mm));
       parts[2].push_back(Less(drawn.shape_mm, d.shape_mm));
-      offset_x.push_back(drawn.offset_mm.x()), offset_y.push_back(drawn.offset_mm.y());
+      offset_x.push_back(drawn.offset_mm.x());
+      offset_y.push_back(drawn.offset_mm.y());
     }
     m.intervals->placement = FractionInterval(d.placement, fractions[0]);
     m.intervals->timing = FractionInterval(d.timing, fractions[1]);

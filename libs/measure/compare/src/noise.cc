@@ -203,9 +203,12 @@ Interval RmsInterval(const std::vector<Vector2d>& curve, const std::vector<std::
     Square& mean = means.emplace_back();
     for (std::size_t i = 0; i < curve.size(); ++i) {
       const Square square = SquareOf(curve[i], noise[i]);
-      mean.curve += square.curve / n, mean.linear += square.linear / n, mean.noise += square.noise / n;
+      mean.curve += square.curve / n;
+      mean.linear += square.linear / n;
+      mean.noise += square.noise / n;
     }
-    squares.push_back(mean.At(1)), noises.push_back(mean.noise);
+    squares.push_back(mean.At(1));
+    noises.push_back(mean.noise);
   }
   const double estimate = std::sqrt(MeanSquare(curve));
   const double least =

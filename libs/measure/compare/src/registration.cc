@@ -160,7 +160,8 @@ class Registrar {
     StsCurve curve;
     curve.repetition = interval.repetition;
     curve.duration_s = interval.standing_s - interval.onset_s;
-    curve.onset_sd_s = interval.onset_sd_s, curve.standing_sd_s = interval.standing_sd_s;
+    curve.onset_sd_s = interval.onset_sd_s;
+    curve.standing_sd_s = interval.standing_sd_s;
     const std::vector<double>& time_s = trial_.trajectory.time_s;
     if (interval.seat_off_s) curve.seat_off_s = *interval.seat_off_s - interval.onset_s;
     std::vector<double> knee_deg, shank_deg, trunk_deg;

@@ -22,8 +22,10 @@ struct Uncertain {
 // Of what comparison.json has: a number and, if it has one, its interval, both times `factor`.
 inline Uncertain UncertainOf(const Json& number, const Json& interval, double factor = 1) {
   Uncertain of{.value = factor * NumberOrNaN(number)};
-  if (interval.is_array() && interval.size() == 2)
-    of.low = factor * NumberOrNaN(interval.at(0)), of.high = factor * NumberOrNaN(interval.at(1));
+  if (interval.is_array() && interval.size() == 2) {
+    of.low = factor * NumberOrNaN(interval.at(0));
+    of.high = factor * NumberOrNaN(interval.at(1));
+  }
   return of;
 }
 
