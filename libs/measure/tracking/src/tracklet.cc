@@ -12,13 +12,14 @@ namespace lake::tracking {
 namespace {
 
 // Position by the parabola, velocity by the slope, of the last samples; of what rests, where it was on average, as a
-// parabola makes four times the noise of it.
+// parabola makes four times the noise of it. An acceleration that no marker has is the frames' times', as a
+// converted rate leaves some out: then the last speed goes on.
 struct Motion {
   Eigen::Vector2d position, velocity;                      // px, px/s
   Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  // px/s²
 };
 
-Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s) {
+Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s, double most_acceleration_px_s2) {
   // The last three that were measured, the last one first.
   std::array<const TrackletSample*, 3> samples = {};
   std::size_t count = 0;
@@ -36,6 +37,12 @@ Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s) {
     return {(first.position + before.position + last.position) / 3, Eigen::Vector2d::Zero()};
   const Eigen::Vector2d first_slope = (before.position - first.position) / (before.time_s - first.time_s);
   const Eigen::Vector2d acceleration = (slope - first_slope) / (0.5 * (last.time_s - first.time_s));
+  // A seat that is met takes a hip's speed at once; a picture that was shown twice makes a step of nothing.
+  constexpr double kBeyond = 2, kStands = 0.25;
+  const bool both_move =
+      std::min(slope.norm(), first_slope.norm()) > kStands * std::max(slope.norm(), first_slope.norm());
+  if (both_move && acceleration.norm() > kBeyond * most_acceleration_px_s2)
+    return {last.position + ahead * slope, slope, acceleration};
   const Eigen::Vector2d velocity = slope + acceleration * 0.5 * (last.time_s - before.time_s);
   return {last.position + ahead * velocity + 0.5 * ahead * ahead * acceleration, velocity + ahead * acceleration,
           acceleration};
@@ -160,15 +167,15 @@ const TrackletSample* Tracklet::SampleIn(std::int64_t frame) const {
 }
 
 MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, double frame_s) const {
-  const Motion motion = Extrapolate(live.tracklet.samples, time_s);
-  const double radius = live.appearance.RadiusPx(), ahead = time_s - LastMeasured(live.tracklet.samples);
+  const double radius = live.appearance.RadiusPx(), ahead = time_s - LastMeasured(live.tracklet.samples),
+               most_acceleration_px_s2 = options_.physics.AccelerationRadii() * radius;
+  const Motion motion = Extrapolate(live.tracklet.samples, time_s, most_acceleration_px_s2);
   MarkerPrediction prediction;
   prediction.position = motion.position;
   prediction.velocity_px = motion.velocity * frame_s;
   // A marker of unknown velocity may have any; then the acceleration within the time that has passed.
   const bool young = live.tracklet.samples.size() < 3;
-  prediction.gate_px = std::max(2.0, radius) + 0.5 * options_.physics.AccelerationRadii() * radius * ahead * ahead +
-                       (young ? 3 * radius : 0);
+  prediction.gate_px = std::max(2.0, radius) + 0.5 * most_acceleration_px_s2 * ahead * ahead + (young ? 3 * radius : 0);
   // A converted rate shows pictures up to half a frame early or late, and the parabola takes that for acceleration.
   constexpr double kClock = 0.25, kOfAcceleration = 2;
   prediction.gate_px +=
@@ -382,9 +389,9 @@ void TrackletBuilder::JudgeStanding(std::int64_t frame) {
   stands_since_.reset();
 }
 
-// Only what has moved on when the picture changes again was hidden from sight; where coding leaves things that come to
-// rest a frame behind, nothing was.
-void TrackletBuilder::ConfirmRepeated(std::int64_t frame) {
+// Whether the frames before were repeated: only what has moved on when the picture changes again was hidden from sight;
+// where coding leaves things that come to rest a frame behind, nothing was.
+bool TrackletBuilder::IsConfirmed(std::int64_t frame) const {
   constexpr double kMovedPx = 0.5;
   const auto moved = std::count_if(live_.begin(), live_.end(), [&](const Live& live) {
     const std::vector<TrackletSample>& samples = live.tracklet.samples;
@@ -393,7 +400,18 @@ void TrackletBuilder::ConfirmRepeated(std::int64_t frame) {
   });
   const auto lost =
       std::count_if(live_.begin(), live_.end(), [](const Live& live) { return live.tracklet.samples.back().repeated; });
-  if (moved + lost < 2) TakeBackRepeated();
+  return moved + lost >= 2;
+}
+
+// Time went on while the picture was taken for one that stands still.
+void TrackletBuilder::SetTimeBack(const video::VideoFrame& frame, double stood_still_s) {
+  stood_still_s_ = stood_still_s;
+  time_s_ = frame.time_s - stood_still_s_;
+  for (Live& live : live_) {
+    if (live.tracklet.LastFrame() != frame.index) continue;
+    live.tracklet.samples.back().time_s = time_s_;
+    live.seen_s = time_s_;
+  }
 }
 
 // The last run of repeated frames was none; returns its first.
@@ -467,6 +485,7 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
   }
   const bool ends_repetition =
       can_compare && !is_repeated_ && !repeated_.empty() && repeated_.back() == previous_.index;
+  const double stood_still_before_s = stood_still_s_;
   if (ends_repetition && StoodStill(frame, predictions)) {
     stood_still_s_ += previous_.time_s - repeated_since_s_;
     time_s_ = frame.time_s - stood_still_s_;
@@ -477,7 +496,10 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
     is_repeated_ = false;
     TakeBackRepeated();
   }
-  if (ends_repetition) ConfirmRepeated(frame.index);
+  if (ends_repetition && !IsConfirmed(frame.index)) {
+    TakeBackRepeated();
+    SetTimeBack(frame, stood_still_before_s);
+  }
   if (stands_since_ && *stands_since_ < frame.index) JudgeStanding(frame.index);
   NoteBreak(frame.index, predictions);
   RetireLost();

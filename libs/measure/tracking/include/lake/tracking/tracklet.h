@@ -99,7 +99,8 @@ class TrackletBuilder {
   bool HasCrept() const;
   bool StoodStill(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions) const;
   void NoteRepeated(std::int64_t frame);
-  void ConfirmRepeated(std::int64_t frame);
+  bool IsConfirmed(std::int64_t frame) const;
+  void SetTimeBack(const video::VideoFrame& frame, double stood_still_s);
   std::int64_t TakeBackRepeated();
   void JudgeStanding(std::int64_t frame);
   void NoteBreak(std::int64_t frame, std::span<const MarkerPrediction> predictions);
