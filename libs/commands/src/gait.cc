@@ -247,7 +247,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (CorrectedEventsOf(trial) || options.events) results = {{kEventsCorrected, true}};
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
-  WriteSitToStands(result, options.person, results, run);
+  WriteSitToStands(result, options.fit.markers, options.person, results, run);
   WriteUncertaintyBudget(result, options.budget, results, run);
   if (options.range_limit_deg) WriteRangeLimit(result, options.budget, *options.range_limit_deg, results, run);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
