@@ -126,7 +126,7 @@ TEST_F(BothLegs, AnyMarkersAreMeasuredBesideALegAndWithoutOne) {
   ASSERT_EQ(alone.exit_code, 0) << alone.err;
   EXPECT_THAT(alone.err, testing::Not(HasSubstr("leg")));
   for (const Outcome& outcome : {both, alone}) {
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("elbow  [0-9.]+ to [0-9.]+ °, mean [0-9.]+\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("elbow  [0-9.]+ to [0-9.]+°, mean [0-9.]+\n"));
     EXPECT_THAT(outcome.out, testing::ContainsRegex("hand  [0-9.]+ to [0-9.]+ mm/s, mean [0-9.]+\n"));
   }
   const Outcome missing = run(kRight);

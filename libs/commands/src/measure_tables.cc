@@ -20,11 +20,15 @@ void WriteMeasures(const motion::MarkerRecording& recording, const std::vector<g
 std::string MeasuresText(const Json& summary) {
   std::string text;
   if (!summary.contains("measures")) return text;
-  for (const auto& [name, of] : summary["measures"].items())
-    text += of.is_null() ? fmt::format("{}  never seen\n", name)
-                         : fmt::format("{}  {:.1f} to {:.1f} {}, mean {:.1f}\n", name,
-                                       of["smallest"]["value"].get<double>(), of["largest"]["value"].get<double>(),
-                                       gait::UnitForPeople(of["unit"].get<std::string>()), of["mean"].get<double>());
+  for (const auto& [name, of] : summary["measures"].items()) {
+    if (of.is_null()) {
+      text += fmt::format("{}  never seen\n", name);
+      continue;
+    }
+    const std::string unit = gait::UnitForPeople(of["unit"].get<std::string>());
+    text += fmt::format("{}  {:.1f} to {:.1f}{}{}, mean {:.1f}\n", name, of["smallest"]["value"].get<double>(),
+                        of["largest"]["value"].get<double>(), unit == "°" ? "" : " ", unit, of["mean"].get<double>());
+  }
   return text;
 }
 

@@ -26,9 +26,9 @@ constexpr Rates kPlane{.fixed_s = 0.8, .fixed_mb = 120};
 // A frame is decoded and searched; for the overlay decoded, drawn and coded. Pictures on their way from thread to
 // thread, and the encoder's, take the memory.
 constexpr Rates kTrack{
-    .fixed_s = 0.4, .frame_s = 0.0001, .megapixel_s = 0.0012, .fixed_mb = 135, .megapixel_mb = 50, .processors = 1.85};
+    .fixed_s = 0.4, .frame_s = 0.0003, .megapixel_s = 0.0012, .fixed_mb = 135, .megapixel_mb = 50, .processors = 1.85};
 constexpr Rates kTrackWithOverlay{
-    .fixed_s = 0.4, .frame_s = 0.0019, .megapixel_s = 0.0021, .fixed_mb = 200, .megapixel_mb = 50, .processors = 1.85};
+    .fixed_s = 0.4, .frame_s = 0.0021, .megapixel_s = 0.0021, .fixed_mb = 200, .megapixel_mb = 50, .processors = 1.85};
 constexpr Rates kGait{.fixed_s = 0.1, .frame_s = 0.0007, .fixed_mb = 90};
 constexpr Rates kCompare{.fixed_s = 1, .fixed_mb = 130};
 constexpr Rates kLoads{.fixed_s = 0.1, .frame_s = 0.001, .fixed_mb = 105};
