@@ -425,11 +425,8 @@ TEST(StepCost, OfAFilmGrowsWithItsFramesAndTheirPixels) {
 TEST(StepCost, OfAFrontGrowsWithItsPoints) {
   const auto redesign = [](const std::string& points) {
     TemporaryFolder folder;
-    for (const char* name : {"human.mp4", "exo.mp4"}) WriteTextFile(folder / name, "");
-    WriteTextFile(folder / "study.yaml",
-                  "human: {video: human.mp4}\nexo: {video: exo.mp4}\n"
-                  "reoptimize: {max_misalignment_percent: 2" +
-                      points + "}\n");
+    WriteTextFile(folder / "human.mp4", "");
+    WriteTextFile(folder / "study.yaml", "human: {video: human.mp4}\nreoptimize: {human_only: true" + points + "}\n");
     const std::vector<study::PlannedStep> steps =
         study::PlanStudy(study::ReadStudyFile(folder / "study.yaml"), folder / "out").steps;
     return std::ranges::find(steps, std::string("redesign"), &study::PlannedStep::name)->cost;
