@@ -14,7 +14,7 @@ void DrawMeasures(const std::filesystem::path& path, const motion::MarkerRecordi
   const std::size_t shown = std::min(courses.size(), kMost);
   GnuplotFigure figure(1200, 200 + 200 * static_cast<int>(shown));
   figure.Line(fmt::format("set multiplot layout {},1", shown));
-  figure.Line("set lmargin 10; set key tmargin right horizontal samplen 2.5");  // the same axis of time, free curves
+  figure.Line("set lmargin 13; set key tmargin right horizontal samplen 2.5");  // the same axis of time, free curves
   for (std::size_t k = 0; k < shown; ++k) {
     const gait::MeasuredCourse& course = courses[k];
     std::vector<double> low, high;
