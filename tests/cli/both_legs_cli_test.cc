@@ -121,6 +121,14 @@ TEST_F(BothLegs, AnyMarkersAreMeasuredBesideALegAndWithoutOne) {
   const CsvTable table = CsvTable::Read(folder_ / "G/measures.csv");
   EXPECT_TRUE(table.Has("elbow_sd_deg_s") && table.Has("hand_mm_s"));
   EXPECT_EQ(table.Rows(), 861u);
+  // Whoever measures an arm alone has asked for no leg, and is not told that there is none.
+  const Outcome alone = run(arm);
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_THAT(alone.err, testing::Not(HasSubstr("leg")));
+  for (const Outcome& outcome : {both, alone}) {
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("elbow  [0-9.]+ to [0-9.]+°, mean [0-9.]+\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("hand  [0-9.]+ to [0-9.]+ mm/s, mean [0-9.]+\n"));
+  }
   const Outcome missing = run(kRight);
   EXPECT_EQ(missing.exit_code, 2);
   EXPECT_THAT(missing.err, HasSubstr("'elbow': there is no marker 'shoulder'"));

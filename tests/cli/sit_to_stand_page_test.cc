@@ -87,5 +87,43 @@ TEST(SitToStandPage, LeanToThePelvisIsThatOfTheMarkers) {
   EXPECT_THAT(ReadTextFile(folder / "L/sit_to_stand.csv"), Not(HasSubstr("nan")));
 }
 
+// Places and velocities are those of lake-loads, whatever the body's mass; momentum.csv is held against both plates'
+// impulses (loads_test.cc). Deviations are of fewer draws, 100 and 400: within 7 % and 4 % of the same.
+TEST(SitToStandPage, CentreOfMassIsThatOfTheLoads) {
+  const fs::path trial = SharedData() / "sts_force_plates/STS1.trc";
+  if (!fs::exists(trial)) GTEST_SKIP() << trial.string() << " is not here";
+  const TemporaryFolder folder;
+  const std::string leg = Quoted(trial) + " --forward x --quiet --map ankle=r_ankle,knee=r_knee,hip=R_HJC,";
+  for (const char* trunk : {"waist=r.ASIS+r.PSIS", "waist=r.ASIS+r.PSIS,shoulder=R_Shoulder"}) {
+    SCOPED_TRACE(trunk);
+    const Outcome gait = Shell(folder, fmt::format("lake-gait {}{} -o G", leg, trunk)),
+                  loads = Shell(folder, fmt::format("lake-loads {}{} --mass 62.6 -o L", leg, trunk));
+    ASSERT_EQ(gait.exit_code, 0) << gait.err;
+    ASSERT_EQ(loads.exit_code, 0) << loads.err;
+    const CsvTable measured = CsvTable::Read(folder / "G/sit_to_stand.csv"),
+                   momenta = CsvTable::Read(folder / "L/momentum.csv");
+    ASSERT_EQ(measured.Rows(), 6u);
+    ASSERT_EQ(momenta.Rows(), 5u);
+    for (std::size_t row = 0; row < 5; ++row)
+      for (const std::string column : {"com_seat_off_mm", "com_forward_max_mm_s", "com_upward_max_mm_s"}) {
+        const auto in = [&](const CsvTable& table, const std::string& name) {
+          return table.RequiredNumber(row, table.Column(name));
+        };
+        EXPECT_NEAR(in(measured, column), in(momenta, column), 1e-6 * std::abs(in(momenta, column))) << column;
+        EXPECT_NEAR(in(measured, column + "_sd") / in(momenta, column + "_sd"), 1, 0.3) << column;
+      }
+    EXPECT_LT(measured.RequiredNumber(5, measured.Column("com_seat_off_mm")), -50);  // behind the heel
+  }
+  EXPECT_THAT(ReadPageText(folder / "G/sit_to_stand.html"),
+              HasSubstr("centre of mass before the ankle at seat-off (mm)"));
+  // Without a trunk there is none of the body either, and nothing is made of it.
+  const Outcome alone = Shell(folder, fmt::format("lake-gait {} -o N", leg.substr(0, leg.size() - 1)));
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  const CsvTable measured = CsvTable::Read(folder / "N/sit_to_stand.csv");
+  EXPECT_TRUE(measured.Number(0, measured.Column("hip_rise_mm")));
+  EXPECT_FALSE(measured.Number(0, measured.Column("com_seat_off_mm")));
+  EXPECT_THAT(alone.err, Not(HasSubstr("centre of mass")));
+}
+
 }  // namespace
 }  // namespace lake

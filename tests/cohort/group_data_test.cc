@@ -81,6 +81,19 @@ TEST_F(TrialFolder, GivesTheCentreOfMassOfEachRiseWhereItsLoadsAreKnown) {
   EXPECT_TRUE(earlier.contains("rise_s"));
 }
 
+TEST_F(TrialFolder, GivesTheCentreOfMassAsTheTrialItselfHasItWhereItDoes) {
+  WriteRise(motion::LengthUnit::kMm);
+  WriteTextFile(folder_ / "human/sit_to_stand.csv", "repetition,com_seat_off_mm,com_upward_max_mm_s\n1,-110,\n");
+  EXPECT_EQ(Read().rows[0].values.at("com_seat_off_mm"), -110) << "of a study without loads";
+  std::filesystem::create_directories(folder_ / "loads");
+  WriteTextFile(folder_ / "loads/momentum.csv",
+                "repetition,com_seat_off_mm,com_upward_max_mm_s,com_upward_max_ns\n1,-120,1000,70\n");
+  const auto rise = Read({"human", "loads"}).rows[0].values;
+  EXPECT_EQ(rise.at("com_seat_off_mm"), -110);
+  EXPECT_EQ(rise.at("com_upward_max_mm_s"), 1000) << "what the trial's table leaves empty";
+  EXPECT_EQ(rise.at("com_upward_max_ns"), 70);
+}
+
 TEST_F(TrialFolder, HasNoRowForTheWholeTrialOfWhichNothingIsKnown) {
   WriteRise(motion::LengthUnit::kPx);
   WriteMeasures(",,,,,");

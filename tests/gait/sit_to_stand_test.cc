@@ -313,19 +313,42 @@ TEST(SitToStand, TableHasARowARiseAndTheTest) {
   EXPECT_THAT(ReadTextFile(folder / "sit_to_stand.csv"),
               testing::StartsWith("repetition,onset_s,seat_off_s,standing_s,rise_s,flexion_s,transfer_s,extension_s,"
                                   "descent_s,"));
-  // The fourth phase and the pelvis came later, and stand behind for those who read columns by their order.
+  // The fourth phase, the pelvis and the centre of mass came later, and stand behind for those who read columns by
+  // their order.
   EXPECT_THAT(ReadTextFile(folder / "sit_to_stand.csv"),
               testing::HasSubstr(",five_times_s,stabilisation_s,trunk_pelvis_seat_off_deg,trunk_pelvis_max_deg,"
-                                 "onset_s_sd,"));
+                                 "com_seat_off_mm,com_forward_max_mm_s,com_upward_max_mm_s,onset_s_sd,"));
   EXPECT_THAT(ReadTextFile(folder / "sit_to_stand.csv"),
               testing::HasSubstr(",five_times_s_sd,stabilisation_s_sd,trunk_pelvis_seat_off_deg_sd,"
-                                 "trunk_pelvis_max_deg_sd\n"));
+                                 "trunk_pelvis_max_deg_sd,com_seat_off_mm_sd,com_forward_max_mm_s_sd,"
+                                 "com_upward_max_mm_s_sd\n"));
   EXPECT_TRUE(table.Has("hip_speed_max_mm_s_sd"));
   EXPECT_TRUE(table.Number(0, table.Column("rise_s")));
   EXPECT_FALSE(table.Number(1, table.Column("rise_s")));  // the recording ends before the person stands
   EXPECT_TRUE(table.Number(1, table.Column("seat_off_s")));
   EXPECT_EQ(table.Text(2, 0), "five_times");
   EXPECT_FALSE(table.Number(2, table.Column("five_times_s")));
+}
+
+// The leg fit has no table of masses: whoever has one says where the centre of mass is, by the rise's number.
+TEST(SitToStand, TakesTheCentreOfMassOfEachRise) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 50, .repetitions = 5});
+  const gait::LegFitResult fit = Fit(leg, {}, 3);
+  gait::CentresOfMass centres;
+  for (int rise = 1; rise <= 4; ++rise)
+    centres[rise] = {.seat_off_mm = {-10.0 * rise, 2}, .forward_max_mm_s = {300, 5}, .upward_max_mm_s = {}};
+  std::vector<SitToStand> rows = gait::MeasureSitToStands(fit, {}, centres);
+  ASSERT_EQ(rows.size(), 6u);
+  EXPECT_EQ(rows[2].com_seat_off_mm.value, -30);
+  EXPECT_EQ(rows[2].com_seat_off_mm.sd, 2);
+  EXPECT_EQ(rows[2].com_forward_max_mm_s.value, 300);
+  EXPECT_TRUE(std::isnan(rows[2].com_upward_max_mm_s.value));
+  EXPECT_TRUE(std::isnan(rows[4].com_seat_off_mm.value));
+  EXPECT_TRUE(std::isnan(rows[5].com_seat_off_mm.value)) << "of five times, where one is not known";
+  centres[5] = {.seat_off_mm = {-50, 2}, .forward_max_mm_s = {}, .upward_max_mm_s = {}};
+  rows = gait::MeasureSitToStands(fit, {}, centres);
+  EXPECT_EQ(rows[5].com_seat_off_mm.value, -30);
+  EXPECT_NEAR(rows[5].com_seat_off_mm.sd, std::sqrt(250), 1e-9);  // of −10, −20, … −50
 }
 
 TEST(SitToStand, TableTellsTheEventsDeviations) {

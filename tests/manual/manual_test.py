@@ -34,6 +34,19 @@ class Page(html.parser.HTMLParser):
             self.links.append(attrs["href"])
 
 
+class Keys(unittest.TestCase):
+    def test_those_of_a_design_and_of_a_cohort_are_on_their_page(self):
+        # The other files' templates are made of the options themselves (StudyTemplate, ProblemTemplate, CameraKeys).
+        page = (MANUAL / "pages/keys.md").read_text(encoding="utf-8")
+        for reader, places in {"libs/design/linkage/src/design_file.cc": [page],
+                               "libs/study/cohort/src/cohort_file.cc": [page, (ROOT / "libs/study/cohort/data/template/cohort.yaml").read_text(encoding="utf-8")]}.items():
+            keys = re.findall(r'\.(?:Child|Text|Number|Numbers)\("(\w+)"', (ROOT / reader).read_text(encoding="utf-8"))
+            self.assertGreater(len(keys), 5, reader)
+            for key in keys:
+                with self.subTest(reader=reader, key=key):
+                    self.assertTrue(any(re.search(rf"\b{key}\b", place) for place in places))
+
+
 @unittest.skipUnless(shutil.which("mkdocs"), "mkdocs is not installed (mkdocs-material)")
 class Manual(unittest.TestCase):
     @classmethod

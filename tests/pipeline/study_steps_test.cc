@@ -421,5 +421,29 @@ TEST(StepCost, OfAFilmGrowsWithItsFramesAndTheirPixels) {
   EXPECT_LT(PlannedTracking(20, 640, ", overlay: false").seconds, large.seconds);
 }
 
+// Points of a front are computed as many at a time as there are threads.
+TEST(StepCost, OfAFrontGrowsWithItsPoints) {
+  const auto redesign = [](const std::string& points) {
+    TemporaryFolder folder;
+    WriteTextFile(folder / "human.mp4", "");
+    WriteTextFile(folder / "study.yaml", "human: {video: human.mp4}\nreoptimize: {human_only: true" + points + "}\n");
+    const std::vector<study::PlannedStep> steps =
+        study::PlanStudy(study::ReadStudyFile(folder / "study.yaml"), folder / "out").steps;
+    return std::ranges::find(steps, std::string("redesign"), &study::PlannedStep::name)->cost;
+  };
+  const int threads = Threads();
+  SetThreads(2);
+  const steps::StepCost without = redesign(""), four = redesign(", pareto: 4"), eight = redesign(", pareto: 8");
+  SetThreads(1);
+  const steps::StepCost alone = redesign(", pareto: 8");
+  SetThreads(threads);
+  EXPECT_GT(four.seconds, without.seconds);
+  EXPECT_NEAR(eight.seconds - four.seconds, four.seconds - without.seconds, 1e-9);
+  EXPECT_GT(four.processors, 1);
+  EXPECT_LT(four.processors, 2);
+  EXPECT_NEAR(alone.seconds - without.seconds, 2 * (eight.seconds - without.seconds), 1e-9);
+  EXPECT_NEAR(alone.processors, 1, 1e-9);
+}
+
 }  // namespace
 }  // namespace lake

@@ -16,10 +16,20 @@ import warnings
 from study import ROOT, SAMPLE, lake, notebooks, results
 
 
+# What a clinic reports of a recording.
+CLINICAL = ("sit_to_stand", "momentum", "centre_of_mass", "symmetry", "symmetry_curve", "measures", "range_limit")
+
+
 def written_tables():
-    """All that the notebooks made, and what tracking leaves where it must ask which marker is which."""
-    with tempfile.TemporaryDirectory() as listed:
-        folders = [*results().values(), lake.run("track", SAMPLE / "human.mp4", list_=True, end=1, out=pathlib.Path(listed) / "listed")]
+    """All that the notebooks made, what tracking leaves where it must ask which marker is which, and what a clinic asks for."""
+    with tempfile.TemporaryDirectory() as temporary, warnings.catch_warnings():
+        warnings.simplefilter("ignore", lake.LakeWarning)
+        out, human = pathlib.Path(temporary), results()["human"].path
+        folders = [*results().values(),
+                   lake.run("track", SAMPLE / "human.mp4", list_=True, end=1, out=out / "listed"),
+                   lake.run("gait", human, angle="bend=ankle,knee,hip", distance="shank=ankle,knee", speed="rise=hip", range_limit=(0, 100),
+                            out=out / "measured"),
+                   lake.run("compare", left=human, right=human, out=out / "symmetry")]
         yield from (path for folder in folders for path in sorted(folder.path.rglob("*.csv")))
 
 
@@ -107,7 +117,20 @@ class Tables(unittest.TestCase):
                 with self.subTest(table=path.name, column=column):
                     self.assertIsNotNone(lake.tables.describe(path.stem, column))
         self.assertLessEqual({"kinematics", "tracks", "trajectory", "events", "misalignment", "loads", "optimum", "pareto", "program", "candidates",
-                              "angle_vs_stroke", "before_after", "constraints", "starts", "convergence"}, seen)
+                              "angle_vs_stroke", "before_after", "constraints", "starts", "convergence", *CLINICAL}, seen)
+
+    def test_what_a_clinic_reports_has_a_unit_a_definition_and_a_source(self):
+        # Numbers of rises and frames, names, counts, verdicts, and what has the unit of the quantity that its row names.
+        without_unit = {"repetition", "frame", "quantity", "end", "coverage", "visits", "unknown_frames", "result", "asymmetric",
+                        "left", "right", "difference", "difference_low", "difference_high"}
+        for table in CLINICAL:
+            for column in lake.columns_of(table):
+                with self.subTest(table=table, column=column.column):
+                    self.assertEqual(column.unit == "", column.column in without_unit)
+                    self.assertGreater(len(column.meaning), 8)
+                    self.assertRegex(column.source, r"\blake\b|\b(19|20)\d\d\b|Eq\. \(\d+\)")
+                    if column.column.endswith("_sd"):
+                        self.assertIn(column.column.removesuffix("_sd"), [c.column for c in lake.columns_of(table)])
 
     def test_a_unit_agrees_with_the_ending_of_the_name(self):
         endings = {"_mm": "mm", "_px": "px", "_deg": "deg", "_deg_s": "deg/s", "_mm_s": "mm/s", "_nm": "N m", "_n": "N", "_w": "W"}

@@ -23,6 +23,7 @@ class Column(NamedTuple):
     column: str  # {marker} stands for a marker's name, {link} for l1 to l6
     unit: str  # empty where there is none, such as for names and counts
     meaning: str
+    source: str = ""  # who defined it: a publication, or lake where the definition is its own
 
 
 class Table(Dict[str, List[Cell]]):
@@ -40,7 +41,8 @@ def _catalogue() -> Dict[str, List[Column]]:
     tables: Dict[str, List[Column]] = {}
     with open(pathlib.Path(__file__).with_name("columns.csv"), encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
-            tables.setdefault(row["table"], []).append(Column(row["table"], row["column"], row["unit"], row["meaning"]))
+            column = Column(row["table"], row["column"], row["unit"], row["meaning"], row["source"] or "")
+            tables.setdefault(column.table, []).append(column)
     return tables
 
 

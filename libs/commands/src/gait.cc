@@ -110,7 +110,6 @@ bool HasLeg(const motion::MarkerRecording& recording, const gait::LegMarkers& ma
 // Markers that are no leg: what is measured of them, and nothing else.
 Json MeasureWithoutLeg(const exchange::Trial& trial, const GaitRunOptions& options, Run& run) {
   for (const std::string& warning : trial.warnings) run.Warn(warning);
-  run.Warn("ankle, knee and hip are not all among the markers: no leg is fitted");
   Json results = Json::object();
   WriteMeasures(gait::InPlane(trial.recording, ViewOf(trial, options, run)), options.measures, results, run);
   return results;
@@ -247,7 +246,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (CorrectedEventsOf(trial) || options.events) results = {{kEventsCorrected, true}};
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
-  WriteSitToStands(result, options.person, results, run);
+  WriteSitToStands(result, options.fit.markers, options.person, results, run);
   WriteUncertaintyBudget(result, options.budget, results, run);
   if (options.range_limit_deg) WriteRangeLimit(result, options.budget, *options.range_limit_deg, results, run);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
@@ -270,6 +269,7 @@ std::string GaitReport(const Json& summary) {
       text += fmt::format("{}{} {:.1f} %", text.empty() ? "seen: " : ", ", name, 100 * share.get<double>());
     text += '\n';
   }
+  text += MeasuresText(summary);
   if (!summary.contains("segments")) return text;
   for (const Json& segment : summary["segments"]) {
     const std::string unit = segment.contains("length_mm") ? "mm" : "px";

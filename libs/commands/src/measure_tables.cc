@@ -1,5 +1,7 @@
 #include "measure_tables.h"
 
+#include <fmt/format.h>
+
 #include "lake/figure/measures_figure.h"
 #include "png_and_svg.h"
 
@@ -13,6 +15,21 @@ void WriteMeasures(const motion::MarkerRecording& recording, const std::vector<g
   DrawPngAndSvg("measures", run,
                 [&](const std::filesystem::path& path) { figure::DrawMeasures(path, recording, courses); });
   results["measures"] = gait::MeasuresJson(recording, courses);
+}
+
+std::string MeasuresText(const Json& summary) {
+  std::string text;
+  if (!summary.contains("measures")) return text;
+  for (const auto& [name, of] : summary["measures"].items()) {
+    if (of.is_null()) {
+      text += fmt::format("{}  never seen\n", name);
+      continue;
+    }
+    const std::string unit = gait::UnitForPeople(of["unit"].get<std::string>());
+    text += fmt::format("{}  {:.1f} to {:.1f}{}{}, mean {:.1f}\n", name, of["smallest"]["value"].get<double>(),
+                        of["largest"]["value"].get<double>(), unit == "°" ? "" : " ", unit, of["mean"].get<double>());
+  }
+  return text;
 }
 
 void WriteUncertaintyBudget(const gait::LegFitResult& leg, const compare::RecordingBudgetOptions& options,

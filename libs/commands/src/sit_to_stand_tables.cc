@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/sit_to_stand.h"
+#include "lake/loads/loads.h"
 #include "lake/report/report.h"
 
 namespace lake::commands {
@@ -124,8 +128,10 @@ Section SitToStandMethod() {
            "reaction.",
            "Power: 0.9 g × rise of the hip / time, of the five-times test with half of the mean repetition's time "
            "(Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006).",
-           "Centre of mass and momentum (momentum.csv) and the knee's power (loads.csv), from force plates where "
-           "there are some, are given by lake loads: they need the body mass.",
+           "Centre of mass: of the whole body, both legs moving as the one that is seen, with the segments' masses of "
+           "Winter 2009, doi:10.1002/9780470549148, table 4.1; negative behind the ankle. Its speeds are the momenta "
+           "per kg of body mass (after Pai and Rogers 1990). In N s, and with the knee's power, lake loads gives them "
+           "(momentum.csv, loads.csv): that needs the body mass.",
            "Reference times by age, of both sexes: Bohannon 2006, doi:10.2466/pms.103.1.215-222. In Bohannon et al. "
            "2010, doi:10.3233/IES-2010-0389, sex did not predict the time once age and strength were known.",
            "Low power among older adults, by sex: Baltasar-Fernandez et al. 2021, doi:10.1038/s41598-021-98871-3, who "
@@ -146,12 +152,51 @@ void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& row
   WriteReport(run.Result("sit_to_stand.html"), page);
 }
 
+bool HasWholeRise(const std::vector<motion::StsEvent>& events) {
+  std::map<int, std::set<motion::StsEventKind>> kinds;
+  for (const motion::StsEvent& event : events) kinds[event.repetition].insert(event.kind);
+  using enum motion::StsEventKind;
+  return std::ranges::any_of(kinds, [](const auto& of) {
+    return of.second.contains(kOnset) && of.second.contains(kSeatOff) && of.second.contains(kStanding);
+  });
+}
+
+Measured InMm(double value_m, double sd_m) {
+  return std::isnan(value_m) ? Measured{} : Measured{kMmPerM * value_m, kMmPerM * sd_m};
+}
+
+// As lake-loads has them of the same markers. Places and velocities are the same whatever the body's mass.
+gait::CentresOfMass FindCentresOfMass(const gait::LegFitResult& leg, const loads::LegPathOptions& path, Run& run) {
+  const motion::MarkerRecording& markers = leg.trajectory;
+  const bool has_trunk = markers.Find(path.shoulder) || markers.Find(path.markers.waist);
+  if (markers.unit != motion::LengthUnit::kMm || !has_trunk || !HasWholeRise(leg.events)) return {};
+  loads::LoadsOptions options;
+  options.body.mass_kg = 70;
+  options.draws = 100;  // tell a standard deviation within 7 %
+  gait::CentresOfMass centres;
+  try {
+    for (const loads::RiseLoads& rise : loads::FindLoads(markers, leg.motion, leg.events, path, options).rises) {
+      const loads::RiseMomentum& of = rise.momentum;
+      const loads::MomentumSd& sd = rise.momentum_sd;
+      centres[rise.repetition] = {.seat_off_mm = InMm(of.seat_off_m, sd.seat_off_m),
+                                  .forward_max_mm_s = InMm(of.forward_max_m_s, sd.forward_max_m_s),
+                                  .upward_max_mm_s = InMm(of.upward_max_m_s, sd.upward_max_m_s)};
+    }
+  } catch (const Error& error) {
+    run.Warn(fmt::format("the centre of mass is left empty: {}", error.what()));
+  }
+  return centres;
+}
+
 }  // namespace
 
-void WriteSitToStands(const gait::LegFitResult& leg, const gait::Person& person, Json& results, Run& run) {
+void WriteSitToStands(const gait::LegFitResult& leg, const gait::LegMarkers& markers, const gait::Person& person,
+                      Json& results, Run& run) {
   gait::TrunkOnPelvis on_pelvis = gait::FindTrunkOnPelvis(leg);
   if (!on_pelvis.warning.empty()) run.Warn(on_pelvis.warning);
-  const std::vector<SitToStand> rows = gait::MeasureSitToStands(leg, std::move(on_pelvis));
+  const loads::LegPathOptions path{.facing = leg.motion.facing, .up = leg.up, .markers = markers};
+  const std::vector<SitToStand> rows =
+      gait::MeasureSitToStands(leg, std::move(on_pelvis), FindCentresOfMass(leg, path, run));
   gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), rows, leg.motion.unit);
   results["five_times"] = gait::FiveTimesJson(rows.back(), person);
   WritePage(leg, rows, results["five_times"], run);

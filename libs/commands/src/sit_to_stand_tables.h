@@ -9,7 +9,8 @@
 namespace lake::commands {
 
 // Writes sit_to_stand.csv and the page sit_to_stand.html, and puts `five_times` into the results; where age or sex are
-// known, page and results compare the five-times test with people like this one.
-void WriteSitToStands(const gait::LegFitResult& leg, const gait::Person& person, Json& results, Run& run);
+// known, page and results compare the five-times test with people like this one. `markers`: the fit's.
+void WriteSitToStands(const gait::LegFitResult& leg, const gait::LegMarkers& markers, const gait::Person& person,
+                      Json& results, Run& run);
 
 }  // namespace lake::commands

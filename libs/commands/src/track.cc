@@ -337,7 +337,7 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), fit.trajectory, fit.measured);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
-  WriteSitToStands(fit, options.person, results, run);
+  WriteSitToStands(fit, fit_options.markers, options.person, results, run);
   WriteUncertaintyBudget(fit, options.budget, results, run);
   DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
   const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);
@@ -354,11 +354,12 @@ Json RunPoints(const TrackRunOptions& options, const tracking::TrackResult& trac
                const gait::RollingShutter& shutter, Json results, Run& run) {
   const std::vector<std::string>& names = options.track.names;
   constexpr std::size_t kFew = 3;
-  const bool measures_all = options.measures.empty() && names.size() <= kFew;
-  run.Warn(fmt::format("ankle, knee and hip are not all among the markers: no leg is fitted, gaps are not filled{}",
-                       measures_all ? "; measures.csv has their speeds, distances and angle" : ""));
+  std::vector<gait::MarkerMeasure> measures = options.measures;
+  if (measures.empty() && names.size() <= kFew) measures = gait::UsualMeasures(names);
+  if (measures.empty())
+    run.Warn("ankle, knee and hip are not all among the markers: no leg is fitted, gaps are not filled");
   const motion::MarkerRecording trajectory = WritePoints(options, tracked, view, shutter, "", run);
-  WriteMeasures(trajectory, measures_all ? gait::UsualMeasures(names) : options.measures, results, run);
+  WriteMeasures(trajectory, measures, results, run);
   Export(options, tracked.video, view, {tracked.recording, trajectory}, nullptr, results, run);
   return results;
 }

@@ -125,12 +125,14 @@ class Manual:
 
 
 def columns():
-    parts, last = [], None
-    for column in lake.columns_of():
-        if column.table != last:
-            parts.append(f"\n### {column.table}.csv\n\n| column | unit | meaning |\n| --- | --- | --- |")
-            last = column.table
-        parts.append(f"| `{column.column}` | {column.unit} | {column.meaning} |")
+    parts = []
+    for table in dict.fromkeys(column.table for column in lake.columns_of()):
+        of_table = lake.columns_of(table)
+        heads = ["column", "unit", "meaning"] + ["source"] * any(column.source for column in of_table)
+        parts.append(f"\n### {table}.csv\n\n| {' | '.join(heads)} |\n|{' --- |' * len(heads)}")
+        for column in of_table:
+            cells = [f"`{column.column}`", column.unit, column.meaning, column.source]
+            parts.append(f"| {' | '.join(cells[:len(heads)])} |")
     return "\n".join(parts)
 
 

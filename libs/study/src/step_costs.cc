@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "lake/core/error.h"
+#include "lake/core/threads.h"
 #include "lake/video/video_files.h"
 
 namespace lake::study {
@@ -25,19 +26,19 @@ constexpr Rates kPlane{.fixed_s = 0.8, .fixed_mb = 120};
 // A frame is decoded and searched; for the overlay decoded, drawn and coded. Pictures on their way from thread to
 // thread, and the encoder's, take the memory.
 constexpr Rates kTrack{
-    .fixed_s = 0.4, .frame_s = 0.0001, .megapixel_s = 0.0012, .fixed_mb = 135, .megapixel_mb = 50, .processors = 1.85};
+    .fixed_s = 0.4, .frame_s = 0.0003, .megapixel_s = 0.0012, .fixed_mb = 135, .megapixel_mb = 50, .processors = 1.85};
 constexpr Rates kTrackWithOverlay{
-    .fixed_s = 0.4, .frame_s = 0.0019, .megapixel_s = 0.0021, .fixed_mb = 200, .megapixel_mb = 50, .processors = 1.85};
+    .fixed_s = 0.4, .frame_s = 0.0021, .megapixel_s = 0.0021, .fixed_mb = 200, .megapixel_mb = 50, .processors = 1.85};
 constexpr Rates kGait{.fixed_s = 0.1, .frame_s = 0.0007, .fixed_mb = 90};
 constexpr Rates kCompare{.fixed_s = 1, .fixed_mb = 130};
 constexpr Rates kLoads{.fixed_s = 0.1, .frame_s = 0.001, .fixed_mb = 105};
-constexpr Rates kOptimize{.fixed_s = 1.3, .frame_s = 0.018, .fixed_mb = 115};
+constexpr Rates kOptimize{.fixed_s = 1, .frame_s = 0.018, .fixed_mb = 115};
 constexpr Rates kOptimizeWithActuator{.fixed_s = 1, .frame_s = 0.06, .fixed_mb = 115};
 constexpr double kCertify_s = 0.5;
-constexpr double kReoptimize_s = 3, kParetoPoint_s = 0.9;
-constexpr Rates kFigures{.fixed_s = 1.5, .fixed_mb = 370};
-constexpr Rates kFiguresAndAnimation{.fixed_s = 4.8, .fixed_mb = 370, .processors = 1.4};
-constexpr Rates kStroke{.fixed_s = 0.3, .fixed_mb = 75};
+constexpr double kReoptimize_s = 3, kParetoPoint_s = 1.6;  // of processor time
+constexpr Rates kFigures{.fixed_s = 0.7, .fixed_mb = 95};
+constexpr Rates kFiguresAndAnimation{.fixed_s = 4.3, .fixed_mb = 450, .processors = 1.4};
+constexpr Rates kStroke{.fixed_s = 0.1, .fixed_mb = 95};
 
 // Frames, and a million pixels of each.
 struct RecordingSize {
@@ -77,6 +78,14 @@ double RowsOf(const std::filesystem::path& table) {
   std::ifstream file(table, std::ios::binary);
   using Characters = std::istreambuf_iterator<char>;
   return static_cast<double>(std::count(Characters(file), Characters(), '\n'));
+}
+
+// Points that are computed as many at a time as there are threads, once the rest is done.
+void AddParetoPoints(int points, StepCost& cost) {
+  const int rounds = (points + Threads() - 1) / Threads();
+  const double busy_s = cost.processors * cost.seconds + kParetoPoint_s * points;
+  cost.seconds += kParetoPoint_s * rounds;
+  cost.processors = busy_s / cost.seconds;
 }
 
 }  // namespace
@@ -121,8 +130,9 @@ StepCost CostOf(const commands::OptimizeRunOptions& options) {
   StepCost cost =
       CostAt(with_actuator ? kOptimizeWithActuator : kOptimize, {.frames = problems * options.study.optimize.starts});
   if (options.study.certify_gap_deg) cost.seconds += kCertify_s;
-  if (options.reoptimize)
-    cost.seconds += kReoptimize_s + kParetoPoint_s * options.reoptimize->pareto_points.value_or(0);
+  if (!options.reoptimize) return cost;
+  cost.seconds += kReoptimize_s;
+  AddParetoPoints(options.reoptimize->pareto_points.value_or(0), cost);
   return cost;
 }
 

@@ -137,11 +137,13 @@ Eigen::Vector3d FitForward(const PointRecording& points, const Eigen::Vector3d& 
   return forward[axis] < 0 ? Eigen::Vector3d(-forward) : forward;
 }
 
-// RMS movement of the named points across a plane.
+constexpr const char* kLeg[] = {"ankle", "knee", "hip"};
+
+// RMS movement of the leg's points across a plane.
 double OutOfPlane(const PointRecording& points, const Eigen::Vector3d& normal) {
   double square = 0;
   std::size_t count = 0;
-  for (const char* name : {"ankle", "knee", "hip"}) {
+  for (const char* name : kLeg) {
     const PointTrack* point = points.Find(name);
     if (!point) continue;
     double sum = 0, sum2 = 0;
@@ -270,9 +272,10 @@ PointRecording Project(const PointRecording& points, const SagittalPlane& onto, 
   for (PointTrack& point : plane.points)
     for (Eigen::Vector3d& p : point.positions)
       if (p.allFinite()) p = {p.dot(onto.axes.forward), p.dot(onto.axes.up), 0};
-  plane.warnings.push_back(
-      fmt::format("{}: paths are projected onto the vertical plane {}; the leg moves {:.1f} mm RMS out of it",
-                  path.string(), onto.name, *out_of_plane_mm));
+  std::string warning = fmt::format("{}: paths are projected onto the vertical plane {}", path.string(), onto.name);
+  if (std::ranges::any_of(kLeg, [&](const char* name) { return points.Find(name) != nullptr; }))
+    warning += fmt::format("; the leg moves {:.1f} mm RMS out of it", *out_of_plane_mm);
+  plane.warnings.push_back(std::move(warning));
   return plane;
 }
 

@@ -237,6 +237,12 @@ std::string UnitOf(const MeasuredCourse& course, motion::LengthUnit unit) {
              : fmt::format("{}{}", ToString(unit), course.measure.kind == MarkerMeasure::Kind::kSpeed ? "_s" : "");
 }
 
+std::string UnitForPeople(const std::string& unit_of_column) {
+  if (unit_of_column == "deg") return "°";
+  if (!unit_of_column.ends_with("_s")) return unit_of_column;
+  return unit_of_column.substr(0, unit_of_column.size() - 2) + "/s";
+}
+
 void WriteMeasuresCsv(const std::filesystem::path& path, const motion::MarkerRecording& recording,
                       const std::vector<MeasuredCourse>& courses) {
   std::vector<std::string> header{"frame", "time_s"};

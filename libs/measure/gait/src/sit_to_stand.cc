@@ -42,7 +42,12 @@ constexpr std::array kQuantities = {
     Quantity{"five_times_s", &SitToStand::five_times_s, "five-times sit-to-stand", "s"},
     Quantity{"trunk_pelvis_seat_off_deg", &SitToStand::trunk_pelvis_seat_off_deg,
              "trunk lean to the pelvis at seat-off", "°"},
-    Quantity{"trunk_pelvis_max_deg", &SitToStand::trunk_pelvis_max_deg, "largest trunk lean to the pelvis", "°"}};
+    Quantity{"trunk_pelvis_max_deg", &SitToStand::trunk_pelvis_max_deg, "largest trunk lean to the pelvis", "°"},
+    Quantity{"com_seat_off_mm", &SitToStand::com_seat_off_mm, "centre of mass before the ankle at seat-off", "mm"},
+    Quantity{"com_forward_max_mm_s", &SitToStand::com_forward_max_mm_s, "largest speed forward of the centre of mass",
+             "mm/s"},
+    Quantity{"com_upward_max_mm_s", &SitToStand::com_upward_max_mm_s, "largest speed upward of the centre of mass",
+             "mm/s"}};
 
 Measured Difference(const Measured& later, const Measured& earlier) {
   return {later.value - earlier.value, std::hypot(later.sd, earlier.sd)};
@@ -65,7 +70,8 @@ struct ValuesOfFrames {
 // What a rise is measured by.
 class Rises {
  public:
-  Rises(const LegFitResult& fit, TrunkOnPelvis on_pelvis) : fit_(fit), time_s_(fit.motion.time_s) {
+  Rises(const LegFitResult& fit, TrunkOnPelvis on_pelvis, const CentresOfMass& centres)
+      : fit_(fit), time_s_(fit.motion.time_s), centres_(centres) {
     const StsDeviations& sd = fit.signals.sd;
     for (const motion::LegSample& sample : fit.motion.samples) {
       knee_.value.push_back(sample.knee_deg);
@@ -98,6 +104,7 @@ class Rises {
     for (auto& [repetition, time] : times) {
       rises.push_back(MeasureRise(time));
       rises.back().repetition = repetition;
+      TakeCentreOfMass(rises.back());
     }
     return rises;
   }
@@ -122,6 +129,14 @@ class Rises {
     if (fit_.motion.unit == motion::LengthUnit::kMm)
       rise.power_w_kg = Times(kLiftedMass * kGravity_m_s2 / 1000, Ratio(rise.hip_rise, rise.rise_s));
     return rise;
+  }
+
+  void TakeCentreOfMass(SitToStand& rise) const {
+    const auto centre = centres_.find(rise.repetition);
+    if (centre == centres_.end()) return;
+    rise.com_seat_off_mm = centre->second.seat_off_mm;
+    rise.com_forward_max_mm_s = centre->second.forward_max_mm_s;
+    rise.com_upward_max_mm_s = centre->second.upward_max_mm_s;
   }
 
   void MeasureAngles(SitToStand& rise) const {
@@ -219,6 +234,7 @@ class Rises {
 
   const LegFitResult& fit_;
   const std::vector<double>& time_s_;
+  const CentresOfMass& centres_;
   ValuesOfFrames knee_, hip_, trunk_, on_pelvis_, shank_, height_, hip_speed_, trunk_speed_, extension_speed_;
   std::array<ValuesOfFrames, kSteadied> steadied_;  // the speeds of which the person becomes steady
 };
@@ -264,8 +280,9 @@ std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit) {
   return MeasureSitToStands(fit, FindTrunkOnPelvis(fit));
 }
 
-std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit, TrunkOnPelvis on_pelvis) {
-  std::vector<SitToStand> rows = Rises(fit, std::move(on_pelvis)).Measure();
+std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit, TrunkOnPelvis on_pelvis,
+                                           const CentresOfMass& centres) {
+  std::vector<SitToStand> rows = Rises(fit, std::move(on_pelvis), centres).Measure();
   rows.push_back(FiveTimes(rows, fit.motion.unit == motion::LengthUnit::kMm));
   return rows;
 }
@@ -323,7 +340,7 @@ void Describe(Person& o, OptionList& options) {
 
 void WriteSitToStandCsv(const std::filesystem::path& path, const std::vector<SitToStand>& rows,
                         motion::LengthUnit of_plane) {
-  auto quantities = kQuantities;  // in the order of the columns, to which the fourth phase and the pelvis came last
+  auto quantities = kQuantities;  // in the order of the columns, in which the fourth phase comes behind
   const auto phase = std::ranges::find(quantities, &SitToStand::stabilisation_s, &Quantity::value),
              pelvis = std::ranges::find(quantities, &SitToStand::trunk_pelvis_seat_off_deg, &Quantity::value);
   std::rotate(phase, phase + 1, pelvis);

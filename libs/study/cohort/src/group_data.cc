@@ -108,9 +108,11 @@ void AddRises(const motion::LegMotion& leg, const CsvTable& measured, const std:
   using motion::LegSample;
   for (const auto& [repetition, rise] : RisesOf(leg)) {
     table.Begin(trial, repetition);
+    if (momenta) AddMomentum(*momenta, repetition, table);
+    // Last, as of what both have the trial's own counts: loads are of the human trial alone, of a stature that may have
+    // been given, and both trials are to be compared.
     for (const auto& [quantity, value] : SitToStandRow(measured, std::to_string(repetition)))
       table.Add(quantity, value);
-    if (momenta) AddMomentum(*momenta, repetition, table);
     const double least = Largest(rise, &LegSample::knee_deg, -1);
     table.Add("knee_min_deg", least);
     table.Add("knee_range_deg", Largest(rise, &LegSample::knee_deg) - least);

@@ -26,11 +26,8 @@ std::string NameOf(const std::string& column) {
     if (column == quantity.Column(kMm)) return fmt::format("{} ({})", quantity.label, quantity.Unit(kMm));
   constexpr std::pair<std::string_view, const char*> kNames[] = {
       {"five_times_power_w_kg", "mean power of the five-times test (W/kg)"},
-      {"com_seat_off_mm", "centre of mass before the ankle at seat-off (mm)"},
-      {"com_forward_seat_off_mm_s", "its speed forward at seat-off (mm/s)"},
-      {"com_forward_max_mm_s", "its largest speed forward (mm/s)"},
-      {"com_forward_lead_s", "from there to seat-off (s)"},
-      {"com_upward_max_mm_s", "its largest speed upward (mm/s)"},
+      {"com_forward_seat_off_mm_s", "speed forward of the centre of mass at seat-off (mm/s)"},
+      {"com_forward_lead_s", "from its largest speed forward to seat-off (s)"},
       {"com_forward_max_ns", "largest momentum forward (N s)"},
       {"com_upward_max_ns", "largest momentum upward (N s)"},
       {"knee_min_deg", "smallest knee angle (°)"},

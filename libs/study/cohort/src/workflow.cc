@@ -283,6 +283,9 @@ Workflow ReadWorkflow(const fs::path& out) {
 }
 
 Json WorkflowPlanJson(const Workflow& workflow, int cores) {
+  // Of Snakemake itself, and for each recording of a job's start and its motion files, measured
+  // (tests/benchmark/plan_cost.py).
+  constexpr double kSnakemake_s = 1.5, kSnakemake_mb = 80, kJob_s = 0.4;
   const std::string made_by = LakeRun();
   Json recordings = Json::array(), failed = Json::array();
   std::vector<steps::StepCost> costs;
@@ -293,15 +296,18 @@ Json WorkflowPlanJson(const Workflow& workflow, int cores) {
     std::vector<std::string> names;
     names.reserve(steps.size());
     for (const study::PlannedStep& step : steps) names.push_back(step.name);
-    const steps::StepCost cost = study::CostOfDue(steps, of.needs.threads);
+    steps::StepCost cost = study::CostOfDue(steps, of.needs.threads);
     recordings.push_back({{"name", of.name}, {"due", names}, {"expected", study::CostJson(cost)}});
     if (steps.empty()) continue;
+    cost.seconds += kJob_s * steps::MachinePace();
     costs.push_back(cost);
     threads = std::max(threads, of.needs.threads);
   }
   for (const Failure& failure : workflow.failed) failed.push_back(failure.Text());
   const std::vector<std::vector<std::size_t>> independent(costs.size());
-  const steps::StepCost all = steps::CostOfAll(costs, independent, std::max(1, cores / threads)).all;
+  steps::StepCost all = steps::CostOfAll(costs, independent, std::max(1, cores / threads)).all;
+  all.seconds += kSnakemake_s * steps::MachinePace();
+  all.memory_mb += kSnakemake_mb;
   return {{"name", workflow.name}, {"expected", study::CostJson(all)}, {"recordings", recordings}, {"failed", failed}};
 }
 

@@ -71,5 +71,6 @@ Json MeasuresJson(const motion::MarkerRecording& recording, const std::vector<Me
 
 // "deg", "mm", "px", "mm_s", "px_s".
 std::string UnitOf(const MeasuredCourse& course, motion::LengthUnit unit);
+std::string UnitForPeople(const std::string& unit_of_column);  // °, mm, mm/s
 
 }  // namespace lake::gait

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -57,14 +58,25 @@ struct SitToStand {
   // the back is bent forward; below zero in a person who stands, whose pelvis is tilted forward. NaN without these
   // markers, and where TrunkOnPelvis has a warning.
   Measured trunk_pelvis_seat_off_deg, trunk_pelvis_max_deg;
+  // The whole body's centre of mass: how far it is before the ankle marker at seat-off, negative behind it, and its
+  // largest velocities from onset to standing. A velocity is the momentum per kg of body mass. NaN where
+  // CentresOfMass has none.
+  Measured com_seat_off_mm, com_forward_max_mm_s, com_upward_max_mm_s;
 };
+
+// The whole body's centre of mass in a rise, as in SitToStand. It takes a table of the segments' masses, so that
+// whoever has one tells it.
+struct CentreOfMassInRise {
+  Measured seat_off_mm, forward_max_mm_s, upward_max_mm_s;
+};
+using CentresOfMass = std::map<int, CentreOfMassInRise>;  // by repetition
 
 // What there is of each row.
 struct SitToStandQuantity {
   const char* name;  // of the column, without the unit of lengths
   Measured SitToStand::*value;
   const char* label;  // in words
-  const char* unit;   // s, °, °/s, W/kg; of lengths what follows the plane's: "" or "/s"
+  const char* unit;   // s, °, °/s, W/kg, mm, mm/s; of lengths in the plane's unit what follows that: "" or "/s"
   bool is_length = false;
   bool is_time_of_recording = false;  // and no duration
 
@@ -75,8 +87,9 @@ std::span<const SitToStandQuantity> SitToStandQuantities();
 
 // The rises in order, then the five-times test: the first five rises of which onset and standing are known; without
 // five, all of it is NaN. `on_pelvis` is what FindTrunkOnPelvis says of this fit; empty, for whoever does not ask for
-// it.
-std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit, TrunkOnPelvis on_pelvis);
+// it. `centres`: of the rises of which they are known.
+std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit, TrunkOnPelvis on_pelvis,
+                                           const CentresOfMass& centres = {});
 std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit);
 
 // Whom norms are looked up for.
