@@ -252,6 +252,7 @@ void LiveStream::Impl::FillInfo(const AVFrame& first) {
   format = first.format;
   info.pixel_format = name ? name : "unknown";
   info.bt709 = IsBt709(first);
+  info.white_level = WhiteLevel(first);
   info.interlaced = first.interlaced_frame;
 }
 

@@ -481,7 +481,7 @@ void Session::JudgePictures() {
     std::vector<const tracking::Tracklet*> pointers;
     pointers.reserve(named.size());
     for (const tracking::Tracklet& tracklet : named) pointers.push_back(&tracklet);
-    check.markers = tracking::FiguresOf(pointers, *image);
+    check.markers = tracking::FiguresOf(pointers, *image, check.video);
   }
   Json checks = Json::array();
   for (const tracking::CheckItem& item : tracking::JudgeRecording(check, static_cast<int>(options_.markers.size()))) {
