@@ -1,8 +1,10 @@
-"""The inputs of lake live that are cameras: over RTSP, over UDP, and V4L2.
+"""The inputs of lake live that are cameras: over RTSP, HTTP, UDP, and V4L2.
 
-None is there where the tests run. What sends RTSP is a server of this file's, the datagrams are sent from here, and what
+None is there where the tests run. What sends RTSP and HTTP are servers of this file's, the datagrams are sent from here, and what
 is taken for a V4L2 camera is v4l2_camera.cc, preloaded (LAKE_V4L2_CAMERA: where it is)."""
+import contextlib
 import errno
+import http.server
 import itertools
 import json
 import math
@@ -144,7 +146,46 @@ class Datagrams:
         self.reserved.close()
 
 
+class HttpCamera(http.server.BaseHTTPRequestHandler):
+    """Motion JPEG over HTTP, picture after picture in one answer, as web cameras and phones send it; then it hangs up."""
+
+    pictures = []
+
+    def do_GET(self):
+        self.send_response(200)
+        self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=picture")
+        self.end_headers()
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # a reader that has gone
+            for picture in self.pictures:
+                self.wfile.write(b"--picture\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n%b\r\n" % (len(picture), picture))
+
+    def log_message(self, *_):
+        pass
+
+
 class Network(live_test.Films):
+    def test_motion_jpeg_over_http(self):
+        """Such a stream has no time stamps: they are counted at the rate that is said, and without one it says so."""
+        stills = self.folder / "stills"
+        stills.mkdir()
+        ffmpeg("-i", self.film, "-c:v", "mjpeg", "-q:v", 3, "-pix_fmt", "yuvj420p", stills / "%05d.jpg")
+        camera = type("Camera", (HttpCamera,), {"pictures": [still.read_bytes() for still in sorted(stills.iterdir())]})
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), camera)
+        serving = threading.Thread(target=server.serve_forever, daemon=True)
+        serving.start()
+        self.addCleanup(server.server_close)
+        self.addCleanup(server.shutdown)
+        address = f"http://127.0.0.1:{server.server_port}/video"
+        ended, _, err = self.live(address, "-o", "rateless").end()
+        self.assertEqual(ended, 1)
+        self.assertIn("--rate", err)
+        ended, _, err = self.live(address, "--rate", 30, "-o", "http", *self.seeds()).end()
+        self.assertEqual(ended, 0, err)
+        self.expect_trial(self.folder / "http", self.frames, 2)
+        rows = read_table(self.folder / "http/live_tracks.csv")
+        for number, row in enumerate(rows):
+            self.assertAlmostEqual(float(row["time_s"]), number / 30, delta=1e-6)
+
     def test_rtsp(self):
         """Every picture is recorded as it was sent, and looked at."""
         code(self.film, self.folder / "sent.mp4")

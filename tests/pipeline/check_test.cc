@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <opencv2/imgproc.hpp>
 
 #include "lake/tracking/recording_verdicts.h"
@@ -79,6 +80,49 @@ TEST(Check, NamesWhatMakesARecordingUnfit) {
   RenderedTrial resting(still, {.preset = kQuickEncoder});
   const Json seated = CheckVideo(resting.folder / "video.mp4", resting.folder / "check");
   EXPECT_EQ(VerdictOf(seated, "travel_px"), "unfit") << seated["checks"].dump(1);
+}
+
+// A marker of one level over its background, as coding leaves it; the share of its samples that is overexposed.
+double OverexposedAt(double level, double background, const tracking::ImageFigures& image, int white_level) {
+  tracking::Tracklet marker;
+  for (int frame = 0; frame < 30; ++frame)
+    marker.samples.push_back(
+        {.frame = frame, .radius_px = 5, .amplitude = level - background, .background = background});
+  video::VideoInfo video;
+  video.white_level = white_level;
+  const tracking::Tracklet* const markers[] = {&marker};
+  return tracking::FiguresOf(markers, image, video).saturated_share;
+}
+
+// It is the level of a marker that is clipped, not its contrast to what is round it.
+TEST(Check, KnowsWhiteMarkersFromBrightOnes) {
+  const tracking::ImageFigures blurred;  // nothing piles up on one level
+  for (const double background : {5.0, 40.0, 90.0}) {
+    for (const int white : {255, 235}) {
+      EXPECT_EQ(OverexposedAt(0.98 * white, background, blurred, white), 1) << white << " over " << background;
+      EXPECT_EQ(OverexposedAt(0.96 * white, background, blurred, white), 0) << white << " over " << background;
+    }
+    // A camera that goes beyond its stream's white.
+    EXPECT_EQ(OverexposedAt(244, background, blurred, 235), 0);
+    EXPECT_EQ(OverexposedAt(254, background, blurred, 235), 1);
+  }
+  const tracking::ImageFigures clipped{.noise = {}, .saturation_level = 220, .shutter_fraction = {}};
+  EXPECT_EQ(OverexposedAt(240, 40, clipped, 255), 1);
+  EXPECT_EQ(OverexposedAt(210, 40, clipped, 255), 0);
+}
+
+// What is said of coding rests on the pictures' bits; a file holds sound and more beside them.
+TEST(Check, CountsThePicturesBitsAlone) {
+  RenderedTrial trial(Short(8), {.preset = kQuickEncoder});
+  const std::filesystem::path film = trial.folder / "video.mp4", larger = trial.folder / "larger.mp4";
+  std::filesystem::copy_file(film, larger);
+  constexpr unsigned kMore = 1 << 22;
+  std::ofstream(larger, std::ios::binary | std::ios::app)
+      << std::string{0, 0x40, 0, 0} << "free" << std::string(kMore - 8, '\0');
+  const Json bits = CheckVideo(film, trial.folder / "check")["figures"]["bits_per_pixel"];
+  EXPECT_EQ(CheckVideo(larger, trial.folder / "again")["figures"]["bits_per_pixel"], bits);
+  const double whole = 8.0 * static_cast<double>(std::filesystem::file_size(film)) / (240.0 * 720 * 720);
+  EXPECT_NEAR(bits.get<double>(), whole, 0.05 * whole);  // but for the container's tables
 }
 
 // What nothing was seen of, what leans, and fields instead of frames are judged without a video.

@@ -61,7 +61,7 @@ double Upright(const LegScene& scene, int frame) {
 }
 
 tracking::TrackletSample Sample(int frame, const Vector2d& position, double radius = kRadiusPx) {
-  return {frame, frame / kFrameRateHz, position, 0.03, radius, 180, 0.02};
+  return {frame, frame / kFrameRateHz, position, 0.03, radius, 180, 40, 0.02};
 }
 
 // Things seen over frames, each from a function of the frame.

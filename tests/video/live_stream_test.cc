@@ -313,14 +313,20 @@ TEST(LiveStream, OverUdpLossIsSaidAndNoPictureIsMadeUp) {
 }
 
 TEST(LiveStream, ARawStreamTakesItsTimesFromTheRate) {
-  const TemporaryFolder folder;
-  Ffmpeg(TestPicture("size=160x120:rate=25:duration=1") + "-c:v mjpeg -f mjpeg " + Quote(folder / "film.mjpeg"));
-  EXPECT_THAT(ReasonOf((folder / "film.mjpeg").string(), Replay(), folder / "video.mkv"), testing::HasSubstr("--rate"));
-  LiveStreamOptions options = Replay();
-  options.rate_hz = 50;
-  const Played played = Play((folder / "film.mjpeg").string(), options, folder / "video.mkv");
-  ASSERT_EQ(played.frames.size(), 25u);
-  EXPECT_NEAR(played.frames.back().frame.time_s, 24 / 50.0, 1e-6);
+  for (const std::string form : {"mjpeg", "mpjpeg"}) {  // the second as web cameras send it
+    SCOPED_TRACE(form);
+    const TemporaryFolder folder;
+    const auto film = folder / ("film." + form), recording = folder / "video.mkv";
+    Ffmpeg(TestPicture("size=160x120:rate=25:duration=1") + "-c:v mjpeg -f " + form + " " + Quote(film));
+    EXPECT_THAT(ReasonOf(film.string(), Replay(), recording), testing::HasSubstr("--rate"));
+    LiveStreamOptions options = Replay();
+    options.rate_hz = 60;
+    const Played played = Play(film.string(), options, recording);
+    ASSERT_EQ(played.frames.size(), 25u);
+    for (std::size_t i = 0; i < played.frames.size(); ++i)
+      EXPECT_NEAR(played.frames[i].frame.time_s, static_cast<double>(i) / 60, 1e-6);
+    ExpectRecorded(played, recording);
+  }
 }
 
 TEST(LiveStream, SilenceEndsIt) {

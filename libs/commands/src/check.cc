@@ -33,7 +33,7 @@ Json ChecksJson(const tracking::RecordingCheck& c) {
           {"strongest_clutter", c.strongest_clutter},
           {"quality", c.IsNamed() ? FiguresJson(c.markers) : Json()},
           {"compression_px", named(c.compression_px)},
-          {"bits_per_pixel", c.bits_per_pixel},
+          {"bits_per_pixel", c.video.bits_per_pixel ? Json(*c.video.bits_per_pixel) : Json()},
           {"position_sd_px", named(c.position_sd_px)},
           {"segment_px", named(c.segment_px)},
           {"travel_px", c.travel_px},

@@ -1,4 +1,5 @@
 // The detector of reflective or dark markers: blobs in the luma.
+#include <limits>
 #include <opencv2/core.hpp>
 
 #include "blob_finder.h"
@@ -18,7 +19,11 @@ class ReflectiveDetector : public MarkerDetector {
     return finder_.Detect(inverted_, predictions, everywhere);
   }
 
-  std::optional<ImageFigures> Figures() const override { return finder_.Figures(); }
+  std::optional<ImageFigures> Figures() const override {
+    ImageFigures figures = finder_.Figures();
+    if (polarity_ == Polarity::kDark) figures.saturation_level = std::numeric_limits<double>::infinity();
+    return figures;
+  }
 
  private:
   Polarity polarity_;

@@ -45,6 +45,7 @@ MarkerDetection MakeDetection(const BlobFit& fit) {
   detection.position = fit.blob.center;
   detection.sigma_px = fit.SigmaPx();
   detection.appearance = fit.blob;
+  detection.background = fit.background;
   detection.quality = fit.relative_residual;
   return detection;
 }

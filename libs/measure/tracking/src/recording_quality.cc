@@ -214,6 +214,7 @@ double ReachOf(std::span<const Eigen::Vector2d> path) {
 }
 
 void TakeNamed(const TrackResult& tracked, RecordingCheck& check) {
+  check.video.bits_per_pixel = tracked.video.bits_per_pixel;
   check.markers = *tracked.figures;
   check.compression_px = tracked.sigma.compression_px;
   check.position_sd_px = std::hypot(check.markers.sigma_px, check.compression_px);
@@ -305,26 +306,49 @@ std::pair<RecordingCheckOptions, std::vector<double>> InOwnTimes(const std::file
   return {options, video::StampsInContainer(video, options.reader).value_or(std::vector<double>{})};
 }
 
+double MedianLevel(const Tracklet& marker) {
+  std::vector<double> levels;
+  levels.reserve(marker.samples.size());
+  for (const TrackletSample& sample : marker.samples) levels.push_back(sample.background + sample.amplitude);
+  return Median(std::move(levels));
+}
+
+// What was learnt; where coding has blurred the level on which clipped pixels pile up, the stream's white, or 255 where
+// most markers are brighter than that by more than coding makes of it.
+double SaturationLevel(std::span<const Tracklet* const> markers, const ImageFigures& image,
+                       const video::VideoInfo& video) {
+  constexpr double kHighest = 255, kBeyondWhite = 1.03;
+  if (image.saturation_level != kHighest) return image.saturation_level;
+  const auto beyond = std::ranges::count_if(
+      markers, [&](const Tracklet* marker) { return MedianLevel(*marker) > kBeyondWhite * video.white_level; });
+  return 2 * static_cast<std::size_t>(beyond) > markers.size() ? kHighest : video.white_level;
+}
+
 }  // namespace
 
-MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFigures& image) {
-  constexpr double kSaturated = 0.9;  // of the level at which the video saturates
+MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFigures& image,
+                        const video::VideoInfo& video) {
+  // Of the level at which the video saturates: coding takes less off clipped markers. Of a marker, as that of a single
+  // frame's fit is wrong by as much.
+  constexpr double kSaturated = 0.97;
+  const double saturation_level = SaturationLevel(markers, image, video);
   MarkerFigures figures;
   figures.shutter_fraction = image.shutter_fraction;
   std::vector<double> radius, contrast, over_noise, steps;
   double variance = 0, saturated = 0;
-  for (const Tracklet* marker : markers)
+  for (const Tracklet* marker : markers) {
+    if (MedianLevel(*marker) >= kSaturated * saturation_level) saturated += static_cast<double>(marker->samples.size());
     for (std::size_t i = 0; i < marker->samples.size(); ++i) {
       const TrackletSample& sample = marker->samples[i];
       const double level = std::min(sample.amplitude, image.saturation_level);
       radius.push_back(sample.radius_px);
       contrast.push_back(level);
       over_noise.push_back(level / std::sqrt(image.noise.Variance(level)));
-      saturated += sample.amplitude >= kSaturated * image.saturation_level;
       variance += sample.sigma_px * sample.sigma_px;
       if (i > 0 && sample.frame == marker->samples[i - 1].frame + 1)
         steps.push_back((sample.position - marker->samples[i - 1].position).norm());
     }
+  }
   figures.samples = radius.size();
   if (radius.empty()) return figures;
   const auto n = static_cast<double>(radius.size());
@@ -390,12 +414,6 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
   for (const Place& place : places)
     if (const auto tilt = TiltDeg(place.middle)) tilts.push_back(*tilt);
   if (2 * tilts.size() > places.size()) check.tilt_deg = Median(tilts);
-  std::error_code error;
-  const auto bytes = static_cast<double>(
-      std::filesystem::is_regular_file(video, error) ? std::filesystem::file_size(video, error) : 0);
-  if (check.frames_in_file > 0)
-    check.bits_per_pixel =
-        8 * bytes / static_cast<double>(check.frames_in_file) / check.video.width / check.video.height;
   ShowFrame(PlaceToShow(places, named.tracked), named.tracked, check);
   check.seconds = SecondsSince(begin);
   return check;

@@ -98,11 +98,13 @@ void JudgePictures(const RecordingCheck& c, std::vector<CheckItem>& items) {
                    .verdict = c.IsNamed() ? std::min(Judge(c.clutter, 3, 25), Verdict::kPoor) : Judge(c.clutter, 3, 25),
                    .advice = "cover lamps and reflections, or leave them out with --crop"});
   if (c.IsNamed())
-    items.push_back({.name = "compression_px",
-                     .shown = fmt::format("compression moves markers by {:.2f} px ({:.3f} bits per pixel)",
-                                          c.compression_px, c.bits_per_pixel),
-                     .verdict = Judge(c.compression_px, 0.1, 0.5),
-                     .advice = "the camera's highest bit rate, and its own file rather than one sent on"});
+    items.push_back(
+        {.name = "compression_px",
+         .shown = fmt::format(
+             "compression moves markers by {:.2f} px{}", c.compression_px,
+             c.video.bits_per_pixel ? fmt::format(" ({:.3f} bits per pixel)", *c.video.bits_per_pixel) : ""),
+         .verdict = Judge(c.compression_px, 0.1, 0.5),
+         .advice = "the camera's highest bit rate, and its own file rather than one sent on"});
   if (c.tilt_deg)
     items.push_back({.name = "tilt_deg",
                      .shown = fmt::format("the camera is rolled by {:.1f} degrees", *c.tilt_deg),

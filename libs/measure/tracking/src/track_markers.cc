@@ -282,7 +282,7 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
   } catch (const Error& error) {
     throw Fail("{}: {}", video.string(), error.what());
   }
-  if (image) result.figures = FiguresOf(NamedTracklets(tracklets, result.recording), *image);
+  if (image) result.figures = FiguresOf(NamedTracklets(tracklets, result.recording), *image, result.video);
   result.sigma = CalibrateSigmas(result.video, result.recording);
   return result;
 }

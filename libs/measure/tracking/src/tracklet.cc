@@ -213,7 +213,7 @@ bool TrackletBuilder::IsSeed(std::int64_t frame, const MarkerDetection& detectio
 void TrackletBuilder::Extend(Live& live, std::int64_t frame, const MarkerDetection& detection) const {
   live.tracklet.samples.push_back({frame, time_s_, detection.position, detection.sigma_px,
                                    detection.appearance.ApparentRadiusPx(), detection.appearance.amplitude,
-                                   detection.quality, is_repeated_});
+                                   detection.background, detection.quality, is_repeated_});
   live.seen_s = time_s_;
   if (!live.tracklet.identity) live.tracklet.identity = detection.identity;
   // The running mean over the last ten or so looks; all of them while there are fewer.

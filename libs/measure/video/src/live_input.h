@@ -25,6 +25,8 @@ class LiveInput {
 
   // False of raw streams, for which libav makes up 25 Hz.
   bool HasTimes() const;
+  // Of its stamps: the stream's own; of one without times, one that holds those of any rate.
+  AVRational TimeBase() const { return HasTimes() ? stream_->time_base : AVRational{1, 1'200'000}; }
 
  private:
   void Open(const LiveStreamOptions& options);

@@ -175,12 +175,12 @@ LiveStream::Impl::Impl(const std::string& input_text, const LiveStreamOptions& o
     if (fs::exists(file)) throw Fail("{}: is there already, and no recording is written over", file.string());
   CheckSpace();
   if (stream.codecpar->codec_id == AV_CODEC_ID_RAWVIDEO)
-    lossless.emplace(input_name, *stream.codecpar, stream.time_base);
+    lossless.emplace(input_name, *stream.codecpar, input.TimeBase());
   OpenDecoder();
-  recorder = std::make_unique<Recorder>(UnfinishedRecording(recording), Coded(), stream.time_base,
+  recorder = std::make_unique<Recorder>(UnfinishedRecording(recording), Coded(), input.TimeBase(),
                                         RateOf(stream, options.rate_hz));
   orientation = Orientation{}.TurnedOn(options.rotate_deg / 90);
-  stamps.emplace(stream.time_base, 0);
+  stamps.emplace(input.TimeBase(), 0);
   thread = std::thread([this] { Receive(); });
 }
 
@@ -225,7 +225,7 @@ void LiveStream::Impl::OpenDecoder() {
   codec = libav::NewCodec(decoder);
   avcodec_parameters_to_context(codec.get(), &coded);
   log.Attach(*codec);
-  codec->pkt_timebase = stream.time_base;
+  codec->pkt_timebase = input.TimeBase();
   codec->thread_count = Threads();
   codec->thread_type = FF_THREAD_SLICE;
   codec->flags |= AV_CODEC_FLAG_UNALIGNED;
@@ -252,6 +252,7 @@ void LiveStream::Impl::FillInfo(const AVFrame& first) {
   format = first.format;
   info.pixel_format = name ? name : "unknown";
   info.bt709 = IsBt709(first);
+  info.white_level = WhiteLevel(first);
   info.interlaced = first.interlaced_frame;
 }
 
@@ -290,7 +291,7 @@ bool LiveStream::Impl::WaitForPace(const AVPacket& packet) {
     pace_from = ticks;
     began = Clock::now();
   }
-  const std::chrono::duration<double> after(libav::Seconds(ticks - pace_from, input.Stream().time_base));
+  const std::chrono::duration<double> after(libav::Seconds(ticks - pace_from, input.TimeBase()));
   std::unique_lock lock(mutex);
   while (Clock::now() < began + after) {
     if (is_stopped || IsInterrupted()) return false;
@@ -303,9 +304,11 @@ bool LiveStream::Impl::WaitForPace(const AVPacket& packet) {
 
 // False if the packet has none, or comes before anything can be decoded.
 bool LiveStream::Impl::TakeTimes(AVPacket& packet) {
-  const AVStream& stream = input.Stream();
-  if (!input.HasTimes())
-    packet.pts = packet.dts = std::llround(static_cast<double>(packets) / options.rate_hz / av_q2d(stream.time_base));
+  if (!input.HasTimes()) {
+    const double interval_ticks = 1 / options.rate_hz / av_q2d(input.TimeBase());
+    packet.pts = packet.dts = std::llround(static_cast<double>(packets) * interval_ticks);
+    packet.duration = std::llround(interval_ticks);
+  }
   if (packets == 0 && !(packet.flags & AV_PKT_FLAG_KEY)) return false;
   if (packet.pts == AV_NOPTS_VALUE) packet.pts = packet.dts;
   if (packet.pts == AV_NOPTS_VALUE) return false;
@@ -328,7 +331,7 @@ libav::Packet LiveStream::Impl::KeepUnstamped(libav::Packet& packet) {
   }
   if (!has_stamp || !unstamped) return nullptr;
   unstamped->pts =
-      (packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts) - av_rescale_q(1, av_inv_q(rate), stream.time_base);
+      (packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts) - av_rescale_q(1, av_inv_q(rate), input.TimeBase());
   unstamped->dts = unstamped->pts;
   return std::move(unstamped);
 }
@@ -374,7 +377,7 @@ void LiveStream::Impl::NoteGaps(std::int64_t ticks) {
 bool LiveStream::Impl::TakeStamps(AVPacket& packet) {
   // Less is a packet that the network brought twice or too late.
   constexpr double kLeastSetBack_s = 0.1;
-  const AVRational time_base = input.Stream().time_base;
+  const AVRational time_base = input.TimeBase();
   const bool has_dts = packet.dts != AV_NOPTS_VALUE;
   const std::int64_t behind =
       has_dts && last_dts != AV_NOPTS_VALUE ? last_dts - (packet.dts - first_ticks + set_back) : -1;
@@ -545,7 +548,7 @@ void LiveStream::Impl::Finish() {
   if (end && missing > 0)
     end->why += fmt::format("; {} picture{} missing in {} gap{} of the time stamps, of up to {:.2f} s", missing.load(),
                             missing == 1 ? " is" : "s are", gaps.Gaps(), gaps.Gaps() == 1 ? "" : "s",
-                            libav::Seconds(gaps.LongestTicks(), input.Stream().time_base));
+                            libav::Seconds(gaps.LongestTicks(), input.TimeBase()));
   const fs::path part = UnfinishedRecording(recording);
   if (!fs::exists(part)) throw Fail("{}: the recording is gone", part.string());
   std::error_code error;
@@ -594,7 +597,7 @@ std::int64_t LiveStream::MissingFrames() const {
 }
 
 double LiveStream::FirstStampS() const {
-  return impl_->first_ticks == AV_NOPTS_VALUE ? 0 : libav::Seconds(impl_->first_ticks, impl_->input.Stream().time_base);
+  return impl_->first_ticks == AV_NOPTS_VALUE ? 0 : libav::Seconds(impl_->first_ticks, impl_->input.TimeBase());
 }
 
 void LiveStream::Finish() {

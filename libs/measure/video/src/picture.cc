@@ -195,6 +195,11 @@ void PictureConverter::ScalePreview(const AVFrame& frame, const cv::Mat& i420) {
     throw Fail("a picture of {}×{} px cannot be scaled", frame.width, frame.height);
 }
 
+int WhiteLevel(const AVFrame& frame) {
+  const bool is_from_rgb = LumaAccessOf(static_cast<AVPixelFormat>(frame.format)) == LumaAccess::kFromRgb;
+  return is_from_rgb || IsFullRange(frame) ? 255 : 235;
+}
+
 bool KeepsFullRange(const AVFrame& frame) {
   return IsPlanar420(frame) && HasEvenSides(frame) && IsFullRange(frame);
 }

@@ -28,6 +28,9 @@ bool IsHighDefinition(int width, int height);
 // VideoInfo::bt709.
 bool IsBt709(const AVFrame& frame);
 
+// VideoInfo::white_level.
+int WhiteLevel(const AVFrame& frame);
+
 // Whether a preview as stored keeps levels of 0..255.
 bool KeepsFullRange(const AVFrame& frame);
 

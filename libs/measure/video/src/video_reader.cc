@@ -131,6 +131,7 @@ void LibavReader::FillInfo() {
   if (aspect.num > 0 && aspect.den > 0) info_.pixel_aspect = av_q2d(orientation_.transpose ? av_inv_q(aspect) : aspect);
   info_.bt709 = IsBt709(first);
   info_.full_range = options_.preview_as_stored && KeepsFullRange(first);
+  info_.white_level = WhiteLevel(first);
   info_.interlaced = first.interlaced_frame;
 }
 

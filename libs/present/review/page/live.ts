@@ -7,6 +7,7 @@ import { TEXTS, unbroken } from "./texts";
 import { PictureView, Point, distance } from "./view";
 
 const SHOWN_S = 20, STEP_S = 0.05; // of the curves
+const CURVES_MS = 100; // between two drawings of them: they move by a few pixels
 const LATE_S = 1; // what a person would wonder at
 const TRAIL = 20; // frames
 const ARROW_PX = 6, LEAST_ARROW_PX = 80;
@@ -16,6 +17,8 @@ type Sample = LiveViewMessage["samples"][number];
 export class LivePage {
   private view: PictureView;
   private shown: LiveViewMessage | null = null;
+  private picture: ImageBitmap | null = null; // that is shown
+  private curvesDrawn_ms = 0;
   private samples: Sample[] = [];
   private trails = new Map<string, Point[]>();
   private placing: string | null = null; // the name that the next click gives
@@ -70,6 +73,8 @@ export class LivePage {
         after = next.frame;
         this.take(next);
         this.view.show(picture);
+        this.picture?.close(); // megabytes, that else wait for the browser to clear up
+        this.picture = picture;
         Object.assign(part("live-picture").dataset, { frame: next.frame, arrived: next.arrived_ms });
         const late_s = (Date.now() - next.arrived_ms) / 1000;
         part("live-late").textContent = isNew && late_s > LATE_S ? TEXTS.late(late_s) : "";
@@ -88,9 +93,16 @@ export class LivePage {
       if (x !== null && y !== null) trail.push({ x, y });
       this.trails.set(name, trail.slice(-TRAIL));
     }
+    const now_ms = performance.now();
+    if (now_ms - this.curvesDrawn_ms < CURVES_MS) return;
+    this.curvesDrawn_ms = now_ms;
+    this.drawCurves(next.time_s);
+  }
+
+  private drawCurves(until_s: number): void {
     const column = (index: 1 | 2 | 3): Column => {
       const values: Column = new Array(SHOWN_S / STEP_S + 1).fill(null);
-      for (const sample of this.samples) values[Math.round((sample[0] - next.time_s + SHOWN_S) / STEP_S)] = sample[index];
+      for (const sample of this.samples) values[Math.round((sample[0] - until_s + SHOWN_S) / STEP_S)] = sample[index];
       return values;
     };
     this.charts.knee.show([{ name: "", colour: "--accent", values: column(1) }]);

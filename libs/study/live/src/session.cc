@@ -1,5 +1,7 @@
 #include "session.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -50,6 +52,13 @@ motion::MarkerRecording Rows(const motion::MarkerRecording& all, std::size_t fir
   part.markers.reserve(all.markers.size());
   for (const motion::MarkerTrack& track : all.markers) part.markers.push_back({track.name, cut(track.samples)});
   return part;
+}
+
+// A leg fit takes a core for some tenths of a second: the frames that come meanwhile, and the browser that shows them,
+// come first. Linux does this to the calling thread alone, and to those that it starts.
+void GiveWay() {
+  constexpr int kNiceness = 10;
+  setpriority(PRIO_PROCESS, 0, kNiceness);
 }
 
 }  // namespace
@@ -321,6 +330,7 @@ void Session::FinishTrial() {
 // ---- the analyst
 
 void Session::Analyse() {
+  GiveWay();
   constexpr std::chrono::milliseconds kPause{500};
   std::optional<Clock::time_point> named_last;
   Clock::duration naming_took{};
@@ -481,7 +491,7 @@ void Session::JudgePictures() {
     std::vector<const tracking::Tracklet*> pointers;
     pointers.reserve(named.size());
     for (const tracking::Tracklet& tracklet : named) pointers.push_back(&tracklet);
-    check.markers = tracking::FiguresOf(pointers, *image);
+    check.markers = tracking::FiguresOf(pointers, *image, check.video);
   }
   Json checks = Json::array();
   for (const tracking::CheckItem& item : tracking::JudgeRecording(check, static_cast<int>(options_.markers.size()))) {

@@ -172,10 +172,11 @@ cv::Mat Session::Picture(std::int64_t frame) const {
     if (found == pictures_.end()) throw Fail("frame {} is not kept any more", frame);
     kept = found->frame;
   }
-  if (kept.luma.cols <= kPictureWidthPx) return kept.luma.clone();
+  // By a whole number, which takes a thirtieth of what another does.
+  const int part = (kept.luma.cols + kPictureWidthPx - 1) / kPictureWidthPx;
+  if (part == 1) return kept.luma.clone();
   cv::Mat smaller;
-  const double factor = static_cast<double>(kPictureWidthPx) / kept.luma.cols;
-  cv::resize(kept.luma, smaller, {}, factor, factor, cv::INTER_AREA);
+  cv::resize(kept.luma, smaller, {}, 1.0 / part, 1.0 / part, cv::INTER_AREA);
   return smaller;
 }
 

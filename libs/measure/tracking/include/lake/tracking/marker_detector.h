@@ -18,6 +18,7 @@ struct MarkerDetection {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px, image frame
   double sigma_px = 0;                                 // one standard deviation per axis, from this frame's fit
   Blob appearance;                                     // its look; for patches and ArUco a disc of their size
+  double background = 0;                               // grey level round it, of a blob in the luma
   double quality = 0;                                  // residual over amplitude: 0 is perfect
   std::optional<int> identity;  // which colour, patch or ArUco id it is, if the detector can tell
 };
@@ -36,7 +37,7 @@ struct MarkerPrediction {
 // What a detector has learnt of the pictures.
 struct ImageFigures {
   NoiseModel noise;
-  double saturation_level = 255;           // grey level
+  double saturation_level = 255;           // grey level; infinite of dark markers, which have none
   std::optional<double> shutter_fraction;  // part of the frame time during which the shutter is open, if it showed
 };
 

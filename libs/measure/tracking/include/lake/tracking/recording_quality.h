@@ -23,14 +23,15 @@ struct MarkerFigures {
   double contrast = 0;                     // above what is round them
   double noise = 0;                        // standard deviation of a pixel as bright as a marker
   double contrast_over_noise = 0;          // of the faintest tenth of the samples
-  double saturated_share = 0;              // of the samples
+  double saturated_share = 0;              // of the samples, those of markers as bright as the video can be
   double sigma_px = 0;                     // root mean square of what the fits state, per axis
   double fastest_px = 0;                   // per frame, 98 % quantile
   std::optional<double> shutter_fraction;  // of the frame time; unknown where nothing moves fast
   double blur_px = 0;                      // of the fastest, during the exposure (half a frame where it is not known)
 };
 
-MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFigures& image);
+MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFigures& image,
+                        const video::VideoInfo& video);
 
 struct RecordingCheckOptions {
   int markers = 4;  // that should be seen
@@ -54,10 +55,9 @@ struct CheckedSpot {
 };
 
 struct RecordingCheck {
-  video::VideoInfo video;
+  video::VideoInfo video;           // its bits per pixel: of the frames in which the markers were named, if they were
   std::int64_t frames_in_file = 0;  // from the container's stamps; 0 where it does not say
   int frames_seen = 0, places_seen = 0;
-  double bits_per_pixel = 0;  // of the file, per pixel and frame
 
   // Why the markers cannot be named as TrackMarkers does it, of itself; empty if they were, and only then what depends
   // on them is known: `markers`, `compression_px` to `segment_px`, `knee_sd_deg`.

@@ -16,10 +16,10 @@ struct TrackletSample {
   double time_s = 0;                                   // as stamped, less what time stood still before
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px
   double sigma_px = 0;
-  double radius_px = 0;  // apparent
-  double amplitude = 0;
-  double quality = 0;     // as in MarkerDetection
-  bool repeated = false;  // in a picture that is the one before it once more: no measurement of its own
+  double radius_px = 0;                  // apparent
+  double amplitude = 0, background = 0;  // grey levels, as in MarkerDetection
+  double quality = 0;                    // likewise
+  bool repeated = false;                 // in a picture that is the one before it once more: no measurement of its own
 };
 
 struct Tracklet {

@@ -26,6 +26,7 @@ struct VideoInfo {
   double pixel_aspect = 1;            // width / height of a pixel as shown; frames are handed out unstretched
   bool bt709 = false;                 // colours of previews: BT.709, else BT.601; the stream's own if it is one of them
   bool full_range = false;            // levels of previews given as stored: 0..255, else 16..235
+  int white_level = 255;              // of the luma, what the stream calls white: 255, or 235; some cameras go beyond
   bool interlaced = false;            // the first frame consists of two fields taken at different times
 
   // Of the frames decoded so far; final once Read() has returned false.
