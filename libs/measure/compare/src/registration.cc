@@ -7,6 +7,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "sampling.h"
 
 namespace lake::compare {
@@ -145,8 +146,8 @@ class Registrar {
     for (const auto& [name, path] : markers) {
       const double gap_s = LongestGap(trial_.trajectory.time_s, path->x, interval.onset_s, interval.standing_s);
       if (gap_s > options_.max_gap_s)
-        return fmt::format("{}: repetition {} is left out: marker '{}' is missing for {:.2g} s of it", trial_.name,
-                           interval.repetition, *name, gap_s);
+        return fmt::format("{}: repetition {} is left out: marker '{}' is missing for {} s of it", trial_.name,
+                           interval.repetition, *name, SignificantText(gap_s, 2));
     }
     return {};
   }
