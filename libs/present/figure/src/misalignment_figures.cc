@@ -7,6 +7,7 @@
 
 #include "lake/core/colours.h"
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/figure/gnuplot.h"
 #include "lake/figure/theme.h"
 #include "percents.h"
@@ -112,10 +113,10 @@ void DrawKneePaths(GnuplotFigure& figure, const compare::Misalignment& m) {
 }
 
 void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
-  const std::vector<double> percents = Percents(compare::kPercentSamples), error = Scaled(m.relative_error, 100);
+  const std::vector<double> percents = Percents(compare::kPercentSamples), error = Scaled(m.misalignment_ratio, 100);
   std::vector<double> lower, upper, spikes;
   for (std::size_t i = 0; i < compare::kPercentSamples; ++i) {
-    const double sd = m.relative_error_sd.empty() ? 0 : 100 * m.relative_error_sd[i];
+    const double sd = m.misalignment_ratio_sd.empty() ? 0 : 100 * m.misalignment_ratio_sd[i];
     lower.push_back(std::max(0.0, error[i] - sd));
     upper.push_back(error[i] + sd);
     spikes.push_back(m.spike[i] ? error[i] : kNaN);
@@ -127,17 +128,19 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(fmt::format("set ylabel \"path difference\\n(% of the shank length)\"; set yrange [0:{}]; set xlabel ''",
                           std::max(top, 1e-3)));
   std::string plot = "plot ";
-  if (!m.relative_error_sd.empty())
+  if (!m.misalignment_ratio_sd.empty())
     plot += fmt::format(
         "{} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder title '± SD over pairs of "
         "repetitions', ",
         figure.Data({percents, lower, upper}), colour::kExoskeleton);
   plot += fmt::format("{} using 1:2 with lines lw 3 lc rgb '{}' title 'path difference'",
                       figure.Data({percents, error}), colour::kExoskeleton);
-  plot += fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'RMS {:.2f} %'", 100 * m.metrics.relative_rms,
-                      colour::kText, 100 * m.metrics.relative_rms);
-  plot += fmt::format(", {} with lines lw 2 dt (2,4) lc rgb '#555555' title 'noise floor {:.2f} %'",
-                      100 * m.noise_floor_relative, 100 * m.noise_floor_relative);
+  const double rms_percent = 100 * m.metrics.relative_rms, floor_percent = 100 * m.noise_floor_relative;
+  const compare::Interval known = m.intervals ? m.intervals->relative_rms : compare::Interval{};
+  plot += fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'RMS {} %'", rms_percent, colour::kText,
+                      KnownText(rms_percent, 50 * (known.high - known.low), 1));
+  plot += fmt::format(", {} with lines lw 2 dt (2,4) lc rgb '#555555' title 'noise floor {} %'", floor_percent,
+                      SignificantText(floor_percent, 2));
   if (std::count(m.spike.begin(), m.spike.end(), true) > 0)
     plot += fmt::format(", {} using 1:2 with points pt 6 ps 2 lw 2 lc rgb '{}' title 'spike'",
                         figure.Data({percents, spikes}), colour::kWaist);

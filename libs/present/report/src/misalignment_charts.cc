@@ -121,7 +121,7 @@ LineChart KneePathsChart(const Json& comparison) {
   return chart;
 }
 
-LineChart RelativeErrorChart(const Json& comparison) {
+LineChart PathDifferenceChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
   const double rms = 100 * NumberOrNaN(comparison.at("metrics").at("relative_rms"));
   const double floor = 100 * NumberOrNaN(comparison.at("noise_floor_relative"));

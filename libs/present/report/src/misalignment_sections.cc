@@ -80,7 +80,7 @@ Section KeySection(const Json& comparison) {
 Section PathsSection(const Json& comparison) {
   LineChart paths = KneePathsChart(comparison), angles = KneeAnglesChart(comparison);
   paths.width = angles.width = Width::kHalf;
-  return {"Knee paths and angles", {std::move(paths), std::move(angles), RelativeErrorChart(comparison)}};
+  return {"Knee paths and angles", {std::move(paths), std::move(angles), PathDifferenceChart(comparison)}};
 }
 
 Section PartsSection(const Json& comparison) {
