@@ -293,8 +293,7 @@ std::string GaitReport(const Json& summary) {
                           end["limit_deg"].get<double>(), end["result"].get<std::string>());
     if (const std::string unknown = UnknownText(summary["range_limit"]); !unknown.empty()) text += unknown + "\n";
   }
-  return text +
-         fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size()) +
+  return text + fmt::format("{} rises, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size()) +
          FiveTimesText(summary);
 }
 

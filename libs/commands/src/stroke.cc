@@ -44,8 +44,7 @@ double AngleAtPercent(const motion::LegMotion& motion, double percent, const fs:
   for (const auto& [distance, angle] : nearest)
     if (distance < kNear) angles.push_back(angle);
   if (angles.empty())
-    throw Fail("{}: no sit-to-stand with a knee angle at {} %; give --from-angle and --to-angle", folder.string(),
-               percent);
+    throw Fail("{}: no rise with a knee angle at {} %; give --from-angle and --to-angle", folder.string(), percent);
   return Mean(angles);
 }
 

@@ -95,7 +95,7 @@ Vector2d MedianPosition(const Path& path, const std::vector<std::size_t>& frames
       x.push_back(path.x[i]);
       y.push_back(path.y[i]);
     }
-  if (x.empty()) throw Fail("{}: the ankle is not seen before any sit-to-stand: the leg frame has no origin", trial);
+  if (x.empty()) throw Fail("{}: the ankle is not seen before any rise: the leg frame has no origin", trial);
   return {Median(x), Median(y)};
 }
 
