@@ -233,7 +233,7 @@ std::vector<Quantity> TrueQuantities(const Differences& by) {
   const compare::StsCurve human = MakeCurve({}), exo = WithDifferences(by);
   const compare::Decomposition parts = compare::Decompose(human, exo);
   const double square = compare::MeanSquaredDistance(exo.knee, human.knee),
-               relative = compare::MeanSquaredRelativeError(exo.knee, human.knee, compare::ShankLengths(human));
+               relative = compare::MeanSquaredMisalignment(exo.knee, human.knee, compare::ShankLengths(human));
   return {{"RMS", &Intervals::rms_mm, std::sqrt(square)},
           {"relative RMS", &Intervals::relative_rms, std::sqrt(relative)},
           {"offset x", &Intervals::offset_x_mm, parts.offset_mm.x()},

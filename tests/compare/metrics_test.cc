@@ -22,9 +22,9 @@ TEST(PointwiseError, JetAgreesWithDoubleAndWithDifferences) {
     for (const Vector2d& h : human.knee) path.push_back({x + h.x() * 1.01, y + h.y() * 0.99});
     return path;
   };
-  const Jet error = compare::MeanSquaredRelativeError(shifted(Jet(3, 0), Jet(-2, 1)), human.knee, shank_mm);
+  const Jet error = compare::MeanSquaredMisalignment(shifted(Jet(3, 0), Jet(-2, 1)), human.knee, shank_mm);
   const auto value = [&](double x, double y) {
-    return compare::MeanSquaredRelativeError(shifted(x, y), human.knee, shank_mm);
+    return compare::MeanSquaredMisalignment(shifted(x, y), human.knee, shank_mm);
   };
   EXPECT_DOUBLE_EQ(error.a, value(3, -2));
   const double step = 1e-3;  // the error is quadratic in both: central differences are exact but for rounding

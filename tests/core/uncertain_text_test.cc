@@ -30,6 +30,18 @@ TEST(UncertainText, WithoutAnUncertaintyDecimalsAreGiven) {
   EXPECT_EQ(RoundedText(-0.001, 2), "0.00");
 }
 
+TEST(UncertainText, TheUncertaintyIsRoundedAsTheValueIs) {
+  EXPECT_EQ(PlusMinusText(374.0213, 1.3672, 2), "374.0 ± 1.4");
+  EXPECT_EQ(PlusMinusText(1234, 87, 2), "1230 ± 90");
+  EXPECT_EQ(PlusMinusText(2.6194, 0, 2), "2.62 ± 0.00");
+}
+
+TEST(UncertainText, DifferencesHaveASign) {
+  EXPECT_EQ(WithSign(PlusMinusText(0.0213, 0.0041, 3)), "+0.021 ± 0.004");
+  EXPECT_EQ(WithSign(SignificantText(-2.4e-6, 2)), "−0.0000024");
+  EXPECT_EQ(WithSign(RoundedText(std::nan(""), 1)), "–");
+}
+
 TEST(UncertainText, SignificantDigitsAreWrittenOut) {
   EXPECT_EQ(SignificantText(35, 4), "35");
   EXPECT_EQ(SignificantText(2345, 3), "2350");

@@ -76,7 +76,7 @@ OpticalLeg ReadOpticalLeg(const fs::path& file, char side, bool mirrored) {
 }
 
 // Given by ../shared/data/README.md for the 3-D flexion; the x–y plane's differs by less than the tolerance.
-void ExpectFiveStandUps(const gait::LegFitResult& result) {
+void ExpectFiveRises(const gait::LegFitResult& result) {
   const double listed_s[] = {0.76, 2.44, 4.09, 5.61, 7.24};
   const std::vector<double> falls_s = Falls(result.motion.time_s, KneeOf(result.motion), 35);
   ASSERT_EQ(falls_s.size(), 5u);
@@ -135,7 +135,7 @@ TEST_P(OpticalSitToStand, SeenWithNoiseTheMarkersOwnAngleComesOut) {
     EXPECT_LE(errors.normalized, 1.5);
     EXPECT_LE(errors.peak_deg, 0.1);
     EXPECT_EQ(result.motion.facing, mirrored ? motion::Facing::kLeft : motion::Facing::kRight);
-    ExpectFiveStandUps(result);
+    ExpectFiveRises(result);
   }
   EXPECT_GE(cover, 0.90);  // together: a smooth curve's errors are few independent ones
 }
@@ -146,7 +146,7 @@ TEST_P(OpticalSitToStand, TheFileItselfAgrees) {
   const OpticalLeg leg = ReadOpticalLeg(file_, side, mirrored);
   const gait::LegFitResult result = gait::FitLeg(leg.trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}));
   EXPECT_LE(CompareKnee(result.motion, leg.truth).rms_deg, 0.06);
-  ExpectFiveStandUps(result);
+  ExpectFiveRises(result);
   const auto [least, most] = std::minmax_element(leg.truth.begin(), leg.truth.end(),
                                                  [](const auto& a, const auto& b) { return a.knee_deg < b.knee_deg; });
   if (side == 'r') {  // 4.2..95.7° in the x–y plane
@@ -343,7 +343,7 @@ TEST_P(OpticalWalk, TrcAndC3dHoldTheSameAngles) {
 }
 
 // Both through the readers, the fitted plane and the fit: walking has no sit-to-stand and no error.
-TEST_P(OpticalWalk, IsFittedWithoutStandUps) {
+TEST_P(OpticalWalk, IsFittedWithoutRises) {
   const fs::path file = SharedData() / "opensim_walk" / GetParam().c3d;
   REQUIRE_RECORDING(file);
   const exchange::Trial trial = exchange::ReadTrial(file, {NameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});

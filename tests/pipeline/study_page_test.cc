@@ -126,6 +126,8 @@ TEST(StudyPage, SaysTheCheapestRepairFirst) {
   EXPECT_THAT(page.substr(warnings, 200), HasSubstr("Fit on the body: "));
   for (const char* file : {"simulation/design.dxf", "simulation/schematic.svg", "redesign/design.yaml"})
     EXPECT_THAT(page, HasSubstr(file));
+  // The best evidence is in the page.
+  EXPECT_THAT(page.substr(contents), HasSubstr("Knee paths, misalignment, knee angle and stroke over the rise"));
 }
 
 // Nobody asks of a place of the worn joint that it reach less far into seat and limbs than it did: the nearest such

@@ -13,6 +13,8 @@ import sys
 import tempfile
 import unittest
 
+import page_pictures
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SAMPLE = ROOT / "data/sts-study"
 PROBLEMS = ROOT / "calibration/problems"
@@ -73,6 +75,12 @@ class CommittedFigures(unittest.TestCase):
             self.skipTest("the sources are no git repository")
         pictures = {name for name in listed.stdout.split() if not name.startswith("data/pages/")}  # a record of a day
         self.assertEqual(pictures - set(FIGURES), set())
+
+    def test_each_picture_of_a_page_can_be_drawn_again(self):
+        pages = ROOT / "data/pages"
+        kept = {path.name for path in pages.glob("*.png")}  # those in before/ are an earlier version's
+        self.assertEqual(kept, set(page_pictures.PICTURES))
+        self.assertEqual(kept, set(re.findall(r"`([\w-]+\.png)`", (pages / "README.md").read_text())))
 
     def test_they_are_as_drawn_today(self):
         try:

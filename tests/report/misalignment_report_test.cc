@@ -63,7 +63,7 @@ TEST(MisalignmentReport, ShowsTheComparisonsNumbers) {
 TEST(MisalignmentReport, ASingleRepetitionHasNeitherBandNorIntervals) {
   const Json comparison = Placed(1);
   EXPECT_THAT(PageOf(comparison), Not(HasSubstr("95 %: ")));
-  EXPECT_THAT(RelativeErrorChart(comparison).series[0].lower, IsEmpty());
+  EXPECT_THAT(PathDifferenceChart(comparison).series[0].lower, IsEmpty());
   EXPECT_THAT(DecompositionChart(comparison).series[0].lower, IsEmpty());
 }
 
@@ -105,7 +105,7 @@ TEST(MisalignmentReport, SpikesAreMarkedInTheChart) {
   compare::StsCurve human = MakeCurve({}), exo = MakeCurve({}, [](double u) { return u; }, {10, 0});
   exo.knee[40] += Eigen::Vector2d(0, 25);
   const LineChart chart =
-      RelativeErrorChart(compare::ComparisonJson(compare::CompareTrials({{human}, {}}, {{exo}, {}})));
+      PathDifferenceChart(compare::ComparisonJson(compare::CompareTrials({{human}, {}}, {{exo}, {}})));
   const Series& spikes = chart.series.back();
   EXPECT_EQ(spikes.name, "spike");
   EXPECT_THAT(spikes.x, testing::ElementsAre(40));

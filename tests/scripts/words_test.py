@@ -18,7 +18,7 @@ INSTEAD = {
     "white to the limit": "no marker is overexposed",
     "times a segment's length": "the movement is large enough (",
 }
-ONE_NAME = {"relative error": "misalignment"}
+ONE_NAME = {"relative error": "misalignment", "stand-up": "rise"}
 
 
 def said():
@@ -41,12 +41,24 @@ class Words(unittest.TestCase):
                 if was not in ONE_NAME:
                     self.assertTrue([text for _, text in texts if instead in text], f"nobody says: {instead}")
 
+    def test_names_and_comments_have_the_words_of_the_pages(self):
+        """But for the columns of files, whose names are kept ("relative_error")."""
+        for folder in ("libs", "apps"):
+            for ending in ("cc", "h", "ts", "js", "md"):
+                for file in sorted((ROOT / folder).rglob(f"*.{ending}")):
+                    text = re.sub(r'"[^"\n]*"', "", file.read_text())
+                    self.assertEqual(re.findall(r"(?i)relative.?error\w*|stand-?ups?\b", text), [], file.relative_to(ROOT))
+
     def test_no_number_is_written_as_a_power_of_ten(self):
-        """What the commands, the rooms of design and of base print has SignificantText's digits (core/uncertain_text.h), but for
-        signed ones and for what is said of the solver's own numbers."""
-        places = ("libs/base/", "libs/design/", "libs/commands/", "apps/")
-        self.assertEqual([f"{file}: {text}" for file, text in said() if str(file).startswith(places)
-                          and re.search(r"\{:[^{}+]*\.\d[ge]\}", text) and "KKT error" not in text], [])
+        """What programs and pages say has SignificantText's digits (core/uncertain_text.h), but for the solver's own numbers."""
+        self.assertEqual([f"{file}: {text}" for file, text in said()
+                          if re.search(r"\{:[^{}]*\.\d[ge]\}", text) and "KKT error" not in text], [])
+
+    def test_no_number_has_more_digits_than_its_uncertainty(self):
+        """Where both are said, PlusMinusText rounds both; what is planned, not measured, has the digits of a drawing."""
+        planned = ("the drift may carry", "the drift was accepted", "drift: with speeds")
+        self.assertEqual([f"{file}: {text}" for file, text in said()
+                          if re.search(r"\{:[^{}]*f\}[^{}]{0,3} ± \{:", text) and not text.startswith(planned)], [])
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@
 namespace lake {
 namespace {
 
-TEST(RealMotion, RendersWithTheRecordingsOwnAnglesAndFiveStandUps) {
+TEST(RealMotion, RendersWithTheRecordingsOwnAnglesAndFiveRises) {
   const auto leg = RealLeg("right");
   if (!leg) GTEST_SKIP() << "no recording in " << SharedData() / "opencap_sts";
   const synth::MotionTable& table = *leg;

@@ -58,7 +58,7 @@ double MisalignmentOfFiles(const std::filesystem::path& folder) {
     human.emplace_back(cell("human_x_mm"), cell("human_y_mm")), exo.emplace_back(cell("exo_x_mm"), cell("exo_y_mm"));
   }
   EXPECT_EQ(exo, curves.exo.knee);
-  return 100 * std::sqrt(compare::MeanSquaredRelativeError(exo, human, compare::ShankLengths(curves.human)));
+  return 100 * std::sqrt(compare::MeanSquaredMisalignment(exo, human, compare::ShankLengths(curves.human)));
 }
 
 TEST_F(LakeRedesign, WritesADesignWhosePredictedPathHoldsTheLimit) {

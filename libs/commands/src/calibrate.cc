@@ -10,6 +10,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/figure/calibration_figures.h"
 #include "lake/video/image.h"
 #include "lake/video/video_files.h"
@@ -102,11 +103,12 @@ std::string ReportOf(const camera::BoardPictures& pictures, const camera::Calibr
   const auto& crossed = quality.cross_validation;
   return fmt::format(
       "{} views, RMS {:.3f} px (inliers {:.3f} px, {} outliers), worst view {} {:.3f} px\n"
-      "fx {:.2f} ± {:.2f}  fy {:.2f} ± {:.2f}  cx {:.2f} ± {:.2f}  cy {:.2f} ± {:.2f} px\n"
+      "fx {}  fy {}  cx {}  cy {} px\n"
       "coverage {:.0f} %, largest tilt {:.0f}°{}; lens model {}\n",
       pictures.views.size(), result.rms_px, result.inlier_rms_px, result.outliers.size(),
-      pictures.views[quality.worst_view].name, result.view_rms_px[quality.worst_view], camera.fx, sd[0], camera.fy,
-      sd[1], camera.cx, sd[2], camera.cy, sd[3], 100 * quality.coverage.fraction, quality.largest_tilt_deg,
+      pictures.views[quality.worst_view].name, result.view_rms_px[quality.worst_view],
+      PlusMinusText(camera.fx, sd[0], 2), PlusMinusText(camera.fy, sd[1], 2), PlusMinusText(camera.cx, sd[2], 2),
+      PlusMinusText(camera.cy, sd[3], 2), 100 * quality.coverage.fraction, quality.largest_tilt_deg,
       crossed ? fmt::format(", odd and even views differ by {:.3f} px RMS", crossed->rms_px) : "",
       camera::ToString(lens));
 }

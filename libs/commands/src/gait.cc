@@ -7,6 +7,7 @@
 #include "lake/core/deviation_text.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/figure/leg_figure.h"
 #include "lake/gait/corrected_events.h"
 #include "lake/gait/sit_to_stand.h"
@@ -287,13 +288,12 @@ std::string GaitReport(const Json& summary) {
                         DeviationText(summary["uncertainty"]["knee_angle_deg"]["anatomical_sd"].get<double>(), 1, "°"));
   if (summary.contains("range_limit")) {
     for (const Json& end : summary["range_limit"]["ends"])
-      text += fmt::format("{} {:.2f}° ± {:.2f}° (k = 2), limit {:.2f}°: {}\n", end["end"].get<std::string>(),
-                          end["measured_deg"].get<double>(), end["expanded_deg"].get<double>(),
+      text += fmt::format("{} {}° (k = 2), limit {:.2f}°: {}\n", end["end"].get<std::string>(),
+                          PlusMinusText(end["measured_deg"].get<double>(), end["expanded_deg"].get<double>(), 2),
                           end["limit_deg"].get<double>(), end["result"].get<std::string>());
     if (const std::string unknown = UnknownText(summary["range_limit"]); !unknown.empty()) text += unknown + "\n";
   }
-  return text +
-         fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size()) +
+  return text + fmt::format("{} rises, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size()) +
          FiveTimesText(summary);
 }
 

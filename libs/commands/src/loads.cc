@@ -374,10 +374,10 @@ std::string LoadsReport(const Json& summary) {
   if (summary["trunk_offset_mm"].is_object()) {
     const Json& offset = summary["trunk_offset_mm"];
     text += fmt::format(
-        "the trunk's centre of mass: {:+.0f} ± {:.0f} mm along and {:+.0f} ± {:.0f} mm across the trunk from the "
+        "the trunk's centre of mass: {} mm along and {} mm across the trunk from the "
         "table's\n",
-        NumberOrNaN(offset["along"]), NumberOrNaN(offset["along_sd"]), NumberOrNaN(offset["across"]),
-        NumberOrNaN(offset["across_sd"]));
+        WithSign(PlusMinusText(NumberOrNaN(offset["along"]), NumberOrNaN(offset["along_sd"]), 0)),
+        WithSign(PlusMinusText(NumberOrNaN(offset["across"]), NumberOrNaN(offset["across_sd"]), 0)));
   }
   return text;
 }

@@ -7,6 +7,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/report/report.h"
 
 namespace lake::commands {
@@ -115,9 +116,8 @@ Table EndsTable(const std::vector<End>& ends) {
       .caption = "Measured range, ± U (k = 2), against the limits",
       .columns = {{"end"}, {"measured (°)"}, {"limit (°)"}, {"inside by (°)", 2}, {"visits", 0}, {"result"}, {""}}};
   for (const End& end : ends)
-    table.rows.push_back(
-        {end.name, fmt::format("{} ± {}", NumberText(end.measured_deg, 2), NumberText(end.expanded_deg, 2)),
-         NumberText(end.limit_deg, 2), end.MarginDeg(), static_cast<double>(end.visits), end.Verdict(), end.Why()});
+    table.rows.push_back({end.name, PlusMinusText(end.measured_deg, end.expanded_deg, 2), NumberText(end.limit_deg, 2),
+                          end.MarginDeg(), static_cast<double>(end.visits), end.Verdict(), end.Why()});
   return table;
 }
 

@@ -147,7 +147,7 @@ void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& row
                      {"Rises", {AnglesChart(leg.motion, rows), RisesTable(rows, leg.motion.unit)}},
                      SitToStandMethod()};
   else
-    page.sections = {{"", {Paragraph{"No sit-to-stand was found in this recording."}}}};
+    page.sections = {{"", {Paragraph{"No rise was found in this recording."}}}};
   page.sections.push_back(ProvenanceSection(run.Head()));
   WriteReport(run.Result("sit_to_stand.html"), page);
 }

@@ -44,8 +44,7 @@ double AngleAtPercent(const motion::LegMotion& motion, double percent, const fs:
   for (const auto& [distance, angle] : nearest)
     if (distance < kNear) angles.push_back(angle);
   if (angles.empty())
-    throw Fail("{}: no sit-to-stand with a knee angle at {} %; give --from-angle and --to-angle", folder.string(),
-               percent);
+    throw Fail("{}: no rise with a knee angle at {} %; give --from-angle and --to-angle", folder.string(), percent);
   return Mean(angles);
 }
 
@@ -224,8 +223,8 @@ void WarnOfValidation(const actuator::Validation& v, const actuator::StrokeSched
   if (std::isnan(v.speed_mm_s)) return;
   const double planned = (schedule.knots[1].stroke_mm - schedule.knots[0].stroke_mm) / schedule.Duration();
   if (std::abs(v.speed_mm_s - planned) > std::max(0.01 * std::abs(planned), 3 * v.speed_se_mm_s))
-    run.Warn(fmt::format("the prototype moved at {:.3f} ± {:.3f} mm/s, not at {:.3f}", v.speed_mm_s, v.speed_se_mm_s,
-                         planned));
+    run.Warn(fmt::format("the prototype moved at {} mm/s, not at {:.3f}",
+                         PlusMinusText(v.speed_mm_s, v.speed_se_mm_s, 3), planned));
 }
 
 // The program as the motor can run it, and what is known of the motor.
@@ -404,8 +403,8 @@ std::string StrokeReport(const Json& summary) {
     text += fmt::format("prototype: RMS {:.3f}°, largest {:.3f}°, program begins at {:.3f} s",
                         NumberOrNaN(v["rms_deg"]), NumberOrNaN(v["max_deg"]), NumberOrNaN(v["shift_s"]));
     if (!std::isnan(NumberOrNaN(v["speed_mm_s"])))
-      text += fmt::format(", its own speed {:.3f} ± {:.3f} mm/s", NumberOrNaN(v["speed_mm_s"]),
-                          NumberOrNaN(v["speed_se_mm_s"]));
+      text += fmt::format(", its own speed {} mm/s",
+                          PlusMinusText(NumberOrNaN(v["speed_mm_s"]), NumberOrNaN(v["speed_se_mm_s"]), 3));
     text += fmt::format(
         "\nverdict: it {} (within {}° RMS); from {:.3f} s on it travels {:.4f} of the program, drift at its end "
         "{:+.2f} mm, then RMS {:.3f}°\n",

@@ -15,6 +15,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/figure/symmetry_figure.h"
 #include "lake/gait/sit_to_stand.h"
@@ -158,6 +159,13 @@ Json DifferenceJson(const compare::SideDifference& difference) {
           {"asymmetric", difference.IsAsymmetric()}};
 }
 
+// "+4.1 (95 %: +0.3 to +7.9)": as far as the interval knows the difference.
+std::string DifferenceText(const Json& difference, const Json& interval, const char* unit, const char* level) {
+  const double low = NumberOrNaN(interval[0]), high = NumberOrNaN(interval[1]);
+  const auto text = [&](double value) { return WithSign(KnownText(value, 0.5 * (high - low), 1)); };
+  return fmt::format("{}{} ({}{} to {})", text(NumberOrNaN(difference)), unit, level, text(low), text(high));
+}
+
 }  // namespace
 
 Json RunSymmetry(const CompareRunOptions& options, Run& run) {
@@ -194,11 +202,9 @@ std::string SymmetryReport(const Json& summary) {
                                  summary["asymmetric"] == true ? "asymmetric" : "no difference beyond its interval");
   for (const auto& [name, difference] : summary["symmetry"].items()) {
     const Json &interval = difference["interval"], &index = difference["index_interval_percent"];
-    text +=
-        fmt::format("{} {}  left less right {:+.3g} (95 %: {:+.3g} to {:+.3g}), index {:+.1f} % ({:+.1f} to {:+.1f})\n",
-                    difference["asymmetric"] == true ? "*" : " ", name, NumberOrNaN(difference["difference"]),
-                    NumberOrNaN(interval[0]), NumberOrNaN(interval[1]), NumberOrNaN(difference["index_percent"]),
-                    NumberOrNaN(index[0]), NumberOrNaN(index[1]));
+    text += fmt::format("{} {}  left less right {}, index {}\n", difference["asymmetric"] == true ? "*" : " ", name,
+                        DifferenceText(difference["difference"], interval, "", "95 %: "),
+                        DifferenceText(difference["index_percent"], index, " %", ""));
   }
   return text;
 }

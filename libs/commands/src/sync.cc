@@ -4,6 +4,7 @@
 
 #include "lake/commands/gait.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/exchange/convert_options.h"
 #include "lake/figure/sync_figure.h"
 #include "png_and_svg.h"
@@ -160,10 +161,10 @@ Json RunSync(const SyncRunOptions& options, Run& run) {
 
 std::string SyncReport(const Json& summary) {
   return fmt::format(
-      "offset {:+.4f} s to add to B's times, drift {:+.1f} ± {:.1f} ppm, standard deviation {:.4f} s; by "
-      "{}, {} ({:.1f} % not explained) over {:.1f} s\n",
-      NumberOrNaN(summary["offset_s"]), NumberOrNaN(summary["drift_ppm"]), NumberOrNaN(summary["drift_sd_ppm"]),
-      NumberOrNaN(summary["sd_s"]), summary["method"].get<std::string>(), summary["compared"].get<std::string>(),
+      "offset {} s (1 SD) to add to B's times, drift {} ppm; by {}, {} ({:.1f} % not explained) over {:.1f} s\n",
+      WithSign(PlusMinusText(NumberOrNaN(summary["offset_s"]), NumberOrNaN(summary["sd_s"]), 4)),
+      WithSign(PlusMinusText(NumberOrNaN(summary["drift_ppm"]), NumberOrNaN(summary["drift_sd_ppm"]), 1)),
+      summary["method"].get<std::string>(), summary["compared"].get<std::string>(),
       100 * NumberOrNaN(summary["unexplained"]), NumberOrNaN(summary["overlap_s"]));
 }
 

@@ -408,7 +408,7 @@ void CheckOptions(const TrackRunOptions& options) {
     throw UsageError(
         "--anonymise: takes ankle, knee, hip and waist or shoulder among the markers, to know where the head is");
   if (options.events && !HasLeg(options.track.names))
-    throw UsageError("--events: without ankle, knee and hip among the markers there are no sit-to-stands");
+    throw UsageError("--events: without ankle, knee and hip among the markers there are no rises");
   for (const auto& file : {options.corrections, options.events})
     if (file && !std::filesystem::exists(*file)) throw Fail("{}: no such file", file->string());
 }

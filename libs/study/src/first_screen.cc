@@ -146,7 +146,7 @@ std::string OtherTime(const Json& redesign) {
     const Json& points = front.at("range_deg_and_misalignment_percent");
     const bool is_other = std::sscanf(program.c_str(), "free %lf s", &limit_s) == 1 && !IsReached(limit_s, own_s);
     if (is_other && !points.empty())  // by misalignment
-      return fmt::format("{:.4g} s: {} %", limit_s, NumberText(NumberOrNaN(points.front().at(1)), 1));
+      return fmt::format("{} s: {} %", SignificantText(limit_s, 4), NumberText(NumberOrNaN(points.front().at(1)), 1));
   }
   return "";
 }

@@ -61,8 +61,8 @@ std::string OwnTimeText(const StudyResults& results) {
   if (!std::isfinite(own_s)) return "";
   return fmt::format(
       " The new design's own time, {}, is that of its stroke program, with the study's actuator and its limit of "
-      "{:.4g} mm/s.",
-      Quantity(own_s, "s"), NumberOrNaN(redesign.at("stroke_program").at("max_speed_mm_s")));
+      "{} mm/s.",
+      Quantity(own_s, "s"), SignificantText(NumberOrNaN(redesign.at("stroke_program").at("max_speed_mm_s")), 4));
 }
 
 // With the links that are the best for the actuator, and with those of the study's design.

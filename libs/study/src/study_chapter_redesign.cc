@@ -205,7 +205,8 @@ List ActiveList(const Json& summary) {
   for (const Json& limit : summary.at("active")) {
     std::string item = limit.at("limit").get<std::string>();
     if (limit.at("multiplier").is_number())
-      item += fmt::format(": {:+.3g} {}", limit["multiplier"].get<double>(), limit.at("unit").get<std::string>());
+      item += fmt::format(": {} {}", WithSign(SignificantText(limit["multiplier"].get<double>(), 3)),
+                          limit.at("unit").get<std::string>());
     list.items.push_back(std::move(item));
   }
   return list;
@@ -323,10 +324,11 @@ std::string OtherLimitsText(const Json& summary) {
 std::string DriftText(const Json& firmware) {
   const Json &drift = firmware.at("drift"), &nearest = drift.at("nearest");
   std::string text = fmt::format(
-      " With speeds within {:.3g} % of the duty table the actuator is at {:.2f} ± {:.2f} mm where it comes nearest to "
+      " With speeds within {} % of the duty table the actuator is at {} mm where it comes nearest to "
       "the linkage's end at {:.2f} mm.",
-      NumberOrNaN(drift.at("tolerance_percent")), NumberOrNaN(nearest.at("planned_mm")),
-      NumberOrNaN(nearest.at("drift_mm")), NumberOrNaN(drift.at("end_mm")));
+      SignificantText(NumberOrNaN(drift.at("tolerance_percent")), 3),
+      PlusMinusText(NumberOrNaN(nearest.at("planned_mm")), NumberOrNaN(nearest.at("drift_mm")), 2),
+      NumberOrNaN(drift.at("end_mm")));
   text += fmt::format(" The retract end stop belongs at {:.2f} mm", NumberOrNaN(firmware.at("home_stroke_mm")));
   if (firmware.at("extend_stop_mm").is_number())
     text += fmt::format(", the extend end stop, which catches the drift, at {:.2f} mm",
@@ -366,7 +368,7 @@ std::vector<TradePoint> OwnFront(const Json& redesign) {
   const Json& program = redesign.at("stroke_program");
   std::string own = program.at("kind").get<std::string>();
   if (own == "free" && program.at("duration_limit_s").is_number())
-    own += fmt::format(" {:.4g} s", program["duration_limit_s"].get<double>());
+    own += fmt::format(" {} s", SignificantText(program["duration_limit_s"].get<double>(), 4));
   std::vector<TradePoint> points;
   for (const Json& front : redesign.value("pareto", Json::array()))
     if (front.at("program") == own && points.empty())

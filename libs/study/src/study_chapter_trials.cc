@@ -6,6 +6,7 @@
 #include "lake/core/colours.h"
 #include "lake/core/deviation_text.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/report/misalignment_sections.h"
 #include "study_chapters.h"
@@ -61,17 +62,18 @@ Cell KneeCell(const Json& summary) {
 Cell RecordingCell(const StudyTrial& trial, const Json& summary) {
   std::string text = trial.Recording().filename().string();
   if (summary.contains("video"))
-    text += fmt::format(", {} frames of {}×{} px at {:.4g} Hz", summary["video"]["frames"].get<int>(),
+    text += fmt::format(", {} frames of {}×{} px at {} Hz", summary["video"]["frames"].get<int>(),
                         summary["video"]["width"].get<int>(), summary["video"]["height"].get<int>(),
-                        NumberOrNaN(summary["video"]["frame_rate_hz"]));
+                        SignificantText(NumberOrNaN(summary["video"]["frame_rate_hz"]), 4));
   return text;
 }
 
 std::vector<Cell> TrialColumn(const StudyTrial& trial, const Json& summary) {
   const std::vector<double> rises = RiseTimes(summary);
   std::string times = "none found";
-  if (!rises.empty()) times = fmt::format("{}, {:.2f} s", rises.size(), Mean(rises));
-  if (rises.size() > 1) times += fmt::format(" ± {:.2f} s (SD)", StandardDeviation(rises));
+  if (rises.size() == 1) times = fmt::format("1, {:.1f} s", rises.front());
+  if (rises.size() > 1)
+    times = fmt::format("{}, {} s (SD)", rises.size(), PlusMinusText(Mean(rises), StandardDeviation(rises), 1));
   return {
       RecordingCell(trial, summary), times, KneeCell(summary), SegmentCell(summary, "ak"), SegmentCell(summary, "kh"),
       DetectedCell(summary)};
@@ -172,7 +174,7 @@ Section TrialsChapter(const StudyFile& study, const StudyResults& results) {
 
 Section MisalignmentChapter(const StudyFile&, const StudyResults& results) {
   const Json comparison = ReadJsonFile(results.Folder() / "comparison" / "comparison.json");
-  LineChart paths = KneePathsChart(comparison), error = RelativeErrorChart(comparison);
+  LineChart paths = KneePathsChart(comparison), error = PathDifferenceChart(comparison);
   BarChart parts = DecompositionChart(comparison);
   paths.width = error.width = Width::kHalf;
   Section section{

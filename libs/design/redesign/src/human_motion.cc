@@ -139,7 +139,7 @@ std::optional<Prediction> Predict(const DrivenLinks& linkage, const Vector2d& pl
   }
   const std::vector<Vector2d> on_the_knee(human.size(), Vector2d::Zero());
   const auto rms = [&](const std::vector<Vector2d>& exo, const std::vector<Vector2d>& knee) {
-    return MisalignmentRms{std::sqrt(compare::MeanSquaredRelativeError(exo, knee, shank_mm)),
+    return MisalignmentRms{std::sqrt(compare::MeanSquaredMisalignment(exo, knee, shank_mm)),
                            std::sqrt(compare::MeanSquaredDistance(exo, knee))};
   };
   prediction.path = rms(prediction.exo.knee, human_knee);

@@ -29,13 +29,13 @@ constexpr double kLeanTie = 1e-5;           // per deg^2 of mean square
 constexpr double kLeanBend = 1e-2;          // per deg^2 of each second difference of a lean: it changes smoothly
 constexpr double kLongest_mm = 1e4, kLongest_s = 1e5, kShortest_s = 0.3;
 
-// v = theta, p_x, p_y. `factor` x the comparison's squared relative error, or squared distance where `shank_mm` is 1.
+// v = theta, p_x, p_y. `factor` x the comparison's squared misalignment, or squared distance where `shank_mm` is 1.
 struct SquaredErrorTerm {
   HumanSample human;
   double shank_mm, factor;
   template <typename T>
   T operator()(const T* v) const {
-    return compare::SquaredRelativeError(PredictKnee(human, v[0], v[1], v[2]), human.knee, shank_mm) * factor;
+    return compare::SquaredMisalignment(PredictKnee(human, v[0], v[1], v[2]), human.knee, shank_mm) * factor;
   }
 };
 
@@ -47,7 +47,7 @@ struct LeaningErrorTerm {
     using std::cos, std::sin;
     const T lean = v[3] + LeanOf(upright.human);
     const Eigen::Matrix<T, 2, 1> knee = PredictKnee(upright.human, T(sin(lean)), T(cos(lean)), v[0], v[1], v[2]);
-    return compare::SquaredRelativeError(knee, upright.human.knee, upright.shank_mm) * upright.factor;
+    return compare::SquaredMisalignment(knee, upright.human.knee, upright.shank_mm) * upright.factor;
   }
 };
 
@@ -151,7 +151,7 @@ class PersonExtender {
     if (problem_.balance) AddBalance();
   }
 
-  // `factor` x the mean squared relative error (of L) or squared distance (of 1), as terms of a row or the cost.
+  // `factor` x the mean squared misalignment (of L) or squared distance (of 1), as terms of a row or the cost.
   void AddMeanSquare(int row, bool relative, double factor) {
     const auto [x, y] = variables_.placement;
     for (std::size_t i = 0; i < problem_.human.size(); ++i) {
@@ -468,7 +468,7 @@ class GroupExtender {
     return prediction ? 100 * prediction->Rms().relative : kPlausible_percent;
   }
 
-  // Each person's RMS relative error in percent, of which the mean is taken.
+  // Each person's RMS misalignment in percent, of which the mean is taken.
   const std::vector<int>& Roots() {
     if (roots_.empty()) roots_ = AddRoots("misalignment", StartPercent, true, kPercentSquared, 0);
     return roots_;

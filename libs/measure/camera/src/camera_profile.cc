@@ -11,6 +11,7 @@
 #include "lake/camera/camera.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::camera {
 namespace {
@@ -116,8 +117,8 @@ PlanePose ReadPlane(const Source& source) {
                source.name);
   constexpr double kNearest_mm = 50;  // in m, farther than any camera of a person
   if (const double distance_mm = pose.translation().norm(); distance_mm < kNearest_mm)
-    throw Fail("{}: 'plane_tvec' puts the plane {:.3g} mm from the camera, where no person fits: is it in m, not mm?",
-               source.name, distance_mm);
+    throw Fail("{}: 'plane_tvec' puts the plane {} mm from the camera, where no person fits: is it in m, not mm?",
+               source.name, SignificantText(distance_mm, 3));
   return pose;
 }
 

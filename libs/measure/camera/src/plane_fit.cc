@@ -13,6 +13,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::camera {
 namespace {
@@ -209,9 +210,9 @@ std::vector<PlaneCorrespondence> ParsePlanePoints(std::string_view text) {
   for (const PlaneCorrespondence& point : points) extent.extend(point.point_in_plane);
   constexpr double kLeast_mm = 10;  // in m, no room is as large
   if (const double size_mm = extent.diagonal().norm(); size_mm < kLeast_mm)
-    throw UsageError(fmt::format(
-        "--points: the places lie within {:.3g} mm of each other, which is no plane to move in: are they in m?",
-        size_mm));
+    throw UsageError(
+        fmt::format("--points: the places lie within {} mm of each other, which is no plane to move in: are they in m?",
+                    SignificantText(size_mm, 3)));
   return points;
 }
 

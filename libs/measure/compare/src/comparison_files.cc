@@ -101,9 +101,9 @@ Json CurvesJson(const Misalignment& m) {
   curves["human_knee_sigma_mm"] = m.human.knee_sigma_mm;
   curves["exo_knee_sigma_mm"] = m.exo.knee_sigma_mm;
   curves["distance_mm"] = m.distance_mm;
-  curves["relative_error"] = m.relative_error;
-  curves["relative_error_paper"] = m.relative_error_paper;
-  curves["relative_error_sd"] = m.relative_error_sd;
+  curves["relative_error"] = m.misalignment_ratio;
+  curves["relative_error_paper"] = m.misalignment_ratio_paper;
+  curves["relative_error_sd"] = m.misalignment_ratio_sd;
   curves["spike"] = m.spike;
   curves["timing_percent"] = m.decomposition.timing_percent;
   AddVectors("placement", m.decomposition.placement_mm, curves);
@@ -370,7 +370,7 @@ void WriteMisalignmentCsv(const std::filesystem::path& path, const Misalignment&
     const Vector2d& h = m.human.knee[i];
     const Vector2d& e = m.exo.knee[i];
     csv.Add(static_cast<int>(i)).Add(h.x()).Add(h.y()).Add(e.x()).Add(e.y()).Add(e.x() - h.x()).Add(e.y() - h.y());
-    csv.Add(m.distance_mm[i]).Add(m.relative_error[i]).Add(m.relative_error_paper[i]);
+    csv.Add(m.distance_mm[i]).Add(m.misalignment_ratio[i]).Add(m.misalignment_ratio_paper[i]);
     csv.Add(m.human.knee_deg[i]).Add(m.exo.knee_deg[i]).Add(m.spike[i] ? 1 : 0);
     const Vector2d unknown = Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
     const Vector2d shank = m.joint ? m.joint->shank_mm[i] : unknown, thigh = m.joint ? m.joint->thigh_mm[i] : unknown;

@@ -42,7 +42,7 @@ void ComputeAngleMetrics(const std::vector<double>& human_deg, const std::vector
 
 }  // namespace
 
-double RelativeErrorPaper(const Vector2d& exo_knee, const Vector2d& human_knee) {
+double PaperMisalignment(const Vector2d& exo_knee, const Vector2d& human_knee) {
   return std::abs(exo_knee.y() - human_knee.y()) / std::abs(human_knee.y());
 }
 
@@ -54,15 +54,15 @@ MisalignmentMetrics ComputeMetrics(const StsCurve& human, const StsCurve& exo, c
   std::vector<double> distance, relative, paper, closest;
   for (std::size_t i = 0; i < h.size(); ++i) {
     distance.push_back(std::sqrt(SquaredDistance(e[i], h[i])));
-    relative.push_back(std::sqrt(SquaredRelativeError(e[i], h[i], shank_mm[i])));
-    paper.push_back(RelativeErrorPaper(e[i], h[i]));
+    relative.push_back(std::sqrt(SquaredMisalignment(e[i], h[i], shank_mm[i])));
+    paper.push_back(PaperMisalignment(e[i], h[i]));
     closest.push_back(DistanceToPath(e[i], h));
   }
   metrics.rms_mm = RootMeanSquare(distance);
   metrics.mean_mm = Mean(distance);
   metrics.max_mm = Largest(distance);
   metrics.p95_mm = Quantile(distance, 0.95);
-  metrics.relative_rms = h.empty() ? kNaN : std::sqrt(MeanSquaredRelativeError(e, h, shank_mm));
+  metrics.relative_rms = h.empty() ? kNaN : std::sqrt(MeanSquaredMisalignment(e, h, shank_mm));
   metrics.relative_max = Largest(relative);
   metrics.relative_p95 = Quantile(relative, 0.95);
   metrics.relative_paper_rms = RootMeanSquare(paper);

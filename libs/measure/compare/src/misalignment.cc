@@ -9,6 +9,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "noise.h"
 
 namespace lake::compare {
@@ -27,8 +28,8 @@ void FillErrors(Misalignment& m) {
   m.shank_mm = ShankLengths(m.human);
   for (std::size_t i = 0; i < kPercentSamples; ++i) {
     m.distance_mm.push_back(std::sqrt(SquaredDistance(m.exo.knee[i], m.human.knee[i])));
-    m.relative_error.push_back(std::sqrt(SquaredRelativeError(m.exo.knee[i], m.human.knee[i], m.shank_mm[i])));
-    m.relative_error_paper.push_back(RelativeErrorPaper(m.exo.knee[i], m.human.knee[i]));
+    m.misalignment_ratio.push_back(std::sqrt(SquaredMisalignment(m.exo.knee[i], m.human.knee[i], m.shank_mm[i])));
+    m.misalignment_ratio_paper.push_back(PaperMisalignment(m.exo.knee[i], m.human.knee[i]));
   }
 }
 
@@ -40,7 +41,7 @@ std::vector<double> ErrorDeviations(const RegisteredTrial& human, const Register
     std::vector<double> errors;
     for (const StsCurve& h : human.repetitions)
       for (const StsCurve& e : exo.repetitions)
-        errors.push_back(std::sqrt(SquaredRelativeError(e.knee[i], h.knee[i], (h.knee[i] - h.ankle[i]).norm())));
+        errors.push_back(std::sqrt(SquaredMisalignment(e.knee[i], h.knee[i], (h.knee[i] - h.ankle[i]).norm())));
     deviations.push_back(StandardDeviation(errors));
   }
   return deviations;
@@ -78,7 +79,7 @@ std::optional<JointMoved> MoveJoint(const Misalignment& m) {
   const std::vector<Vector2d> path = PathWithJointMoved(m);
   if (path.empty()) return std::nullopt;
   return JointMoved{std::sqrt(MeanSquaredDistance(path, m.human.knee)),
-                    std::sqrt(MeanSquaredRelativeError(path, m.human.knee, m.shank_mm)),
+                    std::sqrt(MeanSquaredMisalignment(path, m.human.knee, m.shank_mm)),
                     {}};
 }
 
@@ -229,9 +230,9 @@ void AddWarnings(const RegisteredTrial& human, const RegisteredTrial& exo, Misal
   if (!m.decomposition.converged)
     m.warnings.emplace_back("the decomposition did not converge: its fractions are approximate");
   if (!same_path && m.metrics.rms_mm < 2 * m.noise_floor_mm)
-    m.warnings.push_back(fmt::format(
-        "the misalignment ({:.2g} mm RMS) is less than twice the noise floor ({:.2g} mm): its parts mean little",
-        m.metrics.rms_mm, m.noise_floor_mm));
+    m.warnings.push_back(
+        fmt::format("the misalignment ({} mm RMS) is less than twice the noise floor ({} mm): its parts mean little",
+                    SignificantText(m.metrics.rms_mm, 2), SignificantText(m.noise_floor_mm, 2)));
   const auto spikes = std::count(m.spike.begin(), m.spike.end(), true);
   if (spikes > 0)
     m.warnings.push_back(fmt::format("{} of 101 samples are spikes; figures without them are given beside", spikes));
@@ -248,7 +249,7 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
   m.human_repetitions = static_cast<int>(human.repetitions.size());
   m.exo_repetitions = static_cast<int>(exo.repetitions.size());
   FillErrors(m);
-  m.relative_error_sd = ErrorDeviations(human, exo);
+  m.misalignment_ratio_sd = ErrorDeviations(human, exo);
   m.spike = FindSpikes(m.human, m.exo, options.spikes);
   std::vector<bool> all(kPercentSamples, true), quiet = m.spike;
   quiet.flip();

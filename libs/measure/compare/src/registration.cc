@@ -7,6 +7,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "sampling.h"
 
 namespace lake::compare {
@@ -94,7 +95,7 @@ Vector2d MedianPosition(const Path& path, const std::vector<std::size_t>& frames
       x.push_back(path.x[i]);
       y.push_back(path.y[i]);
     }
-  if (x.empty()) throw Fail("{}: the ankle is not seen before any sit-to-stand: the leg frame has no origin", trial);
+  if (x.empty()) throw Fail("{}: the ankle is not seen before any rise: the leg frame has no origin", trial);
   return {Median(x), Median(y)};
 }
 
@@ -145,8 +146,8 @@ class Registrar {
     for (const auto& [name, path] : markers) {
       const double gap_s = LongestGap(trial_.trajectory.time_s, path->x, interval.onset_s, interval.standing_s);
       if (gap_s > options_.max_gap_s)
-        return fmt::format("{}: repetition {} is left out: marker '{}' is missing for {:.2g} s of it", trial_.name,
-                           interval.repetition, *name, gap_s);
+        return fmt::format("{}: repetition {} is left out: marker '{}' is missing for {} s of it", trial_.name,
+                           interval.repetition, *name, SignificantText(gap_s, 2));
     }
     return {};
   }

@@ -35,7 +35,7 @@ std::vector<StsInterval> FindStsIntervals(const TrialTables& trial) {
   }
   if (intervals.empty())
     throw Fail(
-        "{}: the recording is shorter than the motion: it ends at {:.3f} s, before the first sit-to-stand reaches "
+        "{}: the recording is shorter than the motion: it ends at {:.3f} s, before the first rise reaches "
         "standing",
         trial.name, time_s.back());
   return intervals;

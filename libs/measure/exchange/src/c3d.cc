@@ -11,6 +11,7 @@
 #include "c3d_bytes.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 #include "text_lines.h"
 
 namespace lake::exchange {
@@ -176,9 +177,9 @@ void CheckC3dTimes(const std::filesystem::path& path, const std::vector<double>&
   for (std::size_t i = 1; i < time_s.size(); ++i)
     if (std::abs(time_s[i] - time_s[i - 1] - step_s) > 0.05 * step_s)
       throw Fail(
-          "{}: C3D has one frame rate, but the time stamps are uneven (at {:.4f} s: {:.4g} s after the one before, on "
-          "average {:.4g} s); export trc instead",
-          path.string(), time_s[i], time_s[i] - time_s[i - 1], step_s);
+          "{}: C3D has one frame rate, but the time stamps are uneven (at {:.4f} s: {} s after the one before, on "
+          "average {} s); export trc instead",
+          path.string(), time_s[i], SignificantText(time_s[i] - time_s[i - 1], 4), SignificantText(step_s, 4));
 }
 
 PointRecording ReadC3d(const std::filesystem::path& path) {

@@ -2,6 +2,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/run.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/exchange/mot.h"
 #include "marker_files.h"
 #include "text_lines.h"
@@ -28,7 +29,9 @@ FrameRange FindRange(const std::array<double, 2>& crop_s, const fs::path& path, 
   while (range.end > range.begin && time_s[range.end - 1] > crop_s[1]) --range.end;
   if (range.begin == range.end)
     throw Fail("{}: nothing lies between {} and {} s{}", path.string(), crop_s[0], crop_s[1],
-               time_s.empty() ? "" : fmt::format("; it lasts from {:.6g} to {:.6g} s", time_s.front(), time_s.back()));
+               time_s.empty() ? ""
+                              : fmt::format("; it lasts from {} to {} s", SignificantText(time_s.front(), 6),
+                                            SignificantText(time_s.back(), 6)));
   return range;
 }
 

@@ -5,6 +5,7 @@
 #include "lake/core/error.h"
 #include "lake/core/run.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/exchange/formats.h"
 #include "text_lines.h"
 
@@ -44,8 +45,8 @@ PointRecording ReadOne(const fs::path& path, double mm_per_unit, double rate_hz)
 void CheckSteps(const std::vector<double>& time_s, double interval_s, const fs::path& folder) {
   for (std::size_t i = 1; i < time_s.size(); ++i)
     if (time_s[i] - time_s[i - 1] < kLeastStep * interval_s)
-      throw Fail("{}: the files' times do not agree: one has {} s, another {} s, {:.3g} of a frame apart",
-                 folder.string(), time_s[i - 1], time_s[i], (time_s[i] - time_s[i - 1]) / interval_s);
+      throw Fail("{}: the files' times do not agree: one has {} s, another {} s, {} of a frame apart", folder.string(),
+                 time_s[i - 1], time_s[i], SignificantText((time_s[i] - time_s[i - 1]) / interval_s, 3));
 }
 
 PointTrack AtTimes(const std::vector<double>& time_s, const PointRecording& file, double interval_s) {

@@ -9,6 +9,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "text_lines.h"
 
 namespace lake::exchange {
@@ -120,9 +121,9 @@ void CheckRate(const std::filesystem::path& path, const TrcHeader& header, Point
   // Steps rounded to a millisecond spoil the median, a gap in the recording the mean: both must contradict the header.
   const double step_s = MedianInterval(recording.time_s), rate_hz = FrameRate(recording.time_s);
   if (std::abs(*header.rate_hz * step_s - 1) > kTolerance && std::abs(*header.rate_hz / rate_hz - 1) > kTolerance)
-    recording.warnings.push_back(fmt::format(
-        "{}: the header says {:g} Hz, but the rows are {:.4g} s apart ({:.4g} Hz); the time column is believed",
-        path.string(), *header.rate_hz, step_s, 1 / step_s));
+    recording.warnings.push_back(
+        fmt::format("{}: the header says {:g} Hz, but the rows are {} s apart ({} Hz); the time column is believed",
+                    path.string(), *header.rate_hz, SignificantText(step_s, 4), SignificantText(1 / step_s, 4)));
 }
 
 }  // namespace

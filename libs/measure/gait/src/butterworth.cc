@@ -6,6 +6,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::gait {
 namespace {
@@ -75,11 +76,11 @@ std::vector<double> Interpolate(std::span<const double> values, std::span<const 
 void CheckCutoff(double cutoff_hz, double rate_hz) {
   if (cutoff_hz > 0 && cutoff_hz < 0.4 * rate_hz) return;
   constexpr double kSlowest_hz = 5;  // that anybody records movement with
-  throw Fail("filter: a cutoff of {} Hz must lie between 0 and {:.3g} Hz (0.4 of the frame rate){}", cutoff_hz,
-             0.4 * rate_hz,
-             rate_hz < kSlowest_hz
-                 ? fmt::format("; the samples are {:.3g} s apart: times are in seconds, are these in ms?", 1 / rate_hz)
-                 : "");
+  throw Fail("filter: a cutoff of {} Hz must lie between 0 and {} Hz (0.4 of the frame rate){}", cutoff_hz,
+             SignificantText(0.4 * rate_hz, 3),
+             rate_hz < kSlowest_hz ? fmt::format("; the samples are {} s apart: times are in seconds, are these in ms?",
+                                                 SignificantText(1 / rate_hz, 3))
+                                   : "");
 }
 
 std::vector<double> ZeroPhaseButterworth(std::span<const double> values, double rate_hz, double cutoff_hz) {
@@ -114,7 +115,8 @@ std::vector<double> ZeroPhaseButterworthAtTimes(std::span<const double> values, 
   const double length = time_s.back() - time_s.front();
   constexpr double kMostCellsPerValue = 100;
   if (length / step > kMostCellsPerValue * static_cast<double>(values.size()))
-    throw Fail("filter: the time stamps leave holes of up to {:.3g} s between steps of {:.3g} s", *longest, step);
+    throw Fail("filter: the time stamps leave holes of up to {} s between steps of {} s", SignificantText(*longest, 3),
+               SignificantText(step, 3));
   const auto cells = static_cast<std::size_t>(std::ceil(length / step));
   std::vector<double> grid(cells + 1);
   for (std::size_t i = 0; i <= cells; ++i)

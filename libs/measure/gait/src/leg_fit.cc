@@ -10,6 +10,7 @@
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/gait/butterworth.h"
 #include "lake/gait/persons_leg.h"
 #include "lake/gait/plausibility.h"
@@ -32,9 +33,9 @@ void CheckRecording(const motion::MarkerRecording& recording, const LegFitOption
                  recording.time_s[i]);
   if (const double step_s = MedianInterval(recording.time_s); step_s > options.longest_step_s)
     throw Fail(
-        "leg fit: the frames are {:.3g} s apart (median), at most {:.3g} s show how a leg moves; times are in seconds: "
+        "leg fit: the frames are {} s apart (median), at most {} s show how a leg moves; times are in seconds: "
         "are these in ms?",
-        step_s, options.longest_step_s);
+        SignificantText(step_s, 3), SignificantText(options.longest_step_s, 3));
   if (std::abs(options.up.norm() - 1) > 1e-6) throw Fail("leg fit: the vertical must be a unit vector");
   if (options.cutoff_hz && options.filter == LegFilter::kNone)
     throw UsageError("--cutoff: --filter none has no cutoff");
@@ -49,8 +50,8 @@ void WarnOfPauses(const motion::MarkerRecording& recording, const LegFitOptions&
   for (std::size_t i = 1; i < recording.Frames(); ++i)
     if (const double pause_s = recording.time_s[i] - recording.time_s[i - 1]; pause_s > options.longest_pause_s)
       warnings.push_back(
-          fmt::format("nothing is recorded for {:.3g} s after frame {} ({:.3f} s): what moved meanwhile is not known",
-                      pause_s, recording.frame[i - 1], recording.time_s[i - 1]));
+          fmt::format("nothing is recorded for {} s after frame {} ({:.3f} s): what moved meanwhile is not known",
+                      SignificantText(pause_s, 3), recording.frame[i - 1], recording.time_s[i - 1]));
 }
 
 // Says to which decimal the times of an even recording were rounded, where that moves them by a tenth of a frame or
@@ -67,7 +68,8 @@ std::optional<std::string> RoundedTimes(const motion::MarkerRecording& recording
       is_rounded = std::abs(time_s[i] / unit_s - std::round(time_s[i] / unit_s)) < 1e-6 &&
                    std::abs(time_s[i] - time_s.front() - step_s * frame(i)) < 1.01 * unit_s;
     if (is_rounded)
-      return fmt::format("the times are rounded to {:g} s, and frames are {:.3g} s apart", unit_s, step_s);
+      return fmt::format("the times are rounded to {:g} s, and frames are {} s apart", unit_s,
+                         SignificantText(step_s, 3));
   }
   return {};
 }
@@ -77,8 +79,8 @@ std::optional<std::string> HastyTimes(const motion::MarkerRecording& recording) 
   constexpr double kShortest_s = 1e-3;
   const double step_s = MedianInterval(recording.time_s);
   if (step_s >= kShortest_s) return {};
-  return fmt::format("the times say that frames are {:.3g} s apart, {:.3g} s in all", step_s,
-                     recording.time_s.back() - recording.time_s.front());
+  return fmt::format("the times say that frames are {} s apart, {} s in all", SignificantText(step_s, 3),
+                     SignificantText(recording.time_s.back() - recording.time_s.front(), 3));
 }
 
 // An exchange of names makes the one length vary and leaves the other alone.

@@ -398,7 +398,7 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
   if (!result.without_seat.empty())
     result.warnings.push_back(fmt::format(
         "rises without a seat, as from a squat, are left out ({}): before them the hip neither rests nor is "
-        "so far behind the feet that a seat must carry it; if they are sit-to-stands, give their events "
+        "so far behind the feet that a seat must carry it; if they are rises, give their events "
         "with --events",
         result.without_seat.size()));
   SetRepetitions(result.events, result.motion);

@@ -10,6 +10,7 @@
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::gait {
 namespace {
@@ -51,7 +52,8 @@ Fault LengthFault(const char* segment, double mm, double least, double most, con
   if (!std::isfinite(mm) || (mm >= least && mm <= most)) return {};
   const auto would_fit = [&](double unit) { return unit * mm >= least && unit * mm <= most; };
   const std::string unit = would_fit(kMmPerM) ? "m" : would_fit(10) ? "cm" : "";
-  const std::string fault = fmt::format("the {} is {:.3g} mm long, not {:g} to {:g}", segment, mm, least, most);
+  const std::string fault =
+      fmt::format("the {} is {} mm long, not {:g} to {:g}", segment, SignificantText(mm, 3), least, most);
   constexpr double kOtherUnit = 2;  // times beyond
   const bool is_far = mm < least / kOtherUnit || mm > most * kOtherUnit;
   return fault + ": " + (is_far ? options.unit_question(unit) : "are the markers' names right?");

@@ -7,6 +7,7 @@
 #include "known_values.h"
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::gait {
 namespace {
@@ -25,8 +26,8 @@ void FindBeyond(const std::vector<double>& values, double least, double most, co
     }
   }
   if (beyond == 0) return;
-  implausible.what =
-      fmt::format("{} is {:.4g}{} at worst, a person's is between {:.4g} and {:.4g}", what, worst, unit, least, most);
+  implausible.what = fmt::format("{} is {}{} at worst, a person's is between {} and {}", what,
+                                 SignificantText(worst, 4), unit, SignificantText(least, 4), SignificantText(most, 4));
   found.push_back(std::move(implausible));
 }
 

@@ -8,6 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "scatter.h"
 
 namespace lake::gait {
@@ -81,11 +82,12 @@ Error Undetermined(std::span<const double> time_s, std::span<const double> value
   const double usual_s = MedianInterval(times);
   const LongestStep longest = FindLongestStep(times);
   return Fail(
-      "smoothing: {} samples over {:.3g} s do not determine a curve; they are {:.3g} s apart{}: are the times in "
+      "smoothing: {} samples over {} s do not determine a curve; they are {} s apart{}: are the times in "
       "seconds, and of one recording?",
-      times.size(), times.back() - times.front(), usual_s,
+      times.size(), SignificantText(times.back() - times.front(), 3), SignificantText(usual_s, 3),
       longest.step_s > 2 * usual_s
-          ? fmt::format(" (median), with a gap of {:.3g} s after {:.6g} s", longest.step_s, longest.after_s)
+          ? fmt::format(" (median), with a gap of {} s after {} s", SignificantText(longest.step_s, 3),
+                        SignificantText(longest.after_s, 6))
           : "");
 }
 
@@ -221,10 +223,11 @@ SplineGrid MakeSplineGrid(std::span<const double> time_s, double step_s) {
   if (!(step_s > 0) || pieces > 50 * static_cast<double>(time_s.size()) + 50) {
     const LongestStep longest = FindLongestStep(time_s);
     throw Fail(
-        "smoothing: the time stamps run over {:.4g} s, but a step is {:.4g} s: they have holes too large to bridge, "
+        "smoothing: the time stamps run over {} s, but a step is {} s: they have holes too large to bridge, "
         "the "
-        "longest of {:.4g} s after {:.6g} s",
-        length, step_s, longest.step_s, longest.after_s);
+        "longest of {} s after {} s",
+        SignificantText(length, 4), SignificantText(step_s, 4), SignificantText(longest.step_s, 4),
+        SignificantText(longest.after_s, 6));
   }
   return {time_s.front(), step_s, static_cast<std::size_t>(pieces) + 3};
 }

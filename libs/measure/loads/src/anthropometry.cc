@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/core/yaml.h"
 
 namespace lake::loads {
@@ -71,7 +72,8 @@ Anthropometry ReadAnthropometry(const std::filesystem::path& path) {
   file.Finish();
   const double sum = 2 * (table.foot.mass + table.shank.mass + table.thigh.mass) + table.trunk.mass;
   if (std::abs(sum - 1) > 0.02)
-    throw Fail("{}: both legs and the trunk add up to {:.4g} of the body's mass, not 1", path.string(), sum);
+    throw Fail("{}: both legs and the trunk add up to {} of the body's mass, not 1", path.string(),
+               SignificantText(sum, 4));
   return table;
 }
 

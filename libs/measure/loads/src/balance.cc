@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::loads {
 namespace {
@@ -97,10 +98,11 @@ std::optional<std::string> BalanceWarning(const Balance& balance) {
   if (!balance.asked || balance.asked->margin_mm >= 0) return std::nullopt;
   const PaceLoads& asked = *balance.asked;
   return fmt::format(
-      "along this path in {:.3g} s nobody keeps the balance: at {:.0f} % of the rise the ground's force has to act "
+      "along this path in {} s nobody keeps the balance: at {:.0f} % of the rise the ground's force has to act "
       "{:.0f} mm outside the foot{}; lean farther forward, draw the feet back, or let something hold the person",
-      asked.rise_s, asked.at_percent, -asked.margin_mm,
-      balance.slowest_s ? fmt::format(" (the path is one of momentum, and takes {:.2g} s at most)", *balance.slowest_s)
+      SignificantText(asked.rise_s, 3), asked.at_percent, -asked.margin_mm,
+      balance.slowest_s ? fmt::format(" (the path is one of momentum, and takes {} s at most)",
+                                      SignificantText(*balance.slowest_s, 2))
                         : "");
 }
 

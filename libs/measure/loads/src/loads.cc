@@ -11,6 +11,7 @@
 #include "lake/core/interrupt.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/gait/butterworth.h"
 #include "lake/loads/clock_offset.h"
 #include "loads_model.h"
@@ -432,8 +433,8 @@ void CheckForces(const Model& model, const std::vector<Rise>& rises, const Loads
   constexpr double kFoot_m = 1, kLaboratory_m = 20;  // none is as long
   const double from_m = Median(before_m);
   if (std::abs(from_m) < kFoot_m) return;
-  throw Fail("loads: the force acts {:.4g} m {} the ankle in the median of the rises, where no foot is: {}",
-             std::abs(from_m), from_m > 0 ? "before" : "behind",
+  throw Fail("loads: the force acts {} m {} the ankle in the median of the rises, where no foot is: {}",
+             SignificantText(std::abs(from_m), 4), from_m > 0 ? "before" : "behind",
              std::abs(from_m) > kLaboratory_m
                  ? "its points seem to be in mm, and are read in m"
                  : "are the axes and the origin the markers' own, and is it this foot's plate?");
@@ -452,10 +453,10 @@ void WarnOfClock(const Model& model, const std::vector<Window>& windows, const L
   constexpr double kSure = 3;  // standard deviations
   if (!offset || std::abs(offset->add_s) < kSure * offset->sd_s) return;
   result.warnings.push_back(fmt::format(
-      "the forces' clock is not the markers': the forces follow the motion best with {:+.3f} ± {:.3f} s (1 "
+      "the forces' clock is not the markers': the forces follow the motion best with {} s (1 "
       "SD) added to their times; bring them to one clock (lake sync TRIAL FORCES, then --sync sync.yaml), as "
       "moments of forces and angles of other moments are wrong",
-      offset->add_s, offset->sd_s));
+      WithSign(PlusMinusText(offset->add_s, offset->sd_s, 3))));
 }
 
 // Forces that the motion contradicts: of another leg, another trial, other axes.

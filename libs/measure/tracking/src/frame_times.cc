@@ -11,6 +11,7 @@
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lower_rate.h"
 #include "timed_paths.h"
 
@@ -486,9 +487,9 @@ std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std
     warnings.push_back(
         fmt::format("repeated frames ({} in all, the picture before them once more, no measurements): {}{}",
                     times.repeated.size(), FramesWhere(frame, is_repeated, kShown),
-                    times.captured_hz > 0 ? fmt::format("; the recording was made with {:.4g} frames per second, at "
+                    times.captured_hz > 0 ? fmt::format("; the recording was made with {} frames per second, at "
                                                         "whose times the motion is smooth: these times are used",
-                                                        times.captured_hz)
+                                                        SignificantText(times.captured_hz, 4))
                                           : "; more light or a fixed frame rate avoids them"));
   for (const TimeJump& jump : times.jumps) {
     const bool is_longer = jump.moved_s > jump.stamped_s;
@@ -499,8 +500,8 @@ std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std
                         : fmt::format("{}, but the motion does not prove it: the time stamps stand",
                                       is_longer ? "frames may be missing" : "time may stand still");
     warnings.push_back(
-        fmt::format("between frames {} and {} the motion took {:.4f} ± {:.4f} s where the time stamps say {:.4f} s: {}",
-                    jump.before, jump.after, jump.moved_s, jump.sigma_s, jump.stamped_s, consequence));
+        fmt::format("between frames {} and {} the motion took {} s where the time stamps say {:.4f} s: {}", jump.before,
+                    jump.after, PlusMinusText(jump.moved_s, jump.sigma_s, 4), jump.stamped_s, consequence));
   }
   for (const Jolt& jolt : times.jolts)
     warnings.push_back(
@@ -509,10 +510,10 @@ std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std
                     jolt.before, jolt.after, jolt.jump_mm));
   if (times.chosen_from_hz > 0)
     warnings.push_back(
-        fmt::format("the frames were chosen from a film of {:.4g} frames per second, as when a rate is converted: the "
+        fmt::format("the frames were chosen from a film of {} frames per second, as when a rate is converted: the "
                     "motion is smooth only at the times that they had there, which are used; track the camera's own "
                     "file where there is one",
-                    times.chosen_from_hz));
+                    SignificantText(times.chosen_from_hz, 4)));
   if (times.uneven_s > 0)
     warnings.push_back(
         fmt::format("the frames were not taken at their time stamps but up to a frame beside them ({:.1f} ms root mean "

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "lake/core/deviation_text.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::tracking {
 namespace {
@@ -114,7 +115,7 @@ void JudgePictures(const RecordingCheck& c, std::vector<CheckItem>& items) {
 
 void JudgeTime(const RecordingCheck& c, std::vector<CheckItem>& items) {
   items.push_back({.name = "frame_rate_hz",
-                   .shown = fmt::format("{:.4g} frames/s", c.video.frame_rate_hz),
+                   .shown = fmt::format("{} frames/s", SignificantText(c.video.frame_rate_hz, 4)),
                    .verdict = Judge(-c.video.frame_rate_hz, -49, -23),
                    .advice = "60 frames/s or more"});
   const double repeated = c.frames_seen > 0 ? static_cast<double>(c.repeated_frames) / c.frames_seen : 0;

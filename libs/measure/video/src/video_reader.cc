@@ -11,6 +11,7 @@ extern "C" {
 #include "decoder.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/uncertain_text.h"
 #include "orientation.h"
 #include "picture.h"
 #include "stamps.h"
@@ -161,9 +162,10 @@ void LibavReader::CheckAnyWasWanted() const {
   if (any_wanted_) return;
   const std::string file = decoder_.Source().Path().string();
   if (IsPastEnd(last_time_s_))
-    throw Fail("{}: no frame lies between {} and {} s; the next is at {:.6g} s", file, options_.start_s.value_or(0),
-               *options_.end_s, last_time_s_);
-  if (options_.start_s) throw Fail("{}: ends at {:.6g} s; {} s was asked for", file, last_time_s_, *options_.start_s);
+    throw Fail("{}: no frame lies between {} and {} s; the next is at {} s", file, options_.start_s.value_or(0),
+               *options_.end_s, SignificantText(last_time_s_, 6));
+  if (options_.start_s)
+    throw Fail("{}: ends at {} s; {} s was asked for", file, SignificantText(last_time_s_, 6), *options_.start_s);
   throw Fail("{}: has {} frames, from 0; frame {} was asked for", file, next_index_, options_.first);
 }
 

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "lake/drawing/label_places.h"
 #include "scene.h"
 
 namespace lake::drawing {
@@ -18,6 +21,12 @@ struct LabelSpot {
 std::vector<LabelSpot> RoundPoint(const Eigen::Vector2d& at, const Eigen::Vector2d& first);
 std::vector<LabelSpot> BesideLine(const Eigen::Vector2d& from, const Eigen::Vector2d& to, int side);
 
+struct LabelWish {
+  std::string name;  // by which its place is found again
+  std::vector<LabelSpot> spots;
+  std::size_t letters;
+};
+
 class LabelRoom {
  public:
   // `scale`: mm per px of the scene's PNG, in which text is larger than in its SVG.
@@ -26,8 +35,10 @@ class LabelRoom {
   // What labels must not cover; `weight` below 1: what they may where there is no other room.
   void Avoid(const PlanePath& path, double half_width_mm, double weight = 1);
 
-  // The centre of a label of so many letters: as near to one of the spots as there is room. It is taken from then on.
-  Eigen::Vector2d Place(const std::vector<LabelSpot>& spots, double gap_mm, std::size_t letters);
+  // The labels' centres. Those whose place in the picture before is free stay there; then the others go as near to one
+  // of their spots, and to that place, as there is room, in steps of `gap_mm`. `places`: of the picture before, then
+  // of this one.
+  std::vector<Eigen::Vector2d> Place(const std::vector<LabelWish>& wishes, double gap_mm, LabelPlaces& places);
 
  private:
   struct Box {
@@ -38,7 +49,10 @@ class LabelRoom {
     double half_width_mm, weight;
   };
 
+  Box BoxAt(const LabelWish& wish, double gap_mm, const LabelPlace& place) const;
   double Covered(const Box& label) const;
+  // `before`: where it would stand if it stayed.
+  LabelPlace BestPlace(const LabelWish& wish, double gap_mm, const std::optional<Box>& before) const;
 
   SceneView view_;
   double scale_;

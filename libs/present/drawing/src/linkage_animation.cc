@@ -46,9 +46,11 @@ class ScratchFolder {
 figure::GnuplotFigure PagesOut(const LinkageLook& look, int poses) {
   figure::GnuplotFigure figure(kPosePageWidth_px, kPosePageHeight_px);
   const linkage::StrokeRange& range = look.range.stroke;
+  LabelPlaces labels;
   for (int pose = 0; pose < poses; ++pose) {
     if (pose > 0) figure.NextPage();
-    DrawPosePage(figure, look, linkage::RequirePose(look.links, range.lower_mm + range.Travel() * pose / (poses - 1)));
+    DrawPosePage(figure, look, linkage::RequirePose(look.links, range.lower_mm + range.Travel() * pose / (poses - 1)),
+                 labels);
   }
   return figure;
 }

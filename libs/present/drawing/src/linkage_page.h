@@ -8,6 +8,8 @@ namespace lake::drawing {
 
 inline constexpr int kPosePageWidth_px = 1280, kPosePageHeight_px = 720;
 
-void DrawPosePage(figure::GnuplotFigure& figure, const LinkageLook& look, const linkage::Pose& pose);
+// `labels`: of the page before, then of this one.
+void DrawPosePage(figure::GnuplotFigure& figure, const LinkageLook& look, const linkage::Pose& pose,
+                  LabelPlaces& labels);
 
 }  // namespace lake::drawing

@@ -29,24 +29,31 @@ struct Dimension {
   const char* colour;
 };
 
-// Writes the letters at their points, then the dimensions.
+// Letters beside their points and dimensions beside their lines: the first have the first choice of room.
 class Labels {
  public:
-  Labels(Scene& scene, LabelRoom& room, double gap_mm) : scene_(scene), room_(room), gap_mm_(gap_mm) {}
-
   void Letter(const Vector2d& at, const Vector2d& first, const char* letter) {
-    scene_.Label(room_.Place(RoundPoint(at, first), gap_mm_, 1), letter);
+    wishes_.push_back({letter, RoundPoint(at, first), 1});
+    texts_.push_back({letter, {}});
   }
   void Length(const Dimension& d) {
     const std::string value = fmt::format(" = {:.2f} mm", d.length_mm);
-    scene_.Label(room_.Place(BesideLine(d.from, d.to, d.side), gap_mm_, 2 + value.size()), d.symbol + value,
-                 {.colour = d.colour});
+    wishes_.push_back({d.symbol, BesideLine(d.from, d.to, d.side), 2 + value.size()});
+    texts_.push_back({d.symbol + value, {.colour = d.colour}});
+  }
+  void Write(Scene& scene, LabelRoom& room, double gap_mm, LabelPlaces& places) const {
+    const std::vector<Vector2d> centres = room.Place(wishes_, gap_mm, places);
+    for (std::size_t i = 0; i < centres.size(); ++i) scene.Label(centres[i], texts_[i].text, texts_[i].style);
   }
 
  private:
-  Scene& scene_;
-  LabelRoom& room_;
-  double gap_mm_;
+  struct Text {
+    std::string text;
+    LabelStyle style;
+  };
+
+  std::vector<LabelWish> wishes_;
+  std::vector<Text> texts_;
 };
 
 // The linkage, and the leg's edges where there is other room.
@@ -92,14 +99,14 @@ SceneView FourBarView(const LinkageLook& look) {
   return {centre.x() - half, centre.x() + half, centre.y() - half, centre.y() + half};
 }
 
-void LabelWhole(Scene& scene, LabelRoom& room, const LinkageLook& look, const PosedLeg& leg) {
+void LabelWhole(Scene& scene, LabelRoom& room, const LinkageLook& look, const PosedLeg& leg, LabelPlaces& places) {
   constexpr double kGap_mm = 8;
   const linkage::Pose& pose = leg.ThePose();
   const Vector2d thigh_pin = leg.FromThigh(pose.thigh_pin), mount = leg.FromThigh(pose.mount),
                  tip = leg.FromThigh(pose.tip), bend = leg.FromThigh({0, pose.mount.y()});
   scene.Stroke({thigh_pin, bend, mount}, link_colour::kThigh, 1.5, "dashed");
   room.Avoid({thigh_pin, bend, mount}, 0);
-  Labels labels(scene, room, kGap_mm);
+  Labels labels;
   if (std::abs(pose.theta_rad) > RadiansFromDegrees(8)) {  // room for an arc
     const double radius = 0.28 * look.body.thigh.length_mm, up = std::numbers::pi / 2;
     const PlanePath zero{{0, 0}, {0, 1.5 * radius}}, arc = Arc({0, 0}, radius, up, up + pose.theta_rad);
@@ -115,13 +122,15 @@ void LabelWhole(Scene& scene, LabelRoom& room, const LinkageLook& look, const Po
   labels.Length({mount, tip, 1, "{/:Italic d}", pose.stroke_mm, link_text::kCylinder});
   labels.Length({thigh_pin, bend, 1, Symbol(6), look.links.l6, link_text::kThigh});
   labels.Length({mount, bend, -1, Symbol(5), look.links.l5, link_text::kThigh});
+  labels.Write(scene, room, kGap_mm, places);
 }
 
-void LabelFourBar(Scene& scene, LabelRoom& room, const LinkageLook& look, const PosedLeg& leg, double view_half_mm) {
+void LabelFourBar(Scene& scene, LabelRoom& room, const LinkageLook& look, const PosedLeg& leg, double view_half_mm,
+                  LabelPlaces& places) {
   const linkage::Pose& pose = leg.ThePose();
   const Vector2d knee(0, 0), thigh_pin = leg.FromThigh(pose.thigh_pin), tip = leg.FromThigh(pose.tip);
   const Vector2d shank_pin = leg.FromThigh(pose.shank_pin);
-  Labels labels(scene, room, 0.03 * view_half_mm);
+  Labels labels;
   labels.Letter(knee, {1, 0.2}, "K");
   labels.Letter(shank_pin, {0.8, -0.6}, "S");
   labels.Letter(thigh_pin, leg.FromThigh({-0.95, 0.3}), "P");
@@ -131,6 +140,7 @@ void LabelFourBar(Scene& scene, LabelRoom& room, const LinkageLook& look, const 
   labels.Length({knee, shank_pin, -1, Symbol(4), look.links.l4, link_text::kShank});
   labels.Length({tip, thigh_pin, -1, Symbol(2), look.links.l2, link_text::kBar});
   labels.Length({shank_pin, tip, -1, Symbol(1), look.links.l1, link_text::kCoupler});
+  labels.Write(scene, room, 0.03 * view_half_mm, places);
 }
 
 // mm per px of a view that is drawn to one scale on both axes.
@@ -141,7 +151,8 @@ double ScaleOf(const SceneView& view, const Scene::Place& place) {
 
 }  // namespace
 
-void DrawPosePage(figure::GnuplotFigure& figure, const LinkageLook& look, const linkage::Pose& pose) {
+void DrawPosePage(figure::GnuplotFigure& figure, const LinkageLook& look, const linkage::Pose& pose,
+                  LabelPlaces& labels) {
   const PosedLeg leg(pose);
   const linkage::Transmission transmission = linkage::TransmissionOf(look.links, pose);
   figure.Line(
@@ -163,7 +174,7 @@ void DrawPosePage(figure::GnuplotFigure& figure, const LinkageLook& look, const 
   DrawLinkage(scene, leg, d_min, kHalfWidth_mm, 0.7);
   LabelRoom whole_room(whole, ScaleOf(whole, kLeft));
   AvoidMechanism(whole_room, look, leg, kHalfWidth_mm);
-  LabelWhole(scene, whole_room, look, leg);
+  LabelWhole(scene, whole_room, look, leg, labels);
   scene.Draw(whole, kLeft);
   figure.Line("unset label 101\nunset label 102");
 
@@ -172,14 +183,20 @@ void DrawPosePage(figure::GnuplotFigure& figure, const LinkageLook& look, const 
   DrawLinkage(scene, leg, d_min, half_width, 1.3);
   LabelRoom near_room(near, ScaleOf(near, kRight));
   AvoidMechanism(near_room, look, leg, half_width);
-  LabelFourBar(scene, near_room, look, leg, half);
+  LabelFourBar(scene, near_room, look, leg, half, labels);
   scene.Draw(near, kRight);
   figure.Line("unset multiplot");
 }
 
 void DrawLinkagePose(const std::filesystem::path& path, const LinkageLook& look, const linkage::Pose& pose) {
+  LabelPlaces labels;
+  DrawLinkagePose(path, look, pose, labels);
+}
+
+void DrawLinkagePose(const std::filesystem::path& path, const LinkageLook& look, const linkage::Pose& pose,
+                     LabelPlaces& labels) {
   figure::GnuplotFigure figure(kPosePageWidth_px, kPosePageHeight_px);
-  DrawPosePage(figure, look, pose);
+  DrawPosePage(figure, look, pose, labels);
   figure.Write(path);
 }
 

@@ -110,7 +110,7 @@ void DrawAssistance(const std::filesystem::path& path, const problem::Assistance
   GnuplotFigure figure(1100, 1100);
   const std::string name = problem.actuator ? problem.actuator->name + ", " : "";
   figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'",
-                          QuoteForGnuplot(fmt::format("{}{:.0f} % of the knee's moment, a rise in {:.2f} s", name,
+                          QuoteForGnuplot(fmt::format("{}{:.0f} % of the knee's moment, a rise in {:.1f} s", name,
                                                       100 * problem.assist.value_or(1), assistance.duration_s))));
   figure.Line("set xrange [0:100]; set lmargin at screen 0.10; set rmargin at screen 0.97");
   figure.Line(

@@ -7,6 +7,7 @@
 
 #include "lake/core/colours.h"
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/figure/gnuplot.h"
 #include "lake/figure/theme.h"
 #include "percents.h"
@@ -111,11 +112,18 @@ void DrawKneePaths(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(plot);
 }
 
+// A figure of the comparison as far as its interval, where there is one, knows it; both times `factor`.
+std::string KnownTo(double value, const compare::Misalignment& m,
+                    compare::Interval compare::MisalignmentIntervals::*interval, double factor = 1) {
+  const compare::Interval known = m.intervals ? (*m.intervals).*interval : compare::Interval{};
+  return KnownText(factor * value, factor * (known.high - known.low) / 2, 1);
+}
+
 void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
-  const std::vector<double> percents = Percents(compare::kPercentSamples), error = Scaled(m.relative_error, 100);
+  const std::vector<double> percents = Percents(compare::kPercentSamples), error = Scaled(m.misalignment_ratio, 100);
   std::vector<double> lower, upper, spikes;
   for (std::size_t i = 0; i < compare::kPercentSamples; ++i) {
-    const double sd = m.relative_error_sd.empty() ? 0 : 100 * m.relative_error_sd[i];
+    const double sd = m.misalignment_ratio_sd.empty() ? 0 : 100 * m.misalignment_ratio_sd[i];
     lower.push_back(std::max(0.0, error[i] - sd));
     upper.push_back(error[i] + sd);
     spikes.push_back(m.spike[i] ? error[i] : kNaN);
@@ -127,17 +135,18 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(fmt::format("set ylabel \"path difference\\n(% of the shank length)\"; set yrange [0:{}]; set xlabel ''",
                           std::max(top, 1e-3)));
   std::string plot = "plot ";
-  if (!m.relative_error_sd.empty())
+  if (!m.misalignment_ratio_sd.empty())
     plot += fmt::format(
         "{} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder title '± SD over pairs of "
         "repetitions', ",
         figure.Data({percents, lower, upper}), colour::kExoskeleton);
   plot += fmt::format("{} using 1:2 with lines lw 3 lc rgb '{}' title 'path difference'",
                       figure.Data({percents, error}), colour::kExoskeleton);
-  plot += fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'RMS {:.2f} %'", 100 * m.metrics.relative_rms,
-                      colour::kText, 100 * m.metrics.relative_rms);
-  plot += fmt::format(", {} with lines lw 2 dt (2,4) lc rgb '#555555' title 'noise floor {:.2f} %'",
-                      100 * m.noise_floor_relative, 100 * m.noise_floor_relative);
+  const double rms_percent = 100 * m.metrics.relative_rms, floor_percent = 100 * m.noise_floor_relative;
+  plot += fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'RMS {} %'", rms_percent, colour::kText,
+                      KnownTo(m.metrics.relative_rms, m, &compare::MisalignmentIntervals::relative_rms, 100));
+  plot += fmt::format(", {} with lines lw 2 dt (2,4) lc rgb '#555555' title 'noise floor {} %'", floor_percent,
+                      SignificantText(floor_percent, 2));
   if (std::count(m.spike.begin(), m.spike.end(), true) > 0)
     plot += fmt::format(", {} using 1:2 with points pt 6 ps 2 lw 2 lc rgb '{}' title 'spike'",
                         figure.Data({percents, spikes}), colour::kWaist);
@@ -151,15 +160,18 @@ void DrawParts(GnuplotFigure& figure, const compare::Misalignment& m) {
       "set tmargin at screen 0.48; set bmargin at screen 0.11; set rmargin at screen 0.48; set xlabel 'rise (%)'");
   // Room below zero, so that a part that is nothing is seen beside the axis.
   figure.Line("set ylabel 'size of the part (mm)'; set yrange [*:*]; set offsets 0, 0, graph 0.35, graph 0.05");
+  using Intervals = compare::MisalignmentIntervals;
   const auto part = [&](const std::vector<Vector2d>& vectors, const char* name, double fraction,
-                        const std::string& style) {
-    const std::string share = std::isfinite(fraction) ? fmt::format(" {:.1f} %", 100 * fraction) : "";
+                        compare::Interval Intervals::*interval, const std::string& style) {
+    const std::string share = std::isfinite(fraction) ? fmt::format(" {} %", KnownTo(fraction, m, interval, 100)) : "";
     return fmt::format("{} using 1:2 with lines lw 3 {} title '{}{}'", figure.Data({percents, Lengths(vectors)}), style,
                        name, share);
   };
-  const std::string placement = part(d.placement_mm, "placement", d.placement, "lc rgb '#0072B2'");
-  const std::string timing = part(d.timing_mm, "timing", d.timing, "dt (12,5) lc rgb '#009E73'");
-  const std::string shape = part(d.shape_mm, "shape", d.shape, fmt::format("dt (3,4) lc rgb '{}'", colour::kWaist));
+  const std::string placement =
+      part(d.placement_mm, "placement", d.placement, &Intervals::placement, "lc rgb '#0072B2'");
+  const std::string timing = part(d.timing_mm, "timing", d.timing, &Intervals::timing, "dt (12,5) lc rgb '#009E73'");
+  const std::string shape =
+      part(d.shape_mm, "shape", d.shape, &Intervals::shape, fmt::format("dt (3,4) lc rgb '{}'", colour::kWaist));
   figure.Line("plot " + placement + ", " + timing + ", " + shape);
 }
 
@@ -171,8 +183,9 @@ void DrawAngles(GnuplotFigure& figure, const compare::Misalignment& m) {
   const std::string human = figure.Data({percents, m.human.knee_deg}), exo = figure.Data({percents, m.exo.knee_deg});
   figure.Line(fmt::format(
       "plot {} using 1:2 with lines {} title 'human', {} using 1:2 with lines {} title 'worn exoskeleton, RMS "
-      "difference {:.1f}°'",
-      human, LineOf(kHumanLook), exo, LineOf(kWornLook), m.metrics.knee_rmse_deg));
+      "difference {}°'",
+      human, LineOf(kHumanLook), exo, LineOf(kWornLook),
+      KnownTo(m.metrics.knee_rmse_deg, m, &compare::MisalignmentIntervals::knee_rmse_deg)));
 }
 
 }  // namespace

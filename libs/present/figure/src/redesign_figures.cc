@@ -9,6 +9,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/colours.h"
 #include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/figure/gnuplot.h"
 #include "lake/figure/theme.h"
 #include "percents.h"
@@ -96,15 +97,15 @@ void DrawPaths(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) 
   figure.Line("set size noratio; set offsets 0, 0, 0, 0; set ytics autofreq");
 }
 
-void DrawRelativeError(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) {
+void DrawMisalignment(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) {
   const auto percent = [](const redesign::DesignInMotion& design) {
     std::vector<double> values;
     if (design.misalignment)
-      for (const double error : design.misalignment->relative_error) values.push_back(100 * error);
+      for (const double error : design.misalignment->misalignment_ratio) values.push_back(100 * error);
     return values;
   };
   const auto name = [](const std::string& what, const redesign::DesignInMotion& design) {
-    return design.misalignment ? fmt::format("{}: RMS {:.2f} %", what, 100 * design.misalignment->metrics.relative_rms)
+    return design.misalignment ? fmt::format("{}: RMS {:.1f} %", what, 100 * design.misalignment->metrics.relative_rms)
                                : what;
   };
   figure.Line("set title 'Misalignment'; set ylabel '% of the shank length'; set yrange [0:*]");
@@ -113,8 +114,9 @@ void DrawRelativeError(GnuplotFigure& figure, const redesign::RedesignOutcome& o
   plot.AddCurve(percent(outcome.before), kBeforeStyle, name("worn", outcome.before));
   plot.AddCurve(percent(outcome.after), kAfterStyle, name(AfterName(outcome), outcome.after));
   if (outcome.problem.max_misalignment_percent)
-    plot.Add(fmt::format("{0} with lines lw 1.5 dt 3 lc rgb '{1}' title 'limit of the RMS {0:.2f} %'",
-                         *outcome.problem.max_misalignment_percent, colour::kText));
+    plot.Add(fmt::format("{0} with lines lw 1.5 dt 3 lc rgb '{1}' title 'limit of the RMS {2} %'",
+                         *outcome.problem.max_misalignment_percent, colour::kText,
+                         SignificantText(*outcome.problem.max_misalignment_percent, 3)));
   plot.Draw();
   figure.Line("set yrange [*:*]; set offsets 0, 0, graph 0.2, graph 0.05");
 }
@@ -140,8 +142,8 @@ void DrawStrokes(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome
   };
   const auto name = [](const std::string& what, const redesign::DesignInMotion& design) {
     const std::string exact =
-        design.tracking_time_s ? fmt::format(" (exact tracking {:.2f} s)", *design.tracking_time_s) : "";
-    return fmt::format("{}: {:.2f} s{}", what, design.duration_s, exact);
+        design.tracking_time_s ? fmt::format(" (exact tracking {:.1f} s)", *design.tracking_time_s) : "";
+    return fmt::format("{}: {:.1f} s{}", what, design.duration_s, exact);
   };
   const auto tracking =
       redesign::TrackingStrokes(outcome.problem.Driven(outcome.after.design.links), outcome.problem.human);
@@ -167,7 +169,7 @@ void DrawPressures(GnuplotFigure& figure, const redesign::RedesignOutcome& outco
   const auto name = [](const std::string& what, const redesign::DesignInMotion& design) {
     if (!design.prediction || !design.prediction->balance) return what;
     const redesign::BalanceCourse& course = *design.prediction->balance;
-    return fmt::format("{}, {:.3g} s: {:.0f} mm {} the foot", what, course.duration_s, std::abs(course.margin_mm),
+    return fmt::format("{}, {:.1f} s: {:.0f} mm {} the foot", what, course.duration_s, std::abs(course.margin_mm),
                        course.margin_mm < 0 ? "outside" : "inside");
   };
   const loads::Foot& foot = outcome.problem.body->body.sole;
@@ -235,7 +237,7 @@ void DrawKneePaths(const redesign::RedesignOutcome& outcome, const std::filesyst
   figure.Line("set multiplot layout 2,2 margins 0.075,0.98,0.085,0.95 spacing 0.1,0.14");
   DrawPaths(figure, outcome);
   figure.Line("set xlabel 'rise (%)'; set xrange [0:100]");
-  DrawRelativeError(figure, outcome);
+  DrawMisalignment(figure, outcome);
   DrawKneeAngles(figure, outcome);
   DrawStrokes(figure, outcome);
   figure.Line("unset multiplot").Write(path);
@@ -279,8 +281,9 @@ void DrawPareto(const redesign::RedesignOutcome& outcome, const std::filesystem:
   if (outcome.problem.max_misalignment_percent)
     figure.Line(
         fmt::format("set arrow from graph 0, first {0} to graph 1, first {0} nohead lw 1.5 dt 3 lc rgb '{1}'; "
-                    "set label 'limit {0:.2f} %' at graph 0.01, first {0} left offset 0,0.6",
-                    *outcome.problem.max_misalignment_percent, colour::kText));
+                    "set label 'limit {2} %' at graph 0.01, first {0} left offset 0,0.6",
+                    *outcome.problem.max_misalignment_percent, colour::kText,
+                    SignificantText(*outcome.problem.max_misalignment_percent, 3)));
   plot.Draw();
   figure.Write(path);
 }

@@ -10,6 +10,7 @@
 #include "lake/core/json.h"
 #include "lake/core/numbers.h"
 #include "lake/report/misalignment_sections.h"
+#include "lake/report/uncertain.h"
 
 namespace lake::report {
 
@@ -82,6 +83,11 @@ Series ErrorSeries(const Json& curves) {
   return error;
 }
 
+Uncertain Metric(const Json& comparison, const char* name, double factor = 1) {
+  return UncertainOf(comparison.at("metrics").at(name),
+                     comparison.value("intervals", Json::object()).value(name, Json()), factor);
+}
+
 Series SpikesOf(const Series& error, const Json& spike) {
   Series spikes;
   spikes.name = "spike";
@@ -112,7 +118,7 @@ LineChart KneePathsChart(const Json& comparison) {
   const Series exo = path("exo_knee", "exoskeleton knee", colour::kExoskeleton);
   LineChart chart;
   chart.title = "Both knees on the sagittal plane";
-  chart.alt = "Paths of the human knee and of the exoskeleton's knee during sit-to-stand, seen from the side";
+  chart.alt = "Paths of the human knee and of the exoskeleton's knee over the rise, seen from the side";
   chart.caption = "Mean paths in the leg frame: origin at the seated ankle, x forward, y up.";
   chart.x.label = "anterior (mm)";
   chart.y.label = "up (mm)";
@@ -121,19 +127,20 @@ LineChart KneePathsChart(const Json& comparison) {
   return chart;
 }
 
-LineChart RelativeErrorChart(const Json& comparison) {
+LineChart PathDifferenceChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
-  const double rms = 100 * NumberOrNaN(comparison.at("metrics").at("relative_rms"));
+  const Uncertain rms = Metric(comparison, "relative_rms", 100);
   const double floor = 100 * NumberOrNaN(comparison.at("noise_floor_relative"));
   LineChart chart;
   chart.title = "Path difference over the rise";
-  chart.alt = fmt::format("Distance of the knees in percent of the shank over sit-to-stand; RMS {:.2f} %", rms);
+  chart.alt = fmt::format("Distance of the knees in percent of the shank over the rise; RMS {} %", rms.Text(1));
   chart.x = kPercentAxis;
   chart.y = {"path difference (% of the shank)", 0, std::nullopt};
   const Series error = ErrorSeries(curves);
   if (!error.lower.empty()) chart.caption = "Band: ± 1 SD over all pairs of a human and an exoskeleton rise.";
-  chart.series = {error, Level(rms, fmt::format("RMS {:.2f} %", rms), colour::kText, Mark::kDashed),
-                  Level(floor, fmt::format("noise floor {:.2f} %", floor), colour::kAnkle, Mark::kDotted)};
+  chart.series = {
+      error, Level(rms.value, fmt::format("RMS {} %", rms.Text(1)), colour::kText, Mark::kDashed),
+      Level(floor, fmt::format("noise floor {} %", SignificantText(floor, 2)), colour::kAnkle, Mark::kDotted)};
   Series spikes = SpikesOf(error, curves.at("spike"));
   if (!spikes.x.empty()) chart.series.push_back(std::move(spikes));
   return chart;
@@ -188,9 +195,8 @@ LineChart KneeAnglesChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
   LineChart chart;
   chart.title = "Knee angles";
-  chart.alt = "Knee angles of both trials over sit-to-stand";
-  chart.caption =
-      fmt::format("0° is straight. RMS difference {:.2f}°.", NumberOrNaN(comparison.at("metrics").at("knee_rmse_deg")));
+  chart.alt = "Knee angles of both trials over the rise";
+  chart.caption = fmt::format("0° is straight. RMS difference {}°.", Metric(comparison, "knee_rmse_deg").Text(1));
   chart.x = kPercentAxis;
   chart.y.label = "knee flexion (°)";
   Series human, exo;

@@ -67,12 +67,13 @@ Section KeySection(const Json& comparison) {
   const Json& duration = comparison.at("duration_s");
   Section section{"The misalignment", {MisalignmentKeyFigures(comparison)}};
   section.blocks.push_back(Paragraph{fmt::format(
-      "We compare the means of {} repetitions of the human trial ({:.2f} s from onset to standing) and {} of the "
-      "exoskeleton trial ({:.2f} s). The shank is {:.0f} mm long. Recording noise and marker re-placement alone "
-      "would show {:.1f} mm RMS, or {:.2f} % of the shank length.",
+      "We compare the means of {} repetitions of the human trial ({:.1f} s from onset to standing) and {} of the "
+      "exoskeleton trial ({:.1f} s). The shank is {:.0f} mm long. Recording noise and marker re-placement alone "
+      "would show {} mm RMS, or {} % of the shank length.",
       repetitions.at("human").get<int>(), NumberOrNaN(duration.at("human")), repetitions.at("exo").get<int>(),
       NumberOrNaN(duration.at("exo")), NumberOrNaN(comparison.at("shank_mm")),
-      NumberOrNaN(comparison.at("noise_floor_mm")), 100 * NumberOrNaN(comparison.at("noise_floor_relative")))});
+      SignificantText(NumberOrNaN(comparison.at("noise_floor_mm")), 2),
+      SignificantText(100 * NumberOrNaN(comparison.at("noise_floor_relative")), 2))});
   if (std::string moved = MovedText(comparison); !moved.empty()) section.blocks.push_back(Paragraph{std::move(moved)});
   return section;
 }
@@ -80,7 +81,7 @@ Section KeySection(const Json& comparison) {
 Section PathsSection(const Json& comparison) {
   LineChart paths = KneePathsChart(comparison), angles = KneeAnglesChart(comparison);
   paths.width = angles.width = Width::kHalf;
-  return {"Knee paths and angles", {std::move(paths), std::move(angles), RelativeErrorChart(comparison)}};
+  return {"Knee paths and angles", {std::move(paths), std::move(angles), PathDifferenceChart(comparison)}};
 }
 
 Section PartsSection(const Json& comparison) {

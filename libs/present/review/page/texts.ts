@@ -60,7 +60,7 @@ export const TEXTS = allUnbroken({
   event: (event: string, repetition: number) => `${EVENTS[event] ?? event} ${repetition}`,
 
   // Events
-  events: (count: number) => (count === 0 ? "No sit-to-stand found" : count === 1 ? "1 event" : `${count} events`),
+  events: (count: number) => (count === 0 ? "No rise found" : count === 1 ? "1 event" : `${count} events`),
   eventAt: (name: string, frame: number, isMoved: boolean) => `${name}, frame ${frame}${isMoved ? ", moved" : ""}`,
   eventMoved: (name: string, frame: number) => `${name} moved to frame ${frame}`,
   eventRestored: (name: string) => `${name} is where it was found`,

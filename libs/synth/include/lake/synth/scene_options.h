@@ -83,7 +83,7 @@ struct SceneOptions {
   void Check() const;
 };
 
-// 720p60, radius 4 px, noise 1–2 grey values, 10 s, two stand-ups; meant for CRF 17.
+// 720p60, radius 4 px, noise 1–2 grey values, 10 s, two rises; meant for CRF 17.
 SceneOptions CleanScene(std::uint64_t seed);
 
 // 1080p60, radius 6 px, oblique camera with distortion, shutter 0.7, flicker 3 %, four reflections, a glint, three

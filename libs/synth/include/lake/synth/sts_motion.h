@@ -19,7 +19,7 @@ double MinimumJerk(double s);
 struct StsMotionOptions {
   std::uint64_t seed = 1;
   motion::Facing facing = motion::Facing::kRight;
-  int repetitions = 2;          // stand-ups
+  int repetitions = 2;          // rises
   bool start_standing = false;  // begins and ends upright instead of on the seat
 
   double shank_mm = 400, thigh_mm = 410, trunk_mm = 200;  // ankle–knee, knee–hip, hip–waist

@@ -40,4 +40,14 @@ inline std::string KnownText(double value, double half_width, int otherwise) {
   return RoundedText(value, half_width > 0 && std::isfinite(half_width) ? KnownDecimals(half_width) : otherwise);
 }
 
+// "2.62 ± 0.14": both with the decimals of the uncertainty, or with so many where it is not known.
+inline std::string PlusMinusText(double value, double half_width, int otherwise) {
+  return fmt::format("{} ± {}", KnownText(value, half_width, otherwise), KnownText(half_width, half_width, otherwise));
+}
+
+// What such a function wrote, with a plus where it has no minus: "+2.6", for differences and corrections.
+inline std::string WithSign(const std::string& text) {
+  return text.starts_with("−") || text == "–" ? text : "+" + text;
+}
+
 }  // namespace lake

@@ -100,7 +100,7 @@ struct RedesignOutcome {
   RedesignOptions options;
   MeasuredMotion measured;
   std::optional<MountSlip> slip;             // absent: delta is zero
-  std::optional<double> measured_percent;    // misalignment of the exo trial itself, RMS relative error
+  std::optional<double> measured_percent;    // RMS misalignment of the exo trial itself
   std::optional<double> worn_angle_off_deg;  // RMS, the worn design's program against its trial's own knee angles
   RedesignResult result;
   std::optional<PlacementRange> placement_range;  // of the design, if its placement is fitted

@@ -36,7 +36,7 @@ struct RedesignProblem {
   HumanMotion human;
   ProgramLimits program;
   MisalignmentOf misalignment_of = MisalignmentOf::kPath;  // what limit and penalty are on
-  std::optional<double> max_misalignment_percent;          // RMS relative error
+  std::optional<double> max_misalignment_percent;          // RMS, of the shank length
   double penalty_deg_per_mm = 0;                           // w
   bool fit_placement = false;
   Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();  // where the joint sits; if it is fitted, a start
@@ -51,7 +51,7 @@ struct RedesignProblem {
   // What is sought. The other goals make Pareto fronts and explain what cannot be had.
   enum class Goal {
     kRange,         // RoR - w RMS
-    kMisalignment,  // least RMS relative error; no penalty
+    kMisalignment,  // least RMS misalignment; no penalty
     kDuration,      // shortest sit-to-stand
     kNearest,       // least |p|: the joint nearest to the knee
     kBalance,       // largest margin of the centre of pressure inside the foot; needs `balance`

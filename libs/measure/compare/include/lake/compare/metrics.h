@@ -30,7 +30,7 @@ struct MisalignmentMetrics {
 
 // |e.y − h.y| / |h.y| in the leg frame: probably what the paper plots. It depends on the origin and grows without bound
 // near y = 0.
-double RelativeErrorPaper(const Eigen::Vector2d& exo_knee, const Eigen::Vector2d& human_knee);
+double PaperMisalignment(const Eigen::Vector2d& exo_knee, const Eigen::Vector2d& human_knee);
 
 // Over the samples that `use` marks.
 MisalignmentMetrics ComputeMetrics(const StsCurve& human, const StsCurve& exo, const std::vector<bool>& use);

@@ -56,8 +56,8 @@ struct JointMoved {
 struct Misalignment {
   StsCurve human, exo;           // means over the repetitions
   std::vector<double> shank_mm;  // human, per percent
-  std::vector<double> distance_mm, relative_error, relative_error_paper;
-  std::vector<double> relative_error_sd;  // over all pairs of repetitions; empty for a single pair
+  std::vector<double> distance_mm, misalignment_ratio, misalignment_ratio_paper;
+  std::vector<double> misalignment_ratio_sd;  // over all pairs of repetitions; empty for a single pair
   std::vector<bool> spike;
   MisalignmentMetrics metrics, metrics_without_spikes;
   Decomposition decomposition;

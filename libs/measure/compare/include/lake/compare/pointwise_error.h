@@ -1,5 +1,5 @@
-// The error between two knee paths, sample by sample: one template over the scalar, so that the comparison (double) and
-// an optimisation (ceres::Jet) measure with the same code.
+// The misalignment of two knee paths, sample by sample: one template over the scalar, so that the comparison (double)
+// and an optimisation (ceres::Jet) measure with the same code.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,19 +18,17 @@ T SquaredDistance(const Eigen::Matrix<T, 2, 1>& exo_knee, const Eigen::Vector2d&
 
 // (|e − h| / L)², L = |AK| of the human at the same sample, in mm.
 template <typename T>
-T SquaredRelativeError(const Eigen::Matrix<T, 2, 1>& exo_knee, const Eigen::Vector2d& human_knee, double shank_mm) {
+T SquaredMisalignment(const Eigen::Matrix<T, 2, 1>& exo_knee, const Eigen::Vector2d& human_knee, double shank_mm) {
   return SquaredDistance(exo_knee, human_knee) / (shank_mm * shank_mm);
 }
 
-// mean((|e − h| / L)²); its root is the RMS relative error that report, constraint and penalty
-// share.
+// mean((|e − h| / L)²); its root is the RMS misalignment that report, constraint and penalty share.
 template <typename T>
-T MeanSquaredRelativeError(const std::vector<Eigen::Matrix<T, 2, 1>>& exo_knee,
-                           const std::vector<Eigen::Vector2d>& human_knee, const std::vector<double>& shank_mm) {
+T MeanSquaredMisalignment(const std::vector<Eigen::Matrix<T, 2, 1>>& exo_knee,
+                          const std::vector<Eigen::Vector2d>& human_knee, const std::vector<double>& shank_mm) {
   assert(!exo_knee.empty() && exo_knee.size() == human_knee.size() && exo_knee.size() == shank_mm.size());
-  T sum = SquaredRelativeError(exo_knee[0], human_knee[0], shank_mm[0]);
-  for (std::size_t i = 1; i < exo_knee.size(); ++i)
-    sum += SquaredRelativeError(exo_knee[i], human_knee[i], shank_mm[i]);
+  T sum = SquaredMisalignment(exo_knee[0], human_knee[0], shank_mm[0]);
+  for (std::size_t i = 1; i < exo_knee.size(); ++i) sum += SquaredMisalignment(exo_knee[i], human_knee[i], shank_mm[i]);
   return sum / static_cast<double>(exo_knee.size());
 }
 
@@ -38,7 +36,7 @@ T MeanSquaredRelativeError(const std::vector<Eigen::Matrix<T, 2, 1>>& exo_knee,
 template <typename T>
 T MeanSquaredDistance(const std::vector<Eigen::Matrix<T, 2, 1>>& exo_knee,
                       const std::vector<Eigen::Vector2d>& human_knee) {
-  return MeanSquaredRelativeError(exo_knee, human_knee, std::vector<double>(human_knee.size(), 1.0));
+  return MeanSquaredMisalignment(exo_knee, human_knee, std::vector<double>(human_knee.size(), 1.0));
 }
 
 // mean(|v|²).

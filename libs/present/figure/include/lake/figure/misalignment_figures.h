@@ -10,8 +10,8 @@ namespace lake::figure {
 // Both knee paths on the sagittal plane, lines between equal percents, the legs at 0, 50 and 100 %.
 void DrawOverlayFigure(const std::filesystem::path& path, const compare::Misalignment& misalignment);
 
-// Relative error over percent with spikes and, with several repetitions, the ± SD band; what it is made of; the knee
-// angles.
+// The path difference over percent with spikes and, with several repetitions, the ± SD band; what it is made of; the
+// knee angles.
 void DrawMisalignmentFigure(const std::filesystem::path& path, const compare::Misalignment& misalignment);
 
 }  // namespace lake::figure

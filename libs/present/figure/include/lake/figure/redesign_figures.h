@@ -7,7 +7,7 @@
 
 namespace lake::figure {
 
-// The design before and after in the human's motion: knee paths in the leg frame, relative error, knee angle and stroke
+// The design before and after in the human's motion: knee paths in the leg frame, misalignment, knee angle and stroke
 // over percent.
 void DrawKneePaths(const redesign::RedesignOutcome& outcome, const std::filesystem::path& path);
 

@@ -16,7 +16,7 @@ std::vector<report::Section> MisalignmentSections(const Json& comparison);
 // For a longer story: the numbers to see first, and the charts of the paths and of the error alone.
 report::KeyFigures MisalignmentKeyFigures(const Json& comparison);
 report::LineChart KneePathsChart(const Json& comparison);
-report::LineChart RelativeErrorChart(const Json& comparison);
+report::LineChart PathDifferenceChart(const Json& comparison);
 report::BarChart DecompositionChart(const Json& comparison);
 
 // What the parts say to the designer, in a sentence or two.
