@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -80,10 +81,17 @@ PaceLoads AtPace(const Model& model, const TrunkFit& trunk, const std::vector<Ri
   return pace;
 }
 
-TrunkSample TrunkOf(const Model& model, const TrunkFit& trunk, std::size_t frame) {
-  const LegPoints& points = model.path.frames[frame];
-  const SegmentMotion segment = SegmentBetween(points[kHip], points[kTrunkTop]);
-  return {segment.tilt_rad, model.body.trunk.centre_m * segment.along + trunk.At(model.path, frame).value_m};
+SegmentMotion TrunkSegment(const Model& model, std::size_t frame) {
+  return SegmentBetween(model.path.frames[frame][kHip], model.path.frames[frame][kTrunkTop]);
+}
+
+// Before the feet alone bear the body no force tells where in the trunk its centre is: there it is where it is at first
+// on the feet, so that nothing jumps then.
+TrunkSample TrunkOf(const Model& model, const TrunkFit& trunk, std::size_t frame, std::size_t on_feet) {
+  const std::size_t told = std::max(frame, on_feet);
+  const SegmentMotion segment = TrunkSegment(model, frame), at_told = TrunkSegment(model, told);
+  const Eigen::Vector2d centre_m = model.body.trunk.centre_m * at_told.along + trunk.At(model.path, told).value_m;
+  return {segment.tilt_rad, Eigen::Rotation2Dd(at_told.tilt_rad - segment.tilt_rad) * centre_m};
 }
 
 }  // namespace
@@ -115,7 +123,9 @@ BodyPath MeanBodyPath(const Model& model, const TrunkFit& trunk, const std::vect
         mean = {};  // NaN stays NaN
         continue;
       }
-      const TrunkSample before = TrunkOf(model, trunk, b->before), after = TrunkOf(model, trunk, b->before + 1);
+      const std::size_t on_feet = FrameFrom(model.path.time_s, rise.seat_off_s + options.seat_release_s);
+      const TrunkSample before = TrunkOf(model, trunk, b->before, on_feet),
+                        after = TrunkOf(model, trunk, b->before + 1, on_feet);
       mean.tilt_rad += share * std::lerp(before.tilt_rad, after.tilt_rad, b->part);
       mean.centre_m += share * ((1 - b->part) * before.centre_m + b->part * after.centre_m);
     }
