@@ -199,8 +199,8 @@ Table ProgramBalanceTable(const StudyResults& results, const Json& summary, cons
     table.rows.push_back(
         {what, number(balance, key, unit), Number{std::nan(""), DecimalsOf(unit)}, number(did, did_key, unit)});
   };
-  own("trunk leans farther forward than in the person's own rise, most (°)", "trunk_lean_deg", "°", "");
-  own("leg, ankle to hip, leans farther forward, most (°)", "leg_lean_deg", "°", "");
+  own("trunk leans farther forward than in the person's own rise, most (°; negative: back)", "trunk_lean_deg", "°", "");
+  own("leg, ankle to hip, leans farther forward, most (°; negative: back)", "leg_lean_deg", "°", "");
   own("knee moment at this pace, peak (N m)", "peak_knee_nm", "N m", "peak_knee_nm");
   return table;
 }
