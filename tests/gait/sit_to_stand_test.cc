@@ -113,6 +113,21 @@ TEST_P(SitToStandAtRate, TimesOfThePhasesAreWithinAFrame) {
 INSTANTIATE_TEST_SUITE_P(, SitToStandAtRate, testing::Values(30.0, 60.0, 120.0, 240.0),
                          [](const auto& info) { return fmt::format("{:.0f}Hz", info.param); });
 
+// The hip rests on the seat while the trunk leans: who does not see the lean sees the onset too late.
+TEST(SitToStand, AnOnsetThatNoLeanTellsIsWarnedOf) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 2, .rest_s = 3});
+  motion::MarkerRecording recording = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {}, 1);
+  const auto says = testing::Contains(testing::HasSubstr("no marker shows the trunk lean before it"));
+  const gait::LegFitResult whole = gait::FitLeg(recording, ScaledView());
+  EXPECT_THAT(whole.warnings, testing::Not(says));
+  const double first_s = whole.events.front().time_s;
+  std::erase_if(recording.markers, [](const motion::MarkerTrack& marker) { return marker.name == "waist"; });
+  const gait::LegFitResult without = gait::FitLeg(recording, ScaledView());
+  EXPECT_THAT(without.warnings, says);
+  EXPECT_THAT(without.warnings, testing::Contains(testing::HasSubstr("rise 1, 2: ")));
+  EXPECT_GT(without.events.front().time_s, first_s + 0.2);
+}
+
 // Whoever does not come to rest before sitting down, or before the recording ends, has no fourth phase.
 TEST(SitToStand, WithoutRestNoStabilisationIsTold) {
   const SyntheticLegOptions quick{.rate_hz = 60, .repetitions = 2, .rest_s = 0.3};

@@ -1,6 +1,7 @@
 // The events of one path, however fast it is gone along: slowly, with a pause anywhere, with sway.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -73,6 +74,9 @@ gait::StsSignals Play(const Warp& original_s, double length_s, double rate_hz, c
     signals.knee_deg.push_back(knee_deg(t)), signals.knee_deg_s.push_back(slope(knee_deg, t));
     signals.trunk_deg.push_back(trunk_deg(t)), signals.trunk_deg_s.push_back(slope(trunk_deg, t));
   }
+  for (auto* sd : {&signals.sd.hip_height, &signals.sd.hip_up_speed, &signals.sd.knee_deg_s, &signals.sd.trunk_deg,
+                   &signals.sd.trunk_deg_s})
+    sd->assign(signals.frame.size(), 0);
   return signals;
 }
 
@@ -89,6 +93,13 @@ Events EventsOf(const gait::StsSignals& signals) {
     if (event.kind == motion::StsEventKind::kStanding) found.standing_s = event.time_s;
   }
   return found;
+}
+
+motion::StsEvent OnsetOf(const gait::StsSignals& signals) {
+  for (const motion::StsEvent& event : gait::FindStsEvents(signals).events)
+    if (event.kind == motion::StsEventKind::kOnset) return event;
+  ADD_FAILURE() << "no onset";
+  return {};
 }
 
 constexpr double kLength_s = kRest_s + kRise_s + 2;
@@ -169,6 +180,43 @@ TEST(StsPace, SwayHardlyMovesTheEvents) {
     EXPECT_LT(Quantile(onset_error, 1), 0.05);
     EXPECT_LT(Quantile(seat_off_error, 0.95), 0.02);
     EXPECT_LT(Quantile(standing_error, 0.9), 0.02);
+  }
+}
+
+// How large is the error of an onset that sway moves is told by its SD, whether the sway is slower than the lean or
+// not.
+TEST(StsPace, TheOnsetsDeviationHoldsTheSway) {
+  const double natural_s = OnsetOf(Play([](double t) { return t; }, kLength_s, 60)).time_s;
+  std::vector<double> all;
+  for (const double sway_deg : {0.05, 0.2, 0.5})
+    for (const double rise_s : {2.0, 8.0, 35.0}) {
+      const double factor = rise_s / kRise_s, true_s = kRest_s + (natural_s - kRest_s) * factor;
+      std::vector<double> normalized;
+      for (const double slide_mm : {0.0, 60.0})
+        for (unsigned seed = 101; seed <= 120; ++seed) {
+          const Sway sway{.trunk_deg = sway_deg, .knee_deg = sway_deg, .hip_mm = 5 * sway_deg, .seed = seed};
+          const motion::StsEvent onset = OnsetOf(Play([&](double t) { return kRest_s + (t - kRest_s) / factor; },
+                                                      kRest_s + rise_s + 3, 60, sway, slide_mm));
+          ASSERT_GT(onset.sd_s, 0);
+          normalized.push_back((onset.time_s - true_s) / onset.sd_s);
+        }
+      SCOPED_TRACE(testing::Message() << "sway of " << sway_deg << " deg, a rise of " << rise_s << " s");
+      // Of 40 drawn errors. A rest of 2 s shows the sway's size no better than by half, so the groups differ.
+      EXPECT_GT(RootMeanSquare(normalized), 0.4);
+      EXPECT_LT(RootMeanSquare(normalized), 1.6);
+      all.insert(all.end(), normalized.begin(), normalized.end());
+    }
+  const auto held = std::ranges::count_if(all, [](double error) { return std::abs(error) <= 2; });
+  EXPECT_GE(static_cast<double>(held), 0.9 * static_cast<double>(all.size()));
+}
+
+// Who keeps still has an onset that is known as well as the markers are, here exactly.
+TEST(StsPace, WithoutSwayNothingIsAddedToTheDeviation) {
+  for (const double rise_s : {2.0, 8.0, 35.0}) {
+    const double factor = rise_s / kRise_s;
+    const motion::StsEvent onset =
+        OnsetOf(Play([&](double t) { return kRest_s + (t - kRest_s) / factor; }, kRest_s + rise_s + 3, 60));
+    EXPECT_LT(onset.sd_s, 0.001 * rise_s) << rise_s;
   }
 }
 

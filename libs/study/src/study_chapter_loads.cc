@@ -65,6 +65,26 @@ std::string OwnTimeText(const StudyResults& results) {
       Quantity(own_s, "s"), SignificantText(NumberOrNaN(redesign.at("stroke_program").at("max_speed_mm_s")), 4));
 }
 
+// How the person leans for the new design's program, and what the knee then needs; empty without one.
+std::string LeanText(const StudyResults& results) {
+  const Json redesign = results.Has("redesign") ? results.Summary("redesign") : Json::object();
+  const Json program = redesign.value("balance", Json());
+  if (!program.is_object()) return "";
+  const Json own = results.Summary("loads").at("balance").at("own");
+  const double trunk_deg = NumberOrNaN(program.at("trunk_lean_deg")), margin_mm = NumberOrNaN(program.at("margin_mm"));
+  const std::string lean = std::abs(trunk_deg) < 1
+                               ? "as in"
+                               : fmt::format("up to {} farther {} than in", Quantity(std::abs(trunk_deg), "°"),
+                                             trunk_deg < 0 ? "back" : "forward");
+  return fmt::format(
+      "In the new design's rise of {} the trunk leans {} the person's own, which takes {}. The ground's force then "
+      "acts {} {} the foot{}, and the knee needs at most {}, in the own rise {}.",
+      Quantity(NumberOrNaN(program.at("duration_s")), "s"), lean, Quantity(NumberOrNaN(own.at("rise_s")), "s"),
+      Quantity(std::abs(margin_mm), "mm"), margin_mm < 0 ? "outside" : "or more inside",
+      margin_mm < 0 ? ", where the person must be held" : "", Quantity(NumberOrNaN(program.at("peak_knee_nm")), "N m"),
+      Quantity(NumberOrNaN(own.at("peak_knee_nm")), "N m"));
+}
+
 // With the links that are the best for the actuator, and with those of the study's design.
 Answers LiftAnswers(const StudyResults& results, const Json& assistance, const std::string& need) {
   Answers answers{{{"What the knee needs", need},
@@ -74,6 +94,8 @@ Answers LiftAnswers(const StudyResults& results, const Json& assistance, const s
   if (results.Has("redesign") && simulation.contains("assistance"))
     answers.answers.push_back(
         {"And with the new design?", simulation.at("assistance").at("text").get<std::string>() + "."});
+  if (std::string lean = LeanText(results); !lean.empty())
+    answers.answers.push_back({"Leaning how far?", std::move(lean)});
   return answers;
 }
 

@@ -173,29 +173,35 @@ Table CuffTable(const Json& summary) {
   return table;
 }
 
-// Can this person be lifted, how fast, leaning how far, and what that costs.
-Table ProgramBalanceTable(const Json& summary, const Json& balance) {
+// Can this person be lifted, how fast, leaning how far, and what that costs; beside it what the person did.
+Table ProgramBalanceTable(const StudyResults& results, const Json& summary, const Json& balance) {
   const Json &asked = balance.at("asked_mm"), &without = balance.at("without"), &after = summary.at("after");
+  const Json did = results.Has("loads") ? results.Summary("loads").at("balance").at("own") : Json::object();
   Table table{asked.is_null() ? "Balance along the program; it was not required"
                               : fmt::format("Balance along the program: the centre of pressure at least {} inside the "
                                             "foot, and what that costs",
                                             Quantity(NumberOrNaN(asked), "mm")),
-              {{"Quantity"}, {"New design"}, {"Without balance"}},
+              {{"Quantity"}, {"New design"}, {"Without balance"}, {"The person's own rise"}},
               {}};
-  const auto add = [&](const char* what, const char* key, const char* unit) {
-    const double other = without.is_null() ? std::nan("") : NumberOrNaN(without.at(key));
-    table.rows.push_back({what, Number{NumberOrNaN(after.at(key)), DecimalsOf(unit)}, Number{other, DecimalsOf(unit)}});
+  const auto number = [](const Json& of, const char* key, const char* unit) {
+    return Number{NumberOrNaN(of.value(key, Json())), DecimalsOf(unit)};
   };
-  add("centre of pressure inside the foot, least (mm; negative: outside)", "balance_margin_mm", "mm");
-  add("range of rotation (°)", "range_deg", "°");
-  add("misalignment, RMS (% of the shank length)", "misalignment_percent", "%");
-  add("rise time (s)", "program_duration_s", "s");
-  const auto own = [&](const char* what, const char* key) {
-    table.rows.push_back({what, Number{NumberOrNaN(balance.at(key)), 1}, Number{std::nan(""), 1}});
+  const auto add = [&](const char* what, const char* key, const char* unit, const char* did_key) {
+    table.rows.push_back({what, number(after, key, unit),
+                          number(without.is_null() ? Json::object() : without, key, unit), number(did, did_key, unit)});
   };
-  own("trunk leans farther forward than the person's own, most (°)", "trunk_lean_deg");
-  own("leg, ankle to hip, leans farther forward, most (°)", "leg_lean_deg");
-  own("knee moment at this pace, peak (N m)", "peak_knee_nm");
+  add("centre of pressure inside the foot, least (mm; negative: outside)", "balance_margin_mm", "mm", "margin_mm");
+  add("range of rotation (°)", "range_deg", "°", "");
+  add("misalignment, RMS (% of the shank length)", "misalignment_percent", "%", "");
+  add("knee angle, largest difference from the human's (°)", "angle_mismatch_max_deg", "°", "");
+  add("rise time (s)", "program_duration_s", "s", "rise_s");
+  const auto own = [&](const char* what, const char* key, const char* unit, const char* did_key) {
+    table.rows.push_back(
+        {what, number(balance, key, unit), Number{std::nan(""), DecimalsOf(unit)}, number(did, did_key, unit)});
+  };
+  own("trunk leans farther forward than in the person's own rise, most (°; negative: back)", "trunk_lean_deg", "°", "");
+  own("leg, ankle to hip, leans farther forward, most (°; negative: back)", "leg_lean_deg", "°", "");
+  own("knee moment at this pace, peak (N m)", "peak_knee_nm", "N m", "peak_knee_nm");
   return table;
 }
 
@@ -266,8 +272,10 @@ LineChart ParetoChart(const Json& summary) {
     series.name = front.at("program").get<std::string>() + " program";
     series.mark = kFrontMarks[chart.series.size() % std::size(kFrontMarks)];
     series.colour = colour::kFronts[chart.series.size() % std::size(colour::kFronts)];
-    for (const Json& point : front.at("range_deg_and_misalignment_percent"))
-      series.x.push_back(NumberOrNaN(point.at(0))), series.y.push_back(NumberOrNaN(point.at(1)));
+    for (const Json& point : front.at("range_deg_and_misalignment_percent")) {
+      series.x.push_back(NumberOrNaN(point.at(0)));
+      series.y.push_back(NumberOrNaN(point.at(1)));
+    }
     chart.series.push_back(std::move(series));
   }
   const auto add = [&](const char* design, const char* name, const char* colour) {
@@ -301,9 +309,14 @@ Table TradeTable(const Json& summary) {
       "What giving up range buys, with the same stroke program",
       {{"Range of rotation (°)", 1}, {"Range given up (°)", 1}, {"Misalignment, RMS (% of the shank length)", 1}},
       {}};
-  for (const TradePoint& point : OwnFront(summary))
-    table.rows.push_back({NumberText(point.range_deg, 1), NumberOrNaN(summary.at("range_deg")) - point.range_deg,
-                          point.misalignment_percent});
+  // Where all range up to some leaves no misalignment, the points of the front are one design.
+  std::vector<std::string> ranges;
+  for (const TradePoint& point : OwnFront(summary)) {
+    const std::string range = NumberText(point.range_deg, 1);
+    if (std::ranges::find(ranges, range) != ranges.end()) continue;
+    ranges.push_back(range);
+    table.rows.push_back({range, NumberOrNaN(summary.at("range_deg")) - point.range_deg, point.misalignment_percent});
+  }
   return table;
 }
 
@@ -434,7 +447,7 @@ Section RedesignChapter(const StudyFile& study, const StudyResults& results) {
     section.blocks.push_back(std::move(angles));
   }
   if (const Json balance = summary.value("balance", Json()); balance.is_object()) {
-    section.blocks.push_back(ProgramBalanceTable(summary, balance));
+    section.blocks.push_back(ProgramBalanceTable(results, summary, balance));
     results.AddPicture(
         "redesign/balance.svg", "Balance along the program",
         "Where the ground's force acts within the foot in a rise at the program's pace, once the seat is "

@@ -141,12 +141,19 @@ std::string KeptText(const Json& redesign, const Json& balance) {
   if (const double device_kg = balance.value("device_mass_kg", 0.0); device_kg > 0)
     text += fmt::format(". The exoskeleton's own {} on this leg are in it", Quantity(device_kg, "kg"));
   if (const Json& without = balance.at("without"); without.is_object()) {
-    const auto change = [&](const char* key) {
-      return NumberOrNaN(redesign.at("after").at(key)) - NumberOrNaN(without.at(key));
+    const auto against = [&](const char* key, const char* unit, const char* what) {
+      const std::string without_it = Quantity(NumberOrNaN(without.at(key)), unit),
+                        with_it = Quantity(NumberOrNaN(redesign.at("after").at(key)), unit);
+      return without_it == with_it ? fmt::format("the same {}", what)
+                                   : fmt::format("{} of {} instead of {}", with_it, what, without_it);
     };
-    text += fmt::format(". Balance costs {} of range, {} of misalignment and {} of time",
-                        Quantity(-change("range_deg"), "°"), Quantity(change("misalignment_percent"), "%"),
-                        Quantity(change("program_duration_s"), "s"));
+    text += fmt::format(
+        ". Against a design whose person leans as in the own rise, out of balance, it has {}, {}, {} and {}",
+        against("range_deg", "°", "range"), against("misalignment_percent", "%", "misalignment"),
+        against("angle_mismatch_max_deg", "°", "largest knee angle difference"),
+        against("program_duration_s", "s", "rise time"));
+    if (NumberOrNaN(redesign.at("after").at("range_deg")) > NumberOrNaN(without.at("range_deg")))
+      text += ": a leg that leans otherwise keeps the knee's path with other knee angles, which frees the links";
   }
   return text + ".";
 }
@@ -157,21 +164,24 @@ std::string BalanceText(const StudyResults& results, const Json& redesign) {
   if (kept.is_object() && NumberOrNaN(kept.at("margin_mm")) >= 0) return KeptText(redesign, kept);
   const Json balance = results.Summary("loads").at("balance"), &slow = balance.at("slow");
   const double program_s = NumberOrNaN(redesign.at("after").at("program_duration_s")),
-               margin_mm = NumberOrNaN(slow.at("margin_mm")), slowest_s = NumberOrNaN(balance.at("slowest_s"));
-  if (margin_mm >= 0)
+               slow_mm = NumberOrNaN(slow.at("margin_mm")), slowest_s = NumberOrNaN(balance.at("slowest_s"));
+  if (!kept.is_object() && slow_mm >= 0)
     return fmt::format("Yes: however slowly, the ground's force acts at least {} inside the foot.",
-                       Quantity(margin_mm, "mm"));
-  if (program_s <= slowest_s)
+                       Quantity(slow_mm, "mm"));
+  if (!kept.is_object() && program_s <= slowest_s)
     return fmt::format("Yes, by momentum: along this path a rise takes {} at most.", Quantity(slowest_s, "s"));
+  const double margin_mm = kept.is_object() ? NumberOrNaN(kept.at("margin_mm")) : slow_mm;
   const Json interval = slow.value("margin_interval_mm", Json());
-  const double most_mm = interval.is_array() ? NumberOrNaN(interval.at(1)) : margin_mm;
+  // What is not known of the body is not known of the program either, whose pace and aids move the margin.
+  const auto of_program_mm = [&](std::size_t end) { return NumberOrNaN(interval.at(end)) + margin_mm - slow_mm; };
+  const double most_mm = interval.is_array() ? of_program_mm(1) : margin_mm;
   std::string text = most_mm < 0 ? "Not without being held" : "Perhaps not without being held";
   text += ": the program keeps the path of the person's own rise";
   if (std::isfinite(slowest_s)) text += fmt::format(", which is in balance for {} at most", Quantity(slowest_s, "s"));
   text += fmt::format(". In {} the ground's force would act {} outside the foot", Quantity(program_s, "s"),
                       Quantity(-margin_mm, "mm"));
   if (interval.is_array())
-    text += fmt::format(" ({} to {})", NumberText(-most_mm, 1), NumberText(-NumberOrNaN(interval.at(0)), 1));
+    text += fmt::format(" ({} to {})", NumberText(-most_mm, 1), NumberText(-of_program_mm(0), 1));
   return text + ". Lean farther forward, draw the feet back, or let something hold the person.";
 }
 
@@ -308,6 +318,8 @@ std::string KneesPictureAlt(const StudyResults& results) {
 }
 
 bool NeedsHolding(const StudyResults& results, const Json& redesign) {
+  if (const Json program = redesign.value("balance", Json()); program.is_object())
+    return NumberOrNaN(program.at("margin_mm")) < 0;
   if (!results.Has("loads")) return false;
   const Json balance = results.Summary("loads").at("balance");
   return NumberOrNaN(balance.at("slow").at("margin_mm")) < 0 &&

@@ -39,8 +39,10 @@ BalanceCourse FindBalance(const HumanMotion& human, const loads::BodyPath& body,
                          .knee_nm = -above.moment_nm};
     sample.margin_mm = std::min(sample.pressure_mm + kMmPerM * body.body.sole.heel_m,
                                 kMmPerM * body.body.sole.toe_m - sample.pressure_mm);
-    if (course.samples.empty() || sample.margin_mm < course.margin_mm)
-      course.margin_mm = sample.margin_mm, course.at_percent = sample.percent;
+    if (course.samples.empty() || sample.margin_mm < course.margin_mm) {
+      course.margin_mm = sample.margin_mm;
+      course.at_percent = sample.percent;
+    }
     if (course.samples.empty() || sample.knee_nm > course.peak_knee_nm) course.peak_knee_nm = sample.knee_nm;
     course.samples.push_back(sample);
   }

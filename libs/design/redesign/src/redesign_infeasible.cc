@@ -123,8 +123,10 @@ class Explainer {
     RedesignProblem other = unlimited;
     other.fit_placement = true;
     const char* change = "fitting the placement (--fit-placement)";
-    if (problem_.fit_placement)
-      other.placement_reach_mm *= 2, change = "a joint that may be moved twice as far (--placement-reach)";
+    if (problem_.fit_placement) {
+      other.placement_reach_mm *= 2;
+      change = "a joint that may be moved twice as far (--placement-reach)";
+    }
     if (const auto moved = LeastCuffForce(other)) {
       const double moved_n = moved->prediction->cuff_force_n;
       report_.ways.push_back({change, moved_n <= *problem_.max_cuff_force_n, {}, {}});

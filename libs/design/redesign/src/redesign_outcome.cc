@@ -319,7 +319,8 @@ std::optional<Vector2d> BestPlacement(const RedesignProblem& problem, const Desi
     Eigen::Matrix2d axes;  // what a move along x and y adds
     axes << knee_at(placement + Vector2d::UnitX()) - knee, knee_at(placement + Vector2d::UnitY()) - knee;
     const double weight = 1 / (human.shank_mm * human.shank_mm);
-    sum += weight * (axes.transpose() * (human.knee - knee)), weights += weight;
+    sum += weight * (axes.transpose() * (human.knee - knee));
+    weights += weight;
   }
   const double reach = problem.placement_reach_mm;
   return (placement + sum / weights).cwiseMax(-reach).cwiseMin(reach);

@@ -269,6 +269,8 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
 }
 
 std::string DescribeJoint(const Vector2d& offset_mm) {
+  constexpr double kRoundsToZero_mm = 0.5;
+  if (offset_mm.cwiseAbs().maxCoeff() < kRoundsToZero_mm) return "on the knee";
   return fmt::format("{:.0f} mm {} the knee and {:.0f} mm {} it along the shank", std::abs(offset_mm.x()),
                      offset_mm.x() < 0 ? "behind" : "in front of", std::abs(offset_mm.y()),
                      offset_mm.y() < 0 ? "below" : "above");

@@ -220,16 +220,17 @@ class EventFinder {
     found_.events.push_back(event);
   }
 
-  // Where the values cross a limit in the step that ends at frame i; its middle, of unknown SD, if they do not.
+  // Where the values cross a limit in the step that ends at frame i; its middle, of unknown SD, if they do not. `sway`:
+  // the standard deviation that they have beside the fit's.
   motion::StsEvent Crossing(motion::StsEventKind kind, const Values& values, const Values& sd, double limit,
-                            std::size_t i) const {
+                            std::size_t i, double sway = 0) const {
     const std::size_t before = i == 0 ? 0 : i - 1;
     const double step = values[i] - values[before], to_limit = limit - values[before];
     const double duration_s = s_.time_s[i] - s_.time_s[before];
     const bool crosses = step != 0 && to_limit / step >= 0 && to_limit / step <= 1;
     const double share = crosses ? to_limit / step : 0.5;
     motion::StsEvent event = {0, kind, s_.frame[share < 0.5 ? before : i], s_.time_s[before] + share * duration_s};
-    if (crosses && !sd.empty()) event.sd_s = sd[i] * duration_s / std::abs(step);
+    if (crosses && !sd.empty()) event.sd_s = std::hypot(sd[i], sway) * duration_s / std::abs(step);
     return event;
   }
 
@@ -398,32 +399,50 @@ class EventFinder {
     return slowest;
   }
 
+  // What of a deviation at rest is not the fit's, by its standard deviations: a person's sway.
+  static double BeyondFit(double deviation, const Values& sd, Span rest) {
+    Values of_fit = sd.empty() ? Values() : Part(sd, rest);
+    std::erase_if(of_fit, [](double value) { return !std::isfinite(value); });
+    const double measured = of_fit.empty() ? 0 : Median(std::move(of_fit));
+    return std::sqrt(std::max(0.0, deviation * deviation - measured * measured));
+  }
+
   // When the trunk leaves rest, or the hip if it does so before; nullopt if that was before the recording.
   std::optional<motion::StsEvent> FindOnset(Span before, const Stretch& rise) const {
     const Span rest = FindRest(before, rise);
     if (before.begin == 0 && Seconds(rest) < o_.first_rest_s) return std::nullopt;
     before.begin = rest.begin;
-    const std::optional<std::size_t> trunk = TrunkLeaves(before, rest, rise);
-    if (trunk == 0) return std::nullopt;
+    const std::optional<Departure> trunk = TrunkLeaves(before, rest, rise);
+    if (trunk && trunk->frame == 0) return std::nullopt;
     const Rest hip = RestOf(s_.hip_height, rest);
     const double limit = std::max(o_.onset_height * Range(s_.hip_height, rise), 3 * hip.deviation);
     Values away = s_.hip_height;
     for (double& height : away) height = std::abs(height - hip.middle);
     std::size_t lifted = before.end;
     while (lifted > before.begin && away[lifted - 1] > limit) --lifted;
-    if (trunk && *trunk <= lifted)
-      return Crossing(motion::StsEventKind::kOnset, s_.trunk_deg_s, s_.sd.trunk_deg_s, TrunkLimit(before, rise),
-                      *trunk);
-    return Crossing(motion::StsEventKind::kOnset, away, s_.sd.hip_height, limit, lifted);
+    if (trunk && trunk->frame <= lifted) {
+      motion::StsEvent onset = Crossing(motion::StsEventKind::kOnset, s_.trunk_deg_s, s_.sd.trunk_deg_s,
+                                        TrunkLimit(before, rise), trunk->frame);
+      if (trunk->sway_s > 0) onset.sd_s = std::hypot(std::isfinite(onset.sd_s) ? onset.sd_s : 0, trunk->sway_s);
+      return onset;
+    }
+    return Crossing(motion::StsEventKind::kOnset, away, s_.sd.hip_height, limit, lifted,
+                    BeyondFit(hip.deviation, s_.sd.hip_height, rest));
   }
 
   double TrunkLimit(Span before, const Stretch& rise) const {
     return o_.onset_fraction * Most(s_.trunk_deg_s, {before.begin, FastestIn(hip_up_.speed, rise)});
   }
 
+  // Where a movement begins, and the standard deviation of its time that the person's sway makes.
+  struct Departure {
+    std::size_t frame = 0;
+    double sway_s = 0;
+  };
+
   // The first frame in which the trunk turns forward for good; 0 if it does so from the beginning of the recording,
   // nullopt if its lean cannot be told from its movement at rest.
-  std::optional<std::size_t> TrunkLeaves(Span before, Span rest, const Stretch& rise) const {
+  std::optional<Departure> TrunkLeaves(Span before, Span rest, const Stretch& rise) const {
     const Values &angle = s_.trunk_deg, &speed = s_.trunk_deg_s;
     const std::size_t fastest = FastestIn(hip_up_.speed, rise);
     const std::size_t deepest = FastestIn(angle, {before.begin, fastest});
@@ -438,10 +457,32 @@ class EventFinder {
     for (std::size_t k = i; k <= deepest && angle[k] <= trunk.middle + 2 * departed; ++k)
       if (speed[k] > limit) speeds.push_back(speed[k]);
     const std::size_t begin = RunBegin(speed, limit, before.begin, i);
-    if (speeds.empty()) return begin;
-    std::size_t begun = std::min(begin, std::max(before.begin, FrameAt(s_.time_s[i] - 3 * departed / Mean(speeds), i)));
+    if (speeds.empty()) return Departure{begin, 0};
+    const double lean_deg_s = Mean(speeds), hidden_s = 3 * departed / lean_deg_s;
+    std::size_t begun = std::min(begin, std::max(before.begin, FrameAt(s_.time_s[i] - hidden_s, i)));
     while (begun < begin && speed[begun] <= limit) ++begun;
-    return begun;
+    const double joined_s = s_.time_s[i] - hidden_s - s_.time_s[begin];
+    const Span still = {rest.begin, std::clamp(begun, rest.begin, rest.end)};  // the end of a rest may be of the lean
+    const double sway_deg_s = BeyondFit(DeviationFromZero(Part(speed, still)), s_.sd.trunk_deg_s, still);
+    return Departure{begun, SwayOfOnset(sway_deg_s, limit, lean_deg_s, hidden_s, joined_s)};
+  }
+
+  // As RobustDeviation, of a speed, which is zero in the mean: slow sway does not show that in a short rest.
+  static double DeviationFromZero(Values speeds) {
+    for (double& speed : speeds) speed = std::abs(speed);
+    return 1.4826 * Median(std::move(speeds));
+  }
+
+  // What sway makes of an onset's time, 1 SD. Of a movement that begins with a steady jerk the speed comes to the limit
+  // with a slope of twice the limit over the time until then; the sway's speed over that slope is the SD, but no more
+  // than where the onset may be anywhere in the time that the sway hides. Where a swing of the sway runs into the lean
+  // (`joined_s` before the lean is extrapolated to begin), one or the other is right.
+  static double SwayOfOnset(double sway_deg_s, double limit, double lean_deg_s, double hidden_s, double joined_s) {
+    const double all_deg_s = std::sqrt(2) * sway_deg_s;  // a rest holds a swing or two, which seldom are the largest
+    const double to_limit_s = hidden_s * std::sqrt(limit / lean_deg_s);
+    const double anywhere_s = hidden_s / std::sqrt(12.0);
+    return std::hypot(std::min(all_deg_s * to_limit_s / (2 * limit), anywhere_s),
+                      std::min(1.0, all_deg_s / limit) * std::max(0.0, joined_s));
   }
 
   const StsSignals& s_;

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
@@ -14,43 +16,83 @@ constexpr double kSlow_s = 1000;  // no acceleration is left
 
 // The same points at a pace by a factor faster.
 LegPoints Faster(LegPoints points, double factor) {
-  for (PointMotion& point : points) point.velocity_m_s *= factor, point.acceleration_m_s2 *= factor * factor;
-  return points;
-}
-
-// Of the rises' mean, in a time; `trunk`: where its centre is at the person's own pace.
-PaceLoads AtPace(const Model& model, const TrunkFit& trunk, const std::vector<Rise>& rises, double rise_s,
-                 const LoadsOptions& options) {
-  const auto row_of = [&](const Rise& rise, int percent) -> std::optional<PaceRow> {
-    const double at_s = TimeOf(rise, percent), factor = (rise.standing_s - rise.onset_s) / rise_s;
-    const std::size_t frame = Locate(model.path.time_s, at_s).before;
-    if (!SeatIsLeft(rise, at_s, options) || !model.path.known[frame]) return std::nullopt;
-    Displacement beside = trunk.At(model.path, frame);
-    beside.acceleration_m_s2 *= factor * factor;
-    const LegLoads loads = LoadsFromTrunk(Faster(model.path.frames[frame], factor), model.body, beside);
-    return PaceRow{static_cast<double>(percent), rise_s * percent / 100, loads.moments.knee_nm, kMmPerM * loads.zmp_m,
-                   0};
-  };
-  PaceLoads pace{.rise_s = rise_s, .rows = {}, .margin_mm = LoadsRow::kUnknown, .at_percent = LoadsRow::kUnknown};
-  for (int percent = 0; percent < kPercents; ++percent) {
-    PaceRow mean{.percent = static_cast<double>(percent), .time_s = rise_s * percent / 100};
-    double count = 0;
-    for (const Rise& rise : rises)
-      if (const auto row = row_of(rise, percent)) ++count, mean.knee_nm += row->knee_nm, mean.zmp_mm += row->zmp_mm;
-    if (count < static_cast<double>(rises.size())) continue;
-    mean.knee_nm /= count, mean.zmp_mm /= count;
-    mean.margin_mm =
-        std::min(mean.zmp_mm + kMmPerM * model.body.sole.heel_m, kMmPerM * model.body.sole.toe_m - mean.zmp_mm);
-    pace.rows.push_back(mean);
-    if (!(mean.margin_mm >= pace.margin_mm)) pace.margin_mm = mean.margin_mm, pace.at_percent = mean.percent;
+  for (PointMotion& point : points) {
+    point.velocity_m_s *= factor;
+    point.acceleration_m_s2 *= factor * factor;
   }
-  return pace;
+  return points;
 }
 
 double MeanDuration(const std::vector<Rise>& rises) {
   double sum_s = 0;
   for (const Rise& rise : rises) sum_s += rise.standing_s - rise.onset_s;
   return sum_s / static_cast<double>(rises.size());
+}
+
+// Of one frame, at a pace by a factor faster.
+LegLoads FasterLoads(const Model& model, const TrunkFit& trunk, std::size_t frame, double factor) {
+  Displacement beside = trunk.At(model.path, frame);
+  beside.acceleration_m_s2 *= factor * factor;
+  return LoadsFromTrunk(Faster(model.path.frames[frame], factor), model.body, beside);
+}
+
+// The frames around a time; nullopt where the markers do not show both.
+std::optional<Between> KnownAround(const Model& model, double at_s) {
+  const Between b = Locate(model.path.time_s, at_s);
+  return model.path.known[b.before] && model.path.known[b.before + 1] ? std::optional(b) : std::nullopt;
+}
+
+// The mean of the rises, all slowed down alike so that the mean takes a time; `trunk`: where its centre is at the
+// person's own pace.
+PaceLoads AtPace(const Model& model, const TrunkFit& trunk, const std::vector<Rise>& rises, double rise_s,
+                 const LoadsOptions& options) {
+  const double factor = MeanDuration(rises) / rise_s;
+  const auto row_of = [&](const Rise& rise, int percent) -> std::optional<PaceRow> {
+    const double at_s = TimeOf(rise, percent);
+    const auto b = KnownAround(model, at_s);
+    if (!SeatIsLeft(rise, at_s, options) || !b) return std::nullopt;
+    const LegLoads before = FasterLoads(model, trunk, b->before, factor),
+                   after = FasterLoads(model, trunk, b->before + 1, factor);
+    return PaceRow{.percent = static_cast<double>(percent),
+                   .time_s = rise_s * percent / 100,
+                   .knee_nm = std::lerp(before.moments.knee_nm, after.moments.knee_nm, b->part),
+                   .zmp_mm = kMmPerM * std::lerp(before.zmp_m, after.zmp_m, b->part)};
+  };
+  PaceLoads pace{.rise_s = rise_s, .rows = {}, .margin_mm = LoadsRow::kUnknown, .at_percent = LoadsRow::kUnknown};
+  for (int percent = 0; percent < kPercents; ++percent) {
+    PaceRow mean{.percent = static_cast<double>(percent), .time_s = rise_s * percent / 100};
+    double count = 0;
+    for (const Rise& rise : rises) {
+      const auto row = row_of(rise, percent);
+      if (!row) continue;
+      ++count;
+      mean.knee_nm += row->knee_nm;
+      mean.zmp_mm += row->zmp_mm;
+    }
+    if (count < static_cast<double>(rises.size())) continue;
+    mean.knee_nm /= count;
+    mean.zmp_mm /= count;
+    mean.margin_mm =
+        std::min(mean.zmp_mm + kMmPerM * model.body.sole.heel_m, kMmPerM * model.body.sole.toe_m - mean.zmp_mm);
+    pace.rows.push_back(mean);
+    if (mean.margin_mm >= pace.margin_mm) continue;
+    pace.margin_mm = mean.margin_mm;
+    pace.at_percent = mean.percent;
+  }
+  return pace;
+}
+
+SegmentMotion TrunkSegment(const Model& model, std::size_t frame) {
+  return SegmentBetween(model.path.frames[frame][kHip], model.path.frames[frame][kTrunkTop]);
+}
+
+// Before the feet alone bear the body no force tells where in the trunk its centre is: there it is where it is at first
+// on the feet, so that nothing jumps then.
+TrunkSample TrunkOf(const Model& model, const TrunkFit& trunk, std::size_t frame, std::size_t on_feet) {
+  const std::size_t told = std::max(frame, on_feet);
+  const SegmentMotion segment = TrunkSegment(model, frame), at_told = TrunkSegment(model, told);
+  const Eigen::Vector2d centre_m = model.body.trunk.centre_m * at_told.along + trunk.At(model.path, told).value_m;
+  return {segment.tilt_rad, Eigen::Rotation2Dd(at_told.tilt_rad - segment.tilt_rad) * centre_m};
 }
 
 }  // namespace
@@ -76,13 +118,17 @@ BodyPath MeanBodyPath(const Model& model, const TrunkFit& trunk, const std::vect
     TrunkSample mean{0, Eigen::Vector2d::Zero()};
     for (const Rise& rise : rises) {
       const double at_s = TimeOf(rise, percent), share = 1 / static_cast<double>(rises.size());
-      const std::size_t frame = Locate(model.path.time_s, at_s).before;
       if (!SeatIsLeft(rise, at_s, options)) path.feet_from_percent = percent + 1;
-      const LegPoints& points = model.path.frames[frame];
-      if (!model.path.known[frame]) mean = {};  // NaN stays NaN
-      const SegmentMotion segment = SegmentBetween(points[kHip], points[kTrunkTop]);
-      mean.tilt_rad += share * segment.tilt_rad;
-      mean.centre_m += share * (model.body.trunk.centre_m * segment.along + trunk.At(model.path, frame).value_m);
+      const auto b = KnownAround(model, at_s);
+      if (!b) {
+        mean = {};  // NaN stays NaN
+        continue;
+      }
+      const std::size_t on_feet = FrameFrom(model.path.time_s, rise.seat_off_s + options.seat_release_s);
+      const TrunkSample before = TrunkOf(model, trunk, b->before, on_feet),
+                        after = TrunkOf(model, trunk, b->before + 1, on_feet);
+      mean.tilt_rad += share * std::lerp(before.tilt_rad, after.tilt_rad, b->part);
+      mean.centre_m += share * ((1 - b->part) * before.centre_m + b->part * after.centre_m);
     }
     path.trunk.push_back(mean);
   }

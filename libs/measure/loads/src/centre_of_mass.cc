@@ -64,8 +64,11 @@ RiseMomentum FindMomentum(const LegPath& path, const LegBody& body, double body_
     const double at_s = std::lerp(onset_s, standing_s, percent / 100.0);
     const CentreOfMass& centre = momentum.rows.emplace_back(at(at_s));
     if (const double forward_m_s = centre.velocity_m_s.x();
-        forward_m_s > momentum.forward_max_m_s || (std::isnan(momentum.forward_max_m_s) && std::isfinite(forward_m_s)))
-      momentum.forward_max_m_s = forward_m_s, momentum.forward_lead_s = seat_off_s - at_s;
+        forward_m_s > momentum.forward_max_m_s ||
+        (std::isnan(momentum.forward_max_m_s) && std::isfinite(forward_m_s))) {
+      momentum.forward_max_m_s = forward_m_s;
+      momentum.forward_lead_s = seat_off_s - at_s;
+    }
     momentum.upward_max_m_s = std::fmax(momentum.upward_max_m_s, centre.velocity_m_s.y());
   }
   const CentreOfMass seat_off = at(seat_off_s);

@@ -24,8 +24,11 @@ using Eigen::Vector2d;
 constexpr double kLow = 0.025, kHigh = 0.975;
 
 std::vector<Rise> RisesOf(const std::vector<motion::StsEvent>& events) {
-  std::map<int, std::map<motion::StsEventKind, double>> times;
-  for (const motion::StsEvent& event : events) times[event.repetition][event.kind] = event.time_s;
+  std::map<int, std::map<motion::StsEventKind, double>> times, deviations;
+  for (const motion::StsEvent& event : events) {
+    times[event.repetition][event.kind] = event.time_s;
+    deviations[event.repetition][event.kind] = std::isfinite(event.sd_s) ? event.sd_s : 0;
+  }
   std::vector<Rise> rises;
   for (const auto& [repetition, at] : times) {
     using enum motion::StsEventKind;
@@ -35,7 +38,10 @@ std::vector<Rise> RisesOf(const std::vector<motion::StsEvent>& events) {
               .seat_off_s = at.at(kSeatOff),
               .standing_s = at.at(kStanding),
               .descent_s = {},
-              .seated_s = {}};
+              .seated_s = {},
+              .onset_sd_s = deviations[repetition][kOnset],
+              .seat_off_sd_s = deviations[repetition][kSeatOff],
+              .standing_sd_s = deviations[repetition][kStanding]};
     if (at.contains(kDescent)) rise.descent_s = at.at(kDescent);
     if (at.contains(kSeated)) rise.seated_s = at.at(kSeated);
     rises.push_back(rise);
@@ -135,7 +141,7 @@ double Largest(const std::vector<double>& curve) {
 class Drawing {
  public:
   Drawing(const Uncertainty& uncertainty, std::uint64_t seed)
-      : u_(uncertainty), random_(seed), axis_random_(seed + 1) {}
+      : u_(uncertainty), random_(seed), axis_random_(seed + 1), event_random_(seed + 3) {}
 
   std::mt19937_64& Random() { return random_; }
   double Normal(double sigma) { return sigma * normal_(random_); }
@@ -194,6 +200,17 @@ class Drawing {
     return drawn;
   }
 
+  // The same rises, their events beside where they were found, and still in their order.
+  std::vector<Rise> Rises(std::vector<Rise> rises) {
+    std::normal_distribution<double> normal;
+    for (Rise& rise : rises) {
+      rise.seat_off_s += rise.seat_off_sd_s * normal(event_random_);
+      rise.onset_s = std::min(rise.onset_s + rise.onset_sd_s * normal(event_random_), rise.seat_off_s);
+      rise.standing_s = std::max(rise.standing_s + rise.standing_sd_s * normal(event_random_), rise.seat_off_s);
+    }
+    return rises;
+  }
+
   std::vector<std::optional<Wrench>> Ground(std::vector<std::optional<Wrench>> ground) {
     const double factor = Factor(u_.ground_force), shift_m = Normal(u_.pressure_m);
     for (std::optional<Wrench>& wrench : ground)
@@ -206,7 +223,7 @@ class Drawing {
 
  private:
   Uncertainty u_;
-  std::mt19937_64 random_, axis_random_;
+  std::mt19937_64 random_, axis_random_, event_random_;
   std::normal_distribution<double> normal_;
 };
 
@@ -583,22 +600,23 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
   for (int draw = 0; draw < options.draws; ++draw) {
     ThrowIfInterrupted();
     const std::size_t which = drawing.Index(paths.size());
+    const std::vector<Rise> drawn_rises = drawing.Rises(rises);
     Model drawn{drawing.Path(paths[which], factors[which] * cutoff_hz), drawing.Body(result.body), {}, {}};
     if (forces) {
       drawn.ground = drawing.Ground(model.ground);
     } else {
       const TrunkFit fit(drawn.path, drawn.body, windows, drawing.Prior(options.trunk));
       drawn.trunk = fit.Draw(drawing.Random());
-      slow_margin_mm.push_back(SlowMargin(drawn, *drawn.trunk, rises, options));
+      slow_margin_mm.push_back(SlowMargin(drawn, *drawn.trunk, drawn_rises, options));
       along_m.push_back(drawn.trunk->AlongM());
       across_m.push_back(drawn.trunk->AcrossM());
     }
     const TrunkFit drawn_trunk = drawn.trunk ? *drawn.trunk : trunk.Draw(trunk_random);
     const double axis_factor = drawing.AxisFactor();
     for (std::size_t r = 0; r < rises.size(); ++r) {
-      curves[r].push_back(KneeCurve(drawn, rises[r], options, axis_factor));
-      bounds[r].push_back(SeatBoundsOf(drawn, rises[r], options));
-      momenta[r].push_back(momentum_of(drawn.path, drawn.body, drawn_trunk, rises[r]));
+      curves[r].push_back(KneeCurve(drawn, drawn_rises[r], options, axis_factor));
+      bounds[r].push_back(SeatBoundsOf(drawn, drawn_rises[r], options));
+      momenta[r].push_back(momentum_of(drawn.path, drawn.body, drawn_trunk, drawn_rises[r]));
     }
   }
 

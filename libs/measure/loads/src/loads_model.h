@@ -15,6 +15,7 @@ struct Rise {
   int repetition = 0;
   double onset_s = 0, seat_off_s = 0, standing_s = 0;
   std::optional<double> descent_s, seated_s;
+  double onset_sd_s = 0, seat_off_sd_s = 0, standing_sd_s = 0;  // 0 where not known
 };
 
 // The time of a percent of it.

@@ -175,7 +175,7 @@ void DrawPressures(GnuplotFigure& figure, const redesign::RedesignOutcome& outco
   const loads::Foot& foot = outcome.problem.body->body.sole;
   const double heel_mm = -kMmPerM * foot.heel_m, toe_mm = kMmPerM * foot.toe_m;
   figure.Line("set title 'Centre of pressure'; set ylabel 'before the ankle (mm)'; set key top right");
-  figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 80, toe_mm + 120));
+  figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 80, toe_mm + 200));
   Plot plot(figure);
   const auto member = &redesign::BalanceSample::pressure_mm;
   plot.AddCurve(Balances(outcome.before, member), kBeforeStyle, name("worn", outcome.before));
@@ -200,7 +200,7 @@ void DrawTrunk(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) 
   figure.Line("set title 'Trunk'; set ylabel 'forward lean (°)'");
   Plot plot(figure);
   plot.AddCurve(human, kHumanStyle, "human");
-  plot.AddCurve(leaning, kAfterStyle, "for " + AfterName(outcome));
+  plot.AddCurve(leaning, kAfterStyle, AfterName(outcome) + " program");
   plot.Draw();
 }
 
@@ -211,7 +211,7 @@ void DrawLegLean(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome
   figure.Line("set title 'Leg, from ankle to hip'; set ylabel 'farther forward than the human (°)'");
   figure.Line("set yrange [*<-2:2<*]");
   Plot plot(figure);
-  plot.AddCurve(more_deg, kAfterStyle, "for " + AfterName(outcome));
+  plot.AddCurve(more_deg, kAfterStyle, AfterName(outcome) + " program");
   plot.Draw();
   figure.Line("set yrange [*:*]");
 }
