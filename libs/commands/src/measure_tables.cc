@@ -1,5 +1,10 @@
 #include "measure_tables.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "lake/core/deviation_text.h"
 #include "lake/figure/measures_figure.h"
 #include "png_and_svg.h"
 
@@ -21,6 +26,9 @@ void WriteUncertaintyBudget(const gait::LegFitResult& leg, const compare::Record
   if (budgets.empty()) return;
   compare::WriteUncertaintyBudgetCsv(run.Result("uncertainty_budget.csv"), budgets);
   results["uncertainty"] = compare::BudgetsJson(budgets);
+  const auto knee = std::ranges::find(budgets, std::string("knee_angle"), &compare::Budget::quantity);
+  run.Report(fmt::format("the joint beneath the skin: knee within {} (1 SD; uncertainty_budget.csv)\n",
+                         DeviationText(knee->Deviation(), 1, "°")));
 }
 
 }  // namespace lake::commands

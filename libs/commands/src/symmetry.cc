@@ -1,4 +1,4 @@
-#include "lake/commands/symmetry.h"
+#include "symmetry.h"
 
 #include <fmt/format.h>
 
@@ -158,6 +158,18 @@ Json DifferenceJson(const compare::SideDifference& difference) {
           {"asymmetric", difference.IsAsymmetric()}};
 }
 
+std::string ReportOf(const compare::Symmetry& symmetry) {
+  std::string text =
+      fmt::format("{} and {} rises of the left and the right leg: {}\n", symmetry.left_rises, symmetry.right_rises,
+                  symmetry.is_asymmetric ? "asymmetric" : "no difference beyond its interval");
+  for (const compare::SideDifference& of : symmetry.quantities)
+    text +=
+        fmt::format("{} {}  left less right {:+.3g} (95 %: {:+.3g} to {:+.3g}), index {:+.1f} % ({:+.1f} to {:+.1f})\n",
+                    of.IsAsymmetric() ? "*" : " ", of.name, of.difference, of.interval.low, of.interval.high,
+                    of.index_percent, of.index_interval.low, of.index_interval.high);
+  return text;
+}
+
 }  // namespace
 
 Json RunSymmetry(const CompareRunOptions& options, Run& run) {
@@ -181,26 +193,12 @@ Json RunSymmetry(const CompareRunOptions& options, Run& run) {
   Json quantities = Json::object();
   for (const compare::SideDifference& difference : symmetry.quantities)
     quantities[difference.name] = DifferenceJson(difference);
+  run.Report(ReportOf(symmetry));
   return {{"asymmetric", symmetry.is_asymmetric},
           {"left_rises", symmetry.left_rises},
           {"right_rises", symmetry.right_rises},
           {"matched", of_sides.one_recording},
           {"symmetry", quantities}};
-}
-
-std::string SymmetryReport(const Json& summary) {
-  std::string text = fmt::format("{} and {} rises of the left and the right leg: {}\n", summary["left_rises"].dump(),
-                                 summary["right_rises"].dump(),
-                                 summary["asymmetric"] == true ? "asymmetric" : "no difference beyond its interval");
-  for (const auto& [name, difference] : summary["symmetry"].items()) {
-    const Json &interval = difference["interval"], &index = difference["index_interval_percent"];
-    text +=
-        fmt::format("{} {}  left less right {:+.3g} (95 %: {:+.3g} to {:+.3g}), index {:+.1f} % ({:+.1f} to {:+.1f})\n",
-                    difference["asymmetric"] == true ? "*" : " ", name, NumberOrNaN(difference["difference"]),
-                    NumberOrNaN(interval[0]), NumberOrNaN(interval[1]), NumberOrNaN(difference["index_percent"]),
-                    NumberOrNaN(index[0]), NumberOrNaN(index[1]));
-  }
-  return text;
 }
 
 }  // namespace lake::commands

@@ -22,11 +22,11 @@ struct Synced {
 };
 
 Synced SyncedA(const SyncRunOptions& o) {
-  return {o.a, o.signal_a, o.clap_a, o.clapped_a};
+  return {.recording = o.a, .signal = o.signal_a, .film = o.clap_a, .clapped = o.clapped_a};
 }
 
 Synced SyncedB(const SyncRunOptions& o) {
-  return {o.b, o.signal_b, o.clap_b, o.clapped_b};
+  return {.recording = o.b, .signal = o.signal_b, .film = o.clap_b, .clapped = o.clapped_b};
 }
 
 bool HasSignal(const Synced& side) {
@@ -97,6 +97,15 @@ Json AlignmentJson(const sync::Alignment& alignment) {
           {"parts", parts}};
 }
 
+std::string ReportOf(const sync::Alignment& alignment) {
+  const sync::Clock& clock = alignment.clock;
+  return fmt::format(
+      "offset {:+.4f} s to add to B's times, drift {:+.1f} ± {:.1f} ppm, standard deviation {:.4f} s; by "
+      "{}, {} ({:.1f} % not explained) over {:.1f} s\n",
+      clock.offset_s, clock.drift_ppm, alignment.drift_sd_ppm, clock.sd_s, clock.method, alignment.comparison.name,
+      100 * alignment.unexplained, alignment.overlap_s);
+}
+
 }  // namespace
 
 void Describe(SyncRunOptions& o, OptionList& options) {
@@ -155,16 +164,8 @@ Json RunSync(const SyncRunOptions& options, Run& run) {
     figure::DrawSync(path, alignment,
                      fmt::format("{} and {}", options.a.filename().string(), options.b.filename().string()));
   });
+  run.Report(ReportOf(alignment));
   return AlignmentJson(alignment);
-}
-
-std::string SyncReport(const Json& summary) {
-  return fmt::format(
-      "offset {:+.4f} s to add to B's times, drift {:+.1f} ± {:.1f} ppm, standard deviation {:.4f} s; by "
-      "{}, {} ({:.1f} % not explained) over {:.1f} s\n",
-      NumberOrNaN(summary["offset_s"]), NumberOrNaN(summary["drift_ppm"]), NumberOrNaN(summary["drift_sd_ppm"]),
-      NumberOrNaN(summary["sd_s"]), summary["method"].get<std::string>(), summary["compared"].get<std::string>(),
-      100 * NumberOrNaN(summary["unexplained"]), NumberOrNaN(summary["overlap_s"]));
 }
 
 }  // namespace lake::commands
