@@ -265,8 +265,10 @@ LineChart ParetoChart(const Json& summary) {
     series.name = front.at("program").get<std::string>() + " program";
     series.mark = kFrontMarks[chart.series.size() % std::size(kFrontMarks)];
     series.colour = colour::kFronts[chart.series.size() % std::size(colour::kFronts)];
-    for (const Json& point : front.at("range_deg_and_misalignment_percent"))
-      series.x.push_back(NumberOrNaN(point.at(0))), series.y.push_back(NumberOrNaN(point.at(1)));
+    for (const Json& point : front.at("range_deg_and_misalignment_percent")) {
+      series.x.push_back(NumberOrNaN(point.at(0)));
+      series.y.push_back(NumberOrNaN(point.at(1)));
+    }
     chart.series.push_back(std::move(series));
   }
   const auto add = [&](const char* design, const char* name, const char* colour) {
