@@ -16,7 +16,6 @@ int main(int argc, char** argv) {
         lake::Json results = lake::commands::RunCheck(options, run);
         fit = results["fit"].get<bool>();
         return results;
-      },
-      lake::commands::CheckReport);
+      });
   return code == 0 && !fit ? 1 : code;
 }

@@ -9,5 +9,5 @@ int main(int argc, char** argv) {
   program.Add(lake::OptionsOf(options));
   return program.Main(
       argc, argv, [&] { return options.trial.stem().string(); },
-      [&](lake::Run& run) { return lake::commands::RunGait(options, run); }, lake::commands::GaitReport);
+      [&](lake::Run& run) { return lake::commands::RunGait(options, run); });
 }

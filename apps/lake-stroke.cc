@@ -50,11 +50,5 @@ int main(int argc, char** argv) {
         if (calibrate()) return commands::RunDutyCalibration(duty, run);
         if (stroke.design.empty()) throw UsageError("which design? see lake-stroke --help");
         return commands::RunStroke(stroke, run);
-      },
-      [&](const Json& summary) {
-        if (run_command() || home_command()) return commands::StrokeSessionReport(summary);
-        if (bench_command()) return commands::BenchReportText(summary);
-        if (talk_command()) return std::string("what the firmware said is in serial.csv\n");
-        return calibrate() ? commands::DutyReport(summary) : commands::StrokeReport(summary);
       });
 }

@@ -9,5 +9,5 @@ int main(int argc, char** argv) {
   program.Add(lake::OptionsOf(options));
   return program.Main(
       argc, argv, [&] { return options.a.stem().string(); },
-      [&](lake::Run& run) { return lake::commands::RunSync(options, run); }, lake::commands::SyncReport);
+      [&](lake::Run& run) { return lake::commands::RunSync(options, run); });
 }

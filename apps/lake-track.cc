@@ -1,5 +1,4 @@
 // lake-track: markers, leg vectors and knee angle from a video.
-#include "lake/commands/gait.h"
 #include "lake/commands/track.h"
 #include "program.h"
 
@@ -10,5 +9,5 @@ int main(int argc, char** argv) {
   program.Add(lake::OptionsOf(options));
   return program.Main(
       argc, argv, [&] { return options.video.stem().string(); },
-      [&](lake::Run& run) { return lake::commands::RunTrack(options, run); }, lake::commands::GaitReport);
+      [&](lake::Run& run) { return lake::commands::RunTrack(options, run); });
 }

@@ -59,10 +59,13 @@ std::vector<ShellOption> ShellOptions(const CLI::App& cli) {
       for (const std::string& name : option->get_lnames()) {
         if (!known.insert(name).second) continue;
         const bool is_negation = name == "no-" + option->get_lnames().front();
-        options.push_back({"--" + name, std::exchange(short_name, ""),
-                           (is_negation ? "Not: " : "") + option->get_description(), option->get_type_name(),
-                           option->get_items_expected_max() > 0, option->get_items_expected_max() > 1,
-                           ChoicesOf(*option)});
+        options.push_back({.name = "--" + name,
+                           .short_name = std::exchange(short_name, ""),
+                           .help = (is_negation ? "Not: " : "") + option->get_description(),
+                           .value = option->get_type_name(),
+                           .takes_value = option->get_items_expected_max() > 0,
+                           .is_repeated = option->get_items_expected_max() > 1,
+                           .choices = ChoicesOf(*option)});
       }
     }
   return options;

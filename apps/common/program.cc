@@ -368,24 +368,29 @@ std::vector<std::string> Program::Subject() const {
 }
 
 int Program::Main(int argc, char** argv, const std::function<std::string()>& result_name,
-                  const std::function<Json(Run&)>& work, const std::function<std::string(const Json&)>& report) {
+                  const std::function<Json(Run&)>& work) {
   std::vector<SharedOptions> lists;
   for (const auto& [app, list] : lists_) lists.push_back(list);
   return ParseAndRun(*cli_, lists, argc, argv, [&] {
     CatchInterrupts();
     if (threads_) SetThreads(*threads_);
     for (const SharedOptions& list : GivenLists()) list->Apply();
-    return Work(CommandLineOf(argc, argv), result_name(), work, report);
+    return Work(CommandLineOf(argc, argv), result_name(), work);
   });
 }
 
-int Program::Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work,
-                  const std::function<std::string(const Json&)>& report) {
+int Program::Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work) {
   const bool is_default = out_.empty();
   if (is_default) out_ = (std::filesystem::path("lake-out") / result_name).string();  // or an absolute path
   Json options = EffectiveOptions(*cli_, GivenLists());
   options["out"] = out_;
-  Run::Info info{name_, command, options, out_, quiet_, Subject(), is_default};
+  Run::Info info{.program = name_,
+                 .command = command,
+                 .options = options,
+                 .out = out_,
+                 .quiet = quiet_,
+                 .subject = Subject(),
+                 .default_folder = is_default};
   for (const SharedOptions& list : GivenLists())
     for (const Option& option : list->All())
       if (!option.Given().empty()) info.given.push_back(option.Name());
@@ -397,7 +402,7 @@ int Program::Work(const std::string& command, const std::string& result_name, co
   if (json_)
     fmt::print("{}\n", summary.dump(2, ' ', false, Json::error_handler_t::replace));
   else
-    fmt::print("{}results in {}\n", report ? report(summary) : run.ReportText(), out_);
+    fmt::print("{}results in {}\n", run.ReportText(), out_);
   return kDone;
 }
 

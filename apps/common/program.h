@@ -60,14 +60,13 @@ class Program {
 
   // Parses, runs `work`, and returns the exit code. `result_name` names the folder under ./lake-out (or is an absolute
   // path) when --out is not given; it is called after parsing. `work` writes its files through the Run and returns the
-  // results for summary.json; with --json the summary goes to stdout, else the run's report (or that which `report`
-  // makes of the summary). Null results: there is no summary, and nothing more is written or said.
+  // results for summary.json; with --json the summary goes to stdout, else the run's report. Null results: there is no
+  // summary, and nothing more is written or said.
   int Main(int argc, char** argv, const std::function<std::string()>& result_name,
-           const std::function<Json(Run&)>& work, const std::function<std::string(const Json&)>& report = {});
+           const std::function<Json(Run&)>& work);
 
  private:
-  int Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work,
-           const std::function<std::string(const Json&)>& report);
+  int Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work);
 
   // Those of the command line itself and of the command that was given.
   std::vector<SharedOptions> GivenLists() const;

@@ -164,12 +164,12 @@ TEST_F(TrackProgram, EndsCleanlyWhenInterrupted) {
   Ffmpeg("-f lavfi -i testsrc2=size=1280x720:rate=60:duration=2 -c:v libx264 -preset ultrafast two_seconds.mp4");
   Ffmpeg("-stream_loop 19 -i two_seconds.mp4 -c copy long.mp4");
   for (const auto& [signal, code] : {std::pair("INT", 130), std::pair("TERM", 143)}) {
-    // The signal comes when the video is open, however slow the machine is to get there. Without job control (set -m) a
-    // shell starts programs in the background with SIGINT ignored.
+    // The signal comes when the video is open and the results are begun, however slow the machine is to get there.
+    // Without job control (set -m) a shell starts programs in the background with SIGINT ignored.
     const Outcome outcome = Shell(
         folder_, fmt::format("bash -c 'set -m; lake-track long.mp4 --no-overlay --quiet -o results & "
-                             "until ls -l /proc/$!/fd 2>&- | grep -q long.mp4 || ! kill -0 $!; do sleep 0.02; done; "
-                             "sleep 0.3; kill -s {} $!; wait $! 2>&-'",
+                             "until [ -e results/.lake-track.lake-files.json ] || ! kill -0 $!; do sleep 0.02; done; "
+                             "kill -s {} $!; wait $! 2>&-'",
                              signal));
     EXPECT_EQ(outcome.exit_code, code) << outcome.err;
     EXPECT_EQ(outcome.err, "lake-track: interrupted\n");

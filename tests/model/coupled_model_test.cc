@@ -19,22 +19,22 @@ namespace {
 TEST(CoupledModel, RefusesWhatIsNoCuff) {
   const TemporaryFolder folder;
   const parts::Mechanism mechanism = testing::Published();
-  model::Wearer wearer = testing::Wearing(mechanism);
-  wearer.cuffs.shank.clear();
-  EXPECT_THROW(model::WriteCoupledMjcf(folder / "design.xml", mechanism, wearer), UsageError);
+  model::Subject subject = testing::Wearing(mechanism);
+  subject.cuffs.shank.clear();
+  EXPECT_THROW(model::WriteCoupledMjcf(folder / "design.xml", mechanism, subject), UsageError);
 }
 
 TEST(CoupledModel, ItsCourseIsTheRise) {
   const TemporaryFolder folder;
-  const model::Wearer wearer = testing::Wearing(testing::Published());
-  model::WriteCourse(folder / "course.csv", wearer);
+  const model::Subject subject = testing::Wearing(testing::Published());
+  model::WriteCourse(folder / "course.csv", subject);
   const CsvTable table = CsvTable::Read(folder / "course.csv");
   ASSERT_EQ(table.Rows(), 101u);
   const auto at = [&](std::size_t row, const char* column) { return table.RequiredNumber(row, table.Column(column)); };
   EXPECT_EQ(at(100, "time_s"), 6);
-  EXPECT_EQ(at(50, "human_knee_deg"), wearer.rise[50].knee_deg);
+  EXPECT_EQ(at(50, "human_knee_deg"), subject.rise[50].knee_deg);
   // Shank, less the knee, and the hip on top make the trunk's lean.
-  EXPECT_NEAR(at(50, "ankle_deg") - at(50, "human_knee_deg") + at(50, "hip_deg"), wearer.rise[50].trunk_deg, 1e-9);
+  EXPECT_NEAR(at(50, "ankle_deg") - at(50, "human_knee_deg") + at(50, "hip_deg"), subject.rise[50].trunk_deg, 1e-9);
 }
 
 #ifdef LAKE_HAS_MUJOCO
@@ -43,10 +43,10 @@ class Worn : public ::testing::Test {
  protected:
   Worn() { Wear(testing::Wearing(mechanism_)); }
 
-  void Wear(const model::Wearer& wearer) {
-    wearer_ = wearer;
+  void Wear(const model::Subject& subject) {
+    subject_ = subject;
     const TemporaryFolder folder;
-    model::WriteCoupledMjcf(folder / "design.xml", mechanism_, wearer_);
+    model::WriteCoupledMjcf(folder / "design.xml", mechanism_, subject_);
     simulation_ = std::make_unique<testing::MujocoModel>(folder / "design.xml");
     mj_forward(simulation_->Model(), simulation_->Data());
     pin_in_shank_ = Local("shank_link", CouplerEnd());
@@ -99,13 +99,13 @@ class Worn : public ::testing::Test {
   // How far the simulated cuffs' forces are from those of their model at the angles that the simulation has, as a share
   // of the largest.
   double OffTheModel() {
-    const double stiffness = std::sqrt(wearer_.cuffs.softest_n_mm * wearer_.cuffs.stiffest_n_mm);
+    const double stiffness = std::sqrt(subject_.cuffs.softest_n_mm * subject_.cuffs.stiffest_n_mm);
     const double knee_deg = DegreesFromRadians(simulation_->Position("human_knee")),
                  hinge_deg = DegreesFromRadians(simulation_->Position("knee"));
     const Eigen::Vector2d on_thigh =
-        cuffs::MisfitOf(Eigen::Vector2d::Zero(), wearer_.hinge_mm, wearer_.rise.back().knee_deg, 0);
-    const cuffs::LegLoad load = cuffs::LoadOnLeg({-knee_deg, 0, on_thigh, wearer_.hinge_mm, 0, hinge_deg - knee_deg},
-                                                 wearer_.cuffs, {stiffness, stiffness});
+        cuffs::MisfitOf(Eigen::Vector2d::Zero(), subject_.hinge_mm, subject_.rise.back().knee_deg, 0);
+    const cuffs::LegLoad load = cuffs::LoadOnLeg({-knee_deg, 0, on_thigh, subject_.hinge_mm, 0, hinge_deg - knee_deg},
+                                                 subject_.cuffs, {stiffness, stiffness});
     double off_n = 0;
     const auto compare = [&](const std::string& pad, const cuffs::CuffLoad& expected) {
       const Eigen::Vector2d force(1e3 * stiffness * simulation_->Position((pad + "_x").c_str()),
@@ -119,14 +119,14 @@ class Worn : public ::testing::Test {
   }
 
   const parts::Mechanism mechanism_ = testing::Published();
-  model::Wearer wearer_;
+  model::Subject subject_;
   std::unique_ptr<testing::MujocoModel> simulation_;
   Point pin_in_shank_{}, tip_in_bar_{};
 };
 
 TEST_F(Worn, TheBodyHasItsMasses) {
   const mjModel& m = *simulation_->Model();
-  const loads::LegBody& body = wearer_.body.body;
+  const loads::LegBody& body = subject_.body.body;
   for (const auto& [name, segment] : {std::pair{"foot", &body.foot}, std::pair{"shank", &body.shank},
                                       std::pair{"thigh", &body.thigh}, std::pair{"trunk", &body.trunk}}) {
     EXPECT_NEAR(m.body_mass[Body(name)], segment->mass_kg, 1e-9) << name;
@@ -148,10 +148,10 @@ TEST_F(Worn, CuffsDoAtRestWhatTheirModelSays) {
     mju_zero(simulation_->Model()->opt.gravity, 3);
     StartInReference();
     for (const std::size_t percent : {70u, 40u, 0u}) {
-      Ramp(ControlOf(wearer_.rise[percent]), 1.5);
+      Ramp(ControlOf(subject_.rise[percent]), 1.5);
       simulation_->Settle();
       for (const char* joint : {"human_knee", "knee"})
-        EXPECT_NEAR(DegreesFromRadians(simulation_->Position(joint)), wearer_.rise[percent].knee_deg, 0.02);
+        EXPECT_NEAR(DegreesFromRadians(simulation_->Position(joint)), subject_.rise[percent].knee_deg, 0.02);
       EXPECT_LT(OffTheModel(), 0.01) << hinge_mm.transpose() << " mm at " << percent << " %";
       EXPECT_LT(LoopsApartMm(), 0.01);
     }
@@ -161,17 +161,17 @@ TEST_F(Worn, CuffsDoAtRestWhatTheirModelSays) {
 // With weight, through the whole rise to standing; loops closed throughout.
 TEST_F(Worn, RisesToStanding) {
   StartInReference();
-  Ramp(ControlOf(wearer_.rise.front()), 2);
+  Ramp(ControlOf(subject_.rise.front()), 2);
   double most_mm = 0;
-  for (std::size_t i = 1; i < wearer_.rise.size(); ++i) {
-    Ramp(ControlOf(wearer_.rise[i]), wearer_.rise[i].time_s - wearer_.rise[i - 1].time_s);
+  for (std::size_t i = 1; i < subject_.rise.size(); ++i) {
+    Ramp(ControlOf(subject_.rise[i]), subject_.rise[i].time_s - subject_.rise[i - 1].time_s);
     most_mm = std::max(most_mm, LoopsApartMm());
-    ASSERT_NEAR(DegreesFromRadians(simulation_->Position("human_knee")), wearer_.rise[i].knee_deg, 1) << i << " %";
-    ASSERT_NEAR(DegreesFromRadians(simulation_->Position("knee")), wearer_.rise[i].knee_deg, 1) << i << " %";
+    ASSERT_NEAR(DegreesFromRadians(simulation_->Position("human_knee")), subject_.rise[i].knee_deg, 1) << i << " %";
+    ASSERT_NEAR(DegreesFromRadians(simulation_->Position("knee")), subject_.rise[i].knee_deg, 1) << i << " %";
   }
   EXPECT_LT(most_mm, 0.01);
   simulation_->Settle();
-  EXPECT_NEAR(DegreesFromRadians(simulation_->Position("human_knee")), wearer_.rise.back().knee_deg, 0.1);
+  EXPECT_NEAR(DegreesFromRadians(simulation_->Position("human_knee")), subject_.rise.back().knee_deg, 0.1);
   EXPECT_NEAR(simulation_->Data()->xpos[3 * Body("trunk") + 2],
               0.42 * std::cos(RadiansFromDegrees(6)) + 0.4 * std::cos(RadiansFromDegrees(2)), 0.002);
 }
@@ -182,7 +182,7 @@ TEST_F(Worn, KeyframesAreTheRise) {
   ASSERT_EQ(m.nkey, 21);
   const int half = simulation_->Id(mjOBJ_KEY, "50_percent");
   EXPECT_NEAR(m.key_time[half], 3, 1e-12);
-  const std::array<double, 4> control = ControlOf(wearer_.rise[50]);
+  const std::array<double, 4> control = ControlOf(subject_.rise[50]);
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(m.key_ctrl[4 * half + k], control[static_cast<std::size_t>(k)], 1e-9);
 }
 

@@ -140,8 +140,8 @@ class OsimFile {
 class WornOsim : public ::testing::Test {
  protected:
   WornOsim() {
-    model::WriteCoupledOsim(folder_ / "design.osim", mechanism_, wearer_);
-    model::WriteOsimMotion(folder_ / "course.mot", mechanism_, wearer_);
+    model::WriteCoupledOsim(folder_ / "design.osim", mechanism_, subject_);
+    model::WriteOsimMotion(folder_ / "course.mot", mechanism_, subject_);
     file_.emplace(folder_ / "design.osim");
     motion_ = exchange::ReadMot(folder_ / "course.mot");
   }
@@ -158,7 +158,7 @@ class WornOsim : public ::testing::Test {
 
   const TemporaryFolder folder_;
   const parts::Mechanism mechanism_ = testing::Published();
-  const model::Wearer wearer_ = testing::Wearing(mechanism_);
+  const model::Subject subject_ = testing::Wearing(mechanism_);
   std::optional<OsimFile> file_;
   exchange::MotTable motion_;
 };
@@ -212,12 +212,12 @@ TEST_F(WornOsim, EachBodyHangsOnOneJointAndEachActuatorOnACoordinate) {
 // Loops, person, mechanism and cuffs at each percent of the rise.
 TEST_F(WornOsim, ItsMotionIsTheRise) {
   constexpr double kSame_m = 1e-9;
-  ASSERT_EQ(motion_.rows.size(), wearer_.rise.size());
-  const double stiffness = std::sqrt(wearer_.cuffs.softest_n_mm * wearer_.cuffs.stiffest_n_mm);
+  ASSERT_EQ(motion_.rows.size(), subject_.rise.size());
+  const double stiffness = std::sqrt(subject_.cuffs.softest_n_mm * subject_.cuffs.stiffest_n_mm);
   const Eigen::Vector2d on_thigh =
-      cuffs::MisfitOf(Eigen::Vector2d::Zero(), wearer_.hinge_mm, wearer_.rise.back().knee_deg, 0);
+      cuffs::MisfitOf(Eigen::Vector2d::Zero(), subject_.hinge_mm, subject_.rise.back().knee_deg, 0);
   for (std::size_t i = 0; i < motion_.rows.size(); ++i) {
-    const model::WornSample& sample = wearer_.rise[i];
+    const model::WornSample& sample = subject_.rise[i];
     EXPECT_EQ(motion_.time_s[i], sample.time_s);
     const auto poses = file_->Poses(Row(i));
     EXPECT_LT(file_->LoopsApart(poses), kSame_m) << i;
@@ -243,8 +243,8 @@ TEST_F(WornOsim, ItsMotionIsTheRise) {
     // Each cuff slips as its model says.
     const double hinge_deg = DegreesFromRadians(Row(i)["knee"]);
     const cuffs::LegLoad load = cuffs::LoadOnLeg({sample.shank_deg - sample.knee_deg, sample.shank_deg, on_thigh,
-                                                  wearer_.hinge_mm, 0, hinge_deg - sample.knee_deg},
-                                                 wearer_.cuffs, {stiffness, stiffness});
+                                                  subject_.hinge_mm, 0, hinge_deg - sample.knee_deg},
+                                                 subject_.cuffs, {stiffness, stiffness});
     const auto slips = [&](const char* name, const cuffs::CuffLoad& expected) {
       const pugi::xml_node cuff = file_->Force(name);
       const auto [segment, on_segment] = file_->FrameAt(cuff, "socket_frame1");
@@ -314,7 +314,7 @@ TEST(Osim, TheMechanismAloneFollowsItsClosedForm) {
 
 // MuJoCo's x, y, z are OpenSim's x, -z, y.
 TEST_F(WornOsim, InItsPoseEachBodyIsWhereMuJoCoHasIt) {
-  model::WriteCoupledMjcf(folder_ / "design.xml", mechanism_, wearer_);
+  model::WriteCoupledMjcf(folder_ / "design.xml", mechanism_, subject_);
   testing::MujocoModel simulation(folder_ / "design.xml");
   mj_forward(simulation.Model(), simulation.Data());
   Eigen::Matrix3d osim_from_mujoco;

@@ -15,26 +15,26 @@ inline parts::Mechanism Published() {
 }
 
 // A rise of 6 s from 92° to 8°.
-inline model::Wearer Wearing(const parts::Mechanism& mechanism, const Eigen::Vector2d& hinge_mm = {14, -22}) {
-  model::Wearer wearer;
-  loads::LegBody& body = wearer.body.body;
+inline model::Subject Wearing(const parts::Mechanism& mechanism, const Eigen::Vector2d& hinge_mm = {14, -22}) {
+  model::Subject subject;
+  loads::LegBody& body = subject.body.body;
   body.foot = {1.0, 0.06, 0.12}, body.shank = {3.3, 0.18, 0.13}, body.thigh = {7.0, 0.17, 0.13};
   body.trunk = {23.7, 0.32, 0.25}, body.sole = {0.066, 0.2}, body.ankle_height_m = 0.07;
-  wearer.shank_mm = 420, wearer.thigh_mm = 400;
-  wearer.hinge_mm = hinge_mm;
-  wearer.cuffs.thigh = {{210, 80}, {90, 50}};
+  subject.shank_mm = 420, subject.thigh_mm = 400;
+  subject.hinge_mm = hinge_mm;
+  subject.cuffs.thigh = {{210, 80}, {90, 50}};
   for (int i = 0; i <= 100; ++i) {
     const double u = i / 100.0, share = u * u * (3 - 2 * u), knee_deg = 92 - 84 * share;
-    wearer.rise.push_back(
+    subject.rise.push_back(
         {.time_s = 6 * u,
          .shank_deg = 6 + 40 * u * (1 - u),
          .knee_deg = knee_deg,
          .trunk_deg = 10 + 120 * u * (1 - u),
          .stroke_mm = *linkage::StrokeForAngle(mechanism.links, mechanism.range, RadiansFromDegrees(knee_deg))});
-    const double tilt_rad = RadiansFromDegrees(wearer.rise.back().trunk_deg);
-    wearer.body.trunk.push_back({tilt_rad, 0.32 * Eigen::Vector2d(std::sin(tilt_rad), std::cos(tilt_rad))});
+    const double tilt_rad = RadiansFromDegrees(subject.rise.back().trunk_deg);
+    subject.body.trunk.push_back({tilt_rad, 0.32 * Eigen::Vector2d(std::sin(tilt_rad), std::cos(tilt_rad))});
   }
-  return wearer;
+  return subject;
 }
 
 }  // namespace lake::testing

@@ -69,17 +69,6 @@ TEST(Measured, IsWhatTheTablesHoldAndWhatFitsStartFrom) {
   EXPECT_LE(RootMeanSquare(twice, "knee_raw_deg", once, "knee_deg"), 1e-6) << "asked for the fit's estimates";
 }
 
-TEST(GaitReport, NamesTheMarkersNoiseAndNeverSaysThatItIsZero) {
-  const Json summary = {
-      {"segments", {{{"name", "ak"}, {"length_mm", 430.0}, {"variation_mm", 0.0}}}},
-      {"knee", {{"smallest", {{"deg", 9.5}}}, {"largest", {{"deg", 96.25}}}, {"rms_sigma_deg", 0.0001}}},
-      {"sit_to_stands", Json::array()},
-      {"outliers", Json::array()}};
-  EXPECT_THAT(commands::GaitReport(summary),
-              testing::AllOf(testing::HasSubstr("knee 9.50° to 96.25°, marker noise < 0.001° (1 SD)"),
-                             testing::HasSubstr("varies by < 0.1 (SD)")));
-}
-
 // As a marker that was lost, and filled with its last place, comes from other programs.
 TEST(FrozenMarkers, AreToldOf) {
   const TemporaryFolder folder;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <thread>
 
@@ -306,11 +307,16 @@ TEST_P(Steps, SayWhyTheyWouldBeDone) {
 
 INSTANTIATE_TEST_SUITE_P(Threads, Steps, testing::Values(1, 2, 5));
 
-bool AppearsWithin(const fs::path& file, std::chrono::seconds patience) {
-  const auto end = std::chrono::steady_clock::now() + patience;
-  while (!fs::exists(file) && std::chrono::steady_clock::now() < end)
+// The patience is that of a test that would otherwise never end.
+bool ComesTrue(const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!condition() && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  return fs::exists(file);
+  return condition();
+}
+
+bool Appears(const fs::path& file) {
+  return ComesTrue([&] { return fs::exists(file); });
 }
 
 class StepsAtOnce : public testing::Test {
@@ -331,23 +337,21 @@ TEST_F(StepsAtOnce, AreUnderWayWhereNeitherReadsTheOther) {
   const auto meet = [&](const std::string& own, const std::string& other) {
     return Step(own, [=, this](lake::Run& run) {
       WriteTextFile(run.Result("here.txt"), own);
-      if (!AppearsWithin(folder_ / other / "here.txt", std::chrono::seconds(20))) throw Fail("{} never came", other);
+      if (!Appears(folder_ / other / "here.txt")) throw Fail("{} never came", other);
     });
   };
   EXPECT_EQ(steps::RunSteps({meet("a", "b"), meet("b", "a")}, {"this build", "test", true}).size(), 2u);
 }
 
 TEST_F(StepsAtOnce, ComeToTheirEndWhereAnotherFails) {
+  const steps::StudyStep failing = Step("failing", [&](lake::Run&) {
+    Appears(folder_ / "patient/begun.txt");
+    throw UsageError("not so");
+  });
   const steps::StudyStep patient = Step("patient", [&](lake::Run& run) {
     WriteTextFile(run.Result("begun.txt"), "");
-    AppearsWithin(folder_ / "failed.txt", std::chrono::seconds(20));
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    if (!ComesTrue([&] { return steps::StepFailure(failing).has_value(); })) throw Fail("no failure was noticed");
     WriteTextFile(run.Result("end.txt"), "");
-  });
-  const steps::StudyStep failing = Step("failing", [&](lake::Run&) {
-    AppearsWithin(folder_ / "patient/begun.txt", std::chrono::seconds(20));
-    WriteTextFile(folder_ / "failed.txt", "");
-    throw UsageError("not so");
   });
   steps::StudyStep later = Step("later", [&](lake::Run& run) { WriteTextFile(run.Result("later.txt"), ""); });
   later.inputs = {folder_ / "patient/end.txt"};

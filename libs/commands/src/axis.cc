@@ -114,6 +114,15 @@ Json PinJson(const axis::MeanAxis& pin, const std::array<double, 2>& range_deg, 
           {"residual_mm", pin.pin_residual_mm}};
 }
 
+std::string ReportOf(const axis::MeanAxis& whole, int dimensions) {
+  const double* const at_mm = whole.in_shank.data();
+  return fmt::format(
+      "axis over {:.0f}° of flexion: at ({:.1f}) mm from the mean of the shank's markers, standard deviation {:.2f} "
+      "mm; "
+      "a pin there leaves {:.2f} mm\n",
+      whole.flexion_deg, fmt::join(at_mm, at_mm + dimensions, ", "), whole.sd_mm, whole.pin_residual_mm);
+}
+
 }  // namespace
 
 void Describe(AxisRunOptions& o, OptionList& options) {
@@ -170,6 +179,7 @@ Json RunAxis(const AxisRunOptions& options, Run& run) {
   WriteCentres(run.Result("centre.csv"), centres, points, dimensions);
   DrawPngAndSvg("axis", run, [&](const fs::path& path) { figure::DrawAxis(path, motion, result, centres); });
   const axis::MeanAxis& whole = result.whole;
+  run.Report(ReportOf(whole, dimensions));
   return {{"axis_point_mm", PointJson(whole.in_shank, dimensions)},
           {"axis_direction", PointJson(whole.direction_shank, 3)},
           {"axis_sd_mm", whole.sd_mm},
@@ -181,16 +191,6 @@ Json RunAxis(const AxisRunOptions& options, Run& run) {
           {"thigh_marker_sd_mm", motion.thigh.deformation.marker_sd_mm},
           {"pin_over_range", pin},
           {"windows", result.windows.size()}};
-}
-
-std::string AxisReport(const Json& summary) {
-  std::vector<std::string> numbers;
-  for (const Json& number : summary["axis_point_mm"]) numbers.push_back(fmt::format("{:.1f}", NumberOrNaN(number)));
-  return fmt::format(
-      "axis over {:.0f}° of flexion: at ({}) mm from the mean of the shank's markers, standard deviation {:.2f} mm; a "
-      "pin there leaves {:.2f} mm\n",
-      NumberOrNaN(summary["flexion_deg"]), fmt::join(numbers, ", "), NumberOrNaN(summary["axis_sd_mm"]),
-      NumberOrNaN(summary["pin_residual_mm"]));
 }
 
 }  // namespace lake::commands

@@ -12,6 +12,8 @@
 namespace lake::commands {
 namespace {
 
+constexpr const char* kFit = "fit";
+
 Json ItemsJson(const std::vector<tracking::CheckItem>& items) {
   Json list = Json::array();
   for (const tracking::CheckItem& item : items) {
@@ -63,6 +65,15 @@ overlay::CheckPicture PictureOf(const tracking::RecordingCheck& check, const std
   return picture;
 }
 
+std::string ReportOf(const std::vector<tracking::CheckItem>& items, const std::string& verdict) {
+  std::string text;
+  for (const tracking::CheckItem& item : items) {
+    text += fmt::format("{:<10} {}\n", ToString(item.verdict), item.shown);
+    if (item.verdict != tracking::Verdict::kGood) text += fmt::format("           -> {}\n", item.advice);
+  }
+  return text + verdict + (verdict == kFit ? "\n" : ": change what is marked before the subject goes home\n");
+}
+
 }  // namespace
 
 Json FiguresJson(const tracking::MarkerFigures& figures) {
@@ -99,11 +110,12 @@ Json RunCheck(const CheckRunOptions& options, Run& run) {
   };
   const std::string verdict = has(tracking::Verdict::kUnfit)       ? "not fit"
                               : has(tracking::Verdict::kNotJudged) ? ToString(tracking::Verdict::kNotJudged)
-                                                                   : "fit";
+                                                                   : kFit;
   const std::string title = fmt::format("{}: {} (frame at {:.2f} s)", options.video.filename().string(), verdict,
                                         static_cast<double>(check.shown_frame_ms) / 1000);
   video::WriteImage(run.Result("check.png"), overlay::DrawCheckPicture(PictureOf(check, items, title)));
-  return {{"fit", verdict == "fit"},
+  run.Report(ReportOf(items, verdict));
+  return {{"fit", verdict == kFit},
           {"verdict", verdict},
           {"video",
            {{"width", check.video.width},
@@ -113,17 +125,6 @@ Json RunCheck(const CheckRunOptions& options, Run& run) {
             {"rotation_deg", check.video.rotation_deg}}},
           {"figures", ChecksJson(check)},
           {"checks", ItemsJson(items)}};
-}
-
-std::string CheckReport(const Json& summary) {
-  std::string text;
-  for (const Json& item : summary["checks"]) {
-    text += fmt::format("{:<10} {}\n", item["verdict"].get<std::string>(), item["shown"].get<std::string>());
-    if (item.contains("advice")) text += fmt::format("           -> {}\n", item["advice"].get<std::string>());
-  }
-  const bool fit = summary["fit"].get<bool>();
-  return text + summary["verdict"].get<std::string>() +
-         (fit ? "\n" : ": change what is marked before the subject goes home\n");
 }
 
 }  // namespace lake::commands

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "comparison_text.h"
 #include "cuff_tables.h"
 #include "lake/commands/gait.h"
-#include "lake/commands/symmetry.h"
 #include "lake/compare/comparison_file.h"
 #include "lake/compare/misalignment_options.h"
 #include "lake/core/error.h"
@@ -20,6 +20,7 @@
 #include "lake/report/report.h"
 #include "optimum_tables.h"
 #include "png_and_svg.h"
+#include "symmetry.h"
 #include "worn_joint.h"
 
 namespace lake::commands {
@@ -439,6 +440,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   }
   WriteJsonFile(run.Result("comparison.json"), comparison);
   WriteComparisonReport(title, comparison, std::move(sections), run);
+  run.Report(ComparisonText(comparison));
   comparison.erase("curves");
   return comparison;
 }

@@ -32,6 +32,7 @@ Json WriteCalibrationFirmware(const DutyRunOptions& options, Run& run) {
   options.firmware.Check();
   const std::string header =
       actuator::CalibrationHeader(options.firmware, fmt::format("Made by lake-stroke {}.", Version()));
+  run.Report(fmt::format("calibration firmware written; it obeys jog and stop\n{}\n", actuator::kUntried));
   return {{"firmware", {{"files", WriteSketch(header, "", run)}, {"segments", 0}}}};
 }
 
@@ -49,6 +50,21 @@ std::vector<actuator::DutyLog> ReadLogs(const DutyRunOptions& options, Run& run,
   }
   for (const auto& path : options.logs) logs.push_back(actuator::ReadDutyLog(path, options.potentiometer));
   return logs;
+}
+
+std::string ReportOf(const actuator::DutyCalibration& calibration, const actuator::DutyTable& table) {
+  std::string text = fmt::format("{} plateaus\n", calibration.plateaus.size());
+  const auto add = [&](const char* direction, const actuator::DeadBand& band, double most_mm_s) {
+    text += fmt::format("{:<8} dead band up to {:.4f} (between {:.4f} and {:.4f}), at most {:.3f} mm/s\n", direction,
+                        band.duty, band.low, band.high, most_mm_s);
+  };
+  add("extend", calibration.extend, table.extend.MostSpeed());
+  add("retract", calibration.retract, table.retract.MostSpeed());
+  return text +
+         (calibration.tolerance_percent
+              ? fmt::format("speeds within {:.2f} % of the table, under the loads and supplies that were tried\n",
+                            *calibration.tolerance_percent)
+              : "no duty was tried twice, so the table has no tolerance: lake-stroke will take 10 %\n");
 }
 
 }  // namespace
@@ -69,30 +85,13 @@ Json RunDutyCalibration(const DutyRunOptions& options, Run& run) {
   DrawPngAndSvg("duty_table", run,
                 [&](const std::filesystem::path& path) { figure::DrawDutyCalibration(path, calibration); });
   const actuator::DutyTable table = actuator::MakeDutyTable(calibration.rows, "duty_table.csv");
+  run.Report(ReportOf(calibration, table));
   return {{"plateaus", calibration.plateaus.size()},
           {"video", alignment},
           {"dead_band", {{"extend", BandJson(calibration.extend)}, {"retract", BandJson(calibration.retract)}}},
           {"largest_speed_mm_s", {{"extend", table.extend.MostSpeed()}, {"retract", table.retract.MostSpeed()}}},
           {"largest_adjustment_mm_s", calibration.largest_adjustment_mm_s},
           {"tolerance_percent", calibration.tolerance_percent ? Json(*calibration.tolerance_percent) : Json()}};
-}
-
-std::string DutyReport(const Json& summary) {
-  if (summary.contains("firmware"))
-    return fmt::format("calibration firmware written; it obeys jog and stop\n{}\n", actuator::kUntried);
-  std::string text = fmt::format("{} plateaus\n", summary["plateaus"].get<int>());
-  for (const char* direction : {"extend", "retract"}) {
-    const Json& band = summary["dead_band"][direction];
-    text += fmt::format("{:<8} dead band up to {:.4f} (between {:.4f} and {:.4f}), at most {:.3f} mm/s\n", direction,
-                        band["duty"].get<double>(), band["low"].get<double>(), band["high"].get<double>(),
-                        summary["largest_speed_mm_s"][direction].get<double>());
-  }
-  if (summary["tolerance_percent"].is_number())
-    text += fmt::format("speeds within {:.2f} % of the table, under the loads and supplies that were tried\n",
-                        summary["tolerance_percent"].get<double>());
-  else
-    text += "no duty was tried twice, so the table has no tolerance: lake-stroke will take 10 %\n";
-  return text;
 }
 
 }  // namespace lake::commands

@@ -26,7 +26,8 @@ struct Format {
   const char* file;
   std::function<void(const std::filesystem::path&, const parts::Mechanism&)> write;
   // Worn by a person; none where the format has no such model.
-  std::function<void(const std::filesystem::path&, const parts::Mechanism&, const model::Wearer&)> write_worn = nullptr;
+  std::function<void(const std::filesystem::path&, const parts::Mechanism&, const model::Subject&)> write_worn =
+      nullptr;
 };
 
 const std::vector<Format>& Formats() {
@@ -105,7 +106,7 @@ void WarnOfLean(const ExportOptions& options, Run& run) {
 }
 
 // The person in the motion of the exoskeleton's leg.
-model::Wearer WearerOf(const ExportOptions& options, const linkage::Design& design) {
+model::Subject SubjectOf(const ExportOptions& options, const linkage::Design& design) {
   const std::filesystem::path folder = MotionOf(options);
   const compare::ComparedCurves curves = compare::ReadComparison(folder);
   const compare::StsCurve& exo = curves.exo;
@@ -113,21 +114,22 @@ model::Wearer WearerOf(const ExportOptions& options, const linkage::Design& desi
     throw Fail("{}: it shows no leg beside the exoskeleton's joint: nobody wears it", folder.string());
   const auto strokes = WornStrokes(design, curves);
   if (!strokes) throw Fail("{}: the design cannot be assembled at d_min", options.design.string());
-  model::Wearer wearer{.body = loads::ReadBodyPath(options.body), .cuffs = options.cuffs, .rise = {}};
+  model::Subject subject{.body = loads::ReadBodyPath(options.body), .cuffs = options.cuffs, .rise = {}};
   for (std::size_t i = 0; i < exo.knee.size(); ++i) {
     const Eigen::Vector2d shank = exo.leg_knee[i] - exo.ankle[i], thigh = exo.hip[i] - exo.leg_knee[i];
-    wearer.shank_mm += shank.norm() / static_cast<double>(exo.knee.size());
-    wearer.thigh_mm += thigh.norm() / static_cast<double>(exo.knee.size());
-    wearer.rise.push_back({.time_s = exo.duration_s * static_cast<double>(i) / static_cast<double>(exo.knee.size() - 1),
-                           .shank_deg = LeanDeg(shank),
-                           .knee_deg = LeanDeg(shank) - LeanDeg(thigh),
-                           .trunk_deg = DegreesFromRadians(wearer.body.trunk[i].tilt_rad),
-                           .stroke_mm = (*strokes)[i]});
+    subject.shank_mm += shank.norm() / static_cast<double>(exo.knee.size());
+    subject.thigh_mm += thigh.norm() / static_cast<double>(exo.knee.size());
+    subject.rise.push_back(
+        {.time_s = exo.duration_s * static_cast<double>(i) / static_cast<double>(exo.knee.size() - 1),
+         .shank_deg = LeanDeg(shank),
+         .knee_deg = LeanDeg(shank) - LeanDeg(thigh),
+         .trunk_deg = DegreesFromRadians(subject.body.trunk[i].tilt_rad),
+         .stroke_mm = (*strokes)[i]});
   }
   const std::size_t last = exo.knee.size() - 1;
-  wearer.hinge_mm =
+  subject.hinge_mm =
       compare::AxesAlong(exo.leg_knee[last] - exo.ankle[last]).transpose() * (exo.knee[last] - exo.leg_knee[last]);
-  return wearer;
+  return subject;
 }
 
 }  // namespace
@@ -144,9 +146,9 @@ Json RunExport(const ExportOptions& options, Run& run) {
   const Format& format = FormatNamed(options.format);
   CheckBody(options);
   const linkage::Design design = linkage::ReadDesign(options.design);
-  std::optional<model::Wearer> wearer;
+  std::optional<model::Subject> subject;
   if (!options.body.empty()) {
-    wearer = WearerOf(options, design);
+    subject = SubjectOf(options, design);
     WarnOfLean(options, run);
   }
   run.AddInputs(InputsOf(options));
@@ -156,10 +158,10 @@ Json RunExport(const ExportOptions& options, Run& run) {
   WarnOfStack(mechanism, run);
   if (options.format == "urdf")
     run.Warn("URDF cannot close loops: the simulator has to join coupler_end to shank_pin and rod_end to bar_tip");
-  if (wearer) {
-    format.write_worn(run.Result(format.file), mechanism, *wearer);
-    model::WriteCourse(run.Result("course.csv"), *wearer);
-    if (options.format == "osim") model::WriteOsimMotion(run.Result("course.mot"), mechanism, *wearer);
+  if (subject) {
+    format.write_worn(run.Result(format.file), mechanism, *subject);
+    model::WriteCourse(run.Result("course.csv"), *subject);
+    if (options.format == "osim") model::WriteOsimMotion(run.Result("course.mot"), mechanism, *subject);
   } else {
     format.write(run.Result(format.file), mechanism);
   }

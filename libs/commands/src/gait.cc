@@ -4,12 +4,11 @@
 
 #include <algorithm>
 
-#include "lake/core/deviation_text.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
-#include "lake/core/uncertain_text.h"
 #include "lake/figure/leg_figure.h"
 #include "lake/gait/corrected_events.h"
+#include "lake/gait/leg_report.h"
 #include "lake/gait/sit_to_stand.h"
 #include "measure_tables.h"
 #include "png_and_svg.h"
@@ -134,22 +133,6 @@ gait::LegFitResult FitOrName(const exchange::Trial& trial, const gait::LegView& 
   }
 }
 
-// Of a summary with the five-times test; empty without.
-std::string FiveTimesText(const Json& summary) {
-  const auto five = summary.find("five_times");
-  if (five == summary.end() || five->is_null()) return "";
-  std::string text = fmt::format("five times in {:.2f} s", NumberOrNaN((*five)["five_times_s"]));
-  if (five->contains("worse_than_average"))
-    text += fmt::format("; more than {:.1f} s is worse than average at this age (Bohannon 2006)",
-                        NumberOrNaN((*five)["reference_s"]));
-  if (five->contains("low_power"))
-    text += fmt::format(
-        "; mean power {:.2f} W/kg; below {:.1f} W/kg is low among older {} (Baltasar-Fernandez et al. 2021)",
-        NumberOrNaN((*five)["power_w_kg"]), NumberOrNaN((*five)["low_power_below_w_kg"]),
-        (*five)["sex"] == "male" ? "men" : "women");
-  return text + "\n";
-}
-
 }  // namespace
 
 void Describe(GaitRunOptions& o, OptionList& options) {
@@ -247,9 +230,11 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (CorrectedEventsOf(trial) || options.events) results = {{kEventsCorrected, true}};
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
-  WriteSitToStands(result, options.fit.markers, options.person, results, run);
+  run.Report(gait::LegFitText(result));
+  const std::string rises = WriteSitToStands(result, options.fit.markers, options.person, results, run);
   WriteUncertaintyBudget(result, options.budget, results, run);
   if (options.range_limit_deg) WriteRangeLimit(result, options.budget, *options.range_limit_deg, results, run);
+  run.Report(rises);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
@@ -258,43 +243,6 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   WriteMeasures(result.measured, options.measures, results, run);
   if (const auto leg = LegOf(trial, result)) results[exchange::kLegKey] = ToString(*leg);
   return results;
-}
-
-std::string GaitReport(const Json& summary) {
-  std::string text;
-  if (summary.contains("candidates"))
-    text += fmt::format("{} things found, {} of which move: candidates.png, candidates.csv\n",
-                        summary["candidates"]["found"].get<int>(), summary["candidates"]["moving"].get<int>());
-  if (summary.contains("seen")) {
-    for (const auto& [name, share] : summary["seen"].items())
-      text += fmt::format("{}{} {:.1f} %", text.empty() ? "seen: " : ", ", name, 100 * share.get<double>());
-    text += '\n';
-  }
-  text += MeasuresText(summary);
-  if (!summary.contains("segments")) return text;
-  for (const Json& segment : summary["segments"]) {
-    const std::string unit = segment.contains("length_mm") ? "mm" : "px";
-    text += fmt::format("{}  {:.1f} {}, varies by {} (SD)\n", segment["name"].get<std::string>(),
-                        segment["length_" + unit].get<double>(), unit,
-                        DeviationText(segment["variation_" + unit].get<double>(), 1, ""));
-  }
-  const Json& knee = summary["knee"];
-  if (!knee["largest"].is_null())
-    text +=
-        fmt::format("knee {:.2f}° to {:.2f}°, marker noise {} (1 SD)\n", knee["smallest"]["deg"].get<double>(),
-                    knee["largest"]["deg"].get<double>(), DeviationText(NumberOrNaN(knee["rms_sigma_deg"]), 3, "°"));
-  if (summary.contains("uncertainty"))
-    text += fmt::format("the joint beneath the skin: knee within {} (1 SD; uncertainty_budget.csv)\n",
-                        DeviationText(summary["uncertainty"]["knee_angle_deg"]["anatomical_sd"].get<double>(), 1, "°"));
-  if (summary.contains("range_limit")) {
-    for (const Json& end : summary["range_limit"]["ends"])
-      text += fmt::format("{} {}° (k = 2), limit {:.2f}°: {}\n", end["end"].get<std::string>(),
-                          PlusMinusText(end["measured_deg"].get<double>(), end["expanded_deg"].get<double>(), 2),
-                          end["limit_deg"].get<double>(), end["result"].get<std::string>());
-    if (const std::string unknown = UnknownText(summary["range_limit"]); !unknown.empty()) text += unknown + "\n";
-  }
-  return text + fmt::format("{} rises, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size()) +
-         FiveTimesText(summary);
 }
 
 }  // namespace lake::commands

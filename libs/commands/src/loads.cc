@@ -280,6 +280,44 @@ Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& option
   return json;
 }
 
+std::string ReportOf(const Json& summary) {
+  const Json& interval = summary["peak_knee_nm_interval"];
+  std::string text = fmt::format(
+      "peak knee extension moment of one leg: {:.1f} N m (95 %: {:.1f} to {:.1f}), {:.2f} N m/kg, at {:.0f}°; mean of "
+      "{} rise{}, {}\n",
+      NumberOrNaN(summary["peak_knee_nm"]), NumberOrNaN(interval[0]), NumberOrNaN(interval[1]),
+      NumberOrNaN(summary["peak_knee_nm_kg"]), NumberOrNaN(summary["peak_knee_deg"]), summary["rises"].size(),
+      summary["rises"].size() == 1 ? "" : "s",
+      summary["method"] == "bottom-up" ? "from the ground's forces" : "without force plates");
+  const Json &balance = summary["balance"], &slow = balance["slow"];
+  const double margin_mm = NumberOrNaN(slow["margin_mm"]);
+  text += fmt::format(
+      "balance: as slowly as may be, the ground's force acts {:.0f} mm {} the foot (at {:.0f} % of the rise)",
+      std::abs(margin_mm), margin_mm < 0 ? "outside" : "inside", NumberOrNaN(slow["at_percent"]));
+  text += balance["slowest_s"].is_null() ? "\n"
+                                         : fmt::format("; along this path balance takes a rise of at most {} s\n",
+                                                       SignificantText(NumberOrNaN(balance["slowest_s"]), 2));
+  const Json& momentum = summary["momentum"];
+  const double seat_off_mm = NumberOrNaN(momentum["com_seat_off_mm"]);
+  if (const double forward_mm_s = NumberOrNaN(momentum["com_forward_max_mm_s"]); std::isfinite(forward_mm_s)) {
+    text += "centre of mass: ";
+    if (std::isfinite(seat_off_mm))
+      text += fmt::format("{:.0f} mm {} the ankle at seat-off; ", std::abs(seat_off_mm),
+                          seat_off_mm < 0 ? "behind" : "before");
+    text +=
+        fmt::format("forward at most {:.2f} m/s ({:.0f} N s), upward {:.2f} m/s ({:.0f} N s)\n", forward_mm_s / kMmPerM,
+                    NumberOrNaN(momentum["com_forward_max_ns"]), NumberOrNaN(momentum["com_upward_max_mm_s"]) / kMmPerM,
+                    NumberOrNaN(momentum["com_upward_max_ns"]));
+  }
+  if (summary["trunk_offset_mm"].is_object()) {
+    const Json& offset = summary["trunk_offset_mm"];
+    text += fmt::format("the trunk's centre of mass: {} mm along and {} mm across the trunk from the table's\n",
+                        WithSign(PlusMinusText(NumberOrNaN(offset["along"]), NumberOrNaN(offset["along_sd"]), 0)),
+                        WithSign(PlusMinusText(NumberOrNaN(offset["across"]), NumberOrNaN(offset["across_sd"]), 0)));
+  }
+  return text;
+}
+
 }  // namespace
 
 void Describe(LoadsRunOptions& o, OptionList& options) {
@@ -339,47 +377,9 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
   WriteJsonFile(run.Result("loads.json"), ProfileJson(result, options));
   DrawPngAndSvg("loads", run,
                 [&](const fs::path& path) { figure::DrawLoads(path, result, options.trial.filename().string()); });
-  return SummaryJson(result, options);
-}
-
-std::string LoadsReport(const Json& summary) {
-  const Json& interval = summary["peak_knee_nm_interval"];
-  std::string text = fmt::format(
-      "peak knee extension moment of one leg: {:.1f} N m (95 %: {:.1f} to {:.1f}), {:.2f} N m/kg, at {:.0f}°; mean of "
-      "{} rise{}, {}\n",
-      NumberOrNaN(summary["peak_knee_nm"]), NumberOrNaN(interval[0]), NumberOrNaN(interval[1]),
-      NumberOrNaN(summary["peak_knee_nm_kg"]), NumberOrNaN(summary["peak_knee_deg"]), summary["rises"].size(),
-      summary["rises"].size() == 1 ? "" : "s",
-      summary["method"] == "bottom-up" ? "from the ground's forces" : "without force plates");
-  const Json &balance = summary["balance"], &slow = balance["slow"];
-  const double margin_mm = NumberOrNaN(slow["margin_mm"]);
-  text += fmt::format(
-      "balance: as slowly as may be, the ground's force acts {:.0f} mm {} the foot (at {:.0f} % of the rise)",
-      std::abs(margin_mm), margin_mm < 0 ? "outside" : "inside", NumberOrNaN(slow["at_percent"]));
-  text += balance["slowest_s"].is_null() ? "\n"
-                                         : fmt::format("; along this path balance takes a rise of at most {} s\n",
-                                                       SignificantText(NumberOrNaN(balance["slowest_s"]), 2));
-  const Json& momentum = summary["momentum"];
-  const double seat_off_mm = NumberOrNaN(momentum["com_seat_off_mm"]);
-  if (const double forward_mm_s = NumberOrNaN(momentum["com_forward_max_mm_s"]); std::isfinite(forward_mm_s)) {
-    text += "centre of mass: ";
-    if (std::isfinite(seat_off_mm))
-      text += fmt::format("{:.0f} mm {} the ankle at seat-off; ", std::abs(seat_off_mm),
-                          seat_off_mm < 0 ? "behind" : "before");
-    text +=
-        fmt::format("forward at most {:.2f} m/s ({:.0f} N s), upward {:.2f} m/s ({:.0f} N s)\n", forward_mm_s / kMmPerM,
-                    NumberOrNaN(momentum["com_forward_max_ns"]), NumberOrNaN(momentum["com_upward_max_mm_s"]) / kMmPerM,
-                    NumberOrNaN(momentum["com_upward_max_ns"]));
-  }
-  if (summary["trunk_offset_mm"].is_object()) {
-    const Json& offset = summary["trunk_offset_mm"];
-    text += fmt::format(
-        "the trunk's centre of mass: {} mm along and {} mm across the trunk from the "
-        "table's\n",
-        WithSign(PlusMinusText(NumberOrNaN(offset["along"]), NumberOrNaN(offset["along_sd"]), 0)),
-        WithSign(PlusMinusText(NumberOrNaN(offset["across"]), NumberOrNaN(offset["across_sd"]), 0)));
-  }
-  return text;
+  Json summary = SummaryJson(result, options);
+  run.Report(ReportOf(summary));
+  return summary;
 }
 
 }  // namespace lake::commands

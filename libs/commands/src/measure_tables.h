@@ -18,9 +18,6 @@ namespace lake::commands {
 void WriteMeasures(const motion::MarkerRecording& recording, const std::vector<gait::MarkerMeasure>& measures,
                    Json& results, Run& run);
 
-// What a person wants to read of these: each one's smallest, largest and mean. Empty without `measures`.
-std::string MeasuresText(const Json& summary);
-
 // Writes uncertainty_budget.csv, and puts `uncertainty` into the results; nothing where lengths are in px.
 void WriteUncertaintyBudget(const gait::LegFitResult& leg, const compare::RecordingBudgetOptions& options,
                             Json& results, Run& run);

@@ -158,16 +158,22 @@ Section Method() {
            "of the risk assessment (IEC 80601-2-78, ISO 14971)."}}}};
 }
 
-}  // namespace
-
-std::string UnknownText(const Json& range_limit) {
-  const int frames = range_limit["unknown_frames"].get<int>();
-  if (frames == 0) return "";
+// In how many frames the angle is unknown; empty where in none.
+std::string UnknownText(const Unknown& unknown) {
+  if (unknown.frames == 0) return "";
   return fmt::format(
       "Frames without a measured angle: {}; between the first and the last of those with one, {:.1f} % of the "
       "recording.",
-      frames, range_limit["unknown_percent"].get<double>());
+      unknown.frames, unknown.percent);
 }
+
+// For the terminal.
+std::string EndText(const End& end) {
+  return fmt::format("{} {}° (k = 2), limit {:.2f}°: {}\n", end.name,
+                     PlusMinusText(end.measured_deg, end.expanded_deg, 2), end.limit_deg, end.Verdict());
+}
+
+}  // namespace
 
 void WriteRangeLimit(const gait::LegFitResult& leg, compare::RecordingBudgetOptions budget,
                      const std::array<double, 2>& limit_deg, Json& results, Run& run) {
@@ -189,7 +195,9 @@ void WriteRangeLimit(const gait::LegFitResult& leg, compare::RecordingBudgetOpti
                             {"expanded_deg", end.expanded_deg},
                             {"limit_deg", end.limit_deg},
                             {"result", end.Verdict()}});
-  const std::string unknown_text = UnknownText(json);
+  for (const End& end : ends) run.Report(EndText(end));
+  const std::string unknown_text = UnknownText(unknown);
+  if (!unknown_text.empty()) run.Report(unknown_text + "\n");
   results["range_limit"] = std::move(json);
   Report page{.title = "Measured range of the mechanism", .warnings = run.Warnings()};
   const bool fails = std::ranges::any_of(ends, [](const End& end) { return !end.IsInside(); });

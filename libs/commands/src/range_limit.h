@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <string>
 
 #include "lake/compare/uncertainty_budget.h"
 #include "lake/core/json.h"
@@ -20,8 +19,5 @@ namespace lake::commands {
 // Throws Error where lengths are in px, as the budget needs mm.
 void WriteRangeLimit(const gait::LegFitResult& leg, compare::RecordingBudgetOptions budget,
                      const std::array<double, 2>& limit_deg, Json& results, Run& run);
-
-// Of a summary's `range_limit`, in how many frames the angle is unknown, a sentence; empty where in none.
-std::string UnknownText(const Json& range_limit);
 
 }  // namespace lake::commands

@@ -40,21 +40,50 @@ KeyFigure Figure(const char* label, const Measured& measured, const char* unit, 
   return figure;
 }
 
-std::string PowerNote(const Json& five_times) {
-  if (!five_times.contains("power_w_kg")) return "needs lengths in mm: give --camera, --scale or --plane-points";
-  if (!five_times.contains("sex")) return "Alcazar et al. 2018; give --sex to compare";
-  if (five_times["low_power_below_w_kg"].is_null()) return "Alcazar et al. 2018; no reference for this age";
+// The five-times test, with what it is compared with: nullopt where age or sex are not known, or the source has none.
+struct FiveTimes {
+  const SitToStand& test;
+  const gait::Person& person;
+
+  bool IsKnown() const { return std::isfinite(test.five_times_s.value); }
+  bool HasPower() const { return std::isfinite(test.power_w_kg.value); }
+  std::optional<double> Reference_s() const {
+    return person.age_years ? gait::FiveTimesReference_s(*person.age_years) : std::nullopt;
+  }
+  std::optional<double> LowPower_w_kg() const {
+    return person.sex ? gait::LowPowerWKg(*person.sex, person.age_years) : std::nullopt;
+  }
+  const char* People() const { return person.sex == motion::Sex::kMale ? "men" : "women"; }
+};
+
+std::string PowerNote(const FiveTimes& of) {
+  if (!of.HasPower()) return "needs lengths in mm: give --camera, --scale or --plane-points";
+  if (!of.person.sex) return "Alcazar et al. 2018; give --sex to compare";
+  const std::optional<double> low = of.LowPower_w_kg();
+  if (!low) return "Alcazar et al. 2018; no reference for this age";
   return fmt::format("{} for older {} (below {} W/kg is low: Baltasar-Fernandez et al. 2021)",
-                     five_times["low_power"] == true ? "low" : "not low", five_times["sex"] == "male" ? "men" : "women",
-                     NumberText(NumberOrNaN(five_times["low_power_below_w_kg"]), 1));
+                     of.test.power_w_kg.value < *low ? "low" : "not low", of.People(), NumberText(*low, 1));
 }
 
-std::string ReferenceNote(const Json& five_times) {
-  if (!five_times.is_object() || !five_times.contains("age_years")) return "give --age to compare";
-  if (five_times["reference_s"].is_null()) return "no reference for this age";
+std::string ReferenceNote(const FiveTimes& of) {
+  if (!of.person.age_years) return "give --age to compare";
+  const std::optional<double> reference_s = of.Reference_s();
+  if (!reference_s) return "no reference for this age";
   return fmt::format("{} than average at this age ({} s, Bohannon 2006)",
-                     five_times["worse_than_average"] == true ? "worse" : "no worse",
-                     NumberText(NumberOrNaN(five_times["reference_s"]), 1));
+                     of.test.five_times_s.value > *reference_s ? "worse" : "no worse", NumberText(*reference_s, 1));
+}
+
+// For the terminal.
+std::string FiveTimesText(const FiveTimes& of) {
+  if (!of.IsKnown()) return "";
+  std::string text = fmt::format("five times in {:.2f} s", of.test.five_times_s.value);
+  if (const auto reference_s = of.Reference_s())
+    text += fmt::format("; more than {:.1f} s is worse than average at this age (Bohannon 2006)", *reference_s);
+  if (const auto low = of.LowPower_w_kg(); low && of.HasPower())
+    text += fmt::format(
+        "; mean power {:.2f} W/kg; below {:.1f} W/kg is low among older {} (Baltasar-Fernandez et al. 2021)",
+        of.test.power_w_kg.value, *low, of.People());
+  return text + "\n";
 }
 
 // The mean over the rises of which it is known, and the standard deviation between them.
@@ -67,14 +96,14 @@ Measured MeanOfRises(const std::vector<SitToStand>& rows, Measured SitToStand::*
   return {Mean(values), StandardDeviation(values)};
 }
 
-KeyFigures Headline(const std::vector<SitToStand>& rows, const Json& five_times) {
-  const SitToStand& test = rows.back();
+KeyFigures Headline(const std::vector<SitToStand>& rows, const gait::Person& person) {
+  const FiveTimes five_times{rows.back(), person};
   const KeyFigure rise = Figure("Mean rise time", MeanOfRises(rows, &SitToStand::rise_s), "s", "onset to standing");
-  if (std::isnan(test.five_times_s.value))
+  if (!five_times.IsKnown())
     return {{rise, Figure("Mean power of a rise", MeanOfRises(rows, &SitToStand::power_w_kg), "W/kg",
                           "no five-times test: it needs five rises with onset and standing")}};
-  return {{Figure("Five-times sit-to-stand", test.five_times_s, "s", ReferenceNote(five_times)),
-           Figure("Mean power of the test", test.power_w_kg, "W/kg", PowerNote(five_times)), rise}};
+  return {{Figure("Five-times sit-to-stand", five_times.test.five_times_s, "s", ReferenceNote(five_times)),
+           Figure("Mean power of the test", five_times.test.power_w_kg, "W/kg", PowerNote(five_times)), rise}};
 }
 
 Table RisesTable(const std::vector<SitToStand>& rows, motion::LengthUnit unit) {
@@ -140,10 +169,11 @@ Section SitToStandMethod() {
            "below the horizontal; without these markers it is left empty."}}}};
 }
 
-void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& rows, const Json& five_times, Run& run) {
+void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& rows, const gait::Person& person,
+               Run& run) {
   Report page{.title = "Sit-to-stand", .warnings = run.Warnings()};
   if (rows.size() > 1)
-    page.sections = {{"", {Headline(rows, five_times)}},
+    page.sections = {{"", {Headline(rows, person)}},
                      {"Rises", {AnglesChart(leg.motion, rows), RisesTable(rows, leg.motion.unit)}},
                      SitToStandMethod()};
   else
@@ -190,8 +220,8 @@ gait::CentresOfMass FindCentresOfMass(const gait::LegFitResult& leg, const loads
 
 }  // namespace
 
-void WriteSitToStands(const gait::LegFitResult& leg, const gait::LegMarkers& markers, const gait::Person& person,
-                      Json& results, Run& run) {
+std::string WriteSitToStands(const gait::LegFitResult& leg, const gait::LegMarkers& markers, const gait::Person& person,
+                             Json& results, Run& run) {
   gait::TrunkOnPelvis on_pelvis = gait::FindTrunkOnPelvis(leg);
   if (!on_pelvis.warning.empty()) run.Warn(on_pelvis.warning);
   const loads::LegPathOptions path{.facing = leg.motion.facing, .up = leg.up, .markers = markers};
@@ -199,7 +229,11 @@ void WriteSitToStands(const gait::LegFitResult& leg, const gait::LegMarkers& mar
       gait::MeasureSitToStands(leg, std::move(on_pelvis), FindCentresOfMass(leg, path, run));
   gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), rows, leg.motion.unit);
   results["five_times"] = gait::FiveTimesJson(rows.back(), person);
-  WritePage(leg, rows, results["five_times"], run);
+  WritePage(leg, rows, person, run);
+  std::set<int> repetitions;
+  for (const motion::StsEvent& event : leg.events) repetitions.insert(event.repetition);
+  return fmt::format("{} rises, {} outliers\n", repetitions.size(), leg.outliers.size()) +
+         FiveTimesText({rows.back(), person});
 }
 
 }  // namespace lake::commands

@@ -80,14 +80,18 @@ double FastestKnee(const std::vector<actuator::ScheduleRow>& rows) {
   return fastest;
 }
 
-Json ProgramJson(const actuator::StrokeSchedule& schedule, const std::vector<actuator::ScheduleRow>& rows) {
+double FastestStroke(const std::vector<actuator::ScheduleRow>& rows) {
   double fastest = 0;
   for (const actuator::ScheduleRow& row : rows) fastest = std::max(fastest, std::abs(row.speed_mm_s));
+  return fastest;
+}
+
+Json ProgramJson(const actuator::StrokeSchedule& schedule, const std::vector<actuator::ScheduleRow>& rows) {
   return {{"duration_s", schedule.Duration()},
           {"rows", rows.size()},
           {"start", {{"stroke_mm", rows.front().stroke_mm}, {"knee_deg", rows.front().knee_deg}}},
           {"end", {{"stroke_mm", rows.back().stroke_mm}, {"knee_deg", rows.back().knee_deg}}},
-          {"largest_speed_mm_s", fastest},
+          {"largest_speed_mm_s", FastestStroke(rows)},
           {"largest_knee_deg_s", FastestKnee(rows)},
           {"reversals", schedule.reversals},
           {"smoothed_mm", schedule.smoothed_mm},
@@ -182,8 +186,15 @@ std::vector<actuator::AngleSample> KneeAngles(const fs::path& folder) {
   return samples;
 }
 
-Json SeparatedJson(const actuator::SeparatedErrors& errors, const char* strokes) {
-  return {{"strokes", strokes},
+// The linkage's errors and the actuator's, by what measured the stroke: "log" or "video".
+struct MeasuredApart {
+  const char* strokes;
+  actuator::SeparatedErrors errors;
+};
+
+Json SeparatedJson(const MeasuredApart& apart) {
+  const actuator::SeparatedErrors& errors = apart.errors;
+  return {{"strokes", apart.strokes},
           {"linkage_rms_deg", errors.linkage_rms_deg},
           {"linkage_max_deg", errors.linkage_max_deg},
           {"stroke_offset_mm", errors.stroke_offset_mm},
@@ -194,16 +205,15 @@ Json SeparatedJson(const actuator::SeparatedErrors& errors, const char* strokes)
 }
 
 // None unless something measured the stroke.
-Json Separate(const StrokeRunOptions& options, const actuator::StrokeSchedule& schedule,
-              const std::vector<actuator::AngleSample>& angles) {
-  if (!options.stroke_log && options.rod.empty()) return Json();
+std::optional<MeasuredApart> Separate(const StrokeRunOptions& options, const actuator::StrokeSchedule& schedule,
+                                      const std::vector<actuator::AngleSample>& angles) {
   if (options.stroke_log)
-    return SeparatedJson(
-        actuator::SeparateErrorsByLog(schedule, actuator::ReadMeasuredStrokes(*options.stroke_log), angles), "log");
+    return MeasuredApart{
+        "log", actuator::SeparateErrorsByLog(schedule, actuator::ReadMeasuredStrokes(*options.stroke_log), angles)};
+  if (options.rod.empty()) return std::nullopt;
   const actuator::ActuatorFilm film = ReadRodFilm(*options.validate, options.rod);
-  return SeparatedJson(
-      actuator::SeparateErrorsByVideo(schedule, {options.validate->string(), film.time_s, film.length_mm}, angles),
-      "video");
+  return MeasuredApart{"video", actuator::SeparateErrorsByVideo(
+                                    schedule, {options.validate->string(), film.time_s, film.length_mm}, angles)};
 }
 
 actuator::Validation Validate(const actuator::StrokeSchedule& schedule,
@@ -276,20 +286,63 @@ Json WriteValidation(const StrokeRunOptions& options, const actuator::StrokeSche
   return ValidationJson(validation, options.tolerance_deg);
 }
 
-std::string DriftReport(const Json& firmware) {
-  const Json &drift = firmware["drift"], &nearest = drift["nearest"];
+std::string ReportOf(const actuator::StrokeSchedule& schedule, const std::vector<actuator::ScheduleRow>& rows) {
+  const auto pose = [](const actuator::ScheduleRow& row) {
+    return fmt::format("{:.3f} mm ({:.2f}°)", row.stroke_mm, row.knee_deg);
+  };
+  return fmt::format(
+      "{} to {} in {:.3f} s, at most {:.3f} mm/s and {:.1f} °/s of the knee; {} {}\n"
+      "soft limits {:.3f} and {:.3f} mm\n",
+      pose(rows.front()), pose(rows.back()), schedule.Duration(), FastestStroke(rows), FastestKnee(rows),
+      schedule.reversals, schedule.reversals == 1 ? "reversal" : "reversals", schedule.limits.lower_mm,
+      schedule.limits.upper_mm);
+}
+
+// Empty where it never rests instead.
+std::string ReportOf(const actuator::CrawlSummary& crawl) {
+  if (crawl.stretches == 0) return "";
+  return fmt::format(
+      "slower than anything in the duty table for {:.2f} s: rests and steps instead, at most {:.3f} mm ({:.2f}°) "
+      "behind the program\n",
+      crawl.duration_s, crawl.stroke_error_mm, crawl.knee_error_deg);
+}
+
+std::string ReportOf(const Sketch& sketch, bool accept_drift) {
+  const actuator::DriftForecast& drift = sketch.drift;
   std::string text = fmt::format(
+      "firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n"
       "drift: with speeds within {} % of the duty table{} {:.3f} ± {:.3f} mm at most, the linkage ends at {:.3f} "
       "mm\n"
       "home: put the retract end stop at {:.3f} mm\n",
-      SignificantText(drift["tolerance_percent"].get<double>(), 3),
-      drift["tolerance_measured"].get<bool>() ? "" : " (not measured)", nearest["planned_mm"].get<double>(),
-      nearest["drift_mm"].get<double>(), drift["end_mm"].get<double>(), firmware["home_stroke_mm"].get<double>());
-  if (firmware["extend_stop_mm"].is_number())
-    text += fmt::format("extend end stop: put it at {:.3f} mm; it catches the drift\n",
-                        firmware["extend_stop_mm"].get<double>());
-  if (drift["accepted"].get<bool>()) text += "DRIFT ACCEPTED: only for a bench without a person\n";
-  return text;
+      sketch.table.segments.size(), sketch.table.rounding_error_mm, sketch.table.pwm_error_mm,
+      SignificantText(drift.tolerance_percent, 3), drift.is_measured ? "" : " (not measured)", drift.planned_mm,
+      drift.drift_mm, drift.end_mm, sketch.home_stroke_mm);
+  if (sketch.extend_stop_mm)
+    text += fmt::format("extend end stop: put it at {:.3f} mm; it catches the drift\n", *sketch.extend_stop_mm);
+  if (accept_drift) text += "DRIFT ACCEPTED: only for a bench without a person\n";
+  return text + actuator::kUntried + "\n";
+}
+
+std::string ReportOf(const actuator::Validation& v, double tolerance_deg) {
+  std::string text = fmt::format("prototype: RMS {:.3f}°, largest {:.3f}°, program begins at {:.3f} s", v.rms_deg,
+                                 v.max_deg, v.shift_s);
+  if (!std::isnan(v.speed_mm_s))
+    text += fmt::format(", its own speed {} mm/s", PlusMinusText(v.speed_mm_s, v.speed_se_mm_s, 3));
+  return text +
+         fmt::format(
+             "\nverdict: it {} (within {}° RMS); from {:.3f} s on it travels {:.4f} of the program, drift at its "
+             "end {:+.2f} mm, then RMS {:.3f}°\n",
+             VerdictText(actuator::Judge(v, tolerance_deg)), tolerance_deg, v.start_with_factor_s, v.travel_factor,
+             v.drift_mm, v.rms_with_factor_deg);
+}
+
+std::string ReportOf(const MeasuredApart& apart) {
+  const actuator::SeparatedErrors& errors = apart.errors;
+  return fmt::format(
+      "apart, by the {}'s strokes: linkage RMS {:.3f}° (largest {:.3f}°), actuator RMS {:.3f} mm (largest {:.3f}, at "
+      "the end {:+.3f})\n",
+      apart.strokes, errors.linkage_rms_deg, errors.linkage_max_deg, errors.actuator_rms_mm, errors.actuator_max_mm,
+      errors.actuator_end_mm);
 }
 
 std::string InSketch(const std::string& name) {
@@ -353,7 +406,8 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
       actuator::SampleSchedule(plan.schedule, options.rate_hz, plan.table ? &*plan.table : nullptr);
   std::optional<actuator::Validation> validation;
   if (options.validate) validation = Validate(plan.schedule, angles, *options.validate);
-  const Json separated = options.validate ? Separate(options, plan.schedule, angles) : Json();
+  std::optional<MeasuredApart> apart;
+  if (options.validate) apart = Separate(options, plan.schedule, angles);
 
   if (!sketch && !validation)
     run.Warn(
@@ -368,57 +422,20 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   DrawPngAndSvg("program", run, [&](const fs::path& path) { figure::DrawStrokeProgram(path, plan.schedule, rows); });
   Json summary = ProgramJson(plan.schedule, rows);
   summary["crawling"] = CrawlJson(plan.crawl);
-  summary["firmware"] = sketch ? FirmwareJson(WriteSketch(sketch->header, sketch->notes, run, sketch->commissioning),
-                                              *sketch, options.firmware.accept_drift)
-                               : Json();
+  summary["firmware"] = Json();
+  run.Report(ReportOf(plan.schedule, rows) + ReportOf(plan.crawl));
+  if (sketch) {
+    summary["firmware"] = FirmwareJson(WriteSketch(sketch->header, sketch->notes, run, sketch->commissioning), *sketch,
+                                       options.firmware.accept_drift);
+    run.Report(ReportOf(*sketch, options.firmware.accept_drift));
+  }
   if (validation) {
     summary["validation"] = WriteValidation(options, plan.schedule, *validation, run);
-    summary["validation"]["separated"] = separated;
+    summary["validation"]["separated"] = apart ? SeparatedJson(*apart) : Json();
+    run.Report(ReportOf(*validation, options.tolerance_deg));
+    if (apart) run.Report(ReportOf(*apart));
   }
   return summary;
-}
-
-std::string StrokeReport(const Json& summary) {
-  const auto pose = [&](const Json& end) {
-    return fmt::format("{:.3f} mm ({:.2f}°)", NumberOrNaN(end["stroke_mm"]), NumberOrNaN(end["knee_deg"]));
-  };
-  std::string text = fmt::format("{} to {} in {:.3f} s, at most {:.3f} mm/s and {:.1f} °/s of the knee; {} {}\n",
-                                 pose(summary["start"]), pose(summary["end"]), NumberOrNaN(summary["duration_s"]),
-                                 NumberOrNaN(summary["largest_speed_mm_s"]), NumberOrNaN(summary["largest_knee_deg_s"]),
-                                 summary["reversals"].get<int>(), summary["reversals"] == 1 ? "reversal" : "reversals");
-  text += fmt::format("soft limits {:.3f} and {:.3f} mm\n", NumberOrNaN(summary["soft_limits_mm"][0]),
-                      NumberOrNaN(summary["soft_limits_mm"][1]));
-  if (const Json& crawl = summary["crawling"]; crawl["stretches"].get<int>() > 0)
-    text += fmt::format(
-        "slower than anything in the duty table for {:.2f} s: rests and steps instead, at most {:.3f} mm ({:.2f}°) "
-        "behind the program\n",
-        NumberOrNaN(crawl["duration_s"]), NumberOrNaN(crawl["stroke_error_mm"]), NumberOrNaN(crawl["knee_error_deg"]));
-  if (const Json& firmware = summary["firmware"]; !firmware.is_null())
-    text += fmt::format("firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n",
-                        firmware["segments"].get<int>(), NumberOrNaN(firmware["rounding_error_mm"]),
-                        NumberOrNaN(firmware["pwm_error_mm"])) +
-            DriftReport(firmware) + actuator::kUntried + "\n";
-  if (summary.contains("validation")) {
-    const Json& v = summary["validation"];
-    text += fmt::format("prototype: RMS {:.3f}°, largest {:.3f}°, program begins at {:.3f} s",
-                        NumberOrNaN(v["rms_deg"]), NumberOrNaN(v["max_deg"]), NumberOrNaN(v["shift_s"]));
-    if (!std::isnan(NumberOrNaN(v["speed_mm_s"])))
-      text += fmt::format(", its own speed {} mm/s",
-                          PlusMinusText(NumberOrNaN(v["speed_mm_s"]), NumberOrNaN(v["speed_se_mm_s"]), 3));
-    text += fmt::format(
-        "\nverdict: it {} (within {}° RMS); from {:.3f} s on it travels {:.4f} of the program, drift at its end "
-        "{:+.2f} mm, then RMS {:.3f}°\n",
-        v["verdict"].get<std::string>(), NumberOrNaN(v["tolerance_deg"]), NumberOrNaN(v["start_with_factor_s"]),
-        NumberOrNaN(v["travel_factor"]), NumberOrNaN(v["drift_mm"]), NumberOrNaN(v["rms_with_factor_deg"]));
-    if (const Json& apart = v["separated"]; apart.is_object())
-      text += fmt::format(
-          "apart, by the {}'s strokes: linkage RMS {:.3f}° (largest {:.3f}°), actuator RMS {:.3f} mm (largest {:.3f}, "
-          "at the end {:+.3f})\n",
-          apart["strokes"].get<std::string>(), NumberOrNaN(apart["linkage_rms_deg"]),
-          NumberOrNaN(apart["linkage_max_deg"]), NumberOrNaN(apart["actuator_rms_mm"]),
-          NumberOrNaN(apart["actuator_max_mm"]), NumberOrNaN(apart["actuator_end_mm"]));
-  }
-  return text;
 }
 
 void Describe(StrokeRunOptions& o, OptionList& options) {

@@ -32,19 +32,13 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
   };
   const std::filesystem::path log = run.Result("log.csv");
   const actuator::SessionResult result = actuator::RunSession(options.session, sketch, log, poll);
+  const std::string ran = result.run_s == 0 ? "" : fmt::format(", ran for {:.1f} s", result.run_s);
+  run.Report(fmt::format("homed in {:.1f} s{}; {} rows in log.csv\n", result.homing_s, ran, result.rows));
   return {{"rows", result.rows},
           {"homing_s", result.homing_s},
           {"run_s", result.run_s},
           {"design_hash", sketch.design_hash},
           {"program_hash", sketch.program_hash}};
-}
-
-std::string StrokeSessionReport(const Json& summary) {
-  if (summary["run_s"] == 0.0)
-    return fmt::format("homed in {:.1f} s; {} rows in log.csv\n", summary["homing_s"].get<double>(),
-                       summary["rows"].get<std::size_t>());
-  return fmt::format("homed in {:.1f} s, ran for {:.1f} s; {} rows in log.csv\n", summary["homing_s"].get<double>(),
-                     summary["run_s"].get<double>(), summary["rows"].get<std::size_t>());
 }
 
 void Describe(StrokeSessionRunOptions& o, OptionList& options) {
@@ -75,7 +69,9 @@ Json RunBenchValidation(const BenchRunOptions& options, Run& run) {
   if (!options.folder) {
     run.Begin({"summary.json", "bench.csv"});
     actuator::WriteBenchPlan(run.Result("bench.csv"));
-    return {{"plan", actuator::BenchFaults().size() * actuator::BenchStates().size()}};
+    const std::size_t tests = actuator::BenchFaults().size() * actuator::BenchStates().size();
+    run.Report(fmt::format("bench.csv has the {} tests of the plan: fill it in, then give its folder\n", tests));
+    return {{"plan", tests}};
   }
   run.AddInput(*options.folder / "bench.csv", "bench");
   const actuator::BenchReport report = actuator::ValidateBench(*options.folder);
@@ -84,20 +80,14 @@ Json RunBenchValidation(const BenchRunOptions& options, Run& run) {
   for (const actuator::BenchFinding& finding : report.findings)
     if (finding.verdict == actuator::BenchVerdict::kFailed)
       run.Warn(fmt::format("{} while {}: {}", finding.found.fault, finding.found.state, finding.why));
-  return {{"passed", report.Count(actuator::BenchVerdict::kPassed)},
-          {"failed", report.Count(actuator::BenchVerdict::kFailed)},
-          {"missing", report.Count(actuator::BenchVerdict::kMissing)},
-          {"endurance_h", report.endurance_s / 3600}};
-}
-
-std::string BenchReportText(const Json& summary) {
-  if (summary.contains("plan"))
-    return fmt::format("bench.csv has the {} tests of the plan: fill it in, then give its folder\n",
-                       summary["plan"].get<std::size_t>());
-  const int failed = summary["failed"].get<int>(), missing = summary["missing"].get<int>();
-  return fmt::format("{} passed, {} failed, {} missing; the longest log without an alarm has {:.1f} h. {}\n",
-                     summary["passed"].get<int>(), failed, missing, summary["endurance_h"].get<double>(),
-                     failed + missing == 0 ? "This bench has passed the plan." : "This bench has not passed the plan.");
+  const int passed = report.Count(actuator::BenchVerdict::kPassed),
+            failed = report.Count(actuator::BenchVerdict::kFailed),
+            missing = report.Count(actuator::BenchVerdict::kMissing);
+  const double endurance_h = report.endurance_s / 3600;
+  run.Report(fmt::format(
+      "{} passed, {} failed, {} missing; the longest log without an alarm has {:.1f} h. {}\n", passed, failed, missing,
+      endurance_h, failed + missing == 0 ? "This bench has passed the plan." : "This bench has not passed the plan."));
+  return {{"passed", passed}, {"failed", failed}, {"missing", missing}, {"endurance_h", endurance_h}};
 }
 
 void Describe(BenchRunOptions& o, OptionList& options) {
@@ -109,6 +99,7 @@ void Describe(BenchRunOptions& o, OptionList& options) {
 Json RunStrokeTalk(const StrokeTalkRunOptions& options, Run& run) {
   if (options.talk.port.empty()) throw UsageError("which serial line? give --port /dev/ttyACM0");
   actuator::RunTalk(options.talk, STDIN_FILENO, std::cout, run.Result("serial.csv"), ThrowIfInterrupted);
+  run.Report("what the firmware said is in serial.csv\n");
   return Json::object();
 }
 

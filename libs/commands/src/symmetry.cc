@@ -1,4 +1,4 @@
-#include "lake/commands/symmetry.h"
+#include "symmetry.h"
 
 #include <fmt/format.h>
 
@@ -160,10 +160,20 @@ Json DifferenceJson(const compare::SideDifference& difference) {
 }
 
 // "+4.1 (95 %: +0.3 to +7.9)": as far as the interval knows the difference.
-std::string DifferenceText(const Json& difference, const Json& interval, const char* unit, const char* level) {
-  const double low = NumberOrNaN(interval[0]), high = NumberOrNaN(interval[1]);
-  const auto text = [&](double value) { return WithSign(KnownText(value, 0.5 * (high - low), 1)); };
-  return fmt::format("{}{} ({}{} to {})", text(NumberOrNaN(difference)), unit, level, text(low), text(high));
+std::string DifferenceText(double difference, const compare::Interval& interval, const char* unit, const char* level) {
+  const auto text = [&](double value) { return WithSign(KnownText(value, 0.5 * (interval.high - interval.low), 1)); };
+  return fmt::format("{}{} ({}{} to {})", text(difference), unit, level, text(interval.low), text(interval.high));
+}
+
+std::string ReportOf(const compare::Symmetry& symmetry) {
+  std::string text =
+      fmt::format("{} and {} rises of the left and the right leg: {}\n", symmetry.left_rises, symmetry.right_rises,
+                  symmetry.is_asymmetric ? "asymmetric" : "no difference beyond its interval");
+  for (const compare::SideDifference& of : symmetry.quantities)
+    text += fmt::format("{} {}  left less right {}, index {}\n", of.IsAsymmetric() ? "*" : " ", of.name,
+                        DifferenceText(of.difference, of.interval, "", "95 %: "),
+                        DifferenceText(of.index_percent, of.index_interval, " %", ""));
+  return text;
 }
 
 }  // namespace
@@ -189,24 +199,12 @@ Json RunSymmetry(const CompareRunOptions& options, Run& run) {
   Json quantities = Json::object();
   for (const compare::SideDifference& difference : symmetry.quantities)
     quantities[difference.name] = DifferenceJson(difference);
+  run.Report(ReportOf(symmetry));
   return {{"asymmetric", symmetry.is_asymmetric},
           {"left_rises", symmetry.left_rises},
           {"right_rises", symmetry.right_rises},
           {"matched", of_sides.one_recording},
           {"symmetry", quantities}};
-}
-
-std::string SymmetryReport(const Json& summary) {
-  std::string text = fmt::format("{} and {} rises of the left and the right leg: {}\n", summary["left_rises"].dump(),
-                                 summary["right_rises"].dump(),
-                                 summary["asymmetric"] == true ? "asymmetric" : "no difference beyond its interval");
-  for (const auto& [name, difference] : summary["symmetry"].items()) {
-    const Json &interval = difference["interval"], &index = difference["index_interval_percent"];
-    text += fmt::format("{} {}  left less right {}, index {}\n", difference["asymmetric"] == true ? "*" : " ", name,
-                        DifferenceText(difference["difference"], interval, "", "95 %: "),
-                        DifferenceText(difference["index_percent"], index, " %", ""));
-  }
-  return text;
 }
 
 }  // namespace lake::commands

@@ -23,11 +23,11 @@ struct Synced {
 };
 
 Synced SyncedA(const SyncRunOptions& o) {
-  return {o.a, o.signal_a, o.clap_a, o.clapped_a};
+  return {.recording = o.a, .signal = o.signal_a, .film = o.clap_a, .clapped = o.clapped_a};
 }
 
 Synced SyncedB(const SyncRunOptions& o) {
-  return {o.b, o.signal_b, o.clap_b, o.clapped_b};
+  return {.recording = o.b, .signal = o.signal_b, .film = o.clap_b, .clapped = o.clapped_b};
 }
 
 bool HasSignal(const Synced& side) {
@@ -98,6 +98,15 @@ Json AlignmentJson(const sync::Alignment& alignment) {
           {"parts", parts}};
 }
 
+std::string ReportOf(const sync::Alignment& alignment) {
+  const sync::Clock& clock = alignment.clock;
+  return fmt::format(
+      "offset {} s (1 SD) to add to B's times, drift {} ppm; by {}, {} ({:.1f} % not explained) over {:.1f} s\n",
+      WithSign(PlusMinusText(clock.offset_s, clock.sd_s, 4)),
+      WithSign(PlusMinusText(clock.drift_ppm, alignment.drift_sd_ppm, 1)), clock.method, alignment.comparison.name,
+      100 * alignment.unexplained, alignment.overlap_s);
+}
+
 }  // namespace
 
 void Describe(SyncRunOptions& o, OptionList& options) {
@@ -156,16 +165,8 @@ Json RunSync(const SyncRunOptions& options, Run& run) {
     figure::DrawSync(path, alignment,
                      fmt::format("{} and {}", options.a.filename().string(), options.b.filename().string()));
   });
+  run.Report(ReportOf(alignment));
   return AlignmentJson(alignment);
-}
-
-std::string SyncReport(const Json& summary) {
-  return fmt::format(
-      "offset {} s (1 SD) to add to B's times, drift {} ppm; by {}, {} ({:.1f} % not explained) over {:.1f} s\n",
-      WithSign(PlusMinusText(NumberOrNaN(summary["offset_s"]), NumberOrNaN(summary["sd_s"]), 4)),
-      WithSign(PlusMinusText(NumberOrNaN(summary["drift_ppm"]), NumberOrNaN(summary["drift_sd_ppm"]), 1)),
-      summary["method"].get<std::string>(), summary["compared"].get<std::string>(),
-      100 * NumberOrNaN(summary["unexplained"]), NumberOrNaN(summary["overlap_s"]));
 }
 
 }  // namespace lake::commands

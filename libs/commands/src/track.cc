@@ -15,6 +15,7 @@
 #include "lake/figure/leg_figure.h"
 #include "lake/figure/tracks_figure.h"
 #include "lake/gait/corrected_events.h"
+#include "lake/gait/leg_report.h"
 #include "lake/gait/rolling_shutter.h"
 #include "lake/gait/sit_to_stand.h"
 #include "lake/gait/standing_leg.h"
@@ -151,6 +152,13 @@ void WarnOfUnseen(const SeenShares& seen, Run& run) {
           fmt::format("marker '{}' is seen in {:.0f} % of the frames only: look at the overlay; light, a hidden "
                       "marker or a wrong name make gaps",
                       name, 100 * share));
+}
+
+std::string SeenText(const SeenShares& seen) {
+  std::string text;
+  for (const auto& [name, share] : seen)
+    text += fmt::format("{}{} {:.1f} %", text.empty() ? "seen: " : ", ", name, 100 * share);
+  return text + "\n";
 }
 
 constexpr const char* kCandidatesPicture = "candidates.png";
@@ -337,8 +345,10 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), fit.trajectory, fit.measured);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
-  WriteSitToStands(fit, fit_options.markers, options.person, results, run);
+  run.Report(gait::LegFitText(fit));
+  const std::string rises = WriteSitToStands(fit, fit_options.markers, options.person, results, run);
   WriteUncertaintyBudget(fit, options.budget, results, run);
+  run.Report(rises);
   DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
   const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);
   const bool comparable = shutter.readout_s == 0;  // else what was seen is of another time than the estimate
@@ -386,6 +396,8 @@ Json RunList(const TrackRunOptions& options, const tracking::TrackOptions& track
   WriteCandidates(options, list, run);
   const auto moving =
       std::count_if(list.candidates.begin(), list.candidates.end(), [](const auto& c) { return c.moves; });
+  run.Report(fmt::format("{} things found, {} of which move: candidates.png, candidates.csv\n", list.candidates.size(),
+                         moving));
   return {{"candidates", {{"found", list.candidates.size()}, {"moving", moving}, {"frame", list.frame}}}};
 }
 
@@ -615,6 +627,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
 
   const SeenShares seen = SeenSharesOf(tracked.recording, tracked.times.repeated.size());
   WarnOfUnseen(seen, run);
+  run.Report(SeenText(seen));
   Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}, {"seen", Json::object()}};
   for (const auto& [name, share] : seen) results["seen"][name] = share;
   results["video"]["readout_s"] = readout_s;

@@ -22,12 +22,16 @@ void Tell(const OptionList& list, const Json& given, steps::StudyStep& step) {
   for (steps::StudyKey& key : steps::KeysOf(list)) step.keys.push_back(std::move(key));
 }
 
+void AddInputs(const std::vector<InputFile>& inputs, steps::StudyStep& step) {
+  for (const InputFile& input : inputs) step.inputs.push_back(input.path);
+}
+
 // One command with these options.
 template <typename Options>
 steps::StudyStep StepOf(Options options, Json (*command)(const Options&, Run&), const StudySection& section,
                         const steps::StepCost& expected) {
   steps::StudyStep step{.options = section.text, .expected = expected};
-  for (const InputFile& input : InputsOf(options)) step.inputs.push_back(input.path);
+  AddInputs(InputsOf(options), step);
   Tell(OptionsOf(options), section.given, step);
   step.work = [options = std::move(options), command](Run& run) { run.WriteSummary(command(options, run)); };
   return step;
@@ -282,17 +286,17 @@ OptionalStep SimulationStep(const StudyFile& study, const fs::path& out) {
   commands::SimulationOptions options = study.simulation;
   steps::StudyStep step{
       .what = "the design's poses", .options = study.simulation_section.text, .expected = CostOf(options), .keys = {}};
-  step.keys = steps::KeysOf(OptionsOf(options));
   const fs::path design = DesignOf(study, out), leg = out / "human" / "kinematics.csv";
-  step.inputs = {design, leg};
-  for (const InputFile& input : InputsOf(options)) step.inputs.push_back(input.path);
+  const std::vector<InputFile> own = {{design, "design"}, {leg, "leg"}};
+  AddInputs(own, step);
+  AddInputs(InputsOf(options), step);
   // What the knee needs, where the study has one actuator to give it.
   const bool is_assisted = study.assistance && study.assistance->options.actuators.empty();
   if (is_assisted) {
     const commands::OptimizeRunOptions& assistance = study.assistance->options;
     step.options["assistance"] = study.assistance->section.text;
     if (assistance.problem.actuator) step.options["known of the actuator"] = ActuatorJson(*assistance.problem.actuator);
-    for (const InputFile& input : InputsOf(assistance)) step.inputs.push_back(input.path);
+    AddInputs(InputsOf(assistance), step);
     step.inputs.push_back(ProfileIn(out));
   }
   if (study.loads) {
@@ -304,9 +308,9 @@ OptionalStep SimulationStep(const StudyFile& study, const fs::path& out) {
                             {"height_mm", options.body_height_mm.value_or(0)}};
   }
   Tell(OptionsOf(options), study.simulation_section.given, step);
-  step.work = [options, is_assisted, assistance = study.assistance, profile = ProfileIn(out), design, leg](Run& run) {
-    run.AddInput(design, "design");
-    run.AddInput(leg, "leg");
+  step.work = [options, is_assisted, assistance = study.assistance, profile = ProfileIn(out), own, design,
+               leg](Run& run) {
+    run.AddInputs(own);
     commands::SimulationOptions of_person = options;
     if (const auto measured = LegOf(leg)) {
       of_person.thigh_mm = measured->thigh_mm;

@@ -40,7 +40,10 @@ class Stream {
   }
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
-  ~Stream() { CloseWrite(), CloseRead(); }
+  ~Stream() {
+    CloseWrite();
+    CloseRead();
+  }
 
   int WriteEnd() const { return write_; }
   int ReadEnd() const { return read_; }  // -1 once all was read
@@ -97,7 +100,8 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
   ~Child() {
-    output_.CloseRead(), said_.CloseRead();  // it must not wait for a reader
+    output_.CloseRead();  // it must not wait for a reader
+    said_.CloseRead();
     if (pid_ <= 0) return;
     kill(pid_, SIGTERM);
     WaitForEnd(pid_);

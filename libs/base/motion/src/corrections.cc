@@ -35,7 +35,8 @@ std::vector<Correction> ReadCorrections(const std::filesystem::path& path, const
         (has_sigma ? table.Number(row, table.Column("sigma_px")) : std::nullopt).value_or(kClickSigmaPx);
     if (!(sigma > 0)) throw Fail("{}: a sigma_px of {} is not positive", table.Where(row), sigma);
     const MarkerSample sample = px ? MarkerSample{{*px, *py}, sigma, SampleStatus::kDetected} : MarkerSample{};
-    corrections.push_back({static_cast<std::int64_t>(number), name, sample, table.Where(row)});
+    corrections.push_back(
+        {.frame = static_cast<std::int64_t>(number), .marker = name, .sample = sample, .where = table.Where(row)});
     const auto [first, is_new] = seen.try_emplace({corrections.back().frame, name}, table.Where(row));
     if (!is_new)
       throw Fail("{}: '{}' in frame {} is corrected twice, first in {}; keep one", table.Where(row), name, number,

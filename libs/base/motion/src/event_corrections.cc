@@ -63,7 +63,7 @@ std::optional<StsEvent> EventOf(const EventCorrection& said, const std::vector<s
                time_s.front(), time_s.back());
   if (!said.frame) {
     const std::size_t row = NearestRow(time_s, *said.time_s);
-    return StsEvent{said.repetition, said.kind, frame[row], *said.time_s};
+    return StsEvent{.repetition = said.repetition, .kind = said.kind, .frame = frame[row], .time_s = *said.time_s};
   }
   const auto found = std::lower_bound(frame.begin(), frame.end(), *said.frame);
   if (found == frame.end() || *found != *said.frame)
@@ -73,7 +73,10 @@ std::optional<StsEvent> EventOf(const EventCorrection& said, const std::vector<s
   if (said.time_s && time_s[NearestRow(time_s, *said.time_s)] != time_s[row])
     throw Fail("{}: frame {} is at {:.3f} s, not at {} s: give one of the two, and leave the other empty", said.where,
                *said.frame, time_s[row], *said.time_s);
-  return StsEvent{said.repetition, said.kind, *said.frame, said.time_s.value_or(time_s[row])};
+  return StsEvent{.repetition = said.repetition,
+                  .kind = said.kind,
+                  .frame = *said.frame,
+                  .time_s = said.time_s.value_or(time_s[row])};
 }
 
 std::string Told(const StsEvent& event) {

@@ -189,8 +189,12 @@ Validation ValidatePrototype(const StrokeSchedule& schedule, const std::vector<A
   for (const AngleSample& sample : samples) {
     const double program_time = sample.time_s - v.shift_s;
     const double stroke = schedule.StrokeAt(program_time);
-    v.samples.push_back({sample.time_s, program_time, stroke, KneeDegAt(schedule.links, stroke), sample.knee_deg,
-                         program_time >= 0 && program_time <= schedule.Duration()});
+    v.samples.push_back({.time_s = sample.time_s,
+                         .program_time_s = program_time,
+                         .stroke_mm = stroke,
+                         .predicted_deg = KneeDegAt(schedule.links, stroke),
+                         .measured_deg = sample.knee_deg,
+                         .moving = program_time >= 0 && program_time <= schedule.Duration()});
   }
   const double seen =
       std::min(schedule.Duration(), v.samples.back().program_time_s) - std::max(0.0, v.samples.front().program_time_s);

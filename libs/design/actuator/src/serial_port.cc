@@ -1,4 +1,4 @@
-#include "lake/actuator/serial_port.h"
+#include "serial_port.h"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -18,10 +18,10 @@
 
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/serial_frame.h"
-#include "lake/actuator/serial_port.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "serial_port.h"
 
 namespace lake::actuator {
 namespace {

@@ -202,7 +202,6 @@ LegLoad LoadOnLeg(const LegState& leg, const CuffOptions& options, const Stiffne
       (link.side > 0 ? load.thigh : load.shank).push_back(one);
     }
   load.knee_shear_n = std::abs(on_shank.x());
-  load.knee_axial_n = on_shank.y();
   return load;
 }
 

@@ -60,7 +60,10 @@ LoadProfile MakeLoadProfile(const std::vector<double>& percent, const std::vecto
     CheckSample(percent[i], knee_deg[i], knee_nm[i]);
     const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i + 1, n - 1);
     const double rate_deg = 100 * (knee_deg[after] - knee_deg[before]) / (percent[after] - percent[before]);
-    profile.samples.push_back({percent[i], RadiansFromDegrees(knee_deg[i]), RadiansFromDegrees(rate_deg), knee_nm[i]});
+    profile.samples.push_back({.percent = percent[i],
+                               .knee_rad = RadiansFromDegrees(knee_deg[i]),
+                               .rad_per_rise = RadiansFromDegrees(rate_deg),
+                               .knee_nm = knee_nm[i]});
   }
   if (std::ranges::all_of(knee_nm, [](double moment) { return std::isnan(moment); }))
     throw Fail("the load profile has no known moment");

@@ -89,12 +89,12 @@ DesignTask SizeSearch::TaskFor(const Members& members, std::size_t size, const A
 std::vector<RedesignPoint> SizeSearch::PointsBefore(const Members& members, std::size_t size,
                                                     const Alternation& before) const {
   const group::GroupDesign& design = before.designs[size].nearest;
-  const Members wearers = MembersOf(before.assignment, size);
+  const Members earlier = MembersOf(before.assignment, size);
   std::vector<RedesignPoint> points;
   for (const std::size_t i : members) {
-    const auto place = std::ranges::find(wearers, i);
-    points.push_back(place == wearers.end() ? StartPoint(problem_.Of(i), design.Links())
-                                            : design.points[static_cast<std::size_t>(place - wearers.begin())]);
+    const auto place = std::ranges::find(earlier, i);
+    points.push_back(place == earlier.end() ? StartPoint(problem_.Of(i), design.Links())
+                                            : design.points[static_cast<std::size_t>(place - earlier.begin())]);
   }
   return points;
 }

@@ -64,7 +64,7 @@ std::vector<linkage::Links> LinksOf(const std::vector<GroupOutcome>& designs) {
   return links;
 }
 
-// Sizes in the order of their wearers' legs.
+// Sizes in the order of the legs that they are for.
 void Sort(const std::vector<double>& leg_mm, Alternation& found) {
   const std::size_t sizes = found.designs.size();
   std::vector<std::size_t> order(sizes), place(sizes);
@@ -174,7 +174,8 @@ Fit FitOf(const RedesignProblem& person, const linkage::Links& links, const synt
   constexpr double kNotHeld_deg = 1000;
   const RedesignProblem fixed = WithLinks(person, links);
   const RedesignPoint start = StartPoint(fixed, links);
-  Fit fit{false, -2 * kNotHeld_deg, kInfinity, problem::Evaluate(links, person.design).range_deg};
+  Fit fit{
+      .value = -2 * kNotHeld_deg, .percent = kInfinity, .range_deg = problem::Evaluate(links, person.design).range_deg};
   const auto hold = [&](const RedesignSolve& solve) {
     fit.holds = true;
     fit.percent = solve.Misalignment_percent();

@@ -53,7 +53,6 @@ MeanAxis AxisOf(const SegmentMotion& motion, const std::vector<std::size_t>& fra
   axis.first = frames.front();
   axis.last = frames.back();
   axis.direction_shank = across.shank.col(2);
-  axis.direction_thigh = across.thigh.col(2);
   axis.in_thigh = across.thigh * Vector3d(solution.unknowns[0], solution.unknowns[1], across.thigh_along_mm);
   axis.in_file = axis.direction_file = Vector3d::Zero();
   Eigen::RowVectorXd mean_modes = Eigen::RowVectorXd::Zero(modes.cols());

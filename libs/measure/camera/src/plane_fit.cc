@@ -171,8 +171,10 @@ PlaneFit FitPlane(const Camera& camera, std::span<const PlaneCorrespondence> poi
   fit.uncertainty = {std::sqrt(best.sum_px2 / n), sd.head<3>(), sd.tail<3>()};
   fit.roll_deg = RollDeg(best.pose);
   if (poses.size() > 1 && ApartDeg(best.pose, poses[1].pose) > kSamePoseDeg)
-    fit.other = {poses[1].pose, std::sqrt(poses[1].sum_px2 / n), ApartDeg(best.pose, poses[1].pose),
-                 poses[1].sum_px2 - best.sum_px2 < kTellApart * fit.sigma_px * fit.sigma_px};
+    fit.other = {.camera_from_plane = poses[1].pose,
+                 .rms_px = std::sqrt(poses[1].sum_px2 / n),
+                 .apart_deg = ApartDeg(best.pose, poses[1].pose),
+                 .as_likely = poses[1].sum_px2 - best.sum_px2 < kTellApart * fit.sigma_px * fit.sigma_px};
   AddWarnings(fit);
   return fit;
 }

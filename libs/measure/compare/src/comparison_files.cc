@@ -174,7 +174,8 @@ Json PaceJson(const Pace& pace) {
 
 Json AngleJson(const AngleDifference& angle) {
   Json json = DifferenceJson(angle.mean_deg, "deg");
-  json["rms_deg"] = angle.rms_deg, json["max_deg"] = angle.max_deg;
+  json["rms_deg"] = angle.rms_deg;
+  json["max_deg"] = angle.max_deg;
   return json;
 }
 

@@ -77,7 +77,13 @@ Sensitivities OfOffset(const JointMisalignment& joint, int axis, double duration
 constexpr const char* kReplacement = "assumed; --replacement-sd";
 
 BudgetRow Detection(double size, const char* unit, double sensitivity) {
-  return {kDetection, "normal", size, unit, sensitivity, "sigmas of this recording's markers", true};
+  return {.source = kDetection,
+          .distribution = "normal",
+          .size = size,
+          .unit = unit,
+          .sensitivity = sensitivity,
+          .reference = "sigmas of this recording's markers",
+          .is_of_markers = true};
 }
 
 // `placement`: its standard deviation in mm and the option that changes it; an axis has none, but its own, `axis_mm`.
@@ -86,7 +92,13 @@ void AddSources(const Sensitivities& s, BudgetRow detection, std::pair<double, c
   rows.push_back(std::move(detection));
   const auto add = [&](const char* source, const char* distribution, double size, const char* unit, double sensitivity,
                        const char* reference, bool is_of_markers) {
-    rows.push_back({source, distribution, size, unit, std::abs(sensitivity), reference, is_of_markers});
+    rows.push_back({.source = source,
+                    .distribution = distribution,
+                    .size = size,
+                    .unit = unit,
+                    .sensitivity = std::abs(sensitivity),
+                    .reference = reference,
+                    .is_of_markers = is_of_markers});
   };
   add("lens and plane", "normal", o.scale_percent, "%", s.scale, "assumed; --scale-sd", true);
   add("out-of-plane movement and parallax", "normal", o.depth_mm, "mm", o.view_slope * s.constant,

@@ -82,8 +82,10 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
     std::vector<std::size_t> moment = FindVector(table, stem + "m", nth, path);
     if (moment.empty() && !TorqueStem(stem).empty()) moment = FindVector(table, TorqueStem(stem), nth, path);
     const std::size_t end = stem.find_last_not_of('_');
-    forces.plates.push_back({end == std::string::npos ? stem : stem.substr(0, end + 1), TakeVector(table, force),
-                             TakeVector(table, point), TakeVector(table, moment)});
+    forces.plates.push_back({.name = end == std::string::npos ? stem : stem.substr(0, end + 1),
+                             .force_n = TakeVector(table, force),
+                             .point_m = TakeVector(table, point),
+                             .moment_nm = TakeVector(table, moment)});
   }
   if (forces.plates.empty())
     throw Fail("{}: no ground forces: there is no column that ends in 'vx', as in ground_force_1_vx", path.string());

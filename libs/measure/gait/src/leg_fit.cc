@@ -187,8 +187,12 @@ std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMa
     for (int m = 0; m < markers; ++m) {
       const Detections& d = leg[static_cast<std::size_t>(m)];
       if (!d.seen[i]) continue;
-      observations.push_back({d.track->samples[i].position, d.sigma[i], d.jolt[i], static_cast<std::uint32_t>(i),
-                              static_cast<LegMarker>(m), d.trusted[i] != 0});
+      observations.push_back({.seen = d.track->samples[i].position,
+                              .sigma = d.sigma[i],
+                              .jolt = d.jolt[i],
+                              .frame = static_cast<std::uint32_t>(i),
+                              .marker = static_cast<LegMarker>(m),
+                              .trusted = d.trusted[i] != 0});
     }
   return observations;
 }

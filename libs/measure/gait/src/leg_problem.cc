@@ -214,13 +214,15 @@ LegSolveSummary SolvePiece(const LegModel& model, const Piece& piece, std::vecto
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   ThrowIfInterrupted();
-  return {summary.IsSolutionUsable(), static_cast<int>(summary.iterations.size()), 0, 0, summary.message};
+  return {.usable = summary.IsSolutionUsable(),
+          .iterations = static_cast<int>(summary.iterations.size()),
+          .message = summary.message};
 }
 
 }  // namespace
 
 LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients) {
-  LegSolveSummary whole{true, 0, CostOf(model, coefficients), 0, ""};
+  LegSolveSummary whole{.usable = true, .initial_cost = CostOf(model, coefficients), .message = ""};
   const std::vector<double> start = coefficients;
   for (const Piece& piece : Pieces(model)) {
     std::vector<double> solved = start;

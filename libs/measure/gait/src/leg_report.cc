@@ -1,31 +1,48 @@
-// The fit's reports as JSON, for summary.json.
+// The fit's reports as JSON, for summary.json, and as text.
+#include "lake/gait/leg_report.h"
+
+#include <fmt/format.h>
+
 #include <cmath>
 #include <map>
+#include <optional>
 
-#include "lake/gait/leg_fit.h"
+#include "lake/core/deviation_text.h"
 
 namespace lake::gait {
 namespace {
 
-// Among the frames whose angle is certain: not where a hidden marker was bridged or extrapolated freely.
-Json Extreme(const motion::LegMotion& motion, double motion::LegSample::*value, double sign, const char* key) {
+// The frame with the largest value, or with sign −1 the smallest, among those whose angle is certain: not where a
+// hidden marker was bridged or extrapolated freely. nullopt where no angle is.
+std::optional<std::size_t> FrameOfExtreme(const motion::LegMotion& motion, double motion::LegSample::*value,
+                                          double sign) {
   constexpr double kMostSigmaDeg = 1;
-  std::size_t best = motion.samples.size();
+  std::optional<std::size_t> best;
   for (std::size_t i = 0; i < motion.samples.size(); ++i)
     if (std::isfinite(motion.samples[i].*value) && motion.samples[i].knee_sigma_deg <= kMostSigmaDeg &&
-        (best == motion.samples.size() || sign * (motion.samples[i].*value) > sign * (motion.samples[best].*value)))
+        (!best || sign * (motion.samples[i].*value) > sign * (motion.samples[*best].*value)))
       best = i;
-  if (best == motion.samples.size()) return nullptr;
-  return {{key, motion.samples[best].*value}, {"time_s", motion.time_s[best]}, {"frame", motion.frame[best]}};
+  return best;
 }
 
-Json KneeJson(const motion::LegMotion& motion) {
-  Json knee = {{"largest", Extreme(motion, &motion::LegSample::knee_deg, 1, "deg")},
-               {"smallest", Extreme(motion, &motion::LegSample::knee_deg, -1, "deg")},
-               {"fastest_flexion", Extreme(motion, &motion::LegSample::knee_deg_s, 1, "deg_s")},
-               {"fastest_extension", Extreme(motion, &motion::LegSample::knee_deg_s, -1, "deg_s")}};
-  if (!knee["largest"].is_null())
-    knee["range_of_motion_deg"] = knee["largest"]["deg"].get<double>() - knee["smallest"]["deg"].get<double>();
+Json ExtremeJson(const motion::LegMotion& motion, double motion::LegSample::*value, double sign, const char* key) {
+  const std::optional<std::size_t> frame = FrameOfExtreme(motion, value, sign);
+  if (!frame) return nullptr;
+  return {{key, motion.samples[*frame].*value}, {"time_s", motion.time_s[*frame]}, {"frame", motion.frame[*frame]}};
+}
+
+struct KneeRange {
+  double smallest_deg, largest_deg;
+};
+std::optional<KneeRange> RangeOf(const motion::LegMotion& motion) {
+  const auto smallest = FrameOfExtreme(motion, &motion::LegSample::knee_deg, -1),
+             largest = FrameOfExtreme(motion, &motion::LegSample::knee_deg, 1);
+  if (!largest) return std::nullopt;
+  return KneeRange{motion.samples[*smallest].knee_deg, motion.samples[*largest].knee_deg};
+}
+
+// RMS over the frames; NaN where no standard deviation is known.
+double RmsSigmaDeg(const motion::LegMotion& motion) {
   double squares = 0;
   int count = 0;
   for (const motion::LegSample& sample : motion.samples)
@@ -33,7 +50,16 @@ Json KneeJson(const motion::LegMotion& motion) {
       squares += sample.knee_sigma_deg * sample.knee_sigma_deg;
       ++count;
     }
-  if (count > 0) knee["rms_sigma_deg"] = std::sqrt(squares / count);
+  return std::sqrt(squares / count);
+}
+
+Json KneeJson(const motion::LegMotion& motion) {
+  Json knee = {{"largest", ExtremeJson(motion, &motion::LegSample::knee_deg, 1, "deg")},
+               {"smallest", ExtremeJson(motion, &motion::LegSample::knee_deg, -1, "deg")},
+               {"fastest_flexion", ExtremeJson(motion, &motion::LegSample::knee_deg_s, 1, "deg_s")},
+               {"fastest_extension", ExtremeJson(motion, &motion::LegSample::knee_deg_s, -1, "deg_s")}};
+  if (const auto range = RangeOf(motion)) knee["range_of_motion_deg"] = range->largest_deg - range->smallest_deg;
+  if (const double rms_deg = RmsSigmaDeg(motion); std::isfinite(rms_deg)) knee["rms_sigma_deg"] = rms_deg;
   return knee;
 }
 
@@ -102,6 +128,18 @@ Json LegFitJson(const LegFitResult& result) {
                             {"largest_shank_deg", result.across->largest_shank_deg},
                             {"largest_thigh_deg", result.across->largest_thigh_deg}};
   return json;
+}
+
+std::string LegFitText(const LegFitResult& result) {
+  const std::string unit(ToString(result.motion.unit));
+  std::string text;
+  for (const SegmentReport& segment : result.segments)
+    text += fmt::format("{}  {:.1f} {}, varies by {} (SD)\n", segment.name, segment.length, unit,
+                        DeviationText(segment.variation, 1, ""));
+  if (const auto range = RangeOf(result.motion))
+    text += fmt::format("knee {:.2f}° to {:.2f}°, marker noise {} (1 SD)\n", range->smallest_deg, range->largest_deg,
+                        DeviationText(RmsSigmaDeg(result.motion), 3, "°"));
+  return text;
 }
 
 }  // namespace lake::gait

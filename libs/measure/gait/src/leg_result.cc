@@ -297,7 +297,8 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
     }
     if (IsOutlier(d, output.curve, i, outlier_deviations)) {
       ++report.outliers;
-      outliers.push_back({recording.frame[i], d.name, distance, deviations});
+      outliers.push_back(
+          {.frame = recording.frame[i], .marker = d.name, .residual = distance, .deviations = deviations});
     } else {
       squares.push_back(distance * distance / 2);
     }

@@ -61,7 +61,10 @@ UsualStep UsualStepAround(const Steps& steps, std::size_t k) {
   constexpr std::size_t kReach = 5;  // frames on each side
   const std::size_t begin = k > kReach ? k - kReach : 1, end = std::min(steps.step.size(), k + kReach + 1);
   std::vector<double> x, y, distances;
-  for (std::size_t j = begin; j < end; ++j) x.push_back(steps.step[j].x()), y.push_back(steps.step[j].y());
+  for (std::size_t j = begin; j < end; ++j) {
+    x.push_back(steps.step[j].x());
+    y.push_back(steps.step[j].y());
+  }
   UsualStep usual{{Median(x), Median(y)}, 0};
   for (std::size_t j = begin; j < end; ++j) distances.push_back((steps.step[j] - usual.median).norm());
   usual.spread = 1.4826 * Median(distances);

@@ -44,7 +44,10 @@ std::vector<Around> MeansAround(std::span<const Residual> residuals, std::span<c
 std::vector<double> NoiseShares(std::span<const Residual> residuals, std::span<const double> time_s) {
   const auto share_of = [](double square, double free) { return square > free ? free / square : 1; };
   double all_square = 0, all_free = 0;
-  for (const Residual& residual : residuals) all_square += residual.square, all_free += residual.free;
+  for (const Residual& residual : residuals) {
+    all_square += residual.square;
+    all_free += residual.free;
+  }
   std::vector<double> shares;
   shares.reserve(time_s.size());
   for (const Around& around : MeansAround(residuals, time_s))

@@ -179,7 +179,10 @@ double LargestChange(const std::vector<double>& from, const std::vector<double>&
 std::vector<double> FindNoiseShares(const Round& round, std::span<const double> time_s, bool alike) {
   if (!alike) return NoiseShares(round.residuals, time_s);
   double square = 0, free = 0;
-  for (const Residual& residual : round.residuals) square += residual.square, free += residual.free;
+  for (const Residual& residual : round.residuals) {
+    square += residual.square;
+    free += residual.free;
+  }
   return std::vector<double>(time_s.size(), std::min(1.0, std::max(free, 1.0) / square));
 }
 

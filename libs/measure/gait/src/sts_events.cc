@@ -229,7 +229,8 @@ class EventFinder {
     const double duration_s = s_.time_s[i] - s_.time_s[before];
     const bool crosses = step != 0 && to_limit / step >= 0 && to_limit / step <= 1;
     const double share = crosses ? to_limit / step : 0.5;
-    motion::StsEvent event = {0, kind, s_.frame[share < 0.5 ? before : i], s_.time_s[before] + share * duration_s};
+    motion::StsEvent event{
+        .kind = kind, .frame = s_.frame[share < 0.5 ? before : i], .time_s = s_.time_s[before] + share * duration_s};
     if (crosses && !sd.empty()) event.sd_s = std::hypot(sd[i], sway) * duration_s / std::abs(step);
     return event;
   }

@@ -245,10 +245,7 @@ std::vector<Clap> ClapsIn(const HeardSound& heard, const SoundReading& read, con
   const std::vector<Surroundings> around = SurroundingsOf(onsets, heard, read, film);
   std::vector<Clap> claps;
   claps.reserve(onsets.size());
-  for (std::size_t i = 0; i < onsets.size(); ++i) {
-    claps.push_back(Begin(around[i], sound));
-    claps.back().above_db = Db(onsets[i].loudness / loudest_else);
-  }
+  for (const Surroundings& of : around) claps.push_back(Begin(of, sound));
   std::ranges::sort(claps, {}, &Clap::time_s);
   return claps;
 }

@@ -230,7 +230,10 @@ class JointFit {
     Eigen::Vector3d background;
   };
   State Save() const { return {blobs_, background_}; }
-  void Restore(const State& state) { blobs_ = state.blobs, background_ = state.background; }
+  void Restore(const State& state) {
+    blobs_ = state.blobs;
+    background_ = state.background;
+  }
   bool HasEnoughPixels() const { return pixels_ > 2 * static_cast<std::size_t>(parameters_); }
   int Blobs() const { return static_cast<int>(blobs_.size()); }
 

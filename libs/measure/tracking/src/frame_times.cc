@@ -263,12 +263,10 @@ class FrameClock {
     const Passage passage = paths.Between(frames, after, from, to);
     if (passage.Markers() < 2) return {};
     const double by_stamp = passage.LogDensity(stamped_s), each = static_cast<double>(frames.size());
-    const Judgement cut{std::log(kCutOdds / each) + passage.LogDensityOfCut(stamped_s) - by_stamp,
-                        true,
-                        0,
-                        0,
-                        misfit,
-                        passage.JumpMm(stamped_s)};
+    const Judgement cut{.log_odds = std::log(kCutOdds / each) + passage.LogDensityOfCut(stamped_s) - by_stamp,
+                        .is_cut = true,
+                        .misfit = misfit,
+                        .jump_mm = passage.JumpMm(stamped_s)};
     // Strong coding holds slow markers back for some frames and then lets them jump, as if time stood still or were
     // lost.
     constexpr double kHeldBackPx = 1;  // in a frame
@@ -287,21 +285,23 @@ class FrameClock {
   static Judgement Likeliest(const Passage& passage, double usual_s, double longest_s) {
     constexpr double kShortest = 0.5, kStep = 1.03;
     double best_s = 0, most = -INFINITY;
-    const auto look = [&](double elapsed_s) {
+    const auto sample = [&](double elapsed_s) {
       const double log_density = passage.LogDensity(elapsed_s);
       if (log_density <= most) return;
       most = log_density;
       best_s = elapsed_s;
     };
-    for (double elapsed_s = kShortest * usual_s; elapsed_s < longest_s; elapsed_s *= kStep) look(elapsed_s);
+    for (double elapsed_s = kShortest * usual_s; elapsed_s < longest_s; elapsed_s *= kStep) sample(elapsed_s);
     for (double width = kStep - 1; width > 1e-4; width /= 2)
-      for (const double times : {1 / (1 + width), 1 + width}) look(best_s * times);
+      for (const double times : {1 / (1 + width), 1 + width}) sample(best_s * times);
     // By the curvature of the logarithm (Laplace's method).
     const double step_s = 0.01 * usual_s;
     const double curvature =
         (2 * most - passage.LogDensity(best_s - step_s) - passage.LogDensity(best_s + step_s)) / (step_s * step_s);
     const double sigma_s = curvature > 0 ? std::min(1 / std::sqrt(curvature), longest_s) : longest_s;
-    return {most + std::log(sigma_s * std::sqrt(2 * std::numbers::pi) / longest_s), false, best_s, sigma_s};
+    return {.log_odds = most + std::log(sigma_s * std::sqrt(2 * std::numbers::pi) / longest_s),
+            .moved_s = best_s,
+            .sigma_s = sigma_s};
   }
 
   // New frames, and what lies before each.
@@ -343,8 +343,11 @@ class FrameClock {
 
   TimeJump JumpBefore(const Passages& passages, std::size_t after) const {
     const std::size_t a = passages.frames[after - 1], b = passages.frames[after];
-    return {recording_.frame[a], recording_.frame[b], recording_.time_s[b] - recording_.time_s[a],
-            passages.before[after].moved_s, passages.before[after].sigma_s};
+    return {.before = recording_.frame[a],
+            .after = recording_.frame[b],
+            .stamped_s = recording_.time_s[b] - recording_.time_s[a],
+            .moved_s = passages.before[after].moved_s,
+            .sigma_s = passages.before[after].sigma_s};
   }
 
   // The clearest first, as it spoils the paths on which its neighbours are judged.

@@ -104,7 +104,7 @@ std::vector<MarkerSeed> FindNames(const LiveSnapshot& snapshot, const LiveTrackO
                        .metric_from_px = options.metric_from_px,
                        .up_px = options.up_px,
                        .physics = options.physics,
-                       .breaks = snapshot.breaks,
+                       .discontinuities = snapshot.discontinuities,
                        .repeated = snapshot.repeated};
   std::vector<std::string> others;
   for (const std::string& name : options.names) {

@@ -330,7 +330,7 @@ void LiveTracker::Rejoin() {
 LiveSnapshot LiveTracker::Snapshot() const {
   LiveSnapshot snapshot{.tracklets = builder_->SoFar(),
                         .frames = EmptyRecording({}),
-                        .breaks = builder_->Breaks(),
+                        .discontinuities = builder_->Discontinuities(),
                         .repeated = builder_->RepeatedFrames()};
   snapshot.frames.frame = measured_.frame;
   snapshot.frames.time_s = measured_.time_s;

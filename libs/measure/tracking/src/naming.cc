@@ -425,14 +425,14 @@ class Namer {
     return end;
   }
 
-  // The time in which a marker can have moved on; after a break it can be anywhere.
+  // The time in which a marker can have moved on; after a discontinuity it can be anywhere.
   double TimeToMoveOn(const PathEnd& before, const PathEnd& after) const {
     const double from_s = before.back().time_s, to_s = after.back().time_s;
-    const bool has_break = std::ranges::any_of(options_.breaks, [&](std::int64_t frame) {
+    const bool has_discontinuity = std::ranges::any_of(options_.discontinuities, [&](std::int64_t frame) {
       const double at_s = time_s_[index_of_frame_.at(frame)];
       return at_s > from_s && at_s <= to_s;
     });
-    return has_break ? options_.physics.turns_after_s : GapBetween(before, after);
+    return has_discontinuity ? options_.physics.turns_after_s : GapBetween(before, after);
   }
 
   // The logarithm of the odds against one path with what is known of the name before and after; nullopt where none is

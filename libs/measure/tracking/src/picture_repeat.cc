@@ -63,8 +63,8 @@ double Mismatch(const cv::Mat& before, const cv::Mat& now, const std::vector<Exp
     const auto size = PatchSize(now, e);
     if (!size) continue;
     const cv::Mat old = PatchAt(before, e.position, *size), moved = PatchAt(now, e.position + e.step, *size);
-    difference += cv::norm(moved, old, cv::NORM_L2SQR),
-        unevenness += cv::norm(cv::Mat(old - cv::mean(old)), cv::NORM_L2SQR);
+    difference += cv::norm(moved, old, cv::NORM_L2SQR);
+    unevenness += cv::norm(cv::Mat(old - cv::mean(old)), cv::NORM_L2SQR);
   }
   return unevenness > 0 ? difference / unevenness : NAN;
 }

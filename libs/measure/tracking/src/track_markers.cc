@@ -125,7 +125,7 @@ double FootMotion(const motion::MarkerRecording& recording) {
 
 // Where several directions may be up, that with which the markers can be named and the foot rests best.
 void NameWithEachUp(const std::vector<Tracklet>& tracklets, const TrackOptions& options,
-                    const std::vector<std::int64_t>& breaks, const std::vector<std::int64_t>& repeated,
+                    const std::vector<std::int64_t>& discontinuities, const std::vector<std::int64_t>& repeated,
                     TrackResult& result) {
   std::vector<Eigen::Vector2d> ups = {options.up_px};
   ups.insert(ups.end(), options.other_ups_px.begin(), options.other_ups_px.end());
@@ -136,7 +136,7 @@ void NameWithEachUp(const std::vector<Tracklet>& tracklets, const TrackOptions& 
     try {
       NameTracklets(tracklets,
                     {options.names, options.seeds, Identities(options), options.metric_from_px, up, options.physics,
-                     breaks, repeated, options.reader.rotate_deg},
+                     discontinuities, repeated, options.reader.rotate_deg},
                     named);
     } catch (const UsageError&) {
       throw;
@@ -219,8 +219,8 @@ namespace {
 struct Followed {
   TrackResult result;
   std::vector<Tracklet> tracklets;
-  std::vector<std::int64_t> repeated, breaks;  // frames: TrackletBuilder's
-  std::optional<ImageFigures> image;           // the detector's
+  std::vector<std::int64_t> repeated, discontinuities;  // frames: TrackletBuilder's
+  std::optional<ImageFigures> image;                    // the detector's
 };
 
 Followed Follow(const std::filesystem::path& video, const TrackOptions& options) {
@@ -259,7 +259,7 @@ Followed Follow(const std::filesystem::path& video, const TrackOptions& options)
   CheckSeedFrames(options, recording);
   followed.tracklets = builder.Finish();
   followed.repeated = builder.RepeatedFrames();
-  followed.breaks = builder.Breaks();
+  followed.discontinuities = builder.Discontinuities();
   followed.image = detector->Figures();
   followed.result.tracklets = followed.tracklets.size();
   followed.result.radius_px = MedianRadius(followed.tracklets);
@@ -269,9 +269,9 @@ Followed Follow(const std::filesystem::path& video, const TrackOptions& options)
 }  // namespace
 
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options) {
-  auto [result, tracklets, repeated, breaks, image] = Follow(video, options);
+  auto [result, tracklets, repeated, discontinuities, image] = Follow(video, options);
   try {
-    NameWithEachUp(tracklets, options, breaks, repeated, result);
+    NameWithEachUp(tracklets, options, discontinuities, repeated, result);
   } catch (const UsageError&) {
     throw;
   } catch (const Error& error) {

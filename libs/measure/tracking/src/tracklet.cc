@@ -211,9 +211,15 @@ bool TrackletBuilder::IsSeed(std::int64_t frame, const MarkerDetection& detectio
 }
 
 void TrackletBuilder::Extend(Live& live, std::int64_t frame, const MarkerDetection& detection) const {
-  live.tracklet.samples.push_back({frame, time_s_, detection.position, detection.sigma_px,
-                                   detection.appearance.ApparentRadiusPx(), detection.appearance.amplitude,
-                                   detection.background, detection.quality, is_repeated_});
+  live.tracklet.samples.push_back({.frame = frame,
+                                   .time_s = time_s_,
+                                   .position = detection.position,
+                                   .sigma_px = detection.sigma_px,
+                                   .radius_px = detection.appearance.ApparentRadiusPx(),
+                                   .amplitude = detection.appearance.amplitude,
+                                   .background = detection.background,
+                                   .quality = detection.quality,
+                                   .repeated = is_repeated_});
   live.seen_s = time_s_;
   if (!live.tracklet.identity) live.tracklet.identity = detection.identity;
   // The running mean over the last ten or so looks; all of them while there are fewer.
@@ -383,7 +389,7 @@ void TrackletBuilder::JudgeStanding(std::int64_t frame) {
     for (Live& live : live_)
       for (TrackletSample& sample : live.tracklet.samples)
         if (sample.frame >= *stands_since_ && sample.frame < frame) sample.repeated = true;
-    breaks_.push_back(frame);
+    discontinuities_.push_back(frame);
     last_loss_s_ = time_s_;
   }
   stands_since_.reset();
@@ -438,7 +444,7 @@ void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPredic
     if (samples.back().frame != frame) lost.push_back(i);
   }
   if (lost.size() < 2 || 2 * lost.size() < moving) return;
-  breaks_.push_back(frame);
+  discontinuities_.push_back(frame);
   last_loss_s_ = time_s_;
   // Where these lead is wrong: of neighbours each may be found where another is expected. Which goes on as which,
   // naming tells.

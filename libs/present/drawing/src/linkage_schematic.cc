@@ -15,7 +15,7 @@ double HeadingOf(double from_y_rad) {
   return std::numbers::pi / 2 + from_y_rad;
 }
 
-// The wearer looks to the right, as in all pictures: the thigh frame's x, posterior, is drawn to the left.
+// The subject faces right, as in all pictures: the thigh frame's x, posterior, is drawn to the left.
 Vector2d Seen(const Vector2d& in_thigh) {
   return {-in_thigh.x(), in_thigh.y()};
 }

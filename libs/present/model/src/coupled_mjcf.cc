@@ -98,10 +98,10 @@ pugi::xml_node AddFrame(pugi::xml_node world, const RigidBodies& bodies, const E
 
 class CoupledModel {
  public:
-  CoupledModel(const parts::Mechanism& mechanism, const Wearer& wearer)
+  CoupledModel(const parts::Mechanism& mechanism, const Subject& subject)
       : mechanism_(mechanism),
-        wearer_(wearer),
-        worn_(WornBodyOf(mechanism, wearer)),
+        subject_(subject),
+        worn_(WornBodyOf(mechanism, subject)),
         knee_deg_(DegreesFromRadians(worn_.knee_rad)) {}
 
   void Write(const std::filesystem::path& path) {
@@ -122,7 +122,7 @@ class CoupledModel {
 
  private:
   void AddTree(pugi::xml_node model) {
-    const loads::LegBody& body = wearer_.body.body;
+    const loads::LegBody& body = subject_.body.body;
     const pugi::xml_node world = Add(model, "worldbody");
     Add(world, "light", {{"pos", "0 -1 2"}, {"dir", "0 1 -1"}});
     const pugi::xml_node foot = Add(world, "body", {{"name", "foot"}, {"pos", "0 0 0"}});
@@ -168,10 +168,10 @@ class CoupledModel {
 
   // Controls are in rad and m, whatever the compiler's angle.
   void AddKeyframes(pugi::xml_node keyframes) const {
-    const std::size_t last = wearer_.rise.size() - 1;
+    const std::size_t last = subject_.rise.size() - 1;
     for (int k = 0; k < kKeyframes; ++k) {
       const std::size_t i = last * static_cast<std::size_t>(k) / (kKeyframes - 1);
-      const WornSample& sample = wearer_.rise[i];
+      const WornSample& sample = subject_.rise[i];
       Add(keyframes, "key",
           {{"name", fmt::format("{}_percent", 100 * i / last)},
            {"time", NumberText(sample.time_s)},
@@ -181,20 +181,20 @@ class CoupledModel {
   }
 
   const parts::Mechanism& mechanism_;
-  const Wearer& wearer_;
+  const Subject& subject_;
   const WornBody worn_;
   const double knee_deg_;
 };
 
 }  // namespace
 
-void WriteCoupledMjcf(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Wearer& wearer) {
-  CoupledModel(mechanism, wearer).Write(path);
+void WriteCoupledMjcf(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Subject& subject) {
+  CoupledModel(mechanism, subject).Write(path);
 }
 
-void WriteCourse(const std::filesystem::path& path, const Wearer& wearer) {
+void WriteCourse(const std::filesystem::path& path, const Subject& subject) {
   CsvWriter csv({"time_s", "ankle_deg", "human_knee_deg", "hip_deg", "stroke_mm"});
-  for (const WornSample& sample : wearer.rise)
+  for (const WornSample& sample : subject.rise)
     csv.Add(sample.time_s)
         .Add(sample.shank_deg)
         .Add(sample.knee_deg)

@@ -77,10 +77,10 @@ OsimCoordinate StrokeAt(const RigidBodies& bodies) {
 // The person's segments and joints, and the bushings of the cuffs.
 class CoupledOsim {
  public:
-  CoupledOsim(const parts::Mechanism& mechanism, const Wearer& wearer)
+  CoupledOsim(const parts::Mechanism& mechanism, const Subject& subject)
       : mechanism_(mechanism),
-        wearer_(wearer),
-        worn_(WornBodyOf(mechanism, wearer)),
+        subject_(subject),
+        worn_(WornBodyOf(mechanism, subject)),
         document_("worn_knee_exoskeleton") {}
 
   void Write(const std::filesystem::path& path) {
@@ -104,9 +104,9 @@ class CoupledOsim {
   template <typename Value>
   OsimCourse CourseOf(Value value) const {
     OsimCourse course;
-    course.time_s.reserve(wearer_.rise.size());
-    course.values.reserve(wearer_.rise.size());
-    for (const WornSample& sample : wearer_.rise) {
+    course.time_s.reserve(subject_.rise.size());
+    course.values.reserve(subject_.rise.size());
+    for (const WornSample& sample : subject_.rise) {
       course.time_s.push_back(sample.time_s);
       course.values.push_back(value(sample));
     }
@@ -135,7 +135,7 @@ class CoupledOsim {
 
   void AddPerson() {
     AddSegment(worn_.foot);
-    const loads::LegBody& body = wearer_.body.body;
+    const loads::LegBody& body = subject_.body.body;
     constexpr double kHalfWidth_m = 0.04;  // to be shown
     document_.AddBrick(worn_.foot.name, {(body.sole.toe_m - body.sole.heel_m) / 2, -body.ankle_height_m / 2, 0},
                        {body.sole.Length() / 2, body.ankle_height_m / 2, kHalfWidth_m});
@@ -164,7 +164,7 @@ class CoupledOsim {
   }
 
   const parts::Mechanism& mechanism_;
-  const Wearer& wearer_;
+  const Subject& subject_;
   const WornBody worn_;
   OsimDocument document_;
 };
@@ -187,28 +187,28 @@ Eigen::Rotation2Dd Leaning(double lean_deg) {
 }
 
 // Where the cuffs let the exoskeleton rest, its hinge at this angle: from the slip of the first cuff on each segment.
-PlatePlace PlateAt(const WornSample& sample, const Wearer& wearer, double hinge_deg) {
-  const double stiffness = std::sqrt(wearer.cuffs.softest_n_mm * wearer.cuffs.stiffest_n_mm);
+PlatePlace PlateAt(const WornSample& sample, const Subject& subject, double hinge_deg) {
+  const double stiffness = std::sqrt(subject.cuffs.softest_n_mm * subject.cuffs.stiffest_n_mm);
   const double shank_deg = sample.shank_deg, thigh_deg = shank_deg - sample.knee_deg;
   const double held_deg = hinge_deg - sample.knee_deg;
-  const Vector2d on_thigh_mm = cuffs::MisfitOf(Vector2d::Zero(), wearer.hinge_mm, wearer.rise.back().knee_deg, 0);
-  cuffs::CuffOptions weightless = wearer.cuffs;
+  const Vector2d on_thigh_mm = cuffs::MisfitOf(Vector2d::Zero(), subject.hinge_mm, subject.rise.back().knee_deg, 0);
+  cuffs::CuffOptions weightless = subject.cuffs;
   weightless.thigh_link_kg = weightless.shank_link_kg = 0;
   const cuffs::LegLoad load = cuffs::LoadOnLeg({.thigh_deg = thigh_deg,
                                                 .shank_deg = shank_deg,
                                                 .hinge_on_thigh_mm = on_thigh_mm,
-                                                .hinge_on_shank_mm = wearer.hinge_mm,
+                                                .hinge_on_shank_mm = subject.hinge_mm,
                                                 .held_error_deg = held_deg},
                                                weightless, {stiffness, stiffness});
-  const Vector2d on_thigh(0, wearer.cuffs.thigh[0].from_knee_mm), on_shank(0, -wearer.cuffs.shank[0].from_knee_mm);
+  const Vector2d on_thigh(0, subject.cuffs.thigh[0].from_knee_mm), on_shank(0, -subject.cuffs.shank[0].from_knee_mm);
   const Vector2d thigh_cuff = Leaning(thigh_deg) * (on_thigh + load.thigh[0].slip_mm),  // from the knee
       shank_cuff = Leaning(shank_deg) * (on_shank + load.shank[0].slip_mm);
   // The links are as long as ever, and so is the way between their cuffs.
   const Vector2d before = Leaning(thigh_deg) * (on_thigh - on_thigh_mm) -
-                          Leaning(shank_deg + held_deg) * (on_shank - wearer.hinge_mm),
+                          Leaning(shank_deg + held_deg) * (on_shank - subject.hinge_mm),
                  after = thigh_cuff - shank_cuff;
   const double turned_rad = std::atan2(Cross(before, after), before.dot(after));  // anticlockwise
-  const Vector2d knee_mm = Leaning(shank_deg) * Vector2d(0, wearer.shank_mm);
+  const Vector2d knee_mm = Leaning(shank_deg) * Vector2d(0, subject.shank_mm);
   return {turned_rad - RadiansFromDegrees(thigh_deg),
           kMetresPerMillimetre *
               (knee_mm + thigh_cuff - Eigen::Rotation2Dd(turned_rad) * Leaning(thigh_deg) * (on_thigh - on_thigh_mm))};
@@ -225,24 +225,24 @@ void WriteOsim(const std::filesystem::path& path, const parts::Mechanism& mechan
   document.Write(path);
 }
 
-void WriteCoupledOsim(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Wearer& wearer) {
-  CoupledOsim(mechanism, wearer).Write(path);
+void WriteCoupledOsim(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Subject& subject) {
+  CoupledOsim(mechanism, subject).Write(path);
 }
 
-void WriteOsimMotion(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Wearer& wearer) {
+void WriteOsimMotion(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Subject& subject) {
   const linkage::Pose reference = ReferencePose(mechanism);
   const std::array<double, 4> then = TurnsOf(reference);
   exchange::MotTable table;
   table.name = "rise";
   table.columns = {"ankle", "human_knee", "hip",      "stroke", "knee", "thigh_pin",
                    "tip",   "mount",      "exo_turn", "exo_x",  "exo_y"};
-  for (const WornSample& sample : wearer.rise) {
+  for (const WornSample& sample : subject.rise) {
     const std::array<double, 4> now = TurnsOf(linkage::RequirePose(mechanism.links, sample.stroke_mm));
     std::array<double, 4> turned{};
     for (std::size_t k = 0; k < now.size(); ++k)
       turned[k] = DegreesFromRadians(std::remainder(now[k] - then[k], 2 * std::numbers::pi));
     const double hinge_deg = DegreesFromRadians(reference.theta_rad) + turned[0];
-    const PlatePlace plate = PlateAt(sample, wearer, hinge_deg);
+    const PlatePlace plate = PlateAt(sample, subject, hinge_deg);
     table.time_s.push_back(sample.time_s);
     table.rows.push_back({sample.shank_deg, sample.knee_deg, HipDeg(sample), kMetresPerMillimetre * sample.stroke_mm,
                           hinge_deg, turned[1], turned[2] - turned[1], turned[3], DegreesFromRadians(plate.turn_rad),

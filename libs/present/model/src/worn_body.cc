@@ -28,18 +28,18 @@ WornSegment SegmentOf(const char* name, const loads::SegmentInertia& inertia, co
 }
 
 // On the shank the cuffs are free of stress in this pose; those of the thigh have all of the misfit.
-std::vector<WornCuff> CuffsOf(const Wearer& wearer, double knee_deg) {
-  const Vector2d on_thigh_mm = cuffs::MisfitOf(Vector2d::Zero(), wearer.hinge_mm, wearer.rise.back().knee_deg, 0);
-  const Vector2d misfit_mm = cuffs::MisfitOf(wearer.hinge_mm, on_thigh_mm, -knee_deg, 0);
+std::vector<WornCuff> CuffsOf(const Subject& subject, double knee_deg) {
+  const Vector2d on_thigh_mm = cuffs::MisfitOf(Vector2d::Zero(), subject.hinge_mm, subject.rise.back().knee_deg, 0);
+  const Vector2d misfit_mm = cuffs::MisfitOf(subject.hinge_mm, on_thigh_mm, -knee_deg, 0);
   const Vector2d slip_mm = -cuffs::MisfitOf(Vector2d::Zero(), misfit_mm, knee_deg, 0);  // thigh's axes
-  const double stiffness_n_mm = std::sqrt(wearer.cuffs.softest_n_mm * wearer.cuffs.stiffest_n_mm);
+  const double stiffness_n_mm = std::sqrt(subject.cuffs.softest_n_mm * subject.cuffs.stiffest_n_mm);
   std::vector<WornCuff> worn;
-  for (const cuffs::CuffPlace& place : cuffs::PlacesOf(wearer.cuffs)) {
-    const cuffs::Cuff& cuff = cuffs::CuffAt(wearer.cuffs, place);
+  for (const cuffs::CuffPlace& place : cuffs::PlacesOf(subject.cuffs)) {
+    const cuffs::Cuff& cuff = cuffs::CuffAt(subject.cuffs, place);
     worn.push_back(
         {.name = fmt::format("{}_cuff_{}", place.on_thigh ? "thigh" : "shank", place.number + 1),
          .on_thigh = place.on_thigh,
-         .up_m = kMetresPerMillimetre * (place.on_thigh ? cuff.from_knee_mm : wearer.shank_mm - cuff.from_knee_mm),
+         .up_m = kMetresPerMillimetre * (place.on_thigh ? cuff.from_knee_mm : subject.shank_mm - cuff.from_knee_mm),
          .slip_m = place.on_thigh ? Vector2d(kMetresPerMillimetre * slip_mm) : Vector2d::Zero(),
          .stiffness_n_m = stiffness_n_mm / kMetresPerMillimetre,
          .turn_nm = stiffness_n_mm * cuff.length_mm * cuff.length_mm / 12 * kMetresPerMillimetre});
@@ -54,19 +54,19 @@ double WornSegment::LongInertia() const {
   return kAbout * inertia_kg_m2;
 }
 
-WornBody WornBodyOf(const parts::Mechanism& mechanism, const Wearer& wearer) {
-  cuffs::LoadOnLeg({}, wearer.cuffs, {wearer.cuffs.softest_n_mm, wearer.cuffs.stiffest_n_mm});
-  const loads::LegBody& body = wearer.body.body;
-  const double shank_m = kMetresPerMillimetre * wearer.shank_mm, thigh_m = kMetresPerMillimetre * wearer.thigh_mm;
+WornBody WornBodyOf(const parts::Mechanism& mechanism, const Subject& subject) {
+  cuffs::LoadOnLeg({}, subject.cuffs, {subject.cuffs.softest_n_mm, subject.cuffs.stiffest_n_mm});
+  const loads::LegBody& body = subject.body.body;
+  const double shank_m = kMetresPerMillimetre * subject.shank_mm, thigh_m = kMetresPerMillimetre * subject.thigh_mm;
   WornBody worn{.mechanism = RigidBodiesOf(mechanism),
                 .foot = SegmentOf("foot", body.foot, {body.foot.centre_m, -body.ankle_height_m / 2}),
                 .shank = SegmentOf("shank", body.shank, {0, shank_m - body.shank.centre_m}),
                 .thigh = SegmentOf("thigh", body.thigh, {0, thigh_m - body.thigh.centre_m}),
-                .trunk = SegmentOf("trunk", body.trunk, TrunkCentre(wearer.body)),
+                .trunk = SegmentOf("trunk", body.trunk, TrunkCentre(subject.body)),
                 .cuffs = {},
-                .hinge_m = Vector2d(0, shank_m) + kMetresPerMillimetre * wearer.hinge_mm};
+                .hinge_m = Vector2d(0, shank_m) + kMetresPerMillimetre * subject.hinge_mm};
   worn.knee_rad = worn.mechanism.reference.theta_rad;
-  worn.cuffs = CuffsOf(wearer, DegreesFromRadians(worn.knee_rad));
+  worn.cuffs = CuffsOf(subject, DegreesFromRadians(worn.knee_rad));
   worn.shank.length_m = shank_m;
   worn.shank.radius_m = 0.045;
   worn.thigh.length_m = thigh_m;

@@ -53,7 +53,7 @@ struct WornBody {
 };
 
 // Throws UsageError for cuffs that LoadOnLeg refuses.
-WornBody WornBodyOf(const parts::Mechanism& mechanism, const Wearer& wearer);
+WornBody WornBodyOf(const parts::Mechanism& mechanism, const Subject& subject);
 
 // The hip's angle: lean of the trunk less that of the thigh.
 double HipDeg(const WornSample& sample);

@@ -16,7 +16,10 @@ constexpr Colour kKneeRing = {1, 0.75, 0.25}, kJointRing = {0.95, 0.6, 0.8}, kWa
 // The leg with some room, of the page's proportions, within the frame.
 cv::Rect PartWithLeg(const KneesPicture& picture) {
   Vector2d low = picture.knee.cwiseMin(picture.joint), high = picture.knee.cwiseMax(picture.joint);
-  for (const Vector2d& marker : picture.leg) low = low.cwiseMin(marker), high = high.cwiseMax(marker);
+  for (const Vector2d& marker : picture.leg) {
+    low = low.cwiseMin(marker);
+    high = high.cwiseMax(marker);
+  }
   constexpr double kRoom = 1.3;
   const Vector2d size = kRoom * (high - low), middle = (low + high) / 2;
   const double width =

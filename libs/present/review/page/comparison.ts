@@ -1,6 +1,6 @@
 // Two trials side by side, each at the same percent of its rise, with their misalignment in step.
 import { Chart, colourOf } from "./charts";
-import { isOfControl, part, sayWhy } from "./dom";
+import { isOfControl, onKey, part, sayWhy } from "./dom";
 import { Frames } from "./frames";
 import { Column, ComparedVideoMessage, ComparisonMessage, RiseMessage } from "./messages";
 import { Player } from "./player";
@@ -108,7 +108,7 @@ export class ComparisonPage {
     const scrub = part<HTMLInputElement>("percent-scrub");
     scrub.addEventListener("input", () => this.seek(Number(scrub.value)));
     this.player = new Player("comparison-play", PLAY_MS, () => () => this.seek(this.percent === 100 ? 0 : this.percent + 1));
-    document.addEventListener("keydown", (event) => this.key(event));
+    onKey((event) => this.actionOf(event));
     this.showRises();
   }
 
@@ -150,13 +150,11 @@ export class ComparisonPage {
     part("percent").textContent = TEXTS.ofRise(at, distance_mm[at], human_knee_deg[at], exo_knee_deg[at]);
   }
 
-  private key(event: KeyboardEvent): void {
-    if (isOfControl(event) || event.ctrlKey || event.metaKey) return;
+  private actionOf(event: KeyboardEvent): (() => void) | null {
+    if (isOfControl(event) || event.ctrlKey || event.metaKey) return null;
+    if (event.key === " ") return () => this.player.toggle();
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (event.key === " ") this.player.toggle();
-    else if (by) this.seek(this.percent + by * (event.shiftKey ? 10 : 1));
-    else return;
-    event.preventDefault();
+    return by ? () => this.seek(this.percent + by * (event.shiftKey ? 10 : 1)) : null;
   }
 }
 

@@ -1,6 +1,6 @@
 // A design: links changed by sliders, numbers and dragged pins; the server says at once what becomes of it.
 import { Chart, Curve } from "./charts";
-import { button, copyText, isOfControl, onClick, part, say, sayWhy, showProgress, undoOf } from "./dom";
+import { button, copyText, isOfControl, onClick, onKey, part, say, sayWhy, showProgress, undoOf } from "./dom";
 import { LinkageView } from "./linkage";
 import {
   CheckMessage, DesignColumns, DesignMessage, ExploreQuestion, ExploredMessage, PinName, Place, PoseMessage, StateMessage,
@@ -365,15 +365,8 @@ export class DesignPage {
     onClick("optimise", () => void this.optimise());
     onClick("design-stop", () => void server.stop().catch(sayWhy));
     onClick("design-copy", () => void copyText("optimise-command"));
-    document.addEventListener("keydown", (event) => this.key(event));
+    onKey((event) => this.actionOf(event));
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.explored && this.take(this.explored));
-  }
-
-  private key(event: KeyboardEvent): void {
-    const action = this.actionOf(event);
-    if (!action) return;
-    event.preventDefault();
-    action();
   }
 
   private actionOf(event: KeyboardEvent): (() => void) | null {

@@ -41,6 +41,16 @@ export function isOfControl(event: KeyboardEvent): boolean {
   return target instanceof HTMLInputElement && moves.includes(key) && !event.altKey;
 }
 
+/** Keys of the whole page: what is given for one is done, and the browser does nothing else with it. */
+export function onKey(actionOf: (event: KeyboardEvent) => (() => void) | null): void {
+  document.addEventListener("keydown", (event) => {
+    const action = actionOf(event);
+    if (!action) return;
+    event.preventDefault();
+    action();
+  });
+}
+
 /** 1 to undo, -1 to redo, 0 for another key. */
 export function undoOf(event: KeyboardEvent): 1 | -1 | 0 {
   if (!event.ctrlKey && !event.metaKey) return 0;

@@ -1,5 +1,5 @@
 // A video alone: click the names onto the spots that the tracker sees, and let it track.
-import { button, copyText, isOfControl, onClick, part, say, sayWhy, showProgress, undoOf } from "./dom";
+import { button, copyText, isOfControl, onClick, onKey, part, say, sayWhy, showProgress, undoOf } from "./dom";
 import { Frames } from "./frames";
 import { Choices, NamingMessage, SpotMessage, StateMessage, TrackOptions } from "./messages";
 import { server } from "./server";
@@ -37,11 +37,9 @@ export class NamingPage {
       field.addEventListener("change", () => this.setOption(field.dataset.option as keyof TrackOptions, field.value));
     for (const pointer of document.querySelectorAll<HTMLElement>("[data-point]"))
       pointer.addEventListener("click", () => this.point(pointer.dataset.point as Pointed));
-    document.addEventListener("keydown", (event) => {
+    onKey((event) => {
       if (event.key === "Escape") this.pointing = null;
-      if (undoOf(event) <= 0 || isOfControl(event)) return;
-      event.preventDefault();
-      this.undo();
+      return undoOf(event) > 0 && !isOfControl(event) ? () => this.undo() : null;
     });
     onClick("naming-undo", () => this.undo());
     onClick("camera-beside", () => {

@@ -1,6 +1,6 @@
 // A tracked trial: look at it, go from problem to problem, put right what is wrong.
 import { Chart, Mark, Tick, Timeline, colourOf } from "./charts";
-import { button, isOfControl, onClick, part, say, sayWhy, undoOf } from "./dom";
+import { button, isOfControl, onClick, onKey, part, say, sayWhy, undoOf } from "./dom";
 import { Frames } from "./frames";
 import { Measures } from "./measures";
 import { Column, EditMessage, EventMessage, MarkerMessage, ProblemMessage, StateMessage, TrialMessage } from "./messages";
@@ -529,7 +529,7 @@ export class TrialPage {
     onClick("event-restore", () => void this.restoreEvent());
     onClick("undo", () => void this.undo("undo"));
     onClick("redo", () => void this.undo("redo"));
-    document.addEventListener("keydown", (event) => this.key(event));
+    onKey((event) => this.actionOf(event));
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.take(this.trial));
   }
 
@@ -537,13 +537,6 @@ export class TrialPage {
     const at = this.placeOf(this.marker());
     if (at) this.view.focus(at, 2);
     this.view.zoomBy(2);
-  }
-
-  private key(event: KeyboardEvent): void {
-    const action = this.actionOf(event);
-    if (!action) return;
-    event.preventDefault();
-    action();
   }
 
   private actionOf(event: KeyboardEvent): (() => void) | null {

@@ -53,7 +53,10 @@ class FrameSeeker {
   }
 
   std::int64_t Next() const { return reader_ ? next_ : std::numeric_limits<std::int64_t>::max(); }
-  void Close() { reader_.reset(), held_.reset(); }
+  void Close() {
+    reader_.reset();
+    held_.reset();
+  }
 
  private:
   static constexpr std::int64_t kWorthSeeking = 200;  // frames; a key frame is rarely farther away

@@ -61,25 +61,25 @@ KeyFigure MeanFigure(const GroupData& group, const char* trial, const char* name
   for (const std::string& participant : ParticipantsOf(group))
     if (const auto value = ValueOf(group, participant, trial, name)) values.push_back(*value);
   const reliability::MeanOfSubjects of = reliability::MeanOf(values);
-  KeyFigure figure{main.label, of.mean.value, main.decimals, main.unit, {}, ""};
-  if (of.subjects > 1)
-    figure.plus_minus = of.standard_deviation,
+  KeyFigure figure{.label = main.label, .value = of.mean.value, .decimals = main.decimals, .unit = main.unit};
+  if (of.subjects > 1) {
+    figure.plus_minus = of.standard_deviation;
     figure.note = fmt::format("mean ± SD of {}; 95 % interval of the mean {} {}", of.subjects,
                               IntervalText(of.mean.interval, main.decimals), main.unit);
+  }
   return figure;
 }
 
 Section ResultSection(const Workflow& workflow, const GroupData& group, const GroupFindings& findings) {
   Section section{"Result", {}};
   KeyFigures figures;
-  figures.figures.push_back({"participants", static_cast<double>(ParticipantsOf(group).size()), 0, "", {}, ""});
   figures.figures.push_back(
-      {"recordings",
-       static_cast<double>(workflow.studies.size()),
-       0,
-       "",
-       {},
-       findings.failures.empty() ? "all done" : fmt::format("{} not done", findings.failures.size())});
+      {.label = "participants", .value = static_cast<double>(ParticipantsOf(group).size()), .decimals = 0});
+  figures.figures.push_back(
+      {.label = "recordings",
+       .value = static_cast<double>(workflow.studies.size()),
+       .decimals = 0,
+       .note = findings.failures.empty() ? "all done" : fmt::format("{} not done", findings.failures.size())});
   for (const auto& [trial, name] : {std::pair{"human", "rise_s"},
                                     {"exo", "rise_s"},
                                     {"human", "knee_range_deg"},

@@ -93,7 +93,10 @@ void AddReliability(const JudgedTable& table, const std::string& trial, const st
   row.sem = StandardErrorOfMeasurement(row.squares);
   row.mdc95 = reliability::MinimalDetectableChange(row.sem.value);
   std::vector<double> first, second;
-  for (const std::vector<double>& judged : table.rows) first.push_back(judged[0]), second.push_back(judged[1]);
+  for (const std::vector<double>& judged : table.rows) {
+    first.push_back(judged[0]);
+    second.push_back(judged[1]);
+  }
   row.agreement = reliability::LimitsOfAgreementOf(first, second);
   rows.push_back(std::move(row));
 }

@@ -91,34 +91,30 @@ std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp
   }
 }
 
-// Of this process and of the largest that it has started.
-double PeakMemoryMb() {
-  double kilobytes = 0;
-  for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-    rusage usage{};
-    getrusage(who, &usage);
-    kilobytes += static_cast<double>(usage.ru_maxrss);
-  }
-  return kilobytes / 1024;
-}
+// So far, of this process and of those that it has started.
+struct Usage {
+  double processor_s = 0;  // of all that have ended, too
+  double peak_mb = 0;      // its own and the largest other's
+};
 
-// Of this process and of all that it has started and that have ended.
-double ProcessorSeconds() {
+Usage UsageSoFar() {
+  constexpr double kKilobytesPerMb = 1024;
   const auto seconds = [](const timeval& time) {
     return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
   };
-  double sum_s = 0;
+  Usage so_far;
   for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
     rusage usage{};
     getrusage(who, &usage);
-    sum_s += seconds(usage.ru_utime) + seconds(usage.ru_stime);
+    so_far.processor_s += seconds(usage.ru_utime) + seconds(usage.ru_stime);
+    so_far.peak_mb += static_cast<double>(usage.ru_maxrss) / kKilobytesPerMb;
   }
-  return sum_s;
+  return so_far;
 }
 
 StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const StepRunOptions& options) {
   const Clock::time_point start = Clock::now();
-  const double processor_start_s = ProcessorSeconds();
+  const double processor_start_s = UsageSoFar().processor_s;
   Run run({.program = step.program,
            .command = options.command,
            .options = step.summary_options,
@@ -134,12 +130,13 @@ StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const 
     RethrowAbout(step);
   }
   const double seconds = SecondsSince(start);
+  const Usage usage = UsageSoFar();
   StepStamp stamp{.made_by = options.made_by,
                   .options = step.options,
                   .inputs = inputs,
                   .cost = {.seconds = seconds,
-                           .memory_mb = PeakMemoryMb(),
-                           .processors = (ProcessorSeconds() - processor_start_s) / seconds}};
+                           .memory_mb = usage.peak_mb,
+                           .processors = (usage.processor_s - processor_start_s) / seconds}};
   for (const fs::path& path : run.Results()) stamp.outputs.push_back(StateOf(path));
   WriteStamp(step.folder, step.name, stamp);
   return stamp;

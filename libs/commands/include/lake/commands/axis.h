@@ -34,7 +34,4 @@ std::vector<InputFile> InputsOf(const AxisRunOptions& options);
 // Writes axis.csv, centre.csv, axis.png/.svg; returns the results for the summary.
 Json RunAxis(const AxisRunOptions& options, Run& run);
 
-// What a person wants to read of the summary.
-std::string AxisReport(const Json& summary);
-
 }  // namespace lake::commands

@@ -26,7 +26,4 @@ Json FiguresJson(const tracking::MarkerFigures& figures);
 // or if its markers cannot be named and so are not judged.
 Json RunCheck(const CheckRunOptions& options, Run& run);
 
-// What a person wants to read of the summary.
-std::string CheckReport(const Json& summary);
-
 }  // namespace lake::commands

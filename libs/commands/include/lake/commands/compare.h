@@ -25,7 +25,7 @@ struct CompareRunOptions {
   // lake-track folders or files that ReadTrial knows; or folders with a comparison.json (of lake-compare, or the
   // predicted path of lake-optimize), whose human or exoskeleton curve is taken.
   std::filesystem::path human, exo;
-  // Instead of these, both legs of one person: their symmetry (symmetry.h). The left one is read by `human_reading`.
+  // Instead of these, both legs of one person: their symmetry. The left one is read by `human_reading`.
   std::filesystem::path left, right;
   exchange::TrialOptions right_reading;
   std::filesystem::path forces;               // of both legs' recording: what each foot bears; empty: not told

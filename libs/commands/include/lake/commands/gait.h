@@ -60,7 +60,4 @@ Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit)
 // the latter alone. Returns the results for the summary.
 Json RunGait(const GaitRunOptions& options, Run& run);
 
-// What a person wants to read of a summary with a leg's fit; empty without one.
-std::string GaitReport(const Json& summary);
-
 }  // namespace lake::commands

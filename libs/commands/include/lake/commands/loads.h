@@ -31,7 +31,4 @@ std::vector<InputFile> InputsOf(const LoadsRunOptions& options);
 // summary.
 Json RunLoads(const LoadsRunOptions& options, Run& run);
 
-// What a person wants to read of the summary.
-std::string LoadsReport(const Json& summary);
-
 }  // namespace lake::commands

@@ -44,7 +44,6 @@ Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run&
 // Writes program.csv, program.png; with a duty table the firmware's sketch; with `validate` validation.csv and
 // validation.png. Returns the results for the summary.
 Json RunStroke(const StrokeRunOptions& options, Run& run);
-std::string StrokeReport(const Json& summary);
 
 struct StrokeSessionRunOptions {
   std::filesystem::path folder;  // that RunStroke wrote
@@ -65,7 +64,6 @@ void Describe(BenchRunOptions& options, OptionList& list);
 
 // The plan of the bench's tests, bench.csv, or the verdict on their logs, bench_verdicts.csv.
 Json RunBenchValidation(const BenchRunOptions& options, Run& run);
-std::string BenchReportText(const Json& summary);
 
 struct StrokeTalkRunOptions {
   actuator::TalkOptions talk;
@@ -77,7 +75,6 @@ Json RunStrokeTalk(const StrokeTalkRunOptions& options, Run& run);
 
 // Runs the firmware in the board and writes log.csv, the firmware's rows as they came.
 Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run);
-std::string StrokeSessionReport(const Json& summary);
 
 struct DutyRunOptions {
   std::vector<std::filesystem::path> logs;
@@ -93,6 +90,5 @@ void Describe(DutyRunOptions& o, OptionList& options);
 
 // Writes duty_table.csv, plateaus.csv, duty_table.png; or the calibration firmware.
 Json RunDutyCalibration(const DutyRunOptions& options, Run& run);
-std::string DutyReport(const Json& summary);
 
 }  // namespace lake::commands

@@ -29,7 +29,4 @@ std::vector<InputFile> InputsOf(const SyncRunOptions& options);
 // Writes sync.yaml and sync.png; returns the results for the summary. Throws Error where the two cannot be aligned.
 Json RunSync(const SyncRunOptions& options, Run& run);
 
-// What a person wants to read of the summary.
-std::string SyncReport(const Json& summary);
-
 }  // namespace lake::commands

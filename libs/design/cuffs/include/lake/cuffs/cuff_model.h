@@ -74,7 +74,6 @@ struct LegLoad {
   std::vector<CuffLoad> thigh, shank;
   double largest_thigh_n = 0, largest_shank_n = 0;  // of the cuffs
   double knee_shear_n = 0;  // what the knee must pass on across the shank, of all that the cuffs do to the shank
-  double knee_axial_n = 0;  // along the shank; positive presses the joint
 };
 
 // Throws UsageError where a segment has no cuff, or a number is out of range. Forces of an unknown misfit (NaN) are

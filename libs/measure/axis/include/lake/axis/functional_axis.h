@@ -57,7 +57,7 @@ SegmentMotion MotionOf(const exchange::PointRecording& points, const SegmentMark
 struct MeanAxis {
   std::size_t window = 0;           // 0: the whole recording; else the window, from 1
   std::size_t first = 0, last = 0;  // indices into the motion
-  Eigen::Vector3d in_shank, in_thigh, direction_shank, direction_thigh;
+  Eigen::Vector3d in_shank, in_thigh, direction_shank;
   Eigen::Vector3d in_file, direction_file;  // their mean place over the window
   double sd_mm = 0;                         // of the point, along each of the two directions across the axis
   // How far the two points stand apart across the axis, root mean square, where the markers' deformation is taken away.

@@ -12,9 +12,8 @@
 namespace lake::sync {
 
 struct Clap {
-  double time_s = 0;    // on the clock of the film's frames, when its sound reached the microphone
-  double sd_s = 0;      // of its rise
-  double above_db = 0;  // above all that is heard apart from claps
+  double time_s = 0;  // on the clock of the film's frames, when its sound reached the microphone
+  double sd_s = 0;    // of its rise
 };
 
 // Goes through a sound from its beginning, each time that it is called.

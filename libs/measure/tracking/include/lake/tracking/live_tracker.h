@@ -53,7 +53,7 @@ struct LiveSpot {
 struct LiveSnapshot {
   std::vector<Tracklet> tracklets;
   motion::MarkerRecording frames;  // numbers and times, without markers
-  std::vector<std::int64_t> breaks, repeated;
+  std::vector<std::int64_t> discontinuities, repeated;
 };
 
 class LiveTracker {

@@ -28,7 +28,7 @@ struct NamingOptions {
   Eigen::Vector2d up_px = {0, -1};  // the direction of a plumb line in the image, upwards
   MarkerPhysics physics;
   // Frames before which time may be missing from the recording: a marker may then have come as far as it ever does.
-  std::vector<std::int64_t> breaks = {};
+  std::vector<std::int64_t> discontinuities = {};
   std::vector<std::int64_t> repeated = {};  // frames that may show the picture before once more, increasing
   int rotate_deg = 0;  // by which the pictures were turned clockwise already, for what a message advises
 };

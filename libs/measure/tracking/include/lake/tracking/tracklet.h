@@ -79,7 +79,7 @@ class TrackletBuilder {
   const std::vector<std::int64_t>& RepeatedFrames() const { return repeated_; }
 
   // Frames in which most of what was moving was not where it was expected, all at once: the subject may be elsewhere.
-  const std::vector<std::int64_t>& Breaks() const { return breaks_; }
+  const std::vector<std::int64_t>& Discontinuities() const { return discontinuities_; }
 
  private:
   struct Live {
@@ -129,7 +129,7 @@ class TrackletBuilder {
   video::VideoFrame previous_;  // its luma is compared with the next one's
   double repeated_since_s_ = 0;
   std::optional<std::int64_t> stands_since_;  // frame: all came to rest at once in it, or the picture froze
-  std::vector<std::int64_t> repeated_, breaks_;
+  std::vector<std::int64_t> repeated_, discontinuities_;
   std::optional<double> last_loss_s_;
 };
 

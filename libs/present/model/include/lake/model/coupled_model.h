@@ -27,7 +27,7 @@ struct WornSample {
   double stroke_mm = 0;
 };
 
-struct Wearer {
+struct Subject {
   loads::BodyPath body;
   double shank_mm = 0, thigh_mm = 0;
   Eigen::Vector2d hinge_mm = Eigen::Vector2d::Zero();  // against the knee at standing: shank's frame
@@ -36,7 +36,7 @@ struct Wearer {
 };
 
 // Throws UsageError for cuffs that LoadOnLeg refuses.
-void WriteCoupledMjcf(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Wearer& wearer);
+void WriteCoupledMjcf(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Subject& subject);
 
 // OpenSim 4: the same person, mechanism and cuffs, ground's frame at the ankle with x anterior, y up, z to the right.
 // Coordinates `ankle`, `human_knee`, `hip` and `stroke` with the signs above, in rad and m, prescribed over the rise;
@@ -44,13 +44,13 @@ void WriteCoupledMjcf(const std::filesystem::path& path, const parts::Mechanism&
 // and `exo_y` (the thigh plate in ground: anticlockwise seen from the right, and its hinge) are free, held by the
 // cuffs' bushings, whose first frame is on the segment. A CoordinateActuator on each prescribed coordinate is for tools
 // that take the prescription off. Throws UsageError for cuffs that LoadOnLeg refuses.
-void WriteCoupledOsim(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Wearer& wearer);
+void WriteCoupledOsim(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Subject& subject);
 
 // All those coordinates over the rise (MOT: degrees, m), the exoskeleton where its cuffs let it rest, without weight.
 // Throws Error where the mechanism cannot be assembled at a stroke of the rise.
-void WriteOsimMotion(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Wearer& wearer);
+void WriteOsimMotion(const std::filesystem::path& path, const parts::Mechanism& mechanism, const Subject& subject);
 
 // time_s, then the controls: ankle_deg, human_knee_deg, hip_deg, stroke_mm.
-void WriteCourse(const std::filesystem::path& path, const Wearer& wearer);
+void WriteCourse(const std::filesystem::path& path, const Subject& subject);
 
 }  // namespace lake::model

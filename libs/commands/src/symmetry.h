@@ -13,7 +13,4 @@ namespace lake::commands {
 // `options.left` and `options.right`.
 Json RunSymmetry(const CompareRunOptions& options, Run& run);
 
-// What a person wants to read of the summary.
-std::string SymmetryReport(const Json& summary);
-
 }  // namespace lake::commands
