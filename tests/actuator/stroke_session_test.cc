@@ -48,7 +48,8 @@ class PtyBoard {
   }
   ~PtyBoard() {
     End();
-    close(master_), close(slave_);
+    close(master_);
+    close(slave_);
   }
   void End() {
     ended_ = true;
@@ -56,7 +57,10 @@ class PtyBoard {
   }
   const std::string& Port() const { return port_; }
   // Done at that time of the board since the program runs.
-  void Later(double running_s, std::function<void(HostRig&)> act) { later_s_ = running_s, act_ = std::move(act); }
+  void Later(double running_s, std::function<void(HostRig&)> act) {
+    later_s_ = running_s;
+    act_ = std::move(act);
+  }
   // Done before this returns.
   void Do(std::function<void(HostRig&)> act) {
     now_ = std::move(act);
@@ -105,10 +109,16 @@ class PtyBoard {
       const ssize_t count = read(master_, buffer.data(), buffer.size());
       for (ssize_t i = 0; i < count; ++i) Take(buffer[static_cast<std::size_t>(i)]);
       rig_.Run(1e-3 * kTimesFaster);
-      if (is_due_) now_(rig_), is_due_ = false;
+      if (is_due_) {
+        now_(rig_);
+        is_due_ = false;
+      }
       time_s_ = rig_.Time();
       if (since_s < 0 && rig_.Serial().find(",running,") != std::string::npos) since_s = rig_.Time();
-      if (act_ && since_s >= 0 && rig_.Time() >= since_s + later_s_) act_(rig_), act_ = nullptr;
+      if (act_ && since_s >= 0 && rig_.Time() >= since_s + later_s_) {
+        act_(rig_);
+        act_ = nullptr;
+      }
       const std::string lines = WholeLines(rig_.Wire().substr(said));
       said += lines.size();
       const std::string bytes = AsTheyArrive(lines);
@@ -140,7 +150,9 @@ class StrokeSessionTest : public HostFirmwareTest {
     WriteTextFile(folder_ / "stroke_table.h", header_);
     board_ = std::make_unique<PtyBoard>(*rig_);
     options_.port = board_->Port();
-    options_.keep_alive_s = 0.05, options_.greeting_s = 1, options_.silent_s = 0.6;
+    options_.keep_alive_s = 0.05;
+    options_.greeting_s = 1;
+    options_.silent_s = 0.6;
   }
 
   actuator::SessionResult Run(const std::function<void(const std::string&, double)>& poll = [](const std::string&,
@@ -332,6 +344,14 @@ TEST_F(StrokeSessionTest, ADamagedRemarkOfTheEndIsToldByTheRows) {
   EXPECT_EQ(board_->Damaged(), 2);
   board_->End();
   EXPECT_NEAR(rig_->Stroke(), 310, 0.3);
+}
+
+// After a reset the firmware is idle, as at the end of a program; its clock begins anew.
+TEST_F(StrokeSessionTest, AResetWhoseGreetingIsDamagedIsNoEnd) {
+  board_->DamageLines([](const std::string& line) { return line.starts_with("[MSG:lake-stroke"); });
+  board_->Later(1, [](HostRig& rig) { rig.PowerUp(); });
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("the board was reset")));
+  ExpectStill();
 }
 
 TEST_F(StrokeSessionTest, AHoldWhoseReasonIsDamagedIsTold) {

@@ -90,7 +90,8 @@ def in_time(late_ms):
 
 
 def late_of_all(seen, rate_hz):
-    """Of each frame until it or a later one was seen, ms. One that was left out came before that one by as much as its film says."""
+    """Of each frame until it or a later one was seen, ms; from the first one that the page showed, before which it was not open.
+    One that was left out came before that one by as much as its film says. What no frame was seen after is not among them."""
     late_ms = []
     for (before, *_), (frame, arrived_ms, painted_ms) in zip(seen, seen[1:]):
         late_ms += [painted_ms - arrived_ms + 1000 * (frame - left_out) / rate_hz for left_out in range(int(before) + 1, int(frame) + 1)]

@@ -114,18 +114,21 @@ def compare_cohort(folder, out):
 
 
 def main():
+    known = ["sample", *(name for name, *_ in OTHERS), "cohort"]
+    if unknown := [name for name in NAMES if name not in known]:
+        raise SystemExit(f"{', '.join(unknown)}: no such case; there are {', '.join(known)}")
     with tempfile.TemporaryDirectory(prefix="lake-plan-") as temporary:
         folder = pathlib.Path(temporary)
-        asked = lambda name: not NAMES or name in NAMES
-        if asked("sample"):
+        asked = NAMES or known
+        if "sample" in asked:
             compare_study(SAMPLE, folder / "out/sample")
         for name, film, starts in OTHERS:
-            if asked(name):
+            if name in asked:
                 (folder / name).mkdir()
                 lake("lake-synth", *film, "--quiet", "-o", "recording", cwd=folder / name)
                 (folder / name / "study.yaml").write_text(STUDY.format(name=name, starts=starts))
                 compare_study(folder / name / "study.yaml", folder / "out" / name)
-        if asked("cohort"):
+        if "cohort" in asked:
             lake("lake-synth", *PEOPLE, "--quiet", "-o", folder / "people")
             compare_cohort(folder / "people", folder / "out/cohort")
 

@@ -90,7 +90,7 @@ TEST_F(TrialFolder, GivesTheCentreOfMassAsTheTrialItselfHasItWhereItDoes) {
                 "repetition,com_seat_off_mm,com_upward_max_mm_s,com_upward_max_ns\n1,-120,1000,70\n");
   const auto rise = Read({"human", "loads"}).rows[0].values;
   EXPECT_EQ(rise.at("com_seat_off_mm"), -110);
-  EXPECT_EQ(rise.at("com_upward_max_mm_s"), 1000) << "what the trial's table leaves empty";
+  EXPECT_FALSE(rise.contains("com_upward_max_mm_s")) << "of the trial's table, which leaves it empty";
   EXPECT_EQ(rise.at("com_upward_max_ns"), 70);
 }
 

@@ -18,9 +18,14 @@ inline parts::Mechanism Published() {
 inline model::Subject Wearing(const parts::Mechanism& mechanism, const Eigen::Vector2d& hinge_mm = {14, -22}) {
   model::Subject subject;
   loads::LegBody& body = subject.body.body;
-  body.foot = {1.0, 0.06, 0.12}, body.shank = {3.3, 0.18, 0.13}, body.thigh = {7.0, 0.17, 0.13};
-  body.trunk = {23.7, 0.32, 0.25}, body.sole = {0.066, 0.2}, body.ankle_height_m = 0.07;
-  subject.shank_mm = 420, subject.thigh_mm = 400;
+  body.foot = {1.0, 0.06, 0.12};
+  body.shank = {3.3, 0.18, 0.13};
+  body.thigh = {7.0, 0.17, 0.13};
+  body.trunk = {23.7, 0.32, 0.25};
+  body.sole = {0.066, 0.2};
+  body.ankle_height_m = 0.07;
+  subject.shank_mm = 420;
+  subject.thigh_mm = 400;
   subject.hinge_mm = hinge_mm;
   subject.cuffs.thigh = {{210, 80}, {90, 50}};
   for (int i = 0; i <= 100; ++i) {

@@ -134,7 +134,7 @@ TEST(PoseLabels, StayWhereTheyWereThroughTheAnimationWhileTheirPlaceIsFree) {
       }
       before = now;
     }
-    EXPECT_LE(moves, 12 * (kPoses - 1) / 7) << "l6 = " << links.l6;  // 39 and 38; pictures by themselves: 115, 112
+    EXPECT_LE(moves, 57) << "l6 = " << links.l6;  // half of what pictures by themselves move: 115 and 112; here 39, 38
   }
 }
 

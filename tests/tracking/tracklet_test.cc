@@ -211,7 +211,8 @@ TEST(Tracklet, ASlowStartIsNoStandingPicture) {
   tracking::TrackletBuilder builder(detector, {});
   for (int i = 0; i < 75; ++i) {
     video::VideoFrame frame;
-    frame.index = i, frame.time_s = i / kRate_hz;
+    frame.index = i;
+    frame.time_s = i / kRate_hz;
     frame.luma = PictureOf(discs(i));
     builder.Add(frame);
   }

@@ -72,6 +72,8 @@ void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result,
   for (const std::string& warning : trial.warnings) run.Warn(warning);
   for (const std::string& warning : result.warnings) run.Warn(warning);
   for (const std::string& warning : gait::UncertainEvents(result.events)) run.Warn(warning);
+  if (const std::string warning = gait::OnsetsWithoutLean(result.signals, result.events); !warning.empty())
+    run.Warn(warning);
   WarnOfFrozenMarkers(trial.recording, run);
   if (result.motion.unit == motion::LengthUnit::kPx)
     run.Warn("the trial has no scale: lengths are in px; give --scale, or a --camera with the sagittal plane");

@@ -28,16 +28,16 @@ constexpr Rates kPlane{.fixed_s = 0.8, .fixed_mb = 120};
 constexpr Rates kTrack{
     .fixed_s = 0.4, .frame_s = 0.0003, .megapixel_s = 0.0012, .fixed_mb = 135, .megapixel_mb = 50, .processors = 1.85};
 constexpr Rates kTrackWithOverlay{
-    .fixed_s = 0.4, .frame_s = 0.0021, .megapixel_s = 0.0021, .fixed_mb = 200, .megapixel_mb = 50, .processors = 1.85};
+    .fixed_s = 0.4, .frame_s = 0.0021, .megapixel_s = 0.0021, .fixed_mb = 225, .megapixel_mb = 50, .processors = 1.85};
 constexpr Rates kGait{.fixed_s = 0.1, .frame_s = 0.0007, .fixed_mb = 90};
 constexpr Rates kCompare{.fixed_s = 1, .fixed_mb = 130};
-constexpr Rates kLoads{.fixed_s = 0.1, .frame_s = 0.001, .fixed_mb = 105};
+constexpr Rates kLoads{.fixed_s = 0.1, .frame_s = 0.0014, .fixed_mb = 105};
 constexpr Rates kOptimize{.fixed_s = 1, .frame_s = 0.018, .fixed_mb = 115};
 constexpr Rates kOptimizeWithActuator{.fixed_s = 1, .frame_s = 0.06, .fixed_mb = 115};
 constexpr double kCertify_s = 0.5;
 constexpr double kReoptimize_s = 3, kParetoPoint_s = 1.6;  // of processor time
 constexpr Rates kFigures{.fixed_s = 0.7, .fixed_mb = 95};
-constexpr Rates kFiguresAndAnimation{.fixed_s = 4.3, .fixed_mb = 450, .processors = 1.4};
+constexpr Rates kFiguresAndAnimation{.fixed_s = 4.3, .fixed_mb = 385, .processors = 1.4};
 constexpr Rates kStroke{.fixed_s = 0.1, .fixed_mb = 95};
 
 // Frames, and a million pixels of each.

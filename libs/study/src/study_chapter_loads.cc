@@ -78,7 +78,7 @@ std::string LeanText(const StudyResults& results) {
                                              trunk_deg < 0 ? "back" : "forward");
   return fmt::format(
       "In the new design's rise of {} the trunk leans {} the person's own, which takes {}. The ground's force then "
-      "acts {} {} the foot{}, and the knee needs at most {}, in the own rise {}.",
+      "acts {} {} the foot{}, and the knee needs at most {}, in the person's own rise {}.",
       Quantity(NumberOrNaN(program.at("duration_s")), "s"), lean, Quantity(NumberOrNaN(own.at("rise_s")), "s"),
       Quantity(std::abs(margin_mm), "mm"), margin_mm < 0 ? "outside" : "or more inside",
       margin_mm < 0 ? ", where the person must be held" : "", Quantity(NumberOrNaN(program.at("peak_knee_nm")), "N m"),

@@ -147,12 +147,17 @@ std::string KeptText(const Json& redesign, const Json& balance) {
       return without_it == with_it ? fmt::format("the same {}", what)
                                    : fmt::format("{} of {} instead of {}", with_it, what, without_it);
     };
+    const double margin_mm = NumberOrNaN(without.at("balance_margin_mm"));
+    const std::string range = against("range_deg", "°", "range");
     text += fmt::format(
-        ". Against a design whose person leans as in the own rise, out of balance, it has {}, {}, {} and {}",
-        against("range_deg", "°", "range"), against("misalignment_percent", "%", "misalignment"),
+        ". Against a design of which no balance is required, where the ground's force acts {} {} the foot, it has {}, "
+        "{}, {} and {}",
+        Quantity(std::abs(margin_mm), "mm"), margin_mm < 0 ? "outside" : "inside", range,
+        against("misalignment_percent", "%", "misalignment"),
         against("angle_mismatch_max_deg", "°", "largest knee angle difference"),
         against("program_duration_s", "s", "rise time"));
-    if (NumberOrNaN(redesign.at("after").at("range_deg")) > NumberOrNaN(without.at("range_deg")))
+    const bool is_wider = NumberOrNaN(redesign.at("after").at("range_deg")) > NumberOrNaN(without.at("range_deg"));
+    if (is_wider && !range.starts_with("the same"))
       text += ": a leg that leans otherwise keeps the knee's path with other knee angles, which frees the links";
   }
   return text + ".";

@@ -29,6 +29,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kPoll_s = 0.05, kReply_s = 1;
+constexpr double kCounted_s = 4294967.296;  // 2^32 ms
 constexpr int kHoldRows = 2;  // the reason comes in the ms in which the hold begins, so before the second row
 constexpr const char* kReset = "!\x18";
 constexpr std::string_view kAlarm = "ALARM:";
@@ -228,15 +229,23 @@ class Session {
       throw Fail("{}: the firmware stopped with {}: {}", options_.port.string(), line, AlarmText(AlarmNumber(line)));
     if (line.starts_with("[MSG:lake-stroke")) throw Fail("{}: the board was reset", options_.port.string());
     if (!IsRow(line)) return;
+    RefuseIfReset(line);
     log_.Write(WithWholeTime(line));
     ++rows_;
     if (state_ == "fault") throw Fail("{}: the firmware stopped with a fault", options_.port.string());
   }
 
-  // The firmware counts ms in 32 bits and begins anew after 49.7 days.
+  // The firmware counts ms in 32 bits and begins anew after 49.7 days; where it does so earlier it was reset, whether
+  // or not its greeting has come whole.
+  void RefuseIfReset(const std::string& row) const {
+    constexpr double kRowsLost_s = 60;
+    if (std::strtod(row.c_str(), nullptr) < last_time_s_ && last_time_s_ < kCounted_s - kRowsLost_s)
+      throw Fail("{}: the board was reset", options_.port.string());
+  }
+
   std::string WithWholeTime(const std::string& row) {
     const double time_s = std::strtod(row.c_str(), nullptr);
-    if (time_s < last_time_s_) before_s_ += 4294967.296;
+    if (time_s < last_time_s_) before_s_ += kCounted_s;
     last_time_s_ = time_s;
     return before_s_ == 0 ? row : fmt::format("{:.3f}{}", before_s_ + time_s, row.substr(row.find(',')));
   }

@@ -370,21 +370,6 @@ double MedianLength(const LegCurves& curves, LegState length) {
   return Median(std::move(lengths));
 }
 
-// Repetitions whose onset the hip alone tells: in the second before it the trunk is mostly not seen.
-std::vector<int> RisesWithoutLean(const StsSignals& signals, const std::vector<motion::StsEvent>& events) {
-  constexpr double kBefore_s = 1;
-  std::vector<int> rises;
-  for (const motion::StsEvent& event : events) {
-    if (event.kind != motion::StsEventKind::kOnset) continue;
-    const auto from = std::ranges::lower_bound(signals.time_s, event.time_s - kBefore_s);
-    const auto to = std::ranges::upper_bound(signals.time_s, event.time_s);
-    const std::span<const double> lean(signals.trunk_deg.begin() + (from - signals.time_s.begin()), to - from);
-    const auto unseen = std::ranges::count_if(lean, [](double angle) { return std::isnan(angle); });
-    if (2 * unseen > std::ssize(lean)) rises.push_back(event.repetition);
-  }
-  return rises;
-}
-
 }  // namespace
 
 void FillResult(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& detections,
@@ -414,12 +399,6 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
     result.warnings.emplace_back(
         "the recording begins while the first rise is under way, without the rest before it: that rise has no onset "
         "and no percent");
-  if (const std::vector<int> rises = RisesWithoutLean(result.signals, result.events); !rises.empty())
-    result.warnings.push_back(
-        fmt::format("rise {}: no marker shows the trunk lean before it, so its onset is where the hip leaves its rest, "
-                    "which is later: compare its percents and times only with those of trials without a waist marker "
-                    "too, or give the onset with --events",
-                    fmt::join(rises, ", ")));
   if (!result.without_seat.empty())
     result.warnings.push_back(fmt::format(
         "rises without a seat, as from a squat, are left out ({}): before them the hip neither rests nor is "

@@ -340,7 +340,7 @@ void Describe(Person& o, OptionList& options) {
 
 void WriteSitToStandCsv(const std::filesystem::path& path, const std::vector<SitToStand>& rows,
                         motion::LengthUnit of_plane) {
-  auto quantities = kQuantities;  // in the order of the columns, in which the fourth phase comes behind
+  auto quantities = kQuantities;  // in the order of the columns: the fourth phase stands before the pelvis' angles
   const auto phase = std::ranges::find(quantities, &SitToStand::stabilisation_s, &Quantity::value),
              pelvis = std::ranges::find(quantities, &SitToStand::trunk_pelvis_seat_off_deg, &Quantity::value);
   std::rotate(phase, phase + 1, pelvis);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <span>
 
 #include "lake/core/statistics.h"
 
@@ -521,6 +522,26 @@ std::vector<std::string> UncertainEvents(const std::vector<motion::StsEvent>& ev
         rise, motion::ToString(event.kind), event.sd_s, duration_s));
   }
   return sentences;
+}
+
+std::string OnsetsWithoutLean(const StsSignals& signals, const std::vector<motion::StsEvent>& events) {
+  constexpr double kBefore_s = 1;
+  std::vector<int> rises;
+  for (const motion::StsEvent& event : events) {
+    if (event.kind != motion::StsEventKind::kOnset || std::isnan(event.sd_s)) continue;
+    const auto from = std::ranges::lower_bound(signals.time_s, event.time_s - kBefore_s);
+    const auto to = std::ranges::upper_bound(signals.time_s, event.time_s);
+    const std::span<const double> lean(signals.trunk_deg.begin() + (from - signals.time_s.begin()), to - from);
+    const auto unseen = std::ranges::count_if(lean, [](double angle) { return std::isnan(angle); });
+    if (2 * unseen > std::ssize(lean)) rises.push_back(event.repetition);
+  }
+  if (rises.empty()) return "";
+  const bool one = rises.size() == 1;
+  return fmt::format(
+      "rise{} {}: no marker shows the trunk lean before {}, so {} where the hip leaves its rest, which is later: "
+      "compare "
+      "percents and times only with those of trials without a waist marker too, or give the onset with --events",
+      one ? "" : "s", fmt::join(rises, ", "), one ? "it" : "them", one ? "its onset is" : "their onsets are");
 }
 
 void SetRepetitions(const std::vector<motion::StsEvent>& events, motion::LegMotion& motion) {

@@ -86,6 +86,14 @@ SegmentMotion TrunkSegment(const Model& model, std::size_t frame) {
   return SegmentBetween(model.path.frames[frame][kHip], model.path.frames[frame][kTrunkTop]);
 }
 
+// The last frame where none is known from then on.
+std::size_t FirstKnownFrom(const Model& model, double at_s) {
+  const std::size_t last = model.path.time_s.size() - 1;
+  std::size_t frame = std::min(FrameFrom(model.path.time_s, at_s), last);
+  while (frame < last && !model.path.known[frame]) ++frame;
+  return frame;
+}
+
 // Before the feet alone bear the body no force tells where in the trunk its centre is: there it is where it is at first
 // on the feet, so that nothing jumps then.
 TrunkSample TrunkOf(const Model& model, const TrunkFit& trunk, std::size_t frame, std::size_t on_feet) {
@@ -124,7 +132,7 @@ BodyPath MeanBodyPath(const Model& model, const TrunkFit& trunk, const std::vect
         mean = {};  // NaN stays NaN
         continue;
       }
-      const std::size_t on_feet = FrameFrom(model.path.time_s, rise.seat_off_s + options.seat_release_s);
+      const std::size_t on_feet = FirstKnownFrom(model, rise.seat_off_s + options.seat_release_s);
       const TrunkSample before = TrunkOf(model, trunk, b->before, on_feet),
                         after = TrunkOf(model, trunk, b->before + 1, on_feet);
       mean.tilt_rad += share * std::lerp(before.tilt_rad, after.tilt_rad, b->part);

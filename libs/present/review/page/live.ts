@@ -1,6 +1,6 @@
 // An exoskeleton aligned while it is worn: what the camera sees, what to do in letters for the whole room, curves, rises.
 import { Chart, colourOf } from "./charts";
-import { button, isOfControl, onClick, part, say, sayWhy, showProgress } from "./dom";
+import { button, isOfControl, onClick, onKey, part, say, sayWhy, showProgress } from "./dom";
 import { Column, LiveAct, LiveMessage, LiveStateMessage, LiveViewMessage } from "./messages";
 import { server } from "./server";
 import { TEXTS, unbroken } from "./texts";
@@ -57,7 +57,7 @@ export class LivePage {
     onClick("live-moved", () => this.moved());
     const sound = part<HTMLInputElement>("live-sound");
     sound.addEventListener("change", () => this.chime.turn(sound.checked));
-    document.addEventListener("keydown", (event) => this.key(event));
+    onKey((event) => this.actionOf(event));
     void this.follow();
   }
 
@@ -213,14 +213,12 @@ export class LivePage {
     void this.act({ what: "name", name, x: at.x, y: at.y }, () => TEXTS.named(name));
   }
 
-  private key(event: KeyboardEvent): void {
-    if (isOfControl(event) || event.ctrlKey || event.metaKey || event.repeat) return;
+  private actionOf(event: KeyboardEvent): (() => void) | null {
+    if (isOfControl(event) || event.ctrlKey || event.metaKey || event.repeat) return null;
     const isOn = this.phase === "watching" || this.phase === "trial";
-    if (event.key === "Escape") this.place(null);
-    else if (event.key === " " && isOn) this.beginOrEnd();
-    else if (event.key.toLowerCase() === "m" && isOn) this.moved();
-    else return;
-    event.preventDefault();
+    if (event.key === "Escape") return () => this.place(null);
+    if (event.key === " " && isOn) return () => this.beginOrEnd();
+    return event.key.toLowerCase() === "m" && isOn ? () => this.moved() : null;
   }
 
   update(state: LiveStateMessage): void {

@@ -92,12 +92,13 @@ std::map<std::string, double> SitToStandRow(const CsvTable& measured, const std:
   return values;
 }
 
-// The centre of mass's row of one rise in momentum.csv.
-void AddMomentum(const CsvTable& momenta, int repetition, ResultTable& table) {
+// The centre of mass's row of one rise in momentum.csv, without what sit_to_stand.csv has: loads are of the human trial
+// alone, of a stature that may have been given, and both trials are to be compared.
+void AddMomentum(const CsvTable& momenta, const CsvTable& measured, int repetition, ResultTable& table) {
   for (std::size_t row = 0; row < momenta.Rows(); ++row) {
     if (momenta.Text(row, momenta.Column("repetition")) != std::to_string(repetition)) continue;
     for (const std::string& column : momenta.Header())
-      if (column.starts_with("com_") && !column.ends_with("_sd"))
+      if (column.starts_with("com_") && !column.ends_with("_sd") && std::ranges::count(measured.Header(), column) == 0)
         table.Add(column, momenta.Number(row, momenta.Column(column)).value_or(kNaN));
   }
 }
@@ -108,11 +109,9 @@ void AddRises(const motion::LegMotion& leg, const CsvTable& measured, const std:
   using motion::LegSample;
   for (const auto& [repetition, rise] : RisesOf(leg)) {
     table.Begin(trial, repetition);
-    if (momenta) AddMomentum(*momenta, repetition, table);
-    // Last, as of what both have the trial's own counts: loads are of the human trial alone, of a stature that may have
-    // been given, and both trials are to be compared.
     for (const auto& [quantity, value] : SitToStandRow(measured, std::to_string(repetition)))
       table.Add(quantity, value);
+    if (momenta) AddMomentum(*momenta, measured, repetition, table);
     const double least = Largest(rise, &LegSample::knee_deg, -1);
     table.Add("knee_min_deg", least);
     table.Add("knee_range_deg", Largest(rise, &LegSample::knee_deg) - least);

@@ -27,7 +27,7 @@ std::string NameOf(const std::string& column) {
   constexpr std::pair<std::string_view, const char*> kNames[] = {
       {"five_times_power_w_kg", "mean power of the five-times test (W/kg)"},
       {"com_forward_seat_off_mm_s", "speed forward of the centre of mass at seat-off (mm/s)"},
-      {"com_forward_lead_s", "from its largest speed forward to seat-off (s)"},
+      {"com_forward_lead_s", "from the centre of mass's largest speed forward to seat-off (s)"},
       {"com_forward_max_ns", "largest momentum forward (N s)"},
       {"com_upward_max_ns", "largest momentum upward (N s)"},
       {"knee_min_deg", "smallest knee angle (°)"},

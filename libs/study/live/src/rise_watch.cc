@@ -13,7 +13,11 @@ bool RiseWatch::Add(double time_s, double knee_deg) {
   while (last_.front().first < time_s - kStill_s) last_.pop_front();
   most_deg_ = std::max(most_deg_, knee_deg);
   least_deg_ = std::min(least_deg_, knee_deg);
-  if (looks_ > 0 && knee_deg > least_deg_ + kExtension_deg) looks_ = 0, most_deg_ = least_deg_ = knee_deg;  // sits down
+  const bool sits_down = knee_deg > least_deg_ + kExtension_deg;
+  if (looks_ > 0 && sits_down) {
+    looks_ = 0;
+    most_deg_ = least_deg_ = knee_deg;
+  }
   const auto [least, most] = std::ranges::minmax(last_, {}, &std::pair<double, double>::second);
   const bool is_still = most.second - least.second < kStill_deg && time_s - last_.front().first > 0.8 * kStill_s;
   if (!is_still || knee_deg > most_deg_ - kExtension_deg || looks_ == kMostLooks) return false;

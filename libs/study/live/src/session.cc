@@ -48,7 +48,8 @@ motion::MarkerRecording Rows(const motion::MarkerRecording& all, std::size_t fir
   };
   motion::MarkerRecording part;
   part.unit = all.unit;
-  part.frame = cut(all.frame), part.time_s = cut(all.time_s);
+  part.frame = cut(all.frame);
+  part.time_s = cut(all.time_s);
   part.markers.reserve(all.markers.size());
   for (const motion::MarkerTrack& track : all.markers) part.markers.push_back({track.name, cut(track.samples)});
   return part;
@@ -80,8 +81,10 @@ Session::Session(const LiveRunOptions& options, fs::path programs, Run& run)
         fmt::format("--tolerance {:g} mm: after however many rises the joint's place is known to ± {:.1f} mm at best, "
                     "so no joint is told to be within",
                     options_.tolerance_mm, LeastUncertaintyMm()));
-  track_.names = options_.markers, track_.seeds = options_.seeds;
-  track_.polarity = options_.polarity, track_.crop = options_.crop;
+  track_.names = options_.markers;
+  track_.seeds = options_.seeds;
+  track_.polarity = options_.polarity;
+  track_.crop = options_.crop;
   track_.metric_from_px = [this](const Vector2d& px) { return gait::PlaneFromRecorded(view_, px, 0); };
   const Vector2d middle(0.5 * video_.width, 0.5 * video_.height);
   track_.px_per_mm = 1 / gait::PlaneUnitsPerRecorded(view_, track_.metric_from_px(middle), 0);
@@ -224,7 +227,9 @@ Session::Sample Session::MeasureFrame() const {
     const std::optional<Vector2d> px = PlaceIn(told, name);
     return px ? InPlane(*px) : std::nullopt;
   };
-  points.ankle = in_plane("ankle"), points.knee = in_plane("knee"), points.hip = in_plane("hip");
+  points.ankle = in_plane("ankle");
+  points.knee = in_plane("knee");
+  points.hip = in_plane("hip");
   if (!points.ankle || !points.knee) return sample;
   const motion::Facing facing = facing_.value_or(motion::Facing::kRight);
   const motion::LegSample leg = gait::MakeLegSample(points, facing, kUpInPlane);
@@ -350,7 +355,8 @@ void Session::Analyse() {
       if (is_naming_due) {
         const Clock::time_point began = Clock::now();
         FindTheNames();
-        named_last = Clock::now(), naming_took = *named_last - began;
+        named_last = Clock::now();
+        naming_took = *named_last - began;
       }
       FindFacing();
       if (is_rise_due) FindTheRises();

@@ -61,13 +61,17 @@ Json DifferenceJson(const motion::MarkerRecording& told, const fs::path& folder)
           track->samples[row].status != motion::SampleStatus::kDetected)
         continue;
       const double away = (then.position - track->samples[row].position).norm();
-      own_squares += away * away, own_largest = std::max(own_largest, away), ++own_count;
+      own_squares += away * away;
+      own_largest = std::max(own_largest, away);
+      ++own_count;
     }
     const bool has_any = own_count > 0;
     markers[live.name] = {{"frames", own_count},
                           {"rms_px", has_any ? Json(std::sqrt(own_squares / static_cast<double>(own_count))) : Json()},
                           {"largest_px", has_any ? Json(own_largest) : Json()}};
-    squares += own_squares, largest = std::max(largest, own_largest), count += own_count;
+    squares += own_squares;
+    largest = std::max(largest, own_largest);
+    count += own_count;
   }
   return {{"rms_px", count > 0 ? Json(std::sqrt(squares / static_cast<double>(count))) : Json()},
           {"largest_px", count > 0 ? Json(largest) : Json()},

@@ -28,7 +28,10 @@ Json RisesOf(const fs::path& folder, const std::string& marker, const Eigen::Vec
   Json rises = Json::array();
   for (const compare::StsCurve& curve : trial.repetitions) {
     Json rise = {{"repetition", curve.repetition}, {"knee_deg", curve.knee_deg}};
-    for (const Eigen::Vector2d& knee : curve.knee) rise["x"].push_back(knee.x()), rise["y"].push_back(knee.y());
+    for (const Eigen::Vector2d& knee : curve.knee) {
+      rise["x"].push_back(knee.x());
+      rise["y"].push_back(knee.y());
+    }
     rises.push_back(std::move(rise));
   }
   return rises;

@@ -27,8 +27,9 @@ struct Measured {
 inline constexpr double kSteadyFraction = 0.05;  // as of the knee's extension at standing
 inline constexpr double kSteady_s = 0.5;
 
-// One rise, or the means of five. Of a rise, the SDs are the fit's, of the events' times too; those of the events' own
-// definition and of the person's skin are not in them. Of the five-times test they are those between its rises.
+// One rise, or the means of five. Of a rise, the SDs are the fit's, of the events' times too, at the onset
+// with the sway of the rest before it; those of the events' own definition and of the person's skin are not in them. Of
+// the five-times test they are those between its rises.
 struct SitToStand {
   int repetition = 0;  // from 1; 0: the five-times test
   Measured onset_s, seat_off_s, standing_s;

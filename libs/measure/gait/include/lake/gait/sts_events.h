@@ -69,7 +69,8 @@ struct FoundStsEvents {
 };
 
 // Events of every repetition in the order of time, each when its limit is crossed, which is between two frames; its
-// frame is the nearer of them. Its sd_s is the SD of what crosses the limit, over its slope. A rise of the hip with an
+// frame is the nearer of them. Its sd_s is the SD of what crosses the limit, over its slope; at an
+// onset the sway of the rest before it is in it. A rise of the hip with an
 // extension of the knee, from a seat, is a repetition; its `descent` and `seated` are those of the following lowering.
 // A repetition that the recording cuts off has only the events that are in it. Empty if there is no sit-to-stand.
 FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options = {});
@@ -77,6 +78,10 @@ FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& option
 // To be said once events are corrected: a sentence for each onset or standing whose SD is known and more than a tenth
 // of the time between the two: the percent of such a rise, and all that is read over it, hang on it.
 std::vector<std::string> UncertainEvents(const std::vector<motion::StsEvent>& events);
+
+// Likewise to be said then: a sentence naming the rises whose onset was found by the hip, as no marker shows the trunk
+// lean in most of the second before it. Empty without such a rise; an onset that a person gave is none.
+std::string OnsetsWithoutLean(const StsSignals& signals, const std::vector<motion::StsEvent>& events);
 
 // Sets `repetition` and `percent` (0 at onset, 100 at standing) of the samples between the two, and clears them
 // elsewhere.

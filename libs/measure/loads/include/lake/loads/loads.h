@@ -78,7 +78,8 @@ struct Peak {
   double knee_deg = 0, percent = 0;
 };
 
-// One standard deviation of what RiseMomentum has, of the draws: tables, markers, the trunk's centre.
+// One standard deviation of what RiseMomentum has, of the draws: tables, markers, the trunk's centre,
+// the events' times.
 struct MomentumSd {
   double seat_off_m = 0, forward_seat_off_m_s = 0, forward_max_m_s = 0, upward_max_m_s = 0;
 };
