@@ -309,14 +309,14 @@ std::string ReportOf(const actuator::CrawlSummary& crawl) {
 
 std::string ReportOf(const Sketch& sketch, bool accept_drift) {
   const actuator::DriftForecast& drift = sketch.drift;
-  std::string text = fmt::format(
-      "firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n"
-      "drift: with speeds within {} % of the duty table{} {:.3f} ± {:.3f} mm at most, the linkage ends at {:.3f} "
-      "mm\n"
-      "home: put the retract end stop at {:.3f} mm\n",
-      sketch.table.segments.size(), sketch.table.rounding_error_mm, sketch.table.pwm_error_mm,
+  std::string text =
+      fmt::format("firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n",
+                  sketch.table.segments.size(), sketch.table.rounding_error_mm, sketch.table.pwm_error_mm);
+  text += fmt::format(
+      "drift: with speeds within {} % of the duty table{} {:.3f} ± {:.3f} mm at most, the linkage ends at {:.3f} mm\n",
       SignificantText(drift.tolerance_percent, 3), drift.is_measured ? "" : " (not measured)", drift.planned_mm,
-      drift.drift_mm, drift.end_mm, sketch.home_stroke_mm);
+      drift.drift_mm, drift.end_mm);
+  text += fmt::format("home: put the retract end stop at {:.3f} mm\n", sketch.home_stroke_mm);
   if (sketch.extend_stop_mm)
     text += fmt::format("extend end stop: put it at {:.3f} mm; it catches the drift\n", *sketch.extend_stop_mm);
   if (accept_drift) text += "DRIFT ACCEPTED: only for a bench without a person\n";
