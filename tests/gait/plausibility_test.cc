@@ -38,7 +38,7 @@ TEST(Plausibility, WhatNoPersonDoesIsAnErrorWithItsFrames) {
     for (std::size_t i = 100; i <= 102; ++i) spoil(bad.motion.samples[i]);
     return bad;
   };
-  ExpectRefused(change([](motion::LegSample& s) { s.knee_deg = -154.3; }), "knee angle is -154.3 deg");
+  ExpectRefused(change([](motion::LegSample& s) { s.knee_deg = -154.3; }), "knee angle is −154.3 deg");
   ExpectRefused(change([](motion::LegSample& s) { s.knee_deg = 190; }), "knee angle is 190 deg");
   ExpectRefused(change([](motion::LegSample& s) { s.ak *= 1.6; }), "shank");
   ExpectRefused(change([](motion::LegSample& s) { s.kh *= 0.4; }), "thigh");

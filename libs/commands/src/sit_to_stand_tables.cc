@@ -47,10 +47,10 @@ struct FiveTimes {
 
   bool IsKnown() const { return std::isfinite(test.five_times_s.value); }
   bool HasPower() const { return std::isfinite(test.power_w_kg.value); }
-  std::optional<double> Reference_s() const {
+  std::optional<double> ReferenceSeconds() const {
     return person.age_years ? gait::FiveTimesReference_s(*person.age_years) : std::nullopt;
   }
-  std::optional<double> LowPower_w_kg() const {
+  std::optional<double> LowPowerWattsPerKilogram() const {
     return person.sex ? gait::LowPowerWKg(*person.sex, person.age_years) : std::nullopt;
   }
   const char* People() const { return person.sex == motion::Sex::kMale ? "men" : "women"; }
@@ -59,7 +59,7 @@ struct FiveTimes {
 std::string PowerNote(const FiveTimes& of) {
   if (!of.HasPower()) return "needs lengths in mm: give --camera, --scale or --plane-points";
   if (!of.person.sex) return "Alcazar et al. 2018; give --sex to compare";
-  const std::optional<double> low = of.LowPower_w_kg();
+  const std::optional<double> low = of.LowPowerWattsPerKilogram();
   if (!low) return "Alcazar et al. 2018; no reference for this age";
   return fmt::format("{} for older {} (below {} W/kg is low: Baltasar-Fernandez et al. 2021)",
                      of.test.power_w_kg.value < *low ? "low" : "not low", of.People(), NumberText(*low, 1));
@@ -67,7 +67,7 @@ std::string PowerNote(const FiveTimes& of) {
 
 std::string ReferenceNote(const FiveTimes& of) {
   if (!of.person.age_years) return "give --age to compare";
-  const std::optional<double> reference_s = of.Reference_s();
+  const std::optional<double> reference_s = of.ReferenceSeconds();
   if (!reference_s) return "no reference for this age";
   return fmt::format("{} than average at this age ({} s, Bohannon 2006)",
                      of.test.five_times_s.value > *reference_s ? "worse" : "no worse", NumberText(*reference_s, 1));
@@ -77,9 +77,9 @@ std::string ReferenceNote(const FiveTimes& of) {
 std::string FiveTimesText(const FiveTimes& of) {
   if (!of.IsKnown()) return "";
   std::string text = fmt::format("five times in {:.2f} s", of.test.five_times_s.value);
-  if (const auto reference_s = of.Reference_s())
+  if (const auto reference_s = of.ReferenceSeconds())
     text += fmt::format("; more than {:.1f} s is worse than average at this age (Bohannon 2006)", *reference_s);
-  if (const auto low = of.LowPower_w_kg(); low && of.HasPower())
+  if (const auto low = of.LowPowerWattsPerKilogram(); low && of.HasPower())
     text += fmt::format(
         "; mean power {:.2f} W/kg; below {:.1f} W/kg is low among older {} (Baltasar-Fernandez et al. 2021)",
         of.test.power_w_kg.value, *low, of.People());
