@@ -145,28 +145,33 @@ LineChart AnglesChart(const motion::LegMotion& leg, const std::vector<SitToStand
 }
 
 Section SitToStandMethod() {
-  return {
-      "How it is measured",
-      {List{
-          {"Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638; steady is who turns hip and knee, and moves "
-           "the hip up or down, at less than 5 % of the rise's peak speeds for half a second, a limit of our own; "
-           "without a waist marker the hip's angle is unknown, and stabilisation is left empty. Of a rise, the "
-           "standard deviations are those of markers and events; skin movement is not in them.",
-           "Five-times test: from the first onset to the fifth standing; values are the means of five rises, "
-           "standard deviations those between them. A test timed by hand begins at the word, and is longer by the "
-           "reaction.",
-           "Power: 0.9 g × rise of the hip / time, of the five-times test with half of the mean repetition's time "
-           "(Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006).",
-           "Centre of mass: of the whole body, both legs moving as the one that is seen, with the segments' masses of "
-           "Winter 2009, doi:10.1002/9780470549148, table 4.1; negative behind the ankle. Its speeds are the momenta "
-           "per kg of body mass (after Pai and Rogers 1990). In N s, and with the knee's power, lake loads gives them "
-           "(momentum.csv, loads.csv): that needs the body mass.",
-           "Reference times by age, of both sexes: Bohannon 2006, doi:10.2466/pms.103.1.215-222. In Bohannon et al. "
-           "2010, doi:10.3233/IES-2010-0389, sex did not predict the time once age and strength were known.",
-           "Low power among older adults, by sex: Baltasar-Fernandez et al. 2021, doi:10.1038/s41598-021-98871-3, who "
-           "have the rise of the hip from stature and height of the chair, where here it is measured.",
-           "Lean to the pelvis: the trunk's lean less the angle by which the line from the marker psis to asis falls "
-           "below the horizontal; without these markers it is left empty."}}}};
+  constexpr const char* kPhases =
+      "Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638; steady is who turns hip and knee, and moves "
+      "the hip up or down, at less than 5 % of the rise's peak speeds for half a second, a limit of our own; "
+      "without a waist marker the hip's angle is unknown, and stabilisation is left empty. Of a rise, the "
+      "standard deviations are those of markers and events; skin movement is not in them.";
+  constexpr const char* kFiveTimes =
+      "Five-times test: from the first onset to the fifth standing; values are the means of five rises, "
+      "standard deviations those between them. A test timed by hand begins at the word, and is longer by the "
+      "reaction.";
+  constexpr const char* kPower =
+      "Power: 0.9 g × rise of the hip / time, of the five-times test with half of the mean repetition's time "
+      "(Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006).";
+  constexpr const char* kCentreOfMass =
+      "Centre of mass: of the whole body, both legs moving as the one that is seen, with the segments' masses of "
+      "Winter 2009, doi:10.1002/9780470549148, table 4.1; negative behind the ankle. Its speeds are the momenta "
+      "per kg of body mass (after Pai and Rogers 1990). In N s, and with the knee's power, lake loads gives them "
+      "(momentum.csv, loads.csv): that needs the body mass.";
+  constexpr const char* kTimes =
+      "Reference times by age, of both sexes: Bohannon 2006, doi:10.2466/pms.103.1.215-222. In Bohannon et al. "
+      "2010, doi:10.3233/IES-2010-0389, sex did not predict the time once age and strength were known.";
+  constexpr const char* kLowPower =
+      "Low power among older adults, by sex: Baltasar-Fernandez et al. 2021, doi:10.1038/s41598-021-98871-3, who "
+      "have the rise of the hip from stature and height of the chair, where here it is measured.";
+  constexpr const char* kLean =
+      "Lean to the pelvis: the trunk's lean less the angle by which the line from the marker psis to asis falls "
+      "below the horizontal; without these markers it is left empty.";
+  return {"How it is measured", {List{{kPhases, kFiveTimes, kPower, kCentreOfMass, kTimes, kLowPower, kLean}}}};
 }
 
 void WritePage(const gait::LegFitResult& leg, const std::vector<SitToStand>& rows, const gait::Person& person,
