@@ -26,7 +26,7 @@ std::string JointText(const StudyResults& results) {
       "The exoskeleton's joint is {} mm RMS from the knee of the leg that wears it; in that trial, moving it there "
       "leaves {} mm. ",
       KnownText(NumberOrNaN(joint.at("rms_mm")), known_mm, 1),
-      PlusMinusText(NumberOrNaN(comparison.at("best_placement").at("rms_mm")), known_mm, 1));
+      KnownText(NumberOrNaN(comparison.at("best_placement").at("rms_mm")), known_mm, 1));
 }
 
 std::string WrongText(const StudyResults& results) {
