@@ -627,7 +627,7 @@ TEST_F(LegFitErrors, TimesInAnotherUnitAreNamedNotTheMarkers) {
   const auto divide = [&](double factor) {
     for (std::size_t i = 0; i < seconds.size(); ++i) tracks_.time_s[i] = seconds[i] / factor;
   };
-  for (const auto& [factor, step] : {std::pair(60.0, "0.000278"), {1e6 / 60, "1e-06"}}) {
+  for (const auto& [factor, step] : {std::pair(60.0, "0.000278"), {1e6 / 60, "0.000001"}}) {
     divide(factor);
     EXPECT_THAT(Message(),
                 testing::AllOf(testing::HasSubstr(fmt::format("{} s apart", step)), testing::HasSubstr("in seconds")));
