@@ -163,6 +163,16 @@ cv::Mat PictureOf(const std::vector<tracking::MarkerDetection>& discs) {
   return luma;
 }
 
+void Show(const Scripted::Script& discs, int frames, double rate_hz, tracking::TrackletBuilder& builder) {
+  for (int i = 0; i < frames; ++i) {
+    video::VideoFrame frame;
+    frame.index = i;
+    frame.time_s = i / rate_hz;
+    frame.luma = PictureOf(discs(i));
+    builder.Add(frame);
+  }
+}
+
 // Each picture is shown twice, and one of the three discs is not found in a repetition: two of them then do not tell
 // that the picture had stood still, so it had not, and no time is taken off. It was taken off all the same; two
 // measurements had one time, and the paths led to infinity.
@@ -180,13 +190,7 @@ TEST(Tracklet, TimeThatIsNotTakenOffGoesOn) {
     return found;
   });
   tracking::TrackletBuilder builder(detector, {});
-  for (int i = 0; i < 80; ++i) {
-    video::VideoFrame frame;
-    frame.index = i;
-    frame.time_s = i / kRate_hz;
-    frame.luma = PictureOf(shown(i));
-    builder.Add(frame);
-  }
+  Show(shown, 80, kRate_hz, builder);
   const std::vector<tracking::Tracklet> tracklets = builder.Finish();
   EXPECT_EQ(tracklets.size(), 3u);
   for (const tracking::Tracklet& tracklet : tracklets)
@@ -209,13 +213,7 @@ TEST(Tracklet, ASlowStartIsNoStandingPicture) {
   };
   Scripted detector(discs);
   tracking::TrackletBuilder builder(detector, {});
-  for (int i = 0; i < 75; ++i) {
-    video::VideoFrame frame;
-    frame.index = i;
-    frame.time_s = i / kRate_hz;
-    frame.luma = PictureOf(discs(i));
-    builder.Add(frame);
-  }
+  Show(discs, 75, kRate_hz, builder);
   for (const std::int64_t frame : builder.RepeatedFrames()) EXPECT_LT(frame, 34);
   const std::vector<tracking::Tracklet> tracklets = builder.Finish();
   EXPECT_EQ(tracklets.size(), 2u);

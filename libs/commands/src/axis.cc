@@ -117,9 +117,8 @@ Json PinJson(const axis::MeanAxis& pin, const std::array<double, 2>& range_deg, 
 std::string ReportOf(const axis::MeanAxis& whole, int dimensions) {
   const double* const at_mm = whole.in_shank.data();
   return fmt::format(
-      "axis over {:.0f}° of flexion: at ({:.1f}) mm from the mean of the shank's markers, standard deviation {:.2f} "
-      "mm; "
-      "a pin there leaves {:.2f} mm\n",
+      "axis over {:.0f}° of flexion: at ({:.1f}) mm from the mean of the shank's markers, standard deviation "
+      "{:.2f} mm; a pin there leaves {:.2f} mm\n",
       whole.flexion_deg, fmt::join(at_mm, at_mm + dimensions, ", "), whole.sd_mm, whole.pin_residual_mm);
 }
 

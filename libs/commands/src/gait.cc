@@ -70,10 +70,7 @@ void WarnOfFrozenMarkers(const motion::MarkerRecording& recording, Run& run) {
 
 void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result, Run& run) {
   for (const std::string& warning : trial.warnings) run.Warn(warning);
-  for (const std::string& warning : result.warnings) run.Warn(warning);
-  for (const std::string& warning : gait::UncertainEvents(result.events)) run.Warn(warning);
-  if (const std::string warning = gait::OnsetsWithoutLean(result.signals, result.events); !warning.empty())
-    run.Warn(warning);
+  WarnOfFit(result, run);
   WarnOfFrozenMarkers(trial.recording, run);
   if (result.motion.unit == motion::LengthUnit::kPx)
     run.Warn("the trial has no scale: lengths are in px; give --scale, or a --camera with the sagittal plane");
@@ -206,6 +203,12 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
   if (events) CorrectEventsBy(*events, result);
   SayWarnings(trial, result, run);
   return result;
+}
+
+void WarnOfFit(const gait::LegFitResult& fit, Run& run) {
+  for (const std::string& warning : fit.warnings) run.Warn(warning);
+  for (const std::string& warning : gait::UncertainEvents(fit.events)) run.Warn(warning);
+  if (const std::string warning = gait::OnsetsWithoutLean(fit.signals, fit.events); !warning.empty()) run.Warn(warning);
 }
 
 Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit) {

@@ -336,9 +336,7 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   const gait::LegFitOptions fit_options = FitOptions(options, tracked, view, run.Quiet(), WarnThrough(run));
   gait::LegFitResult fit = FitOrKeep(options, tracked, view, shutter, fit_options, results, run);
   if (options.events) results.update(CorrectEventsBy(*options.events, fit));
-  for (const std::string& warning : fit.warnings) run.Warn(warning);
-  for (const std::string& warning : gait::UncertainEvents(fit.events)) run.Warn(warning);
-  if (const std::string warning = gait::OnsetsWithoutLean(fit.signals, fit.events); !warning.empty()) run.Warn(warning);
+  WarnOfFit(fit, run);
   motion::MarkerRecording tracks = fit.tracks;
   if (shutter.readout_s != 0) TakeSeenPositions(tracked.recording, tracks);
   motion::WriteMarkerCsv(run.Result("tracks.csv"), tracks);

@@ -1,11 +1,8 @@
 // From the solved curves to what the caller gets: tracks, trajectory, motion, events, reports.
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <span>
 #include <utility>
 
 #include "filter_loss.h"

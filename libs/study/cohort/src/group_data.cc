@@ -98,7 +98,7 @@ void AddMomentum(const CsvTable& momenta, const CsvTable& measured, int repetiti
   for (std::size_t row = 0; row < momenta.Rows(); ++row) {
     if (momenta.Text(row, momenta.Column("repetition")) != std::to_string(repetition)) continue;
     for (const std::string& column : momenta.Header())
-      if (column.starts_with("com_") && !column.ends_with("_sd") && std::ranges::count(measured.Header(), column) == 0)
+      if (column.starts_with("com_") && !column.ends_with("_sd") && !measured.Has(column))
         table.Add(column, momenta.Number(row, momenta.Column(column)).value_or(kNaN));
   }
 }

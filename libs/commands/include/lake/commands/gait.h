@@ -55,6 +55,9 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
 // naming file and line.
 Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit);
 
+// The fit's warnings, and those of its events: to be said once these are corrected.
+void WarnOfFit(const gait::LegFitResult& fit, Run& run);
+
 // Writes kinematics.csv, events.csv, range_limit.csv and .html where limits are given, trajectory.csv (tracks.csv for a
 // trial in px), gait.png, and measures.csv and measures.png of what is measured; of a trial without ankle, knee and hip
 // the latter alone. Returns the results for the summary.
