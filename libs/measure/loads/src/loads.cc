@@ -536,6 +536,116 @@ Model ByMotionAlone(const motion::MarkerRecording& trajectory, LegPathOptions pa
   return model;
 }
 
+// The trial as measured, which the draws vary.
+struct Measured {
+  std::vector<Rise> rises;
+  std::vector<Window> windows;
+  std::vector<double> cutoffs_hz;
+  std::vector<LegPath> paths;  // one per cutoff; the model has the first
+  Model model;
+  Model by_motion;  // without plates; what is of the motion alone is the same with them
+
+  const TrunkFit& Trunk() const { return *by_motion.trunk; }
+};
+
+// Without plates the result depends on the cutoff: the draws take several.
+std::vector<double> CutoffsHz(const LoadsOptions& options, bool with_forces) {
+  if (with_forces) return {options.cutoff_with_forces_hz};
+  std::vector<double> cutoffs_hz{1, 0.75, 0.875, 1.125, 1.25};
+  for (double& cutoff_hz : cutoffs_hz) cutoff_hz *= options.cutoff_hz;
+  return cutoffs_hz;
+}
+
+Measured Measure(const motion::MarkerRecording& trajectory, const std::vector<motion::StsEvent>& events,
+                 LegPathOptions path_options, const LoadsOptions& options, const std::optional<GroundForces>& forces) {
+  Measured measured;
+  measured.rises = RisesOf(events);
+  if (forces) CheckOverlap(*forces, measured.rises);
+  measured.windows = WindowsOf(measured.rises, trajectory.time_s, options);
+  measured.cutoffs_hz = CutoffsHz(options, forces.has_value());
+  for (const double cutoff_hz : measured.cutoffs_hz) {
+    path_options.cutoff_hz = cutoff_hz;
+    measured.paths.push_back(MakeLegPath(trajectory, path_options));
+  }
+  measured.by_motion = ByMotionAlone(trajectory, path_options, measured.windows, options);
+  if (!forces) {
+    measured.model = measured.by_motion;
+    return measured;
+  }
+  measured.model = {measured.paths.front(), MakeLegBody(options.body, measured.paths.front()), {}, {}};
+  measured.model.ground = ForcesAtFrames(*forces, trajectory.time_s, measured.cutoffs_hz.front());
+  CheckForces(measured.model, measured.rises, options);
+  return measured;
+}
+
+RiseMomentum MomentumOf(const Model& model, const TrunkFit& trunk, const Rise& rise, const LoadsOptions& options) {
+  const std::size_t left = FrameFrom(model.path.time_s, rise.seat_off_s + options.seat_release_s);
+  return FindMomentum(model.path, model.body, options.body.mass_kg, trunk.InTrunkM(left), rise.onset_s, rise.seat_off_s,
+                      rise.standing_s);
+}
+
+// What the draws say, rise by rise and draw by draw.
+struct Drawn {
+  std::vector<std::vector<std::vector<double>>> curves;
+  std::vector<std::vector<std::vector<SeatBounds>>> bounds;
+  std::vector<std::vector<RiseMomentum>> momenta;
+  std::vector<double> along_m, across_m, slow_margin_mm;  // of the trunk and the balance, without plates
+};
+
+Drawn Draw(const Measured& measured, const LoadsOptions& options) {
+  const std::size_t rises = measured.rises.size();
+  Drawn drawn;
+  drawn.curves.resize(rises);
+  drawn.bounds.resize(rises);
+  drawn.momenta.resize(rises);
+  std::mt19937_64 trunk_random(options.seed + 2);  // with plates the draws need no trunk but for the momentum
+  Drawing drawing(options.uncertainty, options.seed);
+  for (int draw = 0; draw < options.draws; ++draw) {
+    ThrowIfInterrupted();
+    const std::size_t which = drawing.Index(measured.paths.size());
+    const std::vector<Rise> drawn_rises = drawing.Rises(measured.rises);
+    Model model{
+        drawing.Path(measured.paths[which], measured.cutoffs_hz[which]), drawing.Body(measured.model.body), {}, {}};
+    if (!measured.model.ground.empty()) {
+      model.ground = drawing.Ground(measured.model.ground);
+    } else {
+      const TrunkFit fit(model.path, model.body, measured.windows, drawing.Prior(options.trunk));
+      model.trunk = fit.Draw(drawing.Random());
+      drawn.slow_margin_mm.push_back(SlowMargin(model, *model.trunk, drawn_rises, options));
+      drawn.along_m.push_back(model.trunk->AlongM());
+      drawn.across_m.push_back(model.trunk->AcrossM());
+    }
+    const TrunkFit trunk = model.trunk ? *model.trunk : measured.Trunk().Draw(trunk_random);
+    const double axis_factor = drawing.AxisFactor();
+    for (std::size_t r = 0; r < rises; ++r) {
+      drawn.curves[r].push_back(KneeCurve(model, drawn_rises[r], options, axis_factor));
+      drawn.bounds[r].push_back(SeatBoundsOf(model, drawn_rises[r], options));
+      drawn.momenta[r].push_back(MomentumOf(model, trunk, drawn_rises[r], options));
+    }
+  }
+  return drawn;
+}
+
+RiseLoads RiseOf(const Measured& measured, const Drawn& drawn, std::size_t which, const motion::LegMotion& motion,
+                 const LoadsOptions& options) {
+  const Rise& rise = measured.rises[which];
+  RiseLoads loads = RiseOf(measured.model, motion, rise, options);
+  SetPeak(loads);
+  SetBands(drawn.curves[which], loads);
+  SetBounds(drawn.bounds[which], loads);
+  loads.momentum = MomentumOf(measured.by_motion, measured.Trunk(), rise, options);
+  loads.momentum_sd = SpreadOf(drawn.momenta[which]);
+  return loads;
+}
+
+void SetTrunk(const Measured& measured, const Drawn& drawn, LoadsResult& result) {
+  const TrunkFit& trunk = *measured.model.trunk;
+  result.trunk_offset_mm = kMmPerM * Vector2d(trunk.AlongM(), trunk.AcrossM());
+  result.trunk_offset_sd_mm = kMmPerM * Vector2d(StandardDeviation(drawn.along_m), StandardDeviation(drawn.across_m));
+  result.balance.slow_margin_low_mm = Quantile(drawn.slow_margin_mm, kLow);
+  result.balance.slow_margin_high_mm = Quantile(drawn.slow_margin_mm, kHigh);
+}
+
 }  // namespace
 
 void Describe(LoadsOptions& o, OptionList& options) {
@@ -557,92 +667,26 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
                       const std::vector<motion::StsEvent>& events, const LegPathOptions& path_options,
                       const LoadsOptions& options, const std::optional<GroundForces>& forces) {
   options.body.Check();
-  const std::vector<Rise> rises = RisesOf(events);
-  if (forces) CheckOverlap(*forces, rises);
-  const std::vector<Window> windows = WindowsOf(rises, trajectory.time_s, options);
-
-  // Without plates the result depends on the cutoff: the draws take several.
-  const std::vector<double> factors = forces ? std::vector{1.0} : std::vector{1.0, 0.75, 0.875, 1.125, 1.25};
-  const double cutoff_hz = forces ? options.cutoff_with_forces_hz : options.cutoff_hz;
-  std::vector<LegPath> paths;
-  for (const double factor : factors) {
-    LegPathOptions with_cutoff = path_options;
-    with_cutoff.cutoff_hz = factor * cutoff_hz;
-    paths.push_back(MakeLegPath(trajectory, with_cutoff));
-  }
-
+  const Measured measured = Measure(trajectory, events, path_options, options, forces);
+  const Drawn drawn = Draw(measured, options);
   LoadsResult result;
   result.from_ground = forces.has_value();
-  result.has_shoulder = paths.front().has_shoulder;
-  result.body = MakeLegBody(options.body, paths.front());
-  Model model{paths.front(), result.body, {}, {}};
-  if (forces) {
-    model.ground = ForcesAtFrames(*forces, trajectory.time_s, cutoff_hz);
-    CheckForces(model, rises, options);
-  } else {
-    model.trunk.emplace(model.path, model.body, windows, options.trunk);
-  }
-
-  std::vector<std::vector<std::vector<double>>> curves(rises.size());
-  std::vector<std::vector<std::vector<SeatBounds>>> bounds(rises.size());
-  std::vector<std::vector<RiseMomentum>> momenta(rises.size());
-  const auto momentum_of = [&](const LegPath& path, const LegBody& body, const TrunkFit& fit, const Rise& rise) {
-    const std::size_t left = FrameFrom(path.time_s, rise.seat_off_s + options.seat_release_s);
-    return FindMomentum(path, body, options.body.mass_kg, fit.InTrunkM(left), rise.onset_s, rise.seat_off_s,
-                        rise.standing_s);
-  };
-  // What is of the motion alone is the same with plates, and so is the low-pass that the trunk is fitted at.
-  const Model by_motion = forces ? ByMotionAlone(trajectory, path_options, windows, options) : model;
-  const TrunkFit& trunk = *by_motion.trunk;
-  std::mt19937_64 trunk_random(options.seed + 2);  // with plates the draws need no trunk but for the momentum
-  std::vector<double> along_m, across_m, slow_margin_mm;
-  Drawing drawing(options.uncertainty, options.seed);
-  for (int draw = 0; draw < options.draws; ++draw) {
-    ThrowIfInterrupted();
-    const std::size_t which = drawing.Index(paths.size());
-    const std::vector<Rise> drawn_rises = drawing.Rises(rises);
-    Model drawn{drawing.Path(paths[which], factors[which] * cutoff_hz), drawing.Body(result.body), {}, {}};
-    if (forces) {
-      drawn.ground = drawing.Ground(model.ground);
-    } else {
-      const TrunkFit fit(drawn.path, drawn.body, windows, drawing.Prior(options.trunk));
-      drawn.trunk = fit.Draw(drawing.Random());
-      slow_margin_mm.push_back(SlowMargin(drawn, *drawn.trunk, drawn_rises, options));
-      along_m.push_back(drawn.trunk->AlongM());
-      across_m.push_back(drawn.trunk->AcrossM());
-    }
-    const TrunkFit drawn_trunk = drawn.trunk ? *drawn.trunk : trunk.Draw(trunk_random);
-    const double axis_factor = drawing.AxisFactor();
-    for (std::size_t r = 0; r < rises.size(); ++r) {
-      curves[r].push_back(KneeCurve(drawn, drawn_rises[r], options, axis_factor));
-      bounds[r].push_back(SeatBoundsOf(drawn, drawn_rises[r], options));
-      momenta[r].push_back(momentum_of(drawn.path, drawn.body, drawn_trunk, drawn_rises[r]));
-    }
-  }
-
-  for (std::size_t r = 0; r < rises.size(); ++r) {
-    result.rises.push_back(RiseOf(model, motion, rises[r], options));
-    SetPeak(result.rises.back());
-    SetBands(curves[r], result.rises.back());
-    SetBounds(bounds[r], result.rises.back());
-    result.rises.back().momentum = momentum_of(by_motion.path, by_motion.body, trunk, rises[r]);
-    result.rises.back().momentum_sd = SpreadOf(momenta[r]);
-  }
+  result.has_shoulder = measured.model.path.has_shoulder;
+  result.body = measured.model.body;
+  for (std::size_t r = 0; r < measured.rises.size(); ++r)
+    result.rises.push_back(RiseOf(measured, drawn, r, motion, options));
   result.mean = MeanOf(result.rises);
   SetPeak(result.mean);
-  SetBands(MeanCurves(curves), result.mean);
-  result.balance = FindBalance(by_motion, trunk, rises, options);
-  result.body_path = MeanBodyPath(by_motion, trunk, rises, options);
+  SetBands(MeanCurves(drawn.curves), result.mean);
+  result.balance = FindBalance(measured.by_motion, measured.Trunk(), measured.rises, options);
+  result.body_path = MeanBodyPath(measured.by_motion, measured.Trunk(), measured.rises, options);
   if (const auto warning = BalanceWarning(result.balance)) result.warnings.push_back(*warning);
   if (forces) {
-    WarnOfForces(model, rises, options, result);
-    WarnOfClock(model, windows, options, result);
+    WarnOfForces(measured.model, measured.rises, options, result);
+    WarnOfClock(measured.model, measured.windows, options, result);
   } else {
-    result.trunk_offset_mm = kMmPerM * Vector2d(model.trunk->AlongM(), model.trunk->AcrossM());
-    result.trunk_offset_sd_mm = kMmPerM * Vector2d(StandardDeviation(along_m), StandardDeviation(across_m));
-    result.balance.slow_margin_low_mm = Quantile(slow_margin_mm, kLow);
-    result.balance.slow_margin_high_mm = Quantile(slow_margin_mm, kHigh);
-    WarnOfTrunk(model, windows, options, result);
+    SetTrunk(measured, drawn, result);
+    WarnOfTrunk(measured.model, measured.windows, options, result);
   }
   return result;
 }
