@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <span>
 
 #include "leg_scale.h"
 
@@ -48,6 +49,28 @@ double LogOddsOfStop(const dynamics::PathState& state, double within_s, double d
   return LogSum({rests, LogOddsOfNone(state, 1, prior),
                  LogOddsOfNone(dynamics::Moved(state, within_s, density), 1, prior)}) -
          LogSum({0, rests});
+}
+
+// A path on its way: its state, and of which time that is.
+struct Course {
+  dynamics::PathState state;
+  double at_s = 0;
+};
+
+// The logarithm of the density of samples that follow, each taken `earlier_s` before its time; the course is at the
+// last of them then.
+double Follow(std::span<const dynamics::PathSample> samples, double density, const dynamics::MotionPrior& prior,
+              Course& course, double earlier_s = 0) {
+  double log_density = 0;
+  for (dynamics::PathSample sample : samples) {
+    sample.time_s -= earlier_s;
+    const Eigen::Vector2d was_at = course.state.Position();
+    course.state =
+        dynamics::WithinReach(dynamics::Moved(course.state, sample.time_s - course.at_s, density), was_at, prior);
+    log_density += dynamics::Observe(sample, course.state);
+    course.at_s = sample.time_s;
+  }
+  return log_density;
 }
 
 }  // namespace
@@ -243,78 +266,90 @@ dynamics::PathState TimedPaths::AtRest(const dynamics::PathSample& last, double 
   return dynamics::StartAt(last, {kDriftPx / frame_s, beginning * prior_.acceleration});
 }
 
+// nullopt where it is not seen on both sides.
+std::optional<TimedPaths::MarkerRun> TimedPaths::RunOf(const motion::MarkerTrack& marker,
+                                                       const std::vector<std::size_t>& frames, std::size_t first,
+                                                       std::size_t end) const {
+  // By which coding changes a copy, and displaces what begins to move.
+  constexpr double kCopyPx = 0.05, kHiddenPx = 0.1;
+  constexpr std::size_t kFewest = 4, kAfter = 6;
+  MarkerRun seen;
+  seen.before = Beside(marker, frames, static_cast<std::ptrdiff_t>(first) - 1, -1, -1);
+  seen.behind = Beside(marker, frames, static_cast<std::ptrdiff_t>(end), static_cast<std::ptrdiff_t>(frames.size()), 1);
+  if (seen.before.size() < kFewest || seen.behind.empty()) return std::nullopt;
+  std::reverse(seen.behind.begin(), seen.behind.end());
+  seen.behind.resize(std::min(seen.behind.size(), kAfter));
+  for (dynamics::PathSample& sample : seen.behind) sample.sigma = std::hypot(sample.sigma, kHiddenPx);
+  dynamics::PathState shown = dynamics::StartAt(seen.before.back(), prior_);
+  for (std::size_t f = first; f < end; ++f) {
+    const motion::MarkerSample& sample = marker.samples[frames[f]];
+    if (!sample.IsKnown()) continue;
+    seen.run.push_back({recording_.time_s[frames[f]], sample.position,
+                        std::hypot(sample.sigma, std::hypot(learnt_.extra_sigma, kCopyPx))});
+    seen.log_copied += dynamics::Observe(seen.run.back(), shown);
+  }
+  seen.run_s = recording_.time_s[frames[first]] - seen.before.back().time_s;
+  seen.end_s = recording_.time_s[frames[end - 1]];
+  return seen;
+}
+
+// What follows a run if the marker rested in it: it starts to move, more or less quickly.
+double TimedPaths::LogDensityOfStart(const MarkerRun& seen, double density) const {
+  constexpr std::array kBeginnings = {0.02, 0.2};  // shares of a person's acceleration
+  std::vector<double> starts;
+  for (const double beginning : kBeginnings) {
+    Course course{AtRest(seen.before.back(), seen.run_s, beginning), seen.end_s};
+    starts.push_back(Follow(seen.behind, density, prior_, course) - std::log(kBeginnings.size()));
+  }
+  return LogSum(starts);
+}
+
+TimedPaths::RunLogs TimedPaths::LogsAt(const MarkerRun& seen, double density, double stood_s) const {
+  Course alone{dynamics::StartAt(seen.behind.front(), prior_), seen.behind.front().time_s};
+  const double unrelated =
+      Follow(std::span(seen.behind).subspan(1), density, prior_, alone) - 2 * std::log(kReach_mm / unit_mm_);
+  const auto or_unrelated = [&](double log_density, double share) {
+    return LogSum({std::log(1 - share) + log_density, std::log(share) + unrelated});
+  };
+  const double begin_s = seen.before.back().time_s;
+  const auto [told, weight] = dynamics::EvidenceAt(seen.before, begin_s, density, prior_);
+  const auto repeated = [&, &told = told, &weight = weight](double earlier_s) {
+    Course course{told, begin_s};
+    return weight + seen.log_copied +
+           or_unrelated(Follow(seen.behind, density, prior_, course, earlier_s), kMismeasured);
+  };
+  Course course{told, begin_s};
+  const double moving = weight + Follow(seen.run, density, prior_, course);
+  const double moving_on = Follow(seen.behind, density, prior_, course);
+  const double stopped = weight + seen.log_copied + LogOddsOfStop(told, seen.run_s, density, prior_);
+  const double starting = LogDensityOfStart(seen, density);
+  const auto new_pictures = [&](double share) {
+    return LogSum({moving + or_unrelated(moving_on, share), stopped + or_unrelated(starting, share)});
+  };
+  return {.going_on = repeated(0),
+          .standing = repeated(stood_s),
+          .rested = new_pictures(kMismeasured),
+          .cut = new_pictures(kUnrelated)};
+}
+
 // Of one marker; nullopt where it is not seen on both sides.
 std::optional<TimedPaths::RunLogs> TimedPaths::LogsOfRun(const motion::MarkerTrack& marker,
                                                          const std::vector<std::size_t>& frames, std::size_t first,
                                                          std::size_t end, double stood_s) const {
-  constexpr double kCopyPx = 0.05,
-                   kHiddenPx = 0.1;  // by which coding changes a copy, and displaces what begins to move
-  constexpr std::size_t kFewest = 4, kAfter = 6;
-  constexpr std::array kBeginnings = {0.02, 0.2};  // shares of a person's acceleration
-  const auto before = Beside(marker, frames, static_cast<std::ptrdiff_t>(first) - 1, -1, -1);
-  auto behind = Beside(marker, frames, static_cast<std::ptrdiff_t>(end), static_cast<std::ptrdiff_t>(frames.size()), 1);
-  if (before.size() < kFewest || behind.empty()) return std::nullopt;
-  std::reverse(behind.begin(), behind.end());
-  behind.resize(std::min(behind.size(), kAfter));
-  for (dynamics::PathSample& sample : behind) sample.sigma = std::hypot(sample.sigma, kHiddenPx);
-  std::vector<dynamics::PathSample> run;
-  dynamics::PathState shown = dynamics::StartAt(before.back(), prior_);
-  double copied = 0;
-  for (std::size_t f = first; f < end; ++f) {
-    const motion::MarkerSample& sample = marker.samples[frames[f]];
-    if (!sample.IsKnown()) continue;
-    run.push_back({recording_.time_s[frames[f]], sample.position,
-                   std::hypot(sample.sigma, std::hypot(learnt_.extra_sigma, kCopyPx))});
-    copied += dynamics::Observe(run.back(), shown);
-  }
-  // The density of samples that follow a state, which becomes the last one's.
-  const auto follow = [&](std::span<const dynamics::PathSample> samples, double earlier_s, double density,
-                          dynamics::PathState& state, double& at_s) {
-    double log_density = 0;
-    for (dynamics::PathSample sample : samples) {
-      sample.time_s -= earlier_s;
-      state = dynamics::WithinReach(dynamics::Moved(state, sample.time_s - at_s, density), state.Position(), prior_);
-      log_density += dynamics::Observe(sample, state);
-      at_s = sample.time_s;
-    }
-    return log_density;
+  const auto seen = RunOf(marker, frames, first, end);
+  if (!seen) return std::nullopt;
+  std::array<RunLogs, kDensities> at;
+  for (std::size_t k = 0; k < kDensities; ++k) at[k] = LogsAt(*seen, DensityOf(k, learnt_.density), stood_s);
+  const auto sum = [&at](double RunLogs::*log) {
+    std::vector<double> logs;
+    logs.reserve(kDensities);
+    for (const RunLogs& one : at) logs.push_back(one.*log);
+    return LogSum(logs);
   };
-  const double end_s = recording_.time_s[frames[end - 1]],
-               run_s = recording_.time_s[frames[first]] - before.back().time_s;
-  std::vector<double> going_on, standing, rested, cut;
-  for (std::size_t k = 0; k < kDensities; ++k) {
-    const double density = DensityOf(k, learnt_.density);
-    const auto [told, weight] = dynamics::EvidenceAt(before, before.back().time_s, density, prior_);
-    dynamics::PathState state = dynamics::StartAt(behind.front(), prior_);
-    double at_s = behind.front().time_s;
-    const double unrelated =
-        follow(std::span(behind).subspan(1), 0, density, state, at_s) - 2 * std::log(kReach_mm / unit_mm_);
-    const auto or_unrelated = [&](double log_density, double share) {
-      return LogSum({std::log(1 - share) + log_density, std::log(share) + unrelated});
-    };
-    for (auto* logs : {&going_on, &standing}) {
-      state = told;
-      at_s = before.back().time_s;
-      logs->push_back(
-          weight + copied +
-          or_unrelated(follow(behind, logs == &standing ? stood_s : 0, density, state, at_s), kMismeasured));
-    }
-    state = told;
-    at_s = before.back().time_s;
-    const double moving = weight + follow(run, 0, density, state, at_s),
-                 moving_on = follow(behind, 0, density, state, at_s);
-    const double stopped = weight + copied + LogOddsOfStop(told, run_s, density, prior_);
-    std::vector<double> starts;
-    for (const double beginning : kBeginnings) {
-      state = AtRest(before.back(), run_s, beginning);
-      at_s = end_s;
-      starts.push_back(follow(behind, 0, density, state, at_s) - std::log(kBeginnings.size()));
-    }
-    const double starting = LogSum(starts);
-    for (const auto& [logs, share] : {std::pair(&rested, kMismeasured), {&cut, kUnrelated}})
-      logs->push_back(LogSum({moving + or_unrelated(moving_on, share), stopped + or_unrelated(starting, share)}));
-  }
-  return RunLogs{LogSum(going_on), LogSum(standing), LogSum(rested), LogSum(cut)};
+  return RunLogs{.going_on = sum(&RunLogs::going_on),
+                 .standing = sum(&RunLogs::standing),
+                 .rested = sum(&RunLogs::rested),
+                 .cut = sum(&RunLogs::cut)};
 }
 
 double TimedPaths::LogOddsOfRepeat(const std::vector<std::size_t>& frames, std::size_t first, std::size_t end,

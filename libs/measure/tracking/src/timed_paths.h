@@ -92,12 +92,22 @@ class TimedPaths {
                                std::size_t after, std::size_t from, std::size_t to) const;
   std::vector<dynamics::PathSample> Beside(const motion::MarkerTrack& marker, const std::vector<std::size_t>& frames,
                                            std::ptrdiff_t nearest, std::ptrdiff_t end, int direction) const;
+  // A marker before, in and behind a run of frames; `behind`: the nearest first.
+  struct MarkerRun {
+    std::vector<dynamics::PathSample> before, run, behind;
+    double log_copied = 0;        // density of the run's samples if its pictures are copies of the one before
+    double run_s = 0, end_s = 0;  // from the frame before to the run's first, and when its last was taken
+  };
   // Of a run of frames and what follows, the logarithms of the densities if the run repeats a picture while time goes
   // on or stands, or if the markers rest in it and go on from there, or are elsewhere after a cut.
   struct RunLogs {
     double going_on = 0, standing = 0, rested = 0, cut = 0;
   };
   dynamics::PathState AtRest(const dynamics::PathSample& last, double frame_s, double beginning) const;
+  std::optional<MarkerRun> RunOf(const motion::MarkerTrack& marker, const std::vector<std::size_t>& frames,
+                                 std::size_t first, std::size_t end) const;
+  double LogDensityOfStart(const MarkerRun& seen, double density) const;
+  RunLogs LogsAt(const MarkerRun& seen, double density, double stood_s) const;
   std::optional<RunLogs> LogsOfRun(const motion::MarkerTrack& marker, const std::vector<std::size_t>& frames,
                                    std::size_t first, std::size_t end, double stood_s) const;
 
