@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
     if (program.SaysJson())
       fmt::print("{}\n", live.dump(2, ' ', false, lake::Json::error_handler_t::replace));
     else
-      fmt::print("{}results in {}\n", lake::live::LiveReport(live), run.Folder().string());
+      fmt::print("{}results in {}\n", run.ReportText(), run.Folder().string());
     lake::FlushStdout();
     return lake::Json();
   });

@@ -403,7 +403,7 @@ int Program::Work(const std::string& command, const std::string& result_name, co
     fmt::print("{}\n", summary.dump(2, ' ', false, Json::error_handler_t::replace));
   else
     fmt::print("{}results in {}\n", run.ReportText(), out_);
-  return kDone;
+  return run.IsRejected() ? kFailed : kDone;
 }
 
 }  // namespace lake

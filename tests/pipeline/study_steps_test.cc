@@ -187,7 +187,8 @@ TEST_P(Steps, KeepWhatAUserWritesWhileTheyAreDone) {
   fail_ = [&] { WriteTextFile(Out("join") / "notes.txt", "mine"); };
   Go();
   EXPECT_EQ(ReadTextFile(Out("join") / "notes.txt"), "mine");
-  fail_ = nullptr, suffix_ = "?";
+  fail_ = nullptr;
+  suffix_ = "?";
   Go();
   EXPECT_EQ(ReadTextFile(Out("join") / "notes.txt"), "mine");
   EXPECT_EQ(ReadTextFile(Out("join") / "join.txt"), "alph?beta?");
@@ -259,7 +260,8 @@ TEST_P(Steps, InterruptedGoOnWhereTheyWere) {
   EXPECT_THAT(Done(), ElementsAre("a", "b", "join"));
   EXPECT_FALSE(fs::exists(Out("join") / "join.txt")) << "what does not belong to the copies any more";
   // Even if the copies come back to what they were; the report, of what comes out again, need not be made.
-  suffix_ = "!", fail_ = nullptr;
+  suffix_ = "!";
+  fail_ = nullptr;
   EXPECT_THAT(Go(), ElementsAre("a", "b", "join"));
 }
 
@@ -309,7 +311,7 @@ INSTANTIATE_TEST_SUITE_P(Threads, Steps, testing::Values(1, 2, 5));
 
 // The patience is that of a test that would otherwise never end.
 bool ComesTrue(const std::function<bool()>& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(5);
   while (!condition() && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   return condition();

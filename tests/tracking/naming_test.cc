@@ -1,6 +1,7 @@
 // Which of the things seen is which marker: tracklets made by a leg's geometry, without pictures.
 #include "lake/tracking/naming.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -178,7 +179,12 @@ TEST_P(NamingOfLegs, PiecesAreJoinedOverHalfASecond) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, NamingOfLegs,
-                         testing::Combine(testing::Values(-1, 1), testing::Bool(), testing::Values(11u, 12u, 13u)));
+                         testing::Combine(testing::Values(-1, 1), testing::Bool(), testing::Values(11u, 12u, 13u)),
+                         [](const auto& info) {  // without blanks, which ctest's list of costs cannot hold
+                           const auto& [facing, is_standing, seed] = info.param;
+                           return fmt::format("{}{}{}", facing < 0 ? "left" : "right", is_standing ? "Down" : "Up",
+                                              seed);
+                         });
 
 #ifndef __SANITIZE_ADDRESS__  // which maps terabytes
 // So many MB beyond what is mapped now.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "lake/core/json_or_null.h"
 #include "lake/overlay/check_picture.h"
 #include "lake/tracking/track_markers.h"
 #include "lake/video/image.h"
@@ -35,7 +36,7 @@ Json ChecksJson(const tracking::RecordingCheck& c) {
           {"strongest_clutter", c.strongest_clutter},
           {"quality", c.IsNamed() ? FiguresJson(c.markers) : Json()},
           {"compression_px", named(c.compression_px)},
-          {"bits_per_pixel", c.video.bits_per_pixel ? Json(*c.video.bits_per_pixel) : Json()},
+          {"bits_per_pixel", ValueOrNull(c.video.bits_per_pixel)},
           {"position_sd_px", named(c.position_sd_px)},
           {"segment_px", named(c.segment_px)},
           {"travel_px", c.travel_px},
@@ -44,7 +45,7 @@ Json ChecksJson(const tracking::RecordingCheck& c) {
           {"flicker", c.flicker},
           {"repeated_frames", c.repeated_frames},
           {"dropped_frames", c.dropped_frames},
-          {"tilt_deg", c.tilt_deg ? Json(*c.tilt_deg) : Json()},
+          {"tilt_deg", ValueOrNull(c.tilt_deg)},
           {"seconds", c.seconds}};
 }
 
@@ -85,7 +86,7 @@ Json FiguresJson(const tracking::MarkerFigures& figures) {
           {"saturated_share", figures.saturated_share},
           {"sigma_px", figures.sigma_px},
           {"fastest_px_per_frame", figures.fastest_px},
-          {"shutter_fraction", figures.shutter_fraction ? Json(*figures.shutter_fraction) : Json()},
+          {"shutter_fraction", ValueOrNull(figures.shutter_fraction)},
           {"blur_px", figures.blur_px}};
 }
 
@@ -115,6 +116,7 @@ Json RunCheck(const CheckRunOptions& options, Run& run) {
                                         static_cast<double>(check.shown_frame_ms) / 1000);
   video::WriteImage(run.Result("check.png"), overlay::DrawCheckPicture(PictureOf(check, items, title)));
   run.Report(ReportOf(items, verdict));
+  if (verdict != kFit) run.Reject();
   return {{"fit", verdict == kFit},
           {"verdict", verdict},
           {"video",

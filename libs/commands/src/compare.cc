@@ -218,18 +218,19 @@ WornJoint CheckWorn(const compare::Misalignment& misalignment, const CompareRunO
                         options.wear);
 }
 
-// What moving the joint leaves, and what seat and limbs allow of it: `on_body`, null where the worn links are not
-// known, and `body_text`.
-void AddToBestPlacement(const compare::Misalignment& misalignment, const CompareRunOptions& options,
-                        Json& best_placement) {
-  best_placement["on_body"] = nullptr;
-  best_placement["body_text"] =
-      "What seat and limbs allow of it is not known without the design that was worn (--worn, in a study design: "
-      "worn).";
-  if (!options.worn) return;
+// What seat and limbs allow of moving the joint: null where the worn links are not known, and in words.
+struct MoveOnBody {
+  Json on_body;
+  std::string text;
+};
+
+MoveOnBody CheckMove(const compare::Misalignment& misalignment, const CompareRunOptions& options) {
+  if (!options.worn)
+    return {nullptr,
+            "What seat and limbs allow of it is not known without the design that was worn (--worn, in a study design: "
+            "worn)."};
   const WornJoint joint = CheckWorn(misalignment, options);
-  best_placement["on_body"] = WornJointJson(joint);
-  best_placement["body_text"] = WornJointText(joint, misalignment.joint->remainder_mm);
+  return {WornJointJson(joint), WornJointText(joint, misalignment.joint->remainder_mm)};
 }
 
 void WriteComparisonReport(const std::string& title, const Json& comparison, std::vector<report::Section> more,
@@ -417,13 +418,17 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   comparison["knee_from"] = pair.is_human_functional ? "functional" : "marker";
   comparison["knee_axis_sd_mm"] = {{"human", NumberOrNull(pair.axes.human_mm)},
                                    {"exo", NumberOrNull(pair.axes.exo_mm)}};
-  if (misalignment.joint)
-    AddToBestPlacement(misalignment, options, comparison["best_placement"]);
-  else if (options.worn)
+  MoveOnBody move;
+  if (misalignment.joint) {
+    move = CheckMove(misalignment, options);
+    comparison["best_placement"]["on_body"] = move.on_body;
+    comparison["best_placement"]["body_text"] = move.text;
+  } else if (options.worn) {
     run.Warn(
         fmt::format("{} shows no knee of the leg beside the joint: what seat and limbs allow of the worn design's "
                     "joint is not told",
                     options.exo.filename().string()));
+  }
   compare::BudgetOptions budget = options.budget;
   budget.axes = pair.axes;
   const std::vector<compare::Budget> budgets =
@@ -431,16 +436,16 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   compare::WriteUncertaintyBudgetCsv(run.Result("uncertainty_budget.csv"), budgets);
   comparison["uncertainty"] = compare::BudgetsJson(budgets);
   std::vector<report::Section> sections{UncertaintySection(budgets)};
+  std::vector<CuffCase> cases;
   if (misalignment.joint && !misalignment.exo.leg_knee.empty()) {
-    const std::vector<CuffCase> cases =
-        CuffCases(misalignment.exo, *misalignment.joint, compare::PlaceDeviation(budgets), options.cuff);
+    cases = CuffCases(misalignment.exo, *misalignment.joint, compare::PlaceDeviation(budgets), options.cuff);
     WriteCuffTable(run.Result("cuffs.csv"), cases);
     for (const CuffCase& one : cases) comparison["cuffs"][one.name] = CuffsJson(one.course);
     sections.push_back(CuffSection(cases, options.cuff));
   }
   WriteJsonFile(run.Result("comparison.json"), comparison);
   WriteComparisonReport(title, comparison, std::move(sections), run);
-  run.Report(ComparisonText(comparison));
+  run.Report(ComparisonText(misalignment, budgets, move.text, cases));
   comparison.erase("curves");
   return comparison;
 }

@@ -2,12 +2,17 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "lake/core/json.h"
+#include "cuff_tables.h"
+#include "lake/compare/misalignment.h"
+#include "lake/compare/uncertainty_budget.h"
 
 namespace lake::commands {
 
-// Of the content of comparison.json, as the report's sections.
-std::string ComparisonText(const Json& comparison);
+// `worn`: what is said of the worn links, with the joint's headline. `cuffs`: the joint as worn and moved; may be
+// empty.
+std::string ComparisonText(const compare::Misalignment& misalignment, const std::vector<compare::Budget>& budgets,
+                           const std::string& worn, const std::vector<CuffCase>& cuffs);
 
 }  // namespace lake::commands

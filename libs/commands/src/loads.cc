@@ -10,6 +10,7 @@
 #include "lake/core/cross.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
@@ -136,9 +137,8 @@ Json PaceJson(const loads::PaceLoads& pace) {
 
 Json BalanceJson(const loads::LoadsResult& result) {
   const loads::Balance& balance = result.balance;
-  Json json = {{"own", PaceJson(balance.own)},
-               {"slow", PaceJson(balance.slow)},
-               {"slowest_s", balance.slowest_s ? Json(*balance.slowest_s) : Json()}};
+  Json json = {
+      {"own", PaceJson(balance.own)}, {"slow", PaceJson(balance.slow)}, {"slowest_s", ValueOrNull(balance.slowest_s)}};
   if (!result.from_ground)
     json["slow"]["margin_interval_mm"] = {balance.slow_margin_low_mm, balance.slow_margin_high_mm};
   if (balance.asked) json["asked"] = PaceJson(*balance.asked);
@@ -222,34 +222,23 @@ Json BodyJson(const loads::LegBody& body) {
           {"trunk", segment(body.trunk)}};
 }
 
-// Means of the rises of which they are known.
-Json MomentumJson(const loads::LoadsResult& result, double mass_kg) {
-  const auto mean = [&](double loads::RiseMomentum::*member) {
-    std::vector<double> values;
-    for (const loads::RiseLoads& rise : result.rises)
-      if (std::isfinite(rise.momentum.*member)) values.push_back(rise.momentum.*member);
-    return Mean(values);
-  };
-  const double forward_m_s = mean(&loads::RiseMomentum::forward_max_m_s),
-               upward_m_s = mean(&loads::RiseMomentum::upward_max_m_s);
-  return {{"com_seat_off_mm", kMmPerM * mean(&loads::RiseMomentum::seat_off_m)},
-          {"com_forward_max_mm_s", kMmPerM * forward_m_s},
-          {"com_upward_max_mm_s", kMmPerM * upward_m_s},
-          {"com_forward_max_ns", mass_kg * forward_m_s},
-          {"com_upward_max_ns", mass_kg * upward_m_s},
-          {"com_forward_lead_s", mean(&loads::RiseMomentum::forward_lead_s)}};
+// Means over the rises; of the momentum, over those of which it is known.
+struct MeanRise {
+  loads::Peak peak;  // low and high: the share of the peaks that the mean curve's draws leave open
+  double knee_energy_j = 0;
+  loads::RiseMomentum momentum;
+};
+
+double MeanMomentum(const loads::LoadsResult& result, double loads::RiseMomentum::*member) {
+  std::vector<double> values;
+  for (const loads::RiseLoads& rise : result.rises)
+    if (std::isfinite(rise.momentum.*member)) values.push_back(rise.momentum.*member);
+  return Mean(values);
 }
 
-// Over all rises: their peaks' mean, and the share of it that the mean curve's draws leave open.
-Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& options) {
-  const double mass_kg = options.loads.body.mass_kg;
+MeanRise MeanOf(const loads::LoadsResult& result) {
   std::vector<double> peaks, low, high, angles, energies;
-  Json rises = Json::array();
   for (const loads::RiseLoads& rise : result.rises) {
-    Json one = {{"repetition", rise.repetition},   {"onset_s", rise.onset_s},
-                {"seat_off_s", rise.seat_off_s},   {"standing_s", rise.standing_s},
-                {"peak", PeakJson(rise, mass_kg)}, {"knee_energy_j", rise.knee_energy_j}};
-    rises.push_back(std::move(one));
     if (!std::isfinite(rise.peak.knee_nm)) continue;
     peaks.push_back(rise.peak.knee_nm);
     low.push_back(rise.peak.low_nm);
@@ -257,13 +246,39 @@ Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& option
     angles.push_back(rise.peak.knee_deg);
     energies.push_back(rise.knee_energy_j);
   }
+  MeanRise mean{.peak = {.knee_nm = Mean(peaks), .low_nm = Mean(low), .high_nm = Mean(high), .knee_deg = Mean(angles)},
+                .knee_energy_j = Mean(energies),
+                .momentum = {}};
+  for (double loads::RiseMomentum::*member :
+       {&loads::RiseMomentum::seat_off_m, &loads::RiseMomentum::forward_max_m_s, &loads::RiseMomentum::upward_max_m_s,
+        &loads::RiseMomentum::forward_lead_s})
+    mean.momentum.*member = MeanMomentum(result, member);
+  return mean;
+}
+
+Json MomentumJson(const loads::RiseMomentum& mean, double mass_kg) {
+  return {
+      {"com_seat_off_mm", kMmPerM * mean.seat_off_m},         {"com_forward_max_mm_s", kMmPerM * mean.forward_max_m_s},
+      {"com_upward_max_mm_s", kMmPerM * mean.upward_max_m_s}, {"com_forward_max_ns", mass_kg * mean.forward_max_m_s},
+      {"com_upward_max_ns", mass_kg * mean.upward_max_m_s},   {"com_forward_lead_s", mean.forward_lead_s}};
+}
+
+Json SummaryJson(const loads::LoadsResult& result, const MeanRise& mean, double mass_kg) {
+  Json rises = Json::array();
+  for (const loads::RiseLoads& rise : result.rises)
+    rises.push_back({{"repetition", rise.repetition},
+                     {"onset_s", rise.onset_s},
+                     {"seat_off_s", rise.seat_off_s},
+                     {"standing_s", rise.standing_s},
+                     {"peak", PeakJson(rise, mass_kg)},
+                     {"knee_energy_j", rise.knee_energy_j}});
   Json json;
   json["method"] = Method(result);
-  json["peak_knee_nm"] = Mean(peaks);
-  json["peak_knee_nm_interval"] = {Mean(low), Mean(high)};
-  json["peak_knee_nm_kg"] = Mean(peaks) / mass_kg;
-  json["peak_knee_deg"] = Mean(angles);
-  json["knee_energy_j"] = Mean(energies);
+  json["peak_knee_nm"] = mean.peak.knee_nm;
+  json["peak_knee_nm_interval"] = {mean.peak.low_nm, mean.peak.high_nm};
+  json["peak_knee_nm_kg"] = mean.peak.knee_nm / mass_kg;
+  json["peak_knee_deg"] = mean.peak.knee_deg;
+  json["knee_energy_j"] = mean.knee_energy_j;
   if (result.from_ground) {
     json["trunk_offset_mm"] = nullptr;
   } else {
@@ -274,48 +289,45 @@ Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& option
     json["trunk_from"] = result.has_shoulder ? "shoulder" : "waist";
   }
   json["balance"] = BalanceJson(result);
-  json["momentum"] = MomentumJson(result, mass_kg);
+  json["momentum"] = MomentumJson(mean.momentum, mass_kg);
   json["body"] = BodyJson(result.body);
   json["rises"] = std::move(rises);
   return json;
 }
 
-std::string ReportOf(const Json& summary) {
-  const Json& interval = summary["peak_knee_nm_interval"];
+std::string BalanceReport(const loads::Balance& balance) {
+  const std::string text = fmt::format(
+      "balance: as slowly as may be, the ground's force acts {:.0f} mm {} the foot (at {:.0f} % of the rise)",
+      std::abs(balance.slow.margin_mm), balance.slow.margin_mm < 0 ? "outside" : "inside", balance.slow.at_percent);
+  if (!balance.slowest_s) return text + "\n";
+  return text + fmt::format("; along this path balance takes a rise of at most {} s\n",
+                            SignificantText(*balance.slowest_s, 2));
+}
+
+// Empty where it is not known.
+std::string MomentumReport(const loads::RiseMomentum& mean, double mass_kg) {
+  if (!std::isfinite(mean.forward_max_m_s)) return "";
+  std::string text = "centre of mass: ";
+  if (std::isfinite(mean.seat_off_m))
+    text += fmt::format("{:.0f} mm {} the ankle at seat-off; ", kMmPerM * std::abs(mean.seat_off_m),
+                        mean.seat_off_m < 0 ? "behind" : "before");
+  return text + fmt::format("forward at most {:.2f} m/s ({:.0f} N s), upward {:.2f} m/s ({:.0f} N s)\n",
+                            mean.forward_max_m_s, mass_kg * mean.forward_max_m_s, mean.upward_max_m_s,
+                            mass_kg * mean.upward_max_m_s);
+}
+
+std::string ReportOf(const loads::LoadsResult& result, const MeanRise& mean, double mass_kg) {
   std::string text = fmt::format(
       "peak knee extension moment of one leg: {:.1f} N m (95 %: {:.1f} to {:.1f}), {:.2f} N m/kg, at {:.0f}°; mean of "
       "{} rise{}, {}\n",
-      NumberOrNaN(summary["peak_knee_nm"]), NumberOrNaN(interval[0]), NumberOrNaN(interval[1]),
-      NumberOrNaN(summary["peak_knee_nm_kg"]), NumberOrNaN(summary["peak_knee_deg"]), summary["rises"].size(),
-      summary["rises"].size() == 1 ? "" : "s",
-      summary["method"] == "bottom-up" ? "from the ground's forces" : "without force plates");
-  const Json &balance = summary["balance"], &slow = balance["slow"];
-  const double margin_mm = NumberOrNaN(slow["margin_mm"]);
-  text += fmt::format(
-      "balance: as slowly as may be, the ground's force acts {:.0f} mm {} the foot (at {:.0f} % of the rise)",
-      std::abs(margin_mm), margin_mm < 0 ? "outside" : "inside", NumberOrNaN(slow["at_percent"]));
-  text += balance["slowest_s"].is_null() ? "\n"
-                                         : fmt::format("; along this path balance takes a rise of at most {} s\n",
-                                                       SignificantText(NumberOrNaN(balance["slowest_s"]), 2));
-  const Json& momentum = summary["momentum"];
-  const double seat_off_mm = NumberOrNaN(momentum["com_seat_off_mm"]);
-  if (const double forward_mm_s = NumberOrNaN(momentum["com_forward_max_mm_s"]); std::isfinite(forward_mm_s)) {
-    text += "centre of mass: ";
-    if (std::isfinite(seat_off_mm))
-      text += fmt::format("{:.0f} mm {} the ankle at seat-off; ", std::abs(seat_off_mm),
-                          seat_off_mm < 0 ? "behind" : "before");
-    text +=
-        fmt::format("forward at most {:.2f} m/s ({:.0f} N s), upward {:.2f} m/s ({:.0f} N s)\n", forward_mm_s / kMmPerM,
-                    NumberOrNaN(momentum["com_forward_max_ns"]), NumberOrNaN(momentum["com_upward_max_mm_s"]) / kMmPerM,
-                    NumberOrNaN(momentum["com_upward_max_ns"]));
-  }
-  if (summary["trunk_offset_mm"].is_object()) {
-    const Json& offset = summary["trunk_offset_mm"];
-    text += fmt::format("the trunk's centre of mass: {} mm along and {} mm across the trunk from the table's\n",
-                        WithSign(PlusMinusText(NumberOrNaN(offset["along"]), NumberOrNaN(offset["along_sd"]), 0)),
-                        WithSign(PlusMinusText(NumberOrNaN(offset["across"]), NumberOrNaN(offset["across_sd"]), 0)));
-  }
-  return text;
+      mean.peak.knee_nm, mean.peak.low_nm, mean.peak.high_nm, mean.peak.knee_nm / mass_kg, mean.peak.knee_deg,
+      result.rises.size(), result.rises.size() == 1 ? "" : "s",
+      result.from_ground ? "from the ground's forces" : "without force plates");
+  text += BalanceReport(result.balance) + MomentumReport(mean.momentum, mass_kg);
+  if (result.from_ground) return text;
+  return text + fmt::format("the trunk's centre of mass: {} mm along and {} mm across the trunk from the table's\n",
+                            WithSign(PlusMinusText(result.trunk_offset_mm.x(), result.trunk_offset_sd_mm.x(), 0)),
+                            WithSign(PlusMinusText(result.trunk_offset_mm.y(), result.trunk_offset_sd_mm.y(), 0)));
 }
 
 }  // namespace
@@ -377,9 +389,9 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
   WriteJsonFile(run.Result("loads.json"), ProfileJson(result, options));
   DrawPngAndSvg("loads", run,
                 [&](const fs::path& path) { figure::DrawLoads(path, result, options.trial.filename().string()); });
-  Json summary = SummaryJson(result, options);
-  run.Report(ReportOf(summary));
-  return summary;
+  const MeanRise mean = MeanOf(result);
+  run.Report(ReportOf(result, mean, mass_kg));
+  return SummaryJson(result, mean, mass_kg);
 }
 
 }  // namespace lake::commands

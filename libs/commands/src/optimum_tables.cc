@@ -7,6 +7,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/provenance.h"
 #include "lake/core/uncertain_text.h"
 
@@ -165,14 +166,6 @@ Json LinksJson(const linkage::Links& links) {
   return json;
 }
 
-Json NumberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
-}
-
-Json NumberOrNull(std::optional<double> value) {
-  return value ? NumberOrNull(*value) : Json();
-}
-
 Json ClearancesJson(const problem::SynthesisProblem& problem) {
   const problem::Clearances& clearances = problem.clearances;
   if (!clearances.AreAsked()) return nullptr;
@@ -201,7 +194,7 @@ Json EvaluationJson(const problem::DesignEvaluation& evaluation) {
           {"assembled", evaluation.pose.has_value()},
           {"feasible", evaluation.IsFeasible()},
           {"violation", NumberOrNull(evaluation.violation)},
-          {"stroke_when_standing_mm", evaluation.stands_mm ? Json(*evaluation.stands_mm) : Json()},
+          {"stroke_when_standing_mm", ValueOrNull(evaluation.stands_mm)},
           {"requirements", requirements}};
 }
 

@@ -8,7 +8,7 @@
 
 #include "lake/certificate/certificate.h"
 #include "lake/core/csv.h"
-#include "lake/core/json.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/run.h"
 #include "lake/linkage/design_file.h"
 #include "lake/problem/robustness.h"
@@ -84,8 +84,6 @@ Json CertificateJson(const certificate::Certificate& certificate, const std::vec
 // Where the gap asked for was not reached: what ended the search, and what the bound does without.
 void WarnOfCertificate(const certificate::Certificate& certificate, const std::vector<std::string>& not_in_bound,
                        Run& run);
-Json NumberOrNull(double value);
-Json NumberOrNull(std::optional<double> value);
 
 // "l1_mm" and so on, with a prefix; and the cells below them.
 std::vector<std::string> LinkColumns(std::string_view prefix);

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/paths.h"
 #include "lake/core/threads.h"
 #include "step_table.h"
@@ -210,8 +211,8 @@ Json PlanJson(const StudyPlan& plan) {
          {"after", step.after},
          {"inputs", Texts(step.inputs)},
          {"outputs", Texts(step.outputs)},
-         {"due", step.due ? Json(*step.due) : Json()},
-         {"failed", step.failed ? Json(*step.failed) : Json()},
+         {"due", ValueOrNull(step.due)},
+         {"failed", ValueOrNull(step.failed)},
          {"expected", CostJson({.seconds = step.seconds, .memory_mb = step.cost.memory_mb})},
          {"expected_from", step.was_done ? "its last run" : "the size of its work"},
          {"resources",

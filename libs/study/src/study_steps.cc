@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "knees_picture.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/options_json.h"
 #include "lake/motion/leg_motion.h"
 #include "step_costs.h"
@@ -68,7 +69,7 @@ Json ActuatorJson(const problem::LinearActuator& actuator) {
   Json json = Json::array();
   for (const auto& number : {actuator.closed_mm, actuator.stroke_mm, actuator.max_force_n, actuator.no_load_speed_mm_s,
                              actuator.holding_force_n, actuator.mass_g, actuator.duty_cycle_percent})
-    json.push_back(number ? Json(*number) : Json());
+    json.push_back(ValueOrNull(number));
   for (const problem::LinearActuator::ForceSpeed& point : actuator.force_speed)
     json.push_back({point.force_n, point.speed_mm_s});
   return json;

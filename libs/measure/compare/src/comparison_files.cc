@@ -6,6 +6,7 @@
 #include "lake/compare/pointwise_error.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 
@@ -345,7 +346,7 @@ Json ComparisonJson(const Misalignment& m) {
                          {"relative_rms", IntervalJson(m.intervals->relative_rms)},
                          {"relative_max", IntervalJson(m.intervals->relative_max)},
                          {"knee_rmse_deg", IntervalJson(m.intervals->knee_rmse_deg)}};
-  json["human_angle_strays_deg"] = m.human_angle_strays_deg ? Json(*m.human_angle_strays_deg) : Json();
+  json["human_angle_strays_deg"] = ValueOrNull(m.human_angle_strays_deg);
   json["noise_floor_mm"] = m.noise_floor_mm;
   json["noise_floor_relative"] = m.noise_floor_relative;
   json["spikes"] = kPercentSamples - m.metrics_without_spikes.samples;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "column.h"
+#include "lake/core/json_or_null.h"
 #include "lake/review/frame_store.h"
 #include "page_server.h"
 
@@ -27,8 +28,7 @@ Json MarkerJson(const motion::MarkerRecording& tracks, const motion::MarkerTrack
 Json TrialJson(const ComparedVideo& trial, const video::VideoInfo& info) {
   const motion::LegMotion& motion = trial.motion;
   Json repetition = Json::array(), markers = Json::array();
-  for (const motion::LegSample& sample : motion.samples)
-    repetition.push_back(sample.repetition ? Json(*sample.repetition) : Json());
+  for (const motion::LegSample& sample : motion.samples) repetition.push_back(ValueOrNull(sample.repetition));
   for (const motion::MarkerTrack& track : trial.tracks.markers)
     markers.push_back(MarkerJson(trial.tracks, track, motion.frame));
   return {{"name", trial.name},

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 #include "whole_number.h"
 
 namespace lake::review {
@@ -43,8 +44,8 @@ motion::StsEventKind EventKind(const std::string& name) {
 Json EventJson(const motion::EventCorrection& event) {
   return {{"repetition", event.repetition},
           {"event", motion::ToString(event.kind)},
-          {"frame", event.frame ? Json(*event.frame) : Json()},
-          {"time_s", event.time_s ? Json(*event.time_s) : Json()}};
+          {"frame", ValueOrNull(event.frame)},
+          {"time_s", ValueOrNull(event.time_s)}};
 }
 
 motion::EventCorrection EventFrom(const Json& json) {

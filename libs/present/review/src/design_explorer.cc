@@ -8,6 +8,7 @@
 #include "column.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/numbers.h"
 #include "lake/core/provenance.h"
 #include "lake/linkage/body.h"
@@ -234,7 +235,7 @@ Json DesignExplorer::About() const {
           {"d_min", explored_.problem.d_min_mm},
           {"standing_deg", explored_.problem.standing_deg},
           {"torque_nm", explored_.problem.knee_torque_nm},
-          {"tolerance_mm", explored_.problem.robust_mm ? Json(*explored_.problem.robust_mm) : Json()},
+          {"tolerance_mm", ValueOrNull(explored_.problem.robust_mm)},
           {"limits", explored_.limits},
           {"notes", explored_.notes},
           {"body", {{"thigh", segment(body.thigh)}, {"shank", segment(body.shank)}}}};

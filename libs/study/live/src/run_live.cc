@@ -40,6 +40,33 @@ void DropTornRow(const fs::path& table) {
   if (!text.empty() && text.back() != '\n') WriteTextFile(table, text.substr(0, text.rfind('\n') + 1));
 }
 
+std::string ReportOf(const LiveFigures& figures) {
+  std::string text =
+      fmt::format("{} frames in {:.1f} s recorded; {}\n", figures.frames, figures.recorded_s, figures.ended);
+  if (const auto& place = figures.place)
+    text += fmt::format("after {} rise{} the joint sits {}\n{}\n", place->rises, place->rises == 1 ? "" : "s",
+                        place->where, place->move);
+  else
+    text += "no rise was measured\n";
+  if (figures.difference_px)
+    text += fmt::format("live positions differ from lake track's by {:.3f} px RMS\n", *figures.difference_px);
+  return text;
+}
+
+// Of the session that wrote this live.json.
+LiveFigures RecordedFigures(const Json& live, const LiveDifference& difference) {
+  LiveFigures figures{.frames = live.at("frames").get<std::int64_t>(),
+                      .recorded_s = live.at("recorded_s").get<double>(),
+                      .ended = live.at("ended").get<std::string>(),
+                      .place = {},
+                      .difference_px = difference.all.RmsPx()};
+  if (const Json& place = live.at("place"); !place.is_null())
+    figures.place = LiveFigures::Told{.rises = place.at("rises").get<int>(),
+                                      .where = place.at("where").get<std::string>(),
+                                      .move = place.at("move").get<std::string>()};
+  return figures;
+}
+
 // What a program that was killed or interrupted has left.
 Json FinishFolder(const LiveRunOptions& options, const fs::path& programs, Run& run) {
   const fs::path folder = options.input, recording = folder / kVideo;
@@ -57,9 +84,11 @@ Json FinishFolder(const LiveRunOptions& options, const fs::path& programs, Run& 
   run.ReleaseFolder();
   TrackTrial(programs, folder, ArgumentsIn(folder), say, [] { ThrowIfInterrupted(); });
   Json live = ReadJsonFile(folder / kLive);
-  live["difference"] = DifferenceJson(motion::ReadMarkerCsv(folder / kTracks), folder);
+  const LiveDifference difference = FindDifference(motion::ReadMarkerCsv(folder / kTracks), folder);
+  live["difference"] = DifferenceJson(difference);
   if (live["ended"].is_null()) live["ended"] = "the program was interrupted";
   WriteJsonFile(folder / kLive, live);
+  run.Report(ReportOf(RecordedFigures(live, difference)));
   return live;
 }
 
@@ -122,22 +151,8 @@ Json RunLive(const LiveRunOptions& options, const fs::path& programs, Run& run) 
     FinishInterrupted(session, run.Folder());
     throw;
   }
+  run.Report(ReportOf(session.Figures()));
   return session.LiveJson();
-}
-
-std::string LiveReport(const Json& live) {
-  std::string text = fmt::format("{} frames in {:.1f} s recorded; {}\n", live.at("frames").get<std::int64_t>(),
-                                 live.at("recorded_s").get<double>(), live.at("ended").get<std::string>());
-  const Json& place = live.at("place");
-  if (place.is_null())
-    text += "no rise was measured\n";
-  else
-    text += fmt::format("after {} rise{} the joint sits {}\n{}\n", place.at("rises").get<int>(),
-                        place.at("rises").get<int>() == 1 ? "" : "s", place.at("where").get<std::string>(),
-                        place.at("move").get<std::string>());
-  if (const Json& rms = live.at("difference").at("rms_px"); !rms.is_null())
-    text += fmt::format("live positions differ from lake track's by {:.3f} px RMS\n", rms.get<double>());
-  return text;
 }
 
 }  // namespace lake::live

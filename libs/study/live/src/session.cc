@@ -323,9 +323,9 @@ void Session::FinishTrial() {
   };
   check();
   TrackTrial(programs_, run_.Folder(), arguments, say, check);
-  const Json difference = DifferenceJson(tracker_->Told(), run_.Folder());
+  LiveDifference difference = FindDifference(tracker_->Told(), run_.Folder());
   const std::lock_guard lock(mutex_);
-  difference_ = difference;
+  difference_ = std::move(difference);
   SaveLive();
   using Kind = video::StreamEnd::Kind;
   if (end_->kind == Kind::kDiskFull || end_->kind == Kind::kUnrecorded)

@@ -27,8 +27,22 @@
 #include "lake/tracking/live_tracker.h"
 #include "lake/video/live_stream.h"
 #include "rise_watch.h"
+#include "trial.h"
 
 namespace lake::live {
+
+// What a person wants to read of a session once it is over.
+struct LiveFigures {
+  struct Told {
+    int rises = 0;
+    std::string where, move;
+  };
+  std::int64_t frames = 0;
+  double recorded_s = 0;
+  std::string ended;
+  std::optional<Told> place;
+  std::optional<double> difference_px;  // RMS
+};
 
 // There is one: its members stand by what they are for, not by size.
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding)
@@ -53,6 +67,7 @@ class Session {
 
   review::LiveWork PageWork();
   Json LiveJson() const;
+  LiveFigures Figures() const;
 
  private:
   enum class Phase { kWatching, kTrial, kFinishing, kDone, kFailed };
@@ -134,7 +149,7 @@ class Session {
   Json checks_ = Json::array();
   Phase phase_ = Phase::kWatching;
   std::optional<video::StreamEnd> end_;
-  Json difference_;
+  std::optional<LiveDifference> difference_;
   bool has_ended_ = false;  // no more frames: the analyst ends
 
   std::chrono::steady_clock::time_point flushed_;

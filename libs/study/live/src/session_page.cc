@@ -6,6 +6,7 @@
 
 #include "lake/compare/misalignment.h"
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/statistics.h"
 #include "session.h"
 #include "trial.h"
@@ -27,10 +28,6 @@ double WallClockMs(std::chrono::steady_clock::time_point time) {
   const auto ago = std::chrono::steady_clock::now() - time;
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration<double, std::milli>(now - ago).count();
-}
-
-Json NumberJson(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
 }
 
 Json JointPlaceJson(const JointPlace& place, double tolerance_mm) {
@@ -120,8 +117,8 @@ Json Session::State() const {
           {"progress", progress_},
           {"end", end_ ? Json(end_->why) : Json()},
           {"failed", failure_text_},
-          {"has_trial", !difference_.is_null()},
-          {"difference_px", difference_.is_null() ? Json() : difference_.at("rms_px")}};
+          {"has_trial", difference_.has_value()},
+          {"difference_px", NumberOrNull(difference_ ? difference_->all.RmsPx() : std::nullopt)}};
 }
 
 Json Session::View(std::int64_t after) const {
@@ -151,7 +148,7 @@ Json Session::View(std::int64_t after) const {
   for (std::size_t row = first; row < samples_.size(); ++row) {
     const Sample& sample = samples_[row];
     const auto joint = [&](int axis) { return sample.joint_mm ? Json((*sample.joint_mm)[axis]) : Json(); };
-    samples.push_back({sample.time_s, NumberJson(sample.knee_deg), joint(0), joint(1)});
+    samples.push_back({sample.time_s, NumberOrNull(sample.knee_deg), joint(0), joint(1)});
   }
   const Sample& now = samples_.back();
   return {{"frame", told.frame.back()},
@@ -216,6 +213,20 @@ void Session::SaveLive() {
   WriteJsonFile(run_.Result(kLive), LiveJsonLocked());
 }
 
+LiveFigures Session::Figures() const {
+  const std::lock_guard lock(mutex_);
+  LiveFigures figures{.frames = std::ssize(samples_),
+                      .recorded_s = samples_.empty() ? 0 : samples_.back().time_s,
+                      .ended = end_->why,
+                      .place = {},
+                      .difference_px = difference_->all.RmsPx()};
+  if (const auto place = Place())
+    figures.place = LiveFigures::Told{.rises = place->rises,
+                                      .where = compare::DescribeJoint(place->offset_mm),
+                                      .move = MoveText(*place, options_.tolerance_mm)};
+  return figures;
+}
+
 Json Session::LiveJson() const {
   const std::lock_guard lock(mutex_);
   return LiveJsonLocked();
@@ -239,15 +250,15 @@ Json Session::LiveJsonLocked() const {
   json["latency_ms"] = {{"median", has_frames ? Json(Median(latencies_ms_)) : Json()},
                         {"of_95_percent", has_frames ? Json(Quantile(latencies_ms_, 0.95)) : Json()},
                         {"largest", has_frames ? Json(std::ranges::max(latencies_ms_)) : Json()}};
-  json["begin_s"] = begin_s_ ? Json(*begin_s_) : Json();
-  json["end_s"] = end_s_ ? Json(*end_s_) : Json();
+  json["begin_s"] = ValueOrNull(begin_s_);
+  json["end_s"] = ValueOrNull(end_s_);
   json["ended"] = end_ ? Json(end_->why) : Json();
   json["moves_s"] = moves_s_;
   json["rises"] = rises;
   json["tolerance_mm"] = options_.tolerance_mm;
   json["place"] = PlaceJson();
   json["track_arguments"] = Arguments();
-  json["difference"] = difference_;
+  json["difference"] = difference_ ? DifferenceJson(*difference_) : Json();
   return json;
 }
 

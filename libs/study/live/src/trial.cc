@@ -7,6 +7,7 @@
 #include "lake/core/child_program.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 
 namespace lake::live {
 
@@ -37,19 +38,27 @@ void TrackTrial(const fs::path& programs, const fs::path& folder, const std::vec
                end.last_line);
 }
 
-Json DifferenceJson(const motion::MarkerRecording& told, const fs::path& folder) {
+std::optional<double> Distances::RmsPx() const {
+  if (count == 0) return std::nullopt;
+  return std::sqrt(squares / static_cast<double>(count));
+}
+
+std::optional<double> Distances::LargestPx() const {
+  if (count == 0) return std::nullopt;
+  return largest_px;
+}
+
+LiveDifference FindDifference(const motion::MarkerRecording& told, const fs::path& folder) {
   const motion::MarkerRecording offline = motion::ReadMarkerCsv(folder / "tracks.csv");
   // Where a recording was cut, a picture that others are coded from may be missing before its last ones: what has the
   // same number is then not the same picture. Matroska's times are rounded to a millisecond.
   constexpr double kRounding_s = 0.002;
   std::optional<double> first_apart_s;
-  double squares = 0, largest = 0;
-  std::int64_t count = 0;
-  Json markers = Json::object();
+  LiveDifference difference;
+  difference.markers.reserve(told.markers.size());
   for (const motion::MarkerTrack& live : told.markers) {
     const motion::MarkerTrack* track = offline.Find(live.name);
-    double own_squares = 0, own_largest = 0;
-    std::int64_t own_count = 0;
+    Distances own;
     for (std::size_t row = 0; track && row < offline.Frames(); ++row) {
       const auto found = std::ranges::lower_bound(told.frame, offline.frame[row]);
       if (found == told.frame.end() || *found != offline.frame[row]) continue;
@@ -60,21 +69,26 @@ Json DifferenceJson(const motion::MarkerRecording& told, const fs::path& folder)
       if (then.status != motion::SampleStatus::kDetected ||
           track->samples[row].status != motion::SampleStatus::kDetected)
         continue;
-      const double away = (then.position - track->samples[row].position).norm();
-      own_squares += away * away;
-      own_largest = std::max(own_largest, away);
-      ++own_count;
+      const double away_px = (then.position - track->samples[row].position).norm();
+      own.squares += away_px * away_px;
+      own.largest_px = std::max(own.largest_px, away_px);
+      ++own.count;
     }
-    const bool has_any = own_count > 0;
-    markers[live.name] = {{"frames", own_count},
-                          {"rms_px", has_any ? Json(std::sqrt(own_squares / static_cast<double>(own_count))) : Json()},
-                          {"largest_px", has_any ? Json(own_largest) : Json()}};
-    squares += own_squares;
-    largest = std::max(largest, own_largest);
-    count += own_count;
+    difference.all.squares += own.squares;
+    difference.all.largest_px = std::max(difference.all.largest_px, own.largest_px);
+    difference.all.count += own.count;
+    difference.markers.emplace_back(live.name, own);
   }
-  return {{"rms_px", count > 0 ? Json(std::sqrt(squares / static_cast<double>(count))) : Json()},
-          {"largest_px", count > 0 ? Json(largest) : Json()},
+  return difference;
+}
+
+Json DifferenceJson(const LiveDifference& difference) {
+  Json markers = Json::object();
+  for (const auto& [name, own] : difference.markers)
+    markers[name] = {
+        {"frames", own.count}, {"rms_px", NumberOrNull(own.RmsPx())}, {"largest_px", NumberOrNull(own.LargestPx())}};
+  return {{"rms_px", NumberOrNull(difference.all.RmsPx())},
+          {"largest_px", NumberOrNull(difference.all.LargestPx())},
           {"markers", markers}};
 }
 

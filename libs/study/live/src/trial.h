@@ -1,9 +1,12 @@
 // From a recording to a trial: the ordinary lake-track, and how far the live positions are from its own.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lake/core/json.h"
@@ -27,8 +30,23 @@ void TrackTrial(const std::filesystem::path& programs, const std::filesystem::pa
                 const std::vector<std::string>& arguments, const std::function<void(const std::string& line)>& say,
                 const std::function<void()>& check);
 
-// Live positions less lake-track's, where both were measured: root mean square and largest distance, px, in all and by
-// marker. Null figures where no frame has both.
-Json DifferenceJson(const motion::MarkerRecording& told, const std::filesystem::path& folder);
+// Live positions less lake-track's, px, where both were measured.
+struct Distances {
+  double squares = 0, largest_px = 0;  // a sum
+  std::int64_t count = 0;
+
+  std::optional<double> RmsPx() const;
+  std::optional<double> LargestPx() const;
+};
+
+struct LiveDifference {
+  Distances all;
+  std::vector<std::pair<std::string, Distances>> markers;
+};
+
+LiveDifference FindDifference(const motion::MarkerRecording& told, const std::filesystem::path& folder);
+
+// rms_px and largest_px, null where no frame has both, in all and by marker.
+Json DifferenceJson(const LiveDifference& difference);
 
 }  // namespace lake::live

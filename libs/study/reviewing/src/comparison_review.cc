@@ -8,6 +8,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
+#include "lake/core/json_or_null.h"
 #include "lake/reviewing/tracked_folder.h"
 #include "result_inputs.h"
 
@@ -67,7 +68,7 @@ Json CurvesOf(const fs::path& folder, const Json& summary) {
     Json& values = curves[name] = Json::array();
     for (std::size_t row = 0; row < table.Rows(); ++row) {
       const auto number = table.Number(row, column);
-      values.push_back(number ? Json(*number) : Json());
+      values.push_back(ValueOrNull(number));
     }
   }
   const Json& parts = summary.at("decomposition");

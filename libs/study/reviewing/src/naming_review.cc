@@ -8,6 +8,7 @@
 
 #include "lake/core/child_program.h"
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/shell_word.h"
 #include "lake/reviewing/run_review.h"
 #include "lake/tracking/track_markers.h"
@@ -97,7 +98,7 @@ Json SpotsJson(const fs::path& video, const tracking::CandidateList& list, const
           {"frame", list.frame},
           {"width", info.width},
           {"height", info.height},
-          {"frames", info.frames ? Json(*info.frames) : Json()},
+          {"frames", ValueOrNull(info.frames)},
           {"camera_beside", CameraBeside(video)},
           {"spots", spots},
           {"choices", {{"markers", tracking::kLegMarkers}, {"seeds", Json::object()}, {"options", Json::object()}}}};

@@ -22,8 +22,8 @@ void Describe(CheckRunOptions& o, OptionList& options);
 // The figures of markers, as both lake-check's and lake-track's summary have them.
 Json FiguresJson(const tracking::MarkerFigures& figures);
 
-// Writes check.png and returns the results for the summary; `fit` there is false if anything makes the recording unfit,
-// or if its markers cannot be named and so are not judged.
+// Writes check.png and returns the results for the summary; `fit` there is false, and the run rejected, if anything
+// makes the recording unfit, or if its markers cannot be named and so are not judged.
 Json RunCheck(const CheckRunOptions& options, Run& run);
 
 }  // namespace lake::commands

@@ -76,6 +76,10 @@ class Run {
   void Report(const std::string& lines) { report_ += lines; }
   const std::string& ReportText() const { return report_; }
 
+  // What was judged does not hold: the results are written as ever, but the program exits with 1.
+  void Reject() { is_rejected_ = true; }
+  bool IsRejected() const { return is_rejected_; }
+
   // Records the files that are read, with their content hashes. Missing files are left to their readers to report.
   void AddInput(const std::filesystem::path& path, const std::string& role);
   void AddInputs(const std::vector<InputFile>& inputs);
@@ -99,6 +103,7 @@ class Run {
   Json inputs_ = Json::array();
   std::shared_ptr<FolderLock> lock_;  // held from TakeFolder() or Begin() on
   bool begun_ = false;
+  bool is_rejected_ = false;
   bool made_folder_ = false;
   bool older_version_ = false;  // results of this program without a list that can be read
   std::set<std::string> files_;

@@ -40,11 +40,9 @@ bool IsFolderToFinish(const LiveRunOptions& options);
 
 // Records, tells and serves the page until the stream ends or a person ends it; then lake-track, a program in
 // `programs`, makes a trial of the recording. Writes video.mkv, live_tracks.csv, rises.csv, moves.csv and live.json
-// through `run` and returns what live.json holds. Throws Error where there is no trial in the end, or the disk became
-// full; Interrupted once a signal has arrived: the recording is whole then, and can be finished.
+// through `run` and returns what live.json holds. Reports what a person wants to read of it. Throws Error where there
+// is no trial in the end, or the disk became full; Interrupted once a signal has arrived: the recording is whole then,
+// and can be finished.
 Json RunLive(const LiveRunOptions& options, const std::filesystem::path& programs, Run& run);
-
-// What a person wants to read of it.
-std::string LiveReport(const Json& live);
 
 }  // namespace lake::live
