@@ -72,6 +72,20 @@ problem::SynthesisProblem AtItsPace(problem::SynthesisProblem problem, const syn
   return problem;
 }
 
+void DrawFigures(const synthesis::SynthesisOutcome& outcome, Run& run) {
+  const bool is_duration = outcome.problem.SeeksDuration();
+  std::vector<NamedFigure> figures = {{"convergence", [&](const fs::path& path) {
+                                         figure::DrawConvergence(outcome.result.BestOrFirst(),
+                                                                 is_duration ? "duration (s)" : "range of rotation (°)",
+                                                                 is_duration ? 1 : -1, path);
+                                       }}};
+  if (outcome.IsSolved())
+    figures.push_back({"sensitivity", [&](const fs::path& path) { figure::DrawSensitivity(outcome, path); }});
+  if (!outcome.margins.empty())
+    figures.push_back({"margin", [&](const fs::path& path) { figure::DrawMargins(outcome, path); }});
+  DrawTogether(figures, run);
+}
+
 Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   CheckSynthesis(options);
   problem::SynthesisProblem problem = problem::WithActuator(options.problem);
@@ -84,18 +98,11 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   run.Begin(names);
   const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(problem, options.study);
   Json summary = WriteSynthesis(outcome, run);
-  DrawPngAndSvg("convergence", run, [&](const fs::path& path) {
-    const bool is_duration = problem.SeeksDuration();
-    figure::DrawConvergence(outcome.result.BestOrFirst(), is_duration ? "duration (s)" : "range of rotation (°)",
-                            is_duration ? 1 : -1, path);
-  });
+  DrawFigures(outcome, run);
   if (!outcome.IsSolved()) {
     run.WriteSummary(summary);
     throw SolverError(outcome.infeasible->sentence);
   }
-  DrawPngAndSvg("sensitivity", run, [&](const fs::path& path) { figure::DrawSensitivity(outcome, path); });
-  if (!outcome.margins.empty())
-    DrawPngAndSvg("margin", run, [&](const fs::path& path) { figure::DrawMargins(outcome, path); });
   if (problem.HasLoadProfile()) {
     summary["assistance"] = WriteAssistance(problem::FindAssistance(outcome.BestLinks(), problem), problem, run);
     summary["assistance"]["moments_of_s"] = moments_s;
@@ -279,14 +286,17 @@ redesign::RedesignOptions RedesignOptionsOf(const OptimizeRunOptions& options) {
 }
 
 void DrawFigures(const redesign::RedesignOutcome& outcome, Run& run) {
-  DrawPngAndSvg("convergence", run, [&](const fs::path& path) {
-    figure::DrawConvergence(outcome.result.BestOrFirst().local, "range less penalties (°)", -1, path);
-  });
-  DrawPngAndSvg("knee_paths", run, [&](const fs::path& path) { figure::DrawKneePaths(outcome, path); });
+  std::vector<NamedFigure> figures = {
+      {"convergence",
+       [&](const fs::path& path) {
+         figure::DrawConvergence(outcome.result.BestOrFirst().local, "range less penalties (°)", -1, path);
+       }},
+      {"knee_paths", [&](const fs::path& path) { figure::DrawKneePaths(outcome, path); }}};
   if (outcome.after.prediction && outcome.after.prediction->balance)
-    DrawPngAndSvg("balance", run, [&](const fs::path& path) { figure::DrawBalance(outcome, path); });
+    figures.push_back({"balance", [&](const fs::path& path) { figure::DrawBalance(outcome, path); }});
   if (!outcome.fronts.empty())
-    DrawPngAndSvg("pareto", run, [&](const fs::path& path) { figure::DrawPareto(outcome, path); });
+    figures.push_back({"pareto", [&](const fs::path& path) { figure::DrawPareto(outcome, path); }});
+  DrawTogether(figures, run);
 }
 
 // What a design for one person has and one for many has not.

@@ -13,12 +13,14 @@ namespace {
 constexpr std::array kMargins_mm{0.0, 0.1, 0.2,  0.5,  1.0,  2.0,  3.0,  4.0, 5.0,
                                  6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0};
 
-// A few starts are enough along a curve of problems that differ little: the last optimum is one of them.
+// Along a curve of problems that differ little the last optimum leads to the next: that is one start, the problem's own
+// is another, and two more follow where these do not meet.
 LocalSolve BestOfFew(const problem::SynthesisProblem& problem, const linkage::Links& last,
                      const OptimizeOptions& options) {
   constexpr int kFewStarts = 4;
-  return SolveFromEach(StartsOf(problem, {last, problem.start}, kFewStarts, options.seed),
-                       [&](const linkage::Links& start) { return SolveFrom(problem, start, options); })
+  return SolveFromEach(
+             StartsOf(problem, {last, problem.start}, kFewStarts, options.seed),
+             [&](const linkage::Links& start) { return SolveFrom(problem, start, options); }, Until::kConfirmed)
       .TakeBestOrFirst();
 }
 

@@ -46,11 +46,20 @@ struct MultiStart {
       if (dropped > 0) starts[dropped].KeepOutcome();
   }
 
+  static constexpr double kSame = 1e-3;  // deg, s or percent: ends of one optimum agree to 1e-6
+
+  // Whether a second start has come to the best optimum so far.
+  bool IsConfirmed() const {
+    int ends = 0;
+    for (const Solve& solve : starts)
+      ends += IsSolved() && solve.IsUsable() && std::abs(solve.objective - Best().objective) < kSame;
+    return ends > 1;
+  }
+
   // Whether no further optimum is to be expected. With n usable ends at w different optima, the expected total is w (n
   // - 1) / (n - w - 2); the search is over when that exceeds w by less than one half (Boender & Rinnooy Kan, Math.
   // Program. 37, 1987).
   bool HasAllOptima() const {
-    constexpr double kSame = 1e-3;  // deg or percent: ends of one optimum agree to 1e-6
     std::vector<double> optima;
     for (const Solve& solve : starts) {
       bool is_known = !solve.IsUsable();
@@ -63,7 +72,7 @@ struct MultiStart {
 };
 
 // What ends a search before its last start.
-enum class Until { kLastStart, kAllOptima, kUsable };
+enum class Until { kLastStart, kAllOptima, kConfirmed, kUsable };
 
 // Solves from each of the starts in turn. Throws Interrupted on a signal, and what `solve` throws.
 template <typename SolveFromLinks>
@@ -75,6 +84,7 @@ auto SolveFromEach(const std::vector<linkage::Links>& starts, const SolveFromLin
     search.Add(solve(start));
     if (progress) progress->Advance();
     if (until == Until::kAllOptima && search.HasAllOptima()) break;
+    if (until == Until::kConfirmed && search.IsConfirmed()) break;
     if (until == Until::kUsable && search.IsSolved()) break;
   }
   return search;
