@@ -2,7 +2,6 @@
 // and led by coverage, in tests/fuzz.
 #include <gmock/gmock.h>
 
-#include <chrono>
 #include <random>
 
 #include "lake/core/atomic_file.h"
@@ -63,8 +62,7 @@ TEST_P(DamagedFiles, NeverCrash) {
   EXPECT_FALSE(Refuses(good));
   std::mt19937 random(6);
   int refused = 0;
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-  for (int round = 0; round < 1500 && std::chrono::steady_clock::now() < end; ++round) {
+  for (int round = 0; round < 1500; ++round) {
     std::string bad = good;
     // The head decides most, so half of the changes go there.
     for (int i = 0; i < 3; ++i)

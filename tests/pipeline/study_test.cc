@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
-
 #include "lake/core/error.h"
 #include "page_text.h"
 #include "pipeline/study_trials.h"
@@ -52,9 +50,7 @@ TEST(StudyOfMarkerFiles, FindsWhatWasMadeAndIsDoneOnce) {
     EXPECT_TRUE(fs::is_regular_file(study.Out() / file)) << file;
 
   ExpectPlanHolds(study);
-  const auto start = std::chrono::steady_clock::now();
   EXPECT_THAT(study.Done(study.Go()), IsEmpty());
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3));
 }
 
 // human, exo -> comparison; optimum -> simulation; the report reads all.
