@@ -43,16 +43,14 @@ std::vector<BoardView> operator+(std::vector<BoardView> a, const std::vector<Boa
 TEST(TwoCameras, AreToldFromOne) {
   camera::Camera other = kSmallCamera;
   other.fx *= 1.02, other.fy *= 1.02, other.cx -= 30, other.cy += 30;
-  for (const std::uint64_t seed : {1u, 2u}) {
-    const auto own = Views(kSmallCamera, 'a', 8, seed), others = Views(other, 'b', 6, seed + 10);
-    EXPECT_FALSE(Find(own)) << seed;
-    const auto both = own + others;
-    const auto found = Find(both);
-    ASSERT_TRUE(found) << seed;
-    EXPECT_TRUE(found->is_certain);
-    EXPECT_THAT(found->first, testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
-    EXPECT_THAT(camera::Describe(*found, both), AllOf(HasSubstr("a01.png, a02.png"), HasSubstr("b06.png as views")));
-  }
+  const auto own = Views(kSmallCamera, 'a', 8, 1), others = Views(other, 'b', 6, 11);
+  EXPECT_FALSE(Find(own));
+  const auto both = own + others;
+  const auto found = Find(both);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->is_certain);
+  EXPECT_THAT(found->first, testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+  EXPECT_THAT(camera::Describe(*found, both), AllOf(HasSubstr("a01.png, a02.png"), HasSubstr("b06.png as views")));
 }
 
 class OpenCvSides : public testing::Test {

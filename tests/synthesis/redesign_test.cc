@@ -184,7 +184,7 @@ TEST(Redesign, NoRandomSearchFindsABetterObjective) {
     std::mt19937_64 random(5);
     int feasible = 0, tried = 0;
     double best = -1e9;
-    constexpr int kFeasible = 3400;  // three problems: 10^4 together
+    constexpr int kFeasible = 1000;  // of each problem
     for (; feasible < kFeasible && tried < 100 * kFeasible; ++tried) {
       // Mostly near by, where most are feasible; from the whole of the bounds few are.
       constexpr double kSpreads_mm[] = {0.05, 0.5, 0.05, 3, 0.05, 0.5, 0.05, 100};

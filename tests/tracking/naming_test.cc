@@ -1,6 +1,7 @@
 // Which of the things seen is which marker: tracklets made by a leg's geometry, without pictures.
 #include "lake/tracking/naming.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -177,8 +178,14 @@ TEST_P(NamingOfLegs, PiecesAreJoinedOverHalfASecond) {
   EXPECT_DOUBLE_EQ(ShareNamed(Name(seen, LegOptions()), scene_), 1 - 60.0 / (4 * kFrames));
 }
 
+// Without blanks, which ctest's list of costs cannot hold.
+const auto kSceneName = [](const testing::TestParamInfo<NamingOfLegs::ParamType>& info) {
+  const auto& [facing, start_standing, seed] = info.param;
+  return fmt::format("{}{}{}", facing < 0 ? "left" : "right", start_standing ? "Down" : "Up", seed);
+};
 INSTANTIATE_TEST_SUITE_P(All, NamingOfLegs,
-                         testing::Combine(testing::Values(-1, 1), testing::Bool(), testing::Values(11u, 12u, 13u)));
+                         testing::Combine(testing::Values(-1, 1), testing::Bool(), testing::Values(11u, 12u, 13u)),
+                         kSceneName);
 
 #ifndef __SANITIZE_ADDRESS__  // which maps terabytes
 // So many MB beyond what is mapped now.
