@@ -25,8 +25,10 @@ class TrueRises {
   // The frames in order, from 0 s on.
   void Add(const gait::LegPoints& points_mm, motion::Facing facing) {
     const motion::LegSample sample = gait::MakeLegSample(points_mm, facing, Eigen::Vector2d::UnitY());
-    height_.value.push_back(points_mm.hip->y()), knee_.value.push_back(sample.knee_deg);
-    trunk_.value.push_back(sample.trunk_deg), shank_.value.push_back(sample.shank_deg);
+    height_.value.push_back(points_mm.hip->y());
+    knee_.value.push_back(sample.knee_deg);
+    trunk_.value.push_back(sample.trunk_deg);
+    shank_.value.push_back(sample.shank_deg);
     hip_.value.push_back(sample.trunk_deg - sample.thigh_deg);
   }
 

@@ -64,7 +64,8 @@ camera::Camera OpenCv(const Views& views) {
   std::vector<std::vector<cv::Point2f>> pixels;
   const std::vector<Eigen::Vector2d> corners = camera::BoardCorners(kBoard);
   for (const camera::BoardView& view : views) {
-    points.emplace_back(), pixels.emplace_back();
+    points.emplace_back();
+    pixels.emplace_back();
     for (const Eigen::Vector2d& p : corners) points.back().emplace_back(p.x(), p.y(), 0);
     for (const Eigen::Vector2d& p : view.pixel) pixels.back().emplace_back(p.x(), p.y());
   }

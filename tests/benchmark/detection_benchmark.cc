@@ -71,8 +71,10 @@ Places Ours(const cv::Mat& picture) {
 
 Places SimpleBlobDetector(const cv::Mat& picture) {
   cv::SimpleBlobDetector::Params parameters;
-  parameters.filterByColor = true, parameters.blobColor = 255;
-  parameters.minArea = 5, parameters.maxArea = 5000;
+  parameters.filterByColor = true;
+  parameters.blobColor = 255;
+  parameters.minArea = 5;
+  parameters.maxArea = 5000;
   std::vector<cv::KeyPoint> found;
   cv::SimpleBlobDetector::create(parameters)->detect(picture, found);
   Places places;

@@ -31,8 +31,10 @@ std::vector<group::PersonMeasured> Draw(int count, std::uint64_t seed) {
     std::normal_distribution<double> height(1710, 90), seated(92, 5), peak(18, 2);
     const double height_mm = height(random);
     ClosedFormLeg leg;
-    leg.shank_mm = 0.246 * height_mm, leg.thigh_mm = 0.245 * height_mm;
-    leg.seated_knee_deg = seated(random), leg.peak_shank_deg = peak(random);
+    leg.shank_mm = 0.246 * height_mm;
+    leg.thigh_mm = 0.245 * height_mm;
+    leg.seated_knee_deg = seated(random);
+    leg.peak_shank_deg = peak(random);
     people.push_back({fmt::format("sub-{:03}", i + 1), {MakeCurve(leg)}});
   }
   return people;

@@ -90,7 +90,8 @@ void Smooth(benchmark::State& state, double noise_deg) {
       const gait::SplineGrid::Place place = grid.At(curve.time_s[i]);
       const double angle = gait::ValueAt(place, signal.coefficients) - curve.angle_deg[i],
                    speed = gait::SlopeAt(place, signal.coefficients) - curve.speed_deg_s[i];
-      angle_square += angle * angle, speed_square += speed * speed;
+      angle_square += angle * angle;
+      speed_square += speed * speed;
     }
   }
   const double count = static_cast<double>(next) * kFrames;

@@ -94,7 +94,8 @@ linkage::Links SolveWithNlopt(ClosedForm& form, nlopt::algorithm algorithm, cons
   nlopt::opt solver(algorithm, 6);
   std::vector<double> lower, upper, x;
   for (int i = 0; i < 6; ++i) {
-    lower.push_back(form.problem.bounds[i].lower), upper.push_back(form.problem.bounds[i].upper);
+    lower.push_back(form.problem.bounds[i].lower);
+    upper.push_back(form.problem.bounds[i].upper);
     x.push_back(start.Values()[i]);
   }
   solver.set_lower_bounds(lower);
@@ -137,7 +138,8 @@ void Ipopt(benchmark::State& state) {
   std::vector<double> ranges;
   double iterations = 0;
   for (auto _ : state) {
-    ranges.clear(), iterations = 0;
+    ranges.clear();
+    iterations = 0;
     for (const linkage::Links& start : Starts(problem)) {
       const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, start);
       if (solve.IsUsable()) ranges.push_back(solve.evaluation.range_deg);
@@ -152,7 +154,8 @@ void Nlopt(benchmark::State& state, nlopt::algorithm algorithm, bool penalty) {
   form.requirements = problem::RequirementsOf(form.problem);
   std::vector<double> ranges;
   for (auto _ : state) {
-    ranges.clear(), form.evaluations = 0;
+    ranges.clear();
+    form.evaluations = 0;
     nlopt::srand(1);
     for (const linkage::Links& start : Starts(form.problem)) {
       const problem::DesignEvaluation end = problem::Evaluate(SolveWithNlopt(form, algorithm, start), form.problem);

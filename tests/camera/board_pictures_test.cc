@@ -76,7 +76,10 @@ TEST_F(BoardPicturesTest, OfASequenceEveryPictureIsLookedAt) {
 // A board that moves, is blurred for a while and is out of the picture for a while.
 TEST_F(BoardPicturesTest, OfAVideoSharpSpreadFramesAreChosen) {
   video::VideoWriterOptions writer_options;
-  writer_options.width = 640, writer_options.height = 480, writer_options.grey = true, writer_options.lossless = true;
+  writer_options.width = 640;
+  writer_options.height = 480;
+  writer_options.grey = true;
+  writer_options.lossless = true;
   writer_options.frame_rate_hz = 10;
   video::VideoWriter writer(folder_ / "board.mp4", writer_options);
   constexpr int kFrames = 24;
@@ -103,7 +106,9 @@ TEST_F(BoardPicturesTest, OfAVideoSharpSpreadFramesAreChosen) {
 // Twenty looks over the whole of it: searching every picture thoroughly took minutes.
 TEST_F(BoardPicturesTest, AVideoWithoutTheBoardIsToldOfAfterAFewLooks) {
   video::VideoWriterOptions writer_options;
-  writer_options.width = 640, writer_options.height = 480, writer_options.grey = true;
+  writer_options.width = 640;
+  writer_options.height = 480;
+  writer_options.grey = true;
   writer_options.frame_rate_hz = 60;
   const auto write = [&](const char* name, const cv::Mat1b& early, const cv::Mat1b& late) {
     video::VideoWriter writer(folder_ / name, writer_options);

@@ -167,7 +167,10 @@ inline cv::Rect Reach(const camera::Camera& camera, const Eigen::Isometry3d& pos
   };
   for (int i = 0; i <= kSteps; ++i) {
     const double u = static_cast<double>(i) / kSteps;
-    add(u, 0), add(u, 1), add(0, u), add(1, u);
+    add(u, 0);
+    add(u, 1);
+    add(0, u);
+    add(1, u);
   }
   const cv::Rect box = cv::boundingRect(outline);
   return cv::Rect(box.tl() - cv::Point(kMargin_px, kMargin_px), box.br() + cv::Point(kMargin_px, kMargin_px)) &

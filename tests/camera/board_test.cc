@@ -83,7 +83,8 @@ TEST_P(DetectBoardTest, FindsEveryCornerOfRenderedBoardsWhereItIs) {
     const bool turned = (view->pixel.front() - truth.front()).norm() > (view->pixel.front() - truth.back()).norm();
     for (std::size_t c = 0; c < truth.size(); ++c) {
       const Eigen::Vector2d error = view->pixel[c] - truth[turned ? truth.size() - 1 - c : c];
-      sum += error, errors.push_back(error.norm());
+      sum += error;
+      errors.push_back(error.norm());
     }
     EXPECT_GT(view->edge_width_px, 1);
     EXPECT_LT(view->edge_width_px, 4);  // pixel and blur of 0.6 px: 1.7 px across an edge, more on a slanted one

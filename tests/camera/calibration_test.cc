@@ -135,7 +135,8 @@ TEST(CalibrateCamera, RobustLossWithstandsCornersThatAreFarOff) {
 
 TEST(CalibrateCamera, FixedParametersStayFixed) {
   camera::Camera truth = scene::Lens();
-  truth.fy = truth.fx, truth.distortion[4] = 0;
+  truth.fy = truth.fx;
+  truth.distortion[4] = 0;
   const Recording recording = Record(truth, 12, 0.1, 3);
   camera::CalibrationOptions options;
   options.fix_k3 = options.square_pixels = true;
@@ -199,7 +200,9 @@ TEST(CompareCameras, TakesOutARotationAndKeepsTheRest) {
   b.cx += 3;
   EXPECT_LT(camera::CompareCameras(a, b).largest_px, 1.2);
   EXPECT_LT(camera::CompareCameras(a, b).rms_px, 0.5);
-  b = a, b.fx *= 1.01, b.fy *= 1.01;
+  b = a;
+  b.fx *= 1.01;
+  b.fy *= 1.01;
   const camera::CameraDifference zoomed = camera::CompareCameras(a, b);
   // 1 % of the distance from the centre: 7 px in the corners.
   EXPECT_NEAR(zoomed.largest_px, 0.01 * std::hypot(652, 371), 0.6);
@@ -265,10 +268,12 @@ double RmsOfOpenCv(const std::vector<camera::BoardView>& views, int flags) {
   std::vector<std::vector<cv::Point3f>> board;
   std::vector<std::vector<cv::Point2f>> seen;
   for (const camera::BoardView& view : views) {
-    board.emplace_back(), seen.emplace_back();
+    board.emplace_back();
+    seen.emplace_back();
     for (std::size_t i = 0; i < view.pixel.size(); ++i) {
       const Eigen::Vector2d p = camera::BoardCorners(kBoard)[static_cast<std::size_t>(view.corner[i])];
-      board.back().emplace_back(p.x(), p.y(), 0), seen.back().emplace_back(view.pixel[i].x(), view.pixel[i].y());
+      board.back().emplace_back(p.x(), p.y(), 0);
+      seen.back().emplace_back(view.pixel[i].x(), view.pixel[i].y());
     }
   }
   cv::Mat k = cv::Mat::eye(3, 3, CV_64F), d;

@@ -42,7 +42,10 @@ std::vector<BoardView> operator+(std::vector<BoardView> a, const std::vector<Boa
 
 TEST(TwoCameras, AreToldFromOne) {
   camera::Camera other = kSmallCamera;
-  other.fx *= 1.02, other.fy *= 1.02, other.cx -= 30, other.cy += 30;
+  other.fx *= 1.02;
+  other.fy *= 1.02;
+  other.cx -= 30;
+  other.cy += 30;
   const auto own = Views(kSmallCamera, 'a', 8, 1), others = Views(other, 'b', 6, 11);
   EXPECT_FALSE(Find(own));
   const auto both = own + others;
@@ -57,7 +60,8 @@ class OpenCvSides : public testing::Test {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(folder_)) GTEST_SKIP() << folder_ << " is absent";
-    left_ = Side("left"), right_ = Side("right");
+    left_ = Side("left");
+    right_ = Side("right");
   }
 
   const std::filesystem::path folder_ = SharedData() / "opencv_leftright";

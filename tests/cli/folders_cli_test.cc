@@ -228,7 +228,8 @@ TEST_F(Folders, WithTablesInMetresAreAskedAbout) {
 
 // A file of the user's that has a result's name is found before the work, not when its turn comes.
 TEST_F(Folders, WithAFileInTheWayAreRefusedBeforeTheWork) {
-  fs::create_directories(folder_ / "S"), fs::create_directories(folder_ / "O");
+  fs::create_directories(folder_ / "S");
+  fs::create_directories(folder_ / "O");
   WriteTextFile(folder_ / "S/design.dxf", "mine");
   WriteTextFile(folder_ / "O/margin.png", "mine");
   for (const char* program : {"lake-simulate --links 59.081,68.840,55.964,71.849,118.630,287.310 -o S",

@@ -73,7 +73,8 @@ class FunctionalKnee : public testing::Test {
 // Against the knee itself the joint is where it was put; against the marker it is off by the marker's own place. The
 // budget has the axis instead of the marker's placement, and its interval holds the truth.
 TEST_F(FunctionalKnee, TheJointIsAgainstTheAxisNotTheMarker) {
-  Write("human.csv", ""), Write("exo.csv", "exo_knee");
+  Write("human.csv", "");
+  Write("exo.csv", "exo_knee");
   const Json marker = Compared("--knee marker")["joint"];
   EXPECT_NEAR(marker["offset_mm"][0].get<double>(), kJointOff.x() - kMarkerOff.x(), 1.5);
   const Json compared = Compared("--knee functional " + kSegments), joint = compared["joint"];
@@ -90,7 +91,8 @@ TEST_F(FunctionalKnee, TheJointIsAgainstTheAxisNotTheMarker) {
 
 // The human's knee is its axis too, with its own angle and lengths.
 TEST_F(FunctionalKnee, TheLegBendsAtTheAxis) {
-  Write("human.csv", ""), Write("exo.csv", "exo_knee");
+  Write("human.csv", "");
+  Write("exo.csv", "exo_knee");
   Compared("--knee functional " + kSegments);
   const Json curves = ReadJsonFile(folder_ / "C/comparison.json")["curves"];
   const ClosedFormLeg leg;
@@ -101,7 +103,8 @@ TEST_F(FunctionalKnee, TheLegBendsAtTheAxis) {
 
 // Beside a marker `knee` as well, which then is not the leg's either.
 TEST_F(FunctionalKnee, TheAxisStandsForTheMarkerThatIsCompared) {
-  Write("human.csv", "patella"), Write("exo.csv", "exo_knee");
+  Write("human.csv", "patella");
+  Write("exo.csv", "exo_knee");
   const Json compared = Compared("--human-knee patella --knee functional " + kSegments);
   EXPECT_EQ(compared["knee_from"], "functional");
   const Json curves = ReadJsonFile(folder_ / "C/comparison.json")["curves"];
@@ -112,7 +115,8 @@ TEST_F(FunctionalKnee, TheAxisStandsForTheMarkerThatIsCompared) {
 
 // An exoskeleton trial's `knee` alone is the joint's: the person's axis is not put over it.
 TEST_F(FunctionalKnee, AJointWithoutMarkerOfItsOwnIsTheAxisOfItsParts) {
-  Write("human.csv", ""), Write("exo.csv", "", true, true);
+  Write("human.csv", "");
+  Write("exo.csv", "", true, true);
   const std::string words = "--knee functional " + kSegments;
   const Outcome refused = Shell(folder_, "lake-compare human.csv exo.csv " + words + "-o C");
   EXPECT_EQ(refused.exit_code, 2) << refused.err;
@@ -124,7 +128,8 @@ TEST_F(FunctionalKnee, AJointWithoutMarkerOfItsOwnIsTheAxisOfItsParts) {
 }
 
 TEST_F(FunctionalKnee, AComparisonsHumanKneeStaysWhatItWas) {
-  Write("human.csv", ""), Write("exo.csv", "exo_knee");
+  Write("human.csv", "");
+  Write("exo.csv", "exo_knee");
   const auto again = [&](const std::string& words) {
     const Outcome outcome = Shell(folder_, "lake-compare C exo.csv -o D --quiet --json " + words);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -145,7 +150,8 @@ TEST_F(FunctionalKnee, AComparisonsHumanKneeStaysWhatItWas) {
 }
 
 TEST_F(FunctionalKnee, WhereATrialHasNoSegmentsItsMarkerIsTakenAndThatIsSaid) {
-  Write("human.csv", "", false), Write("exo.csv", "exo_knee");
+  Write("human.csv", "", false);
+  Write("exo.csv", "exo_knee");
   const Outcome outcome = Shell(folder_, "lake-compare human.csv exo.csv --knee functional " + kSegments + " -o C");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("human.csv: it has none of the markers s1, s2, t1, t2: its marker knee is taken"));
@@ -184,7 +190,8 @@ TEST_F(FunctionalKnee, OnARealLegTheShankKeepsItsLength) {
 // Benoit et al. 2006), that of the markers does not; each source has its row; what would narrow it is said; and so are
 // the forces at the cuffs, worn and moved, each with an interval.
 TEST_F(FunctionalKnee, TheReportHasBudgetAndCuffForcesWithIntervals) {
-  Write("human.csv", ""), Write("exo.csv", "exo_knee");
+  Write("human.csv", "");
+  Write("exo.csv", "exo_knee");
   const Json compared = Compared(""), rms = compared["uncertainty"]["joint_rms_mm"];
   const auto half_mm = [&](const char* interval) {
     return rms[interval][1].get<double>() - rms["value"].get<double>();
@@ -254,7 +261,8 @@ TEST_F(FunctionalKnee, TheBandOfTheKneeAngleHoldsASkeletalModels) {
 }
 
 TEST_F(FunctionalKnee, WrongUseIsToldAndTheRedesignTakesWhatTheComparisonHas) {
-  Write("human.csv", ""), Write("exo.csv", "exo_knee");
+  Write("human.csv", "");
+  Write("exo.csv", "exo_knee");
   for (const auto& [words, message] :
        {std::pair{"--knee functional", "--segment shank=A,B"},
         std::pair{"--segment shank=s1,s2", "thigh=MARKER,MARKER"},

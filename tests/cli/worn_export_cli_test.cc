@@ -32,11 +32,16 @@ class WornExport : public testing::Test {
                   compare::ComparisonJson(compare::CompareTrials({{MakeCurve({})}, {}}, {{exo}, {}}, options)));
     loads::BodyPath person;
     loads::LegBody& body = person.body;
-    body.foot = {1.0, 0.06, 0.12}, body.shank = {3.3, 0.18, 0.13}, body.thigh = {7.0, 0.17, 0.13};
-    body.trunk = {23.7, 0.32, 0.25}, body.sole = {0.066, 0.2}, body.ankle_height_m = 0.07;
+    body.foot = {1.0, 0.06, 0.12};
+    body.shank = {3.3, 0.18, 0.13};
+    body.thigh = {7.0, 0.17, 0.13};
+    body.trunk = {23.7, 0.32, 0.25};
+    body.sole = {0.066, 0.2};
+    body.ankle_height_m = 0.07;
     person.trunk.assign(compare::kPercentSamples, {0.3, {0.09, 0.3}});
     WriteJsonFile(folder_ / "loads.json", {{"body_path", loads::BodyPathJson(person)}});
-    design_.links = kPublishedLinks, design_.d_min_mm = 245;
+    design_.links = kPublishedLinks;
+    design_.d_min_mm = 245;
     linkage::WriteDesign(folder_ / "design.yaml", design_);
   }
 

@@ -22,9 +22,13 @@ class TrialFolder : public testing::Test {
     for (int i = 0; i <= 10; ++i) {
       motion::LegSample sample;
       sample.ak = sample.kh = {0, 400};
-      sample.knee_deg = 90 - 8 * i, sample.knee_sigma_deg = 0.1;
-      sample.repetition = 1, sample.percent = 10 * i;
-      leg.frame.push_back(i), leg.time_s.push_back(0.1 * i), leg.samples.push_back(sample);
+      sample.knee_deg = 90 - 8 * i;
+      sample.knee_sigma_deg = 0.1;
+      sample.repetition = 1;
+      sample.percent = 10 * i;
+      leg.frame.push_back(i);
+      leg.time_s.push_back(0.1 * i);
+      leg.samples.push_back(sample);
     }
     motion::WriteKinematicsCsv(folder_ / "human/kinematics.csv", leg);
   }

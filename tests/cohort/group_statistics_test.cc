@@ -73,7 +73,8 @@ GroupData DrawnGroup(const synth::PopulationOptions& population) {
 // The population's own variances say the ICC, its means the offsets: 95 % intervals hold them in 95 % of populations.
 TEST(Group, RecoversThePopulationItWasDrawnFrom) {
   synth::PopulationOptions of;
-  of.people = 20, of.sessions = 2;
+  of.people = 20;
+  of.sessions = 2;
   const auto icc = [](double between_sd, double session_sd) {
     return between_sd * between_sd / (between_sd * between_sd + session_sd * session_sd);
   };
@@ -135,7 +136,8 @@ TEST(Group, SaysWhoStandsOutAndWhy) {
 TEST(Group, MeansCurvesByPersonFirst) {
   GroupData group;
   Curve one, two;
-  one.fill(10), two.fill(20);
+  one.fill(10);
+  two.fill(20);
   for (int i = 0; i < 3; ++i) group.curves.push_back({"sub-1", "human", "knee_deg", one});
   two[7] = NAN;
   group.curves.push_back({"sub-2", "human", "knee_deg", two});

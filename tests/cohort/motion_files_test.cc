@@ -22,12 +22,15 @@ class MotionFiles : public testing::Test {
     leg.unit = markers.unit = motion::LengthUnit::kMm;
     markers.markers = {{"ankle", {}}, {"knee", {}}};
     for (int i = 0; i < 5; ++i) {
-      leg.frame.push_back(i), leg.time_s.push_back(2 + i / 50.0), leg.samples.emplace_back();
+      leg.frame.push_back(i);
+      leg.time_s.push_back(2 + i / 50.0);
+      leg.samples.emplace_back();
       leg.samples.back().knee_deg = i == 3 ? NAN : 90 - i;
       for (motion::MarkerTrack& marker : markers.markers)
         marker.samples.push_back({{1.5 * i, 400}, 0.1, motion::SampleStatus::kDetected});
     }
-    markers.frame = leg.frame, markers.time_s = leg.time_s;
+    markers.frame = leg.frame;
+    markers.time_s = leg.time_s;
     markers.markers[1].samples[2].status = motion::SampleStatus::kMissing;
     motion::WriteKinematicsCsv(folder_ / "human/kinematics.csv", leg);
     motion::WriteEventsCsv(folder_ / "human/events.csv", {{1, motion::StsEventKind::kOnset, 1, 2.02}});

@@ -45,7 +45,8 @@ inline compare::StsCurve MakeCurve(
     const ClosedFormLeg& leg, const std::function<double(double)>& registration = [](double u) { return u; },
     const Eigen::Vector2d& offset_mm = Eigen::Vector2d::Zero()) {
   compare::StsCurve curve;
-  curve.repetition = 1, curve.duration_s = 2;
+  curve.repetition = 1;
+  curve.duration_s = 2;
   for (int i = 0; i < compare::kPercentSamples; ++i) AppendPose(leg, registration(i / 100.0), curve);
   const compare::StsCurve human = curve;
   for (std::size_t i = 0; i < compare::kPercentSamples; ++i) curve.knee[i] += compare::ShankAxes(human, i) * offset_mm;

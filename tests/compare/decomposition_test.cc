@@ -90,7 +90,8 @@ TEST(Decompose, AnotherPathIsShape) {
 TEST(Decompose, PartsSumToTheDifference) {
   const compare::StsCurve human = MakeCurve({});
   ClosedFormLeg other;
-  other.peak_shank_deg = 24, other.shank_mm = 430;
+  other.peak_shank_deg = 24;
+  other.shank_mm = 430;
   const compare::StsCurve exo = MakeCurve(other, IssueWarp);
   const compare::Decomposition d = compare::Decompose(human, exo);
   for (std::size_t i = 0; i < compare::kPercentSamples; ++i)

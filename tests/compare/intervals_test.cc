@@ -65,7 +65,8 @@ compare::Misalignment Measure(const Truth& truth, unsigned seed) {
   const double x = normal(random), y = normal(random);
   for (std::size_t i = 0; i < compare::kPercentSamples; ++i)
     exo.knee[i] += compare::ShankAxes(truth.human, i) * truth.replacement_sd_mm * Eigen::Vector2d(x, y);
-  AddFilteredNoise(human, random), AddFilteredNoise(exo, random);
+  AddFilteredNoise(human, random);
+  AddFilteredNoise(exo, random);
   compare::MisalignmentOptions options;
   options.resamples = 100;
   options.replacement_sd_mm = truth.replacement_sd_mm;
@@ -82,7 +83,8 @@ struct Coverage {
 
   void Add(const compare::Interval& interval, double truth) {
     held += interval.low <= truth && truth <= interval.high;
-    low += interval.low / kDraws, high += interval.high / kDraws;
+    low += interval.low / kDraws;
+    high += interval.high / kDraws;
   }
 };
 
@@ -93,12 +95,14 @@ TEST(Intervals, OfThePartsHoldTheTruthAsOftenAsTheySay) {
     Coverage placement, timing, shape, x, y, placement_mm, timing_mm, shape_mm;
     for (unsigned seed = 0; seed < kDraws; ++seed) {
       const compare::Misalignment m = Measure(truth, seed);
-      placement.Add(m.intervals->placement, parts.placement), timing.Add(m.intervals->timing, parts.timing);
+      placement.Add(m.intervals->placement, parts.placement);
+      timing.Add(m.intervals->timing, parts.timing);
       shape.Add(m.intervals->shape, parts.shape);
       placement_mm.Add(m.intervals->placement_mm, Rms(parts.placement_mm));
       timing_mm.Add(m.intervals->timing_mm, Rms(parts.timing_mm));
       shape_mm.Add(m.intervals->shape_mm, Rms(parts.shape_mm));
-      x.Add(m.intervals->offset_x_mm, parts.offset_mm.x()), y.Add(m.intervals->offset_y_mm, parts.offset_mm.y());
+      x.Add(m.intervals->offset_x_mm, parts.offset_mm.x());
+      y.Add(m.intervals->offset_y_mm, parts.offset_mm.y());
     }
     // 95 % of 60 draws are 57 +- 1.7; the resamples are few and the noise of h(w) is drawn as if it were e's, which
     // costs some percent (51 to 58 are reached, 55 in the mean).
@@ -108,7 +112,8 @@ TEST(Intervals, OfThePartsHoldTheTruthAsOftenAsTheySay) {
           std::pair("shape, mm", shape_mm)}) {
       EXPECT_GE(coverage.held, 0.8 * kDraws)
           << truth.name << ": " << name << ", " << coverage.low << " to " << coverage.high;
-      all_held += coverage.held, all += kDraws;
+      all_held += coverage.held;
+      all += kDraws;
     }
     // Noise is no shape: in the mean the interval lies around what there is without it.
     EXPECT_LE(shape.low, parts.shape) << truth.name;
@@ -280,7 +285,8 @@ TEST(Intervals, OfFewRepetitionsHoldTheTruthAsOftenAsTheySay) {
 // Of two trials that differ by placement, one rise each.
 compare::MisalignmentIntervals IntervalsWith(double event_sd_s, double onset_sd_s, double standing_sd_s) {
   compare::StsCurve human = MakeCurve({}), exo = MakeCurve({}, [](double s) { return s; }, {8, -5});
-  human.onset_sd_s = onset_sd_s, human.standing_sd_s = standing_sd_s;
+  human.onset_sd_s = onset_sd_s;
+  human.standing_sd_s = standing_sd_s;
   compare::MisalignmentOptions options;
   options.replacement_sd_mm = options.progress_sd_percent = options.lean_sd_deg = 0;
   options.event_sd_s = event_sd_s;

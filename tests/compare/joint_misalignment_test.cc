@@ -21,7 +21,8 @@ compare::StsCurve Worn(const Eigen::Vector2d& joint_mm, double sigma_mm = 0.05) 
     curve.leg_knee.push_back(curve.ankle.back() + 400 * up);
     curve.hip.push_back(curve.leg_knee.back() + 410 * Eigen::Vector2d(std::sin(thigh), std::cos(thigh)));
     curve.knee.push_back(curve.leg_knee.back() + joint_mm.x() * forward + joint_mm.y() * up);
-    curve.knee_deg.push_back(95 - 0.9 * i), curve.knee_sigma_mm.push_back(sigma_mm);
+    curve.knee_deg.push_back(95 - 0.9 * i);
+    curve.knee_sigma_mm.push_back(sigma_mm);
   }
   curve.duration_s = 2;
   return curve;
@@ -63,7 +64,8 @@ TEST(JointMisalignment, MovedItsPathIsTheOwnKnees) {
   human.leg_knee.clear();
   for (std::size_t i = 0; i < exo.knee.size(); ++i) {
     const Eigen::Vector2d up = (exo.leg_knee[i] - exo.ankle[i]).normalized();
-    exo.leg_knee[i] += 10 * up, exo.knee[i] += 10 * up;
+    exo.leg_knee[i] += 10 * up;
+    exo.knee[i] += 10 * up;
   }
   compare::MisalignmentOptions options;
   options.resamples = 0;
@@ -78,7 +80,8 @@ TEST(JointMisalignment, MovedItsPathIsTheOwnKnees) {
 
 TEST(JointMisalignment, SpikesAndRepetitionsWithoutAKneeAreLeftOut) {
   compare::StsCurve spiked = Worn({10, 0}), hidden = Worn({90, 0});
-  spiked.knee[50] += Eigen::Vector2d(200, 0), hidden.leg_knee.clear();
+  spiked.knee[50] += Eigen::Vector2d(200, 0);
+  hidden.leg_knee.clear();
   std::vector<bool> spike = kNoSpike;
   spike[50] = true;
   const auto joint = compare::FindJointMisalignment({{spiked, hidden}, {}}, spike);
@@ -105,7 +108,8 @@ TEST(JointMisalignment, IntervalsHoldTheTruth) {
       const auto joint = compare::FindJointMisalignment(trial, kNoSpike, {.resamples = 200});
       ASSERT_TRUE(joint && joint->intervals);
       const auto holds = [](const compare::Interval& i, double truth) { return i.low <= truth && truth <= i.high; };
-      held_x += holds(joint->intervals->mean_x_mm, 12), held_y += holds(joint->intervals->mean_y_mm, -20);
+      held_x += holds(joint->intervals->mean_x_mm, 12);
+      held_y += holds(joint->intervals->mean_y_mm, -20);
     }
     // 95 % of 600, known to 0.9 %; drawing 3 again knows their spread to half of it.
     EXPECT_GE(held_x + held_y, 0.90 * 2 * kDraws) << repetitions;

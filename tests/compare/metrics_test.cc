@@ -137,7 +137,8 @@ TEST(CompareTrials, WarnOfAnotherLegNotOfAJointBesideTheKnee) {
   };
   EXPECT_THAT(warnings(MakeCurve({}, IssueWarp, {18, 60})), testing::Not(testing::HasSubstr("ankle to hip")));
   ClosedFormLeg other;
-  other.shank_mm *= 1.07, other.thigh_mm *= 1.07;
+  other.shank_mm *= 1.07;
+  other.thigh_mm *= 1.07;
   EXPECT_THAT(warnings(MakeCurve(other)), testing::HasSubstr("ankle to hip"));
 }
 

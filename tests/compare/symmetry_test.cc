@@ -27,7 +27,8 @@ gait::LegFitResult Leg(double more_deg, unsigned seed, double between_rises_deg 
   std::normal_distribution<double> normal;
   std::vector<double> own_deg, own_s;
   for (int r = 0; r < kRises; ++r) {
-    own_deg.push_back(between_rises_deg * normal(random)), own_s.push_back(0.03 * normal(random));
+    own_deg.push_back(between_rises_deg * normal(random));
+    own_s.push_back(0.03 * normal(random));
     const double onset_s = 1 + kEvery_s * r;
     const auto add = [&](motion::StsEventKind kind, double at_s) {
       fit.events.push_back({r + 1, kind, static_cast<std::int64_t>(at_s * kHz), at_s, 0.005});
@@ -46,14 +47,22 @@ gait::LegFitResult Leg(double more_deg, unsigned seed, double between_rises_deg 
                  speed = part > 0 && part < 1 ? 6 * part * (1 - part) / kRise_s : 0;
     const double seat_deg = 90 + more_deg + own_deg[rise];
     motion::LegSample sample;
-    sample.ak = {100, 430}, sample.kh = {-420 * (1 - done), 420 * done + 1}, sample.hw = {50, 440};
-    sample.knee_deg = seat_deg * (1 - done), sample.knee_sigma_deg = 0.1;
-    sample.shank_deg = 12 * std::sin(kPi * part), sample.thigh_deg = sample.shank_deg - sample.knee_deg;
+    sample.ak = {100, 430};
+    sample.kh = {-420 * (1 - done), 420 * done + 1};
+    sample.hw = {50, 440};
+    sample.knee_deg = seat_deg * (1 - done);
+    sample.knee_sigma_deg = 0.1;
+    sample.shank_deg = 12 * std::sin(kPi * part);
+    sample.thigh_deg = sample.shank_deg - sample.knee_deg;
     sample.trunk_deg = 30 * std::sin(kPi * part);
     if (part > 0 && part < 1) sample.repetition = r + 1, sample.percent = 100 * part;
-    fit.motion.frame.push_back(i), fit.motion.time_s.push_back(t), fit.motion.samples.push_back(sample);
-    s.hip_height.push_back(430 + 400 * done), s.hip_up_speed.push_back(400 * speed + normal(random));
-    s.knee_deg_s.push_back(-seat_deg * speed), s.trunk_deg_s.push_back(30 * kPi * std::cos(kPi * part) / kRise_s);
+    fit.motion.frame.push_back(i);
+    fit.motion.time_s.push_back(t);
+    fit.motion.samples.push_back(sample);
+    s.hip_height.push_back(430 + 400 * done);
+    s.hip_up_speed.push_back(400 * speed + normal(random));
+    s.knee_deg_s.push_back(-seat_deg * speed);
+    s.trunk_deg_s.push_back(30 * kPi * std::cos(kPi * part) / kRise_s);
     s.shank_deg.push_back(sample.shank_deg);
     s.shank_deg_s.push_back(part > 0 && part < 1 ? 12 * kPi * std::cos(kPi * part) / kRise_s : 0);
     s.hip_deg_s.push_back(s.trunk_deg_s.back() - s.shank_deg_s.back() + s.knee_deg_s.back());
@@ -61,7 +70,8 @@ gait::LegFitResult Leg(double more_deg, unsigned seed, double between_rises_deg 
                      &s.sd.trunk_deg, &s.sd.trunk_deg_s, &s.sd.shank_deg, &s.sd.shank_deg_s, &s.sd.hip_deg})
       sd->push_back(0.1);
   }
-  s.time_s = fit.motion.time_s, s.frame = fit.motion.frame;
+  s.time_s = fit.motion.time_s;
+  s.frame = fit.motion.frame;
   return fit;
 }
 
@@ -104,11 +114,13 @@ TEST(Symmetry, FollowsTheKneeOverTheRise) {
 // freedom is 5.747, and that of the plates' 1 % 2.838.
 TEST(Symmetry, TakesForcesUnderTheFeet) {
   compare::RiseQuantity force;
-  force.name = "force_n", force.relative_sd = 0.01;
+  force.name = "force_n";
+  force.relative_sd = 0.01;
   const double more_n[] = {28, 29, 30, 31, 32};  // their mean's SD is √(2.5 / 5)
   for (int r = 1; r <= 5; ++r) force.left[r].value = 300 + more_n[r - 1], force.right[r].value = 300;
   compare::SymmetryOptions options;
-  options.one_recording = true, options.further = {force};
+  options.one_recording = true;
+  options.further = {force};
   const compare::Symmetry symmetry = compare::CompareSides(Leg(0, 1), Leg(0, 2), options);
   const compare::SideDifference& of = Of(symmetry, "force_n");
   EXPECT_NEAR(of.difference, 30, 1e-9);

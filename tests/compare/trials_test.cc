@@ -29,7 +29,8 @@ motion::MarkerRecording Record(const synth::MarkerMotion& motion, const Recorded
   std::normal_distribution<double> normal(0, r.sigma_mm);
   for (const std::string& name : motion.Names()) recording.markers.push_back({name, {}});
   for (int i = 0; i / r.rate_hz < std::min(r.slower * motion.DurationS(), r.end_s); ++i) {
-    recording.frame.push_back(i), recording.time_s.push_back(i / r.rate_hz);
+    recording.frame.push_back(i);
+    recording.time_s.push_back(i / r.rate_hz);
     const std::vector<Eigen::Vector2d> at = motion.At(i / r.rate_hz / r.slower);
     for (std::size_t m = 0; m < at.size(); ++m) {
       const double x = normal(random), y = normal(random);
@@ -85,14 +86,17 @@ compare::StsCurve TrueCurve(const synth::StsMotion& motion, const char* knee = "
     const double t = onset + curve.duration_s * i / 100;
     curve.ankle.push_back(point("ankle", t)), curve.knee.push_back(point(knee, t)),
         curve.hip.push_back(point("hip", t));
-    curve.knee_deg.push_back(knee_deg(t)), curve.knee_sigma_mm.push_back(0);
+    curve.knee_deg.push_back(knee_deg(t));
+    curve.knee_sigma_mm.push_back(0);
   }
   return curve;
 }
 
 synth::StsMotionOptions Still() {
   synth::StsMotionOptions options;
-  options.variation = 0, options.ankle_sway_mm = 0, options.body_sway_deg = 0;
+  options.variation = 0;
+  options.ankle_sway_mm = 0;
+  options.body_sway_deg = 0;
   options.min_rest_s = 1;
   return options;
 }
@@ -112,8 +116,11 @@ TEST(Trials, FiguresAgreeWithTheTruth) {
   unsigned seed = 1;
   for (const auto& c : cases) {
     synth::StsMotionOptions human_options = Still(), exo_options = Still();
-    human_options.repetitions = c.human_repetitions, exo_options.repetitions = c.exo_repetitions;
-    exo_options.facing = c.exo_facing, exo_options.pace = c.pace, exo_options.seed = 7;
+    human_options.repetitions = c.human_repetitions;
+    exo_options.repetitions = c.exo_repetitions;
+    exo_options.facing = c.exo_facing;
+    exo_options.pace = c.pace;
+    exo_options.seed = 7;
     exo_options.exo_knee_mm = Eigen::Vector2d(9, -6);
     const synth::StsMotion human(human_options), exo(exo_options);
     const auto human_leg = Fit(human, {c.human_hz, 0.1, INFINITY, seed++});
@@ -132,7 +139,8 @@ TEST(Trials, FiguresAgreeWithTheTruth) {
 TEST(Trials, TimeWarpIsFound) {
   for (const double hz : {60.0, 30.0}) {
     synth::StsMotionOptions warped = Still();
-    warped.time_warp = 0.05, warped.seed = 3;
+    warped.time_warp = 0.05;
+    warped.seed = 3;
     const synth::StsMotion human(Still()), exo(warped);
     const compare::Misalignment m = compare::CompareTrials(Register(Fit(human, {60, 0.1, INFINITY, 11})),
                                                            Register(Fit(exo, {hz, 0.1, INFINITY, 12})));

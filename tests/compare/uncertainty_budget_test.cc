@@ -24,7 +24,8 @@ StsCurve Worn(const Vector2d& joint_mm, const Vector2d& knee_error_mm = Vector2d
     curve.leg_knee.push_back(scale * (knee + knee_error_mm.x() * forward + knee_error_mm.y() * up));
     curve.hip.push_back(scale * (knee + 410 * Vector2d(std::sin(thigh), std::cos(thigh))));
     curve.knee.push_back(scale * (knee + joint.x() * forward + joint.y() * up));
-    curve.knee_deg.push_back(95 - 0.9 * i), curve.knee_sigma_mm.push_back(0.05);
+    curve.knee_deg.push_back(95 - 0.9 * i);
+    curve.knee_sigma_mm.push_back(0.05);
   }
   curve.duration_s = 2;
   return curve;

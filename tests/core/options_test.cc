@@ -80,8 +80,13 @@ TEST_F(Options, SayTheirKeyUnitAndDefault) {
 TEST_F(Options, AreSetFromACommandLine) {
   Say("max-speed", {"6.5"}), Say("duration", {"30"}), Say("knots", {"31"}),
       Say("seed-number", {"18446744073709551615"});
-  Say("monotone", {"true"}), Say("drawn", {"false"}), Say("names", {"hip, waist"}), Say("box", {"1,2,3,4"});
-  Say("depth", {"knee=12", "hip=-3"}), Say("shape", {"square"}), Say("table", {"a,b.csv"});
+  Say("monotone", {"true"});
+  Say("drawn", {"false"});
+  Say("names", {"hip, waist"});
+  Say("box", {"1,2,3,4"});
+  Say("depth", {"knee=12", "hip=-3"});
+  Say("shape", {"square"});
+  Say("table", {"a,b.csv"});
   EXPECT_EQ(tool_.speed_mm_s, 6.5);
   EXPECT_EQ(tool_.duration_s, 30);
   EXPECT_EQ(tool_.knots, 31);

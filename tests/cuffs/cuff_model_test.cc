@@ -26,7 +26,8 @@ TEST(CuffModel, AHingeBesideTheKneeMovesACuff) {
 // links from turning, and the thigh's holds fast.
 TEST(CuffModel, WhatACuffTakesOfAMisfit) {
   CuffOptions options;
-  options.thigh = {{200, 1e5}}, options.shank = {{200, 1e5}};
+  options.thigh = {{200, 1e5}};
+  options.shank = {{200, 1e5}};
   const LegState leg{-60, 30, {20, 0}, {20, 0}};
   for (const auto& [stiffness, force_n] : {std::pair(1.0, 28.28 / 2), std::pair(2.0, 28.28)}) {
     const LegLoad load = LoadOnLeg(leg, options, {stiffness, stiffness});
@@ -41,7 +42,8 @@ TEST(CuffModel, WhatACuffTakesOfAMisfit) {
 // One cuff carries no couple: 40 N m over 0.25 m are 160 N at the cuff, and the knee passes them on. Two carry it.
 TEST(CuffModel, OneCuffLoadsTheKneeTwoDoNot) {
   CuffOptions options;
-  options.thigh = {{250, 0}, {100, 0}}, options.shank = {{250, 0}};
+  options.thigh = {{250, 0}, {100, 0}};
+  options.shank = {{250, 0}};
   const LegState leg{.thigh_deg = -40, .shank_deg = 20, .moment_nm = 40};
   const Stiffness stiff{2e5, 2e5};  // so that the links turn by 1e-5 rad, and forces change by 1e-5 of themselves
   const LegLoad one = LoadOnLeg(leg, options, stiff);
@@ -81,8 +83,10 @@ TEST(CuffModel, ForcesBalance) {
   std::uniform_real_distribution<double> some(-1, 1);
   for (int k = 0; k < 50; ++k) {
     CuffOptions options;
-    options.thigh = {{200 + 40 * some(random), 60}, {90, 40}}, options.shank = {{220 + 40 * some(random), 80}};
-    options.thigh_link_kg = 1.2, options.shank_link_kg = 0.8;
+    options.thigh = {{200 + 40 * some(random), 60}, {90, 40}};
+    options.shank = {{220 + 40 * some(random), 80}};
+    options.thigh_link_kg = 1.2;
+    options.shank_link_kg = 0.8;
     const auto draw = [&](double most) { return most * some(random); };
     const LegState leg{draw(40), draw(30), {draw(15), draw(25)}, {draw(15), draw(25)}, draw(30)};
     const LegLoad load = LoadOnLeg(leg, options, {1.5, 0.7});
@@ -117,7 +121,8 @@ TEST(CuffModel, ForcesBalance) {
 // at 1 N/mm and 57 N at 2 N/mm; where the place is known to 5 mm alone, as much less and more.
 TEST(CuffCourse, IsThatOfTheMisfitWithAnInterval) {
   CuffOptions options;
-  options.thigh.assign(1000, {200, 1e5}), options.shank = {{200, 1e5}};
+  options.thigh.assign(1000, {200, 1e5});
+  options.shank = {{200, 1e5}};
   const double per_mm = 2 * std::sin(M_PI / 4);
   for (const double direction : {0.0, 1.1, 2.9, -1.7}) {
     HingePlace place{20 * Vector2d(std::cos(direction), std::sin(direction)), 0};
@@ -146,7 +151,8 @@ TEST(CuffCourse, AnUncertainPlaceMayBeOffInAnyDirection) {
   for (int k = 0; k < 60; ++k) {
     const Vector2d off = k95 * 6 * Vector2d(std::cos(k * M_PI / 60), std::sin(k * M_PI / 60));
     const double stiffest_n = std::sqrt(2.0) * Largest(CourseOf({80, 5}, {off, 0}, options).shank_n).force_n;
-    least_n = std::min(least_n, stiffest_n), most_n = std::max(most_n, stiffest_n);
+    least_n = std::min(least_n, stiffest_n);
+    most_n = std::max(most_n, stiffest_n);
   }
   EXPECT_NEAR(on_knee.high_n, most_n, 0.03 * most_n);
   EXPECT_LT(least_n, 0.8 * most_n) << "the direction matters";

@@ -88,8 +88,13 @@ std::string PlateFile::Parameters() const {
     text += Entry(group, name, -1, {length, static_cast<int>(texts.size())}, data);
   };
   begin("POINT");
-  add("USED", {1}), add("SCALE", {is_integer ? 0.05 : -1}), add("RATE", {100}), add("DATA_START", {4});
-  add_texts("LABELS", 4, {"hip"}), add_texts("UNITS", 2, {"mm"}), add_texts("Y_SCREEN", 2, {"+Z"});
+  add("USED", {1});
+  add("SCALE", {is_integer ? 0.05 : -1});
+  add("RATE", {100});
+  add("DATA_START", {4});
+  add_texts("LABELS", 4, {"hip"});
+  add_texts("UNITS", 2, {"mm"});
+  add_texts("Y_SCREEN", 2, {"+Z"});
   add("LONG_FRAMES", {3});
   begin("ANALOG");
   add("USED", {6}), add("GEN_SCALE", {0.5}), add("SCALE", std::vector<double>(6, 2 * Scale()));
@@ -156,7 +161,8 @@ TEST_F(C3dForces, AreTheForceOnTheFootWhateverTheSignsOfTheFile) {
   for (const double sign : {1.0, -1.0})
     for (const double origin_sign : {1.0, -1.0}) {
       PlateFile file;
-      file.sign = sign, file.origin_sign = origin_sign;
+      file.sign = sign;
+      file.origin_sign = origin_sign;
       ExpectTheForce(file, 0);
     }
   PlateFile newton_metres;

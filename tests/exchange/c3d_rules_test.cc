@@ -232,8 +232,10 @@ TEST(C3dRules, EventsOfTheHeaderCountFromTheFirstFrameStored) {
     std::memcpy(&bytes[2 * (153 + 2 * i) - 2], &time_s, 4);
     bytes.replace(2 * (199 + 2 * i) - 2, 4, label, 4);
   };
-  put_word(150, 12345), put_word(151, 2);
-  put_event(0, 1.25f, "LTO "), put_event(1, 0.25f, "LHS ");  // the second is the group's own
+  put_word(150, 12345);
+  put_word(151, 2);
+  put_event(0, 1.25f, "LTO ");
+  put_event(1, 0.25f, "LHS ");  // the second is the group's own
   exchange::PointRecording read = exchange::ReadC3d(WriteFile(folder / "b.c3d", bytes));
   ASSERT_EQ(read.events.size(), 2u);
   EXPECT_EQ(read.events[0].label, "Foot Strike");

@@ -151,7 +151,9 @@ TEST(Convert, OptionsWithoutAnEffectAreRefused) {
   EXPECT_NO_THROW(converted([](auto& reading) { reading.mm_per_unit = 10; }));
 
   exchange::MotTable angles;
-  angles.time_s = {0, 1}, angles.columns = {"knee"}, angles.rows = {{1}, {2}};
+  angles.time_s = {0, 1};
+  angles.columns = {"knee"};
+  angles.rows = {{1}, {2}};
   exchange::WriteMot(folder / "a.mot", angles);
   exchange::ConvertOptions options;
   options.reading.mm_per_unit = 10;
@@ -206,7 +208,10 @@ TEST(Convert, PixelsAreToldFromLengths) {
 TEST(Convert, TheKneeAngleIsNamedAfterItsLeg) {
   const TemporaryFolder folder;
   motion::LegMotion motion;
-  motion.frame = {0}, motion.time_s = {0}, motion.samples.resize(1), motion.samples[0].knee_deg = 10;
+  motion.frame = {0};
+  motion.time_s = {0};
+  motion.samples.resize(1);
+  motion.samples[0].knee_deg = 10;
   motion::WriteKinematicsCsv(folder / "kinematics.csv", motion);
   const auto column = [&](const exchange::ConvertOptions& options) {
     exchange::ConvertFile(folder.Path(), folder / "a.mot", options);
@@ -224,12 +229,15 @@ TEST(Convert, AnglesGoToMotAndNowhereElse) {
   const TemporaryFolder folder;
   motion::LegMotion motion;
   for (int i = 0; i < 5; ++i) {
-    motion.frame.push_back(i), motion.time_s.push_back(0.1 * i), motion.samples.emplace_back();
+    motion.frame.push_back(i);
+    motion.time_s.push_back(0.1 * i);
+    motion.samples.emplace_back();
     motion.samples.back().knee_deg = 10 + i;
   }
   motion::WriteKinematicsCsv(folder / "kinematics.csv", motion);
   exchange::ConvertOptions options;
-  options.flexion_negative = true, options.leg = motion::Side::kRight;
+  options.flexion_negative = true;
+  options.leg = motion::Side::kRight;
   exchange::ConvertFile(folder.Path(), folder / "a.mot", options);
   EXPECT_EQ(exchange::ReadMot(folder / "a.mot").rows[2][0], -12);
   exchange::ConvertOptions crop;

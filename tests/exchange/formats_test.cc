@@ -143,7 +143,8 @@ TEST_F(Formats, ANameThatStandsTwiceIsNumberedWithAWarningInEveryFormat) {
                                      "0,1,2,3,4,5,6\n33,1,2,3,4,5,6\n")),
          "Kinovea");
   exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 3, 3, 1);
-  points.points[0].name = points.points[1].name = "knee", points.points[2].name = "knee_2";
+  points.points[0].name = points.points[1].name = "knee";
+  points.points[2].name = "knee_2";
   points.points[1].positions[0].x() = 3;
   exchange::WriteC3d(folder_ / "n.c3d", points);
   expect(exchange::ReadC3d(folder_ / "n.c3d"), "C3D");
@@ -295,7 +296,9 @@ TEST_F(Formats, MotReadsBack) {
 TEST_F(Formats, MotOfAMotionHasTheSignThatWasAskedFor) {
   motion::LegMotion motion;
   for (int i = 0; i < 3; ++i) {
-    motion.frame.push_back(i), motion.time_s.push_back(0.1 * i), motion.samples.emplace_back();
+    motion.frame.push_back(i);
+    motion.time_s.push_back(0.1 * i);
+    motion.samples.emplace_back();
     if (i != 1) motion.samples.back().knee_deg = 10 + i;
   }
   const exchange::MotTable left = exchange::MotFromLegMotion(motion, motion::Side::kLeft);

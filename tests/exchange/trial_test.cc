@@ -30,7 +30,8 @@ exchange::PointRecording BendingLeg(double heading_deg, char up) {
   points.up_axis = up;
   points.points = {{"RANK", {}}, {"RKNE", {}}, {"RHIP", {}}, {"RHIP2", {}}};
   for (int i = 0; i < 60; ++i) {
-    points.frame.push_back(i), points.time_s.push_back(i / 60.0);
+    points.frame.push_back(i);
+    points.time_s.push_back(i / 60.0);
     const double bend = 0.02 * i;
     const auto place = [&](double forward, double height, double side) {
       const double a = forward * std::cos(heading_rad) - side * std::sin(heading_rad);
@@ -41,7 +42,8 @@ exchange::PointRecording BendingLeg(double heading_deg, char up) {
     points.points[1].positions.push_back(place(430 * std::sin(bend / 3), 90 + 430 * std::cos(bend / 3), 25));
     const Eigen::Vector3d hip = place(430 * std::sin(bend / 3) - 410 * std::sin(bend),
                                       90 + 430 * std::cos(bend / 3) + 410 * std::cos(bend), 40);
-    points.points[2].positions.push_back(hip), points.points[3].positions.push_back(hip + place(0, 20, 0));
+    points.points[2].positions.push_back(hip);
+    points.points[3].positions.push_back(hip + place(0, 20, 0));
   }
   return points;
 }
@@ -131,7 +133,8 @@ TEST(Trial, OwnTablesKeepSigmasAndFoldersAreUnderstood) {
   const TemporaryFolder folder;
   motion::MarkerRecording markers;
   markers.unit = motion::LengthUnit::kMm;
-  markers.frame = {0, 1}, markers.time_s = {0, 0.02};
+  markers.frame = {0, 1};
+  markers.time_s = {0, 0.02};
   markers.markers = {
       {"k", {{{1, 2}, 0.3, motion::SampleStatus::kDetected}, {{4, 5}, 0.6, motion::SampleStatus::kFilled}}}};
   fs::create_directory(folder / "trial");
@@ -147,7 +150,8 @@ TEST(Trial, MarkersOfOwnTablesAreExchangedReplacedAndHalvedByTheirNames) {
   const TemporaryFolder folder;
   motion::MarkerRecording markers;
   markers.unit = motion::LengthUnit::kMm;
-  markers.frame = {0, 1}, markers.time_s = {0, 0.02};
+  markers.frame = {0, 1};
+  markers.time_s = {0, 0.02};
   const auto seen = motion::SampleStatus::kDetected;
   markers.markers = {{"knee", {{{1, 2}, 0.3, seen}, {{1, 2}, 0.3, seen}}},
                      {"hip", {{{5, 8}, 0.4, seen}, {}}},
@@ -181,7 +185,10 @@ TEST(Trial, OptionsThatSayNothingOfAFileAreNamed) {
     exchange::WritePoints(folder / name, plane);
   std::ofstream(folder / "dltdv.csv") << "pt1_cam1_X,pt1_cam1_Y\n1,2\n3,4\n";
   exchange::TrialOptions all;
-  all.up = 'z', all.mm_per_unit = 1000, all.rate_hz = 60, all.values = motion::MarkerValues::kEstimated;
+  all.up = 'z';
+  all.mm_per_unit = 1000;
+  all.rate_hz = 60;
+  all.values = motion::MarkerValues::kEstimated;
   const auto unused = [&](const char* name) {
     std::vector<std::string> options;
     for (const exchange::UnusedOption& one : exchange::UnusedOptions(folder / name, all)) options.push_back(one.option);
@@ -237,7 +244,8 @@ TEST(Trial, MarkersAndDirectionsThatAreNotThereAreTold) {
 TEST(Trial, FormatsRefuseWhatTheyCannotHold) {
   const TemporaryFolder folder;
   const auto refused = [&](const char* file, exchange::PointRecording points, std::size_t frames = 9) {
-    points.frame.resize(frames), points.time_s.resize(frames);
+    points.frame.resize(frames);
+    points.time_s.resize(frames);
     return MessageOf([&] { exchange::WritePoints(folder / file, points); });
   };
   const exchange::PointRecording space = MakePoints(exchange::PointSpace::kSpace, 9, 2, 1),
@@ -275,12 +283,16 @@ TEST(Trial, ExportsOfEveryFormatReadBack) {
   markers.unit = motion::LengthUnit::kMm;
   markers.markers = {{"knee", {}}};
   for (int i = 0; i < 20; ++i) {
-    markers.frame.push_back(i), markers.time_s.push_back(i / 60.0);
+    markers.frame.push_back(i);
+    markers.time_s.push_back(i / 60.0);
     markers.markers[0].samples.push_back(
         {{100.0 + i, 50.5}, 0.1, i == 7 ? motion::SampleStatus::kMissing : motion::SampleStatus::kDetected});
   }
   motion::LegMotion motion;
-  motion.frame = {0}, motion.time_s = {0}, motion.samples.resize(1), motion.samples[0].knee_deg = 30;
+  motion.frame = {0};
+  motion.time_s = {0};
+  motion.samples.resize(1);
+  motion.samples[0].knee_deg = 30;
   motion::MarkerRecording image = markers;
   image.unit = motion::LengthUnit::kPx;
   const exchange::ExportedTrial trial{exchange::PointsFromMarkers(markers), exchange::PointsFromMarkers(image),
@@ -321,7 +333,8 @@ TEST(Trial, TrackerProjectsHoldPixelsAndAScale) {
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (std::size_t i = 2; i < ball.size(); ++i) {
     const Eigen::Vector3d row(1, points.time_s[i], points.time_s[i] * points.time_s[i]);
-    normal += row * row.transpose(), right += row * ball[i].y();
+    normal += row * row.transpose();
+    right += row * ball[i].y();
   }
   EXPECT_NEAR(2 * normal.inverse().row(2).dot(right) * *points.mm_per_px / 1000, 10.27, 0.1);
 }

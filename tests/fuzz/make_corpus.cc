@@ -74,10 +74,13 @@ void WriteComparison(const fs::path& folder) {
       curves[who + "_" + joint + "_x_mm"] = constant(x);
       curves[who + "_" + joint + "_y_mm"] = constant(y);
     }
-    curves[who + "_knee_deg"] = constant(80), curves[who + "_knee_sigma_mm"] = constant(1);
+    curves[who + "_knee_deg"] = constant(80);
+    curves[who + "_knee_sigma_mm"] = constant(1);
   }
-  curves["exo_leg_knee_x_mm"] = constant(30), curves["exo_leg_knee_y_mm"] = constant(400);
-  curves["shank_mm"] = constant(std::hypot(30, 400)), curves["spike"] = constant(false);
+  curves["exo_leg_knee_x_mm"] = constant(30);
+  curves["exo_leg_knee_y_mm"] = constant(400);
+  curves["shank_mm"] = constant(std::hypot(30, 400));
+  curves["spike"] = constant(false);
   lake::WriteTextFile(SeedPath(folder, "comparison", "constant.json"),
                       lake::Json{{"format", 1},
                                  {"metrics", lake::Json::object()},

@@ -28,7 +28,8 @@ Solid Integrate(const linkage::LimbSegment& limb) {
   for (int i = 0; i < kSlices; ++i) {
     const double from_distal = limb.length_mm * (i + 0.5) / kSlices;
     const double slice = std::numbers::pi * std::pow(limb.RadiusAt(from_distal), 2) * limb.length_mm / kSlices;
-    solid.volume_mm3 += slice, solid.centre_from_proximal_mm += slice * (limb.length_mm - from_distal);
+    solid.volume_mm3 += slice;
+    solid.centre_from_proximal_mm += slice * (limb.length_mm - from_distal);
   }
   solid.centre_from_proximal_mm /= solid.volume_mm3;
   return solid;
@@ -179,7 +180,8 @@ bool Overlap(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d&
 linkage::Pose RandomPlace(std::mt19937_64& random) {
   std::uniform_real_distribution<double> across(-150, 250), along(-200, 600), angle(0, 2.8);
   linkage::Pose pose;
-  pose.mount = {across(random), along(random)}, pose.tip = {across(random), along(random)};
+  pose.mount = {across(random), along(random)};
+  pose.tip = {across(random), along(random)};
   pose.theta_rad = angle(random);
   return pose;
 }
@@ -228,7 +230,8 @@ TEST(SeatClearance, IsTheDistanceToTheSeatsCorner) {
   linkage::Pose pose;  // a bar that passes before the corner and below the surface: 45 degrees, 10 mm off
   const Eigen::Vector2d corner(seat.surface_mm, seat.edge_mm), off = Eigen::Vector2d(-1, -1).normalized();
   const Eigen::Vector2d along = Eigen::Vector2d(1, -1).normalized();
-  pose.mount = corner + 10 * off + 40 * along, pose.tip = corner + 10 * off - 40 * along;
+  pose.mount = corner + 10 * off + 40 * along;
+  pose.tip = corner + 10 * off - 40 * along;
   const auto parts = linkage::WornPartsOf(options);
   const linkage::Separation apart = linkage::SeparationFrom(seat, parts[0], pose);
   EXPECT_NEAR(apart.distance_mm, 10 - 20, 1e-9);

@@ -24,7 +24,9 @@ struct JetPoint {
 JetPoint JetsAt(const linkage::Links& links, const linkage::Pose& pose) {
   JetPoint point;
   for (int i = 0; i < 6; ++i) point.l[i] = Jet(links.Values()[i], i);
-  point.d = Jet(pose.stroke_mm, 6), point.phi = Jet(pose.phi_rad, 7), point.theta = Jet(pose.theta_rad, 8);
+  point.d = Jet(pose.stroke_mm, 6);
+  point.phi = Jet(pose.phi_rad, 7);
+  point.theta = Jet(pose.theta_rad, 8);
   return point;
 }
 
@@ -94,7 +96,8 @@ TEST(Derivatives, AnalyticEqualsCentralDifferences) {
     near(analytic.stroke, (angle(sample->links, d + kStep_mm) - angle(sample->links, d - kStep_mm)) / (2 * kStep_mm));
     for (int j = 0; j < 6; ++j) {
       auto above = sample->links.Values(), below = above;
-      above[j] += kStep_mm, below[j] -= kStep_mm;
+      above[j] += kStep_mm;
+      below[j] -= kStep_mm;
       near(
           analytic.link[j],
           (angle(linkage::Links::FromValues(above), d) - angle(linkage::Links::FromValues(below), d)) / (2 * kStep_mm));
@@ -122,7 +125,9 @@ TEST(Derivatives, JetsOfTheTemplatesEqualCentralDifferences) {
     std::array<double, kVariables> x{};
     const auto l = links.Values();
     std::copy(l.begin(), l.end(), x.begin());
-    x[6] = random.Uniform(150, 400), x[7] = random.Uniform(0.5, 3), x[8] = random.Uniform(-0.5, 2.5);
+    x[6] = random.Uniform(150, 400);
+    x[7] = random.Uniform(0.5, 3);
+    x[8] = random.Uniform(-0.5, 2.5);
     const auto v = linkage::LoopVectorsOf(x.data(), x[7], x[8]);
     if (std::abs(linkage::Dot(v.coupler, v.tip_motion)) < 1000) continue;  // d d / d theta has a pole at 0
     std::array<Jet, kVariables> jets;
@@ -131,7 +136,8 @@ TEST(Derivatives, JetsOfTheTemplatesEqualCentralDifferences) {
     for (int j = 0; j < kVariables; ++j) {
       const double step = j < 7 ? 1e-3 : 1e-5;
       auto above = x, below = x;
-      above[j] += step, below[j] -= step;
+      above[j] += step;
+      below[j] -= step;
       const auto high = evaluate(above.data()), low = evaluate(below.data());
       // Steps are 1e-5 of the variables' scale: truncation 1e-10 times a third derivative of modest size, rounding
       // 1e-10.

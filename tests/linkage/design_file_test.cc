@@ -36,7 +36,9 @@ class DesignFile : public ::testing::Test {
 TEST_F(DesignFile, ReadsBackWhatWasWritten) {
   linkage::Design design;
   design.links = {59.081, 68.840, 55.964, 71.849, 118.630, 287.310 + 1e-13};
-  design.d_min_mm = 242.125, design.d_max_mm = 374.5205, design.range_deg = 148.5715062;
+  design.d_min_mm = 242.125;
+  design.d_max_mm = 374.5205;
+  design.range_deg = 148.5715062;
   design.placement_mm = {1.0 / 3, -12.5};
   design.made_by = "it's lake-optimize 'x': 1";
   linkage::StrokeProgram free;

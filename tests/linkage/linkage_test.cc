@@ -96,7 +96,8 @@ TEST(ClosedForm, AgreesWithNewtonContinuationAlongThePublishedDesign) {
     ASSERT_NEAR(newton.phi_rad, pose.phi_rad, 1e-9) << stroke;
     ASSERT_NEAR(newton.theta_rad, pose.theta_rad, 1e-9) << stroke;
     ExpectLoopsClose(kPublishedLinks, pose);
-    phi = newton.phi_rad, theta = newton.theta_rad;
+    phi = newton.phi_rad;
+    theta = newton.theta_rad;
   }
 }
 

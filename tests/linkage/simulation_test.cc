@@ -228,8 +228,10 @@ TEST_F(Simulate, HoldsTheDesignAgainstAnActuator) {
                 "short,250,100,300,20,100\nweak,240,140,20,20,\n");
   Json profile;
   for (int percent = 0; percent <= 100; ++percent) {
-    profile["percent"].push_back(percent), profile["time_s"].push_back(0.02 * percent);
-    profile["knee_deg"].push_back(90 - 0.6 * percent), profile["knee_nm"].push_back(12);
+    profile["percent"].push_back(percent);
+    profile["time_s"].push_back(0.02 * percent);
+    profile["knee_deg"].push_back(90 - 0.6 * percent);
+    profile["knee_nm"].push_back(12);
   }
   WriteJsonFile(folder_ / "loads.json", profile);
   const auto with = [&](const char* actuator, const std::string& more) {

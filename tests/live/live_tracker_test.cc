@@ -51,13 +51,16 @@ void PrintTo(const CameraMode& camera, std::ostream* out) {
 synth::SceneOptions SceneOf(const CameraMode& camera) {
   synth::SceneOptions scene;
   scene.seed = scene.motion.seed = 38;
-  scene.width_px = camera.width_px, scene.height_px = camera.height_px;
+  scene.width_px = camera.width_px;
+  scene.height_px = camera.height_px;
   scene.marker_radius_px = camera.radius_px;
   scene.frame_rate_hz = camera.rate_hz;
   scene.room = scene.body = false;
   scene.motion.repetitions = camera.rises;
-  scene.motion.rise_s = 1.1, scene.motion.descent_s = 0.9;
-  scene.motion.min_rest_s = 0.6, scene.motion.max_rest_s = 0.7;
+  scene.motion.rise_s = 1.1;
+  scene.motion.descent_s = 0.9;
+  scene.motion.min_rest_s = 0.6;
+  scene.motion.max_rest_s = 0.7;
   scene.motion.ankle_sway_mm = scene.motion.body_sway_deg = 0;  // so that the joint's place is one for all frames
   if (camera.rises == 1) scene.motion.variation = 0;            // ends as it begins: it can be played again at once
   scene.motion.exo_knee_mm = kWornMm;
@@ -91,7 +94,8 @@ class LiveSession {
   void RunUntil(double time_s) {
     constexpr double kPause_s = 1;
     for (video::VideoFrame frame; last_s_ < time_s && reader_->Read(frame);) {
-      frame.index += begin_, frame.time_s += begin_s_;
+      frame.index += begin_;
+      frame.time_s += begin_s_;
       tracker_->Add(frame);
       last_s_ = frame.time_s;
       if (last_s_ < asked_s_ + kPause_s || !tracker_->IsAnyLost()) continue;
@@ -102,7 +106,8 @@ class LiveSession {
 
   // The film from its beginning, as if it had gone on.
   void PlayAgain() {
-    begin_ = Told().frame.back() + 1, begin_s_ = last_s_ + 1 / reader_->Info().frame_rate_hz;
+    begin_ = Told().frame.back() + 1;
+    begin_s_ = last_s_ + 1 / reader_->Info().frame_rate_hz;
     reader_ = video::VideoReader::Open(film_, {});
     RunUntil(std::numeric_limits<double>::infinity());
   }

@@ -57,7 +57,8 @@ struct Camera {
   // As drivers do: what it does not have becomes what it has.
   int Format(v4l2_format& what) const {
     what.fmt.pix = {};
-    what.fmt.pix.width = width, what.fmt.pix.height = height;
+    what.fmt.pix.width = width;
+    what.fmt.pix.height = height;
     what.fmt.pix.pixelformat = V4L2_PIX_FMT_MJPEG;
     what.fmt.pix.field = V4L2_FIELD_NONE;
     what.fmt.pix.sizeimage = kBufferBytes;
@@ -102,7 +103,8 @@ struct Camera {
     if (pwrite(fd, picture.data(), picture.size(), place) != static_cast<ssize_t>(picture.size())) return Fail(EIO);
     constexpr std::int64_t kStart_us = 3'600'000'000, kSecond_us = 1'000'000;  // the computer was started an hour ago
     const std::int64_t time_us = kStart_us + (next - 1) * kSecond_us / rate;
-    what.timestamp.tv_sec = time_us / kSecond_us, what.timestamp.tv_usec = time_us % kSecond_us;
+    what.timestamp.tv_sec = time_us / kSecond_us;
+    what.timestamp.tv_usec = time_us % kSecond_us;
     what.sequence = next++;
     return 0;
   }

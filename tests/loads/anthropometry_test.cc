@@ -152,7 +152,8 @@ TEST(Anthropometry, BodiesThatNobodyHasAreRefused) {
   EXPECT_NO_THROW(body.Check());
   body.height_mm = 1.75;
   EXPECT_THROW(body.Check(), Error);
-  body.height_mm = 1750, body.share = 0;
+  body.height_mm = 1750;
+  body.share = 0;
   EXPECT_THROW(body.Check(), UsageError);
   body.share = 0.5, body.foot_mm = std::array<double, 2>{20, 30};
   EXPECT_THROW(body.Check(), UsageError);

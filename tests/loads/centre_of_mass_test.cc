@@ -80,7 +80,9 @@ TEST(CentreOfMass, PeaksAndSeatOffAreThoseOfAFallingPole) {
     points[kKnee] = EndOf(points[kAnkle], kLower_m, tilt, rate);
     points[kHip] = EndOf(points[kKnee], kUpper_m, tilt, rate);
     points[kTrunkTop] = EndOf(points[kHip], kBack_m, tilt, rate);
-    path.time_s.push_back(t), path.frames.push_back(points), path.known.push_back(1);
+    path.time_s.push_back(t);
+    path.frames.push_back(points);
+    path.known.push_back(1);
   }
   // What is above the ankle, times its distance from it, over the body's mass.
   const double arm_m = (2 * 3.2 * (0.4 - 0.17) + 2 * 7.1 * (0.82 - 0.18) + 47.4 * (0.82 + 0.3)) / 70;

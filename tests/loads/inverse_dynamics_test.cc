@@ -163,8 +163,10 @@ TEST(InverseDynamics, EnergyIsConserved) {
 
 LegPoints AtRest(const Vector2d& ankle, const Vector2d& knee, const Vector2d& hip, const Vector2d& top) {
   LegPoints points;
-  points[kAnkle].position_m = ankle, points[kKnee].position_m = knee;
-  points[kHip].position_m = hip, points[kTrunkTop].position_m = top;
+  points[kAnkle].position_m = ankle;
+  points[kKnee].position_m = knee;
+  points[kHip].position_m = hip;
+  points[kTrunkTop].position_m = top;
   return points;
 }
 

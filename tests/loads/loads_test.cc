@@ -321,7 +321,8 @@ class MedialMarker {
                                              foot = (at("r_calc") + at("r_toe")) / 2;
     Eigen::Vector3d moment = (force('p') - knee).cross(force('v'));
     moment += (shank - knee).cross(0.0465 * 62.6 * g) + (foot - knee).cross(0.0145 * 62.6 * g);
-    time_s_.push_back(std::stod(fields[1])), moment_nm_.push_back(moment.dot(axis));
+    time_s_.push_back(std::stod(fields[1]));
+    moment_nm_.push_back(moment.dot(axis));
     return fmt::format("\t{}\t{}\t{}", medial.x(), medial.y(), medial.z());
   }
 

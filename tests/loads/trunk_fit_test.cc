@@ -83,7 +83,9 @@ TEST(TrunkFit, FindsACentreThatIsElsewhereThanInTheTable) {
   TrunkPrior prior;
   prior.place_seated = prior.place_standing = 0.45;
   // This bend has its zero-moment point where it is expected, so it may count for more than a person's.
-  prior.habit_m = 0.002, prior.spread = 0.08, prior.posture_m = 0.005;
+  prior.habit_m = 0.002;
+  prior.spread = 0.08;
+  prior.posture_m = 0.005;
   const double place_m = 0.45 * 0.25 - 0.06;
   for (const Vector2d& offset_m : {Vector2d(0, 0), Vector2d(-0.08, 0), Vector2d(0.06, 0), Vector2d(0, -0.05)}) {
     const SlowBend bend(offset_m, place_m);
@@ -118,7 +120,8 @@ TEST(TrunkFit, DrawsScatterAsTheFitSays) {
   for (int i = 0; i < kDraws; ++i) {
     const TrunkFit drawn = fit.Draw(random);
     const Vector2d d = Vector2d(drawn.AlongM() - fit.AlongM(), drawn.AcrossM() - fit.AcrossM());
-    sum += d, square += d.cwiseAbs2();
+    sum += d;
+    square += d.cwiseAbs2();
   }
   const Vector2d sd = (square / kDraws).cwiseSqrt();
   // A standard deviation of 2000 draws is known to 1.6 %, a mean to 2.2 % of it.

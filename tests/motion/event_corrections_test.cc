@@ -25,8 +25,14 @@ class EventCorrections : public testing::Test {
     const auto add = [this](int repetition, StsEventKind kind, std::size_t row) {
       found_.push_back({repetition, kind, frame_[row], time_s_[row]});
     };
-    add(1, kOnset, 5), add(1, kSeatOff, 10), add(1, kStanding, 20), add(1, kDescent, 30), add(1, kSeated, 45);
-    add(2, kOnset, 60), add(2, kSeatOff, 66), add(2, kStanding, 80);
+    add(1, kOnset, 5);
+    add(1, kSeatOff, 10);
+    add(1, kStanding, 20);
+    add(1, kDescent, 30);
+    add(1, kSeated, 45);
+    add(2, kOnset, 60);
+    add(2, kSeatOff, 66);
+    add(2, kStanding, 80);
   }
 
   std::vector<EventCorrection> Read(const std::string& text) const {

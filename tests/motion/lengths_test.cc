@@ -27,7 +27,9 @@ TEST(MedianDistance, IsOfTheFramesInWhichBothAreKnown) {
 TEST(MedianLength, IsOfTheFramesInWhichTheVectorIsKnown) {
   motion::LegMotion leg;
   leg.samples.resize(4);
-  leg.samples[0].ak = {3, 4}, leg.samples[1].ak = {0, 6}, leg.samples[3].ak = {0, 100};
+  leg.samples[0].ak = {3, 4};
+  leg.samples[1].ak = {0, 6};
+  leg.samples[3].ak = {0, 100};
   EXPECT_DOUBLE_EQ(motion::MedianLength(leg, &motion::LegSample::ak), 6);
   EXPECT_TRUE(std::isnan(motion::MedianLength(leg, &motion::LegSample::kh)));
 }

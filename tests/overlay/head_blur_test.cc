@@ -79,7 +79,8 @@ TEST(HeadBlur, CoversTheHeadInEveryFrameOfRealRises) {
                   std::string(std::string_view(trunk).substr(std::string_view(trunk).find('=') + 1)));
     exchange::TrialOptions reading;
     reading.names = {{"ankle", "r_ankle"}, {"knee", "r_knee"}, {"hip", "R_HJC"}, {name, marker}, {"c7", "C7"}};
-    reading.up = 'y', reading.forward = "+x";
+    reading.up = 'y';
+    reading.forward = "+x";
     motion::MarkerRecording tracks = exchange::ReadTrial(file, reading).recording;
     tracks.unit = motion::LengthUnit::kPx;
     for (motion::MarkerTrack& m : tracks.markers)

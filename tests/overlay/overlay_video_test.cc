@@ -49,9 +49,13 @@ void SetStatus(motion::MarkerRecording& recording, std::size_t marker, motion::S
 
 motion::LegMotion Motion(const motion::MarkerRecording& recording) {
   motion::LegMotion motion;
-  motion.frame = recording.frame, motion.time_s = recording.time_s;
+  motion.frame = recording.frame;
+  motion.time_s = recording.time_s;
   motion::LegSample sample;
-  sample.knee_deg = 85.4, sample.knee_sigma_deg = 0.2, sample.repetition = 1, sample.percent = 40;
+  sample.knee_deg = 85.4;
+  sample.knee_sigma_deg = 0.2;
+  sample.repetition = 1;
+  sample.percent = 40;
   motion.samples.assign(recording.Frames(), sample);
   return motion;
 }

@@ -83,7 +83,11 @@ TEST(Plates, MassOfATriangleAgainstAGrid) {
     for (double y = -8 + kStep / 2; y < 78; y += kStep) {
       if (!inside({x, y})) continue;
       constexpr double kArea = kStep * kStep;
-      area += kArea, first += kArea * Vector2d(x, y), xx += kArea * y * y, yy += kArea * x * x, xy += kArea * x * y;
+      area += kArea;
+      first += kArea * Vector2d(x, y);
+      xx += kArea * y * y;
+      yy += kArea * x * x;
+      xy += kArea * x * y;
     }
   const parts::PlateMass mass = parts::MassOf(plate);
   const double per_area = 2700 * 4 * 1e-9;

@@ -14,7 +14,8 @@ namespace {
 
 synth::SceneOptions OneRise(std::uint64_t seed) {
   synth::SceneOptions scene = CleanLeg(seed);
-  scene.motion.repetitions = 1, scene.duration_s = 0;
+  scene.motion.repetitions = 1;
+  scene.duration_s = 0;
   scene.frame_rate_hz = 30;
   return scene;
 }
@@ -111,7 +112,8 @@ TEST(RollingShutter, IsUndone) {
   for (const auto& [readout_s, rate_hz, seed] :
        {std::tuple{0.030, 30.0, 12u}, {0.008, 120.0, 13u}}) {  // the ends: few frames read slowly, many read fast
     synth::SceneOptions scene = OneRise(seed);
-    scene.readout_s = readout_s, scene.frame_rate_hz = rate_hz;
+    scene.readout_s = readout_s;
+    scene.frame_rate_hz = rate_hz;
     RenderedTrial trial(scene, {});
     trial.Track("global");
     const Json rolling = trial.Track(

@@ -62,7 +62,8 @@ TEST(Check, SaysThatAGoodRecordingIsFitWithTheFiguresOfTheRendering) {
 
 TEST(Check, NamesWhatMakesARecordingUnfit) {
   synth::SceneOptions dark = Short(3);
-  dark.exposure = 0.12, dark.noise.read_sd = 6;
+  dark.exposure = 0.12;
+  dark.noise.read_sd = 6;
   RenderedTrial trial(dark, {.preset = kQuickEncoder});
   const Json unlit = CheckVideo(trial.folder / "video.mp4", trial.folder / "check");
   EXPECT_FALSE(unlit["fit"].get<bool>());
@@ -126,7 +127,9 @@ TEST(Check, CountsThePicturesBitsAlone) {
 // What nothing was seen of, what leans, and fields instead of frames are judged without a video.
 TEST(Check, JudgesFiguresOneByOne) {
   tracking::RecordingCheck check;
-  check.video.frame_rate_hz = 60, check.frames_seen = 240, check.all_seen_share = 1;
+  check.video.frame_rate_hz = 60;
+  check.frames_seen = 240;
+  check.all_seen_share = 1;
   check.why_not_named = "fewer than four markers";
   const auto verdict = [&](const std::string& name) {
     for (const tracking::CheckItem& item : tracking::JudgeRecording(check, 4))
@@ -145,7 +148,8 @@ TEST(Check, JudgesFiguresOneByOne) {
   EXPECT_EQ(verdict("interlaced"), "absent");
   check.video.interlaced = true;
   EXPECT_THAT(verdict("interlaced"), testing::StartsWith("2 "));
-  check.clutter = 60, check.strongest_clutter = 0.5;
+  check.clutter = 60;
+  check.strongest_clutter = 0.5;
   EXPECT_THAT(verdict("clutter"), testing::AllOf(testing::StartsWith("2 "), testing::HasSubstr("--crop")));
   check.why_not_named.clear();  // lamps do not make a recording unfit in which the markers are named all the same
   EXPECT_THAT(verdict("clutter"), testing::StartsWith("1 "));
@@ -156,7 +160,11 @@ TEST(Check, WhatCannotBeNamedIsNotJudged) {
   const TemporaryFolder folder;
   for (const double speed_px : {0.0, 1.0}) {
     video::VideoWriterOptions options;
-    options.width = 640, options.height = 360, options.frame_rate_hz = 60, options.grey = true, options.crf = 18;
+    options.width = 640;
+    options.height = 360;
+    options.frame_rate_hz = 60;
+    options.grey = true;
+    options.crf = 18;
     video::VideoWriter writer(folder / "lamps.mp4", options);
     for (int i = 0; i < 120; ++i) {
       cv::Mat1b picture(360, 640, uchar{40});
@@ -225,7 +233,8 @@ TEST(Check, CountsRepeatedAndDroppedFrames) {
       repeating.Write(picture, i / 60.0);
       if (i < 40 || i % 10 != 0) dropping.Write(scene.Render(60 + i), i / 60.0);
     }
-    repeating.Finish(), dropping.Finish();
+    repeating.Finish();
+    dropping.Finish();
   }
   const Json repeated = CheckVideo(folder / "repeated.mp4", folder / "a"),
              dropped = CheckVideo(folder / "dropped.mp4", folder / "b");

@@ -29,8 +29,11 @@ class Footage {
   // The frames of this list, one after the other, at 60 Hz.
   void Write(const std::filesystem::path& path, const std::vector<int>& frames, int crf) const {
     video::VideoWriterOptions options;
-    options.width = pictures_.front().cols, options.height = pictures_.front().rows;
-    options.frame_rate_hz = kRateHz, options.crf = crf, options.grey = true;
+    options.width = pictures_.front().cols;
+    options.height = pictures_.front().rows;
+    options.frame_rate_hz = kRateHz;
+    options.crf = crf;
+    options.grey = true;
     video::VideoWriter writer(path, options);
     for (std::size_t i = 0; i < frames.size(); ++i)
       writer.Write(pictures_[static_cast<std::size_t>(frames[i])], static_cast<double>(i) / kRateHz);
@@ -76,8 +79,10 @@ Shown TrackShown(const Footage& footage, const std::vector<int>& frames, int crf
   footage.Write(folder / "video.mp4", frames, crf);
   camera::WriteCameraProfile(folder / "camera.yaml", footage.Scene().Profile());
   commands::TrackRunOptions options;
-  options.video = folder / "video.mp4", options.camera = folder / "camera.yaml";
-  options.overlay = false, options.track.quiet = true;
+  options.video = folder / "video.mp4";
+  options.camera = folder / "camera.yaml";
+  options.overlay = false;
+  options.track.quiet = true;
   Run run({"lake-track", "test", Json::object(), folder / "trial", true});
   Shown shown;
   shown.summary = run.WriteSummary(commands::RunTrack(options, run));
@@ -104,8 +109,11 @@ Shown TrackShown(const Footage& footage, const std::vector<int>& frames, int crf
       if (shown.tracks.markers[m].samples[i].status == motion::SampleStatus::kDetected)
         position.push_back((shown.tracks.markers[m].samples[i].position - at.markers[m].px).norm());
   }
-  shown.knee_deg = RootMeanSquare(knee), shown.raw_deg = RootMeanSquare(raw), shown.z_deviation = RootMeanSquare(z);
-  shown.time_s = RootMeanSquare(time), shown.detected_px = RootMeanSquare(position);
+  shown.knee_deg = RootMeanSquare(knee);
+  shown.raw_deg = RootMeanSquare(raw);
+  shown.z_deviation = RootMeanSquare(z);
+  shown.time_s = RootMeanSquare(time);
+  shown.detected_px = RootMeanSquare(position);
   return shown;
 }
 

@@ -76,7 +76,8 @@ TEST(FrozenMarkers, AreToldOf) {
   trial.unit = motion::LengthUnit::kMm;
   trial.markers = {{"ankle", {}}, {"knee", {}}, {"hip", {}}};
   for (int i = 0; i < 300; ++i) {
-    trial.frame.push_back(i), trial.time_s.push_back(i / 100.0);
+    trial.frame.push_back(i);
+    trial.time_s.push_back(i / 100.0);
     const double u = 0.5 - 0.5 * std::cos(i / 25.0), noise = 0.1 * std::sin(7.3 * i * i);
     trial.markers[0].samples.push_back({{0, 90}, 0, motion::SampleStatus::kDetected});
     trial.markers[1].samples.push_back({{40 * u, 520 + noise}, 0, motion::SampleStatus::kDetected});

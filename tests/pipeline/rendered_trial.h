@@ -131,7 +131,8 @@ inline TrackErrors CompareTracks(const motion::MarkerRecording& tracks, const Re
       }
     }
   }
-  errors.rms_px = RootMean(square_sum, detected), errors.axis_px = errors.rms_px / std::sqrt(2);
+  errors.rms_px = RootMean(square_sum, detected);
+  errors.axis_px = errors.rms_px / std::sqrt(2);
   errors.z_deviation = RootMean(z_sum, detected);
   errors.filled_px = RootMean(filled_sum, errors.filled);
   errors.recall = visible > 0 ? static_cast<double>(detected) / visible : 0;
@@ -163,16 +164,19 @@ inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const
           return frame_truth.markers[static_cast<std::size_t>(synth::IndexOfMarker(trial.scene.Motion(), marker))]
               .visible;
         });
-    true_least = std::min(true_least, truth), true_most = std::max(true_most, truth);
+    true_least = std::min(true_least, truth);
+    true_most = std::max(true_most, truth);
     if (const auto angle = table.Number(row, fitted)) {
       const double z = (*angle - truth) / table.RequiredNumber(row, sigma);
       fitted_sum += std::pow(*angle - truth, 2), z_sum += z * z, within += std::abs(z) <= 2, ++errors.frames;
       if (seen) seen_sum += std::pow(*angle - truth, 2), ++seen_frames;
-      least = std::min(least, *angle), most = std::max(most, *angle);
+      least = std::min(least, *angle);
+      most = std::max(most, *angle);
     }
     if (const auto angle = table.Number(row, raw)) raw_sum += std::pow(*angle - truth, 2), ++errors.raw_frames;
   }
-  errors.fitted_deg = RootMean(fitted_sum, errors.frames), errors.raw_deg = RootMean(raw_sum, errors.raw_frames);
+  errors.fitted_deg = RootMean(fitted_sum, errors.frames);
+  errors.raw_deg = RootMean(raw_sum, errors.raw_frames);
   errors.seen_deg = RootMean(seen_sum, seen_frames);
   errors.peak_deg = std::max(std::abs(least - true_least), std::abs(most - true_most));
   errors.z_deviation = RootMean(z_sum, errors.frames);

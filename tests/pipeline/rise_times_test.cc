@@ -48,7 +48,8 @@ TEST_P(RenderedRise, HasItsPhasesWithinAFrame) {
   synth::SceneOptions scene = CleanLeg(36036);
   scene.frame_rate_hz = GetParam();
   scene.motion.repetitions = 1;
-  scene.motion.min_rest_s = 1, scene.motion.max_rest_s = 1.2;
+  scene.motion.min_rest_s = 1;
+  scene.motion.max_rest_s = 1.2;
   const auto motion = std::make_shared<synth::StsMotion>(scene.motion);
   scene.duration_s = motion->DurationS();
   const TrueRiseTimes truth = TrueTimesOf(*motion);
@@ -86,9 +87,13 @@ TEST(RenderedClocks, AreAlignedWithinTwoMilliseconds) {
   leg->time_s.erase(leg->time_s.begin(), leg->time_s.begin() + kLater);
   for (std::vector<Eigen::Vector2d>& marker : leg->positions) marker.erase(marker.begin(), marker.begin() + kLater);
   scene = CleanLeg(36002);
-  scene.duration_s = 0, scene.frame_rate_hz = 30, scene.start_s = 0.2347, scene.yaw_deg = 8;
+  scene.duration_s = 0;
+  scene.frame_rate_hz = 30;
+  scene.start_s = 0.2347;
+  scene.yaw_deg = 8;
   RenderedTrial second(synth::Scene(scene, synth::MakeTableMotion(*leg)), {.crf = 17, .preset = kQuickEncoder});
-  first.Track(), second.Track();
+  first.Track();
+  second.Track();
   const sync::Alignment found =
       sync::AlignByMotion(sync::ReadMovement(first.folder / "trial"), sync::ReadMovement(second.folder / "trial"));
   // Of times of the second film: its stamps begin at start_s, where the first film's clock has come to later_s.

@@ -31,7 +31,8 @@ class StudyYaml : public testing::Test {
       WriteTextFile(folder_ / name, "");
     fs::create_directory(folder_ / "frames");
     fs::create_directory(folder_ / "boards");
-    WriteTextFile(folder_ / "boards/b2.png", ""), WriteTextFile(folder_ / "boards/b1.png", "");
+    WriteTextFile(folder_ / "boards/b2.png", "");
+    WriteTextFile(folder_ / "boards/b1.png", "");
   }
 
   study::StudyFile Read(const std::string& text) {

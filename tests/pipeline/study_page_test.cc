@@ -285,7 +285,8 @@ TEST(StudyPage, NoNumberStandsWithoutItsUnit) {
       for (const interval of node.data.matchAll(/\d–\u2060?\d/g)) {
         if (!node.parentElement.getClientRects().length) continue;
         const range = document.createRange(), end = interval.index + interval[0].length;
-        range.setStart(node, interval.index), range.setEnd(node, end);
+        range.setStart(node, interval.index);
+        range.setEnd(node, end);
         ++intervals;
         const tall = range.getBoundingClientRect().height / parseFloat(getComputedStyle(node.parentElement).fontSize);
         if (tall > 1.8 || interval[0].length !== 4)  // two lines are 2.4 letters tall or more

@@ -187,7 +187,8 @@ TEST_P(Steps, KeepWhatAUserWritesWhileTheyAreDone) {
   fail_ = [&] { WriteTextFile(Out("join") / "notes.txt", "mine"); };
   Go();
   EXPECT_EQ(ReadTextFile(Out("join") / "notes.txt"), "mine");
-  fail_ = nullptr, suffix_ = "?";
+  fail_ = nullptr;
+  suffix_ = "?";
   Go();
   EXPECT_EQ(ReadTextFile(Out("join") / "notes.txt"), "mine");
   EXPECT_EQ(ReadTextFile(Out("join") / "join.txt"), "alph?beta?");
@@ -259,7 +260,8 @@ TEST_P(Steps, InterruptedGoOnWhereTheyWere) {
   EXPECT_THAT(Done(), ElementsAre("a", "b", "join"));
   EXPECT_FALSE(fs::exists(Out("join") / "join.txt")) << "what does not belong to the copies any more";
   // Even if the copies come back to what they were; the report, of what comes out again, need not be made.
-  suffix_ = "!", fail_ = nullptr;
+  suffix_ = "!";
+  fail_ = nullptr;
   EXPECT_THAT(Go(), ElementsAre("a", "b", "join"));
 }
 

@@ -22,7 +22,8 @@ inline motion::MarkerRecording RecordingOf(const synth::MarkerMotion& motion, un
   recording.unit = motion::LengthUnit::kMm;
   for (const std::string& name : motion.Names()) recording.markers.push_back({name, {}});
   for (int i = 0; i / kRateHz < std::min(motion.DurationS(), end_s); ++i) {
-    recording.frame.push_back(i), recording.time_s.push_back(i / kRateHz);
+    recording.frame.push_back(i);
+    recording.time_s.push_back(i / kRateHz);
     const std::vector<Eigen::Vector2d> at = motion.At(i / kRateHz);
     for (std::size_t m = 0; m < at.size(); ++m) {
       const double x = normal(random), y = normal(random);
@@ -35,14 +36,17 @@ inline motion::MarkerRecording RecordingOf(const synth::MarkerMotion& motion, un
 
 inline synth::StsMotionOptions HumanMotionOptions() {
   synth::StsMotionOptions options;
-  options.seed = 41, options.repetitions = 2, options.min_rest_s = 0.8;
+  options.seed = 41;
+  options.repetitions = 2;
+  options.min_rest_s = 0.8;
   return options;
 }
 
 // The same movement, its joint 18 mm in front of the knee and 32 mm above it.
 inline synth::StsMotionOptions ExoMotionOptions() {
   synth::StsMotionOptions options = HumanMotionOptions();
-  options.pace = 1.25, options.exo_knee_mm = Eigen::Vector2d(18, 32);
+  options.pace = 1.25;
+  options.exo_knee_mm = Eigen::Vector2d(18, 32);
   return options;
 }
 

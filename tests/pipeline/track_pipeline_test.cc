@@ -105,8 +105,10 @@ synth::SceneOptions Plain(std::uint64_t seed) {
 // reason to refuse them. Before, 2 to 7 % of a marker's samples were.
 TEST(StrongBlur, OfSmallMarkersIsMeasuredWithAnHonestSigma) {
   synth::SceneOptions options = CleanLeg(4993);
-  options.frame_rate_hz = 50, options.shutter = 0.8;
-  options.marker_radius_px = 3, options.marker_level = 180;
+  options.frame_rate_hz = 50;
+  options.shutter = 0.8;
+  options.marker_radius_px = 3;
+  options.marker_level = 180;
   options.motion.repetitions = 1;
   RenderedTrial trial(options, {.crf = 30});
   trial.Track();

@@ -27,7 +27,10 @@ const std::string kHostile = "<b>knee</b></script><script>throw 'inside'</script
 // A square path of 100 mm by 60 mm, so that unequal scales would show.
 LineChart PathChart() {
   LineChart chart;
-  chart.title = "Paths", chart.equal_scales = true, chart.x.label = "x (mm)", chart.y.label = "y (mm)";
+  chart.title = "Paths";
+  chart.equal_scales = true;
+  chart.x.label = "x (mm)";
+  chart.y.label = "y (mm)";
   chart.series = {{.name = kHostile,
                    .x = {0, 100, 100, 0},
                    .y = {0, 0, 60, 60},
@@ -38,21 +41,28 @@ LineChart PathChart() {
 
 LineChart CurveChart() {
   LineChart chart;
-  chart.title = "Error", chart.x = {"percent", 0, 100}, chart.y.label = "mm";
+  chart.title = "Error";
+  chart.x = {"percent", 0, 100};
+  chart.y.label = "mm";
   Series curve{.name = "error", .colour = colour::kExoskeleton};
   for (int i = 0; i <= 100; ++i) {
     const double y = 5 + 3 * std::sin(2 * std::numbers::pi * i / 100);
-    curve.x.push_back(i), curve.y.push_back(i == 50 ? kNaN : y);
-    curve.lower.push_back(y - 1), curve.upper.push_back(y + 1);
+    curve.x.push_back(i);
+    curve.y.push_back(i == 50 ? kNaN : y);
+    curve.lower.push_back(y - 1);
+    curve.upper.push_back(y + 1);
   }
   chart.series = {curve, {.name = "spike", .x = {30}, .y = {7}, .mark = Mark::kPoints}};
-  chart.lines = {{40, "seat-off"}}, chart.intervals = {{60, 80, "gap"}};
+  chart.lines = {{40, "seat-off"}};
+  chart.intervals = {{60, 80, "gap"}};
   return chart;
 }
 
 BarChart ShareChart() {
   BarChart chart;
-  chart.title = "Parts", chart.categories = {"placement", "timing", "shape"}, chart.value_axis.label = "%";
+  chart.title = "Parts";
+  chart.categories = {"placement", "timing", "shape"};
+  chart.value_axis.label = "%";
   chart.series = {{.name = "share", .values = {62, 40, -2}, .lower = {55, 33, kNaN}, .upper = {70, 48, kNaN}}};
   return chart;
 }

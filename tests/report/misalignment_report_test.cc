@@ -136,7 +136,8 @@ TEST(MisalignmentReport, LakeCompareWritesItForARealRecording) {
   info.program = "lake-compare", info.command = "lake-compare <a> b", info.out = out / "cmp", info.quiet = true;
   lake::Run run(info);
   commands::CompareRunOptions options;
-  options.human = options.exo = trc, options.exo_knee = "knee";
+  options.human = options.exo = trc;
+  options.exo_knee = "knee";
   options.human_reading.names = NameMap("ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS");
   options.exo_reading.names = NameMap("ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS");
   commands::RunCompare(options, run);

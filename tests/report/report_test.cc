@@ -59,7 +59,8 @@ TEST(Report, CarriesTheLicenceOfItsChartLibrary) {
 TEST(Report, EscapesEveryText) {
   BarChart bars;
   bars.title = bars.alt = bars.value_axis.label = kHostileText;
-  bars.categories = {kHostileText}, bars.series = {{.name = kHostileText, .values = {1}}};
+  bars.categories = {kHostileText};
+  bars.series = {{.name = kHostileText, .values = {1}}};
   LineChart lines = SmallChart();
   lines.title = lines.caption = lines.x.label = lines.series[0].name = kHostileText;
   lines.series[0].labels = {kHostileText, "", ""};
@@ -185,7 +186,8 @@ TEST(Report, UnequalColumnsAreNamed) {
   EXPECT_THAT([&] { PageOf({chart}); }, testing::ThrowsMessage<Error>(HasSubstr("0 values in upper where 3")));
   EXPECT_THROW(PageOf({Table{"t", {{"a"}, {"b"}}, {{"x"}}}}), Error);
   BarChart bars;
-  bars.categories = {"a", "b"}, bars.series = {{.name = "s", .values = {1}}};
+  bars.categories = {"a", "b"};
+  bars.series = {{.name = "s", .values = {1}}};
   EXPECT_THROW(PageOf({bars}), Error);
 }
 

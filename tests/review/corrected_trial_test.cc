@@ -39,8 +39,11 @@ class CorrectedTrial : public testing::Test {
   void Track(const std::string& name, const std::optional<fs::path>& corrections = {},
              const std::optional<fs::path>& events = {}) const {
     commands::TrackRunOptions options;
-    options.video = Recording("video.mp4"), options.camera = Recording("camera.yaml");
-    options.overlay = false, options.track.quiet = true, options.corrections = corrections;
+    options.video = Recording("video.mp4");
+    options.camera = Recording("camera.yaml");
+    options.overlay = false;
+    options.track.quiet = true;
+    options.corrections = corrections;
     options.events = events;
     Json said = {{"out", Folder(name).string()},
                  {"video", options.video.string()},
@@ -52,7 +55,8 @@ class CorrectedTrial : public testing::Test {
       said[option] = file ? file->string() : "";
       if (file) given.emplace_back(option);
     };
-    give("corrections", corrections), give("events", events);
+    give("corrections", corrections);
+    give("events", events);
     lake::Run run({"lake-track", "test", said, Folder(name), true, {}, false, "", given});
     run.WriteSummary(commands::RunTrack(options, run));
   }
@@ -151,7 +155,8 @@ TEST_F(CorrectedTrial, KeepsMovedEventsInWhatIsMadeOfIt) {
   Track("plates", {}, Folder("events.csv"));
   const auto gait = [&](const std::string& from, const std::string& to, const std::optional<fs::path>& events) {
     commands::GaitRunOptions options;
-    options.trial = Folder(from), options.events = events;
+    options.trial = Folder(from);
+    options.events = events;
     lake::Run run({"lake-gait", "test", {}, Folder(to), true});
     run.WriteSummary(commands::RunGait(options, run));
     return motion::ReadEventsCsv(Folder(to) / "events.csv")[1].time_s;

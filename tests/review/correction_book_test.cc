@@ -19,7 +19,8 @@ motion::MarkerRecording Recording() {
   motion::MarkerRecording recording;
   recording.markers = {{"ankle", {}}, {"knee", {}}};
   for (int i = 0; i < 10; ++i) {
-    recording.frame.push_back(10 + i), recording.time_s.push_back(i / 30.0);
+    recording.frame.push_back(10 + i);
+    recording.time_s.push_back(i / 30.0);
     recording.markers[0].samples.push_back({{100.0 + i, 300}, 0.03, SampleStatus::kDetected});
     recording.markers[1].samples.push_back({{110.0 + 2 * i, 200}, 0.05, SampleStatus::kDetected});
   }
@@ -225,7 +226,8 @@ TEST(Problems, AreGapsOutliersUncertainAndStretchedSegments) {
 // Standard deviations are far below 1 px in good recordings.
 TEST(Problems, TellTheLargestUncertainty) {
   motion::MarkerRecording recording = Recording();
-  recording.markers[0].samples[7].sigma = 0.1, recording.markers[0].samples[8].sigma = 0.9;
+  recording.markers[0].samples[7].sigma = 0.1;
+  recording.markers[0].samples[8].sigma = 0.9;
   for (std::size_t row = 0; row < recording.Frames(); ++row)
     if (row != 7 && row != 8) recording.markers[0].samples[row].sigma = 0.02;
   const std::vector<Problem> problems = FindProblems(recording, nullptr, {});

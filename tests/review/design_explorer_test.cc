@@ -96,7 +96,8 @@ TEST(DesignExplorer, TellsWhatWasNotAsked) {
 TEST(DesignExplorer, SaysWhichRequirementFailsAndByHowMuch) {
   const ExploredDesign design = Published();
   linkage::Links links = design.design.links;
-  links.l6 = 199, links.l3 = 58;
+  links.l6 = 199;
+  links.l3 = 58;
   const Json message = DesignExplorer(design).Explore(Question(links));
   const problem::DesignEvaluation evaluation = problem::Evaluate(links, design.problem);
   std::size_t failed = 0;

@@ -36,7 +36,8 @@ class Server : public testing::Test {
     server_.Get("broken", [](const LocalRequest&) -> LocalReply { throw std::length_error("too long"); });
     const std::string address = server_.Address();
     const std::size_t host = address.find("//") + 2, path = address.find('/', host);
-    host_ = address.substr(host, path - host), path_ = address.substr(path);
+    host_ = address.substr(host, path - host);
+    path_ = address.substr(path);
     thread_ = std::thread([this] { server_.Serve([this] { return done_.load(); }); });
   }
   ~Server() override {

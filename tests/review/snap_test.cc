@@ -64,7 +64,8 @@ TEST(Snap, ToAPatchAsItWasInAnotherFrame) {
   const cv::Mat by = (cv::Mat_<double>(2, 3) << 1, 0, moved.x(), 0, 1, moved.y());
   cv::warpAffine(before, now, by, before.size(), cv::INTER_NEAREST, cv::BORDER_REFLECT);
   video::VideoFrame frame;
-  frame.index = 7, frame.luma = now;
+  frame.index = 7;
+  frame.luma = now;
   const auto snap = [&](const Vector2d& place) {
     return SnapToMarker(frame, place, 20, DetectorOfPatch(before, {120, 80}), [] { return cv::Mat(); });
   };

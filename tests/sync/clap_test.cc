@@ -222,7 +222,8 @@ TEST(Sound, ComesInShortBlocks) {
     std::size_t longest = 0, samples = 0;
     const video::Sound sound = video::ReadSound(film, [&](double rate_hz, std::span<const float> block) {
       EXPECT_EQ(rate_hz, 48000);
-      longest = std::max(longest, block.size()), samples += block.size();
+      longest = std::max(longest, block.size());
+      samples += block.size();
     });
     EXPECT_EQ(samples, sound.samples);
     EXPECT_NEAR(static_cast<double>(samples), kLength_s * 48000, 2 * 1024);  // coders fill a packet at both ends
@@ -271,7 +272,8 @@ TEST(FindClaps, FindsThemWithinTheirInterval) {
       const auto found = sync::FindClaps(sound.AsRead(), "film");
       ASSERT_EQ(found.size(), 1U);
       EXPECT_NEAR(found[0].time_s, at_s, 0.001);
-      beyond += std::abs(found[0].time_s - at_s) > 2 * found[0].sd_s, ++claps;
+      beyond += std::abs(found[0].time_s - at_s) > 2 * found[0].sd_s;
+      ++claps;
     }
   EXPECT_LE(beyond, claps / 10);  // 95 % within 2 SD
 }

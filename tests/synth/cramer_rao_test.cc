@@ -19,7 +19,10 @@ TEST(CramerRao, IsThatOfALargeSoftDisc) {
   // For a large disc with a Gaussian edge the information is an integral along the outline: amplitude² / (2 sqrt(pi)
   // sigma) per px of it, cos² of it on each axis; the pixel's box adds 1/12 to sigma².
   synth::SceneOptions options = test::PlainOptions();
-  options.marker_radius_px = 25, options.psf_sigma_px = 1.5, options.width_px = 256, options.height_px = 200;
+  options.marker_radius_px = 25;
+  options.psf_sigma_px = 1.5;
+  options.width_px = 256;
+  options.height_px = 200;
   options.noise = {3, 0};
   const synth::Scene scene(options, test::OneMarker({0, 0}));
   const double amplitude = options.marker_level - options.background_level, sigma = std::sqrt(1.5 * 1.5 + 1.0 / 12);
@@ -68,7 +71,8 @@ TEST(CramerRao, SaturationCosts) {
   options.marker_level = 1000;
   const synth::Scene above(options, test::OneMarker({0, 0}));
   options.exposure = 0.25;  // the same light on a sensor that holds it
-  options.background_level = 160, options.marker_level = 1000;
+  options.background_level = 160;
+  options.marker_level = 1000;
   const Vector2d clipped = CramerRaoBound(above, 0, "ball");
   // Unclipped the bound would fall with the amplitude: 210 / 960.
   EXPECT_GT(clipped.x(), 1.5 * CramerRaoBound(below, 0, "ball").x() * 210 / 960);

@@ -90,7 +90,8 @@ TEST(Reflections, KeepClearOfTheMarkersAndAreBright) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     synth::SceneOptions options = synth::HardScene(seed);
     options.occlusions.clear();
-    options.glint = false, options.flicker = 0;
+    options.glint = false;
+    options.flicker = 0;
     const synth::Scene with(options);
     options.reflections = 0;
     const synth::Scene without(options);

@@ -53,7 +53,8 @@ TEST(DiscBetweenPixels, HasItsCentroidExactlyAtTheTruth) {
   // At a corner of four pixels all is symmetric; float pixels are left.
   for (const double psf : {0.0, 0.7, 1.6}) {
     synth::SceneOptions options = PlainOptions();
-    options.background_level = 0, options.psf_sigma_px = psf;
+    options.background_level = 0;
+    options.psf_sigma_px = psf;
     options.camera = synth::Scene(options, OneMarker({0, 0})).Profile();
     const synth::Scene scene(options, OneMarker({0, 20}));
     const Vector2d truth = scene.Truth(0).markers[0].px;
@@ -134,7 +135,8 @@ TEST(MotionBlur, CentreIsTheMeanOfThePathOverTheShutter) {
     options.shutter = shutter;
     options.frame_rate_hz = 60;
     options.duration_s = 0.2;
-    options.width_px = 640, options.height_px = 480;
+    options.width_px = 640;
+    options.height_px = 480;
     options.camera = synth::Scene(options, OneMarker({0, 0})).Profile();
     const Vector2d start(-150, 100), velocity(1200, -700), acceleration(9000, -15000);
     const synth::Scene scene(options, OneMarker(start, velocity, acceleration));
@@ -236,7 +238,8 @@ TEST(Scene, SaturatedMarkersAreFlatWhite) {
 TEST(Scene, FlickerAndExposureAreFactors) {
   synth::SceneOptions options = PlainOptions();
   options.duration_s = 4;
-  options.flicker = 0.03, options.exposure = 1.5;
+  options.flicker = 0.03;
+  options.exposure = 1.5;
   const synth::Scene scene(options, OneMarker({0, 0}));
   std::vector<double> factors;
   for (int frame = 0; frame < scene.Frames(); ++frame)

@@ -64,9 +64,11 @@ TEST_F(MotionFileTest, IsSeenInSpaceAndItsTruthIsWhatThePlaneShows) {
   motion_.extra_markers = {"BACK"};
   motion_.begin_s = 0.4;
   synth::SceneOptions options = synth::CleanScene(1);
-  options.duration_s = 1.2, options.room = options.body = false;  // before FRONT is missing
+  options.duration_s = 1.2;
+  options.room = options.body = false;  // before FRONT is missing
   options.frame_rate_hz = kRateHz;
-  options.yaw_deg = 11, options.pitch_deg = -5;
+  options.yaw_deg = 11;
+  options.pitch_deg = -5;
   for (const bool right : {true, false}) {
     motion_.facing = right ? motion::Facing::kRight : motion::Facing::kLeft;
     options.motion_file = motion_;
@@ -121,7 +123,8 @@ TEST_F(MotionFileTest, GoesOnBeforeAndAfterThePartThatIsShown) {
 
 TEST_F(MotionFileTest, DrawsAMarkerThatIsNearerLargerAndWhereItsTruthIs) {
   synth::SceneOptions options = synth::CleanScene(1);
-  options.duration_s = 0, options.room = options.body = false;
+  options.duration_s = 0;
+  options.room = options.body = false;
   options.frame_rate_hz = kRateHz;
   options.motion_file = motion_;
   const synth::Scene scene(options);
@@ -134,7 +137,8 @@ TEST_F(MotionFileTest, DrawsAMarkerThatIsNearerLargerAndWhereItsTruthIs) {
     for (int y = 0; y < patch.image.rows; ++y)
       for (int x = 0; x < patch.image.cols; ++x) {
         const double value = patch.image.at<float>(y, x);
-        light[name] += value, centre += value * Vector2d(patch.corner.x + x, patch.corner.y + y);
+        light[name] += value;
+        centre += value * Vector2d(patch.corner.x + x, patch.corner.y + y);
       }
     // A disc seen in perspective and blurred by its acceleration: both are below a hundredth of a px here.
     EXPECT_LT((centre / light[name] - truth.markers[m].px).norm(), 0.02) << name;

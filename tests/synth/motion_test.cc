@@ -159,7 +159,8 @@ TEST_P(StsMotionOfSeed, PaceAndWarpChangeTimingAlone) {
   synth::StsMotionOptions options;
   options.ankle_sway_mm = options.body_sway_deg = 0;
   const synth::StsMotion human = Make(options);
-  options.pace = 1.3, options.time_warp = 0.05;
+  options.pace = 1.3;
+  options.time_warp = 0.05;
   const synth::StsMotion exo = Make(options);
   for (std::size_t i = 0; i < human.Phases().size(); ++i) {
     const synth::StsPhase &h = human.Phases()[i], &e = exo.Phases()[i];
@@ -180,7 +181,8 @@ TEST_P(StsMotionOfSeed, SkinSlidesByAboutWhatIsAsked) {
   double shortest = 1e9, longest = 0;
   for (double t = 0; t < motion.DurationS(); t += 0.02) {
     const auto m = motion.At(t);
-    shortest = std::min(shortest, (m[2] - m[1]).norm()), longest = std::max(longest, (m[2] - m[1]).norm());
+    shortest = std::min(shortest, (m[2] - m[1]).norm());
+    longest = std::max(longest, (m[2] - m[1]).norm());
   }
   EXPECT_GT(longest - shortest, 3);
   EXPECT_LT(longest - shortest, 24);

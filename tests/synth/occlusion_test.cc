@@ -50,7 +50,8 @@ INSTANTIATE_TEST_SUITE_P(Seeds, HardSceneOfSeed, ::testing::Values(1, 2, 3, 4, 5
 
 TEST(Occlusion, CoveredIsThePartOfTheLightThatIsMissing) {
   synth::SceneOptions options = test::PlainOptions();
-  options.width_px = 640, options.height_px = 480;
+  options.width_px = 640;
+  options.height_px = 480;
   options.duration_s = 1;
   options.occlusions = {{"ball", 0.3, 0.3}};
   options.shutter = 0.5;

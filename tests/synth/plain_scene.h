@@ -41,7 +41,8 @@ inline synth::SceneOptions PlainOptions(std::uint64_t seed = 1) {
   synth::SceneOptions options;
   options.seed = seed;
   options.room = options.body = false;
-  options.width_px = 160, options.height_px = 120;
+  options.width_px = 160;
+  options.height_px = 120;
   return options;
 }
 

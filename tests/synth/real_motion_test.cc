@@ -30,7 +30,8 @@ TEST(RealMotion, RendersWithTheRecordingsOwnAnglesAndFiveRises) {
       EXPECT_NEAR(truth.knee_deg, synth::KneeAngleDeg(at("ankle"), at("knee"), at("hip"), motion::Facing::kRight),
                   1e-6);
       for (const synth::MarkerTruth& marker : truth.markers) EXPECT_TRUE(marker.visible) << frame;
-      lowest = std::min(lowest, truth.knee_deg), highest = std::max(highest, truth.knee_deg);
+      lowest = std::min(lowest, truth.knee_deg);
+      highest = std::max(highest, truth.knee_deg);
       if (frame > 0 && last > 35 && truth.knee_deg <= 35) falls_through_35.push_back(table.time_s[frame]);
       last = truth.knee_deg;
     }

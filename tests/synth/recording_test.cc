@@ -64,7 +64,8 @@ TEST_F(Recording, LossyVideoIsClose) {
 
 TEST_F(Recording, JitteredTimeStampsThatDoNotStartAtZeroAreKept) {
   synth::SceneOptions options = ShortScene();
-  options.start_s = 1.25, options.time_jitter = 0.3;
+  options.start_s = 1.25;
+  options.time_jitter = 0.3;
   const synth::Scene scene(options);
   EXPECT_EQ(scene.TimeS(0), 1.25);
   synth::WriteRecording(scene, folder_, {.lossless = true});

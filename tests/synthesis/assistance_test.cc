@@ -76,7 +76,8 @@ TEST(LoadedDesign, ConstantProfileHasTheForceOfTheConstantTorque) {
 // Where the force is limited at standing, what lies beyond the profile's largest angle does not matter.
 TEST(LoadedDesign, ConstantProfileHasTheOptimumOfTheConstantTorque) {
   problem::SynthesisProblem plain = WithMargins(10);
-  plain.standing_deg = 5, plain.max_force_n = 1200;
+  plain.standing_deg = 5;
+  plain.max_force_n = 1200;
   const synthesis::LocalSolve constant = synthesis::SolveFrom(plain, plain.start);
   ASSERT_TRUE(constant.IsUsable());
   const problem::RequirementCheck& force = constant.evaluation.CheckOf({Requires::kForce});
@@ -150,7 +151,9 @@ TEST(LoadedDesign, WhatIsNotThereIsSaid) {
   EXPECT_THROW(problem.CheckLoad(), UsageError);
   problem.assist = 1.5;
   EXPECT_THROW(problem.Check(), Error);
-  problem.assist = 1, problem.standing_deg = 89, problem.profile = MadeUpProfile(80);
+  problem.assist = 1;
+  problem.standing_deg = 89;
+  problem.profile = MadeUpProfile(80);
   EXPECT_THROW(problem.Check(), Error);
 }
 

@@ -22,7 +22,9 @@ class LakeOptimizeGroup : public testing::Test {
  protected:
   void AddPerson(const std::string& name, double shank_mm, double seated_knee_deg) {
     ClosedFormLeg leg;
-    leg.shank_mm = shank_mm, leg.thigh_mm = shank_mm, leg.seated_knee_deg = seated_knee_deg;
+    leg.shank_mm = shank_mm;
+    leg.thigh_mm = shank_mm;
+    leg.seated_knee_deg = seated_knee_deg;
     compare::MisalignmentOptions options;
     options.resamples = 0;
     const compare::Misalignment misalignment = compare::CompareTrials(
@@ -92,7 +94,8 @@ TEST_F(LakeOptimizeGroup, RefusesHeightsThatNobodyHas) {
   std::string all, table = "participant_id\theight_mm\n";
   for (const char* name : {"sub-01", "sub-02", "sub-03", "sub-04"}) {
     AddPerson(name, 400, 88);
-    all += Comparison(name), table += fmt::format("{}\t1.71\n", name);
+    all += Comparison(name);
+    table += fmt::format("{}\t1.71\n", name);
   }
   WriteTextFile(folder_ / "people.tsv", table);
   const Ended ended = RunProgram(fmt::format("{}--human-only --sizes 2 --participants {} --quiet -o {}", all,

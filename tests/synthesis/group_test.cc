@@ -34,7 +34,8 @@ redesign::GroupProblem SharedProblem(double limit_percent = 3) {
 
 ClosedFormLeg Leg(double shank_mm, double seated_knee_deg) {
   ClosedFormLeg leg;
-  leg.shank_mm = shank_mm, leg.thigh_mm = 0.95 * shank_mm;
+  leg.shank_mm = shank_mm;
+  leg.thigh_mm = 0.95 * shank_mm;
   leg.seated_knee_deg = seated_knee_deg;
   return leg;
 }
@@ -158,12 +159,15 @@ TEST(Group, IsDesignedTheSameBesideAnother) {
   std::vector<ClosedFormLeg> legs;
   for (int i = 0; i < 20; ++i) legs.push_back(Leg(400 + 2 * i, 88 + i % 7));  // many enough to be thinned first
   group::DesignTask task{WithPeople(SharedProblem(), legs)};
-  task.problem.shared.program.kind = Kind::kConstant, task.problem.shared.fit_placement = false;
-  task.problem.shared.max_misalignment_percent.reset(), task.problem.shared.program.duration_s.reset();
+  task.problem.shared.program.kind = Kind::kConstant;
+  task.problem.shared.fit_placement = false;
+  task.problem.shared.max_misalignment_percent.reset();
+  task.problem.shared.program.duration_s.reset();
   for (const ClosedFormLeg& leg : legs) task.human.push_back(MakeCurve(leg));
   const linkage::Links& start = task.problem.shared.design.start;
   group::DesignTask other = task;
-  task.links = {start, kPublishedLinks}, other.links = {start};
+  task.links = {start, kPublishedLinks};
+  other.links = {start};
   const group::GroupDesign alone = group::DesignGroups({task}, Starts(4)).front().nearest;
   const group::GroupDesign beside = group::DesignGroups({task, other}, Starts(4)).front().nearest;
   EXPECT_EQ(alone.starts, 2);
@@ -175,7 +179,8 @@ class GroupOfThree : public testing::Test {
  protected:
   static group::GroupOutcome Solve(Across across, double quantile = 1, double limit_percent = 3) {
     redesign::GroupProblem problem = SharedProblem(limit_percent);
-    problem.across = across, problem.quantile = quantile;
+    problem.across = across;
+    problem.quantile = quantile;
     return group::RunGroup(problem, People(kThree), Starts(2));
   }
 
@@ -235,7 +240,8 @@ TEST_F(GroupOfThree, TheMeanIsHeldWhereOneIsAsked) {
   double sum = 0, largest = 0;
   for (const group::PersonOutcome& person : outcome.people) {
     const double percent = 100 * person.with_group.misalignment->metrics.relative_rms;
-    sum += percent / 3, largest = std::max(largest, percent);
+    sum += percent / 3;
+    largest = std::max(largest, percent);
   }
   EXPECT_NEAR(sum, 2, 2e-4);
   EXPECT_GT(largest, 2.1);
@@ -287,7 +293,8 @@ TEST(GroupOptions, ClearancesAreOnePersons) {
 
 TEST(GroupOptions, AQuantileIsAPart) {
   redesign::GroupProblem problem = WithPeople(SharedProblem(), std::vector(10, kThree[0]));
-  problem.across = Across::kQuantile, problem.quantile = 0.9;
+  problem.across = Across::kQuantile;
+  problem.quantile = 0.9;
   EXPECT_EQ(problem.Counting(), 9u);
   problem.quantile = 0;
   EXPECT_THROW(problem.CheckOptions(), UsageError);

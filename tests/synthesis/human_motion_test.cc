@@ -19,8 +19,10 @@ compare::StsCurve SoftLeg(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
   ClosedFormLeg leg;
-  leg.shank_mm += 60 * unit(random), leg.thigh_mm += 60 * unit(random);
-  leg.seated_knee_deg += 15 * unit(random), leg.standing_knee_deg += 4 * unit(random);
+  leg.shank_mm += 60 * unit(random);
+  leg.thigh_mm += 60 * unit(random);
+  leg.seated_knee_deg += 15 * unit(random);
+  leg.standing_knee_deg += 4 * unit(random);
   compare::StsCurve curve = MakeCurve(leg);
   for (int i = 0; i < compare::kPercentSamples; ++i)
     for (std::vector<Vector2d>* path : {&curve.ankle, &curve.knee, &curve.hip})
@@ -88,7 +90,8 @@ TEST(HumanMotion, TrackingStrokesGiveTheHumansAngles) {
 
 TEST(HumanMotion, AnglesBeyondTheUsedRangeAreClamped) {
   ClosedFormLeg leg;
-  leg.seated_knee_deg = 160, leg.standing_knee_deg = -5;
+  leg.seated_knee_deg = 160;
+  leg.standing_knee_deg = -5;
   const redesign::HumanMotion human = redesign::MakeHumanMotion(MakeCurve(leg));
   const auto strokes = redesign::TrackingStrokes({kPublishedLinks}, human);
   ASSERT_TRUE(strokes);
@@ -140,7 +143,9 @@ struct SlippingTrial {
 
 SlippingTrial MakeSlippingTrial(const Vector2d& placement) {
   ClosedFormLeg leg;
-  leg.peak_shank_deg = 27, leg.seated_shank_deg = 1, leg.shank_mm = 424;
+  leg.peak_shank_deg = 27;
+  leg.seated_shank_deg = 1;
+  leg.shank_mm = 424;
   SlippingTrial trial;
   trial.exo = MakeCurve(leg, IssueWarp);
   trial.exo.leg_knee = trial.exo.knee;

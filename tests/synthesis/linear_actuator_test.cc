@@ -68,7 +68,8 @@ TEST(Actuators, LawIsALineBetweenThePointsKnown) {
 
 TEST(Actuators, LawOfManyPointsIsTheLowestLine) {
   problem::LinearActuator actuator;
-  actuator.name = "concave", actuator.no_load_speed_mm_s = 10;
+  actuator.name = "concave";
+  actuator.no_load_speed_mm_s = 10;
   actuator.force_speed = {{50, 9}, {100, 5}};
   actuator.Check();
   EXPECT_NEAR(actuator.SpeedAt(25), 9.5, 1e-12);

@@ -35,7 +35,9 @@ inline linkage::Links RandomFeasible(const problem::SynthesisProblem& problem, s
 // With what a builder asks beside the margins.
 inline problem::SynthesisProblem Buildable() {
   problem::SynthesisProblem problem = WithMargins(2);
-  problem.standing_deg = 5, problem.max_force_n = 2000, problem.min_transmission_deg = 10;
+  problem.standing_deg = 5;
+  problem.max_force_n = 2000;
+  problem.min_transmission_deg = 10;
   return problem;
 }
 

@@ -36,7 +36,9 @@ inline std::optional<redesign::HumanMotion> RealSitToStand() {
     return points;
   };
   compare::StsCurve curve;
-  curve.ankle = path("ankle"), curve.knee = path("knee"), curve.hip = path("hip");
+  curve.ankle = path("ankle");
+  curve.knee = path("knee");
+  curve.hip = path("hip");
   return redesign::MakeHumanMotion(curve);
 }
 

@@ -55,7 +55,8 @@ double MisalignmentOfFiles(const std::filesystem::path& folder) {
   std::vector<Eigen::Vector2d> human, exo;
   for (std::size_t i = 0; i < table.Rows(); ++i) {
     const auto cell = [&](const char* column) { return table.RequiredNumber(i, table.Column(column)); };
-    human.emplace_back(cell("human_x_mm"), cell("human_y_mm")), exo.emplace_back(cell("exo_x_mm"), cell("exo_y_mm"));
+    human.emplace_back(cell("human_x_mm"), cell("human_y_mm"));
+    exo.emplace_back(cell("exo_x_mm"), cell("exo_y_mm"));
   }
   EXPECT_EQ(exo, curves.exo.knee);
   return 100 * std::sqrt(compare::MeanSquaredMisalignment(exo, human, compare::ShankLengths(curves.human)));

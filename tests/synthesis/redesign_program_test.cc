@@ -31,8 +31,12 @@ redesign::RedesignProblem Balanced(Kind kind, Goal goal) {
   redesign::RedesignProblem problem = Problem(kind, goal);
   problem.max_angle_mismatch_deg = 20;
   loads::BodyPath body;
-  body.body.foot = {1.0, 0.06, 0.12}, body.body.shank = {3.3, 0.18, 0.13}, body.body.thigh = {7.0, 0.17, 0.13};
-  body.body.trunk = {23.7, 0.32, 0.25}, body.body.sole = {0.066, 0.2}, body.body.ankle_height_m = 0.07;
+  body.body.foot = {1.0, 0.06, 0.12};
+  body.body.shank = {3.3, 0.18, 0.13};
+  body.body.thigh = {7.0, 0.17, 0.13};
+  body.body.trunk = {23.7, 0.32, 0.25};
+  body.body.sole = {0.066, 0.2};
+  body.body.ankle_height_m = 0.07;
   body.feet_from_percent = 40;
   for (int i = 0; i < compare::kPercentSamples; ++i) body.trunk.push_back({0.5 - 0.005 * i, {0.1, 0.3}});
   problem.body = std::make_shared<const loads::BodyPath>(body);
@@ -57,7 +61,8 @@ TEST(RedesignProgram, DerivativesAreThoseOfTheValues) {
   problems.back().misalignment_of = redesign::MisalignmentOf::kJoint;
   for (const Goal goal : {Goal::kRange, Goal::kCuffForce}) {
     problems.push_back(Problem(Kind::kFree, goal));
-    problems.back().max_cuff_force_n = 12, problems.back().cuff_penalty_deg_per_n = 0.2;
+    problems.back().max_cuff_force_n = 12;
+    problems.back().cuff_penalty_deg_per_n = 0.2;
     problems.back().cuffs.shank.push_back({90, 40});
     problems.back().human.back().slip_mm = {7, -4};
   }

@@ -48,8 +48,11 @@ double TightLimit(const redesign::RedesignProblem& problem) {
 
 std::vector<ClosedFormLeg> Legs() {
   ClosedFormLeg tall, stiff;
-  tall.shank_mm = 470, tall.thigh_mm = 450, tall.seated_knee_deg = 101;
-  stiff.standing_knee_deg = 14, stiff.peak_shank_deg = 25;
+  tall.shank_mm = 470;
+  tall.thigh_mm = 450;
+  tall.seated_knee_deg = 101;
+  stiff.standing_knee_deg = 14;
+  stiff.peak_shank_deg = 25;
   return {{}, tall, stiff};
 }
 
@@ -297,7 +300,8 @@ TEST(Redesign, MultipliersAreDifferenceQuotientsOfTheRange) {
   ASSERT_TRUE(active.multipliers_unique) << active.smallest_singular_value;
   const auto quotient = [&](const std::function<void(redesign::RedesignProblem&, double)>& change, double step) {
     redesign::RedesignProblem above = problem, below = problem;
-    change(above, step), change(below, -step);
+    change(above, step);
+    change(below, -step);
     const auto range = [&](const redesign::RedesignProblem& p) {
       return SolveFrom(p, result.Best().point, {}).Range_deg();
     };

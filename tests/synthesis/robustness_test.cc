@@ -126,7 +126,9 @@ TEST(Sensitivity, CallsNothingFeasibleThatBreaksALimitOverTheUsedRange) {
 // The quick look gives the same answers as the whole evaluation, of every build, whatever the number of threads.
 TEST(Sensitivity, OfATolerancesBuildsIsThatOfTheWorst) {
   problem::SynthesisProblem problem = WithMargins(0);
-  problem.max_force_n = 2000, problem.standing_deg = 5, problem.robust_mm = 0.2;
+  problem.max_force_n = 2000;
+  problem.standing_deg = 5;
+  problem.robust_mm = 0.2;
   const linkage::Links links = synthesis::SolveFrom(problem, problem.start).end;
   const int threads = Threads(), steps = 1;
   int called = 0;

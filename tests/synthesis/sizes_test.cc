@@ -56,7 +56,8 @@ TEST(SizeRule, IsTheBestOfAllRules) {
     std::vector<std::size_t> people;
     for (std::size_t i = 0; i < 7; ++i) {
       quantity.mm.push_back(std::floor(5 * unit(random)));  // with ties, which no rule can tell apart
-      losses.push_back({unit(random), unit(random)}), people.push_back(i);
+      losses.push_back({unit(random), unit(random)});
+      people.push_back(i);
     }
     double best = std::numeric_limits<double>::infinity();
     for (double cut = -0.5; cut <= 5; ++cut)
@@ -105,7 +106,8 @@ TEST(Fit, DesignsWithoutMarginsAreFoundWhereAllStartsMeet) {
   redesign::RedesignProblem problem = WithoutMargins();
   const linkage::Links widest = synthesis::SolveFrom(problem.design, problem.design.start).end;
   ClosedFormLeg leg;
-  leg.seated_knee_deg = 100, leg.shank_mm = 400;
+  leg.seated_knee_deg = 100;
+  leg.shank_mm = 400;
   for (const unsigned seed : {1u, 2u, 3u}) {
     compare::StsCurve curve = MakeCurve(leg);
     std::mt19937 random(seed);
@@ -159,7 +161,9 @@ TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
   std::vector<group::PersonMeasured> people;
   for (const auto& [shank_mm, seated_deg] : {std::pair{390.0, 98.0}, {450.0, 86.0}, {395.0, 97.0}, {455.0, 85.0}}) {
     ClosedFormLeg leg;
-    leg.shank_mm = shank_mm, leg.thigh_mm = 0.95 * shank_mm, leg.seated_knee_deg = seated_deg;
+    leg.shank_mm = shank_mm;
+    leg.thigh_mm = 0.95 * shank_mm;
+    leg.seated_knee_deg = seated_deg;
     people.push_back({fmt::format("sub-{}", people.size() + 1), {MakeCurve(leg)}});
   }
   const sizes::SizesOutcome outcome = WithThreads(2, problem, people, options);

@@ -68,7 +68,8 @@ TEST(Clearance, IsTakenWhereTheJointSits) {
   problem.clearances.placement_mm = {0, 3};
   EXPECT_NEAR(synthesis::SolveFrom(problem, problem.start).evaluation.range_deg, SolveAtSeat(2).evaluation.range_deg,
               1e-4);
-  problem.clearances.placement_mm = {0, 0}, problem.clearances.placement_reach_mm = 3;
+  problem.clearances.placement_mm = {0, 0};
+  problem.clearances.placement_reach_mm = 3;
   const synthesis::LocalSolve free = synthesis::SolveFrom(problem, problem.start);
   EXPECT_GT(free.evaluation.range_deg, on_the_knee + 0.1);
   EXPECT_NEAR(free.evaluation.CheckOf({Requires::kSeat}).value, 5, 1e-5);
@@ -132,7 +133,8 @@ double LeastSafety(const linkage::Links& links, const problem::SynthesisProblem&
 // Wide links, so that it is not their bending, which has nothing to do with the links' lengths.
 TEST(Strength, SafetyFactorIsThatOfTheTable) {
   problem::SynthesisProblem problem = Buildable();
-  problem.max_force_n.reset(), problem.min_transmission_deg.reset();
+  problem.max_force_n.reset();
+  problem.min_transmission_deg.reset();
   problem.parts.bar_width_mm = 40;
   const double asked = 1.3 * LeastSafety(synthesis::SolveFrom(problem, problem.start).end, problem);
   problem.safety_factor = asked;
@@ -148,11 +150,13 @@ TEST(Strength, SafetyFactorIsThatOfTheTable) {
 TEST(Strength, RodAndBendingAreHeldToo) {
   problem::SynthesisProblem problem = Buildable();
   problem.max_force_n.reset();
-  problem.safety_factor = 2, problem.parts.rod_diameter_mm = 6;
+  problem.safety_factor = 2;
+  problem.parts.rod_diameter_mm = 6;
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
   EXPECT_NEAR(LeastSafety(solve.end, problem), 2, 1e-3);
-  problem.parts.material = "PLA", problem.parts.rod_diameter_mm = 10;
+  problem.parts.material = "PLA";
+  problem.parts.rod_diameter_mm = 10;
   const double bending = parts::CapacityOf(problem.parts).knee_torque_nm / problem.knee_torque_nm;
   problem.safety_factor = 2 * bending;
   const synthesis::InfeasibilityReport report = synthesis::AnalyseInfeasibility(problem);
@@ -172,12 +176,14 @@ TEST(Strength, PinAndMountForcesAreThoseOfStatics) {
   const synthesis::LocalSolve pins = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(pins.IsUsable()) << pins.solution.message;
   EXPECT_NEAR(largest(pins.end, &linkage::MemberForces::TipPin), 2500, 2.5);
-  problem.max_pin_force_n.reset(), problem.max_mount_force_n = 1200;
+  problem.max_pin_force_n.reset();
+  problem.max_mount_force_n = 1200;
   const synthesis::LocalSolve mount = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(mount.IsUsable()) << mount.solution.message;
   EXPECT_NEAR(largest(mount.end, &linkage::MemberForces::Mount), 1200, 1.2);
   // The mount bears the actuator's force.
-  problem.max_mount_force_n.reset(), problem.max_force_n = 1200;
+  problem.max_mount_force_n.reset();
+  problem.max_force_n = 1200;
   EXPECT_NEAR(synthesis::SolveFrom(problem, problem.start).evaluation.range_deg, mount.evaluation.range_deg, 1e-4);
 }
 
@@ -197,9 +203,14 @@ TEST(Strength, AlongAProfileOfConstantMomentIsThatOfTheTorque) {
 // Gradients against differences of values, with every kind of row: seat, limbs, strength, builds.
 TEST(Program, DerivativesOfClearancesStrengthAndBuilds) {
   problem::SynthesisProblem problem = OnALeg(Buildable());
-  problem.clearances.seat_mm = 5, problem.clearances.thigh_mm = 10, problem.clearances.shank_mm = 10;
-  problem.clearances.placement_mm = {13, 2}, problem.clearances.placement_reach_mm = 40;
-  problem.safety_factor = 1.2, problem.max_pin_force_n = 4000, problem.max_mount_force_n = 2000;
+  problem.clearances.seat_mm = 5;
+  problem.clearances.thigh_mm = 10;
+  problem.clearances.shank_mm = 10;
+  problem.clearances.placement_mm = {13, 2};
+  problem.clearances.placement_reach_mm = 40;
+  problem.safety_factor = 1.2;
+  problem.max_pin_force_n = 4000;
+  problem.max_mount_force_n = 2000;
   problem.robust_mm = 0.1;
   synthesis::Collocation poses{0.5};
   poses.builds = {problem::Corners(0.1)[37]};
@@ -289,7 +300,9 @@ TEST(Robust, WorstBuildHoldsForRandomOnes) {
 
 TEST(Robust, LimitsOverTheRangeHoldForBuildsToo) {
   problem::SynthesisProblem problem = WithMargins(0);
-  problem.robust_mm = 0.2, problem.max_force_n = 2000, problem.standing_deg = 5;
+  problem.robust_mm = 0.2;
+  problem.max_force_n = 2000;
+  problem.standing_deg = 5;
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
   std::mt19937_64 random(12);
@@ -335,9 +348,13 @@ TEST(ActuatorFront, AnActuatorThatContradictsTheProblemStopsNoOther) {
   problem.profile = MadeUpProfile();
   problem.d_max_mm = 390;
   problem::LinearActuator strong;
-  strong.name = "strong", strong.closed_mm = 242, strong.stroke_mm = 200, strong.max_force_n = 5000;
+  strong.name = "strong";
+  strong.closed_mm = 242;
+  strong.stroke_mm = 200;
+  strong.max_force_n = 5000;
   problem::LinearActuator longer = strong;
-  longer.name = "longer", longer.closed_mm = 400;
+  longer.name = "longer";
+  longer.closed_mm = 400;
   synthesis::OptimizeOptions options;
   options.starts = 2;
   const auto curves = synthesis::FindActuatorFront(problem, {longer, strong}, {0.1}, options);

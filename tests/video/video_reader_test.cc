@@ -278,7 +278,10 @@ TEST(VideoReader, TurnsAsThePlayersDo) {
         bytes[4 * position] = bytes[4 * position + 1] = value < 0 ? '\xff' : '\0';
         if (value >= 0) bytes[4 * position + 1] = static_cast<char>(value);
       };
-      put(0, a), put(1, b), put(3, cc), put(4, d);
+      put(0, a);
+      put(1, b);
+      put(3, cc);
+      put(4, d);
       bytes[32] = 0x40;
       return bytes;
     };
