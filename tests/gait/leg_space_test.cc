@@ -57,7 +57,8 @@ gait::LegFitResult FitSquat(const Squat& squat, const std::string& forward, gait
   gait::LegFitOptions options;
   options.filter = filter;
   if (!forward.empty()) options.facing = motion::Facing::kRight;  // a fitted plane may look at either side
-  return gait::FitLeg(trial.recording, gait::MakeLegView(trial.recording.unit, std::nullopt), options, trial.across_mm);
+  return gait::FitLeg(trial.recording, gait::MakeLegView(trial.recording.unit, std::nullopt), options,
+                      trial.lateral_mm);
 }
 
 TEST(LegInSpace, LengthsAndFlexionOfASquatWithOpeningKneesAreThreeDimensional) {
@@ -163,7 +164,7 @@ StandingTrial MakeStandingTrial(const Stance& stance, unsigned seed) {
 
 gait::LegFitResult FitFile(const std::filesystem::path& file) {
   const exchange::Trial trial = exchange::ReadTrial(file, {});
-  return gait::FitLeg(trial.recording, gait::MakeLegView(trial.recording.unit, std::nullopt), {}, trial.across_mm);
+  return gait::FitLeg(trial.recording, gait::MakeLegView(trial.recording.unit, std::nullopt), {}, trial.lateral_mm);
 }
 
 class Hyperextension : public testing::TestWithParam<Stance> {};
@@ -174,7 +175,7 @@ TEST_P(Hyperextension, IsNegativeInSpaceAsInThePlane) {
   exchange::WritePoints(folder / "a.trc", trial.in_space);
   exchange::WritePoints(folder / "a.csv", trial.in_plane);
   const gait::LegFitResult space = FitFile(folder / "a.trc"), plane = FitFile(folder / "a.csv");
-  EXPECT_TRUE(space.across) << "the file of space was read as one of a plane";
+  EXPECT_TRUE(space.lateral) << "the file of space was read as one of a plane";
   double square = 0, raw = 0, between = 0, mean_standing = 0;
   int standing = 0;
   for (std::size_t i = 0; i < trial.knee_deg.size(); ++i) {
@@ -233,7 +234,7 @@ TEST(LegInSpace, AFacingThatIsWrongMakesFlexionNegative) {
     gait::LegFitOptions options;
     options.facing = facing;
     const auto fit = [&] {
-      return gait::FitLeg(read.recording, gait::MakeLegView(read.recording.unit, {}), options, read.across_mm);
+      return gait::FitLeg(read.recording, gait::MakeLegView(read.recording.unit, {}), options, read.lateral_mm);
     };
     if (facing == motion::Facing::kRight)
       EXPECT_GT(fit().motion.samples.front().knee_deg, 90);

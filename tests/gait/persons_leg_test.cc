@@ -25,7 +25,7 @@ using testing::HasSubstr;
 
 gait::LegFitResult Fit(const exchange::Trial& trial, gait::LegFitOptions options = {}) {
   if (trial.faces_right) options.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
-  return gait::FitLeg(trial.recording, gait::MakeLegView(trial.recording.unit, {}), options, trial.across_mm);
+  return gait::FitLeg(trial.recording, gait::MakeLegView(trial.recording.unit, {}), options, trial.lateral_mm);
 }
 
 gait::LegFitResult Fit(const std::string& file, const std::string& names, std::optional<char> up = {},

@@ -44,7 +44,7 @@ exchange::Trial Read(const RealMotion& motion) {
 struct ResampledLeg {
   std::vector<double> time_s;
   std::vector<gait::LegPoints> points_mm;
-  gait::AcrossPlane across_mm;
+  gait::LateralPlaces lateral_mm;
 };
 
 ResampledLeg Resample(const exchange::Trial& trial, double rate_hz) {
@@ -79,7 +79,7 @@ ResampledLeg Resample(const exchange::Trial& trial, double rate_hz) {
       const std::vector<double> resampled = at_times(values);
       for (std::size_t i = 0; i < leg.time_s.size(); ++i) (*(leg.points_mm[i].*point))[axis] = resampled[i];
     }
-    leg.across_mm[name] = at_times(trial.across_mm.at(name));
+    leg.lateral_mm[name] = at_times(trial.lateral_mm.at(name));
   }
   return leg;
 }
@@ -130,20 +130,20 @@ gait::LegFitResult ExactInSpace(const ResampledLeg& leg, const gait::LegView& vi
   gait::LegFitOptions options;
   options.filter = gait::LegFilter::kNone;
   return gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, view, {1e-9, NoiseKind::kWhite, 0.1}, 1), view, options,
-                      leg.across_mm);
+                      leg.lateral_mm);
 }
 
 gait::LegFitResult FitInSpace(const ResampledLeg& leg, const gait::LegView& view, double sigma_mm,
                               motion::Facing facing, unsigned seed) {
-  gait::AcrossPlane across_mm = leg.across_mm;
+  gait::LateralPlaces lateral_mm = leg.lateral_mm;
   std::mt19937 random(seed + 1000);
   std::normal_distribution<double> noise(0, sigma_mm);
-  for (auto& [name, values] : across_mm)
+  for (auto& [name, values] : lateral_mm)
     for (double& value : values) value += noise(random);
   gait::LegFitOptions options;
   options.known_sigmas = true;
   options.facing = facing;
-  return gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, view, {sigma_mm}, seed), view, options, across_mm);
+  return gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, view, {sigma_mm}, seed), view, options, lateral_mm);
 }
 
 // Error over SD of all markers' positions, root mean square per axis.
@@ -321,7 +321,7 @@ TEST_P(GoldStandard, IsTakenAsItIsAndBadFramesAreLeftOut) {
   if (!fs::exists(FileOf(GetParam()))) GTEST_SKIP() << FileOf(GetParam()) << " is not here";
   const exchange::Trial trial = Read(GetParam());
   const gait::LegView view = gait::MakeLegView(motion::LengthUnit::kMm, {});
-  const gait::LegFitResult as_is = gait::FitLeg(trial.recording, view, {}, trial.across_mm);
+  const gait::LegFitResult as_is = gait::FitLeg(trial.recording, view, {}, trial.lateral_mm);
   EXPECT_TRUE(as_is.outliers.empty());
   double square = 0;
   for (const motion::LegSample& sample : as_is.motion.samples)
@@ -334,7 +334,7 @@ TEST_P(GoldStandard, IsTakenAsItIsAndBadFramesAreLeftOut) {
     for (motion::MarkerTrack& marker : bad.recording.markers)
       for (std::size_t i = at; marker.name == name && i < at + 2; ++i)
         marker.samples[i].position += Eigen::Vector2d(400, -300);
-    const gait::LegFitResult result = gait::FitLeg(bad.recording, view, {}, bad.across_mm);
+    const gait::LegFitResult result = gait::FitLeg(bad.recording, view, {}, bad.lateral_mm);
     const auto frame = trial.recording.frame[at];
     EXPECT_THAT(result.warnings,
                 testing::Contains(testing::AllOf(testing::HasSubstr(name), testing::HasSubstr("left out"),

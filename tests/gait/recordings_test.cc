@@ -226,7 +226,7 @@ TEST(RealMotions, SitToStandsAreCountedAndSquatsAreNot) {
     REQUIRE_RECORDING(file);
     const exchange::Trial trial = exchange::ReadTrial(file, {NameMap(names), {}, ""});
     const gait::LegFitResult result =
-        gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}), {}, trial.across_mm);
+        gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}), {}, trial.lateral_mm);
     std::set<int> repetitions;
     for (const motion::StsEvent& event : result.events) repetitions.insert(event.repetition);
     EXPECT_EQ(repetitions.size(), rises) << name;
@@ -246,7 +246,7 @@ TEST(RealMotions, BothLegsHaveTheSameEvents) {
     for (const char* names : {left, right}) {
       const exchange::Trial trial = exchange::ReadTrial(file, {NameMap(names), {}, ""});
       events.push_back(
-          gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}), {}, trial.across_mm).events);
+          gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}), {}, trial.lateral_mm).events);
     }
     ASSERT_EQ(events[0].size(), events[1].size()) << name;
     for (std::size_t i = 0; i < events[0].size(); ++i) {
@@ -286,7 +286,7 @@ TEST(RealMotions, EventsAreThoseOfTheForcesUnderTheFeet) {
                             "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS"}) {
     const exchange::Trial trial = exchange::ReadTrial(folder / "STS1.trc", {NameMap(names), {}, "x"});
     const gait::LegFitResult result =
-        gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}), {}, trial.across_mm);
+        gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}), {}, trial.lateral_mm);
     std::map<motion::StsEventKind, int> events;
     for (const motion::StsEvent& event : result.events) {
       const double time_s = event.time_s;

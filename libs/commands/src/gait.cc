@@ -122,7 +122,7 @@ void TakeEvents(const std::filesystem::path& file, gait::LegFitResult& result) {
 // The fit; what is wrong with it is said with the file's name, as there may be two.
 gait::LegFitResult FitOrName(const exchange::Trial& trial, const gait::LegView& view, const gait::LegFitOptions& fit) {
   try {
-    return gait::FitLeg(trial.recording, view, fit, trial.across_mm);
+    return gait::FitLeg(trial.recording, view, fit, trial.lateral_mm);
   } catch (const UsageError&) {
     throw;
   } catch (const SolverError&) {

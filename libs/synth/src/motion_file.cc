@@ -47,8 +47,8 @@ Rows WithWhatIsAround(const Rows& rows, const Trial& trial) {
 
 // Of a 3-D file, how far the marker is to the right of the middle of the leg; of a plane, 0.
 double Across(const Trial& trial, const std::string& marker, std::size_t row) {
-  const auto across = trial.across_mm.find(marker);
-  return across == trial.across_mm.end() ? 0 : across->second[row];
+  const auto lateral = trial.lateral_mm.find(marker);
+  return lateral == trial.lateral_mm.end() ? 0 : lateral->second[row];
 }
 
 double MiddleOfLeg(const Trial& trial, const Rows& rows) {

@@ -280,21 +280,21 @@ PointRecording Project(const PointRecording& points, const SagittalPlane& onto, 
 }
 
 // Empty where all points lie in one plane: such a file was made of a plane's points.
-std::map<std::string, std::vector<double>> AcrossPlane(const PointRecording& points, const SagittalAxes& axes) {
+std::map<std::string, std::vector<double>> LateralPlaces(const PointRecording& points, const SagittalAxes& axes) {
   constexpr double kSamePlane_mm = 1e-6;
-  std::map<std::string, std::vector<double>> across;
+  std::map<std::string, std::vector<double>> lateral;
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const PointTrack& point : points.points)
     for (const Eigen::Vector3d& p : point.positions) {
       const double value = p.dot(axes.Across());
-      across[point.name].push_back(value);
+      lateral[point.name].push_back(value);
       if (std::isfinite(value)) {
         least = std::min(least, value);
         most = std::max(most, value);
       }
     }
-  if (most - least <= kSamePlane_mm) across.clear();
-  return across;
+  if (most - least <= kSamePlane_mm) lateral.clear();
+  return lateral;
 }
 
 bool IsOwnTable(const fs::path& path) {
@@ -430,7 +430,7 @@ Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
     if (points.space == PointSpace::kSpace) {
       const SagittalPlane plane = FindSagittalPlane(read, points, options, trial.file);
       trial.plane_from_space = plane.axes.PlaneFromSpace();
-      trial.across_mm = AcrossPlane(points, plane.axes);
+      trial.lateral_mm = LateralPlaces(points, plane.axes);
       points = Project(points, plane, trial.file, &trial.out_of_plane_mm);
       if (!options.forward.empty()) trial.faces_right = true;
     }

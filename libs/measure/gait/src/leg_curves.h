@@ -16,7 +16,7 @@ struct MarkerCurve {
   std::vector<double> plane_sigma, recorded_sigma;  // per axis
   bool settled = true;                              // whether its smoothness was found
   std::vector<double> scatter;                      // deviation about the smooth path, over the detections' sigmas
-  std::vector<double> across, across_rate, across_variance;  // of trials in three dimensions: mm, mm/s, mm²
+  std::vector<double> lateral, lateral_rate, lateral_variance;  // of trials in three dimensions: mm, mm/s, mm²
 };
 
 struct LegCurves {

@@ -152,7 +152,7 @@ LegPath MeasuredPath(const motion::MarkerRecording& recording, const std::array<
     path.marker[m].assign(recording.Frames(), Eigen::Vector3d::Constant(motion::LegSample::kUnknown));
     for (std::size_t i = 0; i < d.trusted.size(); ++i)
       if (d.trusted[i])
-        path.marker[m][i] << model.plane_from_leg.transpose() * d.in_plane[i], d.across.empty() ? 0 : d.across[i];
+        path.marker[m][i] << model.plane_from_leg.transpose() * d.in_plane[i], d.lateral.empty() ? 0 : d.lateral[i];
   }
   return path;
 }
@@ -367,14 +367,14 @@ void DescribeFacing(LegFitOptions& o, OptionList& options) {
 namespace {
 
 LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
-                     const AcrossPlane& across) {
+                     const LateralPlaces& lateral) {
   Progress progress("leg fit", "steps", 4, options.quiet);
   LegFitResult result;
   result.up = options.up;
   result.leg_markers = options.markers;
   const double skin = options.skin_jump * ShankOf(recording, options.markers);
   std::array<Detections, kLegMarkers> leg = CollectLeg(recording, view, options.markers, skin);
-  if (!across.empty()) SetAcross(across, leg);
+  if (!lateral.empty()) SetLateral(lateral, leg);
   const FacingFound found = FindFacingOf(leg);
   const motion::Facing facing = options.facing.value_or(found.facing);
   if (!options.facing && !found.IsCertain())
@@ -415,10 +415,10 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   progress.Advance();
 
   for (LegPrior& prior : solution.model.priors) prior.roughness = std::move(prior.possible_roughness);
-  LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients, !across.empty());
-  if (!across.empty()) {
+  LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients, !lateral.empty());
+  if (!lateral.empty()) {
     AddAcross(recording, leg, solution.model, options, curves);
-    result.across = ReportAcross(leg);
+    result.lateral = ReportLateral(leg);
   }
   FillResult(recording, leg, curves, solution.model, facing, skin, options, result);
   result.summary = Summarize(solution, start);
@@ -519,7 +519,7 @@ void CheckRemains(const motion::MarkerRecording& recording, const LegFitResult& 
 }  // namespace
 
 LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
-                    const AcrossPlane& across) {
+                    const LateralPlaces& lateral) {
   CheckRecording(recording, options);
   const std::optional<std::string> rounded = RoundedTimes(recording);
   PlausibilityLimits limits;
@@ -527,10 +527,10 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   limits.ways_out = hasty     ? "or give the times in seconds: " + *hasty
                     : rounded ? "or give the times with more digits: " + *rounded
                               : options.ways_out;
-  LegFitResult result = FitOnce(recording, view, options, across);
+  LegFitResult result = FitOnce(recording, view, options, lateral);
   std::vector<Implausible> implausible = FindAllImplausible(result, options.markers, limits);
   if (!implausible.empty()) {
-    result = FitOnce(Without(implausible, recording), view, options, across);
+    result = FitOnce(Without(implausible, recording), view, options, lateral);
     for (const Implausible& found : implausible)
       if (!found.markers.empty())
         result.warnings.push_back(fmt::format("frames {}: {}: '{}' left out there",

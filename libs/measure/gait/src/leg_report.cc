@@ -123,10 +123,10 @@ Json LegFitJson(const LegFitResult& result) {
                  {"residual_rms_sigmas", fit.residual_rms},
                  {"knot_step_s", fit.knot_step_s},
                  {"cutoff_hz", fit.cutoff_hz}}}};
-  if (result.across)
-    json["across_plane"] = {{"rms_mm", result.across->rms_mm},
-                            {"largest_shank_deg", result.across->largest_shank_deg},
-                            {"largest_thigh_deg", result.across->largest_thigh_deg}};
+  if (result.lateral)
+    json["across_plane"] = {{"rms_mm", result.lateral->rms_mm},
+                            {"largest_shank_deg", result.lateral->largest_shank_deg},
+                            {"largest_thigh_deg", result.lateral->largest_thigh_deg}};
   return json;
 }
 

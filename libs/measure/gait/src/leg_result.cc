@@ -26,7 +26,7 @@ struct MarkerOutput {
   std::vector<motion::SampleStatus> status;
   std::vector<Eigen::Vector2d> shown;
   std::vector<double> shown_sigma;
-  std::vector<double> shown_across;  // mm across the plane, of trials in three dimensions
+  std::vector<double> shown_lateral;  // mm, normal to the plane, of trials in three dimensions
   // Where the filter moves the fit's own curve to: what it takes of the movement. Empty without one.
   std::vector<Eigen::Vector2d> filtered_curve;
 };
@@ -72,7 +72,7 @@ void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, do
       };
       for (auto* positions : {&output.shown, &output.filtered_curve})
         for (int axis = 0; axis < 2; ++axis) filter([&](std::size_t i) -> double& { return (*positions)[i][axis]; });
-      if (!output.shown_across.empty()) filter([&](std::size_t i) -> double& { return output.shown_across[i]; });
+      if (!output.shown_lateral.empty()) filter([&](std::size_t i) -> double& { return output.shown_lateral[i]; });
     }
     if (end == begin) ++end;
   }
@@ -88,15 +88,15 @@ MarkerOutput MakeOutput(const Detections& d, MarkerCurve curve, const std::vecto
   output.status = StatusOf(d, output.curve, most_sigma, options.outlier_deviations);
   output.shown = output.curve.in_plane;
   output.shown_sigma = output.curve.plane_sigma;
-  output.shown_across = output.curve.across;
+  output.shown_lateral = output.curve.lateral;
   if (options.filter == LegFilter::kSpline) return output;
   for (std::size_t i = 0; i < d.seen.size(); ++i)
     if (d.seen[i]) {
       output.shown[i] = d.in_plane[i];
       output.shown_sigma[i] = d.plane_sigma[i];
     }
-  for (std::size_t i = 0; i < output.shown_across.size(); ++i)
-    if (d.seen[i]) output.shown_across[i] = d.across[i];
+  for (std::size_t i = 0; i < output.shown_lateral.size(); ++i)
+    if (d.seen[i]) output.shown_lateral[i] = d.lateral[i];
   if (options.filter == LegFilter::kButterworth)
     FilterPositions(output, time_s, options.cutoff_hz.value_or(kCustomaryCutoffHz));
   return output;
@@ -148,7 +148,7 @@ LegPoints PointsAt(const std::vector<MarkerOutput>& leg, std::size_t frame, bool
 // From the markers' own sigmas, where the fit's covariance does not apply.
 double KneeSigmaDeg(const std::vector<MarkerOutput>& leg, const motion::LegSample& sample, std::size_t i) {
   const auto length = [&](LegMarker below, const Eigen::Vector2d& in_plane) {
-    const auto &from = leg[below].shown_across, &to = leg[below + 1u].shown_across;
+    const auto &from = leg[below].shown_lateral, &to = leg[below + 1u].shown_lateral;
     return from.empty() ? in_plane.norm() : std::hypot(in_plane.norm(), to[i] - from[i]);
   };
   const double shank = length(kAnkle, sample.ak), thigh = length(kKnee, sample.kh);
@@ -161,9 +161,9 @@ double KneeSigmaDeg(const std::vector<MarkerOutput>& leg, const motion::LegSampl
 
 // The knee angle in space of a sample whose vectors in the plane are known.
 double KneeInSpaceOf(const std::vector<MarkerOutput>& leg, const motion::LegSample& sample,
-                     const Eigen::Vector3d& flexion_axis, const std::function<double(const MarkerOutput&)>& across) {
+                     const Eigen::Vector3d& flexion_axis, const std::function<double(const MarkerOutput&)>& lateral) {
   if (!std::isfinite(sample.knee_deg)) return sample.knee_deg;
-  const double ankle = across(leg[kAnkle]), knee = across(leg[kKnee]), hip = across(leg[kHip]);
+  const double ankle = lateral(leg[kAnkle]), knee = lateral(leg[kKnee]), hip = lateral(leg[kHip]);
   return KneeInSpaceDeg({sample.ak.x(), sample.ak.y(), knee - ankle}, {sample.kh.x(), sample.kh.y(), hip - knee},
                         flexion_axis);
 }
@@ -188,11 +188,11 @@ motion::LegMotion MakeMotion(const motion::MarkerRecording& recording, const std
     motion::LegSample sample = MakeLegSample(PointsAt(leg, i, false), facing, options.up);
     const motion::LegSample raw = MakeLegSample(PointsAt(leg, i, true), facing, options.up);
     sample.knee_raw_deg = raw.knee_deg;
-    if (!leg[kKnee].shown_across.empty()) {
+    if (!leg[kKnee].shown_lateral.empty()) {
       const Eigen::Vector3d& axis = curves.flexion_axis[i];
-      sample.knee_deg = KneeInSpaceOf(leg, sample, axis, [&](const MarkerOutput& m) { return m.shown_across[i]; });
+      sample.knee_deg = KneeInSpaceOf(leg, sample, axis, [&](const MarkerOutput& m) { return m.shown_lateral[i]; });
       sample.knee_raw_deg =
-          KneeInSpaceOf(leg, raw, axis, [&](const MarkerOutput& m) { return m.detections->across[i]; });
+          KneeInSpaceOf(leg, raw, axis, [&](const MarkerOutput& m) { return m.detections->lateral[i]; });
     }
     if (std::isfinite(sample.knee_deg)) {
       sample.knee_sigma_deg =
@@ -254,17 +254,17 @@ StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<Mar
 
 SegmentReport ReportSegment(const char* name, const Detections& below, const Detections& above, const LegCurves& curves,
                             LegMarker lower, int state) {
-  const bool across = !below.across.empty();
+  const bool lateral = !below.lateral.empty();
   const MarkerCurve &curve_below = curves.marker[lower], &curve_above = curves.marker[lower + 1u];
   std::vector<double> lengths, variances;
   std::vector<double> fitted;
   for (std::size_t i = 0; i < below.seen.size(); ++i) {
     if (!below.trusted[i] || !above.trusted[i]) continue;
     const double in_plane = (above.in_plane[i] - below.in_plane[i]).norm();
-    lengths.push_back(across ? std::hypot(in_plane, above.across[i] - below.across[i]) : in_plane);
+    lengths.push_back(lateral ? std::hypot(in_plane, above.lateral[i] - below.lateral[i]) : in_plane);
     variances.push_back(below.plane_sigma[i] * below.plane_sigma[i] + above.plane_sigma[i] * above.plane_sigma[i]);
-    fitted.push_back(across ? std::hypot(curves.state[i][state], curve_above.across[i] - curve_below.across[i])
-                            : curves.state[i][state]);
+    fitted.push_back(lateral ? std::hypot(curves.state[i][state], curve_above.lateral[i] - curve_below.lateral[i])
+                             : curves.state[i][state]);
   }
   SegmentReport report;
   report.name = name;

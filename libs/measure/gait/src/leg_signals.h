@@ -23,7 +23,7 @@ struct Detections {
   std::vector<double> jolt;   // recorded unit: how far off a smooth path a person's marker may be, noise apart
   std::vector<Eigen::Vector2d> in_plane;
   std::vector<double> plane_sigma;  // unit of the plane
-  std::vector<double> across;       // mm across the plane, NaN where missing; empty for a trial of two dimensions
+  std::vector<double> lateral;      // mm, normal to the plane, NaN where missing; empty for a trial of two dimensions
 };
 
 // `skin` (recorded unit) is what a marker on skin may jump from frame to frame. Throws Error for a sample that is not

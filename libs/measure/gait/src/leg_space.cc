@@ -69,9 +69,9 @@ std::vector<Eigen::Vector3d> FlexionAxes(const LegCurves& curves, const std::arr
   for (std::size_t i = 0; i < n; ++i) {
     const StateVector& s = curves.state[i];
     const Eigen::Vector3d ak(s[kShankLength] * std::sin(s[kShankAngle]), s[kShankLength] * std::cos(s[kShankAngle]),
-                             k.across[i] - a.across[i]),
+                             k.lateral[i] - a.lateral[i]),
         kh(s[kThighLength] * std::sin(s[kThighAngle]), s[kThighLength] * std::cos(s[kThighAngle]),
-           h.across[i] - k.across[i]);
+           h.lateral[i] - k.lateral[i]);
     const bool is_seen = leg[kAnkle].trusted[i] && leg[kKnee].trusted[i] && leg[kHip].trusted[i];
     if (!is_seen || DegreesFromRadians(std::atan2(ak.cross(kh).norm(), ak.dot(kh))) < kBent_deg) continue;
     axes[i] = ak.cross(kh).normalized();
@@ -94,33 +94,33 @@ std::vector<Eigen::Vector3d> FlexionAxes(const LegCurves& curves, const std::arr
 
 void SmoothAcross(const motion::MarkerRecording& recording, const Detections& d, const SplineGrid& grid,
                   const LegFitOptions& options, MarkerCurve& curve) {
-  std::vector<double> values = d.across;
+  std::vector<double> values = d.lateral;
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!d.trusted[i]) values[i] = motion::LegSample::kUnknown;
   SmoothCoordinate smooth = SmoothByItself(grid, recording.time_s, values, d.plane_sigma, options);
-  curve.across = std::move(smooth.value);
-  curve.across_rate = std::move(smooth.rate);
-  curve.across_variance = std::move(smooth.variance);
+  curve.lateral = std::move(smooth.value);
+  curve.lateral_rate = std::move(smooth.rate);
+  curve.lateral_variance = std::move(smooth.variance);
 }
 
 double LargestAngleDeg(const Detections& below, const Detections& above) {
   double largest = 0;
   for (std::size_t i = 0; i < below.trusted.size(); ++i)
     if (below.trusted[i] && above.trusted[i])
-      largest = std::max(largest, std::atan2(std::abs(above.across[i] - below.across[i]),
+      largest = std::max(largest, std::atan2(std::abs(above.lateral[i] - below.lateral[i]),
                                              (above.in_plane[i] - below.in_plane[i]).norm()));
   return DegreesFromRadians(largest);
 }
 
 }  // namespace
 
-void SetAcross(const AcrossPlane& across, std::array<Detections, kLegMarkers>& leg) {
+void SetLateral(const LateralPlaces& lateral, std::array<Detections, kLegMarkers>& leg) {
   for (Detections& d : leg) {
     if (!d.track) continue;
-    const auto found = across.find(d.name);
-    if (found == across.end() || found->second.size() != d.seen.size())
-      throw Fail("leg fit: marker '{}' has no places across the plane", d.name);
-    d.across = found->second;
+    const auto found = lateral.find(d.name);
+    if (found == lateral.end() || found->second.size() != d.seen.size())
+      throw Fail("leg fit: marker '{}' has no lateral places", d.name);
+    d.lateral = found->second;
   }
 }
 
@@ -132,7 +132,7 @@ void AddAcross(const motion::MarkerRecording& recording, const std::array<Detect
   const MarkerCurve &a = curves.marker[kAnkle], &k = curves.marker[kKnee], &h = curves.marker[kHip];
   for (std::size_t i = 0; i < recording.Frames(); ++i) {
     const KneeAngle knee =
-        KneeAngleOf(curves.state[i], k.across[i] - a.across[i], h.across[i] - k.across[i], curves.flexion_axis[i]);
+        KneeAngleOf(curves.state[i], k.lateral[i] - a.lateral[i], h.lateral[i] - k.lateral[i], curves.flexion_axis[i]);
     Eigen::Matrix4d covariance;
     Eigen::Vector4d rate;
     for (int r = 0; r < 4; ++r) {
@@ -143,16 +143,16 @@ void AddAcross(const motion::MarkerRecording& recording, const std::array<Detect
     }
     const Eigen::Vector4d by_plane = knee.by_parts.head<4>();
     const double by_ak = knee.by_parts[4], by_kh = knee.by_parts[5];
-    const double across_variance = by_ak * by_ak * a.across_variance[i] +
-                                   (by_ak - by_kh) * (by_ak - by_kh) * k.across_variance[i] +
-                                   by_kh * by_kh * h.across_variance[i];
+    const double lateral_variance = by_ak * by_ak * a.lateral_variance[i] +
+                                    (by_ak - by_kh) * (by_ak - by_kh) * k.lateral_variance[i] +
+                                    by_kh * by_kh * h.lateral_variance[i];
     // What slow noise adds in the plane, it adds in space.
     const double slow_rad2 =
         std::max(0.0, std::pow(RadiansFromDegrees(curves.knee_sigma_deg[i]), 2) - KneeVariance(curves.covariance[i]));
     curves.knee_sigma_deg[i] =
-        DegreesFromRadians(std::sqrt(by_plane.dot(covariance * by_plane) + across_variance + slow_rad2));
-    curves.knee_deg_s[i] = DegreesFromRadians(by_plane.dot(rate) + by_ak * (k.across_rate[i] - a.across_rate[i]) +
-                                              by_kh * (h.across_rate[i] - k.across_rate[i]));
+        DegreesFromRadians(std::sqrt(by_plane.dot(covariance * by_plane) + lateral_variance + slow_rad2));
+    curves.knee_deg_s[i] = DegreesFromRadians(by_plane.dot(rate) + by_ak * (k.lateral_rate[i] - a.lateral_rate[i]) +
+                                              by_kh * (h.lateral_rate[i] - k.lateral_rate[i]));
   }
 }
 
@@ -160,17 +160,17 @@ double KneeInSpaceDeg(const Eigen::Vector3d& ak, const Eigen::Vector3d& kh, cons
   return DegreesFromRadians(KneeAngleAbout<double>(ak, kh, flexion_axis));
 }
 
-AcrossReport ReportAcross(const std::array<Detections, kLegMarkers>& leg) {
-  AcrossReport report;
+LateralReport ReportLateral(const std::array<Detections, kLegMarkers>& leg) {
+  LateralReport report;
   double square = 0;
   std::size_t count = 0;
   for (const LegMarker m : {kAnkle, kKnee, kHip}) {
     double sum = 0, sum2 = 0;
     std::size_t n = 0;
-    for (std::size_t i = 0; i < leg[m].across.size(); ++i)
+    for (std::size_t i = 0; i < leg[m].lateral.size(); ++i)
       if (leg[m].trusted[i]) {
-        sum += leg[m].across[i];
-        sum2 += leg[m].across[i] * leg[m].across[i];
+        sum += leg[m].lateral[i];
+        sum2 += leg[m].lateral[i] * leg[m].lateral[i];
         ++n;
       }
     if (n > 0) {

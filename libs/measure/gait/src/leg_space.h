@@ -8,10 +8,10 @@
 
 namespace lake::gait {
 
-// Gives the leg's detections their places across the plane. Throws Error for a marker that `across` does not know.
-void SetAcross(const AcrossPlane& across, std::array<Detections, kLegMarkers>& leg);
+// Gives the leg's detections their lateral places. Throws Error for a marker that `lateral` does not know.
+void SetLateral(const LateralPlaces& lateral, std::array<Detections, kLegMarkers>& leg);
 
-// Smooths the leg's places across the plane, finds the knee's flexion axis, and makes the knee angle's sigma and speed
+// Smooths the leg's lateral places, finds the knee's flexion axis, and makes the knee angle's sigma and speed
 // those of the angle in space.
 void AddAcross(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg,
                const LegModel& model, const LegFitOptions& options, LegCurves& curves);
@@ -19,6 +19,6 @@ void AddAcross(const motion::MarkerRecording& recording, const std::array<Detect
 // Between two vectors in space, positive in flexion about the axis (a unit vector).
 double KneeInSpaceDeg(const Eigen::Vector3d& ak, const Eigen::Vector3d& kh, const Eigen::Vector3d& flexion_axis);
 
-AcrossReport ReportAcross(const std::array<Detections, kLegMarkers>& leg);
+LateralReport ReportLateral(const std::array<Detections, kLegMarkers>& leg);
 
 }  // namespace lake::gait

@@ -134,12 +134,12 @@ Sideways SidewaysOf(const LegPath& path) {
   Sideways sideways;
   sideways.deg =
       std::abs(median([&](std::size_t i) { return aside_deg(kAnkleAt, kKneeAt, i) - aside_deg(kKneeAt, kHipAt, i); }));
-  std::array<std::pair<double, Place>, 3> across;
+  std::array<std::pair<double, Place>, 3> lateral;
   for (const Place place : {kAnkleAt, kKneeAt, kHipAt})
-    across[place] = {median([&](std::size_t i) { return path.marker[place][i].z(); }), place};
-  std::sort(across.begin(), across.end());
-  const bool is_last = across[2].first - across[1].first > across[1].first - across[0].first;
-  sideways.farthest = across[is_last ? 2 : 0].second;
+    lateral[place] = {median([&](std::size_t i) { return path.marker[place][i].z(); }), place};
+  std::sort(lateral.begin(), lateral.end());
+  const bool is_last = lateral[2].first - lateral[1].first > lateral[1].first - lateral[0].first;
+  sideways.farthest = lateral[is_last ? 2 : 0].second;
   return sideways;
 }
 

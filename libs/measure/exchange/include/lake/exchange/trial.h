@@ -60,7 +60,7 @@ struct Trial {
   std::optional<Eigen::Matrix3d> plane_from_space;
   // 3-D files whose points do not lie in one plane: each marker's lateral coordinate in each frame (to the right of a
   // person who faces along the plane), NaN where missing.
-  std::map<std::string, std::vector<double>> across_mm;
+  std::map<std::string, std::vector<double>> lateral_mm;
   std::vector<std::string> warnings;
 };
 

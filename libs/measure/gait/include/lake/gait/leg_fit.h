@@ -110,8 +110,8 @@ struct LegFitSummary {
 };
 
 // Of trials in three dimensions: how far the leg leaves the plane.
-struct AcrossReport {
-  double rms_mm = 0;             // movement of ankle, knee and hip across the plane
+struct LateralReport {
+  double rms_mm = 0;             // lateral movement of ankle, knee and hip
   double largest_shank_deg = 0;  // between segment and plane
   double largest_thigh_deg = 0;
 };
@@ -127,28 +127,28 @@ struct LegFitResult {
   std::vector<MarkerReport> markers;
   std::vector<SegmentReport> segments;
   std::vector<OutlierReport> outliers;
-  std::optional<AcrossReport> across;
+  std::optional<LateralReport> lateral;
   Eigen::Vector2d up = Eigen::Vector2d::UnitY();  // in the plane, as the options had it
   LegMarkers leg_markers;                         // what they are called in the recording, as the options had it
   std::vector<std::string> warnings;
   LegFitSummary summary;
 };
 
-// Where the markers of a trial in three dimensions are across the plane: by marker, mm, one value per frame, NaN where
+// Lateral places of the markers of a trial in three dimensions: by marker, mm, one value per frame, NaN where
 // missing.
-using AcrossPlane = std::map<std::string, std::vector<double>>;
+using LateralPlaces = std::map<std::string, std::vector<double>>;
 
 // Markers other than the leg's are smoothed and bridged each by itself. A sigma of 0 means that it is not known: it is
 // then estimated from the marker's own fine structure. Throws Error: a marker of the leg is absent or hardly seen, a
 // position is not finite, the markers are no person's leg (persons_leg.h), the result is none of a person's
 // (plausibility.h); SolverError: no solution.
 //
-// With `across`, the recording is the projection of three dimensions onto its plane: paths, vectors and segment angles
+// With `lateral`, the recording is the projection of three dimensions onto its plane: paths, vectors and segment angles
 // are the projection's; the segments' lengths, the knee angle (between the vectors AK and KH in space), its sigma and
 // its speed are three-dimensional. The angle's sign is that about the flexion axis: positive in flexion, negative when
 // hyperextended. A bend to the side counts less where it is the larger part of a small angle.
 LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options = {},
-                    const AcrossPlane& across = {});
+                    const LateralPlaces& lateral = {});
 
 // What the recording says of the knee: smallest and largest angle, peak speeds, each with its time. For summary.json,
 // with the reports above, under the keys markers, segments, outliers, knee, sit_to_stands, fit.

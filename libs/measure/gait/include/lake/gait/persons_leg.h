@@ -26,7 +26,7 @@ struct PersonsLegLimits {
   double most_lean_deg = 120;                              // of each segment from the vertical, in most frames: 95
 };
 
-// The markers' places in the leg's axes (x anterior, y up, z across, 0 for a trial of two dimensions), NaN where not
+// The markers' places in the leg's axes (x anterior, y up, z lateral, 0 for a trial of two dimensions), NaN where not
 // known; all four columns have a value per frame.
 struct LegPath {
   motion::LengthUnit unit = motion::LengthUnit::kPx;
