@@ -10,6 +10,7 @@
 #include "lake/drawing/linkage_figures.h"
 #include "lake/linkage/body.h"
 #include "lake/linkage/linkage.h"
+#include "linkage_page.h"
 #include "published_links.h"
 #include "report/browser.h"
 #include "temporary_folder.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lake/drawing/label_places.h"
+#include "label_places.h"
 #include "scene.h"
 
 namespace lake::drawing {

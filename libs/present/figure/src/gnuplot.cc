@@ -20,7 +20,7 @@
 #include "lake/core/error.h"
 #include "lake/core/file_descriptor.h"
 #include "lake/core/processes.h"
-#include "lake/figure/theme.h"
+#include "theme.h"
 
 namespace lake::figure {
 namespace {

@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 
 #include "lake/figure/gnuplot.h"
-#include "lake/figure/theme.h"
 #include "percents.h"
+#include "theme.h"
 
 namespace lake::figure {
 
@@ -17,13 +17,13 @@ void DrawConditions(const std::filesystem::path& path, const std::vector<Conditi
   figure.Line("set key above left horizontal Left reverse");
   std::vector<std::string> bands, lines;
   for (const ConditionCurve& curve : curves) {
-    const Look& look = curve.with_exoskeleton ? kWornLook : kHumanLook;
+    const PathStyle& style = curve.with_exoskeleton ? kWornPath : kHumanPath;
     const std::vector<double> percents = Percents(static_cast<int>(curve.mean.size()));
     if (!curve.low.empty())
       bands.push_back(fmt::format("{} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder",
-                                  figure.Data({percents, curve.low, curve.high}), look.colour));
+                                  figure.Data({percents, curve.low, curve.high}), style.colour));
     lines.push_back(fmt::format("{} using 1:2 with lines {} title '{} exoskeleton (n = {})'",
-                                figure.Data({percents, curve.mean}), LineOf(look),
+                                figure.Data({percents, curve.mean}), LineOf(style),
                                 curve.with_exoskeleton ? "with" : "without", curve.people));
   }
   bands.insert(bands.end(), lines.begin(), lines.end());

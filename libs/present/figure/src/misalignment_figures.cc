@@ -9,8 +9,8 @@
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/figure/gnuplot.h"
-#include "lake/figure/theme.h"
 #include "percents.h"
+#include "theme.h"
 
 namespace lake::figure {
 namespace {
@@ -89,8 +89,8 @@ void DrawLegs(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(
       fmt::format("plot {} using 1:2 with linespoints lw 2.5 pt 7 ps 0.8 lc rgb '{}', {} using 1:2 with linespoints lw "
                   "2 dt {} pt 6 ps 1 lc rgb '{}', {} using 1:2 with lines {}, {} using 1:2 with lines {}",
-                  human_legs, kHumanLook.colour, exo_legs, kWornLook.dash, kWornLook.colour, human, LineOf(kHumanLook),
-                  exo, LineOf(kWornLook)));
+                  human_legs, kHumanPath.colour, exo_legs, kWornPath.dash, kWornPath.colour, human, LineOf(kHumanPath),
+                  exo, LineOf(kWornPath)));
   figure.Line("unset label");
 }
 
@@ -105,10 +105,10 @@ void DrawKneePaths(GnuplotFigure& figure, const compare::Misalignment& m) {
   const std::string human_dots = PathOf(m.human.knee, 25).In(figure), exo_dots = PathOf(m.exo.knee, 25).In(figure);
   std::string plot =
       fmt::format("plot {} using 1:2 with lines lw 1 lc rgb '{}' title 'same moment, every 5 %'", ties, colour::kGuide);
-  plot += fmt::format(", {} using 1:2 with lines {} title 'human knee'", human, LineOf(kHumanLook));
-  plot += fmt::format(", {} using 1:2 with lines {} title 'worn exoskeleton'", exo, LineOf(kWornLook));
-  plot += fmt::format(", {} using 1:2 with points {} title '0, 25, 50, 75, 100 %'", human_dots, MarkOf(kHumanLook));
-  plot += fmt::format(", {} using 1:2 with points {}", exo_dots, MarkOf(kWornLook));
+  plot += fmt::format(", {} using 1:2 with lines {} title 'human knee'", human, LineOf(kHumanPath));
+  plot += fmt::format(", {} using 1:2 with lines {} title 'worn exoskeleton'", exo, LineOf(kWornPath));
+  plot += fmt::format(", {} using 1:2 with points {} title '0, 25, 50, 75, 100 %'", human_dots, MarkOf(kHumanPath));
+  plot += fmt::format(", {} using 1:2 with points {}", exo_dots, MarkOf(kWornPath));
   figure.Line(plot);
 }
 
@@ -184,7 +184,7 @@ void DrawAngles(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(fmt::format(
       "plot {} using 1:2 with lines {} title 'human', {} using 1:2 with lines {} title 'worn exoskeleton, RMS "
       "difference {}°'",
-      human, LineOf(kHumanLook), exo, LineOf(kWornLook),
+      human, LineOf(kHumanPath), exo, LineOf(kWornPath),
       KnownTo(m.metrics.knee_rmse_deg, m, &compare::MisalignmentIntervals::knee_rmse_deg)));
 }
 

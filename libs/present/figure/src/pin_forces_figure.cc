@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "lake/figure/gnuplot.h"
-#include "lake/figure/theme.h"
+#include "theme.h"
 
 namespace lake::figure {
 namespace {

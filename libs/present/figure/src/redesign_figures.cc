@@ -11,8 +11,8 @@
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/figure/gnuplot.h"
-#include "lake/figure/theme.h"
 #include "percents.h"
+#include "theme.h"
 
 namespace lake::figure {
 namespace {
@@ -52,9 +52,9 @@ class Plot {
   std::vector<std::string> curves_;
 };
 
-const std::string kHumanStyle = LineOf(kHumanLook);
-const std::string kBeforeStyle = LineOf(kWornLook);
-const std::string kAfterStyle = LineOf(kNewLook);
+const std::string kHumanStyle = LineOf(kHumanPath);
+const std::string kBeforeStyle = LineOf(kWornPath);
+const std::string kAfterStyle = LineOf(kNewPath);
 
 std::string AfterName(const redesign::RedesignOutcome& outcome) {
   return outcome.IsSolved() ? "new" : "least found";
@@ -69,28 +69,28 @@ void DrawPaths(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) 
     const std::vector<Eigen::Vector2d>* path;  // nullptr: not drawn
     double width;
     std::string title;
-    const Look& look;
+    const PathStyle& style;
   };
   const auto path = [](const redesign::DesignInMotion& design) {
     return design.prediction ? &design.prediction->exo.knee : nullptr;
   };
   const std::array knees{
-      Knee{.path = &outcome.measured.human.knee, .width = 5, .title = "human knee", .look = kHumanLook},
-      Knee{.path = path(outcome.before), .width = 3, .title = "worn, predicted", .look = kWornLook},
-      Knee{.path = path(outcome.after), .width = 2, .title = AfterName(outcome) + ", predicted", .look = kNewLook}};
+      Knee{.path = &outcome.measured.human.knee, .width = 5, .title = "human knee", .style = kHumanPath},
+      Knee{.path = path(outcome.before), .width = 3, .title = "worn, predicted", .style = kWornPath},
+      Knee{.path = path(outcome.after), .width = 2, .title = AfterName(outcome) + ", predicted", .style = kNewPath}};
   Plot plot(figure);
   // A path that runs back over itself would look solid though it is dashed: lines are told apart by width here.
   for (const Knee& knee : knees)
     if (knee.path)
       plot.AddPath(*knee.path,
-                   fmt::format("lines lw {} lc rgb '{}' title '{}'", knee.width, knee.look.colour, knee.title));
+                   fmt::format("lines lw {} lc rgb '{}' title '{}'", knee.width, knee.style.colour, knee.title));
   // The same instants on each path, so that being late can be told from being elsewhere.
   const char* title = "title '0, 25, 50, 75, 100 %'";
   for (const Knee& knee : knees) {
     if (!knee.path) continue;
     std::vector<Eigen::Vector2d> dots;
     for (std::size_t i = 0; i < compare::kPercentSamples; i += 25) dots.push_back((*knee.path)[i]);
-    plot.AddPath(dots, fmt::format("points {} {}", MarkOf(knee.look), title));
+    plot.AddPath(dots, fmt::format("points {} {}", MarkOf(knee.style), title));
     title = "notitle";
   }
   plot.Draw();
@@ -224,10 +224,11 @@ void DrawKneeMoments(GnuplotFigure& figure, const redesign::RedesignOutcome& out
   plot.Draw();
 }
 
-void AddDesignMark(const redesign::DesignInMotion& design, const std::string& name, const Look& look, Plot& plot) {
+void AddDesignMark(const redesign::DesignInMotion& design, const std::string& name, const PathStyle& style,
+                   Plot& plot) {
   if (!design.misalignment || !design.evaluation.pose) return;
   plot.AddData({design.evaluation.range_deg}, {100 * design.misalignment->metrics.relative_rms},
-               fmt::format("points pt {} ps 2.6 lc rgb '{}' title '{}'", look.mark, look.colour, name));
+               fmt::format("points pt {} ps 2.6 lc rgb '{}' title '{}'", style.mark, style.colour, name));
 }
 
 }  // namespace
@@ -274,10 +275,10 @@ void DrawPareto(const redesign::RedesignOutcome& outcome, const std::filesystem:
                              kMarks[i % 3], colour::kFronts[i % 3], outcome.fronts[i].name));
   }
   if (plot.IsEmpty()) plot.Add("1/0 notitle");
-  AddDesignMark(outcome.before, "worn", kWornLook, plot);
-  if (outcome.joint_moved) AddDesignMark(*outcome.joint_moved, "worn, joint moved", kMovedLook, plot);
-  if (outcome.other_program) AddDesignMark(*outcome.other_program, "worn, other program", kOtherProgramLook, plot);
-  AddDesignMark(outcome.after, AfterName(outcome), kNewLook, plot);
+  AddDesignMark(outcome.before, "worn", kWornPath, plot);
+  if (outcome.joint_moved) AddDesignMark(*outcome.joint_moved, "worn, joint moved", kMovedPath, plot);
+  if (outcome.other_program) AddDesignMark(*outcome.other_program, "worn, other program", kOtherProgramPath, plot);
+  AddDesignMark(outcome.after, AfterName(outcome), kNewPath, plot);
   if (outcome.problem.max_misalignment_percent)
     figure.Line(
         fmt::format("set arrow from graph 0, first {0} to graph 1, first {0} nohead lw 1.5 dt 3 lc rgb '{1}'; "

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "lake/drawing/label_places.h"
 #include "lake/linkage/body.h"
 #include "lake/linkage/linkage.h"
 
@@ -23,10 +22,6 @@ struct LinkageLook {
 // The paper's graphical simulation: the linkage on axes in mm with its dimensions, cylinder red, piston black, the leg
 // behind; beside it the four-bar enlarged.
 void DrawLinkagePose(const std::filesystem::path& path, const LinkageLook& look, const linkage::Pose& pose);
-// As one of a series: a label stays where it was, beside what it names, while its place there is free. `labels`: of
-// the pose before, then of this one.
-void DrawLinkagePose(const std::filesystem::path& path, const LinkageLook& look, const linkage::Pose& pose,
-                     LabelPlaces& labels);
 
 // Knee angle, moment arm with force, and transmission angles over the used range; `marked` strokes, ascending, are
 // marked.
