@@ -116,10 +116,10 @@ inline motion::MarkerRecording MakeTracks(const std::vector<double>& time_s,
     for (std::size_t i = 0; i < time_s.size(); ++i) {
       const Eigen::Vector2d seen =
           gait::RecordedFromPlane<double>(view, Eigen::Vector2d(*(points_mm[i].*point)), view.Depth(name));
-      const Eigen::Vector2d fresh{normal(random), normal(random)};
+      const Eigen::Vector2d drawn{normal(random), normal(random)};
       const bool resting = i > 0 && (seen - last).norm() < 0.1 && i % 60 != 0;
-      if (noise.kind == NoiseKind::kWhite || (noise.kind == NoiseKind::kFrozen && !resting)) error = fresh;
-      if (noise.kind == NoiseKind::kAutoregressive) error = 0.9 * error + std::sqrt(1 - 0.81) * fresh;
+      if (noise.kind == NoiseKind::kWhite || (noise.kind == NoiseKind::kFrozen && !resting)) error = drawn;
+      if (noise.kind == NoiseKind::kAutoregressive) error = 0.9 * error + std::sqrt(1 - 0.81) * drawn;
       last = seen;
       const double sigma = noise.stated_sigma_px > 0 ? noise.stated_sigma_px : noise.sigma_px;
       track.samples.push_back({seen + error, sigma, motion::SampleStatus::kDetected});

@@ -438,7 +438,7 @@ def rms(values):
     return float(np.sqrt(np.mean(values**2))) if len(values) else math.nan
 
 
-def judge_positions(truth, tracks, rows, fresh, radius_px, row, why):
+def judge_positions(truth, tracks, rows, not_repeated, radius_px, row, why):
     """Marks against the pictures that show something new."""
     seen = found = 0
     all_z = []
@@ -447,8 +447,8 @@ def judge_positions(truth, tracks, rows, fresh, radius_px, row, why):
     limit = max(1.0, radius_px)  # beyond its own disc a mark is not on the marker
     for name in LEG:
         mark = np.stack([numbers(tracks[name + "_x_px"]), numbers(tracks[name + "_y_px"])], 1)
-        detected = np.array([status == "detected" for status in tracks[name + "_status"]]) & fresh
-        visible = (numbers(truth[name + "_visible"])[rows] > 0.5) & fresh
+        detected = np.array([status == "detected" for status in tracks[name + "_status"]]) & not_repeated
+        visible = (numbers(truth[name + "_visible"])[rows] > 0.5) & not_repeated
         off = np.linalg.norm(mark - places[name], axis=1)
         good = detected & visible
         seen, found = seen + visible.sum(), found + good.sum()
@@ -480,12 +480,12 @@ def judge_angles(truth, motion, kinematics, row, why):
     frames, told = numbers(kinematics["frame"]).astype(int), numbers(kinematics["time_s"])
     pictures = numbers(truth["time_s"])[frames]
     moving = cubic(told - told[0] + pictures[0], numbers(motion["time_s"]), numbers(motion["knee_deg"]))
-    fresh = numbers(truth["repeated"])[frames] == 0
-    true = np.where(fresh, numbers(truth["knee_deg"])[frames], moving)
+    not_repeated = numbers(truth["repeated"])[frames] == 0
+    true = np.where(not_repeated, numbers(truth["knee_deg"])[frames], moving)
     error, raw = (numbers(kinematics[name]) - true for name in ("knee_deg", "knee_raw_deg"))
     sigma = numbers(kinematics["knee_sigma_deg"])
     row["knee_deg"] = rms(error)
-    both = np.isfinite(raw) & np.isfinite(error) & fresh  # on the same frames
+    both = np.isfinite(raw) & np.isfinite(error) & not_repeated  # on the same frames
     row["knee_fit_deg"], row["knee_raw_deg"] = rms(error[both]), rms(raw[both])
     row["ratio"] = row["knee_fit_deg"] / row["knee_raw_deg"] if row["knee_raw_deg"] else math.nan
     z = error / sigma
@@ -498,12 +498,12 @@ def judge_angles(truth, motion, kinematics, row, why):
         why.append(f"knee {abs(error[worst]):.1f} deg off, {abs(z[worst]):.1f} SD (frame {frames[worst]}; {off.sum()} frames)")
 
 
-def judge_times(truth, tracks, rows, fresh, row, why):
+def judge_times(truth, tracks, rows, not_repeated, row, why):
     true, told = numbers(truth["time_s"])[rows], numbers(tracks["time_s"])
     error = (told - told[0]) - (true - true[0])
-    worst = float(np.max(np.abs(error[fresh])))
+    worst = float(np.max(np.abs(error[not_repeated])))
     row["time_ms"] = 1000 * worst
-    frame_s = float(np.median(np.diff(true[fresh])))
+    frame_s = float(np.median(np.diff(true[not_repeated])))
     if worst > 1.001 * frame_s:
         why.append(f"a time {1000 * worst:.0f} ms off")
 
@@ -517,11 +517,11 @@ def judge(world, folder, result, code, told):
         return row | {"verdict": "asked" if asked else "refused", "why": message[:300]}
     truth, tracks = read_table(folder / "truth.csv"), read_table(result / "tracks.csv")
     rows = numbers(tracks["frame"]).astype(int)
-    fresh = numbers(truth["repeated"])[rows] == 0
+    not_repeated = numbers(truth["repeated"])[rows] == 0
     scale = world["processing"]["size"][0] / world["size"][0] if "processing" in world else 1
     why = []
-    judge_times(truth, tracks, rows, fresh, row, why)
-    judge_positions(truth, tracks, rows, fresh, world["radius_px"] * scale, row, why)
+    judge_times(truth, tracks, rows, not_repeated, row, why)
+    judge_positions(truth, tracks, rows, not_repeated, world["radius_px"] * scale, row, why)
     if (result / "kinematics.csv").exists():
         judge_angles(truth, read_table(folder / "motion.csv"), read_table(result / "kinematics.csv"), row, why)
     if why:

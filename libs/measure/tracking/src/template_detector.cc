@@ -12,13 +12,13 @@ namespace lake::tracking {
 namespace {
 
 constexpr double kFoundCorrelation = 0.75;  // the patch is there
-constexpr double kRenewCorrelation = 0.90;  // below this the patch has changed its look enough to be cut anew
-constexpr std::size_t kMaxLooks = 12;       // of one patch; the first is never forgotten
+constexpr double kRenewCorrelation = 0.90;  // below this the patch has changed enough to be cut anew
+constexpr std::size_t kMaxSamples = 12;     // of one patch; the first is never forgotten
 
 // A patch centred on its marker exactly, to a fraction of a pixel.
-struct Look {
+struct Sample {
   cv::Mat grey;                                              // CV_32F, square, odd size
-  Eigen::Vector2d drift_variance = Eigen::Vector2d::Zero();  // of its centre, from the looks it was cut by
+  Eigen::Vector2d drift_variance = Eigen::Vector2d::Zero();  // of its centre, from the samples it was cut by
 };
 
 constexpr int kTaps = 6;  // of the interpolation
@@ -65,11 +65,11 @@ struct Match {
 
 // Shift, gain and offset that make the picture the patch (Lucas & Kanade 1981), Gauss–Newton with the patch's own
 // gradient.
-std::optional<Match> Refine(const cv::Mat& picture, const Look& look, Eigen::Vector2d center) {
-  const int half = look.grey.rows / 2;
+std::optional<Match> Refine(const cv::Mat& picture, const Sample& sample, Eigen::Vector2d center) {
+  const int half = sample.grey.rows / 2;
   cv::Mat dx, dy;
-  cv::Sobel(look.grey, dx, CV_32F, 1, 0, 3, 1.0 / 8);
-  cv::Sobel(look.grey, dy, CV_32F, 0, 1, 3, 1.0 / 8);
+  cv::Sobel(sample.grey, dx, CV_32F, 1, 0, 3, 1.0 / 8);
+  cv::Sobel(sample.grey, dy, CV_32F, 0, 1, 3, 1.0 / 8);
   constexpr int kMaxIterations = 20;
   constexpr double kConvergedPx = 1e-3;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
@@ -80,7 +80,7 @@ std::optional<Match> Refine(const cv::Mat& picture, const Look& look, Eigen::Vec
     const int count = (2 * half - 1) * (2 * half - 1);
     for (int y = 1; y < 2 * half; ++y)
       for (int x = 1; x < 2 * half; ++x) {
-        const Eigen::Vector4d row(dx.at<float>(y, x), dy.at<float>(y, x), look.grey.at<float>(y, x), 1);
+        const Eigen::Vector4d row(dx.at<float>(y, x), dy.at<float>(y, x), sample.grey.at<float>(y, x), 1);
         normal += row * row.transpose();
         right += row * now.at<float>(y, x);
         square_sum += std::pow(now.at<float>(y, x), 2);
@@ -96,7 +96,7 @@ std::optional<Match> Refine(const cv::Mat& picture, const Look& look, Eigen::Vec
     const double variance = std::max(0.0, square_sum - solution.dot(right)) / (count - 4);
     const Eigen::Matrix4d inverse = factor.solve(Eigen::Matrix4d::Identity());
     return Match{center, inverse.topLeftCorner<2, 2>() * variance / (gain * gain),
-                 Correlation(Cut(picture, center, half), look.grey)};
+                 Correlation(Cut(picture, center, half), sample.grey)};
   }
   return std::nullopt;
 }
@@ -108,14 +108,14 @@ class TemplateDetector : public MarkerDetector {
       : region_(region), seeds_(seeds) {
     for (std::size_t i = 0; i < seeds.size(); ++i) {
       half_ = std::clamp(pictures[i].rows / 50, 8, 24);
-      Look look{Cut(pictures[i], seeds[i].position, half_)};
+      Sample sample{Cut(pictures[i], seeds[i].position, half_)};
       cv::Scalar mean, deviation;
-      cv::meanStdDev(look.grey, mean, deviation);
+      cv::meanStdDev(sample.grey, mean, deviation);
       constexpr double kMinDeviation = 3;  // grey levels
       if (deviation[0] < kMinDeviation)
         throw Fail("--seed {}={},{}@{}: the picture is even there, a patch of it cannot be found again", seeds[i].name,
                    seeds[i].position.x(), seeds[i].position.y(), seeds[i].frame);
-      looks_.push_back({look});
+      samples_.push_back({sample});
     }
   }
 
@@ -124,16 +124,16 @@ class TemplateDetector : public MarkerDetector {
   std::vector<MarkerDetection> Detect(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions,
                                       bool everywhere) override {
     std::vector<MarkerDetection> found;
-    for (std::size_t i = 0; i < looks_.size(); ++i) {
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
       const auto prediction = std::find_if(predictions.begin(), predictions.end(), [&](const MarkerPrediction& p) {
         return p.identity == static_cast<int>(i);
       });
       std::optional<Match> match;
       if (prediction != predictions.end())
-        match = Find(frame.luma, looks_[i], Around(frame.luma, prediction->position, prediction->gate_px));
+        match = Find(frame.luma, samples_[i], Around(frame.luma, prediction->position, prediction->gate_px));
       if (!match && everywhere) {
         const bool pointed_at = frame.index == seeds_[i].frame;
-        match = Find(frame.luma, looks_[i],
+        match = Find(frame.luma, samples_[i],
                      pointed_at ? Around(frame.luma, seeds_[i].position, half_) : region_.Of(frame.luma));
       }
       if (!match || IsTaken(match->center, static_cast<int>(i), predictions, found)) continue;
@@ -167,29 +167,29 @@ class TemplateDetector : public MarkerDetector {
            region_.Of(picture);
   }
 
-  // The best of the patch's looks in a part of the picture; a new look is cut when it has changed.
-  std::optional<Match> Find(const cv::Mat& picture, std::vector<Look>& looks, const cv::Rect& box) const {
+  // The best of the patch's samples in a part of the picture; a new sample is cut when it has changed.
+  std::optional<Match> Find(const cv::Mat& picture, std::vector<Sample>& samples, const cv::Rect& box) const {
     const int size = 2 * half_ + 1;
     if (box.width <= size || box.height <= size) return std::nullopt;
     cv::Mat part;
     picture(box).convertTo(part, CV_32F);
     std::optional<Match> best;
-    for (const Look& look : looks) {
+    for (const Sample& sample : samples) {
       cv::Mat score;
-      cv::matchTemplate(part, look.grey, score, cv::TM_CCOEFF_NORMED);
+      cv::matchTemplate(part, sample.grey, score, cv::TM_CCOEFF_NORMED);
       double peak = 0;
       cv::Point place;
       cv::minMaxLoc(score, nullptr, &peak, nullptr, &place);
       if (peak < kFoundCorrelation) continue;
-      auto match = Refine(picture, look, Eigen::Vector2d(box.x + place.x + half_, box.y + place.y + half_));
+      auto match = Refine(picture, sample, Eigen::Vector2d(box.x + place.x + half_, box.y + place.y + half_));
       if (!match || match->correlation < kFoundCorrelation) continue;
-      match->covariance += look.drift_variance.asDiagonal();
+      match->covariance += sample.drift_variance.asDiagonal();
       if (!best || match->correlation > best->correlation) best = match;
-      if (best->correlation > kRenewCorrelation) break;  // earlier looks drift less: the first good one is taken
+      if (best->correlation > kRenewCorrelation) break;  // earlier samples drift less: the first good one is taken
     }
     if (best && best->correlation < kRenewCorrelation) {
-      if (looks.size() == kMaxLooks) looks.erase(looks.begin() + 1);
-      looks.push_back({Cut(picture, best->center, half_), best->covariance.diagonal()});
+      if (samples.size() == kMaxSamples) samples.erase(samples.begin() + 1);
+      samples.push_back({Cut(picture, best->center, half_), best->covariance.diagonal()});
     }
     return best;
   }
@@ -197,7 +197,7 @@ class TemplateDetector : public MarkerDetector {
   DetectorRegion region_;
   std::vector<MarkerSeed> seeds_;
   int half_ = 12;
-  std::vector<std::vector<Look>> looks_;  // by identity
+  std::vector<std::vector<Sample>> samples_;  // by identity
 };
 
 }  // namespace
