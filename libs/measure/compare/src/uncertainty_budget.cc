@@ -19,7 +19,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kNormal95 = 1.959964;
 constexpr const char* kSoftTissue = "soft tissue";
 constexpr const char* kPlacement = "marker placement";
 constexpr const char* kAnkleAndHipTissue = "soft tissue at ankle and hip";
@@ -32,10 +31,6 @@ constexpr const char* kTissueReference =
 
 // How many independent samples a mean over the rise has: noise is correlated over about two percent each way.
 constexpr double kIndependentSamples = kPercentSamples / 5.0;
-
-double DeviationOf(const Interval& interval) {
-  return (interval.high - interval.low) / (2 * kNormal95);
-}
 
 // What a quantity gains from an error at the knee, the joint or the rise's ends, in its own unit.
 struct Sensitivities {
@@ -227,7 +222,7 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
       AddSources(s, Detection(marker_mm, "mm", std::sqrt(kMarkersOfAJoint) * s.noise),
                  {replacement_sd_mm, kReplacement}, o.axes.exo_mm, o, budget.rows);
       if (joint.intervals && joint.repetitions > 1)
-        AddOwnVariation(DeviationOf((*joint.intervals).*interval), "mm", budget.rows);
+        AddOwnVariation(((*joint.intervals).*interval).Deviation(), "mm", budget.rows);
       budgets.push_back(std::move(budget));
     };
     using Intervals = JointMisalignment::Intervals;

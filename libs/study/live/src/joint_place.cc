@@ -18,12 +18,6 @@ using Eigen::Vector2d;
 
 namespace {
 
-constexpr double kNormal95 = 1.959964;
-
-double DeviationOf(const compare::Interval& interval) {
-  return (interval.high - interval.low) / (2 * kNormal95);
-}
-
 RiseOffset OffsetOf(const compare::StsCurve& curve, const compare::StsInterval& interval) {
   compare::RegisteredTrial one;
   one.repetitions.push_back(curve);
@@ -34,7 +28,7 @@ RiseOffset OffsetOf(const compare::StsCurve& curve, const compare::StsInterval& 
   return {.onset_s = interval.onset_s,
           .standing_s = interval.standing_s,
           .mean_mm = joint->mean_mm,
-          .noise_sd_mm = {DeviationOf(joint->intervals->mean_x_mm), DeviationOf(joint->intervals->mean_y_mm)},
+          .noise_sd_mm = {joint->intervals->mean_x_mm.Deviation(), joint->intervals->mean_y_mm.Deviation()},
           .remainder_mm = joint->remainder_mm};
 }
 
@@ -82,7 +76,7 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
       spread += std::pow(rise.mean_mm[axis] - place.offset_mm[axis], 2);
     }
     // Rises differ by the noise at least; by what more, as few of them as there are tell.
-    double half_width = kNormal95 * std::sqrt(noise / n);
+    double half_width = compare::kNormal95 * std::sqrt(noise / n);
     if (rises.size() > 1) {
       const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
       half_width = std::max(half_width, t * std::sqrt(spread / (n - 1) / n));
@@ -90,9 +84,9 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
     const double plane =
         std::hypot(budget.scale_percent / 100 * place.offset_mm[axis], budget.depth_mm * budget.view_slope);
     const double skin = std::hypot(budget.placement_mm, budget.soft_tissue_mm);
-    place.fixed_half_width_mm[axis] = kNormal95 * plane;
+    place.fixed_half_width_mm[axis] = compare::kNormal95 * plane;
     place.half_width_mm[axis] = std::hypot(half_width, place.fixed_half_width_mm[axis]);
-    place.anatomical_half_width_mm[axis] = std::hypot(place.half_width_mm[axis], kNormal95 * skin);
+    place.anatomical_half_width_mm[axis] = std::hypot(place.half_width_mm[axis], compare::kNormal95 * skin);
   }
   return place;
 }

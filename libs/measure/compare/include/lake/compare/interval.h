@@ -5,9 +5,14 @@
 
 namespace lake::compare {
 
+inline constexpr double kNormal95 = 1.959964;  // standard deviations of the normal distribution
+
 // 95 %, two-sided.
 struct Interval {
   double low = 0, high = 0;
+
+  // Standard deviation of a normal quantity that has this interval.
+  double Deviation() const { return (high - low) / (2 * kNormal95); }
 };
 
 // Below which another draw is with this probability, however few draws there are (type 6 of Hyndman & Fan 1996).
