@@ -62,7 +62,7 @@ TEST_P(DamagedFiles, NeverCrash) {
   EXPECT_FALSE(Refuses(good));
   std::mt19937 random(6);
   int refused = 0;
-  for (int round = 0; round < 500; ++round) {
+  for (int round = 0; round < 1500; ++round) {
     std::string bad = good;
     // The head decides most, so half of the changes go there.
     for (int i = 0; i < 3; ++i)

@@ -178,13 +178,14 @@ TEST_P(NamingOfLegs, PiecesAreJoinedOverHalfASecond) {
   EXPECT_DOUBLE_EQ(ShareNamed(Name(seen, LegOptions()), scene_), 1 - 60.0 / (4 * kFrames));
 }
 
+// Without blanks, which ctest's list of costs cannot hold.
+const auto kSceneName = [](const testing::TestParamInfo<NamingOfLegs::ParamType>& info) {
+  const auto& [facing, start_standing, seed] = info.param;
+  return fmt::format("{}{}{}", facing < 0 ? "left" : "right", start_standing ? "Down" : "Up", seed);
+};
 INSTANTIATE_TEST_SUITE_P(All, NamingOfLegs,
                          testing::Combine(testing::Values(-1, 1), testing::Bool(), testing::Values(11u, 12u, 13u)),
-                         [](const auto& info) {  // without blanks, which ctest's list of costs cannot hold
-                           const auto& [facing, is_standing, seed] = info.param;
-                           return fmt::format("{}{}{}", facing < 0 ? "left" : "right", is_standing ? "Down" : "Up",
-                                              seed);
-                         });
+                         kSceneName);
 
 #ifndef __SANITIZE_ADDRESS__  // which maps terabytes
 // So many MB beyond what is mapped now.
