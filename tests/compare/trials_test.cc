@@ -53,43 +53,75 @@ compare::RegisteredTrial Register(const compare::TrialTables& tables, const char
   return compare::RegisterTrial(tables, options);
 }
 
-// The motion's own curves between its true events: the definitions of sts_events.h on 2000 exact samples per second.
-compare::StsCurve TrueCurve(const synth::StsMotion& motion, const char* knee = "knee") {
+// A motion's markers, its subject turned to face along x.
+class Faced {
+ public:
+  explicit Faced(const synth::StsMotion& motion) : motion_(motion) {}
+
+  Eigen::Vector2d Point(const char* name, double time_s) const {
+    const double side = motion_.FacingInImage() == motion::Facing::kRight ? 1 : -1;
+    const Eigen::Vector2d p = motion_.At(time_s)[static_cast<std::size_t>(synth::IndexOfMarker(motion_, name))];
+    return {side * p.x(), p.y()};
+  }
+  double KneeDeg(double time_s) const { return Lean("ankle", "knee", time_s) - Lean("knee", "hip", time_s); }
+  double TrunkDeg(double time_s) const { return Lean("hip", "waist", time_s); }
+
+ private:
+  double Lean(const char* lower, const char* upper, double time_s) const {
+    const Eigen::Vector2d v = Point(upper, time_s) - Point(lower, time_s);
+    return DegreesFromRadians(std::atan2(v.x(), v.y()));
+  }
+
+  const synth::StsMotion& motion_;
+};
+
+struct TrueRise {
+  double onset_s, standing_s;
+};
+
+// The definitions of sts_events.h on 2000 exact samples per second.
+TrueRise FindTrueRise(const synth::StsMotion& motion) {
   constexpr double kStep = 1 / 2000.0;
-  const double side = motion.FacingInImage() == motion::Facing::kRight ? 1 : -1;
+  const Faced faced(motion);
   const synth::StsPhase& rise =
       *std::find_if(motion.Phases().begin(), motion.Phases().end(),
                     [](const synth::StsPhase& p) { return p.kind == synth::StsPhase::Kind::kRise; });
-  const auto point = [&](const char* name, double t) {
-    Eigen::Vector2d p = motion.At(t)[static_cast<std::size_t>(synth::IndexOfMarker(motion, name))];
-    return Eigen::Vector2d(side * p.x(), p.y());
-  };
-  const auto lean = [&](const char* lower, const char* upper, double t) {
-    const Eigen::Vector2d v = point(upper, t) - point(lower, t);
-    return DegreesFromRadians(std::atan2(v.x(), v.y()));
-  };
-  const auto knee_deg = [&](double t) { return lean("ankle", "knee", t) - lean("knee", "hip", t); };
-  const auto speed = [&](const auto& f, double t) { return (f(t + kStep) - f(t - kStep)) / (2 * kStep); };
-  const auto trunk_deg = [&](double t) { return lean("hip", "waist", t); };
-  double onset = rise.start_s, peak = 0, standing = rise.end_s;
-  const double rest_y = point("hip", rise.start_s - 0.1).y();
-  const double rise_mm = point("hip", rise.end_s).y() - rest_y;
-  double lean_deg_s = 0;
-  for (double t = rise.start_s; t < rise.end_s; t += kStep) lean_deg_s = std::max(lean_deg_s, speed(trunk_deg, t));
-  while (speed(trunk_deg, onset) < 0.03 * lean_deg_s && std::abs(point("hip", onset).y() - rest_y) < 0.005 * rise_mm)
-    onset += kStep;
-  for (double t = rise.start_s; t < rise.end_s; t += kStep) peak = std::min(peak, speed(knee_deg, t));
-  while (speed(knee_deg, standing) > 0.05 * peak) standing -= kStep;
+  const auto speed = [](const auto& f, double t) { return (f(t + kStep) - f(t - kStep)) / (2 * kStep); };
+  const auto trunk_deg = [&](double t) { return faced.TrunkDeg(t); };
+  const auto knee_deg = [&](double t) { return faced.KneeDeg(t); };
+  const auto height = [&](double t) { return faced.Point("hip", t).y(); };
+  const double rest_mm = height(rise.start_s - 0.1), rise_mm = height(rise.end_s) - rest_mm;
+  double lean_deg_s = 0, peak_deg_s = 0;
+  for (double t = rise.start_s; t < rise.end_s; t += kStep) {
+    lean_deg_s = std::max(lean_deg_s, speed(trunk_deg, t));
+    peak_deg_s = std::min(peak_deg_s, speed(knee_deg, t));
+  }
+  TrueRise found{rise.start_s, rise.end_s};
+  while (speed(trunk_deg, found.onset_s) < 0.03 * lean_deg_s &&
+         std::abs(height(found.onset_s) - rest_mm) < 0.005 * rise_mm)
+    found.onset_s += kStep;
+  while (speed(knee_deg, found.standing_s) > 0.05 * peak_deg_s) found.standing_s -= kStep;
+  return found;
+}
+
+compare::StsCurve CurveOver(const TrueRise& rise, const synth::StsMotion& motion, const char* knee) {
+  const Faced faced(motion);
   compare::StsCurve curve;
-  curve.duration_s = standing - onset;
+  curve.duration_s = rise.standing_s - rise.onset_s;
   for (int i = 0; i < compare::kPercentSamples; ++i) {
-    const double t = onset + curve.duration_s * i / 100;
-    curve.ankle.push_back(point("ankle", t)), curve.knee.push_back(point(knee, t)),
-        curve.hip.push_back(point("hip", t));
-    curve.knee_deg.push_back(knee_deg(t));
+    const double t = rise.onset_s + curve.duration_s * i / 100;
+    curve.ankle.push_back(faced.Point("ankle", t));
+    curve.knee.push_back(faced.Point(knee, t));
+    curve.hip.push_back(faced.Point("hip", t));
+    curve.knee_deg.push_back(faced.KneeDeg(t));
     curve.knee_sigma_mm.push_back(0);
   }
   return curve;
+}
+
+// The motion's own curves between its true events.
+compare::StsCurve TrueCurve(const synth::StsMotion& motion, const char* knee = "knee") {
+  return CurveOver(FindTrueRise(motion), motion, knee);
 }
 
 synth::StsMotionOptions Still() {
@@ -197,6 +229,39 @@ TEST(Trials, PaceIsNoMisalignment) {
     EXPECT_NEAR(m.metrics.rms_mm, 10, 0.5);
     EXPECT_LT(std::abs(m.decomposition.timing), 0.03);
     EXPECT_LT(m.joint->intervals->rms_mm.high - m.joint->intervals->rms_mm.low, 0.5);
+  }
+}
+
+// Nor is sway of the joint's place. It hides where a slow rise begins, and so moves the path difference from that of
+// the path as it was swayed, between the events that it would have without: the intervals say by how much.
+TEST(Trials, WhatSwayHidesIsInTheIntervals) {
+  synth::StsMotionOptions options = Still();
+  options.repetitions = 1;
+  options.min_rest_s = options.max_rest_s = 3;
+  const synth::StsMotion own(options);
+  const compare::RegisteredTrial human = Register(Fit(own, {}));
+  const compare::StsCurve own_curve = TrueCurve(own);
+  options.exo_knee_mm = Eigen::Vector2d(10, 0);
+  for (const double rise_s : {2.0, 4.0, 8.0, 16.0, 35.0}) {
+    options.pace = rise_s / own_curve.duration_s;
+    options.body_sway_deg = options.ankle_sway_mm = 0;
+    const TrueRise rise = FindTrueRise(synth::StsMotion(options));
+    options.body_sway_deg = 0.3;
+    options.ankle_sway_mm = 0.5;
+    for (const unsigned seed : {1U, 2U, 3U}) {
+      options.seed = seed;
+      const synth::StsMotion worn(options);
+      const double truth_mm = Rms(CurveOver(rise, worn, "exo_knee"), own_curve);
+      const compare::Misalignment m =
+          compare::CompareTrials(human, Register(Fit(worn, {.rate_hz = 30, .seed = seed}), "exo_knee"));
+      SCOPED_TRACE(testing::Message() << "a rise of " << rise_s << " s, seed " << seed);
+      ASSERT_TRUE(m.joint && m.intervals);
+      EXPECT_NEAR(m.joint->rms_mm, 10, 0.1);  // noise of 0.1 mm on both
+      // An onset that is 4 % of the rise too early or late is a warp that large.
+      EXPECT_NEAR(m.metrics.rms_mm, truth_mm, rise_s <= 4 ? 0.5 : 3);
+      EXPECT_LE(m.intervals->rms_mm.low, truth_mm);
+      EXPECT_GE(m.intervals->rms_mm.high, truth_mm);
+    }
   }
 }
 

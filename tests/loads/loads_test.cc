@@ -538,7 +538,7 @@ TEST(LoadsOfBadInput, SwappedUnitsSignsAndPlatesAreErrors) {
   options.forces = ForcesWith(folder / "down.mot", [](const std::string& column, double value) {
     return column.find("_v") == std::string::npos && column.find("_m") == std::string::npos ? value : -value;
   });
-  EXPECT_THAT(Failure(options), testing::HasSubstr("the ground pulls the foot down, by 267 N"));
+  EXPECT_THAT(Failure(options), testing::HasSubstr("the ground pulls the foot down, by 268 N"));
   EXPECT_THAT(
       [] {
         exchange::CheckPlates({{"right", 1}, {"left", 1}});

@@ -311,6 +311,12 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
         "nobody keeps the balance along this program: at {:.0f} % of the rise, in {} s, the ground's force has to "
         "act {:.0f} mm outside the foot; require it with --balance, or let something hold the person",
         after->balance->at_percent, SignificantText(after->balance->duration_s, 3), -after->balance->margin_mm));
+  constexpr double kOtherMoments_nm = 1;
+  if (outcome.moments && outcome.moments->off_nm > kOtherMoments_nm)
+    run.Warn(fmt::format(
+        "the program was sought under moments of the knee that are up to {:.1f} N m off those along it, which depend "
+        "on it in turn: the forces said of it are those of the program before; try more --starts",
+        outcome.moments->off_nm));
   if (!outcome.IsSolved()) return;
   WarnOfMultipliers(outcome.active, run);
   if (outcome.certificate) {
@@ -488,6 +494,13 @@ void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& op
   if (!outcome.fronts.empty()) WritePareto(outcome, run);
 }
 
+// Of which rise the moments of the load profile are, and how surely they are those of the program.
+Json MomentsJson(const redesign::RedesignOutcome& outcome) {
+  if (!outcome.moments) return Json();
+  const redesign::MomentsOfProgram& moments = *outcome.moments;
+  return {{"of_s", moments.duration_s}, {"rounds", moments.rounds}, {"off_nm", moments.off_nm}};
+}
+
 // What the summary has of the misalignment, the program and the trial, solved or not.
 Json MotionJson(const redesign::RedesignOutcome& outcome) {
   Json json = {
@@ -507,6 +520,7 @@ Json MotionJson(const redesign::RedesignOutcome& outcome) {
       {"placement_range", PlacementRangeJson(outcome)},
       {"build_text", outcome.IsSolved() ? Json(BuildText(outcome)) : Json()},
       {"noise_floor_percent", outcome.measured.noise_floor_percent},
+      {"moments", MomentsJson(outcome)},
       {"balance", ProgramBalanceJson(outcome)}};
   for (const NamedDesign& named : DesignsOf(outcome))
     json[named.name] = named.design ? BeforeAfterJson(*named.design) : Json();

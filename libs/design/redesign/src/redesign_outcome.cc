@@ -147,6 +147,13 @@ std::vector<linkage::Links> StartLinks(RedesignOutcome& outcome) {
   return links;
 }
 
+// The moments of the program that is sought, in place of those of the person's own rise.
+void TakeMoments(const std::vector<linkage::Links>& links, RedesignOutcome& outcome) {
+  if (!outcome.problem.design.HasLoadProfile()) return;
+  outcome.moments = FindMoments(outcome.problem, links, outcome.options.optimize);
+  outcome.problem.design.profile = outcome.moments->profile;
+}
+
 // What the placement is worth, and how far it is free.
 void AssessPlacement(const RedesignPoint& chosen, RedesignOutcome& outcome) {
   const synthesis::OptimizeOptions& options = outcome.options.optimize;
@@ -342,8 +349,9 @@ RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measu
   options.Check();
   RedesignOutcome outcome = PutMotionInto(std::move(problem), measured);
   outcome.options = options;
-  problem = outcome.problem;
   const std::vector<linkage::Links> links = StartLinks(outcome);
+  TakeMoments(links, outcome);
+  problem = outcome.problem;
   outcome.before = PutInMotion(problem, measured.human, Before(problem, measured));
   CheckBefore(outcome);
   FindRepairs(outcome);
@@ -354,6 +362,9 @@ RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measu
                                                : outcome.infeasible->nearest;
   outcome.after = PutInMotion(problem, measured.human, DesignOf(problem, end), end.lean);
   outcome.lean = end.lean;
+  if (outcome.moments)
+    outcome.moments->off_nm =
+        LargestDifference_nm(ProfileOf(problem, outcome.moments->measured, end), outcome.moments->profile);
   if (problem.balance) outcome.without_balance = WithoutBalance(outcome, links);
   if (outcome.IsSolved()) outcome.active = synthesis::FindActiveSet(outcome.result.Best().local);
   if (options.pareto_points) outcome.fronts = Fronts(outcome, links);

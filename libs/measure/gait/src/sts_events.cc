@@ -189,8 +189,8 @@ class EventFinder {
     ++repetition_;
     if (std::optional<motion::StsEvent> onset = FindOnset({std::min(rest_from, seat_off), seat_off}, rise)) {
       if (onset->time_s > left_seat.time_s) {
-        *onset = left_seat;
-        onset->kind = motion::StsEventKind::kOnset;
+        onset->frame = left_seat.frame;
+        onset->time_s = left_seat.time_s;
       }
       Add(*onset);
     } else {
@@ -356,24 +356,32 @@ class EventFinder {
     return {Median(quiet), RobustDeviation(quiet)};
   }
 
-  // Where hip, knee and trunk are still before a rise: in the narrowest bands in which they are for long enough, else
-  // for the longest time, else in the frame in which they move least.
-  Span FindRest(Span before, const Stretch& rise) const {
+  // The quietest last part of a rest, and the frame from which the rest lasts.
+  struct Stillness : Span {
+    std::size_t from;
+  };
+
+  // Where hip, knee and trunk are still before a rise: in the narrowest bands in which they are for long enough, which
+  // sway widens, else for the longest time, else in the frame in which they move least.
+  Stillness FindRest(Span before, const Stretch& rise) const {
     const double travel = Range(s_.hip_height, rise), pause_s = LongestPause(o_.rest_s, rise);
     const std::vector<Band> bands = {{&s_.hip_height, o_.rest_hip * travel},
                                      {&s_.hip_behind, o_.rest_hip * travel},
                                      {&s_.knee_deg, o_.rest_knee * Range(s_.knee_deg, rise)},
                                      {&s_.trunk_deg, o_.rest_trunk * Range(s_.trunk_deg, rise)}};
-    std::optional<Span> rest = LastStill(before, pause_s, 1, bands);
-    if (!rest) {
-      const Span longest = LongestStill(before, bands);
-      if (Seconds(longest) >= o_.first_rest_s) return longest;
-      const std::size_t turn = Slowest(before, bands);
-      return {turn, turn};
-    }
+    for (const double widening : {1.0, 2.0, 4.0})
+      if (const auto still = LastStill(before, pause_s, widening, bands)) return QuietestOf(*still, pause_s, bands);
+    const Span longest = LongestStill(before, bands);
+    if (Seconds(longest) >= o_.first_rest_s) return {longest, longest.begin};
+    const std::size_t turn = Slowest(before, bands);
+    return {{turn, turn}, turn};
+  }
+
+  Stillness QuietestOf(Span still, double least_s, const std::vector<Band>& bands) const {
+    Span rest = still;
     for (const double narrowing : {1.0 / 4, 1.0 / 16})
-      if (const auto narrower = LastStill(*rest, pause_s, narrowing, bands)) rest = narrower;
-    return {std::max(rest->begin, FrameAt(s_.time_s[rest->end] - pause_s, rest->end)), rest->end};
+      if (const auto narrower = LastStill(rest, least_s, narrowing, bands)) rest = *narrower;
+    return {{std::max(rest.begin, FrameAt(s_.time_s[rest.end] - least_s, rest.end)), rest.end}, still.begin};
   }
 
   Span LongestStill(Span in, const std::vector<Band>& bands) const {
@@ -411,7 +419,7 @@ class EventFinder {
 
   // When the trunk leaves rest, or the hip if it does so before; nullopt if that was before the recording.
   std::optional<motion::StsEvent> FindOnset(Span before, const Stretch& rise) const {
-    const Span rest = FindRest(before, rise);
+    const Stillness rest = FindRest(before, rise);
     if (before.begin == 0 && Seconds(rest) < o_.first_rest_s) return std::nullopt;
     before.begin = rest.begin;
     const std::optional<Departure> trunk = TrunkLeaves(before, rest, rise);
@@ -428,8 +436,11 @@ class EventFinder {
       if (trunk->sway_s > 0) onset.sd_s = std::hypot(std::isfinite(onset.sd_s) ? onset.sd_s : 0, trunk->sway_s);
       return onset;
     }
-    return Crossing(motion::StsEventKind::kOnset, away, s_.sd.hip_height, limit, lifted,
-                    BeyondFit(hip.deviation, s_.sd.hip_height, rest));
+    motion::StsEvent onset = Crossing(motion::StsEventKind::kOnset, away, s_.sd.hip_height, limit, lifted,
+                                      BeyondFit(hip.deviation, s_.sd.hip_height, rest));
+    // A hip that is away throughout the rest does not tell when it left: it was until the trunk did.
+    if (trunk && std::isnan(onset.sd_s)) onset.sd_s = std::hypot(s_.time_s[trunk->frame] - onset.time_s, trunk->sway_s);
+    return onset;
   }
 
   double TrunkLimit(Span before, const Stretch& rise) const {
@@ -442,49 +453,81 @@ class EventFinder {
     double sway_s = 0;
   };
 
+  // What is seen of a lean that begins in sway.
+  struct LeanInSway {
+    double limit_deg_s;     // at which the onset is
+    double speed_deg_s;     // where it leaves the sway
+    double hidden_s;        // before that, by a steady jerk
+    double joined_s;        // a swing of the sway runs into the lean so long before that begins
+    bool is_mostly_hidden;  // the sway is a twentieth of the lean and more
+
+    // How long a steady jerk takes to the limit.
+    double ToLimit() const { return hidden_s * std::sqrt(limit_deg_s / speed_deg_s); }
+
+    // What sway makes of the onset's time, 1 SD. The speed of a movement that begins with a steady jerk comes to the
+    // limit with a slope of twice the limit over the time until then; the sway's speed over that slope is the SD, but
+    // no more than where the onset may be anywhere in what the sway hides, and that where it hides most of the lean.
+    // Where a swing runs into the lean, one beginning or the other is right.
+    double DeviationOfOnset(double sway_deg_s) const {
+      const double all_deg_s = std::sqrt(2) * sway_deg_s;  // a rest holds a swing or two, which seldom are the largest
+      const double anywhere_s = hidden_s / std::sqrt(12.0), over_slope_s = all_deg_s * ToLimit() / (2 * limit_deg_s);
+      return std::hypot(is_mostly_hidden ? anywhere_s : std::min(over_slope_s, anywhere_s),
+                        std::min(1.0, all_deg_s / limit_deg_s) * joined_s);
+    }
+  };
+
   // The first frame in which the trunk turns forward for good; 0 if it does so from the beginning of the recording,
-  // nullopt if its lean cannot be told from its movement at rest.
-  std::optional<Departure> TrunkLeaves(Span before, Span rest, const Stretch& rise) const {
+  // nullopt if it does not lean forward.
+  std::optional<Departure> TrunkLeaves(Span before, const Stillness& rest, const Stretch& rise) const {
     const Values &angle = s_.trunk_deg, &speed = s_.trunk_deg_s;
     const std::size_t fastest = FastestIn(hip_up_.speed, rise);
     const std::size_t deepest = FastestIn(angle, {before.begin, fastest});
     const Rest trunk = RestOf(angle, rest);
     const double lean = angle[deepest] - trunk.middle, limit = TrunkLimit(before, rise);
-    const double departed = std::max(0.005 * lean, 5 * trunk.deviation);
-    if (!(departed < 0.25 * lean)) return std::nullopt;
-    std::size_t i = deepest;
-    while (i > before.begin && angle[i - 1] > trunk.middle + departed) --i;
-    // A movement that begins with a steady jerk has come so far in three times what it takes at its present speed.
-    std::vector<double> speeds;
-    for (std::size_t k = i; k <= deepest && angle[k] <= trunk.middle + 2 * departed; ++k)
-      if (speed[k] > limit) speeds.push_back(speed[k]);
+    if (!(lean > 0)) return std::nullopt;
+    // What sway hides of the lean. Of a lean that it hides nearly all, the last three quarters are looked at.
+    const double hidden = std::max(0.005 * lean, 5 * std::max(trunk.deviation, SwayOfTrunk(trunk.middle, rest)));
+    const double departed = std::min(hidden, 0.25 * lean);
+    const std::size_t i = LastRise(angle, trunk.middle + departed, {before.begin, deepest});
     const std::size_t begin = RunBegin(speed, limit, before.begin, i);
-    if (speeds.empty()) return Departure{begin, 0};
-    const double lean_deg_s = Mean(speeds), hidden_s = 3 * departed / lean_deg_s;
-    std::size_t begun = std::min(begin, std::max(before.begin, FrameAt(s_.time_s[i] - hidden_s, i)));
+    // A movement that begins with a steady jerk has come so far in three times what it takes at its present speed.
+    const Span lean_begins = {i, LastRise(angle, trunk.middle + 2 * departed, {i, deepest})};
+    const double lean_deg_s = MeanOfMoving(speed, limit, lean_begins);
+    if (!(lean_deg_s > 0)) return Departure{begin, 0};
+    const double extrapolated_s = s_.time_s[i] - 3 * departed / lean_deg_s;
+    std::size_t begun = std::min(begin, std::max(before.begin, FrameAt(extrapolated_s, i)));
     while (begun < begin && speed[begun] <= limit) ++begun;
-    const double joined_s = s_.time_s[i] - hidden_s - s_.time_s[begin];
-    const Span still = {rest.begin, std::clamp(begun, rest.begin, rest.end)};  // the end of a rest may be of the lean
-    const double sway_deg_s = BeyondFit(DeviationFromZero(Part(speed, still)), s_.sd.trunk_deg_s, still);
-    return Departure{begun, SwayOfOnset(sway_deg_s, limit, lean_deg_s, hidden_s, joined_s)};
+    const LeanInSway seen{.limit_deg_s = limit,
+                          .speed_deg_s = lean_deg_s,
+                          .hidden_s = 3 * hidden / lean_deg_s,
+                          .joined_s = std::max(0.0, extrapolated_s - s_.time_s[begin]),
+                          .is_mostly_hidden = departed < hidden};
+    // The end of a rest may be of the lean, whose speed has not come to the limit yet.
+    const std::size_t may_begin = FrameAt(s_.time_s[begun] - seen.ToLimit(), begun);
+    const Span still = {rest.from, std::clamp(may_begin, rest.from, rest.end)};
+    return Departure{begun,
+                     seen.DeviationOfOnset(BeyondFit(RootMeanSquare(Part(speed, still)), s_.sd.trunk_deg_s, still))};
   }
 
-  // As RobustDeviation, of a speed, which is zero in the mean: slow sway does not show that in a short rest.
-  static double DeviationFromZero(Values speeds) {
-    for (double& speed : speeds) speed = std::abs(speed);
-    return 1.4826 * Median(std::move(speeds));
+  // The trunk's deviation from its angle at rest in all of the rest: of its quietest part alone it would be too small.
+  double SwayOfTrunk(double at_rest_deg, const Stillness& rest) const {
+    Values away = Part(s_.trunk_deg, {rest.from, rest.end});
+    for (double& angle : away) angle = std::abs(angle - at_rest_deg);
+    return 1.4826 * Median(std::move(away));
   }
 
-  // What sway makes of an onset's time, 1 SD. Of a movement that begins with a steady jerk the speed comes to the limit
-  // with a slope of twice the limit over the time until then; the sway's speed over that slope is the SD, but no more
-  // than where the onset may be anywhere in the time that the sway hides. Where a swing of the sway runs into the lean
-  // (`joined_s` before the lean is extrapolated to begin), one or the other is right.
-  static double SwayOfOnset(double sway_deg_s, double limit, double lean_deg_s, double hidden_s, double joined_s) {
-    const double all_deg_s = std::sqrt(2) * sway_deg_s;  // a rest holds a swing or two, which seldom are the largest
-    const double to_limit_s = hidden_s * std::sqrt(limit / lean_deg_s);
-    const double anywhere_s = hidden_s / std::sqrt(12.0);
-    return std::hypot(std::min(all_deg_s * to_limit_s / (2 * limit), anywhere_s),
-                      std::min(1.0, all_deg_s / limit) * std::max(0.0, joined_s));
+  // The first frame of the last run within a span, up to its end, of values above a level.
+  static std::size_t LastRise(const Values& values, double level, Span in) {
+    std::size_t i = in.end;
+    while (i > in.begin && values[i - 1] > level) --i;
+    return i;
+  }
+
+  // The mean speed without the pauses; NaN if there is nothing else.
+  static double MeanOfMoving(const Values& speed, double limit, Span span) {
+    Values moving = Part(speed, span);
+    std::erase_if(moving, [&](double value) { return std::abs(value) <= limit; });
+    return Mean(moving);
   }
 
   const StsSignals& s_;

@@ -10,6 +10,7 @@
 #include "lake/core/run.h"
 #include "lake/cuffs/cuff_course.h"
 #include "lake/problem/robustness.h"
+#include "lake/redesign/program_moments.h"
 #include "lake/redesign/redesign.h"
 
 namespace lake::redesign {
@@ -102,6 +103,7 @@ struct RedesignOutcome {
   std::optional<MountSlip> slip;             // absent: delta is zero
   std::optional<double> measured_percent;    // RMS misalignment of the exo trial itself
   std::optional<double> worn_angle_off_deg;  // RMS, the worn design's program against its trial's own knee angles
+  std::optional<MomentsOfProgram> moments;   // with a load profile; the problem above has those
   RedesignResult result;
   std::optional<PlacementRange> placement_range;  // of the design, if its placement is fitted
   std::optional<double> range_at_knee_deg;        // likewise: the range with the joint at the knee; absent: none found
