@@ -289,15 +289,16 @@ double FromHinge(const exchange::PointRecording& points, const SegmentMotion& mo
   return (b - a).normalized().cross(shank.turn * in_shank + shank.origin - a).norm();
 }
 
-// Its lower body is strained along its length, by 1.2 mm at some markers, and so carries the joint by 1.5 mm. Where its
-// axis' markers sit beside the axis is not known; their scatter is 0.12 mm. The aims: 0.6 mm over the whole recording,
-// at most 1.3 mm over windows, 2 mm in the median of the centres.
-TEST(FunctionalAxis, FindsAMeasuredHinge) {
+// Its recording was smoothed in time, which shortens the lower body by up to 2 % as it swings and so carries the joint by
+// 1.5 mm (README). Where its axis' markers sit beside the axis is not known; their scatter is 0.12 mm. The aims: 0.6 mm
+// over the whole recording, at most 1.3 mm over windows, 2 mm in the median of the centres, whichever markers are taken.
+class MeasuredHinge : public testing::TestWithParam<SegmentMarkers> {};
+
+TEST_P(MeasuredHinge, IsFound) {
   const std::filesystem::path file = SharedData() / "hinge_axis/hinge_a.trc";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is absent";
   const exchange::PointRecording points = exchange::ReadPoints(file);
-  const SegmentMotion motion = MotionOf(points, {{"dw1", "dw2", "dw3", "dw4", "dw5", "cld1", "cld2", "cld3"},
-                                                 {"up1", "up2", "up3", "up4", "up5", "clu1", "clu2", "clu3"}});
+  const SegmentMotion motion = MotionOf(points, GetParam());
   const MeanAxesResult axes = MeanAxes(motion, 300, 10);
   const auto off_mm = [&](const MeanAxis& axis) {
     Vector3d a = Vector3d::Zero(), b = a;
@@ -323,6 +324,13 @@ TEST(FunctionalAxis, FindsAMeasuredHinge) {
   EXPECT_LT(Median(centre_off_mm), 1);
   EXPECT_GT(held, 0.9 * static_cast<double>(centre_off_mm.size()));
 }
+
+INSTANTIATE_TEST_SUITE_P(FunctionalAxis, MeasuredHinge,
+                         testing::Values(SegmentMarkers{{"dw1", "dw2", "dw3", "dw4", "dw5", "cld1", "cld2", "cld3"},
+                                                        {"up1", "up2", "up3", "up4", "up5", "clu1", "clu2", "clu3"}},
+                                         SegmentMarkers{{"dw1", "dw2", "dw3", "dw4", "dw5"},
+                                                        {"up1", "up2", "up3", "up4", "up5"}},
+                                         SegmentMarkers{{"cld1", "cld2", "cld3"}, {"clu1", "clu2", "clu3"}}));
 
 }  // namespace
 }  // namespace lake::axis
