@@ -289,9 +289,10 @@ double FromHinge(const exchange::PointRecording& points, const SegmentMotion& mo
   return (b - a).normalized().cross(shank.turn * in_shank + shank.origin - a).norm();
 }
 
-// Its recording was smoothed in time, which shortens the lower body by up to 2 % as it swings and so carries the joint by
-// 1.5 mm (README). Where its axis' markers sit beside the axis is not known; their scatter is 0.12 mm. The aims: 0.6 mm
-// over the whole recording, at most 1.3 mm over windows, 2 mm in the median of the centres, whichever markers are taken.
+// Its recording was smoothed in time, which shortens the lower body by up to 2 % as it swings and so carries the joint
+// by 1.5 mm (README). Where its axis' markers sit beside the axis is not known; their scatter is 0.12 mm. The aims: 0.6
+// mm over the whole recording, at most 1.3 mm over windows, 2 mm in the median of the centres, whichever markers are
+// taken.
 class MeasuredHinge : public testing::TestWithParam<SegmentMarkers> {};
 
 TEST_P(MeasuredHinge, IsFound) {
