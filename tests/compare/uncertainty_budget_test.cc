@@ -94,7 +94,8 @@ TEST(UncertaintyBudget, TellsMarkersFromTheJointBeneath) {
   }
 }
 
-// Soft tissue, placement and repetitions, each with its share and what to do about it; not what is a hundredth at most.
+// Soft tissue, placement and repetitions, each with its share and what to do about it; of repetitions also where they
+// would not narrow it, or there is one alone.
 TEST(UncertaintyBudget, SaysWhatWouldNarrowIt) {
   Budget budget = Of(BudgetsOf(Measured(Worn({18, 24})), 3, {}), "joint_rms");
   budget.rows.push_back({"the person's own variation", "t", 3, "mm", 1, "repetitions of this trial", true});
@@ -107,7 +108,12 @@ TEST(UncertaintyBudget, SaysWhatWouldNarrowIt) {
   EXPECT_THAT(angle, HasSubstr("% from soft tissue at ankle and hip: two or more markers on shank and thigh"));
   EXPECT_THAT(angle, HasSubstr("% from placement of ankle and hip: find malleolus and greater trochanter"));
   budget.rows.back().size = 0.3;
-  EXPECT_THAT(WhatNarrows(budget), testing::Not(HasSubstr("repetitions")));
+  EXPECT_THAT(WhatNarrows(budget),
+              HasSubstr("; less than 1 % from what repetitions differ by: more repetitions would not narrow it."));
+  budget.rows.pop_back();
+  EXPECT_THAT(WhatNarrows(budget),
+              HasSubstr("; one repetition does not show how far they differ: record more repetitions."));
+  EXPECT_THAT(angle, testing::Not(HasSubstr("repetition"))) << "a frame is no mean of them";
 }
 
 // Against a skeletal model the knee angle of markers is off by 0.7 to 2.0 degrees on average and 7 in single frames.

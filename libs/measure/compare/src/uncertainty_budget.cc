@@ -306,6 +306,18 @@ std::string WayOut(const std::string& source, bool has_axis, bool is_of_two_tria
   return "";
 }
 
+// Of a mean over repetitions: what more of them do where they are not among the sources that count.
+std::string AboutRepetitions(const Budget& budget, double least_percent) {
+  const bool is_mean =
+      budget.quantity == "rise" || budget.quantity == "joint_rms" || budget.quantity.starts_with("joint_offset");
+  if (!is_mean) return "";
+  const auto own = std::ranges::find(budget.rows, kOwnVariation, &BudgetRow::source);
+  if (own == budget.rows.end()) return "; one repetition does not show how far they differ: record more repetitions";
+  if (budget.SharePercent(*own) >= least_percent) return "";
+  return fmt::format("; less than {:.0f} % from what repetitions differ by: more repetitions would not narrow it",
+                     least_percent);
+}
+
 }  // namespace
 
 std::string WhatNarrows(const Budget& budget) {
@@ -322,7 +334,7 @@ std::string WhatNarrows(const Budget& budget) {
     if (i > 0) text += fmt::format("; {:.0f} % from {}", budget.SharePercent(rows[i]), rows[i].source);
     text += ": " + way_out;
   }
-  return text + ".";
+  return text + AboutRepetitions(budget, kLeast_percent) + ".";
 }
 
 void WriteUncertaintyBudgetCsv(const std::filesystem::path& path, const std::vector<Budget>& budgets) {
