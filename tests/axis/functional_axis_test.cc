@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "lake/compare/uncertainty_budget.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/core/statistics.h"
@@ -282,6 +283,79 @@ TEST(FunctionalAxis, KeepsToASkeletalModelsKneeWhereSkinStrays) {
   }
 }
 
+struct RealLeg {
+  const char* file;
+  SegmentMarkers segments;
+  const char* knee;
+};
+
+// Where a leg's model has its knee in a frame: the pin that both segments carry, each rigid on the mean shape of its
+// markers, half way between the two.
+Vector3d ModelKnee(const SegmentMotion& motion, const MeanAxis& pin, std::size_t frame) {
+  const Pose &shank = motion.shank.poses[frame], &thigh = motion.thigh.poses[frame];
+  return (shank.turn * pin.in_shank + shank.origin + thigh.turn * pin.in_thigh + thigh.origin) / 2;
+}
+
+// How often the ellipse of `sd_mm` holds the knee's marker about the model's knee: across its axis, in the shank's
+// frame and about the mean, as where the marker was put, and where a cluster on skin has its knee, is constant.
+double SharesHeld(const RealLeg& leg, double sd_mm) {
+  const exchange::PointRecording points = exchange::ReadPoints(SharedData() / leg.file);
+  const SegmentMotion motion = MotionOf(points, leg.segments);
+  const MeanAxis pin = MeanAxes(motion, 0, 10).whole;
+  const std::vector<Vector3d>& marker = points.Find(leg.knee)->positions;
+  std::vector<Vector3d> off_mm;
+  for (std::size_t i = 0; i < marker.size(); ++i) {
+    const Pose& shank = motion.shank.poses[i];
+    if (!shank.IsSeen() || !motion.thigh.poses[i].IsSeen() || !marker[i].allFinite()) continue;
+    const Vector3d off = shank.turn.transpose() * (marker[i] - ModelKnee(motion, pin, i));
+    off_mm.push_back(off - off.dot(pin.direction_shank) * pin.direction_shank);
+  }
+  const double frames = static_cast<double>(off_mm.size());
+  EXPECT_GT(frames, 100) << leg.file;
+  Vector3d mean = Vector3d::Zero();
+  for (const Vector3d& off : off_mm) mean += off / frames;
+  const auto held =
+      std::ranges::count_if(off_mm, [&](const Vector3d& off) { return (off - mean).norm() < kEllipse95 * sd_mm; });
+  return static_cast<double>(held) / frames;
+}
+
+const SegmentMarkers kRight{{"r_ankle", "r_shank_antsup", "r_sh2", "r_sh3", "r_sh4"},
+                            {"r_thigh1", "r_thigh2", "r_thigh3", "r_thigh4", "r_thigh5"}},
+    kLeft{{"L_ankle", "L_shank_antsup", "L_sh2", "L_sh3"}, {"L_thigh1", "L_thigh2", "L_thigh3", "L_thigh4"}},
+    kRightTabs{{"RANK", "RTIB", "RTIB2", "RTIB3"}, {"RTHI", "RTHI2", "RTHI3"}},
+    kLeftTabs{{"LANK", "LTIB", "LTIB2", "LTIB3"}, {"LTHI", "LTHI2", "LTHI3"}};
+
+// Of subject4_walking1 the left leg alone: nine frames show the right one's clusters.
+const RealLeg kLegs[] = {
+    {"real_motions/subject4_squats1.trc", kRight, "r_knee"}, {"real_motions/subject4_squats1.trc", kLeft, "L_knee"},
+    {"real_motions/subject4_walking1.trc", kLeft, "L_knee"}, {"real_motions/subject4_DJ1.trc", kRight, "r_knee"},
+    {"real_motions/subject4_DJ1.trc", kLeft, "L_knee"},      {"real_motions/tabs_squat2.trc", kRightTabs, "RKNE"},
+    {"real_motions/tabs_squat2.trc", kLeftTabs, "LKNE"},     {"real_motions/tabs_stairs3.trc", kRightTabs, "RKNE"},
+    {"real_motions/tabs_stairs3.trc", kLeftTabs, "LKNE"},    {"sts_force_plates/STS1.trc", kRight, "r_knee"},
+    {"sts_force_plates/STS1.trc", kLeft, "L_knee"},          {"opencap_sts/sts_default_markers.trc", kRight, "r_knee"},
+    {"opencap_sts/sts_default_markers.trc", kLeft, "L_knee"}};
+
+// Two rigid segments and a pin are fitted to all markers of shank and thigh but the knee's own: a skeletal solution of
+// trials that have none. The band of a single frame holds 90 % of the frames in nine legs of ten and of all, which that
+// of the rise's mean does not.
+TEST(FunctionalAxis, SingleFramesOfTheKneesMarkerAreInItsBand) {
+  const std::filesystem::path folder = SharedData() / "real_motions";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+  const compare::ComparisonBudgetOptions budget;
+  double legs = 0, all_held = 0, legs_held = 0, legs_held_by_mean = 0;
+  for (const RealLeg& leg : kLegs) {
+    const double held = SharesHeld(leg, budget.FrameTissueMm());
+    RecordProperty(std::filesystem::path(leg.file).stem().string() + "_" + leg.knee, std::to_string(held));
+    legs_held += held >= 0.9;
+    legs_held_by_mean += SharesHeld(leg, budget.soft_tissue_mm) >= 0.9;
+    all_held += held;
+    ++legs;
+  }
+  EXPECT_GE(legs_held, 0.9 * legs);
+  EXPECT_GE(all_held, 0.9 * legs);
+  EXPECT_LT(legs_held_by_mean, 0.5 * legs);
+}
+
 double FromHinge(const exchange::PointRecording& points, const SegmentMotion& motion, const Vector3d& in_shank,
                  std::size_t frame) {
   const Vector3d a = points.Find("ax1")->positions[frame], b = points.Find("ax2")->positions[frame];
@@ -289,15 +363,17 @@ double FromHinge(const exchange::PointRecording& points, const SegmentMotion& mo
   return (b - a).normalized().cross(shank.turn * in_shank + shank.origin - a).norm();
 }
 
-// Its lower body is strained along its length, by 1.2 mm at some markers, and so carries the joint by 1.5 mm. Where its
-// axis' markers sit beside the axis is not known; their scatter is 0.12 mm. The aims: 0.6 mm over the whole recording,
-// at most 1.3 mm over windows, 2 mm in the median of the centres.
-TEST(FunctionalAxis, FindsAMeasuredHinge) {
+// Its recording was smoothed in time, which shortens the lower body by up to 2 % as it swings and so carries the joint
+// by 1.5 mm (README). Where its axis' markers sit beside the axis is not known; their scatter is 0.12 mm. The aims: 0.6
+// mm over the whole recording, at most 1.3 mm over windows, 2 mm in the median of the centres, whichever markers are
+// taken.
+class MeasuredHinge : public testing::TestWithParam<SegmentMarkers> {};
+
+TEST_P(MeasuredHinge, IsFound) {
   const std::filesystem::path file = SharedData() / "hinge_axis/hinge_a.trc";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is absent";
   const exchange::PointRecording points = exchange::ReadPoints(file);
-  const SegmentMotion motion = MotionOf(points, {{"dw1", "dw2", "dw3", "dw4", "dw5", "cld1", "cld2", "cld3"},
-                                                 {"up1", "up2", "up3", "up4", "up5", "clu1", "clu2", "clu3"}});
+  const SegmentMotion motion = MotionOf(points, GetParam());
   const MeanAxesResult axes = MeanAxes(motion, 300, 10);
   const auto off_mm = [&](const MeanAxis& axis) {
     Vector3d a = Vector3d::Zero(), b = a;
@@ -323,6 +399,14 @@ TEST(FunctionalAxis, FindsAMeasuredHinge) {
   EXPECT_LT(Median(centre_off_mm), 1);
   EXPECT_GT(held, 0.9 * static_cast<double>(centre_off_mm.size()));
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    FunctionalAxis, MeasuredHinge,
+    testing::Values(SegmentMarkers{{"dw1", "dw2", "dw3", "dw4", "dw5", "cld1", "cld2", "cld3"},
+                                   {"up1", "up2", "up3", "up4", "up5", "clu1", "clu2", "clu3"}},
+                    SegmentMarkers{{"dw1", "dw2", "dw3", "dw4", "dw5"}, {"up1", "up2", "up3", "up4", "up5"}},
+                    SegmentMarkers{{"cld1", "cld2", "cld3"}, {"clu1", "clu2", "clu3"}}),
+    [](const auto& markers) { return std::to_string(markers.param.shank.size()) + "MarkersEach"; });
 
 }  // namespace
 }  // namespace lake::axis

@@ -96,7 +96,12 @@ TEST(StudyPage, HasTheBudgetOfTheMisalignment) {
   for (const char* interval : {"marker_interval", "anatomical_interval"})
     EXPECT_THAT(PageText(), HasSubstr(fmt::format("{:.1f} to {:.1f} mm", rms[interval][0].get<double>(),
                                                   rms[interval][1].get<double>())));
-  EXPECT_THAT(PageText(), HasSubstr(rms["narrower"].get<std::string>()));
+  const std::string narrower = rms["narrower"];
+  EXPECT_THAT(PageText(), HasSubstr(narrower));
+  EXPECT_THAT(narrower, AllOf(HasSubstr("two or more markers on shank and thigh"),
+                              HasSubstr("leave the same markers on between the trials"), HasSubstr("repetitions")));
+  // Single frames too, over the rise.
+  EXPECT_THAT(PageText(), HasSubstr("beneath the skin"));
 }
 
 // What is wrong and the first thing to do; the ways, from the cheapest on; what forbids them; a picture, a chart; what

@@ -429,7 +429,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
                     "joint is not told",
                     options.exo.filename().string()));
   }
-  compare::BudgetOptions budget = options.budget;
+  compare::ComparisonBudgetOptions budget = options.budget;
   budget.axes = pair.axes;
   const std::vector<compare::Budget> budgets =
       compare::BudgetsOf(misalignment, options.misalignment.replacement_sd_mm, budget);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "lake/core/colours.h"
@@ -106,11 +107,27 @@ void AddRises(const std::vector<motion::StsEvent>& events, LineChart& chart) {
         chart.intervals.push_back({onset.time_s, standing.time_s, fmt::format("rise {}", onset.repetition)});
 }
 
-LineChart KneeChart(const fs::path& folder, const TrialNames& names) {
+// The band of the joint beneath the skin; without one where the recording's budget is not known (lengths in px).
+std::optional<Series> BeneathTheSkin(const Series& knee, const Json& summary) {
+  const Json angle = summary.value("uncertainty", Json::object()).value("knee_angle_deg", Json::object());
+  if (!angle.contains("anatomical_sd")) return std::nullopt;
+  Series beneath{.name = "beneath the skin", .x = knee.x, .y = knee.y, .colour = colour::kGuide, .mark = Mark::kThin};
+  const double half_deg = 2 * NumberOrNaN(angle["anatomical_sd"]);
+  for (const double knee_deg : knee.y) {
+    beneath.lower.push_back(knee_deg - half_deg);
+    beneath.upper.push_back(knee_deg + half_deg);
+  }
+  return beneath;
+}
+
+LineChart KneeChart(const StudyResults& results, const TrialNames& names) {
+  const fs::path folder = results.Folder() / names.step;
   const motion::LegMotion motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   LineChart chart;
   chart.title = fmt::format("Knee angle, {}", names.what);
-  chart.caption = "Band: ± 2 standard deviations. Shaded: from onset to standing.";
+  chart.caption =
+      "Bands: ± 2 standard deviations, of the markers and of the knee beneath the skin. Shaded: from onset to "
+      "standing.";
   chart.x.label = "time (s)";
   chart.y.label = "knee flexion (°)";
   chart.width = Width::kHalf;
@@ -124,7 +141,8 @@ LineChart KneeChart(const fs::path& folder, const TrialNames& names) {
     knee.lower.push_back(sample.knee_deg - 2 * sample.knee_sigma_deg);
     knee.upper.push_back(sample.knee_deg + 2 * sample.knee_sigma_deg);
   }
-  chart.series = {std::move(knee)};
+  if (auto beneath = BeneathTheSkin(knee, results.Summary(names.step))) chart.series.push_back(*std::move(beneath));
+  chart.series.push_back(std::move(knee));
   AddRises(motion::ReadEventsCsv(folder / "events.csv"), chart);
   return chart;
 }
@@ -133,11 +151,13 @@ LineChart KneeChart(const fs::path& folder, const TrialNames& names) {
 void ShareAxis(std::vector<LineChart>& charts) {
   double least_deg = std::numeric_limits<double>::infinity(), most_deg = -least_deg;
   for (const LineChart& chart : charts)
-    for (const double knee_deg : chart.series.front().y)
-      if (std::isfinite(knee_deg)) {
-        least_deg = std::min(least_deg, knee_deg);
-        most_deg = std::max(most_deg, knee_deg);
-      }
+    for (const Series& series : chart.series)
+      for (const std::vector<double>* angles_deg : {&series.lower, &series.upper})
+        for (const double knee_deg : *angles_deg)
+          if (std::isfinite(knee_deg)) {
+            least_deg = std::min(least_deg, knee_deg);
+            most_deg = std::max(most_deg, knee_deg);
+          }
   if (least_deg > most_deg) return;
   constexpr double kStep_deg = 10;
   for (LineChart& chart : charts) {
@@ -165,8 +185,8 @@ std::string BudgetText(const Json& comparison) {
 
 Section TrialsChapter(const StudyFile& study, const StudyResults& results) {
   Section section{"Recordings", {TrialsTable(study, results)}};
-  std::vector<LineChart> charts = {KneeChart(results.Folder() / kHuman.step, kHuman)};
-  if (study.exo) charts.push_back(KneeChart(results.Folder() / kExo.step, kExo));
+  std::vector<LineChart> charts = {KneeChart(results, kHuman)};
+  if (study.exo) charts.push_back(KneeChart(results, kExo));
   ShareAxis(charts);
   for (LineChart& chart : charts) section.blocks.push_back(std::move(chart));
   return section;

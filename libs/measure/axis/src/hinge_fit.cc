@@ -291,17 +291,30 @@ HingeSolution HingeFit::Solve(const std::vector<ErrorModel>& errors) const {
   return {unknowns_, inverse_ * middle * inverse_};
 }
 
-// A pin that fits a part of the range strays from that of the whole as an instantaneous centre does: by 1 mm, as a knee
-// from a hinge, and by the slope of that over the shortest memory.
+// How far a pin that fits a part of the range strays from that of the whole, along each axis, by what repeats with the
+// angle and is the joint's: as an instantaneous centre does, by that and by its slope. A joint strays as a knee does at
+// most, and by no more than the recording shows.
+double PinStrayMm(const std::vector<ErrorModel>& errors) {
+  double variance_mm2 = 0;
+  for (const ErrorModel& model : errors)
+    variance_mm2 += model.probability * std::pow(std::min(kJointStray_mm, model.repeated_mm), 2) *
+                    (1 + std::pow(model.angle_memory_rad, -2));
+  return std::sqrt(variance_mm2);
+}
+
+// How much of the whole's errors is in this part's own is not known: its weight is that of independent ones, the
+// covariance that of common ones.
 HingeSolution WithWhole(HingeSolution own, const AxisFrames& axis, const LearntErrors& learnt) {
-  constexpr double kPinStray_mm = 3;
-  const Eigen::Index shank = 2;
-  const double variance_mm2 = kPinStray_mm * kPinStray_mm + learnt.pin_sd_mm * learnt.pin_sd_mm;
-  const Matrix2d both = own.covariance.block<2, 2>(shank, shank) + variance_mm2 * Matrix2d::Identity();
+  const Eigen::Index shank = 2, unknowns = own.unknowns.size();
+  const Matrix2d own_pin = own.covariance.block<2, 2>(shank, shank);
+  const double stray_mm2 = std::pow(PinStrayMm(learnt.models), 2), whole_mm2 = learnt.pin_sd_mm * learnt.pin_sd_mm;
+  const Matrix2d both = own_pin + (stray_mm2 + whole_mm2) * Matrix2d::Identity();
   const MatrixXd gain = own.covariance.middleCols<2>(shank) * both.inverse();
   const Vector2d whole = axis.shank.leftCols<2>().transpose() * learnt.pin_in_shank;
   own.unknowns += gain * (whole - own.unknowns.segment<2>(shank));
-  own.covariance -= gain * own.covariance.middleRows<2>(shank).eval();
+  MatrixXd kept = MatrixXd::Identity(unknowns, unknowns);
+  kept.middleCols<2>(shank) -= (1 - std::min(1.0, std::sqrt(2 * whole_mm2 / own_pin.trace()))) * gain;
+  own.covariance = kept * own.covariance * kept.transpose() + stray_mm2 * gain * gain.transpose();
   return own;
 }
 

@@ -11,9 +11,6 @@ namespace {
 using Eigen::MatrixXd, Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 
 constexpr int kPlaces = 41;  // over the range of angles
-// How far a knee's own motion strays from a hinge, each way: 0.4 mm in the root mean square over 0 to 90 degrees in
-// the planar model of Yamaguchi & Zajac (compare's knee_axis.h), and people differ.
-constexpr double kJointStray_mm = 1;
 
 // Where the centre is against the hinge's point in the shank, at places over the range of angles; mean and variance,
 // each way, over the suppositions on the errors.

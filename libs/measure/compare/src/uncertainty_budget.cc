@@ -20,6 +20,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr const char* kSoftTissue = "soft tissue";
+constexpr const char* kFrameTissue = "soft tissue in a single frame";
 constexpr const char* kPlacement = "marker placement";
 constexpr const char* kAnkleAndHipTissue = "soft tissue at ankle and hip";
 constexpr const char* kAnkleAndHipPlacement = "placement of ankle and hip";
@@ -107,6 +108,27 @@ void AddSources(const Sensitivities& s, BudgetRow detection, std::pair<double, c
   add(kSoftTissue, "normal", o.soft_tissue_mm, "mm", s.constant, kTissueReference, false);
 }
 
+// Of how far the joint is from the knee in a frame. Where an axis is known, the skin's sliding is in it as far as the
+// clusters show it.
+Budget JointFrameBudget(const Misalignment& m, double replacement_sd_mm, const ComparisonBudgetOptions& o) {
+  std::vector<double> distance_mm;
+  distance_mm.reserve(m.joint->shank_mm.size());
+  for (const Vector2d& joint : m.joint->shank_mm) distance_mm.push_back(joint.norm());
+  Budget budget{"joint_frame", "mm", Mean(distance_mm), 0, {}};
+  Sensitivities s;
+  s.constant = 1;
+  s.noise = std::numbers::sqrt2;  // of both markers
+  s.scale = budget.value / 100;
+  AddSources(s, Detection(RootMeanSquare(m.exo.knee_sigma_mm), "mm", s.noise), {replacement_sd_mm, kReplacement},
+             o.axes.exo_mm, o, budget.rows);
+  if (o.axes.exo_mm) return budget;
+  BudgetRow& tissue = *std::ranges::find(budget.rows, kSoftTissue, &BudgetRow::source);
+  tissue.source = kFrameTissue;
+  tissue.size = o.FrameTissueMm();
+  tissue.reference = "Benoit et al. 2006, the largest stray, and thirteen legs against skeletal models; --frame-tissue";
+  return budget;
+}
+
 void AddOwnVariation(double sd, const std::string& unit, std::vector<BudgetRow>& rows) {
   rows.push_back({kOwnVariation, "t", sd, unit, 1, "repetitions of this trial", true});
 }
@@ -126,7 +148,7 @@ void AddAnkleAndHip(double shank_mm, double thigh_mm, std::pair<double, const ch
   rows.push_back({kAnkleAndHipTissue, "normal", o.soft_tissue_mm, "mm", sensitivity, kTissueReference, false});
 }
 
-Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const BudgetOptions& o) {
+Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const ComparisonBudgetOptions& o) {
   std::vector<double> shank, thigh;
   for (std::size_t i = 0; i < m.human.knee.size(); ++i) {
     shank.push_back((m.human.knee[i] - m.human.ankle[i]).norm());
@@ -210,7 +232,7 @@ double Budget::SharePercent(const BudgetRow& row) const {
   return square > 0 ? 100 * row.Contribution() * row.Contribution() / square : 0;
 }
 
-std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, const BudgetOptions& o) {
+std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, const ComparisonBudgetOptions& o) {
   std::vector<Budget> budgets;
   if (m.joint) {
     const JointMisalignment& joint = *m.joint;
@@ -230,6 +252,7 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
     add("joint_rms", joint.rms_mm, 0, OfRms(joint, duration_s), &Intervals::rms_mm);
     add("joint_offset_x", joint.mean_mm.x(), -kInfinity, OfOffset(joint, 0, duration_s), &Intervals::mean_x_mm);
     add("joint_offset_y", joint.mean_mm.y(), -kInfinity, OfOffset(joint, 1, duration_s), &Intervals::mean_y_mm);
+    budgets.push_back(JointFrameBudget(m, replacement_sd_mm, o));
   }
   budgets.push_back(KneeAngleBudget(m, replacement_sd_mm, o));
   return budgets;
@@ -250,11 +273,10 @@ double PlaceDeviation(const std::vector<Budget>& budgets) {
 }
 
 std::string QuantityName(const std::string& quantity) {
-  constexpr std::pair<const char*, const char*> kNames[] = {{"joint_rms", "joint misalignment, RMS"},
-                                                            {"joint_offset_x", "joint in front of the knee"},
-                                                            {"joint_offset_y", "joint above the knee"},
-                                                            {"knee_angle", "knee angle, one frame"},
-                                                            {"rise", "mean time of a rise"}};
+  constexpr std::pair<const char*, const char*> kNames[] = {
+      {"joint_rms", "joint misalignment, RMS"},   {"joint_offset_x", "joint in front of the knee"},
+      {"joint_offset_y", "joint above the knee"}, {"joint_frame", "joint misalignment, one frame"},
+      {"knee_angle", "knee angle, one frame"},    {"rise", "mean time of a rise"}};
   for (const auto& [key, name] : kNames)
     if (quantity == key) return name;
   return quantity;
@@ -266,7 +288,7 @@ namespace {
 std::string WayOut(const std::string& source, bool has_axis, bool is_of_two_trials) {
   if (source == kSoftTissue && has_axis)
     return "no marker shows what skin does as a whole; more markers, or plates on bone, narrow it";
-  if (source == kSoftTissue)
+  if (source == kSoftTissue || source == kFrameTissue)
     return "two or more markers on shank and thigh, and the axis that lake axis finds from them, narrow it";
   if (source == kAnkleAndHipTissue)
     return "two or more markers on shank and thigh show the turn without ankle and hip (lake axis)";
@@ -277,6 +299,18 @@ std::string WayOut(const std::string& source, bool has_axis, bool is_of_two_tria
   if (source == kPlacement && is_of_two_trials) return "leave the same markers on between the trials";
   if (source == kOwnVariation) return "record more repetitions";
   return "";
+}
+
+// Of a mean over repetitions: what more of them do where they are not among the sources that count.
+std::string AboutRepetitions(const Budget& budget, double least_percent) {
+  const bool is_mean =
+      budget.quantity == "rise" || budget.quantity == "joint_rms" || budget.quantity.starts_with("joint_offset");
+  if (!is_mean) return "";
+  const auto own = std::ranges::find(budget.rows, kOwnVariation, &BudgetRow::source);
+  if (own == budget.rows.end()) return "; one repetition does not show how far they differ: record more repetitions";
+  if (budget.SharePercent(*own) >= least_percent) return "";
+  return fmt::format("; less than {:.0f} % from what repetitions differ by: more repetitions would not narrow it",
+                     least_percent);
 }
 
 }  // namespace
@@ -295,7 +329,7 @@ std::string WhatNarrows(const Budget& budget) {
     if (i > 0) text += fmt::format("; {:.0f} % from {}", budget.SharePercent(rows[i]), rows[i].source);
     text += ": " + way_out;
   }
-  return text + ".";
+  return text + AboutRepetitions(budget, kLeast_percent) + ".";
 }
 
 void WriteUncertaintyBudgetCsv(const std::filesystem::path& path, const std::vector<Budget>& budgets) {
@@ -336,6 +370,16 @@ void Describe(BudgetOptions& o, OptionList& options) {
       .NotNegative();
   options.Add("scale-sd", o.scale_percent, "Standard deviation of the plane's scale").Unit("percent").NotNegative();
   options.Add("event-sd", o.event_s, "Standard deviation of onset and standing").Unit("s").NotNegative();
+}
+
+void Describe(ComparisonBudgetOptions& o, OptionList& options) {
+  Describe(static_cast<BudgetOptions&>(o), options);
+  options
+      .Add("frame-tissue", o.frame_tissue_mm,
+           "Standard deviation, per axis, of the knee's marker against the joint beneath it in a single frame")
+      .Unit("mm")
+      .NotNegative()
+      .Otherwise("twice --soft-tissue");
 }
 
 void Describe(RecordingBudgetOptions& o, OptionList& options) {

@@ -20,6 +20,7 @@ constexpr const char* kPlacement = colour::kAnkle;
 constexpr const char* kTiming = colour::kHip;
 constexpr const char* kShape = colour::kWaist;
 const Axis kPercentAxis{"rise (%)", 0, 100};
+constexpr double kNormal95 = 1.959964;
 
 std::vector<double> Scaled(std::vector<double> values, double factor) {
   for (double& value : values) value *= factor;
@@ -143,6 +144,40 @@ LineChart PathDifferenceChart(const Json& comparison) {
       Level(floor, fmt::format("noise floor {} %", SignificantText(floor, 2)), colour::kAnkle, Mark::kDotted)};
   Series spikes = SpikesOf(error, curves.at("spike"));
   if (!spikes.x.empty()) chart.series.push_back(std::move(spikes));
+  return chart;
+}
+
+std::optional<LineChart> JointChart(const Json& comparison) {
+  const Json uncertainty = comparison.value("uncertainty", Json::object());
+  if (!uncertainty.contains("joint_frame_mm")) return std::nullopt;
+  const Json &curves = comparison.at("curves"), &frame = uncertainty.at("joint_frame_mm");
+  const auto joint_less_knee = [&](const char* axis) {
+    std::vector<double> joint = NumbersOrNaN(curves.at(fmt::format("exo_knee_{}_mm", axis)));
+    const std::vector<double> knee = NumbersOrNaN(curves.at(fmt::format("exo_leg_knee_{}_mm", axis)));
+    for (std::size_t i = 0; i < joint.size(); ++i) joint[i] -= knee[i];
+    return joint;
+  };
+  const std::vector<double> distance_mm = Lengths(joint_less_knee("x"), joint_less_knee("y"));
+  const auto with_band = [&](const char* name, const char* sd, const char* colour, Mark mark) {
+    const double half_mm = kNormal95 * NumberOrNaN(frame.at(sd));
+    Series series{
+        .name = name, .x = NumbersOrNaN(curves.at("percent")), .y = distance_mm, .colour = colour, .mark = mark};
+    for (const double distance : distance_mm) {
+      series.lower.push_back(std::max(0.0, distance - half_mm));
+      series.upper.push_back(distance + half_mm);
+    }
+    return series;
+  };
+  LineChart chart;
+  chart.title = "Joint misalignment over the rise";
+  chart.alt = "Distance of the exoskeleton's joint from the knee of the leg that wears it, with both bands";
+  chart.caption =
+      "Bands: where a frame's distance is with 95 %, as the markers tell it, and from the knee beneath the skin, which "
+      "slides as the knee bends.";
+  chart.x = kPercentAxis;
+  chart.y = {"joint from the knee (mm)", 0, std::nullopt};
+  chart.series = {with_band("from the knee beneath the skin", "anatomical_sd", colour::kGuide, Mark::kThin),
+                  with_band("from the knee's marker", "marker_sd", colour::kExoskeleton, Mark::kLine)};
   return chart;
 }
 

@@ -1,11 +1,15 @@
 // Charts of the comparison that only its own report has.
 #pragma once
 
+#include <optional>
+
 #include "lake/core/json.h"
 #include "lake/report/report.h"
 
 namespace lake::report {
 
+// Of the joint and the knee of the leg that wears it; nullopt where the trial does not show that knee.
+std::optional<report::LineChart> JointChart(const Json& comparison);
 report::LineChart PartsChart(const Json& comparison);
 report::LineChart KneeAnglesChart(const Json& comparison);
 

@@ -81,7 +81,10 @@ Section KeySection(const Json& comparison) {
 Section PathsSection(const Json& comparison) {
   LineChart paths = KneePathsChart(comparison), angles = KneeAnglesChart(comparison);
   paths.width = angles.width = Width::kHalf;
-  return {"Knee paths and angles", {std::move(paths), std::move(angles), PathDifferenceChart(comparison)}};
+  Section section{"Knee paths and angles", {std::move(paths), std::move(angles)}};
+  if (auto joint = JointChart(comparison)) section.blocks.emplace_back(*std::move(joint));
+  section.blocks.emplace_back(PathDifferenceChart(comparison));
+  return section;
 }
 
 Section PartsSection(const Json& comparison) {

@@ -40,7 +40,7 @@ struct CompareRunOptions {
   // Of trials in px. The left leg's is `human_picture`.
   gait::PictureScale human_picture, exo_picture, right_picture;
   compare::MisalignmentOptions misalignment;
-  compare::BudgetOptions budget;
+  compare::ComparisonBudgetOptions budget;
   cuffs::CuffOptions cuff;
   KneeOptions knee;
   // The design of the exoskeleton trial: whether seat and limbs of this person allow its joint on the knee.

@@ -105,7 +105,8 @@ struct MeanAxesResult {
 // 40, 2007), corrected for what the poses' own turning errors pull the points towards the markers. The covariance of
 // the errors is learnt by restricted likelihood; before it, they are as large as the markers' deformation lets expect
 // at the joint: a part that repeats with the angle is not told from a hinge elsewhere, and the standard deviation says
-// so. Windows know of the whole recording's pin, from which theirs strays by 3 mm.
+// so. Windows know of the whole recording's pin, from which theirs strays by no more than a joint does or the recording
+// shows.
 MeanAxesResult MeanAxes(const SegmentMotion& motion, std::size_t window_frames, double least_turn_deg);
 
 // The knee angle at each frame, degrees: 0 where the shank's first marker, the axis and the thigh's first marker are in
