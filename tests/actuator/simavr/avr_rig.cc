@@ -198,7 +198,9 @@ void AvrRig::Sense(double duty) {
   const double current_a = duty == 0 ? 0 : std::copysign(breaks_.motor_a, duty);
   adc_->SetMillivolt(0, wiper * kSupply_mv);
   adc_->SetMillivolt(1, breaks_.current_wire ? 0 : 2500 + 1e3 * breaks_.current_offset_v + 185 * current_a);
-  adc_->SetMillivolt(2, breaks_.supply_wire || !HasSupply() ? 0 : 1e3 * actuator_.supply_v / actuator::kSupplyDivider);
+  adc_->SetMillivolt(2, breaks_.supply_wire || !HasSupply()
+                            ? 0
+                            : 1e3 * actuator_.supply_v / actuator::FactsOf(actuator::Board::kUno).supply_divider);
 }
 
 void AvrRig::WatchInterrupts(std::uint64_t before) {

@@ -1,4 +1,4 @@
-// What holds for every stroke program. What belongs to one is in stroke_table.h, the pins are in board.c and bridge.c.
+// What holds for every stroke program. What belongs to one is in stroke_table.h, the pins are in pins.h of the board.
 #ifndef LAKE_CONFIG_H
 #define LAKE_CONFIG_H
 
