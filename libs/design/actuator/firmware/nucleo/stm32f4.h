@@ -9,7 +9,7 @@
 #define REGISTERS_AT(address) (address)
 #endif
 
-#define BIT(number) (1UL << (number))
+#define BIT(number) ((uint32_t)1 << (number))
 
 typedef volatile uint32_t reg_t;
 
