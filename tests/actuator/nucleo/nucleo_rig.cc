@@ -10,8 +10,8 @@
 #include <type_traits>
 
 #include "actuator/compiled_once.h"
-#include "chip_on_pc.h"
 #include "actuator/host/host_rig.h"
+#include "chip_on_pc.h"
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/serial_frame.h"
 #include "lake/core/atomic_file.h"
@@ -28,7 +28,7 @@ constexpr std::uint32_t kRcc = 0x40023800, kUsart = 0x40004400, kAdc = 0x4001200
                         kFlashControl = 0x40023C00;
 constexpr std::uint32_t kTimerBase[2] = {0x40000400, 0x40000800};
 constexpr int kTimerIrq[2] = {29, 30}, kAdcIrq = 18, kUsartIrq = 38;
-constexpr std::uint32_t kCycles = 0xE0001004, kEnables = 0xE000E100;
+constexpr std::uint32_t kCycles = 0xE0001004, kInterruptEnables = 0xE000E100;
 constexpr std::uint64_t kClocksPerMs = 16'000, kClocksPerByte = 10 * 139;
 constexpr std::uint64_t kClocksPerAccess = 4, kConversionClocks = 2 * (84 + 12);
 constexpr int kPins = 20;
@@ -63,8 +63,7 @@ std::filesystem::path NucleoLibrary(const std::string& stroke_table) {
 
 }  // namespace
 
-NucleoRig::NucleoRig(const std::string& stroke_table)
-    : flash_(2 * kSectorBytes, 0xFF), flash_before_(flash_) {
+NucleoRig::NucleoRig(const std::string& stroke_table) : flash_(2 * kSectorBytes, 0xFF), flash_before_(flash_) {
   std::filesystem::copy_file(NucleoLibrary(stroke_table), folder_ / "nucleo.so");
   input_v_[0] = 1.65;
   for (const int end_stop : {2, 3}) Hold(end_stop, false);
@@ -105,7 +104,7 @@ void NucleoRig::PowerUp() {
   Word(kUsart) = 1 << 7;
   Word(kUsart + 4) = 0x100;  // as long as nothing was written there
   Word(kFlashControl + 0x10) = 1U << 31;
-  Word(kRcc + 0x74) = 7U << 25;  // by power
+  Word(kRcc + 0x74) = 7U << 25;               // by power
   Word(kPortA + kPortBytes + kMode) = 0x280;  // PB3 and PB4 are the debugger's
   clocks_ = 0, next_byte_ = 0, keys_ = 0;
   next_tick_ = kClocksPerMs;
@@ -169,7 +168,7 @@ void NucleoRig::SettleClock() {
   if (IsBitSet(control, 16)) control |= 1 << 17;
   if (IsBitSet(control, 24)) control |= 1 << 25;
   configuration = (configuration & ~12U) | (configuration & 3) << 2;
-  for (const std::uint32_t i : {0U, 1U}) enabled_[i] = Word(kEnables + 4 * i) |= enabled_[i];
+  for (const std::uint32_t i : {0U, 1U}) enabled_[i] = Word(kInterruptEnables + 4 * i) |= enabled_[i];
   if (IsBitSet(Word(0xE000EDFC), 24)) Word(kCycles) = static_cast<std::uint32_t>(clocks_);
 }
 
@@ -192,8 +191,9 @@ void NucleoRig::SettlePorts() {
     Word(base + kInput) = (Word(base + kInput) & ~(1U << bit)) | static_cast<std::uint32_t>(level) << bit;
   }
   if (!has_outputs_) return;
-  held_[17] = is_out1_stuck_ || (Level(9) && Level(7));
-  held_[18] = Level(9) && Level(8);
+  const int ena = is_bts7960_ ? 7 : 9, in1 = is_bts7960_ ? 9 : 7, in2 = is_bts7960_ ? 10 : 8;
+  held_[17] = is_out1_stuck_ || (Level(ena) && Level(in1));
+  held_[18] = Level(ena) && Level(in2);
 }
 
 void NucleoRig::SettleTimer(Timer& timer) {
@@ -229,8 +229,7 @@ void NucleoRig::SettleConverter() {
   if (!conversion_ends_ || clocks_ < *conversion_ends_ || is_converter_dead_) return;
   conversion_ends_.reset();
   ++conversions_;
-  Word(kAdc + 0x4C) =
-      static_cast<std::uint32_t>(std::lround(std::clamp(input_v_[converting_] / 3.3, 0.0, 1.0) * 4095));
+  Word(kAdc + 0x4C) = static_cast<std::uint32_t>(std::lround(std::clamp(input_v_[converting_] / 3.3, 0.0, 1.0) * 4095));
   status |= kEnded;
 }
 
@@ -302,7 +301,8 @@ bool NucleoRig::Serve() {
     to_send_.pop_front();
     next_byte_ = clocks_ + kClocksPerByte;
   }
-  const bool receives = IsBitSet(Word(kUsart), 5), sends = IsBitSet(Word(kUsart), 7) && IsBitSet(Word(kUsart + 0x0C), 7);
+  const bool receives = IsBitSet(Word(kUsart), 5),
+             sends = IsBitSet(Word(kUsart), 7) && IsBitSet(Word(kUsart + 0x0C), 7);
   if (IsEnabled(kUsartIrq) && (receives || sends)) {
     usart_();
     Word(kUsart) &= ~(1U << 5);

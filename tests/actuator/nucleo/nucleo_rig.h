@@ -36,11 +36,12 @@ class NucleoRig {
   bool IsOutput(int pin) const { return Mode(pin) == 1; }
   bool IsInput(int pin) const { return Mode(pin) == 0; }
   bool Level(int pin) const;
-  double PwmOf(int pin) const;                        // the part of the time for which it is high; of no PWM, its level
+  double PwmOf(int pin) const;  // the part of the time for which it is high; of no PWM, its level
   void SetInput(int channel, double volt) { input_v_[channel] = volt; }
   void StopConverter() { is_converter_dead_ = true; }
-  // Both outputs of the bridge on A3 and A4: as the inputs and ENA have them, unless one is stuck high.
-  void WireOutputs(bool is_out1_stuck) { has_outputs_ = true, is_out1_stuck_ = is_out1_stuck; }
+  // Both outputs of the bridge on A3 and A4, as the inputs and ENA have them, unless OUT1 is stuck high.
+  void WireOutputs(bool is_bts7960 = false) { has_outputs_ = true, is_bts7960_ = is_bts7960; }
+  void StickOutput(bool is_stuck) { is_out1_stuck_ = is_stuck; }
   void LosePowerAtFlashWork(int number) { flash_work_left_ = number; }
 
   const std::string& Serial() const { return serial_; }
@@ -98,7 +99,7 @@ class NucleoRig {
   std::array<std::uint32_t, 2> enabled_{};  // of the interrupts: a one that is written stays
   std::optional<std::uint64_t> conversion_ends_;
   std::uint32_t converting_ = 0;
-  bool is_converter_dead_ = false, has_outputs_ = false, is_out1_stuck_ = false;
+  bool is_converter_dead_ = false, has_outputs_ = false, is_bts7960_ = false, is_out1_stuck_ = false;
   int conversions_ = 0, feeds_ = 0, erasures_ = 0;
   int flash_work_left_ = -1, keys_ = 0;
   std::deque<char> to_send_;

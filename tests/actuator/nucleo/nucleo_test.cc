@@ -1,9 +1,11 @@
 // The board layer of a Nucleo-64: compiled for its chip, and run on a model of its registers.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <sstream>
 
+#include "actuator/combinations.h"
 #include "actuator/compiled_once.h"
 #include "actuator/host/host_fixture.h"
 #include "lake/actuator/commissioning.h"
@@ -219,10 +221,10 @@ TEST_F(NucleoTest, OutputsThatDoNotFollowThePwmAreSeen) {
   firmware_options_.bridge_sense = true;
   for (const bool is_stuck : {false, true}) {
     PowerUp();
-    nucleo_->WireOutputs(false);
+    nucleo_->WireOutputs();
     Jog("jog 400 2000");
     ASSERT_GT(nucleo_->PwmOf(kEnaPin), 0);
-    nucleo_->WireOutputs(is_stuck);
+    nucleo_->StickOutput(is_stuck);
     EXPECT_EQ(nucleo_->RunUntil("ALARM:15\n", 0.3), is_stuck) << nucleo_->Serial();
     EXPECT_EQ(nucleo_->PwmOf(kEnaPin) == 0, is_stuck);
   }
@@ -266,11 +268,45 @@ TEST_F(NucleoTest, WhatIsKeptOutlivesPowerLostWhileItIsTidied) {
   }
 }
 
+// It drives and stops as it is told, whatever is wired.
+TEST_F(NucleoTest, EachCombinationOfOptionsIsCompiledAndRuns) {
+  for (const Combination& one : CombinationsToTry()) {
+    SCOPED_TRACE(one.Name());
+    firmware_options_ = one.Options(actuator::Board::kNucleo, kRelayPin);
+    const bool is_bts = one.Has(Combination::kBts7960), has_relay = one.Has(Combination::kRelay);
+    PowerUp();
+    const auto duty = [&](int driven) { return is_bts && !nucleo_->Level(7) ? 0 : nucleo_->PwmOf(driven); };
+    // The supply behind the relay, and half an ampere while the motor is driven.
+    const auto run = [&](int driven, int sign, double seconds) {
+      for (int left = static_cast<int>(std::lround(1e3 * seconds)); left > 0; --left) {
+        nucleo_->SetInput(4, !has_relay || nucleo_->Level(kRelayPin) ? 12 / 7.8 : 0);
+        nucleo_->SetInput(1, (2.5 + (duty(driven) > 0 ? 0.5 * sign * 0.185 : 0)) / 1.5);
+        nucleo_->Run(1e-3);
+      }
+    };
+    if (one.Has(Combination::kSense)) nucleo_->WireOutputs(is_bts);
+    run(kEnaPin, 1, 0.6);
+    for (const int sign : {1, -1}) {
+      const int driven = is_bts ? (sign > 0 ? 9 : 10) : kEnaPin;
+      nucleo_->Send(fmt::format("jog {} 2000", 400 * sign));
+      for (int ms = 0; ms < 400 && duty(driven) == 0; ++ms) run(driven, sign, 1e-3);
+      run(driven, sign, 0.05);  // the rod stands, which is told once it has been driven for 0.6 mm
+      EXPECT_NEAR(duty(driven), 0.4, 1e-3) << nucleo_->Serial();
+      nucleo_->Send("stop");
+      run(driven, sign, 0.15);
+      EXPECT_EQ(duty(driven), 0) << nucleo_->Serial();
+    }
+    EXPECT_THAT(nucleo_->Serial(), Not(HasSubstr("ALARM")));
+    EXPECT_THAT(nucleo_->Wrong(), IsEmpty());
+  }
+}
+
 TEST_F(NucleoTest, ItsReferenceAndDividersAreInTheTable) {
   WireAll();
   const std::string nucleo = Header();
   // 12 V behind 68 and 10 kOhm, of 3.3 V; 2.5 V of the current sensor behind 10 and 20.
-  EXPECT_THAT(nucleo, HasSubstr(fmt::format("#define LAKE_SUPPLY_LEAST {}\n", std::lround(0.6 * 12 / 7.8 / 3.3 * 4092))));
+  EXPECT_THAT(nucleo,
+              HasSubstr(fmt::format("#define LAKE_SUPPLY_LEAST {}\n", std::lround(0.6 * 12 / 7.8 / 3.3 * 4092))));
   EXPECT_THAT(nucleo, HasSubstr(fmt::format("#define LAKE_CURRENT_ZERO {}\n", std::lround(2.5 / 1.5 / 3.3 * 4092))));
   EXPECT_THAT(nucleo, HasSubstr("// Stroke program for the Nucleo."));
   const std::string schematic = actuator::SchematicSvg(firmware_options_);
