@@ -11,6 +11,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "actuator/screw_speed.h"
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/serial_frame.h"
 
@@ -43,7 +44,8 @@ bool HasBit(std::uint8_t value, int bit) {
 
 }  // namespace
 
-AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator) : actuator_(actuator) {
+AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator)
+    : actuator_(actuator), motor_mm_(actuator.stroke_mm) {
   elf_firmware_t firmware{};
   if (elf_read_firmware(elf.c_str(), &firmware) != 0) throw std::runtime_error("not an ELF file: " + elf.string());
   avr_ = avr_make_mcu_by_name("atmega328p");
@@ -62,6 +64,7 @@ AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator) 
   std::uint32_t flags = 0;
   avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);  // nothing to the test's own output
   adc_ = std::make_unique<DatasheetAdc>(avr_);
+  adc_->SetNoise(actuator_.noise_counts, actuator_.seed);
   receiver_ = std::make_unique<DatasheetReceiver>(avr_);
   pwm_ = std::make_unique<DatasheetPwm>(avr_, [this](bool is_high) { SetBridgePins(is_high); });
   SetEndStopPins();
@@ -193,16 +196,16 @@ void AvrRig::EndMillisecond() {
   const double driven = HasSupply() ? share(Drive::kExtend) - share(Drive::kRetract) : 0,
                duty = breaks_.is_reversed ? -driven : driven;
   const bool brake = share(Drive::kBrake) > 0.5;
-  const double target =
-      duty == 0 ? 0
-                : actuator_.speed_factor *
-                      std::copysign(actuator_.table->Curve(duty > 0 ? 1 : -1).SpeedFor(std::abs(duty)), duty);
+  const double free_mm_s = actuator_.speed_factor * FreeSpeed(*actuator_.table, duty, actuator_.supply);
+  const double target = LoadedSpeed(free_mm_s, duty, actuator_.load_n, actuator_.mm_s_per_n);
   if (duty == 0 && !brake)
     speed_mm_s_ = std::copysign(std::max(0.0, std::abs(speed_mm_s_) - actuator_.coast_mm_s2 * 1e-3), speed_mm_s_);
   else
     speed_mm_s_ += (target - speed_mm_s_) * (1 - std::exp(-1e-3 / (brake ? 0.01 : actuator_.time_constant_s)));
   if (breaks_.is_blocked) speed_mm_s_ = 0;
-  actuator_.stroke_mm += (speed_mm_s_ + breaks_.runs_away_mm_s) * 1e-3;
+  motor_mm_ += (speed_mm_s_ + breaks_.runs_away_mm_s) * 1e-3;
+  actuator_.stroke_mm =
+      std::clamp(actuator_.stroke_mm, motor_mm_ - actuator_.play_mm / 2, motor_mm_ + actuator_.play_mm / 2);
   samples_.push_back({Time(), actuator_.stroke_mm, speed_mm_s_, driven, brake});
   for (double& cycles : on_cycles_) cycles = 0;
   SetEndStopPins();
@@ -217,9 +220,10 @@ void AvrRig::Sense(double duty) {
   const double current_a = duty == 0 ? 0 : std::copysign(breaks_.motor_a, duty);
   adc_->SetMillivolt(0, wiper * kSupply_mv);
   adc_->SetMillivolt(1, breaks_.current_wire ? 0 : 2500 + 1e3 * breaks_.current_offset_v + 185 * current_a);
-  adc_->SetMillivolt(2, breaks_.supply_wire || !HasSupply()
-                            ? 0
-                            : 1e3 * actuator_.supply_v / actuator::FactsOf(actuator::Board::kUno).supply_divider);
+  adc_->SetMillivolt(
+      2, breaks_.supply_wire || !HasSupply()
+             ? 0
+             : 1e3 * actuator_.supply * actuator_.supply_v / actuator::FactsOf(actuator::Board::kUno).supply_divider);
 }
 
 void AvrRig::WatchInterrupts(std::uint64_t before) {

@@ -50,6 +50,11 @@ struct ActuatorModel {
   bool has_relay = false;                 // in the supply, before its sense
   bool is_bts7960 = false;                // R_EN and L_EN on D7, RPWM on D9, LPWM on D10
   double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
+  double noise_counts = 0;                // SD of each conversion, of every channel
+  double play_mm = 0;                     // between motor and rod
+  double supply = 1, load_n = 0;          // part of the nominal voltage; against extension, …
+  double mm_s_per_n = 0;                  // … of the force-speed line
+  unsigned seed = 1;
 };
 
 struct AvrBreaks : RigBreaks {
@@ -76,7 +81,7 @@ class AvrRig {
   AvrBreaks& Breaks() { return breaks_; }
   double Time() const;
   double Stroke() const { return actuator_.stroke_mm; }
-  void SetStroke(double stroke_mm) { actuator_.stroke_mm = stroke_mm; }
+  void SetStroke(double stroke_mm) { actuator_.stroke_mm = motor_mm_ = stroke_mm; }
   bool IsRelayClosed() const;  // its pin, D5
   void FlipBit(int address, int bit) { avr_->data[address] ^= static_cast<std::uint8_t>(1 << bit); }
   bool HasEnded() const;                                 // `quit`
@@ -107,7 +112,7 @@ class AvrRig {
   avr_t* avr_ = nullptr;
   ActuatorModel actuator_;
   AvrBreaks breaks_;
-  double speed_mm_s_ = 0, wiper_ = 0;
+  double speed_mm_s_ = 0, motor_mm_ = 0, wiper_ = 0;
   BridgeInputs inputs_;
   bool pulled_[2] = {false, false}, is_held_ = false;
   std::uint64_t counted_to_ = 0;
