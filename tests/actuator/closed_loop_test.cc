@@ -139,6 +139,20 @@ TEST_F(ClosedLoopTest, NoiseAndCoastingAreNoFaults) {
   }
 }
 
+// At 70 % of the supply the model's motor extends at 5.7 mm/s: a program that needs more is said not to be followed
+// there, before anything runs, and is not; a slower one is.
+TEST_F(ClosedLoopTest, WhatALowSupplyCannotFollowIsSaidBefore) {
+  actuator_.spikes = 0, actuator_.mm_s_per_n = 0;
+  actuator_.supply = [](double) { return actuator::kLowSupply; };
+  for (const double speed : {5.3, 6.5}) {
+    Build(FreeDesign({{0, 300}, {6, 300 + 6 * speed}}));
+    const bool is_said = header_.find("CANNOT KNOW: At 70 % of its supply it extends at 5.7 mm/s") != std::string::npos;
+    HomeAndRun();
+    EXPECT_EQ(is_said, speed > 5.7);
+    EXPECT_EQ(rig_->RunUntil("ALARM:11\n", 7), is_said) << rig_->Serial();
+  }
+}
+
 TEST_F(ClosedLoopTest, FollowsThroughSagsAndLoadSteps) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     actuator_.seed = seed;

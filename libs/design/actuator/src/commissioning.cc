@@ -135,8 +135,9 @@ std::string SignOffSheet(const StrokeTable& stroke, const StrokeSchedule& schedu
       "mm in {:.1f} s. Wiring: `schematic.svg`. What can go wrong, and what notices it: `SAFETY.md`, `RISKS.md`.\n\n"
       "What this firmware cannot know:\n\n",
       kUntried, options.design_hash, stroke.start_mm, schedule.knots.back().stroke_mm, schedule.Duration());
-  for (const std::string& unknown : Unknowns(options)) text += "- " + unknown + "\n";
-  if (Unknowns(options).empty()) text += "- nothing of what the simulator's faults ask for; much else.\n";
+  const std::vector<std::string> unknowns = Unknowns(options, stroke, table);
+  for (const std::string& unknown : unknowns) text += "- " + unknown + "\n";
+  if (unknowns.empty()) text += "- nothing of what the simulator's faults ask for; much else.\n";
   text += "\n| check | what must be seen | found | name | date |\n| --- | --- | --- | --- | --- |\n";
   text += Tick("mechanical stops before standing and before the dead point", "each holds the actuator's stall force");
   text += Tick("fuse in the motor's supply", fmt::format("{:.1f} A, quick", options.StallCurrent()));

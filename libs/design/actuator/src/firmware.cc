@@ -317,6 +317,24 @@ std::vector<std::string> Unknowns(const FirmwareOptions& options) {
   return unknown;
 }
 
+std::vector<std::string> Unknowns(const FirmwareOptions& options, const StrokeTable& stroke, const DutyTable& table) {
+  std::vector<std::string> unknown = Unknowns(options);
+  if (options.feedback == Feedback::kNone) return unknown;
+  for (const int direction : {1, -1}) {
+    std::int32_t most_um_s = 0;
+    for (const StrokeSegment& segment : stroke.segments)
+      most_um_s = std::max(most_um_s, direction * segment.velocity_um_s);
+    const DutyCurve& curve = table.Curve(direction);
+    const double reached_mm_s = curve.SpeedFor(kLowSupply * curve.MostDuty());
+    if (most_um_s > 1e3 * reached_mm_s)
+      unknown.push_back(fmt::format(
+          "At {:.0f} % of its supply it {} at {:.1f} mm/s at most, less under a load, and the program needs "
+          "{:.1f}: there it falls behind and stops (ALARM:11).",
+          100 * kLowSupply, direction > 0 ? "extends" : "retracts", reached_mm_s, most_um_s / 1e3));
+  }
+  return unknown;
+}
+
 void FirmwareOptions::Check() const {
   const auto require = [](bool good, const char* option, double value, const char* what) {
     if (!good) throw UsageError(fmt::format("{} must be {}, not {}", option, what, value));
@@ -374,7 +392,7 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
   if (!options.accept_drift) RequireRoomForDrift(homing, stroke, schedule, table, options);
   std::string text = options.accept_drift ? kDriftAccepted : "";
   text += fmt::format("// Stroke program for the {}. {}\n", options.Facts().name, Comment(made_by));
-  for (const std::string& unknown : Unknowns(options)) text += "// CANNOT KNOW: " + unknown + "\n";
+  for (const std::string& unknown : Unknowns(options, stroke, table)) text += "// CANNOT KNOW: " + unknown + "\n";
   text += "#ifndef LAKE_STROKE_TABLE_H\n#define LAKE_STROKE_TABLE_H\n\n#include \"portable.h\"\n\n";
   text += CommonDefines(options, stroke.segments.size(), &schedule.limits);
   text += DriftDefines(DriftBound(stroke, table, options), options);
@@ -458,7 +476,7 @@ std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedul
   text += fmt::format("// WARNING: UNWORN ONLY: home takes the knee to {:.1f} degrees.\n",
                       KneeDegAt(schedule.links, home_mm));
   if (options.feedback == Feedback::kNone) text += "// WARNING: open loop.\n";
-  for (const std::string& unknown : Unknowns(options)) text += "// CANNOT KNOW: " + unknown + "\n";
+  for (const std::string& unknown : Unknowns(options, stroke, table)) text += "// CANNOT KNOW: " + unknown + "\n";
   text += fmt::format("// Program: from {} to {} in {:.1f} s, {} segments.\n", place(stroke.start_mm),
                       place(schedule.knots.back().stroke_mm), schedule.Duration(), stroke.segments.size());
   text += fmt::format("// Retract end stop at {}; extend end stop {}. The linkage ends at {:.3f} and {:.3f} mm.\n",

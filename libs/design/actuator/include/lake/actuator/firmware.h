@@ -23,7 +23,8 @@ inline constexpr int kFirmwareBytes = 19456;
 inline constexpr double kUnmeasuredTolerance_percent = 10;  // of speeds, where nobody has measured it
 inline constexpr int kMostSegments = (kFlashBytes - kFirmwareBytes) / kSegmentBytes;
 
-inline constexpr double kSupplyTolerance = 0.4;          // of the nominal voltage: outside is a fault
+inline constexpr double kSupplyTolerance = 0.4;  // of the nominal voltage: outside is a fault
+inline constexpr double kLowSupply = 0.7;        // part of the nominal voltage, at which a closed loop is to follow
 inline constexpr double kOpenLoopSupplyTolerance = 0.1;  // likewise where nothing but the voltage sets the speed
 inline constexpr double kDirectionCheck_mm =
     0.3;                                     // off a pressed end stop while it is not known which way the motor turns
@@ -120,6 +121,9 @@ struct StrokeTable {
   double rounding_error_mm = 0;  // worst distance of its plan from the schedule, at any time
   double pwm_error_mm = 0;       // the same if the actuator follows the duty table exactly at these counts
 };
+
+// Likewise with a program: also where a closed loop cannot follow it at kLowSupply.
+std::vector<std::string> Unknowns(const FirmwareOptions& options, const StrokeTable& stroke, const DutyTable& table);
 
 // Throws Error if it does not fit into the flash within the tolerance, or a number into the firmware's types.
 StrokeTable MakeStrokeTable(const StrokeSchedule& schedule, const DutyTable& table, const FirmwareOptions& options);
