@@ -106,9 +106,10 @@ void NucleoRig::PowerUp() {
   Word(kFlashControl + 0x10) = 1U << 31;
   Word(kRcc + 0x74) = 7U << 25;               // by power
   Word(kPortA + kPortBytes + kMode) = 0x280;  // PB3 and PB4 are the debugger's
-  clocks_ = 0, next_byte_ = 0, keys_ = 0;
+  clocks_ = next_byte_ = 0;
+  keys_ = 0;
   next_tick_ = kClocksPerMs;
-  timers_[0] = {.base = kTimerBase[0]}, timers_[1] = {.base = kTimerBase[1]};
+  for (const std::size_t i : {0U, 1U}) timers_[i] = {.base = kTimerBase[i]};
   enabled_ = {};
   conversion_ends_.reset();
   to_send_.clear();
@@ -256,7 +257,10 @@ void NucleoRig::SettleFlash() {
   std::uint32_t &key = Word(kFlashControl + 4), &control = Word(kFlashControl + 0x10);
   if (key == 0x45670123) keys_ = 1;
   if (IsBitSet(control, 31) && keys_ == 2) keys_ = 0;
-  if (key == 0xCDEF89AB && keys_ == 1) keys_ = 2, control &= ~(1U << 31);
+  if (key == 0xCDEF89AB && keys_ == 1) {
+    keys_ = 2;
+    control &= ~(1U << 31);
+  }
   key = 0;
   constexpr std::uint32_t kErase = 1U << 1 | 1U << 16;
   if ((control & kErase) == kErase) {
@@ -275,7 +279,8 @@ void NucleoRig::SettleFlash() {
       if (flash_[i] == flash_before_[i] && flash_[i + 1] == flash_before_[i + 1]) continue;
       if (keys_ != 2 || (flash_[i] & ~flash_before_[i]) || (flash_[i + 1] & ~flash_before_[i + 1]))
         wrong_.push_back(fmt::format("flash is written at {:#x}", kFlash + i));
-      flash_before_[i] = flash_[i], flash_before_[i + 1] = flash_[i + 1];
+      std::copy_n(flash_.begin() + static_cast<std::ptrdiff_t>(i), 2,
+                  flash_before_.begin() + static_cast<std::ptrdiff_t>(i));
       CountFlashWork();
     }
 }
@@ -292,8 +297,11 @@ bool NucleoRig::IsEnabled(int interrupt) const {
 
 bool NucleoRig::Serve() {
   Settle();
-  for (const int i : {0, 1})
-    if (IsEnabled(kTimerIrq[i]) && (Word(kTimerBase[i] + 0x0C) & Word(kTimerBase[i] + 0x10))) return timer_[i](), true;
+  for (const int i : {0, 1}) {
+    if (!IsEnabled(kTimerIrq[i]) || !(Word(kTimerBase[i] + 0x0C) & Word(kTimerBase[i] + 0x10))) continue;
+    timer_[i]();
+    return true;
+  }
   if (clocks_ >= next_byte_) Word(kUsart) |= 1 << 7;
   if (clocks_ >= next_byte_ && !to_send_.empty()) {
     Word(kUsart + 4) = 0x100U | static_cast<std::uint8_t>(to_send_.front());
@@ -310,7 +318,8 @@ bool NucleoRig::Serve() {
   }
   if (IsEnabled(kAdcIrq) && (Word(kAdc) & 2)) {
     Word(kAdc) &= ~2U;  // reading the result does
-    return adc_(), true;
+    adc_();
+    return true;
   }
   if (clocks_ < next_tick_ || Word(0xE000E010) != 7) return false;
   next_tick_ += Word(0xE000E014) + 1;

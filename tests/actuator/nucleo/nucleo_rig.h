@@ -40,7 +40,10 @@ class NucleoRig {
   void SetInput(int channel, double volt) { input_v_[channel] = volt; }
   void StopConverter() { is_converter_dead_ = true; }
   // Both outputs of the bridge on A3 and A4, as the inputs and ENA have them, unless OUT1 is stuck high.
-  void WireOutputs(bool is_bts7960 = false) { has_outputs_ = true, is_bts7960_ = is_bts7960; }
+  void WireOutputs(bool is_bts7960 = false) {
+    has_outputs_ = true;
+    is_bts7960_ = is_bts7960;
+  }
   void StickOutput(bool is_stuck) { is_out1_stuck_ = is_stuck; }
   void LosePowerAtFlashWork(int number) { flash_work_left_ = number; }
 

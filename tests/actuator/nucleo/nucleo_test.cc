@@ -232,10 +232,10 @@ TEST_F(NucleoTest, OutputsThatDoNotFollowThePwmAreSeen) {
 
 TEST_F(NucleoTest, AFaultOutlivesAReset) {
   PowerUp();
-  nucleo_->Hold(2, {}), nucleo_->Hold(3, {});
+  for (const int stop : {2, 3}) nucleo_->Hold(stop, {});
   ASSERT_TRUE(nucleo_->RunUntil("ALARM:2\n", 0.2)) << nucleo_->Serial();
   nucleo_->Run(0.01);
-  nucleo_->Hold(2, false), nucleo_->Hold(3, false);
+  for (const int stop : {2, 3}) nucleo_->Hold(stop, false);
   nucleo_->PowerUp();
   nucleo_->Run(0.2);
   EXPECT_TRUE(nucleo_->Asks("jog 400 100", "error:4")) << nucleo_->Serial();
