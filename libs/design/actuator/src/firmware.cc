@@ -52,12 +52,12 @@ int ReadingOf(double volt, const BoardFacts& board) {
 }
 
 // The highest voltage at A2 that is told from the converter's end.
-double MostSensed_v(const BoardFacts& board) {
+double MostSensedV(const BoardFacts& board) {
   return 0.99 * board.reference_v;
 }
 
-double MostSupply_v(const BoardFacts& board) {
-  return MostSensed_v(board) * board.supply_divider / (1 + kSupplyTolerance);
+double MostSupplyV(const BoardFacts& board) {
+  return MostSensedV(board) * board.supply_divider / (1 + kSupplyTolerance);
 }
 
 std::string SupplyDefines(const FirmwareOptions& options) {
@@ -353,7 +353,7 @@ void FirmwareOptions::Check() const {
   require(StopTravel() >= 0.1 && StopTravel() <= 10, "--stop-travel", StopTravel(), "within 0.1..10 mm");
   require(lag_s >= 0 && lag_s <= 0.5, "--lag", lag_s, "within 0..0.5 s");
   require(home_error_mm >= 0 && home_error_mm <= 10, "--home-error", home_error_mm, "within 0..10 mm");
-  if (const double most_v = MostSupply_v(Facts()); supply_v != 0 && !(supply_v >= 4 && supply_v < most_v))
+  if (const double most_v = MostSupplyV(Facts()); supply_v != 0 && !(supply_v >= 4 && supply_v < most_v))
     throw UsageError(fmt::format("--supply must be 0 or within 4..{:.1f} V, not {}", most_v, supply_v));
   if (feedback == Feedback::kPotentiometer && !potentiometer)
     throw UsageError(
