@@ -19,9 +19,9 @@ using testing::SizeIs;
 using Files = std::vector<actuator::FirmwareFile>;
 
 // As in libs/design/actuator/README.md, from the lowest.
-const std::vector<std::set<std::string>> kLayers = {{"portable", "divide"},
-                                                    {"stroke_table", "pins"},
-                                                    {"config"},
+const std::vector<std::set<std::string>> kLayers = {{"portable", "divide", "stm32f4"},
+                                                    {"stroke_table", "pins", "chip", "kept"},
+                                                    {"config", "cortex"},
                                                     {"board", "bridge", "serial"},
                                                     {"analog", "button", "end_stops", "follow", "line", "motor"},
                                                     {"power"},
@@ -30,7 +30,7 @@ const std::vector<std::set<std::string>> kLayers = {{"portable", "divide"},
                                                     {"calibration", "controller"},
                                                     {"protocol"},
                                                     {"firmware"},
-                                                    {"main", "lake_stroke"}};
+                                                    {"main", "lake_stroke", "startup"}};
 
 // controller.c and controller.h are one module.
 std::string ModuleOf(const std::string& file) {
@@ -74,7 +74,8 @@ Files With(const std::string& file, const std::string& include) {
 }
 
 TEST(FirmwareLayers, IncludesGoDown) {
-  EXPECT_THAT(NotBelow(actuator::FirmwareSources()), IsEmpty());
+  for (const actuator::Board board : {actuator::Board::kUno, actuator::Board::kNucleo})
+    EXPECT_THAT(NotBelow(actuator::FirmwareSources(board)), IsEmpty());
   EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(26)) << "every module was read";
   EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config", "portable"));
 }
@@ -86,14 +87,16 @@ TEST(FirmwareLayers, APlantedCircleIsFound) {
   EXPECT_THAT(NotBelow(With("motor.c", "nowhere.h")), ElementsAre("motor includes nowhere"));
 }
 
-// Calls without an include are circles as well: what is called must be declared.
+// Calls without an include are circles as well: what is called must be declared. The Nucleo's files have the UNO's
+// names and more.
 TEST(FirmwareLayers, NoFileDeclaresAnothersFunctions) {
   static const std::regex declaration(
       "^[a-z_0-9]+\\*? "
-      "(board|bridge|serial|analog|button|end_stops|follow|motor|power|state|program|controller|protocol|firmware)_[a-"
+      "(board|bridge|serial|chip|kept|analog|button|end_stops|follow|motor|power|state|program|controller|protocol|"
+      "firmware)_[a-"
       "z_]+\\(.*\\)"
       ";");
-  for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) {
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources(actuator::Board::kNucleo)) {
     std::istringstream lines(file.text);
     for (std::string line; std::getline(lines, line);)
       if (std::smatch match; std::regex_search(line, match, declaration)) {

@@ -1,6 +1,5 @@
 // A program on a person: the button, the silent host, what must be wired, and that homing is another command.
-#include <cstdlib>
-
+#include "actuator/combinations.h"
 #include "host/host_fixture.h"
 #include "lake/core/error.h"
 
@@ -235,34 +234,34 @@ TEST_F(DirectionTest, HomingEndsBeforeTheDeadPoint) {
   }
 }
 
-// Whatever is wired: it homes and runs. All 24 combinations with LAKE_LONG_TESTS=1, else four.
+// Whatever is wired: it homes and runs, worn where that is allowed, and stands when the button is let go.
 class CombinationsTest : public HostFirmwareTest {};
 
+TEST_F(CombinationsTest, PairsOccurInFewOfThem) {
+  EXPECT_EQ(AllCombinations().size(), 50U) << "24 of what can be wired and a worn one, with either bridge";
+  EXPECT_LE(CombinationsOfPairs().size(), 10U);
+}
+
 TEST_F(CombinationsTest, EachHomesAndRuns) {
-  const bool all = std::getenv("LAKE_LONG_TESTS") != nullptr;
-  for (unsigned bits = 0; bits < 32; ++bits) {
-    const bool pot = bits & 1, supply = bits & 2, current = bits & 4, sense = bits & 8, relay = bits & 16;
-    if ((relay && !supply) || (!all && bits != 2 && bits != 12 && bits != 19 && bits != 22)) continue;
-    firmware_options_ = {};
-    if (pot)
-      firmware_options_.feedback = actuator::Feedback::kPotentiometer,
-      firmware_options_.potentiometer = {0, 240, 1023, 380};
-    firmware_options_.supply_v = supply ? 12 : 0, firmware_options_.current_sense = current;
-    firmware_options_.bridge_sense = sense;
-    if (relay) firmware_options_.pins.safety_relay = 5;
+  for (const Combination& one : CombinationsToTry()) {
+    SCOPED_TRACE(one.Name());
+    firmware_options_ = one.Options();
     actuator_ = {};
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380, actuator_.has_relay = relay;
+    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    actuator_.has_relay = one.Has(Combination::kRelay);
     Build(FreeDesign({{0, 300}, {2, 306}, {2.5, 306}, {4, 302}}));
     rig_->SetStroke(304);
     rig_->PowerUp();
     rig_->Run(0.6);
-    ASSERT_TRUE(rig_->Asks("home", "ok")) << bits;
-    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 20)) << bits << rig_->Serial();
+    ASSERT_TRUE(rig_->Asks("home", "ok"));
+    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 20)) << rig_->Serial();
     rig_->Run(0.3);
-    ASSERT_TRUE(rig_->Asks("run", "ok")) << bits;
-    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 6)) << bits << rig_->Serial();
-    EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << bits;
-    EXPECT_NEAR(rig_->Stroke(), 302, 0.6) << bits;  // the lags of five changes of speed, open loop
+    rig_->Press(true);
+    rig_->Run(0.1);
+    ASSERT_TRUE(rig_->Asks(one.Has(Combination::kWorn) ? "worn" : "run", "ok")) << rig_->Serial();
+    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 6)) << rig_->Serial();
+    EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
+    EXPECT_NEAR(rig_->Stroke(), 302, 0.6);  // the lags of five changes of speed, open loop
   }
 }
 

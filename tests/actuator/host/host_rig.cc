@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "actuator/compiled_once.h"
+#include "actuator/screw_speed.h"
 #include "board.h"
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/serial_frame.h"
@@ -157,16 +158,8 @@ double HostRig::MotorDuty() const {
 
 void HostRig::Move() {
   const double duty = breaks_.is_reversed ? -MotorDuty() : MotorDuty(), supply = Supply();
-  const double direction = duty > 0 ? 1 : -1;
-  target_mm_s_ = free_mm_s_ = 0;
-  if (duty != 0) {
-    const double driven = std::min(1.0, std::abs(duty) * supply);  // a table ends at full duty
-    const double over = std::max(1.0, std::abs(duty) * supply);    // beyond it speed grows with the voltage
-    free_mm_s_ = over * actuator_.speed_factor * actuator_.table->Curve(duty > 0 ? 1 : -1).SpeedFor(driven);
-    // A screw that holds by itself has an efficiency below one half: what helps it gives back less than half.
-    const double against_n = direction * Load();
-    target_mm_s_ = direction * std::max(0.0, free_mm_s_ - (against_n < 0 ? 0.4 : 1) * against_n * actuator_.mm_s_per_n);
-  }
+  free_mm_s_ = actuator_.speed_factor * FreeSpeed(*actuator_.table, duty, supply);
+  target_mm_s_ = LoadedSpeed(free_mm_s_, duty, Load(), actuator_.mm_s_per_n);
   const bool is_brake = breaks_.Arriving(Sent()).IsBrake() && supply > 0;
   if (duty == 0 && !is_brake)
     speed_mm_s_ = std::copysign(std::max(0.0, std::abs(speed_mm_s_) - actuator_.coast_mm_s2 * 1e-3), speed_mm_s_);

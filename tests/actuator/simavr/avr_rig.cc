@@ -11,6 +11,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "actuator/screw_speed.h"
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/serial_frame.h"
 
@@ -32,8 +33,10 @@ constexpr std::uint16_t kDdrB = 0x24, kPortB = 0x25, kDdrD = 0x2A, kPortD = 0x2B
 constexpr std::uint8_t kTimer2CompareA = 7;  // its vector
 constexpr int kRamEnd = 0x8FF;
 constexpr std::size_t kTalkEverySamples = 500;
-constexpr int kCom1a1 = 7;  // of TCCR1A: the timer drives the pin
-enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kRelay = 5, kIn1 = 7, kOut1 = 3 };
+constexpr int kCom1a1 = 7, kCom1b1 = 5;  // of TCCR1A: the timer drives the pin
+enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kButton = 4, kRelay = 5, kIn1 = 7, kOut1 = 3 };
+// With a BTS7960: outputs A and B of timer 1, and port D.
+enum BtsPin { kRpwm = 1, kLpwm = 2, kEnables = 7 };
 
 bool HasBit(std::uint8_t value, int bit) {
   return (value >> bit) & 1;
@@ -41,7 +44,8 @@ bool HasBit(std::uint8_t value, int bit) {
 
 }  // namespace
 
-AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator) : actuator_(actuator) {
+AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator)
+    : actuator_(actuator), motor_mm_(actuator.stroke_mm) {
   elf_firmware_t firmware{};
   if (elf_read_firmware(elf.c_str(), &firmware) != 0) throw std::runtime_error("not an ELF file: " + elf.string());
   avr_ = avr_make_mcu_by_name("atmega328p");
@@ -60,6 +64,7 @@ AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator) 
   std::uint32_t flags = 0;
   avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);  // nothing to the test's own output
   adc_ = std::make_unique<DatasheetAdc>(avr_);
+  adc_->SetNoise(actuator_.noise_counts, actuator_.seed);
   receiver_ = std::make_unique<DatasheetReceiver>(avr_);
   pwm_ = std::make_unique<DatasheetPwm>(avr_, [this](bool is_high) { SetBridgePins(is_high); });
   SetEndStopPins();
@@ -76,8 +81,12 @@ bool AvrRig::HasEnded() const {
   return avr_->state == cpu_Done || avr_->state == cpu_Crashed;
 }
 
+bool AvrRig::IsPwmOf(int output, int pin) const {
+  return HasBit(avr_->data[kTccr1a], output) && HasBit(avr_->data[kDdrB], pin);
+}
+
 bool AvrRig::IsPwm() const {
-  return HasBit(avr_->data[kTccr1a], kCom1a1) && HasBit(avr_->data[kDdrB], kEna);
+  return IsPwmOf(kCom1a1, kEna) || IsPwmOf(kCom1b1, kLpwm);
 }
 
 bool AvrRig::IsRelayClosed() const {
@@ -92,11 +101,16 @@ BridgeInputs AvrRig::ReadInputs() const {
     return HasBit(data[port], bit) && HasBit(data[ddr], bit);
   };
   const auto word = [&](std::uint16_t address) { return data[address] | data[address + 1] << 8; };
-  BridgeInputs inputs{0, level(kPortD, kDdrD, kIn1), level(kPortB, kDdrB, kIn2)};
-  if (IsPwm())
-    inputs.enable = std::min(1.0, (word(kOcr1a) + 1.0) / (word(kIcr1) + 1.0));
-  else
-    inputs.enable = level(kPortB, kDdrB, kEna) ? 1 : 0;
+  const double duty = IsPwm() ? std::min(1.0, (word(kOcr1a) + 1.0) / (word(kIcr1) + 1.0)) : 1;
+  BridgeInputs inputs;
+  if (actuator_.is_bts7960) {
+    inputs.in1 = IsPwmOf(kCom1a1, kRpwm) || level(kPortB, kDdrB, kRpwm);
+    inputs.in2 = IsPwmOf(kCom1b1, kLpwm) || level(kPortB, kDdrB, kLpwm);
+    inputs.enable = level(kPortD, kDdrD, kEnables) ? duty : 0;
+  } else {
+    inputs.in1 = level(kPortD, kDdrD, kIn1), inputs.in2 = level(kPortB, kDdrB, kIn2);
+    inputs.enable = IsPwm() || level(kPortB, kDdrB, kEna) ? duty : 0;
+  }
   return breaks_.Arriving(inputs);
 }
 
@@ -142,22 +156,30 @@ void AvrRig::PullWire(bool retract, bool pulled) {
   SetEndStopPins();
 }
 
+void AvrRig::Press(bool is_held) {
+  is_held_ = is_held;
+  SetEndStopPins();
+}
+
 void AvrRig::SetEndStopPins() {
   const bool retract = pulled_[0] || actuator_.stroke_mm <= actuator_.retract_stop_mm;
   const bool extend = pulled_[1] || actuator_.stroke_mm >= actuator_.extend_stop_mm;
   avr_ioport_external_t pins{};
   pins.name = 'D';
-  pins.mask = (1 << kRetractStop) | (1 << kExtendStop);
-  pins.value = static_cast<unsigned>(retract << kRetractStop | extend << kExtendStop) & 0xFF;
+  pins.mask = (1 << kRetractStop) | (1 << kExtendStop) | (1 << kButton);
+  pins.value = static_cast<unsigned>(retract << kRetractStop | extend << kExtendStop | !is_held_ << kButton) & 0xFF;
   avr_ioctl(avr_, AVR_IOCTL_IOPORT_SET_EXTERNAL('D'), &pins);
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kRetractStop), retract);
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kExtendStop), extend);
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kButton), !is_held_);
 }
 
 // ENA as an input: the jumper's 5 V, or the pull-down. The outputs on A3 and A4, of a PWM those of its high or low
 // part. In the low part the motor's current holds the driven one at ground.
 void AvrRig::SetBridgePins(bool is_high) {
-  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('B'), kEna), breaks_.ena == Wire::kFive);
+  avr_irq_t* const ena = actuator_.is_bts7960 ? avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kEnables)
+                                              : avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('B'), kEna);
+  avr_raise_irq(ena, breaks_.ena == Wire::kFive);
   const bool is_off = inputs_.enable == 0 || (IsPwm() && breaks_.ena == Wire::kWhole && !is_high),
              is_on = breaks_.shorted == 0 && !is_off;
   const bool levels[] = {HasSupply() && (breaks_.shorted > 0 || (is_on && inputs_.in1)),
@@ -174,16 +196,16 @@ void AvrRig::EndMillisecond() {
   const double driven = HasSupply() ? share(Drive::kExtend) - share(Drive::kRetract) : 0,
                duty = breaks_.is_reversed ? -driven : driven;
   const bool brake = share(Drive::kBrake) > 0.5;
-  const double target =
-      duty == 0 ? 0
-                : actuator_.speed_factor *
-                      std::copysign(actuator_.table->Curve(duty > 0 ? 1 : -1).SpeedFor(std::abs(duty)), duty);
+  const double free_mm_s = actuator_.speed_factor * FreeSpeed(*actuator_.table, duty, actuator_.supply);
+  const double target = LoadedSpeed(free_mm_s, duty, actuator_.load_n, actuator_.mm_s_per_n);
   if (duty == 0 && !brake)
     speed_mm_s_ = std::copysign(std::max(0.0, std::abs(speed_mm_s_) - actuator_.coast_mm_s2 * 1e-3), speed_mm_s_);
   else
     speed_mm_s_ += (target - speed_mm_s_) * (1 - std::exp(-1e-3 / (brake ? 0.01 : actuator_.time_constant_s)));
   if (breaks_.is_blocked) speed_mm_s_ = 0;
-  actuator_.stroke_mm += (speed_mm_s_ + breaks_.runs_away_mm_s) * 1e-3;
+  motor_mm_ += (speed_mm_s_ + breaks_.runs_away_mm_s) * 1e-3;
+  actuator_.stroke_mm =
+      std::clamp(actuator_.stroke_mm, motor_mm_ - actuator_.play_mm / 2, motor_mm_ + actuator_.play_mm / 2);
   samples_.push_back({Time(), actuator_.stroke_mm, speed_mm_s_, driven, brake});
   for (double& cycles : on_cycles_) cycles = 0;
   SetEndStopPins();
@@ -198,7 +220,10 @@ void AvrRig::Sense(double duty) {
   const double current_a = duty == 0 ? 0 : std::copysign(breaks_.motor_a, duty);
   adc_->SetMillivolt(0, wiper * kSupply_mv);
   adc_->SetMillivolt(1, breaks_.current_wire ? 0 : 2500 + 1e3 * breaks_.current_offset_v + 185 * current_a);
-  adc_->SetMillivolt(2, breaks_.supply_wire || !HasSupply() ? 0 : 1e3 * actuator_.supply_v / actuator::kSupplyDivider);
+  adc_->SetMillivolt(
+      2, breaks_.supply_wire || !HasSupply()
+             ? 0
+             : 1e3 * actuator_.supply * actuator_.supply_v / actuator::FactsOf(actuator::Board::kUno).supply_divider);
 }
 
 void AvrRig::WatchInterrupts(std::uint64_t before) {

@@ -48,7 +48,13 @@ struct ActuatorModel {
   double coast_mm_s2 = 100;
   double supply_v = 12;
   bool has_relay = false;                 // in the supply, before its sense
+  bool is_bts7960 = false;                // R_EN and L_EN on D7, RPWM on D9, LPWM on D10
   double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
+  double noise_counts = 0;                // SD of each conversion, of every channel
+  double play_mm = 0;                     // between motor and rod
+  double supply = 1, load_n = 0;          // part of the nominal voltage; against extension, …
+  double mm_s_per_n = 0;                  // … of the force-speed line
+  unsigned seed = 1;
 };
 
 struct AvrBreaks : RigBreaks {
@@ -70,11 +76,12 @@ class AvrRig {
   void SendNow(char c);                         // ahead of what waits, as a real-time command
   void KeepTalking(bool on) { talking_ = on; }  // a sign of life every half second, as a host does
   void PullWire(bool retract, bool pulled);     // an end stop's wire off: reads as pressed
+  void Press(bool is_held);                     // the wearer's button, on D4
 
   AvrBreaks& Breaks() { return breaks_; }
   double Time() const;
   double Stroke() const { return actuator_.stroke_mm; }
-  void SetStroke(double stroke_mm) { actuator_.stroke_mm = stroke_mm; }
+  void SetStroke(double stroke_mm) { actuator_.stroke_mm = motor_mm_ = stroke_mm; }
   bool IsRelayClosed() const;  // its pin, D5
   void FlipBit(int address, int bit) { avr_->data[address] ^= static_cast<std::uint8_t>(1 << bit); }
   bool HasEnded() const;                                 // `quit`
@@ -94,7 +101,8 @@ class AvrRig {
   static void OnSerial(avr_irq_t* irq, uint32_t value, void* rig);
   BridgeInputs ReadInputs() const;
   bool HasSupply() const { return !actuator_.has_relay || IsRelayClosed(); }
-  bool IsPwm() const;  // whether the timer drives ENA
+  bool IsPwm() const;  // whether the timer drives ENA, or a BTS7960's inputs
+  bool IsPwmOf(int output, int pin) const;
   void SetBridgePins(bool is_high);
   void CountOnTime();
   void EndMillisecond();
@@ -104,9 +112,9 @@ class AvrRig {
   avr_t* avr_ = nullptr;
   ActuatorModel actuator_;
   AvrBreaks breaks_;
-  double speed_mm_s_ = 0, wiper_ = 0;
+  double speed_mm_s_ = 0, motor_mm_ = 0, wiper_ = 0;
   BridgeInputs inputs_;
-  bool pulled_[2] = {false, false};
+  bool pulled_[2] = {false, false}, is_held_ = false;
   std::uint64_t counted_to_ = 0;
   double on_cycles_[4] = {};  // by Drive, in this ms
   std::string serial_, line_;

@@ -100,7 +100,8 @@ avr_cycle_count_t DatasheetAdc::Advance(avr_cycle_count_t when) {
       return when + sampling * half_clock;
     case Stage::kSample: {
       const double millivolt = channel_ < 8 ? millivolt_[static_cast<std::size_t>(channel_)] : 0;
-      sampled_ = static_cast<std::uint16_t>(std::clamp(std::floor(millivolt * 1024 / kReference_mv), 0.0, 1023.0));
+      const double counts = millivolt * 1024 / kReference_mv + noise_counts_ * normal_(random_);
+      sampled_ = static_cast<std::uint16_t>(std::clamp(std::floor(counts), 0.0, 1023.0));
       stage_ = Stage::kDone;
       return when + (all - sampling) * half_clock;
     }

@@ -10,6 +10,7 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <random>
 
 namespace lake {
 
@@ -23,6 +24,8 @@ class DatasheetAdc {
   DatasheetAdc& operator=(const DatasheetAdc&) = delete;
 
   void SetMillivolt(int channel, double millivolt) { millivolt_.at(static_cast<std::size_t>(channel)) = millivolt; }
+
+  void SetNoise(double counts, unsigned seed) { noise_counts_ = counts, random_.seed(seed); }  // SD of each conversion
 
   void StandStill() { stands_still_ = true; }  // a conversion that begins does not end any more
 
@@ -45,6 +48,9 @@ class DatasheetAdc {
   avr_t* avr_;
   avr_int_vector_t* vector_;
   std::array<double, 8> millivolt_{};
+  double noise_counts_ = 0;
+  std::mt19937 random_;
+  std::normal_distribution<double> normal_{0, 1};
   avr_cycle_count_t enabled_at_ = 0;
   Stage stage_ = Stage::kDone;
   bool is_first_ = false, is_locked_ = false, stands_still_ = false;

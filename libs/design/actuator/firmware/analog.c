@@ -101,9 +101,14 @@ static void watch_supply(void) {
 #if LAKE_FEEDBACK
 // Worked out once per ms: a division takes the chip 40 us.
 static int32_t stroke_um;
+static int32_t calm;  // << CALM
 
 int32_t analog_stroke_um(void) {
   return stroke_um;
+}
+
+int32_t analog_calm_um(void) {
+  return calm >> CALM;
 }
 
 static void tell_stroke(void) {
@@ -125,9 +130,14 @@ static void watch_wiper(void) {
   else if (faults & ANALOG_NO_WIPER)
     settle(f);
   tell_stroke();
+  calm += stroke_um - (calm >> CALM);
 }
 #else
 int32_t analog_stroke_um(void) {
+  return 0;
+}
+
+int32_t analog_calm_um(void) {
   return 0;
 }
 #endif
@@ -204,6 +214,7 @@ void analog_tick(uint16_t counts) {
     for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) settle(&filters[channel]);
 #if LAKE_FEEDBACK
     tell_stroke();
+    calm = stroke_um << CALM;
 #endif
 #if LAKE_CURRENT_SENSE
     const uint16_t reading = filters[ANALOG_CURRENT].middle;

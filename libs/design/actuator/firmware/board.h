@@ -1,4 +1,4 @@
-// The rest of an Arduino UNO (ATmega328P, 16 MHz): end stops, tick, potentiometer, watchdog.
+// The rest of a board: end stops, tick, potentiometer, watchdog.
 #ifndef LAKE_BOARD_H
 #define LAKE_BOARD_H
 
@@ -9,7 +9,7 @@ typedef enum { RESET_BY_POWER_OR_BUTTON, RESET_BY_WATCHDOG, RESET_BY_LOW_VOLTAGE
 // End stops and analogue inputs; nothing runs yet.
 void board_init(void);
 
-// Interrupts on, board_tick once per ms inside the timer's, which all others may interrupt; watchdog of 120 ms.
+// Interrupts on, board_tick once per ms inside the timer's, which all others may interrupt; watchdog of some 0.1 s.
 void board_start(void);
 void board_tick(void);  // whoever puts the parts together defines it: a call, no pointer in RAM that a bit could turn
 

@@ -1,4 +1,5 @@
-// The pins of an L298N: PWM on ENA, direction on IN1 and IN2, and the outputs read back where they are wired.
+// The pins of an L298N: PWM on ENA, direction on IN1 and IN2, and the outputs read back where they are wired; or of a
+// BTS7960.
 #ifndef LAKE_BRIDGE_H
 #define LAKE_BRIDGE_H
 

@@ -25,7 +25,8 @@ enum {
   FOLLOW_RUNAWAY
 };
 
-// Once per ms: the speed that the bridge drives by the duty table, 0 if it does not drive.
-uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um);
+// Once per ms: the speed that the bridge drives by the duty table, 0 if it does not drive; the stroke as it is
+// measured, and calm, where small ways count.
+uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um, int32_t calm_um);
 
 #endif

@@ -65,10 +65,10 @@ static uint8_t is_on(void) {
 }
 
 static void probe(void) {
-  if (p.probed_ms == 0) p.from_um = analog_stroke_um();
+  if (p.probed_ms == 0) p.from_um = analog_calm_um();
   ++p.probed_ms;
   motor_probe(p.probed_ms >= 2 * PROBE_MS ? 0 : p.probed_ms <= PROBE_MS ? 1 : -1);
-  const int32_t way_um = analog_stroke_um() - p.from_um;
+  const int32_t way_um = analog_calm_um() - p.from_um;
   const int16_t ma = analog_current_ma();
   if (way_um > PROBE_UM || way_um < -PROBE_UM || ma > PROBE_MA || ma < -PROBE_MA) p.fault = POWER_BRIDGE;
 }

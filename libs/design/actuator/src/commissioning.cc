@@ -10,13 +10,14 @@
 namespace lake::actuator {
 namespace {
 
-// A wire from a pin of the UNO to the right: what stands in it, what pulls it down, where it goes.
+// A wire from a pin of the board to the right: what stands in it, what pulls it down, where it goes.
 struct WireRow {
   std::string pin, in_line, pull_down, to;
 };
 
 std::vector<WireRow> RowsOf(const FirmwareOptions& o) {
   const Pins& pins = o.pins;
+  const BoardFacts& board = o.Facts();
   const bool is_bts = o.bridge == Bridge::kBts7960;
   std::vector<WireRow> rows = {
       {PinName(pins.ena), "", "10 kΩ", is_bts ? "R_EN and L_EN" : "ENA, its jumper removed; PWM of 4 kHz"},
@@ -30,9 +31,11 @@ std::vector<WireRow> RowsOf(const FirmwareOptions& o) {
     rows.push_back({PinName(pins.out1), "22 kΩ", "15 kΩ", "bridge OUT1, read back"});
     rows.push_back({PinName(pins.out2), "22 kΩ", "15 kΩ", "bridge OUT2, read back"});
   }
-  rows.push_back({"A0", "", "1 MΩ", "wiper of the potentiometer between 5 V and GND"});
-  if (o.current_sense) rows.push_back({"A1", "", "100 kΩ", "output of the ACS712-05B in the motor's line"});
-  if (o.supply_v > 0) rows.push_back({"A2", "39 kΩ", "10 kΩ", "the motor's supply at the bridge"});
+  rows.push_back({"A0", "", "1 MΩ", fmt::format("wiper of the potentiometer between {} V and GND", board.reference_v)});
+  if (o.current_sense)
+    rows.push_back({"A1", board.sensor_upper, board.sensor_lower, "output of the ACS712-05B in the motor's line"});
+  if (o.supply_v > 0)
+    rows.push_back({"A2", board.supply_upper, board.supply_lower, "the motor's supply at the bridge"});
   if (pins.safety_relay)
     rows.push_back({PinName(*pins.safety_relay), "", "10 kΩ", "driver of the safety relay's coil"});
   if (o.worn) rows.push_back({PinName(pins.button), "", "", "hold-to-run button of the wearer, to GND"});
@@ -108,11 +111,15 @@ std::string SchematicSvg(const FirmwareOptions& options) {
       "stroke-width='1.5'>\n<style>text{{fill:black;stroke:none}}</style>\n",
       height);
   svg += Text(40, 30, "Wiring of this sketch's firmware. Not tried on a board: nobody may wear what it drives.");
-  svg += Text(
-      40, 52,
-      "The emergency stop is in the hand of the wearer or of who watches. The UNO is fed by USB, not by this supply.");
+  svg +=
+      Text(40, 52,
+           fmt::format(
+               "The emergency stop is in the hand of the wearer or of who watches. The {} is fed by USB, not by this "
+               "supply.",
+               options.Facts().name));
   svg += SupplySvg(options);
-  svg += Box(40, kTop - 34, kBoardRight - 40, kStep * static_cast<int>(rows.size()) + 24) + Text(52, kTop - 12, "UNO");
+  svg += Box(40, kTop - 34, kBoardRight - 40, kStep * static_cast<int>(rows.size()) + 24) +
+         Text(52, kTop - 12, options.Facts().name);
   for (std::size_t i = 0; i < rows.size(); ++i) svg += RowSvg(rows[i], kTop + kStep * static_cast<int>(i));
   return svg + "</g>\n</svg>\n";
 }
@@ -128,13 +135,15 @@ std::string SignOffSheet(const StrokeTable& stroke, const StrokeSchedule& schedu
       "mm in {:.1f} s. Wiring: `schematic.svg`. What can go wrong, and what notices it: `SAFETY.md`, `RISKS.md`.\n\n"
       "What this firmware cannot know:\n\n",
       kUntried, options.design_hash, stroke.start_mm, schedule.knots.back().stroke_mm, schedule.Duration());
-  for (const std::string& unknown : Unknowns(options)) text += "- " + unknown + "\n";
-  if (Unknowns(options).empty()) text += "- nothing of what the simulator's faults ask for; much else.\n";
+  const std::vector<std::string> unknowns = Unknowns(options, stroke, table);
+  for (const std::string& unknown : unknowns) text += "- " + unknown + "\n";
+  if (unknowns.empty()) text += "- nothing of what the simulator's faults ask for; much else.\n";
   text += "\n| check | what must be seen | found | name | date |\n| --- | --- | --- | --- | --- |\n";
   text += Tick("mechanical stops before standing and before the dead point", "each holds the actuator's stall force");
   text += Tick("fuse in the motor's supply", fmt::format("{:.1f} A, quick", options.StallCurrent()));
   text += Tick("emergency stop, supply on, nothing moving", "pressed: 0 V at the bridge");
-  text += Tick(fmt::format("ENA's jumper removed, 10 kΩ from {} to GND, UNO unplugged", PinName(options.pins.ena)),
+  text += Tick(fmt::format("ENA's jumper removed, 10 kΩ from {} to GND, {} unplugged", PinName(options.pins.ena),
+                           options.Facts().name),
                "ENA at 0 V; with the jumper on, `home` gives ALARM:15 and nothing moves");
   text += Tick("each end stop pressed by hand, released", "`stops:` in the answer to `?`: 1 retract, 2 extend, 0");
   text += Tick("each end stop's wire off", "reads as pressed");
@@ -146,8 +155,8 @@ std::string SignOffSheet(const StrokeTable& stroke, const StrokeSchedule& schedu
     text +=
         Tick("potentiometer at three strokes", fmt::format("within {} mm of the calliper", options.feedback_error_mm));
   if (options.supply_v > 0)
-    text += Tick("supply sense",
-                 fmt::format("{:.2f} V at A2 with {:g} V", options.supply_v / kSupplyDivider, options.supply_v));
+    text += Tick("supply sense", fmt::format("{:.2f} V at A2 with {:g} V",
+                                             options.supply_v / options.Facts().supply_divider, options.supply_v));
   if (options.current_sense) text += Tick("current sensor at rest", "`current_a` within 0.05 A of 0");
   if (options.force_limit_n)
     text += Tick("force limit: the rod against a scale, `jog`",

@@ -44,21 +44,31 @@ std::string Comment(const std::string& text) {
   return line;
 }
 
-// Readings are sums of four conversions of 10 bits, of 5 V.
-constexpr double kMostCount = 1023, kMostReading = 4 * kMostCount, kReference_v = 5;
+// Readings are sums of four conversions of 10 bits, whatever the board's converter has.
+constexpr double kMostCount = 1023, kMostReading = 4 * kMostCount;
 
-int ReadingOf(double volt) {
-  return static_cast<int>(std::lround(std::clamp(volt / kReference_v, 0.0, 1.0) * kMostReading));
+int ReadingOf(double volt, const BoardFacts& board) {
+  return static_cast<int>(std::lround(std::clamp(volt / board.reference_v, 0.0, 1.0) * kMostReading));
+}
+
+// The highest voltage at A2 that is told from the converter's end.
+double MostSensedV(const BoardFacts& board) {
+  return 0.99 * board.reference_v;
+}
+
+double MostSupplyV(const BoardFacts& board) {
+  return MostSensedV(board) * board.supply_divider / (1 + kSupplyTolerance);
 }
 
 std::string SupplyDefines(const FirmwareOptions& options) {
-  const double sensed_v = options.supply_v / kSupplyDivider;
+  const auto reading = [&](double part) {
+    return ReadingOf(part * options.supply_v / options.Facts().supply_divider, options.Facts());
+  };
   return fmt::format(
       "#define LAKE_SUPPLY_SENSE {}\n#define LAKE_SUPPLY_LEAST {}\n#define LAKE_SUPPLY_MOST {}\n"
       "#define LAKE_SUPPLY_NEAR_LEAST {}  // in open loop\n#define LAKE_SUPPLY_NEAR_MOST {}\n",
-      options.supply_v > 0 ? 1 : 0, ReadingOf(sensed_v * (1 - kSupplyTolerance)),
-      ReadingOf(sensed_v * (1 + kSupplyTolerance)), ReadingOf(sensed_v * (1 - kOpenLoopSupplyTolerance)),
-      ReadingOf(sensed_v * (1 + kOpenLoopSupplyTolerance)));
+      options.supply_v > 0 ? 1 : 0, reading(1 - kSupplyTolerance), reading(1 + kSupplyTolerance),
+      reading(1 - kOpenLoopSupplyTolerance), reading(1 + kOpenLoopSupplyTolerance));
 }
 
 std::string PinDefines(const FirmwareOptions& options) {
@@ -84,11 +94,12 @@ std::string PinDefines(const FirmwareOptions& options) {
 
 std::string CurrentDefines(const FirmwareOptions& options) {
   constexpr int kLeast_ma = 100;  // of any motor that is being started
+  const BoardFacts& board = options.Facts();
   return fmt::format(
       "#define LAKE_CURRENT_SENSE {}\n#define LAKE_CURRENT_ZERO {}\n#define LAKE_CURRENT_UA_PER_COUNT {}L\n#define "
       "LAKE_CURRENT_MOST_MA {}\n#define LAKE_CURRENT_STALL_MA {}\n#define LAKE_CURRENT_LEAST_MA {}\n",
-      options.current_sense ? 1 : 0, ReadingOf(options.current_zero_v),
-      std::lround(1e6 * kReference_v / kMostReading / options.current_v_per_a),
+      options.current_sense ? 1 : 0, ReadingOf(options.current_zero_v / board.sensor_divider, board),
+      std::lround(1e6 * board.reference_v * board.sensor_divider / kMostReading / options.current_v_per_a),
       std::lround(1e3 * options.max_current_a), std::lround(1e3 * options.StallCurrent()), kLeast_ma);
 }
 
@@ -232,6 +243,9 @@ void CheckPins(const FirmwareOptions& options) {
       if (other->second == one->second)
         throw UsageError(fmt::format("{} and {} are both on {}", other->first, one->first, PinName(one->second)));
   }
+  constexpr int kPulledUp = 5;
+  if (options.board == Board::kNucleo && pins.safety_relay == kPulledUp)
+    throw UsageError("--safety-relay: a Nucleo pulls D5 up while it starts, which may close the relay: take D6");
   if (pins.safety_relay && options.supply_v == 0)
     throw UsageError("--safety-relay is tested by the supply behind it: wire its sense as well (--supply VOLT)");
 }
@@ -259,6 +273,27 @@ void CheckWorn(const FirmwareOptions& options) {
 
 }  // namespace
 
+const BoardFacts& FactsOf(Board board) {
+  static const BoardFacts uno = {.name = "UNO",
+                                 .reference_v = 5,
+                                 .supply_divider = 4.9,
+                                 .supply_upper = "39 kΩ",
+                                 .supply_lower = "10 kΩ",
+                                 .sensor_upper = "",
+                                 .sensor_lower = "100 kΩ",
+                                 .notes_file = "lake_stroke.ino"};
+  static const BoardFacts nucleo = {.name = "Nucleo",
+                                    .reference_v = 3.3,
+                                    .supply_divider = 7.8,
+                                    .supply_upper = "68 kΩ",
+                                    .supply_lower = "10 kΩ",
+                                    .sensor_divider = 1.5,
+                                    .sensor_upper = "10 kΩ",
+                                    .sensor_lower = "20 kΩ",
+                                    .notes_file = "main.c"};
+  return board == Board::kNucleo ? nucleo : uno;
+}
+
 double FirmwareOptions::StallCurrent() const {
   return force_limit_n ? std::min(stall_current_a, idle_a + *force_limit_n / force_n_per_a) : stall_current_a;
 }
@@ -282,6 +317,24 @@ std::vector<std::string> Unknowns(const FirmwareOptions& options) {
   return unknown;
 }
 
+std::vector<std::string> Unknowns(const FirmwareOptions& options, const StrokeTable& stroke, const DutyTable& table) {
+  std::vector<std::string> unknown = Unknowns(options);
+  if (options.feedback == Feedback::kNone) return unknown;
+  for (const int direction : {1, -1}) {
+    std::int32_t most_um_s = 0;
+    for (const StrokeSegment& segment : stroke.segments)
+      most_um_s = std::max(most_um_s, direction * segment.velocity_um_s);
+    const DutyCurve& curve = table.Curve(direction);
+    const double reached_mm_s = curve.SpeedFor(kLowSupply * curve.MostDuty());
+    if (most_um_s > 1e3 * reached_mm_s)
+      unknown.push_back(fmt::format(
+          "At {:.0f} % of its supply it {} at {:.1f} mm/s at most, less under a load, and the program needs "
+          "{:.1f}: there it falls behind and stops (ALARM:11).",
+          100 * kLowSupply, direction > 0 ? "extends" : "retracts", reached_mm_s, most_um_s / 1e3));
+  }
+  return unknown;
+}
+
 void FirmwareOptions::Check() const {
   const auto require = [](bool good, const char* option, double value, const char* what) {
     if (!good) throw UsageError(fmt::format("{} must be {}, not {}", option, what, value));
@@ -300,8 +353,8 @@ void FirmwareOptions::Check() const {
   require(StopTravel() >= 0.1 && StopTravel() <= 10, "--stop-travel", StopTravel(), "within 0.1..10 mm");
   require(lag_s >= 0 && lag_s <= 0.5, "--lag", lag_s, "within 0..0.5 s");
   require(home_error_mm >= 0 && home_error_mm <= 10, "--home-error", home_error_mm, "within 0..10 mm");
-  require(supply_v == 0 || (supply_v >= 4 && supply_v * (1 + kSupplyTolerance) / kSupplyDivider < 4.95), "--supply",
-          supply_v, "0 or within 4..17.3 V");
+  if (const double most_v = MostSupplyV(Facts()); supply_v != 0 && !(supply_v >= 4 && supply_v < most_v))
+    throw UsageError(fmt::format("--supply must be 0 or within 4..{:.1f} V, not {}", most_v, supply_v));
   if (feedback == Feedback::kPotentiometer && !potentiometer)
     throw UsageError(
         "--feedback pot needs the potentiometer's scale, two readings with their strokes: --pot COUNTS=MM,COUNTS=MM");
@@ -338,8 +391,8 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
   RequireSpeedLimit(stroke, options);
   if (!options.accept_drift) RequireRoomForDrift(homing, stroke, schedule, table, options);
   std::string text = options.accept_drift ? kDriftAccepted : "";
-  text += fmt::format("// Stroke program for the UNO. {}\n", Comment(made_by));
-  for (const std::string& unknown : Unknowns(options)) text += "// CANNOT KNOW: " + unknown + "\n";
+  text += fmt::format("// Stroke program for the {}. {}\n", options.Facts().name, Comment(made_by));
+  for (const std::string& unknown : Unknowns(options, stroke, table)) text += "// CANNOT KNOW: " + unknown + "\n";
   text += "#ifndef LAKE_STROKE_TABLE_H\n#define LAKE_STROKE_TABLE_H\n\n#include \"portable.h\"\n\n";
   text += CommonDefines(options, stroke.segments.size(), &schedule.limits);
   text += DriftDefines(DriftBound(stroke, table, options), options);
@@ -423,7 +476,7 @@ std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedul
   text += fmt::format("// WARNING: UNWORN ONLY: home takes the knee to {:.1f} degrees.\n",
                       KneeDegAt(schedule.links, home_mm));
   if (options.feedback == Feedback::kNone) text += "// WARNING: open loop.\n";
-  for (const std::string& unknown : Unknowns(options)) text += "// CANNOT KNOW: " + unknown + "\n";
+  for (const std::string& unknown : Unknowns(options, stroke, table)) text += "// CANNOT KNOW: " + unknown + "\n";
   text += fmt::format("// Program: from {} to {} in {:.1f} s, {} segments.\n", place(stroke.start_mm),
                       place(schedule.knots.back().stroke_mm), schedule.Duration(), stroke.segments.size());
   text += fmt::format("// Retract end stop at {}; extend end stop {}. The linkage ends at {:.3f} and {:.3f} mm.\n",

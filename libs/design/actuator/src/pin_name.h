@@ -1,4 +1,4 @@
-// How the UNO's pins are printed on the board. Not part of the interface.
+// How pins are printed on the board. Not part of the interface.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// The schedule as the UNO has it: whole ms, um/s and PWM counts, in a header that is compiled with the firmware's
+// The schedule as the firmware has it: whole ms, um/s and PWM counts, in a header that is compiled with the firmware's
 // sources.
 #pragma once
 
@@ -17,15 +17,14 @@ namespace lake::actuator {
 inline constexpr int kPwmPeriod = 4000;     // counts of timer 1 at 16 MHz: 4 kHz
 inline constexpr int kSpeedIntervals = 64;  // of the firmware's own duty-to-speed table
 inline constexpr int kSegmentBytes = 10;    // of a segment in flash
-inline constexpr int kFlashBytes = 32256;   // of the ATmega328P beside the UNO's bootloader
+inline constexpr int kFlashBytes = 32256;   // of the ATmega328P beside the UNO's bootloader, the smaller board
 // Kept for the code, with everything wired, as a person needs it.
 inline constexpr int kFirmwareBytes = 19456;
 inline constexpr double kUnmeasuredTolerance_percent = 10;  // of speeds, where nobody has measured it
 inline constexpr int kMostSegments = (kFlashBytes - kFirmwareBytes) / kSegmentBytes;
 
-// 39 kOhm above, 10 kOhm below. Without the wire the lower one pulls A2 to 0 V.
-inline constexpr double kSupplyDivider = 4.9;
-inline constexpr double kSupplyTolerance = 0.4;          // of the nominal voltage: outside is a fault
+inline constexpr double kSupplyTolerance = 0.4;  // of the nominal voltage: outside is a fault
+inline constexpr double kLowSupply = 0.7;        // part of the nominal voltage, at which a closed loop is to follow
 inline constexpr double kOpenLoopSupplyTolerance = 0.1;  // likewise where nothing but the voltage sets the speed
 inline constexpr double kDirectionCheck_mm =
     0.3;                                     // off a pressed end stop while it is not known which way the motor turns
@@ -38,8 +37,24 @@ enum class Feedback { kNone, kPotentiometer };
 // BTS7960: two half bridges, whose enables are one wire, ENA, and whose PWM inputs are IN1 and IN2.
 enum class Bridge { kL298n, kBts7960 };
 
-// Which of the UNO's pins is wired to what; A0 to A5 are 14 to 19. What has the PWM is an output of timer
-// 1, D9 or D10: ENA of an L298N, IN1 and IN2 of a BTS7960.
+// Arduino UNO; Nucleo-64 with an STM32F401RE, F411RE or F446RE, whose connectors have the same names.
+enum class Board { kUno, kNucleo };
+
+// What a board is to the numbers of its stroke table and to its wiring. Without its wire an input is pulled to 0 V by
+// the lower resistor.
+struct BoardFacts {
+  std::string name;
+  double reference_v = 0;     // of the converter; the potentiometer is between that and GND
+  double supply_divider = 1;  // of the supply before A2, …
+  std::string supply_upper, supply_lower;
+  double sensor_divider = 1;  // … of the current sensor, which has 5 V, before A1
+  std::string sensor_upper, sensor_lower;
+  std::string notes_file;  // of the sketch, on top of which stands what belongs to it alone
+};
+const BoardFacts& FactsOf(Board board);
+
+// Which of the board's pins is wired to what; A0 to A5 are 14 to 19. What has the PWM is D9 or D10: ENA of an L298N,
+// IN1 and IN2 of a BTS7960.
 struct Pins {
   int ena = 9, in1 = 7, in2 = 8;
   int retract = 2, extend = 3;      // end stops
@@ -64,7 +79,7 @@ struct FirmwareOptions {
   Feedback feedback = Feedback::kNone;   // of the stroke; none: open loop
   std::optional<PotentiometerScale> potentiometer;  // two readings on A0 with their strokes; feedback needs it
   double feedback_error_mm = 0.5;  // by which that stroke may be off: calibration, linearity, resolution
-  double supply_v = 0;             // of the motor, seen on A2 through kSupplyDivider; 0: not wired
+  double supply_v = 0;             // of the motor, seen on A2 through the divider; 0: not wired
   bool current_sense = false;      // A1 measures the motor's current: an ACS712-05B, or …
   double current_zero_v = 2.5, current_v_per_a = 0.185;  // … what reads so without current, and so much per ampere
   double max_current_a = 3;                              // more is a short: off within 10 ms, …
@@ -72,6 +87,7 @@ struct FirmwareOptions {
   std::optional<double> force_limit_n;  // of the actuator on the leg: a stall current by the two numbers below, if less
   double force_n_per_a = 0, idle_a = 0;    // the actuator's force per ampere above what it takes without a load
   std::optional<double> speed_limit_mm_s;  // no motion of the closed loop is faster, and no program may be
+  Board board = Board::kUno;
   Bridge bridge = Bridge::kL298n;
   Pins pins;
   bool bridge_sense = false;    // the bridge's outputs are read back on A3 and A4: else it is never braked
@@ -83,6 +99,7 @@ struct FirmwareOptions {
 
   double StopTravel() const { return stop_travel_mm.value_or(kStopTravel_mm); }
   double StallCurrent() const;  // A, by the force limit if that is less
+  const BoardFacts& Facts() const { return FactsOf(board); }
 
   void Check() const;  // throws UsageError
 };
@@ -104,6 +121,9 @@ struct StrokeTable {
   double rounding_error_mm = 0;  // worst distance of its plan from the schedule, at any time
   double pwm_error_mm = 0;       // the same if the actuator follows the duty table exactly at these counts
 };
+
+// Likewise with a program: also where a closed loop cannot follow it at kLowSupply.
+std::vector<std::string> Unknowns(const FirmwareOptions& options, const StrokeTable& stroke, const DutyTable& table);
 
 // Throws Error if it does not fit into the flash within the tolerance, or a number into the firmware's types.
 StrokeTable MakeStrokeTable(const StrokeSchedule& schedule, const DutyTable& table, const FirmwareOptions& options);
@@ -149,13 +169,13 @@ std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedul
 // The header of a firmware without a program: it jogs, for the logs that a duty table is made of.
 std::string CalibrationHeader(const FirmwareOptions& options, const std::string& made_by);
 
-// The firmware's sources, as in libs/design/actuator/firmware; with stroke_table.h they are a sketch for the Arduino
-// IDE, whose folder must have the name of its .ino.
+// The firmware's sources for a board, as in libs/design/actuator/firmware; with stroke_table.h they are all that its
+// compiler needs, for an UNO a sketch for the Arduino IDE, whose folder must have the name of its .ino.
 inline constexpr const char* kSketchFolder = "lake_stroke";
 struct FirmwareFile {
   std::string name, text;
 };
-const std::vector<FirmwareFile>& FirmwareSources();
+const std::vector<FirmwareFile>& FirmwareSources(Board board = Board::kUno);
 
 // Said wherever a person reads about safety.
 inline constexpr const char* kUntried =
