@@ -3,12 +3,14 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <sstream>
 
 #include "actuator/combinations.h"
 #include "actuator/compiled_once.h"
 #include "actuator/host/host_fixture.h"
 #include "lake/actuator/commissioning.h"
+#include "lake/actuator/stroke_session.h"
 #include "lake/core/error.h"
 #include "nucleo_rig.h"
 
@@ -244,18 +246,20 @@ TEST_F(NucleoTest, AFaultOutlivesAReset) {
   EXPECT_THAT(nucleo_->Wrong(), IsEmpty());
 }
 
-// Tidied at a start; wherever power is lost in that, at each single step, all is there after the next start.
+// Tidied at a start; wherever power is lost in that, at each single step and from either sector into the other, all is
+// there after the next start.
 TEST_F(NucleoTest, WhatIsKeptOutlivesPowerLostWhileItIsTidied) {
   bool is_tidied = false;
-  for (int step = 1; !is_tidied; ++step) {
+  PowerUp();
+  for (int run = 0; !is_tidied; ++run) {
+    const int step = 1 + run / 2;
     ASSERT_LT(step, 50);
-    PowerUp();
     for (int i = 0; i < 520; ++i) nucleo_->Remember(static_cast<std::uint8_t>(i % 5), static_cast<std::uint8_t>(i));
     nucleo_->LosePowerAtFlashWork(step);
     const int before = nucleo_->Erasures();
     try {
       nucleo_->PowerUp();
-      is_tidied = true;
+      is_tidied = run % 2 == 1;
     } catch (const PowerLost&) {
     }
     nucleo_->LosePowerAtFlashWork(-1);
@@ -263,9 +267,20 @@ TEST_F(NucleoTest, WhatIsKeptOutlivesPowerLostWhileItIsTidied) {
     for (std::uint8_t place = 0; place < 5; ++place)
       EXPECT_EQ(nucleo_->Remembered(place), static_cast<std::uint8_t>(515 + place)) << "step " << step;
     EXPECT_EQ(nucleo_->Remembered(200), 0);
-    EXPECT_GE(nucleo_->Erasures() - before, 2) << "it was tidied";
+    EXPECT_GE(nucleo_->Erasures() - before, 1) << "it was tidied";
     EXPECT_THAT(nucleo_->Wrong(), IsEmpty());
   }
+}
+
+// Whoever waits for its greeting bears the longest start: many kept numbers, the slowest flash of the data sheets.
+TEST_F(NucleoTest, ItGreetsInTimeWhereItTidies) {
+  PowerUp();
+  for (int i = 0; i < 8000; ++i)
+    nucleo_->Remember(static_cast<std::uint8_t>(i % 255), static_cast<std::uint8_t>(i + 1));
+  const int before = nucleo_->Erasures();
+  nucleo_->PowerUp();
+  EXPECT_GT(nucleo_->Erasures(), before) << "it was tidied";
+  EXPECT_LT(nucleo_->ErasingSeconds(), 0.5 * actuator::SessionOptions{}.greeting_s);
 }
 
 // It drives and stops as it is told, whatever is wired.
