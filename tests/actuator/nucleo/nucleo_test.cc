@@ -197,7 +197,7 @@ TEST_F(NucleoTest, ConvertsAllThatIsWiredInEachMs) {
   nucleo_->Run(0.1);
   EXPECT_NEAR(nucleo_->Conversions() - before, 100 * 12, 12);
   EXPECT_THAT(nucleo_->Wrong(), IsEmpty());
-  EXPECT_TRUE(nucleo_->RunUntil(",idle,768,", 0.2)) << "three quarters of 1023, rounded up\n" << nucleo_->Serial();
+  EXPECT_TRUE(nucleo_->RunUntil(",idle,767,", 0.2)) << "three quarters of 1023\n" << nucleo_->Serial();
   EXPECT_THAT(nucleo_->Serial(), Not(HasSubstr("ALARM")));
 }
 
