@@ -3,6 +3,7 @@
 // linkage, lag, play, noise and spikes on the readings.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 #include <tuple>
 
@@ -271,6 +272,28 @@ TEST_F(ClosedLoopTest, WhatIsBrokenBeforeHomingIsTold) {
     EXPECT_EQ(rig_->Duty(), 0) << one.name;
     EXPECT_GT(rig_->Stroke(), 298 + 2) << one.name << ": it is far from the end stop still";
   }
+}
+
+// The potentiometer is all that sees it, and must before the motor is driven: through the lag of motor and readings,
+// and also where a low supply and a load make the motor slow.
+TEST_F(ClosedLoopTest, ABridgeThatDrivesByItsInputsIsFoundBeforeAnythingIsDriven) {
+  for (const double supply : {0.7, 1.0, 1.3})
+    for (const double load_n : {-400.0, 0.0, 400.0}) {
+      SCOPED_TRACE(fmt::format("supply {}, load {} N", supply, load_n));
+      ++actuator_.seed;
+      actuator_.supply = [supply](double) { return supply; };
+      actuator_.load_n = [load_n](double, double) { return load_n; };
+      Build(FreeDesign(kProgram));
+      rig_->SetStroke(310);
+      rig_->PowerUp();
+      rig_->Breaks().drives_by_inputs = true;
+      rig_->Run(0.2);
+      rig_->Send("jog 400 2000");
+      EXPECT_TRUE(rig_->RunUntil("ALARM:15\n", 1)) << rig_->Serial();
+      rig_->Run(0.3);
+      EXPECT_TRUE(std::ranges::all_of(rig_->Samples(), [](const HostSample& at) { return at.duty == 0; }));
+      EXPECT_NEAR(rig_->Stroke(), 310, 1.5);
+    }
 }
 
 // A potentiometer that says another place than the end stop: slipped, or another actuator's scale.

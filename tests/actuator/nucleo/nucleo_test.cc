@@ -304,7 +304,7 @@ TEST_F(NucleoTest, EachCombinationOfOptionsIsCompiledAndRuns) {
     for (const int sign : {1, -1}) {
       const int driven = is_bts ? (sign > 0 ? 9 : 10) : kEnaPin;
       nucleo_->Send(fmt::format("jog {} 2000", 400 * sign));
-      for (int ms = 0; ms < 400 && duty(driven) == 0; ++ms) run(driven, sign, 1e-3);
+      for (int ms = 0; ms < 700 && duty(driven) == 0; ++ms) run(driven, sign, 1e-3);
       run(driven, sign, 0.05);  // the rod stands, which is told once it has been driven for 0.6 mm
       EXPECT_NEAR(duty(driven), 0.4, 1e-3) << nucleo_->Serial();
       nucleo_->Send("stop");

@@ -23,7 +23,7 @@ class FirmwareOptionsTest : public FirmwareTest {
   }
 
   void WaitForDrive(int sign) {
-    for (int ms = 0; ms < 400 && rig_->Samples().back().duty * sign <= 0; ++ms) rig_->Run(1e-3);
+    for (int ms = 0; ms < 700 && rig_->Samples().back().duty * sign <= 0; ++ms) rig_->Run(1e-3);
     ASSERT_GT(rig_->Samples().back().duty * sign, 0) << rig_->Serial();
     rig_->Run(0.05);
   }
