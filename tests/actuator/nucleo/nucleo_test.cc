@@ -75,11 +75,13 @@ class NucleoImageTest : public NucleoTest {
 };
 
 TEST_F(NucleoImageTest, IsCompiledForTheChip) {
-  std::vector<std::string> tables = {Header(), actuator::CalibrationHeader(firmware_options_, "test")};
-  WireAll();
-  tables.push_back(Header());
-  TakeBts7960();
-  tables.push_back(Header());
+  const std::vector<Combination> combinations = CombinationsToTry();
+  std::vector<std::string> tables = {actuator::CalibrationHeader(firmware_options_, "test")};
+  tables.reserve(1 + combinations.size());
+  for (const Combination& one : combinations) {
+    firmware_options_ = one.Options(actuator::Board::kNucleo, kRelayPin);
+    tables.push_back(Header());
+  }
   for (const std::string& table : tables) {
     const std::string told = Image(table);
     // Where the stack begins, and the reset's handler, as Thumb code.
