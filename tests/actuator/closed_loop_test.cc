@@ -127,10 +127,12 @@ TEST_F(ClosedLoopTest, ProgramsAtTheLimitsOfTravelEnd) {
 // Noise of 5 counts in each conversion is 0.1 mm after the filters, and a motor on 130 % of its supply whose load helps
 // coasts on after a stop: neither is a motion the wrong way or one beyond what was driven.
 TEST_F(ClosedLoopTest, NoiseAndCoastingAreNoFaults) {
-  actuator_.noise_counts = 5, actuator_.spikes = 0;
+  actuator_.noise_counts = 5;
+  actuator_.spikes = 0;
   actuator_.supply = [](double) { return 1.3; };
   for (unsigned seed = 1; seed <= 40; ++seed) {
-    actuator_.seed = seed, actuator_.speed_factor = 1.02;
+    actuator_.seed = seed;
+    actuator_.speed_factor = 1.02;
     const double load_n = seed % 2 ? 400 : -400;
     actuator_.load_n = [load_n](double, double) { return load_n; };
     Build(FreeDesign({{0, 300}, {2, 304.8}, {3, 304.8}, {5, 300}}));
@@ -143,7 +145,8 @@ TEST_F(ClosedLoopTest, NoiseAndCoastingAreNoFaults) {
 // At 70 % of the supply the model's motor extends at 5.7 mm/s: a program that needs more is said not to be followed
 // there, before anything runs, and is not; a slower one is.
 TEST_F(ClosedLoopTest, WhatALowSupplyCannotFollowIsSaidBefore) {
-  actuator_.spikes = 0, actuator_.mm_s_per_n = 0;
+  actuator_.spikes = 0;
+  actuator_.mm_s_per_n = 0;
   actuator_.supply = [](double) { return actuator::kLowSupply; };
   for (const double speed : {5.3, 6.5}) {
     Build(FreeDesign({{0, 300}, {6, 300 + 6 * speed}}));

@@ -41,7 +41,9 @@ class NucleoTest : public HostFirmwareTest {
   }
   void TakeBts7960() {
     firmware_options_.bridge = actuator::Bridge::kBts7960;
-    firmware_options_.pins.ena = 7, firmware_options_.pins.in1 = 9, firmware_options_.pins.in2 = 10;
+    firmware_options_.pins.ena = 7;
+    firmware_options_.pins.in1 = 9;
+    firmware_options_.pins.in2 = 10;
   }
 
   // Until it drives; whoever asks for a jog is there.
@@ -332,7 +334,8 @@ TEST_F(NucleoTest, ItsReferenceAndDividersAreInTheTable) {
   EXPECT_THAT(schematic, HasSubstr(">Nucleo<"));
   firmware_options_.pins.safety_relay = 5;
   EXPECT_THAT([&] { firmware_options_.Check(); }, ThrowsMessage<Error>(HasSubstr("a Nucleo pulls D5 up")));
-  firmware_options_.pins.safety_relay = kRelayPin, firmware_options_.supply_v = 24;
+  firmware_options_.pins.safety_relay = kRelayPin;
+  firmware_options_.supply_v = 24;
   EXPECT_THAT([&] { firmware_options_.Check(); },
               ThrowsMessage<Error>(HasSubstr("--supply must be 0 or within 4..18.2 V, not 24")));
 }

@@ -15,8 +15,10 @@ class FirmwareOptionsTest : public FirmwareTest {
   void BuildWith(const Combination& one) {
     firmware_options_ = one.Options();
     actuator_ = {};
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
-    actuator_.has_relay = one.Has(Combination::kRelay), actuator_.is_bts7960 = one.Has(Combination::kBts7960);
+    actuator_.potentiometer_mm[0] = 240;
+    actuator_.potentiometer_mm[1] = 380;
+    actuator_.has_relay = one.Has(Combination::kRelay);
+    actuator_.is_bts7960 = one.Has(Combination::kBts7960);
     Build(FreeDesign({{0, 300}, {1, 303}}), "");
     rig_->KeepTalking(true);
     rig_->Run(0.6);
