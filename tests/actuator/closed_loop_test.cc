@@ -233,7 +233,7 @@ const Break kBreaks[] = {
     {"runaway",
      [](HostRig& rig) { rig.Breaks().runs_away_mm_s = 12; },
      {"ALARM:10\n", "ALARM:11\n", "ALARM:8\n", "ALARM:9\n"},
-     0.18,  // of SAFETY.md
+     0.18,  // in SAFETY.md 0.26: of a faster program, in simavr
      1e9},
 };
 
