@@ -38,17 +38,26 @@ struct Combination {
   actuator::FirmwareOptions Options(actuator::Board board = actuator::Board::kUno, int relay_pin = 5) const {
     actuator::FirmwareOptions options;
     options.board = board;
-    if (Has(kPot)) options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
+    if (Has(kPot)) {
+      options.feedback = actuator::Feedback::kPotentiometer;
+      options.potentiometer = {0, 240, 1023, 380};
+    }
     if (Has(kSupply)) options.supply_v = 12;
-    options.current_sense = Has(kCurrent), options.bridge_sense = Has(kSense);
+    options.current_sense = Has(kCurrent);
+    options.bridge_sense = Has(kSense);
     if (Has(kRelay)) options.pins.safety_relay = relay_pin;
     if (Has(kWorn)) {
-      options.worn = true, options.speed_limit_mm_s = 6;
-      options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
+      options.worn = true;
+      options.speed_limit_mm_s = 6;
+      options.force_limit_n = 400;
+      options.force_n_per_a = 250;
+      options.idle_a = 0.3;
     }
     if (Has(kBts7960)) {
       options.bridge = actuator::Bridge::kBts7960;
-      options.pins.ena = 7, options.pins.in1 = 9, options.pins.in2 = 10;
+      options.pins.ena = 7;
+      options.pins.in1 = 9;
+      options.pins.in2 = 10;
     }
     return options;
   }

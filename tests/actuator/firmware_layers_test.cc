@@ -67,7 +67,7 @@ std::vector<std::string> NotBelow(const Files& files) {
 }
 
 Files With(const std::string& file, const std::string& include) {
-  Files files = actuator::FirmwareSources();
+  Files files = actuator::FirmwareSources(actuator::Board::kUno);
   for (actuator::FirmwareFile& f : files)
     if (f.name == file) f.text = "#include \"" + include + "\"\n" + f.text;
   return files;
@@ -76,8 +76,9 @@ Files With(const std::string& file, const std::string& include) {
 TEST(FirmwareLayers, IncludesGoDown) {
   for (const actuator::Board board : {actuator::Board::kUno, actuator::Board::kNucleo})
     EXPECT_THAT(NotBelow(actuator::FirmwareSources(board)), IsEmpty());
-  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(26)) << "every module was read";
-  EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config", "portable"));
+  EXPECT_THAT(Includes(actuator::FirmwareSources(actuator::Board::kUno)), SizeIs(26)) << "every module was read";
+  EXPECT_THAT(Includes(actuator::FirmwareSources(actuator::Board::kUno))["motor"],
+              ElementsAre("bridge", "config", "portable"));
 }
 
 TEST(FirmwareLayers, APlantedCircleIsFound) {

@@ -32,7 +32,7 @@ class PortableArmTest : public HostFirmwareTest {
   }
 
   static bool IsOfABoard(const std::string& name) {
-    for (const actuator::FirmwareFile& file : actuator::FirmwareSources())
+    for (const actuator::FirmwareFile& file : actuator::FirmwareSources(actuator::Board::kUno))
       for (const char* header : {"board.h", "bridge.h", "serial.h", "portable.h"})
         if (file.name == header && file.text.find(" " + name + "(") != std::string::npos) return true;
     return false;

@@ -28,12 +28,14 @@ struct RigBreaks {
   double runs_away_mm_s = 0;                                        // whatever the bridge does
   Wire ena = Wire::kWhole, in1 = Wire::kWhole, in2 = Wire::kWhole;  // from the UNO to the bridge
   int shorted = 0;  // transistors: 1 drives with all of the supply to extend, -1 to retract, while there is a supply
+  bool drives_by_inputs = false;  // as if ENA were high inside the bridge, where no pin of the UNO sees it
   bool is_relay_welded = false, is_motor_unplugged = false;
   double current_offset_v = 0;
 
   // As they arrive at the bridge: its inputs float to high where they are open, and 10 kOhm pull ENA down.
   BridgeInputs Arriving(BridgeInputs sent) const {
     if (ena != Wire::kWhole) sent.enable = ena == Wire::kFive ? 1 : 0;
+    if (drives_by_inputs) sent.enable = 1;
     if (in1 != Wire::kWhole) sent.in1 = in1 != Wire::kGround;
     if (in2 != Wire::kWhole) sent.in2 = in2 != Wire::kGround;
     return sent;

@@ -14,8 +14,10 @@ class WornTest : public HostFirmwareTest {
  protected:
   void SetUp() override {
     WireAllOfAWornOne();
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
-    actuator_.noise_counts = 0.5, actuator_.has_relay = true;
+    actuator_.potentiometer_mm[0] = 240;
+    actuator_.potentiometer_mm[1] = 380;
+    actuator_.noise_counts = 0.5;
+    actuator_.has_relay = true;
   }
   void BuildAtStart() {
     Build(FreeDesign({{0, 300}, {3, 315}}));
@@ -121,14 +123,19 @@ TEST_F(WornTest, AShortedTransistorIsSwitchedOffByTheRelay) {
   for (const int way : {1, -1})
     for (const bool is_held : {false, true}) {
       StartWorn();
-      if (is_held) rig_->SendNow('!'), rig_->Run(0.3);
+      if (is_held) {
+        rig_->SendNow('!');
+        rig_->Run(0.3);
+      }
       const double since = rig_->Time(), from = rig_->Stroke();
       rig_->Breaks().shorted = way;
       rig_->Run(0.3);
       double last = since, way_mm = 0;
       for (const HostSample& sample : rig_->Samples())
-        if (sample.time_s > since && sample.motor_duty != 0)
-          last = sample.time_s, way_mm = std::abs(sample.stroke_mm - from);
+        if (sample.time_s > since && sample.motor_duty != 0) {
+          last = sample.time_s;
+          way_mm = std::abs(sample.stroke_mm - from);
+        }
       EXPECT_LE(last - since, 0.1) << way << is_held << rig_->Serial();
       EXPECT_LE(way_mm, 1) << way << is_held;
       EXPECT_EQ(rig_->Board().relay, 0);
@@ -143,7 +150,8 @@ TEST_F(WornTest, FaultsAreLoggedBeyondAReset) {
   rig_->Breaks().wiper = RigBreaks::Wiper::kFine;
   rig_->Run(0.1);
   ASSERT_TRUE(rig_->Asks("reset", "ok"));
-  rig_->PullWire(true, true), rig_->PullWire(false, true);
+  rig_->PullWire(true, true);
+  rig_->PullWire(false, true);
   ASSERT_TRUE(rig_->RunUntil("ALARM:2\n", 0.1));
   rig_->PowerUp();
   rig_->Run(0.1);
@@ -153,7 +161,8 @@ TEST_F(WornTest, FaultsAreLoggedBeyondAReset) {
 }
 
 TEST_F(WornTest, WhatIsNotWiredIsRefused) {
-  firmware_options_.bridge_sense = false, firmware_options_.force_limit_n.reset();
+  firmware_options_.bridge_sense = false;
+  firmware_options_.force_limit_n.reset();
   EXPECT_THAT([&] { firmware_options_.Check(); },
               ThrowsMessage<Error>(HasSubstr("--worn needs --bridge-sense, --force-limit N")));
   firmware_options_.worn = false;
@@ -218,7 +227,8 @@ TEST_F(DirectionTest, HomingEndsBeforeTheDeadPoint) {
     if (pot) {
       firmware_options_.feedback = actuator::Feedback::kPotentiometer;
       firmware_options_.potentiometer = {0, 240, 1023, 380};
-      actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+      actuator_.potentiometer_mm[0] = 240;
+      actuator_.potentiometer_mm[1] = 380;
     }
     firmware_options_.home_stroke_mm = 244;
     Build(FreeDesign({{0, 245}, {2, 250}}));
@@ -247,7 +257,8 @@ TEST_F(CombinationsTest, EachHomesAndRuns) {
     SCOPED_TRACE(one.Name());
     firmware_options_ = one.Options();
     actuator_ = {};
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    actuator_.potentiometer_mm[0] = 240;
+    actuator_.potentiometer_mm[1] = 380;
     actuator_.has_relay = one.Has(Combination::kRelay);
     Build(FreeDesign({{0, 300}, {2, 306}, {2.5, 306}, {4, 302}}));
     rig_->SetStroke(304);

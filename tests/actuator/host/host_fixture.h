@@ -36,11 +36,17 @@ class HostFirmwareTest : public testing::Test {
 
   void WireAllOfAWornOne() {
     actuator::FirmwareOptions& options = firmware_options_;
-    options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
-    options.supply_v = 12, options.current_sense = true, options.bridge_sense = true;
+    options.feedback = actuator::Feedback::kPotentiometer;
+    options.potentiometer = {0, 240, 1023, 380};
+    options.supply_v = 12;
+    options.current_sense = true;
+    options.bridge_sense = true;
     options.pins.safety_relay = 5;
-    options.worn = true, options.speed_limit_mm_s = 6;
-    options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
+    options.worn = true;
+    options.speed_limit_mm_s = 6;
+    options.force_limit_n = 400;
+    options.force_n_per_a = 250;
+    options.idle_a = 0.3;
   }
 
   // Planned stroke and drift as the firmware says them now.

@@ -232,7 +232,10 @@ void HostRig::TickMs() {
     to_send_.pop_front();
   }
   controller_tick_();
-  if (!hangs_) protocol_turn_(), controller_remember_();
+  if (!hangs_) {
+    protocol_turn_();
+    controller_remember_();
+  }
   TakeSaid();
   samples_.push_back({Time(), stroke_mm_, Duty(), board_->bridge == HOST_BRAKE, MotorDuty()});
 }

@@ -52,6 +52,7 @@ class NucleoRig {
   int Conversions() const { return conversions_; }
   int WatchdogFeeds() const { return feeds_; }
   int Erasures() const { return erasures_; }
+  double ErasingSeconds() const { return erasing_s_; }              // at most, since the last reset
   const std::vector<std::string>& Wrong() const { return wrong_; }  // what no STM32F4 allows
   void Remember(std::uint8_t place, std::uint8_t number) { board_remember_(place, number); }
   std::uint8_t Remembered(std::uint8_t place) const { return board_remembered_(place); }
@@ -105,6 +106,7 @@ class NucleoRig {
   bool is_converter_dead_ = false, has_outputs_ = false, is_bts7960_ = false, is_out1_stuck_ = false;
   int conversions_ = 0, feeds_ = 0, erasures_ = 0;
   int flash_work_left_ = -1, keys_ = 0;
+  double erasing_s_ = 0;
   std::deque<char> to_send_;
   std::string line_, serial_;
   std::vector<std::string> wrong_;

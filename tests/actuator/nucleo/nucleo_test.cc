@@ -3,12 +3,14 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <sstream>
 
 #include "actuator/combinations.h"
 #include "actuator/compiled_once.h"
 #include "actuator/host/host_fixture.h"
 #include "lake/actuator/commissioning.h"
+#include "lake/actuator/stroke_session.h"
 #include "lake/core/error.h"
 #include "nucleo_rig.h"
 
@@ -39,7 +41,9 @@ class NucleoTest : public HostFirmwareTest {
   }
   void TakeBts7960() {
     firmware_options_.bridge = actuator::Bridge::kBts7960;
-    firmware_options_.pins.ena = 7, firmware_options_.pins.in1 = 9, firmware_options_.pins.in2 = 10;
+    firmware_options_.pins.ena = 7;
+    firmware_options_.pins.in1 = 9;
+    firmware_options_.pins.in2 = 10;
   }
 
   // Until it drives; whoever asks for a jog is there.
@@ -73,11 +77,13 @@ class NucleoImageTest : public NucleoTest {
 };
 
 TEST_F(NucleoImageTest, IsCompiledForTheChip) {
-  std::vector<std::string> tables = {Header(), actuator::CalibrationHeader(firmware_options_, "test")};
-  WireAll();
-  tables.push_back(Header());
-  TakeBts7960();
-  tables.push_back(Header());
+  const std::vector<Combination> combinations = CombinationsToTry();
+  std::vector<std::string> tables = {actuator::CalibrationHeader(firmware_options_, "test")};
+  tables.reserve(1 + combinations.size());
+  for (const Combination& one : combinations) {
+    firmware_options_ = one.Options(actuator::Board::kNucleo, kRelayPin);
+    tables.push_back(Header());
+  }
   for (const std::string& table : tables) {
     const std::string told = Image(table);
     // Where the stack begins, and the reset's handler, as Thumb code.
@@ -195,7 +201,7 @@ TEST_F(NucleoTest, ConvertsAllThatIsWiredInEachMs) {
   nucleo_->Run(0.1);
   EXPECT_NEAR(nucleo_->Conversions() - before, 100 * 12, 12);
   EXPECT_THAT(nucleo_->Wrong(), IsEmpty());
-  EXPECT_TRUE(nucleo_->RunUntil(",idle,768,", 0.2)) << "three quarters of 1023, rounded up\n" << nucleo_->Serial();
+  EXPECT_TRUE(nucleo_->RunUntil(",idle,767,", 0.2)) << "three quarters of 1023\n" << nucleo_->Serial();
   EXPECT_THAT(nucleo_->Serial(), Not(HasSubstr("ALARM")));
 }
 
@@ -244,18 +250,20 @@ TEST_F(NucleoTest, AFaultOutlivesAReset) {
   EXPECT_THAT(nucleo_->Wrong(), IsEmpty());
 }
 
-// Tidied at a start; wherever power is lost in that, at each single step, all is there after the next start.
+// Tidied at a start; wherever power is lost in that, at each single step and from either sector into the other, all is
+// there after the next start.
 TEST_F(NucleoTest, WhatIsKeptOutlivesPowerLostWhileItIsTidied) {
   bool is_tidied = false;
-  for (int step = 1; !is_tidied; ++step) {
+  PowerUp();
+  for (int run = 0; !is_tidied; ++run) {
+    const int step = 1 + run / 2;
     ASSERT_LT(step, 50);
-    PowerUp();
     for (int i = 0; i < 520; ++i) nucleo_->Remember(static_cast<std::uint8_t>(i % 5), static_cast<std::uint8_t>(i));
     nucleo_->LosePowerAtFlashWork(step);
     const int before = nucleo_->Erasures();
     try {
       nucleo_->PowerUp();
-      is_tidied = true;
+      is_tidied = run % 2 == 1;
     } catch (const PowerLost&) {
     }
     nucleo_->LosePowerAtFlashWork(-1);
@@ -263,9 +271,20 @@ TEST_F(NucleoTest, WhatIsKeptOutlivesPowerLostWhileItIsTidied) {
     for (std::uint8_t place = 0; place < 5; ++place)
       EXPECT_EQ(nucleo_->Remembered(place), static_cast<std::uint8_t>(515 + place)) << "step " << step;
     EXPECT_EQ(nucleo_->Remembered(200), 0);
-    EXPECT_GE(nucleo_->Erasures() - before, 2) << "it was tidied";
+    EXPECT_GE(nucleo_->Erasures() - before, 1) << "it was tidied";
     EXPECT_THAT(nucleo_->Wrong(), IsEmpty());
   }
+}
+
+// Whoever waits for its greeting bears the longest start: many kept numbers, the slowest flash of the data sheets.
+TEST_F(NucleoTest, ItGreetsInTimeWhereItTidies) {
+  PowerUp();
+  for (int i = 0; i < 8000; ++i)
+    nucleo_->Remember(static_cast<std::uint8_t>(i % 255), static_cast<std::uint8_t>(i + 1));
+  const int before = nucleo_->Erasures();
+  nucleo_->PowerUp();
+  EXPECT_GT(nucleo_->Erasures(), before) << "it was tidied";
+  EXPECT_LT(nucleo_->ErasingSeconds(), 0.5 * actuator::SessionOptions{}.greeting_s);
 }
 
 // It drives and stops as it is told, whatever is wired.
@@ -289,7 +308,7 @@ TEST_F(NucleoTest, EachCombinationOfOptionsIsCompiledAndRuns) {
     for (const int sign : {1, -1}) {
       const int driven = is_bts ? (sign > 0 ? 9 : 10) : kEnaPin;
       nucleo_->Send(fmt::format("jog {} 2000", 400 * sign));
-      for (int ms = 0; ms < 400 && duty(driven) == 0; ++ms) run(driven, sign, 1e-3);
+      for (int ms = 0; ms < 700 && duty(driven) == 0; ++ms) run(driven, sign, 1e-3);
       run(driven, sign, 0.05);  // the rod stands, which is told once it has been driven for 0.6 mm
       EXPECT_NEAR(duty(driven), 0.4, 1e-3) << nucleo_->Serial();
       nucleo_->Send("stop");
@@ -315,7 +334,8 @@ TEST_F(NucleoTest, ItsReferenceAndDividersAreInTheTable) {
   EXPECT_THAT(schematic, HasSubstr(">Nucleo<"));
   firmware_options_.pins.safety_relay = 5;
   EXPECT_THAT([&] { firmware_options_.Check(); }, ThrowsMessage<Error>(HasSubstr("a Nucleo pulls D5 up")));
-  firmware_options_.pins.safety_relay = kRelayPin, firmware_options_.supply_v = 24;
+  firmware_options_.pins.safety_relay = kRelayPin;
+  firmware_options_.supply_v = 24;
   EXPECT_THAT([&] { firmware_options_.Check(); },
               ThrowsMessage<Error>(HasSubstr("--supply must be 0 or within 4..18.2 V, not 24")));
 }

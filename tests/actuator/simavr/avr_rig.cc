@@ -108,7 +108,8 @@ BridgeInputs AvrRig::ReadInputs() const {
     inputs.in2 = IsPwmOf(kCom1b1, kLpwm) || level(kPortB, kDdrB, kLpwm);
     inputs.enable = level(kPortD, kDdrD, kEnables) ? duty : 0;
   } else {
-    inputs.in1 = level(kPortD, kDdrD, kIn1), inputs.in2 = level(kPortB, kDdrB, kIn2);
+    inputs.in1 = level(kPortD, kDdrD, kIn1);
+    inputs.in2 = level(kPortB, kDdrB, kIn2);
     inputs.enable = IsPwm() || level(kPortB, kDdrB, kEna) ? duty : 0;
   }
   return breaks_.Arriving(inputs);
@@ -133,10 +134,12 @@ void AvrRig::OnSerial(avr_irq_t*, std::uint32_t value, void* self) {
 
 void AvrRig::OnTick(avr_irq_t*, std::uint32_t runs, void* self) {
   AvrRig& rig = *static_cast<AvrRig*>(self);
-  if (runs)
-    rig.tick_began_ = rig.avr_->cycle, ++rig.ticks_;
-  else if (rig.tick_began_ > 0)
+  if (runs) {
+    rig.tick_began_ = rig.avr_->cycle;
+    ++rig.ticks_;
+  } else if (rig.tick_began_ > 0) {
     rig.longest_tick_ = std::max(rig.longest_tick_, rig.avr_->cycle - rig.tick_began_);
+  }
 }
 
 void AvrRig::Send(const std::string& line) {

@@ -65,7 +65,10 @@ void DatasheetAdc::WriteControl(avr_t* avr, avr_io_addr_t, std::uint8_t value, v
     avr->data[kAdcsra] &= static_cast<std::uint8_t>(~kAdsc);
     return;
   }
-  if (!was_enabled) adc.enabled_at_ = avr->cycle, adc.is_first_ = true;
+  if (!was_enabled) {
+    adc.enabled_at_ = avr->cycle;
+    adc.is_first_ = true;
+  }
   if (!(value & kAdsc)) return;
   if (was_busy)
     ++adc.starts_while_busy_;

@@ -25,7 +25,10 @@ class DatasheetAdc {
 
   void SetMillivolt(int channel, double millivolt) { millivolt_.at(static_cast<std::size_t>(channel)) = millivolt; }
 
-  void SetNoise(double counts, unsigned seed) { noise_counts_ = counts, random_.seed(seed); }  // SD of each conversion
+  void SetNoise(double counts, unsigned seed) {  // SD of each conversion
+    noise_counts_ = counts;
+    random_.seed(seed);
+  }
 
   void StandStill() { stands_still_ = true; }  // a conversion that begins does not end any more
 

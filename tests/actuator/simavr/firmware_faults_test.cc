@@ -101,7 +101,7 @@ TEST_F(FirmwareFaultsTest, WhateverBreaksWhileItRunsIsOffInTheTimeOfSafetyMd) {
       {"wiper frozen", [](AvrBreaks& b) { b.wiper = Wiper::kFrozen; }, "ALARM:", 1.5},
       {"rod blocked", [](AvrBreaks& b) { b.is_blocked = true; }, "ALARM:", 1.5},
       {"motor reversed", [](AvrBreaks& b) { b.is_reversed = true; }, "ALARM:", 0.5},
-      {"runs away", [](AvrBreaks& b) { b.runs_away_mm_s = 12; }, "ALARM:", 0.4},
+      {"runs away", [](AvrBreaks& b) { b.runs_away_mm_s = 12; }, "ALARM:", 0.26},
       {"short", [](AvrBreaks& b) { b.motor_a = 6; }, "ALARM:12\n", 0.03},
       {"stall current", [](AvrBreaks& b) { b.motor_a = 2.5; }, "ALARM:12\n", 0.35},
       {"unplugged", [](AvrBreaks& b) { b.motor_a = 0, b.is_blocked = true; }, "ALARM:13\n", 0.35},

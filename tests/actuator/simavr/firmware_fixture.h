@@ -51,9 +51,12 @@ class FirmwareTest : public testing::Test {
   // Potentiometer, sense of the supply and of the current.
   void WireEverything() {
     actuator::FirmwareOptions& options = firmware_options_;
-    options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
-    options.supply_v = 12, options.current_sense = true;
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    options.feedback = actuator::Feedback::kPotentiometer;
+    options.potentiometer = {0, 240, 1023, 380};
+    options.supply_v = 12;
+    options.current_sense = true;
+    actuator_.potentiometer_mm[0] = 240;
+    actuator_.potentiometer_mm[1] = 380;
   }
 
   // The UNO starts, the actuator standing where the model says.

@@ -134,7 +134,7 @@ TEST_F(FirmwareImageTest, RunsAsAnArduinoSketch) {
 // The folder that lake-stroke writes is such a sketch: one .ino, of the folder's name.
 TEST(Sketch, HasOneInoOfTheFoldersName) {
   std::vector<std::string> sketches;
-  for (const actuator::FirmwareFile& file : actuator::FirmwareSources())
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources(actuator::Board::kUno))
     if (file.name.ends_with(".ino")) sketches.push_back(file.name);
   EXPECT_EQ(sketches, std::vector<std::string>{std::string(actuator::kSketchFolder) + ".ino"});
 }

@@ -2,6 +2,9 @@
 // all that is supervised is wired.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 
 #include "firmware_fixture.h"
@@ -18,13 +21,16 @@ class FirmwareLoopTest : public FirmwareTest {
  protected:
   void SetUp() override {
     WireEverything();
-    actuator_.play_mm = 0.2, actuator_.time_constant_s = 0.04;
+    actuator_.play_mm = 0.2;
+    actuator_.time_constant_s = 0.04;
     actuator_.mm_s_per_n = 0.003;
   }
 
   // Every second plant is 2 % slower than the duty table, the others faster.
   void TakePlant(double supply, double load_n, double noise_counts) {
-    actuator_.supply = supply, actuator_.load_n = load_n, actuator_.noise_counts = noise_counts;
+    actuator_.supply = supply;
+    actuator_.load_n = load_n;
+    actuator_.noise_counts = noise_counts;
     actuator_.speed_factor = actuator_.seed % 2 ? 0.98 : 1.02;
     ++actuator_.seed;
   }

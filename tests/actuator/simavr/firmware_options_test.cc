@@ -15,15 +15,17 @@ class FirmwareOptionsTest : public FirmwareTest {
   void BuildWith(const Combination& one) {
     firmware_options_ = one.Options();
     actuator_ = {};
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
-    actuator_.has_relay = one.Has(Combination::kRelay), actuator_.is_bts7960 = one.Has(Combination::kBts7960);
+    actuator_.potentiometer_mm[0] = 240;
+    actuator_.potentiometer_mm[1] = 380;
+    actuator_.has_relay = one.Has(Combination::kRelay);
+    actuator_.is_bts7960 = one.Has(Combination::kBts7960);
     Build(FreeDesign({{0, 300}, {1, 303}}), "");
     rig_->KeepTalking(true);
     rig_->Run(0.6);
   }
 
   void WaitForDrive(int sign) {
-    for (int ms = 0; ms < 400 && rig_->Samples().back().duty * sign <= 0; ++ms) rig_->Run(1e-3);
+    for (int ms = 0; ms < 700 && rig_->Samples().back().duty * sign <= 0; ++ms) rig_->Run(1e-3);
     ASSERT_GT(rig_->Samples().back().duty * sign, 0) << rig_->Serial();
     rig_->Run(0.05);
   }

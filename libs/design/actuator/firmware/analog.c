@@ -101,14 +101,14 @@ static void watch_supply(void) {
 #if LAKE_FEEDBACK
 // Worked out once per ms: a division takes the chip 40 us.
 static int32_t stroke_um;
-static int32_t calm;  // << CALM
+static int32_t slow;  // the same, um << SLOW
 
 int32_t analog_stroke_um(void) {
   return stroke_um;
 }
 
-int32_t analog_calm_um(void) {
-  return calm >> CALM;
+int32_t analog_slow_um(void) {
+  return slow >> SLOW;
 }
 
 static void tell_stroke(void) {
@@ -130,14 +130,14 @@ static void watch_wiper(void) {
   else if (faults & ANALOG_NO_WIPER)
     settle(f);
   tell_stroke();
-  calm += stroke_um - (calm >> CALM);
+  slow += stroke_um - (slow >> SLOW);
 }
 #else
 int32_t analog_stroke_um(void) {
   return 0;
 }
 
-int32_t analog_calm_um(void) {
+int32_t analog_slow_um(void) {
   return 0;
 }
 #endif
@@ -214,7 +214,7 @@ void analog_tick(uint16_t counts) {
     for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) settle(&filters[channel]);
 #if LAKE_FEEDBACK
     tell_stroke();
-    calm = stroke_um << CALM;
+    slow = stroke_um * ((int32_t)1 << SLOW);
 #endif
 #if LAKE_CURRENT_SENSE
     const uint16_t reading = filters[ANALOG_CURRENT].middle;

@@ -27,7 +27,7 @@ void analog_expect_supply(uint8_t is_on);
 uint8_t analog_has_supply(void);  // a fifth of it, at least
 
 int32_t analog_stroke_um(void);           // 0 without a potentiometer
-int32_t analog_calm_um(void);             // the same, later by 2^CALM ms and with less noise
+int32_t analog_slow_um(void);             // the slow stroke: later by 2^SLOW ms, with less noise
 int16_t analog_current_ma(void);          // 0 without a sensor; from what it reads at rest
 uint8_t analog_is_without_current(void);  // for NO_CURRENT_MS, although the bridge drives
 

@@ -120,9 +120,9 @@ static struct {
   uint16_t rest_ms;
   int8_t direction;
   uint8_t wrong_ms;
-  int32_t from_um, calm_from_um;
+  int32_t from_um, slow_from_um;
   int32_t driven_nm, allowed_nm;
-  int32_t calm_driven;  // um/s << CALM: as late as the calm stroke
+  int32_t slow_driven;           // um/s << SLOW: as late as the slow stroke
   int32_t went_on_um, still_nm;  // where it was last seen to have gone on, what was driven since
   int32_t was_um[QUICK_PLACES];
   int32_t went_nm[QUICK_PLACES];  // signed, from each of them to the next
@@ -133,12 +133,13 @@ static struct {
 void follow_watch_begin(void) {
   w.rest_ms = 0;
   w.filled = w.quick = 0;
+  w.slow_driven = 0;
 }
 
 // Whether it has gone far beyond what was driven in the last QUICK_MS.
 static uint8_t is_too_quick(int32_t last_driven_um_s, int32_t measured_um) {
-  w.calm_driven += last_driven_um_s - (w.calm_driven >> CALM);
-  const int32_t driven_um_s = w.calm_driven >> CALM;
+  w.slow_driven += last_driven_um_s - (w.slow_driven >> SLOW);
+  const int32_t driven_um_s = w.slow_driven >> SLOW;
   w.went_nm[w.place % QUICK_PLACES] += driven_um_s;  // nm: um/s during a ms
   w.all_nm += driven_um_s;
   if (++w.place_ms < QUICK_EVERY_MS) return w.quick >= QUICK_TIMES;
@@ -183,20 +184,20 @@ static uint8_t is_still(int8_t direction, uint32_t driven_nm, int32_t measured_u
   return w.still_nm >= STILL_NM;
 }
 
-static void watch_from(int32_t measured_um, int32_t calm_um) {
+static void watch_from(int32_t measured_um, int32_t slow_um) {
   w.from_um = measured_um;
-  w.calm_from_um = calm_um;
+  w.slow_from_um = slow_um;
   w.driven_nm = w.allowed_nm = 0;
 }
 
-uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um, int32_t calm_um) {
+uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um, int32_t slow_um) {
   const int8_t direction = (driven_um_s > 0) - (driven_um_s < 0);
-  if (is_too_quick(driven_um_s, calm_um)) return FOLLOW_RUNAWAY;
+  if (is_too_quick(driven_um_s, slow_um)) return FOLLOW_RUNAWAY;
   if (direction == 0) return watch_rest(measured_um);
   w.rest_ms = 0;
   if (direction != w.direction) {
     w.direction = direction;
-    watch_from(measured_um, calm_um);
+    watch_from(measured_um, slow_um);
     w.went_on_um = measured_um;
     w.still_nm = 0;
     w.wrong_ms = 0;
@@ -204,12 +205,12 @@ uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um, int32_t calm_um) 
   w.driven_nm += magnitude(driven_um_s);
   w.allowed_nm += 2 * magnitude(driven_um_s) + SUPPLY_UM_S;
   const int32_t seen_um = direction * (measured_um - w.from_um);
-  if (is_wrong_way(direction * (calm_um - w.calm_from_um))) return FOLLOW_WRONG_WAY;
+  if (is_wrong_way(direction * (slow_um - w.slow_from_um))) return FOLLOW_WRONG_WAY;
   if (seen_um > (w.allowed_nm >> 10) + TOO_FAR_UM) return FOLLOW_RUNAWAY;
   const uint8_t still = is_still(direction, magnitude(driven_um_s), measured_um);
   if (w.driven_nm < WATCH_NM) return still ? FOLLOW_STILL : seen_um > PROVEN_UM ? FOLLOW_PROVEN : FOLLOW_FINE;
   if (seen_um * LEAST_PART < (w.driven_nm >> 10)) return FOLLOW_NO_MOTION;
-  watch_from(measured_um, calm_um);
+  watch_from(measured_um, slow_um);
   return FOLLOW_FINE;
 }
 

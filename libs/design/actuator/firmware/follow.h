@@ -26,7 +26,7 @@ enum {
 };
 
 // Once per ms: the speed that the bridge drives by the duty table, 0 if it does not drive; the stroke as it is
-// measured, and calm, where small ways count.
-uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um, int32_t calm_um);
+// measured, and the slow stroke, where small movements count.
+uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um, int32_t slow_um);
 
 #endif

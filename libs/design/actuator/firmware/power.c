@@ -10,8 +10,12 @@
 #define CLOSE_MS 120  // until the contacts no longer bounce and the supply is there
 #define IDLE_MS 500   // for which it stays closed after a motion
 
-// Nothing may move with ENA at 0 % and the inputs set, whichever way.
-#define PROBE_MS 30  // for each direction
+// Nothing may move with ENA at 0 % and the inputs set, whichever way. A current shows at once; a movement lags by the
+// motor's time constant and the slow stroke's, which begins with a single reading: noise of 5 counts must not look like
+// a movement.
+#define SETTLE_MS (LAKE_CURRENT_SENSE ? 0 : 100)  // three times the slow stroke's lag, then …
+#define PROBE_MS (LAKE_CURRENT_SENSE ? 30 : 200)  // … for each direction
+#define PROBES_MS (SETTLE_MS + 2 * PROBE_MS)
 #define PROBE_MA 250
 #define PROBE_UM 500
 #define CAN_SEE_MOTION (LAKE_FEEDBACK || LAKE_CURRENT_SENSE)
@@ -20,7 +24,7 @@ static struct {
   uint16_t since_ms;  // the relay's last change
   uint16_t idle_ms;
   uint8_t is_closed, was_seen_open;
-  uint8_t probed_ms;
+  uint16_t probed_ms;
   uint8_t fault;
   int32_t from_um;
 } p;
@@ -33,7 +37,7 @@ void power_init(void) {
 
 void power_forgive(void) {
   p.fault = POWER_FINE;
-  p.probed_ms = CAN_SEE_MOTION ? 0 : 2 * PROBE_MS;
+  p.probed_ms = CAN_SEE_MOTION ? 0 : PROBES_MS;
 }
 
 #if LAKE_RELAY
@@ -64,11 +68,16 @@ static uint8_t is_on(void) {
   return p.is_closed && (!LAKE_RELAY || p.since_ms >= CLOSE_MS);
 }
 
+static int8_t probe_direction(void) {
+  if (p.probed_ms <= SETTLE_MS || p.probed_ms >= PROBES_MS) return 0;
+  return p.probed_ms <= SETTLE_MS + PROBE_MS ? 1 : -1;
+}
+
 static void probe(void) {
-  if (p.probed_ms == 0) p.from_um = analog_calm_um();
+  if (p.probed_ms <= SETTLE_MS) p.from_um = analog_slow_um();
   ++p.probed_ms;
-  motor_probe(p.probed_ms >= 2 * PROBE_MS ? 0 : p.probed_ms <= PROBE_MS ? 1 : -1);
-  const int32_t way_um = analog_calm_um() - p.from_um;
+  motor_probe(probe_direction());
+  const int32_t way_um = analog_slow_um() - p.from_um;
   const int16_t ma = analog_current_ma();
   if (way_um > PROBE_UM || way_um < -PROBE_UM || ma > PROBE_MA || ma < -PROBE_MA) p.fault = POWER_BRIDGE;
 }
@@ -77,16 +86,16 @@ void power_tick(uint8_t is_wanted, uint8_t is_fault) {
 #if LAKE_RELAY
   watch_relay(is_wanted, is_fault);
 #endif
-  if (is_wanted && !is_fault && is_on() && p.probed_ms < 2 * PROBE_MS)
+  if (is_wanted && !is_fault && is_on() && p.probed_ms < PROBES_MS)
     probe();
-  else if (p.probed_ms < 2 * PROBE_MS) {
+  else if (p.probed_ms < PROBES_MS) {
     motor_probe(0);
     p.probed_ms = 0;
   }
 }
 
 uint8_t power_is_ready(void) {
-  return is_on() && p.probed_ms >= 2 * PROBE_MS && p.fault == POWER_FINE;
+  return is_on() && p.probed_ms >= PROBES_MS && p.fault == POWER_FINE;
 }
 
 power_fault_t power_fault(void) {

@@ -94,7 +94,7 @@ static void watch_motion(const motion_t* motion) {
   if (machine.state == STATE_FAULT) return;
   const int32_t error_um = planned_now_um - analog_stroke_um();
   const int32_t driven_um_s = motor_direction() == 0 ? 0 : motion->velocity_um_s;
-  switch (follow_watch(driven_um_s, analog_stroke_um(), analog_calm_um())) {
+  switch (follow_watch(driven_um_s, analog_stroke_um(), analog_slow_um())) {
     case FOLLOW_NO_MOTION:
       state_fault(FAULT_NO_MOTION);
       break;

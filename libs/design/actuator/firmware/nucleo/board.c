@@ -8,8 +8,9 @@
 #include "stm32f4.h"
 
 #define END_STOP_READINGS 4
-#define CONVERSIONS 4  // of each channel in a round
-#define BITS_MORE 2    // than the 10 of a reading: 12 bits
+#define CONVERSIONS 4                      // of each channel in a round
+#define ROUND_MOST (CONVERSIONS * 4095UL)  // their sum, each of 12 bits
+#define READING_MOST 4092UL                // as of four conversions of 10 bits
 
 // The time of one ms is an UNO's (uno/board.c) but for the converter, whose round of 12 takes 12 x 12 us. All other
 // interrupts are served before the tick.
@@ -48,7 +49,7 @@ static void begin_conversion(void) {
 void ADC_IRQHandler(void) {
   sum += (uint16_t)ADC1->dr;
   if (++conversion >= CONVERSIONS) {
-    readings[kWired[wired]] = sum >> BITS_MORE;
+    readings[kWired[wired]] = (uint16_t)((sum * READING_MOST + ROUND_MOST / 2) / ROUND_MOST);
     sum = 0;
     conversion = 0;
     if (++wired >= sizeof kWired) {

@@ -6,7 +6,7 @@
 #include "stm32f4.h"
 
 // D9 has the PWM of timer 3, channel 2, D10 that of timer 4, channel 1: alternate function 2 of either pin. A channel
-// is high as long as the timer's count is below its own, so one of LAKE_PWM_PERIOD counts is always high.
+// is high as long as the timer's count is below its compare value: one of LAKE_PWM_PERIOD is high all the time.
 #define PWM_FUNCTION 2
 #define MODE_PWM_PRELOADED 0x68UL
 #define SETTLE_US 10  // the pin's capacitance, the bridge's rise

@@ -101,6 +101,7 @@ typedef struct {
 #define FLASH_CR_SER BIT(1)
 #define FLASH_CR_SECTOR(number) ((uint32_t)(number) << 3)
 #define FLASH_CR_HALFWORDS BIT(8)
+#define FLASH_CR_WORDS BIT(9)
 #define FLASH_CR_STRT BIT(16)
 #define FLASH_CR_LOCK BIT(31)
 

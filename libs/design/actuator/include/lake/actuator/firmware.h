@@ -45,11 +45,13 @@ enum class Board { kUno, kNucleo };
 struct BoardFacts {
   std::string name;
   double reference_v = 0;     // of the converter; the potentiometer is between that and GND
-  double supply_divider = 1;  // of the supply before A2, …
-  std::string supply_upper, supply_lower;
-  double sensor_divider = 1;  // … of the current sensor, which has 5 V, before A1
-  std::string sensor_upper, sensor_lower;
-  std::string notes_file;  // of the sketch, on top of which stands what belongs to it alone
+  double supply_divider = 1;  // of the supply before A2, by two resistors, as the wiring shows them: …
+  std::string supply_upper;   // … between the supply and A2, …
+  std::string supply_lower;   // … and between A2 and GND
+  double sensor_divider = 1;  // of the current sensor, which has 5 V, before A1
+  std::string sensor_upper;   // between the sensor and A1; empty: a wire, …
+  std::string sensor_lower;   // … and between A1 and GND
+  std::string notes_file;     // of the sketch, on top of which stands what belongs to it alone
 };
 const BoardFacts& FactsOf(Board board);
 
@@ -175,7 +177,7 @@ inline constexpr const char* kSketchFolder = "lake_stroke";
 struct FirmwareFile {
   std::string name, text;
 };
-const std::vector<FirmwareFile>& FirmwareSources(Board board = Board::kUno);
+const std::vector<FirmwareFile>& FirmwareSources(Board board);
 
 // Said wherever a person reads about safety.
 inline constexpr const char* kUntried =
