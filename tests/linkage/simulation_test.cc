@@ -253,6 +253,70 @@ TEST_F(Simulate, HoldsTheDesignAgainstAnActuator) {
   ExpectRefusal(fmt::format("{} --rest standing", kLinksOption), 2, "give --actuator, --profile");
 }
 
+// One cuff without length on each segment: 40 N m over 0.25 m shear the knee by 160 N wherever it bends; limits warn,
+// and name the pose. At a straight knee, where the used range ends, such cuffs do not bear it.
+TEST_F(Simulate, TellsWhatTheLegBears) {
+  const std::string run = fmt::format("{} --angles 70 --rows 41 --no-animation", kLinksOption);
+  const std::string narrow = run + " --thigh-cuff 250:0 --shank-cuff 250:0 --thigh-link-mass 0 --shank-link-mass 0";
+  const Outcome outcome = RunIt(narrow + " --max-leg-shear 159 --max-cuff-force 100");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              AllOf(HasSubstr("on the leg, shank upright: thigh cuff "), HasSubstr("shear at the knee 160 N at ")));
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("shear at the knee: 160 N at "), HasSubstr("above --max-leg-shear 159"),
+                                 HasSubstr("thigh cuff: "), HasSubstr("above --max-cuff-force 100"),
+                                 HasSubstr("the cuffs cannot bear the moment at 0.0°")));
+  const CsvTable table = CsvTable::Read(Out() / "leg_loads.csv");
+  EXPECT_THAT(table.Header(), ::testing::ElementsAre("stroke_mm", "knee_deg", "moment_nm", "thigh_cuff_n",
+                                                     "shank_cuff_n", "knee_shear_n", "knee_compression_n"));
+  ASSERT_EQ(table.Rows(), 42u);
+  for (std::size_t row = 0; row + 1 < table.Rows(); ++row) {
+    const double half_rad = RadiansFromDegrees(table.RequiredNumber(row, 1)) / 2;
+    EXPECT_EQ(table.RequiredNumber(row, 2), 40);
+    EXPECT_NEAR(table.RequiredNumber(row, 5), 160, 1e-6);
+    EXPECT_NEAR(table.RequiredNumber(row, 3) * std::sin(half_rad), 160, 1e-6);
+    EXPECT_NEAR(table.RequiredNumber(row, 6) * std::tan(half_rad), -160, 1e-6);
+  }
+  EXPECT_FALSE(table.Number(table.Rows() - 1, 5)) << "straight";
+
+  // Two cuffs bear it there; the links are as heavy as their parts.
+  const Outcome two = RunIt(run + " --thigh-cuff 100:80 250:80 --shank-cuff 100:80 250:80 --json");
+  ASSERT_EQ(two.exit_code, 0) << two.err;
+  const CsvTable couple = CsvTable::Read(Out() / "leg_loads.csv");
+  EXPECT_NEAR(couple.RequiredNumber(couple.Rows() - 1, 5), 0, 1e-6);
+  const Json summary = Json::parse(two.out);
+  const Json& loads = summary["leg_loads"];
+  EXPECT_NEAR(loads["thigh_link_kg"].get<double>() + loads["shank_link_kg"].get<double>(),
+              0.8 + summary["parts"]["mass_g"].get<double>() / 1000, 1e-9);
+}
+
+// Of a load profile it is the device's share.
+TEST_F(Simulate, TheLegBearsTheShareOfAProfile) {
+  Json profile;
+  for (int percent = 0; percent <= 100; percent += 10) {
+    profile["percent"].push_back(percent);
+    profile["time_s"].push_back(0.02 * percent);
+    profile["knee_deg"].push_back(90 - 0.6 * percent);
+    profile["knee_nm"].push_back(50);
+  }
+  WriteJsonFile(folder_ / "loads.json", profile);
+  const Outcome outcome =
+      RunIt(fmt::format("{} --angles 70 --rows 41 --no-animation --profile '{}' --assist 0.4 --thigh-cuff 250:0 "
+                        "--shank-cuff 250:0 --thigh-link-mass 0 --shank-link-mass 0",
+                        kLinksOption, (folder_ / "loads.json").string()));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const CsvTable table = CsvTable::Read(Out() / "leg_loads.csv");
+  ASSERT_EQ(table.Rows(), 11u);
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    EXPECT_NEAR(table.RequiredNumber(row, 2), 20, 1e-9);
+    EXPECT_NEAR(table.RequiredNumber(row, 5), 80, 1e-6);
+  }
+}
+
+TEST_F(Simulate, LimitsOnTheLegNeedTheCuffs) {
+  ExpectRefusal(fmt::format("{} --thigh-cuff 200:80", kLinksOption), 2, "--thigh-cuff and --shank-cuff");
+  ExpectRefusal(fmt::format("{} --max-leg-shear 100", kLinksOption), 2, "give --thigh-cuff and --shank-cuff");
+}
+
 TEST_F(Simulate, RefusesHalfALeg) {
   ExpectRefusal(fmt::format("{} --thigh 400", kLinksOption), 2, "--thigh and --shank");
 }

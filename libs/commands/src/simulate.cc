@@ -412,13 +412,18 @@ void WarnOfShare(const problem::LinearActuator& actuator, const problem::Assista
                          SignificantText(*load.duration_s, 6), actuator.name, assistance.shortest_s));
 }
 
-// What the design's actuator does along the load profile; null without one.
-Json Assist(const linkage::Design& design, const linkage::UsedRange& range, problem::SynthesisProblem load, Run& run) {
-  if (!load.HasLoadProfile()) return nullptr;
+// The load as it is on this design.
+problem::SynthesisProblem LoadOn(const linkage::Design& design, const linkage::UsedRange& range,
+                                 problem::SynthesisProblem load) {
   load.d_min_mm = design.d_min_mm;
   load.d_max_mm = range.stroke.upper_mm;
   load.standing_deg = DegreesFromRadians(range.theta_at_upper_rad);
-  const problem::Assistance assistance = problem::FindAssistance(design.links, load);
+  return load;
+}
+
+// What the design's actuator does along the load profile.
+Json Assist(const problem::Assistance& assistance, const linkage::UsedRange& range,
+            const problem::SynthesisProblem& load, Run& run) {
   if (load.actuator) WarnOfShare(*load.actuator, assistance, load, run);
   if (load.profile->LargestAngle() > range.theta_at_lower_rad)
     run.Warn(
@@ -426,6 +431,35 @@ Json Assist(const linkage::Design& design, const linkage::UsedRange& range, prob
                     "speed or duration is known",
                     DegreesFromRadians(load.profile->LargestAngle()), DegreesFromRadians(range.theta_at_lower_rad)));
   return WriteAssistance(assistance, load, run);
+}
+
+// The moment that the device gives over its used range: its share of the load profile, else the torque given.
+std::vector<KneeMoment> MomentsOf(const std::optional<problem::Assistance>& assistance, double share,
+                                  const std::vector<parts::LoadedPose>& loaded, const linkage::StrokeRange& used) {
+  std::vector<KneeMoment> moments;
+  if (assistance)
+    for (const problem::AssistanceRow& row : assistance->rows)
+      moments.push_back({row.stroke_mm, row.knee_deg, share * row.knee_nm});
+  else
+    for (const parts::LoadedPose& at : loaded)
+      moments.push_back({at.pose.stroke_mm, DegreesFromRadians(at.pose.theta_rad), at.knee_torque_nm});
+  std::erase_if(
+      moments, [&](const KneeMoment& at) { return !(used.lower_mm <= at.stroke_mm && at.stroke_mm <= used.upper_mm); });
+  return moments;
+}
+
+// With its links as heavy as was said, or as the parts are.
+cuffs::CuffOptions WornOf(const SimulationOptions& options, const parts::Mechanism& mechanism) {
+  constexpr double kGramsPerKilogram = 1000;
+  const double shank_link_g = parts::PartList(mechanism)[static_cast<std::size_t>(parts::Body::kShank)].mass_g.value();
+  const double actuator_g = options.load.actuator && options.load.actuator->mass_g
+                                ? *options.load.actuator->mass_g
+                                : options.parts.actuator_mass_kg * kGramsPerKilogram;
+  const double thigh_link_g = MassOf_g(mechanism) - shank_link_g + actuator_g;
+  cuffs::CuffOptions worn = options.leg_loads.cuffs;
+  worn.thigh_link_kg = options.leg_loads.thigh_link_kg.value_or(thigh_link_g / kGramsPerKilogram);
+  worn.shank_link_kg = options.leg_loads.shank_link_kg.value_or(shank_link_g / kGramsPerKilogram);
+  return worn;
 }
 
 void DrawPictures(const drawing::LinkageLook& look, const Request& request, const linkage::WearCheck& check, Run& run) {
@@ -452,6 +486,7 @@ void DrawPictures(const drawing::LinkageLook& look, const Request& request, cons
 
 void SimulationOptions::Check() const {
   if (knee_torque_nm == 0) throw UsageError("--knee-torque must not be 0: the force is given for it");
+  leg_loads.Check();
   load.CheckLoad();
   problem::CheckRest(load);
   if (thigh_mm.has_value() != shank_mm.has_value())
@@ -473,6 +508,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   const TorqueTable torque = ReadTorques(options);
   std::vector<std::string> names = {"assistance.csv", "assistance.png", "assistance.svg"};
   if (!options.load.HasLoadProfile()) names.clear();
+  if (options.leg_loads.AreAsked()) names.emplace_back("leg_loads.csv");
   names.insert(names.end(),
                {"summary.json", "angle_vs_stroke.csv", "angle_vs_stroke.png", "angle_vs_stroke.svg", "schematic.svg",
                 "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4", "animation.gif", "pin_forces.csv",
@@ -524,8 +560,21 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   for (const double stroke : request.shown_mm)
     summary["poses"].push_back(RowJson(Row(design.links, stroke, options.knee_torque_nm)));
   summary["mannequin"] = WearJson(look.body, check);
-  if (Json assistance = Assist(design, request.range, options.load, run); !assistance.is_null())
-    summary["assistance"] = std::move(assistance);
+  std::optional<problem::Assistance> assistance;
+  if (options.load.HasLoadProfile()) {
+    const problem::SynthesisProblem load = LoadOn(design, request.range, options.load);
+    assistance = problem::FindAssistance(design.links, load);
+    summary["assistance"] = Assist(*assistance, request.range, load, run);
+  }
+  if (options.leg_loads.AreAsked()) {
+    const cuffs::CuffOptions worn = WornOf(options, mechanism);
+    const std::vector<LegLoadRow> leg_loads =
+        LegLoadsOf(MomentsOf(assistance, options.load.assist.value_or(1), loaded, request.range.stroke), worn);
+    WriteLegLoads(run.Result("leg_loads.csv"), leg_loads);
+    summary["leg_loads"] = ReportLegLoads(leg_loads, options.leg_loads, run);
+    summary["leg_loads"]["thigh_link_kg"] = worn.thigh_link_kg;
+    summary["leg_loads"]["shank_link_kg"] = worn.shank_link_kg;
+  }
   return summary;
 }
 
@@ -552,6 +601,7 @@ void Describe(SimulationOptions& o, OptionList& options) {
       .Between(0, 5000);
   problem::DescribeLoad(o.load, options);
   Describe(o.parts, options);
+  Describe(o.leg_loads, options);
   options.Add("animation", o.animation, "Write animation.mp4 and .gif").WithNegation();
 }
 

@@ -15,13 +15,12 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "segment_axes.h"
 
 namespace lake::cuffs {
 namespace {
 
 using Eigen::Matrix2d, Eigen::Vector2d;
-
-constexpr double kGravity_m_s2 = 9.80665;
 
 // Unknowns: how far the hinge moves from where it would be on the shank (leg frame, mm), and how far the thigh's and
 // the shank's link turn against their segments (rad, forward).
@@ -29,14 +28,6 @@ constexpr int kUnknowns = 4;
 using Vector = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using SlipRows = Eigen::Matrix<double, 2, kUnknowns>;
-
-// Columns: across the segment (anterior) and along it (up), in the leg frame.
-Matrix2d AxesOf(double lean_deg) {
-  const double lean = RadiansFromDegrees(lean_deg);
-  Matrix2d axes;
-  axes << std::cos(lean), std::sin(lean), -std::sin(lean), std::cos(lean);
-  return axes;
-}
 
 // A turn forward moves what is above forward, and what is in front down.
 Matrix2d TurnForward(double rad) {
@@ -111,14 +102,7 @@ struct Energy {
   }
 };
 
-void Check(const CuffOptions& o, const Stiffness& stiffness) {
-  for (const auto* cuffs : {&o.thigh, &o.shank}) {
-    if (cuffs->empty()) throw UsageError("a segment without a cuff: each needs one at least");
-    for (const Cuff& cuff : *cuffs)
-      if (!(cuff.from_knee_mm > 0) || !(cuff.length_mm >= 0))
-        throw UsageError(fmt::format("a cuff {} mm from the knee, {} mm long: give a distance above 0",
-                                     cuff.from_knee_mm, cuff.length_mm));
-  }
+void CheckStiffness(const Stiffness& stiffness) {
   if (!(stiffness.across_n_mm > 0) || !(stiffness.along_n_mm > 0))
     throw UsageError(fmt::format("a stiffness of {} and {} N/mm: give numbers above 0", stiffness.across_n_mm,
                                  stiffness.along_n_mm));
@@ -178,7 +162,8 @@ Vector PoseOf(const std::function<Energy(const Vector&)>& energy_at, const std::
 }  // namespace
 
 LegLoad LoadOnLeg(const LegState& leg, const CuffOptions& options, const Stiffness& stiffness) {
-  Check(options, stiffness);
+  CheckCuffs(options);
+  CheckStiffness(stiffness);
   const Vector2d misfit_mm = MisfitOf(leg.hinge_on_shank_mm, leg.hinge_on_thigh_mm, leg.thigh_deg, leg.shank_deg);
   const std::array<Link, 2> links = {
       Link{AxesOf(leg.thigh_deg), 2, 1, leg.hinge_on_thigh_mm, -misfit_mm, options.thigh_link_kg, options.thigh},
@@ -241,22 +226,39 @@ const Cuff& CuffAt(const CuffOptions& options, const CuffPlace& place) {
   return (place.on_thigh ? options.thigh : options.shank).at(place.number);
 }
 
+void CheckCuffs(const CuffOptions& o) {
+  for (const auto* cuffs : {&o.thigh, &o.shank}) {
+    if (cuffs->empty()) throw UsageError("a segment without a cuff: each needs one at least");
+    for (const Cuff& cuff : *cuffs)
+      if (!(cuff.from_knee_mm > 0) || !(cuff.length_mm >= 0))
+        throw UsageError(fmt::format("a cuff {} mm from the knee, {} mm long: give a distance above 0",
+                                     cuff.from_knee_mm, cuff.length_mm));
+  }
+}
+
 void CheckStiffnesses(const CuffOptions& o) {
   if (!(o.softest_n_mm <= o.stiffest_n_mm))
     throw UsageError(fmt::format("--cuff-softest {} is above --cuff-stiffest {}: give the softest and the stiffest",
                                  o.softest_n_mm, o.stiffest_n_mm));
 }
 
-void Describe(CuffOptions& o, OptionList& options) {
+void DescribePlaces(CuffOptions& o, OptionList& options) {
   for (const auto& [name, segment, cuffs] :
-       {std::tuple("thigh-cuff", "thigh", &o.thigh), std::tuple("shank-cuff", "shank", &o.shank)})
-    options
-        .AddCustom(
-            name, fmt::format("A cuff on the {}: its middle's distance from the knee, and its length, mm", segment),
-            [cuffs = cuffs](const OptionTexts& texts, const std::string& said) { SetCuffs(texts, said, *cuffs); },
-            [cuffs = cuffs] { return CuffsText(*cuffs); })
-        .Value("DISTANCE:LENGTH")
-        .Repeats();
+       {std::tuple("thigh-cuff", "thigh", &o.thigh), std::tuple("shank-cuff", "shank", &o.shank)}) {
+    Option& option =
+        options
+            .AddCustom(
+                name, fmt::format("A cuff on the {}: its middle's distance from the knee, and its length, mm", segment),
+                [cuffs = cuffs](const OptionTexts& texts, const std::string& said) { SetCuffs(texts, said, *cuffs); },
+                [cuffs = cuffs] { return CuffsText(*cuffs); })
+            .Value("DISTANCE:LENGTH")
+            .Repeats();
+    if (cuffs->empty()) option.Otherwise("none");
+  }
+}
+
+void Describe(CuffOptions& o, OptionList& options) {
+  DescribePlaces(o, options);
   options.Add("cuff-softest", o.softest_n_mm, "The least stiffness of cuff and flesh that is expected")
       .Unit("N/mm")
       .Positive();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/commands/leg_loads.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/linkage/body.h"
@@ -26,6 +27,7 @@ struct SimulationOptions {
   std::optional<double> thigh_mm, shank_mm;  // the person's own, hip to knee and knee to ankle; both or none
   double seat_edge_mm = 0;                   // knee to the seat's front edge; 0: half the thigh
   parts::PartOptions parts;
+  LegLoadOptions leg_loads;
   bool animation = true;
   problem::SynthesisProblem load;  // only profile, share, actuator and duration count
 
@@ -35,10 +37,10 @@ struct SimulationOptions {
 void Describe(SimulationOptions& o, OptionList& options);
 std::vector<InputFile> InputsOf(const SimulationOptions& options);
 
-// With a load profile also assistance.csv/.png. Writes angle_vs_stroke.csv/.png/.svg, pin_forces.csv/.png/.svg,
-// pose_ANGLE.png/.svg, schematic.svg, animation.mp4/.gif, design.dxf, parts.csv, strength.csv and mannequin.png through
-// the run and returns what goes into the summary. Throws Error naming stroke and gap if the design cannot be assembled
-// at d_min or a stroke asked for, or an angle is out of its range.
+// With a load profile also assistance.csv/.png, with cuffs leg_loads.csv. Writes angle_vs_stroke.csv/.png/.svg,
+// pin_forces.csv/.png/.svg, pose_ANGLE.png/.svg, schematic.svg, animation.mp4/.gif, design.dxf, parts.csv, strength.csv
+// and mannequin.png through the run and returns what goes into the summary. Throws Error naming stroke and gap if the
+// design cannot be assembled at d_min or a stroke asked for, or an angle is out of its range.
 Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& options, Run& run);
 
 }  // namespace lake::commands

@@ -47,6 +47,10 @@ std::vector<CuffPlace> PlacesOf(const CuffOptions& options);
 const Cuff& CuffAt(const CuffOptions& options, const CuffPlace& place);
 
 void Describe(CuffOptions& o, OptionList& options);
+void DescribePlaces(CuffOptions& o, OptionList& options);  // of the cuffs, without their stiffness
+
+// Throws UsageError where a segment has no cuff, or a number is out of range.
+void CheckCuffs(const CuffOptions& o);
 
 // Throws UsageError where the softest is stiffer than the stiffest.
 void CheckStiffnesses(const CuffOptions& o);
@@ -76,7 +80,7 @@ struct LegLoad {
   double knee_shear_n = 0;  // what the knee must pass on across the shank, of all that the cuffs do to the shank
 };
 
-// Throws UsageError where a segment has no cuff, or a number is out of range. Forces of an unknown misfit (NaN) are
+// Throws UsageError as CheckCuffs, or where a stiffness is out of range. Forces of an unknown misfit (NaN) are
 // NaN.
 LegLoad LoadOnLeg(const LegState& leg, const CuffOptions& options, const Stiffness& stiffness);
 
