@@ -236,6 +236,69 @@ TEST(BalancedProgram, OfAWholeRedesignSaysOfWhichRiseTheMomentsAre) {
   EXPECT_LE(outcome.moments->off_nm, 0.5);
 }
 
+// What stands beside the design has moments of its own: those of the start's quick constant program, of the fronts'
+// programs, and of the one whose person need not be in balance.
+TEST(BalancedProgram, OfAWholeRedesignHasOtherMomentsThanWhatStandsBeside) {
+  redesign::RedesignProblem problem = BalancedProblem();
+  problem.balance = redesign::BalanceLimits{.margin_mm = 20};
+  problem.design.profile = OwnMoments(problem, 1.5);
+  problem.design.max_force_n = 1000;
+  problem.design.start = kPublishedLinks;
+  redesign::RedesignOptions options;
+  options.optimize = Starts(2);
+  options.pareto_points = 2;
+  const auto outcome = redesign::RunRedesign(problem, {.human = MakeCurve({})}, options);
+  ASSERT_TRUE(outcome.IsSolved() && outcome.without_balance && outcome.before.prediction);
+
+  for (const redesign::DesignInMotion* design : {&outcome.before, &*outcome.without_balance}) {
+    const problem::LoadProfile along = redesign::ProfileAlong(outcome.problem.human, outcome.moments->measured,
+                                                              design->prediction, design->duration_s);
+    EXPECT_GT(redesign::LargestDifference_nm(along, outcome.moments->profile), 1);
+    problem::SynthesisProblem under = outcome.problem.design;
+    under.profile = along;
+    const problem::Requirement::Id force{.kind = problem::Requirement::Kind::kForce};
+    EXPECT_THAT(design->evaluation.CheckOf(force).value,
+                testing::NanSensitiveDoubleEq(problem::Evaluate(design->design.links, under).CheckOf(force).value));
+  }
+  ASSERT_TRUE(outcome.moments_without_balance);
+  EXPECT_NEAR(outcome.moments_without_balance->duration_s, outcome.without_balance->duration_s, 0.1);
+  EXPECT_LE(outcome.moments_without_balance->off_nm, 0.5);
+  ASSERT_EQ(outcome.fronts.size(), 3u);
+  for (const redesign::NamedFront& front : outcome.fronts) {
+    SCOPED_TRACE(front.name);
+    ASSERT_TRUE(front.moments && !front.points.empty());
+    redesign::RedesignProblem problem_of = outcome.problem;
+    problem_of.program = front.program;
+    double off_nm = 0;
+    for (const redesign::ParetoPoint& point : front.points)
+      off_nm = std::max(
+          off_nm, redesign::LargestDifference_nm(
+                      redesign::ProfileOf(problem_of, outcome.moments->measured, point.point), front.moments->profile));
+    EXPECT_NEAR(front.moments->off_nm, off_nm, 1e-9);
+  }
+  EXPECT_LT(outcome.fronts[0].moments->duration_s, 20);  // constant
+}
+
+// A file may have any number of rows from three on, at any percents, and moments are compared at the same ones.
+TEST(BalancedProgram, MomentsOfAFileWithOtherRowsAreComparedAtTheMotionsPercents) {
+  redesign::RedesignProblem problem = BalancedProblem();
+  problem.body = nullptr;
+  const auto profile_of = [](const std::vector<double>& percent, const std::vector<double>& knee_nm) {
+    return problem::MakeLoadProfile(percent, std::vector<double>(percent.size(), 30), knee_nm, 1.5);
+  };
+  const auto four = profile_of({0, 40, 60, 100}, {NAN, 60, 40, 0});
+  const auto point = redesign::StartPoint(problem, kPublishedLinks);
+  const problem::LoadProfile along = redesign::ProfileOf(problem, four, point);
+  ASSERT_EQ(along.samples.size(), problem.human.size());
+  EXPECT_TRUE(std::isnan(along.samples[39].knee_nm));
+  EXPECT_EQ(along.samples[40].knee_nm, 60);
+  EXPECT_NEAR(along.samples[50].knee_nm, 50, 1e-9);
+  EXPECT_NEAR(along.samples[80].knee_nm, 20, 1e-9);
+  const auto three = redesign::ProfileOf(problem, profile_of({0, 50, 100}, {50, 50, 50}), point);
+  EXPECT_NEAR(redesign::LargestDifference_nm(along, three), 50, 1e-9);  // standing
+  EXPECT_THROW(redesign::LargestDifference_nm(along, four), std::logic_error);
+}
+
 TEST(AngleMismatch, IsALimitOfItsOwnWithAPrice) {
   redesign::RedesignProblem problem = BalancedProblem();
   problem.program.duration_s = 26;  // too short to follow exactly

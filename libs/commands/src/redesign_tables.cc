@@ -228,13 +228,21 @@ void WritePareto(const redesign::RedesignOutcome& outcome, Run& run) {
   table.Write(run.Result("pareto.csv"));
 }
 
+// Of which rise the moments of the load profile are, and how surely they are those of the program.
+Json MomentsJson(const std::optional<redesign::MomentsOfProgram>& moments) {
+  if (!moments) return Json();
+  return {{"of_s", moments->duration_s}, {"rounds", moments->rounds}, {"off_nm", moments->off_nm}};
+}
+
 Json FrontsJson(const redesign::RedesignOutcome& outcome) {
   Json fronts = Json::array();
   for (const redesign::NamedFront& front : outcome.fronts) {
     Json points = Json::array();
     for (const redesign::ParetoPoint& point : front.points)
       points.push_back({point.range_deg, point.misalignment_percent});
-    fronts.push_back({{"program", front.name}, {"range_deg_and_misalignment_percent", points}});
+    fronts.push_back({{"program", front.name},
+                      {"range_deg_and_misalignment_percent", points},
+                      {"moments", MomentsJson(front.moments)}});
   }
   return fronts;
 }
@@ -284,6 +292,32 @@ std::vector<std::string> NotInBound(const redesign::RedesignProblem& problem) {
   return names;
 }
 
+// The force of an actuator is limited by what the knee needs along a program, and that program is sought under the
+// limit.
+void WarnOfMoments(const redesign::RedesignOutcome& outcome, Run& run) {
+  const auto are_others = [](const std::optional<redesign::MomentsOfProgram>& moments) {
+    return moments && moments->off_nm > redesign::kOtherMoments_nm;
+  };
+  if (are_others(outcome.moments))
+    run.Warn(fmt::format(
+        "the program was sought under moments of the knee that are up to {:.1f} N m off those along it, and the forces "
+        "said of it are of the former; write the links of design.yaml as 'start' into the problem's file and run it "
+        "again, so that the search goes on from there",
+        outcome.moments->off_nm));
+  if (are_others(outcome.moments_without_balance))
+    run.Warn(
+        fmt::format("the design without --balance was sought under moments of the knee that are up to {:.1f} N m off "
+                    "those along its program, so what balance costs is known less surely",
+                    outcome.moments_without_balance->off_nm));
+  for (const redesign::NamedFront& front : outcome.fronts)
+    if (are_others(front.moments))
+      run.Warn(fmt::format(
+          "the front '{}' was sought under the moments of one rise, in {} s, and along the programs of its "
+          "other points they are up to {:.1f} N m off those: where a force is limited, ask for such a point "
+          "by itself, without --pareto",
+          front.name, SignificantText(front.moments->duration_s, 3), front.moments->off_nm));
+}
+
 void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   const redesign::RedesignProblem& problem = outcome.problem;
   if (outcome.measured.exo && outcome.measured.worn && !outcome.slip)
@@ -311,12 +345,7 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
         "nobody keeps the balance along this program: at {:.0f} % of the rise, in {} s, the ground's force has to "
         "act {:.0f} mm outside the foot; require it with --balance, or let something hold the person",
         after->balance->at_percent, SignificantText(after->balance->duration_s, 3), -after->balance->margin_mm));
-  constexpr double kOtherMoments_nm = 1;
-  if (outcome.moments && outcome.moments->off_nm > kOtherMoments_nm)
-    run.Warn(fmt::format(
-        "the program was sought under moments of the knee that are up to {:.1f} N m off those along it, which depend "
-        "on it in turn: the forces said of it are those of the program before; try more --starts",
-        outcome.moments->off_nm));
+  WarnOfMoments(outcome, run);
   if (!outcome.IsSolved()) return;
   WarnOfMultipliers(outcome.active, run);
   if (outcome.certificate) {
@@ -325,6 +354,11 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
         fmt::format("the certified bound is one on the range alone, without the limit on misalignment; the largest "
                     "range found without that limit is {:.4f}°",
                     *outcome.widest_deg));
+    if (outcome.moments)
+      run.Warn(
+          fmt::format("the certified bound is one under the moments along the program found, of a rise in {} s: under "
+                      "those of another program the range may be larger",
+                      SignificantText(outcome.moments->duration_s, 3)));
   }
 }
 
@@ -450,8 +484,11 @@ Json ProgramBalanceJson(const redesign::RedesignOutcome& outcome) {
                {"peak_knee_nm", course.peak_knee_nm},
                {"foot_mm", {kMmPerM * foot.heel_m, kMmPerM * foot.toe_m}},
                {"trunk_lean_deg", Largest_deg(outcome.lean.trunk_rad)},
-               {"leg_lean_deg", Largest_deg(outcome.lean.leg_rad)}};
-  json["without"] = outcome.without_balance ? BeforeAfterJson(*outcome.without_balance) : Json();
+               {"leg_lean_deg", Largest_deg(outcome.lean.leg_rad)},
+               {"without", nullptr}};
+  if (!outcome.without_balance) return json;
+  json["without"] = BeforeAfterJson(*outcome.without_balance);
+  json["without"]["moments"] = MomentsJson(outcome.moments_without_balance);
   return json;
 }
 
@@ -494,13 +531,6 @@ void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& op
   if (!outcome.fronts.empty()) WritePareto(outcome, run);
 }
 
-// Of which rise the moments of the load profile are, and how surely they are those of the program.
-Json MomentsJson(const redesign::RedesignOutcome& outcome) {
-  if (!outcome.moments) return Json();
-  const redesign::MomentsOfProgram& moments = *outcome.moments;
-  return {{"of_s", moments.duration_s}, {"rounds", moments.rounds}, {"off_nm", moments.off_nm}};
-}
-
 // What the summary has of the misalignment, the program and the trial, solved or not.
 Json MotionJson(const redesign::RedesignOutcome& outcome) {
   Json json = {
@@ -520,7 +550,7 @@ Json MotionJson(const redesign::RedesignOutcome& outcome) {
       {"placement_range", PlacementRangeJson(outcome)},
       {"build_text", outcome.IsSolved() ? Json(BuildText(outcome)) : Json()},
       {"noise_floor_percent", outcome.measured.noise_floor_percent},
-      {"moments", MomentsJson(outcome)},
+      {"moments", MomentsJson(outcome.moments)},
       {"balance", ProgramBalanceJson(outcome)}};
   for (const NamedDesign& named : DesignsOf(outcome))
     json[named.name] = named.design ? BeforeAfterJson(*named.design) : Json();
@@ -554,7 +584,10 @@ Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   summary.update(best ? SolvedJson(*best, outcome.active) : InfeasibleJson(*outcome.infeasible));
   summary["clearances"] = ClearancesJson(outcome.problem.design);
   summary["optimum"] = EvaluationJson(after.evaluation);
-  if (outcome.certificate) summary["certificate"] = CertificateJson(*outcome.certificate, NotInBound(outcome.problem));
+  if (outcome.certificate) {
+    summary["certificate"] = CertificateJson(*outcome.certificate, NotInBound(outcome.problem));
+    if (outcome.moments) summary["certificate"]["moments_of_s"] = outcome.moments->duration_s;
+  }
   if (outcome.yield) summary["yield"] = YieldJson(*outcome.yield);
   if (!outcome.fronts.empty()) summary["pareto"] = FrontsJson(outcome);
   if (best)

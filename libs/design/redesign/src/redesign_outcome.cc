@@ -115,8 +115,42 @@ std::vector<RedesignProblem> FrontProblems(const RedesignOutcome& outcome) {
   return problems;
 }
 
+// The problem as it was given: with the profile of the person's own rise.
+RedesignProblem AsMeasured(RedesignProblem problem, const RedesignOutcome& outcome) {
+  if (outcome.moments) problem.design.profile = outcome.moments->measured;
+  return problem;
+}
+
+// How far the moments along a point's program are off those that it was sought under.
+double OffMoments_nm(const RedesignProblem& problem, const problem::LoadProfile& measured, const RedesignPoint& point) {
+  return LargestDifference_nm(ProfileOf(problem, measured, point), *problem.design.profile);
+}
+
+// Of the program's widest design where the program is not the problem's own; the front is sought under these.
+std::optional<MomentsOfProgram> TakeFrontMoments(const RedesignOutcome& outcome,
+                                                 const std::vector<linkage::Links>& links, RedesignProblem& front) {
+  const ProgramLimits& own = outcome.problem.program;
+  const bool is_own = front.program.kind == own.kind && front.program.duration_s == own.duration_s;
+  if (!outcome.moments || is_own) return outcome.moments;
+  const RedesignProblem widest = WithGoal(AsMeasured(front, outcome), RedesignProblem::Goal::kRange);
+  MomentsOfProgram moments = FindMoments(widest, links, outcome.options.optimize);
+  front.design.profile = moments.profile;
+  return moments;
+}
+
+double OffAlong_nm(const RedesignProblem& front, const problem::LoadProfile& measured,
+                   const std::vector<ParetoPoint>& points) {
+  double largest_nm = 0;
+  for (const ParetoPoint& point : points)
+    largest_nm = std::max(largest_nm, OffMoments_nm(front, measured, point.point));
+  return largest_nm;
+}
+
 std::vector<NamedFront> Fronts(const RedesignOutcome& outcome, const std::vector<linkage::Links>& links) {
-  const std::vector<RedesignProblem> problems = FrontProblems(outcome);
+  std::vector<RedesignProblem> problems = FrontProblems(outcome);
+  std::vector<std::optional<MomentsOfProgram>> moments;
+  moments.reserve(problems.size());
+  for (RedesignProblem& problem : problems) moments.push_back(TakeFrontMoments(outcome, links, problem));
   Progress progress("Pareto fronts", "solves",
                     static_cast<std::int64_t>(problems.size()) * SolvesOfSweeps(*outcome.options.pareto_points),
                     outcome.options.optimize.quiet);
@@ -131,7 +165,8 @@ std::vector<NamedFront> Fronts(const RedesignOutcome& outcome, const std::vector
     const ProgramLimits& program = problems[i].program;
     std::string name = ProgramName(program.kind);
     if (program.duration_s) name += fmt::format(" {} s", SignificantText(*program.duration_s, 4));
-    fronts.push_back({std::move(name), program, points[i]});
+    if (moments[i]) moments[i]->off_nm = OffAlong_nm(problems[i], moments[i]->measured, points[i]);
+    fronts.push_back({std::move(name), program, points[i], moments[i]});
   }
   return fronts;
 }
@@ -148,10 +183,24 @@ std::vector<linkage::Links> StartLinks(RedesignOutcome& outcome) {
 }
 
 // The moments of the program that is sought, in place of those of the person's own rise.
-void TakeMoments(const std::vector<linkage::Links>& links, RedesignOutcome& outcome) {
-  if (!outcome.problem.design.HasLoadProfile()) return;
-  outcome.moments = FindMoments(outcome.problem, links, outcome.options.optimize);
-  outcome.problem.design.profile = outcome.moments->profile;
+void TakeMoments(MomentsOfProgram moments, RedesignOutcome& outcome) {
+  outcome.problem.design.profile = moments.profile;
+  outcome.moments = std::move(moments);
+}
+
+// Evaluated under the moments along its own program.
+DesignInMotion UnderOwnMoments(const RedesignOutcome& outcome, DesignInMotion in_motion) {
+  if (!outcome.moments) return in_motion;
+  problem::SynthesisProblem under = outcome.problem.design;
+  under.clearances.placement_mm = in_motion.design.placement_mm;
+  under.profile =
+      ProfileAlong(outcome.problem.human, outcome.moments->measured, in_motion.prediction, in_motion.duration_s);
+  in_motion.evaluation = problem::Evaluate(in_motion.design.links, under);
+  return in_motion;
+}
+
+DesignInMotion PutBeside(const RedesignOutcome& outcome, const linkage::Design& design) {
+  return UnderOwnMoments(outcome, PutInMotion(outcome.problem, outcome.measured.human, design));
 }
 
 // What the placement is worth, and how far it is free.
@@ -166,12 +215,18 @@ void AssessPlacement(const RedesignPoint& chosen, RedesignOutcome& outcome) {
 }
 
 // What could be had if the person need not be in balance.
-std::optional<DesignInMotion> WithoutBalance(const RedesignOutcome& outcome, const std::vector<linkage::Links>& links) {
-  RedesignProblem problem = outcome.problem;
+void FindWithoutBalance(const std::vector<linkage::Links>& links, RedesignOutcome& outcome) {
+  RedesignProblem problem = AsMeasured(outcome.problem, outcome);
   problem.balance.reset();
+  std::optional<MomentsOfProgram>& moments = outcome.moments_without_balance;
+  if (outcome.moments) {
+    moments = FindMoments(problem, links, outcome.options.optimize);
+    problem.design.profile = moments->profile;
+  }
   const auto optimum = FindOptimum(problem, links, outcome.options.optimize);
-  if (!optimum) return std::nullopt;
-  return PutInMotion(problem, outcome.measured.human, DesignOf(problem, optimum->point));
+  if (!optimum) return;
+  if (moments) moments->off_nm = OffMoments_nm(problem, moments->measured, optimum->point);
+  outcome.without_balance = PutBeside(outcome, DesignOf(problem, optimum->point));
 }
 
 // Of the range alone: the misalignment's limit holds the design's own range down, and a bound never comes near that.
@@ -195,6 +250,32 @@ void StartFromNearest(RedesignOutcome& outcome) {
   outcome.infeasible.reset();
 }
 
+void SearchOrExplain(const std::vector<linkage::Links>& links, RedesignOutcome& outcome) {
+  const synthesis::OptimizeOptions& options = outcome.options.optimize;
+  outcome.result = Redesign(outcome.problem, links, options);
+  if (!outcome.IsSolved()) outcome.infeasible = ExplainInfeasible(outcome.problem, links, options);
+  if (outcome.infeasible && outcome.infeasible->within_reach) StartFromNearest(outcome);
+}
+
+// Where the optimum of all starts is another than the one whose moments were found, those of its own program are
+// found, and it is sought again.
+void FindDesign(std::vector<linkage::Links> links, RedesignOutcome& outcome) {
+  constexpr int kMostTimes = 3;
+  SearchOrExplain(links, outcome);
+  for (int i = 0; i < kMostTimes && outcome.moments && outcome.IsSolved(); ++i) {
+    const MomentsOfProgram& before = *outcome.moments;
+    const RedesignPoint optimum = outcome.result.Best().point;
+    if (OffMoments_nm(outcome.problem, before.measured, optimum) <= kOtherMoments_nm) return;
+    MomentsOfProgram moments =
+        FindMoments(AsMeasured(outcome.problem, outcome), std::vector{optimum}, outcome.options.optimize);
+    if (moments.rounds == 0) return;
+    moments.rounds += before.rounds;
+    TakeMoments(std::move(moments), outcome);
+    links.insert(links.begin(), optimum.links);
+    SearchOrExplain(links, outcome);
+  }
+}
+
 // The worn links and joint with the best program that the problem's limits allow it. What else a design must satisfy is
 // not asked: this one is there.
 std::optional<DesignInMotion> WithOtherProgram(const RedesignOutcome& outcome) {
@@ -215,7 +296,7 @@ std::optional<DesignInMotion> WithOtherProgram(const RedesignOutcome& outcome) {
   if (!solve.IsUsable()) return std::nullopt;
   linkage::Design design = DesignOf(same, solve.point);
   design.links = worn.links;
-  return PutInMotion(outcome.problem, outcome.measured.human, design);
+  return PutBeside(outcome, design);
 }
 
 // The worn design with its joint on the knee, in its own trial: pace and lean are those measured, as neither links nor
@@ -227,11 +308,11 @@ std::optional<DesignInMotion> WithJointMoved(const RedesignOutcome& outcome) {
     const auto best = BestPlacement(outcome.problem, outcome.before);
     if (!best) return std::nullopt;
     place(*best);
-    return PutInMotion(outcome.problem, outcome.measured.human, moved);
+    return PutBeside(outcome, moved);
   }
   const Vector2d& way_mm = outcome.slip->placement_mm;
   place(PlacementOf(moved) - way_mm);
-  DesignInMotion in_motion = PutInMotion(outcome.problem, outcome.measured.human, moved);
+  DesignInMotion in_motion = PutBeside(outcome, moved);
   compare::StsCurve trial = *outcome.measured.exo;
   for (std::size_t i = 0; i < trial.knee.size(); ++i)
     trial.knee[i] -= compare::AxesAlong(trial.leg_knee[i] - trial.ankle[i]) * way_mm;
@@ -350,22 +431,19 @@ RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measu
   RedesignOutcome outcome = PutMotionInto(std::move(problem), measured);
   outcome.options = options;
   const std::vector<linkage::Links> links = StartLinks(outcome);
-  TakeMoments(links, outcome);
-  problem = outcome.problem;
-  outcome.before = PutInMotion(problem, measured.human, Before(problem, measured));
+  if (outcome.problem.design.HasLoadProfile())
+    TakeMoments(FindMoments(outcome.problem, links, options.optimize), outcome);
+  outcome.before = PutBeside(outcome, Before(outcome.problem, measured));
   CheckBefore(outcome);
   FindRepairs(outcome);
-  outcome.result = Redesign(problem, links, options.optimize);
-  if (!outcome.IsSolved()) outcome.infeasible = ExplainInfeasible(problem, links, options.optimize);
-  if (outcome.infeasible && outcome.infeasible->within_reach) StartFromNearest(outcome);
+  FindDesign(links, outcome);
+  problem = outcome.problem;
   const RedesignPoint end = outcome.IsSolved() ? NearestToKnee(problem, outcome.result.Best(), options.optimize)
                                                : outcome.infeasible->nearest;
   outcome.after = PutInMotion(problem, measured.human, DesignOf(problem, end), end.lean);
   outcome.lean = end.lean;
-  if (outcome.moments)
-    outcome.moments->off_nm =
-        LargestDifference_nm(ProfileOf(problem, outcome.moments->measured, end), outcome.moments->profile);
-  if (problem.balance) outcome.without_balance = WithoutBalance(outcome, links);
+  if (outcome.moments) outcome.moments->off_nm = OffMoments_nm(problem, outcome.moments->measured, end);
+  if (problem.balance) FindWithoutBalance(links, outcome);
   if (outcome.IsSolved()) outcome.active = synthesis::FindActiveSet(outcome.result.Best().local);
   if (options.pareto_points) outcome.fronts = Fronts(outcome, links);
   if (!outcome.IsSolved()) return outcome;

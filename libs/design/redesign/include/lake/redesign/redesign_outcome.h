@@ -94,6 +94,9 @@ struct NamedFront {
   std::string name;  // "constant", "free 25 s"
   ProgramLimits program;
   std::vector<ParetoPoint> points;
+  // With a load profile, that its points were sought under: of the design where the program is the same, else of the
+  // front's largest range. Off by the most along the program of a point.
+  std::optional<MomentsOfProgram> moments{};
 };
 
 struct RedesignOutcome {
@@ -103,7 +106,8 @@ struct RedesignOutcome {
   std::optional<MountSlip> slip;             // absent: delta is zero
   std::optional<double> measured_percent;    // RMS misalignment of the exo trial itself
   std::optional<double> worn_angle_off_deg;  // RMS, the worn design's program against its trial's own knee angles
-  std::optional<MomentsOfProgram> moments;   // with a load profile; the problem above has those
+  std::optional<MomentsOfProgram> moments;   // with a load profile; the problem above has those, and the worn and the
+                                             // repaired designs are evaluated under their own programs'
   RedesignResult result;
   std::optional<PlacementRange> placement_range;  // of the design, if its placement is fitted
   std::optional<double> range_at_knee_deg;        // likewise: the range with the joint at the knee; absent: none found
@@ -112,7 +116,8 @@ struct RedesignOutcome {
   DesignInMotion after;   // the optimum, of equals that with the joint nearest to the knee, or the design of the
                           // smallest misalignment found
   Lean lean;              // of the person in `after`
-  std::optional<DesignInMotion> without_balance;  // the optimum without that requirement: what balance costs
+  std::optional<DesignInMotion> without_balance;            // the optimum without that requirement: what balance costs
+  std::optional<MomentsOfProgram> moments_without_balance;  // that it was sought under, with a load profile
   // Cheaper repairs of the worn design; absent without one.
   std::optional<DesignInMotion> joint_moved;    // same links and program: the joint on the knee, as its trial shows it
   std::optional<DesignInMotion> other_program;  // same links and joint: the program with the least misalignment, its
