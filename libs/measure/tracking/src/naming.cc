@@ -450,9 +450,8 @@ class Namer {
     std::size_t overlap = 0;
     for (std::size_t f = first; f <= last; ++f) overlap += samples[f].IsKnown();
     if (overlap > kOverlap) return std::nullopt;
-    // What has an identity needs no size to be known by; that of a lamp varies.
     const double size = UsualRadius(piece) / UsualRadius(tracklets_[*anchor_[name]]);
-    if (options_.identities.empty() && (size < 0.6 || size > 1.7)) return std::nullopt;
+    if (size < 0.6 || size > 1.7) return std::nullopt;
     std::optional<double> misfit;
     for (const auto& [before, after] : {std::pair(KnownBeside(name, first, -1), FirstSamples(piece)),
                                         std::pair(LastSamples(piece), KnownBeside(name, last, 1))}) {
