@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <random>
 
@@ -251,103 +250,6 @@ TEST(Tracklet, NothingIsFollowedToAnotherMarkerBehindAGap) {
   EXPECT_EQ(tracklets.size(), 4u);
   for (const tracking::Tracklet& tracklet : tracklets)
     EXPECT_TRUE(tracklet.LastFrame() < kGapBefore || tracklet.FirstFrame() >= kGapBefore) << tracklet.FirstFrame();
-}
-
-// Sees one disc that moves on by 10 px per frame.
-std::vector<tracking::MarkerDetection> Moving(int frame) {
-  return {Disc({100 + 10.0 * frame, 200}, kRadius_px)};
-}
-
-// Finds in a frame that was kept whatever it is asked for.
-class Finding : public Scripted {
- public:
-  using Scripted::Scripted;
-
-  std::optional<video::VideoFrame> ToFindAgain(const video::VideoFrame& frame) const override {
-    video::VideoFrame kept;
-    kept.index = frame.index;
-    kept.luma = frame.luma;
-    kept.keep_alive = frame.keep_alive;
-    return kept;
-  }
-
-  std::optional<tracking::MarkerDetection> FindAgain(const video::VideoFrame&,
-                                                     const tracking::MarkerPrediction& prediction) override {
-    return Disc(prediction.position, kRadius_px);
-  }
-};
-
-// The first measurement of a detector that fits all as if at rest is like its others: it is as sure as they are.
-TEST(Tracklet, NothingIsFollowedBackThatCannotBeFoundAgain) {
-  const std::vector<tracking::Tracklet> tracklets = Follow(Moving, 12, 30);
-  ASSERT_EQ(tracklets.size(), 1u);
-  EXPECT_EQ(tracklets.front().samples.front().sigma_px, Moving(0).front().sigma_px);
-}
-
-// The parts of frames that still lie in memory after the last one was looked at.
-struct InMemory {
-  std::ptrdiff_t decoded = 0, colours = 0, previews = 0;
-};
-
-InMemory KeptOfFrames(tracking::MarkerDetector& detector, const cv::Size& size, int frames) {
-  tracking::TrackletBuilder builder(detector, {});
-  std::vector<std::weak_ptr<const void>> decoded;
-  std::vector<cv::Mat> colours, previews;
-  for (int i = 0; i < frames; ++i) {
-    video::VideoFrame frame;
-    frame.index = i;
-    frame.time_s = i / 30.0;
-    frame.luma.create(size, CV_8UC1);
-    frame.bgr.create(size, CV_8UC3);
-    frame.preview.create(size.height * 3 / 2, size.width, CV_8UC1);
-    frame.keep_alive = std::make_shared<int>(i);
-    decoded.push_back(frame.keep_alive);
-    colours.push_back(frame.bgr);
-    previews.push_back(frame.preview);
-    builder.Add(frame);
-  }
-  const auto is_shared = [](const cv::Mat& picture) { return picture.u->refcount > 1; };
-  return {std::ranges::count_if(decoded, [](const auto& frame) { return !frame.expired(); }),
-          std::ranges::count_if(colours, is_shared), std::ranges::count_if(previews, is_shared)};
-}
-
-// The frame before is compared with the next one. Eleven of these take more than 32 MB, of the luma and the chroma
-// beside it.
-TEST(Tracklet, OnlyWhatIsLookedAtAgainIsKept) {
-  const cv::Size kSize(2000, 1000);
-  Scripted scripted(Moving);
-  const InMemory of_scripted = KeptOfFrames(scripted, kSize, 14);
-  EXPECT_EQ(of_scripted.decoded, 1);
-  EXPECT_EQ(of_scripted.colours, 1);
-  EXPECT_EQ(of_scripted.previews, 1);
-  Finding finding(Moving);
-  const InMemory of_finding = KeptOfFrames(finding, kSize, 14);
-  EXPECT_EQ(of_finding.decoded, 11);
-  EXPECT_EQ(of_finding.colours, 1);
-  EXPECT_EQ(of_finding.previews, 1);
-}
-
-// One disc rests until frame 10, where another, found from frame 13 on, comes from. The one has ended when the other is
-// followed back.
-TEST(Tracklet, WhatEndedIsNotFollowedBackAsAnother) {
-  const auto discs = [](int frame) {
-    std::vector<tracking::MarkerDetection> seen;
-    if (frame <= 10) seen.push_back(Disc({100, 200}, kRadius_px));
-    if (frame >= 13) seen.push_back(Disc({100 + 10.0 * (frame - 10), 200}, kRadius_px));
-    return seen;
-  };
-  Finding detector(discs);
-  tracking::TrackletBuilder builder(detector, {});
-  for (int i = 0; i < 30; ++i) {
-    video::VideoFrame frame;
-    frame.index = i;
-    frame.time_s = i / 30.0;
-    builder.Add(frame);
-  }
-  const std::vector<tracking::Tracklet> tracklets = builder.Finish();
-  ASSERT_EQ(tracklets.size(), 2u);
-  EXPECT_EQ(tracklets[0].LastFrame(), 10);
-  EXPECT_EQ(tracklets[1].FirstFrame(), 11);
 }
 
 }  // namespace

@@ -14,24 +14,12 @@ class ReflectiveDetector : public MarkerDetector {
 
   std::vector<MarkerDetection> Detect(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions,
                                       bool everywhere) override {
-    if (polarity_ == Polarity::kBright) return finder_.Detect(frame.luma, predictions, everywhere);
-    inverted_.release();  // that of the frame before may be kept
-    cv::bitwise_not(frame.luma, inverted_);
-    return finder_.Detect(inverted_, predictions, everywhere);
+    return finder_.Detect(Bright(frame.luma), predictions, everywhere);
   }
 
-  // With the picture in which markers are bright for luma.
-  std::optional<video::VideoFrame> ToFindAgain(const video::VideoFrame& frame) const override {
-    video::VideoFrame kept;
-    kept.index = frame.index;
-    kept.time_s = frame.time_s;
-    kept.luma = polarity_ == Polarity::kBright ? frame.luma : inverted_;
-    if (polarity_ == Polarity::kBright) kept.keep_alive = frame.keep_alive;
-    return kept;
-  }
-
-  std::optional<MarkerDetection> FindAgain(const video::VideoFrame& kept, const MarkerPrediction& prediction) override {
-    return finder_.FindAgain(kept.luma, prediction);
+  std::optional<MarkerDetection> FindAgain(const video::VideoFrame& frame,
+                                           const MarkerPrediction& prediction) override {
+    return finder_.FindAgain(Bright(frame.luma), prediction);
   }
 
   std::optional<ImageFigures> Figures() const override {
@@ -41,9 +29,16 @@ class ReflectiveDetector : public MarkerDetector {
   }
 
  private:
+  // The picture in which markers are bright.
+  const cv::Mat& Bright(const cv::Mat& luma) {
+    if (polarity_ == Polarity::kBright) return luma;
+    cv::bitwise_not(luma, inverted_);
+    return inverted_;
+  }
+
   Polarity polarity_;
   BlobFinder finder_;
-  cv::Mat inverted_;  // the last frame's luma, of dark markers
+  cv::Mat inverted_;
 };
 
 }  // namespace

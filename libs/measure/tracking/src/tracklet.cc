@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
 
 #include "lake/core/statistics.h"
 #include "lake/tracking/assignment.h"
-#include "lake/video/frame_bytes.h"
 #include "picture_repeat.h"
 
 namespace lake::tracking {
@@ -442,15 +440,12 @@ std::int64_t TrackletBuilder::TakeBackRepeated() {
   return last + 1;
 }
 
-// The last pictures, as far as memory allows: 24 of 720p, 10 of 1080p. Fewer than six would be of no use: these are
-// 75 MB of 4K and 300 MB of 8K.
-void TrackletBuilder::Remember(const video::VideoFrame& frame, std::size_t finished_before) {
+// The last pictures, as far as memory allows: 10 of 1080p, 23 of 720p.
+void TrackletBuilder::Remember(const video::VideoFrame& frame) {
   constexpr std::size_t kFewest = 6, kBytes = 32 << 20;
-  std::optional<video::VideoFrame> kept = detector_.ToFindAgain(frame);
-  if (!kept) return;
-  const std::size_t most = std::max(kFewest, kBytes / std::max<std::size_t>(video::BytesOf(*kept), 1));
-  past_.push_back({*std::move(kept), time_s_, finished_before});
-  while (past_.size() > most) past_.pop_front();
+  const std::size_t bytes = frame.luma.total() * frame.luma.elemSize() * 3 / 2;  // the decoder keeps the chroma too
+  past_.push_back({frame, time_s_});
+  while (past_.size() > std::max(kFewest, kBytes / std::max<std::size_t>(bytes, 1))) past_.pop_front();
 }
 
 // The thing as it runs when time does backward.
@@ -465,13 +460,13 @@ TrackletBuilder::Live TrackletBuilder::Reversed(Live live) {
 }
 
 // Whether another thing is seen there, or passes there where it is missed for some frames.
-bool TrackletBuilder::IsAnothers(const Live& live, const Past& past, const MarkerDetection& detection) const {
+bool TrackletBuilder::IsAnothers(const Live& live, std::int64_t frame, const MarkerDetection& detection) const {
   const auto passes = [&](const Tracklet& other) {
-    const std::optional<Eigen::Vector2d> place = other.PlaceIn(past.frame.index);
+    const std::optional<Eigen::Vector2d> place = other.PlaceIn(frame);
     return place && (*place - detection.position).norm() < 2 * detection.appearance.RadiusPx();
   };
   return std::ranges::any_of(live_, [&](const Live& other) { return &other != &live && passes(other.tracklet); }) ||
-         std::ranges::any_of(std::span(finished_).subspan(past.finished_before), passes);
+         std::ranges::any_of(finished_, passes);
 }
 
 // What moves fast can be followed only once its velocity is known: then it is followed back, too, through the last
@@ -489,7 +484,7 @@ void TrackletBuilder::FollowBack(Live& live) const {
     const MarkerPrediction prediction = Predict(back, -past->time_s, frame_s_);
     const auto detection = detector_.FindAgain(past->frame, prediction);
     if (!detection || PairCost(prediction, *detection) >= 1) continue;
-    if (IsAnothers(live, *past, *detection)) break;
+    if (IsAnothers(live, frame, *detection)) break;
     Extend(back, -frame, -past->time_s, *detection);
   }
   CutUnsureEnd(back.tracklet.samples, static_cast<std::size_t>(options_.min_samples));
@@ -500,7 +495,6 @@ void TrackletBuilder::FollowBack(Live& live) const {
 }
 
 void TrackletBuilder::FollowNewBack() {
-  if (past_.empty()) return;
   const auto measured = [](const Live& live) {
     return std::ranges::count_if(live.tracklet.samples, [](const TrackletSample& sample) { return !sample.repeated; });
   };
@@ -559,7 +553,6 @@ void TrackletBuilder::NoteInterval(double interval_s) {
 }
 
 void TrackletBuilder::Add(const video::VideoFrame& frame) {
-  const std::size_t finished_before = finished_.size();
   if (frames_seen_ > 0) NoteInterval(frame.time_s - previous_.time_s);
   time_s_ = frame.time_s - stood_still_s_;
   std::vector<MarkerPrediction> predictions = PredictAll(time_s_);
@@ -590,7 +583,7 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
   if (stands_since_ && *stands_since_ < frame.index) JudgeStanding(frame.index);
   NoteBreak(frame.index, predictions);
   RetireLost();
-  Remember(frame, finished_before);
+  Remember(frame);
   if (!is_repeated_) FollowNewBack();
   previous_ = frame;
   ++frames_seen_;

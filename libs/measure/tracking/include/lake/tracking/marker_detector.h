@@ -49,14 +49,9 @@ class MarkerDetector {
   virtual std::vector<MarkerDetection> Detect(const video::VideoFrame& frame,
                                               std::span<const MarkerPrediction> predictions, bool everywhere) = 0;
 
-  // Of the frame that Detect() was given last, what FindAgain() takes, to be kept as long as need be; nullopt of a
-  // detector that cannot find again.
-  virtual std::optional<video::VideoFrame> ToFindAgain(const video::VideoFrame& /*frame*/) const {
-    return std::nullopt;
-  }
-
-  // What is near a prediction in what was kept of a frame; nothing is learnt from it. nullopt where it is not seen.
-  virtual std::optional<MarkerDetection> FindAgain(const video::VideoFrame& /*kept*/,
+  // What is near a prediction in a frame that was looked at before; nothing is learnt from it. nullopt where it is not
+  // seen, and of a detector that does not measure blobs in the luma.
+  virtual std::optional<MarkerDetection> FindAgain(const video::VideoFrame& /*frame*/,
                                                    const MarkerPrediction& /*prediction*/) {
     return std::nullopt;
   }

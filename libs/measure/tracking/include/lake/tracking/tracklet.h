@@ -118,14 +118,9 @@ class TrackletBuilder {
   void Keep(Tracklet tracklet);
   std::optional<Tracklet> Judged(Tracklet tracklet) const;
   void Extend(Live& live, std::int64_t frame, double time_s, const MarkerDetection& detection) const;
-  struct Past {
-    video::VideoFrame frame;  // as the detector finds again in it
-    double time_s;
-    std::size_t finished_before;  // tracklets that had ended when it came
-  };
-  void Remember(const video::VideoFrame& frame, std::size_t finished_before);
+  void Remember(const video::VideoFrame& frame);
   static Live Reversed(Live live);
-  bool IsAnothers(const Live& live, const Past& past, const MarkerDetection& detection) const;
+  bool IsAnothers(const Live& live, std::int64_t frame, const MarkerDetection& detection) const;
   void FollowBack(Live& live) const;
   void FollowNewBack();
 
@@ -141,7 +136,11 @@ class TrackletBuilder {
   bool is_repeated_ = false;
   double stood_still_s_ = 0;    // in all
   video::VideoFrame previous_;  // its luma is compared with the next one's
-  std::deque<Past> past_;       // the frame at work is the last; none of a detector that cannot find again
+  struct Past {
+    video::VideoFrame frame;
+    double time_s;
+  };
+  std::deque<Past> past_;
   double repeated_since_s_ = 0;
   std::optional<std::int64_t> stands_since_;  // frame: all came to rest at once in it, or the picture froze
   std::vector<std::int64_t> repeated_, discontinuities_;

@@ -9,7 +9,6 @@
 #include <mutex>
 #include <thread>
 
-#include "lake/video/frame_bytes.h"
 #include "lake/video/video_reader.h"
 
 namespace lake::video {
@@ -44,6 +43,11 @@ class FrameQueue {
 
  private:
   static constexpr std::size_t kFewest = 4, kMost = 64, kBytes = 64 << 20;
+
+  static std::size_t BytesOf(const VideoFrame& frame) {
+    const auto bytes = [](const cv::Mat& picture) { return picture.total() * picture.elemSize(); };
+    return 3 * bytes(frame.luma) / 2 + bytes(frame.bgr) + bytes(frame.preview);  // the decoder keeps the chroma too
+  }
 
   void Fill() {
     try {
