@@ -14,12 +14,9 @@ class ReflectiveDetector : public MarkerDetector {
 
   std::vector<MarkerDetection> Detect(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions,
                                       bool everywhere) override {
-    return finder_.Detect(Bright(frame.luma), predictions, everywhere);
-  }
-
-  std::optional<MarkerDetection> FindAgain(const video::VideoFrame& frame,
-                                           const MarkerPrediction& prediction) override {
-    return finder_.FindAgain(Bright(frame.luma), prediction);
+    if (polarity_ == Polarity::kBright) return finder_.Detect(frame.luma, predictions, everywhere);
+    cv::bitwise_not(frame.luma, inverted_);
+    return finder_.Detect(inverted_, predictions, everywhere);
   }
 
   std::optional<ImageFigures> Figures() const override {
@@ -29,13 +26,6 @@ class ReflectiveDetector : public MarkerDetector {
   }
 
  private:
-  // The picture in which markers are bright.
-  const cv::Mat& Bright(const cv::Mat& luma) {
-    if (polarity_ == Polarity::kBright) return luma;
-    cv::bitwise_not(luma, inverted_);
-    return inverted_;
-  }
-
   Polarity polarity_;
   BlobFinder finder_;
   cv::Mat inverted_;

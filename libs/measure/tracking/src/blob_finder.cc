@@ -284,14 +284,6 @@ void BlobFinder::FindNew(const cv::Mat& grey, const cv::Rect& box, std::span<con
   }
 }
 
-std::optional<MarkerDetection> BlobFinder::FindAgain(const cv::Mat& grey, const MarkerPrediction& prediction) const {
-  std::vector<std::optional<BlobFit>> fit(1);
-  FitTogether(grey, std::span(&prediction, 1), {0}, fit);
-  if (!fit[0]) fit[0] = SearchAndFit(grey, prediction);
-  if (!fit[0]) return std::nullopt;
-  return MakeDetection(*fit[0]);
-}
-
 std::vector<MarkerDetection> BlobFinder::Detect(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
                                                 bool everywhere) {
   LearnNoise(grey);

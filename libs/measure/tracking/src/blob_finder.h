@@ -42,9 +42,6 @@ class BlobFinder {
   std::vector<MarkerDetection> Detect(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
                                       bool everywhere);
 
-  // What is near the prediction, learning nothing.
-  std::optional<MarkerDetection> FindAgain(const cv::Mat& grey, const MarkerPrediction& prediction) const;
-
   ImageFigures Figures() const {
     return {fit_options_.noise, fit_options_.saturation_level,
             shutter_.IsKnown() ? std::optional(shutter_.Fraction()) : std::nullopt};

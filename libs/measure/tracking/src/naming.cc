@@ -34,11 +34,6 @@ std::string Describe(const Tracklet& tracklet) {
   return fmt::format("({:.1f}, {:.1f}) in frame {}", first.position.x(), first.position.y(), first.frame);
 }
 
-// That of the middle of its time; at its ends something may hide a part of it.
-double UsualRadius(const Tracklet& tracklet) {
-  return tracklet.samples[tracklet.samples.size() / 2].radius_px;
-}
-
 std::string DescribeAll(const MetricTracklets& tracklets, const std::vector<std::size_t>& indices) {
   std::string text;
   for (const std::size_t i : indices) text += (text.empty() ? "" : ", ") + Describe(tracklets[i]);
@@ -450,7 +445,8 @@ class Namer {
     std::size_t overlap = 0;
     for (std::size_t f = first; f <= last; ++f) overlap += samples[f].IsKnown();
     if (overlap > kOverlap) return std::nullopt;
-    const double size = UsualRadius(piece) / UsualRadius(tracklets_[*anchor_[name]]);
+    const double size =
+        piece.samples[piece.samples.size() / 2].radius_px / tracklets_[*anchor_[name]].samples.front().radius_px;
     if (size < 0.6 || size > 1.7) return std::nullopt;
     std::optional<double> misfit;
     for (const auto& [before, after] : {std::pair(KnownBeside(name, first, -1), FirstSamples(piece)),

@@ -108,10 +108,11 @@ void JudgeLooks(std::vector<TrackletSample>& samples) {
   std::erase_if(samples, [&, i = std::size_t{0}](const TrackletSample&) mutable { return unlike[i++]; });
 }
 
-// Of a first sample that was fitted as if at rest, as nothing was known of its streak yet: in 75 first frames that were
-// off by 0.02 to 0.03 of the step to the next, per axis.
+// The first sample was fitted as if at rest, as nothing was known of its streak yet: in 75 first frames that were off
+// by 0.02 to 0.03 of the step to the next, per axis.
 void WidenFirst(std::vector<TrackletSample>& samples) {
   constexpr double kOfStep = 0.03;
+  if (samples.size() < 2) return;
   const double step_px =
       (samples[1].position - samples[0].position).norm() / static_cast<double>(samples[1].frame - samples[0].frame);
   samples[0].sigma_px = std::hypot(samples[0].sigma_px, kOfStep * step_px);
@@ -165,17 +166,6 @@ const TrackletSample* Tracklet::SampleIn(std::int64_t frame) const {
   return found != samples.end() && found->frame == frame ? &*found : nullptr;
 }
 
-std::optional<Eigen::Vector2d> Tracklet::PlaceIn(std::int64_t frame) const {
-  const auto after = std::lower_bound(samples.begin(), samples.end(), frame,
-                                      [](const TrackletSample& sample, std::int64_t f) { return sample.frame < f; });
-  if (after == samples.end()) return std::nullopt;
-  if (after->frame == frame) return after->position;
-  if (after == samples.begin()) return std::nullopt;
-  const TrackletSample& before = *std::prev(after);
-  const double part = static_cast<double>(frame - before.frame) / static_cast<double>(after->frame - before.frame);
-  return before.position + part * (after->position - before.position);
-}
-
 MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, double frame_s) const {
   const double radius = live.appearance.RadiusPx(), ahead = time_s - LastMeasured(live.tracklet.samples),
                most_acceleration_px_s2 = options_.physics.AccelerationRadii() * radius;
@@ -220,9 +210,9 @@ bool TrackletBuilder::IsSeed(std::int64_t frame, const MarkerDetection& detectio
   });
 }
 
-void TrackletBuilder::Extend(Live& live, std::int64_t frame, double time_s, const MarkerDetection& detection) const {
+void TrackletBuilder::Extend(Live& live, std::int64_t frame, const MarkerDetection& detection) const {
   live.tracklet.samples.push_back({.frame = frame,
-                                   .time_s = time_s,
+                                   .time_s = time_s_,
                                    .position = detection.position,
                                    .sigma_px = detection.sigma_px,
                                    .radius_px = detection.appearance.ApparentRadiusPx(),
@@ -230,7 +220,7 @@ void TrackletBuilder::Extend(Live& live, std::int64_t frame, double time_s, cons
                                    .background = detection.background,
                                    .quality = detection.quality,
                                    .repeated = is_repeated_});
-  live.seen_s = time_s;
+  live.seen_s = time_s_;
   if (!live.tracklet.identity) live.tracklet.identity = detection.identity;
   // The running mean over the last ten or so looks; all of them while there are fewer.
   const double weight = std::max(0.1, 1.0 / static_cast<double>(live.tracklet.samples.size()));
@@ -265,7 +255,7 @@ void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPredic
   for (std::size_t i = 0; i < assigned.size(); ++i) {
     if (assigned[i] < 0 || is_anybodys(i, assigned[i])) continue;
     taken[static_cast<std::size_t>(assigned[i])] = true;
-    Extend(live_[i], frame, time_s_, detections[static_cast<std::size_t>(assigned[i])]);
+    Extend(live_[i], frame, detections[static_cast<std::size_t>(assigned[i])]);
   }
   if (is_repeated_) return;  // nothing new can be seen in it
   for (std::size_t j = 0; j < detections.size(); ++j) {
@@ -273,7 +263,7 @@ void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPredic
     const bool is_seed = IsSeed(frame, detections[j]);
     if (!is_seed && live_.size() >= options_.max_live && !MakePlaceFor(detections[j])) continue;
     live_.push_back({{}, detections[j].appearance, detections[j].quality, time_s_, is_seed, ++things_});
-    Extend(live_.back(), frame, time_s_, detections[j]);
+    Extend(live_.back(), frame, detections[j]);
   }
 }
 
@@ -320,6 +310,7 @@ void TrackletBuilder::Keep(Tracklet tracklet) {
 // Without what is no measurement of it; nullopt where too little is left.
 std::optional<Tracklet> TrackletBuilder::Judged(Tracklet tracklet) const {
   if (!detector_.KnowsIdentities()) {
+    WidenFirst(tracklet.samples);
     if (!detector_.NeedsColour()) JudgeLooks(tracklet.samples);  // in the chroma size is too uncertain to tell
     CutUnsureEnd(tracklet.samples, static_cast<std::size_t>(options_.min_samples));
   }
@@ -440,71 +431,6 @@ std::int64_t TrackletBuilder::TakeBackRepeated() {
   return last + 1;
 }
 
-// The last pictures, as far as memory allows: 10 of 1080p, 23 of 720p.
-void TrackletBuilder::Remember(const video::VideoFrame& frame) {
-  constexpr std::size_t kFewest = 6, kBytes = 32 << 20;
-  const std::size_t bytes = frame.luma.total() * frame.luma.elemSize() * 3 / 2;  // the decoder keeps the chroma too
-  past_.push_back({frame, time_s_});
-  while (past_.size() > std::max(kFewest, kBytes / std::max<std::size_t>(bytes, 1))) past_.pop_front();
-}
-
-// The thing as it runs when time does backward.
-TrackletBuilder::Live TrackletBuilder::Reversed(Live live) {
-  std::ranges::reverse(live.tracklet.samples);
-  for (TrackletSample& sample : live.tracklet.samples) {
-    sample.frame = -sample.frame;
-    sample.time_s = -sample.time_s;
-  }
-  live.seen_s = live.tracklet.samples.back().time_s;
-  return live;
-}
-
-// Whether another thing is seen there, or passes there where it is missed for some frames.
-bool TrackletBuilder::IsAnothers(const Live& live, std::int64_t frame, const MarkerDetection& detection) const {
-  const auto passes = [&](const Tracklet& other) {
-    const std::optional<Eigen::Vector2d> place = other.PlaceIn(frame);
-    return place && (*place - detection.position).norm() < 2 * detection.appearance.RadiusPx();
-  };
-  return std::ranges::any_of(live_, [&](const Live& other) { return &other != &live && passes(other.tracklet); }) ||
-         std::ranges::any_of(finished_, passes);
-}
-
-// What moves fast can be followed only once its velocity is known: then it is followed back, too, through the last
-// pictures, and measured once more where it was found, as the streak that it is.
-void TrackletBuilder::FollowBack(Live& live) const {
-  Live back = Reversed(live);
-  back.tracklet.samples.pop_back();
-  const std::int64_t found = live.tracklet.FirstFrame();
-  const auto next_break = std::ranges::upper_bound(discontinuities_, found);
-  const std::int64_t first = next_break == discontinuities_.begin() ? 0 : *std::prev(next_break);
-  for (auto past = past_.rbegin(); past != past_.rend() && past->frame.index >= first; ++past) {
-    const std::int64_t frame = past->frame.index;
-    if (frame > found || std::ranges::binary_search(repeated_, frame)) continue;
-    if (-past->time_s - back.seen_s > CoastS()) break;
-    const MarkerPrediction prediction = Predict(back, -past->time_s, frame_s_);
-    const auto detection = detector_.FindAgain(past->frame, prediction);
-    if (!detection || PairCost(prediction, *detection) >= 1) continue;
-    if (IsAnothers(live, frame, *detection)) break;
-    Extend(back, -frame, -past->time_s, *detection);
-  }
-  CutUnsureEnd(back.tracklet.samples, static_cast<std::size_t>(options_.min_samples));
-  if (-back.tracklet.LastFrame() > found)
-    WidenFirst(live.tracklet.samples);
-  else
-    live.tracklet.samples = Reversed(std::move(back)).tracklet.samples;
-}
-
-void TrackletBuilder::FollowNewBack() {
-  const auto measured = [](const Live& live) {
-    return std::ranges::count_if(live.tracklet.samples, [](const TrackletSample& sample) { return !sample.repeated; });
-  };
-  for (Live& live : live_) {
-    if (live.followed_back || std::cmp_less(measured(live), options_.min_samples)) continue;
-    live.followed_back = true;
-    FollowBack(live);
-  }
-}
-
 void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPrediction> predictions) {
   constexpr double kMovingPx = 0.5;
   std::size_t moving = 0;
@@ -583,8 +509,6 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
   if (stands_since_ && *stands_since_ < frame.index) JudgeStanding(frame.index);
   NoteBreak(frame.index, predictions);
   RetireLost();
-  Remember(frame);
-  if (!is_repeated_) FollowNewBack();
   previous_ = frame;
   ++frames_seen_;
 }

@@ -49,13 +49,6 @@ class MarkerDetector {
   virtual std::vector<MarkerDetection> Detect(const video::VideoFrame& frame,
                                               std::span<const MarkerPrediction> predictions, bool everywhere) = 0;
 
-  // What is near a prediction in a frame that was looked at before; nothing is learnt from it. nullopt where it is not
-  // seen, and of a detector that does not measure blobs in the luma.
-  virtual std::optional<MarkerDetection> FindAgain(const video::VideoFrame& /*frame*/,
-                                                   const MarkerPrediction& /*prediction*/) {
-    return std::nullopt;
-  }
-
   virtual bool NeedsColour() const { return false; }
 
   // nullopt of a detector that does not measure blobs in the luma.

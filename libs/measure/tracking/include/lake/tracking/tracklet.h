@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <vector>
 
@@ -30,8 +29,6 @@ struct Tracklet {
   std::int64_t FirstFrame() const { return samples.front().frame; }
   std::int64_t LastFrame() const { return samples.back().frame; }
   const TrackletSample* SampleIn(std::int64_t frame) const;  // nullptr if not seen in that frame
-  // Where it is seen, or is on the line from where it was seen to where it is seen next; nullopt before and after.
-  std::optional<Eigen::Vector2d> PlaceIn(std::int64_t frame) const;
 };
 
 // Where a thing that matters certainly is, in px of a frame.
@@ -92,7 +89,6 @@ class TrackletBuilder {
     double seen_s = 0;    // time of the last detection
     bool seeded = false;  // began at a seed
     std::int64_t number = 0;
-    bool followed_back = false;
 
     bool IsFastStart() const { return seeded && tracklet.samples.size() < 3; }
   };
@@ -117,12 +113,7 @@ class TrackletBuilder {
   void RetireLost();
   void Keep(Tracklet tracklet);
   std::optional<Tracklet> Judged(Tracklet tracklet) const;
-  void Extend(Live& live, std::int64_t frame, double time_s, const MarkerDetection& detection) const;
-  void Remember(const video::VideoFrame& frame);
-  static Live Reversed(Live live);
-  bool IsAnothers(const Live& live, std::int64_t frame, const MarkerDetection& detection) const;
-  void FollowBack(Live& live) const;
-  void FollowNewBack();
+  void Extend(Live& live, std::int64_t frame, const MarkerDetection& detection) const;
 
   MarkerDetector& detector_;
   TrackletOptions options_;
@@ -136,11 +127,6 @@ class TrackletBuilder {
   bool is_repeated_ = false;
   double stood_still_s_ = 0;    // in all
   video::VideoFrame previous_;  // its luma is compared with the next one's
-  struct Past {
-    video::VideoFrame frame;
-    double time_s;
-  };
-  std::deque<Past> past_;
   double repeated_since_s_ = 0;
   std::optional<std::int64_t> stands_since_;  // frame: all came to rest at once in it, or the picture froze
   std::vector<std::int64_t> repeated_, discontinuities_;

@@ -42,7 +42,7 @@ class FrameQueue {
   }
 
  private:
-  static constexpr std::size_t kFewest = 4, kMost = 64, kBytes = 64 << 20;
+  static constexpr std::size_t kFewest = 4, kMost = 64, kBytes = 96 << 20;
 
   static std::size_t BytesOf(const VideoFrame& frame) {
     const auto bytes = [](const cv::Mat& picture) { return picture.total() * picture.elemSize(); };
