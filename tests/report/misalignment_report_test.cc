@@ -25,7 +25,10 @@ using testing::Not;
 std::vector<compare::StsCurve> Repetitions(const compare::StsCurve& curve, int count, double sigma_mm, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<compare::StsCurve> repetitions(count, curve);
-  for (int i = 0; i < count; ++i) repetitions[i].repetition = i + 1, AddNoise(repetitions[i], sigma_mm, random);
+  for (int i = 0; i < count; ++i) {
+    repetitions[i].repetition = i + 1;
+    AddNoise(repetitions[i], sigma_mm, random);
+  }
   return repetitions;
 }
 
@@ -65,6 +68,17 @@ TEST(MisalignmentReport, ASingleRepetitionHasNeitherBandNorIntervals) {
   EXPECT_THAT(PageOf(comparison), Not(HasSubstr("95 %: ")));
   EXPECT_THAT(PathDifferenceChart(comparison).series[0].lower, IsEmpty());
   EXPECT_THAT(DecompositionChart(comparison).series[0].lower, IsEmpty());
+}
+
+// As where the leg's own knee is hidden in one of the rises: then there is no mean path of it.
+TEST(MisalignmentReport, AJointWithoutTheLegsKneeOverTheRiseHasNoChart) {
+  Json comparison = Placed(3);
+  comparison["uncertainty"]["joint_frame_mm"] = {{"marker_sd", 1.0}, {"anatomical_sd", 8.0}};
+  ASSERT_THAT(comparison["curves"]["exo_leg_knee_x_mm"], IsEmpty());
+  EXPECT_THAT(PageOf(comparison), Not(HasSubstr("Joint misalignment over the rise")));
+  comparison["curves"]["exo_leg_knee_x_mm"] = comparison["curves"]["human_knee_x_mm"];
+  comparison["curves"]["exo_leg_knee_y_mm"] = comparison["curves"]["human_knee_y_mm"];
+  EXPECT_THAT(PageOf(comparison), HasSubstr("Joint misalignment over the rise"));
 }
 
 TEST(MisalignmentReport, EqualPathsHaveNothingToDivide) {

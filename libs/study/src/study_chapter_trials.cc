@@ -125,9 +125,6 @@ LineChart KneeChart(const StudyResults& results, const TrialNames& names) {
   const motion::LegMotion motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   LineChart chart;
   chart.title = fmt::format("Knee angle, {}", names.what);
-  chart.caption =
-      "Bands: ± 2 standard deviations, of the markers and of the knee beneath the skin. Shaded: from onset to "
-      "standing.";
   chart.x.label = "time (s)";
   chart.y.label = "knee flexion (°)";
   chart.width = Width::kHalf;
@@ -141,7 +138,12 @@ LineChart KneeChart(const StudyResults& results, const TrialNames& names) {
     knee.lower.push_back(sample.knee_deg - 2 * sample.knee_sigma_deg);
     knee.upper.push_back(sample.knee_deg + 2 * sample.knee_sigma_deg);
   }
-  if (auto beneath = BeneathTheSkin(knee, results.Summary(names.step))) chart.series.push_back(*std::move(beneath));
+  auto beneath = BeneathTheSkin(knee, results.Summary(names.step));
+  chart.caption =
+      fmt::format("{} Shaded: from onset to standing.",
+                  beneath ? "Bands: ± 2 standard deviations, of the markers and of the knee beneath the skin."
+                          : "Band: ± 2 standard deviations, of the markers.");
+  if (beneath) chart.series.push_back(*std::move(beneath));
   chart.series.push_back(std::move(knee));
   AddRises(motion::ReadEventsCsv(folder / "events.csv"), chart);
   return chart;

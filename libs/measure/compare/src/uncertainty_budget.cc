@@ -376,7 +376,8 @@ void Describe(ComparisonBudgetOptions& o, OptionList& options) {
   Describe(static_cast<BudgetOptions&>(o), options);
   options
       .Add("frame-tissue", o.frame_tissue_mm,
-           "Standard deviation, per axis, of the knee's marker against the joint beneath it in a single frame")
+           "Standard deviation, per axis, of the knee's marker against the joint beneath it in a single frame; of no "
+           "effect where the knee is an axis")
       .Unit("mm")
       .NotNegative()
       .Otherwise("twice --soft-tissue");

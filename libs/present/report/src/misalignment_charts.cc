@@ -149,8 +149,10 @@ LineChart PathDifferenceChart(const Json& comparison) {
 
 std::optional<LineChart> JointChart(const Json& comparison) {
   const Json uncertainty = comparison.value("uncertainty", Json::object());
-  if (!uncertainty.contains("joint_frame_mm")) return std::nullopt;
-  const Json &curves = comparison.at("curves"), &frame = uncertainty.at("joint_frame_mm");
+  const Json& curves = comparison.at("curves");
+  // A rise in which the leg's own knee is hidden leaves no mean path of it.
+  if (!uncertainty.contains("joint_frame_mm") || curves.at("exo_leg_knee_x_mm").empty()) return std::nullopt;
+  const Json& frame = uncertainty.at("joint_frame_mm");
   const auto joint_less_knee = [&](const char* axis) {
     std::vector<double> joint = NumbersOrNaN(curves.at(fmt::format("exo_knee_{}_mm", axis)));
     const std::vector<double> knee = NumbersOrNaN(curves.at(fmt::format("exo_leg_knee_{}_mm", axis)));
