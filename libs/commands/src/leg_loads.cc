@@ -103,8 +103,8 @@ Json ReportLegLoads(const std::vector<LegLoadRow>& rows, const LegLoadOptions& o
   constexpr const char* kFarther = "a cuff farther from the knee, a longer one or a second one would help";
   WarnAbove(kThighCuff, options.max_cuff_force_n, "max-cuff-force", kFarther, rows, run);
   WarnAbove(kShankCuff, options.max_cuff_force_n, "max-cuff-force", kFarther, rows, run);
-  WarnAbove(kKneeShear, options.max_leg_shear_n, "max-leg-shear",
-            "two cuffs on each segment carry the moment as a couple", rows, run);
+  WarnAbove(kKneeShear, options.max_leg_shear_n, "max-leg-shear", "two cuffs on each segment, far apart, would help",
+            rows, run);
   WarnOfNoRest(rows, run);
   Json json = {{"posture", "shank upright, thigh by the knee angle"}};
   std::vector<std::string> texts;
