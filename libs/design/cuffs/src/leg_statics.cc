@@ -70,7 +70,7 @@ Vector4d MovementTo(const std::array<HeldLink, 2>& links, double moment_nm) {
   Eigen::CompleteOrthogonalDecomposition<Matrix4d> held;
   held.setThreshold(kRounding);
   held.compute(stiffness);
-  const Vector4d movement = held.solve(load);
+  Vector4d movement = held.solve(load);
   constexpr double kUnbalanced = 1e-9;  // of the load; rounding leaves far less where there is a balance
   if ((stiffness * movement - load).norm() <= kUnbalanced * load.norm()) return movement;
   return Vector4d::Constant(std::numeric_limits<double>::quiet_NaN());
