@@ -211,7 +211,7 @@ TEST(BalancedProgram, IsSoughtUnderItsOwnMoments) {
     const auto under_own = Optimum(problem);
     ASSERT_TRUE(under_quick && under_own);
     const auto off_nm = [&](const redesign::RedesignSolve& solve, const problem::LoadProfile& sought_under) {
-      return redesign::LargestDifference_nm(redesign::ProfileOf(problem, quick, solve.point), sought_under);
+      return redesign::LargestDifferenceNm(redesign::ProfileOf(problem, quick, solve.point), sought_under);
     };
     EXPECT_LE(off_nm(*under_own, moments.profile), 0.5);
     EXPECT_GE(off_nm(*under_quick, quick), 15);
@@ -253,7 +253,7 @@ TEST(BalancedProgram, OfAWholeRedesignHasOtherMomentsThanWhatStandsBeside) {
   for (const redesign::DesignInMotion* design : {&outcome.before, &*outcome.without_balance}) {
     const problem::LoadProfile along = redesign::ProfileAlong(outcome.problem.human, outcome.moments->measured,
                                                               design->prediction, design->duration_s);
-    EXPECT_GT(redesign::LargestDifference_nm(along, outcome.moments->profile), 1);
+    EXPECT_GT(redesign::LargestDifferenceNm(along, outcome.moments->profile), 1);
     problem::SynthesisProblem under = outcome.problem.design;
     under.profile = along;
     const problem::Requirement::Id force{.kind = problem::Requirement::Kind::kForce};
@@ -272,8 +272,8 @@ TEST(BalancedProgram, OfAWholeRedesignHasOtherMomentsThanWhatStandsBeside) {
     double off_nm = 0;
     for (const redesign::ParetoPoint& point : front.points)
       off_nm = std::max(
-          off_nm, redesign::LargestDifference_nm(
-                      redesign::ProfileOf(problem_of, outcome.moments->measured, point.point), front.moments->profile));
+          off_nm, redesign::LargestDifferenceNm(redesign::ProfileOf(problem_of, outcome.moments->measured, point.point),
+                                                front.moments->profile));
     EXPECT_NEAR(front.moments->off_nm, off_nm, 1e-9);
   }
   EXPECT_LT(outcome.fronts[0].moments->duration_s, 20);  // constant
@@ -295,8 +295,8 @@ TEST(BalancedProgram, MomentsOfAFileWithOtherRowsAreComparedAtTheMotionsPercents
   EXPECT_NEAR(along.samples[50].knee_nm, 50, 1e-9);
   EXPECT_NEAR(along.samples[80].knee_nm, 20, 1e-9);
   const auto three = redesign::ProfileOf(problem, profile_of({0, 50, 100}, {50, 50, 50}), point);
-  EXPECT_NEAR(redesign::LargestDifference_nm(along, three), 50, 1e-9);  // standing
-  EXPECT_THROW(redesign::LargestDifference_nm(along, four), std::logic_error);
+  EXPECT_NEAR(redesign::LargestDifferenceNm(along, three), 50, 1e-9);  // standing
+  EXPECT_THROW(redesign::LargestDifferenceNm(along, four), std::logic_error);
 }
 
 TEST(AngleMismatch, IsALimitOfItsOwnWithAPrice) {

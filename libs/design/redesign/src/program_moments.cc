@@ -68,7 +68,7 @@ problem::LoadProfile ProfileOf(const RedesignProblem& problem, const problem::Lo
   return ProfileAlong(problem.human, measured, PredictPoint(problem, point), DurationOf(problem, point));
 }
 
-double LargestDifference_nm(const problem::LoadProfile& a, const problem::LoadProfile& b) {
+double LargestDifferenceNm(const problem::LoadProfile& a, const problem::LoadProfile& b) {
   if (a.samples.size() != b.samples.size())
     throw std::logic_error(
         fmt::format("moments at {} and at {} percents cannot be compared", a.samples.size(), b.samples.size()));
@@ -97,7 +97,7 @@ MomentsOfProgram FindMoments(const RedesignProblem& problem, std::vector<Redesig
     const RedesignPoint point = search.Best().point;
     ++found.rounds;
     found.profile = ProfileOf(problem, measured, point);
-    found.off_nm = LargestDifference_nm(found.profile, *under.design.profile);
+    found.off_nm = LargestDifferenceNm(found.profile, *under.design.profile);
     found.duration_s = DurationOf(problem, point);
     starts = {point};
   } while (found.off_nm > kSame_nm && found.rounds < kMostRounds);

@@ -123,7 +123,7 @@ RedesignProblem AsMeasured(RedesignProblem problem, const RedesignOutcome& outco
 
 // How far the moments along a point's program are off those that it was sought under.
 double OffMoments_nm(const RedesignProblem& problem, const problem::LoadProfile& measured, const RedesignPoint& point) {
-  return LargestDifference_nm(ProfileOf(problem, measured, point), *problem.design.profile);
+  return LargestDifferenceNm(ProfileOf(problem, measured, point), *problem.design.profile);
 }
 
 // Of the program's widest design where the program is not the problem's own; the front is sought under these.

@@ -21,7 +21,7 @@ problem::LoadProfile ProfileOf(const RedesignProblem& problem, const problem::Lo
 
 // Of two profiles at the same percents: the largest difference of moments that both know, N m. Throws std::logic_error
 // where they have not as many samples, a mistake of the caller's.
-double LargestDifference_nm(const problem::LoadProfile& a, const problem::LoadProfile& b);
+double LargestDifferenceNm(const problem::LoadProfile& a, const problem::LoadProfile& b);
 
 // Moments that are off by more are those of another program.
 inline constexpr double kOtherMoments_nm = 1;
