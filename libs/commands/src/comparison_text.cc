@@ -59,7 +59,7 @@ std::string PaceAndPostureText(const compare::Pace& pace, const compare::Posture
 }
 
 std::string PathText(const compare::Misalignment& m) {
-  const std::string text = fmt::format(
+  std::string text = fmt::format(
       "path difference at equal percent {:.2f} mm RMS, {:.2f} mm at most; {:.2f} % of the shank RMS, {:.2f} % at "
       "most\n",
       m.metrics.rms_mm, m.metrics.max_mm, 100 * m.metrics.relative_rms, 100 * m.metrics.relative_max);
