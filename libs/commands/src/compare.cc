@@ -219,7 +219,7 @@ WornJoint CheckWorn(const compare::Misalignment& misalignment, const CompareRunO
 }
 
 // What seat and limbs allow of moving the joint: null where the worn links are not known, and in words.
-struct MoveOnBody {
+struct MoveOnBody {  // NOLINT(bugprone-exception-escape): moving a Json does not throw
   Json on_body;
   std::string text;
 };

@@ -122,7 +122,7 @@ RedesignProblem AsMeasured(RedesignProblem problem, const RedesignOutcome& outco
 }
 
 // How far the moments along a point's program are off those that it was sought under.
-double OffMoments_nm(const RedesignProblem& problem, const problem::LoadProfile& measured, const RedesignPoint& point) {
+double OffMomentsNm(const RedesignProblem& problem, const problem::LoadProfile& measured, const RedesignPoint& point) {
   return LargestDifferenceNm(ProfileOf(problem, measured, point), *problem.design.profile);
 }
 
@@ -138,11 +138,10 @@ std::optional<MomentsOfProgram> TakeFrontMoments(const RedesignOutcome& outcome,
   return moments;
 }
 
-double OffAlong_nm(const RedesignProblem& front, const problem::LoadProfile& measured,
-                   const std::vector<ParetoPoint>& points) {
+double OffAlongNm(const RedesignProblem& front, const problem::LoadProfile& measured,
+                  const std::vector<ParetoPoint>& points) {
   double largest_nm = 0;
-  for (const ParetoPoint& point : points)
-    largest_nm = std::max(largest_nm, OffMoments_nm(front, measured, point.point));
+  for (const ParetoPoint& point : points) largest_nm = std::max(largest_nm, OffMomentsNm(front, measured, point.point));
   return largest_nm;
 }
 
@@ -165,7 +164,7 @@ std::vector<NamedFront> Fronts(const RedesignOutcome& outcome, const std::vector
     const ProgramLimits& program = problems[i].program;
     std::string name = ProgramName(program.kind);
     if (program.duration_s) name += fmt::format(" {} s", SignificantText(*program.duration_s, 4));
-    if (moments[i]) moments[i]->off_nm = OffAlong_nm(problems[i], moments[i]->measured, points[i]);
+    if (moments[i]) moments[i]->off_nm = OffAlongNm(problems[i], moments[i]->measured, points[i]);
     fronts.push_back({std::move(name), program, points[i], moments[i]});
   }
   return fronts;
@@ -225,7 +224,7 @@ void FindWithoutBalance(const std::vector<linkage::Links>& links, RedesignOutcom
   }
   const auto optimum = FindOptimum(problem, links, outcome.options.optimize);
   if (!optimum) return;
-  if (moments) moments->off_nm = OffMoments_nm(problem, moments->measured, optimum->point);
+  if (moments) moments->off_nm = OffMomentsNm(problem, moments->measured, optimum->point);
   outcome.without_balance = PutBeside(outcome, DesignOf(problem, optimum->point));
 }
 
@@ -265,7 +264,7 @@ void FindDesign(std::vector<linkage::Links> links, RedesignOutcome& outcome) {
   for (int i = 0; i < kMostTimes && outcome.moments && outcome.IsSolved(); ++i) {
     const MomentsOfProgram& before = *outcome.moments;
     const RedesignPoint optimum = outcome.result.Best().point;
-    if (OffMoments_nm(outcome.problem, before.measured, optimum) <= kOtherMoments_nm) return;
+    if (OffMomentsNm(outcome.problem, before.measured, optimum) <= kOtherMoments_nm) return;
     MomentsOfProgram moments =
         FindMoments(AsMeasured(outcome.problem, outcome), std::vector{optimum}, outcome.options.optimize);
     if (moments.rounds == 0) return;
@@ -442,7 +441,7 @@ RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measu
                                                : outcome.infeasible->nearest;
   outcome.after = PutInMotion(problem, measured.human, DesignOf(problem, end), end.lean);
   outcome.lean = end.lean;
-  if (outcome.moments) outcome.moments->off_nm = OffMoments_nm(problem, outcome.moments->measured, end);
+  if (outcome.moments) outcome.moments->off_nm = OffMomentsNm(problem, outcome.moments->measured, end);
   if (problem.balance) FindWithoutBalance(links, outcome);
   if (outcome.IsSolved()) outcome.active = synthesis::FindActiveSet(outcome.result.Best().local);
   if (options.pareto_points) outcome.fronts = Fronts(outcome, links);
