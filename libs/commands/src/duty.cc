@@ -2,6 +2,7 @@
 #include "lake/commands/stroke.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/provenance.h"
 #include "lake/figure/stroke_figures.h"
 #include "png_and_svg.h"
@@ -91,7 +92,7 @@ Json RunDutyCalibration(const DutyRunOptions& options, Run& run) {
           {"dead_band", {{"extend", BandJson(calibration.extend)}, {"retract", BandJson(calibration.retract)}}},
           {"largest_speed_mm_s", {{"extend", table.extend.MostSpeed()}, {"retract", table.retract.MostSpeed()}}},
           {"largest_adjustment_mm_s", calibration.largest_adjustment_mm_s},
-          {"tolerance_percent", calibration.tolerance_percent ? Json(*calibration.tolerance_percent) : Json()}};
+          {"tolerance_percent", ValueOrNull(calibration.tolerance_percent)}};
 }
 
 }  // namespace lake::commands

@@ -11,28 +11,29 @@
 
 namespace lake::commands {
 
-// Calls draw(path) for NAME.png and NAME.svg among the run's results: the path without extension, of which
-// figure::GnuplotFigure makes both.
-template <typename Draw>
-void DrawPngAndSvg(const std::string& name, Run& run, const Draw& draw) {
-  std::filesystem::path both = run.Result(name + ".png");
-  run.Result(name + ".svg");
-  draw(both.replace_extension());
-}
-
 struct NamedFigure {
   std::string name;
   std::function<void(const std::filesystem::path& both)> draw;
 };
 
+// NAME.png and NAME.svg among the run's results, without extension.
+inline std::filesystem::path ResultInBoth(const std::string& name, Run& run) {
+  std::filesystem::path both = run.Result(name + ".png").replace_extension();
+  run.Result(name + ".svg");
+  return both;
+}
+
+// Calls draw(path) with the path without extension, of which figure::GnuplotFigure makes both.
+template <typename Draw>
+void DrawPngAndSvg(const std::string& name, Run& run, const Draw& draw) {
+  draw(ResultInBoth(name, run));
+}
+
 // Likewise several at the same time: drawing is mostly waiting for a gnuplot, of which each has its own.
 inline void DrawTogether(const std::vector<NamedFigure>& figures, Run& run) {
   std::vector<std::filesystem::path> paths;
   paths.reserve(figures.size());
-  for (const NamedFigure& figure : figures) {
-    paths.push_back(run.Result(figure.name + ".png").replace_extension());
-    run.Result(figure.name + ".svg");
-  }
+  for (const NamedFigure& figure : figures) paths.push_back(ResultInBoth(figure.name, run));
   ForEachInThreads(figures.size(), Threads(), [&](std::size_t i) { figures[i].draw(paths[i]); });
 }
 

@@ -9,6 +9,7 @@
 #include "lake/actuator/separated_errors.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/provenance.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
@@ -144,7 +145,7 @@ Json FirmwareJson(const Json& files, const Sketch& sketch, bool accept_drift) {
           {"rounding_error_mm", stroke.rounding_error_mm},
           {"pwm_error_mm", stroke.pwm_error_mm},
           {"home_stroke_mm", sketch.home_stroke_mm},
-          {"extend_stop_mm", sketch.extend_stop_mm ? Json(*sketch.extend_stop_mm) : Json()},
+          {"extend_stop_mm", ValueOrNull(sketch.extend_stop_mm)},
           {"drift", DriftJson(sketch.drift, accept_drift)}};
 }
 

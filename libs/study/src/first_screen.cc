@@ -8,6 +8,7 @@
 
 #include "lake/core/colours.h"
 #include "lake/core/csv.h"
+#include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/linkage/design_file.h"
 #include "lake/report/misalignment_sections.h"
@@ -21,14 +22,12 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector2d;
 
-constexpr double kNormal = 1.959964;  // quantile of 97.5 %
-
 // A joint that is put where it was found to be misplaced sits within `half_width` (95 %, each axis) of where it should
 // be, so that the mean square of what is left grows by the square of that distance: 7.378 SD² at 97.5 %, the quantile
 // of chi squared with two degrees of freedom.
 Uncertain PutInPlace(double percent, const Vector2d& half_width_mm, double shank_mm) {
   constexpr double kChiSquared = 7.377759;
-  const double sd_mm = half_width_mm.norm() / std::sqrt(2.0) / kNormal;
+  const double sd_mm = half_width_mm.norm() / std::sqrt(2.0) / kNormal95;
   return {percent, percent, std::hypot(percent, 100 * std::sqrt(kChiSquared) * sd_mm / shank_mm)};
 }
 
@@ -312,7 +311,7 @@ Vector2d PlacementHalfWidth(const StudyResults& results) {
   for (const std::size_t axis : {0, 1}) {
     const char* quantity = axis == 0 ? "joint_offset_x_mm" : "joint_offset_y_mm";
     if (uncertainty.contains(quantity))
-      half_width[axis] = kNormal * std::hypot(NumberOrNaN(uncertainty[quantity].at("marker_sd")), replaced_mm);
+      half_width[axis] = kNormal95 * std::hypot(NumberOrNaN(uncertainty[quantity].at("marker_sd")), replaced_mm);
     else if (intervals.is_array())
       half_width[axis] = (NumberOrNaN(intervals.at(axis).at(1)) - NumberOrNaN(intervals.at(axis).at(0))) / 2;
   }

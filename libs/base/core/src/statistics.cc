@@ -48,10 +48,12 @@ double MedianInterval(std::span<const double> time_s) {
 }
 
 double RobustDeviation(const std::vector<double>& values) {
-  const double median = Median(values);
-  std::vector<double> distances(values.size());
-  std::transform(values.begin(), values.end(), distances.begin(), [&](double v) { return std::abs(v - median); });
-  return 1.4826 * Median(std::move(distances));
+  return RobustDeviation(values, Median(values));
+}
+
+double RobustDeviation(std::vector<double> values, double mean) {
+  for (double& value : values) value = std::abs(value - mean);
+  return 1.4826 * Median(std::move(values));
 }
 
 }  // namespace lake

@@ -148,7 +148,7 @@ void AddAnkleAndHip(double shank_mm, double thigh_mm, std::pair<double, const ch
   rows.push_back({kAnkleAndHipTissue, "normal", o.soft_tissue_mm, "mm", sensitivity, kTissueReference, false});
 }
 
-Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const ComparisonBudgetOptions& o) {
+Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const BudgetOptions& o) {
   std::vector<double> shank, thigh;
   for (std::size_t i = 0; i < m.human.knee.size(); ++i) {
     shank.push_back((m.human.knee[i] - m.human.ankle[i]).norm());

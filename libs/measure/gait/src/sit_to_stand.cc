@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lake/core/csv.h"
+#include "lake/core/json_or_null.h"
 #include "lake/core/statistics.h"
 
 namespace lake::gait {
@@ -309,7 +310,7 @@ Json FiveTimesJson(const SitToStand& five_times, const Person& person) {
   if (person.age_years) {
     const std::optional<double> reference_s = FiveTimesReference_s(*person.age_years);
     json["age_years"] = *person.age_years;
-    json["reference_s"] = reference_s ? Json(*reference_s) : Json();
+    json["reference_s"] = ValueOrNull(reference_s);
     json["source"] = "Bohannon 2006, doi:10.2466/pms.103.1.215-222";
     if (reference_s) json["worse_than_average"] = time_s.value > *reference_s;
   }
@@ -319,7 +320,7 @@ Json FiveTimesJson(const SitToStand& five_times, const Person& person) {
   json["power_sd_w_kg"] = power.sd;
   if (!person.sex) return json;
   const std::optional<double> low = LowPowerWKg(*person.sex, person.age_years);
-  json["low_power_below_w_kg"] = low ? Json(*low) : Json();
+  json["low_power_below_w_kg"] = ValueOrNull(low);
   json["power_source"] = "Baltasar-Fernandez et al. 2021, doi:10.1038/s41598-021-98871-3";
   if (low) json["low_power"] = power.value < *low;
   return json;

@@ -502,22 +502,17 @@ class EventFinder {
                           .hidden_s = 3 * hidden / lean_deg_s,
                           .joined_s = std::max(0.0, extrapolated_s - s_.time_s[begin]),
                           .is_mostly_hidden = departed < hidden};
-    // The end of a rest may be of the lean, whose speed has not come to the limit yet.
+    // The end of a rest may be of the lean, whose speed has not come to the limit yet; where it begins the person may
+    // still settle, which a robust deviation bears.
     const std::size_t may_begin = FrameAt(s_.time_s[begun] - seen.ToLimit(), begun);
     const Span still = {rest.from, std::clamp(may_begin, rest.from, rest.end)};
-    return Departure{begun, seen.DeviationOfOnset(BeyondFit(DeviationFrom(0, speed, still), s_.sd.trunk_deg_s, still))};
+    return Departure{
+        begun, seen.DeviationOfOnset(BeyondFit(RobustDeviation(Part(speed, still), 0), s_.sd.trunk_deg_s, still))};
   }
 
   // The trunk's deviation from its angle at rest in all of the rest: of its quietest part alone it would be too small.
   double SwayOfTrunk(double at_rest_deg, const Stillness& rest) const {
-    return DeviationFrom(at_rest_deg, s_.trunk_deg, {rest.from, rest.end});
-  }
-
-  // The robust standard deviation of values about a known mean: where a rest begins, the person may still settle.
-  static double DeviationFrom(double mean, const Values& values, Span span) {
-    Values away = Part(values, span);
-    for (double& value : away) value = std::abs(value - mean);
-    return 1.4826 * Median(std::move(away));
+    return RobustDeviation(Part(s_.trunk_deg, {rest.from, rest.end}), at_rest_deg);
   }
 
   // The first frame of the last run within a span, up to its end, of values above a level.

@@ -5,6 +5,7 @@
 
 #include "lake/core/colours.h"
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 
 namespace lake::report {
 namespace {
@@ -20,16 +21,12 @@ std::string ColourOr(const std::string& colour, std::size_t index) {
 // Infinities, like NaN, are gaps.
 Json Numbers(const std::vector<double>& values) {
   Json numbers = Json::array();
-  for (const double value : values) numbers.push_back(std::isfinite(value) ? Json(value) : Json(nullptr));
+  for (const double value : values) numbers.push_back(NumberOrNull(value));
   return numbers;
 }
 
-Json Optional(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 Json AxisData(const Axis& axis) {
-  return {{"label", axis.label}, {"from", Optional(axis.from)}, {"to", Optional(axis.to)}};
+  return {{"label", axis.label}, {"from", ValueOrNull(axis.from)}, {"to", ValueOrNull(axis.to)}};
 }
 
 void CheckLength(const std::string& chart, const std::string& series, const char* column, std::size_t length,

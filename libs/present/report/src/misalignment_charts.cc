@@ -9,6 +9,7 @@
 #include "lake/core/colours.h"
 #include "lake/core/json.h"
 #include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/uncertain.h"
 
@@ -20,7 +21,6 @@ constexpr const char* kPlacement = colour::kAnkle;
 constexpr const char* kTiming = colour::kHip;
 constexpr const char* kShape = colour::kWaist;
 const Axis kPercentAxis{"rise (%)", 0, 100};
-constexpr double kNormal95 = 1.959964;
 
 std::vector<double> Scaled(std::vector<double> values, double factor) {
   for (double& value : values) value *= factor;

@@ -8,6 +8,7 @@
 #include "lake/compare/joint_misalignment.h"
 #include "lake/compare/registration.h"
 #include "lake/core/error.h"
+#include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/tracking/sigma_calibration.h"
@@ -76,7 +77,7 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
       spread += std::pow(rise.mean_mm[axis] - place.offset_mm[axis], 2);
     }
     // Rises differ by the noise at least; by what more, as few of them as there are tell.
-    double half_width = compare::kNormal95 * std::sqrt(noise / n);
+    double half_width = kNormal95 * std::sqrt(noise / n);
     if (rises.size() > 1) {
       const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
       half_width = std::max(half_width, t * std::sqrt(spread / (n - 1) / n));
@@ -84,9 +85,9 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
     const double plane =
         std::hypot(budget.scale_percent / 100 * place.offset_mm[axis], budget.depth_mm * budget.view_slope);
     const double skin = std::hypot(budget.placement_mm, budget.soft_tissue_mm);
-    place.fixed_half_width_mm[axis] = compare::kNormal95 * plane;
+    place.fixed_half_width_mm[axis] = kNormal95 * plane;
     place.half_width_mm[axis] = std::hypot(half_width, place.fixed_half_width_mm[axis]);
-    place.anatomical_half_width_mm[axis] = std::hypot(place.half_width_mm[axis], compare::kNormal95 * skin);
+    place.anatomical_half_width_mm[axis] = std::hypot(place.half_width_mm[axis], kNormal95 * skin);
   }
   return place;
 }

@@ -1,8 +1,6 @@
-#include "serial.h"
-
 #include "chip.h"
 #include "pins.h"
-#include "portable.h"
+#include "serial.rings.h"
 #include "stm32f4.h"
 
 // USART2, which the ST-LINK makes a serial port of the computer's: D0 receives, D1 sends, alternate function 7.
@@ -10,14 +8,6 @@
 #define PIN_RECEIVES 0
 #define PIN_SENDS 1
 #define DIVIDER 139  // 16 MHz / 115200, 0.08 % slow
-
-#define TX_SIZE 128  // powers of two
-#define RX_SIZE 128
-
-static volatile char tx[TX_SIZE];
-static volatile uint8_t tx_head, tx_tail;
-static volatile char rx[RX_SIZE];
-static volatile uint8_t rx_head, rx_tail;
 
 void serial_init(void) {
   pin_alternate(PIN_RECEIVES, SERIAL_FUNCTION);
@@ -29,36 +19,11 @@ void serial_init(void) {
   USART2->cr1 = USART_CR1_UE | USART_CR1_RE | USART_CR1_TE | USART_CR1_RXNEIE;
 }
 
-// Where the buffer is full the last character is lost as well, so that no line looks whole that is not.
-static void keep(char c) {
-  const uint8_t next = (rx_head + 1) & (RX_SIZE - 1);
-  if (next == rx_tail) {
-    rx[(rx_head - 1) & (RX_SIZE - 1)] = SERIAL_LOST;
-    return;
-  }
-  rx[rx_head & (RX_SIZE - 1)] = c;
-  rx_head = next;
-}
-
-static void receive(char c) {
-  switch (serial_realtime(c)) {
-    case REALTIME_DONE:
-      return;
-    case REALTIME_FORGET:
-      rx_tail = rx_head;
-      keep(SERIAL_FORGET);
-      return;
-    case REALTIME_NONE:
-      keep(c);
-  }
-}
-
 static void send(void) {
-  if (tx_head == tx_tail) {
+  if (all_is_sent()) {
     USART2->cr1 &= ~USART_CR1_TXEIE;
   } else {
-    USART2->dr = (uint8_t)tx[tx_tail & (TX_SIZE - 1)];
-    tx_tail = (tx_tail + 1) & (TX_SIZE - 1);
+    USART2->dr = (uint8_t)next_to_send();
   }
 }
 
@@ -72,22 +37,8 @@ void USART2_IRQHandler(void) {
   if ((status & USART_SR_TXE) && (USART2->cr1 & USART_CR1_TXEIE)) send();
 }
 
-int16_t serial_read(void) {
-  int16_t c = -1;
-  ATOMICALLY {
-    if (rx_tail != rx_head) {
-      c = (uint8_t)rx[rx_tail & (RX_SIZE - 1)];
-      rx_tail = (rx_tail + 1) & (RX_SIZE - 1);
-    }
-  }
-  return c;
-}
-
 void serial_write(char c) {
-  const uint8_t next = (tx_head + 1) & (TX_SIZE - 1);
-  while (next == tx_tail) chip_sleep();
-  tx[tx_head & (TX_SIZE - 1)] = c;
-  tx_head = next;
+  while (!queue(c)) chip_sleep();
   ATOMICALLY {
     USART2->cr1 |= USART_CR1_TXEIE;
   }

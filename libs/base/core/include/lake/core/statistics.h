@@ -6,6 +6,9 @@
 
 namespace lake {
 
+// Standard deviations of the normal distribution on either side of its mean between which 95 % lie.
+inline constexpr double kNormal95 = 1.959964;
+
 double Mean(std::span<const double> values);
 
 // The sample standard deviation, divisor n − 1.
@@ -25,5 +28,7 @@ double MedianInterval(std::span<const double> time_s);
 // 1.4826 × median |v − median|: for normal values an estimate of their standard deviation that half of them cannot
 // spoil.
 double RobustDeviation(const std::vector<double>& values);
+// The same about a known mean in place of the median.
+double RobustDeviation(std::vector<double> values, double mean);
 
 }  // namespace lake

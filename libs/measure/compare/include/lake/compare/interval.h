@@ -3,9 +3,9 @@
 
 #include <vector>
 
-namespace lake::compare {
+#include "lake/core/statistics.h"
 
-inline constexpr double kNormal95 = 1.959964;  // standard deviations of the normal distribution
+namespace lake::compare {
 
 // 95 %, two-sided.
 struct Interval {
