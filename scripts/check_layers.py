@@ -40,9 +40,6 @@ class Room:
     def is_room(name, libs):
         return any((folder / "include/lake" / name).is_dir() for folder in (*libs.glob("*"), *libs.glob("*/*")))
 
-    def owns(self, path):
-        return self.folder in path.parents
-
     def is_public(self, path):
         return self.folder / "include" in path.parents
 
@@ -99,9 +96,9 @@ def check_links(room, rooms):
         yield f"{room.build_file}: {room.name} uses itself in a circle: {' -> '.join(circle)}"
 
 
-def owner(path, rooms):
+def owner(path, by_folder):
     """The room that a file is of: the innermost, as a room may lie in another's folder."""
-    return max((room for room in rooms.values() if room.owns(path)), key=lambda room: len(room.folder.parts), default=None)
+    return next((by_folder[folder] for folder in path.parents if folder in by_folder), None)
 
 
 def check_source(path, room, rooms):
@@ -122,9 +119,10 @@ def check_source(path, room, rooms):
 
 
 def check_sources(libs, rooms):
+    by_folder = {room.folder: room for room in rooms.values()}
     for path in sorted(libs.rglob("*")):
         if path.suffix in SOURCES:
-            room = owner(path, rooms)
+            room = owner(path, by_folder)
             yield from check_source(path, room, rooms) if room else [f"{path}: lies in no room"]
 
 
