@@ -1,9 +1,11 @@
 """The checks that CI makes find what is planted for them, and nothing where nothing is planted."""
+import pathlib
 import shutil
 import subprocess
+import tempfile
 import unittest
 
-from project import Project
+from project import ROOT, Project
 
 ODR_CMAKE = """cmake_minimum_required(VERSION 3.25)
 project(lake LANGUAGES CXX)
@@ -26,15 +28,33 @@ double {function}() {{ return Interval().low; }}
 
 
 class Layers(Project):
+    """All plant in one copy of the rooms, each takes away again what it planted."""
+
+    @classmethod
+    def setUpClass(cls):
+        temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(temporary.cleanup)
+        cls.rooms = pathlib.Path(temporary.name)
+        shutil.copytree(ROOT / "libs", cls.rooms / "libs")
+        (cls.rooms / "scripts").mkdir()
+        shutil.copy(ROOT / "scripts/check_layers.py", cls.rooms / "scripts")
+
     def setUp(self):
-        super().setUp()
-        self.copy("scripts/check_layers.py", "libs")
+        self.folder = self.rooms
 
     def room(self, name):
         return next((self.folder / "libs").rglob(f"include/lake/{name}")).parents[2]
 
+    def write(self, path, text):
+        file = self.folder / path
+        if file.exists():
+            self.addCleanup(file.write_text, file.read_text())
+        else:
+            self.addCleanup(file.unlink)
+        super().write(path, text)
+
     def plant(self, path, text):
-        path.write_text((path.read_text() if path.exists() else "") + text)
+        self.write(path.relative_to(self.folder), (path.read_text() if path.exists() else "") + text)
 
     def plant_in_header(self, room, text):
         self.plant(next((self.room(room) / "include/lake" / room).glob("*.h")), text)
@@ -69,7 +89,7 @@ class Layers(Project):
         as_it_is = build.read_text()
         for target in ("lake::gait", "lake_gait"):
             with self.subTest(target):
-                build.write_text(as_it_is + f"target_link_libraries(lake_core PRIVATE {target})\n")
+                self.write(build.relative_to(self.folder), as_it_is + f"target_link_libraries(lake_core PRIVATE {target})\n")
                 self.assert_found(r"CMakeLists\.txt:\d+: core .*gait")
 
     def test_circle_within_a_band(self):
@@ -89,13 +109,14 @@ class Layers(Project):
         self.assert_found(r"measure/planted\.cc: lies in no room")
 
     def test_header_under_another_name(self):
-        self.write(str((self.room("gait") / "include/lake/legs/planted.h").relative_to(self.folder)), "")
+        self.plant(self.room("gait") / "include/lake/legs/planted.h", "")
         self.assert_found(r"planted\.h: public headers of gait are in include/lake/gait")
 
     def test_namespace_of_another_room(self):
+        planted = (self.room("gait") / "src/planted.cc").relative_to(self.folder)
         for space in ("lake", "lake::camera", "lake::gaits"):
             with self.subTest(space):
-                (self.room("gait") / "src/planted.cc").write_text(f"namespace {space} {{\n}}\n")
+                self.write(planted, f"namespace {space} {{\n}}\n")
                 self.assert_found(r"planted\.cc:1: gait has its names in lake::gait")
 
 
