@@ -62,7 +62,10 @@ inline std::string MessageOf(const std::function<void()>& action) {
   return "no error";
 }
 
+// Anew, as file systems write to the disk at once what was cut to nothing and is written again: thousands of damaged
+// files would wait for it.
 inline std::filesystem::path WriteFile(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::remove(path);
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }
