@@ -89,7 +89,89 @@ const std::string kProbe = R"(
   };
   canvases.forEach(canvas => canvas.setPointerCapture = () => {});  // a made-up pointer cannot be captured
   const view = ({scales: {x, y}}) => [x.min, x.max, y.min, y.max];
+  const ratiosOfScales = () => {  // of the first chart as it is shown, a part of it, and nearer
+    const ratio = ({scales: {x, y}}) => (x.max - x.min) / x.width / ((y.max - y.min) / y.height);
+    const chart = charts[0], ratios = [ratio(chart)];
+    mouse(chart, 'pointerdown', pixel(chart, 10, 50));
+    mouse(chart, 'pointermove', pixel(chart, 90, 30));
+    mouse(chart, 'pointerup', pixel(chart, 90, 30));
+    ratios.push(ratio(chart));
+    [...document.querySelectorAll('.tools button')].find(button => button.textContent === '+').click();
+    ratios.push(ratio(chart));
+    return ratios;
+  };
 )";
+
+// What a reader does on the sample page, in one visit of a wide and in one of a narrow window, as a browser takes
+// longer to begin than for all of this. Each part leaves the page as it found it, but for the last two.
+const Json& OnTheWidePage() {
+  static const Json answers = Browser().Ask(SamplePage(), kProbe + R"(
+    const answers = {};
+    answers.page = {charts: charts.length, titles: [document.title, document.querySelector('h1').textContent],
+                    legend: charts[1].legend.legendItems.map(item => item.text),
+                    loaded: performance.getEntriesByType('resource').length};
+    {
+      const at = charts[1].data.datasets.findIndex(dataset => dataset.label === 'error' && !dataset.isBand);
+      answers.skipped = charts[1].getDatasetMeta(at).data.map((point, i) => point.skip ? i : -1).filter(i => i >= 0);
+    }
+    {
+      const shown = async (chart, x, y) => {
+        mouse(chart, 'mousemove', pixel(chart, x, y));
+        await frames();
+        const {opacity, title, body} = chart.tooltip, lines = body.map(b => b.lines.join());
+        mouse(chart, 'mouseout', pixel(chart, x, y));
+        return [opacity, title.join(), lines];
+      };
+      answers.hovered = [await shown(charts[0], 99, 59), await shown(charts[1], 25.2, 4),
+                         await shown(charts[2], 10, 'timing')];
+      await frames();
+    }
+    {
+      const chart = charts[1], home = view(chart), a = pixel(chart, 20, 8), b = pixel(chart, 60, 4);
+      const drag = (from, to, more) => {
+        mouse(chart, 'pointerdown', from, more);
+        mouse(chart, 'pointermove', to, more);
+        mouse(chart, 'pointerup', to, more);
+      };
+      drag(a, b, {});
+      const zoomed = view(chart);
+      drag(pixel(chart, 30, 6), pixel(chart, 40, 6), {shiftKey: true});
+      const panned = view(chart);
+      mouse(chart, 'dblclick', a);
+      answers.dragged = {home, zoomed, panned, again: view(chart)};
+    }
+    {
+      const chart = charts[1], home = view(chart), box = chart.canvas.getBoundingClientRect(), at = pixel(chart, 25, 5);
+      const wheel = more => chart.canvas.dispatchEvent(new WheelEvent('wheel', {
+        clientX: box.left + at.x, clientY: box.top + at.y, deltaY: -100, cancelable: true, ...more}));
+      const scrolls = wheel({}), untouched = view(chart), taken = !wheel({ctrlKey: true});
+      answers.wheel = {scrolls, same: String(untouched) === String(home), taken, zoomed: view(chart)};
+      mouse(chart, 'dblclick', at);
+    }
+    {
+      const saved = [], click = HTMLAnchorElement.prototype.click;
+      HTMLAnchorElement.prototype.click = function () { saved.push([this.download, decodeURIComponent(this.href)]); };
+      for (const button of document.querySelectorAll('.tools button'))
+        if (['PNG', 'CSV'].includes(button.textContent)) button.click();
+      HTMLAnchorElement.prototype.click = click;
+      answers.saved = saved.map(([name, url]) => [name, url.slice(0, 150)]);
+    }
+    {
+      const chart = charts[1], {legend} = chart, item = legend.legendItems[0];
+      legend.options.onClick.call(legend, null, item, legend);
+      answers.visible = chart.data.datasets.map((dataset, i) => chart.isDatasetVisible(i));
+    }
+    answers.ratios = ratiosOfScales();
+    return answers;)");
+  return answers;
+}
+
+const Json& OnTheNarrowPage() {
+  static const Json answers = Browser().Ask(SamplePage(), kProbe + R"(
+    return {widths: [document.documentElement.scrollWidth, window.innerWidth], ratios: ratiosOfScales()};)",
+                                            390);
+  return answers;
+}
 
 int PixelsOf(const cv::Mat& image, const char* colour) {
   const int rgb = std::stoi(std::string(colour).substr(1), nullptr, 16);
@@ -117,13 +199,8 @@ TEST(ReportInBrowser, ErrorsOfAPageAreSeenByTheseTests) {
 
 TEST(ReportInBrowser, DrawsEveryChartWithoutAnError) {
   LAKE_SKIP_WITHOUT_BROWSER();
-  Browser browser;
-  const std::string page = SamplePage();
-  EXPECT_THAT(browser.Open(page).console, IsEmpty());
-  const Json answer = browser.Ask(page, kProbe + R"(
-    return {charts: charts.length, titles: [document.title, document.querySelector('h1').textContent],
-            legend: charts[1].legend.legendItems.map(item => item.text),
-            loaded: performance.getEntriesByType('resource').length};)");
+  EXPECT_THAT(Browser().Open(SamplePage()).console, IsEmpty());
+  const Json& answer = OnTheWidePage()["page"];
   EXPECT_EQ(answer["charts"], 3);
   EXPECT_EQ(answer["titles"], Json({kHostile, kHostile}));
   EXPECT_EQ(answer["legend"], Json({"error", "spike"}));  // and not the band's edges
@@ -158,28 +235,18 @@ TEST(ReportInBrowser, ADashedLineLeavesWhatItCoversBetweenItsDashes) {
 
 TEST(ReportInBrowser, NothingSticksOutOfANarrowPage) {
   LAKE_SKIP_WITHOUT_BROWSER();
-  const Json answer =
-      Browser().Ask(SamplePage(), "return [document.documentElement.scrollWidth, window.innerWidth];", 390);
-  EXPECT_LE(answer[0], answer[1]);
+  const Json& widths = OnTheNarrowPage()["widths"];
+  EXPECT_LE(widths[0], widths[1]);
 }
 
 TEST(ReportInBrowser, ANaNIsAGap) {
   LAKE_SKIP_WITHOUT_BROWSER();
-  const Json skipped = Browser().Ask(SamplePage(), kProbe + R"(
-    const at = charts[1].data.datasets.findIndex(dataset => dataset.label === 'error' && !dataset.isBand);
-    return charts[1].getDatasetMeta(at).data.map((point, i) => point.skip ? i : -1).filter(i => i >= 0);)");
-  EXPECT_EQ(skipped, Json({50}));
+  EXPECT_EQ(OnTheWidePage()["skipped"], Json({50}));
 }
 
 TEST(ReportInBrowser, HoverShowsValues) {
   LAKE_SKIP_WITHOUT_BROWSER();
-  const Json answer = Browser().Ask(SamplePage(), kProbe + R"(
-    const shown = async (chart, x, y) => {
-      mouse(chart, 'mousemove', pixel(chart, x, y));
-      await frames();
-      return [chart.tooltip.opacity, chart.tooltip.title.join(), chart.tooltip.body.map(b => b.lines.join())];
-    };
-    return [await shown(charts[0], 99, 59), await shown(charts[1], 25.2, 4), await shown(charts[2], 10, 'timing')];)");
+  const Json& answer = OnTheWidePage()["hovered"];
   EXPECT_EQ(answer[0], Json({1, "60 %", {" " + kHostile + ": 100, 60"}}));
   EXPECT_EQ(answer[1], Json({1, "percent: 25", {" error: 8 (7 to 9)"}}));
   EXPECT_EQ(answer[2], Json({1, "timing", {" share: 40.0 (33.0 to 48.0)"}}));
@@ -187,19 +254,7 @@ TEST(ReportInBrowser, HoverShowsValues) {
 
 TEST(ReportInBrowser, ADragZoomsAndADoubleClickShowsAll) {
   LAKE_SKIP_WITHOUT_BROWSER();
-  const Json answer = Browser().Ask(SamplePage(), kProbe + R"(
-    const chart = charts[1], home = view(chart), a = pixel(chart, 20, 8), b = pixel(chart, 60, 4);
-    const drag = (from, to, more) => {
-      mouse(chart, 'pointerdown', from, more);
-      mouse(chart, 'pointermove', to, more);
-      mouse(chart, 'pointerup', to, more);
-    };
-    drag(a, b, {});
-    const zoomed = view(chart);
-    drag(pixel(chart, 30, 6), pixel(chart, 40, 6), {shiftKey: true});
-    const panned = view(chart);
-    mouse(chart, 'dblclick', a);
-    return {home, zoomed, panned, again: view(chart)};)");
+  const Json& answer = OnTheWidePage()["dragged"];
   const double kPixel = 0.2;  // a coordinate of the mouse is a whole px, of 100 % over some 1000 px
   const Json zoomed = {20, 60, 4, 8}, panned = {10, 50, 4, 8};
   for (int i = 0; i < 4; ++i) {
@@ -211,31 +266,17 @@ TEST(ReportInBrowser, ADragZoomsAndADoubleClickShowsAll) {
 
 TEST(ReportInBrowser, AMillimetreIsAsLongOnBothAxesWhateverTheView) {
   LAKE_SKIP_WITHOUT_BROWSER();
-  for (const int width : {1280, 390}) {
-    const Json ratios = Browser().Ask(SamplePage(), kProbe + R"(
-      const ratio = ({scales: {x, y}}) => (x.max - x.min) / x.width / ((y.max - y.min) / y.height);
-      const chart = charts[0], ratios = [ratio(chart)];
-      mouse(chart, 'pointerdown', pixel(chart, 10, 50));
-      mouse(chart, 'pointermove', pixel(chart, 90, 30));
-      mouse(chart, 'pointerup', pixel(chart, 90, 30));
-      ratios.push(ratio(chart));
-      [...document.querySelectorAll('.tools button')].find(button => button.textContent === '+').click();
-      ratios.push(ratio(chart));
-      return ratios;)",
-                                      width);
+  for (const Json* page : {&OnTheWidePage(), &OnTheNarrowPage()}) {
+    const Json& ratios = (*page)["ratios"];
+    ASSERT_EQ(ratios.size(), 3u);
     // The labels of the axes take a px more or less after the last correction.
-    for (const Json& ratio : ratios) EXPECT_NEAR(ratio.get<double>(), 1, 0.02) << width;
+    for (const Json& ratio : ratios) EXPECT_NEAR(ratio.get<double>(), 1, 0.02) << ratios;
   }
 }
 
 TEST(ReportInBrowser, TheWheelZoomsAtThePointerWithControlOnly) {
   LAKE_SKIP_WITHOUT_BROWSER();
-  const Json answer = Browser().Ask(SamplePage(), kProbe + R"(
-    const chart = charts[1], home = view(chart), box = chart.canvas.getBoundingClientRect(), at = pixel(chart, 25, 5);
-    const wheel = more => chart.canvas.dispatchEvent(new WheelEvent('wheel', {
-      clientX: box.left + at.x, clientY: box.top + at.y, deltaY: -100, cancelable: true, ...more}));
-    const scrolls = wheel({}), untouched = view(chart), taken = !wheel({ctrlKey: true});
-    return {scrolls, same: String(untouched) === String(home), taken, zoomed: view(chart)};)");
+  const Json& answer = OnTheWidePage()["wheel"];
   EXPECT_EQ(answer["scrolls"], true);
   EXPECT_EQ(answer["same"], true);
   EXPECT_EQ(answer["taken"], true);
@@ -246,12 +287,7 @@ TEST(ReportInBrowser, TheWheelZoomsAtThePointerWithControlOnly) {
 
 TEST(ReportInBrowser, SavesThePictureAndTheValues) {
   LAKE_SKIP_WITHOUT_BROWSER();
-  const Json saved = Browser().Ask(SamplePage(), kProbe + R"(
-    const saved = [];
-    HTMLAnchorElement.prototype.click = function () { saved.push([this.download, decodeURIComponent(this.href)]); };
-    for (const button of document.querySelectorAll('.tools button'))
-      if (['PNG', 'CSV'].includes(button.textContent)) button.click();
-    return saved.map(([name, url]) => [name, url.slice(0, 150)]);)");
+  const Json& saved = OnTheWidePage()["saved"];
   ASSERT_EQ(saved.size(), 6);
   EXPECT_EQ(saved[0][0], "paths.png");
   EXPECT_THAT(saved[0][1].get<std::string>(), HasSubstr("data:image/png;base64,iVBOR"));
@@ -262,11 +298,7 @@ TEST(ReportInBrowser, SavesThePictureAndTheValues) {
 
 TEST(ReportInBrowser, ANameInTheLegendHidesItsLineAndItsBand) {
   LAKE_SKIP_WITHOUT_BROWSER();
-  const Json hidden = Browser().Ask(SamplePage(), kProbe + R"(
-    const chart = charts[1], {legend} = chart, item = legend.legendItems[0];
-    legend.options.onClick.call(legend, null, item, legend);
-    return chart.data.datasets.map((dataset, i) => chart.isDatasetVisible(i));)");
-  EXPECT_EQ(hidden, Json({false, false, false, true}));
+  EXPECT_EQ(OnTheWidePage()["visible"], Json({false, false, false, true}));
 }
 
 // By session, then by name, which takes the others' curves away and brings them back; no choice where there is none.
