@@ -46,6 +46,10 @@ min_transmission_deg: 10
 """
 
 
+# Of a study: the linkage moving, which no test here looks at, is most of a simulation's time.
+NO_ANIMATION = "simulate: {animation: false}\n"
+
+
 # What of the page's text, but for what cannot be used now, has too little contrast with its ground, is small or cut off.
 HARD_TO_READ = """
 const linear = c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
@@ -983,7 +987,7 @@ class ReviewPage(unittest.TestCase):
         trial = self.folder / "trial"
         study = self.trial / "study.yaml"
         study.write_text(f"name: Two <b>trials</b>\nhuman: {{trial: {trial}}}\nexo: {{trial: {trial}}}\n"
-                         "compare: {exo_knee: hip}\n")
+                         "compare: {exo_knee: hip}\n" + NO_ANIMATION)
         run(BIN / "lake-run", study, "--quiet", "-o", self.trial / "out", cwd=self.folder)
         review = self.open(self.trial / "out")
         self.until(lambda: "steps are up to date" in self.text("state"))
@@ -1021,7 +1025,7 @@ class ReviewPage(unittest.TestCase):
 
     def test_a_study_opens_from_any_folder(self):
         self.trial.mkdir()
-        (self.trial / "study.yaml").write_text(f"name: Here\nhuman: {{trial: {self.folder / 'trial'}}}\n")
+        (self.trial / "study.yaml").write_text(f"name: Here\nhuman: {{trial: {self.folder / 'trial'}}}\n" + NO_ANIMATION)
         results = self.folder / "elsewhere/out"
         run(BIN / "lake-run", "study.yaml", "--quiet", "-o", results, cwd=self.trial)
         review = Review("/", results)
@@ -1033,7 +1037,7 @@ class ReviewPage(unittest.TestCase):
         (self.trial / "problems").mkdir(parents=True)
         (self.trial / "problems/limits.yaml").write_text(PROBLEM)
         (self.trial / "study.yaml").write_text("name: Here\ndesign: {problem: problems/limits.yaml, starts: 1}\n"
-                                               f"human: {{trial: {self.folder / 'trial'}}}\n")
+                                               f"human: {{trial: {self.folder / 'trial'}}}\n" + NO_ANIMATION)
         results = self.folder / "steps elsewhere"
         run(BIN / "lake-run", "study.yaml", "--quiet", "-o", results, cwd=self.trial)
         review = Review("/", results / "optimum")
