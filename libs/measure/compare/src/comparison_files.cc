@@ -49,9 +49,9 @@ Json IntervalJson(const Interval& interval) {
 
 Json PartJson(double fraction, const std::optional<MisalignmentIntervals>& intervals,
               Interval MisalignmentIntervals::*interval) {
-  const bool known = std::isfinite(fraction);
-  return {{"fraction", known ? Json(fraction) : Json(nullptr)},
-          {"interval", known && intervals ? IntervalJson(*intervals.*interval) : Json(nullptr)}};
+  const bool has_interval = std::isfinite(fraction) && intervals;
+  return {{"fraction", NumberOrNull(fraction)},
+          {"interval", has_interval ? IntervalJson(*intervals.*interval) : Json(nullptr)}};
 }
 
 Json DecompositionJson(const Misalignment& m) {

@@ -15,8 +15,6 @@ namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr double kNormal95 = 1.96;
-
 // Across the axis: y from the mean of the shank's markers to the axis, x to its right seen along the axis.
 struct View {
   Vector3d x, y;
