@@ -338,7 +338,7 @@ void controller_tick(void) {
   machine.is_ready = power_is_ready();
   motion_t motion = wanted();
   if (!is_allowed(&motion)) motion = motion_rest();
-  motor_tick(motion.direction, motion.counts);
+  motor_tick(motion.direction, analog_at_supply(motion.counts));
   keep_books(&motion);
   if (machine.state == STATE_IDLE) machine.is_worn = 0;
   tell();

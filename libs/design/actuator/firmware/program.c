@@ -202,13 +202,13 @@ uint16_t program_sum(void) {
 // the table rises; it may be as slow as the lower one's. Below the first duty that was measured nothing is known but
 // that it is no faster.
 motion_t program_jog(int8_t direction, uint16_t counts) {
-  const uint32_t* row = lake_speed_um_s[direction < 0];
+  const uint8_t retracts = direction < 0;
   const uint32_t scaled = (uint32_t)counts * LAKE_SPEED_INTERVALS;
   const uint8_t node = scaled / LAKE_PWM_PERIOD;
   const uint8_t upper = node + (scaled % LAKE_PWM_PERIOD > 0);
-  const uint8_t first = direction < 0 ? LAKE_RETRACT_FIRST_NODE : LAKE_EXTEND_FIRST_NODE;
-  const uint32_t most = pgm_read_dword(&row[upper]);
-  const uint32_t least = node < first ? 0 : pgm_read_dword(&row[node]);
+  const uint8_t first = retracts ? LAKE_RETRACT_FIRST_NODE : LAKE_EXTEND_FIRST_NODE;
+  const uint32_t most = follow_node_um_s(retracts, upper);
+  const uint32_t least = node < first ? 0 : follow_node_um_s(retracts, node);
   const motion_t motion = {direction, counts, direction * (int32_t)most, most - least};
   return motion;
 }

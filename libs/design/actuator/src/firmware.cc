@@ -66,8 +66,9 @@ std::string SupplyDefines(const FirmwareOptions& options) {
   };
   return fmt::format(
       "#define LAKE_SUPPLY_SENSE {}\n#define LAKE_SUPPLY_LEAST {}\n#define LAKE_SUPPLY_MOST {}\n"
-      "#define LAKE_SUPPLY_NEAR_LEAST {}  // in open loop\n#define LAKE_SUPPLY_NEAR_MOST {}\n",
-      options.supply_v > 0 ? 1 : 0, reading(1 - kSupplyTolerance), reading(1 + kSupplyTolerance),
+      "#define LAKE_SUPPLY_NOMINAL {}\n#define LAKE_SUPPLY_NEAR_LEAST {}  // in open loop\n#define "
+      "LAKE_SUPPLY_NEAR_MOST {}\n",
+      options.supply_v > 0 ? 1 : 0, reading(1 - kSupplyTolerance), reading(1 + kSupplyTolerance), reading(1),
       reading(1 - kOpenLoopSupplyTolerance), reading(1 + kOpenLoopSupplyTolerance));
 }
 
