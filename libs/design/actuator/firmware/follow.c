@@ -24,10 +24,16 @@ static int32_t summed_error;  // um ms
 static int8_t correcting;     // at a planned rest, or waiting (0) within a stretch
 static uint8_t is_waiting;
 
+// A motor that has no more speed than it gives is waited for from there on. More than the readings' noise, less than
+// what a program's error is to be.
+#define LAGS_UM 300
+static uint8_t is_limited, lags;
+
 void follow_begin(void) {
   summed_error = 0;
   correcting = 0;
   is_waiting = 0;
+  is_limited = lags = 0;
 }
 
 static int32_t magnitude(int32_t value) {
@@ -44,10 +50,10 @@ static int32_t most_um_s(int8_t direction) {
 }
 
 static int32_t within_table(int8_t direction, int32_t speed_um_s) {
-  const int32_t along = direction * speed_um_s;
-  if (along < least_um_s(direction)) return direction * least_um_s(direction);
-  if (along > most_um_s(direction)) return direction * most_um_s(direction);
-  return speed_um_s;
+  int32_t along = direction < 0 ? -speed_um_s : speed_um_s;
+  if (along < least_um_s(direction)) along = least_um_s(direction);
+  if (along > most_um_s(direction)) along = most_um_s(direction);
+  return direction < 0 ? -along : along;
 }
 
 // What holds it back here has nothing to do with what the program's stretches have learnt.
@@ -64,18 +70,29 @@ static int32_t at_rest(int32_t error_um) {
   return within_table(direction, PROPORTIONAL * error_um + (summed_at_rest >> 10) * INTEGRAL);
 }
 
+void follow_limit(uint8_t is_it) {
+  is_limited = is_it;
+}
+
+uint8_t follow_lags(void) {
+  return lags;
+}
+
 int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_um) {
   const int32_t error_um = planned_um - measured_um;
+  lags = 0;
   if (planned_um_s == 0) return at_rest(error_um);
   const int8_t direction = planned_um_s < 0 ? -1 : 1;
-  const int32_t behind_um = direction * error_um;
+  const int32_t behind_um = direction < 0 ? -error_um : error_um;
   correcting = 0;
   if (behind_um < -AHEAD_UM) is_waiting = 1;
   if (behind_um > -CLOSE_UM) is_waiting = 0;
   const int32_t wanted = planned_um_s + PROPORTIONAL * error_um + (summed_error >> 10) * INTEGRAL;
   const int32_t speed = within_table(direction, wanted);
   // The sum stands still while it could only drive the speed farther out of its range.
-  if (speed == wanted || (wanted > speed) == (error_um < 0)) summed_error += error_um;
+  const int8_t lacks = is_limited ? direction : (int8_t)((wanted > speed) - (wanted < speed));
+  if (lacks == 0 || (lacks > 0) == (error_um < 0)) summed_error += error_um;
+  lags = behind_um > LAGS_UM && lacks == direction;
   return is_waiting ? 0 : speed;
 }
 

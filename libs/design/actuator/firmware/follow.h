@@ -19,6 +19,12 @@ int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_
 // The inverse of the duty table.
 uint16_t follow_counts(int32_t speed_um_s);
 
+// Before follow_speed: whether the bridge gives all that the supply has. Then no error is summed up.
+void follow_limit(uint8_t is_limited);
+
+// Nonzero where the actuator is behind its plan and the motor has no more speed: the plan has to wait for it.
+uint8_t follow_lags(void);
+
 enum {
   FOLLOW_FINE,
   FOLLOW_PROVEN,  // it has moved the way it is driven
