@@ -2,13 +2,14 @@
 // whether anything is dangerous. The whole matrix makes libs/design/actuator/RISKS.md:
 //   LAKE_LONG_TESTS=1 LAKE_RISKS=libs/design/actuator/RISKS.md build/test/bin/lake_actuator_test
 //   --gtest_filter='FaultMatrix*'
-// Without LAKE_LONG_TESTS every ninth case is tried.
+// Without LAKE_LONG_TESTS every ninth case is tried. Each is compared with what RISKS.md says.
 #include <fmt/format.h>
 
 #include <cstdlib>
 #include <functional>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "host/host_fixture.h"
 #include "lake/actuator/bench_validation.h"
@@ -215,6 +216,15 @@ struct Risk {
   }
 };
 
+// A row of it, as RISKS.md has it.
+std::string RiskRow(const actuator::BenchFault& fault, const Risk& risk) {
+  const std::string alarms = fmt::format("{}", fmt::join(risk.alarms, ", "));
+  return fmt::format("| `{}` | {} | {} | {} of {} | {} | {} | {:.2f} mm | {} |", fault.name, fault.how,
+                     alarms.empty() ? "–" : alarms, risk.told, risk.states,
+                     risk.told ? fmt::format("{:.3f} s", risk.told_s) : "–",
+                     risk.told ? fmt::format("{:.2f} mm", risk.way_mm) : "–", risk.stop_mm, risk.dangers);
+}
+
 std::string RiskTable(const std::vector<std::pair<actuator::BenchFault, Risk>>& risks) {
   std::string text = fmt::format(
       "# Risks of each single fault\n\n**None of this has been tried on a board: nobody may wear it.** In the form of "
@@ -232,21 +242,50 @@ std::string RiskTable(const std::vector<std::pair<actuator::BenchFault, Risk>>& 
       "| fault | how | ALARM | told in | within | rod goes | after a stop | dangerous |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
       actuator::BenchStates().size(), kStopWay_mm, kFailedBridgeWay_mm);
-  for (const auto& [fault, risk] : risks) {
-    const std::string alarms = fmt::format("{}", fmt::join(risk.alarms, ", "));
-    text += fmt::format("| `{}` | {} | {} | {} of {} | {} | {} | {:.2f} mm | {} |\n", fault.name, fault.how,
-                        alarms.empty() ? "–" : alarms, risk.told, risk.states,
-                        risk.told ? fmt::format("{:.3f} s", risk.told_s) : "–",
-                        risk.told ? fmt::format("{:.2f} mm", risk.way_mm) : "–", risk.stop_mm, risk.dangers);
-  }
+  for (const auto& [fault, risk] : risks) text += RiskRow(fault, risk) + "\n";
   return text +
          "\nWhere a fault is not told nothing moves by it in that state, or it is told when something is to move next: "
          "what "
          "was asked for goes on or ends as planned, and the columns of danger hold all the same.\n";
 }
 
+// What RISKS.md says of a fault: its row, and the numbers of it.
+struct Said {
+  std::string row;
+  std::set<int> alarms;
+  double told_s = 0, way_mm = 0, stop_mm = 0;
+};
+
+std::map<std::string, Said> SaidRisks() {
+  std::map<std::string, Said> said;
+  std::istringstream lines(ReadTextFile(SourceDir() / "libs/design/actuator/RISKS.md"));
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("| `")) continue;
+    std::vector<std::string> cells;
+    for (std::size_t begin = 2, end = 0; (end = line.find(" |", begin)) != std::string::npos; begin = end + 3)
+      cells.push_back(line.substr(begin, end - begin));
+    const auto number = [&](std::size_t cell) { return std::atof(cells.at(cell).c_str()); };  // of "–": 0
+    Said& one = said[cells.at(0).substr(1, cells[0].size() - 2)];
+    one = {.row = line, .alarms = {}, .told_s = number(4), .way_mm = number(5), .stop_mm = number(6)};
+    std::istringstream alarms(cells.at(2));
+    for (std::string alarm; std::getline(alarms, alarm, ',');) one.alarms.insert(std::atoi(alarm.c_str()));
+  }
+  return said;
+}
+
+// Half of the last digit that it has; some of the states have no more than all of them.
+void ExpectWithin(const Risk& found, const Said& said) {
+  for (const int alarm : found.alarms) EXPECT_TRUE(said.alarms.contains(alarm)) << alarm << " not in " << said.row;
+  EXPECT_LE(found.told_s, said.told_s + 0.0005) << said.row;
+  EXPECT_LE(found.way_mm, said.way_mm + 0.005) << said.row;
+  EXPECT_LE(found.stop_mm, said.stop_mm + 0.005) << said.row;
+}
+
 TEST_F(FaultMatrixTest, NoSingleFaultInAnyStateIsDangerous) {
   const bool all = std::getenv("LAKE_LONG_TESTS") != nullptr;
+  const char* const file = std::getenv("LAKE_RISKS");
+  const std::map<std::string, Said> said = SaidRisks();
+  EXPECT_EQ(said.size(), actuator::BenchFaults().size());
   std::vector<std::pair<actuator::BenchFault, Risk>> risks;
   std::size_t number = 0;
   for (const actuator::BenchFault& fault : actuator::BenchFaults()) {
@@ -265,9 +304,13 @@ TEST_F(FaultMatrixTest, NoSingleFaultInAnyStateIsDangerous) {
         EXPECT_LE(found.told_s, kFailedBridgeTold_s) << fault.name << ", " << state;
       }
     }
+    if (!file) ExpectWithin(risk, said.at(fault.name));
+    if (!file && all) {
+      EXPECT_EQ(RiskRow(fault, risk), said.at(fault.name).row);
+    }
     risks.emplace_back(fault, risk);
   }
-  if (const char* file = std::getenv("LAKE_RISKS"); file && all) WriteTextFile(file, RiskTable(risks));
+  if (file && all) WriteTextFile(file, RiskTable(risks));
 }
 
 }  // namespace

@@ -191,6 +191,23 @@ TEST_F(StrokeSessionTest, HomesRunsAndLogsEveryRow) {
     EXPECT_NEAR(log.RequiredNumber(i, 0) - log.RequiredNumber(i - 1, 0), 0.1, 0.0015) << i;
 }
 
+// The program needs 6.5 mm/s, and at that supply the motor has 5.7: 18.5 mm take 0.4 s longer, but for what it may be
+// behind.
+TEST_F(StrokeSessionTest, TellsHowMuchLongerItTook) {
+  board_.reset();
+  firmware_options_.feedback = actuator::Feedback::kPotentiometer;
+  firmware_options_.potentiometer = {0, 240, 1023, 380};
+  actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+  actuator_.supply = [](double) { return actuator::kLowSupply; };
+  Build(FreeDesign({{0, 300}, {3, 319.5}}));
+  WriteTextFile(folder_ / "stroke_table.h", header_);
+  board_ = std::make_unique<PtyBoard>(*rig_);
+  options_.port = board_->Port();
+  const actuator::SessionResult result = Run();
+  EXPECT_GT(result.waited_s, 0.3);
+  EXPECT_LT(result.waited_s, 0.6);
+}
+
 TEST_F(StrokeSessionTest, NothingMovesIfTheLogCannotBeWritten) {
   EXPECT_THAT(
       [&] {

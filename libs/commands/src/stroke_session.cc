@@ -33,12 +33,13 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
   const std::filesystem::path log = run.Result("log.csv");
   const actuator::SessionResult result = actuator::RunSession(options.session, sketch, log, poll);
   const std::string ran = result.run_s == 0 ? "" : fmt::format(", ran for {:.1f} s", result.run_s);
-  run.Report(fmt::format("homed in {:.1f} s{}; {} rows in log.csv\n", result.homing_s, ran, result.rows));
-  return {{"rows", result.rows},
-          {"homing_s", result.homing_s},
-          {"run_s", result.run_s},
-          {"design_hash", sketch.design_hash},
-          {"program_hash", sketch.program_hash}};
+  const std::string waited =
+      result.waited_s < 0.05
+          ? ""
+          : fmt::format(", {:.1f} s longer than planned, as the actuator had not the speed", result.waited_s);
+  run.Report(fmt::format("homed in {:.1f} s{}{}; {} rows in log.csv\n", result.homing_s, ran, waited, result.rows));
+  return {{"rows", result.rows},         {"homing_s", result.homing_s},       {"run_s", result.run_s},
+          {"waited_s", result.waited_s}, {"design_hash", sketch.design_hash}, {"program_hash", sketch.program_hash}};
 }
 
 void Describe(StrokeSessionRunOptions& o, OptionList& options) {

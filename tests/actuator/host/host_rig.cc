@@ -73,6 +73,7 @@ void HostRig::OpenLibrary() {
   find(controller_init_, "controller_init");
   find(controller_tick_, "controller_tick");
   find(controller_remember_, "controller_remember");
+  find(controller_status_, "controller_status");
   find(protocol_turn_, "protocol_turn");
   find(protocol_realtime_, "protocol_realtime");
 }
@@ -237,7 +238,8 @@ void HostRig::TickMs() {
     controller_remember_();
   }
   TakeSaid();
-  samples_.push_back({Time(), stroke_mm_, Duty(), board_->bridge == HOST_BRAKE, MotorDuty()});
+  samples_.push_back(
+      {Time(), stroke_mm_, Duty(), board_->bridge == HOST_BRAKE, 1e-3 * controller_status_().stroke_um, MotorDuty()});
 }
 
 void HostRig::Run(double seconds) {

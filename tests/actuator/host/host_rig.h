@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "actuator/rig_breaks.h"
+#include "controller.h"
 #include "host_board.h"
 #include "lake/actuator/duty_table.h"
 #include "serial.h"
@@ -50,6 +51,7 @@ struct HostSample {
   double time_s = 0, stroke_mm = 0;
   double duty = 0;  // signed, as the firmware drives
   bool brake = false;
+  double planned_mm = 0;  // by the firmware, whose plan may wait
   double motor_duty = 0;  // as it arrives at the motor, with a supply
 };
 
@@ -114,6 +116,7 @@ class HostRig {
   void (*controller_init_)() = nullptr;
   void (*controller_tick_)() = nullptr;
   void (*controller_remember_)() = nullptr;
+  status_t (*controller_status_)() = nullptr;
   void (*protocol_turn_)() = nullptr;
   realtime_t (*protocol_realtime_)(char) = nullptr;
   HostActuator actuator_;

@@ -31,6 +31,7 @@
 #define LAKE_SUPPLY_SENSE 0
 #define LAKE_SUPPLY_LEAST 0
 #define LAKE_SUPPLY_MOST 0
+#define LAKE_SUPPLY_NOMINAL 0
 #define LAKE_SUPPLY_NEAR_LEAST 0  // in open loop
 #define LAKE_SUPPLY_NEAR_MOST 0
 #define LAKE_CURRENT_SENSE 0
@@ -64,7 +65,7 @@
 #define LAKE_RETRACT_LEAST_UM_S 720L
 #define LAKE_RETRACT_MOST_UM_S 11280L
 #define LAKE_HOME_KNEE "83.2"  // degrees
-#define LAKE_PROGRAM "5e2bd3641e31"
+#define LAKE_PROGRAM "eaca7d35e747"
 #define LAKE_DESIGN "unknown"
 #define LAKE_DUTY_TABLE "MODEL, not measured"
 #define LAKE_HOME_UM 297000L  // at the retract end stop

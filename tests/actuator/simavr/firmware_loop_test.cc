@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "actuator/sample_program.h"
 #include "firmware_fixture.h"
 
 namespace lake {
@@ -70,6 +71,37 @@ TEST_F(FirmwareLoopTest, FollowsWithin03MmUnderAnySupplyAndLoad) {
       EXPECT_EQ(rig_->Adc().ChannelChangesWhileBusy(), 0U);
     }
   std::printf("closed loop with the data sheet's converter: RMS %.3f mm at most\n", worst);
+}
+
+// What a low supply took longest to learn before it was measured; and the sample study's program, whose plan has to
+// wait there: with LAKE_LONG_TESTS=1, since it takes a minute of the simulator's time.
+TEST_F(FirmwareLoopTest, FollowsALowSupplyFromTheFirstMove) {
+  TakePlant(0.7, kLoad_n, 5);
+  Build(FreeDesign({{0, 300}, {2, 304.8}, {3, 304.8}, {5, 300}, {7, 304.8}}), "");
+  Start();
+  const double rms = Rms();
+  EXPECT_LE(rms, 0.3);
+  std::printf("three moves at a low supply: RMS %.3f mm\n", rms);
+}
+
+TEST_F(FirmwareLoopTest, TheSampleStudysProgramEndsUnderAnySupplyAndLoad) {
+  if (!std::getenv("LAKE_LONG_TESTS")) GTEST_SKIP() << "LAKE_LONG_TESTS=1 runs it";
+  firmware_options_.extend_stop_mm = 0.7, firmware_options_.max_current_a = 4;
+  const linkage::Design design = SampleDesign();
+  home_below_start_mm_ = design.program->knots.front().stroke_mm - design.d_min_mm;
+  for (const double supply : {0.7, 1.3})
+    for (const double load_n : {-kLoad_n, kLoad_n}) {
+      SCOPED_TRACE(fmt::format("supply {}, load {} N", supply, load_n));
+      TakePlant(supply, load_n, 5);
+      actuator_.extend_stop_mm = *actuator::ExtendStop(actuator::MakeSchedule(design, {}), firmware_options_) - 0.4;
+      Build(design, "");
+      Start();
+      const std::size_t from = rig_->Samples().size();
+      EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 1.5 * schedule_.Duration() + 1));
+      EXPECT_EQ(rig_->Serial().find("ALARM"), std::string::npos);
+      std::printf("supply %.1f, load %.0f N: done after %.1f s at %.2f mm\n", supply, load_n,
+                  1e-3 * static_cast<double>(rig_->Samples().size() - from), rig_->Samples().back().stroke_mm);
+    }
 }
 
 // From home to the upper soft limit and back, the extend end stop 0.4 mm early.

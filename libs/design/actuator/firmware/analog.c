@@ -98,6 +98,32 @@ static void watch_supply(void) {
 }
 #endif
 
+#if LAKE_SUPPLY_SENSE && LAKE_FEEDBACK
+// How much more duty it takes than at the nominal supply, in parts of 2^31. Moved by what it is wrong by, it comes to
+// nominal / reading without a division, with a time constant of 2^16 / reading ms, some 33.
+#define NOMINAL_DUTY ((uint32_t)1 << 31)
+static uint32_t more;
+
+static uint16_t more_15(void) {  // parts of 2^15
+  return (uint16_t)(more >> 16);
+}
+
+static void weigh_supply(void) {
+  const uint16_t now = filters[ANALOG_SUPPLY].middle;
+  if (now < LAKE_SUPPLY_LEAST || now > LAKE_SUPPLY_MOST) return;  // off, or behind a relay that is open
+  more += ((uint32_t)LAKE_SUPPLY_NOMINAL << 15) - (uint32_t)more_15() * now;
+}
+
+uint16_t analog_at_supply(uint16_t counts) {
+  const uint16_t all = (uint16_t)(((uint32_t)(uint16_t)(2 * counts) * more_15()) >> 16);
+  return all > LAKE_PWM_PERIOD ? LAKE_PWM_PERIOD : all;
+}
+#else
+uint16_t analog_at_supply(uint16_t counts) {
+  return counts;
+}
+#endif
+
 #if LAKE_FEEDBACK
 // Worked out once per ms: a division takes the chip 40 us.
 static int32_t stroke_um;
@@ -206,6 +232,9 @@ void analog_init(void) {
   quiet_ms = QUIET_MS;
   faults = 0;
   is_supply_expected = 1;
+#if LAKE_SUPPLY_SENSE && LAKE_FEEDBACK
+  more = NOMINAL_DUTY;
+#endif
 }
 
 void analog_tick(uint16_t counts) {
@@ -226,6 +255,9 @@ void analog_tick(uint16_t counts) {
   (void)counts;
 #if LAKE_SUPPLY_SENSE
   watch_supply();
+#endif
+#if LAKE_SUPPLY_SENSE && LAKE_FEEDBACK
+  weigh_supply();
 #endif
 #if LAKE_FEEDBACK
   watch_wiper();

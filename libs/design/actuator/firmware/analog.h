@@ -26,6 +26,10 @@ uint8_t analog_faults(void);
 void analog_expect_supply(uint8_t is_on);
 uint8_t analog_has_supply(void);  // a fifth of it, at least
 
+// Of a closed loop that measures it: the duty that gives at this supply what `counts` give at the nominal one, at most
+// all of it. Else `counts`.
+uint16_t analog_at_supply(uint16_t counts);
+
 int32_t analog_stroke_um(void);           // 0 without a potentiometer
 int32_t analog_slow_um(void);             // the slow stroke: later by 2^SLOW ms, with less noise
 int16_t analog_current_ma(void);          // 0 without a sensor; from what it reads at rest

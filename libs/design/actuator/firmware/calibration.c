@@ -62,5 +62,11 @@ int32_t program_stroke_um(void) {
 uint32_t program_drift_um(void) {
   return 0;
 }
+uint8_t program_waits(void) {
+  return 0;
+}
+uint32_t program_waited_ms(void) {
+  return 0;
+}
 
 #endif

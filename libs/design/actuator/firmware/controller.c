@@ -278,10 +278,11 @@ static uint8_t is_allowed(const motion_t* motion) {
 }
 
 // What the bridge does now, and so the estimate. Without feedback a motion's clock stands still until the bridge does
-// what it asks for, so that no brake costs stroke.
+// what it asks for, so that no brake costs stroke; with feedback a program's until the motor has the speed for it.
 static void keep_books(const motion_t* motion) {
   const uint8_t follows = LAKE_FEEDBACK && machine.state == STATE_RUNNING;
-  if (is_moving() && machine.is_ready && (follows || motor_direction() == motion->direction)) ++machine.clock_ms;
+  const uint8_t waits = follows ? program_waits() : motor_direction() != motion->direction;
+  if (is_moving() && machine.is_ready && !waits) ++machine.clock_ms;
   const motion_t rest = motion_rest();
   program_keep_books(motor_direction() == 0 ? &rest : motion, motion);
 }
@@ -338,7 +339,7 @@ void controller_tick(void) {
   machine.is_ready = power_is_ready();
   motion_t motion = wanted();
   if (!is_allowed(&motion)) motion = motion_rest();
-  motor_tick(motion.direction, motion.counts);
+  motor_tick(motion.direction, analog_at_supply(motion.counts));
   keep_books(&motion);
   if (machine.state == STATE_IDLE) machine.is_worn = 0;
   tell();

@@ -3,6 +3,12 @@
 #include "config.h"
 #include "portable.h"
 
+#if LAKE_SEGMENT_COUNT > 0
+uint32_t follow_node_um_s(uint8_t retracts, uint8_t node) {
+  return pgm_read_dword(&lake_speed_um_s[retracts][node]);
+}
+#endif
+
 #if LAKE_FEEDBACK
 
 #define PROPORTIONAL 8  // per s
@@ -18,10 +24,16 @@ static int32_t summed_error;  // um ms
 static int8_t correcting;     // at a planned rest, or waiting (0) within a stretch
 static uint8_t is_waiting;
 
+// A motor that has no more speed than it gives is waited for from there on. More than the readings' noise, less than
+// what a program's error is to be.
+#define LAGS_UM 300
+static uint8_t is_limited, lags;
+
 void follow_begin(void) {
   summed_error = 0;
   correcting = 0;
   is_waiting = 0;
+  is_limited = lags = 0;
 }
 
 static int32_t magnitude(int32_t value) {
@@ -38,10 +50,10 @@ static int32_t most_um_s(int8_t direction) {
 }
 
 static int32_t within_table(int8_t direction, int32_t speed_um_s) {
-  const int32_t along = direction * speed_um_s;
-  if (along < least_um_s(direction)) return direction * least_um_s(direction);
-  if (along > most_um_s(direction)) return direction * most_um_s(direction);
-  return speed_um_s;
+  int32_t along = direction < 0 ? -speed_um_s : speed_um_s;
+  if (along < least_um_s(direction)) along = least_um_s(direction);
+  if (along > most_um_s(direction)) along = most_um_s(direction);
+  return direction < 0 ? -along : along;
 }
 
 // What holds it back here has nothing to do with what the program's stretches have learnt.
@@ -58,19 +70,46 @@ static int32_t at_rest(int32_t error_um) {
   return within_table(direction, PROPORTIONAL * error_um + (summed_at_rest >> 10) * INTEGRAL);
 }
 
+void follow_limit(uint8_t is_it) {
+  is_limited = is_it;
+}
+
+uint8_t follow_lags(void) {
+  return lags;
+}
+
 int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_um) {
   const int32_t error_um = planned_um - measured_um;
+  lags = 0;
   if (planned_um_s == 0) return at_rest(error_um);
   const int8_t direction = planned_um_s < 0 ? -1 : 1;
-  const int32_t behind_um = direction * error_um;
+  const int32_t behind_um = direction < 0 ? -error_um : error_um;
   correcting = 0;
   if (behind_um < -AHEAD_UM) is_waiting = 1;
   if (behind_um > -CLOSE_UM) is_waiting = 0;
   const int32_t wanted = planned_um_s + PROPORTIONAL * error_um + (summed_error >> 10) * INTEGRAL;
   const int32_t speed = within_table(direction, wanted);
   // The sum stands still while it could only drive the speed farther out of its range.
-  if (speed == wanted || (wanted > speed) == (error_um < 0)) summed_error += error_um;
+  const int8_t lacks = is_limited ? direction : (int8_t)((wanted > speed) - (wanted < speed));
+  if (lacks == 0 || (lacks > 0) == (error_um < 0)) summed_error += error_um;
+  lags = behind_um > LAGS_UM && lacks == direction;
   return is_waiting ? 0 : speed;
+}
+
+#if LAKE_SPEED_INTERVALS != 64 || 16 * LAKE_PWM_PERIOD > 0xFFFF
+#error "sixty_fourths and its shifts are for 64 intervals and a period of at most 4095 counts"
+#endif
+
+// Of a whole that is more than the part: by steps, a fifth of the time of the compiler's division.
+static uint8_t sixty_fourths(uint32_t part, uint32_t whole) {
+  uint8_t quotient = 0;
+  for (uint8_t bit = 32; bit > 0; bit >>= 1) {
+    part <<= 1;
+    if (part < whole) continue;
+    part -= whole;
+    quotient |= bit;
+  }
+  return quotient;
 }
 
 uint16_t follow_counts(int32_t speed_um_s) {
@@ -90,9 +129,10 @@ uint16_t follow_counts(int32_t speed_um_s) {
   }
   const uint32_t below = pgm_read_dword(&row[low]);
   const uint32_t step = pgm_read_dword(&row[high]) - below;
-  uint32_t counts = (uint32_t)low * LAKE_PWM_PERIOD / LAKE_SPEED_INTERVALS;
-  if (speed > below && step > 0) counts += (speed - below) * (LAKE_PWM_PERIOD / LAKE_SPEED_INTERVALS) / step;
-  return counts > most ? most : (uint16_t)counts;
+  uint16_t parts = (uint16_t)(low * LAKE_SPEED_INTERVALS);  // of 2^12
+  if (speed > below) parts += speed - below < step ? sixty_fourths(speed - below, step) : LAKE_SPEED_INTERVALS;
+  const uint16_t counts = (uint16_t)(((uint32_t)parts * (16u * LAKE_PWM_PERIOD)) >> 16);
+  return counts > most ? most : counts;
 }
 
 // Watched over stretches of WATCH_NM of driven way.
@@ -213,9 +253,5 @@ uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um, int32_t slow_um) 
   watch_from(measured_um, slow_um);
   return FOLLOW_FINE;
 }
-
-#else
-
-typedef int follow_is_empty;  // without feedback
 
 #endif

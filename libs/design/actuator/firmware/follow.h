@@ -5,6 +5,9 @@
 
 #include <stdint.h>
 
+// The duty table's greatest speed at a node of duty: kept once, as it takes 0.5 KB of flash.
+uint32_t follow_node_um_s(uint8_t retracts, uint8_t node);
+
 void follow_begin(void);  // of a program: forgets what was learnt
 
 // Takes the place where the rod is now for the one to watch from: a fault was seen to, by hand perhaps.
@@ -15,6 +18,12 @@ int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_
 
 // The inverse of the duty table.
 uint16_t follow_counts(int32_t speed_um_s);
+
+// Before follow_speed: whether the bridge gives all that the supply has. Then no error is summed up.
+void follow_limit(uint8_t is_limited);
+
+// Nonzero where the actuator is behind its plan and the motor has no more speed: the plan has to wait for it.
+uint8_t follow_lags(void);
 
 enum {
   FOLLOW_FINE,

@@ -61,13 +61,45 @@ static uint8_t is_away_from(int32_t um) {
   return apart_um > LAKE_PLACE_UM || apart_um < -LAKE_PLACE_UM;
 }
 
+// Where the motor has not the speed the plan waits for it, so that the program takes longer: for MOST_WAIT_MS, of which
+// two ms of the plan give one back. So it takes half as long again at most; a motor that has less than two thirds of
+// the speed falls behind.
+#define MOST_WAIT_MS 500
+static struct {
+  uint16_t bucket;  // what is used up, half ms
+  uint16_t is_on;
+  uint32_t all_ms;
+} late;
+
+// Nonzero once it has waited too long.
+static uint8_t wait_for(const motion_t* wanted) {
+  late.is_on = wanted->direction != 0 && follow_lags();
+  if (late.is_on) {
+    ++late.all_ms;
+    late.bucket += 2;
+  } else if (late.bucket > 0) {
+    --late.bucket;
+  }
+  return late.bucket > 2 * MOST_WAIT_MS;
+}
+
+uint8_t program_waits(void) {
+  return late.is_on != 0;
+}
+
+uint32_t program_waited_ms(void) {
+  return late.all_ms;
+}
+
 static void begin_following(void) {
   stroke_nm = LAKE_START_UM * 1000;
   planned_now_um = LAKE_START_UM;
   follow_begin();
+  memset(&late, 0, sizeof late);
 }
 
 static motion_t follow_segment(void) {
+  follow_limit(motor_counts() >= LAKE_PWM_PERIOD);
   const int32_t velocity_um_s = follow_speed(planned_now_um, segment.velocity_um_s, analog_stroke_um());
   const int8_t direction = (velocity_um_s > 0) - (velocity_um_s < 0);
   return motion_of(direction, follow_counts(velocity_um_s), velocity_um_s);
@@ -81,10 +113,10 @@ static void count_way(const motion_t* driven) {
   (void)driven;
 }
 
-// A program's plan goes on whatever the actuator does; otherwise the stroke is what the potentiometer says.
+// A program's plan goes on unless it waits; otherwise the stroke is what the potentiometer says.
 static void keep_plan(void) {
   if (machine.state == STATE_RUNNING && machine.is_ready)
-    stroke_nm += segment.velocity_um_s;
+    stroke_nm += late.is_on ? 0 : segment.velocity_um_s;
   else if (machine.state != STATE_HOLD && machine.state != STATE_RUNNING)
     stroke_nm = analog_stroke_um() * 1000;
   planned_now_um = thousandth(stroke_nm);
@@ -113,8 +145,8 @@ static void watch_motion(const motion_t* motion) {
     default:
       break;
   }
-  if (machine.state == STATE_RUNNING && (error_um > LAKE_FOLLOWING_UM || error_um < -LAKE_FOLLOWING_UM))
-    state_fault(FAULT_FOLLOWING);
+  if (machine.state != STATE_RUNNING) return;
+  if (wait_for(motion) || error_um > LAKE_FOLLOWING_UM || error_um < -LAKE_FOLLOWING_UM) state_fault(FAULT_FOLLOWING);
 }
 #else
 int32_t program_stroke_um(void) {
@@ -127,7 +159,8 @@ static int32_t stroke_um(void) {
 
 uint32_t program_drift_um(void) {
   // Neither is more than LAKE_DRIFT_MOST_NM and a step: their sum is below 2^31.
-  return (uint32_t)thousandth((int32_t)(way_drift_nm + (lag_drift_nm[0] > lag_drift_nm[1] ? lag_drift_nm[0] : lag_drift_nm[1])));
+  return (uint32_t)thousandth(
+      (int32_t)(way_drift_nm + (lag_drift_nm[0] > lag_drift_nm[1] ? lag_drift_nm[0] : lag_drift_nm[1])));
 }
 
 static uint8_t is_away_from(int32_t um) {
@@ -141,6 +174,14 @@ static motion_t follow_segment(void) {
   const int32_t velocity_um_s = segment.velocity_um_s;
   const int8_t direction = (velocity_um_s > 0) - (velocity_um_s < 0);
   return motion_of(direction, segment.counts, velocity_um_s);
+}
+
+uint8_t program_waits(void) {
+  return 0;
+}
+
+uint32_t program_waited_ms(void) {
+  return 0;
 }
 
 static uint8_t has_arrived(void) {
@@ -190,10 +231,10 @@ void program_init(void) {
 
 uint16_t program_sum(void) {
   uint16_t sum = sum_of(&segment, sizeof segment) ^ sum_of(&stroke_nm, sizeof stroke_nm) ^
-                sum_of(&way_drift_nm, sizeof way_drift_nm) ^ sum_of(lag_drift_nm, sizeof lag_drift_nm) ^
-                sum_of(&behind, sizeof behind) ^ sum_of(&segment_index, sizeof segment_index);
+                 sum_of(&way_drift_nm, sizeof way_drift_nm) ^ sum_of(lag_drift_nm, sizeof lag_drift_nm) ^
+                 sum_of(&behind, sizeof behind) ^ sum_of(&segment_index, sizeof segment_index);
 #if LAKE_FEEDBACK
-  sum ^= sum_of(&planned_now_um, sizeof planned_now_um);
+  sum ^= sum_of(&planned_now_um, sizeof planned_now_um) ^ sum_of(&late, sizeof late);
 #endif
   return sum ^ home_phase ^ (uint16_t)(home_tries << 8) ^ (uint8_t)start_lies;
 }
@@ -202,13 +243,13 @@ uint16_t program_sum(void) {
 // the table rises; it may be as slow as the lower one's. Below the first duty that was measured nothing is known but
 // that it is no faster.
 motion_t program_jog(int8_t direction, uint16_t counts) {
-  const uint32_t* row = lake_speed_um_s[direction < 0];
+  const uint8_t retracts = direction < 0;
   const uint32_t scaled = (uint32_t)counts * LAKE_SPEED_INTERVALS;
   const uint8_t node = scaled / LAKE_PWM_PERIOD;
   const uint8_t upper = node + (scaled % LAKE_PWM_PERIOD > 0);
-  const uint8_t first = direction < 0 ? LAKE_RETRACT_FIRST_NODE : LAKE_EXTEND_FIRST_NODE;
-  const uint32_t most = pgm_read_dword(&row[upper]);
-  const uint32_t least = node < first ? 0 : pgm_read_dword(&row[node]);
+  const uint8_t first = retracts ? LAKE_RETRACT_FIRST_NODE : LAKE_EXTEND_FIRST_NODE;
+  const uint32_t most = follow_node_um_s(retracts, upper);
+  const uint32_t least = node < first ? 0 : follow_node_um_s(retracts, node);
   const motion_t motion = {direction, counts, direction * (int32_t)most, most - least};
   return motion;
 }
@@ -272,7 +313,8 @@ uint8_t program_stop_contradicts_stroke(void) {
   return retract_stop_contradicts_stroke() || extend_stop_contradicts_stroke();
 }
 
-// As far as the end stop may be away, at the speeds' tolerance; measured, the guard below home comes before the time does.
+// As far as the end stop may be away, at the speeds' tolerance; measured, the guard below home comes before the time
+// does.
 static uint32_t seeking_ms(void) {
   if (!LAKE_FEEDBACK && machine.knowledge == STROKE_UNKNOWN) return LAKE_HOME_TIMEOUT_MS;
   int32_t way_um = stroke_um() + (int32_t)program_drift_um() + LAKE_CHECK_UM - LAKE_HOME_UM;
@@ -329,6 +371,7 @@ motion_t program_run(void) {
   while (machine.clock_ms >= segment.end_ms) {
     if (segment_index + 1 >= LAKE_SEGMENT_COUNT) {
       state_finish(STROKE_ESTIMATED);
+      if (program_waited_ms() > 0) machine.events |= EVENT_WAITED;
       return motion_rest();
     }
     load_segment(segment_index + 1);

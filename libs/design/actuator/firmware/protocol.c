@@ -6,6 +6,7 @@
 #include "controller.h"
 #include "line.h"
 #include "portable.h"
+#include "program.h"
 
 static volatile uint8_t status_asked, greeting_asked, must_forget;
 static uint32_t next_row_ms = STATUS_PERIOD_MS;
@@ -191,12 +192,23 @@ static void tell_reply(reply_t reply) {
   line_char('\n');
 }
 
+#if LAKE_FEEDBACK
+static void tell_waited(void) {
+  line_text(PSTR("[MSG:waited "));
+  tell_decimal((int32_t)program_waited_ms(), 3);
+  line_text(PSTR(" s]\n"));
+}
+#endif
+
 static void tell_events(uint8_t events, fault_t fault) {
   if (events & EVENT_FAULT) {
     line_text(PSTR("ALARM:"));
     tell_uint(fault);
     line_char('\n');
   }
+#if LAKE_FEEDBACK
+  if (events & EVENT_WAITED) tell_waited();
+#endif
   if (events & EVENT_DONE) tell_message(PSTR("done"));
   if (events & EVENT_JOG_LIMIT) tell_message(PSTR("jog ended at a limit"));
   if (events & EVENT_TIMEOUT) tell_message(PSTR("host silent, stopped"));

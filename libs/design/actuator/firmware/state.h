@@ -54,7 +54,7 @@ typedef enum {
   FAULT_NO_MOTION = 8,     // driven, it does not move: a stall, or a frozen wiper
   FAULT_WRONG_WAY = 9,     // it moves against the drive: motor or potentiometer reversed
   FAULT_RUNAWAY = 10,      // it moves undriven, or much faster than driven
-  FAULT_FOLLOWING = 11,    // too far from the plan
+  FAULT_FOLLOWING = 11,    // too far from the plan, or too slow for it
   FAULT_OVERCURRENT = 12,  // a short or a stall
   FAULT_NO_CURRENT = 13,   // driven, it takes none: motor, supply or sense wire
   FAULT_LATE = 14,         // a tick or a round of conversions did not end within its ms
@@ -69,7 +69,8 @@ enum {
   EVENT_DONE = 1 << 1,       // the program, homing or a jog ended as planned
   EVENT_JOG_LIMIT = 1 << 2,  // a jog ended at an end stop or a soft limit
   EVENT_TIMEOUT = 1 << 3,    // the host was silent for too long while something moved
-  EVENT_RELEASED = 1 << 4    // the wearer let the button go
+  EVENT_RELEASED = 1 << 4,   // the wearer let the button go
+  EVENT_WAITED = 1 << 5      // the program has ended later than planned
 };
 
 // What is wanted of the motor in this ms.

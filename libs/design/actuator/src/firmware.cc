@@ -66,8 +66,9 @@ std::string SupplyDefines(const FirmwareOptions& options) {
   };
   return fmt::format(
       "#define LAKE_SUPPLY_SENSE {}\n#define LAKE_SUPPLY_LEAST {}\n#define LAKE_SUPPLY_MOST {}\n"
-      "#define LAKE_SUPPLY_NEAR_LEAST {}  // in open loop\n#define LAKE_SUPPLY_NEAR_MOST {}\n",
-      options.supply_v > 0 ? 1 : 0, reading(1 - kSupplyTolerance), reading(1 + kSupplyTolerance),
+      "#define LAKE_SUPPLY_NOMINAL {}\n#define LAKE_SUPPLY_NEAR_LEAST {}  // in open loop\n#define "
+      "LAKE_SUPPLY_NEAR_MOST {}\n",
+      options.supply_v > 0 ? 1 : 0, reading(1 - kSupplyTolerance), reading(1 + kSupplyTolerance), reading(1),
       reading(1 - kOpenLoopSupplyTolerance), reading(1 + kOpenLoopSupplyTolerance));
 }
 
@@ -271,6 +272,29 @@ void CheckWorn(const FirmwareOptions& options) {
   if (options.accept_drift) throw UsageError("--worn and --accept-drift exclude each other");
 }
 
+// mm/s; 0: never that way.
+double FastestStretch(const StrokeTable& stroke, int direction) {
+  std::int32_t most_um_s = 0;
+  for (const StrokeSegment& segment : stroke.segments)
+    most_um_s = std::max(most_um_s, direction * segment.velocity_um_s);
+  return most_um_s / 1e3;
+}
+
+// mm/s, without a load.
+double LowSupplySpeed(const DutyTable& table, int direction) {
+  const DutyCurve& curve = table.Curve(direction);
+  return curve.SpeedFor(kLowSupply * curve.MostDuty());
+}
+
+std::string WhatALowSupplyCannot(const StrokeTable& stroke, const DutyTable& table, int direction) {
+  const double reached_mm_s = LowSupplySpeed(table, direction), needed_mm_s = FastestStretch(stroke, direction);
+  return fmt::format(
+      "At {:.0f} % of its supply it {} at {:.1f} mm/s at most, less under a load, and the program needs {:.1f}: there "
+      "it {}.",
+      100 * kLowSupply, direction > 0 ? "extends" : "retracts", reached_mm_s, needed_mm_s,
+      reached_mm_s < kLeastPace * needed_mm_s ? "falls behind and stops (ALARM:11)" : "takes longer");
+}
+
 }  // namespace
 
 const BoardFacts& FactsOf(Board board) {
@@ -320,18 +344,9 @@ std::vector<std::string> Unknowns(const FirmwareOptions& options) {
 std::vector<std::string> Unknowns(const FirmwareOptions& options, const StrokeTable& stroke, const DutyTable& table) {
   std::vector<std::string> unknown = Unknowns(options);
   if (options.feedback == Feedback::kNone) return unknown;
-  for (const int direction : {1, -1}) {
-    std::int32_t most_um_s = 0;
-    for (const StrokeSegment& segment : stroke.segments)
-      most_um_s = std::max(most_um_s, direction * segment.velocity_um_s);
-    const DutyCurve& curve = table.Curve(direction);
-    const double reached_mm_s = curve.SpeedFor(kLowSupply * curve.MostDuty());
-    if (most_um_s > 1e3 * reached_mm_s)
-      unknown.push_back(fmt::format(
-          "At {:.0f} % of its supply it {} at {:.1f} mm/s at most, less under a load, and the program needs "
-          "{:.1f}: there it falls behind and stops (ALARM:11).",
-          100 * kLowSupply, direction > 0 ? "extends" : "retracts", reached_mm_s, most_um_s / 1e3));
-  }
+  for (const int direction : {1, -1})
+    if (LowSupplySpeed(table, direction) < FastestStretch(stroke, direction))
+      unknown.push_back(WhatALowSupplyCannot(stroke, table, direction));
   return unknown;
 }
 

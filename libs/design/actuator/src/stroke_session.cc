@@ -32,7 +32,7 @@ constexpr double kPoll_s = 0.05, kReply_s = 1;
 constexpr double kCounted_s = 4294967.296;  // 2^32 ms
 constexpr int kHoldRows = 2;  // the reason comes in the ms in which the hold begins, so before the second row
 constexpr const char* kReset = "!\x18";
-constexpr std::string_view kAlarm = "ALARM:";
+constexpr std::string_view kAlarm = "ALARM:", kWaited = "[MSG:waited ";
 
 double Since(Clock::time_point when) {
   return std::chrono::duration<double>(Clock::now() - when).count();
@@ -167,6 +167,7 @@ class Session {
   }
 
   std::size_t Rows() const { return rows_; }
+  double Waited() const { return waited_s_; }
 
  private:
   void RefuseIfHeld(const std::string& line) const {
@@ -223,6 +224,7 @@ class Session {
 
   void Take(const std::string& line) {
     if (line.starts_with(kAlarm)) alarm_ = line;
+    if (line.starts_with(kWaited)) waited_s_ = std::strtod(line.c_str() + kWaited.size(), nullptr);
     if (IsRow(line)) state_ = Field(line, 5);
     if (!is_logging_) return;
     if (line.starts_with(kAlarm))
@@ -259,6 +261,7 @@ class Session {
   bool is_logging_ = false;
   double last_time_s_ = 0, before_s_ = 0;
   std::size_t rows_ = 0;
+  double waited_s_ = 0;
 };
 
 // Lines of a person to the firmware, and back.
@@ -379,6 +382,7 @@ SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sk
     throw;
   }
   result.rows = session.Rows();
+  result.waited_s = session.Waited();
   return result;
 }
 
@@ -394,7 +398,7 @@ std::string AlarmText(int number) {
       "driven, it does not move: a stall, a frozen wiper, or no supply",
       "it moves against the drive: motor or potentiometer reversed",
       "it moves undriven, or much faster than driven",
-      "too far from the plan",
+      "too far from the plan, or too slow for it",
       "over-current: a short or a stall",
       "driven, it takes no current: motor, supply or sense wire",
       "a tick or a conversion came late: the board, or a bug",

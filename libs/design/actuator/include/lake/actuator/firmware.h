@@ -25,6 +25,7 @@ inline constexpr int kMostSegments = (kFlashBytes - kFirmwareBytes) / kSegmentBy
 
 inline constexpr double kSupplyTolerance = 0.4;  // of the nominal voltage: outside is a fault
 inline constexpr double kLowSupply = 0.7;        // part of the nominal voltage, at which a closed loop is to follow
+inline constexpr double kLeastPace = 2.0 / 3;    // of the program's speed: a slower motor is not waited for (program.c)
 inline constexpr double kOpenLoopSupplyTolerance = 0.1;  // likewise where nothing but the voltage sets the speed
 inline constexpr double kDirectionCheck_mm =
     0.3;                                     // off a pressed end stop while it is not known which way the motor turns

@@ -39,6 +39,7 @@ SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder);
 struct SessionResult {
   std::size_t rows = 0;
   double homing_s = 0, run_s = 0;
+  double waited_s = 0;  // of these, for an actuator that had not the program's speed
 };
 
 // Homes and runs, or one of the two. A board that has been homed keeps that, since the line's end does not reset it
