@@ -117,10 +117,9 @@ void WriteResiduals(const fs::path& path, const std::vector<camera::BoardView>& 
                     const camera::CalibrationResult& result) {
   CsvWriter table({"view", "corner", "x_px", "y_px", "dx_px", "dy_px"});
   for (std::size_t v = 0; v < views.size(); ++v) {
-    for (std::size_t i = 0; i < views[v].corner.size(); ++i) {
-      table.Add(views[v].name).Add(views[v].corner[i]).Add(views[v].pixel[i].x()).Add(views[v].pixel[i].y());
-      table.Add(result.residual_px[v][i].x()).Add(result.residual_px[v][i].y()).EndRow();
-    }
+    for (std::size_t i = 0; i < views[v].corner.size(); ++i)
+      table.AddRow(views[v].name, views[v].corner[i], views[v].pixel[i].x(), views[v].pixel[i].y(),
+                   result.residual_px[v][i].x(), result.residual_px[v][i].y());
   }
   table.Write(path);
 }

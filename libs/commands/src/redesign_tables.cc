@@ -190,12 +190,10 @@ void WritePath(const redesign::DesignInMotion& design, const std::string& folder
 void AddDesignRow(const NamedDesign& named, CsvWriter& table) {
   if (!named.design || !named.design->misalignment) return;
   const redesign::DesignInMotion& of = *named.design;
-  table.Add(named.name).Add(redesign::ProgramName(of.design.program->kind)).Add(of.duration_s).AddEmpty();
-  table.Add(of.evaluation.range_deg).Add(100 * of.misalignment->metrics.relative_rms);
-  table.Add(of.misalignment->metrics.rms_mm).Add(of.tracking_time_s.value_or(kNaN));
-  table.Add(of.design.placement_mm[0]).Add(of.design.placement_mm[1]);
-  AddLinkCells(table, of.design.links);
-  table.EndRow();
+  table.AddRow(named.name, redesign::ProgramName(of.design.program->kind), of.duration_s, std::nullopt,
+               of.evaluation.range_deg, 100 * of.misalignment->metrics.relative_rms, of.misalignment->metrics.rms_mm,
+               of.tracking_time_s.value_or(kNaN), of.design.placement_mm[0], of.design.placement_mm[1],
+               of.design.links.Values());
 }
 
 void WritePareto(const redesign::RedesignOutcome& outcome, Run& run) {
@@ -214,15 +212,10 @@ void WritePareto(const redesign::RedesignOutcome& outcome, Run& run) {
   for (const redesign::NamedFront& front : outcome.fronts)
     for (const redesign::ParetoPoint& point : front.points) {
       const auto tracking = redesign::TrackingStrokes(outcome.problem.Driven(point.point.links), outcome.problem.human);
-      table.Add("front")
-          .Add(redesign::ProgramName(front.program.kind))
-          .Add(front.program.duration_s)
-          .Add(point.least_range_deg);
-      table.Add(point.range_deg).Add(point.misalignment_percent).Add(point.rms_mm);
-      table.Add(tracking ? redesign::TrackingTime(*tracking, outcome.problem.program.max_speed_mm_s) : kNaN);
-      table.Add(point.point.placement_mm.x()).Add(point.point.placement_mm.y());
-      AddLinkCells(table, point.point.links);
-      table.EndRow();
+      table.AddRow("front", redesign::ProgramName(front.program.kind), front.program.duration_s, point.least_range_deg,
+                   point.range_deg, point.misalignment_percent, point.rms_mm,
+                   tracking ? redesign::TrackingTime(*tracking, outcome.problem.program.max_speed_mm_s) : kNaN,
+                   point.point.placement_mm.x(), point.point.placement_mm.y(), point.point.links.Values());
     }
   for (const NamedDesign& named : DesignsOf(outcome)) AddDesignRow(named, table);
   table.Write(run.Result("pareto.csv"));
@@ -509,9 +502,9 @@ void WriteProgramBalance(const redesign::RedesignOutcome& outcome, Run& run) {
     const double trunk_deg = DegreesFromRadians(outcome.problem.body->trunk[i].tilt_rad);
     const redesign::BalanceSample sample =
         i < seated ? redesign::BalanceSample{percent, kNaN, kNaN, kNaN} : course.samples[i - seated];
-    table.Add(percent).Add(course.duration_s * percent / 100).Add(sample.pressure_mm).Add(sample.margin_mm);
-    table.Add(sample.knee_nm).Add(lean_deg(outcome.lean.leg_rad)).Add(lean_deg(outcome.lean.trunk_rad));
-    table.Add(trunk_deg + lean_deg(outcome.lean.trunk_rad)).Add(trunk_deg).EndRow();
+    table.AddRow(percent, course.duration_s * percent / 100, sample.pressure_mm, sample.margin_mm, sample.knee_nm,
+                 lean_deg(outcome.lean.leg_rad), lean_deg(outcome.lean.trunk_rad),
+                 trunk_deg + lean_deg(outcome.lean.trunk_rad), trunk_deg);
   }
   table.Write(run.Result("balance.csv"));
 }

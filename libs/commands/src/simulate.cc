@@ -97,13 +97,9 @@ void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& l
                    "actuator_angle_deg", "branch"});
   for (const double stroke : strokes_mm) {
     const Row row(look.links, stroke, look.knee_torque_nm);
-    table.Add(stroke)
-        .Add(DegreesFromRadians(row.pose.theta_rad))
-        .Add(DegreesFromRadians(row.transmission.radians_per_mm));
-    table.Add(row.transmission.moment_arm_mm).Add(row.force_n);
-    table.Add(DegreesFromRadians(row.transmission.transmission_rad))
-        .Add(DegreesFromRadians(row.transmission.actuator_rad));
-    table.Add(static_cast<int>(row.pose.branch)).EndRow();
+    table.AddRow(stroke, DegreesFromRadians(row.pose.theta_rad), DegreesFromRadians(row.transmission.radians_per_mm),
+                 row.transmission.moment_arm_mm, row.force_n, DegreesFromRadians(row.transmission.transmission_rad),
+                 DegreesFromRadians(row.transmission.actuator_rad), static_cast<int>(row.pose.branch));
   }
   table.Write(path);
 }
@@ -134,22 +130,17 @@ std::vector<figure::PinForcesRow> PinForcesOf(const std::vector<parts::LoadedPos
 void WritePinForces(const std::filesystem::path& path, const std::vector<figure::PinForcesRow>& rows) {
   CsvWriter table({"stroke_mm", "knee_deg", "actuator_n", "coupler_n", "bar_n", "knee_pin_n", "thigh_pin_n",
                    "tip_pin_n", "shank_pin_n", "mount_n"});
-  for (const auto& [stroke, knee_deg, forces] : rows) {
-    table.Add(stroke).Add(knee_deg);
-    for (const double force : {forces.actuator_n, forces.coupler_n, forces.bar_n, forces.KneePin(), forces.ThighPin(),
-                               forces.TipPin(), forces.ShankPin(), forces.Mount()})
-      table.Add(force);
-    table.EndRow();
-  }
+  for (const auto& [stroke, knee_deg, forces] : rows)
+    table.AddRow(stroke, knee_deg, forces.actuator_n, forces.coupler_n, forces.bar_n, forces.KneePin(),
+                 forces.ThighPin(), forces.TipPin(), forces.ShankPin(), forces.Mount());
   table.Write(path);
 }
 
 void WriteStrength(const std::filesystem::path& path, const std::vector<parts::StrengthCheck>& checks) {
   CsvWriter table({"part", "check", "knee_deg", "load", "unit", "stress_mpa", "allowed", "safety"});
-  for (const parts::StrengthCheck& check : checks) {
-    table.Add(check.part).Add(check.check).Add(check.KneeAngle_deg()).Add(check.load);
-    table.Add(check.Unit()).Add(check.stress_mpa).Add(check.allowed).Add(check.Safety()).EndRow();
-  }
+  for (const parts::StrengthCheck& check : checks)
+    table.AddRow(check.part, check.check, check.KneeAngle_deg(), check.load, check.Unit(), check.stress_mpa,
+                 check.allowed, check.Safety());
   table.Write(path);
 }
 

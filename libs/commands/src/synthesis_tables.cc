@@ -27,10 +27,9 @@ std::vector<LimitedRow> PoseRows(const problem::DesignEvaluation& before, const 
 
 void WriteSensitivity(const synthesis::SynthesisOutcome& outcome, Run& run) {
   CsvWriter table({"link", "delta_mm", "range_deg", "assembled", "feasible"});
-  for (const problem::SensitivityPoint& point : outcome.sensitivity) {
-    table.Add(problem::LengthName(point.link)).Add(point.delta_mm).Add(point.range_deg);
-    table.Add(std::isnan(point.range_deg) ? 0 : 1).Add(point.feasible ? 1 : 0).EndRow();
-  }
+  for (const problem::SensitivityPoint& point : outcome.sensitivity)
+    table.AddRow(problem::LengthName(point.link), point.delta_mm, point.range_deg, !std::isnan(point.range_deg),
+                 point.feasible);
   table.Write(run.Result("sensitivity.csv"));
 }
 

@@ -168,9 +168,7 @@ void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateLi
   std::vector<overlay::NumberedSpot> spots;
   CsvWriter csv({"id", "frame", "x_px", "y_px", "radius_px", "first_frame", "last_frame", "moves"});
   for (const tracking::Candidate& c : list.candidates) {
-    csv.Add(c.id).Add(c.frame).Add(c.position.x()).Add(c.position.y()).Add(c.radius_px);
-    csv.Add(c.first_frame).Add(c.last_frame).Add(c.moves ? 1 : 0);
-    csv.EndRow();
+    csv.AddRow(c.id, c.frame, c.position.x(), c.position.y(), c.radius_px, c.first_frame, c.last_frame, c.moves);
     spots.push_back({.id = c.id,
                      .position = c.position,
                      .radius_px = c.radius_px,

@@ -99,9 +99,9 @@ void WriteTruthCsv(const fs::path& path, const Scene& scene, const std::vector<F
   for (const std::string& name : names) header.push_back(name + "_covered");
   CsvWriter csv(header);
   for (std::size_t frame = 0; frame < truth.size(); ++frame) {
-    csv.Add(static_cast<std::int64_t>(frame)).Add(truth[frame].time_s);
+    csv.Add(frame).Add(truth[frame].time_s);
     for (const MarkerTruth& marker : truth[frame].markers)
-      csv.Add(marker.px.x()).Add(marker.px.y()).Add(marker.visible ? 1 : 0).Add(marker.mm.x()).Add(marker.mm.y());
+      csv.Add(marker.px.x()).Add(marker.px.y()).Add(marker.visible).Add(marker.mm.x()).Add(marker.mm.y());
     csv.Add(truth[frame].knee_deg);
     for (const MarkerTruth& marker : truth[frame].markers) csv.Add(marker.covered);
     csv.EndRow();

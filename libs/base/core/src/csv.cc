@@ -163,7 +163,12 @@ CsvWriter& CsvWriter::Add(std::optional<double> value) {
   return value ? Add(*value) : AddEmpty();
 }
 
-CsvWriter& CsvWriter::Add(std::int64_t value) {
+CsvWriter& CsvWriter::Add(std::span<const double> values) {
+  for (const double value : values) Add(value);
+  return *this;
+}
+
+CsvWriter& CsvWriter::AddInteger(std::int64_t value) {
   StartCell();
   text_ += fmt::to_string(value);
   return *this;

@@ -290,13 +290,7 @@ std::vector<ScheduleRow> SampleSchedule(const StrokeSchedule& schedule, double r
 void WriteScheduleCsv(const std::filesystem::path& path, const std::vector<ScheduleRow>& rows) {
   CsvWriter table({"time_s", "stroke_mm", "speed_mm_s", "knee_deg", "direction", "duty"});
   for (const ScheduleRow& row : rows)
-    table.Add(row.time_s)
-        .Add(row.stroke_mm)
-        .Add(row.speed_mm_s)
-        .Add(row.knee_deg)
-        .Add(row.direction)
-        .Add(row.duty)
-        .EndRow();
+    table.AddRow(row.time_s, row.stroke_mm, row.speed_mm_s, row.knee_deg, row.direction, row.duty);
   table.Write(path);
 }
 

@@ -336,10 +336,9 @@ void WriteUncertaintyBudgetCsv(const std::filesystem::path& path, const std::vec
   CsvWriter csv({"quantity", "source", "distribution", "size", "unit", "sensitivity", "contribution", "share_percent",
                  "reference"});
   for (const Budget& budget : budgets)
-    for (const BudgetRow& row : budget.rows) {
-      csv.Add(budget.quantity + "_" + budget.unit).Add(row.source).Add(row.distribution).Add(row.size).Add(row.unit);
-      csv.Add(row.sensitivity).Add(row.Contribution()).Add(budget.SharePercent(row)).Add(row.reference).EndRow();
-    }
+    for (const BudgetRow& row : budget.rows)
+      csv.AddRow(budget.quantity + "_" + budget.unit, row.source, row.distribution, row.size, row.unit, row.sensitivity,
+                 row.Contribution(), budget.SharePercent(row), row.reference);
   csv.Write(path);
 }
 
