@@ -38,7 +38,7 @@ lake::linkage::Design LoadDesign(const Input& input, lake::Run& run) {
   if (input.d_min_mm != 0) design.d_min_mm = input.d_min_mm;
   if (input.d_max_mm != 0) design.d_max_mm = input.d_max_mm;
   if (!(design.d_min_mm > 0 && std::isfinite(design.d_min_mm)))
-    throw lake::UsageError(fmt::format("--d-min must be above 0, not {}", design.d_min_mm));
+    throw lake::UsageError("--d-min must be above 0, not {}", design.d_min_mm);
   return design;
 }
 

@@ -26,7 +26,7 @@ Json WriteCalibrationFirmware(const DutyRunOptions& options, Run& run) {
   options.firmware.Check();
   const std::string header =
       actuator::CalibrationHeader(options.firmware, fmt::format("Made by lake-stroke {}.", Version()));
-  run.Report(fmt::format("calibration firmware written; it obeys jog and stop\n{}\n", actuator::kUntried));
+  run.Report("calibration firmware written; it obeys jog and stop\n{}\n", actuator::kUntried);
   return {{"firmware", {{"files", WriteSketch(header, options.firmware.board, "", run)}, {"segments", 0}}}};
 }
 

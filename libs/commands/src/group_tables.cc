@@ -198,10 +198,9 @@ void WarnOfGroup(const std::vector<PersonRow>& rows, Run& run) {
     if (!person.counts) left_out.push_back(person.name);
   }
   if (!without_own.empty())
-    run.Warn(fmt::format("for {} no design of their own was found, so what the common one costs them is not known",
-                         fmt::join(without_own, ", ")));
-  if (!left_out.empty())
-    run.Warn(fmt::format("the misalignment of {} does not count in the quantile", fmt::join(left_out, ", ")));
+    run.Warn("for {} no design of their own was found, so what the common one costs them is not known",
+             fmt::join(without_own, ", "));
+  if (!left_out.empty()) run.Warn("the misalignment of {} does not count in the quantile", fmt::join(left_out, ", "));
 }
 
 // Of those who were left out: whom the rule gives the size that they wear, and whose limits it keeps.
@@ -277,7 +276,7 @@ std::vector<std::string> NamesOfFolders(const std::vector<fs::path>& folders) {
   for (std::size_t i = 0; i < all.size(); ++i)
     if (std::find(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(i), all[i]) !=
         all.begin() + static_cast<std::ptrdiff_t>(i))
-      throw UsageError(fmt::format("--comparison {}: is named twice", folders[i].string()));
+      throw UsageError("--comparison {}: is named twice", folders[i].string());
   const auto common = [&](bool from_end) {
     for (std::size_t k = 0;; ++k)
       for (const auto& parts : all) {
@@ -297,9 +296,8 @@ std::vector<std::string> NamesOfFolders(const std::vector<fs::path>& folders) {
   for (std::size_t i = 0; i < names.size(); ++i)
     if (const auto same = std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]);
         same != names.begin() + static_cast<std::ptrdiff_t>(i))
-      throw UsageError(fmt::format("--comparison {} and {}: both would be called {}; rename a folder",
-                                   folders[static_cast<std::size_t>(same - names.begin())].string(),
-                                   folders[i].string(), names[i]));
+      throw UsageError("--comparison {} and {}: both would be called {}; rename a folder",
+                       folders[static_cast<std::size_t>(same - names.begin())].string(), folders[i].string(), names[i]);
   return names;
 }
 

@@ -161,8 +161,7 @@ void ReadHuman(const ReoptimizeRunOptions& options, Run& run, redesign::Measured
   const FunctionalTables read = ReadFunctionalTables(options.human, options.human_reading, options.human_knee,
                                                      TrialSide::kHuman, options.knee, run);
   if (options.knee.knee == KneeFrom::kFunctional && !read.sd_mm)
-    throw UsageError(
-        fmt::format("--knee functional: {} has no markers of --segment on shank and thigh", options.human.string()));
+    throw UsageError("--knee functional: {} has no markers of --segment on shank and thigh", options.human.string());
   compare::RegistrationOptions registration;
   registration.knee = options.human_knee;
   const compare::RegisteredTrial trial = compare::RegisterTrial(read.tables, registration);
@@ -178,9 +177,9 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
   const compare::ComparedCurves curves = compare::ReadComparison(comparison);
   if (options.knee.knee == KneeFrom::kFunctional && !curves.knee_is_functional)
     throw UsageError(
-        fmt::format("--knee functional: {} is of the knees' markers; run lake-compare with --knee "
-                    "functional and --segment, and take its folder",
-                    comparison.string()));
+        "--knee functional: {} is of the knees' markers; run lake-compare with --knee functional and --segment, and "
+        "take its folder",
+        comparison.string());
   measured.human = curves.human;
   measured.noise_floor_percent = 100 * curves.noise_floor_relative;
   measured.joint_sd_mm = curves.joint_sd_mm.value_or(PlaceDeviationMm({}));
@@ -246,8 +245,8 @@ void CheckRedesign(const OptimizeRunOptions& options) {
     throw UsageError("--duration free cannot be combined with a human's motion: there the range is sought");
   if (const auto& actuator = options.problem.actuator;
       actuator && reoptimize.program.max_speed_mm_s > actuator->SpeedAt(0))
-    throw UsageError(fmt::format("--max-speed {} mm/s is more than {} has, {} mm/s", reoptimize.program.max_speed_mm_s,
-                                 actuator->name, actuator->SpeedAt(0)));
+    throw UsageError("--max-speed {} mm/s is more than {} has, {} mm/s", reoptimize.program.max_speed_mm_s,
+                     actuator->name, actuator->SpeedAt(0));
   if (options.problem.robust_mm)
     throw UsageError("--robust is of the links alone, and cannot be combined with a human's motion yet: omit one");
   if (reoptimize.comparisons.empty() == reoptimize.human.empty())
@@ -263,8 +262,8 @@ void CheckRedesign(const OptimizeRunOptions& options) {
         "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "
         "that trial out with --human-only");
   if (const std::size_t worn = reoptimize.worn.size(); worn > 1 && worn != reoptimize.comparisons.size())
-    throw UsageError(fmt::format("--worn names {} designs for {} comparisons: name one for all, or one for each", worn,
-                                 reoptimize.comparisons.size()));
+    throw UsageError("--worn names {} designs for {} comparisons: name one for all, or one for each", worn,
+                     reoptimize.comparisons.size());
   if (!reoptimize.participants.empty() && !reoptimize.sizes)
     throw UsageError("--participants is for the rule of --sizes: give that too, or omit it");
   if (reoptimize.quantile != redesign::GroupProblem{}.quantile && reoptimize.across != redesign::Across::kQuantile)
@@ -309,7 +308,7 @@ void CheckForGroup(const OptimizeRunOptions& options) {
                                        std::pair{options.reoptimize->cuff_penalty_deg_per_n > 0, "--cuff-penalty"},
                                        std::pair{options.reoptimize->aids.device_kg > 0, "--device-mass"},
                                        std::pair{options.reoptimize->aids.hold_n > 0, "--hold-force"}})
-    if (is_given) throw UsageError(fmt::format("{} is for one person: omit it, or give one --comparison", name));
+    if (is_given) throw UsageError("{} is for one person: omit it, or give one --comparison", name);
 }
 
 // Throws Error for a person without a height.

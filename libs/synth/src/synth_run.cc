@@ -150,7 +150,7 @@ void TakeCamera(const SynthRunOptions& o, SceneOptions& scene) {
   if (o.camera.empty()) return;
   scene.camera = camera::ReadCameraProfile(o.camera);
   if (!scene.camera->camera_from_plane)
-    throw UsageError(fmt::format("{}: has no plane; a scene needs plane_rvec and plane_tvec", o.camera.string()));
+    throw UsageError("{}: has no plane; a scene needs plane_rvec and plane_tvec", o.camera.string());
 }
 
 void TakeRoom(const SynthRunOptions& o, SceneOptions& scene) {
@@ -213,7 +213,7 @@ Json RenderPopulation(const SynthRunOptions& o, Run& run) {
         names.push_back((session.Folder() / trial / file).string());
   run.Begin(names);
   WritePopulation(sessions, scene, run.Folder());
-  run.Report(fmt::format("{} people, {} sessions each\n", population.people, population.sessions));
+  run.Report("{} people, {} sessions each\n", population.people, population.sessions);
   return {{"people", population.people}, {"sessions", population.sessions}};
 }
 
@@ -238,7 +238,7 @@ Json RenderRecording(const SynthRunOptions& o, Run& run) {
     results["hidden_frames"][written.markers[m]] = frames;
     if (frames > 0) hidden += fmt::format(", {} hidden in {}", written.markers[m], frames);
   }
-  run.Report(fmt::format("{} frames{}: {}\n", written.frames, hidden, video));
+  run.Report("{} frames{}: {}\n", written.frames, hidden, video);
   return results;
 }
 

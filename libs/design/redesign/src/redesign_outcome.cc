@@ -342,7 +342,7 @@ void CheckBefore(RedesignOutcome& outcome) {
 void RedesignOptions::Check() const {
   optimize.Check();
   if (pareto_points && (*pareto_points < 2 || *pareto_points > 1000))
-    throw UsageError(fmt::format("--pareto {}: 2 to 1000 points", *pareto_points));
+    throw UsageError("--pareto {}: 2 to 1000 points", *pareto_points);
 }
 
 double MisalignmentPercent(const DesignInMotion& design) {

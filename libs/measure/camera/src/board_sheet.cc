@@ -100,7 +100,7 @@ Paper ParsePaper(std::string_view name) {
   static const std::array kPapers = {Paper{"a4", 297, 210}, Paper{"a3", 420, 297}, Paper{"letter", 279.4, 215.9}};
   for (const Paper& paper : kPapers)
     if (paper.name == name) return paper;
-  throw UsageError(fmt::format("--paper '{}': a4, a3 and letter are known", name));
+  throw UsageError("--paper '{}': a4, a3 and letter are known", name);
 }
 
 void WriteBoardSheet(const std::filesystem::path& path, const Board& board, const Paper& paper) {

@@ -50,17 +50,16 @@ void BodyOptions::Check() const {
     throw Fail("--mass {} kg: a person weighs {} to {} kg", mass_kg, kLeastMass_kg, kLargestMass_kg);
   if (height_mm && !(*height_mm >= kLeastHeight_mm && *height_mm <= kLargestHeight_mm))
     throw Fail("--height {} mm: a person is {} to {} mm tall", *height_mm, kLeastHeight_mm, kLargestHeight_mm);
-  if (!(share > 0 && share <= 1))
-    throw UsageError(fmt::format("--share {}: of the trunk's weight, above 0 and at most 1", share));
+  if (!(share > 0 && share <= 1)) throw UsageError("--share {}: of the trunk's weight, above 0 and at most 1", share);
   if (sex && anthropometry != kDeLeva)
-    throw UsageError(fmt::format(
+    throw UsageError(
         "--sex has no effect on the table '{}', which is the same for both: leave it out, or give --anthropometry {}",
-        anthropometry, kDeLeva));
+        anthropometry, kDeLeva);
   if (!foot_mm) return;
   const auto [heel_mm, toe_mm] = *foot_mm;
   if (!(heel_mm >= 0 && toe_mm > 0 && heel_mm + toe_mm >= 100 && heel_mm + toe_mm <= 500))
-    throw UsageError(fmt::format("--foot {},{}: mm behind and before the ankle, neither negative, together 100 to 500",
-                                 heel_mm, toe_mm));
+    throw UsageError("--foot {},{}: mm behind and before the ankle, neither negative, together 100 to 500", heel_mm,
+                     toe_mm);
 }
 
 void Describe(BodyOptions& o, OptionList& options) {
