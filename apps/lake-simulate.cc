@@ -3,7 +3,6 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <string>
 
 #include "lake/commands/simulate.h"
 #include "lake/core/error.h"

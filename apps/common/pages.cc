@@ -1,6 +1,5 @@
 #include "pages.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>

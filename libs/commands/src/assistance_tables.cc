@@ -4,7 +4,6 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/numbers.h"
 #include "lake/figure/assistance_figures.h"
 #include "optimum_tables.h"
 #include "png_and_svg.h"

@@ -1,6 +1,5 @@
 #include "lake/commands/axis.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cmath>

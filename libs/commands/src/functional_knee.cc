@@ -1,6 +1,5 @@
 #include "lake/commands/functional_knee.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #include "lake/synth/population.h"
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 

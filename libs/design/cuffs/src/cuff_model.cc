@@ -1,6 +1,5 @@
 #include "lake/cuffs/cuff_model.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>

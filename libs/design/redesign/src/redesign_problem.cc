@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"

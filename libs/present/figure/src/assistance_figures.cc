@@ -1,6 +1,5 @@
 #include "lake/figure/assistance_figures.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <array>

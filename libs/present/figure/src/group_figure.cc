@@ -1,6 +1,5 @@
 #include "lake/figure/group_figure.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "lake/figure/gnuplot.h"

@@ -1,7 +1,6 @@
 #include "chart_data.h"
 
 #include <array>
-#include <cmath>
 
 #include "lake/core/colours.h"
 #include "lake/core/error.h"

@@ -1,7 +1,5 @@
 #include "lake/cohort/run_cohort.h"
 
-#include <fmt/ranges.h>
-
 #include <array>
 #include <cstdlib>
 #include <set>

@@ -10,7 +10,6 @@ extern "C" {
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
-#include "lake/core/standard_output.h"
 #include "lake/review/open_browser.h"
 #include "lake/tracking/track_markers.h"
 #include "session.h"

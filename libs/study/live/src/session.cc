@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "lake/compare/registration.h"
@@ -14,7 +13,6 @@
 #include "lake/tracking/naming.h"
 #include "lake/tracking/recording_quality.h"
 #include "lake/tracking/recording_verdicts.h"
-#include "lake/tracking/sigma_calibration.h"
 #include "trial.h"
 
 namespace lake::live {

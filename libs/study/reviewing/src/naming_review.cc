@@ -12,7 +12,6 @@
 #include "lake/core/shell_word.h"
 #include "lake/reviewing/run_review.h"
 #include "lake/tracking/track_markers.h"
-#include "result_inputs.h"
 
 namespace lake::reviewing {
 
