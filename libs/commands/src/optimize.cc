@@ -208,17 +208,13 @@ redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, std::
 constexpr double kAngleMismatch_deg = 5;
 
 redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
-  redesign::RedesignProblem problem;
   const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
+  redesign::RedesignProblem problem;
+  static_cast<redesign::MotionLimits&>(problem) = reoptimize;
   problem.design = problem::WithActuator(options.problem);
-  problem.program = reoptimize.program;
   // The program's own duration, not that of the profile's motion.
   if (problem.design.duration_s) problem.program.duration_s = problem.design.duration_s;
   problem.design.duration_s.reset();
-  problem.max_misalignment_percent = reoptimize.max_misalignment_percent;
-  problem.misalignment_of = reoptimize.misalignment_of;
-  problem.penalty_deg_per_mm = reoptimize.penalty_deg_per_mm;
-  problem.max_angle_mismatch_deg = reoptimize.max_angle_mismatch_deg;
   if (problem.misalignment_of == redesign::MisalignmentOf::kJoint && !problem.max_angle_mismatch_deg)
     problem.max_angle_mismatch_deg = kAngleMismatch_deg;
   if (!reoptimize.body.empty()) {
@@ -229,11 +225,6 @@ redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
     throw UsageError("--device-mass and --hold-force are of balance: give --body loads.json too");
   }
   if (reoptimize.balance_mm) problem.balance = redesign::BalanceLimits{.margin_mm = *reoptimize.balance_mm};
-  problem.cuffs = reoptimize.cuffs;
-  problem.max_cuff_force_n = reoptimize.max_cuff_force_n;
-  problem.cuff_penalty_deg_per_n = reoptimize.cuff_penalty_deg_per_n;
-  problem.fit_placement = reoptimize.fit_placement;
-  problem.placement_reach_mm = reoptimize.placement_reach_mm;
   return problem;
 }
 
@@ -271,17 +262,6 @@ void CheckRedesign(const OptimizeRunOptions& options) {
   if (options.study.round_mm)
     throw UsageError(
         "--round cannot be combined with a human's motion: rounding the links would change the misalignment");
-}
-
-redesign::RedesignOptions RedesignOptionsOf(const OptimizeRunOptions& options) {
-  redesign::RedesignOptions reoptimize;
-  reoptimize.optimize = options.study.optimize;
-  reoptimize.pareto_points = options.reoptimize->pareto_points;
-  reoptimize.certify_gap_deg = options.study.certify_gap_deg;
-  reoptimize.certify_time_s = options.study.certify_time_s;
-  reoptimize.yield_tolerance_mm = options.study.yield_tolerance_mm;
-  reoptimize.quiet = options.study.quiet;
-  return reoptimize;
 }
 
 void DrawFigures(const redesign::RedesignOutcome& outcome, Run& run) {
@@ -357,7 +337,7 @@ Json RunForGroup(const OptimizeRunOptions& options, const redesign::RedesignProb
 
 Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
   CheckRedesign(options);
-  const redesign::RedesignOptions redesign_options = RedesignOptionsOf(options);
+  const redesign::RedesignOptions redesign_options{options.study, options.reoptimize->pareto_points};
   redesign_options.Check();
   const redesign::RedesignProblem problem = ProblemOf(options);
   problem.CheckOptions();
