@@ -31,14 +31,13 @@ class FrameSink {
       if (error) throw Fail("{}: the folder cannot be made: {}", pictures_->string(), error.message());
       return;
     }
-    video::VideoWriterOptions video;
-    video.width = scene.Profile().camera.image_width;
-    video.height = scene.Profile().camera.image_height;
-    video.frame_rate_hz = scene.Options().frame_rate_hz;
-    video.crf = options.crf;
-    video.lossless = options.lossless;
-    video.preset = PresetOf(options);
-    video.grey = !scene.Options().colour;
+    video::VideoWriterOptions video{.width = scene.Profile().camera.image_width,
+                                    .height = scene.Profile().camera.image_height,
+                                    .frame_rate_hz = scene.Options().frame_rate_hz,
+                                    .crf = options.crf,
+                                    .lossless = options.lossless,
+                                    .grey = !scene.Options().colour,
+                                    .preset = PresetOf(options)};
     video_.emplace(folder / "video.mp4", video);
   }
 

@@ -81,9 +81,8 @@ void StsMotion::DrawPhases() {
     const double s = vary(shank, 0.5 * sd);
     return Angles{s, s - vary(knee, sd), vary(trunk, 0.5 * sd)};
   };
-  Movement movement;
-  movement.seated = posture(o.seated_knee_deg, o.seated_shank_deg, o.seated_trunk_deg, 1.5);
-  movement.standing = posture(o.standing_knee_deg, o.standing_shank_deg, o.standing_trunk_deg, 0.7);
+  Movement movement{.seated = posture(o.seated_knee_deg, o.seated_shank_deg, o.seated_trunk_deg, 1.5),
+                    .standing = posture(o.standing_knee_deg, o.standing_shank_deg, o.standing_trunk_deg, 0.7)};
   double time = 0;
   const auto add = [&](Kind kind, double duration) {
     phases_.push_back({kind, time, time + duration});

@@ -200,10 +200,7 @@ Scene StagedScene(const SynthRunOptions& o) {
 }
 
 Json RenderPopulation(const SynthRunOptions& o, Run& run) {
-  PopulationOptions population;
-  population.seed = o.seed;
-  population.people = *o.people;
-  population.sessions = o.sessions;
+  PopulationOptions population{.seed = o.seed, .people = *o.people, .sessions = o.sessions};
   const SceneOptions scene = SceneOf(o);
   const std::vector<Session> sessions = DrawPopulation(population, scene.motion);
   std::vector<std::string> names = {"participants.tsv", "participants.json", "cohort.yaml", "truth.csv"};
@@ -219,11 +216,10 @@ Json RenderPopulation(const SynthRunOptions& o, Run& run) {
 
 Json RenderRecording(const SynthRunOptions& o, Run& run) {
   const Scene scene = StagedScene(o);
-  RecordingOptions recording;
-  recording.crf = o.crf.value_or(o.scene == SynthRunOptions::Scene::kHard ? 23 : 17);
-  recording.lossless = o.lossless;
-  recording.pictures = o.pictures;
-  recording.quiet = run.Quiet();
+  RecordingOptions recording{.crf = o.crf.value_or(o.scene == SynthRunOptions::Scene::kHard ? 23 : 17),
+                             .lossless = o.lossless,
+                             .pictures = o.pictures,
+                             .quiet = run.Quiet()};
   std::vector<std::string> names = {"truth.csv", "camera.yaml", "scene.json"};
   if (!o.pictures) names.push_back("video.mp4");
   for (int frame = 0; o.pictures && frame < scene.Frames(); ++frame)

@@ -177,10 +177,9 @@ double HomeStroke(const StrokeTable& stroke, const StrokeSchedule& schedule, con
 DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
                             const FirmwareOptions& options) {
   const Homing homing = HomingOf(stroke, schedule, table, options);
-  DriftForecast forecast;
-  forecast.tolerance_percent = ToleranceOf(table, options);
-  forecast.is_measured = !options.speed_tolerance_percent && table.TolerancePercent();
-  forecast.end_mm = schedule.limits.upper_end_mm;
+  DriftForecast forecast{.tolerance_percent = ToleranceOf(table, options),
+                         .is_measured = !options.speed_tolerance_percent && table.TolerancePercent(),
+                         .end_mm = schedule.limits.upper_end_mm};
   if (options.feedback == Feedback::kPotentiometer) {
     forecast.planned_mm = HighestStroke(schedule);
     forecast.drift_mm = forecast.last_drift_mm = options.feedback_error_mm + kFollowingError_mm;

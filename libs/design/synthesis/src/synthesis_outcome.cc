@@ -26,10 +26,8 @@ LocalSolve BestOfFew(const problem::SynthesisProblem& problem, const linkage::Li
 
 problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem, double tolerance_mm,
                        std::uint64_t seed) {
-  problem::YieldOptions options;
-  options.tolerance_mm = tolerance_mm;
-  options.pin_clearance_mm = problem.parts.bore_clearance_mm;
-  options.seed = seed;
+  problem::YieldOptions options{
+      .tolerance_mm = tolerance_mm, .pin_clearance_mm = problem.parts.bore_clearance_mm, .seed = seed};
   return problem::EstimateYield(links, problem, options);
 }
 

@@ -62,10 +62,8 @@ Sensitivities OfRms(const JointMisalignment& joint, double duration_s) {
 }
 
 Sensitivities OfOffset(const JointMisalignment& joint, int axis, double duration_s) {
-  Sensitivities s;
-  s.constant = 1;
-  s.noise = 1 / std::sqrt(kIndependentSamples);
-  s.scale = std::abs(joint.mean_mm[axis]) / 100;
+  Sensitivities s{
+      .constant = 1, .noise = 1 / std::sqrt(kIndependentSamples), .scale = std::abs(joint.mean_mm[axis]) / 100};
   SetEvents(joint.shank_mm.front()[axis], joint.shank_mm.back()[axis], joint.mean_mm[axis], duration_s, 1, s);
   return s;
 }

@@ -133,11 +133,9 @@ LegLoads LoadsFromTrunk(const LegPoints& points, const LegBody& body, const Disp
     return RequiredWrench(std::span(bodies).first(count), points[joint].position_m).moment_nm;
   };
   const Wrench ground = RequiredWrench(bodies, GroundPoint(points, body));
-  LegLoads loads;
-  loads.moments = {above(3, kAnkle), -above(2, kKnee), above(1, kHip)};
-  loads.ground_force_n = ground.force_n;
-  loads.zmp_m = ground.moment_nm / ground.force_n.y();
-  return loads;
+  return {.moments = {above(3, kAnkle), -above(2, kKnee), above(1, kHip)},
+          .ground_force_n = ground.force_n,
+          .zmp_m = ground.moment_nm / ground.force_n.y()};
 }
 
 LegLoads LoadsFromGround(const LegPoints& points, const LegBody& body, const Wrench& ground) {
@@ -149,11 +147,9 @@ LegLoads LoadsFromGround(const LegPoints& points, const LegBody& body, const Wre
     const Vector2d& at = points[joint].position_m;
     return About(ground, Vector2d::Zero(), at).moment_nm - RequiredWrench(std::span(bodies).first(count), at).moment_nm;
   };
-  LegLoads loads;
-  loads.moments = {below(1, kAnkle), -below(2, kKnee), below(3, kHip)};
-  loads.ground_force_n = ground.force_n;
-  loads.zmp_m = About(ground, Vector2d::Zero(), GroundPoint(points, body)).moment_nm / ground.force_n.y();
-  return loads;
+  return {.moments = {below(1, kAnkle), -below(2, kKnee), below(3, kHip)},
+          .ground_force_n = ground.force_n,
+          .zmp_m = About(ground, Vector2d::Zero(), GroundPoint(points, body)).moment_nm / ground.force_n.y()};
 }
 
 }  // namespace lake::loads

@@ -104,10 +104,7 @@ Section FailuresSection(const std::vector<Failure>& failures) {
 // The mean with its band; with `all` each participant's own curve too.
 void AddCurve(const CurveRow* row, const std::string& name, const char* colour, Mark mark, bool all, LineChart& chart) {
   if (!row) return;
-  Series mean;
-  mean.name = name;
-  mean.colour = colour;
-  mean.mark = mark;
+  Series mean{.name = name, .colour = colour, .mark = mark};
   for (int percent = 0; percent < kPercents; ++percent) {
     const reliability::Estimate& of = row->percent[static_cast<std::size_t>(percent)].mean;
     mean.x.push_back(percent);
@@ -121,23 +118,16 @@ void AddCurve(const CurveRow* row, const std::string& name, const char* colour, 
   }
   chart.series.push_back(mean);
   if (!all) return;
-  for (const auto& [participant, curve] : row->participants) {
-    Series own;
-    own.name = participant;
-    own.mark = Mark::kThin;
-    own.x = mean.x;
-    own.y.assign(curve.begin(), curve.end());
-    chart.series.push_back(std::move(own));
-  }
+  for (const auto& [participant, curve] : row->participants)
+    chart.series.push_back({.name = participant, .x = mean.x, .y = {curve.begin(), curve.end()}, .mark = Mark::kThin});
 }
 
 LineChart CurveChart(const GroupFindings& findings, const char* quantity, const char* title, const char* axis) {
-  LineChart chart;
-  chart.title = title;
-  chart.caption = "Mean over participants; band: 95 % interval of the mean at each percent.";
-  chart.x = {"rise (%)", 0, 100};
-  chart.y.label = axis;
-  chart.width = Width::kHalf;
+  LineChart chart{.title = title,
+                  .caption = "Mean over participants; band: 95 % interval of the mean at each percent.",
+                  .x = {"rise (%)", 0, 100},
+                  .y = {.label = axis},
+                  .width = Width::kHalf};
   AddCurve(FindCurve(findings.curves, "human", quantity), "without exoskeleton", colour::kHuman, Mark::kLine, false,
            chart);
   AddCurve(FindCurve(findings.curves, "exo", quantity), "with exoskeleton", colour::kExoskeleton, Mark::kDashed, false,
@@ -146,12 +136,11 @@ LineChart CurveChart(const GroupFindings& findings, const char* quantity, const 
 }
 
 LineChart EveryoneChart(const CurveRow* row, const char* title, const char* axis) {
-  LineChart chart;
-  chart.title = title;
-  chart.caption = "Thin: each participant; a click on a name hides it.";
-  chart.x = {"rise (%)", 0, 100};
-  chart.y.label = axis;
-  chart.width = Width::kHalf;
+  LineChart chart{.title = title,
+                  .caption = "Thin: each participant; a click on a name hides it.",
+                  .x = {"rise (%)", 0, 100},
+                  .y = {.label = axis},
+                  .width = Width::kHalf};
   AddCurve(row, "mean", colour::kText, Mark::kLine, true, chart);
   return chart;
 }
