@@ -122,12 +122,12 @@ void AddCurve(const CurveRow* row, const std::string& name, const char* colour, 
     chart.series.push_back({.name = participant, .x = mean.x, .y = {curve.begin(), curve.end()}, .mark = Mark::kThin});
 }
 
+LineChart RiseChart(const char* title, const char* caption, const char* axis) {
+  return {.title = title, .caption = caption, .x = {"rise (%)", 0, 100}, .y = {.label = axis}, .width = Width::kHalf};
+}
+
 LineChart CurveChart(const GroupFindings& findings, const char* quantity, const char* title, const char* axis) {
-  LineChart chart{.title = title,
-                  .caption = "Mean over participants; band: 95 % interval of the mean at each percent.",
-                  .x = {"rise (%)", 0, 100},
-                  .y = {.label = axis},
-                  .width = Width::kHalf};
+  LineChart chart = RiseChart(title, "Mean over participants; band: 95 % interval of the mean at each percent.", axis);
   AddCurve(FindCurve(findings.curves, "human", quantity), "without exoskeleton", colour::kHuman, Mark::kLine, false,
            chart);
   AddCurve(FindCurve(findings.curves, "exo", quantity), "with exoskeleton", colour::kExoskeleton, Mark::kDashed, false,
@@ -136,11 +136,7 @@ LineChart CurveChart(const GroupFindings& findings, const char* quantity, const 
 }
 
 LineChart EveryoneChart(const CurveRow* row, const char* title, const char* axis) {
-  LineChart chart{.title = title,
-                  .caption = "Thin: each participant; a click on a name hides it.",
-                  .x = {"rise (%)", 0, 100},
-                  .y = {.label = axis},
-                  .width = Width::kHalf};
+  LineChart chart = RiseChart(title, "Thin: each participant; a click on a name hides it.", axis);
   AddCurve(row, "mean", colour::kText, Mark::kLine, true, chart);
   return chart;
 }
