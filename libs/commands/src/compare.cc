@@ -114,8 +114,9 @@ void CheckUnits(const compare::TrialTables& human, const compare::TrialTables& e
 
 compare::RegisteredTrial RegisterExo(const compare::TrialTables& tables, const std::string& joint,
                                      const CompareRunOptions& options) {
-  compare::RegistrationOptions registration{.knee = joint,
-                                            .marker_at_mm = {options.joint_at_mm[0], options.joint_at_mm[1]}};
+  compare::RegistrationOptions registration;
+  registration.knee = joint;
+  registration.marker_at_mm = {options.joint_at_mm[0], options.joint_at_mm[1]};
   if (!options.IsMarkerOnAxis() && (joint == kKnee || !tables.trajectory.Find(kKnee)))
     throw UsageError(
         "--joint-at: {} has no marker of the joint beside the leg's own knee, by which the shank's direction is known",

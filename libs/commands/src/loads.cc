@@ -369,7 +369,10 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
   const gait::LegFitResult fit = FitTrial(trial, options.fit, run, options, options.events);
   std::optional<loads::GroundForces> forces;
   if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
-  loads::LegPathOptions path{.facing = fit.motion.facing, .up = fit.up, .markers = options.fit.markers};
+  loads::LegPathOptions path;
+  path.facing = fit.motion.facing;
+  path.up = fit.up;
+  path.markers = options.fit.markers;
   const loads::LoadsResult result =
       loads::FindLoads(fit.trajectory, fit.motion, fit.events, path, options.loads, forces);
   for (const std::string& warning : result.warnings) run.Warn(warning);

@@ -177,9 +177,10 @@ Json RunSymmetry(const CompareRunOptions& options, Run& run) {
   run.AddInputs(InputsOf(used));
   const Side left = FitSide(options.left, options.human_reading, options.human_picture, run),
              right = FitSide(options.right, options.right_reading, used.right_picture, run);
-  compare::SymmetryOptions of_sides{.replacement_sd_mm = options.misalignment.replacement_sd_mm,
-                                    .one_recording = fs::equivalent(options.left, options.right),
-                                    .further = ReadLoads(options, left, right, run)};
+  compare::SymmetryOptions of_sides;
+  of_sides.replacement_sd_mm = options.misalignment.replacement_sd_mm;
+  of_sides.one_recording = fs::equivalent(options.left, options.right);
+  of_sides.further = ReadLoads(options, left, right, run);
   const compare::Symmetry symmetry = compare::CompareSides(left.fit, right.fit, of_sides);
   for (const std::string& warning : symmetry.warnings) run.Warn(warning);
   run.Begin({"summary.json", "symmetry.csv", "symmetry_curve.csv", "symmetry.png", "symmetry.svg"});

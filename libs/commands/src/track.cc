@@ -261,7 +261,9 @@ void WriteOverlay(const TrackRunOptions& options, overlay::OverlayContent conten
           "the subject never stands in this recording, so the head's position is unknown: overlay.mp4 is blurred as a "
           "whole");
   }
-  overlay::OverlayOptions overlay{.quiet = run.Quiet(), .reader = options.track.reader};
+  overlay::OverlayOptions overlay;
+  overlay.quiet = run.Quiet();
+  overlay.reader = options.track.reader;
   overlay::WriteOverlayVideo(options.video, content, overlay, run.Result("overlay.mp4"));
 }
 

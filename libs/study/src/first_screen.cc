@@ -76,10 +76,12 @@ std::array<double, 2> PlacementOf(const Json& design) {
 
 // What the simulation found of the new design.
 linkage::WearCheck SimulatedOnBody(const Json& body) {
-  return {.mount_below_hip_mm = NumberOrNaN(body.at("mount_below_hip_mm")),
-          .seat_clearance_mm = NumberOrNaN(body.at("seat_clearance_mm")),
-          .thigh_clearance_mm = NumberOrNaN(body.at("actuator_to_thigh_mm")),
-          .shank_clearance_mm = NumberOrNaN(body.at("actuator_to_shank_mm"))};
+  linkage::WearCheck check;
+  check.mount_below_hip_mm = NumberOrNaN(body.at("mount_below_hip_mm"));
+  check.seat_clearance_mm = NumberOrNaN(body.at("seat_clearance_mm"));
+  check.thigh_clearance_mm = NumberOrNaN(body.at("actuator_to_thigh_mm"));
+  check.shank_clearance_mm = NumberOrNaN(body.at("actuator_to_shank_mm"));
+  return check;
 }
 
 Way AsWorn(const StudyFile& study, const StudyResults& results, const Json& redesign) {
@@ -246,11 +248,11 @@ std::string CollisionText(const std::vector<Way>& ways) {
 
 // The three ways over the rise, and what a recording could not tell from none.
 LineChart ErrorChart(const StudyResults& results) {
-  LineChart chart{
-      .alt = "Distance of the knees over the rise: as worn, with the joint moved, with new links, and the noise floor",
-      .x = {"rise (%)", 0, 100},
-      .y = {"misalignment (%)", 0, std::nullopt},
-      .width = Width::kHalf};
+  LineChart chart;
+  chart.alt = "Distance of the knees over the rise: as worn, with the joint moved, with new links, and the noise floor";
+  chart.x = {"rise (%)", 0, 100};
+  chart.y = {"misalignment (%)", 0, std::nullopt};
+  chart.width = Width::kHalf;
   const auto add = [&](const char* file, const char* name, const char* colour, Mark mark) {
     if (!results.HasFile(file)) return;
     const Json curves = ReadJsonFile(results.Folder() / file).at("curves");

@@ -219,18 +219,22 @@ List ActiveList(const Json& summary) {
 }
 
 Series Path(const Json& curves, const std::string& prefix, const char* name, const char* colour, Mark mark) {
-  Series path{.name = name,
-              .x = NumbersOrNaN(curves.at(prefix + "_x_mm")),
-              .y = NumbersOrNaN(curves.at(prefix + "_y_mm")),
-              .colour = colour,
-              .mark = mark};
+  Series path;
+  path.name = name;
+  path.colour = colour;
+  path.mark = mark;
+  for (const Json& x : curves.at(prefix + "_x_mm")) path.x.push_back(NumberOrNaN(x));
+  for (const Json& y : curves.at(prefix + "_y_mm")) path.y.push_back(NumberOrNaN(y));
   for (std::size_t i = 0; i < path.x.size(); ++i) path.labels.push_back(fmt::format("{} %", i));
   return path;
 }
 
 Series ColumnSeries(const CsvTable& table, const char* x, const char* y, const char* name, const char* colour,
                     Mark mark) {
-  Series series{.name = name, .colour = colour, .mark = mark};
+  Series series;
+  series.name = name;
+  series.colour = colour;
+  series.mark = mark;
   for (std::size_t row = 0; row < table.Rows(); ++row) {
     series.x.push_back(table.Number(row, table.Column(x)).value_or(std::nan("")));
     series.y.push_back(table.Number(row, table.Column(y)).value_or(std::nan("")));
@@ -240,20 +244,23 @@ Series ColumnSeries(const CsvTable& table, const char* x, const char* y, const c
 
 LineChart AnglesChart(const fs::path& program) {
   const CsvTable table = CsvTable::Read(program);
-  return {.title = "Knee angles",
-          .caption = "Knee angle of the person and of the new design.",
-          .x = {"rise (%)", 0, 100},
-          .y = {.label = "knee flexion (°)"},
-          .series = {ColumnSeries(table, "percent", "knee_deg", "new design", colour::kNew, Mark::kDashed),
-                     ColumnSeries(table, "percent", "human_knee_deg", "human", colour::kHuman, Mark::kLine)},
-          .width = Width::kHalf};
+  LineChart chart;
+  chart.title = "Knee angles";
+  chart.x = {"rise (%)", 0, 100};
+  chart.y.label = "knee flexion (°)";
+  chart.width = Width::kHalf;
+  chart.caption = "Knee angle of the person and of the new design.";
+  chart.series = {ColumnSeries(table, "percent", "knee_deg", "new design", colour::kNew, Mark::kDashed),
+                  ColumnSeries(table, "percent", "human_knee_deg", "human", colour::kHuman, Mark::kLine)};
+  return chart;
 }
 
 constexpr Mark kFrontMarks[] = {Mark::kLine, Mark::kDashed, Mark::kDotted};
 
 LineChart ParetoChart(const Json& summary) {
-  LineChart chart{.title = "Range of rotation against misalignment",
-                  .alt = "Pareto fronts: the least misalignment for each range of rotation"};
+  LineChart chart;
+  chart.title = "Range of rotation against misalignment";
+  chart.alt = "Pareto fronts: the least misalignment for each range of rotation";
   chart.caption =
       "Misalignment: RMS, of the shank length. Each point is a design of its own. With the same stroke program none "
       "has more range and less misalignment; the "
@@ -261,9 +268,10 @@ LineChart ParetoChart(const Json& summary) {
   chart.x.label = "range of rotation (°)";
   chart.y = {"misalignment (%)", 0, std::nullopt};  // short, as a legend of so many names leaves little height
   for (const Json& front : summary.at("pareto")) {
-    Series series{.name = front.at("program").get<std::string>() + " program",
-                  .colour = colour::kFronts[chart.series.size() % std::size(colour::kFronts)],
-                  .mark = kFrontMarks[chart.series.size() % std::size(kFrontMarks)]};
+    Series series;
+    series.name = front.at("program").get<std::string>() + " program";
+    series.mark = kFrontMarks[chart.series.size() % std::size(kFrontMarks)];
+    series.colour = colour::kFronts[chart.series.size() % std::size(colour::kFronts)];
     for (const Json& point : front.at("range_deg_and_misalignment_percent")) {
       series.x.push_back(NumberOrNaN(point.at(0)));
       series.y.push_back(NumberOrNaN(point.at(1)));
@@ -273,11 +281,13 @@ LineChart ParetoChart(const Json& summary) {
   const auto add = [&](const char* design, const char* name, const char* colour) {
     const Json& of = summary.at(design);
     if (!of.is_object() || !of.at("range_deg").is_number() || !of.at("misalignment_percent").is_number()) return;
-    chart.series.push_back({.name = name,
-                            .x = {NumberOrNaN(of.at("range_deg"))},
-                            .y = {NumberOrNaN(of.at("misalignment_percent"))},
-                            .colour = colour,
-                            .mark = Mark::kPoints});
+    Series point;
+    point.name = name;
+    point.mark = Mark::kPoints;
+    point.colour = colour;
+    point.x = {NumberOrNaN(of.at("range_deg"))};
+    point.y = {NumberOrNaN(of.at("misalignment_percent"))};
+    chart.series.push_back(std::move(point));
   };
   add("before", "worn", colour::kWorn);
   add("joint_moved", "worn, joint moved", colour::kHip);
@@ -392,14 +402,14 @@ double LargestForce(const StudyResults& results) {
 
 LineChart PathsChart(const StudyResults& results) {
   const Json predicted = ReadJsonFile(results.Folder() / "redesign/predicted/comparison.json").at("curves");
-  LineChart chart{
-      .title = "Knee paths",
-      .alt = "Paths of the human knee, of the exoskeleton's knee as measured and as predicted for the new design",
-      .caption = "Seen from the side, one rise. Leg frame: origin at the seated ankle, x forward, y up.",
-      .x = {.label = "anterior (mm)"},
-      .y = {.label = "up (mm)"},
-      .equal_scales = true,
-      .width = Width::kHalf};
+  LineChart chart;
+  chart.title = "Knee paths";
+  chart.alt = "Paths of the human knee, of the exoskeleton's knee as measured and as predicted for the new design";
+  chart.caption = "Seen from the side, one rise. Leg frame: origin at the seated ankle, x forward, y up.";
+  chart.x.label = "anterior (mm)";
+  chart.y.label = "up (mm)";
+  chart.equal_scales = true;
+  chart.width = Width::kHalf;
   // The first is drawn on top: a new path that covers the human's is still seen.
   chart.series = {Path(predicted, "exo_knee", "new design, predicted", colour::kNew, Mark::kDashed)};
   if (const fs::path measured = "comparison/comparison.json"; results.HasFile(measured))
@@ -457,13 +467,16 @@ Section RedesignChapter(const StudyFile& study, const StudyResults& results) {
 Section StrokeChapter(const StudyFile&, const StudyResults& results) {
   const Json summary = results.Summary("stroke");
   const CsvTable table = CsvTable::Read(results.Folder() / "stroke/program.csv");
-  const auto over_time = [&](const char* title, const char* axis, const char* column, const char* name) {
-    return LineChart{.title = title,
-                     .x = {.label = "time (s)"},
-                     .y = {.label = axis},
-                     .series = {ColumnSeries(table, "time_s", column, name, colour::kNew, Mark::kLine)},
-                     .width = Width::kHalf};
-  };
+  LineChart stroke, knee;
+  stroke.title = "Stroke over time";
+  stroke.x.label = "time (s)";
+  stroke.y.label = "stroke (mm)";
+  stroke.series = {ColumnSeries(table, "time_s", "stroke_mm", "stroke", colour::kNew, Mark::kLine)};
+  knee.title = "Resulting knee angle";
+  knee.x.label = "time (s)";
+  knee.y.label = "knee flexion (°)";
+  knee.series = {ColumnSeries(table, "time_s", "knee_deg", "knee", colour::kNew, Mark::kLine)};
+  stroke.width = knee.width = Width::kHalf;
   Section section{"Stroke program", {ProgramTable(summary)}};
   if (summary.at("firmware").is_object())
     section.blocks.push_back(Paragraph{
@@ -471,8 +484,8 @@ Section StrokeChapter(const StudyFile&, const StudyResults& results) {
                     summary["firmware"].at("segments").get<int>(),
                     NumberOrNaN(summary["firmware"].at("rounding_error_mm"))) +
         DriftText(summary["firmware"])});
-  section.blocks.push_back(over_time("Stroke over time", "stroke (mm)", "stroke_mm", "stroke"));
-  section.blocks.push_back(over_time("Resulting knee angle", "knee flexion (°)", "knee_deg", "knee"));
+  section.blocks.push_back(std::move(stroke));
+  section.blocks.push_back(std::move(knee));
   return section;
 }
 

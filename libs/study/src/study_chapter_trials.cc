@@ -123,11 +123,14 @@ std::optional<Series> BeneathTheSkin(const Series& knee, const Json& summary) {
 LineChart KneeChart(const StudyResults& results, const TrialNames& names) {
   const fs::path folder = results.Folder() / names.step;
   const motion::LegMotion motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
-  LineChart chart{.title = fmt::format("Knee angle, {}", names.what),
-                  .x = {.label = "time (s)"},
-                  .y = {.label = "knee flexion (°)"},
-                  .width = Width::kHalf};
-  Series knee{.name = "knee", .colour = names.colour};
+  LineChart chart;
+  chart.title = fmt::format("Knee angle, {}", names.what);
+  chart.x.label = "time (s)";
+  chart.y.label = "knee flexion (°)";
+  chart.width = Width::kHalf;
+  Series knee;
+  knee.name = "knee";
+  knee.colour = names.colour;
   for (std::size_t i = 0; i < motion.samples.size(); i += ChartStep(motion.samples.size())) {
     const motion::LegSample& sample = motion.samples[i];
     knee.x.push_back(motion.time_s[i]);

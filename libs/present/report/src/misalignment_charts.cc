@@ -45,16 +45,21 @@ Series Ties(const Series& human, const Series& exo) {
 }
 
 Series Onset(const Series& human, const Series& exo) {
-  return {.name = "onset",
-          .x = {human.x.front(), exo.x.front()},
-          .y = {human.y.front(), exo.y.front()},
-          .colour = colour::kText,
-          .mark = Mark::kPoints,
-          .labels = {human.labels.front(), exo.labels.front()}};
+  Series onset{.name = "onset", .colour = colour::kText, .mark = Mark::kPoints};
+  onset.x = {human.x.front(), exo.x.front()};
+  onset.y = {human.y.front(), exo.y.front()};
+  onset.labels = {human.labels.front(), exo.labels.front()};
+  return onset;
 }
 
 Series Level(double value, std::string name, std::string colour, Mark mark) {
-  return {.name = std::move(name), .x = {0, 100}, .y = {value, value}, .colour = std::move(colour), .mark = mark};
+  Series level;
+  level.name = std::move(name);
+  level.colour = std::move(colour);
+  level.mark = mark;
+  level.x = {0, 100};
+  level.y = {value, value};
+  return level;
 }
 
 std::vector<double> Lengths(const std::vector<double>& x, const std::vector<double>& y) {
@@ -65,10 +70,11 @@ std::vector<double> Lengths(const std::vector<double>& x, const std::vector<doub
 
 // The misalignment in percent of the shank, with ± 1 SD over the pairs of repetitions if there are several.
 Series ErrorSeries(const Json& curves) {
-  Series error{.name = "path difference",
-               .x = NumbersOrNaN(curves.at("percent")),
-               .y = Scaled(NumbersOrNaN(curves.at("relative_error")), 100),
-               .colour = colour::kExoskeleton};
+  Series error;
+  error.name = "path difference";
+  error.colour = colour::kExoskeleton;
+  error.x = NumbersOrNaN(curves.at("percent"));
+  error.y = Scaled(NumbersOrNaN(curves.at("relative_error")), 100);
   const std::vector<double> sd = Scaled(NumbersOrNaN(curves.at("relative_error_sd")), 100);
   for (std::size_t i = 0; i < sd.size(); ++i) {
     error.lower.push_back(std::max(0.0, error.y[i] - sd[i]));
@@ -83,7 +89,10 @@ Uncertain Metric(const Json& comparison, const char* name, double factor = 1) {
 }
 
 Series SpikesOf(const Series& error, const Json& spike) {
-  Series spikes{.name = "spike", .colour = colour::kWaist, .mark = Mark::kPoints};
+  Series spikes;
+  spikes.name = "spike";
+  spikes.colour = colour::kWaist;
+  spikes.mark = Mark::kPoints;
   for (std::size_t i = 0; i < error.x.size(); ++i) {
     if (!spike.at(i).get<bool>()) continue;
     spikes.x.push_back(error.x[i]);
@@ -97,32 +106,36 @@ Series SpikesOf(const Series& error, const Json& spike) {
 LineChart KneePathsChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
   const auto path = [&](const std::string& prefix, const char* name, const char* colour) {
-    return Series{.name = name,
-                  .x = NumbersOrNaN(curves.at(prefix + "_x_mm")),
-                  .y = NumbersOrNaN(curves.at(prefix + "_y_mm")),
-                  .colour = colour,
-                  .labels = PercentLabels(NumbersOrNaN(curves.at("percent")))};
+    Series series;
+    series.name = name;
+    series.colour = colour;
+    series.x = NumbersOrNaN(curves.at(prefix + "_x_mm"));
+    series.y = NumbersOrNaN(curves.at(prefix + "_y_mm"));
+    series.labels = PercentLabels(NumbersOrNaN(curves.at("percent")));
+    return series;
   };
   const Series human = path("human_knee", "human knee", colour::kHuman);
   const Series exo = path("exo_knee", "exoskeleton knee", colour::kExoskeleton);
-  return {.title = "Both knees on the sagittal plane",
-          .alt = "Paths of the human knee and of the exoskeleton's knee over the rise, seen from the side",
-          .caption = "Mean paths in the leg frame: origin at the seated ankle, x forward, y up.",
-          .x = {.label = "anterior (mm)"},
-          .y = {.label = "up (mm)"},
-          .series = {human, exo, Ties(human, exo), Onset(human, exo)},
-          .equal_scales = true};
+  LineChart chart;
+  chart.title = "Both knees on the sagittal plane";
+  chart.alt = "Paths of the human knee and of the exoskeleton's knee over the rise, seen from the side";
+  chart.caption = "Mean paths in the leg frame: origin at the seated ankle, x forward, y up.";
+  chart.x.label = "anterior (mm)";
+  chart.y.label = "up (mm)";
+  chart.equal_scales = true;
+  chart.series = {human, exo, Ties(human, exo), Onset(human, exo)};
+  return chart;
 }
 
 LineChart PathDifferenceChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
   const Uncertain rms = Metric(comparison, "relative_rms", 100);
   const double floor = 100 * NumberOrNaN(comparison.at("noise_floor_relative"));
-  LineChart chart{
-      .title = "Path difference over the rise",
-      .alt = fmt::format("Distance of the knees in percent of the shank over the rise; RMS {} %", rms.Text(1)),
-      .x = kPercentAxis,
-      .y = {"path difference (% of the shank)", 0, std::nullopt}};
+  LineChart chart;
+  chart.title = "Path difference over the rise";
+  chart.alt = fmt::format("Distance of the knees in percent of the shank over the rise; RMS {} %", rms.Text(1));
+  chart.x = kPercentAxis;
+  chart.y = {"path difference (% of the shank)", 0, std::nullopt};
   const Series error = ErrorSeries(curves);
   if (!error.lower.empty()) chart.caption = "Band: ± 1 SD over all pairs of a human and an exoskeleton rise.";
   chart.series = {
@@ -156,21 +169,26 @@ std::optional<LineChart> JointChart(const Json& comparison) {
     }
     return series;
   };
-  return LineChart{.title = "Joint misalignment over the rise",
-                   .alt = "Distance of the exoskeleton's joint from the knee of the leg that wears it, with both bands",
-                   .caption =
-                       "Bands: where a frame's distance is with 95 %, as the markers tell it, and from the knee "
-                       "beneath the skin, which slides as the knee bends.",
-                   .x = kPercentAxis,
-                   .y = {"joint from the knee (mm)", 0, std::nullopt},
-                   .series = {with_band("from the knee beneath the skin", "anatomical_sd", colour::kGuide, Mark::kThin),
-                              with_band("from the knee's marker", "marker_sd", colour::kExoskeleton, Mark::kLine)}};
+  LineChart chart;
+  chart.title = "Joint misalignment over the rise";
+  chart.alt = "Distance of the exoskeleton's joint from the knee of the leg that wears it, with both bands";
+  chart.caption =
+      "Bands: where a frame's distance is with 95 %, as the markers tell it, and from the knee beneath the skin, which "
+      "slides as the knee bends.";
+  chart.x = kPercentAxis;
+  chart.y = {"joint from the knee (mm)", 0, std::nullopt};
+  chart.series = {with_band("from the knee beneath the skin", "anatomical_sd", colour::kGuide, Mark::kThin),
+                  with_band("from the knee's marker", "marker_sd", colour::kExoskeleton, Mark::kLine)};
+  return chart;
 }
 
 BarChart DecompositionChart(const Json& comparison) {
-  BarChart chart{.title = "What the misalignment is made of",
-                 .value_axis = {.label = "share of the mean square distance (%)"}};
-  BarSeries share{.name = "share", .colours = {kPlacement, kTiming, kShape}};
+  BarChart chart;
+  chart.title = "What the misalignment is made of";
+  chart.value_axis.label = "share of the mean square distance (%)";
+  BarSeries share;
+  share.name = "share";
+  share.colours = {kPlacement, kTiming, kShape};
   for (const char* name : {"placement", "timing", "shape"}) {
     const Json& part = comparison.at("decomposition").at(name);
     chart.categories.push_back(name);
@@ -190,37 +208,44 @@ BarChart DecompositionChart(const Json& comparison) {
 
 LineChart PartsChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
+  LineChart chart;
+  chart.title = "Size of each part over the rise";
+  chart.caption = "Lengths of three vectors that add up to the distance vector; they need not add up as lengths.";
+  chart.x = kPercentAxis;
+  chart.y = {"length (mm)", 0, std::nullopt};
   const auto part = [&](const std::string& name, const char* colour, Mark mark) {
-    return Series{.name = name,
-                  .x = NumbersOrNaN(curves.at("percent")),
-                  .y = Lengths(NumbersOrNaN(curves.at(name + "_x_mm")), NumbersOrNaN(curves.at(name + "_y_mm"))),
-                  .colour = colour,
-                  .mark = mark};
+    Series series;
+    series.name = name;
+    series.colour = colour;
+    series.mark = mark;
+    series.x = NumbersOrNaN(curves.at("percent"));
+    series.y = Lengths(NumbersOrNaN(curves.at(name + "_x_mm")), NumbersOrNaN(curves.at(name + "_y_mm")));
+    return series;
   };
-  return {.title = "Size of each part over the rise",
-          .caption = "Lengths of three vectors that add up to the distance vector; they need not add up as lengths.",
-          .x = kPercentAxis,
-          .y = {"length (mm)", 0, std::nullopt},
-          .series = {part("placement", kPlacement, Mark::kLine), part("timing", kTiming, Mark::kDashed),
-                     part("shape", kShape, Mark::kDotted)}};
+  chart.series = {part("placement", kPlacement, Mark::kLine), part("timing", kTiming, Mark::kDashed),
+                  part("shape", kShape, Mark::kDotted)};
+  return chart;
 }
 
 LineChart KneeAnglesChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
-  const auto angle = [&](const char* column, const char* name, const char* colour, Mark mark) {
-    return Series{.name = name,
-                  .x = NumbersOrNaN(curves.at("percent")),
-                  .y = NumbersOrNaN(curves.at(column)),
-                  .colour = colour,
-                  .mark = mark};
-  };
-  return {.title = "Knee angles",
-          .alt = "Knee angles of both trials over the rise",
-          .caption = fmt::format("0° is straight. RMS difference {}°.", Metric(comparison, "knee_rmse_deg").Text(1)),
-          .x = kPercentAxis,
-          .y = {.label = "knee flexion (°)"},
-          .series = {angle("human_knee_deg", "human", colour::kHuman, Mark::kLine),
-                     angle("exo_knee_deg", "exoskeleton", colour::kExoskeleton, Mark::kDashed)}};
+  LineChart chart;
+  chart.title = "Knee angles";
+  chart.alt = "Knee angles of both trials over the rise";
+  chart.caption = fmt::format("0° is straight. RMS difference {}°.", Metric(comparison, "knee_rmse_deg").Text(1));
+  chart.x = kPercentAxis;
+  chart.y.label = "knee flexion (°)";
+  Series human, exo;
+  human.name = "human";
+  human.colour = colour::kHuman;
+  exo.name = "exoskeleton";
+  exo.colour = colour::kExoskeleton;
+  exo.mark = Mark::kDashed;
+  human.x = exo.x = NumbersOrNaN(curves.at("percent"));
+  human.y = NumbersOrNaN(curves.at("human_knee_deg"));
+  exo.y = NumbersOrNaN(curves.at("exo_knee_deg"));
+  chart.series = {std::move(human), std::move(exo)};
+  return chart;
 }
 
 }  // namespace lake::report

@@ -104,7 +104,10 @@ Section FailuresSection(const std::vector<Failure>& failures) {
 // The mean with its band; with `all` each participant's own curve too.
 void AddCurve(const CurveRow* row, const std::string& name, const char* colour, Mark mark, bool all, LineChart& chart) {
   if (!row) return;
-  Series mean{.name = name, .colour = colour, .mark = mark};
+  Series mean;
+  mean.name = name;
+  mean.colour = colour;
+  mean.mark = mark;
   for (int percent = 0; percent < kPercents; ++percent) {
     const reliability::Estimate& of = row->percent[static_cast<std::size_t>(percent)].mean;
     mean.x.push_back(percent);
@@ -118,16 +121,23 @@ void AddCurve(const CurveRow* row, const std::string& name, const char* colour, 
   }
   chart.series.push_back(mean);
   if (!all) return;
-  for (const auto& [participant, curve] : row->participants)
-    chart.series.push_back({.name = participant, .x = mean.x, .y = {curve.begin(), curve.end()}, .mark = Mark::kThin});
-}
-
-LineChart RiseChart(const char* title, const char* caption, const char* axis) {
-  return {.title = title, .caption = caption, .x = {"rise (%)", 0, 100}, .y = {.label = axis}, .width = Width::kHalf};
+  for (const auto& [participant, curve] : row->participants) {
+    Series own;
+    own.name = participant;
+    own.mark = Mark::kThin;
+    own.x = mean.x;
+    own.y.assign(curve.begin(), curve.end());
+    chart.series.push_back(std::move(own));
+  }
 }
 
 LineChart CurveChart(const GroupFindings& findings, const char* quantity, const char* title, const char* axis) {
-  LineChart chart = RiseChart(title, "Mean over participants; band: 95 % interval of the mean at each percent.", axis);
+  LineChart chart;
+  chart.title = title;
+  chart.caption = "Mean over participants; band: 95 % interval of the mean at each percent.";
+  chart.x = {"rise (%)", 0, 100};
+  chart.y.label = axis;
+  chart.width = Width::kHalf;
   AddCurve(FindCurve(findings.curves, "human", quantity), "without exoskeleton", colour::kHuman, Mark::kLine, false,
            chart);
   AddCurve(FindCurve(findings.curves, "exo", quantity), "with exoskeleton", colour::kExoskeleton, Mark::kDashed, false,
@@ -136,7 +146,12 @@ LineChart CurveChart(const GroupFindings& findings, const char* quantity, const 
 }
 
 LineChart EveryoneChart(const CurveRow* row, const char* title, const char* axis) {
-  LineChart chart = RiseChart(title, "Thin: each participant; a click on a name hides it.", axis);
+  LineChart chart;
+  chart.title = title;
+  chart.caption = "Thin: each participant; a click on a name hides it.";
+  chart.x = {"rise (%)", 0, 100};
+  chart.y.label = axis;
+  chart.width = Width::kHalf;
   AddCurve(row, "mean", colour::kText, Mark::kLine, true, chart);
   return chart;
 }

@@ -50,7 +50,9 @@ std::vector<RiseOffset> FindRiseOffsets(motion::MarkerRecording recording, const
   fit.known_sigmas = true;
   const gait::LegFitResult leg = gait::FitLeg(gait::AtFrameTimes(recording, finding.shutter), finding.view, fit);
   const compare::TrialTables tables{"live", leg.trajectory, leg.motion, leg.events};
-  compare::RegistrationOptions registration{.knee = finding.joint, .marker_at_mm = finding.marker_at_mm};
+  compare::RegistrationOptions registration;
+  registration.knee = finding.joint;
+  registration.marker_at_mm = finding.marker_at_mm;
   const compare::RegisteredTrial trial = compare::RegisterTrial(tables, registration);
   const std::vector<compare::StsInterval> intervals = compare::FindStsIntervals(tables);
   std::vector<RiseOffset> rises;

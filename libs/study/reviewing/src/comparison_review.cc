@@ -21,7 +21,9 @@ namespace {
 // Each rise at 0 to 100 %, as it was compared: the compared joint in the leg frame, mm, and the knee angle.
 Json RisesOf(const fs::path& folder, const std::string& marker, const Eigen::Vector2d& marker_at_mm) {
   Run reading({"lake-review", "", Json::object(), folder, true});
-  compare::RegistrationOptions registration{.knee = marker, .marker_at_mm = marker_at_mm};
+  compare::RegistrationOptions registration;
+  registration.knee = marker;
+  registration.marker_at_mm = marker_at_mm;
   const compare::RegisteredTrial trial =
       compare::RegisterTrial(commands::ReadTrialTables(folder, {}, marker, reading), registration);
   Json rises = Json::array();
@@ -39,13 +41,15 @@ Json RisesOf(const fs::path& folder, const std::string& marker, const Eigen::Vec
 review::ComparedVideo ReadVideo(const fs::path& folder, const std::string& marker,
                                 const Eigen::Vector2d& marker_at_mm) {
   TrackedFolder tracked = ReadTrackedFolder(folder);
-  return {.name = fs::path(tracked.options.video).filename().string(),
-          .marker = marker,
-          .video = tracked.options.video,
-          .reader = tracked.options.track.reader,
-          .tracks = motion::ReadMarkerCsv(folder / "tracks.csv"),
-          .motion = motion::ReadKinematicsCsv(folder / "kinematics.csv"),
-          .rises = RisesOf(folder, marker, marker_at_mm)};
+  review::ComparedVideo trial;
+  trial.name = fs::path(tracked.options.video).filename().string();
+  trial.marker = marker;
+  trial.video = tracked.options.video;
+  trial.reader = tracked.options.track.reader;
+  trial.tracks = motion::ReadMarkerCsv(folder / "tracks.csv");
+  trial.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
+  trial.rises = RisesOf(folder, marker, marker_at_mm);
+  return trial;
 }
 
 // Of a trial that was compared.

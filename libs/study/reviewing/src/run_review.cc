@@ -131,7 +131,10 @@ void ReviewVideo(const ReviewRunOptions& options, const review::PageOptions& pag
 
 void ReviewTrial(const ReviewRunOptions& options, const review::PageOptions& page) {
   TrackedFolder folder = ReadTrackedFolder(options.subject);
-  review::ReviewOptions trial{.video = folder.options.video, .reader = folder.options.track.reader, .page = page};
+  review::ReviewOptions trial;
+  trial.page = page;
+  trial.video = folder.options.video;
+  trial.reader = folder.options.track.reader;
   review::ServeReview(trial, ReviewedTrialOf(std::move(folder)), std::nullopt);
 }
 
@@ -142,8 +145,9 @@ bool IsDesignFile(const fs::path& file) {
 }  // namespace
 
 void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
-  review::PageOptions page{.port = options.port,
-                           .ready = [&options](const std::string& address) { Announce(address, options.open); }};
+  review::PageOptions page;
+  page.port = options.port;
+  page.ready = [&options](const std::string& address) { Announce(address, options.open); };
   const bool is_folder = fs::is_directory(options.subject);
   const std::string maker = is_folder ? MakerOf(options.subject) : "";
   const bool is_design =
