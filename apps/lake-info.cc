@@ -63,7 +63,7 @@ lake::Json Describe(const std::filesystem::path& path, double mm_per_unit, doubl
     return DescribePoints(lake::exchange::ReadPoints(path, mm_per_unit, rate_hz));
   }
   if (mm_per_unit != 1 || rate_hz > 0)
-    throw lake::UsageError(fmt::format("{}: holds angles: --unit and --rate are for points", path.string()));
+    throw lake::UsageError("{}: holds angles: --unit and --rate are for points", path.string());
   const lake::exchange::MotTable table = lake::exchange::ReadMot(path);
   lake::Json info = Timing(table.time_s);
   info["in_degrees"] = table.in_degrees;

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <string>
 
 #include "lake/commands/simulate.h"
 #include "lake/core/error.h"
@@ -38,7 +37,7 @@ lake::linkage::Design LoadDesign(const Input& input, lake::Run& run) {
   if (input.d_min_mm != 0) design.d_min_mm = input.d_min_mm;
   if (input.d_max_mm != 0) design.d_max_mm = input.d_max_mm;
   if (!(design.d_min_mm > 0 && std::isfinite(design.d_min_mm)))
-    throw lake::UsageError(fmt::format("--d-min must be above 0, not {}", design.d_min_mm));
+    throw lake::UsageError("--d-min must be above 0, not {}", design.d_min_mm);
   return design;
 }
 

@@ -1,6 +1,5 @@
 #include "pages.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -153,7 +152,7 @@ std::string Completion(const CLI::App& cli, const std::string& shell) {
   if (shell == "bash") return BashCompletion(cli);
   if (shell == "zsh") return ZshCompletion(cli);
   if (shell == "fish") return FishCompletion(cli);
-  throw UsageError(fmt::format("--completion '{}': bash, zsh or fish", shell));
+  throw UsageError("--completion '{}': bash, zsh or fish", shell);
 }
 
 }  // namespace lake

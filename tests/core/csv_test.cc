@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <clocale>
 #include <cmath>
 #include <cstring>
@@ -103,6 +104,15 @@ TEST(Csv, WritesAndReadsBack) {
   EXPECT_EQ(table.Number(1, 0), std::nullopt);
   EXPECT_THAT([&] { table.RequiredNumber(1, 0); }, ThrowsMessage<Error>(HasSubstr("t.csv:3: column 'a' is empty")));
   EXPECT_THAT([&] { table.Column("e"); }, ThrowsMessage<Error>(HasSubstr("no column 'e'")));
+}
+
+TEST(Csv, ARowTakesNumbersTextsAndRangesOfNumbers) {
+  CsvWriter writer({"size", "flag", "none", "name", "x", "y"});
+  writer.AddRow(std::size_t{7}, true, std::nullopt, std::string("a,b"), std::array{0.5, -0.25});
+  const TemporaryFolder folder;
+  writer.Write(folder / "t.csv");
+  EXPECT_EQ(ReadTextFile(folder / "t.csv"), "size,flag,none,name,x,y\n7,1,,\"a,b\",0.5,-0.25\n");
+  EXPECT_THAT([&] { writer.AddRow(1, 2); }, ThrowsMessage<std::logic_error>(HasSubstr("in a table of 6 columns")));
 }
 
 TEST(Csv, TextThatIsNotUtf8HasReplacementCharacters) {

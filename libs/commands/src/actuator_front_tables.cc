@@ -33,7 +33,7 @@ void AddSolved(const synthesis::ActuatorCurve& curve, const synthesis::FrontPoin
   else
     table.AddEmpty().AddEmpty();
   table.Add(curve.problem.d_min_mm);
-  AddLinkCells(table, point.links);
+  table.Add(point.links.Values());
 }
 
 }  // namespace
@@ -53,8 +53,7 @@ void WriteActuatorFront(const std::vector<synthesis::ActuatorCurve>& curves, con
         AddSolved(curve, point, table);
       else
         for (int i = 0; i < kOfSolved; ++i) table.AddEmpty();
-      table.Add(point.solved ? "" : curve.failing);
-      table.EndRow();
+      table.Add(point.solved ? "" : curve.failing).EndRow();
     }
   table.Write(path);
 }

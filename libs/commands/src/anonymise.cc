@@ -69,17 +69,16 @@ Json RunAnonymise(const AnonymiseRunOptions& options, Run& run) {
   const overlay::AnonymisedCopy done =
       overlay::WriteAnonymisedVideo(options.video, blur, copy, run.Result("anonymised.mp4"));
   if (done.whole > 0)
-    run.Warn(fmt::format("in {} of {} frames the head's position is unknown: there the whole picture is blurred",
-                         done.whole, done.frames));
+    run.Warn("in {} of {} frames the head's position is unknown: there the whole picture is blurred", done.whole,
+             done.frames);
   if (done.beside_leg > 0)
     run.Warn(
-        fmt::format("in {} of {} frames leg or markers, which are left as they are, are where the face may be: look at "
-                    "these frames",
-                    done.beside_leg, done.frames));
-  run.Report(fmt::format("{} frames; {}\nOnly the tracked subject is blurred: look for others in the picture.\n",
-                         done.frames,
-                         done.is_exact ? "what is not blurred is the recording's to the bit"
-                                       : "what is not blurred was encoded anew, so tracks differ a little"));
+        "in {} of {} frames leg or markers, which are left as they are, are where the face may be: look at these "
+        "frames",
+        done.beside_leg, done.frames);
+  run.Report("{} frames; {}\nOnly the tracked subject is blurred: look for others in the picture.\n", done.frames,
+             done.is_exact ? "what is not blurred is the recording's to the bit"
+                           : "what is not blurred was encoded anew, so tracks differ a little");
   return {{"frames", done.frames},
           {"frames_blurred_whole", done.whole},
           {"frames_beside_leg", done.beside_leg},

@@ -4,7 +4,6 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/numbers.h"
 #include "lake/figure/assistance_figures.h"
 #include "optimum_tables.h"
 #include "png_and_svg.h"
@@ -19,12 +18,9 @@ constexpr double kRounding = 1e-6;  // a solver leaves a force this much above i
 void WriteTable(const problem::Assistance& assistance, const std::filesystem::path& path) {
   CsvWriter table({"percent", "time_s", "knee_deg", "knee_nm", "stroke_mm", "moment_arm_mm", "force_n", "speed_mm_s",
                    "power_w", "least_duration_s"});
-  for (const AssistanceRow& row : assistance.rows) {
-    for (const double value : {row.percent, row.time_s, row.knee_deg, row.knee_nm, row.stroke_mm, row.moment_arm_mm,
-                               row.force_n, row.speed_mm_s, row.power_w, row.least_duration_s})
-      table.Add(value);
-    table.EndRow();
-  }
+  for (const AssistanceRow& row : assistance.rows)
+    table.AddRow(row.percent, row.time_s, row.knee_deg, row.knee_nm, row.stroke_mm, row.moment_arm_mm, row.force_n,
+                 row.speed_mm_s, row.power_w, row.least_duration_s);
   table.Write(path);
 }
 

@@ -1,6 +1,5 @@
 #include "lake/commands/axis.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cmath>
@@ -65,8 +64,7 @@ void WriteAxes(const fs::path& path, const axis::MeanAxesResult& result, const e
   if (dimensions == 3) AddNames("n", "_file", dimensions, header);
   CsvWriter csv(header);
   const auto add = [&](const axis::MeanAxis& axis) {
-    csv.Add(static_cast<int>(axis.window)).Add(static_cast<int>(points.frame[axis.first]));
-    csv.Add(static_cast<int>(points.frame[axis.last])).Add(axis.flexion_deg);
+    csv.Add(axis.window).Add(points.frame[axis.first]).Add(points.frame[axis.last]).Add(axis.flexion_deg);
     AddPoint(axis.in_shank, dimensions, csv);
     if (dimensions == 3) AddPoint(axis.direction_shank, dimensions, csv);
     csv.Add(axis.sd_mm);
@@ -87,7 +85,7 @@ void WriteCentres(const fs::path& path, const std::vector<axis::InstantaneousCen
   AddNames("", "_mm_file", dimensions, header);
   CsvWriter csv(header);
   for (const axis::InstantaneousCentre& centre : centres) {
-    csv.Add(static_cast<int>(points.frame[centre.frame])).Add(points.time_s[centre.frame]).Add(centre.knee_deg);
+    csv.Add(points.frame[centre.frame]).Add(points.time_s[centre.frame]).Add(centre.knee_deg);
     AddPoint(centre.in_shank, dimensions, csv);
     AddPoint(centre.sd_mm, dimensions, csv);
     AddPoint(centre.in_file, dimensions, csv);
@@ -147,9 +145,8 @@ void Describe(AxisRunOptions& o, OptionList& options) {
   options.Add("range", o.range_deg, "Also the best pin between these two knee angles").Value("FROM,TO").Unit("degrees");
   options.Check([&o](const OptionList&) {
     if (o.segments.shank.empty() || o.segments.thigh.empty())
-      throw UsageError(fmt::format("--segment: of the {} no marker is given: add --segment {}=MARKER,MARKER",
-                                   o.segments.shank.empty() ? "shank" : "thigh",
-                                   o.segments.shank.empty() ? "shank" : "thigh"));
+      throw UsageError("--segment: of the {} no marker is given: add --segment {}=MARKER,MARKER",
+                       o.segments.shank.empty() ? "shank" : "thigh", o.segments.shank.empty() ? "shank" : "thigh");
   });
 }
 

@@ -117,10 +117,9 @@ void WriteResiduals(const fs::path& path, const std::vector<camera::BoardView>& 
                     const camera::CalibrationResult& result) {
   CsvWriter table({"view", "corner", "x_px", "y_px", "dx_px", "dy_px"});
   for (std::size_t v = 0; v < views.size(); ++v) {
-    for (std::size_t i = 0; i < views[v].corner.size(); ++i) {
-      table.Add(views[v].name).Add(views[v].corner[i]).Add(views[v].pixel[i].x()).Add(views[v].pixel[i].y());
-      table.Add(result.residual_px[v][i].x()).Add(result.residual_px[v][i].y()).EndRow();
-    }
+    for (std::size_t i = 0; i < views[v].corner.size(); ++i)
+      table.AddRow(views[v].name, views[v].corner[i], views[v].pixel[i].x(), views[v].pixel[i].y(),
+                   result.residual_px[v][i].x(), result.residual_px[v][i].y());
   }
   table.Write(path);
 }
@@ -130,8 +129,8 @@ std::vector<camera::PlaneCorrespondence> CheckedPoints(const std::string& text, 
   for (const auto& p : points)
     if (p.pixel.x() < -0.5 || p.pixel.y() < -0.5 || p.pixel.x() > camera.image_width - 0.5 ||
         p.pixel.y() > camera.image_height - 0.5)
-      throw UsageError(fmt::format("--points: pixel {},{} is outside the picture of {}x{}", p.pixel.x(), p.pixel.y(),
-                                   camera.image_width, camera.image_height));
+      throw UsageError("--points: pixel {},{} is outside the picture of {}x{}", p.pixel.x(), p.pixel.y(),
+                       camera.image_width, camera.image_height);
   return points;
 }
 
@@ -169,8 +168,8 @@ camera::CalibrationResult CalibrateWithViewsThatFit(const camera::Board& board,
     const double median = Median(result.view_rms_px), limit = std::max(kTimesTheMedian * median, kLeastPx);
     if (pictures.views.size() <= kLeastViews || *worst <= limit) return result;
     const auto view = pictures.views.begin() + (worst - result.view_rms_px.begin());
-    run.Warn(fmt::format("{} does not fit the other views ({:.2f} px RMS, theirs {:.2f}) and is left out", view->name,
-                         *worst, median));
+    run.Warn("{} does not fit the other views ({:.2f} px RMS, theirs {:.2f}) and is left out", view->name, *worst,
+             median);
     pictures.views.erase(view);
   }
 }
@@ -199,8 +198,8 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
              "cross_validation.svg"});
   camera::BoardPictures pictures = camera::FindBoards(options.pictures, board, find);
   if (!pictures.without_board.empty())
-    run.Warn(fmt::format("no board seen in {} of {} images, left out: {}", pictures.without_board.size(),
-                         pictures.attempts, fmt::join(pictures.without_board, ", ")));
+    run.Warn("no board seen in {} of {} images, left out: {}", pictures.without_board.size(), pictures.attempts,
+             fmt::join(pictures.without_board, ", "));
 
   const camera::LensChoice choice = TakeLens(options, board, pictures);
   camera::CalibrationOptions calibration = options.calibration;
@@ -244,8 +243,8 @@ Json RunPlane(const PlaneRunOptions& options, Run& run) {
   const double distance_mm = fit.camera_from_plane.inverse().translation().z(),
                mm_per_px =
                    camera::SigmaInPlane(camera::PlanePointFromPixel(profile.camera, fit.camera_from_plane, middle), 1);
-  run.Report(fmt::format("plane at {:.0f} mm, {:.3f} mm/px in the middle, RMS {:.3f} px\n", distance_mm, mm_per_px,
-                         fit.uncertainty.rms_px));
+  run.Report("plane at {:.0f} mm, {:.3f} mm/px in the middle, RMS {:.3f} px\n", distance_mm, mm_per_px,
+             fit.uncertainty.rms_px);
   Json json = {{"plane_rms_px", fit.uncertainty.rms_px},
                {"sigma_px", fit.sigma_px},
                {"roll_deg", fit.roll_deg},
@@ -265,7 +264,7 @@ Json RunSheet(const SheetRunOptions& options, Run& run) {
   const camera::Paper paper = camera::ParsePaper(options.paper);
   const fs::path file = run.Result("board.pdf");
   camera::WriteBoardSheet(file, board, paper);
-  run.Report(fmt::format("{} on {}: print it at 100 %\n", file.string(), paper.name));
+  run.Report("{} on {}: print it at 100 %\n", file.string(), paper.name);
   return {{"board", camera::ToString(board)}, {"paper", paper.name}, {"file", file.string()}};
 }
 

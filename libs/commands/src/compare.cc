@@ -118,9 +118,9 @@ compare::RegisteredTrial RegisterExo(const compare::TrialTables& tables, const s
   registration.knee = joint;
   registration.marker_at_mm = {options.joint_at_mm[0], options.joint_at_mm[1]};
   if (!options.IsMarkerOnAxis() && (joint == kKnee || !tables.trajectory.Find(kKnee)))
-    throw UsageError(fmt::format(
+    throw UsageError(
         "--joint-at: {} has no marker of the joint beside the leg's own knee, by which the shank's direction is known",
-        tables.name));
+        tables.name);
   return compare::RegisterTrial(tables, registration);
 }
 
@@ -136,10 +136,10 @@ struct RegisteredPair {
 compare::ComparedCurves ReadCompared(const fs::path& comparison, Run& run) {
   compare::ComparedCurves curves = compare::ReadComparison(comparison);
   if (curves.knee_is_functional && !curves.axes.human_mm)
-    run.Warn(fmt::format(
+    run.Warn(
         "{} does not say how precise its functional knee is: the budget has a marker's placement for it; compare its "
         "trials again",
-        comparison.string()));
+        comparison.string());
   return curves;
 }
 
@@ -161,8 +161,8 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
     throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
   if (human && exo) CheckUnits(human->tables, exo->tables);
   if (human && exo && human->tables.trajectory.Find(kExoKnee) && !exo->tables.trajectory.Find(kExoKnee))
-    run.Warn(fmt::format("{} has a marker {} and {} has none: the trial without exoskeleton goes first",
-                         human->tables.name, kExoKnee, exo->tables.name));
+    run.Warn("{} has a marker {} and {} has none: the trial without exoskeleton goes first", human->tables.name,
+             kExoKnee, exo->tables.name);
   pair.exo_knee = exo ? FindExoKnee(exo->tables.trajectory, options) : options.exo_knee.value_or(kExoKnee);
   if (human) {
     compare::RegistrationOptions registration;
@@ -311,8 +311,7 @@ void CheckIsCompared(const CompareRunOptions& o, const OptionList& list) {
   }
   for (const char* name : {"height", "mass", "seat-edge"})
     if (!o.worn && list.IsGiven(name))
-      throw UsageError(
-          fmt::format("--{} is of the person on whom a worn design is checked: add --worn, or omit it", name));
+      throw UsageError("--{} is of the person on whom a worn design is checked: add --worn, or omit it", name);
 }
 
 // Two trials of one kind.
@@ -363,10 +362,10 @@ FunctionalTables ReadFunctionalTables(const fs::path& path, const exchange::Tria
   const bool has_joint = knee != kKnee && trial.recording.Find(knee);
   const bool is_joint_put = !options.exo_segments.shank.empty() && put(options.exo_segments, knee);
   if (!has_joint && !is_joint_put)
-    throw UsageError(fmt::format(
-        "--knee functional: {} shows no joint of the exoskeleton beside the knee: name its marker with "
-        "--exo-knee, or markers on the exoskeleton's parts, --exo-segment shank=A,B --exo-segment thigh=C,D",
-        path.string()));
+    throw UsageError(
+        "--knee functional: {} shows no joint of the exoskeleton beside the knee: name its marker with --exo-knee, or "
+        "markers on the exoskeleton's parts, --exo-segment shank=A,B --exo-segment thigh=C,D",
+        path.string());
   std::optional<double> sd_mm;
   if (knee != kKnee) sd_mm = put(options.segments, kKnee);  // else the joint has the place of the person's knee
   return {FitTables(path, trial, LegKneeOf(trial, knee), run, picture), sd_mm};
@@ -425,9 +424,9 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
     comparison["best_placement"]["body_text"] = move.text;
   } else if (options.worn) {
     run.Warn(
-        fmt::format("{} shows no knee of the leg beside the joint: what seat and limbs allow of the worn design's "
-                    "joint is not told",
-                    options.exo.filename().string()));
+        "{} shows no knee of the leg beside the joint: what seat and limbs allow of the worn design's joint is not "
+        "told",
+        options.exo.filename().string());
   }
   compare::ComparisonBudgetOptions budget = options.budget;
   budget.axes = pair.axes;

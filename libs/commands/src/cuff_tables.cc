@@ -44,7 +44,7 @@ void WriteCuffTable(const std::filesystem::path& path, const std::vector<CuffCas
   CsvWriter csv(header);
   for (const CuffCase& one : cases)
     for (std::size_t i = 0; i < one.course.thigh_n.size(); ++i) {
-      csv.Add(one.name).Add(static_cast<int>(i));
+      csv.Add(one.name).Add(i);
       for (const Force& force : kForces) {
         const cuffs::CuffForce& at = (one.course.*force.course)[i];
         csv.Add(at.force_n).Add(at.low_n).Add(at.high_n);

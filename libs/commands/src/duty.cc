@@ -14,14 +14,7 @@ namespace {
 void WritePlateaus(const std::filesystem::path& path, const std::vector<actuator::Plateau>& plateaus) {
   CsvWriter table({"log", "begin_s", "end_s", "duty", "speed_mm_s", "standard_error_mm_s", "used"});
   for (const actuator::Plateau& p : plateaus)
-    table.Add(p.log)
-        .Add(p.begin_s)
-        .Add(p.end_s)
-        .Add(p.duty)
-        .Add(p.speed_mm_s)
-        .Add(p.standard_error_mm_s)
-        .Add(p.used ? 1 : 0)
-        .EndRow();
+    table.AddRow(p.log, p.begin_s, p.end_s, p.duty, p.speed_mm_s, p.standard_error_mm_s, p.used);
   table.Write(path);
 }
 
@@ -33,7 +26,7 @@ Json WriteCalibrationFirmware(const DutyRunOptions& options, Run& run) {
   options.firmware.Check();
   const std::string header =
       actuator::CalibrationHeader(options.firmware, fmt::format("Made by lake-stroke {}.", Version()));
-  run.Report(fmt::format("calibration firmware written; it obeys jog and stop\n{}\n", actuator::kUntried));
+  run.Report("calibration firmware written; it obeys jog and stop\n{}\n", actuator::kUntried);
   return {{"firmware", {{"files", WriteSketch(header, options.firmware.board, "", run)}, {"segments", 0}}}};
 }
 

@@ -54,7 +54,7 @@ const Format& FormatNamed(const std::string& name) {
     if (format.name == name) return format;
     known.push_back(format.name);
   }
-  throw UsageError(fmt::format("no format '{}': there are {}", name, fmt::join(known, ", ")));
+  throw UsageError("no format '{}': there are {}", name, fmt::join(known, ", "));
 }
 
 std::filesystem::path MotionOf(const ExportOptions& options) {
@@ -67,12 +67,10 @@ void CheckBody(const ExportOptions& options) {
     return;
   }
   if (!FormatNamed(options.format).write_worn)
-    throw UsageError(fmt::format("--body is for mjcf and osim, not for {}", options.format));
+    throw UsageError("--body is for mjcf and osim, not for {}", options.format);
   if (const std::filesystem::path motion = MotionOf(options); options.motion.empty() && !exists(motion))
-    throw UsageError(
-        fmt::format("{} is not there: give --motion, a folder of lake-optimize's predicted/ or of "
-                    "lake-compare",
-                    motion.string()));
+    throw UsageError("{} is not there: give --motion, a folder of lake-optimize's predicted/ or of lake-compare",
+                     motion.string());
 }
 
 double LeanDeg(const Eigen::Vector2d& up) {
@@ -100,9 +98,9 @@ void WarnOfLean(const ExportOptions& options, Run& run) {
   constexpr double kTold_deg = 0.5;
   if (largest_deg >= kTold_deg)
     run.Warn(
-        fmt::format("the trunk leans as in {}; that it has to lean up to {:.0f} degrees otherwise for balance, as {} "
-                    "says, is not in the model",
-                    options.body.string(), largest_deg, file.string()));
+        "the trunk leans as in {}; that it has to lean up to {:.0f} degrees otherwise for balance, as {} says, is not "
+        "in the model",
+        options.body.string(), largest_deg, file.string());
 }
 
 // The person in the motion of the exoskeleton's leg.
@@ -169,8 +167,7 @@ Json RunExport(const ExportOptions& options, Run& run) {
   std::vector<std::string> layers;
   for (const std::vector<std::string>& bodies : LayersOf(mechanism.stack))
     layers.push_back(fmt::format("{}", fmt::join(bodies, " and ")));
-  run.Report(fmt::format("{}; {:.0f} g without actuator; layers: {}\n", format.file, MassOf_g(mechanism),
-                         fmt::join(layers, ", ")));
+  run.Report("{}; {:.0f} g without actuator; layers: {}\n", format.file, MassOf_g(mechanism), fmt::join(layers, ", "));
   const linkage::Pose pose = model::ReferencePose(mechanism);
   return {{"format", format.name},
           {"file", format.file},
@@ -198,7 +195,7 @@ void Describe(ExportOptions& o, OptionList& options) {
   options.Check([&o](const OptionList& list) {
     for (const char* name : {"thigh-cuff", "shank-cuff", "cuff-softest", "cuff-stiffest"})
       if (o.body.empty() && list.IsGiven(name))
-        throw UsageError(fmt::format("--{} is of a worn mechanism: give --body loads.json too", name));
+        throw UsageError("--{} is of a worn mechanism: give --body loads.json too", name);
   });
 }
 

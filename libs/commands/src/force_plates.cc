@@ -69,9 +69,9 @@ void WarnOfSwappedPlates(const exchange::GroundForceRecording& forces, const exc
     if (distance_mm(other) < distance_mm(*nearest)) nearest = &other;
   if (nearest != &plate)
     run.Warn(
-        fmt::format("{} is taken for the {} foot, but its force acts {:.0f} mm from the ankle, that of {} {:.0f} mm: "
-                    "are the plates swapped? {}",
-                    plate.name, leg, distance_mm(plate), nearest->name, distance_mm(*nearest), way_out));
+        "{} is taken for the {} foot, but its force acts {:.0f} mm from the ankle, that of {} {:.0f} mm: are the "
+        "plates swapped? {}",
+        plate.name, leg, distance_mm(plate), nearest->name, distance_mm(*nearest), way_out);
 }
 
 }  // namespace lake::commands

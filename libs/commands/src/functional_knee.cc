@@ -1,6 +1,5 @@
 #include "lake/commands/functional_knee.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -20,12 +19,12 @@ void SetSegments(const OptionTexts& texts, const std::string& said, axis::Segmen
     const std::size_t equals = text.find('=');
     const std::string name = text.substr(0, equals);
     if (equals == std::string::npos || (name != "shank" && name != "thigh"))
-      throw UsageError(fmt::format("{} '{}': give shank=MARKER,MARKER or thigh=MARKER,MARKER", said, text));
+      throw UsageError("{} '{}': give shank=MARKER,MARKER or thigh=MARKER,MARKER", said, text);
     std::vector<std::string>& markers = name == "shank" ? segments.shank : segments.thigh;
-    if (!markers.empty()) throw UsageError(fmt::format("{}: the {} is given twice", said, name));
+    if (!markers.empty()) throw UsageError("{}: the {} is given twice", said, name);
     markers = SplitText(text.substr(equals + 1), ',');
     if (std::count(markers.begin(), markers.end(), ""))
-      throw UsageError(fmt::format("{} '{}': a marker's name is empty", said, text));
+      throw UsageError("{} '{}': a marker's name is empty", said, text);
   }
 }
 
@@ -90,10 +89,10 @@ void Describe(KneeOptions& o, OptionList& options) {
     for (const auto& [segments, name] :
          {std::pair{&o.segments, "--segment"}, std::pair{&o.exo_segments, "--exo-segment"}}) {
       if (segments->shank.empty() != segments->thigh.empty())
-        throw UsageError(fmt::format("{0}: of the {1} no marker is given: add {0} {1}=MARKER,MARKER", name,
-                                     segments->shank.empty() ? "shank" : "thigh"));
+        throw UsageError("{0}: of the {1} no marker is given: add {0} {1}=MARKER,MARKER", name,
+                         segments->shank.empty() ? "shank" : "thigh");
       if (o.knee == KneeFrom::kMarker && !segments->shank.empty())
-        throw UsageError(fmt::format("{} is for --knee functional: give that too, or omit it", name));
+        throw UsageError("{} is for --knee functional: give that too, or omit it", name);
     }
   });
 }
@@ -105,8 +104,8 @@ std::optional<double> PutAxis(const axis::SegmentMarkers& segments, const std::s
         "--knee functional: say which markers are on shank and thigh, --segment shank=A,B --segment thigh=C,D");
   const exchange::PointRecording points = PointsOf(reading, trial);
   if (!HasAny(points, segments)) {
-    run.Warn(fmt::format("{}: it has none of the markers {}, {}: its marker {} is taken", trial.file.string(),
-                         fmt::join(segments.shank, ", "), fmt::join(segments.thigh, ", "), marker));
+    run.Warn("{}: it has none of the markers {}, {}: its marker {} is taken", trial.file.string(),
+             fmt::join(segments.shank, ", "), fmt::join(segments.thigh, ", "), marker);
     return std::nullopt;
   }
   const auto found = std::ranges::find(trial.recording.markers, marker, &motion::MarkerTrack::name);

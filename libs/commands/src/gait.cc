@@ -62,9 +62,9 @@ void WarnOfFrozenMarkers(const motion::MarkerRecording& recording, Run& run) {
     if (places.size() >= kLeastFrames &&
         std::all_of(places.begin(), places.end(), [&](const Eigen::Vector2d& place) { return place == places[0]; }))
       run.Warn(
-          fmt::format("marker '{}' has the same coordinates to the last digit in all its {} frames: that is no "
-                      "measurement, and no standard deviation here says how far it is off",
-                      marker.name, places.size()));
+          "marker '{}' has the same coordinates to the last digit in all its {} frames: that is no measurement, and no "
+          "standard deviation here says how far it is off",
+          marker.name, places.size());
   }
 }
 
@@ -146,8 +146,7 @@ void Describe(GaitRunOptions& o, OptionList& options) {
       .Value("LOW,HIGH");
   options.Check([&o](const OptionList&) {
     if (o.range_limit_deg && !((*o.range_limit_deg)[0] < (*o.range_limit_deg)[1]))
-      throw UsageError(
-          fmt::format("--range-limit {},{}: the lower limit first", (*o.range_limit_deg)[0], (*o.range_limit_deg)[1]));
+      throw UsageError("--range-limit {},{}: the lower limit first", (*o.range_limit_deg)[0], (*o.range_limit_deg)[1]);
   });
 }
 

@@ -46,7 +46,7 @@ void AddPerson(const PersonRow& row, CsvWriter& table) {
   const redesign::SegmentLengths leg = redesign::SegmentsOf(row.group.problem.people[row.index].human);
   double prices = 0;
   for (const PersonOutcome& other : row.group.people) prices += other.price;
-  table.Add(person.name).Add(static_cast<int>(row.size) + 1).Add(person.counts ? 1 : 0);
+  table.Add(person.name).Add(row.size + 1).Add(person.counts);
   table.Add(leg.shank_mm).Add(leg.thigh_mm);
   table.Add(design.evaluation.range_deg)
       .Add(redesign::MisalignmentPercent(design))
@@ -65,7 +65,7 @@ void AddPerson(const PersonRow& row, CsvWriter& table) {
   table.Add(person.own->evaluation.range_deg)
       .Add(redesign::MisalignmentPercent(*person.own))
       .Add(redesign::MisalignmentRms_mm(*person.own));
-  AddLinkCells(table, person.own->design.links);
+  table.Add(person.own->design.links.Values());
 }
 
 void WritePeople(const std::vector<PersonRow>& rows, Run& run) {
@@ -126,25 +126,20 @@ void WriteSizeTables(const sizes::SizesOutcome& outcome, Run& run) {
   CsvWriter sizes(header);
   for (std::size_t k = 0; k < outcome.sizes.size(); ++k) {
     const group::GroupOutcome& size = outcome.sizes[k];
-    sizes.Add(static_cast<int>(k) + 1).Add(static_cast<int>(size.people.size())).Add(size.evaluation.range_deg);
-    sizes.Add(size.Misalignment_percent());
-    AddLinkCells(sizes, size.nearest.Links());
-    sizes.EndRow();
+    sizes.AddRow(k + 1, size.people.size(), size.evaluation.range_deg, size.Misalignment_percent(),
+                 size.nearest.Links().Values());
   }
   sizes.Write(run.Result("sizes.csv"));
   CsvWriter rule({"quantity", "from_mm", "to_mm", "size"});
-  for (const sizes::RuleRange& range : outcome.rule.ranges) {
-    rule.Add(outcome.rule.quantity).Add(range.from_mm).Add(range.to_mm);
-    rule.Add(static_cast<int>(range.size) + 1).EndRow();
-  }
+  for (const sizes::RuleRange& range : outcome.rule.ranges)
+    rule.AddRow(outcome.rule.quantity, range.from_mm, range.to_mm, range.size + 1);
   rule.Write(run.Result("size_rule.csv"));
   CsvWriter left_out({"person", "size", "size_by_rule", "holds", "misalignment_percent", "range_deg"});
   const std::vector<PersonRow> rows = RowsOf(outcome);
   for (std::size_t i = 0; i < outcome.left_out.size(); ++i) {
     const sizes::LeftOut& of = outcome.left_out[i];
-    left_out.Add(rows[i].group.people[rows[i].index].name).Add(static_cast<int>(outcome.size_of[i]) + 1);
-    left_out.Add(static_cast<int>(of.size) + 1).Add(of.fit.holds ? 1 : 0).Add(of.fit.percent);
-    left_out.Add(of.fit.range_deg).EndRow();
+    left_out.AddRow(rows[i].group.people[rows[i].index].name, outcome.size_of[i] + 1, of.size + 1, of.fit.holds,
+                    of.fit.percent, of.fit.range_deg);
   }
   left_out.Write(run.Result("left_out.csv"));
 }
@@ -203,10 +198,9 @@ void WarnOfGroup(const std::vector<PersonRow>& rows, Run& run) {
     if (!person.counts) left_out.push_back(person.name);
   }
   if (!without_own.empty())
-    run.Warn(fmt::format("for {} no design of their own was found, so what the common one costs them is not known",
-                         fmt::join(without_own, ", ")));
-  if (!left_out.empty())
-    run.Warn(fmt::format("the misalignment of {} does not count in the quantile", fmt::join(left_out, ", ")));
+    run.Warn("for {} no design of their own was found, so what the common one costs them is not known",
+             fmt::join(without_own, ", "));
+  if (!left_out.empty()) run.Warn("the misalignment of {} does not count in the quantile", fmt::join(left_out, ", "));
 }
 
 // Of those who were left out: whom the rule gives the size that they wear, and whose limits it keeps.
@@ -282,7 +276,7 @@ std::vector<std::string> NamesOfFolders(const std::vector<fs::path>& folders) {
   for (std::size_t i = 0; i < all.size(); ++i)
     if (std::find(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(i), all[i]) !=
         all.begin() + static_cast<std::ptrdiff_t>(i))
-      throw UsageError(fmt::format("--comparison {}: is named twice", folders[i].string()));
+      throw UsageError("--comparison {}: is named twice", folders[i].string());
   const auto common = [&](bool from_end) {
     for (std::size_t k = 0;; ++k)
       for (const auto& parts : all) {
@@ -302,9 +296,8 @@ std::vector<std::string> NamesOfFolders(const std::vector<fs::path>& folders) {
   for (std::size_t i = 0; i < names.size(); ++i)
     if (const auto same = std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]);
         same != names.begin() + static_cast<std::ptrdiff_t>(i))
-      throw UsageError(fmt::format("--comparison {} and {}: both would be called {}; rename a folder",
-                                   folders[static_cast<std::size_t>(same - names.begin())].string(),
-                                   folders[i].string(), names[i]));
+      throw UsageError("--comparison {} and {}: both would be called {}; rename a folder",
+                       folders[static_cast<std::size_t>(same - names.begin())].string(), folders[i].string(), names[i]);
   return names;
 }
 

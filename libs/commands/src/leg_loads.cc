@@ -35,18 +35,17 @@ void WarnAbove(const LegForce& force, const std::optional<double>& limit_n, cons
                const std::vector<LegLoadRow>& rows, Run& run) {
   const LegLoadRow* largest = LargestOf(force, rows);
   if (!limit_n || !largest || !(largest->leg.*force.force_n > *limit_n)) return;
-  run.Warn(fmt::format("{}: {:.0f} N at {:.1f}° (stroke {:.1f} mm), above --{} {}: {}", force.label,
-                       largest->leg.*force.force_n, largest->at.knee_deg, largest->at.stroke_mm, option,
-                       SignificantText(*limit_n, 6), advice));
+  run.Warn("{}: {:.0f} N at {:.1f}° (stroke {:.1f} mm), above --{} {}: {}", force.label, largest->leg.*force.force_n,
+           largest->at.knee_deg, largest->at.stroke_mm, option, SignificantText(*limit_n, 6), advice);
 }
 
 void WarnOfNoRest(const std::vector<LegLoadRow>& rows, Run& run) {
   for (const LegLoadRow& row : rows) {
     if (!std::isfinite(row.at.moment_nm) || std::isfinite(row.leg.knee_shear_n)) continue;
     run.Warn(
-        fmt::format("the cuffs cannot bear the moment at {:.1f}°: two push the leg forward, and nothing leans against "
-                    "them; give them a length, or a segment two",
-                    row.at.knee_deg));
+        "the cuffs cannot bear the moment at {:.1f}°: two push the leg forward, and nothing leans against them; give "
+        "them a length, or a segment two",
+        row.at.knee_deg);
     return;
   }
 }
@@ -114,7 +113,7 @@ Json ReportLegLoads(const std::vector<LegLoadRow>& rows, const LegLoadOptions& o
       json[force.name] = {{"largest_n", force_n}, {"at_deg", largest->at.knee_deg}};
       texts.push_back(fmt::format("{} {} N at {:.1f}°", force.label, RoundedText(force_n, 0), largest->at.knee_deg));
     }
-  if (!texts.empty()) run.Report(fmt::format("on the leg, shank upright: {}\n", fmt::join(texts, ", ")));
+  if (!texts.empty()) run.Report("on the leg, shank upright: {}\n", fmt::join(texts, ", "));
   return json;
 }
 

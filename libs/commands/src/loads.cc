@@ -66,10 +66,8 @@ void WriteTable(const fs::path& path, const loads::LoadsResult& result) {
   const auto add = [&](const loads::RiseLoads& rise, const std::string& name) {
     for (std::size_t percent = 0; percent < rise.rows.size(); ++percent) {
       const loads::LoadsRow& row = rise.rows[percent];
-      csv.Add(name).Add(static_cast<int>(percent)).Add(row.time_s).Add(row.knee_deg).Add(row.knee_deg_s);
-      csv.Add(row.ankle_nm).Add(row.knee_nm).Add(row.hip_nm).Add(row.knee_sd_nm).Add(row.knee_low_nm);
-      csv.Add(row.knee_high_nm).Add(row.zmp_mm).Add(row.ground_force_n).Add(row.knee_power_w);
-      csv.EndRow();
+      csv.AddRow(name, percent, row.time_s, row.knee_deg, row.knee_deg_s, row.ankle_nm, row.knee_nm, row.hip_nm,
+                 row.knee_sd_nm, row.knee_low_nm, row.knee_high_nm, row.zmp_mm, row.ground_force_n, row.knee_power_w);
     }
   };
   for (const loads::RiseLoads& rise : result.rises) add(rise, std::to_string(rise.repetition));
@@ -84,7 +82,7 @@ void WriteCentres(const fs::path& path, const loads::LoadsResult& result, double
   for (const loads::RiseLoads& rise : result.rises)
     for (std::size_t percent = 0; percent < rise.rows.size(); ++percent) {
       const loads::CentreOfMass& centre = rise.momentum.rows[percent];
-      csv.Add(rise.repetition).Add(static_cast<int>(percent)).Add(rise.rows[percent].time_s);
+      csv.Add(rise.repetition).Add(percent).Add(rise.rows[percent].time_s);
       for (const Vector2d& of : {Vector2d(kMmPerM * centre.position_m), Vector2d(kMmPerM * centre.velocity_m_s),
                                  Vector2d(mass_kg * centre.velocity_m_s)})
         csv.Add(of.x()).Add(of.y());
@@ -102,11 +100,10 @@ void WriteMomenta(const fs::path& path, const loads::LoadsResult& result, double
   for (const loads::RiseLoads& rise : result.rises) {
     const loads::RiseMomentum& of = rise.momentum;
     const loads::MomentumSd& sd = rise.momentum_sd;
-    csv.Add(rise.repetition).Add(kMmPerM * of.seat_off_m).Add(kMmPerM * sd.seat_off_m);
-    csv.Add(kMmPerM * of.forward_seat_off_m_s).Add(kMmPerM * sd.forward_seat_off_m_s);
-    csv.Add(kMmPerM * of.forward_max_m_s).Add(kMmPerM * sd.forward_max_m_s).Add(of.forward_lead_s);
-    csv.Add(kMmPerM * of.upward_max_m_s).Add(kMmPerM * sd.upward_max_m_s);
-    csv.Add(mass_kg * of.forward_max_m_s).Add(mass_kg * of.upward_max_m_s).EndRow();
+    csv.AddRow(rise.repetition, kMmPerM * of.seat_off_m, kMmPerM * sd.seat_off_m, kMmPerM * of.forward_seat_off_m_s,
+               kMmPerM * sd.forward_seat_off_m_s, kMmPerM * of.forward_max_m_s, kMmPerM * sd.forward_max_m_s,
+               of.forward_lead_s, kMmPerM * of.upward_max_m_s, kMmPerM * sd.upward_max_m_s,
+               mass_kg * of.forward_max_m_s, mass_kg * of.upward_max_m_s);
   }
   csv.Write(path);
 }
@@ -115,10 +112,8 @@ void WriteMomenta(const fs::path& path, const loads::LoadsResult& result, double
 void WritePaces(const fs::path& path, const loads::Balance& balance) {
   CsvWriter csv({"pace", "rise_s", "percent", "time_s", "knee_nm", "zmp_mm", "margin_mm"});
   const auto add = [&](const char* name, const loads::PaceLoads& pace) {
-    for (const loads::PaceRow& row : pace.rows) {
-      csv.Add(name).Add(pace.rise_s).Add(row.percent).Add(row.time_s).Add(row.knee_nm).Add(row.zmp_mm);
-      csv.Add(row.margin_mm).EndRow();
-    }
+    for (const loads::PaceRow& row : pace.rows)
+      csv.AddRow(name, pace.rise_s, row.percent, row.time_s, row.knee_nm, row.zmp_mm, row.margin_mm);
   };
   add("own", balance.own);
   add("slow", balance.slow);

@@ -46,8 +46,8 @@ void WriteUncertaintyBudget(const gait::LegFitResult& leg, const compare::Record
   compare::WriteUncertaintyBudgetCsv(run.Result("uncertainty_budget.csv"), budgets);
   results["uncertainty"] = compare::BudgetsJson(budgets);
   const auto knee = std::ranges::find(budgets, std::string("knee_angle"), &compare::Budget::quantity);
-  run.Report(fmt::format("the joint beneath the skin: knee within {} (1 SD; uncertainty_budget.csv)\n",
-                         DeviationText(knee->Deviation(), 1, "°")));
+  run.Report("the joint beneath the skin: knee within {} (1 SD; uncertainty_budget.csv)\n",
+             DeviationText(knee->Deviation(), 1, "°"));
 }
 
 }  // namespace lake::commands

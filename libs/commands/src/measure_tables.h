@@ -2,7 +2,6 @@
 // by.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "lake/compare/uncertainty_budget.h"

@@ -161,8 +161,7 @@ void ReadHuman(const ReoptimizeRunOptions& options, Run& run, redesign::Measured
   const FunctionalTables read = ReadFunctionalTables(options.human, options.human_reading, options.human_knee,
                                                      TrialSide::kHuman, options.knee, run);
   if (options.knee.knee == KneeFrom::kFunctional && !read.sd_mm)
-    throw UsageError(
-        fmt::format("--knee functional: {} has no markers of --segment on shank and thigh", options.human.string()));
+    throw UsageError("--knee functional: {} has no markers of --segment on shank and thigh", options.human.string());
   compare::RegistrationOptions registration;
   registration.knee = options.human_knee;
   const compare::RegisteredTrial trial = compare::RegisterTrial(read.tables, registration);
@@ -178,9 +177,9 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
   const compare::ComparedCurves curves = compare::ReadComparison(comparison);
   if (options.knee.knee == KneeFrom::kFunctional && !curves.knee_is_functional)
     throw UsageError(
-        fmt::format("--knee functional: {} is of the knees' markers; run lake-compare with --knee "
-                    "functional and --segment, and take its folder",
-                    comparison.string()));
+        "--knee functional: {} is of the knees' markers; run lake-compare with --knee functional and --segment, and "
+        "take its folder",
+        comparison.string());
   measured.human = curves.human;
   measured.noise_floor_percent = 100 * curves.noise_floor_relative;
   measured.joint_sd_mm = curves.joint_sd_mm.value_or(PlaceDeviationMm({}));
@@ -209,17 +208,13 @@ redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, std::
 constexpr double kAngleMismatch_deg = 5;
 
 redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
-  redesign::RedesignProblem problem;
   const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
+  redesign::RedesignProblem problem;
+  static_cast<redesign::MotionLimits&>(problem) = reoptimize;
   problem.design = problem::WithActuator(options.problem);
-  problem.program = reoptimize.program;
   // The program's own duration, not that of the profile's motion.
   if (problem.design.duration_s) problem.program.duration_s = problem.design.duration_s;
   problem.design.duration_s.reset();
-  problem.max_misalignment_percent = reoptimize.max_misalignment_percent;
-  problem.misalignment_of = reoptimize.misalignment_of;
-  problem.penalty_deg_per_mm = reoptimize.penalty_deg_per_mm;
-  problem.max_angle_mismatch_deg = reoptimize.max_angle_mismatch_deg;
   if (problem.misalignment_of == redesign::MisalignmentOf::kJoint && !problem.max_angle_mismatch_deg)
     problem.max_angle_mismatch_deg = kAngleMismatch_deg;
   if (!reoptimize.body.empty()) {
@@ -230,11 +225,6 @@ redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
     throw UsageError("--device-mass and --hold-force are of balance: give --body loads.json too");
   }
   if (reoptimize.balance_mm) problem.balance = redesign::BalanceLimits{.margin_mm = *reoptimize.balance_mm};
-  problem.cuffs = reoptimize.cuffs;
-  problem.max_cuff_force_n = reoptimize.max_cuff_force_n;
-  problem.cuff_penalty_deg_per_n = reoptimize.cuff_penalty_deg_per_n;
-  problem.fit_placement = reoptimize.fit_placement;
-  problem.placement_reach_mm = reoptimize.placement_reach_mm;
   return problem;
 }
 
@@ -246,8 +236,8 @@ void CheckRedesign(const OptimizeRunOptions& options) {
     throw UsageError("--duration free cannot be combined with a human's motion: there the range is sought");
   if (const auto& actuator = options.problem.actuator;
       actuator && reoptimize.program.max_speed_mm_s > actuator->SpeedAt(0))
-    throw UsageError(fmt::format("--max-speed {} mm/s is more than {} has, {} mm/s", reoptimize.program.max_speed_mm_s,
-                                 actuator->name, actuator->SpeedAt(0)));
+    throw UsageError("--max-speed {} mm/s is more than {} has, {} mm/s", reoptimize.program.max_speed_mm_s,
+                     actuator->name, actuator->SpeedAt(0));
   if (options.problem.robust_mm)
     throw UsageError("--robust is of the links alone, and cannot be combined with a human's motion yet: omit one");
   if (reoptimize.comparisons.empty() == reoptimize.human.empty())
@@ -263,8 +253,8 @@ void CheckRedesign(const OptimizeRunOptions& options) {
         "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "
         "that trial out with --human-only");
   if (const std::size_t worn = reoptimize.worn.size(); worn > 1 && worn != reoptimize.comparisons.size())
-    throw UsageError(fmt::format("--worn names {} designs for {} comparisons: name one for all, or one for each", worn,
-                                 reoptimize.comparisons.size()));
+    throw UsageError("--worn names {} designs for {} comparisons: name one for all, or one for each", worn,
+                     reoptimize.comparisons.size());
   if (!reoptimize.participants.empty() && !reoptimize.sizes)
     throw UsageError("--participants is for the rule of --sizes: give that too, or omit it");
   if (reoptimize.quantile != redesign::GroupProblem{}.quantile && reoptimize.across != redesign::Across::kQuantile)
@@ -272,17 +262,6 @@ void CheckRedesign(const OptimizeRunOptions& options) {
   if (options.study.round_mm)
     throw UsageError(
         "--round cannot be combined with a human's motion: rounding the links would change the misalignment");
-}
-
-redesign::RedesignOptions RedesignOptionsOf(const OptimizeRunOptions& options) {
-  redesign::RedesignOptions reoptimize;
-  reoptimize.optimize = options.study.optimize;
-  reoptimize.pareto_points = options.reoptimize->pareto_points;
-  reoptimize.certify_gap_deg = options.study.certify_gap_deg;
-  reoptimize.certify_time_s = options.study.certify_time_s;
-  reoptimize.yield_tolerance_mm = options.study.yield_tolerance_mm;
-  reoptimize.quiet = options.study.quiet;
-  return reoptimize;
 }
 
 void DrawFigures(const redesign::RedesignOutcome& outcome, Run& run) {
@@ -309,7 +288,7 @@ void CheckForGroup(const OptimizeRunOptions& options) {
                                        std::pair{options.reoptimize->cuff_penalty_deg_per_n > 0, "--cuff-penalty"},
                                        std::pair{options.reoptimize->aids.device_kg > 0, "--device-mass"},
                                        std::pair{options.reoptimize->aids.hold_n > 0, "--hold-force"}})
-    if (is_given) throw UsageError(fmt::format("{} is for one person: omit it, or give one --comparison", name));
+    if (is_given) throw UsageError("{} is for one person: omit it, or give one --comparison", name);
 }
 
 // Throws Error for a person without a height.
@@ -358,7 +337,7 @@ Json RunForGroup(const OptimizeRunOptions& options, const redesign::RedesignProb
 
 Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
   CheckRedesign(options);
-  const redesign::RedesignOptions redesign_options = RedesignOptionsOf(options);
+  const redesign::RedesignOptions redesign_options{options.study, options.reoptimize->pareto_points};
   redesign_options.Check();
   const redesign::RedesignProblem problem = ProblemOf(options);
   problem.CheckOptions();

@@ -24,11 +24,6 @@ std::string_view ActiveSide(double value, const problem::Bounds& limits) {
   return lower && upper ? "fixed" : lower ? "lower" : upper ? "upper" : "";
 }
 
-void AddLimitedRow(const LimitedRow& row, CsvWriter& table) {
-  table.Add(row.name).Add(row.before).Add(row.after).Add(row.limits.lower).Add(row.limits.upper);
-  table.Add(ActiveSide(row.after, row.limits)).Add(row.multiplier);
-}
-
 }  // namespace
 
 std::optional<double> OptimumView::PriceOf(const synthesis::LimitId& id) const {
@@ -45,10 +40,9 @@ void WriteOptimum(const OptimumView& optimum, const std::vector<LimitedRow>& oth
                     .multiplier = optimum.PriceOf({synthesis::LimitId::On::kLink, i})});
   rows.insert(rows.end(), others.begin(), others.end());
   CsvWriter table({"variable", "initial", "optimum", "lower", "upper", "active", "multiplier"});
-  for (const LimitedRow& row : rows) {
-    AddLimitedRow(row, table);
-    table.EndRow();
-  }
+  for (const LimitedRow& row : rows)
+    table.AddRow(row.name, row.before, row.after, row.limits.lower, row.limits.upper, ActiveSide(row.after, row.limits),
+                 row.multiplier);
   table.Write(run.Result("optimum.csv"));
 }
 
@@ -67,10 +61,9 @@ void WriteConstraints(const OptimumView& optimum, const std::vector<LimitedRow>&
   }
   rows.insert(rows.end(), others.begin(), others.end());
   CsvWriter table({"constraint", "initial", "optimum", "lower", "upper", "active", "multiplier", "unit"});
-  for (const LimitedRow& row : rows) {
-    AddLimitedRow(row, table);
-    table.Add(row.unit).EndRow();
-  }
+  for (const LimitedRow& row : rows)
+    table.AddRow(row.name, row.before, row.after, row.limits.lower, row.limits.upper, ActiveSide(row.after, row.limits),
+                 row.multiplier, row.unit);
   table.Write(run.Result("constraints.csv"));
 }
 
@@ -91,19 +84,17 @@ void WriteStarts(const std::vector<StartRow>& starts, Run& run) {
   for (std::size_t i = 0; i < starts.size(); ++i) {
     const StartRow& row = starts[i];
     const synthesis::LocalSolve& solve = row.solve;
-    table.Add(static_cast<int>(i));
-    AddLinkCells(table, solve.start);
+    table.Add(i).Add(solve.start.Values());
     if (row.basin && *row.basin < 0)
       table.AddEmpty();
     else if (row.basin)
       table.Add(*row.basin);
     table.Add(NameOf(solve.solution.status));
-    if (row.motion) table.Add(row.motion->is_usable ? 1 : 0).Add(row.motion->objective_deg);
+    if (row.motion) table.Add(row.motion->is_usable).Add(row.motion->objective_deg);
     table.Add(solve.evaluation.range_deg);
     if (row.motion) table.Add(row.motion->misalignment_percent);
     table.Add(solve.evaluation.violation).Add(solve.solution.kkt_error).Add(solve.iterations);
-    AddLinkCells(table, solve.end);
-    table.EndRow();
+    table.Add(solve.end.Values()).EndRow();
   }
   table.Write(run.Result("starts.csv"));
 }
@@ -220,16 +211,11 @@ std::vector<std::string> LinkColumns(std::string_view prefix) {
   return columns;
 }
 
-void AddLinkCells(CsvWriter& table, const linkage::Links& links) {
-  for (const double value : links.Values()) table.Add(value);
-}
-
 void WriteConvergence(const synthesis::LocalSolve& solve, const std::string& objective, Run& run) {
   CsvWriter table({"iteration", objective, "constraint_violation", "dual_infeasibility", "barrier", "step"});
   for (std::size_t i = 0; i < solve.history.size(); ++i) {
     const nlp::NlpIteration& step = solve.history[i];
-    table.Add(static_cast<int>(i)).Add(-step.cost).Add(step.violation).Add(step.dual_infeasibility).Add(step.barrier);
-    table.Add(step.step).EndRow();
+    table.AddRow(i, -step.cost, step.violation, step.dual_infeasibility, step.barrier, step.step);
   }
   table.Write(run.Result("convergence.csv"));
 }

@@ -85,8 +85,7 @@ Json CertificateJson(const certificate::Certificate& certificate, const std::vec
 void WarnOfCertificate(const certificate::Certificate& certificate, const std::vector<std::string>& not_in_bound,
                        Run& run);
 
-// "l1_mm" and so on, with a prefix; and the cells below them.
+// "l1_mm" and so on, with a prefix.
 std::vector<std::string> LinkColumns(std::string_view prefix);
-void AddLinkCells(CsvWriter& table, const linkage::Links& links);
 
 }  // namespace lake::commands

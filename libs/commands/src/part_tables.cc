@@ -54,9 +54,9 @@ Json PartsJson(const parts::Mechanism& mechanism) {
 void WarnOfStack(const parts::Mechanism& mechanism, Run& run) {
   if (!mechanism.stack.conflicts.empty())
     run.Warn(
-        fmt::format("no order of the plates keeps all parts apart: at best {}; narrower plates, thinner pins or a "
-                    "shorter range would help",
-                    fmt::join(mechanism.stack.conflicts, ", ")));
+        "no order of the plates keeps all parts apart: at best {}; narrower plates, thinner pins or a shorter range "
+        "would help",
+        fmt::join(mechanism.stack.conflicts, ", "));
   if (!mechanism.HasThighCuffHoles())
     run.Warn("P and M are too near to each other for a thigh cuff's holes: the thigh plate has none");
 }

@@ -10,9 +10,8 @@ void WriteProgramTable(const redesign::DesignInMotion& design, const redesign::H
   CsvWriter table({"percent", "time_s", "stroke_mm", "knee_deg", "human_knee_deg"});
   for (std::size_t i = 0; design.prediction && i < human.size(); ++i) {
     const double percent = static_cast<double>(i);
-    table.Add(static_cast<int>(i)).Add(design.duration_s * percent / 100).Add(design.prediction->stroke_mm[i]);
-    table.Add(DegreesFromRadians(design.prediction->theta_rad[i]));
-    table.Add(DegreesFromRadians(human[i].knee_rad)).EndRow();
+    table.AddRow(i, design.duration_s * percent / 100, design.prediction->stroke_mm[i],
+                 DegreesFromRadians(design.prediction->theta_rad[i]), DegreesFromRadians(human[i].knee_rad));
   }
   table.Write(path);
 }

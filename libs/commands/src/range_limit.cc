@@ -103,11 +103,9 @@ End Find(const motion::LegMotion& motion, const char* name, int towards, double 
 void WriteTable(const std::filesystem::path& path, const std::vector<End>& ends, const Unknown& unknown) {
   CsvWriter csv({"end", "measured_deg", "expanded_deg", "coverage", "limit_deg", "margin_deg", "time_s", "visits",
                  "unknown_frames", "unknown_percent", "result"});
-  for (const End& end : ends) {
-    csv.Add(end.name).Add(end.measured_deg).Add(end.expanded_deg).Add(kCoverage).Add(end.limit_deg);
-    csv.Add(end.MarginDeg()).Add(end.time_s).Add(end.visits).Add(unknown.frames).Add(unknown.percent);
-    csv.Add(end.Verdict()).EndRow();
-  }
+  for (const End& end : ends)
+    csv.AddRow(end.name, end.measured_deg, end.expanded_deg, kCoverage, end.limit_deg, end.MarginDeg(), end.time_s,
+               end.visits, unknown.frames, unknown.percent, end.Verdict());
   csv.Write(path);
 }
 

@@ -190,12 +190,10 @@ void WritePath(const redesign::DesignInMotion& design, const std::string& folder
 void AddDesignRow(const NamedDesign& named, CsvWriter& table) {
   if (!named.design || !named.design->misalignment) return;
   const redesign::DesignInMotion& of = *named.design;
-  table.Add(named.name).Add(redesign::ProgramName(of.design.program->kind)).Add(of.duration_s).AddEmpty();
-  table.Add(of.evaluation.range_deg).Add(100 * of.misalignment->metrics.relative_rms);
-  table.Add(of.misalignment->metrics.rms_mm).Add(of.tracking_time_s.value_or(kNaN));
-  table.Add(of.design.placement_mm[0]).Add(of.design.placement_mm[1]);
-  AddLinkCells(table, of.design.links);
-  table.EndRow();
+  table.AddRow(named.name, redesign::ProgramName(of.design.program->kind), of.duration_s, std::nullopt,
+               of.evaluation.range_deg, 100 * of.misalignment->metrics.relative_rms, of.misalignment->metrics.rms_mm,
+               of.tracking_time_s.value_or(kNaN), of.design.placement_mm[0], of.design.placement_mm[1],
+               of.design.links.Values());
 }
 
 void WritePareto(const redesign::RedesignOutcome& outcome, Run& run) {
@@ -214,15 +212,10 @@ void WritePareto(const redesign::RedesignOutcome& outcome, Run& run) {
   for (const redesign::NamedFront& front : outcome.fronts)
     for (const redesign::ParetoPoint& point : front.points) {
       const auto tracking = redesign::TrackingStrokes(outcome.problem.Driven(point.point.links), outcome.problem.human);
-      table.Add("front")
-          .Add(redesign::ProgramName(front.program.kind))
-          .Add(front.program.duration_s)
-          .Add(point.least_range_deg);
-      table.Add(point.range_deg).Add(point.misalignment_percent).Add(point.rms_mm);
-      table.Add(tracking ? redesign::TrackingTime(*tracking, outcome.problem.program.max_speed_mm_s) : kNaN);
-      table.Add(point.point.placement_mm.x()).Add(point.point.placement_mm.y());
-      AddLinkCells(table, point.point.links);
-      table.EndRow();
+      table.AddRow("front", redesign::ProgramName(front.program.kind), front.program.duration_s, point.least_range_deg,
+                   point.range_deg, point.misalignment_percent, point.rms_mm,
+                   tracking ? redesign::TrackingTime(*tracking, outcome.problem.program.max_speed_mm_s) : kNaN,
+                   point.point.placement_mm.x(), point.point.placement_mm.y(), point.point.links.Values());
     }
   for (const NamedDesign& named : DesignsOf(outcome)) AddDesignRow(named, table);
   table.Write(run.Result("pareto.csv"));
@@ -299,23 +292,23 @@ void WarnOfMoments(const redesign::RedesignOutcome& outcome, Run& run) {
     return moments && moments->off_nm > redesign::kOtherMoments_nm;
   };
   if (are_others(outcome.moments))
-    run.Warn(fmt::format(
+    run.Warn(
         "the program was sought under moments of the knee that are up to {:.1f} N m off those along it, and the forces "
         "said of it are of the former; write the links of design.yaml as 'start' into the problem's file and run it "
         "again, so that the search goes on from there",
-        outcome.moments->off_nm));
+        outcome.moments->off_nm);
   if (are_others(outcome.moments_without_balance))
     run.Warn(
-        fmt::format("the design without --balance was sought under moments of the knee that are up to {:.1f} N m off "
-                    "those along its program, so what balance costs is known less surely",
-                    outcome.moments_without_balance->off_nm));
+        "the design without --balance was sought under moments of the knee that are up to {:.1f} N m off those along "
+        "its program, so what balance costs is known less surely",
+        outcome.moments_without_balance->off_nm);
   for (const redesign::NamedFront& front : outcome.fronts)
     if (are_others(front.moments))
-      run.Warn(fmt::format(
-          "the front '{}' was sought under the moments of one rise, in {} s, and along the programs of its "
-          "other points they are up to {:.1f} N m off those: where a force is limited, ask for such a point "
-          "by itself, without --pareto",
-          front.name, SignificantText(front.moments->duration_s, 3), front.moments->off_nm));
+      run.Warn(
+          "the front '{}' was sought under the moments of one rise, in {} s, and along the programs of its other "
+          "points they are up to {:.1f} N m off those: where a force is limited, ask for such a point by itself, "
+          "without --pareto",
+          front.name, SignificantText(front.moments->duration_s, 3), front.moments->off_nm);
 }
 
 void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
@@ -327,38 +320,38 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   constexpr double kOtherAngles_deg = 10;
   if (outcome.worn_angle_off_deg && *outcome.worn_angle_off_deg > kOtherAngles_deg)
     run.Warn(
-        fmt::format("{}: the knee angle of its program differs from that of its trial by {:.0f}° RMS; check links and "
-                    "program, or leave the program out of the file: then the trial's own knee angles are taken",
-                    outcome.measured.worn_file, *outcome.worn_angle_off_deg));
+        "{}: the knee angle of its program differs from that of its trial by {:.0f}° RMS; check links and program, or "
+        "leave the program out of the file: then the trial's own knee angles are taken",
+        outcome.measured.worn_file, *outcome.worn_angle_off_deg);
   if (const auto& after = outcome.after.misalignment;
       after && 100 * after->metrics.relative_rms < outcome.measured.noise_floor_percent)
-    run.Warn(fmt::format(
+    run.Warn(
         "the predicted misalignment, {:.2f} % of the shank, is below the noise floor of the comparison, {:.2f} %: a "
         "recording of the new design cannot be expected to show less than that",
-        100 * after->metrics.relative_rms, outcome.measured.noise_floor_percent));
+        100 * after->metrics.relative_rms, outcome.measured.noise_floor_percent);
   if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)
     run.Warn(
         "neither --max-misalignment nor --penalty is given, so only the range is optimised; give one of them to limit "
         "the misalignment");
   if (const auto& after = outcome.after.prediction; after && after->balance && after->balance->margin_mm < 0)
-    run.Warn(fmt::format(
-        "nobody keeps the balance along this program: at {:.0f} % of the rise, in {} s, the ground's force has to "
-        "act {:.0f} mm outside the foot; require it with --balance, or let something hold the person",
-        after->balance->at_percent, SignificantText(after->balance->duration_s, 3), -after->balance->margin_mm));
+    run.Warn(
+        "nobody keeps the balance along this program: at {:.0f} % of the rise, in {} s, the ground's force has to act "
+        "{:.0f} mm outside the foot; require it with --balance, or let something hold the person",
+        after->balance->at_percent, SignificantText(after->balance->duration_s, 3), -after->balance->margin_mm);
   WarnOfMoments(outcome, run);
   if (!outcome.IsSolved()) return;
   WarnOfMultipliers(outcome.active, run);
   if (outcome.certificate) {
     WarnOfCertificate(*outcome.certificate, NotInBound(problem), run);
     run.Warn(
-        fmt::format("the certified bound is one on the range alone, without the limit on misalignment; the largest "
-                    "range found without that limit is {:.4f}°",
-                    *outcome.widest_deg));
+        "the certified bound is one on the range alone, without the limit on misalignment; the largest range found "
+        "without that limit is {:.4f}°",
+        *outcome.widest_deg);
     if (outcome.moments)
       run.Warn(
-          fmt::format("the certified bound is one under the moments along the program found, of a rise in {} s: under "
-                      "those of another program the range may be larger",
-                      SignificantText(outcome.moments->duration_s, 3)));
+          "the certified bound is one under the moments along the program found, of a rise in {} s: under those of "
+          "another program the range may be larger",
+          SignificantText(outcome.moments->duration_s, 3));
   }
 }
 
@@ -509,9 +502,9 @@ void WriteProgramBalance(const redesign::RedesignOutcome& outcome, Run& run) {
     const double trunk_deg = DegreesFromRadians(outcome.problem.body->trunk[i].tilt_rad);
     const redesign::BalanceSample sample =
         i < seated ? redesign::BalanceSample{percent, kNaN, kNaN, kNaN} : course.samples[i - seated];
-    table.Add(percent).Add(course.duration_s * percent / 100).Add(sample.pressure_mm).Add(sample.margin_mm);
-    table.Add(sample.knee_nm).Add(lean_deg(outcome.lean.leg_rad)).Add(lean_deg(outcome.lean.trunk_rad));
-    table.Add(trunk_deg + lean_deg(outcome.lean.trunk_rad)).Add(trunk_deg).EndRow();
+    table.AddRow(percent, course.duration_s * percent / 100, sample.pressure_mm, sample.margin_mm, sample.knee_nm,
+                 lean_deg(outcome.lean.leg_rad), lean_deg(outcome.lean.trunk_rad),
+                 trunk_deg + lean_deg(outcome.lean.trunk_rad), trunk_deg);
   }
   table.Write(run.Result("balance.csv"));
 }

@@ -97,13 +97,9 @@ void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& l
                    "actuator_angle_deg", "branch"});
   for (const double stroke : strokes_mm) {
     const Row row(look.links, stroke, look.knee_torque_nm);
-    table.Add(stroke)
-        .Add(DegreesFromRadians(row.pose.theta_rad))
-        .Add(DegreesFromRadians(row.transmission.radians_per_mm));
-    table.Add(row.transmission.moment_arm_mm).Add(row.force_n);
-    table.Add(DegreesFromRadians(row.transmission.transmission_rad))
-        .Add(DegreesFromRadians(row.transmission.actuator_rad));
-    table.Add(static_cast<int>(row.pose.branch)).EndRow();
+    table.AddRow(stroke, DegreesFromRadians(row.pose.theta_rad), DegreesFromRadians(row.transmission.radians_per_mm),
+                 row.transmission.moment_arm_mm, row.force_n, DegreesFromRadians(row.transmission.transmission_rad),
+                 DegreesFromRadians(row.transmission.actuator_rad), static_cast<int>(row.pose.branch));
   }
   table.Write(path);
 }
@@ -134,22 +130,17 @@ std::vector<figure::PinForcesRow> PinForcesOf(const std::vector<parts::LoadedPos
 void WritePinForces(const std::filesystem::path& path, const std::vector<figure::PinForcesRow>& rows) {
   CsvWriter table({"stroke_mm", "knee_deg", "actuator_n", "coupler_n", "bar_n", "knee_pin_n", "thigh_pin_n",
                    "tip_pin_n", "shank_pin_n", "mount_n"});
-  for (const auto& [stroke, knee_deg, forces] : rows) {
-    table.Add(stroke).Add(knee_deg);
-    for (const double force : {forces.actuator_n, forces.coupler_n, forces.bar_n, forces.KneePin(), forces.ThighPin(),
-                               forces.TipPin(), forces.ShankPin(), forces.Mount()})
-      table.Add(force);
-    table.EndRow();
-  }
+  for (const auto& [stroke, knee_deg, forces] : rows)
+    table.AddRow(stroke, knee_deg, forces.actuator_n, forces.coupler_n, forces.bar_n, forces.KneePin(),
+                 forces.ThighPin(), forces.TipPin(), forces.ShankPin(), forces.Mount());
   table.Write(path);
 }
 
 void WriteStrength(const std::filesystem::path& path, const std::vector<parts::StrengthCheck>& checks) {
   CsvWriter table({"part", "check", "knee_deg", "load", "unit", "stress_mpa", "allowed", "safety"});
-  for (const parts::StrengthCheck& check : checks) {
-    table.Add(check.part).Add(check.check).Add(check.KneeAngle_deg()).Add(check.load);
-    table.Add(check.Unit()).Add(check.stress_mpa).Add(check.allowed).Add(check.Safety()).EndRow();
-  }
+  for (const parts::StrengthCheck& check : checks)
+    table.AddRow(check.part, check.check, check.KneeAngle_deg(), check.load, check.Unit(), check.stress_mpa,
+                 check.allowed, check.Safety());
   table.Write(path);
 }
 
@@ -193,9 +184,8 @@ std::string AdviceOn(const parts::StrengthCheck& weakest, const linkage::Links& 
 
 void WarnOfStrength(const parts::StrengthCheck& weakest, const linkage::Links& links, Run& run) {
   if (!(weakest.Safety() < 1)) return;
-  run.Warn(fmt::format("{} of the {} exceeds what it bears at {:.1f}° (safety factor {}): {}", weakest.check,
-                       weakest.part, weakest.KneeAngle_deg(), SignificantText(weakest.Safety(), 2),
-                       AdviceOn(weakest, links)));
+  run.Warn("{} of the {} exceeds what it bears at {:.1f}° (safety factor {}): {}", weakest.check, weakest.part,
+           weakest.KneeAngle_deg(), SignificantText(weakest.Safety(), 2), AdviceOn(weakest, links));
 }
 
 // Each pin's largest force, and where.
@@ -323,13 +313,13 @@ linkage::Body BodyOf(const SimulationOptions& options) {
 // What collides on the body, each with what to do about it.
 void WarnOfBody(const linkage::WearCheck& check, Run& run) {
   if (!check.FitsAlongThigh())
-    run.Warn(fmt::format("the mount does not fit on the thigh: its plate ends {:.1f} mm above the hip joint; limit l6",
-                         -check.mount_below_hip_mm));
+    run.Warn("the mount does not fit on the thigh: its plate ends {:.1f} mm above the hip joint; limit l6",
+             -check.mount_below_hip_mm);
   if (!check.ClearsSeat())
-    run.Warn(fmt::format(
+    run.Warn(
         "seated at {:.1f}°, the linkage reaches {:.1f} mm into the seat: use a seat that begins at least {:.0f} mm "
         "behind the knee, or limit l5",
-        check.seated_deg, -check.seat_clearance_mm, std::ceil(check.seat_edge_needed_mm)));
+        check.seated_deg, -check.seat_clearance_mm, std::ceil(check.seat_edge_needed_mm));
   std::vector<std::string> overlaps;
   const auto add = [&](const char* limb, double clearance_mm, double at_deg) {
     if (clearance_mm < 0)
@@ -338,40 +328,37 @@ void WarnOfBody(const linkage::WearCheck& check, Run& run) {
   add("thigh", check.thigh_clearance_mm, check.thigh_clearance_deg);
   add("shank", check.shank_clearance_mm, check.shank_clearance_deg);
   if (!overlaps.empty())
-    run.Warn(fmt::format("seen from the side, the actuator overlaps {}: mount it beside the leg, not behind it",
-                         fmt::join(overlaps, " and ")));
+    run.Warn("seen from the side, the actuator overlaps {}: mount it beside the leg, not behind it",
+             fmt::join(overlaps, " and "));
 }
 
 void WarnOf(const linkage::Design& design, const linkage::UsedRange& range, Run& run) {
   const double range_deg = DegreesFromRadians(range.theta_at_lower_rad);
   if (design.range_deg && std::abs(*design.range_deg - range_deg) > 0.01)
-    run.Warn(
-        fmt::format("the design file says range_deg = {}, but its links give {:.4f}°", *design.range_deg, range_deg));
+    run.Warn("the design file says range_deg = {}, but its links give {:.4f}°", *design.range_deg, range_deg);
   constexpr double kRounding_mm = 1e-4;  // as the message shows it
   if (design.d_max_mm && *design.d_max_mm > range.stroke.upper_mm + kRounding_mm)
-    run.Warn(fmt::format("d_max = {} mm is past the used range, which ends at {:.4f} mm", *design.d_max_mm,
-                         range.stroke.upper_mm));
+    run.Warn("d_max = {} mm is past the used range, which ends at {:.4f} mm", *design.d_max_mm, range.stroke.upper_mm);
   const double slack =
       linkage::DistancesToSingularities(design.links, linkage::RequirePose(design.links, design.d_min_mm))
           .actuator_folded_mm;
   if (slack < 1)
-    run.Warn(fmt::format(
+    run.Warn(
         "at the shortest stroke the linkage is {} mm from the actuator's dead point, where the force has no bound; "
         "choose a longer one, or a design with --singularity-margin",
-        SignificantText(slack, 3)));
+        SignificantText(slack, 3));
 }
 
 // The actuator is as long as the design says; what does not fit its maker's lengths is a warning.
 void WarnOfActuator(const problem::LinearActuator& actuator, const linkage::StrokeRange& used, Run& run) {
   constexpr double kRounding_mm = 1e-3;
   if (actuator.closed_mm && *actuator.closed_mm > used.lower_mm + kRounding_mm)
-    run.Warn(fmt::format("{} is {} mm long when closed, and the design goes down to {} mm", actuator.name,
-                         SignificantText(*actuator.closed_mm, 6), SignificantText(used.lower_mm, 6)));
+    run.Warn("{} is {} mm long when closed, and the design goes down to {} mm", actuator.name,
+             SignificantText(*actuator.closed_mm, 6), SignificantText(used.lower_mm, 6));
   if (actuator.closed_mm && actuator.stroke_mm &&
       *actuator.closed_mm + *actuator.stroke_mm < used.upper_mm - kRounding_mm)
-    run.Warn(fmt::format("{} reaches {} mm, and the design goes up to {} mm", actuator.name,
-                         SignificantText(*actuator.closed_mm + *actuator.stroke_mm, 6),
-                         SignificantText(used.upper_mm, 6)));
+    run.Warn("{} reaches {} mm, and the design goes up to {} mm", actuator.name,
+             SignificantText(*actuator.closed_mm + *actuator.stroke_mm, 6), SignificantText(used.upper_mm, 6));
 }
 
 bool IsAbove(double value, const std::optional<double>& limit) {
@@ -389,8 +376,8 @@ void WarnOfForce(const problem::LinearActuator& actuator, const linkage::StrokeR
       at_deg = row.knee_deg;
     }
   if (IsAbove(most_n, actuator.LiftingForce()))
-    run.Warn(fmt::format("{} lifts {:.0f} N, and the torque at the knee takes {:.0f} N at {:.1f}°", actuator.name,
-                         *actuator.LiftingForce(), most_n, at_deg));
+    run.Warn("{} lifts {:.0f} N, and the torque at the knee takes {:.0f} N at {:.1f}°", actuator.name,
+             *actuator.LiftingForce(), most_n, at_deg);
 }
 
 // Where it may rest: the force that it must hold there.
@@ -405,11 +392,11 @@ double RestingForce(const problem::Assistance& assistance, bool rests_anywhere) 
 void WarnOfShare(const problem::LinearActuator& actuator, const problem::Assistance& assistance,
                  const problem::SynthesisProblem& load, Run& run) {
   if (const double force_n = RestingForce(assistance, load.rests_anywhere); IsAbove(force_n, actuator.holding_force_n))
-    run.Warn(fmt::format("{} holds {:.0f} N at rest, and its share takes {:.0f} N{}", actuator.name,
-                         *actuator.holding_force_n, force_n, load.rests_anywhere ? "" : " when standing"));
+    run.Warn("{} holds {:.0f} N at rest, and its share takes {:.0f} N{}", actuator.name, *actuator.holding_force_n,
+             force_n, load.rests_anywhere ? "" : " when standing");
   if (std::isfinite(assistance.shortest_s) && IsAbove(assistance.shortest_s, load.duration_s))
-    run.Warn(fmt::format("a rise in {} s is asked for, and {} takes {:.2f} s or longer with this linkage",
-                         SignificantText(*load.duration_s, 6), actuator.name, assistance.shortest_s));
+    run.Warn("a rise in {} s is asked for, and {} takes {:.2f} s or longer with this linkage",
+             SignificantText(*load.duration_s, 6), actuator.name, assistance.shortest_s);
 }
 
 // The load as it is on this design.
@@ -427,9 +414,9 @@ Json Assist(const problem::Assistance& assistance, const linkage::UsedRange& ran
   if (load.actuator) WarnOfShare(*load.actuator, assistance, load, run);
   if (load.profile->LargestAngle() > range.theta_at_lower_rad)
     run.Warn(
-        fmt::format("the load profile bends the knee to {:.1f}°, and this design to {:.1f}°: beyond that no force, "
-                    "speed or duration is known",
-                    DegreesFromRadians(load.profile->LargestAngle()), DegreesFromRadians(range.theta_at_lower_rad)));
+        "the load profile bends the knee to {:.1f}°, and this design to {:.1f}°: beyond that no force, speed or "
+        "duration is known",
+        DegreesFromRadians(load.profile->LargestAngle()), DegreesFromRadians(range.theta_at_lower_rad));
   return WriteAssistance(assistance, load, run);
 }
 

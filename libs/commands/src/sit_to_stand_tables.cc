@@ -218,7 +218,7 @@ gait::CentresOfMass FindCentresOfMass(const gait::LegFitResult& leg, const loads
                                   .upward_max_mm_s = InMm(of.upward_max_m_s, sd.upward_max_m_s)};
     }
   } catch (const Error& error) {
-    run.Warn(fmt::format("the centre of mass is left empty: {}", error.what()));
+    run.Warn("the centre of mass is left empty: {}", error.what());
   }
   return centres;
 }

@@ -66,8 +66,8 @@ void TakeMotion(const StrokeRunOptions& options, const linkage::Design& design, 
     const double human = AngleAtPercent(motion, percent, *options.motion);
     angle = std::clamp(human, std::min(a, b), std::max(a, b));
     if (*angle != human)
-      run.Warn(fmt::format("the knee angle at {} % is {:.2f}°; the design's soft limits end at {:.2f}°, which is taken",
-                           percent, human, *angle));
+      run.Warn("the knee angle at {} % is {:.2f}°; the design's soft limits end at {:.2f}°, which is taken", percent,
+               human, *angle);
   };
   take(schedule.from_deg, 0);
   take(schedule.to_deg, 100);
@@ -227,15 +227,13 @@ actuator::Validation Validate(const actuator::StrokeSchedule& schedule,
 }
 
 void WarnOfValidation(const actuator::Validation& v, const actuator::StrokeSchedule& schedule, Run& run) {
-  if (v.covered < 0.95) run.Warn(fmt::format("the video shows {:.0f} % of the program", 100 * v.covered));
+  if (v.covered < 0.95) run.Warn("the video shows {:.0f} % of the program", 100 * v.covered);
   if (std::abs(v.offset_deg) > 1 && v.rms_with_offset_deg < 0.5 * v.rms_deg)
-    run.Warn(fmt::format("a constant {:+.2f}° explains most of the difference: a marker or a link off its place?",
-                         v.offset_deg));
+    run.Warn("a constant {:+.2f}° explains most of the difference: a marker or a link off its place?", v.offset_deg);
   if (std::isnan(v.speed_mm_s)) return;
   const double planned = (schedule.knots[1].stroke_mm - schedule.knots[0].stroke_mm) / schedule.Duration();
   if (std::abs(v.speed_mm_s - planned) > std::max(0.01 * std::abs(planned), 3 * v.speed_se_mm_s))
-    run.Warn(fmt::format("the prototype moved at {} mm/s, not at {:.3f}",
-                         PlusMinusText(v.speed_mm_s, v.speed_se_mm_s, 3), planned));
+    run.Warn("the prototype moved at {} mm/s, not at {:.3f}", PlusMinusText(v.speed_mm_s, v.speed_se_mm_s, 3), planned);
 }
 
 // The program as the motor can run it, and what is known of the motor.
@@ -392,7 +390,7 @@ std::vector<InputFile> InputsOf(const StrokeRunOptions& options) {
 
 Json RunStroke(const StrokeRunOptions& options, Run& run) {
   if (!(options.tolerance_deg > 0 && options.tolerance_deg <= 90))
-    throw UsageError(fmt::format("--tolerance must be above 0 and at most 90 degrees, not {}", options.tolerance_deg));
+    throw UsageError("--tolerance must be above 0 and at most 90 degrees, not {}", options.tolerance_deg);
   if (!options.validate && (options.stroke_log || !options.rod.empty()))
     throw UsageError("--stroke-log and --rod-markers belong to --validate TRACKDIR");
   if (options.stroke_log && !options.rod.empty())
@@ -417,9 +415,9 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
         "give it with --duty-table");
   if (sketch && options.firmware.accept_drift)
     run.Warn(
-        fmt::format("the drift was accepted: {:.3f} ± {:.3f} mm, and the linkage ends at {:.3f} mm; only for a bench "
-                    "without a person",
-                    sketch->drift.planned_mm, sketch->drift.drift_mm, sketch->drift.end_mm));
+        "the drift was accepted: {:.3f} ± {:.3f} mm, and the linkage ends at {:.3f} mm; only for a bench without a "
+        "person",
+        sketch->drift.planned_mm, sketch->drift.drift_mm, sketch->drift.end_mm);
   actuator::WriteScheduleCsv(run.Result("program.csv"), rows);
   DrawPngAndSvg("program", run, [&](const fs::path& path) { figure::DrawStrokeProgram(path, plan.schedule, rows); });
   Json summary = ProgramJson(plan.schedule, rows);

@@ -37,9 +37,13 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
       result.waited_s < 0.05
           ? ""
           : fmt::format(", {:.1f} s longer than planned, as the actuator had not the speed", result.waited_s);
-  run.Report(fmt::format("homed in {:.1f} s{}{}; {} rows in log.csv\n", result.homing_s, ran, waited, result.rows));
-  return {{"rows", result.rows},         {"homing_s", result.homing_s},       {"run_s", result.run_s},
-          {"waited_s", result.waited_s}, {"design_hash", sketch.design_hash}, {"program_hash", sketch.program_hash}};
+  run.Report("homed in {:.1f} s{}{}; {} rows in log.csv\n", result.homing_s, ran, waited, result.rows);
+  return {{"rows", result.rows},
+          {"homing_s", result.homing_s},
+          {"run_s", result.run_s},
+          {"waited_s", result.waited_s},
+          {"design_hash", sketch.design_hash},
+          {"program_hash", sketch.program_hash}};
 }
 
 void Describe(StrokeSessionRunOptions& o, OptionList& options) {
@@ -71,7 +75,7 @@ Json RunBenchValidation(const BenchRunOptions& options, Run& run) {
     run.Begin({"summary.json", "bench.csv"});
     actuator::WriteBenchPlan(run.Result("bench.csv"));
     const std::size_t tests = actuator::BenchFaults().size() * actuator::BenchStates().size();
-    run.Report(fmt::format("bench.csv has the {} tests of the plan: fill it in, then give its folder\n", tests));
+    run.Report("bench.csv has the {} tests of the plan: fill it in, then give its folder\n", tests);
     return {{"plan", tests}};
   }
   run.AddInput(*options.folder / "bench.csv", "bench");
@@ -80,14 +84,14 @@ Json RunBenchValidation(const BenchRunOptions& options, Run& run) {
   actuator::WriteBenchReport(run.Result("bench_verdicts.csv"), report);
   for (const actuator::BenchFinding& finding : report.findings)
     if (finding.verdict == actuator::BenchVerdict::kFailed)
-      run.Warn(fmt::format("{} while {}: {}", finding.found.fault, finding.found.state, finding.why));
+      run.Warn("{} while {}: {}", finding.found.fault, finding.found.state, finding.why);
   const int passed = report.Count(actuator::BenchVerdict::kPassed),
             failed = report.Count(actuator::BenchVerdict::kFailed),
             missing = report.Count(actuator::BenchVerdict::kMissing);
   const double endurance_h = report.endurance_s / 3600;
-  run.Report(fmt::format(
-      "{} passed, {} failed, {} missing; the longest log without an alarm has {:.1f} h. {}\n", passed, failed, missing,
-      endurance_h, failed + missing == 0 ? "This bench has passed the plan." : "This bench has not passed the plan."));
+  run.Report("{} passed, {} failed, {} missing; the longest log without an alarm has {:.1f} h. {}\n", passed, failed,
+             missing, endurance_h,
+             failed + missing == 0 ? "This bench has passed the plan." : "This bench has not passed the plan.");
   return {{"passed", passed}, {"failed", failed}, {"missing", missing}, {"endurance_h", endurance_h}};
 }
 

@@ -121,20 +121,12 @@ std::vector<compare::RiseQuantity> ReadLoads(const CompareRunOptions& options, c
           {"load_max_n", of_left.largest, of_right.largest, kPlate}};
 }
 
-void AddDifference(const compare::SideDifference& difference, CsvWriter& csv) {
-  csv.Add(difference.left).Add(difference.right).Add(difference.difference);
-  csv.Add(difference.interval.low).Add(difference.interval.high);
-}
-
 void WriteQuantities(const fs::path& path, const compare::Symmetry& symmetry) {
   CsvWriter csv({"quantity", "left", "right", "difference", "difference_low", "difference_high", "index_percent",
                  "index_low_percent", "index_high_percent", "asymmetric"});
-  for (const compare::SideDifference& difference : symmetry.quantities) {
-    csv.Add(difference.name);
-    AddDifference(difference, csv);
-    csv.Add(difference.index_percent).Add(difference.index_interval.low).Add(difference.index_interval.high);
-    csv.Add(difference.IsAsymmetric() ? 1 : 0).EndRow();
-  }
+  for (const compare::SideDifference& of : symmetry.quantities)
+    csv.AddRow(of.name, of.left, of.right, of.difference, of.interval.low, of.interval.high, of.index_percent,
+               of.index_interval.low, of.index_interval.high, of.IsAsymmetric());
   csv.Write(path);
 }
 
@@ -142,9 +134,8 @@ void WriteCurve(const fs::path& path, const compare::Symmetry& symmetry) {
   CsvWriter csv(
       {"percent", "left_knee_deg", "right_knee_deg", "difference_deg", "difference_low_deg", "difference_high_deg"});
   for (std::size_t percent = 0; percent < symmetry.knee_deg.size(); ++percent) {
-    csv.Add(static_cast<int>(percent));
-    AddDifference(symmetry.knee_deg[percent], csv);
-    csv.EndRow();
+    const compare::SideDifference& of = symmetry.knee_deg[percent];
+    csv.AddRow(percent, of.left, of.right, of.difference, of.interval.low, of.interval.high);
   }
   csv.Write(path);
 }

@@ -1,8 +1,6 @@
 // The work of lake-compare --left A --right B: what differs between both legs of one person.
 #pragma once
 
-#include <string>
-
 #include "lake/commands/compare.h"
 #include "lake/core/json.h"
 #include "lake/core/run.h"

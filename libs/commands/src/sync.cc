@@ -132,9 +132,9 @@ void Describe(SyncRunOptions& o, OptionList& options) {
           "give both");
     for (const auto& [side, letter] : {std::pair{SyncedA(o), "a"}, {SyncedB(o), "b"}}) {
       if (!side.signal.empty() && !side.film.empty())
-        throw UsageError(fmt::format("--signal-{} and --clap-{}: one of them", letter, letter));
+        throw UsageError("--signal-{} and --clap-{}: one of them", letter, letter);
       if (side.film.empty() && side.clapped.distance_mm)
-        throw UsageError(fmt::format("--clap-distance-{}: of a clap, --clap-{} FILM", letter, letter));
+        throw UsageError("--clap-distance-{}: of a clap, --clap-{} FILM", letter, letter);
     }
   });
 }

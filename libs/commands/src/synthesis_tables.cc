@@ -27,10 +27,9 @@ std::vector<LimitedRow> PoseRows(const problem::DesignEvaluation& before, const 
 
 void WriteSensitivity(const synthesis::SynthesisOutcome& outcome, Run& run) {
   CsvWriter table({"link", "delta_mm", "range_deg", "assembled", "feasible"});
-  for (const problem::SensitivityPoint& point : outcome.sensitivity) {
-    table.Add(problem::LengthName(point.link)).Add(point.delta_mm).Add(point.range_deg);
-    table.Add(std::isnan(point.range_deg) ? 0 : 1).Add(point.feasible ? 1 : 0).EndRow();
-  }
+  for (const problem::SensitivityPoint& point : outcome.sensitivity)
+    table.AddRow(problem::LengthName(point.link), point.delta_mm, point.range_deg, !std::isnan(point.range_deg),
+                 point.feasible);
   table.Write(run.Result("sensitivity.csv"));
 }
 
@@ -78,9 +77,8 @@ void WarnOfMargins(const synthesis::SynthesisOutcome& outcome, Run& run) {
     if (!widest || point.certificate->gap_deg > widest->certificate->gap_deg) widest = &point;
   }
   if (widest)
-    run.Warn(fmt::format("margin.csv: {} of the {} bounds have a larger gap than requested, the largest {}° at {} mm",
-                         unreached, outcome.margins.size(), SignificantText(widest->certificate->gap_deg, 3),
-                         widest->margin_mm));
+    run.Warn("margin.csv: {} of the {} bounds have a larger gap than requested, the largest {}° at {} mm", unreached,
+             outcome.margins.size(), SignificantText(widest->certificate->gap_deg, 3), widest->margin_mm);
 }
 
 void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
@@ -90,16 +88,16 @@ void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
     constexpr double kUseless_mm = 1;
     if (!(transmission.moment_arm_mm > kUseless_mm))
       run.Warn(
-          fmt::format("at the shortest stroke the moment arm is {:.1f} mm, so the actuator holds no load there; set "
-                      "--min-moment-arm or --max-force",
-                      transmission.moment_arm_mm));
+          "at the shortest stroke the moment arm is {:.1f} mm, so the actuator holds no load there; set "
+          "--min-moment-arm or --max-force",
+          transmission.moment_arm_mm);
   }
   if (outcome.certificate) WarnOfCertificate(*outcome.certificate, certificate::NotInBound(outcome.problem), run);
   WarnOfMargins(outcome, run);
   if (outcome.options.round_mm && !outcome.rounded)
-    run.Warn(fmt::format(
+    run.Warn(
         "near the optimum, no design whose links are multiples of {} mm satisfies the problem; try a smaller --round",
-        *outcome.options.round_mm));
+        *outcome.options.round_mm);
 }
 
 Json RoundedJson(const problem::RoundedDesign& rounded) {

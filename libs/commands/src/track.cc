@@ -149,9 +149,9 @@ void WarnOfUnseen(const SeenShares& seen, Run& run) {
   for (const auto& [name, share] : seen)
     if (share < kEnough)
       run.Warn(
-          fmt::format("marker '{}' is seen in {:.0f} % of the frames only: look at the overlay; light, a hidden "
-                      "marker or a wrong name make gaps",
-                      name, 100 * share));
+          "marker '{}' is seen in {:.0f} % of the frames only: look at the overlay; light, a hidden marker or a wrong "
+          "name make gaps",
+          name, 100 * share);
 }
 
 std::string SeenText(const SeenShares& seen) {
@@ -168,9 +168,7 @@ void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateLi
   std::vector<overlay::NumberedSpot> spots;
   CsvWriter csv({"id", "frame", "x_px", "y_px", "radius_px", "first_frame", "last_frame", "moves"});
   for (const tracking::Candidate& c : list.candidates) {
-    csv.Add(c.id).Add(c.frame).Add(c.position.x()).Add(c.position.y()).Add(c.radius_px);
-    csv.Add(c.first_frame).Add(c.last_frame).Add(c.moves ? 1 : 0);
-    csv.EndRow();
+    csv.AddRow(c.id, c.frame, c.position.x(), c.position.y(), c.radius_px, c.first_frame, c.last_frame, c.moves);
     spots.push_back({.id = c.id,
                      .position = c.position,
                      .radius_px = c.radius_px,
@@ -186,16 +184,16 @@ void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateLi
 
 void WarnOfVideo(const video::VideoInfo& video, Run& run) {
   if (video.irregular_stamps)
-    run.Warn(fmt::format("the frames' time stamps are irregular ({} to {} s apart); each frame's own stamp is used",
-                         SignificantText(video.shortest_interval_s, 4), SignificantText(video.longest_interval_s, 4)));
+    run.Warn("the frames' time stamps are irregular ({} to {} s apart); each frame's own stamp is used",
+             SignificantText(video.shortest_interval_s, 4), SignificantText(video.longest_interval_s, 4));
   if (video.repaired_stamps > 0)
-    run.Warn(fmt::format("{} frames have no time stamp: each is put one frame's duration after the one before",
-                         video.repaired_stamps));
+    run.Warn("{} frames have no time stamp: each is put one frame's duration after the one before",
+             video.repaired_stamps);
   if (std::abs(video.pixel_aspect - 1) > 0.01)
     run.Warn(
-        fmt::format("the video's pixels are not square ({} wide to 1 high): positions are in its own pixels; only a "
-                    "camera calibrated on such pictures makes lengths and angles of them right",
-                    SignificantText(video.pixel_aspect, 3)));
+        "the video's pixels are not square ({} wide to 1 high): positions are in its own pixels; only a camera "
+        "calibrated on such pictures makes lengths and angles of them right",
+        SignificantText(video.pixel_aspect, 3));
 }
 
 std::vector<exchange::PointEvent> PointEvents(const std::vector<motion::StsEvent>& events) {
@@ -395,8 +393,7 @@ Json RunList(const TrackRunOptions& options, const tracking::TrackOptions& track
   WriteCandidates(options, list, run);
   const auto moving =
       std::count_if(list.candidates.begin(), list.candidates.end(), [](const auto& c) { return c.moves; });
-  run.Report(fmt::format("{} things found, {} of which move: candidates.png, candidates.csv\n", list.candidates.size(),
-                         moving));
+  run.Report("{} things found, {} of which move: candidates.png, candidates.csv\n", list.candidates.size(), moving);
   return {{"candidates", {{"found", list.candidates.size()}, {"moving", moving}, {"frame", list.frame}}}};
 }
 
@@ -406,8 +403,7 @@ void CheckOptions(const TrackRunOptions& options) {
   gait::CheckMarkers(options.measures, options.track.names);
   for (const auto& [name, mm] : options.depth_mm)
     if (std::find(options.track.names.begin(), options.track.names.end(), name) == options.track.names.end())
-      throw UsageError(
-          fmt::format("--depth {}: not one of the markers ({})", name, fmt::join(options.track.names, ", ")));
+      throw UsageError("--depth {}: not one of the markers ({})", name, fmt::join(options.track.names, ", "));
   if (options.smoothed && !HasLeg(options.track.names))
     throw UsageError("--smoothed: without ankle, knee and hip among the markers nothing is fitted");
   if (const auto& line = options.vertical; line && std::hypot((*line)[0] - (*line)[2], (*line)[1] - (*line)[3]) < 1)

@@ -1,6 +1,5 @@
 #include "worn_joint.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>

@@ -11,7 +11,6 @@
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/linkage/design_file.h"
-#include "lake/report/misalignment_sections.h"
 
 namespace lake::study {
 

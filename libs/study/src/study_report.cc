@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "lake/core/error.h"
-#include "lake/report/misalignment_sections.h"
 #include "step_table.h"
 #include "study_chapters.h"
 

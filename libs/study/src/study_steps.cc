@@ -1,6 +1,5 @@
 #include "study_steps.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 

@@ -88,7 +88,7 @@ Hand::Hand(const SceneOptions& options, std::size_t occlusion, const MarkerMotio
     : motion_(motion), soft_px_(soft_px), bright_(options.bright_room) {
   const Occlusion& asked = options.occlusions[occlusion];
   const int marker = IndexOfMarker(motion, asked.marker);
-  if (marker < 0) throw UsageError(fmt::format("no marker '{}' to hide", asked.marker));
+  if (marker < 0) throw UsageError("no marker '{}' to hide", asked.marker);
   marker_ = static_cast<std::size_t>(marker);
   // A tenth of the disc is hidden when the hand's edge has passed 0.31 radii into it.
   mm_per_s_ = 2 * (kHandHalfWidth + (1 - 0.313) * options.marker_radius_mm) / asked.hidden_s;

@@ -1,8 +1,6 @@
 // What makes tracking hard: reflections that stand still, a glint that moves, a hand that hides.
 #pragma once
 
-#include <optional>
-
 #include "sprite.h"
 
 namespace lake::synth {

@@ -1,7 +1,6 @@
 // Flat, textured shapes that are painted one over the other, each averaged over the shutter.
 #pragma once
 
-#include <memory>
 #include <opencv2/core.hpp>
 #include <vector>
 

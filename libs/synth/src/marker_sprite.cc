@@ -36,8 +36,7 @@ MarkerSprites::MarkerSprites(const SceneOptions& options, const View& view, cons
     : options_(options), view_(view) {
   const auto& names = motion.Names();
   for (const auto& [name, depth] : options.marker_depth_mm)
-    if (IndexOfMarker(motion, name) < 0)
-      throw UsageError(fmt::format("no marker '{}' to stand proud of the plane", name));
+    if (IndexOfMarker(motion, name) < 0) throw UsageError("no marker '{}' to stand proud of the plane", name);
   for (std::size_t m = 0; m < names.size(); ++m) {
     const auto depth = options.marker_depth_mm.find(names[m]);
     depth_mm_.push_back(depth == options.marker_depth_mm.end() ? 0 : depth->second);

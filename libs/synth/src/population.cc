@@ -1,6 +1,5 @@
 #include "lake/synth/population.h"
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -80,14 +79,9 @@ fs::path WriteTrial(const Session& session, const StsMotionOptions& motion, cons
 void WriteTruth(const std::vector<Session>& sessions, const fs::path& path) {
   CsvWriter csv({"participant_id", "session", "height_mm", "mass_kg", "shank_mm", "thigh_mm", "seated_knee_deg",
                  "rise_s", "exo_knee_x_mm", "exo_knee_y_mm"});
-  for (const Session& s : sessions) {
-    csv.Add(s.participant).Add(s.session).Add(s.height_mm).Add(s.mass_kg).Add(s.human.shank_mm).Add(s.human.thigh_mm);
-    csv.Add(s.human.seated_knee_deg)
-        .Add(s.human.rise_s)
-        .Add(s.exo.exo_knee_mm->x())
-        .Add(s.exo.exo_knee_mm->y())
-        .EndRow();
-  }
+  for (const Session& s : sessions)
+    csv.AddRow(s.participant, s.session, s.height_mm, s.mass_kg, s.human.shank_mm, s.human.thigh_mm,
+               s.human.seated_knee_deg, s.human.rise_s, s.exo.exo_knee_mm->x(), s.exo.exo_knee_mm->y());
   csv.Write(path);
 }
 

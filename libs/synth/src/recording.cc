@@ -31,14 +31,13 @@ class FrameSink {
       if (error) throw Fail("{}: the folder cannot be made: {}", pictures_->string(), error.message());
       return;
     }
-    video::VideoWriterOptions video;
-    video.width = scene.Profile().camera.image_width;
-    video.height = scene.Profile().camera.image_height;
-    video.frame_rate_hz = scene.Options().frame_rate_hz;
-    video.crf = options.crf;
-    video.lossless = options.lossless;
-    video.preset = PresetOf(options);
-    video.grey = !scene.Options().colour;
+    video::VideoWriterOptions video{.width = scene.Profile().camera.image_width,
+                                    .height = scene.Profile().camera.image_height,
+                                    .frame_rate_hz = scene.Options().frame_rate_hz,
+                                    .crf = options.crf,
+                                    .lossless = options.lossless,
+                                    .grey = !scene.Options().colour,
+                                    .preset = PresetOf(options)};
     video_.emplace(folder / "video.mp4", video);
   }
 
@@ -99,9 +98,9 @@ void WriteTruthCsv(const fs::path& path, const Scene& scene, const std::vector<F
   for (const std::string& name : names) header.push_back(name + "_covered");
   CsvWriter csv(header);
   for (std::size_t frame = 0; frame < truth.size(); ++frame) {
-    csv.Add(static_cast<std::int64_t>(frame)).Add(truth[frame].time_s);
+    csv.Add(frame).Add(truth[frame].time_s);
     for (const MarkerTruth& marker : truth[frame].markers)
-      csv.Add(marker.px.x()).Add(marker.px.y()).Add(marker.visible ? 1 : 0).Add(marker.mm.x()).Add(marker.mm.y());
+      csv.Add(marker.px.x()).Add(marker.px.y()).Add(marker.visible).Add(marker.mm.x()).Add(marker.mm.y());
     csv.Add(truth[frame].knee_deg);
     for (const MarkerTruth& marker : truth[frame].markers) csv.Add(marker.covered);
     csv.EndRow();

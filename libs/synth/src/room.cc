@@ -1,10 +1,6 @@
 #include "room.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "body.h"
-#include "random.h"
 
 namespace lake::synth {
 namespace {

@@ -287,7 +287,7 @@ struct Scene::Impl {
 
   ImagePatch RenderMarker(int frame, const std::string& name, const Vector2d& shift_px) const {
     const int wanted = IndexOfMarker(*motion, name);
-    if (wanted < 0) throw UsageError(fmt::format("no marker '{}'", name));
+    if (wanted < 0) throw UsageError("no marker '{}'", name);
     const FrameState state = StateOf(frame);
     const Cover cover = CoverOf(state);
     Composition composition = Compose(state, SpritesOf(state));

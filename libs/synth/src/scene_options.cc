@@ -12,7 +12,7 @@ namespace lake::synth {
 namespace {
 
 void Require(bool good, const char* what) {
-  if (!good) throw UsageError(fmt::format("scene: {}", what));
+  if (!good) throw UsageError("scene: {}", what);
 }
 
 }  // namespace

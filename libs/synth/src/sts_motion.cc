@@ -29,16 +29,15 @@ Vector2d Along(double angle_deg) {
 
 void CheckOptions(const StsMotionOptions& o) {
   if (o.repetitions < 1 || o.repetitions > 10000)
-    throw UsageError(fmt::format("{} repetitions: 1 to 10000 are possible", o.repetitions));
+    throw UsageError("{} repetitions: 1 to 10000 are possible", o.repetitions);
   if (!(o.shank_mm > 0 && o.thigh_mm > 0 && o.trunk_mm > 0)) throw UsageError("segment lengths must be positive");
-  if (!(o.skin_mm >= 0 && o.skin_mm <= 100))
-    throw UsageError(fmt::format("skin movement {} mm: 0 to 100 is possible", o.skin_mm));
+  if (!(o.skin_mm >= 0 && o.skin_mm <= 100)) throw UsageError("skin movement {} mm: 0 to 100 is possible", o.skin_mm);
   if (!(o.rise_s > 0 && o.descent_s > 0 && o.pace > 0)) throw UsageError("durations and pace must be positive");
   if (!(o.min_rest_s > 0 && o.max_rest_s >= o.min_rest_s))
     throw UsageError("rests must be positive, the longest not below the shortest");
   if (!(std::abs(o.time_warp) < 1 / std::numbers::pi))
-    throw UsageError(fmt::format("time warp {}: time would turn back; it must lie within ±{:.3f}", o.time_warp,
-                                 1 / std::numbers::pi));
+    throw UsageError("time warp {}: time would turn back; it must lie within ±{:.3f}", o.time_warp,
+                     1 / std::numbers::pi);
 }
 
 }  // namespace
@@ -82,9 +81,8 @@ void StsMotion::DrawPhases() {
     const double s = vary(shank, 0.5 * sd);
     return Angles{s, s - vary(knee, sd), vary(trunk, 0.5 * sd)};
   };
-  Movement movement;
-  movement.seated = posture(o.seated_knee_deg, o.seated_shank_deg, o.seated_trunk_deg, 1.5);
-  movement.standing = posture(o.standing_knee_deg, o.standing_shank_deg, o.standing_trunk_deg, 0.7);
+  Movement movement{.seated = posture(o.seated_knee_deg, o.seated_shank_deg, o.seated_trunk_deg, 1.5),
+                    .standing = posture(o.standing_knee_deg, o.standing_shank_deg, o.standing_trunk_deg, 0.7)};
   double time = 0;
   const auto add = [&](Kind kind, double duration) {
     phases_.push_back({kind, time, time + duration});

@@ -150,7 +150,7 @@ void TakeCamera(const SynthRunOptions& o, SceneOptions& scene) {
   if (o.camera.empty()) return;
   scene.camera = camera::ReadCameraProfile(o.camera);
   if (!scene.camera->camera_from_plane)
-    throw UsageError(fmt::format("{}: has no plane; a scene needs plane_rvec and plane_tvec", o.camera.string()));
+    throw UsageError("{}: has no plane; a scene needs plane_rvec and plane_tvec", o.camera.string());
 }
 
 void TakeRoom(const SynthRunOptions& o, SceneOptions& scene) {
@@ -200,10 +200,7 @@ Scene StagedScene(const SynthRunOptions& o) {
 }
 
 Json RenderPopulation(const SynthRunOptions& o, Run& run) {
-  PopulationOptions population;
-  population.seed = o.seed;
-  population.people = *o.people;
-  population.sessions = o.sessions;
+  PopulationOptions population{.seed = o.seed, .people = *o.people, .sessions = o.sessions};
   const SceneOptions scene = SceneOf(o);
   const std::vector<Session> sessions = DrawPopulation(population, scene.motion);
   std::vector<std::string> names = {"participants.tsv", "participants.json", "cohort.yaml", "truth.csv"};
@@ -213,17 +210,16 @@ Json RenderPopulation(const SynthRunOptions& o, Run& run) {
         names.push_back((session.Folder() / trial / file).string());
   run.Begin(names);
   WritePopulation(sessions, scene, run.Folder());
-  run.Report(fmt::format("{} people, {} sessions each\n", population.people, population.sessions));
+  run.Report("{} people, {} sessions each\n", population.people, population.sessions);
   return {{"people", population.people}, {"sessions", population.sessions}};
 }
 
 Json RenderRecording(const SynthRunOptions& o, Run& run) {
   const Scene scene = StagedScene(o);
-  RecordingOptions recording;
-  recording.crf = o.crf.value_or(o.scene == SynthRunOptions::Scene::kHard ? 23 : 17);
-  recording.lossless = o.lossless;
-  recording.pictures = o.pictures;
-  recording.quiet = run.Quiet();
+  RecordingOptions recording{.crf = o.crf.value_or(o.scene == SynthRunOptions::Scene::kHard ? 23 : 17),
+                             .lossless = o.lossless,
+                             .pictures = o.pictures,
+                             .quiet = run.Quiet()};
   std::vector<std::string> names = {"truth.csv", "camera.yaml", "scene.json"};
   if (!o.pictures) names.push_back("video.mp4");
   for (int frame = 0; o.pictures && frame < scene.Frames(); ++frame)
@@ -238,7 +234,7 @@ Json RenderRecording(const SynthRunOptions& o, Run& run) {
     results["hidden_frames"][written.markers[m]] = frames;
     if (frames > 0) hidden += fmt::format(", {} hidden in {}", written.markers[m], frames);
   }
-  run.Report(fmt::format("{} frames{}: {}\n", written.frames, hidden, video));
+  run.Report("{} frames{}: {}\n", written.frames, hidden, video);
   return results;
 }
 

@@ -163,7 +163,12 @@ CsvWriter& CsvWriter::Add(std::optional<double> value) {
   return value ? Add(*value) : AddEmpty();
 }
 
-CsvWriter& CsvWriter::Add(std::int64_t value) {
+CsvWriter& CsvWriter::Add(std::span<const double> values) {
+  for (const double value : values) Add(value);
+  return *this;
+}
+
+CsvWriter& CsvWriter::AddInteger(std::int64_t value) {
   StartCell();
   text_ += fmt::to_string(value);
   return *this;
@@ -214,12 +219,11 @@ std::vector<double> ParseNumbers(std::string_view text, std::size_t count, std::
   std::vector<double> numbers;
   for (const std::string& part : SplitText(text, ',')) {
     const std::optional<double> number = ParseNumber(part);
-    if (!number) throw UsageError(fmt::format("{} '{}': '{}' is not a number", what, text, part));
+    if (!number) throw UsageError("{} '{}': '{}' is not a number", what, text, part);
     numbers.push_back(*number);
   }
   if (numbers.size() != count)
-    throw UsageError(
-        fmt::format("{} '{}': {} numbers separated by commas are needed, not {}", what, text, count, numbers.size()));
+    throw UsageError("{} '{}': {} numbers separated by commas are needed, not {}", what, text, count, numbers.size());
   return numbers;
 }
 

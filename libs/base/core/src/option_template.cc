@@ -1,6 +1,5 @@
 #include "lake/core/option_template.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>

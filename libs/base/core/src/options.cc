@@ -54,8 +54,8 @@ Integer ParseInteger(const std::string& text, const std::string& said) {
   const std::optional<double> number = ParseNumber(text);
   const bool is_negative = number && *number < 0 && std::is_unsigned_v<Integer>;
   if (!number || *number != std::round(*number) || std::abs(*number) > kMost || is_negative)
-    throw UsageError(fmt::format("{} must be a whole number{}, not {}", said,
-                                 std::is_unsigned_v<Integer> ? " from 0 on" : "", text));
+    throw UsageError("{} must be a whole number{}, not {}", said, std::is_unsigned_v<Integer> ? " from 0 on" : "",
+                     text);
   return static_cast<Integer>(*number);
 }
 
@@ -63,7 +63,7 @@ Integer ParseInteger(const std::string& text, const std::string& said) {
 
 double OptionValue<double>::Parse(const std::string& text, const std::string& said) {
   const std::optional<double> number = ParseNumber(text);
-  if (!number) throw UsageError(fmt::format("{}: '{}' is not a finite number", said, text));
+  if (!number) throw UsageError("{}: '{}' is not a finite number", said, text);
   return *number;
 }
 std::string OptionValue<double>::Format(double value) {
@@ -91,7 +91,7 @@ bool OptionValue<bool>::Parse(const std::string& text, const std::string& said) 
     if (lower == yes) return true;
   for (const char* no : {"false", "no", "off", "n"})
     if (lower == no) return false;
-  throw UsageError(fmt::format("{} must be true or false", said));
+  throw UsageError("{} must be true or false", said);
 }
 std::string OptionValue<bool>::Format(bool value) {
   return value ? "true" : "false";
@@ -113,8 +113,8 @@ std::string OptionValue<std::filesystem::path>::Format(const std::filesystem::pa
 
 void CheckTextCount(const OptionTexts& texts, std::size_t count, const std::string& said) {
   if (texts.size() == count) return;
-  if (count == 1) throw UsageError(fmt::format("{}: a single value was expected", said));
-  throw UsageError(fmt::format("{} must have {} numbers, not {}", said, count, texts.size()));
+  if (count == 1) throw UsageError("{}: a single value was expected", said);
+  throw UsageError("{} must have {} numbers, not {}", said, count, texts.size());
 }
 
 std::string JoinTexts(const OptionTexts& texts) {
@@ -125,9 +125,9 @@ std::vector<std::pair<std::string, std::string>> NamesAndValues(const OptionText
   std::vector<std::pair<std::string, std::string>> pairs;
   for (const std::string& text : texts) {
     const auto pair = SplitNameValue(said, text);
-    if (pair.second.empty()) throw UsageError(fmt::format("{} '{}': no value for '{}'", said, text, pair.first));
+    if (pair.second.empty()) throw UsageError("{} '{}': no value for '{}'", said, text, pair.first);
     if (std::any_of(pairs.begin(), pairs.end(), [&](const auto& other) { return other.first == pair.first; }))
-      throw UsageError(fmt::format("{}: '{}' is given twice", said, pair.first));
+      throw UsageError("{}: '{}' is given twice", said, pair.first);
     pairs.push_back(pair);
   }
   return pairs;
@@ -249,7 +249,7 @@ OptionTexts Option::Split(const OptionTexts& texts) const {
 
 void Option::SetFromCommandLine(const OptionTexts& texts) {
   const std::string said = is_operand_ ? name_ : "--" + name_;
-  if (std::find(texts.begin(), texts.end(), "") != texts.end()) throw UsageError(fmt::format("{} is empty", said));
+  if (std::find(texts.begin(), texts.end(), "") != texts.end()) throw UsageError("{} is empty", said);
   Set(Split(texts), said);
   said_ = fmt::format("{} {}{}", said, JoinTexts(texts), unit_.empty() ? "" : " " + unit_);
 }
@@ -266,9 +266,9 @@ void Option::Set(const OptionTexts& texts, const std::string& said) {
   for (const std::string& text : range_ ? texts : OptionTexts{}) {
     const double number = OptionValue<double>::Parse(text, said);
     const auto [low, high] = *range_;
-    if (!low_is_allowed_ && !(number > low)) throw UsageError(fmt::format("{} must be positive, not {}", said, text));
-    if (number < low) throw UsageError(fmt::format("{} must be at least {}, not {}", said, low, text));
-    if (number > high) throw UsageError(fmt::format("{} must be at most {}, not {}", said, high, text));
+    if (!low_is_allowed_ && !(number > low)) throw UsageError("{} must be positive, not {}", said, text);
+    if (number < low) throw UsageError("{} must be at least {}, not {}", said, low, text);
+    if (number > high) throw UsageError("{} must be at most {}, not {}", said, high, text);
   }
 }
 
@@ -314,7 +314,7 @@ bool OptionList::IsAnyGiven() const {
 }
 
 void OptionList::ThrowNoSuchChoice(const std::string& text, const OptionTexts& known, const std::string& said) {
-  throw UsageError(fmt::format("{} must be one of {}, not '{}'", said, fmt::join(known, ", "), text));
+  throw UsageError("{} must be one of {}, not '{}'", said, fmt::join(known, ", "), text);
 }
 
 namespace {

@@ -23,7 +23,7 @@ int Threads() {
 }
 
 void SetThreads(int count) {
-  if (count < 1) throw UsageError(fmt::format("--threads must be at least 1, not {}", count));
+  if (count < 1) throw UsageError("--threads must be at least 1, not {}", count);
   threads = count;
 }
 

@@ -144,15 +144,8 @@ std::vector<EventCorrection> ReadEventCorrections(const std::filesystem::path& p
 
 void WriteEventCorrections(const std::filesystem::path& path, const std::vector<EventCorrection>& corrections) {
   CsvWriter csv({"repetition", "event", "frame", "time_s"});
-  for (const EventCorrection& correction : corrections) {
-    csv.Add(correction.repetition).Add(ToString(correction.kind));
-    if (correction.frame)
-      csv.Add(*correction.frame);
-    else
-      csv.AddEmpty();
-    csv.Add(correction.time_s);
-    csv.EndRow();
-  }
+  for (const EventCorrection& correction : corrections)
+    csv.AddRow(correction.repetition, ToString(correction.kind), correction.frame, correction.time_s);
   csv.Write(path);
 }
 

@@ -88,12 +88,7 @@ void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& moti
   CsvWriter csv(header);
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const LegSample& sample = motion.samples[i];
-    csv.Add(motion.frame[i]).Add(motion.time_s[i]);
-    if (sample.repetition)
-      csv.Add(*sample.repetition);
-    else
-      csv.AddEmpty();
-    csv.Add(sample.percent);
+    csv.Add(motion.frame[i]).Add(motion.time_s[i]).Add(sample.repetition).Add(sample.percent);
     for (const auto& vector : kVectors) csv.Add((sample.*vector.value).x()).Add((sample.*vector.value).y());
     for (const auto& scalar : kScalars) csv.Add(sample.*scalar.value);
     csv.EndRow();
@@ -128,10 +123,7 @@ LegMotion ReadKinematicsCsv(const std::filesystem::path& path) {
 
 void WriteEventsCsv(const std::filesystem::path& path, const std::vector<StsEvent>& events) {
   CsvWriter csv({"repetition", "event", "frame", "time_s"});
-  for (const StsEvent& event : events) {
-    csv.Add(event.repetition).Add(ToString(event.kind)).Add(event.frame).Add(event.time_s);
-    csv.EndRow();
-  }
+  for (const StsEvent& event : events) csv.AddRow(event.repetition, ToString(event.kind), event.frame, event.time_s);
   csv.Write(path);
 }
 

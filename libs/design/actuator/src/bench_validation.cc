@@ -227,14 +227,9 @@ int BenchReport::Count(BenchVerdict verdict) const {
 void WriteBenchPlan(const std::filesystem::path& file) {
   CsvWriter csv({"fault", "state", "how", "alarms", "most_off_s", "most_way_mm", "serial", "logic", "way_mm"});
   for (const BenchFault& fault : BenchFaults())
-    for (const std::string& state : BenchStates()) {
-      csv.Add(fault.name).Add(state).Add(fault.how).Add(NumbersOf(fault.told)).Add(fault.off_s).Add(fault.way_mm);
-      csv.Add("").Add("").Add(NAN);
-      csv.EndRow();
-    }
-  csv.Add(kEndurance).Add("a program, over and over").Add("24 h, home and run").Add("").Add(NAN).Add(NAN);
-  csv.Add("").Add("").Add(NAN);
-  csv.EndRow();
+    for (const std::string& state : BenchStates())
+      csv.AddRow(fault.name, state, fault.how, NumbersOf(fault.told), fault.off_s, fault.way_mm, "", "", NAN);
+  csv.AddRow(kEndurance, "a program, over and over", "24 h, home and run", "", NAN, NAN, "", "", NAN);
   csv.Write(file);
 }
 
@@ -254,12 +249,9 @@ BenchReport ValidateBench(const std::filesystem::path& folder) {
 
 void WriteBenchReport(const std::filesystem::path& file, const BenchReport& report) {
   CsvWriter csv({"fault", "state", "verdict", "alarm", "off_s", "way_mm", "why"});
-  for (const BenchFinding& finding : report.findings) {
-    csv.Add(finding.found.fault).Add(finding.found.state).Add(NameOf(finding.verdict));
-    csv.Add(finding.alarm ? std::to_string(*finding.alarm) : "").Add(finding.off_s).Add(finding.found.way_mm);
-    csv.Add(finding.why);
-    csv.EndRow();
-  }
+  for (const BenchFinding& finding : report.findings)
+    csv.AddRow(finding.found.fault, finding.found.state, NameOf(finding.verdict),
+               finding.alarm ? std::to_string(*finding.alarm) : "", finding.off_s, finding.found.way_mm, finding.why);
   csv.Write(file);
 }
 

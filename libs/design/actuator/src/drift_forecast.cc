@@ -98,10 +98,9 @@ void RequireRoomToCheck(const Homing& homing, const StrokeSchedule& schedule, co
   const double room_mm = options.extend_stop_mm > 0 ? std::min(below_mm, options.extend_stop_mm) : below_mm;
   if (options.stop_travel_mm && *options.stop_travel_mm >= room_mm)
     throw UsageError(
-        fmt::format("--stop-travel {} mm is not less than the {:.3f} mm that the linkage has beyond an end stop: give "
-                    "less, or raise "
-                    "--margin, --home-stroke or --extend-stop",
-                    *options.stop_travel_mm, room_mm));
+        "--stop-travel {} mm is not less than the {:.3f} mm that the linkage has beyond an end stop: give less, or "
+        "raise --margin, --home-stroke or --extend-stop",
+        *options.stop_travel_mm, room_mm);
   if (least_mm >= room_mm)
     throw Fail(
         "to find out which way the motor turns takes {:.3f} mm, and beyond an end stop the linkage has {:.3f} mm: "
@@ -114,10 +113,10 @@ void RequireRoomToCheck(const Homing& homing, const StrokeSchedule& schedule, co
 void RequireHome(const Homing& homing, const SoftLimits& limits, const DutyTable& table,
                  const FirmwareOptions& options) {
   if (homing.stroke_mm < limits.lower_mm - 1e-3)
-    throw UsageError(fmt::format(
+    throw UsageError(
         "--home-stroke {:.3f} mm is below the soft limit {:.3f} mm: put the retract end stop there, or give "
         "--accept-drift on a bench without a person",
-        homing.stroke_mm, limits.lower_mm));
+        homing.stroke_mm, limits.lower_mm);
   const double run_on_mm = RunOn(homing.speed_mm_s, table, options);
   if (homing.stroke_mm - run_on_mm <= limits.lower_end_mm)
     throw Fail(
@@ -133,8 +132,7 @@ Homing HomingOf(const StrokeTable& stroke, const StrokeSchedule& schedule, const
   Homing homing{};
   homing.stroke_mm = HomeStroke(stroke, schedule, options);
   if (homing.stroke_mm > stroke.start_mm + 1e-3)
-    throw UsageError(
-        fmt::format("--home-stroke {} mm is past the program's start at {:.3f} mm", homing.stroke_mm, stroke.start_mm));
+    throw UsageError("--home-stroke {} mm is past the program's start at {:.3f} mm", homing.stroke_mm, stroke.start_mm);
   const auto speed = [&](const DutyCurve& curve) {
     return std::clamp(options.home_speed_mm_s, curve.LeastMovingSpeed(), curve.MostSpeed());
   };
@@ -179,10 +177,9 @@ double HomeStroke(const StrokeTable& stroke, const StrokeSchedule& schedule, con
 DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
                             const FirmwareOptions& options) {
   const Homing homing = HomingOf(stroke, schedule, table, options);
-  DriftForecast forecast;
-  forecast.tolerance_percent = ToleranceOf(table, options);
-  forecast.is_measured = !options.speed_tolerance_percent && table.TolerancePercent();
-  forecast.end_mm = schedule.limits.upper_end_mm;
+  DriftForecast forecast{.tolerance_percent = ToleranceOf(table, options),
+                         .is_measured = !options.speed_tolerance_percent && table.TolerancePercent(),
+                         .end_mm = schedule.limits.upper_end_mm};
   if (options.feedback == Feedback::kPotentiometer) {
     forecast.planned_mm = HighestStroke(schedule);
     forecast.drift_mm = forecast.last_drift_mm = options.feedback_error_mm + kFollowingError_mm;

@@ -210,7 +210,7 @@ std::optional<double> MeasureTolerance(std::vector<DutyRow>& rows, const std::ve
 
 void CalibrateOptions::Check() const {
   const auto require = [](bool good, const char* option, double value) {
-    if (!good) throw UsageError(fmt::format("{} {} makes no sense here", option, value));
+    if (!good) throw UsageError("{} {} makes no sense here", option, value);
   };
   require(settle_s >= 0 && settle_s <= 60, "--settle", settle_s);
   require(min_plateau_s > settle_s && min_plateau_s <= 600, "--min-plateau (it must exceed --settle)", min_plateau_s);

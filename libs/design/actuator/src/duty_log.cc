@@ -118,8 +118,7 @@ PotentiometerScale ParsePotentiometerScale(const std::string& text) {
     for (const std::string& part : SplitText(point, '='))
       if (const auto number = ParseNumber(part)) numbers.push_back(*number);
   if (points.size() != 2 || numbers.size() != 4 || numbers[0] == numbers[2] || numbers[1] == numbers[3])
-    throw UsageError(
-        fmt::format("--pot '{}': give two different points COUNTS=MM,COUNTS=MM, e.g. 102=242,921=372", text));
+    throw UsageError("--pot '{}': give two different points COUNTS=MM,COUNTS=MM, e.g. 102=242,921=372", text);
   return {.counts_a = numbers[0], .mm_a = numbers[1], .counts_b = numbers[2], .mm_b = numbers[3]};
 }
 

@@ -142,13 +142,8 @@ DutyTable ReadDutyTable(const std::filesystem::path& path) {
 void WriteDutyTable(const std::filesystem::path& path, const std::vector<DutyRow>& rows) {
   CsvWriter table({"duty", "extend_mm_s", "retract_mm_s", "extend_se_mm_s", "retract_se_mm_s", "tolerance_percent"});
   for (const DutyRow& row : rows)
-    table.Add(row.duty)
-        .Add(row.extend_mm_s)
-        .Add(row.retract_mm_s)
-        .Add(row.extend_se_mm_s)
-        .Add(row.retract_se_mm_s)
-        .Add(row.tolerance_percent)
-        .EndRow();
+    table.AddRow(row.duty, row.extend_mm_s, row.retract_mm_s, row.extend_se_mm_s, row.retract_se_mm_s,
+                 row.tolerance_percent);
   table.Write(path);
 }
 

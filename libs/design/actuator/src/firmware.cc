@@ -135,24 +135,22 @@ void RequirePotentiometer(const FirmwareOptions& options, const StrokeSchedule& 
   for (const double stroke_mm : {std::min(lowest.stroke_mm, home_mm), highest.stroke_mm}) {
     const double reading = line.ReadingAt(stroke_mm), error_mm = CountingError(scale, stroke_mm);
     if (reading < kRail || reading > kMostReading - kRail)
-      throw UsageError(fmt::format(
+      throw UsageError(
           "{}: a stroke of {:.3f} mm, where home and program go, would read {:.1f} counts, and only {} to {} are "
           "believed: measure the two points again (counts of the firmware's adc column, strokes in mm from pin to "
-          "pin), "
-          "or take a potentiometer that covers the program",
-          pot, stroke_mm, reading / 4, kRail / 4, kMostCount - kRail / 4));
+          "pin), or take a potentiometer that covers the program",
+          pot, stroke_mm, reading / 4, kRail / 4, kMostCount - kRail / 4);
     if (error_mm > options.feedback_error_mm)
-      throw UsageError(fmt::format(
-          "{}: one count is {} mm, so a stroke of {:.3f} mm may be off by {} mm, and --feedback-error is {} "
-          "mm: measure two points farther apart, take a potentiometer of shorter travel, or give a larger "
-          "--feedback-error",
+      throw UsageError(
+          "{}: one count is {} mm, so a stroke of {:.3f} mm may be off by {} mm, and --feedback-error is {} mm: "
+          "measure two points farther apart, take a potentiometer of shorter travel, or give a larger --feedback-error",
           pot, SignificantText(std::abs(4 * line.mm_per_reading), 3), stroke_mm, SignificantText(error_mm, 3),
-          options.feedback_error_mm));
+          options.feedback_error_mm);
   }
   const double first_mm = line.zero_mm, last_mm = line.zero_mm + kMostReading * line.mm_per_reading;
   if (std::max(std::abs(first_mm), std::abs(last_mm)) > kMostStroke_mm)
-    throw UsageError(fmt::format("{}: 0 to {} counts would be {:.0f} to {:.0f} mm, and the firmware counts to {} mm",
-                                 pot, kMostCount, first_mm, last_mm, kMostStroke_mm));
+    throw UsageError("{}: 0 to {} counts would be {:.0f} to {:.0f} mm, and the firmware counts to {} mm", pot,
+                     kMostCount, first_mm, last_mm, kMostStroke_mm);
 }
 
 // The stroke of a reading, and the readings that no stroke between the ends has: 5 mm beyond them, or near a rail.
@@ -206,9 +204,8 @@ void RequireSpeedLimit(const StrokeTable& stroke, const FirmwareOptions& options
   std::int32_t most_um_s = 0;
   for (const StrokeSegment& segment : stroke.segments) most_um_s = std::max(most_um_s, std::abs(segment.velocity_um_s));
   if (most_um_s > 1e3 * *options.speed_limit_mm_s)
-    throw UsageError(
-        fmt::format("the program goes at {:.3f} mm/s, and --speed-limit is {} mm/s: a slower program (--speed)",
-                    most_um_s / 1e3, *options.speed_limit_mm_s));
+    throw UsageError("the program goes at {:.3f} mm/s, and --speed-limit is {} mm/s: a slower program (--speed)",
+                     most_um_s / 1e3, *options.speed_limit_mm_s);
 }
 
 constexpr std::string_view kHashLine = "#define LAKE_PROGRAM \"";
@@ -238,11 +235,11 @@ void CheckPins(const FirmwareOptions& options) {
   if (pins.safety_relay) used.emplace_back("--safety-relay", *pins.safety_relay);
   for (auto one = used.begin(); one != used.end(); ++one) {
     if (one->second < 2 || one->second > 19)
-      throw UsageError(fmt::format("{}: a pin is 2 to 19 (14 to 19 are A0 to A5; 0 and 1 are the serial line), not {}",
-                                   one->first, one->second));
+      throw UsageError("{}: a pin is 2 to 19 (14 to 19 are A0 to A5; 0 and 1 are the serial line), not {}", one->first,
+                       one->second);
     for (auto other = used.begin(); other != one; ++other)
       if (other->second == one->second)
-        throw UsageError(fmt::format("{} and {} are both on {}", other->first, one->first, PinName(one->second)));
+        throw UsageError("{} and {} are both on {}", other->first, one->first, PinName(one->second));
   }
   constexpr int kPulledUp = 5;
   if (options.board == Board::kNucleo && pins.safety_relay == kPulledUp)
@@ -254,8 +251,7 @@ void CheckPins(const FirmwareOptions& options) {
 // A person may only be moved where each single fault is seen: what is missing, in one line.
 void CheckWorn(const FirmwareOptions& options) {
   if (!(options.worn_timeout_s >= 0.1 && options.worn_timeout_s <= kMostWornTimeout_s))
-    throw UsageError(
-        fmt::format("--worn-timeout must be within 0.1..{} s, not {}", kMostWornTimeout_s, options.worn_timeout_s));
+    throw UsageError("--worn-timeout must be within 0.1..{} s, not {}", kMostWornTimeout_s, options.worn_timeout_s);
   if (!options.worn) return;
   std::vector<std::string> missing;
   const auto need = [&](bool there, const char* option) {
@@ -268,7 +264,7 @@ void CheckWorn(const FirmwareOptions& options) {
   need(options.pins.safety_relay.has_value(), "--safety-relay PIN");
   need(options.force_limit_n.has_value(), "--force-limit N");
   need(options.speed_limit_mm_s.has_value(), "--speed-limit MM_S");
-  if (!missing.empty()) throw UsageError(fmt::format("--worn needs {}", fmt::join(missing, ", ")));
+  if (!missing.empty()) throw UsageError("--worn needs {}", fmt::join(missing, ", "));
   if (options.accept_drift) throw UsageError("--worn and --accept-drift exclude each other");
 }
 
@@ -352,7 +348,7 @@ std::vector<std::string> Unknowns(const FirmwareOptions& options, const StrokeTa
 
 void FirmwareOptions::Check() const {
   const auto require = [](bool good, const char* option, double value, const char* what) {
-    if (!good) throw UsageError(fmt::format("{} must be {}, not {}", option, what, value));
+    if (!good) throw UsageError("{} must be {}, not {}", option, what, value);
   };
   require(home_stroke_mm >= 0 && home_stroke_mm <= kMostStroke_mm, "--home-stroke", home_stroke_mm,
           "within 0..2000 mm");
@@ -369,7 +365,7 @@ void FirmwareOptions::Check() const {
   require(lag_s >= 0 && lag_s <= 0.5, "--lag", lag_s, "within 0..0.5 s");
   require(home_error_mm >= 0 && home_error_mm <= 10, "--home-error", home_error_mm, "within 0..10 mm");
   if (const double most_v = MostSupplyV(Facts()); supply_v != 0 && !(supply_v >= 4 && supply_v < most_v))
-    throw UsageError(fmt::format("--supply must be 0 or within 4..{:.1f} V, not {}", most_v, supply_v));
+    throw UsageError("--supply must be 0 or within 4..{:.1f} V, not {}", most_v, supply_v);
   if (feedback == Feedback::kPotentiometer && !potentiometer)
     throw UsageError(
         "--feedback pot needs the potentiometer's scale, two readings with their strokes: --pot COUNTS=MM,COUNTS=MM");

@@ -218,14 +218,7 @@ void WriteValidationCsv(const std::filesystem::path& path, const Validation& val
   CsvWriter table(
       {"time_s", "program_time_s", "stroke_mm", "predicted_knee_deg", "measured_knee_deg", "error_deg", "moving"});
   for (const ValidatedSample& s : validation.samples)
-    table.Add(s.time_s)
-        .Add(s.program_time_s)
-        .Add(s.stroke_mm)
-        .Add(s.predicted_deg)
-        .Add(s.measured_deg)
-        .Add(s.Error())
-        .Add(s.moving ? 1 : 0)
-        .EndRow();
+    table.AddRow(s.time_s, s.program_time_s, s.stroke_mm, s.predicted_deg, s.measured_deg, s.Error(), s.moving);
   table.Write(path);
 }
 

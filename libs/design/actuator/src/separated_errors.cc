@@ -80,9 +80,7 @@ SeparatedErrors SeparateErrorsByLog(const StrokeSchedule& plan, const StrokeSeri
   for (std::size_t i = 0; i < strokes.time_s.size(); ++i)
     measured.knots.push_back({strokes.time_s[i] - strokes.time_s.front(), strokes.stroke_mm[i]});
   const Validation linkage = ValidatePrototype(measured, angles);
-  SeparatedErrors separated;
-  separated.linkage_rms_deg = linkage.rms_deg;
-  separated.linkage_max_deg = linkage.max_deg;
+  SeparatedErrors separated{.linkage_rms_deg = linkage.rms_deg, .linkage_max_deg = linkage.max_deg};
   FillActuator(plan, strokes, separated);
   return separated;
 }

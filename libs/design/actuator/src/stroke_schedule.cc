@@ -27,8 +27,8 @@ double StrokeAtAngle(const linkage::Design& design, const SoftLimits& limits, do
   if (stroke && *stroke >= limits.lower_mm - kStrokeTolerance_mm && *stroke <= limits.upper_mm + kStrokeTolerance_mm)
     return *stroke;
   const double a = KneeDegAt(design.links, limits.lower_mm), b = KneeDegAt(design.links, limits.upper_mm);
-  throw UsageError(fmt::format("{} {}°: between its soft limits ({:.3f}..{:.3f} mm) this design has {:.2f}°..{:.2f}°",
-                               option, angle_deg, limits.lower_mm, limits.upper_mm, std::min(a, b), std::max(a, b)));
+  throw UsageError("{} {}°: between its soft limits ({:.3f}..{:.3f} mm) this design has {:.2f}°..{:.2f}°", option,
+                   angle_deg, limits.lower_mm, limits.upper_mm, std::min(a, b), std::max(a, b));
 }
 
 Knots ConstantKnots(const linkage::Design& design, const SoftLimits& limits, double speed_mm_s,
@@ -37,7 +37,7 @@ Knots ConstantKnots(const linkage::Design& design, const SoftLimits& limits, dou
       options.from_deg ? StrokeAtAngle(design, limits, *options.from_deg, "--from-angle") : limits.lower_mm;
   const double to = options.to_deg ? StrokeAtAngle(design, limits, *options.to_deg, "--to-angle") : limits.upper_mm;
   if (std::abs(to - from) < kStrokeTolerance_mm)
-    throw UsageError(fmt::format("the program starts where it ends, at a stroke of {:.3f} mm", from));
+    throw UsageError("the program starts where it ends, at a stroke of {:.3f} mm", from);
   return {{0, from}, {std::abs(to - from) / speed_mm_s, to}};
 }
 
@@ -172,7 +172,7 @@ void RestBeforeReversals(StrokeSchedule& schedule, double dead_time_s) {
 
 void ScheduleOptions::Check() const {
   const auto require = [](bool good, const char* option, double value, const char* what) {
-    if (!good) throw UsageError(fmt::format("{} must be {}, not {}", option, what, value));
+    if (!good) throw UsageError("{} must be {}, not {}", option, what, value);
   };
   require(margin_mm >= 0 && margin_mm < 1000, "--margin", margin_mm, "within 0..1000 mm");
   if (speed_mm_s) require(*speed_mm_s >= 0.01 && *speed_mm_s <= 1000, "--speed", *speed_mm_s, "within 0.01..1000 mm/s");
@@ -256,7 +256,7 @@ void CheckSpeeds(const StrokeSchedule& schedule, const DutyTable& table) {
 
 std::vector<ScheduleRow> SampleSchedule(const StrokeSchedule& schedule, double rate_hz, const DutyTable* table) {
   if (!(rate_hz > 0 && rate_hz <= 1000))
-    throw UsageError(fmt::format("--rate must be above 0 and at most 1000 Hz, not {}", rate_hz));
+    throw UsageError("--rate must be above 0 and at most 1000 Hz, not {}", rate_hz);
   const double samples = std::floor(schedule.Duration() * rate_hz);
   if (!(samples + static_cast<double>(schedule.knots.size()) < static_cast<double>(kMostScheduleRows)))
     throw Fail("a program of {} s at {} Hz has more than {} rows; lower --rate or shorten the program",
@@ -290,13 +290,7 @@ std::vector<ScheduleRow> SampleSchedule(const StrokeSchedule& schedule, double r
 void WriteScheduleCsv(const std::filesystem::path& path, const std::vector<ScheduleRow>& rows) {
   CsvWriter table({"time_s", "stroke_mm", "speed_mm_s", "knee_deg", "direction", "duty"});
   for (const ScheduleRow& row : rows)
-    table.Add(row.time_s)
-        .Add(row.stroke_mm)
-        .Add(row.speed_mm_s)
-        .Add(row.knee_deg)
-        .Add(row.direction)
-        .Add(row.duty)
-        .EndRow();
+    table.AddRow(row.time_s, row.stroke_mm, row.speed_mm_s, row.knee_deg, row.direction, row.duty);
   table.Write(path);
 }
 

@@ -1,6 +1,5 @@
 #include "lake/cuffs/cuff_model.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>
@@ -104,8 +103,8 @@ struct Energy {
 
 void CheckStiffness(const Stiffness& stiffness) {
   if (!(stiffness.across_n_mm > 0) || !(stiffness.along_n_mm > 0))
-    throw UsageError(fmt::format("a stiffness of {} and {} N/mm: give numbers above 0", stiffness.across_n_mm,
-                                 stiffness.along_n_mm));
+    throw UsageError("a stiffness of {} and {} N/mm: give numbers above 0", stiffness.across_n_mm,
+                     stiffness.along_n_mm);
 }
 
 // Of a cuff, N mm per rad.
@@ -201,7 +200,7 @@ void SetCuffs(const OptionTexts& texts, const std::string& said, std::vector<Cuf
     words.imbue(std::locale::classic());
     if (!(words >> cuff.from_knee_mm >> colon >> cuff.length_mm) || colon != ':' || words >> rest ||
         cuff.from_knee_mm <= 0 || cuff.length_mm < 0)
-      throw UsageError(fmt::format("{} '{}': give DISTANCE:LENGTH in mm, as 200:80", said, text));
+      throw UsageError("{} '{}': give DISTANCE:LENGTH in mm, as 200:80", said, text);
     cuffs.push_back(cuff);
   }
 }
@@ -231,15 +230,15 @@ void CheckCuffs(const CuffOptions& o) {
     if (cuffs->empty()) throw UsageError("a segment without a cuff: each needs one at least");
     for (const Cuff& cuff : *cuffs)
       if (!(cuff.from_knee_mm > 0) || !(cuff.length_mm >= 0))
-        throw UsageError(fmt::format("a cuff {} mm from the knee, {} mm long: give a distance above 0",
-                                     cuff.from_knee_mm, cuff.length_mm));
+        throw UsageError("a cuff {} mm from the knee, {} mm long: give a distance above 0", cuff.from_knee_mm,
+                         cuff.length_mm);
   }
 }
 
 void CheckStiffnesses(const CuffOptions& o) {
   if (!(o.softest_n_mm <= o.stiffest_n_mm))
-    throw UsageError(fmt::format("--cuff-softest {} is above --cuff-stiffest {}: give the softest and the stiffest",
-                                 o.softest_n_mm, o.stiffest_n_mm));
+    throw UsageError("--cuff-softest {} is above --cuff-stiffest {}: give the softest and the stiffest", o.softest_n_mm,
+                     o.stiffest_n_mm);
 }
 
 void DescribePlaces(CuffOptions& o, OptionList& options) {

@@ -132,14 +132,13 @@ double LimbSegment::RadiusAt(double from_distal_mm) const {
 Body BodyOf(double height_mm, double mass_kg) {
   if (!(height_mm >= 500 && height_mm <= 2500)) throw Fail("a body of {} mm is outside 500..2500 mm", height_mm);
   if (!(mass_kg >= 10 && mass_kg <= 400)) throw Fail("a body of {} kg is outside 10..400 kg", mass_kg);
-  Body body;
-  body.height_mm = height_mm;
-  body.mass_kg = mass_kg;
-  body.thigh = SegmentOf(kThigh, kThigh.length * height_mm, mass_kg);
-  body.shank = SegmentOf(kShank, kShank.length * height_mm, mass_kg);
-  body.foot_length_mm = kFootLength * height_mm;
-  body.ankle_height_mm = kAnkleHeight * height_mm;
-  body.trunk_length_mm = kTrunk.length * height_mm;
+  Body body{.height_mm = height_mm,
+            .mass_kg = mass_kg,
+            .thigh = SegmentOf(kThigh, kThigh.length * height_mm, mass_kg),
+            .shank = SegmentOf(kShank, kShank.length * height_mm, mass_kg),
+            .foot_length_mm = kFootLength * height_mm,
+            .ankle_height_mm = kAnkleHeight * height_mm,
+            .trunk_length_mm = kTrunk.length * height_mm};
   // An ellipse of area pi / 4 x breadth x depth over the trunk's length.
   body.trunk_depth_mm =
       VolumeOf(kTrunk, mass_kg) / (std::numbers::pi / 4 * kShoulderBreadth * height_mm * body.trunk_length_mm);
@@ -262,15 +261,14 @@ WearCheck CheckWear(const Links& links, const UsedRange& range, const Body& body
   const auto at_right_angle = StrokeForAngle(links, range, kSeated_rad);
   const Pose seated = at_right_angle ? pose_at(*at_right_angle) : flexed.theta_rad < kSeated_rad ? flexed : standing;
 
-  WearCheck check;
-  check.seated_stroke_mm = seated.stroke_mm;
-  check.seated_deg = DegreesFromRadians(seated.theta_rad);
-  check.standing_stroke_mm = standing.stroke_mm;
-  check.standing_deg = DegreesFromRadians(standing.theta_rad);
-  check.mount_below_hip_mm = body.thigh.length_mm - seated.mount.y() - options.bar_width_mm / 2;
-  check.mount_behind_thigh_mm = seated.mount.x() - body.thigh.RadiusAt(seated.mount.y());
-  check.seat_clearance_mm = SeatClearance(seated, body, options);
-  check.seat_edge_needed_mm = SeatEdgeNeeded(seated, SeatOf(body, options), options);
+  WearCheck check{.seated_stroke_mm = seated.stroke_mm,
+                  .seated_deg = DegreesFromRadians(seated.theta_rad),
+                  .standing_stroke_mm = standing.stroke_mm,
+                  .standing_deg = DegreesFromRadians(standing.theta_rad),
+                  .mount_below_hip_mm = body.thigh.length_mm - seated.mount.y() - options.bar_width_mm / 2,
+                  .mount_behind_thigh_mm = seated.mount.x() - body.thigh.RadiusAt(seated.mount.y()),
+                  .seat_clearance_mm = SeatClearance(seated, body, options),
+                  .seat_edge_needed_mm = SeatEdgeNeeded(seated, SeatOf(body, options), options)};
   CheckLimbs(links, range, body, options, check);
   for (const WornPart& part : WornPartsOf(options))
     Sample(part, standing, [&](const Vector2d& point) {

@@ -134,11 +134,10 @@ Transmission TransmissionOf(const Links& links, const Pose& pose) {
   const auto [transmission_sine, transmission_cosine] = SinCosTransmission(l.data(), phi, theta);
   const auto [actuator_sine, actuator_cosine] = SinCosActuator(l.data(), d, phi, theta);
   const double stroke_per_radian = StrokePerRadian(l.data(), d, phi, theta);
-  Transmission result;
-  result.radians_per_mm = 1 / stroke_per_radian;
-  result.moment_arm_mm = std::abs(stroke_per_radian);
-  result.transmission_rad = std::abs(std::atan2(transmission_sine, transmission_cosine));
-  result.actuator_rad = std::abs(std::atan2(actuator_sine, actuator_cosine));
+  Transmission result{.radians_per_mm = 1 / stroke_per_radian,
+                      .moment_arm_mm = std::abs(stroke_per_radian),
+                      .transmission_rad = std::abs(std::atan2(transmission_sine, transmission_cosine)),
+                      .actuator_rad = std::abs(std::atan2(actuator_sine, actuator_cosine))};
   result.shank_pressure_rad = std::abs(kPi / 2 - result.transmission_rad);
   result.actuator_pressure_rad = std::abs(kPi / 2 - result.actuator_rad);
   return result;

@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 
-#include "lake/core/angles.h"
 #include "lake/core/cross.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"

@@ -1,7 +1,6 @@
 #include "lake/nlp/solve.h"
 
 #include <IpIpoptApplication.hpp>
-#include <cmath>
 #include <sstream>
 
 #include "ipopt_program.h"

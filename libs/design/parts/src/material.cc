@@ -23,7 +23,7 @@ const Material& MaterialOf(std::string_view name) {
     if (material.name == name) return material;
     known += (known.empty() ? "" : ", ") + std::string(material.name);
   }
-  throw UsageError(fmt::format("no material '{}': there are {}", name, known));
+  throw UsageError("no material '{}': there are {}", name, known);
 }
 
 }  // namespace lake::parts

@@ -1,9 +1,6 @@
 #include <fmt/format.h>
 
-#include <cmath>
-#include <map>
 #include <numbers>
-#include <tuple>
 
 #include "lake/parts/mechanism.h"
 

@@ -86,10 +86,8 @@ PlateMass MassOf(const Plate& plate) {
   for (const Hole& hole : plate.holes) moments -= MomentsOf(hole);
   constexpr double kCubicMillimetresPerCubicMetre = 1e9;
   const double per_area = plate.density_kg_m3 * plate.thickness_mm / kCubicMillimetresPerCubicMetre;
-  PlateMass mass;
-  mass.area_mm2 = moments[0];
-  mass.mass_kg = per_area * moments[0];
-  mass.centre_mm = moments.segment<2>(1) / moments[0];
+  PlateMass mass{
+      .area_mm2 = moments[0], .mass_kg = per_area * moments[0], .centre_mm = moments.segment<2>(1) / moments[0]};
   const Vector2d& c = mass.centre_mm;
   const double through = mass.mass_kg * plate.thickness_mm * plate.thickness_mm / 12;
   const double about_y = per_area * moments[3] - mass.mass_kg * c.x() * c.x();

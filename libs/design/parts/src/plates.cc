@@ -19,7 +19,7 @@ void ReadPlate(const std::string& text, const std::string& said, PartOptions& o)
   if (thickness.ends_with("mm")) thickness = Trim(thickness.substr(0, thickness.size() - 2));
   const auto number = ParseNumber(thickness);
   if (!number || comma == std::string::npos)
-    throw UsageError(fmt::format("{} '{}': a thickness and a material, such as 4mm,PLA", said, text));
+    throw UsageError("{} '{}': a thickness and a material, such as 4mm,PLA", said, text);
   o.thickness_mm = *number;
   o.material = MaterialOf(Trim(std::string_view(text).substr(comma + 1))).name;
 }

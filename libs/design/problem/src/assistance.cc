@@ -19,10 +19,8 @@ bool Lifts(const LinearActuator& actuator, double force_n) {
 
 AssistanceRow RowOf(const linkage::Links& links, const linkage::UsedRange& range, const SynthesisProblem& problem,
                     const LoadSample& sample) {
-  AssistanceRow row;
-  row.percent = sample.percent;
-  row.knee_deg = DegreesFromRadians(sample.knee_rad);
-  row.knee_nm = sample.knee_nm;
+  AssistanceRow row{
+      .percent = sample.percent, .knee_deg = DegreesFromRadians(sample.knee_rad), .knee_nm = sample.knee_nm};
   const std::optional<double> stroke = ProfileStroke(links, range, sample.knee_rad);
   if (!stroke) return row;
   const linkage::Transmission transmission = linkage::TransmissionOf(links, linkage::RequirePose(links, *stroke));

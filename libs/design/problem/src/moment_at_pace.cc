@@ -1,7 +1,5 @@
 #include "lake/problem/moment_at_pace.h"
 
-#include <cmath>
-
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 

@@ -113,8 +113,7 @@ void SynthesisProblem::CheckLoad() const {
     throw UsageError("a duration depends on what the knee needs: give --profile loads.json, and an --assist above 0");
   if (!actuator) throw UsageError("a duration depends on how fast the actuator is: give --actuator");
   if (!actuator->HasSpeed())
-    throw UsageError(
-        fmt::format("the speed of the actuator {} is not known, so there is no duration for it", actuator->name));
+    throw UsageError("the speed of the actuator {} is not known, so there is no duration for it", actuator->name);
 }
 
 SynthesisProblem WithActuator(SynthesisProblem problem) {

@@ -132,8 +132,7 @@ void ReadClearances(YamlNode& node, SynthesisProblem& problem) {
 }
 
 void SetRest(const std::string& text, SynthesisProblem& problem) {
-  if (text != "anywhere" && text != "standing")
-    throw UsageError(fmt::format("rest is anywhere or standing, not '{}'", text));
+  if (text != "anywhere" && text != "standing") throw UsageError("rest is anywhere or standing, not '{}'", text);
   problem.rests_anywhere = text == "anywhere";
 }
 
@@ -141,9 +140,8 @@ void SetDuration(const std::string& text, SynthesisProblem& problem) {
   const bool is_free = text == "free";
   const std::optional<double> number = is_free ? std::nullopt : ParseNumber(text);
   if (!is_free && !(number && *number > 0 && *number <= SynthesisProblem::kLongestDuration_s))
-    throw UsageError(
-        fmt::format("a duration (--duration, duration_s) is free or a number of seconds above 0, at most {}, not '{}'",
-                    SynthesisProblem::kLongestDuration_s, text));
+    throw UsageError("a duration (--duration, duration_s) is free or a number of seconds above 0, at most {}, not '{}'",
+                     SynthesisProblem::kLongestDuration_s, text);
   problem.duration_s = number;
   problem.goal = is_free ? SynthesisProblem::Goal::kDuration : SynthesisProblem::Goal::kRange;
 }

@@ -100,10 +100,10 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options) {
       .Otherwise("half the thigh");
   options.Check([&asked](const OptionList& list) {
     if (!list.IsGiven("height") || !asked.body.leg || list.IsGiven("thigh") || list.IsGiven("shank")) return;
-    throw UsageError(fmt::format(
+    throw UsageError(
         "--height {} mm: the problem file has the person's own thigh and shank ({} and {} mm), which a height does not "
         "change; give --thigh and --shank too, or take thigh_mm and shank_mm out of the file",
-        *asked.body.height_mm, asked.body.leg->thigh_mm, asked.body.leg->shank_mm));
+        *asked.body.height_mm, asked.body.leg->thigh_mm, asked.body.leg->shank_mm);
   });
 }
 
@@ -172,7 +172,7 @@ void Describe(SynthesisProblem& o, OptionList& options) {
     try {
       o.Check();
     } catch (const Error& error) {
-      throw UsageError(fmt::format("the options contradict the problem: {}", error.what()));
+      throw UsageError("the options contradict the problem: {}", error.what());
     }
   });
 }

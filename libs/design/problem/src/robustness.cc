@@ -165,13 +165,12 @@ Yield EstimateYield(const linkage::Links& links, const SynthesisProblem& problem
     assembled_and_grashof += build.l3 + build.l4 <= build.l1 + build.l2;
     ranges.push_back(range);
   }
-  Yield yield;
-  yield.options = options;
-  yield.assembled = WilsonInterval(assembled, options.samples);
-  yield.assembled_and_grashof = WilsonInterval(assembled_and_grashof, options.samples);
-  yield.range_p5_deg = Quantile(ranges, 0.05);
-  yield.range_median_deg = Quantile(ranges, 0.5);
-  yield.range_p95_deg = Quantile(ranges, 0.95);
+  Yield yield{.options = options,
+              .assembled = WilsonInterval(assembled, options.samples),
+              .assembled_and_grashof = WilsonInterval(assembled_and_grashof, options.samples),
+              .range_p5_deg = Quantile(ranges, 0.05),
+              .range_median_deg = Quantile(ranges, 0.5),
+              .range_p95_deg = Quantile(ranges, 0.95)};
   const double play_mm = options.pin_clearance_mm / 2;
   yield.safe_singularity_margin_mm =
       options.tolerance_mm * (2 + (links.l5 + links.l6) / links.L7()) + play_mm * (kBarHoles + kActuatorHoles);

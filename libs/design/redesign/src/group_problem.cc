@@ -35,7 +35,7 @@ double GroupProblem::Combine(const std::vector<double>& of_people) const {
 
 void GroupProblem::CheckOptions() const {
   shared.CheckOptions();
-  if (!(quantile > 0 && quantile <= 1)) throw UsageError(fmt::format("--quantile {}: above 0, at most 1", quantile));
+  if (!(quantile > 0 && quantile <= 1)) throw UsageError("--quantile {}: above 0, at most 1", quantile);
 }
 
 void GroupProblem::Check() const {

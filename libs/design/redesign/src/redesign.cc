@@ -304,7 +304,7 @@ std::optional<PlacementRange> FindPlacementRange(const RedesignProblem& problem,
 std::vector<ParetoPoint> ParetoFront(const RedesignProblem& problem, int count,
                                      const std::vector<linkage::Links>& links,
                                      const synthesis::OptimizeOptions& options, const std::function<void()>& step) {
-  if (count < 2 || count > 1000) throw UsageError(fmt::format("--pareto {}: 2 to 1000 points", count));
+  if (count < 2 || count > 1000) throw UsageError("--pareto {}: 2 to 1000 points", count);
   const auto least = FindOptimum(WithGoal(problem, Goal::kMisalignment), links, options);
   const auto widest = FindOptimum(WithGoal(problem, Goal::kRange), links, options);
   if (!least || !widest) return {};

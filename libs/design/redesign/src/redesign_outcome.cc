@@ -9,7 +9,6 @@
 #include "lake/core/processes.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
-#include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::redesign {
 
@@ -340,9 +339,9 @@ void CheckBefore(RedesignOutcome& outcome) {
 }  // namespace
 
 void RedesignOptions::Check() const {
-  optimize.Check();
+  SynthesisOptions::Check();
   if (pareto_points && (*pareto_points < 2 || *pareto_points > 1000))
-    throw UsageError(fmt::format("--pareto {}: 2 to 1000 points", *pareto_points));
+    throw UsageError("--pareto {}: 2 to 1000 points", *pareto_points);
 }
 
 double MisalignmentPercent(const DesignInMotion& design) {

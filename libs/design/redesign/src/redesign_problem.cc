@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
@@ -15,8 +14,7 @@ namespace {
 using Kind = linkage::StrokeProgram::Kind;
 
 void CheckPositive(double value, const char* option, const char* unit) {
-  if (!(std::isfinite(value) && value > 0))
-    throw UsageError(fmt::format("{} {}: a number of {} above 0", option, value, unit));
+  if (!(std::isfinite(value) && value > 0)) throw UsageError("{} {}: a number of {} above 0", option, value, unit);
 }
 
 // The strokes of a linkage that nobody can assemble: those of the paper's designs.
@@ -69,24 +67,24 @@ void RedesignProblem::CheckOptions() const {
   if (program.duration_s) CheckPositive(*program.duration_s, "--duration", "s");
   constexpr int kFewestKnots = 21;
   if (program.knots < kFewestKnots || program.knots > compare::kPercentSamples)
-    throw UsageError(fmt::format("--knots {}: {} to {}", program.knots, kFewestKnots, compare::kPercentSamples));
+    throw UsageError("--knots {}: {} to {}", program.knots, kFewestKnots, compare::kPercentSamples);
   if (program.free_ends && program.kind == Kind::kFree)
     throw UsageError("--free-ends is for a constant program: a free one has ends of its own; omit it");
   if (max_misalignment_percent) CheckPositive(*max_misalignment_percent, "--max-misalignment", "percent");
   if (!(std::isfinite(penalty_deg_per_mm) && penalty_deg_per_mm >= 0))
-    throw UsageError(fmt::format("--penalty {}: a number of deg per mm, 0 or above", penalty_deg_per_mm));
+    throw UsageError("--penalty {}: a number of deg per mm, 0 or above", penalty_deg_per_mm);
   CheckPositive(placement_reach_mm, "--placement-reach", "mm");
   if (max_cuff_force_n) CheckPositive(*max_cuff_force_n, "--max-cuff-force", "N");
   if (!(std::isfinite(cuff_penalty_deg_per_n) && cuff_penalty_deg_per_n >= 0))
-    throw UsageError(fmt::format("--cuff-penalty {}: a number of deg per N, 0 or above", cuff_penalty_deg_per_n));
+    throw UsageError("--cuff-penalty {}: a number of deg per N, 0 or above", cuff_penalty_deg_per_n);
   if (max_angle_mismatch_deg) CheckPositive(*max_angle_mismatch_deg, "--max-angle-mismatch", "degrees");
   if (!balance) return;
   if (!body)
     throw UsageError("--balance needs the person's body: give --body loads.json, which lake loads writes of the trial");
   const double room_mm = kMmPerM * body->body.sole.Length() / 2;
   if (!(balance->margin_mm >= 0 && balance->margin_mm < room_mm))
-    throw UsageError(fmt::format("--balance {}: 0 to less than half the foot, {} mm", balance->margin_mm,
-                                 SignificantText(room_mm, 4)));
+    throw UsageError("--balance {}: 0 to less than half the foot, {} mm", balance->margin_mm,
+                     SignificantText(room_mm, 4));
 }
 
 void RedesignProblem::Check() const {

@@ -215,8 +215,7 @@ void CheckSizes(const GroupProblem& shared, int sizes, std::size_t people) {
   if (shared.across != redesign::Across::kWorst)
     throw UsageError("--sizes: the limit holds for every person; omit --across");
   if (sizes < 2 || sizes > kMostSizes || people < 2 * static_cast<std::size_t>(sizes))
-    throw UsageError(
-        fmt::format("--sizes {}: 2 to {}, and at least two people for each; there are {}", sizes, kMostSizes, people));
+    throw UsageError("--sizes {}: 2 to {}, and at least two people for each; there are {}", sizes, kMostSizes, people);
 }
 
 SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<group::PersonMeasured>& people, int sizes,

@@ -75,7 +75,7 @@ std::vector<int> Basins(const problem::SynthesisProblem& problem, const std::vec
 }  // namespace
 
 void OptimizeOptions::Check() const {
-  if (starts < 1 || starts > 100000) throw UsageError(fmt::format("--starts {}: 1 to 100000", starts));
+  if (starts < 1 || starts > 100000) throw UsageError("--starts {}: 1 to 100000", starts);
   if (max_exchanges < 1) throw Fail("at least one exchange is needed, not {}", max_exchanges);
   if (!(family_tolerance > 0)) throw Fail("family_tolerance must be above 0, not {}", family_tolerance);
   nlp.Check();

@@ -26,10 +26,8 @@ LocalSolve BestOfFew(const problem::SynthesisProblem& problem, const linkage::Li
 
 problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem, double tolerance_mm,
                        std::uint64_t seed) {
-  problem::YieldOptions options;
-  options.tolerance_mm = tolerance_mm;
-  options.pin_clearance_mm = problem.parts.bore_clearance_mm;
-  options.seed = seed;
+  problem::YieldOptions options{
+      .tolerance_mm = tolerance_mm, .pin_clearance_mm = problem.parts.bore_clearance_mm, .seed = seed};
   return problem::EstimateYield(links, problem, options);
 }
 
@@ -98,12 +96,12 @@ void StartFromElastic(SynthesisOutcome& outcome) {
 void SynthesisOptions::Check() const {
   optimize.Check();
   if (certify_gap_deg && !(std::isfinite(*certify_gap_deg) && *certify_gap_deg > 0))
-    throw UsageError(fmt::format("--certify {}: a gap above 0 deg", *certify_gap_deg));
+    throw UsageError("--certify {}: a gap above 0 deg", *certify_gap_deg);
   if (certify_time_s && !certify_gap_deg) throw UsageError("--certify-time limits --certify: give --certify as well");
   if (yield_tolerance_mm && !(*yield_tolerance_mm > 0 && *yield_tolerance_mm < 10))
-    throw UsageError(fmt::format("--yield {}: a tolerance between 0 and 10 mm", *yield_tolerance_mm));
+    throw UsageError("--yield {}: a tolerance between 0 and 10 mm", *yield_tolerance_mm);
   if (round_mm && !(std::isfinite(*round_mm) && *round_mm > 0))
-    throw UsageError(fmt::format("--round {}: a step above 0 mm", *round_mm));
+    throw UsageError("--round {}: a step above 0 mm", *round_mm);
 }
 
 certificate::CertificateOptions CertificateOptionsOf(double gap_deg, std::optional<double> time_s, bool quiet,

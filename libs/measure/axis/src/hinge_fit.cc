@@ -372,14 +372,12 @@ LearntErrors HingeFit::LearnErrors(const AxisFrames& axis) const {
   for (ErrorModel& model : models) model.probability /= sum;
   const HingeSolution solution = Solve(models);
   const Eigen::Index carried = unknowns_.size() - kPoints;
-  LearntErrors learnt;
-  learnt.models = std::move(models);
-  learnt.residual_mm = residual_mm_;
-  learnt.carried = solution.unknowns.tail(carried);
-  learnt.carried_covariance = solution.covariance.bottomRightCorner(carried, carried);
-  learnt.pin_in_shank = axis.shank.leftCols<2>() * solution.unknowns.segment<2>(2);
-  learnt.pin_sd_mm = std::sqrt(solution.covariance.diagonal().segment<2>(2).mean());
-  return learnt;
+  return {.models = std::move(models),
+          .residual_mm = residual_mm_,
+          .carried = solution.unknowns.tail(carried),
+          .carried_covariance = solution.covariance.bottomRightCorner(carried, carried),
+          .pin_in_shank = axis.shank.leftCols<2>() * solution.unknowns.segment<2>(2),
+          .pin_sd_mm = std::sqrt(solution.covariance.diagonal().segment<2>(2).mean())};
 }
 
 }  // namespace lake::axis

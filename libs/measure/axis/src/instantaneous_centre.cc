@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "hinge_fit.h"
-#include "lake/core/angles.h"
 
 namespace lake::axis {
 namespace {

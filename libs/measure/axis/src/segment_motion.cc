@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
@@ -23,8 +22,8 @@ std::vector<const exchange::PointTrack*> TracksOf(const exchange::PointRecording
                                                   const std::vector<std::string>& names, const char* segment,
                                                   std::size_t least) {
   if (names.size() < least)
-    throw UsageError(fmt::format("--segment {}: {} marker{}, needs at least {}", segment, names.size(),
-                                 names.size() == 1 ? "" : "s", least));
+    throw UsageError("--segment {}: {} marker{}, needs at least {}", segment, names.size(),
+                     names.size() == 1 ? "" : "s", least);
   std::vector<const exchange::PointTrack*> tracks;
   for (const std::string& name : names) {
     tracks.push_back(points.Find(name));
@@ -34,7 +33,7 @@ std::vector<const exchange::PointTrack*> TracksOf(const exchange::PointRecording
       throw Fail("--segment {}: the file has no marker '{}'; it has {}", segment, name, fmt::join(there, ", "));
     }
     if (std::count(names.begin(), names.end(), name) > 1)
-      throw UsageError(fmt::format("--segment {}: '{}' is named twice", segment, name));
+      throw UsageError("--segment {}: '{}' is named twice", segment, name);
   }
   return tracks;
 }
@@ -163,7 +162,7 @@ SegmentMotion MotionOf(const exchange::PointRecording& points, const SegmentMark
   const auto thigh = TracksOf(points, markers.thigh, "thigh", least);
   for (const std::string& name : markers.shank)
     if (std::count(markers.thigh.begin(), markers.thigh.end(), name))
-      throw UsageError(fmt::format("--segment: '{}' is on the shank and on the thigh", name));
+      throw UsageError("--segment: '{}' is on the shank and on the thigh", name);
   return {SegmentOf(shank, "shank", is_plane, least), SegmentOf(thigh, "thigh", is_plane, least)};
 }
 

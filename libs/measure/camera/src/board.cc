@@ -16,9 +16,9 @@ constexpr double kMinSquareMm = 1;    // below any that a camera of people sees
 
 UsageError Wrong(std::string_view text, const std::string& why) {
   return UsageError(
-      fmt::format("board '{}': {}; write chessboard:COLSxROWS:SQUARE_MM or "
-                  "charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT, e.g. chessboard:9x6:25",
-                  text, why));
+      "board '{}': {}; write chessboard:COLSxROWS:SQUARE_MM or charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT, e.g. "
+      "chessboard:9x6:25",
+      text, why);
 }
 
 int ParseCount(std::string_view text, std::string_view whole, const char* what) {

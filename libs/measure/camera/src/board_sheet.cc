@@ -38,13 +38,11 @@ Layout LayOut(const Board& board, const Paper& paper) {
     throw Fail("the board {} does not fit on {} ({} x {} mm) with a white rim; its squares can be {:.1f} mm",
                ToString(board), paper.name, paper.width_mm, paper.height_mm, std::floor(largest * 10) / 10);
   }
-  Layout layout;
-  layout.left = (paper.width_mm - width) / 2;
-  layout.top = (room_y - height) / 2;
-  layout.ruler_mm = std::min(200.0, 50 * std::floor((room_x - 110) / 50));
-  layout.ruler_left = kMarginMm + 5;
-  layout.ruler_y = paper.height_mm - kMarginMm - 6;
-  return layout;
+  return {.left = (paper.width_mm - width) / 2,
+          .top = (room_y - height) / 2,
+          .ruler_left = kMarginMm + 5,
+          .ruler_y = paper.height_mm - kMarginMm - 6,
+          .ruler_mm = std::min(200.0, 50 * std::floor((room_x - 110) / 50))};
 }
 
 void DrawBoard(cairo_t* context, const Board& board, const Layout& layout) {
@@ -100,7 +98,7 @@ Paper ParsePaper(std::string_view name) {
   static const std::array kPapers = {Paper{"a4", 297, 210}, Paper{"a3", 420, 297}, Paper{"letter", 279.4, 215.9}};
   for (const Paper& paper : kPapers)
     if (paper.name == name) return paper;
-  throw UsageError(fmt::format("--paper '{}': a4, a3 and letter are known", name));
+  throw UsageError("--paper '{}': a4, a3 and letter are known", name);
 }
 
 void WriteBoardSheet(const std::filesystem::path& path, const Board& board, const Paper& paper) {

@@ -7,7 +7,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/calib3d.hpp>
 
 #include "lake/core/angles.h"
@@ -203,18 +202,18 @@ std::vector<PlaneCorrespondence> ParsePlanePoints(std::string_view text) {
   for (const std::string& part : SplitText(text, ';')) {
     if (part.empty()) continue;
     const std::vector<std::string> sides = SplitText(part, '=');
-    if (sides.size() != 2) throw UsageError(fmt::format("--points '{}': X,Y=XMM,YMM was expected", part));
+    if (sides.size() != 2) throw UsageError("--points '{}': X,Y=XMM,YMM was expected", part);
     const auto pixel = ParseNumbers(sides[0], 2, "--points"), mm = ParseNumbers(sides[1], 2, "--points");
     points.push_back({{pixel[0], pixel[1]}, {mm[0], mm[1]}});
   }
-  if (points.size() < 4) throw UsageError(fmt::format("--points: at least 4 points are needed, not {}", points.size()));
+  if (points.size() < 4) throw UsageError("--points: at least 4 points are needed, not {}", points.size());
   Eigen::AlignedBox2d extent;
   for (const PlaneCorrespondence& point : points) extent.extend(point.point_in_plane);
   constexpr double kLeast_mm = 10;  // in m, no room is as large
   if (const double size_mm = extent.diagonal().norm(); size_mm < kLeast_mm)
     throw UsageError(
-        fmt::format("--points: the places lie within {} mm of each other, which is no plane to move in: are they in m?",
-                    SignificantText(size_mm, 3)));
+        "--points: the places lie within {} mm of each other, which is no plane to move in: are they in m?",
+        SignificantText(size_mm, 3));
   return points;
 }
 

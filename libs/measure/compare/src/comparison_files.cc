@@ -371,13 +371,11 @@ void WriteMisalignmentCsv(const std::filesystem::path& path, const Misalignment&
   for (std::size_t i = 0; i < kPercentSamples; ++i) {
     const Vector2d& h = m.human.knee[i];
     const Vector2d& e = m.exo.knee[i];
-    csv.Add(static_cast<int>(i)).Add(h.x()).Add(h.y()).Add(e.x()).Add(e.y()).Add(e.x() - h.x()).Add(e.y() - h.y());
-    csv.Add(m.distance_mm[i]).Add(m.misalignment_ratio[i]).Add(m.misalignment_ratio_paper[i]);
-    csv.Add(m.human.knee_deg[i]).Add(m.exo.knee_deg[i]).Add(m.spike[i] ? 1 : 0);
     const Vector2d unknown = Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
     const Vector2d shank = m.joint ? m.joint->shank_mm[i] : unknown, thigh = m.joint ? m.joint->thigh_mm[i] : unknown;
-    csv.Add(shank.x()).Add(shank.y()).Add(shank.norm()).Add(thigh.x()).Add(thigh.y());
-    csv.EndRow();
+    csv.AddRow(i, h.x(), h.y(), e.x(), e.y(), e.x() - h.x(), e.y() - h.y(), m.distance_mm[i], m.misalignment_ratio[i],
+               m.misalignment_ratio_paper[i], m.human.knee_deg[i], m.exo.knee_deg[i], bool{m.spike[i]}, shank.x(),
+               shank.y(), shank.norm(), thigh.x(), thigh.y());
   }
   csv.Write(path);
 }

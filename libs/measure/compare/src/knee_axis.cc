@@ -83,7 +83,7 @@ Eigen::Matrix2d TibiaInFemur(double knee_deg) {
 
 Eigen::Vector2d TibiaOriginInFemur(double knee_deg) {
   if (!(knee_deg >= -90 && knee_deg <= 120))
-    throw UsageError(fmt::format("knee model: {}° is outside −90..120°", SignificantText(knee_deg, 4)));
+    throw UsageError("knee model: {}° is outside −90..120°", SignificantText(knee_deg, 4));
   static const NaturalSpline x(kX), y(kY);
   const double knee_rad = -RadiansFromDegrees(knee_deg);
   return kMmPerM * Eigen::Vector2d(x.At(knee_rad), y.At(knee_rad));

@@ -19,9 +19,9 @@ using Eigen::Vector2d;
 
 void Check(const MisalignmentOptions& options) {
   if (!(options.replacement_sd_mm >= 0 && options.replacement_sd_mm <= 100))
-    throw UsageError(fmt::format("--replacement-sd {}: 0 to 100 mm", options.replacement_sd_mm));
+    throw UsageError("--replacement-sd {}: 0 to 100 mm", options.replacement_sd_mm);
   if (options.resamples != 0 && (options.resamples < 50 || options.resamples > 100000))
-    throw UsageError(fmt::format("resamples {}: 0 or 50 to 100000", options.resamples));
+    throw UsageError("resamples {}: 0 or 50 to 100000", options.resamples);
 }
 
 void FillErrors(Misalignment& m) {

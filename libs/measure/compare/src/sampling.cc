@@ -1,7 +1,6 @@
 #include "sampling.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

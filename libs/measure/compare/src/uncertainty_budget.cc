@@ -62,10 +62,8 @@ Sensitivities OfRms(const JointMisalignment& joint, double duration_s) {
 }
 
 Sensitivities OfOffset(const JointMisalignment& joint, int axis, double duration_s) {
-  Sensitivities s;
-  s.constant = 1;
-  s.noise = 1 / std::sqrt(kIndependentSamples);
-  s.scale = std::abs(joint.mean_mm[axis]) / 100;
+  Sensitivities s{
+      .constant = 1, .noise = 1 / std::sqrt(kIndependentSamples), .scale = std::abs(joint.mean_mm[axis]) / 100};
   SetEvents(joint.shank_mm.front()[axis], joint.shank_mm.back()[axis], joint.mean_mm[axis], duration_s, 1, s);
   return s;
 }
@@ -336,10 +334,9 @@ void WriteUncertaintyBudgetCsv(const std::filesystem::path& path, const std::vec
   CsvWriter csv({"quantity", "source", "distribution", "size", "unit", "sensitivity", "contribution", "share_percent",
                  "reference"});
   for (const Budget& budget : budgets)
-    for (const BudgetRow& row : budget.rows) {
-      csv.Add(budget.quantity + "_" + budget.unit).Add(row.source).Add(row.distribution).Add(row.size).Add(row.unit);
-      csv.Add(row.sensitivity).Add(row.Contribution()).Add(budget.SharePercent(row)).Add(row.reference).EndRow();
-    }
+    for (const BudgetRow& row : budget.rows)
+      csv.AddRow(budget.quantity + "_" + budget.unit, row.source, row.distribution, row.size, row.unit, row.sensitivity,
+                 row.Contribution(), budget.SharePercent(row), row.reference);
   csv.Write(path);
 }
 

@@ -55,9 +55,9 @@ void CheckNoPointOptions(const fs::path& out, const ConvertOptions& options) {
       reading.mm_per_unit != 1 || reading.rate_hz > 0 || reading.values == motion::MarkerValues::kEstimated ||
       options.picture.IsGiven())
     throw UsageError(
-        fmt::format("{}: holds angles: --map, --up, --forward, --unit, --camera, --scale, --rate, --smoothed and "
-                    "--out-unit are for points",
-                    out.string()));
+        "{}: holds angles: --map, --up, --forward, --unit, --camera, --scale, --rate, --smoothed and --out-unit are "
+        "for points",
+        out.string());
 }
 
 // Which leg the program that wrote a kinematics.csv took it for, as its summary says.
@@ -69,8 +69,7 @@ std::optional<motion::Side> LegOfSummary(const fs::path& kinematics) {
 
 motion::Side LegOf(const fs::path& kinematics, const ConvertOptions& options) {
   if (const std::optional<motion::Side> leg = options.leg ? options.leg : LegOfSummary(kinematics)) return *leg;
-  throw UsageError(
-      fmt::format("{}: does not say whether this is the left or the right leg: give --leg", kinematics.string()));
+  throw UsageError("{}: does not say whether this is the left or the right leg: give --leg", kinematics.string());
 }
 
 void ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
@@ -155,8 +154,7 @@ bool IsAngleTable(const fs::path& path) {
 
 std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
   if (!fs::exists(in)) throw Fail("{}: no such file", in.string());
-  if (fs::exists(out) && fs::equivalent(in, out))
-    throw UsageError(fmt::format("{}: is the input itself", out.string()));
+  if (fs::exists(out) && fs::equivalent(in, out)) throw UsageError("{}: is the input itself", out.string());
   if (IsAngleTable(out)) {
     ConvertAngles(in, out, options);
     return {};
@@ -164,7 +162,7 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   FormatOf(out);  // a wrong ending is told before a long file is read
   if (IsAngleTable(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
   if (options.flexion_negative || options.leg)
-    throw UsageError(fmt::format("{} is for a .mot that is written", options.leg ? "--leg" : "--flexion-negative"));
+    throw UsageError("{} is for a .mot that is written", options.leg ? "--leg" : "--flexion-negative");
   CheckNoneIsUnused(in, UnusedOptions(in, options.reading));
   const fs::path table = fs::is_directory(in) && MarkerFilesOf(in).empty() ? TableFor(out, in) : in;
   PointRecording points =

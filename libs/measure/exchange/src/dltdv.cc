@@ -51,8 +51,8 @@ bool IsDltdv(const std::filesystem::path& path) {
 
 PointRecording ReadDltdv(const std::filesystem::path& path, double rate_hz) {
   if (!(rate_hz > 0))
-    throw UsageError(fmt::format(
-        "{}: DLTdv's tables have no times: the frame rate must be given (lake convert --rate HZ)", path.string()));
+    throw UsageError("{}: DLTdv's tables have no times: the frame rate must be given (lake convert --rate HZ)",
+                     path.string());
   const TextLines lines(path);
   if (lines.Count() == 0) throw Fail("{}: empty", path.string());
   const std::vector<std::string> header = SplitCells(lines[0], ',');

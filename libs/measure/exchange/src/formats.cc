@@ -43,8 +43,8 @@ const WritableFormat& WritableFormatOf(const fs::path& path) {
   const std::string name = Lower(path.filename().string());
   for (const WritableFormat& format : WritableFormats())
     if (name.ends_with(format.ending)) return format;
-  throw UsageError(fmt::format("{}: .trc, .c3d, .txt (Tracker), .trk, .csv (lake), _kinovea.csv or .kva can be written",
-                               path.string()));
+  throw UsageError("{}: .trc, .c3d, .txt (Tracker), .trk, .csv (lake), _kinovea.csv or .kva can be written",
+                   path.string());
 }
 
 // Of lake's own table: what was measured, or all that a fit estimates.
@@ -62,7 +62,7 @@ PointRecording ReadCsv(const fs::path& path, double mm_per_unit, double rate_hz,
 const WritableFormat& ExportFormat(const std::string& name) {
   for (const WritableFormat& format : WritableFormats())
     if (!name.empty() && format.name == name) return format;
-  throw UsageError(fmt::format("--export {}: not a format; there are {}", name, fmt::join(ExportFormats(), ", ")));
+  throw UsageError("--export {}: not a format; there are {}", name, fmt::join(ExportFormats(), ", "));
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ void WritePoints(const fs::path& path, const PointRecording& points, const std::
   if (points.space == PointSpace::kSpace && !format.space)
     throw Fail("{}: holds points of a plane only, and these are in space", path.string());
   if (format.name == "trc") return WriteTrc(path, points, unit);
-  if (unit != "mm") throw UsageError(fmt::format("{}: is always in mm; only .trc can be in {}", path.string(), unit));
+  if (unit != "mm") throw UsageError("{}: is always in mm; only .trc can be in {}", path.string(), unit);
   format.write(path, points);
 }
 
@@ -122,8 +122,8 @@ std::vector<std::string> ExportFormats() {
 void CheckExportFormats(const std::vector<std::string>& formats, bool has_scale, bool has_leg) {
   for (const std::string& format : formats) {
     if (format != kAngles && !has_scale && !ExportFormat(format).image)
-      throw UsageError(fmt::format(
-          "--export {}: holds lengths, not px; give --scale, or a --camera with the sagittal plane", format));
+      throw UsageError("--export {}: holds lengths, not px; give --scale, or a --camera with the sagittal plane",
+                       format);
     if (format == kAngles && !has_leg)
       throw UsageError("--export mot: holds the leg's angles; ankle, knee and hip must be among the markers");
     if (format != kAngles) ExportFormat(format);

@@ -95,12 +95,12 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
 void CheckPlates(const std::map<std::string, int>& plates) {
   for (const auto& [leg, number] : plates)
     if ((leg != "right" && leg != "left") || number < 1)
-      throw UsageError(fmt::format("--plates {}={}: right=N,left=N, plates counted from 1", leg, number));
+      throw UsageError("--plates {}={}: right=N,left=N, plates counted from 1", leg, number);
   if (plates.size() == 2 && plates.at("right") == plates.at("left"))
     throw UsageError(
-        fmt::format("--plates right={0},left={0}: a plate under both feet does not say what either bears; name each "
-                    "foot's own, or leave --forces out",
-                    plates.at("right")));
+        "--plates right={0},left={0}: a plate under both feet does not say what either bears; name each foot's own, or "
+        "leave --forces out",
+        plates.at("right"));
 }
 
 const PlateForces& PlateOf(const GroundForceRecording& forces, const std::map<std::string, int>& plates,

@@ -33,9 +33,8 @@ std::optional<double> ChildNumber(const pugi::xml_node& node, const char* name, 
 }
 
 KvaClock ReadClock(const pugi::xml_node& root, const std::string& path) {
-  KvaClock clock;
-  clock.stamps_per_frame = ChildNumber(root, "AverageTimeStampsPerFrame", path).value_or(0);
-  clock.first_stamp = ChildNumber(root, "FirstTimeStamp", path).value_or(0);
+  KvaClock clock{.stamps_per_frame = ChildNumber(root, "AverageTimeStampsPerFrame", path).value_or(0),
+                 .first_stamp = ChildNumber(root, "FirstTimeStamp", path).value_or(0)};
   clock.rate_hz =
       ChildNumber(root, "CaptureFramerate", path).value_or(ChildNumber(root, "UserFramerate", path).value_or(0));
   if (!(clock.stamps_per_frame > 0)) throw Fail("{}: AverageTimeStampsPerFrame is {}", path, clock.stamps_per_frame);

@@ -151,7 +151,7 @@ void WriteTrc(const std::filesystem::path& path, const PointRecording& recording
                path.string());
   CheckNames(recording, path);
   const std::optional<double> mm_per_unit = FindMmPerUnit(unit);
-  if (!mm_per_unit) throw UsageError(fmt::format("unit '{}': mm, cm or m", unit));
+  if (!mm_per_unit) throw UsageError("unit '{}': mm, cm or m", unit);
   const PointRecording points = PointsTurnedUp(recording, 'y');
   const std::string rate = FormatNumber(FrameRate(points.time_s));
   const std::size_t frames = points.time_s.size();

@@ -88,7 +88,7 @@ motion::MarkerRecording Rename(const motion::MarkerRecording& markers, const std
 }
 
 int AxisIndex(char axis) {
-  if (axis < 'x' || axis > 'z') throw UsageError(fmt::format("axis '{}': x, y or z", axis));
+  if (axis < 'x' || axis > 'z') throw UsageError("axis '{}': x, y or z", axis);
   return axis - 'x';
 }
 
@@ -96,7 +96,7 @@ int AxisIndex(char axis) {
 Eigen::Vector3d ParseDirection(const std::string& text) {
   const bool negative = text.starts_with('-');
   const std::string axis = text.substr(negative || text.starts_with('+') ? 1 : 0);
-  if (axis.size() != 1) throw UsageError(fmt::format("--forward '{}': x, y or z with a sign", text));
+  if (axis.size() != 1) throw UsageError("--forward '{}': x, y or z with a sign", text);
   return (negative ? -1.0 : 1.0) * Eigen::Vector3d::Unit(AxisIndex(axis[0]));
 }
 
@@ -206,7 +206,7 @@ Eigen::Vector3d UpDirection(const PointRecording& points, const TrialOptions& op
 Eigen::Vector3d GivenForward(const TrialOptions& options, const Eigen::Vector3d& up) {
   const Eigen::Vector3d forward = ParseDirection(options.forward);
   if (std::abs(forward.dot(up)) > 0.5)
-    throw UsageError(fmt::format("--forward '{}' is the vertical; give --up too", options.forward));
+    throw UsageError("--forward '{}' is the vertical; give --up too", options.forward);
   return forward;
 }
 
@@ -329,7 +329,7 @@ Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& o
     CheckTextCount(texts, 1, said);
     const std::optional<double> unit = FindMmPerUnit(texts.front());
     const std::optional<double> mm = unit ? unit : ParseNumber(texts.front());
-    if (!mm || !(*mm > 0)) throw UsageError(fmt::format("{} '{}': mm, cm, m or its length in mm", said, texts.front()));
+    if (!mm || !(*mm > 0)) throw UsageError("{} '{}': mm, cm, m or its length in mm", said, texts.front());
     mm_per_unit = *mm;
   };
   return options
@@ -381,8 +381,8 @@ std::vector<UnusedOption> UnusedOptions(const fs::path& path, const TrialOptions
 
 void CheckNoneIsUnused(const fs::path& path, const std::vector<UnusedOption>& unused) {
   if (!unused.empty())
-    throw UsageError(fmt::format("{} has no effect on {}: {}; leave it out", unused.front().option, path.string(),
-                                 unused.front().why));
+    throw UsageError("{} has no effect on {}: {}; leave it out", unused.front().option, path.string(),
+                     unused.front().why);
 }
 
 std::optional<motion::Side> LegInSummary(const Json& summary) {
@@ -441,7 +441,7 @@ Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
   if (const auto side = SideOfLegMarkers(options.names)) trial.leg = side;
   if (!options.forward.empty() && !trial.faces_right) {
     const Eigen::Vector3d forward = ParseDirection(options.forward);
-    if (forward.x() == 0) throw UsageError(fmt::format("--forward '{}': in a plane it is +x or -x", options.forward));
+    if (forward.x() == 0) throw UsageError("--forward '{}': in a plane it is +x or -x", options.forward);
     trial.faces_right = forward.x() > 0;
   }
   return trial;

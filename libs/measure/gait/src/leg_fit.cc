@@ -411,7 +411,7 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   model.observations = MakeObservations(leg, recording.Frames(), model.states == kLegStates ? 4 : 3);
   model.sigma_scale.fill(start.sigma_scale);
   Solution solution = SolveLeg(std::move(model), std::move(start.coefficients), options);
-  if (!solution.solve.usable) throw SolverError(fmt::format("leg fit: no solution: {}", solution.solve.message));
+  if (!solution.solve.usable) throw SolverError("leg fit: no solution: {}", solution.solve.message);
   progress.Advance();
 
   for (LegPrior& prior : solution.model.priors) prior.roughness = std::move(prior.possible_roughness);

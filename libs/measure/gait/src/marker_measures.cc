@@ -37,7 +37,7 @@ void SetMeasures(const OptionTexts& texts, const std::string& said, const Measur
   for (const auto& [name, markers] : NamesAndValues(texts, said)) {
     MarkerMeasure measure{kind.kind, name, SplitText(markers, ',')};
     if (measure.markers.size() != kind.markers || std::ranges::count(measure.markers, ""))
-      throw UsageError(fmt::format("{} '{}={}': give {}", said, name, markers, kind.value));
+      throw UsageError("{} '{}={}': give {}", said, name, markers, kind.value);
     measures.push_back(std::move(measure));
   }
 }
@@ -144,7 +144,7 @@ void Describe(std::vector<MarkerMeasure>& measures, OptionList& options) {
     std::set<std::string> names;
     for (const MarkerMeasure& measure : measures)
       if (!names.insert(measure.name).second)
-        throw UsageError(fmt::format("--angle, --distance, --speed: two are called '{}'", measure.name));
+        throw UsageError("--angle, --distance, --speed: two are called '{}'", measure.name);
   });
 }
 
@@ -155,12 +155,11 @@ const char* ToString(MarkerMeasure::Kind kind) {
 MarkerMeasure MeasureFrom(const Json& json) {
   const auto said = json.at("kind").get<std::string>();
   const auto* kind = std::ranges::find_if(kMeasureKinds, [&](const MeasureKind& one) { return said == one.option; });
-  if (kind == std::end(kMeasureKinds))
-    throw UsageError(fmt::format("measures are angles, distances and speeds, not '{}'", said));
+  if (kind == std::end(kMeasureKinds)) throw UsageError("measures are angles, distances and speeds, not '{}'", said);
   MarkerMeasure measure{.kind = kind->kind, .name = json.at("name"), .markers = json.at("markers")};
-  if (measure.name.empty()) throw UsageError(fmt::format("the {} has no name", said));
+  if (measure.name.empty()) throw UsageError("the {} has no name", said);
   if (measure.markers.size() != kind->markers)
-    throw UsageError(fmt::format("{} '{}' is of {} markers: {}", said, measure.name, kind->markers, kind->value));
+    throw UsageError("{} '{}' is of {} markers: {}", said, measure.name, kind->markers, kind->value);
   return measure;
 }
 
@@ -189,8 +188,7 @@ void CheckMarkers(const std::vector<MarkerMeasure>& measures, const std::vector<
   for (const MarkerMeasure& measure : measures)
     for (const std::string& marker : measure.markers)
       if (std::ranges::count(markers, marker) == 0)
-        throw UsageError(
-            fmt::format("'{}': there is no marker '{}'; there are {}", measure.name, marker, fmt::join(markers, ", ")));
+        throw UsageError("'{}': there is no marker '{}'; there are {}", measure.name, marker, fmt::join(markers, ", "));
 }
 
 motion::MarkerRecording InPlane(const motion::MarkerRecording& recorded, const LegView& view) {

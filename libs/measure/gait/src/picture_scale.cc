@@ -32,8 +32,7 @@ double MmPerPx(const std::array<double, 5>& scale, const std::optional<camera::C
   const double length_px = (PlaneFromRecorded(unscaled, {x1, y1}, 0) - PlaneFromRecorded(unscaled, {x2, y2}, 0)).norm();
   constexpr double kShortest_mm = 5;  // longer ones in m are longer than a room
   if (!(length_px >= 1) || !(length_mm >= kShortest_mm))
-    throw UsageError(
-        fmt::format("--scale: the bar must be at least 1 px and {:g} mm long; is {:g} in m?", kShortest_mm, length_mm));
+    throw UsageError("--scale: the bar must be at least 1 px and {:g} mm long; is {:g} in m?", kShortest_mm, length_mm);
   return length_mm / length_px;
 }
 

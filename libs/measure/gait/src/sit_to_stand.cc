@@ -350,10 +350,7 @@ void WriteSitToStandCsv(const std::filesystem::path& path, const std::vector<Sit
     for (const Quantity& quantity : quantities) header.push_back(quantity.Column(of_plane) + sd);
   CsvWriter csv(header);
   for (const SitToStand& row : rows) {
-    if (row.repetition > 0)
-      csv.Add(row.repetition);
-    else
-      csv.Add("five_times");
+    csv.Add(row.repetition > 0 ? std::to_string(row.repetition) : "five_times");
     for (const Quantity& quantity : quantities) csv.Add((row.*quantity.value).value);
     for (const Quantity& quantity : quantities) csv.Add((row.*quantity.value).sd);
     csv.EndRow();

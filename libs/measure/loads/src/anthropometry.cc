@@ -62,13 +62,12 @@ Anthropometry ReadAnthropometry(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path))
     throw Fail("--anthropometry '{}': neither winter nor deleva nor a file", path.string());
   YamlNode file = YamlNode::ReadFile(path);
-  Anthropometry table;
-  table.name = path.filename().string();
-  table.source = file.Text("source").value_or("");
-  table.foot = ReadShare(file, "foot");
-  table.shank = ReadShare(file, "shank");
-  table.thigh = ReadShare(file, "thigh");
-  table.trunk = ReadShare(file, "trunk");
+  Anthropometry table{.name = path.filename().string(),
+                      .source = file.Text("source").value_or(""),
+                      .foot = ReadShare(file, "foot"),
+                      .shank = ReadShare(file, "shank"),
+                      .thigh = ReadShare(file, "thigh"),
+                      .trunk = ReadShare(file, "trunk")};
   file.Finish();
   const double sum = 2 * (table.foot.mass + table.shank.mass + table.thigh.mass) + table.trunk.mass;
   if (std::abs(sum - 1) > 0.02)

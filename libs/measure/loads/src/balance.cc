@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"

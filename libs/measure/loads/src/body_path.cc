@@ -1,7 +1,5 @@
 #include "lake/loads/body_path.h"
 
-#include <algorithm>
-
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"

@@ -50,17 +50,16 @@ void BodyOptions::Check() const {
     throw Fail("--mass {} kg: a person weighs {} to {} kg", mass_kg, kLeastMass_kg, kLargestMass_kg);
   if (height_mm && !(*height_mm >= kLeastHeight_mm && *height_mm <= kLargestHeight_mm))
     throw Fail("--height {} mm: a person is {} to {} mm tall", *height_mm, kLeastHeight_mm, kLargestHeight_mm);
-  if (!(share > 0 && share <= 1))
-    throw UsageError(fmt::format("--share {}: of the trunk's weight, above 0 and at most 1", share));
+  if (!(share > 0 && share <= 1)) throw UsageError("--share {}: of the trunk's weight, above 0 and at most 1", share);
   if (sex && anthropometry != kDeLeva)
-    throw UsageError(fmt::format(
+    throw UsageError(
         "--sex has no effect on the table '{}', which is the same for both: leave it out, or give --anthropometry {}",
-        anthropometry, kDeLeva));
+        anthropometry, kDeLeva);
   if (!foot_mm) return;
   const auto [heel_mm, toe_mm] = *foot_mm;
   if (!(heel_mm >= 0 && toe_mm > 0 && heel_mm + toe_mm >= 100 && heel_mm + toe_mm <= 500))
-    throw UsageError(fmt::format("--foot {},{}: mm behind and before the ankle, neither negative, together 100 to 500",
-                                 heel_mm, toe_mm));
+    throw UsageError("--foot {},{}: mm behind and before the ankle, neither negative, together 100 to 500", heel_mm,
+                     toe_mm);
 }
 
 void Describe(BodyOptions& o, OptionList& options) {
@@ -134,11 +133,9 @@ LegLoads LoadsFromTrunk(const LegPoints& points, const LegBody& body, const Disp
     return RequiredWrench(std::span(bodies).first(count), points[joint].position_m).moment_nm;
   };
   const Wrench ground = RequiredWrench(bodies, GroundPoint(points, body));
-  LegLoads loads;
-  loads.moments = {above(3, kAnkle), -above(2, kKnee), above(1, kHip)};
-  loads.ground_force_n = ground.force_n;
-  loads.zmp_m = ground.moment_nm / ground.force_n.y();
-  return loads;
+  return {.moments = {above(3, kAnkle), -above(2, kKnee), above(1, kHip)},
+          .ground_force_n = ground.force_n,
+          .zmp_m = ground.moment_nm / ground.force_n.y()};
 }
 
 LegLoads LoadsFromGround(const LegPoints& points, const LegBody& body, const Wrench& ground) {
@@ -150,11 +147,9 @@ LegLoads LoadsFromGround(const LegPoints& points, const LegBody& body, const Wre
     const Vector2d& at = points[joint].position_m;
     return About(ground, Vector2d::Zero(), at).moment_nm - RequiredWrench(std::span(bodies).first(count), at).moment_nm;
   };
-  LegLoads loads;
-  loads.moments = {below(1, kAnkle), -below(2, kKnee), below(3, kHip)};
-  loads.ground_force_n = ground.force_n;
-  loads.zmp_m = About(ground, Vector2d::Zero(), GroundPoint(points, body)).moment_nm / ground.force_n.y();
-  return loads;
+  return {.moments = {below(1, kAnkle), -below(2, kKnee), below(3, kHip)},
+          .ground_force_n = ground.force_n,
+          .zmp_m = About(ground, Vector2d::Zero(), GroundPoint(points, body)).moment_nm / ground.force_n.y()};
 }
 
 }  // namespace lake::loads

@@ -1,6 +1,5 @@
 #include "lake/loads/leg_path.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -99,13 +99,11 @@ LegLoads LoadsAt(const Model& model, std::size_t frame) {
 }
 
 LegLoads Mix(const LegLoads& a, const LegLoads& b, double part) {
-  LegLoads mixed;
-  mixed.moments = {std::lerp(a.moments.ankle_nm, b.moments.ankle_nm, part),
-                   std::lerp(a.moments.knee_nm, b.moments.knee_nm, part),
-                   std::lerp(a.moments.hip_nm, b.moments.hip_nm, part)};
-  mixed.ground_force_n = (1 - part) * a.ground_force_n + part * b.ground_force_n;
-  mixed.zmp_m = std::lerp(a.zmp_m, b.zmp_m, part);
-  return mixed;
+  return {.moments = {std::lerp(a.moments.ankle_nm, b.moments.ankle_nm, part),
+                      std::lerp(a.moments.knee_nm, b.moments.knee_nm, part),
+                      std::lerp(a.moments.hip_nm, b.moments.hip_nm, part)},
+          .ground_force_n = (1 - part) * a.ground_force_n + part * b.ground_force_n,
+          .zmp_m = std::lerp(a.zmp_m, b.zmp_m, part)};
 }
 
 bool IsKnown(const Model& model, std::size_t frame) {

@@ -1,7 +1,6 @@
 #include "loads_model.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lake::loads {
 

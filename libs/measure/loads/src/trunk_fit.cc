@@ -100,10 +100,9 @@ void TrunkFit::Accumulate(const LegPath& path, const LegBody& body, const TrunkP
       return (wrench.moment_nm - loads.zmp_m * wrench.force_n.y()) / loads.ground_force_n.y();
     };
     const SegmentMotion motion = SegmentBetween(points[kHip], points[kTrunkTop]);
-    Row row;
-    row.value = loads.zmp_m - UsualPlace(points, body, prior) - common_[2];
-    row.by_common = {by(FixedInTrunk(motion, 1, 0)), by(FixedInTrunk(motion, 0, 1)), -1};
-    row.by_own = VectorXd::Zero(count);
+    Row row{.value = loads.zmp_m - UsualPlace(points, body, prior) - common_[2],
+            .by_common = {by(FixedInTrunk(motion, 1, 0)), by(FixedInTrunk(motion, 0, 1)), -1},
+            .by_own = VectorXd::Zero(count)};
     const gait::SplineGrid::Place place = piece.grid.At(path.time_s[i]);
     for (std::size_t a = 0; a < 4; ++a)
       row.by_own[static_cast<Eigen::Index>(place.first + a)] = by({{place.value[a], 0}, {place.curve[a], 0}});

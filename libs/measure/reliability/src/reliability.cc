@@ -45,13 +45,13 @@ MeanSquares MeanSquaresOf(const Eigen::MatrixXd& values) {
   const Eigen::RowVectorXd of_judge = values.colwise().mean();
   const double mean = values.mean();
   const Eigen::MatrixXd residual = (values.colwise() - of_target).rowwise() - (of_judge.array() - mean).matrix();
-  MeanSquares ms;
-  ms.targets = n;
-  ms.judges = k;
-  ms.between_targets = static_cast<double>(k) * (of_target.array() - mean).square().sum() / static_cast<double>(n - 1);
-  ms.between_judges = static_cast<double>(n) * (of_judge.array() - mean).square().sum() / static_cast<double>(k - 1);
-  ms.residual = residual.squaredNorm() / static_cast<double>((n - 1) * (k - 1));
-  return ms;
+  return {
+      .targets = n,
+      .judges = k,
+      .between_targets =
+          static_cast<double>(k) * (of_target.array() - mean).square().sum() / static_cast<double>(n - 1),
+      .between_judges = static_cast<double>(n) * (of_judge.array() - mean).square().sum() / static_cast<double>(k - 1),
+      .residual = residual.squaredNorm() / static_cast<double>((n - 1) * (k - 1))};
 }
 
 Estimate Icc2Single(const MeanSquares& ms) {
@@ -105,10 +105,9 @@ LimitsOfAgreement LimitsOfAgreementOf(const std::vector<double>& first, const st
 }
 
 MeanOfSubjects MeanOf(const std::vector<double>& values) {
-  MeanOfSubjects of;
-  of.subjects = values.size();
-  of.mean = {Mean(values), {kNaN, kNaN}};
-  of.standard_deviation = values.size() < 2 ? kNaN : StandardDeviation(values);
+  MeanOfSubjects of{.subjects = values.size(),
+                    .standard_deviation = values.size() < 2 ? kNaN : StandardDeviation(values),
+                    .mean = {Mean(values), {kNaN, kNaN}}};
   if (values.size() < 2) return of;
   const auto n = static_cast<double>(values.size());
   of.mean = Around(of.mean.value, TQuantile(n - 1) * of.standard_deviation / std::sqrt(n));

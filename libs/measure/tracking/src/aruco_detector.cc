@@ -21,8 +21,7 @@ namespace {
 cv::Ptr<cv::aruco::Dictionary> DictionaryByName(const std::string& name) {
   const std::optional<camera::ArucoDictionary> found = camera::FindArucoDictionary(name);
   if (!found)
-    throw UsageError(
-        fmt::format("ArUco dictionary '{}' is not known; there are {}", name, camera::ArucoDictionaryNames()));
+    throw UsageError("ArUco dictionary '{}' is not known; there are {}", name, camera::ArucoDictionaryNames());
   return cv::aruco::getPredefinedDictionary(found->id);
 }
 

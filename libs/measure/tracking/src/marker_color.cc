@@ -29,7 +29,7 @@ MarkerColor ParseMarkerColor(const std::string& text) {
       constexpr double kMostFrames = 1e12;
       const double frame = ParseNumbers(place.substr(at + 1), 1, what + ": frame").front();
       if (!(frame >= 0 && frame <= kMostFrames) || frame != std::floor(frame))
-        throw UsageError(fmt::format("{}: a frame is a whole number from 0", what));
+        throw UsageError("{}: a frame is a whole number from 0", what);
       color.frame = static_cast<std::int64_t>(frame);
       place.resize(at);
     }
@@ -40,8 +40,8 @@ MarkerColor ParseMarkerColor(const std::string& text) {
   unsigned value = 0;
   const char* end = text.data() + text.size();
   if (text.size() != 7 || text[0] != '#' || std::from_chars(text.data() + 1, end, value, 16).ptr != end)
-    throw UsageError(fmt::format(
-        "--color '{}': write a colour as \"#RRGGBB\", or as @X,Y[@FRAME], the place in px where a marker is", text));
+    throw UsageError(
+        "--color '{}': write a colour as \"#RRGGBB\", or as @X,Y[@FRAME], the place in px where a marker is", text);
   color.bgr = {static_cast<uchar>(value & 255), static_cast<uchar>(value >> 8 & 255), static_cast<uchar>(value >> 16)};
   return color;
 }
@@ -51,8 +51,7 @@ MarkerHue HueOfColor(const MarkerColor& color, bool bt709) {
   const cv::Vec2d chroma = ChromaOf(*color.bgr, bt709);
   const double length = cv::norm(chroma);
   if (length < kMinChroma)
-    throw UsageError(
-        fmt::format("--color '{}' is a grey: use --detector reflective, with --polarity dark for black", color.text));
+    throw UsageError("--color '{}' is a grey: use --detector reflective, with --polarity dark for black", color.text);
   // Names of colours are vague: "blue" lamps are 50° away from #0000ff, and lamps have a chroma of about 100.
   return {chroma / length, 2, 0.5};
 }

@@ -13,7 +13,7 @@ void MarkerPhysics::Check() const {
                                     {"time before it turns back, s", turns_after_s},
                                     {"first step, mm", fast_start_mm}})
     if (!(value > 0) || !std::isfinite(value))
-      throw UsageError(fmt::format("a marker's {}: {} is not a positive number", name, value));
+      throw UsageError("a marker's {}: {} is not a positive number", name, value);
 }
 
 }  // namespace lake::tracking

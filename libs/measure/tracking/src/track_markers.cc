@@ -189,18 +189,18 @@ void TrackOptions::Check() const {
   if (names.empty()) throw UsageError("--markers: no names");
   std::set<std::string> seen;
   for (const std::string& name : names) {
-    if (!IsName(name)) throw UsageError(fmt::format("--markers: '{}' is not a name (letters, digits, _ - .)", name));
-    if (!seen.insert(name).second) throw UsageError(fmt::format("--markers: '{}' stands twice", name));
+    if (!IsName(name)) throw UsageError("--markers: '{}' is not a name (letters, digits, _ - .)", name);
+    if (!seen.insert(name).second) throw UsageError("--markers: '{}' stands twice", name);
   }
   std::set<std::string> seeded;
   for (const MarkerSeed& seed : seeds) {
     if (!seen.contains(seed.name))
-      throw UsageError(fmt::format("--seed {}: not one of the markers ({})", seed.name, fmt::join(names, ", ")));
-    if (!seeded.insert(seed.name).second) throw UsageError(fmt::format("--seed {}: given twice", seed.name));
+      throw UsageError("--seed {}: not one of the markers ({})", seed.name, fmt::join(names, ", "));
+    if (!seeded.insert(seed.name).second) throw UsageError("--seed {}: given twice", seed.name);
   }
   if (detector == DetectorKind::kColor && colors.size() > 1 && colors.size() != names.size())
-    throw UsageError(fmt::format("--color: {} colours for {} markers; give one for all or one for each", colors.size(),
-                                 names.size()));
+    throw UsageError("--color: {} colours for {} markers; give one for all or one for each", colors.size(),
+                     names.size());
   if (detector != DetectorKind::kColor && !colors.empty()) throw UsageError("--color is for --detector color");
   if (detector == DetectorKind::kColor && colors.empty())
     throw UsageError("--detector color needs at least one --color: \"#RRGGBB\", or @X,Y where a marker is");
@@ -209,8 +209,7 @@ void TrackOptions::Check() const {
     throw UsageError("--detector template needs a --seed for each marker: the patch is cut there");
   for (const MarkerSeed& seed : seeds)
     if (seed.candidate && detector == DetectorKind::kTemplate)
-      throw UsageError(
-          fmt::format("--seed {}=#{}: --detector template needs the place in px", seed.name, *seed.candidate));
+      throw UsageError("--seed {}=#{}: --detector template needs the place in px", seed.name, *seed.candidate);
 }
 
 namespace {

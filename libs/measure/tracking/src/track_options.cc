@@ -18,7 +18,7 @@ MarkerSeed ParseSeed(const std::string& text, const std::string& said) {
     const double frame = ParseNumbers(place.substr(at + 1), 1, said + " " + name + ": frame").front();
     constexpr double kMostFrames = 1e12;
     if (frame < 0 || frame > kMostFrames || frame != std::floor(frame))
-      throw UsageError(fmt::format("{} '{}': a frame is a whole number from 0", said, text));
+      throw UsageError("{} '{}': a frame is a whole number from 0", said, text);
     seed.frame = static_cast<std::int64_t>(frame);
     place.resize(at);
   }
@@ -26,7 +26,7 @@ MarkerSeed ParseSeed(const std::string& text, const std::string& said) {
     const double number = ParseNumbers(place.substr(1), 1, said + " " + name + ": number").front();
     constexpr double kMost = 1e6;
     if (!(number >= 1 && number <= kMost) || number != std::floor(number) || seed.frame != 0)
-      throw UsageError(fmt::format("{} '{}': #N is the number of a candidate, a whole number from 1", said, text));
+      throw UsageError("{} '{}': #N is the number of a candidate, a whole number from 1", said, text);
     seed.candidate = static_cast<int>(number);
     return seed;
   }
@@ -55,11 +55,11 @@ cv::Rect CropOf(const std::array<double, 4>& numbers, const std::string& said) {
   constexpr double kMostPx = 1e5;
   const auto is_whole = [](double value) { return value == std::floor(value) && std::abs(value) <= kMostPx; };
   if (!std::all_of(numbers.begin(), numbers.end(), is_whole))
-    throw UsageError(fmt::format("{} {}: four whole numbers of px are needed", said, fmt::join(numbers, ",")));
+    throw UsageError("{} {}: four whole numbers of px are needed", said, fmt::join(numbers, ","));
   std::array<int, 4> px;
   std::transform(numbers.begin(), numbers.end(), px.begin(), [](double value) { return static_cast<int>(value); });
   if (px[2] <= 0 || px[3] <= 0)
-    throw UsageError(fmt::format("{} {}: width and height must be positive", said, fmt::join(numbers, ",")));
+    throw UsageError("{} {}: width and height must be positive", said, fmt::join(numbers, ","));
   return {px[0], px[1], px[2], px[3]};
 }
 

@@ -81,8 +81,7 @@ std::string LiveInput::Address(const LiveStreamOptions& options, const AVInputFo
   }
   if (!fs::exists(status)) throw Fail("{}: no such device or file", input_);
   if (!fs::is_regular_file(status)) throw Fail("{}: is neither a device nor a pipe nor a file", input_);
-  if (!options.replay)
-    throw UsageError(fmt::format("{}: is a file; with --replay its frames come at their own pace", input_));
+  if (!options.replay) throw UsageError("{}: is a file; with --replay its frames come at their own pace", input_);
   return libav::FileUrl(input_);
 }
 

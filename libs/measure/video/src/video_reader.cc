@@ -91,7 +91,7 @@ LibavReader::LibavReader(const std::filesystem::path& path, const VideoReaderOpt
         "study file)",
         path.string(), decoder_.Source().IsSequence() ? "an image sequence has" : "this kind of file has");
   if (options.rotate_deg % 90 != 0 || options.rotate_deg < 0 || options.rotate_deg >= 360)
-    throw UsageError(fmt::format("--rotate {}: 0, 90, 180 or 270", options.rotate_deg));
+    throw UsageError("--rotate {}: 0, 90, 180 or 270", options.rotate_deg);
   orientation_ =
       FindOrientation(decoder_.Source().Stream(), *first_frame_, path.string()).TurnedOn(options.rotate_deg / 90);
   try {

@@ -9,7 +9,7 @@ void Describe(VideoReaderOptions& o, OptionList& options) {
   DescribeRotation(o, options);
   options.Check([&o](const OptionList& list) {
     if (o.start_s && o.end_s && *o.end_s < *o.start_s)
-      throw UsageError(fmt::format("{} is before {}", list["end"].Said(), list["start"].Said()));
+      throw UsageError("{} is before {}", list["end"].Said(), list["start"].Said());
   });
 }
 

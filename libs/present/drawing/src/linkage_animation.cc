@@ -73,10 +73,8 @@ void WriteMp4(const fs::path& path, const LinkageLook& look) {
   PagesOut(look, kPoses).WritePages(folder.Path());
   std::vector<cv::Mat> pages = ReadPages(folder.Path());
   for (std::size_t back = pages.size() - 2; back > 0; --back) pages.push_back(pages[back]);
-  video::VideoWriterOptions options;
-  options.width = kPosePageWidth_px;
-  options.height = kPosePageHeight_px;
-  options.frame_rate_hz = kFrameRate_hz;
+  video::VideoWriterOptions options{
+      .width = kPosePageWidth_px, .height = kPosePageHeight_px, .frame_rate_hz = kFrameRate_hz};
   video::VideoWriter writer(path, options);
   for (std::size_t i = 0; i < pages.size(); ++i) {
     ThrowIfInterrupted();

@@ -111,9 +111,9 @@ void DrawSeated(Scene& scene, const LinkageLook& look, const linkage::WearCheck&
 void DrawMannequin(const std::filesystem::path& path, const LinkageLook& look, const linkage::WearCheck& check) {
   figure::GnuplotFigure figure(1200, 1000);
   figure.Line(
-      fmt::format("set label 101 'Body of {:.0f} cm and {:.0f} kg; thigh {:.1f} mm, shank {:.1f} mm' at screen "
-                  "0.5,0.97 center font ',16'\nset multiplot",
-                  look.body.height_mm / 10, look.body.mass_kg, look.body.thigh.length_mm, look.body.shank.length_mm));
+      "set label 101 'Body of {:.0f} cm and {:.0f} kg; thigh {:.1f} mm, shank {:.1f} mm' at screen 0.5,0.97 center "
+      "font ',16'\nset multiplot",
+      look.body.height_mm / 10, look.body.mass_kg, look.body.thigh.length_mm, look.body.shank.length_mm);
   Scene scene(figure);
   DrawStanding(scene, look, check);
   figure.Line("unset label 101");

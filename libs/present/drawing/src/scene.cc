@@ -33,9 +33,9 @@ void Scene::Stroke(const PlanePath& path, std::string_view colour, double width,
 }
 
 void Scene::Label(const Vector2d& at, std::string_view text, const LabelStyle& style) {
-  figure_.Line(fmt::format("set label {} {} at first {},{} {} front {} textcolor rgb '{}' font ',{}'", ++labels_,
-                           figure::QuoteForGnuplot(text), at.x(), at.y(), style.align, style.box ? "boxed" : "",
-                           style.colour, style.size));
+  figure_.Line("set label {} {} at first {},{} {} front {} textcolor rgb '{}' font ',{}'", ++labels_,
+               figure::QuoteForGnuplot(text), at.x(), at.y(), style.align, style.box ? "boxed" : "", style.colour,
+               style.size);
 }
 
 void Scene::Pin(const Vector2d& at, double size) {
@@ -47,10 +47,9 @@ void Scene::Draw(const SceneView& view, const Place& place, bool axes) {
   // A line that crosses the picture is drawn though both its ends lie outside.
   figure_.Line(
       "set size ratio -1\nset clip two\nset style textbox opaque noborder fillcolor rgb '#ffffff' margins 0.6,0.4");
-  figure_.Line(fmt::format(
-      "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}",
-      place.left, place.left + place.width, place.bottom, place.bottom + place.height));
-  figure_.Line(fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", view.left, view.right, view.bottom, view.top));
+  figure_.Line("set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}",
+               place.left, place.left + place.width, place.bottom, place.bottom + place.height);
+  figure_.Line("set xrange [{}:{}]\nset yrange [{}:{}]", view.left, view.right, view.bottom, view.top);
   figure_.Line(axes ? fmt::format("set tics out nomirror font ',11'\nset border 3 lc rgb '#666666'\nset xlabel 'mm' "
                                   "offset 0,0.3\nset ylabel 'mm' offset 1,0\nset grid lc rgb '{}' lt 1",
                                   colour::kGrid)
@@ -62,7 +61,7 @@ void Scene::Draw(const SceneView& view, const Place& place, bool axes) {
     elements += fmt::format("{}{} {} notitle", elements.empty() ? "" : ", ", figure_.Data(Columns(path)), shape.style);
   }
   figure_.Line("plot " + elements);
-  for (; labels_ > 0; --labels_) figure_.Line(fmt::format("unset label {}", labels_));
+  for (; labels_ > 0; --labels_) figure_.Line("unset label {}", labels_);
   shapes_.clear();
 }
 

@@ -1,6 +1,5 @@
 #include "lake/figure/assistance_figures.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <array>
@@ -23,7 +22,7 @@ std::vector<double> Column(const problem::Assistance& assistance, double Assista
 void PlaceRow(GnuplotFigure& figure, int row) {
   constexpr double kHeight = 0.30;
   const double top = 0.93 - row * kHeight;
-  figure.Line(fmt::format("set tmargin at screen {}; set bmargin at screen {}", top, top - kHeight + 0.06));
+  figure.Line("set tmargin at screen {}; set bmargin at screen {}", top, top - kHeight + 0.06);
 }
 
 // Over percent: a column, and limits beside it.
@@ -109,9 +108,9 @@ void DrawAssistance(const std::filesystem::path& path, const problem::Assistance
                     const problem::SynthesisProblem& problem) {
   GnuplotFigure figure(1100, 1100);
   const std::string name = problem.actuator ? problem.actuator->name + ", " : "";
-  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'",
-                          QuoteForGnuplot(fmt::format("{}{:.0f} % of the knee's moment, a rise in {:.1f} s", name,
-                                                      100 * problem.assist.value_or(1), assistance.duration_s))));
+  figure.Line("set multiplot title {} noenhanced font ',14'",
+              QuoteForGnuplot(fmt::format("{}{:.0f} % of the knee's moment, a rise in {:.1f} s", name,
+                                          100 * problem.assist.value_or(1), assistance.duration_s)));
   figure.Line("set xrange [0:100]; set lmargin at screen 0.10; set rmargin at screen 0.97");
   figure.Line(
       "set key at graph 1, graph 1.15 right top horizontal samplen 2.5; set offsets 0, 0, graph 0.05, graph 0.05; set "
@@ -152,14 +151,13 @@ void DrawActuatorFront(const std::filesystem::path& path, const std::vector<synt
   const int height_px = kPlotHeight_px + kNoteHeight_px * static_cast<int>(notes.size());
   GnuplotFigure figure(1300, height_px);
   figure.Line(
-      fmt::format("set lmargin at screen 0.08; set rmargin at screen 0.80; set tmargin at screen 0.96; "
-                  "set bmargin at screen {}",
-                  1 - (kPlotHeight_px - 80.0) / height_px));
+      "set lmargin at screen 0.08; set rmargin at screen 0.80; set tmargin at screen 0.96; set bmargin at screen {}",
+      1 - (kPlotHeight_px - 80.0) / height_px);
   figure.Line("set logscale y; set xlabel 'share of what the knee needs (%)'; set ylabel 'shortest rise (s)'");
-  figure.Line(fmt::format("set xrange [0:105]; set key top left samplen 2.5; {}", YRange(curves, own_duration_s)));
+  figure.Line("set xrange [0:105]; set key top left samplen 2.5; {}", YRange(curves, own_duration_s));
   for (std::size_t i = 0; i < notes.size(); ++i)
-    figure.Line(fmt::format("set label {} at screen 0.02, screen {} left noenhanced font ',12'",
-                            QuoteForGnuplot(notes[i]), (kNoteHeight_px * (notes.size() - i) - 8.0) / height_px));
+    figure.Line("set label {} at screen 0.02, screen {} left noenhanced font ',12'", QuoteForGnuplot(notes[i]),
+                (kNoteHeight_px * (notes.size() - i) - 8.0) / height_px);
   std::string plot = fmt::format("{} with lines lw 2 dt (8,4) lc rgb '{}' title 'the person{} own rise'",
                                  own_duration_s, colour::kHuman, "''s");
   for (std::size_t i = 0; i < curves.size(); ++i) {
@@ -168,9 +166,9 @@ void DrawActuatorFront(const std::filesystem::path& path, const std::vector<synt
     const bool known = curves[i].Actuator().HasForceSpeedLaw();
     const char* const colour = kCurveColours[i % kCurveColours.size()];
     const bool ends_early = line.assist.back() < kWholeShare;  // beside it others may go on, so its name stands above
-    figure.Line(fmt::format("set label {} at first {}, first {} left offset 1,{} noenhanced",
-                            QuoteForGnuplot(curves[i].Actuator().name + (known ? "" : " (at least)")),
-                            line.assist.back(), line.duration.back(), ends_early ? 0.8 : 0));
+    figure.Line("set label {} at first {}, first {} left offset 1,{} noenhanced",
+                QuoteForGnuplot(curves[i].Actuator().name + (known ? "" : " (at least)")), line.assist.back(),
+                line.duration.back(), ends_early ? 0.8 : 0);
     plot += fmt::format(", {} using 1:2 with linespoints lw 2.5 pt {} ps 1.5 lc rgb '{}'{}",
                         figure.Data({line.assist, line.duration}), kMarks[i % kMarks.size()] - (known ? 0 : 1), colour,
                         known ? "" : " dt (3,4)");

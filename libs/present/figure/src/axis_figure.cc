@@ -111,19 +111,19 @@ void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& moti
   }
   const Course course = CourseOf(by_angle, view);
   GnuplotFigure figure(1600, 800);
-  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'",
-                          QuoteForGnuplot(fmt::format("Axis over {:.0f} degrees of flexion; markers stray by {:.1f} mm "
-                                                      "on the shank, {:.1f} mm on the thigh",
-                                                      axes.whole.flexion_deg, motion.shank.deformation.marker_sd_mm,
-                                                      motion.thigh.deformation.marker_sd_mm))));
+  figure.Line("set multiplot title {} noenhanced font ',14'",
+              QuoteForGnuplot(fmt::format("Axis over {:.0f} degrees of flexion; markers stray by {:.1f} mm "
+                                          "on the shank, {:.1f} mm on the thigh",
+                                          axes.whole.flexion_deg, motion.shank.deformation.marker_sd_mm,
+                                          motion.thigh.deformation.marker_sd_mm)));
   const Square square = SquareAround(axes, view, place);
   figure.Line(
       "set lmargin at screen 0.07; set rmargin at screen 0.455; set tmargin at screen 0.88; set bmargin at screen "
       "0.11; set key at screen 0.2625, screen 0.93 center horizontal Left reverse maxrows 1 samplen 1 width -2 font "
       "',12' noautotitle");
-  figure.Line(fmt::format("set xrange [{}:{}]; set yrange [{}:{}]", square.middle.x() - square.half_mm,
-                          square.middle.x() + square.half_mm, square.middle.y() - square.half_mm,
-                          square.middle.y() + square.half_mm));
+  figure.Line("set xrange [{}:{}]; set yrange [{}:{}]", square.middle.x() - square.half_mm,
+              square.middle.x() + square.half_mm, square.middle.y() - square.half_mm,
+              square.middle.y() + square.half_mm);
   figure.Line("set xlabel 'across the shank (mm)'; set ylabel 'along the shank, from the mean of its markers (mm)'");
   figure.Line("plot " + PlotAxes(figure, axes, view) +
               fmt::format(", {} using 1:2 with points pt 7 ps 0.3 lc rgb '{}' title 'instantaneous centre'",
@@ -131,14 +131,13 @@ void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& moti
   figure.Line("set autoscale; set lmargin at screen 0.57; set rmargin at screen 0.97; unset key");
   const char* names[] = {"across the shank (mm)", "along the shank (mm)"};
   for (int k = 0; k < 2; ++k) {
-    figure.Line(fmt::format("set tmargin at screen {}; set bmargin at screen {}; set ylabel '{}'; set xlabel '{}'",
-                            k == 0 ? 0.88 : 0.46, k == 0 ? 0.53 : 0.11, names[k],
-                            k == 0 ? "" : "knee angle (degrees)"));
-    figure.Line(fmt::format(
+    figure.Line("set tmargin at screen {}; set bmargin at screen {}; set ylabel '{}'; set xlabel '{}'",
+                k == 0 ? 0.88 : 0.46, k == 0 ? 0.53 : 0.11, names[k], k == 0 ? "" : "knee angle (degrees)");
+    figure.Line(
         "plot {} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder, {} using 1:2 with "
         "points pt 7 ps 0.2 lc rgb '{}', {} using 1:2 with lines lw 2 lc rgb '{}'",
         figure.Data({course.angle_deg, course.low[k], course.high[k]}), colour::kKnee, figure.Data({angle, place[k]}),
-        colour::kText, figure.Data({course.angle_deg, course.place[k]}), colour::kKnee));
+        colour::kText, figure.Data({course.angle_deg, course.place[k]}), colour::kKnee);
   }
   figure.Line("unset multiplot").Write(path);
 }

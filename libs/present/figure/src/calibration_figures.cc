@@ -46,9 +46,7 @@ void Split(const std::vector<camera::BoardView>& views, const camera::Calibratio
 
 // Axes of a picture: y down, its proportions, both in px.
 void PictureAxes(GnuplotFigure& figure, int width_px, int height_px) {
-  figure
-      .Line(
-          fmt::format("set xrange [-0.5:{}]\nset yrange [{}:-0.5]\nset size ratio -1", width_px - 0.5, height_px - 0.5))
+  figure.Line("set xrange [-0.5:{}]\nset yrange [{}:-0.5]\nset size ratio -1", width_px - 0.5, height_px - 0.5)
       .Line("set xlabel 'x [px]'\nset ylabel 'y [px]' offset 1,0\nset tics out nomirror\nset border lw 1");
 }
 
@@ -59,9 +57,9 @@ void ShadeEmptyCells(GnuplotFigure& figure, const camera::Coverage& coverage, in
   for (int row = 0; row < coverage.rows; ++row)
     for (int column = 0; column < coverage.columns; ++column)
       if (coverage.corners[static_cast<std::size_t>(row * coverage.columns + column)] == 0)
-        figure.Line(fmt::format("set object rectangle from {},{} to {},{} fc rgb '{}' fs solid noborder behind",
-                                column * width - 0.5, row * height - 0.5, (column + 1) * width - 0.5,
-                                (row + 1) * height - 0.5, colour::kGap));
+        figure.Line("set object rectangle from {},{} to {},{} fc rgb '{}' fs solid noborder behind",
+                    column * width - 0.5, row * height - 0.5, (column + 1) * width - 0.5, (row + 1) * height - 0.5,
+                    colour::kGap);
 }
 
 // The RMS of each view as a bar, that of all as a line.
@@ -77,17 +75,15 @@ void DrawViews(GnuplotFigure& figure, const std::vector<camera::BoardView>& view
       .Line(
           "unset key\nunset object\nset size noratio\nset lmargin at screen 0.79\nset rmargin at screen 0.98\nset "
           "xlabel 'RMS [px]'\nset ylabel ''")
-      .Line(fmt::format("set title 'Views'\nset xrange [0:{}]\nset xtics {}\nset yrange [{}:-0.7]", 1.1 * worst,
-                        RoundBelow(std::max(worst, 1e-9) / 3), static_cast<double>(views.size()) - 0.3));
+      .Line("set title 'Views'\nset xrange [0:{}]\nset xtics {}\nset yrange [{}:-0.7]", 1.1 * worst,
+            RoundBelow(std::max(worst, 1e-9) / 3), static_cast<double>(views.size()) - 0.3);
   std::string tics;
   for (std::size_t v = 0; v < views.size(); ++v)
     tics += fmt::format("{}{} {}", v ? "," : "", QuoteForGnuplot(views[v].name), v);
-  figure.Line(fmt::format("set ytics ({}) font ',{}' noenhanced", tics, views.size() > 30 ? 7 : 10))
-      .Line(fmt::format(
-          "set style fill solid 0.8 noborder\nset arrow 1 from {0},graph 0 to {0},graph 1 nohead dt 2 lc '{1}'",
-          result.rms_px, colour::kText))
-      .Line(fmt::format("plot {} using ($2/2):1:($2/2):(0.35) with boxxyerror lc '{}'", figure.Data({number, rms}),
-                        colour::kOther));
+  figure.Line("set ytics ({}) font ',{}' noenhanced", tics, views.size() > 30 ? 7 : 10)
+      .Line("set style fill solid 0.8 noborder\nset arrow 1 from {0},graph 0 to {0},graph 1 nohead dt 2 lc '{1}'",
+            result.rms_px, colour::kText)
+      .Line("plot {} using ($2/2):1:($2/2):(0.35) with boxxyerror lc '{}'", figure.Data({number, rms}), colour::kOther);
 }
 
 }  // namespace
@@ -106,9 +102,9 @@ void WriteResidualFigure(const std::filesystem::path& path, const std::vector<ca
   PictureAxes(figure, camera.image_width, camera.image_height);
   ShadeEmptyCells(figure, camera::CoverageOf(views, camera.image_width, camera.image_height), camera.image_width,
                   camera.image_height);
-  figure.Line(fmt::format(
+  figure.Line(
       "set title 'Corners and residuals, {}× magnified: RMS {:.3f} px, inliers {:.3f} px; grey: no corner seen'",
-      magnification, result.rms_px, result.inlier_rms_px));
+      magnification, result.rms_px, result.inlier_rms_px);
   const std::string in = figure.Data(inliers.Columns()), out = figure.Data(outliers.Columns());
   std::string plot = fmt::format(
       "plot {} using 1:2:3:4 with vectors nohead lc '{}' lw 1 notitle, '' using 1:2 with points pt 7 ps 0.25 "
@@ -143,7 +139,7 @@ void WriteCrossValidationFigure(const std::filesystem::path& path, const camera:
           "set cblabel 'difference [px]' offset 1,0\nset logscale cb\nset cbrange [0.01:10]\nset key off\nset palette "
           "defined (0 '#440154', "
           "1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#fde725')\nset view map")
-      .Line(fmt::format("plot {} using 1:2:3 with image", figure.Data({x, y, size})))
+      .Line("plot {} using 1:2:3 with image", figure.Data({x, y, size}))
       .Write(path);
 }
 

@@ -1,6 +1,5 @@
 #include "lake/figure/group_figure.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "lake/figure/gnuplot.h"
@@ -27,7 +26,7 @@ void DrawConditions(const std::filesystem::path& path, const std::vector<Conditi
                                 curve.with_exoskeleton ? "with" : "without", curve.people));
   }
   bands.insert(bands.end(), lines.begin(), lines.end());
-  figure.Line(fmt::format("plot {}", fmt::join(bands, ", ")));
+  figure.Line("plot {}", fmt::join(bands, ", "));
   figure.Write(path);
 }
 

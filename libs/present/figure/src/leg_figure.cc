@@ -113,10 +113,10 @@ void ShadeGaps(GnuplotFigure& figure, const motion::LegMotion& motion) {
     if (!unseen(begin)) continue;
     std::size_t end = begin;
     while (end + 1 < n && unseen(end + 1)) ++end;
-    figure.Line(fmt::format(
-        "set object rectangle from first {}, graph 0 to first {}, graph 1 behind fillcolor rgb '{}' fillstyle "
-        "solid noborder",
-        motion.time_s[begin == 0 ? 0 : begin - 1], motion.time_s[std::min(end + 1, n - 1)], colour::kGap));
+    figure.Line(
+        "set object rectangle from first {}, graph 0 to first {}, graph 1 behind fillcolor rgb '{}' fillstyle solid "
+        "noborder",
+        motion.time_s[begin == 0 ? 0 : begin - 1], motion.time_s[std::min(end + 1, n - 1)], colour::kGap);
     begin = end;
   }
 }
@@ -125,8 +125,8 @@ void MarkEvents(GnuplotFigure& figure, const std::vector<motion::StsEvent>& even
   for (const motion::StsEvent& event : events)
     for (const EventStyle& style : kEvents)
       if (style.kind == event.kind)
-        figure.Line(fmt::format("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead {1} back", event.time_s,
-                                style.style));
+        figure.Line("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead {1} back", event.time_s,
+                    style.style);
 }
 
 struct KneeColumns {
@@ -182,11 +182,11 @@ void DrawPaths(GnuplotFigure& figure, const gait::LegFitResult& result) {
   figure.Line(
       "set size ratio -1; set key at screen 0.37, screen 0.86 right top samplen 1.5 spacing 1.1 noautotitle "
       "noenhanced");
-  figure.Line(fmt::format("set xtics {0}; set ytics {0}", TicStep(result.trajectory)));
+  figure.Line("set xtics {0}; set ytics {0}", TicStep(result.trajectory));
   figure.Line(
-      fmt::format("set xlabel 'anterior ({0})'; set ylabel 'up ({0})' offset 1,0; set offsets graph 0.05, graph 0.05, "
-                  "graph 0.05, graph 0.05",
-                  ToString(result.motion.unit)));
+      "set xlabel 'anterior ({0})'; set ylabel 'up ({0})' offset 1,0; set offsets graph 0.05, graph 0.05, graph 0.05, "
+      "graph 0.05",
+      ToString(result.motion.unit));
   figure.Line(Join(parts));
   figure.Line("set size noratio; unset offsets; set xtics autofreq; set ytics autofreq");
 }
@@ -214,7 +214,7 @@ void DrawDifference(GnuplotFigure& figure, const gait::LegFitResult& result, con
   const std::vector<double>& time_s = result.motion.time_s;
   const double range_deg = DifferenceRange(columns);
   figure.Line("set tmargin at screen 0.37; set bmargin at screen 0.10; set format x '%g'; set xlabel 'time (s)'");
-  figure.Line(fmt::format("set ylabel 'single frame − fit (°)' offset 1,0; set yrange [{}:{}]", -range_deg, range_deg));
+  figure.Line("set ylabel 'single frame − fit (°)' offset 1,0; set yrange [{}:{}]", -range_deg, range_deg);
   figure.Line(Join(
       {fmt::format(
            "{} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.45 noborder title '± 2 SD of the fit'",
@@ -231,7 +231,7 @@ void DrawLegFigure(const std::filesystem::path& path, const gait::LegFitResult& 
   const KneeColumns columns = ColumnsOf(result.motion);
   figure.Line("set multiplot");
   DrawPaths(figure, result);
-  figure.Line(fmt::format("set xrange [{}:{}]", time_s.front(), time_s.back()));
+  figure.Line("set xrange [{}:{}]", time_s.front(), time_s.back());
   ShadeGaps(figure, result.motion);
   MarkEvents(figure, result.events);
   DrawAngle(figure, result, columns);

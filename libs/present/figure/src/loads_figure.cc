@@ -88,7 +88,7 @@ void DrawPressure(GnuplotFigure& figure, const loads::LoadsResult& result) {
   const double heel_mm = -kMmPerM * result.body.sole.heel_m, toe_mm = kMmPerM * result.body.sole.toe_m;
   figure.Line(
       "set tmargin at screen 0.61; set bmargin at screen 0.41; set ytics 100; set ylabel 'ground force at (mm)'");
-  figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 60, toe_mm + 60));
+  figure.Line("set yrange [{}:{}]", heel_mm - 60, toe_mm + 60);
   figure.Line("plot " + RisesAndMean(figure, result, &loads::LoadsRow::zmp_mm, colour::kAnkle) +
               fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'heel, toe', {} with lines lw 2 dt 2 lc rgb "
                           "'{}', 0 with lines lw 1 lc rgb '#222222'",
@@ -108,9 +108,8 @@ void DrawPower(GnuplotFigure& figure, const loads::LoadsResult& result) {
 
 void DrawLoads(const std::filesystem::path& path, const loads::LoadsResult& result, const std::string& title) {
   GnuplotFigure figure(1100, 860);
-  figure.Line(fmt::format(
-      "set multiplot title {} noenhanced font ',14'",
-      QuoteForGnuplot(title + (result.from_ground ? ", from the ground's forces" : ", without force plates"))));
+  figure.Line("set multiplot title {} noenhanced font ',14'",
+              QuoteForGnuplot(title + (result.from_ground ? ", from the ground's forces" : ", without force plates")));
   figure.Line("set xrange [0:100]; set key top right samplen 2.5 noautotitle");
   DrawKnee(figure, result);
   DrawJoints(figure, result);

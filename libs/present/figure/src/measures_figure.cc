@@ -13,7 +13,7 @@ void DrawMeasures(const std::filesystem::path& path, const motion::MarkerRecordi
   constexpr std::size_t kMost = 6;
   const std::size_t shown = std::min(courses.size(), kMost);
   GnuplotFigure figure(1200, 200 + 200 * static_cast<int>(shown));
-  figure.Line(fmt::format("set multiplot layout {},1", shown));
+  figure.Line("set multiplot layout {},1", shown);
   figure.Line("set lmargin 13; set key tmargin right horizontal samplen 2.5");  // the same axis of time, free curves
   for (std::size_t k = 0; k < shown; ++k) {
     const gait::MeasuredCourse& course = courses[k];
@@ -26,10 +26,11 @@ void DrawMeasures(const std::filesystem::path& path, const motion::MarkerRecordi
     const std::string label =
         fmt::format("{} ({})", course.measure.name, gait::UnitForPeople(gait::UnitOf(course, recording.unit)));
     const std::string data = figure.Data({recording.time_s, course.value, low, high});
-    figure.Line(fmt::format("set ylabel {} noenhanced", QuoteForGnuplot(label)))
-        .Line(fmt::format("plot {0} using 1:3:4 with filledcurves fc rgb '{1}' fs transparent solid 0.3 noborder title "
-                          "'± 2 SD', {0} using 1:2 with lines lw 2 lc rgb '{1}' notitle",
-                          data, colour::kKnee));
+    figure.Line("set ylabel {} noenhanced", QuoteForGnuplot(label))
+        .Line(
+            "plot {0} using 1:3:4 with filledcurves fc rgb '{1}' fs transparent solid 0.3 noborder title '± 2 SD', {0} "
+            "using 1:2 with lines lw 2 lc rgb '{1}' notitle",
+            data, colour::kKnee);
   }
   figure.Line("unset multiplot").Write(path);
 }

@@ -82,15 +82,15 @@ void DrawLegs(GnuplotFigure& figure, const compare::Misalignment& m) {
       "title 'Leg at 0, 50 and 100 %'");
   for (const std::size_t percent : {0, 50, 100}) {
     const Vector2d at = m.human.hip[percent];
-    figure.Line(fmt::format("set label '{} %' at {},{} right offset -1,0.4", percent, at.x(), at.y()));
+    figure.Line("set label '{} %' at {},{} right offset -1,0.4", percent, at.x(), at.y());
   }
   const std::string human_legs = LegsOf(m.human).In(figure), exo_legs = LegsOf(m.exo).In(figure);
   const std::string human = PathOf(m.human.knee).In(figure), exo = PathOf(m.exo.knee).In(figure);
   figure.Line(
-      fmt::format("plot {} using 1:2 with linespoints lw 2.5 pt 7 ps 0.8 lc rgb '{}', {} using 1:2 with linespoints lw "
-                  "2 dt {} pt 6 ps 1 lc rgb '{}', {} using 1:2 with lines {}, {} using 1:2 with lines {}",
-                  human_legs, kHumanPath.colour, exo_legs, kWornPath.dash, kWornPath.colour, human, LineOf(kHumanPath),
-                  exo, LineOf(kWornPath)));
+      "plot {} using 1:2 with linespoints lw 2.5 pt 7 ps 0.8 lc rgb '{}', {} using 1:2 with linespoints lw 2 dt {} pt "
+      "6 ps 1 lc rgb '{}', {} using 1:2 with lines {}, {} using 1:2 with lines {}",
+      human_legs, kHumanPath.colour, exo_legs, kWornPath.dash, kWornPath.colour, human, LineOf(kHumanPath), exo,
+      LineOf(kWornPath));
   figure.Line("unset label");
 }
 
@@ -132,8 +132,8 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(
       "set tmargin at screen 0.95; set bmargin at screen 0.60; set lmargin at screen 0.075; set rmargin at screen "
       "0.98");
-  figure.Line(fmt::format("set ylabel \"path difference\\n(% of the shank length)\"; set yrange [0:{}]; set xlabel ''",
-                          std::max(top, 1e-3)));
+  figure.Line("set ylabel \"path difference\\n(% of the shank length)\"; set yrange [0:{}]; set xlabel ''",
+              std::max(top, 1e-3));
   std::string plot = "plot ";
   if (!m.misalignment_ratio_sd.empty())
     plot += fmt::format(
@@ -181,11 +181,11 @@ void DrawAngles(GnuplotFigure& figure, const compare::Misalignment& m) {
       "set lmargin at screen 0.565; set rmargin at screen 0.98; set yrange [*:*]; set ylabel 'knee flexion (°)'; set "
       "offsets 0, 0, graph 0.15, 0");
   const std::string human = figure.Data({percents, m.human.knee_deg}), exo = figure.Data({percents, m.exo.knee_deg});
-  figure.Line(fmt::format(
+  figure.Line(
       "plot {} using 1:2 with lines {} title 'human', {} using 1:2 with lines {} title 'worn exoskeleton, RMS "
       "difference {}°'",
       human, LineOf(kHumanPath), exo, LineOf(kWornPath),
-      KnownTo(m.metrics.knee_rmse_deg, m, &compare::MisalignmentIntervals::knee_rmse_deg)));
+      KnownTo(m.metrics.knee_rmse_deg, m, &compare::MisalignmentIntervals::knee_rmse_deg));
 }
 
 }  // namespace

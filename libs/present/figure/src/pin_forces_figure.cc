@@ -1,7 +1,5 @@
 #include "lake/figure/pin_forces_figure.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -45,7 +43,7 @@ double LeastMemberForce(const std::vector<PinForcesRow>& rows) {
 }
 
 void PlacePanel(GnuplotFigure& figure, double bottom, double top) {
-  figure.Line(fmt::format("set bmargin at screen {}\nset tmargin at screen {}", bottom, top));
+  figure.Line("set bmargin at screen {}\nset tmargin at screen {}", bottom, top);
 }
 
 }  // namespace
@@ -57,23 +55,22 @@ void DrawPinForces(const std::filesystem::path& path, const std::vector<PinForce
   figure.Line("set lmargin at screen 0.13\nset rmargin at screen 0.97\nset multiplot");
   figure.Line("set key at graph 0.5, graph 1.02 center bottom horizontal");
   PlacePanel(figure, 0.54, 0.94);
-  figure.Line(fmt::format("set format x ''\nset ylabel 'force, push positive (N)'\nset yrange [{}:{}]",
-                          std::max(-shown_n, LeastMemberForce(rows)), shown_n));
+  figure.Line("set format x ''\nset ylabel 'force, push positive (N)'\nset yrange [{}:{}]",
+              std::max(-shown_n, LeastMemberForce(rows)), shown_n);
   figure.Line(
-      fmt::format("plot {0} using 1:2 with lines lw 3.5 lc rgb '#CC0000' title 'actuator', {0} using 1:3 with lines lw "
-                  "3 dt (12,5) lc rgb '{1}' title 'coupler RS', {0} using 1:4 with lines lw 3 dt (3,4) lc rgb '{2}' "
-                  "title 'slewing bar PR', 0 with lines lw 1 lc rgb '{3}'",
-                  table, colour::kWaist, colour::kNew, colour::kText));
+      "plot {0} using 1:2 with lines lw 3.5 lc rgb '#CC0000' title 'actuator', {0} using 1:3 with lines lw 3 dt (12,5) "
+      "lc rgb '{1}' title 'coupler RS', {0} using 1:4 with lines lw 3 dt (3,4) lc rgb '{2}' title 'slewing bar PR', 0 "
+      "with lines lw 1 lc rgb '{3}'",
+      table, colour::kWaist, colour::kNew, colour::kText);
   PlacePanel(figure, 0.09, 0.46);
   figure.Line(
-      fmt::format("set format x '%g'\nset xlabel 'knee angle {{/:Italic θ}} (°)'\nset ylabel 'pin force "
-                  "(N)'\nset yrange [0:{}]",
-                  shown_n));
+      "set format x '%g'\nset xlabel 'knee angle {{/:Italic θ}} (°)'\nset ylabel 'pin force (N)'\nset yrange [0:{}]",
+      shown_n);
   figure.Line(
-      fmt::format("plot {0} using 1:5 with lines lw 3.5 lc rgb '{1}' title 'tip R', {0} using 1:6 with lines lw 3 dt "
-                  "(3,4) lc rgb '{2}' title 'thigh pin P', {0} using 1:7 with lines lw 3 dt (12,5) lc rgb '{3}' title "
-                  "'knee K, shank pin S', {0} using 1:(abs($2)) with lines lw 2 lc rgb '#CC0000' title 'mount M'",
-                  table, colour::kText, colour::kNew, colour::kWaist));
+      "plot {0} using 1:5 with lines lw 3.5 lc rgb '{1}' title 'tip R', {0} using 1:6 with lines lw 3 dt (3,4) lc rgb "
+      "'{2}' title 'thigh pin P', {0} using 1:7 with lines lw 3 dt (12,5) lc rgb '{3}' title 'knee K, shank pin S', "
+      "{0} using 1:(abs($2)) with lines lw 2 lc rgb '#CC0000' title 'mount M'",
+      table, colour::kText, colour::kNew, colour::kWaist);
   figure.Line("unset multiplot").Write(path);
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -44,7 +43,7 @@ class Plot {
   }
 
   void Draw() {
-    if (!IsEmpty()) figure_.Line(fmt::format("plot {}", fmt::join(curves_, ", ")));
+    if (!IsEmpty()) figure_.Line("plot {}", fmt::join(curves_, ", "));
   }
 
  private:
@@ -175,7 +174,7 @@ void DrawPressures(GnuplotFigure& figure, const redesign::RedesignOutcome& outco
   const loads::Foot& foot = outcome.problem.body->body.sole;
   const double heel_mm = -kMmPerM * foot.heel_m, toe_mm = kMmPerM * foot.toe_m;
   figure.Line("set title 'Centre of pressure'; set ylabel 'before the ankle (mm)'; set key top right");
-  figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 80, toe_mm + 200));
+  figure.Line("set yrange [{}:{}]", heel_mm - 80, toe_mm + 200);
   Plot plot(figure);
   const auto member = &redesign::BalanceSample::pressure_mm;
   plot.AddCurve(Balances(outcome.before, member), kBeforeStyle, name("worn", outcome.before));
@@ -281,10 +280,10 @@ void DrawPareto(const redesign::RedesignOutcome& outcome, const std::filesystem:
   AddDesignMark(outcome.after, AfterName(outcome), kNewPath, plot);
   if (outcome.problem.max_misalignment_percent)
     figure.Line(
-        fmt::format("set arrow from graph 0, first {0} to graph 1, first {0} nohead lw 1.5 dt 3 lc rgb '{1}'; "
-                    "set label 'limit {2} %' at graph 0.01, first {0} left offset 0,0.6",
-                    *outcome.problem.max_misalignment_percent, colour::kText,
-                    SignificantText(*outcome.problem.max_misalignment_percent, 3)));
+        "set arrow from graph 0, first {0} to graph 1, first {0} nohead lw 1.5 dt 3 lc rgb '{1}'; set label 'limit {2} "
+        "%' at graph 0.01, first {0} left offset 0,0.6",
+        *outcome.problem.max_misalignment_percent, colour::kText,
+        SignificantText(*outcome.problem.max_misalignment_percent, 3));
   plot.Draw();
   figure.Write(path);
 }

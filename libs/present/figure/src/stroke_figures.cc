@@ -16,9 +16,8 @@ constexpr const char* kExtendColour = "#0072B2";
 constexpr const char* kRetractColour = "#D55E00";
 
 void Place(GnuplotFigure& figure, double left, double right, double bottom, double top) {
-  figure.Line(fmt::format(
-      "set lmargin at screen {}; set rmargin at screen {}; set bmargin at screen {}; set tmargin at screen {}", left,
-      right, bottom, top));
+  figure.Line("set lmargin at screen {}; set rmargin at screen {}; set bmargin at screen {}; set tmargin at screen {}",
+              left, right, bottom, top);
 }
 
 // Of rows that are too many to draw, every n-th.
@@ -47,15 +46,14 @@ struct ProgramColumns {
 
 void DrawStroke(GnuplotFigure& figure, const actuator::StrokeSchedule& schedule, const ProgramColumns& c) {
   const double lower = schedule.limits.lower_mm, upper = schedule.limits.upper_mm, pad = 0.12 * (upper - lower);
-  figure.Line(fmt::format("set ylabel 'stroke (mm)'; set yrange [{}:{}]", lower - pad, upper + pad));
+  figure.Line("set ylabel 'stroke (mm)'; set yrange [{}:{}]", lower - pad, upper + pad);
   for (const auto& [limit, side] : {std::pair{lower, -1}, std::pair{upper, 1}})
-    figure.Line(
-        fmt::format("set label 'soft limit {:.2f} mm' at graph 0.5, first {} center offset 0,{} tc rgb '#666666'",
-                    limit, limit, 0.7 * side));
+    figure.Line("set label 'soft limit {:.2f} mm' at graph 0.5, first {} center offset 0,{} tc rgb '#666666'", limit,
+                limit, 0.7 * side);
   figure.Line(
-      fmt::format("plot {0} with lines lw 2 dt 2 lc rgb '{4}', {1} with lines lw 2 dt 2 lc rgb '{4}', "
-                  "{2} using 1:2 with lines lw 3 lc rgb '{3}'",
-                  lower, upper, figure.Data({c.time, c.stroke}), kExtendColour, colour::kGuide));
+      "plot {0} with lines lw 2 dt 2 lc rgb '{4}', {1} with lines lw 2 dt 2 lc rgb '{4}', {2} using 1:2 with lines lw "
+      "3 lc rgb '{3}'",
+      lower, upper, figure.Data({c.time, c.stroke}), kExtendColour, colour::kGuide);
   figure.Line("unset label");
 }
 
@@ -68,10 +66,10 @@ void DrawSpeed(GnuplotFigure& figure, const ProgramColumns& c) {
   const bool has_duty = !std::isnan(c.duty.front());
   const double percent_per_speed = 105 / std::max(high, -low);
   if (has_duty) low = std::min(low, 1.1 * *std::min_element(c.duty.begin(), c.duty.end()) / percent_per_speed);
-  figure.Line(fmt::format("set ylabel 'speed (mm/s)'; set yrange [{}:{}]; set key top right horizontal", low, high));
+  figure.Line("set ylabel 'speed (mm/s)'; set yrange [{}:{}]; set key top right horizontal", low, high);
   if (has_duty) {
-    figure.Line(fmt::format("set y2label 'duty (%), signed'; set y2range [{}:{}]; set y2tics 50; set border 11",
-                            percent_per_speed * low, percent_per_speed * high));
+    figure.Line("set y2label 'duty (%), signed'; set y2range [{}:{}]; set y2tics 50; set border 11",
+                percent_per_speed * low, percent_per_speed * high);
   }
   std::string plot = fmt::format("plot {} using 1:2 with steps lw 3 lc rgb '{}' title 'speed'",
                                  figure.Data({c.time, c.speed}), kExtendColour);
@@ -147,7 +145,7 @@ void DrawStrokeProgram(const std::filesystem::path& path, const actuator::Stroke
   GnuplotFigure figure(1200, 1000);
   const ProgramColumns columns(rows);
   figure.Line("set multiplot");
-  figure.Line(fmt::format("set xrange [0:{}]; set format x ''", schedule.Duration()));
+  figure.Line("set xrange [0:{}]; set format x ''", schedule.Duration());
   Place(figure, 0.09, 0.90, 0.68, 0.97);
   DrawStroke(figure, schedule, columns);
   Place(figure, 0.09, 0.90, 0.38, 0.64);
@@ -156,8 +154,8 @@ void DrawStrokeProgram(const std::filesystem::path& path, const actuator::Stroke
   figure.Line(
       "set format x '%g'; set xlabel 'time (s)'; set ylabel 'knee angle (°)'; set yrange [0:*]; set offsets 0, 0, "
       "graph 0.08, 0");
-  figure.Line(fmt::format("plot {} using 1:2 with lines lw 3 lc rgb '{}'", figure.Data({columns.time, columns.knee}),
-                          colour::kExoskeleton));
+  figure.Line("plot {} using 1:2 with lines lw 3 lc rgb '{}'", figure.Data({columns.time, columns.knee}),
+              colour::kExoskeleton);
   figure.Line("unset multiplot").Write(path);
 }
 
@@ -202,22 +200,22 @@ void DrawValidation(const std::filesystem::path& path, const actuator::StrokeSch
       "set xlabel 'stroke length (mm)'; set ylabel 'knee angle (°)'; set key top right; set offsets graph 0.02, graph "
       "0.02, graph 0.05, graph 0.05");
   figure.Line(
-      fmt::format("plot {} using 2:4 with points pt 7 ps 0.7 lc rgb '{}' title 'prototype, tracked', {} using 1:2 with "
-                  "lines lw 2 lc rgb '{}' title 'simulation'",
-                  samples, colour::kHuman, curve, colour::kText));
+      "plot {} using 2:4 with points pt 7 ps 0.7 lc rgb '{}' title 'prototype, tracked', {} using 1:2 with lines lw 2 "
+      "lc rgb '{}' title 'simulation'",
+      samples, colour::kHuman, curve, colour::kText);
   Place(figure, 0.55, 0.98, 0.43, 0.97);
   figure.Line("set format x ''; unset xlabel");
   figure.Line(
-      fmt::format("plot {} using 1:4 with points pt 7 ps 0.7 lc rgb '{}' title 'prototype, tracked', {} using 1:3 with "
-                  "lines lw 2 lc rgb '{}' title 'simulation'",
-                  samples, colour::kHuman, samples, colour::kText));
+      "plot {} using 1:4 with points pt 7 ps 0.7 lc rgb '{}' title 'prototype, tracked', {} using 1:3 with lines lw 2 "
+      "lc rgb '{}' title 'simulation'",
+      samples, colour::kHuman, samples, colour::kText);
   Place(figure, 0.55, 0.98, 0.10, 0.37);
   figure.Line(
       "set format x '%g'; set xlabel 'time since the program began (s)'; set ylabel 'difference (°)'; set offsets 0, "
       "0, graph 0.35, graph 0.05");
-  figure.Line(fmt::format(
+  figure.Line(
       "plot {} using 1:5 with lines lw 1.5 lc rgb '{}' title 'RMS {:.2f}°, largest {:.2f}°', 0 lw 1 lc rgb '{}'",
-      samples, colour::kExoskeleton, validation.rms_deg, validation.max_deg, colour::kGuide));
+      samples, colour::kExoskeleton, validation.rms_deg, validation.max_deg, colour::kGuide);
   figure.Line("unset multiplot").Write(path);
 }
 

@@ -36,16 +36,16 @@ void DrawKnees(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
   figure.Line("set lmargin at screen 0.07; set rmargin at screen 0.45")
       .Line("set tmargin at screen 0.93; set bmargin at screen 0.50; set ylabel 'knee (°)'; set format x ''")
       .Line(
-          fmt::format("plot {0} using 1:2 with lines lw 3 lc rgb '{1}' title 'left', {0} using 1:3 with lines lw 3 dt "
-                      "2 lc rgb '{2}' title 'right'",
-                      data, colour::kKnee, colour::kHip))
+          "plot {0} using 1:2 with lines lw 3 lc rgb '{1}' title 'left', {0} using 1:3 with lines lw 3 dt 2 lc rgb "
+          "'{2}' title 'right'",
+          data, colour::kKnee, colour::kHip)
       .Line("set tmargin at screen 0.46; set bmargin at screen 0.09; unset key")
       .Line("set ylabel 'left less right, 95 % (°)'")
       .Line("set xlabel 'rise (%)'; set format x '%g'")
-      .Line(fmt::format("plot {0} using 1:5:6 with filledcurves fc rgb '{1}' fs transparent solid 0.3 noborder "
-                        "notitle, {0} using 1:4 with lines lw 3 lc rgb '{1}' notitle, 0 with lines lw 1 lc rgb "
-                        "'#222222' notitle",
-                        data, colour::kKnee));
+      .Line(
+          "plot {0} using 1:5:6 with filledcurves fc rgb '{1}' fs transparent solid 0.3 noborder notitle, {0} using "
+          "1:4 with lines lw 3 lc rgb '{1}' notitle, 0 with lines lw 1 lc rgb '#222222' notitle",
+          data, colour::kKnee);
 }
 
 void DrawIndices(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
@@ -60,12 +60,12 @@ void DrawIndices(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
     names += fmt::format("{}{} -{}", names.empty() ? "" : ", ", QuoteForGnuplot(NameOf(of.name)), i);
   }
   figure.Line("set lmargin at screen 0.76; set rmargin at screen 0.97; set tmargin at screen 0.93")
-      .Line(fmt::format("set bmargin at screen 0.09; set ytics ({}) noenhanced; unset ylabel", names))
-      .Line(fmt::format("set yrange [-{}:0.5]; set xlabel 'symmetry index (%)'",
-                        static_cast<double>(symmetry.quantities.size()) - 0.5))
+      .Line("set bmargin at screen 0.09; set ytics ({}) noenhanced; unset ylabel", names)
+      .Line("set yrange [-{}:0.5]; set xlabel 'symmetry index (%)'",
+            static_cast<double>(symmetry.quantities.size()) - 0.5)
       .Line("set arrow from 0, graph 0 to 0, graph 1 nohead lw 1 lc rgb '#222222'")
-      .Line(fmt::format("plot {} using 2:1:3:4 with xerrorbars pt 7 ps 1.2 lw 2 lc rgb '{}' notitle",
-                        figure.Data({row, index, low, high}), colour::kText));
+      .Line("plot {} using 2:1:3:4 with xerrorbars pt 7 ps 1.2 lw 2 lc rgb '{}' notitle",
+            figure.Data({row, index, low, high}), colour::kText);
 }
 
 }  // namespace

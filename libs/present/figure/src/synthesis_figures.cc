@@ -25,9 +25,9 @@ void ShadeUnassembled(GnuplotFigure& figure, const std::vector<problem::Sensitiv
     while (end < points.size() && std::isnan(points[end].range_deg)) ++end;
     if (end > i)
       figure.Line(
-          fmt::format("set object rectangle from first {}, graph 0 to first {}, graph 1 fillcolor rgb '{}' "
-                      "fillstyle solid noborder behind",
-                      points[i].delta_mm, points[end - 1].delta_mm, colour::kGap));
+          "set object rectangle from first {}, graph 0 to first {}, graph 1 fillcolor rgb '{}' fillstyle solid "
+          "noborder behind",
+          points[i].delta_mm, points[end - 1].delta_mm, colour::kGap);
     i = end + 1;
   }
 }
@@ -48,15 +48,14 @@ void DrawLengthPanel(GnuplotFigure& figure, const std::vector<problem::Sensitivi
   figure.Line("unset object");
   ShadeUnassembled(figure, points);
   const std::string name = link + 1 < kLengths ? problem::LengthName(link) : "shortest stroke";
-  figure.Line(fmt::format("set title '{} = {:.2f} mm' offset 0,-0.6", name, length_mm));
-  figure.Line(fmt::format("set yrange [{}:{}]", range.lower, range.upper));
+  figure.Line("set title '{} = {:.2f} mm' offset 0,-0.6", name, length_mm);
+  figure.Line("set yrange [{}:{}]", range.lower, range.upper);
   figure.Line(link + kColumns >= kLengths ? "set xlabel 'change (mm)'" : "unset xlabel");
   figure.Line(link % kColumns == 0 ? "set ylabel 'range of rotation (°)'" : "unset ylabel");
   figure.Line(
-      fmt::format("plot {0} using 1:2 with lines lw 2.5 dt (6,5) lc rgb '{1}' notitle, "
-                  "{0} using 1:3 with lines lw 3 lc rgb '{2}' notitle, "
-                  "'+' every ::0::0 using (0):({3}) with points pt 7 ps 1.2 lc rgb '{4}' notitle",
-                  data, "#555555", colour::kAnkle, points[points.size() / 2].range_deg, colour::kExoskeleton));
+      "plot {0} using 1:2 with lines lw 2.5 dt (6,5) lc rgb '{1}' notitle, {0} using 1:3 with lines lw 3 lc rgb '{2}' "
+      "notitle, '+' every ::0::0 using (0):({3}) with points pt 7 ps 1.2 lc rgb '{4}' notitle",
+      data, "#555555", colour::kAnkle, points[points.size() / 2].range_deg, colour::kExoskeleton);
 }
 
 Range RangeOf(const std::vector<problem::SensitivityPoint>& points) {
@@ -74,9 +73,9 @@ void DrawSensitivity(const synthesis::SynthesisOutcome& outcome, const std::file
   GnuplotFigure figure(1100, 760);
   figure.Line("set multiplot layout 2,4 margins 0.085,0.985,0.16,0.94 spacing 0.07,0.15");
   figure.Line(
-      fmt::format("set label 2 'dot: the optimum    solid: feasible    dashed: outside a bound or a requirement    "
-                  "grey: cannot be assembled' at screen 0.5,0.03 center textcolor rgb '{}'",
-                  colour::kText));
+      "set label 2 'dot: the optimum    solid: feasible    dashed: outside a bound or a requirement    grey: cannot be "
+      "assembled' at screen 0.5,0.03 center textcolor rgb '{}'",
+      colour::kText);
   figure.Line("set xrange [-5:5]");
   const Range range = RangeOf(outcome.sensitivity);
   for (int link = 0; link < kLengths; ++link) {
@@ -103,8 +102,7 @@ void DrawMargins(const synthesis::SynthesisOutcome& outcome, const std::filesyst
   std::string plot = fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.9 lc rgb '{}'{}", data,
                                  colour::kAnkle, outcome.options.yield_tolerance_mm ? " title 'largest range'" : "");
   if (outcome.options.yield_tolerance_mm) {
-    figure.Line(
-        fmt::format("set y2label 'builds that work, links within ±{} mm (%)'", *outcome.options.yield_tolerance_mm));
+    figure.Line("set y2label 'builds that work, links within ±{} mm (%)'", *outcome.options.yield_tolerance_mm);
     figure.Line("set y2range [0:105]").Line("set y2tics 20").Line("set border 11");
     plot += fmt::format(", {} using 1:3 axes x1y2 with linespoints lw 2 dt 2 pt 5 ps 0.8 lc rgb '{}' title 'yield'",
                         data, colour::kExoskeleton);
@@ -124,15 +122,14 @@ void DrawConvergence(const synthesis::LocalSolve& solve, const std::string& obje
   GnuplotFigure figure(1000, 720);
   const std::string data = figure.Data({number, range, violation, dual});
   figure.Line("set multiplot layout 2,1 margins 0.11,0.97,0.11,0.97 spacing 0.1,0.07");
-  figure.Line(fmt::format("set ylabel {}", QuoteForGnuplot(objective))).Line("set format x ''");
-  figure.Line(
-      fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.8 lc rgb '{}' notitle", data, colour::kAnkle));
+  figure.Line("set ylabel {}", QuoteForGnuplot(objective)).Line("set format x ''");
+  figure.Line("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.8 lc rgb '{}' notitle", data, colour::kAnkle);
   figure.Line("set format x '%g'").Line("set xlabel 'iteration'");
   figure.Line("set logscale y").Line("set format y '10^{%L}'").Line("set ylabel 'error'").Line("set key bottom left");
   figure.Line(
-      fmt::format("plot {0} using 1:3 with linespoints lw 2 pt 7 ps 0.8 lc rgb '{1}' title 'constraint violation', "
-                  "{0} using 1:4 with linespoints lw 2 pt 5 ps 0.8 lc rgb '{2}' title 'dual infeasibility'",
-                  data, colour::kExoskeleton, colour::kHip));
+      "plot {0} using 1:3 with linespoints lw 2 pt 7 ps 0.8 lc rgb '{1}' title 'constraint violation', {0} using 1:4 "
+      "with linespoints lw 2 pt 5 ps 0.8 lc rgb '{2}' title 'dual infeasibility'",
+      data, colour::kExoskeleton, colour::kHip);
   figure.Line("unset multiplot").Write(path);
 }
 

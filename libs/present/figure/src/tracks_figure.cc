@@ -29,12 +29,12 @@ void DrawTracksFigure(const std::filesystem::path& path, const motion::MarkerRec
                                  kColours[m % kColours.size()], QuoteForGnuplot(marker.name));
   }
   const std::string_view unit = motion::ToString(recording.unit);
-  figure.Line(fmt::format("set multiplot layout 2,1 title {} noenhanced", QuoteForGnuplot(title)))
+  figure.Line("set multiplot layout 2,1 title {} noenhanced", QuoteForGnuplot(title))
       .Line("set key outside right top noenhanced")
-      .Line(fmt::format("set ylabel 'x ({})'\nplot {}", unit, plots[0]))
+      .Line("set ylabel 'x ({})'\nplot {}", unit, plots[0])
       // Pixels count downwards.
-      .Line(fmt::format("set xlabel 'time (s)'\nset ylabel 'y ({})'\n{}plot {}", unit,
-                        recording.unit == motion::LengthUnit::kPx ? "set yrange [*:*] reverse\n" : "", plots[1]))
+      .Line("set xlabel 'time (s)'\nset ylabel 'y ({})'\n{}plot {}", unit,
+            recording.unit == motion::LengthUnit::kPx ? "set yrange [*:*] reverse\n" : "", plots[1])
       .Line("unset multiplot");
   figure.Write(path);
 }

@@ -195,12 +195,7 @@ void WriteCoupledMjcf(const std::filesystem::path& path, const parts::Mechanism&
 void WriteCourse(const std::filesystem::path& path, const Subject& subject) {
   CsvWriter csv({"time_s", "ankle_deg", "human_knee_deg", "hip_deg", "stroke_mm"});
   for (const WornSample& sample : subject.rise)
-    csv.Add(sample.time_s)
-        .Add(sample.shank_deg)
-        .Add(sample.knee_deg)
-        .Add(HipDeg(sample))
-        .Add(sample.stroke_mm)
-        .EndRow();
+    csv.AddRow(sample.time_s, sample.shank_deg, sample.knee_deg, HipDeg(sample), sample.stroke_mm);
   csv.Write(path);
 }
 

@@ -1,7 +1,5 @@
 #include "osim_document.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>

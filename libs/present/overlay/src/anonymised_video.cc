@@ -21,16 +21,14 @@ video::VideoReaderOptions CopyOptions(const AnonymiseOptions& options) {
 }
 
 video::VideoWriterOptions WriterOptions(const video::VideoInfo& video, const AnonymiseOptions& options) {
-  video::VideoWriterOptions writer;
-  writer.width = video.width;
-  writer.height = video.height;
-  writer.frame_rate_hz = video.frame_rate_hz > 0 ? std::min(video.frame_rate_hz, 1000.0) : 30;
-  writer.lossless = !options.crf;
-  writer.crf = options.crf.value_or(0);
-  writer.i420 = true;
-  writer.full_range = video.full_range;
-  writer.bt709 = video.bt709;
-  return writer;
+  return {.width = video.width,
+          .height = video.height,
+          .frame_rate_hz = video.frame_rate_hz > 0 ? std::min(video.frame_rate_hz, 1000.0) : 30,
+          .crf = options.crf.value_or(0),
+          .lossless = !options.crf,
+          .i420 = true,
+          .full_range = video.full_range,
+          .bt709 = video.bt709};
 }
 
 }  // namespace

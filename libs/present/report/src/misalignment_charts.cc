@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "html.h"
 #include "lake/core/colours.h"
 #include "lake/core/json.h"
 #include "lake/core/numbers.h"

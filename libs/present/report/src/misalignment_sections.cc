@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include "html.h"
 #include "lake/compare/knee_axis.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/json.h"

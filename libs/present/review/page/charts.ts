@@ -97,6 +97,13 @@ function line(context: CanvasRenderingContext2D, x1: number, y1: number, x2: num
   context.stroke();
 }
 
+/** The next round number for the step of an axis, and the digits of its labels. */
+function roundStep(rough: number): { step: number; digits: number } {
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((part) => part * power).find((candidate) => candidate >= rough) ?? rough;
+  return { step, digits: Math.max(0, -Math.floor(Math.log10(step))) };
+}
+
 const LANE = 13, HANDLES = 18, AXIS = 15; // px, of a marker's lane, of the strip with the events below, of the times
 const HOLD = 9; // px beside an event in which it is taken hold of
 
@@ -188,9 +195,7 @@ export class Timeline extends Strip {
   // The one time axis, which timeline and curves share.
   private drawTimes(context: CanvasRenderingContext2D): void {
     const first = this.times[0], last = this.times[this.times.length - 1], y = this.canvas.clientHeight - AXIS / 2;
-    const rough = (last - first) / Math.max(this.width() / 80, 1), power = 10 ** Math.floor(Math.log10(rough));
-    const step = [1, 2, 5, 10].map((part) => part * power).find((candidate) => candidate >= rough) ?? rough;
-    const digits = Math.max(0, -Math.floor(Math.log10(step)));
+    const { step, digits } = roundStep((last - first) / Math.max(this.width() / 80, 1));
     context.fillStyle = colourOf("--quiet");
     context.strokeStyle = colourOf("--rule");
     context.lineWidth = 1;
@@ -260,9 +265,7 @@ export class Chart extends Strip {
   }
 
   private drawAxis(context: CanvasRenderingContext2D, low: number, high: number, y: (value: number) => number): void {
-    const rough = (high - low) / 5, power = 10 ** Math.floor(Math.log10(rough));
-    const step = [1, 2, 5, 10].map((part) => part * power).find((candidate) => candidate >= rough) ?? rough;
-    const digits = Math.max(0, -Math.floor(Math.log10(step)));
+    const { step, digits } = roundStep((high - low) / 5);
     context.textBaseline = "middle";
     context.lineWidth = 1;
     for (let value = Math.ceil(low / step) * step; value <= high; value += step) {

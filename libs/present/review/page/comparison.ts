@@ -6,7 +6,7 @@ import { Column, ComparedVideoMessage, ComparisonMessage, RiseMessage } from "./
 import { Player } from "./player";
 import { server } from "./server";
 import { TEXTS } from "./texts";
-import { PictureView, Point } from "./view";
+import { PictureView, Point, strokeCircle } from "./view";
 
 type Role = "human" | "exo";
 const ROLES: Role[] = ["human", "exo"];
@@ -29,10 +29,6 @@ class ComparedView {
     rise.addEventListener("change", changed);
     this.view = new PictureView(part(`${role}-picture`), { x: trial.width, y: trial.height }, {
       draw: (context) => this.draw(context),
-      grab: () => false,
-      drag: () => undefined,
-      drop: () => undefined,
-      click: () => undefined,
     });
     this.frames = new Frames(server.frameOf(role), trial.frame[trial.frame.length - 1], (frame, picture) => {
       this.shownRow = trial.frame.indexOf(frame);
@@ -74,9 +70,7 @@ class ComparedView {
       const here = pointOf(x[this.shownRow], y[this.shownRow]);
       if (!here) return;
       const at = this.view.toScreen(here);
-      context.beginPath();
-      context.arc(at.x, at.y, isCompared ? 10 : 6, 0, 2 * Math.PI);
-      context.stroke();
+      strokeCircle(context, at, isCompared ? 10 : 6);
       context.font = `${isCompared ? "bold " : ""}12px system-ui, sans-serif`;
       this.view.label(context, name, { x: at.x + 12, y: at.y - 8 });
     });

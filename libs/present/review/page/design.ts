@@ -1,6 +1,6 @@
 // A design: links changed by sliders, numbers and dragged pins; the server says at once what becomes of it.
 import { Chart, Curve } from "./charts";
-import { button, copyText, isOfControl, onClick, onKey, part, say, sayWhy, showProgress, undoOf } from "./dom";
+import { attempt, button, copyText, isOfControl, item, onClick, onKey, part, say, sayWhy, showProgress, undoOf } from "./dom";
 import { LinkageView } from "./linkage";
 import {
   CheckMessage, DesignColumns, DesignMessage, ExploreQuestion, ExploredMessage, PinName, Place, PoseMessage, StateMessage,
@@ -38,13 +38,7 @@ export class DesignPage {
     part("name").textContent = about.name;
     document.title = `${about.name} – lake review`;
     part("limits").textContent = about.limits;
-    part("design-notes").replaceChildren(
-      ...about.notes.map((note) => {
-        const line = document.createElement("li");
-        line.textContent = note;
-        return line;
-      }),
-    );
+    part("design-notes").replaceChildren(...about.notes.map(item));
     this.links = linksOfAddress() ?? [...about.links];
     this.view = new LinkageView(part("linkage"), about.body, {
       drag: (pin, to) => this.drag(pin, to),
@@ -196,12 +190,7 @@ export class DesignPage {
     while (this.pending) {
       const question = this.pending;
       this.pending = null;
-      try {
-        const explored = await server.explore(question);
-        this.take(explored);
-      } catch (why) {
-        sayWhy(why);
-      }
+      await attempt(async () => this.take(await server.explore(question)));
     }
     this.isAsking = false;
     if (this.about.tolerance_mm !== null) void this.followWithBuilds();
@@ -331,23 +320,17 @@ export class DesignPage {
     }, sayWhy);
   }
 
-  private async save(): Promise<void> {
-    try {
-      say(TEXTS.savedAs((await server.save(this.links)).saved));
-    } catch (why) {
-      sayWhy(why);
-    }
+  private save(): Promise<void> {
+    return attempt(async () => say(TEXTS.savedAs((await server.save(this.links)).saved)));
   }
 
-  private async optimise(): Promise<void> {
-    try {
+  private optimise(): Promise<void> {
+    return attempt(async () => {
       const number = (await server.state()).optimum?.number ?? 0;
       const state = await server.optimise(this.links);
       this.startedOptimum = number;
       this.update(state);
-    } catch (why) {
-      sayWhy(why);
-    }
+    });
   }
 
   // --- keys and buttons

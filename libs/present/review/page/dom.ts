@@ -18,6 +18,13 @@ export function button(text: string, action: () => void): HTMLButtonElement {
   return made;
 }
 
+/** An entry of a list, by text only too. */
+export function item(text: string): HTMLLIElement {
+  const made = document.createElement("li");
+  made.textContent = text;
+  return made;
+}
+
 /** What has just been done or cannot be, also for those who do not see it. */
 export function say(text: string, isError = false): void {
   const line = part("said");
@@ -27,6 +34,15 @@ export function say(text: string, isError = false): void {
 
 export function sayWhy(why: unknown): void {
   say(why instanceof Error ? why.message : String(why), true);
+}
+
+/** Does this, or says why it cannot be done. */
+export async function attempt(work: () => Promise<void>): Promise<void> {
+  try {
+    await work();
+  } catch (why) {
+    sayWhy(why);
+  }
 }
 
 /** Whether the control that has the focus does something of its own with this key: then it is no command of the page. */
@@ -67,11 +83,9 @@ export function showProgress(bar: HTMLProgressElement, line: string): void {
 }
 
 /** To the clipboard. */
-export async function copyText(id: string): Promise<void> {
-  try {
+export function copyText(id: string): Promise<void> {
+  return attempt(async () => {
     await navigator.clipboard.writeText(part(id).textContent ?? "");
     say(TEXTS.copied);
-  } catch (why) {
-    sayWhy(why);
-  }
+  });
 }

@@ -1,10 +1,10 @@
 // An exoskeleton aligned while it is worn: what the camera sees, what to do in letters for the whole room, curves, rises.
 import { Chart, colourOf } from "./charts";
-import { button, isOfControl, onClick, onKey, part, say, sayWhy, showProgress } from "./dom";
+import { attempt, button, isOfControl, item, onClick, onKey, part, say, showProgress } from "./dom";
 import { Column, LiveAct, LiveMessage, LiveStateMessage, LiveViewMessage } from "./messages";
 import { server } from "./server";
 import { TEXTS, unbroken } from "./texts";
-import { PictureView, Point, distance } from "./view";
+import { PictureView, Point, distance, strokeCircle } from "./view";
 
 const SHOWN_S = 20, STEP_S = 0.05; // of the curves
 const CURVES_MS = 100; // between two drawings of them: they move by a few pixels
@@ -35,9 +35,6 @@ export class LivePage {
     part("live-folder").textContent = message.folder;
     this.view = new PictureView(part("live-picture"), { x: message.width, y: message.height }, {
       draw: (context) => this.draw(context),
-      grab: () => false,
-      drag: () => undefined,
-      drop: () => undefined,
       click: (at) => this.click(at),
     });
     const chart = (id: string, title: string) => {
@@ -121,9 +118,7 @@ export class LivePage {
       context.strokeStyle = colourOf("--over-5");
       context.setLineDash([4, 4]);
       context.lineWidth = 1.5;
-      context.beginPath();
-      context.arc(at.x, at.y, Math.max(spot.radius * this.view.scale(), 4) + 5, 0, 2 * Math.PI);
-      context.stroke();
+      strokeCircle(context, at, Math.max(spot.radius * this.view.scale(), 4) + 5);
     }
     context.setLineDash([]);
     this.shown.markers.forEach(({ name, x, y }, index) => {
@@ -133,9 +128,7 @@ export class LivePage {
       context.lineWidth = 1.5;
       this.view.strokeLine(context, this.trails.get(name) ?? []);
       context.lineWidth = 2.5;
-      context.beginPath();
-      context.arc(at.x, at.y, 9, 0, 2 * Math.PI);
-      context.stroke();
+      strokeCircle(context, at, 9);
       this.view.label(context, name, { x: at.x + 13, y: at.y + 5 });
     });
     this.drawArrow(context);
@@ -148,9 +141,7 @@ export class LivePage {
     if (length < 2) return;
     context.strokeStyle = "#fff";
     context.lineWidth = 2;
-    context.beginPath();
-    context.arc(to.x, to.y, 5, 0, 2 * Math.PI);
-    context.stroke();
+    strokeCircle(context, to, 5);
     this.drawPointer(context, from, { x: (to.x - from.x) / length, y: (to.y - from.y) / length }, Math.max(length, LEAST_ARROW_PX));
   }
 
@@ -180,14 +171,12 @@ export class LivePage {
     }
   }
 
-  private async act(act: LiveAct, said: (state: LiveStateMessage) => string): Promise<void> {
-    try {
+  private act(act: LiveAct, said: (state: LiveStateMessage) => string): Promise<void> {
+    return attempt(async () => {
       const state = await server.act(act);
       this.update(state);
       say(said(state));
-    } catch (why) {
-      sayWhy(why);
-    }
+    });
   }
 
   private beginOrEnd(): void {
@@ -239,14 +228,15 @@ export class LivePage {
     part("live-naming").title = state.why_not_named;
     for (const [name, made] of this.names) made.classList.toggle("missing", state.missing.includes(name));
     part("live-rise-count").textContent = TEXTS.riseCount(state.rises.length);
-    part("live-rises").replaceChildren(...state.rises.map(({ offset_mm: [x, y], moves }, index) => line(TEXTS.riseRow(index + 1, x, y, moves))));
+    part("live-rises").replaceChildren(...state.rises.map(({ offset_mm: [x, y], moves }, index) =>
+      item(unbroken(TEXTS.riseRow(index + 1, x, y, moves)))));
     const bad = state.checks.filter(({ verdict }) => verdict === "poor" || verdict === "unfit").length;
     part("live-check-count").textContent = TEXTS.checkCount(bad);
     part("live-checks").replaceChildren(...state.checks.map(({ shown, verdict, advice }) => {
-      const item = line(`${verdict}: ${shown}`);
-      item.classList.add(verdict === "not judged" ? "unjudged" : verdict);
-      if (advice !== "") item.append(small(advice));
-      return item;
+      const line = item(unbroken(`${verdict}: ${shown}`));
+      line.classList.add(verdict === "not judged" ? "unjudged" : verdict);
+      if (advice !== "") line.append(small(advice));
+      return line;
     }));
     part("live-difference").textContent = state.difference_px === null ? "" : TEXTS.difference(state.difference_px);
   }
@@ -301,12 +291,6 @@ class Chime {
     }
     ++this.rung;
   }
-}
-
-function line(text: string): HTMLLIElement {
-  const item = document.createElement("li");
-  item.textContent = unbroken(text);
-  return item;
 }
 
 function small(text: string): HTMLElement {

@@ -1,7 +1,7 @@
 // Angles, distances and speeds of any markers: the server measures them as lake track does. What is asked for stays in
 // the page's address.
 import { Chart } from "./charts";
-import { button, onClick, part, sayWhy } from "./dom";
+import { attempt, button, onClick, part, sayWhy } from "./dom";
 import { CourseMessage, MeasureMessage } from "./messages";
 import { server } from "./server";
 import { TEXTS } from "./texts";
@@ -32,13 +32,11 @@ export class Measures {
   }
 
   /** Asks anew: a marker may have been moved. */
-  async ask(): Promise<void> {
-    try {
+  ask(): Promise<void> {
+    return attempt(async () => {
       this.courses = this.asked.length === 0 ? [] : await server.measure(this.asked);
       this.show();
-    } catch (why) {
-      sayWhy(why);
-    }
+    });
   }
 
   showRow(row: number): void {

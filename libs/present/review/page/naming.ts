@@ -1,10 +1,10 @@
 // A video alone: click the names onto the spots that the tracker sees, and let it track.
-import { button, copyText, isOfControl, onClick, onKey, part, say, sayWhy, showProgress, undoOf } from "./dom";
+import { attempt, button, copyText, isOfControl, onClick, onKey, part, say, sayWhy, showProgress, undoOf } from "./dom";
 import { Frames } from "./frames";
 import { Choices, NamingMessage, SpotMessage, StateMessage, TrackOptions } from "./messages";
 import { server } from "./server";
 import { TEXTS } from "./texts";
-import { PictureView, Point, distance } from "./view";
+import { PictureView, Point, distance, strokeCircle } from "./view";
 
 const REACH = 25; // screen px
 const FIFTH = "exo_knee"; // what a fifth marker is, of an exoskeleton trial
@@ -93,11 +93,7 @@ export class NamingPage {
 
   private async find(): Promise<void> {
     part("state").textContent = TEXTS.finding;
-    try {
-      this.open(await server.naming(this.choices.options));
-    } catch (why) {
-      sayWhy(why);
-    }
+    await attempt(async () => this.open(await server.naming(this.choices.options)));
   }
 
   private setOption(option: keyof TrackOptions, text: string): void {
@@ -159,9 +155,6 @@ export class NamingPage {
     part<HTMLInputElement>("names").value = this.choices.markers.join(", ");
     this.view ??= new PictureView(part("naming-picture"), { x: message.width, y: message.height }, {
       draw: (context) => this.draw(context),
-      grab: () => false,
-      drag: () => undefined,
-      drop: () => undefined,
       click: (at) => this.click(at),
     });
     const scrub = part<HTMLInputElement>("naming-scrub"), last = (message.frames ?? message.frame + 1) - 1;
@@ -256,13 +249,9 @@ export class NamingPage {
     }, sayWhy);
   }
 
-  private async track(): Promise<void> {
-    try {
-      say("");
-      this.update(await server.track(this.choices));
-    } catch (why) {
-      sayWhy(why);
-    }
+  private track(): Promise<void> {
+    say("");
+    return attempt(async () => this.update(await server.track(this.choices)));
   }
 
   private draw(context: CanvasRenderingContext2D): void {
@@ -278,9 +267,7 @@ export class NamingPage {
       if (spot.moves) this.view!.strokeLine(context, spot.path.map(([px, py]) => ({ x: px, y: py })));
       context.lineWidth = name ? 3 : 1.5;
       context.setLineDash(spot.frame === this.frame ? [] : [3, 4]); // seen there in another frame
-      context.beginPath();
-      context.arc(x, y, radiusOf(spot), 0, 2 * Math.PI);
-      context.stroke();
+      strokeCircle(context, { x, y }, radiusOf(spot));
       context.setLineDash([]);
     }
     // Over the rings of all spots.

@@ -1,5 +1,5 @@
 // A study: its report, its steps with their state, and one of them run again.
-import { button, copyText, onClick, part, say, sayWhy, showProgress } from "./dom";
+import { attempt, button, copyText, onClick, part, say, sayWhy, showProgress } from "./dom";
 import { StateMessage, StepMessage, StudyMessage } from "./messages";
 import { server } from "./server";
 import { TEXTS } from "./texts";
@@ -38,22 +38,16 @@ export class StudyPage {
     void this.refresh();
   }
 
-  private async refresh(): Promise<void> {
-    try {
+  private refresh(): Promise<void> {
+    return attempt(async () => {
       this.study = await server.study();
       this.show();
       this.showReport();
-    } catch (why) {
-      sayWhy(why);
-    }
+    });
   }
 
-  private async run(step: string): Promise<void> {
-    try {
-      this.update(await server.runStep(step));
-    } catch (why) {
-      sayWhy(why);
-    }
+  private run(step: string): Promise<void> {
+    return attempt(async () => this.update(await server.runStep(step)));
   }
 
   private show(): void {

@@ -1,12 +1,12 @@
 // A tracked trial: look at it, go from problem to problem, put right what is wrong.
 import { Chart, Mark, Tick, Timeline, colourOf } from "./charts";
-import { button, isOfControl, onClick, onKey, part, say, sayWhy, undoOf } from "./dom";
+import { attempt, button, isOfControl, item, onClick, onKey, part, say, sayWhy, undoOf } from "./dom";
 import { Frames } from "./frames";
 import { Measures } from "./measures";
 import { Column, EditMessage, EventMessage, MarkerMessage, ProblemMessage, StateMessage, TrialMessage } from "./messages";
 import { server } from "./server";
 import { TEXTS } from "./texts";
-import { PictureView, Point, distance } from "./view";
+import { PictureView, Point, distance, strokeCircle } from "./view";
 
 const TRAIL = 25; // rows before and after
 const SKELETON = ["ankle", "knee", "hip", "waist"];
@@ -68,13 +68,8 @@ export class TrialPage {
   private async reload(): Promise<void> {
     if (this.isReloading) return;
     this.isReloading = true;
-    try {
-      this.take(await server.trial());
-    } catch (why) {
-      sayWhy(why);
-    } finally {
-      this.isReloading = false;
-    }
+    await attempt(async () => this.take(await server.trial()));
+    this.isReloading = false;
   }
 
   private take(trial: TrialMessage): void {
@@ -111,12 +106,7 @@ export class TrialPage {
     part("state").dataset.fitted = String(state.fitted);
     const why = !isFitting && state.fit_error ? [TEXTS.noFit(state.fit_error)] : [];
     part("warnings").replaceChildren(
-      ...[...new Set([...why, ...this.trial.about.warnings, ...this.trial.warnings])].map((text) => {
-        const line = document.createElement("li");
-        line.textContent = text;
-        return line;
-      }),
-    );
+      ...[...new Set([...why, ...this.trial.about.warnings, ...this.trial.warnings])].map(item));
     part<HTMLButtonElement>("undo").disabled = !state.can_undo;
     part<HTMLButtonElement>("redo").disabled = !state.can_redo;
   }
@@ -195,7 +185,7 @@ export class TrialPage {
     const MOST = 200;
     part("problems").replaceChildren(
       ...problems.slice(0, MOST).map((problem) => {
-        const line = document.createElement("li");
+        const line = item("");
         line.append(button(this.problemText(problem), () => this.goTo(problem)));
         line.className = problem.kind;
         return line;
@@ -397,17 +387,14 @@ export class TrialPage {
 
   private async place(at: Point, free: boolean): Promise<void> {
     const name = this.marker().name, frame = this.trial.frame[this.row];
-    try {
+    await attempt(async () => {
       const reach = Math.min(Math.max(SNAP / this.view.scale(), 2), 100);
       const snapped = free ? null : await server.snap({ frame, marker: name, x: at.x, y: at.y, reach });
       const done = await this.edit({ op: "place", frame, marker: name, ...(snapped ?? { x: at.x, y: at.y }) });
       if (done) say(snapped ? TEXTS.snapped(name, snapped.x, snapped.y) : TEXTS.placedFree(name));
-    } catch (why) {
-      sayWhy(why);
-    } finally {
-      this.dragged = null;
-      this.view.redraw();
-    }
+    });
+    this.dragged = null;
+    this.view.redraw();
   }
 
   private here(): { frame: number; marker: string } {
@@ -453,13 +440,9 @@ export class TrialPage {
     const isSelected = index === this.selected, size = isSelected ? 12 : 9;
     context.lineWidth = isSelected ? 2.5 : 1.5;
     context.setLineDash(status === "f" ? [3, 3] : []);
-    context.beginPath();
-    context.arc(x, y, size, 0, 2 * Math.PI);
-    context.stroke();
+    strokeCircle(context, { x, y }, size);
     // The place itself: two deviations, where they are large enough to be seen.
-    context.beginPath();
-    context.arc(x, y, Math.max(2 * (marker.sigma[this.row] ?? 0) * this.view.scale(), 1), 0, 2 * Math.PI);
-    context.stroke();
+    strokeCircle(context, { x, y }, Math.max(2 * (marker.sigma[this.row] ?? 0) * this.view.scale(), 1));
     context.setLineDash([]);
     context.font = `${isSelected ? "bold " : ""}12px system-ui, sans-serif`;
     this.view.label(context, marker.name, { x: x + size + 3, y: y - size });

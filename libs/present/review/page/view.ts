@@ -7,13 +7,20 @@ export interface Point {
 
 export const distance = (a: Point, b: Point) => Math.hypot(a.x - b.x, a.y - b.y);
 
+/** Around a place of the screen. */
+export function strokeCircle(context: CanvasRenderingContext2D, { x, y }: Point, radius: number): void {
+  context.beginPath();
+  context.arc(x, y, radius, 0, 2 * Math.PI);
+  context.stroke();
+}
+
 export interface ViewActions {
   draw(context: CanvasRenderingContext2D, view: PictureView): void;
   /** Whether something is there to be dragged; `at` in px of the picture. */
-  grab(at: Point): boolean;
-  drag(at: Point): void;
-  drop(at: Point, free: boolean): void;
-  click(at: Point, free: boolean): void;
+  grab?(at: Point): boolean;
+  drag?(at: Point): void;
+  drop?(at: Point, free: boolean): void;
+  click?(at: Point, free: boolean): void;
 }
 
 interface Label extends Point {
@@ -191,7 +198,7 @@ export class PictureView {
     const at = this.place(event);
     this.pointers.set(event.pointerId, at);
     this.moved = 0;
-    this.grabbed = this.pointers.size === 1 && this.actions.grab(this.toPicture(at));
+    this.grabbed = this.pointers.size === 1 && Boolean(this.actions.grab?.(this.toPicture(at)));
     this.pinch = this.spread();
   }
 
@@ -201,7 +208,7 @@ export class PictureView {
     const at = this.place(event);
     this.pointers.set(event.pointerId, at);
     this.moved += distance(at, before);
-    if (this.grabbed) return this.actions.drag(this.toPicture(at));
+    if (this.grabbed) return this.actions.drag?.(this.toPicture(at));
     const scale = this.scale() * this.pointers.size;
     this.centreOn({ x: this.centre.x - (at.x - before.x) / scale, y: this.centre.y - (at.y - before.y) / scale });
     if (this.pointers.size === 2) {
@@ -215,8 +222,8 @@ export class PictureView {
     const at = this.toPicture(this.place(event));
     if (!this.pointers.delete(event.pointerId)) return;
     const isClick = this.moved < 4;
-    if (this.grabbed && !isClick) this.actions.drop(at, event.altKey);
-    else if (isClick && event.type === "pointerup") this.actions.click(at, event.altKey);
+    if (this.grabbed && !isClick) this.actions.drop?.(at, event.altKey);
+    else if (isClick && event.type === "pointerup") this.actions.click?.(at, event.altKey);
     this.grabbed = false;
   }
 

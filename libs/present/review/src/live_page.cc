@@ -1,7 +1,6 @@
 #include "lake/review/live_page.h"
 
 #include <cstdint>
-#include <utility>
 
 #include "jpeg_encoder.h"
 #include "lake/core/error.h"

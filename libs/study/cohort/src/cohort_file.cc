@@ -207,8 +207,8 @@ std::vector<std::string> Chosen(const Participants& all, const std::vector<std::
   for (const std::string& name : asked) {
     const std::string id = name.starts_with("sub-") ? name : "sub-" + name;
     if (!all.Has(id))
-      throw UsageError(fmt::format("--participant-label {}: not in participants.tsv, which has {}", name,
-                                   fmt::join(all.Names(), ", ")));
+      throw UsageError("--participant-label {}: not in participants.tsv, which has {}", name,
+                       fmt::join(all.Names(), ", "));
     if (std::find(names.begin(), names.end(), id) == names.end()) names.push_back(id);
   }
   return names;

@@ -18,11 +18,7 @@ void WriteTrials(const GroupData& group, Run& run) {
   header.insert(header.end(), group.quantities.begin(), group.quantities.end());
   CsvWriter csv(header);
   for (const GroupRow& row : group.rows) {
-    csv.Add(row.participant).Add(row.session).Add(row.run).Add(row.trial);
-    if (row.repetition)
-      csv.Add(*row.repetition);
-    else
-      csv.AddEmpty();
+    csv.Add(row.participant).Add(row.session).Add(row.run).Add(row.trial).Add(row.repetition);
     for (const std::string& quantity : group.quantities) {
       const auto found = row.values.find(quantity);
       csv.Add(found == row.values.end() ? std::nullopt : std::optional(found->second));
@@ -41,9 +37,8 @@ void WriteCurves(const std::vector<CurveRow>& rows, Run& run) {
   for (const CurveRow& row : rows)
     for (int percent = 0; percent < kPercents; ++percent) {
       const reliability::MeanOfSubjects& of = row.percent[static_cast<std::size_t>(percent)];
-      csv.Add(row.trial).Add(row.quantity).Add(percent).Add(static_cast<std::int64_t>(of.subjects));
-      csv.Add(of.mean.value).Add(of.standard_deviation).Add(of.mean.interval.low).Add(of.mean.interval.high);
-      csv.EndRow();
+      csv.AddRow(row.trial, row.quantity, percent, of.subjects, of.mean.value, of.standard_deviation,
+                 of.mean.interval.low, of.mean.interval.high);
     }
   csv.Write(run.Result("curves.csv"));
 }
@@ -58,8 +53,7 @@ void WriteReliability(const std::vector<ReliabilityRow>& rows, Run& run) {
   CsvWriter csv(header);
   for (const ReliabilityRow& row : rows) {
     csv.Add(row.trial).Add(row.quantity).Add(row.across);
-    csv.Add(static_cast<std::int64_t>(row.squares.targets)).Add(static_cast<std::int64_t>(row.squares.judges));
-    csv.Add(row.mean);
+    csv.Add(row.squares.targets).Add(row.squares.judges).Add(row.mean);
     for (const Estimate& estimate : {row.icc2, row.icc3, row.sem}) AddEstimate(estimate, csv);
     csv.Add(row.mdc95);
     for (const Estimate& estimate : {row.agreement.bias, row.agreement.lower, row.agreement.upper})
@@ -71,27 +65,22 @@ void WriteReliability(const std::vector<ReliabilityRow>& rows, Run& run) {
 
 void WriteDifferences(const std::vector<DifferenceRow>& rows, Run& run) {
   CsvWriter csv({"quantity", "participants", "human", "exo", "difference", "sd", "low", "high"});
-  for (const DifferenceRow& row : rows) {
-    csv.Add(row.quantity).Add(static_cast<std::int64_t>(row.difference.subjects)).Add(row.human).Add(row.exo);
-    csv.Add(row.difference.mean.value).Add(row.difference.standard_deviation);
-    csv.Add(row.difference.mean.interval.low).Add(row.difference.mean.interval.high).EndRow();
-  }
+  for (const DifferenceRow& row : rows)
+    csv.AddRow(row.quantity, row.difference.subjects, row.human, row.exo, row.difference.mean.value,
+               row.difference.standard_deviation, row.difference.mean.interval.low, row.difference.mean.interval.high);
   csv.Write(run.Result("differences.csv"));
 }
 
 void WriteOutliers(const std::vector<OutlierRow>& rows, Run& run) {
   CsvWriter csv({"participant_id", "trial", "quantity", "value", "median", "robust_score", "why"});
-  for (const OutlierRow& row : rows) {
-    csv.Add(row.participant).Add(row.quantity.trial).Add(row.quantity.name);
-    csv.Add(row.value).Add(row.median).Add(row.score).Add(row.Why()).EndRow();
-  }
+  for (const OutlierRow& row : rows)
+    csv.AddRow(row.participant, row.quantity.trial, row.quantity.name, row.value, row.median, row.score, row.Why());
   csv.Write(run.Result("outliers.csv"));
 }
 
 void WriteFailures(const std::vector<Failure>& failures, Run& run) {
   CsvWriter csv({"participant_id", "session", "run", "step", "error"});
-  for (const Failure& of : failures)
-    csv.Add(of.participant).Add(of.session).Add(of.run).Add(of.step).Add(of.error).EndRow();
+  for (const Failure& of : failures) csv.AddRow(of.participant, of.session, of.run, of.step, of.error);
   csv.Write(run.Result("failures.csv"));
 }
 

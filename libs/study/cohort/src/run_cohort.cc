@@ -1,7 +1,5 @@
 #include "lake/cohort/run_cohort.h"
 
-#include <fmt/ranges.h>
-
 #include <array>
 #include <cstdlib>
 #include <set>
@@ -84,8 +82,8 @@ void WriteDatasetFiles(const Cohort& cohort, Run& run) {
 // What was recorded stays as it is: no result lies among the recordings, or beside the cohort's own tables.
 void CheckFolder(const Cohort& cohort, const fs::path& out) {
   if (LiesIn(out, cohort.folder / "sourcedata") || LiesIn(cohort.folder, out))
-    throw UsageError(fmt::format("{}: the results need a folder of their own, outside the recordings; such as {}",
-                                 out.string(), (cohort.folder / "derivatives/lake").string()));
+    throw UsageError("{}: the results need a folder of their own, outside the recordings; such as {}", out.string(),
+                     (cohort.folder / "derivatives/lake").string());
 }
 
 // Snakemake looks for a profile in its own folders, too.
@@ -96,8 +94,8 @@ void CheckProfile(const fs::path& profile) {
   for (const fs::path& folder : folders)
     for (const char* name : {"config.yaml", "config.v8+.yaml"})
       if (fs::is_regular_file(folder / profile / name)) return;
-  throw UsageError(fmt::format("--profile {}: there is no config.yaml in it; a Snakemake profile is a folder with one",
-                               profile.string()));
+  throw UsageError("--profile {}: there is no config.yaml in it; a Snakemake profile is a folder with one",
+                   profile.string());
 }
 
 std::vector<std::string> SnakemakeArguments(const CohortRunOptions& options) {
@@ -136,9 +134,7 @@ void RunJob(const CohortRunOptions& options, const Run& run) {
   const Workflow workflow = ReadWorkflow(out);
   if (*options.only == "tables") return RunGroup(workflow, run);
   const WorkflowStudy* of = workflow.Find(options.recordings);
-  if (!of)
-    throw UsageError(
-        fmt::format("--recordings {}: not in {}", options.recordings, (out / "logs/cohort.json").string()));
+  if (!of) throw UsageError("--recordings {}: not in {}", options.recordings, (out / "logs/cohort.json").string());
   WriteMotion(workflow, *of);
 }
 
@@ -164,7 +160,7 @@ void CheckLevel(const CohortRunOptions& options) {
     throw UsageError(options.level.empty() ? "say participant or group behind the folders"
                                            : fmt::format("'{}': participant or group", options.level));
   if (options.only && *options.only != "motion" && *options.only != "tables")
-    throw UsageError(fmt::format("--only {}: motion or tables", *options.only));
+    throw UsageError("--only {}: motion or tables", *options.only);
   if (options.cores && (options.slurm || options.profile)) throw UsageError("--cores: not with --slurm or --profile");
   if (options.plan && (options.slurm || options.profile))
     throw UsageError("--plan: of this machine, so not with --slurm or --profile");
@@ -239,11 +235,10 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
     throw Fail("{} of {} studies failed: {}", FailedStudies(state.failures),
                cohort.recordings.size() + cohort.absent.size(), state.failures.front().Text());
   }
-  run.Report(fmt::format("{}, {}\n", Counted(workflow.studies.size(), "recording"),
-                         Counted(summary["failures"].size(), "failure")));
+  run.Report("{}, {}\n", Counted(workflow.studies.size(), "recording"), Counted(summary["failures"].size(), "failure"));
   if (const auto group = summary.find("group"); group != summary.end())
-    run.Report(fmt::format("{}, {}: group/group.html\n", Counted(group->at("participants"), "participant"),
-                           Counted(group->at("outliers"), "outlier")));
+    run.Report("{}, {}: group/group.html\n", Counted(group->at("participants"), "participant"),
+               Counted(group->at("outliers"), "outlier"));
   return summary;
 }
 

@@ -9,7 +9,6 @@
 #include "lake/compare/registration.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
-#include "lake/core/uncertain_text.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/tracking/sigma_calibration.h"
 

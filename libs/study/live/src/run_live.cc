@@ -10,7 +10,6 @@ extern "C" {
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
-#include "lake/core/standard_output.h"
 #include "lake/review/open_browser.h"
 #include "lake/tracking/track_markers.h"
 #include "session.h"
@@ -72,8 +71,7 @@ Json FinishFolder(const LiveRunOptions& options, const fs::path& programs, Run& 
   const fs::path folder = options.input, recording = folder / kVideo;
   std::error_code error;
   if (!fs::equivalent(run.Folder(), folder, error))
-    throw UsageError(
-        fmt::format("-o {}: the trial is made where the recording is, {}", run.Folder().string(), folder.string()));
+    throw UsageError("-o {}: the trial is made where the recording is, {}", run.Folder().string(), folder.string());
   run.TakeFolder();  // a session may be recording there
   const bool is_unfinished = fs::exists(video::UnfinishedRecording(recording));
   if (!is_unfinished && !fs::exists(recording)) throw Fail("{}: holds no recording of lake live", folder.string());

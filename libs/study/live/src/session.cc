@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "lake/compare/registration.h"
@@ -14,7 +13,6 @@
 #include "lake/tracking/naming.h"
 #include "lake/tracking/recording_quality.h"
 #include "lake/tracking/recording_verdicts.h"
-#include "lake/tracking/sigma_calibration.h"
 #include "trial.h"
 
 namespace lake::live {
@@ -108,14 +106,13 @@ void Session::CheckMarkers() const {
     return std::ranges::find(options_.markers, name) != options_.markers.end();
   };
   for (const std::string_view name : {"ankle", "knee", "hip"})
-    if (!has(name)) throw UsageError(fmt::format("--markers: '{}' is missing; the leg's own knee must be seen", name));
+    if (!has(name)) throw UsageError("--markers: '{}' is missing; the leg's own knee must be seen", name);
   if (!has(options_.joint))
-    throw UsageError(
-        fmt::format("--joint {}: is not one of the markers ({})", options_.joint, fmt::join(options_.markers, ", ")));
+    throw UsageError("--joint {}: is not one of the markers ({})", options_.joint, fmt::join(options_.markers, ", "));
   if (options_.joint == "knee") throw UsageError("--joint knee: is the leg's own; the joint has a marker beside it");
   for (const tracking::MarkerSeed& seed : options_.seeds) {
-    if (!has(seed.name)) throw UsageError(fmt::format("--seed {}: not one of the markers", seed.name));
-    if (seed.candidate) throw UsageError(fmt::format("--seed {}: give its place, X,Y@FRAME", seed.name));
+    if (!has(seed.name)) throw UsageError("--seed {}: not one of the markers", seed.name);
+    if (seed.candidate) throw UsageError("--seed {}: give its place, X,Y@FRAME", seed.name);
   }
 }
 

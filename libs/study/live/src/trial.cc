@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "lake/core/child_program.h"
-#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json_or_null.h"
 

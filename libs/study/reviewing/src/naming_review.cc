@@ -12,7 +12,6 @@
 #include "lake/core/shell_word.h"
 #include "lake/reviewing/run_review.h"
 #include "lake/tracking/track_markers.h"
-#include "result_inputs.h"
 
 namespace lake::reviewing {
 
@@ -49,7 +48,7 @@ commands::TrackRunOptions Chosen(const fs::path& video, const Json& choices, std
   give("markers", {fmt::format("{}", fmt::join(choices.at("markers").get<OptionTexts>(), ","))});
   OptionTexts seeds;
   for (const auto& [name, spot] : choices.at("seeds").items()) {
-    if (!spot.is_number_unsigned()) throw UsageError(fmt::format("marker '{}': that is no number of a spot", name));
+    if (!spot.is_number_unsigned()) throw UsageError("marker '{}': that is no number of a spot", name);
     seeds.push_back(fmt::format("{}=#{}", name, spot.get<std::uint64_t>()));
   }
   if (!seeds.empty()) give("seed", seeds);

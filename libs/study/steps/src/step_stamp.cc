@@ -1,6 +1,5 @@
 #include "step_stamp.h"
 
-#include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 
 namespace lake::steps {

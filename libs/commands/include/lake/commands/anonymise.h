@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
 #include "lake/core/json.h"
 #include "lake/core/options.h"

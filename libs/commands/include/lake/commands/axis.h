@@ -5,7 +5,6 @@
 #include <array>
 #include <filesystem>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "lake/axis/functional_axis.h"

@@ -16,7 +16,8 @@
 
 namespace lake::commands {
 
-struct ReoptimizeRunOptions {
+// Without a limit of its own the angle's mismatch is at most 5 degrees where the joint's misalignment is limited.
+struct ReoptimizeRunOptions : redesign::MotionLimits {
   std::vector<std::filesystem::path> comparisons;  // folders of lake-compare: human and exoskeleton trial; several:
                                                    // one design for all …
   std::filesystem::path human;                     // … or a human trial alone, as lake-compare reads it; one of both
@@ -26,19 +27,9 @@ struct ReoptimizeRunOptions {
   std::vector<std::filesystem::path> worn;  // design.yaml worn in the exoskeleton trial, one of all or one for each;
                                             // required with one
   bool human_only = false;                  // the exoskeleton trial of the comparison is left out
-  redesign::ProgramLimits program;
-  redesign::MisalignmentOf misalignment_of = redesign::MisalignmentOf::kPath;
-  std::optional<double> max_misalignment_percent;
-  double penalty_deg_per_mm = 0;
-  std::optional<double> max_angle_mismatch_deg;  // absent: 5 degrees where the joint's misalignment is limited
-  std::optional<double> balance_mm;              // absent: balance is not asked for
-  cuffs::CuffOptions cuffs;                      // that hold the exoskeleton to the leg
-  std::optional<double> max_cuff_force_n;
-  double cuff_penalty_deg_per_n = 0;
-  std::filesystem::path body;  // loads.json of the human trial; empty: the body is not known
-  loads::Aids aids;            // that the person has in balance
-  bool fit_placement = false;
-  double placement_reach_mm = redesign::RedesignProblem{}.placement_reach_mm;
+  std::optional<double> balance_mm;         // absent: balance is not asked for
+  std::filesystem::path body;               // loads.json of the human trial; empty: the body is not known
+  loads::Aids aids;                         // that the person has in balance
   std::optional<int> pareto_points;
   redesign::Across across = redesign::Across::kWorst;
   double quantile = redesign::GroupProblem{}.quantile;

@@ -2,9 +2,11 @@
 // a missing value, numbers that read back as the same double.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,11 +61,23 @@ class CsvWriter {
 
   CsvWriter& Add(double value);  // NaN writes an empty cell
   CsvWriter& Add(std::optional<double> value);
-  CsvWriter& Add(std::int64_t value);
-  CsvWriter& Add(int value) { return Add(std::int64_t{value}); }
-  CsvWriter& Add(std::string_view text);  // quoted if it must be
+  CsvWriter& Add(std::span<const double> values);  // a cell each
+  CsvWriter& Add(std::string_view text);           // quoted if it must be
   CsvWriter& Add(const char* text) { return Add(std::string_view(text)); }
   CsvWriter& AddEmpty();
+
+  // true and false are 1 and 0.
+  template <std::integral T>
+  CsvWriter& Add(T value) {
+    return AddInteger(static_cast<std::int64_t>(value));
+  }
+
+  // A whole row. Throws as EndRow().
+  template <typename... Cells>
+  void AddRow(const Cells&... cells) {
+    (Add(cells), ...);
+    EndRow();
+  }
 
   // Ends a row. Throws std::logic_error where it is not as wide as the header, a mistake of the caller's.
   void EndRow();
@@ -73,6 +87,7 @@ class CsvWriter {
 
  private:
   void StartCell();
+  CsvWriter& AddInteger(std::int64_t value);
 
   std::size_t columns_;
   std::size_t cells_in_row_ = 0;

@@ -17,6 +17,11 @@ class Error : public std::runtime_error {
  public:
   explicit Error(std::string message) : std::runtime_error(OneLine(std::move(message))) {}
 
+  // Error("{}: no such marker '{}'", file, name)
+  template <typename... Args>
+  requires(sizeof...(Args) > 0) explicit Error(fmt::format_string<Args...> format, Args&&... args)
+      : Error(fmt::format(format, std::forward<Args>(args)...)) {}
+
  private:
   static std::string OneLine(std::string text) {
     for (char& c : text)

@@ -4,11 +4,14 @@
 // its files, so that the program's next run there removes exactly these.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lake/core/json.h"
@@ -70,10 +73,18 @@ class Run {
 
   // Writes a warning to stderr, also when quiet, and keeps it for the summary.
   void Warn(const std::string& text);
+  template <typename... Args>
+  requires(sizeof...(Args) > 0) void Warn(fmt::format_string<Args...> format, Args&&... args) {
+    Warn(fmt::format(format, std::forward<Args>(args)...));
+  }
   const std::vector<std::string>& Warnings() const { return warnings_; }
 
   // Lines for the person at the terminal: the main numbers. The program prints them once its results are written.
   void Report(const std::string& lines) { report_ += lines; }
+  template <typename... Args>
+  requires(sizeof...(Args) > 0) void Report(fmt::format_string<Args...> format, Args&&... args) {
+    Report(fmt::format(format, std::forward<Args>(args)...));
+  }
   const std::string& ReportText() const { return report_; }
 
   // What was judged does not hold: the results are written as ever, but the program exits with 1.

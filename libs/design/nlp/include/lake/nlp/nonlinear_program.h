@@ -12,7 +12,6 @@
 #include <limits>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "lake/nlp/term.h"

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <array>
-#include <concepts>
-#include <memory>
 #include <span>
 #include <vector>
 

@@ -8,8 +8,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <memory>
 
 #include "lake/core/numbers.h"
 #include "lake/loads/body_path.h"

@@ -12,6 +12,7 @@
 #include "lake/problem/robustness.h"
 #include "lake/redesign/program_moments.h"
 #include "lake/redesign/redesign.h"
+#include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::redesign {
 
@@ -26,15 +27,11 @@ struct MeasuredMotion {
   std::string worn_file{};                 // for messages
 };
 
-struct RedesignOptions {
-  synthesis::OptimizeOptions optimize;
-  std::optional<int> pareto_points;       // absent: no fronts
-  double short_program_s = 20;            // of the free program whose front stands beside the others: too
-                                          // short for exact tracking by nearly every linkage at 5 mm/s
-  std::optional<double> certify_gap_deg;  // absent: no certificate
-  std::optional<double> certify_time_s;
-  std::optional<double> yield_tolerance_mm;  // absent: no yield
-  bool quiet = true;
+// As a synthesis, but for the rounding: rounded links would have another misalignment.
+struct RedesignOptions : synthesis::SynthesisOptions {
+  std::optional<int> pareto_points;  // absent: no fronts
+  double short_program_s = 20;       // of the free program whose front stands beside the others: too short for exact
+                                     // tracking by nearly every linkage at 5 mm/s
 
   void Check() const;  // throws UsageError
 };

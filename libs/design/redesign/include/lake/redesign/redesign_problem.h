@@ -31,20 +31,24 @@ struct ProgramLimits {
   int knots = 21;                    // free: every 5 % of the motion
 };
 
-struct RedesignProblem {
-  problem::SynthesisProblem design;
-  HumanMotion human;
+// What is asked of a design in anybody's motion.
+struct MotionLimits {
   ProgramLimits program;
   MisalignmentOf misalignment_of = MisalignmentOf::kPath;  // what limit and penalty are on
   std::optional<double> max_misalignment_percent;          // RMS, of the shank length
   double penalty_deg_per_mm = 0;                           // w
   bool fit_placement = false;
+  double placement_reach_mm = 40;                // from the knee to either side, x and y, if it is fitted
+  std::optional<double> max_angle_mismatch_deg;  // of the exoskeleton's knee angle, at every instant
+  cuffs::CuffOptions cuffs;                      // that hold the exoskeleton to the leg
+  std::optional<double> max_cuff_force_n;        // at the stiffest, over the motion
+  double cuff_penalty_deg_per_n = 0;             // w_f; of one person
+};
+
+struct RedesignProblem : MotionLimits {
+  problem::SynthesisProblem design;
+  HumanMotion human;
   Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();  // where the joint sits; if it is fitted, a start
-  double placement_reach_mm = 40;                          // from the knee to either side, x and y, if it is fitted
-  std::optional<double> max_angle_mismatch_deg;            // of the exoskeleton's knee angle, at every instant
-  cuffs::CuffOptions cuffs;                                // that hold the exoskeleton to the leg
-  std::optional<double> max_cuff_force_n;                  // at the stiffest, over the motion
-  double cuff_penalty_deg_per_n = 0;                       // w_f; of one person
   std::shared_ptr<const loads::BodyPath> body;             // the person's, in the same motion; empty: not known
   std::optional<BalanceLimits> balance;                    // needs the body
 

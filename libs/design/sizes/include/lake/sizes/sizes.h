@@ -2,7 +2,6 @@
 // person gets one.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -1,7 +1,6 @@
 // Each actuator of a catalogue with the links with which it gives a share of the knee's moment in the shortest time.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>

@@ -6,7 +6,6 @@
 #include <array>
 #include <filesystem>
 #include <optional>
-#include <string>
 
 #include "lake/camera/lens.h"
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "lake/compare/interval.h"
 #include "lake/compare/registration.h"

@@ -2,7 +2,6 @@
 // of the five-times test.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>

@@ -2,9 +2,12 @@
 // extension.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace lake::figure {
@@ -16,6 +19,10 @@ class GnuplotFigure {
 
   // Appends a line of script. Text from outside must go through QuoteForGnuplot.
   GnuplotFigure& Line(std::string_view script);
+  template <typename... Args>
+  requires(sizeof...(Args) > 0) GnuplotFigure& Line(fmt::format_string<Args...> format, Args&&... args) {
+    return Line(fmt::format(format, std::forward<Args>(args)...));
+  }
 
   // A table to plot, columns of equal length; NaN interrupts a line. Returns its name in the script, e.g. "$data0".
   std::string Data(const std::vector<std::vector<double>>& columns);
