@@ -363,5 +363,27 @@ TEST(Trial, ASummaryWhoseVerticalIsNoUnitVectorIsNamed) {
   }
 }
 
+TEST(Trial, ASummarySaysWhatIsKnownOfMeasuredSigmas) {
+  const TemporaryFolder folder;
+  exchange::WritePoints(folder / "trajectory.csv", MakePoints(exchange::PointSpace::kPlane, 9, 3, 1));
+  const auto read = [&](const char* fit, motion::MarkerValues values) {
+    WriteTextFile(folder / "summary.json", fmt::format("{{\"fit\": {}}}", fit));
+    exchange::TrialOptions options;
+    options.values = values;
+    return exchange::ReadTrial(folder / "trajectory.csv", options);
+  };
+  constexpr const char* kBoth = R"({"known_sigmas": true, "lasting_share": 0.7})";
+  const exchange::Trial measured = read(kBoth, motion::MarkerValues::kMeasured);
+  EXPECT_TRUE(measured.known_sigmas);
+  EXPECT_EQ(measured.lasting_share, 0.7);
+  const exchange::Trial estimated = read(kBoth, motion::MarkerValues::kEstimated);
+  EXPECT_FALSE(estimated.known_sigmas);
+  EXPECT_EQ(estimated.lasting_share, 0);
+  EXPECT_EQ(read(R"({"known_sigmas": true})", motion::MarkerValues::kMeasured).lasting_share, 0);
+  for (const char* share : {"-0.1", "1.1", "\"0.7\"", "null"})
+    EXPECT_THAT([&] { read(fmt::format("{{\"lasting_share\": {}}}", share).c_str(), motion::MarkerValues::kMeasured); },
+                testing::ThrowsMessage<Error>(testing::HasSubstr("summary.json: 'lasting_share' is not 0 to 1")));
+}
+
 }  // namespace
 }  // namespace lake

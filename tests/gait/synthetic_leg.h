@@ -86,6 +86,7 @@ inline SyntheticLeg MakeSyntheticLeg(const SyntheticLegOptions& o, unsigned seed
 enum class NoiseKind {
   kWhite,
   kAutoregressive,  // correlation 0.9 from frame to frame
+  kBrief,           // correlation 0.5
   kFrozen,          // as video coding makes it: kept while the marker rests, renewed once a second
 };
 
@@ -120,6 +121,7 @@ inline motion::MarkerRecording MakeTracks(const std::vector<double>& time_s,
       const bool resting = i > 0 && (seen - last).norm() < 0.1 && i % 60 != 0;
       if (noise.kind == NoiseKind::kWhite || (noise.kind == NoiseKind::kFrozen && !resting)) error = drawn;
       if (noise.kind == NoiseKind::kAutoregressive) error = 0.9 * error + std::sqrt(1 - 0.81) * drawn;
+      if (noise.kind == NoiseKind::kBrief) error = 0.5 * error + std::sqrt(1 - 0.25) * drawn;
       last = seen;
       const double sigma = noise.stated_sigma_px > 0 ? noise.stated_sigma_px : noise.sigma_px;
       track.samples.push_back({seen + error, sigma, motion::SampleStatus::kDetected});

@@ -421,6 +421,7 @@ TEST(SigmaCalibration, KnowsWhatCodingUsuallyAdds) {
   EXPECT_NEAR(std::hypot(h264, 0.01) / std::hypot(many_bits, 0.01), std::pow(10, 0.12), 1e-6);
   EXPECT_GT(h265, h264);
   EXPECT_LT(h265, 1.2 * 0.05);
+  EXPECT_NEAR(std::hypot(added_px(CodedBy("mpeg4"), 0.01), 0.01) / std::hypot(h264, 0.01), 0.8, 1e-6);
 }
 
 // One of little contrast is displaced farther than the others.

@@ -303,6 +303,7 @@ gait::LegFitOptions FitOptions(const TrackRunOptions& options, const tracking::T
   gait::LegFitOptions fit = options.fit;
   fit.quiet = quiet;
   fit.known_sigmas = true;
+  fit.lasting_share = tracked.sigma.lasting_share;
   fit.vertical_option = "--vertical";
   fit.facing_option = "lake gait --facing";
   fit.names_option = "--seed";

@@ -162,17 +162,25 @@ double OutOfPlane(const PointRecording& points, const Eigen::Vector3d& normal) {
   return count > 0 ? std::sqrt(std::max(0.0, square / static_cast<double>(count))) : 0;
 }
 
+// What `lake track` knew of the measurements' sigmas.
+void TakeSigmasFrom(const Json& summary, const fs::path& file, Trial& trial) {
+  const Json::json_pointer known("/fit/known_sigmas"), lasting("/fit/lasting_share");
+  trial.known_sigmas = summary.contains(known) && summary[known] == Json(true);
+  if (!summary.contains(lasting)) return;
+  const Json& share = summary[lasting];
+  if (!share.is_number() || share < 0 || share > 1) throw Fail("{}: 'lasting_share' is not 0 to 1", file.string());
+  trial.lasting_share = share;
+}
+
 // Where the picture or the plane does not stand upright, the summary beside a folder's tables says what is up in them;
-// it also says whether the measurements' sigmas are known to hold.
+// it also says what is known of the measurements' sigmas.
 void TakeFromSummary(const fs::path& table, motion::MarkerValues values, Trial& trial) {
   constexpr const char* kUp = "up_in_plane";
   const fs::path file = table.parent_path() / "summary.json";
   const bool in_mm = fs::exists(table.parent_path() / "trajectory.csv");
   if (table.filename() != (in_mm ? "trajectory.csv" : "tracks.csv") || !fs::is_regular_file(file)) return;
   const Json summary = ReadJsonFile(file);
-  const Json::json_pointer known("/fit/known_sigmas");
-  trial.known_sigmas =
-      values == motion::MarkerValues::kMeasured && summary.contains(known) && summary[known] == Json(true);
+  if (values == motion::MarkerValues::kMeasured) TakeSigmasFrom(summary, file, trial);
   trial.leg = LegInSummary(summary);
   if (!summary.contains(kUp)) return;
   const Json& said = summary[kUp];

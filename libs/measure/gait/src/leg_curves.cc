@@ -114,7 +114,7 @@ SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegMod
 }
 
 // What the markers of one frame did beside their smooth paths, in the leg's axes: where they were seen, all of the
-// residual but its share of noise; elsewhere it is not known, but there.
+// residual but its share of noise that does not last; elsewhere it is not known, but there.
 struct MarkerMoves {
   std::array<Eigen::Vector2d, kLegMarkers> move;
   std::array<double, kLegMarkers> path_share;     // of the estimate's error that is the smooth path's
@@ -127,7 +127,8 @@ struct MarkerMoves {
 };
 
 std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<double>& coefficients,
-                                   const std::vector<StateVector>& states, const std::vector<double>& time_s) {
+                                   const std::vector<StateVector>& states, const std::vector<double>& time_s,
+                                   double lasting_share) {
   std::array<std::vector<double>, kLegMarkers> variances;
   std::vector<MarkerMoves> moves(states.size());
   std::array<std::vector<char>, kLegMarkers> known;
@@ -136,7 +137,8 @@ std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<doub
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
     if (model.noise_share[o.marker].empty() || !IsOrdinary(model, o, residual.value)) continue;
     const double depth_mm = model.depth_mm[o.marker],
-                 share = LimitedShare(model.noise_share[o.marker][o.frame], residual.value.norm() / model.Sigma(o));
+                 share = (1 - lasting_share) *
+                         LimitedShare(model.noise_share[o.marker][o.frame], residual.value.norm() / model.Sigma(o));
     const Eigen::Vector2d seen = PlaneFromRecorded(model.view, o.seen, depth_mm);
     const double variance = std::pow(model.Sigma(o) * PlaneUnitsPerRecorded(model.view, seen, depth_mm), 2);
     const Eigen::Vector2d smooth = PointOf(o.marker, states[o.frame]).position;
@@ -198,7 +200,7 @@ double KneeVariance(const StateMatrix& covariance) {
 }
 
 LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
-                        const std::vector<double>& coefficients, bool with_covariance) {
+                        const std::vector<double>& coefficients, double lasting_share, bool with_covariance) {
   const std::size_t n = recording.Frames();
   const LegCovariances covariances = CovariancesOf(model, coefficients);
   LegCurves curves;
@@ -210,7 +212,7 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
     curves.hip_speed_in_leg.push_back(PointOf(kHip, curves.state[i]).by_state * curves.rate[i]);
   }
   const SlowNoises slow = FindSlowNoises(recording, model, coefficients, covariances.state);
-  const std::vector<MarkerMoves> moves = FindMoves(model, coefficients, curves.state, recording.time_s);
+  const std::vector<MarkerMoves> moves = FindMoves(model, coefficients, curves.state, recording.time_s, lasting_share);
   for (std::size_t i = 0; i < n; ++i) {
     StateMatrix of_state = covariances.state.At(i);
     MoveMarkers(moves[i], model.states, curves.state[i], of_state);
@@ -223,7 +225,7 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
       curve.in_plane.push_back(model.plane_from_leg * point.position);
       curve.recorded.push_back(RecordedFromPlane<double>(model.view, curve.in_plane[i], model.depth_mm[index]));
       const double scale = PlaneUnitsPerRecorded(model.view, curve.in_plane[i], model.depth_mm[index]);
-      slow_in_plane[index] = slow[index][i] * scale * scale;
+      slow_in_plane[index] = moves[i].path_share[index] * slow[index][i] * scale * scale;
       const double variance =
           (point.by_state * of_state * point.by_state.transpose()).trace() / 2 + slow_in_plane[index];
       curve.plane_sigma.push_back(std::sqrt(variance));
@@ -249,7 +251,7 @@ SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double
   SmoothCoordinate result;
   result.settled = signal.converged;
   std::vector<Residual> samples;
-  std::vector<double> noise_variance, shares;
+  std::vector<double> noise_variance, shares, path_shares;
   std::vector<char> seen;
   shares.reserve(time_s.size());
   seen.reserve(time_s.size());
@@ -264,19 +266,22 @@ SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double
     seen.push_back(std::isfinite(values[i]));
     if (std::isfinite(values[i])) {
       const double residual = values[i] - result.value[i],
-                   kept = LimitedShare(share, std::abs(residual) / std::sqrt(noise));
+                   kept = (1 - options.lasting_share) * LimitedShare(share, std::abs(residual) / std::sqrt(noise));
       samples.push_back({time_s[i], residual * residual * share / noise, 1 - own * share / noise});
       result.value[i] += (1 - kept) * residual;
       result.variance.push_back(kept * kept * own + (1 - kept) * noise);
       noise_variance.push_back(noise);
+      path_shares.push_back(kept);
     } else {
       result.variance.push_back(own);
+      path_shares.push_back(1);
     }
   }
   const std::vector<double> slow = SlowNoise(samples, time_s);
   const double usual_noise = Median(noise_variance);
   const std::vector<double> hidden = ScatterInGaps(shares, seen, time_s, smoothing.memory_s);
-  for (std::size_t i = 0; i < time_s.size(); ++i) result.variance[i] += (slow[i] + hidden[i]) * usual_noise;
+  for (std::size_t i = 0; i < time_s.size(); ++i)
+    result.variance[i] += (path_shares[i] * slow[i] + hidden[i]) * usual_noise;
   return result;
 }
 

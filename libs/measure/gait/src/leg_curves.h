@@ -35,7 +35,7 @@ double KneeVariance(const StateMatrix& covariance);
 
 // Smooth paths, and on them what the markers did beside them (NoiseShares).
 LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
-                        const std::vector<double>& coefficients, bool with_covariance);
+                        const std::vector<double>& coefficients, double lasting_share, bool with_covariance);
 
 // One coordinate by itself: its smooth curve, and what it did beside it.
 struct SmoothCoordinate {

@@ -117,6 +117,7 @@ Json LegFitJson(const LegFitResult& result) {
                 {{"usable", fit.usable},
                  {"message", fit.message},
                  {"known_sigmas", fit.known_sigmas},
+                 {"lasting_share", fit.lasting_share},
                  {"iterations", fit.iterations},
                  {"initial_cost", fit.initial_cost},
                  {"final_cost", fit.final_cost},

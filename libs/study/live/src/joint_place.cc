@@ -45,9 +45,9 @@ std::string PlusMinus(double half_width_mm) {
 }  // namespace
 
 std::vector<RiseOffset> FindRiseOffsets(motion::MarkerRecording recording, const RiseFinding& finding) {
-  tracking::CalibrateSigmas(finding.video, recording);
   gait::LegFitOptions fit;
   fit.known_sigmas = true;
+  fit.lasting_share = tracking::CalibrateSigmas(finding.video, recording).lasting_share;
   const gait::LegFitResult leg = gait::FitLeg(gait::AtFrameTimes(recording, finding.shutter), finding.view, fit);
   const compare::TrialTables tables{"live", leg.trajectory, leg.motion, leg.events};
   compare::RegistrationOptions registration;

@@ -55,6 +55,7 @@ struct Trial {
   std::optional<Eigen::Vector2d> up;  // in the plane, where a folder's own summary says it; else the plane's y
   std::optional<motion::Side> leg;    // as the markers' names in the file or a folder's own summary say
   bool known_sigmas = false;          // measurements whose sigmas hold, as a folder's own summary says
+  double lasting_share = 0;           // of their errors, for some frames (gait::LegFitOptions), as it says, too
   double out_of_plane_mm = 0;         // 3-D files: RMS of the leg's lateral movement
   // 3-D files: x and y of the plane from the file's axes, and its normal, towards the one who sees x to the right.
   std::optional<Eigen::Matrix3d> plane_from_space;

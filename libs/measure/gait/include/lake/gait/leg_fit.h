@@ -53,6 +53,9 @@ struct LegFitOptions {
   // The sigmas hold, as the tracker's: what markers scatter beyond them about smooth paths is the person's own jitter,
   // and is followed (but where a cutoff says what motion is). Else it is noise that the sigmas did not know of.
   bool known_sigmas = false;
+  // Of the sigmas' squares: errors that stay alike for some frames, as a film's coding makes them. A smooth path
+  // follows them, so smoothing takes only the rest away.
+  double lasting_share = 0;
   bool HasSplineCutoff() const { return filter == LegFilter::kSpline && cutoff_hz.has_value(); }
   bool quiet = true;  // no progress
 
@@ -100,7 +103,8 @@ struct OutlierReport {
 
 struct LegFitSummary {
   bool usable = false;
-  bool known_sigmas = false;  // as in the options
+  bool known_sigmas = false;  // as in the options, and so is the share
+  double lasting_share = 0;
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;
   double knot_step_s = 0;
