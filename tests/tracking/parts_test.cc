@@ -424,6 +424,23 @@ TEST(SigmaCalibration, KnowsWhatCodingUsuallyAdds) {
   EXPECT_NEAR(std::hypot(added_px(CodedBy("mpeg4"), 0.01), 0.01) / std::hypot(h264, 0.01), 0.8, 1e-6);
 }
 
+// The sigmas of what holds still have those errors in them that last; of a person's markers the leg fit is told.
+TEST(SigmaCalibration, SaysWhatOfAPersonsErrorsLasts) {
+  const auto calibrated = [](const video::VideoInfo& video, double jitter_px) {
+    GoingAndResting made = GoAndRest(0.12, 0.5, 0.01, jitter_px, 37);
+    return tracking::CalibrateSigmas(video, made.recording);
+  };
+  constexpr double kJitter_px = 0.1;
+  EXPECT_EQ(calibrated(kH264, 0).lasting_share, 0);
+  const tracking::SigmaCalibration person = calibrated(kH264, kJitter_px);
+  const double added_share = std::pow(person.compression_px / std::hypot(person.compression_px, 0.01), 2);
+  EXPECT_GT(added_share, 0.9);
+  EXPECT_NEAR(person.lasting_share, 0.7 * added_share, 1e-6);
+  video::VideoInfo ffv1 = CodedBy("ffv1", true);
+  ffv1.is_lossless = true;
+  EXPECT_EQ(calibrated(ffv1, kJitter_px).lasting_share, 0);
+}
+
 // One of little contrast is displaced farther than the others.
 TEST(SigmaCalibration, IsOfEachMarker) {
   motion::MarkerRecording recording = Curves(0.02, 0.02, 6);

@@ -126,6 +126,7 @@ Json TrackingJson(const tracking::TrackResult& tracked) {
           {"sigma_of_fits_px", tracked.sigma.fit_px},
           {"scatter_px", tracked.sigma.scatter_px},
           {"compression_px", tracked.sigma.compression_px},
+          {"lasting_share", tracked.sigma.lasting_share},
           {"up_px", {tracked.up_px.x(), tracked.up_px.y()}},
           {"quality", tracked.figures ? FiguresJson(*tracked.figures) : Json()}};
 }

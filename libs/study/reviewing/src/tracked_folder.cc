@@ -139,11 +139,13 @@ void ReadTracked(const fs::path& folder, const Json& summary, TrackedFolder& res
   tracked.recording = motion::Measurements(motion::ReadMarkerCsv(folder / "tracks.csv"));
   tracked.video = video::VideoReader::Open(result.options.video, result.options.track.reader)->Info();
   const Json& video = summary.at("video");
-  const bool is_told = video.contains("repeated_frame_numbers") && summary.at("tracking").contains("up_px");
+  const Json& tracking = summary.at("tracking");
+  const bool is_told = video.contains("repeated_frame_numbers") && tracking.contains("up_px");
   if (!is_told) throw Fail("{}: was made by an older version of lake track; track it again", folder.string());
   tracked.times.repeated = video.at("repeated_frame_numbers").get<std::vector<std::int64_t>>();
-  const Json& up = summary.at("tracking").at("up_px");
+  const Json& up = tracking.at("up_px");
   tracked.up_px = {up.at(0).get<double>(), up.at(1).get<double>()};
+  tracked.sigma.lasting_share = tracking.value("lasting_share", 0.0);
 }
 
 }  // namespace
