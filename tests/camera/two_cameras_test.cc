@@ -92,7 +92,10 @@ TEST_F(OpenCvSides, AreTwoCamerasTogetherAndOneEach) {
   const std::vector<BoardView> five_left(left_.begin() + 4, left_.begin() + 9),
       five_right(right_.begin(), right_.begin() + 5);
   std::vector<BoardView> alternating;
-  for (std::size_t i = 0; i < left_.size(); ++i) alternating.push_back(left_[i]), alternating.push_back(right_[i]);
+  for (std::size_t i = 0; i < five_left.size(); ++i) {
+    alternating.push_back(five_left[i]);
+    alternating.push_back(five_right[i]);
+  }
   for (const auto& views : {left_ + right_, five_left + five_right, alternating}) {
     const auto found = Find(views);
     ASSERT_TRUE(found);

@@ -41,7 +41,7 @@ const std::filesystem::path& Results() {
   static StudyFolder study;
   static const std::filesystem::path results = [] {
     WriteTextFile(study.Folder() / "worn.yaml", kWorn);
-    study.WriteStudy(kDesign);
+    study.WriteStudy(std::string(kNoAnimation) + kDesign);
     study.Go();
     return study.Out();
   }();

@@ -41,7 +41,7 @@ class LakeRedesign : public testing::Test {
   }
 
   std::string Common(const std::string& out) const {
-    return fmt::format("--comparison {} --worn {} --grashof-margin 2 --singularity-margin 2 --starts 4 --quiet -o {} ",
+    return fmt::format("--comparison {} --worn {} --grashof-margin 2 --singularity-margin 2 --starts 2 --quiet -o {} ",
                        folder_.Path().string(), (folder_ / "worn.yaml").string(), (folder_ / out).string());
   }
 

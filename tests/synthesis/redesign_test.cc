@@ -40,9 +40,10 @@ redesign::RedesignResult Least(redesign::RedesignProblem problem, int starts = 6
   return Solve(problem, starts);
 }
 
-// Half-way from the least misalignment to that of the largest range: a limit that costs range and can be held.
+// Half-way from the least misalignment to that of the largest range: a limit that costs range and can be held. The
+// known starts are enough for one that is near there.
 double TightLimit(const redesign::RedesignProblem& problem) {
-  const redesign::RedesignResult least = Least(problem), widest = Solve(problem);
+  const redesign::RedesignResult least = Least(problem, 2), widest = Solve(problem, 2);
   return (least.Best().Misalignment_percent() + widest.Best().Misalignment_percent()) / 2;
 }
 
