@@ -103,10 +103,11 @@ class ChainSearch {
     }
   }
 
-  // A foot on the floor keeps still to a part of a millimetre in one person of twenty, a lamp beside it does always: of
-  // two things that may be the ankle of one leg, the one that moves as a foot does is.
+  // The marker on a person's ankle moves by 2 to 3 mm even of one who stands. Let one recording in six be of a dummy or
+  // of a foot that keeps still; a lamp always does: of two things that may be the ankle of one leg, the one that moves
+  // as a foot does is.
   void DoubtLamps() {
-    constexpr double kLamp = 6;                      // −2 ln (1 / 20)
+    constexpr double kLamp = 3.6;                    // −2 ln (1 / 6)
     constexpr double kStill = 0.002, kFoot = 0.025;  // of the thigh's length: 1 and 10 mm; the shank moves farther
     std::set<std::vector<std::size_t>> with_foot;
     for (const LegChain& chain : chains_)
