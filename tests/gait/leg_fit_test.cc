@@ -443,6 +443,25 @@ TEST(LegFit, ACutoffFixesTheSmoothing) {
   EXPECT_NEAR(result.summary.cutoff_hz, 3, 0.1);
 }
 
+// A cutoff says what motion is, of all markers: errors that last are noise then as well.
+TEST(LegFit, ACutoffTakesErrorsThatLastAwayToo) {
+  const SyntheticLeg leg = MakeSyntheticLeg({});
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.3, NoiseKind::kBrief}, 8);
+  motion::MarkerTrack extra = *tracks.Find("knee");
+  extra.name = "exo_knee";
+  tracks.markers.push_back(extra);
+  gait::LegFitOptions options;
+  options.known_sigmas = true;
+  options.cutoff_hz = 3;
+  const gait::LegFitResult none = gait::FitLeg(tracks, ScaledView(), options);
+  options.lasting_share = 0.7;
+  const gait::LegFitResult lasting = gait::FitLeg(tracks, ScaledView(), options);
+  EXPECT_EQ(lasting.summary.lasting_share, 0);
+  for (const char* name : {"knee", "exo_knee"})
+    for (std::size_t i = 0; i < tracks.Frames(); ++i)
+      EXPECT_EQ(none.trajectory.Find(name)->samples[i].position, lasting.trajectory.Find(name)->samples[i].position);
+}
+
 TEST(LegFit, SmoothnessThatIsNotSettledIsAWarning) {
   SyntheticLeg leg = MakeSyntheticLeg({});
   motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);

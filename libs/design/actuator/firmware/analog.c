@@ -100,7 +100,7 @@ static void watch_supply(void) {
 
 #if LAKE_SUPPLY_SENSE && LAKE_FEEDBACK
 // How much more duty it takes than at the nominal supply, in parts of 2^31. Moved by what it is wrong by, it comes to
-// nominal / reading without a division, with a time constant of 2^16 / reading ms, some 33.
+// nominal / reading without a division, with a time constant of 2^16 / reading ms: 33 at 12 V, 98 at 4 V.
 #define NOMINAL_DUTY ((uint32_t)1 << 31)
 static uint32_t more;
 

@@ -62,8 +62,8 @@ static uint8_t is_away_from(int32_t um) {
 }
 
 // Where the motor has not the speed the plan waits for it, so that the program takes longer: for MOST_WAIT_MS, of which
-// two ms of the plan give one back. So it takes half as long again at most; a motor that has less than two thirds of
-// the speed falls behind.
+// two ms of the plan give one back. So it takes half as long again and MOST_WAIT_MS at most; a motor that has less than
+// two thirds of the speed falls behind.
 #define MOST_WAIT_MS 500
 static struct {
   uint16_t bucket;  // what is used up, half ms
@@ -77,7 +77,7 @@ static uint8_t wait_for(const motion_t* wanted) {
   if (late.is_on) {
     ++late.all_ms;
     late.bucket += 2;
-  } else if (late.bucket > 0) {
+  } else if (late.bucket > 0 && machine.is_ready) {
     --late.bucket;
   }
   return late.bucket > 2 * MOST_WAIT_MS;

@@ -44,6 +44,8 @@ std::string Comment(const std::string& text) {
   return line;
 }
 
+static_assert(kSupplyTolerance < 0.5, "the firmware's factor for a low supply is less than 2");
+
 // Readings are sums of four conversions of 10 bits, whatever the board's converter has.
 constexpr double kMostCount = 1023, kMostReading = 4 * kMostCount;
 
@@ -276,19 +278,17 @@ double FastestStretch(const StrokeTable& stroke, int direction) {
   return most_um_s / 1e3;
 }
 
-// mm/s, without a load.
-double LowSupplySpeed(const DutyTable& table, int direction) {
-  const DutyCurve& curve = table.Curve(direction);
-  return curve.SpeedFor(kLowSupply * curve.MostDuty());
+// mm/s, without a load. Where the supply is measured, the duty rises as it falls, up to the whole.
+double LowSupplySpeed(const DutyCurve& curve, bool is_measured) {
+  return curve.SpeedFor(is_measured ? std::min(curve.MostDuty(), kLowSupply) : kLowSupply * curve.MostDuty());
 }
 
-std::string WhatALowSupplyCannot(const StrokeTable& stroke, const DutyTable& table, int direction) {
-  const double reached_mm_s = LowSupplySpeed(table, direction), needed_mm_s = FastestStretch(stroke, direction);
+std::string WhatALowSupplyCannot(double reached_mm_s, double needed_mm_s, int direction) {
   return fmt::format(
       "At {:.0f} % of its supply it {} at {:.1f} mm/s at most, less under a load, and the program needs {:.1f}: there "
       "it {}.",
       100 * kLowSupply, direction > 0 ? "extends" : "retracts", reached_mm_s, needed_mm_s,
-      reached_mm_s < kLeastPace * needed_mm_s ? "falls behind and stops (ALARM:11)" : "takes longer");
+      reached_mm_s < kLeastPace * needed_mm_s ? "may fall behind and stop (ALARM:11)" : "takes longer");
 }
 
 }  // namespace
@@ -340,9 +340,11 @@ std::vector<std::string> Unknowns(const FirmwareOptions& options) {
 std::vector<std::string> Unknowns(const FirmwareOptions& options, const StrokeTable& stroke, const DutyTable& table) {
   std::vector<std::string> unknown = Unknowns(options);
   if (options.feedback == Feedback::kNone) return unknown;
-  for (const int direction : {1, -1})
-    if (LowSupplySpeed(table, direction) < FastestStretch(stroke, direction))
-      unknown.push_back(WhatALowSupplyCannot(stroke, table, direction));
+  for (const int direction : {1, -1}) {
+    const double reached_mm_s = LowSupplySpeed(table.Curve(direction), options.supply_v > 0),
+                 needed_mm_s = FastestStretch(stroke, direction);
+    if (reached_mm_s < needed_mm_s) unknown.push_back(WhatALowSupplyCannot(reached_mm_s, needed_mm_s, direction));
+  }
   return unknown;
 }
 

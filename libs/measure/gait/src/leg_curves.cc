@@ -247,7 +247,8 @@ SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double
   if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
   smoothing.max_iterations = options.most_smoothing_iterations;
   const SmoothSignal signal = FitSmoothingSpline(grid, time_s, values, sigmas, smoothing);
-  const double usual = options.known_sigmas && !smoothing.cutoff_hz ? 1 : Median(signal.noise_share);
+  const double usual = options.known_sigmas && !smoothing.cutoff_hz ? 1 : Median(signal.noise_share),
+               lasting = options.LastingShare();
   SmoothCoordinate result;
   result.settled = signal.converged;
   std::vector<Residual> samples;
@@ -266,7 +267,7 @@ SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double
     seen.push_back(std::isfinite(values[i]));
     if (std::isfinite(values[i])) {
       const double residual = values[i] - result.value[i],
-                   kept = (1 - options.lasting_share) * LimitedShare(share, std::abs(residual) / std::sqrt(noise));
+                   kept = (1 - lasting) * LimitedShare(share, std::abs(residual) / std::sqrt(noise));
       samples.push_back({time_s[i], residual * residual * share / noise, 1 - own * share / noise});
       result.value[i] += (1 - kept) * residual;
       result.variance.push_back(kept * kept * own + (1 - kept) * noise);

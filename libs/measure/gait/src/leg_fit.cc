@@ -416,7 +416,7 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
 
   for (LegPrior& prior : solution.model.priors) prior.roughness = std::move(prior.possible_roughness);
   LegCurves curves =
-      MakeLegCurves(recording, solution.model, solution.coefficients, options.lasting_share, !lateral.empty());
+      MakeLegCurves(recording, solution.model, solution.coefficients, options.LastingShare(), !lateral.empty());
   if (!lateral.empty()) {
     AddAcross(recording, leg, solution.model, options, curves);
     result.lateral = ReportLateral(leg);
@@ -424,7 +424,7 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   FillResult(recording, leg, curves, solution.model, facing, skin, options, result);
   result.summary = Summarize(solution, start);
   result.summary.known_sigmas = options.known_sigmas;
-  result.summary.lasting_share = options.lasting_share;
+  result.summary.lasting_share = options.LastingShare();
   WarnOfLengths(result.segments, options, result.warnings);
   if (options.HasSplineCutoff()) CheckCutoffKeepsMotion(result, *options.cutoff_hz);
   progress.Advance();

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"

@@ -1,6 +1,7 @@
 #include "loads_model.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lake::loads {
 

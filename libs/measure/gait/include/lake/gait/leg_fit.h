@@ -54,8 +54,9 @@ struct LegFitOptions {
   // and is followed (but where a cutoff says what motion is). Else it is noise that the sigmas did not know of.
   bool known_sigmas = false;
   // Of the sigmas' squares: errors that stay alike for some frames, as a film's coding makes them. A smooth path
-  // follows them, so smoothing takes only the rest away.
+  // follows them, so smoothing takes only the rest away; all of it where a cutoff says what motion is.
   double lasting_share = 0;
+  double LastingShare() const { return HasSplineCutoff() ? 0 : lasting_share; }
   bool HasSplineCutoff() const { return filter == LegFilter::kSpline && cutoff_hz.has_value(); }
   bool quiet = true;  // no progress
 
