@@ -297,26 +297,6 @@ TEST(Naming, ASeedDecidesWhichKneeItIs) {
   }
 }
 
-// The knee's skin slides along the shank by 5 % of its length, so that the knee keeps its distance from a lamp beside
-// the foot better than from the ankle. But a foot never keeps as still as a lamp.
-TEST(Naming, ALampBesideAFootIsNotTheAnkle) {
-  for (const int facing : {1, -1})
-    for (unsigned seed = 1; seed <= 5; ++seed) {
-      const LegScene scene{.facing = facing, .seed = seed};
-      const Vector2d lamp = Leg(scene, 0)[0] + Vector2d(-22 * facing, -17);
-      Seen seen(seed, scene.noise_px);
-      seen.Add([=](int) { return lamp; });
-      seen.Add([=](int frame) -> Vector2d { return Leg(scene, 0)[0] + Vector2d(0.8 * std::sin(frame / 40.0), 0); });
-      seen.Add([=](int frame) -> Vector2d {
-        const double upright = Upright(scene, frame);
-        const auto leg = Leg(scene, upright);
-        return leg[1] + 0.05 * upright * (leg[1] - leg[0]);
-      });
-      seen.AddMarker(scene, 2).AddMarker(scene, 3);
-      ExpectIs(*Name(seen, LegOptions()).Find("ankle"), seen.tracklets[1]);
-    }
-}
-
 // Where both keep their distances equally badly, one tells that markers of one set reflect alike.
 TEST(Naming, ADimSpotBesideTheKneeIsNotTheKnee) {
   for (unsigned seed = 1; seed <= 10; ++seed) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -53,7 +52,6 @@ class ChainSearch {
 
   std::vector<LegChain> Run() {
     Extend({}, 0);
-    DoubtLamps();
     std::sort(chains_.begin(), chains_.end(), [](const LegChain& a, const LegChain& b) { return a.cost < b.cost; });
     return std::move(chains_);
   }
@@ -101,28 +99,6 @@ class ChainSearch {
       if (const auto added = CostOfLast(chain)) Extend(chain, cost + *added);
       chain.pop_back();
     }
-  }
-
-  // The marker on a person's ankle moves by 2 to 3 mm even of one who stands. Let one recording in six be of a dummy or
-  // of a foot that keeps still; a lamp always does: of two things that may be the ankle of one leg, the one that moves
-  // as a foot does is.
-  void DoubtLamps() {
-    constexpr double kLamp = 3.6;                    // −2 ln (1 / 6)
-    constexpr double kStill = 0.002, kFoot = 0.025;  // of the thigh's length: 1 and 10 mm; the shank moves farther
-    std::set<std::vector<std::size_t>> with_foot;
-    for (const LegChain& chain : chains_)
-      if (const double moved = AnkleOverThigh(chain); moved >= kStill && moved < kFoot)
-        with_foot.insert(AboveAnkle(chain));
-    for (LegChain& chain : chains_)
-      if (AnkleOverThigh(chain) < kStill && with_foot.contains(AboveAnkle(chain))) chain.cost += kLamp;
-  }
-
-  double AnkleOverThigh(const LegChain& chain) const {
-    return extent_[chain.tracklets[0]] / tracklets_.Distance(chain.tracklets[1], chain.tracklets[2]).mean;
-  }
-
-  static std::vector<std::size_t> AboveAnkle(const LegChain& chain) {
-    return {chain.tracklets.begin() + 1, chain.tracklets.end()};
   }
 
   // What the last marker of a chain adds; nullopt if it cannot be there.
