@@ -38,12 +38,8 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
           ? ""
           : fmt::format(", {:.1f} s longer than planned, as the actuator had not the speed", result.waited_s);
   run.Report("homed in {:.1f} s{}{}; {} rows in log.csv\n", result.homing_s, ran, waited, result.rows);
-  return {{"rows", result.rows},
-          {"homing_s", result.homing_s},
-          {"run_s", result.run_s},
-          {"waited_s", result.waited_s},
-          {"design_hash", sketch.design_hash},
-          {"program_hash", sketch.program_hash}};
+  return {{"rows", result.rows},         {"homing_s", result.homing_s},       {"run_s", result.run_s},
+          {"waited_s", result.waited_s}, {"design_hash", sketch.design_hash}, {"program_hash", sketch.program_hash}};
 }
 
 void Describe(StrokeSessionRunOptions& o, OptionList& options) {
