@@ -328,7 +328,13 @@ TEST(Trials, LongGapsLeaveARepetitionOut) {
   const compare::RegisteredTrial registered = Register(tables);
   EXPECT_EQ(registered.repetitions.size(), 1U);
   EXPECT_THAT(registered.warnings,
-              testing::ElementsAre(HasSubstr("repetition 1 is left out: marker 'knee' is missing")));
+              testing::ElementsAre(HasSubstr("repetition 1 is left out: marker 'knee' is missing for 0.42 s of it")));
+
+  for (motion::MarkerTrack& marker : tables.trajectory.markers)
+    for (std::size_t i = 0; i < marker.samples.size(); ++i)
+      if (marker.name == "knee" && tables.trajectory.time_s[i] < middle_s) marker.samples[i] = {};
+  EXPECT_THAT(Register(tables).warnings,
+              testing::ElementsAre(HasSubstr("marker 'knee' is missing at the beginning or end of it")));
 }
 
 }  // namespace

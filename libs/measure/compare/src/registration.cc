@@ -144,9 +144,11 @@ class Registrar {
         {&options_.ankle, &ankle_}, {&options_.knee, &knee_}, {&options_.hip, &hip_}};
     for (const auto& [name, path] : markers) {
       const double gap_s = LongestGap(trial_.trajectory.time_s, path->x, interval.onset_s, interval.standing_s);
-      if (gap_s > options_.max_gap_s)
-        return fmt::format("{}: repetition {} is left out: marker '{}' is missing for {} s of it", trial_.name,
-                           interval.repetition, *name, SignificantText(gap_s, 2));
+      if (gap_s <= options_.max_gap_s) continue;
+      const std::string when =
+          std::isfinite(gap_s) ? fmt::format("for {} s", SignificantText(gap_s, 2)) : "at the beginning or end";
+      return fmt::format("{}: repetition {} is left out: marker '{}' is missing {} of it", trial_.name,
+                         interval.repetition, *name, when);
     }
     return {};
   }
