@@ -8,8 +8,10 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -92,10 +94,10 @@ class LiveSession {
   }
 
   void RunUntil(double time_s) {
-    constexpr double kPause_s = 1;
     for (video::VideoFrame frame; last_s_ < time_s && reader_->Read(frame);) {
       frame.index += begin_;
       frame.time_s += begin_s_;
+      if (covered_) frame.luma = covered_(frame);
       tracker_->Add(frame);
       last_s_ = frame.time_s;
       if (last_s_ < asked_s_ + kPause_s || !tracker_->IsAnyLost()) continue;
@@ -111,6 +113,10 @@ class LiveSession {
     reader_ = video::VideoReader::Open(film_, {});
     RunUntil(std::numeric_limits<double>::infinity());
   }
+
+  void LookForNamesFrom(double time_s) { asked_s_ = time_s - kPause_s; }
+  // What is seen of each frame.
+  void Cover(std::function<cv::Mat(const video::VideoFrame&)> covered) { covered_ = std::move(covered); }
 
   std::vector<live::RiseOffset> Rises() const {
     live::RiseFinding finding{.view = view_, .shutter = {}, .video = reader_->Info()};
@@ -129,6 +135,8 @@ class LiveSession {
     }
   }
 
+  static constexpr double kPause_s = 1;
+
   gait::LegView view_;
   std::filesystem::path film_;
   std::unique_ptr<video::VideoReader> reader_;
@@ -136,6 +144,7 @@ class LiveSession {
   double begin_s_ = 0;
   tracking::LiveTrackOptions options_;
   std::optional<tracking::LiveTracker> tracker_;
+  std::function<cv::Mat(const video::VideoFrame&)> covered_;
   double last_s_ = -1, asked_s_ = 0;
 };
 
@@ -227,6 +236,41 @@ INSTANTIATE_TEST_SUITE_P(Cameras, LiveTracking,
                          testing::Values(Mode(720, 30, 3), Mode(720, 60, 1), Mode(720, 120, 1), Mode(1080, 30, 3),
                                          Mode(1080, 60, 1), Mode(1080, 120, 1)),
                          [](const auto& tested) { return tested.param.title; });
+
+// A hand covers the joint's marker while names are looked for: what was measured of it before is the joint's, and it is
+// followed on when the hand is away.
+TEST(LiveNames, OfAMarkerThatIsCoveredMeanwhile) {
+  const TemporaryFolder folder;
+  const synth::SceneOptions options = SceneOf(Mode(720, 30, 2));
+  const auto motion = std::make_shared<synth::StsMotion>(options.motion);
+  const synth::Scene scene(options, motion);
+  synth::WriteRecording(scene, folder.Path(), {});
+  double stands_s = 0;
+  for (const synth::StsPhase& phase : motion->Phases())
+    if (phase.kind == synth::StsPhase::Kind::kStanding) stands_s = phase.start_s;
+  const std::size_t joint = kNames.size() - 1;
+  const auto place_px = [&](std::int64_t frame) { return scene.Truth(static_cast<int>(frame)).markers[joint].px; };
+
+  LiveSession session(scene, folder / "video.mp4", {});
+  session.Cover([&](const video::VideoFrame& frame) {
+    cv::Mat seen = frame.luma.clone();
+    if (frame.time_s < stands_s + 0.05 || frame.time_s > stands_s + 0.45) return seen;
+    const Vector2d place = place_px(frame.index);
+    cv::circle(seen, cv::Point2d(place.x(), place.y()), cvCeil(2 * options.marker_radius_px), cv::Scalar(60),
+               cv::FILLED);
+    return seen;
+  });
+  session.LookForNamesFrom(stands_s + 0.35);
+  session.RunUntil(stands_s + 0.36);
+  EXPECT_TRUE(session.HasAllNames());
+  EXPECT_EQ(session.Told().markers[joint].samples.back().status, SampleStatus::kMissing);
+  session.RunUntil(motion->DurationS());
+  const MarkerRecording& told = session.Told();
+  const motion::MarkerSample& last = told.markers[joint].samples.back();
+  ASSERT_EQ(last.status, SampleStatus::kDetected);
+  EXPECT_LT((last.position - place_px(told.frame.back())).norm(), 1);
+  ExpectHeld(session.Rises(), 2);
+}
 
 }  // namespace
 }  // namespace lake::test

@@ -52,16 +52,17 @@ InShank PlacesInShank(const Tracklet& thing, const motion::MarkerRecording& leg,
   return places;
 }
 
-// The one thing beside the knee that moves with the shank and is none of the leg's markers.
+// The one thing beside the knee that moves with the shank and is none of the leg's markers: where it was seen last, as
+// it may have been lost and found.
 MarkerSeed BesideKnee(const LiveSnapshot& snapshot, const motion::MarkerRecording& leg, const std::string& name,
                       const LiveTrackOptions& options) {
   // A joint that is strapped to the leg slips by some millimetres of a shank of 400; a lamp moves by a third of it.
   constexpr double kFarthest = 0.4, kSteady = 0.02;
   constexpr double kTurned_rad = 0.1;  // in a rise it turns by 0.3 and more; while it rests, a lamp is steady as well
   constexpr std::size_t kFewest = 20;  // frames
-  std::vector<const TrackletSample*> found;
+  std::vector<const Tracklet*> found;
+  bool is_one = true;
   for (const Tracklet& thing : snapshot.tracklets) {
-    if (thing.LastFrame() < snapshot.frames.frame.back()) continue;
     const InShank in_shank = PlacesInShank(thing, leg, options);
     if (in_shank.along.size() < kFewest) continue;
     const auto [least, most] = std::ranges::minmax(in_shank.direction_rad);
@@ -71,12 +72,15 @@ MarkerSeed BesideKnee(const LiveSnapshot& snapshot, const motion::MarkerRecordin
     const bool is_knee = away < 1e-3 * shank;
     const bool is_steady =
         std::max(RobustDeviation(in_shank.along), RobustDeviation(in_shank.across)) < kSteady * shank;
-    if (!is_knee && is_steady && away < kFarthest * shank) found.push_back(&thing.samples.back());
+    if (is_knee || !is_steady || away >= kFarthest * shank) continue;
+    for (const Tracklet* other : found) is_one = is_one && other->LastFrame() < thing.FirstFrame();
+    found.push_back(&thing);
   }
-  if (found.size() != 1)
+  if (found.empty() || !is_one)
     throw Fail("{}: {} things beside the knee move with the shank; point at it", name,
                found.empty() ? "no" : std::to_string(found.size()));
-  return {.name = name, .position = found.front()->position, .frame = found.front()->frame};
+  const TrackletSample& last = found.back()->samples.back();
+  return {.name = name, .position = last.position, .frame = last.frame};
 }
 
 // Whoever has not moved yet may be anything.

@@ -102,6 +102,7 @@ void LiveTracker::Give(std::size_t name, const TrackletBuilder::Thing& thing) {
     if (other == thing.number) other.reset();
   thing_[name] = thing.number;
   filters_[name] = {};
+  last_place_px_[name] = thing.tracklet->samples.back().position;
   for (const TrackletSample& sample : thing.tracklet->samples) {
     const auto found = std::ranges::lower_bound(measured_.frame, sample.frame);
     if (found == measured_.frame.end() || *found != sample.frame || sample.repeated) continue;
@@ -152,17 +153,30 @@ void LiveTracker::Name(std::string_view name, const Vector2d& place_px) {
 }
 
 void LiveTracker::TakeNames(const std::vector<MarkerSeed>& found) {
-  constexpr double kSamePx = 0.5;
   for (const MarkerSeed& seed : found) {
-    const std::size_t index = IndexOf(seed.name);
-    if (ThingOf(index)) continue;
-    for (const TrackletBuilder::Thing& thing : builder_->Things()) {
-      const TrackletSample* sample = thing.tracklet->SampleIn(seed.frame);
-      if (!sample || (sample->position - seed.position).norm() >= kSamePx) continue;
-      ForgetDistances(index);
-      Give(index, thing);
-    }
+    const std::size_t name = IndexOf(seed.name);
+    if (ThingOf(name)) continue;
+    const std::optional<TrackletBuilder::Thing> thing = ThingAt(seed, !thing_[name]);
+    if (!thing) continue;
+    ForgetDistances(name);
+    Give(name, *thing);
   }
+}
+
+std::optional<TrackletBuilder::Thing> LiveTracker::ThingAt(const MarkerSeed& place, bool may_have_ended) const {
+  const auto is_it = [&](const Tracklet& tracklet) {
+    constexpr double kSamePx = 0.5;
+    const TrackletSample* sample = tracklet.SampleIn(place.frame);
+    return sample && (sample->position - place.position).norm() < kSamePx;
+  };
+  for (const TrackletBuilder::Thing& thing : builder_->Things())
+    if (is_it(*thing.tracklet)) return thing;
+  if (!may_have_ended) return std::nullopt;
+  const auto number =
+      -1 - static_cast<std::int64_t>(IndexOf(place.name));  // those of what is followed are not negative
+  for (const Tracklet& ended : builder_->Ended())
+    if (is_it(ended)) return TrackletBuilder::Thing{number, &ended};
+  return std::nullopt;
 }
 
 // It may be elsewhere now, as a joint that was moved.

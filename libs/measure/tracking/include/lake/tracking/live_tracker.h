@@ -72,7 +72,8 @@ class LiveTracker {
 
   // The thing at a place of the last frame. Throws Error where there is none, or no such name.
   void Name(std::string_view name, const Eigen::Vector2d& place_px);
-  // Those at the places that FindNames found, for names that have no thing.
+  // Those at the places that FindNames found, for names that have no thing; one that has ended meanwhile only for a
+  // name that no thing has had yet.
   void TakeNames(const std::vector<MarkerSeed>& found);
 
   // Until the next frame. One sample per frame and name, in px: what was told at each frame's own time (detected: from
@@ -103,6 +104,7 @@ class LiveTracker {
   const Tracklet* ThingOf(std::size_t name) const;
   const TrackletSample* SeenNow(std::size_t name) const;
   std::optional<Eigen::Vector2d> MetricOf(const Eigen::Vector2d& px) const;
+  std::optional<TrackletBuilder::Thing> ThingAt(const MarkerSeed& place, bool may_have_ended) const;
   void Give(std::size_t name, const TrackletBuilder::Thing& thing);
   void ForgetDistances(std::size_t name);
   void TakeSeeds(std::int64_t frame);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lake/tracking/marker_detector.h"
@@ -68,6 +69,8 @@ class TrackletBuilder {
     const Tracklet* tracklet;
   };
   std::vector<Thing> Things() const;
+  // What has ended. Valid until the next frame.
+  std::span<const Tracklet> Ended() const { return finished_; }
 
   // What Finish() would return if the last frame were the last of all.
   std::vector<Tracklet> SoFar() const;
