@@ -297,6 +297,15 @@ TEST(Naming, ASeedDecidesWhichKneeItIs) {
   }
 }
 
+// Where both keep their distances equally badly, one tells that markers of one set reflect alike.
+TEST(Naming, ADimSpotBesideTheKneeIsNotTheKnee) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Seen seen = WithSecondKnee(LooseSkin(seed), kSecondKnee);
+    for (tracking::TrackletSample& sample : seen.tracklets[kSecondTracklet].samples) sample.amplitude = 40;
+    ExpectIs(*Name(seen, LegOptions()).Find("knee"), seen.tracklets[kKneeTracklet]);
+  }
+}
+
 // Knee and exo_knee are both lost and both come back: the pieces lie as near to one as to the other, and only their
 // distances to the hip and ankle tell them apart.
 TEST(Naming, LostPairsAreNeverSwapped) {

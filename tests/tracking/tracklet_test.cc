@@ -234,6 +234,24 @@ TEST(Tracklet, WhatIsFoundAfterAGapMustBeFollowed) {
   }
 }
 
+// A hand passes before a resting marker and goes on as it comes out: of the hand's size, it is no sample of the marker.
+TEST(Tracklet, AHandDoesNotGoOnAsTheMarkerThatItUncovers) {
+  constexpr int kCovers = 40, kUncovers = 50;
+  const Eigen::Vector2d marker(300, 200);
+  const auto hand = [&](int frame) -> Eigen::Vector2d { return marker + Eigen::Vector2d(8.0 * (frame - 48), 0); };
+  const std::vector<tracking::Tracklet> tracklets = Follow(
+      [&](int frame) {
+        std::vector<tracking::MarkerDetection> seen;
+        if (frame < kCovers || frame >= kUncovers) seen.push_back(Disc(marker, 6));
+        if (frame >= 20 && frame < kUncovers) seen.push_back(Disc(hand(frame), 28));
+        return seen;
+      },
+      120, 30);
+  for (const tracking::Tracklet& tracklet : tracklets)
+    for (const tracking::TrackletSample& sample : tracklet.samples)
+      EXPECT_NEAR(sample.radius_px, tracklet.samples.front().radius_px, 1) << "frame " << sample.frame;
+}
+
 // Behind a gap of 0.3 s in the stamps a rise's hip would be where its waist is, had it gone on as before: it was
 // followed there, and the waist was nobody.
 TEST(Tracklet, NothingIsFollowedToAnotherMarkerBehindAGap) {

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <utility>
+#include <vector>
+
+#include "lake/core/statistics.h"
 
 namespace lake::tracking {
 namespace {
@@ -20,8 +24,18 @@ constexpr double kAmbiguousCost = 1.2;
 // is a lamp, where there is more than the leg to be seen. A prototype on a bench has its shank clamped.
 constexpr double kCarried = 0.04;
 
+// Of the logarithm: markers of one set are alike, but one is seen more obliquely or lit less than another.
+constexpr double kBrightnessDeviation = 0.7;
+
 double Squared(double x) {
   return x * x;
+}
+
+double LogAmplitude(const Tracklet& tracklet) {
+  std::vector<double> amplitudes;
+  amplitudes.reserve(tracklet.samples.size());
+  for (const TrackletSample& sample : tracklet.samples) amplitudes.push_back(sample.amplitude);
+  return std::log(std::max(Median(std::move(amplitudes)), 1.0));
 }
 
 class ChainSearch {
@@ -30,6 +44,7 @@ class ChainSearch {
       : tracklets_(tracklets), options_(options) {
     for (std::size_t i = 0; i < tracklets.size(); ++i) {
       extent_.push_back(tracklets.Extent(i));
+      brightness_.push_back(LogAmplitude(tracklets[i]));
       things_ += IsLongEnough(i) ? 1 : 0;
       longest_ = std::max(longest_, tracklets[i].samples.size());
     }
@@ -92,8 +107,9 @@ class ChainSearch {
     if (chain.size() == 1) return 0;
     const std::size_t before = chain[chain.size() - 2];
     const PairDistance& segment = tracklets_.Distance(before, last);
-    double cost =
-        std::log(Squared(segment.deviation) + Squared(kDeviationFloor)) - 2 * std::log(CommonShare(before, last));
+    double cost = std::log(Squared(segment.deviation) + Squared(kDeviationFloor)) -
+                  2 * std::log(CommonShare(before, last)) +
+                  Squared((brightness_[last] - brightness_[before]) / kBrightnessDeviation);
     // While both are seen: a seated person's waist is lower than a standing one's hip.
     const double rise = options_.up.dot(tracklets_.MeanWay(before, last));
     if (chain.size() == 2) return rise > 0.3 * segment.mean ? std::optional(cost) : std::nullopt;
@@ -150,6 +166,7 @@ class ChainSearch {
   const MetricTracklets& tracklets_;
   const LegChainOptions& options_;
   std::vector<double> extent_;
+  std::vector<double> brightness_;
   std::size_t longest_ = 1;  // samples
   std::size_t things_ = 0;   // that were seen for long enough to be a marker
   mutable std::map<std::pair<std::size_t, std::size_t>, double> ankle_over_hip_;

@@ -152,7 +152,11 @@ double PairCost(const MarkerPrediction& prediction, const MarkerDetection& detec
   if (prediction.identity && detection.identity && *prediction.identity != *detection.identity) return 2;
   const double distance = (detection.position - prediction.position).norm() / prediction.gate_px;
   if (distance > 1) return 2;
-  const double size = std::log(detection.appearance.RadiusPx() / prediction.appearance.RadiusPx()) / 0.5;
+  // Half hidden, a disc has 0.7 of its size; the size of one of 2 px is hardly known.
+  constexpr double kOtherSize = 3;
+  const double size_ratio = detection.appearance.RadiusPx() / prediction.appearance.RadiusPx();
+  if (size_ratio > kOtherSize || size_ratio < 1 / kOtherSize) return 2;
+  const double size = std::log(size_ratio) / 0.5;
   const double brightness =
       std::log(std::max(detection.appearance.amplitude, 1.0) / std::max(prediction.appearance.amplitude, 1.0));
   return std::min(0.999, 0.5 * (distance * distance + size * size + brightness * brightness));
