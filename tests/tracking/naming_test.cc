@@ -306,6 +306,24 @@ TEST(Naming, ADimSpotBesideTheKneeIsNotTheKnee) {
   }
 }
 
+// A lamp that the waist passes while it is hidden is for some frames as far from the hip as the waist, whose skin
+// moves.
+TEST(Naming, ALampThatRestsWhileTheHipPassesIsNotTheWaist) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const LegScene scene{.seed = seed};
+    const auto waist = [=](int frame) -> Vector2d {
+      const auto leg = Leg(scene, Upright(scene, frame));
+      return leg[2] + (1 + 0.1 * std::sin(frame / 30.0)) * (leg[3] - leg[2]);
+    };
+    const Vector2d lamp = waist(88);
+    Seen seen(seed, scene.noise_px);
+    for (const std::size_t m : {0u, 1u, 2u}) seen.AddMarker(scene, m);
+    seen.Add(waist, 110).Add([=](int) { return lamp; }, 84, 93);
+    const motion::MarkerTrack named = *Name(seen, LegOptions()).Find("waist");
+    for (std::size_t frame = 84; frame <= 93; ++frame) EXPECT_FALSE(named.samples[frame].IsKnown()) << frame;
+  }
+}
+
 // Knee and exo_knee are both lost and both come back: the pieces lie as near to one as to the other, and only their
 // distances to the hip and ankle tell them apart.
 TEST(Naming, LostPairsAreNeverSwapped) {

@@ -424,6 +424,39 @@ TEST(SigmaCalibration, KnowsWhatCodingUsuallyAdds) {
   EXPECT_NEAR(std::hypot(added_px(CodedBy("mpeg4"), 0.01), 0.01) / std::hypot(h264, 0.01), 0.8, 1e-6);
 }
 
+// Four markers of a person at 25 Hz, of which one is moved by far more jerk, each measured with an error of 0.05 px.
+motion::MarkerRecording OneIsJerked(unsigned seed) {
+  constexpr double kFrame_s = 0.04, kError_px = 0.05, kSmooth = 1e5, kJerked = 1e9;  // px²/s⁵
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, 1);
+  const auto noise = [&] { return Vector2d(normal(random), normal(random)); };
+  motion::MarkerRecording recording;
+  const char* names[] = {"ankle", "knee", "hip", "waist"};
+  for (std::size_t m = 0; m < 4; ++m) {
+    recording.markers.push_back({names[m], {}});
+    Vector2d position(400, 200.0 * static_cast<double>(m)), velocity(50, 0), acceleration(0, 0);
+    for (int f = 0; f < 300; ++f) {
+      position += kFrame_s * velocity + 0.5 * kFrame_s * kFrame_s * acceleration;
+      velocity = 0.98 * velocity + kFrame_s * acceleration;
+      acceleration = 0.9 * acceleration + std::sqrt((m == 2 ? kJerked : kSmooth) * kFrame_s) * noise();
+      recording.markers[m].samples.push_back({position + kError_px * noise(), 0.01, motion::SampleStatus::kDetected});
+      if (m > 0) continue;
+      recording.frame.push_back(f);
+      recording.time_s.push_back(f * kFrame_s);
+    }
+  }
+  return recording;
+}
+
+// Its movement hides its errors: they are taken to be as large as the others'.
+TEST(SigmaCalibration, IsThatOfTheOthersWhereAPathTellsNothing) {
+  for (unsigned seed = 38; seed < 43; ++seed) {
+    motion::MarkerRecording recording = OneIsJerked(seed);
+    tracking::CalibrateSigmas(kH264, recording);
+    EXPECT_NEAR(recording.markers[2].samples[150].sigma / recording.markers[1].samples[150].sigma, 1, 0.2) << seed;
+  }
+}
+
 // The sigmas of what holds still have those errors in them that last; of a person's markers the leg fit is told.
 TEST(SigmaCalibration, SaysWhatOfAPersonsErrorsLasts) {
   const auto calibrated = [](const video::VideoInfo& video, double jitter_px) {

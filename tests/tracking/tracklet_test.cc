@@ -219,6 +219,40 @@ TEST(Tracklet, ASlowStartIsNoStandingPicture) {
   EXPECT_EQ(tracklets.size(), 2u);
 }
 
+// Two discs that went at 5 px a frame stop at frame 20, and go on slowly from 24 on: what begins near where one of them
+// would be, had it not stopped, is not that one.
+TEST(Tracklet, WhatRestsIsNotTakenForWhatBeginsWhereItLed) {
+  const auto way = [](int frame) { return 5.0 * std::min(frame, 20) + 1.5 * std::max(frame - 23, 0); };
+  const auto discs = [&](int frame) {
+    std::vector<tracking::MarkerDetection> seen = {Disc({40 + way(frame), 60}, kRadius_px),
+                                                   Disc({40 + way(frame), 150}, kRadius_px)};
+    if (frame >= 24) seen.push_back(Disc({160, 74}, kRadius_px));
+    return seen;
+  };
+  Scripted detector(discs);
+  tracking::TrackletBuilder builder(detector, {});
+  Show(discs, 50, 25, builder);
+  const std::vector<tracking::Tracklet> tracklets = builder.Finish();
+  EXPECT_EQ(tracklets.size(), 3u);
+  for (const tracking::Tracklet& tracklet : tracklets)
+    for (const tracking::TrackletSample& sample : tracklet.samples)
+      EXPECT_NEAR(sample.position.y(), tracklet.samples.front().position.y(), 1e-9) << "frame " << sample.frame;
+}
+
+// The skin marker of a hip that rises goes at 1.5 m/s.
+TEST(Tracklet, WhatBeginsQuicklyIsFollowedFromItsFirstFrame) {
+  for (const double rate_hz : {24.0, 30.0, 60.0, 120.0}) {
+    const double step_px = 1500 / 8.0 * kRadius_px / rate_hz;
+    const std::vector<tracking::Tracklet> tracklets = Follow(
+        [&](int frame) {
+          return std::vector{Disc({100 + step_px * frame, 200}, kRadius_px)};
+        },
+        30, rate_hz);
+    ASSERT_EQ(tracklets.size(), 1u) << rate_hz << " Hz";
+    EXPECT_EQ(tracklets.front().samples.size(), 30u) << rate_hz << " Hz";
+  }
+}
+
 // The disc is gone at frame 50; near where it would be at 52 something else is seen, once or three times.
 TEST(Tracklet, WhatIsFoundAfterAGapMustBeFollowed) {
   for (const int times : {1, 3}) {

@@ -10,6 +10,7 @@ namespace lake::tracking {
 void MarkerPhysics::Check() const {
   for (const auto& [name, value] : {std::pair("radius, mm", radius_mm),
                                     {"acceleration, mm/s²", max_acceleration_mm_s2},
+                                    {"speed, mm/s", max_speed_mm_s},
                                     {"time before it turns back, s", turns_after_s},
                                     {"first step, mm", fast_start_mm}})
     if (!(value > 0) || !std::isfinite(value))

@@ -1,5 +1,6 @@
 #include "lake/tracking/naming.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -372,9 +373,11 @@ class Namer {
     const double least_tolerance = options_.identities.empty() ? 0 : kSkin;
     double squares = 0;
     int count = 0, bad = 0;
+    bool leg_moves = true;  // all that is linked to it and known meanwhile
     for (const Link& link : links_) {
       if (link.a != name && link.b != name) continue;
       const std::size_t other = link.a == name ? link.b : link.a;
+      Eigen::AlignedBox2d reach;
       for (std::size_t s = 0; s < tracklets_[tracklet].samples.size(); ++s) {
         const auto& neighbour = metric_[other][index_of_frame_.at(tracklets_[tracklet].samples[s].frame)];
         if (!neighbour) continue;
@@ -383,13 +386,16 @@ class Namer {
         squares += off * off;
         ++count;
         bad += off > 1;
+        reach.extend(*neighbour);
       }
+      constexpr double kMoves = 0.1;  // of the link's length
+      leg_moves = leg_moves && (reach.isEmpty() || reach.diagonal().norm() > kMoves * link.length);
     }
     if (count > 0 && bad > 0.2 * count) return std::nullopt;
+    if (leg_moves && RestsElsewhere(tracklets_[tracklet], name)) return std::nullopt;
     if (count > 0)
       return FitToName{false, *continuity + 0.5 * kToleranceDeviations * kToleranceDeviations * squares / count};
-    if (RestsElsewhere(tracklets_[tracklet], name) || *continuity > 0) return std::nullopt;
-    return FitToName{true, *continuity};
+    return *continuity > 0 ? std::nullopt : std::optional(FitToName{true, *continuity});
   }
 
   // Whether a thing rests where the marker was neither before nor after: a lamp that it passes by.

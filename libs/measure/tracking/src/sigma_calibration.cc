@@ -255,18 +255,20 @@ double ErrorOverFit(const video::VideoInfo& video, double scatter) {
 constexpr double kLasting = 0.7;
 
 // What a person's markers err beyond the fits' sigmas, moving or slow: but for errors that last, no more than the
-// motion's model finds of the marker itself.
+// marker's own path allows.
 std::vector<Displacement> OfPeople(const Scatters& scatters, const video::VideoInfo& video, double unit_mm) {
   std::vector<std::vector<dynamics::PathSample>> paths;
   for (const Seen& seen : scatters.markers) paths.push_back(MovingPath(seen));
-  const double scatter_px = dynamics::LearnMotion(paths, unit_mm).extra_sigma;
+  const dynamics::LearntMotion pooled = dynamics::LearnMotion(paths, unit_mm);
   std::vector<Displacement> found;
   for (std::size_t m = 0; m < paths.size(); ++m) {
-    const double own_px =
-        paths[m].size() < kEnough ? scatter_px : dynamics::LearnMotion(std::span(&paths[m], 1), unit_mm).extra_sigma;
-    const double fit_px = FitsSigma(scatters.markers[m]), error_px = ErrorOverFit(video, scatter_px / fit_px) * fit_px,
+    const dynamics::LearntMotion own =
+        paths[m].size() < kEnough ? pooled : dynamics::LearnMotion(std::span(&paths[m], 1), unit_mm);
+    const double fit_px = FitsSigma(scatters.markers[m]),
+                 error_px = ErrorOverFit(video, pooled.extra_sigma / fit_px) * fit_px,
+                 most_px = own.extra_sigma_at_most,
                  beyond_px = std::min(std::sqrt(std::max(0.0, error_px * error_px - fit_px * fit_px)),
-                                      own_px * UsualSlowFactor(own_px));
+                                      most_px * UsualSlowFactor(most_px));
     found.push_back({.moving = beyond_px, .at_rest = beyond_px});
   }
   return found;

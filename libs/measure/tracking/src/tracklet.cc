@@ -48,6 +48,13 @@ Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s, double
           acceleration};
 }
 
+// How many measurements there are, counted up to three: those of a velocity that is known.
+int Measured(const std::vector<TrackletSample>& samples) {
+  int measured = 0;
+  for (std::size_t i = 0; i < samples.size() && measured < 3; ++i) measured += samples[i].repeated ? 0 : 1;
+  return measured;
+}
+
 double LastMeasured(const std::vector<TrackletSample>& samples) {
   const auto found =
       std::find_if(samples.rbegin(), samples.rend(), [](const auto& sample) { return !sample.repeated; });
@@ -150,7 +157,12 @@ bool Rests(const std::vector<TrackletSample>& samples) {
 // Grows with the distance in gates and with unlikeness; 1 or more is impossible.
 double PairCost(const MarkerPrediction& prediction, const MarkerDetection& detection) {
   if (prediction.identity && detection.identity && *prediction.identity != *detection.identity) return 2;
-  const double distance = (detection.position - prediction.position).norm() / prediction.gate_px;
+  double distance = (detection.position - prediction.position).norm() / prediction.gate_px;
+  if (prediction.rested_at) {
+    constexpr double kBeginsRadii = 2;  // as far as what rested moves at once
+    const double reach_px = kBeginsRadii * prediction.appearance.RadiusPx();
+    distance = std::min(distance, (detection.position - *prediction.rested_at).norm() / reach_px);
+  }
   if (distance > 1) return 2;
   // Half hidden, a disc has 0.7 of its size; the size of one of 2 px is hardly known.
   constexpr double kOtherSize = 3;
@@ -177,16 +189,20 @@ MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, doubl
   MarkerPrediction prediction;
   prediction.position = motion.position;
   prediction.velocity_px = motion.velocity * frame_s;
-  // A marker of unknown velocity may have any; then the acceleration within the time that has passed.
-  const bool young = live.tracklet.samples.size() < 3;
-  prediction.gate_px = std::max(2.0, radius) + 0.5 * most_acceleration_px_s2 * ahead * ahead + (young ? 3 * radius : 0);
+  prediction.gate_px = std::max(2.0, radius) + 0.5 * most_acceleration_px_s2 * ahead * ahead;
+  // A marker of unknown velocity may have any; that of two places is hardly known.
+  const int measured = Measured(live.tracklet.samples);
+  if (measured == 1) prediction.gate_px += options_.physics.SpeedRadii() * radius * ahead;
+  if (measured == 2) prediction.gate_px += 3 * radius;
   // A converted rate shows pictures up to half a frame early or late, and the parabola takes that for acceleration.
   constexpr double kClock = 0.25, kOfAcceleration = 2;
   prediction.gate_px +=
       frame_s * (kClock * motion.velocity.norm() + kOfAcceleration * motion.acceleration.norm() * frame_s);
   // After repeated frames the time since the last measurement may have passed or not.
-  if (live.tracklet.samples.back().repeated)
+  if (live.tracklet.samples.back().repeated) {
     prediction.gate_px += motion.velocity.norm() * std::max(ahead - frame_s, 0.0);
+    prediction.rested_at = live.tracklet.samples.back().position;
+  }
   // Where identities are certain, association needs no caution.
   prediction.gate_px = detector_.KnowsIdentities() ? 8 * radius : std::min(prediction.gate_px, 8 * radius);
   if (live.tracklet.samples.size() == 1 && live.seeded) prediction.gate_px = options_.physics.FastStartRadii() * radius;

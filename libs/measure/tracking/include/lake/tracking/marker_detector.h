@@ -28,8 +28,9 @@ struct MarkerPrediction {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   Eigen::Vector2d velocity_px = Eigen::Vector2d::Zero();  // px per frame
   double gate_px = 0;                                     // look no further than this
-  Blob appearance;                                        // running mean of its looks
-  double quality = 1;                                     // running mean of its detections' quality
+  std::optional<Eigen::Vector2d> rested_at;  // px: where it is if what looked like repeated frames was a rest
+  Blob appearance;                           // running mean of its looks
+  double quality = 1;                        // running mean of its detections' quality
   std::optional<int> identity;
   bool was_missed = false;  // in the frame before: what looks otherwise may be it
 };

@@ -8,10 +8,12 @@ namespace lake::tracking {
 struct MarkerPhysics {
   double radius_mm = 8;
   double max_acceleration_mm_s2 = 9600;  // about 1 g, while the leg stands up
+  double max_speed_mm_s = 2000;          // of a quick rise
   double turns_after_s = 0.3;            // s, in which a marker goes one way at most
   double fast_start_mm = 160;            // from one frame to the next, of what begins at a seed: a ball that is thrown
 
   double AccelerationRadii() const { return max_acceleration_mm_s2 / radius_mm; }  // per s²
+  double SpeedRadii() const { return max_speed_mm_s / radius_mm; }                 // per s
   double FastStartRadii() const { return fast_start_mm / radius_mm; }
 
   // Throws UsageError naming the value that is not positive and finite.
