@@ -187,8 +187,8 @@ class ReadmeNumbers(unittest.TestCase):
     def test_of_the_actuator(self):
         assistance, stroke = summary("assistance")["assistance"], summary("stroke")
         redesign_s = summary("redesign")["after"]["program_duration_s"]
-        self.hold("# % of what the knee needs are at most # N of its # N. But a rise takes # s with the links that make it "
-                  "fastest, and the person took # s: at # % of the rise its # mm/s are not enough",
+        self.hold("# % of the knee moment requires at most # N of its # N. But a rise takes # s with the links that make it "
+                  "fastest, while the person took # s: at # % of the rise its # mm/s are not enough",
                   100 * assistance["assist"], assistance["force_n"]["value"], assistance["actuator"]["lifting_force_n"],
                   assistance["shortest_duration_s"], assistance["own_duration_s"], assistance["limiting_percent"],
                   assistance["actuator"]["no_load_speed_mm_s"])
