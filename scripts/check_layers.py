@@ -2,7 +2,7 @@
 """Checks that data flows one way through the rooms of libs/.
 
 A room is a folder with a CMakeLists.txt that calls lake_add_room. Its link lines say which rooms it uses: these lie in its own
-band or in a band below, and never lead in a circle. What a file includes must be a room that the link lines reach, a public
+layer or in a layer below, and never lead in a circle. What a file includes must be a room that the link lines reach, a public
 header by PUBLIC links alone, and nothing by a relative path. A room's public headers are in include/lake/ROOM, its names in
 the namespace lake::ROOM (core's in lake), and no source lies outside a room.
 
@@ -12,14 +12,14 @@ import re
 import sys
 
 # From the bottom up. Nothing uses the last, which makes recordings for tests.
-BANDS = ["base", "measure", "design", "present", "commands", "study", "synth"]
+LAYERS = ["base", "measure", "design", "present", "commands", "study", "synth"]
 SOURCES = (".h", ".cc", ".c", ".ino")
 
 
 class Room:
     def __init__(self, build_file, libs):
         self.folder = build_file.parent
-        self.band = self.folder.relative_to(libs).parts[0]
+        self.layer = self.folder.relative_to(libs).parts[0]
         self.build_file = build_file
         text = re.sub(r"#.*", "", build_file.read_text())
         self.name = re.search(r"lake_add_room\((\w+)", text).group(1)
@@ -54,8 +54,8 @@ def check_rooms(found):
     for room in found:
         if room.name in rooms:
             yield f"{room.build_file}: there is a room {room.name} already, {rooms[room.name].folder}"
-        if room.band not in BANDS:
-            yield f"{room.build_file}: {room.band} is no band; there are {', '.join(BANDS)}"
+        if room.layer not in LAYERS:
+            yield f"{room.build_file}: {room.layer} is no layer; there are {', '.join(LAYERS)}"
         rooms[room.name] = room
 
 
@@ -90,8 +90,8 @@ def check_links(room, rooms):
         where = f"{room.build_file}:{number}"
         if used not in rooms:
             yield f"{where}: {room.name} links lake::{used}, which is no room"
-        elif BANDS.index(rooms[used].band) > BANDS.index(room.band):
-            yield f"{where}: {room.name} (band {room.band}) may not use {used} (band {rooms[used].band})"
+        elif LAYERS.index(rooms[used].layer) > LAYERS.index(room.layer):
+            yield f"{where}: {room.name} (layer {room.layer}) may not use {used} (layer {rooms[used].layer})"
     if circle := find_circle(room.name, rooms):
         yield f"{room.build_file}: {room.name} uses itself in a circle: {' -> '.join(circle)}"
 

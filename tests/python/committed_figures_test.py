@@ -156,7 +156,7 @@ class ReadmeNumbers(unittest.TestCase):
 
     def test_of_the_loads(self):
         loads = summary("loads")
-        self.hold("extends with # N m at most, and 95 of 100 draws of what is not known are between # and # N m",
+        self.hold("The peak extension moment of one knee is # N m, with a 95 % interval from # to # N m",
                   loads["peak_knee_nm"], *loads["peak_knee_nm_interval"])
 
     def test_of_the_comparison(self):
@@ -165,18 +165,18 @@ class ReadmeNumbers(unittest.TestCase):
         moved, worn = (-best["on_body"][place]["seat_clearance_mm"] for place in ("moved", "as_worn"))
         self.hold("the joint is # mm from the knee of the leg that wears it, # mm in front of it and # mm above it",
                   joint["rms_mm"], *joint["offset_mm"])
-        self.hold("differ by # % of the shank's length: # % of it is placement",
+        self.hold("differ by # % of the shank's length: # % of it is due to placement",
                   100 * comparison["metrics"]["relative_rms"], 100 * comparison["decomposition"]["placement"]["fraction"])
-        self.hold("With the joint moved they would differ by # %, somewhere from # to # %",
+        self.hold("With the joint moved they would differ by # % (95 % interval from # to # %",
                   100 * best["path_relative_rms"], *(100 * end for end in best["path_relative_rms_interval"]))
-        self.hold("these links reach # mm into a seat that carries half the thigh, # mm further than as worn", moved, moved - worn)
+        self.hold("these links reach # mm into a seat that supports half the thigh, # mm further than as worn", moved, moved - worn)
 
     def test_of_the_designs(self):
         redesign, best = summary("redesign"), summary("optimum")
         after, worn = redesign["after"], redesign["before"]
         self.hold("The published problem's best is #°", best["range_deg"])
-        self.hold("The result is # % of misalignment at #° of range, with the joint # mm in front of the knee, which is as good "
-                  "as the # mm where it was worn, and # mm lower. With the joint on the knee the range would be #°.",
+        self.hold("The result is # % of misalignment at #° of range, with the joint # mm in front of the knee, which is "
+                  "equivalent to the # mm as worn, and # mm lower. With the joint on the knee the range would be #°.",
                   after["misalignment_percent"], after["range_deg"], after["placement_x_mm"], worn["placement_x_mm"],
                   worn["placement_y_mm"] - after["placement_y_mm"], redesign["placement_range"]["range_at_knee_deg"])
         self.hold("with their joint moved onto the knee leave # %, in the # s of their program",
@@ -187,8 +187,8 @@ class ReadmeNumbers(unittest.TestCase):
     def test_of_the_actuator(self):
         assistance, stroke = summary("assistance")["assistance"], summary("stroke")
         redesign_s = summary("redesign")["after"]["program_duration_s"]
-        self.hold("# % of what the knee needs are at most # N of its # N. But a rise takes # s with the links that make it "
-                  "fastest, and the person took # s: at # % of the rise its # mm/s are not enough",
+        self.hold("# % of the knee moment requires at most # N of its # N. But a rise takes # s with the links that make it "
+                  "fastest, while the person took # s: at # % of the rise its # mm/s are not enough",
                   100 * assistance["assist"], assistance["force_n"]["value"], assistance["actuator"]["lifting_force_n"],
                   assistance["shortest_duration_s"], assistance["own_duration_s"], assistance["limiting_percent"],
                   assistance["actuator"]["no_load_speed_mm_s"])

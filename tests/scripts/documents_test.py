@@ -1,4 +1,4 @@
-"""What the pages say is there is there: links of all Markdown files, and a README for each room."""
+"""What the pages say is there is there: links of all Markdown files, a README for each room, tests that SAFETY.md names."""
 import re
 import unittest
 
@@ -42,6 +42,18 @@ class Documents(unittest.TestCase):
                 self.assertRegex(first, rf"\A# {room.name}: [^\n]*\Z")
                 self.assertRegex(second, r"\A[A-Z`][^#|]*\.", "begins with a sentence")
                 self.assertIn(f"[{room.name}]({room.relative_to(ROOT / 'libs')}/README.md)", table)
+
+    def test_safety_names_tests_and_alarms_that_exist(self):
+        safety = (ROOT / "libs/design/actuator/SAFETY.md").read_text()
+        sources = "\n".join(path.read_text() for path in (ROOT / "tests").rglob("*.cc"))
+        tests = {".".join(name) for name in re.findall(r"^TEST(?:_[FP])?\((\w+),\s+(\w+)", sources, re.M)}
+        named = set(re.findall(r"`([A-Z]\w+\.\w+)`", safety))
+        self.assertGreater(len(named), 40)
+        self.assertEqual(named - tests - {"SIGN-OFF.md"}, set())
+        for row in re.findall(r"^\|.*\|$", safety, re.M):
+            self.assertNotRegex(row, r"`\w*[…*]|\.\*`|\| the same(?: \||[,;])")
+        faults = re.findall(r"(FAULT_[A-Z_]+) = ([1-9]\d*)", (ROOT / "libs/design/actuator/firmware/state.h").read_text())
+        self.assertEqual(re.findall(r"^\| (\d+) \| `(FAULT_[A-Z_]+)` \|", safety, re.M), [(number, name) for name, number in faults])
 
 
 if __name__ == "__main__":

@@ -92,13 +92,13 @@ class Layers(Project):
                 self.write(build.relative_to(self.folder), as_it_is + f"target_link_libraries(lake_core PRIVATE {target})\n")
                 self.assert_found(r"CMakeLists\.txt:\d+: core .*gait")
 
-    def test_circle_within_a_band(self):
+    def test_circle_within_a_layer(self):
         self.plant(self.room("camera") / "CMakeLists.txt", "target_link_libraries(lake_camera PRIVATE lake::tracking)\n")
         self.assert_found(r"camera uses itself in a circle: camera -> tracking -> camera")
 
-    def test_room_in_no_band(self):
+    def test_room_in_no_layer(self):
         self.write("libs/attic/box/CMakeLists.txt", "lake_add_room(box)\n")
-        self.assert_found(r"attic is no band")
+        self.assert_found(r"attic is no layer")
 
     def test_two_rooms_of_one_name(self):
         self.write("libs/measure/other/CMakeLists.txt", "lake_add_room(nlp)\n")

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "lake/study/study.h"
+#include "step_work.h"
 #include "study_chapters.h"
-#include "study_steps.h"
 
 namespace lake::study {
 

@@ -1,4 +1,4 @@
-// An exoskeleton aligned while it is worn: what the camera sees, what to do in letters for the whole room, curves, rises.
+// An exoskeleton aligned while it is worn: what the camera sees, what to do, in large letters, curves, rises.
 import { Chart, colourOf } from "./charts";
 import { attempt, button, isOfControl, item, onClick, onKey, part, say, showProgress } from "./dom";
 import { Column, LiveAct, LiveMessage, LiveStateMessage, LiveViewMessage } from "./messages";

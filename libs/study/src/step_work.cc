@@ -1,4 +1,4 @@
-#include "study_steps.h"
+#include "step_work.h"
 
 #include <cmath>
 #include <utility>
