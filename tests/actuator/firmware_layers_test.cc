@@ -14,6 +14,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::Pair;
 using testing::SizeIs;
 
 using Files = std::vector<actuator::FirmwareFile>;
@@ -86,6 +87,37 @@ TEST(FirmwareLayers, APlantedCircleIsFound) {
   EXPECT_THAT(NotBelow(With("serial.h", "protocol.h")), ElementsAre("serial includes protocol"));
   EXPECT_THAT(NotBelow(With("end_stops.h", "motor.h")), ElementsAre("end_stops includes motor"));
   EXPECT_THAT(NotBelow(With("motor.c", "nowhere.h")), ElementsAre("motor includes nowhere"));
+}
+
+// What an interrupt writes and the main loop reads may be torn where it has more bytes than one. These are the
+// functions of more than a byte that the main loop's modules call of others, each with whether it blocks interrupts or
+// has a constant to tell only. A PC reads such a number at once, so no run on it can show a torn one.
+std::map<std::string, bool> ReadByTheMainLoop(const Files& files) {
+  static const std::regex definition("(?:^|\n)(?:u?int(?:16|32)_t|status_t) ([a-z]+_[a-z_]+)\\([^)]*\\) \\{\n");
+  static const std::regex harmless("ATOMICALLY|ATOMIC_BLOCK|^  return [0-9]+;$");
+  static const std::set<std::string> main_loop = {"firmware.c", "line.c", "protocol.c"};
+  std::string calls;
+  for (const actuator::FirmwareFile& file : files)
+    if (main_loop.contains(file.name)) calls += file.text;
+  std::map<std::string, bool> found;
+  for (const actuator::FirmwareFile& file : files) {
+    if (main_loop.contains(file.name)) continue;
+    for (std::sregex_iterator at(file.text.begin(), file.text.end(), definition), end; at != end; ++at) {
+      const std::string name = (*at)[1];
+      if (calls.find(name + "(") == std::string::npos) continue;
+      const std::string rest = at->suffix();
+      const bool is_harmless = std::regex_search(rest.substr(0, rest.find("\n}")), harmless);
+      const auto [place, is_first] = found.emplace(name, is_harmless);
+      place->second = place->second && is_harmless;
+    }
+  }
+  return found;
+}
+
+TEST(FirmwareLayers, WhatTheMainLoopReadsOfAnInterruptIsNotTorn) {
+  EXPECT_THAT(ReadByTheMainLoop(actuator::FirmwareSources(actuator::Board::kUno)),
+              ElementsAre(Pair("board_analog", true), Pair("controller_status", true), Pair("program_waited_ms", true),
+                          Pair("serial_read", true)));
 }
 
 // Calls without an include are circles as well: what is called must be declared. The Nucleo's files have the UNO's

@@ -88,7 +88,11 @@ uint8_t program_waits(void) {
 }
 
 uint32_t program_waited_ms(void) {
-  return late.all_ms;
+  uint32_t waited_ms = 0;
+  ATOMICALLY {
+    waited_ms = late.all_ms;
+  }
+  return waited_ms;
 }
 
 static void begin_following(void) {
