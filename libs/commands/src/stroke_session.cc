@@ -12,6 +12,16 @@
 
 namespace lake::commands {
 
+namespace {
+
+std::string WaitedText(const std::optional<double>& waited_s) {
+  if (!waited_s) return ", perhaps longer than planned: the firmware's line that tells it was damaged";
+  if (*waited_s < 0.05) return "";
+  return fmt::format(", {:.1f} s longer than planned, as the actuator had not the speed", *waited_s);
+}
+
+}  // namespace
+
 Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
   if (options.folder.empty()) throw UsageError("which program? give the folder that lake-stroke wrote");
   if (options.session.port.empty()) throw UsageError("which serial line? give --port /dev/ttyACM0");
@@ -33,13 +43,11 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
   const std::filesystem::path log = run.Result("log.csv");
   const actuator::SessionResult result = actuator::RunSession(options.session, sketch, log, poll);
   const std::string ran = result.run_s == 0 ? "" : fmt::format(", ran for {:.1f} s", result.run_s);
-  const std::string waited =
-      result.waited_s < 0.05
-          ? ""
-          : fmt::format(", {:.1f} s longer than planned, as the actuator had not the speed", result.waited_s);
-  run.Report("homed in {:.1f} s{}{}; {} rows in log.csv\n", result.homing_s, ran, waited, result.rows);
-  return {{"rows", result.rows},         {"homing_s", result.homing_s},       {"run_s", result.run_s},
-          {"waited_s", result.waited_s}, {"design_hash", sketch.design_hash}, {"program_hash", sketch.program_hash}};
+  run.Report("homed in {:.1f} s{}{}; {} rows in log.csv\n", result.homing_s, ran, WaitedText(result.waited_s),
+             result.rows);
+  const Json waited_s = result.waited_s ? Json(*result.waited_s) : Json();
+  return {{"rows", result.rows},  {"homing_s", result.homing_s},       {"run_s", result.run_s},
+          {"waited_s", waited_s}, {"design_hash", sketch.design_hash}, {"program_hash", sketch.program_hash}};
 }
 
 void Describe(StrokeSessionRunOptions& o, OptionList& options) {

@@ -167,7 +167,13 @@ class Session {
   }
 
   std::size_t Rows() const { return rows_; }
-  double Waited() const { return waited_s_; }
+  // Of the program, s: the firmware tells it once, after the last row of the running program. Without a potentiometer
+  // no program waits.
+  std::optional<double> Waited() const {
+    const bool may_wait = header_.find("measured_mm") != std::string::npos;
+    if (waited_s_ || (may_wait && has_lost_line_)) return waited_s_;
+    return 0;
+  }
 
  private:
   void RefuseIfHeld(const std::string& line) const {
@@ -218,6 +224,7 @@ class Session {
     // A line that was damaged on its way says nothing: rows come again, a reply that does not come is an error, and
     // each row says whether there is a fault, a hold or an end.
     std::optional<std::string> text = Unframed(line);
+    has_lost_line_ = has_lost_line_ || !text;
     if (text) Take(*text);
     return text;
   }
@@ -225,7 +232,10 @@ class Session {
   void Take(const std::string& line) {
     if (line.starts_with(kAlarm)) alarm_ = line;
     if (line.starts_with(kWaited)) waited_s_ = std::strtod(line.c_str() + kWaited.size(), nullptr);
-    if (IsRow(line)) state_ = Field(line, 5);
+    if (IsRow(line)) {
+      state_ = Field(line, 5);
+      has_lost_line_ = has_lost_line_ && state_ == "idle";
+    }
     if (!is_logging_) return;
     if (line.starts_with(kAlarm))
       throw Fail("{}: the firmware stopped with {}: {}", options_.port.string(), line, AlarmText(AlarmNumber(line)));
@@ -261,7 +271,8 @@ class Session {
   bool is_logging_ = false;
   double last_time_s_ = 0, before_s_ = 0;
   std::size_t rows_ = 0;
-  double waited_s_ = 0;
+  std::optional<double> waited_s_;
+  bool has_lost_line_ = false;  // since anything moved
 };
 
 // Lines of a person to the firmware, and back.
@@ -376,13 +387,13 @@ SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sk
     if (options.task != SessionTask::kHome) {
       session.Ask(options.task == SessionTask::kRunWorn ? "worn" : "run");
       result.run_s = session.WaitForDone("the program", std::min(options.run_s, 2 * sketch.duration_s + 10));
+      result.waited_s = session.Waited();
     }
   } catch (...) {
     session.Stop();
     throw;
   }
   result.rows = session.Rows();
-  result.waited_s = session.Waited();
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,8 @@ SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder);
 struct SessionResult {
   std::size_t rows = 0;
   double homing_s = 0, run_s = 0;
-  double waited_s = 0;  // of these, for an actuator that had not the program's speed
+  // Of these, for an actuator that had not the program's speed; none where the line that may tell it was damaged.
+  std::optional<double> waited_s = 0;
 };
 
 // Homes and runs, or one of the two. A board that has been homed keeps that, since the line's end does not reset it
