@@ -9,6 +9,7 @@
 #include "lake/commands/stroke.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/json_or_null.h"
 
 namespace lake::commands {
 
@@ -45,9 +46,12 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
   const std::string ran = result.run_s == 0 ? "" : fmt::format(", ran for {:.1f} s", result.run_s);
   run.Report("homed in {:.1f} s{}{}; {} rows in log.csv\n", result.homing_s, ran, WaitedText(result.waited_s),
              result.rows);
-  const Json waited_s = result.waited_s ? Json(*result.waited_s) : Json();
-  return {{"rows", result.rows},  {"homing_s", result.homing_s},       {"run_s", result.run_s},
-          {"waited_s", waited_s}, {"design_hash", sketch.design_hash}, {"program_hash", sketch.program_hash}};
+  return {{"rows", result.rows},
+          {"homing_s", result.homing_s},
+          {"run_s", result.run_s},
+          {"waited_s", NumberOrNull(result.waited_s)},
+          {"design_hash", sketch.design_hash},
+          {"program_hash", sketch.program_hash}};
 }
 
 void Describe(StrokeSessionRunOptions& o, OptionList& options) {

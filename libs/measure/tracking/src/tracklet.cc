@@ -11,6 +11,19 @@
 namespace lake::tracking {
 namespace {
 
+// The last three samples that were measured, the last one first; `count`: how many of them there are, at least one.
+struct Measured {
+  std::array<const TrackletSample*, 3> samples = {};
+  std::size_t count = 0;
+};
+
+Measured LastMeasured(const std::vector<TrackletSample>& samples) {
+  Measured last;
+  for (auto sample = samples.rbegin(); sample != samples.rend() && last.count < last.samples.size(); ++sample)
+    if (!sample->repeated) last.samples[last.count++] = &*sample;
+  return last;
+}
+
 // Position by the parabola, velocity by the slope, of the last samples; of what rests, where it was on average, as a
 // parabola makes four times the noise of it. An acceleration that no marker has is the frames' times', as a
 // converted rate leaves some out: then the last speed goes on.
@@ -19,12 +32,8 @@ struct Motion {
   Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  // px/s²
 };
 
-Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s, double most_acceleration_px_s2) {
-  // The last three that were measured, the last one first.
-  std::array<const TrackletSample*, 3> samples = {};
-  std::size_t count = 0;
-  for (auto sample = all.rbegin(); sample != all.rend() && count < samples.size(); ++sample)
-    if (!sample->repeated) samples[count++] = &*sample;
+Motion Extrapolate(const Measured& measured, double time_s, double most_acceleration_px_s2) {
+  const auto& [samples, count] = measured;
   const TrackletSample& last = *samples[0];
   if (count < 2) return {last.position, Eigen::Vector2d::Zero()};
   const TrackletSample& before = *samples[1];
@@ -46,19 +55,6 @@ Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s, double
   const Eigen::Vector2d velocity = slope + acceleration * 0.5 * (last.time_s - before.time_s);
   return {last.position + ahead * velocity + 0.5 * ahead * ahead * acceleration, velocity + ahead * acceleration,
           acceleration};
-}
-
-// How many measurements there are, counted up to three: those of a velocity that is known.
-int Measured(const std::vector<TrackletSample>& samples) {
-  int measured = 0;
-  for (std::size_t i = 0; i < samples.size() && measured < 3; ++i) measured += samples[i].repeated ? 0 : 1;
-  return measured;
-}
-
-double LastMeasured(const std::vector<TrackletSample>& samples) {
-  const auto found =
-      std::find_if(samples.rbegin(), samples.rend(), [](const auto& sample) { return !sample.repeated; });
-  return found->time_s;
 }
 
 // Whether a sample is among the three before or after a gap or an end, where something comes before the marker or
@@ -183,17 +179,17 @@ const TrackletSample* Tracklet::SampleIn(std::int64_t frame) const {
 }
 
 MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, double frame_s) const {
-  const double radius = live.appearance.RadiusPx(), ahead = time_s - LastMeasured(live.tracklet.samples),
+  const Measured measured = LastMeasured(live.tracklet.samples);
+  const double radius = live.appearance.RadiusPx(), ahead = time_s - measured.samples[0]->time_s,
                most_acceleration_px_s2 = options_.physics.AccelerationRadii() * radius;
-  const Motion motion = Extrapolate(live.tracklet.samples, time_s, most_acceleration_px_s2);
+  const Motion motion = Extrapolate(measured, time_s, most_acceleration_px_s2);
   MarkerPrediction prediction;
   prediction.position = motion.position;
   prediction.velocity_px = motion.velocity * frame_s;
   prediction.gate_px = std::max(2.0, radius) + 0.5 * most_acceleration_px_s2 * ahead * ahead;
   // A marker of unknown velocity may have any; that of two places is hardly known.
-  const int measured = Measured(live.tracklet.samples);
-  if (measured == 1) prediction.gate_px += options_.physics.SpeedRadii() * radius * ahead;
-  if (measured == 2) prediction.gate_px += 3 * radius;
+  if (measured.count == 1) prediction.gate_px += options_.physics.SpeedRadii() * radius * ahead;
+  if (measured.count == 2) prediction.gate_px += 3 * radius;
   // A converted rate shows pictures up to half a frame early or late, and the parabola takes that for acceleration.
   constexpr double kClock = 0.25, kOfAcceleration = 2;
   prediction.gate_px +=
