@@ -285,15 +285,20 @@ video::VideoInfo CodedBy(const std::string& codec, bool frame_by_frame = false) 
 
 const video::VideoInfo kH264 = CodedBy("h264");
 
-// 3200 residuals fix their deviation to 1.3 %; a variance that is too large by 3 % would show as 0.17 of the fits'
-// sigma.
-TEST(SigmaCalibration, AddsNothingToWhiteNoise) {
+video::VideoInfo Lossless() {
+  video::VideoInfo video = CodedBy("ffv1", true);
+  video.is_lossless = true;
+  return video;
+}
+
+// 3200 residuals fix their deviation to 1.3 %.
+TEST(SigmaCalibration, AddsNothingToLosslessVideo) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     motion::MarkerRecording recording = Curves(0.03, 0.03, seed);
-    const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(kH264, recording);
+    const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(Lossless(), recording);
     EXPECT_NEAR(calibration.fit_px, 0.03, 1e-12);
     EXPECT_NEAR(calibration.scatter_px, 0.03, 0.04 * 0.03);
-    EXPECT_LE(recording.markers[0].samples[100].sigma, 1.04 * 0.03);
+    EXPECT_EQ(recording.markers[0].samples[100].sigma, 0.03);
   }
 }
 
@@ -302,8 +307,8 @@ TEST(SigmaCalibration, FindsAKnownExtraScatter) {
     motion::MarkerRecording recording = Curves(std::hypot(0.02, extra_px), 0.02, 9);
     recording.markers[1].samples[50] = {};
     const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(kH264, recording);
-    EXPECT_NEAR(calibration.compression_px, extra_px, 0.08 * extra_px);
-    EXPECT_NEAR(recording.markers[2].samples[7].sigma, std::hypot(0.02, extra_px), 0.06 * std::hypot(0.02, extra_px));
+    EXPECT_NEAR(calibration.scatter_px, std::hypot(0.02, extra_px), 0.06 * std::hypot(0.02, extra_px));
+    EXPECT_NEAR(recording.markers[2].samples[7].sigma, std::hypot(0.02, calibration.compression_px), 1e-12);
     EXPECT_FALSE(recording.markers[1].samples[50].IsKnown());
     EXPECT_EQ(recording.markers[1].samples[50].sigma, 0);
   }
@@ -314,7 +319,7 @@ TEST(SigmaCalibration, FindsItWhereEverySecondFrameIsLeftOut) {
   motion::MarkerRecording recording = Curves(std::hypot(0.02, 0.05), 0.02, 9);
   for (motion::MarkerTrack& marker : recording.markers)
     for (std::size_t i = 1; i < marker.samples.size(); i += 2) marker.samples[i] = {};
-  EXPECT_NEAR(tracking::CalibrateSigmas(kH264, recording).compression_px, 0.05, 0.06 * 0.05);
+  EXPECT_NEAR(tracking::CalibrateSigmas(kH264, recording).scatter_px, std::hypot(0.02, 0.05), 0.06 * 0.05);
 }
 
 // So strong is compression only where its errors last for some frames, which scatter does not show.
@@ -382,16 +387,22 @@ double ErrorOverSigma(const GoingAndResting& made) {
 }
 
 // A smooth path goes along with errors that last; its scatter is 0.65 of an error of which each frame keeps half. And
-// an encoder that smooths the picture makes the fits' sigmas small, not its errors (x265). What stays at rest is one
-// draw for each marker and rest, 20 in all: it varies by a sixth.
+// an encoder that smooths the picture makes the fits' sigmas small, not its errors (x265): of rendered recordings the
+// error was 2 to 6.5 times that sigma in H.264, 3.5 to 10 times in H.265 (5 to 95 %). What stays at rest is one draw
+// for each marker and rest, 20 in all: it varies by a sixth.
 TEST(SigmaCalibration, ErrorsMayLastAndBeManyTimesTheFitsSigma) {
-  for (const double kept : {0.0, 0.25, 0.5})
-    for (const double sigma_px : {0.01, 0.03})
-      for (unsigned seed = 31; seed < 34; ++seed) {
-        GoingAndResting made = GoAndRest(0.12, kept, sigma_px, 0, seed);
-        tracking::CalibrateSigmas(kH264, made.recording);
-        EXPECT_NEAR(ErrorOverSigma(made), 1, 0.25) << kept << " kept, fits of " << sigma_px << ", seed " << seed;
-      }
+  struct Case {
+    video::VideoInfo video;
+    double sigma_px, kept;
+  };
+  const video::VideoInfo h265 = CodedBy("hevc");
+  for (const auto& [video, sigma_px, kept] : {Case{kH264, 0.03, 0}, Case{kH264, 0.03, 0.25}, Case{kH264, 0.03, 0.5},
+                                              Case{h265, 0.019, 0}, Case{h265, 0.019, 0.25}})
+    for (unsigned seed = 31; seed < 34; ++seed) {
+      GoingAndResting made = GoAndRest(0.12, kept, sigma_px, 0, seed);
+      tracking::CalibrateSigmas(video, made.recording);
+      EXPECT_NEAR(ErrorOverSigma(made), 1, 0.25) << video.codec << ", " << kept << " kept, seed " << seed;
+    }
 }
 
 TEST(SigmaCalibration, JitterThatIsThereAtRestTooIsNoCompression) {
@@ -411,17 +422,16 @@ TEST(SigmaCalibration, KnowsWhatCodingUsuallyAdds) {
     return added;
   };
   const video::VideoInfo motion_jpeg = CodedBy("mjpeg", true);
-  EXPECT_NEAR(added_px(motion_jpeg, 0.2), std::sqrt(1.3 * 1.3 - 1) * 0.01, 1e-6);
-  EXPECT_NEAR(added_px(motion_jpeg, 0.9), added_px(motion_jpeg, 0.2), 1e-12);
-  video::VideoInfo ffv1 = CodedBy("ffv1", true);
-  ffv1.is_lossless = true;
-  EXPECT_EQ(added_px(ffv1, 0.2), 0);
+  EXPECT_NEAR(added_px(motion_jpeg, 0.2), std::sqrt(1.5 * 1.5 - 1) * 0.01, 1e-6);
+  EXPECT_LT(added_px(motion_jpeg, 0.9), added_px(motion_jpeg, 0.2));
+  EXPECT_EQ(added_px(motion_jpeg, 100), 0);
+  EXPECT_EQ(added_px(Lossless(), 0.2), 0);
   const double h264 = added_px(kH264, 0.01), many_bits = added_px(kH264, 0.1), h265 = added_px(CodedBy("hevc"), 0.01);
   EXPECT_GT(h264, 3 * 0.01);
-  EXPECT_NEAR(std::hypot(h264, 0.01) / std::hypot(many_bits, 0.01), std::pow(10, 0.12), 1e-6);
+  EXPECT_NEAR(std::hypot(h264, 0.01) / std::hypot(many_bits, 0.01), std::pow(10, 0.1), 1e-6);
   EXPECT_GT(h265, h264);
   EXPECT_LT(h265, 1.2 * 0.05);
-  EXPECT_NEAR(std::hypot(added_px(CodedBy("mpeg4"), 0.01), 0.01) / std::hypot(h264, 0.01), 0.8, 1e-6);
+  EXPECT_LT(added_px(CodedBy("mpeg4"), 0.01), h264);
 }
 
 // Four markers of a person at 25 Hz, of which one is moved by far more jerk, each measured with an error of 0.05 px.
@@ -457,31 +467,32 @@ TEST(SigmaCalibration, IsThatOfTheOthersWhereAPathTellsNothing) {
   }
 }
 
-// The sigmas of what holds still have those errors in them that last; of a person's markers the leg fit is told.
-TEST(SigmaCalibration, SaysWhatOfAPersonsErrorsLasts) {
+// Smoothing takes the fits' own errors away, and 0.3 of what coding adds.
+TEST(SigmaCalibration, SaysWhatOfTheErrorsLasts) {
   const auto calibrated = [](const video::VideoInfo& video, double jitter_px) {
     GoingAndResting made = GoAndRest(0.12, 0.5, 0.01, jitter_px, 37);
     return tracking::CalibrateSigmas(video, made.recording);
   };
-  constexpr double kJitter_px = 0.1;
-  EXPECT_EQ(calibrated(kH264, 0).lasting_share, 0);
-  const tracking::SigmaCalibration person = calibrated(kH264, kJitter_px);
-  const double added_share = std::pow(person.compression_px / std::hypot(person.compression_px, 0.01), 2);
-  EXPECT_GT(added_share, 0.9);
-  EXPECT_NEAR(person.lasting_share, 0.7 * added_share, 1e-6);
-  video::VideoInfo ffv1 = CodedBy("ffv1", true);
-  ffv1.is_lossless = true;
-  EXPECT_EQ(calibrated(ffv1, kJitter_px).lasting_share, 0);
+  for (const double jitter_px : {0.0, 0.1}) {
+    const tracking::SigmaCalibration coded = calibrated(kH264, jitter_px);
+    const double added_share = std::pow(coded.compression_px / std::hypot(coded.compression_px, 0.01), 2);
+    EXPECT_GT(added_share, 0.9);
+    EXPECT_NEAR(coded.lasting_share, 0.7 * added_share, 1e-6);
+    EXPECT_EQ(calibrated(Lossless(), jitter_px).lasting_share, 0);
+  }
 }
 
-// One of little contrast is displaced farther than the others.
+// One of little contrast has larger fits' sigmas, and is displaced farther than the others.
 TEST(SigmaCalibration, IsOfEachMarker) {
-  motion::MarkerRecording recording = Curves(0.02, 0.02, 6);
-  const motion::MarkerRecording scattered = Curves(0.05, 0.02, 6);
+  motion::MarkerRecording recording = Curves(0.04, 0.02, 6);
+  const motion::MarkerRecording scattered = Curves(0.08, 0.04, 6);
   recording.markers[1] = scattered.markers[1];
   tracking::CalibrateSigmas(kH264, recording);
-  EXPECT_NEAR(recording.markers[1].samples[100].sigma, 0.05, 0.005);
-  EXPECT_NEAR(recording.markers[2].samples[100].sigma, 0.02, 0.003);
+  const auto added_px = [&](std::size_t marker, double fit_px) {
+    return std::sqrt(std::pow(recording.markers[marker].samples[100].sigma, 2) - fit_px * fit_px);
+  };
+  EXPECT_GT(added_px(1, 0.04), 1.2 * added_px(2, 0.02));
+  EXPECT_EQ(added_px(0, 0.02), added_px(2, 0.02));
 }
 
 // Times that scatter by 0.3 frames are no noise of the positions, nor is a frame in four that is not there.
@@ -490,7 +501,7 @@ TEST(SigmaCalibration, GoesByTime) {
   for (motion::MarkerTrack& marker : recording.markers)
     for (std::size_t i = 0; i < marker.samples.size(); i += 4) marker.samples[i] = {};
   const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(kH264, recording);
-  EXPECT_NEAR(calibration.compression_px, 0.05, 0.08 * 0.05);
+  EXPECT_NEAR(calibration.scatter_px, std::hypot(0.02, 0.05), 0.08 * 0.05);
 }
 
 }  // namespace

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
-#include <map>
 #include <numbers>
 
 #include "lake/core/statistics.h"
@@ -187,16 +185,6 @@ double QuickDensity(const ByDensity& share, double unit_mm) {
   return DensityAt(kDensities - 1, unit_mm);
 }
 
-// The largest extra deviation that is not rejected at 5 %, of those tried: by the likelihood ratio (Wilks 1938).
-double NotRejected(const std::map<double, double>& log_likelihoods, double most) {
-  constexpr double kRatio = 1.92;  // half of chi square's 95 %, one degree of freedom
-  auto above = log_likelihoods.end();
-  while (above != log_likelihoods.begin() && std::prev(above)->second < most - kRatio) --above;
-  const auto [at, log] = *std::prev(above);
-  if (above == log_likelihoods.end()) return at;
-  return std::lerp(at, above->first, (log - (most - kRatio)) / (log - above->second));
-}
-
 }  // namespace
 
 LearntMotion LearnMotion(std::span<const std::vector<PathSample>> paths, double unit_mm) {
@@ -207,10 +195,8 @@ LearntMotion LearnMotion(std::span<const std::vector<PathSample>> paths, double 
   for (const Window& window : windows) sigmas.push_back(window.sigma);
   const double sigma = Median(std::move(sigmas));
   learnt.log_likelihood = -INFINITY;
-  std::map<double, double> log_likelihoods;  // by extra deviation
   const auto try_extra = [&](double extra_sigma) {
     const Explanation explained = Explain(windows, extra_sigma, unit_mm);
-    log_likelihoods[extra_sigma] = explained.log_likelihood;
     if (explained.log_likelihood <= learnt.log_likelihood) return;
     learnt.density = QuickDensity(explained.share, unit_mm);
     learnt.extra_sigma = extra_sigma;
@@ -223,7 +209,6 @@ LearntMotion LearnMotion(std::span<const std::vector<PathSample>> paths, double 
     const double middle = learnt.extra_sigma;
     for (const double extra_sigma : {middle / factor, middle * factor}) try_extra(extra_sigma);
   }
-  learnt.extra_sigma_at_most = NotRejected(log_likelihoods, learnt.log_likelihood);
   return learnt;
 }
 

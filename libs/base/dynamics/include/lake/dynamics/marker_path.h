@@ -68,10 +68,9 @@ double LogJoin(const PathState& before, const PathState& after, double elapsed_s
 
 // How a recording's markers move and how much their measurements err, learnt from it.
 struct LearntMotion {
-  double density = 0;      // q of a quick movement: nine in ten of the windows in which something moves have less
-  double extra_sigma = 0;  // what the samples' own sigmas leave out, per axis
-  double extra_sigma_at_most = 0;  // the upper end of its 95 % interval: far above where the movement is as rough
-  double log_likelihood = 0;       // of the windows, each of a density that is as frequent as it is in all
+  double density = 0;         // q of a quick movement: nine in ten of the windows in which something moves have less
+  double extra_sigma = 0;     // what the samples' own sigmas leave out, per axis
+  double log_likelihood = 0;  // of the windows, each of a density that is as frequent as it is in all
 };
 
 // By the marginal likelihood of windows of 0.6 s, at most 150 of them spread over the paths, over densities half a
