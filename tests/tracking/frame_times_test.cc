@@ -146,22 +146,23 @@ TEST(FrameTimes, OfALowerRateAreThoseOfRoundedStamps) {
 }
 
 // Of 24 frames in a second, shown at 25, one in 25 is a repetition. Two in 25 agree with nearly as many frames: new
-// frames were taken for repetitions, and the time behind one of them to stand still.
+// frames were taken for repetitions, and the time behind one of them to stand still. In a single rise four are seen.
 TEST(FrameTimes, OfALowerRateAreThoseOfTheLikeliestPattern) {
-  for (const std::uint64_t seed : {745u, 746u, 747u, 748u}) {
-    synth::SceneOptions options = synth::CleanScene(seed);
-    options.motion.repetitions = 3;
-    options.frame_rate_hz = 24;
-    const synth::Scene scene(options);
-    std::vector<int> source;
-    for (int i = 0; i * 24 / 25 < scene.Frames(); ++i) source.push_back(i * 24 / 25);
-    ShownFrames shown = Show(scene, seed, source, 25);
-    const FrameTimes times = CorrectFrameTimes({}, shown.recording);
-    EXPECT_NEAR(times.captured_hz, 24, 0.01) << seed;
-    EXPECT_TRUE(times.jumps.empty()) << seed;
-    for (const std::int64_t frame : times.repeated)
-      EXPECT_EQ(source[static_cast<std::size_t>(frame)], source[static_cast<std::size_t>(frame) - 1]) << seed;
-  }
+  for (const int rises : {1, 3})
+    for (const std::uint64_t seed : {745u, 746u, 747u, 748u}) {
+      synth::SceneOptions options = synth::CleanScene(seed);
+      options.motion.repetitions = rises;
+      options.frame_rate_hz = 24;
+      const synth::Scene scene(options);
+      std::vector<int> source;
+      for (int i = 0; i * 24 / 25 < scene.Frames(); ++i) source.push_back(i * 24 / 25);
+      ShownFrames shown = Show(scene, seed, source, 25);
+      const FrameTimes times = CorrectFrameTimes({}, shown.recording);
+      EXPECT_NEAR(times.captured_hz, 24, 0.01) << seed << ", rises: " << rises;
+      EXPECT_TRUE(times.jumps.empty()) << seed << ", rises: " << rises;
+      for (const std::int64_t frame : times.repeated)
+        EXPECT_EQ(source[static_cast<std::size_t>(frame)], source[static_cast<std::size_t>(frame) - 1]) << seed;
+    }
 }
 
 // Strong coding changes a picture that is shown again, and none is the one before.
@@ -200,6 +201,23 @@ TEST(FrameTimes, OfFramesChosenFromAFasterFilmAreTheirs) {
       EXPECT_NEAR(fast.recording.time_s[i] - fast.recording.time_s[0], (chosen[i] - chosen[0]) / kRateHz, 1e-9);
     EXPECT_EQ(CorrectFrameTimes({}, own.recording).chosen_from_hz, 0) << seed << ", " << shown_hz;
     EXPECT_EQ(own.recording.time_s, stamps_s);
+  }
+}
+
+// A camera at 24 Hz that loses some frames: their neighbours' stamps are true, also where 25 Hz happens to be smoother.
+TEST(FrameTimes, OfACameraThatLosesFramesAreTheStamps) {
+  constexpr double kNoisy_px = 0.4;
+  for (std::uint64_t seed = 770; seed < 787; ++seed) {
+    const synth::Scene scene = OneRise(seed, 24);
+    std::mt19937_64 random(seed);
+    std::vector<int> kept;
+    for (int i = 0; i < scene.Frames(); ++i)
+      if (i == 0 || random() % 8 != 0) kept.push_back(i);
+    ShownFrames shown = Show(scene, seed, kept, 24, kNoisy_px);
+    for (std::size_t i = 0; i < kept.size(); ++i) shown.recording.time_s[i] = kept[i] / 24.0;
+    const std::vector<double> stamps_s = shown.recording.time_s;
+    EXPECT_EQ(CorrectFrameTimes({}, shown.recording).chosen_from_hz, 0) << seed;
+    EXPECT_EQ(shown.recording.time_s, stamps_s) << seed;
   }
 }
 

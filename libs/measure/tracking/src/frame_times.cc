@@ -187,7 +187,8 @@ class FrameClock {
   }
 
   // The times of frames that were chosen from a film of a higher rate, each the nearest one: early or late by up to
-  // half a frame of that film, and how uneven they are then. Returns its rate, Hz, or 0.
+  // half a frame of that film, and how uneven they are then. Returns its rate, Hz, or 0. What is even at its stamps was
+  // taken then.
   double TakeHigherRate(const TimedPaths& paths) {
     constexpr std::array kRates_hz = {25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0};
     constexpr int kPhases = 24;
@@ -197,7 +198,7 @@ class FrameClock {
     const auto place = [&](std::size_t i) { return (stamps_s_[i] - stamps_s_.front()) / frame_s_; };
     const bool is_regular = std::ranges::all_of(
         frames, [&](std::size_t i) { return std::abs(place(i) - std::round(place(i))) < kRegular; });
-    if (!is_regular) return 0;
+    if (!is_regular || uneven_s_ == 0) return 0;
     double most = paths.LogLikelihood() - std::log(kDoubt) -
                   std::log(kConvertedOdds / static_cast<double>(kRates_hz.size() * kPhases)),
            best_hz = 0;

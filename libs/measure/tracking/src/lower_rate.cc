@@ -11,11 +11,10 @@ double LowerRate::Source(std::size_t i) const {
 }
 
 std::optional<LowerRate> FindLowerRate(const std::vector<ToldFrame>& told) {
-  constexpr std::size_t kFewest = 6;
   constexpr double kMayDisagree = 0.03, kReach = 0.04;
   constexpr int kLargestDenominator = 60, kPhases = 24;
   const auto found = static_cast<std::size_t>(std::ranges::count_if(told, &ToldFrame::is_repeated));
-  if (found < kFewest || found == told.size()) return std::nullopt;
+  if (found == 0 || found == told.size()) return std::nullopt;
   const auto frames = static_cast<double>(told.size()), share = static_cast<double>(found) / frames;
   // Where little moves, repetitions are found more seldom than new frames: the ratio may be less than it looks.
   const double most_ratio = kReach + 1 - share;
