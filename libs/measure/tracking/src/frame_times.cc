@@ -276,7 +276,8 @@ class FrameClock {
     jump.log_odds += std::log(kJumpOdds / each) - by_stamp;
     constexpr double kLeastFrames = 0.75, kUneven = 3, kOthers = 3;  // the logarithm of odds of 20
     if (std::abs(jump.moved_s - stamped_s) < std::max(kLeastFrames * usual_s, kUneven * uneven_s_) ||
-        passage.LogRatioWithoutBest(jump.moved_s, stamped_s) < kOthers)
+        passage.LogRatioWithoutBest(jump.moved_s, stamped_s, 1) < kOthers ||
+        passage.LogRatioWithoutBest(jump.moved_s, stamped_s, 2) < 0)
       jump.log_odds = -INFINITY;
     return cut.log_odds > jump.log_odds ? cut : jump;
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <numeric>
 #include <span>
 
 #include "leg_scale.h"
@@ -89,14 +90,13 @@ double Passage::LogDensity(double elapsed_s, double unrelated) const {
   return total;
 }
 
-double Passage::LogRatioWithoutBest(double elapsed_s, double other_s) const {
-  double total = 0, best = -INFINITY;
-  for (const Marker& marker : markers_) {
-    const double ratio = LogDensity(marker, elapsed_s, kMismeasured) - LogDensity(marker, other_s, kMismeasured);
-    total += ratio;
-    best = std::max(best, ratio);
-  }
-  return total - best;
+double Passage::LogRatioWithoutBest(double elapsed_s, double other_s, std::size_t best) const {
+  std::vector<double> ratios;
+  for (const Marker& marker : markers_)
+    ratios.push_back(LogDensity(marker, elapsed_s, kMismeasured) - LogDensity(marker, other_s, kMismeasured));
+  std::ranges::sort(ratios);
+  ratios.resize(ratios.size() - std::min(best, ratios.size()));
+  return std::accumulate(ratios.begin(), ratios.end(), 0.0);
 }
 
 double Passage::LogDensity(const Marker& marker, double elapsed_s, double unrelated) const {

@@ -21,9 +21,9 @@ class Passage {
   double LogDensity(double elapsed_s) const;
   // The same if they have nothing to do with each other, as on both sides of a cut.
   double LogDensityOfCut(double elapsed_s) const;
-  // By how much more likely one time is than another, of all markers but that which says so most: what moves alone may
-  // have been left behind by the encoder. A logarithm.
-  double LogRatioWithoutBest(double elapsed_s, double other_s) const;
+  // By how much more likely one time is than another, of all markers but the `best` ones, which say so most: what moves
+  // alone may have been left behind by the encoder, hip and waist are struck together by a seat. A logarithm.
+  double LogRatioWithoutBest(double elapsed_s, double other_s, std::size_t best) const;
   // How far two markers at least are from where the paths before lead, if `elapsed_s` lie between the two frames; 0 of
   // fewer.
   double JumpMm(double elapsed_s) const;
