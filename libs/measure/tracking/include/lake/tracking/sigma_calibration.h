@@ -11,7 +11,7 @@ struct SigmaCalibration {
   double scatter_px = 0;      // standard deviation of the measurements about the motion's model, per axis
   double compression_px = 0;  // what is added to the fits' sigmas, in quadrature
   // Of the sigmas' squares: errors that stay alike for some frames, so that a smooth path follows them as it does
-  // movement. For the leg fit.
+  // movement. For the leg fit; 0 of what holds still at rest, as a mechanism, whose paths are smooth.
   double lasting_share = 0;
 };
 
@@ -19,8 +19,8 @@ struct SigmaCalibration {
 // quarter pixels, which displaces a marker without leaving a trace in its picture. The sigmas of detected samples get
 // the usual error of a marker in such a film in quadrature: the marker's own fits' sigma times a power of what the
 // likelihood of white jerk (lake::dynamics) leaves to the measurement of moving markers, and a power of the bits per
-// pixel, as found in rendered recordings of each codec; 0.7 of it lasts for some frames. Without compression nothing is
-// added. `recording`: of at least 60 samples, or nothing is found.
+// pixel, as found in rendered recordings of each codec; of a person's, 0.7 of it lasts for some frames. Without
+// compression nothing is added. `recording`: of at least 60 samples, or nothing is found.
 SigmaCalibration CalibrateSigmas(const video::VideoInfo& video, motion::MarkerRecording& recording);
 
 // The usual error of markers in such a film, in the fits' sigmas.
