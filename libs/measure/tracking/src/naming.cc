@@ -28,6 +28,12 @@ constexpr double kToleranceDeviations = 3;  // standard deviations of a distance
 struct Link {
   std::size_t a, b;  // indices of names
   double length, tolerance;
+  Eigen::Vector2d side;  // of a on which b is, unit length; 0: any
+
+  // `way`: from one to the other.
+  bool IsTurnedOver(std::size_t from, const Eigen::Vector2d& way) const {
+    return (from == a ? 1 : -1) * side.dot(way) < 0;
+  }
 };
 
 std::string Describe(const Tracklet& tracklet) {
@@ -351,7 +357,11 @@ class Namer {
         const bool both_leg = leg_rank(a) < 4 && leg_rank(b) < 4;
         if (pair.frames < 5 || (both_leg ? std::abs(leg_rank(a) - leg_rank(b)) != 1 : pair.deviation > kMaxDeviation))
           continue;
-        links_.push_back({a, b, pair.mean, pair.mean * std::max(kLeastTolerance, kDeviations * pair.deviation)});
+        // The waist is above the hip, also where a piece that takes its place is as far from it.
+        Eigen::Vector2d side = Eigen::Vector2d::Zero();
+        if (both_leg && std::max(leg_rank(a), leg_rank(b)) == 3)
+          side = (leg_rank(b) == 3 ? 1 : -1) * MetricUp(options_.up_px);
+        links_.push_back({a, b, pair.mean, pair.mean * std::max(kLeastTolerance, kDeviations * pair.deviation), side});
       }
   }
 
@@ -381,11 +391,11 @@ class Namer {
       for (std::size_t s = 0; s < tracklets_[tracklet].samples.size(); ++s) {
         const auto& neighbour = metric_[other][index_of_frame_.at(tracklets_[tracklet].samples[s].frame)];
         if (!neighbour) continue;
-        const double off = std::abs((tracklets_.Metric(tracklet)[s] - *neighbour).norm() - link.length) /
-                           std::max(link.tolerance, least_tolerance * link.length);
+        const Eigen::Vector2d way = *neighbour - tracklets_.Metric(tracklet)[s];
+        const double off = std::abs(way.norm() - link.length) / std::max(link.tolerance, least_tolerance * link.length);
         squares += off * off;
         ++count;
-        bad += off > 1;
+        bad += off > 1 || link.IsTurnedOver(name, way);
         reach.extend(*neighbour);
       }
       constexpr double kMoves = 0.1;  // of the link's length
@@ -507,17 +517,20 @@ class Namer {
     const PairDistance& pair = tracklets_.Distance(one.piece, other.piece);
     if (pair.frames < kFewest) return 0;
     const double off = std::hypot(pair.mean - link->length, pair.mean * pair.deviation) / link->tolerance;
-    if (off > 1) return std::nullopt;
+    if (off > 1 || link->IsTurnedOver(one.name, tracklets_.MeanWay(one.piece, other.piece))) return std::nullopt;
     const double sigma = link->tolerance / kToleranceDeviations, range = 2 * link->length;
     return 0.5 * std::pow(kToleranceDeviations * off, 2) + std::log(std::sqrt(2 * std::numbers::pi) * sigma / range);
   }
 
-  // What is joined next: the best-fitting piece or, where its neighbours are not known, all that is seen with it.
+  // What is joined next: the best-fitting piece or, where its neighbours are not known or something that is seen with it
+  // fits its name too, all that is seen with it.
   std::vector<NamedPiece> Next(const NamedPiece& best, const Fits& fits, const std::vector<Span>& spans) const {
     constexpr std::size_t kMostNames = 8, kMostPieces = 3;  // of each name the best-fitting ones
     const std::size_t names = anchor_.size();
-    if (!fits[best.piece * names + best.name]->without_neighbours || names > kMostNames || !options_.identities.empty())
-      return {best};
+    bool is_certain = !fits[best.piece * names + best.name]->without_neighbours;
+    for (std::size_t t = 0; t < tracklets_.size(); ++t)
+      is_certain &= t == best.piece || !fits[t * names + best.name] || !spans[t].Meets(spans[best.piece]);
+    if (is_certain || names > kMostNames || !options_.identities.empty()) return {best};
     std::vector<std::vector<NamedPiece>> choices(names);
     for (std::size_t n = 0; n < names; ++n) {
       std::vector<NamedPiece>& pieces = choices[n];
