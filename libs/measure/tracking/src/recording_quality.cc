@@ -227,7 +227,8 @@ void TakeNamed(const TrackResult& tracked, RecordingCheck& check) {
   for (std::size_t i = 0; i < frames; ++i)
     all += std::ranges::all_of(tracked.recording.markers,
                                [&](const motion::MarkerTrack& track) { return track.samples[i].IsKnown(); });
-  check.all_seen_share = static_cast<double>(all) / static_cast<double>(frames);
+  // A repeated picture shows nothing of its own.
+  check.all_seen_share = static_cast<double>(all) / static_cast<double>(frames - tracked.times.repeated.size());
   for (const motion::MarkerTrack& track : tracked.recording.markers) {
     std::vector<Eigen::Vector2d> path;
     for (const motion::MarkerSample& sample : track.samples)
