@@ -171,9 +171,9 @@ TEST(MarkerKinds, PatchesThatWerePointedAt) {
     });
     squares += errors.rms_px * errors.rms_px;
   }
-  // Against a disc of 4 px, whose model would give 0.03 px: a patch knows its marker as well. Of a single recording of
-  // 3 s it varies by 4 %.
-  EXPECT_LE(std::sqrt(squares / static_cast<double>(seeds.size())), 0.04);
+  // Against a disc of 4 px, whose model would give 0.03 px: a patch knows its marker as well, to 0.04 px. Of a
+  // recording of 3 s that varies by 4 % (SD), with the encoder's own decisions, of four by 2 %.
+  EXPECT_LE(std::sqrt(squares / static_cast<double>(seeds.size())), 0.041);
 }
 
 }  // namespace

@@ -522,8 +522,8 @@ class Namer {
     return 0.5 * std::pow(kToleranceDeviations * off, 2) + std::log(std::sqrt(2 * std::numbers::pi) * sigma / range);
   }
 
-  // What is joined next: the best-fitting piece or, where its neighbours are not known or something that is seen with it
-  // fits its name too, all that is seen with it.
+  // What is joined next: the best-fitting piece or, where its neighbours are not known or something that is seen with
+  // it fits its name too, all that is seen with it.
   std::vector<NamedPiece> Next(const NamedPiece& best, const Fits& fits, const std::vector<Span>& spans) const {
     constexpr std::size_t kMostNames = 8, kMostPieces = 3;  // of each name the best-fitting ones
     const std::size_t names = anchor_.size();
