@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <ranges>
+#include <span>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -244,7 +244,7 @@ double TravelOfSpots(const std::vector<Place>& places, std::size_t spots) {
   std::vector<Eigen::Vector2d> before;
   for (const Place& place : places) {
     std::vector<Eigen::Vector2d> here;
-    for (const std::size_t i : place.by_contrast | std::views::take(spots)) {
+    for (const std::size_t i : std::span(place.by_contrast).first(std::min(spots, place.by_contrast.size()))) {
       std::vector<Eigen::Vector2d> path;
       for (const TrackletSample& sample : place.tracklets[i].samples) path.push_back(sample.position);
       travel_px = std::max(travel_px, ReachOf(path));
