@@ -3,6 +3,5 @@
 # compares what the sources define. Nothing is optimised and nothing is run.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cmake --preset odr
-cmake --build --preset odr
+scripts/build.sh odr
 echo "one definition rule: no violation"

@@ -6,9 +6,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-scripts/install_packages.sh
-cmake --preset coverage
-cmake --build --preset coverage
+scripts/install_packages.sh build run step cohort manual test
+scripts/build.sh coverage
 find build/coverage -name '*.gcda' -delete
 status=0
 ctest --preset coverage --no-tests=error "$@" || status=$?  # lines are counted all the same

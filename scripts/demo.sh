@@ -6,9 +6,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-lake-out/demo}
 
-scripts/install_packages.sh
-cmake --preset release
-cmake --build --preset release --target programs
+scripts/install_packages.sh build run
+scripts/build.sh release --target programs
 
 printf '\n== The sample study\n'
 build/release/bin/lake run data/sts-study/study.yaml -o "$out"

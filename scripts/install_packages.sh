@@ -1,13 +1,23 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of packages.txt, and those given, that are not there yet; needs root or sudo only if one is
-# missing.
+# install_packages.sh GROUP… [+PACKAGE…]: installs the Debian packages of these groups of packages.txt, and those after a +,
+# that are missing; needs root or sudo only if one is.
 set -euo pipefail
 cd "$(dirname "$0")"
 
+wanted=()
+for name in "$@"; do
+  if [[ $name == +* ]]; then
+    wanted+=("${name#+}")
+    continue
+  fi
+  grep -qxF "[$name]" packages.txt || { echo "install_packages.sh: packages.txt has no group [$name]" >&2; exit 2; }
+  mapfile -t -O ${#wanted[@]} wanted < <(awk -v group="[$name]" '/^\[/ { here = $0 == group; next } here && NF && !/^#/' packages.txt)
+done
+
 missing=()
-while read -r package; do
+for package in "${wanted[@]}"; do
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
-done < <(grep -v '^#' packages.txt; for package in "$@"; do echo "$package"; done)
+done
 [ ${#missing[@]} -gt 0 ] || exit 0
 
 as_root=()

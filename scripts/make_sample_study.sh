@@ -3,8 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-cmake --preset release
-cmake --build --preset release --target lake-synth
+scripts/build.sh release --target lake-synth
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # Installs what is needed, builds everything (warnings are errors) in build/test, whatever is configured elsewhere, and passes
-# all tests; none found is a failure.
-# --asan: the same in build/asan with the address and undefined-behaviour sanitizers.
+# the tests; none found is a failure.
+# --nightly: instead the long tests (labelled `nightly`: many seeds, every single fault, clusters, long sessions), the
+#   one-definition rule and the build by Clang.
+# --asan: in build/asan with the address and undefined-behaviour sanitizers.
 # --asan-readers: of these only the programs that test what reads files and pictures (labelled `reads`).
 # --tsan: in build/tsan with the thread sanitizer, the tests of what has threads of its own (labelled `threads`).
 # --fuzz: afterwards fuzzes every reader for a minute (about 25 minutes in all, without the build).
@@ -9,20 +11,25 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-preset=test target= fuzz=
+preset=test target='' fuzz='' which=(-LE nightly) nightly=''
 while [ $# -gt 0 ]; do
   case $1 in
+    --nightly) nightly=yes which=(-L nightly) ;;
     --asan) preset=asan ;;
-    --asan-readers) preset=asan target=lake_reading_tests ;;
+    --asan-readers) preset=asan target=lake_reading_tests which=(-L reads -LE nightly) ;;
     --tsan) preset=tsan ;;
     --fuzz) fuzz=yes ;;
     *) break ;;
   esac
   shift
 done
-scripts/install_packages.sh ${fuzz:+clang libclang-rt-dev}
+scripts/install_packages.sh build run step cohort manual test ${fuzz:+"+clang" "+libclang-rt-dev"}
 python3 scripts/check_layers.py
-cmake --preset "$preset"  # which sets all that matters here, whatever the cache holds
-cmake --build --preset "$preset" ${target:+--target "$target"}
-ctest --preset "$preset" --no-tests=error ${target:+-L reads} "$@" | tee "build/$preset/ctest.txt"
+scripts/build.sh "$preset" ${target:+--target "$target"}
+ctest --preset "$preset" --no-tests=error "${which[@]}" "$@" | tee "build/$preset/ctest.txt"
+if [ -n "$nightly" ]; then
+  scripts/check_odr.sh
+  scripts/install_packages.sh +clang-14
+  scripts/build.sh clang
+fi
 [ -z "$fuzz" ] || tests/fuzz/run.sh 60

@@ -3,7 +3,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-scripts/install_packages.sh help2man
-cmake --preset release
-cmake --build --preset release --target programs
+scripts/install_packages.sh build run step +help2man
+scripts/build.sh release --target programs
 (cd build/release && cpack -G DEB)

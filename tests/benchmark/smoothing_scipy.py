@@ -74,7 +74,7 @@ def main():
     try:
         competitors = peers()
     except ImportError:
-        print(json.dumps({"benchmarks": [], "missing": "scipy (1.10 or later) is missing: scripts/install_packages.sh python3-scipy"}))
+        print(json.dumps({"benchmarks": [], "missing": "scipy (1.10 or later) is missing: apt-get install python3-scipy"}))
         return
     print(json.dumps({"benchmarks": [
         {"name": f"Smooth/{name}/{noise}"} | measure(smooth, list(curves.values()), float(noise))

@@ -19,7 +19,7 @@ LAKE = "#!/bin/sh\nmkdir -p \"$4\"\necho ran > \"$4/report.html\"\n"
 class TwoCommands(Project):
     def setUp(self):
         super().setUp()
-        self.copy("scripts/demo.sh", "scripts/test.sh", "CMakePresets.json")
+        self.copy("scripts/demo.sh", "scripts/test.sh", "scripts/build.sh", "CMakePresets.json")
         self.write("scripts/install_packages.sh", "#!/bin/sh\n", executable=True)
         self.write("scripts/check_layers.py", "")
         self.write("lake.sh", LAKE, executable=True)
@@ -39,11 +39,21 @@ class TwoCommands(Project):
         code, said = self.run_script("scripts/demo.sh", "again")
         self.assertEqual(code, 0, said)
 
-    def test_the_demo_leaves_its_folder_with_tests(self):
-        self.run_script("scripts/demo.sh", "out")
-        code, said = self.run_script("ctest", "--preset", "release")
+    def test_each_step_of_the_build_says_what_is_left(self):
+        code, said = self.run_script("scripts/demo.sh", "out")
         self.assertEqual(code, 0, said)
-        self.assertIn("out of 1", said)
+        self.assertRegex(said, r"\[1/1, .* left\] ")
+
+    def test_nightly_runs_what_the_tests_leave_out(self):
+        self.write("CMakeLists.txt", CMAKE % (ONE_TEST + "\n  add_test(NAME Long.Test COMMAND ${CMAKE_COMMAND} -E true)\n"
+                                              "  set_tests_properties(Long.Test PROPERTIES LABELS nightly)"))
+        for script in ("check_odr.sh", "install_packages.sh"):
+            self.write(f"scripts/{script}", "#!/bin/sh\n", executable=True)
+        self.expect_the_test_to_run()
+        self.assertNotIn("Long.Test", (self.folder / "build/test/ctest.txt").read_text())
+        self.run_script("scripts/test.sh", "--nightly")
+        self.assertNotIn("Only.Test", (self.folder / "build/test/ctest.txt").read_text())
+        self.assertIn("Long.Test", (self.folder / "build/test/ctest.txt").read_text())
 
     def test_what_was_configured_before_does_not_matter(self):
         for preset in ("release", "test", "asan"):

@@ -1,5 +1,23 @@
 #include "lake/model/step_file.h"
 
+#include "lake/core/error.h"
+
+#ifndef LAKE_HAS_OPENCASCADE
+
+namespace lake::model {
+
+void WriteStep(const std::filesystem::path& path, const parts::Mechanism&, const linkage::Pose&) {
+  throw Error(
+      "{}: this build writes no STEP files, as OpenCASCADE was not installed: install libocct-data-exchange-dev and "
+      "build "
+      "again, or export dxf",
+      path.string());
+}
+
+}  // namespace lake::model
+
+#else
+
 #include <APIHeaderSection_MakeHeader.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -33,7 +51,6 @@
 #include <sstream>
 
 #include "lake/core/atomic_file.h"
-#include "lake/core/error.h"
 #include "lake/core/provenance.h"
 
 namespace lake::model {
@@ -152,3 +169,5 @@ void WriteStep(const std::filesystem::path& path, const parts::Mechanism& mechan
 }
 
 }  // namespace lake::model
+
+#endif
