@@ -11,7 +11,7 @@ ODR_CMAKE = """cmake_minimum_required(VERSION 3.25)
 project(lake LANGUAGES CXX)
 add_library(lake_build_options INTERFACE)
 foreach(room one other)
-  add_library(lake_${room} STATIC ${room}.cc)
+  add_library(lake_${room} OBJECT ${room}.cc)
   set_property(GLOBAL APPEND PROPERTY LAKE_ROOMS lake_${room})
 endforeach()
 add_library(lake_program STATIC program.cc)
@@ -123,7 +123,7 @@ class Layers(Project):
 class OneDefinitionRule(Project):
     def setUp(self):
         super().setUp()
-        self.copy("scripts/check_odr.sh", "CMakePresets.json", "tests/odr")
+        self.copy("scripts/check_odr.sh", "scripts/build.sh", "CMakePresets.json", "tests/odr")
         self.write("CMakeLists.txt", ODR_CMAKE)
         self.write("program.cc", "int Program() { return 1; }\n")
         self.write("one.cc", ROOM.format(space="lake", members="double low = 0, high = 1", function="One"))
