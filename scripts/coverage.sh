@@ -6,7 +6,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-scripts/install_packages.sh build run step cohort manual test
+scripts/install_packages.sh build run optional cohort manual test
 scripts/build.sh coverage
 find build/coverage -name '*.gcda' -delete
 status=0

@@ -23,7 +23,7 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
-scripts/install_packages.sh build run step cohort manual test ${fuzz:+"+clang" "+libclang-rt-dev"}
+scripts/install_packages.sh build run optional cohort manual test ${fuzz:+"+clang" "+libclang-rt-dev"}
 python3 scripts/check_layers.py
 scripts/build.sh "$preset" ${target:+--target "$target"}
 ctest --preset "$preset" --no-tests=error "${which[@]}" "$@" | tee "build/$preset/ctest.txt"

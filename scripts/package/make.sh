@@ -3,6 +3,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-scripts/install_packages.sh build run step +help2man
+scripts/install_packages.sh build run optional +help2man
 scripts/build.sh release --target programs
 (cd build/release && cpack -G DEB)

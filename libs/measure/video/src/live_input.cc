@@ -76,7 +76,12 @@ std::string LiveInput::Address(const LiveStreamOptions& options, const AVInputFo
   }
   if (IsDevice(input_)) {
     format = av_find_input_format("video4linux2");
-    if (!format) throw Fail("{}: V4L2 is not there: this program has not registered libavdevice", input_);
+    if (!format)
+      throw Fail(
+          "{}: this build reads no cameras, as libavdevice was not installed: install libavdevice-dev and build again, "
+          "or "
+          "give the camera as a stream",
+          input_);
     return input_;
   }
   if (!fs::exists(status)) throw Fail("{}: no such device or file", input_);

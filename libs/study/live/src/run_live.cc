@@ -1,8 +1,10 @@
 #include "lake/live/run_live.h"
 
+#ifdef LAKE_HAS_LIBAVDEVICE
 extern "C" {
 #include <libavdevice/avdevice.h>
 }
+#endif
 
 #include <cstdio>
 
@@ -133,7 +135,9 @@ bool IsFolderToFinish(const LiveRunOptions& options) {
 
 Json RunLive(const LiveRunOptions& options, const fs::path& programs, Run& run) {
   if (IsFolderToFinish(options)) return FinishFolder(options, programs, run);
+#ifdef LAKE_HAS_LIBAVDEVICE
   avdevice_register_all();
+#endif
   Session session(options, programs, run);
   review::PageOptions page;
   page.port = options.port;
