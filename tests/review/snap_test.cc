@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "lake/camera/aruco_opencv.h"
 #include "lake/core/error.h"
 
 namespace lake::review {
@@ -80,8 +80,8 @@ TEST(Snap, ToAPatchAsItWasInAnotherFrame) {
 
 TEST(Snap, ToAnArucoMarker) {
   const SnapDetector aruco = [](const auto&) { return tracking::MakeArucoDetector("4X4_50", {}); };
-  cv::Mat marker, picture(200, 300, CV_8UC3, cv::Scalar(220, 220, 220));
-  cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50), 7, 60, marker);
+  cv::Mat picture(200, 300, CV_8UC3, cv::Scalar(220, 220, 220));
+  cv::Mat marker = camera::DrawArucoMarker(camera::PredefinedArucoDictionary(cv::aruco::DICT_4X4_50), 7, 60);
   cv::cvtColor(marker, marker, cv::COLOR_GRAY2BGR);
   marker.copyTo(picture(cv::Rect(90, 50, 60, 60)));
   const auto found = Snap(picture, {128, 70}, aruco);

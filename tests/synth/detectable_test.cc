@@ -2,9 +2,9 @@
 // exoskeleton.
 #include <gtest/gtest.h>
 
-#include <opencv2/aruco.hpp>
 #include <opencv2/core.hpp>
 
+#include "lake/camera/aruco_opencv.h"
 #include "lake/synth/scene.h"
 
 namespace lake {
@@ -20,11 +20,9 @@ TEST_P(ArucoFacing, MarkersAreReadWithTheirNumbersAtTheirPlaces) {
   options.motion.facing = GetParam();
   options.marker_kind = synth::MarkerKind::kAruco;
   const synth::Scene scene(options);
-  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50);
+  const auto dictionary = camera::PredefinedArucoDictionary(cv::aruco::DICT_4X4_50);
   for (const int frame : {0, 30, 300}) {
-    std::vector<std::vector<cv::Point2f>> corners;
-    std::vector<int> ids;
-    cv::aruco::detectMarkers(scene.Render(frame), dictionary, corners, ids);
+    const auto [corners, ids] = camera::DetectArucoMarkers(scene.Render(frame), dictionary);
     const synth::FrameTruth truth = scene.Truth(frame);
     int found = 0;
     for (std::size_t i = 0; i < ids.size(); ++i) {

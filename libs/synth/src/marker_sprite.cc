@@ -3,8 +3,8 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
-#include <opencv2/aruco.hpp>
 
+#include "lake/camera/aruco_opencv.h"
 #include "lake/core/error.h"
 
 namespace lake::synth {
@@ -17,9 +17,7 @@ constexpr double kWhiteBorder = 1.0 / 6;  // of an ArUco marker's side, all arou
 // Black cells of a marker whose black square has the side `side_mm`, centred, y up.
 std::vector<Polygon> BlackCells(int id, double side_mm) {
   constexpr int kDots = 6;  // 4 × 4 with its border
-  const cv::Ptr<cv::aruco::Dictionary> dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50);
-  cv::Mat bits;
-  cv::aruco::drawMarker(dictionary, id, kDots, bits);
+  const cv::Mat bits = camera::DrawArucoMarker(camera::PredefinedArucoDictionary(cv::aruco::DICT_4X4_50), id, kDots);
   const double dot = side_mm / kDots;
   std::vector<Polygon> cells;
   for (int row = 0; row < kDots; ++row)

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <opencv2/aruco.hpp>
+
+#include "lake/camera/aruco_opencv.h"
 
 namespace lake::camera {
 namespace {

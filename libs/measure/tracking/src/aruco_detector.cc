@@ -7,22 +7,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/aruco.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "lake/camera/aruco_dictionary.h"
+#include "lake/camera/aruco_opencv.h"
 #include "lake/core/error.h"
 
 namespace lake::tracking {
 namespace {
 
-cv::Ptr<cv::aruco::Dictionary> DictionaryByName(const std::string& name) {
+cv::aruco::Dictionary DictionaryByName(const std::string& name) {
   const std::optional<camera::ArucoDictionary> found = camera::FindArucoDictionary(name);
   if (!found)
     throw UsageError("ArUco dictionary '{}' is not known; there are {}", name, camera::ArucoDictionaryNames());
-  return cv::aruco::getPredefinedDictionary(found->id);
+  return camera::PredefinedArucoDictionary(found->id);
 }
 
 Eigen::Vector2d Cross(const std::array<Eigen::Vector2d, 4>& c) {
@@ -130,11 +130,10 @@ class ArucoDetector : public MarkerDetector {
  public:
   ArucoDetector(const std::string& dictionary, const DetectorRegion& region, int markers)
       : dictionary_(DictionaryByName(dictionary)),
-        parameters_(cv::aruco::DetectorParameters::create()),
         region_(region),
         markers_(markers),
-        least_perimeter_(parameters_->minMarkerPerimeterRate) {
-    parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
+        least_perimeter_(parameters_.minMarkerPerimeterRate) {
+    parameters_.cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   }
 
   bool KnowsIdentities() const override { return true; }
@@ -183,19 +182,17 @@ class ArucoDetector : public MarkerDetector {
   // A square is as large as it must be in the whole picture.
   std::vector<MarkerDetection> FindIn(const cv::Mat& grey, const cv::Rect& box, const ThresholdWindows& windows) {
     if (box.empty()) return {};
-    parameters_->adaptiveThreshWinSizeMin = windows.least;
-    parameters_->adaptiveThreshWinSizeMax = windows.most;
+    parameters_.adaptiveThreshWinSizeMin = windows.least;
+    parameters_.adaptiveThreshWinSizeMax = windows.most;
     const cv::Rect whole = region_.Of(grey);
-    parameters_->minMarkerPerimeterRate =
+    parameters_.minMarkerPerimeterRate =
         least_perimeter_ * std::max(whole.width, whole.height) / std::max(box.width, box.height);
-    std::vector<std::vector<cv::Point2f>> corners;
-    std::vector<int> ids;
-    cv::aruco::detectMarkers(grey(box), dictionary_, corners, ids, parameters_);
+    auto [corners, ids] = camera::DetectArucoMarkers(grey(box), dictionary_, parameters_);
     std::vector<MarkerDetection> found;
     for (std::size_t i = 0; i < ids.size(); ++i) {
       for (cv::Point2f& corner : corners[i])
         corner += cv::Point2f(static_cast<float>(box.x), static_cast<float>(box.y));
-      if (const auto square = FitSquare(grey, corners[i], dictionary_->markerSize + 2))
+      if (const auto square = FitSquare(grey, corners[i], dictionary_.markerSize + 2))
         found.push_back(Measure(*square, corners[i], ids[i]));
     }
     return found;
@@ -211,8 +208,8 @@ class ArucoDetector : public MarkerDetector {
     return detection;
   }
 
-  cv::Ptr<cv::aruco::Dictionary> dictionary_;
-  cv::Ptr<cv::aruco::DetectorParameters> parameters_;
+  cv::aruco::Dictionary dictionary_;
+  cv::aruco::DetectorParameters parameters_;
   DetectorRegion region_;
   int markers_;
   double least_perimeter_;  // as a part of the picture's longer side

@@ -474,7 +474,12 @@ void LiveStream::Impl::NoteDamage() {
 bool LiveStream::Impl::IsWhole(const AVFrame& decoded) {
   const std::int64_t packet = DamageLog::PacketOf(decoded);
   if ((decoded.flags & AV_FRAME_FLAG_CORRUPT) || decoded.decode_error_flags != 0) broken.insert(packet);
-  if (!decoded.key_frame) return broken.empty() || packet < *broken.begin();
+#ifdef AV_FRAME_FLAG_KEY
+  const bool is_key_frame = (decoded.flags & AV_FRAME_FLAG_KEY) != 0;
+#else
+  const bool is_key_frame = decoded.key_frame != 0;
+#endif
+  if (!is_key_frame) return broken.empty() || packet < *broken.begin();
   if (broken.contains(packet)) return false;
   broken.erase(broken.begin(), broken.lower_bound(packet));
   return true;

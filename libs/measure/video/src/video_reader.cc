@@ -179,7 +179,12 @@ void LibavReader::CheckIsLikeFirst(const AVFrame& frame) const {
 }
 
 double LibavReader::Time(const AVFrame& frame) {
-  const bool good = stamps_.Add(frame.best_effort_timestamp, frame.pkt_duration);
+#if LIBAVUTIL_VERSION_INT < AV_VERSION_INT(57, 30, 100)
+  const std::int64_t duration = frame.pkt_duration;
+#else
+  const std::int64_t duration = frame.duration;
+#endif
+  const bool good = stamps_.Add(frame.best_effort_timestamp, duration);
   stamps_.Describe(info_);
   info_.bits_per_pixel = decoder_.BitsPerPicture() / (static_cast<double>(width_) * height_);
   if (options_.capture_rate_hz > 0)
