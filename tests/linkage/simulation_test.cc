@@ -86,6 +86,26 @@ TEST_F(Simulate, WritesTheTableOnTheAssembledBranch) {
   EXPECT_LT(summary["weakest"]["safety"], 1);
 }
 
+// What is only looked at is no part of the used range: a design of the published problem with buildable limits, whose
+// linkage can be assembled far beyond standing.
+TEST_F(Simulate, PosesBeyondTheUsedRangeDoNotCountForStrength) {
+  const std::string design = "--links 60,70,55,75,90,260 --d-max 360 --no-animation --json";
+  const auto run = [&](const std::string& more) {
+    const Outcome outcome = RunIt(design + more);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Json::parse(outcome.out);
+  };
+  const linkage::Links links{60, 70, 55, 75, 90, 260};
+  const linkage::UsedRange used = linkage::FindUsedRange(links, 242, {});
+  const Json plain = run(""), beyond = run(fmt::format(" --stroke {}", used.stroke.upper_mm + 3)),
+             bent_back = run(" --angles=-10,70");
+  EXPECT_EQ(CsvTable::Read(Out() / "pin_forces.csv").Rows(), 203u) << "they stand in the tables";
+  for (const char* key : {"weakest", "pin_forces", "used_stroke_mm", "mannequin"}) {
+    EXPECT_EQ(beyond[key], plain[key]) << key;
+    EXPECT_EQ(bent_back[key], plain[key]) << key;
+  }
+}
+
 // Each row against virtual work; the largest pin force is told in the summary.
 TEST_F(Simulate, WritesTheForcesInMembersAndPins) {
   WriteTextFile(folder_ / "torques.csv", "knee_deg,knee_torque_nm\n90,50\n10,20\n");
