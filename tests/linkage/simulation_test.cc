@@ -86,6 +86,27 @@ TEST_F(Simulate, WritesTheTableOnTheAssembledBranch) {
   EXPECT_LT(summary["weakest"]["safety"], 1);
 }
 
+// What is only looked at is no part of the used range: the optimum of calibration/problems/buildable.yaml, whose linkage
+// can be assembled far beyond standing, where the coupler would bear twice as much.
+TEST_F(Simulate, PosesBeyondTheUsedRangeDoNotCountForStrength) {
+  const auto run = [&](const std::string& more) {
+    const Outcome outcome =
+        RunIt("--links 52,73.3467868,50,73.3467868,90.4776700,300 --no-animation --json --quiet" + more);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Json::parse(outcome.out);
+  };
+  const Json plain = run(""), beyond = run(" --stroke 386");
+  EXPECT_NEAR(plain["weakest"]["safety"].get<double>(), 2.2154, 1e-3);
+  const CsvTable rows = CsvTable::Read(Out() / "pin_forces.csv");
+  EXPECT_LT(rows.RequiredNumber(rows.Rows() - 1, 1), -10) << "the stroke stands in the table";
+  const Json bent_back = run(" --angles=-10,70");
+  EXPECT_TRUE(std::filesystem::exists(Out() / "pose_-10.png"));
+  for (const char* key : {"weakest", "pin_forces", "used_stroke_mm", "mannequin"}) {
+    EXPECT_EQ(beyond[key], plain[key]) << key;
+    EXPECT_EQ(bent_back[key], plain[key]) << key;
+  }
+}
+
 // Each row against virtual work; the largest pin force is told in the summary.
 TEST_F(Simulate, WritesTheForcesInMembersAndPins) {
   WriteTextFile(folder_ / "torques.csv", "knee_deg,knee_torque_nm\n90,50\n10,20\n");

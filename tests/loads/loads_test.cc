@@ -18,7 +18,7 @@
 #include "lake/gait/butterworth.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/loads/loads.h"
-#include "lake/problem/moment_at_pace.h"
+#include "lake/problem/load_profile.h"
 #include "name_map.h"
 #include "places.h"
 #include "temporary_folder.h"

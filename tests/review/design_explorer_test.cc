@@ -93,6 +93,25 @@ TEST(DesignExplorer, TellsWhatWasNotAsked) {
   EXPECT_EQ(CheckNamed(DesignExplorer(design).Explore(Question(links)), "seat clearance").at("asked"), true);
 }
 
+// Whatever is typed, what is shown is of these links: a coupler that no linkage has fails the order, its bound and
+// Grashof's law, although the paper's form of the law, l3 + l4 <= l1 + l2, is met.
+TEST(DesignExplorer, LinksThatCannotBeFailTheirLimits) {
+  const ExploredDesign design = Published();
+  for (const double l1_mm : {705.0, 1e9, 1e300}) {
+    linkage::Links links = design.design.links;
+    links.l1 = l1_mm;
+    const Json message = DesignExplorer(design).Explore(Question(links));
+    EXPECT_TRUE(message.at("range_deg").is_null());
+    EXPECT_TRUE(message.at("curves").is_null());
+    EXPECT_EQ(CheckNamed(message, "l1").at("holds"), false);
+    EXPECT_EQ(CheckNamed(message, "l1 ≤ l4").at("holds"), false);
+    const Json& grashof = CheckNamed(message, "grashof");
+    EXPECT_EQ(grashof.at("holds"), false);
+    EXPECT_NEAR(grashof.at("slack").get<double>() / -l1_mm, 1, 0.3);
+    EXPECT_EQ(CheckNamed(message, "force").at("holds"), false);
+  }
+}
+
 TEST(DesignExplorer, SaysWhichRequirementFailsAndByHowMuch) {
   const ExploredDesign design = Published();
   linkage::Links links = design.design.links;

@@ -12,6 +12,7 @@
 #include "lake/problem/evaluate.h"
 #include "lake/synthesis/actuator_front.h"
 #include "lake/synthesis/optimize.h"
+#include "lake/synthesis/synthesis_outcome.h"
 #include "load_profile.h"
 #include "paper.h"
 
@@ -133,6 +134,89 @@ TEST(LoadedDesign, ShortestDurationIsTheOneThatTheForceSpeedLawJustAllows) {
   EXPECT_GT(excess(0.99), 0.01);
   EXPECT_LT(excess(1.01), -0.01);
   EXPECT_NEAR(problem::Evaluate(links, timed).CheckOf({Requires::kDuration}).slack, 0, 1e-9);
+}
+
+// Whose moment grows as the rise gets slower: momentum helps the person.
+problem::LoadProfile PacedProfile() {
+  problem::LoadProfile profile = MadeUpProfile();
+  for (problem::LoadSample& sample : profile.samples) sample.slow_nm = 1.25 * sample.knee_nm + 2;
+  return profile;
+}
+
+// Whatever pace the profile is given at, a design's forces are those of the rise that it makes.
+TEST(LoadedDesign, MomentsAreThoseOfItsOwnPace) {
+  problem::SynthesisProblem problem = WithLoad(0.4, "LA31-1000");
+  problem.profile = PacedProfile();
+  const linkage::Links links{60, 70, 55, 75, 90, 260};
+  const problem::Assistance assistance = problem::FindAssistance(links, problem);
+  const double rise_s = assistance.shortest_s;
+  ASSERT_GT(rise_s, 3) << "much slower than the person's own, so that it matters";
+  EXPECT_EQ(assistance.moments_s, rise_s);
+  EXPECT_EQ(assistance.duration_s, rise_s);
+  double longest_s = 0;
+  for (std::size_t i = 0; i < assistance.rows.size(); ++i) {
+    const problem::AssistanceRow& row = assistance.rows[i];
+    const problem::LoadSample& sample = problem.profile->samples[i];
+    if (!std::isnan(row.least_duration_s)) longest_s = std::max(longest_s, row.least_duration_s);
+    if (std::isnan(sample.knee_nm) || std::isnan(row.stroke_mm)) continue;
+    const double knee_nm = sample.slow_nm + std::pow(1.6 / rise_s, 2) * (sample.knee_nm - sample.slow_nm);
+    EXPECT_NEAR(row.knee_nm, knee_nm, 1e-9);
+    EXPECT_NEAR(std::abs(row.force_n), 0.4 * 1000 * std::abs(knee_nm) / row.moment_arm_mm, 1e-6);
+  }
+  EXPECT_NEAR(longest_s, rise_s, 1e-9) << "it is as fast under these moments as it is said to be";
+  problem::SynthesisProblem other = problem;
+  other.profile = problem::AtPace(*problem.profile, 30);
+  EXPECT_NEAR(problem::FindAssistance(links, other).shortest_s, rise_s, 1e-6);
+  // In a time that is asked for the moments are those of that time.
+  other.duration_s = 20;
+  const problem::Assistance asked = problem::FindAssistance(links, other);
+  EXPECT_EQ(asked.moments_s, 20);
+  EXPECT_NEAR(asked.shortest_s, rise_s, 1e-6);
+  EXPECT_GT(asked.Largest(&problem::AssistanceRow::force_n)->force_n,
+            assistance.Largest(&problem::AssistanceRow::force_n)->force_n);
+}
+
+// Where the force is the limit at a quick pace, and nothing else.
+TEST(LoadedDesign, ASlowRiseTakesLessForceWhereInertiaHurts) {
+  problem::SynthesisProblem problem = WithLoad(1, "LA31-1000");
+  problem.profile = MadeUpProfile();
+  const linkage::Links links{60, 70, 55, 75, 90, 260};
+  ASSERT_TRUE(std::isinf(problem::FindAssistance(links, problem).shortest_s)) << "more than it lifts at any pace";
+  for (problem::LoadSample& sample : problem.profile->samples) sample.slow_nm = 0.2 * sample.knee_nm;
+  problem.actuator->force_speed = {{1000, *problem.actuator->no_load_speed_mm_s * 10}};
+  problem.actuator->no_load_speed_mm_s.reset();
+  const problem::Assistance assistance = problem::FindAssistance(links, problem);
+  ASSERT_TRUE(std::isfinite(assistance.shortest_s));
+  EXPECT_TRUE(assistance.force_is_limit);
+  EXPECT_NEAR(std::abs(assistance.Largest(&problem::AssistanceRow::force_n)->force_n), 1000, 0.01);
+}
+
+// One question has one answer: of the optimum, of the design that is simulated, of the curve over the share.
+TEST(ActuatorOptimum, IsSoughtUnderTheMomentsOfItsOwnPace) {
+  problem::SynthesisProblem measured = Buildable();
+  measured.profile = PacedProfile();
+  measured.assist = 0.4;
+  problem::SynthesisProblem problem = measured;
+  problem.actuator = Known("LA31-1000");
+  problem.goal = problem::SynthesisProblem::Goal::kDuration;
+  synthesis::SynthesisOptions options;
+  options.optimize.starts = 4;
+  const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(problem::WithActuator(problem), options);
+  ASSERT_TRUE(outcome.IsSolved());
+  const problem::Assistance optimum = problem::FindAssistance(outcome.BestLinks(), outcome.problem),
+                            simulated = problem::FindAssistance(outcome.BestLinks(), problem::WithActuator(problem));
+  EXPECT_NEAR(outcome.problem.profile->moments_s / optimum.shortest_s, 1, 1e-3);
+  EXPECT_NEAR(-outcome.result.Best().objective / optimum.shortest_s, 1, 1e-3);
+  EXPECT_NEAR(simulated.shortest_s, optimum.shortest_s, 1e-6);
+  const auto force = [](const problem::Assistance& assistance) {
+    return std::abs(assistance.Largest(&problem::AssistanceRow::force_n)->force_n);
+  };
+  EXPECT_NEAR(force(simulated), force(optimum), 1e-3);
+  const auto curves = synthesis::FindActuatorFront(measured, {Known("LA31-1000")}, {0.4}, options.optimize);
+  ASSERT_TRUE(curves.front().points.front().solved);
+  const problem::Assistance& front = curves.front().points.front().assistance;
+  EXPECT_NEAR(front.shortest_s / optimum.shortest_s, 1, 1e-3);
+  EXPECT_NEAR(force(front) / force(optimum), 1, 2e-3);
 }
 
 TEST(LoadedDesign, WhatIsNotThereIsSaid) {

@@ -267,5 +267,23 @@ TEST(Optimize, RefusesSenselessOptions) {
   EXPECT_THROW(synthesis::Optimize(problem, {}), Error);
 }
 
+// Only what must hold at many poses has a worst one.
+TEST(UsedPoses, EachKindIsEvaluatedAsItself) {
+  problem::SynthesisProblem problem = Buildable();
+  problem.d_max_mm = 380;
+  problem.max_angle_deg = 150;
+  problem.safety_factor = 1.5;
+  problem.max_pin_force_n = problem.max_mount_force_n = 9000;
+  problem.min_moment_arm_mm = 1;
+  problem.clearances.seat_mm = problem.clearances.thigh_mm = problem.clearances.shank_mm = 0;
+  problem::UsedPoses poses({60, 70, 55, 75, 90, 260}, problem);
+  ASSERT_TRUE(poses.Range());
+  for (const problem::Requirement& requirement : problem::RequirementsOf(problem))
+    if (requirement.IsFamily())
+      EXPECT_FALSE(poses.WorstPoints(requirement).empty()) << requirement.Text();
+    else
+      EXPECT_THROW(poses.WorstPoints(requirement), std::logic_error) << requirement.Text();
+}
+
 }  // namespace
 }  // namespace lake

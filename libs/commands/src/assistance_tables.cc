@@ -80,8 +80,9 @@ std::string AssistanceText(const problem::Assistance& assistance, const problem:
                        most);
   std::string text = fmt::format(
       "{} gives {:.0f} % of what the knee needs in a rise of {:.1f} s or longer (the person's own: {:.1f} s); its "
-      "speed is the limit, at {:.0f} % of the rise; {}",
-      name, share, assistance.shortest_s, own_s, assistance.limiting_percent, most);
+      "{} is the limit, at {:.0f} % of the rise; {}",
+      name, share, assistance.shortest_s, own_s, assistance.force_is_limit ? "force" : "speed",
+      assistance.limiting_percent, most);
   if (!assistance.speed_under_load_is_known)
     text += "; its speed under load is not known, so this is a lower bound";
   else if (std::isfinite(assistance.bound_s))
@@ -103,6 +104,7 @@ Json WriteAssistance(const problem::Assistance& assistance, const problem::Synth
                {"actuator", problem.actuator ? ActuatorJson(*problem.actuator, assistance.duration_s) : Json()},
                {"own_duration_s", problem.profile->duration_s},
                {"duration_s", assistance.duration_s},
+               {"moments_of_s", assistance.moments_s},
                {"shortest_duration_s", NumberOrNull(assistance.shortest_s)},
                {"shortest_is_lower_bound", problem.actuator && !assistance.speed_under_load_is_known},
                {"limiting_percent", NumberOrNull(assistance.limiting_percent)},

@@ -16,7 +16,6 @@
 #include "lake/figure/synthesis_figures.h"
 #include "lake/loads/anthropometry.h"
 #include "lake/loads/body_path.h"
-#include "lake/problem/moment_at_pace.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/redesign/program_options.h"
@@ -45,33 +44,6 @@ void CheckSynthesis(const OptimizeRunOptions& options) {
     throw UsageError("--certify bounds the range, and --duration free seeks the shortest duration: omit one");
 }
 
-// The problem with the moments of a rise in the time that it asks for, or in the shortest that it finds: that depends
-// on them in turn, so it is sought until it stays. `moments_s`: the duration that they are of.
-problem::SynthesisProblem AtItsPace(problem::SynthesisProblem problem, const synthesis::OptimizeOptions& options,
-                                    double& moments_s) {
-  moments_s = problem.profile->duration_s;
-  const problem::LoadProfile measured = *problem.profile;
-  const auto take = [&](double duration_s) {
-    const auto at_pace = problem::AtPace(measured, duration_s);
-    if (at_pace) {
-      problem.profile = at_pace;
-      moments_s = duration_s;
-    }
-    return at_pace.has_value();
-  };
-  if (problem.duration_s) take(*problem.duration_s);
-  if (!problem.SeeksDuration()) return problem;
-  constexpr int kTries = 6;
-  constexpr double kSame = 0.005;
-  for (int i = 0; i < kTries; ++i) {
-    const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start, options);
-    if (!solve.IsUsable()) break;
-    const double shortest_s = -solve.objective;
-    if (std::abs(shortest_s / moments_s - 1) < kSame || !take(shortest_s)) break;
-  }
-  return problem;
-}
-
 void DrawFigures(const synthesis::SynthesisOutcome& outcome, Run& run) {
   const bool is_duration = outcome.problem.SeeksDuration();
   std::vector<NamedFigure> figures = {{"convergence", [&](const fs::path& path) {
@@ -88,11 +60,10 @@ void DrawFigures(const synthesis::SynthesisOutcome& outcome, Run& run) {
 
 Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   CheckSynthesis(options);
-  problem::SynthesisProblem problem = problem::WithActuator(options.problem);
-  double moments_s = 0;
-  if (problem.HasLoadProfile()) problem = AtItsPace(problem, options.study.optimize, moments_s);
+  const problem::SynthesisProblem problem = problem::WithActuator(options.problem);
   std::vector<std::string> names =
       ResultNames({"sensitivity.csv", "sensitivity.png", "sensitivity.svg", "margin.csv", "margin.png", "margin.svg"});
+  if (options.study.yield_tolerance_mm) names.insert(names.end(), {"yield.csv", "tolerant.yaml"});
   if (options.study.round_mm) names.push_back("rounded.yaml");
   if (problem.HasLoadProfile()) names.insert(names.end(), {"assistance.csv", "assistance.png", "assistance.svg"});
   run.Begin(names);
@@ -103,10 +74,9 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
     run.WriteSummary(summary);
     throw SolverError(outcome.infeasible->sentence);
   }
-  if (problem.HasLoadProfile()) {
-    summary["assistance"] = WriteAssistance(problem::FindAssistance(outcome.BestLinks(), problem), problem, run);
-    summary["assistance"]["moments_of_s"] = moments_s;
-  }
+  if (problem.HasLoadProfile())
+    summary["assistance"] =
+        WriteAssistance(problem::FindAssistance(outcome.BestLinks(), outcome.problem), outcome.problem, run);
   return summary;
 }
 
@@ -349,6 +319,7 @@ Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
                    "predicted/comparison.json", "predicted/misalignment.csv"});
   if (measured.worn) names.insert(names.end(), {"joint_moved/comparison.json", "joint_moved/misalignment.csv"});
   if (options.reoptimize->pareto_points) names.insert(names.end(), {"pareto.csv", "pareto.png", "pareto.svg"});
+  if (options.study.yield_tolerance_mm) names.push_back("yield.csv");
   if (problem.body) names.insert(names.end(), {"balance.csv", "balance.png", "balance.svg"});
   run.Begin(names);
   const redesign::RedesignOutcome outcome = redesign::RunRedesign(problem, measured, redesign_options);

@@ -8,6 +8,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json_or_null.h"
+#include "lake/core/numbers.h"
 #include "lake/core/provenance.h"
 #include "lake/core/uncertain_text.h"
 
@@ -172,12 +173,26 @@ Json ClearancesJson(const problem::SynthesisProblem& problem) {
           {"actuator_diameter_mm", problem.parts.actuator_diameter_mm}};
 }
 
+namespace {
+
+const char* KindText(const problem::Requirement& requirement) {
+  return requirement.is_lower_limit ? "at least" : "at most";
+}
+
+std::string ValueText(const problem::Requirement& requirement, double value) {
+  if (std::isnan(value)) return "no value";
+  const std::string text = SignificantText(value, 4);
+  return requirement.unit == "1" ? text : text + " " + requirement.unit;
+}
+
+}  // namespace
+
 Json EvaluationJson(const problem::DesignEvaluation& evaluation) {
   Json requirements = Json::array();
   for (const problem::RequirementCheck& check : evaluation.checks)
     requirements.push_back({{"name", check.requirement.name},
                             {"limit", check.requirement.limit},
-                            {"kind", check.requirement.is_lower_limit ? "at least" : "at most"},
+                            {"kind", KindText(check.requirement)},
                             {"value", NumberOrNull(check.value)},
                             {"slack", NumberOrNull(check.slack)},
                             {"unit", check.requirement.unit}});
@@ -193,16 +208,52 @@ Json YieldJson(const problem::Yield& yield) {
   const auto fraction = [](const problem::Fraction& f) {
     return Json{{"value", f.value}, {"interval_95", {f.lower, f.upper}}};
   };
+  Json limits = Json::array();
+  for (const problem::LimitYield& limit : yield.limits)
+    limits.push_back({{"name", limit.requirement.name},
+                      {"limit", limit.requirement.limit},
+                      {"kind", KindText(limit.requirement)},
+                      {"unit", limit.requirement.unit},
+                      {"kept", fraction(limit.kept)},
+                      {"kept_by_95_percent", NumberOrNull(limit.kept_by_95)}});
   return {{"tolerance_mm", yield.options.tolerance_mm},
           {"scope", problem::kYieldScope},
           {"samples", yield.options.samples},
           {"assembled", fraction(yield.assembled)},
-          {"assembled_and_grashof", fraction(yield.assembled_and_grashof)},
+          {"limits", limits},
+          {"all_limits", fraction(yield.all)},
           {"range_p5_deg", NumberOrNull(yield.range_p5_deg)},
           {"range_median_deg", NumberOrNull(yield.range_median_deg)},
           {"range_p95_deg", NumberOrNull(yield.range_p95_deg)},
           {"safe_singularity_margin_mm", yield.safe_singularity_margin_mm},
           {"safe_grashof_margin_mm", yield.safe_grashof_margin_mm}};
+}
+
+void WriteYields(const std::vector<std::pair<const char*, const problem::Yield*>>& designs, Run& run) {
+  CsvWriter table({"design", "limit", "kind", "limit_value", "unit", "kept", "kept_low", "kept_high", "kept_by_95"});
+  for (const auto& [design, yield] : designs) {
+    const auto add = [&](const std::string& what, const char* kind, double limit, const std::string& unit,
+                         const problem::Fraction& kept, double by_95) {
+      table.AddRow(design, what, kind, limit, unit, kept.value, kept.lower, kept.upper, by_95);
+    };
+    add("assembled", "", kNaN, "", yield->assembled, kNaN);
+    for (const problem::LimitYield& limit : yield->limits)
+      add(limit.requirement.name, KindText(limit.requirement), limit.requirement.limit, limit.requirement.unit,
+          limit.kept, limit.kept_by_95);
+    add("all", "", kNaN, "", yield->all, kNaN);
+  }
+  table.Write(run.Result("yield.csv"));
+}
+
+std::string YieldText(const problem::Yield& yield) {
+  std::string text = fmt::format("  of builds within ±{} mm {:.1f} % keep every limit", yield.options.tolerance_mm,
+                                 100 * yield.all.value);
+  std::vector<std::string> missed;
+  for (const problem::LimitYield& limit : yield.limits)
+    if (limit.kept.value < 1)
+      missed.push_back(fmt::format("    {:.1f} % keep {}, 95 % keep {}\n", 100 * limit.kept.value,
+                                   limit.requirement.Text(), ValueText(limit.requirement, limit.kept_by_95)));
+  return text + (missed.empty() ? "\n" : fmt::format(":\n{}", fmt::join(missed, "")));
 }
 
 std::vector<std::string> LinkColumns(std::string_view prefix) {

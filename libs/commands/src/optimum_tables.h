@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lake/certificate/certificate.h"
@@ -77,6 +78,10 @@ Json LinksJson(const linkage::Links& links);
 Json ClearancesJson(const problem::SynthesisProblem& problem);
 Json EvaluationJson(const problem::DesignEvaluation& evaluation);
 Json YieldJson(const problem::Yield& yield);
+// yield.csv: the share of builds that keeps each limit and all of them, of named designs.
+void WriteYields(const std::vector<std::pair<const char*, const problem::Yield*>>& designs, Run& run);
+// All limits together, then those that not every build keeps, a line each.
+std::string YieldText(const problem::Yield& yield);
 // `gained`: what is maximised, in its unit: "deg", "s gained".
 Json ActiveJson(const synthesis::ActiveSet& active, const std::string& gained = "deg");
 // `not_in_bound`: names of the requirements that the bound does without.

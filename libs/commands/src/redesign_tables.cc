@@ -581,11 +581,15 @@ Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
     summary["certificate"] = CertificateJson(*outcome.certificate, NotInBound(outcome.problem));
     if (outcome.moments) summary["certificate"]["moments_of_s"] = outcome.moments->duration_s;
   }
-  if (outcome.yield) summary["yield"] = YieldJson(*outcome.yield);
+  if (outcome.yield) {
+    summary["yield"] = YieldJson(*outcome.yield);
+    WriteYields({{"optimum", &*outcome.yield}}, run);
+  }
   if (!outcome.fronts.empty()) summary["pareto"] = FrontsJson(outcome);
   if (best)
     run.Report(RangeText(after.evaluation.range_deg, outcome.certificate) + MotionText(outcome) +
-               LinksText(after.design.links) + ActiveText(outcome.active));
+               LinksText(after.design.links) + ActiveText(outcome.active) +
+               (outcome.yield ? YieldText(*outcome.yield) : ""));
   return summary;
 }
 

@@ -57,7 +57,7 @@ double RequireStroke(const linkage::Links& links, const linkage::UsedRange& rang
              SignificantText(range.stroke.lower_mm, 6), SignificantText(range.stroke.upper_mm, 6));
 }
 
-// What is asked for, made sure of before anything is written.
+// What is asked for, made sure of before anything is written. Poses that are asked for may lie beyond the used range.
 struct Request {
   linkage::UsedRange range;
   std::vector<double> angles_deg, angle_strokes_mm;
@@ -69,11 +69,13 @@ Request Resolve(const linkage::Design& design, const SimulationOptions& options)
   double least_deg = 0;
   for (const double angle : options.angles_deg) least_deg = std::min(least_deg, angle);
   Request request;
-  request.range = linkage::FindUsedRange(design.links, design.d_min_mm, design.d_max_mm, RadiansFromDegrees(least_deg));
+  request.range = linkage::FindUsedRange(design.links, design.d_min_mm, design.d_max_mm);
+  const linkage::UsedRange shown =
+      linkage::FindUsedRange(design.links, design.d_min_mm, design.d_max_mm, RadiansFromDegrees(least_deg));
   request.angles_deg = options.angles_deg.empty() ? DefaultAngles(design.links, request.range) : options.angles_deg;
   request.shown_mm = options.strokes_mm;
   for (const double angle : request.angles_deg) {
-    request.angle_strokes_mm.push_back(RequireStroke(design.links, request.range, angle));
+    request.angle_strokes_mm.push_back(RequireStroke(design.links, shown, angle));
     request.shown_mm.push_back(request.angle_strokes_mm.back());
   }
   std::sort(request.shown_mm.begin(), request.shown_mm.end());
@@ -117,6 +119,13 @@ std::vector<parts::LoadedPose> LoadedPosesOf(const linkage::Links& links, const 
     const linkage::Pose pose = linkage::RequirePose(links, stroke);
     poses.push_back({pose, torque.At(pose), linkage::MemberForcesOf(pose, torque.At(pose))});
   }
+  return poses;
+}
+
+std::vector<parts::LoadedPose> Within(const linkage::StrokeRange& used, std::vector<parts::LoadedPose> poses) {
+  std::erase_if(poses, [&](const parts::LoadedPose& at) {
+    return !(used.lower_mm <= at.pose.stroke_mm && at.pose.stroke_mm <= used.upper_mm);
+  });
   return poses;
 }
 
@@ -222,8 +231,7 @@ Json RowJson(const Row& row) {
 
 // What ended the used range.
 const char* EndOf(const linkage::UsedRange& range) {
-  const char* const kEnds[] = {"d_max", range.theta_at_upper_rad == 0 ? "standing" : "least angle asked for",
-                               "knee angle turns back", "end of assembly"};
+  const char* const kEnds[] = {"d_max", "standing", "knee angle turns back", "end of assembly"};
   return kEnds[static_cast<int>(range.end)];
 }
 
@@ -367,11 +375,10 @@ bool IsAbove(double value, const std::optional<double>& limit) {
 }
 
 // Without a load profile: the largest force of the torques given, over the used range.
-void WarnOfForce(const problem::LinearActuator& actuator, const linkage::StrokeRange& used,
-                 const std::vector<figure::PinForcesRow>& rows, Run& run) {
+void WarnOfForce(const problem::LinearActuator& actuator, const std::vector<figure::PinForcesRow>& used, Run& run) {
   double most_n = 0, at_deg = 0;
-  for (const figure::PinForcesRow& row : rows)
-    if (used.lower_mm <= row.stroke_mm && row.stroke_mm <= used.upper_mm && std::abs(row.forces.actuator_n) > most_n) {
+  for (const figure::PinForcesRow& row : used)
+    if (std::abs(row.forces.actuator_n) > most_n) {
       most_n = std::abs(row.forces.actuator_n);
       at_deg = row.knee_deg;
     }
@@ -422,16 +429,15 @@ Json Assist(const problem::Assistance& assistance, const linkage::UsedRange& ran
 
 // The moment that the device gives over its used range: its share of the load profile, else the torque given.
 std::vector<KneeMoment> MomentsOf(const std::optional<problem::Assistance>& assistance, double share,
-                                  const std::vector<parts::LoadedPose>& loaded, const linkage::StrokeRange& used) {
+                                  const std::vector<parts::LoadedPose>& used) {
   std::vector<KneeMoment> moments;
   if (assistance)
     for (const problem::AssistanceRow& row : assistance->rows)
       moments.push_back({row.stroke_mm, row.knee_deg, share * row.knee_nm});
   else
-    for (const parts::LoadedPose& at : loaded)
+    for (const parts::LoadedPose& at : used)
       moments.push_back({at.pose.stroke_mm, DegreesFromRadians(at.pose.theta_rad), at.knee_torque_nm});
-  std::erase_if(
-      moments, [&](const KneeMoment& at) { return !(used.lower_mm <= at.stroke_mm && at.stroke_mm <= used.upper_mm); });
+  std::erase_if(moments, [](const KneeMoment& at) { return std::isnan(at.stroke_mm); });
   return moments;
 }
 
@@ -516,14 +522,15 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   const std::vector<parts::LoadedPose> loaded = LoadedPosesOf(look.links, strokes_mm, torque);
   const std::vector<figure::PinForcesRow> pin_forces = PinForcesOf(loaded);
   WritePinForces(run.Result("pin_forces.csv"), pin_forces);
-  if (options.load.actuator && !options.load.HasLoadProfile())
-    WarnOfForce(*options.load.actuator, request.range.stroke, pin_forces, run);
+  const std::vector<parts::LoadedPose> used = Within(request.range.stroke, loaded);
+  const std::vector<figure::PinForcesRow> used_forces = PinForcesOf(used);
+  if (options.load.actuator && !options.load.HasLoadProfile()) WarnOfForce(*options.load.actuator, used_forces, run);
   DrawPngAndSvg("pin_forces", run, [&](const std::filesystem::path& path) { figure::DrawPinForces(path, pin_forces); });
   drawing::WriteLinkPlates(run.Result("design.dxf"), design.links, options.parts);
   const parts::Mechanism mechanism = parts::MakeMechanism(design.links, request.range, options.parts);
   WarnOfStack(mechanism, run);
   WritePartList(run.Result("parts.csv"), mechanism);
-  const std::vector<parts::StrengthCheck> strength = parts::CheckStrength(mechanism, loaded);
+  const std::vector<parts::StrengthCheck> strength = parts::CheckStrength(mechanism, used);
   WriteStrength(run.Result("strength.csv"), strength);
   DrawPictures(look, request, check, run);
   if (options.animation) drawing::WriteLinkageAnimation(run.Result("animation.mp4"), run.Result("animation.gif"), look);
@@ -542,7 +549,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   summary["knee_torque_nm"] = options.knee_torque_nm;
   summary["parts"] = PartsJson(mechanism);
   summary["weakest"] = WeakestJson(weakest);
-  summary["pin_forces"] = PinForcesJson(pin_forces);
+  summary["pin_forces"] = PinForcesJson(used_forces);
   summary["poses"] = Json::array();
   for (const double stroke : request.shown_mm)
     summary["poses"].push_back(RowJson(Row(design.links, stroke, options.knee_torque_nm)));
@@ -556,7 +563,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   if (options.leg_loads.AreAsked()) {
     const cuffs::CuffOptions worn = WornOf(options, mechanism);
     const std::vector<LegLoadRow> leg_loads =
-        LegLoadsOf(MomentsOf(assistance, options.load.assist.value_or(1), loaded, request.range.stroke), worn);
+        LegLoadsOf(MomentsOf(assistance, options.load.assist.value_or(1), used), worn);
     WriteLegLoads(run.Result("leg_loads.csv"), leg_loads);
     summary["leg_loads"] = ReportLegLoads(leg_loads, options.leg_loads, run);
     summary["leg_loads"]["thigh_link_kg"] = worn.thigh_link_kg;

@@ -54,6 +54,40 @@ void WriteRounded(const problem::RoundedDesign& rounded, const problem::Synthesi
                      run.Result("rounded.yaml"));
 }
 
+// The most tolerant design beside the optimum.
+void WriteYields(const synthesis::SynthesisOutcome& outcome, Run& run) {
+  std::vector<std::pair<const char*, const problem::Yield*>> designs{{"optimum", &*outcome.yield}};
+  if (outcome.tolerant) {
+    designs.emplace_back("tolerant", &outcome.tolerant->yield);
+    linkage::Design design;
+    design.links = outcome.tolerant->links;
+    design.d_min_mm = outcome.problem.d_min_mm;
+    WriteOptimumDesign(design, outcome.tolerant->evaluation,
+                       fmt::format(", limits kept within ±{} mm", SignificantText(outcome.tolerant->robust_mm, 4)),
+                       run.Result("tolerant.yaml"));
+  }
+  WriteYields(designs, run);
+}
+
+Json TolerantJson(const synthesis::TolerantDesign& tolerant) {
+  return {{"robust_mm", tolerant.robust_mm},
+          {"links", LinksJson(tolerant.links)},
+          {"yield", YieldJson(tolerant.yield)},
+          {"evaluation", EvaluationJson(tolerant.evaluation)}};
+}
+
+// What a builder meets, and the design that allows for it.
+std::string YieldsText(const synthesis::SynthesisOutcome& outcome) {
+  if (!outcome.yield) return "";
+  const std::string text = YieldText(*outcome.yield);
+  if (!outcome.tolerant)
+    return text + "  no design was found whose limits hold for all builds within a quarter of that\n";
+  return text +
+         fmt::format("  with the largest share: tolerant.yaml, range {:.4f} deg\n",
+                     outcome.tolerant->evaluation.range_deg) +
+         YieldText(outcome.tolerant->yield);
+}
+
 Json StartsJson(const synthesis::SynthesisResult& result) {
   Json starts = Json::array();
   for (std::size_t i = 0; i < result.starts.size(); ++i) {
@@ -171,6 +205,7 @@ Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
   if (outcome.certificate)
     json["certificate"] = CertificateJson(*outcome.certificate, certificate::NotInBound(outcome.problem));
   if (outcome.yield) json["yield"] = YieldJson(*outcome.yield);
+  if (outcome.tolerant) json["tolerant"] = TolerantJson(*outcome.tolerant);
   if (outcome.rounded) json["rounded"] = RoundedJson(*outcome.rounded);
   return json;
 }
@@ -182,7 +217,8 @@ std::string ReportOf(const synthesis::SynthesisOutcome& outcome, double range_de
         fmt::format("  at least {:.4f} deg for every build within {} mm\n",
                     outcome.result.Best().evaluation.worst_range_deg, SignificantText(*outcome.problem.robust_mm, 4));
   text += StationaryText(outcome);
-  return text + LinksText(outcome.BestLinks()) + ActiveText(outcome.active, Gained(outcome.problem));
+  return text + LinksText(outcome.BestLinks()) + ActiveText(outcome.active, Gained(outcome.problem)) +
+         YieldsText(outcome);
 }
 
 Json InfeasibleJson(const synthesis::InfeasibilityReport& report, const problem::DesignEvaluation& nearest) {
@@ -214,6 +250,7 @@ void WriteTables(const synthesis::SynthesisOutcome& outcome, const OptimumView& 
   if (!outcome.IsSolved()) return;
   WriteSensitivity(outcome, run);
   if (!outcome.margins.empty()) WriteMargins(outcome, run);
+  if (outcome.yield) WriteYields(outcome, run);
   if (outcome.rounded) WriteRounded(*outcome.rounded, outcome.problem, run);
 }
 

@@ -191,8 +191,15 @@ const Way* FirstToTry(const std::vector<Way>& ways) {
   return nullptr;
 }
 
-// A moved joint takes its linkage with it, further into the seat than it was worn.
-bool MeetsSeat(const std::vector<Way>& ways) {
+// What the redesign was required to keep to a part of body or seat, mm; NaN where nothing was asked.
+double AskedClearance(const Json& redesign, const char* key) {
+  const Json asked = redesign.value("clearances", Json());
+  return asked.is_object() ? NumberOrNaN(asked.at(key)) : std::nan("");
+}
+
+// A moved joint takes its linkage with it, further into the seat than it was worn; where the seat is to be cleared.
+bool MeetsSeat(const std::vector<Way>& ways, const Json& redesign) {
+  if (std::isnan(AskedClearance(redesign, "seat_mm"))) return false;
   const auto into_mm = [](const Way& way) { return std::max(0.0, -way.on_body->seat_clearance_mm); };
   constexpr double kTold_mm = 1;
   return std::ranges::any_of(ways, [&](const Way& way) {
@@ -200,7 +207,7 @@ bool MeetsSeat(const std::vector<Way>& ways) {
   });
 }
 
-std::string LeadText(const StudyResults& results, const std::vector<Way>& ways) {
+std::string LeadText(const StudyResults& results, const std::vector<Way>& ways, const Json& redesign) {
   if (!results.Has("comparison")) return "No exoskeleton was recorded: new links for this person's movement.";
   const std::string side = SideOf(results);
   std::string text = side.empty() ? "The joint sits on the knee, as far as is known. "
@@ -208,30 +215,31 @@ std::string LeadText(const StudyResults& results, const std::vector<Way>& ways) 
   const Way* first = FirstToTry(ways);
   if (!first) return text + "No way below is certain to help: record more rises first.";
   if (first == &ways.back()) return text + "New links help.";
-  return text + fmt::format("Move it {} the knee first.", MeetsSeat(ways) ? "towards" : "onto");
+  return text + fmt::format("Move it {} the knee first.", MeetsSeat(ways, redesign) ? "towards" : "onto");
 }
 
-// The parts that would be where the person or the seat is, each with how far.
-std::vector<std::pair<std::string, double>> Overlaps(const linkage::WearCheck& check) {
-  std::vector<std::pair<std::string, double>> overlaps;
-  const auto add = [&](const char* what, double clearance_mm) {
-    if (clearance_mm < 0) overlaps.emplace_back(what, -clearance_mm);
+// The clearances that were asked for and are not kept, each with how much is missing.
+std::vector<std::pair<std::string, double>> Missing(const linkage::WearCheck& check, const Json& redesign) {
+  std::vector<std::pair<std::string, double>> missing;
+  const auto add = [&](const char* what, double clearance_mm, const char* key) {
+    constexpr double kRounding_mm = 1e-3;  // a solver leaves a clearance this much below its limit
+    if (const double missing_mm = AskedClearance(redesign, key) - clearance_mm; missing_mm > kRounding_mm)
+      missing.emplace_back(what, missing_mm);
   };
-  add("The actuator overlaps the thigh", check.thigh_clearance_mm);
-  add("The actuator overlaps the shank", check.shank_clearance_mm);
-  add("The linkage reaches into the seat", check.seat_clearance_mm);
-  add("The mount reaches past the hip", check.mount_below_hip_mm);
-  return overlaps;
+  add("The actuator misses its clearance to the thigh", check.thigh_clearance_mm, "limb_mm");
+  add("The actuator misses its clearance to the shank", check.shank_clearance_mm, "limb_mm");
+  add("The linkage misses its clearance to the seat", check.seat_clearance_mm, "seat_mm");
+  return missing;
 }
 
-// The largest overlap of each repaired or new design; one sentence for those in which the same parts meet.
-std::string CollisionText(const std::vector<Way>& ways) {
+// What most is missing to a clearance in each repaired or new design; one sentence for those in which it is the same.
+std::string CollisionText(const std::vector<Way>& ways, const Json& redesign) {
   std::vector<std::pair<std::string, std::vector<std::string>>> sentences;
   for (std::size_t i = ways.size() > 1 ? 1 : 0; i < ways.size(); ++i) {
     if (!ways[i].on_body) continue;
-    const auto overlaps = Overlaps(*ways[i].on_body);
-    const auto worst = std::ranges::max_element(overlaps, {}, [](const auto& overlap) { return overlap.second; });
-    if (worst == overlaps.end()) continue;
+    const auto missing = Missing(*ways[i].on_body, redesign);
+    const auto worst = std::ranges::max_element(missing, {}, [](const auto& clearance) { return clearance.second; });
+    if (worst == missing.end()) continue;
     const std::string by =
         fmt::format("{} mm ({})", NumberText(worst->second, 0), i + 1 == ways.size() ? "new" : "moved");
     const auto same = std::ranges::find(sentences, worst->first, [](const auto& sentence) { return sentence.first; });
@@ -331,10 +339,10 @@ Section ResultChapter(const StudyFile& study, const StudyResults& results) {
   if (!results.Has("redesign")) return MeasuredResult(results);
   const Json redesign = results.Summary("redesign");
   const std::vector<Way> ways = WaysOf(study, results);
-  Section section{"Result", {Paragraph{LeadText(results, ways)}, WaysTable(ways, redesign)}};
+  Section section{"Result", {Paragraph{LeadText(results, ways, redesign)}, WaysTable(ways, redesign)}};
   std::vector<std::string> forbids;
-  if (std::string collision = CollisionText(ways); !collision.empty()) forbids.push_back(std::move(collision));
-  if (MeetsSeat(ways)) forbids.emplace_back("Moved, the linkage meets the seat.");
+  if (std::string collision = CollisionText(ways, redesign); !collision.empty()) forbids.push_back(std::move(collision));
+  if (MeetsSeat(ways, redesign)) forbids.emplace_back("Moved, the linkage meets the seat.");
   if (NeedsHolding(results, redesign)) forbids.emplace_back("At the new pace a person must be held.");
   if (!forbids.empty())
     section.blocks.push_back(Answers{{{"What forbids it", fmt::format("{}", fmt::join(forbids, " "))}}});

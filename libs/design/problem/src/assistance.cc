@@ -1,6 +1,9 @@
 #include "lake/problem/assistance.h"
 
 #include <cmath>
+#include <numeric>
+#include <span>
+#include <utility>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -17,14 +20,24 @@ bool Lifts(const LinearActuator& actuator, double force_n) {
   return !(std::abs(force_n) > actuator.LiftingForce().value_or(kInfinity) * (1 + kRounding));
 }
 
-AssistanceRow RowOf(const linkage::Links& links, const linkage::UsedRange& range, const SynthesisProblem& problem,
-                    const LoadSample& sample) {
+// Where the profile's sample has the linkage; no pace changes that.
+struct Place {
+  double stroke_mm = 0;
+  linkage::Transmission transmission;
+};
+
+std::optional<Place> PlaceOf(const linkage::Links& links, const linkage::UsedRange& range, const LoadSample& sample) {
+  const std::optional<double> stroke = ProfileStroke(links, range, sample.knee_rad);
+  if (!stroke) return std::nullopt;
+  return Place{*stroke, linkage::TransmissionOf(links, linkage::RequirePose(links, *stroke))};
+}
+
+AssistanceRow RowOf(const std::optional<Place>& place, const SynthesisProblem& problem, const LoadSample& sample) {
   AssistanceRow row{
       .percent = sample.percent, .knee_deg = DegreesFromRadians(sample.knee_rad), .knee_nm = sample.knee_nm};
-  const std::optional<double> stroke = ProfileStroke(links, range, sample.knee_rad);
-  if (!stroke) return row;
-  const linkage::Transmission transmission = linkage::TransmissionOf(links, linkage::RequirePose(links, *stroke));
-  row.stroke_mm = *stroke;
+  if (!place) return row;
+  const linkage::Transmission& transmission = place->transmission;
+  row.stroke_mm = place->stroke_mm;
   row.moment_arm_mm = transmission.moment_arm_mm;
   row.speed_mm_s = sample.rad_per_rise / transmission.radians_per_mm;  // per rise; divided by its duration later
   if (!std::isnan(sample.knee_nm)) row.force_n = linkage::ActuatorForce(transmission, problem.TorqueAt(sample));
@@ -34,27 +47,99 @@ AssistanceRow RowOf(const linkage::Links& links, const linkage::UsedRange& range
   return row;
 }
 
-// The first row with the largest value; nullptr if no row has one.
-const AssistanceRow* RowWithLongest(const std::vector<AssistanceRow>& rows) {
-  const AssistanceRow* longest = nullptr;
+// The row with the largest magnitude of a column; nullptr if none is known.
+const AssistanceRow* LargestOf(std::span<const AssistanceRow> rows, double AssistanceRow::*column) {
+  const AssistanceRow* largest = nullptr;
   for (const AssistanceRow& row : rows)
-    if (!std::isnan(row.least_duration_s) && (!longest || row.least_duration_s > longest->least_duration_s))
-      longest = &row;
-  return longest;
+    if (!std::isnan(row.*column) && (!largest || std::abs(row.*column) > std::abs(largest->*column))) largest = &row;
+  return largest;
 }
+
+// The shortest duration T with needed_s(T) <= T, to rounding: the first from `from_s` on by steps of 2 %, bisected.
+// Infinite where there is none.
+template <typename Needed>
+double FirstEnough(double from_s, const Needed& needed_s) {
+  constexpr double kStep = 1.02;
+  constexpr int kHalvings = 60;
+  if (needed_s(from_s) <= from_s) return from_s;
+  double less_s = from_s, enough_s = from_s * kStep;
+  while (!(needed_s(enough_s) <= enough_s)) {
+    if (enough_s > SynthesisProblem::kLongestDuration_s) return kInfinity;
+    less_s = std::exchange(enough_s, enough_s * kStep);
+  }
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle_s = std::midpoint(less_s, enough_s);
+    (needed_s(middle_s) <= middle_s ? enough_s : less_s) = middle_s;
+  }
+  return enough_s;
+}
+
+constexpr double kNoRise_s = 1e-3;  // shorter than any rise
+
+// A design along the load profile at any pace.
+class AlongProfile {
+ public:
+  AlongProfile(const linkage::Links& links, const SynthesisProblem& problem) : problem_(problem) {
+    const linkage::UsedRange range =
+        linkage::FindUsedRange(links, problem.d_min_mm, problem.d_max_mm, RadiansFromDegrees(problem.standing_deg));
+    for (const LoadSample& sample : problem.profile->samples) places_.push_back(PlaceOf(links, range, sample));
+  }
+
+  // Under the moments of a rise in this time, as far as the profile says what pace adds to them.
+  std::vector<AssistanceRow> RowsAt(double duration_s) const {
+    const LoadProfile profile = AtPace(*problem_.profile, duration_s).value_or(*problem_.profile);
+    std::vector<AssistanceRow> rows;
+    for (std::size_t i = 0; i < places_.size(); ++i) rows.push_back(RowOf(places_[i], problem_, profile.samples[i]));
+    return rows;
+  }
+
+  void FindShortest(Assistance& assistance) const {
+    const std::vector<AssistanceRow> as_given = RowsAt(problem_.profile->moments_s);
+    if (!LargestOf(as_given, &AssistanceRow::least_duration_s)) return;
+    // No pace is faster than the path at the speed without load.
+    const double path_s =
+        std::abs(LargestOf(as_given, &AssistanceRow::speed_mm_s)->speed_mm_s) / problem_.actuator->SpeedAt(0);
+    assistance.shortest_s = FirstEnough(std::max(path_s, kNoRise_s), [&](double duration_s) {
+      const std::vector<AssistanceRow> rows = RowsAt(duration_s);
+      return LargestOf(rows, &AssistanceRow::least_duration_s)->least_duration_s;
+    });
+    const std::vector<AssistanceRow> rows =
+        RowsAt(std::min(assistance.shortest_s, SynthesisProblem::kLongestDuration_s));
+    const AssistanceRow* limiting = LargestOf(rows, &AssistanceRow::least_duration_s);
+    constexpr double kSame = 1e-9;
+    assistance.force_is_limit = limiting->least_duration_s < assistance.shortest_s * (1 - kSame);
+    if (assistance.force_is_limit)
+      limiting = LargestOf(rows, &AssistanceRow::force_n);
+    else
+      assistance.shortest_s = limiting->least_duration_s;
+    assistance.limiting_percent = limiting->percent;
+  }
+
+ private:
+  const SynthesisProblem& problem_;
+  std::vector<std::optional<Place>> places_;
+};
 
 // The knee's power against the actuator's largest.
 void FindBound(const SynthesisProblem& problem, Assistance& assistance) {
   const double most_w = problem.actuator->LargestPower();
   if (!std::isfinite(most_w)) return;
-  for (const int i : SamplesInUse(problem)) {
-    const LoadSample& sample = problem.profile->samples[i];
-    const double needed_s = std::abs(problem.TorqueAt(sample) * sample.rad_per_rise) / most_w;
-    if (std::isnan(assistance.bound_s) || needed_s > assistance.bound_s) {
-      assistance.bound_s = needed_s;
-      assistance.bound_percent = sample.percent;
+  const std::vector<int> in_use = SamplesInUse(problem);
+  const auto needed_s = [&](double duration_s) {
+    const LoadProfile profile = AtPace(*problem.profile, duration_s).value_or(*problem.profile);
+    double most_s = 0;
+    for (const int i : in_use) {
+      const LoadSample& sample = profile.samples[i];
+      const double sample_s = std::abs(problem.TorqueAt(sample) * sample.rad_per_rise) / most_w;
+      if (sample_s > most_s) {
+        most_s = sample_s;
+        assistance.bound_percent = sample.percent;
+      }
     }
-  }
+    return most_s;
+  };
+  assistance.bound_s = FirstEnough(kNoRise_s, needed_s);
+  needed_s(assistance.bound_s);
 }
 
 }  // namespace
@@ -89,22 +174,13 @@ double DurationAt(const linkage::Transmission& transmission, const SynthesisProb
 }
 
 const AssistanceRow* Assistance::Largest(double AssistanceRow::*column) const {
-  const AssistanceRow* largest = nullptr;
-  for (const AssistanceRow& row : rows)
-    if (!std::isnan(row.*column) && (!largest || std::abs(row.*column) > std::abs(largest->*column))) largest = &row;
-  return largest;
+  return LargestOf(rows, column);
 }
 
 Assistance FindAssistance(const linkage::Links& links, const SynthesisProblem& problem) {
-  const linkage::UsedRange range =
-      linkage::FindUsedRange(links, problem.d_min_mm, problem.d_max_mm, RadiansFromDegrees(problem.standing_deg));
+  const AlongProfile along(links, problem);
   Assistance assistance;
-  for (const LoadSample& sample : problem.profile->samples)
-    assistance.rows.push_back(RowOf(links, range, problem, sample));
-  if (const AssistanceRow* longest = RowWithLongest(assistance.rows)) {
-    assistance.shortest_s = longest->least_duration_s;
-    assistance.limiting_percent = longest->percent;
-  }
+  along.FindShortest(assistance);
   if (problem.actuator) {
     assistance.speed_under_load_is_known = problem.actuator->HasForceSpeedLaw();
     FindBound(problem, assistance);
@@ -112,6 +188,8 @@ Assistance FindAssistance(const linkage::Links& links, const SynthesisProblem& p
   const bool is_possible = std::isfinite(assistance.shortest_s) && assistance.shortest_s > 0;
   assistance.duration_s =
       problem.duration_s.value_or(is_possible ? assistance.shortest_s : problem.profile->duration_s);
+  assistance.moments_s = problem.profile->HasPace() ? assistance.duration_s : problem.profile->moments_s;
+  assistance.rows = along.RowsAt(assistance.duration_s);
   for (AssistanceRow& row : assistance.rows) {
     row.time_s = row.percent / 100 * assistance.duration_s;
     row.speed_mm_s /= assistance.duration_s;

@@ -53,22 +53,11 @@ double ClearanceOf(const linkage::Pose& pose, const SynthesisProblem& problem, K
   return linkage::LimbSeparation(limb, on_body, body, wear).distance_mm;
 }
 
-// What a knee torque asks of the linkage: forces in N, or the safety factor.
-double LoadOf(const linkage::Links& links, const linkage::Pose& pose, const SynthesisProblem& problem, Kind kind,
-              double knee_torque_nm) {
-  if (kind == Kind::kForce || kind == Kind::kHolding)
-    return std::abs(linkage::ActuatorForce(linkage::TransmissionOf(links, pose), knee_torque_nm));
-  const linkage::MemberForces forces = linkage::MemberForcesOf(pose, knee_torque_nm);
-  if (kind == Kind::kPinForce) return forces.TipPin();  // bears the largest of all
-  if (kind == Kind::kMountForce) return forces.Mount();
-  return parts::LeastSafety(parts::CapacityOf(problem.parts), {pose, knee_torque_nm, forces});
-}
-
-// The family's value at a pose of the used range; NaN where there is none.
-double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem,
-                   const std::optional<linkage::Pose>& pose, Kind kind) {
-  if (!pose) return kNaN;
-  const linkage::Transmission transmission = linkage::TransmissionOf(links, *pose);
+// The family's value in a pose under a knee torque. A kind without a value of its own here does not compile; one that
+// is no family, or is of the load profile alone, is a mistake of the caller's.
+double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem, const linkage::Pose& pose, Kind kind,
+                   double knee_torque_nm) {
+  const linkage::Transmission transmission = linkage::TransmissionOf(links, pose);
   switch (kind) {
     case Kind::kMomentArm:
       return transmission.moment_arm_mm;
@@ -78,19 +67,42 @@ double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem,
     case Kind::kSeat:
     case Kind::kThigh:
     case Kind::kShank:
-      return ClearanceOf(*pose, problem, kind);
-    default:
-      return LoadOf(links, *pose, problem, kind, problem.knee_torque_nm);
+      return ClearanceOf(pose, problem, kind);
+    case Kind::kForce:
+    case Kind::kHolding:
+      return std::abs(linkage::ActuatorForce(transmission, knee_torque_nm));
+    case Kind::kPinForce:
+      return linkage::MemberForcesOf(pose, knee_torque_nm).TipPin();  // bears the largest of all
+    case Kind::kMountForce:
+      return linkage::MemberForcesOf(pose, knee_torque_nm).Mount();
+    case Kind::kSafety:
+      return parts::LeastSafety(parts::CapacityOf(problem.parts),
+                                {pose, knee_torque_nm, linkage::MemberForcesOf(pose, knee_torque_nm)});
+    case Kind::kGrashof:
+    case Kind::kOrder:
+    case Kind::kSingularity:
+    case Kind::kMaxStroke:
+    case Kind::kMaxAngle:
+    case Kind::kReach:
+    case Kind::kDuration:
+      break;
   }
+  throw std::logic_error("this requirement has no value at a pose of the used range");
 }
 
-// The family's value at a sample of the load profile; NaN where there is no pose.
+// At a pose of the used range; NaN where there is none.
+double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem,
+                   const std::optional<linkage::Pose>& pose, Kind kind) {
+  return pose ? FamilyValue(links, problem, *pose, kind, problem.knee_torque_nm) : kNaN;
+}
+
+// At a sample of the load profile; NaN where there is no pose.
 double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem, const linkage::UsedRange& range,
                    Kind kind, const LoadSample& sample) {
   const std::optional<linkage::Pose> pose = PoseAt(links, ProfileStroke(links, range, sample.knee_rad));
   if (!pose) return kNaN;
   return kind == Kind::kDuration ? DurationAt(linkage::TransmissionOf(links, *pose), problem, sample)
-                                 : LoadOf(links, *pose, problem, kind, problem.TorqueAt(sample));
+                                 : FamilyValue(links, problem, *pose, kind, problem.TorqueAt(sample));
 }
 
 // Those of the profile's samples that a requirement is on.
@@ -125,8 +137,10 @@ std::vector<WorstPoint> WorstSamples(const linkage::Links& links, const Synthesi
 // Of a requirement that is closed form in the links and the range.
 double LinkValue(const linkage::Links& links, const SynthesisProblem& problem, const Requirement& requirement,
                  double range_deg) {
-  if (requirement.id.kind == Kind::kSingularity) return links.l2 + problem.d_min_mm - links.L7();
-  if (!requirement.IsLinear()) return range_deg;
+  const Kind kind = requirement.id.kind;
+  if (kind == Kind::kSingularity) return links.l2 + problem.d_min_mm - links.L7();
+  if (kind == Kind::kMaxAngle || kind == Kind::kReach) return range_deg;
+  if (!requirement.IsLinear()) throw std::logic_error(requirement.name + " does not follow from the links alone");
   double sum = 0;
   const auto l = links.Values();
   for (std::size_t i = 0; i < l.size(); ++i) sum += requirement.coefficients[i] * l[i];
@@ -170,6 +184,7 @@ const std::vector<std::optional<linkage::Pose>>& UsedPoses::Grid() {
 }
 
 std::vector<WorstPoint> UsedPoses::WorstPoints(const Requirement& requirement) {
+  if (!requirement.IsFamily()) throw std::logic_error(requirement.name + " is no requirement on many poses");
   if (!range_) return {};
   if (requirement.along_profile) return WorstSamples(links_, problem_, *range_, requirement);
   const Kind kind = requirement.id.kind;

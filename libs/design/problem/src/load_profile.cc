@@ -39,7 +39,27 @@ void CheckSample(double percent, double knee_deg, double knee_nm) {
     throw Fail("the load profile has a moment of {} N m at {} %: no knee bears that", knee_nm, percent);
 }
 
+void TakeSlowMoments(const std::vector<double>& slow_nm, LoadProfile& profile) {
+  if (slow_nm.size() != profile.samples.size())
+    throw Fail("'knee_slow_nm' has {} values, and 'knee_nm' {}", slow_nm.size(), profile.samples.size());
+  for (std::size_t i = 0; i < slow_nm.size(); ++i) profile.samples[i].slow_nm = slow_nm[i];
+}
+
 }  // namespace
+
+std::optional<LoadProfile> AtPace(const LoadProfile& profile, double duration_s) {
+  if (!profile.HasPace()) return std::nullopt;
+  LoadProfile at_pace = profile;
+  at_pace.moments_s = duration_s;
+  const double faster = profile.moments_s / duration_s;
+  for (LoadSample& sample : at_pace.samples)
+    sample.knee_nm = sample.slow_nm + faster * faster * (sample.knee_nm - sample.slow_nm);
+  return at_pace;
+}
+
+bool LoadProfile::HasPace() const {
+  return std::ranges::any_of(samples, [](const LoadSample& sample) { return !std::isnan(sample.slow_nm); });
+}
 
 double LoadProfile::LargestAngle() const {
   return std::ranges::max(samples, {}, &LoadSample::knee_rad).knee_rad;
@@ -55,7 +75,7 @@ LoadProfile MakeLoadProfile(const std::vector<double>& percent, const std::vecto
   CheckPercents(percent);
   if (!(duration_s > 0 && duration_s < 600)) throw Fail("a rise cannot take {} s", duration_s);
   LoadProfile profile;
-  profile.duration_s = duration_s;
+  profile.duration_s = profile.moments_s = duration_s;
   for (std::size_t i = 0; i < n; ++i) {
     CheckSample(percent[i], knee_deg[i], knee_nm[i]);
     const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i + 1, n - 1);
@@ -80,6 +100,7 @@ LoadProfile ReadLoadProfile(const fs::path& path) {
     if (time_s.empty()) throw Fail("the load profile has no samples");
     LoadProfile profile = MakeLoadProfile(percent, knee_deg, knee_nm, time_s.back() - time_s.front());
     profile.file = file;
+    if (json.contains("knee_slow_nm")) TakeSlowMoments(ReadColumn(json, "knee_slow_nm", file), profile);
     return profile;
   } catch (const Error& error) {
     throw Fail("{}: {}", file.string(), error.what());

@@ -80,7 +80,6 @@ void SynthesisProblem::Check() const {
   parts.Check();
   if (max_pin_force_n) CheckPositive(*max_pin_force_n, "max_pin_force_n");
   if (max_mount_force_n) CheckPositive(*max_mount_force_n, "max_mount_force_n");
-  constexpr double kMostTolerance_mm = 5;
   if (robust_mm && !(*robust_mm > 0 && *robust_mm <= kMostTolerance_mm))
     throw Fail("a tolerance (robust_mm) of {} mm must lie above 0, and not beyond {}", *robust_mm, kMostTolerance_mm);
   if (safety_factor) CheckPositive(*safety_factor, "safety_factor");

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <functional>
 #include <mutex>
 #include <numeric>
 #include <random>
@@ -10,6 +10,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/core/threads.h"
 
@@ -20,7 +21,7 @@ constexpr int kLinks = 6;
 
 double RangeOf(const linkage::Links& links, double d_min_mm) {
   const std::optional<linkage::Pose> pose = linkage::SolvePose(links, d_min_mm);
-  return pose ? DegreesFromRadians(pose->theta_rad) : std::numeric_limits<double>::quiet_NaN();
+  return pose ? DegreesFromRadians(pose->theta_rad) : kNaN;
 }
 
 Fraction WilsonInterval(int successes, int samples) {
@@ -44,28 +45,56 @@ std::vector<double> GridAround(double length, const Bounds& bounds, double step,
 }
 
 struct Candidate {
-  double range_deg;
+  double most;  // that its goal can be
   linkage::Links links;
 };
 
-// The candidates of the grid that meet the quick requirements, the largest range first.
+// The goal of the exact links, which no tolerance betters; NaN where they have none.
+double NominalGoal(const linkage::Links& links, const SynthesisProblem& problem, const Requirement* duration) {
+  if (!duration) return RangeOf(links, problem.d_min_mm);
+  const std::vector<WorstPoint> worst = UsedPoses(links, problem).WorstPoints(*duration);
+  return worst.empty() ? kNaN : -worst.front().value;
+}
+
+// The candidates of the grid that meet the quick requirements, the best first.
 std::vector<Candidate> Candidates(const std::array<std::vector<double>, 6>& grid, const SynthesisProblem& problem,
                                   double tolerance_mm) {
   const std::vector<Requirement> requirements = RequirementsOf(problem);
+  const auto duration = std::ranges::find_if(requirements, [&](const Requirement& requirement) {
+    return problem.SeeksDuration() && requirement.id.kind == Requirement::Kind::kDuration;
+  });
+  const Requirement* sought = duration == requirements.end() ? nullptr : &*duration;
   std::vector<Candidate> candidates;
   const auto total = std::accumulate(grid.begin(), grid.end(), std::size_t{1},
                                      [](std::size_t product, const auto& axis) { return product * axis.size(); });
   for (std::size_t n = 0; n < total; ++n) {
+    if (n % 1024 == 0) ThrowIfInterrupted();
     std::array<double, 6> values{};
     for (std::size_t i = 0, rest = n; i < values.size(); rest /= grid[i].size(), ++i)
       values[i] = grid[i][rest % grid[i].size()];
     const linkage::Links links = linkage::Links::FromValues(values);
-    if (MeetsLinkRequirements(links, problem, requirements, tolerance_mm))
-      candidates.push_back({RangeOf(links, problem.d_min_mm), links});
+    if (!MeetsLinkRequirements(links, problem, requirements, tolerance_mm)) continue;
+    if (const double most = NominalGoal(links, problem, sought); !std::isnan(most)) candidates.push_back({most, links});
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.range_deg > b.range_deg; });
+  std::ranges::stable_sort(candidates, std::ranges::greater(), &Candidate::most);
   return candidates;
+}
+
+// The best of the candidates, which come with the most that each can be: the search ends where that is no better than
+// what was found.
+std::optional<DesignEvaluation> FindBest(const std::vector<Candidate>& candidates, const SynthesisProblem& problem,
+                                         linkage::Links& links) {
+  std::optional<DesignEvaluation> best;
+  for (const Candidate& candidate : candidates) {
+    ThrowIfInterrupted();
+    if (best && candidate.most <= GoalOf(problem, *best)) break;
+    if (!IsFeasible(candidate.links, problem)) continue;
+    DesignEvaluation evaluation = Evaluate(candidate.links, problem);
+    if (best && GoalOf(problem, evaluation) <= GoalOf(problem, *best)) continue;
+    best = std::move(evaluation);
+    links = candidate.links;
+  }
+  return best;
 }
 
 }  // namespace
@@ -124,12 +153,7 @@ namespace {
 // bears the coupler's force along the coupler's line, as a third.
 constexpr int kCouplerHoles = 3, kBarHoles = 2, kActuatorHoles = 2;
 
-struct Build {
-  linkage::Links links;
-  double d_min_mm;
-};
-
-Build RandomBuild(const linkage::Links& links, double d_min_mm, const YieldOptions& options, std::mt19937_64& random) {
+BuildError RandomBuild(const YieldOptions& options, std::mt19937_64& random) {
   const auto within = [&](double half_width) {
     const double unit = static_cast<double>(random() >> 11) * 0x1p-53;
     return half_width * (2 * unit - 1);
@@ -139,38 +163,87 @@ Build RandomBuild(const linkage::Links& links, double d_min_mm, const YieldOptio
     for (int i = 0; i < holes && options.pin_clearance_mm > 0; ++i) sum += within(options.pin_clearance_mm / 2);
     return sum;
   };
-  auto values = links.Values();
-  for (double& value : values) value += within(options.tolerance_mm);
-  Build build{linkage::Links::FromValues(values), d_min_mm + within(options.tolerance_mm)};
-  build.links.l1 += play(kCouplerHoles);
-  build.links.l2 += play(kBarHoles);
-  build.d_min_mm += play(kActuatorHoles);
+  BuildError build{};
+  for (double& error : build) error = within(options.tolerance_mm);
+  build[0] += play(kCouplerHoles);
+  build[1] += play(kBarHoles);
+  build[6] += play(kActuatorHoles);
   return build;
+}
+
+// The values of the limits and the range of one build; NaN where there is none.
+struct BuildValues {
+  bool is_assembled = false, keeps_all = false;
+  double range_deg = kNaN;
+  std::vector<double> values;
+  std::vector<bool> kept;
+};
+
+BuildValues ValuesOf(const BuildError& build, const linkage::Links& links, const SynthesisProblem& problem) {
+  const DesignEvaluation evaluation = Evaluate(LinksOf(build, links), ProblemOf(build, problem));
+  BuildValues values;
+  values.is_assembled = evaluation.pose.has_value();
+  values.keeps_all = evaluation.IsFeasible();
+  values.range_deg = evaluation.range_deg;
+  for (const RequirementCheck& check : evaluation.checks) {
+    values.values.push_back(check.value);
+    values.kept.push_back(check.Holds());
+  }
+  return values;
+}
+
+// Builds without a value are worse than any.
+double KeptBy95(std::vector<double> values, bool is_lower_limit) {
+  const auto builds = static_cast<double>(values.size());
+  std::erase_if(values, [](double value) { return std::isnan(value); });
+  const double share = 0.95 * builds / static_cast<double>(values.size());
+  return share <= 1 ? Quantile(std::move(values), is_lower_limit ? 1 - share : share) : kNaN;
+}
+
+template <typename Counts>
+Fraction FractionOf(const std::vector<BuildValues>& builds, const Counts& counts) {
+  return WilsonInterval(static_cast<int>(std::ranges::count_if(builds, counts)), static_cast<int>(builds.size()));
 }
 
 }  // namespace
 
+double YieldOptions::Most_mm() const {
+  return tolerance_mm + pin_clearance_mm / 2 * std::max({kCouplerHoles, kBarHoles, kActuatorHoles});
+}
+
+const LimitYield* Yield::Find(Requirement::Kind kind) const {
+  const auto found = std::ranges::find(limits, kind, [](const LimitYield& limit) { return limit.requirement.id.kind; });
+  return found == limits.end() ? nullptr : &*found;
+}
+
 Yield EstimateYield(const linkage::Links& links, const SynthesisProblem& problem, const YieldOptions& options) {
   options.Check();
   std::mt19937_64 random(options.seed);
-  int assembled = 0, assembled_and_grashof = 0;
-  std::vector<double> ranges;
-  for (int sample = 0; sample < options.samples; ++sample) {
-    if (sample % 1024 == 0) ThrowIfInterrupted();
-    const Build built = RandomBuild(links, problem.d_min_mm, options, random);
-    const linkage::Links& build = built.links;
-    const double range = RangeOf(build, built.d_min_mm);
-    if (std::isnan(range)) continue;
-    ++assembled;
-    assembled_and_grashof += build.l3 + build.l4 <= build.l1 + build.l2;
-    ranges.push_back(range);
+  std::vector<BuildError> errors;
+  for (int sample = 0; sample < options.samples; ++sample) errors.push_back(RandomBuild(options, random));
+  std::vector<BuildValues> builds(errors.size());
+  ForEachInThreads(errors.size(), Threads(), [&](std::size_t i) {
+    ThrowIfInterrupted();
+    builds[i] = ValuesOf(errors[i], links, problem);
+  });
+  Yield yield;
+  yield.options = options;
+  yield.assembled = FractionOf(builds, &BuildValues::is_assembled);
+  yield.all = FractionOf(builds, &BuildValues::keeps_all);
+  const std::vector<Requirement> requirements = RequirementsOf(problem);
+  for (std::size_t i = 0; i < requirements.size(); ++i) {
+    std::vector<double> values;
+    for (const BuildValues& build : builds) values.push_back(build.values[i]);
+    yield.limits.push_back({.requirement = requirements[i],
+                            .kept = FractionOf(builds, [i](const BuildValues& build) { return build.kept[i]; }),
+                            .kept_by_95 = KeptBy95(std::move(values), requirements[i].is_lower_limit)});
   }
-  Yield yield{.options = options,
-              .assembled = WilsonInterval(assembled, options.samples),
-              .assembled_and_grashof = WilsonInterval(assembled_and_grashof, options.samples),
-              .range_p5_deg = Quantile(ranges, 0.05),
-              .range_median_deg = Quantile(ranges, 0.5),
-              .range_p95_deg = Quantile(ranges, 0.95)};
+  std::vector<double> ranges;
+  for (const BuildValues& build : builds)
+    if (build.is_assembled) ranges.push_back(build.range_deg);
+  yield.range_p5_deg = Quantile(ranges, 0.05);
+  yield.range_median_deg = Quantile(ranges, 0.5);
+  yield.range_p95_deg = Quantile(ranges, 0.95);
   const double play_mm = options.pin_clearance_mm / 2;
   yield.safe_singularity_margin_mm =
       options.tolerance_mm * (2 + (links.l5 + links.l6) / links.L7()) + play_mm * (kBarHoles + kActuatorHoles);
@@ -190,13 +263,12 @@ std::optional<RoundedDesign> RoundLinks(const linkage::Links& links, const Synth
                    problem.bounds[i].lower, problem.bounds[i].upper);
     }
     const std::vector<Candidate> candidates = Candidates(grid, problem, kRounding_mm);
-    for (const Candidate& candidate : candidates) {
-      ThrowIfInterrupted();
-      if (IsFeasible(candidate.links, problem))
-        return RoundedDesign{.step_mm = step_mm,
-                             .links = candidate.links,
-                             .evaluation = Evaluate(candidate.links, problem),
-                             .candidates = static_cast<int>(candidates.size())};
+    RoundedDesign rounded;
+    rounded.step_mm = step_mm;
+    rounded.candidates = static_cast<int>(candidates.size());
+    if (auto best = FindBest(candidates, problem, rounded.links)) {
+      rounded.evaluation = std::move(*best);
+      return rounded;
     }
   }
   return std::nullopt;

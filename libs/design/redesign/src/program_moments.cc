@@ -9,7 +9,6 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/numbers.h"
-#include "lake/problem/moment_at_pace.h"
 
 namespace lake::redesign {
 namespace {

@@ -447,11 +447,14 @@ RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measu
   if (!outcome.IsSolved()) return outcome;
   if (problem.fit_placement) AssessPlacement(end, outcome);
   if (options.certify_gap_deg) CertifyWidest(outcome);
-  if (options.yield_tolerance_mm)
-    outcome.yield = problem::EstimateYield(end.links, problem.design,
+  if (options.yield_tolerance_mm) {
+    problem::SynthesisProblem placed = problem.design;
+    placed.clearances.placement_mm = outcome.after.design.placement_mm;
+    outcome.yield = problem::EstimateYield(end.links, placed,
                                            {.tolerance_mm = *options.yield_tolerance_mm,
-                                            .pin_clearance_mm = problem.design.parts.bore_clearance_mm,
+                                            .pin_clearance_mm = placed.parts.bore_clearance_mm,
                                             .seed = options.optimize.seed});
+  }
   return outcome;
 }
 

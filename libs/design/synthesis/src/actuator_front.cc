@@ -5,6 +5,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
+#include "lake/synthesis/at_its_pace.h"
 
 namespace lake::synthesis {
 namespace {
@@ -62,7 +63,11 @@ ActuatorCurve FindCurve(SynthesisProblem problem, const std::vector<double>& sha
     point.assist = share;
     if (!curve.failing.empty()) continue;
     problem.Check();
-    const LocalSolve best = SolveShare(problem, last, options);
+    LocalSolve best;
+    SolveAtItsPace(problem, [&](const SynthesisProblem& at_pace) {
+      best = SolveShare(at_pace, last, options);
+      return best.UsableEnd();
+    });
     point.solved = best.IsUsable();
     if (!point.solved) {
       Explain(problem, options, curve);

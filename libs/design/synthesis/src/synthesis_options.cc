@@ -22,9 +22,10 @@ void Describe(SynthesisOptions& o, OptionList& options) {
       .Unit("s")
       .Positive();
   options
-      .Add("yield", o.yield_tolerance_mm,
-           "Evaluate the fraction of builds that work when every link, and nothing else, deviates by up to this; not a "
-           "requirement")
+      .Add(
+          "yield", o.yield_tolerance_mm,
+          "The share of builds that keep each limit, and all of them, where every link and the shortest stroke are off "
+          "by up to this, and the design whose builds keep them most often; not a requirement")
       .Unit("mm")
       .Positive();
   options.Add("round", o.round_mm, "Also find the best design whose links are multiples of this").Unit("mm").Positive();

@@ -1,11 +1,13 @@
 #include "lake/synthesis/synthesis_outcome.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "lake/core/error.h"
 #include "lake/problem/evaluate.h"
+#include "lake/synthesis/at_its_pace.h"
 
 namespace lake::synthesis {
 namespace {
@@ -13,26 +15,52 @@ namespace {
 constexpr std::array kMargins_mm{0.0, 0.1, 0.2,  0.5,  1.0,  2.0,  3.0,  4.0, 5.0,
                                  6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0};
 
+constexpr int kFewStarts = 4;
+
 // Along a curve of problems that differ little the last optimum leads to the next: that is one start, the problem's own
 // is another, and two more follow where these do not meet.
 LocalSolve BestOfFew(const problem::SynthesisProblem& problem, const linkage::Links& last,
                      const OptimizeOptions& options) {
-  constexpr int kFewStarts = 4;
   return SolveFromEach(
              StartsOf(problem, {last, problem.start}, kFewStarts, options.seed),
              [&](const linkage::Links& start) { return SolveFrom(problem, start, options); }, Until::kConfirmed)
       .TakeBestOrFirst();
 }
 
-problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem, double tolerance_mm,
-                       std::uint64_t seed) {
-  problem::YieldOptions options{
-      .tolerance_mm = tolerance_mm, .pin_clearance_mm = problem.parts.bore_clearance_mm, .seed = seed};
-  return problem::EstimateYield(links, problem, options);
+problem::YieldOptions YieldOptionsOf(const problem::SynthesisProblem& problem, const SynthesisOptions& options) {
+  return {.tolerance_mm = *options.yield_tolerance_mm,
+          .pin_clearance_mm = problem.parts.bore_clearance_mm,
+          .seed = options.optimize.seed};
 }
 
-MarginPoint SolveMargin(problem::SynthesisProblem problem, double margin_mm, const linkage::Links& last,
+problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem,
+                       const SynthesisOptions& options) {
+  return problem::EstimateYield(links, problem, YieldOptionsOf(problem, options));
+}
+
+// Of designs that keep the limits within a part of what a build can be off, the one whose builds keep them most often;
+// of equals that with the largest range, which comes first.
+std::optional<TolerantDesign> FindTolerant(const SynthesisOutcome& outcome) {
+  const double most_mm = YieldOptionsOf(outcome.problem, outcome.options).Most_mm();
+  std::optional<TolerantDesign> best;
+  linkage::Links last = outcome.BestLinks();
+  for (const double part : {0.25, 0.5, 0.75, 1.0}) {
+    problem::SynthesisProblem problem = outcome.problem;
+    problem.robust_mm = part * most_mm;
+    if (!(problem.robust_mm <= problem::SynthesisProblem::kMostTolerance_mm)) break;
+    const LocalSolve solve = BestOfFew(problem, last, outcome.options.optimize);
+    if (!solve.IsUsable()) break;
+    last = solve.end;
+    problem::Yield yield = YieldOf(last, outcome.problem, outcome.options);
+    if (!best || yield.all.value > best->yield.all.value)
+      best = {*problem.robust_mm, last, problem::Evaluate(last, outcome.problem), std::move(yield)};
+  }
+  return best;
+}
+
+MarginPoint SolveMargin(const problem::SynthesisProblem& asked, double margin_mm, const linkage::Links& last,
                         const SynthesisOptions& options) {
+  problem::SynthesisProblem problem = asked;
   problem.grashof_margin_mm = problem.singularity_margin_mm = margin_mm;
   MarginPoint point{.margin_mm = margin_mm,
                     .solved = false,
@@ -50,9 +78,7 @@ MarginPoint SolveMargin(problem::SynthesisProblem problem, double margin_mm, con
                                        CertificateOptionsOf(*options.certify_gap_deg, options.certify_time_s,
                                                             /*quiet=*/true, static_cast<int>(kMargins_mm.size())),
                                        options.optimize);
-  if (options.yield_tolerance_mm)
-    point.yield =
-        YieldOf(point.links, problem, *options.yield_tolerance_mm, options.optimize.seed).assembled_and_grashof.value;
+  if (options.yield_tolerance_mm) point.yield = YieldOf(point.links, asked, options).all.value;
   return point;
 }
 
@@ -79,6 +105,23 @@ problem::SynthesisProblem OnlyWhatIsInTheBound(problem::SynthesisProblem problem
   problem.duration_s.reset();
   problem.goal = problem::SynthesisProblem::Goal::kRange;
   problem.robust_mm.reset();
+  return problem;
+}
+
+// From all starts, at a pace that few of them find. Gives the problem with the moments of that pace.
+problem::SynthesisProblem OptimiseAtItsPace(problem::SynthesisProblem problem, const OptimizeOptions& options,
+                                            SynthesisResult& result) {
+  OptimizeOptions few = options;
+  few.starts = std::min(kFewStarts, options.starts);
+  few.quiet = true;
+  const auto optimise = [&](const OptimizeOptions& search) {
+    SolveAtItsPace(problem, [&](const problem::SynthesisProblem& at_pace) {
+      result = Optimize(at_pace, search);
+      return result.BestOrFirst().UsableEnd();
+    });
+  };
+  if (problem.HasLoadProfile() && problem.profile->HasPace()) optimise(few);
+  optimise(options);
   return problem;
 }
 
@@ -136,15 +179,11 @@ SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const Sy
   problem.Check();
   options.Check();
   SynthesisOutcome outcome;
-  outcome.problem = problem;
   outcome.options = options;
-  outcome.start = problem::Evaluate(problem.start, problem);
-  const auto yield_of = [&](const linkage::Links& links) {
-    return YieldOf(links, problem, *options.yield_tolerance_mm, options.optimize.seed);
-  };
-  if (options.yield_tolerance_mm) outcome.start_yield = yield_of(problem.start);
-  outcome.result = Optimize(problem, options.optimize);
-  if (!outcome.IsSolved()) outcome.infeasible = AnalyseInfeasibility(problem, options.optimize);
+  outcome.problem = OptimiseAtItsPace(problem, options.optimize, outcome.result);
+  outcome.start = problem::Evaluate(problem.start, outcome.problem);
+  if (options.yield_tolerance_mm) outcome.start_yield = YieldOf(problem.start, outcome.problem, options);
+  if (!outcome.IsSolved()) outcome.infeasible = AnalyseInfeasibility(outcome.problem, options.optimize);
   if (outcome.infeasible && outcome.infeasible->relaxations.empty()) StartFromElastic(outcome);
   if (!outcome.IsSolved()) return outcome;
   const LocalSolve& best = outcome.result.Best();
@@ -152,19 +191,23 @@ SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const Sy
   outcome.stationary = certificate::CertifyStationaryPoint(best.program.program, best.solution);
   if (options.certify_gap_deg)
     outcome.certificate = CertifyOptimum(
-        problem, best.end, best.evaluation.range_deg,
+        outcome.problem, best.end, best.evaluation.range_deg,
         CertificateOptionsOf(*options.certify_gap_deg, options.certify_time_s, options.quiet), options.optimize);
   {
     constexpr double kSpan_mm = 5;
     constexpr int kSteps = 100;
     Progress progress("sensitivity", "points", problem::PointsOfSensitivity(kSteps), options.quiet);
-    outcome.sensitivity = problem::Sensitivity(best.end, problem, kSpan_mm, kSteps, [&] { progress.Advance(); });
+    outcome.sensitivity =
+        problem::Sensitivity(best.end, outcome.problem, kSpan_mm, kSteps, [&] { progress.Advance(); });
   }
   // A tolerance takes the place of margins.
   if (problem.goal == problem::SynthesisProblem::Goal::kRange && !problem.robust_mm)
     outcome.margins = SweepMargins(outcome);
-  if (options.yield_tolerance_mm) outcome.yield = yield_of(best.end);
-  if (options.round_mm) outcome.rounded = problem::RoundLinks(best.end, problem, *options.round_mm);
+  if (options.yield_tolerance_mm) {
+    outcome.yield = YieldOf(best.end, outcome.problem, options);
+    outcome.tolerant = FindTolerant(outcome);
+  }
+  if (options.round_mm) outcome.rounded = problem::RoundLinks(best.end, outcome.problem, *options.round_mm);
   return outcome;
 }
 

@@ -102,7 +102,8 @@ void DrawMargins(const synthesis::SynthesisOutcome& outcome, const std::filesyst
   std::string plot = fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.9 lc rgb '{}'{}", data,
                                  colour::kAnkle, outcome.options.yield_tolerance_mm ? " title 'largest range'" : "");
   if (outcome.options.yield_tolerance_mm) {
-    figure.Line("set y2label 'builds that work, links within ±{} mm (%)'", *outcome.options.yield_tolerance_mm);
+    figure.Line("set y2label 'builds that keep every limit, lengths within ±{} mm (%)'",
+                *outcome.options.yield_tolerance_mm);
     figure.Line("set y2range [0:105]").Line("set y2tics 20").Line("set border 11");
     plot += fmt::format(", {} using 1:3 axes x1y2 with linespoints lw 2 dt 2 pt 5 ps 0.8 lc rgb '{}' title 'yield'",
                         data, colour::kExoskeleton);

@@ -190,7 +190,12 @@ export class DesignPage {
     while (this.pending) {
       const question = this.pending;
       this.pending = null;
-      await attempt(async () => this.take(await server.explore(question)));
+      try {
+        this.take(await server.explore(question));
+      } catch (why) {
+        this.showNothing();
+        sayWhy(why);
+      }
     }
     this.isAsking = false;
     if (this.about.tolerance_mm !== null) void this.followWithBuilds();
@@ -236,6 +241,14 @@ export class DesignPage {
     this.seek(this.row, exact);
     if (isFirst) this.fit();
     part("design").dataset.range = String(explored.range_deg);
+  }
+
+  // Of links that nobody could say anything of: what was said of others does not stay.
+  private showNothing(): void {
+    part("state").textContent = TEXTS.unknown;
+    part("state").classList.add("error");
+    part("check-count").textContent = "";
+    part("checks").replaceChildren();
   }
 
   private curves(pick: (columns: DesignColumns) => Curve["values"]): Curve[] {

@@ -179,6 +179,7 @@ export const TEXTS = allUnbroken({
   range: (degrees: number | null) => (degrees === null ? "Cannot be assembled" : `Range ${degrees.toFixed(2)}°`),
   failing: (failed: number, all: number) =>
     failed === 0 ? `meets all ${all} requirements asked` : failed === 1 ? "fails 1 requirement" : `fails ${failed} requirements`,
+  unknown: "Not known of these links",
   notAsked: (names: string[]) => (names.length === 0 ? "" : `; not asked, and not met: ${names.join(", ")}`),
   gap: (why: string) => `These links cannot be assembled: ${why}.`,
   asDrawn: (tolerance: number) => ` as drawn; builds within ± ${tolerance} mm follow`,

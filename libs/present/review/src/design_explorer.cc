@@ -120,6 +120,14 @@ Json WorstJson(const problem::RequirementCheck& check, const problem::SynthesisP
   return {{"knee_deg", Rounded(std::lerp(problem.standing_deg, range_deg, check.fraction))}};
 }
 
+// The paper's form of Grashof's law, l3 + l4 <= l1 + l2, is the law where the order of the links holds. Links in
+// another order are held to the law itself.
+void HoldToLaw(const Links& links, problem::RequirementCheck& check) {
+  if (check.requirement.id.kind != problem::Requirement::Kind::kGrashof) return;
+  check.value = std::min(check.value, linkage::GrashofOf(links).slack_mm);
+  check.slack = check.requirement.Slack(check.value);
+}
+
 Json CheckJson(const problem::RequirementCheck& check, const problem::SynthesisProblem& problem, double range_deg) {
   const problem::Requirement& requirement = check.requirement;
   return {{"name", requirement.name},
@@ -208,9 +216,17 @@ Json BoundJson(std::size_t link, double value, double limit, bool is_lower_limit
 
 }  // namespace
 
-Links LinksFrom(const Json& json) {
+namespace {
+
+Links AnyLinksFrom(const Json& json) {
   if (!json.is_array() || json.size() != 6) throw Error("six links are asked for, l1 to l6");
-  const Links links = Links::FromValues(json.get<std::array<double, 6>>());
+  return Links::FromValues(json.get<std::array<double, 6>>());
+}
+
+}  // namespace
+
+Links LinksFrom(const Json& json) {
+  const Links links = AnyLinksFrom(json);
   linkage::CheckLinks(links, "the page");
   return links;
 }
@@ -277,8 +293,10 @@ Json DesignExplorer::ChecksJson(const Links& links, bool of_builds) const {
   if (!of_builds) problem.robust_mm.reset();
   const problem::DesignEvaluation evaluation = problem::Evaluate(links, problem);
   Json checks = Json::array();
-  for (const problem::RequirementCheck& check : evaluation.checks)
+  for (problem::RequirementCheck check : evaluation.checks) {
+    HoldToLaw(links, check);
     checks.push_back(CheckJson(check, problem, evaluation.range_deg));
+  }
   const auto values = links.Values();
   for (std::size_t i = 0; i < values.size(); ++i) {
     const problem::Bounds& bound = explored_.problem.bounds[i];
@@ -295,7 +313,7 @@ Json DesignExplorer::ChecksJson(const Links& links, bool of_builds) const {
 }
 
 Json DesignExplorer::Explore(const Json& question) const {
-  Links links = LinksFrom(question.at("links"));
+  Links links = AnyLinksFrom(question.at("links"));  // also of a linkage that cannot be, which fails its limits
   Json stroke, pose;
   if (const auto drag = question.find("drag"); drag != question.end() && !drag->is_null()) {
     double stroke_mm = 0;

@@ -168,6 +168,15 @@ void TakeMotion(const Folder& folder, const commands::ReoptimizeRunOptions& moti
   };
 }
 
+// The moments of the rise that the design was found for.
+void TakePace(const Json& summary, problem::SynthesisProblem& problem) {
+  const Json assistance = summary.value("assistance", Json());
+  if (!problem.HasLoadProfile() || !assistance.is_object()) return;
+  const double moments_s = NumberOrNaN(assistance.value("moments_of_s", Json()));
+  if (std::isfinite(moments_s))
+    problem.profile = problem::AtPace(*problem.profile, moments_s).value_or(*problem.profile);
+}
+
 // Limits as lake-optimize had them.
 void TakeLimits(const Folder& folder, DesignSubject& subject) {
   commands::OptimizeRunOptions options;
@@ -187,6 +196,7 @@ void TakeLimits(const Folder& folder, DesignSubject& subject) {
   AddWords(list, subject.limit_words);
   subject.explored.problem = problem::WithActuator(options.problem);
   TakeClearances(folder.summary, subject.explored.problem);
+  TakePace(folder.summary, subject.explored.problem);
   subject.explored.limits = fmt::format("the limits of {}", folder.path.string());
   if (!has_motion) return;
   folder.Give(said, motion_list);

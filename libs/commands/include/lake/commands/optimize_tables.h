@@ -9,7 +9,8 @@
 namespace lake::commands {
 
 // Writes design.yaml, optimum.csv, constraints.csv, starts.csv, convergence.csv, sensitivity.csv, margin.csv and, if
-// there is one, rounded.yaml; returns the results for summary.json. Warns through the run of what a reader must know.
+// there is one, rounded.yaml, with a yield yield.csv and tolerant.yaml; returns the results for summary.json. Warns
+// through the run of what a reader must know.
 Json WriteSynthesis(const synthesis::SynthesisOutcome& outcome, Run& run);
 
 // Writes design.yaml, optimum.csv, constraints.csv, starts.csv, convergence.csv, before_after.csv, cuffs.csv,

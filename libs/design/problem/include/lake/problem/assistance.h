@@ -4,7 +4,8 @@
 //   v = r |dtheta / ds| / T  s = 0..1, run through evenly in the duration T
 //   F within what the actuator lifts, v within its speed under F  =>  T >= r |dtheta / ds| / v(F)
 //
-// M is the moment as it was measured, at whatever duration.
+// M is the moment of a rise in T, as far as the profile says what pace adds to it (AtPace in load_profile.h), else as
+// it was measured.
 #pragma once
 
 #include <limits>
@@ -43,9 +44,11 @@ struct AssistanceRow {
 struct Assistance {
   std::vector<AssistanceRow> rows;
   double duration_s = 0;  // of force, speed and power in the rows
-  // The shortest that the actuator allows, and the percent that decides; NaN without a known speed, infinite where it
-  // cannot lift its share.
+  double moments_s = 0;   // of the rise whose moments these are: the same, where the profile says what pace adds
+  // The shortest that the actuator allows under the moments of a rise in that time, and the percent that decides; NaN
+  // without a known speed, infinite where it cannot lift its share at any pace.
   double shortest_s = AssistanceRow::kUnknown, limiting_percent = AssistanceRow::kUnknown;
+  bool force_is_limit = false;             // a quicker rise takes more than it lifts; else its speed decides
   bool speed_under_load_is_known = false;  // else `shortest_s` is a lower bound
   // Lower bound over all linkages, by the actuator's power. NaN as above.
   double bound_s = AssistanceRow::kUnknown, bound_percent = AssistanceRow::kUnknown;
@@ -54,8 +57,9 @@ struct Assistance {
   const AssistanceRow* Largest(double AssistanceRow::*column) const;
 };
 
-// Of a design, for problem.duration_s if there is one, else the shortest duration, else the profile's own. Needs a load
-// profile; throws Error if the linkage cannot be assembled at d_min.
+// Of a design, for problem.duration_s if there is one, else the shortest duration, else the profile's own: this is the
+// pace of a design wherever its forces are computed. Needs a load profile; throws Error if the linkage cannot be
+// assembled at d_min.
 Assistance FindAssistance(const linkage::Links& links, const SynthesisProblem& problem);
 
 }  // namespace lake::problem

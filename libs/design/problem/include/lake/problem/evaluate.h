@@ -29,6 +29,7 @@ class UsedPoses {
   // The local worst points of a requirement of the family kind, the global one first: over the used range the grid's,
   // refined by Brent's minimisation, of the seat the seated pose alone; along the load profile those of its samples
   // that are not straighter than standing, NaN where they are bent more than the linkage can be. Empty without a range.
+  // Throws std::logic_error for a requirement that is no family.
   std::vector<WorstPoint> WorstPoints(const Requirement& requirement);
 
  private:

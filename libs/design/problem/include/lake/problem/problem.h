@@ -79,6 +79,7 @@ struct SynthesisProblem {
   // Requirements hold for all builds within it, and the objective is that of the worst build. Bounds apply to the
   // nominal lengths.
   std::optional<double> robust_mm;
+  static constexpr double kMostTolerance_mm = 5;
 
   enum class Goal {
     kRange,    // the largest range

@@ -40,10 +40,12 @@ inline constexpr const char* kYieldScope =
 struct YieldOptions {
   double tolerance_mm = 0.1;      // every link and d_min uniform within +- this
   double pin_clearance_mm = 0.0;  // by which a hole is wider than its pin: half of it is play to either side
-  int samples = 50000;            // standard error of a fraction below 0.23 %
+  int samples = 5000;             // standard error of a fraction below 0.71 %
   std::uint64_t seed = 1;
 
   void Check() const;  // throws Error
+  // By how much any length can be off, play included.
+  double Most_mm() const;
 };
 
 // A fraction of builds with its 95 % interval (Wilson, JASA 22, 1927).
@@ -51,16 +53,30 @@ struct Fraction {
   double value = 0, lower = 0, upper = 0;
 };
 
+// One limit of the problem over the builds.
+struct LimitYield {
+  Requirement requirement;
+  Fraction kept;
+  // What 95 % of the builds keep: the 95th percentile of a value with an upper limit, the 5th of one with a lower; NaN
+  // where more than 5 % of the builds have no value.
+  double kept_by_95 = 0;
+};
+
 struct Yield {
   YieldOptions options;
   Fraction assembled;                                                // can be assembled at d_min
-  Fraction assembled_and_grashof;                                    // and satisfies Grashof's law (without margin)
+  std::vector<LimitYield> limits;                                    // each of RequirementsOf()
+  Fraction all;                                                      // keeps every limit, and can be assembled
   double range_p5_deg = 0, range_median_deg = 0, range_p95_deg = 0;  // of those that can be assembled; NaN if none
   // Margins that no such build can use up: sum of tolerance and play x |derivative|.
   double safe_singularity_margin_mm = 0, safe_grashof_margin_mm = 0;
+
+  const LimitYield* Find(Requirement::Kind kind) const;  // the first; nullptr if the problem has none
 };
 
-// Throws Error for options that fail Check(), Interrupted on a signal.
+// The builds are held against the problem's limits as they stand: without its bounds on nominal links and its own
+// tolerance (robust_mm). The same for any number of threads. Throws Error for options that fail Check(), Interrupted on
+// a signal.
 Yield EstimateYield(const linkage::Links& links, const SynthesisProblem& problem, const YieldOptions& options = {});
 
 struct RoundedDesign {
@@ -70,8 +86,9 @@ struct RoundedDesign {
   int candidates = 0;  // grid points that were feasible by the quick requirements
 };
 
-// The best feasible design whose links are multiples of the step, among those a few steps around; nullopt if none is
-// feasible. Throws Error for a step that is not positive, or coarser than a bound's width.
+// The feasible design that is best in what the problem seeks (GoalOf) of those whose links are multiples of the step, a
+// few steps around; nullopt if none is feasible. Throws Error for a step that is not positive, or coarser than a
+// bound's width.
 std::optional<RoundedDesign> RoundLinks(const linkage::Links& links, const SynthesisProblem& problem, double step_mm);
 
 }  // namespace lake::problem

@@ -45,6 +45,7 @@ struct LocalSolve {
   double PriceOf(const Limit& limit) const;
   // Solved, and feasible by the closed form within 1e-6.
   bool IsUsable() const { return solution.IsUsable() && evaluation.IsFeasible(); }
+  std::optional<linkage::Links> UsableEnd() const { return IsUsable() ? std::optional(end) : std::nullopt; }
   // Drops program, poses and iterations, which are not needed of thousands of starts.
   void KeepOutcome();
 };

@@ -32,7 +32,15 @@ struct MarginPoint {
   linkage::Links links;
   double range_deg = 0;                                 // NaN if not solved
   std::optional<certificate::Certificate> certificate;  // if one is asked for
-  std::optional<double> yield;                          // assembled and Grashof, if a yield is asked for
+  std::optional<double> yield;                          // builds that keep every limit of the problem, if asked for
+};
+
+// A design whose limits hold for every build within a tolerance (robust_mm), and the yield of the tolerance asked for.
+struct TolerantDesign {
+  double robust_mm = 0;
+  linkage::Links links;
+  problem::DesignEvaluation evaluation;  // of the exact links, by the problem itself
+  problem::Yield yield;
 };
 
 struct SynthesisOutcome {
@@ -48,6 +56,7 @@ struct SynthesisOutcome {
   std::vector<problem::SensitivityPoint> sensitivity;
   std::vector<MarginPoint> margins;  // none where the duration is what is sought, or with a tolerance
   std::optional<problem::Yield> yield, start_yield;
+  std::optional<TolerantDesign> tolerant;  // with a yield: whose builds keep the limits most often
   std::optional<problem::RoundedDesign> rounded;
 
   bool IsSolved() const { return result.IsSolved(); }
