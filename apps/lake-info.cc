@@ -68,6 +68,7 @@ lake::Json Describe(const std::filesystem::path& path, double mm_per_unit, doubl
   lake::Json info = Timing(table.time_s);
   info["in_degrees"] = table.in_degrees;
   info["columns"] = table.columns;
+  info["warnings"] = table.warnings;
   return info;
 }
 

@@ -116,6 +116,7 @@ TEST(OpensimWalk, InverseKinematicsTablesReadBack) {
   for (const char* name : {"subject01_walk1_ik.mot", "std_subject01_walk1_ik.mot"}) {
     const exchange::MotTable table = exchange::ReadMot(folder / name);
     EXPECT_TRUE(table.in_degrees);
+    EXPECT_TRUE(table.warnings.empty());
     exchange::WriteMot(written / name, table);
     const exchange::MotTable read = exchange::ReadMot(written / name);
     EXPECT_EQ(read.columns, table.columns);

@@ -72,7 +72,7 @@ motion::Side LegOf(const fs::path& kinematics, const ConvertOptions& options) {
   throw UsageError("{}: does not say whether this is the left or the right leg: give --leg", kinematics.string());
 }
 
-void ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
+std::vector<std::string> ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
   CheckNoPointOptions(out, options);
   MotTable table;
   if (IsAngleTable(in)) {
@@ -90,6 +90,7 @@ void ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions
   }
   if (options.crop_s) CropTable(*options.crop_s, in, table);
   WriteMot(out, table);
+  return table.warnings;
 }
 
 // Positions in px as `picture` scales them: in mm, or, in a project over the video, in px beside the scale.
@@ -155,10 +156,7 @@ bool IsAngleTable(const fs::path& path) {
 std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
   if (!fs::exists(in)) throw Fail("{}: no such file", in.string());
   if (fs::exists(out) && fs::equivalent(in, out)) throw UsageError("{}: is the input itself", out.string());
-  if (IsAngleTable(out)) {
-    ConvertAngles(in, out, options);
-    return {};
-  }
+  if (IsAngleTable(out)) return ConvertAngles(in, out, options);
   FormatOf(out);  // a wrong ending is told before a long file is read
   if (IsAngleTable(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
   if (options.flexion_negative || options.leg)

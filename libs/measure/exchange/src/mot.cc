@@ -23,8 +23,34 @@ std::vector<std::string> RowCells(const std::string& line) {
 
 struct MotHeader {
   std::optional<std::size_t> rows, columns;
+  std::optional<bool> in_degrees;
+  bool is_simm = false;    // the form that OpenSim took over from SIMM, whose angles are in degrees
   std::size_t labels = 0;  // index of the line after endheader
 };
+
+// inDegrees=yes; nullopt if it is neither yes nor no.
+std::optional<bool> YesOrNo(const std::string& text) {
+  for (const char* yes : {"yes", "y", "true", "t", "1"})
+    if (text == yes) return true;
+  for (const char* no : {"no", "n", "false", "f", "0"})
+    if (text == no) return false;
+  return std::nullopt;
+}
+
+// What a line of the header, in small letters, says of the unit of angles: "indegrees=yes", or a sentence such as
+// "angles are in degrees." nullopt if it says nothing, or names both units, as OpenSim's explanation of the key does.
+std::optional<bool> UnitOfAngles(const std::string& line, const std::string& where) {
+  constexpr std::string_view kKey = "indegrees";
+  if (line.starts_with(kKey)) {
+    const std::size_t begin = line.find_first_not_of("=: \t", kKey.size());
+    const std::string value = begin == std::string::npos ? "" : line.substr(begin);
+    const std::optional<bool> in_degrees = YesOrNo(value);
+    if (!in_degrees) throw Fail("{}: inDegrees is '{}'; write inDegrees=yes or inDegrees=no", where, value);
+    return in_degrees;
+  }
+  const bool degrees = line.find("degree") != std::string::npos, radians = line.find("radian") != std::string::npos;
+  return degrees == radians ? std::nullopt : std::optional(degrees);
+}
 
 // "nRows=73", and the older "datarows 73" beside it.
 MotHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path, MotTable& table) {
@@ -35,14 +61,26 @@ MotHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path, 
     const std::string lower = Lower(line);
     if (lower == "endheader") {
       header.labels = i + 1;
+      table.in_degrees = header.in_degrees.value_or(header.is_simm);
+      if (!header.in_degrees && !header.is_simm)
+        table.warnings.push_back(fmt::format(
+            "{}: does not say the unit of angles; radians are assumed, as OpenSim does; if they are degrees, write "
+            "inDegrees=yes above endheader",
+            path.string()));
       return header;
     }
+    if (lower.find("simm motion file") != std::string::npos || lower.starts_with("datacolumns ")) header.is_simm = true;
     const auto value = [&] { return line.substr(line.find_first_of("= ") + 1); };
     if (lower.starts_with("nrows=") || lower.starts_with("datarows "))
       header.rows = ParseCount(value(), "rows", lines.Where(i), kMostRows);
     if (lower.starts_with("ncolumns=") || lower.starts_with("datacolumns "))
       header.columns = ParseCount(value(), "columns", lines.Where(i), kMostColumns);
-    if (lower.starts_with("indegrees=")) table.in_degrees = Lower(value()) == "yes";
+    if (i == 0 || lower.starts_with("name ")) continue;
+    const std::optional<bool> in_degrees = UnitOfAngles(lower, lines.Where(i));
+    if (in_degrees && header.in_degrees.value_or(*in_degrees) != *in_degrees)
+      throw Fail("{}: says that angles are in {}, and a line above the opposite; write inDegrees=yes or inDegrees=no",
+                 lines.Where(i), *in_degrees ? "degrees" : "radians");
+    if (in_degrees) header.in_degrees = in_degrees;
   }
   throw Fail("{}: not a MOT or STO file: no line 'endheader'", path.string());
 }

@@ -14,13 +14,16 @@ struct MotTable {
   bool in_degrees = true;
   std::vector<std::string> columns;  // without time
   std::vector<double> time_s;
-  std::vector<std::vector<double>> rows;  // as wide as `columns`; NaN where missing
+  std::vector<std::vector<double>> rows;   // as wide as `columns`; NaN where missing
+  std::vector<std::string> warnings = {};  // of reading: the unit of angles is an assumption
 
   // Throws Error if there is none.
   std::size_t Column(const std::string& column) const;
 };
 
-// Throws Error naming file and line: no endheader, a row of another width, counts that contradict the header.
+// Of the unit of angles counts what the header says, by the key inDegrees or in a sentence. Where it says nothing,
+// SIMM's form has degrees, any other radians, as OpenSim reads them, with a warning. Throws Error naming file and line:
+// no endheader, a row of another width, counts that contradict the header, a unit that is not understood.
 MotTable ReadMot(const std::filesystem::path& path);
 void WriteMot(const std::filesystem::path& path, const MotTable& table);
 
