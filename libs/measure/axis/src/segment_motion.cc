@@ -38,12 +38,37 @@ std::vector<const exchange::PointTrack*> TracksOf(const exchange::PointRecording
   return tracks;
 }
 
-// The least-squares turn that takes `from` to `to`, both about their means (Kabsch); in a plane about z.
-Matrix3d TurnBetween(const Matrix3Xd& from, const Matrix3Xd& to, bool is_plane) {
+// Of the plane in which all markers of both segments are, throughout.
+using Normal = std::optional<Vector3d>;
+
+// Planar points of a file of three dimensions have turns about this one axis only: their mirror image is a turn in
+// space as well.
+Normal NormalOf(const exchange::PointRecording& points, const std::vector<const exchange::PointTrack*>& tracks) {
+  constexpr double kFlat_mm = 0.01;  // root mean square; files are rounded
+  if (points.space == exchange::PointSpace::kPlane) return Vector3d::UnitZ();
+  Vector3d sum = Vector3d::Zero();
+  Matrix3d squares = Matrix3d::Zero();
+  double count = 0;
+  for (const exchange::PointTrack* track : tracks)
+    for (const Vector3d& place : track->positions) {
+      if (!place.allFinite()) continue;
+      sum += place;
+      squares += place * place.transpose();
+      ++count;
+    }
+  if (count == 0) return std::nullopt;
+  const Vector3d mean = sum / count;
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(squares / count - mean * mean.transpose());
+  return eigen.eigenvalues()[0] < kFlat_mm * kFlat_mm ? Normal(eigen.eigenvectors().col(0)) : std::nullopt;
+}
+
+// The least-squares turn that takes `from` to `to`, both about their means (Kabsch); in a plane about its normal.
+Matrix3d TurnBetween(const Matrix3Xd& from, const Matrix3Xd& to, const Normal& normal) {
   const Matrix3d moment = to * from.transpose();
-  if (is_plane) {
-    const double angle = std::atan2(moment(1, 0) - moment(0, 1), moment(0, 0) + moment(1, 1));
-    return Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
+  if (normal) {
+    const Vector3d turned(moment(2, 1) - moment(1, 2), moment(0, 2) - moment(2, 0), moment(1, 0) - moment(0, 1));
+    const double angle = std::atan2(normal->dot(turned), moment.trace());
+    return Eigen::AngleAxisd(angle, *normal).toRotationMatrix();
   }
   const Eigen::JacobiSVD<Matrix3d> svd(moment, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Vector3d sign = Vector3d::Ones();
@@ -52,7 +77,7 @@ Matrix3d TurnBetween(const Matrix3Xd& from, const Matrix3Xd& to, bool is_plane) 
 }
 
 std::optional<Pose> PoseOf(const Matrix3Xd& shape, const std::vector<const exchange::PointTrack*>& tracks,
-                           std::size_t frame, bool is_plane, std::size_t least) {
+                           std::size_t frame, const Normal& normal, std::size_t least) {
   std::vector<Eigen::Index> seen;
   for (std::size_t m = 0; m < tracks.size(); ++m)
     if (tracks[m]->positions[frame].allFinite()) seen.push_back(static_cast<Eigen::Index>(m));
@@ -64,7 +89,7 @@ std::optional<Pose> PoseOf(const Matrix3Xd& shape, const std::vector<const excha
   from.colwise() -= from_mean;
   to.colwise() -= to_mean;
   Pose pose;
-  pose.turn = TurnBetween(from, to, is_plane);
+  pose.turn = TurnBetween(from, to, normal);
   pose.origin = to_mean - pose.turn * from_mean;
   return pose;
 }
@@ -86,7 +111,7 @@ MatrixXd Bridged(const MatrixXd& values, const std::vector<Eigen::Index>& known,
 
 // From the frames with all markers, of which there is one at least.
 Deformation DeformationOf(const Matrix3Xd& shape, const std::vector<const exchange::PointTrack*>& tracks,
-                          const std::vector<Pose>& poses, bool is_plane) {
+                          const std::vector<Pose>& poses, const Normal& normal) {
   std::vector<Eigen::Index> complete;
   MatrixXd strays(poses.size(), shape.size());
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {
@@ -109,7 +134,7 @@ Deformation DeformationOf(const Matrix3Xd& shape, const std::vector<const exchan
   const MatrixXd scores = strays * eigen.eigenvectors().rightCols(modes) / std::sqrt(markers);
   Deformation deformation;
   deformation.modes = Bridged(scores, complete, static_cast<Eigen::Index>(poses.size()));
-  const double freedom = is_plane ? 2 * markers - 3 : 3 * markers - 6;  // coordinates that a pose does not take
+  const double freedom = normal ? 2 * markers - 3 : 3 * markers - 6;  // coordinates that a pose does not take
   deformation.marker_sd_mm = std::sqrt(strays.squaredNorm() / (frames * freedom));
   deformation.radius_mm = shape.norm() / std::sqrt(markers);
   deformation.pose_sd_mm = deformation.marker_sd_mm / std::sqrt(markers);
@@ -118,7 +143,7 @@ Deformation DeformationOf(const Matrix3Xd& shape, const std::vector<const exchan
 }
 
 // The shape is the mean of the frames laid onto each other, turned as the first complete frame (Procrustes).
-Segment SegmentOf(const std::vector<const exchange::PointTrack*>& tracks, const char* name, bool is_plane,
+Segment SegmentOf(const std::vector<const exchange::PointTrack*>& tracks, const char* name, const Normal& normal,
                   std::size_t least) {
   constexpr int kRounds = 5;  // the mean shape stands still after two or three
   const std::size_t frames = tracks.front()->positions.size();
@@ -137,7 +162,7 @@ Segment SegmentOf(const std::vector<const exchange::PointTrack*>& tracks, const 
       now.colwise() -= Vector3d(now.rowwise().mean());
       if (!has_shape) shape = now;
       has_shape = true;
-      sum += TurnBetween(now, shape, is_plane) * now;
+      sum += TurnBetween(now, shape, normal) * now;
     }
     if (!has_shape) throw Fail("no frame has all markers of the {}: leave out those that are seldom seen", name);
     Matrix3Xd mean = sum;
@@ -146,8 +171,8 @@ Segment SegmentOf(const std::vector<const exchange::PointTrack*>& tracks, const 
   }
   Segment segment{std::vector<Pose>(frames), shape.col(0), {}};
   for (std::size_t frame = 0; frame < frames; ++frame)
-    segment.poses[frame] = PoseOf(shape, tracks, frame, is_plane, least).value_or(Pose());
-  segment.deformation = DeformationOf(shape, tracks, segment.poses, is_plane);
+    segment.poses[frame] = PoseOf(shape, tracks, frame, normal, least).value_or(Pose());
+  segment.deformation = DeformationOf(shape, tracks, segment.poses, normal);
   return segment;
 }
 
@@ -156,14 +181,16 @@ Segment SegmentOf(const std::vector<const exchange::PointTrack*>& tracks, const 
 SegmentMotion MotionOf(const exchange::PointRecording& points, const SegmentMarkers& markers) {
   if (points.space == exchange::PointSpace::kImage)
     throw Fail("the markers are in pixels: give a trial in mm (calibrate the camera, or export it with a scale)");
-  const bool is_plane = points.space == exchange::PointSpace::kPlane;
-  const std::size_t least = is_plane ? 2 : 3;
+  const std::size_t least = points.space == exchange::PointSpace::kPlane ? 2 : 3;
   const auto shank = TracksOf(points, markers.shank, "shank", least);
   const auto thigh = TracksOf(points, markers.thigh, "thigh", least);
   for (const std::string& name : markers.shank)
     if (std::count(markers.thigh.begin(), markers.thigh.end(), name))
       throw UsageError("--segment: '{}' is on the shank and on the thigh", name);
-  return {SegmentOf(shank, "shank", is_plane, least), SegmentOf(thigh, "thigh", is_plane, least)};
+  std::vector<const exchange::PointTrack*> both = shank;
+  both.insert(both.end(), thigh.begin(), thigh.end());
+  const Normal normal = NormalOf(points, both);
+  return {SegmentOf(shank, "shank", normal, least), SegmentOf(thigh, "thigh", normal, least)};
 }
 
 }  // namespace lake::axis
