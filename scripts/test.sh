@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is needed, builds everything (warnings are errors) in build/test, whatever is configured elsewhere, and passes
 # the tests; none found is a failure.
-# --nightly: instead the long tests (labelled `nightly`: many seeds, every single fault, clusters, long sessions), the
+# --nightly: also the long tests (labelled `nightly`: many seeds, every single fault, clusters, long sessions), the
 #   one-definition rule and the build by Clang.
 # --asan: in build/asan with the address and undefined-behaviour sanitizers.
 # --asan-readers: of these only the programs that test what reads files and pictures (labelled `reads`).
@@ -14,7 +14,7 @@ cd "$(dirname "$0")/.."
 preset=test target='' fuzz='' which=(-LE nightly) nightly=''
 while [ $# -gt 0 ]; do
   case $1 in
-    --nightly) nightly=yes which=(-L nightly) ;;
+    --nightly) nightly=yes which=() ;;
     --asan) preset=asan ;;
     --asan-readers) preset=asan target=lake_reading_tests which=(-L reads -LE nightly) ;;
     --tsan) preset=tsan ;;
@@ -23,10 +23,11 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
+[ -z "$nightly" ] || export LAKE_LONG_TESTS=1 LAKE_WORLDS=all
 scripts/install_packages.sh build run optional cohort manual test ${fuzz:+"+clang" "+libclang-rt-dev"}
 python3 scripts/check_layers.py
 scripts/build.sh "$preset" ${target:+--target "$target"}
-ctest --preset "$preset" --no-tests=error "${which[@]}" "$@" | tee "build/$preset/ctest.txt"
+ctest --preset "$preset" --no-tests=error ${which[@]+"${which[@]}"} "$@" | tee "build/$preset/ctest.txt"
 if [ -n "$nightly" ]; then
   scripts/check_odr.sh
   scripts/install_packages.sh +clang-14

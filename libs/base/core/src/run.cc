@@ -61,7 +61,7 @@ std::string NameOf(const fs::path& path) {
 void CheckIsAsItWas(const Json& input, const fs::path& out) {
   const fs::path path = FromHome(input.at("path").get<std::string>());
   if (LiesIn(path, out)) return;
-  if (!fs::exists(path) || Sha256OfFile(path) != input.at("sha256"))
+  if (!fs::exists(path) || Sha256OfFile(path) != input.at("sha256").get<std::string>())
     throw Fail("{}: changed while it was read; do it again", path.string());
 }
 
