@@ -5,6 +5,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
+#include "lake/problem/moment_at_pace.h"
 
 namespace lake::synthesis {
 namespace {
@@ -62,16 +63,22 @@ ActuatorCurve FindCurve(SynthesisProblem problem, const std::vector<double>& sha
     point.assist = share;
     if (!curve.failing.empty()) continue;
     problem.Check();
-    const LocalSolve best = SolveShare(problem, last, options);
+    LocalSolve best;
+    const auto links_for = [&](const SynthesisProblem& at) -> std::optional<linkage::Links> {
+      best = SolveShare(at, last, options);
+      if (!best.IsUsable()) return std::nullopt;
+      last = best.end;
+      return last;
+    };
+    const problem::ProblemAtPace at_pace = problem::AtItsPace(problem, links_for);
     point.solved = best.IsUsable();
     if (!point.solved) {
-      Explain(problem, options, curve);
+      Explain(at_pace.problem, options, curve);
       continue;
     }
     point.links = best.end;
     point.range_deg = best.evaluation.range_deg;
-    point.assistance = problem::FindAssistance(best.end, problem);
-    last = best.end;
+    point.assistance = problem::FindAssistance(best.end, at_pace.problem);
   }
   return curve;
 }
