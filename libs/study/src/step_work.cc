@@ -141,7 +141,8 @@ void TellParts(const StudyFile& study, problem::SynthesisProblem problem, StudyS
     if (study.simulation_section.given.contains(option.Name())) section.given[option.Name()] = option.Text();
 }
 
-// What `simulate` does not say is as in the problem of the design that is simulated.
+}  // namespace
+
 commands::SimulationOptions SimulationOf(const StudyFile& study) {
   const problem::SynthesisProblem& problem = (study.redesign ? study.redesign->design : study.design).problem;
   commands::SimulationOptions options = study.simulation;
@@ -157,6 +158,8 @@ commands::SimulationOptions SimulationOf(const StudyFile& study) {
   }
   return options;
 }
+
+namespace {
 
 // A step of lake-optimize. Clearances are on the body of the person, with the parts that are simulated. `profile` is
 // read once it has been found.
