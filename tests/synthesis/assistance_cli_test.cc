@@ -6,11 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "lake/commands/simulate.h"
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
-#include "lake/core/run.h"
 #include "load_profile.h"
 #include "places.h"
 #include "program_run.h"
@@ -69,47 +67,6 @@ TEST_F(LakeOptimizeWithLoads, FindsTheShortestDurationOfAnActuator) {
       Go("--profile @loads.json --assist 0.4 --actuator @own.csv:strong --duration " + FormatNumber(shortest_s * 0.9));
   EXPECT_EQ(faster.exit_code, 3);
   EXPECT_THAT(faster.text, HasSubstr("relax duration"));
-}
-
-// Slowly the knee needs a fifth more than in the person's own rise: optimum, simulation and catalogue are all of the
-// moments of the rise that they tell of.
-TEST_F(LakeOptimizeWithLoads, OneQuestionHasOneAnswer) {
-  Json profile = ReadJsonFile(folder_ / "loads.json");
-  for (const Json& own_nm : profile.at("knee_nm"))
-    profile["knee_slow_nm"].push_back(own_nm.is_number() ? Json(1.2 * own_nm.get<double>()) : Json());
-  WriteJsonFile(folder_ / "loads.json", profile);
-  constexpr double kSame = 0.005;  // of the duration: where the search for the pace ends
-  for (const char* share : {"0.4", "1"}) {
-    const std::string load = fmt::format("--profile @loads.json --assist {} --actuator @own.csv:strong", share);
-    const Ended ended = Go(load + " --duration free");
-    ASSERT_EQ(ended.exit_code, 0) << ended.text;
-    const Json optimum = ReadJsonFile(folder_ / "out/summary.json").at("assistance");
-    const double shortest_s = optimum.at("shortest_duration_s"), force_n = optimum.at("force_n").at("value");
-    EXPECT_NEAR(optimum.at("moments_of_s").get<double>() / shortest_s, 1, kSame) << share;
-
-    commands::SimulationOptions options;
-    options.animation = false;
-    options.load.profile = problem::ReadLoadProfile(folder_ / "loads.json");
-    options.load.assist = std::stod(share);
-    options.load.actuator = problem::FindActuator((folder_ / "own.csv").string() + ":strong");
-    Run run({"lake-simulate", "lake simulate", {}, folder_ / "simulated", true});
-    const Json simulated =
-        commands::SimulateLinkage(linkage::ReadDesign(folder_ / "out/design.yaml"), options, run).at("assistance");
-    EXPECT_NEAR(simulated.at("shortest_duration_s").get<double>() / shortest_s, 1, kSame) << share;
-    EXPECT_NEAR(simulated.at("force_n").at("value").get<double>() / force_n, 1, kSame) << share;
-
-    ASSERT_EQ(Go(fmt::format("--profile @loads.json --assist {} --actuators @own.csv", share)).exit_code, 0);
-    const CsvTable front = CsvTable::Read(folder_ / "out/actuators_front.csv");
-    int found = 0;
-    for (std::size_t i = 0; i < front.Rows(); ++i) {
-      if (front.Text(i, front.Column("actuator")) != "strong" ||
-          front.RequiredNumber(i, front.Column("assist")) != options.load.assist)
-        continue;
-      ++found;
-      EXPECT_NEAR(front.RequiredNumber(i, front.Column("duration_s")) / shortest_s, 1, kSame) << share;
-    }
-    EXPECT_EQ(found, 1) << share;
-  }
 }
 
 TEST_F(LakeOptimizeWithLoads, ComparesTheActuatorsOfAFile) {

@@ -91,8 +91,7 @@ std::string AssistanceText(const problem::Assistance& assistance, const problem:
 
 }  // namespace
 
-Json WriteAssistance(const problem::Assistance& assistance, const problem::ProblemAtPace& at_pace, Run& run) {
-  const problem::SynthesisProblem& problem = at_pace.problem;
+Json WriteAssistance(const problem::Assistance& assistance, const problem::SynthesisProblem& problem, Run& run) {
   WriteTable(assistance, run.Result("assistance.csv"));
   DrawPngAndSvg("assistance", run,
                 [&](const std::filesystem::path& path) { figure::DrawAssistance(path, assistance, problem); });
@@ -103,7 +102,6 @@ Json WriteAssistance(const problem::Assistance& assistance, const problem::Probl
                {"assist", problem.assist.value_or(1)},
                {"actuator", problem.actuator ? ActuatorJson(*problem.actuator, assistance.duration_s) : Json()},
                {"own_duration_s", problem.profile->duration_s},
-               {"moments_of_s", at_pace.moments_s},
                {"duration_s", assistance.duration_s},
                {"shortest_duration_s", NumberOrNull(assistance.shortest_s)},
                {"shortest_is_lower_bound", problem.actuator && !assistance.speed_under_load_is_known},

@@ -45,13 +45,31 @@ void CheckSynthesis(const OptimizeRunOptions& options) {
     throw UsageError("--certify bounds the range, and --duration free seeks the shortest duration: omit one");
 }
 
-// The pace is sought from the problem's own start alone.
-problem::ProblemAtPace AtItsPace(problem::SynthesisProblem problem, const synthesis::OptimizeOptions& options) {
-  const auto links_for = [&](const problem::SynthesisProblem& at) -> std::optional<linkage::Links> {
-    const synthesis::LocalSolve solve = synthesis::SolveFrom(at, at.start, options);
-    return solve.IsUsable() ? std::optional(solve.end) : std::nullopt;
+// The problem with the moments of a rise in the time that it asks for, or in the shortest that it finds: that depends
+// on them in turn, so it is sought until it stays. `moments_s`: the duration that they are of.
+problem::SynthesisProblem AtItsPace(problem::SynthesisProblem problem, const synthesis::OptimizeOptions& options,
+                                    double& moments_s) {
+  moments_s = problem.profile->duration_s;
+  const problem::LoadProfile measured = *problem.profile;
+  const auto take = [&](double duration_s) {
+    const auto at_pace = problem::AtPace(measured, duration_s);
+    if (at_pace) {
+      problem.profile = at_pace;
+      moments_s = duration_s;
+    }
+    return at_pace.has_value();
   };
-  return problem::AtItsPace(std::move(problem), links_for);
+  if (problem.duration_s) take(*problem.duration_s);
+  if (!problem.SeeksDuration()) return problem;
+  constexpr int kTries = 6;
+  constexpr double kSame = 0.005;
+  for (int i = 0; i < kTries; ++i) {
+    const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start, options);
+    if (!solve.IsUsable()) break;
+    const double shortest_s = -solve.objective;
+    if (std::abs(shortest_s / moments_s - 1) < kSame || !take(shortest_s)) break;
+  }
+  return problem;
 }
 
 void DrawFigures(const synthesis::SynthesisOutcome& outcome, Run& run) {
@@ -70,9 +88,9 @@ void DrawFigures(const synthesis::SynthesisOutcome& outcome, Run& run) {
 
 Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   CheckSynthesis(options);
-  problem::ProblemAtPace at_pace{.problem = problem::WithActuator(options.problem)};
-  if (at_pace.problem.HasLoadProfile()) at_pace = AtItsPace(std::move(at_pace.problem), options.study.optimize);
-  const problem::SynthesisProblem& problem = at_pace.problem;
+  problem::SynthesisProblem problem = problem::WithActuator(options.problem);
+  double moments_s = 0;
+  if (problem.HasLoadProfile()) problem = AtItsPace(problem, options.study.optimize, moments_s);
   std::vector<std::string> names =
       ResultNames({"sensitivity.csv", "sensitivity.png", "sensitivity.svg", "margin.csv", "margin.png", "margin.svg"});
   if (options.study.round_mm) names.push_back("rounded.yaml");
@@ -86,7 +104,8 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
     throw SolverError(outcome.infeasible->sentence);
   }
   if (problem.HasLoadProfile()) {
-    summary["assistance"] = WriteAssistance(problem::FindAssistance(outcome.BestLinks(), problem), at_pace, run);
+    summary["assistance"] = WriteAssistance(problem::FindAssistance(outcome.BestLinks(), problem), problem, run);
+    summary["assistance"]["moments_of_s"] = moments_s;
   }
   return summary;
 }

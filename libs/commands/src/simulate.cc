@@ -410,15 +410,14 @@ problem::SynthesisProblem LoadOn(const linkage::Design& design, const linkage::U
 
 // What the design's actuator does along the load profile.
 Json Assist(const problem::Assistance& assistance, const linkage::UsedRange& range,
-            const problem::ProblemAtPace& at_pace, Run& run) {
-  const problem::SynthesisProblem& load = at_pace.problem;
+            const problem::SynthesisProblem& load, Run& run) {
   if (load.actuator) WarnOfShare(*load.actuator, assistance, load, run);
   if (load.profile->LargestAngle() > range.theta_at_lower_rad)
     run.Warn(
         "the load profile bends the knee to {:.1f}°, and this design to {:.1f}°: beyond that no force, speed or "
         "duration is known",
         DegreesFromRadians(load.profile->LargestAngle()), DegreesFromRadians(range.theta_at_lower_rad));
-  return WriteAssistance(assistance, at_pace, run);
+  return WriteAssistance(assistance, load, run);
 }
 
 // The moment that the device gives over its used range: its share of the load profile, else the torque given.
@@ -550,10 +549,8 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   summary["mannequin"] = WearJson(look.body, check);
   std::optional<problem::Assistance> assistance;
   if (options.load.HasLoadProfile()) {
-    const problem::ProblemAtPace load =
-        problem::AtItsPace(LoadOn(design, request.range, options.load),
-                           [&](const problem::SynthesisProblem&) { return std::optional(design.links); });
-    assistance = problem::FindAssistance(design.links, load.problem);
+    const problem::SynthesisProblem load = LoadOn(design, request.range, options.load);
+    assistance = problem::FindAssistance(design.links, load);
     summary["assistance"] = Assist(*assistance, request.range, load, run);
   }
   if (options.leg_loads.AreAsked()) {

@@ -5,7 +5,6 @@
 
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
-#include "lake/problem/moment_at_pace.h"
 
 namespace lake::synthesis {
 namespace {
@@ -63,22 +62,16 @@ ActuatorCurve FindCurve(SynthesisProblem problem, const std::vector<double>& sha
     point.assist = share;
     if (!curve.failing.empty()) continue;
     problem.Check();
-    LocalSolve best;
-    const auto links_for = [&](const SynthesisProblem& at) -> std::optional<linkage::Links> {
-      best = SolveShare(at, last, options);
-      if (!best.IsUsable()) return std::nullopt;
-      last = best.end;
-      return last;
-    };
-    const problem::ProblemAtPace at_pace = problem::AtItsPace(problem, links_for);
+    const LocalSolve best = SolveShare(problem, last, options);
     point.solved = best.IsUsable();
     if (!point.solved) {
-      Explain(at_pace.problem, options, curve);
+      Explain(problem, options, curve);
       continue;
     }
     point.links = best.end;
     point.range_deg = best.evaluation.range_deg;
-    point.assistance = problem::FindAssistance(best.end, at_pace.problem);
+    point.assistance = problem::FindAssistance(best.end, problem);
+    last = best.end;
   }
   return curve;
 }

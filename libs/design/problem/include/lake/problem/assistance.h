@@ -4,7 +4,7 @@
 //   v = r |dtheta / ds| / T  s = 0..1, run through evenly in the duration T
 //   F within what the actuator lifts, v within its speed under F  =>  T >= r |dtheta / ds| / v(F)
 //
-// M is the profile's moment; AtItsPace (moment_at_pace.h) gives a profile with those of the duration T.
+// M is the moment as it was measured, at whatever duration.
 #pragma once
 
 #include <limits>
