@@ -49,7 +49,10 @@ int main(int argc, char** argv) {
           lake::WriteTemplateFile(*make_template, lake::study::StudyTemplate());
           return lake::Json();
         }
-        if (plan) fmt::print("{}\n", lake::study::PlanJson(lake::study::PlanStudy(*study, run.Folder())).dump(2));
+        if (plan) {
+          lake::study::CheckFiles(*study);
+          fmt::print("{}\n", lake::study::PlanJson(lake::study::PlanStudy(*study, run.Folder())).dump(2));
+        }
         if (!only.empty()) lake::study::RunStudySteps(*study, only, keep_going, run);
         return plan || !only.empty() ? lake::Json() : lake::study::RunStudyFile(*study, run, keep_going);
       });

@@ -4,6 +4,7 @@
 
 #include "lake/core/error.h"
 #include "pipeline/study_trials.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -22,6 +23,13 @@ class BadStudy : public testing::Test {
     EXPECT_TRUE(fs::is_regular_file(study_.Out() / "human/summary.json"));
     EXPECT_FALSE(fs::exists(study_.Out() / "report.html"));
     EXPECT_FALSE(fs::exists(study_.Out() / "comparison/comparison.json"));
+  }
+
+  // Before the first step.
+  void ExpectRefusal(const std::string& key, const std::string& message) {
+    EXPECT_THAT([&] { study_.Go(); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("study.yaml: " + key), HasSubstr(message), Not(HasSubstr("\n")))));
+    EXPECT_FALSE(fs::exists(study_.Out() / "human"));
   }
 
   motion::MarkerRecording Exo(double end_s = INFINITY) {
@@ -61,7 +69,22 @@ TEST_F(BadStudy, WithTrialsInDifferentUnits) {
 
 TEST_F(BadStudy, WithAFileThatIsNoTrial) {
   WriteTextFile(study_.Folder() / "exo.csv", "frame,time_s\n");
-  ExpectFailure("exo", "exo.csv");
+  ExpectRefusal("'exo'", "exo.csv");
+}
+
+// What a step could not read is refused before the first step, whose tracking may take minutes.
+TEST_F(BadStudy, WithFilesUnderTheWrongKeys) {
+  const fs::path sample = SourceDir() / "data/sts-study";
+  fs::copy_file(sample / "camera.yaml", study_.Folder() / "camera.yaml");
+  fs::copy_file(sample / "worn.yaml", study_.Folder() / "worn.yaml");
+  study_.WriteStudy("design: {worn: camera.yaml}\n");
+  ExpectRefusal("'worn'", "camera.yaml");
+  study_.WriteStudy("camera: worn.yaml\n");
+  ExpectRefusal("'camera'", "worn.yaml");
+  study_.WriteStudy("stroke: {duty_table: worn.yaml}\n");
+  ExpectRefusal("'duty_table'", "worn.yaml");
+  study_.WriteStudy("simulate: {torques: camera.yaml}\n");
+  ExpectRefusal("'torques'", "camera.yaml");
 }
 
 // What an older version of lake left is made again, whatever its content says.

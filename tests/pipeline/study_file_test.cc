@@ -377,6 +377,59 @@ TEST_F(StudyYaml, StepsKnowTheirActuator) {
   EXPECT_THAT(changed(trial + "design: {problem: {actuator: 'own.csv:fast'}}\n"), ElementsAre("optimum"));
 }
 
+// Whatever a step is made of counts in what it depends on, wherever it is said.
+TEST_F(StudyYaml, StepsKnowTheirPartsBodyAndLoad) {
+  const auto options = [&](const std::string& yaml) {
+    std::map<std::string, Json> of;
+    for (const steps::StudyStep& step : study::StudySteps(Read(yaml), folder_ / "out", Json::object()))
+      of[step.name] = step.options;
+    return of;
+  };
+  const auto changed = [&](const std::string& before, const std::string& after) {
+    std::vector<std::string> names;
+    const auto now = options("human: {trial: trial.trc}\nloads: {mass_kg: 70}\n" + after);
+    for (const auto& [name, was] : options("human: {trial: trial.trc}\nloads: {mass_kg: 70}\n" + before))
+      if (was != now.at(name)) names.push_back(name);
+    return names;
+  };
+  const std::string limited = "design: {problem: {load: {safety_factor: 1.5}}}\n";
+  EXPECT_THAT(changed(limited + "simulate: {rod_diameter_mm: 10}\n", limited + "simulate: {rod_diameter_mm: 6}\n"),
+              ElementsAre("optimum", "simulation"));
+  EXPECT_THAT(changed(limited, limited + "simulate: {plate: '3mm'}\n"), ElementsAre("optimum", "simulation"));
+  EXPECT_THAT(changed("design: {problem: {parts: {rod_diameter_mm: 10}}}\n",
+                      "design: {problem: {parts: {rod_diameter_mm: 6}}}\n"),
+              ElementsAre("optimum", "simulation"));
+  EXPECT_THAT(changed("", "design: {problem: {load: {knee_torque_nm: 60}}}\n"), ElementsAre("optimum", "simulation"));
+  const std::string seated = "design: {clearances: {seat_mm: 5}}\nreoptimize: {clearances: {seat_mm: 5}}\n";
+  EXPECT_THAT(changed(seated, seated + "simulate: {height_mm: 1650}\n"),
+              ElementsAre("optimum", "redesign", "simulation"));
+  EXPECT_THAT(changed(limited, limited + "simulate: {animation: false}\n"), ElementsAre("simulation"));
+  EXPECT_THAT(changed("reoptimize: {}\n", "reoptimize: {}\ncompare: {human_knee: knee}\n"), testing::IsEmpty());
+}
+
+// The parts are the problem's, but for what `simulate` says of them, of the design as of its simulation.
+TEST_F(StudyYaml, PartsAreTheProblemsUnlessSimulateSaysOthers) {
+  const auto parts = [&](const std::string& simulate) {
+    std::map<std::string, std::string> of;
+    const std::string yaml =
+        "human: {trial: trial.trc}\ndesign: {problem: {load: {knee_torque_nm: 55}, parts: "
+        "{rod_diameter_mm: 6, pin_diameter_mm: 5}}}\n" +
+        simulate;
+    for (const steps::StudyStep& step : study::StudySteps(Read(yaml), folder_ / "out", Json::object()))
+      if (step.summary_options.contains("rod-diameter"))
+        of[step.name] = fmt::format("{} {} {}", step.summary_options["rod-diameter"].get<std::string>(),
+                                    step.summary_options["pin-diameter"].get<std::string>(),
+                                    step.summary_options["knee-torque"].get<std::string>());
+    return of;
+  };
+  const auto both = [](const char* text) {
+    return ElementsAre(testing::Pair("optimum", text), testing::Pair("simulation", text));
+  };
+  EXPECT_THAT(parts(""), both("6 5 55"));
+  EXPECT_THAT(parts("simulate: {animation: false}\n"), both("6 5 55"));
+  EXPECT_THAT(parts("simulate: {pin_diameter_mm: 8}\n"), both("6 8 55"));
+}
+
 // Each of the comparison's cuffs and stiffnesses that the redesign does not say otherwise.
 TEST_F(StudyYaml, TheRedesignHasTheComparisonsCuffs) {
   const std::string yaml =

@@ -2,9 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "lake/core/error.h"
 #include "page_text.h"
 #include "pipeline/study_trials.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -71,6 +74,45 @@ TEST(StudyOfMarkerFiles, RepeatsExactlyWhatDependsOnAChange) {
   fs::remove(study.Out() / "comparison/misalignment.csv");
   EXPECT_THAT(study.Done(study.Go()), ElementsAre("comparison"));
   EXPECT_TRUE(fs::exists(study.Out() / "comparison/misalignment.csv"));
+}
+
+// The safety factor that the design must have is of the parts that are simulated, whichever part changes.
+TEST(StudyOfMarkerFiles, ADesignIsOfThePartsThatAreSimulated) {
+  StudyFolder study;
+  const auto go = [&](const std::string& parts, const std::string& simulate) {
+    study.WriteStudy(
+        "design: {problem: {d_min_mm: 242, standing_deg: 5, margins: {grashof_mm: 2, singularity_mm: 2}, "
+        "load: {knee_torque_nm: 40, safety_factor: 1.5}" +
+        parts + "}}\n" + simulate);
+    const Json summary = study.Go();
+    EXPECT_THAT(study.Done(summary), testing::IsSupersetOf({"optimum", "simulation"})) << parts << simulate;
+    return std::pair(summary["optimum"]["range_deg"].get<double>(),
+                     summary["simulation"]["weakest"]["safety"].get<double>());
+  };
+  const auto thick = go("", "simulate: {animation: false, plate: '4mm,6061-T6', rod_diameter_mm: 10}\n");
+  EXPECT_NEAR(thick.first, 153.77, 0.01);
+  const auto thin = go("", "simulate: {animation: false, plate: '4mm,6061-T6', rod_diameter_mm: 6}\n");
+  EXPECT_NEAR(thin.first, 79.98, 0.01);
+  EXPECT_NEAR(thin.second, 1.5, 1e-3);
+  const auto of_problem = go(", parts: {plate: '4mm,6061-T6', rod_diameter_mm: 6}", kNoAnimation);
+  EXPECT_NEAR(of_problem.first, 79.98, 0.01) << "what simulate does not say is as in the problem";
+  EXPECT_NEAR(of_problem.second, 1.5, 1e-3);
+}
+
+TEST(StudyOfMarkerFiles, TheReportLinksTheFirmwareOfItsBoard) {
+  StudyFolder study;
+  const std::string stroke = fmt::format("{}stroke: {{duty_table: '{}', accept_drift: true, board: ", kNoAnimation,
+                                         (SourceDir() / "calibration/duty_table_model.csv").string());
+  for (const auto& [board, name, file, other] :
+       {std::array{"uno", "Arduino UNO", "stroke/lake_stroke/lake_stroke.ino", "Nucleo"},
+        std::array{"nucleo", "Nucleo-64", "stroke/lake_stroke/main.c", "Arduino"}}) {
+    study.WriteStudy(stroke + board + "}\n");
+    study.Go();
+    const std::string page = ReadPageText(study.Out() / "report.html");
+    EXPECT_THAT(page, AllOf(HasSubstr(fmt::format("firmware for the {}", name)), Not(HasSubstr(other))));
+    EXPECT_THAT(ReadTextFile(study.Out() / "report.html"), HasSubstr(fmt::format("href=\"{}\"", file)));
+    EXPECT_TRUE(fs::is_regular_file(study.Out() / file));
+  }
 }
 
 TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {

@@ -72,7 +72,21 @@ TEST(DesignExplorer, ShowsEveryPoseAsTheClosedFormHasIt) {
   }
   const auto knee = curves.at("now").at("knee").get<std::vector<double>>();
   EXPECT_NEAR(knee.front(), 148.57, 0.01) << "the paper's range";
-  EXPECT_NEAR(knee.back(), 0, 0.01) << "standing straight";
+  EXPECT_NEAR(knee.back(), 5, 0.01) << "standing as the problem has it";
+}
+
+// The leg is the problem's, and its knee is where the joint is not.
+TEST(DesignExplorer, DrawsTheBodyThatItsLimitsAreOn) {
+  ExploredDesign explored = Published();
+  explored.problem.clearances.body = {.height_mm = 1650, .mass_kg = 55, .leg = linkage::LegLengths{390, 360}};
+  explored.design.placement_mm = {13, -4};
+  const Json body = DesignExplorer(explored).About().at("body");
+  const linkage::Body own = linkage::BodyOf(explored.problem.clearances.body);
+  EXPECT_EQ(body.at("thigh").at("length"), 390);
+  EXPECT_EQ(body.at("shank").at("length"), 360);
+  EXPECT_EQ(body.at("thigh").at("proximal_radius"), own.thigh.proximal_radius_mm);
+  EXPECT_EQ(body.at("shank").at("distal_radius"), own.shank.distal_radius_mm);
+  EXPECT_EQ(body.at("knee"), (Json{-13, 4}));
 }
 
 // What a person needs and nobody asked for is told, and is not counted among what is met.

@@ -66,14 +66,12 @@ TEST(SynthesisOutcome, TablesAgreeWithTheSummary) {
     if (margins.RequiredNumber(row, 0) == 2) {
       EXPECT_NEAR(at, range, 1e-6);
     }
-    const double bound = margins.RequiredNumber(row, margins.Column("certified_upper_bound_deg"));
-    EXPECT_GE(bound, at - 1e-9);
-    EXPECT_LE(bound, at + 0.1);
     if (row > 0) {
       EXPECT_LT(at, margins.RequiredNumber(row - 1, margins.Column("range_deg")));
     }
   }
   EXPECT_TRUE(margins.Has("yield"));
+  EXPECT_FALSE(margins.Has("certified_upper_bound_deg")) << "what is proved is the problem that was asked";
   EXPECT_THAT(summary["yield"]["scope"].get<std::string>(), ::testing::HasSubstr("play of the pins"));
   EXPECT_EQ(CsvTable::Read(written->folder / "starts.csv").Rows(), 3u);
   EXPECT_EQ(CsvTable::Read(written->folder / "sensitivity.csv").Rows(), 7u * 201u);

@@ -34,12 +34,11 @@ void WriteSensitivity(const synthesis::SynthesisOutcome& outcome, Run& run) {
 }
 
 void WriteMargins(const synthesis::SynthesisOutcome& outcome, Run& run) {
-  std::vector<std::string> header{"margin_mm", "status", "range_deg", "certified_upper_bound_deg", "yield"};
+  std::vector<std::string> header{"margin_mm", "status", "range_deg", "yield"};
   std::ranges::copy(LinkColumns(""), std::back_inserter(header));
   CsvWriter table(header);
   for (const synthesis::MarginPoint& point : outcome.margins) {
-    table.Add(point.margin_mm).Add(point.solved ? "solved" : "no solution").Add(point.range_deg);
-    table.Add(point.certificate ? std::optional(point.certificate->upper_bound_deg) : std::nullopt).Add(point.yield);
+    table.Add(point.margin_mm).Add(point.solved ? "solved" : "no solution").Add(point.range_deg).Add(point.yield);
     for (const double value : point.links.Values()) table.Add(point.solved ? value : kNaN);
     table.EndRow();
   }
@@ -101,20 +100,6 @@ Json StartsJson(const synthesis::SynthesisResult& result) {
   return starts;
 }
 
-// One line for all margins.
-void WarnOfMargins(const synthesis::SynthesisOutcome& outcome, Run& run) {
-  const synthesis::MarginPoint* widest = nullptr;
-  int unreached = 0;
-  for (const synthesis::MarginPoint& point : outcome.margins) {
-    if (!point.certificate || point.certificate->reached) continue;
-    ++unreached;
-    if (!widest || point.certificate->gap_deg > widest->certificate->gap_deg) widest = &point;
-  }
-  if (widest)
-    run.Warn("margin.csv: {} of the {} bounds have a larger gap than requested, the largest {}° at {} mm", unreached,
-             outcome.margins.size(), SignificantText(widest->certificate->gap_deg, 3), widest->margin_mm);
-}
-
 void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
   WarnOfMultipliers(outcome.active, run);
   if (const auto& pose = outcome.result.Best().evaluation.pose) {
@@ -127,7 +112,6 @@ void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
           transmission.moment_arm_mm);
   }
   if (outcome.certificate) WarnOfCertificate(*outcome.certificate, certificate::NotInBound(outcome.problem), run);
-  WarnOfMargins(outcome, run);
   if (outcome.options.round_mm && !outcome.rounded)
     run.Warn(
         "near the optimum, no design whose links are multiples of {} mm satisfies the problem; try a smaller --round",

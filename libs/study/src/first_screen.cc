@@ -11,6 +11,7 @@
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/linkage/design_file.h"
+#include "step_work.h"
 
 namespace lake::study {
 
@@ -64,10 +65,10 @@ std::optional<linkage::WearCheck> WornOnBody(const StudyFile& study, const Study
                        .mass_kg = NumberOrNaN(body.at("mass_kg")),
                        .leg = linkage::LegLengths{NumberOrNaN(body.at("thigh_mm")), NumberOrNaN(body.at("shank_mm"))}});
   const linkage::Design worn = linkage::ReadDesign(*study.worn);
-  const parts::PartOptions& parts = study.simulation.parts;
-  return linkage::CheckWear(
-      worn.links, linkage::FindUsedRange(worn.links, worn.d_min_mm, worn.d_max_mm), person,
-      {parts.bar_width_mm, parts.actuator_diameter_mm, study.simulation.seat_edge_mm, placement_mm});
+  const commands::SimulationOptions simulation = SimulationOf(study);
+  const parts::PartOptions& parts = simulation.parts;
+  return linkage::CheckWear(worn.links, linkage::FindUsedRange(worn.links, worn.d_min_mm, worn.d_max_mm), person,
+                            {parts.bar_width_mm, parts.actuator_diameter_mm, simulation.seat_edge_mm, placement_mm});
 }
 
 std::array<double, 2> PlacementOf(const Json& design) {

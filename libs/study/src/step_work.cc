@@ -4,9 +4,10 @@
 #include <utility>
 
 #include "knees_picture.h"
-#include "lake/core/json_or_null.h"
 #include "lake/core/options_json.h"
 #include "lake/motion/leg_motion.h"
+#include "lake/problem/problem_file.h"
+#include "lake/synthesis/synthesis_options.h"
 #include "step_costs.h"
 
 namespace lake::study {
@@ -14,12 +15,49 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the study says of these options.
+// What a step's summary and its errors say of these options.
 void Tell(const OptionList& list, const Json& given, steps::StudyStep& step) {
   step.summary_options.update(OptionsJson(list));
   step.summary_options.update(given);
   for (const auto& [name, value] : given.items()) step.given.push_back(name);
   for (steps::StudyKey& key : steps::KeysOf(list)) step.keys.push_back(std::move(key));
+}
+
+// The values of all options of a program, whoever gave them: all but its files, which are a step's inputs. Described
+// with the program's defaults, as what differs from these has a text.
+template <typename Options>
+Json ValuesOf(const Options& options) {
+  Options described;
+  const OptionList list = OptionsOf(described);
+  described = options;
+  Json values = Json::object();
+  for (const Option& option : list.All())
+    if (option.PathKind() == Option::Path::kNone) values[option.Name()] = option.Text();
+  return values;
+}
+
+// What the results of a command depend on but for its files.
+template <typename Options>
+Json KeyOf(const Options& options) {
+  return ValuesOf(options);
+}
+
+Json KeyOf(const commands::OptimizeRunOptions& options) {
+  Json key = {{"problem", problem::ProblemJson(options.problem)}, {"search", ValuesOf(options.study)}};
+  if (options.reoptimize) key["reoptimize"] = ValuesOf(*options.reoptimize);
+  return key;
+}
+
+Json KeyOf(const commands::SimulationOptions& options) {
+  commands::SimulationOptions unloaded = options;
+  unloaded.load = {};
+  return {{"simulation", ValuesOf(unloaded)}, {"load", problem::ProblemJson(options.load)}};
+}
+
+Json KeyOf(const commands::CompareRunOptions& options) {
+  const auto& [bar_width_mm, actuator_diameter_mm, seat_edge_mm, placement_mm] = options.wear;
+  return {{"comparison", ValuesOf(options)},
+          {"wear", {bar_width_mm, actuator_diameter_mm, seat_edge_mm, placement_mm}}};
 }
 
 void AddInputs(const std::vector<InputFile>& inputs, steps::StudyStep& step) {
@@ -31,6 +69,7 @@ template <typename Options>
 steps::StudyStep StepOf(Options options, Json (*command)(const Options&, Run&), const StudySection& section,
                         const steps::StepCost& expected) {
   steps::StudyStep step{.options = section.text, .expected = expected};
+  step.options["all options"] = KeyOf(options);
   AddInputs(InputsOf(options), step);
   Tell(OptionsOf(options), section.given, step);
   step.work = [options = std::move(options), command](Run& run) { run.WriteSummary(command(options, run)); };
@@ -63,17 +102,6 @@ steps::StudyStep TrialStep(const StudyTrial& trial, const std::string& what, con
   return step;
 }
 
-// What is known of an actuator: the study only names it, and its catalogue may change.
-Json ActuatorJson(const problem::LinearActuator& actuator) {
-  Json json = Json::array();
-  for (const auto& number : {actuator.closed_mm, actuator.stroke_mm, actuator.max_force_n, actuator.no_load_speed_mm_s,
-                             actuator.holding_force_n, actuator.mass_g, actuator.duty_cycle_percent})
-    json.push_back(ValueOrNull(number));
-  for (const problem::LinearActuator::ForceSpeed& point : actuator.force_speed)
-    json.push_back({point.force_n, point.speed_mm_s});
-  return json;
-}
-
 // The leg that was measured, if the trial knows millimetres.
 std::optional<linkage::LegLengths> LegOf(const fs::path& kinematics) {
   const motion::LegMotion motion = motion::ReadKinematicsCsv(kinematics);
@@ -83,16 +111,55 @@ std::optional<linkage::LegLengths> LegOf(const fs::path& kinematics) {
   return linkage::LegLengths{thigh, shank};
 }
 
-// Body size for clearances, where the problem does not say: as the design is checked. Leg lengths come from the fit.
+// The body that a design is made for and held against: as `simulate` says, else as the problem does, else as the loads
+// do. Leg lengths come from the fit, where the problem has none.
 linkage::BodySize BodyOf(const StudyFile& study, linkage::BodySize body) {
   const commands::SimulationOptions& simulation = study.simulation;
-  if (!body.mass_kg) body.mass_kg = simulation.body_mass_kg;
-  if (!body.height_mm) body.height_mm = simulation.body_height_mm;
+  if (simulation.body_mass_kg) body.mass_kg = simulation.body_mass_kg;
+  if (simulation.body_height_mm) body.height_mm = simulation.body_height_mm;
   if (!study.loads) return body;
   if (!body.mass_kg) body.mass_kg = study.loads->loads.body.mass_kg;
   if (!body.height_mm) body.height_mm = study.loads->loads.body.height_mm;
   return body;
 }
+
+// The problem's parts, but for what `simulate` says of them.
+parts::PartOptions PartsOf(const StudyFile& study, parts::PartOptions parts) {
+  OptionList options = OptionsOf(parts);
+  for (Option& option : options.All()) {
+    const auto said = study.simulation_section.text.find(option.Key());
+    if (said != study.simulation_section.text.end())
+      option.SetFromFile({said->is_string() ? said->get<std::string>() : said->dump()});
+  }
+  return parts;
+}
+
+// As the options of lake-optimize, for its summary.
+void TellParts(const StudyFile& study, problem::SynthesisProblem problem, StudySection& section) {
+  const OptionList options = OptionsOf(problem.parts);
+  for (const Option& option : options.All())
+    if (study.simulation_section.given.contains(option.Name())) section.given[option.Name()] = option.Text();
+}
+
+}  // namespace
+
+commands::SimulationOptions SimulationOf(const StudyFile& study) {
+  const problem::SynthesisProblem& problem = (study.redesign ? study.redesign->design : study.design).problem;
+  commands::SimulationOptions options = study.simulation;
+  options.parts = PartsOf(study, problem.parts);
+  if (!study.simulation_section.given.contains("knee-torque")) options.knee_torque_nm = problem.knee_torque_nm;
+  if (options.seat_edge_mm == 0) options.seat_edge_mm = problem.clearances.seat_edge_mm;
+  const linkage::BodySize body = BodyOf(study, problem.clearances.body);
+  options.body_mass_kg = body.mass_kg;
+  options.body_height_mm = body.height_mm;
+  if (body.leg) {
+    options.thigh_mm = body.leg->thigh_mm;
+    options.shank_mm = body.leg->shank_mm;
+  }
+  return options;
+}
+
+namespace {
 
 // A step of lake-optimize. Clearances are on the body of the person, with the parts that are simulated. `profile` is
 // read once it has been found.
@@ -100,17 +167,13 @@ steps::StudyStep DesignStep(const StudyFile& study, const fs::path& out, command
                             StudySection section, const std::optional<fs::path>& profile = std::nullopt) {
   problem::SynthesisProblem& problem = options.problem;
   problem::Clearances& clearances = problem.clearances;
-  if (problem.actuator) section.text["known of the actuator"] = ActuatorJson(*problem.actuator);
-  if (!study.simulation_section.text.empty()) problem.parts = study.simulation.parts;
+  problem.parts = PartsOf(study, problem.parts);
+  TellParts(study, problem, section);
   const fs::path leg = out / "human" / "kinematics.csv";
   const bool needs_leg = clearances.AreAsked() && !clearances.body.leg;
   if (clearances.AreAsked()) {
     clearances.body = BodyOf(study, clearances.body);
-    if (clearances.seat_edge_mm == 0) clearances.seat_edge_mm = study.simulation.seat_edge_mm;
-    section.text["body"] = {{"mass_kg", clearances.body.mass_kg.value_or(0)},
-                            {"height_mm", clearances.body.height_mm.value_or(0)},
-                            {"seat_edge_mm", clearances.seat_edge_mm},
-                            {"parts", study.simulation_section.text}};
+    if (study.simulation.seat_edge_mm != 0) clearances.seat_edge_mm = study.simulation.seat_edge_mm;
   }
   steps::StudyStep step = StepOf(options, commands::RunOptimize, section);
   for (const char* key : {"problem", "clearances"})
@@ -144,10 +207,8 @@ fs::path ProfileIn(const fs::path& out) {
   return out / "loads" / "loads.json";
 }
 
-// The design that is simulated with the same actuator and share.
-void TakeLoadOf(const fs::path& profile, const problem::SynthesisProblem& problem,
-                commands::SimulationOptions& options) {
-  options.load.profile = problem::ReadLoadProfile(profile);
+// The design is simulated with the same actuator and share; the profile is read once it has been found.
+void TakeAssistance(const problem::SynthesisProblem& problem, commands::SimulationOptions& options) {
   options.load.assist = problem.assist;
   options.load.actuator = problem.actuator;
   options.load.rests_anywhere = problem.rests_anywhere;
@@ -184,17 +245,13 @@ OptionalStep ExoStep(const StudyFile& study, const fs::path& out) {
 // What was worn, on the body and with the parts that a design of the study is checked with.
 void TakeWorn(const StudyFile& study, StudySection& section, commands::CompareRunOptions& options) {
   if (!study.worn) return;
+  const commands::SimulationOptions simulation = SimulationOf(study);
   options.worn = study.worn;
-  options.body = BodyOf(study, {});
-  options.wear = {.bar_width_mm = study.simulation.parts.bar_width_mm,
-                  .actuator_diameter_mm = study.simulation.parts.actuator_diameter_mm,
-                  .seat_edge_mm = study.simulation.seat_edge_mm};
+  options.body = {.height_mm = simulation.body_height_mm, .mass_kg = simulation.body_mass_kg, .leg = {}};
+  options.wear = {.bar_width_mm = simulation.parts.bar_width_mm,
+                  .actuator_diameter_mm = simulation.parts.actuator_diameter_mm,
+                  .seat_edge_mm = simulation.seat_edge_mm};
   section.given["worn"] = study.worn->string();
-  section.text["body"] = {{"mass_kg", options.body.mass_kg.value_or(0)},
-                          {"height_mm", options.body.height_mm.value_or(0)},
-                          {"seat_edge_mm", options.wear.seat_edge_mm},
-                          {"bar_width_mm", options.wear.bar_width_mm},
-                          {"actuator_diameter_mm", options.wear.actuator_diameter_mm}};
 }
 
 OptionalStep ComparisonStep(const StudyFile& study, const fs::path& out) {
@@ -260,7 +317,6 @@ OptionalStep RedesignStep(const StudyFile& study, const fs::path& out) {
   if (study.worn) reoptimize.worn = {*study.worn};
   if (study.loads) reoptimize.body = ProfileIn(out);
   StudySection section = study.redesign->section;
-  section.text["human_knee"] = study.compare.human_knee;
   for (const char* key : {"problem", "clearances"})  // where it says none, those of the study's own design hold
     if (!section.text.contains(key) && study.design_section.text.contains(key))
       section.text[key] = study.design_section.text[key];
@@ -283,40 +339,30 @@ OptionalStep AssistanceStep(const StudyFile& study, const fs::path& out) {
 }
 
 OptionalStep SimulationStep(const StudyFile& study, const fs::path& out) {
-  commands::SimulationOptions options = study.simulation;
+  commands::SimulationOptions options = SimulationOf(study);
+  // What the knee needs, where the study has one actuator to give it.
+  const bool is_assisted = study.assistance && study.assistance->options.actuators.empty();
+  if (is_assisted) TakeAssistance(study.assistance->options.problem, options);
   steps::StudyStep step{
       .what = "the design's poses", .options = study.simulation_section.text, .expected = CostOf(options), .keys = {}};
+  step.options["all options"] = KeyOf(options);
   const fs::path design = DesignOf(study, out), leg = out / "human" / "kinematics.csv";
   const std::vector<InputFile> own = {{design, "design"}, {leg, "leg"}};
   AddInputs(own, step);
   AddInputs(InputsOf(options), step);
-  // What the knee needs, where the study has one actuator to give it.
-  const bool is_assisted = study.assistance && study.assistance->options.actuators.empty();
   if (is_assisted) {
-    const commands::OptimizeRunOptions& assistance = study.assistance->options;
-    step.options["assistance"] = study.assistance->section.text;
-    if (assistance.problem.actuator) step.options["known of the actuator"] = ActuatorJson(*assistance.problem.actuator);
-    AddInputs(InputsOf(assistance), step);
+    AddInputs(InputsOf(study.assistance->options), step);
     step.inputs.push_back(ProfileIn(out));
   }
-  if (study.loads) {
-    // Stature and mass are those that the loads are of, where `simulate` says no others.
-    const loads::BodyOptions& body = study.loads->loads.body;
-    if (!options.body_mass_kg) options.body_mass_kg = body.mass_kg;
-    if (!options.body_height_mm) options.body_height_mm = body.height_mm;
-    step.options["body"] = {{"mass_kg", options.body_mass_kg.value_or(0)},
-                            {"height_mm", options.body_height_mm.value_or(0)}};
-  }
   Tell(OptionsOf(options), study.simulation_section.given, step);
-  step.work = [options, is_assisted, assistance = study.assistance, profile = ProfileIn(out), own, design,
-               leg](Run& run) {
+  step.work = [options, is_assisted, profile = ProfileIn(out), own, design, leg](Run& run) {
     run.AddInputs(own);
     commands::SimulationOptions of_person = options;
-    if (const auto measured = LegOf(leg)) {
+    if (const auto measured = LegOf(leg); measured && !of_person.thigh_mm) {
       of_person.thigh_mm = measured->thigh_mm;
       of_person.shank_mm = measured->shank_mm;
     }
-    if (is_assisted) TakeLoadOf(profile, assistance->options.problem, of_person);
+    if (is_assisted) of_person.load.profile = problem::ReadLoadProfile(profile);
     run.WriteSummary(commands::SimulateLinkage(linkage::ReadDesign(design), of_person, run));
   };
   return step;

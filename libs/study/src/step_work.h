@@ -10,6 +10,9 @@
 
 namespace lake::study {
 
+// Of the study's simulation: what `simulate` does not say is as in the problem of the design that is simulated.
+commands::SimulationOptions SimulationOf(const StudyFile& study);
+
 using OptionalStep = std::optional<steps::StudyStep>;
 
 OptionalStep CalibrationStep(const StudyFile& study, const std::filesystem::path& out);

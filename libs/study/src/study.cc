@@ -135,6 +135,7 @@ void RunStudySteps(const StudyFile& study, const std::vector<std::string>& names
 
 Json RunStudyFile(const StudyFile& study, Run& run, bool keep_going) {
   CheckInputsLieOutside(study, run.Folder());
+  if (!keep_going) CheckFiles(study);
   run.AddInput(study.file, "study");
   for (const StudyInput& input : study.inputs) run.AddInput(input.path, "input");
   const std::vector<steps::StudyStep> steps = StudySteps(study, run.Folder(), run.Head());

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "first_screen.h"
+#include "lake/actuator/firmware.h"
 #include "lake/core/colours.h"
 #include "lake/core/csv.h"
 #include "lake/core/uncertain_text.h"
@@ -464,7 +465,15 @@ Section RedesignChapter(const StudyFile& study, const StudyResults& results) {
   return section;
 }
 
-Section StrokeChapter(const StudyFile&, const StudyResults& results) {
+std::optional<Files::File> FirmwareOf(const StudyFile& study) {
+  if (!study.stroke) return std::nullopt;
+  const actuator::Board board = study.stroke->firmware.board;
+  return Files::File{
+      fmt::format("stroke/{}/{}", actuator::kSketchFolder, actuator::FactsOf(board).notes_file),
+      fmt::format("firmware for the {}", board == actuator::Board::kNucleo ? "Nucleo-64" : "Arduino UNO")};
+}
+
+Section StrokeChapter(const StudyFile& study, const StudyResults& results) {
   const Json summary = results.Summary("stroke");
   const CsvTable table = CsvTable::Read(results.Folder() / "stroke/program.csv");
   LineChart stroke, knee;
@@ -479,11 +488,11 @@ Section StrokeChapter(const StudyFile&, const StudyResults& results) {
   stroke.width = knee.width = Width::kHalf;
   Section section{"Stroke program", {ProgramTable(summary)}};
   if (summary.at("firmware").is_object())
-    section.blocks.push_back(Paragraph{
-        fmt::format("The firmware for the Arduino UNO has {} segments, which are within {:.3f} mm of the program.",
-                    summary["firmware"].at("segments").get<int>(),
-                    NumberOrNaN(summary["firmware"].at("rounding_error_mm"))) +
-        DriftText(summary["firmware"])});
+    section.blocks.push_back(
+        Paragraph{fmt::format("The {} has {} segments, which are within {:.3f} mm of the program.",
+                              FirmwareOf(study)->what, summary["firmware"].at("segments").get<int>(),
+                              NumberOrNaN(summary["firmware"].at("rounding_error_mm"))) +
+                  DriftText(summary["firmware"])});
   section.blocks.push_back(std::move(stroke));
   section.blocks.push_back(std::move(knee));
   return section;

@@ -300,12 +300,12 @@ KeyFigures RedesignFigures(const StudyResults& results, const Json& redesign, co
   return {{std::move(misalignment), std::move(rise), std::move(range), std::move(knee)}};
 }
 
-Files BuildFiles(const StudyResults& results) {
-  const std::vector<Files::File> all = {{"simulation/design.dxf", "link plates to cut, 1:1 in mm"},
-                                        {"simulation/schematic.svg", "schematic: what each symbol is"},
-                                        {"redesign/design.yaml", "links, placement and stroke program"},
-                                        {"stroke/lake_stroke/lake_stroke.ino", "firmware for the Arduino UNO"},
-                                        {"stroke/program.csv", "stroke program as a table"}};
+Files BuildFiles(const StudyFile& study, const StudyResults& results) {
+  std::vector<Files::File> all = {{"simulation/design.dxf", "link plates to cut, 1:1 in mm"},
+                                  {"simulation/schematic.svg", "schematic: what each symbol is"},
+                                  {"redesign/design.yaml", "links, placement and stroke program"},
+                                  {"stroke/program.csv", "stroke program as a table"}};
+  if (const auto firmware = FirmwareOf(study)) all.push_back(*firmware);
   Files files;
   for (const Files::File& file : all)
     if (results.HasFile(file.path)) files.files.push_back(file);
@@ -365,7 +365,8 @@ Section DetailsChapter(const StudyFile& study, const StudyResults& results) {
   add("What they give, what they cost", CostText(results, redesign, way));
   add("How sure it is", SureText(results, redesign));
   add("What next", NextText(results));
-  return {"Why, and how sure", {RedesignFigures(results, redesign, way), std::move(answers), BuildFiles(results)}};
+  return {"Why, and how sure",
+          {RedesignFigures(results, redesign, way), std::move(answers), BuildFiles(study, results)}};
 }
 
 }  // namespace lake::study

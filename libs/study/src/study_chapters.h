@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,6 +51,9 @@ std::vector<TradePoint> OwnFront(const Json& redesign);
 
 // Over the used range, N; NaN where it has no bound.
 double LargestForce(const StudyResults& results);
+
+// What the stroke program's board is given, in the folder of results; nullopt where the study has no stroke program.
+std::optional<report::Files::File> FirmwareOf(const StudyFile& study);
 
 // In the folder of results: a frame of the exoskeleton trial with both knees and the distance between them.
 inline constexpr const char* kKneesPicture = "comparison/knees.png";

@@ -51,11 +51,13 @@ Section MethodsChapter() {
 }
 
 // Of steps alone there is no summary.
-Section FilesChapter(const StudyResults& results, const Json& head) {
+Section FilesChapter(const StudyFile& study, const StudyResults& results, const Json& head) {
   Files files;
   for (const StepKind& kind : StepKinds())
     for (const Files::File& file : kind.files)
       if (const fs::path path = kind.name / file.path; results.HasFile(path)) files.files.push_back({path, file.what});
+  if (const auto firmware = FirmwareOf(study); firmware && results.HasFile(firmware->path))
+    files.files.push_back(*firmware);
   if (const Json only = head.at("options").value("only", Json("")); only == "")
     files.files.push_back({"summary.json", "every number of every step"});
   return {"Output files", {std::move(files)}};
@@ -84,7 +86,7 @@ Report MakeStudyReport(const StudyFile& study, const StudyResults& results, cons
   for (const StepKind* kind : InOrder(results, &StepKind::chapter_place))
     report.sections.push_back(kind->chapter(study, results));
   report.sections.push_back(MethodsChapter());
-  report.sections.push_back(FilesChapter(results, head));
+  report.sections.push_back(FilesChapter(study, results, head));
   report.sections.push_back(ProvenanceSection(head));
   return report;
 }

@@ -2,6 +2,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/json_or_null.h"
 #include "load_texts.h"
 
 namespace lake::problem {
@@ -176,6 +177,90 @@ SynthesisProblem ReadProblem(YamlNode node, const fs::path& folder) {
 
 SynthesisProblem ReadProblem(const std::filesystem::path& path) {
   return ReadProblem(YamlNode::ReadFile(path), path.parent_path());
+}
+
+namespace {
+
+// Each struct is taken apart whole, so that a new member does not compile until it is written here.
+
+Json ActuatorJson(const LinearActuator& actuator) {
+  const auto& [name, maker, source, file, closed_mm, stroke_mm, max_force_n, no_load_speed_mm_s, force_speed,
+               holding_force_n, mass_g, duty_cycle_percent] = actuator;
+  Json json = {name, maker, source};
+  for (const auto& number :
+       {closed_mm, stroke_mm, max_force_n, no_load_speed_mm_s, holding_force_n, mass_g, duty_cycle_percent})
+    json.push_back(NumberOrNull(number));
+  for (const auto& [force_n, speed_mm_s] : force_speed) json.push_back({force_n, speed_mm_s});
+  return json;
+}
+
+Json ProfileJson(const LoadProfile& profile) {
+  const auto& [samples, duration_s, file] = profile;
+  Json json = {duration_s};
+  for (const auto& [percent, knee_rad, rad_per_rise, knee_nm] : samples)
+    json.push_back({percent, knee_rad, rad_per_rise, NumberOrNull(knee_nm)});
+  return json;
+}
+
+Json BodyJson(const linkage::BodySize& body) {
+  const auto& [height_mm, mass_kg, leg] = body;
+  return {NumberOrNull(height_mm), NumberOrNull(mass_kg), leg ? Json{leg->thigh_mm, leg->shank_mm} : Json()};
+}
+
+Json ClearancesJson(const Clearances& clearances) {
+  const auto& [seat_mm, thigh_mm, shank_mm, body, seat_edge_mm, placement_mm, placement_reach_mm] = clearances;
+  return {NumberOrNull(seat_mm), NumberOrNull(thigh_mm), NumberOrNull(shank_mm),          BodyJson(body),
+          seat_edge_mm,          placement_mm,           NumberOrNull(placement_reach_mm)};
+}
+
+Json PartsJson(const parts::PartOptions& parts) {
+  const auto& [bar_width_mm, thickness_mm, material, pin_diameter_mm, bore_clearance_mm, gap_mm, actuator_diameter_mm,
+               actuator_eye_mm, actuator_mass_kg, rod_diameter_mm, cuff_hole_diameter_mm, cuff_hole_spacing_mm,
+               clearance_mm] = parts;
+  return {bar_width_mm,         thickness_mm,          material,
+          pin_diameter_mm,      bore_clearance_mm,     gap_mm,
+          actuator_diameter_mm, actuator_eye_mm,       actuator_mass_kg,
+          rod_diameter_mm,      cuff_hole_diameter_mm, cuff_hole_spacing_mm,
+          clearance_mm};
+}
+
+Json BoundsJson(const std::array<Bounds, 6>& bounds) {
+  Json json = Json::array();
+  for (const auto& [lower, upper] : bounds) json.push_back({lower, upper});
+  return json;
+}
+
+}  // namespace
+
+Json ProblemJson(const SynthesisProblem& problem) {
+  const auto& [d_min_mm, d_max_mm, bounds, start, grashof_margin_mm, singularity_margin_mm, knee_torque_nm, max_force_n,
+               min_moment_arm_mm, min_transmission_deg, standing_deg, max_angle_deg, clearances, max_pin_force_n,
+               max_mount_force_n, safety_factor, parts, profile, assist, actuator, rests_anywhere, duration_s,
+               robust_mm, goal] = problem;
+  return {{"d_min_mm", d_min_mm},
+          {"d_max_mm", NumberOrNull(d_max_mm)},
+          {"bounds", BoundsJson(bounds)},
+          {"start", start.Values()},
+          {"grashof_margin_mm", grashof_margin_mm},
+          {"singularity_margin_mm", singularity_margin_mm},
+          {"knee_torque_nm", knee_torque_nm},
+          {"max_force_n", NumberOrNull(max_force_n)},
+          {"min_moment_arm_mm", NumberOrNull(min_moment_arm_mm)},
+          {"min_transmission_deg", NumberOrNull(min_transmission_deg)},
+          {"standing_deg", standing_deg},
+          {"max_angle_deg", NumberOrNull(max_angle_deg)},
+          {"clearances", ClearancesJson(clearances)},
+          {"max_pin_force_n", NumberOrNull(max_pin_force_n)},
+          {"max_mount_force_n", NumberOrNull(max_mount_force_n)},
+          {"safety_factor", NumberOrNull(safety_factor)},
+          {"parts", PartsJson(parts)},
+          {"profile", profile ? ProfileJson(*profile) : Json()},
+          {"assist", NumberOrNull(assist)},
+          {"actuator", actuator ? ActuatorJson(*actuator) : Json()},
+          {"rests_anywhere", rests_anywhere},
+          {"duration_s", NumberOrNull(duration_s)},
+          {"robust_mm", NumberOrNull(robust_mm)},
+          {"seeks_duration", goal == SynthesisProblem::Goal::kDuration}};
 }
 
 }  // namespace lake::problem

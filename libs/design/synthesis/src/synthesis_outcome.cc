@@ -66,18 +66,12 @@ MarginPoint SolveMargin(const problem::SynthesisProblem& asked, double margin_mm
                     .solved = false,
                     .links = last,
                     .range_deg = std::numeric_limits<double>::quiet_NaN(),
-                    .certificate = {},
                     .yield = {}};
   const LocalSolve best = BestOfFew(problem, last, options.optimize);
   point.solved = best.IsUsable();
   if (!point.solved) return point;
   point.links = best.end;
   point.range_deg = best.evaluation.range_deg;
-  if (options.certify_gap_deg)
-    point.certificate = CertifyOptimum(problem, point.links, point.range_deg,
-                                       CertificateOptionsOf(*options.certify_gap_deg, options.certify_time_s,
-                                                            /*quiet=*/true, static_cast<int>(kMargins_mm.size())),
-                                       options.optimize);
   if (options.yield_tolerance_mm) point.yield = YieldOf(point.links, asked, options).all.value;
   return point;
 }
@@ -147,12 +141,10 @@ void SynthesisOptions::Check() const {
     throw UsageError("--round {}: a step above 0 mm", *round_mm);
 }
 
-certificate::CertificateOptions CertificateOptionsOf(double gap_deg, std::optional<double> time_s, bool quiet,
-                                                     int shares) {
+certificate::CertificateOptions CertificateOptionsOf(double gap_deg, std::optional<double> time_s, bool quiet) {
   certificate::CertificateOptions options;
   options.gap_deg = gap_deg;
-  options.max_boxes /= shares;
-  if (time_s) options.time_s = *time_s / shares;
+  options.time_s = time_s;
   options.quiet = quiet;
   return options;
 }

@@ -118,8 +118,8 @@ export class LinkageView {
     const isThigh = limb === this.body.thigh;
     const atKnee = isThigh ? limb.distal_radius : limb.proximal_radius;
     const atEnd = isThigh ? limb.proximal_radius : limb.distal_radius;
-    const turn = Math.atan2(along[1], along[0]), end: Place = [along[0] * limb.length, along[1] * limb.length];
-    const knee = this.toScreen([0, 0]), far = this.toScreen(end);
+    const turn = Math.atan2(along[1], along[0]), [x, y] = this.body.knee;
+    const knee = this.toScreen([x, y]), far = this.toScreen([x + along[0] * limb.length, y + along[1] * limb.length]);
     context.beginPath();
     context.arc(far.x, far.y, atEnd * this.scale, -turn - Math.PI / 2, -turn + Math.PI / 2);
     context.arc(knee.x, knee.y, atKnee * this.scale, -turn + Math.PI / 2, -turn - Math.PI / 2);

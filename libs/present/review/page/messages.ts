@@ -168,12 +168,12 @@ export interface DesignMessage {
   tolerance_mm: number | null; // by which a build may be off in each length and still meet the limits
   limits: string; // where they are from
   notes: string[];
-  body: { thigh: LimbMessage; shank: LimbMessage };
+  body: { knee: Place; thigh: LimbMessage; shank: LimbMessage };
 }
 
 export type PinName = "thigh_pin" | "tip" | "shank_pin" | "mount";
 
-/** [x, y], mm: origin at the knee, x anterior, y up; the shank hangs upright. */
+/** [x, y], mm: origin at the linkage's joint, x anterior, y up; the shank hangs upright. */
 export type Place = [number, number];
 
 export type PoseMessage = { [pin in PinName]: Place } & {

@@ -70,9 +70,10 @@ struct At {
   double knee_deg = kNaN, arm_mm = kNaN, force_n = kNaN, transmission_deg = kNaN;
 };
 
-std::optional<linkage::UsedRange> RangeOf(const Links& links, double d_min_mm) {
-  if (!linkage::SolvePose(links, d_min_mm)) return std::nullopt;
-  return linkage::FindUsedRange(links, d_min_mm, std::nullopt);
+// Until the knee stands as the problem has it.
+std::optional<linkage::UsedRange> RangeOf(const Links& links, const problem::SynthesisProblem& problem) {
+  if (!linkage::SolvePose(links, problem.d_min_mm)) return std::nullopt;
+  return linkage::FindUsedRange(links, problem.d_min_mm, std::nullopt, RadiansFromDegrees(problem.standing_deg));
 }
 
 Json PlaceJson(const Vector2d& place) {
@@ -157,7 +158,7 @@ Json NotAskedJson(const char* name, const char* unit, double value, double limit
 // On the problem's body, with its parts: whether one can sit down in it, and what is where leg and seat are.
 Json WearJson(const Links& links, const problem::SynthesisProblem& problem) {
   Json checks = Json::array();
-  const auto range = RangeOf(links, problem.d_min_mm);
+  const auto range = RangeOf(links, problem);
   if (!range) return checks;
   const double range_deg = DegreesFromRadians(range->theta_at_lower_rad);
   checks.push_back(NotAskedJson("seated angle", "deg", std::min(range_deg, kSeatedAngle_deg), kSeatedAngle_deg));
@@ -236,8 +237,9 @@ DesignExplorer::DesignExplorer(ExploredDesign explored) : explored_(std::move(ex
 }
 
 Json DesignExplorer::About() const {
-  constexpr double kHeight_mm = 1800, kMass_kg = 80;  // the paper's average user
-  const linkage::Body body = linkage::BodyOf(kHeight_mm, kMass_kg);
+  const problem::Clearances& clearances = explored_.problem.clearances;
+  const linkage::Body body = linkage::BodyOf(clearances.body);
+  const auto& [joint_x_mm, joint_y_mm] = clearances.placement_mm;
   const auto segment = [](const linkage::LimbSegment& limb) -> Json {
     return {{"length", limb.length_mm},
             {"proximal_radius", limb.proximal_radius_mm},
@@ -254,12 +256,16 @@ Json DesignExplorer::About() const {
           {"tolerance_mm", ValueOrNull(explored_.problem.robust_mm)},
           {"limits", explored_.limits},
           {"notes", explored_.notes},
-          {"body", {{"thigh", segment(body.thigh)}, {"shank", segment(body.shank)}}}};
+          {"body",
+           {{"knee", PlaceJson({-joint_x_mm, -joint_y_mm})},
+            {"thigh", segment(body.thigh)},
+            {"shank", segment(body.shank)}}}};
 }
 
 Json DesignExplorer::CurvesJson(const Links& links) const {
   const double d_min_mm = explored_.problem.d_min_mm;
-  const auto range = RangeOf(links, d_min_mm), saved_range = RangeOf(explored_.design.links, d_min_mm);
+  const auto range = RangeOf(links, explored_.problem),
+             saved_range = RangeOf(explored_.design.links, explored_.problem);
   if (!range) return {};
   // As long as the longer of both, so that they can be compared.
   const double last_mm = std::max(range->stroke.upper_mm, saved_range ? saved_range->stroke.upper_mm : 0);

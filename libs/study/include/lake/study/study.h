@@ -13,6 +13,10 @@
 
 namespace lake::study {
 
+// Reads the files that a study names by the readers of its steps. Throws Error with study, key, file and what it is
+// not: before the first step, as a step that cannot read its file may come after minutes of tracking.
+void CheckFiles(const StudyFile& study);
+
 // All steps that a study can have and that write into a folder of their own, in order.
 std::vector<std::string> StudyStepNames();
 

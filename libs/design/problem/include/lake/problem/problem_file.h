@@ -12,6 +12,7 @@
 
 #include <filesystem>
 
+#include "lake/core/json.h"
 #include "lake/core/yaml.h"
 #include "lake/problem/problem.h"
 
@@ -25,5 +26,9 @@ void ReadClearances(YamlNode& node, SynthesisProblem& problem);
 
 // As above, from a map inside a file in this folder.
 SynthesisProblem ReadProblem(YamlNode node, const std::filesystem::path& folder);
+
+// Every value of a problem, units as in the struct, but not the places of its files: problems whose JSON is equal have
+// the same designs.
+Json ProblemJson(const SynthesisProblem& problem);
 
 }  // namespace lake::problem

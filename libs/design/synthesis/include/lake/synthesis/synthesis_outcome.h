@@ -30,9 +30,8 @@ struct MarginPoint {
   double margin_mm = 0;
   bool solved = false;
   linkage::Links links;
-  double range_deg = 0;                                 // NaN if not solved
-  std::optional<certificate::Certificate> certificate;  // if one is asked for
-  std::optional<double> yield;                          // builds that keep every limit of the problem, if asked for
+  double range_deg = 0;         // NaN if not solved
+  std::optional<double> yield;  // builds that keep every limit of the problem, if asked for
 };
 
 // A design whose limits hold for every build within a tolerance (robust_mm), and the yield of the tolerance asked for.
@@ -67,9 +66,8 @@ struct SynthesisOutcome {
 // Throws Error for a problem or options that fail Check(), Interrupted on a signal.
 SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const SynthesisOptions& options);
 
-// Of a certificate that is asked for, of one of `shares` equal parts of its boxes and its time.
-certificate::CertificateOptions CertificateOptionsOf(double gap_deg, std::optional<double> time_s, bool quiet,
-                                                     int shares = 1);
+// Of a certificate that is asked for.
+certificate::CertificateOptions CertificateOptionsOf(double gap_deg, std::optional<double> time_s, bool quiet);
 
 // A certificate for the range of an optimum. Where the bound does without requirements (certificate::NotInBound), the
 // search aims at the optimum without these, as it cannot come below that.
