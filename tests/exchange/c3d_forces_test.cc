@@ -6,10 +6,12 @@
 #include <Eigen/LU>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "lake/core/atomic_file.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/ground_forces.h"
+#include "places.h"
 #include "recordings.h"
 #include "temporary_folder.h"
 
@@ -32,13 +34,20 @@ struct PlateFile {
   Eigen::Matrix<double, 6, 6> calibration = Eigen::Matrix<double, 6, 6>::Identity();
   std::map<std::string, std::vector<double>> instead;  // of parameters, as "FORCE_PLATFORM:TYPE"
   std::vector<std::string> without;
+  int frames = 3, samples = 2, empty_frames = 0;    // the first of them without anyone on the plate
+  Six offset = Six::Zero();                         // of an empty plate's channels
+  std::vector<double> zero = {};                    // FORCE_PLATFORM:ZERO; empty: not there
+  int plates = 1;                                   // the second names channels that are not there
+  std::optional<int> header_points, header_analog;  // what is wrong in the header
 
   std::string Bytes() const;
   int Stored(std::size_t channel) const { return static_cast<int>(std::lround(Raw()[channel] / Scale() + Offset())); }
   double Scale() const { return is_integer ? 50 : 1; }
   double Offset() const { return is_unsigned ? 40000 : is_integer ? 100 : 0; }
+  bool has_word_offset = false;  // ANALOG:OFFSET as words of 16 bits
 
  private:
+  Six RawOf(int frame) const { return (frame < empty_frames ? Six::Zero() : Raw()) + offset; }
   Six Raw() const {
     // The plate's x is the laboratory's, its y and z look back and down.
     const Eigen::Vector3d turned(1, -1, -1);
@@ -95,37 +104,54 @@ std::string PlateFile::Parameters() const {
   add_texts("LABELS", 4, {"hip"});
   add_texts("UNITS", 2, {"mm"});
   add_texts("Y_SCREEN", 2, {"+Z"});
-  add("LONG_FRAMES", {3});
+  add("LONG_FRAMES", {static_cast<double>(frames)});
   begin("ANALOG");
   add("USED", {6}), add("GEN_SCALE", {0.5}), add("SCALE", std::vector<double>(6, 2 * Scale()));
-  add("OFFSET", std::vector<double>(6, Offset()));
+  if (has_word_offset) {
+    std::string words;
+    for (int i = 0; i < 6; ++i) words += Word(static_cast<unsigned>(Offset()));
+    text += Entry(group, "OFFSET", 2, {6}, words);
+  } else {
+    add("OFFSET", std::vector<double>(6, Offset()));
+  }
   add_texts("UNITS", 4, {"N", "N", "N", units, units, units});
   if (is_unsigned) add_texts("FORMAT", 8, {"UNSIGNED"});
   begin("FORCE_PLATFORM");
-  add("USED", {1}), add("TYPE", {static_cast<double>(type)}), add("CHANNEL", {1, 2, 3, 4, 5, 6});
-  add("CORNERS", {1200, 200, 0, 800, 200, 0, 800, 800, 0, 1200, 800, 0});
-  add("ORIGIN", {0, 0, origin_sign * 40});
+  const auto of_each = [&](std::vector<double> values) {
+    const std::vector<double> one = values;
+    for (int i = 1; i < plates; ++i) values.insert(values.end(), one.begin(), one.end());
+    return values;
+  };
+  std::vector<double> channels;
+  for (int i = 1; i <= 6 * plates; ++i) channels.push_back(i);
+  add("USED", {static_cast<double>(plates)}), add("TYPE", of_each({static_cast<double>(type)}));
+  add("CHANNEL", channels);
+  add("CORNERS", of_each({1200, 200, 0, 800, 200, 0, 800, 800, 0, 1200, 800, 0}));
+  add("ORIGIN", of_each({0, 0, origin_sign * 40}));
+  if (!zero.empty()) add("ZERO", zero);
   if (type == 4) add("CAL_MATRIX", {calibration.data(), calibration.data() + 36});
   return text;
 }
 
 std::string PlateFile::Bytes() const {
-  constexpr int kSamples = 2, kFrames = 3;
   std::string file{2, 0x50};
-  file += Word(1) + Word(6 * kSamples) + Word(11) + Word(12) + Word(0);  // frames 11 to 12: LONG_FRAMES says three
-  file += Float(is_integer ? 0.05 : -1) + Word(4) + Word(kSamples) + Float(100);
+  file += Word(static_cast<unsigned>(header_points.value_or(1)));
+  file += Word(static_cast<unsigned>(header_analog.value_or(6 * samples))) + Word(11) + Word(12) +
+          Word(0);  // frames 11 to 12: LONG_FRAMES says three
+  file += Float(is_integer ? 0.05 : -1) + Word(4) + Word(static_cast<unsigned>(samples)) + Float(100);
   file.resize(512, '\0');
   file += {1, 0x50, 2, static_cast<char>(is_mips ? 86 : 84)};
   file += Parameters();
   EXPECT_LE(file.size(), 3u * 512);
   file.resize(3 * 512, '\0');
-  for (int frame = 0; frame < kFrames; ++frame) {
+  for (int frame = 0; frame < frames; ++frame) {
     for (const double x_mm : {1000.0, -500.0, 812.5}) file += is_integer ? Word(std::lround(x_mm / 0.05)) : Float(x_mm);
     file += is_integer ? Word(0) : Float(0);
-    for (int sample = 0; sample < kSamples; ++sample)
+    for (int sample = 0; sample < samples; ++sample)
       for (std::size_t channel = 0; channel < 6; ++channel)
-        file += is_integer ? Word(static_cast<unsigned>(Stored(channel))) : Float(Raw()[channel]);
+        file += is_integer ? Word(static_cast<unsigned>(Stored(channel))) : Float(RawOf(frame)[channel]);
   }
+  file.resize((file.size() + 511) / 512 * 512, '\0');
   return file;
 }
 
@@ -183,6 +209,8 @@ TEST_F(C3dForces, OfIntegersAndOfTheOtherOrderOfBytes) {
     file.is_unsigned = true;
     EXPECT_GT(file.Stored(2), 32767) << "beyond what a signed word holds";
     ExpectTheForce(file, file.Scale());
+    file.has_word_offset = true;  // 40000, with a sign −25536
+    ExpectTheForce(file, file.Scale());
   }
 }
 
@@ -197,12 +225,12 @@ TEST_F(C3dForces, OfTypeFourAreMultipliedWithTheCalibrationByColumns) {
 TEST_F(C3dForces, ThatContradictThemselvesAreRefused) {
   const auto with = [](const std::string& name, const std::vector<double>& values) {
     PlateFile file;
+    file.frames = 40;
     file.instead[name] = values;
     return file;
   };
   ExpectRefused(with("FORCE_PLATFORM:USED", {0}), "no force plates");
   ExpectRefused(with("FORCE_PLATFORM:TYPE", {3}), "plate 1 is of type 3; types 2 and 4 are read");
-  ExpectRefused(with("FORCE_PLATFORM:USED", {2}), "too few for plate 2");
   ExpectRefused(with("FORCE_PLATFORM:CHANNEL", {1, 2, 3, 4, 5, 7}), "has channel 7, of 6");
   ExpectRefused(with("FORCE_PLATFORM:CORNERS", std::vector<double>(12, 0)), "plate 1 has no corners");
   ExpectRefused(with("FORCE_PLATFORM:CORNERS", {4, 0, 0, 3, 0, 0, 2, 0, 0, 1, 0, 0}), "they lie in one line");
@@ -214,12 +242,97 @@ TEST_F(C3dForces, ThatContradictThemselvesAreRefused) {
   ExpectRefused(unplaced, "no parameter FORCE_PLATFORM:ORIGIN");
 }
 
+TEST_F(C3dForces, OfAPlateThatCannotBeReadLeaveTheOthers) {
+  PlateFile file;
+  file.plates = 2;
+  const exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+  ASSERT_EQ(read.plates.size(), 2u);
+  EXPECT_LT((read.plates[0].force_n[3] - kForce_n).norm(), 1e-3);
+  EXPECT_EQ(read.plates[1].force_n.size(), read.time_s.size());
+  EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("force plate 2 has channel 7, of 6; it is left out")));
+  EXPECT_EQ(exchange::PlateOf(read, {}, "right", "a.c3d").name, "plate 1");
+  EXPECT_THAT(MessageOf([&] {
+                exchange::PlateOf(read, {{"right", 2}}, "right", "a.c3d");
+              }),
+              HasSubstr("force plate 2 has channel 7, of 6"));
+}
+
+// The header says how many analogue samples and points a frame has, the parameters say it again.
+TEST_F(C3dForces, WhereTheFileContradictsItselfItsSizeDecides) {
+  PlateFile file;
+  file.frames = 40;
+  file.header_analog = 6;  // the channels, not all samples
+  const auto at_the_end = [&] {
+    const exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+    EXPECT_EQ(read.time_s.size(), 80u);
+    EXPECT_LT((read.plates.at(0).force_n.back() - kForce_n).norm(), 1e-3);
+    const exchange::PointRecording points = exchange::ReadC3d(folder_ / "plate.c3d");
+    EXPECT_EQ(points.time_s.size(), 40u);
+    EXPECT_LT((points.points.at(0).positions.back() - Eigen::Vector3d(1000, -500, 812.5)).norm(), 1e-4);
+    return points.warnings;
+  };
+  EXPECT_THAT(at_the_end(), testing::ElementsAre(HasSubstr("analogue samples of a frame: 6 by the header, 12 by")));
+  file.header_analog = 0;
+  EXPECT_THAT(at_the_end(), testing::ElementsAre(HasSubstr("contradicts itself")));
+  file.header_analog.reset();
+  EXPECT_TRUE(at_the_end().empty());
+  file.header_points = 3;
+  EXPECT_THAT(at_the_end(), testing::ElementsAre(HasSubstr("points: 1 by POINT:USED, 3 by the header")));
+  file.header_points.reset();
+  file.instead["POINT:USED"] = {4};
+  EXPECT_THAT(at_the_end(), testing::ElementsAre(HasSubstr("points: 4 by POINT:USED, 1 by the header")));
+  file.instead = {{"POINT:LONG_FRAMES", {4000}}};
+  EXPECT_THAT(MessageOf([&] { exchange::ReadC3d(Write(file)); }), HasSubstr("cut off"));
+}
+
+// What a plate measures without anybody on it: in the frames that ZERO names, else where there is no contact.
+TEST_F(C3dForces, OfAnEmptyPlateAreSubtracted) {
+  PlateFile file;
+  file.frames = 60, file.empty_frames = 40;
+  file.offset << 3, -4, 25, 800, -2000, 500;
+  const auto expect_force = [&](const exchange::GroundForceRecording& read) {
+    EXPECT_LT(read.plates.at(0).force_n.front().norm(), 1e-3);
+    EXPECT_LT((read.plates.at(0).force_n.back() - kForce_n).norm(), 1e-3);
+    EXPECT_LT((read.plates.at(0).moment_nm.back() - kMoment_nm).norm(), 1e-5);
+  };
+  for (const std::vector<double>& zero : std::vector<std::vector<double>>{{}, {1, 0}, {0, 0}}) {
+    file.zero = zero;
+    const auto read = exchange::ReadGroundForces(Write(file));
+    expect_force(read);
+    EXPECT_THAT(read.warnings, testing::ElementsAre(testing::AllOf(
+                                   HasSubstr("force plate 1: an offset of 25.5 N is subtracted"),
+                                   HasSubstr("0.4 s without contact; FORCE_PLATFORM:ZERO names no frames"))));
+  }
+  file.zero = {12, 20};  // the first frame is number 11
+  const auto named = exchange::ReadGroundForces(Write(file));
+  expect_force(named);
+  EXPECT_THAT(named.warnings, testing::ElementsAre(HasSubstr("in frames 12 to 20, which FORCE_PLATFORM:ZERO names")));
+  file.zero = {55, 60};  // somebody stands there
+  EXPECT_THAT(exchange::ReadGroundForces(Write(file)).warnings,
+              testing::ElementsAre(HasSubstr("bears 675 N in frames 55 to 60")));
+  file.zero = {1, 0};
+  file.empty_frames = 0;  // never empty: nothing is known of the offset
+  EXPECT_NEAR(exchange::ReadGroundForces(Write(file)).plates.at(0).force_n.back().z(), kForce_n.z() - 25, 1e-3);
+  file.offset.setZero();
+  file.empty_frames = 40;
+  EXPECT_TRUE(exchange::ReadGroundForces(Write(file)).warnings.empty());
+}
+
+// A foot that rests before a rise bears more than an empty plate measures.
+TEST_F(C3dForces, OfAFootAtRestStay) {
+  const auto file = SharedData() / "odd_files/c3d-unsigned-offset/signed.c3d";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file.string() << " is not here";
+  const auto read = exchange::ReadGroundForces(file);
+  EXPECT_TRUE(read.warnings.empty());
+  EXPECT_GT(read.plates.at(0).force_n.front().norm(), 20);
+}
+
 // The plate of a leg: the one that was named, or the only one that bears a force.
 TEST(PlatesOfLegs, AreNamedOrTold) {
   exchange::GroundForceRecording forces;
   forces.time_s = {0, 1};
   for (const double newton : {5.0, 600.0, 650.0})
-    forces.plates.push_back({fmt::format("plate_{:g}", newton), {Eigen::Vector3d::Zero(), {0, newton, 0}}, {}, {}});
+    forces.plates.push_back({fmt::format("plate_{:g}", newton), {Eigen::Vector3d::Zero(), {0, newton, 0}}, {}, {}, {}});
   const auto message = [&](const std::map<std::string, int>& plates) {
     return MessageOf([&] { exchange::PlateOf(forces, plates, "left", "walk.mot"); });
   };

@@ -265,22 +265,82 @@ TEST(C3dRules, EventsThatAreDamagedAreLeftOutWithAWarning) {
   EXPECT_THAT(read.warnings[0], testing::HasSubstr("EVENT:USED is 9, but there are 3 times"));
 }
 
+// What the parameters leave out, or state so that it cannot be, the header states.
+TEST(C3dRules, TheHeaderStandsInForItsParameters) {
+  const TemporaryFolder folder;
+  const exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 20, 3, 5);
+  exchange::WriteC3d(folder / "a.c3d", points);
+  const std::string good = ReadTextFile(folder / "a.c3d");
+  for (const char* name : {"\4\1USED", "\5\1SCALE", "\4\1RATE", "\12\1DATA_START"}) {
+    std::string without = good;
+    without[without.find(name) + 3] = 'X';
+    ExpectSame(points, exchange::ReadC3d(WriteFile(folder / "b.c3d", without)), 1e-3);
+    std::string zero = good;
+    const std::size_t at = zero.find(name) + std::strlen(name) + 4;  // behind offset, type and number of dimensions
+    zero.replace(at, 2, 2, '\0');
+    if (zero[at - 2] == 4) zero.replace(at, 4, 4, '\0');
+    ExpectSame(points, exchange::ReadC3d(WriteFile(folder / "b.c3d", zero)), 1e-3);
+  }
+}
+
+// The last entry points to what lies behind the section, whose length stands at its beginning.
+TEST(C3dRules, ParametersEndWithTheirSection) {
+  const TemporaryFolder folder;
+  const exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 20, 3, 5);
+  exchange::WriteC3d(folder / "a.c3d", points);
+  std::string bytes = ReadTextFile(folder / "a.c3d");
+  const std::size_t end = 512 + 512 * static_cast<std::size_t>(bytes[514]);
+  const std::size_t pointer = bytes.find("\12\1DATA_START") + 12;
+  bytes[pointer] = static_cast<char>((end - pointer) & 0xFF);
+  bytes[pointer + 1] = static_cast<char>((end - pointer) >> 8);
+  bytes.replace(end, 16, std::string("\4\1WXYZ\7\0\2\11\7\0\0\0\0\0", 16));
+  exchange::PointRecording read = exchange::ReadC3d(WriteFile(folder / "b.c3d", bytes));
+  EXPECT_EQ(read.points.size(), 3u);
+  EXPECT_EQ(read.points[0].name, points.points[0].name);
+  EXPECT_TRUE(read.warnings.empty());
+}
+
+// 16 bits hold a count up to 65535; longer files have the rest, or the count wraps.
+TEST(C3dRules, MoreFramesThanSixteenBitsCountAreAllRead) {
+  const TemporaryFolder folder;
+  constexpr std::size_t kFrames = 70'000;
+  exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, kFrames, 1, 0);
+  exchange::WriteC3d(folder / "a.c3d", points);
+  const std::string good = ReadTextFile(folder / "a.c3d");
+  EXPECT_EQ(exchange::ReadC3d(folder / "a.c3d").time_s.size(), kFrames);
+  std::string header = good;  // without the parameters that say it in 32 bits
+  for (const char* name : {"ACTUAL_START_FIELD", "ACTUAL_END_FIELD"}) header[header.find(name)] = 'X';
+  const auto read = [&](const std::string& bytes) { return exchange::ReadC3d(WriteFile(folder / "b.c3d", bytes)); };
+  const exchange::PointRecording cut = read(header);
+  ASSERT_EQ(cut.time_s.size(), kFrames);
+  EXPECT_LT((cut.points[0].positions.back() - points.points[0].positions.back()).norm(), 1e-3);
+  EXPECT_THAT(cut.warnings, testing::ElementsAre(testing::HasSubstr("frames: 65535 by the header, 70000 in the file")));
+  std::string wrapped = header;
+  for (const std::size_t at : {std::size_t{8}, wrapped.find("\6\1FRAMES") + 12}) {
+    wrapped[at] = static_cast<char>(kFrames % 65536 & 0xFF);
+    wrapped[at + 1] = static_cast<char>(kFrames % 65536 >> 8);
+  }
+  EXPECT_EQ(read(wrapped).time_s.size(), kFrames);
+}
+
 TEST(C3dRules, HeadersThatLieAreRefusedBeforeAnythingIsAllocated) {
   const TemporaryFolder folder;
   exchange::WriteC3d(folder / "a.c3d", MakePoints(exchange::PointSpace::kSpace, 20, 3, 5));
   const std::string good = ReadTextFile(folder / "a.c3d");
-  const auto message_with = [&](const char* name, const std::string& data) {
+  const auto message_with = [&](const char* name, std::size_t header, const std::string& data) {
     std::string bad = good;
     const std::size_t at = bad.find(name) + std::strlen(name) + 4;  // behind offset, type and number of dimensions
-    bad.replace(at, data.size(), data);
+    bad.replace(at, data.size(), data).replace(header, data.size(), data);
     return MessageOf([&] { exchange::ReadC3d(WriteFile(folder / "e.c3d", bad)); });
   };
-  EXPECT_THAT(message_with("\4\1USED", std::string("\0\0", 2)), testing::HasSubstr("no points"));
-  EXPECT_THAT(message_with("\4\1USED", "\xFF\xFF"), testing::HasSubstr("cut off"));
-  // Infinity and NaN, little-endian.
-  EXPECT_THAT(message_with("\4\1RATE", std::string("\0\0\x80\x7F", 4)), testing::HasSubstr("POINT:RATE"));
-  EXPECT_THAT(message_with("\5\1SCALE", std::string("\0\0\xC0\x7F", 4)), testing::HasSubstr("POINT:SCALE"));
+  // Each in its parameter and in the header; infinity and NaN are little-endian.
+  EXPECT_THAT(message_with("\4\1USED", 2, std::string("\0\0", 2)), testing::HasSubstr("no points"));
+  EXPECT_THAT(message_with("\4\1USED", 2, "\xFF\xFF"), testing::HasSubstr("cut off"));
+  EXPECT_THAT(message_with("\4\1RATE", 20, std::string("\0\0\x80\x7F", 4)), testing::HasSubstr("POINT:RATE"));
+  EXPECT_THAT(message_with("\5\1SCALE", 12, std::string("\0\0\xC0\x7F", 4)), testing::HasSubstr("POINT:SCALE"));
   std::string frames = good;
+  for (const char* name : {"ACTUAL_START_FIELD", "\6\1FRAMES"}) frames[frames.find(name) + 3] = 'X';
+  frames.replace(8, 2, "\xFF\xFE");
   const std::size_t end_field = frames.find("ACTUAL_END_FIELD") + 16 + 5;
   frames.replace(end_field, 4, "\xFF\xFF\xFF\xFF");
   EXPECT_THAT(MessageOf([&] { exchange::ReadC3d(WriteFile(folder / "e.c3d", frames)); }),

@@ -276,9 +276,6 @@ TEST_F(Formats, C3dErrors) {
   std::string processor = good;
   processor[512 + 3] = 77;
   EXPECT_THAT(message(processor), testing::HasSubstr("77"));
-  std::string unnamed = good;
-  unnamed.replace(unnamed.find("SCALE"), 5, "SCALF");
-  EXPECT_THAT(message(unnamed), testing::HasSubstr("POINT:SCALE"));
 }
 
 TEST_F(Formats, MotReadsBack) {
@@ -306,6 +303,35 @@ TEST_F(Formats, MotOfAMotionHasTheSignThatWasAskedFor) {
   EXPECT_EQ(left.time_s.size(), 2u);  // without the frame that has no angle
   const exchange::MotTable right = exchange::MotFromLegMotion(motion, motion::Side::kRight, true);
   EXPECT_EQ(right.rows[0][right.Column("knee_angle_r")], -10);
+}
+
+TEST_F(Formats, MotSaysTheUnitOfAnglesInSeveralWays) {
+  const auto read = [&](const std::string& head) {
+    return exchange::ReadMot(Write("u.sto", "q\n" + head + "endheader\ntime\tknee_angle_r\n0\t1\n"));
+  };
+  for (const char* head :
+       {"inDegrees=yes\n", "inDegrees=y\n", "InDegrees = Yes\n", "inDegrees=true\n", "inDegrees yes\n",
+        "Angles are in degrees.\n", "Rotations in degrees\n", "# SIMM Motion File Header:\n", "datacolumns 2\n"}) {
+    EXPECT_TRUE(read(head).in_degrees) << head;
+    EXPECT_TRUE(read(head).warnings.empty()) << head;
+  }
+  const std::string explanation =
+      "If the header above contains a line with 'inDegrees', this indicates whether rotational values are in degrees "
+      "(yes) or radians (no).\n";
+  EXPECT_TRUE(read("inDegrees=yes\n\n" + explanation).in_degrees);
+  EXPECT_FALSE(read("inDegrees=no\n\n" + explanation).in_degrees);
+  for (const char* head : {"inDegrees=no\n", "inDegrees=n\n", "inDegrees=False\n", "Angles are in radians.\n"}) {
+    EXPECT_FALSE(read(head).in_degrees) << head;
+    EXPECT_TRUE(read(head).warnings.empty()) << head;
+  }
+  for (const std::string& head : {std::string("version=1\n"), explanation}) {
+    EXPECT_FALSE(read(head).in_degrees) << "as OpenSim reads it";
+    EXPECT_THAT(read(head).warnings, testing::ElementsAre(testing::HasSubstr("does not say the unit of angles")));
+  }
+  EXPECT_THAT(MessageOf([&] { read("inDegrees=perhaps\n"); }), testing::HasSubstr("u.sto:2: inDegrees is 'perhaps'"));
+  EXPECT_THAT(MessageOf([&] { read("inDegrees=\n"); }), testing::HasSubstr("inDegrees is ''"));
+  EXPECT_THAT(MessageOf([&] { read("inDegrees=yes\nAngles are in radians.\n"); }),
+              testing::HasSubstr("u.sto:3: says that angles are in radians"));
 }
 
 TEST_F(Formats, MotErrorsSayWhere) {

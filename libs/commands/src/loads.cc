@@ -36,6 +36,7 @@ std::string LegOf(const LoadsRunOptions& options) {
 loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::Trial& trial,
                                const gait::LegFitResult& fit, Run& run) {
   const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
+  for (const std::string& warning : file.warnings) run.Warn(warning);
   const Eigen::Matrix3d& plane_from_space = *trial.plane_from_space;
   VerticalOf(file, trial, options.forces);  // both have one
   const std::string leg = LegOf(options);

@@ -89,7 +89,9 @@ std::string C3dBytes::TrimmedText(std::size_t offset, std::size_t length) const 
 C3dParameters::C3dParameters(const C3dBytes& bytes) : bytes_(bytes) {
   std::map<int, std::string> groups;
   std::vector<std::pair<int, std::pair<std::string, Value>>> parameters;
-  for (std::size_t at = bytes.ParameterOffset() + 4;;) {
+  const std::size_t begin = bytes.ParameterOffset(), blocks = bytes.Unsigned8(begin + 2);
+  const std::size_t end = blocks > 0 ? begin + 512 * blocks : bytes.Size();  // some writers do not state its length
+  for (std::size_t at = begin + 4; at + 1 < end;) {
     const auto length = static_cast<std::size_t>(std::abs(bytes.Signed8(at)));
     const int id = bytes.Signed8(at + 1);
     if (length == 0 || id == 0) break;

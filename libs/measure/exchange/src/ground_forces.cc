@@ -85,7 +85,8 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
     forces.plates.push_back({.name = end == std::string::npos ? stem : stem.substr(0, end + 1),
                              .force_n = TakeVector(table, force),
                              .point_m = TakeVector(table, point),
-                             .moment_nm = TakeVector(table, moment)});
+                             .moment_nm = TakeVector(table, moment),
+                             .unusable = {}});
   }
   if (forces.plates.empty())
     throw Fail("{}: no ground forces: there is no column that ends in 'vx', as in ground_force_1_vx", path.string());
@@ -109,6 +110,7 @@ const PlateForces& PlateOf(const GroundForceRecording& forces, const std::map<st
     if (static_cast<std::size_t>(named->second) > forces.plates.size())
       throw Fail("{}: no plate {}; it has: {}", path.string(), named->second, Names(forces));
     const PlateForces& plate = forces.plates[static_cast<std::size_t>(named->second) - 1];
+    if (!plate.unusable.empty()) throw Fail("{}", plate.unusable);
     if (!BearsForce(plate))
       throw Fail("{}: plate {}, {}, bears no force; it has: {}", path.string(), named->second, plate.name,
                  Names(forces));
