@@ -114,6 +114,39 @@ TEST_P(DetectBoardTest, FindsABoardThatIsPrintedWhiteOnBlack) {
 
 INSTANTIATE_TEST_SUITE_P(Boards, DetectBoardTest, testing::Values("chessboard:9x6:25", "charuco:9x7:25:18:4X4_50"));
 
+// An even number of rows in both of OpenCV's layouts: the text of the board is the same, and so must be the corners.
+TEST(DetectBoard, FindsACharucoBoardOfEitherLayout) {
+  const camera::Board board = camera::ParseBoard("charuco:7x10:30:22:4X4_50");
+  const camera::Camera camera = scene::Lens();
+  std::mt19937_64 random(3);
+  for (const bool is_white : {false, true}) {
+    camera::Board printed = board;
+    printed.white_top_left = is_white;
+    for (const double roll_deg : {0.0, 90.0, 200.0}) {
+      const Eigen::Isometry3d pose = scene::PoseAt(camera, board, {640, 360}, 330, 25, 30, roll_deg);
+      const auto view = camera::DetectBoard(scene::Render(camera, printed, pose, random), board);
+      ASSERT_TRUE(view) << is_white << " " << roll_deg;
+      const auto truth = scene::CornerPixels(camera, board, pose);
+      EXPECT_GT(view->corner.size(), truth.size() - 4);
+      for (std::size_t i = 0; i < view->corner.size(); ++i)
+        EXPECT_LT((view->pixel[i] - truth[static_cast<std::size_t>(view->corner[i])]).norm(), 0.5);
+    }
+  }
+}
+
+// Other columns: the same codes lie elsewhere, in both layouts.
+TEST(DetectBoard, DoesNotSeeACharucoBoardOfOtherColumns) {
+  const camera::Camera camera = scene::Lens();
+  std::mt19937_64 random(3);
+  const camera::Board printed = camera::ParseBoard("charuco:7x10:30:22:4X4_50");
+  const cv::Mat picture =
+      scene::Render(camera, printed, scene::PoseAt(camera, printed, {640, 360}, 330, 20, 30, 0), random);
+  EXPECT_TRUE(camera::DetectBoard(picture, printed));
+  for (const char* text : {"charuco:10x7:30:22:4X4_50", "charuco:8x10:30:22:4X4_50", "charuco:6x10:30:22:4X4_50",
+                           "charuco:9x8:30:22:4X4_50"})
+    EXPECT_FALSE(camera::DetectBoard(picture, camera::ParseBoard(text))) << text;
+}
+
 TEST(DetectBoard, SeesNothingWhereThereIsNothing) {
   std::mt19937_64 random(1);
   cv::Mat1b noise(240, 320);

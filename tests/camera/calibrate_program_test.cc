@@ -123,6 +123,26 @@ TEST_F(CalibrateProgram, AViewThatDoesNotFitIsLeftOutByNameAndTheLensModelIsSaid
   EXPECT_LT(summary["rms_px"].get<double>(), 0.1);  // a corner is found within 0.043 px
 }
 
+// Each picture bent in its own way: a camera can be fitted to anything, and is none then.
+TEST_F(CalibrateProgram, WhatNoLensExplainsIsNoCamera) {
+  Photograph(6);
+  for (int i = 0; i < 6; ++i) {
+    const fs::path file = folder_ / fmt::format("{:02}.png", i);
+    const cv::Mat flat = video::ReadImage(file, false);
+    cv::Mat1f x(flat.size()), y(flat.size());
+    for (int v = 0; v < flat.rows; ++v)
+      for (int u = 0; u < flat.cols; ++u) {
+        x(v, u) = static_cast<float>(u + 22 * std::sin(v / 45.0 + i));
+        y(v, u) = static_cast<float>(v + 22 * std::sin(u / 45.0 + 2 * i));
+      }
+    cv::Mat bent;
+    cv::remap(flat, bent, x, y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    video::WriteImage(file, bent);
+  }
+  ExpectOneLine(Run("*.png --board chessboard:9x6:25 --quiet -o camera"), 1, "no camera explains");
+  EXPECT_FALSE(fs::exists(folder_ / "camera/camera.yaml"));
+}
+
 TEST_F(CalibrateProgram, BadInputIsOneLineAndTheRightExitCode) {
   Photograph(3);
   video::WriteImage(folder_ / "small.png", cv::Mat1b(240, 320, uchar{90}));

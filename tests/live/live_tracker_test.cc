@@ -89,7 +89,7 @@ class LiveSession {
     options_.seeds = std::move(seeds);
     options_.metric_from_px = [this](const Vector2d& px) { return gait::PlaneFromRecorded(view_, px, 0); };
     const Vector2d middle(0.5 * reader_->Info().width, 0.5 * reader_->Info().height);
-    options_.px_per_mm = 1 / gait::PlaneUnitsPerRecorded(view_, options_.metric_from_px(middle), 0);
+    options_.mm_per_px = gait::PlaneUnitsPerRecorded(view_, options_.metric_from_px(middle), 0);
     tracker_.emplace(options_, reader_->Info());
   }
 

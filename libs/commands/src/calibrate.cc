@@ -154,6 +154,18 @@ camera::LensChoice TakeLens(const CalibrateRunOptions& options, const camera::Bo
   return camera::ChooseLens(board, pictures.views, pictures.width_px, pictures.height_px, options.calibration);
 }
 
+// Beyond it no lens model describes the corners, and what was fitted is no camera.
+void CheckRms(const camera::CalibrationResult& result, const camera::Board& board) {
+  constexpr double kMost = 0.01;  // of the picture's diagonal; blurred corners of a cheap lens: 0.001
+  const double most_px = kMost * std::hypot(result.camera.image_width, result.camera.image_height);
+  if (result.rms_px > most_px)
+    throw Fail(
+        "no camera explains the corners: RMS {:.1f} px, more than {:.1f} (1 % of the diagonal); is the board {} "
+        "(columns, "
+        "rows), rigid and flat, and are all views of one camera?",
+        result.rms_px, most_px, camera::ToString(board));
+}
+
 // Leaves out, one after the other and by name, views that are far worse than the others: corners of which were taken
 // for their neighbours, or a board that was bent.
 camera::CalibrationResult CalibrateWithViewsThatFit(const camera::Board& board,
@@ -166,7 +178,10 @@ camera::CalibrationResult CalibrateWithViewsThatFit(const camera::Board& board,
         camera::CalibrateCamera(board, pictures.views, pictures.width_px, pictures.height_px, calibration);
     const auto worst = std::max_element(result.view_rms_px.begin(), result.view_rms_px.end());
     const double median = Median(result.view_rms_px), limit = std::max(kTimesTheMedian * median, kLeastPx);
-    if (pictures.views.size() <= kLeastViews || *worst <= limit) return result;
+    if (pictures.views.size() <= kLeastViews || *worst <= limit) {
+      CheckRms(result, board);
+      return result;
+    }
     const auto view = pictures.views.begin() + (worst - result.view_rms_px.begin());
     run.Warn("{} does not fit the other views ({:.2f} px RMS, theirs {:.2f}) and is left out", view->name, *worst,
              median);

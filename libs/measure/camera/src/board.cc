@@ -46,36 +46,11 @@ void ParseCharuco(const std::vector<std::string>& parts, std::string_view text, 
   const std::optional<ArucoDictionary> dictionary = FindArucoDictionary(parts[4]);
   if (!dictionary) throw Wrong(text, fmt::format("no dictionary '{}'; known: {}", parts[4], ArucoDictionaryNames()));
   board.dictionary = dictionary->name;
-  const int needed = board.columns * board.rows / 2, held = PredefinedDictionary(board)->bytesList.rows;
+  const int needed = board.columns * board.rows / 2, held = DictionarySize(board);
   if (needed > held) throw Wrong(text, fmt::format("it needs {} markers, {} has {}", needed, board.dictionary, held));
 }
 
-// The black cells of a marker, its border included.
-void AppendMarker(const Board& board, const cv::aruco::CharucoBoard& charuco, std::size_t index,
-                  std::vector<BoardRectangle>& ink) {
-  const int cells = charuco.dictionary->markerSize + 2;  // with the black border
-  cv::Mat picture;                                       // one pixel per cell
-  charuco.dictionary->drawMarker(charuco.ids[index], cells, picture, 1);
-  const cv::Point3f corner =
-      charuco.objPoints[index].front();  // the marker's own top left; y is down from the sheet's top
-  const double cell = board.marker_mm / cells;
-  const double left = corner.x - board.square_mm, top = (board.rows - 1) * board.square_mm - corner.y;
-  for (int row = 0; row < cells; ++row)
-    for (int column = 0; column < cells; ++column)
-      if (picture.at<uchar>(row, column) == 0)
-        ink.push_back({.left = left + column * cell, .bottom = top - (row + 1) * cell, .width = cell, .height = cell});
-}
-
 }  // namespace
-
-cv::Ptr<cv::aruco::Dictionary> PredefinedDictionary(const Board& board) {
-  return cv::aruco::getPredefinedDictionary(FindArucoDictionary(board.dictionary)->id);
-}
-
-cv::Ptr<cv::aruco::CharucoBoard> CharucoOf(const Board& board) {
-  return cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_mm),
-                                         static_cast<float>(board.marker_mm), PredefinedDictionary(board));
-}
 
 Board ParseBoard(std::string_view text) {
   const std::vector<std::string> parts = SplitText(text, ':');
@@ -115,12 +90,12 @@ std::vector<BoardRectangle> BoardInk(const Board& board) {
   const double s = board.square_mm;
   for (int from_top = 0; from_top < board.SquareRows(); ++from_top)
     for (int column = 0; column < board.SquareColumns(); ++column)
-      if (from_top % 2 == column % 2)
+      if (board.IsBlack(from_top, column))
         ink.push_back(
             {.left = (column - 1) * s, .bottom = (board.SquareRows() - 2 - from_top) * s, .width = s, .height = s});
   if (board.kind == BoardKind::kCharuco) {
-    const auto charuco = CharucoOf(board);
-    for (std::size_t i = 0; i < charuco->ids.size(); ++i) AppendMarker(board, *charuco, i, ink);
+    const std::vector<BoardRectangle> markers = MarkerInk(board);
+    ink.insert(ink.end(), markers.begin(), markers.end());
   }
   return ink;
 }

@@ -13,11 +13,6 @@
 namespace lake::camera {
 namespace {
 
-struct FoundCorners {
-  std::vector<int> corner;
-  std::vector<cv::Point2f> pixel;
-};
-
 // OpenCV's rows may run downwards; the board's own run upwards, seen from the front.
 void OrderRowsUpwards(const Board& board, std::vector<cv::Point2f>& grid) {
   const int columns = board.CornerColumns(), rows = board.CornerRows();
@@ -75,28 +70,6 @@ double Roughness(const Board& board, const std::vector<cv::Point2f>& grid) {
       if (r + 3 < rows) add(r * columns + c, columns);
     }
   return count > 0 ? std::sqrt(sum / count) : std::numeric_limits<double>::infinity();
-}
-
-FoundCorners FindCharuco(const cv::Mat& grey, const Board& board) {
-  const auto charuco = CharucoOf(board);
-  std::vector<std::vector<cv::Point2f>> markers;
-  std::vector<int> ids;
-  cv::aruco::detectMarkers(grey, charuco->dictionary, markers, ids);
-  if (ids.empty()) return {};
-  std::vector<int> corner;
-  std::vector<cv::Point2f> pixel;
-  cv::aruco::interpolateCornersCharuco(markers, ids, grey, charuco, pixel, corner);
-  // OpenCV numbers the corners from the top, the Board from below.
-  const int columns = board.CornerColumns(), rows = board.CornerRows();
-  std::map<int, cv::Point2f> ordered;
-  for (std::size_t i = 0; i < corner.size(); ++i)
-    ordered[(rows - 1 - corner[i] / columns) * columns + corner[i] % columns] = pixel[i];
-  FoundCorners found;
-  for (const auto& [index, at] : ordered) {
-    found.corner.push_back(index);
-    found.pixel.push_back(at);
-  }
-  return found;
 }
 
 bool SpanThePlane(const Board& board, const std::vector<int>& corners) {

@@ -186,8 +186,8 @@ BoardPictures FindBoards(const std::vector<fs::path>& files, const Board& board,
   BoardPictures pictures = video ? FindInVideo(files.front(), board, options) : FindInImages(files, board, options);
   if (pictures.views.empty())
     throw Fail(
-        "{}: the board {} was seen in none of {} {}; is it the board that was printed, whole in the picture and lit "
-        "evenly?",
+        "{}: the board {} was seen in none of {} {}; is it the board that was printed, with these columns and rows, "
+        "whole in the picture and lit evenly?",
         files.front().string(), ToString(board), pictures.attempts, video ? "frames spread over it" : "images");
   const double missing = static_cast<double>(pictures.without_board.size()) / pictures.attempts;
   if (missing > options.most_missing)

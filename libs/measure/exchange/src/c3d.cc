@@ -145,8 +145,9 @@ StatedSizes ReadStatedSizes(const C3dBytes& bytes, const C3dParameters& paramete
   stated.scale.push_back({"the header", bytes.Float(12)});
   const double first_scale = stated.scale.front().value;
   constexpr double kLeastScale = 1e-6;  // 16 bits would hold a thirtieth of a millimetre
-  std::erase_if(stated.scale,
-                [](const auto& each) { return !std::isfinite(each.value) || std::abs(each.value) < kLeastScale; });
+  std::erase_if(stated.scale, [](const Stated<double>& each) {
+    return !std::isfinite(each.value) || std::abs(each.value) < kLeastScale;
+  });
   for (Stated<double>& each : stated.scale)
     if (each.value < 0) each.value = -1;  // floats, which are not scaled
   if (stated.scale.empty()) throw Fail("{}: POINT:SCALE is {}", bytes.Path(), first_scale);

@@ -226,8 +226,8 @@ void LiveTracker::LearnDistances() {
 }
 
 void LiveTracker::FilterAll(double time_s) {
-  const double density_px = kQuickDensityMm * options_.px_per_mm * options_.px_per_mm;
-  const dynamics::MotionPrior prior = dynamics::PersonPrior(options_.px_per_mm);
+  const double density_px = kQuickDensityMm / (options_.mm_per_px * options_.mm_per_px);
+  const dynamics::MotionPrior prior = dynamics::PersonPrior(options_.mm_per_px);
   for (std::size_t n = 0; n < filters_.size(); ++n) {
     Filter& filter = filters_[n];
     const TrackletSample* seen = SeenNow(n);

@@ -85,7 +85,7 @@ Session::Session(const LiveRunOptions& options, fs::path programs, Run& run)
   track_.crop = options_.crop;
   track_.metric_from_px = [this](const Vector2d& px) { return gait::PlaneFromRecorded(view_, px, 0); };
   const Vector2d middle(0.5 * video_.width, 0.5 * video_.height);
-  track_.px_per_mm = 1 / gait::PlaneUnitsPerRecorded(view_, track_.metric_from_px(middle), 0);
+  track_.mm_per_px = gait::PlaneUnitsPerRecorded(view_, track_.metric_from_px(middle), 0);
   tracker_.emplace(track_, video_);
   tracks_table_.emplace(run.Result(kTracks), TrackHeader(options_.markers));
   rises_table_.emplace(run.Result(kRises),

@@ -21,11 +21,17 @@ struct Board {
   double square_mm = 0;
   double marker_mm = 0;    // side of a marker, ChArUco only
   std::string dictionary;  // OpenCV's name without DICT_, e.g. 4X4_50; ChArUco only
+  // A ChArUco board with an even number of rows, as OpenCV drew it before 4.6 (later setLegacyPattern(true)); the text
+  // of a board does not say it, DetectBoard recognises both.
+  bool white_top_left = false;
 
   int SquareColumns() const { return kind == BoardKind::kChessboard ? columns + 1 : columns; }
   int SquareRows() const { return kind == BoardKind::kChessboard ? rows + 1 : rows; }
   int CornerColumns() const { return SquareColumns() - 1; }
   int CornerRows() const { return SquareRows() - 1; }
+  bool IsBlack(int row_from_top, int column) const {
+    return (row_from_top + column + (white_top_left && SquareRows() % 2 == 0 ? 1 : 0)) % 2 == 0;
+  }
 };
 
 // chessboard:COLSxROWS:SQUARE_MM or charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT. Throws UsageError that quotes the text
@@ -43,8 +49,8 @@ struct BoardRectangle {
   double left, bottom, width, height;
 };
 
-// What is black on the sheet: squares, and the black cells of markers. OpenCV's layout up to 4.6
-// (setLegacyPattern(true) of later versions, which differs only for an even number of rows).
+// What is black on the sheet: squares, and the black cells of markers. Unless white_top_left says otherwise, in
+// OpenCV's layout since 4.6, with a black top left square.
 std::vector<BoardRectangle> BoardInk(const Board& board);
 
 // The corners of a board that were found in one picture.
@@ -67,7 +73,8 @@ struct BoardDetectionOptions {
 
 // nullopt if the board is not seen. `grey` is CV_8UC1. A chessboard must be seen whole, a ChArUco board may be cut off
 // or covered; either may be printed dark on light or light on dark. A chessboard looks the same after half a turn:
-// which of the two was meant cannot be known.
+// which of the two was meant cannot be known. A ChArUco board whose markers do not lie as on `board`, in either of
+// OpenCV's layouts, is not seen.
 std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board,
                                      const BoardDetectionOptions& options = {});
 

@@ -36,7 +36,7 @@ struct LiveTrackOptions {
   // others are not known.
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> metric_from_px = [](const Eigen::Vector2d& px) { return px; };
   Eigen::Vector2d up_px = {0, -1};
-  double px_per_mm = 1;  // about; how quickly the filter follows rests on it
+  double mm_per_px = 1;  // about; how quickly the filter follows rests on it
   MarkerPhysics physics;
   std::int64_t others_since = 0;  // frame: what is no marker of the leg may have been put elsewhere before it
 };
