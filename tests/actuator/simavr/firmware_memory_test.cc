@@ -1,6 +1,7 @@
 // Bits of the static memory that flip: nothing starts, and what moves is stopped or goes on as planned. Every bit with
 // LAKE_LONG_TESTS=1, else some.
 #include <cstdlib>
+#include <sstream>
 
 #include "firmware_fixture.h"
 
@@ -17,6 +18,24 @@ class FirmwareMemoryTest : public FirmwareTest {
         std::system(("avr-size '" + elf_.string() + "' | awk 'NR==2 {print $2+$3}' > '" + file.string() + "'").c_str()),
         0);
     return std::atoi(ReadTextFile(file).c_str());
+  }
+
+  // Address and size of a static variable; its name may have a suffix of the link-time optimiser.
+  std::pair<int, int> PlaceOf(const std::string& name) {
+    const auto file = folder_ / "symbols";
+    EXPECT_EQ(std::system(("avr-nm -S '" + elf_.string() + "' > '" + file.string() + "'").c_str()), 0);
+    std::istringstream symbols(ReadTextFile(file));
+    for (std::string address, bytes, kind, symbol; symbols >> address >> bytes >> kind;) {
+      if (kind.size() != 1) {  // without a size
+        std::getline(symbols, symbol);
+        continue;
+      }
+      symbols >> symbol;
+      if ((kind == "b" || kind == "B") && symbol.substr(0, symbol.find('.')) == name)
+        return {std::stoi(address, nullptr, 16) & 0xFFFF, std::stoi(bytes, nullptr, 16)};
+    }
+    ADD_FAILURE() << "no variable " << name;
+    return {};
   }
 
   // Every bit, or one in so many, beginning where the seed says.
@@ -36,6 +55,21 @@ TEST_F(FirmwareMemoryTest, ABitThatFlipsAtRestStartsNothing) {
     rig_->FlipBit(kFirst + bit / 8, bit % 8);
     rig_->Run(0.08);
     for (const RigSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0) << "bit " << bit;
+  }
+}
+
+// The motor's state and the jog's, whose sizes are odd: their last bytes are summed too.
+TEST_F(FirmwareMemoryTest, EachByteThatNothingButTheTickChangesIsSummed) {
+  Build(FreeDesign(kKnots), "");
+  for (const auto& [address, bytes] : {PlaceOf("m"), PlaceOf("c")}) {
+    ASSERT_GT(bytes, 8);
+    for (int byte = 0; byte < bytes; ++byte)
+      for (int bit = 0; bit < (byte + 1 < bytes ? 1 : 8); ++bit) {
+        PowerUp();
+        rig_->Run(0.03);
+        rig_->FlipBit(address + byte, bit);
+        EXPECT_TRUE(rig_->RunUntil("ALARM:17\n", 0.05)) << "byte " << byte << " of " << bytes << ", bit " << bit;
+      }
   }
 }
 

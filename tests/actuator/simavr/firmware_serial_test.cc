@@ -73,6 +73,30 @@ TEST_F(FirmwareSerialTest, OfLinesBackToBackNoneIsLostAndNoneIsWrong) {
               rig_->LongestBlocked_us(), rig_->Receiver().LongestWait_us(), rig_->LongestTick_us());
 }
 
+// What takes longest to say, in one write: neither the program nor its host is made to wait for it.
+TEST_F(FirmwareSerialTest, LongAnswersInOneWriteDoNotEndInAReset) {
+  for (int i = 0; i < 16; ++i) {  // a full log
+    rig_->PullWire(true, true), rig_->PullWire(false, true);
+    ASSERT_TRUE(rig_->RunUntil("ALARM:2\n", 0.2)) << rig_->Serial();
+    rig_->PullWire(true, false), rig_->PullWire(false, false);
+    rig_->Run(0.05);
+    ASSERT_TRUE(Asks("reset", "ok"));
+  }
+  Start();
+  const std::string faults = "faults\n", headers = "header\nheader\nheader\nheader\n";
+  for (const std::string& lines :
+       {faults + faults + faults + faults + faults, headers + headers + "who\n", faults + headers}) {
+    const std::size_t from = rig_->Serial().size();
+    rig_->SendPlain(lines);
+    rig_->Run(0.05);
+    rig_->SendPlain("who\n?");
+    rig_->Run(0.4);
+    EXPECT_THAT(rig_->Serial().substr(from), Not(HasSubstr("watchdog")));
+    EXPECT_EQ(AnswersSince(from).size(), std::ranges::count(lines, '\n') - (lines.ends_with("who\n") ? 1 : 0)) << lines;
+    EXPECT_GT(rig_->Samples().back().duty, 0) << "the program goes on";
+  }
+}
+
 // While it runs each stop is one.
 TEST_F(FirmwareSerialTest, RunAndStopInOneWriteDoNotMove) {
   ASSERT_TRUE(Asks("zero", "ok"));

@@ -10,6 +10,8 @@
 
 static volatile uint8_t status_asked, greeting_asked, must_forget;
 static uint32_t next_row_ms = STATUS_PERIOD_MS;
+#define NOT_TELLING 255
+static uint8_t fault_to_tell = NOT_TELLING;  // of the log
 
 realtime_t protocol_realtime(char c) {
   switch (c) {
@@ -239,18 +241,21 @@ static void obey_jog(const char* text) {
   ask(REQUEST_JOG, (int16_t)(duty * LAKE_PWM_PERIOD / 1000), (uint16_t)duration);
 }
 
-// [FAULT:n,state,time_s], the newest first.
+// [FAULT:n,state,time_s], the newest first; one a turn, as the whole log takes 50 ms to say.
 static void tell_log(void) {
   logged_t logged;
-  for (uint8_t which = 0; controller_logged(which, &logged); ++which) {
-    line_text(PSTR("[FAULT:"));
-    tell_uint(logged.fault);
-    line_char(',');
-    tell_state((state_t)logged.state);
-    line_char(',');
-    tell_uint(logged.time_s);
-    line_text(PSTR("]\n"));
+  if (!controller_logged(fault_to_tell++, &logged)) {
+    fault_to_tell = NOT_TELLING;
+    controller_request_reply(REPLY_OK);
+    return;
   }
+  line_text(PSTR("[FAULT:"));
+  tell_uint(logged.fault);
+  line_char(',');
+  tell_state((state_t)logged.state);
+  line_char(',');
+  tell_uint(logged.time_s);
+  line_text(PSTR("]\n"));
 }
 
 // Those that move nothing and forget nothing; nonzero if it was one.
@@ -263,8 +268,7 @@ static uint8_t obey_harmless(const char* line) {
   } else if (!strcmp_P(line, PSTR("who"))) {
     greeting_asked = 1;
   } else if (!strcmp_P(line, PSTR("faults"))) {
-    tell_log();
-    controller_request_reply(REPLY_OK);
+    fault_to_tell = 0;
   } else {
     return 0;
   }
@@ -306,8 +310,9 @@ static void obey(const char* line) {
   }
 }
 
-static void take_line(line_kind_t kind, const char* line) {
-  switch (kind) {
+static void take_line(void) {
+  const char* line;
+  switch (line_read(&line)) {
     case LINE_FRAMED:
       controller_heard();
       if (!obey_harmless(line)) obey(line);
@@ -326,14 +331,14 @@ static void take_line(line_kind_t kind, const char* line) {
   }
 }
 
+// Says the answer to one line, or one fault of the log, at most: the watchdog does not wait while it is said.
 void protocol_turn(void) {
   for (reply_t reply; (reply = controller_take_reply()) != REPLY_NONE;) tell_reply(reply);
   must_forget = 0;
-  for (const char* line; controller_has_room();) {
-    const line_kind_t kind = line_read(&line);
-    if (kind == LINE_NONE) break;
-    take_line(kind, line);
-  }
+  if (fault_to_tell != NOT_TELLING)
+    tell_log();
+  else if (controller_has_room())
+    take_line();
   const uint8_t events = controller_take_events();
   const status_t now = controller_status();
   tell_events(events, now.fault);
