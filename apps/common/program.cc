@@ -396,9 +396,12 @@ int Program::Work(const std::string& command, const std::string& result_name, co
       if (!option.Given().empty()) info.given.push_back(option.Name());
   Run run(std::move(info));
   const Json results = work(run);
-  if (results.is_null()) return kDone;
-  const Json summary = run.WriteSummary(results);
+  if (results.is_null()) {
+    run.Publish();
+    return kDone;
+  }
   WriteTextFile(run.Result("options.toml"), cli_->config_to_str(false));
+  const Json summary = run.WriteSummary(results);
   if (json_)
     fmt::print("{}\n", summary.dump(2, ' ', false, Json::error_handler_t::replace));
   else

@@ -65,6 +65,7 @@ TEST_P(PrototypeVideoTest, TellsStartSpeedDriftAndVerdict) {
   options.validate = trial.folder / "trial";
   lake::Run run({"lake-stroke", "test", Json::object(), folder / "out", true});
   const Json v = commands::RunStroke(options, run)["validation"];
+  run.Publish();
   std::printf(
       "travel %.2f: start %.4f s, speed %.4f mm/s, factor %.5f, drift %.3f mm, RMS %.3f, at its own speed %.4f deg\n",
       film.travel_factor, v["start_with_factor_s"].get<double>(), v["speed_mm_s"].get<double>(),

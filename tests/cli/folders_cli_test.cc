@@ -74,12 +74,27 @@ TEST_F(Folders, ThatNobodyChoseAreNotTakenOver) {
   Refused("lake-gait lake-out/human --quiet", 1, "lake-track");
 }
 
+TEST_F(Folders, KeepAGoodTrialWhenItsRepetitionFails) {
+  Render();
+  const std::string track = "lake-track human.mp4 --no-overlay --quiet -o D";
+  Done(track);
+  const std::vector<std::string> names = {"summary.json", "tracks.csv", "kinematics.csv", "events.csv", "track.png"};
+  std::vector<std::string> before;
+  for (const std::string& name : names) before.push_back(ReadTextFile(folder_ / "D" / name));
+  Refused(track + " --seed knee=10,10", 1, "knee");
+  for (std::size_t i = 0; i < names.size(); ++i)
+    EXPECT_EQ(ReadTextFile(folder_ / "D" / names[i]), before[i]) << names[i];
+  Done("lake-gait D --quiet -o G");
+  Done(track);
+  EXPECT_FALSE(Has("D/failed"));
+}
+
 TEST_F(Folders, TakeOneRunAtATime) {
   Render();
   // The first is held while the second tries, however busy the machine.
   const Outcome both = Done(
       "lake-track human.mp4 --no-overlay --quiet -o D 2>first.txt & first=$!; "
-      "until [ -e D/.lake-track.lake-files.json ] || ! kill -0 $first; do sleep 0.01; done; kill -STOP $first; "
+      "until [ -e D/.lake-track.lake-unfinished ] || ! kill -0 $first; do sleep 0.01; done; kill -STOP $first; "
       "lake-track human.mp4 --no-overlay --quiet -o D 2>second.txt; echo second $?; kill -CONT $first; "
       "wait $first; echo first $?");
   EXPECT_THAT(both.out, AllOf(HasSubstr("second 1"), HasSubstr("first 0")));

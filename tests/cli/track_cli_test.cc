@@ -168,7 +168,7 @@ TEST_F(TrackProgram, EndsCleanlyWhenInterrupted) {
     // Without job control (set -m) a shell starts programs in the background with SIGINT ignored.
     const Outcome outcome = Shell(
         folder_, fmt::format("bash -c 'set -m; lake-track long.mp4 --no-overlay --quiet -o results & "
-                             "until [ -e results/.lake-track.lake-files.json ] || ! kill -0 $!; do sleep 0.02; done; "
+                             "until [ -e results/.lake-track.lake-unfinished ] || ! kill -0 $!; do sleep 0.02; done; "
                              "kill -s {} $!; wait $! 2>&-'",
                              signal));
     EXPECT_EQ(outcome.exit_code, code) << outcome.err;

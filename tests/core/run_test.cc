@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "lake/core/atomic_file.h"
@@ -53,18 +54,84 @@ TEST_F(ResultFolder, HoldsNothingOfTheRunBefore) {
   EXPECT_TRUE(Has("trajectory-mine.csv"));
 }
 
-TEST_F(ResultFolder, OfARunThatWasInterruptedHoldsNoOldSummary) {
+TEST_F(ResultFolder, KeepsTheLastResultsUntilTheNewAreComplete) {
   Do("lake-track", {"tracks.csv", "kinematics.csv"});
+  lake::Run run(Info("lake-track"));
+  WriteTextFile(run.Result("tracks.csv"), "new");
+  EXPECT_EQ(ReadTextFile(Out() / "tracks.csv"), "of tracks.csv");
+  EXPECT_TRUE(FindResult(Out(), "kinematics.csv") && Has("summary.json"));
+  run.WriteSummary(Json::object());
+  EXPECT_EQ(ReadTextFile(Out() / "tracks.csv"), "new");
+  EXPECT_FALSE(Has("kinematics.csv"));
+  EXPECT_EQ(run.Results(), (std::vector<fs::path>{Out() / "summary.json", Out() / "tracks.csv"}));
+}
+
+TEST_F(ResultFolder, KeepsTheLastResultsBesideThoseOfAFailedRun) {
+  Do("lake-track", {"tracks.csv", "kinematics.csv"});
+  const std::string summary = ReadTextFile(Out() / "summary.json");
   {
     lake::Run run(Info("lake-track"));
-    run.Begin();
-    EXPECT_FALSE(Has("summary.json") || Has("tracks.csv") || Has("kinematics.csv"));
+    WriteTextFile(run.Result("candidates.csv"), "found");
+    EXPECT_EQ(run.FolderIfFailed(), Out() / "failed");
+    run.WriteFailedSummary(Json::object(), "no knee");
+  }
+  EXPECT_EQ(ReadTextFile(Out() / "summary.json"), summary);
+  EXPECT_EQ(ReadTextFile(*FindResult(Out(), "tracks.csv")), "of tracks.csv");
+  EXPECT_EQ(ReadTextFile(Out() / "failed/candidates.csv"), "found");
+  EXPECT_EQ(ReadJsonFile(Out() / "failed/summary.json")["failed"], "no knee");
+  {
+    lake::Run run(Info("lake-track"));
+    WriteTextFile(run.Result("tracks.csv"), "interrupted");
+  }
+  EXPECT_EQ(ReadTextFile(*FindResult(Out(), "tracks.csv")), "of tracks.csv");
+  EXPECT_EQ(ReadTextFile(Out() / "failed/tracks.csv"), "interrupted");
+  EXPECT_FALSE(Has("failed/candidates.csv")) << "of the last failed run alone";
+  Do("lake-track", {"tracks.csv"});
+  EXPECT_FALSE(Has("failed") || Has("kinematics.csv"));
+}
+
+TEST_F(ResultFolder, OfARunThatWasKilledHoldsTheLastResults) {
+  Do("lake-track", {"tracks.csv"});
+  const pid_t child = fork();
+  if (child == 0) {
+    lake::Run run(Info("lake-track"));
+    WriteTextFile(run.Result("tracks.csv"), "killed");
+    _exit(0);
+  }
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+  EXPECT_EQ(ReadTextFile(*FindResult(Out(), "tracks.csv")), "of tracks.csv");
+  Do("lake-track", {"tracks.csv"});
+  const auto left = std::distance(fs::directory_iterator(Out()), fs::directory_iterator());
+  EXPECT_EQ(left, 3) << "tracks.csv, summary.json and the list";
+}
+
+// Where there is nothing to keep, what was finished stands in its place, and the next run replaces it.
+TEST_F(ResultFolder, OfARunThatWasInterruptedHoldsWhatWasFinished) {
+  {
+    lake::Run run(Info("lake-track"));
     Write(run, "tracks.csv");
+    EXPECT_EQ(run.FolderIfFailed(), Out());
   }
   EXPECT_THAT([&] { FindResult(Out(), "tracks.csv"); },
               ThrowsMessage<Error>(AllOf(HasSubstr("lake-track"), HasSubstr("did not finish"))));
+  {
+    lake::Run run(Info("lake-track"));
+    Write(run, "candidates.csv");
+    run.WriteFailedSummary(Json::object(), "no knee");
+  }
+  EXPECT_TRUE(Has("candidates.csv") && Has("summary.json"));
+  EXPECT_FALSE(Has("tracks.csv") || Has("failed"));
   Do("lake-track", {"events.csv"});
-  EXPECT_FALSE(Has("tracks.csv")) << "what the interrupted run left goes too";
+  EXPECT_FALSE(Has("candidates.csv")) << "what the failed run left goes too";
+}
+
+TEST_F(ResultFolder, KeepsAFileOfTheUsersAmongThoseOfAFailedRun) {
+  Do("lake-track", {"tracks.csv"});
+  fs::create_directory(Out() / "failed");
+  WriteTextFile(Out() / "failed/notes.txt", "mine");
+  { Write(*std::make_unique<lake::Run>(Info("lake-track")), "notes.txt"); }
+  Do("lake-track", {"tracks.csv"});
+  EXPECT_EQ(ReadTextFile(Out() / "failed/notes.txt"), "mine");
 }
 
 TEST_F(ResultFolder, OfARunThatWasKilledHoldsNoTemporaryFiles) {
@@ -147,10 +214,9 @@ TEST_F(ResultFolder, KeepsWhatTheRunReadsUntilItIsReplaced) {
   Do("lake-calibrate", {"camera.yaml", "residuals.csv"});
   lake::Run run(Info("lake-calibrate"));
   run.AddInput(Out() / "camera.yaml", "camera");
-  run.Begin();
-  EXPECT_TRUE(Has("camera.yaml"));
-  EXPECT_FALSE(Has("residuals.csv") || Has("summary.json"));
-  EXPECT_EQ(ReadTextFile(run.Result("camera.yaml")), "of camera.yaml");
+  run.WriteSummary(Json::object());
+  EXPECT_EQ(ReadTextFile(*FindResult(Out(), "camera.yaml")), "of camera.yaml");
+  EXPECT_FALSE(Has("residuals.csv"));
 }
 
 TEST_F(ResultFolder, ThatNobodyChoseIsNotTakenOverByAnotherSubject) {

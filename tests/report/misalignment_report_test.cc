@@ -155,6 +155,7 @@ TEST(MisalignmentReport, LakeCompareWritesItForARealRecording) {
   options.human_reading.names = NameMap("ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS");
   options.exo_reading.names = NameMap("ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS");
   commands::RunCompare(options, run);
+  run.Publish();
   const std::string page = ReadTextFile(out / "cmp" / "report.html");
   EXPECT_THAT(page, HasSubstr(Sha256OfFile(trc)));
   EXPECT_THAT(page, HasSubstr("lake-compare &lt;a&gt; b"));

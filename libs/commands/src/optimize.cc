@@ -71,7 +71,7 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   Json summary = WriteSynthesis(outcome, run);
   DrawFigures(outcome, run);
   if (!outcome.IsSolved()) {
-    run.WriteSummary(summary);
+    run.WriteFailedSummary(summary, outcome.infeasible->sentence);
     throw SolverError(outcome.infeasible->sentence);
   }
   if (problem.HasLoadProfile())
@@ -111,9 +111,10 @@ Json RunActuatorFront(const OptimizeRunOptions& options, Run& run) {
   });
   const Json summary = ActuatorFrontJson(curves, options.problem);
   if (std::ranges::none_of(curves, &synthesis::ActuatorCurve::Last)) {
-    run.WriteSummary(summary);
-    throw SolverError(
+    const SolverError error(
         "none of the actuators can be built in within the problem's limits; actuators_front.csv says why");
+    run.WriteFailedSummary(summary, error.what());
+    throw error;
   }
   run.Report(ActuatorFrontText(curves, options.problem.profile->duration_s));
   return summary;
@@ -293,7 +294,7 @@ Json RunForGroup(const OptimizeRunOptions& options, const redesign::RedesignProb
   run.Begin(GroupResultNames(names, reoptimize.sizes));
   const auto finish = [&](const auto& outcome, Json summary, const std::string& reason) {
     if (outcome.IsSolved()) return summary;
-    run.WriteSummary(summary);
+    run.WriteFailedSummary(summary, reason);
     throw SolverError(reason);
   };
   if (reoptimize.sizes) {
@@ -326,7 +327,7 @@ Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
   Json summary = WriteRedesign(outcome, run);
   DrawFigures(outcome, run);
   if (!outcome.IsSolved()) {
-    run.WriteSummary(summary);
+    run.WriteFailedSummary(summary, outcome.infeasible->sentence);
     throw SolverError(outcome.infeasible->sentence);
   }
   return summary;

@@ -204,13 +204,6 @@ std::vector<exchange::PointEvent> PointEvents(const std::vector<motion::StsEvent
   return points;
 }
 
-// Says in the summary what went wrong, so that what was written is not taken for a whole result.
-void WriteFailedSummary(const Json& results, const Error& error, Run& run) {
-  Json failed = results;
-  failed["failed"] = error.what();
-  run.WriteSummary(failed);
-}
-
 // What is exported: positions in the picture and in the plane.
 struct ExportedMarkers {
   motion::MarkerRecording tracks, trajectory;
@@ -248,7 +241,7 @@ void Export(const TrackRunOptions& options, const video::VideoInfo& video, const
     }
   }
   if (!first_error) return;
-  WriteFailedSummary(results, *first_error, run);
+  run.WriteFailedSummary(results, first_error->what());
   throw *first_error;
 }
 
@@ -325,8 +318,9 @@ gait::LegFitResult FitOrKeep(const TrackRunOptions& options, const tracking::Tra
     return gait::FitLeg(gait::AtFrameTimes(tracked.recording, shutter), view, fit_options);
   } catch (const Error& error) {
     WritePoints(options, tracked, view, shutter, "no leg fitted", run);
-    const Error told = Fail("{}; what was tracked, without a leg, is in {}", error.what(), run.Folder().string());
-    WriteFailedSummary(results, told, run);
+    const Error told =
+        Fail("{}; what was tracked, without a leg, is in {}", error.what(), run.FolderIfFailed().string());
+    run.WriteFailedSummary(results, told.what());
     throw told;
   }
 }
@@ -381,8 +375,8 @@ tracking::TrackResult TrackOrShow(const TrackRunOptions& options, const tracking
     if (error.List().candidates.empty()) throw;
     WriteCandidates(options, error.List(), run);
     const Error told = Fail("{}; {} shows what was found, numbered: --seed knee=#7 takes number 7", error.what(),
-                            (run.Folder() / kCandidatesPicture).string());
-    WriteFailedSummary({}, told, run);
+                            (run.FolderIfFailed() / kCandidatesPicture).string());
+    run.WriteFailedSummary(Json::object(), told.what());
     throw told;
   }
 }

@@ -42,7 +42,7 @@ void RetireOtherSteps(const std::vector<steps::StudyStep>& steps, const fs::path
       steps::RetireStudyStep(out / name, name);
 }
 
-// A step's folder is emptied before the step begins, so nothing that the study reads may lie there.
+// A step's results are replaced, so nothing that the study reads may lie there.
 void CheckInputsLieOutside(const StudyFile& study, const fs::path& out) {
   for (const StudyInput& input : study.inputs)
     for (const std::string& name : StudyStepNames())
@@ -140,10 +140,10 @@ Json RunStudyFile(const StudyFile& study, Run& run, bool keep_going) {
   for (const StudyInput& input : study.inputs) run.AddInput(input.path, "input");
   const std::vector<steps::StudyStep> steps = StudySteps(study, run.Folder(), run.Head());
   run.Begin({kSummary});
-  RetireOtherSteps(steps, run.Folder());
   steps::StepRunOptions options = StepOptions(study, run);
   options.keep_going = keep_going;
   const std::vector<steps::StepOutcome> outcomes = steps::RunSteps(steps, options);
+  RetireOtherSteps(steps, run.Folder());
   run.Report(StudyText(outcomes));
 
   Json summary = {{"name", study.name}, {"warnings", Json::array()}, {"steps", Json::array()}};

@@ -209,7 +209,7 @@ Json RenderPopulation(const SynthRunOptions& o, Run& run) {
       for (const char* file : {"video.mp4", "truth.csv", "camera.yaml", "scene.json"})
         names.push_back((session.Folder() / trial / file).string());
   run.Begin(names);
-  WritePopulation(sessions, scene, run.Folder());
+  WritePopulation(sessions, scene, run.Place());
   run.Report("{} people, {} sessions each\n", population.people, population.sessions);
   return {{"people", population.people}, {"sessions", population.sessions}};
 }
@@ -225,7 +225,7 @@ Json RenderRecording(const SynthRunOptions& o, Run& run) {
   for (int frame = 0; o.pictures && frame < scene.Frames(); ++frame)
     names.push_back(fmt::format("frames/{:05d}.png", frame));
   run.Begin(names);
-  const RecordingSummary written = WriteRecording(scene, run.Folder(), recording);
+  const RecordingSummary written = WriteRecording(scene, run.Place(), recording);
   const std::string video = run.Folder() / (o.pictures ? "frames/%05d.png" : "video.mp4");
   Json results = {{"video", video}, {"frames", written.frames}};
   std::string hidden;

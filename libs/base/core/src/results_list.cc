@@ -60,10 +60,11 @@ ResultsList ReadList(const fs::path& path) {
   if (!fs::is_regular_file(path)) return {};
   try {
     const Json json = ReadJsonFile(path);
-    ResultsList list{json.at("program"), json.at("command"), {}, json.at("step"), {}};
+    ResultsList list{json.at("program"), json.at("command"), {}, json.at("step"), {}, {}};
     for (const std::string subject : json.at("subject")) list.subject.push_back(Unescaped(subject));
     for (const std::string file : json.at("files"))
       if (const std::string name = Unescaped(file); IsInside(name)) list.files.insert(name);
+    list.is_complete = json.value("complete", list.files.contains(kSummary));
     return list;
   } catch (const Error&) {
     return {};
@@ -111,6 +112,10 @@ std::string ResultsList::Describe() const {
   return fmt::format("{} ({}{})", program, fmt::join(named, ", "), more);
 }
 
+fs::path UnfinishedFolder(const fs::path& folder, const std::string& program) {
+  return folder / ("." + program + ".lake-unfinished");
+}
+
 fs::path ResultsListPath(const fs::path& folder, const std::string& program) {
   return folder / ("." + program + kSuffix);
 }
@@ -140,14 +145,15 @@ void WriteResultsList(const fs::path& folder, const ResultsList& list) {
                                                         {"command", list.command},
                                                         {"subject", EscapedList(list.subject)},
                                                         {"step", list.step},
+                                                        {"complete", list.is_complete},
                                                         {"files", EscapedList(list.files)}});
 }
 
-void RemoveResults(const fs::path& folder, const ResultsList& list) {
-  if (list.files.contains(kSummary)) RemoveFile(folder / kSummary);
+void RemoveResultFiles(const fs::path& folder, const std::set<std::string>& files) {
+  if (files.contains(kSummary)) RemoveFile(folder / kSummary);
   std::set<fs::path> folders;
   RemoveTemporaries(folder);
-  for (const std::string& name : list.files) {
+  for (const std::string& name : files) {
     RemoveFile(folder / name);
     for (fs::path parent = fs::path(name).parent_path(); !parent.empty(); parent = parent.parent_path())
       folders.insert(parent);
@@ -155,7 +161,18 @@ void RemoveResults(const fs::path& folder, const ResultsList& list) {
   for (const fs::path& sub : folders) RemoveTemporaries(folder / sub);
   std::error_code not_empty;
   for (auto sub = folders.rbegin(); sub != folders.rend(); ++sub) fs::remove(folder / *sub, not_empty);
+}
+
+void RemoveResults(const fs::path& folder, const ResultsList& list) {
+  RemoveResultFiles(folder, list.files);
   RemoveFile(ResultsListPath(folder, list.program));
+}
+
+void MoveResult(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::create_directories(to.parent_path(), error);
+  if (!error) fs::rename(from, to, error);
+  if (error) throw Fail("{}: cannot be written: {}", to.string(), error.message());
 }
 
 }  // namespace lake

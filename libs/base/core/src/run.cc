@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <stdexcept>
 
 #include "folder_lock.h"
@@ -20,7 +21,7 @@ namespace {
 ResultsList ReadSummaryHead(const fs::path& folder) {
   try {
     const Json json = ReadJsonFile(folder / kSummary);
-    return {json.at("program"), json.at("command"), {}, {}, {}};
+    return {json.at("program"), json.at("command"), {}, {}, {}, {}};
   } catch (const std::exception&) {
     return {};
   }
@@ -74,13 +75,18 @@ Run::Run(Info info) : info_(std::move(info)) {
 }
 
 Run::~Run() {
-  std::error_code ignored;  // a folder that holds anything stays
-  if (begun_ && Results().empty()) fs::remove(ResultsListPath(info_.out, info_.program), ignored);
-  if (made_folder_) fs::remove(info_.out, ignored);
+  std::error_code ignored;
+  try {
+    Abandon();
+  } catch (const std::exception&) {  // the last results, or what there is of these, stay where they are
+  }
+  if (begun_) fs::remove_all(UnfinishedFolder(info_.out, info_.program), ignored);
+  if (is_published_ && Results().empty()) fs::remove(ResultsListPath(info_.out, info_.program), ignored);
+  if (made_folder_) fs::remove(info_.out, ignored);  // one that holds anything stays
 }
 
 std::string Run::SubjectText() const {
-  return ResultsList{info_.program, info_.command, info_.subject, {}, {}}.Describe();
+  return ResultsList{info_.program, info_.command, info_.subject, {}, {}, {}}.Describe();
 }
 
 void Run::TakeFolder() {
@@ -90,62 +96,133 @@ void Run::TakeFolder() {
   if (access(info_.out.c_str(), W_OK | X_OK) != 0)
     throw Fail("{}: the output folder is not writable; choose another with -o", info_.out.string());
   if ((lock_ = FolderLock::Take(info_.out))) return;
-  const ResultsList at_work = ReadResultsList(info_.out, info_.program);
+  const ResultsList at_work = ReadResultsList(UnfinishedFolder(info_.out, info_.program), info_.program);
   throw Fail("{}: another run is at work there{}; wait for it, or choose another folder with -o", info_.out.string(),
              at_work.program.empty() ? "" : ", " + at_work.Describe());
 }
 
 void Run::CheckIsFree(const std::string& name) const {
   const fs::path path = info_.out / name;
-  if (files_.contains(name) || older_version_ || !fs::exists(fs::symlink_status(path))) return;
+  if (files_.contains(name) || old_->files.contains(name) || older_version_ || !fs::exists(fs::symlink_status(path)))
+    return;
   throw Fail("{}: is {}, and would be overwritten by one of {}; choose another folder with -o", path.string(),
              OwnerOf(info_.out, name), SubjectText());
 }
 
-void Run::Retire(ResultsList old) {
-  if (info_.default_folder && old.subject != info_.subject && !old.files.empty())
-    throw Fail("{}: holds the results of {}; choose another folder for those of {} with -o", info_.out.string(),
-               old.Describe(), SubjectText());
-  if (!old.files.contains(kSummary) && !IsBesideItsStudy(info_)) CheckIsFree(kSummary);
-  // What this run reads stays until its own result takes the place.
-  for (const Json& input : inputs_)
-    std::erase_if(old.files, [&](const std::string& name) {
-      std::error_code error;
-      const bool is_read = fs::equivalent(FromHome(input["path"].get<std::string>()), info_.out / name, error);
-      if (is_read) files_.insert(name);
-      return is_read;
-    });
-  if (older_version_) old.files.insert(kSummary);
-  old.program = info_.program;
-  RemoveResults(info_.out, old);
+bool Run::IsReadHere(const std::string& name) const {
+  return std::ranges::any_of(inputs_, [&](const Json& input) {
+    std::error_code error;
+    return fs::equivalent(FromHome(input["path"].get<std::string>()), info_.out / name, error);
+  });
 }
 
-void Run::WriteList() const {
-  WriteResultsList(info_.out, {info_.program, info_.command, info_.subject, info_.step, files_});
+void Run::TakeOver() {
+  TakeFolder();
+  old_ = std::make_unique<ResultsList>(ReadResultsList(info_.out, info_.program));
+  older_version_ = old_->files.empty() && ReadSummaryHead(info_.out).program == info_.program;
+  if (info_.default_folder && old_->subject != info_.subject && !old_->files.empty())
+    throw Fail("{}: holds the results of {}; choose another folder for those of {} with -o", info_.out.string(),
+               old_->Describe(), SubjectText());
+  if (!old_->files.contains(kSummary) && !IsBesideItsStudy(info_)) CheckIsFree(kSummary);
+  if (older_version_) {
+    old_->files.insert(kSummary);
+    old_->is_complete = true;
+  }
+  // That of a run that was interrupted while it exchanged its results is gone.
+  if (old_->files.contains(kSummary)) old_->is_complete &= fs::exists(info_.out / kSummary);
+  old_->program = info_.program;
 }
 
 void Run::Begin(const std::vector<std::string>& names) {
-  bool is_new = !begun_;
   if (!begun_) {
-    TakeFolder();
-    const ResultsList old = ReadResultsList(info_.out, info_.program);
-    const std::string owner = ReadSummaryHead(info_.out).program;
-    older_version_ = old.files.empty() && owner == info_.program;
-    for (const std::string& name : names)
-      if (!old.files.contains(name)) CheckIsFree(name);
-    Retire(old);
+    if (!old_) TakeOver();
+    for (const std::string& name : names) CheckIsFree(name);
+    const fs::path unfinished = UnfinishedFolder(info_.out, info_.program);
+    fs::remove_all(unfinished);
+    fs::create_directory(unfinished);
     begun_ = true;
+    WriteResultsList(unfinished, {info_.program, info_.command, info_.subject, info_.step, {}, {}});
   }
   for (const std::string& name : names) {
     CheckIsFree(name);
-    is_new |= files_.insert(name).second;
+    if (files_.insert(name).second && is_published_)
+      WriteResultsList(info_.out, {info_.program, info_.command, info_.subject, info_.step, files_, true});
   }
-  if (is_new) WriteList();
+}
+
+fs::path Run::Place() const {
+  return is_published_ ? info_.out : UnfinishedFolder(info_.out, info_.program);
+}
+
+fs::path Run::FolderIfFailed() const {
+  return old_ && old_->is_complete && !old_->files.empty() ? info_.out / kFailedFolder : info_.out;
+}
+
+std::vector<std::string> Run::Written() const {
+  std::vector<std::string> written;
+  for (const std::string& name : files_)
+    if (fs::exists(Place() / name)) written.push_back(name);
+  return written;
+}
+
+// A run that is killed here leaves a list of all files and no summary: an unfinished run's, for whoever reads them.
+void Run::Exchange(bool is_complete) {
+  const std::vector<std::string> written = Written();
+  ResultsList list{info_.program, info_.command, info_.subject, info_.step, old_->files, false};
+  list.files.insert(written.begin(), written.end());
+  WriteResultsList(info_.out, list);
+  const fs::path unfinished = Place();
+  is_published_ = true;
+  if (old_->files.contains(kSummary)) RemoveResultFiles(info_.out, {kSummary});
+  std::erase_if(old_->files, [&](const std::string& name) {
+    const bool stays = std::ranges::find(written, name) != written.end() || IsReadHere(name);
+    if (stays) files_.insert(name);
+    return stays;
+  });
+  RemoveResultFiles(info_.out, old_->files);
+  for (const std::string& name : written)
+    if (name != kSummary) MoveResult(unfinished / name, info_.out / name);
+  if (std::ranges::find(written, kSummary) != written.end()) MoveResult(unfinished / kSummary, info_.out / kSummary);
+  fs::remove_all(unfinished);
+  list.files = files_;
+  list.is_complete = is_complete;
+  WriteResultsList(info_.out, list);
+}
+
+// Beside the last run's results. A file of the user's there stays, and the new one is lost.
+void Run::SetAside() {
+  const auto is_of_failed = [](const std::string& name) { return *fs::path(name).begin() == kFailedFolder; };
+  std::set<std::string> last_failed;
+  std::ranges::copy_if(old_->files, std::inserter(last_failed, last_failed.end()), is_of_failed);
+  RemoveResultFiles(info_.out, last_failed);
+  std::erase_if(old_->files, is_of_failed);
+  for (const std::string& name : Written()) {
+    const std::string aside = fmt::format("{}/{}", kFailedFolder, name);
+    if (fs::exists(info_.out / aside)) continue;
+    old_->files.insert(aside);
+    WriteResultsList(info_.out, *old_);
+    MoveResult(Place() / name, info_.out / aside);
+  }
+  WriteResultsList(info_.out, *old_);
+  is_published_ = true;
+  files_ = old_->files;
+}
+
+void Run::Publish() {
+  if (begun_ && !is_published_) Exchange(true);
+}
+
+void Run::Abandon() {
+  if (!begun_ || is_published_ || Written().empty()) return;
+  if (FolderIfFailed() == info_.out)
+    Exchange(false);
+  else
+    SetAside();
 }
 
 fs::path Run::Result(const std::string& name) {
   Begin({name});
-  const fs::path path = info_.out / name;
+  const fs::path path = Place() / name;
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
   if (error) throw Fail("{}: the folder cannot be made: {}", path.parent_path().string(), error.message());
@@ -154,8 +231,7 @@ fs::path Run::Result(const std::string& name) {
 
 std::vector<fs::path> Run::Results() const {
   std::vector<fs::path> written;
-  for (const std::string& name : files_)
-    if (fs::exists(info_.out / name)) written.push_back(info_.out / name);
+  for (const std::string& name : Written()) written.push_back(Place() / name);
   return written;
 }
 
@@ -183,7 +259,7 @@ Json Run::Head() const {
           {"given", info_.given},     {"inputs", inputs_},        {"warnings", warnings_}};
 }
 
-Json Run::WriteSummary(const Json& results) {
+Json Run::MakeSummary(const Json& results) const {
   for (const Json& input : inputs_) CheckIsAsItWas(input, info_.out);
   Json summary = Head();
   for (const auto& [name, result] : results.items()) {
@@ -191,8 +267,21 @@ Json Run::WriteSummary(const Json& results) {
       throw std::logic_error(fmt::format("a summary's '{}' is no result's", name));
     summary[name] = result;
   }
-  WriteJsonFile(Result(kSummary), summary);
   return summary;
+}
+
+Json Run::WriteSummary(const Json& results) {
+  const Json summary = MakeSummary(results);
+  WriteJsonFile(Result(kSummary), summary);
+  Publish();
+  return summary;
+}
+
+void Run::WriteFailedSummary(const Json& results, const std::string& reason) {
+  Json summary = MakeSummary(results);
+  summary["failed"] = reason;
+  WriteJsonFile(Result(kSummary), summary);
+  Abandon();
 }
 
 std::optional<fs::path> FindResult(const fs::path& folder, const std::string& name) {
@@ -223,7 +312,10 @@ void RetireStep(const fs::path& folder, const std::string& step) {
   const auto lock = FolderLock::Take(folder);
   if (!lock) throw Fail("{}: another run is at work there; wait for it", folder.string());
   for (const ResultsList& list : ResultsListsIn(folder))
-    if (list.step == step) RemoveResults(folder, list);
+    if (list.step == step) {
+      RemoveResults(folder, list);
+      fs::remove_all(UnfinishedFolder(folder, list.program));
+    }
 }
 
 }  // namespace lake

@@ -71,6 +71,7 @@ Session::Session(const LiveRunOptions& options, fs::path programs, Run& run)
       throw Fail("{}: holds a recording; choose another folder with -o, or finish that one: lake live {}",
                  run.Folder().string(), run.Folder().string());
   run.Begin({kVideo, kTracks, kRises, kMoves, kLive});
+  run.Publish();  // what is recorded lies in its place from the first frame on
   stream_ = std::make_unique<video::LiveStream>(options_.input, options_.stream, recording);
   video_ = stream_->Info();
   ReadPlane();

@@ -126,6 +126,7 @@ StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const 
   try {
     run.Begin();
     step.work(run);
+    run.Publish();
   } catch (...) {
     RethrowAbout(step);
   }
@@ -203,7 +204,7 @@ std::vector<StudyStep> Chosen(const std::vector<StudyStep>& steps, const std::ve
   return chosen;
 }
 
-// The stamps of other steps all outputs of which one of these reads.
+// The stamps of other steps that one of these reads from: the results of one that failed are those of its last success.
 std::map<std::string, StepStamp> StampsBefore(const std::vector<StudyStep>& steps,
                                               const std::vector<StudyStep>& chosen) {
   const auto is_chosen = [&](const StudyStep& step) {
@@ -211,8 +212,10 @@ std::map<std::string, StepStamp> StampsBefore(const std::vector<StudyStep>& step
   };
   std::map<std::string, StepStamp> stamps;
   for (const StudyStep& earlier : steps) {
-    const auto reader =
-        std::ranges::find_if(chosen, [&](const StudyStep& step) { return ReadsAllOf(step, earlier.name); });
+    const auto reader = std::ranges::find_if(chosen, [&](const StudyStep& step) {
+      const std::vector<std::string> before = StepsBefore(steps, step);
+      return std::ranges::find(before, earlier.name) != before.end();
+    });
     if (reader == chosen.end() || is_chosen(earlier)) continue;
     std::optional<StepStamp> stamp = ReadStamp(earlier.folder, earlier.name);
     if (!stamp)

@@ -1,7 +1,9 @@
 // One run of one program: its folder of results, its inputs, its warnings and its summary.
 //
 // A folder holds the results of one run of a program. A list beside them (.PROGRAM.lake-files.json) names the run and
-// its files, so that the program's next run there removes exactly these.
+// its files, so that the program's next run there replaces exactly these. A run writes into a hidden folder there and
+// takes the place of the last one's results when its own are complete; until then these stay as they are. Where it
+// fails, what it wrote goes to the folder "failed" beside them, or into the place where there are none.
 #pragma once
 
 #include <fmt/format.h>
@@ -45,25 +47,38 @@ class Run {
   explicit Run(Info info);
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
-  // Removes the list and the folder of a run that wrote no result.
+  // Of a run that did not publish its results: keeps what it wrote as that of a failed run. Removes the folder of one
+  // that wrote nothing.
   ~Run();
 
   bool Quiet() const { return info_.quiet; }
 
-  // Call it once the input has been checked and before long work. Locks the folder, removes the results of the
-  // program's last run there, the summary first, and reserves these names for results. Files that this run reads stay
-  // until the new result replaces them. The first Result() calls Begin() if nothing did before. Throws Error, and
-  // nothing is changed: another run is at work in the folder; it holds another program's results, a file of such a name
-  // that this program did not write or, as a default folder, another subject's results; it is not writable.
+  // Call it once the input has been checked and before long work. Locks the folder and reserves these names for
+  // results. The first Result() calls Begin() if nothing did before. Throws Error, and nothing is changed: another run
+  // is at work in the folder; it holds another program's results, a file of such a name that this program did not write
+  // or, as a default folder, another subject's results; it is not writable.
   void Begin(const std::vector<std::string>& names = {});
+
+  // Puts the results in the place of those of the program's last run there, the summary last; of those, files that this
+  // run read and did not write stay. Later results are written in their place at once. Throws Error if a file cannot be
+  // replaced.
+  void Publish();
 
   // Locks the folder and changes nothing in it, for a run that goes on with what is there. Throws Error: another run is
   // at work in it; it is not writable.
   void TakeFolder();
 
-  // The full path of a result ("tracks.csv", "predicted/comparison.json"); creates the folder. Throws as Begin().
+  // Where to write a result ("tracks.csv", "predicted/comparison.json") until it is published; creates the folder.
+  // Throws as Begin().
   std::filesystem::path Result(const std::string& name);
+
+  // The folder that Result() writes into.
+  std::filesystem::path Place() const;
+
+  // The folder of the results once they are published, and, of a run that has begun, that of what it leaves if it
+  // fails.
   const std::filesystem::path& Folder() const { return info_.out; }
+  std::filesystem::path FolderIfFailed() const;
 
   // Leaves the folder to another program, whose results stand beside this one's; this run goes on in its own files.
   void ReleaseFolder() { lock_.reset(); }
@@ -99,13 +114,21 @@ class Run {
   // (path, sha256, role), warnings.
   Json Head() const;
 
-  // The head, then the given results; written as summary.json and returned.
+  // The head, then the given results; written as summary.json, published with all others, and returned.
   Json WriteSummary(const Json& results);
 
+  // Instead, of a run that failed for this reason, which stands as `failed` in the summary.
+  void WriteFailedSummary(const Json& results, const std::string& reason);
+
  private:
-  void Retire(ResultsList old);
+  void TakeOver();
   void CheckIsFree(const std::string& name) const;
-  void WriteList() const;
+  bool IsReadHere(const std::string& name) const;
+  Json MakeSummary(const Json& results) const;
+  std::vector<std::string> Written() const;
+  void Exchange(bool is_complete);
+  void SetAside();
+  void Abandon();
   std::string SubjectText() const;
 
   Info info_;
@@ -117,7 +140,9 @@ class Run {
   bool is_rejected_ = false;
   bool made_folder_ = false;
   bool older_version_ = false;  // results of this program without a list that can be read
+  bool is_published_ = false;
   std::set<std::string> files_;
+  std::unique_ptr<ResultsList> old_;  // of the program's last run there
 };
 
 // A file among the results in a folder; nullopt if there is none of that name. In a folder without a list of results

@@ -58,10 +58,11 @@ void RetireStudyStep(const std::filesystem::path& folder, const std::string& ste
 // Steps come after those whose outputs they read, and begin when these are done: as many at the same time as there are
 // threads, each in a process of its own, with the same outputs as in sequence. A failing step ends the run; of several
 // the first counts. The exception has the cause's type, and its text names the step. Finished steps keep their outputs,
-// running ones are finished, no further one begins. A running step has no stamp, and its earlier outputs are gone.
+// running ones are finished, no further one begins. A running step has no stamp, and its earlier outputs stay until the
+// new ones are complete.
 //
 // With `only`, the steps before must have been done and are not examined; other processes may run other steps
-// meanwhile. Throws Error if there is no such step or if one all outputs of which it reads has not been done.
+// meanwhile. Throws Error if there is no such step or if one that it reads from has not been done or failed.
 std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options);
 
 // The earlier steps that a step reads outputs of.
