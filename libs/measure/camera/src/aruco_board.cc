@@ -4,16 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/aruco/charuco.hpp>
 #include <optional>
 
 #include "lake/camera/aruco_dictionary.h"
+#include "lake/camera/aruco_opencv.h"
 
 namespace lake::camera {
 namespace {
 
-cv::Ptr<cv::aruco::Dictionary> PredefinedDictionary(const Board& board) {
-  return cv::aruco::getPredefinedDictionary(FindArucoDictionary(board.dictionary)->id);
+cv::aruco::Dictionary DictionaryOf(const Board& board) {
+  return PredefinedArucoDictionary(FindArucoDictionary(board.dictionary)->id);
 }
 
 // Numbered row by row from the top left, as their codes are; mm in the board frame.
@@ -31,22 +31,38 @@ std::vector<MarkerPlace> MarkerPlaces(const Board& board) {
   return places;
 }
 
-// OpenCV's board, whose corners are numbered from the top. OpenCV 4.6 knows the layout with a black top left square
-// only; one with a white square there is such a board without its first row, whose codes no marker has.
-struct CharucoModel {
-  cv::Ptr<cv::aruco::CharucoBoard> board;
-  int corner_rows_above = 0;  // that are not the board's
+// The corners of a board that OpenCV finds near the markers that are seen, numbered from the top. OpenCV 4.6 knows the
+// layout with a black top left square only, so one with a white square there is such a board without its first row,
+// whose codes no marker has.
+struct CharucoCorners {
+  std::vector<int> corner;
+  std::vector<cv::Point2f> pixel;
+  int rows_above = 0;  // rows of corners that are not the board's
 };
 
-CharucoModel ModelOf(const Board& board) {
-  const int above = board.IsBlack(0, 0) ? 0 : 1;
-  CharucoModel model{
-      cv::aruco::CharucoBoard::create(board.columns, board.rows + above, static_cast<float>(board.square_mm),
-                                      static_cast<float>(board.marker_mm), PredefinedDictionary(board)),
-      above};
-  const int codes_above = above * (board.columns / 2);
-  for (int& id : model.board->ids) id = std::max(id - codes_above, -1);
-  return model;
+CharucoCorners CornersNear(const ArucoMarkers& markers, const cv::Mat& grey, const Board& board) {
+  CharucoCorners found;
+  found.rows_above = board.IsBlack(0, 0) ? 0 : 1;
+  const int codes_above = found.rows_above * (board.columns / 2), rows = board.rows + found.rows_above;
+  const auto square = static_cast<float>(board.square_mm), marker = static_cast<float>(board.marker_mm);
+#if LAKE_ARUCO_IN_OBJDETECT
+  // Codes that the dictionary does not have stand for the row that is not there.
+  std::vector<int> ids(static_cast<std::size_t>(board.columns * rows / 2));
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    ids[i] = static_cast<int>(i) < codes_above ? DictionarySize(board) + static_cast<int>(i)
+                                               : static_cast<int>(i) - codes_above;
+  cv::aruco::CharucoBoard model({board.columns, rows}, square, marker, DictionaryOf(board), ids);
+  model.setLegacyPattern(true);
+  std::vector<std::vector<cv::Point2f>> corners = markers.corners;
+  std::vector<int> seen = markers.ids;
+  cv::aruco::CharucoDetector(model).detectBoard(grey, found.pixel, found.corner, corners, seen);
+#else
+  const auto model = cv::aruco::CharucoBoard::create(board.columns, rows, square, marker,
+                                                     cv::makePtr<cv::aruco::Dictionary>(DictionaryOf(board)));
+  for (int& id : model->ids) id = std::max(id - codes_above, -1);
+  cv::aruco::interpolateCornersCharuco(markers.corners, markers.ids, grey, model, found.pixel, found.corner);
+#endif
+  return found;
 }
 
 struct SeenMarker {
@@ -106,18 +122,17 @@ std::optional<Board> LayoutSeen(const Board& board, const std::vector<SeenMarker
 }  // namespace
 
 int DictionarySize(const Board& board) {
-  return PredefinedDictionary(board)->bytesList.rows;
+  return DictionaryOf(board).bytesList.rows;
 }
 
 std::vector<BoardRectangle> MarkerInk(const Board& board) {
-  const cv::Ptr<cv::aruco::Dictionary> dictionary = PredefinedDictionary(board);
+  const cv::aruco::Dictionary dictionary = DictionaryOf(board);
   const std::vector<MarkerPlace> places = MarkerPlaces(board);
-  const int cells = dictionary->markerSize + 2;  // with the black border
+  const int cells = dictionary.markerSize + 2;  // with the black border
   const double cell = board.marker_mm / cells;
   std::vector<BoardRectangle> ink;
   for (std::size_t id = 0; id < places.size(); ++id) {
-    cv::Mat picture;  // one pixel per cell
-    dictionary->drawMarker(static_cast<int>(id), cells, picture, 1);
+    const cv::Mat picture = DrawArucoMarker(dictionary, static_cast<int>(id), cells);  // one pixel per cell
     const Eigen::Vector2d& corner = places[id].top_left;
     for (int row = 0; row < cells; ++row)
       for (int column = 0; column < cells; ++column)
@@ -131,22 +146,18 @@ std::vector<BoardRectangle> MarkerInk(const Board& board) {
 }
 
 FoundCorners FindCharuco(const cv::Mat& grey, const Board& board) {
-  std::vector<std::vector<cv::Point2f>> markers;
-  std::vector<int> ids;
-  cv::aruco::detectMarkers(grey, PredefinedDictionary(board), markers, ids);
+  const ArucoMarkers markers = DetectArucoMarkers(grey, DictionaryOf(board));
   std::vector<SeenMarker> seen;
-  for (std::size_t i = 0; i < ids.size(); ++i) seen.push_back(SeenOf(ids[i], markers[i], board.marker_mm));
+  for (std::size_t i = 0; i < markers.ids.size(); ++i)
+    seen.push_back(SeenOf(markers.ids[i], markers.corners[i], board.marker_mm));
   const std::optional<Board> layout = LayoutSeen(board, seen);
   if (!layout) return {};
-  const CharucoModel model = ModelOf(*layout);
-  std::vector<int> corner;
-  std::vector<cv::Point2f> pixel;
-  cv::aruco::interpolateCornersCharuco(markers, ids, grey, model.board, pixel, corner);
+  const CharucoCorners near = CornersNear(markers, grey, *layout);
   const int columns = board.CornerColumns(), rows = board.CornerRows();
   std::map<int, cv::Point2f> ordered;
-  for (std::size_t i = 0; i < corner.size(); ++i)
-    if (const int from_top = corner[i] / columns - model.corner_rows_above; from_top >= 0)
-      ordered[(rows - 1 - from_top) * columns + corner[i] % columns] = pixel[i];
+  for (std::size_t i = 0; i < near.corner.size(); ++i)
+    if (const int from_top = near.corner[i] / columns - near.rows_above; from_top >= 0)
+      ordered[(rows - 1 - from_top) * columns + near.corner[i] % columns] = near.pixel[i];
   FoundCorners found;
   for (const auto& [index, at] : ordered) {
     found.corner.push_back(index);
