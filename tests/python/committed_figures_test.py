@@ -1,7 +1,7 @@
 """Pictures that are kept in the tree are those that the programs draw today; what the sample study's report says first is so,
-and so is what the README says of it.
+and so is each number that README and manual state of it.
 
-Run as a program (LAKE: the program `lake`), it draws them anew where they are kept."""
+Run as a program (LAKE: the program `lake`), it draws the pictures anew where they are kept, and writes those numbers."""
 import functools
 import html
 import json
@@ -17,6 +17,9 @@ import unittest
 import page_pictures
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "libs/present/manual"))
+import study_numbers  # noqa: E402
+
 SAMPLE = ROOT / "data/sts-study"
 PROBLEMS = ROOT / "calibration/problems"
 _kept = tempfile.TemporaryDirectory()
@@ -141,63 +144,22 @@ class SampleReport(unittest.TestCase):
         self.assertEqual(len(set(told)), 4)
 
 
-class ReadmeNumbers(unittest.TestCase):
-    readme = " ".join((ROOT / "README.md").read_text().split())
+class PageNumbers(unittest.TestCase):
+    def test_each_number_of_the_study_is_that_of_its_results(self):
+        self.assertEqual(study_numbers.differences(study()), [], "write them: LAKE=build/test/bin/lake python3 tests/python/committed_figures_test.py")
 
-    def hold(self, sentence, *values):
-        """`sentence` as in the README, with # for each number; `values` are these numbers as computed today."""
-        pattern = re.escape(sentence).replace(r"\#", r"(−?\d+(?:\.\d+)?)").replace("\\ ", " ")
-        told = re.search(pattern, self.readme)
-        self.assertIsNotNone(told, f"the README does not say: {sentence}")
-        for number, value in zip(told.groups(), values, strict=True):
-            decimals = len(number.partition(".")[2])
-            # A solver on another machine may change the digit behind the last one that is told.
-            self.assertAlmostEqual(float(number.replace("−", "-")), value, delta=0.51 * 10**-decimals, msg=sentence)
-
-    def test_of_the_loads(self):
-        loads = summary("loads")
-        self.hold("The peak extension moment of one knee is # N m, with a 95 % interval from # to # N m",
-                  loads["peak_knee_nm"], *loads["peak_knee_nm_interval"])
-
-    def test_of_the_comparison(self):
-        comparison = summary("comparison")
-        joint, best = comparison["joint"], comparison["best_placement"]
-        moved, worn = (-best["on_body"][place]["seat_clearance_mm"] for place in ("moved", "as_worn"))
-        self.hold("the joint is # mm from the knee of the leg that wears it, # mm in front of it and # mm above it",
-                  joint["rms_mm"], *joint["offset_mm"])
-        self.hold("differ by # % of the shank's length: # % of it is due to placement",
-                  100 * comparison["metrics"]["relative_rms"], 100 * comparison["decomposition"]["placement"]["fraction"])
-        self.hold("With the joint moved they would differ by # % (95 % interval from # to # %",
-                  100 * best["path_relative_rms"], *(100 * end for end in best["path_relative_rms_interval"]))
-        self.hold("these links reach # mm into a seat that supports half the thigh, # mm further than as worn", moved, moved - worn)
-
-    def test_of_the_designs(self):
-        redesign, best = summary("redesign"), summary("optimum")
-        after, worn = redesign["after"], redesign["before"]
-        self.hold("The published problem's best is #°", best["range_deg"])
-        self.hold("The result is # % of misalignment at #° of range, with the joint # mm in front of the knee, which is "
-                  "equivalent to the # mm as worn, and # mm lower. With the joint on the knee the range would be #°.",
-                  after["misalignment_percent"], after["range_deg"], after["placement_x_mm"], worn["placement_x_mm"],
-                  worn["placement_y_mm"] - after["placement_y_mm"], redesign["placement_range"]["range_at_knee_deg"])
-        self.hold("with their joint moved onto the knee leave # %, in the # s of their program",
-                  redesign["joint_moved"]["misalignment_percent"], redesign["joint_moved"]["program_duration_s"])
-        simulated = json.loads((published() / "summary.json").read_text())
-        self.hold("#° at the shortest stroke of # mm, straight at # mm", simulated["range_deg"], *simulated["used_stroke_mm"])
-
-    def test_of_the_actuator(self):
-        assistance, stroke = summary("assistance")["assistance"], summary("stroke")
-        redesign_s = summary("redesign")["after"]["program_duration_s"]
-        self.hold("# % of the knee moment requires at most # N of its # N. But a rise takes # s with the links that make it "
-                  "fastest, while the person took # s: at # % of the rise its # mm/s are not enough",
-                  100 * assistance["assist"], assistance["force_n"]["value"], assistance["actuator"]["lifting_force_n"],
-                  assistance["shortest_duration_s"], assistance["own_duration_s"], assistance["limiting_percent"],
-                  assistance["actuator"]["no_load_speed_mm_s"])
-        self.hold("is the stroke program: # s, the design's # and # s of rest at its two reversals",
-                  stroke["duration_s"], redesign_s, stroke["duration_s"] - redesign_s)
-        self.hold("the actuator may drift by some # mm", stroke["firmware"]["drift"]["last_drift_mm"])
+    def test_no_other_number_stands_in_what_the_readme_says_of_the_study(self):
+        readme = (ROOT / "README.md").read_text()
+        text = re.search(r"^## What the sample study shows$(.*?)^## ", readme, re.M | re.S)[1]
+        for page, sentence, _ in study_numbers.SENTENCES:
+            place = study_numbers.found(text, sentence) if page == "README.md" else None
+            text = text.replace(place[0], "") if place else text
+        self.assertEqual(re.findall(r".*\d.*", text), [])
 
 
 if __name__ == "__main__":
     for figure, draw_it in FIGURES.items():
         shutil.copyfile(draw_it(), ROOT / figure)
         print(figure)
+    for page in study_numbers.write(study()):
+        print(page)

@@ -176,7 +176,7 @@ class Tables(unittest.TestCase):
         frame, truth = results()["human"]["kinematics"], lake.frame(SAMPLE / "human-truth.csv")
         both = frame.merge(truth, on="frame", suffixes=("", "_true"))
         self.assertEqual(len(both), len(truth))
-        # As in the README: 0.016° over all frames.
+        # The manual has the value (libs/present/manual/study_numbers.py).
         self.assertLess(((both["knee_deg"] - both["knee_deg_true"]) ** 2).mean() ** 0.5, 0.02)
 
     def test_what_a_moved_joint_leaves(self):

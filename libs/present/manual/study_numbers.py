@@ -1,0 +1,182 @@
+"""Every number of the sample study that README and manual state: where it stands, and which result it is.
+
+SENTENCES is the only list of them: `write` puts the results into the pages, `differences` says where a page differs.
+A sentence is as in the page, however its lines are broken, with a format for each number."""
+import csv
+import json
+import pathlib
+import re
+import types
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+SAMPLE = ROOT / "data/sts-study"
+PAGES = "libs/present/manual/pages/"
+
+
+class Study:
+    """The results of `lake run data/sts-study/study.yaml`; study.STEP.KEY is KEY of STEP's summary.json."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+
+    def __getattr__(self, step):
+        text = (self.folder / step / "summary.json").read_text(encoding="utf-8")
+        setattr(self, step, json.loads(text, object_hook=lambda keys: types.SimpleNamespace(**keys)))
+        return self.__dict__[step]
+
+    def errors(self, trial, table, truth, results, column="{}"):
+        """Differences between columns of a table of the trial and the truth."""
+        with open(self.folder / trial / f"{table}.csv", newline="", encoding="utf-8") as found, \
+                open(SAMPLE / f"{trial}-truth.csv", newline="", encoding="utf-8") as true:
+            return [float(row[column.format(name)]) - float(row_true[truth.format(name)])
+                    for row, row_true in zip(csv.DictReader(found), csv.DictReader(true), strict=True) for name in results]
+
+    def rms_px(self, trial):
+        return rms(self.errors(trial, "tracks", "{}_px", axes(trial), "{}_px"))
+
+    def rms_mm(self, trial):
+        return rms(self.errors(trial, "trajectory", "{}_mm", axes(trial), "{}_mm"))
+
+    def rms_deg(self, trial):
+        return rms(self.errors(trial, "kinematics", "knee_deg", [""], "knee_deg"))
+
+    def knee_bias_px(self, trial):
+        """How far in front of its true place the knee's marker is found; the subject faces right."""
+        errors = self.errors(trial, "tracks", "knee_x_px", [""], "knee_x_px")
+        return sum(errors) / len(errors)
+
+    def knee_sigma_px(self, trial):
+        with open(self.folder / trial / "tracks.csv", newline="", encoding="utf-8") as found:
+            return rms([float(row["knee_sigma_px"]) for row in csv.DictReader(found)])
+
+    def loads_at_peak(self):
+        """The row of the mean in loads.csv with the largest moment at the knee."""
+        with open(self.folder / "loads/loads.csv", newline="", encoding="utf-8") as found:
+            rows = [row for row in csv.DictReader(found) if row["repetition"] == "mean" and row["knee_nm"]]
+        return max(rows, key=lambda row: float(row["knee_nm"]))
+
+
+def axes(trial):
+    markers = ["ankle", "knee", "hip", "waist"] + ["exo_knee"] * (trial == "exo")
+    return [f"{marker}_{axis}" for marker in markers for axis in "xy"]
+
+
+def rms(values):
+    return (sum(value * value for value in values) / len(values)) ** 0.5
+
+
+def true_joint_mm():
+    return json.loads((SAMPLE / "exo-scene.json").read_text(encoding="utf-8"))["motion"]["exo_knee_mm"]
+
+
+def percent(interval):
+    return [100 * end for end in interval]
+
+
+# (page, sentence, results): the results in the order of the numbers.
+SENTENCES = [
+    # README
+    ("README.md", "In all {:.0f} frames of the first trial the knee angle is within {:.3f}° of the truth (RMS), in the {:.0f} of the second within {:.3f}°.",
+     lambda s: [s.human.video.frames, s.rms_deg("human"), s.exo.video.frames, s.rms_deg("exo")]),
+    ("README.md", "is {:.1f} mm from the knee of the leg that wears it, {:.1f} mm in front of it and {:.1f} mm above it (rendered: {:.0f} and {:.0f})",
+     lambda s: [s.comparison.joint.rms_mm, *s.comparison.joint.offset_mm, *true_joint_mm()]),
+    ("README.md", "95 % interval with everything that skin and marker placement do: {:.0f} to {:.0f} mm",
+     lambda s: s.comparison.uncertainty.joint_rms_mm.anatomical_interval),
+    ("README.md", "differ by {:.1f} % of the shank's length; with the joint moved onto the knee, by {:.1f} % (95 % interval {:.0f} to {:.1f} %)",
+     lambda s: [100 * s.comparison.metrics.relative_rms, 100 * s.comparison.best_placement.path_relative_rms,
+                *percent(s.comparison.best_placement.path_relative_rms_interval)]),
+    ("README.md", "New links follow the person within {:.1f} % at {:.1f}° of range",
+     lambda s: [s.redesign.after.misalignment_percent, s.redesign.after.range_deg]),
+    ("README.md", "{:.0f} % of the knee's moment is at most {:.0f} N of the actuator's {:.0f} N; but a rise takes {:.1f} s, where the person takes {:.1f} s",
+     lambda s: [100 * s.assistance.assistance.assist, s.assistance.assistance.force_n.value, s.assistance.assistance.actuator.lifting_force_n,
+                s.assistance.assistance.shortest_duration_s, s.assistance.assistance.own_duration_s]),
+    # The manual
+    (PAGES + "first-recording.md", "All markers are found in all {:.0f} frames", lambda s: [s.human.video.frames]),
+    (PAGES + "first-recording.md",
+     "{:.3f} px per axis as measured in each frame (`tracks.csv`), {:.3f} mm after the leg fit (`trajectory.csv`), {:.3f}° of knee angle",
+     lambda s: [s.rms_px("human"), s.rms_mm("human"), s.rms_deg("human")]),
+    (PAGES + "design.md", "RMS errors of this trial: {:.3f} px, {:.3f} mm, {:.3f}°", lambda s: [s.rms_px("exo"), s.rms_mm("exo"), s.rms_deg("exo")]),
+    (PAGES + "design.md", "is found {:.2f} px too far to the front, as parts of the exoskeleton are beside it; its standard deviation, {:.2f} px, holds this",
+     lambda s: [s.knee_bias_px("exo"), s.knee_sigma_px("exo")]),
+    (PAGES + "design.md", "the joint is {:.1f} mm from the knee of the leg that wears it, {:.1f} mm in front of it and {:.1f} mm above it (rendered: {:.0f} and {:.0f} mm)",
+     lambda s: [s.comparison.joint.rms_mm, *s.comparison.joint.offset_mm, *true_joint_mm()]),
+    (PAGES + "design.md", "differ by {:.1f} % of the shank's length, and placement is {:.0f} % of it",
+     lambda s: [100 * s.comparison.metrics.relative_rms, 100 * s.comparison.decomposition.placement.fraction]),
+    (PAGES + "design.md", "With the joint moved they would differ by {:.1f} % (95 % interval from {:.0f} to {:.1f} %, from three rises each)",
+     lambda s: [100 * s.comparison.best_placement.path_relative_rms, *percent(s.comparison.best_placement.path_relative_rms_interval)]),
+    (PAGES + "design.md", "these links reach {:.0f} mm into a seat that supports half the thigh, {:.0f} mm further than as worn",
+     lambda s: [-s.comparison.best_placement.on_body.moved.seat_clearance_mm,
+                s.comparison.best_placement.on_body.as_worn.seat_clearance_mm - s.comparison.best_placement.on_body.moved.seat_clearance_mm]),
+    (PAGES + "design.md", "The published problem's best is {:.2f}°", lambda s: [s.optimum.range_deg]),
+    (PAGES + "design.md", "The study's design has {:.1f} % of misalignment at {:.1f}° of range, with the joint {:.0f} mm in front of the knee and {:.0f} mm lower "
+     "than as worn. With the joint on the knee the range would be {:.1f}°.",
+     lambda s: [s.redesign.after.misalignment_percent, s.redesign.after.range_deg, s.redesign.after.placement_x_mm,
+                s.redesign.before.placement_y_mm - s.redesign.after.placement_y_mm, s.redesign.placement_range.range_at_knee_deg]),
+    (PAGES + "design.md", "with their joint moved onto the knee leave {:.1f} %, in the {:.1f} s of their program",
+     lambda s: [s.redesign.joint_moved.misalignment_percent, s.redesign.joint_moved.program_duration_s]),
+    (PAGES + "loads.md", "The peak extension moment of one knee is {:.0f} N m, with a 95 % interval from {:.0f} to {:.0f} N m",
+     lambda s: [s.loads.peak_knee_nm, *s.loads.peak_knee_nm_interval]),
+    (PAGES + "loads.md", "at {:.0f} % of the rise, where the mean is largest ({:.0f} N m), it goes from {:.0f} to {:.0f} N m",
+     lambda s: [float(s.loads_at_peak()[key]) for key in ("percent", "knee_nm", "knee_low_nm", "knee_high_nm")]),
+    (PAGES + "loads.md", "{:.0f} % of the knee moment requires at most {:.0f} N of its {:.0f} N. But a rise takes {:.1f} s with the links that make it "
+     "fastest, while the person took {:.1f} s: at {:.0f} % of the rise its {:.0f} mm/s are not enough",
+     lambda s: [100 * s.assistance.assistance.assist, s.assistance.assistance.force_n.value, s.assistance.assistance.actuator.lifting_force_n,
+                s.assistance.assistance.shortest_duration_s, s.assistance.assistance.own_duration_s, s.assistance.assistance.limiting_percent,
+                s.assistance.assistance.actuator.no_load_speed_mm_s]),
+    (PAGES + "prototype.md", "takes {:.1f} s: the design's {:.0f} and {:.1f} s of rest at its reversals",
+     lambda s: [s.stroke.duration_s, s.redesign.after.program_duration_s, s.stroke.duration_s - s.redesign.after.program_duration_s]),
+    (PAGES + "prototype.md", "may drift by {:.1f} mm, and standing is only {:.2f} mm past the end of the program",
+     lambda s: [s.stroke.firmware.drift.last_drift_mm, s.stroke.firmware.drift.end_mm - s.stroke.end.stroke_mm]),
+    # The sample study's own page
+    ("data/sts-study/README.md", "is more than the {:.2f} mm that are left between the program's end", lambda s: [s.stroke.firmware.drift.end_mm - s.stroke.end.stroke_mm]),
+    ("data/sts-study/README.md", "the centre of pressure comes to {:.0f} mm outside the foot (at {:.0f} % of the rise, where the seat lets go; {:.1f}° of range)",
+     lambda s: [-s.redesign.balance.margin_mm, s.redesign.balance.at_percent, s.redesign.after.range_deg]),
+]
+
+FORMAT = re.compile(r"\{:(\.\d+f)\}")
+NUMBER = r"(-?\d+(?:\.\d+)?)"
+
+
+def found(text, sentence):
+    """The sentence in a page's text, a group for each number."""
+    parts = [r"\s+".join(re.escape(word) for word in re.split(r"\s+", part)) for part in FORMAT.split(sentence)[::2]]
+    return re.search(NUMBER.join(parts), text)
+
+
+def written(sentence, results):
+    """The numbers as a page has them; one that is rounded to nothing has no sign."""
+    return [f"{round(result, int(how[1:-1])) + 0.0:{how}}" for how, result in zip(FORMAT.findall(sentence), results, strict=True)]
+
+
+def differences(folder):
+    """What the pages say otherwise than the study's results do. A solver on another machine may change the digit behind
+    the last one."""
+    study, said = Study(folder), []
+    for page, sentence, results in SENTENCES:
+        place = found((ROOT / page).read_text(encoding="utf-8"), sentence)
+        if place is None:
+            said.append(f"{page} does not say: {sentence}")
+            continue
+        values = results(study)
+        for number, value, right in zip(place.groups(), values, written(sentence, values), strict=True):
+            decimals = len(right.partition(".")[2])
+            if len(number.partition(".")[2]) != decimals or abs(float(number) - value) > 0.51 * 10**-decimals:
+                said.append(f"{page}: {number}, and the study has {right}: {sentence}")
+    return said
+
+
+def write(folder):
+    """Puts the study's results into the pages; returns those that changed."""
+    study, changed = Study(folder), []
+    for page, sentence, results in SENTENCES:
+        text = (ROOT / page).read_text(encoding="utf-8")
+        place = found(text, sentence)
+        if place is None:
+            raise LookupError(f"{page} does not say: {sentence}")
+        new = text
+        for group, number in reversed(list(enumerate(written(sentence, results(study)), start=1))):
+            new = new[:place.start(group)] + number + new[place.end(group):]
+        if new != text:
+            (ROOT / page).write_text(new, encoding="utf-8")
+            changed.append(page)
+    return list(dict.fromkeys(changed))
