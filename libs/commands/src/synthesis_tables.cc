@@ -55,7 +55,7 @@ void WriteRounded(const problem::RoundedDesign& rounded, const problem::Synthesi
 }
 
 // The most tolerant design beside the optimum.
-void WriteYields(const synthesis::SynthesisOutcome& outcome, Run& run) {
+void WriteYieldsOf(const synthesis::SynthesisOutcome& outcome, Run& run) {
   std::vector<std::pair<const char*, const problem::Yield*>> designs{{"optimum", &*outcome.yield}};
   if (outcome.tolerant) {
     designs.emplace_back("tolerant", &outcome.tolerant->yield);
@@ -250,7 +250,7 @@ void WriteTables(const synthesis::SynthesisOutcome& outcome, const OptimumView& 
   if (!outcome.IsSolved()) return;
   WriteSensitivity(outcome, run);
   if (!outcome.margins.empty()) WriteMargins(outcome, run);
-  if (outcome.yield) WriteYields(outcome, run);
+  if (outcome.yield) WriteYieldsOf(outcome, run);
   if (outcome.rounded) WriteRounded(*outcome.rounded, outcome.problem, run);
 }
 
