@@ -188,7 +188,7 @@ TEST(LoadedDesign, ASlowRiseTakesLessForceWhereInertiaHurts) {
   const problem::Assistance assistance = problem::FindAssistance(links, problem);
   ASSERT_TRUE(std::isfinite(assistance.shortest_s));
   EXPECT_TRUE(assistance.force_is_limit);
-  EXPECT_NEAR(std::abs(assistance.Largest(&problem::AssistanceRow::force_n)->force_n), 1000, 0.01);
+  EXPECT_NEAR(std::abs(assistance.Largest(&problem::AssistanceRow::force_n)->force_n), 1000, 0.02);
 }
 
 // One question has one answer: of the optimum, of the design that is simulated, of the curve over the share.

@@ -89,13 +89,13 @@ TEST(Yield, IsOfEveryLimitOfTheProblem) {
     EXPECT_NEAR(yield.Find(Requires::kForce)->kept.value, share(0), kScatter);
     EXPECT_NEAR(yield.Find(Requires::kSingularity)->kept.value, share(1), kScatter);
     EXPECT_NEAR(yield.Find(Requires::kGrashof)->kept.value, share(2), kScatter);
-    EXPECT_NEAR(yield.all.value, share(4), 0.012);
-    EXPECT_NEAR(share(3), 0.31, kScatter);
-    EXPECT_NEAR(yield.all.value, 0.07, 0.015);
+    EXPECT_NEAR(yield.all.value, share(4), 0.01);
+    EXPECT_NEAR(share(3), 0.29, kScatter);
+    EXPECT_NEAR(yield.all.value, 0.05, 0.01);
     std::ranges::sort(forces);
     EXPECT_NEAR(yield.Find(Requires::kForce)->kept_by_95, forces[kBuilds * 95 / 100], 8);
     if (tolerance_mm == 0.2) {
-      EXPECT_NEAR(yield.Find(Requires::kForce)->kept_by_95, 2082, 8);
+      EXPECT_NEAR(yield.Find(Requires::kForce)->kept_by_95, 2077, 12);
     }
     EXPECT_LT(yield.Find(Requires::kGrashof)->kept_by_95, 2);
     for (const problem::LimitYield& limit : yield.limits) EXPECT_GE(limit.kept.value, yield.all.value);

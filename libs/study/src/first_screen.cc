@@ -342,7 +342,8 @@ Section ResultChapter(const StudyFile& study, const StudyResults& results) {
   const std::vector<Way> ways = WaysOf(study, results);
   Section section{"Result", {Paragraph{LeadText(results, ways, redesign)}, WaysTable(ways, redesign)}};
   std::vector<std::string> forbids;
-  if (std::string collision = CollisionText(ways, redesign); !collision.empty()) forbids.push_back(std::move(collision));
+  if (std::string collision = CollisionText(ways, redesign); !collision.empty())
+    forbids.push_back(std::move(collision));
   if (MeetsSeat(ways, redesign)) forbids.emplace_back("Moved, the linkage meets the seat.");
   if (NeedsHolding(results, redesign)) forbids.emplace_back("At the new pace a person must be held.");
   if (!forbids.empty())

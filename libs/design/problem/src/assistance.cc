@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kMillimetresPerMetre = 1000;
 
-// A solver leaves a force this much above its limit.
+// A solver leaves a force above its limit, and the pace that it was solved for a little off.
 bool Lifts(const LinearActuator& actuator, double force_n) {
-  constexpr double kRounding = 1e-6;
+  constexpr double kRounding = 1e-5;
   return !(std::abs(force_n) > actuator.LiftingForce().value_or(kInfinity) * (1 + kRounding));
 }
 
@@ -76,6 +76,18 @@ double FirstEnough(double from_s, const Needed& needed_s) {
 
 constexpr double kNoRise_s = 1e-3;  // shorter than any rise
 
+// The duration T = needed_s(T) to which needed_s leads from `from_s` on; nullopt where it leads to none. Where a slower
+// rise needs more this is the shortest, be it that none slower is possible.
+template <typename Needed>
+std::optional<double> LedTo(double from_s, const Needed& needed_s) {
+  constexpr double kSame = 1e-12;
+  constexpr int kMost = 100;
+  for (int i = 0; i < kMost && std::isfinite(from_s) && from_s > 0; ++i)
+    if (const double last_s = std::exchange(from_s, needed_s(from_s)); std::abs(from_s / last_s - 1) < kSame)
+      return from_s;
+  return std::nullopt;
+}
+
 // A design along the load profile at any pace.
 class AlongProfile {
  public:
@@ -99,10 +111,12 @@ class AlongProfile {
     // No pace is faster than the path at the speed without load.
     const double path_s =
         std::abs(LargestOf(as_given, &AssistanceRow::speed_mm_s)->speed_mm_s) / problem_.actuator->SpeedAt(0);
-    assistance.shortest_s = FirstEnough(std::max(path_s, kNoRise_s), [&](double duration_s) {
+    const auto needed_s = [&](double duration_s) {
       const std::vector<AssistanceRow> rows = RowsAt(duration_s);
       return LargestOf(rows, &AssistanceRow::least_duration_s)->least_duration_s;
-    });
+    };
+    const std::optional<double> led_to_s = LedTo(problem_.profile->duration_s, needed_s);
+    assistance.shortest_s = led_to_s ? *led_to_s : FirstEnough(std::max(path_s, kNoRise_s), needed_s);
     const std::vector<AssistanceRow> rows =
         RowsAt(std::min(assistance.shortest_s, SynthesisProblem::kLongestDuration_s));
     const AssistanceRow* limiting = LargestOf(rows, &AssistanceRow::least_duration_s);
@@ -175,6 +189,12 @@ double DurationAt(const linkage::Transmission& transmission, const SynthesisProb
 
 const AssistanceRow* Assistance::Largest(double AssistanceRow::*column) const {
   return LargestOf(rows, column);
+}
+
+double DurationUnderMoments(const linkage::Links& links, const SynthesisProblem& problem) {
+  const std::vector<AssistanceRow> rows = AlongProfile(links, problem).RowsAt(problem.profile->moments_s);
+  const AssistanceRow* longest = LargestOf(rows, &AssistanceRow::least_duration_s);
+  return longest ? longest->least_duration_s : kNaN;
 }
 
 Assistance FindAssistance(const linkage::Links& links, const SynthesisProblem& problem) {

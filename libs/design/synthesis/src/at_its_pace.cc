@@ -8,8 +8,8 @@ namespace lake::synthesis {
 
 void SolveAtItsPace(problem::SynthesisProblem& problem,
                     const std::function<std::optional<linkage::Links>(const problem::SynthesisProblem&)>& solve) {
-  constexpr int kMostRounds = 8;
-  constexpr double kSame = 1e-3;
+  constexpr int kMostRounds = 12;
+  constexpr double kSame = 2e-6;
   const bool has_pace = problem.HasLoadProfile() && problem.profile->HasPace();
   const auto take = [&](double duration_s) { problem.profile = problem::AtPace(*problem.profile, duration_s); };
   if (has_pace && problem.duration_s) take(*problem.duration_s);
@@ -26,7 +26,8 @@ void SolveAtItsPace(problem::SynthesisProblem& problem,
     }
   }
   for (int round = 1; links && round < kMostRounds; ++round) {
-    const double duration_s = problem::FindAssistance(*links, problem).duration_s;
+    const double shortest_s = problem::DurationUnderMoments(*links, problem);
+    const double duration_s = std::isfinite(shortest_s) && shortest_s > 0 ? shortest_s : problem.profile->duration_s;
     if (std::abs(duration_s / problem.profile->moments_s - 1) < kSame) return;
     take(duration_s);
     links = solve(problem);

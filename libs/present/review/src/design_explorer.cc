@@ -221,7 +221,11 @@ namespace {
 
 Links AnyLinksFrom(const Json& json) {
   if (!json.is_array() || json.size() != 6) throw Error("six links are asked for, l1 to l6");
-  return Links::FromValues(json.get<std::array<double, 6>>());
+  const auto values = json.get<std::array<double, 6>>();
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!(std::isfinite(values[i]) && values[i] > 0))
+      throw Fail("{} is {} mm: a length must be above 0", problem::LinkName(i), values[i]);
+  return Links::FromValues(values);
 }
 
 }  // namespace

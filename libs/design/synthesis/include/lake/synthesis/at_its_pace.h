@@ -13,7 +13,7 @@
 namespace lake::synthesis {
 
 // Calls `solve`, which gives the links of a usable optimum or nothing, until the moments of `problem` are those of the
-// rise that it found last, within 0.1 % of the duration, or 8 times; once where the profile does not say what pace adds
+// rise that it found last, to 2e-6 of the duration, or 12 times; once where the profile does not say what pace adds
 // to them. Where nothing is found at the pace given, the slowest rise is tried too. `problem` is left with the moments
 // of the last call.
 void SolveAtItsPace(problem::SynthesisProblem& problem,
