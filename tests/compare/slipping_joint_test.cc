@@ -59,7 +59,8 @@ struct Coverage {
 
 // What is left at the next donning, of a joint that is moved by the mean over n rises: that mean's error, slip /
 // sqrt(n) and how the marker was put back, and the slip of the next time, each along both axes. Reported is how the
-// place varies within the mean rise, 0.1 mm; right is the root sum of squares, of which one rise alone shows no part.
+// place varies within the mean rise, 0.3 mm at most; right is the root sum of squares, of which one rise alone shows no
+// part.
 TEST(SlippingJoint, WhatMovingItLeavesIsThatOfTheNextDonning) {
   for (const Slipping& how : {Slipping{2}, Slipping{3}, Slipping{3, 3}}) {
     Coverage remainder;
