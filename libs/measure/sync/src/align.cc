@@ -167,12 +167,12 @@ Fit FitMaps(const Pairing& pairing, const Warp& warp) {
     fit.last_s = std::max(fit.last_s, rows.time_s.back());
     Eigen::MatrixXd known(n, rows.x.cols() + 1);
     known << rows.x, Eigen::VectorXd::Ones(n);
-    const double size = rows.y.squaredNorm();  // each part counts by what moves in it, whatever its unit
+    const double rounding = 1e-12 * rows.y.squaredNorm();
     for (Index j = 0; j < rows.y.cols(); ++j) {
       const ColumnFit column = FitColumn(rows.y.col(j), known, rows.row);
-      all += column.all / size;
-      left += column.left / size;
-      if (!IsEnough(column.known_now.rows(), known.cols())) continue;
+      all += column.all;
+      left += column.left;
+      if (!(column.all > rounding) || !IsEnough(column.known_now.rows(), known.cols())) continue;
       fit.evidence.push_back(EvidenceOf(rows, j, known, column, warp));
       fit.evidence.back().part = k;
     }

@@ -118,16 +118,17 @@ OffsetSearch SearchOffsets(const Pairing& pairing) {
   constexpr double kIndependentRate_hz = 4, kLeastShare = 0.2, kLeastOverlap_s = 2;
   for (Index shift = -y_rows + 1; shift < x_rows; ++shift) {
     const auto k = static_cast<std::size_t>(shift < 0 ? shift + correlator.Size() : shift);
-    double all = 0, told = 0, share = 0, overlap_s = 0;
+    double all = 0, told = 0, x_all = 0, y_whole = 0, x_whole = 0, overlap_s = 0;
     for (const Squares& s : parts) {
-      // Each part by what moves in it, whatever its unit.
-      if (!(s.y_whole > 0) || !(s.x_whole > 0)) continue;
-      all += s.all[k] / s.y_whole;
-      told += s.told[k] / s.y_whole;
-      share = std::max(share, std::min(1.0, std::max(s.all[k] / s.y_whole, s.x_all[k] / s.x_whole)));
+      all += s.all[k];
+      told += s.told[k];
+      x_all += s.x_all[k];
+      y_whole += s.y_whole;
+      x_whole += s.x_whole;
       overlap_s = std::max(overlap_s, s.count[k] * step_s);
     }
-    const bool is_enough = share >= kLeastShare && overlap_s >= kLeastOverlap_s && all > 0;
+    const bool has_share = all >= kLeastShare * y_whole || x_all >= kLeastShare * x_whole;
+    const bool is_enough = has_share && overlap_s >= kLeastOverlap_s && all > 0;
     const double unexplained = is_enough ? std::clamp(1 - told / all, 1e-6, 1.0) : 1;
     search.offset_s.push_back(x_times.start_s - first.y.start_s + static_cast<double>(shift) * step_s);
     search.unexplained.push_back(unexplained);
