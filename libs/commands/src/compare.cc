@@ -191,17 +191,19 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
 // Precision of the markers and accuracy with respect to the joint, apart.
 report::Section UncertaintySection(const std::vector<compare::Budget>& budgets) {
   report::Table headlines{.caption = "95 % intervals"};
-  headlines.columns = {{"quantity"}, {"value"}, {"of the markers"}, {"of the joint beneath them"}};
+  headlines.columns = {{"quantity"}, {"value"}, {"of all sources"}, {"of the markers alone"}};
   report::Table sources{.caption = "Uncertainty budget (GUM): standard deviations"};
   sources.columns = {{"quantity"}, {"source"}, {"size"}, {"contribution"}, {"share of the variance"}, {"from"}};
   report::Section section{"Uncertainty", {}};
   for (const compare::Budget& budget : budgets) {
     const std::string name = compare::QuantityName(budget.quantity);
+    const compare::Interval all = budget.AnatomicalInterval();
+    const auto rounded = [&](double value) { return KnownText(value, (all.high - all.low) / 2, 1); };
     const auto text = [&](const compare::Interval& interval) {
-      return fmt::format("{:.1f} to {:.1f} {}", interval.low, interval.high, budget.unit);
+      return fmt::format("{} to {} {}", rounded(interval.low), rounded(interval.high), budget.unit);
     };
-    headlines.rows.push_back({name, fmt::format("{:.1f} {}", budget.value, budget.unit), text(budget.MarkerInterval()),
-                              text(budget.AnatomicalInterval())});
+    headlines.rows.push_back(
+        {name, fmt::format("{} {}", rounded(budget.value), budget.unit), text(all), text(budget.MarkerInterval())});
     for (const compare::BudgetRow& row : budget.rows)
       sources.rows.push_back({name, row.source, fmt::format("{} {}", SignificantText(row.size, 2), row.unit),
                               fmt::format("{} {}", SignificantText(row.Contribution(), 2), budget.unit),
