@@ -92,6 +92,30 @@ TEST(FunctionalAxis, RefusesMarkersItCannotUse) {
   EXPECT_THROW(MotionOf(Hinge(1, 0, 1), {{"s1", "t1"}, {"t1", "t2"}}), UsageError);
 }
 
+// Markers of the leg that lake itself names are on the segment that they are named for.
+TEST(FunctionalAxis, RefusesMarkersOfAnotherSegment) {
+  exchange::PointRecording points = Hinge(1, 0, 1);
+  for (const char* name : {"ankle", "knee", "hip", "waist"}) {
+    points.points.push_back(points.points[points.points.size() == 4 || points.points.size() == 5 ? 0 : 2]);
+    points.points.back().name = name;
+  }
+  const auto refused = [&](const SegmentMarkers& markers, const char* text) {
+    EXPECT_THAT([&] { MotionOf(points, markers); }, testing::ThrowsMessage<UsageError>(HasSubstr(text)));
+  };
+  refused({{"ankle", "knee"}, {"hip", "waist"}}, "--segment thigh: the marker 'waist' is on the trunk");
+  refused({{"ankle", "hip"}, {"t1", "t2"}}, "--segment shank: the marker 'hip' is on the thigh");
+  EXPECT_NO_THROW(MotionOf(points, {{"ankle", "s2"}, {"hip", "t2"}}));
+}
+
+TEST(FunctionalAxis, RefusesAnAxisThatIsFartherThanASegmentIsLong) {
+  exchange::PointRecording points = Hinge(1, 0.1, 1);
+  for (std::size_t m : {0, 1})
+    for (Vector3d& position : points.points[m].positions) position.y() -= 1200;
+  EXPECT_THAT([&] { MeanAxes(MotionOf(points, kMarkers), 0, 10); },
+              testing::ThrowsMessage<Error>(
+                  testing::AllOf(HasSubstr("from the markers of the shank"), HasSubstr("a knee is within 1000 mm"))));
+}
+
 TEST(FunctionalAxis, TellsTheWindowsThatTurnTooLittle) {
   exchange::PointRecording points = Hinge(1, 0.1, 1);
   for (exchange::PointTrack& point : points.points)  // the second window stands still

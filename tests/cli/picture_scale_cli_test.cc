@@ -102,6 +102,22 @@ TEST_F(TracksInPx, OfBothLegsHaveTheirScalesToo) {
   }
 }
 
+// Recognised by the exoskeleton's marker; whoever means it so names what is compared.
+TEST_F(TracksInPx, ExchangedTrialsAreRefusedWithTheRightCommand) {
+  ExpectRefused("exo_mm.csv human_mm.csv", 2, "the trials are exchanged");
+  ExpectRefused("exo_mm.csv human_mm.csv", 2, "lake compare human_mm.csv exo_mm.csv");
+  EXPECT_TRUE(Compare("exo_mm.csv human_mm.csv --exo-knee knee -o X").is_object());
+}
+
+TEST_F(TracksInPx, WhatNoPersonOrDeviceCanBeIsRefused) {
+  ExpectRefused("human_mm.csv exo_mm.csv --joint-at 0,-6000", 2,
+                "--joint-at must be at least -700, not -6000 (from -700 to 700)");
+  ExpectRefused("human_mm.csv exo_mm.csv --soft-tissue 7000", 2,
+                "--soft-tissue must be at most 200, not 7000 (from 0 to 200)");
+  ExpectRefused("human_mm.csv exo_mm.csv --human-knee hip", 2, "--human-knee hip: is the leg's hip");
+  ExpectRefused("human_mm.csv exo_mm.csv --exo-knee ankle", 2, "--exo-knee ankle: is the leg's ankle");
+}
+
 TEST_F(TracksInPx, AScaleThatHasNoEffectIsRefused) {
   ExpectRefused("human_mm.csv exo_mm.csv --scale 0,0,500,0,1000", 2,
                 "--scale has no effect on human_mm.csv: its lengths are in mm");

@@ -93,9 +93,11 @@ TEST(StudyPage, HasTheForcesAtTheCuffsOfEachDesign) {
 // The misalignment's interval of the markers and that of the joints beneath the skin, and what would narrow them.
 TEST(StudyPage, HasTheBudgetOfTheMisalignment) {
   const Json rms = ReadJsonFile(Results() / "comparison/summary.json")["uncertainty"]["joint_rms_mm"];
+  const Json& all = rms["anatomical_interval"];
+  const int decimals = KnownDecimals((all[1].get<double>() - all[0].get<double>()) / 2);
   for (const char* interval : {"marker_interval", "anatomical_interval"})
-    EXPECT_THAT(PageText(), HasSubstr(fmt::format("{:.1f} to {:.1f} mm", rms[interval][0].get<double>(),
-                                                  rms[interval][1].get<double>())));
+    EXPECT_THAT(PageText(), HasSubstr(fmt::format("{} to {} mm", RoundedText(rms[interval][0].get<double>(), decimals),
+                                                  RoundedText(rms[interval][1].get<double>(), decimals))));
   const std::string narrower = rms["narrower"];
   EXPECT_THAT(PageText(), HasSubstr(narrower));
   EXPECT_THAT(narrower, AllOf(HasSubstr("two or more markers on shank and thigh"),

@@ -63,6 +63,34 @@ TEST(MisalignmentReport, ShowsTheComparisonsNumbers) {
   EXPECT_THAT(page, HasSubstr("We compare the means of 3 repetitions"));
 }
 
+// The interval of all sources, on which a decision rests, and one rounding in figure and sentence; what is of the
+// markers alone says so.
+TEST(MisalignmentReport, TheJointsFiguresHaveOneIntervalEverywhere) {
+  Json comparison = Placed(3);
+  comparison["joint"] = {{"rms_mm", 36.66},
+                         {"rms_interval_mm", {36.63, 36.70}},
+                         {"max_mm", 40.2},
+                         {"max_interval_mm", {40.1, 40.3}},
+                         {"offset_mm", {18.2, 32.1}}};
+  comparison["uncertainty"] = {
+      {"joint_rms_mm", {{"marker_interval", {34.7, 38.6}}, {"anatomical_interval", {21.6, 51.7}}}},
+      {"joint_offset_x_mm", {{"anatomical_interval", {-1.8, 38.2}}}},
+      {"joint_offset_y_mm", {{"anatomical_interval", {17.0, 47.2}}}}};
+  const std::string page = PageOf(comparison);
+  const auto figure = [&](const std::string& name, const std::string& value, const std::string& interval) {
+    const std::size_t at = page.find("<dt>" + name + "</dt>");
+    ASSERT_NE(at, std::string::npos) << name;
+    const std::string shown = page.substr(at, page.find("<dt>", at + 1) - at);
+    EXPECT_THAT(shown, HasSubstr("<span class=\"value\">" + value));
+    EXPECT_THAT(shown, HasSubstr(interval)) << name;
+  };
+  figure("joint misalignment, RMS", "37", "95 %, all sources: 22 to 52 mm");
+  figure("joint misalignment, largest", "40.20", "95 %, of the markers alone: 40.10 to 40.30 mm");
+  figure("joint in front of the knee", "20", "95 %, all sources: 0 to 40 mm");
+  figure("joint above the knee, along the shank", "32", "95 %, all sources: 17 to 47 mm");
+  EXPECT_THAT(page, HasSubstr("the joint sits 20 mm in front of the knee and 32 mm above it along the shank."));
+}
+
 TEST(MisalignmentReport, ASingleRepetitionHasNeitherBandNorIntervals) {
   const Json comparison = Placed(1);
   EXPECT_THAT(PageOf(comparison), Not(HasSubstr("95 %: ")));

@@ -101,7 +101,7 @@ TEST_F(LakeOptimizeGroup, RefusesHeightsThatNobodyHas) {
   const Ended ended = RunProgram(fmt::format("{}--human-only --sizes 2 --participants {} --quiet -o {}", all,
                                              (folder_ / "people.tsv").string(), (folder_ / "out").string()));
   EXPECT_EQ(ended.exit_code, 1);
-  EXPECT_THAT(ended.text, HasSubstr("people.tsv:2: height_mm 1.71: a person is 1000 to 2300 mm tall"));
+  EXPECT_THAT(ended.text, HasSubstr("people.tsv:2: height_mm 1.71: a person is 500 to 2750 mm tall"));
 }
 
 }  // namespace

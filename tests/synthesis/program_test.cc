@@ -143,6 +143,8 @@ TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
       {"--round -1", 2, "--round"},
       {"--max-length 200", 2, "must exceed"},
       {"--max-force 0", 2, "--max-force must be positive"},
+      {"--knee-torque 40000", 2, "knee_torque_nm 40000 N m: a knee's moment lies between -1000 and 1000 N m"},
+      {"--max-force 1e6", 2, "max_force_n 1000000 N: an actuator's force lies between 0 and 100000 N"},
       {"--max-angle nan", 2, "--max-angle"},
       {"--problem /no/such/file.yaml", 1, "no such file"},
   };

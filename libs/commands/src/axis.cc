@@ -8,6 +8,7 @@
 #include "lake/commands/gait.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/plausible.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/convert_options.h"
 #include "lake/exchange/formats.h"
@@ -141,7 +142,7 @@ void Describe(AxisRunOptions& o, OptionList& options) {
       .Add("soft-tissue", o.soft_tissue_mm,
            "Standard deviation, per axis, of the joint against clusters on skin that move as one; 7 for a leg")
       .Unit("mm")
-      .NotNegative();
+      .Between(kPlausibleMarkerDeviation.low, kPlausibleMarkerDeviation.high);
   options.Add("range", o.range_deg, "Also the best pin between these two knee angles").Value("FROM,TO").Unit("degrees");
   options.Check([&o](const OptionList&) {
     if (o.segments.shank.empty() || o.segments.thigh.empty())

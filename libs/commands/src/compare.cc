@@ -8,6 +8,7 @@
 #include "lake/compare/comparison_file.h"
 #include "lake/compare/misalignment_options.h"
 #include "lake/core/error.h"
+#include "lake/core/shell_word.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/ground_forces.h"
@@ -143,6 +144,15 @@ compare::ComparedCurves ReadCompared(const fs::path& comparison, Run& run) {
   return curves;
 }
 
+// A trial with the exoskeleton's marker stands second, unless --exo-knee says which marker of the second is compared.
+void CheckOrder(const compare::TrialTables& human, const compare::TrialTables& exo, const CompareRunOptions& options) {
+  if (options.exo_knee || !human.trajectory.Find(kExoKnee) || exo.trajectory.Find(kExoKnee)) return;
+  throw UsageError(
+      "{} has a marker {} and {} has none: the trials are exchanged, and the one without exoskeleton goes first: {}; "
+      "if they are as meant, name the compared marker with --exo-knee",
+      human.name, kExoKnee, exo.name, CommandLine({"lake", "compare", options.exo.string(), options.human.string()}));
+}
+
 RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   std::optional<FunctionalTables> human, exo;
   if (!IsCompared(options.human))
@@ -160,9 +170,7 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   if (options.knee.knee == KneeFrom::kFunctional && !pair.axes.human_mm && !pair.axes.exo_mm)
     throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
   if (human && exo) CheckUnits(human->tables, exo->tables);
-  if (human && exo && human->tables.trajectory.Find(kExoKnee) && !exo->tables.trajectory.Find(kExoKnee))
-    run.Warn("{} has a marker {} and {} has none: the trial without exoskeleton goes first", human->tables.name,
-             kExoKnee, exo->tables.name);
+  if (human && exo) CheckOrder(human->tables, exo->tables, options);
   pair.exo_knee = exo ? FindExoKnee(exo->tables.trajectory, options) : options.exo_knee.value_or(kExoKnee);
   if (human) {
     compare::RegistrationOptions registration;
@@ -183,17 +191,19 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
 // Precision of the markers and accuracy with respect to the joint, apart.
 report::Section UncertaintySection(const std::vector<compare::Budget>& budgets) {
   report::Table headlines{.caption = "95 % intervals"};
-  headlines.columns = {{"quantity"}, {"value"}, {"of the markers"}, {"of the joint beneath them"}};
+  headlines.columns = {{"quantity"}, {"value"}, {"of all sources"}, {"of the markers alone"}};
   report::Table sources{.caption = "Uncertainty budget (GUM): standard deviations"};
   sources.columns = {{"quantity"}, {"source"}, {"size"}, {"contribution"}, {"share of the variance"}, {"from"}};
   report::Section section{"Uncertainty", {}};
   for (const compare::Budget& budget : budgets) {
     const std::string name = compare::QuantityName(budget.quantity);
+    const compare::Interval all = budget.AnatomicalInterval();
+    const auto rounded = [&](double value) { return KnownText(value, (all.high - all.low) / 2, 1); };
     const auto text = [&](const compare::Interval& interval) {
-      return fmt::format("{:.1f} to {:.1f} {}", interval.low, interval.high, budget.unit);
+      return fmt::format("{} to {} {}", rounded(interval.low), rounded(interval.high), budget.unit);
     };
-    headlines.rows.push_back({name, fmt::format("{:.1f} {}", budget.value, budget.unit), text(budget.MarkerInterval()),
-                              text(budget.AnatomicalInterval())});
+    headlines.rows.push_back(
+        {name, fmt::format("{} {}", rounded(budget.value), budget.unit), text(all), text(budget.MarkerInterval())});
     for (const compare::BudgetRow& row : budget.rows)
       sources.rows.push_back({name, row.source, fmt::format("{} {}", SignificantText(row.size, 2), row.unit),
                               fmt::format("{} {}", SignificantText(row.Contribution(), 2), budget.unit),
@@ -314,8 +324,18 @@ void CheckIsCompared(const CompareRunOptions& o, const OptionList& list) {
       throw UsageError("--{} is of the person on whom a worn design is checked: add --worn, or omit it", name);
 }
 
+// A joint of the leg that is none of its knees is told from a knee by its name alone.
+void CheckIsAKnee(const std::string& option, const std::string& marker) {
+  for (const char* other : {"ankle", "hip", "waist", "shoulder", "heel", "toe"})
+    if (marker == other)
+      throw UsageError("{} {}: is the leg's {}, and knees are compared; name the marker at the knee", option, marker,
+                       other);
+}
+
 // Two trials of one kind.
 void CheckTrials(const CompareRunOptions& o) {
+  CheckIsAKnee("--human-knee", o.human_knee);
+  if (o.exo_knee) CheckIsAKnee("--exo-knee", *o.exo_knee);
   if (o.left.empty() != o.right.empty()) throw UsageError("--left and --right: a symmetry has two sides; give both");
   if (!o.left.empty() && o.knee.knee == KneeFrom::kFunctional)
     throw UsageError("--knee functional is of HUMAN against EXO: omit it, or --left and --right");

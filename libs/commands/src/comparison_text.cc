@@ -7,33 +7,41 @@
 #include <optional>
 
 #include "lake/compare/pointwise_error.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::commands {
 namespace {
 
-// The joint on the leg that wears it.
+const compare::Budget* FindBudget(const std::vector<compare::Budget>& budgets, const char* quantity) {
+  const auto found = std::ranges::find(budgets, quantity, &compare::Budget::quantity);
+  return found == budgets.end() ? nullptr : &*found;
+}
+
+// Of the interval of all sources; NaN where it is not known.
+double HalfWidth(const compare::Budget* budget) {
+  if (!budget) return std::nan("");
+  const compare::Interval interval = budget->AnatomicalInterval();
+  return (interval.high - interval.low) / 2;
+}
+
+// The joint on the leg that wears it, with the interval of all sources, to which every number is rounded.
 std::string JointText(const compare::JointMisalignment& joint, const std::optional<compare::JointMoved>& moved,
-                      const std::string& worn) {
-  std::string text = fmt::format("joint misalignment {:.2f} mm RMS, {:.2f} mm at most, {:.2f} % of the shank",
-                                 joint.rms_mm, joint.max_mm, 100 * joint.relative_rms);
-  if (joint.intervals)
-    text += fmt::format(" (95 % interval {:.2f} to {:.2f} mm RMS)", joint.intervals->rms_mm.low,
-                        joint.intervals->rms_mm.high);
+                      const std::string& worn, const compare::Budget* rms) {
+  const double half_width = HalfWidth(rms);
+  const auto rounded = [&](double mm) { return KnownText(mm, half_width, 2); };
+  std::string text = fmt::format("joint misalignment {} mm RMS", rounded(joint.rms_mm));
+  if (rms) {
+    const compare::Interval all = rms->AnatomicalInterval(), markers = rms->MarkerInterval();
+    text += fmt::format(" (95 % interval {} to {} mm; of the markers alone {} to {} mm)", rounded(all.low),
+                        rounded(all.high), rounded(markers.low), rounded(markers.high));
+  }
+  text += fmt::format(", {} mm at most", rounded(joint.max_mm));
   text += fmt::format("; moving the joint leaves {:.2f} mm RMS", joint.remainder_mm);
   if (moved) text += fmt::format(" and a path difference of {:.2f} %", 100 * moved->relative_rms);
   if (moved && moved->intervals)
     text += fmt::format(" (95 % interval {:.2f} to {:.2f} %)", 100 * moved->intervals->relative_rms.low,
                         100 * moved->intervals->relative_rms.high);
   return text + "\n" + worn + "\n";
-}
-
-// What the markers do not tell of the joint beneath them; empty where its budget is not known.
-std::string AnatomyText(const std::vector<compare::Budget>& budgets) {
-  const auto joint = std::ranges::find(budgets, "joint_rms", &compare::Budget::quantity);
-  if (joint == budgets.end()) return "";
-  const compare::Interval interval = joint->AnatomicalInterval();
-  return fmt::format("of the joint beneath the skin: 95 % interval {:.1f} to {:.1f} mm RMS; {}\n", interval.low,
-                     interval.high, compare::WhatNarrows(*joint));
 }
 
 std::string CuffText(const cuffs::CuffCourse& worn, const cuffs::CuffCourse& moved) {
@@ -69,7 +77,8 @@ std::string PathText(const compare::Misalignment& m) {
                             100 * m.noise_floor_relative);
 }
 
-std::string PartsText(const compare::Decomposition& parts, const Eigen::Vector2d& joint_mm) {
+std::string PartsText(const compare::Decomposition& parts, const Eigen::Vector2d& joint_mm,
+                      const Eigen::Vector2d& half_width_mm) {
   if (!std::isfinite(parts.placement)) return "both paths are one: there are no parts\n";
   const auto part = [](const char* name, double fraction, const std::vector<Eigen::Vector2d>& vectors_mm) {
     return fmt::format("{} {:.1f} % ({:.1f} mm)", name, 100 * fraction, std::sqrt(compare::MeanSquare(vectors_mm)));
@@ -77,7 +86,7 @@ std::string PartsText(const compare::Decomposition& parts, const Eigen::Vector2d
   return fmt::format("{}, {}, {}\nthe exoskeleton's joint sits {}\n",
                      part("placement", parts.placement, parts.placement_mm),
                      part("timing", parts.timing, parts.timing_mm), part("shape", parts.shape, parts.shape_mm),
-                     compare::DescribeJoint(joint_mm));
+                     compare::DescribeJoint(joint_mm, half_width_mm));
 }
 
 }  // namespace
@@ -85,10 +94,14 @@ std::string PartsText(const compare::Decomposition& parts, const Eigen::Vector2d
 std::string ComparisonText(const compare::Misalignment& m, const std::vector<compare::Budget>& budgets,
                            const std::string& worn, const std::vector<CuffCase>& cuffs) {
   std::string text;
-  if (m.joint) text += JointText(*m.joint, m.joint_moved, worn) + AnatomyText(budgets);
+  const compare::Budget* rms = FindBudget(budgets, "joint_rms");
+  const Eigen::Vector2d half_width_mm(HalfWidth(FindBudget(budgets, "joint_offset_x")),
+                                      HalfWidth(FindBudget(budgets, "joint_offset_y")));
+  if (m.joint) text += JointText(*m.joint, m.joint_moved, worn, rms);
+  if (rms) text += compare::WhatNarrows(*rms) + "\n";
   if (!cuffs.empty()) text += CuffText(cuffs.front().course, cuffs.back().course);
   return text + PathText(m) + PaceAndPostureText(m.pace, m.posture) +
-         PartsText(m.decomposition, m.joint ? m.joint->mean_mm : m.decomposition.offset_mm);
+         PartsText(m.decomposition, m.joint ? m.joint->mean_mm : m.decomposition.offset_mm, half_width_mm);
 }
 
 }  // namespace lake::commands

@@ -236,8 +236,8 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
   run.Report(gait::LegFitText(result));
-  const std::string rises = WriteSitToStands(result, options.fit.markers, options.person, results, run);
   WriteUncertaintyBudget(result, options.budget, results, run);
+  const std::string rises = WriteSitToStands(result, options.fit.markers, options.person, results, run);
   if (options.range_limit_deg) WriteRangeLimit(result, options.budget, *options.range_limit_deg, results, run);
   run.Report(rises);
   if (result.trajectory.unit == motion::LengthUnit::kMm)

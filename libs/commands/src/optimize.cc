@@ -11,10 +11,10 @@
 #include "lake/compare/comparison_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/plausible.h"
 #include "lake/figure/assistance_figures.h"
 #include "lake/figure/redesign_figures.h"
 #include "lake/figure/synthesis_figures.h"
-#include "lake/loads/anthropometry.h"
 #include "lake/loads/body_path.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
@@ -271,9 +271,9 @@ std::vector<double> ReadHeights(const fs::path& participants, const std::vector<
     while (row < table.Rows() && table.Text(row, table.Column("participant_id")) != name) ++row;
     if (row == table.Rows()) throw Fail("{}: no participant_id is '{}'", participants.string(), name);
     const double height_mm = table.RequiredNumber(row, table.Column("height_mm"));
-    if (!(height_mm >= loads::kLeastHeight_mm && height_mm <= loads::kLargestHeight_mm))
-      throw Fail("{}: height_mm {}: a person is {} to {} mm tall", table.Where(row), height_mm, loads::kLeastHeight_mm,
-                 loads::kLargestHeight_mm);
+    if (!kPlausibleStature.Holds(height_mm))
+      throw Fail("{}: height_mm {}: a person is {} to {} mm tall", table.Where(row), height_mm, kPlausibleStature.low,
+                 kPlausibleStature.high);
     heights_mm.push_back(height_mm);
   }
   return heights_mm;

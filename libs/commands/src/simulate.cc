@@ -9,6 +9,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/numbers.h"
+#include "lake/core/plausible.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/drawing/linkage_animation.h"
 #include "lake/drawing/linkage_dxf.h"
@@ -580,7 +581,9 @@ void Describe(SimulationOptions& o, OptionList& options) {
       .Between(-360, 360)
       .Otherwise("2, 70, 110 and the largest")
       .Repeats();
-  options.Add("knee-torque", o.knee_torque_nm, "Extension torque at the knee for which the force is given").Unit("N m");
+  options.Add("knee-torque", o.knee_torque_nm, "Extension torque at the knee for which the force is given")
+      .Unit("N m")
+      .Between(kPlausibleKneeTorque.low, kPlausibleKneeTorque.high);
   options
       .Add("torques", o.torques,
            "Table of extension torques for pin_forces, instead: stroke_mm or knee_deg, then knee_torque_nm")

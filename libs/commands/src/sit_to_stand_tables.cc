@@ -149,7 +149,8 @@ Section SitToStandMethod() {
       "Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638; steady is who turns hip and knee, and moves "
       "the hip up or down, at less than 5 % of the rise's peak speeds for half a second, a limit of our own; "
       "without a waist marker the hip's angle is unknown, and stabilisation is left empty. Of a rise, the "
-      "standard deviations are those of markers and events; skin movement is not in them.";
+      "standard deviations are those of markers and events; skin movement is in that of the knee's angle (in mm: all "
+      "sources of uncertainty_budget.csv), and not in the others.";
   constexpr const char* kFiveTimes =
       "Five-times test: from the first onset to the fifth standing; values are the means of five rises, "
       "standard deviations those between them. A test timed by hand begins at the word, and is longer by the "
@@ -223,6 +224,14 @@ gait::CentresOfMass FindCentresOfMass(const gait::LegFitResult& leg, const loads
   return centres;
 }
 
+// To each rise's knee angle what the recording's budget has of it: an interval that is narrower here would be another.
+void AddSoftTissue(const Json& results, std::vector<SitToStand>& rows) {
+  if (!results.contains("uncertainty")) return;  // lengths in px
+  const double knee_sd_deg = NumberOrNaN(results.at("uncertainty").at("knee_angle_deg").at("anatomical_sd"));
+  for (SitToStand& rise : rows)
+    if (rise.repetition > 0) rise.knee_seat_off_deg.sd = std::hypot(rise.knee_seat_off_deg.sd, knee_sd_deg);
+}
+
 }  // namespace
 
 std::string WriteSitToStands(const gait::LegFitResult& leg, const gait::LegMarkers& markers, const gait::Person& person,
@@ -230,8 +239,8 @@ std::string WriteSitToStands(const gait::LegFitResult& leg, const gait::LegMarke
   gait::TrunkOnPelvis on_pelvis = gait::FindTrunkOnPelvis(leg);
   if (!on_pelvis.warning.empty()) run.Warn(on_pelvis.warning);
   const loads::LegPathOptions path{.facing = leg.motion.facing, .up = leg.up, .markers = markers};
-  const std::vector<SitToStand> rows =
-      gait::MeasureSitToStands(leg, std::move(on_pelvis), FindCentresOfMass(leg, path, run));
+  std::vector<SitToStand> rows = gait::MeasureSitToStands(leg, std::move(on_pelvis), FindCentresOfMass(leg, path, run));
+  AddSoftTissue(results, rows);
   gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), rows, leg.motion.unit);
   results["five_times"] = gait::FiveTimesJson(rows.back(), person);
   WritePage(leg, rows, person, run);

@@ -339,8 +339,8 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
   run.Report(gait::LegFitText(fit));
-  const std::string rises = WriteSitToStands(fit, fit_options.markers, options.person, results, run);
   WriteUncertaintyBudget(fit, options.budget, results, run);
+  const std::string rises = WriteSitToStands(fit, fit_options.markers, options.person, results, run);
   run.Report(rises);
   DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
   const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);

@@ -15,17 +15,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the joint is on the leg that wears it, as well as markers that are put on again would show it.
+// Where the joint is on the leg that wears it, with the interval of all sources.
 std::string JointText(const StudyResults& results) {
   const Json comparison = results.Summary("comparison");
   const Json joint = comparison.value("joint", Json());
   if (joint.is_null()) return "";
-  const double known_mm = PlacementHalfWidth(results).maxCoeff();
+  const Uncertain rms = JointFigure(comparison, "joint_rms_mm");
   return fmt::format(
-      "The exoskeleton's joint is {} mm RMS from the knee of the leg that wears it; in that trial, moving it there "
-      "leaves {} mm. ",
-      KnownText(NumberOrNaN(joint.at("rms_mm")), known_mm, 1),
-      KnownText(NumberOrNaN(comparison.at("best_placement").at("rms_mm")), known_mm, 1));
+      "The exoskeleton's joint is {} RMS from the knee of the leg that wears it; in that trial, moving it there leaves "
+      "{} mm. ",
+      UncertainText(rms, " mm", 1),
+      KnownText(NumberOrNaN(comparison.at("best_placement").at("rms_mm")), rms.HalfWidth(), 1));
 }
 
 std::string WrongText(const StudyResults& results) {

@@ -173,14 +173,16 @@ std::string BudgetText(const Json& comparison) {
   const Json uncertainty = comparison.value("uncertainty", Json::object());
   if (!uncertainty.contains("joint_rms_mm")) return "";
   const Json& rms = uncertainty.at("joint_rms_mm");
+  const int decimals = JointFigure(comparison, "joint_rms_mm").Decimals(1);
   const auto interval = [&](const char* name) {
-    return fmt::format("{:.1f} to {:.1f} mm", NumberOrNaN(rms.at(name).at(0)), NumberOrNaN(rms.at(name).at(1)));
+    return fmt::format("{} to {} mm", RoundedText(NumberOrNaN(rms.at(name).at(0)), decimals),
+                       RoundedText(NumberOrNaN(rms.at(name).at(1)), decimals));
   };
   return fmt::format(
-      "The joint misalignment is {} RMS as the markers show it, and {} between the joints beneath the skin (95 % "
-      "each). "
-      "{} Each source is in comparison/uncertainty_budget.csv.",
-      interval("marker_interval"), interval("anatomical_interval"), rms.at("narrower").get<std::string>());
+      "The joint misalignment is {} mm RMS between the joints beneath the skin: {} with all sources, {} of the markers "
+      "alone (95 % each). {} Each source is in comparison/uncertainty_budget.csv.",
+      RoundedText(NumberOrNaN(rms.at("value")), decimals), interval("anatomical_interval"), interval("marker_interval"),
+      rms.at("narrower").get<std::string>());
 }
 
 }  // namespace

@@ -267,8 +267,10 @@ void Option::Set(const OptionTexts& texts, const std::string& said) {
     const double number = OptionValue<double>::Parse(text, said);
     const auto [low, high] = *range_;
     if (!low_is_allowed_ && !(number > low)) throw UsageError("{} must be positive, not {}", said, text);
-    if (number < low) throw UsageError("{} must be at least {}, not {}", said, low, text);
-    if (number > high) throw UsageError("{} must be at most {}, not {}", said, high, text);
+    const std::string range =
+        std::isfinite(low) && std::isfinite(high) ? fmt::format(" (from {} to {})", low, high) : "";
+    if (number < low) throw UsageError("{} must be at least {}, not {}{}", said, low, text, range);
+    if (number > high) throw UsageError("{} must be at most {}, not {}{}", said, high, text, range);
   }
 }
 

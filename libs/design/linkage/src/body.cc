@@ -9,6 +9,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/cross.h"
 #include "lake/core/error.h"
+#include "lake/core/plausible.h"
 
 namespace lake::linkage {
 namespace {
@@ -130,8 +131,9 @@ double LimbSegment::RadiusAt(double from_distal_mm) const {
 }
 
 Body BodyOf(double height_mm, double mass_kg) {
-  if (!(height_mm >= 500 && height_mm <= 2500)) throw Fail("a body of {} mm is outside 500..2500 mm", height_mm);
-  if (!(mass_kg >= 10 && mass_kg <= 400)) throw Fail("a body of {} kg is outside 10..400 kg", mass_kg);
+  for (const auto& [value, range] : {std::pair{height_mm, kPlausibleStature}, {mass_kg, kPlausibleMass}})
+    if (!range.Holds(value))
+      throw Fail("a body of {} {} is outside {}..{} {}", value, range.unit, range.low, range.high, range.unit);
   Body body{.height_mm = height_mm,
             .mass_kg = mass_kg,
             .thigh = SegmentOf(kThigh, kThigh.length * height_mm, mass_kg),
@@ -158,8 +160,9 @@ double MassAtHeight_kg(double height_mm, double other_height_mm, double other_ma
 
 Body WithLeg(Body body, const LegLengths& leg) {
   for (const double length_mm : {leg.thigh_mm, leg.shank_mm})
-    if (!(length_mm >= 100 && length_mm <= 1000))
-      throw Fail("a thigh of {} mm and a shank of {} mm: both must be within 100..1000 mm", leg.thigh_mm, leg.shank_mm);
+    if (!kPlausibleSegment.Holds(length_mm))
+      throw Fail("a thigh of {} mm and a shank of {} mm: both must be within {}..{} mm", leg.thigh_mm, leg.shank_mm,
+                 kPlausibleSegment.low, kPlausibleSegment.high);
   body.thigh = SegmentOf(kThigh, leg.thigh_mm, body.mass_kg);
   body.shank = SegmentOf(kShank, leg.shank_mm, body.mass_kg);
   return body;

@@ -7,6 +7,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/plausible.h"
 #include "lake/core/uncertain_text.h"
 
 namespace lake::problem {
@@ -60,12 +61,16 @@ void SynthesisProblem::Check() const {
   CheckPositive(d_min_mm, "d_min_mm");
   if (d_max_mm && !(std::isfinite(*d_max_mm) && *d_max_mm > d_min_mm))
     throw Fail("d_max_mm = {} must exceed d_min_mm = {}", *d_max_mm, d_min_mm);
+  CheckPlausible("d_min_mm", d_min_mm, kPlausibleStroke);
+  if (d_max_mm) CheckPlausible("d_max_mm", *d_max_mm, kPlausibleStroke);
   for (std::size_t i = 0; i < bounds.size(); ++i) CheckBounds(bounds[i], LinkName(i));
   linkage::CheckLinks(start, "start");
   CheckMargin(grashof_margin_mm, "grashof_mm");
   CheckMargin(singularity_margin_mm, "singularity_mm");
   CheckPositive(knee_torque_nm, "knee_torque_nm");
+  CheckPlausible("knee_torque_nm", knee_torque_nm, kPlausibleKneeTorque);
   if (max_force_n) CheckPositive(*max_force_n, "max_force_n");
+  if (max_force_n) CheckPlausible("max_force_n", *max_force_n, kPlausibleForce);
   if (min_moment_arm_mm) CheckPositive(*min_moment_arm_mm, "min_moment_arm_mm");
   if (min_transmission_deg && !(*min_transmission_deg > 0 && *min_transmission_deg < 90))
     throw Fail("min_transmission_deg = {} must lie between 0 and 90", *min_transmission_deg);

@@ -7,6 +7,7 @@
 #include "hinge_fit.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/plausible.h"
 
 namespace lake::axis {
 namespace {
@@ -75,6 +76,16 @@ MeanAxis AxisOf(const SegmentMotion& motion, const std::vector<std::size_t>& fra
   return axis;
 }
 
+// A hinge of two segments is no farther from their markers than a segment is long.
+void CheckIsAKnees(const MeanAxis& axis) {
+  for (const auto& [segment, distance_mm] : {std::pair{"shank", axis.in_shank.norm()}, {"thigh", axis.in_thigh.norm()}})
+    if (distance_mm - 2 * axis.sd_mm > kPlausibleSegment.high)
+      throw Fail(
+          "the axis is {:.0f} mm (standard deviation {:.0f}) from the markers of the {}, and a knee is within {:.0f} "
+          "mm: are all markers of --segment on the segments that they are named for?",
+          distance_mm, axis.sd_mm, segment, kPlausibleSegment.high);
+}
+
 MeanAxis WindowAxis(const SegmentMotion& motion, const std::vector<std::size_t>& frames, const LearntErrors& errors) {
   const AxisFrames across = AxisFramesOf(motion, frames);
   const HingeFit fit(motion, EquationsOf(motion, frames, across), &errors);
@@ -95,6 +106,7 @@ MeanAxesResult MeanAxes(const SegmentMotion& motion, std::size_t window_frames, 
   MeanAxesResult result;
   result.errors = fit.LearnErrors(across);
   result.whole = AxisOf(motion, all, across, fit, fit.Solve(result.errors.models));
+  CheckIsAKnees(result.whole);
   for (std::size_t window = 1; window_frames > 0 && window * window_frames <= count; ++window) {
     const std::vector<std::size_t> some = SeenFrames(motion, (window - 1) * window_frames, window * window_frames);
     const double turn = some.empty() ? 0 : LargestTurnDeg(motion, some);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include "lake/axis/functional_axis.h"
 #include "lake/core/error.h"
@@ -36,6 +38,17 @@ std::vector<const exchange::PointTrack*> TracksOf(const exchange::PointRecording
       throw UsageError("--segment {}: '{}' is named twice", segment, name);
   }
   return tracks;
+}
+
+// The leg's markers by the segment that carries them, where lake's own names say so; the knee's is on either.
+void CheckIsOnSegment(const std::vector<std::string>& names, std::string_view segment) {
+  constexpr std::pair<const char*, const char*> kPlaces[] = {{"ankle", "shank"}, {"heel", "foot"},
+                                                             {"toe", "foot"},    {"hip", "thigh"},
+                                                             {"waist", "trunk"}, {"shoulder", "trunk"}};
+  for (const auto& [name, place] : kPlaces)
+    if (place != segment && std::ranges::find(names, name) != names.end())
+      throw UsageError("--segment {}: the marker '{}' is on the {}; name markers of the {}", segment, name, place,
+                       segment);
 }
 
 // Of the plane in which all markers of both segments are, throughout.
@@ -182,6 +195,8 @@ SegmentMotion MotionOf(const exchange::PointRecording& points, const SegmentMark
   if (points.space == exchange::PointSpace::kImage)
     throw Fail("the markers are in pixels: give a trial in mm (calibrate the camera, or export it with a scale)");
   const std::size_t least = points.space == exchange::PointSpace::kPlane ? 2 : 3;
+  CheckIsOnSegment(markers.shank, "shank");
+  CheckIsOnSegment(markers.thigh, "thigh");
   const auto shank = TracksOf(points, markers.shank, "shank", least);
   const auto thigh = TracksOf(points, markers.thigh, "thigh", least);
   for (const std::string& name : markers.shank)

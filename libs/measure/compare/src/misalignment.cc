@@ -268,12 +268,13 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
   return m;
 }
 
-std::string DescribeJoint(const Vector2d& offset_mm) {
+std::string DescribeJoint(const Vector2d& offset_mm, const Vector2d& half_width_mm) {
   constexpr double kRoundsToZero_mm = 0.5;
   if (offset_mm.cwiseAbs().maxCoeff() < kRoundsToZero_mm) return "on the knee";
-  return fmt::format("{:.0f} mm {} the knee and {:.0f} mm {} it along the shank", std::abs(offset_mm.x()),
-                     offset_mm.x() < 0 ? "behind" : "in front of", std::abs(offset_mm.y()),
-                     offset_mm.y() < 0 ? "below" : "above");
+  return fmt::format("{} mm {} the knee and {} mm {} it along the shank",
+                     KnownText(std::abs(offset_mm.x()), half_width_mm.x(), 0),
+                     offset_mm.x() < 0 ? "behind" : "in front of",
+                     KnownText(std::abs(offset_mm.y()), half_width_mm.y(), 0), offset_mm.y() < 0 ? "below" : "above");
 }
 
 }  // namespace lake::compare

@@ -1,5 +1,7 @@
 #include "lake/compare/misalignment_options.h"
 
+#include "lake/core/plausible.h"
+
 namespace lake::compare {
 
 void Describe(MisalignmentOptions& o, OptionList& options) {
@@ -8,7 +10,7 @@ void Describe(MisalignmentOptions& o, OptionList& options) {
            "Standard deviation, per axis, of putting a marker back on its spot between trials; 0 if both are in one "
            "recording")
       .Unit("mm")
-      .NotNegative();
+      .Between(kPlausibleMarkerDeviation.low, kPlausibleMarkerDeviation.high);
   options.Add("resamples", o.resamples, "Number of bootstrap resamples; 0: no intervals");
   options.Add("seed-number", o.seed, "Random seed of the bootstrap");
 }
@@ -18,7 +20,8 @@ void DescribeJointAt(std::array<double, 2>& joint_at_mm, OptionList& options) {
       .Add("joint-at", joint_at_mm,
            "Where that marker is on the exoskeleton, seen from the joint's axis: anterior, up along the shank")
       .Unit("mm")
-      .Value("X,Y");
+      .Value("X,Y")
+      .Between(kPlausibleJointMarker.low, kPlausibleJointMarker.high);
 }
 
 }  // namespace lake::compare

@@ -10,6 +10,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/numbers.h"
+#include "lake/core/plausible.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/sit_to_stand.h"
 #include "lake/motion/leg_motion.h"
@@ -359,7 +360,7 @@ void Describe(BudgetOptions& o, OptionList& options) {
       .Add("soft-tissue", o.soft_tissue_mm,
            "Standard deviation, per axis, of the knee's marker against the joint beneath it; 0 for renderings")
       .Unit("mm")
-      .NotNegative();
+      .Between(kPlausibleMarkerDeviation.low, kPlausibleMarkerDeviation.high);
   options.Add("depth-sd", o.depth_mm, "Standard deviation of a marker's distance from the plane against another's")
       .Unit("mm")
       .NotNegative();
@@ -376,7 +377,7 @@ void Describe(ComparisonBudgetOptions& o, OptionList& options) {
            "Standard deviation, per axis, of the knee's marker against the joint beneath it in a single frame; of no "
            "effect where the knee is an axis")
       .Unit("mm")
-      .NotNegative()
+      .Between(kPlausibleMarkerDeviation.low, kPlausibleMarkerDeviation.high)
       .Otherwise("twice --soft-tissue");
 }
 
@@ -386,7 +387,7 @@ void Describe(RecordingBudgetOptions& o, OptionList& options) {
       .Add("placement-sd", o.placement_mm,
            "Standard deviation, per axis, of a marker's spot on the skin against that of another day or examiner")
       .Unit("mm")
-      .NotNegative();
+      .Between(kPlausibleMarkerDeviation.low, kPlausibleMarkerDeviation.high);
 }
 
 }  // namespace lake::compare

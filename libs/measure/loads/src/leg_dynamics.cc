@@ -6,6 +6,7 @@
 #include "lake/core/cross.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/plausible.h"
 #include "lake/core/statistics.h"
 
 namespace lake::loads {
@@ -46,10 +47,8 @@ Body FootBody(const LegPoints& points, const LegBody& body) {
 
 void BodyOptions::Check() const {
   if (mass_kg == 0) throw UsageError("--mass is missing: the person's mass in kg, with what is worn");
-  if (!(mass_kg >= kLeastMass_kg && mass_kg <= kLargestMass_kg))
-    throw Fail("--mass {} kg: a person weighs {} to {} kg", mass_kg, kLeastMass_kg, kLargestMass_kg);
-  if (height_mm && !(*height_mm >= kLeastHeight_mm && *height_mm <= kLargestHeight_mm))
-    throw Fail("--height {} mm: a person is {} to {} mm tall", *height_mm, kLeastHeight_mm, kLargestHeight_mm);
+  CheckPlausible("--mass", mass_kg, kPlausibleMass);
+  if (height_mm) CheckPlausible("--height", *height_mm, kPlausibleStature);
   if (!(share > 0 && share <= 1)) throw UsageError("--share {}: of the trunk's weight, above 0 and at most 1", share);
   if (sex && anthropometry != kDeLeva)
     throw UsageError(

@@ -25,23 +25,21 @@ std::string IntervalNote(const Json& parent, const char* name, double factor, in
                      NumberText(factor * NumberOrNaN(interval.at(1)), decimals), unit);
 }
 
-// A key figure rounded to its interval, which stands below it.
-KeyFigure FigureOf(const char* label, const Uncertain& of, int otherwise, const char* unit) {
+// A key figure rounded to its interval, which stands below it with what it includes.
+KeyFigure FigureOf(const char* label, const Uncertain& of, int otherwise, const char* unit, const char* includes = "") {
   const int decimals = of.Decimals(otherwise);
   return {.label = label,
           .value = of.value,
           .decimals = decimals,
           .unit = unit,
           .plus_minus = std::nullopt,
-          .note = of.IsKnown() ? fmt::format("95 %: {} to {} {}", NumberText(of.low, decimals),
-                                             NumberText(of.high, decimals), unit)
+          .note = of.IsKnown() ? fmt::format("95 %{}: {} to {} {}", includes, RoundedText(of.low, decimals),
+                                             RoundedText(of.high, decimals), unit)
                                : ""};
 }
 
-Uncertain OffsetOf(const Json& decomposition, const Eigen::Vector2d& joint_mm, int axis) {
-  const Json intervals = decomposition.value("offset_interval_mm", Json());
-  return UncertainOf(joint_mm[axis], intervals.is_array() ? intervals.at(static_cast<std::size_t>(axis)) : Json());
-}
+constexpr const char* kOfAllSources = ", all sources";
+constexpr const char* kOfMarkers = ", of the markers alone";
 
 // What moving the joint leaves and why its paths still differ, and what seat and limbs allow of it; empty where the
 // trial shows no knee beside the joint.
@@ -177,11 +175,18 @@ Section KneeAxisSection(const Json& comparison) {
 
 constexpr std::array<const char*, 3> kParts = {"placement", "timing", "shape"};
 
-// Where the joint sits: on the exo trial's own leg if it is shown, else the fitted offset.
-Eigen::Vector2d JointOf(const Json& comparison) {
+// Where the joint sits: on the exo trial's own leg if it is shown, else the fitted offset with its own interval.
+Uncertain OffsetOf(const Json& comparison, std::size_t axis) {
   const Json worn = comparison.value("joint", Json());
-  const Json& joint = (worn.is_null() ? comparison.at("decomposition") : worn).at("offset_mm");
-  return {NumberOrNaN(joint.at(0)), NumberOrNaN(joint.at(1))};
+  if (!worn.is_null()) return JointFigure(comparison, axis == 0 ? "joint_offset_x_mm" : "joint_offset_y_mm");
+  const Json& fitted = comparison.at("decomposition");
+  const Json intervals = fitted.value("offset_interval_mm", Json());
+  return UncertainOf(fitted.at("offset_mm").at(axis), intervals.is_array() ? intervals.at(axis) : Json());
+}
+
+std::string JointText(const Json& comparison) {
+  const Uncertain x = OffsetOf(comparison, 0), y = OffsetOf(comparison, 1);
+  return compare::DescribeJoint({x.value, y.value}, {x.HalfWidth(), y.HalfWidth()});
 }
 
 // What the part is for the designer.
@@ -196,7 +201,7 @@ std::string PartAdvice(const std::string& part, const Json& comparison) {
     return "shape: neither moving the joint nor another pace removes it. Soft tissue, straps that slip, a movement out "
            "of the plane or a different movement of the leg remain";
   return fmt::format("placement: the joint sits {}. Moving the joint onto the knee removes this part",
-                     compare::DescribeJoint(JointOf(comparison)));
+                     JointText(comparison));
 }
 
 // Whether its interval lies above those of the other parts; without intervals nothing is known against it.
@@ -228,6 +233,15 @@ Section MethodSection() {
 
 }  // namespace
 
+Uncertain JointFigure(const Json& comparison, const std::string& quantity) {
+  const Json& joint = comparison.at("joint");
+  const Json& value = quantity == "joint_rms_mm"        ? joint.at("rms_mm")
+                      : quantity == "joint_offset_x_mm" ? joint.at("offset_mm").at(0)
+                                                        : joint.at("offset_mm").at(1);
+  const Json budget = comparison.value("uncertainty", Json::object()).value(quantity, Json::object());
+  return UncertainOf(value, budget.value("anatomical_interval", Json()));
+}
+
 KeyFigures MisalignmentKeyFigures(const Json& comparison) {
   const Json& metrics = comparison.at("metrics");
   const Json& parts = comparison.at("decomposition");
@@ -239,10 +253,9 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
   const auto figure = [&](const char* label, const char* name, double factor, int otherwise, const char* unit) {
     return FigureOf(label, UncertainOf(metrics.at(name), intervals.value(name, Json()), factor), otherwise, unit);
   };
-  const Eigen::Vector2d joint = JointOf(comparison);
   const Json worn = comparison.value("joint", Json());
-  const auto of_joint = [&](const char* label, const Json& of, const char* name, const char* interval) {
-    if (of.is_object()) return FigureOf(label, UncertainOf(of.at(name), of.value(interval, Json())), 1, "mm");
+  const auto of_joint = [&](const char* label, const Json& of, const Uncertain& figure, const char* includes) {
+    if (of.is_object()) return FigureOf(label, figure, 1, "mm", includes);
     return KeyFigure{.label = label,
                      .value = std::numeric_limits<double>::quiet_NaN(),
                      .decimals = 1,
@@ -251,6 +264,11 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
                      .note = "the trial does not show the knee"};
   };
   const Json best = comparison.value("best_placement", Json());
+  const auto markers = [](const Json& of, const char* name, const char* interval) {
+    return of.is_object() ? UncertainOf(of.at(name), of.value(interval, Json())) : Uncertain{};
+  };
+  const Uncertain rms = worn.is_object() ? JointFigure(comparison, "joint_rms_mm") : Uncertain{};
+  const char* of_place = worn.is_object() ? kOfAllSources : kOfMarkers;
   KeyFigure joint_moved =
       FigureOf("path difference, joint moved, of the shank",
                best.is_object() && best.contains("path_relative_rms")
@@ -259,9 +277,9 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
                2, "%");
   if (!best.is_object()) joint_moved.note = "the trial does not show the knee";
   return {
-      {of_joint("joint misalignment, RMS", worn, "rms_mm", "rms_interval_mm"),
-       of_joint("joint misalignment, largest", worn, "max_mm", "max_interval_mm"),
-       of_joint("joint misalignment, joint moved", best, "rms_mm", "rms_interval_mm"),
+      {of_joint("joint misalignment, RMS", worn, rms, kOfAllSources),
+       of_joint("joint misalignment, largest", worn, markers(worn, "max_mm", "max_interval_mm"), kOfMarkers),
+       of_joint("joint misalignment, joint moved", best, markers(best, "rms_mm", "rms_interval_mm"), kOfMarkers),
        joint_moved,
        figure("path difference, RMS, of the shank", "relative_rms", 100, 2, "%"),
        figure("path difference, largest, of the shank", "relative_max", 100, 2, "%"),
@@ -270,8 +288,8 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
        share("placement"),
        share("timing"),
        share("shape"),
-       FigureOf("joint in front of the knee", OffsetOf(parts, joint, 0), 0, "mm"),
-       FigureOf("joint above the knee, along the shank", OffsetOf(parts, joint, 1), 0, "mm"),
+       FigureOf("joint in front of the knee", OffsetOf(comparison, 0), 0, "mm", of_place),
+       FigureOf("joint above the knee, along the shank", OffsetOf(comparison, 1), 0, "mm", of_place),
        {"difference in pace, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, "% of the rise", std::nullopt, ""}}};
 }
 

@@ -6,8 +6,8 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/plausible.h"
 #include "lake/core/yaml.h"
-#include "lake/loads/anthropometry.h"
 
 namespace lake::cohort {
 namespace {
@@ -44,8 +44,8 @@ class Participants {
       names_.push_back(id);
     }
     if (names_.empty()) throw Fail("{}: there are no participants", path.string());
-    CheckColumn("mass_kg", loads::kLeastMass_kg, loads::kLargestMass_kg);
-    CheckColumn("height_mm", loads::kLeastHeight_mm, loads::kLargestHeight_mm);
+    CheckColumn("mass_kg", kPlausibleMass.low, kPlausibleMass.high);
+    CheckColumn("height_mm", kPlausibleStature.low, kPlausibleStature.high);
     CheckColumn("seat_height_mm", kLowestSeat_mm, kHighestSeat_mm);
   }
 

@@ -83,8 +83,8 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
                            const MisalignmentOptions& options = {});
 
 // "18 mm in front of the knee and 32 mm above it along the shank": how every text says where a joint sits; shank
-// frame, x anterior, y up.
-std::string DescribeJoint(const Eigen::Vector2d& offset_mm);
+// frame, x anterior, y up. Each number is rounded to its half width (95 %), to 1 mm where that is not known.
+std::string DescribeJoint(const Eigen::Vector2d& offset_mm, const Eigen::Vector2d& half_width_mm = {0, 0});
 
 // misalignment.csv, 101 rows.
 void WriteMisalignmentCsv(const std::filesystem::path& path, const Misalignment& misalignment);

@@ -9,9 +9,6 @@
 
 namespace lake::loads {
 
-// What a person can be; anything else is a slip, mostly of units.
-inline constexpr double kLeastMass_kg = 20, kLargestMass_kg = 300, kLeastHeight_mm = 1000, kLargestHeight_mm = 2300;
-
 // One segment of a table. `centre` is from the segment's upper end (of the foot: from the heel; of head, arms and
 // trunk: from the hip), `gyration` is about the centre, both as shares of the segment's length.
 struct SegmentShare {

@@ -21,7 +21,7 @@ struct BodyOptions {
   std::optional<std::array<double, 2>>
       foot_mm;  // how far heel and toe are behind and before the ankle; else from the stature
 
-  // Throws Error for a mass or stature that nobody has (outside 20 to 300 kg, 1 to 2.3 m); UsageError for a mass that
+  // Throws Error for a mass or stature that nobody has (lake/core/plausible.h); UsageError for a mass that
   // is not given, a sex with a table that is of both, a share outside 0 to 1, a foot that does not lie under the ankle
   // or is not 0.1 to 0.5 m long.
   void Check() const;
