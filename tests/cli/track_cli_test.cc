@@ -5,6 +5,7 @@
 
 #include "cli/program_run.h"
 #include "lake/core/json.h"
+#include "lake/motion/leg_motion.h"
 
 namespace lake {
 namespace {
@@ -174,6 +175,39 @@ TEST_F(TrackProgram, EndsCleanlyWhenInterrupted) {
     EXPECT_EQ(outcome.exit_code, code) << outcome.err;
     EXPECT_EQ(outcome.err, "lake-track: interrupted\n");
     EXPECT_EQ(FilesIn(folder_ / "results"), 0u);
+  }
+}
+
+// A film that is stored narrower than it is shown, as DV and HDV are, says so; so do the tables that lie beside its
+// summary.
+TEST_F(TrackProgram, AFilmStoredNarrowerThanShownGivesTheSameAngles) {
+  Render();
+  Ffmpeg("-i good.mp4 -vf scale=540:ih,setsar=4/3 -c:v libx264 -crf 8 narrow.mp4");
+  ASSERT_EQ(Shell(folder_, "lake-track good.mp4 --no-overlay --quiet -o square").exit_code, 0);
+  const Outcome outcome = Track("narrow.mp4");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("pixels are 1.33 times as wide as high"));
+  EXPECT_NEAR(ReadJsonFile(folder_ / "results/summary.json")["video"]["pixel_aspect"].get<double>(), 4 / 3.0, 1e-9);
+  ASSERT_EQ(Shell(folder_, "lake-gait results --quiet -o again").exit_code, 0);
+  const motion::LegMotion truth = motion::ReadKinematicsCsv(folder_ / "square/kinematics.csv");
+  for (const char* folder : {"results", "again"}) {
+    const motion::LegMotion narrow = motion::ReadKinematicsCsv(folder_ / folder / "kinematics.csv");
+    ASSERT_EQ(narrow.samples.size(), truth.samples.size());
+    double worst_deg = 0;
+    for (std::size_t i = 0; i < truth.samples.size(); ++i)
+      worst_deg = std::max(worst_deg, std::abs(narrow.samples[i].knee_deg - truth.samples[i].knee_deg));
+    EXPECT_LT(worst_deg, 0.5) << folder;
+  }
+}
+
+TEST_F(TrackProgram, PicturesThatAreTooSmallAreRefusedInOneLine) {
+  for (const char* size : {"2x2", "64x2", "8x64"}) {
+    Ffmpeg(fmt::format("-f lavfi -i testsrc=size={}:rate=30:duration=1 -c:v ffv1 tiny.mkv", size));
+    ExpectRefused("tiny.mkv", 1, fmt::format("its pictures are of {} px", size));
+    const Outcome check = Shell(folder_, "lake-check tiny.mkv --quiet -o check");
+    EXPECT_EQ(check.exit_code, 1);
+    EXPECT_THAT(check.err, HasSubstr("its pictures are of"));
+    EXPECT_EQ(check.ErrorLines(), 1) << check.err;
   }
 }
 

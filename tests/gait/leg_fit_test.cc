@@ -343,6 +343,38 @@ TEST(LegFit, AnglesDoNotDependOnTheScale) {
   for (std::size_t i = 0; i < mm.events.size(); ++i) EXPECT_NEAR(mm.events[i].time_s, px.events[i].time_s, 0.035);
 }
 
+// Stored narrower than shown: the angles and lengths are those of the picture as shown.
+TEST(LegFit, PixelsThatAreNotSquareAreStretched) {
+  const SyntheticLeg leg = MakeSyntheticLeg({});
+  gait::LegView square = ScaledView();
+  for (const double aspect : {32.0 / 27, 4.0 / 3, 8.0 / 9}) {
+    gait::LegView view = square;
+    view.pixel_aspect = aspect;
+    const Eigen::Vector2d mm(300, 250), px = gait::RecordedFromPlane<double>(view, mm, 0);
+    EXPECT_LT((gait::PlaneFromRecorded(view, px, 0) - mm).norm(), 1e-9);
+    EXPECT_NEAR(px.x() * aspect, gait::RecordedFromPlane<double>(square, mm, 0).x(), 1e-9);
+    const motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, view, {0.03}, 7);
+    const gait::LegFitResult result = gait::FitLeg(tracks, view);
+    const gait::LegFitResult truth = gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, square, {0.03}, 7), square);
+    for (std::size_t i = 0; i < leg.time_s.size(); ++i)
+      EXPECT_NEAR(result.motion.samples[i].knee_deg, truth.motion.samples[i].knee_deg, 0.1);
+    EXPECT_NEAR(result.segments[0].length, truth.segments[0].length, 0.5);
+  }
+}
+
+TEST(PictureScale, ABarIsMeasuredInSquarePixels) {
+  const auto mm_per_px = [](const std::array<double, 5>& bar) {
+    gait::PictureScale picture;
+    picture.scale = bar;
+    picture.pixel_aspect = 1.5;
+    const gait::LegView view = gait::MakeView(picture, {}, {}, {}, [](const std::string&) {});
+    EXPECT_EQ(view.pixel_aspect, 1.5);
+    return view.mm_per_px.value();
+  };
+  EXPECT_NEAR(mm_per_px({0, 0, 100, 0, 300}), 2, 1e-12);
+  EXPECT_NEAR(mm_per_px({0, 0, 0, 150, 300}), 2, 1e-12);
+}
+
 // The view of tracks whose video is not at hand is the one that the tracker had.
 TEST(PictureScale, GivesTheViewOfACameraFileOrABar) {
   const TemporaryFolder folder;

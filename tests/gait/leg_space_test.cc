@@ -255,6 +255,38 @@ TEST(LegInSpace, ALimbThatChangesItsLengthInSpaceIsRefusedStill) {
   }
 }
 
+// Points of a program that needs no markers: the thigh is a third shorter in the deep squat than in standing. The trial
+// is read, and the angle's standard deviation is wide where the length is off.
+TEST(LegInSpace, ALimbWhoseLengthChangesByAThirdHasWiderSigmas) {
+  Squat squat = MakeSquat(0, 100, 0.5, 5);
+  auto& points = squat.points.points;
+  for (std::size_t i = 0; i < squat.knee_deg.size(); ++i) {
+    const Eigen::Vector3d shorter = -0.38 * squat.knee_deg[i] / 110 * (points[2].positions[i] - points[1].positions[i]);
+    points[2].positions[i] += shorter, points[3].positions[i] += shorter;
+  }
+  const gait::LegFitResult result = FitSquat(squat, "+x", gait::LegFilter::kSpline);
+  EXPECT_THAT(result.warnings, testing::Contains(testing::AllOf(testing::HasSubstr("'knee' to 'hip' changes by"),
+                                                                testing::HasSubstr("standard deviation is larger"))));
+  int deep = 0;
+  for (std::size_t i = 0; i < squat.knee_deg.size(); ++i) {
+    const motion::LegSample& sample = result.motion.samples[i];
+    ASSERT_TRUE(std::isfinite(sample.knee_deg)) << i;
+    EXPECT_NEAR(sample.knee_deg, squat.knee_deg[i], 2);
+    if (squat.knee_deg[i] < 60) EXPECT_LT(sample.knee_sigma_deg, 1) << squat.knee_deg[i];
+    if (squat.knee_deg[i] > 105) EXPECT_GT(sample.knee_sigma_deg, 4) << ++deep;
+  }
+}
+
+// Single frames in which a marker is somewhere else leave the rest of the trial as it is.
+TEST(LegInSpace, FramesOfAnotherPointAreLeftOut) {
+  Squat squat = MakeSquat(0, 100, 0.5, 6);
+  for (std::size_t i = 0; i < squat.knee_deg.size(); i += 12)
+    squat.points.points[2].positions[i] += Eigen::Vector3d(900, 700, 0);
+  const gait::LegFitResult result = FitSquat(squat, "+x", gait::LegFilter::kSpline);
+  for (std::size_t i = 0; i < squat.knee_deg.size(); ++i)
+    EXPECT_NEAR(result.motion.samples[i].knee_deg, squat.knee_deg[i], 2) << i;
+}
+
 TEST(LegInSpace, PointsOfAPlaneInAFileOfSpaceAreALegInAPlane) {
   Squat squat = MakeSquat(0, 100, 0, 1);
   for (exchange::PointTrack& point : squat.points.points)

@@ -41,14 +41,18 @@ std::string UnitQuestion(const exchange::Trial& trial, const std::string& unit) 
 
 gait::LegView ViewOf(const exchange::Trial& trial, const gait::PictureScale& picture, Run& run) {
   if (trial.recording.unit == motion::LengthUnit::kMm) return gait::MakeLegView(trial.recording.unit, std::nullopt);
-  return gait::ViewOf(picture, trial.recording, trial.mm_per_px, [&run](const std::string& text) { run.Warn(text); });
+  gait::PictureScale seen = picture;
+  seen.pixel_aspect = trial.pixel_aspect;
+  return gait::ViewOf(seen, trial.recording, trial.mm_per_px, [&run](const std::string& text) { run.Warn(text); });
 }
 
 // What is up in the view's plane; a trial in px says it of its picture, with y up.
 Eigen::Vector2d UpIn(const gait::LegView& view, const exchange::Trial& trial) {
-  if (!view.camera) return *trial.up;
+  if (!view.camera && view.pixel_aspect == 1) return *trial.up;
   constexpr double kLength_px = 100;
-  const Eigen::Vector2d up_px(trial.up->x(), -trial.up->y()), middle(view.camera->cx, view.camera->cy);
+  const Eigen::Vector2d up_px(trial.up->x(), -trial.up->y());
+  const Eigen::Vector2d middle =
+      view.camera ? Eigen::Vector2d(view.camera->cx, view.camera->cy) : Eigen::Vector2d(0, 0);
   return gait::UpFromPlumbLine(view, middle + kLength_px * up_px, middle, up_px);
 }
 

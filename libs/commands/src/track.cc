@@ -47,6 +47,13 @@ std::optional<camera::CameraProfile> ReadCamera(const TrackRunOptions& options, 
   return profile;
 }
 
+gait::LegView ViewOf(const TrackRunOptions& options, const video::VideoInfo& video,
+                     const std::optional<camera::CameraProfile>& profile, const gait::Warn& warn) {
+  gait::PictureScale picture = options;
+  picture.pixel_aspect = video.pixel_aspect;
+  return gait::MakeView(picture, profile, {}, options.depth_mm, warn);
+}
+
 using gait::Warn;
 
 Warn WarnThrough(Run& run) {
@@ -104,6 +111,7 @@ Json VideoJson(const tracking::TrackResult& tracked) {
     jolts.push_back({{"before_frame", jolt.before}, {"after_frame", jolt.after}, {"jump_mm", jolt.jump_mm}});
   return {{"width", video.width},
           {"height", video.height},
+          {"pixel_aspect", video.pixel_aspect},
           {"frames", tracked.recording.Frames()},
           {"repeated_frames", tracked.times.repeated.size()},
           {"repeated_frame_numbers", tracked.times.repeated},
@@ -183,18 +191,20 @@ void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateLi
   overlay::DrawNumberedSpots(luma, spots, run.Result(kCandidatesPicture));
 }
 
-void WarnOfVideo(const video::VideoInfo& video, Run& run) {
+void WarnOfVideo(const video::VideoInfo& video, const gait::LegView& view, Run& run) {
   if (video.irregular_stamps)
     run.Warn("the frames' time stamps are irregular ({} to {} s apart); each frame's own stamp is used",
              SignificantText(video.shortest_interval_s, 4), SignificantText(video.longest_interval_s, 4));
   if (video.repaired_stamps > 0)
     run.Warn("{} frames have no time stamp: each is put one frame's duration after the one before",
              video.repaired_stamps);
-  if (std::abs(video.pixel_aspect - 1) > 0.01)
+  if (video.HasWidePixels())
     run.Warn(
-        "the video's pixels are not square ({} wide to 1 high): positions are in its own pixels; only a camera "
-        "calibrated on such pictures makes lengths and angles of them right",
-        SignificantText(video.pixel_aspect, 3));
+        "the video's pixels are {} times as wide as high, as its file says: positions in px are of the picture as "
+        "stored, lengths and angles {}",
+        SignificantText(video.pixel_aspect, 3),
+        view.camera_from_plane || view.homography ? "of the plane that was calibrated with such pictures"
+                                                  : "of the picture stretched by that");
 }
 
 std::vector<exchange::PointEvent> PointEvents(const std::vector<motion::StsEvent>& events) {
@@ -231,7 +241,7 @@ void Export(const TrackRunOptions& options, const video::VideoInfo& video, const
   }
   trial.image.video =
       exchange::SourceVideo{std::filesystem::absolute(options.video).string(), video.width, video.height};
-  if (!view.camera && !view.homography) trial.image.mm_per_px = view.mm_per_px;
+  if (!view.camera && !view.homography && !video.HasWidePixels()) trial.image.mm_per_px = view.mm_per_px;
   std::optional<Error> first_error;
   for (const std::string& format : options.exports) {
     try {
@@ -514,7 +524,7 @@ TrackFit FitTracked(const TrackRunOptions& options, const tracking::TrackResult&
   const Warn warn = [&result](const std::string& text) { result.warnings.push_back(text); };
   std::string note;
   const std::optional<camera::CameraProfile> profile = ReadCamera(options, tracked.video, note);
-  const gait::LegView view = gait::MakeView(options, profile, {}, options.depth_mm, warn);
+  const gait::LegView view = ViewOf(options, tracked.video, profile, warn);
   const gait::RollingShutter shutter =
       gait::ShutterOf(ReadoutOf(options, profile), tracked.video.width, tracked.video.height,
                       tracked.video.rotation_deg, tracked.video.mirrored);
@@ -588,7 +598,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   run.AddInputs(InputsOf(options));
   std::string scaled;
   const std::optional<camera::CameraProfile> profile = ReadCamera(options, video, scaled);
-  const gait::LegView view = gait::MakeView(options, profile, {}, options.depth_mm, WarnThrough(run));
+  const gait::LegView view = ViewOf(options, video, profile, WarnThrough(run));
   exchange::CheckExportFormats(options.exports, gait::PlaneUnit(view) == motion::LengthUnit::kMm,
                                HasLeg(options.track.names));
   std::vector<motion::Correction> corrections;
@@ -608,7 +618,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   // Only now, as a video that cannot be tracked is told of in one line.
   if (!scaled.empty()) run.Warn(scaled);
   WarnOfUnit(view, options.camera.has_value(), run);
-  WarnOfVideo(tracked.video, run);
+  WarnOfVideo(tracked.video, view, run);
   for (const std::string& warning : tracking::Warnings(tracked.times, tracked.recording.frame)) run.Warn(warning);
   CheckNotRepeated(corrections, tracked.times);
   motion::ApplyCorrections(corrections, tracked.recording);

@@ -94,8 +94,9 @@ std::vector<std::string> ConvertAngles(const fs::path& in, const fs::path& out, 
 }
 
 // Positions in px as `picture` scales them: in mm, or, in a project over the video, in px beside the scale.
-PointRecording ScaledBy(const gait::PictureScale& picture, PointRecording points, const fs::path& in,
+PointRecording ScaledBy(gait::PictureScale picture, PointRecording points, const fs::path& in, const fs::path& table,
                         const fs::path& out) {
+  picture.pixel_aspect = PixelAspectBeside(table);
   const auto refuse = [&](const fs::path& file, const char* why) {
     CheckNoneIsUnused(file, {{picture.OptionName(), why}});
   };
@@ -166,7 +167,7 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   PointRecording points =
       ReadPoints(table, options.reading.mm_per_unit, options.reading.rate_hz, options.reading.values);
   if (options.crop_s) CropPoints(*options.crop_s, in, points);
-  if (options.picture.IsGiven()) points = ScaledBy(options.picture, std::move(points), in, out);
+  if (options.picture.IsGiven()) points = ScaledBy(options.picture, std::move(points), in, table, out);
   points = FitToFormat(points, in, out, options);
   if (!points.events.empty() && Lower(out.extension().string()) != ".c3d")
     points.warnings.push_back(

@@ -205,6 +205,7 @@ std::optional<motion::Side> SideOfLegMarkers(const std::map<std::string, std::st
 void ReadOwnTable(const fs::path& path, const TrialOptions& options, Trial& trial) {
   trial.recording = Rename(exchange::ReadTable(path, options.values), options.names, path);
   TakeFromSummary(path, options.values, trial);
+  if (trial.recording.unit == motion::LengthUnit::kPx) trial.pixel_aspect = PixelAspectBeside(path);
 }
 
 Eigen::Vector3d UpDirection(const PointRecording& points, const TrialOptions& options) {
@@ -391,6 +392,17 @@ void CheckNoneIsUnused(const fs::path& path, const std::vector<UnusedOption>& un
   if (!unused.empty())
     throw UsageError("{} has no effect on {}: {}; leave it out", unused.front().option, path.string(),
                      unused.front().why);
+}
+
+double PixelAspectBeside(const fs::path& table) {
+  static const Json::json_pointer kAspect("/video/pixel_aspect");
+  const fs::path file = table.parent_path() / "summary.json";
+  if (table.filename() != "tracks.csv" || !fs::is_regular_file(file)) return 1;
+  const Json summary = ReadJsonFile(file);
+  if (!summary.contains(kAspect)) return 1;
+  const Json& aspect = summary[kAspect];
+  if (!aspect.is_number() || !(aspect > 0)) throw Fail("{}: 'pixel_aspect' is not a positive number", file.string());
+  return aspect;
 }
 
 std::optional<motion::Side> LegInSummary(const Json& summary) {

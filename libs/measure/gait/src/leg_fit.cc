@@ -366,6 +366,14 @@ void DescribeFacing(LegFitOptions& o, OptionList& options) {
 
 namespace {
 
+void AddToSigmas(const UnusualLength& unusual, LegFitResult& result) {
+  result.warnings.push_back(unusual.warning);
+  for (std::size_t i = 0; i < result.motion.samples.size(); ++i) {
+    double& sigma_deg = result.motion.samples[i].knee_sigma_deg;
+    sigma_deg = std::hypot(sigma_deg, unusual.angle_sigma_deg[i]);
+  }
+}
+
 LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
                      const LateralPlaces& lateral) {
   Progress progress("leg fit", "steps", 4, options.quiet);
@@ -394,7 +402,8 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   const auto warn = [&result](const std::vector<std::string>& warnings) {
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
   };
-  warn(CheckPersonsLeg(MeasuredPath(recording, leg, model, facing, options), {}, options));
+  const LegPath measured = MeasuredPath(recording, leg, model, facing, options);
+  warn(CheckPersonsLeg(measured, {}, options));
   progress.Advance();
   LegStart start = SmoothSignals(*signals, recording.time_s, model.states, options);
   // From a smooth bridge over a long gap, the fit would find a hidden joint on either side.
@@ -422,6 +431,7 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
     result.lateral = ReportLateral(leg);
   }
   FillResult(recording, leg, curves, solution.model, facing, skin, options, result);
+  for (const UnusualLength& unusual : UnusualLengths(measured, options)) AddToSigmas(unusual, result);
   result.summary = Summarize(solution, start);
   result.summary.known_sigmas = options.known_sigmas;
   result.summary.lasting_share = options.LastingShare();

@@ -45,7 +45,7 @@ Eigen::Vector2d PlaneFromRecorded(const LegView& view, const Eigen::Vector2d& re
     pixel = {ray.x() * view.camera->fx + view.camera->cx, ray.y() * view.camera->fy + view.camera->cy};
   }
   const double scale = view.mm_per_px.value_or(1);
-  return {pixel.x() * scale, -pixel.y() * scale};
+  return {pixel.x() * scale * view.pixel_aspect, -pixel.y() * scale};
 }
 
 double PlaneUnitsPerRecorded(const LegView& view, const Eigen::Vector2d& point_in_plane, double depth_mm) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "known_values.h"
@@ -11,6 +12,7 @@
 #include "lake/core/frames_where.h"
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
+#include "lake/gait/plausibility.h"
 
 namespace lake::gait {
 namespace {
@@ -45,6 +47,23 @@ double Range(const std::vector<double>& lengths) {
   return (QuantileOfKnown(lengths, 0.95) - QuantileOfKnown(lengths, 0.05)) / MedianOfKnown(lengths);
 }
 
+// Without single frames that are far off, which the fit leaves out.
+double RangeOfMost(std::vector<double> lengths) {
+  constexpr double kFew = 0.2;  // of the frames
+  const PlausibilityLimits limits;
+  const double usual = MedianOfKnown(lengths);
+  std::ptrdiff_t known = 0, far = 0;
+  for (double& length : lengths) {
+    if (!std::isfinite(length)) continue;
+    ++known;
+    if (length >= limits.shortest * usual && length <= limits.longest * usual) continue;
+    ++far;
+    length = kNaN;
+  }
+  return static_cast<double>(far) > kFew * static_cast<double>(known) ? std::numeric_limits<double>::infinity()
+                                                                      : Range(lengths);
+}
+
 using Fault = std::optional<std::string>;
 
 // A length that nobody has mostly is one in another unit.
@@ -63,11 +82,11 @@ Fault LengthsFault(const LegPath& path, const LegFitOptions& options, const Pers
   const std::vector<double> shanks = LengthsOf(path, kAnkleAt, kKneeAt), thighs = LengthsOf(path, kKneeAt, kHipAt);
   if (path.has_true_lengths)
     for (const auto& [lengths, below] : {std::pair{&shanks, kAnkleAt}, {&thighs, kKneeAt}})
-      if (const double range = Range(*lengths); range > options.most_length_range)
+      if (RangeOfMost(*lengths) > options.most_length_range)
         return fmt::format(
             "the distance from '{}' to '{}' changes by {:.0f} % of itself, which no limb does (at most {:.0f} %): are "
             "the markers' names right, not swapped on the way, and is the vertical ({})?",
-            path.name[below], path.name[below + 1], 100 * range, 100 * options.most_length_range,
+            path.name[below], path.name[below + 1], 100 * Range(*lengths), 100 * options.most_length_range,
             options.vertical_option);
   const double shank = MedianOfKnown(shanks), thigh = MedianOfKnown(thighs);
   if (path.unit == motion::LengthUnit::kMm) {
@@ -230,6 +249,29 @@ LegPath PathOf(const motion::LegMotion& motion) {
     }
   }
   return path;
+}
+
+std::vector<UnusualLength> UnusualLengths(const LegPath& path, const LegFitOptions& options) {
+  std::vector<UnusualLength> unusual;
+  for (const Place below : {kAnkleAt, kKneeAt}) {
+    const std::vector<double> lengths = LengthsOf(path, below, static_cast<Place>(below + 1));
+    if (const double range = RangeOfMost(lengths); range > options.usual_length_range) {
+      const double usual = MedianOfKnown(lengths), allowed = options.usual_length_range / 2;
+      UnusualLength& found = unusual.emplace_back();
+      for (const double length : lengths) {
+        const double beyond = std::abs(length / usual - 1) - allowed;
+        found.angle_sigma_deg.push_back(beyond > 0 ? DegreesFromRadians(std::atan(beyond)) : 0);
+      }
+      found.warning = fmt::format(
+          "the distance from '{}' to '{}' changes by {:.0f} % of itself, a limb's with markers on its skin by {:.0f} % "
+          "at "
+          "most: the knee angle's standard deviation is larger by up to {:.1f}° for it; are these points of a program "
+          "without markers, or misplaced?",
+          path.name[below], path.name[below + 1], 100 * range, 100 * options.usual_length_range,
+          *std::ranges::max_element(found.angle_sigma_deg));
+    }
+  }
+  return unusual;
 }
 
 std::vector<std::string> CheckPersonsLeg(const LegPath& path, const std::vector<motion::StsEvent>& events,

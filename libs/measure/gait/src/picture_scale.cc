@@ -26,9 +26,10 @@ void CheckInPicture(const camera::Camera& camera, const std::filesystem::path& f
     }
 }
 
-double MmPerPx(const std::array<double, 5>& scale, const std::optional<camera::CameraProfile>& profile) {
-  const auto [x1, y1, x2, y2, length_mm] = scale;
-  const LegView unscaled = MakeLegView(motion::LengthUnit::kPx, profile);
+double MmPerPx(const PictureScale& picture, const std::optional<camera::CameraProfile>& profile) {
+  const auto [x1, y1, x2, y2, length_mm] = *picture.scale;
+  LegView unscaled = MakeLegView(motion::LengthUnit::kPx, profile);
+  unscaled.pixel_aspect = picture.pixel_aspect;
   const double length_px = (PlaneFromRecorded(unscaled, {x1, y1}, 0) - PlaneFromRecorded(unscaled, {x2, y2}, 0)).norm();
   constexpr double kShortest_mm = 5;  // longer ones in m are longer than a room
   if (!(length_px >= 1) || !(length_mm >= kShortest_mm))
@@ -76,8 +77,11 @@ LegView MakeView(const PictureScale& picture, const std::optional<camera::Camera
                        picture.scale ? "--scale" : "--plane-points"));
     return MakeLegView(kPx, profile, {}, depth_mm);
   }
-  if (picture.plane_points.empty())
-    return MakeLegView(kPx, profile, picture.scale ? MmPerPx(*picture.scale, profile) : mm_per_px, depth_mm);
+  if (picture.plane_points.empty()) {
+    LegView view = MakeLegView(kPx, profile, picture.scale ? MmPerPx(picture, profile) : mm_per_px, depth_mm);
+    view.pixel_aspect = picture.pixel_aspect;
+    return view;
+  }
   const std::vector<camera::PlaneCorrespondence> points = camera::ParsePlanePoints(picture.plane_points);
   if (profile) return MakeLegView(kPx, WithPlane(*profile, points, warn), {}, depth_mm);
   LegView view = MakeLegView(kPx, {}, {}, depth_mm);

@@ -172,7 +172,8 @@ struct Named {
   std::string why_not;
 };
 
-Named NameMarkers(const std::filesystem::path& video, const RecordingCheckOptions& options, double frame_mpx) {
+Named NameMarkers(const std::filesystem::path& video, const RecordingCheckOptions& options,
+                  const video::VideoInfo& info) {
   constexpr int kFewest = 3;  // are a leg
   TrackOptions track;
   const auto count = static_cast<std::size_t>(std::max(options.markers, kFewest));
@@ -180,7 +181,11 @@ Named NameMarkers(const std::filesystem::path& video, const RecordingCheckOption
   track.polarity = options.polarity;
   track.crop = options.crop;
   track.reader = options.reader;
+  const double frame_mpx = 1e-6 * info.width * info.height;
   track.reader.last = std::max<std::int64_t>(options.frames_named, std::llround(options.budget_mpx / frame_mpx)) - 1;
+  track.metric_from_px = [aspect = info.pixel_aspect](const Eigen::Vector2d& px) {
+    return Eigen::Vector2d(aspect * px.x(), px.y());
+  };
   track.quiet = true;
   try {
     return {TrackMarkers(video, track), ""};
@@ -378,6 +383,7 @@ std::int64_t DroppedFrames(const std::vector<double>& stamps_s) {
 RecordingCheck CheckRecording(const std::filesystem::path& video, const RecordingCheckOptions& options) {
   const Clock::time_point begin = Clock::now();
   RecordingCheck check;
+  CheckPictureSize(video, video::VideoReader::Open(video, options.reader)->Info());
   const auto [looked, stamps_s] = InOwnTimes(video, options);
   check.frames_in_file = static_cast<std::int64_t>(stamps_s.size());
   check.dropped_frames = DroppedFrames(stamps_s);
@@ -405,7 +411,7 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
   if (options.reader.capture_rate_hz > 0) check.video.frame_rate_hz = options.reader.capture_rate_hz;
 
   CountSpots(places, options.markers, check);
-  const Named named = NameMarkers(video, options, 1e-6 * check.video.width * check.video.height);
+  const Named named = NameMarkers(video, options, check.video);
   check.why_not_named = named.why_not;
   if (named.tracked)
     TakeNamed(*named.tracked, check);

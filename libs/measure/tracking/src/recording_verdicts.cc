@@ -131,6 +131,13 @@ void JudgeTime(const RecordingCheck& c, std::vector<CheckItem>& items) {
        .shown = fmt::format("{} of {} frames are missing by their time stamps", c.dropped_frames, c.frames_in_file),
        .verdict = Judge(dropped, 0.002, 0.02),
        .advice = "a faster memory card, a fixed frame rate, the camera's own file"});
+  if (c.video.HasWidePixels())
+    items.push_back(
+        {.name = "pixel_aspect",
+         .shown = fmt::format("pixels are {} times as wide as high by the file, which lake track allows for",
+                              SignificantText(c.video.pixel_aspect, 3)),
+         .verdict = Verdict::kGood,
+         .advice = ""});
   if (c.video.interlaced)
     items.push_back({.name = "interlaced",
                      .shown = "interlaced",

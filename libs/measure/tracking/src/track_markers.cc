@@ -184,6 +184,13 @@ std::vector<MarkerHue> FindHues(const std::filesystem::path& video, const TrackO
   return hues;
 }
 
+void CheckPictureSize(const std::filesystem::path& video, const video::VideoInfo& info) {
+  constexpr int kLeast_px = 16;
+  if (std::min(info.width, info.height) < kLeast_px)
+    throw Fail("{}: its pictures are of {}x{} px; markers on a leg take at least {} px a side: is it the right file?",
+               video.string(), info.width, info.height, kLeast_px);
+}
+
 void TrackOptions::Check() const {
   physics.Check();
   if (names.empty()) throw UsageError("--markers: no names");
@@ -228,6 +235,7 @@ Followed Follow(const std::filesystem::path& video, const TrackOptions& options)
   const video::VideoReaderOptions reader_options =
       detector->NeedsColour() ? WithChroma(options.reader) : options.reader;
   const std::unique_ptr<video::VideoReader> reader = video::VideoReader::Open(video, reader_options);
+  CheckPictureSize(video, reader->Info());
   if (reader->Info().interlaced)
     throw Fail(
         "{}: is interlaced: each frame holds two fields that were taken at different times; make a frame of each field "

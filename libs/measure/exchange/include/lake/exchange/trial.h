@@ -51,6 +51,7 @@ struct Trial {
   std::filesystem::path file;         // that was read: of a folder, its trajectory.csv or tracks.csv
   motion::MarkerRecording recording;  // in the sagittal plane, or in px
   std::optional<double> mm_per_px;
+  double pixel_aspect = 1;            // of a recording in px: width over height of a pixel, as a folder's summary says
   std::optional<bool> faces_right;    // known if `forward` was given
   std::optional<Eigen::Vector2d> up;  // in the plane, where a folder's own summary says it; else the plane's y
   std::optional<motion::Side> leg;    // as the markers' names in the file or a folder's own summary say
@@ -64,6 +65,10 @@ struct Trial {
   std::map<std::string, std::vector<double>> lateral_mm;
   std::vector<std::string> warnings;
 };
+
+// Width over height of the pixels that a table in px counts, as the summary beside it says; 1 where it says nothing.
+// Throws Error naming the summary for a ratio that no pixel has.
+double PixelAspectBeside(const std::filesystem::path& table);
 
 // The key of the leg in summaries: left or right.
 inline constexpr const char* kLegKey = "leg";

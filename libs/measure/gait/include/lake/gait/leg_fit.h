@@ -41,8 +41,9 @@ struct LegFitOptions {
   // A detection has no weight at all that is off its marker's smooth path by so many deviations, what skin may jump on
   // the bone (in |AK|), and the way that a foot goes on before it strikes.
   double outlier_deviations = 7, skin_jump = 0.01;
-  double most_length_range =
-      0.30;  // of |AK| and |KH|, 5 % to 95 % quantile over the median; skin makes 0.14, swapped names 0.5 and more
+  // Of |AK| and |KH|, 5 % to 95 % quantile over the median. Skin makes 0.14, points without markers 0.4: up to the
+  // usual range nothing is said, up to the most the angle's sigma holds what the lengths show, beyond it is no limb.
+  double usual_length_range = 0.30, most_length_range = 0.45;
   double most_usual_variation =
       0.06;                      // SD of |AK| and |KH| over their length, warned of beyond it; skin makes 0.05 at most
   double longest_step_s = 0.25;  // between frames, their median: from fewer no rise can be told

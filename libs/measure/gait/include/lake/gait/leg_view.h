@@ -20,12 +20,15 @@ namespace lake::gait {
 // - mm_per_px: a scale bar, in mm; the picture (without its lens distortion, if the camera is known) scaled, y flipped
 //   up;
 // - neither: the same with 1 px for 1 mm, in px.
+// Where lengths are those of the picture, pixels that are not square count by their height: x is stretched by
+// pixel_aspect.
 // A recording in mm is in the plane already and is taken as it is.
 struct LegView {
   std::optional<camera::Camera> camera;
   std::optional<camera::PlanePose> camera_from_plane;
   std::optional<camera::HomographyFit> homography;
   std::optional<double> mm_per_px;
+  double pixel_aspect = 1;                 // width over height of a pixel, as the recording's file says
   std::map<std::string, double> depth_mm;  // by marker; 0 where not named
   bool recorded_in_plane = false;          // the recording is in mm: nothing to project
 
@@ -55,7 +58,7 @@ Eigen::Matrix<T, 2, 1> RecordedFromPlane(const LegView& view, const Eigen::Matri
   }
   if (!view.camera_from_plane && !view.camera) {
     const double scale = view.mm_per_px.value_or(1);
-    return {point.x() / scale, -point.y() / scale};
+    return {point.x() / (scale * view.pixel_aspect), -point.y() / scale};
   }
   Eigen::Matrix<T, 3, 1> in_camera;
   if (view.camera_from_plane) {
@@ -64,7 +67,7 @@ Eigen::Matrix<T, 2, 1> RecordedFromPlane(const LegView& view, const Eigen::Matri
     for (int i = 0; i < 3; ++i) in_camera[i] = point.x() * r(i, 0) + point.y() * r(i, 1) + offset[i];
   } else {
     const double scale = view.mm_per_px.value_or(1);
-    in_camera = {(point.x() / scale - view.camera->cx) / view.camera->fx,
+    in_camera = {(point.x() / (scale * view.pixel_aspect) - view.camera->cx) / view.camera->fx,
                  (-point.y() / scale - view.camera->cy) / view.camera->fy, T(1)};
   }
   return camera::ProjectAny<T>(*view.camera, in_camera);

@@ -41,6 +41,14 @@ struct LegPath {
 // Of a motion, about its ankle.
 LegPath PathOf(const motion::LegMotion& motion);
 
+// A segment whose length changes more than a limb's: in each frame an end of it is misplaced by about as much as its
+// length is off the median beyond what is usual, and the segment's angle is off by that over the length.
+struct UnusualLength {
+  std::string warning;
+  std::vector<double> angle_sigma_deg;  // by frame; 0 where the length is usual or not known
+};
+std::vector<UnusualLength> UnusualLengths(const LegPath& path, const LegFitOptions& options);
+
 // Throws Error naming what no person's leg does, and the exchange of two markers that would make it right, if there is
 // one: lengths, their ratio and how constant they are, hip and waist above what they stand on, a knee that bends
 // backward, a marker of the other leg; with events also how shank and trunk lean as a rise begins, and the knee's

@@ -17,6 +17,7 @@ struct PictureScale {
   std::optional<std::filesystem::path> camera;  // camera.yaml
   std::optional<std::array<double, 5>> scale;   // x1 y1 x2 y2 in px, length in mm
   std::string plane_points;                     // as camera::ParsePlanePoints reads it
+  double pixel_aspect = 1;                      // width over height of a pixel: no option, but what the video says
 
   bool IsGiven() const { return camera || scale || !plane_points.empty(); }
   const char* OptionName() const { return camera ? "--camera" : scale ? "--scale" : "--plane-points"; }

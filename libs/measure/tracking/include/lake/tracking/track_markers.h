@@ -57,6 +57,9 @@ struct TrackResult {
   Eigen::Vector2d up_px = {0, -1};       // with which the markers were named
 };
 
+// Throws Error for pictures that are too small for a leg with markers in them.
+void CheckPictureSize(const std::filesystem::path& video, const video::VideoInfo& info);
+
 // Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, is interlaced or of fewer than
 // two frames; NamingError where fewer markers than names are seen, or they cannot be named with certainty.
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options);

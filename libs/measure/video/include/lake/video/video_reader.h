@@ -36,6 +36,9 @@ struct VideoInfo {
       false;  // the two differ by more than a tenth of the mean interval (and the stamps' own rounding)
   std::optional<double> bits_per_pixel;  // of the coded pictures; not of a live stream
   std::int64_t repaired_stamps = 0;  // frames without a stamp, which got the previous stamp plus one frame's duration
+
+  // Whether the pixels are not square, by more than what rounding makes of it.
+  bool HasWidePixels() const { return pixel_aspect < 0.99 || pixel_aspect > 1.01; }
 };
 
 struct VideoFrame {
