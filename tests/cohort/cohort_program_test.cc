@@ -51,7 +51,7 @@ class CohortProgram : public testing::Test {
         if (trials.Text(i, 0) != truth.Text(j, 0) || trials.Text(i, trials.Column("trial")) != "comparison") continue;
         ++compared;
         for (const auto& [measured, true_one] :
-             {std::pair{"offset_x_mm", "exo_knee_x_mm"}, {"offset_y_mm", "exo_knee_y_mm"}})
+             {std::pair{"joint_offset_x_mm", "exo_knee_x_mm"}, {"joint_offset_y_mm", "exo_knee_y_mm"}})
           EXPECT_NEAR(trials.RequiredNumber(i, trials.Column(measured)),
                       truth.RequiredNumber(j, truth.Column(true_one)), kToleranceMm)
               << trials.Text(i, 0);

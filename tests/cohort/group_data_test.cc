@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lake/cohort/group_statistics.h"
 #include "lake/core/csv.h"
 #include "lake/core/run.h"
 #include "lake/motion/leg_motion.h"
@@ -66,6 +67,32 @@ TEST_F(TrialFolder, GivesEachRiseAndTheFiveTimesTest) {
   EXPECT_EQ(whole.at("five_times_s"), 12);
   EXPECT_EQ(whole.at("five_times_power_w_kg"), 4.5);
   EXPECT_NEAR(whole.at("shank_mm"), 400, 1e-9);
+}
+
+// The joint misalignment is the headline of a comparison; the offset that explains the paths is another quantity.
+TEST_F(TrialFolder, GivesTheJointMisalignment) {
+  std::filesystem::create_directories(folder_ / "comparison");
+  WriteTextFile(folder_ / "comparison/misalignment.csv", "percent,distance_mm,relative_error\n0,20,0.05\n");
+  const auto write = [&](const std::string& joint) {
+    WriteTextFile(folder_ / "comparison/comparison.json",
+                  R"({"metrics": {"rms_mm": 31}, "joint": )" + joint +
+                      R"(, "decomposition": {"placement": {"fraction": 1}, "timing": {"fraction": 0},
+                        "shape": {"fraction": 0}, "offset_mm": [13.9, -19.9]}})");
+  };
+  write(R"({"rms_mm": 26.9, "max_mm": 28, "relative_rms": 0.06, "angle_rms_deg": 2.5, "offset_mm": [18, -20]})");
+  const GroupData group = Read({"comparison"});
+  const auto& values = group.rows.at(0).values;
+  EXPECT_EQ(values.at("joint_rms_mm"), 26.9);
+  EXPECT_EQ(values.at("joint_max_mm"), 28);
+  EXPECT_EQ(values.at("joint_offset_x_mm"), 18);
+  EXPECT_EQ(values.at("joint_offset_y_mm"), -20);
+  EXPECT_EQ(values.at("rms_mm"), 31);
+  for (const MainQuantity& main : MainQuantities())
+    if (main.label == std::string("joint in front of the knee")) {
+      EXPECT_EQ(main.name, std::string("joint_offset_x_mm"));
+    }
+  write("null");
+  EXPECT_FALSE(Read({"comparison"}).rows.at(0).values.contains("joint_rms_mm")) << "the trial shows no knee of its own";
 }
 
 TEST_F(TrialFolder, GivesTheCentreOfMassOfEachRiseWhereItsLoadsAreKnown) {

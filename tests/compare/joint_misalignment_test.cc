@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 
+#include "closed_form.h"
 #include "lake/compare/misalignment.h"
+#include "lake/compare/pointwise_error.h"
 
 namespace lake {
 namespace {
@@ -76,6 +79,58 @@ TEST(JointMisalignment, MovedItsPathIsTheOwnKnees) {
   EXPECT_FALSE(m.joint_moved->intervals);
   exo.leg_knee.clear();
   EXPECT_FALSE(compare::CompareTrials({{human}, {}}, {{exo}, {}}, options).joint_moved);
+}
+
+// The same rise of a leg that leans by 3° more, with a joint beside its knee.
+compare::StsCurve Leaning(compare::StsCurve curve) {
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(-3 * M_PI / 180).toRotationMatrix();
+  for (auto* points : {&curve.knee, &curve.leg_knee, &curve.hip})
+    for (std::size_t i = 0; i < points->size(); ++i)
+      (*points)[i] = curve.ankle[i] + turn * ((*points)[i] - curve.ankle[i]);
+  return curve;
+}
+
+// What moving the joint removes is its place against the knee that it is worn on. How the leg leans is neither that nor
+// pace.
+TEST(JointMisalignment, PostureIsNoPlacement) {
+  compare::StsCurve human = Worn({0, 0});
+  human.leg_knee.clear();
+  compare::MisalignmentOptions options;
+  options.resamples = 100;
+  const compare::Misalignment m = compare::CompareTrials({{human}, {}}, {{Leaning(Worn({12, -20}))}, {}}, options);
+  ASSERT_TRUE(m.joint);
+  const compare::Decomposition& parts = m.decomposition;
+  EXPECT_NEAR((parts.offset_mm - Eigen::Vector2d(12, -20)).norm(), 0, 1e-6);
+  EXPECT_NEAR(std::sqrt(compare::MeanSquare(parts.placement_mm)), std::hypot(12, 20), 1e-6);
+  EXPECT_LT(std::sqrt(compare::MeanSquare(parts.timing_mm)), 0.1);
+  // The person's knee moves by 3° of 400 mm, and the joint's offset is turned by as much.
+  EXPECT_NEAR(std::sqrt(compare::MeanSquare(parts.shape_mm)), 2 * 400 * std::sin(1.5 * M_PI / 180), 1.5);
+  EXPECT_NEAR(parts.placement + parts.timing + parts.shape, 1, 1e-9);
+  ASSERT_TRUE(m.intervals);
+  EXPECT_LT(m.intervals->offset_x_mm.low, 12);
+  EXPECT_GT(m.intervals->offset_x_mm.high, 12);
+  EXPECT_LT(m.intervals->offset_y_mm.low, -20);
+  EXPECT_GT(m.intervals->offset_y_mm.high, -20);
+  EXPECT_LT(m.intervals->timing_mm.low, 1);
+}
+
+// Another pace is found by the knee's angle, whatever the leg's lean.
+TEST(JointMisalignment, PaceIsTiming) {
+  const ClosedFormLeg leg;
+  const compare::StsCurve human = MakeCurve(leg);
+  compare::StsCurve exo = MakeCurve(leg, IssueWarp, {12, -20});
+  exo.leg_knee = MakeCurve(leg, IssueWarp).knee;
+  compare::MisalignmentOptions options;
+  options.resamples = 0;
+  for (const bool leans : {false, true}) {
+    const compare::Misalignment m = compare::CompareTrials({{human}, {}}, {{leans ? Leaning(exo) : exo}, {}}, options);
+    EXPECT_NEAR((m.decomposition.offset_mm - Eigen::Vector2d(12, -20)).norm(), 0, 1e-6);
+    // Before the knee extends, from 10 % on, its angle does not tell the pace.
+    for (int percent = 25; percent <= 90; ++percent)
+      EXPECT_NEAR(m.decomposition.timing_percent[static_cast<std::size_t>(percent)],
+                  100 * (IssueWarp(percent / 100.0) - percent / 100.0), 0.5)
+          << percent;
+  }
 }
 
 TEST(JointMisalignment, SpikesAndRepetitionsWithoutAKneeAreLeftOut) {

@@ -284,9 +284,22 @@ TEST(SitToStand, FiveTimesTestIsTheFirstFiveRises) {
   for (std::size_t r = 0; r < 5; ++r) rises_s.push_back(rows[r].rise_s.value);
   EXPECT_DOUBLE_EQ(test.rise_s.value, Mean(rises_s));
   EXPECT_DOUBLE_EQ(test.rise_s.sd, StandardDeviation(rises_s));
-  // Alcazar's equation, its height difference measured.
-  EXPECT_NEAR(test.power_w_kg.value, 0.9 * 9.81 * test.hip_rise.value / 1000 / (0.5 * test.five_times_s.value / 5),
-              1e-9);
+  // Alcazar's equation, its height difference measured. To the fifth standing there are five rises and four lowerings.
+  EXPECT_NEAR(test.power_w_kg.value, 0.9 * 9.81 * test.hip_rise.value / 1000 / (test.five_times_s.value / 9), 1e-9);
+  const Json json = gait::FiveTimesJson(test, {});
+  EXPECT_EQ(json["ends"], "fifth standing");
+  EXPECT_EQ(json["half_cycles"], 9);
+}
+
+// Who rises and sits down without a rest gives the same power in each rise as in the test.
+TEST(SitToStand, PowerOfTheTestIsThatOfItsRisesWhereNothingIsBetweenThem) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 5, .rest_s = 0.3, .move_s = 1.2});
+  const std::vector<SitToStand> rows = gait::MeasureSitToStands(Fit(leg, {}, 3));
+  ASSERT_EQ(rows.size(), 6u);
+  const SitToStand& test = rows.back();
+  // Eight rests of 0.3 s stand between the nine moves.
+  const double without_rests = 9 / (test.five_times_s.value - 8 * 0.3) * test.five_times_s.value / 9;
+  EXPECT_NEAR(test.power_w_kg.value * without_rests, rows[0].power_w_kg.value, 0.05 * rows[0].power_w_kg.value);
 }
 
 // Bohannon's summary of 13 papers.

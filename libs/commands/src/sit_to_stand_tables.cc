@@ -76,7 +76,7 @@ std::string ReferenceNote(const FiveTimes& of) {
 // For the terminal.
 std::string FiveTimesText(const FiveTimes& of) {
   if (!of.IsKnown()) return "";
-  std::string text = fmt::format("five times in {:.2f} s", of.test.five_times_s.value);
+  std::string text = fmt::format("five times in {:.2f} s, to the fifth standing", of.test.five_times_s.value);
   if (const auto reference_s = of.ReferenceSeconds())
     text += fmt::format("; more than {:.1f} s is worse than average at this age (Bohannon 2006)", *reference_s);
   if (const auto low = of.LowPowerWattsPerKilogram(); low && of.HasPower())
@@ -149,15 +149,16 @@ Section SitToStandMethod() {
       "Phases after Schenkman et al. 1990, doi:10.1093/ptj/70.10.638; steady is who turns hip and knee, and moves "
       "the hip up or down, at less than 5 % of the rise's peak speeds for half a second, a limit of our own; "
       "without a waist marker the hip's angle is unknown, and stabilisation is left empty. Of a rise, the "
-      "standard deviations are those of markers and events; skin movement is in that of the knee's angle (in mm: all "
-      "sources of uncertainty_budget.csv), and not in the others.";
+      "standard deviations are those of markers and events; skin movement is in those of the events' times and of the "
+      "knee's angle (in mm: all sources of uncertainty_budget.csv), and not in the others.";
   constexpr const char* kFiveTimes =
       "Five-times test: from the first onset to the fifth standing; values are the means of five rises, "
       "standard deviations those between them. A test timed by hand begins at the word, and is longer by the "
       "reaction.";
   constexpr const char* kPower =
-      "Power: 0.9 g × rise of the hip / time, of the five-times test with half of the mean repetition's time "
-      "(Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006).";
+      "Power: 0.9 g × rise of the hip / time of the rise (Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006). Of "
+      "the five-times test the time is a ninth of the test's, which holds five rises and four lowerings; a test that "
+      "is timed to the fifth sitting holds ten of them.";
   constexpr const char* kCentreOfMass =
       "Centre of mass: of the whole body, both legs moving as the one that is seen, with the segments' masses of "
       "Winter 2009, doi:10.1002/9780470549148, table 4.1; negative behind the ankle. Its speeds are the momenta "

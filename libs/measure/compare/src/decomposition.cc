@@ -7,6 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "decomposition_beside_knee.h"
+#include "lake/core/angles.h"
+
 namespace lake::compare {
 namespace {
 
@@ -33,16 +36,20 @@ T ClampPercent(const T& w) {
   return w;
 }
 
-// The human's knee and the direction of his shank at any percent: cubic (Catmull–Rom) between the samples.
+// The human's knee and its angle, and the direction of his shank, at any percent: cubic (Catmull–Rom) between the
+// samples.
 class HumanCurve {
  public:
   explicit HumanCurve(const StsCurve& human)
       : knee_values_(Knees(human)),
         angle_values_(Angles(human)),
+        knee_deg_values_(human.knee_deg.empty() ? std::vector<double>{0} : human.knee_deg),
         knee_grid_(knee_values_.data(), 0, kPercentSamples),
         angle_grid_(angle_values_.data(), 0, kPercentSamples),
+        knee_deg_grid_(knee_deg_values_.data(), 0, static_cast<int>(knee_deg_values_.size())),
         knee_(knee_grid_),
-        angle_(angle_grid_) {}
+        angle_(angle_grid_),
+        knee_deg_(knee_deg_grid_) {}
   HumanCurve(const HumanCurve&) = delete;
   HumanCurve& operator=(const HumanCurve&) = delete;
 
@@ -51,6 +58,13 @@ class HumanCurve {
     Eigen::Matrix<T, 2, 1> knee;
     knee_.Evaluate(percent, knee.data());
     return knee;
+  }
+
+  template <typename T>
+  T KneeDeg(const T& percent) const {
+    T angle;
+    knee_deg_.Evaluate(percent, &angle);
+    return angle;
   }
 
   // F(w) p
@@ -82,11 +96,11 @@ class HumanCurve {
     return values;
   }
 
-  std::vector<double> knee_values_, angle_values_;
+  std::vector<double> knee_values_, angle_values_, knee_deg_values_;
   ceres::Grid1D<double, 2> knee_grid_;
-  ceres::Grid1D<double, 1> angle_grid_;
+  ceres::Grid1D<double, 1> angle_grid_, knee_deg_grid_;
   ceres::CubicInterpolator<ceres::Grid1D<double, 2>> knee_;
-  ceres::CubicInterpolator<ceres::Grid1D<double, 1>> angle_;
+  ceres::CubicInterpolator<ceres::Grid1D<double, 1>> angle_, knee_deg_;
 };
 
 // r(s) = e(s) - h(w(s)) - F(w(s)) p over all samples, then sqrt(lambda) (w_{k-1} - 2 w_k + w_{k+1}) over the inner
@@ -109,6 +123,26 @@ struct Residuals {
     }
     for (int k = 1; k + 1 < kKnots; ++k)
       residual[2 * kPercentSamples + k - 1] = roughness_root * (timing[k + 1] - timing[k]);
+    return true;
+  }
+};
+
+// r(s) = θ_e(s) − θ_h(w(s)) in mm over all samples, then the roughness as above.
+struct AngleResiduals {
+  static constexpr int kCount = kPercentSamples + kKnots - 2;
+
+  const HumanCurve& human;
+  const StsCurve& exo;
+  double roughness_root, mm_per_deg;
+
+  template <typename T>
+  bool operator()(const T* timing, T* residual) const {
+    for (int i = 0; i < kPercentSamples; ++i) {
+      const T w = ClampPercent(WarpAt(timing, i));
+      residual[i] = mm_per_deg * (exo.knee_deg[static_cast<std::size_t>(i)] - human.KneeDeg(w));
+    }
+    for (int k = 1; k + 1 < kKnots; ++k)
+      residual[kPercentSamples + k - 1] = roughness_root * (timing[k + 1] - timing[k]);
     return true;
   }
 };
@@ -144,18 +178,21 @@ class Decomposer {
     auto* residuals = new Residuals{curve_, exo_, std::sqrt(options_.roughness_weight)};
     problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Residuals, Residuals::kCount, 2, kKnots>(residuals),
                              nullptr, offset, timing);
-    for (int k = 1; k < kKnots; ++k) problem.SetParameterLowerBound(timing, k, options_.least_slope * kKnotStep);
     if (!free_offset) problem.SetParameterBlockConstant(offset);
-    ceres::Solver::Options solver;
-    solver.linear_solver_type = ceres::DENSE_QR;
-    solver.max_num_iterations = options_.max_iterations;
-    solver.function_tolerance = options_.tolerance;
-    solver.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(solver, &problem, &summary);
-    fit.cost = 2 * summary.final_cost;
-    fit.iterations = static_cast<int>(summary.iterations.size());
-    fit.converged = summary.termination_type == ceres::CONVERGENCE;
+    Minimize(problem, fit);
+    return fit;
+  }
+
+  // With the offset as it is: the pace is that of the knee angles.
+  Fit SolveBesideKnee(const Variables& start) const {
+    Fit fit;
+    fit.variables = start;
+    const double mm_per_deg = RadiansFromDegrees((human_.knee.front() - human_.ankle.front()).norm());
+    ceres::Problem problem;
+    auto* residuals = new AngleResiduals{curve_, exo_, std::sqrt(options_.roughness_weight), mm_per_deg};
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<AngleResiduals, AngleResiduals::kCount, kKnots>(residuals),
+                             nullptr, fit.variables.timing.data());
+    Minimize(problem, fit);
     return fit;
   }
 
@@ -202,11 +239,36 @@ class Decomposer {
   }
 
  private:
+  void Minimize(ceres::Problem& problem, Fit& fit) const {
+    double* const timing = fit.variables.timing.data();
+    for (int k = 1; k < kKnots; ++k) problem.SetParameterLowerBound(timing, k, options_.least_slope * kKnotStep);
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = ceres::DENSE_QR;
+    solver.max_num_iterations = options_.max_iterations;
+    solver.function_tolerance = options_.tolerance;
+    solver.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem, &summary);
+    fit.cost = 2 * summary.final_cost;
+    fit.iterations = static_cast<int>(summary.iterations.size());
+    fit.converged = summary.termination_type == ceres::CONVERGENCE;
+  }
+
   const StsCurve& human_;
   const StsCurve& exo_;
   const DecompositionOptions& options_;
   HumanCurve curve_;
 };
+
+Variables VariablesOf(const Decomposition& solution, const DecompositionOptions& options) {
+  Variables variables;
+  variables.offset = solution.offset_mm;
+  variables.timing[0] = solution.knots_percent[0];
+  for (std::size_t k = 1; k < kKnots; ++k)
+    variables.timing[k] =
+        std::max(solution.knots_percent[k] - solution.knots_percent[k - 1], options.least_slope * kKnotStep);
+  return variables;
+}
 
 }  // namespace
 
@@ -230,13 +292,15 @@ Decomposition Decompose(const StsCurve& human, const StsCurve& exo, const Decomp
 Decomposition DecomposeFrom(const Decomposition& start, const StsCurve& human, const StsCurve& exo,
                             const DecompositionOptions& options) {
   const Decomposer decomposer(human, exo, options);
-  Variables variables;
-  variables.offset = start.offset_mm;
-  variables.timing[0] = start.knots_percent[0];
-  for (std::size_t k = 1; k < kKnots; ++k)
-    variables.timing[k] =
-        std::max(start.knots_percent[k] - start.knots_percent[k - 1], options.least_slope * kKnotStep);
-  return decomposer.MakeResult(decomposer.Solve(variables), start.start);
+  return decomposer.MakeResult(decomposer.Solve(VariablesOf(start, options)), start.start);
+}
+
+Decomposition DecomposeBesideKnee(const StsCurve& human, const StsCurve& exo, const Vector2d& joint_mm,
+                                  const DecompositionOptions& options, const Decomposition* start) {
+  const Decomposer decomposer(human, exo, options);
+  Variables variables = start ? VariablesOf(*start, options) : Variables();
+  variables.offset = joint_mm;
+  return decomposer.MakeResult(decomposer.SolveBesideKnee(variables), "joint");
 }
 
 }  // namespace lake::compare

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "decomposition_beside_knee.h"
 #include "lake/compare/pointwise_error.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -148,15 +149,11 @@ class Bootstrap {
 
   void SetAngleIntervals(Misalignment& m) const {
     const RegisteredTrial human = AnglesOf(human_), exo = AnglesOf(exo_);
-    const MisalignmentOptions options = OfAngles(options_);
-    const NoiseModel noise(human, exo, options);
-    std::mt19937_64 random(options.seed);
     std::vector<std::vector<Vector2d>> draws;
     std::vector<double> strays_deg;
     draws.reserve(draws_.size());
     strays_deg.reserve(draws_.size());
-    for (int k = 0; k < options.resamples; ++k) {
-      const MeanErrors errors = noise.Draw(random);
+    for (const MeanErrors& errors : DrawAngles()) {
       draws.push_back(Less(errors.exo, errors.human));
       strays_deg.push_back(std::sqrt(MeanSquare(errors.human)));
     }
@@ -164,6 +161,31 @@ class Bootstrap {
     m.intervals->knee_rmse_deg = RmsInterval(Less(of_exo.knee, of_human.knee), draws);
     constexpr double kMost = 0.95;
     m.human_angle_strays_deg = DrawnQuantile(strays_deg, kMost);
+  }
+
+  // The errors of both mean angles, of the same draws as those of the paths.
+  std::vector<MeanErrors> DrawAngles() const {
+    const RegisteredTrial human = AnglesOf(human_), exo = AnglesOf(exo_);
+    const MisalignmentOptions options = OfAngles(options_);
+    const NoiseModel noise(human, exo, options);
+    std::mt19937_64 random(options.seed);
+    std::vector<MeanErrors> draws;
+    for (int k = 0; k < options.resamples; ++k) draws.push_back(noise.Draw(random));
+    return draws;
+  }
+
+  // Where the joint is from the knee, for each draw, by its own interval.
+  std::vector<Vector2d> DrawJoint(const JointMisalignment& joint) const {
+    constexpr double kReach = 2 * 1.96;  // standard deviations in a 95 % interval
+    std::mt19937_64 random(options_.seed + 1);
+    std::normal_distribution<double> normal;
+    const Interval &x = joint.intervals->mean_x_mm, &y = joint.intervals->mean_y_mm;
+    std::vector<Vector2d> draws;
+    for (int k = 0; k < options_.resamples; ++k) {
+      const double dx = normal(random), dy = normal(random);
+      draws.emplace_back(joint.mean_mm + Vector2d((x.high - x.low) / kReach * dx, (y.high - y.low) / kReach * dy));
+    }
+    return draws;
   }
 
   void SetPartIntervals(Misalignment& m) const {
@@ -174,12 +196,21 @@ class Bootstrap {
     DecompositionOptions rough = options_.decomposition;  // draws are larger than what more steps would change
     rough.tolerance = 1e-4;
     rough.max_iterations = 3;
-    for (const MeanErrors& errors : draws_) {
+    const std::vector<MeanErrors> angles = m.joint ? DrawAngles() : std::vector<MeanErrors>();
+    const std::vector<Vector2d> joints = m.joint ? DrawJoint(*m.joint) : std::vector<Vector2d>();
+    for (std::size_t k = 0; k < draws_.size(); ++k) {
       ThrowIfInterrupted();
       StsCurve human = m.human, exo = m.exo;
-      human.knee = Sum(human.knee, errors.human);
-      exo.knee = Sum(exo.knee, errors.exo);
-      const Decomposition drawn = DecomposeFrom(d, human, exo, rough);
+      human.knee = Sum(human.knee, draws_[k].human);
+      exo.knee = Sum(exo.knee, draws_[k].exo);
+      if (m.joint) {
+        for (std::size_t i = 0; i < kPercentSamples; ++i) {
+          human.knee_deg[i] += angles[k].human[i].x();
+          exo.knee_deg[i] += angles[k].exo[i].x();
+        }
+      }
+      const Decomposition drawn =
+          m.joint ? DecomposeBesideKnee(human, exo, joints[k], rough, &d) : DecomposeFrom(d, human, exo, rough);
       fractions[0].push_back(drawn.placement);
       fractions[1].push_back(drawn.timing);
       fractions[2].push_back(drawn.shape);
@@ -258,7 +289,8 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
   m.joint_moved = MoveJoint(m);
   m.metrics = ComputeMetrics(m.human, m.exo, all);
   m.metrics_without_spikes = ComputeMetrics(m.human, m.exo, quiet);
-  m.decomposition = Decompose(m.human, m.exo, options.decomposition);
+  m.decomposition = m.joint ? DecomposeBesideKnee(m.human, m.exo, m.joint->mean_mm, options.decomposition)
+                            : Decompose(m.human, m.exo, options.decomposition);
   if (options.resamples > 0) Bootstrap(human, exo, options).Run(m);
   m.pace = ComparePace(human, exo);
   m.posture = ComparePosture(human, exo);

@@ -14,6 +14,7 @@ namespace lake::gait {
 namespace {
 
 constexpr std::size_t kFive = 5;
+constexpr int kHalfCycles = 2 * kFive - 1;  // to the fifth standing: five rises and four lowerings
 constexpr std::size_t kSteadied = 3;
 constexpr double kLiftedMass = 0.9, kGravity_m_s2 = 9.81;
 
@@ -258,7 +259,7 @@ SitToStand FiveTimes(const std::vector<SitToStand>& rises, bool in_mm) {
   test.five_times_s = Difference(test.standing_s, test.onset_s);
   if (in_mm)
     test.power_w_kg =
-        Times(kLiftedMass * kGravity_m_s2 / 1000, Ratio(test.hip_rise, Times(0.5 / kFive, test.five_times_s)));
+        Times(kLiftedMass * kGravity_m_s2 / 1000, Ratio(test.hip_rise, Times(1.0 / kHalfCycles, test.five_times_s)));
   return test;
 }
 
@@ -306,7 +307,8 @@ std::optional<double> LowPowerWKg(motion::Sex sex, std::optional<double> age_yea
 Json FiveTimesJson(const SitToStand& five_times, const Person& person) {
   const Measured &time_s = five_times.five_times_s, &power = five_times.power_w_kg;
   if (std::isnan(time_s.value)) return nullptr;
-  Json json = {{"five_times_s", time_s.value}, {"sd_s", time_s.sd}};
+  Json json = {
+      {"five_times_s", time_s.value}, {"sd_s", time_s.sd}, {"ends", "fifth standing"}, {"half_cycles", kHalfCycles}};
   if (person.age_years) {
     const std::optional<double> reference_s = FiveTimesReference_s(*person.age_years);
     json["age_years"] = *person.age_years;

@@ -141,6 +141,14 @@ void AddComparison(const fs::path& folder, ResultTable& table) {
   const Json comparison = ReadJsonFile(folder / "comparison.json");
   table.Begin("comparison", {});
   for (const auto& [name, value] : comparison.at("metrics").items()) table.Add(name, NumberOrNaN(value));
+  // Absent, or null, where the trial does not show the knee of the leg that wears the exoskeleton.
+  if (const Json joint = comparison.value("joint", Json()); joint.is_object()) {
+    for (const char* name : {"rms_mm", "max_mm", "relative_rms", "angle_rms_deg"})
+      table.Add(fmt::format("joint_{}", name), NumberOrNaN(joint.value(name, Json())));
+    for (const int axis : {0, 1})
+      table.Add(axis ? "joint_offset_y_mm" : "joint_offset_x_mm",
+                NumberOrNaN(joint.at("offset_mm").at(static_cast<std::size_t>(axis))));
+  }
   const Json& parts = comparison.at("decomposition");
   for (const char* part : {"placement", "timing", "shape"})
     table.Add(fmt::format("{}_fraction", part), NumberOrNaN(parts.at(part).at("fraction")));

@@ -84,6 +84,7 @@ Section ResultSection(const Workflow& workflow, const GroupData& group, const Gr
                                     {"exo", "rise_s"},
                                     {"human", "knee_range_deg"},
                                     {"exo", "knee_range_deg"},
+                                    {"comparison", "joint_rms_mm"},
                                     {"comparison", "rms_mm"},
                                     {"design", "range_deg"}}) {
     KeyFigure figure = MeanFigure(group, trial, name);

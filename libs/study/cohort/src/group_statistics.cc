@@ -126,9 +126,10 @@ const std::vector<MainQuantity>& MainQuantities() {
       {"exo", "trunk_max_deg", "trunk lean, exoskeleton", "°", 1},
       {"human", "shank_mm", "shank", "mm", 1},
       {"human", "thigh_mm", "thigh", "mm", 1},
-      {"comparison", "rms_mm", "misalignment, RMS", "mm", 1},
-      {"comparison", "offset_x_mm", "joint in front of the knee", "mm", 1},
-      {"comparison", "offset_y_mm", "joint above the knee", "mm", 1},
+      {"comparison", "joint_rms_mm", "joint misalignment, RMS", "mm", 1},
+      {"comparison", "joint_offset_x_mm", "joint in front of the knee", "mm", 1},
+      {"comparison", "joint_offset_y_mm", "joint above the knee", "mm", 1},
+      {"comparison", "rms_mm", "path difference, RMS", "mm", 1},
       {"design", "range_deg", "range of rotation of the design", "°", 1},
   };
   return kMain;

@@ -64,8 +64,8 @@ struct Misalignment {
   std::optional<MisalignmentIntervals> intervals;
   // RMS that noise alone (marker sigmas or differences between repetitions, and the replacement of markers) would show.
   double noise_floor_mm = 0, noise_floor_relative = 0;
-  // Against the exo trial's own leg; absent where that leg is not shown. The decomposition's offset is the one that
-  // explains most of the difference of the paths.
+  // Against the exo trial's own leg; absent where that leg is not shown. Its mean is the decomposition's offset then,
+  // which without it is the one that explains most of the difference of the paths.
   std::optional<JointMisalignment> joint;
   std::optional<JointMoved> joint_moved;  // absent as `joint`
   // How far the human's mean knee angle strays from that of many rises, RMS over the rise: 95 % stray less. With

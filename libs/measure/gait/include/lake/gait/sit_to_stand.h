@@ -26,9 +26,9 @@ struct Measured {
 inline constexpr double kSteadyFraction = 0.05;  // as of the knee's extension at standing
 inline constexpr double kSteady_s = 0.5;
 
-// One rise, or the means of five. Of a rise, the SDs are the fit's, of the events' times too, at the onset
-// with the sway of the rest before it; those of the events' own definition and of the person's skin are not in them. Of
-// the five-times test they are those between its rises.
+// One rise, or the means of five. Of a rise, the SDs are the fit's, and those of the events' times, which have what
+// markers slide on the skin in them, at the onset the sway of the rest before it too. Of the five-times test they are
+// those between its rises.
 struct SitToStand {
   int repetition = 0;  // from 1; 0: the five-times test
   Measured onset_s, seat_off_s, standing_s;
@@ -49,8 +49,8 @@ struct SitToStand {
   Measured hip_rise;                                                 // from onset to standing; unit of the plane
   Measured hip_speed, hip_speed_max;                                 // hip_rise over seat-off to standing; the peak
   // Mean power of the rise over body mass: 0.9 g h / t, where 0.9 is the part of the mass that is lifted (all but
-  // shanks and feet), h is the hip's rise and t is rise_s; for the five-times test half of the mean repetition's time
-  // (Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006). Only with lengths in mm.
+  // shanks and feet), h is the hip's rise and t is rise_s, of the five-times test a ninth of five_times_s: to the fifth
+  // standing it holds 5 rises and 4 lowerings (Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006). Only in mm.
   Measured power_w_kg;
   Measured five_times_s;  // of the five-times test alone: first onset to fifth standing
   // Lean of the trunk relative to the pelvis, at seat-off and the largest between onset and standing: the trunk's lean
@@ -112,8 +112,8 @@ std::optional<double> FiveTimesReference_s(double age_years);
 inline constexpr double kOlder_years = 65;
 std::optional<double> LowPowerWKg(motion::Sex sex, std::optional<double> age_years);
 
-// For summaries: time and power of the five-times test with their SDs and, at an age, the time's reference, and of a
-// sex the power's; null without five rises.
+// For summaries: time and power of the five-times test with their SDs, where its time ends and how many rises and
+// lowerings it holds; at an age the time's reference, of a sex the power's; null without five rises.
 Json FiveTimesJson(const SitToStand& five_times, const Person& person);
 
 // sit_to_stand.csv of these rows: the values, then the SDs (…_sd); lengths end in the plane's unit.
