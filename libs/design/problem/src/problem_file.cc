@@ -195,10 +195,10 @@ Json ActuatorJson(const LinearActuator& actuator) {
 }
 
 Json ProfileJson(const LoadProfile& profile) {
-  const auto& [samples, duration_s, file] = profile;
-  Json json = {duration_s};
-  for (const auto& [percent, knee_rad, rad_per_rise, knee_nm] : samples)
-    json.push_back({percent, knee_rad, rad_per_rise, NumberOrNull(knee_nm)});
+  const auto& [samples, duration_s, moments_s, file] = profile;
+  Json json = {duration_s, moments_s};
+  for (const auto& [percent, knee_rad, rad_per_rise, knee_nm, slow_nm] : samples)
+    json.push_back({percent, knee_rad, rad_per_rise, NumberOrNull(knee_nm), NumberOrNull(slow_nm)});
   return json;
 }
 
