@@ -1,8 +1,9 @@
-"""Every number of the sample study that README and manual state: where it stands, and which result it is.
+"""The numbers of the sample study that README, manual and rooms state: where each stands, and which result it is.
 
 SENTENCES is the only list of them: `write` puts the results into the pages, `differences` says where a page differs.
 A sentence is as in the page, however its lines are broken, with a format for each number."""
 import csv
+import functools
 import json
 import pathlib
 import re
@@ -11,6 +12,7 @@ import types
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SAMPLE = ROOT / "data/sts-study"
 PAGES = "libs/present/manual/pages/"
+TRIALS = ["human", "exo"]
 
 
 class Study:
@@ -24,36 +26,51 @@ class Study:
         setattr(self, step, json.loads(text, object_hook=lambda keys: types.SimpleNamespace(**keys)))
         return self.__dict__[step]
 
-    def errors(self, trial, table, truth, results, column="{}"):
-        """Differences between columns of a table of the trial and the truth."""
-        with open(self.folder / trial / f"{table}.csv", newline="", encoding="utf-8") as found, \
-                open(SAMPLE / f"{trial}-truth.csv", newline="", encoding="utf-8") as true:
-            return [float(row[column.format(name)]) - float(row_true[truth.format(name)])
-                    for row, row_true in zip(csv.DictReader(found), csv.DictReader(true), strict=True) for name in results]
+    def column(self, trial, table, name):
+        return numbers(self.folder / trial / f"{table}.csv", name)
+
+    def errors(self, trial, table, name):
+        """A column of a trial's table less the truth's column of that name."""
+        return [a - b for a, b in zip(self.column(trial, table, name), numbers(SAMPLE / f"{trial}-truth.csv", name), strict=True)]
 
     def rms_px(self, trial):
-        return rms(self.errors(trial, "tracks", "{}_px", axes(trial), "{}_px"))
+        return rms([error for name in axes(trial) for error in self.errors(trial, "tracks", f"{name}_px")])
 
     def rms_mm(self, trial):
-        return rms(self.errors(trial, "trajectory", "{}_mm", axes(trial), "{}_mm"))
+        return rms([error for name in axes(trial) for error in self.errors(trial, "trajectory", f"{name}_mm")])
 
     def rms_deg(self, trial):
-        return rms(self.errors(trial, "kinematics", "knee_deg", [""], "knee_deg"))
+        return rms(self.errors(trial, "kinematics", "knee_deg"))
+
+    def knee_rms_px(self, trial):
+        return rms(self.errors(trial, "tracks", "knee_x_px") + self.errors(trial, "tracks", "knee_y_px"))
 
     def knee_bias_px(self, trial):
         """How far in front of its true place the knee's marker is found; the subject faces right."""
-        errors = self.errors(trial, "tracks", "knee_x_px", [""], "knee_x_px")
+        errors = self.errors(trial, "tracks", "knee_x_px")
         return sum(errors) / len(errors)
 
     def knee_sigma_px(self, trial):
-        with open(self.folder / trial / "tracks.csv", newline="", encoding="utf-8") as found:
-            return rms([float(row["knee_sigma_px"]) for row in csv.DictReader(found)])
+        return rms(self.column(trial, "tracks", "knee_sigma_px"))
+
+    def error_over_sigma(self, trial):
+        return rms([error / sigma for name in axes(trial)
+                    for error, sigma in zip(self.errors(trial, "tracks", f"{name}_px"), self.column(trial, "tracks", f"{name[:-2]}_sigma_px"), strict=True)])
 
     def loads_at_peak(self):
         """The row of the mean in loads.csv with the largest moment at the knee."""
-        with open(self.folder / "loads/loads.csv", newline="", encoding="utf-8") as found:
-            rows = [row for row in csv.DictReader(found) if row["repetition"] == "mean" and row["knee_nm"]]
+        rows = [row for row in table_of(self.folder / "loads/loads.csv") if row["repetition"] == "mean" and row["knee_nm"]]
         return max(rows, key=lambda row: float(row["knee_nm"]))
+
+
+@functools.lru_cache(maxsize=None)
+def table_of(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def numbers(path, name):
+    return [float(row[name]) for row in table_of(path)]
 
 
 def axes(trial):
@@ -127,7 +144,16 @@ SENTENCES = [
      lambda s: [s.stroke.duration_s, s.redesign.after.program_duration_s, s.stroke.duration_s - s.redesign.after.program_duration_s]),
     (PAGES + "prototype.md", "may drift by {:.1f} mm, and standing is only {:.2f} mm past the end of the program",
      lambda s: [s.stroke.firmware.drift.last_drift_mm, s.stroke.firmware.drift.end_mm - s.stroke.end.stroke_mm]),
-    # The sample study's own page
+    (PAGES + "validation.md", "{:.3f} and {:.3f} px RMS; {:.2f} and {:.2f} of the stated standard deviation",
+     lambda s: [*map(s.rms_px, TRIALS), *map(s.error_over_sigma, TRIALS)]),
+    (PAGES + "validation.md", "its mean is {:.1f} and {:.1f} mm, the rendered place {:.0f} and {:.0f} mm",
+     lambda s: [*s.comparison.joint.offset_mm, *true_joint_mm()]),
+    # What is measured with it in the rooms, and its own page
+    ("libs/measure/tracking/README.md", "position as measured (`tracks.csv`), RMS per axis | {:.3f} px | {:.3f} px (knee {:.3f} px)",
+     lambda s: [*map(s.rms_px, TRIALS), s.knee_rms_px("exo")]),
+    ("libs/measure/tracking/README.md", "RMS of error / sigma | {:.2f} | {:.2f} |", lambda s: map(s.error_over_sigma, TRIALS)),
+    ("libs/measure/tracking/README.md", "the knee's mean error is {:.3f} px in x: the exoskeleton's parts next to the marker are no sloping background. "
+     "Its sigma, {:.3f} px RMS, holds that.", lambda s: [s.knee_bias_px("exo"), s.knee_sigma_px("exo")]),
     ("data/sts-study/README.md", "is more than the {:.2f} mm that are left between the program's end", lambda s: [s.stroke.firmware.drift.end_mm - s.stroke.end.stroke_mm]),
     ("data/sts-study/README.md", "the centre of pressure comes to {:.0f} mm outside the foot (at {:.0f} % of the rise, where the seat lets go; {:.1f}° of range)",
      lambda s: [-s.redesign.balance.margin_mm, s.redesign.balance.at_percent, s.redesign.after.range_deg]),
@@ -157,7 +183,7 @@ def differences(folder):
         if place is None:
             said.append(f"{page} does not say: {sentence}")
             continue
-        values = results(study)
+        values = list(results(study))
         for number, value, right in zip(place.groups(), values, written(sentence, values), strict=True):
             decimals = len(right.partition(".")[2])
             if len(number.partition(".")[2]) != decimals or abs(float(number) - value) > 0.51 * 10**-decimals:
