@@ -364,6 +364,16 @@ Refined Refine(const Pairing& pairing, double offset_s, double drift_sd) {
   return refined;
 }
 
+// Another movement that is alike fits best where a clock runs as none does.
+void CheckDrift(double drift, double drift_sd, const std::string& both) {
+  constexpr double kDeviations = 4;
+  if (std::abs(drift) > kDeviations * drift_sd)
+    throw Fail(
+        "{}: cannot be aligned: their clocks would run {:+.0f} ppm apart, where {:.0f} ppm is one standard deviation; "
+        "are these recordings of one movement? If a rate is that wrong, say so: --drift-sd",
+        both, 1e6 * drift, 1e6 * drift_sd);
+}
+
 // Of one movement's parts each says nearly the same by itself; of two movements that are alike they do not.
 void CheckPartsAgree(const std::vector<PartOffset>& parts, const std::string& both) {
   constexpr double kDeparture_s = 0.02, kDeviations = 4;
@@ -429,7 +439,8 @@ Alignment AlignByMotion(const Movement& a, const Movement& b, const AlignOptions
   const std::string both = NamesOf(a, b);
   const Best best = FindBest(a, b);
   const Pairing& pairing = best.pairing;
-  const Refined refined = Refine(pairing, best.search.offset_s[best.at], 1e-6 * options.drift_sd_ppm);
+  const double drift_sd = 1e-6 * options.drift_sd_ppm;
+  const Refined refined = Refine(pairing, best.search.offset_s[best.at], drift_sd);
   if (refined.fit.evidence.empty() || !refined.covariance.allFinite() ||
       refined.fit.unexplained > pairing.most_unexplained)
     throw Fail(
@@ -439,6 +450,7 @@ Alignment AlignByMotion(const Movement& a, const Movement& b, const AlignOptions
         both, 100 * std::min(1.0, std::max(refined.fit.unexplained, best.search.unexplained[best.at])),
         pairing.parts.front().name, 100 * pairing.most_unexplained);
   CheckIsOne(best, both);
+  CheckDrift(refined.warp.drift, drift_sd, both);
   Alignment alignment{.clock = ClockOf(refined.warp, pairing.y_is_a, b.time_s.front()),
                       .drift_sd_ppm = 1e6 * std::sqrt(refined.covariance(1, 1)),
                       .unexplained = refined.fit.unexplained,
