@@ -12,7 +12,6 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
-#include <new>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -20,6 +19,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/fault_text.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/options_json.h"
 #include "lake/core/provenance.h"
@@ -284,8 +284,6 @@ int ParseAndRun(CLI::App& cli, const std::vector<SharedOptions>& lists, int argc
   } catch (const Interrupted& interrupted) {
     fmt::print(stderr, "{}: interrupted\n", name);
     return kSignalBase + interrupted.Signal();
-  } catch (const std::bad_alloc&) {
-    return Complain(name, "not enough memory for this input", kFailed);
   } catch (const std::system_error& error) {
     const bool starved = error.code() == std::errc::resource_unavailable_try_again;
     return Complain(name,
@@ -294,7 +292,7 @@ int ParseAndRun(CLI::App& cli, const std::vector<SharedOptions>& lists, int argc
                             : fmt::format("{}{}", std::ferror(stdout) ? "stdout: " : "", error.what()),
                     kFailed);
   } catch (const std::exception& error) {
-    return Complain(name, error.what(), kFailed);
+    return Complain(name, FaultText(error), kFailed);
   }
 }
 

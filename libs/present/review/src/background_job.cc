@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "lake/core/error.h"
+#include "lake/core/fault_text.h"
 #include "lake/core/interrupt.h"
 
 namespace lake::review {
@@ -38,7 +39,7 @@ void BackgroundJob::Do(const Work& work) {
   try {
     work(control);
   } catch (const std::exception& error) {
-    failure = error.what();
+    failure = FaultText(error);
   }
   const std::lock_guard lock(mutex_);
   is_running_ = false;

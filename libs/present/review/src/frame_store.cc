@@ -15,6 +15,7 @@
 
 #include "jpeg_encoder.h"
 #include "lake/core/error.h"
+#include "lake/core/fault_text.h"
 #include "lake/video/video_files.h"
 
 namespace lake::review {
@@ -202,7 +203,7 @@ class FrameStore::Impl {
         if (frame && frame->index >= target - options_.behind) stored = Store(*frame);
       } catch (const std::exception& failure) {
         frame.reset();
-        error = failure.what();
+        error = FaultText(failure);
         seeker_.Close();
       }
       lock.lock();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lake/core/error.h"
+#include "lake/core/fault_text.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/json.h"
 
@@ -133,7 +134,7 @@ struct LocalServer::Impl {
     } catch (const Interrupted&) {
       Refuse(503, "the program is ending", response);
     } catch (const std::exception& error) {
-      Refuse(500, error.what(), response);
+      Refuse(500, FaultText(error), response);
     }
   }
 

@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "lake/core/error.h"
+#include "lake/core/fault_text.h"
 #include "lake/core/statistics.h"
 #include "trial_json.h"
 
@@ -38,7 +39,7 @@ void TrialSession::FitAgain() {
     try {
       fit = work_.fit(corrected);
     } catch (const std::exception& error) {
-      failure = error.what();
+      failure = FaultText(error);
     }
     lock.lock();
     fit_ = std::move(fit);

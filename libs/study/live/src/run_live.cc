@@ -11,6 +11,7 @@ extern "C" {
 #include "lake/compare/misalignment_options.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/core/fault_text.h"
 #include "lake/core/interrupt.h"
 #include "lake/review/open_browser.h"
 #include "lake/tracking/track_markers.h"
@@ -98,7 +99,7 @@ void FinishInterrupted(Session& session, const fs::path& folder) {
   try {
     session.Finish();
   } catch (const std::exception& error) {
-    why = error.what();
+    why = FaultText(error);
   }
   if (fs::exists(folder / kVideo) && !fs::exists(folder / kSummary))
     fmt::print(stderr, "lake-live: the recording is whole; make a trial of it with: lake live {}\n", folder.string());

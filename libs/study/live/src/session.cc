@@ -9,6 +9,7 @@
 
 #include "lake/compare/registration.h"
 #include "lake/core/error.h"
+#include "lake/core/fault_text.h"
 #include "lake/core/interrupt.h"
 #include "lake/tracking/naming.h"
 #include "lake/tracking/recording_quality.h"
@@ -127,7 +128,9 @@ void Session::ReadPlane() {
     profile->camera = *scaled;
     readout_s_ = profile->readout_s;
   }
-  view_ = gait::MakeView(options_, profile, {}, {}, [this](const std::string& text) { run_.Warn(text); });
+  gait::PictureScale picture = options_;
+  picture.pixel_aspect = video_.pixel_aspect;
+  view_ = gait::MakeView(picture, profile, {}, {}, [this](const std::string& text) { run_.Warn(text); });
   if (gait::PlaneUnit(view_) == motion::LengthUnit::kPx)
     throw Fail("no lengths in mm: give a camera file with a sagittal plane (--camera), --scale or --plane-points");
 }
@@ -163,7 +166,7 @@ void Session::Work() {
     if (failure_) try {
         std::rethrow_exception(failure_);
       } catch (const std::exception& error) {
-        failure_text_ = error.what();
+        failure_text_ = FaultText(error);
       }
   }
   changed_.notify_all();
@@ -177,7 +180,7 @@ void Session::TrackAll() {
       changed_.notify_all();
     }
   } catch (const std::exception& error) {
-    BreakOff(error.what());
+    BreakOff(FaultText(error));
   }
   stream_->Finish();
   const std::lock_guard lock(mutex_);
@@ -361,7 +364,7 @@ void Session::Analyse() {
       JudgePictures();
     } catch (const std::exception& error) {
       const std::lock_guard lock(mutex_);
-      why_no_rise_ = error.what();
+      why_no_rise_ = FaultText(error);
     }
     if (is_last) return;
   }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "lake/core/error.h"
+#include "lake/core/fault_text.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/paths.h"
 #include "lake/core/processes.h"
@@ -84,10 +85,8 @@ std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp
     throw SolverError(told(error.what()));
   } catch (const Interrupted&) {
     throw;
-  } catch (const std::bad_alloc&) {
-    throw Error(told("not enough memory for this input"));
   } catch (const std::exception& error) {
-    throw Error(told(error.what()));
+    throw Error(told(FaultText(error)));
   }
 }
 
