@@ -10,6 +10,7 @@
 #include <map>
 
 #include "gait/synthetic_leg.h"
+#include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/run.h"
