@@ -157,6 +157,121 @@ TEST(StsPace, SwayHardlyMovesTheEvents) {
   }
 }
 
+// As if the waist marker were seen first at a time, with another lean at rest.
+gait::StsSignals SeenFrom(double from_s, gait::StsSignals signals, double more_lean_deg = 0) {
+  for (std::size_t i = 0; i < signals.frame.size(); ++i) {
+    signals.trunk_deg[i] += more_lean_deg;
+    if (signals.time_s[i] < from_s) signals.trunk_deg[i] = signals.trunk_deg_s[i] = NAN;
+  }
+  return signals;
+}
+
+// Nothing is known of a lean before its marker is seen. The marker's appearance is no movement.
+TEST(StsPace, AWaistMarkerThatAppearsIsNoOnset) {
+  constexpr double kBefore_s = 4, kDuration_s = 1.7;
+  const auto rise = [](double t) { return kRest_s + (t - kBefore_s) * kRise_s / kDuration_s; };
+  const gait::StsSignals whole = Play(rise, kBefore_s + kDuration_s + 2, 60);
+  const motion::StsEvent expected = OnsetOf(whole);
+  for (const double more_lean_deg : {-1.0, 5.0, 15.0})
+    for (const double before_s : {3.0, 1.9, 1.05, 0.6, 0.3, 0.1, 0.03}) {
+      SCOPED_TRACE(testing::Message() << "seen for " << before_s << " s, leaning by " << 5 + more_lean_deg);
+      const gait::StsSignals late = SeenFrom(expected.time_s - before_s, whole, more_lean_deg);
+      EXPECT_NEAR(OnsetOf(late).time_s, expected.time_s, 0.02);
+    }
+}
+
+// A lean that has begun when its marker is first seen: the onset is by then, and is said to be uncertain.
+TEST(StsPace, ALeanThatHasBegunWhenItIsSeenIsUncertain) {
+  for (const double duration_s : {1.2, 1.7, 4.0}) {
+    const auto rise = [=](double t) { return kRest_s + (t - 4) * kRise_s / duration_s; };
+    const gait::StsSignals whole = Play(rise, 4 + duration_s + 2, 60);
+    const double expected_s = OnsetOf(whole).time_s;
+    for (const double share : {0.04, 0.08, 0.12, 0.2, 0.3}) {
+      SCOPED_TRACE(testing::Message() << duration_s << " s, seen after " << share);
+      const gait::StsSignals late = SeenFrom(expected_s + share * duration_s, whole);
+      const gait::FoundStsEvents found = gait::FindStsEvents(late);
+      const motion::StsEvent onset = OnsetOf(late);
+      EXPECT_LT(std::abs(onset.time_s - expected_s), 2 * onset.sd_s + 0.02);
+      EXPECT_LT(onset.time_s - expected_s, 0.25 * duration_s);
+      EXPECT_NE(gait::OnsetsWithoutLean(late, found.events), "");
+    }
+  }
+}
+
+// A waist marker that is hidden while the lean begins.
+TEST(StsPace, AnOnsetWithinAGapIsAsUncertainAsTheGap) {
+  const gait::StsSignals whole = Play([](double t) { return t; }, kLength_s, 60);
+  const double expected_s = OnsetOf(whole).time_s;
+  for (const double from_s : {-0.5, -0.2, -0.05})
+    for (const double to_s : {0.1, 0.3}) {
+      gait::StsSignals hidden = whole;
+      for (std::size_t i = 0; i < hidden.frame.size(); ++i)
+        if (hidden.time_s[i] > expected_s + from_s && hidden.time_s[i] < expected_s + to_s)
+          hidden.trunk_deg[i] = hidden.trunk_deg_s[i] = NAN;
+      const motion::StsEvent onset = OnsetOf(hidden);
+      SCOPED_TRACE(testing::Message() << "hidden from " << from_s << " to " << to_s);
+      EXPECT_LT(std::abs(onset.time_s - expected_s), 2 * onset.sd_s);
+      EXPECT_LT(onset.sd_s, to_s - from_s + 0.02);  // a frame
+    }
+}
+
+// Who stops close to standing, and goes on later, has not stood. Original times of the stop; the knee stops at 21 to
+// 9° of the 92° that it extends by.
+TEST(StsPace, ALongPauseNearExtensionIsNotStanding) {
+  const double natural_s = Natural().standing_s;
+  for (const double rise_s : {10.0, 20.0})
+    for (const double knee_deg : {26.0, 20.0, 14.0})
+      for (const double pause_s : {2.2, 3.0}) {
+        double at_s = kRest_s;
+        const auto knee = [](double t) {
+          const SyntheticAngles angles = RiseAngles((t - kRest_s) / kRise_s);
+          return angles.shank_deg - angles.thigh_deg;
+        };
+        while (at_s < kRest_s + 0.4 * kRise_s || knee(at_s) > knee_deg) at_s += 1e-3;
+        const double factor = rise_s / kRise_s, pause = pause_s / factor;
+        const Warp paused = PausedAt(at_s, pause);
+        const auto slow = [&](double t) { return paused(kRest_s + (t - kRest_s) / factor); };
+        const double expected_s = kRest_s + (natural_s + pause + 0.2 - kRest_s) * factor;
+        for (const double stands_s : {3.0, 15.0}) {
+          SCOPED_TRACE(testing::Message() << rise_s << " s, stopped for " << pause_s << " s at " << knee_deg
+                                          << " deg, then standing for " << stands_s);
+          EXPECT_NEAR(EventsOf(Play(slow, expected_s + stands_s, 60)).standing_s, expected_s, 0.02 * rise_s);
+        }
+      }
+}
+
+// With 3 % of the extension to come a long stop may be the end of the rise or not: the deviation says so.
+TEST(StsPace, AStopThatMayBeStandingMakesItUncertain) {
+  constexpr double kFactor = 10 / kRise_s;
+  const Warp paused = PausedAt(4.34, 2.2 / kFactor);
+  const auto slow = [&](double t) { return paused(kRest_s + (t - kRest_s) / kFactor); };
+  const std::vector<motion::StsEvent> events = gait::FindStsEvents(Play(slow, 20, 60)).events;
+  const double expected_s = kRest_s + (Natural().standing_s + 2.2 / kFactor + 0.2 - kRest_s) * kFactor;
+  EXPECT_EQ(events.back().kind, motion::StsEventKind::kStanding);
+  EXPECT_GT(events.back().sd_s, 1);
+  EXPECT_LT(std::abs(events.back().time_s - expected_s), 2 * events.back().sd_s);
+}
+
+// Whoever has stood up and shifts a little after a while has stood up before that.
+TEST(StsPace, AShiftOfAStandingPersonIsNoRise) {
+  const double natural_s = Natural().standing_s;
+  for (const double shift_deg : {1.0, 3.0, 6.0})
+    for (const double after_s : {3.0, 6.0}) {
+      gait::StsSignals signals = Play([](double t) { return t; }, kLength_s + 12, 60);
+      const double at_s = natural_s + after_s;
+      for (std::size_t i = 0; i < signals.frame.size(); ++i) {
+        const auto flexion = [&](double t) { return shift_deg * (1 - MinimumJerk(t - at_s)); };
+        const double t = signals.time_s[i];
+        signals.knee_deg[i] += t > natural_s ? flexion(t) : shift_deg;
+        if (t > natural_s) signals.knee_deg_s[i] += (flexion(t + 1e-3) - flexion(t - 1e-3)) / 2e-3;
+      }
+      SCOPED_TRACE(testing::Message() << shift_deg << " deg after " << after_s);
+      const std::vector<motion::StsEvent> events = gait::FindStsEvents(signals).events;
+      EXPECT_LT(std::abs(events.back().time_s - natural_s), 0.03 + 2 * events.back().sd_s);
+      EXPECT_EQ(events.back().kind, motion::StsEventKind::kStanding);
+    }
+}
+
 // The errors of onsets in a sway, over what is said of them, for a rise after a rest.
 std::vector<double> OnsetErrorsInDeviations(double sway_deg, double rise_s, double rest_s) {
   const double natural_s = OnsetOf(Play([](double t) { return t; }, kLength_s, 60)).time_s;

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "gait/synthetic_leg.h"
+#include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/run.h"
@@ -494,6 +495,38 @@ TEST(LoadsOfBadInput, SwappedPlatesAreWarnedOfWithNumbers) {
   EXPECT_THAT(Failure(options), testing::HasSubstr("bears no force"));
   options.plates.clear();
   EXPECT_THAT(Failure(options), testing::HasSubstr("--plates right=1"));
+}
+
+// The names of markers say the leg wherever the side stands in them: "lateral_ankle_r" is of the right one. Where none
+// does, a warning says which leg it is taken for.
+TEST(LoadsOfBadInput, TheLegIsTheOneThatTheMarkersNamesSay) {
+  REQUIRE_RECORDING();
+  const TemporaryFolder folder;
+  const auto renamed = [&](const char* file, const std::string& ankle, const std::string& knee) {
+    std::string text = ReadTextFile(kFolder / "STS1.trc");
+    for (const auto& [from, to] : {std::pair<std::string, std::string>{"\tr_ankle\t", ankle}, {"\tr_knee\t", knee}})
+      text.replace(text.find(from), from.size(), "\t" + to + "\t");
+    std::ofstream(folder / file) << text;
+    commands::LoadsRunOptions options = OptionsFor("right");
+    options.trial = folder / file;
+    options.loads.draws = 20;
+    options.forces = kFolder / "STS1_grf.mot";
+    options.plates = {{"right", 1}, {"left", 2}};
+    options.reading.names["ankle"] = ankle;
+    options.reading.names["knee"] = knee;
+    return options;
+  };
+  commands::LoadsRunOptions plain = OptionsFor("right");
+  plain.loads.draws = 20;
+  plain.forces = kFolder / "STS1_grf.mot";
+  plain.plates = {{"right", 1}, {"left", 2}};
+  const auto expected = RunOn(plain);
+  const auto lateral = RunOn(renamed("lateral.trc", "lateral_ankle_r", "lateral_knee_r"));
+  EXPECT_EQ(lateral->summary["peak_knee_nm"], expected->summary["peak_knee_nm"]);
+  EXPECT_THAT(lateral->warnings, testing::Not(testing::Contains(testing::HasSubstr("plates swapped"))));
+  const auto unnamed = RunOn(renamed("unnamed.trc", "lateral malleolus", "lateral condyle"));
+  EXPECT_EQ(unnamed->summary["peak_knee_nm"], expected->summary["peak_knee_nm"]);
+  EXPECT_THAT(unnamed->warnings, testing::Contains(testing::HasSubstr("say it with --leg")));
 }
 
 // The recording's forces with its numbers changed, column by column.

@@ -124,11 +124,12 @@ TEST(EventsCsv, ReadsBackWhatWasWritten) {
 
 TEST(Leg, IsNamedByItsMarkersOrByWhereTheSubjectLooks) {
   using motion::Side;
-  for (const char* name : {"L_knee", "LKNE", "L.ASIS+L.PSIS", "l_ankle", "Left ankle", "left"})
+  for (const char* name : {"L_knee", "LKNE", "L.ASIS+L.PSIS", "l_ankle", "Left ankle", "left", "hip_l", "KneeLeft"})
     EXPECT_EQ(motion::SideOfName(name), Side::kLeft) << name;
-  for (const char* name : {"r_ankle", "RAJC", "R_HJC", "r.ASIS", "rightknee"})
+  for (const char* name : {"r_ankle", "RAJC", "R_HJC", "r.ASIS", "rightknee", "lateral_ankle_r", "LATERAL_ANKLE_R",
+                           "LatMal.R", "r_ankle+r_mankle", "ankle right", "RLatMal"})
     EXPECT_EQ(motion::SideOfName(name), Side::kRight) << name;
-  for (const char* name : {"lateral malleolus", "rotula", "knee", "", "hip_l"})
+  for (const char* name : {"lateral malleolus", "LATERAL", "rotula", "knee", "", "L_hip+R_hip"})
     EXPECT_EQ(motion::SideOfName(name), std::nullopt) << name;
   EXPECT_EQ(motion::NearLeg(motion::Facing::kLeft), Side::kLeft);
   EXPECT_EQ(motion::NearLeg(motion::Facing::kRight), Side::kRight);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <cmath>
 
 #include "force_plates.h"
@@ -25,12 +24,19 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector2d, Eigen::Vector3d;
 
-std::string LegOf(const LoadsRunOptions& options) {
+// As given, else as the names of the leg's markers say, else as the only named plate does; where nothing says it, the
+// right one, with a warning.
+std::string LegOf(const LoadsRunOptions& options, const exchange::Trial& trial, Run& run) {
   if (!options.leg.empty()) return options.leg;
+  if (trial.leg) return std::string(ToString(*trial.leg));
   const auto ankle = options.reading.names.find("ankle");
-  const bool left = ankle != options.reading.names.end() && !ankle->second.empty() &&
-                    std::tolower(static_cast<unsigned char>(ankle->second.front())) == 'l';
-  return left ? "left" : "right";
+  if (ankle != options.reading.names.end())
+    if (const auto side = motion::SideOfName(ankle->second)) return std::string(ToString(*side));
+  if (options.plates.size() == 1) return options.plates.begin()->first;
+  run.Warn(
+      "no marker's name says which leg this is: it is taken for the right one, and its force plate with it; say it "
+      "with --leg");
+  return "right";
 }
 
 loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::Trial& trial,
@@ -39,7 +45,7 @@ loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::T
   for (const std::string& warning : file.warnings) run.Warn(warning);
   const Eigen::Matrix3d& plane_from_space = *trial.plane_from_space;
   VerticalOf(file, trial, options.forces);  // both have one
-  const std::string leg = LegOf(options);
+  const std::string leg = LegOf(options, trial, run);
   const exchange::PlateForces& plate = exchange::PlateOf(file, options.plates, leg, options.forces);
   WarnOfSwappedPlates(file, plate, leg, trial, options.reading, "Name them with --plates, the leg with --leg", run);
   const motion::Facing facing = fit.motion.facing;
@@ -339,7 +345,7 @@ void Describe(LoadsRunOptions& o, OptionList& options) {
   options
       .AddChoice("leg", o.leg, OptionList::Choices<std::string>{{"right", "right"}, {"left", "left"}},
                  "Leg whose markers these are")
-      .Otherwise("by the ankle marker's name");
+      .Otherwise("by the markers' names");
   options.Check([&o](const OptionList&) {
     exchange::CheckPlates(o.plates);
     if (!o.plates.empty() && o.forces.empty()) throw UsageError("--plates: of which file? Give --forces");

@@ -31,6 +31,49 @@ constexpr std::array kScalars = {
     ScalarColumn{"thigh_deg", &LegSample::thigh_deg},       ScalarColumn{"trunk_deg", &LegSample::trunk_deg},
     ScalarColumn{"knee_deg_s", &LegSample::knee_deg_s}};
 
+bool IsLetter(char c) {
+  return std::isalpha(static_cast<unsigned char>(c)) != 0;
+}
+
+bool IsUpper(char c) {
+  return std::isupper(static_cast<unsigned char>(c)) != 0;
+}
+
+// "lateral_ankle_r", "AnkleLeft" and "r.ASIS" in their words, in their own case; a run of capitals is one word.
+std::vector<std::string> WordsOf(std::string_view marker) {
+  std::vector<std::string> words;
+  char before = ' ';
+  for (const char c : marker) {
+    const bool continues = IsLetter(before) && (IsUpper(before) || !IsUpper(c));
+    if (IsLetter(c) && !continues) words.emplace_back();
+    if (IsLetter(c)) words.back() += c;
+    before = c;
+  }
+  return words;
+}
+
+std::string LowerCase(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+// "l", "Left", "r"; nullopt for any other word.
+std::optional<Side> SideOfWord(const std::string& word) {
+  const std::string lower = LowerCase(word);
+  for (const Side side : {Side::kLeft, Side::kRight})
+    if (lower == ToString(side) || lower == ToString(side).substr(0, 1)) return side;
+  return std::nullopt;
+}
+
+// Of a name that stands behind its side without a break: "LKNE", "rightknee"; not "LATERAL" or "lateral".
+std::optional<Side> SideOfAbbreviation(const std::string& word) {
+  const std::string lower = LowerCase(word);
+  if (lower == "lat" || lower == "lateral") return std::nullopt;
+  for (const Side side : {Side::kLeft, Side::kRight})
+    if (lower.starts_with(ToString(side)) || (lower[0] == ToString(side)[0] && IsUpper(word[1]))) return side;
+  return std::nullopt;
+}
+
 }  // namespace
 
 double MedianLength(const LegMotion& motion, Eigen::Vector2d LegSample::*vector) {
@@ -49,18 +92,14 @@ Side NearLeg(Facing facing) {
 }
 
 std::optional<Side> SideOfName(std::string_view marker) {
-  if (marker.empty()) return std::nullopt;
-  for (const Side side : {Side::kLeft, Side::kRight}) {
-    const std::string_view word = ToString(side);
-    const char letter = marker[0];
-    if (std::tolower(static_cast<unsigned char>(letter)) != word[0]) continue;
-    const bool is_word = marker.size() >= word.size() &&
-                         std::equal(word.begin(), word.end(), marker.begin(),
-                                    [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
-    // Behind the letter the name itself begins: "LKNE", "L_knee", not "lateral".
-    if (is_word || marker.size() < 2 || !std::islower(static_cast<unsigned char>(marker[1]))) return side;
+  const std::vector<std::string> words = WordsOf(marker);
+  std::optional<Side> side;
+  for (const std::string& word : words) {
+    const std::optional<Side> of_word = SideOfWord(word);
+    if (of_word && side && side != of_word) return std::nullopt;
+    if (of_word) side = of_word;
   }
-  return std::nullopt;
+  return side || words.empty() ? side : SideOfAbbreviation(words.front());
 }
 
 std::string_view ToString(StsEventKind kind) {

@@ -223,6 +223,40 @@ std::vector<double> KneeTakenByFilter(const std::vector<MarkerOutput>& leg, cons
   return taken_deg;
 }
 
+// RMS rates of a segment's length within kSkin_s of each frame.
+std::vector<double> LengthRates(const LegCurves& curves, LegState length, const std::vector<double>& time_s) {
+  constexpr double kSkin_s = 0.1;
+  std::vector<double> rates;
+  for (std::size_t i = 0, begin = 0, end = 0; i < time_s.size(); ++i) {
+    while (time_s[begin] < time_s[i] - kSkin_s) ++begin;
+    while (end < time_s.size() && time_s[end] <= time_s[i] + kSkin_s) ++end;
+    double square = 0;
+    for (std::size_t k = begin; k < end; ++k) square += std::pow(curves.rate[k][length], 2);
+    rates.push_back(std::sqrt(square / static_cast<double>(end - begin)));
+  }
+  return rates;
+}
+
+// The same signals with what the skin makes of the speeds in their deviations: bones keep their lengths, so as fast as
+// a segment's changes its markers slide, or it turns out of the plane, and across the segment as fast as along it.
+StsSignals WithSkin(StsSignals signals, const LegCurves& curves) {
+  const std::vector<double> shank = LengthRates(curves, kShankLength, signals.time_s),
+                            thigh = LengthRates(curves, kThighLength, signals.time_s);
+  const bool has_trunk = curves.markers == kLegMarkers;
+  const std::vector<double> trunk =
+      has_trunk ? LengthRates(curves, kTrunkLength, signals.time_s) : std::vector<double>();
+  StsDeviations& sd = signals.sd;
+  for (std::size_t i = 0; i < signals.time_s.size(); ++i) {
+    const StateVector& state = curves.state[i];
+    sd.hip_up_speed[i] = std::hypot(sd.hip_up_speed[i], shank[i], thigh[i]);
+    sd.knee_deg_s[i] = std::hypot(sd.knee_deg_s[i], DegreesFromRadians(shank[i] / state[kShankLength]),
+                                  DegreesFromRadians(thigh[i] / state[kThighLength]));
+    if (has_trunk)
+      sd.trunk_deg_s[i] = std::hypot(sd.trunk_deg_s[i], DegreesFromRadians(trunk[i] / state[kTrunkLength]));
+  }
+  return signals;
+}
+
 // Events are read from the fit's own curves, whatever filter the tables get.
 StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<MarkerOutput>& leg,
                           const LegCurves& curves, double leg_length, const Eigen::Vector2d& up) {
@@ -387,7 +421,7 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
     AccountForFilterLoss(KneeTakenByFilter(leg, result.motion, options.up),
                          options.cutoff_hz.value_or(kCustomaryCutoffHz), result.motion);
   result.signals = MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up);
-  FoundStsEvents found = FindStsEvents(result.signals);
+  FoundStsEvents found = FindStsEvents(WithSkin(result.signals, curves));
   result.events = std::move(found.events);
   result.without_seat = std::move(found.without_seat);
   if (found.begins_during_rise)

@@ -53,9 +53,47 @@ std::vector<Stretch> FindStretches(const Values& height, double threshold) {
   return stretches;
 }
 
-// The signals without the frames in which one is not known.
-StsSignals KnownOnly(const StsSignals& s) {
-  StsSignals known;
+// The signals without the frames in which one is not known; the trunk's is bridged there.
+struct KnownSignals : StsSignals {
+  std::vector<char> has_trunk;  // 0 or 1 per frame
+};
+
+// A cubic between two frames, with their speeds (Hermite).
+void Bridge(std::size_t from, std::size_t to, KnownSignals& s) {
+  const double duration_s = s.time_s[to] - s.time_s[from], step = s.trunk_deg[to] - s.trunk_deg[from];
+  const double begin = s.trunk_deg_s[from] * duration_s, end = s.trunk_deg_s[to] * duration_s;
+  const double square = 3 * step - 2 * begin - end, cube = begin + end - 2 * step;
+  for (std::size_t i = from + 1; i < to; ++i) {
+    const double u = (s.time_s[i] - s.time_s[from]) / duration_s;
+    s.trunk_deg[i] = s.trunk_deg[from] + u * (begin + u * (square + u * cube));
+    s.trunk_deg_s[i] = (begin + u * (2 * square + u * 3 * cube)) / duration_s;
+  }
+}
+
+// Where no marker shows it, the trunk is taken to keep the lean in which it is first or last seen, and to turn smoothly
+// from one to the next. Without any it says nothing: rest is left by the hip alone.
+void BridgeTrunk(KnownSignals& s) {
+  const auto hold = [&](std::size_t i, std::size_t as) {
+    s.trunk_deg[i] = s.trunk_deg[as];
+    s.trunk_deg_s[i] = 0;
+  };
+  const auto is_known = [&](std::size_t i) { return s.has_trunk[i] != 0; };
+  std::optional<std::size_t> last;
+  for (std::size_t i = 0; i < s.frame.size(); ++i) {
+    if (!is_known(i)) continue;
+    for (std::size_t k = 0; !last && k < i; ++k) hold(k, i);
+    if (last) Bridge(*last, i, s);
+    last = i;
+  }
+  for (std::size_t i = last ? *last + 1 : 0; i < s.frame.size(); ++i)
+    if (last)
+      hold(i, *last);
+    else
+      s.trunk_deg[i] = s.trunk_deg_s[i] = 0;
+}
+
+KnownSignals KnownOnly(const StsSignals& s) {
+  KnownSignals known;
   known.leg_length = s.leg_length;
   for (std::size_t i = 0; i < s.frame.size(); ++i) {
     if (!std::isfinite(s.hip_height[i] + s.hip_up_speed[i] + s.hip_behind[i] + s.knee_deg[i] + s.knee_deg_s[i]))
@@ -67,16 +105,16 @@ StsSignals KnownOnly(const StsSignals& s) {
     known.hip_behind.push_back(s.hip_behind[i]);
     known.knee_deg.push_back(s.knee_deg[i]);
     known.knee_deg_s.push_back(s.knee_deg_s[i]);
-    // Without a trunk, it says nothing: rest is left by the hip alone.
-    const bool has_trunk = std::isfinite(s.trunk_deg[i] + s.trunk_deg_s[i]);
-    known.trunk_deg.push_back(has_trunk ? s.trunk_deg[i] : 0);
-    known.trunk_deg_s.push_back(has_trunk ? s.trunk_deg_s[i] : 0);
+    known.trunk_deg.push_back(s.trunk_deg[i]);
+    known.trunk_deg_s.push_back(s.trunk_deg_s[i]);
+    known.has_trunk.push_back(std::isfinite(s.trunk_deg[i] + s.trunk_deg_s[i]));
     if (s.sd.hip_height.empty()) continue;
     known.sd.hip_height.push_back(s.sd.hip_height[i]);
     known.sd.hip_up_speed.push_back(s.sd.hip_up_speed[i]);
     known.sd.knee_deg_s.push_back(s.sd.knee_deg_s[i]);
     known.sd.trunk_deg_s.push_back(s.sd.trunk_deg_s[i]);
   }
+  BridgeTrunk(known);
   return known;
 }
 
@@ -117,7 +155,7 @@ struct Course {
 
 class EventFinder {
  public:
-  EventFinder(const StsSignals& signals, const StsOptions& options)
+  EventFinder(const KnownSignals& signals, const StsOptions& options)
       : s_(signals),
         o_(options),
         hip_up_{s_.hip_height, s_.hip_up_speed, s_.sd.hip_up_speed},
@@ -208,12 +246,17 @@ class EventFinder {
     AddEnd(motion::StsEventKind::kSeated, hip_down_, o_.seat_off_fraction, fall, until);
   }
 
-  // The end of a movement, if it is recorded.
+  // The end of a movement, if it is recorded. Where it stops for long and then goes on a little, one of the two stops
+  // is it.
   void AddEnd(motion::StsEventKind kind, const Course& course, double fraction, const Stretch& stretch,
               std::size_t until) {
     const double limit = fraction * Most(course.speed, stretch);
-    const std::size_t after = LastMovement(course, limit, stretch, until) + 1;
-    if (after < s_.frame.size()) Add(Crossing(kind, course.speed, course.speed_sd, limit, after));
+    const std::size_t after = LastMovement(course, limit, stretch, until, kLikely) + 1,
+                      latest = LastMovement(course, limit, stretch, until, kPossible) + 1;
+    if (after == s_.frame.size()) return;
+    motion::StsEvent end = Crossing(kind, course.speed, course.speed_sd, limit, after);
+    if (latest > after) end.sd_s = std::hypot(end.sd_s, (s_.time_s[latest - 1] - end.time_s) / std::sqrt(2));
+    Add(end);
   }
 
   void Add(motion::StsEvent event) {
@@ -270,14 +313,25 @@ class EventFinder {
     return first;
   }
 
+  // A longer stop than a pause belongs to a movement that brings this fraction afterwards, if it is no longer than so
+  // many times what the movement took until then.
+  struct LongStop {
+    double left, times;
+  };
+  static constexpr LongStop kLikely{0.05, 1}, kPossible{0.02, 2};
+
   // The last frame of the last movement that belongs to the stretch: faster than the limit, not undone, and after a
   // pause at most, unless much is still to come.
-  std::size_t LastMovement(const Course& course, double limit, const Stretch& stretch, std::size_t until) const {
+  std::size_t LastMovement(const Course& course, double limit, const Stretch& stretch, std::size_t until,
+                           const LongStop& longest) const {
     const double travel = Range(course.value, stretch), pause_s = LongestPause(o_.rest_s, stretch);
     std::size_t last = RunEnd(course.speed, limit, until, FastestIn(course.speed, stretch));
+    const double begin_s = s_.time_s[FirstMovement(course, limit, stretch)];
     for (std::size_t i = last + 1; i <= until; ++i) {
-      const double left = course.value[stretch.end] - course.value[last];
-      if (s_.time_s[i] - s_.time_s[last] > pause_s && left < o_.standing_left * travel) break;
+      const double left = (course.value[stretch.end] - course.value[last]) / travel;
+      const double longest_s =
+          left < longest.left ? pause_s : std::max(pause_s, longest.times * (s_.time_s[last] - begin_s));
+      if (s_.time_s[i] - s_.time_s[last] > longest_s && left < o_.standing_left) break;
       if (course.speed[i] <= limit) continue;
       const std::size_t end = RunEnd(course.speed, limit, until, i);
       const double gain = course.value[end] - course.value[i];
@@ -351,10 +405,7 @@ class EventFinder {
     double middle, deviation;
   };
 
-  Rest RestOf(const Values& values, Span rest) const {
-    const Values quiet = Part(values, rest);
-    return {Median(quiet), RobustDeviation(quiet)};
-  }
+  static Rest RestOf(const Values& quiet) { return {Median(quiet), RobustDeviation(quiet)}; }
 
   // The quietest last part of a rest, and the frame from which the rest lasts.
   struct Stillness : Span {
@@ -424,7 +475,7 @@ class EventFinder {
     before.begin = rest.begin;
     const std::optional<Departure> trunk = TrunkLeaves(before, rest, rise);
     if (trunk && trunk->frame == 0) return std::nullopt;
-    const Rest hip = RestOf(s_.hip_height, rest);
+    const Rest hip = RestOf(Part(s_.hip_height, rest));
     const double limit = std::max(o_.onset_height * Range(s_.hip_height, rise), 3 * hip.deviation);
     Values away = s_.hip_height;
     for (double& height : away) height = std::abs(height - hip.middle);
@@ -433,11 +484,19 @@ class EventFinder {
     if (trunk && trunk->frame <= lifted) {
       motion::StsEvent onset = Crossing(motion::StsEventKind::kOnset, s_.trunk_deg_s, s_.sd.trunk_deg_s,
                                         TrunkLimit(before, rise), trunk->frame);
-      if (trunk->sway_s > 0) onset.sd_s = std::hypot(std::isfinite(onset.sd_s) ? onset.sd_s : 0, trunk->sway_s);
+      const double unseen_s = UnseenBefore(trunk->frame, rise);
+      if (trunk->sway_s > 0 || unseen_s > 0)
+        onset.sd_s = std::hypot(std::isfinite(onset.sd_s) ? onset.sd_s : 0, trunk->sway_s, unseen_s);
       return onset;
     }
     motion::StsEvent onset = Crossing(motion::StsEventKind::kOnset, away, s_.sd.hip_height, limit, lifted,
                                       BeyondFit(hip.deviation, s_.sd.hip_height, rest));
+    // A marker that shows the lean too late to tell its begin: that was before the hip left rest, by about half of what
+    // the hip takes to its largest speed.
+    const std::size_t fastest = FastestIn(hip_up_.speed, rise);
+    const bool begins_unseen = !trunk || UnseenBefore(trunk->frame, rise) > 0;
+    if (begins_unseen && fastest > lifted && TrunkFrames({before.begin, fastest}) > 0)
+      onset.sd_s = std::hypot(std::isfinite(onset.sd_s) ? onset.sd_s : 0, (s_.time_s[fastest] - s_.time_s[lifted]) / 2);
     // A hip that is away throughout the rest does not tell when it left: it was until the trunk did.
     if (trunk && std::isnan(onset.sd_s)) onset.sd_s = std::hypot(s_.time_s[trunk->frame] - onset.time_s, trunk->sway_s);
     return onset;
@@ -445,6 +504,47 @@ class EventFinder {
 
   double TrunkLimit(Span before, const Stretch& rise) const {
     return o_.onset_fraction * Most(s_.trunk_deg_s, {before.begin, FastestIn(hip_up_.speed, rise)});
+  }
+
+  // For how long the trunk may have been leaning, unseen, before a frame in which it first leans.
+  double UnseenBefore(std::size_t frame, const Stretch& rise) const {
+    if (s_.has_trunk[frame] && (frame == 0 || s_.has_trunk[frame - 1])) return 0;
+    std::size_t seen = frame, before = frame;
+    while (seen + 1 < s_.has_trunk.size() && !s_.has_trunk[seen]) ++seen;
+    while (before > 0 && (before == frame || !s_.has_trunk[before])) --before;
+    const double gap_s = s_.has_trunk[before] ? s_.time_s[seen] - s_.time_s[before] : INFINITY;
+    const std::size_t fastest = FastestIn(s_.trunk_deg_s, {seen, std::max(seen, FastestIn(hip_up_.speed, rise))});
+    return std::min(gap_s,
+                    SinceBegin(s_.trunk_deg_s[seen] / s_.trunk_deg_s[fastest], s_.time_s[fastest] - s_.time_s[seen]));
+  }
+
+  // How long ago a movement began that is at this part of its peak speed, and so long before that, if its speed is that
+  // of a minimum-jerk movement, 16 u² (1 − u)² (Flash & Hogan 1985). No shape is certain: it is a standard deviation.
+  static double SinceBegin(double part_of_peak, double to_peak_s) {
+    const double to_peak = std::sqrt(1 - std::sqrt(std::clamp(part_of_peak, 0.0, 0.99)));  // of half the duration
+    return to_peak_s * (1 - to_peak) / to_peak;
+  }
+
+  // The trunk's values in a span where a marker shows them; those of its end where none does.
+  Values SeenOfTrunk(const Values& values, Span span) const {
+    Values seen;
+    for (std::size_t i = span.begin; i <= span.end; ++i)
+      if (s_.has_trunk[i]) seen.push_back(values[i]);
+    return seen.empty() ? Values{values[span.end]} : seen;
+  }
+
+  // Frames of a span in which a marker shows the trunk.
+  std::size_t TrunkFrames(Span span) const {
+    std::size_t frames = 0;
+    for (std::size_t i = span.begin; i <= span.end; ++i) frames += s_.has_trunk[i] != 0;
+    return frames;
+  }
+
+  // Whether a marker shows the trunk for half of a span, and before the lean is fastest.
+  bool ShowsLean(Span span) const {
+    const std::size_t fastest = FastestIn(s_.trunk_deg_s, span);
+    return 2 * TrunkFrames(span) > span.end - span.begin &&
+           (s_.has_trunk[span.begin] || (fastest > span.begin && s_.has_trunk[fastest - 1]));
   }
 
   // Where a movement begins, and the standard deviation of its time that the person's sway makes.
@@ -481,8 +581,9 @@ class EventFinder {
   std::optional<Departure> TrunkLeaves(Span before, const Stillness& rest, const Stretch& rise) const {
     const Values &angle = s_.trunk_deg, &speed = s_.trunk_deg_s;
     const std::size_t fastest = FastestIn(hip_up_.speed, rise);
+    if (!ShowsLean({std::min(rest.end, fastest), fastest})) return std::nullopt;
     const std::size_t deepest = FastestIn(angle, {before.begin, fastest});
-    const Rest trunk = RestOf(angle, rest);
+    const Rest trunk = RestOf(SeenOfTrunk(angle, rest));
     const double lean = angle[deepest] - trunk.middle, limit = TrunkLimit(before, rise);
     if (!(lean > 0)) return std::nullopt;
     // What sway hides of the lean. Of a lean that it hides nearly all, the last three quarters are looked at.
@@ -506,13 +607,13 @@ class EventFinder {
     // still settle, which a robust deviation bears.
     const std::size_t may_begin = FrameAt(s_.time_s[begun] - seen.ToLimit(), begun);
     const Span still = {rest.from, std::clamp(may_begin, rest.from, rest.end)};
-    return Departure{
-        begun, seen.DeviationOfOnset(BeyondFit(RobustDeviation(Part(speed, still), 0), s_.sd.trunk_deg_s, still))};
+    return Departure{begun, seen.DeviationOfOnset(
+                                BeyondFit(RobustDeviation(SeenOfTrunk(speed, still), 0), s_.sd.trunk_deg_s, still))};
   }
 
   // The trunk's deviation from its angle at rest in all of the rest: of its quietest part alone it would be too small.
   double SwayOfTrunk(double at_rest_deg, const Stillness& rest) const {
-    return RobustDeviation(Part(s_.trunk_deg, {rest.from, rest.end}), at_rest_deg);
+    return RobustDeviation(SeenOfTrunk(s_.trunk_deg, {rest.from, rest.end}), at_rest_deg);
   }
 
   // The first frame of the last run within a span, up to its end, of values above a level.
@@ -529,7 +630,7 @@ class EventFinder {
     return Mean(moving);
   }
 
-  const StsSignals& s_;
+  const KnownSignals& s_;
   const StsOptions& o_;
   const Course hip_up_, hip_down_, flexion_, extension_;
   std::vector<double> seat_heights_;
@@ -540,7 +641,7 @@ class EventFinder {
 }  // namespace
 
 FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options) {
-  const StsSignals known = KnownOnly(signals);
+  const KnownSignals known = KnownOnly(signals);
   return EventFinder(known, options).Find();
 }
 
@@ -567,11 +668,11 @@ std::vector<std::string> UncertainEvents(const std::vector<motion::StsEvent>& ev
 }
 
 std::string OnsetsWithoutLean(const StsSignals& signals, const std::vector<motion::StsEvent>& events) {
-  constexpr double kBefore_s = 1;
+  const double before_s = StsOptions{}.first_rest_s;
   std::vector<int> rises;
   for (const motion::StsEvent& event : events) {
     if (event.kind != motion::StsEventKind::kOnset || std::isnan(event.sd_s)) continue;
-    const auto from = std::ranges::lower_bound(signals.time_s, event.time_s - kBefore_s);
+    const auto from = std::ranges::lower_bound(signals.time_s, event.time_s - before_s);
     const auto to = std::ranges::upper_bound(signals.time_s, event.time_s);
     const std::span<const double> lean(signals.trunk_deg.begin() + (from - signals.time_s.begin()), to - from);
     const auto unseen = std::ranges::count_if(lean, [](double angle) { return std::isnan(angle); });
@@ -580,7 +681,8 @@ std::string OnsetsWithoutLean(const StsSignals& signals, const std::vector<motio
   if (rises.empty()) return "";
   const bool one = rises.size() == 1;
   return fmt::format(
-      "rise{} {}: no marker shows the trunk lean before {}, so {} where the hip leaves its rest, which is later: "
+      "rise{} {}: no marker shows the trunk lean before {}, so {} where the hip leaves its rest, or where one first "
+      "shows the lean, which is later: "
       "compare "
       "percents and times only with those of trials without a waist marker too, or give the onset with --events",
       one ? "" : "s", fmt::join(rises, ", "), one ? "it" : "them", one ? "its onset is" : "their onsets are");

@@ -540,6 +540,7 @@ struct Measured {
   std::vector<Window> windows;
   std::vector<double> cutoffs_hz;
   std::vector<LegPath> paths;  // one per cutoff; the model has the first
+  LegPath at_custom;           // low-passed as is the field's custom
   Model model;
   Model by_motion;  // without plates; what is of the motion alone is the same with them
 
@@ -559,6 +560,8 @@ Measured Measure(const motion::MarkerRecording& trajectory, const std::vector<mo
   Measured measured;
   measured.rises = RisesOf(events);
   if (forces) CheckOverlap(*forces, measured.rises);
+  path_options.cutoff_hz = options.cutoff_with_forces_hz;
+  measured.at_custom = MakeLegPath(trajectory, path_options);
   measured.windows = WindowsOf(measured.rises, trajectory.time_s, options);
   measured.cutoffs_hz = CutoffsHz(options, forces.has_value());
   for (const double cutoff_hz : measured.cutoffs_hz) {
@@ -576,17 +579,37 @@ Measured Measure(const motion::MarkerRecording& trajectory, const std::vector<mo
   return measured;
 }
 
-RiseMomentum MomentumOf(const Model& model, const TrunkFit& trunk, const Rise& rise, const LoadsOptions& options) {
-  const std::size_t left = FrameFrom(model.path.time_s, rise.seat_off_s + options.seat_release_s);
-  return FindMomentum(model.path, model.body, options.body.mass_kg, trunk.InTrunkM(left), rise.onset_s, rise.seat_off_s,
-                      rise.standing_s);
+// With the trunk's centre where the table has it: where the fitted one lies along the trunk is hardly told by the
+// zero-moment point, and the largest velocities hang on it.
+RiseMomentum MomentumOf(const LegPath& path, const LegBody& body, const Vector2d& in_trunk_m, const Rise& rise,
+                        const LoadsOptions& options) {
+  return FindMomentum(path, body, options.body.mass_kg, in_trunk_m, rise.onset_s, rise.seat_off_s, rise.standing_s);
+}
+
+// By rise and draw. They are of the motion alone: plates change nothing.
+std::vector<std::vector<RiseMomentum>> DrawMomenta(const Measured& measured, const LoadsOptions& options) {
+  std::vector<std::vector<RiseMomentum>> momenta(measured.rises.size());
+  const TrunkPrior& trunk = options.trunk;
+  const double across_sd_m = measured.at_custom.has_shoulder ? trunk.across_m : trunk.across_from_waist_m;
+  Drawing drawing(options.uncertainty, options.seed + 4);
+  for (int draw = 0; draw < options.draws; ++draw) {
+    ThrowIfInterrupted();
+    const std::vector<Rise> rises = drawing.Rises(measured.rises);
+    const LegPath path = drawing.Path(measured.at_custom, options.cutoff_with_forces_hz);
+    const LegBody body = drawing.Body(measured.by_motion.body);
+    const double along_m = drawing.Normal(trunk.along_m), across_m = drawing.Normal(across_sd_m);
+    for (std::size_t r = 0; r < rises.size(); ++r) {
+      const Vector2d own(along_m + drawing.Normal(trunk.posture_m), across_m + drawing.Normal(trunk.posture_m));
+      momenta[r].push_back(MomentumOf(path, body, own, rises[r], options));
+    }
+  }
+  return momenta;
 }
 
 // What the draws say, rise by rise and draw by draw.
 struct Drawn {
   std::vector<std::vector<std::vector<double>>> curves;
   std::vector<std::vector<std::vector<SeatBounds>>> bounds;
-  std::vector<std::vector<RiseMomentum>> momenta;
   std::vector<double> along_m, across_m, slow_margin_mm;  // of the trunk and the balance, without plates
 };
 
@@ -595,8 +618,6 @@ Drawn Draw(const Measured& measured, const LoadsOptions& options) {
   Drawn drawn;
   drawn.curves.resize(rises);
   drawn.bounds.resize(rises);
-  drawn.momenta.resize(rises);
-  std::mt19937_64 trunk_random(options.seed + 2);  // with plates the draws need no trunk but for the momentum
   Drawing drawing(options.uncertainty, options.seed);
   for (int draw = 0; draw < options.draws; ++draw) {
     ThrowIfInterrupted();
@@ -613,26 +634,24 @@ Drawn Draw(const Measured& measured, const LoadsOptions& options) {
       drawn.along_m.push_back(model.trunk->AlongM());
       drawn.across_m.push_back(model.trunk->AcrossM());
     }
-    const TrunkFit trunk = model.trunk ? *model.trunk : measured.Trunk().Draw(trunk_random);
     const double axis_factor = drawing.AxisFactor();
     for (std::size_t r = 0; r < rises; ++r) {
       drawn.curves[r].push_back(KneeCurve(model, drawn_rises[r], options, axis_factor));
       drawn.bounds[r].push_back(SeatBoundsOf(model, drawn_rises[r], options));
-      drawn.momenta[r].push_back(MomentumOf(model, trunk, drawn_rises[r], options));
     }
   }
   return drawn;
 }
 
-RiseLoads RiseOf(const Measured& measured, const Drawn& drawn, std::size_t which, const motion::LegMotion& motion,
-                 const LoadsOptions& options) {
+RiseLoads RiseOf(const Measured& measured, const Drawn& drawn, const std::vector<RiseMomentum>& momenta,
+                 std::size_t which, const motion::LegMotion& motion, const LoadsOptions& options) {
   const Rise& rise = measured.rises[which];
   RiseLoads loads = RiseOf(measured.model, motion, rise, options);
   SetPeak(loads);
   SetBands(drawn.curves[which], loads);
   SetBounds(drawn.bounds[which], loads);
-  loads.momentum = MomentumOf(measured.by_motion, measured.Trunk(), rise, options);
-  loads.momentum_sd = SpreadOf(drawn.momenta[which]);
+  loads.momentum = MomentumOf(measured.at_custom, measured.by_motion.body, Vector2d::Zero(), rise, options);
+  loads.momentum_sd = SpreadOf(momenta);
   return loads;
 }
 
@@ -667,12 +686,13 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
   options.body.Check();
   const Measured measured = Measure(trajectory, events, path_options, options, forces);
   const Drawn drawn = Draw(measured, options);
+  const std::vector<std::vector<RiseMomentum>> momenta = DrawMomenta(measured, options);
   LoadsResult result;
   result.from_ground = forces.has_value();
   result.has_shoulder = measured.model.path.has_shoulder;
   result.body = measured.model.body;
   for (std::size_t r = 0; r < measured.rises.size(); ++r)
-    result.rises.push_back(RiseOf(measured, drawn, r, motion, options));
+    result.rises.push_back(RiseOf(measured, drawn, momenta[r], r, motion, options));
   result.mean = MeanOf(result.rises);
   SetPeak(result.mean);
   SetBands(MeanCurves(drawn.curves), result.mean);

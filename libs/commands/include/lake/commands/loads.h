@@ -21,7 +21,7 @@ struct LoadsRunOptions : GaitRunOptions {
   std::filesystem::path forces;               // of OpenSim; empty: without force plates
   std::optional<std::filesystem::path> sync;  // sync.yaml: the forces' clock; else it is the markers'
   std::map<std::string, int> plates;          // right, left: which plate, from 1
-  std::string leg;  // right or left; empty: by the ankle marker's name in the file, else right
+  std::string leg;  // right or left; empty: by the markers' names in the file, else right, with a warning
 };
 
 void Describe(LoadsRunOptions& o, OptionList& options);

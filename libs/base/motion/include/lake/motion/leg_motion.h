@@ -23,8 +23,8 @@ std::string_view ToString(Side side);  // left, right
 // The leg nearer to the camera: the left one of a subject who faces left in the image.
 Side NearLeg(Facing facing);
 
-// The side by which a marker's name begins, as laboratories name them: L_knee, LKNE, r.ASIS, left ankle. nullopt for a
-// name without a side.
+// The side that a marker's name says, as laboratories name them: L_knee, LKNE, r.ASIS, left ankle, lateral_ankle_r,
+// KneeLeft. nullopt for a name without a side, or with both.
 std::optional<Side> SideOfName(std::string_view marker);
 
 // The leg in one frame. Vectors are in the leg frame's axes (x anterior, y up); angles are from the vertical, positive

@@ -69,18 +69,20 @@ struct FoundStsEvents {
 };
 
 // Events of every repetition in the order of time, each when its limit is crossed, which is between two frames; its
-// frame is the nearer of them. Its sd_s is the SD of what crosses the limit, over its slope; at an
-// onset the sway of the rest before it is in it. A rise of the hip with an
-// extension of the knee, from a seat, is a repetition; its `descent` and `seated` are those of the following lowering.
-// A repetition that the recording cuts off has only the events that are in it. Empty if there is no sit-to-stand.
+// frame is the nearer of them. Its sd_s is the SD of what crosses the limit, over its slope; at an onset with the sway
+// of the rest before it and what is not seen of the lean, at an end with a stop that may be it too. A rise of the hip
+// with an extension of the knee, from a seat, is a repetition; its `descent` and `seated` are those of the following
+// lowering. A repetition that the recording cuts off has only the events that are in it. Empty if there is no
+// sit-to-stand.
 FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options = {});
 
 // To be said once events are corrected: a sentence for each onset or standing whose SD is known and more than a tenth
 // of the time between the two: the percent of such a rise, and all that is read over it, hang on it.
 std::vector<std::string> UncertainEvents(const std::vector<motion::StsEvent>& events);
 
-// Likewise to be said then: a sentence naming the rises whose onset was found by the hip, as no marker shows the trunk
-// lean in most of the second before it. Empty without such a rise; an onset that a person gave is none.
+// Likewise to be said then: a sentence naming the rises before whose onset no marker shows the trunk lean: it is told
+// by the hip, or is where a marker first shows the lean. Empty without such a rise; an onset that a person gave is
+// none.
 std::string OnsetsWithoutLean(const StsSignals& signals, const std::vector<motion::StsEvent>& events);
 
 // Sets `repetition` and `percent` (0 at onset, 100 at standing) of the samples between the two, and clears them

@@ -30,7 +30,7 @@ struct Uncertainty {
   double segment_centre = 0.03;    // of the segment's length
   double segment_gyration = 0.08;  // share
   double trunk_gyration = 0.15;    // share: arms and head move
-  double trunk_share = 0.1;        // of --share where it is not given: few people rise evenly on both legs
+  double trunk_share = 0.15;       // of --share where it is not given: a sore or weak leg bears 20 to 40 %
   double joint_m = 0.01;           // per axis: how far a marker is from the joint's axis (of the hip 1.5 times)
   // The knee's axis against the plane's normal: the plane in which lateral markers move most was off by up to 18°. The
   // frontal moment at the knee against the extending one.
