@@ -282,14 +282,21 @@ TEST(LegInSpace, ALimbWhoseLengthChangesByAThirdHasWiderSigmas) {
   EXPECT_GT(deep, 50);
 }
 
-// Single frames in which a marker is somewhere else leave the rest of the trial as it is.
+// Half a second in which a marker is somewhere else leaves the rest of the trial as it is.
 TEST(LegInSpace, FramesOfAnotherPointAreLeftOut) {
   Squat squat = MakeSquat(0, 100, 0.5, 6);
-  for (std::size_t i = 0; i < squat.knee_deg.size(); i += 12)
-    squat.points.points[2].positions[i] += Eigen::Vector3d(900, 700, 0);
-  const gait::LegFitResult result = FitSquat(squat, "+x", gait::LegFilter::kSpline);
+  const auto is_wrong = [](std::size_t i) { return i >= 300 && i < 350; };  // while the person stands
   for (std::size_t i = 0; i < squat.knee_deg.size(); ++i)
-    EXPECT_NEAR(result.motion.samples[i].knee_deg, squat.knee_deg[i], 2) << i;
+    if (is_wrong(i)) squat.points.points[2].positions[i] += Eigen::Vector3d(300, 500, 0);
+  const gait::LegFitResult result = FitSquat(squat, "+x", gait::LegFilter::kSpline);
+  int known = 0;
+  for (std::size_t i = 0; i < squat.knee_deg.size(); ++i) {
+    const motion::LegSample& sample = result.motion.samples[i];
+    if (is_wrong(i) || !std::isfinite(sample.knee_deg)) continue;
+    EXPECT_NEAR(sample.knee_deg, squat.knee_deg[i], 2) << i;
+    ++known;
+  }
+  EXPECT_GT(known, 700);
 }
 
 TEST(LegInSpace, PointsOfAPlaneInAFileOfSpaceAreALegInAPlane) {
