@@ -86,8 +86,8 @@ TEST_F(Simulate, WritesTheTableOnTheAssembledBranch) {
   EXPECT_LT(summary["weakest"]["safety"], 1);
 }
 
-// What is only looked at is no part of the used range: the optimum of calibration/problems/buildable.yaml, whose linkage
-// can be assembled far beyond standing, where the coupler would bear twice as much.
+// What is only looked at is no part of the used range: the optimum of calibration/problems/buildable.yaml, whose
+// linkage can be assembled far beyond standing, where the coupler would bear twice as much.
 TEST_F(Simulate, PosesBeyondTheUsedRangeDoNotCountForStrength) {
   const auto run = [&](const std::string& more) {
     const Outcome outcome =

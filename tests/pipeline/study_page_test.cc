@@ -117,9 +117,9 @@ TEST(StudyPage, SaysTheCheapestRepairFirst) {
   std::size_t last = 0;
   for (const char* part :
        {"<p>The joint sits in front of and above the knee. Move it onto the knee first.</p>", "as worn</th>",
-        "same links, joint moved</th>", "new links</th>", "<figure class=\"chart half\">", "as worn, with the joint moved",
-        "<dt>Next</dt>", "<h2>Warnings</h2>", "<h2>Why, and how sure</h2>", "; 95 %: ", "<dt>What is wrong</dt>",
-        "<dt>What to build for new links</dt>", "<dt>How sure it is</dt>"}) {
+        "same links, joint moved</th>", "new links</th>", "<figure class=\"chart half\">",
+        "as worn, with the joint moved", "<dt>Next</dt>", "<h2>Warnings</h2>", "<h2>Why, and how sure</h2>",
+        "; 95 %: ", "<dt>What is wrong</dt>", "<dt>What to build for new links</dt>", "<dt>How sure it is</dt>"}) {
     const std::size_t at = page.find(part, last);
     ASSERT_NE(at, page.npos) << part;
     last = at;

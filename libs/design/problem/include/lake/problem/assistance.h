@@ -57,8 +57,8 @@ struct Assistance {
   const AssistanceRow* Largest(double AssistanceRow::*column) const;
 };
 
-// The shortest duration under the moments that the profile is given with, whatever pace they are of; NaN without a known
-// speed, infinite where the actuator cannot lift its share.
+// The shortest duration under the moments that the profile is given with, whatever pace they are of; NaN without a
+// known speed, infinite where the actuator cannot lift its share.
 double DurationUnderMoments(const linkage::Links& links, const SynthesisProblem& problem);
 
 // Of a design, for problem.duration_s if there is one, else the shortest duration, else the profile's own: this is the
