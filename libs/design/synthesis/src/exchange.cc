@@ -48,10 +48,11 @@ bool AddPosesOf(const problem::SynthesisProblem& problem, const linkage::Links& 
   problem::UsedPoses used(links, problem);
   for (const problem::Requirement& requirement : problem::RequirementsOf(problem)) {
     if (!requirement.NeedsStanding()) continue;
+    if (!used.Range()) return false;
+    if (!requirement.IsFamily()) continue;
     const std::vector<problem::WorstPoint> worst = used.WorstPoints(requirement);
     if (worst.empty()) return false;
-    // The seat is one pose, which the program has already.
-    if (!requirement.IsFamily() || requirement.id.kind == problem::Requirement::Kind::kSeat) continue;
+    if (requirement.id.kind == problem::Requirement::Kind::kSeat) continue;  // one pose, which the program has already
     for (const problem::WorstPoint& point : worst) {
       const double allowed = tolerance * std::max(requirement.limit, requirement.IsClearance() ? 1.0 : 0.0);
       if (requirement.Slack(point.value) >= -allowed || IsKnown(point, poses)) continue;
