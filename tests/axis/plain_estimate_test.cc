@@ -16,9 +16,9 @@ namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr std::size_t kMarkers = 4;  // on each segment
+constexpr std::size_t kMarkersOfACluster = 4;  // on each segment
 constexpr int kDraws = 20;
-constexpr double kEllipse95 = 2.4477;  // standard deviations of a plane
+constexpr double kHalfOf95 = 2.4477;  // standard deviations of a plane
 
 struct Skin {
   double range_deg;
@@ -43,15 +43,15 @@ exchange::PointRecording Record(const Skin& skin, unsigned seed, exchange::Point
     points.frame.push_back(i);
     points.time_s.push_back(0.02 * i);
   }
-  for (std::size_t m = 0; m < 2 * kMarkers; ++m) {
-    const bool is_thigh = m >= kMarkers;
-    const double along = 100 + 250 * static_cast<double>(m % kMarkers) / (kMarkers - 1);
+  for (std::size_t m = 0; m < 2 * kMarkersOfACluster; ++m) {
+    const bool is_thigh = m >= kMarkersOfACluster;
+    const double along = 100 + 250 * static_cast<double>(m % kMarkersOfACluster) / (kMarkersOfACluster - 1);
     const Vector3d at = draw(skin.across_mm) + Vector3d(0, is_thigh ? along : -along, 0);
     std::array<Vector3d, 6> harmonics;
     for (Vector3d& harmonic : harmonics) harmonic = draw(skin.repeated_mm / std::sqrt(3));
     Vector3d slow = draw(skin.slow_mm);
     const double keep = std::exp(-1 / 15.0);
-    exchange::PointTrack track{(is_thigh ? "t" : "s") + std::to_string(m % kMarkers), {}};
+    exchange::PointTrack track{(is_thigh ? "t" : "s") + std::to_string(m % kMarkersOfACluster), {}};
     for (int i = 0; i < 500; ++i) {
       const double part = 0.5 * (1 - std::cos(2 * M_PI * i / 100.0));
       slow = keep * slow + std::sqrt(1 - keep * keep) * draw(skin.slow_mm);
@@ -69,7 +69,7 @@ exchange::PointRecording Record(const Skin& skin, unsigned seed, exchange::Point
 
 SegmentMarkers AllMarkers() {
   SegmentMarkers markers;
-  for (std::size_t m = 0; m < kMarkers; ++m) {
+  for (std::size_t m = 0; m < kMarkersOfACluster; ++m) {
     markers.shank.push_back("s" + std::to_string(m));
     markers.thigh.push_back("t" + std::to_string(m));
   }
@@ -78,8 +78,8 @@ SegmentMarkers AllMarkers() {
 
 // A segment's pose by its markers of the first frame, in the plane.
 Eigen::Isometry2d PoseOf(const exchange::PointRecording& points, std::size_t first, std::size_t frame) {
-  Eigen::Matrix2Xd from(2, kMarkers), to(2, kMarkers);
-  for (std::size_t m = 0; m < kMarkers; ++m) {
+  Eigen::Matrix2Xd from(2, kMarkersOfACluster), to(2, kMarkersOfACluster);
+  for (std::size_t m = 0; m < kMarkersOfACluster; ++m) {
     const auto& positions = points.points[first + m].positions;
     from.col(static_cast<Eigen::Index>(m)) = positions.front().head<2>();
     to.col(static_cast<Eigen::Index>(m)) = positions[frame].head<2>();
@@ -94,7 +94,7 @@ Vector2d SymmetricalEstimate(const exchange::PointRecording& points) {
   Eigen::MatrixXd a(2 * frames, 4);
   Eigen::VectorXd b(2 * frames);
   for (std::size_t i = 0; i < frames; ++i) {
-    const Eigen::Isometry2d shank = PoseOf(points, 0, i), thigh = PoseOf(points, kMarkers, i);
+    const Eigen::Isometry2d shank = PoseOf(points, 0, i), thigh = PoseOf(points, kMarkersOfACluster, i);
     const auto row = static_cast<Eigen::Index>(2 * i);
     a.block<2, 2>(row, 0) = shank.linear();
     a.block<2, 2>(row, 2) = -thigh.linear();
@@ -103,9 +103,9 @@ Vector2d SymmetricalEstimate(const exchange::PointRecording& points) {
   const Eigen::Vector4d found = a.colPivHouseholderQr().solve(b);
   Vector2d mean = Vector2d::Zero();
   for (std::size_t i = 0; i < frames; ++i)
-    mean +=
-        (PoseOf(points, 0, i) * Vector2d(found.head<2>()) + PoseOf(points, kMarkers, i) * Vector2d(found.tail<2>())) /
-        (2.0 * static_cast<double>(frames));
+    mean += (PoseOf(points, 0, i) * Vector2d(found.head<2>()) +
+             PoseOf(points, kMarkersOfACluster, i) * Vector2d(found.tail<2>())) /
+            (2.0 * static_cast<double>(frames));
   return mean;
 }
 
@@ -124,7 +124,7 @@ Errors ErrorsUnder(const Skin& skin) {
     off.push_back(axis.in_file.head<2>().norm());
     said.push_back(M_SQRT2 * axis.sd_mm);
     plain.push_back(SymmetricalEstimate(points).norm());
-    errors.held += (off.back() < kEllipse95 * axis.sd_mm) / static_cast<double>(kDraws);
+    errors.held += (off.back() < kHalfOf95 * axis.sd_mm) / static_cast<double>(kDraws);
   }
   errors.off_mm = RootMeanSquare(off);
   errors.plain_off_mm = RootMeanSquare(plain);
