@@ -46,7 +46,7 @@ Misalignment Measure(const Slipping& how, unsigned seed) {
   return compare::CompareTrials(human, exo, options);
 }
 
-struct Coverage {
+struct SlipCoverage {
   double held = 0, given = 0;
 
   void Add(const Interval& interval, double truth) {
@@ -63,7 +63,7 @@ struct Coverage {
 // part.
 TEST(SlippingJoint, WhatMovingItLeavesIsThatOfTheNextDonning) {
   for (const Slipping& how : {Slipping{2}, Slipping{3}, Slipping{3, 3}}) {
-    Coverage remainder;
+    SlipCoverage remainder;
     double sum_of_squares = 0;
     for (unsigned seed = 0; seed < kPeople; ++seed) {
       const Misalignment m = Measure(how, seed);
@@ -81,7 +81,7 @@ TEST(SlippingJoint, WhatMovingItLeavesIsThatOfTheNextDonning) {
 // The interval of the headline knows of the slip, whatever the number of rises; of one there may be none.
 TEST(SlippingJoint, ItsMisalignmentIsThatOfManyRises) {
   for (const int repetitions : {1, 2, 5}) {
-    Coverage rms, x, y;
+    SlipCoverage rms, x, y;
     for (unsigned seed = 0; seed < kPeople; ++seed) {
       const Misalignment m = Measure({repetitions}, seed);
       rms.Add(m.joint->intervals->rms_mm, kPlace_mm.norm());
@@ -89,7 +89,7 @@ TEST(SlippingJoint, ItsMisalignmentIsThatOfManyRises) {
       y.Add(m.joint->intervals->mean_y_mm, kPlace_mm.y());
     }
     SCOPED_TRACE(testing::Message() << repetitions << " repetitions");
-    for (const Coverage& coverage : {rms, x, y}) EXPECT_GE(coverage.held, 0.85 * coverage.given);
+    for (const SlipCoverage& coverage : {rms, x, y}) EXPECT_GE(coverage.held, 0.85 * coverage.given);
     EXPECT_GE(rms.given, repetitions > 1 ? kPeople : 0);
   }
 }
@@ -97,7 +97,7 @@ TEST(SlippingJoint, ItsMisalignmentIsThatOfManyRises) {
 // The interval of the two trials' path difference is as wide as it has to be: 90 to 98 % of draws.
 TEST(SlippingJoint, ThePathDifferencesIntervalIsNotTooWide) {
   for (const int repetitions : {1, 3, 5}) {
-    Coverage rms;
+    SlipCoverage rms;
     for (unsigned seed = 0; seed < kPeople; ++seed)
       rms.Add(Measure({repetitions}, seed).intervals->rms_mm, kPlace_mm.norm());
     EXPECT_GE(rms.Share(), 0.85) << repetitions;
@@ -114,7 +114,7 @@ TEST(SlippingJoint, IsPlacementAndNoTiming) {
     EXPECT_TRUE(compare::ComparisonJson(m)["parts_mm"].is_null()) << repetitions;
   }
   for (const int repetitions : {4, 6}) {
-    Coverage placement, timing, x, y, timing_mm;
+    SlipCoverage placement, timing, x, y, timing_mm;
     for (unsigned seed = 0; seed < kPeople; ++seed) {
       const Misalignment m = Measure({repetitions}, seed);
       placement.Add(m.intervals->placement, 1);
@@ -124,7 +124,7 @@ TEST(SlippingJoint, IsPlacementAndNoTiming) {
       y.Add(m.intervals->offset_y_mm, kPlace_mm.y());
     }
     SCOPED_TRACE(testing::Message() << repetitions << " repetitions");
-    for (const Coverage& coverage : {placement, timing, timing_mm, x, y}) EXPECT_GE(coverage.Share(), 0.85);
+    for (const SlipCoverage& coverage : {placement, timing, timing_mm, x, y}) EXPECT_GE(coverage.Share(), 0.85);
   }
 }
 
