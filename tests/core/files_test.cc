@@ -182,19 +182,27 @@ TEST(Provenance, CommitIsKnownInACloneAndUnknownElsewhere) {
   EXPECT_EQ(VersionAndCommit(), fmt::format("{} (commit {}, {})", Version(), Commit().substr(0, 12), SourceTree()));
 }
 
+// A program in bin/ and the library that it loads from lib/lake/.
+std::string HashOf(const std::filesystem::path& folder, std::string_view library) {
+  std::filesystem::create_directories(folder / "bin");
+  std::filesystem::create_directories(folder / "lib/lake");
+  WriteTextFile(folder / "bin/lake-x", "the program");
+  WriteTextFile(folder / "lib/lake/liblake.so", std::string(library));
+  return Sha256OfProgram(folder / "bin/lake-x");
+}
+
 TEST(Provenance, ProgramsThatDifferInTheirCommitAloneAreTheSame) {
   const TemporaryFolder folder;
-  std::string program = ReadTextFile("/proc/self/exe");
-  const std::string own = Sha256OfProgram("/proc/self/exe");
-  EXPECT_NE(own, Sha256OfFile("/proc/self/exe"));
+  const std::filesystem::path bin = std::filesystem::canonical("/proc/self/exe").parent_path();
+  std::string library = ReadTextFile(bin.parent_path() / "lib/lake/liblake.so");
+  const std::string own = HashOf(folder / "own", library);
   std::string commit(Commit());
   commit.resize(48);  // as it stands in the file, padded
-  program.replace(program.find(commit), 7, "another");
-  WriteTextFile(folder / "other_commit", program);
-  EXPECT_EQ(Sha256OfProgram(folder / "other_commit"), own);
-  program[program.size() / 2] ^= 1;
-  WriteTextFile(folder / "other_code", program);
-  EXPECT_NE(Sha256OfProgram(folder / "other_code"), own);
+  ASSERT_NE(library.find(commit), std::string::npos);
+  library.replace(library.find(commit), 7, "another");
+  EXPECT_EQ(HashOf(folder / "other_commit", library), own);
+  library[library.size() / 2] ^= 1;
+  EXPECT_NE(HashOf(folder / "other_code", library), own);
 }
 
 TEST(Run, RefusesAFileAsItsFolder) {

@@ -48,7 +48,7 @@ motion::MarkerRecording Seen(const std::vector<double>& time_s, const std::vecto
 }
 
 // Four strides of a walk across the laboratory, one a second, 100 frames a second.
-SyntheticLeg Walk() {
+SyntheticLeg NoisyWalk() {
   SyntheticLeg leg;
   for (int i = 0; i < 400; ++i) {
     const double t = i / 100.0, phase = 2 * std::numbers::pi * t;
@@ -88,7 +88,7 @@ TEST(LastingNoise, OfARiseIsInTheKneesStandardDeviation) {
 // On a walk the fit follows such noise: its knee angle is farther off than that of a Butterworth filter at 6 Hz. Right
 // is no farther, within a tenth, and a standard deviation that says how far.
 TEST(LastingNoise, OfAWalkIsFollowedNoMoreThanAFilterDoes) {
-  const SyntheticLeg leg = Walk();
+  const SyntheticLeg leg = NoisyWalk();
   for (const Noise& noise : {Noise{3, 0.7}, Noise{3, 0.9}, Noise{0.3, 0, 0.004}}) {
     const motion::MarkerRecording tracks = Seen(leg.time_s, leg.points_mm, noise, 5);
     gait::LegFitOptions options;

@@ -131,14 +131,39 @@ std::string Sha256OfFile(const fs::path& path) {
   return known.Of(path);
 }
 
-std::string Sha256OfProgram(const fs::path& program) {
-  std::string content = ReadTextFile(program);
+namespace {
+
+std::string Sha256WithoutCommit(const fs::path& binary) {
+  std::string content = ReadTextFile(binary);
   const std::string_view marker(kSourceStamp.marker, sizeof kSourceStamp.marker);
   for (std::size_t at = content.find(marker); at != std::string::npos; at = content.find(marker, at)) {
     const std::size_t size = std::min(sizeof kSourceStamp, content.size() - at);
     std::fill_n(content.begin() + static_cast<std::ptrdiff_t>(at), size, '\0');
   }
   return Sha256OfText(content);
+}
+
+// Of the shared libraries of the project beside a program; empty where there are none. Hashed once in a process.
+std::string Sha256OfLibraries(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::map<fs::path, std::string> known;
+  const std::lock_guard lock(mutex);
+  if (const auto found = known.find(folder); found != known.end()) return found->second;
+  std::vector<fs::path> libraries;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".so") libraries.push_back(entry.path());
+  std::sort(libraries.begin(), libraries.end());
+  std::string hashes;
+  for (const fs::path& library : libraries) hashes += Sha256WithoutCommit(library);
+  return known[folder] = hashes;
+}
+
+}  // namespace
+
+std::string Sha256OfProgram(const fs::path& program) {
+  const fs::path folder = fs::canonical(program).parent_path().parent_path() / "lib/lake";
+  return Sha256OfText(Sha256WithoutCommit(program) + Sha256OfLibraries(folder));
 }
 
 std::string Sha256OfText(std::string_view text) {

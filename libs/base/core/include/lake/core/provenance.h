@@ -22,8 +22,9 @@ std::string VersionAndCommit();
 // A file hashed before by this process and untouched since is not read again. Throws Error if it cannot be read.
 std::string Sha256OfFile(const std::filesystem::path& path);
 
-// Lower-case hexadecimal SHA-256 of one of the project's programs, but for the commit that it names: programs of
-// several commits that have the same code have the same. Throws Error if it cannot be read.
+// Lower-case hexadecimal SHA-256 of one of the project's programs and of the project's shared libraries beside it
+// (../lib/lake), but for the commit that they name: programs of several commits that have the same code have the same.
+// Throws Error if it cannot be read.
 std::string Sha256OfProgram(const std::filesystem::path& program);
 
 std::string Sha256OfText(std::string_view text);
