@@ -139,7 +139,9 @@ TEST_F(CalibrateProgram, WhatNoLensExplainsIsNoCamera) {
     cv::remap(flat, bent, x, y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     video::WriteImage(file, bent);
   }
-  ExpectOneLine(Run("*.png --board chessboard:9x6:25 --quiet -o camera"), 1, "no camera explains");
+  const Outcome outcome = Run("*.png --board chessboard:9x6:25 --quiet -o camera");
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("lake-calibrate: no camera explains the corners: RMS"));
   EXPECT_FALSE(fs::exists(folder_ / "camera/camera.yaml"));
 }
 
