@@ -137,10 +137,10 @@ TEST_F(CohortFile, RefusesNumbersThatNobodyHas) {
   for (const char* height : {"1.75", "175", "-1750", "nan", "inf", "1,750", "1750 mm", "tall"}) {
     Write("participants.tsv", fmt::format("participant_id\theight_mm\nsub-01\tn/a\nsub-02\t{}\n", height));
     ExpectRefused(
-        fmt::format("participants.tsv:3: height_mm of sub-02: '{}' is not a number from 1000 to 2300", height));
+        fmt::format("participants.tsv:3: height_mm of sub-02: '{}' is not a number from 500 to 2750", height));
   }
   Write("participants.tsv", "participant_id\tmass_kg\nsub-01\t70000\nsub-02\t\n");
-  ExpectRefused("participants.tsv:2: mass_kg of sub-01: '70000' is not a number from 20 to 300");
+  ExpectRefused("participants.tsv:2: mass_kg of sub-01: '70000' is not a number from 10 to 650");
   Write("participants.tsv", "participant_id\tseat_height_mm\nsub-01\t45\nsub-02\t450\n");
   ExpectRefused("seat_height_mm of sub-01: '45'");
 }
