@@ -97,14 +97,23 @@ TEST(Plausibility, WhatWasTakenForAMarkerBeforeTheSubjectCameIsLeftOut) {
     EXPECT_EQ(std::isfinite(fit.motion.samples[i].knee_deg), i >= kComes) << i;
 }
 
-TEST(Plausibility, AMarkerOfWhichMostFitsNoLegIsRefused) {
+// The knee's marker moved at random by up to so much in each direction, in each frame.
+motion::MarkerRecording WithAKneeThatJumps(double by_mm) {
   const SyntheticLeg leg = MakeSyntheticLeg({}, 7);
   motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 7);
   std::mt19937 random(7);
-  std::uniform_real_distribution<double> anywhere(-40, 40);
+  std::uniform_real_distribution<double> anywhere(-by_mm, by_mm);
   for (motion::MarkerSample& sample : tracks.markers[1].samples)
     sample.position += Eigen::Vector2d(anywhere(random), anywhere(random));
-  EXPECT_THROW(gait::FitLeg(tracks, ScaledView()), Error);
+  return tracks;
+}
+
+TEST(Plausibility, AMarkerOfWhichMostFitsNoLegIsRefused) {
+  EXPECT_THROW(gait::FitLeg(WithAKneeThatJumps(150), ScaledView()), Error);
+}
+
+TEST(Plausibility, AMarkerThatHardlyFitsIsReported) {
+  EXPECT_THAT(gait::FitLeg(WithAKneeThatJumps(40), ScaledView()).warnings, testing::Not(testing::IsEmpty()));
 }
 
 }  // namespace

@@ -105,7 +105,11 @@ TEST_F(Server, SaysWhyNot) {
   EXPECT_EQ(result->body, R"({"error":"that changes nothing"})");
   const auto broken = Client().Get(path_ + "broken");
   EXPECT_EQ(broken->status, 500);
-  EXPECT_EQ(broken->body, R"({"error":"too long"})") << "a library's exception is told to the page too";
+  EXPECT_EQ(broken->body,
+            "{\"error\":\"a library failed at this input (too long): is the input damaged, or of an unusual size? If "
+            "it is neither, please "
+            "report this together with the input\"}")
+      << "a library's exception is told to the page too";
 }
 
 TEST_F(Server, LetsNothingInFromElsewhere) {
