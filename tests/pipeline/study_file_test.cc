@@ -395,7 +395,7 @@ TEST_F(StudyYaml, StepsKnowTheirPartsBodyAndLoad) {
   const std::string limited = "design: {problem: {load: {safety_factor: 1.5}}}\n";
   EXPECT_THAT(changed(limited + "simulate: {rod_diameter_mm: 10}\n", limited + "simulate: {rod_diameter_mm: 6}\n"),
               ElementsAre("optimum", "simulation"));
-  EXPECT_THAT(changed(limited, limited + "simulate: {plate: '3mm'}\n"), ElementsAre("optimum", "simulation"));
+  EXPECT_THAT(changed(limited, limited + "simulate: {plate: '3mm,6061-T6'}\n"), ElementsAre("optimum", "simulation"));
   EXPECT_THAT(changed("design: {problem: {parts: {rod_diameter_mm: 10}}}\n",
                       "design: {problem: {parts: {rod_diameter_mm: 6}}}\n"),
               ElementsAre("optimum", "simulation"));

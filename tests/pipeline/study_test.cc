@@ -110,7 +110,7 @@ TEST(StudyOfMarkerFiles, TheReportLinksTheFirmwareOfItsBoard) {
     study.Go();
     const std::string page = ReadPageText(study.Out() / "report.html");
     EXPECT_THAT(page, AllOf(HasSubstr(fmt::format("firmware for the {}", name)), Not(HasSubstr(other))));
-    EXPECT_THAT(ReadTextFile(study.Out() / "report.html"), HasSubstr(fmt::format("href=\"{}\"", file)));
+    EXPECT_THAT(ReadTextFile(study.Out() / "report.html"), HasSubstr(fmt::format("href=\"./{}\"", file)));
     EXPECT_TRUE(fs::is_regular_file(study.Out() / file));
   }
 }

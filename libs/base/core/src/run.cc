@@ -39,7 +39,7 @@ std::string OwnerOf(const fs::path& folder, const std::string& name) {
 // alone.
 bool IsBesideItsStudy(const Run::Info& info) {
   return !info.step.empty() && std::ranges::any_of(ResultsListsIn(info.out), [&](const ResultsList& list) {
-    return list.step.empty() && list.subject == info.subject && list.files.contains(kSummary);
+    return list.step.empty() && (list.subject.empty() || list.subject == info.subject) && list.files.contains(kSummary);
   });
 }
 
