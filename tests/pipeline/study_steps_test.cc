@@ -339,7 +339,8 @@ TEST_F(StepsAtOnce, AreUnderWayWhereNeitherReadsTheOther) {
   const auto meet = [&](const std::string& own, const std::string& other) {
     return Step(own, [=, this](lake::Run& run) {
       WriteTextFile(run.Result("here.txt"), own);
-      if (!Appears(folder_ / other / "here.txt")) throw Fail("{} never came", other);
+      WriteTextFile(folder_ / (own + " begun"), own);
+      if (!Appears(folder_ / (other + " begun"))) throw Fail("{} never came", other);
     });
   };
   EXPECT_EQ(steps::RunSteps({meet("a", "b"), meet("b", "a")}, {"this build", "test", true}).size(), 2u);
@@ -347,11 +348,11 @@ TEST_F(StepsAtOnce, AreUnderWayWhereNeitherReadsTheOther) {
 
 TEST_F(StepsAtOnce, ComeToTheirEndWhereAnotherFails) {
   const steps::StudyStep failing = Step("failing", [&](lake::Run&) {
-    Appears(folder_ / "patient/begun.txt");
+    if (!Appears(folder_ / "patient begun")) throw Fail("the other never came");
     throw UsageError("not so");
   });
   const steps::StudyStep patient = Step("patient", [&](lake::Run& run) {
-    WriteTextFile(run.Result("begun.txt"), "");
+    WriteTextFile(folder_ / "patient begun", "");
     if (!ComesTrue([&] { return steps::StepFailure(failing).has_value(); })) throw Fail("no failure was noticed");
     WriteTextFile(run.Result("end.txt"), "");
   });
