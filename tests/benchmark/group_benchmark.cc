@@ -119,7 +119,7 @@ std::string Sizes(int sizes, int count) {
 void Write(const std::filesystem::path& folder, int count) {
   for (const group::PersonMeasured& person : Draw(count, 1)) {
     compare::MisalignmentOptions options;
-    options.resamples = 0;
+    options.intervals = false;
     const compare::Misalignment misalignment =
         compare::CompareTrials({{person.motion.human}, {}}, {{person.motion.human}, {}}, options);
     std::filesystem::create_directories(folder / person.name);

@@ -52,7 +52,7 @@ class TracksInPx : public testing::Test {
   }
 
   Json Compare(const std::string& words) const {
-    const Outcome outcome = Shell(folder_, "lake-compare " + words + " --resamples 0 --quiet --json");
+    const Outcome outcome = Shell(folder_, "lake-compare " + words + " --quiet --json");
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
   }

@@ -27,7 +27,7 @@ class WornExport : public testing::Test {
     compare::StsCurve exo = MakeCurve({}, late, {8, 0});
     exo.leg_knee = MakeCurve({}, late).knee;
     compare::MisalignmentOptions options;
-    options.resamples = 0;
+    options.intervals = false;
     WriteJsonFile(folder_ / "C/comparison.json",
                   compare::ComparisonJson(compare::CompareTrials({{MakeCurve({})}, {}}, {{exo}, {}}, options)));
     loads::BodyPath person;

@@ -21,7 +21,7 @@ compare::Misalignment Compared() {
   ClosedFormLeg other;
   other.peak_shank_deg = 22;
   compare::MisalignmentOptions options;
-  options.resamples = 0;
+  options.intervals = false;
   return compare::CompareTrials({{MakeCurve({})}, {}}, {{MakeCurve(other, IssueWarp, {8, -3})}, {}}, options);
 }
 
@@ -62,7 +62,7 @@ TEST_F(ComparisonFile, CurvesReadBackAsTheSameNumbers) {
       EXPECT_EQ(read->duration_s, written->duration_s);
     }
     compare::MisalignmentOptions options;
-    options.resamples = 0;
+    options.intervals = false;
     const compare::Misalignment again = compare::CompareTrials({{curves.human}, {}}, {{curves.exo}, {}}, options);
     EXPECT_EQ(again.metrics.relative_rms, misalignment_.metrics.relative_rms);
     EXPECT_EQ(again.decomposition.timing, misalignment_.decomposition.timing);

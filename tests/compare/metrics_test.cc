@@ -131,7 +131,7 @@ TEST(Spikes, QuickMotionIsNone) {
 TEST(CompareTrials, WarnOfAnotherLegNotOfAJointBesideTheKnee) {
   const auto warnings = [](const compare::StsCurve& exo) {
     compare::MisalignmentOptions options;
-    options.resamples = 0;
+    options.intervals = false;
     const compare::Misalignment m = compare::CompareTrials({{MakeCurve({})}, {}}, {{exo}, {}}, options);
     return testing::PrintToString(m.warnings);
   };

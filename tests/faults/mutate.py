@@ -95,7 +95,7 @@ def kinds(folder):
         ("picture", "board1.pgm", ["lake-calibrate"] + [f"board{i}.pgm" for i in range(6)] + ["--board", "chessboard:6x4:25"], 3),
         ("trial gait", "th/trajectory.csv", ["lake-gait", "th"], 4),
         ("trial loads", "th/trajectory.csv", loads, 3),
-        ("trial compare", "te/trajectory.csv", ["lake-compare", "th", "te", "--resamples", "0"], 3),
+        ("trial compare", "te/trajectory.csv", ["lake-compare", "th", "te"], 3),
         ("events", "events.csv", ["lake-gait", "th", "--events", "events.csv"], 5),
         ("forces", "forces.mot", loads[:1] + ["te/video.trc", "--forces", "forces.mot"] + loads[2:], 4),
         ("segments", "segments.yaml", loads + ["--anthropometry", "segments.yaml"], 4),

@@ -215,7 +215,7 @@ TEST_F(StudyYaml, IsRead) {
 TEST_F(StudyYaml, HasEveryOptionOfItsPrograms) {
   const study::StudyFile study = Read(
       "human: {video: human.mp4, export: [trc, mot], dictionary: DICT_5X5_100}\n"
-      "exo: {video: exo.mp4, seeds: ['knee=1,2']}\ncompare: {resamples: 40, seed_number: 7}\n"
+      "exo: {video: exo.mp4, seeds: ['knee=1,2']}\ncompare: {replacement_sd: 7}\n"
       "design: {starts: 5, seed_number: 3, round_mm: 0.5}\n"
       "reoptimize: {human_only: true, starts: 4, seed_number: 9, yield_mm: 0.2}\n"
       "simulate: {angles_deg: [10, 90], knee_torque_nm: 25, animation: false}\n"
@@ -223,8 +223,7 @@ TEST_F(StudyYaml, HasEveryOptionOfItsPrograms) {
   const auto& human = std::get<commands::TrackRunOptions>(study.human.work);
   EXPECT_THAT(human.exports, ElementsAre("trc", "mot"));
   EXPECT_EQ(human.track.dictionary, "DICT_5X5_100");
-  EXPECT_EQ(study.compare.misalignment.resamples, 40);
-  EXPECT_EQ(study.compare.misalignment.seed, 7u);
+  EXPECT_EQ(study.compare.misalignment.replacement_sd_mm, 7);
   EXPECT_EQ(study.optimum.optimize.starts, 5);
   EXPECT_EQ(study.optimum.optimize.seed, 3u);
   EXPECT_EQ(study.optimum.round_mm, 0.5);

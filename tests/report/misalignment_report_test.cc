@@ -36,7 +36,7 @@ std::vector<compare::StsCurve> Repetitions(const compare::StsCurve& curve, int c
 Json Placed(int repetitions) {
   const compare::StsCurve human = MakeCurve({}), exo = MakeCurve({}, [](double u) { return u; }, {10, 20});
   compare::MisalignmentOptions options;
-  options.resamples = repetitions > 1 ? 60 : 0;
+  options.intervals = repetitions > 1;
   return compare::ComparisonJson(compare::CompareTrials({Repetitions(human, repetitions, 0.1, 1), {}},
                                                         {Repetitions(exo, repetitions, 0.1, 2), {}}, options));
 }
@@ -46,7 +46,7 @@ std::string PageOf(const Json& comparison) {
 }
 
 TEST(MisalignmentReport, ShowsTheComparisonsNumbers) {
-  const Json comparison = Placed(3);
+  const Json comparison = Placed(4);
   const std::string page = PageOf(comparison);
   const double rms = comparison["metrics"]["relative_rms"].get<double>();
   // Rounded to its interval, whatever that is.
@@ -60,13 +60,13 @@ TEST(MisalignmentReport, ShowsTheComparisonsNumbers) {
               HasSubstr("is placement: the joint sits 10 mm in front of the knee and 20 mm above it along the shank."));
   // |D| = hypot(10, 20) everywhere, so RMS and largest distance agree but for the noise of 0.1 mm.
   EXPECT_NEAR(comparison["metrics"]["rms_mm"].get<double>(), std::hypot(10, 20), 0.1);
-  EXPECT_THAT(page, HasSubstr("We compare the means of 3 repetitions"));
+  EXPECT_THAT(page, HasSubstr("We compare the means of 4 repetitions"));
 }
 
 // The interval of all sources, on which a decision rests, and one rounding in figure and sentence; what is of the
 // markers alone says so.
 TEST(MisalignmentReport, TheJointsFiguresHaveOneIntervalEverywhere) {
-  Json comparison = Placed(3);
+  Json comparison = Placed(4);
   comparison["joint"] = {{"rms_mm", 36.66},
                          {"rms_interval_mm", {36.63, 36.70}},
                          {"max_mm", 40.2},
@@ -121,16 +121,25 @@ TEST(MisalignmentReport, EqualPathsHaveNothingToDivide) {
 
 TEST(MisalignmentReport, AdviceNamesTheLargestPart) {
   const compare::StsCurve human = MakeCurve({}), late = MakeCurve({}, IssueWarp);
-  EXPECT_THAT(DecompositionAdvice(compare::ComparisonJson(compare::CompareTrials({{human}, {}}, {{late}, {}}))),
+  EXPECT_THAT(DecompositionAdvice(compare::ComparisonJson(
+                  compare::CompareTrials({Repetitions(human, 4, 0.1, 1), {}}, {Repetitions(late, 4, 0.1, 2), {}}))),
               HasSubstr("is timing"));
-  Json comparison = Placed(1);
+  Json comparison = Placed(4);
   comparison["decomposition"]["placement"]["fraction"] = 0.1;
   comparison["decomposition"]["shape"]["fraction"] = 0.9;
-  EXPECT_THAT(DecompositionAdvice(comparison), HasSubstr("90.0 %, is shape"));
+  EXPECT_THAT(DecompositionAdvice(comparison), HasSubstr("%, is shape"));
+}
+
+// No sentence rests on parts that fewer repetitions cannot tell.
+TEST(MisalignmentReport, ThreeRepetitionsDoNotTellTheParts) {
+  const std::string advice = DecompositionAdvice(Placed(3));
+  EXPECT_THAT(advice, HasSubstr("cannot be said"));
+  EXPECT_THAT(advice, Not(HasSubstr("Most of it")));
+  EXPECT_THAT(PageOf(Placed(3)), HasSubstr("too few repetitions for an interval"));
 }
 
 TEST(MisalignmentReport, AdviceSaysWhenPartsCannotBeToldApart) {
-  Json comparison = Placed(3);
+  Json comparison = Placed(4);
   EXPECT_THAT(DecompositionAdvice(comparison), Not(HasSubstr("overlap")));
   comparison["decomposition"]["timing"]["interval"] = {0.0, 1.0};
   EXPECT_THAT(DecompositionAdvice(comparison), HasSubstr("intervals of the parts overlap"));

@@ -26,7 +26,7 @@ class LakeOptimizeGroup : public testing::Test {
     leg.thigh_mm = shank_mm;
     leg.seated_knee_deg = seated_knee_deg;
     compare::MisalignmentOptions options;
-    options.resamples = 0;
+    options.intervals = false;
     const compare::Misalignment misalignment = compare::CompareTrials(
         {{MakeCurve(leg)}, {}}, {{MakeCurve(leg, [](double u) { return u; }, {8, 0})}, {}}, options);
     fs::create_directories(folder_ / name / "comparison");

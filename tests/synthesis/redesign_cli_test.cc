@@ -27,7 +27,7 @@ class LakeRedesign : public testing::Test {
  protected:
   void SetUp() override {
     compare::MisalignmentOptions options;
-    options.resamples = 0;
+    options.intervals = false;
     const auto late = [](double u) { return u - 0.06 * std::sin(std::numbers::pi * u); };
     ClosedFormLeg leaning;
     leaning.peak_shank_deg = 22;
@@ -106,7 +106,7 @@ TEST_F(LakeRedesign, RepairsOfTheWornDesignStandBesideTheNewOne) {
   EXPECT_EQ(moved["program_duration_s"], before["program_duration_s"]);
   EXPECT_NEAR(moved["placement_x_mm"].get<double>(), before["placement_x_mm"].get<double>() - 8, 1e-6);
   compare::MisalignmentOptions options;
-  options.resamples = 0;
+  options.intervals = false;
   const auto late = [](double u) { return u - 0.06 * std::sin(std::numbers::pi * u); };
   ClosedFormLeg leaning;
   leaning.peak_shank_deg = 22;

@@ -36,7 +36,8 @@ std::string JointText(const compare::JointMisalignment& joint, const std::option
                         rounded(all.high), rounded(markers.low), rounded(markers.high));
   }
   text += fmt::format(", {} mm at most", rounded(joint.max_mm));
-  text += fmt::format("; moving the joint leaves {:.2f} mm RMS", joint.remainder_mm);
+  text += fmt::format("; moving the joint leaves {}{} mm RMS", joint.repetitions < 2 ? "at least " : "",
+                      rounded(joint.remainder_mm));
   if (moved) text += fmt::format(" and a path difference of {:.2f} %", 100 * moved->relative_rms);
   if (moved && moved->intervals)
     text += fmt::format(" (95 % interval {:.2f} to {:.2f} %)", 100 * moved->intervals->relative_rms.low,

@@ -23,8 +23,8 @@ std::string JointText(const StudyResults& results) {
   const Uncertain rms = JointFigure(comparison, "joint_rms_mm");
   return fmt::format(
       "The exoskeleton's joint is {} RMS from the knee of the leg that wears it; in that trial, moving it there leaves "
-      "{} mm. ",
-      UncertainText(rms, " mm", 1),
+      "{}{} mm. ",
+      UncertainText(rms, " mm", 1), joint.at("repetitions") == 1 ? "at least " : "",
       KnownText(NumberOrNaN(comparison.at("best_placement").at("rms_mm")), rms.HalfWidth(), 1));
 }
 

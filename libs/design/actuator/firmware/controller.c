@@ -14,10 +14,10 @@
 // by another touches them in ATOMICALLY blocks only, which are barriers.
 static status_t told;  // of the last tick
 static uint32_t time_ms;
-static struct {
+static struct __attribute__((aligned(2))) {  // of an even size: sum_of
   state_t held;  // what a hold goes on with
   motion_t jog;
-} c __attribute__((aligned(2)));
+} c;
 static uint16_t sum_kept;
 typedef struct {
   request_t request;

@@ -7,14 +7,14 @@
 #define OUTPUT_WRONG_MS 3
 #define DRIVE_WRONG_MS 30  // longer than a supply that is off needs to be told as such: analog.c
 
-static struct {
+static struct __attribute__((aligned(2))) {  // of an even size: sum_of
   int8_t driving, probing;
   uint16_t counts;
   uint16_t dead_left_ms;
   uint8_t brakes;  // in this dead time
   uint8_t wrong_ms;
   uint8_t is_wrong;
-} m __attribute__((aligned(2)));
+} m;
 
 void motor_init(void) {
   bridge_init();

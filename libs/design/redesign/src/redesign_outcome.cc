@@ -24,7 +24,7 @@ using Kind = linkage::StrokeProgram::Kind;
 compare::Misalignment ComparePredicted(const compare::StsCurve& human, const compare::StsCurve& predicted) {
   compare::MisalignmentOptions options;
   options.replacement_sd_mm = 0;
-  options.resamples = 0;
+  options.intervals = false;
   return compare::CompareTrials({{human}, {}}, {{predicted}, {}}, options);
 }
 

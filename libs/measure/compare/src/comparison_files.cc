@@ -47,21 +47,20 @@ Json IntervalJson(const Interval& interval) {
   return {interval.low, interval.high};
 }
 
-Json PartJson(double fraction, const std::optional<MisalignmentIntervals>& intervals,
-              Interval MisalignmentIntervals::*interval) {
-  const bool has_interval = std::isfinite(fraction) && intervals;
+Json PartJson(double fraction, const std::optional<PartIntervals>& intervals, Interval PartIntervals::*interval) {
   return {{"fraction", NumberOrNull(fraction)},
-          {"interval", has_interval ? IntervalJson(*intervals.*interval) : Json(nullptr)}};
+          {"interval", intervals ? IntervalJson(*intervals.*interval) : Json(nullptr)}};
 }
 
 Json DecompositionJson(const Misalignment& m) {
   const Decomposition& d = m.decomposition;
-  Json json = {{"placement", PartJson(d.placement, m.intervals, &MisalignmentIntervals::placement)},
-               {"timing", PartJson(d.timing, m.intervals, &MisalignmentIntervals::timing)},
-               {"shape", PartJson(d.shape, m.intervals, &MisalignmentIntervals::shape)},
+  Json json = {{"placement", PartJson(d.placement, m.part_intervals, &PartIntervals::placement)},
+               {"timing", PartJson(d.timing, m.part_intervals, &PartIntervals::timing)},
+               {"shape", PartJson(d.shape, m.part_intervals, &PartIntervals::shape)},
                {"offset_mm", {d.offset_mm.x(), d.offset_mm.y()}}};
-  if (m.intervals)
-    json["offset_interval_mm"] = {IntervalJson(m.intervals->offset_x_mm), IntervalJson(m.intervals->offset_y_mm)};
+  if (m.part_intervals)
+    json["offset_interval_mm"] = {IntervalJson(m.part_intervals->offset_x_mm),
+                                  IntervalJson(m.part_intervals->offset_y_mm)};
   json["timing_knots_percent"] = d.knots_percent;
   json["timing_rms_percent"] = RootMeanSquare(d.timing_percent);
   json["converged"] = d.converged;
@@ -144,14 +143,16 @@ Json BestPlacementJson(const JointMisalignment& joint, const std::optional<Joint
   return json;
 }
 
+// Null below four repetitions, of which the parts mean little.
 Json PartsJson(const Misalignment& m) {
-  const auto part = [&](const std::vector<Vector2d>& vectors_mm, Interval MisalignmentIntervals::*interval) {
+  if (std::min(m.human_repetitions, m.exo_repetitions) < kLeastRepetitionsOfParts) return nullptr;
+  const auto part = [&](const std::vector<Vector2d>& vectors_mm, Interval PartIntervals::*interval) {
     return Json{{"rms_mm", std::sqrt(MeanSquare(vectors_mm))},
-                {"interval_mm", m.intervals ? IntervalJson((*m.intervals).*interval) : Json()}};
+                {"interval_mm", m.part_intervals ? IntervalJson((*m.part_intervals).*interval) : Json()}};
   };
-  return {{"placement", part(m.decomposition.placement_mm, &MisalignmentIntervals::placement_mm)},
-          {"timing", part(m.decomposition.timing_mm, &MisalignmentIntervals::timing_mm)},
-          {"shape", part(m.decomposition.shape_mm, &MisalignmentIntervals::shape_mm)}};
+  return {{"placement", part(m.decomposition.placement_mm, &PartIntervals::placement_mm)},
+          {"timing", part(m.decomposition.timing_mm, &PartIntervals::timing_mm)},
+          {"shape", part(m.decomposition.shape_mm, &PartIntervals::shape_mm)}};
 }
 
 // Keys end in the unit: "s" or "deg".

@@ -260,16 +260,6 @@ class Decomposer {
   HumanCurve curve_;
 };
 
-Variables VariablesOf(const Decomposition& solution, const DecompositionOptions& options) {
-  Variables variables;
-  variables.offset = solution.offset_mm;
-  variables.timing[0] = solution.knots_percent[0];
-  for (std::size_t k = 1; k < kKnots; ++k)
-    variables.timing[k] =
-        std::max(solution.knots_percent[k] - solution.knots_percent[k - 1], options.least_slope * kKnotStep);
-  return variables;
-}
-
 }  // namespace
 
 Decomposition Decompose(const StsCurve& human, const StsCurve& exo, const DecompositionOptions& options) {
@@ -289,16 +279,10 @@ Decomposition Decompose(const StsCurve& human, const StsCurve& exo, const Decomp
   return decomposer.MakeResult(best, best_start);
 }
 
-Decomposition DecomposeFrom(const Decomposition& start, const StsCurve& human, const StsCurve& exo,
-                            const DecompositionOptions& options) {
-  const Decomposer decomposer(human, exo, options);
-  return decomposer.MakeResult(decomposer.Solve(VariablesOf(start, options)), start.start);
-}
-
 Decomposition DecomposeBesideKnee(const StsCurve& human, const StsCurve& exo, const Vector2d& joint_mm,
-                                  const DecompositionOptions& options, const Decomposition* start) {
+                                  const DecompositionOptions& options) {
   const Decomposer decomposer(human, exo, options);
-  Variables variables = start ? VariablesOf(*start, options) : Variables();
+  Variables variables;
   variables.offset = joint_mm;
   return decomposer.MakeResult(decomposer.SolveBesideKnee(variables), "joint");
 }

@@ -11,8 +11,8 @@
 
 namespace lake::compare {
 
-// `joint_mm`: p, shank frame. `start`: where another solution close by is known. Its own `start` is "joint".
+// `joint_mm`: p, shank frame. Its `start` is "joint".
 Decomposition DecomposeBesideKnee(const StsCurve& human, const StsCurve& exo, const Eigen::Vector2d& joint_mm,
-                                  const DecompositionOptions& options, const Decomposition* start = nullptr);
+                                  const DecompositionOptions& options);
 
 }  // namespace lake::compare

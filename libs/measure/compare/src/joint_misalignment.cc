@@ -1,14 +1,14 @@
 #include "lake/compare/joint_misalignment.h"
 
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
 #include "lake/compare/pointwise_error.h"
 #include "lake/core/angles.h"
 #include "lake/core/cross.h"
-#include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
-#include "noise.h"
+#include "standard_errors.h"
 
 namespace lake::compare {
 namespace {
@@ -70,38 +70,8 @@ Curves CurvesOf(const StsCurve& leg, const std::vector<Vector2d>& place_mm, cons
   return curves;
 }
 
-JointMisalignment::Intervals DrawIntervals(const RegisteredTrial& against, const StsCurve& mean,
-                                           const std::vector<bool>& spike, const JointNoise& noise) {
-  std::mt19937_64 random(noise.seed);
-  const Variation known{.width_percent = noise.width_percent, .event_sd_s = noise.event_sd_s};
-  const Curves found = CurvesOf(mean, mean.knee, spike);
-  std::vector<std::vector<Vector2d>> place, remainder, angle;
-  std::vector<double> mean_x, mean_y;
-  for (int k = 0; k < noise.resamples; ++k) {
-    ThrowIfInterrupted();
-    const std::vector<Vector2d> error = DrawErrorOfMean(against, mean, known, DrawSteadiness(random), random);
-    const Curves drawn = CurvesOf(mean, Sum(mean.knee, error), spike);
-    place.push_back(Less(drawn.place_mm, found.place_mm));
-    remainder.push_back(Less(drawn.remainder_mm, found.remainder_mm));
-    angle.push_back(Less(drawn.angle_deg, found.angle_deg));
-    const Vector2d mean_mm = drawn.place_mm.front() - drawn.remainder_mm.front();
-    mean_x.push_back(mean_mm.x());
-    mean_y.push_back(mean_mm.y());
-  }
-  return {RmsInterval(found.place_mm, place),
-          MaxInterval(found.place_mm, place),
-          PercentileInterval(mean_x),
-          PercentileInterval(mean_y),
-          RmsInterval(found.remainder_mm, remainder),
-          RmsInterval(found.angle_deg, angle)};
-}
-
-}  // namespace
-
-std::optional<JointMisalignment> FindJointMisalignment(const RegisteredTrial& exo, const std::vector<bool>& spike,
-                                                       const JointNoise& noise) {
-  const RegisteredTrial against = AgainstKnee(exo);
-  if (against.repetitions.empty() || std::ranges::all_of(spike, [](bool is) { return is; })) return std::nullopt;
+// All but intervals.
+JointMisalignment OfMean(const RegisteredTrial& against, const std::vector<bool>& spike) {
   const StsCurve mean = MeanCurve(against.repetitions);
   const Curves curves = CurvesOf(mean, mean.knee, spike);
   JointMisalignment joint;
@@ -117,8 +87,76 @@ std::optional<JointMisalignment> FindJointMisalignment(const RegisteredTrial& ex
   joint.mean_mm = curves.place_mm.front() - curves.remainder_mm.front();
   joint.remainder_mm = std::sqrt(MeanSquare(curves.remainder_mm));
   joint.repetitions = static_cast<int>(against.repetitions.size());
-  if (noise.resamples > 0) joint.intervals = DrawIntervals(against, mean, spike, noise);
   return joint;
+}
+
+// The same figures without each repetition in turn.
+std::vector<JointMisalignment> WithoutOne(const RegisteredTrial& against, const std::vector<bool>& spike) {
+  std::vector<JointMisalignment> without;
+  for (std::size_t i = 0; i < against.repetitions.size(); ++i) {
+    RegisteredTrial others = against;
+    others.repetitions.erase(others.repetitions.begin() + static_cast<std::ptrdiff_t>(i));
+    without.push_back(OfMean(others, spike));
+  }
+  return without;
+}
+
+JointMisalignment::Intervals IntervalsOf(const JointMisalignment& joint,
+                                         const std::vector<JointMisalignment>& without) {
+  const auto around = [&](const auto& value, bool is_size) {
+    std::vector<Eigen::ArrayXd> values;
+    for (const JointMisalignment& other : without) values.push_back(Eigen::ArrayXd::Constant(1, value(other)));
+    const Eigen::ArrayXd own = Eigen::ArrayXd::Constant(1, value(joint));
+    Interval interval =
+        StudentInterval(value(joint), JackknifeError(own, values).variance[0], static_cast<double>(without.size() - 1));
+    if (is_size) interval.low = std::max(0.0, interval.low);
+    return interval;
+  };
+  using Joint = JointMisalignment;
+  return {.rms_mm = around([](const Joint& j) { return j.rms_mm; }, true),
+          .max_mm = around([](const Joint& j) { return j.max_mm; }, true),
+          .mean_x_mm = around([](const Joint& j) { return j.mean_mm.x(); }, false),
+          .mean_y_mm = around([](const Joint& j) { return j.mean_mm.y(); }, false),
+          .remainder_mm = {},
+          .angle_rms_deg = around([](const Joint& j) { return j.angle_rms_deg; }, true)};
+}
+
+// The next rise's place differs from the mean of n by its own slip and the mean's error, s² (1 + 1/n) along an axis of
+// slip s, and by how the joint was put there. Both axes' slips make one variance of 2 (n − 1) degrees of freedom.
+void AddNextRise(const RegisteredTrial& against, const std::vector<bool>& spike, double replacement_sd_mm,
+                 JointMisalignment& joint, Interval* interval) {
+  const auto n = static_cast<double>(against.repetitions.size());
+  double squares = 0;
+  for (const StsCurve& curve : against.repetitions)
+    squares += (OfMean({{curve}, {}}, spike).mean_mm - joint.mean_mm).squaredNorm();
+  const double freedom = 2 * (n - 1), slip_variance = squares / freedom, within = std::pow(joint.remainder_mm, 2);
+  const auto left = [&](double variance) {
+    return std::sqrt(within + 2 * (variance * (1 + 1 / n) + replacement_sd_mm * replacement_sd_mm));
+  };
+  joint.remainder_mm = left(slip_variance);
+  if (!interval) return;
+  const boost::math::chi_squared spread(freedom);
+  constexpr double kTail = 0.025;
+  *interval = {left(squares / quantile(complement(spread, kTail))), left(squares / quantile(spread, kTail))};
+}
+
+}  // namespace
+
+std::optional<JointMisalignment> FindJointMisalignment(const RegisteredTrial& exo, const std::vector<bool>& spike,
+                                                       const JointOptions& options) {
+  const RegisteredTrial against = AgainstKnee(exo);
+  if (against.repetitions.empty() || std::ranges::all_of(spike, [](bool is) { return is; })) return std::nullopt;
+  JointMisalignment joint = OfMean(against, spike);
+  if (joint.repetitions < 2) return joint;
+  if (options.intervals) joint.intervals = IntervalsOf(joint, WithoutOne(against, spike));
+  AddNextRise(against, spike, options.replacement_sd_mm, joint,
+              joint.intervals ? &joint.intervals->remainder_mm : nullptr);
+  return joint;
+}
+
+double MarkerNoiseOfMean_mm(const StsCurve& curve) {
+  constexpr double kIndependentSamples = kPercentSamples / 5.0, kMarkersOfAJoint = 2;  // the exoskeleton's, the knee's
+  return RootMeanSquare(curve.knee_sigma_mm) * std::sqrt(kMarkersOfAJoint / kIndependentSamples);
 }
 
 }  // namespace lake::compare

@@ -11,8 +11,6 @@ void Describe(MisalignmentOptions& o, OptionList& options) {
            "recording")
       .Unit("mm")
       .Between(kPlausibleMarkerDeviation.low, kPlausibleMarkerDeviation.high);
-  options.Add("resamples", o.resamples, "Number of bootstrap resamples; 0: no intervals");
-  options.Add("seed-number", o.seed, "Random seed of the bootstrap");
 }
 
 void DescribeJointAt(std::array<double, 2>& joint_at_mm, OptionList& options) {

@@ -1,7 +1,6 @@
 #include "lake/compare/pace_and_posture.h"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "lake/core/statistics.h"
@@ -9,15 +8,11 @@
 namespace lake::compare {
 namespace {
 
-constexpr double kUpper = 0.975;
-
 // By Student's t.
 std::optional<Interval> IntervalOfMean(const std::vector<double>& values) {
   if (values.size() < 2) return std::nullopt;
   const auto n = static_cast<double>(values.size());
-  const double mean = Mean(values),
-               reach = quantile(boost::math::students_t(n - 1), kUpper) * StandardDeviation(values) / std::sqrt(n);
-  return Interval{mean - reach, mean + reach};
+  return StudentInterval(Mean(values), std::pow(StandardDeviation(values), 2) / n, n - 1);
 }
 
 // By Welch's t with Satterthwaite's degrees of freedom.
@@ -32,8 +27,7 @@ std::optional<Interval> IntervalOfDifference(const std::vector<double>& human, c
   const double freedom = both * both /
                          (of_human * of_human / static_cast<double>(human.size() - 1) +
                           of_exo * of_exo / static_cast<double>(exo.size() - 1));
-  const double reach = quantile(boost::math::students_t(freedom), kUpper) * std::sqrt(both);
-  return Interval{difference - reach, difference + reach};
+  return StudentInterval(difference, both, freedom);
 }
 
 Difference Compare(const std::vector<double>& human, const std::vector<double>& exo) {

@@ -242,8 +242,7 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
       Budget budget{name, "mm", value, least, {}};
       AddSources(s, Detection(marker_mm, "mm", std::sqrt(kMarkersOfAJoint) * s.noise),
                  {replacement_sd_mm, kReplacement}, o.axes.exo_mm, o, budget.rows);
-      if (joint.intervals && joint.repetitions > 1)
-        AddOwnVariation(((*joint.intervals).*interval).Deviation(), "mm", budget.rows);
+      if (joint.intervals) AddOwnVariation(((*joint.intervals).*interval).Deviation(), "mm", budget.rows);
       budgets.push_back(std::move(budget));
     };
     using Intervals = JointMisalignment::Intervals;

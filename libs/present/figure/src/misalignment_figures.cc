@@ -113,9 +113,10 @@ void DrawKneePaths(GnuplotFigure& figure, const compare::Misalignment& m) {
 }
 
 // A figure of the comparison as far as its interval, where there is one, knows it; both times `factor`.
-std::string KnownTo(double value, const compare::Misalignment& m,
-                    compare::Interval compare::MisalignmentIntervals::*interval, double factor = 1) {
-  const compare::Interval known = m.intervals ? (*m.intervals).*interval : compare::Interval{};
+template <typename Intervals>
+std::string KnownTo(double value, const std::optional<Intervals>& intervals, compare::Interval Intervals::*interval,
+                    double factor = 1) {
+  const compare::Interval known = intervals ? (*intervals).*interval : compare::Interval{};
   return KnownText(factor * value, factor * (known.high - known.low) / 2, 1);
 }
 
@@ -144,7 +145,7 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
                       figure.Data({percents, error}), colour::kExoskeleton);
   const double rms_percent = 100 * m.metrics.relative_rms, floor_percent = 100 * m.noise_floor_relative;
   plot += fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'RMS {} %'", rms_percent, colour::kText,
-                      KnownTo(m.metrics.relative_rms, m, &compare::MisalignmentIntervals::relative_rms, 100));
+                      KnownTo(m.metrics.relative_rms, m.intervals, &compare::MisalignmentIntervals::relative_rms, 100));
   plot += fmt::format(", {} with lines lw 2 dt (2,4) lc rgb '#555555' title 'noise floor {} %'", floor_percent,
                       SignificantText(floor_percent, 2));
   if (std::count(m.spike.begin(), m.spike.end(), true) > 0)
@@ -160,10 +161,11 @@ void DrawParts(GnuplotFigure& figure, const compare::Misalignment& m) {
       "set tmargin at screen 0.48; set bmargin at screen 0.11; set rmargin at screen 0.48; set xlabel 'rise (%)'");
   // Room below zero, so that a part that is nothing is seen beside the axis.
   figure.Line("set ylabel 'size of the part (mm)'; set yrange [*:*]; set offsets 0, 0, graph 0.35, graph 0.05");
-  using Intervals = compare::MisalignmentIntervals;
+  using Intervals = compare::PartIntervals;
   const auto part = [&](const std::vector<Vector2d>& vectors, const char* name, double fraction,
                         compare::Interval Intervals::*interval, const std::string& style) {
-    const std::string share = std::isfinite(fraction) ? fmt::format(" {} %", KnownTo(fraction, m, interval, 100)) : "";
+    const std::string share =
+        std::isfinite(fraction) ? fmt::format(" {} %", KnownTo(fraction, m.part_intervals, interval, 100)) : "";
     return fmt::format("{} using 1:2 with lines lw 3 {} title '{}{}'", figure.Data({percents, Lengths(vectors)}), style,
                        name, share);
   };
@@ -185,7 +187,7 @@ void DrawAngles(GnuplotFigure& figure, const compare::Misalignment& m) {
       "plot {} using 1:2 with lines {} title 'human', {} using 1:2 with lines {} title 'worn exoskeleton, RMS "
       "difference {}°'",
       human, LineOf(kHumanPath), exo, LineOf(kWornPath),
-      KnownTo(m.metrics.knee_rmse_deg, m, &compare::MisalignmentIntervals::knee_rmse_deg));
+      KnownTo(m.metrics.knee_rmse_deg, m.intervals, &compare::MisalignmentIntervals::knee_rmse_deg));
 }
 
 }  // namespace

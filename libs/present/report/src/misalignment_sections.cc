@@ -204,31 +204,34 @@ std::string PartAdvice(const std::string& part, const Json& comparison) {
                      JointText(comparison));
 }
 
-// Whether its interval lies above those of the other parts; without intervals nothing is known against it.
+// Whether its interval lies above those of the other parts.
 bool IsLargestForSure(const std::string& part, const Json& parts) {
   const Json& interval = parts.at(part).at("interval");
-  return interval.is_null() || std::all_of(kParts.begin(), kParts.end(), [&](const char* other) {
-           return other == part || NumberOrNaN(parts.at(other).at("interval").at(1)) < NumberOrNaN(interval.at(0));
-         });
+  return std::all_of(kParts.begin(), kParts.end(), [&](const char* other) {
+    return other == part || NumberOrNaN(parts.at(other).at("interval").at(1)) < NumberOrNaN(interval.at(0));
+  });
 }
 
 Section MethodSection() {
-  return {"Method",
-          {Paragraph{
-              "The joint misalignment is the distance between the exoskeleton's joint and the knee of the leg that "
-              "wears it, at the same instants; neither pace nor posture is in it. The path difference is that between "
-              "the two trials at equal percent, in which they are. "
-              "Each repetition runs from 0 % (onset: hip or trunk leaves rest) to 100 % (standing: the knee's "
-              "extension speed falls below 5 % of its peak) and is sampled at every percent in the leg frame. The "
-              "path difference is the distance between the knees, also divided by the human's distance from ankle to "
-              "knee at "
-              "the same sample; its RMS is the root of the mean square. Placement, timing and shape are fitted "
-              "together: an offset constant in the shank's frame, a monotone piecewise linear registration of time "
-              "with 9 knots, and the rest; a share is the part's projection on the distance vector over its mean "
-              "square, so the shares add up to 100 % and a small one can be negative. Spikes are samples at which the "
-              "distance vector leaves its own smooth course by more than 5 median absolute deviations. Intervals hold "
-              "95 %, by draws of the repetitions (few of them are moderated by how people vary), of the events' times, "
-              "of marker noise and of marker re-placement."}}};
+  return {
+      "Method",
+      {Paragraph{
+          "The joint misalignment is the distance between the exoskeleton's joint and the knee of the leg that "
+          "wears it, at the same instants; neither pace nor posture is in it. The path difference is that between "
+          "the two trials at equal percent, in which they are. "
+          "Each repetition runs from 0 % (onset: hip or trunk leaves rest) to 100 % (standing: the knee's "
+          "extension speed falls below 5 % of its peak) and is sampled at every percent in the leg frame. The "
+          "path difference is the distance between the knees, also divided by the human's distance from ankle to "
+          "knee at "
+          "the same sample; its RMS is the root of the mean square. Placement, timing and shape are fitted "
+          "together: an offset constant in the shank's frame, a monotone piecewise linear registration of time "
+          "with 9 knots, and the rest; a share is the part's projection on the distance vector over its mean "
+          "square, so the shares add up to 100 % and a small one can be negative. Spikes are samples at which the "
+          "distance vector leaves its own smooth course by more than 5 median absolute deviations. Intervals hold "
+          "95 %. That of the joint misalignment is by the jackknife over the repetitions, from two on; of the path "
+          "difference "
+          "also by how people vary from rise to rise, where repetitions are few, by the events' times, marker noise "
+          "and marker re-placement; of its parts from four repetitions in each trial on."}}};
 }
 
 }  // namespace
@@ -247,8 +250,10 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
   const Json& parts = comparison.at("decomposition");
   const Json intervals = comparison.value("intervals", Json::object());
   const auto share = [&](const char* name) {
-    return FigureOf(name, UncertainOf(parts.at(name).at("fraction"), parts.at(name).value("interval", Json()), 100), 1,
-                    "%");
+    const Json interval = parts.at(name).value("interval", Json());
+    KeyFigure figure = FigureOf(name, UncertainOf(parts.at(name).at("fraction"), interval, 100), 1, "%");
+    if (interval.is_null() && std::isfinite(figure.value)) figure.note = "too few repetitions for an interval";
+    return figure;
   };
   const auto figure = [&](const char* label, const char* name, double factor, int otherwise, const char* unit) {
     return FigureOf(label, UncertainOf(metrics.at(name), intervals.value(name, Json()), factor), otherwise, unit);
@@ -300,6 +305,12 @@ std::string DecompositionAdvice(const Json& comparison) {
   const std::string largest = *std::max_element(
       kParts.begin(), kParts.end(), [&](const char* a, const char* b) { return fraction(a) < fraction(b); });
   const Json& share = parts.at(largest);
+  if (share.at("interval").is_null())
+    return fmt::format(
+        "{}How much of it is placement, timing and shape cannot be said: a person's own pace differs as much from rise "
+        "to rise, and it takes {} repetitions in each trial to tell.",
+        comparison.value("joint", Json()).is_null() ? "" : fmt::format("The joint sits {}. ", JointText(comparison)),
+        compare::kLeastRepetitionsOfParts);
   return fmt::format("Most of it, {} %, is {}.{}",
                      UncertainOf(share.at("fraction"), share.value("interval", Json()), 100).Text(1),
                      PartAdvice(largest, comparison),

@@ -22,13 +22,12 @@ RiseOffset OffsetOf(const compare::StsCurve& curve, const compare::StsInterval& 
   compare::RegisteredTrial one;
   one.repetitions.push_back(curve);
   const std::vector<bool> no_spikes(curve.knee.size());
-  constexpr int kDraws = 100;  // the standard deviation to 7 %
-  const auto joint = compare::FindJointMisalignment(one, no_spikes, {.resamples = kDraws});
+  const auto joint = compare::FindJointMisalignment(one, no_spikes);
   if (!joint) throw Error("the recording does not show the leg's own knee");
   return {.onset_s = interval.onset_s,
           .standing_s = interval.standing_s,
           .mean_mm = joint->mean_mm,
-          .noise_sd_mm = {joint->intervals->mean_x_mm.Deviation(), joint->intervals->mean_y_mm.Deviation()},
+          .noise_sd_mm = Vector2d::Constant(compare::MarkerNoiseOfMean_mm(curve)),
           .remainder_mm = joint->remainder_mm};
 }
 

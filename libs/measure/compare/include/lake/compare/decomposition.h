@@ -39,8 +39,4 @@ struct Decomposition {
 
 Decomposition Decompose(const StsCurve& human, const StsCurve& exo, const DecompositionOptions& options = {});
 
-// As Decompose, from the solution of a problem close by.
-Decomposition DecomposeFrom(const Decomposition& start, const StsCurve& human, const StsCurve& exo,
-                            const DecompositionOptions& options = {});
-
 }  // namespace lake::compare

@@ -1,8 +1,6 @@
 // An interval of confidence.
 #pragma once
 
-#include <vector>
-
 #include "lake/core/statistics.h"
 
 namespace lake::compare {
@@ -15,10 +13,7 @@ struct Interval {
   double Deviation() const { return (high - low) / (2 * kNormal95); }
 };
 
-// Below which another draw is with this probability, however few draws there are (type 6 of Hyndman & Fan 1996).
-double DrawnQuantile(const std::vector<double>& draws, double fraction);
-
-// From the 2.5 % to the 97.5 % quantile of draws.
-Interval PercentileInterval(const std::vector<double>& draws);
+// Around a value whose squared standard error was estimated with so many degrees of freedom.
+Interval StudentInterval(double value, double variance, double freedom);
 
 }  // namespace lake::compare

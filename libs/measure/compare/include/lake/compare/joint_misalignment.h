@@ -3,7 +3,6 @@
 // holds as well.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -20,7 +19,10 @@ struct JointMisalignment {
   double rms_mm = 0, max_mm = 0;
   double relative_rms = 0;                            // of the worn leg's shank length
   Eigen::Vector2d mean_mm = Eigen::Vector2d::Zero();  // shank frame; moving the joint by −mean_mm removes it
-  double remainder_mm = 0;                            // RMS of what is left then
+  // RMS of what is left then at the next rise: how the place varies within a rise, and, of several rises, how it slips
+  // from one to the next and how well the joint is put where it is meant to be. Of one rise it is the least that can be
+  // left.
+  double remainder_mm = 0;
   // RMS difference of the angles that ankle, joint and hip make and ankle, knee and hip.
   double angle_rms_deg = 0;
   struct Intervals {
@@ -30,17 +32,19 @@ struct JointMisalignment {
   int repetitions = 0;
 };
 
-struct JointNoise {
-  int resamples = 300;  // of the intervals; 0: none
-  std::uint64_t seed = 1;
-  double width_percent = 2;  // over which a marker's noise is correlated
-  double event_sd_s = 0.02;  // of onset and standing, beside what the fit says of their times
+struct JointOptions {
+  double replacement_sd_mm = 0;  // per axis: how well a joint is put where it is meant to be
+  bool intervals = true;
 };
 
-// nullopt if no repetition shows the leg's own knee. Intervals (95 %) are of the mean over repetitions like these: of
-// several, they are as wide as Student's t asks for their number; of one, its markers' noise and the times of its
-// events are all that is known. `spike`: samples to leave out.
+// nullopt if no repetition shows the leg's own knee. Intervals (95 %) are of the mean over many repetitions, by the
+// jackknife and Student's t; one repetition has none, as it does not show how the joint slips from rise to rise.
+// `spike`: samples to leave out.
 std::optional<JointMisalignment> FindJointMisalignment(const RegisteredTrial& exo, const std::vector<bool>& spike,
-                                                       const JointNoise& noise = {});
+                                                       const JointOptions& options = {});
+
+// Standard deviation, per axis, of the mean place over a rise by its markers' noise, which is correlated over about two
+// percent of the rise each way.
+double MarkerNoiseOfMean_mm(const StsCurve& curve);
 
 }  // namespace lake::compare

@@ -20,9 +20,9 @@ namespace lake::compare {
 
 struct MisalignmentOptions {
   double replacement_sd_mm =
-      3;                // per axis: how well a marker is put back on the same spot between trials; 0: one recording
-  int resamples = 300;  // of the intervals; 0: none
-  std::uint64_t seed = 1;
+      3;  // per axis: how well a marker is put back on the same spot between trials; 0: one recording
+  bool intervals = true;
+  std::uint64_t seed = 1;  // of the markers' noise
   double noise_width_percent =
       2;  // correlation width of a filtered marker's noise, about 6 Hz in a natural sit-to-stand
   // A person's own variation between rises, as far as a trial's few repetitions do not show it (the room's README has
@@ -36,11 +36,18 @@ struct MisalignmentOptions {
 
 struct MisalignmentIntervals {
   Interval rms_mm, max_mm, relative_rms, relative_max;
-  Interval placement, timing, shape;           // of the fractions without noise; NaN where both paths are one
-  Interval placement_mm, timing_mm, shape_mm;  // RMS of the parts
-  Interval offset_x_mm, offset_y_mm;
   Interval knee_rmse_deg;
 };
+
+// Of the parts of the path difference: fractions, RMS in mm, and the fitted offset.
+struct PartIntervals {
+  Interval placement, timing, shape;
+  Interval placement_mm, timing_mm, shape_mm;
+  Interval offset_x_mm, offset_y_mm;
+};
+
+// In each trial: how a person's pace varies from rise to rise looks like timing, so that fewer cannot tell the parts.
+inline constexpr int kLeastRepetitionsOfParts = 4;
 
 // The path difference that the exoskeleton trial would have with its joint moved onto the knee, by the mean of the
 // joint misalignment: pace and posture stay those of that trial. Its interval holds how rises differ, and how well a
@@ -62,6 +69,7 @@ struct Misalignment {
   MisalignmentMetrics metrics, metrics_without_spikes;
   Decomposition decomposition;
   std::optional<MisalignmentIntervals> intervals;
+  std::optional<PartIntervals> part_intervals;  // absent below kLeastRepetitionsOfParts
   // RMS that noise alone (marker sigmas or differences between repetitions, and the replacement of markers) would show.
   double noise_floor_mm = 0, noise_floor_relative = 0;
   // Against the exo trial's own leg; absent where that leg is not shown. Its mean is the decomposition's offset then,
