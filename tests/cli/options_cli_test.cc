@@ -79,9 +79,10 @@ TEST(AFlag, IsSetByItsLastMentionAndRefusesOtherWords) {
 // Default, then what the problem's file says, then the command line: in what is used and in what is said.
 TEST(AProblemFile, StandsBetweenDefaultAndCommandLine) {
   const TemporaryFolder folder;
-  WriteTextFile(folder / "problem.yaml",
-                "margins: {grashof_mm: 3}\nclearances: {limb_mm: 5}\nbody: {thigh_mm: 410, shank_mm: 400}\n"
-                "load: {knee_torque_nm: 30, max_force_n: 900}\nparts: {pin_diameter_mm: 12, plate: \"5mm,S235\"}\n");
+  WriteTextFile(
+      folder / "problem.yaml",
+      "margins: {grashof_mm: 3}\nmount: behind\nclearances: {limb_mm: 5}\nbody: {thigh_mm: 410, shank_mm: 400}\n"
+      "load: {knee_torque_nm: 30, max_force_n: 900}\nparts: {pin_diameter_mm: 12, plate: \"5mm,S235\"}\n");
   const auto read = [&](const std::string& rest) {
     commands::OptimizeRunOptions options;
     CLI::App cli("A program", "lake-new");
@@ -97,6 +98,7 @@ TEST(AProblemFile, StandsBetweenDefaultAndCommandLine) {
                                     {"knee-torque", "30"},
                                     {"max-force", "900"},
                                     {"grashof-margin", "3"},
+                                    {"mount", "behind"},
                                     {"clear-limb", "5"},
                                     {"thigh", "410"},
                                     {"bar-width", "24"},

@@ -73,7 +73,8 @@ TEST(Body, TakesTheLengthsOfAPersonsOwnLeg) {
 // The same distances by hand: seated, the thigh is level and the mount is the lowest part.
 TEST(CheckWear, PublishedDesignOnThePapersBody) {
   const linkage::Body body = linkage::BodyOf(1800, 80);
-  const linkage::WearOptions options;
+  linkage::WearOptions options;
+  options.mount = linkage::Mount::kBehind;
   const linkage::WearCheck check =
       linkage::CheckWear(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, 242, {}), body, options);
   EXPECT_NEAR(check.seated_deg, 90, 1e-9);
@@ -87,6 +88,27 @@ TEST(CheckWear, PublishedDesignOnThePapersBody) {
   EXPECT_TRUE(check.FitsAlongThigh());
   EXPECT_FALSE(check.ClearsSeat());
   EXPECT_FALSE(check.ClearsLimb());
+}
+
+// Beside the leg nothing is there to collide with, but a seat that is said to be wide or whose edge is.
+TEST(CheckWear, BesideTheLegOnlyAWideSeatIsMet) {
+  linkage::WearOptions options;
+  const auto check = [&] {
+    return linkage::CheckWear(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, 242, {}),
+                              linkage::BodyOf(1800, 80), options);
+  };
+  const linkage::WearCheck beside = check();
+  EXPECT_TRUE(beside.ClearsSeat());
+  EXPECT_TRUE(beside.ClearsLimb());
+  options.has_wide_seat = true;
+  EXPECT_FALSE(check().ClearsSeat());
+  EXPECT_TRUE(check().ClearsLimb());
+  options.has_wide_seat = false;
+  options.seat_edge_mm = 100;
+  EXPECT_FALSE(check().ClearsSeat());
+  options.mount = linkage::Mount::kBehind;
+  EXPECT_FALSE(check().ClearsLimb());
+  EXPECT_EQ(check().thigh_clearance_mm, beside.thigh_clearance_mm) << "judged or not";
 }
 
 TEST(CheckWear, ASeatThatEndsEarlierIsCleared) {

@@ -40,6 +40,7 @@ TEST_F(DesignFile, ReadsBackWhatWasWritten) {
   design.d_max_mm = 374.5205;
   design.range_deg = 148.5715062;
   design.placement_mm = {1.0 / 3, -12.5};
+  design.mount = linkage::Mount::kBehind;
   design.made_by = "it's lake-optimize 'x': 1";
   linkage::StrokeProgram free;
   free.kind = linkage::StrokeProgram::Kind::kFree;
@@ -54,6 +55,7 @@ TEST_F(DesignFile, ReadsBackWhatWasWritten) {
     EXPECT_EQ(read.d_max_mm, design.d_max_mm);
     EXPECT_EQ(read.range_deg, design.range_deg);
     EXPECT_EQ(read.placement_mm, design.placement_mm);
+    EXPECT_EQ(read.mount, design.mount);
     EXPECT_EQ(read.made_by, design.made_by);
     ASSERT_EQ(read.program.has_value(), program.has_value());
     if (!program) continue;
@@ -85,6 +87,7 @@ TEST_F(DesignFile, SaysWhatIsWrongAndWhere) {
   ExpectError(std::string(kLinksLine) + "d_min_mm: 242\nd_max_mm: 240\n", "d_max_mm = 240 must exceed d_min_mm = 242");
   ExpectError(std::string(kLinksLine) + "d_min_mm: 242\nplacement_mm: [1]\n",
               ":3: 'placement_mm' must have 2 numbers, not 1");
+  ExpectError(std::string(kLinksLine) + "d_min_mm: 242\nmount: under\n", ":3: a mount is beside or behind the leg");
   ExpectError("- a\n- b\n", "a design is a map");
   ExpectError("", "a design is a map");
   ExpectError("links: {l1: [\n", "not YAML");

@@ -219,9 +219,17 @@ TEST_F(Simulate, WarnsOfAStrokePastTheUsedRangeButNotOfRounding) {
   }
 }
 
-// The paper's mannequin carries the published design, but it collides with seat, thigh and shank in the side view.
+// The paper's mannequin carries the published design beside the leg; behind it, it collides with seat, thigh and shank.
 TEST_F(Simulate, WarnsOfWhatCollidesOnTheBodyAndSaysWhatToDo) {
-  const Outcome average = RunIt(fmt::format("{} --angles 70 --no-animation --json", kLinksOption));
+  const Outcome beside = RunIt(fmt::format("{} --angles 70 --no-animation --json", kLinksOption));
+  ASSERT_EQ(beside.exit_code, 0) << beside.err;
+  const Json usual = Json::parse(beside.out);
+  EXPECT_EQ(usual["mannequin"]["mount"], "beside");
+  EXPECT_TRUE(usual["mannequin"]["clears_seat"].is_null());
+  EXPECT_TRUE(usual["mannequin"]["clears_limb"].is_null());
+  EXPECT_THAT(usual["warnings"].dump(), AllOf(Not(HasSubstr("seat")), Not(HasSubstr("overlaps"))));
+
+  const Outcome average = RunIt(fmt::format("{} --mount behind --angles 70 --no-animation --json", kLinksOption));
   ASSERT_EQ(average.exit_code, 0) << average.err;
   const Json summary = Json::parse(average.out);
   const std::string warnings = summary["warnings"].dump();

@@ -473,13 +473,18 @@ TEST_F(StudyYaml, KeepsWhatASectionSays) {
 TEST_F(StudyYaml, ClearancesOfTheStudyStandAboveThoseOfTheProblem) {
   const study::StudyFile study = Read(
       "human: {trial: trial.trc}\ndesign: {problem: {clearances: {seat_mm: 1}, body: {mass_kg: 60}}}\n"
-      "reoptimize: {clearances: {seat_mm: 5, limb_mm: 10}}\n");
+      "reoptimize: {problem: {mount: behind}, clearances: {seat_mm: 5, limb_mm: 10}}\n");
   EXPECT_EQ(study.design.problem.clearances.seat_mm, 1);
   EXPECT_EQ(study.design.problem.clearances.body.mass_kg, 60);
   const problem::Clearances& redesign = study.redesign->design.problem.clearances;
   EXPECT_EQ(redesign.seat_mm, 5);
   EXPECT_EQ(redesign.thigh_mm, 10);
   EXPECT_EQ(redesign.shank_mm, 10);
+}
+
+TEST_F(StudyYaml, ClearanceToTheLimbsIsForALinkageBehindTheLeg) {
+  EXPECT_THAT([&] { Read("human: {trial: trial.trc}\nreoptimize: {clearances: {limb_mm: 10}}\n"); },
+              ThrowsMessage<Error>(HasSubstr("give mount: behind")));
 }
 
 }  // namespace

@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <numeric>
 #include <opencv2/core.hpp>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/colours.h"
+#include "lake/core/csv.h"
 #include "lake/core/json.h"
 #include "lake/linkage/body.h"
 #include "lake/report/report.h"
@@ -30,9 +33,10 @@ using testing::IsEmpty;
 // The published design as it was worn: 18 mm in front of the knee and 32 mm above it, as ExoMotionOptions() has it.
 constexpr const char* kWorn =
     "links: {l1: 59.081, l2: 68.840, l3: 55.964, l4: 71.849, l5: 118.630, l6: 287.310}\nd_min_mm: 242\n"
-    "placement_mm: [18, 32]\n";
+    "placement_mm: [18, 32]\nmount: behind\n";
 constexpr const char* kDesign =
-    "design: {worn: worn.yaml}\nreoptimize: {problem: {margins: {grashof_mm: 2, singularity_mm: 2}, load: "
+    "design: {worn: worn.yaml}\nreoptimize: {problem: {mount: behind, margins: {grashof_mm: 2, singularity_mm: 2}, "
+    "load: "
     "{max_force_n: 2000}, standing_deg: 5}, max_misalignment_percent: 4, program: free, duration_s: 40, "
     "fit_placement: true, pareto: 2, starts: 1}\nstroke: {}\n";
 
@@ -155,6 +159,7 @@ TEST(StudyPage, SaysWhatSeatAndLimbsAllowOfTheMovedJoint) {
   const linkage::UsedRange range = linkage::FindUsedRange(links, 242, std::nullopt);
   const auto at = [&](double x, double y) {
     linkage::WearOptions wear;
+    wear.mount = linkage::Mount::kBehind;
     wear.placement_mm = {x, y};
     return linkage::CheckWear(links, range, body, wear);
   };
@@ -183,7 +188,7 @@ TEST(StudyPage, SaysWhatSeatAndLimbsAllowOfTheMovedJoint) {
 // to do next has its time, and what another time for a rise would give stands beside the limit.
 TEST(StudyPage, SaysItPlainly) {
   const std::string& page = PageText();
-  EXPECT_THAT(page, AllOf(HasSubstr("Moving the joint onto the knee removes this part."),
+  EXPECT_THAT(page, AllOf(HasSubstr("it takes four repetitions in each trial to tell."),
                           ContainsRegex("To hold [0-9.]+ N m the actuator pushes with at most [0-9.]+ N"),
                           ContainsRegex("Below [0-9.]+ %, the noise floor, a recording shows only noise."),
                           HasSubstr("Knee angle of the person and of the new design.")));
@@ -225,6 +230,28 @@ TEST(StudyPage, HeadlineNumbersHaveIntervalsOrAreExact) {
   EXPECT_THAT(note_of("<dt>knee angle error, RMS"), ContainsRegex("95 %: [0-9.]+ to [0-9.]+°"));
 }
 
+// How well the joint can be put in its place: with all sources of the comparison's budget, not the markers' alone.
+TEST(StudyPage, ThePredictionsIntervalIsThatOfAllSources) {
+  const Json comparison = ReadJsonFile(Results() / "comparison/summary.json"), &of = comparison["uncertainty"];
+  const double percent = ReadJsonFile(Results() / "redesign/summary.json")["after"]["misalignment_percent"],
+               sd_mm = std::hypot(of["joint_offset_x_mm"]["anatomical_sd"].get<double>(),
+                                  of["joint_offset_y_mm"]["anatomical_sd"].get<double>()) /
+                       std::numbers::sqrt2,
+               off_percent = 100 * std::sqrt(7.377759) * sd_mm / comparison["shank_mm"].get<double>();
+  const report::Uncertain known{percent, percent, std::hypot(percent, off_percent)};
+  EXPECT_THAT(PageText(),
+              HasSubstr(fmt::format("95 %: {} to {} %", known.Text(1), RoundedText(known.high, known.Decimals(1)))));
+}
+
+// A knee angle is not better known in the rises' table than the same recording's budget says.
+TEST(StudyPage, TheRisesKneeAnglesHaveAllSources) {
+  const CsvTable rises = CsvTable::Read(Results() / "human/sit_to_stand.csv");
+  const double all_sources_deg =
+      ReadJsonFile(Results() / "human/summary.json")["uncertainty"]["knee_angle_deg"]["anatomical_sd"];
+  for (const char* knee : {"knee_seat_off_deg_sd", "knee_max_deg_sd"})
+    EXPECT_GE(rises.RequiredNumber(0, rises.Column(knee)), all_sources_deg) << knee;
+}
+
 // Where the worn joint is as good as the new one's place, nobody is told to move it there.
 TEST(StudyPage, MovesTheJointOnlyWhereThatHelps) {
   const Json redesign = ReadJsonFile(Results() / "redesign/summary.json"), &range = redesign["placement_range"];
@@ -249,7 +276,8 @@ TEST(StudyPage, TheFirstScreenIsShort) {
   LAKE_SKIP_WITHOUT_BROWSER();
   const Json answer = Browser().Ask(Page(), R"(
     const first = document.querySelector('#section-1');
-    const forbids = first.querySelector('.answers').getBoundingClientRect().bottom;
+    const answers = [...first.querySelectorAll('.answers')].filter(answer => answer.innerText.includes('forbids'));
+    const forbids = Math.max(0, ...answers.map(answer => answer.getBoundingClientRect().bottom));
     for (const part of first.querySelectorAll('figure')) part.style.display = 'none';
     for (const part of document.querySelectorAll('details:not([open]) > :not(summary)')) part.style.display = 'none';
     const open = [first, ...document.querySelectorAll('main > .warnings')];

@@ -8,6 +8,7 @@
 
 #include "file_limit.h"
 #include "home_folder.h"
+#include "lake/commands/compare.h"
 #include "lake/commands/gait.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
@@ -245,6 +246,52 @@ TEST_F(CorrectedTrial, WithForeignCorrectionsIsRefused) {
   Track("foreign", Folder("foreign.csv"));
   EXPECT_THAT([&] { reviewing::ReadTrackedFolder(Folder("foreign")); },
               ThrowsMessage<Error>(HasSubstr("with corrections that lake review did not make")));
+}
+
+// What the programs that read a folder warn of corrections.
+std::vector<std::string> WarningsOfCorrections(const fs::path& trial) {
+  const TemporaryFolder out;
+  const auto warnings_of = [&](const char* program, const auto& work) {
+    lake::Run run({.program = program, .command = "test", .out = out / program, .quiet = true});
+    const Json summary = run.WriteSummary(work(run));
+    std::vector<std::string> warnings;
+    for (const std::string warning : summary["warnings"])
+      if (warning.find("correction") != std::string::npos) warnings.push_back(warning);
+    return warnings;
+  };
+  commands::GaitRunOptions gait;
+  gait.trial = trial;
+  const auto of_gait = warnings_of("lake-gait", [&](lake::Run& run) { return commands::RunGait(gait, run); });
+  commands::CompareRunOptions compare;
+  compare.human = compare.exo = trial;
+  compare.exo_knee = "knee";
+  const auto of_compare =
+      warnings_of("lake-compare", [&](lake::Run& run) { return commands::RunCompare(compare, run); });
+  EXPECT_EQ(of_compare.size(), 2 * of_gait.size()) << "both trials are this one";
+  for (const std::string& warning : of_compare) EXPECT_THAT(of_gait, testing::Contains(warning));
+  return of_gait;
+}
+
+TEST_F(CorrectedTrial, ThatIsNotTrackedAnewIsSaidToBeSo) {
+  const fs::path folder = Copy("unapplied");
+  EXPECT_THAT(WarningsOfCorrections(folder), testing::IsEmpty());
+  ReviewedTrial trial = Open(folder);
+  Correct(trial.book);
+  trial.book.MoveEvent(1, motion::StsEventKind::kOnset,
+                       trial.work.fit(trial.book.Corrected()).leg->events[0].frame - 5);
+  trial.work.save(trial.book);
+  const std::string command = trial.about["command_with_events"];
+  EXPECT_THAT(WarningsOfCorrections(folder),
+              testing::ElementsAre(AllOf(HasSubstr(fmt::format("{}: was not tracked with the {} corrections",
+                                                               folder.string(), trial.book.Count())),
+                                         HasSubstr(command))));
+  Track("unapplied", folder / "corrections.csv", folder / "events_corrected.csv");
+  EXPECT_THAT(WarningsOfCorrections(folder), testing::IsEmpty());
+  // One more since.
+  ReviewedTrial again = Open(folder);
+  again.book.Hide(51, "hip");
+  again.work.save(again.book);
+  EXPECT_THAT(WarningsOfCorrections(folder), testing::ElementsAre(HasSubstr(folder.string())));
 }
 
 TEST_F(CorrectedTrial, OfAStudyIsReadToo) {

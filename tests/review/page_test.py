@@ -817,7 +817,9 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: self.length(2) == before and f",{before:.1f}"[:4] in self.browser.current_url)
 
     def test_nobody_can_sit_down_in_it(self):
-        self.open_design()
+        self.trial.mkdir()
+        (self.trial / "behind.yaml").write_text(PROBLEM + "mount: behind\n")
+        self.open_design("optimum", "--problem", self.trial / "behind.yaml")
         self.set_length(6, 200)
         self.until(lambda: "not asked, and not met: seated angle" in self.text("state"))
         unasked = [line.text for line in self.browser.find_elements(By.CSS_SELECTOR, "#checks [data-asked=false]")]

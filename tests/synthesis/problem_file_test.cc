@@ -150,6 +150,15 @@ TEST_F(ProblemFile, WearableAsksForClearancesAndStrength) {
   EXPECT_EQ(read.parts.material, "6061-T6");
 }
 
+TEST_F(ProblemFile, SaysWhereTheLinkageIsMounted) {
+  const auto read = [&](const std::string& text) { return problem::ReadProblem(Write(text)); };
+  EXPECT_EQ(read("d_min_mm: 242\n").mount, linkage::Mount::kBeside);
+  const problem::SynthesisProblem behind = read("mount: behind\nclearances: {limb_mm: 5}\n");
+  EXPECT_EQ(behind.mount, linkage::Mount::kBehind);
+  EXPECT_NE(problem::ProblemJson(behind), problem::ProblemJson(read("clearances: {limb_mm: 5}\n")));
+  EXPECT_THAT(ErrorOf("d_min_mm: 242\nmount: under\n"), ::testing::HasSubstr(":2: a mount is beside or behind"));
+}
+
 TEST_F(ProblemFile, RefusesBodiesPartsAndTolerancesWithTheirLine) {
   EXPECT_THAT(ErrorOf("d_min_mm: 242\nclearances: {seat_mm: -5}\n"), ::testing::HasSubstr(":2: seat_mm = -5"));
   EXPECT_THAT(ErrorOf("clearances: {leg_mm: 5}\n"), ::testing::HasSubstr("unknown key 'leg_mm'"));

@@ -130,6 +130,8 @@ TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
       {"--start 1,2,3", 2, "6 numbers"},
       {"--height 1750", 2, "give --clear-seat or --clear-limb too"},
       {"--clear-seat 5 --thigh 410", 2, "a shank of 0 mm"},
+      {"--clear-limb 5", 2, "give mount: behind"},
+      {"--mount below", 2, "--mount"},
       {"--clear-limb -1", 2, "--clear-limb must be at least 0, not -1"},
       {"--robust 7", 2, "robust_mm"},
       {"--start 0,85,85,80,80,235", 2, "l1 is 0 mm"},

@@ -17,6 +17,7 @@
 #include "lake/gait/persons_leg.h"
 #include "lake/gait/plausibility.h"
 #include "lake/gait/sit_to_stand.h"
+#include "lake/motion/saved_corrections.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/report.h"
 #include "optimum_tables.h"
@@ -36,7 +37,8 @@ bool IsTracked(const fs::path& path) {
   return FindResult(path, "kinematics.csv") && FindResult(path, "events.csv");
 }
 
-compare::TrialTables ReadTracked(const fs::path& folder) {
+compare::TrialTables ReadTracked(const fs::path& folder, Run& run) {
+  if (const std::string unapplied = motion::UnappliedCorrections(folder); !unapplied.empty()) run.Warn(unapplied);
   compare::TrialTables tables;
   tables.name = folder.string();
   // The estimates of the fit that kinematics.csv is of, which started from the measurements.
@@ -361,9 +363,9 @@ void CheckReading(const fs::path& path, const exchange::TrialOptions& reading, c
 
 compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run, const gait::PictureScale& picture) {
-  if (!picture.IsGiven() && IsTracked(path)) return ReadTracked(path);
+  if (!picture.IsGiven() && IsTracked(path)) return ReadTracked(path, run);
   const exchange::Trial trial = ReadMarkers(path, reading);
-  if (trial.recording.unit == motion::LengthUnit::kMm && IsTracked(path)) return ReadTracked(path);
+  if (trial.recording.unit == motion::LengthUnit::kMm && IsTracked(path)) return ReadTracked(path, run);
   return FitTables(path, trial, LegKneeOf(trial, knee), run, picture);
 }
 
@@ -499,7 +501,10 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   options.Add("mass", o.body.mass_kg, "Body mass, for --worn")
       .Unit("kg")
       .Otherwise("80 at 1800 mm, else of the same BMI");
-  options.Add("seat-edge", o.wear.seat_edge_mm, "Knee to the seat's front edge, for --worn; 0: half the thigh")
+  options
+      .Add("seat-edge", o.wear.seat_edge_mm,
+           "Knee to the front edge of a seat that lies under the linkage, too, for --worn; 0: half the thigh, for a "
+           "linkage behind the leg")
       .Unit("mm")
       .Between(0, 5000);
   Describe(o.budget, options);

@@ -10,6 +10,7 @@
 #include "lake/gait/corrected_events.h"
 #include "lake/gait/leg_report.h"
 #include "lake/gait/sit_to_stand.h"
+#include "lake/motion/saved_corrections.h"
 #include "measure_tables.h"
 #include "png_and_svg.h"
 #include "range_limit.h"
@@ -170,8 +171,11 @@ bool IsTrialFolder(const std::filesystem::path& trial) {
 
 std::vector<InputFile> TrialInputs(const std::filesystem::path& trial, const std::string& role) {
   if (!IsTrialFolder(trial)) return {{trial, role}};
-  return {
-      {trial / "trajectory.csv", role}, {trial / "tracks.csv", role, true}, {trial / "events.csv", role + " events"}};
+  return {{trial / "trajectory.csv", role},
+          {trial / "tracks.csv", role, true},
+          {trial / "events.csv", role + " events"},
+          {trial / motion::kSavedCorrections, role + " corrections"},
+          {trial / motion::kSavedEvents, role + " corrected events"}};
 }
 
 std::vector<InputFile> InputsOf(const GaitRunOptions& options) {

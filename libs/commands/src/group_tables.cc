@@ -106,6 +106,7 @@ void WriteDesigns(const group::GroupOutcome& outcome, const std::string& name, R
   linkage::Design common;
   common.links = outcome.nearest.Links();
   common.d_min_mm = outcome.problem.shared.design.d_min_mm;
+  common.mount = outcome.problem.shared.design.mount;
   WriteOptimumDesign(common, outcome.evaluation, remark, run.Result(name));
   for (std::size_t i = 0; i < outcome.people.size(); ++i) {
     const PersonOutcome& person = outcome.people[i];

@@ -318,15 +318,19 @@ std::string MomentumReport(const loads::RiseMomentum& mean, double mass_kg) {
                             mass_kg * mean.upward_max_m_s);
 }
 
-std::string ReportOf(const loads::LoadsResult& result, const MeanRise& mean, double mass_kg) {
+std::string ReportOf(const loads::LoadsResult& result, const MeanRise& mean, double mass_kg, bool given_share) {
+  const double half_nm = (mean.peak.high_nm - mean.peak.low_nm) / 2;
+  const auto nm = [&](double value) { return KnownText(value, half_nm, 1); };
   std::string text = fmt::format(
-      "peak knee extension moment of one leg: {:.1f} N m (95 %: {:.1f} to {:.1f}), {:.2f} N m/kg, at {:.0f}°; mean of "
-      "{} rise{}, {}\n",
-      mean.peak.knee_nm, mean.peak.low_nm, mean.peak.high_nm, mean.peak.knee_nm / mass_kg, mean.peak.knee_deg,
-      result.rises.size(), result.rises.size() == 1 ? "" : "s",
-      result.from_ground ? "from the ground's forces" : "without force plates");
+      "peak knee extension moment of one leg: {} N m (95 %: {} to {}), {} N m/kg, at {:.0f}°; mean of {} rise{}, {}\n",
+      nm(mean.peak.knee_nm), nm(mean.peak.low_nm), nm(mean.peak.high_nm),
+      KnownText(mean.peak.knee_nm / mass_kg, half_nm / mass_kg, 2), mean.peak.knee_deg, result.rises.size(),
+      result.rises.size() == 1 ? "" : "s", result.from_ground ? "from the ground's forces" : "without force plates");
   text += BalanceReport(result.balance) + MomentumReport(mean.momentum, mass_kg);
   if (result.from_ground) return text;
+  text += fmt::format("the 95 % interval is of a leg that bears {:.0f} to {:.0f} % of the body's weight{}\n",
+                      100 * result.weight_share[0], 100 * result.weight_share[1],
+                      given_share ? "" : "; --share, where it is known, narrows it");
   return text + fmt::format("the trunk's centre of mass: {} mm along and {} mm across the trunk from the table's\n",
                             WithSign(PlusMinusText(result.trunk_offset_mm.x(), result.trunk_offset_sd_mm.x(), 0)),
                             WithSign(PlusMinusText(result.trunk_offset_mm.y(), result.trunk_offset_sd_mm.y(), 0)));
@@ -392,7 +396,7 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
   DrawPngAndSvg("loads", run,
                 [&](const fs::path& path) { figure::DrawLoads(path, result, options.trial.filename().string()); });
   const MeanRise mean = MeanOf(result);
-  run.Report(ReportOf(result, mean, mass_kg));
+  run.Report(ReportOf(result, mean, mass_kg, options.loads.uncertainty.trunk_share.has_value()));
   return SummaryJson(result, mean, mass_kg);
 }
 

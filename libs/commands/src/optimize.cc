@@ -358,6 +358,7 @@ std::vector<InputFile> InputsOf(const OptimizeRunOptions& options) {
 Json RunOptimize(const OptimizeRunOptions& options, Run& run) {
   options.study.Check();
   problem::CheckBody(options.problem);
+  problem::CheckMount(options.problem);
   run.AddInputs(InputsOf(options));
   if (!options.actuators.empty()) return RunActuatorFront(options, run);
   return options.reoptimize ? RunRedesign(options, run) : RunSynthesis(options, run);

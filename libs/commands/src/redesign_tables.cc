@@ -417,15 +417,14 @@ std::string BuildText(const redesign::RedesignOutcome& outcome) {
 std::string TrialText(const redesign::RedesignOutcome& outcome) {
   if (!outcome.measured_percent)
     return "No exoskeleton trial was used, so the slip of its mount is unknown and left out.";
-  std::string text = fmt::format("The exoskeleton trial has a misalignment of {:.2f} % of the shank length.",
-                                 *outcome.measured_percent);
-  if (!outcome.slip) return text + " It shows no leg of its own, so the slip of its mount is unknown and left out.";
-  return text + fmt::format(
-                    " Relative to the leg, the joint sat {}; its mount slipped by {} mm RMS, which the prediction "
-                    "assumes for the new design too. The rest of the difference between the trials is pace ({} mm "
-                    "RMS) and lean ({} mm RMS), which the prediction leaves out.",
-                    compare::DescribeJoint(outcome.slip->placement_mm), SignificantText(outcome.slip->slip_mm, 2),
-                    SignificantText(outcome.slip->pace_mm, 2), SignificantText(outcome.slip->lean_mm, 2));
+  if (!outcome.slip)
+    return "The exoskeleton trial shows no leg of its own, so the slip of its mount is unknown and left out.";
+  return fmt::format(
+      "In the exoskeleton trial the joint sat {} relative to the leg; its mount slipped by {} mm RMS, which the "
+      "prediction assumes for the new design too. The rest of the difference between the trials is pace ({} mm RMS) "
+      "and lean ({} mm RMS), which the prediction leaves out.",
+      compare::DescribeJoint(outcome.slip->placement_mm), SignificantText(outcome.slip->slip_mm, 2),
+      SignificantText(outcome.slip->pace_mm, 2), SignificantText(outcome.slip->lean_mm, 2));
 }
 
 // For the report: the design that was worn and the new one.

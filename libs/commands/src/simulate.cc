@@ -307,8 +307,9 @@ Json WearJson(const linkage::Body& body, const linkage::WearCheck& check) {
           {"actuator_to_shank_at_deg", check.shank_clearance_deg},
           {"reach_behind_standing_mm", check.reach_behind_standing_mm},
           {"fits_along_thigh", check.FitsAlongThigh()},
-          {"clears_seat", check.ClearsSeat()},
-          {"clears_limb", check.ClearsLimb()}};
+          {"mount", linkage::NameOf(check.mount)},
+          {"clears_seat", check.meets_seat ? Json(check.ClearsSeat()) : Json()},
+          {"clears_limb", check.meets_limbs ? Json(check.ClearsLimb()) : Json()}};
 }
 
 linkage::Body BodyOf(const SimulationOptions& options) {
@@ -334,8 +335,10 @@ void WarnOfBody(const linkage::WearCheck& check, Run& run) {
     if (clearance_mm < 0)
       overlaps.push_back(fmt::format("the {} by up to {:.1f} mm (at {:.1f}°)", limb, -clearance_mm, at_deg));
   };
-  add("thigh", check.thigh_clearance_mm, check.thigh_clearance_deg);
-  add("shank", check.shank_clearance_mm, check.shank_clearance_deg);
+  if (check.meets_limbs) {
+    add("thigh", check.thigh_clearance_mm, check.thigh_clearance_deg);
+    add("shank", check.shank_clearance_mm, check.shank_clearance_deg);
+  }
   if (!overlaps.empty())
     run.Warn("seen from the side, the actuator overlaps {}: mount it beside the leg, not behind it",
              fmt::join(overlaps, " and "));
@@ -508,12 +511,13 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
                 "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4", "animation.gif", "pin_forces.csv",
                 "pin_forces.png", "pin_forces.svg", "parts.csv", "strength.csv"});
   run.Begin(names);
-  const drawing::LinkageLook look{.links = design.links,
-                                  .range = request.range,
-                                  .body = BodyOf(options),
-                                  .wear = {options.parts.bar_width_mm, options.parts.actuator_diameter_mm,
-                                           options.seat_edge_mm, design.placement_mm},
-                                  .knee_torque_nm = options.knee_torque_nm};
+  const drawing::LinkageLook look{
+      .links = design.links,
+      .range = request.range,
+      .body = BodyOf(options),
+      .wear = {options.parts.bar_width_mm, options.parts.actuator_diameter_mm, options.seat_edge_mm,
+               design.placement_mm, options.mount.value_or(design.mount), options.has_wide_seat},
+      .knee_torque_nm = options.knee_torque_nm};
   const linkage::WearCheck check = linkage::CheckWear(look.links, look.range, look.body, look.wear);
   WarnOfBody(check, run);
   WarnOf(design, request.range, run);
@@ -593,9 +597,12 @@ void Describe(SimulationOptions& o, OptionList& options) {
   options.Add("shank", o.shank_mm, "The person's shank, knee to ankle").Unit("mm").Otherwise("by body height");
   options.Add("height", o.body_height_mm, "Body height").Unit("mm").Otherwise("1800, or by thigh and shank");
   options.Add("mass", o.body_mass_kg, "Body mass").Unit("kg").Otherwise("80 at 1800 mm, else of the same BMI");
-  options.Add("seat-edge", o.seat_edge_mm, "Knee to the seat's front edge; 0: half the thigh")
+  options
+      .Add("seat-edge", o.seat_edge_mm,
+           "Knee to the front edge of a seat that lies under the linkage, too; 0: half the thigh, for --mount behind")
       .Unit("mm")
       .Between(0, 5000);
+  problem::DescribeMount(o.mount, options).Otherwise("the design's");
   problem::DescribeLoad(o.load, options);
   Describe(o.parts, options);
   Describe(o.leg_loads, options);

@@ -107,7 +107,9 @@ KeyFigures Headline(const std::vector<SitToStand>& rows, const gait::Person& per
 }
 
 Table RisesTable(const std::vector<SitToStand>& rows, motion::LengthUnit unit) {
-  Table table{.caption = "Rises, ± one standard deviation", .columns = {{"quantity"}}};
+  Table table{
+      .caption = "Rises, ± one standard deviation: of the two knee angles of all sources, else of the markers' noise",
+      .columns = {{"quantity"}}};
   const std::size_t rises = rows.size() - 1, shown = std::min(rises, kMostRises);
   for (std::size_t i = 0; i < shown; ++i) table.columns.push_back({fmt::format("rise {}", rows[i].repetition)});
   table.columns.push_back({"five times"});
@@ -225,12 +227,13 @@ gait::CentresOfMass FindCentresOfMass(const gait::LegFitResult& leg, const loads
   return centres;
 }
 
-// To each rise's knee angle what the recording's budget has of it: an interval that is narrower here would be another.
+// To each rise's knee angles what the recording's budget has of it: an interval that is narrower here would be another.
 void AddSoftTissue(const Json& results, std::vector<SitToStand>& rows) {
   if (!results.contains("uncertainty")) return;  // lengths in px
   const double knee_sd_deg = NumberOrNaN(results.at("uncertainty").at("knee_angle_deg").at("anatomical_sd"));
   for (SitToStand& rise : rows)
-    if (rise.repetition > 0) rise.knee_seat_off_deg.sd = std::hypot(rise.knee_seat_off_deg.sd, knee_sd_deg);
+    if (rise.repetition > 0)
+      for (Measured* knee : {&rise.knee_seat_off_deg, &rise.knee_max_deg}) knee->sd = std::hypot(knee->sd, knee_sd_deg);
 }
 
 }  // namespace

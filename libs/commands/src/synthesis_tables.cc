@@ -49,6 +49,7 @@ void WriteRounded(const problem::RoundedDesign& rounded, const problem::Synthesi
   linkage::Design design;
   design.links = rounded.links;
   design.d_min_mm = problem.d_min_mm;
+  design.mount = problem.mount;
   WriteOptimumDesign(design, rounded.evaluation, fmt::format(", rounded to multiples of {} mm", rounded.step_mm),
                      run.Result("rounded.yaml"));
 }
@@ -61,6 +62,7 @@ void WriteYieldsOf(const synthesis::SynthesisOutcome& outcome, Run& run) {
     linkage::Design design;
     design.links = outcome.tolerant->links;
     design.d_min_mm = outcome.problem.d_min_mm;
+    design.mount = outcome.problem.mount;
     WriteOptimumDesign(design, outcome.tolerant->evaluation,
                        fmt::format(", limits kept within ±{} mm", SignificantText(outcome.tolerant->robust_mm, 4)),
                        run.Result("tolerant.yaml"));
@@ -223,6 +225,7 @@ void WriteTables(const synthesis::SynthesisOutcome& outcome, const OptimumView& 
   linkage::Design design;
   design.links = optimum.links_after;
   design.d_min_mm = outcome.problem.d_min_mm;
+  design.mount = outcome.problem.mount;
   WriteOptimumDesign(design, optimum, run);
   WriteOptimum(optimum, PoseRows(optimum.before, optimum.after), run);
   WriteConstraints(optimum, {}, run);

@@ -26,17 +26,24 @@ bool IsNoWorse(double clearance_mm, double worn_mm) {
 
 struct Clearance {
   double linkage::WearCheck::*mm;
-  const char* overlap;  // what a negative one means
+  const char* overlap;                         // what a negative one means
+  bool linkage::WearCheck::*is_met = nullptr;  // null: wherever the linkage is mounted
+
+  bool Counts(const linkage::WearCheck& check) const { return !is_met || check.*is_met; }
 };
 
 constexpr std::array kClearances = {
-    Clearance{&linkage::WearCheck::thigh_clearance_mm, "the actuator would overlap the thigh"},
-    Clearance{&linkage::WearCheck::shank_clearance_mm, "the actuator would overlap the shank"},
-    Clearance{&linkage::WearCheck::seat_clearance_mm, "the linkage would reach into the seat"},
+    Clearance{&linkage::WearCheck::thigh_clearance_mm, "the actuator would overlap the thigh",
+              &linkage::WearCheck::meets_limbs},
+    Clearance{&linkage::WearCheck::shank_clearance_mm, "the actuator would overlap the shank",
+              &linkage::WearCheck::meets_limbs},
+    Clearance{&linkage::WearCheck::seat_clearance_mm, "the linkage would reach into the seat",
+              &linkage::WearCheck::meets_seat},
     Clearance{&linkage::WearCheck::mount_below_hip_mm, "the mount would reach past the hip"}};
 
 bool IsAllowed(const linkage::WearCheck& check, const linkage::WearCheck& as_worn) {
-  return std::ranges::all_of(kClearances, [&](const Clearance& of) { return IsNoWorse(check.*of.mm, as_worn.*of.mm); });
+  return std::ranges::all_of(
+      kClearances, [&](const Clearance& of) { return !of.Counts(check) || IsNoWorse(check.*of.mm, as_worn.*of.mm); });
 }
 
 // Nearer to the knee than `worn_mm`, the nearest first.
@@ -56,7 +63,7 @@ std::vector<Vector2d> PlacesAboutKnee(double worn_mm) {
 std::string Collisions(const linkage::WearCheck& check, const linkage::WearCheck& as_worn) {
   std::vector<std::string> collisions;
   for (const Clearance& of : kClearances)
-    if (!IsNoWorse(check.*of.mm, as_worn.*of.mm))
+    if (of.Counts(check) && !IsNoWorse(check.*of.mm, as_worn.*of.mm))
       collisions.push_back(fmt::format("{} by {:.0f} mm (as worn: {:.0f} mm)", of.overlap, -(check.*of.mm),
                                        std::max(0.0, -(as_worn.*of.mm))));
   return fmt::format("{}", fmt::join(collisions, ", and "));
@@ -77,6 +84,7 @@ WornJoint CheckWornJoint(const linkage::Design& worn, const Vector2d& offset_mm,
   const linkage::UsedRange range = linkage::FindUsedRange(worn.links, worn.d_min_mm, worn.d_max_mm);
   const auto at = [&](const Vector2d& place) {
     wear.placement_mm = {place.x(), place.y()};
+    wear.mount = worn.mount;
     return linkage::CheckWear(worn.links, range, body, wear);
   };
   WornJoint joint{.as_worn = at(offset_mm), .moved = at(Vector2d::Zero()), .nearest_mm = {}};
@@ -89,9 +97,10 @@ WornJoint CheckWornJoint(const linkage::Design& worn, const Vector2d& offset_mm,
 
 std::string WornJointText(const WornJoint& joint, double unmoved_mm) {
   if (joint.nearest_mm && joint.nearest_mm->isZero())
-    return "Seat and limbs allow it: nothing reaches further into them than as worn.";
-  std::string text = fmt::format("Seat or limbs are in the way of that: seen from the side, {}.",
-                                 Collisions(joint.moved, joint.as_worn));
+    return joint.moved.meets_seat ? "Seat and limbs allow it: nothing reaches further into them than as worn."
+                                  : "Mounted beside the leg, the linkage meets neither seat nor limbs there.";
+  std::string text =
+      fmt::format("Seat or leg is in the way of that: seen from the side, {}.", Collisions(joint.moved, joint.as_worn));
   if (!joint.moved.ClearsSeat())
     text += fmt::format(" A seat whose edge is at least {:.0f} mm behind the knee is clear of it.",
                         std::ceil(joint.moved.seat_edge_needed_mm));

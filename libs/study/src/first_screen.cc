@@ -7,7 +7,6 @@
 #include <cstdio>
 
 #include "lake/core/colours.h"
-#include "lake/core/csv.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/linkage/design_file.h"
@@ -68,7 +67,8 @@ std::optional<linkage::WearCheck> WornOnBody(const StudyFile& study, const Study
   const commands::SimulationOptions simulation = SimulationOf(study);
   const parts::PartOptions& parts = simulation.parts;
   return linkage::CheckWear(worn.links, linkage::FindUsedRange(worn.links, worn.d_min_mm, worn.d_max_mm), person,
-                            {parts.bar_width_mm, parts.actuator_diameter_mm, simulation.seat_edge_mm, placement_mm});
+                            {parts.bar_width_mm, parts.actuator_diameter_mm, simulation.seat_edge_mm, placement_mm,
+                             worn.mount, simulation.has_wide_seat});
 }
 
 std::array<double, 2> PlacementOf(const Json& design) {
@@ -315,11 +315,10 @@ Vector2d PlacementHalfWidth(const StudyResults& results) {
   const Json comparison = results.Summary("comparison");
   const Json uncertainty = comparison.value("uncertainty", Json::object()),
              intervals = comparison.at("decomposition").value("offset_interval_mm", Json());
-  const double replaced_mm = ParseNumber(comparison.at("options").at("replacement-sd").get<std::string>()).value_or(0);
   for (const std::size_t axis : {0, 1}) {
     const char* quantity = axis == 0 ? "joint_offset_x_mm" : "joint_offset_y_mm";
     if (uncertainty.contains(quantity))
-      half_width[axis] = kNormal95 * std::hypot(NumberOrNaN(uncertainty[quantity].at("marker_sd")), replaced_mm);
+      half_width[axis] = kNormal95 * NumberOrNaN(uncertainty[quantity].at("anatomical_sd"));
     else if (intervals.is_array())
       half_width[axis] = (NumberOrNaN(intervals.at(axis).at(1)) - NumberOrNaN(intervals.at(axis).at(0))) / 2;
   }

@@ -23,7 +23,7 @@ report::Uncertain KneeAngleError(const StudyResults& results, const Json& design
 report::Uncertain RecordedRise(const StudyResults& results);
 
 // How well it is known where the joint is against the knee, half of the 95 % interval along x and y of the shank, mm:
-// where one trial shows both, by their markers and how well these are put back; else by the offset between the trials.
+// where one trial shows both, with all sources of the comparison's budget; else by the offset between the trials.
 // NaN without a comparison.
 Eigen::Vector2d PlacementHalfWidth(const StudyResults& results);
 

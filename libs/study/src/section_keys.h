@@ -47,6 +47,6 @@ inline const OptionNames kGivenToRedesign{"comparison", "human",       "human-kn
 inline const OptionNames kGivenToLoads{"trial", "map", "up", "forward", "unit", "rate"};
 inline const OptionNames kGivenToAssistance{"problem", "profile", "actuator"};
 inline const OptionNames kGivenToStroke{"design", "motion", "validate", "tolerance"};
-inline const OptionNames kGivenToSimulation{"thigh", "shank"};
+inline const OptionNames kGivenToSimulation{"thigh", "shank", "mount"};
 
 }  // namespace lake::study

@@ -51,13 +51,16 @@ Json KeyOf(const commands::OptimizeRunOptions& options) {
 Json KeyOf(const commands::SimulationOptions& options) {
   commands::SimulationOptions unloaded = options;
   unloaded.load = {};
-  return {{"simulation", ValuesOf(unloaded)}, {"load", problem::ProblemJson(options.load)}};
+  return {{"simulation", ValuesOf(unloaded)},
+          {"wide seat", options.has_wide_seat},
+          {"load", problem::ProblemJson(options.load)}};
 }
 
 Json KeyOf(const commands::CompareRunOptions& options) {
-  const auto& [bar_width_mm, actuator_diameter_mm, seat_edge_mm, placement_mm] = options.wear;
+  const auto& [bar_width_mm, actuator_diameter_mm, seat_edge_mm, placement_mm, mount, has_wide_seat] = options.wear;
   return {{"comparison", ValuesOf(options)},
-          {"wear", {bar_width_mm, actuator_diameter_mm, seat_edge_mm, placement_mm}}};
+          {"wear",
+           {bar_width_mm, actuator_diameter_mm, seat_edge_mm, placement_mm, linkage::NameOf(mount), has_wide_seat}}};
 }
 
 void AddInputs(const std::vector<InputFile>& inputs, steps::StudyStep& step) {
@@ -149,6 +152,7 @@ commands::SimulationOptions SimulationOf(const StudyFile& study) {
   options.parts = PartsOf(study, problem.parts);
   if (!study.simulation_section.given.contains("knee-torque")) options.knee_torque_nm = problem.knee_torque_nm;
   if (options.seat_edge_mm == 0) options.seat_edge_mm = problem.clearances.seat_edge_mm;
+  options.has_wide_seat = problem.clearances.seat_mm.has_value();
   const linkage::BodySize body = BodyOf(study, problem.clearances.body);
   options.body_mass_kg = body.mass_kg;
   options.body_height_mm = body.height_mm;
@@ -250,7 +254,8 @@ void TakeWorn(const StudyFile& study, StudySection& section, commands::CompareRu
   options.body = {.height_mm = simulation.body_height_mm, .mass_kg = simulation.body_mass_kg, .leg = {}};
   options.wear = {.bar_width_mm = simulation.parts.bar_width_mm,
                   .actuator_diameter_mm = simulation.parts.actuator_diameter_mm,
-                  .seat_edge_mm = simulation.seat_edge_mm};
+                  .seat_edge_mm = simulation.seat_edge_mm,
+                  .has_wide_seat = simulation.has_wide_seat};
   section.given["worn"] = study.worn->string();
 }
 

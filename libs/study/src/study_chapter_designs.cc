@@ -41,11 +41,13 @@ std::string OptimumText(const Json& summary) {
   return text;
 }
 
-// Negative: they overlap, seen from the side.
+// Negative: they overlap, seen from the side. Seat and limbs stand there where the linkage meets them.
 Table FitTable(const Json& body) {
   Table table{
-      fmt::format("Clearances on a body of {:.0f} cm and {:.0f} kg; negative: parts overlap, seen from the side",
-                  NumberOrNaN(body.at("height_mm")) / 10, NumberOrNaN(body.at("mass_kg"))),
+      fmt::format("Clearances on a body of {:.0f} cm and {:.0f} kg, the linkage {} the leg; negative: parts overlap, "
+                  "seen from the side",
+                  NumberOrNaN(body.at("height_mm")) / 10, NumberOrNaN(body.at("mass_kg")),
+                  body.at("mount").get<std::string>()),
       {{"Quantity"}, {"mm", 1}, {"Overlap (mm)", 1}, {"at knee angle (°)", 1}},
       {}};
   const auto add = [&](const char* what, const char* key, double at_deg) {
@@ -55,9 +57,12 @@ Table FitTable(const Json& body) {
   table.rows.push_back({"thigh, hip to knee", NumberOrNaN(body.at("thigh_mm")), std::nan(""), std::nan("")});
   table.rows.push_back({"shank, knee to ankle", NumberOrNaN(body.at("shank_mm")), std::nan(""), std::nan("")});
   add("mount to hip, along the thigh", "mount_below_hip_mm", std::nan(""));
-  add("linkage to seat", "seat_clearance_mm", NumberOrNaN(body.at("seated_deg")));
-  add("actuator to thigh", "actuator_to_thigh_mm", NumberOrNaN(body.at("actuator_to_thigh_at_deg")));
-  add("actuator to shank", "actuator_to_shank_mm", NumberOrNaN(body.at("actuator_to_shank_at_deg")));
+  if (!body.at("clears_seat").is_null())
+    add("linkage to seat", "seat_clearance_mm", NumberOrNaN(body.at("seated_deg")));
+  if (!body.at("clears_limb").is_null()) {
+    add("actuator to thigh", "actuator_to_thigh_mm", NumberOrNaN(body.at("actuator_to_thigh_at_deg")));
+    add("actuator to shank", "actuator_to_shank_mm", NumberOrNaN(body.at("actuator_to_shank_at_deg")));
+  }
   return table;
 }
 

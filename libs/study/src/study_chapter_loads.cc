@@ -78,11 +78,10 @@ std::string LeanText(const StudyResults& results) {
                                              trunk_deg < 0 ? "back" : "forward");
   return fmt::format(
       "In the new design's rise of {} the trunk leans {} the person's own, which takes {}. The ground's force then "
-      "acts {} {} the foot{}, and the knee needs at most {}, in the person's own rise {}.",
+      "acts {} {} the foot{}, and the knee needs at most {} of what it needs in the person's own rise.",
       Quantity(NumberOrNaN(program.at("duration_s")), "s"), lean, Quantity(NumberOrNaN(own.at("rise_s")), "s"),
       Quantity(std::abs(margin_mm), "mm"), margin_mm < 0 ? "outside" : "or more inside",
-      margin_mm < 0 ? ", where the person must be held" : "", Quantity(NumberOrNaN(program.at("peak_knee_nm")), "N m"),
-      Quantity(NumberOrNaN(own.at("peak_knee_nm")), "N m"));
+      margin_mm < 0 ? ", where the person must be held" : "", Quantity(PeakPercent(program, own), "%"));
 }
 
 // With the links that are the best for the actuator, and with those of the study's design.
@@ -146,13 +145,16 @@ std::string MomentumText(const Json& momentum) {
 
 // Of the measured path, gone along at two paces.
 Table BalanceTable(const Json& balance) {
-  Table table{
-      "Balance along the measured path: how far inside the foot the ground's force acts (negative: outside)",
-      {{"Pace"}, {"Rise time (s)", 1}, {"Margin (mm)", 1}, {"At % of the rise", 0}, {"Knee moment, peak (N m)", 1}},
-      {}};
+  Table table{"Balance along the measured path: how far inside the foot the ground's force acts (negative: outside)",
+              {{"Pace"},
+               {"Rise time (s)", 1},
+               {"Margin (mm)", 1},
+               {"At % of the rise", 0},
+               {"Knee moment, peak (% of the person's own rise's)", 0}},
+              {}};
   const auto add = [&](const char* name, const Json& pace, double rise_s) {
     table.rows.push_back({name, rise_s, NumberOrNaN(pace.at("margin_mm")), NumberOrNaN(pace.at("at_percent")),
-                          NumberOrNaN(pace.at("peak_knee_nm"))});
+                          PeakPercent(pace, balance.at("own"))});
   };
   add("the person's own", balance.at("own"), NumberOrNaN(balance.at("own").at("rise_s")));
   add("as slowly as may be", balance.at("slow"), std::nan(""));
@@ -162,6 +164,10 @@ Table BalanceTable(const Json& balance) {
 }
 
 }  // namespace
+
+double PeakPercent(const Json& pace, const Json& other) {
+  return 100 * NumberOrNaN(pace.at("peak_knee_nm")) / NumberOrNaN(other.at("peak_knee_nm"));
+}
 
 Section LoadsChapter(const StudyFile&, const StudyResults& results) {
   const std::string need = NeedText(results.Summary("loads"));

@@ -202,7 +202,12 @@ Table ProgramBalanceTable(const StudyResults& results, const Json& summary, cons
   };
   own("trunk leans farther forward than in the person's own rise, most (°; negative: back)", "trunk_lean_deg", "°", "");
   own("leg, ankle to hip, leans farther forward, most (°; negative: back)", "leg_lean_deg", "°", "");
-  own("knee moment at this pace, peak (N m)", "peak_knee_nm", "N m", "peak_knee_nm");
+  if (results.Has("loads"))
+    table.rows.push_back({"knee moment at this pace, peak (% of the person's own rise's)",
+                          Number{PeakPercent(balance, did), 0}, Number{std::nan(""), 0},
+                          Number{PeakPercent(did, did), 0}});
+  else
+    own("knee moment at this pace, peak (N m)", "peak_knee_nm", "N m", "peak_knee_nm");
   return table;
 }
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "first_screen.h"
@@ -212,15 +214,17 @@ std::string BodyText(const StudyResults& results) {
   };
   if (const std::string past = overlap("mount_below_hip_mm"); !past.empty())
     findings.push_back(fmt::format("the mount reaches {} past the hip", past));
-  if (const std::string into = overlap("seat_clearance_mm"); !into.empty())
+  if (const std::string into = overlap("seat_clearance_mm"); !into.empty() && !body.at("clears_seat").is_null())
     findings.push_back(fmt::format("the linkage reaches {} into the seat", into));
   for (const char* limb : {"thigh", "shank"})
-    if (const std::string by = overlap(fmt::format("actuator_to_{}_mm", limb)); !by.empty())
+    if (const std::string by = overlap(fmt::format("actuator_to_{}_mm", limb));
+        !by.empty() && !body.at("clears_limb").is_null())
       overlaps.push_back(fmt::format("the {} by {}", limb, by));
   if (!overlaps.empty())
     findings.push_back(fmt::format("the actuator, seen from the side, overlaps {}", fmt::join(overlaps, " and ")));
-  return fmt::format("On a leg of {} thigh and {} shank {}. {}", Quantity(NumberOrNaN(body.at("thigh_mm")), "mm"),
-                     Quantity(NumberOrNaN(body.at("shank_mm")), "mm"),
+  return fmt::format("On a leg of {} thigh and {} shank, with the linkage {} it, {}. {}",
+                     Quantity(NumberOrNaN(body.at("thigh_mm")), "mm"), Quantity(NumberOrNaN(body.at("shank_mm")), "mm"),
+                     body.at("mount").get<std::string>(),
                      findings.empty() ? "nothing collides" : fmt::format("{}", fmt::join(findings, "; ")),
                      AskedText(AskedClearances(results)));
 }
@@ -252,8 +256,8 @@ std::string SureText(const StudyResults& results, const Json& redesign) {
 
 std::string NextText(const StudyResults& results) {
   const Json body = results.Summary("simulation").at("mannequin");
-  const bool clear = body.at("fits_along_thigh").get<bool>() && body.at("clears_seat").get<bool>() &&
-                     body.at("clears_limb").get<bool>();
+  const bool clear = std::ranges::none_of(std::array{"fits_along_thigh", "clears_seat", "clears_limb"},
+                                          [&](const char* is_clear) { return body.at(is_clear) == false; });
   const char* mount =
       AskedClearances(results).is_null()
           ? "Require clearances of the design (study file, reoptimize: clearances) or find a mount clear "

@@ -59,6 +59,10 @@ std::optional<report::Files::File> FirmwareOf(const StudyFile& study);
 inline constexpr const char* kKneesPicture = "comparison/knees.png";
 std::string KneesPictureAlt(const StudyResults& results);
 
+// The knee's peak moment at one pace against that at another: the same body and path, so that what is uncertain of each
+// (the headline's interval) cancels.
+double PeakPercent(const Json& pace, const Json& other);
+
 // Along the measured path in the program's time the ground's force leaves the foot.
 bool NeedsHolding(const StudyResults& results, const Json& redesign);
 

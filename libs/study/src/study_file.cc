@@ -200,6 +200,7 @@ void ReadProblemKey(YamlNode& node, InputFiles& files, StudyProblem& problem) {
 // What the study asks for stands above the problem's own.
 void TakeClearances(StudyProblem& problem) {
   if (problem.clearances.AreAsked()) problem.problem.clearances = problem.clearances;
+  problem::CheckMount(problem.problem);
 }
 
 void ReadDesignSection(YamlNode node, InputFiles& files, StudyFile& study) {

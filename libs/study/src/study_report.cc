@@ -1,6 +1,8 @@
 #include "study_report.h"
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 #include "lake/core/error.h"
 #include "step_table.h"
@@ -25,10 +27,11 @@ std::vector<const StepKind*> InOrder(const StudyResults& results, int StepKind::
 
 std::vector<std::string> WarningsOf(const StudyResults& results) {
   std::vector<std::string> warnings;
+  std::set<std::string> said;  // several steps read one trial
   for (const StepKind* kind : InOrder(results, &StepKind::warnings_place)) {
     const Json summary = results.Summary(kind->name);
-    for (const Json& warning : summary.at("warnings"))
-      warnings.push_back(fmt::format("{}: {}", kind->warnings, warning.get<std::string>()));
+    for (const std::string warning : summary.at("warnings"))
+      if (said.insert(warning).second) warnings.push_back(fmt::format("{}: {}", kind->warnings, warning));
   }
   return warnings;
 }

@@ -264,7 +264,10 @@ WearCheck CheckWear(const Links& links, const UsedRange& range, const Body& body
   const auto at_right_angle = StrokeForAngle(links, range, kSeated_rad);
   const Pose seated = at_right_angle ? pose_at(*at_right_angle) : flexed.theta_rad < kSeated_rad ? flexed : standing;
 
-  WearCheck check{.seated_stroke_mm = seated.stroke_mm,
+  WearCheck check{.mount = options.mount,
+                  .meets_seat = options.MeetsSeat(),
+                  .meets_limbs = options.MeetsLimbs(),
+                  .seated_stroke_mm = seated.stroke_mm,
                   .seated_deg = DegreesFromRadians(seated.theta_rad),
                   .standing_stroke_mm = standing.stroke_mm,
                   .standing_deg = DegreesFromRadians(standing.theta_rad),

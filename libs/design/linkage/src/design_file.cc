@@ -73,6 +73,14 @@ std::string Quoted(std::string_view text) {
   return quoted + "'";
 }
 
+Mount ReadMount(const YamlNode& node) {
+  try {
+    return MountOf(node.AsText());
+  } catch (const UsageError& error) {
+    throw Fail("{}: {}", node.Where(), error.what());
+  }
+}
+
 }  // namespace
 
 Design ReadDesign(const std::filesystem::path& path) {
@@ -84,6 +92,7 @@ Design ReadDesign(const std::filesystem::path& path) {
   design.d_max_mm = root.Number("d_max_mm");
   design.range_deg = root.Number("range_deg");
   if (const auto placement = root.Numbers("placement_mm", 2)) design.placement_mm = {(*placement)[0], (*placement)[1]};
+  if (const auto mount = root.Child("mount")) design.mount = ReadMount(*mount);
   if (auto program = root.Child("program")) design.program = ReadProgram(std::move(*program));
   design.made_by = root.Text("made_by").value_or("");
   root.Finish();
@@ -102,6 +111,7 @@ void WriteDesign(const std::filesystem::path& path, const Design& design) {
   if (design.range_deg) text += fmt::format("range_deg: {}\n", FormatNumber(*design.range_deg));
   text += fmt::format("placement_mm: [{}, {}]\n", FormatNumber(design.placement_mm[0]),
                       FormatNumber(design.placement_mm[1]));
+  text += fmt::format("mount: {}\n", NameOf(design.mount));
   if (design.program) text += ProgramText(*design.program);
   if (!design.made_by.empty()) text += fmt::format("made_by: {}\n", Quoted(design.made_by));
   WriteTextFile(path, text);

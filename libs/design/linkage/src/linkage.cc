@@ -183,4 +183,14 @@ SingularityDistances DistancesToSingularities(const Links& links, const Pose& po
           .shank_extended_mm = links.l4 + links.l1 - pose.l8_mm};
 }
 
+const char* NameOf(Mount mount) {
+  return mount == Mount::kBeside ? "beside" : "behind";
+}
+
+Mount MountOf(const std::string& name) {
+  for (const Mount mount : {Mount::kBeside, Mount::kBehind})
+    if (name == NameOf(mount)) return mount;
+  throw UsageError("a mount is beside or behind the leg, not '{}'", name);
+}
+
 }  // namespace lake::linkage

@@ -102,7 +102,9 @@ linkage::WearOptions SynthesisProblem::Wear() const {
   return {.bar_width_mm = parts.bar_width_mm,
           .actuator_diameter_mm = parts.actuator_diameter_mm,
           .seat_edge_mm = clearances.seat_edge_mm,
-          .placement_mm = clearances.placement_mm};
+          .placement_mm = clearances.placement_mm,
+          .mount = mount,
+          .has_wide_seat = clearances.seat_mm.has_value()};
 }
 
 double SynthesisProblem::SeatedAngle_rad() const {

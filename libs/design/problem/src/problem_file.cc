@@ -166,6 +166,8 @@ SynthesisProblem ReadProblem(YamlNode node, const fs::path& folder) {
         .Number("singularity_mm", problem.singularity_margin_mm);
     margins->Finish();
   }
+  if (const auto mount = node.Child("mount"))
+    SetAt(*mount, problem, [&](const std::string& text) { problem.mount = linkage::MountOf(text); });
   ReadClearances(node, problem);
   if (auto parts = node.Child("parts")) ReadParts(std::move(*parts), problem);
   if (auto load = node.Child("load")) ReadLoad(std::move(*load), folder, problem);
@@ -234,7 +236,7 @@ Json BoundsJson(const std::array<Bounds, 6>& bounds) {
 
 Json ProblemJson(const SynthesisProblem& problem) {
   const auto& [d_min_mm, d_max_mm, bounds, start, grashof_margin_mm, singularity_margin_mm, knee_torque_nm, max_force_n,
-               min_moment_arm_mm, min_transmission_deg, standing_deg, max_angle_deg, clearances, max_pin_force_n,
+               min_moment_arm_mm, min_transmission_deg, standing_deg, max_angle_deg, mount, clearances, max_pin_force_n,
                max_mount_force_n, safety_factor, parts, profile, assist, actuator, rests_anywhere, duration_s,
                robust_mm, goal] = problem;
   return {{"d_min_mm", d_min_mm},
@@ -249,6 +251,7 @@ Json ProblemJson(const SynthesisProblem& problem) {
           {"min_transmission_deg", NumberOrNull(min_transmission_deg)},
           {"standing_deg", standing_deg},
           {"max_angle_deg", NumberOrNull(max_angle_deg)},
+          {"mount", linkage::NameOf(mount)},
           {"clearances", ClearancesJson(clearances)},
           {"max_pin_force_n", NumberOrNull(max_pin_force_n)},
           {"max_mount_force_n", NumberOrNull(max_mount_force_n)},

@@ -49,6 +49,7 @@ void DescribeLoad(SynthesisProblem& o, OptionList& options) {
 }
 
 void DescribeClearances(SynthesisProblem& o, OptionList& options) {
+  DescribeMount(o.mount, options);
   Clearances& asked = o.clearances;
   linkage::BodySize& body = asked.body;
   const auto add = [&options](const char* name, const char* help, auto set, const TellOption& tell) -> Option& {
@@ -63,7 +64,8 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options) {
       .Unit("mm")
       .NotNegative();
   add(
-      "clear-limb", "Least distance of the actuator from thigh and shank over the used range, seen from the side",
+      "clear-limb",
+      "Least distance of the actuator from thigh and shank over the used range, seen from the side, for --mount behind",
       [&asked](double mm) { asked.thigh_mm = asked.shank_mm = mm; },
       [&asked] { return OptionField<std::optional<double>>::Text(asked.thigh_mm); })
       .Unit("mm")
@@ -114,6 +116,14 @@ void CheckBody(const SynthesisProblem& problem) {
     throw UsageError(
         "a body (--height, --mass, --thigh, --shank, --seat-edge) is what clearances are to: give --clear-seat or "
         "--clear-limb too");
+}
+
+void CheckMount(const SynthesisProblem& problem) {
+  const Clearances& clearances = problem.clearances;
+  if (problem.mount == linkage::Mount::kBeside && (clearances.thigh_mm || clearances.shank_mm))
+    throw UsageError(
+        "a clearance to thigh and shank (limb_mm, --clear-limb) is for a linkage behind the leg: one beside it passes "
+        "them; give mount: behind (--mount behind) too, or leave the clearance out");
 }
 
 void CheckRest(const SynthesisProblem& problem) {

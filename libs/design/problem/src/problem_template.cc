@@ -44,6 +44,7 @@ std::string ProblemTemplate() {
              TemplateLine("min_moment_arm_mm", "5", "change of stroke per radian of the knee, over the whole range") +
              TemplateLine("min_transmission_deg", "10", "between coupler and shank link, and its supplement") +
              TemplateLine("robust_mm", "0.1", "tolerance of each link that a design must bear") +
+             TemplateLine("mount", "behind", "beside|behind: where the linkage is on the leg; limb_mm is for behind") +
              TemplateLine("actuator", "LA31-1000",
                           "a name of the catalogue or a file; sets d_min, d_max and max_force") +
              LinkKeys(paper) + "margins:\n" +

@@ -49,6 +49,7 @@ linkage::Design Before(const RedesignProblem& problem, const MeasuredMotion& mea
   linkage::Design design;
   design.links = problem.design.start;
   design.d_min_mm = problem.design.d_min_mm;
+  design.mount = problem.design.mount;
   if (measured.worn) design = *measured.worn;
   if (!design.program && measured.worn && measured.exo)
     design.program = ProgramOfTrial(*measured.worn, *measured.exo, problem.design.standing_deg);
@@ -282,6 +283,7 @@ std::optional<DesignInMotion> WithOtherProgram(const RedesignOutcome& outcome) {
   same.design = problem::SynthesisProblem{};
   same.design.standing_deg = outcome.problem.design.standing_deg;
   same.design.d_min_mm = worn.d_min_mm;
+  same.design.mount = worn.mount;
   same.design.start = worn.links;
   constexpr double kAround_mm = 1;
   for (std::size_t i = 0; i < same.design.bounds.size(); ++i)

@@ -151,6 +151,7 @@ linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& po
   linkage::Design design;
   design.links = point.links;
   design.d_min_mm = problem.design.d_min_mm;
+  design.mount = problem.design.mount;
   design.placement_mm = {point.placement_mm.x(), point.placement_mm.y()};
   linkage::StrokeProgram program;
   program.kind = problem.program.free_ends ? Kind::kFree : problem.program.kind;

@@ -11,6 +11,7 @@
 #include "lake/core/json.h"
 #include "lake/exchange/dltdv.h"
 #include "lake/exchange/kinovea.h"
+#include "lake/motion/saved_corrections.h"
 #include "marker_files.h"
 #include "text_lines.h"
 
@@ -179,6 +180,8 @@ void TakeFromSummary(const fs::path& table, motion::MarkerValues values, Trial& 
   const fs::path file = table.parent_path() / "summary.json";
   const bool in_mm = fs::exists(table.parent_path() / "trajectory.csv");
   if (table.filename() != (in_mm ? "trajectory.csv" : "tracks.csv") || !fs::is_regular_file(file)) return;
+  if (std::string unapplied = motion::UnappliedCorrections(table.parent_path()); !unapplied.empty())
+    trial.warnings.push_back(std::move(unapplied));
   const Json summary = ReadJsonFile(file);
   if (values == motion::MarkerValues::kMeasured) TakeSigmasFrom(summary, file, trial);
   trial.leg = LegInSummary(summary);

@@ -59,11 +59,14 @@ std::string Finding(const char* what, double clearance_mm, const std::string& wh
 
 std::vector<std::string> Findings(const linkage::WearCheck& check) {
   const auto at = [](double knee_deg) { return fmt::format(" at {:.1f}°", knee_deg); };
-  return {Finding("mount and hip", check.mount_below_hip_mm, ""),
-          Finding("linkage and seat", check.seat_clearance_mm, at(check.seated_deg)),
-          Finding("actuator and thigh", check.thigh_clearance_mm, at(check.thigh_clearance_deg)),
-          Finding("actuator and shank", check.shank_clearance_mm, at(check.shank_clearance_deg)),
-          "(seen from the side)"};
+  std::vector<std::string> findings = {fmt::format("{} the leg, seen from the side:", linkage::NameOf(check.mount)),
+                                       Finding("mount and hip", check.mount_below_hip_mm, "")};
+  if (check.meets_seat) findings.push_back(Finding("linkage and seat", check.seat_clearance_mm, at(check.seated_deg)));
+  if (check.meets_limbs) {
+    findings.push_back(Finding("actuator and thigh", check.thigh_clearance_mm, at(check.thigh_clearance_deg)));
+    findings.push_back(Finding("actuator and shank", check.shank_clearance_mm, at(check.shank_clearance_deg)));
+  }
+  return findings;
 }
 
 // A length of 200 mm to judge by.

@@ -167,12 +167,12 @@ Json WearJson(const Links& links, const problem::SynthesisProblem& problem) {
   const linkage::WearCheck check = linkage::CheckWear(links, *range, linkage::BodyOf(problem.clearances.body), wear);
   const auto at = [](double knee_deg) { return Json{{"knee_deg", Rounded(knee_deg)}}; };
   const problem::Clearances& asked = problem.clearances;
-  if (!asked.seat_mm)
+  if (!asked.seat_mm && check.meets_seat)
     checks.push_back(NotAskedJson("clearance to the seat", "mm", check.seat_clearance_mm, 0, at(check.seated_deg)));
-  if (!asked.thigh_mm)
+  if (!asked.thigh_mm && check.meets_limbs)
     checks.push_back(NotAskedJson("actuator's clearance to the thigh", "mm", check.thigh_clearance_mm, 0,
                                   at(check.thigh_clearance_deg)));
-  if (!asked.shank_mm)
+  if (!asked.shank_mm && check.meets_limbs)
     checks.push_back(NotAskedJson("actuator's clearance to the shank", "mm", check.shank_clearance_mm, 0,
                                   at(check.shank_clearance_deg)));
   checks.push_back(NotAskedJson("mount to hip", "mm", check.mount_below_hip_mm, 0));
@@ -345,6 +345,7 @@ linkage::Design DesignExplorer::With(const Links& links) const {
   linkage::Design design = explored_.design;
   design.links = links;
   design.d_min_mm = explored_.problem.d_min_mm;
+  design.mount = explored_.problem.mount;
   design.range_deg = evaluation.range_deg;
   design.d_max_mm.reset();
   if (evaluation.stands_mm && *evaluation.stands_mm > design.d_min_mm) design.d_max_mm = evaluation.stands_mm;

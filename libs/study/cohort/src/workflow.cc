@@ -83,14 +83,14 @@ void CheckHasNoBraces(const std::string& path) {
     throw Fail("{}: Snakemake cannot work with braces in the name of a file or folder; rename it", path);
 }
 
-// What the steps of a study read from outside, and need together: two at the same time.
+// What is there of what the steps of a study read from outside, and need together: two at the same time.
 void AddNeeds(const study::StudyPlan& plan, WorkflowStudy& of) {
   of.needs = {.threads = 2, .memory_mb = 0, .minutes = 0};
   std::set<std::string> inputs;
   for (const study::PlannedStep& step : plan.steps) {
     if (!Has(of.steps, step.name)) continue;
     for (const fs::path& input : step.inputs)
-      if (!LiesIn(input, of.folder)) inputs.insert(input);
+      if (!LiesIn(input, of.folder) && fs::exists(input)) inputs.insert(input);
     of.needs.memory_mb = std::max(of.needs.memory_mb, of.needs.threads * step.needs.memory_mb);
     of.needs.minutes += step.needs.minutes;
   }

@@ -222,6 +222,7 @@ linkage::Design DesignOfSimulation(const Folder& folder) {
   const Json& used = folder.summary.at("used_stroke_mm");
   design.d_min_mm = used.at(0);
   design.d_max_mm = used.at(1);
+  design.mount = linkage::MountOf(folder.summary.at("mannequin").value("mount", "beside"));
   return design;
 }
 
@@ -231,6 +232,7 @@ void TakePapersLimits(DesignSubject& subject) {
   if (problem.d_min_mm != subject.explored.design.d_min_mm)
     subject.no_command = "the design's shortest stroke is not that of the paper's problem: give limits with --problem";
   problem.d_min_mm = subject.explored.design.d_min_mm;
+  problem.mount = subject.explored.design.mount;
   subject.explored.problem = problem;
   subject.explored.limits = "the limits of the paper's problem; --problem gives others";
 }

@@ -9,6 +9,7 @@
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
 #include "lake/core/shell_word.h"
+#include "lake/motion/saved_corrections.h"
 #include "lake/video/video_files.h"
 #include "result_inputs.h"
 
@@ -18,9 +19,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kCorrections = "corrections.csv";
-constexpr const char* kEvents = "events_corrected.csv";
-constexpr const char* kReview = "review.json";
+using motion::kReviewFile;
+using motion::kSavedCorrections;
+using motion::kSavedEvents;
 
 Json ReadSummaryOf(const fs::path& folder) {
   const std::optional<fs::path> path = FindResult(folder, "summary.json");
@@ -47,7 +48,7 @@ void ResolveInputs(const Json& summary, const fs::path& folder, commands::TrackR
   options.video = fs::is_directory(found) ? found / file : found;
   if (InputOf(summary, "camera")) options.camera = FindInput(summary, "camera", folder);
   // What lake review keeps in the folder takes the place of events that it was tracked with.
-  if (options.events && !fs::exists(folder / kEvents)) options.events = FindInput(summary, "events", folder);
+  if (options.events && !fs::exists(folder / kSavedEvents)) options.events = FindInput(summary, "events", folder);
 }
 
 // `events`: with those that were moved.
@@ -60,16 +61,16 @@ std::string CommandOf(const OptionList& list, const commands::TrackRunOptions& o
     if (option.IsOperand() || name == "camera" || name == "corrections" || name == "events") continue;
     for (const std::string& word : WordsOf(option)) command += fmt::format(" {}", ShellWord(word));
   }
-  command += " --corrections " + ShellWord((folder / kCorrections).string());
-  if (events) command += " --events " + ShellWord((folder / kEvents).string());
+  command += " --corrections " + ShellWord((folder / kSavedCorrections).string());
+  if (events) command += " --events " + ShellWord((folder / kSavedEvents).string());
   return fmt::format("{} -o {}", command, ShellWord(folder.string()));
 }
 
 // The same in a study.
 std::string SectionOf(const fs::path& folder, bool events) {
   const auto path = [&](const char* name) { return fs::absolute(folder / name).lexically_normal().string(); };
-  std::string section = "in its section of the study file: corrections: " + path(kCorrections);
-  return events ? section + ", events: " + path(kEvents) : section;
+  std::string section = "in its section of the study file: corrections: " + path(kSavedCorrections);
+  return events ? section + ", events: " + path(kSavedEvents) : section;
 }
 
 using Cell = std::pair<std::int64_t, std::string>;
@@ -77,7 +78,7 @@ using Cell = std::pair<std::int64_t, std::string>;
 // lake-review's files by their names; empty where they are not there.
 std::map<std::string, std::string> KeptIn(const fs::path& folder) {
   std::map<std::string, std::string> kept;
-  for (const char* name : {kReview, kCorrections, kEvents})
+  for (const char* name : {kReviewFile, kSavedCorrections, kSavedEvents})
     kept[name] = fs::exists(folder / name) ? ReadTextFile(folder / name) : "";
   return kept;
 }
@@ -92,7 +93,7 @@ void CheckNotChanged(const TrackedFolder& folder) {
 
 // review.json; empty where lake-review has not been at work.
 Json ReadReview(const fs::path& folder) {
-  const fs::path path = folder / kReview;
+  const fs::path path = folder / kReviewFile;
   return fs::exists(path) ? ReadJsonFile(path) : Json::object();
 }
 
@@ -102,7 +103,7 @@ std::vector<motion::Correction> ReadReplaced(const fs::path& folder, const Json&
   try {
     for (const Json& json : kept.at("replaced")) replaced.push_back(review::CorrectionFrom(json));
   } catch (const nlohmann::json::exception& error) {
-    throw Fail("{}: is not what lake review writes ({})", (folder / kReview).string(), error.what());
+    throw Fail("{}: is not what lake review writes ({})", (folder / kReviewFile).string(), error.what());
   }
   return replaced;
 }
@@ -117,11 +118,11 @@ void CheckAreKnown(const TrackedFolder& result) {
       throw Fail(
           "{}: was tracked with corrections that lake review did not make, and does not hold what they replaced; track "
           "it without --corrections, put that file into the folder as {}, and review it then",
-          result.folder.string(), kCorrections);
+          result.folder.string(), kSavedCorrections);
 }
 
 std::vector<motion::Correction> ReadMade(const TrackedFolder& result) {
-  const fs::path path = result.folder / kCorrections;
+  const fs::path path = result.folder / kSavedCorrections;
   const fs::path file = fs::exists(path) ? path : result.options.corrections.value_or(path);
   if (!fs::exists(file)) return {};
   return motion::ReadCorrections(file, result.options.track.names, result.tracked.video.width,
@@ -129,7 +130,7 @@ std::vector<motion::Correction> ReadMade(const TrackedFolder& result) {
 }
 
 std::vector<motion::EventCorrection> ReadEvents(const TrackedFolder& result) {
-  const fs::path path = result.folder / kEvents;
+  const fs::path path = result.folder / kSavedEvents;
   const fs::path file = fs::exists(path) ? path : result.options.events.value_or(path);
   return fs::exists(file) ? motion::ReadEventCorrections(file) : std::vector<motion::EventCorrection>{};
 }
@@ -161,7 +162,8 @@ TrackedFolder ReadTrackedFolder(const fs::path& folder) {
     ResolveInputs(summary, folder, result.options);
     ReadTracked(folder, summary, result);
     const auto command = [&](bool events) {
-      return is_study ? SectionOf(folder, events) : CommandOf(list, result.options, folder, events);
+      return is_study ? SectionOf(folder, events)
+                      : CommandOf(list, result.options, fs::absolute(folder).lexically_normal(), events);
     };
     result.command = command(false);
     result.warnings = summary.at("warnings").get<std::vector<std::string>>();
@@ -193,8 +195,15 @@ void SaveCorrections(TrackedFolder& folder, const review::CorrectionBook& book) 
     const motion::MarkerSample& sample = detected.Find(made.marker)->samples[static_cast<std::size_t>(row)];
     replaced.try_emplace({made.frame, made.marker}, motion::Correction{made.frame, made.marker, sample});
   }
-  Json kept = {{"program", "lake-review"},    {"version", Version()},      {"video", folder.options.video.string()},
-               {"corrections", book.Count()}, {"replaced", Json::array()}, {"history", book.History()}};
+  const std::vector<motion::EventCorrection> events = book.Events();
+  const bool has_events = !events.empty() || fs::exists(folder.folder / kSavedEvents);
+  Json kept = {{"program", "lake-review"},
+               {"version", Version()},
+               {"video", folder.options.video.string()},
+               {"command", has_events ? folder.command_with_events : folder.command},
+               {"corrections", book.Count()},
+               {"replaced", Json::array()},
+               {"history", book.History()}};
   std::vector<motion::Correction> known;
   for (const auto& [cell, correction] : replaced) {
     kept["replaced"].push_back(review::CorrectionJson(correction));
@@ -205,11 +214,9 @@ void SaveCorrections(TrackedFolder& folder, const review::CorrectionBook& book) 
     to(folder.folder / name);
     folder.kept[name] = ReadTextFile(folder.folder / name);
   };
-  write(kReview, [&](const fs::path& path) { WriteJsonFile(path, kept); });
-  write(kCorrections, [&](const fs::path& path) { motion::WriteCorrections(path, corrections); });
-  const std::vector<motion::EventCorrection> events = book.Events();
-  if (!events.empty() || fs::exists(folder.folder / kEvents))
-    write(kEvents, [&](const fs::path& path) { motion::WriteEventCorrections(path, events); });
+  write(kReviewFile, [&](const fs::path& path) { WriteJsonFile(path, kept); });
+  write(kSavedCorrections, [&](const fs::path& path) { motion::WriteCorrections(path, corrections); });
+  if (has_events) write(kSavedEvents, [&](const fs::path& path) { motion::WriteEventCorrections(path, events); });
   folder.known = std::move(known);
 }
 

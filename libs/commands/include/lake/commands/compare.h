@@ -46,7 +46,7 @@ struct CompareRunOptions {
   // The design of the exoskeleton trial: whether seat and limbs of this person allow its joint on the knee.
   std::optional<std::filesystem::path> worn;
   linkage::BodySize body;     // the leg: that of the human trial
-  linkage::WearOptions wear;  // but for the placement, which is measured
+  linkage::WearOptions wear;  // but for the mount, which is the design's, and the placement, which is measured
 
   bool IsMarkerOnAxis() const { return joint_at_mm == std::array<double, 2>{0, 0}; }
 };

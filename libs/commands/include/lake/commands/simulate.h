@@ -25,6 +25,8 @@ struct SimulationOptions {
   std::optional<double> body_mass_kg;        // default: as heavy for its height as the paper's average user
   std::optional<double> thigh_mm, shank_mm;  // the person's own, hip to knee and knee to ankle; both or none
   double seat_edge_mm = 0;                   // knee to the seat's front edge; 0: half the thigh
+  bool has_wide_seat = false;                // as linkage::WearOptions has it
+  std::optional<linkage::Mount> mount;       // default: the design's
   parts::PartOptions parts;
   LegLoadOptions leg_loads;
   bool animation = true;

@@ -61,6 +61,12 @@ struct WearOptions {
   double actuator_diameter_mm = 40;  // of a small linear actuator's body
   double seat_edge_mm = 0;           // knee to the front edge of the seat; 0: a seat that carries half the thigh
   std::array<double, 2> placement_mm{0, 0};  // of the exoskeleton's knee, as in Design
+  Mount mount = Mount::kBeside;
+  bool has_wide_seat = false;  // one that lies under a linkage beside the leg, too
+
+  bool MeetsLimbs() const { return mount == Mount::kBehind; }
+  // Beside the leg a seat is as wide as the linkage's place only where that, or its edge, is said.
+  bool MeetsSeat() const { return mount == Mount::kBehind || has_wide_seat || seat_edge_mm > 0; }
 };
 
 // A pose with its pins where a placement puts them: in the thigh frame of the leg, whose origin is the human's knee.
@@ -105,9 +111,11 @@ Eigen::Vector2d InLimb(Limb limb, const Eigen::Vector2d& point, double theta_rad
 // Of the actuator; the heading is in the limb's axes.
 Separation LimbSeparation(Limb limb, const Pose& pose, const Body& body, const WearOptions& options);
 
-// Distances in the sagittal plane, mm. A negative clearance is an overlap: parts
-// can share that place only side by side.
+// Distances in the sagittal plane, mm. A negative clearance is an overlap: parts can share that place only side by
+// side. Those to seat and limbs are judged only where the linkage meets them (WearOptions).
 struct WearCheck {
+  Mount mount = Mount::kBeside;
+  bool meets_seat = false, meets_limbs = false;
   // The two poses checked: seated, at 90 degrees or the nearest angle, thigh level; and the straightest.
   double seated_stroke_mm = 0, seated_deg = 0;
   double standing_stroke_mm = 0, standing_deg = 0;
@@ -122,8 +130,8 @@ struct WearCheck {
   double reach_behind_standing_mm = 0;  // how far the linkage protrudes behind the thigh's back surface, standing
 
   bool FitsAlongThigh() const { return mount_below_hip_mm >= 0; }
-  bool ClearsSeat() const { return seat_clearance_mm >= 0; }
-  bool ClearsLimb() const { return thigh_clearance_mm >= 0 && shank_clearance_mm >= 0; }
+  bool ClearsSeat() const { return !meets_seat || seat_clearance_mm >= 0; }
+  bool ClearsLimb() const { return !meets_limbs || (thigh_clearance_mm >= 0 && shank_clearance_mm >= 0); }
 };
 WearCheck CheckWear(const Links& links, const UsedRange& range, const Body& body, const WearOptions& options);
 

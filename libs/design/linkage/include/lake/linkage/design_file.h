@@ -27,6 +27,7 @@ struct Design {
   std::optional<double> d_max_mm;            // longest stroke; absent: the stroke that stands straight
   std::optional<double> range_deg;           // theta at d_min, as its maker computed it
   std::array<double, 2> placement_mm{0, 0};  // exo knee against human knee, shank frame: x anterior, y up the shank
+  Mount mount = Mount::kBeside;
   std::optional<StrokeProgram> program;
   std::string made_by;
 };

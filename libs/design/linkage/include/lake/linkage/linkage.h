@@ -10,12 +10,19 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace lake::linkage {
+
+// Where the linkage is worn: beside the leg, where it passes thigh and shank, or behind it, where it must clear them.
+enum class Mount : std::uint8_t { kBeside, kBehind };
+const char* NameOf(Mount mount);  // "beside", "behind"
+// Throws UsageError for another name.
+Mount MountOf(const std::string& name);
 
 // The six independent link lengths, mm.
 struct Links {

@@ -56,6 +56,7 @@ struct SynthesisProblem {
 
   std::optional<double> max_angle_deg;  // anatomical cap on theta(d_min)
 
+  linkage::Mount mount = linkage::Mount::kBeside;  // clearances to the limbs are for behind
   Clearances clearances;
 
   // Under knee_torque_nm over the used range, or along the profile, as max_force_n:

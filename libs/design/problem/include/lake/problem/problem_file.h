@@ -6,7 +6,7 @@
 //   load: {knee_torque_nm, max_force_n, max_pin_force_n, max_mount_force_n, safety_factor, profile: loads.json, assist,
 //   rest: anywhere|standing, duration_s: number or free} clearances: {seat_mm, limb_mm}: least distances on the body
 //   parts: {plate: "4mm,6061-T6", pin_diameter_mm, rod_diameter_mm, …}: as the options of lake-simulate
-//   body: {height_mm, mass_kg, thigh_mm, shank_mm, seat_edge_mm}
+//   body: {height_mm, mass_kg, thigh_mm, shank_mm, seat_edge_mm}     mount: beside|behind, which limb_mm is for
 // Paths are relative to the file.
 #pragma once
 

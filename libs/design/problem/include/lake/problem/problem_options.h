@@ -9,7 +9,18 @@ namespace lake::problem {
 // The options that change a problem that was read from a file, or the paper's.
 void Describe(SynthesisProblem& o, OptionList& options);
 
-// The options of clearances and of the body.
+// --mount; `Field` is linkage::Mount or an optional one.
+template <typename Field>
+Option& DescribeMount(Field& mount, OptionList& options) {
+  OptionList::Choices<linkage::Mount> choices;
+  for (const linkage::Mount choice : {linkage::Mount::kBeside, linkage::Mount::kBehind})
+    choices.emplace_back(linkage::NameOf(choice), choice);
+  return options.AddChoice(
+      "mount", mount, choices,
+      "Where the linkage is on the leg: beside it neither the limbs nor a narrow seat are in its way");
+}
+
+// The options of the mount, of clearances and of the body.
 void DescribeClearances(SynthesisProblem& o, OptionList& options);
 
 // The options of the load profile and of the actuator.
@@ -17,6 +28,9 @@ void DescribeLoad(SynthesisProblem& o, OptionList& options);
 
 // Throws UsageError where a body is given, but no clearance is asked for.
 void CheckBody(const SynthesisProblem& problem);
+
+// Throws UsageError where a clearance to the limbs is asked for, but the linkage is beside the leg.
+void CheckMount(const SynthesisProblem& problem);
 
 // Throws UsageError where --rest was changed, but no actuator has a share to hold.
 void CheckRest(const SynthesisProblem& problem);
