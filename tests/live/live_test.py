@@ -301,14 +301,14 @@ class Streams(Films):
         for row, interval_s in ((1, 1 / 30), (-1, 1 / 15)):
             self.assertAlmostEqual(float(rows[row]["time_s"]) - float(rows[row - 1]["time_s"]), interval_s, delta=1.1 / 90000)
 
-    def watched(self, film, *words):
-        """What the page is told once all of a film has come, and no end of it."""
+    def watched(self, film, *words, rises=0):
+        """What the page is told once all of a film and so many rises have come, and no end of it."""
         frames = frames_of(film)
         camera = Camera(film)
         camera.send()
         live = self.live("-", "--patience", WAIT_S, "-o", film.stem, *words, stdin=camera.output)
         camera.is_read_by_another()
-        state = self.until(lambda: (now := live.ask("state"))["frames"] == frames
+        state = self.until(lambda: (now := live.ask("state"))["frames"] == frames and len(now["rises"]) >= rises
                            and any(f" of {frames} frames seen" in check["shown"] for check in now["checks"]) and now)
         view = live.ask("view", {"after": -1})
         live.close()
@@ -358,7 +358,7 @@ class Streams(Films):
 
     def test_curves_and_the_arrow_are_the_truth(self):
         film = self.as_sent("curves")
-        state, view = self.watched(film, *self.seeds())
+        state, view = self.watched(film, *self.seeds(), rises=2)
         truth = read_table(self.folder / "worn/truth.csv")
         self.assertEqual((state["is_named"], state["missing"], len(state["rises"])), (True, [], 2))
         self.assertEqual(len(view["samples"]), len(truth))

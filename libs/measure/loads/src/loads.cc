@@ -92,6 +92,11 @@ std::vector<std::optional<Wrench>> ForcesAtFrames(const GroundForces& forces, co
   return at_frames;
 }
 
+// Of the leg with what it bears of the trunk.
+double MassKg(const LegBody& body) {
+  return body.foot.mass_kg + body.shank.mass_kg + body.thigh.mass_kg + body.trunk.mass_kg;
+}
+
 LegLoads LoadsAt(const Model& model, std::size_t frame) {
   const LegPoints& points = model.path.frames[frame];
   return model.trunk ? LoadsFromTrunk(points, model.body, model.trunk->At(model.path, frame))
@@ -138,8 +143,13 @@ double Largest(const std::vector<double>& curve) {
 // Draws of all that the model takes for granted.
 class Drawing {
  public:
-  Drawing(const Uncertainty& uncertainty, std::uint64_t seed)
-      : u_(uncertainty), random_(seed), axis_random_(seed + 1), event_random_(seed + 3) {}
+  Drawing(const LoadsOptions& options, std::uint64_t seed)
+      : u_(options.uncertainty),
+        share_(options.body.share),
+        random_(seed),
+        axis_random_(seed + 1),
+        event_random_(seed + 3),
+        share_random_(seed + 5) {}
 
   std::mt19937_64& Random() { return random_; }
   double Normal(double sigma) { return sigma * normal_(random_); }
@@ -164,7 +174,7 @@ class Drawing {
     for (SegmentInertia* segment : {&body.shank, &body.thigh})
       segment->centre_m += Normal(u_.segment_centre) * segment->centre_m / 0.43;
     const double drawn_kg = body.foot.mass_kg + body.shank.mass_kg + body.thigh.mass_kg;
-    body.trunk.mass_kg = (body.trunk.mass_kg + leg_kg) * all * Factor(u_.trunk_share / 0.5) - drawn_kg;
+    body.trunk.mass_kg = Share() * ((body.trunk.mass_kg / share_ + 2 * leg_kg) * all - 2 * drawn_kg);
     body.trunk.gyration_m *= Factor(u_.trunk_gyration);
     return body;
   }
@@ -220,8 +230,16 @@ class Drawing {
   }
 
  private:
+  // Of the trunk that this leg bears.
+  double Share() {
+    if (u_.trunk_share)
+      return std::clamp(share_ + *u_.trunk_share * std::normal_distribution<double>()(share_random_), 0.0, 1.0);
+    return std::uniform_real_distribution<double>()(share_random_);
+  }
+
   Uncertainty u_;
-  std::mt19937_64 random_, axis_random_, event_random_;
+  double share_;
+  std::mt19937_64 random_, axis_random_, event_random_, share_random_;
   std::normal_distribution<double> normal_;
 };
 
@@ -244,8 +262,7 @@ SeatBounds SeatBoundsAt(const Model& model, std::size_t frame) {
   constexpr double kSeatFriction = 0.3;  // clothes on a plain chair; more is seldom used before the seat is left
   const LegPoints& points = model.path.frames[frame];
   const LegBody& body = model.body;
-  const double weight_n =
-      kGravity_m_s2 * (body.foot.mass_kg + body.shank.mass_kg + body.thigh.mass_kg + body.trunk.mass_kg);
+  const double weight_n = kGravity_m_s2 * MassKg(body);
   SeatBounds bounds;
   bounds.low_nm = bounds.high_nm = LoadsAt(model, frame).moments.knee_nm;
   for (const double push : {-1.0, 1.0}) {
@@ -492,9 +509,7 @@ void WarnOfForces(const Model& model, const std::vector<Rise>& rises, const Load
     result.warnings.push_back(fmt::format(
         "while rising the plate bears {:.0f} N on average, the motion of {:.1f} kg on this leg needs {:.0f} N: is it "
         "this leg's plate, and this trial's?",
-        Mean(force),
-        result.body.trunk.mass_kg + result.body.thigh.mass_kg + result.body.shank.mass_kg + result.body.foot.mass_kg,
-        Mean(expected)));
+        Mean(force), MassKg(result.body), Mean(expected)));
   if (outside > count / 10)
     result.warnings.push_back(fmt::format(
         "the force acts outside the foot ({:.0f} to {:.0f} mm before the ankle) for {} of {} moments of the rises, at "
@@ -591,7 +606,7 @@ std::vector<std::vector<RiseMomentum>> DrawMomenta(const Measured& measured, con
   std::vector<std::vector<RiseMomentum>> momenta(measured.rises.size());
   const TrunkPrior& trunk = options.trunk;
   const double across_sd_m = measured.at_custom.has_shoulder ? trunk.across_m : trunk.across_from_waist_m;
-  Drawing drawing(options.uncertainty, options.seed + 4);
+  Drawing drawing(options, options.seed + 4);
   for (int draw = 0; draw < options.draws; ++draw) {
     ThrowIfInterrupted();
     const std::vector<Rise> rises = drawing.Rises(measured.rises);
@@ -610,7 +625,8 @@ std::vector<std::vector<RiseMomentum>> DrawMomenta(const Measured& measured, con
 struct Drawn {
   std::vector<std::vector<std::vector<double>>> curves;
   std::vector<std::vector<std::vector<SeatBounds>>> bounds;
-  std::vector<double> along_m, across_m, slow_margin_mm;  // of the trunk and the balance, without plates
+  // Of the trunk, the balance and the part of the weight on this leg, without plates.
+  std::vector<double> along_m, across_m, slow_margin_mm, weight_share;
 };
 
 Drawn Draw(const Measured& measured, const LoadsOptions& options) {
@@ -618,7 +634,7 @@ Drawn Draw(const Measured& measured, const LoadsOptions& options) {
   Drawn drawn;
   drawn.curves.resize(rises);
   drawn.bounds.resize(rises);
-  Drawing drawing(options.uncertainty, options.seed);
+  Drawing drawing(options, options.seed);
   for (int draw = 0; draw < options.draws; ++draw) {
     ThrowIfInterrupted();
     const std::size_t which = drawing.Index(measured.paths.size());
@@ -633,6 +649,7 @@ Drawn Draw(const Measured& measured, const LoadsOptions& options) {
       drawn.slow_margin_mm.push_back(SlowMargin(model, *model.trunk, drawn_rises, options));
       drawn.along_m.push_back(model.trunk->AlongM());
       drawn.across_m.push_back(model.trunk->AcrossM());
+      drawn.weight_share.push_back(MassKg(model.body) / options.body.mass_kg);
     }
     const double axis_factor = drawing.AxisFactor();
     for (std::size_t r = 0; r < rises; ++r) {
@@ -659,6 +676,7 @@ void SetTrunk(const Measured& measured, const Drawn& drawn, LoadsResult& result)
   const TrunkFit& trunk = *measured.model.trunk;
   result.trunk_offset_mm = kMmPerM * Vector2d(trunk.AlongM(), trunk.AcrossM());
   result.trunk_offset_sd_mm = kMmPerM * Vector2d(StandardDeviation(drawn.along_m), StandardDeviation(drawn.across_m));
+  result.weight_share = {Quantile(drawn.weight_share, kLow), Quantile(drawn.weight_share, kHigh)};
   result.balance.slow_margin_low_mm = Quantile(drawn.slow_margin_mm, kLow);
   result.balance.slow_margin_high_mm = Quantile(drawn.slow_margin_mm, kHigh);
 }

@@ -305,12 +305,12 @@ std::string DecompositionAdvice(const Json& comparison) {
   const std::string largest = *std::max_element(
       kParts.begin(), kParts.end(), [&](const char* a, const char* b) { return fraction(a) < fraction(b); });
   const Json& share = parts.at(largest);
+  static_assert(compare::kLeastRepetitionsOfParts == 4);
   if (share.at("interval").is_null())
     return fmt::format(
         "{}How much of it is placement, timing and shape cannot be said: a person's own pace differs as much from rise "
-        "to rise, and it takes {} repetitions in each trial to tell.",
-        comparison.value("joint", Json()).is_null() ? "" : fmt::format("The joint sits {}. ", JointText(comparison)),
-        compare::kLeastRepetitionsOfParts);
+        "to rise, and it takes four repetitions in each trial to tell.",
+        comparison.value("joint", Json()).is_null() ? "" : fmt::format("The joint sits {}. ", JointText(comparison)));
   return fmt::format("Most of it, {} %, is {}.{}",
                      UncertainOf(share.at("fraction"), share.value("interval", Json()), 100).Text(1),
                      PartAdvice(largest, comparison),

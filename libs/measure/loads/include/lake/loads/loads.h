@@ -2,6 +2,7 @@
 // without force plates from the trunk down.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -30,8 +31,13 @@ struct Uncertainty {
   double segment_centre = 0.03;    // of the segment's length
   double segment_gyration = 0.08;  // share
   double trunk_gyration = 0.15;    // share: arms and head move
-  double trunk_share = 0.15;       // of --share where it is not given: a sore or weak leg bears 20 to 40 %
-  double joint_m = 0.01;           // per axis: how far a marker is from the joint's axis (of the hip 1.5 times)
+  // Of --share, of the trunk. Absent: --share is not given, and every share from none to all is as likely. In a rise
+  // the legs of healthy people bear 50 % of the weight each (Burnett et al. 2011, doi 10.1016/j.jelekin.2011.03.006),
+  // those beside a knee with osteoarthritis 10 % more than it (Turcot et al. 2012, doi 10.1016/j.gaitpost.2012.01.005),
+  // those beside a paretic leg 61 % (296 and 458 N: Eng & Chu 2002, doi 10.1053/apmr.2002.33644), and single people
+  // more.
+  std::optional<double> trunk_share;
+  double joint_m = 0.01;  // per axis: how far a marker is from the joint's axis (of the hip 1.5 times)
   // The knee's axis against the plane's normal: the plane in which lateral markers move most was off by up to 18°. The
   // frontal moment at the knee against the extending one.
   double axis_yaw_rad = 0.16, frontal_moment = 0.3;
@@ -129,6 +135,8 @@ struct LoadsResult {
   bool has_shoulder = false;
   Balance balance;
   BodyPath body_path;  // with the trunk that balance is told by
+  // 95 % of the draws, without plates: the part of the body's weight that this leg bears.
+  std::array<double, 2> weight_share = {0, 0};
   std::vector<std::string> warnings;
 };
 
