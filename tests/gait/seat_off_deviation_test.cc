@@ -53,7 +53,8 @@ TEST(SeatOffDeviation, HoldsTheDifferenceBetweenRealLegs) {
     const auto right = seat_offs(kRightLeg), left = seat_offs(kLeftLeg);
     for (const double score : Scores(right, left)) scores.push_back(score);
     for (const auto& [repetition, event] : right) {
-      RecordProperty(fmt::format("{} {}", file, repetition), fmt::format("{:.4f} ± {:.4f} s", event.time_s, event.sd_s));
+      RecordProperty(fmt::format("{} {}", file, repetition),
+                     fmt::format("{:.4f} ± {:.4f} s", event.time_s, event.sd_s));
       EXPECT_GT(event.sd_s, 0.005) << file << " " << repetition;
     }
   }
@@ -87,7 +88,6 @@ TEST(SeatOffDeviation, HoldsTheDifferenceBetweenLegsUnderDrawnSkin) {
     const auto one = seat_offs(), other = seat_offs();
     for (const double score : Scores(one, other)) scores.push_back(score);
   }
-  printf("n %zu within1 %.3f within2 %.3f\n", scores.size(), Within(scores, 1), Within(scores, 2));
   ASSERT_GE(scores.size(), 38u);
   EXPECT_GE(Within(scores, 1), 0.6);
   EXPECT_GE(Within(scores, 2), 0.9);

@@ -13,18 +13,12 @@
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/loads/loads.h"
+#include "leg_path_of.h"
 #include "name_map.h"
 #include "places.h"
 
 namespace lake {
 namespace {
-
-loads::LegPathOptions PathOf(const gait::LegFitResult& fit) {
-  loads::LegPathOptions path;
-  path.facing = fit.motion.facing;
-  path.up = fit.up;
-  return path;
-}
 
 // A leg's moments on its plate, and what is said of them without it. Another share of the weight is taken to scale the
 // moments: what accelerates shank and foot is 3 % of them.
@@ -76,13 +70,12 @@ struct LegOnPlate {
 
 // Of both legs together. The left one's trunk is read such that its peaks are 43 % too low: beyond 0.65 that and the
 // share add up.
-TEST(LegShare, AKnownShareIsHeldFromAFifthToThreeQuarters) {
+TEST(LegShare, AKnownShareIsHeldFromAFifthToTwoThirds) {
   REQUIRE_PLATES();
   const LegOnPlate right(true), left(false);
-  for (const double share : {0.2, 0.25, 0.3, 0.35, 0.39, 0.5, 0.61, 0.65, 0.7, 0.75, 0.8}) {
-    printf("%.2f %.3f %.3f\n", share, right.Held(share), left.Held(share));
-    if (share > 0.75) continue;
-    EXPECT_GE((right.Held(share) + left.Held(share)) / 2, 0.895) << share;
+  for (const double share : {0.2, 0.25, 0.3, 0.35, 0.39, 0.5, 0.61, 0.65, 0.7, 0.75}) {
+    const double held = (right.Held(share) + left.Held(share)) / 2;
+    EXPECT_GE(held, share <= 0.65 ? 0.9 : 0.88) << share;
     EXPECT_GE(std::min(right.Held(share), left.Held(share)), 0.8) << share;
   }
 }
@@ -112,7 +105,6 @@ TEST(LegShare, LegsOfEachPopulationAreHeldAsOftenAsTheBandSays) {
       const double share = stronger(random);
       held += (draw % 2 ? right : left).Held(draw % 4 < 2 ? share : 1 - share) / kDraws;
     }
-    printf("%s %.3f\n", people.who, held);
     EXPECT_GE(held, 0.9) << people.who;
     EXPECT_LE(held, 0.99) << people.who;
   }
@@ -149,7 +141,6 @@ TEST(LegShare, DrawnPeaksOfUnevenLegsAreInTheInterval) {
     const std::vector<double> peaks_nm = DrawnPeaks(fit, (weight_share - 0.161) / 0.678, options);
     const auto held = std::ranges::count_if(
         peaks_nm, [&](double peak_nm) { return interval.low_nm <= peak_nm && peak_nm <= interval.high_nm; });
-    printf("drawn %.2f %.3f\n", weight_share, double(held) / double(peaks_nm.size()));
     EXPECT_GE(static_cast<double>(held), 0.9 * static_cast<double>(peaks_nm.size())) << weight_share;
   }
   options.uncertainty.trunk_share = 0.025;  // --share is given

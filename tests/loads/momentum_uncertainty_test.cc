@@ -16,6 +16,7 @@
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/loads/loads.h"
+#include "leg_path_of.h"
 #include "name_map.h"
 #include "places.h"
 
@@ -23,13 +24,6 @@ namespace lake {
 namespace {
 
 using Eigen::Vector2d;
-
-loads::LegPathOptions PathOf(const gait::LegFitResult& fit) {
-  loads::LegPathOptions path;
-  path.facing = fit.motion.facing;
-  path.up = fit.up;
-  return path;
-}
 
 // Errors over their standard deviations.
 struct Scores {
@@ -143,8 +137,6 @@ TEST(MomentumUncertainty, LargestSpeedsAreWithinTheirDeviationsOfThePlates) {
     EXPECT_EQ(forward.Within(2), 1) << forward.Text();
     EXPECT_GE(upward.Within(1), 0.6) << upward.Text();
     EXPECT_EQ(upward.Within(2), 1) << upward.Text();
-    printf("%d forward %s\n  upward %s\n slowed %.3f %.3f\n", has_shoulder, forward.Text().c_str(),
-           upward.Text().c_str(), Mean(slowed_m_s), Mean(slowed_by_plates_m_s));
     if (has_shoulder) {
       EXPECT_NEAR(Mean(slowed_m_s) / Mean(slowed_by_plates_m_s), 1, 0.05);
     }
@@ -247,7 +239,6 @@ TEST(MomentumUncertainty, HoldsHeadAndArmsOfDrawnPeople) {
       upward.Add(rise.momentum.upward_max_m_s - largest_m_s.y(), rise.momentum_sd.upward_max_m_s);
     }
   }
-  printf("forward %s\nupward %s\n", forward.Text().c_str(), upward.Text().c_str());
   for (const Scores* scores : {&forward, &upward}) {
     EXPECT_GE(scores->Within(1), 0.6) << scores->Text();
     EXPECT_GE(scores->Within(2), 0.93) << scores->Text();

@@ -11,6 +11,7 @@
 #include "lake/core/options_json.h"
 #include "lake/core/yaml.h"
 #include "lake/problem/problem_file.h"
+#include "lake/problem/problem_options.h"
 #include "lake/synthesis/synthesis_options.h"
 #include "lake/video/video_files.h"
 #include "section_keys.h"
