@@ -302,13 +302,15 @@ class Streams(Films):
             self.assertAlmostEqual(float(rows[row]["time_s"]) - float(rows[row - 1]["time_s"]), interval_s, delta=1.1 / 90000)
 
     def watched(self, film, *words, rises=0):
-        """What the page is told once all of a film and so many rises have come, and no end of it."""
+        """What the page is told once all of a film has come, its last frames after so many rises are known, and no end of it."""
         frames = frames_of(film)
         camera = Camera(film)
-        camera.send()
+        camera.send(camera.at(9.5) if rises else None)
         live = self.live("-", "--patience", WAIT_S, "-o", film.stem, *words, stdin=camera.output)
         camera.is_read_by_another()
-        state = self.until(lambda: (now := live.ask("state"))["frames"] == frames and len(now["rises"]) >= rises
+        self.until(lambda: len(live.ask("state")["rises"]) >= rises)
+        camera.send()
+        state = self.until(lambda: (now := live.ask("state"))["frames"] == frames
                            and any(f" of {frames} frames seen" in check["shown"] for check in now["checks"]) and now)
         view = live.ask("view", {"after": -1})
         live.close()
