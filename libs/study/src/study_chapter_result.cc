@@ -27,7 +27,7 @@ std::string JointText(const StudyResults& results) {
       "The exoskeleton's joint is {} RMS from the knee of the leg that wears it; in that trial, moving it there leaves "
       "{}{} mm. ",
       UncertainText(rms, " mm", 1), joint.at("repetitions") == 1 ? "at least " : "",
-      KnownText(NumberOrNaN(comparison.at("best_placement").at("rms_mm")), rms.HalfWidth(), 1));
+      JointMovedFigure(comparison).Text(1));
 }
 
 std::string WrongText(const StudyResults& results) {

@@ -245,6 +245,16 @@ Uncertain JointFigure(const Json& comparison, const std::string& quantity) {
   return UncertainOf(value, budget.value("anatomical_interval", Json()));
 }
 
+Uncertain JointMovedFigure(const Json& comparison) {
+  constexpr double kLeastHalfWidth_mm = 0.05;
+  const Json& best = comparison.at("best_placement");
+  Uncertain left = UncertainOf(best.at("rms_mm"), best.value("rms_interval_mm", Json()));
+  if (!left.IsKnown()) return left;
+  left.low = std::min(left.low, left.value - kLeastHalfWidth_mm);
+  left.high = std::max(left.high, left.value + kLeastHalfWidth_mm);
+  return left;
+}
+
 KeyFigures MisalignmentKeyFigures(const Json& comparison) {
   const Json& metrics = comparison.at("metrics");
   const Json& parts = comparison.at("decomposition");
@@ -284,7 +294,8 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
   return {
       {of_joint("joint misalignment, RMS", worn, rms, kOfAllSources),
        of_joint("joint misalignment, largest", worn, markers(worn, "max_mm", "max_interval_mm"), kOfMarkers),
-       of_joint("joint misalignment, joint moved", best, markers(best, "rms_mm", "rms_interval_mm"), kOfMarkers),
+       of_joint("joint misalignment, joint moved", best, best.is_object() ? JointMovedFigure(comparison) : Uncertain{},
+                kOfMarkers),
        joint_moved,
        figure("path difference, RMS, of the shank", "relative_rms", 100, 2, "%"),
        figure("path difference, largest, of the shank", "relative_max", 100, 2, "%"),
