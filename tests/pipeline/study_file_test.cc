@@ -215,7 +215,7 @@ TEST_F(StudyYaml, IsRead) {
 TEST_F(StudyYaml, HasEveryOptionOfItsPrograms) {
   const study::StudyFile study = Read(
       "human: {video: human.mp4, export: [trc, mot], dictionary: DICT_5X5_100}\n"
-      "exo: {video: exo.mp4, seeds: ['knee=1,2']}\ncompare: {replacement_sd: 7}\n"
+      "exo: {video: exo.mp4, seeds: ['knee=1,2']}\ncompare: {replacement_sd_mm: 7}\n"
       "design: {starts: 5, seed_number: 3, round_mm: 0.5}\n"
       "reoptimize: {human_only: true, starts: 4, seed_number: 9, yield_mm: 0.2}\n"
       "simulate: {angles_deg: [10, 90], knee_torque_nm: 25, animation: false}\n"

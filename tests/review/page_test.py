@@ -946,7 +946,7 @@ class ReviewPage(unittest.TestCase):
     def compared(self):
         """The recording as both trials: its hip stands for the exoskeleton's joint."""
         if not (self.folder / "comparison").exists():
-            run(BIN / "lake-compare", "trial", "trial", "--exo-knee", "hip", "--quiet", "-o", "comparison", cwd=self.folder)
+            run(BIN / "lake-compare", "trial", "trial", "--exo-knee", "knee", "--quiet", "-o", "comparison", cwd=self.folder)
         return "comparison"
 
     def test_two_trials_run_side_by_side(self):
@@ -971,7 +971,7 @@ class ReviewPage(unittest.TestCase):
         run(BIN / "lake-synth", "--duration", 9, "--rate", 25, "--seed-number", 31, "--quiet", "-o", self.trial, cwd=self.folder)
         run(BIN / "lake-track", self.trial / "video.mp4", "--camera", self.trial / "camera.yaml", "--no-overlay", "--quiet",
             "-o", self.trial / "track", cwd=self.folder)
-        run(BIN / "lake-compare", self.trial / "track", self.folder / "trial", "--exo-knee", "hip", "--quiet", "-o",
+        run(BIN / "lake-compare", self.trial / "track", self.folder / "trial", "--exo-knee", "knee", "--quiet", "-o",
             self.trial / "comparison", cwd=self.folder)
         self.open(self.trial / "comparison")
         self.until(lambda: self.part("comparison").is_displayed() and "0 % of the rise" in self.text("percent"))
@@ -989,7 +989,7 @@ class ReviewPage(unittest.TestCase):
         trial = self.folder / "trial"
         study = self.trial / "study.yaml"
         study.write_text(f"name: Two <b>trials</b>\nhuman: {{trial: {trial}}}\nexo: {{trial: {trial}}}\n"
-                         "compare: {exo_knee: hip}\n" + NO_ANIMATION)
+                         "compare: {exo_knee: knee}\n" + NO_ANIMATION)
         run(BIN / "lake-run", study, "--quiet", "-o", self.trial / "out", cwd=self.folder)
         review = self.open(self.trial / "out")
         self.until(lambda: "steps are up to date" in self.text("state"))
@@ -1005,7 +1005,7 @@ class ReviewPage(unittest.TestCase):
         self.until_there("h1")
         self.assertEqual(self.browser.execute_script("return window.origin"), "null", "the report may ask the server")
         self.browser.switch_to.default_content()
-        study.write_text(study.read_text().replace("exo_knee: hip", "exo_knee: waist"))
+        study.write_text(study.read_text().replace("exo_knee: knee", "exo_knee: knee, replacement_sd_mm: 2"))
         self.browser.refresh()
         self.until_there("[data-step=comparison]")
         step = lambda: self.browser.find_element(By.CSS_SELECTOR, "[data-step=comparison]")
@@ -1014,7 +1014,7 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: "comparison: done" in self.text("said"))
         self.until(lambda: "up to date" in step().text)
         summary = json.loads((self.trial / "out/comparison/summary.json").read_text())
-        self.assertEqual(summary["markers"]["exo"], "waist")
+        self.assertEqual(summary["options"]["replacement-sd"], "2")
         # Its report is a step too, which lies beside the study's own summary.
         self.browser.find_element(By.CSS_SELECTOR, "[data-step=report] button").click()
         self.until(lambda: "report: done" in self.text("said"))
