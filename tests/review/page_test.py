@@ -811,7 +811,7 @@ class ReviewPage(unittest.TestCase):
         self.assertEqual(self.text("said"), "Undone")
         # In a number's field it is the design that goes back, not the text alone.
         self.set_length(2, 70)
-        self.until(lambda: abs(self.length(2) - 70) < 0.01)
+        self.until(lambda: abs(self.length(2) - 70) < 0.01 and ",70" in self.browser.current_url)
         field = self.browser.find_element(By.CSS_SELECTOR, "[data-link='2'] [type=number]")
         field.send_keys(Keys.CONTROL, "z")
         self.until(lambda: self.length(2) == before and f",{before:.1f}"[:4] in self.browser.current_url)
