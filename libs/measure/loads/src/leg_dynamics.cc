@@ -47,8 +47,10 @@ Body FootBody(const LegPoints& points, const LegBody& body) {
 
 void BodyOptions::Check() const {
   if (mass_kg == 0) throw UsageError("--mass is missing: the person's mass in kg, with what is worn");
-  CheckPlausible("--mass", mass_kg, kPlausibleMass);
-  if (height_mm) CheckPlausible("--height", *height_mm, kPlausibleStature);
+  // The person belongs to the recording: no wrong usage, but an input that cannot be.
+  if (!kPlausibleMass.Holds(mass_kg)) throw Error(ImplausibleText("--mass", mass_kg, kPlausibleMass));
+  if (height_mm && !kPlausibleStature.Holds(*height_mm))
+    throw Error(ImplausibleText("--height", *height_mm, kPlausibleStature));
   if (!(share > 0 && share <= 1)) throw UsageError("--share {}: of the trunk's weight, above 0 and at most 1", share);
   if (sex && anthropometry != kDeLeva)
     throw UsageError(

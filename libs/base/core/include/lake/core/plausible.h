@@ -1,7 +1,9 @@
 // What a person or a device can be. Wider than all that was measured: what lies beyond is a slip, mostly of units.
 #pragma once
 
-#include <cmath>
+#include <fmt/format.h>
+
+#include <string>
 #include <string_view>
 
 #include "lake/core/error.h"
@@ -32,11 +34,15 @@ inline constexpr PlausibleRange kPlausibleMarkerDeviation{0, 200, "mm", "a marke
 inline constexpr PlausibleRange kPlausibleForce{0, 100e3, "N", "an actuator's force"};
 inline constexpr PlausibleRange kPlausibleStroke{0, 2000, "mm", "an actuator's length"};
 
-// Throws UsageError: "--mass 700 kg: a person's mass lies between 10 and 650 kg".
+// "--mass 700 kg: a person's mass lies between 10 and 650 kg".
+inline std::string ImplausibleText(std::string_view name, double value, const PlausibleRange& range) {
+  return fmt::format("{} {} {}: {} lies between {} and {} {}", name, value, range.unit, range.what, range.low,
+                     range.high, range.unit);
+}
+
+// Throws UsageError.
 inline void CheckPlausible(std::string_view name, double value, const PlausibleRange& range) {
-  if (range.Holds(value)) return;
-  throw UsageError("{} {} {}: {} lies between {} and {} {}", name, value, range.unit, range.what, range.low, range.high,
-                   range.unit);
+  if (!range.Holds(value)) throw UsageError("{}", ImplausibleText(name, value, range));
 }
 
 }  // namespace lake
