@@ -105,6 +105,7 @@ JointMisalignment::Intervals IntervalsOf(const JointMisalignment& joint,
                                          const std::vector<JointMisalignment>& without) {
   const auto around = [&](const auto& value, bool is_size) {
     std::vector<Eigen::ArrayXd> values;
+    values.reserve(without.size());
     for (const JointMisalignment& other : without) values.push_back(Eigen::ArrayXd::Constant(1, value(other)));
     const Eigen::ArrayXd own = Eigen::ArrayXd::Constant(1, value(joint));
     Interval interval =
@@ -154,7 +155,7 @@ std::optional<JointMisalignment> FindJointMisalignment(const RegisteredTrial& ex
   return joint;
 }
 
-double MarkerNoiseOfMean_mm(const StsCurve& curve) {
+double MarkerNoiseOfMeanMm(const StsCurve& curve) {
   constexpr double kIndependentSamples = kPercentSamples / 5.0, kMarkersOfAJoint = 2;  // the exoskeleton's, the knee's
   return RootMeanSquare(curve.knee_sigma_mm) * std::sqrt(kMarkersOfAJoint / kIndependentSamples);
 }

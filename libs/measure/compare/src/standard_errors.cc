@@ -1,5 +1,6 @@
 #include "standard_errors.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -106,6 +107,7 @@ Error NoiseError(const OfTrial& estimate, const RegisteredTrial& trial, const Ar
                  const MisalignmentOptions& options) {
   constexpr std::uint64_t kDraws = 12;  // the standard deviation to 20 %; it is the least of the sources
   std::vector<ArrayXd> drawn;
+  drawn.reserve(kDraws);
   for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
     std::uint64_t seed = options.seed + draw * 1000;  // each repetition has its own
     drawn.push_back(
@@ -160,6 +162,7 @@ Error TrialError(const OfTrial& estimate, const RegisteredTrial& trial, const Ar
   }
   if (own > 0) {
     std::vector<ArrayXd> without_one;
+    without_one.reserve(trial.repetitions.size());
     for (std::size_t i = 0; i < trial.repetitions.size(); ++i) without_one.push_back(estimate(Without(trial, i)));
     const Error of_trial = JackknifeError(value, without_one);
     error.variance += own * of_trial.variance;

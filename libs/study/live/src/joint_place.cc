@@ -27,7 +27,7 @@ RiseOffset OffsetOf(const compare::StsCurve& curve, const compare::StsInterval& 
   return {.onset_s = interval.onset_s,
           .standing_s = interval.standing_s,
           .mean_mm = joint->mean_mm,
-          .noise_sd_mm = Vector2d::Constant(compare::MarkerNoiseOfMean_mm(curve)),
+          .noise_sd_mm = Vector2d::Constant(compare::MarkerNoiseOfMeanMm(curve)),
           .remainder_mm = joint->remainder_mm};
 }
 

@@ -45,6 +45,6 @@ std::optional<JointMisalignment> FindJointMisalignment(const RegisteredTrial& ex
 
 // Standard deviation, per axis, of the mean place over a rise by its markers' noise, which is correlated over about two
 // percent of the rise each way.
-double MarkerNoiseOfMean_mm(const StsCurve& curve);
+double MarkerNoiseOfMeanMm(const StsCurve& curve);
 
 }  // namespace lake::compare
