@@ -90,36 +90,30 @@ JointMisalignment OfMean(const RegisteredTrial& against, const std::vector<bool>
   return joint;
 }
 
-// The same figures without each repetition in turn.
-std::vector<JointMisalignment> WithoutOne(const RegisteredTrial& against, const std::vector<bool>& spike) {
-  std::vector<JointMisalignment> without;
-  for (std::size_t i = 0; i < against.repetitions.size(); ++i) {
-    RegisteredTrial others = against;
-    others.repetitions.erase(others.repetitions.begin() + static_cast<std::ptrdiff_t>(i));
-    without.push_back(OfMean(others, spike));
-  }
-  return without;
-}
-
-JointMisalignment::Intervals IntervalsOf(const JointMisalignment& joint,
-                                         const std::vector<JointMisalignment>& without) {
-  const auto around = [&](const auto& value, bool is_size) {
-    std::vector<Eigen::ArrayXd> values;
-    values.reserve(without.size());
-    for (const JointMisalignment& other : without) values.push_back(Eigen::ArrayXd::Constant(1, value(other)));
-    const Eigen::ArrayXd own = Eigen::ArrayXd::Constant(1, value(joint));
-    Interval interval =
-        StudentInterval(value(joint), JackknifeError(own, values).variance[0], static_cast<double>(without.size() - 1));
-    if (is_size) interval.low = std::max(0.0, interval.low);
-    return interval;
+// All but that of the remainder.
+JointMisalignment::Intervals IntervalsOf(const RegisteredTrial& against, const std::vector<bool>& spike,
+                                         const JointMisalignment& joint) {
+  const auto figures = [](const JointMisalignment& j) {
+    return Eigen::ArrayXd(Eigen::Vector<double, 5>(j.rms_mm, j.max_mm, j.angle_rms_deg, j.mean_mm.x(), j.mean_mm.y()));
   };
-  using Joint = JointMisalignment;
-  return {.rms_mm = around([](const Joint& j) { return j.rms_mm; }, true),
-          .max_mm = around([](const Joint& j) { return j.max_mm; }, true),
-          .mean_x_mm = around([](const Joint& j) { return j.mean_mm.x(); }, false),
-          .mean_y_mm = around([](const Joint& j) { return j.mean_mm.y(); }, false),
+  const Eigen::ArrayXd found = figures(joint),
+                       variance =
+                           JackknifeError([&](const RegisteredTrial&trial) { return figures(OfMean(trial, spike)); },
+                                          against, found)
+                               .variance;
+  const auto around = [&](Eigen::Index figure) {
+    return StudentInterval(found[figure], variance[figure], joint.repetitions - 1);
+  };
+  const auto of_size = [&](Eigen::Index figure) {
+    const Interval interval = around(figure);
+    return Interval{std::max(0.0, interval.low), interval.high};
+  };
+  return {.rms_mm = of_size(0),
+          .max_mm = of_size(1),
+          .mean_x_mm = around(3),
+          .mean_y_mm = around(4),
           .remainder_mm = {},
-          .angle_rms_deg = around([](const Joint& j) { return j.angle_rms_deg; }, true)};
+          .angle_rms_deg = of_size(2)};
 }
 
 // The next rise's place differs from the mean of n by its own slip and the mean's error, s² (1 + 1/n) along an axis of
@@ -149,14 +143,13 @@ std::optional<JointMisalignment> FindJointMisalignment(const RegisteredTrial& ex
   if (against.repetitions.empty() || std::ranges::all_of(spike, [](bool is) { return is; })) return std::nullopt;
   JointMisalignment joint = OfMean(against, spike);
   if (joint.repetitions < 2) return joint;
-  if (options.intervals) joint.intervals = IntervalsOf(joint, WithoutOne(against, spike));
+  if (options.intervals) joint.intervals = IntervalsOf(against, spike, joint);
   AddNextRise(against, spike, options.replacement_sd_mm, joint,
               joint.intervals ? &joint.intervals->remainder_mm : nullptr);
   return joint;
 }
 
 double MarkerNoiseOfMeanMm(const StsCurve& curve) {
-  constexpr double kIndependentSamples = kPercentSamples / 5.0, kMarkersOfAJoint = 2;  // the exoskeleton's, the knee's
   return RootMeanSquare(curve.knee_sigma_mm) * std::sqrt(kMarkersOfAJoint / kIndependentSamples);
 }
 

@@ -88,9 +88,6 @@ bool IsMean(const RegisteredTrial& trial) {
   return trial.repetitions.size() == 1 && trial.repetitions.front().repetition == 0;
 }
 
-// The estimate as a function of one of the two trials.
-using OfTrial = std::function<ArrayXd(const RegisteredTrial& trial)>;
-
 Error Zero(Eigen::Index quantities) {
   return {ArrayXd::Zero(quantities), ArrayXd::Zero(quantities)};
 }
@@ -161,10 +158,7 @@ Error TrialError(const OfTrial& estimate, const RegisteredTrial& trial, const Ar
     error = {known * (noise.variance + people.variance / n), known * (noise.bias + people.bias / n)};
   }
   if (own > 0) {
-    std::vector<ArrayXd> without_one;
-    without_one.reserve(trial.repetitions.size());
-    for (std::size_t i = 0; i < trial.repetitions.size(); ++i) without_one.push_back(estimate(Without(trial, i)));
-    const Error of_trial = JackknifeError(value, without_one);
+    const Error of_trial = JackknifeError(estimate, trial, value);
     error.variance += own * of_trial.variance;
     error.bias += own * of_trial.bias;
   }
@@ -199,12 +193,15 @@ Error ReplacementError(const Estimate& estimate, const RegisteredTrial& human, c
 
 }  // namespace
 
-Error JackknifeError(const ArrayXd& estimate, const std::vector<ArrayXd>& without_one) {
-  const auto n = static_cast<double>(without_one.size());
-  ArrayXd mean = ArrayXd::Zero(estimate.size()), squares = mean;
+Error JackknifeError(const OfTrial& estimate, const RegisteredTrial& trial, const ArrayXd& value) {
+  const auto n = static_cast<double>(trial.repetitions.size());
+  std::vector<ArrayXd> without_one;
+  without_one.reserve(trial.repetitions.size());
+  for (std::size_t i = 0; i < trial.repetitions.size(); ++i) without_one.push_back(estimate(Without(trial, i)));
+  ArrayXd mean = ArrayXd::Zero(value.size()), squares = mean;
   for (const ArrayXd& other : without_one) mean += other / n;
   for (const ArrayXd& other : without_one) squares += (other - mean).square();
-  return {(n - 1) / n * squares, (n - 1) * (mean - estimate)};
+  return {(n - 1) / n * squares, (n - 1) * (mean - value)};
 }
 
 Interval StandardErrors::Around(double value, Eigen::Index quantity) const {

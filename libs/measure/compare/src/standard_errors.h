@@ -15,9 +15,18 @@ struct Error {
   Eigen::ArrayXd variance, bias;
 };
 
-// Of an estimate from n repetitions, of which each of `without_one` leaves out one: the jackknife (Quenouille 1956,
-// Tukey 1958; Efron & Stein 1981, doi 10.1214/aos/1176345462). n − 1 degrees of freedom.
-Error JackknifeError(const Eigen::ArrayXd& estimate, const std::vector<Eigen::ArrayXd>& without_one);
+// Any number of quantities that a trial gives.
+using OfTrial = std::function<Eigen::ArrayXd(const RegisteredTrial& trial)>;
+
+// Of an estimate from at least two repetitions, `value`, by those that leave out one each: the jackknife (Quenouille
+// 1956, Tukey 1958; Efron & Stein 1981, doi 10.1214/aos/1176345462). As many degrees of freedom as repetitions less
+// one.
+Error JackknifeError(const OfTrial& estimate, const RegisteredTrial& trial, const Eigen::ArrayXd& value);
+
+// How many independent samples a mean over the rise has: noise is correlated over about two percent each way.
+inline constexpr double kIndependentSamples = kPercentSamples / 5.0;
+// Of whose noise the joint misalignment has its own: the exoskeleton's and the knee's.
+inline constexpr double kMarkersOfAJoint = 2;
 
 // Any number of quantities that two trials give.
 using Estimate = std::function<Eigen::ArrayXd(const RegisteredTrial& human, const RegisteredTrial& exo)>;
@@ -32,11 +41,9 @@ struct StandardErrors {
 };
 
 // Two sources, added up with Satterthwaite's degrees of freedom:
-// - Each trial's own variation, by the jackknife over its repetitions. Where they are fewer than four it is moderated
-// by
-//   what is known of people (options' progress, lean and events, and the markers' noise) as if that were
-//   `variation_freedom` repetitions more (Smyth 2004, doi 10.2202/1544-6115.1027). A mean read from a file has its
-//   markers' noise alone.
+// - Each trial's own variation, by the jackknife over its repetitions. Fewer than four are moderated by what is known
+//   of people (options' progress, lean and events, and the markers' noise) as if that were `variation_freedom`
+//   repetitions more (Smyth 2004, doi 10.2202/1544-6115.1027). A mean read from a file has its markers' noise alone.
 // - The knee's marker of the exoskeleton trial, put back elsewhere.
 StandardErrors FindStandardErrors(const Estimate& estimate, const RegisteredTrial& human, const RegisteredTrial& exo,
                                   const MisalignmentOptions& options);

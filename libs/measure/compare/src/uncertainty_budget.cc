@@ -14,6 +14,7 @@
 #include "lake/core/statistics.h"
 #include "lake/gait/sit_to_stand.h"
 #include "lake/motion/leg_motion.h"
+#include "standard_errors.h"
 
 namespace lake::compare {
 namespace {
@@ -30,9 +31,6 @@ constexpr const char* kOwnVariation = "the person's own variation";
 
 constexpr const char* kTissueReference =
     "Benoit et al. 2006, doi:10.1016/j.gaitpost.2005.04.012; Ancillao et al. 2021, PMC8631460; --soft-tissue";
-
-// How many independent samples a mean over the rise has: noise is correlated over about two percent each way.
-constexpr double kIndependentSamples = kPercentSamples / 5.0;
 
 // What a quantity gains from an error at the knee, the joint or the rise's ends, in its own unit.
 struct Sensitivities {
@@ -235,7 +233,6 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
   std::vector<Budget> budgets;
   if (m.joint) {
     const JointMisalignment& joint = *m.joint;
-    constexpr double kMarkersOfAJoint = 2;  // the exoskeleton's and the knee's
     const double marker_mm = RootMeanSquare(m.exo.knee_sigma_mm);
     const auto add = [&](const char* name, double value, double least, const Sensitivities& s,
                          Interval JointMisalignment::Intervals::*interval) {

@@ -18,8 +18,8 @@ std::vector<report::Section> MisalignmentSections(const Json& comparison);
 // joint_rms_mm, joint_offset_x_mm or joint_offset_y_mm; the interval is unknown where the comparison has no budget.
 Uncertain JointFigure(const Json& comparison, const std::string& quantity);
 
-// What moving the joint leaves of its misalignment at the next rise, with the interval of the slip, which is not told
-// to less than a tenth of a millimetre. For a comparison whose exoskeleton trial shows the knee.
+// What moving the joint leaves of its misalignment at the next rise, with the interval of the slip, stated to
+// no less than a tenth of a millimetre. For a comparison whose exoskeleton trial shows the knee.
 Uncertain JointMovedFigure(const Json& comparison);
 
 // For a longer story: the numbers to see first, and the charts of the paths and of the error alone.
