@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """How much of the numerical code the tests hold: plants small mutations and reports, room by room, how many the tests notice.
 
-    scripts/mutation.py [--rooms gait,axis] [--per-room 25] [--seed 1] [--tests default|fast|nightly] [--minutes 60]
+    scripts/mutation.py [--rooms gait,axis] [--per-room 25] [--seed 1] [--tests fast|default|nightly] [--minutes 60]
 
 A mutation exchanges two operators (+ -, * /, < >, && ||, min max, sin cos), negates the condition of an `if`, or changes a number
 by a tenth. All are compiled in at once, in a copy of the sources in build/mutation; the environment variable LAKE_MUTANT chooses
 one. What does not compile, such as an exchange in a constant expression, is left out. Each mutation that is drawn runs the test
-program of its room alone; it is noticed if a test fails, crashes, or takes ten times as long as without it. The result is a table
-with 95 % intervals (Wilson), and build/mutation/mutants.csv, one row a mutation: room, file, line, before, after, noticed."""
+program of its room alone, its fast tests first, then the slow and the nightly ones, up to those of --tests; it is noticed if a test
+fails, crashes, or takes ten times as long as without it. The result is a table of the shares that each of these sets of tests
+notices, with 95 % intervals (Wilson), and build/mutation/mutants.csv, one row a mutation: room, file, line, before, after, noticed
+by (fast, default, nightly, or none)."""
 import argparse
 import concurrent.futures
 import csv
@@ -27,6 +29,8 @@ WORK = ROOT / "build/mutation"
 # Room -> the test program that looks at it, where that has another name.
 TESTS = {"problem": "synthesis", "certificate": "synthesis", "redesign": "synthesis", "group": "synthesis", "sizes": "synthesis"}
 LAYERS = ("base", "measure", "design")
+# Sets of tests, each without those before it, by ctest's labels.
+LEVELS = {"fast": ["-L", "fast", "-LE", "nightly"], "default": ["-LE", "nightly|fast"], "nightly": ["-L", "nightly"]}
 HEADER = """#pragma once
 #include <cstdlib>
 inline const int kLakeMutant = std::getenv("LAKE_MUTANT") ? std::atoi(std::getenv("LAKE_MUTANT")) : -1;
@@ -144,34 +148,33 @@ def compile_all(mutants, targets):
     sys.exit("mutation.py: the mutated sources do not compile after twelve attempts")
 
 
-def tests_of(program, which):
-    """The filters of a room's tests, by ctest's labels: those that are named, and all others but some."""
-    select = {"default": ["-LE", "nightly"], "fast": ["-L", "fast", "-LE", "nightly"], "nightly": []}[which]
-    listed = json.loads(subprocess.run(["ctest", "--test-dir", str(WORK / "build"), "--show-only=json-v1", *select],
+def tests_of(program, labels):
+    """The filters of a room's tests that have these labels for ctest: one of the cases that are named, and one of all but some."""
+    listed = json.loads(subprocess.run(["ctest", "--test-dir", str(WORK / "build"), "--show-only=json-v1", *labels],
                                        capture_output=True, text=True, check=True).stdout)
     names = []
     for test in listed["tests"]:
         command = test.get("command", [])
-        if command and pathlib.Path(command[0]).name == program:
+        is_wrong = any(p["name"] == "WILL_FAIL" and p["value"] for p in test["properties"])
+        if command and pathlib.Path(command[0]).name == program and not is_wrong:
             names += [a.split("=", 1)[1] for a in command[1:] if a.startswith("--gtest_filter=")]
     but_some = [name for name in names if name.startswith("-")]
     named = ":".join(name for name in names if not name.startswith("-"))
     return but_some + ([named] if named else [])
 
 
-def run(program, filters, number, limit):
-    """Whether all tests pass, and the seconds they took."""
-    begin = time.monotonic()
+def passes(program, filters, number, limit):
+    """Whether all tests pass."""
     for which in filters:
         environment = {**os.environ, "LAKE_MUTANT": str(number), "GTEST_FILTER": which}
         try:
             done = subprocess.run([str(WORK / "build/bin" / program), "--gtest_fail_fast", "--gtest_brief=1"], stdout=subprocess.PIPE,
                                   stderr=subprocess.STDOUT, timeout=limit, env=environment, cwd=WORK)
         except subprocess.TimeoutExpired:
-            return False, limit
+            return False
         if done.returncode != 0:
-            return False, time.monotonic() - begin
-    return True, time.monotonic() - begin
+            return False
+    return True
 
 
 def wilson(noticed, of):
@@ -185,7 +188,7 @@ def main():
     parser.add_argument("--rooms", default="", help="comma-separated; default: all of base, measure and design")
     parser.add_argument("--per-room", type=int, default=25, help="mutations drawn from each room")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--tests", choices=("default", "fast", "nightly"), default="fast")
+    parser.add_argument("--tests", choices=tuple(LEVELS), default="default", help="the last set of tests that is run")
     parser.add_argument("--minutes", type=float, default=60, help="when this time has passed, what has run is reported")
     options = parser.parse_args()
     end = time.monotonic() + 60 * options.minutes
@@ -214,38 +217,52 @@ def main():
     mutants = compile_all(mutants, programs)
     build(["all"])  # what the test programs start
 
-    limits, filters = {}, {}
+    levels = list(LEVELS)[:list(LEVELS).index(options.tests) + 1]
+    filters, limits = {}, {}
     for program in programs:
-        filters[program] = tests_of(program, options.tests)
-        good, took = run(program, filters[program], -1, 1800)
-        print(f"{program}: {took:.0f} s without a mutation{'' if good else '; FAILS without one, so its rooms are left out'}", flush=True)
-        limits[program] = 10 * took + 10 if good else None
+        for level in levels:
+            filters[program, level] = tests_of(program, LEVELS[level])
+            begin = time.monotonic()
+            good = passes(program, filters[program, level], -1, 1800)
+            took = time.monotonic() - begin
+            print(f"{program}, {level}: {took:.0f} s without a mutation{'' if good else '; FAILS without one, and is left out'}", flush=True)
+            if not good:
+                filters[program, level] = []
+            limits[program, level] = 10 * took + 10
     chosen = []
     for room in dict.fromkeys(m.room for m in mutants):
-        if limits[program_of(room)]:
-            chosen += [m for m in mutants if m.room == room][:options.per_room]
+        chosen += [m for m in mutants if m.room == room][:options.per_room]
     draw.shuffle(chosen)  # so that a run that is cut short has some of every room
 
-    def one(mutant):
-        if time.monotonic() > end:
-            return None
+    def noticed_by(mutant):
+        """The first set of tests that notices it, or none; nothing once the time has passed."""
         program = program_of(mutant.room)
-        return mutant, not run(program, filters[program], mutant.number, limits[program])[0]
+        for level in levels:
+            if time.monotonic() > end:
+                return None
+            if not passes(program, filters[program, level], mutant.number, limits[program, level]):
+                return mutant, level
+        return mutant, "none"
 
     with concurrent.futures.ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        results = [r for r in pool.map(one, chosen) if r]
+        results = [r for r in pool.map(noticed_by, chosen) if r]
     with open(WORK / "mutants.csv", "w", newline="") as file:
         rows = csv.writer(file)
-        rows.writerow(["room", "file", "line", "before", "after", "noticed"])
-        for mutant, noticed in results:
+        rows.writerow(["room", "file", "line", "before", "after", "noticed_by"])
+        for mutant, level in results:
             before = (ROOT / mutant.path).read_text().splitlines()[mutant.line][mutant.begin:mutant.end]
-            rows.writerow([mutant.room, mutant.path, mutant.line + 1, before, mutant.after.format(mutant.number), int(noticed)])
-    print("room          noticed   of   share   95 % interval")
+            rows.writerow([mutant.room, mutant.path, mutant.line + 1, before, mutant.after.format(mutant.number), level])
+    print("room         mutants" + "".join(f"  {'with ' + level:>20}" for level in levels))
     for room in [*dict.fromkeys(m.room for m in mutants), "all"]:
-        outcome = [noticed for mutant, noticed in results if room in (mutant.room, "all")]
-        if outcome:
-            low, high = wilson(sum(outcome), len(outcome))
-            print(f"{room:12} {sum(outcome):8} {len(outcome):4}  {sum(outcome) / len(outcome):5.0%}   {low:.0%} to {high:.0%}")
+        outcome = [level for mutant, level in results if room in (mutant.room, "all")]
+        if not outcome:
+            continue
+        shares = ""
+        for i in range(len(levels)):
+            noticed = sum(level in levels[:i + 1] for level in outcome)
+            low, high = wilson(noticed, len(outcome))
+            shares += f"  {noticed / len(outcome):4.0%} ({low:4.0%} to {high:4.0%})"
+        print(f"{room:12} {len(outcome):7}{shares}")
 
 
 if __name__ == "__main__":
