@@ -203,6 +203,27 @@ class Films(unittest.TestCase):
         run(BIN / "lake-compare", folder, folder, "--exo-knee", "exo_knee", "-o", folder.with_suffix(".compared"))
         return live
 
+    def watched(self, film, *words, rises=0):
+        """What the page is told once all of a film has come, its last frames after so many rises are known, and no end of it."""
+        frames = frames_of(film)
+        camera = Camera(film)
+        camera.send(camera.at(9.5) if rises else None)
+        live = self.live("-", "--patience", WAIT_S, "-o", film.stem, *words, stdin=camera.output)
+        camera.is_read_by_another()
+        self.until(lambda: len(live.ask("state")["rises"]) >= rises)
+        camera.send()
+        state = self.until(lambda: (now := live.ask("state"))["frames"] == frames
+                           and any(f" of {frames} frames seen" in check["shown"] for check in now["checks"]) and now)
+        view = live.ask("view", {"after": -1})
+        live.close()
+        camera.end()
+        return state, view
+
+    def as_sent(self, name, *words, film=None):
+        """The film as a camera sends it: each picture is whole as it comes, and stamps are in whole milliseconds."""
+        ffmpeg("-i", film or self.film, "-c:v", "mjpeg", "-q:v", 2, "-pix_fmt", "yuvj420p", *words, self.folder / f"{name}.mkv")
+        return self.folder / f"{name}.mkv"
+
 
 class Streams(Films):
     def test_a_replayed_film_becomes_a_trial(self):
@@ -212,22 +233,6 @@ class Streams(Films):
         self.assertIn("Move the joint 18 mm back and 32 mm down (± 2 mm)", out)
         # With the mean of two rises and no error but noise, the millimetre that is asked for after three.
         self.assertLess(math.dist(live["place"]["offset_mm"], WORN), 1)
-
-    def test_the_sample_study(self):
-        """Three rises at 60 Hz: the recording is the exoskeleton's in a study as well as a trial to be compared."""
-        code, _, err = self.live(SAMPLE / "exo.mp4", "--replay", "-o", "sample", camera=SAMPLE / "camera.yaml").end()
-        self.assertEqual(code, 0, err)
-        live = self.expect_trial(self.folder / "sample", frames_of(SAMPLE / "exo.mp4"), 3)
-        self.assertLess(math.dist(live["place"]["offset_mm"], WORN), 1)
-        self.assertLess(live["difference"]["largest_px"], 0.1)
-        study = {"camera": str(SAMPLE / "camera.yaml"), "human": {"video": str(SAMPLE / "human.mp4")},
-                 "exo": {"video": "sample/video.mkv", "overlay": False, "markers": NAMES,
-                         "seeds": ["knee=728,431@0", "exo_knee=740,415@0"]},
-                 "compare": {"exo_knee": "exo_knee"}, "simulate": {"animation": False}}
-        (self.folder / "study.yaml").write_text(json.dumps(study))
-        run(BIN / "lake-run", "study.yaml", "-o", "study", cwd=self.folder)
-        joint = json.loads((self.folder / "study/comparison/comparison.json").read_text())["joint"]
-        self.assertLess(math.dist(joint["offset_mm"], live["place"]["offset_mm"]), 0.5)
 
     def test_a_pipe_in_which_a_seed_names_the_joint_at_once(self):
         ffmpeg("-i", self.film, "-c", "copy", self.folder / "film.ts")
@@ -300,63 +305,6 @@ class Streams(Films):
         rows = self.expect_both_parts("halved", parts)
         for row, interval_s in ((1, 1 / 30), (-1, 1 / 15)):
             self.assertAlmostEqual(float(rows[row]["time_s"]) - float(rows[row - 1]["time_s"]), interval_s, delta=1.1 / 90000)
-
-    def watched(self, film, *words, rises=0):
-        """What the page is told once all of a film has come, its last frames after so many rises are known, and no end of it."""
-        frames = frames_of(film)
-        camera = Camera(film)
-        camera.send(camera.at(9.5) if rises else None)
-        live = self.live("-", "--patience", WAIT_S, "-o", film.stem, *words, stdin=camera.output)
-        camera.is_read_by_another()
-        self.until(lambda: len(live.ask("state")["rises"]) >= rises)
-        camera.send()
-        state = self.until(lambda: (now := live.ask("state"))["frames"] == frames
-                           and any(f" of {frames} frames seen" in check["shown"] for check in now["checks"]) and now)
-        view = live.ask("view", {"after": -1})
-        live.close()
-        camera.end()
-        return state, view
-
-    def as_sent(self, name, *words, film=None):
-        """The film as a camera sends it: each picture is whole as it comes, and stamps are in whole milliseconds."""
-        ffmpeg("-i", film or self.film, "-c:v", "mjpeg", "-q:v", 2, "-pix_fmt", "yuvj420p", *words, self.folder / f"{name}.mkv")
-        return self.folder / f"{name}.mkv"
-
-    def expect_verdicts(self, name, wrong, *words, film=None, apart=""):
-        """Those of lake check, of which these are not good; `apart` is not looked at."""
-        sent = self.as_sent(name, "-t", 4, *words, film=film)
-        state, _ = self.watched(sent)
-        checked = subprocess.run([BIN / "lake-check", sent, "--json", "-o", self.folder / f"{name}.checked"], capture_output=True,
-                                 text=True, check=False)
-        self.assertIn(checked.returncode, (0, 1), checked.stderr)
-        known = {item["name"]: item["verdict"] for item in json.loads(checked.stdout)["checks"]}
-        self.assertEqual(len(state["checks"]), len(JUDGED))
-        told = {figure: check for figure, check in zip(JUDGED, state["checks"]) if figure != apart}
-        self.assertEqual({figure: check["verdict"] for figure, check in told.items()}, {figure: known[figure] for figure in told})
-        for figure, check in told.items():
-            self.assertEqual(check["verdict"] != "good", figure in (*wrong, "frame_rate_hz"), check)  # 30 Hz is poor
-            self.assertEqual(check["advice"] == "", check["verdict"] == "good")
-
-    def test_verdicts_are_those_of_lake_check(self):
-        grey = "lutyuv=y='clip(16+(val-16)*{},16,235)'"
-        overexposed = "format={},lutyuv=y='if(gt(val,120),min({},120+(val-120)*{}),val)'"
-        for name, wrong, words in (
-                ("fit", (), ()),
-                ("dark", ("contrast_over_noise",), ("-vf", grey.format(0.7) + ",noise=c0s=12:c0f=t")),
-                ("small", ("radius_px",), ("-vf", "scale=iw/2:-1")),
-                ("repeating", ("repeated_frames",), ("-vf", "fps=28,fps=30")),
-                ("gaps", ("dropped_frames",), ("-vf", "select='mod(n,20)'", "-vsync", "passthrough"))):
-            with self.subTest(name):
-                self.expect_verdicts(name, wrong, *words)
-        # Coding with loss blurs the level at which it is clipped; what it makes of three times the noise is not fit any more.
-        for coding, form, white, gain, words in (
-                ("ffv1", "gray", 255, 3, ()),
-                ("mjpeg", "yuvj420p", 255, 1.7, ("-q:v", 5)),
-                ("libx264", "yuv420p", 235, 1.7, ("-crf", 23, "-bf", 0, "-g", 15))):
-            made = ("-vf", overexposed.format(form, white, gain), "-c:v", coding, "-pix_fmt", form, *words)
-            with self.subTest("overexposed", coding=coding):
-                # The spots of knee and joint, grown, touch in many frames; lake check then looks on in more of them than a session.
-                self.expect_verdicts(f"overexposed_{coding}", ("saturated_share",), *made, apart="all_seen_share")
 
     def test_curves_and_the_arrow_are_the_truth(self):
         film = self.as_sent("curves")
@@ -525,6 +473,62 @@ class Streams(Films):
 
 @unittest.skipIf(webdriver is None or DRIVER is None, "no chromedriver and selenium for this Python "
                  "(Debian packages chromium-driver and python3-selenium)")
+
+
+class LongStreams(Films):
+    def test_the_sample_study(self):
+        """Three rises at 60 Hz: the recording is the exoskeleton's in a study as well as a trial to be compared."""
+        code, _, err = self.live(SAMPLE / "exo.mp4", "--replay", "-o", "sample", camera=SAMPLE / "camera.yaml").end()
+        self.assertEqual(code, 0, err)
+        live = self.expect_trial(self.folder / "sample", frames_of(SAMPLE / "exo.mp4"), 3)
+        self.assertLess(math.dist(live["place"]["offset_mm"], WORN), 1)
+        self.assertLess(live["difference"]["largest_px"], 0.1)
+        study = {"camera": str(SAMPLE / "camera.yaml"), "human": {"video": str(SAMPLE / "human.mp4")},
+                 "exo": {"video": "sample/video.mkv", "overlay": False, "markers": NAMES,
+                         "seeds": ["knee=728,431@0", "exo_knee=740,415@0"]},
+                 "compare": {"exo_knee": "exo_knee"}, "simulate": {"animation": False}}
+        (self.folder / "study.yaml").write_text(json.dumps(study))
+        run(BIN / "lake-run", "study.yaml", "-o", "study", cwd=self.folder)
+        joint = json.loads((self.folder / "study/comparison/comparison.json").read_text())["joint"]
+        self.assertLess(math.dist(joint["offset_mm"], live["place"]["offset_mm"]), 0.5)
+
+    def expect_verdicts(self, name, wrong, *words, film=None, apart=""):
+        """Those of lake check, of which these are not good; `apart` is not looked at."""
+        sent = self.as_sent(name, "-t", 4, *words, film=film)
+        state, _ = self.watched(sent)
+        checked = subprocess.run([BIN / "lake-check", sent, "--json", "-o", self.folder / f"{name}.checked"], capture_output=True,
+                                 text=True, check=False)
+        self.assertIn(checked.returncode, (0, 1), checked.stderr)
+        known = {item["name"]: item["verdict"] for item in json.loads(checked.stdout)["checks"]}
+        self.assertEqual(len(state["checks"]), len(JUDGED))
+        told = {figure: check for figure, check in zip(JUDGED, state["checks"]) if figure != apart}
+        self.assertEqual({figure: check["verdict"] for figure, check in told.items()}, {figure: known[figure] for figure in told})
+        for figure, check in told.items():
+            self.assertEqual(check["verdict"] != "good", figure in (*wrong, "frame_rate_hz"), check)  # 30 Hz is poor
+            self.assertEqual(check["advice"] == "", check["verdict"] == "good")
+
+    def test_verdicts_are_those_of_lake_check(self):
+        grey = "lutyuv=y='clip(16+(val-16)*{},16,235)'"
+        overexposed = "format={},lutyuv=y='if(gt(val,120),min({},120+(val-120)*{}),val)'"
+        for name, wrong, words in (
+                ("fit", (), ()),
+                ("dark", ("contrast_over_noise",), ("-vf", grey.format(0.7) + ",noise=c0s=12:c0f=t")),
+                ("small", ("radius_px",), ("-vf", "scale=iw/2:-1")),
+                ("repeating", ("repeated_frames",), ("-vf", "fps=28,fps=30")),
+                ("gaps", ("dropped_frames",), ("-vf", "select='mod(n,20)'", "-vsync", "passthrough"))):
+            with self.subTest(name):
+                self.expect_verdicts(name, wrong, *words)
+        # Coding with loss blurs the level at which it is clipped; what it makes of three times the noise is not fit any more.
+        for coding, form, white, gain, words in (
+                ("ffv1", "gray", 255, 3, ()),
+                ("mjpeg", "yuvj420p", 255, 1.7, ("-q:v", 5)),
+                ("libx264", "yuv420p", 235, 1.7, ("-crf", 23, "-bf", 0, "-g", 15))):
+            made = ("-vf", overexposed.format(form, white, gain), "-c:v", coding, "-pix_fmt", form, *words)
+            with self.subTest("overexposed", coding=coding):
+                # The spots of knee and joint, grown, touch in many frames; lake check then looks on in more of them than a session.
+                self.expect_verdicts(f"overexposed_{coding}", ("saturated_share",), *made, apart="all_seen_share")
+
+
 class Browser(Films):
     @classmethod
     def setUpClass(cls):

@@ -86,7 +86,9 @@ class CommittedFigures(unittest.TestCase):
         self.assertEqual(kept, set(page_pictures.PICTURES))
         self.assertEqual(kept, set(re.findall(r"`([\w-]+\.png)`", (pages / "README.md").read_text())))
 
-    def test_they_are_as_drawn_today(self):
+
+class DrawnToday(unittest.TestCase):
+    def test_each_committed_picture_is_as_the_programs_draw_it(self):
         try:
             import matplotlib.image
             import numpy
