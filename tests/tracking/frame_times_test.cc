@@ -52,6 +52,15 @@ synth::Scene OneRise(std::uint64_t seed, double rate_hz = kRateHz) {
   return synth::Scene(options);
 }
 
+// How far the markers go from a frame to the next, root mean square, px.
+double StepPx(const synth::Scene& scene, int frame) {
+  const synth::FrameTruth from = scene.Truth(frame), to = scene.Truth(frame + 1);
+  double squares = 0;
+  for (std::size_t m = 0; m < from.markers.size(); ++m)
+    squares += (to.markers[m].px - from.markers[m].px).squaredNorm();
+  return std::sqrt(squares / static_cast<double>(from.markers.size()));
+}
+
 // Where the trunk alone begins to move, all markers together hardly do; a picture that is shown again there is no time
 // that is missing behind it.
 TEST(FrameTimes, OfFramesDroppedUnevenlyAreTheirStamps) {
@@ -158,6 +167,31 @@ TEST(FrameTimes, OfAFilmShownAt2997AreThoseOfItsFrames) {
           worst_s =
               std::max(worst_s, std::abs(shown.recording.time_s[i] - shown.recording.time_s[0] - source[i] / 25.0));
       EXPECT_LE(worst_s, 1e-3);
+    }
+}
+
+// Films as ffmpeg's fps filter shows them at another rate, each frame the nearest one: while the markers move, the
+// times are those of the film, up to one that all have in common.
+TEST(FrameTimes, OfConvertedFilmsAreThoseOfTheFilm) {
+  constexpr double kNtscHz = 30000 / 1001.0, kLeastStepPx = 1;
+  for (const auto& [film_hz, shown_hz] :
+       {std::pair(25.0, kNtscHz), {25.0, 30.0}, {24.0, 25.0}, {30.0, 25.0}, {50.0, kNtscHz}, {2 * kNtscHz, 50.0}})
+    for (const std::uint64_t seed : {921u, 922u, 923u}) {
+      const synth::Scene scene = OneRise(seed, film_hz);
+      std::vector<int> source;
+      while ((static_cast<double>(source.size()) + 0.5) * film_hz / shown_hz < scene.Frames())
+        source.push_back(static_cast<int>((static_cast<double>(source.size()) + 0.5) * film_hz / shown_hz));
+      ShownFrames shown = Show(scene, seed, source, shown_hz, 0.1);
+      const FrameTimes times = CorrectFrameTimes({}, shown.recording);
+      SCOPED_TRACE(testing::Message() << film_hz << " Hz shown at " << shown_hz << " Hz, seed " << seed);
+      EXPECT_NEAR(times.captured_hz + times.chosen_from_hz, film_hz, 0.01);
+      EXPECT_TRUE(times.jumps.empty());
+      std::vector<double> late_s;
+      for (std::size_t i = 1; i < source.size(); ++i)
+        if (source[i] != source[i - 1] && source[i] + 1 < scene.Frames() && StepPx(scene, source[i]) > kLeastStepPx)
+          late_s.push_back(shown.recording.time_s[i] - source[i] / film_hz);
+      const auto [least, most] = std::ranges::minmax(late_s);
+      EXPECT_LE(most - least, 2e-3);
     }
 }
 
@@ -275,15 +309,6 @@ TEST(FrameTimes, WhatTheSeatStrikesIsNoMissingTime) {
     CorrectFrameTimes({}, shown.recording);
     EXPECT_EQ(shown.recording.time_s, stamps_s) << seed;
   }
-}
-
-// How far the markers go from a frame to the next, root mean square, px.
-double StepPx(const synth::Scene& scene, int frame) {
-  const synth::FrameTruth from = scene.Truth(frame), to = scene.Truth(frame + 1);
-  double squares = 0;
-  for (std::size_t m = 0; m < from.markers.size(); ++m)
-    squares += (to.markers[m].px - from.markers[m].px).squaredNorm();
-  return std::sqrt(squares / static_cast<double>(from.markers.size()));
 }
 
 // While something moves, the picture stands for a tenth of a second to a second and a half, and an encoder goes on

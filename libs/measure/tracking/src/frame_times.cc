@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <ranges>
 
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
@@ -61,6 +62,7 @@ class FrameClock {
     FrameTimes times;
     MarkRepeats(same_picture);
     times.captured_hz = TakeLowerRate();
+    MarkRepeats(same_picture);
     const TimedPaths paths(recording_, NewFrames());
     uneven_s_ = Unevenness(paths);
     if (times.captured_hz == 0) times.chosen_from_hz = TakeHigherRate(paths);
@@ -93,7 +95,7 @@ class FrameClock {
   }
 
   bool MarkMoreRepeats(const std::vector<std::int64_t>& same_picture) {
-    constexpr double kCopyPx = 0.01, kOfNeighbours = 0.25;
+    constexpr double kCopyPx = 0.01;
     const std::vector<std::size_t> frames = NewFrames();
     const auto step_px = [&](std::size_t k) { return StepPx(recording_, frames[k - 1], frames[k]); };
     const auto looks_the_same = [&](std::size_t k) {
@@ -124,6 +126,8 @@ class FrameClock {
     return 0;
   }
 
+  static constexpr double kOfNeighbours = 0.25;  // what a copy moves at most, of the new pictures beside it
+
   // Strong coding changes a copy; a marker that turns round stands as still, so other evidence must leave no doubt.
   bool MayBeCopy(const std::vector<std::size_t>& frames, std::size_t k, double of_neighbours) const {
     const auto step_px = [&](std::size_t at) { return StepPx(recording_, frames[at - 1], frames[at]); };
@@ -150,27 +154,34 @@ class FrameClock {
     return run;
   }
 
-  // Frames while something moves, but for those of which nothing is certain: strong coding moves the markers of a copy
-  // by up to a pixel, and half as far as those of the new pictures beside it.
-  std::vector<ToldFrame> ToldFrames() const {
-    constexpr double kSurelyNewPx = 1, kOfNeighbours = 0.5;
-    std::vector<ToldFrame> told;
+  // Frames that show the picture before them once more, or look like it, and those that surely are new. A copy moves by
+  // what coding changes: strong coding by up to a pixel, and half as far as the new pictures beside it.
+  std::vector<JudgedFrame> JudgedFrames() const {
+    constexpr double kLeastOfCopyPx = 0.05, kMostOfCopyPx = 1, kOfKnownCopies = 2, kUnsure = 0.5;  // of its neighbours
+    double known_px = 0;
+    for (std::size_t i = 1; i < is_repeated_.size(); ++i)
+      if (is_repeated_[i]) known_px = std::max(known_px, StepPx(recording_, i - 1, i).value_or(0));
+    const double copy_px = std::clamp(kOfKnownCopies * known_px, kLeastOfCopyPx, kMostOfCopyPx);
+    std::vector<JudgedFrame> judged;
     const std::vector<std::size_t> frames = NewFrames();
     for (std::size_t k = 1; k < frames.size(); ++k) {
-      if (StepPx(recording_, frames[k - 1], frames[k]).value_or(0) < kSurelyNewPx ||
-          MayBeCopy(frames, k, kOfNeighbours))
+      const bool looks_repeated = MayBeCopy(frames, k, kOfNeighbours) &&
+                                  StepPx(recording_, frames[k - 1], frames[k + 1]).value_or(0) > kMostOfCopyPx;
+      if (!looks_repeated &&
+          (StepPx(recording_, frames[k - 1], frames[k]).value_or(0) < copy_px || MayBeCopy(frames, k, kUnsure)))
         continue;
-      for (std::size_t i = frames[k - 1] + 1; i <= frames[k]; ++i) told.push_back({i, is_repeated_[i]});
+      for (std::size_t i = frames[k - 1] + 1; i <= frames[k]; ++i)
+        judged.push_back({i, is_repeated_[i] || looks_repeated});
     }
-    return told;
+    return judged;
   }
 
   // Every repetition of a lower rate is one, also where nothing moves that would tell. Whether the others were lost,
   // with the stamps right, or were taken more seldom, equally far apart, the paths decide. Returns that rate, Hz, or 0.
   double TakeLowerRate() {
-    const std::optional<LowerRate> rate = FindLowerRate(ToldFrames());
+    const std::optional<LowerRate> rate = FindLowerRate(JudgedFrames(), 1 / frame_s_);
     if (!rate) return 0;
-    for (std::size_t i = 0; i < is_repeated_.size(); ++i) is_repeated_[i] = is_repeated_[i] || rate->Repeats(i);
+    for (std::size_t i = 0; i < is_repeated_.size(); ++i) is_repeated_[i] = rate->Repeats(i);
     std::vector<double> captured = recording_.time_s;
     double shift = 0;
     const std::vector<std::size_t> frames = NewFrames();
@@ -190,8 +201,8 @@ class FrameClock {
   // half a frame of that film, and how uneven they are then. Returns its rate, Hz, or 0. What is even at its stamps was
   // taken then.
   double TakeHigherRate(const TimedPaths& paths) {
-    constexpr std::array kRates_hz = {25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0};
     constexpr int kPhases = 24;
+    constexpr double kFinestPhase = 1e-3;
     constexpr double kRegular = 0.2, kWhole = 0.02;  // of a frame
     constexpr double kMuchLess = 0.5;
     const std::vector<std::size_t> frames = NewFrames();
@@ -200,21 +211,25 @@ class FrameClock {
         frames, [&](std::size_t i) { return std::abs(place(i) - std::round(place(i))) < kRegular; });
     if (!is_regular || uneven_s_ == 0) return 0;
     double most = paths.LogLikelihood() - std::log(kDoubt) -
-                  std::log(kConvertedOdds / static_cast<double>(kRates_hz.size() * kPhases)),
+                  std::log(kConvertedOdds / static_cast<double>(kFilmRates_hz.size() * kPhases)),
            best_hz = 0;
     std::vector<double> best_s;
-    for (const double source_hz : kRates_hz) {
+    for (const double source_hz : kFilmRates_hz) {
       const double ratio = source_hz * frame_s_;
       if (ratio < 1 + kWhole || std::abs(ratio - std::round(ratio)) < kWhole) continue;
-      double most_of_rate = -INFINITY;
+      double most_of_rate = -INFINITY, best_phase = 0.5;
       std::vector<double> best_of_rate_s;
-      for (int step = 0; step < kPhases; ++step) {
-        std::vector<double> time_s = ChosenTimes(source_hz, (step + 0.5) / kPhases);
-        const double log_likelihood = paths.LogLikelihoodQuickly(frames, time_s);
-        if (log_likelihood <= most_of_rate) continue;
-        most_of_rate = log_likelihood;
-        best_of_rate_s = std::move(time_s);
-      }
+      // Of a long recording, and a ratio of large numbers, some frames are decided by a thousandth.
+      for (double width = 1; width > kFinestPhase; width *= 2.0 / kPhases)
+        for (const double centre = best_phase; const int step : std::views::iota(0, kPhases)) {
+          const double phase = centre + width * ((step + 0.5) / kPhases - 0.5);
+          std::vector<double> time_s = ChosenTimes(source_hz, phase);
+          const double log_likelihood = paths.LogLikelihoodQuickly(frames, time_s);
+          if (log_likelihood <= most_of_rate) continue;
+          most_of_rate = log_likelihood;
+          best_phase = phase;
+          best_of_rate_s = std::move(time_s);
+        }
       const double log_likelihood = paths.LogLikelihood(frames, best_of_rate_s);
       if (log_likelihood <= most) continue;
       most = log_likelihood;
