@@ -184,8 +184,8 @@ Json RunAxis(const AxisRunOptions& options, Run& run) {
           {"axis_direction_file", PointJson(whole.direction_file, 3)},
           {"pin_residual_mm", whole.pin_residual_mm},
           {"flexion_deg", whole.flexion_deg},
-          {"shank_marker_sd_mm", motion.shank.deformation.marker_sd_mm},
-          {"thigh_marker_sd_mm", motion.thigh.deformation.marker_sd_mm},
+          {"shank_marker_sd_mm", motion.shank.marker_sd_mm},
+          {"thigh_marker_sd_mm", motion.thigh.marker_sd_mm},
           {"pin_over_range", pin},
           {"windows", result.windows.size()}};
 }

@@ -48,9 +48,7 @@ bool HasAny(const exchange::PointRecording& points, const axis::SegmentMarkers& 
 
 // How precisely the middle of where both segments carry the axis is known in a frame, mm, by what the shapes show.
 double FrameSigma(const axis::SegmentMotion& motion, const axis::MeanAxis& mean) {
-  return std::hypot(motion.shank.deformation.PointSdMm(mean.in_shank.norm()),
-                    motion.thigh.deformation.PointSdMm(mean.in_thigh.norm())) /
-         2;
+  return std::hypot(motion.shank.PointSdMm(mean.in_shank.norm()), motion.thigh.PointSdMm(mean.in_thigh.norm())) / 2;
 }
 
 }  // namespace

@@ -15,10 +15,7 @@
 namespace lake::axis {
 namespace {
 
-using Eigen::Matrix3d, Eigen::Matrix3Xd, Eigen::MatrixXd, Eigen::Vector3d;
-
-constexpr Eigen::Index kMostModes = 2;    // of a segment: soft tissue moves in few ways
-constexpr double kLeastModeShare = 0.01;  // of the deformation's variance
+using Eigen::Matrix3d, Eigen::Matrix3Xd, Eigen::Vector3d;
 
 std::vector<const exchange::PointTrack*> TracksOf(const exchange::PointRecording& points,
                                                   const std::vector<std::string>& names, const char* segment,
@@ -89,107 +86,63 @@ Matrix3d TurnBetween(const Matrix3Xd& from, const Matrix3Xd& to, const Normal& n
   return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
 }
 
-std::optional<Pose> PoseOf(const Matrix3Xd& shape, const std::vector<const exchange::PointTrack*>& tracks,
-                           std::size_t frame, const Normal& normal, std::size_t least) {
+// Poses the shape where so many of its markers are seen at the frame, and appends the frame's deformation.
+void AddFrame(const std::vector<const exchange::PointTrack*>& tracks, std::size_t frame, const Normal& normal,
+              std::size_t least, Segment& segment) {
+  segment.poses.emplace_back();
+  segment.deformation.emplace_back(Matrix3Xd::Zero(3, segment.shape.cols()));
   std::vector<Eigen::Index> seen;
   for (std::size_t m = 0; m < tracks.size(); ++m)
     if (tracks[m]->positions[frame].allFinite()) seen.push_back(static_cast<Eigen::Index>(m));
-  if (seen.size() < least) return std::nullopt;
-  Matrix3Xd from = shape(Eigen::all, seen), to(3, seen.size());
+  if (seen.size() < least) return;
+  Matrix3Xd from = segment.shape(Eigen::all, seen), to(3, seen.size());
   for (std::size_t k = 0; k < seen.size(); ++k)
     to.col(static_cast<Eigen::Index>(k)) = tracks[static_cast<std::size_t>(seen[k])]->positions[frame];
   const Vector3d from_mean = from.rowwise().mean(), to_mean = to.rowwise().mean();
   from.colwise() -= from_mean;
   to.colwise() -= to_mean;
-  Pose pose;
+  Pose& pose = segment.poses.back();
   pose.turn = TurnBetween(from, to, normal);
   pose.origin = to_mean - pose.turn * from_mean;
-  return pose;
+  segment.deformation.back()(Eigen::all, seen) = pose.turn.transpose() * to - from;
 }
 
-// Values at the rows of `known`, which rise, by lines between them.
-MatrixXd Bridged(const MatrixXd& values, const std::vector<Eigen::Index>& known, Eigen::Index rows) {
-  MatrixXd all(rows, values.cols());
-  std::size_t after = 0;
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    while (after + 1 < known.size() && known[after] < row) ++after;
-    const std::size_t before = known[after] > row && after > 0 ? after - 1 : after;
-    const double width = static_cast<double>(known[after] - known[before]);
-    const double share = width > 0 ? static_cast<double>(row - known[before]) / width : 0;
-    all.row(row) = (1 - share) * values.row(static_cast<Eigen::Index>(before)) +
-                   share * values.row(static_cast<Eigen::Index>(after));
-  }
-  return all;
-}
-
-// From the frames with all markers, of which there is one at least.
-Deformation DeformationOf(const Matrix3Xd& shape, const std::vector<const exchange::PointTrack*>& tracks,
-                          const std::vector<Pose>& poses, const Normal& normal) {
-  std::vector<Eigen::Index> complete;
-  MatrixXd strays(poses.size(), shape.size());
-  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
-    Matrix3Xd stray(3, shape.cols());
-    for (Eigen::Index m = 0; m < shape.cols(); ++m)
-      stray.col(m) = poses[frame].turn.transpose() *
-                         (tracks[static_cast<std::size_t>(m)]->positions[frame] - poses[frame].origin) -
-                     shape.col(m);
-    if (!stray.allFinite()) continue;
-    strays.row(static_cast<Eigen::Index>(complete.size())) = stray.reshaped().transpose();
-    complete.push_back(static_cast<Eigen::Index>(frame));
-  }
-  strays.conservativeResize(static_cast<Eigen::Index>(complete.size()), Eigen::NoChange);
-  strays.rowwise() -= Eigen::RowVectorXd(strays.colwise().mean());
-  const double markers = static_cast<double>(shape.cols()), frames = static_cast<double>(complete.size());
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(strays.transpose() * strays);
-  Eigen::Index modes = 0;
-  const Eigen::Index last = eigen.eigenvalues().size() - 1;
-  while (modes < kMostModes && eigen.eigenvalues()[last - modes] > kLeastModeShare * strays.squaredNorm()) ++modes;
-  const MatrixXd scores = strays * eigen.eigenvectors().rightCols(modes) / std::sqrt(markers);
-  Deformation deformation;
-  deformation.modes = Bridged(scores, complete, static_cast<Eigen::Index>(poses.size()));
-  const double freedom = normal ? 2 * markers - 3 : 3 * markers - 6;  // coordinates that a pose does not take
-  deformation.marker_sd_mm = std::sqrt(strays.squaredNorm() / (frames * freedom));
-  deformation.radius_mm = shape.norm() / std::sqrt(markers);
-  deformation.pose_sd_mm = deformation.marker_sd_mm / std::sqrt(markers);
-  deformation.pose_sd_rad = deformation.pose_sd_mm / deformation.radius_mm;
-  return deformation;
-}
-
-// The shape is the mean of the frames laid onto each other, turned as the first complete frame (Procrustes).
+// The mean shape is the mean of the complete frames laid onto each other, turned as the first (Procrustes).
 Segment SegmentOf(const std::vector<const exchange::PointTrack*>& tracks, const char* name, const Normal& normal,
                   std::size_t least) {
   constexpr int kRounds = 5;  // the mean shape stands still after two or three
   const std::size_t frames = tracks.front()->positions.size();
-  const auto complete = [&](std::size_t frame) {
-    return std::all_of(tracks.begin(), tracks.end(), [&](const auto* t) { return t->positions[frame].allFinite(); });
-  };
-  Matrix3Xd shape(3, tracks.size());
-  bool has_shape = false;
-  for (int round = 0; round < kRounds; ++round) {
-    Matrix3Xd sum = Matrix3Xd::Zero(3, shape.cols());
-    for (std::size_t frame = 0; frame < frames; ++frame) {
-      if (!complete(frame)) continue;
-      Matrix3Xd now(3, tracks.size());
-      for (std::size_t m = 0; m < tracks.size(); ++m)
-        now.col(static_cast<Eigen::Index>(m)) = tracks[m]->positions[frame];
-      now.colwise() -= Vector3d(now.rowwise().mean());
-      if (!has_shape) shape = now;
-      has_shape = true;
-      sum += TurnBetween(now, shape, normal) * now;
-    }
-    if (!has_shape) throw Fail("no frame has all markers of the {}: leave out those that are seldom seen", name);
-    Matrix3Xd mean = sum;
-    mean.colwise() -= Vector3d(mean.rowwise().mean());
-    shape = mean * (shape.norm() / mean.norm());
+  std::vector<Matrix3Xd> complete;  // about their means
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    Matrix3Xd now(3, tracks.size());
+    for (std::size_t m = 0; m < tracks.size(); ++m) now.col(static_cast<Eigen::Index>(m)) = tracks[m]->positions[frame];
+    if (!now.allFinite()) continue;
+    now.colwise() -= Vector3d(now.rowwise().mean());
+    complete.push_back(now);
   }
-  Segment segment{std::vector<Pose>(frames), shape.col(0), {}};
-  for (std::size_t frame = 0; frame < frames; ++frame)
-    segment.poses[frame] = PoseOf(shape, tracks, frame, normal, least).value_or(Pose());
-  segment.deformation = DeformationOf(shape, tracks, segment.poses, normal);
+  if (complete.empty()) throw Fail("no frame has all markers of the {}: leave out those that are seldom seen", name);
+  Segment segment;
+  segment.shape = complete.front();
+  for (int round = 0; round < kRounds; ++round) {
+    Matrix3Xd sum = Matrix3Xd::Zero(3, segment.shape.cols());
+    for (const Matrix3Xd& now : complete) sum += TurnBetween(now, segment.shape, normal) * now;
+    segment.shape = sum / static_cast<double>(complete.size());
+  }
+  for (std::size_t frame = 0; frame < frames; ++frame) AddFrame(tracks, frame, normal, least, segment);
+  const double markers = static_cast<double>(tracks.size());
+  segment.freedom = normal ? 2 * markers - 3 : 3 * markers - 6;
+  double square = 0;
+  for (const Matrix3Xd& deformation : segment.deformation) square += deformation.squaredNorm();
+  const auto seen = std::ranges::count_if(segment.poses, &Pose::IsSeen);
+  segment.marker_sd_mm = std::sqrt(square / (static_cast<double>(seen) * segment.freedom));
   return segment;
 }
 
 }  // namespace
+
+double Segment::PointSdMm(double distance_mm) const {
+  return marker_sd_mm * std::hypot(1 / std::sqrt(static_cast<double>(shape.cols())), distance_mm / shape.norm());
+}
 
 SegmentMotion MotionOf(const exchange::PointRecording& points, const SegmentMarkers& markers) {
   if (points.space == exchange::PointSpace::kImage)

@@ -111,11 +111,11 @@ void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& moti
   }
   const Course course = CourseOf(by_angle, view);
   GnuplotFigure figure(1600, 800);
-  figure.Line("set multiplot title {} noenhanced font ',14'",
-              QuoteForGnuplot(fmt::format("Axis over {:.0f} degrees of flexion; markers stray by {:.1f} mm "
-                                          "on the shank, {:.1f} mm on the thigh",
-                                          axes.whole.flexion_deg, motion.shank.deformation.marker_sd_mm,
-                                          motion.thigh.deformation.marker_sd_mm)));
+  figure.Line(
+      "set multiplot title {} noenhanced font ',14'",
+      QuoteForGnuplot(fmt::format("Axis over {:.0f} degrees of flexion; markers stray by {:.1f} mm "
+                                  "on the shank, {:.1f} mm on the thigh",
+                                  axes.whole.flexion_deg, motion.shank.marker_sd_mm, motion.thigh.marker_sd_mm)));
   const Square square = SquareAround(axes, view, place);
   figure.Line(
       "set lmargin at screen 0.07; set rmargin at screen 0.455; set tmargin at screen 0.88; set bmargin at screen "
