@@ -45,6 +45,9 @@ class Mutant:
         self.room, self.path, self.line, self.begin, self.end, self.after = room, path, line, begin, end, after
         self.number = None
 
+    def code(self):
+        return self.after.replace("LakeMutant({})", f"LakeMutant({self.number})")
+
 
 def closing(text, begin):
     """Where the parenthesis that opens at `begin` closes; -1 beyond this line."""
@@ -113,7 +116,7 @@ def write(mutants):
         text = (ROOT / path).read_text().splitlines()
         for number, mutant in lines.items():
             line = text[number]
-            text[number] = line[:mutant.begin] + mutant.after.format(mutant.number) + line[mutant.end:]
+            text[number] = line[:mutant.begin] + mutant.code() + line[mutant.end:]
         # Only files that change are written, so that a second build compiles these alone.
         after = "\n".join(text) + "\n"
         if (WORK / "source" / path).read_text() != after:
@@ -251,7 +254,7 @@ def main():
         rows.writerow(["room", "file", "line", "before", "after", "noticed_by"])
         for mutant, level in results:
             before = (ROOT / mutant.path).read_text().splitlines()[mutant.line][mutant.begin:mutant.end]
-            rows.writerow([mutant.room, mutant.path, mutant.line + 1, before, mutant.after.format(mutant.number), level])
+            rows.writerow([mutant.room, mutant.path, mutant.line + 1, before, mutant.code(), level])
     print("room         mutants" + "".join(f"  {'with ' + level:>20}" for level in levels))
     for room in [*dict.fromkeys(m.room for m in mutants), "all"]:
         outcome = [level for mutant, level in results if room in (mutant.room, "all")]
