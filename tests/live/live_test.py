@@ -463,6 +463,7 @@ class Streams(Films):
     def test_errors_say_what_to_do(self):
         for words, code, text in (((self.film,), 2, "--replay"), (("absent.mp4",), 1, "no such device or file"),
                                   ((self.film, "--replay", "--markers", "ankle,knee,hip"), 2, "--joint exo_knee"),
+                                  ((self.film, "--replay", "--joint", "hip"), 2, "--joint hip"),
                                   ((self.film, "--replay", "--seed", "toe=1,1"), 2, "--seed toe")):
             ended = subprocess.run([str(word) for word in (BIN / "lake-live", *words, "--camera", self.camera, "-o", "wrong")],
                                    cwd=self.folder, capture_output=True, text=True, check=False)

@@ -111,7 +111,9 @@ void Session::CheckMarkers() const {
     if (!has(name)) throw UsageError("--markers: '{}' is missing; the leg's own knee must be seen", name);
   if (!has(options_.joint))
     throw UsageError("--joint {}: is not one of the markers ({})", options_.joint, fmt::join(options_.markers, ", "));
-  if (options_.joint == "knee") throw UsageError("--joint knee: is the leg's own; the joint has a marker beside it");
+  for (const char* of_leg : {"ankle", "knee", "hip", "waist"})
+    if (options_.joint == of_leg)
+      throw UsageError("--joint {}: is the leg's own marker; name that at the exoskeleton's joint", of_leg);
   for (const tracking::MarkerSeed& seed : options_.seeds) {
     if (!has(seed.name)) throw UsageError("--seed {}: not one of the markers", seed.name);
     if (seed.candidate) throw UsageError("--seed {}: give its place, X,Y@FRAME", seed.name);
