@@ -7,12 +7,14 @@ preset=$1
 shift
 
 cmake --preset "$preset"
-NINJA_STATUS='[%f/%t %e] ' cmake --build --preset "$preset" "$@" | awk '
-  match($0, /^\[[0-9]+\/[0-9]+ [0-9.]+\] /) {
-    split(substr($0, 2, RLENGTH - 3), n, /[\/ ]/)
-    left = n[3] * (n[2] - n[1]) / (n[1] > 0 ? n[1] : 1)
-    printf "[%d/%d, %s left] %s\n", n[1], n[2], n[1] < 5 ? "?" : left < 90 ? sprintf("%.0f s", left) : sprintf("%.0f min", left / 60), substr($0, RLENGTH + 1)
-    fflush()
-    next
-  }
-  { print; fflush() }'
+NINJA_STATUS='[%f/%t %e] ' cmake --build --preset "$preset" "$@" | while IFS= read -r line; do
+  if [[ $line =~ ^\[([0-9]+)/([0-9]+)\ ([0-9]+)[0-9.]*\]\ (.*) ]]; then
+    done=${BASH_REMATCH[1]} all=${BASH_REMATCH[2]} left='?'
+    if [ "$done" -ge 5 ]; then
+      seconds=$((BASH_REMATCH[3] * (all - done) / done))
+      left=$([ $seconds -lt 90 ] && echo "$seconds s" || echo "$(((seconds + 30) / 60)) min")
+    fi
+    line="[$done/$all, $left left] ${BASH_REMATCH[4]}"
+  fi
+  printf '%s\n' "$line"
+done

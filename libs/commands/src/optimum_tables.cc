@@ -121,7 +121,7 @@ void WarnOfMultipliers(const synthesis::ActiveSet& active, Run& run) {
 std::string RangeText(double range_deg, const std::optional<certificate::Certificate>& certificate) {
   std::string text = fmt::format("range {:.4f} deg", range_deg);
   if (certificate && std::isfinite(certificate->upper_bound_deg))
-    text += fmt::format(", proved to be at most {:.4f} deg for any design", certificate->upper_bound_deg);
+    text += fmt::format("; no design exceeds {:.4f} deg (proved)", certificate->upper_bound_deg);
   return text + "\n";
 }
 
@@ -311,8 +311,8 @@ Json CertificateJson(const certificate::Certificate& certificate, const std::vec
 void WarnOfCertificate(const certificate::Certificate& certificate, const std::vector<std::string>& not_in_bound,
                        Run& run) {
   if (certificate.reached) return;
-  std::string text =
-      fmt::format("the gap of the certificate is {}°, more than requested", SignificantText(certificate.gap_deg, 3));
+  std::string text = fmt::format("between the range found and the proved bound {}° are open, more than requested",
+                                 SignificantText(certificate.gap_deg, 3));
   if (certificate.end == certificate::Certificate::End::kTime)
     text += ": the time of --certify-time was over, so another machine may come to another gap";
   if (certificate.end == certificate::Certificate::End::kBoxes)

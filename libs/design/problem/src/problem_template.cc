@@ -38,7 +38,7 @@ std::string ProblemTemplate() {
          "examples.\n" +
          TemplateLine("d_min_mm", number(paper.d_min_mm), "the actuator's shortest stroke") +
          AsComment(
-             TemplateLine("d_max_mm", "400", "its longest, at which the knee must stand straight") +
+             TemplateLine("d_max_mm", "400", "its longest; standing straight may need less") +
              TemplateLine("standing_deg", number(paper.standing_deg), "knee angle at which the used range ends") +
              TemplateLine("max_angle_deg", "140", "the knee bends no further") +
              TemplateLine("min_moment_arm_mm", "5", "change of stroke per radian of the knee, over the whole range") +
@@ -51,7 +51,7 @@ std::string ProblemTemplate() {
              Line("grashof_mm", number(paper.grashof_margin_mm), "l3 + l4 is shorter than l1 + l2 by this") +
              Line("singularity_mm", number(paper.singularity_margin_mm), "of the shortest stroke from the dead point") +
              "load:\n" + Line("knee_torque_nm", number(paper.knee_torque_nm), "constant moment, without a profile") +
-             Line("max_force_n", "2000", "the actuator's force that holds it") +
+             Line("max_force_n", "2000", "the actuator's force, at every angle of the range") +
              Line("max_pin_force_n", "4000", "at K, P, R and S") +
              Line("max_mount_force_n", "3000", "at the mount on the thigh") +
              Line("safety_factor", "1.5", "least of plates, pins and rod") +

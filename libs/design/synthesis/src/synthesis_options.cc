@@ -18,7 +18,7 @@ void Describe(SynthesisOptions& o, OptionList& options) {
   options
       .Add("certify-time", o.certify_time_s,
            "End that proof after this time with the gap so far, which then depends on the machine, and those for all "
-           "margins after as long again together; without it proofs end after a number of steps, the same everywhere")
+           "margins after as long again together; with or without it each ends after 50000 steps")
       .Unit("s")
       .Positive();
   options
