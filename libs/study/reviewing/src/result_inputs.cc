@@ -73,7 +73,7 @@ fs::path FindInput(const Json& input, const fs::path& results) {
       std::error_code error;
       if (!seen.insert(candidate).second || !fs::exists(candidate, error)) continue;
       is_there = is_there || named == path;
-      if (Sha256OfFile(candidate) == input.at("sha256")) return candidate;
+      if (input.at("sha256") == Sha256OfFile(candidate)) return candidate;
     }
   throw is_there ? Fail("{}: has changed since {} was made; make it again", path.string(), results.string())
                  : Fail(
