@@ -218,7 +218,7 @@ def main():
                    check=True, stdout=subprocess.DEVNULL)
     programs = sorted({program_of(m.room) for m in mutants})
     mutants = compile_all(mutants, programs)
-    build(["all"])  # what the test programs start
+    build(["programs"])  # which some test programs start
 
     levels = list(LEVELS)[:list(LEVELS).index(options.tests) + 1]
     filters, limits = {}, {}
