@@ -399,7 +399,8 @@ Json RunList(const TrackRunOptions& options, const tracking::TrackOptions& track
   WriteCandidates(options, list, run);
   const auto moving =
       std::count_if(list.candidates.begin(), list.candidates.end(), [](const auto& c) { return c.moves; });
-  run.Report("{} things found, {} of which move: candidates.png, candidates.csv\n", list.candidates.size(), moving);
+  run.Report("{} candidate markers, {} of them moving: candidates.png, candidates.csv\n", list.candidates.size(),
+             moving);
   return {{"candidates", {{"found", list.candidates.size()}, {"moving", moving}, {"frame", list.frame}}}};
 }
 

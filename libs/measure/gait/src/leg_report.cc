@@ -138,8 +138,8 @@ std::string LegFitText(const LegFitResult& result) {
     text += fmt::format("{}  {:.1f} {}, varies by {} (SD)\n", segment.name, segment.length, unit,
                         DeviationText(segment.variation, 1, ""));
   if (const auto range = RangeOf(result.motion))
-    text += fmt::format("knee {:.2f}° to {:.2f}°, marker noise {} (1 SD)\n", range->smallest_deg, range->largest_deg,
-                        DeviationText(RmsSigmaDeg(result.motion), 3, "°"));
+    text += fmt::format("knee {:.2f}° to {:.2f}°, marker noise {} (1 SD): kinematics.csv\n", range->smallest_deg,
+                        range->largest_deg, DeviationText(RmsSigmaDeg(result.motion), 3, "°"));
   return text;
 }
 

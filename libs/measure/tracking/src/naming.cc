@@ -603,7 +603,7 @@ void PlaceCandidates(const std::vector<Tracklet>& tracklets, std::vector<MarkerS
     if (!seed.candidate) continue;
     const auto found = std::ranges::find(list.candidates, *seed.candidate, &Candidate::id);
     if (found == list.candidates.end())
-      throw Fail("{}: the things found have the numbers 1 to {}", SeedText(seed), list.candidates.size());
+      throw Fail("{}: the candidate markers have the numbers 1 to {}", SeedText(seed), list.candidates.size());
     seed.position = found->position;
     seed.frame = found->frame;
   }
