@@ -65,7 +65,7 @@ Matrix4d SetPoints(Hinge& hinge) {
     normal += gradient * gradient.transpose();
     right -= gradient * frame.offset;
   }
-  const Matrix4d inverse = normal.inverse();
+  Matrix4d inverse = normal.inverse();
   const Vector4d points = inverse * right;
   hinge.thigh_mm = points.head<2>();
   hinge.shank_mm = points.tail<2>();

@@ -126,7 +126,7 @@ void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& moti
               square.middle.y() + square.half_mm);
   figure.Line("set xlabel 'across the shank (mm)'; set ylabel 'along the shank, from the mean of its markers (mm)'");
   figure.Line("plot " + PlotAxes(figure, axes, view) +
-              fmt::format(", {} using 1:2 with points pt 7 ps 0.3 lc rgb '{}' title 'instantaneous centre'",
+              fmt::format(", {} using 1:2 with points pt 7 ps 0.3 lc rgb '{}' title 'axis frame by frame'",
                           figure.Data({place[0], place[1]}), colour::kText));
   figure.Line("set autoscale; set lmargin at screen 0.57; set rmargin at screen 0.97; unset key");
   const char* names[] = {"across the shank (mm)", "along the shank (mm)"};

@@ -1,4 +1,4 @@
-// The work of lake-axis: the axis about which shank and thigh turn, and the instantaneous centre over the knee angle,
+// The work of lake-axis: the axis about which shank and thigh turn, and where it is frame by frame,
 // from two or more markers on each, without a leg model.
 #pragma once
 

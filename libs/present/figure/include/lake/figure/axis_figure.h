@@ -9,7 +9,7 @@
 namespace lake::figure {
 
 // PNG or SVG by the extension. Where the axis is on the shank, seen along it: windows and whole with their 95 %
-// ellipses, and the path of the instantaneous centre; beside it, the centre over the knee angle with its 95 % band.
+// ellipses, and where the axis is frame by frame; beside it, that over the knee angle with its 95 % band.
 // Throws Error if it cannot be drawn.
 void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& motion, const axis::MeanAxesResult& axes,
               const std::vector<axis::InstantaneousCentre>& centres);
