@@ -1,10 +1,8 @@
 // lake-sync on two tables of one movement, and on a person's markers and force plates.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 
 #include "cli/program_run.h"
@@ -65,41 +63,6 @@ TEST_F(SyncProgram, TakesASignal) {
   EXPECT_NEAR(summary["offset_s"], kOffset_s, 0.5 / 60 + 0.5 / 100) << "half a frame of each";
 }
 
-// A film with a clap at this time: a click of 5 ms in silence.
-void WriteClappedFilm(const std::filesystem::path& film, double clap_s) {
-  const std::string sound =
-      fmt::format("aevalsrc='if(between(t,{},{}),0.5*sin(20000*t)*exp(-500*(t-{})),0)':s=48000:d=12", clap_s,
-                  clap_s + 0.05, clap_s);
-  const std::string command = fmt::format(
-      "ffmpeg -y -v error -nostdin -f lavfi -i color=black:size=64x48:rate=10:duration=12 -f lavfi -i \"{}\" -c:v "
-      "mjpeg "
-      "-c:a pcm_s16le '{}'",
-      sound, film.string());
-  ASSERT_EQ(std::system(command.c_str()), 0);
-}
-
-TEST_F(SyncProgram, TakesAClapAndALamp) {
-  WriteClappedFilm(folder_ / "a.mkv", 9.005);  // in the middle of the lamp's sampling interval at 100 Hz
-  const Outcome outcome =
-      Go("a.csv b.csv --clap-a a.mkv --clap-distance-a 0 --signal-b lamp --drift-sd 0 --quiet --json");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const Json summary = Json::parse(outcome.out);
-  EXPECT_NEAR(summary["offset_s"], kOffset_s, 0.5 / 60 + 0.006) << "half a frame of B, and the clap's place in A's";
-  EXPECT_NEAR(summary["sd_s"], 1 / 60. / std::sqrt(12), 0.0005);
-  EXPECT_EQ(summary["compared"], "claps: 1");
-  // A trial whose times are not the stamps' cannot be aligned by its film's sound.
-  std::filesystem::create_directories(folder_ / "trial");
-  std::filesystem::copy(folder_ / "a.csv", folder_ / "trial/trajectory.csv");
-  for (const auto& [said, text] :
-       {std::pair{R"({"options": {"capture-rate": "240"}})", "its times are those of --capture-rate 240"},
-        {R"({"video": {"time_jumps": [{"after_frame": 7, "applied": true}]}})", "its times after frame 7"}}) {
-    WriteTextFile(folder_ / "trial/summary.json", said);
-    const Outcome refused = Go("trial b.csv --clap-a a.mkv --signal-b lamp --quiet");
-    EXPECT_EQ(refused.exit_code, 1);
-    EXPECT_THAT(refused.err, HasSubstr(text));
-  }
-}
-
 TEST_F(SyncProgram, RefusesWhatCannotBeAligned) {
   const auto refused = [&](const std::string& words, int exit_code, const std::string& message) {
     const Outcome outcome = Go(words);
@@ -111,10 +74,7 @@ TEST_F(SyncProgram, RefusesWhatCannotBeAligned) {
   refused("a.csv other.csv", 1, "cannot be aligned");
   refused("a.csv none.csv", 1, "none.csv: no such file");
   refused("a.csv b.csv --signal-a lamp", 2, "give both");
-  refused("a.csv b.csv --clap-a a.mkv", 2, "give both");
-  refused("a.csv b.csv --clap-a a.mkv --signal-a lamp --signal-b lamp", 2, "--signal-a and --clap-a: one of them");
-  refused("a.csv b.csv --clap-distance-a 2 --signal-a lamp --signal-b lamp", 2, "--clap-distance-a");
-  refused("a.csv b.csv --clap-a none.mkv --signal-b lamp", 1, "none.mkv: no such file");
+  refused("a.csv b.csv --clap-a film.mp4", 2, "--clap-a");
   refused("a.csv b.csv --signal-a led --signal-b lamp", 1, "no signal 'led'");
 }
 

@@ -41,7 +41,7 @@ struct Recorded {
   std::vector<loads::Window> windows;
 
   std::optional<loads::ClockOffset> Offset() const {
-    return loads::FindClockOffset(time_s, needed_n, measured_n, windows, kCutoff_hz);
+    return loads::FindClockOffset(time_s, needed_n, measured_n, windows);
   }
 };
 

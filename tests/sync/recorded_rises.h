@@ -75,6 +75,7 @@ class Rises {
 
 struct Camera {
   double rate_hz = 60, noise = 0.05;                          // of the markers, unit of the picture
+  double correlation = 0;                                     // of the noise, from frame to frame
   Eigen::Matrix2d view = Eigen::Matrix2d::Identity();         // per mm
   double from_s = 0, to_s = 30, offset_s = 0, drift_ppm = 0;  // the movement's time is t + offset + drift t
 };
@@ -82,7 +83,8 @@ struct Camera {
 inline sync::Movement Record(const Rises& rises, const Camera& camera, unsigned seed) {
   sync::Movement movement{.file = "camera", .names = {"knee", "hip", "waist"}, .dimensions = 2, .up = 1};
   std::mt19937 random(seed);
-  std::normal_distribution<double> normal(0, camera.noise);
+  std::normal_distribution<double> normal(0, camera.noise * std::sqrt(1 - camera.correlation * camera.correlation));
+  std::array<Eigen::Vector2d, 3> noise = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   const double drift = 1e-6 * camera.drift_ppm;
   const auto own = [&](double time_s) { return (time_s - camera.offset_s) / (1 + drift); };
   const auto frames = static_cast<int>((own(camera.to_s) - own(camera.from_s)) * camera.rate_hz);
@@ -90,10 +92,11 @@ inline sync::Movement Record(const Rises& rises, const Camera& camera, unsigned 
   for (int i = 0; i < frames; ++i) {
     movement.time_s.push_back(own(camera.from_s) + i / camera.rate_hz);
     const auto points = rises.At(movement.time_s.back() * (1 + drift) + camera.offset_s);
-    for (Eigen::Index m = 0; m < 3; ++m)
-      movement.values.block<1, 2>(i, 2 * m) =
-          (camera.view * points[static_cast<std::size_t>(m)] + Eigen::Vector2d(normal(random), normal(random)))
-              .transpose();
+    for (std::size_t m = 0; m < 3; ++m) {
+      noise[m] = camera.correlation * noise[m] + Eigen::Vector2d(normal(random), normal(random));
+      movement.values.block<1, 2>(i, 2 * static_cast<Eigen::Index>(m)) =
+          (camera.view * points[m] + noise[m]).transpose();
+    }
   }
   return movement;
 }

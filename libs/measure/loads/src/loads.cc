@@ -473,15 +473,14 @@ void CheckForces(const Model& model, const std::vector<Rise>& rises, const Loads
 }
 
 // A clock that is not the markers'.
-void WarnOfClock(const Model& model, const std::vector<Window>& windows, const LoadsOptions& options,
-                 LoadsResult& result) {
+void WarnOfClock(const Model& model, const std::vector<Window>& windows, LoadsResult& result) {
   std::vector<double> needed_n, measured_n;
   for (std::size_t i = 0; i < model.path.frames.size(); ++i) {
     const bool known = model.path.known[i] != 0;
     needed_n.push_back(known ? NeededForce_n(model.path.frames[i], model.body) : LoadsRow::kUnknown);
     measured_n.push_back(model.ground[i] ? model.ground[i]->force_n.y() : LoadsRow::kUnknown);
   }
-  const auto offset = FindClockOffset(model.path.time_s, needed_n, measured_n, windows, options.cutoff_with_forces_hz);
+  const auto offset = FindClockOffset(model.path.time_s, needed_n, measured_n, windows);
   constexpr double kSure = 3;  // standard deviations
   if (!offset || std::abs(offset->add_s) < kSure * offset->sd_s) return;
   result.warnings.push_back(fmt::format(
@@ -719,7 +718,7 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
   if (const auto warning = BalanceWarning(result.balance)) result.warnings.push_back(*warning);
   if (forces) {
     WarnOfForces(measured.model, measured.rises, options, result);
-    WarnOfClock(measured.model, measured.windows, options, result);
+    WarnOfClock(measured.model, measured.windows, result);
   } else {
     SetTrunk(measured, drawn, result);
     WarnOfTrunk(measured.model, measured.windows, options, result);

@@ -64,9 +64,7 @@ Matches FindMatches(const std::vector<double>& rises_a, const std::vector<double
 }  // namespace
 
 Signal SampledSignal(std::vector<double> rises_s, const Movement& recording) {
-  return {.name = "rises of the signal",
-          .rises_s = std::move(rises_s),
-          .sd_s = MedianInterval(recording.time_s) / std::sqrt(12.0)};
+  return {.rises_s = std::move(rises_s), .sd_s = MedianInterval(recording.time_s) / std::sqrt(12.0)};
 }
 
 Alignment AlignBySignal(const Signal& in_a, const Signal& in_b, const Movement& a, const Movement& b,
@@ -97,12 +95,9 @@ Alignment AlignBySignal(const Signal& in_a, const Signal& in_b, const Movement& 
                      .method = "signal"};
   alignment.drift_sd_ppm = 1e6 * std::sqrt(drift_variance);
   const double reach_s = std::max(middle_s - from_s, b.time_s.back() - middle_s);
-  alignment.clock.sd_s =
-      std::hypot(std::sqrt(variance / count + drift_variance * reach_s * reach_s), in_a.common_sd_s, in_b.common_sd_s);
+  alignment.clock.sd_s = std::sqrt(variance / count + drift_variance * reach_s * reach_s);
   alignment.overlap_s = matches.b_s.back() - matches.b_s.front();
-  alignment.comparison.name = fmt::format("{}: {}", in_a.name, matches.a_s.size());
-  alignment.warnings = in_a.warnings;
-  alignment.warnings.insert(alignment.warnings.end(), in_b.warnings.begin(), in_b.warnings.end());
+  alignment.comparison.name = fmt::format("rises of the signal: {}", matches.a_s.size());
   for (std::size_t i = 0; i < matches.a_s.size(); ++i)
     alignment.parts.push_back({.time_s = matches.a_s[i],
                                .departure_s = matches.a_s[i] - alignment.clock.FromB(matches.b_s[i]),

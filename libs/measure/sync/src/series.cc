@@ -1,8 +1,9 @@
-#include "series.h"
+#include "lake/sync/series.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
 
 namespace lake::sync {
@@ -33,7 +34,15 @@ std::vector<double> Filled(const std::vector<double>& time_s, const Eigen::Vecto
 
 }  // namespace
 
-Series Sample(const std::vector<double>& time_s, const Eigen::MatrixXd& values, double cutoff_hz, double step_s) {
+Band BandOf(const std::vector<double>& time_a_s, const std::vector<double>& time_b_s) {
+  constexpr double kPerson_hz = 4, kOfRate = 0.2;
+  const double slowest_hz = 1 / std::max(MedianInterval(time_a_s), MedianInterval(time_b_s));
+  const double cutoff_hz = std::min(kPerson_hz, kOfRate * slowest_hz);
+  return {cutoff_hz, 1 / (10 * cutoff_hz)};
+}
+
+Series Sample(const std::vector<double>& time_s, const Eigen::MatrixXd& values, const Band& band) {
+  const double step_s = band.step_s;
   Series series{.step_s = step_s};
   const double first = std::ceil(time_s.front() / step_s), last = std::floor(time_s.back() / step_s);
   series.start_s = first * step_s;
@@ -46,7 +55,7 @@ Series Sample(const std::vector<double>& time_s, const Eigen::MatrixXd& values, 
   if (whole.size() < 4) return series;
   for (Index c = 0; c < values.cols(); ++c) {
     const std::vector<double> filtered =
-        gait::ZeroPhaseButterworthAtTimes(Filled(time_s, values.col(c)), time_s, cutoff_hz);
+        gait::ZeroPhaseButterworthAtTimes(Filled(time_s, values.col(c)), time_s, band.cutoff_hz);
     std::size_t i = 0;
     for (Index row = 0; row < rows; ++row) {
       const double t = series.TimeAt(row);

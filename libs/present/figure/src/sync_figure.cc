@@ -12,7 +12,7 @@ void DrawSignals(GnuplotFigure& figure, const sync::Comparison& comparison) {
       .Line(
           "plot {0} using 1:2 with lines lw 4 lc rgb '{1}' title 'measured', {0} using 1:3 with lines lw 2 dt 2 lc rgb "
           "'{2}' title 'from the other recording'",
-          figure.Data({comparison.time_s, comparison.measured, comparison.told}), colour::kKnee, colour::kText)
+          figure.Data({comparison.time_s, comparison.measured, comparison.predicted}), colour::kKnee, colour::kText)
       .Line("set format y '%g'");
 }
 

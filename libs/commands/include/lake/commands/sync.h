@@ -10,15 +10,12 @@
 #include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/sync/align.h"
-#include "lake/sync/clap.h"
 
 namespace lake::commands {
 
 struct SyncRunOptions {
   std::filesystem::path a, b;      // what sync::ReadMovement knows
   std::string signal_a, signal_b;  // a marker that comes into sight, or a column that rises; empty: by the movement
-  std::filesystem::path clap_a, clap_b;  // in place of a signal: the recording's film, in whose sound there are claps
-  sync::ClapOptions clapped_a, clapped_b;
   sync::AlignOptions align;
   sync::MovementOptions reading;
 };

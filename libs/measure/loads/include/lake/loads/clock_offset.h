@@ -14,11 +14,10 @@ struct ClockOffset {
   double sd_s = 0;   // one standard deviation: of the fit, and of what the body's model takes for granted
 };
 
-// The offset, within a second either way, at which the forces follow best what the motion needs: vertical forces at the
-// frames' times, NaN where not known, both low-passed at `cutoff_hz`. Their ratio may be any: nobody knows how much of
-// the body this foot bears. nullopt where the forces do not follow the motion, so that no offset can be told.
+// The offset, at most a second either way, at which the forces follow best what the motion needs (sync::FindLag):
+// vertical forces at the frames' times, NaN where not known. Their ratio may be any: nobody knows how much of the body
+// this foot bears. nullopt where the forces do not follow the motion, so that there is no offset.
 std::optional<ClockOffset> FindClockOffset(std::span<const double> time_s, std::span<const double> needed_n,
-                                           std::span<const double> measured_n, std::span<const Window> windows,
-                                           double cutoff_hz);
+                                           std::span<const double> measured_n, std::span<const Window> windows);
 
 }  // namespace lake::loads

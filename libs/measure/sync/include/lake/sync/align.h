@@ -1,10 +1,4 @@
-// Two clocks aligned by the movement that both recordings show.
-//
-// One recording's signals y are told from the other's x by a linear map, y(t) = x(t + offset + drift t) C + c + e: of
-// one marker seen by two cameras or laboratories, of a segment's turning and a sensor's rates, of the markers' vertical
-// accelerations and the force on the feet. C, c, offset and drift maximise the likelihood; e is Gaussian and
-// autoregressive, its coefficients are the residual's own. A prior of the drift, 0 ± drift_sd_ppm, keeps a short
-// recording from inventing one.
+// Two clocks aligned by the movement that both recordings show, or by a signal that somebody sent to both.
 #pragma once
 
 #include <string>
@@ -19,10 +13,10 @@ struct AlignOptions {
   double drift_sd_ppm = 300;  // quartz clocks differ by less than 100; 0: no drift
 };
 
-// What was compared, over the overlap on A's clock, for a figure: the first signal.
+// The signals that were compared, over the overlap on A's clock, for a figure: the largest component of one.
 struct Comparison {
-  std::string name = {};  // "speed of knee"
-  std::vector<double> time_s = {}, measured = {}, told = {};
+  std::string name = {};  // "speeds of knee, hip"
+  std::vector<double> time_s = {}, measured = {}, predicted = {};
 };
 
 // What a part of the overlap says by itself.
@@ -35,28 +29,22 @@ struct PartOffset {
 struct Alignment {
   Clock clock = {};
   double drift_sd_ppm = 0;
-  double unexplained = 0;  // the part of y's variance that is not told
+  double unexplained = 0;  // the part of one recording's variance that the other does not predict
   double overlap_s = 0;
   std::vector<PartOffset> parts = {};
   std::vector<double> offset_s = {}, log_likelihood = {};  // over that of unrelated movements, of the coarse search
   Comparison comparison = {};
-  std::vector<std::string> warnings = {};
 };
 
-// Throws Error, saying why, where the two cannot be aligned: no movement, too short an overlap, the movement is told
-// too badly, another offset is as likely, or parts of the overlap contradict one another.
+// By FindLag of lag.h. Throws Error, saying why, where the two cannot be aligned.
 Alignment AlignByMotion(const Movement& a, const Movement& b, const AlignOptions& options = {});
 
 // A signal in one recording, which somebody sent to both.
 struct Signal {
-  std::string name = {};             // "claps"
   std::vector<double> rises_s = {};  // when it comes on, on the recording's clock
-  double sd_s = 0;                   // of each by itself
-  double common_sd_s = 0;            // of all of them alike
-  std::vector<std::string> warnings = {};
+  double sd_s = 0;                   // of each: it lies anywhere within a sampling interval
 };
 
-// Rises that a recording shows: each lies anywhere within its sampling interval.
 Signal SampledSignal(std::vector<double> rises_s, const Movement& recording);
 
 // By such a signal. Where one has more rises than the other, those that fit one another best are taken. Throws Error

@@ -1,10 +1,8 @@
-// Signals on an even grid of times, low-passed: what movements are compared by. Not part of the interface.
+// Signals on an even grid of times, low-passed: recordings are compared by these.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
-
-#include "lake/sync/movement.h"
 
 namespace lake::sync {
 
@@ -17,8 +15,14 @@ struct Series {
   double TimeAt(Eigen::Index row) const { return start_s + step_s * static_cast<double>(row); }
 };
 
-// Columns of a recording at multiples of `step_s`; where its samples lie farther apart than `gap_s` nothing is known.
-Series Sample(const std::vector<double>& time_s, const Eigen::MatrixXd& values, double cutoff_hz, double step_s);
+// The low-pass and the grid that two recordings share. A person's movement lies below 4 Hz; slow recordings show less.
+struct Band {
+  double cutoff_hz = 0, step_s = 0;
+};
+Band BandOf(const std::vector<double>& time_a_s, const std::vector<double>& time_b_s);
+
+// Columns of a recording, NaN where missing, at multiples of the step; gaps of 0.25 s are bridged.
+Series Sample(const std::vector<double>& time_s, const Eigen::MatrixXd& values, const Band& band);
 
 // By central differences over two steps to each side.
 Series Derivative(const Series& series);
