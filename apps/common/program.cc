@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -84,12 +85,15 @@ std::string CommandLineOf(int argc, char** argv) {
 void AddFlag(CLI::App& cli, Option& option, const SharedOptions& list) {
   const std::string names = "--" + option.Name() + (option.HasNegation() ? ",!--no-" + option.Name() : "");
   const auto check = [](const std::string& text) -> std::string {
+    bool is_flag = true;
     try {
+      errno = 0;
       CLI::detail::to_flag_value(text);
-      return "";
+      is_flag = errno == 0;  // from CLI11 2.3 on
     } catch (const std::invalid_argument&) {
-      return fmt::format("must be true or false, not '{}'", text);
+      is_flag = false;
     }
+    return is_flag ? "" : fmt::format("must be true or false, not '{}'", text);
   };
   const auto give = [&option, list](std::int64_t value) { option.Give({value > 0 ? "true" : "false"}); };
   cli.add_flag_function(names, give, option.Help())

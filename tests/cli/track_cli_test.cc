@@ -149,11 +149,11 @@ TEST_F(TrackProgram, SaysThatItsFolderCannotBeWritten) {
   EXPECT_EQ(ReadTextFile(folder_ / "file"), "in the way\n");
 }
 
-// Files may not grow beyond a kilobyte, as on a disk with no more room.
+// Files may not grow beyond four kilobytes, as on a disk with no more room.
 TEST_F(TrackProgram, LeavesNothingHalfWrittenOnAFullDisk) {
   Render();
   const Outcome outcome =
-      Shell(folder_, "ulimit -f 1; trap '' XFSZ; lake-track good.mp4 --no-overlay --quiet -o results");
+      Shell(folder_, "ulimit -f 4; trap '' XFSZ; lake-track good.mp4 --no-overlay --quiet -o results");
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("results"));
   EXPECT_FALSE(fs::exists(folder_ / "results" / "tracks.csv"));

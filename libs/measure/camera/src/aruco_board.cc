@@ -51,8 +51,7 @@ CharucoCorners CornersNear(const ArucoMarkers& markers, const cv::Mat& grey, con
   for (std::size_t i = 0; i < ids.size(); ++i)
     ids[i] = static_cast<int>(i) < codes_above ? DictionarySize(board) + static_cast<int>(i)
                                                : static_cast<int>(i) - codes_above;
-  cv::aruco::CharucoBoard model({board.columns, rows}, square, marker, DictionaryOf(board), ids);
-  model.setLegacyPattern(true);
+  const cv::aruco::CharucoBoard model({board.columns, rows}, square, marker, DictionaryOf(board), ids);
   std::vector<std::vector<cv::Point2f>> corners = markers.corners;
   std::vector<int> seen = markers.ids;
   cv::aruco::CharucoDetector(model).detectBoard(grey, found.pixel, found.corner, corners, seen);
