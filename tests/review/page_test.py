@@ -35,7 +35,7 @@ DRIVER = shutil.which("chromedriver")
 WAIT_S = 60  # a loaded machine; what is waited for takes a second
 SIZE = (1280, 720)  # of the recording, px
 # lake track needs to be told: a hand hides knee and hip at once, and before and after it the leg bends too little.
-SEEDS = {"ankle": 6, "knee": 5, "hip": 4, "waist": 1}
+SEEDS = {"ankle": 0, "knee": 0, "hip": 0, "waist": 0}  # their candidates' numbers, which the release of OpenCV decides
 
 
 # With the limits of calibration/problems/buildable.yaml.
@@ -122,6 +122,11 @@ class ReviewPage(unittest.TestCase):
         cls.folder = pathlib.Path(cls.temporary.name)
         run(BIN / "lake-synth", "--duration", 4, "--rate", 30, "--seed-number", 31, "--hide", "knee=1.6,0.3",
             "--hide", "hip=1.6,0.3", "--quiet", "-o", cls.folder / "recording")
+        run(BIN / "lake-track", "recording/video.mp4", "--list", "--quiet", "-o", "listed", cwd=cls.folder)
+        candidates, truth = read_table(cls.folder / "listed/candidates.csv"), read_table(cls.folder / "recording/truth.csv")
+        for name in SEEDS:
+            SEEDS[name] = int(min(candidates, key=lambda candidate: sum(
+                abs(float(candidate[f"{axis}_px"]) - float(truth[int(candidate["frame"])][f"{name}_{axis}_px"])) for axis in "xy"))["id"])
         run(BIN / "lake-track", "recording/video.mp4", "--camera", "recording/camera.yaml", "--no-overlay", "--quiet",
             "-o", "trial", *[f"--seed={name}=#{spot}" for name, spot in SEEDS.items()], cwd=cls.folder)
         run(BIN / "lake-optimize", "--problem", "problem.yaml", "--starts", 1, "--quiet", "-o", "optimum", cwd=cls.folder,
@@ -591,7 +596,7 @@ class ReviewPage(unittest.TestCase):
             ActionChains(self.browser).move_to_element_with_offset(self.part("naming-picture"), x, y).click().perform()
         chosen = [button.text for button in self.browser.find_elements(By.CSS_SELECTOR, "#choices [data-name]")]
         self.assertEqual(chosen, [f"{name}: #{spot}" for name, spot in SEEDS.items()])
-        self.until(lambda: "--seed=waist=#1" in self.text("naming-command"))
+        self.until(lambda: f"--seed=waist=#{SEEDS['waist']}" in self.text("naming-command"))
         self.part("options").find_element(By.TAG_NAME, "summary").click()
         self.browser.find_element(By.CSS_SELECTOR, "[data-point=vertical]").click()
         for place in ((300, 100), (304, 500)):
@@ -643,7 +648,7 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: "--camera=" in self.text("naming-command"))
         self.browser.find_element(By.XPATH, "//*[@id='choices']//button[.='Add exo_knee']").click()
         spot(SEEDS["waist"])
-        self.assertIn("#1 is waist", self.text("said"))
+        self.assertIn(f"#{SEEDS['waist']} is waist", self.text("said"))
         spot(2)
         self.assertEqual(names(), named + ["exo_knee: #2"])
         self.press("z", holding=Keys.CONTROL)
@@ -716,7 +721,7 @@ class ReviewPage(unittest.TestCase):
             self.browser.find_element(By.CSS_SELECTOR, f"#spots [data-spot='{spot}']").send_keys(Keys.ENTER)
             focused = self.browser.execute_script("return document.activeElement.dataset.spot")
             self.assertEqual(focused, str(spot), "Tab begins at the top again")
-        self.until(lambda: "--seed=waist=#1" in self.text("naming-command"))
+        self.until(lambda: f"--seed=waist=#{SEEDS['waist']}" in self.text("naming-command"))
         self.browser.execute_cdp_cmd("Browser.grantPermissions", {
             "permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"], "origin": review.address.rsplit("/", 2)[0]})
         self.part("copy").send_keys(Keys.ENTER)
