@@ -35,7 +35,7 @@ std::string ReasonOf(const Lag& lag, double sign, double drift_sd_ppm, const std
       return fmt::format(
           "the offset of {:.2f} s would be uncertain by {:.0f} ms (1 SD); are these recordings of one movement? If so, "
           "record more of it, or give a signal that both have (--signal-a, --signal-b)",
-          sign * lag.offset_s, 1000 * lag.LargestSd_s());
+          sign * lag.offset_s, 1000 * lag.LargestSdS());
     default: {
       std::string departures;
       for (const BlockLag& block : lag.blocks)
@@ -73,7 +73,7 @@ Alignment AlignByMotion(const Movement& a, const Movement& b, const AlignOptions
                       .offset_s = lag.search_s,
                       .log_likelihood = lag.log_likelihood,
                       .comparison = {pairing.name, lag.time_s, lag.measured, lag.predicted}};
-  alignment.clock.sd_s = std::hypot(pairing.model_sd_s, lag.LargestSd_s());
+  alignment.clock.sd_s = std::hypot(pairing.model_sd_s, lag.LargestSdS());
   const auto on_a = [&](double y_time_s) { return pairing.y_is_a ? y_time_s : lag.At(y_time_s); };
   for (const BlockLag& block : lag.blocks)
     alignment.parts.push_back({on_a(block.time_s), sign * block.departure_s, block.sd_s});

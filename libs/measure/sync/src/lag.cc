@@ -147,7 +147,7 @@ std::size_t SecondBest(const Search& search) {
 
 // How many values of a signal in a second are independent of one another (Bartlett 1946): 1 / ∫ ρ(τ)² dτ, of its
 // autocorrelation ρ.
-double IndependentRate_hz(const Rows& rows, double step_s) {
+double IndependentRateHz(const Rows& rows, double step_s) {
   const MatrixXd y = rows.y.rowwise() - rows.y.colwise().mean();
   double sum = 1;
   for (Index k = 1; k <= rows.Count() / 2; ++k) {
@@ -160,12 +160,11 @@ double IndependentRate_hz(const Rows& rows, double step_s) {
 
 // Blocks of as many rows each, none shorter than this: where each begins. Empty where there are fewer than four.
 std::vector<Index> Blocks(const Rows& rows, double least_s, double step_s) {
-  constexpr double kFewest = 4, kMost = 20;
-  const double count = std::min(std::floor(static_cast<double>(rows.Count()) * step_s / least_s), kMost);
+  constexpr Index kFewest = 4, kMost = 20;
+  const Index count = std::min(static_cast<Index>(static_cast<double>(rows.Count()) * step_s / least_s), kMost);
   std::vector<Index> begins;
   if (count < kFewest) return begins;
-  for (double b = 0; b < count; ++b)
-    begins.push_back(rows.row[static_cast<std::size_t>(b * static_cast<double>(rows.Count()) / count)]);
+  for (Index b = 0; b < count; ++b) begins.push_back(rows.row[static_cast<std::size_t>(b * rows.Count() / count)]);
   return begins;
 }
 
@@ -313,7 +312,7 @@ void Show(const Rows& rows, const Series& y, Lag& lag) {
 
 }  // namespace
 
-double Lag::LargestSd_s() const {
+double Lag::LargestSdS() const {
   const double half_s = overlap_s / 2;
   return std::sqrt(covariance(0, 0) + 2 * half_s * std::abs(covariance(0, 1)) + half_s * half_s * covariance(1, 1));
 }
@@ -331,7 +330,7 @@ Lag FindLag(const Series& y_whole, const Series& x, const LagOptions& options) {
   const double first_s = y.TimeAt(rows.row.front()), last_s = y.TimeAt(rows.row.back());
   lag.from_s = (first_s + last_s) / 2;
   lag.overlap_s = last_s - first_s;
-  const double rate_hz = IndependentRate_hz(rows, y.step_s);
+  const double rate_hz = IndependentRateHz(rows, y.step_s);
   const std::vector<Index> blocks = Blocks(rows, 1 / rate_hz, y.step_s);
   if (blocks.empty() || !Refine(y, x, options.drift_sd, blocks, lag)) return lag;
 
@@ -354,7 +353,7 @@ Lag FindLag(const Series& y_whole, const Series& x, const LagOptions& options) {
     lag.refusal = LagRefusal::kDrift;
   else if (!is_one_movement)
     lag.refusal = LagRefusal::kContradiction;
-  else if (lag.LargestSd_s() > options.most_sd_s)
+  else if (lag.LargestSdS() > options.most_sd_s)
     lag.refusal = LagRefusal::kUncertain;
   else
     lag.refusal = LagRefusal::kNone;

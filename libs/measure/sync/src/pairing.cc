@@ -72,6 +72,7 @@ MatrixXd ColumnsOf(const Movement& movement, const std::vector<std::size_t>& mar
 
 std::string NamesOf(const Movement& movement, const std::vector<std::size_t>& markers) {
   std::vector<std::string> names;
+  names.reserve(markers.size());
   for (const std::size_t marker : markers) names.push_back(movement.names[marker]);
   return fmt::format("{}", fmt::join(names, ", "));
 }

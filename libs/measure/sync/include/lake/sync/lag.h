@@ -54,7 +54,7 @@ struct Lag {
 
   double At(double y_time_s) const { return y_time_s + offset_s + drift * (y_time_s - from_s); }
   // 1 SD of At where it is largest, at an end of the overlap.
-  double LargestSd_s() const;
+  double LargestSdS() const;
 };
 
 // Both series have the same step.
