@@ -1,5 +1,7 @@
 #include "lake/synthesis/synthesis_options.h"
 
+#include <fmt/format.h>
+
 #include "lake/core/csv.h"
 
 namespace lake::synthesis {
@@ -17,8 +19,10 @@ void Describe(SynthesisOptions& o, OptionList& options) {
       .Implied(FormatNumber(certificate::CertificateOptions{}.gap_deg));
   options
       .Add("certify-time", o.certify_time_s,
-           "End that proof after this time with the gap so far, which then depends on the machine, and those for all "
-           "margins after as long again together; with or without it each ends after 50000 steps")
+           fmt::format(
+               "End that proof after this time with the gap so far, which then depends on the machine, and those "
+               "for all margins after as long again together; with or without it each ends after {} steps",
+               certificate::CertificateOptions{}.max_boxes))
       .Unit("s")
       .Positive();
   options

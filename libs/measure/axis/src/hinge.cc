@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/core/numbers.h"
+
 namespace lake::axis {
 namespace {
 
@@ -41,7 +43,7 @@ void SetFrames(const SegmentMotion& motion, const std::vector<std::size_t>& fram
                      std::atan2(turn(1, 0) - turn(0, 1), turn(0, 0) + turn(1, 1))};
     if (!hinge.frames.empty()) {
       const double before = hinge.frames.back().angle_rad;
-      frame.angle_rad = before + std::remainder(frame.angle_rad - before, 2 * M_PI);
+      frame.angle_rad = before + std::remainder(frame.angle_rad - before, 2 * kPi);
     }
     hinge.frames.push_back(frame);
   }

@@ -92,14 +92,15 @@ Pairing OfMarkers(const Movement& a, const Movement& b, const Band& band) {
   std::ranges::copy_if(a.names, std::back_inserter(common),
                        [&](const std::string& name) { return std::ranges::count(b.names, name) > 0; });
   const std::vector<std::string>* among = common.empty() ? nullptr : &common;
-  const auto series = [&](const Movement& movement) {
-    return PrincipalComponents(Speeds(movement, ColumnsOf(movement, SomeMovingMarkers(movement, band, among)), band));
+  const auto series = [&](const Movement& movement, const std::vector<std::size_t>& markers) {
+    return PrincipalComponents(Speeds(movement, ColumnsOf(movement, markers), band));
   };
   const bool y_is_a = a.dimensions < b.dimensions;
   const Movement &y = y_is_a ? a : b, &x = y_is_a ? b : a;
-  return {.name = fmt::format("speeds of {}", NamesOf(y, MovingMarkers(y, band, among))),
-          .y = series(y),
-          .x = series(x),
+  const std::vector<std::size_t> markers = SomeMovingMarkers(y, band, among);
+  return {.name = fmt::format("speeds of {}", NamesOf(y, markers)),
+          .y = series(y, markers),
+          .x = series(x, SomeMovingMarkers(x, band, among)),
           .y_is_a = y_is_a,
           .model_sd_s = kOfMarkers_s};
 }
@@ -181,17 +182,18 @@ void KeepOnTheFeet(const std::filesystem::path& file, Series& force) {
 Pairing OfForces(const Movement& markers, const Movement& forces, bool markers_are_a, const Band& band) {
   Series force = Sample(forces.time_s, forces.values, band);
   KeepOnTheFeet(forces.file, force);
-  Eigen::VectorXd height = Eigen::VectorXd::Zero(markers.values.rows()), count = height;
+  Eigen::VectorXd height = Eigen::VectorXd::Zero(markers.values.rows());
+  int count = 0;
   for (std::size_t m = 0; m < markers.names.size(); ++m) {
     const Eigen::VectorXd own = ColumnsOf(markers, m).col(markers.up);
     if (!own.allFinite()) continue;
     height += own;
-    count.array() += 1;
+    ++count;
   }
-  if (!(count.maxCoeff() > 0)) throw Fail("{}: no marker is seen throughout", markers.file.string());
+  if (count == 0) throw Fail("{}: no marker is seen throughout", markers.file.string());
   return {.name = "vertical force",
           .y = force,
-          .x = Derivative(Derivative(Sample(markers.time_s, height / count[0], band))),
+          .x = Derivative(Derivative(Sample(markers.time_s, height / count, band))),
           .y_is_a = !markers_are_a,
           .model_sd_s = kOfForces_s};
 }

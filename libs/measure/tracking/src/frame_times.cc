@@ -61,8 +61,10 @@ class FrameClock {
   FrameTimes Correct(const std::vector<std::int64_t>& same_picture) {
     FrameTimes times;
     MarkRepeats(same_picture);
-    times.captured_hz = TakeLowerRate();
-    MarkRepeats(same_picture);
+    if (const std::optional<LowerRate> rate = FindLowerRate(JudgedFrames(), 1 / frame_s_)) {
+      times.captured_hz = TakeLowerRate(*rate);
+      MarkRepeats(same_picture);
+    }
     const TimedPaths paths(recording_, NewFrames());
     uneven_s_ = Unevenness(paths);
     if (times.captured_hz == 0) times.chosen_from_hz = TakeHigherRate(paths);
@@ -178,15 +180,13 @@ class FrameClock {
 
   // Every repetition of a lower rate is one, also where nothing moves that would tell. Whether the others were lost,
   // with the stamps right, or were taken more seldom, equally far apart, the paths decide. Returns that rate, Hz, or 0.
-  double TakeLowerRate() {
-    const std::optional<LowerRate> rate = FindLowerRate(JudgedFrames(), 1 / frame_s_);
-    if (!rate) return 0;
-    for (std::size_t i = 0; i < is_repeated_.size(); ++i) is_repeated_[i] = rate->Repeats(i);
+  double TakeLowerRate(const LowerRate& rate) {
+    for (std::size_t i = 0; i < is_repeated_.size(); ++i) is_repeated_[i] = rate.Repeats(i);
     std::vector<double> captured = recording_.time_s;
     double shift = 0;
     const std::vector<std::size_t> frames = NewFrames();
     for (std::size_t i = 0; i < captured.size(); ++i)
-      captured[i] = recording_.time_s.front() + (rate->Source(i) - rate->phase) / rate->ratio * frame_s_;
+      captured[i] = recording_.time_s.front() + (rate.Source(i) - rate.phase) / rate.ratio * frame_s_;
     for (const std::size_t i : frames) shift += recording_.time_s[i] - captured[i];
     for (double& time : captured) time += shift / static_cast<double>(frames.size());
     const TimedPaths paths(recording_, frames);
@@ -194,7 +194,7 @@ class FrameClock {
     if (log_odds < -std::log(kDoubt)) return 0;
     recording_.time_s = std::move(captured);
     SpreadTimes();
-    return rate->ratio / frame_s_;
+    return rate.ratio / frame_s_;
   }
 
   // The times of frames that were chosen from a film of a higher rate, each the nearest one: early or late by up to
@@ -218,18 +218,16 @@ class FrameClock {
       const double ratio = source_hz * frame_s_;
       if (ratio < 1 + kWhole || std::abs(ratio - std::round(ratio)) < kWhole) continue;
       double most_of_rate = -INFINITY, best_phase = 0.5;
-      std::vector<double> best_of_rate_s;
       // Of a long recording, and a ratio of large numbers, some frames are decided by a thousandth.
       for (double width = 1; width > kFinestPhase; width *= 2.0 / kPhases)
         for (const double centre = best_phase; const int step : std::views::iota(0, kPhases)) {
           const double phase = centre + width * ((step + 0.5) / kPhases - 0.5);
-          std::vector<double> time_s = ChosenTimes(source_hz, phase);
-          const double log_likelihood = paths.LogLikelihoodQuickly(frames, time_s);
+          const double log_likelihood = paths.LogLikelihoodQuickly(frames, ChosenTimes(source_hz, phase));
           if (log_likelihood <= most_of_rate) continue;
           most_of_rate = log_likelihood;
           best_phase = phase;
-          best_of_rate_s = std::move(time_s);
         }
+      std::vector<double> best_of_rate_s = ChosenTimes(source_hz, best_phase);
       const double log_likelihood = paths.LogLikelihood(frames, best_of_rate_s);
       if (log_likelihood <= most) continue;
       most = log_likelihood;
