@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <ranges>
 
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
@@ -219,14 +218,16 @@ class FrameClock {
       if (ratio < 1 + kWhole || std::abs(ratio - std::round(ratio)) < kWhole) continue;
       double most_of_rate = -INFINITY, best_phase = 0.5;
       // Of a long recording, and a ratio of large numbers, some frames are decided by a thousandth.
-      for (double width = 1; width > kFinestPhase; width *= 2.0 / kPhases)
-        for (const double centre = best_phase; const int step : std::views::iota(0, kPhases)) {
+      for (double width = 1; width > kFinestPhase; width *= 2.0 / kPhases) {
+        const double centre = best_phase;
+        for (int step = 0; step < kPhases; ++step) {
           const double phase = centre + width * ((step + 0.5) / kPhases - 0.5);
           const double log_likelihood = paths.LogLikelihoodQuickly(frames, ChosenTimes(source_hz, phase));
           if (log_likelihood <= most_of_rate) continue;
           most_of_rate = log_likelihood;
           best_phase = phase;
         }
+      }
       std::vector<double> best_of_rate_s = ChosenTimes(source_hz, best_phase);
       const double log_likelihood = paths.LogLikelihood(frames, best_of_rate_s);
       if (log_likelihood <= most) continue;
