@@ -218,7 +218,8 @@ class FrameClock {
       if (ratio < 1 + kWhole || std::abs(ratio - std::round(ratio)) < kWhole) continue;
       double most_of_rate = -INFINITY, best_phase = 0.5;
       // Of a long recording, and a ratio of large numbers, some frames are decided by a thousandth.
-      for (double width = 1; width > kFinestPhase; width *= 2.0 / kPhases) {
+      double width = 1;
+      while (width > kFinestPhase) {
         const double centre = best_phase;
         for (int step = 0; step < kPhases; ++step) {
           const double phase = centre + width * ((step + 0.5) / kPhases - 0.5);
@@ -227,6 +228,7 @@ class FrameClock {
           most_of_rate = log_likelihood;
           best_phase = phase;
         }
+        width *= 2.0 / kPhases;
       }
       std::vector<double> best_of_rate_s = ChosenTimes(source_hz, best_phase);
       const double log_likelihood = paths.LogLikelihood(frames, best_of_rate_s);
