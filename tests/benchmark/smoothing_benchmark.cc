@@ -1,6 +1,6 @@
-// A knee's angle and its speed from noisy samples by lake's smoothing spline: the time of a recording, and as counters
+// A knee's angle and its speed from noisy samples by lake's path smoother: the time of a recording, and as counters
 // the root mean square errors over all samples and seeds. smoothing_scipy.py gives the same curves to scipy. The sigma
-// of the samples is known, the smoothness is not; a knot per frame.
+// of the samples is known, the smoothness is not.
 //
 // lake_smoothing_benchmark --curves=FILE   writes the curves instead, for others to smooth
 #include <benchmark/benchmark.h>
@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lake/gait/smoothing_spline.h"
+#include "lake/dynamics/path_smoother.h"
 
 namespace {
 
@@ -78,18 +78,20 @@ void WriteCurves(const char* file) {
 void Smooth(benchmark::State& state, double noise_deg) {
   std::vector<Curve> curves;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) curves.push_back(MakeCurve(noise_deg, seed));
-  const std::vector<double> sigmas(kFrames, noise_deg);
-  std::vector<double> angle_deg(kFrames), speed_deg_s(kFrames);
   double angle_square = 0, speed_square = 0;
   std::size_t next = 0;
   for (auto _ : state) {
     const Curve& curve = curves[next++ % kSeeds];
-    const gait::SplineGrid grid = gait::MakeSplineGrid(curve.time_s, kFrame_s);
-    const gait::SmoothSignal signal = gait::FitSmoothingSpline(grid, curve.time_s, curve.measured_deg, sigmas);
+    dynamics::SeenPath seen{1, curve.time_s, {}, std::vector(kFrames, noise_deg)};
+    for (const double angle_deg : curve.measured_deg) seen.place.emplace_back(angle_deg, 0, 0);
+    dynamics::LearningOptions options;
+    options.trust = dynamics::SigmaTrust::kFull;
+    const dynamics::MotionPrior prior = {.speed = 500, .acceleration = 5000, .reach = 200};  // of a knee, deg
+    const dynamics::PathModel model = dynamics::LearnPaths({&seen, 1}, prior, options).front();
+    const dynamics::SmoothedPath path = dynamics::SmoothPath(seen, model, prior);
     for (std::size_t i = 0; i < kFrames; ++i) {
-      const gait::SplineGrid::Place place = grid.At(curve.time_s[i]);
-      const double angle = gait::ValueAt(place, signal.coefficients) - curve.angle_deg[i],
-                   speed = gait::SlopeAt(place, signal.coefficients) - curve.speed_deg_s[i];
+      const double angle = path.point[i].position.x() - curve.angle_deg[i],
+                   speed = path.point[i].velocity.x() - curve.speed_deg_s[i];
       angle_square += angle * angle;
       speed_square += speed * speed;
     }

@@ -70,15 +70,6 @@ TEST(Butterworth, UnevenTimesGiveTheSameCurve) {
   EXPECT_LT(rest, 2e-3);
 }
 
-TEST(Butterworth, NoiseGainIsMeasured) {
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal;
-  std::vector<double> noise(20000);
-  for (double& value : noise) value = normal(random);
-  const double left = StandardDeviation(gait::ZeroPhaseButterworth(noise, 60, 6));
-  EXPECT_NEAR(left / gait::ButterworthNoiseGain(60, 6), 1, 0.03);  // ~4000 independent values: 1.1 % SD
-}
-
 TEST(Butterworth, RefusesWhatItCannotDo) {
   const std::vector<double> ok(50, 1.0), bad = {1, std::nan(""), 2, 3};
   EXPECT_THROW(gait::ZeroPhaseButterworth(ok, 60, 0), Error);

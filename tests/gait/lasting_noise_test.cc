@@ -72,9 +72,8 @@ SyntheticLeg NoisyWalk() {
   return leg;
 }
 
-// Noise of 1 to 2 mm that is correlated by 0.7 to 0.95 from frame to frame, or 1 to 2 ms of the marker's way: the
-// stated standard deviation is 1.7 to 7 times too small, and two of them hold 16 to 83 % of the frames. Right is 88 %
-// of them, and errors over standard deviations of less than 1.25.
+// Noise of 1 to 2 mm that is correlated by 0.7 to 0.95 from frame to frame, or 2 ms of the marker's way. A smoother that
+// believes in white noise states 1.7 to 7 times too little.
 TEST(LastingNoise, OfARiseIsInTheKneesStandardDeviation) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100});
   for (const Noise& noise : {Noise{2, 0.7}, Noise{2, 0.9}, Noise{1, 0.95}, Noise{0.3, 0, 0.002}}) {
@@ -85,8 +84,7 @@ TEST(LastingNoise, OfARiseIsInTheKneesStandardDeviation) {
   }
 }
 
-// On a walk the fit follows such noise: its knee angle is farther off than that of a Butterworth filter at 6 Hz. Right
-// is no farther, within a tenth, and a standard deviation that says how far.
+// A fit that follows such noise is farther off than a Butterworth filter at 6 Hz.
 TEST(LastingNoise, OfAWalkIsFollowedNoMoreThanAFilterDoes) {
   const SyntheticLeg leg = NoisyWalk();
   for (const Noise& noise : {Noise{3, 0.7}, Noise{3, 0.9}, Noise{0.3, 0, 0.004}}) {

@@ -126,13 +126,4 @@ std::vector<double> ZeroPhaseButterworthAtTimes(std::span<const double> values, 
   return Interpolate(filtered, grid, time_s);
 }
 
-double ButterworthNoiseGain(double rate_hz, double cutoff_hz) {
-  const auto half = static_cast<std::size_t>(std::ceil(4 * rate_hz / cutoff_hz));
-  std::vector<double> impulse(2 * half + 1, 0.0);
-  impulse[half] = 1;
-  double sum = 0;
-  for (const double value : ZeroPhaseButterworth(impulse, rate_hz, cutoff_hz)) sum += value * value;
-  return std::sqrt(sum);
-}
-
 }  // namespace lake::gait

@@ -1,60 +1,53 @@
-// The solved fit, evaluated at the frames. Not part of the interface.
+// The leg's angles from the markers' curves, with their standard deviations. Not part of the interface.
 #pragma once
 
 #include <array>
 #include <vector>
 
 #include "lake/gait/sts_events.h"
-#include "leg_problem.h"
-#include "leg_signals.h"
+#include "marker_curves.h"
 
 namespace lake::gait {
-
-// A marker's fitted position in every frame.
-struct MarkerCurve {
-  std::vector<Eigen::Vector2d> in_plane, recorded;
-  std::vector<double> plane_sigma, recorded_sigma;  // per axis
-  bool settled = true;                              // whether its smoothness was found
-  std::vector<double> scatter;                      // deviation about the smooth path, over the detections' sigmas
-  std::vector<double> lateral, lateral_rate, lateral_variance;  // of trials in three dimensions: mm, mm/s, mm²
-};
 
 struct LegCurves {
   int markers = kLegMarkers;
   std::array<MarkerCurve, kLegMarkers> marker;
-  std::vector<StateVector> state, rate;  // rate: per s
-  std::vector<StateMatrix> covariance;   // of the state, without slow noise; if asked for
+  Eigen::Matrix3d leg_from_plane = Eigen::Matrix3d::Identity();  // x anterior, y up, z across, to make it right-handed
+  std::vector<Eigen::Vector3d> flexion_axis;                     // per frame, in the leg's axes
   std::vector<double> knee_sigma_deg, knee_deg_s;
-  std::vector<Eigen::Vector2d> hip_speed_in_leg;  // per s
-  StsDeviations sd;                               // of what the events are read from
-  std::vector<Eigen::Vector3d> flexion_axis;      // of trials in three dimensions: the leg's axes and across them
+  StsDeviations sd;  // of what the events are read from
+
+  bool HasTrunk() const { return markers == kLegMarkers; }
+  // From a segment's lower to its upper marker, in the leg's axes.
+  Eigen::Vector3d Vector(LegSegmentIndex segment, std::size_t frame) const;
+  double AngleRad(LegSegmentIndex segment, std::size_t frame) const;  // from the vertical, in the plane
+  double Length(LegSegmentIndex segment, std::size_t frame) const;
 };
 
-// Variance of θ_shank − θ_thigh, rad².
-double KneeVariance(const StateMatrix& covariance);
+// How a quantity changes with the markers' places, in the plane's axes. Markers err independently of each other.
+struct MarkerGradient {
+  std::array<Eigen::Vector3d, kLegMarkers> by_marker;
 
-// Smooth paths, and on them what the markers did beside them (NoiseShares).
-LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
-                        const std::vector<double>& coefficients, double lasting_share, bool with_covariance);
-
-// One coordinate by itself: its smooth curve, and what it did beside it.
-struct SmoothCoordinate {
-  std::vector<double> value, rate, variance, scatter;
-  bool settled = true;
+  MarkerGradient() { by_marker.fill(Eigen::Vector3d::Zero()); }
+  double Rate(const LegCurves& curves, std::size_t frame) const;
+  double Variance(const LegCurves& curves, std::size_t frame) const;
+  double RateVariance(const LegCurves& curves, std::size_t frame) const;  // the gradient's own change left out
+  MarkerGradient operator-(const MarkerGradient& other) const;
 };
 
-// Values that are NaN are gaps.
-SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double>& time_s,
-                                const std::vector<double>& values, const std::vector<double>& sigmas,
-                                const LegFitOptions& options);
+MarkerGradient AngleGradient(const LegCurves& curves, LegSegmentIndex segment, std::size_t frame);  // rad
+MarkerGradient LengthGradient(const LegCurves& curves, LegSegmentIndex segment, std::size_t frame);
+MarkerGradient KneeGradient(const LegCurves& curves, std::size_t frame);  // rad
+MarkerGradient HipHeightGradient(const LegCurves& curves);
 
-// A marker that is not the leg's, smoothed and bridged by itself.
-MarkerCurve SmoothMarker(const motion::MarkerRecording& recording, const Detections& detections, const LegView& view,
-                         const LegFitOptions& options);
+// `leg_from_plane` takes the plane's axes to the leg's.
+LegCurves MakeLegCurves(const std::vector<double>& time_s, LegMarkerCurves markers, int count,
+                        const Eigen::Matrix2d& leg_from_plane, const std::array<Detections, kLegMarkers>& leg,
+                        bool is_facing_given);
 
 // Tracks, trajectory, motion, events, reports. `skin` as for CollectDetections.
 void FillResult(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg,
-                const LegCurves& curves, const LegModel& model, motion::Facing facing, double skin,
+                const LegCurves& curves, const LegView& view, motion::Facing facing, double skin,
                 const LegFitOptions& options, LegFitResult& result);
 
 }  // namespace lake::gait

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "detections.h"
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
 #include "lake/core/statistics.h"
@@ -15,10 +16,7 @@
 #include "lake/gait/persons_leg.h"
 #include "lake/gait/plausibility.h"
 #include "leg_curves.h"
-#include "leg_problem.h"
-#include "leg_signals.h"
 #include "leg_space.h"
-#include "scatter.h"
 #include "sizes.h"
 
 namespace lake::gait {
@@ -129,7 +127,7 @@ std::array<Detections, kLegMarkers> CollectLeg(const motion::MarkerRecording& re
     const motion::MarkerTrack* track = recording.Find(*wanted[m]);
     if (track) {
       leg[m] = CollectDetections(recording, *track, view, skin);
-      MistrustTheLone(leg[m], recording.time_s);
+      MistrustIsolated(leg[m], recording.time_s);
     } else if (m != kWaist)
       throw Fail("leg fit: no marker '{}' in the recording (it has: {}); name the leg's markers with --map", *wanted[m],
                  Names(recording));
@@ -140,9 +138,10 @@ std::array<Detections, kLegMarkers> CollectLeg(const motion::MarkerRecording& re
 }
 
 LegPath MeasuredPath(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg,
-                     const LegModel& model, motion::Facing facing, const LegFitOptions& options) {
+                     const LegView& view, const Eigen::Matrix2d& leg_from_plane, motion::Facing facing,
+                     const LegFitOptions& options) {
   LegPath path;
-  path.unit = PlaneUnit(model.view);
+  path.unit = PlaneUnit(view);
   path.facing = facing;
   path.is_facing_given = options.facing.has_value();
   path.frame = recording.frame;
@@ -151,18 +150,9 @@ LegPath MeasuredPath(const motion::MarkerRecording& recording, const std::array<
     path.name[m] = d.name;
     path.marker[m].assign(recording.Frames(), Eigen::Vector3d::Constant(motion::LegSample::kUnknown));
     for (std::size_t i = 0; i < d.trusted.size(); ++i)
-      if (d.trusted[i])
-        path.marker[m][i] << model.plane_from_leg.transpose() * d.in_plane[i], d.lateral.empty() ? 0 : d.lateral[i];
+      if (d.trusted[i]) path.marker[m][i] << leg_from_plane * d.in_plane[i], d.lateral.empty() ? 0 : d.lateral[i];
   }
   return path;
-}
-
-// The waist counts if it is seen together with the hip often enough for a trunk.
-bool HasTrunk(const std::array<Detections, kLegMarkers>& leg) {
-  std::size_t frames = 0;
-  for (std::size_t i = 0; i < leg[kWaist].trusted.size(); ++i)
-    if (leg[kHip].trusted[i] && leg[kWaist].trusted[i]) ++frames;
-  return frames >= kLeastFrames;
 }
 
 FacingFound FindFacingOf(const std::array<Detections, kLegMarkers>& leg) {
@@ -179,167 +169,15 @@ Eigen::Matrix2d PlaneFromLegAxes(motion::Facing facing, const Eigen::Vector2d& u
   return axes;
 }
 
-std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMarkers>& leg, std::size_t frames,
-                                             int markers) {
-  std::vector<LegObservation> observations;
-  observations.reserve(frames * static_cast<std::size_t>(markers));
-  for (std::size_t i = 0; i < frames; ++i)
-    for (int m = 0; m < markers; ++m) {
-      const Detections& d = leg[static_cast<std::size_t>(m)];
-      if (!d.seen[i]) continue;
-      observations.push_back({.seen = d.track->samples[i].position,
-                              .sigma = d.sigma[i],
-                              .jolt = d.jolt[i],
-                              .frame = static_cast<std::uint32_t>(i),
-                              .marker = static_cast<LegMarker>(m),
-                              .trusted = d.trusted[i] != 0});
-    }
-  return observations;
-}
-
-// What of the scatter about the smooth paths is noise, moment by moment. Where the sigmas need not hold, what a marker
-// scatters all the time is noise that its sigmas did not know of.
-void FindNoiseShares(const std::vector<double>& coefficients, bool known_sigmas, LegModel& model) {
-  const StateCovariances covariances = CovariancesOf(model, coefficients).state;
-  std::array<std::vector<Residual>, kLegMarkers> residuals;
-  for (const LegObservation& o : model.observations) {
-    const LegResidual residual = EvaluateObservation(model, o, coefficients);
-    if (!IsOrdinary(model, o, residual.value)) continue;
-    const double leverage = (residual.by_state * covariances.At(o.frame) * residual.by_state.transpose()).trace() / 2 /
-                            std::pow(model.Scatter(o), 2);
-    residuals[o.marker].push_back({model.time_s[o.frame],
-                                   residual.value.squaredNorm() / std::pow(model.Sigma(o), 2) / 2,
-                                   std::max(1 - leverage, 0.0)});
-  }
-  for (std::size_t m = 0; m < kLegMarkers; ++m) {
-    model.noise_share[m] = NoiseShares(residuals[m], model.time_s);
-    const double usual = known_sigmas ? 1 : Median(model.noise_share[m]);
-    for (double& share : model.noise_share[m]) share = std::min(1.0, share / usual);
-    model.sigma_scale[m] /= std::sqrt(usual);
-  }
-}
-
-struct Solution {
-  LegModel model;
-  std::vector<double> coefficients;
-  LegSolveSummary solve;
-};
-
-// Where a marker is hidden while others move, the start is off by pixels, and the biweight would take the others for
-// outliers for good. So its limit comes down to its own value in steps (graduated non-convexity: Blake & Zisserman,
-// Visual Reconstruction, 1987).
-LegSolveSummary Approach(const LegModel& model, std::vector<double>& coefficients) {
-  constexpr double kFactor = 8;
-  double largest = 0;  // in sigmas
-  for (const LegObservation& o : model.observations)
-    largest = std::max(largest, EvaluateObservation(model, o, coefficients).value.norm() / model.Scatter(o));
-  if (largest >= model.outlier_deviations) {
-    LegModel wide = model;
-    for (double limit = 2 * largest; limit > model.outlier_deviations; limit /= kFactor) {
-      wide.outlier_deviations = limit;
-      SolveLegProblem(wide, coefficients);
-    }
-  }
-  return SolveLegProblem(model, coefficients);
-}
-
-// Of the picture in which the leg was seen, recorded unit².
-double AreaOf(const std::vector<LegObservation>& observations) {
-  Eigen::AlignedBox2d box;
-  for (const LegObservation& o : observations) box.extend(o.seen);
-  return box.volume();
-}
-
-// How likely an observation that something speaks against is of its marker nonetheless: by how those that the
-// covariance is of predict it, but for what skin and a strike may do at once, against something else anywhere in
-// `area`.
-double ChanceOfMarker(const LegModel& model, const LegObservation& o, const LegResidual& residual,
-                      const StateMatrix& covariance, double area) {
-  const Eigen::Vector2d surprise = std::max(0.0, 1 - o.jolt / residual.value.norm()) * residual.value;
-  const Eigen::Matrix2d variance = residual.by_state * covariance * residual.by_state.transpose() +
-                                   std::pow(model.Scatter(o), 2) * Eigen::Matrix2d::Identity();
-  const double density = std::exp(-surprise.dot(variance.inverse() * surprise) / 2) /
-                         (2 * std::numbers::pi * std::sqrt(variance.determinant()));
-  return (1 - kOfSomethingElse) * density / ((1 - kOfSomethingElse) * density + kOfSomethingElse / area);
-}
-
-void KeepTrusted(std::vector<LegObservation>& observations) {
-  std::erase_if(observations, [](const LegObservation& o) { return !o.trusted; });
-}
-
-// Lets in those of all observations that something speaks against and the solution without them makes likely; that they
-// may be something else is in their sigmas. Returns whether there were any.
-bool LetIn(std::vector<LegObservation> all, const std::vector<double>& coefficients, LegModel& model) {
-  if (all.size() == model.observations.size()) return false;
-  const StateCovariances covariances = CovariancesOf(model, coefficients).state;
-  const double area = AreaOf(model.observations);
-  for (LegObservation& o : all) {
-    if (o.trusted) continue;
-    const LegResidual residual = EvaluateObservation(model, o, coefficients);
-    const double chance = ChanceOfMarker(model, o, residual, covariances.At(o.frame), area);
-    o.trusted = chance > 0.5;
-    o.sigma = std::hypot(o.sigma, std::sqrt(1 - chance) * residual.value.norm());
-  }
-  KeepTrusted(all);
-  if (all.size() == model.observations.size()) return false;
-  model.observations = std::move(all);
-  return true;
-}
-
-// First without the observations that something speaks against. What scatters about the smooth paths beyond the noise
-// is taken into account, unless the sigmas are to stay, as those of a given cutoff, which depends on them.
-Solution SolveLeg(LegModel model, std::vector<double> coefficients, const LegFitOptions& options) {
-  Solution solution;
-  const std::vector<LegObservation> all = model.observations;
-  KeepTrusted(model.observations);
-  solution.solve = Approach(model, coefficients);
-  if (!options.HasSplineCutoff()) FindNoiseShares(coefficients, options.known_sigmas, model);
-  const bool has_more = LetIn(all, coefficients, model);
-  if (has_more || !options.HasSplineCutoff()) {
-    const LegSolveSummary again = has_more ? Approach(model, coefficients) : SolveLegProblem(model, coefficients);
-    solution.solve.usable = solution.solve.usable && again.usable;
-    solution.solve.iterations += again.iterations;
-    solution.solve.final_cost = again.final_cost;
-    solution.solve.message = again.message;
-  }
-  if (!options.HasSplineCutoff()) FindNoiseShares(coefficients, true, model);
-  solution.model = std::move(model);
-  solution.coefficients = std::move(coefficients);
-  return solution;
-}
-
-// Of a cutoff below what the leg does: the recording is not to blame.
-void CheckCutoffKeepsMotion(const LegFitResult& result, double cutoff_hz) {
-  std::vector<double> sigmas;
-  for (const motion::LegSample& sample : result.motion.samples)
-    if (std::isfinite(sample.knee_sigma_deg)) sigmas.push_back(sample.knee_sigma_deg);
-  constexpr double kMostOutliers = 0.25;
-  const bool explains = std::ranges::all_of(
-      result.markers, [&](const MarkerReport& marker) { return marker.outliers <= kMostOutliers * marker.detected; });
-  if (explains && RootMeanSquare(sigmas) <= PlausibilityLimits().most_knee_sigma_deg) return;
-  throw Fail("leg fit: a cutoff of {} Hz takes the movement itself for noise; give a higher --cutoff, or none",
-             cutoff_hz);
-}
-
-LegFitSummary Summarize(const Solution& solution, const LegStart& start) {
-  LegFitSummary summary;
-  summary.usable = solution.solve.usable;
-  summary.iterations = solution.solve.iterations;
-  summary.initial_cost = solution.solve.initial_cost;
-  summary.final_cost = solution.solve.final_cost;
-  summary.message = solution.solve.message;
-  summary.knot_step_s = start.grid.step_s;
-  summary.cutoff_hz = start.knee_cutoff_hz;
-  double square = 0;
-  int count = 0;
-  for (const LegObservation& o : solution.model.observations) {
-    const LegResidual residual = EvaluateObservation(solution.model, o, solution.coefficients);
-    if (!IsOrdinary(solution.model, o, residual.value)) continue;
-    square += residual.value.squaredNorm() / std::pow(solution.model.Scatter(o), 2);
-    count += 2;
-  }
-  summary.residual_rms = std::sqrt(square / count);
-  return summary;
+// Of the detections that are used, about the curves, in their standard deviations.
+double ResidualRms(const std::array<Detections, kLegMarkers>& leg, const LegCurves& curves) {
+  std::vector<double> squares;
+  for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
+    for (std::size_t i = 0; i < leg[m].trusted.size(); ++i)
+      if (leg[m].trusted[i])
+        squares.push_back((leg[m].in_plane[i] - curves.marker[m].InPlane(i)).squaredNorm() / 2 /
+                          std::pow(curves.marker[m].scatter[i] * leg[m].plane_sigma[i], 2));
+  return std::sqrt(Mean(squares));
 }
 
 }  // namespace
@@ -391,52 +229,25 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
                     found.largest_flexion_deg, options.facing_option));
 
   WarnOfPauses(recording, options, result.warnings);
-  LegModel model;
-  model.view = view;
-  model.plane_from_leg = PlaneFromLegAxes(facing, options.up);
-  model.states = HasTrunk(leg) ? kLegStates : kLegStatesWithoutTrunk;
-  model.outlier_deviations = options.outlier_deviations;
-  model.knots_per_piece = options.knots_per_piece;
-  std::optional<LegSignals> signals = MakeLegSignals(leg, model.plane_from_leg.transpose(), model.states);
-  CheckIsSeen(*signals, leg);
-  const auto warn = [&result](const std::vector<std::string>& warnings) {
-    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
-  };
-  const LegPath measured = MeasuredPath(recording, leg, model, facing, options);
-  warn(CheckPersonsLeg(measured, {}, options));
+  CheckIsSeen(leg);
+  const Eigen::Matrix2d leg_from_plane = PlaneFromLegAxes(facing, options.up).transpose();
+  const LegPath measured = MeasuredPath(recording, leg, view, leg_from_plane, facing, options);
+  for (std::string& warning : CheckPersonsLeg(measured, {}, options)) result.warnings.push_back(std::move(warning));
   progress.Advance();
-  LegStart start = SmoothSignals(*signals, recording.time_s, model.states, options);
-  // From a smooth bridge over a long gap, the fit would find a hidden joint on either side.
-  const std::set<int> bent = BendHiddenJoints(leg, model.plane_from_leg.transpose(), model.states, *signals);
-  StartFrom(*signals, bent, recording.time_s, model.states, start);
-  signals.reset();  // of a long recording it is much
-  if (!start.unsettled.empty())
-    result.warnings.push_back(UnsettledWarning(fmt::format("leg fit, {}", fmt::join(start.unsettled, ", "))));
+  const int markers = FramesTogether(leg[kHip], leg[kWaist]) >= kLeastFrames ? kLegMarkers : kLegMarkers - 1;
+  LegMarkerCurves smooth = SmoothLeg(recording.time_s, markers, view, options, leg);
   progress.Advance();
-  model.grid = start.grid;
-  model.priors = std::move(start.priors);
-  model.time_s = recording.time_s;
-  for (std::size_t m = 0; m < leg.size(); ++m) model.depth_mm[m] = leg[m].depth_mm;
-  model.observations = MakeObservations(leg, recording.Frames(), model.states == kLegStates ? 4 : 3);
-  model.sigma_scale.fill(start.sigma_scale);
-  Solution solution = SolveLeg(std::move(model), std::move(start.coefficients), options);
-  if (!solution.solve.usable) throw SolverError("leg fit: no solution: {}", solution.solve.message);
-  progress.Advance();
-
-  for (LegPrior& prior : solution.model.priors) prior.roughness = std::move(prior.possible_roughness);
-  LegCurves curves =
-      MakeLegCurves(recording, solution.model, solution.coefficients, options.LastingShare(), !lateral.empty());
-  if (!lateral.empty()) {
-    AddAcross(recording, leg, solution.model, options, curves);
-    result.lateral = ReportLateral(leg);
-  }
-  FillResult(recording, leg, curves, solution.model, facing, skin, options, result);
+  result.summary = {.known_sigmas = options.known_sigmas,
+                    .lasting_share = smooth.knee.lasting / (smooth.knee.white + smooth.knee.lasting),
+                    .noise_memory_s = smooth.knee.memory_s,
+                    .cutoff_hz = options.cutoff_hz.value_or(smooth.knee_cutoff_hz)};
+  const LegCurves curves =
+      MakeLegCurves(recording.time_s, std::move(smooth), markers, leg_from_plane, leg, options.facing.has_value());
+  if (!lateral.empty()) result.lateral = ReportLateral(leg);
+  FillResult(recording, leg, curves, view, facing, skin, options, result);
   for (const UnusualLength& unusual : UnusualLengths(measured, options)) AddToSigmas(unusual, result);
-  result.summary = Summarize(solution, start);
-  result.summary.known_sigmas = options.known_sigmas;
-  result.summary.lasting_share = options.LastingShare();
+  result.summary.residual_rms = ResidualRms(leg, curves);
   WarnOfLengths(result.segments, options, result.warnings);
-  if (options.HasSplineCutoff()) CheckCutoffKeepsMotion(result, *options.cutoff_hz);
   progress.Advance();
   return result;
 }

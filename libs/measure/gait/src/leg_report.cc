@@ -114,15 +114,10 @@ Json LegFitJson(const LegFitResult& result) {
                {"knee", KneeJson(result.motion)},
                {"sit_to_stands", RepetitionsJson(result.events)},
                {"fit",
-                {{"usable", fit.usable},
-                 {"message", fit.message},
-                 {"known_sigmas", fit.known_sigmas},
+                {{"known_sigmas", fit.known_sigmas},
                  {"lasting_share", fit.lasting_share},
-                 {"iterations", fit.iterations},
-                 {"initial_cost", fit.initial_cost},
-                 {"final_cost", fit.final_cost},
+                 {"noise_memory_s", fit.noise_memory_s},
                  {"residual_rms_sigmas", fit.residual_rms},
-                 {"knot_step_s", fit.knot_step_s},
                  {"cutoff_hz", fit.cutoff_hz}}}};
   if (result.lateral)
     json["across_plane"] = {{"rms_mm", result.lateral->rms_mm},

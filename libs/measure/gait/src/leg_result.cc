@@ -21,7 +21,7 @@ constexpr double kCustomaryCutoffHz = 6;
 
 // One marker through all stages; `shown` is its position in the plane as the filter gives it.
 struct MarkerOutput {
-  const Detections* detections;
+  const Detections* detections = nullptr;
   MarkerCurve curve;
   std::vector<motion::SampleStatus> status;
   std::vector<Eigen::Vector2d> shown;
@@ -31,19 +31,12 @@ struct MarkerOutput {
   std::vector<Eigen::Vector2d> filtered_curve;
 };
 
-bool IsOutlier(const Detections& d, const MarkerCurve& curve, std::size_t i, double deviations) {
-  return d.seen[i] && (d.track->samples[i].position - curve.recorded[i]).norm() >
-                          deviations * curve.scatter[i] * d.sigma[i] + d.jolt[i];
-}
-
 // Before a marker is first seen and after it is last seen nothing is known of it: it may not have been there. Where it
 // is hidden, or something else was taken for it, it is known as well as the curve knows it.
-std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurve& curve, double most_sigma,
-                                           double outlier_deviations) {
+std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurve& curve, double most_sigma) {
   using motion::SampleStatus;
   const std::size_t n = d.seen.size();
-  std::vector<char> fits(n);
-  for (std::size_t i = 0; i < n; ++i) fits[i] = d.seen[i] && !IsOutlier(d, curve, i, outlier_deviations);
+  const std::vector<char>& fits = d.trusted;
   const auto first = std::find(fits.begin(), fits.end(), 1) - fits.begin();
   const auto last = fits.rend() - std::find(fits.rbegin(), fits.rend(), 1) - 1;
   std::vector<SampleStatus> status(n, SampleStatus::kMissing);
@@ -55,10 +48,46 @@ std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurv
   return status;
 }
 
+std::vector<Eigen::Vector2d> InPlaneOf(const MarkerCurve& curve) {
+  std::vector<Eigen::Vector2d> in_plane;
+  for (std::size_t i = 0; i < curve.point.size(); ++i) in_plane.push_back(curve.InPlane(i));
+  return in_plane;
+}
+
+// The filter that the tables are to go through, and its cutoff.
+struct TableFilter {
+  LegFilter kind;
+  double cutoff_hz;
+
+  std::vector<double> Pass(const std::vector<double>& values, const std::vector<double>& time_s) const {
+    return kind == LegFilter::kButterworth ? ZeroPhaseButterworthAtTimes(values, time_s, cutoff_hz)
+                                           : dynamics::LowPass(time_s, values, cutoff_hz);
+  }
+
+  // Of the standard deviation of white noise: the root sum of squares of the response to an impulse.
+  double NoiseGain(double rate_hz) const {
+    const auto half = static_cast<std::size_t>(std::ceil(4 * rate_hz / cutoff_hz));
+    std::vector<double> impulse(2 * half + 1, 0.0), times;
+    impulse[half] = 1;
+    for (std::size_t i = 0; i < impulse.size(); ++i) times.push_back(static_cast<double>(i) / rate_hz);
+    double sum = 0;
+    for (const double value : Pass(impulse, times)) sum += value * value;
+    return std::sqrt(sum);
+  }
+};
+
+bool IsFiltered(const LegFitOptions& options) {
+  return options.filter == LegFilter::kButterworth || options.HasSplineCutoff();
+}
+
+TableFilter FilterOf(const LegFitOptions& options) {
+  return {options.filter, options.cutoff_hz.value_or(kCustomaryCutoffHz)};
+}
+
 // Over every run of frames in which the marker is known.
-void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, double cutoff_hz) {
+void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, const TableFilter& table) {
   const std::size_t n = time_s.size();
-  output.filtered_curve = output.curve.in_plane;
+  output.filtered_curve = InPlaneOf(output.curve);
   for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
     for (end = begin; end < n && output.status[end] != motion::SampleStatus::kMissing;) ++end;
     if (end - begin >= 3) {
@@ -67,7 +96,7 @@ void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, do
       const auto filter = [&](const auto& value_at) {
         std::vector<double> values;
         for (std::size_t i = begin; i < end; ++i) values.push_back(value_at(i));
-        const std::vector<double> filtered = ZeroPhaseButterworthAtTimes(values, times, cutoff_hz);
+        const std::vector<double> filtered = table.Pass(values, times);
         for (std::size_t i = begin; i < end; ++i) value_at(i) = filtered[i - begin];
       };
       for (auto* positions : {&output.shown, &output.filtered_curve})
@@ -77,7 +106,7 @@ void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, do
     if (end == begin) ++end;
   }
   const double rate_hz = static_cast<double>(n - 1) / (time_s.back() - time_s.front());
-  const double gain = ButterworthNoiseGain(rate_hz, cutoff_hz);
+  const double gain = table.NoiseGain(rate_hz);
   for (std::size_t i = 0; i < n; ++i)
     if (output.status[i] == motion::SampleStatus::kDetected) output.shown_sigma[i] *= gain;
 }
@@ -85,11 +114,12 @@ void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, do
 MarkerOutput MakeOutput(const Detections& d, MarkerCurve curve, const std::vector<double>& time_s, double most_sigma,
                         const LegFitOptions& options) {
   MarkerOutput output{&d, std::move(curve), {}, {}, {}, {}, {}};
-  output.status = StatusOf(d, output.curve, most_sigma, options.outlier_deviations);
-  output.shown = output.curve.in_plane;
+  output.status = StatusOf(d, output.curve, most_sigma);
+  output.shown = InPlaneOf(output.curve);
   output.shown_sigma = output.curve.plane_sigma;
-  output.shown_lateral = output.curve.lateral;
-  if (options.filter == LegFilter::kSpline) return output;
+  if (!d.lateral.empty())
+    for (const dynamics::PathPoint& point : output.curve.point) output.shown_lateral.push_back(point.position.z());
+  if (!IsFiltered(options) && options.filter == LegFilter::kSpline) return output;
   for (std::size_t i = 0; i < d.seen.size(); ++i)
     if (d.seen[i]) {
       output.shown[i] = d.in_plane[i];
@@ -97,8 +127,7 @@ MarkerOutput MakeOutput(const Detections& d, MarkerCurve curve, const std::vecto
     }
   for (std::size_t i = 0; i < output.shown_lateral.size(); ++i)
     if (d.seen[i]) output.shown_lateral[i] = d.lateral[i];
-  if (options.filter == LegFilter::kButterworth)
-    FilterPositions(output, time_s, options.cutoff_hz.value_or(kCustomaryCutoffHz));
+  if (IsFiltered(options)) FilterPositions(output, time_s, FilterOf(options));
   return output;
 }
 
@@ -121,7 +150,7 @@ motion::MarkerTrack TrajectoryOf(const MarkerOutput& output) {
   for (std::size_t i = 0; i < output.status.size(); ++i) {
     double sigma = output.shown_sigma[i];
     if (!output.filtered_curve.empty())
-      sigma = std::hypot(sigma, (output.filtered_curve[i] - output.curve.in_plane[i]).norm() / std::numbers::sqrt2);
+      sigma = std::hypot(sigma, (output.filtered_curve[i] - output.curve.InPlane(i)).norm() / std::numbers::sqrt2);
     track.samples.push_back({output.shown[i], sigma, output.status[i]});
   }
   return track;
@@ -145,18 +174,13 @@ LegPoints PointsAt(const std::vector<MarkerOutput>& leg, std::size_t frame, bool
   return points;
 }
 
-// From the markers' own sigmas, where the fit's covariance does not apply.
-double KneeSigmaDeg(const std::vector<MarkerOutput>& leg, const motion::LegSample& sample, std::size_t i) {
-  const auto length = [&](LegMarker below, const Eigen::Vector2d& in_plane) {
-    const auto &from = leg[below].shown_lateral, &to = leg[below + 1u].shown_lateral;
-    return from.empty() ? in_plane.norm() : std::hypot(in_plane.norm(), to[i] - from[i]);
-  };
-  const double shank = length(kAnkle, sample.ak), thigh = length(kKnee, sample.kh);
-  const double at_knee =
-      1 / (shank * shank) + 1 / (thigh * thigh) + 2 * std::cos(RadiansFromDegrees(sample.knee_deg)) / (shank * thigh);
-  const auto variance = [&](LegMarker m) { return leg[m].shown_sigma[i] * leg[m].shown_sigma[i]; };
-  return DegreesFromRadians(
-      std::sqrt(variance(kAnkle) / (shank * shank) + variance(kHip) / (thigh * thigh) + variance(kKnee) * at_knee));
+// From the shown markers' own sigmas, where the fit's covariance does not apply.
+double KneeSigmaDeg(const std::vector<MarkerOutput>& leg, const LegCurves& curves, std::size_t i) {
+  const MarkerGradient knee = KneeGradient(curves, i);
+  double variance = 0;
+  for (std::size_t m = 0; m < leg.size(); ++m)
+    variance += std::pow(leg[m].shown_sigma[i], 2) * knee.by_marker[m].squaredNorm();
+  return DegreesFromRadians(std::sqrt(variance));
 }
 
 // The knee angle in space of a sample whose vectors in the plane are known.
@@ -177,10 +201,10 @@ void SetSpeedByDifferences(motion::LegMotion& motion) {
 }
 
 motion::LegMotion MakeMotion(const motion::MarkerRecording& recording, const std::vector<MarkerOutput>& leg,
-                             const LegCurves& curves, const LegModel& model, motion::Facing facing,
+                             const LegCurves& curves, const LegView& view, motion::Facing facing,
                              const LegFitOptions& options) {
   motion::LegMotion motion;
-  motion.unit = PlaneUnit(model.view);
+  motion.unit = PlaneUnit(view);
   motion.facing = facing;
   motion.frame = recording.frame;
   motion.time_s = recording.time_s;
@@ -195,13 +219,14 @@ motion::LegMotion MakeMotion(const motion::MarkerRecording& recording, const std
           KneeInSpaceOf(leg, raw, axis, [&](const MarkerOutput& m) { return m.detections->lateral[i]; });
     }
     if (std::isfinite(sample.knee_deg)) {
-      sample.knee_sigma_deg =
-          options.filter == LegFilter::kSpline ? curves.knee_sigma_deg[i] : KneeSigmaDeg(leg, sample, i);
+      sample.knee_sigma_deg = options.filter == LegFilter::kSpline && !IsFiltered(options)
+                                  ? curves.knee_sigma_deg[i]
+                                  : KneeSigmaDeg(leg, curves, i);
       sample.knee_deg_s = curves.knee_deg_s[i];
     }
     motion.samples.push_back(sample);
   }
-  if (options.filter != LegFilter::kSpline) SetSpeedByDifferences(motion);
+  if (options.filter != LegFilter::kSpline || IsFiltered(options)) SetSpeedByDifferences(motion);
   return motion;
 }
 
@@ -217,21 +242,21 @@ std::vector<double> KneeTakenByFilter(const std::vector<MarkerOutput>& leg, cons
     };
     taken_deg.push_back(std::isfinite(motion.samples[i].knee_deg)
                             ? knee_deg([&](const MarkerOutput& m) { return m.filtered_curve[i]; }) -
-                                  knee_deg([&](const MarkerOutput& m) { return m.curve.in_plane[i]; })
+                                  knee_deg([&](const MarkerOutput& m) { return m.curve.InPlane(i); })
                             : motion::LegSample::kUnknown);
   }
   return taken_deg;
 }
 
 // RMS rates of a segment's length within kSkin_s of each frame.
-std::vector<double> LengthRates(const LegCurves& curves, LegState length, const std::vector<double>& time_s) {
+std::vector<double> LengthRates(const LegCurves& curves, LegSegmentIndex segment, const std::vector<double>& time_s) {
   constexpr double kSkin_s = 0.1;
   std::vector<double> rates;
   for (std::size_t i = 0, begin = 0, end = 0; i < time_s.size(); ++i) {
     while (time_s[begin] < time_s[i] - kSkin_s) ++begin;
     while (end < time_s.size() && time_s[end] <= time_s[i] + kSkin_s) ++end;
     double square = 0;
-    for (std::size_t k = begin; k < end; ++k) square += std::pow(curves.rate[k][length], 2);
+    for (std::size_t k = begin; k < end; ++k) square += std::pow(LengthGradient(curves, segment, k).Rate(curves, k), 2);
     rates.push_back(std::sqrt(square / static_cast<double>(end - begin)));
   }
   return rates;
@@ -240,19 +265,16 @@ std::vector<double> LengthRates(const LegCurves& curves, LegState length, const 
 // The same signals with what the skin makes of the speeds in their deviations: bones keep their lengths, so as fast as
 // a segment's changes its markers slide, or it turns out of the plane, and across the segment as fast as along it.
 StsSignals WithSkin(StsSignals signals, const LegCurves& curves) {
-  const std::vector<double> shank = LengthRates(curves, kShankLength, signals.time_s),
-                            thigh = LengthRates(curves, kThighLength, signals.time_s);
-  const bool has_trunk = curves.markers == kLegMarkers;
-  const std::vector<double> trunk =
-      has_trunk ? LengthRates(curves, kTrunkLength, signals.time_s) : std::vector<double>();
+  const std::vector<double> shank = LengthRates(curves, kShank, signals.time_s),
+                            thigh = LengthRates(curves, kThigh, signals.time_s),
+                            trunk = curves.HasTrunk() ? LengthRates(curves, kTrunk, signals.time_s) : shank;
   StsDeviations& sd = signals.sd;
   for (std::size_t i = 0; i < signals.time_s.size(); ++i) {
-    const StateVector& state = curves.state[i];
     sd.hip_up_speed[i] = std::hypot(sd.hip_up_speed[i], shank[i], thigh[i]);
-    sd.knee_deg_s[i] = std::hypot(sd.knee_deg_s[i], DegreesFromRadians(shank[i] / state[kShankLength]),
-                                  DegreesFromRadians(thigh[i] / state[kThighLength]));
-    if (has_trunk)
-      sd.trunk_deg_s[i] = std::hypot(sd.trunk_deg_s[i], DegreesFromRadians(trunk[i] / state[kTrunkLength]));
+    sd.knee_deg_s[i] = std::hypot(sd.knee_deg_s[i], DegreesFromRadians(shank[i] / curves.Length(kShank, i)),
+                                  DegreesFromRadians(thigh[i] / curves.Length(kThigh, i)));
+    if (curves.HasTrunk())
+      sd.trunk_deg_s[i] = std::hypot(sd.trunk_deg_s[i], DegreesFromRadians(trunk[i] / curves.Length(kTrunk, i)));
   }
   return signals;
 }
@@ -269,36 +291,36 @@ StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<Mar
     const bool known = std::isfinite(motion.samples[i].knee_deg);
     const bool trunk = leg.size() == kLegMarkers && std::isfinite(motion.samples[i].trunk_deg);
     const auto value = [&](bool is_known, double v) { return is_known ? v : motion::LegSample::kUnknown; };
-    const StateVector& state = curves.state[i];
-    signals.hip_height.push_back(value(known, curves.marker[kHip].in_plane[i].dot(up)));
-    signals.hip_up_speed.push_back(value(known, curves.hip_speed_in_leg[i].y()));
-    signals.hip_behind.push_back(value(known, -state[kShankLength] * std::sin(state[kShankAngle]) -
-                                                  state[kThighLength] * std::sin(state[kThighAngle])));
-    signals.knee_deg.push_back(value(known, DegreesFromRadians(state[kShankAngle] - state[kThighAngle])));
+    const MarkerGradient shank = AngleGradient(curves, kShank, i), thigh = AngleGradient(curves, kThigh, i),
+                         trunk_angle = curves.HasTrunk() ? AngleGradient(curves, kTrunk, i) : MarkerGradient();
+    const auto speed_deg_s = [&](const MarkerGradient& angle) { return DegreesFromRadians(angle.Rate(curves, i)); };
+    const double shank_deg = DegreesFromRadians(curves.AngleRad(kShank, i)),
+                 thigh_deg = DegreesFromRadians(curves.AngleRad(kThigh, i));
+    signals.hip_height.push_back(value(known, curves.marker[kHip].InPlane(i).dot(up)));
+    signals.hip_up_speed.push_back(value(known, HipHeightGradient(curves).Rate(curves, i)));
+    signals.hip_behind.push_back(value(known, -(curves.Vector(kShank, i) + curves.Vector(kThigh, i)).x()));
+    signals.knee_deg.push_back(value(known, shank_deg - thigh_deg));
     signals.knee_deg_s.push_back(value(known, curves.knee_deg_s[i]));
-    signals.trunk_deg.push_back(value(trunk, DegreesFromRadians(state[kTrunkAngle])));
-    signals.trunk_deg_s.push_back(value(trunk, DegreesFromRadians(curves.rate[i][kTrunkAngle])));
-    signals.shank_deg.push_back(value(known, DegreesFromRadians(state[kShankAngle])));
-    signals.shank_deg_s.push_back(value(known, DegreesFromRadians(curves.rate[i][kShankAngle])));
-    signals.hip_deg_s.push_back(
-        value(trunk, DegreesFromRadians(curves.rate[i][kTrunkAngle] - curves.rate[i][kThighAngle])));
+    signals.trunk_deg.push_back(value(trunk, trunk ? DegreesFromRadians(curves.AngleRad(kTrunk, i)) : 0));
+    signals.trunk_deg_s.push_back(value(trunk, speed_deg_s(trunk_angle)));
+    signals.shank_deg.push_back(value(known, shank_deg));
+    signals.shank_deg_s.push_back(value(known, speed_deg_s(shank)));
+    signals.hip_deg_s.push_back(value(trunk, speed_deg_s(trunk_angle - thigh)));
   }
   return signals;
 }
 
-SegmentReport ReportSegment(const char* name, const Detections& below, const Detections& above, const LegCurves& curves,
-                            LegMarker lower, int state) {
-  const bool lateral = !below.lateral.empty();
-  const MarkerCurve &curve_below = curves.marker[lower], &curve_above = curves.marker[lower + 1u];
-  std::vector<double> lengths, variances;
-  std::vector<double> fitted;
+SegmentReport ReportSegment(LegSegmentIndex segment, const std::array<Detections, kLegMarkers>& leg,
+                            const LegCurves& curves) {
+  const auto& [name, lower, upper] = kLegSegments[segment];
+  const Detections &below = leg[lower], &above = leg[upper];
+  std::vector<double> lengths, variances, fitted;
   for (std::size_t i = 0; i < below.seen.size(); ++i) {
     if (!below.trusted[i] || !above.trusted[i]) continue;
     const double in_plane = (above.in_plane[i] - below.in_plane[i]).norm();
-    lengths.push_back(lateral ? std::hypot(in_plane, above.lateral[i] - below.lateral[i]) : in_plane);
+    lengths.push_back(below.lateral.empty() ? in_plane : std::hypot(in_plane, above.lateral[i] - below.lateral[i]));
     variances.push_back(below.plane_sigma[i] * below.plane_sigma[i] + above.plane_sigma[i] * above.plane_sigma[i]);
-    fitted.push_back(lateral ? std::hypot(curves.state[i][state], curve_above.lateral[i] - curve_below.lateral[i])
-                             : curves.state[i][state]);
+    fitted.push_back(curves.Length(segment, i));
   }
   SegmentReport report;
   report.name = name;
@@ -309,7 +331,7 @@ SegmentReport ReportSegment(const char* name, const Detections& below, const Det
 }
 
 MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecording& recording, const LegView& view,
-                          double outlier_deviations, std::vector<OutlierReport>& outliers) {
+                          std::vector<OutlierReport>& outliers) {
   const Detections& d = *output.detections;
   MarkerReport report;
   report.name = d.name;
@@ -326,7 +348,7 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
       report.worst = distance;
       report.worst_frame = recording.frame[i];
     }
-    if (IsOutlier(d, output.curve, i, outlier_deviations)) {
+    if (!d.trusted[i]) {
       ++report.outliers;
       outliers.push_back(
           {.frame = recording.frame[i], .marker = d.name, .residual = distance, .deviations = deviations});
@@ -338,20 +360,20 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
           (PlaneFromRecorded(view, d.track->samples[i].position, d.depth_mm + 1) - d.in_plane[i]).norm());
   }
   report.rms = std::sqrt(Mean(squares));
-  report.noise_scale = RootMeanSquare(scatter);
+  report.noise_scale = std::max(1.0, RootMeanSquare(scatter));
   if (!parallax.empty()) report.parallax_per_depth = Median(parallax);
   return report;
 }
 
 // A marker seen too rarely for a curve: its detections as they are.
 MarkerOutput Unsmoothed(const Detections& d) {
-  MarkerOutput output{&d,
-                      {d.in_plane, {}, d.plane_sigma, d.sigma, true, std::vector<double>(d.seen.size(), 1), {}, {}, {}},
-                      {},
-                      d.in_plane,
-                      d.plane_sigma,
-                      {},
-                      {}};
+  MarkerOutput output;
+  output.detections = &d;
+  output.shown = d.in_plane;
+  output.shown_sigma = output.curve.plane_sigma = d.plane_sigma;
+  output.curve.recorded_sigma = d.sigma;
+  output.curve.scatter.assign(d.seen.size(), 1);
+  output.curve.point.resize(d.seen.size());
   for (std::size_t i = 0; i < d.seen.size(); ++i) {
     output.curve.recorded.push_back(d.track->samples[i].position);
     output.status.push_back(d.seen[i] ? motion::SampleStatus::kDetected : motion::SampleStatus::kMissing);
@@ -360,66 +382,63 @@ MarkerOutput Unsmoothed(const Detections& d) {
 }
 
 // A marker that is not the leg's.
-MarkerOutput MakeExtra(const motion::MarkerRecording& recording, const Detections& d, const LegView& view,
-                       double most_sigma, const LegFitOptions& options, std::vector<std::string>& warnings) {
-  if (std::cmp_greater_equal(std::ranges::count(d.trusted, 1), kLeastFrames)) {
-    MarkerCurve curve = SmoothMarker(recording, d, view, options);
-    if (!curve.settled) warnings.push_back(UnsettledWarning(fmt::format("marker '{}'", d.name)));
-    return MakeOutput(d, std::move(curve), recording.time_s, most_sigma, options);
-  }
+MarkerOutput MakeExtra(const motion::MarkerRecording& recording, Detections& d, const LegView& view, double most_sigma,
+                       double unit_mm, const LegFitOptions& options, std::vector<std::string>& warnings) {
+  if (std::cmp_greater_equal(std::ranges::count(d.trusted, 1), kLeastFrames))
+    return MakeOutput(d, SmoothMarker(recording.time_s, view, options, unit_mm, d), recording.time_s, most_sigma,
+                      options);
   warnings.push_back(
       fmt::format("marker '{}' is seen in fewer than {} frames and left as it is", d.name, kLeastFrames));
+  d.trusted = d.seen;
   return Unsmoothed(d);
 }
 
 void AddMarkers(const motion::MarkerRecording& recording, const std::vector<MarkerOutput>& leg, const LegView& view,
-                double most_sigma, double skin, const LegFitOptions& options, LegFitResult& result) {
+                double most_sigma, double skin, double unit_mm, const LegFitOptions& options, LegFitResult& result) {
   result.tracks = {recording.unit, recording.frame, recording.time_s, {}};
   result.trajectory = result.measured = {PlaneUnit(view), recording.frame, recording.time_s, {}};
   const auto add = [&](const MarkerOutput& output) {
     result.tracks.markers.push_back(TrackOf(output));
     result.trajectory.markers.push_back(TrajectoryOf(output));
     result.measured.markers.push_back(MeasuredOf(*output.detections));
-    result.markers.push_back(ReportMarker(output, recording, view, options.outlier_deviations, result.outliers));
+    result.markers.push_back(ReportMarker(output, recording, view, result.outliers));
   };
   for (const motion::MarkerTrack& track : recording.markers) {
     const auto own = std::find_if(leg.begin(), leg.end(), [&](const auto& o) { return o.detections->track == &track; });
     if (own != leg.end()) {
       add(*own);
     } else {
-      const Detections detections = CollectDetections(recording, track, view, skin);
-      add(MakeExtra(recording, detections, view, most_sigma, options, result.warnings));
+      Detections detections = CollectDetections(recording, track, view, skin);
+      add(MakeExtra(recording, detections, view, most_sigma, unit_mm, options, result.warnings));
     }
   }
   std::stable_sort(result.outliers.begin(), result.outliers.end(),
                    [](const auto& a, const auto& b) { return a.frame < b.frame; });
 }
 
-double MedianLength(const LegCurves& curves, LegState length) {
+double MedianLength(const LegCurves& curves, LegSegmentIndex segment) {
   std::vector<double> lengths;
-  for (const StateVector& state : curves.state) lengths.push_back(state[length]);
+  for (std::size_t i = 0; i < curves.knee_deg_s.size(); ++i)
+    lengths.push_back(curves.Vector(segment, i).head<2>().norm());
   return Median(std::move(lengths));
 }
 
 }  // namespace
 
 void FillResult(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& detections,
-                const LegCurves& curves, const LegModel& model, motion::Facing facing, double skin,
+                const LegCurves& curves, const LegView& view, motion::Facing facing, double skin,
                 const LegFitOptions& options, LegFitResult& result) {
-  const double shank = MedianLength(curves, kShankLength), thigh = MedianLength(curves, kThighLength);
+  const double shank = MedianLength(curves, kShank), thigh = MedianLength(curves, kThigh);
   const double most_sigma = options.most_filled_sigma * shank;
   std::vector<MarkerOutput> leg;
   for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
     leg.push_back(MakeOutput(detections[m], curves.marker[m], recording.time_s, most_sigma, options));
-  AddMarkers(recording, leg, model.view, most_sigma, skin, options, result);
-  result.segments.push_back(ReportSegment("ak", detections[kAnkle], detections[kKnee], curves, kAnkle, kShankLength));
-  result.segments.push_back(ReportSegment("kh", detections[kKnee], detections[kHip], curves, kKnee, kThighLength));
-  if (curves.markers == kLegMarkers)
-    result.segments.push_back(ReportSegment("hw", detections[kHip], detections[kWaist], curves, kHip, kTrunkLength));
-  result.motion = MakeMotion(recording, leg, curves, model, facing, options);
-  if (options.filter == LegFilter::kButterworth)
-    AccountForFilterLoss(KneeTakenByFilter(leg, result.motion, options.up),
-                         options.cutoff_hz.value_or(kCustomaryCutoffHz), result.motion);
+  AddMarkers(recording, leg, view, most_sigma, skin, UnitMm(view, shank), options, result);
+  for (const LegSegmentIndex segment : {kShank, kThigh, kTrunk})
+    if (segment != kTrunk || curves.HasTrunk()) result.segments.push_back(ReportSegment(segment, detections, curves));
+  result.motion = MakeMotion(recording, leg, curves, view, facing, options);
+  if (IsFiltered(options))
+    AccountForFilterLoss(KneeTakenByFilter(leg, result.motion, options.up), FilterOf(options).cutoff_hz, result.motion);
   result.signals = MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up);
   FoundStsEvents found = FindStsEvents(WithSkin(result.signals, curves));
   result.events = std::move(found.events);

@@ -10,8 +10,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
-#include "lake/core/statistics.h"
-#include "lake/gait/smoothing_spline.h"
+#include "lake/dynamics/path_smoother.h"
 #include "noise_from_differences.h"
 
 namespace lake::gait {
@@ -68,27 +67,21 @@ std::vector<Moving> SmoothPathOf(const motion::MarkerRecording& recording, const
   constexpr std::ptrdiff_t kLeastSamples = 8;
   if (std::ranges::count(seen, 1) < kLeastSamples) return path;
   const double noise = NoiseFromDifferences(track, seen);
-  constexpr double kFinest_s = 0.025;  // of what a person does
-  const SplineGrid grid = MakeSplineGrid(recording.time_s, std::max(kFinest_s, MedianInterval(recording.time_s)));
-  for (int axis = 0; axis < 2; ++axis) {
-    std::vector<double> value(n, kNaN), sigma(n, noise);
-    for (std::size_t i = 0; i < n; ++i) {
-      const motion::MarkerSample& sample = track.samples[i];
-      if (!seen[i]) continue;
-      value[i] = sample.position[axis];
-      if (sample.sigma > 0) sigma[i] = sample.sigma;
-    }
-    const SmoothSignal smooth = FitSmoothingSpline(grid, recording.time_s, value, sigma);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!seen[i]) continue;
-      SplineGrid::Place place = grid.At(recording.time_s[i]);
-      path[i].position[axis] = ValueAt(place, smooth.coefficients);
-      path[i].velocity[axis] = SlopeAt(place, smooth.coefficients);
-      // Of both axes the larger.
-      path[i].sd = std::fmax(path[i].sd, std::sqrt(VarianceAt(place, smooth.covariance)));
-      place.value = place.slope;
-      path[i].speed_sd = std::fmax(path[i].speed_sd, std::sqrt(VarianceAt(place, smooth.covariance)));
-    }
+  dynamics::SeenPath places{2, recording.time_s, std::vector(n, Eigen::Vector3d::Zero().eval()), std::vector(n, kNaN)};
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!seen[i]) continue;
+    const motion::MarkerSample& sample = track.samples[i];
+    places.place[i].head<2>() = sample.position;
+    places.sigma[i] = sample.sigma > 0 ? sample.sigma : noise;
+  }
+  const dynamics::MotionPrior prior = dynamics::PersonPrior(1);
+  const dynamics::PathModel model = dynamics::LearnPaths({&places, 1}, prior, {}).front();
+  const dynamics::SmoothedPath smooth = dynamics::SmoothPath(places, model, prior);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!seen[i]) continue;
+    const dynamics::PathPoint& point = smooth.point[i];
+    path[i] = {point.position.head<2>(), point.velocity.head<2>(), std::sqrt(point.position_covariance(0, 0)),
+               std::sqrt(point.velocity_covariance(0, 0))};
   }
   return path;
 }

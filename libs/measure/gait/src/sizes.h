@@ -1,15 +1,13 @@
-// The sizes of the leg fit that are not options, each of which stands for the same thing wherever it is used.
-// Not part of the interface.
+// The sizes of the leg fit that are not options. Not part of the interface.
 #pragma once
 
 #include <cstddef>
 
 namespace lake::gait {
 
-inline constexpr double kMovement_s = 0.2;  // a limb's roughness, and what skin does beside it, is alike for so long
-inline constexpr double kForgiven = 0.5;    // of the scatter of a mean of squares: taken for chance
-inline constexpr double kOfSomethingElse = 0.1;  // of the detections that their neighbours speak against
-inline constexpr double kTranslation = 1.5;      // noise deviations from a measurement to its estimate, at most
+inline constexpr double kMovement_s = 0.2;       // a marker's speed is the movement over this time
+inline constexpr double kMemory_s = 0.1;         // a movement that is not seen goes on as it was for about this time
+inline constexpr double kOfSomethingElse = 0.1;  // of the detections that are not trusted
 inline constexpr std::size_t kLeastFrames = 8;   // for a curve
 
 }  // namespace lake::gait

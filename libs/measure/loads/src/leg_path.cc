@@ -1,12 +1,11 @@
 #include "lake/loads/leg_path.h"
 
 #include <cmath>
-#include <limits>
 
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
-#include "lake/gait/smoothing_spline.h"
+#include "lake/dynamics/path_smoother.h"
 
 namespace lake::loads {
 namespace {
@@ -16,27 +15,25 @@ const motion::MarkerTrack& FindMarker(const motion::MarkerRecording& recording, 
   throw Fail("loads: no marker '{}' in the trial; name the markers with --map", name);
 }
 
-// Fills one point of every frame from a penalised spline of known cutoff.
+// Fills one point of every frame from the path's smoother with a given cutoff.
 void SmoothPoint(const motion::MarkerTrack& track, const LegPathOptions& options, int joint, LegPath& path) {
+  constexpr double kSigma_m = 1e-3;  // all alike: with a given cutoff only their ratios matter
   const std::size_t n = path.time_s.size();
   const double frame_s = (path.time_s.back() - path.time_s.front()) / static_cast<double>(n - 1);
-  const gait::SplineGrid grid = gait::MakeSplineGrid(path.time_s, frame_s);
-  gait::SmoothingOptions smoothing;
-  smoothing.cutoff_hz = options.cutoff_hz;
-  const std::vector<double> sigmas(n, 1.0);  // all alike: with a given cutoff only their ratios matter
-  for (int axis = 0; axis < 2; ++axis) {
-    std::vector<double> values(n, std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t i = 0; i < n; ++i)
-      if (track.samples[i].IsKnown())
-        values[i] = gait::LegFromPlane(track.samples[i].position, options.facing, options.up)[axis] / kMmPerM;
-    const gait::SmoothSignal signal = gait::FitSmoothingSpline(grid, path.time_s, values, sigmas, smoothing);
-    for (std::size_t i = 0; i < n; ++i) {
-      const gait::SplineGrid::Place place = grid.At(path.time_s[i]);
-      PointMotion& point = path.frames[i][static_cast<std::size_t>(joint)];
-      point.position_m[axis] = gait::ValueAt(place, signal.coefficients);
-      point.velocity_m_s[axis] = gait::SlopeAt(place, signal.coefficients);
-      point.acceleration_m_s2[axis] = gait::CurveAt(place, signal.coefficients);
-    }
+  dynamics::SeenPath seen{2, path.time_s, std::vector(n, Eigen::Vector3d::Zero().eval()), std::vector(n, kNaN)};
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!track.samples[i].IsKnown()) continue;
+    seen.place[i].head<2>() = gait::LegFromPlane(track.samples[i].position, options.facing, options.up) / kMmPerM;
+    seen.sigma[i] = kSigma_m;
+  }
+  const dynamics::PathModel model{std::vector(n, dynamics::DensityOfCutoff(options.cutoff_hz, kSigma_m, frame_s)),
+                                  std::vector(n, kSigma_m * kSigma_m)};
+  const dynamics::SmoothedPath smooth = dynamics::SmoothPath(seen, model, dynamics::PersonPrior(kMmPerM));
+  for (std::size_t i = 0; i < n; ++i) {
+    PointMotion& point = path.frames[i][static_cast<std::size_t>(joint)];
+    point.position_m = smooth.point[i].position.head<2>();
+    point.velocity_m_s = smooth.point[i].velocity.head<2>();
+    point.acceleration_m_s2 = smooth.point[i].acceleration.head<2>();
   }
   std::vector<double> sigmas_mm;
   for (std::size_t i = 0; i < n; ++i) {

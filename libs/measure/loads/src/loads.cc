@@ -191,18 +191,18 @@ class Drawing {
   // low-pass lets them change.
   LegPath Path(const LegPath& path, double cutoff_hz) {
     LegPath drawn = path;
-    const gait::SplineGrid grid = gait::MakeSplineGrid(path.time_s, 1 / (2 * cutoff_hz));
+    const SplineGrid grid = MakeSplineGrid(path.time_s, 1 / (2 * cutoff_hz));
     for (std::size_t joint = 0; joint < kJoints; ++joint)
       for (int axis = 0; axis < 2; ++axis) {
         const double beside_m = Normal(joint == kHip ? 1.5 * u_.joint_m : u_.joint_m);
         std::vector<double> coefficients(grid.count);
         for (double& value : coefficients) value = Normal(1.44 * path.sigma_m[joint]);
         for (std::size_t i = 0; i < path.frames.size(); ++i) {
-          const gait::SplineGrid::Place place = grid.At(path.time_s[i]);
+          const SplineGrid::Place place = grid.At(path.time_s[i]);
           PointMotion& point = drawn.frames[i][joint];
-          point.position_m[axis] += beside_m + gait::ValueAt(place, coefficients);
-          point.velocity_m_s[axis] += gait::SlopeAt(place, coefficients);
-          point.acceleration_m_s2[axis] += gait::CurveAt(place, coefficients);
+          point.position_m[axis] += beside_m + ValueAt(place, coefficients);
+          point.velocity_m_s[axis] += SlopeAt(place, coefficients);
+          point.acceleration_m_s2[axis] += CurveAt(place, coefficients);
         }
       }
     return drawn;

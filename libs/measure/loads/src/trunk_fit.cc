@@ -15,10 +15,10 @@ using Eigen::MatrixXd, Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 // With a spline of coefficients of variance 1 the mean variance of its values is 0.48: so much larger the coefficients.
 constexpr double kCoefficientsPerValue = 1.44;
 
-Displacement Wobble(const gait::SplineGrid& grid, double time_s, const VectorXd& own) {
-  const gait::SplineGrid::Place place = grid.At(time_s);
+Displacement Wobble(const SplineGrid& grid, double time_s, const VectorXd& own) {
+  const SplineGrid::Place place = grid.At(time_s);
   const std::span<const double> values(own.data(), grid.count);
-  return {{gait::ValueAt(place, values), 0}, {gait::CurveAt(place, values), 0}};
+  return {{ValueAt(place, values), 0}, {CurveAt(place, values), 0}};
 }
 
 Displacement operator+(const Displacement& a, const Displacement& b) {
@@ -54,7 +54,7 @@ TrunkFit::TrunkFit(const LegPath& path, const LegBody& body, const std::vector<W
     if (window.end <= window.begin) continue;
     const std::vector<double> times(path.time_s.begin() + static_cast<std::ptrdiff_t>(window.begin),
                                     path.time_s.begin() + static_cast<std::ptrdiff_t>(window.end));
-    const gait::SplineGrid grid = gait::MakeSplineGrid(times, prior.wobble_step_s);
+    const SplineGrid grid = MakeSplineGrid(times, prior.wobble_step_s);
     const auto count = static_cast<Eigen::Index>(grid.count) + 2;
     pieces_.push_back(
         {window, grid, VectorXd::Zero(count), Eigen::LLT<MatrixXd>(MatrixXd::Identity(count, count)), {}, {}});
@@ -103,7 +103,7 @@ void TrunkFit::Accumulate(const LegPath& path, const LegBody& body, const TrunkP
     Row row{.value = loads.zmp_m - UsualPlace(points, body, prior) - common_[2],
             .by_common = {by(FixedInTrunk(motion, 1, 0)), by(FixedInTrunk(motion, 0, 1)), -1},
             .by_own = VectorXd::Zero(count)};
-    const gait::SplineGrid::Place place = piece.grid.At(path.time_s[i]);
+    const SplineGrid::Place place = piece.grid.At(path.time_s[i]);
     for (std::size_t a = 0; a < 4; ++a)
       row.by_own[static_cast<Eigen::Index>(place.first + a)] = by({{place.value[a], 0}, {place.curve[a], 0}});
     row.by_own.tail<2>() = row.by_common.head<2>();

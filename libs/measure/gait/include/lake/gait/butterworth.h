@@ -20,7 +20,4 @@ std::vector<double> ZeroPhaseButterworth(std::span<const double> values, double 
 std::vector<double> ZeroPhaseButterworthAtTimes(std::span<const double> values, std::span<const double> time_s,
                                                 double cutoff_hz);
 
-// How much of white noise's standard deviation is left, away from the ends.
-double ButterworthNoiseGain(double rate_hz, double cutoff_hz);
-
 }  // namespace lake::gait

@@ -1,10 +1,8 @@
 // The leg fit: from marker positions with gaps, noise and outliers to the leg's vectors and angles with standard
 // deviations.
 //
-// One robust least-squares problem over all frames (its equations are in this room's README):
-// smooth segment angles, ankle and segment lengths, residuals in recorded units through the camera, each weighted by
-// its detection's sigma. How smooth each component is, and how much the segments' lengths vary, is estimated from the
-// recording.
+// Each marker is smoothed by the path model of lake::dynamics, whose parameters are learnt from the recording; a hidden
+// marker keeps the lengths of its segments (README of this room).
 #pragma once
 
 #include <fmt/format.h>
@@ -19,7 +17,6 @@
 #include "lake/core/options.h"
 #include "lake/gait/leg_angles.h"
 #include "lake/gait/leg_view.h"
-#include "lake/gait/smoothing_spline.h"
 #include "lake/gait/sts_events.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/marker_recording.h"
@@ -38,9 +35,7 @@ struct LegFitOptions {
   LegMarkers markers;
   std::optional<motion::Facing> facing;           // found from the data
   Eigen::Vector2d up = Eigen::Vector2d::UnitY();  // the vertical, in the plane frame
-  // A detection has no weight at all that is off its marker's smooth path by so many deviations, what skin may jump on
-  // the bone (in |AK|), and the way that a foot goes on before it strikes.
-  double outlier_deviations = 7, skin_jump = 0.01;
+  double skin_jump = 0.01;                        // of |AK|: so far skin may jump on the bone between two frames
   // Of |AK| and |KH|, 5 % to 95 % quantile over the median. Skin makes 0.14, points without markers 0.4: up to the
   // usual range nothing is said, up to the most the angle's sigma holds what the lengths show, beyond it is no limb.
   double usual_length_range = 0.30, most_length_range = 0.45;
@@ -49,15 +44,10 @@ struct LegFitOptions {
   double longest_step_s = 0.25;  // between frames, their median: from fewer no rise can be told
   double longest_pause_s = 0.5;  // between two frames without a warning
   double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
-  int most_smoothing_iterations = SmoothingOptions{}.max_iterations;  // of the search for each component's smoothness
-  std::size_t knots_per_piece = 2048;                                 // of the movement that are solved at once
-  // The sigmas hold, as the tracker's: what markers scatter beyond them about smooth paths is the person's own jitter,
-  // and is followed (but where a cutoff says what motion is). Else it is noise that the sigmas did not know of.
+  // The sigmas hold, as the tracker's: what scatters beyond them is the person's own movement. Else it may be noise.
   bool known_sigmas = false;
-  // Of the sigmas' squares: errors that stay alike for some frames, as a film's coding makes them. A smooth path
-  // follows them, so smoothing takes only the rest away; all of it where a cutoff says what motion is.
+  // Of the sigmas' squares: errors that stay alike for some frames, as a film's coding makes them; 0: not known.
   double lasting_share = 0;
-  double LastingShare() const { return HasSplineCutoff() ? 0 : lasting_share; }
   bool HasSplineCutoff() const { return filter == LegFilter::kSpline && cutoff_hz.has_value(); }
   bool quiet = true;  // no progress
 
@@ -103,16 +93,13 @@ struct OutlierReport {
   double deviations = 0;  // in sigmas
 };
 
+// How the markers were found to move and to err.
 struct LegFitSummary {
-  bool usable = false;
-  bool known_sigmas = false;  // as in the options, and so is the share
-  double lasting_share = 0;
-  int iterations = 0;
-  double initial_cost = 0, final_cost = 0;
-  double knot_step_s = 0;
-  double cutoff_hz = 0;     // of the low-pass that the knee's smoothing amounts to
-  double residual_rms = 0;  // in sigmas, outliers apart
-  std::string message;
+  bool known_sigmas = false;  // as in the options
+  double lasting_share = 0;   // of the variance of the detections' errors, with
+  double noise_memory_s = 0;  // the time over which it lasts
+  double cutoff_hz = 0;       // of the low-pass that the knee's smoothing amounts to
+  double residual_rms = 0;    // in standard deviations of the detections' errors
 };
 
 // Of trials in three dimensions: how far the leg leaves the plane.

@@ -36,7 +36,7 @@ struct LegPathOptions {
   Eigen::Vector2d up = Eigen::Vector2d::UnitY();  // in the plane frame
   gait::LegMarkers markers;
   std::string shoulder = "shoulder";  // taken for the trunk if the recording has it
-  double cutoff_hz = 6;               // −3 dB of the penalised spline that gives the derivatives
+  double cutoff_hz = 6;               // −3 dB of the smoother that gives the derivatives
 };
 
 // `trajectory`: the leg fit's, in mm. Throws Error: px, a marker that is absent, no trunk.

@@ -16,8 +16,8 @@
 #include <random>
 #include <vector>
 
-#include "lake/gait/smoothing_spline.h"
 #include "lake/loads/leg_dynamics.h"
+#include "lake/loads/spline_grid.h"
 
 namespace lake::loads {
 
@@ -62,7 +62,7 @@ class TrunkFit {
  private:
   struct Piece {
     Window window;
-    gait::SplineGrid grid;
+    SplineGrid grid;
     Eigen::VectorXd own;                 // the wobble's coefficients, then a_r and b_r
     Eigen::LLT<Eigen::MatrixXd> factor;  // of their normal matrix
     Eigen::MatrixXd coupling;            // of theirs with what is common, × 3

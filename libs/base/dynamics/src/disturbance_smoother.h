@@ -1,0 +1,150 @@
+// Kalman filter and disturbance smoother of a linear state-space model, and one axis of a marker's path as such a
+// model. Not part of the interface.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include "lake/dynamics/path_smoother.h"
+
+namespace lake::dynamics {
+
+// A linear state-space model in frames: N states in columns that share the covariance, three of them, one where N is
+// Eigen::Dynamic; then there are at most kMostStates.
+inline constexpr int kMostStates = 16;
+
+template <int N>
+inline constexpr int kMost = N == Eigen::Dynamic ? kMostStates : N;
+template <int N>
+using State = Eigen::Matrix<double, N, 1, 0, kMost<N>, 1>;
+template <int N>
+using Square = Eigen::Matrix<double, N, N, 0, kMost<N>, kMost<N>>;
+template <int N>
+using Values = Eigen::Matrix<double, 1, N == Eigen::Dynamic ? 1 : 3>;
+template <int N>
+using Means = Eigen::Matrix<double, N, Values<N>::ColsAtCompileTime, 0, kMost<N>, Values<N>::ColsAtCompileTime>;
+
+// One measurement h·x + noise.
+template <int N>
+struct Row {
+  State<N> h;
+  Values<N> value;
+  double variance = 1;
+  // By the filter:
+  State<N> gain = {};
+  Values<N> innovation = {};
+  double innovation_variance = 1;
+};
+
+template <int N>
+struct Frame {
+  Means<N> mean;         // predicted
+  Square<N> covariance;  // predicted
+  Square<N> transition;  // from the frame before
+  std::size_t first_row = 0, rows = 0;
+  bool starts = false;  // anew, as nothing is known any more
+};
+
+// The disturbance smoother's r and N: of what all later measurements add.
+template <int N>
+struct Backward {
+  Means<N> r;
+  Square<N> n;
+};
+
+template <int N>
+class Filter {
+ public:
+  // Columns that count: the others are 0.
+  Filter(std::size_t frames, int states, int columns) : states_(states), columns_(columns), frames_(frames) {}
+
+  std::vector<Row<N>> rows;  // sorted by frame
+  Frame<N>& At(std::size_t frame) { return frames_[frame]; }
+
+  // `advance(i, mean, covariance)` moves the state to frame i, setting frame i's transition, or starts it anew.
+  template <typename Advance>
+  double Forward(const Advance& advance) {
+    Means<N> mean = Means<N>::Zero(states_, Values<N>::ColsAtCompileTime);
+    Square<N> covariance = Square<N>::Zero(states_, states_);
+    double log_likelihood = 0;
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      Frame<N>& frame = frames_[i];
+      advance(i, mean, covariance);
+      frame.mean = mean;
+      frame.covariance = covariance;
+      for (std::size_t k = frame.first_row; k < frame.first_row + frame.rows; ++k) {
+        Row<N>& row = rows[k];
+        const State<N> by = covariance * row.h;
+        row.innovation_variance = row.h.dot(by) + row.variance;
+        row.innovation = row.value - row.h.transpose() * mean;
+        row.gain = by / row.innovation_variance;
+        mean.noalias() += row.gain * row.innovation;
+        covariance.noalias() -= row.gain * by.transpose();
+        log_likelihood -= (row.innovation.squaredNorm() / row.innovation_variance +
+                           columns_ * std::log(2 * std::numbers::pi * row.innovation_variance)) /
+                          2;
+      }
+    }
+    return log_likelihood;
+  }
+
+  // From the last frame to the first. `row_visit(row, u, D)`: the measurement's smoothed disturbance over its variance,
+  // and that one's own variance; `visit(i, backward)`: with what frame i's predicted state becomes the smoothed one.
+  template <typename RowVisit, typename Visit>
+  void Back(const RowVisit& row_visit, const Visit& visit) {
+    Backward<N> b{Means<N>::Zero(states_, Values<N>::ColsAtCompileTime), Square<N>::Zero(states_, states_)};
+    for (std::size_t i = frames_.size(); i-- > 0;) {
+      Frame<N>& frame = frames_[i];
+      for (std::size_t k = frame.first_row + frame.rows; k-- > frame.first_row;) {
+        const Row<N>& row = rows[k];
+        const State<N> g = b.n * row.gain;
+        const Values<N> u = row.innovation / row.innovation_variance - row.gain.transpose() * b.r;
+        const double d = 1 / row.innovation_variance + row.gain.dot(g);
+        b.r.noalias() += row.h * u;
+        b.n.noalias() -= row.h * g.transpose();
+        b.n.noalias() -= g * row.h.transpose();
+        b.n.noalias() += d * row.h * row.h.transpose();
+        row_visit(i, k, u, d);
+      }
+      visit(i, b);
+      if (frame.starts) {
+        b.r.setZero();
+        b.n.setZero();
+      } else {
+        b.r = Means<N>(frame.transition.transpose() * b.r);
+        b.n = Square<N>(frame.transition.transpose() * b.n * frame.transition);
+      }
+    }
+  }
+
+ private:
+  int states_, columns_;
+  std::vector<Frame<N>> frames_;
+};
+
+// Position, velocity, acceleration and lasting noise of one axis.
+inline constexpr int kAxisStates = 4;
+enum { kPosition, kVelocity, kAcceleration, kLasting };
+
+// What a time T does to an axis: F and the covariance that it adds, that of the jerk for q = 1.
+struct AxisStep {
+  Eigen::Matrix3d transition, jerk;
+  double kept = 0;  // of the lasting noise
+
+  AxisStep(double t, double memory_s) : kept(std::exp(-t / memory_s)) {
+    const double t2 = t * t, t3 = t2 * t, t4 = t3 * t, t5 = t4 * t;
+    transition << 1, t, t2 / 2, 0, 1, t, 0, 0, 1;
+    jerk << t5 / 20, t4 / 8, t3 / 6, t4 / 8, t3 / 3, t2 / 2, t3 / 6, t2 / 2, t;
+  }
+};
+
+inline Eigen::Matrix4d StartCovariance(const PathModel& model, const MotionPrior& prior) {
+  return Eigen::Vector4d(prior.reach * prior.reach, prior.speed * prior.speed, prior.acceleration * prior.acceleration,
+                         model.lasting)
+      .asDiagonal();
+}
+
+}  // namespace lake::dynamics

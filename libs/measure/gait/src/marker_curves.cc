@@ -1,0 +1,247 @@
+#include "marker_curves.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "hidden_markers.h"
+#include "lake/core/statistics.h"
+#include "sizes.h"
+
+namespace lake::gait {
+namespace {
+
+using dynamics::SigmaTrust, dynamics::LearningOptions, dynamics::MotionPrior, dynamics::PathModel, dynamics::SeenPath,
+    dynamics::SmoothedPath;
+
+SeenPath MakeSeen(const std::vector<double>& time_s, const Detections& d) {
+  SeenPath seen{d.lateral.empty() ? 2 : 3, time_s, {}, {}};
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    const double z = d.lateral.empty() ? 0 : d.lateral[i];
+    const bool is_seen = d.trusted[i] && std::isfinite(z);
+    seen.place.push_back(is_seen ? Eigen::Vector3d(d.in_plane[i].x(), d.in_plane[i].y(), z) : Eigen::Vector3d::Zero());
+    seen.sigma.push_back(is_seen ? d.plane_sigma[i] : NAN);
+  }
+  return seen;
+}
+
+LearningOptions LearningFor(std::span<const Detections> markers, const LegFitOptions& options) {
+  LearningOptions learning;
+  const bool are_stated = std::ranges::all_of(markers, &Detections::has_sigmas);
+  learning.trust = options.known_sigmas ? SigmaTrust::kFull : are_stated ? SigmaTrust::kScale : SigmaTrust::kNone;
+  if (options.lasting_share > 0) learning.lasting_share = options.lasting_share;
+  return learning;
+}
+
+double ScatterAt(const SeenPath& seen, const PathModel& model, std::size_t i) {
+  return seen.IsSeen(i) ? std::sqrt(model.white_variance[i] / (seen.sigma[i] * seen.sigma[i]) + model.lasting)
+                        : std::sqrt(model.white + model.jitter + model.lasting);
+}
+
+double PlaneUnitsPerPixel(const Detections& d, std::size_t i) {
+  return d.plane_sigma[i] / d.sigma[i];
+}
+
+// Mistrusts detections that are far from what all others predict, and farther than those beside them; returns whether
+// there are any.
+bool MistrustSuspects(const SmoothedPath& path, Detections& d) {
+  constexpr double kSuspicious = 5;  // standard deviations
+  constexpr double kJump = 0.5;      // of what skin and a foot that strikes may do, as neighbours share it
+  constexpr std::size_t kReach = 1;  // frames to each side; a false suspect is let in again
+  const std::size_t n = d.seen.size();
+  std::vector<double> excess(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i)
+    if (d.trusted[i] && path.surprise_variance[i] > 0)
+      excess[i] = path.surprise[i].norm() - kJump * d.jump[i] * PlaneUnitsPerPixel(d, i) -
+                  kSuspicious * std::sqrt(path.surprise_variance[i]);
+  bool found = false;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto begin = excess.begin() + static_cast<std::ptrdiff_t>(i - std::min(i, kReach)),
+               end = excess.begin() + static_cast<std::ptrdiff_t>(std::min(n, i + kReach + 1));
+    if (excess[i] <= 0 || excess[i] < *std::max_element(begin, end)) continue;
+    d.trusted[i] = 0;
+    found = true;
+  }
+  return found;
+}
+
+// How likely a detection that is not trusted is of its marker nonetheless: by how the others predict it, but for what
+// skin and a foot that strikes may do at once, against something else anywhere in `area`.
+double ChanceOfMarker(const Detections& d, std::size_t i, const dynamics::PathPoint& predicted, double scatter,
+                      double area) {
+  const Eigen::Vector2d residual = d.in_plane[i] - predicted.position.head<2>();
+  const double jump = d.jump[i] * PlaneUnitsPerPixel(d, i);
+  const Eigen::Vector2d surprise = std::max(0.0, 1 - jump / residual.norm()) * residual;
+  const Eigen::Matrix2d variance = predicted.position_covariance.topLeftCorner<2, 2>() +
+                                   std::pow(scatter * d.plane_sigma[i], 2) * Eigen::Matrix2d::Identity();
+  const double density = std::exp(-surprise.dot(variance.inverse() * surprise) / 2) /
+                         (2 * std::numbers::pi * std::sqrt(variance.determinant()));
+  return (1 - kOfSomethingElse) * density / ((1 - kOfSomethingElse) * density + kOfSomethingElse / area);
+}
+
+double AreaOf(std::span<Detections> markers) {
+  Eigen::AlignedBox2d box;
+  for (const Detections& d : markers)
+    for (std::size_t i = 0; i < d.trusted.size(); ++i)
+      if (d.trusted[i]) box.extend(d.in_plane[i]);
+  return std::max(box.volume(), 1e-9);
+}
+
+// Trusts detections that the curves without them make likely; that they may be something else widens their sigmas.
+// Returns whether there are any.
+bool LetIn(std::span<const MarkerCurve> curves, std::span<Detections> markers) {
+  const double area = AreaOf(markers);
+  bool found = false;
+  for (std::size_t m = 0; m < markers.size(); ++m) {
+    Detections& d = markers[m];
+    for (std::size_t i = 0; i < d.seen.size(); ++i) {
+      if (!d.seen[i] || d.trusted[i]) continue;
+      const double chance = ChanceOfMarker(d, i, curves[m].point[i], curves[m].scatter[i], area);
+      if (chance <= 0.5) continue;
+      const double doubt = std::sqrt(1 - chance) * (d.in_plane[i] - curves[m].InPlane(i)).norm();
+      const double scale = PlaneUnitsPerPixel(d, i);
+      d.plane_sigma[i] = std::hypot(d.plane_sigma[i], doubt);
+      d.sigma[i] = d.plane_sigma[i] / scale;
+      d.trusted[i] = 1;
+      found = true;
+    }
+  }
+  return found;
+}
+
+// The same without what is quicker than nine tenths of the movement: that may be outliers.
+PathModel Usual(const SeenPath& seen, PathModel model) {
+  std::vector<double> densities;
+  for (std::size_t i = 0; i < seen.sigma.size(); ++i)
+    if (seen.IsSeen(i)) densities.push_back(model.density[i]);
+  const double most = Quantile(std::move(densities), 0.9);
+  for (double& density : model.density) density = std::min(density, most);
+  return model;
+}
+
+// Markers whose noise is alike.
+class Smoothing {
+ public:
+  Smoothing(const std::vector<double>& time_s, std::span<Detections> markers, const MotionPrior& prior,
+            const LegFitOptions& options)
+      : time_s_(time_s), markers_(markers), prior_(prior), learning_(LearningFor(markers, options)) {}
+
+  // The paths by themselves.
+  void Run() {
+    constexpr int kMostRounds = 8;
+    for (int round = 0;; ++round) {
+      Learn();
+      bool found = false;
+      for (std::size_t m = 0; m < markers_.size() && round < kMostRounds; ++m)
+        found |= MistrustSuspects(dynamics::SmoothPath(seen_[m], Usual(seen_[m], models_[m]), prior_), markers_[m]);
+      if (!found) return;
+    }
+  }
+
+  void Learn() {
+    seen_.clear();
+    for (const Detections& d : markers_) seen_.push_back(MakeSeen(time_s_, d));
+    models_ = dynamics::LearnPaths(seen_, prior_, learning_);
+    paths_.clear();
+    for (std::size_t m = 0; m < seen_.size(); ++m) paths_.push_back(dynamics::SmoothPath(seen_[m], models_[m], prior_));
+  }
+
+  MarkerCurve Curve(std::size_t m) {
+    MarkerCurve curve;
+    curve.point = std::move(paths_[m].point);
+    for (std::size_t i = 0; i < time_s_.size(); ++i) curve.scatter.push_back(ScatterAt(seen_[m], models_[m], i));
+    SetSigmas(curve);
+    return curve;
+  }
+
+  static void SetSigmas(MarkerCurve& curve) {
+    curve.plane_sigma.clear();
+    for (const dynamics::PathPoint& point : curve.point)
+      curve.plane_sigma.push_back(std::sqrt(point.position_covariance.topLeftCorner<2, 2>().trace() / 2));
+  }
+
+  const std::vector<SeenPath>& Seen() const { return seen_; }
+  const std::vector<PathModel>& Models() const { return models_; }
+  const MotionPrior& Prior() const { return prior_; }
+
+ private:
+  const std::vector<double>& time_s_;
+  std::span<Detections> markers_;
+  MotionPrior prior_;
+  LearningOptions learning_;
+  std::vector<SeenPath> seen_;
+  std::vector<PathModel> models_;
+  std::vector<SmoothedPath> paths_;
+};
+
+void Project(const LegView& view, double depth_mm, MarkerCurve& curve) {
+  for (std::size_t i = 0; i < curve.point.size(); ++i) {
+    const Eigen::Vector2d in_plane = curve.InPlane(i);
+    curve.recorded.push_back(RecordedFromPlane<double>(view, in_plane, depth_mm));
+    curve.recorded_sigma.push_back(curve.plane_sigma[i] / PlaneUnitsPerRecorded(view, in_plane, depth_mm));
+  }
+}
+
+double ShankOf(const std::array<Detections, kLegMarkers>& leg) {
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < leg[kAnkle].trusted.size(); ++i)
+    if (leg[kAnkle].trusted[i] && leg[kKnee].trusted[i])
+      lengths.push_back((leg[kKnee].in_plane[i] - leg[kAnkle].in_plane[i]).norm());
+  return Median(std::move(lengths));
+}
+
+double MedianCutoffHz(const SeenPath& seen, const PathModel& model) {
+  std::vector<double> cutoffs_hz;
+  for (std::size_t i = 1; i < seen.time_s.size(); ++i)
+    if (seen.IsSeen(i))
+      cutoffs_hz.push_back(dynamics::CutoffOfDensity(model.density[i], ScatterAt(seen, model, i) * seen.sigma[i],
+                                                     seen.time_s[i] - seen.time_s[i - 1]));
+  return Median(std::move(cutoffs_hz));
+}
+
+}  // namespace
+
+double UnitMm(const LegView& view, double shank) {
+  constexpr double kUsualShank_mm = 400;
+  return PlaneUnit(view) == motion::LengthUnit::kMm ? 1 : kUsualShank_mm / shank;
+}
+
+LegMarkerCurves SmoothLeg(const std::vector<double>& time_s, int markers, const LegView& view,
+                          const LegFitOptions& options, std::array<Detections, kLegMarkers>& leg) {
+  const std::span<Detections> used(leg.data(), static_cast<std::size_t>(markers));
+  Smoothing smoothing(time_s, used, dynamics::PersonPrior(UnitMm(view, ShankOf(leg))), options);
+  LegMarkerCurves curves;
+  const auto set = [&] {
+    for (std::size_t m = 0; m < used.size(); ++m) curves.marker[m] = smoothing.Curve(m);
+    BridgeHiddenMarkers(smoothing.Seen(), smoothing.Models(), smoothing.Prior(), curves.marker);
+    for (std::size_t m = 0; m < used.size(); ++m) Smoothing::SetSigmas(curves.marker[m]);
+  };
+  smoothing.Run();
+  set();
+  if (LetIn(std::span(curves.marker).first(used.size()), used)) {
+    smoothing.Learn();
+    set();
+  }
+  for (std::size_t m = 0; m < used.size(); ++m) Project(view, used[m].depth_mm, curves.marker[m]);
+  curves.knee = smoothing.Models()[kKnee];
+  curves.knee_cutoff_hz = MedianCutoffHz(smoothing.Seen()[kKnee], curves.knee);
+  return curves;
+}
+
+MarkerCurve SmoothMarker(const std::vector<double>& time_s, const LegView& view, const LegFitOptions& options,
+                         double unit_mm, Detections& detections) {
+  const std::span<Detections> used(&detections, 1);
+  Smoothing smoothing(time_s, used, dynamics::PersonPrior(unit_mm), options);
+  smoothing.Run();
+  MarkerCurve curve = smoothing.Curve(0);
+  if (LetIn({&curve, 1}, used)) {
+    smoothing.Learn();
+    curve = smoothing.Curve(0);
+  }
+  Project(view, detections.depth_mm, curve);
+  return curve;
+}
+
+}  // namespace lake::gait
