@@ -7,7 +7,7 @@ A mutation exchanges two operators (+ -, * /, < >, && ||, min max, sin cos), neg
 by a tenth. All are compiled in at once, in a copy of the sources in build/mutation; the environment variable LAKE_MUTANT chooses
 one. What does not compile, such as an exchange in a constant expression, is left out. Each mutation that is drawn runs the test
 program of its room alone, its fast tests first, then the slow and the nightly ones, up to those of --tests; it is noticed if a test
-fails, crashes, or takes ten times as long as without it. The result is a table of the shares that each of these sets of tests
+fails, crashes, or takes four times as long as without it. The result is a table of the shares that each of these sets of tests
 notices, with 95 % intervals (Wilson), and build/mutation/mutants.csv, one row a mutation: room, file, line, before, after, noticed
 by (fast, default, nightly, or none)."""
 import argparse
@@ -231,7 +231,7 @@ def main():
             print(f"{program}, {level}: {took:.0f} s without a mutation{'' if good else '; FAILS without one, and is left out'}", flush=True)
             if not good:
                 filters[program, level] = []
-            limits[program, level] = 10 * took + 10
+            limits[program, level] = 4 * took + 10
     chosen = []
     for room in dict.fromkeys(m.room for m in mutants):
         chosen += [m for m in mutants if m.room == room][:options.per_room]

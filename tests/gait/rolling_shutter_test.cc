@@ -52,7 +52,7 @@ TEST(RollingShutter, PositionsComeToTheirFramesTimes) {
     const motion::MarkerRecording seen = Record(rate_hz, shutter, 0, 1);
     EXPECT_GT(RmsPx(seen), 0.5) << readout_s;
     EXPECT_LT(RmsPx(gait::AtFrameTimes(seen, shutter)), 0.02) << readout_s;  // the ends have neighbours on one side
-    // Noise grows by little, as each position is nearest to itself.
+    // Noise grows by little.
     EXPECT_LT(RmsPx(gait::AtFrameTimes(Record(rate_hz, shutter, 0.05, 2), shutter)), 0.065) << readout_s;
   }
 }

@@ -204,7 +204,8 @@ void Update(const SeenPath& seen, const PathEvidences& found, double lasting, co
     model.lasting = lasting;
   } else {
     const double scale = options.trust == SigmaTrust::kScale ? std::max(1.0, white) : 1;
-    model.lasting = scale * options.lasting_share.value_or(std::max(1 - white / scale, kLeastLastingShare));
+    const double share = options.lasting_share.value_or(kLeastLastingShare);
+    model.lasting = share > 0 ? scale * std::max(1 - white / scale, share) : 0;
     model.white = std::max(scale - model.lasting, kLeastWhite);
     model.jitter = std::max(0.0, white - scale);
   }

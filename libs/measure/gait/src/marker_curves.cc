@@ -31,7 +31,7 @@ LearningOptions LearningFor(std::span<const Detections> markers, const LegFitOpt
   LearningOptions learning;
   const bool are_stated = std::ranges::all_of(markers, &Detections::has_sigmas);
   learning.trust = options.known_sigmas ? SigmaTrust::kFull : are_stated ? SigmaTrust::kScale : SigmaTrust::kNone;
-  if (options.lasting_share > 0) learning.lasting_share = options.lasting_share;
+  learning.lasting_share = options.lasting_share;
   return learning;
 }
 

@@ -1,55 +1,45 @@
 #include "lake/gait/rolling_shutter.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "lake/dynamics/path_smoother.h"
 
 namespace lake::gait {
 namespace {
 
-struct TimedPlace {
-  double time_s;
-  Eigen::Vector2d position;
-};
-
-// Lagrange's polynomial through the places.
-Eigen::Vector2d ValueAt(const std::vector<TimedPlace>& places, double time_s) {
-  Eigen::Vector2d value = Eigen::Vector2d::Zero();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    double weight = 1;
-    for (std::size_t k = 0; k < places.size(); ++k)
-      if (k != i) weight *= (time_s - places[k].time_s) / (places[i].time_s - places[k].time_s);
-    value += weight * places[i].position;
+// A marker's detections, each at the time at which its row was read.
+dynamics::SeenPath SeenAtRowTimes(const motion::MarkerRecording& recording, const motion::MarkerTrack& marker,
+                                  const RollingShutter& shutter) {
+  constexpr double kUnknownSigma_px = 0.1;
+  dynamics::SeenPath seen{2, recording.time_s, {}, {}};
+  for (std::size_t i = 0; i < recording.Frames(); ++i) {
+    const motion::MarkerSample& sample = marker.samples[i];
+    const bool is_seen = sample.status == motion::SampleStatus::kDetected;
+    const Eigen::Vector2d place = is_seen ? sample.position : Eigen::Vector2d::Zero();
+    seen.place.emplace_back(place.x(), place.y(), 0);
+    seen.sigma.push_back(!is_seen ? NAN : sample.sigma > 0 ? sample.sigma : kUnknownSigma_px);
+    if (is_seen) seen.time_s[i] += shutter.DelayS(sample.position);
   }
-  return value;
+  return seen;
 }
 
-// The sample and up to two detected ones on each side, as long as they are near in time.
-std::vector<TimedPlace> PlacesAround(const motion::MarkerRecording& recording, const motion::MarkerTrack& marker,
-                                     std::size_t i, const RollingShutter& shutter) {
-  constexpr int kEachSide = 2;
-  constexpr double kFarthest_s = 0.1;  // a leg's path is a parabola for about as long
-  const auto place = [&](std::size_t k) {
-    const Eigen::Vector2d& position = marker.samples[k].position;
-    return TimedPlace{recording.time_s[k] + shutter.DelayS(position), position};
-  };
-  std::vector<TimedPlace> places = {place(i)};
-  for (const bool forward : {false, true}) {
-    std::size_t last = i;
-    for (int found = 0; found < kEachSide;) {
-      std::size_t next = last;
-      bool seen = false;
-      for (std::size_t step = 1; !seen; ++step) {
-        if (forward ? last + step >= marker.samples.size() : last < step) break;
-        next = forward ? last + step : last - step;
-        if (std::abs(recording.time_s[next] - recording.time_s[last]) > kFarthest_s) break;
-        seen = marker.samples[next].status == motion::SampleStatus::kDetected;
-      }
-      if (!seen) break;
-      places.push_back(place(next));
-      last = next;
-      ++found;
-    }
+void MoveToFrameTimes(const motion::MarkerRecording& recording, const RollingShutter& shutter,
+                      motion::MarkerTrack& marker) {
+  constexpr std::ptrdiff_t kLeastDetections = 8;  // for a path
+  const dynamics::SeenPath seen = SeenAtRowTimes(recording, marker, shutter);
+  if (std::ranges::count_if(seen.sigma, [](double sigma) { return sigma > 0; }) < kLeastDetections) return;
+  dynamics::LearningOptions options;
+  options.trust = dynamics::SigmaTrust::kScale;
+  const dynamics::MotionPrior prior = dynamics::PersonPrior(1);
+  const dynamics::PathModel model = dynamics::LearnPaths({&seen, 1}, prior, options).front();
+  const dynamics::SmoothedPath path = dynamics::SmoothPath(seen, model, prior);
+  for (std::size_t i = 0; i < recording.Frames(); ++i) {
+    if (!seen.IsSeen(i)) continue;
+    const double back_s = recording.time_s[i] - seen.time_s[i];
+    const dynamics::PathPoint& point = path.point[i];
+    marker.samples[i].position += (back_s * point.velocity + back_s * back_s / 2 * point.acceleration).head<2>();
   }
-  return places;
 }
 
 }  // namespace
@@ -72,11 +62,7 @@ RollingShutter ShutterOf(double readout_s, int width_px, int height_px, int rota
 motion::MarkerRecording AtFrameTimes(const motion::MarkerRecording& recording, const RollingShutter& shutter) {
   if (shutter.readout_s == 0) return recording;
   motion::MarkerRecording moved = recording;
-  for (std::size_t m = 0; m < recording.markers.size(); ++m)
-    for (std::size_t i = 0; i < recording.Frames(); ++i)
-      if (recording.markers[m].samples[i].status == motion::SampleStatus::kDetected)
-        moved.markers[m].samples[i].position =
-            ValueAt(PlacesAround(recording, recording.markers[m], i, shutter), recording.time_s[i]);
+  for (motion::MarkerTrack& marker : moved.markers) MoveToFrameTimes(recording, shutter, marker);
   return moved;
 }
 

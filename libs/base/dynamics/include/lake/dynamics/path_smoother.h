@@ -86,7 +86,7 @@ struct LearningOptions {
   double gap_memory_s = 0.1;  // a movement that is not seen goes on as it was for about this time
   int most_rounds = 40;       // of the fixed-point steps, for each memory
   SigmaTrust trust = SigmaTrust::kNone;
-  std::optional<double> lasting_share;  // ℓ / (w + ℓ), where it is known
+  std::optional<double> lasting_share;  // ℓ / (w + ℓ): none if 0, else at least
 };
 
 // The models of paths of one recording, which have ℓ and τ in common. In a gap q rises to that of the quickest movement

@@ -19,8 +19,8 @@ struct RollingShutter {
 // Of a picture as it is shown: turned by `rotation_deg` clockwise from how it was read, then perhaps mirrored.
 RollingShutter ShutterOf(double readout_s, int width_px, int height_px, int rotation_deg, bool mirrored);
 
-// Every detected position moved to its frame's own time, by the polynomial of degree four at most through it and its
-// neighbours at theirs. Sigmas stay: a slow motion is known as well as before. Without a readout the recording itself.
+// Every detected position moved to its frame's own time, by the velocity and the acceleration of the marker's smoothed
+// path. Sigmas stay: these are known well enough. Without a readout the recording itself.
 motion::MarkerRecording AtFrameTimes(const motion::MarkerRecording& recording, const RollingShutter& shutter);
 
 }  // namespace lake::gait
