@@ -21,29 +21,28 @@ using Values = std::vector<double>;
 constexpr double kCutoff_hz = 8;   // O'Connor et al. filter at 7 Hz
 constexpr double kGrid_s = 0.005;  // of the filtered signals, whatever the frame rate
 constexpr double kLongestGap_s = 0.15;
-constexpr double kLeastTravel = 0.2;   // of the foot relative to the hip, and over the ground, of the leg's length
-constexpr double kMostRise = 0.15;     // of the hip from one turn of the foot to the next; 0.03 to 0.07 in walking
-constexpr double kLeastLift = 0.01;    // of the foot in swing over the foot in stance, likewise
+constexpr double kLeastTravel = 0.2;    // of the foot relative to the hip, and over the ground, of the leg's length
+constexpr double kMostRise = 0.15;      // of the hip from one turn of the foot to the next; 0.03 to 0.07 in walking
+constexpr double kLeastLift = 0.01;     // of the foot in swing over the foot in stance, likewise
 constexpr double kUsualStride_s = 1.1;  // windows below scale with the stride
 
 // How one event shows in one signal: an extremum in a window about the foot's turn before or behind the hip.
 struct Estimator {
   StsEventKind kind;
-  bool of_foot;              // of heel and toe, else of the ankle
-  bool of_velocity;          // vertical, of the middle of heel and toe; else forward position relative to the hip
-  double sign;               // 1: a maximum
-  double from_s, to_s;       // the window
-  double offset_s, sd_s;     // of force plates' 20 N after the extremum, and its scatter between persons
+  bool of_foot;           // of heel and toe, else of the ankle
+  bool of_velocity;       // vertical, of the middle of heel and toe; else forward position relative to the hip
+  double sign;            // 1: a maximum
+  double from_s, to_s;    // the window
+  double offset_s, sd_s;  // of force plates' 20 N after the extremum, and its scatter between persons
 };
-constexpr std::array kEstimators = {
-    Estimator{StsEventKind::kHeelStrike, true, false, 1, -0.08, 0.08, 0.041, 0.015},
-    Estimator{StsEventKind::kHeelStrike, true, true, -1, -0.02, 0.14, 0, 0.009},
-    Estimator{StsEventKind::kToeOff, true, false, -1, -0.05, 0.12, -0.006, 0.008},
-    Estimator{StsEventKind::kToeOff, true, true, 1, -0.06, 0.08, 0.014, 0.007},
-    Estimator{StsEventKind::kHeelStrike, false, false, 1, -0.04, 0.04, 0.043, 0.015},
-    Estimator{StsEventKind::kHeelStrike, false, true, -1, -0.02, 0.12, 0.006, 0.011},
-    Estimator{StsEventKind::kToeOff, false, false, -1, -0.04, 0.04, 0.034, 0.010},
-    Estimator{StsEventKind::kToeOff, false, true, 1, -0.06, 0.08, 0.020, 0.008}};
+constexpr std::array kEstimators = {Estimator{StsEventKind::kHeelStrike, true, false, 1, -0.08, 0.08, 0.041, 0.015},
+                                    Estimator{StsEventKind::kHeelStrike, true, true, -1, -0.02, 0.14, 0, 0.009},
+                                    Estimator{StsEventKind::kToeOff, true, false, -1, -0.05, 0.12, -0.006, 0.008},
+                                    Estimator{StsEventKind::kToeOff, true, true, 1, -0.06, 0.08, 0.014, 0.007},
+                                    Estimator{StsEventKind::kHeelStrike, false, false, 1, -0.04, 0.04, 0.043, 0.015},
+                                    Estimator{StsEventKind::kHeelStrike, false, true, -1, -0.02, 0.12, 0.006, 0.011},
+                                    Estimator{StsEventKind::kToeOff, false, false, -1, -0.04, 0.04, 0.034, 0.010},
+                                    Estimator{StsEventKind::kToeOff, false, true, 1, -0.06, 0.08, 0.020, 0.008}};
 
 // Frames over which markers are seen without a long gap.
 struct Run {
@@ -269,10 +268,11 @@ class WalkFinder {
     const Values velocity = Derivative(foot.up);
     for (std::size_t k = 0; k < turns.size(); ++k) {
       const bool has_before = k > 0, has_after = k < phases.size();
-      if ((has_before && phases[k - 1] != Seen::kForward) || (has_after && phases[k] != Seen::kForward) || phases.empty())
+      if ((has_before && phases[k - 1] != Seen::kForward) || (has_after && phases[k] != Seen::kForward) ||
+          phases.empty())
         continue;
       // What the recording's edge hides is the turn, not always the event.
-      if (turns[k].is_edge && turns[k].is_front != (turns[k].at == 0)) continue;
+      if (turns[k].is_edge && (turns[k].is_front != (turns[k].at == 0) || !IsNearTurn(relative, turns, k))) continue;
       std::optional<Found> found = Estimate(foot, velocity, turns[k], scale);
       if (!found) continue;
       // In stance, or at an edge in the swing beside it.
@@ -281,6 +281,16 @@ class WalkFinder {
       found->travel = (foot.hip[to] - foot.hip[from]) / std::abs(relative[to] - relative[from]);
       all.push_back(*found);
     }
+  }
+
+  // Whether the foot is at the recording's edge where it turns otherwise.
+  static bool IsNearTurn(const Values& relative, const std::vector<Turn>& turns, std::size_t edge) {
+    std::array<Values, 2> places;
+    for (const Turn& turn : turns)
+      if (!turn.is_edge) places[turn.is_front ? 1 : 0].push_back(relative[turn.at]);
+    constexpr double kNear = 0.15;  // of the way between the turns
+    const double back = Median(places[0]), front = Median(places[1]);
+    return std::abs(relative[turns[edge].at] - (turns[edge].is_front ? front : back)) < kNear * (front - back);
   }
 
   // The median time between turns to the same side, or twice that between two turns.
@@ -327,8 +337,7 @@ class WalkFinder {
       if (e.kind != kind || e.of_foot != foot.of_foot || (turn.is_edge && !e.of_velocity)) continue;
       const Values& signal = e.of_velocity ? velocity : turn.is_front ? foot.front : foot.back;
       const auto at = static_cast<double>(turn.at);
-      const auto found =
-          Extremum(signal, at + scale * e.from_s / kGrid_s, at + scale * e.to_s / kGrid_s, e.sign);
+      const auto found = Extremum(signal, at + scale * e.from_s / kGrid_s, at + scale * e.to_s / kGrid_s, e.sign);
       if (!found) continue;
       const double by_noise =
           std::abs((e.of_velocity ? foot.velocity_sd : foot.position_sd) / Curvature(signal, *found));
@@ -348,7 +357,7 @@ class WalkFinder {
     if (found.event.time_s > leg_.motion.time_s.back() - (by_velocity ? 0 : kEnd_s)) return std::nullopt;
     const double disagreement = std::sqrt(std::max(0.0, squares - sum * sum / weights));  // one degree of freedom
     found.event.sd_s = std::max(1.0, disagreement / 2) * std::hypot(method / weights, std::sqrt(noise) / weights);
-    found.event.kind = !foot.is_other    ? kind
+    found.event.kind = !foot.is_other  ? kind
                        : turn.is_front ? StsEventKind::kHeelStrikeOther
                                        : StsEventKind::kToeOffOther;
     return found;

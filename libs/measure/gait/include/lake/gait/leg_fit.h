@@ -19,6 +19,7 @@
 #include "lake/core/options.h"
 #include "lake/gait/leg_angles.h"
 #include "lake/gait/leg_view.h"
+#include "lake/gait/movement.h"
 #include "lake/gait/smoothing_spline.h"
 #include "lake/gait/sts_events.h"
 #include "lake/motion/leg_motion.h"
@@ -59,6 +60,7 @@ struct LegFitOptions {
   double lasting_share = 0;
   double LastingShare() const { return HasSplineCutoff() ? 0 : lasting_share; }
   bool HasSplineCutoff() const { return filter == LegFilter::kSpline && cutoff_hz.has_value(); }
+  MovementOptions movement;
   bool quiet = true;  // no progress
 
   // By what the program at work says which way is up and where the subject faces, and what can be done about frames
@@ -130,6 +132,7 @@ struct LegFitResult {
   StsSignals signals;  // what the events are read from
   std::vector<motion::StsEvent> events;
   std::vector<motion::StsEvent> without_seat;  // FoundStsEvents'
+  FoundMovement movement;
   std::vector<MarkerReport> markers;
   std::vector<SegmentReport> segments;
   std::vector<OutlierReport> outliers;

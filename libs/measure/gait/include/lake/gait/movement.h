@@ -11,10 +11,10 @@
 
 namespace lake::gait {
 
-enum class MovementKind { kSitToStand, kSquat, kWalking };
+enum class MovementKind { kAuto, kSitToStand, kSquat, kWalking };
 
 struct MovementOptions {
-  std::optional<MovementKind> kind;  // found from the motion
+  MovementKind kind = MovementKind::kAuto;  // found from the motion
   WalkingOptions walking;
 };
 
@@ -25,6 +25,7 @@ void Describe(MovementOptions& o, OptionList& options);
 struct FoundMovement {
   std::optional<MovementKind> kind;  // nullopt: none that is known
   Walk walk;                         // of walking
+  WalkingOptions walking;            // with which it was found
 };
 
 struct Movement {
@@ -33,9 +34,9 @@ struct Movement {
   const char* repetition;  // what one is called
   const char* seen_by;     // in words, how repetitions are found
   std::vector<motion::StsEvent> (*find)(const LegFitResult& leg, const MovementOptions& options, Walk& walk);
-  std::span<const motion::StsEventKind> events;  // of a repetition, in order
-  motion::StsEventKind begin, end;               // 0 and 100 %
-  bool ends_in_next;                             // the end is the next repetition's
+  std::span<const motion::StsEventKind> events;                       // of a repetition, in order
+  motion::StsEventKind begin, end;                                    // 0 and 100 %
+  bool ends_in_next;                                                  // the end is the next repetition's
   std::vector<std::string> (*measures)(motion::LengthUnit of_plane);  // columns of its table
 };
 
