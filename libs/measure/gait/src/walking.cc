@@ -310,19 +310,20 @@ class WalkFinder {
   // than the stances beside it.
   Seen SeenBetween(const Foot& foot, const std::vector<Turn>& turns, std::size_t k) const {
     const bool is_swing = turns[k + 1].is_front;
-    double lift = 0;
+    const auto travel = [&](std::size_t phase) {
+      return std::abs(foot.forward[turns[phase + 1].at] - foot.forward[turns[phase].at]);
+    };
+    double lift = 0, farthest = travel(k);
     int neighbours = 0;
     const auto compare_with = [&](std::size_t beside) {
       lift += MeanUp(foot, turns[k], turns[k + 1]) - MeanUp(foot, turns[beside], turns[beside + 1]);
+      farthest = std::max(farthest, travel(beside));
       ++neighbours;
     };
     if (k > 0) compare_with(k - 1);
     if (k + 2 < turns.size()) compare_with(k + 1);
-    if (neighbours == 0) return Seen::kFootStays;
+    if (neighbours == 0 || farthest < kLeastTravel * leg_.signals.leg_length) return Seen::kFootStays;
     lift *= (is_swing ? 1.0 : -1.0) / neighbours;
-    const std::size_t swing = is_swing ? k : k + 2 < turns.size() ? k + 1 : k - 1;
-    const double travel = std::abs(foot.forward[turns[swing + 1].at] - foot.forward[turns[swing].at]);
-    if (travel < kLeastTravel * leg_.signals.leg_length) return Seen::kFootStays;
     const auto heights = std::span(foot.hip_up).subspan(turns[k].at, turns[k + 1].at - turns[k].at + 1);
     const auto [lowest, highest] = std::ranges::minmax(heights);
     if (highest - lowest > kMostRise * leg_.signals.leg_length) return Seen::kNotLevel;
