@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <random>
 
 #include "drawn_walk.h"
@@ -330,6 +332,18 @@ TEST(GaitCycles, TableHasMeanAndSpread) {
   const std::vector<motion::StsEvent> read = motion::ReadEventsCsv(folder / "events.csv");
   ASSERT_EQ(read.size(), leg.events.size());
   EXPECT_EQ(read.back().sd_s, leg.events.back().sd_s);
+}
+
+TEST(GaitCycles, ColumnsAreDescribedAsTheFieldsAre) {
+  const CsvTable described = CsvTable::Read(SourceDir() / "apps/python/lake/columns.csv");
+  std::map<std::string, std::array<std::string, 3>> columns;
+  for (std::size_t row = 0; row < described.Rows(); ++row)
+    if (described.Text(row, 0) == "gait_cycles")
+      columns[described.Text(row, 1)] = {described.Text(row, 2), described.Text(row, 3), described.Text(row, 4)};
+  for (const gait::Field<gait::GaitCycle>& field : gait::GaitCycleFields()) {
+    EXPECT_EQ(columns[field.name], (std::array<std::string, 3>{field.unit, field.meaning, field.source}));
+    EXPECT_TRUE(columns.contains(field.Column(motion::LengthUnit::kPx) + std::string("_sd"))) << field.name;
+  }
 }
 
 }  // namespace
