@@ -42,7 +42,8 @@ inline DrawnFoot DrawFoot(double phase, const DrawnWalkOptions& o) {
     pitch_deg = off_deg + (strike_deg - off_deg) * smooth(v / 0.9);
     const Eigen::Vector2d from = Eigen::Vector2d(kFoot_mm, kSole_mm) - kFoot_mm * along(off_deg);
     heel.x() = from.x() + (o.stride_mm - from.x()) * smooth(0.05 + 0.95 * v);
-    heel.y() = kSole_mm + (from.y() - kSole_mm) * std::pow(1 - v, 4) * (1 + 4 * v) + 260 * v * v * (1 - v);
+    heel.y() = kSole_mm + (from.y() - kSole_mm) * std::pow(1 - v, 4) * (1 + 4 * v) + 260 * v * v * (1 - v) +
+               2500 * v * v * std::pow(1 - v, 4);
   }
   heel.x() += whole * o.stride_mm;
   const Eigen::Vector2d forward = along(pitch_deg), up(-forward.y(), forward.x());
@@ -65,7 +66,7 @@ inline motion::MarkerRecording DrawWalk(const DrawnWalkOptions& o) {
     DrawnFoot other = DrawFoot(at - 0.5, o);
     for (Eigen::Vector2d* place : {&other.heel, &other.toe, &other.ankle}) place->x() += 0.5 * o.stride_mm;
     // The heel strikes a quarter of a stride and some before the hip.
-    const Eigen::Vector2d hip(at * o.stride_mm - 0.22 * o.stride_mm, 860 + 15 * std::cos(4 * 3.14159265 * (at - 0.25)));
+    const Eigen::Vector2d hip(at * o.stride_mm - 0.22 * o.stride_mm, 915 + 15 * std::cos(4 * 3.14159265 * (at - 0.25)));
     const Eigen::Vector2d leg = hip - own.ankle;
     const double bent = std::sqrt(std::max(0.0, std::pow(435, 2) - leg.squaredNorm() / 4));
     const Eigen::Vector2d knee = own.ankle + leg / 2 + bent * Eigen::Vector2d(leg.y(), -leg.x()).normalized();

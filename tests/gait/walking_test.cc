@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -40,7 +39,7 @@ gait::LegFitResult FitMovement(const motion::MarkerRecording& recording, const g
   return leg;
 }
 
-std::vector<double> TimesOf(const std::vector<motion::StsEvent>& events, StsEventKind kind) {
+std::vector<double> StepTimes(const std::vector<motion::StsEvent>& events, StsEventKind kind) {
   std::vector<double> times;
   for (const motion::StsEvent& event : events)
     if (event.kind == kind) times.push_back(event.time_s);
@@ -200,8 +199,9 @@ TEST(Walking, IsSeenAlikeInAnotherLaboratory) {
 
 class DrawnWalk : public testing::TestWithParam<DrawnWalkOptions> {};
 
-// The drawn foot stops at once, where a person's yields, and leaves the ground at full speed: events are off by up to
-// 40 ms alike in all strides; how well they are found in people the plates say. Strides are within 10 ms.
+// The drawn foot stops at once, where a person's yields, and its heel goes on rising after toe-off: events are off by
+// up to 4.5 % of the stride, alike in all strides; how well they are found in people the plates say. Strides are within
+// 10 ms.
 TEST_P(DrawnWalk, HasItsStrides) {
   const DrawnWalkOptions& drawn = GetParam();
   const gait::LegFitResult leg = FitMovement(DrawWalk(drawn));
@@ -213,12 +213,12 @@ TEST_P(DrawnWalk, HasItsStrides) {
                                  {StsEventKind::kToeOff, 0.3 + drawn.stance},
                                  {StsEventKind::kHeelStrikeOther, 0.8},
                                  {StsEventKind::kToeOffOther, 0.8 + drawn.stance}}) {
-    const std::vector<double> times = TimesOf(leg.events, kind);
+    const std::vector<double> times = StepTimes(leg.events, kind);
     const double strides = drawn.length_s / drawn.stride_s;
     EXPECT_NEAR(static_cast<double>(times.size()), strides, 1) << ToString(kind);
     for (const double time_s : times) {
       const double phase = time_s / drawn.stride_s - at;
-      EXPECT_NEAR((phase - std::round(phase)) * drawn.stride_s, 0, 0.040) << ToString(kind) << " at " << time_s;
+      EXPECT_NEAR(phase - std::round(phase), 0, 0.045) << ToString(kind) << " at " << time_s;
     }
   }
   const gait::GaitCycles cycles = gait::MeasureGaitCycles(leg);
@@ -335,14 +335,12 @@ TEST(GaitCycles, TableHasMeanAndSpread) {
 }
 
 TEST(GaitCycles, ColumnsAreDescribedAsTheFieldsAre) {
-  const CsvTable described = CsvTable::Read(SourceDir() / "apps/python/lake/columns.csv");
-  std::map<std::string, std::array<std::string, 3>> columns;
-  for (std::size_t row = 0; row < described.Rows(); ++row)
-    if (described.Text(row, 0) == "gait_cycles")
-      columns[described.Text(row, 1)] = {described.Text(row, 2), described.Text(row, 3), described.Text(row, 4)};
+  const std::string described = ReadTextFile(SourceDir() / "apps/python/lake/columns.csv");
   for (const gait::Field<gait::GaitCycle>& field : gait::GaitCycleFields()) {
-    EXPECT_EQ(columns[field.name], (std::array<std::string, 3>{field.unit, field.meaning, field.source}));
-    EXPECT_TRUE(columns.contains(field.Column(motion::LengthUnit::kPx) + std::string("_sd"))) << field.name;
+    const bool is_quoted = std::string(field.meaning).find(',') != std::string::npos;
+    EXPECT_THAT(described, HasSubstr(fmt::format("\ngait_cycles,{},{},{}{}", field.name, field.unit,
+                                                 is_quoted ? "\"" : "", field.meaning)));
+    EXPECT_THAT(described, HasSubstr(fmt::format("\ngait_cycles,{}_sd,", field.Column(motion::LengthUnit::kPx))));
   }
 }
 

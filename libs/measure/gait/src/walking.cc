@@ -156,7 +156,9 @@ class WalkFinder {
   struct Found {
     motion::StsEvent event = {};
     bool by_foot = false;
-    double travel = 0;  // of the hip over that of the foot relative to it: 1 in stance overground, 0 on a treadmill
+    bool is_edge = false;
+    double speed = NAN;  // of the foot, vertical, at the extremum
+    double travel = 0;   // of the hip over that of the foot relative to it: 1 in stance overground, 0 on a treadmill
   };
 
   // A marker's coordinates with x forward and y up, NaN where not known.
@@ -253,6 +255,7 @@ class WalkFinder {
   enum class Seen { kForward, kBackward, kFootStays, kNotLevel };
 
   void FindIn(const Foot& foot, std::vector<Found>& all) {
+    std::vector<Found> here;
     Values relative(foot.Size());
     for (std::size_t i = 0; i < foot.Size(); ++i) relative[i] = foot.forward[i] - foot.hip[i];
     const double least = kLeastTravel * leg_.signals.leg_length;
@@ -275,11 +278,20 @@ class WalkFinder {
       if (turns[k].is_edge && (turns[k].is_front != (turns[k].at == 0) || !IsNearTurn(relative, turns, k))) continue;
       std::optional<Found> found = Estimate(foot, velocity, turns[k], scale);
       if (!found) continue;
+      found->is_edge = turns[k].is_edge;
       // In stance, or at an edge in the swing beside it.
       const std::size_t phase = (turns[k].is_front ? has_after : !has_before) ? k : k - 1;
       const std::size_t from = turns[phase].at, to = turns[phase + 1].at;
       found->travel = (foot.hip[to] - foot.hip[from]) / std::abs(relative[to] - relative[from]);
-      all.push_back(*found);
+      here.push_back(*found);
+    }
+    // Where the recording begins or ends near an event, a smaller movement of the foot is not taken for it.
+    constexpr double kLeastSpeed = 0.5;
+    for (const Found& found : here) {
+      Values speeds;
+      for (const Found& other : here)
+        if (!other.is_edge && other.event.kind == found.event.kind) speeds.push_back(std::abs(other.speed));
+      if (!found.is_edge || std::abs(found.speed) >= kLeastSpeed * Median(speeds)) all.push_back(found);
     }
   }
 
@@ -333,6 +345,7 @@ class WalkFinder {
   std::optional<Found> Estimate(const Foot& foot, const Values& velocity, const Turn& turn, double scale) const {
     const StsEventKind kind = turn.is_front ? StsEventKind::kHeelStrike : StsEventKind::kToeOff;
     double weights = 0, sum = 0, squares = 0, method = 0, noise = 0;
+    double speed = NAN;
     bool by_velocity = false;
     for (const Estimator& e : kEstimators) {
       if (e.kind != kind || e.of_foot != foot.of_foot || (turn.is_edge && !e.of_velocity)) continue;
@@ -344,6 +357,7 @@ class WalkFinder {
           std::abs((e.of_velocity ? foot.velocity_sd : foot.position_sd) / Curvature(signal, *found));
       const double variance = std::pow(e.sd_s, 2) + std::pow(by_noise, 2), time_s = foot.Time(*found) + e.offset_s;
       by_velocity |= e.of_velocity;
+      if (e.of_velocity) speed = signal[static_cast<std::size_t>(*found)];
       weights += 1 / variance;
       sum += time_s / variance;
       squares += time_s * time_s / variance;
@@ -351,7 +365,7 @@ class WalkFinder {
       noise += std::pow(by_noise / variance, 2);
     }
     if (!(weights > 0)) return std::nullopt;
-    Found found{.by_foot = foot.of_foot};
+    Found found{.by_foot = foot.of_foot, .speed = speed};
     found.event.time_s = sum / weights;
     // What the turn alone predicts is not seen so near to the end.
     constexpr double kEnd_s = 0.03;

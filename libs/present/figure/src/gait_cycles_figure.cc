@@ -25,13 +25,16 @@ constexpr std::array kPanels = {Panel{&motion::LegSample::knee_deg, "knee flexio
                                 Panel{&motion::LegSample::shank_deg, "shank (°)"}};
 
 // An angle of one stride at 0, 1, … 100 %; empty if too little of it is known.
-std::vector<double> CurveOf(const motion::LegMotion& motion, int stride, double motion::LegSample::*angle) {
+std::vector<double> CurveOf(const motion::LegMotion& motion, const gait::GaitCycle& cycle,
+                            double motion::LegSample::*angle) {
+  constexpr double kBeside = 5;  // percent, so that the curve does not end before the stride
   std::vector<double> percent, values;
-  for (const motion::LegSample& sample : motion.samples)
-    if (sample.repetition == stride && std::isfinite(sample.*angle)) {
-      percent.push_back(sample.percent);
-      values.push_back(sample.*angle);
-    }
+  for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+    const double at = 100 * (motion.time_s[i] - cycle.begin_s.value) / cycle.stride_s.value;
+    if (at < -kBeside || at > 100 + kBeside || !std::isfinite(motion.samples[i].*angle)) continue;
+    percent.push_back(at);
+    values.push_back(motion.samples[i].*angle);
+  }
   if (values.size() < 2) return {};
   return gait::InterpolateCubic(values, percent, Percents(kPercents));
 }
@@ -40,7 +43,7 @@ void DrawPanel(GnuplotFigure& figure, const Panel& panel, const gait::LegFitResu
                const gait::GaitCycles& cycles) {
   std::vector<std::vector<double>> curves;
   for (const gait::GaitCycle& cycle : cycles.strides)
-    if (auto curve = CurveOf(leg.motion, cycle.stride, panel.angle); !curve.empty()) curves.push_back(std::move(curve));
+    if (auto curve = CurveOf(leg.motion, cycle, panel.angle); !curve.empty()) curves.push_back(std::move(curve));
   if (curves.empty()) return;
   std::vector<double> mean, low, high;
   for (int i = 0; i < kPercents; ++i) {
