@@ -210,7 +210,8 @@ class WalkFinder {
       known.push_back(share * values[i]);
       time_s.push_back(leg_.motion.time_s[i]);
     }
-    for (double t = time_s.front(); t <= time_s.back(); t += kGrid_s) grid.push_back(t);
+    const auto cells = static_cast<std::size_t>((time_s.back() - time_s.front()) / kGrid_s);
+    for (std::size_t i = 0; i <= cells; ++i) grid.push_back(time_s.front() + kGrid_s * static_cast<double>(i));
     return ZeroPhaseButterworth(InterpolateCubic(known, time_s, grid), 1 / kGrid_s, kCutoff_hz);
   }
 

@@ -48,6 +48,7 @@ void DrawPanel(GnuplotFigure& figure, const Panel& panel, const gait::LegFitResu
   std::vector<double> mean, low, high;
   for (int i = 0; i < kPercents; ++i) {
     std::vector<double> at;
+    at.reserve(curves.size());
     for (const std::vector<double>& curve : curves) at.push_back(curve[static_cast<std::size_t>(i)]);
     const double spread = at.size() > 1 ? StandardDeviation(at) : 0;
     mean.push_back(Mean(at));

@@ -1,6 +1,6 @@
-// Walking: heel strikes and toe-offs from markers. Heel strike is where the foot's downward velocity is largest, toe-off
-// where its upward velocity is (O'Connor et al. 2007, doi:10.1016/j.gaitpost.2006.05.016), combined with where heel or
-// toe are farthest before or behind the hip (Zeni et al. 2008, doi:10.1016/j.gaitpost.2007.07.007).
+// Walking: heel strikes and toe-offs from markers. Heel strike is where the foot's downward velocity is largest,
+// toe-off where its upward velocity is (O'Connor et al. 2007, doi:10.1016/j.gaitpost.2006.05.016), combined with where
+// heel or toe are farthest before or behind the hip (Zeni et al. 2008, doi:10.1016/j.gaitpost.2007.07.007).
 #pragma once
 
 #include <optional>
