@@ -1,5 +1,6 @@
-// What is measured of each stride of a walk, from one heel strike to the next of the same leg. Terms and phases: Perry &
-// Burnfield, Gait Analysis, 2nd ed. (2010), chapters 1 to 4; Winter, Biomechanics and Motor Control of Human Gait (1991).
+// What is measured of each stride of a walk, from one heel strike to the next of the same leg. Terms and phases: Perry
+// & Burnfield, Gait Analysis, 2nd ed. (2010), chapters 1 to 4; Winter, Biomechanics and Motor Control of Human Gait
+// (1991).
 #pragma once
 
 #include <filesystem>
