@@ -12,9 +12,9 @@
 #include "lake/gait/sit_to_stand.h"
 #include "lake/motion/saved_corrections.h"
 #include "measure_tables.h"
+#include "movement_tables.h"
 #include "png_and_svg.h"
 #include "range_limit.h"
-#include "sit_to_stand_tables.h"
 
 namespace lake::commands {
 namespace {
@@ -83,7 +83,7 @@ void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result,
     run.Warn(
         "the positions were smoothed before, and the file does not say how certain they are: the standard deviations "
         "here are those of what is left, and too small");
-  if (result.events.empty()) run.Warn("no sit-to-stand found: repetition and percent are left empty");
+  if (result.events.empty()) run.Warn("no sit-to-stand, walking or squat found: repetition and percent are left empty");
 }
 
 // Of summaries, true where a person moved events.
@@ -207,6 +207,7 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
   }
   fit.unit_question = [&](const std::string& unit) { return UnitQuestion(trial, unit); };
   gait::LegFitResult result = FitOrName(trial, view, fit);
+  gait::ChooseMovement(fit.movement, result);
   if (const auto corrected = CorrectedEventsOf(trial)) TakeEvents(*corrected, result);
   if (events) CorrectEventsBy(*events, result);
   SayWarnings(trial, result, run);
@@ -234,9 +235,9 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (options.events)
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
-  run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "sit_to_stand.html",
-             "uncertainty_budget.csv", "range_limit.csv", "range_limit.html", "trajectory.csv", "tracks.csv",
-             "gait.png", "gait.svg", "measures.csv", "measures.png", "measures.svg"});
+  run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "sit_to_stand.html", "gait_cycles.csv",
+             "gait_cycles.png", "gait_cycles.svg", "uncertainty_budget.csv", "range_limit.csv", "range_limit.html",
+             "trajectory.csv", "tracks.csv", "gait.png", "gait.svg", "measures.csv", "measures.png", "measures.svg"});
   if (measures_alone) return MeasureWithoutLeg(trial, options, run);
   const gait::LegFitResult result = FitTrial(trial, options.fit, run, options, options.events);
   Json results = Json::object();
@@ -245,9 +246,9 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
   run.Report(gait::LegFitText(result));
   WriteUncertaintyBudget(result, options.budget, results, run);
-  const std::string rises = WriteSitToStands(result, options.fit.markers, options.person, results, run);
+  const std::string repetitions = WriteMovement(result, options.fit.markers, options.person, results, run);
   if (options.range_limit_deg) WriteRangeLimit(result, options.budget, *options.range_limit_deg, results, run);
-  run.Report(rises);
+  run.Report(repetitions);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);

@@ -24,8 +24,8 @@
 #include "lake/overlay/overlay_video.h"
 #include "lake/video/video_files.h"
 #include "measure_tables.h"
+#include "movement_tables.h"
 #include "png_and_svg.h"
-#include "sit_to_stand_tables.h"
 
 namespace lake::commands {
 namespace {
@@ -325,7 +325,9 @@ gait::LegFitResult FitOrKeep(const TrackRunOptions& options, const tracking::Tra
                              const gait::LegView& view, const gait::RollingShutter& shutter,
                              const gait::LegFitOptions& fit_options, const Json& results, Run& run) {
   try {
-    return gait::FitLeg(gait::AtFrameTimes(tracked.recording, shutter), view, fit_options);
+    gait::LegFitResult fit = gait::FitLeg(gait::AtFrameTimes(tracked.recording, shutter), view, fit_options);
+    gait::ChooseMovement(fit_options.movement, fit);
+    return fit;
   } catch (const Error& error) {
     WritePoints(options, tracked, view, shutter, "no leg fitted", run);
     const Error told =
@@ -350,8 +352,8 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
   run.Report(gait::LegFitText(fit));
   WriteUncertaintyBudget(fit, options.budget, results, run);
-  const std::string rises = WriteSitToStands(fit, fit_options.markers, options.person, results, run);
-  run.Report(rises);
+  const std::string repetitions = WriteMovement(fit, fit_options.markers, options.person, results, run);
+  run.Report(repetitions);
   DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
   const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);
   const bool comparable = shutter.readout_s == 0;  // else what was seen is of another time than the estimate
@@ -483,10 +485,11 @@ void CheckStamps(const TrackRunOptions& options, const std::vector<motion::Corre
 // Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
 std::vector<std::string> ResultNames(const TrackRunOptions& options) {
   if (options.list) return {"summary.json", kCandidatesTable, kCandidatesPicture};
-  std::vector<std::string> names = {"summary.json", "tracks.csv",       "trajectory.csv",    "kinematics.csv",
-                                    "events.csv",   "sit_to_stand.csv", "sit_to_stand.html", "uncertainty_budget.csv",
-                                    "track.png",    "track.svg",        "measures.csv",      "measures.png",
-                                    "measures.svg", kCandidatesTable,   kCandidatesPicture};
+  std::vector<std::string> names = {"summary.json",    "tracks.csv",       "trajectory.csv",         "kinematics.csv",
+                                    "events.csv",      "sit_to_stand.csv", "sit_to_stand.html",      "gait_cycles.csv",
+                                    "gait_cycles.png", "gait_cycles.svg",  "uncertainty_budget.csv", "track.png",
+                                    "track.svg",       "measures.csv",     "measures.png",           "measures.svg",
+                                    kCandidatesTable,  kCandidatesPicture};
   if (options.overlay) names.push_back("overlay.mp4");
   for (const std::string& format : options.exports)
     names.push_back(exchange::ExportName(format, options.video.stem().string()));
@@ -536,6 +539,7 @@ TrackFit FitTracked(const TrackRunOptions& options, const tracking::TrackResult&
     return result;
   }
   result.leg = gait::FitLeg(at_frames, view, FitOptions(options, tracked, view, true, warn));
+  gait::ChooseMovement(options.fit.movement, *result.leg);
   result.warnings.insert(result.warnings.end(), result.leg->warnings.begin(), result.leg->warnings.end());
   result.tracks = result.leg->tracks;
   result.in_plane = result.leg->measured;

@@ -13,8 +13,9 @@
 namespace lake::motion {
 namespace {
 
-constexpr std::array kEventKinds = {StsEventKind::kOnset, StsEventKind::kSeatOff, StsEventKind::kStanding,
-                                    StsEventKind::kDescent, StsEventKind::kSeated};
+StsEventKind KindAt(int number) {
+  return static_cast<StsEventKind>(number);
+}
 
 using Key = std::pair<int, StsEventKind>;
 
@@ -27,7 +28,7 @@ std::int64_t WholeNumber(const CsvTable& table, std::size_t row, std::string_vie
 
 std::string NamesOfEvents() {
   std::string names;
-  for (const StsEventKind kind : kEventKinds) names += (names.empty() ? "" : ", ") + std::string(ToString(kind));
+  for (int i = 0; i < kEventKinds; ++i) names += (names.empty() ? "" : ", ") + std::string(ToString(KindAt(i)));
   return names;
 }
 
@@ -122,9 +123,9 @@ void CheckDurations(const std::vector<StsEvent>& events, const Said& said) {
 }  // namespace
 
 std::optional<StsEventKind> FindEventKind(std::string_view name) {
-  const auto kind = std::find_if(kEventKinds.begin(), kEventKinds.end(),
-                                 [&](StsEventKind candidate) { return name == ToString(candidate); });
-  return kind == kEventKinds.end() ? std::nullopt : std::optional(*kind);
+  for (int i = 0; i < kEventKinds; ++i)
+    if (name == ToString(KindAt(i))) return KindAt(i);
+  return std::nullopt;
 }
 
 std::vector<EventCorrection> ReadEventCorrections(const std::filesystem::path& path) {

@@ -103,19 +103,10 @@ std::optional<Side> SideOfName(std::string_view marker) {
 }
 
 std::string_view ToString(StsEventKind kind) {
-  switch (kind) {
-    case StsEventKind::kOnset:
-      return "onset";
-    case StsEventKind::kSeatOff:
-      return "seat_off";
-    case StsEventKind::kStanding:
-      return "standing";
-    case StsEventKind::kDescent:
-      return "descent";
-    case StsEventKind::kSeated:
-      return "seated";
-  }
-  return "onset";
+  constexpr std::array<std::string_view, kEventKinds> kNames = {
+      "onset",  "seat_off",    "standing", "descent",           "seated",
+      "bottom", "heel_strike", "toe_off",  "heel_strike_other", "toe_off_other"};
+  return kNames.at(static_cast<std::size_t>(kind));
 }
 
 void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& motion) {
@@ -161,8 +152,16 @@ LegMotion ReadKinematicsCsv(const std::filesystem::path& path) {
 }
 
 void WriteEventsCsv(const std::filesystem::path& path, const std::vector<StsEvent>& events) {
-  CsvWriter csv({"repetition", "event", "frame", "time_s"});
-  for (const StsEvent& event : events) csv.AddRow(event.repetition, ToString(event.kind), event.frame, event.time_s);
+  std::vector<std::string> header = {"repetition", "event", "frame", "time_s"};
+  const bool has_sd =
+      std::ranges::any_of(events, [](const StsEvent& event) { return event.kind >= StsEventKind::kHeelStrike; });
+  if (has_sd) header.emplace_back("sd_s");
+  CsvWriter csv(header);
+  for (const StsEvent& event : events) {
+    csv.Add(event.repetition).Add(ToString(event.kind)).Add(event.frame).Add(event.time_s);
+    if (has_sd) csv.Add(event.sd_s);
+    csv.EndRow();
+  }
   csv.Write(path);
 }
 
@@ -179,6 +178,7 @@ std::vector<StsEvent> ReadEventsCsv(const std::filesystem::path& path) {
     read.kind = *kind;
     read.frame = static_cast<std::int64_t>(table.RequiredNumber(row, frame));
     read.time_s = table.RequiredNumber(row, time);
+    if (table.Has("sd_s")) read.sd_s = table.Number(row, table.Column("sd_s")).value_or(LegSample::kUnknown);
     // Of one repetition: the next may begin in the frame in which this one is seated.
     const StsEvent* last = events.empty() ? nullptr : &events.back();
     if (last && read.repetition == last->repetition && read.time_s < last->time_s)

@@ -50,27 +50,6 @@ std::vector<double> Intervals(std::span<const double> time_s) {
   return steps;
 }
 
-// Cubic (Catmull–Rom on uneven steps) interpolation of values at `from` to `to`; both increase.
-std::vector<double> Interpolate(std::span<const double> values, std::span<const double> from,
-                                std::span<const double> to) {
-  const std::size_t n = values.size();
-  const auto slope = [&](std::size_t i) {
-    const std::size_t a = i == 0 ? 0 : i - 1, b = std::min(i + 1, n - 1);
-    if (a == i || b == i) return (values[b] - values[a]) / (from[b] - from[a]);
-    const double before = from[i] - from[a], after = from[b] - from[i];
-    return ((values[i] - values[a]) / before * after + (values[b] - values[i]) / after * before) / (before + after);
-  };
-  std::vector<double> result;
-  std::size_t i = 0;
-  for (const double t : to) {
-    while (i + 2 < n && from[i + 1] <= t) ++i;
-    const double h = from[i + 1] - from[i], u = std::clamp((t - from[i]) / h, 0.0, 1.0);
-    const double p = values[i], q = values[i + 1], mp = slope(i) * h, mq = slope(i + 1) * h;
-    result.push_back(p + u * (mp + u * (3 * (q - p) - 2 * mp - mq + u * (2 * (p - q) + mp + mq))));
-  }
-  return result;
-}
-
 }  // namespace
 
 void CheckCutoff(double cutoff_hz, double rate_hz) {
@@ -122,8 +101,28 @@ std::vector<double> ZeroPhaseButterworthAtTimes(std::span<const double> values, 
   for (std::size_t i = 0; i <= cells; ++i)
     grid[i] = time_s.front() + length * static_cast<double>(i) / static_cast<double>(cells);
   const std::vector<double> filtered =
-      ZeroPhaseButterworth(Interpolate(values, time_s, grid), static_cast<double>(cells) / length, cutoff_hz);
-  return Interpolate(filtered, grid, time_s);
+      ZeroPhaseButterworth(InterpolateCubic(values, time_s, grid), static_cast<double>(cells) / length, cutoff_hz);
+  return InterpolateCubic(filtered, grid, time_s);
+}
+
+std::vector<double> InterpolateCubic(std::span<const double> values, std::span<const double> from,
+                                     std::span<const double> to) {
+  const std::size_t n = values.size();
+  const auto slope = [&](std::size_t i) {
+    const std::size_t a = i == 0 ? 0 : i - 1, b = std::min(i + 1, n - 1);
+    if (a == i || b == i) return (values[b] - values[a]) / (from[b] - from[a]);
+    const double before = from[i] - from[a], after = from[b] - from[i];
+    return ((values[i] - values[a]) / before * after + (values[b] - values[i]) / after * before) / (before + after);
+  };
+  std::vector<double> result;
+  std::size_t i = 0;
+  for (const double t : to) {
+    while (i + 2 < n && from[i + 1] <= t) ++i;
+    const double h = from[i + 1] - from[i], u = std::clamp((t - from[i]) / h, 0.0, 1.0);
+    const double p = values[i], q = values[i + 1], mp = slope(i) * h, mq = slope(i + 1) * h;
+    result.push_back(p + u * (mp + u * (3 * (q - p) - 2 * mp - mq + u * (2 * (p - q) + mp + mq))));
+  }
+  return result;
 }
 
 }  // namespace lake::gait

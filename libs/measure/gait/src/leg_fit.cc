@@ -192,6 +192,7 @@ void Describe(LegFitOptions& o, OptionList& options) {
       .Unit("Hz")
       .Positive()
       .Otherwise("found from the data (spline), 6 (butterworth)");
+  Describe(o.movement, options);
 }
 
 void DescribeFacing(LegFitOptions& o, OptionList& options) {

@@ -688,22 +688,4 @@ std::string OnsetsWithoutLean(const StsSignals& signals, const std::vector<motio
       one ? "" : "s", fmt::join(rises, ", "), one ? "it" : "them", one ? "its onset is" : "their onsets are");
 }
 
-void SetRepetitions(const std::vector<motion::StsEvent>& events, motion::LegMotion& motion) {
-  for (motion::LegSample& sample : motion.samples) {
-    sample.repetition.reset();
-    sample.percent = motion::LegSample::kUnknown;
-  }
-  std::map<int, double> onset_s;
-  for (const motion::StsEvent& event : events) {
-    if (event.kind == motion::StsEventKind::kOnset) onset_s[event.repetition] = event.time_s;
-    if (event.kind != motion::StsEventKind::kStanding || !onset_s.contains(event.repetition)) continue;
-    const double begin_s = onset_s.at(event.repetition), duration_s = event.time_s - begin_s;
-    for (std::size_t i = 0; i < motion.samples.size(); ++i) {
-      if (motion.time_s[i] < begin_s || motion.time_s[i] > event.time_s) continue;
-      motion.samples[i].repetition = event.repetition;
-      motion.samples[i].percent = duration_s > 0 ? 100 * (motion.time_s[i] - begin_s) / duration_s : 100;
-    }
-  }
-}
-
 }  // namespace lake::gait

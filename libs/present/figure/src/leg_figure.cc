@@ -23,7 +23,10 @@ constexpr std::array kEvents = {
     EventStyle{motion::StsEventKind::kSeatOff, "seat-off", "lc rgb '#CC79A7' dt (12,4) lw 2"},
     EventStyle{motion::StsEventKind::kStanding, "standing", "lc rgb '#0072B2' dt (6,4) lw 2"},
     EventStyle{motion::StsEventKind::kDescent, "descent", "lc rgb '#555555' dt (2,4) lw 2"},
-    EventStyle{motion::StsEventKind::kSeated, "seated", "lc rgb '#555555' dt (10,4,2,4) lw 2"}};
+    EventStyle{motion::StsEventKind::kSeated, "seated", "lc rgb '#555555' dt (10,4,2,4) lw 2"},
+    EventStyle{motion::StsEventKind::kBottom, "bottom", "lc rgb '#CC79A7' dt (12,4) lw 2"},
+    EventStyle{motion::StsEventKind::kHeelStrike, "heel strike", "lc rgb '#009E73' dt 1 lw 2"},
+    EventStyle{motion::StsEventKind::kToeOff, "toe-off", "lc rgb '#CC79A7' dt (12,4) lw 2"}};
 
 const char* ColourOf(const std::string& marker) {
   if (marker == "ankle") return colour::kAnkle;

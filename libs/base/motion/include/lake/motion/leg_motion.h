@@ -44,7 +44,7 @@ struct LegSample {
   double trunk_deg = kUnknown;
   double knee_deg_s = kUnknown;   // angular velocity
   std::optional<int> repetition;  // from 1
-  double percent = kUnknown;      // 0 at onset, 100 at standing
+  double percent = kUnknown;      // of the repetition, 0 to 100
 };
 
 struct LegMotion {
@@ -59,17 +59,30 @@ struct LegMotion {
 // none.
 double MedianLength(const LegMotion& motion, Eigen::Vector2d LegSample::*vector);
 
-// One of onset, seat_off, standing, descent, seated.
-enum class StsEventKind { kOnset, kSeatOff, kStanding, kDescent, kSeated };
+// One of onset, seat_off, standing, descent, seated; of a squat bottom too; of walking heel_strike, toe_off and, of the
+// other leg, heel_strike_other, toe_off_other.
+enum class StsEventKind {
+  kOnset,
+  kSeatOff,
+  kStanding,
+  kDescent,
+  kSeated,
+  kBottom,
+  kHeelStrike,
+  kToeOff,
+  kHeelStrikeOther,
+  kToeOffOther
+};
+inline constexpr int kEventKinds = 10;
 
 std::string_view ToString(StsEventKind kind);
 
 struct StsEvent {
-  int repetition = 0;  // from 1
+  int repetition = 0;  // from 1; of walking 0 before the first heel strike
   StsEventKind kind = StsEventKind::kOnset;
   std::int64_t frame = 0;
   double time_s = 0;
-  double sd_s = LegSample::kUnknown;  // of the time, from the fit; not in events.csv
+  double sd_s = LegSample::kUnknown;  // of the time, from the fit; in events.csv of walking only
 };
 
 // kinematics.csv; the vectors' columns end in the motion's unit. Reading throws Error naming file, line and column,
@@ -77,8 +90,8 @@ struct StsEvent {
 void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& motion);
 LegMotion ReadKinematicsCsv(const std::filesystem::path& path);
 
-// events.csv: repetition,event,frame,time_s, in the order of repetitions and, within each, of time; reading throws
-// Error for another order.
+// events.csv: repetition,event,frame,time_s, of walking sd_s too, in the order of repetitions and, within each, of
+// time; reading throws Error for another order.
 void WriteEventsCsv(const std::filesystem::path& path, const std::vector<StsEvent>& events);
 std::vector<StsEvent> ReadEventsCsv(const std::filesystem::path& path);
 

@@ -20,4 +20,9 @@ std::vector<double> ZeroPhaseButterworth(std::span<const double> values, double 
 std::vector<double> ZeroPhaseButterworthAtTimes(std::span<const double> values, std::span<const double> time_s,
                                                 double cutoff_hz);
 
+// Cubic interpolation (Catmull–Rom on uneven steps) of at least two values at the times `from` to the times `to`; both
+// increase.
+std::vector<double> InterpolateCubic(std::span<const double> values, std::span<const double> from,
+                                     std::span<const double> to);
+
 }  // namespace lake::gait

@@ -17,6 +17,7 @@
 #include "lake/core/options.h"
 #include "lake/gait/leg_angles.h"
 #include "lake/gait/leg_view.h"
+#include "lake/gait/movement.h"
 #include "lake/gait/sts_events.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/marker_recording.h"
@@ -49,6 +50,7 @@ struct LegFitOptions {
   // Of the sigmas' squares: errors that stay alike for some frames, as a film's coding makes them. Learnt if not given.
   std::optional<double> lasting_share;
   bool HasSplineCutoff() const { return filter == LegFilter::kSpline && cutoff_hz.has_value(); }
+  MovementOptions movement;
   bool quiet = true;  // no progress
 
   // By what the program at work says which way is up and where the subject faces, and what can be done about frames
@@ -117,6 +119,7 @@ struct LegFitResult {
   StsSignals signals;  // what the events are read from
   std::vector<motion::StsEvent> events;
   std::vector<motion::StsEvent> without_seat;  // FoundStsEvents'
+  FoundMovement movement;
   std::vector<MarkerReport> markers;
   std::vector<SegmentReport> segments;
   std::vector<OutlierReport> outliers;

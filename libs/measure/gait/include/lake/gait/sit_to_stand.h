@@ -2,7 +2,6 @@
 // of the five-times test.
 #pragma once
 
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -12,16 +11,12 @@
 
 #include "lake/core/json.h"
 #include "lake/core/options.h"
+#include "lake/gait/field.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/trunk_on_pelvis.h"
 #include "lake/motion/person.h"
 
 namespace lake::gait {
-
-// A value with its standard deviation; NaN where not known.
-struct Measured {
-  double value = NAN, sd = NAN;
-};
 
 inline constexpr double kSteadyFraction = 0.05;  // as of the knee's extension at standing
 inline constexpr double kSteady_s = 0.5;

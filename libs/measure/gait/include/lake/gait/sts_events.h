@@ -85,8 +85,8 @@ std::vector<std::string> UncertainEvents(const std::vector<motion::StsEvent>& ev
 // none.
 std::string OnsetsWithoutLean(const StsSignals& signals, const std::vector<motion::StsEvent>& events);
 
-// Sets `repetition` and `percent` (0 at onset, 100 at standing) of the samples between the two, and clears them
-// elsewhere.
+// Sets `repetition` and `percent` of the samples between the events that are 0 and 100 % of their movement
+// (movement.h), and clears them elsewhere.
 void SetRepetitions(const std::vector<motion::StsEvent>& events, motion::LegMotion& motion);
 
 }  // namespace lake::gait

@@ -1,0 +1,19 @@
+// What lake-track and lake-gait write of the repetitions of a recording's movement.
+#pragma once
+
+#include <string>
+
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+#include "lake/gait/leg_fit.h"
+#include "lake/gait/sit_to_stand.h"
+
+namespace lake::commands {
+
+// Of walking gait_cycles.csv, .png and .svg, and `walking` in the results; of squats their number; else
+// WriteSitToStands. `movement` in the results is null where none was found. Returns what there is to say at the
+// terminal.
+std::string WriteMovement(const gait::LegFitResult& leg, const gait::LegMarkers& markers, const gait::Person& person,
+                          Json& results, Run& run);
+
+}  // namespace lake::commands

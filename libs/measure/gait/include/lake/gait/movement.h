@@ -1,0 +1,51 @@
+// The movements that are known: how their repetitions are found, and what is measured of them.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lake/core/options.h"
+#include "lake/gait/walking.h"
+
+namespace lake::gait {
+
+enum class MovementKind { kAuto, kSitToStand, kSquat, kWalking };
+
+struct MovementOptions {
+  MovementKind kind = MovementKind::kAuto;  // found from the motion
+  WalkingOptions walking;
+};
+
+// --movement, --walking and --belt-speed.
+void Describe(MovementOptions& o, OptionList& options);
+
+// What was found in a recording.
+struct FoundMovement {
+  std::optional<MovementKind> kind;  // nullopt: none that is known
+  Walk walk;                         // of walking
+  WalkingOptions walking;            // with which it was found
+};
+
+struct Movement {
+  MovementKind kind;
+  const char* name;        // as --movement has it
+  const char* repetition;  // what one is called
+  const char* seen_by;     // in words, how repetitions are found
+  std::vector<motion::StsEvent> (*find)(const LegFitResult& leg, const MovementOptions& options, Walk& walk);
+  std::span<const motion::StsEventKind> events;                       // of a repetition, in order
+  motion::StsEventKind begin, end;                                    // 0 and 100 %
+  bool ends_in_next;                                                  // the end is the next repetition's
+  std::vector<std::string> (*measures)(motion::LengthUnit of_plane);  // columns of its table
+};
+
+std::span<const Movement> Movements();
+const Movement& MovementOf(MovementKind kind);
+
+// Puts the events of the movement that the options name, else of the first of the table that the motion shows, in the
+// place of the fit's, and with them repetition and percent; warns of what it leaves out, and where another movement is
+// seen too. Without any, a warning says so and the events are empty.
+void ChooseMovement(const MovementOptions& options, LegFitResult& leg);
+
+}  // namespace lake::gait

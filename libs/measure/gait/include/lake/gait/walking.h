@@ -1,0 +1,42 @@
+// Walking: heel strikes and toe-offs from markers. Heel strike is where the foot's downward velocity is largest,
+// toe-off where its upward velocity is (O'Connor et al. 2007, doi:10.1016/j.gaitpost.2006.05.016), combined with where
+// heel or toe are farthest before or behind the hip (Zeni et al. 2008, doi:10.1016/j.gaitpost.2007.07.007).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/motion/leg_motion.h"
+
+namespace lake::gait {
+
+struct LegFitResult;
+
+enum class Ground { kOverground, kTreadmill };
+
+struct WalkingOptions {
+  std::optional<Ground> ground;           // found from the motion
+  std::optional<double> belt_speed_mm_s;  // of a treadmill; else that of the foot in stance
+  // Markers beside the leg's, used where the recording has them. Heel and toe count as a pair.
+  std::string heel = "heel", toe = "toe";
+  std::string other_ankle = "other_ankle", other_heel = "other_heel", other_toe = "other_toe";
+};
+
+struct Walk {
+  // In the order of time, each with its standard deviation. `repetition` counts the heel strikes of the measured leg
+  // from 1 (0 before the first) and leaves a number out where the walk is interrupted: a stride is complete exactly
+  // where the heel strikes of its number and of the next are here.
+  std::vector<motion::StsEvent> events;
+  Ground ground = Ground::kOverground;
+  bool by_foot = false;  // some event is from heel and toe, not from the ankle alone
+  int strides = 0;       // complete ones of the measured leg
+  int incomplete = 0;    // of which the recording has a part only
+  // Why parts of the recording are left out, or all of it: a sentence each.
+  std::vector<std::string> left_out;
+};
+
+// Empty `events` where nobody walks. Lengths are compared with the leg's, so they may be px.
+Walk FindWalk(const LegFitResult& leg, const WalkingOptions& options = {});
+
+}  // namespace lake::gait

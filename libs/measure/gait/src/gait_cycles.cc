@@ -1,0 +1,322 @@
+#include "lake/gait/gait_cycles.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+#include "lake/core/csv.h"
+#include "lake/core/json_or_null.h"
+#include "lake/core/statistics.h"
+
+namespace lake::gait {
+namespace {
+
+using motion::StsEventKind;
+
+constexpr const char* kPerry = "Perry and Burnfield 2010, Gait Analysis, 2nd ed.";
+constexpr const char* kWinter = "Winter 1991, Biomechanics and Motor Control of Human Gait, 2nd ed.";
+constexpr const char* kLake = "lake";
+
+constexpr std::array kFields = {
+    Field<GaitCycle>{"begin_s", "s", "time of the heel strike with which the stride begins", kPerry,
+                     &GaitCycle::begin_s, 3},
+    Field<GaitCycle>{"stride_s", "s", "stride time: to the next heel strike of the same leg", kPerry,
+                     &GaitCycle::stride_s, 3},
+    Field<GaitCycle>{"stance_s", "s", "stance time: from heel strike to toe-off", kPerry, &GaitCycle::stance_s, 3},
+    Field<GaitCycle>{"stance_percent", "%", "stance time in percent of the stride", kPerry, &GaitCycle::stance_percent,
+                     1},
+    Field<GaitCycle>{"swing_s", "s", "swing time: from toe-off to the next heel strike", kPerry, &GaitCycle::swing_s,
+                     3},
+    Field<GaitCycle>{"cadence_steps_min", "1/min", "steps per minute: two per stride", kWinter,
+                     &GaitCycle::cadence_steps_min, 1},
+    Field<GaitCycle>{"stride_mm", "mm",
+                     "stride length: from heel to heel (ankle to ankle without heel markers), the foot flat on the "
+                     "ground; of a treadmill with the belt's travel",
+                     kWinter, &GaitCycle::stride_length, 0},
+    Field<GaitCycle>{"speed_mm_s", "mm/s", "walking speed: stride length over stride time", kWinter, &GaitCycle::speed,
+                     0},
+    Field<GaitCycle>{"knee_heel_strike_deg", "deg", "knee flexion at heel strike", kPerry,
+                     &GaitCycle::knee_heel_strike_deg, 1},
+    Field<GaitCycle>{"knee_loading_deg", "deg",
+                     "largest knee flexion in loading response: the first 25 % of the stride", kPerry,
+                     &GaitCycle::knee_loading_deg, 1},
+    Field<GaitCycle>{"knee_stance_min_deg", "deg", "least knee flexion between that and toe-off", kPerry,
+                     &GaitCycle::knee_stance_min_deg, 1},
+    Field<GaitCycle>{"knee_toe_off_deg", "deg", "knee flexion at toe-off", kPerry, &GaitCycle::knee_toe_off_deg, 1},
+    Field<GaitCycle>{"knee_swing_deg", "deg", "largest knee flexion in swing", kPerry, &GaitCycle::knee_swing_deg, 1},
+    Field<GaitCycle>{"knee_range_deg", "deg", "range of knee flexion over the stride", kPerry,
+                     &GaitCycle::knee_range_deg, 1},
+    Field<GaitCycle>{"thigh_range_deg", "deg", "range of the thigh's angle from the vertical", kPerry,
+                     &GaitCycle::thigh_range_deg, 1},
+    Field<GaitCycle>{"shank_range_deg", "deg", "range of the shank's angle from the vertical", kPerry,
+                     &GaitCycle::shank_range_deg, 1},
+    Field<GaitCycle>{"trunk_range_deg", "deg", "range of the trunk's angle from the vertical", kPerry,
+                     &GaitCycle::trunk_range_deg, 1},
+    Field<GaitCycle>{"step_s", "s", "step time: from the other leg's heel strike to this leg's, which ends the stride",
+                     kPerry, &GaitCycle::step_s, 3},
+    Field<GaitCycle>{"step_mm", "mm",
+                     "step length: how far the heel (ankle) is before the other one at that heel strike", kWinter,
+                     &GaitCycle::step_length, 0},
+    Field<GaitCycle>{"double_support_percent", "%", "time with both feet on the ground in percent of the stride",
+                     kPerry, &GaitCycle::double_support_percent, 1},
+    Field<GaitCycle>{
+        "step_symmetry_percent", "%", "symmetry index of the step times: this leg's less the other's, over their mean",
+        "Robinson et al. 1987, J Manipulative Physiol Ther 10(4), 172-176", &GaitCycle::step_symmetry_percent, 1},
+    Field<GaitCycle>{"toe_clearance_mm", "mm",
+                     "least height of the toe marker in the middle half of swing over its height in stance", kWinter,
+                     &GaitCycle::toe_clearance, 0}};
+
+// An event's share of its SD that is not alike in all of a person's strides.
+constexpr double kWithinPerson = 0.5;
+
+class CycleMeasurer {
+ public:
+  CycleMeasurer(const LegFitResult& leg, double anatomical_sd_deg)
+      : leg_(leg), m_(leg.motion), anatomical_sd_deg_(anatomical_sd_deg) {
+    for (const motion::StsEvent& event : leg.events) events_[{event.repetition, event.kind}].push_back(event);
+  }
+
+  std::vector<GaitCycle> Strides() const {
+    std::vector<GaitCycle> strides;
+    for (const auto& [key, strike] : events_)
+      if (key.second == StsEventKind::kHeelStrike && First(key.first + 1, StsEventKind::kHeelStrike) &&
+          First(key.first, StsEventKind::kToeOff))
+        strides.push_back(
+            Measure(strike.front(), *First(key.first, StsEventKind::kToeOff), *First(key.first + 1, key.second)));
+    return strides;
+  }
+
+ private:
+  const motion::StsEvent* First(int repetition, StsEventKind kind) const {
+    const auto found = events_.find({repetition, kind});
+    return found == events_.end() ? nullptr : &found->second.front();
+  }
+
+  static Measured Between(const motion::StsEvent& from, const motion::StsEvent& to) {
+    const double within = from.kind == to.kind ? kWithinPerson : 1;
+    return {to.time_s - from.time_s, within * std::hypot(from.sd_s, to.sd_s)};
+  }
+
+  // A value that runs through the frames, at a time between two.
+  template <typename Get>
+  double At(double time_s, const Get& get) const {
+    const auto after = static_cast<std::size_t>(std::ranges::lower_bound(m_.time_s, time_s) - m_.time_s.begin());
+    if (after == m_.time_s.size()) return NAN;
+    if (after == 0) return m_.time_s[0] == time_s ? get(0) : NAN;
+    return std::lerp(get(after - 1), get(after),
+                     (time_s - m_.time_s[after - 1]) / (m_.time_s[after] - m_.time_s[after - 1]));
+  }
+
+  Measured KneeAt(const motion::StsEvent& event) const {
+    const double slope = At(event.time_s, [&](std::size_t i) { return m_.samples[i].knee_deg_s; });
+    const double sigma = At(event.time_s, [&](std::size_t i) { return m_.samples[i].knee_sigma_deg; });
+    return {At(event.time_s, [&](std::size_t i) { return m_.samples[i].knee_deg; }),
+            std::hypot(sigma, slope * event.sd_s, anatomical_sd_deg_)};
+  }
+
+  struct Extreme {
+    Measured value;
+    double time_s = NAN;
+  };
+
+  // The largest value of an angle, or with sign −1 the smallest, between two times.
+  Extreme Find(double motion::LegSample::*angle, double from_s, double to_s, double sign) const {
+    Extreme best;
+    for (std::size_t i = 0; i < m_.time_s.size(); ++i)
+      if (const double value = m_.samples[i].*angle; m_.time_s[i] >= from_s && m_.time_s[i] <= to_s &&
+                                                     std::isfinite(value) && !(sign * value <= sign * best.value.value))
+        best = {{value, m_.samples[i].knee_sigma_deg}, m_.time_s[i]};
+    return best;
+  }
+
+  Measured Range(double motion::LegSample::*angle, double from_s, double to_s) const {
+    const Measured high = Find(angle, from_s, to_s, 1).value, low = Find(angle, from_s, to_s, -1).value;
+    return {high.value - low.value, std::hypot(high.sd, low.sd)};
+  }
+
+  Measured KneeExtreme(double from_s, double to_s, double sign) const {
+    Measured knee = Find(&motion::LegSample::knee_deg, from_s, to_s, sign).value;
+    knee.sd = std::hypot(knee.sd, anatomical_sd_deg_);
+    return knee;
+  }
+
+  // Of the heel, or the ankle where no heel is seen; forward (axis 0) or up, with its standard deviation.
+  Measured Place(const std::string& heel, const std::string& ankle, double time_s, int axis = 0) const {
+    for (const std::string* name : {&heel, &ankle}) {
+      const motion::MarkerTrack* track = leg_.trajectory.Find(*name);
+      if (!track) continue;
+      const double place = At(time_s, [&](std::size_t i) {
+        const motion::MarkerSample& sample = track->samples[i];
+        return sample.IsKnown() ? LegFromPlane(sample.position, m_.facing, leg_.up)[axis] : NAN;
+      });
+      if (std::isfinite(place)) return {place, At(time_s, [&](std::size_t i) { return track->samples[i].sigma; })};
+    }
+    return {};
+  }
+
+  // Of the belt under the foot in stance, or as the options say it.
+  double BeltSpeed(const motion::StsEvent& strike, double stance_s) const {
+    if (leg_.movement.walk.ground == Ground::kOverground) return 0;
+    if (o_.belt_speed_mm_s && m_.unit == motion::LengthUnit::kMm) return *o_.belt_speed_mm_s;
+    const double from_s = strike.time_s + 0.2 * stance_s, to_s = strike.time_s + 0.5 * stance_s;
+    return (OwnPlace(from_s).value - OwnPlace(to_s).value) / (to_s - from_s);
+  }
+
+  Measured OwnPlace(double time_s) const { return Place(o_.heel, leg_.leg_markers.ankle, time_s); }
+
+  void MeasureLengths(const motion::StsEvent& strike, const motion::StsEvent& next, GaitCycle& cycle) const {
+    const double stride_s = cycle.stride_s.value, belt = BeltSpeed(strike, cycle.stance_s.value);
+    // Where the foot is flat it moves with the ground, and the event's own error does not count.
+    double flat_s = 0.1 * stride_s;
+    if (!std::isfinite(OwnPlace(next.time_s + flat_s).value)) flat_s = 0;
+    const Measured from = OwnPlace(strike.time_s + flat_s), to = OwnPlace(next.time_s + flat_s);
+    const double foot_speed = flat_s > 0 ? belt : (to.value - OwnPlace(next.time_s - 0.02).value) / 0.02;
+    cycle.stride_length = {to.value - from.value + belt * stride_s,
+                           std::hypot(from.sd, to.sd, foot_speed * cycle.stride_s.sd)};
+    cycle.speed.value = cycle.stride_length.value / stride_s;
+    cycle.speed.sd = std::hypot(cycle.stride_length.sd, cycle.speed.value * cycle.stride_s.sd) / stride_s;
+  }
+
+  void MeasureBothLegs(const motion::StsEvent& strike, const motion::StsEvent& off, const motion::StsEvent& next,
+                       GaitCycle& cycle) const {
+    const motion::StsEvent *other = First(strike.repetition, StsEventKind::kHeelStrikeOther),
+                           *other_off = First(strike.repetition, StsEventKind::kToeOffOther);
+    if (!other) return;
+    cycle.step_s = Between(*other, next);
+    const double other_step_s = other->time_s - strike.time_s, mean_s = cycle.stride_s.value / 2;
+    cycle.step_symmetry_percent = {100 * (cycle.step_s.value - other_step_s) / mean_s, 100 * 2 * other->sd_s / mean_s};
+    const Measured own = OwnPlace(next.time_s), others = Place(o_.other_heel, o_.other_ankle, next.time_s);
+    const double slide = (OwnPlace(next.time_s).value - OwnPlace(next.time_s - 0.02).value) / 0.02;
+    cycle.step_length = {own.value - others.value, std::hypot(own.sd, others.sd, slide * next.sd_s)};
+    if (!other_off) return;
+    const double both_s = other_off->time_s - strike.time_s + off.time_s - other->time_s;
+    cycle.double_support_percent = {
+        100 * both_s / cycle.stride_s.value,
+        100 * std::hypot(std::hypot(other_off->sd_s, strike.sd_s), std::hypot(off.sd_s, other->sd_s)) /
+            cycle.stride_s.value};
+  }
+
+  Measured ToeClearance(const motion::StsEvent& strike, const motion::StsEvent& off, const GaitCycle& cycle) const {
+    if (!leg_.trajectory.Find(o_.toe)) return {};
+    const Measured ground = Place(o_.toe, o_.toe, strike.time_s + 0.5 * cycle.stance_s.value, 1);
+    Measured least;
+    for (const double time_s : m_.time_s)
+      if (time_s >= off.time_s + 0.25 * cycle.swing_s.value && time_s <= off.time_s + 0.75 * cycle.swing_s.value)
+        if (const Measured at = Place(o_.toe, o_.toe, time_s, 1); !(at.value >= least.value)) least = at;
+    return {least.value - ground.value, std::hypot(least.sd, ground.sd)};
+  }
+
+  GaitCycle Measure(const motion::StsEvent& strike, const motion::StsEvent& off, const motion::StsEvent& next) const {
+    GaitCycle cycle;
+    cycle.stride = strike.repetition;
+    cycle.begin_s = {strike.time_s, strike.sd_s};
+    cycle.stride_s = Between(strike, next);
+    cycle.stance_s = Between(strike, off);
+    cycle.swing_s = Between(off, next);
+    const double stride_s = cycle.stride_s.value;
+    cycle.stance_percent = {100 * cycle.stance_s.value / stride_s, 100 * cycle.stance_s.sd / stride_s};
+    cycle.cadence_steps_min = {120 / stride_s, 120 / stride_s * cycle.stride_s.sd / stride_s};
+    const double loaded_s = std::min(strike.time_s + 0.25 * stride_s, off.time_s);
+    cycle.knee_heel_strike_deg = KneeAt(strike);
+    cycle.knee_toe_off_deg = KneeAt(off);
+    cycle.knee_loading_deg = KneeExtreme(strike.time_s, loaded_s, 1);
+    const double peak_s = Find(&motion::LegSample::knee_deg, strike.time_s, loaded_s, 1).time_s;
+    cycle.knee_stance_min_deg = KneeExtreme(peak_s, off.time_s, -1);
+    cycle.knee_swing_deg = KneeExtreme(off.time_s, next.time_s, 1);
+    cycle.knee_range_deg = Range(&motion::LegSample::knee_deg, strike.time_s, next.time_s);
+    cycle.thigh_range_deg = Range(&motion::LegSample::thigh_deg, strike.time_s, next.time_s);
+    cycle.shank_range_deg = Range(&motion::LegSample::shank_deg, strike.time_s, next.time_s);
+    cycle.trunk_range_deg = Range(&motion::LegSample::trunk_deg, strike.time_s, next.time_s);
+    MeasureLengths(strike, next, cycle);
+    MeasureBothLegs(strike, off, next, cycle);
+    cycle.toe_clearance = ToeClearance(strike, off, cycle);
+    return cycle;
+  }
+
+  const LegFitResult& leg_;
+  const motion::LegMotion& m_;
+  const WalkingOptions& o_ = leg_.movement.walking;
+  double anatomical_sd_deg_;
+  std::map<std::pair<int, StsEventKind>, std::vector<motion::StsEvent>> events_;
+};
+
+}  // namespace
+
+std::span<const Field<GaitCycle>> GaitCycleFields() {
+  return kFields;
+}
+
+GaitCycles MeasureGaitCycles(const LegFitResult& leg, double anatomical_sd_deg) {
+  GaitCycles cycles{.strides = CycleMeasurer(leg, anatomical_sd_deg).Strides(), .mean = {}, .spread = {}};
+  for (const Field<GaitCycle>& field : kFields) {
+    std::vector<double> values, sds;
+    for (const GaitCycle& cycle : cycles.strides)
+      if (const Measured& measured = cycle.*field.value; std::isfinite(measured.value)) {
+        values.push_back(measured.value);
+        sds.push_back(measured.sd);
+      }
+    if (values.empty() || field.value == &GaitCycle::begin_s) continue;
+    const double spread = values.size() > 1 ? StandardDeviation(values) : NAN;
+    // What is wrong with one stride's events and angles is mostly wrong with all of them.
+    const double of_mean = values.size() > 1 ? spread / std::sqrt(static_cast<double>(values.size())) : 0;
+    cycles.mean.*field.value = {Mean(values), std::hypot(RootMeanSquare(sds), of_mean)};
+    cycles.spread.*field.value = {spread, NAN};
+  }
+  return cycles;
+}
+
+void WriteGaitCyclesCsv(const std::filesystem::path& path, const GaitCycles& cycles, motion::LengthUnit of_plane) {
+  std::vector<std::string> header = {"stride"};
+  for (const char* ending : {"", "_sd"})
+    for (const Field<GaitCycle>& field : kFields) header.push_back(field.Column(of_plane) + ending);
+  CsvWriter csv(header);
+  const auto add = [&](const std::string& name, const GaitCycle& cycle) {
+    csv.Add(name);
+    for (const Field<GaitCycle>& field : kFields) csv.Add((cycle.*field.value).value);
+    for (const Field<GaitCycle>& field : kFields) csv.Add((cycle.*field.value).sd);
+    csv.EndRow();
+  };
+  for (const GaitCycle& cycle : cycles.strides) add(std::to_string(cycle.stride), cycle);
+  add("mean", cycles.mean);
+  add("sd", cycles.spread);
+  csv.Write(path);
+}
+
+Json GaitCyclesJson(const GaitCycles& cycles, const LegFitResult& leg) {
+  Json measures = Json::object();
+  for (const Field<GaitCycle>& field : kFields) {
+    const Measured& mean = cycles.mean.*field.value;
+    if (!std::isfinite(mean.value)) continue;
+    const double spread = (cycles.spread.*field.value).value;
+    measures[field.Column(leg.motion.unit)] = {{"mean", mean.value},
+                                               {"mean_sd", NumberOrNull(mean.sd)},
+                                               {"sd", NumberOrNull(spread)},
+                                               {"variation_percent", NumberOrNull(100 * spread / mean.value)}};
+  }
+  const Walk& walk = leg.movement.walk;
+  return {{"ground", walk.ground == Ground::kOverground ? "overground" : "treadmill"},
+          {"events_by", walk.by_foot ? "heel and toe" : "ankle"},
+          {"strides", walk.strides},
+          {"incomplete_strides", walk.incomplete},
+          {"left_out", walk.left_out},
+          {"measures", measures}};
+}
+
+std::string GaitCyclesText(const GaitCycles& cycles, const LegFitResult& leg) {
+  const Walk& walk = leg.movement.walk;
+  std::string text =
+      fmt::format("walking {}: complete strides: {}; incomplete, left out: {}\n",
+                  walk.ground == Ground::kOverground ? "overground" : "on a treadmill", walk.strides, walk.incomplete);
+  for (const Field<GaitCycle>& field : kFields) {
+    const Measured& mean = cycles.mean.*field.value;
+    if (std::isfinite(mean.value))
+      text += fmt::format("{}  {:.{}f} ± {:.{}f}\n", field.Column(leg.motion.unit), mean.value, field.digits, mean.sd,
+                          field.digits);
+  }
+  return text;
+}
+
+}  // namespace lake::gait

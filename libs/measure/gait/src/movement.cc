@@ -1,0 +1,145 @@
+#include "lake/gait/movement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "lake/gait/gait_cycles.h"
+#include "lake/gait/leg_fit.h"
+#include "lake/gait/sit_to_stand.h"
+#include "squat.h"
+
+namespace lake::gait {
+namespace {
+
+using motion::StsEvent;
+using motion::StsEventKind;
+
+constexpr std::array kSitToStandEvents = {StsEventKind::kOnset, StsEventKind::kSeatOff, StsEventKind::kStanding,
+                                          StsEventKind::kDescent, StsEventKind::kSeated};
+constexpr std::array kSquatEvents = {StsEventKind::kDescent, StsEventKind::kBottom, StsEventKind::kStanding};
+constexpr std::array kWalkingEvents = {StsEventKind::kHeelStrike, StsEventKind::kToeOffOther,
+                                       StsEventKind::kHeelStrikeOther, StsEventKind::kToeOff};
+
+std::vector<std::string> SitToStandColumns(motion::LengthUnit unit) {
+  std::vector<std::string> names;
+  for (const SitToStandQuantity& quantity : SitToStandQuantities()) names.push_back(quantity.Column(unit));
+  return names;
+}
+
+std::vector<std::string> GaitCycleColumns(motion::LengthUnit unit) {
+  std::vector<std::string> names;
+  for (const Field<GaitCycle>& field : GaitCycleFields()) names.push_back(field.Column(unit));
+  return names;
+}
+
+std::vector<std::string> NoColumns(motion::LengthUnit) {
+  return {};
+}
+
+std::vector<StsEvent> FoundRises(const LegFitResult& leg, const MovementOptions&, Walk&) {
+  return leg.events;
+}
+
+std::vector<StsEvent> FoundSquats(const LegFitResult& leg, const MovementOptions&, Walk&) {
+  return FindSquats(leg);
+}
+
+std::vector<StsEvent> FoundStrides(const LegFitResult& leg, const MovementOptions& options, Walk& walk) {
+  walk = FindWalk(leg, options.walking);
+  return walk.events;
+}
+
+constexpr std::array kMovements = {
+    Movement{MovementKind::kSitToStand, "sit-to-stand", "rise",
+             "the hip rises while the knee extends, from a seat on which the body is not balanced over the feet",
+             FoundRises, kSitToStandEvents, StsEventKind::kOnset, StsEventKind::kStanding, false, SitToStandColumns},
+    Movement{MovementKind::kWalking, "walking", "stride",
+             "the foot turns before and behind the hip, and is higher while it is carried forward", FoundStrides,
+             kWalkingEvents, StsEventKind::kHeelStrike, StsEventKind::kHeelStrike, true, GaitCycleColumns},
+    Movement{MovementKind::kSquat, "squat", "squat",
+             "the hip goes down and up again while the body is balanced over feet that stay", FoundSquats, kSquatEvents,
+             StsEventKind::kDescent, StsEventKind::kStanding, false, NoColumns}};
+
+}  // namespace
+
+void Describe(MovementOptions& o, OptionList& options) {
+  options.AddChoice("movement", o.kind,
+                    OptionList::Choices<MovementKind>{{"auto", MovementKind::kAuto},
+                                                      {"sit-to-stand", MovementKind::kSitToStand},
+                                                      {"squat", MovementKind::kSquat},
+                                                      {"walking", MovementKind::kWalking}},
+                    "Movement whose repetitions are found; auto: by the motion");
+  options
+      .AddChoice("walking", o.walking.ground,
+                 OptionList::Choices<Ground>{{"overground", Ground::kOverground}, {"treadmill", Ground::kTreadmill}},
+                 "Where the person walks")
+      .Otherwise("found from the motion");
+  options.Add("belt-speed", o.walking.belt_speed_mm_s, "Speed of the treadmill's belt")
+      .Unit("mm/s")
+      .Positive()
+      .Otherwise("that of the foot in stance");
+}
+
+std::span<const Movement> Movements() {
+  return kMovements;
+}
+
+const Movement& MovementOf(MovementKind kind) {
+  return *std::ranges::find(kMovements, kind, &Movement::kind);
+}
+
+void ChooseMovement(const MovementOptions& options, LegFitResult& leg) {
+  leg.movement = {.kind = std::nullopt, .walk = {}, .walking = options.walking};
+  std::vector<StsEvent> chosen;
+  for (const Movement& movement : kMovements) {
+    if (options.kind != MovementKind::kAuto && options.kind != movement.kind) continue;
+    std::vector<StsEvent> found = movement.find(leg, options, leg.movement.walk);
+    if (found.empty()) continue;
+    if (!leg.movement.kind) {
+      leg.movement.kind = movement.kind;
+      chosen = std::move(found);
+      continue;
+    }
+    // Somebody who sits down, stands up and walks is measured as the first of both.
+    const Movement& first = MovementOf(*leg.movement.kind);
+    if (movement.kind == MovementKind::kWalking)
+      leg.warnings.push_back(fmt::format("{0} and {1} are both seen; {0} is measured, {1} with --movement {1}",
+                                         first.name, movement.name));
+  }
+  const bool is_walking = leg.movement.kind == MovementKind::kWalking;
+  if (is_walking || chosen.empty())
+    for (const std::string& sentence : leg.movement.walk.left_out) leg.warnings.push_back("walking: " + sentence);
+  if (is_walking && leg.movement.walk.incomplete > 0 && leg.movement.walk.strides == 0)
+    leg.warnings.emplace_back(
+        "walking: no stride is seen from one heel strike to the next of the same leg: no cycle is measured");
+  if (leg.movement.kind == MovementKind::kSquat)
+    std::erase_if(leg.warnings, [](const std::string& warning) { return warning.starts_with("rises without a seat"); });
+  leg.events = std::move(chosen);
+  SetRepetitions(leg.events, leg.motion);
+}
+
+void SetRepetitions(const std::vector<StsEvent>& events, motion::LegMotion& motion) {
+  for (motion::LegSample& sample : motion.samples) {
+    sample.repetition.reset();
+    sample.percent = motion::LegSample::kUnknown;
+  }
+  std::map<std::pair<StsEventKind, int>, double> time_s;
+  for (const StsEvent& event : events) time_s[{event.kind, event.repetition}] = event.time_s;
+  for (const Movement& movement : kMovements)
+    for (const auto& [key, begin_s] : time_s) {
+      const auto& [kind, repetition] = key;
+      const auto end = time_s.find({movement.end, repetition + (movement.ends_in_next ? 1 : 0)});
+      if (kind != movement.begin || end == time_s.end() || end->second < begin_s) continue;
+      const double duration_s = end->second - begin_s;
+      for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+        if (motion.time_s[i] < begin_s || motion.time_s[i] > end->second) continue;
+        motion.samples[i].repetition = repetition;
+        motion.samples[i].percent = duration_s > 0 ? 100 * (motion.time_s[i] - begin_s) / duration_s : 100;
+      }
+    }
+}
+
+}  // namespace lake::gait

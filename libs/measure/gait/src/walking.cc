@@ -1,0 +1,516 @@
+#include "lake/gait/walking.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "lake/core/statistics.h"
+#include "lake/gait/butterworth.h"
+#include "lake/gait/leg_fit.h"
+
+namespace lake::gait {
+namespace {
+
+using motion::StsEventKind;
+using Values = std::vector<double>;
+
+constexpr double kCutoff_hz = 8;   // O'Connor et al. filter at 7 Hz
+constexpr double kGrid_s = 0.005;  // of the filtered signals, whatever the frame rate
+constexpr double kLongestGap_s = 0.15;
+constexpr double kLeastTravel = 0.2;    // of the foot relative to the hip, and over the ground, of the leg's length
+constexpr double kMostRise = 0.15;      // of the hip from one turn of the foot to the next; 0.03 to 0.07 in walking
+constexpr double kLeastLift = 0.01;     // of the foot in swing over the foot in stance, likewise
+constexpr double kUsualStride_s = 1.1;  // windows below scale with the stride
+
+// How one event shows in one signal: an extremum in a window about the foot's turn before or behind the hip.
+struct Estimator {
+  StsEventKind kind;
+  bool of_foot;           // of heel and toe, else of the ankle
+  bool of_velocity;       // vertical, of the middle of heel and toe; else forward position relative to the hip
+  double sign;            // 1: a maximum
+  double from_s, to_s;    // the window
+  double offset_s, sd_s;  // of force plates' 20 N after the extremum, and its scatter between persons
+};
+constexpr std::array kEstimators = {Estimator{StsEventKind::kHeelStrike, true, false, 1, -0.08, 0.08, 0.041, 0.015},
+                                    Estimator{StsEventKind::kHeelStrike, true, true, -1, -0.02, 0.14, 0, 0.009},
+                                    Estimator{StsEventKind::kToeOff, true, false, -1, -0.05, 0.12, -0.006, 0.008},
+                                    Estimator{StsEventKind::kToeOff, true, true, 1, -0.06, 0.08, 0.014, 0.007},
+                                    Estimator{StsEventKind::kHeelStrike, false, false, 1, -0.04, 0.04, 0.043, 0.015},
+                                    Estimator{StsEventKind::kHeelStrike, false, true, -1, -0.02, 0.12, 0.006, 0.011},
+                                    Estimator{StsEventKind::kToeOff, false, false, -1, -0.04, 0.04, 0.034, 0.010},
+                                    Estimator{StsEventKind::kToeOff, false, true, 1, -0.06, 0.08, 0.020, 0.008}};
+
+// Frames over which markers are seen without a long gap.
+struct Run {
+  std::vector<std::size_t> frames;
+};
+
+// Signals of one foot over a run, on a grid of kGrid_s from begin_s; forward is where the subject faces.
+struct Foot {
+  bool of_foot = false, is_other = false;
+  double begin_s = 0;
+  Values front = {}, back = {};   // forward of the hip: heel and toe, or the ankle twice
+  Values up = {};                 // of the middle of heel and toe, or of the ankle
+  Values forward = {}, hip = {};  // the same's and the hip's places
+  Values hip_up = {};
+  double position_sd = 0;  // of front and back after the filter's derivative: of their velocity
+  double velocity_sd = 0;  // of the vertical acceleration
+  std::size_t Size() const { return up.size(); }
+  double Time(double at) const { return begin_s + kGrid_s * at; }
+};
+
+// Turns of the foot relative to the hip.
+struct Turn {
+  std::size_t at;
+  bool is_front, is_edge;  // edge: the recording's, no turn is seen
+};
+
+// From turn to turn that differ by a threshold at least.
+std::vector<Turn> FindTurns(const Values& values, double threshold) {
+  std::vector<Turn> turns;
+  std::size_t low = 0, high = 0;
+  int direction = 0;
+  const auto add = [&](std::size_t at, bool is_front) {
+    turns.push_back({at, is_front, at == 0 || at + 1 == values.size()});
+  };
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    if (values[i] < values[low]) low = i;
+    if (values[i] > values[high]) high = i;
+    if (direction <= 0 && values[i] - values[low] >= threshold) {
+      add(low, false);
+      direction = 1;
+      high = i;
+    } else if (direction >= 0 && values[high] - values[i] >= threshold) {
+      add(high, true);
+      direction = -1;
+      low = i;
+    }
+    if (direction > 0) low = i;
+    if (direction < 0) high = i;
+  }
+  if (direction != 0) add(direction > 0 ? high : low, direction > 0);
+  return turns;
+}
+
+// One signal's extremum in a window, between grid points; nullopt without one inside.
+std::optional<double> Extremum(const Values& values, double from, double to, double sign) {
+  // Nearer to the recording's ends the filter's continuation makes extrema of its own.
+  constexpr std::size_t kEdge = 6;
+  std::optional<std::size_t> best;
+  for (auto i = static_cast<std::size_t>(std::max<double>(from, kEdge)); i + kEdge < values.size(); ++i) {
+    if (static_cast<double>(i) > to) break;
+    if (sign * values[i] >= sign * values[i - 1] && sign * values[i] > sign * values[i + 1] &&
+        (!best || sign * values[i] > sign * values[*best]))
+      best = i;
+  }
+  if (!best) return std::nullopt;
+  const double before = values[*best - 1], at = values[*best], after = values[*best + 1];
+  return static_cast<double>(*best) + (before - after) / (2 * (before - 2 * at + after));
+}
+
+Values Derivative(const Values& values) {
+  Values slope(values.size(), 0.0);
+  for (std::size_t i = 1; i + 1 < values.size(); ++i) slope[i] = (values[i + 1] - values[i - 1]) / (2 * kGrid_s);
+  if (slope.size() > 2) {
+    slope.front() = slope[1];
+    slope.back() = slope[slope.size() - 2];
+  }
+  return slope;
+}
+
+double Curvature(const Values& values, double at) {
+  const auto i = static_cast<std::size_t>(std::clamp(std::round(at), 2.0, static_cast<double>(values.size()) - 3));
+  return (values[i + 2] - 2 * values[i] + values[i - 2]) / std::pow(2 * kGrid_s, 2);
+}
+
+// Of white noise of this deviation per frame, in the filtered signal's first or second derivative: the integral of
+// 2 σ² Δt (2πf)^2n / (1 + (f/c)⁴)² over f, with c the cutoff of one pass.
+double DerivativeDeviation(double sigma, double step_s, int order) {
+  const double c = 2 * std::numbers::pi * kCutoff_hz / std::pow(std::numbers::sqrt2 - 1, 0.25);
+  constexpr double kIntegral = 0.27768;  // Γ(3/4) Γ(5/4) / 4
+  return sigma * std::sqrt(2 * step_s * kIntegral * std::pow(c, 2 * order + 1) / (2 * std::numbers::pi));
+}
+
+class WalkFinder {
+ public:
+  WalkFinder(const LegFitResult& leg, const WalkingOptions& options) : leg_(leg), o_(options) {}
+
+  Walk Find() {
+    const LegMarkers& names = leg_.leg_markers;
+    FindEvents(names.ankle, o_.heel, o_.toe, false);
+    FindEvents(o_.other_ankle, o_.other_heel, o_.other_toe, true);
+    std::ranges::sort(found_, {}, [](const Found& found) { return found.event.time_s; });
+    ChooseGround();
+    LeaveOutRunning();
+    LeaveOutSingleSteps();
+    SayWhatElse();
+    Number();
+    return std::move(walk_);
+  }
+
+ private:
+  struct Found {
+    motion::StsEvent event = {};
+    bool by_foot = false;
+    bool is_edge = false;
+    double speed = NAN;  // of the foot, vertical, at the extremum
+    double travel = 0;   // of the hip over that of the foot relative to it: 1 in stance overground, 0 on a treadmill
+  };
+
+  // A marker's coordinates with x forward and y up, NaN where not known.
+  const Values& Coordinate(const std::string& name, int axis) {
+    auto& values = coordinates_[{name, axis}];
+    const motion::MarkerTrack* track = leg_.trajectory.Find(name);
+    if (!values.empty() || !track) return values;
+    for (const motion::MarkerSample& sample : track->samples)
+      values.push_back(sample.IsKnown() ? LegFromPlane(sample.position, leg_.motion.facing, leg_.up)[axis] : NAN);
+    return values;
+  }
+
+  // Of one detection: what the fit leaves of it and the fit's own deviation add up to it.
+  double NoiseOf(const std::string& name) const {
+    const motion::MarkerTrack *fit = leg_.trajectory.Find(name), *seen = leg_.measured.Find(name);
+    double square = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < fit->samples.size(); ++i)
+      if (fit->samples[i].IsKnown() && seen && seen->samples[i].status == motion::SampleStatus::kDetected) {
+        square += (fit->samples[i].position - seen->samples[i].position).squaredNorm() / 2 +
+                  std::pow(fit->samples[i].sigma, 2);
+        ++count;
+      }
+    return count > 0 ? std::sqrt(square / count) : 0;
+  }
+
+  bool Has(const std::string& name) const { return leg_.trajectory.Find(name) != nullptr; }
+
+  std::vector<Run> RunsOf(const std::vector<std::string>& names) {
+    std::vector<Run> runs;
+    const std::vector<double>& time_s = leg_.motion.time_s;
+    for (std::size_t i = 0; i < time_s.size(); ++i) {
+      if (!std::ranges::all_of(names, [&](const auto& name) { return std::isfinite(Coordinate(name, 0)[i]); }))
+        continue;
+      if (runs.empty() || time_s[i] - time_s[runs.back().frames.back()] > std::max(kLongestGap_s, 2 * step_s_))
+        runs.emplace_back();
+      runs.back().frames.push_back(i);
+    }
+    constexpr double kShortest_s = 0.3;
+    std::erase_if(runs, [&](const Run& run) {
+      return run.frames.size() < 4 || time_s[run.frames.back()] - time_s[run.frames.front()] < kShortest_s;
+    });
+    return runs;
+  }
+
+  Values OnGrid(const Run& run, const Values& values, double share = 1) const {
+    Values known, time_s, grid;
+    for (const std::size_t i : run.frames) {
+      known.push_back(share * values[i]);
+      time_s.push_back(leg_.motion.time_s[i]);
+    }
+    const auto cells = static_cast<std::size_t>((time_s.back() - time_s.front()) / kGrid_s);
+    for (std::size_t i = 0; i <= cells; ++i) grid.push_back(time_s.front() + kGrid_s * static_cast<double>(i));
+    return ZeroPhaseButterworth(InterpolateCubic(known, time_s, grid), 1 / kGrid_s, kCutoff_hz);
+  }
+
+  Foot SignalsOf(const Run& run, const std::string& front, const std::string& back, bool is_other) {
+    Foot foot{.of_foot = front != back, .is_other = is_other, .begin_s = leg_.motion.time_s[run.frames.front()]};
+    const std::string& hip = leg_.leg_markers.hip;
+    foot.hip = OnGrid(run, Coordinate(hip, 0));
+    foot.hip_up = OnGrid(run, Coordinate(hip, 1));
+    foot.front = OnGrid(run, Coordinate(front, 0));
+    foot.back = OnGrid(run, Coordinate(back, 0));
+    const Values up_front = OnGrid(run, Coordinate(front, 1)), up_back = OnGrid(run, Coordinate(back, 1));
+    for (std::size_t i = 0; i < foot.hip.size(); ++i) {
+      foot.forward.push_back((foot.front[i] + foot.back[i]) / 2);
+      foot.up.push_back((up_front[i] + up_back[i]) / 2);
+      foot.front[i] -= foot.hip[i];
+      foot.back[i] -= foot.hip[i];
+    }
+    const double noise = std::max(NoiseOf(front), NoiseOf(back));
+    foot.position_sd = DerivativeDeviation(std::hypot(noise, NoiseOf(hip)), step_s_, 1);
+    foot.velocity_sd = DerivativeDeviation(foot.of_foot ? noise / std::numbers::sqrt2 : noise, step_s_, 2);
+    return foot;
+  }
+
+  // By heel and toe where both are seen, else by the ankle.
+  void FindEvents(const std::string& ankle, const std::string& heel, const std::string& toe, bool is_other) {
+    const std::string& hip = leg_.leg_markers.hip;
+    if (!Has(hip)) return;
+    std::vector<Found> by_foot, by_ankle;
+    if (Has(heel) && Has(toe))
+      for (const Run& run : RunsOf({hip, heel, toe})) FindIn(SignalsOf(run, heel, toe, is_other), by_foot);
+    if (Has(ankle))
+      for (const Run& run : RunsOf({hip, ankle})) FindIn(SignalsOf(run, ankle, ankle, is_other), by_ankle);
+    constexpr double kSame_s = 0.2;
+    for (const Found& found : by_ankle)
+      if (std::ranges::none_of(by_foot, [&](const Found& other) {
+            return other.event.kind == found.event.kind && std::abs(other.event.time_s - found.event.time_s) < kSame_s;
+          }))
+        by_foot.push_back(found);
+    found_.insert(found_.end(), by_foot.begin(), by_foot.end());
+  }
+
+  enum class Seen { kForward, kBackward, kFootStays, kNotLevel };
+
+  void FindIn(const Foot& foot, std::vector<Found>& all) {
+    std::vector<Found> here;
+    Values relative(foot.Size());
+    for (std::size_t i = 0; i < foot.Size(); ++i) relative[i] = foot.forward[i] - foot.hip[i];
+    const double least = kLeastTravel * leg_.signals.leg_length;
+    const std::vector<Turn> turns = FindTurns(relative, least);
+    std::vector<Seen> phases;
+    for (std::size_t k = 0; k + 1 < turns.size(); ++k) {
+      phases.push_back(SeenBetween(foot, turns, k));
+      if (!foot.is_other)
+        seen_.push_back({phases.back(), foot.Time(static_cast<double>(turns[k].at)),
+                         foot.Time(static_cast<double>(turns[k + 1].at))});
+    }
+    const double scale = StrideOf(turns) / kUsualStride_s;
+    const Values velocity = Derivative(foot.up);
+    for (std::size_t k = 0; k < turns.size(); ++k) {
+      const bool has_before = k > 0, has_after = k < phases.size();
+      if ((has_before && phases[k - 1] != Seen::kForward) || (has_after && phases[k] != Seen::kForward) ||
+          phases.empty())
+        continue;
+      // What the recording's edge hides is the turn, not always the event.
+      if (turns[k].is_edge && (turns[k].is_front != (turns[k].at == 0) || !IsNearTurn(relative, turns, k))) continue;
+      std::optional<Found> found = Estimate(foot, velocity, turns[k], scale);
+      if (!found) continue;
+      found->is_edge = turns[k].is_edge;
+      // In stance, or at an edge in the swing beside it.
+      const std::size_t phase = (turns[k].is_front ? has_after : !has_before) ? k : k - 1;
+      const std::size_t from = turns[phase].at, to = turns[phase + 1].at;
+      found->travel = (foot.hip[to] - foot.hip[from]) / std::abs(relative[to] - relative[from]);
+      here.push_back(*found);
+    }
+    // Where the recording begins or ends near an event, a smaller movement of the foot is not taken for it.
+    constexpr double kLeastSpeed = 0.5;
+    for (const Found& found : here) {
+      Values speeds;
+      for (const Found& other : here)
+        if (!other.is_edge && other.event.kind == found.event.kind) speeds.push_back(std::abs(other.speed));
+      if (!found.is_edge || std::abs(found.speed) >= kLeastSpeed * Median(speeds)) all.push_back(found);
+    }
+  }
+
+  // Whether the foot is at the recording's edge where it turns otherwise.
+  static bool IsNearTurn(const Values& relative, const std::vector<Turn>& turns, std::size_t edge) {
+    std::array<Values, 2> places;
+    for (const Turn& turn : turns)
+      if (!turn.is_edge) places[turn.is_front ? 1 : 0].push_back(relative[turn.at]);
+    constexpr double kNear = 0.15;  // of the way between the turns
+    const double back = Median(places[0]), front = Median(places[1]);
+    return std::abs(relative[turns[edge].at] - (turns[edge].is_front ? front : back)) < kNear * (front - back);
+  }
+
+  // The median time between turns to the same side, or twice that between two turns.
+  static double StrideOf(const std::vector<Turn>& turns) {
+    Values steps;
+    for (std::size_t k = 2; k < turns.size(); ++k)
+      if (!turns[k].is_edge && !turns[k - 2].is_edge)
+        steps.push_back(kGrid_s * static_cast<double>(turns[k].at - turns[k - 2].at));
+    return steps.empty() ? kUsualStride_s : std::clamp(Median(steps), 0.6, 2.5);
+  }
+
+  static double MeanUp(const Foot& foot, const Turn& from, const Turn& to) {
+    return Mean(std::span(foot.up).subspan(from.at, to.at - from.at + 1));
+  }
+
+  // What the subject does from one turn to the next: the foot is carried forward, or pushed back; a swing is higher
+  // than the stances beside it.
+  Seen SeenBetween(const Foot& foot, const std::vector<Turn>& turns, std::size_t k) const {
+    const bool is_swing = turns[k + 1].is_front;
+    const auto travel = [&](std::size_t phase) {
+      return std::abs(foot.forward[turns[phase + 1].at] - foot.forward[turns[phase].at]);
+    };
+    double lift = 0, farthest = travel(k);
+    int neighbours = 0;
+    const auto compare_with = [&](std::size_t beside) {
+      lift += MeanUp(foot, turns[k], turns[k + 1]) - MeanUp(foot, turns[beside], turns[beside + 1]);
+      farthest = std::max(farthest, travel(beside));
+      ++neighbours;
+    };
+    if (k > 0) compare_with(k - 1);
+    if (k + 2 < turns.size()) compare_with(k + 1);
+    if (neighbours == 0 || farthest < kLeastTravel * leg_.signals.leg_length) return Seen::kFootStays;
+    lift *= (is_swing ? 1.0 : -1.0) / neighbours;
+    const auto heights = std::span(foot.hip_up).subspan(turns[k].at, turns[k + 1].at - turns[k].at + 1);
+    const auto [lowest, highest] = std::ranges::minmax(heights);
+    if (highest - lowest > kMostRise * leg_.signals.leg_length) return Seen::kNotLevel;
+    return lift > kLeastLift * leg_.signals.leg_length ? Seen::kForward : Seen::kBackward;
+  }
+
+  std::optional<Found> Estimate(const Foot& foot, const Values& velocity, const Turn& turn, double scale) const {
+    const StsEventKind kind = turn.is_front ? StsEventKind::kHeelStrike : StsEventKind::kToeOff;
+    double weights = 0, sum = 0, squares = 0, method = 0, noise = 0;
+    double speed = NAN;
+    bool by_velocity = false;
+    for (const Estimator& e : kEstimators) {
+      if (e.kind != kind || e.of_foot != foot.of_foot || (turn.is_edge && !e.of_velocity)) continue;
+      const Values& signal = e.of_velocity ? velocity : turn.is_front ? foot.front : foot.back;
+      const auto at = static_cast<double>(turn.at);
+      const auto found = Extremum(signal, at + scale * e.from_s / kGrid_s, at + scale * e.to_s / kGrid_s, e.sign);
+      if (!found) continue;
+      const double by_noise =
+          std::abs((e.of_velocity ? foot.velocity_sd : foot.position_sd) / Curvature(signal, *found));
+      const double variance = std::pow(e.sd_s, 2) + std::pow(by_noise, 2), time_s = foot.Time(*found) + e.offset_s;
+      by_velocity |= e.of_velocity;
+      if (e.of_velocity) speed = signal[static_cast<std::size_t>(*found)];
+      weights += 1 / variance;
+      sum += time_s / variance;
+      squares += time_s * time_s / variance;
+      method += e.sd_s / variance;  // what a person does otherwise than others is alike in both
+      noise += std::pow(by_noise / variance, 2);
+    }
+    if (!(weights > 0)) return std::nullopt;
+    Found found{.by_foot = foot.of_foot, .speed = speed};
+    found.event.time_s = sum / weights;
+    // What the turn alone predicts is not seen so near to the end.
+    constexpr double kEnd_s = 0.03;
+    if (found.event.time_s > leg_.motion.time_s.back() - (by_velocity ? 0 : kEnd_s)) return std::nullopt;
+    const double disagreement = std::sqrt(std::max(0.0, squares - sum * sum / weights));  // one degree of freedom
+    found.event.sd_s = std::max(1.0, disagreement / 2) * std::hypot(method / weights, std::sqrt(noise) / weights);
+    found.event.kind = !foot.is_other  ? kind
+                       : turn.is_front ? StsEventKind::kHeelStrikeOther
+                                       : StsEventKind::kToeOffOther;
+    return found;
+  }
+
+  // By what most of the events' stances show; what differs, as where somebody stops or turns, is left out.
+  void ChooseGround() {
+    Values travels;
+    for (const Found& found : found_) travels.push_back(found.travel);
+    const auto ground_of = [](double travel) { return travel > 0.5 ? Ground::kOverground : Ground::kTreadmill; };
+    walk_.ground = o_.ground.value_or(travels.empty() ? Ground::kOverground : ground_of(Median(travels)));
+    if (o_.ground) return;
+    const auto all = std::ssize(found_);
+    std::erase_if(found_, [&](const Found& found) { return ground_of(found.travel) != walk_.ground; });
+    if (const auto left = all - std::ssize(found_); left > 0)
+      walk_.left_out.push_back(
+          fmt::format("{} steps are left out: the person {} there", left,
+                      walk_.ground == Ground::kOverground ? "stops or turns" : "travels on a treadmill that stands"));
+  }
+
+  std::size_t NearestFrame(double time_s) const {
+    const std::vector<double>& times = leg_.motion.time_s;
+    const auto after = static_cast<std::size_t>(std::ranges::lower_bound(times, time_s) - times.begin());
+    if (after == times.size()) return after - 1;
+    return after > 0 && time_s - times[after - 1] < times[after] - time_s ? after - 1 : after;
+  }
+
+  // Whether the leg is seen from one heel strike to the next, with one toe-off between.
+  bool IsStride(double begin_s, double end_s) {
+    constexpr double kShortest_s = 0.4, kLongest_s = 3;
+    const auto toe_offs = std::ranges::count_if(found_, [&](const Found& found) {
+      return found.event.kind == StsEventKind::kToeOff && found.event.time_s > begin_s && found.event.time_s < end_s;
+    });
+    if (toe_offs != 1 || end_s - begin_s < kShortest_s || end_s - begin_s > kLongest_s) return false;
+    double last_s = begin_s;
+    for (std::size_t i = NearestFrame(begin_s); i <= NearestFrame(end_s); ++i) {
+      if (!std::isfinite(leg_.motion.samples[i].knee_deg)) continue;
+      if (leg_.motion.time_s[i] - last_s > std::max(kLongestGap_s, 2 * step_s_)) return false;
+      last_s = leg_.motion.time_s[i];
+    }
+    return true;
+  }
+
+  void Number() {
+    int number = 0;
+    std::optional<double> last_s;
+    for (Found& found : found_) {
+      motion::StsEvent& event = found.event;
+      if (event.kind == StsEventKind::kHeelStrike) {
+        const bool goes_on = last_s && IsStride(*last_s, event.time_s);
+        number += last_s && !goes_on ? 2 : 1;
+        walk_.strides += goes_on ? 1 : 0;
+        walk_.incomplete += goes_on ? 0 : 2;  // the ones before and after
+        last_s = event.time_s;
+      }
+      event.repetition = number;
+      event.frame = leg_.motion.frame[NearestFrame(event.time_s)];
+      walk_.by_foot |= found.by_foot;
+      walk_.events.push_back(event);
+    }
+  }
+
+  // In running the foot is in the air for more than half of the stride.
+  void LeaveOutRunning() {
+    Values shares;
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      const motion::StsEvent& strike = found_[i].event;
+      if (strike.kind != StsEventKind::kHeelStrike) continue;
+      std::optional<double> off_s;
+      for (std::size_t k = i + 1; k < found_.size(); ++k) {
+        const motion::StsEvent& next = found_[k].event;
+        if (next.kind == StsEventKind::kToeOff && !off_s) off_s = next.time_s;
+        if (next.kind != StsEventKind::kHeelStrike) continue;
+        if (off_s) shares.push_back((*off_s - strike.time_s) / (next.time_s - strike.time_s));
+        break;
+      }
+    }
+    if (shares.empty() || Median(shares) >= 0.5) return;
+    found_.clear();
+    walk_.left_out.push_back(
+        fmt::format("the foot is on the ground for {:.0f} % of a stride: the person runs", 100 * Median(shares)));
+  }
+
+  // Whoever walks lifts a foot and puts it down.
+  void LeaveOutSingleSteps() {
+    const auto has = [&](StsEventKind kind, StsEventKind other) {
+      return std::ranges::any_of(
+          found_, [&](const Found& found) { return found.event.kind == kind || found.event.kind == other; });
+    };
+    if (!has(StsEventKind::kHeelStrike, StsEventKind::kHeelStrikeOther) ||
+        !has(StsEventKind::kToeOff, StsEventKind::kToeOffOther))
+      found_.clear();
+  }
+
+  // A sentence for each interval in which the person steps otherwise than forward on level ground.
+  void SayWhatElse() {
+    for (std::size_t k = 0; k < seen_.size(); ++k) {
+      const Interval& first = seen_[k];
+      while (k + 1 < seen_.size() && seen_[k + 1].what == first.what) ++k;
+      const std::string when = fmt::format("from {:.2f} to {:.2f} s", first.from_s, seen_[k].to_s);
+      if (first.what == Seen::kNotLevel)
+        walk_.left_out.push_back(when + " the hip rises or falls as on stairs or in a jump");
+      if (first.what == Seen::kBackward)
+        walk_.left_out.push_back(when + (LargestBend(first.from_s, seen_[k].to_s) < 0
+                                             ? " the person faces the other way (measure that part by itself: lake "
+                                               "convert --crop)"
+                                             : " the person walks backward"));
+    }
+  }
+
+  // Of the knee, with its sign: negative where the person faces away from the side that the fit has.
+  double LargestBend(double from_s, double to_s) const {
+    double bend_deg = 0;
+    for (std::size_t i = NearestFrame(from_s); i <= NearestFrame(to_s); ++i)
+      if (const double knee_deg = leg_.motion.samples[i].knee_deg; std::abs(knee_deg) > std::abs(bend_deg))
+        bend_deg = knee_deg;
+    return bend_deg;
+  }
+
+  struct Interval {
+    Seen what;
+    double from_s, to_s;
+  };
+
+  const LegFitResult& leg_;
+  const WalkingOptions& o_;
+  const double step_s_ = MedianInterval(leg_.motion.time_s);
+  std::map<std::pair<std::string, int>, Values> coordinates_;
+  std::vector<Found> found_;
+  std::vector<Interval> seen_;  // of the measured leg
+  Walk walk_;
+};
+
+}  // namespace
+
+Walk FindWalk(const LegFitResult& leg, const WalkingOptions& options) {
+  return WalkFinder(leg, options).Find();
+}
+
+}  // namespace lake::gait

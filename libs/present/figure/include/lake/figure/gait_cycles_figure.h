@@ -1,0 +1,15 @@
+// The strides of a walk over percent of the gait cycle.
+#pragma once
+
+#include <filesystem>
+
+#include "lake/gait/gait_cycles.h"
+#include "lake/gait/leg_fit.h"
+
+namespace lake::figure {
+
+// Knee, thigh and shank over 0 to 100 % of the cycle: each stride thin, their mean with a band of ± 1 SD over strides,
+// toe-off as a line. Throws as GnuplotFigure::Write.
+void DrawGaitCycles(const std::filesystem::path& path, const gait::LegFitResult& leg, const gait::GaitCycles& cycles);
+
+}  // namespace lake::figure
