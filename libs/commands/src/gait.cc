@@ -200,7 +200,7 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
   const gait::LegView view = ViewOf(trial, picture, run);
   if (trial.up) fit.up = UpIn(view, trial);
   fit.known_sigmas = trial.known_sigmas;
-  if (trial.known_sigmas) fit.lasting_share = trial.lasting_share;
+  fit.lasting_share = trial.lasting_share;
   if (trial.faces_right && !fit.facing) {
     fit.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
     fit.said_facing = "--forward";

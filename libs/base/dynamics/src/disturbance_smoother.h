@@ -43,7 +43,6 @@ template <int N>
 struct Frame {
   Means<N> mean;         // predicted
   Square<N> covariance;  // predicted
-  Square<N> transition;  // from the frame before
   std::size_t first_row = 0, rows = 0;
   bool starts = false;  // anew, as nothing is known any more
 };
@@ -64,7 +63,7 @@ class Filter {
   std::vector<Row<N>> rows;  // sorted by frame
   Frame<N>& At(std::size_t frame) { return frames_[frame]; }
 
-  // `advance(i, mean, covariance)` moves the state to frame i, setting frame i's transition, or starts it anew.
+  // `advance(i, mean, covariance)` moves the state to frame i, or starts it anew.
   template <typename Advance>
   double Forward(const Advance& advance) {
     Means<N> mean = Means<N>::Zero(states_, Values<N>::ColsAtCompileTime);
@@ -93,8 +92,9 @@ class Filter {
 
   // From the last frame to the first. `row_visit(row, u, D)`: the measurement's smoothed disturbance over its variance,
   // and that one's own variance; `visit(i, backward)`: with what frame i's predicted state becomes the smoothed one.
-  template <typename RowVisit, typename Visit>
-  void Back(const RowVisit& row_visit, const Visit& visit) {
+  // `transition(i)` is that from the frame before to frame i.
+  template <typename Transition, typename RowVisit, typename Visit>
+  void Back(const Transition& transition, const RowVisit& row_visit, const Visit& visit) {
     Backward<N> b{Means<N>::Zero(states_, Values<N>::ColsAtCompileTime), Square<N>::Zero(states_, states_)};
     for (std::size_t i = frames_.size(); i-- > 0;) {
       Frame<N>& frame = frames_[i];
@@ -114,8 +114,9 @@ class Filter {
         b.r.setZero();
         b.n.setZero();
       } else {
-        b.r = Means<N>(frame.transition.transpose() * b.r);
-        b.n = Square<N>(frame.transition.transpose() * b.n * frame.transition);
+        const Square<N> by = transition(i);
+        b.r = Means<N>(by.transpose() * b.r);
+        b.n = Square<N>(by.transpose() * b.n * by);
       }
     }
   }

@@ -48,6 +48,7 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
   const BridgeLayout layout{seen.axes, static_cast<int>(distances.size())};
   const int states = layout.States();
   BridgeFilter filter(end - begin, states, 1);
+  std::vector<BridgeSquare> transitions(end - begin, BridgeSquare::Zero(states, states));
   for (std::size_t i = begin; i < end; ++i) {
     Frame<Eigen::Dynamic>& frame = filter.At(i - begin);
     frame.first_row = filter.rows.size();
@@ -90,22 +91,22 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
       const double t = seen.time_s[i] - seen.time_s[i - 1];
       const AxisStep step(t, model.memory_s);
       BridgeSquare added = BridgeSquare::Zero(states, states);
-      frame.transition = BridgeSquare::Zero(states, states);
+      BridgeSquare& by = transitions[k];
       for (int a = 0; a < seen.axes; ++a) {
         const int at = layout.Axis(a, 0);
-        frame.transition.block<3, 3>(at, at) = step.transition;
-        frame.transition(at + kLasting, at + kLasting) = step.kept;
+        by.block<3, 3>(at, at) = step.transition;
+        by(at + kLasting, at + kLasting) = step.kept;
         added.block<3, 3>(at, at) = model.density[i] * step.jerk;
         added(at + kLasting, at + kLasting) = model.lasting * (1 - step.kept * step.kept);
       }
       for (int d = 0; d < layout.distances; ++d) {
         const DistancePrior& distance = distances[static_cast<std::size_t>(d)];
         const MaternStep matern(t, distance.memory_s);
-        frame.transition.block<2, 2>(layout.Deviation(d), layout.Deviation(d)) = matern.transition;
+        by.block<2, 2>(layout.Deviation(d), layout.Deviation(d)) = matern.transition;
         added.block<2, 2>(layout.Deviation(d), layout.Deviation(d)) = distance.sigma * distance.sigma * matern.added;
       }
-      mean = Means<Eigen::Dynamic>(frame.transition * mean);
-      covariance = BridgeSquare(frame.transition * covariance * frame.transition.transpose() + added);
+      mean = Means<Eigen::Dynamic>(by * mean);
+      covariance = BridgeSquare(by * covariance * by.transpose() + added);
       for (int a = 0; a < seen.axes; ++a)
         farthest2 = std::max(farthest2, covariance(layout.Axis(a, kPosition), layout.Axis(a, kPosition)));
     }
@@ -125,7 +126,7 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
     }
   });
   path.point.resize(end - begin);
-  filter.Back([](auto&&...) {},
+  filter.Back([&](std::size_t k) { return transitions[k]; }, [](auto&&...) {},
               [&](std::size_t k, const Backward<Eigen::Dynamic>& b) {
                 const Frame<Eigen::Dynamic>& frame = filter.At(k);
                 const BridgeState mean = frame.mean.col(0) + frame.covariance * b.r.col(0);

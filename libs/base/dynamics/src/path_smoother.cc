@@ -22,6 +22,13 @@ std::size_t FirstSeen(const SeenPath& seen) {
   return first;
 }
 
+Eigen::Matrix4d TransitionOf(const AxisStep& step) {
+  Eigen::Matrix4d by = Eigen::Matrix4d::Zero();
+  by.topLeftCorner<3, 3>() = step.transition;
+  by(kLasting, kLasting) = step.kept;
+  return by;
+}
+
 // All axes by one filter, as they err alike.
 class PathFilter {
  public:
@@ -49,11 +56,9 @@ class PathFilter {
       const Eigen::RowVector3d before = mean.row(kPosition);
       if (i > 0) {
         const AxisStep step(seen_.time_s[i] - seen_.time_s[i - 1], model.memory_s);
-        frame.transition.setZero();
-        frame.transition.topLeftCorner<3, 3>() = step.transition;
-        frame.transition(kLasting, kLasting) = step.kept;
-        mean = Means<kAxisStates>(frame.transition * mean);
-        covariance = Square<kAxisStates>(frame.transition * covariance * frame.transition.transpose());
+        const Eigen::Matrix4d by = TransitionOf(step);
+        mean = Means<kAxisStates>(by * mean);
+        covariance = Square<kAxisStates>(by * covariance * by.transpose());
         covariance.topLeftCorner<3, 3>() += model.density[i] * step.jerk;
         covariance(kLasting, kLasting) += model.lasting * (1 - step.kept * step.kept);
       }
@@ -65,7 +70,14 @@ class PathFilter {
     });
   }
 
-  Filter<kAxisStates>& Rows() { return filter_; }
+  Frame<kAxisStates>& At(std::size_t frame) { return filter_.At(frame); }
+
+  template <typename RowVisit, typename Visit>
+  void Back(const PathModel& model, const RowVisit& row_visit, const Visit& visit) {
+    filter_.Back(
+        [&](std::size_t i) { return TransitionOf(AxisStep(seen_.time_s[i] - seen_.time_s[i - 1], model.memory_s)); },
+        row_visit, visit);
+  }
 
  private:
   const SeenPath& seen_;
@@ -77,22 +89,26 @@ class PathFilter {
 // measurements determine.
 struct Evidence {
   double squares = 0, determined = 0;
+
+  void Add(double more_squares, double more_determined) {
+    squares += more_squares;
+    determined += more_determined;
+  }
+  double Ratio() const { return squares / std::max(determined, 1e-30); }
 };
 
 struct PathEvidences {
-  std::vector<Evidence> jerk;              // per frame, of the interval before it
-  std::vector<Evidence> white, per_speed;  // per frame; as factors of the present variances
-  Evidence lasting;
-  std::vector<double> speed2;  // |ẋ|², per frame
+  std::vector<Evidence> jerk;          // per frame, of the interval before it
+  Evidence white, per_speed, lasting;  // of the first two as factors of the present variances
+  std::vector<double> speed2;          // |ẋ|², per frame
   double log_likelihood = 0;
 };
 
-PathEvidences Examine(const SeenPath& seen, PathFilter& filter, const PathModel& model, const MotionPrior& prior) {
+PathEvidences Examine(const SeenPath& seen, const PathModel& model, const MotionPrior& prior) {
+  PathFilter filter(seen);
   PathEvidences found;
   const std::size_t n = seen.time_s.size();
   found.jerk.resize(n);
-  found.white.resize(n);
-  found.per_speed.resize(n);
   found.speed2.resize(n);
   found.log_likelihood = filter.Forward(model, prior);
   // From the last round's speeds, as the variances are.
@@ -101,14 +117,15 @@ PathEvidences Examine(const SeenPath& seen, PathFilter& filter, const PathModel&
                ? (model.white_variance[i] - model.white * seen.sigma[i] * seen.sigma[i]) / model.per_speed_s2
                : 0;
   };
-  filter.Rows().Back(
+  filter.Back(
+      model,
       [&](std::size_t i, std::size_t, const Values<kAxisStates>& u, double d) {
         const double variance = seen.sigma[i] * seen.sigma[i], speed2 = speed2_at(i);
-        found.white[i] = {variance * u.squaredNorm(), variance * seen.axes * d};
-        found.per_speed[i] = {speed2 * u.squaredNorm(), speed2 * seen.axes * d};
+        found.white.Add(variance * u.squaredNorm(), variance * seen.axes * d);
+        found.per_speed.Add(speed2 * u.squaredNorm(), speed2 * seen.axes * d);
       },
       [&](std::size_t i, const Backward<kAxisStates>& b) {
-        const Frame<kAxisStates>& frame = filter.Rows().At(i);
+        const Frame<kAxisStates>& frame = filter.At(i);
         found.speed2[i] = (frame.mean.row(kVelocity) + frame.covariance.row(kVelocity) * b.r).squaredNorm();
         if (i == 0 || frame.starts) return;
         const AxisStep step(seen.time_s[i] - seen.time_s[i - 1], model.memory_s);
@@ -130,14 +147,10 @@ std::vector<Evidence> InWindows(const std::vector<Evidence>& evidence, const std
   sums.reserve(evidence.size());
   Evidence around;
   for (std::size_t i = 0, begin = 0, end = 0; i < evidence.size(); ++i) {
-    for (; end < evidence.size() && time_s[end] <= time_s[i] + window_s; ++end) {
-      around.squares += evidence[end].squares;
-      around.determined += evidence[end].determined;
-    }
-    for (; time_s[begin] < time_s[i] - window_s; ++begin) {
-      around.squares -= evidence[begin].squares;
-      around.determined -= evidence[begin].determined;
-    }
+    for (; end < evidence.size() && time_s[end] <= time_s[i] + window_s; ++end)
+      around.Add(evidence[end].squares, evidence[end].determined);
+    for (; time_s[begin] < time_s[i] - window_s; ++begin)
+      around.Add(-evidence[begin].squares, -evidence[begin].determined);
     sums.push_back({std::max(around.squares, 0.0), std::max(around.determined, 0.0)});
   }
   return sums;
@@ -147,26 +160,13 @@ std::vector<Evidence> InWindows(const std::vector<Evidence>& evidence, const std
 std::vector<double> VariancesInWindows(const std::vector<Evidence>& evidence, const std::vector<double>& time_s,
                                        const LearningOptions& options, double axes) {
   Evidence whole;
-  for (const Evidence& each : evidence) {
-    whole.squares += each.squares;
-    whole.determined += each.determined;
-  }
+  for (const Evidence& each : evidence) whole.Add(each.squares, each.determined);
   const double common = axes * options.common, usual = whole.squares / std::max(whole.determined, 1e-9);
   std::vector<double> variances;
   variances.reserve(evidence.size());
   for (const Evidence& window : InWindows(evidence, time_s, options.window_s))
     variances.push_back((window.squares + common * usual) / (window.determined + common));
   return variances;
-}
-
-// By which factor a variance of all frames grows.
-double Factor(const std::vector<Evidence>& evidence) {
-  Evidence whole;
-  for (const Evidence& each : evidence) {
-    whole.squares += each.squares;
-    whole.determined += each.determined;
-  }
-  return whole.squares / std::max(whole.determined, 1e-30);
 }
 
 double RmsSigma(const SeenPath& seen) {
@@ -195,17 +195,16 @@ void SetWhiteVariance(const SeenPath& seen, const std::vector<double>& speed2, P
 // One round of a path, whose lasting noise is that of all paths.
 void Update(const SeenPath& seen, const PathEvidences& found, double lasting, const LearningOptions& options,
             double least_density, PathModel& model) {
-  const double white = Next(model.white + model.jitter, Factor(found.white), kLeastWhite);
+  const double white = Next(model.white + model.jitter, found.white.Ratio(), kLeastWhite);
   model.density = VariancesInWindows(found.jerk, seen.time_s, options, seen.axes);
   for (double& density : model.density) density = std::max(density, least_density);
   if (options.trust == SigmaTrust::kNone) {
     model.white = white;
-    model.per_speed_s2 = Next(model.per_speed_s2, Factor(found.per_speed), kLeastPerSpeed_s2);
+    model.per_speed_s2 = Next(model.per_speed_s2, found.per_speed.Ratio(), kLeastPerSpeed_s2);
     model.lasting = lasting;
   } else {
     const double scale = options.trust == SigmaTrust::kScale ? std::max(1.0, white) : 1;
-    const double share = options.lasting_share.value_or(kLeastLastingShare);
-    model.lasting = share > 0 ? scale * std::max(1 - white / scale, share) : 0;
+    model.lasting = scale * std::max({1 - white / scale, options.lasting_share, kLeastLastingShare});
     model.white = std::max(scale - model.lasting, kLeastWhite);
     model.jitter = std::max(0.0, white - scale);
   }
@@ -217,9 +216,8 @@ struct Learnt {
   double log_likelihood = 0;
 };
 
-Learnt LearnWithMemory(std::span<const SeenPath> paths, std::vector<PathFilter>& filters, const MotionPrior& prior,
-                       const LearningOptions& options, double least_density, std::vector<PathModel> models,
-                       double memory_s) {
+Learnt LearnWithMemory(std::span<const SeenPath> paths, const MotionPrior& prior, const LearningOptions& options,
+                       double least_density, std::vector<PathModel> models, double memory_s) {
   constexpr double kWorthARound = 1e-5;  // of the log-likelihood, per measurement
   for (PathModel& model : models) model.memory_s = memory_s;
   double measurements = 0;
@@ -230,18 +228,16 @@ Learnt LearnWithMemory(std::span<const SeenPath> paths, std::vector<PathFilter>&
   learnt.log_likelihood = -INFINITY;
   for (int round = 0; round < options.most_rounds; ++round) {
     ThrowIfInterrupted();
-    ForEachInThreads(paths.size(), Threads(),
-                     [&](std::size_t p) { found[p] = Examine(paths[p], filters[p], models[p], prior); });
+    ForEachInThreads(paths.size(), Threads(), [&](std::size_t p) { found[p] = Examine(paths[p], models[p], prior); });
     const double before = std::exchange(learnt.log_likelihood, 0);
     Evidence lasting;
     for (const PathEvidences& each : found) {
       learnt.log_likelihood += each.log_likelihood;
-      lasting.squares += each.lasting.squares;
-      lasting.determined += each.lasting.determined;
+      lasting.Add(each.lasting.squares, each.lasting.determined);
     }
     if (std::abs(learnt.log_likelihood - before) < kWorthARound * measurements) break;
     const double now = std::max(models.front().lasting, kLeastLasting),
-                 next_lasting = Next(now, lasting.squares / std::max(lasting.determined, 1e-30) / now, kLeastLasting);
+                 next_lasting = Next(now, lasting.Ratio() / now, kLeastLasting);
     for (std::size_t p = 0; p < paths.size(); ++p)
       Update(paths[p], found[p], next_lasting, options, least_density, models[p]);
   }
@@ -287,13 +283,14 @@ SmoothedPath SmoothPath(const SeenPath& seen, const PathModel& model, const Moti
   path.surprise.assign(n, Eigen::Vector3d::Zero());
   path.surprise_variance.assign(n, 0.0);
   path.log_likelihood = filter.Forward(model, prior);
-  filter.Rows().Back(
+  filter.Back(
+      model,
       [&](std::size_t i, std::size_t, const Values<kAxisStates>& u, double d) {
         path.surprise[i] = u.transpose() / d;
         path.surprise_variance[i] = 1 / d;
       },
       [&](std::size_t i, const Backward<kAxisStates>& b) {
-        const Frame<kAxisStates>& frame = filter.Rows().At(i);
+        const Frame<kAxisStates>& frame = filter.At(i);
         const Means<kAxisStates> mean = frame.mean + frame.covariance * b.r;
         const Square<kAxisStates> covariance = frame.covariance - frame.covariance * b.n * frame.covariance;
         PathPoint& point = path.point[i];
@@ -321,17 +318,15 @@ std::vector<PathModel> LearnPaths(std::span<const SeenPath> paths, const MotionP
   constexpr double kFirstCutoff = 0.25;   // of the rate: nothing is smoothed away before it is learnt to be noise
   constexpr double kLeastCutoffHz = 0.5;  // of human movement
   constexpr double kFirstLasting = 0.3, kFirstPerSpeed_s2 = 1e-6;
-  std::vector<PathFilter> filters;
   std::vector<PathModel> models;
   double least_density = INFINITY;
   for (const SeenPath& seen : paths) {
     const std::size_t n = seen.time_s.size();
-    filters.emplace_back(seen);
     PathModel& model = models.emplace_back();
     const double sigma = RmsSigma(seen), interval_s = MedianInterval(seen.time_s);
     model.density.assign(n, DensityOfCutoff(kFirstCutoff / interval_s, sigma, interval_s));
     model.white_variance.resize(n);
-    model.lasting = options.lasting_share.value_or(kFirstLasting);
+    model.lasting = std::max(options.lasting_share, kFirstLasting);
     model.white = std::max(1 - model.lasting, kLeastWhite);
     if (options.trust == SigmaTrust::kNone) model.per_speed_s2 = kFirstPerSpeed_s2;
     SetWhiteVariance(seen, std::vector(n, 0.0), model);
@@ -344,7 +339,7 @@ std::vector<PathModel> LearnPaths(std::span<const SeenPath> paths, const MotionP
   for (const double memory_s : kMemories_s) {
     // Noise of unknown size that lasts longer would be taken for the movement itself.
     if (options.trust == SigmaTrust::kNone && memory_s > kLongestUnknown_s) break;
-    Learnt learnt = LearnWithMemory(paths, filters, prior, options, least_density, models, memory_s);
+    Learnt learnt = LearnWithMemory(paths, prior, options, least_density, models, memory_s);
     if (learnt.log_likelihood > best.log_likelihood - kClear) best = std::move(learnt);
   }
   QuickenGaps(paths, options, best.models);

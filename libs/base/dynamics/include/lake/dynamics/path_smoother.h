@@ -12,7 +12,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -86,7 +85,7 @@ struct LearningOptions {
   double gap_memory_s = 0.1;  // a movement that is not seen goes on as it was for about this time
   int most_rounds = 40;       // of the fixed-point steps, for each memory
   SigmaTrust trust = SigmaTrust::kNone;
-  std::optional<double> lasting_share;  // ℓ / (w + ℓ): none if 0, else at least
+  double lasting_share = 0;  // ℓ / (w + ℓ), at least
 };
 
 // The models of paths of one recording, which have ℓ and τ in common. In a gap q rises to that of the quickest movement

@@ -47,8 +47,8 @@ struct LegFitOptions {
   double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
   // The sigmas hold, as the tracker's: what scatters beyond them is the person's own movement. Else it may be noise.
   bool known_sigmas = false;
-  // Of the sigmas' squares: errors that stay alike for some frames, as a film's coding makes them. Learnt if not given.
-  std::optional<double> lasting_share;
+  // Of the sigmas' squares, at least: errors that stay alike for some frames, as a film's coding makes them.
+  double lasting_share = 0;
   bool HasSplineCutoff() const { return filter == LegFilter::kSpline && cutoff_hz.has_value(); }
   MovementOptions movement;
   bool quiet = true;  // no progress
