@@ -101,7 +101,7 @@ TEST(PathSmoother, IsTheDenseGaussianGivenTheMeasurements) {
       EXPECT_NEAR(path.point[i].position[axis], dense.mean[at], 1e-5);
       EXPECT_NEAR(path.point[i].velocity[axis], dense.mean[at + 1], 1e-3);
       EXPECT_NEAR(path.point[i].position_covariance(axis, axis) / dense.covariance(at, at), 1, 1e-5);
-      EXPECT_NEAR(path.point[i].velocity_covariance(axis, axis) / dense.covariance(at + 1, at + 1), 1, 1e-5);
+      EXPECT_NEAR(path.point[i].velocity_variance / dense.covariance(at + 1, at + 1), 1, 1e-5);
     }
   }
 }

@@ -136,10 +136,10 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
                   point.position[a] = mean[layout.Axis(a, kPosition)];
                   point.velocity[a] = mean[layout.Axis(a, kVelocity)];
                   point.acceleration[a] = mean[layout.Axis(a, kAcceleration)];
-                  for (int c = 0; c < seen.axes; ++c) {
+                  for (int c = 0; c < seen.axes; ++c)
                     point.position_covariance(a, c) = covariance(layout.Axis(a, kPosition), layout.Axis(c, kPosition));
-                    point.velocity_covariance(a, c) = covariance(layout.Axis(a, kVelocity), layout.Axis(c, kVelocity));
-                  }
+                  point.velocity_variance +=
+                      covariance(layout.Axis(a, kVelocity), layout.Axis(a, kVelocity)) / seen.axes;
                 }
               });
   return path;

@@ -304,10 +304,8 @@ SmoothedPath SmoothPath(const SeenPath& seen, const PathModel& model, const Moti
           point.position += part * (seen.place[i] - point.position - seen.sigma[i] * mean.row(kLasting).transpose());
           variance = (1 - part) * (1 - part) * variance + (1 - part) * model.jitter * sigma2;
         }
-        for (int a = 0; a < axes; ++a) {
-          point.position_covariance(a, a) = variance;
-          point.velocity_covariance(a, a) = std::max(covariance(kVelocity, kVelocity), 0.0);
-        }
+        for (int a = 0; a < axes; ++a) point.position_covariance(a, a) = variance;
+        point.velocity_variance = std::max(covariance(kVelocity, kVelocity), 0.0);
       });
   return path;
 }

@@ -72,7 +72,7 @@ double MarkerGradient::Variance(const LegCurves& curves, std::size_t frame) cons
 double MarkerGradient::RateVariance(const LegCurves& curves, std::size_t frame) const {
   double variance = 0;
   for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
-    variance += by_marker[m].dot(curves.marker[m].point[frame].velocity_covariance * by_marker[m]);
+    variance += by_marker[m].squaredNorm() * curves.marker[m].point[frame].velocity_variance;
   return variance;
 }
 

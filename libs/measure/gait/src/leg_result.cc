@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -22,7 +23,7 @@ constexpr double kCustomaryCutoffHz = 6;
 // One marker through all stages; `shown` is its position in the plane as the filter gives it.
 struct MarkerOutput {
   const Detections* detections = nullptr;
-  MarkerCurve curve;
+  std::shared_ptr<const MarkerCurve> curve;
   std::vector<motion::SampleStatus> status;
   std::vector<Eigen::Vector2d> shown;
   std::vector<double> shown_sigma;
@@ -87,7 +88,7 @@ TableFilter FilterOf(const LegFitOptions& options) {
 // Over every run of frames in which the marker is known.
 void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, const TableFilter& table) {
   const std::size_t n = time_s.size();
-  output.filtered_curve = InPlaneOf(output.curve);
+  output.filtered_curve = InPlaneOf(*output.curve);
   for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
     for (end = begin; end < n && output.status[end] != motion::SampleStatus::kMissing;) ++end;
     if (end - begin >= 3) {
@@ -111,14 +112,14 @@ void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, co
     if (output.status[i] == motion::SampleStatus::kDetected) output.shown_sigma[i] *= gain;
 }
 
-MarkerOutput MakeOutput(const Detections& d, MarkerCurve curve, const std::vector<double>& time_s, double most_sigma,
-                        const LegFitOptions& options) {
+MarkerOutput MakeOutput(const Detections& d, std::shared_ptr<const MarkerCurve> curve,
+                        const std::vector<double>& time_s, double most_sigma, const LegFitOptions& options) {
   MarkerOutput output{&d, std::move(curve), {}, {}, {}, {}, {}};
-  output.status = StatusOf(d, output.curve, most_sigma);
-  output.shown = InPlaneOf(output.curve);
-  output.shown_sigma = output.curve.plane_sigma;
+  output.status = StatusOf(d, *output.curve, most_sigma);
+  output.shown = InPlaneOf(*output.curve);
+  output.shown_sigma = output.curve->plane_sigma;
   if (!d.lateral.empty())
-    for (const dynamics::PathPoint& point : output.curve.point) output.shown_lateral.push_back(point.position.z());
+    for (const dynamics::PathPoint& point : output.curve->point) output.shown_lateral.push_back(point.position.z());
   if (!IsFiltered(options) && options.filter == LegFilter::kSpline) return output;
   for (std::size_t i = 0; i < d.seen.size(); ++i)
     if (d.seen[i]) {
@@ -138,8 +139,8 @@ motion::MarkerTrack TrackOf(const MarkerOutput& output) {
     sample.status = output.status[i];
     if (sample.status == motion::SampleStatus::kDetected) sample.sigma = output.detections->sigma[i];
     if (sample.status == motion::SampleStatus::kFilled) {
-      sample.position = output.curve.recorded[i];
-      sample.sigma = output.curve.recorded_sigma[i];
+      sample.position = output.curve->recorded[i];
+      sample.sigma = output.curve->recorded_sigma[i];
     }
   }
   return track;
@@ -150,7 +151,7 @@ motion::MarkerTrack TrajectoryOf(const MarkerOutput& output) {
   for (std::size_t i = 0; i < output.status.size(); ++i) {
     double sigma = output.shown_sigma[i];
     if (!output.filtered_curve.empty())
-      sigma = std::hypot(sigma, (output.filtered_curve[i] - output.curve.InPlane(i)).norm() / std::numbers::sqrt2);
+      sigma = std::hypot(sigma, (output.filtered_curve[i] - output.curve->InPlane(i)).norm() / std::numbers::sqrt2);
     track.samples.push_back({output.shown[i], sigma, output.status[i]});
   }
   return track;
@@ -242,7 +243,7 @@ std::vector<double> KneeTakenByFilter(const std::vector<MarkerOutput>& leg, cons
     };
     taken_deg.push_back(std::isfinite(motion.samples[i].knee_deg)
                             ? knee_deg([&](const MarkerOutput& m) { return m.filtered_curve[i]; }) -
-                                  knee_deg([&](const MarkerOutput& m) { return m.curve.InPlane(i); })
+                                  knee_deg([&](const MarkerOutput& m) { return m.curve->InPlane(i); })
                             : motion::LegSample::kUnknown);
   }
   return taken_deg;
@@ -341,9 +342,9 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
     report.filled += output.status[i] == motion::SampleStatus::kFilled;
     report.missing += output.status[i] == motion::SampleStatus::kMissing;
     if (!d.seen[i]) continue;
-    const double distance = (d.track->samples[i].position - output.curve.recorded[i]).norm(),
-                 deviations = distance / (output.curve.scatter[i] * d.sigma[i]);
-    scatter.push_back(output.curve.scatter[i]);
+    const double distance = (d.track->samples[i].position - output.curve->recorded[i]).norm(),
+                 deviations = distance / (output.curve->scatter[i] * d.sigma[i]);
+    scatter.push_back(output.curve->scatter[i]);
     if (distance > report.worst) {
       report.worst = distance;
       report.worst_frame = recording.frame[i];
@@ -367,17 +368,20 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
 
 // A marker seen too rarely for a curve: its detections as they are.
 MarkerOutput Unsmoothed(const Detections& d) {
+  MarkerCurve curve;
+  curve.plane_sigma = d.plane_sigma;
+  curve.recorded_sigma = d.sigma;
+  curve.scatter.assign(d.seen.size(), 1);
+  curve.point.resize(d.seen.size());
   MarkerOutput output;
-  output.detections = &d;
-  output.shown = d.in_plane;
-  output.shown_sigma = output.curve.plane_sigma = d.plane_sigma;
-  output.curve.recorded_sigma = d.sigma;
-  output.curve.scatter.assign(d.seen.size(), 1);
-  output.curve.point.resize(d.seen.size());
   for (std::size_t i = 0; i < d.seen.size(); ++i) {
-    output.curve.recorded.push_back(d.track->samples[i].position);
+    curve.recorded.push_back(d.track->samples[i].position);
     output.status.push_back(d.seen[i] ? motion::SampleStatus::kDetected : motion::SampleStatus::kMissing);
   }
+  output.detections = &d;
+  output.curve = std::make_shared<const MarkerCurve>(std::move(curve));
+  output.shown = d.in_plane;
+  output.shown_sigma = d.plane_sigma;
   return output;
 }
 
@@ -385,8 +389,8 @@ MarkerOutput Unsmoothed(const Detections& d) {
 MarkerOutput MakeExtra(const motion::MarkerRecording& recording, Detections& d, const LegView& view, double most_sigma,
                        double unit_mm, const LegFitOptions& options, std::vector<std::string>& warnings) {
   if (std::cmp_greater_equal(std::ranges::count(d.trusted, 1), kLeastFrames))
-    return MakeOutput(d, SmoothMarker(recording.time_s, view, options, unit_mm, d), recording.time_s, most_sigma,
-                      options);
+    return MakeOutput(d, std::make_shared<const MarkerCurve>(SmoothMarker(recording.time_s, view, options, unit_mm, d)),
+                      recording.time_s, most_sigma, options);
   warnings.push_back(
       fmt::format("marker '{}' is seen in fewer than {} frames and left as it is", d.name, kLeastFrames));
   d.trusted = d.seen;
@@ -432,7 +436,8 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
   const double most_sigma = options.most_filled_sigma * shank;
   std::vector<MarkerOutput> leg;
   for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
-    leg.push_back(MakeOutput(detections[m], curves.marker[m], recording.time_s, most_sigma, options));
+    leg.push_back(MakeOutput(detections[m], {std::shared_ptr<void>(), &curves.marker[m]}, recording.time_s, most_sigma,
+                             options));  // not owned
   AddMarkers(recording, leg, view, most_sigma, skin, UnitMm(view, shank), options, result);
   for (const LegSegmentIndex segment : {kShank, kThigh, kTrunk})
     if (segment != kTrunk || curves.HasTrunk()) result.segments.push_back(ReportSegment(segment, detections, curves));

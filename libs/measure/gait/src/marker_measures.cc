@@ -81,7 +81,7 @@ std::vector<Moving> SmoothPathOf(const motion::MarkerRecording& recording, const
     if (!seen[i]) continue;
     const dynamics::PathPoint& point = smooth.point[i];
     path[i] = {point.position.head<2>(), point.velocity.head<2>(), std::sqrt(point.position_covariance(0, 0)),
-               std::sqrt(point.velocity_covariance(0, 0))};
+               std::sqrt(point.velocity_variance)};
   }
   return path;
 }

@@ -42,7 +42,8 @@ struct PathModel {
 struct PathPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero(),
                   acceleration = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Zero(), velocity_covariance = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Zero();
+  double velocity_variance = 0;  // per axis
 };
 
 struct SmoothedPath {
