@@ -21,10 +21,10 @@ compare::StsCurve Rise(double duration_s, double shank_deg, double trunk_deg) {
 TEST(PaceAndPosture, DifferencesAreTheExoskeletonsLessTheHumans) {
   const compare::RegisteredTrial human{{Rise(2, 10, 30), Rise(2.2, 12, 32)}, {}}, exo{{Rise(3, 15, 30)}, {}};
   const compare::Pace pace = compare::ComparePace(human, exo);
-  EXPECT_NEAR(pace.rise.Value(), 0.9, 1e-12);
+  EXPECT_NEAR(pace.repetition.Value(), 0.9, 1e-12);
   EXPECT_NEAR(pace.onset_to_seat_off->Value(), 0.36, 1e-12);
   EXPECT_NEAR(pace.seat_off_to_standing->Value(), 0.54, 1e-12);
-  EXPECT_FALSE(pace.rise.interval);
+  EXPECT_FALSE(pace.repetition.interval);
   const compare::Posture posture = compare::ComparePosture(human, exo);
   EXPECT_NEAR(posture.shank->mean_deg.Value(), 4, 1e-12);
   EXPECT_NEAR(posture.shank->rms_deg, 4, 1e-12);
