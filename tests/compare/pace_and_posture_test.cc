@@ -36,7 +36,7 @@ TEST(PaceAndPosture, DifferencesAreTheExoskeletonsLessTheHumans) {
 TEST(PaceAndPosture, AMeanOfSeveralRisesHasAnInterval) {
   const compare::RegisteredTrial three{{Rise(2, 10, 30), Rise(2.2, 10, 30), Rise(2.1, 10, 30)}, {}},
       one{{Rise(3, 10, 30)}, {}};
-  const compare::Difference rise = compare::ComparePace(one, three).rise;
+  const compare::Difference rise = compare::ComparePace(one, three).repetition;
   EXPECT_FALSE(rise.human_interval);
   ASSERT_TRUE(rise.exo_interval);
   EXPECT_NEAR(rise.exo_interval->low, 2.1 - 4.3027 * 0.1 / std::sqrt(3), 1e-5);
@@ -65,7 +65,7 @@ TEST(PaceAndPosture, IntervalsHoldTheTruth) {
         human.repetitions.push_back(Rise(2 + 0.1 * normal(random), 10, 30));
         exo.repetitions.push_back(Rise(3 + 0.3 * normal(random), 10, 30));
       }
-      const compare::Difference rise = compare::ComparePace(human, exo).rise;
+      const compare::Difference rise = compare::ComparePace(human, exo).repetition;
       held += rise.interval->low <= 1 && 1 <= rise.interval->high;
     }
     EXPECT_NEAR(held / static_cast<double>(kPairs), 0.95, 3 * std::sqrt(0.95 * 0.05 / kPairs)) << repetitions;

@@ -78,7 +78,9 @@ TEST_P(WalkingComparison, FindsTheJointAtAnySpeedAndDirection) {
   for (const Eigen::Vector2d& knee : m.human.knee) foremost_mm = std::max(foremost_mm, knee.x());
   EXPECT_GT(foremost_mm, 150);
   // Strides of one length differ in nothing but the joint; 2 mm are events that are off by a percent or two.
-  if (worn.stride_mm == DrawnWalkOptions().stride_mm) EXPECT_NEAR(m.metrics.rms_mm, 12, 2);
+  if (worn.stride_mm == DrawnWalkOptions().stride_mm) {
+    EXPECT_NEAR(m.metrics.rms_mm, 12, 2);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, WalkingComparison,
