@@ -88,7 +88,8 @@ TEST_F(WalkingComparisonProgram, ComparesWalks) {
   const std::string report = ReadTextFile(folder_ / "C/report.html");
   EXPECT_THAT(report, HasSubstr("relative to the hip, x in the direction of walking"));
   for (const std::string& text : {outcome.out, comparison.dump(), report, ReadTextFile(folder_ / "C/misalignment.svg")})
-    for (const char* of_rises : {"the rise", "rise (%)", "from rise", "seat", "to standing", "stroke program"})
+    for (const char* of_rises :
+         {"the rise", "rise (%)", "from rise", "seat-off", "what seat", "to standing", "stroke program"})
       EXPECT_THAT(text, Not(HasSubstr(of_rises)));
   EXPECT_FALSE(fs::exists(folder_ / "C/cuffs.csv"));
   // By what lake-gait wrote, and by the first comparison's curve.

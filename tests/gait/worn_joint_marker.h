@@ -9,8 +9,8 @@
 namespace lake {
 
 // Adds a marker `exo_knee` at an offset from the knee in the shank's frame, x anterior, y from ankle to knee, mm. y of
-// the plane is up, and the person faces +x (forward 1) or −x (−1). Noise beside that of
-// the knee: SD per axis.
+// the plane is up, and the person faces +x (forward 1) or −x (−1). `noise_mm` is its own, beside the knee's; SD per
+// axis.
 inline void AddWornJoint(const Eigen::Vector2d& offset_mm, double forward, motion::MarkerRecording& recording,
                          double noise_mm = 0) {
   std::mt19937 random(7);

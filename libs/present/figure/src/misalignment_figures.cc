@@ -72,17 +72,18 @@ std::vector<double> Lengths(const std::vector<Vector2d>& vectors) {
   return lengths;
 }
 
-// The legs at 0, 50 and 100 %, each named at its hip, of walking at its ankle.
+// The legs at 0, 50 and 100 %, each named at its hip; of walking they hang from one hip, and 100 % is 0 % again.
 void DrawLegs(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(
       "set lmargin at screen 0.075; set rmargin at screen 0.42; set tmargin at screen 0.93; set bmargin at screen "
       "0.12");
+  const bool is_walking = m.movement == gait::MovementKind::kWalking;
   figure.Line(
       "set size ratio -1; set offsets graph 0.12, graph 0.12, graph 0.1, graph 0.03; set key off; set xtics 200; set "
-      "title 'Leg at 0, 50 and 100 %'");
-  // Of walking the legs hang from one hip.
-  const bool is_walking = m.movement == gait::MovementKind::kWalking;
+      "title 'Leg at 0, 50 and 100 %{}'",
+      is_walking ? ", relative to the hip" : "");
   for (const std::size_t percent : {0, 50, 100}) {
+    if (is_walking && percent == 100) continue;
     const Vector2d at = is_walking ? m.human.ankle[percent] : m.human.hip[percent];
     figure.Line("set label '{} %' at {},{} right offset -1,0.4", percent, at.x(), at.y());
   }
@@ -94,6 +95,7 @@ void DrawLegs(GnuplotFigure& figure, const compare::Misalignment& m) {
       human_legs, kHumanPath.colour, exo_legs, kWornPath.dash, kWornPath.colour, human, LineOf(kHumanPath), exo,
       LineOf(kWornPath));
   figure.Line("unset label");
+  if (is_walking) figure.Line("set ytics 40");  // of low and wide paths
 }
 
 void DrawKneePaths(GnuplotFigure& figure, const compare::Misalignment& m) {
@@ -197,8 +199,7 @@ void DrawAngles(GnuplotFigure& figure, const compare::Misalignment& m) {
 void DrawOverlayFigure(const std::filesystem::path& path, const compare::Misalignment& misalignment) {
   GnuplotFigure figure(1400, 760);
   figure.Line("set multiplot");
-  const char* from = misalignment.movement == gait::MovementKind::kWalking ? " of the hip" : "";
-  figure.Line("set xlabel 'anterior{} (mm)'; set ylabel 'up{} (mm)' offset 1,0", from, *from ? " from the hip" : "");
+  figure.Line("set xlabel 'anterior (mm)'; set ylabel 'up (mm)' offset 1,0");
   DrawLegs(figure, misalignment);
   DrawKneePaths(figure, misalignment);
   figure.Line("unset multiplot").Write(path);
