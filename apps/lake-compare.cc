@@ -1,9 +1,10 @@
-// lake-compare: the misalignment between a human's and an exoskeleton's knee in sit-to-stand.
+// lake-compare: the misalignment between a human's and an exoskeleton's knee in sit-to-stand or walking.
 #include "lake/commands/compare.h"
 #include "program.h"
 
 int main(int argc, char** argv) {
-  lake::Program program("lake-compare", "The misalignment between a human's and an exoskeleton's knee in sit-to-stand",
+  lake::Program program("lake-compare",
+                        "The misalignment between a human's and an exoskeleton's knee in sit-to-stand or walking",
                         "lake-compare track/human track/exo --human-knee knee --exo-knee exo_knee -o comparison");
   lake::commands::CompareRunOptions options;
   program.Add(lake::OptionsOf(options));

@@ -21,10 +21,10 @@ compare::StsCurve Rise(double duration_s, double shank_deg, double trunk_deg) {
 TEST(PaceAndPosture, DifferencesAreTheExoskeletonsLessTheHumans) {
   const compare::RegisteredTrial human{{Rise(2, 10, 30), Rise(2.2, 12, 32)}, {}}, exo{{Rise(3, 15, 30)}, {}};
   const compare::Pace pace = compare::ComparePace(human, exo);
-  EXPECT_NEAR(pace.rise.Value(), 0.9, 1e-12);
+  EXPECT_NEAR(pace.repetition.Value(), 0.9, 1e-12);
   EXPECT_NEAR(pace.onset_to_seat_off->Value(), 0.36, 1e-12);
   EXPECT_NEAR(pace.seat_off_to_standing->Value(), 0.54, 1e-12);
-  EXPECT_FALSE(pace.rise.interval);
+  EXPECT_FALSE(pace.repetition.interval);
   const compare::Posture posture = compare::ComparePosture(human, exo);
   EXPECT_NEAR(posture.shank->mean_deg.Value(), 4, 1e-12);
   EXPECT_NEAR(posture.shank->rms_deg, 4, 1e-12);
@@ -36,7 +36,7 @@ TEST(PaceAndPosture, DifferencesAreTheExoskeletonsLessTheHumans) {
 TEST(PaceAndPosture, AMeanOfSeveralRisesHasAnInterval) {
   const compare::RegisteredTrial three{{Rise(2, 10, 30), Rise(2.2, 10, 30), Rise(2.1, 10, 30)}, {}},
       one{{Rise(3, 10, 30)}, {}};
-  const compare::Difference rise = compare::ComparePace(one, three).rise;
+  const compare::Difference rise = compare::ComparePace(one, three).repetition;
   EXPECT_FALSE(rise.human_interval);
   ASSERT_TRUE(rise.exo_interval);
   EXPECT_NEAR(rise.exo_interval->low, 2.1 - 4.3027 * 0.1 / std::sqrt(3), 1e-5);
@@ -65,7 +65,7 @@ TEST(PaceAndPosture, IntervalsHoldTheTruth) {
         human.repetitions.push_back(Rise(2 + 0.1 * normal(random), 10, 30));
         exo.repetitions.push_back(Rise(3 + 0.3 * normal(random), 10, 30));
       }
-      const compare::Difference rise = compare::ComparePace(human, exo).rise;
+      const compare::Difference rise = compare::ComparePace(human, exo).repetition;
       held += rise.interval->low <= 1 && 1 <= rise.interval->high;
     }
     EXPECT_NEAR(held / static_cast<double>(kPairs), 0.95, 3 * std::sqrt(0.95 * 0.05 / kPairs)) << repetitions;

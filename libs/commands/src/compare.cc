@@ -155,6 +155,15 @@ void CheckOrder(const compare::TrialTables& human, const compare::TrialTables& e
       human.name, kExoKnee, exo.name, CommandLine({"lake", "compare", options.exo.string(), options.human.string()}));
 }
 
+void CheckMovements(gait::MovementKind human, gait::MovementKind exo, const CompareRunOptions& options) {
+  if (human != exo)
+    throw Fail("{} is of {} and {} of {}: two trials of one movement can be compared", options.human.string(),
+               gait::MovementOf(human).name, options.exo.string(), gait::MovementOf(exo).name);
+  if (human == gait::MovementKind::kWalking && options.worn)
+    throw UsageError("--worn: what seat and limbs allow is of sit-to-stands, and {} is of walking: leave it out",
+                     options.human.string());
+}
+
 RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   std::optional<FunctionalTables> human, exo;
   if (!IsCompared(options.human))
@@ -181,12 +190,14 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
     pair.is_human_functional = pair.axes.human_mm.has_value();
   } else {
     pair.human.repetitions = {human_curves->human};
+    pair.human.movement = human_curves->movement;
     pair.is_human_functional = human_curves->knee_is_functional;
   }
   if (exo)
     pair.exo = RegisterExo(exo->tables, pair.exo_knee, options);
   else
-    pair.exo.repetitions = {exo_curves->exo};
+    pair.exo = {.repetitions = {exo_curves->exo}, .warnings = {}, .movement = exo_curves->movement};
+  CheckMovements(pair.human.movement, pair.exo.movement, options);
   return pair;
 }
 
@@ -230,13 +241,15 @@ WornJoint CheckWorn(const compare::Misalignment& misalignment, const CompareRunO
                         options.wear);
 }
 
-// What seat and limbs allow of moving the joint: null where the worn links are not known, and in words.
+// What seat and limbs allow of moving the joint: null where the worn links are not known, and in words; of walking
+// nothing.
 struct MoveOnBody {  // NOLINT(bugprone-exception-escape): moving a Json does not throw
   Json on_body;
   std::string text;
 };
 
 MoveOnBody CheckMove(const compare::Misalignment& misalignment, const CompareRunOptions& options) {
+  if (misalignment.movement == gait::MovementKind::kWalking) return {nullptr, ""};
   if (!options.worn)
     return {nullptr,
             "What seat and limbs allow of it is not known without the design that was worn (--worn, in a study design: "
@@ -258,7 +271,7 @@ void WriteComparisonReport(const std::string& title, const Json& comparison, std
                        {"uncertainty_budget.csv", "what each figure is uncertain by, source by source"},
                        {"comparison.json", "all values and curves, as lake-optimize reads them"},
                        {"overlay.svg", "knee paths and legs, a figure for print"},
-                       {"misalignment.svg", "error, parts and angles over the rise, for print"}}}}});
+                       {"misalignment.svg", "error, parts and angles over the repetition, for print"}}}}});
   report.sections.push_back(report::ProvenanceSection(run.Head()));
   report::WriteReport(run.Result("report.html"), report);
 }
@@ -443,7 +456,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   if (misalignment.joint) {
     move = CheckMove(misalignment, options);
     comparison["best_placement"]["on_body"] = move.on_body;
-    comparison["best_placement"]["body_text"] = move.text;
+    if (!move.text.empty()) comparison["best_placement"]["body_text"] = move.text;
   } else if (options.worn) {
     run.Warn(
         "{} shows no knee of the leg beside the joint: what seat and limbs allow of the worn design's joint is not "
@@ -458,7 +471,9 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   comparison["uncertainty"] = compare::BudgetsJson(budgets);
   std::vector<report::Section> sections{UncertaintySection(budgets)};
   std::vector<CuffCase> cases;
-  if (misalignment.joint && !misalignment.exo.leg_knee.empty()) {
+  // The cuffs are free of stress at standing, which a walk does not show.
+  const bool is_rise = misalignment.movement == gait::MovementKind::kSitToStand;
+  if (is_rise && misalignment.joint && !misalignment.exo.leg_knee.empty()) {
     cases = CuffCases(misalignment.exo, *misalignment.joint, compare::PlaceDeviation(budgets), options.cuff);
     WriteCuffTable(run.Result("cuffs.csv"), cases);
     for (const CuffCase& one : cases) comparison["cuffs"][one.name] = CuffsJson(one.course);

@@ -42,7 +42,7 @@ std::string JointText(const compare::JointMisalignment& joint, const std::option
   if (moved && moved->intervals)
     text += fmt::format(" (95 % interval {:.2f} to {:.2f} %)", 100 * moved->intervals->relative_rms.low,
                         100 * moved->intervals->relative_rms.high);
-  return text + "\n" + worn + "\n";
+  return text + "\n" + (worn.empty() ? "" : worn + "\n");
 }
 
 std::string CuffText(const cuffs::CuffCourse& worn, const cuffs::CuffCourse& moved) {
@@ -55,9 +55,11 @@ std::string CuffText(const cuffs::CuffCourse& worn, const cuffs::CuffCourse& mov
 }
 
 // What the exoskeleton does to pace and posture.
-std::string PaceAndPostureText(const compare::Pace& pace, const compare::Posture& posture) {
-  std::string text =
-      fmt::format("the rise takes {:.2f} s, with the exoskeleton {:.2f} s", pace.rise.human, pace.rise.exo);
+std::string PaceAndPostureText(const compare::Misalignment& m) {
+  const compare::Pace& pace = m.pace;
+  const compare::Posture& posture = m.posture;
+  std::string text = fmt::format("the {} takes {:.2f} s, with the exoskeleton {:.2f} s",
+                                 gait::MovementOf(m.movement).repetition, pace.repetition.human, pace.repetition.exo);
   for (const auto& [name, angle] : {std::pair("shank", &posture.shank), std::pair("trunk", &posture.trunk)}) {
     if (!*angle) continue;
     const double more_deg = (*angle)->mean_deg.Value();
@@ -69,9 +71,10 @@ std::string PaceAndPostureText(const compare::Pace& pace, const compare::Posture
 
 std::string PathText(const compare::Misalignment& m) {
   std::string text = fmt::format(
-      "path difference at equal percent {:.2f} mm RMS, {:.2f} mm at most; {:.2f} % of the shank RMS, {:.2f} % at "
+      "path difference at equal percent{} {:.2f} mm RMS, {:.2f} mm at most; {:.2f} % of the shank RMS, {:.2f} % at "
       "most\n",
-      m.metrics.rms_mm, m.metrics.max_mm, 100 * m.metrics.relative_rms, 100 * m.metrics.relative_max);
+      m.movement == gait::MovementKind::kWalking ? " of the stride, relative to the hip," : "", m.metrics.rms_mm,
+      m.metrics.max_mm, 100 * m.metrics.relative_rms, 100 * m.metrics.relative_max);
   if (!m.intervals) return text;
   return text + fmt::format("95 % interval of the path difference {:.2f} to {:.2f} % RMS; noise alone shows {:.2f} %\n",
                             100 * m.intervals->relative_rms.low, 100 * m.intervals->relative_rms.high,
@@ -101,7 +104,7 @@ std::string ComparisonText(const compare::Misalignment& m, const std::vector<com
   if (m.joint) text += JointText(*m.joint, m.joint_moved, worn, rms);
   if (rms) text += compare::WhatNarrows(*rms) + "\n";
   if (!cuffs.empty()) text += CuffText(cuffs.front().course, cuffs.back().course);
-  return text + PathText(m) + PaceAndPostureText(m.pace, m.posture) +
+  return text + PathText(m) + PaceAndPostureText(m) +
          PartsText(m.decomposition, m.joint ? m.joint->mean_mm : m.decomposition.offset_mm, half_width_mm);
 }
 

@@ -106,7 +106,7 @@ void WarnOfLean(const ExportOptions& options, Run& run) {
 // The person in the motion of the exoskeleton's leg.
 model::Subject SubjectOf(const ExportOptions& options, const linkage::Design& design) {
   const std::filesystem::path folder = MotionOf(options);
-  const compare::ComparedCurves curves = compare::ReadComparison(folder);
+  const compare::ComparedCurves curves = compare::ReadComparisonOfRises(folder);
   const compare::StsCurve& exo = curves.exo;
   if (exo.leg_knee.empty())
     throw Fail("{}: it shows no leg beside the exoskeleton's joint: nobody wears it", folder.string());

@@ -135,6 +135,8 @@ void ReadHuman(const ReoptimizeRunOptions& options, Run& run, redesign::Measured
     throw UsageError("--knee functional: {} has no markers of --segment on shank and thigh", options.human.string());
   compare::RegistrationOptions registration;
   registration.knee = options.human_knee;
+  if (compare::MovementIn(read.tables) == gait::MovementKind::kWalking)
+    throw Fail("{}: it is of walking, and a linkage is designed for sit-to-stands", options.human.string());
   const compare::RegisteredTrial trial = compare::RegisterTrial(read.tables, registration);
   for (const std::string& warning : trial.warnings) run.Warn(warning);
   measured.human = compare::MeanCurve(trial.repetitions);
@@ -145,7 +147,7 @@ void ReadHuman(const ReoptimizeRunOptions& options, Run& run, redesign::Measured
 redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::size_t i) {
   redesign::MeasuredMotion measured;
   const fs::path& comparison = options.comparisons[i];
-  const compare::ComparedCurves curves = compare::ReadComparison(comparison);
+  const compare::ComparedCurves curves = compare::ReadComparisonOfRises(comparison);
   if (options.knee.knee == KneeFrom::kFunctional && !curves.knee_is_functional)
     throw UsageError(
         "--knee functional: {} is of the knees' markers; run lake-compare with --knee functional and --segment, and "

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -166,8 +167,9 @@ Json DifferenceJson(const Difference& difference, const std::string& unit) {
           {"difference_interval_" + unit, interval(difference.interval)}};
 }
 
-Json PaceJson(const Pace& pace) {
-  Json json = DifferenceJson(pace.rise, "s");
+Json PaceJson(const Pace& pace, gait::MovementKind movement) {
+  Json json = DifferenceJson(pace.repetition, "s");
+  if (movement != gait::MovementKind::kSitToStand) return json;
   for (const auto& [name, phase] : {std::pair("onset_to_seat_off", &pace.onset_to_seat_off),
                                     std::pair("seat_off_to_standing", &pace.seat_off_to_standing)})
     json["phases"][name] = *phase ? DifferenceJson(**phase, "s") : Json();
@@ -215,6 +217,7 @@ class ComparisonReader {
     for (const char* offset : {"joint_offset_x_mm", "joint_offset_y_mm"})
       if (const Json of = uncertainty.value(offset, Json::object()); of.contains("anatomical_sd"))
         curves.joint_sd_mm = LargerOrNaN(curves.joint_sd_mm.value_or(0), NumberOrNaN(of["anatomical_sd"]));
+    curves.movement = Movement();
     curves.knee_is_functional = json_.value("knee_from", Json()) == "functional";
     if (json_.contains("knee_axis_sd_mm")) curves.axes = {AxisSd("human"), AxisSd("exo")};
     CheckShank(curves.human);
@@ -233,6 +236,15 @@ class ComparisonReader {
     if (number > kFormat)
       throw Fail("{}: made by a newer version of lake-compare (format {}, known {}): use that version here too", file_,
                  number, kFormat);
+  }
+
+  gait::MovementKind Movement() const {
+    const Json name = json_.value("movement", Json("sit-to-stand"));
+    const auto movements = gait::Movements();
+    const auto found =
+        std::ranges::find_if(movements, [&](const gait::Movement& movement) { return name == movement.name; });
+    if (found == movements.end()) throw Fail("{}: movement {} is not known", file_, name.dump());
+    return found->kind;
   }
 
   const Json& Entry(const std::string& name) const {
@@ -337,6 +349,14 @@ ComparedCurves ReadComparison(const std::filesystem::path& path) {
   return ComparisonReader(file).Read();
 }
 
+ComparedCurves ReadComparisonOfRises(const std::filesystem::path& path) {
+  ComparedCurves curves = ReadComparison(path);
+  if (curves.movement != gait::MovementKind::kSitToStand)
+    throw Fail("{}: it is of {}, and a linkage is designed for sit-to-stands", path.string(),
+               gait::MovementOf(curves.movement).name);
+  return curves;
+}
+
 Json ComparisonJson(const Misalignment& m) {
   Json json = {{"format", kFormat}};
   AddMetrics(m.metrics, "", json["metrics"]);
@@ -347,6 +367,7 @@ Json ComparisonJson(const Misalignment& m) {
                          {"relative_rms", IntervalJson(m.intervals->relative_rms)},
                          {"relative_max", IntervalJson(m.intervals->relative_max)},
                          {"knee_rmse_deg", IntervalJson(m.intervals->knee_rmse_deg)}};
+  json["movement"] = gait::MovementOf(m.movement).name;
   json["human_angle_strays_deg"] = ValueOrNull(m.human_angle_strays_deg);
   json["noise_floor_mm"] = m.noise_floor_mm;
   json["noise_floor_relative"] = m.noise_floor_relative;
@@ -355,7 +376,7 @@ Json ComparisonJson(const Misalignment& m) {
   json["joint"] = m.joint ? JointJson(*m.joint) : Json();
   json["best_placement"] = m.joint ? BestPlacementJson(*m.joint, m.joint_moved) : Json();
   json["parts_mm"] = PartsJson(m);
-  json["pace"] = PaceJson(m.pace);
+  json["pace"] = PaceJson(m.pace, m.movement);
   json["posture"] = PostureJson(m.posture);
   json["knee_axis"] = KneeAxisJson(m);
   json["shank_mm"] = Mean(m.shank_mm);

@@ -221,7 +221,11 @@ void AddWarnings(const RegisteredTrial& human, const RegisteredTrial& exo, Misal
 Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& exo,
                            const MisalignmentOptions& options) {
   Check(options);
+  if (human.movement != exo.movement)
+    throw Fail("the human trial is of {} and the exoskeleton trial of {}: trials of one movement can be compared",
+               gait::MovementOf(human.movement).name, gait::MovementOf(exo.movement).name);
   Misalignment m = CompareMeans(human, exo, options);
+  m.movement = human.movement;
   m.misalignment_ratio_sd = ErrorDeviations(human, exo);
   if (options.intervals) {
     m.joint = FindJointMisalignment(exo, m.spike, {.replacement_sd_mm = options.replacement_sd_mm});

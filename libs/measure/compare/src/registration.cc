@@ -114,8 +114,10 @@ class Registrar {
     leg_from_plane_ = FindLegFromPlane(trial_, ankle_, hip_);
     PutOnAxis(knee_);
     const std::vector<StsInterval> intervals = FindStsIntervals(trial_);
-    origin_ = MedianPosition(ankle_, SeatedFrames(trial_, intervals), trial_.name);
     RegisteredTrial registered;
+    registered.movement = MovementIn(trial_);
+    is_from_hip_ = registered.movement == gait::MovementKind::kWalking;
+    if (!is_from_hip_) origin_ = MedianPosition(ankle_, SeatedFrames(trial_, intervals), trial_.name);
     for (const StsInterval& interval : intervals) {
       const std::string gap = FindGap(interval);
       if (gap.empty())
@@ -176,9 +178,11 @@ class Registrar {
     const bool shows_leg_knee = ShowsLegKnee(interval);
     for (int percent = 0; percent < kPercentSamples; ++percent) {
       const double t = interval.onset_s + curve.duration_s * percent / (kPercentSamples - 1);
-      const auto in_leg = [&](const Path& path) {
-        return Vector2d(leg_from_plane_ * (Vector2d(ValueAt(time_s, path.x, t), ValueAt(time_s, path.y, t)) - origin_));
+      const auto place = [&](const Path& path) {
+        return Vector2d(ValueAt(time_s, path.x, t), ValueAt(time_s, path.y, t));
       };
+      const Vector2d origin = is_from_hip_ ? place(hip_) : origin_;
+      const auto in_leg = [&](const Path& path) { return Vector2d(leg_from_plane_ * (place(path) - origin)); };
       curve.ankle.push_back(in_leg(ankle_));
       curve.knee.push_back(in_leg(knee_));
       curve.hip.push_back(in_leg(hip_));
@@ -186,7 +190,8 @@ class Registrar {
       curve.knee_deg.push_back(ValueAt(time_s, knee_deg, t));
       curve.shank_deg.push_back(ValueAt(time_s, shank_deg, t));
       curve.trunk_deg.push_back(shows_trunk ? ValueAt(time_s, trunk_deg, t) : NAN);
-      curve.knee_sigma_mm.push_back(LinearValueAt(time_s, knee_.sigma, t));
+      const double origin_sigma = is_from_hip_ ? LinearValueAt(time_s, hip_.sigma, t) : 0;
+      curve.knee_sigma_mm.push_back(std::hypot(LinearValueAt(time_s, knee_.sigma, t), origin_sigma));
     }
     return curve;
   }
@@ -196,6 +201,7 @@ class Registrar {
   Path ankle_, knee_, hip_;
   std::optional<Path> leg_knee_;
   Eigen::Matrix2d leg_from_plane_ = Eigen::Matrix2d::Identity();
+  bool is_from_hip_ = false;  // who walks travels
   Vector2d origin_ = Vector2d::Zero();
 };
 

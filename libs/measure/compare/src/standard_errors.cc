@@ -38,16 +38,18 @@ void ShiftInTime(std::vector<Value>& series, const std::function<double(double)>
   }
 }
 
-// `late_percent` of the part of the rise, 0..1.
+// `late_percent` of the part of the repetition, 0..1.
 void ShiftInTime(StsCurve& curve, const std::function<double(double)>& late_percent) {
   for (auto* path : {&curve.ankle, &curve.knee, &curve.hip, &curve.leg_knee}) ShiftInTime(*path, late_percent);
   ShiftInTime(curve.knee_deg, late_percent);
 }
 
-void Lean(StsCurve& curve, double rad) {
+// About the point that the paths are relative to: the ankle, of walking the hip.
+void Lean(StsCurve& curve, double rad, gait::MovementKind movement) {
   const Eigen::Rotation2Dd turn(rad);
-  for (auto* path : {&curve.knee, &curve.hip, &curve.leg_knee})
-    for (std::size_t i = 0; i < path->size(); ++i) (*path)[i] = curve.ankle[i] + turn * ((*path)[i] - curve.ankle[i]);
+  const std::vector<Vector2d> pivot = movement == gait::MovementKind::kWalking ? curve.hip : curve.ankle;
+  for (auto* path : {&curve.ankle, &curve.knee, &curve.hip, &curve.leg_knee})
+    for (std::size_t i = 0; i < path->size(); ++i) (*path)[i] = pivot[i] + turn * ((*path)[i] - pivot[i]);
 }
 
 double PercentOfSeconds(double s, const StsCurve& curve) {
@@ -126,7 +128,7 @@ Error KnownError(const OfTrial& estimate, const RegisteredTrial& trial, const Ar
       [&](StsCurve& c, double k) {
         ShiftInTime(c, [&](double s) { return k * options.progress_sd_percent * std::sin(std::numbers::pi * s); });
       },
-      [&](StsCurve& c, double k) { Lean(c, k * RadiansFromDegrees(options.lean_sd_deg)); },
+      [&](StsCurve& c, double k) { Lean(c, k * RadiansFromDegrees(options.lean_sd_deg), trial.movement); },
       [&](StsCurve& c, double k) {
         ShiftInTime(c, [&](double s) { return k * (1 - s) * event_percent(c.onset_sd_s, c); });
       },

@@ -72,16 +72,19 @@ std::vector<double> Lengths(const std::vector<Vector2d>& vectors) {
   return lengths;
 }
 
-// The legs at 0, 50 and 100 %, each named at its hip.
+// The legs at 0, 50 and 100 %, each named at its hip; of walking they hang from one hip, and 100 % is 0 % again.
 void DrawLegs(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(
       "set lmargin at screen 0.075; set rmargin at screen 0.42; set tmargin at screen 0.93; set bmargin at screen "
       "0.12");
+  const bool is_walking = m.movement == gait::MovementKind::kWalking;
   figure.Line(
       "set size ratio -1; set offsets graph 0.12, graph 0.12, graph 0.1, graph 0.03; set key off; set xtics 200; set "
-      "title 'Leg at 0, 50 and 100 %'");
+      "title 'Leg at 0, 50 and 100 %{}'",
+      is_walking ? ", relative to the hip" : "");
   for (const std::size_t percent : {0, 50, 100}) {
-    const Vector2d at = m.human.hip[percent];
+    if (is_walking && percent == 100) continue;
+    const Vector2d at = is_walking ? m.human.ankle[percent] : m.human.hip[percent];
     figure.Line("set label '{} %' at {},{} right offset -1,0.4", percent, at.x(), at.y());
   }
   const std::string human_legs = LegsOf(m.human).In(figure), exo_legs = LegsOf(m.exo).In(figure);
@@ -92,6 +95,7 @@ void DrawLegs(GnuplotFigure& figure, const compare::Misalignment& m) {
       human_legs, kHumanPath.colour, exo_legs, kWornPath.dash, kWornPath.colour, human, LineOf(kHumanPath), exo,
       LineOf(kWornPath));
   figure.Line("unset label");
+  if (is_walking) figure.Line("set ytics 40");  // of low and wide paths
 }
 
 void DrawKneePaths(GnuplotFigure& figure, const compare::Misalignment& m) {
@@ -157,8 +161,8 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
 void DrawParts(GnuplotFigure& figure, const compare::Misalignment& m) {
   const compare::Decomposition& d = m.decomposition;
   const std::vector<double> percents = Percents(compare::kPercentSamples);
-  figure.Line(
-      "set tmargin at screen 0.48; set bmargin at screen 0.11; set rmargin at screen 0.48; set xlabel 'rise (%)'");
+  figure.Line("set tmargin at screen 0.48; set bmargin at screen 0.11; set rmargin at screen 0.48; set xlabel '{} (%)'",
+              gait::MovementOf(m.movement).repetition);
   // Room below zero, so that a part that is nothing is seen beside the axis.
   figure.Line("set ylabel 'size of the part (mm)'; set yrange [*:*]; set offsets 0, 0, graph 0.35, graph 0.05");
   using Intervals = compare::PartIntervals;

@@ -9,6 +9,7 @@
 #include "lake/core/json.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "lake/gait/movement.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/uncertain.h"
 
@@ -19,7 +20,10 @@ namespace {
 constexpr const char* kPlacement = colour::kAnkle;
 constexpr const char* kTiming = colour::kHip;
 constexpr const char* kShape = colour::kWaist;
-const Axis kPercentAxis{"rise (%)", 0, 100};
+
+Axis PercentAxis(const Json& comparison) {
+  return {RepetitionIn(comparison) + " (%)", 0, 100};
+}
 
 std::vector<double> Scaled(std::vector<double> values, double factor) {
   for (double& value : values) value *= factor;
@@ -44,8 +48,8 @@ Series Ties(const Series& human, const Series& exo) {
   return ties;
 }
 
-Series Onset(const Series& human, const Series& exo) {
-  Series onset{.name = "onset", .colour = colour::kText, .mark = Mark::kPoints};
+Series Start(const Series& human, const Series& exo, const char* name) {
+  Series onset{.name = name, .colour = colour::kText, .mark = Mark::kPoints};
   onset.x = {human.x.front(), exo.x.front()};
   onset.y = {human.y.front(), exo.y.front()};
   onset.labels = {human.labels.front(), exo.labels.front()};
@@ -103,6 +107,15 @@ Series SpikesOf(const Series& error, const Json& spike) {
 
 }  // namespace
 
+bool IsOfWalking(const Json& comparison) {
+  return comparison.value("movement", "") == gait::MovementOf(gait::MovementKind::kWalking).name;
+}
+
+std::string RepetitionIn(const Json& comparison) {
+  return gait::MovementOf(IsOfWalking(comparison) ? gait::MovementKind::kWalking : gait::MovementKind::kSitToStand)
+      .repetition;
+}
+
 LineChart KneePathsChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
   const auto path = [&](const std::string& prefix, const char* name, const char* colour) {
@@ -118,12 +131,15 @@ LineChart KneePathsChart(const Json& comparison) {
   const Series exo = path("exo_knee", "exoskeleton knee", colour::kExoskeleton);
   LineChart chart;
   chart.title = "Both knees on the sagittal plane";
-  chart.alt = "Paths of the human knee and of the exoskeleton's knee over the rise, seen from the side";
-  chart.caption = "Mean paths in the leg frame: origin at the seated ankle, x forward, y up.";
+  const bool is_walking = IsOfWalking(comparison);
+  chart.alt = fmt::format("Paths of the human knee and of the exoskeleton's knee over the {}, seen from the side",
+                          RepetitionIn(comparison));
+  chart.caption = is_walking ? "Mean paths relative to the hip, x in the direction of walking, y up."
+                             : "Mean paths in the leg frame: origin at the seated ankle, x forward, y up.";
   chart.x.label = "anterior (mm)";
   chart.y.label = "up (mm)";
   chart.equal_scales = true;
-  chart.series = {human, exo, Ties(human, exo), Onset(human, exo)};
+  chart.series = {human, exo, Ties(human, exo), Start(human, exo, is_walking ? "heel strike" : "onset")};
   return chart;
 }
 
@@ -132,12 +148,15 @@ LineChart PathDifferenceChart(const Json& comparison) {
   const Uncertain rms = Metric(comparison, "relative_rms", 100);
   const double floor = 100 * NumberOrNaN(comparison.at("noise_floor_relative"));
   LineChart chart;
-  chart.title = "Path difference over the rise";
-  chart.alt = fmt::format("Distance of the knees in percent of the shank over the rise; RMS {} %", rms.Text(1));
-  chart.x = kPercentAxis;
+  chart.title = "Path difference over the " + RepetitionIn(comparison);
+  chart.alt = fmt::format("Distance of the knees in percent of the shank over the {}; RMS {} %",
+                          RepetitionIn(comparison), rms.Text(1));
+  chart.x = PercentAxis(comparison);
   chart.y = {"path difference (% of the shank)", 0, std::nullopt};
   const Series error = ErrorSeries(curves);
-  if (!error.lower.empty()) chart.caption = "Band: ± 1 SD over all pairs of a human and an exoskeleton rise.";
+  if (!error.lower.empty())
+    chart.caption =
+        fmt::format("Band: ± 1 SD over all pairs of a human and an exoskeleton {}.", RepetitionIn(comparison));
   chart.series = {
       error, Level(rms.value, fmt::format("RMS {} %", rms.Text(1)), colour::kText, Mark::kDashed),
       Level(floor, fmt::format("noise floor {} %", SignificantText(floor, 2)), colour::kAnkle, Mark::kDotted)};
@@ -170,12 +189,12 @@ std::optional<LineChart> JointChart(const Json& comparison) {
     return series;
   };
   LineChart chart;
-  chart.title = "Joint misalignment over the rise";
+  chart.title = "Joint misalignment over the " + RepetitionIn(comparison);
   chart.alt = "Distance of the exoskeleton's joint from the knee of the leg that wears it, with both bands";
   chart.caption =
       "Bands: where a frame's distance is with 95 %, as the markers tell it, and from the knee beneath the skin, which "
       "slides as the knee bends.";
-  chart.x = kPercentAxis;
+  chart.x = PercentAxis(comparison);
   chart.y = {"joint from the knee (mm)", 0, std::nullopt};
   chart.series = {with_band("from the knee beneath the skin", "anatomical_sd", colour::kGuide, Mark::kThin),
                   with_band("from the knee's marker", "marker_sd", colour::kExoskeleton, Mark::kLine)};
@@ -209,9 +228,9 @@ BarChart DecompositionChart(const Json& comparison) {
 LineChart PartsChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
   LineChart chart;
-  chart.title = "Size of each part over the rise";
+  chart.title = "Size of each part over the " + RepetitionIn(comparison);
   chart.caption = "Lengths of three vectors that add up to the distance vector; they need not add up as lengths.";
-  chart.x = kPercentAxis;
+  chart.x = PercentAxis(comparison);
   chart.y = {"length (mm)", 0, std::nullopt};
   const auto part = [&](const std::string& name, const char* colour, Mark mark) {
     Series series;
@@ -231,9 +250,9 @@ LineChart KneeAnglesChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
   LineChart chart;
   chart.title = "Knee angles";
-  chart.alt = "Knee angles of both trials over the rise";
+  chart.alt = "Knee angles of both trials over the " + RepetitionIn(comparison);
   chart.caption = fmt::format("0° is straight. RMS difference {}°.", Metric(comparison, "knee_rmse_deg").Text(1));
-  chart.x = kPercentAxis;
+  chart.x = PercentAxis(comparison);
   chart.y.label = "knee flexion (°)";
   Series human, exo;
   human.name = "human";

@@ -64,10 +64,11 @@ Section KeySection(const Json& comparison) {
   const Json& duration = comparison.at("duration_s");
   Section section{"The misalignment", {MisalignmentKeyFigures(comparison)}};
   section.blocks.push_back(Paragraph{fmt::format(
-      "We compare the means of {} repetitions of the human trial ({:.1f} s from onset to standing) and {} of the "
+      "We compare the means of {} repetitions of the human trial ({:.1f} s {}) and {} of the "
       "exoskeleton trial ({:.1f} s). The shank is {:.0f} mm long. Recording noise and marker re-placement alone "
       "would show {} mm RMS, or {} % of the shank length.",
-      repetitions.at("human").get<int>(), NumberOrNaN(duration.at("human")), repetitions.at("exo").get<int>(),
+      repetitions.at("human").get<int>(), NumberOrNaN(duration.at("human")),
+      IsOfWalking(comparison) ? "a stride" : "from onset to standing", repetitions.at("exo").get<int>(),
       NumberOrNaN(duration.at("exo")), NumberOrNaN(comparison.at("shank_mm")),
       SignificantText(NumberOrNaN(comparison.at("noise_floor_mm")), 2),
       SignificantText(100 * NumberOrNaN(comparison.at("noise_floor_relative")), 2))});
@@ -90,7 +91,9 @@ Section PartsSection(const Json& comparison) {
   shares.width = parts.width = Width::kHalf;
   const Paragraph what{
       "Placement is an offset constant in the frame of the shank, which moving the joint removes; timing is a change "
-      "of pace within the rise, which the stroke program can remove; shape is the rest, noise included."};
+      "of pace within the " +
+      RepetitionIn(comparison) + (IsOfWalking(comparison) ? "" : ", which the stroke program can remove") +
+      "; shape is the rest, noise included."};
   return {"Placement, timing, shape",
           {Paragraph{DecompositionAdvice(comparison)}, std::move(shares), std::move(parts), what}};
 }
@@ -146,9 +149,13 @@ Section PaceAndPostureSection(const Json& comparison) {
                           IntervalNote(difference, interval.c_str(), 1, 2, "")});
   };
   const Json &pace = comparison.at("pace"), &posture = comparison.at("posture");
-  add("rise, onset to standing", pace, "s");
-  add("onset to seat-off", pace.at("phases").at("onset_to_seat_off"), "s");
-  add("seat-off to standing", pace.at("phases").at("seat_off_to_standing"), "s");
+  if (IsOfWalking(comparison)) {
+    add("stride, heel strike to heel strike", pace, "s");
+  } else {
+    add("rise, onset to standing", pace, "s");
+    add("onset to seat-off", pace.at("phases").at("onset_to_seat_off"), "s");
+    add("seat-off to standing", pace.at("phases").at("seat_off_to_standing"), "s");
+  }
   add("shank's forward lean, mean", posture.at("shank"), "deg");
   add("trunk's forward lean, mean", posture.at("lean"), "deg");
   return {"Pace and posture", {std::move(table)}};
@@ -194,9 +201,9 @@ std::string PartAdvice(const std::string& part, const Json& comparison) {
   const Json& parts = comparison.at("decomposition");
   if (part == "timing")
     return fmt::format(
-        "timing: the exoskeleton runs at another pace within the rise ({:.1f} % RMS), which the stroke program and the "
-        "linkage's angle over stroke decide",
-        NumberOrNaN(parts.at("timing_rms_percent")));
+        "timing: the exoskeleton runs at another pace within the {} ({:.1f} % RMS){}", RepetitionIn(comparison),
+        NumberOrNaN(parts.at("timing_rms_percent")),
+        IsOfWalking(comparison) ? "" : ", which the stroke program and the linkage's angle over stroke decide");
   if (part == "shape")
     return "shape: neither moving the joint nor another pace removes it. Soft tissue, straps that slip, a movement out "
            "of the plane or a different movement of the leg remain";
@@ -212,14 +219,20 @@ bool IsLargestForSure(const std::string& part, const Json& parts) {
   });
 }
 
-Section MethodSection() {
+Section MethodSection(const Json& comparison) {
+  const std::string repetition =
+      IsOfWalking(comparison)
+          ? "Each stride runs from 0 % (heel strike) to 100 % (the next heel strike of the same leg) and is sampled at "
+            "every percent relative to the hip, x in the direction of walking. "
+          : "Each repetition runs from 0 % (onset: hip or trunk leaves rest) to 100 % (standing: the knee's "
+            "extension speed falls below 5 % of its peak) and is sampled at every percent in the leg frame. ";
   return {"Method",
           {Paragraph{
               "The joint misalignment is the distance between the exoskeleton's joint and the knee of the leg that "
               "wears it, at the same instants; neither pace nor posture is in it. The path difference is that between "
-              "the two trials at equal percent, in which they are. "
-              "Each repetition runs from 0 % (onset: hip or trunk leaves rest) to 100 % (standing: the knee's "
-              "extension speed falls below 5 % of its peak) and is sampled at every percent in the leg frame. The "
+              "the two trials at equal percent, in which they are. " +
+              repetition +
+              "The "
               "path difference is the distance between the knees, also divided by the human's distance from ankle to "
               "knee at "
               "the same sample; its RMS is the root of the mean square. Placement, timing and shape are fitted "
@@ -228,7 +241,8 @@ Section MethodSection() {
               "square, so the shares add up to 100 % and a small one can be negative. Spikes are samples at which the "
               "distance vector leaves its own smooth course by more than 5 median absolute deviations. Intervals hold "
               "95 %. That of the joint misalignment is by the jackknife over the repetitions, from two on; of the path "
-              "difference also by how people vary from rise to rise, where repetitions are few, by the events' times, "
+              "difference also by how people vary from repetition to repetition, where repetitions are few, by the "
+              "events' times, "
               "marker noise and marker re-placement; of its parts from four repetitions in each trial on."}}};
 }
 
@@ -288,6 +302,7 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
                    ? UncertainOf(best.at("path_relative_rms"), best.value("path_relative_rms_interval", Json()), 100)
                    : Uncertain{},
                2, "%");
+  const std::string of_repetition = "% of the " + RepetitionIn(comparison);
   if (!best.is_object()) joint_moved.note = "the trial does not show the knee";
   return {
       {of_joint("joint misalignment, RMS", worn, rms, kOfAllSources),
@@ -304,7 +319,7 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
        share("shape"),
        FigureOf("joint in front of the knee", OffsetOf(comparison, 0), 0, "mm", of_place),
        FigureOf("joint above the knee, along the shank", OffsetOf(comparison, 1), 0, "mm", of_place),
-       {"difference in pace, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, "% of the rise", std::nullopt, ""}}};
+       {"difference in pace, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, of_repetition, std::nullopt, ""}}};
 }
 
 std::string DecompositionAdvice(const Json& comparison) {
@@ -317,9 +332,10 @@ std::string DecompositionAdvice(const Json& comparison) {
   static_assert(compare::kLeastRepetitionsOfParts == 4);
   if (share.at("interval").is_null())
     return fmt::format(
-        "{}How much of it is placement, timing and shape cannot be said: a person's own pace differs as much from rise "
-        "to rise, and it takes four repetitions in each trial to tell.",
-        comparison.value("joint", Json()).is_null() ? "" : fmt::format("The joint sits {}. ", JointText(comparison)));
+        "{}How much of it is placement, timing and shape cannot be said: a person's own pace differs as much from one "
+        "{} to the next, and it takes four repetitions in each trial to tell.",
+        comparison.value("joint", Json()).is_null() ? "" : fmt::format("The joint sits {}. ", JointText(comparison)),
+        RepetitionIn(comparison));
   return fmt::format("Most of it, {} %, is {}.{}",
                      UncertainOf(share.at("fraction"), share.value("interval", Json()), 100).Text(1),
                      PartAdvice(largest, comparison),
@@ -329,13 +345,10 @@ std::string DecompositionAdvice(const Json& comparison) {
 }
 
 std::vector<Section> MisalignmentSections(const Json& comparison) {
-  return {KeySection(comparison),
-          PathsSection(comparison),
-          PartsSection(comparison),
-          PaceAndPostureSection(comparison),
-          MetricsSection(comparison),
-          KneeAxisSection(comparison),
-          MethodSection()};
+  return {KeySection(comparison),     PathsSection(comparison),
+          PartsSection(comparison),   PaceAndPostureSection(comparison),
+          MetricsSection(comparison), KneeAxisSection(comparison),
+          MethodSection(comparison)};
 }
 
 }  // namespace lake::report

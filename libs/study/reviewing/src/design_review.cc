@@ -148,7 +148,7 @@ void TakeMotion(const Folder& folder, const commands::ReoptimizeRunOptions& moti
   redesign::RedesignProblem problem;
   compare::StsCurve human;
   if (!comparison.empty()) {
-    human = compare::ReadComparison(comparison).human;
+    human = compare::ReadComparisonOfRises(comparison).human;
     problem.design = explored.problem;
     problem.program = motion.program;
     problem.human = redesign::MakeHumanMotion(human);

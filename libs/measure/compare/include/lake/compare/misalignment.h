@@ -61,8 +61,9 @@ struct JointMoved {
 };
 
 struct Misalignment {
-  StsCurve human, exo;           // means over the repetitions
-  std::vector<double> shank_mm;  // human, per percent
+  gait::MovementKind movement = gait::MovementKind::kSitToStand;  // of both trials
+  StsCurve human, exo;                                            // means over the repetitions
+  std::vector<double> shank_mm;                                   // human, per percent
   std::vector<double> distance_mm, misalignment_ratio, misalignment_ratio_paper;
   std::vector<double> misalignment_ratio_sd;  // over all pairs of repetitions; empty for a single pair
   std::vector<bool> spike;
@@ -86,7 +87,8 @@ struct Misalignment {
   std::vector<std::string> warnings;
 };
 
-// The means over the repetitions are compared. Throws UsageError for an option out of range.
+// The means over the repetitions are compared. Throws UsageError for an option out of range, Error for trials of two
+// movements.
 Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& exo,
                            const MisalignmentOptions& options = {});
 

@@ -18,13 +18,13 @@ struct Difference {
   double Value() const { return exo - human; }
 };
 
-// Durations, s; the phases are absent where a trial has no seat-off.
+// Durations, s; the phases are absent where a trial has no seat-off, as walking.
 struct Pace {
-  Difference rise;  // onset to standing
+  Difference repetition;  // onset to standing; of walking a stride
   std::optional<Difference> onset_to_seat_off, seat_off_to_standing;
 };
 
-// An angle over the rise, at equal percent.
+// An angle over the repetition, at equal percent.
 struct AngleDifference {
   Difference mean_deg;
   double rms_deg = 0, max_deg = 0;  // of the difference between the trials' means

@@ -1,11 +1,12 @@
-// Registration: every sit-to-stand of a trial at 0, 1, … 100 % of its motion, in the leg frame. Trials of other frame
-// rates, lengths, facings and cameras become comparable by it.
+// Registration: every repetition of a trial (sit-to-stand, or stride of a walk) at 0, 1, … 100 % of its motion, in the
+// leg frame. Trials of other frame rates, lengths, facings and cameras become comparable by it.
 #pragma once
 
 #include <Eigen/Core>
 #include <string>
 #include <vector>
 
+#include "lake/gait/movement.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/marker_recording.h"
 
@@ -13,20 +14,20 @@ namespace lake::compare {
 
 inline constexpr int kPercentSamples = 101;
 
-// One sit-to-stand, or the mean of several; one value per percent. Positions in mm in the leg frame: origin at the
-// ankle's median over the seated rests, x anterior, y up.
+// One repetition, or the mean of several; one value per percent. Positions in mm in the leg frame, x anterior, y up:
+// origin at the ankle's median over the seated rests, of walking at the hip of the same instant.
 struct StsCurve {
   int repetition = 0;                             // from 1; 0: a mean
-  double duration_s = 0;                          // onset to standing
+  double duration_s = 0;                          // onset to standing, or heel strike to heel strike
   std::optional<double> seat_off_s = {};          // after the onset; of a repetition that has one
-  double onset_sd_s = 0, standing_sd_s = 0;       // of the events' times, from the fit; 0: not known
+  double onset_sd_s = 0, standing_sd_s = 0;       // of the times of 0 and 100 %, from the fit; 0: not known
   std::vector<Eigen::Vector2d> ankle, knee, hip;  // knee: the compared marker
   // The leg's own knee, where another marker is compared; empty: the trial does not show it.
   std::vector<Eigen::Vector2d> leg_knee;
   std::vector<double> knee_deg;
   // Forward lean of shank and trunk (hip to waist); NaN where it is not shown.
   std::vector<double> shank_deg, trunk_deg;
-  std::vector<double> knee_sigma_mm;  // one standard deviation per axis of the knee relative to the origin's ankle
+  std::vector<double> knee_sigma_mm;  // one standard deviation per axis of the knee relative to the origin
 };
 
 // What a trial gives: of a lake-track folder its tables, of another file the result of the leg fit.
@@ -48,11 +49,15 @@ struct RegistrationOptions {
 };
 
 struct RegisteredTrial {
-  std::vector<StsCurve> repetitions;  // at least one
-  std::vector<std::string> warnings;  // repetitions left out, and why
+  std::vector<StsCurve> repetitions;                              // at least one
+  std::vector<std::string> warnings;                              // repetitions left out, and why
+  gait::MovementKind movement = gait::MovementKind::kSitToStand;  // or kWalking
 };
 
-// Onset and standing of a repetition that has both.
+// Walking where the events have a heel strike, else sit-to-stand.
+gait::MovementKind MovementIn(const TrialTables& trial);
+
+// Onset and standing of a repetition that has both; of walking its heel strike and the next one of the same leg.
 struct StsInterval {
   int repetition = 0;
   double onset_s = 0, standing_s = 0;
