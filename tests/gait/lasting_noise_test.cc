@@ -72,8 +72,8 @@ SyntheticLeg NoisyWalk() {
   return leg;
 }
 
-// Noise of 1 to 2 mm that is correlated by 0.7 to 0.95 from frame to frame, or 2 ms of the marker's way. A smoother that
-// believes in white noise states 1.7 to 7 times too little.
+// Noise of 1 to 2 mm that is correlated by 0.7 to 0.95 from frame to frame, or 2 ms of the marker's way. A smoother
+// that believes in white noise states 1.7 to 7 times too little.
 TEST(LastingNoise, OfARiseIsInTheKneesStandardDeviation) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100});
   for (const Noise& noise : {Noise{2, 0.7}, Noise{2, 0.9}, Noise{1, 0.95}, Noise{0.3, 0, 0.002}}) {
