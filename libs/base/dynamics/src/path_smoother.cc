@@ -170,10 +170,10 @@ std::vector<double> VariancesInWindows(const std::vector<Evidence>& evidence, co
 }
 
 double RmsSigma(const SeenPath& seen) {
-  double squares = 0, count = 0;
+  std::vector<double> sigmas;
   for (std::size_t i = 0; i < seen.sigma.size(); ++i)
-    if (seen.IsSeen(i)) squares += seen.sigma[i] * seen.sigma[i], ++count;
-  return std::sqrt(squares / count);
+    if (seen.IsSeen(i)) sigmas.push_back(seen.sigma[i]);
+  return RootMeanSquare(sigmas);
 }
 
 constexpr double kLeastLastingShare = 0.08;  // where nothing else is known: no real noise is quite white
@@ -205,6 +205,7 @@ void Update(const SeenPath& seen, const PathEvidences& found, double lasting, co
   } else {
     const double scale = options.trust == SigmaTrust::kScale ? std::max(1.0, white) : 1;
     model.lasting = scale * std::max({1 - white / scale, options.lasting_share, kLeastLastingShare});
+    model.not_averaged = scale * options.lasting_share;
     model.white = std::max(scale - model.lasting, kLeastWhite);
     model.jitter = std::max(0.0, white - scale);
   }
@@ -304,6 +305,7 @@ SmoothedPath SmoothPath(const SeenPath& seen, const PathModel& model, const Moti
           point.position += part * (seen.place[i] - point.position - seen.sigma[i] * mean.row(kLasting).transpose());
           variance = (1 - part) * (1 - part) * variance + (1 - part) * model.jitter * sigma2;
         }
+        if (seen.IsSeen(i)) variance = std::max(variance, model.not_averaged * seen.sigma[i] * seen.sigma[i]);
         for (int a = 0; a < axes; ++a) point.position_covariance(a, a) = variance;
         point.velocity_variance = std::max(covariance(kVelocity, kVelocity), 0.0);
       });

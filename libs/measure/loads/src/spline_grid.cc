@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "lake/core/error.h"
-#include "lake/core/numbers.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::loads {
 namespace {

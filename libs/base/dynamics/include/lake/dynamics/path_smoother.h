@@ -36,6 +36,7 @@ struct PathModel {
   double white = 1, per_speed_s2 = 0;  // w, b
   double lasting = 0;                  // ℓ
   double memory_s = 0.03;              // τ
+  double not_averaged = 0;             // of σ²: lasting noise that smoothing does not take away
   double jitter = 0;  // of what the marker does from frame to frame, over σ²: a part of white_variance
 };
 
@@ -86,7 +87,7 @@ struct LearningOptions {
   double gap_memory_s = 0.1;  // a movement that is not seen goes on as it was for about this time
   int most_rounds = 40;       // of the fixed-point steps, for each memory
   SigmaTrust trust = SigmaTrust::kNone;
-  double lasting_share = 0;  // ℓ / (w + ℓ), at least
+  double lasting_share = 0;  // ℓ / (w + ℓ), at least; so much of σ² is in every place that is seen
 };
 
 // The models of paths of one recording, which have ℓ and τ in common. In a gap q rises to that of the quickest movement
