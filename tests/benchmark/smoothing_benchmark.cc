@@ -87,8 +87,7 @@ void Smooth(benchmark::State& state, double noise_deg) {
     dynamics::LearningOptions options;
     options.trust = dynamics::SigmaTrust::kFull;
     const dynamics::MotionPrior prior = {.speed = 500, .acceleration = 5000, .reach = 200};  // of a knee, deg
-    const dynamics::PathModel model = dynamics::LearnPaths({&seen, 1}, prior, options).front();
-    const dynamics::SmoothedPath path = dynamics::SmoothPath(seen, model, prior);
+    const dynamics::SmoothedPath path = dynamics::LearnAndSmooth(seen, prior, options);
     for (std::size_t i = 0; i < kFrames; ++i) {
       const double angle = path.point[i].position.x() - curve.angle_deg[i],
                    speed = path.point[i].velocity.x() - curve.speed_deg_s[i];

@@ -28,11 +28,8 @@ SeenPath UnevenPath(unsigned seed) {
 }
 
 PathModel UnevenModel(const SeenPath& seen) {
-  PathModel model{std::vector(seen.time_s.size(), 2e6), {}, 0.8, 0, 0.5, 0.05};
-  for (std::size_t i = 0; i < seen.time_s.size(); ++i) {
-    if (i > 12) model.density[i] = 3e7;
-    model.white_variance.push_back(seen.IsSeen(i) ? 0.8 * seen.sigma[i] * seen.sigma[i] : 0);
-  }
+  PathModel model{std::vector(seen.time_s.size(), 2e6), 0.8, 0, 0.5, 0.05};
+  for (std::size_t i = 13; i < seen.time_s.size(); ++i) model.density[i] = 3e7;
   return model;
 }
 
@@ -83,7 +80,7 @@ Dense Conditioned(const SeenPath& seen, const PathModel& model, int axis, std::s
     h(k, 4 * static_cast<Eigen::Index>(i)) = 1;
     h(k, 4 * static_cast<Eigen::Index>(i) + 3) = seen.sigma[i];
     value[k] = seen.place[i][axis];
-    noise[k] = model.white_variance[i];
+    noise[k] = model.white * seen.sigma[i] * seen.sigma[i];
   }
   const Eigen::MatrixXd s = h * prior.covariance * h.transpose() + Eigen::MatrixXd(noise.asDiagonal());
   const Eigen::MatrixXd gain = s.llt().solve(h * prior.covariance).transpose();
@@ -115,7 +112,7 @@ TEST(PathSmoother, ASurpriseIsTheDifferenceFromWhatAllOthersPredict) {
     const auto at = 4 * static_cast<Eigen::Index>(i);
     const double sigma = seen.sigma[i],
                  variance = others.covariance(at, at) + 2 * sigma * others.covariance(at, at + 3) +
-                            sigma * sigma * others.covariance(at + 3, at + 3) + model.white_variance[i];
+                            sigma * sigma * others.covariance(at + 3, at + 3) + model.white * sigma * sigma;
     EXPECT_NEAR(path.surprise[i].y(), seen.place[i].y() - others.mean[at] - sigma * others.mean[at + 3], 1e-4);
     EXPECT_NEAR(path.surprise_variance[i] / variance, 1, 1e-4);
   }
@@ -155,8 +152,7 @@ TEST(PathSmoother, ACutoffIsWhereTheGainIsHalfThePower) {
       seen.time_s.push_back(i / 100.0);
       seen.place.emplace_back(std::sin(2 * std::numbers::pi * frequency_hz * seen.time_s.back()), 0, 0);
     }
-    const PathModel model{std::vector(1500, DensityOfCutoff(kCutoffHz, kSigma, 0.01)),
-                          std::vector(1500, kSigma * kSigma)};
+    const PathModel model{std::vector(1500, DensityOfCutoff(kCutoffHz, kSigma, 0.01))};
     EXPECT_NEAR(CutoffOfDensity(model.density[5], kSigma, 0.01), kCutoffHz, 1e-9);
     const SmoothedPath path = SmoothPath(seen, model, kPersonPrior);
     double product = 0, square = 0;

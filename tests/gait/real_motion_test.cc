@@ -61,8 +61,7 @@ std::vector<double> Interpolated(const std::vector<double>& time_s, const std::v
     seen.place.emplace_back(std::isfinite(value) ? value : 0, 0, 0);
     seen.sigma.push_back(std::isfinite(value) ? kSigma_mm : motion::LegSample::kUnknown);
   }
-  const dynamics::PathModel model{std::vector(known.size(), kDensity),
-                                  std::vector(known.size(), kSigma_mm * kSigma_mm)};
+  const dynamics::PathModel model{std::vector(known.size(), kDensity)};
   const dynamics::SmoothedPath path = dynamics::SmoothPath(seen, model, dynamics::PersonPrior(1));
   std::vector<double> result;
   for (const double t : at_s)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lake/dynamics/path_smoother.h"
+#include "white_jerk.h"
 
 namespace lake::dynamics {
 
@@ -90,7 +91,7 @@ class Filter {
     return log_likelihood;
   }
 
-  // From the last frame to the first. `row_visit(row, u, D)`: the measurement's smoothed disturbance over its variance,
+  // From the last frame to the first. `row_visit(i, u, D)`: the measurement's smoothed disturbance over its variance,
   // and that one's own variance; `visit(i, backward)`: with what frame i's predicted state becomes the smoothed one.
   // `transition(i)` is that from the frame before to frame i.
   template <typename Transition, typename RowVisit, typename Visit>
@@ -107,7 +108,7 @@ class Filter {
         b.n.noalias() -= row.h * g.transpose();
         b.n.noalias() -= g * row.h.transpose();
         b.n.noalias() += d * row.h * row.h.transpose();
-        row_visit(i, k, u, d);
+        row_visit(i, u, d);
       }
       visit(i, b);
       if (frame.starts) {
@@ -135,11 +136,8 @@ struct AxisStep {
   Eigen::Matrix3d transition, jerk;
   double kept = 0;  // of the lasting noise
 
-  AxisStep(double t, double memory_s) : kept(std::exp(-t / memory_s)) {
-    const double t2 = t * t, t3 = t2 * t, t4 = t3 * t, t5 = t4 * t;
-    transition << 1, t, t2 / 2, 0, 1, t, 0, 0, 1;
-    jerk << t5 / 20, t4 / 8, t3 / 6, t4 / 8, t3 / 3, t2 / 2, t3 / 6, t2 / 2, t;
-  }
+  AxisStep(double t, double memory_s)
+      : transition(JerkTransition(t)), jerk(JerkCovariance(t)), kept(std::exp(-t / memory_s)) {}
 };
 
 inline Eigen::Matrix4d StartCovariance(const PathModel& model, const MotionPrior& prior) {

@@ -8,21 +8,12 @@
 #include <numbers>
 
 #include "lake/core/statistics.h"
+#include "white_jerk.h"
 
 namespace lake::dynamics {
 namespace {
 
 const double kLogTwoPi = std::log(2 * std::numbers::pi);
-
-Eigen::Matrix3d Transition(double t) {
-  return Eigen::Matrix3d{{1, t, t * t / 2}, {0, 1, t}, {0, 0, 1}};
-}
-
-// Of the state after a time t > 0, by white jerk of density 1.
-Eigen::Matrix3d JerkCovariance(double t) {
-  const double t2 = t * t, t3 = t2 * t, t4 = t3 * t, t5 = t4 * t;
-  return Eigen::Matrix3d{{t5 / 20, t4 / 8, t3 / 6}, {t4 / 8, t3 / 3, t2 / 2}, {t3 / 6, t2 / 2, t}};
-}
 
 }  // namespace
 
@@ -35,7 +26,7 @@ PathState StartAt(const PathSample& sample, const MotionPrior& prior) {
 }
 
 PathState Moved(const PathState& state, double elapsed_s, double density) {
-  const Eigen::Matrix3d by = Transition(elapsed_s);
+  const Eigen::Matrix3d by = JerkTransition(elapsed_s);
   const Eigen::Matrix3d noise = density * JerkCovariance(std::abs(elapsed_s));
   PathState moved;
   moved.mean = by * state.mean;

@@ -53,7 +53,7 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
     Frame<Eigen::Dynamic>& frame = filter.At(i - begin);
     frame.first_row = filter.rows.size();
     for (int a = 0; a < seen.axes && seen.IsSeen(i); ++a) {
-      auto row = OneRow(layout, seen.place[i][a], model.white_variance[i]);
+      auto row = OneRow(layout, seen.place[i][a], model.WhiteVariance(i, seen.sigma[i]));
       row.h[layout.Axis(a, kPosition)] = 1;
       row.h[layout.Axis(a, kLasting)] = seen.sigma[i];
       filter.rows.push_back(row);
@@ -82,8 +82,7 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
     frame.rows = filter.rows.size() - frame.first_row;
   }
   const Eigen::Matrix4d start = StartCovariance(model, prior);
-  SmoothedPath path;
-  path.log_likelihood = filter.Forward([&](std::size_t k, Means<Eigen::Dynamic>& mean, BridgeSquare& covariance) {
+  filter.Forward([&](std::size_t k, Means<Eigen::Dynamic>& mean, BridgeSquare& covariance) {
     Frame<Eigen::Dynamic>& frame = filter.At(k);
     const std::size_t i = begin + k;
     double farthest2 = 0;
@@ -125,6 +124,7 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
       covariance(at + 1, at + 1) = 3 * distance.sigma * distance.sigma / (distance.memory_s * distance.memory_s);
     }
   });
+  SmoothedPath path;
   path.point.resize(end - begin);
   filter.Back([&](std::size_t k) { return transitions[k]; }, [](auto&&...) {},
               [&](std::size_t k, const Backward<Eigen::Dynamic>& b) {

@@ -46,7 +46,7 @@ class PathFilter {
 
   double Forward(const PathModel& model, const MotionPrior& prior) {
     for (std::size_t k = 0; k < filter_.rows.size(); ++k)
-      filter_.rows[k].variance = model.white_variance[row_frame_[k]];
+      filter_.rows[k].variance = model.WhiteVariance(row_frame_[k], seen_.sigma[row_frame_[k]]);
     const Eigen::Matrix4d start = StartCovariance(model, prior);
     const std::size_t first = FirstSeen(seen_);
     const Eigen::RowVector3d first_place =
@@ -111,16 +111,10 @@ PathEvidences Examine(const SeenPath& seen, const PathModel& model, const Motion
   found.jerk.resize(n);
   found.speed2.resize(n);
   found.log_likelihood = filter.Forward(model, prior);
-  // From the last round's speeds, as the variances are.
-  const auto speed2_at = [&](std::size_t i) {
-    return model.per_speed_s2 > 0
-               ? (model.white_variance[i] - model.white * seen.sigma[i] * seen.sigma[i]) / model.per_speed_s2
-               : 0;
-  };
   filter.Back(
       model,
-      [&](std::size_t i, std::size_t, const Values<kAxisStates>& u, double d) {
-        const double variance = seen.sigma[i] * seen.sigma[i], speed2 = speed2_at(i);
+      [&](std::size_t i, const Values<kAxisStates>& u, double d) {
+        const double variance = seen.sigma[i] * seen.sigma[i], speed2 = model.SpeedNoise(i);
         found.white.Add(variance * u.squaredNorm(), variance * seen.axes * d);
         found.per_speed.Add(speed2 * u.squaredNorm(), speed2 * seen.axes * d);
       },
@@ -134,8 +128,8 @@ PathEvidences Examine(const SeenPath& seen, const PathModel& model, const Motion
         found.jerk[i] = {q * q * (r.transpose() * step.jerk * r).trace(),
                          q * seen.axes * (step.jerk * b.n.topLeftCorner<3, 3>()).trace()};
         const double fresh = model.lasting * (1 - step.kept * step.kept);
-        found.lasting.squares += fresh * model.lasting * b.r.row(kLasting).squaredNorm();
-        found.lasting.determined += fresh * seen.axes * b.n(kLasting, kLasting);
+        found.lasting.Add(fresh * model.lasting * b.r.row(kLasting).squaredNorm(),
+                          fresh * seen.axes * b.n(kLasting, kLasting));
       });
   return found;
 }
@@ -185,13 +179,6 @@ double Next(double variance, double factor, double least) {
   return std::max(variance * std::pow(factor, kStretch), least);
 }
 
-void SetWhiteVariance(const SeenPath& seen, const std::vector<double>& speed2, PathModel& model) {
-  for (std::size_t i = 0; i < seen.sigma.size(); ++i)
-    model.white_variance[i] =
-        seen.IsSeen(i) ? (model.white + model.jitter) * seen.sigma[i] * seen.sigma[i] + model.per_speed_s2 * speed2[i]
-                       : 0;
-}
-
 // One round of a path, whose lasting noise is that of all paths.
 void Update(const SeenPath& seen, const PathEvidences& found, double lasting, const LearningOptions& options,
             double least_density, PathModel& model) {
@@ -209,7 +196,7 @@ void Update(const SeenPath& seen, const PathEvidences& found, double lasting, co
     model.white = std::max(scale - model.lasting, kLeastWhite);
     model.jitter = std::max(0.0, white - scale);
   }
-  SetWhiteVariance(seen, found.speed2, model);
+  model.speed2 = found.speed2;
 }
 
 struct Learnt {
@@ -283,10 +270,10 @@ SmoothedPath SmoothPath(const SeenPath& seen, const PathModel& model, const Moti
   path.point.resize(n);
   path.surprise.assign(n, Eigen::Vector3d::Zero());
   path.surprise_variance.assign(n, 0.0);
-  path.log_likelihood = filter.Forward(model, prior);
+  filter.Forward(model, prior);
   filter.Back(
       model,
-      [&](std::size_t i, std::size_t, const Values<kAxisStates>& u, double d) {
+      [&](std::size_t i, const Values<kAxisStates>& u, double d) {
         path.surprise[i] = u.transpose() / d;
         path.surprise_variance[i] = 1 / d;
       },
@@ -325,41 +312,43 @@ std::vector<PathModel> LearnPaths(std::span<const SeenPath> paths, const MotionP
     PathModel& model = models.emplace_back();
     const double sigma = RmsSigma(seen), interval_s = MedianInterval(seen.time_s);
     model.density.assign(n, DensityOfCutoff(kFirstCutoff / interval_s, sigma, interval_s));
-    model.white_variance.resize(n);
     model.lasting = std::max(options.lasting_share, kFirstLasting);
     model.white = std::max(1 - model.lasting, kLeastWhite);
     if (options.trust == SigmaTrust::kNone) model.per_speed_s2 = kFirstPerSpeed_s2;
-    SetWhiteVariance(seen, std::vector(n, 0.0), model);
+    model.speed2.assign(n, 0.0);
     least_density = std::min(least_density, DensityOfCutoff(kLeastCutoffHz, sigma, interval_s));
   }
   constexpr double kLongestUnknown_s = 0.2;
   constexpr double kClear = 10;  // by so much must a shorter memory be likelier
   Learnt best;
-  best.log_likelihood = -INFINITY;
   for (const double memory_s : kMemories_s) {
     // Noise of unknown size that lasts longer would be taken for the movement itself.
     if (options.trust == SigmaTrust::kNone && memory_s > kLongestUnknown_s) break;
     Learnt learnt = LearnWithMemory(paths, prior, options, least_density, models, memory_s);
-    if (learnt.log_likelihood > best.log_likelihood - kClear) best = std::move(learnt);
+    if (best.models.empty() || learnt.log_likelihood > best.log_likelihood - kClear) best = std::move(learnt);
   }
   QuickenGaps(paths, options, best.models);
   return best.models;
 }
 
+SmoothedPath LearnAndSmooth(const SeenPath& seen, const MotionPrior& prior, const LearningOptions& options) {
+  return SmoothPath(seen, LearnPaths({&seen, 1}, prior, options).front(), prior);
+}
+
+SeenPath UnseenPath(int axes, std::vector<double> time_s) {
+  const std::size_t n = time_s.size();
+  return {axes, std::move(time_s), std::vector(n, Eigen::Vector3d::Zero().eval()), std::vector<double>(n, NAN)};
+}
+
 std::vector<double> LowPass(std::span<const double> time_s, std::span<const double> values, double cutoff_hz) {
   constexpr double kSigma = 1e-3;  // all alike, and so small that the prior does not count
-  const std::size_t n = time_s.size();
-  SeenPath seen{1, {time_s.begin(), time_s.end()}, {}, {}};
-  for (const double value : values) {
-    const bool known = std::isfinite(value);
-    seen.place.emplace_back(known ? value : 0, 0, 0);
-    seen.sigma.push_back(known ? kSigma : NAN);
-  }
-  const PathModel model{std::vector(n, DensityOfCutoff(cutoff_hz, kSigma, MedianInterval(time_s))),
-                        std::vector(n, kSigma * kSigma)};
+  SeenPath seen = UnseenPath(1, {time_s.begin(), time_s.end()});
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (std::isfinite(values[i])) seen.See(i, {values[i], 0}, kSigma);
+  const PathModel model{std::vector(values.size(), DensityOfCutoff(cutoff_hz, kSigma, MedianInterval(time_s)))};
   const SmoothedPath path = SmoothPath(seen, model, PersonPrior(1));
   std::vector<double> passed;
-  for (std::size_t i = 0; i < n; ++i) passed.push_back(seen.IsSeen(i) ? path.point[i].position.x() : NAN);
+  for (std::size_t i = 0; i < values.size(); ++i) passed.push_back(seen.IsSeen(i) ? path.point[i].position.x() : NAN);
   return passed;
 }
 

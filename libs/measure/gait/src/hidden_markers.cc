@@ -155,7 +155,10 @@ void BridgeHiddenMarkers(std::span<const SeenPath> seen, std::span<const dynamic
         for (std::size_t k = 0; k < near.size(); ++k) near[k] = path.point[k];
       }
       for (std::size_t i = range.begin; i < range.end; ++i)
-        if (!seen[m].IsSeen(i)) curves[m].point[i] = path.point[i - range.begin];
+        if (!seen[m].IsSeen(i)) {
+          curves[m].point[i] = path.point[i - range.begin];
+          curves[m].plane_sigma[i] = PlaneSigma(curves[m].point[i]);
+        }
     }
   }
 }

@@ -215,7 +215,7 @@ void AddToSigmas(const UnusualLength& unusual, LegFitResult& result) {
 
 LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
                      const LateralPlaces& lateral) {
-  Progress progress("leg fit", "steps", 4, options.quiet);
+  Progress progress("leg fit", "steps", 3, options.quiet);
   LegFitResult result;
   result.up = options.up;
   result.leg_markers = options.markers;
@@ -239,9 +239,9 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   LegMarkerCurves smooth = SmoothLeg(recording.time_s, markers, view, options, leg);
   progress.Advance();
   result.summary = {.known_sigmas = options.known_sigmas,
-                    .lasting_share = smooth.knee.lasting / (smooth.knee.white + smooth.knee.lasting),
-                    .noise_memory_s = smooth.knee.memory_s,
-                    .cutoff_hz = options.cutoff_hz.value_or(smooth.knee_cutoff_hz)};
+                    .lasting_share = smooth.lasting_share,
+                    .noise_memory_s = smooth.noise_memory_s,
+                    .cutoff_hz = options.cutoff_hz.value_or(smooth.cutoff_hz)};
   const LegCurves curves =
       MakeLegCurves(recording.time_s, std::move(smooth), markers, leg_from_plane, leg, options.facing.has_value());
   if (!lateral.empty()) result.lateral = ReportLateral(leg);

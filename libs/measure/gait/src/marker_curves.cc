@@ -17,13 +17,10 @@ using dynamics::SigmaTrust, dynamics::LearningOptions, dynamics::MotionPrior, dy
     dynamics::SmoothedPath;
 
 SeenPath MakeSeen(const std::vector<double>& time_s, const Detections& d) {
-  SeenPath seen{d.lateral.empty() ? 2 : 3, time_s, {}, {}};
-  for (std::size_t i = 0; i < time_s.size(); ++i) {
-    const double z = d.lateral.empty() ? 0 : d.lateral[i];
-    const bool is_seen = d.trusted[i] && std::isfinite(z);
-    seen.place.push_back(is_seen ? Eigen::Vector3d(d.in_plane[i].x(), d.in_plane[i].y(), z) : Eigen::Vector3d::Zero());
-    seen.sigma.push_back(is_seen ? d.plane_sigma[i] : NAN);
-  }
+  SeenPath seen = dynamics::UnseenPath(d.lateral.empty() ? 2 : 3, time_s);
+  for (std::size_t i = 0; i < time_s.size(); ++i)
+    if (const double z = d.lateral.empty() ? 0 : d.lateral[i]; d.trusted[i] && std::isfinite(z))
+      seen.See(i, d.in_plane[i], d.plane_sigma[i], z);
   return seen;
 }
 
@@ -36,8 +33,9 @@ LearningOptions LearningFor(std::span<const Detections> markers, const LegFitOpt
 }
 
 double ScatterAt(const SeenPath& seen, const PathModel& model, std::size_t i) {
-  return seen.IsSeen(i) ? std::sqrt(model.white_variance[i] / (seen.sigma[i] * seen.sigma[i]) + model.lasting)
-                        : std::sqrt(model.white + model.jitter + model.lasting);
+  return seen.IsSeen(i)
+             ? std::sqrt(model.WhiteVariance(i, seen.sigma[i]) / (seen.sigma[i] * seen.sigma[i]) + model.lasting)
+             : std::sqrt(model.white + model.jitter + model.lasting);
 }
 
 double PlaneUnitsPerPixel(const Detections& d, std::size_t i) {
@@ -111,7 +109,7 @@ bool LetIn(std::span<const MarkerCurve> curves, std::span<Detections> markers) {
   return found;
 }
 
-// The same without what is quicker than nine tenths of the movement: that may be outliers.
+// A model without what is quicker than nine tenths of the movement: that may be outliers.
 PathModel Usual(const SeenPath& seen, PathModel model) {
   std::vector<double> densities;
   for (std::size_t i = 0; i < seen.sigma.size(); ++i)
@@ -128,7 +126,7 @@ class Smoothing {
             const LegFitOptions& options)
       : time_s_(time_s), markers_(markers), prior_(prior), learning_(LearningFor(markers, options)) {}
 
-  // The paths by themselves.
+  // Learns from what is left without the suspects.
   void Run() {
     constexpr int kMostRounds = 8;
     for (int round = 0;; ++round) {
@@ -144,22 +142,14 @@ class Smoothing {
     seen_.clear();
     for (const Detections& d : markers_) seen_.push_back(MakeSeen(time_s_, d));
     models_ = dynamics::LearnPaths(seen_, prior_, learning_);
-    paths_.clear();
-    for (std::size_t m = 0; m < seen_.size(); ++m) paths_.push_back(dynamics::SmoothPath(seen_[m], models_[m], prior_));
   }
 
-  MarkerCurve Curve(std::size_t m) {
+  MarkerCurve Curve(std::size_t m) const {
     MarkerCurve curve;
-    curve.point = std::move(paths_[m].point);
+    curve.point = dynamics::SmoothPath(seen_[m], models_[m], prior_).point;
     for (std::size_t i = 0; i < time_s_.size(); ++i) curve.scatter.push_back(ScatterAt(seen_[m], models_[m], i));
-    SetSigmas(curve);
+    for (const dynamics::PathPoint& point : curve.point) curve.plane_sigma.push_back(PlaneSigma(point));
     return curve;
-  }
-
-  static void SetSigmas(MarkerCurve& curve) {
-    curve.plane_sigma.clear();
-    for (const dynamics::PathPoint& point : curve.point)
-      curve.plane_sigma.push_back(std::sqrt(point.position_covariance.topLeftCorner<2, 2>().trace() / 2));
   }
 
   const std::vector<SeenPath>& Seen() const { return seen_; }
@@ -173,7 +163,6 @@ class Smoothing {
   LearningOptions learning_;
   std::vector<SeenPath> seen_;
   std::vector<PathModel> models_;
-  std::vector<SmoothedPath> paths_;
 };
 
 void Project(const LegView& view, double depth_mm, MarkerCurve& curve) {
@@ -203,6 +192,10 @@ double MedianCutoffHz(const SeenPath& seen, const PathModel& model) {
 
 }  // namespace
 
+double PlaneSigma(const dynamics::PathPoint& point) {
+  return std::sqrt(point.position_covariance.topLeftCorner<2, 2>().trace() / 2);
+}
+
 double UnitMm(const LegView& view, double shank) {
   constexpr double kUsualShank_mm = 400;
   return PlaneUnit(view) == motion::LengthUnit::kMm ? 1 : kUsualShank_mm / shank;
@@ -216,7 +209,6 @@ LegMarkerCurves SmoothLeg(const std::vector<double>& time_s, int markers, const 
   const auto set = [&] {
     for (std::size_t m = 0; m < used.size(); ++m) curves.marker[m] = smoothing.Curve(m);
     BridgeHiddenMarkers(smoothing.Seen(), smoothing.Models(), smoothing.Prior(), curves.marker);
-    for (std::size_t m = 0; m < used.size(); ++m) Smoothing::SetSigmas(curves.marker[m]);
   };
   smoothing.Run();
   set();
@@ -225,8 +217,10 @@ LegMarkerCurves SmoothLeg(const std::vector<double>& time_s, int markers, const 
     set();
   }
   for (std::size_t m = 0; m < used.size(); ++m) Project(view, used[m].depth_mm, curves.marker[m]);
-  curves.knee = smoothing.Models()[kKnee];
-  curves.knee_cutoff_hz = MedianCutoffHz(smoothing.Seen()[kKnee], curves.knee);
+  const PathModel& knee = smoothing.Models()[kKnee];
+  curves.lasting_share = knee.lasting / (knee.white + knee.lasting);
+  curves.noise_memory_s = knee.memory_s;
+  curves.cutoff_hz = MedianCutoffHz(smoothing.Seen()[kKnee], knee);
   return curves;
 }
 

@@ -24,10 +24,12 @@ struct MarkerCurve {
   Eigen::Vector2d InPlane(std::size_t frame) const { return point[frame].position.head<2>(); }
 };
 
+double PlaneSigma(const dynamics::PathPoint& point);  // per axis
+
 struct LegMarkerCurves {
   std::array<MarkerCurve, kLegMarkers> marker;
-  dynamics::PathModel knee;   // how the knee's path and noise were found to be
-  double knee_cutoff_hz = 0;  // −3 dB of its smoothing, median over time
+  // Of the knee, as LegFitSummary has them.
+  double lasting_share = 0, noise_memory_s = 0, cutoff_hz = 0;
 };
 
 // mm to a unit of the plane; without a scale, by the size of a usual shank.

@@ -10,6 +10,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
 #include "lake/dynamics/path_smoother.h"
 #include "noise_from_differences.h"
 
@@ -67,16 +68,11 @@ std::vector<Moving> SmoothPathOf(const motion::MarkerRecording& recording, const
   constexpr std::ptrdiff_t kLeastSamples = 8;
   if (std::ranges::count(seen, 1) < kLeastSamples) return path;
   const double noise = NoiseFromDifferences(track, seen);
-  dynamics::SeenPath places{2, recording.time_s, std::vector(n, Eigen::Vector3d::Zero().eval()), std::vector(n, kNaN)};
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!seen[i]) continue;
-    const motion::MarkerSample& sample = track.samples[i];
-    places.place[i].head<2>() = sample.position;
-    places.sigma[i] = sample.sigma > 0 ? sample.sigma : noise;
-  }
-  const dynamics::MotionPrior prior = dynamics::PersonPrior(1);
-  const dynamics::PathModel model = dynamics::LearnPaths({&places, 1}, prior, {}).front();
-  const dynamics::SmoothedPath smooth = dynamics::SmoothPath(places, model, prior);
+  dynamics::SeenPath places = dynamics::UnseenPath(2, recording.time_s);
+  for (std::size_t i = 0; i < n; ++i)
+    if (const motion::MarkerSample& sample = track.samples[i]; seen[i])
+      places.See(i, sample.position, sample.sigma > 0 ? sample.sigma : noise);
+  const dynamics::SmoothedPath smooth = dynamics::LearnAndSmooth(places, dynamics::PersonPrior(1), {});
   for (std::size_t i = 0; i < n; ++i) {
     if (!seen[i]) continue;
     const dynamics::PathPoint& point = smooth.point[i];

@@ -6,9 +6,7 @@
 #include <array>
 #include <map>
 
-#include "lake/gait/gait_cycles.h"
 #include "lake/gait/leg_fit.h"
-#include "lake/gait/sit_to_stand.h"
 #include "squat.h"
 
 namespace lake::gait {
@@ -16,28 +14,6 @@ namespace {
 
 using motion::StsEvent;
 using motion::StsEventKind;
-
-constexpr std::array kSitToStandEvents = {StsEventKind::kOnset, StsEventKind::kSeatOff, StsEventKind::kStanding,
-                                          StsEventKind::kDescent, StsEventKind::kSeated};
-constexpr std::array kSquatEvents = {StsEventKind::kDescent, StsEventKind::kBottom, StsEventKind::kStanding};
-constexpr std::array kWalkingEvents = {StsEventKind::kHeelStrike, StsEventKind::kToeOffOther,
-                                       StsEventKind::kHeelStrikeOther, StsEventKind::kToeOff};
-
-std::vector<std::string> SitToStandColumns(motion::LengthUnit unit) {
-  std::vector<std::string> names;
-  for (const SitToStandQuantity& quantity : SitToStandQuantities()) names.push_back(quantity.Column(unit));
-  return names;
-}
-
-std::vector<std::string> GaitCycleColumns(motion::LengthUnit unit) {
-  std::vector<std::string> names;
-  for (const Field<GaitCycle>& field : GaitCycleFields()) names.push_back(field.Column(unit));
-  return names;
-}
-
-std::vector<std::string> NoColumns(motion::LengthUnit) {
-  return {};
-}
 
 std::vector<StsEvent> FoundRises(const LegFitResult& leg, const MovementOptions&, Walk&) {
   return leg.events;
@@ -52,26 +28,22 @@ std::vector<StsEvent> FoundStrides(const LegFitResult& leg, const MovementOption
   return walk.events;
 }
 
-constexpr std::array kMovements = {
-    Movement{MovementKind::kSitToStand, "sit-to-stand", "rise",
-             "the hip rises while the knee extends, from a seat on which the body is not balanced over the feet",
-             FoundRises, kSitToStandEvents, StsEventKind::kOnset, StsEventKind::kStanding, false, SitToStandColumns},
-    Movement{MovementKind::kWalking, "walking", "stride",
-             "the foot turns before and behind the hip, and is higher while it is carried forward", FoundStrides,
-             kWalkingEvents, StsEventKind::kHeelStrike, StsEventKind::kHeelStrike, true, GaitCycleColumns},
-    Movement{MovementKind::kSquat, "squat", "squat",
-             "the hip goes down and up again while the body is balanced over feet that stay", FoundSquats, kSquatEvents,
-             StsEventKind::kDescent, StsEventKind::kStanding, false, NoColumns}};
+// The hip rises while the knee extends, from a seat on which the body is not balanced over the feet; the foot turns
+// before and behind the hip, and is higher while it is carried forward; the hip goes down and up again while the body
+// is balanced over feet that stay.
+constexpr std::array kMovements = {Movement{MovementKind::kSitToStand, "sit-to-stand", "rise", FoundRises,
+                                            StsEventKind::kOnset, StsEventKind::kStanding, false},
+                                   Movement{MovementKind::kWalking, "walking", "stride", FoundStrides,
+                                            StsEventKind::kHeelStrike, StsEventKind::kHeelStrike, true},
+                                   Movement{MovementKind::kSquat, "squat", "squat", FoundSquats, StsEventKind::kDescent,
+                                            StsEventKind::kStanding, false}};
 
 }  // namespace
 
 void Describe(MovementOptions& o, OptionList& options) {
-  options.AddChoice("movement", o.kind,
-                    OptionList::Choices<MovementKind>{{"auto", MovementKind::kAuto},
-                                                      {"sit-to-stand", MovementKind::kSitToStand},
-                                                      {"squat", MovementKind::kSquat},
-                                                      {"walking", MovementKind::kWalking}},
-                    "Movement whose repetitions are found; auto: by the motion");
+  OptionList::Choices<MovementKind> choices = {{"auto", MovementKind::kAuto}};
+  for (const Movement& movement : kMovements) choices.emplace_back(movement.name, movement.kind);
+  options.AddChoice("movement", o.kind, choices, "Movement whose repetitions are found; auto: by the motion");
   options
       .AddChoice("walking", o.walking.ground,
                  OptionList::Choices<Ground>{{"overground", Ground::kOverground}, {"treadmill", Ground::kTreadmill}},

@@ -12,14 +12,12 @@ namespace {
 dynamics::SeenPath SeenAtRowTimes(const motion::MarkerRecording& recording, const motion::MarkerTrack& marker,
                                   const RollingShutter& shutter) {
   constexpr double kUnknownSigma_px = 0.1;
-  dynamics::SeenPath seen{2, recording.time_s, {}, {}};
+  dynamics::SeenPath seen = dynamics::UnseenPath(2, recording.time_s);
   for (std::size_t i = 0; i < recording.Frames(); ++i) {
     const motion::MarkerSample& sample = marker.samples[i];
-    const bool is_seen = sample.status == motion::SampleStatus::kDetected;
-    const Eigen::Vector2d place = is_seen ? sample.position : Eigen::Vector2d::Zero();
-    seen.place.emplace_back(place.x(), place.y(), 0);
-    seen.sigma.push_back(!is_seen ? NAN : sample.sigma > 0 ? sample.sigma : kUnknownSigma_px);
-    if (is_seen) seen.time_s[i] += shutter.DelayS(sample.position);
+    if (sample.status != motion::SampleStatus::kDetected) continue;
+    seen.See(i, sample.position, sample.sigma > 0 ? sample.sigma : kUnknownSigma_px);
+    seen.time_s[i] += shutter.DelayS(sample.position);
   }
   return seen;
 }
@@ -31,9 +29,7 @@ void MoveToFrameTimes(const motion::MarkerRecording& recording, const RollingShu
   if (std::ranges::count_if(seen.sigma, [](double sigma) { return sigma > 0; }) < kLeastDetections) return;
   dynamics::LearningOptions options;
   options.trust = dynamics::SigmaTrust::kScale;
-  const dynamics::MotionPrior prior = dynamics::PersonPrior(1);
-  const dynamics::PathModel model = dynamics::LearnPaths({&seen, 1}, prior, options).front();
-  const dynamics::SmoothedPath path = dynamics::SmoothPath(seen, model, prior);
+  const dynamics::SmoothedPath path = dynamics::LearnAndSmooth(seen, dynamics::PersonPrior(1), options);
   for (std::size_t i = 0; i < recording.Frames(); ++i) {
     if (!seen.IsSeen(i)) continue;
     const double back_s = recording.time_s[i] - seen.time_s[i];

@@ -20,14 +20,11 @@ void SmoothPoint(const motion::MarkerTrack& track, const LegPathOptions& options
   constexpr double kSigma_m = 1e-3;  // all alike: with a given cutoff only their ratios matter
   const std::size_t n = path.time_s.size();
   const double frame_s = (path.time_s.back() - path.time_s.front()) / static_cast<double>(n - 1);
-  dynamics::SeenPath seen{2, path.time_s, std::vector(n, Eigen::Vector3d::Zero().eval()), std::vector(n, kNaN)};
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!track.samples[i].IsKnown()) continue;
-    seen.place[i].head<2>() = gait::LegFromPlane(track.samples[i].position, options.facing, options.up) / kMmPerM;
-    seen.sigma[i] = kSigma_m;
-  }
-  const dynamics::PathModel model{std::vector(n, dynamics::DensityOfCutoff(options.cutoff_hz, kSigma_m, frame_s)),
-                                  std::vector(n, kSigma_m * kSigma_m)};
+  dynamics::SeenPath seen = dynamics::UnseenPath(2, path.time_s);
+  for (std::size_t i = 0; i < n; ++i)
+    if (track.samples[i].IsKnown())
+      seen.See(i, gait::LegFromPlane(track.samples[i].position, options.facing, options.up) / kMmPerM, kSigma_m);
+  const dynamics::PathModel model{std::vector(n, dynamics::DensityOfCutoff(options.cutoff_hz, kSigma_m, frame_s))};
   const dynamics::SmoothedPath smooth = dynamics::SmoothPath(seen, model, dynamics::PersonPrior(kMmPerM));
   for (std::size_t i = 0; i < n; ++i) {
     PointMotion& point = path.frames[i][static_cast<std::size_t>(joint)];

@@ -27,17 +27,31 @@ struct SeenPath {
   std::vector<double> sigma;           // stated, per axis; NaN: not seen in this frame
 
   bool IsSeen(std::size_t frame) const { return sigma[frame] > 0; }
+  void See(std::size_t frame, const Eigen::Vector2d& at, double sigma_there, double across = 0) {
+    place[frame] << at, across;
+    sigma[frame] = sigma_there;
+  }
 };
+
+// A path of which nothing is seen yet.
+SeenPath UnseenPath(int axes, std::vector<double> time_s);
 
 // How the marker moves and how its measurements err.
 struct PathModel {
-  std::vector<double> density;         // q, of the interval that ends at each frame; the first is not used
-  std::vector<double> white_variance;  // w σ² + b |ẋ|², per frame
-  double white = 1, per_speed_s2 = 0;  // w, b
-  double lasting = 0;                  // ℓ
-  double memory_s = 0.03;              // τ
-  double not_averaged = 0;             // of σ²: lasting noise that smoothing does not take away
-  double jitter = 0;  // of what the marker does from frame to frame, over σ²: a part of white_variance
+  std::vector<double> density;      // q, of the interval that ends at each frame; the first is not used
+  double white = 1;                 // w
+  double per_speed_s2 = 0;          // b
+  double lasting = 0;               // ℓ
+  double memory_s = 0.03;           // τ
+  double not_averaged = 0;          // of σ²: lasting noise that smoothing does not take away
+  double jitter = 0;                // of what the marker does from frame to frame, over σ²
+  std::vector<double> speed2 = {};  // |ẋ|², per frame; where b > 0
+
+  double SpeedNoise(std::size_t frame) const { return per_speed_s2 > 0 ? speed2[frame] : 0; }  // for b = 1
+  // Of all that is not alike in the frames beside it.
+  double WhiteVariance(std::size_t frame, double sigma) const {
+    return (white + jitter) * sigma * sigma + per_speed_s2 * SpeedNoise(frame);
+  }
 };
 
 struct PathPoint {
@@ -53,7 +67,6 @@ struct SmoothedPath {
   // variance per axis.
   std::vector<Eigen::Vector3d> surprise;
   std::vector<double> surprise_variance;
-  double log_likelihood = 0;
 };
 
 SmoothedPath SmoothPath(const SeenPath& seen, const PathModel& model, const MotionPrior& prior);
@@ -94,6 +107,9 @@ struct LearningOptions {
 // of all paths.
 std::vector<PathModel> LearnPaths(std::span<const SeenPath> paths, const MotionPrior& prior,
                                   const LearningOptions& options);
+
+// SmoothPath with what is learnt from the path alone.
+SmoothedPath LearnAndSmooth(const SeenPath& seen, const MotionPrior& prior, const LearningOptions& options);
 
 // A series through the smoother with a given cutoff: NaN where a value is NaN.
 std::vector<double> LowPass(std::span<const double> time_s, std::span<const double> values, double cutoff_hz);

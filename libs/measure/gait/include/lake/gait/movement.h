@@ -1,4 +1,4 @@
-// The movements that are known: how their repetitions are found, and what is measured of them.
+// The movements that are known: how their repetitions are found, and what is 0 and 100 % of them.
 #pragma once
 
 #include <optional>
@@ -32,12 +32,9 @@ struct Movement {
   MovementKind kind;
   const char* name;        // as --movement has it
   const char* repetition;  // what one is called
-  const char* seen_by;     // in words, how repetitions are found
   std::vector<motion::StsEvent> (*find)(const LegFitResult& leg, const MovementOptions& options, Walk& walk);
-  std::span<const motion::StsEventKind> events;                       // of a repetition, in order
-  motion::StsEventKind begin, end;                                    // 0 and 100 %
-  bool ends_in_next;                                                  // the end is the next repetition's
-  std::vector<std::string> (*measures)(motion::LengthUnit of_plane);  // columns of its table
+  motion::StsEventKind begin, end;  // 0 and 100 %
+  bool ends_in_next;                // the end is the next repetition's
 };
 
 std::span<const Movement> Movements();
