@@ -120,7 +120,7 @@ class LiveSession {
 
   std::vector<live::RiseOffset> Rises() const {
     live::RiseFinding finding{.view = view_, .shutter = {}, .video = reader_->Info()};
-    return live::FindRiseOffsets(tracker_->Measured(), finding);
+    return live::FindRiseOffsets(tracker_->Measured(), finding).rises;
   }
 
   const MarkerRecording& Told() const { return tracker_->Told(); }

@@ -43,7 +43,7 @@ std::string PlusMinus(double half_width_mm) {
 
 }  // namespace
 
-std::vector<RiseOffset> FindRiseOffsets(motion::MarkerRecording recording, const RiseFinding& finding) {
+FoundRises FindRiseOffsets(motion::MarkerRecording recording, const RiseFinding& finding) {
   gait::LegFitOptions fit;
   fit.known_sigmas = true;
   fit.lasting_share = tracking::CalibrateSigmas(finding.video, recording).lasting_share;
@@ -54,13 +54,15 @@ std::vector<RiseOffset> FindRiseOffsets(motion::MarkerRecording recording, const
   registration.marker_at_mm = finding.marker_at_mm;
   const compare::RegisteredTrial trial = compare::RegisterTrial(tables, registration);
   const std::vector<compare::StsInterval> intervals = compare::FindStsIntervals(tables);
-  std::vector<RiseOffset> rises;
+  FoundRises found;
+  if (trial.repetitions.back().repetition != intervals.back().repetition)
+    found.why_last_is_left_out = trial.warnings.back();
   for (const compare::StsCurve& curve : trial.repetitions) {
     const auto interval = std::ranges::find(intervals, curve.repetition, &compare::StsInterval::repetition);
     if (interval == intervals.end() || curve.leg_knee.empty()) continue;
-    rises.push_back(OffsetOf(curve, *interval));
+    found.rises.push_back(OffsetOf(curve, *interval));
   }
-  return rises;
+  return found;
 }
 
 JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBudgetOptions& budget) {

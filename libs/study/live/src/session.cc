@@ -443,16 +443,15 @@ void Session::FindTheRises() {
   if (window.Frames() < kFewest) return;
   finding.shutter =
       gait::ShutterOf(readout_s_, finding.video.width, finding.video.height, finding.video.rotation_deg, false);
-  std::vector<RiseOffset> found;
-  std::string why_not;
+  FoundRises found;
   try {
     found = FindRiseOffsets(std::move(window), finding);
   } catch (const Error& error) {
-    why_not = error.what();
+    found.why_last_is_left_out = error.what();
   }
   const std::lock_guard lock(mutex_);
-  why_no_rise_ = why_not;
-  for (const RiseOffset& rise : found) {
+  why_no_rise_ = found.why_last_is_left_out;
+  for (const RiseOffset& rise : found.rises) {
     constexpr double kSame_s = 0.3;  // the same one, measured again
     if (!rises_.empty() && rise.standing_s < rises_.back().standing_s + kSame_s) continue;
     rises_.push_back(rise);

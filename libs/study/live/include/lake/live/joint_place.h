@@ -30,10 +30,15 @@ struct RiseFinding {
   Eigen::Vector2d marker_at_mm = Eigen::Vector2d::Zero();  // of that marker, less the joint's axis; shank's frame
 };
 
+struct FoundRises {
+  std::vector<RiseOffset> rises;
+  std::string why_last_is_left_out;  // a sentence; empty if the last whole rise is among them
+};
+
 // The whole rises in a recording (px, measurements with the fits' own sigmas), as lake compare measures them: sigmas
 // calibrated, the leg fitted, the joint registered against the knee. Throws Error as CalibrateSigmas, FitLeg and
 // RegisterTrial do, also where there is no rise yet.
-std::vector<RiseOffset> FindRiseOffsets(motion::MarkerRecording recording, const RiseFinding& finding);
+FoundRises FindRiseOffsets(motion::MarkerRecording recording, const RiseFinding& finding);
 
 // The mean of rises between which the joint was not moved. Half widths of 95 % intervals, per axis.
 struct JointPlace {
