@@ -30,6 +30,9 @@ SeenPath UnevenPath(unsigned seed) {
 PathModel UnevenModel(const SeenPath& seen) {
   PathModel model{std::vector(seen.time_s.size(), 2e6), 0.8, 0, 0.5, 0.05};
   for (std::size_t i = 13; i < seen.time_s.size(); ++i) model.density[i] = 3e7;
+  model.memory_length = 20;
+  for (std::size_t i = 0; i < seen.time_s.size(); ++i)
+    model.speed2.push_back(std::pow(40.0 * static_cast<double>(i % 7), 2));
   return model;
 }
 
@@ -47,7 +50,7 @@ Dense PriorOf(const SeenPath& seen, const PathModel& model, double first_place) 
   for (Eigen::Index i = 0; i < n; ++i) {
     if (i > 0) {
       const double h = seen.time_s[static_cast<std::size_t>(i)] - seen.time_s[static_cast<std::size_t>(i) - 1],
-                   kept = std::exp(-h / model.memory_s), q = model.density[static_cast<std::size_t>(i)];
+                   kept = model.Kept(static_cast<std::size_t>(i), h), q = model.density[static_cast<std::size_t>(i)];
       Eigen::Matrix4d by, added;
       by << 1, h, h * h / 2, 0, 0, 1, h, 0, 0, 0, 1, 0, 0, 0, 0, kept;
       added << std::pow(h, 5) / 20, std::pow(h, 4) / 8, std::pow(h, 3) / 6, 0, std::pow(h, 4) / 8, std::pow(h, 3) / 3,
@@ -205,6 +208,42 @@ TEST_P(LearnPathsTest, FindsWhatThePathsWereDrawnFrom) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, LearnPathsTest, testing::Values(0.0, 1.0, 2.0));
+
+// The error of a marker's place in its pixels, as a detector makes it: alike while the marker rests, other ones a pixel
+// further.
+TEST(LearnPaths, ErrorsOfThePixelsAreAveragedWhereTheMarkerMoves) {
+  constexpr double kRate_hz = 240, kError_px = 0.05;
+  SeenPath seen = UnseenPath(2, {});
+  std::vector<Eigen::Vector2d> truth;
+  for (int i = 0; i < 1500; ++i) {
+    const double t = i / kRate_hz, moved = std::clamp(t - 2, 0.0, 2.0) / 2;
+    const double path_px = 200 * (moved * moved * moved * (10 - 15 * moved + 6 * moved * moved));
+    truth.emplace_back(300.3 + path_px, 400.1 - 0.7 * path_px);
+    const auto error = [](double at_px) { return std::sqrt(2) * kError_px * std::sin(2 * std::numbers::pi * at_px); };
+    seen.time_s.push_back(t);
+    seen.place.emplace_back();
+    seen.sigma.push_back(NAN);
+    seen.See(seen.place.size() - 1, truth.back() + Eigen::Vector2d(error(truth.back().x()), error(truth.back().y())),
+             kError_px);
+  }
+  LearningOptions options;
+  options.trust = SigmaTrust::kFull;
+  options.memory_length = 1;
+  const PathModel model = LearnPaths({&seen, 1}, PersonPrior(2), options).front();
+  EXPECT_EQ(model.memory_length, 1);
+  const SmoothedPath path = SmoothPath(seen, model, PersonPrior(2));
+  double seen2 = 0, square = 0, normalised = 0, speed2 = 0;
+  for (std::size_t i = 500; i < 940; ++i) {
+    const Eigen::Vector2d error = path.point[i].position.head<2>() - truth[i];
+    seen2 += (seen.place[i].head<2>() - truth[i]).squaredNorm() / 880;
+    square += error.squaredNorm() / 880;
+    normalised += error.squaredNorm() / path.point[i].position_covariance(0, 0) / 880;
+    speed2 += (path.point[i].velocity.head<2>() - kRate_hz / 2 * (truth[i + 1] - truth[i - 1])).squaredNorm() / 880;
+  }
+  EXPECT_LT(std::sqrt(square), 0.6 * std::sqrt(seen2));
+  EXPECT_LT(std::sqrt(speed2), 1.5);  // px/s; of 187 px/s at most
+  EXPECT_LT(std::sqrt(normalised), 1.2);
+}
 
 TEST(LearnPaths, DoesNotDependOnTheUnit) {
   const SeenPath mm = UnevenPath(4);

@@ -136,8 +136,8 @@ struct AxisStep {
   Eigen::Matrix3d transition, jerk;
   double kept = 0;  // of the lasting noise
 
-  AxisStep(double t, double memory_s)
-      : transition(JerkTransition(t)), jerk(JerkCovariance(t)), kept(std::exp(-t / memory_s)) {}
+  AxisStep(double t, double lasting_kept)
+      : transition(JerkTransition(t)), jerk(JerkCovariance(t)), kept(lasting_kept) {}
 };
 
 inline Eigen::Matrix4d StartCovariance(const PathModel& model, const MotionPrior& prior) {

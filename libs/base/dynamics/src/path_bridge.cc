@@ -88,7 +88,7 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
     double farthest2 = 0;
     if (k > 0) {
       const double t = seen.time_s[i] - seen.time_s[i - 1];
-      const AxisStep step(t, model.memory_s);
+      const AxisStep step(t, model.Kept(i, t));
       BridgeSquare added = BridgeSquare::Zero(states, states);
       BridgeSquare& by = transitions[k];
       for (int a = 0; a < seen.axes; ++a) {

@@ -55,7 +55,7 @@ class PathFilter {
       Frame<kAxisStates>& frame = filter_.At(i);
       const Eigen::RowVector3d before = mean.row(kPosition);
       if (i > 0) {
-        const AxisStep step(seen_.time_s[i] - seen_.time_s[i - 1], model.memory_s);
+        const AxisStep step = Step(model, i);
         const Eigen::Matrix4d by = TransitionOf(step);
         mean = Means<kAxisStates>(by * mean);
         covariance = Square<kAxisStates>(by * covariance * by.transpose());
@@ -74,9 +74,12 @@ class PathFilter {
 
   template <typename RowVisit, typename Visit>
   void Back(const PathModel& model, const RowVisit& row_visit, const Visit& visit) {
-    filter_.Back(
-        [&](std::size_t i) { return TransitionOf(AxisStep(seen_.time_s[i] - seen_.time_s[i - 1], model.memory_s)); },
-        row_visit, visit);
+    filter_.Back([&](std::size_t i) { return TransitionOf(Step(model, i)); }, row_visit, visit);
+  }
+
+  AxisStep Step(const PathModel& model, std::size_t frame) const {
+    const double elapsed_s = seen_.time_s[frame] - seen_.time_s[frame - 1];
+    return {elapsed_s, model.Kept(frame, elapsed_s)};
   }
 
  private:
@@ -122,7 +125,7 @@ PathEvidences Examine(const SeenPath& seen, const PathModel& model, const Motion
         const Frame<kAxisStates>& frame = filter.At(i);
         found.speed2[i] = (frame.mean.row(kVelocity) + frame.covariance.row(kVelocity) * b.r).squaredNorm();
         if (i == 0 || frame.starts) return;
-        const AxisStep step(seen.time_s[i] - seen.time_s[i - 1], model.memory_s);
+        const AxisStep step = filter.Step(model, i);
         const double q = model.density[i];
         const auto r = b.r.topRows<3>();
         found.jerk[i] = {q * q * (r.transpose() * step.jerk * r).trace(),
@@ -199,15 +202,23 @@ void Update(const SeenPath& seen, const PathEvidences& found, double lasting, co
   model.speed2 = found.speed2;
 }
 
+// Of the lasting noise: τ and λ.
+struct Memory {
+  double time_s, length;
+};
+
 struct Learnt {
   std::vector<PathModel> models;
   double log_likelihood = 0;
 };
 
 Learnt LearnWithMemory(std::span<const SeenPath> paths, const MotionPrior& prior, const LearningOptions& options,
-                       double least_density, std::vector<PathModel> models, double memory_s) {
+                       double least_density, std::vector<PathModel> models, const Memory& memory) {
   constexpr double kWorthARound = 1e-5;  // of the log-likelihood, per measurement
-  for (PathModel& model : models) model.memory_s = memory_s;
+  for (PathModel& model : models) {
+    model.memory_s = memory.time_s;
+    model.memory_length = memory.length;
+  }
   double measurements = 0;
   for (const SeenPath& seen : paths)
     measurements += seen.axes * static_cast<double>(std::ranges::count_if(seen.sigma, [](double s) { return s > 0; }));
@@ -301,7 +312,8 @@ SmoothedPath SmoothPath(const SeenPath& seen, const PathModel& model, const Moti
 
 std::vector<PathModel> LearnPaths(std::span<const SeenPath> paths, const MotionPrior& prior,
                                   const LearningOptions& options) {
-  constexpr std::array kMemories_s = {0.03, 0.12, 0.5};
+  std::vector<Memory> memories = {{0.03, INFINITY}, {0.12, INFINITY}, {0.5, INFINITY}};
+  if (std::isfinite(options.memory_length)) memories.push_back({0.5, options.memory_length});
   constexpr double kFirstCutoff = 0.25;   // of the rate: nothing is smoothed away before it is learnt to be noise
   constexpr double kLeastCutoffHz = 0.5;  // of human movement
   constexpr double kFirstLasting = 0.3, kFirstPerSpeed_s2 = 1e-6;
@@ -321,10 +333,10 @@ std::vector<PathModel> LearnPaths(std::span<const SeenPath> paths, const MotionP
   constexpr double kLongestUnknown_s = 0.2;
   constexpr double kClear = 10;  // by so much must a shorter memory be likelier
   Learnt best;
-  for (const double memory_s : kMemories_s) {
+  for (const Memory& memory : memories) {
     // Noise of unknown size that lasts longer would be taken for the movement itself.
-    if (options.trust == SigmaTrust::kNone && memory_s > kLongestUnknown_s) break;
-    Learnt learnt = LearnWithMemory(paths, prior, options, least_density, models, memory_s);
+    if (options.trust == SigmaTrust::kNone && memory.time_s > kLongestUnknown_s) break;
+    Learnt learnt = LearnWithMemory(paths, prior, options, least_density, models, memory);
     if (best.models.empty() || learnt.log_likelihood > best.log_likelihood - kClear) best = std::move(learnt);
   }
   QuickenGaps(paths, options, best.models);

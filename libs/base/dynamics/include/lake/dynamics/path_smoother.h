@@ -4,14 +4,17 @@
 //     y(t) = x(t) + √(w σ²(t) + b |ẋ(t)|²) e(t) + σ(t) o(t),
 //
 // e white with variance 1, o an Ornstein–Uhlenbeck process with variance ℓ and memory τ, σ the stated standard
-// deviation. Kalman filter and disturbance smoother: Durbin & Koopman, Time Series Analysis by State Space Methods
-// (2012), 4.4–4.5; leave-one-out residuals: de Jong (1988), doi 10.1093/biomet/75.3.594. The jerk's density q, w, b and
-// ℓ are those of the largest likelihood, by fixed-point steps: Wood & Fasiolo (2017), doi 10.1111/biom.12666.
+// deviation. In films that are coded, the error stays while the picture does and changes as the marker moves over the
+// pixels: o then forgets with the way too, exp(−Δt/τ − |ẋ|Δt/λ). Kalman filter and disturbance smoother: Durbin &
+// Koopman, Time Series Analysis by State Space Methods (2012), 4.4–4.5; leave-one-out residuals: de Jong (1988),
+// doi 10.1093/biomet/75.3.594. The jerk's density q, w, b and ℓ are those of the largest likelihood, by fixed-point
+// steps: Wood & Fasiolo (2017), doi 10.1111/biom.12666.
 //
 // The unit of length is the caller's (px or mm); times in s; q in unit²/s⁵.
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -43,11 +46,17 @@ struct PathModel {
   double per_speed_s2 = 0;          // b
   double lasting = 0;               // ℓ
   double memory_s = 0.03;           // τ
+  double memory_length = INFINITY;  // λ
   double not_averaged = 0;          // of σ²: lasting noise that smoothing does not take away
   double jitter = 0;                // of what the marker does from frame to frame, over σ²
-  std::vector<double> speed2 = {};  // |ẋ|², per frame; where b > 0
+  std::vector<double> speed2 = {};  // |ẋ|², per frame; where b > 0 or λ is finite
 
   double SpeedNoise(std::size_t frame) const { return per_speed_s2 > 0 ? speed2[frame] : 0; }  // for b = 1
+  // How much of the lasting noise is left after a time that ends at a frame.
+  double Kept(std::size_t frame, double elapsed_s) const {
+    const double speed = std::isfinite(memory_length) ? std::sqrt(speed2[frame]) : 0;
+    return std::exp(-elapsed_s * (1 / memory_s + speed / memory_length));
+  }
   // Of all that is not alike in the frames beside it.
   double WhiteVariance(std::size_t frame, double sigma) const {
     return (white + jitter) * sigma * sigma + per_speed_s2 * SpeedNoise(frame);
@@ -95,10 +104,11 @@ enum class SigmaTrust {
 };
 
 struct LearningOptions {
-  double window_s = 0.1;      // q is alike over about this time to each side
-  double common = 0.2;        // how many intervals' worth of the whole recording each window takes in
-  double gap_memory_s = 0.1;  // a movement that is not seen goes on as it was for about this time
-  int most_rounds = 40;       // of the fixed-point steps, for each memory
+  double window_s = 0.1;            // q is alike over about this time to each side
+  double common = 0.2;              // how many intervals' worth of the whole recording each window takes in
+  double gap_memory_s = 0.1;        // a movement that is not seen goes on as it was for about this time
+  int most_rounds = 40;             // of the fixed-point steps, for each memory
+  double memory_length = INFINITY;  // λ that the noise may have
   SigmaTrust trust = SigmaTrust::kNone;
   double lasting_share = 0;  // ℓ / (w + ℓ), at least; so much of σ² is in every place that is seen
 };
