@@ -228,10 +228,11 @@ TEST(LearnPaths, ErrorsOfThePixelsAreAveragedWhereTheMarkerMoves) {
   }
   LearningOptions options;
   options.trust = SigmaTrust::kFull;
-  options.memory_length = 1;
-  const PathModel model = LearnPaths({&seen, 1}, PersonPrior(2), options).front();
-  EXPECT_EQ(model.memory_length, 1);
-  const SmoothedPath path = SmoothPath(seen, model, PersonPrior(2));
+  options.unit_mm = 1.5;
+  const PathModel model = LearnPaths({&seen, 1}, PersonPrior(options.unit_mm), options).front();
+  EXPECT_NEAR(model.memory_length, 1, 0.4);
+  const SmoothedPath path = SmoothPath(seen, model, PersonPrior(options.unit_mm));
+  for (const PathPoint& point : path.point) EXPECT_GT(point.position_covariance(0, 0), 1e-8);
   double seen2 = 0, square = 0, normalised = 0, speed2 = 0;
   for (std::size_t i = 500; i < 940; ++i) {
     const Eigen::Vector2d error = path.point[i].position.head<2>() - truth[i];

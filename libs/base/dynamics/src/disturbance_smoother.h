@@ -42,8 +42,8 @@ struct Row {
 
 template <int N>
 struct Frame {
-  Means<N> mean;         // predicted
-  Square<N> covariance;  // predicted
+  Means<N> mean;         // from this frame's measurements and those before
+  Square<N> covariance;  // of that
   std::size_t first_row = 0, rows = 0;
   bool starts = false;  // anew, as nothing is known any more
 };
@@ -73,8 +73,6 @@ class Filter {
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       Frame<N>& frame = frames_[i];
       advance(i, mean, covariance);
-      frame.mean = mean;
-      frame.covariance = covariance;
       for (std::size_t k = frame.first_row; k < frame.first_row + frame.rows; ++k) {
         Row<N>& row = rows[k];
         const State<N> by = covariance * row.h;
@@ -87,18 +85,23 @@ class Filter {
                            columns_ * std::log(2 * std::numbers::pi * row.innovation_variance)) /
                           2;
       }
+      frame.mean = mean;
+      frame.covariance = covariance;
     }
     return log_likelihood;
   }
 
-  // From the last frame to the first. `row_visit(i, u, D)`: the measurement's smoothed disturbance over its variance,
-  // and that one's own variance; `visit(i, backward)`: with what frame i's predicted state becomes the smoothed one.
+  // From the last frame to the first. `state_visit(i, backward)`: what later frames add to frame i's state;
+  // `row_visit(i, u, D)`: the measurement's smoothed disturbance over its variance, and that one's own variance;
+  // `step_visit(i, backward)`: the same for what frame i and later ones add to the state that is predicted for it.
   // `transition(i)` is that from the frame before to frame i.
-  template <typename Transition, typename RowVisit, typename Visit>
-  void Back(const Transition& transition, const RowVisit& row_visit, const Visit& visit) {
+  template <typename Transition, typename StateVisit, typename RowVisit, typename StepVisit>
+  void Back(const Transition& transition, const StateVisit& state_visit, const RowVisit& row_visit,
+            const StepVisit& step_visit) {
     Backward<N> b{Means<N>::Zero(states_, Values<N>::ColsAtCompileTime), Square<N>::Zero(states_, states_)};
     for (std::size_t i = frames_.size(); i-- > 0;) {
       Frame<N>& frame = frames_[i];
+      state_visit(i, b);
       for (std::size_t k = frame.first_row + frame.rows; k-- > frame.first_row;) {
         const Row<N>& row = rows[k];
         const State<N> g = b.n * row.gain;
@@ -110,7 +113,7 @@ class Filter {
         b.n.noalias() += d * row.h * row.h.transpose();
         row_visit(i, u, d);
       }
-      visit(i, b);
+      step_visit(i, b);
       if (frame.starts) {
         b.r.setZero();
         b.n.setZero();

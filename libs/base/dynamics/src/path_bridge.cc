@@ -126,7 +126,7 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
   });
   SmoothedPath path;
   path.point.resize(end - begin);
-  filter.Back([&](std::size_t k) { return transitions[k]; }, [](auto&&...) {},
+  filter.Back([&](std::size_t k) { return transitions[k]; },
               [&](std::size_t k, const Backward<Eigen::Dynamic>& b) {
                 const Frame<Eigen::Dynamic>& frame = filter.At(k);
                 const BridgeState mean = frame.mean.col(0) + frame.covariance * b.r.col(0);
@@ -141,7 +141,8 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
                   point.velocity_variance +=
                       covariance(layout.Axis(a, kVelocity), layout.Axis(a, kVelocity)) / seen.axes;
                 }
-              });
+              },
+              [](auto&&...) {}, [](auto&&...) {});
   return path;
 }
 

@@ -72,9 +72,10 @@ class PathFilter {
 
   Frame<kAxisStates>& At(std::size_t frame) { return filter_.At(frame); }
 
-  template <typename RowVisit, typename Visit>
-  void Back(const PathModel& model, const RowVisit& row_visit, const Visit& visit) {
-    filter_.Back([&](std::size_t i) { return TransitionOf(Step(model, i)); }, row_visit, visit);
+  template <typename StateVisit, typename RowVisit, typename StepVisit>
+  void Back(const PathModel& model, const StateVisit& state_visit, const RowVisit& row_visit,
+            const StepVisit& step_visit) {
+    filter_.Back([&](std::size_t i) { return TransitionOf(Step(model, i)); }, state_visit, row_visit, step_visit);
   }
 
   AxisStep Step(const PathModel& model, std::size_t frame) const {
@@ -116,15 +117,17 @@ PathEvidences Examine(const SeenPath& seen, const PathModel& model, const Motion
   found.log_likelihood = filter.Forward(model, prior);
   filter.Back(
       model,
+      [&](std::size_t i, const Backward<kAxisStates>& b) {
+        const Frame<kAxisStates>& frame = filter.At(i);
+        found.speed2[i] = (frame.mean.row(kVelocity) + frame.covariance.row(kVelocity) * b.r).squaredNorm();
+      },
       [&](std::size_t i, const Values<kAxisStates>& u, double d) {
         const double variance = seen.sigma[i] * seen.sigma[i], speed2 = model.SpeedNoise(i);
         found.white.Add(variance * u.squaredNorm(), variance * seen.axes * d);
         found.per_speed.Add(speed2 * u.squaredNorm(), speed2 * seen.axes * d);
       },
       [&](std::size_t i, const Backward<kAxisStates>& b) {
-        const Frame<kAxisStates>& frame = filter.At(i);
-        found.speed2[i] = (frame.mean.row(kVelocity) + frame.covariance.row(kVelocity) * b.r).squaredNorm();
-        if (i == 0 || frame.starts) return;
+        if (i == 0 || filter.At(i).starts) return;
         const AxisStep step = filter.Step(model, i);
         const double q = model.density[i];
         const auto r = b.r.topRows<3>();
@@ -284,10 +287,6 @@ SmoothedPath SmoothPath(const SeenPath& seen, const PathModel& model, const Moti
   filter.Forward(model, prior);
   filter.Back(
       model,
-      [&](std::size_t i, const Values<kAxisStates>& u, double d) {
-        path.surprise[i] = u.transpose() / d;
-        path.surprise_variance[i] = 1 / d;
-      },
       [&](std::size_t i, const Backward<kAxisStates>& b) {
         const Frame<kAxisStates>& frame = filter.At(i);
         const Means<kAxisStates> mean = frame.mean + frame.covariance * b.r;
@@ -306,14 +305,20 @@ SmoothedPath SmoothPath(const SeenPath& seen, const PathModel& model, const Moti
         if (seen.IsSeen(i)) variance = std::max(variance, model.not_averaged * seen.sigma[i] * seen.sigma[i]);
         for (int a = 0; a < axes; ++a) point.position_covariance(a, a) = variance;
         point.velocity_variance = std::max(covariance(kVelocity, kVelocity), 0.0);
-      });
+      },
+      [&](std::size_t i, const Values<kAxisStates>& u, double d) {
+        path.surprise[i] = u.transpose() / d;
+        path.surprise_variance[i] = 1 / d;
+      },
+      [](auto&&...) {});
   return path;
 }
 
 std::vector<PathModel> LearnPaths(std::span<const SeenPath> paths, const MotionPrior& prior,
                                   const LearningOptions& options) {
-  std::vector<Memory> memories = {{0.03, INFINITY}, {0.12, INFINITY}, {0.5, INFINITY}};
-  if (std::isfinite(options.memory_length)) memories.push_back({0.5, options.memory_length});
+  // The last two: films in which a pixel is so large.
+  const std::array<Memory, 5> memories = {
+      {{0.03, INFINITY}, {0.12, INFINITY}, {0.5, INFINITY}, {0.5, 3 / options.unit_mm}, {0.5, 1 / options.unit_mm}}};
   constexpr double kFirstCutoff = 0.25;   // of the rate: nothing is smoothed away before it is learnt to be noise
   constexpr double kLeastCutoffHz = 0.5;  // of human movement
   constexpr double kFirstLasting = 0.3, kFirstPerSpeed_s2 = 1e-6;

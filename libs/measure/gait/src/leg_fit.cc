@@ -239,7 +239,8 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   LegMarkerCurves smooth = SmoothLeg(recording.time_s, markers, view, options, leg);
   progress.Advance();
   result.summary = {.known_sigmas = options.known_sigmas,
-                    .lasting_share = smooth.lasting_share,
+                    .lasting_share = options.lasting_share,
+                    .learnt_lasting_share = smooth.lasting_share,
                     .noise_memory_s = smooth.noise_memory_s,
                     .cutoff_hz = options.cutoff_hz.value_or(smooth.cutoff_hz)};
   const LegCurves curves =

@@ -116,6 +116,7 @@ Json LegFitJson(const LegFitResult& result) {
                {"fit",
                 {{"known_sigmas", fit.known_sigmas},
                  {"lasting_share", fit.lasting_share},
+                 {"learnt_lasting_share", fit.learnt_lasting_share},
                  {"noise_memory_s", fit.noise_memory_s},
                  {"residual_rms_sigmas", fit.residual_rms},
                  {"cutoff_hz", fit.cutoff_hz}}}};

@@ -28,19 +28,11 @@ double PlaneUnitsPerPixel(const Detections& d, std::size_t i) {
   return d.plane_sigma[i] / d.sigma[i];
 }
 
-LearningOptions LearningFor(std::span<const Detections> markers, const LegFitOptions& options) {
-  LearningOptions learning;
+LearningOptions LearningFor(std::span<const Detections> markers, double unit_mm, const LegFitOptions& options) {
+  LearningOptions learning{.unit_mm = unit_mm};
   const bool are_stated = std::ranges::all_of(markers, &Detections::has_sigmas);
   learning.trust = options.known_sigmas ? SigmaTrust::kFull : are_stated ? SigmaTrust::kScale : SigmaTrust::kNone;
   learning.lasting_share = options.lasting_share;
-  // A film's errors depend on where in its pixels a marker lies: after a pixel they are others (likeliest of 0.1 to 2
-  // px on coded films at 60 and 240 Hz).
-  constexpr double kErrorLength_px = 1;
-  const auto seen = std::ranges::find_if(markers.front().trusted, [](auto trusted) { return trusted != 0; });
-  if (options.known_sigmas && seen != markers.front().trusted.end())
-    learning.memory_length =
-        kErrorLength_px *
-        PlaneUnitsPerPixel(markers.front(), static_cast<std::size_t>(seen - markers.front().trusted.begin()));
   return learning;
 }
 
@@ -130,9 +122,12 @@ PathModel Usual(const SeenPath& seen, PathModel model) {
 // Markers whose noise is alike.
 class Smoothing {
  public:
-  Smoothing(const std::vector<double>& time_s, std::span<Detections> markers, const MotionPrior& prior,
+  Smoothing(const std::vector<double>& time_s, std::span<Detections> markers, double unit_mm,
             const LegFitOptions& options)
-      : time_s_(time_s), markers_(markers), prior_(prior), learning_(LearningFor(markers, options)) {}
+      : time_s_(time_s),
+        markers_(markers),
+        prior_(dynamics::PersonPrior(unit_mm)),
+        learning_(LearningFor(markers, unit_mm, options)) {}
 
   // Learns from what is left without the suspects.
   void Run() {
@@ -212,7 +207,7 @@ double UnitMm(const LegView& view, double shank) {
 LegMarkerCurves SmoothLeg(const std::vector<double>& time_s, int markers, const LegView& view,
                           const LegFitOptions& options, std::array<Detections, kLegMarkers>& leg) {
   const std::span<Detections> used(leg.data(), static_cast<std::size_t>(markers));
-  Smoothing smoothing(time_s, used, dynamics::PersonPrior(UnitMm(view, ShankOf(leg))), options);
+  Smoothing smoothing(time_s, used, UnitMm(view, ShankOf(leg)), options);
   LegMarkerCurves curves;
   const auto set = [&] {
     for (std::size_t m = 0; m < used.size(); ++m) curves.marker[m] = smoothing.Curve(m);
@@ -235,7 +230,7 @@ LegMarkerCurves SmoothLeg(const std::vector<double>& time_s, int markers, const 
 MarkerCurve SmoothMarker(const std::vector<double>& time_s, const LegView& view, const LegFitOptions& options,
                          double unit_mm, Detections& detections) {
   const std::span<Detections> used(&detections, 1);
-  Smoothing smoothing(time_s, used, dynamics::PersonPrior(unit_mm), options);
+  Smoothing smoothing(time_s, used, unit_mm, options);
   smoothing.Run();
   MarkerCurve curve = smoothing.Curve(0);
   if (LetIn({&curve, 1}, used)) {

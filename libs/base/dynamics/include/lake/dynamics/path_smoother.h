@@ -104,11 +104,11 @@ enum class SigmaTrust {
 };
 
 struct LearningOptions {
-  double window_s = 0.1;            // q is alike over about this time to each side
-  double common = 0.2;              // how many intervals' worth of the whole recording each window takes in
-  double gap_memory_s = 0.1;        // a movement that is not seen goes on as it was for about this time
-  int most_rounds = 40;             // of the fixed-point steps, for each memory
-  double memory_length = INFINITY;  // λ that the noise may have
+  double window_s = 0.1;      // q is alike over about this time to each side
+  double common = 0.2;        // how many intervals' worth of the whole recording each window takes in
+  double gap_memory_s = 0.1;  // a movement that is not seen goes on as it was for about this time
+  int most_rounds = 40;       // of the fixed-point steps, for each memory
+  double unit_mm = 1;         // the unit of length
   SigmaTrust trust = SigmaTrust::kNone;
   double lasting_share = 0;  // ℓ / (w + ℓ), at least; so much of σ² is in every place that is seen
 };

@@ -97,11 +97,12 @@ struct OutlierReport {
 
 // How the markers were found to move and to err.
 struct LegFitSummary {
-  bool known_sigmas = false;  // as in the options
-  double lasting_share = 0;   // of the variance of the detections' errors, with
-  double noise_memory_s = 0;  // the time over which it lasts
-  double cutoff_hz = 0;       // of the low-pass that the knee's smoothing amounts to
-  double residual_rms = 0;    // in standard deviations of the detections' errors
+  bool known_sigmas = false;        // as in the options
+  double lasting_share = 0;         // as in the options
+  double learnt_lasting_share = 0;  // of the variance of the detections' errors, with
+  double noise_memory_s = 0;        // the time over which it lasts
+  double cutoff_hz = 0;             // of the low-pass that the knee's smoothing amounts to
+  double residual_rms = 0;          // in standard deviations of the detections' errors
 };
 
 // Of trials in three dimensions: how far the leg leaves the plane.
