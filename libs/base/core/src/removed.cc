@@ -1,0 +1,22 @@
+#include "lake/core/removed.h"
+
+#include <fmt/format.h>
+
+namespace lake {
+
+std::span<const Removed> AllRemoved() {
+  static constexpr Removed kRemoved[] = {
+      {"lake-export", "sdf", "", "write urdf, which Gazebo reads ('gz sdf -p design.urdf' converts it)"},
+  };
+  return kRemoved;
+}
+
+std::string WhyRemoved(std::string_view program, std::string_view word) {
+  if (word.starts_with("--")) word = word.substr(0, word.find('='));
+  for (const Removed& removed : AllRemoved())
+    if (removed.program == program && removed.name == word)
+      return fmt::format("{} is removed: {}", removed.name, removed.instead);
+  return {};
+}
+
+}  // namespace lake
