@@ -7,6 +7,7 @@ namespace lake {
 std::span<const Removed> AllRemoved() {
   static constexpr Removed kRemoved[] = {
       {"lake-export", "sdf", "", "write urdf, which Gazebo reads ('gz sdf -p design.urdf' converts it)"},
+      {"lake-stroke", "validate-bench", "", "compare the bench's logs with RISKS.md, as BENCH.md says"},
   };
   return kRemoved;
 }

@@ -57,14 +57,6 @@ struct StrokeHomeRunOptions {
 };
 void Describe(StrokeHomeRunOptions& options, OptionList& list);
 
-struct BenchRunOptions {
-  std::optional<std::filesystem::path> folder;  // of the laboratory's logs; none: the plan is written
-};
-void Describe(BenchRunOptions& options, OptionList& list);
-
-// The plan of the bench's tests, bench.csv, or the verdict on their logs, bench_verdicts.csv.
-Json RunBenchValidation(const BenchRunOptions& options, Run& run);
-
 struct StrokeTalkRunOptions {
   actuator::TalkOptions talk;
 };
