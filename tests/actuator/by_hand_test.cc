@@ -95,7 +95,7 @@ TEST(Untried, IsSaidWhereverSomebodyReadsAboutSafety) {
 // The folder needs no other: pins, commands, what the numbers mean.
 TEST(SketchNotes, TheFolderExplainsItself) {
   std::string readme;
-  for (const actuator::FirmwareFile& file : actuator::FirmwareSources(actuator::Board::kUno))
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources())
     if (file.name == "README.txt") readme = file.text;
   for (const char* part :
        {"D9", "D2, D3", "NORMALLY CLOSED", "A0", "115200", "jog DUTY MS", "ALARM:N", "error:N", "resume"})

@@ -51,7 +51,7 @@ TEST(Commissioning, TheSignOffSheetSaysWhatTheFirmwareCannotKnow) {
 // What the sketch's folder has of safety is what the project says.
 TEST(Commissioning, TheSketchHasSafetyAndRisks) {
   std::set<std::string> names;
-  for (const actuator::FirmwareFile& file : actuator::FirmwareSources(actuator::Board::kUno)) names.insert(file.name);
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) names.insert(file.name);
   EXPECT_TRUE(names.contains("SAFETY.md") && names.contains("RISKS.md"));
 }
 

@@ -248,7 +248,7 @@ TEST_F(DirectionTest, HomingEndsBeforeTheDeadPoint) {
 class CombinationsTest : public HostFirmwareTest {};
 
 TEST_F(CombinationsTest, PairsOccurInFewOfThem) {
-  EXPECT_EQ(AllCombinations().size(), 50U) << "24 of what can be wired and a worn one, with either bridge";
+  EXPECT_EQ(AllCombinations().size(), 25U) << "24 of what can be wired and a worn one";
   EXPECT_LE(CombinationsOfPairs().size(), 10U);
 }
 

@@ -23,7 +23,6 @@
 #define LAKE_PIN_OUT1 17
 #define LAKE_PIN_OUT2 18
 #define LAKE_PIN_BUTTON 4
-#define LAKE_BRIDGE_BTS7960 0
 #define LAKE_BRIDGE_SENSE 0
 #define LAKE_RELAY 0
 #define LAKE_WORN 0

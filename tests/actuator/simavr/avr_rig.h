@@ -48,7 +48,6 @@ struct ActuatorModel {
   double coast_mm_s2 = 100;
   double supply_v = 12;
   bool has_relay = false;                 // in the supply, before its sense
-  bool is_bts7960 = false;                // R_EN and L_EN on D7, RPWM on D9, LPWM on D10
   double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
   double noise_counts = 0;                // SD of each conversion, of every channel
   double play_mm = 0;                     // between motor and rod
@@ -101,8 +100,7 @@ class AvrRig {
   static void OnSerial(avr_irq_t* irq, uint32_t value, void* rig);
   BridgeInputs ReadInputs() const;
   bool HasSupply() const { return !actuator_.has_relay || IsRelayClosed(); }
-  bool IsPwm() const;  // whether the timer drives ENA, or a BTS7960's inputs
-  bool IsPwmOf(int output, int pin) const;
+  bool IsPwm() const;  // whether the timer drives ENA
   void SetBridgePins(bool is_high);
   void CountOnTime();
   void EndMillisecond();

@@ -8,6 +8,8 @@ std::span<const Removed> AllRemoved() {
   static constexpr Removed kRemoved[] = {
       {"lake-export", "sdf", "", "write urdf, which Gazebo reads ('gz sdf -p design.urdf' converts it)"},
       {"lake-stroke", "validate-bench", "", "compare the bench's logs with RISKS.md, as BENCH.md says"},
+      {"lake-stroke", "--board", "board", "the firmware is for an Arduino UNO"},
+      {"lake-stroke", "--bridge", "bridge", "the bridge is an L298N"},
   };
   return kRemoved;
 }

@@ -18,7 +18,7 @@ struct SessionOptions {
   SessionTask task = SessionTask::kHomeAndRun;
   std::filesystem::path port;
   double keep_alive_s = 0.25;  // between two signs of life
-  double greeting_s = 5;       // an UNO's boot loader takes 2; so does a Nucleo that tidies its flash
+  double greeting_s = 5;       // the UNO's boot loader takes 2
   double silent_s = 1.5;       // without a row from the firmware: it is given up, and stops by its own time-out
   double homing_s = 300;       // at most
   double run_s = 3600;         // at most
