@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
                          "lake-stroke run stroke --port /dev/ttyACM0 -o log", OptionsOf(session));
   commands::StrokeHomeRunOptions home;
   const std::function<bool()> home_command =
-      program.AddCommand("home", "Home, with nobody in the exoskeleton: before 'run --worn'",
+      program.AddCommand("home", "Home, with nobody in the exoskeleton",
                          "lake-stroke home stroke --port /dev/ttyACM0 -o home", OptionsOf(home));
   commands::StrokeTalkRunOptions talk;
   const std::function<bool()> talk_command = program.AddCommand(

@@ -14,20 +14,16 @@
 namespace lake {
 
 struct Combination {
-  enum Choice { kPot, kSupply, kCurrent, kSense, kRelay, kWorn, kChoices };
+  enum Choice { kPot, kSupply, kCurrent, kSense, kRelay, kChoices };
 
   unsigned choices = 0;  // bits
 
   bool Has(int choice) const { return choices >> choice & 1; }
 
-  bool IsAllowed() const {
-    constexpr unsigned kOfAWornOne = 1U << kPot | 1U << kSupply | 1U << kCurrent | 1U << kSense | 1U << kRelay;
-    if (Has(kRelay) && !Has(kSupply)) return false;
-    return !Has(kWorn) || (choices & kOfAWornOne) == kOfAWornOne;
-  }
+  bool IsAllowed() const { return !Has(kRelay) || Has(kSupply); }
 
   std::string Name() const {
-    static constexpr const char* kNames[] = {"pot", "supply", "current", "sense", "relay", "worn"};
+    static constexpr const char* kNames[] = {"pot", "supply", "current", "sense", "relay"};
     std::string name;
     for (int choice = 0; choice < kChoices; ++choice)
       if (Has(choice)) name += (name.empty() ? "" : ", ") + std::string(kNames[choice]);
@@ -44,13 +40,6 @@ struct Combination {
     options.current_sense = Has(kCurrent);
     options.bridge_sense = Has(kSense);
     if (Has(kRelay)) options.pins.safety_relay = 5;
-    if (Has(kWorn)) {
-      options.worn = true;
-      options.speed_limit_mm_s = 6;
-      options.force_limit_n = 400;
-      options.force_n_per_a = 250;
-      options.idle_a = 0.3;
-    }
     return options;
   }
 };

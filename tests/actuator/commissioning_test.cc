@@ -20,7 +20,7 @@ actuator::FirmwareOptions Everything() {
   options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
   options.supply_v = 12, options.current_sense = true, options.bridge_sense = true;
   options.pins.safety_relay = 5, options.pins.in1 = 6;
-  options.worn = true, options.speed_limit_mm_s = 6;
+  options.speed_limit_mm_s = 6;
   options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
   return options;
 }
@@ -28,7 +28,7 @@ actuator::FirmwareOptions Everything() {
 TEST(Commissioning, TheSchematicHasThisSketchsPins) {
   const std::string all = actuator::SchematicSvg(Everything());
   for (const char* part : {"<svg", ">D9<", ">D6<", ">D8<", ">D5<", ">A3<", ">A4<", "fuse 1.9 A", "emergency stop",
-                           "safety relay", "hold-to-run", "Not tried on a board"})
+                           "safety relay", "Not tried on a board"})
     EXPECT_THAT(all, HasSubstr(part));
   const std::string least = actuator::SchematicSvg({});
   EXPECT_THAT(least, AllOf(HasSubstr(">D7<"), Not(HasSubstr("safety relay")), Not(HasSubstr(">A3<"))));
@@ -42,9 +42,9 @@ TEST(Commissioning, TheSignOffSheetSaysWhatTheFirmwareCannotKnow) {
     return actuator::SignOffSheet(actuator::MakeStrokeTable(schedule, table, options), schedule, table, options);
   };
   EXPECT_THAT(sheet(), AllOf(HasSubstr("not been tried on a board"), HasSubstr("It does not see the emergency stop"),
-                             HasSubstr("ENA's jumper removed"), Not(HasSubstr("hold-to-run"))));
+                             HasSubstr("ENA's jumper removed")));
   options = Everything();
-  EXPECT_THAT(sheet(), AllOf(HasSubstr("ALARM:16"), HasSubstr("ALARM:12 below 400 N"), HasSubstr("hold-to-run"),
+  EXPECT_THAT(sheet(), AllOf(HasSubstr("ALARM:16"), HasSubstr("ALARM:12 below 400 N"),
                              Not(HasSubstr("emergency stop: released"))));
 }
 

@@ -225,7 +225,7 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
     const bool calm = i / 20'000 % 2 == 1;
     const int rare = calm ? 20 : 1;
     if (one_in(300 * rare)) {
-      const auto request = static_cast<request_t>(1 + random() % 9);
+      const auto request = static_cast<request_t>(1 + random() % REQUEST_GO);
       const auto rate = static_cast<int16_t>(static_cast<int>(random() % 8001) - 4000);
       controller_request(request, rate, static_cast<uint16_t>(random() % 2000));
     }

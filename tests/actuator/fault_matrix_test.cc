@@ -142,8 +142,7 @@ const std::vector<std::string>& States() {
                                                   "running, at the upper limit",
                                                   "hold",
                                                   "jogging, extending",
-                                                  "jogging, retracting",
-                                                  "worn, extending"};
+                                                  "jogging, retracting"};
   return states;
 }
 
@@ -163,7 +162,7 @@ class FaultMatrixTest : public HostFirmwareTest {
     options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
     options.supply_v = 12, options.current_sense = true, options.bridge_sense = true;
     options.pins.safety_relay = 5;
-    options.worn = true, options.speed_limit_mm_s = 6, options.extend_stop_mm = 0.7;
+    options.speed_limit_mm_s = 6, options.extend_stop_mm = 0.7;
     options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
     actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
     actuator_.noise_counts = 0.5;
@@ -215,11 +214,6 @@ class FaultMatrixTest : public HostFirmwareTest {
     }
     if (state == "jogging, extending") rig_->Send("jog 500 6000"), Until("<jogging", 1), rig_->Run(0.3);
     if (state == "jogging, retracting") rig_->Send("jog -400 6000"), Until("<jogging", -1), rig_->Run(0.3);
-    if (state == "worn, extending") {
-      rig_->Press(true);
-      rig_->Run(0.1);
-      Begin("worn"), Until("<running", 1), rig_->Run(0.4);
-    }
     ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << state;
   }
 

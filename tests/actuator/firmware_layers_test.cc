@@ -24,7 +24,7 @@ const std::vector<std::set<std::string>> kLayers = {{"portable", "divide"},
                                                     {"stroke_table", "pins"},
                                                     {"config"},
                                                     {"board", "bridge", "serial"},
-                                                    {"analog", "button", "end_stops", "follow", "line", "motor"},
+                                                    {"analog", "end_stops", "follow", "line", "motor"},
                                                     {"power"},
                                                     {"state"},
                                                     {"program"},
@@ -76,7 +76,7 @@ Files With(const std::string& file, const std::string& include) {
 
 TEST(FirmwareLayers, IncludesGoDown) {
   EXPECT_THAT(NotBelow(actuator::FirmwareSources()), IsEmpty());
-  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(26)) << "every module was read";
+  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(25)) << "every module was read";
   EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config", "portable"));
 }
 
@@ -122,7 +122,7 @@ TEST(FirmwareLayers, WhatTheMainLoopReadsOfAnInterruptIsNotTorn) {
 TEST(FirmwareLayers, NoFileDeclaresAnothersFunctions) {
   static const std::regex declaration(
       "^[a-z_0-9]+\\*? "
-      "(board|bridge|serial|analog|button|end_stops|follow|motor|power|state|program|controller|protocol|"
+      "(board|bridge|serial|analog|end_stops|follow|motor|power|state|program|controller|protocol|"
       "firmware)_[a-"
       "z_]+\\(.*\\)"
       ";");

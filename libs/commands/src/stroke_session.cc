@@ -64,8 +64,6 @@ void Describe(StrokeSessionRunOptions& o, OptionList& options) {
   options.Add("acknowledge", o.session.acknowledge, "The board's fault of before was seen to: clear it");
   options.Add("home", o.session.home, "Home first; --no-home: the actuator stands at the program's start")
       .WithNegation();
-  options.AddFlag("worn", o.session.task, actuator::SessionTask::kRunWorn,
-                  "On a person, who holds the button: does not home; 'lake-stroke home' did, with nobody in it");
 }
 
 void Describe(StrokeHomeRunOptions& o, OptionList& options) {

@@ -39,11 +39,11 @@ TEST_F(FirmwareImageTest, FlashRamAndStackFitWithRoom) {
               actuator::kSegmentBytes, actuator::kFlashBytes, ram, rig_->DeepestStack(), kRamBytes);
 }
 
-// With everything wired, as a person needs it: within the same flash, half of the RAM free.
-TEST_F(FirmwareImageTest, AWornFirmwareFitsWithRoom) {
+// With everything wired: within the same flash, half of the RAM free.
+TEST_F(FirmwareImageTest, WithEverythingWiredItFitsWithRoom) {
   actuator::FirmwareOptions& options = firmware_options_;
   WireEverything();
-  options.bridge_sense = options.worn = true, options.pins.safety_relay = 5, options.speed_limit_mm_s = 7;
+  options.bridge_sense = true, options.pins.safety_relay = 5, options.speed_limit_mm_s = 7;
   options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
   Build(FreeDesign(kKnots), "");
   const std::string line = OutputOf(fmt::format("avr-size '{}' | awk 'NR==2 {{print $1+$2, $2+$3}}'", elf_.string()));

@@ -10,6 +10,9 @@ std::span<const Removed> AllRemoved() {
       {"lake-stroke", "validate-bench", "", "compare the bench's logs with RISKS.md, as BENCH.md says"},
       {"lake-stroke", "--board", "board", "the firmware is for an Arduino UNO"},
       {"lake-stroke", "--bridge", "bridge", "the bridge is an L298N"},
+      {"lake-stroke", "--worn", "worn", "nobody may wear what this firmware drives, so there is no mode for it"},
+      {"lake-stroke", "--worn-timeout", "worn_timeout_s", "--command-timeout holds for every program"},
+      {"lake-stroke", "--button", "button", "there is no wearer's button; '!' and the emergency stop end a motion"},
   };
   return kRemoved;
 }

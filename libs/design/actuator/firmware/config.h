@@ -17,8 +17,6 @@
 #define SOFT_LIMIT_SLACK_UM 50           // rounding of the table, not room to move
 #define LAKE_LEAST_BEYOND_UM 250L        // that a measured stroke may pass a soft limit by
 #define SLOW 5                           // 2^5 ms of smoothing, where small movements are watched
-#define BUTTON_PRESSED_MS 20             // until it counts as pressed
-#define BUTTON_RELEASED_MS 5             // and as released
 #define LAKE_DRIFT_MOST_NM 1000000000UL  // the bound stops growing at 1 m
 
 #endif

@@ -2,7 +2,6 @@
 
 #include "analog.h"
 #include "board.h"
-#include "button.h"
 #include "config.h"
 #include "end_stops.h"
 #include "motor.h"
@@ -45,18 +44,6 @@ static reply_t take_jog(int16_t request_counts, uint16_t request_ms) {
   return REPLY_OK;
 }
 
-static uint8_t may_be_worn(void) {
-  return button_is_held() && button_was_released();
-}
-
-static reply_t take_worn(void) {
-  if (!LAKE_WORN) return REPLY_UNKNOWN;
-  if (!may_be_worn()) return REPLY_BUTTON;
-  const reply_t reply = program_take_run();
-  if (reply == REPLY_OK) machine.is_worn = 1;
-  return reply;
-}
-
 static reply_t take_resume(void) {
   if (machine.state != STATE_HOLD) return REPLY_STATE;
   resume_left_ms = RESUME_MS;
@@ -65,7 +52,6 @@ static reply_t take_resume(void) {
 
 static reply_t take_go(uint16_t left_ms) {
   if (machine.state != STATE_HOLD || left_ms == 0) return REPLY_STATE;
-  if (machine.is_worn && !may_be_worn()) return REPLY_BUTTON;
   machine.state = c.held;
   return REPLY_OK;
 }
@@ -75,7 +61,6 @@ static void reset(void) {
   machine.state = STATE_IDLE;
   machine.fault = FAULT_NONE;
   machine.knowledge = STROKE_UNKNOWN;
-  machine.is_worn = 0;
   motor_forgive();
   power_forgive();
 }
@@ -100,8 +85,6 @@ static reply_t answer(const asked_t* what) {
   switch (what->request) {
     case REQUEST_RUN:
       return program_take_run();
-    case REQUEST_WORN:
-      return take_worn();
     case REQUEST_HOME:
       return program_take_home();
     case REQUEST_ZERO:
@@ -174,16 +157,7 @@ static void take_realtime(void) {
   if (take(&abort_asked)) abort_all();
 }
 
-static void watch_button(void) {
-  if (!LAKE_WORN) return;
-  button_tick();
-  if (!machine.is_worn || !is_moving() || button_is_held()) return;
-  machine.events |= EVENT_RELEASED;
-  suspend();
-}
-
 static uint8_t is_silent(void) {
-  if (LAKE_WORN && machine.is_worn) return silent_ms >= LAKE_WORN_TIMEOUT_MS;
   return LAKE_COMMAND_TIMEOUT_MS > 0 && silent_ms >= LAKE_COMMAND_TIMEOUT_MS;
 }
 
@@ -332,7 +306,6 @@ void controller_tick(void) {
   take_realtime();
   take_requests();
   watch_host();
-  watch_button();
   watch_wires();
   watch_inputs();
   power_tick(is_moving(), machine.state == STATE_FAULT);
@@ -341,7 +314,6 @@ void controller_tick(void) {
   if (!is_allowed(&motion)) motion = motion_rest();
   motor_tick(motion.direction, analog_at_supply(motion.counts));
   keep_books(&motion);
-  if (machine.state == STATE_IDLE) machine.is_worn = 0;
   tell();
   sum_kept = sum_now();
 }

@@ -16,7 +16,6 @@ typedef enum {
   REQUEST_ZERO,
   REQUEST_RESET,
   REQUEST_JOG,
-  REQUEST_WORN,    // the program on a person, who holds the button
   REQUEST_RESUME,  // the first of two steps that end a hold …
   REQUEST_GO       // … and the second, which must follow upon it within RESUME_MS
 } request_t;

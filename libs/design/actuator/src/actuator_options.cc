@@ -124,10 +124,6 @@ void Describe(FirmwareOptions& o, OptionList& options) {
               "The bridge's outputs are read back on A3 and A4, each through a divider: then a stop may brake");
   options.Add("safety-relay", o.pins.safety_relay, "Pin of a relay in the motor's supply, before the sense of --supply")
       .Value("PIN");
-  options.Add("worn", o.worn, "A firmware that may be run on a person, who holds a button; not tried on a board yet");
-  options.Add("button", o.pins.button, "Pin of the wearer's hold-to-run button, to ground").Value("PIN");
-  options.Add("worn-timeout", o.worn_timeout_s, "Worn: stop after the host has been silent this long; at most 0.5")
-      .Unit("s");
   const auto set_pins = [&o](const OptionTexts& texts, const std::string&) {
     for (const std::string& part : texts) o.pins = WithPins(o.pins, part);
   };

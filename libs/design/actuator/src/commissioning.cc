@@ -33,7 +33,6 @@ std::vector<WireRow> RowsOf(const FirmwareOptions& o) {
   if (o.supply_v > 0) rows.push_back({"A2", "39 kΩ", "10 kΩ", "the motor's supply at the bridge"});
   if (pins.safety_relay)
     rows.push_back({PinName(*pins.safety_relay), "", "10 kΩ", "driver of the safety relay's coil"});
-  if (o.worn) rows.push_back({PinName(pins.button), "", "", "hold-to-run button of the wearer, to GND"});
   rows.push_back({"GND", "", "", "bridge GND, sensors' GND, minus of the supply: at one point"});
   return rows;
 }
@@ -106,7 +105,7 @@ std::string SchematicSvg(const FirmwareOptions& options) {
       height);
   svg += Text(40, 30, "Wiring of this sketch's firmware. Not tried on a board: nobody may wear what it drives.");
   svg += Text(40, 52,
-              "The emergency stop is in the hand of the wearer or of who watches. The UNO is fed by USB, not by this "
+              "The emergency stop is in the hand of who watches. The UNO is fed by USB, not by this "
               "supply.");
   svg += SupplySvg(options);
   svg += Box(40, kTop - 34, kBoardRight - 40, kStep * static_cast<int>(rows.size()) + 24) + Text(52, kTop - 12, "UNO");
@@ -156,12 +155,6 @@ std::string SignOffSheet(const StrokeTable& stroke, const StrokeSchedule& schedu
                "`jog 400 300` extends by some mm; if it retracts, swap OUT1 and OUT2");
   text += Tick("motor's leads swapped on purpose, `home`", "ALARM:5 or ALARM:9 within 1 mm; then swapped back");
   text += Tick("emergency stop while it jogs, then released", "it stands, and stands on; ALARM:6 with --supply");
-  if (options.worn) {
-    text += Tick("hold-to-run button let go in a worn program, nobody in it", "it stands at once: `button released`");
-    text += Tick("USB cable out in a worn program, nobody in it",
-                 fmt::format("it stands within {:g} s", options.worn_timeout_s));
-    text += Tick("lowering without power, with a dummy", "the pin at the knee is drawn, the leg is let down by hand");
-  }
   text += Tick("the program ten times without a person", "`done` ten times, no ALARM");
   text += Tick("the bench's plan", "`BENCH.md` of the project: every line is within what `RISKS.md` says");
   return text;

@@ -75,16 +75,11 @@ std::string PinDefines(const FirmwareOptions& options) {
                                                                                     {"RETRACT", pins.retract},
                                                                                     {"EXTEND", pins.extend},
                                                                                     {"OUT1", pins.out1},
-                                                                                    {"OUT2", pins.out2},
-                                                                                    {"BUTTON", pins.button}})
+                                                                                    {"OUT2", pins.out2}})
     text += fmt::format("#define LAKE_PIN_{} {}\n", name, pin);
   if (pins.safety_relay) text += fmt::format("#define LAKE_PIN_RELAY {}\n", *pins.safety_relay);
-  return text + fmt::format(
-                    "#define LAKE_BRIDGE_SENSE {}\n#define LAKE_RELAY {}\n#define "
-                    "LAKE_WORN {}\n#define "
-                    "LAKE_WORN_TIMEOUT_MS {}\n",
-                    options.bridge_sense ? 1 : 0, pins.safety_relay ? 1 : 0, options.worn ? 1 : 0,
-                    std::llround(1e3 * options.worn_timeout_s));
+  return text + fmt::format("#define LAKE_BRIDGE_SENSE {}\n#define LAKE_RELAY {}\n", options.bridge_sense ? 1 : 0,
+                            pins.safety_relay ? 1 : 0);
 }
 
 std::string CurrentDefines(const FirmwareOptions& options) {
@@ -220,7 +215,6 @@ void CheckPins(const FirmwareOptions& options) {
     used.emplace_back("out1", pins.out1);
     used.emplace_back("out2", pins.out2);
   }
-  if (options.worn) used.emplace_back("button", pins.button);
   if (pins.safety_relay) used.emplace_back("--safety-relay", *pins.safety_relay);
   for (auto one = used.begin(); one != used.end(); ++one) {
     if (one->second < 2 || one->second > 19)
@@ -232,26 +226,6 @@ void CheckPins(const FirmwareOptions& options) {
   }
   if (pins.safety_relay && options.supply_v == 0)
     throw UsageError("--safety-relay is tested by the supply behind it: wire its sense as well (--supply VOLT)");
-}
-
-// A person may only be moved where each single fault is seen: what is missing, in one line.
-void CheckWorn(const FirmwareOptions& options) {
-  if (!(options.worn_timeout_s >= 0.1 && options.worn_timeout_s <= kMostWornTimeout_s))
-    throw UsageError("--worn-timeout must be within 0.1..{} s, not {}", kMostWornTimeout_s, options.worn_timeout_s);
-  if (!options.worn) return;
-  std::vector<std::string> missing;
-  const auto need = [&](bool there, const char* option) {
-    if (!there) missing.emplace_back(option);
-  };
-  need(options.feedback == Feedback::kPotentiometer, "--feedback pot");
-  need(options.supply_v > 0, "--supply VOLT");
-  need(options.current_sense, "--current-sense");
-  need(options.bridge_sense, "--bridge-sense");
-  need(options.pins.safety_relay.has_value(), "--safety-relay PIN");
-  need(options.force_limit_n.has_value(), "--force-limit N");
-  need(options.speed_limit_mm_s.has_value(), "--speed-limit MM_S");
-  if (!missing.empty()) throw UsageError("--worn needs {}", fmt::join(missing, ", "));
-  if (options.accept_drift) throw UsageError("--worn and --accept-drift exclude each other");
 }
 
 // mm/s; 0: never that way.
@@ -355,7 +329,6 @@ void FirmwareOptions::Check() const {
     require(*speed_limit_mm_s > 0 && *speed_limit_mm_s <= 1000, "--speed-limit", *speed_limit_mm_s,
             "above 0 and at most 1000 mm/s");
   CheckPins(*this);
-  CheckWorn(*this);
   require(table_tolerance_mm > 0 && table_tolerance_mm <= 10, "--table-tolerance", table_tolerance_mm,
           "above 0 and at most 10 mm");
 }

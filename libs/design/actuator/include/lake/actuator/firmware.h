@@ -17,7 +17,7 @@ inline constexpr int kPwmPeriod = 4000;     // counts of timer 1 at 16 MHz: 4 kH
 inline constexpr int kSpeedIntervals = 64;  // of the firmware's own duty-to-speed table
 inline constexpr int kSegmentBytes = 10;    // of a segment in flash
 inline constexpr int kFlashBytes = 32256;   // of the ATmega328P beside the UNO's bootloader
-// Kept for the code, with everything wired, as a person needs it.
+// Kept for the code, with everything wired.
 inline constexpr int kFirmwareBytes = 19456;
 inline constexpr double kUnmeasuredTolerance_percent = 10;  // of speeds, where nobody has measured it
 inline constexpr int kMostSegments = (kFlashBytes - kFirmwareBytes) / kSegmentBytes;
@@ -31,7 +31,6 @@ inline constexpr double kOpenLoopSupplyTolerance = 0.1;  // likewise where nothi
 inline constexpr double kDirectionCheck_mm =
     0.3;                                     // off a pressed end stop while it is not known which way the motor turns
 inline constexpr double kStopTravel_mm = 2;  // the default
-inline constexpr double kMostWornTimeout_s = 0.5;
 inline constexpr double kFollowingError_mm = 1;  // at most, in closed loop; at 3 mm the firmware stops
 
 enum class Feedback { kNone, kPotentiometer };
@@ -45,7 +44,6 @@ struct Pins {
   int retract = 2, extend = 3;      // end stops
   int out1 = 17, out2 = 18;         // the bridge's outputs, with bridge_sense
   std::optional<int> safety_relay;  // none: not wired
-  int button = 4;                   // the wearer's, to ground
 };
 
 struct FirmwareOptions {
@@ -73,9 +71,7 @@ struct FirmwareOptions {
   double force_n_per_a = 0, idle_a = 0;    // the actuator's force per ampere above what it takes without a load
   std::optional<double> speed_limit_mm_s;  // no motion of the closed loop is faster, and no program may be
   Pins pins;
-  bool bridge_sense = false;    // the bridge's outputs are read back on A3 and A4: else it is never braked
-  bool worn = false;            // may be run on a person, who holds a button: everything above must be wired
-  double worn_timeout_s = 0.5;  // then the host may be silent for so long
+  bool bridge_sense = false;  // the bridge's outputs are read back on A3 and A4: else it is never braked
   std::string design_hash =
       "unknown";                     // the first digits of the design file's SHA-256: no option, said in the greeting
   double table_tolerance_mm = 0.05;  // allowed when a program has too many knots for the flash
