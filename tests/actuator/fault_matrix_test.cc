@@ -259,7 +259,7 @@ class FaultMatrixTest : public HostFirmwareTest {
     rig_->Run(0.6);
     found.stop_mm = WayFrom(stopped + 1);  // it acts with the next tick
     // What a user would try.
-    for (const char* line : {"reset", "home", "resume", "go", "jog 400 800", "jog -400 800", "reset", "home"})
+    for (const char* line : {"reset", "home", "run", "jog 400 800", "jog -400 800", "reset", "home"})
       rig_->Send(line), rig_->Run(1);
     found.danger = Danger(from, drives_by_itself ? 120 : 3);
     if (found.danger.empty() && found.stop_mm > (drives_by_itself ? kFailedBridgeWay_mm : kStopWay_mm))

@@ -131,10 +131,6 @@ void HostRig::TakeSaid() {
   }
 }
 
-bool HostRig::ResumeAsks() {
-  return Asks("resume", "ok") && Asks("go", "ok");
-}
-
 double HostRig::Load() const {
   return actuator_.load_n ? actuator_.load_n(Time(), stroke_mm_) : 0;
 }

@@ -84,7 +84,6 @@ class HostRig {
   HostActuator& Actuator() { return actuator_; }
   RigBreaks& Breaks() { return breaks_; }
   host_board_t& Board() { return *board_; }
-  bool ResumeAsks();                                     // both steps
   const std::string& Serial() const { return serial_; }  // without the check sums, which were right
   const std::string& Wire() const { return wire_; }      // with them
   const std::vector<HostSample>& Samples() const { return samples_; }

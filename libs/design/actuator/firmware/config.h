@@ -10,7 +10,6 @@
 #define LAKE_FOLLOWING_UM 3000L  // and from the plan
 #define STATUS_PERIOD_MS 100u
 #define JOG_MAX_MS 10000
-#define RESUME_MS 5000                   // between the two steps
 #define HOME_TRIES 3                     // that may fail until power is off and on
 #define FREE_UM 300L                     // away from an end stop that is not pressed, after which it must stay so
 #define STOP_PLACE_UM 1000L              // how far an end stop may be from where it belongs

@@ -14,7 +14,6 @@
 static status_t told;  // of the last tick
 static uint32_t time_ms;
 static struct __attribute__((aligned(2))) {  // of an even size: sum_of
-  state_t held;  // what a hold goes on with
   motion_t jog;
 } c;
 static uint16_t sum_kept;
@@ -29,7 +28,6 @@ static uint8_t asked_count;
 static uint8_t hold_asked, abort_asked, heard;
 
 static uint16_t silent_ms;
-static uint16_t resume_left_ms;  // until the first step of a resume is forgotten
 
 static reply_t take_jog(int16_t request_counts, uint16_t request_ms) {
   const int8_t direction = request_counts < 0 ? -1 : 1;
@@ -44,18 +42,6 @@ static reply_t take_jog(int16_t request_counts, uint16_t request_ms) {
   return REPLY_OK;
 }
 
-static reply_t take_resume(void) {
-  if (machine.state != STATE_HOLD) return REPLY_STATE;
-  resume_left_ms = RESUME_MS;
-  return REPLY_OK;
-}
-
-static reply_t take_go(uint16_t left_ms) {
-  if (machine.state != STATE_HOLD || left_ms == 0) return REPLY_STATE;
-  machine.state = c.held;
-  return REPLY_OK;
-}
-
 static void reset(void) {
   program_reset();
   machine.state = STATE_IDLE;
@@ -67,7 +53,6 @@ static void reset(void) {
 
 // What was asked before a hold or an abort is not done after it.
 static void drop_requests(void) {
-  resume_left_ms = 0;
   for (uint8_t i = 0; i < asked_count; ++i)
     if (asked[i].reply == REPLY_NONE) asked[i].reply = REPLY_STATE;
 }
@@ -78,10 +63,7 @@ static void abort_all(void) {
   machine.knowledge = STROKE_UNKNOWN;
 }
 
-// Whatever is asked between the two steps of a resume ends it.
 static reply_t answer(const asked_t* what) {
-  const uint16_t left_ms = resume_left_ms;
-  resume_left_ms = 0;
   switch (what->request) {
     case REQUEST_RUN:
       return program_take_run();
@@ -91,10 +73,6 @@ static reply_t answer(const asked_t* what) {
       return program_take_zero();
     case REQUEST_JOG:
       return take_jog(what->counts, what->ms);
-    case REQUEST_RESUME:
-      return take_resume();
-    case REQUEST_GO:
-      return take_go(left_ms);
     case REQUEST_STOP:
       if (machine.state != STATE_FAULT) machine.state = STATE_IDLE;
       return REPLY_OK;
@@ -118,23 +96,18 @@ static uint8_t is_moving(void) {
   return machine.state != STATE_IDLE && machine.state != STATE_HOLD && machine.state != STATE_FAULT;
 }
 
-static void hold(void) {
-  c.held = machine.state;
-  machine.state = STATE_HOLD;
-}
-
-// A program keeps its place, everything else ends.
+// A program that was stopped says so until `stop`; everything else ends.
 static void suspend(void) {
   if (machine.state == STATE_RUNNING)
-    hold();
+    machine.state = STATE_HOLD;
   else if (is_moving())
     machine.state = STATE_IDLE;
 }
 
-// Of a silent host: homing keeps its place as well, so that a person can take it in steps.
+// Of a silent host: homing says so as well.
 static void suspend_silent(void) {
   if (machine.state == STATE_HOMING || machine.state == STATE_POSITIONING)
-    hold();
+    machine.state = STATE_HOLD;
   else
     suspend();
 }
@@ -149,7 +122,6 @@ static uint8_t take(uint8_t* flag) {
 }
 
 static void take_realtime(void) {
-  if (resume_left_ms > 0) --resume_left_ms;
   if (take(&hold_asked)) {
     drop_requests();
     suspend();
@@ -293,7 +265,6 @@ void controller_init(void) {
   const uint8_t latched = board_remembered(PLACE_FAULT);
   if (latched != FAULT_NONE) state_fault((fault_t)latched);
   hold_asked = abort_asked = heard = 0;
-  resume_left_ms = 0;
   tell();
   sum_kept = sum_now();
 }

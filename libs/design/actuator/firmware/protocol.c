@@ -286,10 +286,6 @@ static void obey(const char* line) {
     ask(REQUEST_HOME, 0, 0);
   } else if (!strcmp_P(line, PSTR("zero"))) {
     ask(REQUEST_ZERO, 0, 0);
-  } else if (!strcmp_P(line, PSTR("resume"))) {
-    ask(REQUEST_RESUME, 0, 0);
-  } else if (!strcmp_P(line, PSTR("go"))) {
-    ask(REQUEST_GO, 0, 0);
   } else if (!strcmp_P(line, PSTR("reset"))) {
     ask(REQUEST_RESET, 0, 0);
   } else if (!strncmp_P(line, PSTR("jog "), 4)) {
