@@ -222,7 +222,10 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
     if (one_in(700 * rare)) controller_hold();
     if (controller_status().state == STATE_HOLD && one_in(300)) controller_request(REQUEST_STOP, 0, 0);
     if (one_in(3000 * rare)) controller_abort();
-    if (one_in(40'000)) fake_board = {}, motor_init(), power_init(), controller_init();  // power off and on
+    if (one_in(40'000)) {  // power off and on, which takes longer than a brake
+      fake_board = {}, motor_init(), power_init(), controller_init();
+      last_direction = 0;
+    }
     if (!one_in(50)) controller_heard();
     if (one_in(400 * rare)) fake_board.open = random() % 4;
     if (one_in(100)) fake_board.open = 0;
