@@ -1,5 +1,5 @@
 // lake-stroke: a design's stroke program with the firmware that runs it; a duty table from logs; a prototype's video
-// against its prediction; the program in the board, watched; a terminal for it; a bench's tests judged.
+// against its prediction; the program in the board, watched; a terminal for it.
 #include <functional>
 #include <string>
 
@@ -23,12 +23,8 @@ int main(int argc, char** argv) {
                          "lake-stroke run stroke --port /dev/ttyACM0 -o log", OptionsOf(session));
   commands::StrokeHomeRunOptions home;
   const std::function<bool()> home_command =
-      program.AddCommand("home", "Home, with nobody in the exoskeleton: before 'run --worn'",
+      program.AddCommand("home", "Home, with nobody in the exoskeleton",
                          "lake-stroke home stroke --port /dev/ttyACM0 -o home", OptionsOf(home));
-  commands::BenchRunOptions bench;
-  const std::function<bool()> bench_command =
-      program.AddCommand("validate-bench", "The bench's test plan, or the verdict on its logs",
-                         "lake-stroke validate-bench bench -o verdict", OptionsOf(bench));
   commands::StrokeTalkRunOptions talk;
   const std::function<bool()> talk_command = program.AddCommand(
       "talk", "A terminal for the firmware: jog 300 1000, stop, home; until the end of input (Ctrl-D)",
@@ -38,14 +34,12 @@ int main(int argc, char** argv) {
       [&]() -> std::string {
         if (run_command()) return "stroke-run";
         if (home_command()) return "stroke-home";
-        if (bench_command()) return "stroke-bench";
         if (talk_command()) return "stroke-talk";
         return calibrate() ? "duty" : "stroke-" + stroke.design.stem().string();
       },
       [&](Run& run) {
         if (run_command()) return commands::RunStrokeSession(session, run);
         if (home_command()) return commands::RunStrokeSession(home.run, run);
-        if (bench_command()) return commands::RunBenchValidation(bench, run);
         if (talk_command()) return commands::RunStrokeTalk(talk, run);
         if (calibrate()) return commands::RunDutyCalibration(duty, run);
         if (stroke.design.empty()) throw UsageError("which design? see lake-stroke --help");

@@ -24,6 +24,7 @@
 #include "lake/core/interrupt.h"
 #include "lake/core/options_json.h"
 #include "lake/core/provenance.h"
+#include "lake/core/removed.h"
 #include "lake/core/shell_word.h"
 #include "lake/core/standard_output.h"
 #include "lake/core/threads.h"
@@ -219,7 +220,11 @@ std::string TextOf(const CLI::ConfigError& error, const CLI::App& cli) {
   std::string_view text = error.what();
   if (!text.starts_with(kUnknown)) return fmt::format("{}: {}", file, text);
   text.remove_prefix(kUnknown.size());
-  if (!text.ends_with(kSection)) return fmt::format("{}: there is no option '{}'", file, text);
+  if (!text.ends_with(kSection)) {
+    const std::string why =
+        WhyRemoved(cli.get_name(), fmt::format("--{}", text.substr(text.rfind('.') + 1)));  // rfind: npos + 1 is 0
+    return why.empty() ? fmt::format("{}: there is no option '{}'", file, text) : fmt::format("{}: {}", file, why);
+  }
   text.remove_suffix(kSection.size());
   return fmt::format("{}: there is no command '{}'", file, text);
 }
@@ -233,6 +238,15 @@ std::string TextOf(const CLI::ParseError& error) {
     return std::string(text);
   const std::size_t value = required + kRequired.size();
   return NeedsValue(text.substr(0, name_end), text.substr(value, text.size() - kMissing.size() - value));
+}
+
+// What the command line has of an earlier version; its command comes first.
+std::string RemovedIn(const std::string& program, int argc, char** argv) {
+  for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i)
+    if (const std::string why = WhyRemoved(program, argv[i]);
+        !why.empty() && (i == 1 || std::string_view(argv[i]).starts_with("--")))
+      return why;
+  return {};
 }
 
 }  // namespace
@@ -266,6 +280,7 @@ int ParseAndRun(CLI::App& cli, const std::vector<SharedOptions>& lists, int argc
   SilenceCeres();
   PrepareLastWords(name);
   const auto parse_and_work = [&] {
+    if (const std::string why = RemovedIn(name, argc, argv); !why.empty()) throw UsageError("{}", why);
     try {
       cli.parse(NameEachValue(argc, argv, lists));
       return work();

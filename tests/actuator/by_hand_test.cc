@@ -14,23 +14,20 @@ using testing::Not;
 
 using ByHandTest = HostFirmwareTest;
 
-// Homing is longer than the time-out: each resume takes it on from where it waits.
-TEST_F(ByHandTest, HomesInStepsWithoutAHostThatTalks) {
+// Homing is longer than the time-out of a host that does not talk.
+TEST_F(ByHandTest, HomingWithoutAHostThatTalksIsHeld) {
   Build(FreeDesign({{0, 300}, {2, 306}}));
   rig_->SetStroke(330);
   rig_->KeepTalking(false);
   ASSERT_TRUE(rig_->Asks("home", "ok"));
-  int steps = 0;
-  while (!rig_->RunUntil("[MSG:done]", 4)) {
-    ASSERT_LT(++steps, 20) << rig_->Serial();
-    EXPECT_THAT(rig_->Status(), HasSubstr("<hold")) << "nobody looks: it waits";
-    EXPECT_EQ(rig_->Duty(), 0);
-    EXPECT_TRUE(rig_->ResumeAsks());
-  }
-  EXPECT_GE(steps, 3);
-  rig_->Run(0.3);
-  EXPECT_NEAR(rig_->Stroke(), 300, 0.3);
-  EXPECT_TRUE(rig_->Asks("run", "ok"));
+  EXPECT_FALSE(rig_->RunUntil("[MSG:done]", 4));
+  EXPECT_THAT(rig_->Status(), HasSubstr("<hold"));
+  EXPECT_EQ(rig_->Duty(), 0);
+  EXPECT_TRUE(rig_->Asks("home", "error:4"));
+  EXPECT_TRUE(rig_->Asks("stop", "ok"));
+  rig_->KeepTalking(true);
+  EXPECT_TRUE(rig_->Asks("home", "ok"));
+  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 20)) << rig_->Serial();
 }
 
 TEST_F(ByHandTest, StopGivesHomingUpAndHoldEndsIt) {
@@ -40,7 +37,6 @@ TEST_F(ByHandTest, StopGivesHomingUpAndHoldEndsIt) {
   ASSERT_TRUE(rig_->Asks("home", "ok"));
   rig_->Run(3);
   ASSERT_TRUE(rig_->Asks("stop", "ok"));
-  EXPECT_FALSE(rig_->ResumeAsks());
   rig_->Run(1);
   EXPECT_EQ(rig_->Duty(), 0);
   EXPECT_TRUE(rig_->Asks("run", "error:5"));
@@ -95,10 +91,9 @@ TEST(Untried, IsSaidWhereverSomebodyReadsAboutSafety) {
 // The folder needs no other: pins, commands, what the numbers mean.
 TEST(SketchNotes, TheFolderExplainsItself) {
   std::string readme;
-  for (const actuator::FirmwareFile& file : actuator::FirmwareSources(actuator::Board::kUno))
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources())
     if (file.name == "README.txt") readme = file.text;
-  for (const char* part :
-       {"D9", "D2, D3", "NORMALLY CLOSED", "A0", "115200", "jog DUTY MS", "ALARM:N", "error:N", "resume"})
+  for (const char* part : {"D9", "D2, D3", "NORMALLY CLOSED", "A0", "115200", "jog DUTY MS", "ALARM:N", "error:N"})
     EXPECT_THAT(readme, HasSubstr(part));
 }
 

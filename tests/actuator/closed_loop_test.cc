@@ -470,7 +470,6 @@ TEST_F(ClosedLoopTest, AMillionMillisecondsOfEverything) {
       rig_->Send(fmt::format("jog {} {}", rate, 1 + random() % 3000));
     }
     if (one_in(9000)) rig_->SendNow("!\x18"[random() % 2]);
-    if (one_in(9000)) rig_->Send("resume"), rig_->Send("go");
     if (one_in(40000)) rig_->PullWire(one_in(2), true);
     if (one_in(2000)) rig_->PullWire(true, false), rig_->PullWire(false, false);
     if (one_in(60000)) rig_->Breaks().wiper = static_cast<RigBreaks::Wiper>(random() % 4);

@@ -14,30 +14,24 @@
 namespace lake {
 
 struct Combination {
-  enum Choice { kPot, kSupply, kCurrent, kSense, kRelay, kWorn, kBts7960, kChoices };
+  enum Choice { kPot, kSupply, kCurrent, kSense, kRelay, kChoices };
 
   unsigned choices = 0;  // bits
 
   bool Has(int choice) const { return choices >> choice & 1; }
 
-  bool IsAllowed() const {
-    constexpr unsigned kOfAWornOne = 1U << kPot | 1U << kSupply | 1U << kCurrent | 1U << kSense | 1U << kRelay;
-    if (Has(kRelay) && !Has(kSupply)) return false;
-    return !Has(kWorn) || (choices & kOfAWornOne) == kOfAWornOne;
-  }
+  bool IsAllowed() const { return !Has(kRelay) || Has(kSupply); }
 
   std::string Name() const {
-    static constexpr const char* kNames[] = {"pot", "supply", "current", "sense", "relay", "worn", "BTS7960"};
+    static constexpr const char* kNames[] = {"pot", "supply", "current", "sense", "relay"};
     std::string name;
     for (int choice = 0; choice < kChoices; ++choice)
       if (Has(choice)) name += (name.empty() ? "" : ", ") + std::string(kNames[choice]);
     return name.empty() ? "open loop alone" : name;
   }
 
-  // Into fresh options; the relay on a pin that every board has free.
-  actuator::FirmwareOptions Options(actuator::Board board = actuator::Board::kUno, int relay_pin = 5) const {
+  actuator::FirmwareOptions Options() const {
     actuator::FirmwareOptions options;
-    options.board = board;
     if (Has(kPot)) {
       options.feedback = actuator::Feedback::kPotentiometer;
       options.potentiometer = {0, 240, 1023, 380};
@@ -45,20 +39,7 @@ struct Combination {
     if (Has(kSupply)) options.supply_v = 12;
     options.current_sense = Has(kCurrent);
     options.bridge_sense = Has(kSense);
-    if (Has(kRelay)) options.pins.safety_relay = relay_pin;
-    if (Has(kWorn)) {
-      options.worn = true;
-      options.speed_limit_mm_s = 6;
-      options.force_limit_n = 400;
-      options.force_n_per_a = 250;
-      options.idle_a = 0.3;
-    }
-    if (Has(kBts7960)) {
-      options.bridge = actuator::Bridge::kBts7960;
-      options.pins.ena = 7;
-      options.pins.in1 = 9;
-      options.pins.in2 = 10;
-    }
+    if (Has(kRelay)) options.pins.safety_relay = 5;
     return options;
   }
 };

@@ -164,29 +164,17 @@ TEST_F(ControllerTest, SilenceStopsWhateverMoves) {
   EXPECT_EQ(controller_status().state, STATE_IDLE);
 }
 
-TEST_F(ControllerTest, AHoldKeepsThePlaceAndEndsInTwoSteps) {
+TEST_F(ControllerTest, AHoldEndsByAStop) {
   Start();
   TickTalking(200);
-  EXPECT_EQ(Ask(REQUEST_RESUME), REPLY_STATE);
   controller_hold();
   TickTalking(300);
   EXPECT_EQ(controller_status().state, STATE_HOLD);
-  const int32_t place = controller_status().stroke_um;
-  EXPECT_EQ(Ask(REQUEST_GO), REPLY_STATE) << "the first step is missing";
-  EXPECT_EQ(Ask(REQUEST_RESUME), REPLY_OK);
-  EXPECT_EQ(Ask(REQUEST_RUN), REPLY_STATE);
-  EXPECT_EQ(Ask(REQUEST_GO), REPLY_STATE) << "something else was asked between";
-  EXPECT_EQ(Ask(REQUEST_RESUME), REPLY_OK);
-  controller_hold();
-  EXPECT_EQ(Ask(REQUEST_GO), REPLY_STATE) << "a hold came between";
-  EXPECT_EQ(Ask(REQUEST_RESUME), REPLY_OK);
-  Tick(RESUME_MS);
-  EXPECT_EQ(Ask(REQUEST_GO), REPLY_STATE) << "too late";
-  EXPECT_EQ(controller_status().state, STATE_HOLD);
-  EXPECT_EQ(Ask(REQUEST_RESUME), REPLY_OK);
-  EXPECT_EQ(Ask(REQUEST_GO), REPLY_OK);
-  EXPECT_EQ(controller_status().state, STATE_RUNNING);
-  EXPECT_NEAR(controller_status().stroke_um, place, 5);
+  for (const request_t request : {REQUEST_RUN, REQUEST_HOME, REQUEST_JOG})
+    EXPECT_EQ(Ask(request, 2000, 100), REPLY_STATE);
+  EXPECT_EQ(Ask(REQUEST_STOP), REPLY_OK);
+  EXPECT_EQ(controller_status().state, STATE_IDLE);
+  EXPECT_EQ(Ask(REQUEST_RUN), REPLY_POSITION) << "it begins again with homing";
   controller_abort();
   TickTalking(1);
   EXPECT_EQ(controller_status().state, STATE_IDLE);
@@ -225,17 +213,19 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
     const bool calm = i / 20'000 % 2 == 1;
     const int rare = calm ? 20 : 1;
     if (one_in(300 * rare)) {
-      const auto request = static_cast<request_t>(1 + random() % 9);
+      const auto request = static_cast<request_t>(1 + random() % REQUEST_JOG);
       const auto rate = static_cast<int16_t>(static_cast<int>(random() % 8001) - 4000);
       controller_request(request, rate, static_cast<uint16_t>(random() % 2000));
     }
     if (calm && controller_status().state == STATE_IDLE && one_in(100))
       controller_request(one_in(2) ? REQUEST_HOME : REQUEST_RUN, 0, 0);
     if (one_in(700 * rare)) controller_hold();
-    if (one_in(300)) controller_request(REQUEST_RESUME, 0, 0);
-    if (controller_status().state == STATE_HOLD && one_in(3)) controller_request(REQUEST_GO, 0, 0);
+    if (controller_status().state == STATE_HOLD && one_in(300)) controller_request(REQUEST_STOP, 0, 0);
     if (one_in(3000 * rare)) controller_abort();
-    if (one_in(40'000)) fake_board = {}, motor_init(), power_init(), controller_init();  // power off and on
+    if (one_in(40'000)) {  // power off and on, which takes longer than a brake
+      fake_board = {}, motor_init(), power_init(), controller_init();
+      last_direction = 0;
+    }
     if (!one_in(50)) controller_heard();
     if (one_in(400 * rare)) fake_board.open = random() % 4;
     if (one_in(100)) fake_board.open = 0;

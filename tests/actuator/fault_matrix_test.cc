@@ -1,4 +1,4 @@
-// Every single fault of the bench's plan in every state, with everything wired: what is told, how far the rod goes, and
+// Every single fault in every state, with everything wired: what is told, how far the rod goes, and
 // whether anything is dangerous. The whole matrix makes libs/design/actuator/RISKS.md:
 //   LAKE_LONG_TESTS=1 LAKE_RISKS=libs/design/actuator/RISKS.md build/test/bin/lake_actuator_test
 //   --gtest_filter='FaultMatrix*'
@@ -12,7 +12,6 @@
 #include <sstream>
 
 #include "host/host_fixture.h"
-#include "lake/actuator/bench_validation.h"
 #include "lake/core/atomic_file.h"
 
 namespace lake {
@@ -29,47 +28,122 @@ constexpr const char* kAtLimit = "running, at the upper limit";
 
 using Act = std::function<void(HostRig&)>;
 
-const std::map<std::string, Act>& Makers() {
+// A single fault, and what is to be seen of it in whatever state it comes: the numbers are those of RISKS.md, rounded
+// up.
+struct SingleFault {
+  std::string name;       // "in1_open"
+  std::string how;        // it is made
+  std::vector<int> told;  // ALARM numbers, any of them; empty: it need not be told, since nothing moves by it
+  double way_mm = 0;      // that the rod may go meanwhile, with what was asked for until the fault is told
+  Act make;
+};
+
+const std::vector<SingleFault>& SingleFaults() {
   static const auto wire = [](Wire RigBreaks::*which, Wire how) {
     return [=](HostRig& rig) { rig.Breaks().*which = how; };
   };
   static const auto supply = [](double part) {
     return [=](HostRig& rig) { rig.Actuator().supply = [part](double) { return part; }; };
   };
-  static const std::map<std::string, Act> makers = {
-      {"none", [](HostRig&) {}},
-      {"ena_open", wire(&RigBreaks::ena, Wire::kOpen)},
-      {"ena_ground", wire(&RigBreaks::ena, Wire::kGround)},
-      {"ena_5v", wire(&RigBreaks::ena, Wire::kFive)},
-      {"in1_open", wire(&RigBreaks::in1, Wire::kOpen)},
-      {"in1_ground", wire(&RigBreaks::in1, Wire::kGround)},
-      {"in1_5v", wire(&RigBreaks::in1, Wire::kFive)},
-      {"in2_open", wire(&RigBreaks::in2, Wire::kOpen)},
-      {"in2_ground", wire(&RigBreaks::in2, Wire::kGround)},
-      {"in2_5v", wire(&RigBreaks::in2, Wire::kFive)},
-      {"retract_wire", [](HostRig& rig) { rig.PullWire(true, true); }},
-      {"extend_wire", [](HostRig& rig) { rig.PullWire(false, true); }},
-      {"both_wires", [](HostRig& rig) { rig.PullWire(true, true), rig.PullWire(false, true); }},
-      {"retract_shorted", [](HostRig& rig) { rig.Actuator().retract_stop_mm = -1000; }},
-      {"supply_off", supply(0)},
-      {"supply_low", supply(0.5)},
-      {"supply_high", supply(1.5)},
-      {"supply_sense", [](HostRig& rig) { rig.Breaks().supply_wire = true; }},
-      {"wiper_lost", [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kLost; }},
-      {"wiper_shorted", [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kShorted; }},
-      {"wiper_frozen", [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kFrozen; }},
-      {"current_sense", [](HostRig& rig) { rig.Breaks().current_wire = true; }},
-      {"short", [](HostRig& rig) { rig.Actuator().idle_a = 6; }},
-      {"motor_unplugged", [](HostRig& rig) { rig.Breaks().is_motor_unplugged = true; }},
-      {"blocked", [](HostRig& rig) { rig.Breaks().is_blocked = true; }},
-      {"shorted_extend", [](HostRig& rig) { rig.Breaks().shorted = 1; }},
-      {"shorted_retract", [](HostRig& rig) { rig.Breaks().shorted = -1; }},
-      {"relay_welded", [](HostRig& rig) { rig.Breaks().is_relay_welded = true; }},
-      {"host_silent", [](HostRig& rig) { rig.KeepTalking(false); }},
-      {"main_hangs", [](HostRig& rig) { rig.Hang(true); }},
-      {"current_offset", [](HostRig& rig) { rig.Breaks().current_offset_v = 0.03; }},
+  static const std::vector<SingleFault> faults = {
+      {"none", "nothing is broken: a stop alone", {}, 0.5, [](HostRig&) {}},
+      {"ena_open", "ENA's wire off at the UNO", {8, 11, 13, 15}, 0.5, wire(&RigBreaks::ena, Wire::kOpen)},
+      {"ena_ground", "ENA's wire at ground", {8, 11, 13, 15}, 0.5, wire(&RigBreaks::ena, Wire::kGround)},
+      {"ena_5v", "ENA's jumper on, or its wire at 5 V", {8, 9, 10, 11, 15}, 7, wire(&RigBreaks::ena, Wire::kFive)},
+      {"in1_open", "IN1's wire off at the UNO", {8, 9, 11, 13, 15}, 7, wire(&RigBreaks::in1, Wire::kOpen)},
+      {"in1_ground", "IN1's wire at ground", {8, 11, 13, 15}, 7, wire(&RigBreaks::in1, Wire::kGround)},
+      {"in1_5v", "IN1's wire at 5 V", {8, 9, 11, 13, 15}, 7, wire(&RigBreaks::in1, Wire::kFive)},
+      {"in2_open", "IN2's wire off at the UNO", {8, 9, 11, 13, 15}, 7, wire(&RigBreaks::in2, Wire::kOpen)},
+      {"in2_ground", "IN2's wire at ground", {8, 11, 13, 15}, 7, wire(&RigBreaks::in2, Wire::kGround)},
+      {"in2_5v", "IN2's wire at 5 V", {8, 9, 11, 13, 15}, 7, wire(&RigBreaks::in2, Wire::kFive)},
+      {"retract_wire",
+       "the retract end stop's wire off",
+       {1, 2, 5},
+       2.5,
+       [](HostRig& rig) { rig.PullWire(true, true); }},
+      {"extend_wire",
+       "the extend end stop's wire off",
+       {1, 2, 5},
+       2.5,
+       [](HostRig& rig) { rig.PullWire(false, true); }},
+      {"both_wires",
+       "both end stops' wires off",
+       {2},
+       0.5,
+       [](HostRig& rig) { rig.PullWire(true, true), rig.PullWire(false, true); }},
+      {"retract_shorted",
+       "the retract end stop's wire at ground",
+       {4, 12},
+       8,
+       [](HostRig& rig) { rig.Actuator().retract_stop_mm = -1000; }},
+      {"supply_off", "the emergency stop pressed", {6, 8, 11, 12, 13}, 0.5, supply(0)},
+      {"supply_low", "the supply at half its voltage", {6}, 0.5, supply(0.5)},
+      {"supply_high", "the supply at one and a half times its voltage", {6}, 0.5, supply(1.5)},
+      {"supply_sense", "the wire of A2 off", {6, 16}, 0.5, [](HostRig& rig) { rig.Breaks().supply_wire = true; }},
+      {"wiper_lost",
+       "the wire of A0 off",
+       {7},
+       0.5,
+       [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kLost; }},
+      {"wiper_shorted", "A0 at 5 V", {7}, 0.5, [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kShorted; }},
+      {"wiper_frozen",
+       "the wiper's wire at a fixed voltage",
+       {1, 4, 7, 8, 9, 10, 11},
+       6,
+       [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kFrozen; }},
+      {"current_sense", "the wire of A1 off", {12}, 0.5, [](HostRig& rig) { rig.Breaks().current_wire = true; }},
+      {"short", "the motor's leads shorted", {12}, 0.5, [](HostRig& rig) { rig.Actuator().idle_a = 6; }},
+      {"motor_unplugged",
+       "one of the motor's leads off",
+       {8, 11, 13},
+       0.5,
+       [](HostRig& rig) { rig.Breaks().is_motor_unplugged = true; }},
+      {"blocked", "the rod held", {8, 11, 12}, 0.5, [](HostRig& rig) { rig.Breaks().is_blocked = true; }},
+      {"shorted_extend",
+       "the bridge has failed and extends, whatever it is told: OUT1 at the supply, OUT2 at ground",
+       {8, 9, 10, 11, 12, 15},
+       1,
+       [](HostRig& rig) { rig.Breaks().shorted = 1; }},
+      {"shorted_retract",
+       "the bridge has failed and retracts: OUT2 at the supply, OUT1 at ground",
+       {8, 9, 10, 11, 12, 15},
+       1,
+       [](HostRig& rig) { rig.Breaks().shorted = -1; }},
+      {"relay_welded",
+       "the safety relay's contact bridged",
+       {16},
+       3,
+       [](HostRig& rig) { rig.Breaks().is_relay_welded = true; }},
+      {"host_silent", "the USB cable out", {}, 10, [](HostRig& rig) { rig.KeepTalking(false); }},
+      {"main_hangs",
+       "the main loop hangs (a firmware with LAKE_SIMULATOR)",
+       {},
+       2,
+       [](HostRig& rig) { rig.Hang(true); }},
+      {"current_offset",
+       "the current sensor 30 mV off",
+       {},
+       0.5,
+       [](HostRig& rig) { rig.Breaks().current_offset_v = 0.03; }},
   };
-  return makers;
+  return faults;
+}
+
+const std::vector<std::string>& States() {
+  static const std::vector<std::string> states = {"idle, stroke unknown",
+                                                  "idle, at the start",
+                                                  "homing, seeking",
+                                                  "homing, backing off",
+                                                  "homing, coming again",
+                                                  "positioning",
+                                                  "running, extending",
+                                                  "running, resting",
+                                                  "running, retracting",
+                                                  "running, at the upper limit",
+                                                  "hold",
+                                                  "jogging, extending",
+                                                  "jogging, retracting"};
+  return states;
 }
 
 // What one fault in one state came to.
@@ -88,7 +162,7 @@ class FaultMatrixTest : public HostFirmwareTest {
     options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
     options.supply_v = 12, options.current_sense = true, options.bridge_sense = true;
     options.pins.safety_relay = 5;
-    options.worn = true, options.speed_limit_mm_s = 6, options.extend_stop_mm = 0.7;
+    options.speed_limit_mm_s = 6, options.extend_stop_mm = 0.7;
     options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
     actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
     actuator_.noise_counts = 0.5;
@@ -140,11 +214,6 @@ class FaultMatrixTest : public HostFirmwareTest {
     }
     if (state == "jogging, extending") rig_->Send("jog 500 6000"), Until("<jogging", 1), rig_->Run(0.3);
     if (state == "jogging, retracting") rig_->Send("jog -400 6000"), Until("<jogging", -1), rig_->Run(0.3);
-    if (state == "worn, extending") {
-      rig_->Press(true);
-      rig_->Run(0.1);
-      Begin("worn"), Until("<running", 1), rig_->Run(0.4);
-    }
     ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << state;
   }
 
@@ -190,7 +259,7 @@ class FaultMatrixTest : public HostFirmwareTest {
     rig_->Run(0.6);
     found.stop_mm = WayFrom(stopped + 1);  // it acts with the next tick
     // What a user would try.
-    for (const char* line : {"reset", "home", "resume", "go", "jog 400 800", "jog -400 800", "reset", "home"})
+    for (const char* line : {"reset", "home", "run", "jog 400 800", "jog -400 800", "reset", "home"})
       rig_->Send(line), rig_->Run(1);
     found.danger = Danger(from, drives_by_itself ? 120 : 3);
     if (found.danger.empty() && found.stop_mm > (drives_by_itself ? kFailedBridgeWay_mm : kStopWay_mm))
@@ -217,7 +286,7 @@ struct Risk {
 };
 
 // A row of it, as RISKS.md has it.
-std::string RiskRow(const actuator::BenchFault& fault, const Risk& risk) {
+std::string RiskRow(const SingleFault& fault, const Risk& risk) {
   const std::string alarms = fmt::format("{}", fmt::join(risk.alarms, ", "));
   return fmt::format("| `{}` | {} | {} | {} of {} | {} | {} | {:.2f} mm | {} |", fault.name, fault.how,
                      alarms.empty() ? "–" : alarms, risk.told, risk.states,
@@ -225,7 +294,7 @@ std::string RiskRow(const actuator::BenchFault& fault, const Risk& risk) {
                      risk.told ? fmt::format("{:.2f} mm", risk.way_mm) : "–", risk.stop_mm, risk.dangers);
 }
 
-std::string RiskTable(const std::vector<std::pair<actuator::BenchFault, Risk>>& risks) {
+std::string RiskTable(const std::vector<std::pair<SingleFault, Risk>>& risks) {
   std::string text = fmt::format(
       "# Risks of each single fault\n\n**None of this has been tried on a board: nobody may wear it.** In the form of "
       "ISO 14971, the hazardous "
@@ -233,7 +302,7 @@ std::string RiskTable(const std::vector<std::pair<actuator::BenchFault, Risk>>& 
       "Severity is "
       "not judged here; a laboratory that puts a person into the exoskeleton does, and measures the same rows on its "
       "bench "
-      "(`lake stroke validate-bench`). Made by `FaultMatrixTest` (`tests/actuator/fault_matrix_test.cc`): the portable "
+      "([BENCH.md](BENCH.md)). Made by `FaultMatrixTest` (`tests/actuator/fault_matrix_test.cc`): the portable "
       "firmware with everything wired and a model of the plant, each fault in each of {} states; each column has the "
       "worst "
       "of them. The rod's way includes what was asked for until the fault is told. Dangerous is: past the linkage's "
@@ -241,7 +310,7 @@ std::string RiskTable(const std::vector<std::pair<actuator::BenchFault, Risk>>& 
       "failed.\n\n"
       "| fault | how | ALARM | told in | within | rod goes | after a stop | dangerous |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
-      actuator::BenchStates().size(), kStopWay_mm, kFailedBridgeWay_mm);
+      States().size(), kStopWay_mm, kFailedBridgeWay_mm);
   for (const auto& [fault, risk] : risks) text += RiskRow(fault, risk) + "\n";
   return text +
          "\nWhere a fault is not told nothing moves by it in that state, or it is told when something is to move next: "
@@ -285,15 +354,15 @@ TEST_F(FaultMatrixTest, NoSingleFaultInAnyStateIsDangerous) {
   const bool all = std::getenv("LAKE_LONG_TESTS") != nullptr;
   const char* const file = std::getenv("LAKE_RISKS");
   const std::map<std::string, Said> said = SaidRisks();
-  EXPECT_EQ(said.size(), actuator::BenchFaults().size());
-  std::vector<std::pair<actuator::BenchFault, Risk>> risks;
+  EXPECT_EQ(said.size(), SingleFaults().size());
+  std::vector<std::pair<SingleFault, Risk>> risks;
   std::size_t number = 0;
-  for (const actuator::BenchFault& fault : actuator::BenchFaults()) {
+  for (const SingleFault& fault : SingleFaults()) {
     Risk risk;
-    for (const std::string& state : actuator::BenchStates()) {
+    for (const std::string& state : States()) {
       if (!all && number++ % 9 != 0) continue;
       const bool drives_by_itself = fault.name.starts_with("shorted_");
-      const Found found = Try(state, Makers().at(fault.name), drives_by_itself);
+      const Found found = Try(state, fault.make, drives_by_itself);
       ASSERT_FALSE(HasFatalFailure()) << fault.name << ", " << state;
       risk.Add(found);
       EXPECT_EQ(found.danger, "") << fault.name << ", " << state;

@@ -20,18 +20,18 @@ using testing::SizeIs;
 using Files = std::vector<actuator::FirmwareFile>;
 
 // As in libs/design/actuator/README.md, from the lowest.
-const std::vector<std::set<std::string>> kLayers = {{"portable", "divide", "stm32f4"},
-                                                    {"stroke_table", "pins", "chip", "kept"},
-                                                    {"config", "cortex"},
+const std::vector<std::set<std::string>> kLayers = {{"portable", "divide"},
+                                                    {"stroke_table", "pins"},
+                                                    {"config"},
                                                     {"board", "bridge", "serial"},
-                                                    {"analog", "button", "end_stops", "follow", "line", "motor"},
+                                                    {"analog", "end_stops", "follow", "line", "motor"},
                                                     {"power"},
                                                     {"state"},
                                                     {"program"},
                                                     {"calibration", "controller"},
                                                     {"protocol"},
                                                     {"firmware"},
-                                                    {"main", "lake_stroke", "startup"}};
+                                                    {"main", "lake_stroke"}};
 
 // controller.c and controller.h are one module.
 std::string ModuleOf(const std::string& file) {
@@ -68,18 +68,16 @@ std::vector<std::string> NotBelow(const Files& files) {
 }
 
 Files With(const std::string& file, const std::string& include) {
-  Files files = actuator::FirmwareSources(actuator::Board::kUno);
+  Files files = actuator::FirmwareSources();
   for (actuator::FirmwareFile& f : files)
     if (f.name == file) f.text = "#include \"" + include + "\"\n" + f.text;
   return files;
 }
 
 TEST(FirmwareLayers, IncludesGoDown) {
-  for (const actuator::Board board : {actuator::Board::kUno, actuator::Board::kNucleo})
-    EXPECT_THAT(NotBelow(actuator::FirmwareSources(board)), IsEmpty());
-  EXPECT_THAT(Includes(actuator::FirmwareSources(actuator::Board::kUno)), SizeIs(26)) << "every module was read";
-  EXPECT_THAT(Includes(actuator::FirmwareSources(actuator::Board::kUno))["motor"],
-              ElementsAre("bridge", "config", "portable"));
+  EXPECT_THAT(NotBelow(actuator::FirmwareSources()), IsEmpty());
+  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(25)) << "every module was read";
+  EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config", "portable"));
 }
 
 TEST(FirmwareLayers, APlantedCircleIsFound) {
@@ -115,21 +113,20 @@ std::map<std::string, bool> ReadByTheMainLoop(const Files& files) {
 }
 
 TEST(FirmwareLayers, WhatTheMainLoopReadsOfAnInterruptIsNotTorn) {
-  EXPECT_THAT(ReadByTheMainLoop(actuator::FirmwareSources(actuator::Board::kUno)),
+  EXPECT_THAT(ReadByTheMainLoop(actuator::FirmwareSources()),
               ElementsAre(Pair("board_analog", true), Pair("controller_status", true), Pair("program_waited_ms", true),
                           Pair("serial_read", true)));
 }
 
-// Calls without an include are circles as well: what is called must be declared. The Nucleo's files have the UNO's
-// names and more.
+// Calls without an include are circles as well: what is called must be declared.
 TEST(FirmwareLayers, NoFileDeclaresAnothersFunctions) {
   static const std::regex declaration(
       "^[a-z_0-9]+\\*? "
-      "(board|bridge|serial|chip|kept|analog|button|end_stops|follow|motor|power|state|program|controller|protocol|"
+      "(board|bridge|serial|analog|end_stops|follow|motor|power|state|program|controller|protocol|"
       "firmware)_[a-"
       "z_]+\\(.*\\)"
       ";");
-  for (const actuator::FirmwareFile& file : actuator::FirmwareSources(actuator::Board::kNucleo)) {
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) {
     std::istringstream lines(file.text);
     for (std::string line; std::getline(lines, line);)
       if (std::smatch match; std::regex_search(line, match, declaration)) {

@@ -135,29 +135,6 @@ TEST_F(StrokeProgramTest, FeedbackCurrentAndSupplyGoIntoTheSketch) {
 #endif
 }
 
-// The folder is a Nucleo's and nothing of an UNO's; its compiler's command is README.txt's.
-TEST_F(StrokeProgramTest, WritesAFirmwareForANucleo) {
-  const Outcome run = Run(std::string("design.yaml -o out --speed 5 --margin 6 --board nucleo --accept-drift "
-                                      "--duty-table ") +
-                          kTable);
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const std::filesystem::path sketch = folder_ / "out/lake_stroke";
-  const std::string main = ReadTextFile(sketch / "main.c");
-  EXPECT_THAT(main, StartsWith("// DRIFT ACCEPTED: "));
-  for (const char* part : {"has not been tried on a board", "MODEL duty table", "a Nucleo-64"})
-    EXPECT_THAT(main, HasSubstr(part));
-  EXPECT_FALSE(std::filesystem::exists(sketch / "lake_stroke.ino"));
-  const std::string readme = ReadTextFile(sketch / "README.txt");
-  const std::string first = "arm-none-eabi-gcc";
-  if (std::system("command -v arm-none-eabi-gcc > /dev/null") != 0)
-    GTEST_SKIP() << "gcc-arm-none-eabi is not installed";
-  const std::size_t begin = readme.find(first), end = readme.find("  st-flash", begin);
-  ASSERT_NE(end, std::string::npos);
-  const Outcome build = Shell(folder_, "cd out/lake_stroke && set -e\n" + readme.substr(begin, end - begin));
-  EXPECT_EQ(build.exit_code, 0) << build.err;
-  EXPECT_GT(std::filesystem::file_size(sketch / "lake_stroke.bin"), 10'000U);
-}
-
 TEST_F(StrokeProgramTest, WithoutADutyTableSaysSoAndWritesNoFirmware) {
   const Outcome run = Run("design.yaml -o out");
   ASSERT_EQ(run.exit_code, 0) << run.err;

@@ -40,7 +40,7 @@ def malformed(name, content):
     try:
         if ending == ".json":
             json.loads(content.decode("utf-8"))
-        if ending in (".svg", ".xml", ".urdf", ".sdf", ".trk", ".kva"):
+        if ending in (".svg", ".xml", ".urdf", ".trk", ".kva"):
             xml.etree.ElementTree.fromstring(content)
         if ending in (".html", ".yaml", ".csv", ".md", ".h", ".ino", ".cpp"):  # options.toml has names byte by byte
             content.decode("utf-8")

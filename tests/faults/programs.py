@@ -207,7 +207,6 @@ def commands(folder):
         "reoptimize-group": reoptimize + ["--comparison", "comparison", "--comparison", "comparison2"],
         "simulate": ["lake-simulate", "worn.yaml", "--no-animation"],
         "export-mjcf": ["lake-export", "worn.yaml", "mjcf"],
-        "export-sdf": ["lake-export", "worn.yaml", "sdf"],
         "export-urdf": ["lake-export", "worn.yaml", "urdf"],
         "export-step": ["lake-export", "worn.yaml", "step"],
         "export-dxf": ["lake-export", "worn.yaml", "dxf"],

@@ -33,7 +33,6 @@ TEST_F(Export, WritesEachFormatWithItsPartsAndNothingElseToStdout) {
   const std::pair<const char*, std::pair<const char*, const char*>> kFormats[] = {
       {"mjcf", {"design.xml", "<?xml version=\"1.0\"?>\n<mujoco"}},
       {"osim", {"design.osim", "<?xml version=\"1.0\"?>\n<OpenSimDocument Version=\"40000\">"}},
-      {"sdf", {"design.sdf", "<?xml version=\"1.0\"?>\n<sdf version=\"1.9\">"}},
       {"urdf", {"design.urdf", "<?xml version=\"1.0\"?>\n<robot"}},
       {"step", {"design.step", "ISO-10303-21;"}},
       {"dxf", {"design.dxf", "999\ndxflib"}}};
@@ -51,7 +50,8 @@ TEST_F(Export, WritesEachFormatWithItsPartsAndNothingElseToStdout) {
 }
 
 TEST_F(Export, RefusesWhatItCannotWrite) {
-  Refused("design.yaml stl", 2, "no format 'stl': there are mjcf, osim, sdf, urdf, step, dxf");
+  Refused("design.yaml stl", 2, "no format 'stl': there are mjcf, osim, urdf, step, dxf");
+  Refused("design.yaml sdf", 2, "sdf is removed: write urdf");
   Refused("none.yaml step", 1, "none.yaml");
   Refused("design.yaml step --plate 4mm,cheese", 2, "no material 'cheese'");
   Refused("design.yaml step --plate PLA", 2, "a thickness and a material, such as 4mm,PLA");

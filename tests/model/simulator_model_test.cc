@@ -6,10 +6,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <pugixml.hpp>
 
 #include "lake/core/angles.h"
-#include "lake/core/csv.h"
 #include "model/mujoco_model.h"
 #include "temporary_folder.h"
 
@@ -134,52 +132,6 @@ TEST(Mjcf, IsSimulated) {
 }
 
 #endif
-
-// "x y z roll pitch yaw", as SDFormat has it.
-Eigen::Isometry3d PoseFrom(const char* text) {
-  const std::vector<std::string> parts = SplitText(text, ' ');
-  std::vector<double> numbers;
-  for (const std::string& part : parts) numbers.push_back(ParseNumber(part).value());
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.translation() << numbers.at(0), numbers.at(1), numbers.at(2);
-  pose.linear() = (Eigen::AngleAxisd(numbers.at(5), Eigen::Vector3d::UnitZ()) *
-                   Eigen::AngleAxisd(numbers.at(4), Eigen::Vector3d::UnitY()) *
-                   Eigen::AngleAxisd(numbers.at(3), Eigen::Vector3d::UnitX()))
-                      .toRotationMatrix();
-  return pose;
-}
-
-// All seven joints, loops included, are where the pins of the reference pose are, with their axes along +y.
-TEST(Sdf, JointsAreAtThePins) {
-  const TemporaryFolder folder;
-  const parts::Mechanism mechanism = DesignNumber(0);
-  const linkage::Pose pose = model::ReferencePose(mechanism);
-  model::WriteSdf(folder / "design.sdf", mechanism);
-  pugi::xml_document document;
-  ASSERT_TRUE(document.load_file((folder / "design.sdf").c_str()));
-  const pugi::xml_node sdf = document.child("sdf").child("model");
-  const std::pair<const char*, Eigen::Vector2d> kPins[] = {
-      {"knee", pose.knee},   {"thigh_pin", pose.thigh_pin}, {"tip", pose.tip},    {"shank_pin", pose.shank_pin},
-      {"mount", pose.mount}, {"stroke", pose.tip},          {"rod_end", pose.tip}};
-  for (const auto& [name, pin] : kPins) {
-    const pugi::xml_node joint = sdf.find_child_by_attribute("joint", "name", name);
-    ASSERT_TRUE(joint) << name;
-    ASSERT_TRUE(sdf.find_child_by_attribute("link", "name", joint.child_value("parent"))) << name;
-    const pugi::xml_node child = sdf.find_child_by_attribute("link", "name", joint.child_value("child"));
-    const Eigen::Isometry3d model_from_child = PoseFrom(child.child_value("pose"));
-    const Eigen::Vector3d at = model_from_child * PoseFrom(joint.child_value("pose")).translation();
-    EXPECT_NEAR((1e3 * at - Eigen::Vector3d(-pin.x(), 0, pin.y())).norm(), 0, 1e-9) << name;
-    if (std::string_view(name) == "stroke") continue;
-    EXPECT_STREQ(joint.child("axis").child_value("xyz"), "0 0 1");
-    EXPECT_NEAR((model_from_child.linear() * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitY()).norm(), 0, 1e-12);
-  }
-  double mass_kg = mechanism.options.actuator_mass_kg, written_kg = 0;
-  for (const parts::Plate& plate : mechanism.plates) mass_kg += parts::MassOf(plate).mass_kg;
-  for (const pugi::xml_node& link : sdf.children("link"))
-    if (std::string_view(link.attribute("name").value()) != "actuator_rod")
-      written_kg += ParseNumber(link.child("inertial").child_value("mass")).value();
-  EXPECT_NEAR(written_kg, mass_kg, 1e-12);
-}
 
 }  // namespace
 }  // namespace lake

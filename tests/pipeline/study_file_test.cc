@@ -9,6 +9,7 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/core/removed.h"
 #include "lake/study/study.h"
 #include "lake/study/study_template.h"
 #include "temporary_folder.h"
@@ -458,6 +459,10 @@ TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
   ExpectRefused(trial + "stroke: {speed_tolerance_percent: 300}\n", "study.yaml:2: ");
   ExpectRefused(trial + "stroke: {accept_drift: perhaps}\n", "study.yaml:2: ");
   ExpectRefused(trial + "stroke: {duty: x}\n", "study.yaml:2: unknown key 'duty'");
+  for (const Removed& removed : AllRemoved())
+    if (!removed.key.empty())
+      ExpectRefused(fmt::format("{}stroke: {{{}: x}}\n", trial, removed.key),
+                    fmt::format("study.yaml:2: '{}' is removed: {}", removed.key, removed.instead));
 }
 
 // What a step depends on: the same whatever the order of keys and the blanks, another for another value.

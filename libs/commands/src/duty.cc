@@ -27,7 +27,7 @@ Json WriteCalibrationFirmware(const DutyRunOptions& options, Run& run) {
   const std::string header =
       actuator::CalibrationHeader(options.firmware, fmt::format("Made by lake-stroke {}.", Version()));
   run.Report("calibration firmware written; it obeys jog and stop\n{}\n", actuator::kUntried);
-  return {{"firmware", {{"files", WriteSketch(header, options.firmware.board, "", run)}, {"segments", 0}}}};
+  return {{"firmware", {{"files", WriteSketch(header, "", run)}, {"segments", 0}}}};
 }
 
 std::vector<actuator::DutyLog> ReadLogs(const DutyRunOptions& options, Run& run, Json& alignment) {

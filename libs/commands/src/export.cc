@@ -10,6 +10,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/removed.h"
 #include "lake/drawing/linkage_dxf.h"
 #include "lake/linkage/design_file.h"
 #include "lake/model/coupled_model.h"
@@ -34,7 +35,6 @@ const std::vector<Format>& Formats() {
   static const std::vector<Format> kFormats = {
       {"mjcf", "design.xml", model::WriteMjcf, model::WriteCoupledMjcf},
       {"osim", "design.osim", model::WriteOsim, model::WriteCoupledOsim},
-      {"sdf", "design.sdf", model::WriteSdf},
       {"urdf", "design.urdf", model::WriteUrdf},
       {"step", "design.step",
        [](const std::filesystem::path& path, const parts::Mechanism& mechanism) {
@@ -54,6 +54,7 @@ const Format& FormatNamed(const std::string& name) {
     if (format.name == name) return format;
     known.push_back(format.name);
   }
+  if (const std::string why = WhyRemoved("lake-export", name); !why.empty()) throw UsageError("{}", why);
   throw UsageError("no format '{}': there are {}", name, fmt::join(known, ", "));
 }
 

@@ -348,11 +348,11 @@ std::string InSketch(const std::string& name) {
   return std::string(actuator::kSketchFolder) + "/" + name;
 }
 
-std::vector<std::string> ResultNames(bool has_sketch, actuator::Board board, bool has_validation) {
+std::vector<std::string> ResultNames(bool has_sketch, bool has_validation) {
   std::vector<std::string> names = {"summary.json", "program.csv", "program.png", "program.svg"};
   if (has_sketch) {
     names.insert(names.end(), {"stroke_table.h", InSketch("stroke_table.h"), InSketch(kSchematic), InSketch(kSignOff)});
-    for (const actuator::FirmwareFile& file : actuator::FirmwareSources(board)) names.push_back(InSketch(file.name));
+    for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) names.push_back(InSketch(file.name));
   }
   if (has_validation) names.insert(names.end(), {"validation.csv", "validation.png", "validation.svg"});
   return names;
@@ -360,14 +360,14 @@ std::vector<std::string> ResultNames(bool has_sketch, actuator::Board board, boo
 
 }  // namespace
 
-Json WriteSketch(const std::string& stroke_table, actuator::Board board, const std::string& notes, Run& run,
+Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run& run,
                  const std::vector<actuator::FirmwareFile>& further) {
   const auto place = [&](const std::string& name) { return run.Result(InSketch(name)); };
   WriteTextFile(place("stroke_table.h"), stroke_table);
   WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // where the interfaces have it
   Json files = {"stroke_table.h", InSketch("stroke_table.h")};
-  for (const actuator::FirmwareFile& file : actuator::FirmwareSources(board)) {
-    const bool has_notes = file.name == actuator::FactsOf(board).notes_file;
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) {
+    const bool has_notes = file.name == actuator::kNotesFile;
     WriteTextFile(place(file.name), has_notes ? notes + file.text : file.text);
     files.push_back(InSketch(file.name));
   }
@@ -401,7 +401,7 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   const std::optional<Sketch> sketch = MakeSketch(options, plan);
   std::vector<actuator::AngleSample> angles;
   if (options.validate) angles = KneeAngles(*options.validate);
-  run.Begin(ResultNames(sketch.has_value(), options.firmware.board, options.validate.has_value()));
+  run.Begin(ResultNames(sketch.has_value(), options.validate.has_value()));
   const std::vector<actuator::ScheduleRow> rows =
       actuator::SampleSchedule(plan.schedule, options.rate_hz, plan.table ? &*plan.table : nullptr);
   std::optional<actuator::Validation> validation;
@@ -425,9 +425,8 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   summary["firmware"] = Json();
   run.Report(ReportOf(plan.schedule, rows) + ReportOf(plan.crawl));
   if (sketch) {
-    summary["firmware"] =
-        FirmwareJson(WriteSketch(sketch->header, options.firmware.board, sketch->notes, run, sketch->commissioning),
-                     *sketch, options.firmware.accept_drift);
+    summary["firmware"] = FirmwareJson(WriteSketch(sketch->header, sketch->notes, run, sketch->commissioning), *sketch,
+                                       options.firmware.accept_drift);
     run.Report(ReportOf(*sketch, options.firmware.accept_drift));
   }
   if (validation) {

@@ -5,7 +5,6 @@
 #include <iostream>
 #include <optional>
 
-#include "lake/actuator/bench_validation.h"
 #include "lake/commands/stroke.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
@@ -65,8 +64,6 @@ void Describe(StrokeSessionRunOptions& o, OptionList& options) {
   options.Add("acknowledge", o.session.acknowledge, "The board's fault of before was seen to: clear it");
   options.Add("home", o.session.home, "Home first; --no-home: the actuator stands at the program's start")
       .WithNegation();
-  options.AddFlag("worn", o.session.task, actuator::SessionTask::kRunWorn,
-                  "On a person, who holds the button: does not home; 'lake-stroke home' did, with nobody in it");
 }
 
 void Describe(StrokeHomeRunOptions& o, OptionList& options) {
@@ -76,37 +73,6 @@ void Describe(StrokeHomeRunOptions& o, OptionList& options) {
       .Value("DIR");
   options.Add("port", o.run.session.port, "Serial line of the board: /dev/ttyACM0").Value("TTY");
   options.Add("acknowledge", o.run.session.acknowledge, "The board's fault of before was seen to: clear it");
-}
-
-Json RunBenchValidation(const BenchRunOptions& options, Run& run) {
-  if (!options.folder) {
-    run.Begin({"summary.json", "bench.csv"});
-    actuator::WriteBenchPlan(run.Result("bench.csv"));
-    const std::size_t tests = actuator::BenchFaults().size() * actuator::BenchStates().size();
-    run.Report("bench.csv has the {} tests of the plan: fill it in, then give its folder\n", tests);
-    return {{"plan", tests}};
-  }
-  run.AddInput(*options.folder / "bench.csv", "bench");
-  const actuator::BenchReport report = actuator::ValidateBench(*options.folder);
-  run.Begin({"summary.json", "bench_verdicts.csv"});
-  actuator::WriteBenchReport(run.Result("bench_verdicts.csv"), report);
-  for (const actuator::BenchFinding& finding : report.findings)
-    if (finding.verdict == actuator::BenchVerdict::kFailed)
-      run.Warn("{} while {}: {}", finding.found.fault, finding.found.state, finding.why);
-  const int passed = report.Count(actuator::BenchVerdict::kPassed),
-            failed = report.Count(actuator::BenchVerdict::kFailed),
-            missing = report.Count(actuator::BenchVerdict::kMissing);
-  const double endurance_h = report.endurance_s / 3600;
-  run.Report("{} passed, {} failed, {} missing; the longest log without an alarm has {:.1f} h. {}\n", passed, failed,
-             missing, endurance_h,
-             failed + missing == 0 ? "This bench has passed the plan." : "This bench has not passed the plan.");
-  return {{"passed", passed}, {"failed", failed}, {"missing", missing}, {"endurance_h", endurance_h}};
-}
-
-void Describe(BenchRunOptions& o, OptionList& options) {
-  options.AddOperand("folder", o.folder, "Folder with bench.csv and the logs that it names; none: the plan is written")
-      .IsPath(Option::Path::kFolder)
-      .Value("DIR");
 }
 
 Json RunStrokeTalk(const StrokeTalkRunOptions& options, Run& run) {

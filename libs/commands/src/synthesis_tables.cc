@@ -131,48 +131,6 @@ const char* Gained(const problem::SynthesisProblem& problem) {
   return problem.SeeksDuration() ? "s gained" : "deg";
 }
 
-// The certified point against the links of the design: how far it may be, and in how wide a box it is the only one. A
-// box without width, all links at a bound, has none.
-struct StationaryLinks {
-  double distance_mm = kNaN, box_mm = kNaN;
-};
-StationaryLinks StationaryLinksOf(const synthesis::SynthesisOutcome& outcome) {
-  if (!outcome.stationary.is_certified) return {};
-  const synthesis::LocalSolve& best = outcome.result.Best();
-  return {outcome.stationary.Distance(best.solution.x, best.program.links),
-          2 * outcome.stationary.SmallestRadius(best.program.links)};
-}
-
-Json StationaryJson(const synthesis::SynthesisOutcome& outcome) {
-  const certificate::StationaryPoint& point = outcome.stationary;
-  const StationaryLinks links = StationaryLinksOf(outcome);
-  return {{"certified", point.is_certified},
-          {"reason", point.is_certified ? Json() : Json(point.reason)},
-          {"box_mm", NumberOrNull(links.box_mm)},
-          {"distance_mm", NumberOrNull(links.distance_mm)},
-          {"held", point.held},
-          {"poses", outcome.result.Best().poses.Size()},
-          {"unknowns", point.unknowns}};
-}
-
-// To one digit, upwards.
-double RoundedUp(double value) {
-  if (!(value > 0)) return value;
-  const double unit = std::pow(10.0, std::floor(std::log10(value)));
-  return std::ceil(value / unit) * unit;
-}
-
-std::string StationaryText(const synthesis::SynthesisOutcome& outcome) {
-  const certificate::StationaryPoint& point = outcome.stationary;
-  if (!point.is_certified) return fmt::format("  not proved to be near a stationary point: {}\n", point.reason);
-  const std::size_t poses = outcome.result.Best().poses.Size();
-  return fmt::format(
-      "  a stationary point of the last program{} is proved to lie within {} mm of this design,\n"
-      "  the only one in its box at which the same limits are active\n",
-      poses > 0 ? fmt::format(", with its {} poses,", poses) : "",
-      SignificantText(RoundedUp(StationaryLinksOf(outcome).distance_mm), 1));
-}
-
 // What the summary has behind its head.
 Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
   const synthesis::LocalSolve& best = outcome.result.Best();
@@ -181,7 +139,6 @@ Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
                {"exchanges", best.exchanges},
                {"multipliers_unique", outcome.active.multipliers_unique},
                {"active", ActiveJson(outcome.active, Gained(outcome.problem))},
-               {"stationary_point", StationaryJson(outcome)},
                {"clearances", ClearancesJson(outcome.problem)},
                {"optimum", EvaluationJson(best.evaluation)}};
   if (outcome.problem.robust_mm)
@@ -202,7 +159,6 @@ std::string ReportOf(const synthesis::SynthesisOutcome& outcome, double range_de
     text +=
         fmt::format("  at least {:.4f} deg for every build within {} mm\n",
                     outcome.result.Best().evaluation.worst_range_deg, SignificantText(*outcome.problem.robust_mm, 4));
-  text += StationaryText(outcome);
   return text + LinksText(outcome.BestLinks()) + ActiveText(outcome.active, Gained(outcome.problem)) +
          YieldsText(outcome);
 }

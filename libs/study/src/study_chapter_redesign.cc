@@ -472,10 +472,8 @@ Section RedesignChapter(const StudyFile& study, const StudyResults& results) {
 
 std::optional<Files::File> FirmwareOf(const StudyFile& study) {
   if (!study.stroke) return std::nullopt;
-  const actuator::Board board = study.stroke->firmware.board;
-  return Files::File{
-      fmt::format("stroke/{}/{}", actuator::kSketchFolder, actuator::FactsOf(board).notes_file),
-      fmt::format("firmware for the {}", board == actuator::Board::kNucleo ? "Nucleo-64" : "Arduino UNO")};
+  return Files::File{fmt::format("stroke/{}/{}", actuator::kSketchFolder, actuator::kNotesFile),
+                     "firmware for the Arduino UNO"};
 }
 
 Section StrokeChapter(const StudyFile& study, const StudyResults& results) {

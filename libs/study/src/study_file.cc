@@ -9,6 +9,7 @@
 #include "lake/core/error.h"
 #include "lake/core/options.h"
 #include "lake/core/options_json.h"
+#include "lake/core/removed.h"
 #include "lake/core/yaml.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
@@ -282,7 +283,15 @@ StudyAssistance ReadAssistance(YamlNode node, InputFiles& files) {
   return assistance;
 }
 
+// Keys that earlier versions had.
+void RefuseRemoved(const YamlNode& node, std::string_view program) {
+  for (const Removed& removed : AllRemoved())
+    if (removed.program == program && !removed.key.empty() && node.Has(removed.key))
+      throw Fail("{}: '{}' is removed: {}", node.Where(), removed.key, removed.instead);
+}
+
 commands::StrokeRunOptions ReadStroke(YamlNode node, InputFiles& files, StudySection& section) {
+  RefuseRemoved(node, "lake-stroke");
   commands::StrokeRunOptions options;
   ReadSection(node, options, files, section, kGivenToStroke);
   node.Finish();

@@ -34,9 +34,6 @@ void portable_restore(uint32_t what) {
   fake_board.blocked = what;
 }
 
-uint8_t board_button(void) {
-  return fake_board.button;
-}
 void board_close_relay(uint8_t) {}
 
 void bridge_direct(int8_t direction) {

@@ -15,7 +15,7 @@ struct FakeBoard {
   std::uint16_t adc = 0;
   std::string said;  // over the serial line
   std::uint8_t remembered[256] = {};
-  bool button = false, enable_is_held = false;
+  bool enable_is_held = false;
   std::uint32_t blocked = 0;  // how deep in blocks that no interrupt divides
   std::string received;       // to be read next
 };

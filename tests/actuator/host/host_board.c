@@ -55,9 +55,6 @@ void portable_restore(uint32_t what) {
   host_board.blocked = what;
 }
 
-uint8_t board_button(void) {
-  return host_board.button;
-}
 void board_close_relay(uint8_t is_closed) {
   host_board.relay = is_closed;
 }

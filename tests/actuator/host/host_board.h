@@ -18,7 +18,7 @@ typedef struct {
   int output_is_stuck;           // high, whatever the bridge is told
   int outputs_contradict;        // what the bridge was told in the last ms
   int in1_is_high, in2_is_high;  // by broken wires
-  uint8_t relay, button;
+  uint8_t relay;
   uint32_t blocked;       // how deep in blocks that no interrupt divides
   uint16_t adc[3];        // sums of four readings: A0 potentiometer, A1 current, A2 supply
   uint8_t received[256];  // a ring

@@ -34,7 +34,7 @@ class HostFirmwareTest : public testing::Test {
     rig_->KeepTalking(true);
   }
 
-  void WireAllOfAWornOne() {
+  void WireAll() {
     actuator::FirmwareOptions& options = firmware_options_;
     options.feedback = actuator::Feedback::kPotentiometer;
     options.potentiometer = {0, 240, 1023, 380};
@@ -42,7 +42,6 @@ class HostFirmwareTest : public testing::Test {
     options.current_sense = true;
     options.bridge_sense = true;
     options.pins.safety_relay = 5;
-    options.worn = true;
     options.speed_limit_mm_s = 6;
     options.force_limit_n = 400;
     options.force_n_per_a = 250;

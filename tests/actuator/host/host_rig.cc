@@ -67,7 +67,6 @@ void HostRig::OpenLibrary() {
   find(board_, "host_board");
   find(motor_init_, "motor_init");
   find(end_stops_init_, "end_stops_init");
-  find(button_init_, "button_init");
   find(power_init_, "power_init");
   find(analog_init_, "analog_init");
   find(controller_init_, "controller_init");
@@ -87,7 +86,6 @@ void HostRig::PowerUp() {
   Sense();
   motor_init_();
   end_stops_init_();
-  button_init_();
   power_init_();
   analog_init_();
   controller_init_();
@@ -131,10 +129,6 @@ void HostRig::TakeSaid() {
     if (!text) throw std::runtime_error("a wrong check sum: " + line);
     serial_ += *text + "\n";
   }
-}
-
-bool HostRig::ResumeAsks() {
-  return Asks("resume", "ok") && Asks("go", "ok");
 }
 
 double HostRig::Load() const {
@@ -209,14 +203,13 @@ void HostRig::Sense() {
   board_->adc[2] = Read(breaks_.supply_wire ? 0 : supply * actuator_.supply_v / actuator_.supply_divider);
 }
 
-// What the pins of the UNO feel of broken wires, of the relay and of the button.
+// What the pins of the UNO feel of broken wires, and of the relay.
 void HostRig::SetLevels() {
   board_->enable_is_held = breaks_.ena == Wire::kFive;
   board_->in1_is_high = breaks_.in1 == Wire::kOpen || breaks_.in1 == Wire::kFive;
   board_->in2_is_high = breaks_.in2 == Wire::kOpen || breaks_.in2 == Wire::kFive;
   board_->output_is_stuck = breaks_.shorted != 0 && Supply() > 0;
   board_->outputs_contradict = board_->bridge == HOST_DRIVE && breaks_.Contradict(Sent(), Supply() > kReadsHigh);
-  board_->button = is_held_;
   const bool is_closed = board_->relay || breaks_.is_relay_welded;
   relay_ms_ = is_closed == is_relay_closed_ ? 0 : relay_ms_ + 1;
   if (relay_ms_ >= (is_closed ? 15 : 10)) is_relay_closed_ = is_closed;

@@ -21,7 +21,7 @@ namespace lake {
 
 // Every file of the firmware that knows nothing of the chip; a board's own, the tests' or another chip's, come beside.
 inline constexpr const char* kPortableSources =
-    "controller.c state.c divide.c program.c calibration.c motor.c power.c button.c end_stops.c protocol.c line.c "
+    "controller.c state.c divide.c program.c calibration.c motor.c power.c end_stops.c protocol.c line.c "
     "analog.c follow.c";
 
 // Speed follows the table at duty times supply, less what the load costs, with a time constant while driven, 10 ms when
@@ -74,8 +74,7 @@ class HostRig {
   void SendNow(char c);
   void KeepTalking(bool on) { talking_ = on; }
   void PullWire(bool retract, bool pulled) { pulled_[retract ? 0 : 1] = pulled; }
-  void Hang(bool on) { hangs_ = on; }     // the main loop
-  void Press(bool on) { is_held_ = on; }  // the wearer's button
+  void Hang(bool on) { hangs_ = on; }  // the main loop
 
   double Time() const { return 1e-3 * static_cast<double>(now_ms_); }
   double Stroke() const { return stroke_mm_; }
@@ -85,7 +84,6 @@ class HostRig {
   HostActuator& Actuator() { return actuator_; }
   RigBreaks& Breaks() { return breaks_; }
   host_board_t& Board() { return *board_; }
-  bool ResumeAsks();                                     // both steps
   const std::string& Serial() const { return serial_; }  // without the check sums, which were right
   const std::string& Wire() const { return wire_; }      // with them
   const std::vector<HostSample>& Samples() const { return samples_; }
@@ -110,7 +108,6 @@ class HostRig {
   host_board_t* board_ = nullptr;
   void (*motor_init_)() = nullptr;
   void (*end_stops_init_)() = nullptr;
-  void (*button_init_)() = nullptr;
   void (*power_init_)() = nullptr;
   void (*analog_init_)() = nullptr;
   void (*controller_init_)() = nullptr;
@@ -125,7 +122,7 @@ class HostRig {
   std::mt19937 random_;
   double speed_mm_s_ = 0, motor_mm_ = 0, stroke_mm_ = 0;
   bool pulled_[2] = {false, false};
-  bool talking_ = false, hangs_ = false, is_held_ = false;
+  bool talking_ = false, hangs_ = false;
   int relay_ms_ = 0;  // for which the contacts are as they will be
   bool is_relay_closed_ = false;
   std::int64_t now_ms_ = 0;

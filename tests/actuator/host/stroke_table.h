@@ -22,12 +22,8 @@
 #define LAKE_PIN_EXTEND 3
 #define LAKE_PIN_OUT1 17
 #define LAKE_PIN_OUT2 18
-#define LAKE_PIN_BUTTON 4
-#define LAKE_BRIDGE_BTS7960 0
 #define LAKE_BRIDGE_SENSE 0
 #define LAKE_RELAY 0
-#define LAKE_WORN 0
-#define LAKE_WORN_TIMEOUT_MS 500
 #define LAKE_SUPPLY_SENSE 0
 #define LAKE_SUPPLY_LEAST 0
 #define LAKE_SUPPLY_MOST 0
@@ -65,7 +61,7 @@
 #define LAKE_RETRACT_LEAST_UM_S 720L
 #define LAKE_RETRACT_MOST_UM_S 11280L
 #define LAKE_HOME_KNEE "83.2"  // degrees
-#define LAKE_PROGRAM "eaca7d35e747"
+#define LAKE_PROGRAM "179d15c529a7"
 #define LAKE_DESIGN "unknown"
 #define LAKE_DUTY_TABLE "MODEL, not measured"
 #define LAKE_HOME_UM 297000L  // at the retract end stop

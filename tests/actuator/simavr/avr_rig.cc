@@ -33,10 +33,8 @@ constexpr std::uint16_t kDdrB = 0x24, kPortB = 0x25, kDdrD = 0x2A, kPortD = 0x2B
 constexpr std::uint8_t kTimer2CompareA = 7;  // its vector
 constexpr int kRamEnd = 0x8FF;
 constexpr std::size_t kTalkEverySamples = 500;
-constexpr int kCom1a1 = 7, kCom1b1 = 5;  // of TCCR1A: the timer drives the pin
-enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kButton = 4, kRelay = 5, kIn1 = 7, kOut1 = 3 };
-// With a BTS7960: outputs A and B of timer 1, and port D.
-enum BtsPin { kRpwm = 1, kLpwm = 2, kEnables = 7 };
+constexpr int kCom1a1 = 7;  // of TCCR1A: the timer drives the pin
+enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kRelay = 5, kIn1 = 7, kOut1 = 3 };
 
 bool HasBit(std::uint8_t value, int bit) {
   return (value >> bit) & 1;
@@ -81,12 +79,8 @@ bool AvrRig::HasEnded() const {
   return avr_->state == cpu_Done || avr_->state == cpu_Crashed;
 }
 
-bool AvrRig::IsPwmOf(int output, int pin) const {
-  return HasBit(avr_->data[kTccr1a], output) && HasBit(avr_->data[kDdrB], pin);
-}
-
 bool AvrRig::IsPwm() const {
-  return IsPwmOf(kCom1a1, kEna) || IsPwmOf(kCom1b1, kLpwm);
+  return HasBit(avr_->data[kTccr1a], kCom1a1) && HasBit(avr_->data[kDdrB], kEna);
 }
 
 bool AvrRig::IsRelayClosed() const {
@@ -103,15 +97,9 @@ BridgeInputs AvrRig::ReadInputs() const {
   const auto word = [&](std::uint16_t address) { return data[address] | data[address + 1] << 8; };
   const double duty = IsPwm() ? std::min(1.0, (word(kOcr1a) + 1.0) / (word(kIcr1) + 1.0)) : 1;
   BridgeInputs inputs;
-  if (actuator_.is_bts7960) {
-    inputs.in1 = IsPwmOf(kCom1a1, kRpwm) || level(kPortB, kDdrB, kRpwm);
-    inputs.in2 = IsPwmOf(kCom1b1, kLpwm) || level(kPortB, kDdrB, kLpwm);
-    inputs.enable = level(kPortD, kDdrD, kEnables) ? duty : 0;
-  } else {
-    inputs.in1 = level(kPortD, kDdrD, kIn1);
-    inputs.in2 = level(kPortB, kDdrB, kIn2);
-    inputs.enable = IsPwm() || level(kPortB, kDdrB, kEna) ? duty : 0;
-  }
+  inputs.in1 = level(kPortD, kDdrD, kIn1);
+  inputs.in2 = level(kPortB, kDdrB, kIn2);
+  inputs.enable = IsPwm() || level(kPortB, kDdrB, kEna) ? duty : 0;
   return breaks_.Arriving(inputs);
 }
 
@@ -159,30 +147,22 @@ void AvrRig::PullWire(bool retract, bool pulled) {
   SetEndStopPins();
 }
 
-void AvrRig::Press(bool is_held) {
-  is_held_ = is_held;
-  SetEndStopPins();
-}
-
 void AvrRig::SetEndStopPins() {
   const bool retract = pulled_[0] || actuator_.stroke_mm <= actuator_.retract_stop_mm;
   const bool extend = pulled_[1] || actuator_.stroke_mm >= actuator_.extend_stop_mm;
   avr_ioport_external_t pins{};
   pins.name = 'D';
-  pins.mask = (1 << kRetractStop) | (1 << kExtendStop) | (1 << kButton);
-  pins.value = static_cast<unsigned>(retract << kRetractStop | extend << kExtendStop | !is_held_ << kButton) & 0xFF;
+  pins.mask = (1 << kRetractStop) | (1 << kExtendStop);
+  pins.value = static_cast<unsigned>(retract << kRetractStop | extend << kExtendStop) & 0xFF;
   avr_ioctl(avr_, AVR_IOCTL_IOPORT_SET_EXTERNAL('D'), &pins);
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kRetractStop), retract);
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kExtendStop), extend);
-  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kButton), !is_held_);
 }
 
 // ENA as an input: the jumper's 5 V, or the pull-down. The outputs on A3 and A4, of a PWM those of its high or low
 // part. In the low part the motor's current holds the driven one at ground.
 void AvrRig::SetBridgePins(bool is_high) {
-  avr_irq_t* const ena = actuator_.is_bts7960 ? avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kEnables)
-                                              : avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('B'), kEna);
-  avr_raise_irq(ena, breaks_.ena == Wire::kFive);
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('B'), kEna), breaks_.ena == Wire::kFive);
   const bool is_off = inputs_.enable == 0 || (IsPwm() && breaks_.ena == Wire::kWhole && !is_high),
              is_on = breaks_.shorted == 0 && !is_off;
   const bool levels[] = {HasSupply() && (breaks_.shorted > 0 || (is_on && inputs_.in1)),
@@ -223,10 +203,9 @@ void AvrRig::Sense(double duty) {
   const double current_a = duty == 0 ? 0 : std::copysign(breaks_.motor_a, duty);
   adc_->SetMillivolt(0, wiper * kSupply_mv);
   adc_->SetMillivolt(1, breaks_.current_wire ? 0 : 2500 + 1e3 * breaks_.current_offset_v + 185 * current_a);
-  adc_->SetMillivolt(
-      2, breaks_.supply_wire || !HasSupply()
-             ? 0
-             : 1e3 * actuator_.supply * actuator_.supply_v / actuator::FactsOf(actuator::Board::kUno).supply_divider);
+  adc_->SetMillivolt(2, breaks_.supply_wire || !HasSupply()
+                            ? 0
+                            : 1e3 * actuator_.supply * actuator_.supply_v / actuator::kSupplyDivider);
 }
 
 void AvrRig::WatchInterrupts(std::uint64_t before) {

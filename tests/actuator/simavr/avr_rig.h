@@ -48,7 +48,6 @@ struct ActuatorModel {
   double coast_mm_s2 = 100;
   double supply_v = 12;
   bool has_relay = false;                 // in the supply, before its sense
-  bool is_bts7960 = false;                // R_EN and L_EN on D7, RPWM on D9, LPWM on D10
   double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
   double noise_counts = 0;                // SD of each conversion, of every channel
   double play_mm = 0;                     // between motor and rod
@@ -76,7 +75,6 @@ class AvrRig {
   void SendNow(char c);                         // ahead of what waits, as a real-time command
   void KeepTalking(bool on) { talking_ = on; }  // a sign of life every half second, as a host does
   void PullWire(bool retract, bool pulled);     // an end stop's wire off: reads as pressed
-  void Press(bool is_held);                     // the wearer's button, on D4
 
   AvrBreaks& Breaks() { return breaks_; }
   double Time() const;
@@ -101,8 +99,7 @@ class AvrRig {
   static void OnSerial(avr_irq_t* irq, uint32_t value, void* rig);
   BridgeInputs ReadInputs() const;
   bool HasSupply() const { return !actuator_.has_relay || IsRelayClosed(); }
-  bool IsPwm() const;  // whether the timer drives ENA, or a BTS7960's inputs
-  bool IsPwmOf(int output, int pin) const;
+  bool IsPwm() const;  // whether the timer drives ENA
   void SetBridgePins(bool is_high);
   void CountOnTime();
   void EndMillisecond();
@@ -114,7 +111,7 @@ class AvrRig {
   AvrBreaks breaks_;
   double speed_mm_s_ = 0, motor_mm_ = 0, wiper_ = 0;
   BridgeInputs inputs_;
-  bool pulled_[2] = {false, false}, is_held_ = false;
+  bool pulled_[2] = {false, false};
   std::uint64_t counted_to_ = 0;
   double on_cycles_[4] = {};  // by Drive, in this ms
   std::string serial_, line_;

@@ -1,4 +1,4 @@
-// The commands over the serial line: hold and resume, homing, jogs, the calibration firmware.
+// The commands over the serial line: hold, stop, homing, jogs, the calibration firmware.
 #include <fmt/format.h>
 
 #include "firmware_fixture.h"
@@ -9,23 +9,18 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST_F(FirmwareTest, HoldResumeAndStop) {
+TEST_F(FirmwareTest, HoldAndStop) {
   Build(FreeDesign({{0, 300}, {2, 310}}));
   Start();
   rig_->Run(0.5);
   rig_->SendNow('!');
   rig_->Run(0.4);
   EXPECT_EQ(rig_->Samples().back().duty, 0);
-  EXPECT_TRUE(Asks("run", "error:4")) << "a hold ends by resume and go";
+  EXPECT_TRUE(Asks("run", "error:4")) << "a hold ends by stop";
   rig_->SendNow('?');
   EXPECT_TRUE(rig_->RunUntil("<hold|stroke:302.", 0.1)) << rig_->Serial();
-  EXPECT_TRUE(Asks("go", "error:4")) << "one step does not resume";
-  EXPECT_TRUE(Asks("resume", "ok"));
-  EXPECT_TRUE(Asks("go", "ok"));
-  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 3)) << rig_->Serial();
-  rig_->Run(0.1);
-  // The hold costs a run-up and a run-down: 5 mm/s x (30 + 30 - 10 - 10) ms, and rounding of the PWM.
-  EXPECT_NEAR(rig_->Stroke(), 310, 5 * 0.04 + stroke_table_.pwm_error_mm + 0.02);
+  EXPECT_TRUE(Asks("stop", "ok"));
+  EXPECT_TRUE(Asks("run", "error:5")) << "it begins again with homing";
 
   PowerUp();
   Start();

@@ -39,31 +39,25 @@ TEST_F(FirmwareImageTest, FlashRamAndStackFitWithRoom) {
               actuator::kSegmentBytes, actuator::kFlashBytes, ram, rig_->DeepestStack(), kRamBytes);
 }
 
-// With everything wired, as a person needs it, and with the other bridge: within the same flash, half of the RAM free.
-TEST_F(FirmwareImageTest, AWornFirmwareFitsWithRoom) {
+// With everything wired: within the same flash, half of the RAM free.
+TEST_F(FirmwareImageTest, WithEverythingWiredItFitsWithRoom) {
   actuator::FirmwareOptions& options = firmware_options_;
   WireEverything();
-  options.bridge_sense = options.worn = true, options.pins.safety_relay = 5, options.speed_limit_mm_s = 7;
+  options.bridge_sense = true, options.pins.safety_relay = 5, options.speed_limit_mm_s = 7;
   options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
-  for (const bool bts : {false, true}) {
-    if (bts) {
-      options.bridge = actuator::Bridge::kBts7960;
-      options.pins.ena = 7, options.pins.in1 = 9, options.pins.in2 = 10;
-    }
-    Build(FreeDesign(kKnots), "");
-    const std::string line = OutputOf(fmt::format("avr-size '{}' | awk 'NR==2 {{print $1+$2, $2+$3}}'", elf_.string()));
-    int flash = 0, ram = 0;
-    ASSERT_EQ(std::sscanf(line.c_str(), "%d %d", &flash, &ram), 2);
-    EXPECT_LT(flash - static_cast<int>(stroke_table_.segments.size()) * actuator::kSegmentBytes,
-              actuator::kFirmwareBytes);
-    rig_->Run(0.2);
-    for (int i = 0; i < 10; ++i) rig_->Send("jog 1 2 3"), rig_->SendNow('?'), rig_->Run(0.03);
-    EXPECT_LT(ram + rig_->DeepestStack(), kRamBytes / 2);
-    EXPECT_LT(rig_->LongestTick_us(), 700);
-    EXPECT_GT(rig_->LongestTick_us(), 30);
-    std::printf("%s: flash %d bytes, RAM %d and stack %d, tick %.0f us\n", bts ? "BTS7960" : "L298N", flash, ram,
-                rig_->DeepestStack(), rig_->LongestTick_us());
-  }
+  Build(FreeDesign(kKnots), "");
+  const std::string line = OutputOf(fmt::format("avr-size '{}' | awk 'NR==2 {{print $1+$2, $2+$3}}'", elf_.string()));
+  int flash = 0, ram = 0;
+  ASSERT_EQ(std::sscanf(line.c_str(), "%d %d", &flash, &ram), 2);
+  EXPECT_LT(flash - static_cast<int>(stroke_table_.segments.size()) * actuator::kSegmentBytes,
+            actuator::kFirmwareBytes);
+  rig_->Run(0.2);
+  for (int i = 0; i < 10; ++i) rig_->Send("jog 1 2 3"), rig_->SendNow('?'), rig_->Run(0.03);
+  EXPECT_LT(ram + rig_->DeepestStack(), kRamBytes / 2);
+  EXPECT_LT(rig_->LongestTick_us(), 700);
+  EXPECT_GT(rig_->LongestTick_us(), 30);
+  std::printf("flash %d bytes, RAM %d and stack %d, tick %.0f us\n", flash, ram, rig_->DeepestStack(),
+              rig_->LongestTick_us());
 }
 
 // All is decided in one interrupt per ms, which the others divide: it must end within the budget of board.c. With
@@ -134,7 +128,7 @@ TEST_F(FirmwareImageTest, RunsAsAnArduinoSketch) {
 // The folder that lake-stroke writes is such a sketch: one .ino, of the folder's name.
 TEST(Sketch, HasOneInoOfTheFoldersName) {
   std::vector<std::string> sketches;
-  for (const actuator::FirmwareFile& file : actuator::FirmwareSources(actuator::Board::kUno))
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources())
     if (file.name.ends_with(".ino")) sketches.push_back(file.name);
   EXPECT_EQ(sketches, std::vector<std::string>{std::string(actuator::kSketchFolder) + ".ino"});
 }

@@ -18,7 +18,6 @@ class FirmwareOptionsTest : public FirmwareTest {
     actuator_.potentiometer_mm[0] = 240;
     actuator_.potentiometer_mm[1] = 380;
     actuator_.has_relay = one.Has(Combination::kRelay);
-    actuator_.is_bts7960 = one.Has(Combination::kBts7960);
     Build(FreeDesign({{0, 300}, {1, 303}}), "");
     rig_->KeepTalking(true);
     rig_->Run(0.6);
@@ -36,17 +35,13 @@ class FirmwareOptionsTest : public FirmwareTest {
   }
 };
 
-// It drives either way as it is told, stops when it is told and at an end stop, and runs its program to the end; a worn
-// one only while the button is held.
+// It drives either way as it is told, stops when it is told and at an end stop, and runs its program to the end.
 TEST_F(FirmwareOptionsTest, EachCombinationIsCompiledAndRuns) {
   for (const Combination& one : CombinationsToTry()) {
     SCOPED_TRACE(one.Name());
-    const bool worn = one.Has(Combination::kWorn);
     BuildWith(one);
     ASSERT_TRUE(Asks("zero", "ok")) << rig_->Serial();
-    rig_->Press(true);
-    rig_->Run(0.05);
-    ASSERT_TRUE(Asks(worn ? "worn" : "run", "ok")) << rig_->Serial();
+    ASSERT_TRUE(Asks("run", "ok")) << rig_->Serial();
     WaitForDrive(1);
     ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 3)) << rig_->Serial();
     EXPECT_NEAR(rig_->Stroke(), 303, 0.4) << "the lag";
@@ -63,25 +58,6 @@ TEST_F(FirmwareOptionsTest, EachCombinationIsCompiledAndRuns) {
     rig_->PullWire(false, true);
     EXPECT_TRUE(IsStill());
   }
-}
-
-// A BTS7960 and a person: it homes, runs while the button is held, and stands within 50 ms when it is let go.
-TEST_F(FirmwareOptionsTest, AWornBts7960HomesRunsAndStandsWhenLetGo) {
-  BuildWith({AllCombinations().back()});
-  ASSERT_TRUE(firmware_options_.worn && firmware_options_.bridge == actuator::Bridge::kBts7960);
-  ASSERT_TRUE(Asks("home", "ok"));
-  ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 8)) << rig_->Serial();
-  EXPECT_NEAR(rig_->Stroke(), 300, 0.5);
-  EXPECT_TRUE(Asks("worn", "error:10"));
-  rig_->Press(true);
-  rig_->Run(0.05);
-  ASSERT_TRUE(Asks("worn", "ok")) << rig_->Serial();
-  WaitForDrive(1);
-  const double since = rig_->Time();
-  rig_->Press(false);
-  rig_->Run(0.2);
-  EXPECT_LE(DriveTimeAfter(since), 0.05);
-  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:button released, stopped]"));
 }
 
 }  // namespace

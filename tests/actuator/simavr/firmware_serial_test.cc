@@ -156,8 +156,7 @@ TEST_F(FirmwareSerialTest, RandomBytesStartNothing) {
   const std::size_t from = rig_->Samples().size();
   const int count = std::getenv("LAKE_LONG_TESTS") ? 1'000'000 : 20'000;
   std::mt19937 random(7);
-  const char* words[] = {"home\n",         "run\n", "~",  "resume\n",    "go\n",
-                         "jog 500 1000\n", "run*",  "\n", "home*0000\n", "zero\n"};
+  const char* words[] = {"home\n", "run\n", "~", "stop\n", "jog 500 1000\n", "run*", "\n", "home*0000\n", "zero\n"};
   for (int sent = 0; sent < count;) {
     std::string bytes;
     for (int i = 0; i < 200; ++i) {

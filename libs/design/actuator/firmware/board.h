@@ -23,7 +23,6 @@ enum { END_STOP_RETRACT = 1, END_STOP_EXTEND = 2 };
 // bridge's spikes are shorter.
 uint8_t board_end_stops(void);
 
-uint8_t board_button(void);                 // nonzero while the wearer holds it
 void board_close_relay(uint8_t is_closed);  // the safety relay, open after a reset
 
 // A0, A1, A2.

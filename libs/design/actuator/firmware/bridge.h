@@ -1,5 +1,4 @@
-// The pins of an L298N: PWM on ENA, direction on IN1 and IN2, and the outputs read back where they are wired; or of a
-// BTS7960.
+// The pins of an L298N: PWM on ENA, direction on IN1 and IN2, and the outputs read back where they are wired.
 #ifndef LAKE_BRIDGE_H
 #define LAKE_BRIDGE_H
 

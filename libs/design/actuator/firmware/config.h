@@ -10,15 +10,12 @@
 #define LAKE_FOLLOWING_UM 3000L  // and from the plan
 #define STATUS_PERIOD_MS 100u
 #define JOG_MAX_MS 10000
-#define RESUME_MS 5000                   // between the two steps
 #define HOME_TRIES 3                     // that may fail until power is off and on
 #define FREE_UM 300L                     // away from an end stop that is not pressed, after which it must stay so
 #define STOP_PLACE_UM 1000L              // how far an end stop may be from where it belongs
 #define SOFT_LIMIT_SLACK_UM 50           // rounding of the table, not room to move
 #define LAKE_LEAST_BEYOND_UM 250L        // that a measured stroke may pass a soft limit by
 #define SLOW 5                           // 2^5 ms of smoothing, where small movements are watched
-#define BUTTON_PRESSED_MS 20             // until it counts as pressed
-#define BUTTON_RELEASED_MS 5             // and as released
 #define LAKE_DRIFT_MOST_NM 1000000000UL  // the bound stops growing at 1 m
 
 #endif

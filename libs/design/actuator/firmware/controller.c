@@ -2,7 +2,6 @@
 
 #include "analog.h"
 #include "board.h"
-#include "button.h"
 #include "config.h"
 #include "end_stops.h"
 #include "motor.h"
@@ -15,7 +14,6 @@
 static status_t told;  // of the last tick
 static uint32_t time_ms;
 static struct __attribute__((aligned(2))) {  // of an even size: sum_of
-  state_t held;  // what a hold goes on with
   motion_t jog;
 } c;
 static uint16_t sum_kept;
@@ -30,7 +28,6 @@ static uint8_t asked_count;
 static uint8_t hold_asked, abort_asked, heard;
 
 static uint16_t silent_ms;
-static uint16_t resume_left_ms;  // until the first step of a resume is forgotten
 
 static reply_t take_jog(int16_t request_counts, uint16_t request_ms) {
   const int8_t direction = request_counts < 0 ? -1 : 1;
@@ -45,44 +42,17 @@ static reply_t take_jog(int16_t request_counts, uint16_t request_ms) {
   return REPLY_OK;
 }
 
-static uint8_t may_be_worn(void) {
-  return button_is_held() && button_was_released();
-}
-
-static reply_t take_worn(void) {
-  if (!LAKE_WORN) return REPLY_UNKNOWN;
-  if (!may_be_worn()) return REPLY_BUTTON;
-  const reply_t reply = program_take_run();
-  if (reply == REPLY_OK) machine.is_worn = 1;
-  return reply;
-}
-
-static reply_t take_resume(void) {
-  if (machine.state != STATE_HOLD) return REPLY_STATE;
-  resume_left_ms = RESUME_MS;
-  return REPLY_OK;
-}
-
-static reply_t take_go(uint16_t left_ms) {
-  if (machine.state != STATE_HOLD || left_ms == 0) return REPLY_STATE;
-  if (machine.is_worn && !may_be_worn()) return REPLY_BUTTON;
-  machine.state = c.held;
-  return REPLY_OK;
-}
-
 static void reset(void) {
   program_reset();
   machine.state = STATE_IDLE;
   machine.fault = FAULT_NONE;
   machine.knowledge = STROKE_UNKNOWN;
-  machine.is_worn = 0;
   motor_forgive();
   power_forgive();
 }
 
 // What was asked before a hold or an abort is not done after it.
 static void drop_requests(void) {
-  resume_left_ms = 0;
   for (uint8_t i = 0; i < asked_count; ++i)
     if (asked[i].reply == REPLY_NONE) asked[i].reply = REPLY_STATE;
 }
@@ -93,25 +63,16 @@ static void abort_all(void) {
   machine.knowledge = STROKE_UNKNOWN;
 }
 
-// Whatever is asked between the two steps of a resume ends it.
 static reply_t answer(const asked_t* what) {
-  const uint16_t left_ms = resume_left_ms;
-  resume_left_ms = 0;
   switch (what->request) {
     case REQUEST_RUN:
       return program_take_run();
-    case REQUEST_WORN:
-      return take_worn();
     case REQUEST_HOME:
       return program_take_home();
     case REQUEST_ZERO:
       return program_take_zero();
     case REQUEST_JOG:
       return take_jog(what->counts, what->ms);
-    case REQUEST_RESUME:
-      return take_resume();
-    case REQUEST_GO:
-      return take_go(left_ms);
     case REQUEST_STOP:
       if (machine.state != STATE_FAULT) machine.state = STATE_IDLE;
       return REPLY_OK;
@@ -135,23 +96,18 @@ static uint8_t is_moving(void) {
   return machine.state != STATE_IDLE && machine.state != STATE_HOLD && machine.state != STATE_FAULT;
 }
 
-static void hold(void) {
-  c.held = machine.state;
-  machine.state = STATE_HOLD;
-}
-
-// A program keeps its place, everything else ends.
+// A program that was stopped says so until `stop`; everything else ends.
 static void suspend(void) {
   if (machine.state == STATE_RUNNING)
-    hold();
+    machine.state = STATE_HOLD;
   else if (is_moving())
     machine.state = STATE_IDLE;
 }
 
-// Of a silent host: homing keeps its place as well, so that a person can take it in steps.
+// Of a silent host: homing says so as well.
 static void suspend_silent(void) {
   if (machine.state == STATE_HOMING || machine.state == STATE_POSITIONING)
-    hold();
+    machine.state = STATE_HOLD;
   else
     suspend();
 }
@@ -166,7 +122,6 @@ static uint8_t take(uint8_t* flag) {
 }
 
 static void take_realtime(void) {
-  if (resume_left_ms > 0) --resume_left_ms;
   if (take(&hold_asked)) {
     drop_requests();
     suspend();
@@ -174,16 +129,7 @@ static void take_realtime(void) {
   if (take(&abort_asked)) abort_all();
 }
 
-static void watch_button(void) {
-  if (!LAKE_WORN) return;
-  button_tick();
-  if (!machine.is_worn || !is_moving() || button_is_held()) return;
-  machine.events |= EVENT_RELEASED;
-  suspend();
-}
-
 static uint8_t is_silent(void) {
-  if (LAKE_WORN && machine.is_worn) return silent_ms >= LAKE_WORN_TIMEOUT_MS;
   return LAKE_COMMAND_TIMEOUT_MS > 0 && silent_ms >= LAKE_COMMAND_TIMEOUT_MS;
 }
 
@@ -319,7 +265,6 @@ void controller_init(void) {
   const uint8_t latched = board_remembered(PLACE_FAULT);
   if (latched != FAULT_NONE) state_fault((fault_t)latched);
   hold_asked = abort_asked = heard = 0;
-  resume_left_ms = 0;
   tell();
   sum_kept = sum_now();
 }
@@ -332,7 +277,6 @@ void controller_tick(void) {
   take_realtime();
   take_requests();
   watch_host();
-  watch_button();
   watch_wires();
   watch_inputs();
   power_tick(is_moving(), machine.state == STATE_FAULT);
@@ -341,7 +285,6 @@ void controller_tick(void) {
   if (!is_allowed(&motion)) motion = motion_rest();
   motor_tick(motion.direction, analog_at_supply(motion.counts));
   keep_books(&motion);
-  if (machine.state == STATE_IDLE) machine.is_worn = 0;
   tell();
   sum_kept = sum_now();
 }

@@ -15,10 +15,7 @@ typedef enum {
   REQUEST_HOME,
   REQUEST_ZERO,
   REQUEST_RESET,
-  REQUEST_JOG,
-  REQUEST_WORN,    // the program on a person, who holds the button
-  REQUEST_RESUME,  // the first of two steps that end a hold …
-  REQUEST_GO       // … and the second, which must follow upon it within RESUME_MS
+  REQUEST_JOG
 } request_t;
 
 typedef struct {
@@ -61,8 +58,8 @@ reply_t controller_take_reply(void);           // REPLY_NONE until there is one
 uint8_t controller_take_events(void);
 status_t controller_status(void);
 
-// From interrupts as well; they act at the next tick. A hold keeps a running program's place and ends homing and jogs;
-// neither leaves a request that waits.
+// From interrupts as well; they act at the next tick. A hold stops a running program, which REQUEST_STOP then ends, and
+// ends homing and jogs; neither leaves a request that waits.
 void controller_hold(void);
 void controller_abort(void);  // ends what moves and forgets the stroke; a fault stays
 void controller_heard(void);  // the host is there: LAKE_COMMAND_TIMEOUT_MS begins anew

@@ -2,7 +2,6 @@
 
 #include "analog.h"
 #include "board.h"
-#include "button.h"
 #include "controller.h"
 #include "end_stops.h"
 #include "motor.h"
@@ -22,7 +21,6 @@ void firmware_begin(void) {
   motor_init();
   board_init();
   end_stops_init();
-  button_init();
   analog_init();
   power_init();
   controller_init();

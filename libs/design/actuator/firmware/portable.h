@@ -1,6 +1,6 @@
 // What the portable part of the firmware needs of its compiler: tables and texts in flash, and blocks that no interrupt
 // divides. With any other compiler than avr-gcc flash is memory, and the board says how interrupts are blocked: so the
-// same sources are built for other chips and tested on a PC.
+// same sources are tested on a PC.
 #ifndef LAKE_PORTABLE_H
 #define LAKE_PORTABLE_H
 

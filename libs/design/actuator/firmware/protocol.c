@@ -214,7 +214,6 @@ static void tell_events(uint8_t events, fault_t fault) {
   if (events & EVENT_DONE) tell_message(PSTR("done"));
   if (events & EVENT_JOG_LIMIT) tell_message(PSTR("jog ended at a limit"));
   if (events & EVENT_TIMEOUT) tell_message(PSTR("host silent, stopped"));
-  if (events & EVENT_RELEASED) tell_message(PSTR("button released, stopped"));
 }
 
 // The next tick replies. A line that was being read when a hold or an abort came is not obeyed.
@@ -280,10 +279,6 @@ static void obey(const char* line) {
     status_asked = 1;
   } else if (!strcmp_P(line, PSTR("run"))) {
     ask(REQUEST_RUN, 0, 0);
-#if LAKE_WORN
-  } else if (!strcmp_P(line, PSTR("worn"))) {
-    ask(REQUEST_WORN, 0, 0);
-#endif
   } else if (!strcmp_P(line, PSTR("home"))) {
 #if LAKE_SEGMENT_COUNT > 0
     tell_message(PSTR("unworn only: homing takes the knee to " LAKE_HOME_KNEE " degrees"));
@@ -291,10 +286,6 @@ static void obey(const char* line) {
     ask(REQUEST_HOME, 0, 0);
   } else if (!strcmp_P(line, PSTR("zero"))) {
     ask(REQUEST_ZERO, 0, 0);
-  } else if (!strcmp_P(line, PSTR("resume"))) {
-    ask(REQUEST_RESUME, 0, 0);
-  } else if (!strcmp_P(line, PSTR("go"))) {
-    ask(REQUEST_GO, 0, 0);
   } else if (!strcmp_P(line, PSTR("reset"))) {
     ask(REQUEST_RESET, 0, 0);
   } else if (!strncmp_P(line, PSTR("jog "), 4)) {

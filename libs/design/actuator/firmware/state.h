@@ -37,7 +37,6 @@ typedef enum {
   REPLY_STOP_AHEAD = 7,   // an end stop is pressed in that direction
   REPLY_LIMIT_AHEAD = 8,  // a soft limit is reached in that direction
   REPLY_CHECK_SUM = 9,    // the line has no check sum, or a wrong one
-  REPLY_BUTTON = 10,      // the wearer does not hold the button, or it was never seen released
   REPLY_TRIES = 11        // homing has failed HOME_TRIES times
 } reply_t;
 
@@ -69,8 +68,7 @@ enum {
   EVENT_DONE = 1 << 1,       // the program, homing or a jog ended as planned
   EVENT_JOG_LIMIT = 1 << 2,  // a jog ended at an end stop or a soft limit
   EVENT_TIMEOUT = 1 << 3,    // the host was silent for too long while something moved
-  EVENT_RELEASED = 1 << 4,   // the wearer let the button go
-  EVENT_WAITED = 1 << 5      // the program has ended later than planned
+  EVENT_WAITED = 1 << 4      // the program has ended later than planned
 };
 
 // What is wanted of the motor in this ms.
@@ -102,8 +100,7 @@ typedef struct {
   uint32_t end_ms;
   fault_t fault;
   state_t before_fault;  // in which it came
-  uint8_t is_ready;      // the motor may be driven: until then clocks stand still
-  uint8_t is_worn;       // the program that runs or is held was begun by the wearer's button
+  uint16_t is_ready;     // the motor may be driven: until then clocks stand still. A word, as the sum's
   uint8_t events;        // the last: the main loop takes them
 } machine_t;
 extern machine_t machine;

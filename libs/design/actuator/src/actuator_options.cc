@@ -120,19 +120,10 @@ void Describe(FirmwareOptions& o, OptionList& options) {
   options.Add("speed-limit", o.speed_limit_mm_s, "A faster program is refused, and the closed loop is never faster")
       .Unit("mm/s")
       .Otherwise("the duty table's last");
-  options.AddChoice("board", o.board, OptionList::Choices<Board>{{"uno", Board::kUno}, {"nucleo", Board::kNucleo}},
-                    "The controller: an Arduino UNO, or a Nucleo-64 with an STM32F401RE, F411RE or F446RE");
-  options.AddChoice("bridge", o.bridge,
-                    OptionList::Choices<Bridge>{{"l298n", Bridge::kL298n}, {"bts7960", Bridge::kBts7960}},
-                    "The motor's bridge; a BTS7960 needs --pins ena=7,in1=9,in2=10");
   options.Add("bridge-sense", o.bridge_sense,
               "The bridge's outputs are read back on A3 and A4, each through a divider: then a stop may brake");
   options.Add("safety-relay", o.pins.safety_relay, "Pin of a relay in the motor's supply, before the sense of --supply")
       .Value("PIN");
-  options.Add("worn", o.worn, "A firmware that may be run on a person, who holds a button; not tried on a board yet");
-  options.Add("button", o.pins.button, "Pin of the wearer's hold-to-run button, to ground").Value("PIN");
-  options.Add("worn-timeout", o.worn_timeout_s, "Worn: stop after the host has been silent this long; at most 0.5")
-      .Unit("s");
   const auto set_pins = [&o](const OptionTexts& texts, const std::string&) {
     for (const std::string& part : texts) o.pins = WithPins(o.pins, part);
   };

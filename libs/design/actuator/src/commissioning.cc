@@ -17,13 +17,10 @@ struct WireRow {
 
 std::vector<WireRow> RowsOf(const FirmwareOptions& o) {
   const Pins& pins = o.pins;
-  const BoardFacts& board = o.Facts();
-  const bool is_bts = o.bridge == Bridge::kBts7960;
   std::vector<WireRow> rows = {
-      {PinName(pins.ena), "", "10 kΩ", is_bts ? "R_EN and L_EN" : "ENA, its jumper removed; PWM of 4 kHz"},
-      {PinName(pins.in1), "", "",
-       std::string(is_bts ? "RPWM" : "IN1") + ": high extends; if it retracts, swap the motor's leads"},
-      {PinName(pins.in2), "", "", std::string(is_bts ? "LPWM" : "IN2") + ": high retracts"},
+      {PinName(pins.ena), "", "10 kΩ", "ENA, its jumper removed; PWM of 4 kHz"},
+      {PinName(pins.in1), "", "", "IN1: high extends; if it retracts, swap the motor's leads"},
+      {PinName(pins.in2), "", "", "IN2: high retracts"},
       {PinName(pins.retract), "", "", "retract end stop, normally closed, to GND"},
       {PinName(pins.extend), "", "", "extend end stop, normally closed, to GND"},
   };
@@ -31,14 +28,11 @@ std::vector<WireRow> RowsOf(const FirmwareOptions& o) {
     rows.push_back({PinName(pins.out1), "22 kΩ", "15 kΩ", "bridge OUT1, read back"});
     rows.push_back({PinName(pins.out2), "22 kΩ", "15 kΩ", "bridge OUT2, read back"});
   }
-  rows.push_back({"A0", "", "1 MΩ", fmt::format("wiper of the potentiometer between {} V and GND", board.reference_v)});
-  if (o.current_sense)
-    rows.push_back({"A1", board.sensor_upper, board.sensor_lower, "output of the ACS712-05B in the motor's line"});
-  if (o.supply_v > 0)
-    rows.push_back({"A2", board.supply_upper, board.supply_lower, "the motor's supply at the bridge"});
+  rows.push_back({"A0", "", "1 MΩ", fmt::format("wiper of the potentiometer between {} V and GND", kReference_v)});
+  if (o.current_sense) rows.push_back({"A1", "", "100 kΩ", "output of the ACS712-05B in the motor's line"});
+  if (o.supply_v > 0) rows.push_back({"A2", "39 kΩ", "10 kΩ", "the motor's supply at the bridge"});
   if (pins.safety_relay)
     rows.push_back({PinName(*pins.safety_relay), "", "10 kΩ", "driver of the safety relay's coil"});
-  if (o.worn) rows.push_back({PinName(pins.button), "", "", "hold-to-run button of the wearer, to GND"});
   rows.push_back({"GND", "", "", "bridge GND, sensors' GND, minus of the supply: at one point"});
   return rows;
 }
@@ -83,8 +77,7 @@ std::string SupplySvg(const FirmwareOptions& o) {
     svg += Line(x, 110, x + 60, 110) + Box(x + 60, 104, 46, 12) + Text(x + 36, 96, part);
     x += 106;
   }
-  svg += Line(x, 110, x + 40, 110) + Box(x + 40, 88, 100, 44) +
-         Text(x + 52, 115, o.bridge == Bridge::kBts7960 ? "BTS7960" : "L298N");
+  svg += Line(x, 110, x + 40, 110) + Box(x + 40, 88, 100, 44) + Text(x + 52, 115, "L298N");
   x += 140;
   if (o.current_sense) {
     svg += Line(x, 110, x + 40, 110) + Box(x + 40, 104, 60, 12) + Text(x + 36, 96, "ACS712");
@@ -111,15 +104,11 @@ std::string SchematicSvg(const FirmwareOptions& options) {
       "stroke-width='1.5'>\n<style>text{{fill:black;stroke:none}}</style>\n",
       height);
   svg += Text(40, 30, "Wiring of this sketch's firmware. Not tried on a board: nobody may wear what it drives.");
-  svg +=
-      Text(40, 52,
-           fmt::format(
-               "The emergency stop is in the hand of the wearer or of who watches. The {} is fed by USB, not by this "
-               "supply.",
-               options.Facts().name));
+  svg += Text(40, 52,
+              "The emergency stop is in the hand of who watches. The UNO is fed by USB, not by this "
+              "supply.");
   svg += SupplySvg(options);
-  svg += Box(40, kTop - 34, kBoardRight - 40, kStep * static_cast<int>(rows.size()) + 24) +
-         Text(52, kTop - 12, options.Facts().name);
+  svg += Box(40, kTop - 34, kBoardRight - 40, kStep * static_cast<int>(rows.size()) + 24) + Text(52, kTop - 12, "UNO");
   for (std::size_t i = 0; i < rows.size(); ++i) svg += RowSvg(rows[i], kTop + kStep * static_cast<int>(i));
   return svg + "</g>\n</svg>\n";
 }
@@ -142,8 +131,7 @@ std::string SignOffSheet(const StrokeTable& stroke, const StrokeSchedule& schedu
   text += Tick("mechanical stops before standing and before the dead point", "each holds the actuator's stall force");
   text += Tick("fuse in the motor's supply", fmt::format("{:.1f} A, quick", options.StallCurrent()));
   text += Tick("emergency stop, supply on, nothing moving", "pressed: 0 V at the bridge");
-  text += Tick(fmt::format("ENA's jumper removed, 10 kΩ from {} to GND, {} unplugged", PinName(options.pins.ena),
-                           options.Facts().name),
+  text += Tick(fmt::format("ENA's jumper removed, 10 kΩ from {} to GND, UNO unplugged", PinName(options.pins.ena)),
                "ENA at 0 V; with the jumper on, `home` gives ALARM:15 and nothing moves");
   text += Tick("each end stop pressed by hand, released", "`stops:` in the answer to `?`: 1 retract, 2 extend, 0");
   text += Tick("each end stop's wire off", "reads as pressed");
@@ -155,8 +143,8 @@ std::string SignOffSheet(const StrokeTable& stroke, const StrokeSchedule& schedu
     text +=
         Tick("potentiometer at three strokes", fmt::format("within {} mm of the calliper", options.feedback_error_mm));
   if (options.supply_v > 0)
-    text += Tick("supply sense", fmt::format("{:.2f} V at A2 with {:g} V",
-                                             options.supply_v / options.Facts().supply_divider, options.supply_v));
+    text += Tick("supply sense",
+                 fmt::format("{:.2f} V at A2 with {:g} V", options.supply_v / kSupplyDivider, options.supply_v));
   if (options.current_sense) text += Tick("current sensor at rest", "`current_a` within 0.05 A of 0");
   if (options.force_limit_n)
     text += Tick("force limit: the rod against a scale, `jog`",
@@ -167,14 +155,8 @@ std::string SignOffSheet(const StrokeTable& stroke, const StrokeSchedule& schedu
                "`jog 400 300` extends by some mm; if it retracts, swap OUT1 and OUT2");
   text += Tick("motor's leads swapped on purpose, `home`", "ALARM:5 or ALARM:9 within 1 mm; then swapped back");
   text += Tick("emergency stop while it jogs, then released", "it stands, and stands on; ALARM:6 with --supply");
-  if (options.worn) {
-    text += Tick("hold-to-run button let go in a worn program, nobody in it", "it stands at once: `button released`");
-    text += Tick("USB cable out in a worn program, nobody in it",
-                 fmt::format("it stands within {:g} s", options.worn_timeout_s));
-    text += Tick("lowering without power, with a dummy", "the pin at the knee is drawn, the leg is let down by hand");
-  }
   text += Tick("the program ten times without a person", "`done` ten times, no ALARM");
-  text += Tick("the bench's plan", "`lake stroke validate-bench` says that the bench has passed it");
+  text += Tick("the bench's plan", "`BENCH.md` of the project: every line is within what `RISKS.md` says");
   return text;
 }
 

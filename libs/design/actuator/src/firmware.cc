@@ -46,26 +46,18 @@ std::string Comment(const std::string& text) {
 
 static_assert(kSupplyTolerance < 0.5, "the firmware's factor for a low supply is less than 2");
 
-// Readings are sums of four conversions of 10 bits, whatever the board's converter has.
+// Readings are sums of four conversions of 10 bits.
 constexpr double kMostCount = 1023, kMostReading = 4 * kMostCount;
 
-int ReadingOf(double volt, const BoardFacts& board) {
-  return static_cast<int>(std::lround(std::clamp(volt / board.reference_v, 0.0, 1.0) * kMostReading));
+int ReadingOf(double volt) {
+  return static_cast<int>(std::lround(std::clamp(volt / kReference_v, 0.0, 1.0) * kMostReading));
 }
 
-// The highest voltage at A2 that is told from the converter's end.
-double MostSensedV(const BoardFacts& board) {
-  return 0.99 * board.reference_v;
-}
-
-double MostSupplyV(const BoardFacts& board) {
-  return MostSensedV(board) * board.supply_divider / (1 + kSupplyTolerance);
-}
+// The highest voltage at A2 that is told from the converter's end, before the divider and with the supply's tolerance.
+constexpr double kMostSupply_v = 0.99 * kReference_v * kSupplyDivider / (1 + kSupplyTolerance);
 
 std::string SupplyDefines(const FirmwareOptions& options) {
-  const auto reading = [&](double part) {
-    return ReadingOf(part * options.supply_v / options.Facts().supply_divider, options.Facts());
-  };
+  const auto reading = [&](double part) { return ReadingOf(part * options.supply_v / kSupplyDivider); };
   return fmt::format(
       "#define LAKE_SUPPLY_SENSE {}\n#define LAKE_SUPPLY_LEAST {}\n#define LAKE_SUPPLY_MOST {}\n"
       "#define LAKE_SUPPLY_NOMINAL {}\n#define LAKE_SUPPLY_NEAR_LEAST {}  // in open loop\n#define "
@@ -83,26 +75,20 @@ std::string PinDefines(const FirmwareOptions& options) {
                                                                                     {"RETRACT", pins.retract},
                                                                                     {"EXTEND", pins.extend},
                                                                                     {"OUT1", pins.out1},
-                                                                                    {"OUT2", pins.out2},
-                                                                                    {"BUTTON", pins.button}})
+                                                                                    {"OUT2", pins.out2}})
     text += fmt::format("#define LAKE_PIN_{} {}\n", name, pin);
   if (pins.safety_relay) text += fmt::format("#define LAKE_PIN_RELAY {}\n", *pins.safety_relay);
-  return text + fmt::format(
-                    "#define LAKE_BRIDGE_BTS7960 {}\n#define LAKE_BRIDGE_SENSE {}\n#define LAKE_RELAY {}\n#define "
-                    "LAKE_WORN {}\n#define "
-                    "LAKE_WORN_TIMEOUT_MS {}\n",
-                    options.bridge == Bridge::kBts7960 ? 1 : 0, options.bridge_sense ? 1 : 0, pins.safety_relay ? 1 : 0,
-                    options.worn ? 1 : 0, std::llround(1e3 * options.worn_timeout_s));
+  return text + fmt::format("#define LAKE_BRIDGE_SENSE {}\n#define LAKE_RELAY {}\n", options.bridge_sense ? 1 : 0,
+                            pins.safety_relay ? 1 : 0);
 }
 
 std::string CurrentDefines(const FirmwareOptions& options) {
   constexpr int kLeast_ma = 100;  // of any motor that is being started
-  const BoardFacts& board = options.Facts();
   return fmt::format(
       "#define LAKE_CURRENT_SENSE {}\n#define LAKE_CURRENT_ZERO {}\n#define LAKE_CURRENT_UA_PER_COUNT {}L\n#define "
       "LAKE_CURRENT_MOST_MA {}\n#define LAKE_CURRENT_STALL_MA {}\n#define LAKE_CURRENT_LEAST_MA {}\n",
-      options.current_sense ? 1 : 0, ReadingOf(options.current_zero_v / board.sensor_divider, board),
-      std::lround(1e6 * board.reference_v * board.sensor_divider / kMostReading / options.current_v_per_a),
+      options.current_sense ? 1 : 0, ReadingOf(options.current_zero_v),
+      std::lround(1e6 * kReference_v / kMostReading / options.current_v_per_a),
       std::lround(1e3 * options.max_current_a), std::lround(1e3 * options.StallCurrent()), kLeast_ma);
 }
 
@@ -218,12 +204,8 @@ constexpr const char* kTypes =
 
 void CheckPins(const FirmwareOptions& options) {
   const Pins& pins = options.pins;
-  const bool is_bts = options.bridge == Bridge::kBts7960;
-  const auto has_pwm = [](int pin) { return pin == 9 || pin == 10; };
-  if (is_bts ? !has_pwm(pins.in1) || !has_pwm(pins.in2) : !has_pwm(pins.ena))
-    throw UsageError(
-        is_bts ? "--bridge bts7960 has its PWM on IN1 and IN2, and only D9 and D10 can: --pins ena=7,in1=9,in2=10"
-               : fmt::format("--pins: ENA is {}, and only D9 and D10 have a PWM", PinName(pins.ena)));
+  if (pins.ena != 9 && pins.ena != 10)
+    throw UsageError("--pins: ENA is {}, and only D9 and D10 have a PWM", PinName(pins.ena));
   std::vector<std::pair<std::string, int>> used = {{"the potentiometer", 14}, {"ena", pins.ena},
                                                    {"in1", pins.in1},         {"in2", pins.in2},
                                                    {"retract", pins.retract}, {"extend", pins.extend}};
@@ -233,7 +215,6 @@ void CheckPins(const FirmwareOptions& options) {
     used.emplace_back("out1", pins.out1);
     used.emplace_back("out2", pins.out2);
   }
-  if (options.worn) used.emplace_back("button", pins.button);
   if (pins.safety_relay) used.emplace_back("--safety-relay", *pins.safety_relay);
   for (auto one = used.begin(); one != used.end(); ++one) {
     if (one->second < 2 || one->second > 19)
@@ -243,31 +224,8 @@ void CheckPins(const FirmwareOptions& options) {
       if (other->second == one->second)
         throw UsageError("{} and {} are both on {}", other->first, one->first, PinName(one->second));
   }
-  constexpr int kPulledUp = 5;
-  if (options.board == Board::kNucleo && pins.safety_relay == kPulledUp)
-    throw UsageError("--safety-relay: a Nucleo pulls D5 up while it starts, which may close the relay: take D6");
   if (pins.safety_relay && options.supply_v == 0)
     throw UsageError("--safety-relay is tested by the supply behind it: wire its sense as well (--supply VOLT)");
-}
-
-// A person may only be moved where each single fault is seen: what is missing, in one line.
-void CheckWorn(const FirmwareOptions& options) {
-  if (!(options.worn_timeout_s >= 0.1 && options.worn_timeout_s <= kMostWornTimeout_s))
-    throw UsageError("--worn-timeout must be within 0.1..{} s, not {}", kMostWornTimeout_s, options.worn_timeout_s);
-  if (!options.worn) return;
-  std::vector<std::string> missing;
-  const auto need = [&](bool there, const char* option) {
-    if (!there) missing.emplace_back(option);
-  };
-  need(options.feedback == Feedback::kPotentiometer, "--feedback pot");
-  need(options.supply_v > 0, "--supply VOLT");
-  need(options.current_sense, "--current-sense");
-  need(options.bridge_sense, "--bridge-sense");
-  need(options.pins.safety_relay.has_value(), "--safety-relay PIN");
-  need(options.force_limit_n.has_value(), "--force-limit N");
-  need(options.speed_limit_mm_s.has_value(), "--speed-limit MM_S");
-  if (!missing.empty()) throw UsageError("--worn needs {}", fmt::join(missing, ", "));
-  if (options.accept_drift) throw UsageError("--worn and --accept-drift exclude each other");
 }
 
 // mm/s; 0: never that way.
@@ -292,27 +250,6 @@ std::string WhatALowSupplyCannot(double reached_mm_s, double needed_mm_s, int di
 }
 
 }  // namespace
-
-const BoardFacts& FactsOf(Board board) {
-  static const BoardFacts uno = {.name = "UNO",
-                                 .reference_v = 5,
-                                 .supply_divider = 4.9,
-                                 .supply_upper = "39 kΩ",
-                                 .supply_lower = "10 kΩ",
-                                 .sensor_upper = "",
-                                 .sensor_lower = "100 kΩ",
-                                 .notes_file = "lake_stroke.ino"};
-  static const BoardFacts nucleo = {.name = "Nucleo",
-                                    .reference_v = 3.3,
-                                    .supply_divider = 7.8,
-                                    .supply_upper = "68 kΩ",
-                                    .supply_lower = "10 kΩ",
-                                    .sensor_divider = 1.5,
-                                    .sensor_upper = "10 kΩ",
-                                    .sensor_lower = "20 kΩ",
-                                    .notes_file = "main.c"};
-  return board == Board::kNucleo ? nucleo : uno;
-}
 
 double FirmwareOptions::StallCurrent() const {
   return force_limit_n ? std::min(stall_current_a, idle_a + *force_limit_n / force_n_per_a) : stall_current_a;
@@ -366,8 +303,8 @@ void FirmwareOptions::Check() const {
   require(StopTravel() >= 0.1 && StopTravel() <= 10, "--stop-travel", StopTravel(), "within 0.1..10 mm");
   require(lag_s >= 0 && lag_s <= 0.5, "--lag", lag_s, "within 0..0.5 s");
   require(home_error_mm >= 0 && home_error_mm <= 10, "--home-error", home_error_mm, "within 0..10 mm");
-  if (const double most_v = MostSupplyV(Facts()); supply_v != 0 && !(supply_v >= 4 && supply_v < most_v))
-    throw UsageError("--supply must be 0 or within 4..{:.1f} V, not {}", most_v, supply_v);
+  if (supply_v != 0 && !(supply_v >= 4 && supply_v < kMostSupply_v))
+    throw UsageError("--supply must be 0 or within 4..{:.1f} V, not {}", kMostSupply_v, supply_v);
   if (feedback == Feedback::kPotentiometer && !potentiometer)
     throw UsageError(
         "--feedback pot needs the potentiometer's scale, two readings with their strokes: --pot COUNTS=MM,COUNTS=MM");
@@ -392,7 +329,6 @@ void FirmwareOptions::Check() const {
     require(*speed_limit_mm_s > 0 && *speed_limit_mm_s <= 1000, "--speed-limit", *speed_limit_mm_s,
             "above 0 and at most 1000 mm/s");
   CheckPins(*this);
-  CheckWorn(*this);
   require(table_tolerance_mm > 0 && table_tolerance_mm <= 10, "--table-tolerance", table_tolerance_mm,
           "above 0 and at most 10 mm");
 }
@@ -404,7 +340,7 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
   RequireSpeedLimit(stroke, options);
   if (!options.accept_drift) RequireRoomForDrift(homing, stroke, schedule, table, options);
   std::string text = options.accept_drift ? kDriftAccepted : "";
-  text += fmt::format("// Stroke program for the {}. {}\n", options.Facts().name, Comment(made_by));
+  text += fmt::format("// Stroke program for the UNO. {}\n", Comment(made_by));
   for (const std::string& unknown : Unknowns(options, stroke, table)) text += "// CANNOT KNOW: " + unknown + "\n";
   text += "#ifndef LAKE_STROKE_TABLE_H\n#define LAKE_STROKE_TABLE_H\n\n#include \"portable.h\"\n\n";
   text += CommonDefines(options, stroke.segments.size(), &schedule.limits);

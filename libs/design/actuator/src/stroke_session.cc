@@ -82,8 +82,7 @@ class Session {
   Session(const SessionOptions& options, LogFile& log, const std::function<void(const std::string&, double)>& poll)
       : options_(options), log_(log), poll_(poll), port_(options.port) {}
 
-  // Opening the port resets an UNO unless it has been open before. Then Ctrl-X makes it greet, or where it must not
-  // forget its stroke the question who it is.
+  // Opening the port resets an UNO unless it has been open before. Then Ctrl-X makes it greet.
   void Greet(const SketchIdentity& sketch) {
     std::string design, program;
     bool has_header = false;
@@ -93,7 +92,7 @@ class Session {
         throw Fail("{}: no greeting of lake-stroke's firmware within {} s: is it uploaded?", options_.port.string(),
                    options_.greeting_s);
       if (Since(begin) > (asked + 1) * options_.greeting_s / 4) {
-        port_.Write(options_.task == SessionTask::kRunWorn ? Framed("who") + "\n" : kReset);
+        port_.Write(kReset);
         ++asked;
       }
       const std::optional<std::string> line = Line();
@@ -156,10 +155,10 @@ class Session {
     throw Fail("{}: {} has not ended within {:.0f} s", options_.port.string(), what, most_s);
   }
 
-  // Whatever it does. A worn program keeps its place, so that the wearer need not be moved by hand.
+  // Whatever it does.
   void Stop() noexcept {
     try {
-      port_.Write(options_.task == SessionTask::kRunWorn ? "!" : kReset);
+      port_.Write(kReset);
       for (const auto begin = Clock::now(); Since(begin) < 0.3;) buffer_ += port_.Read(kPoll_s);
     } catch (const std::exception&) {
       // The line is gone: the firmware stops by its time-out.
@@ -180,11 +179,6 @@ class Session {
     if (line.starts_with("[MSG:host silent"))
       throw Fail("{}: the firmware did not hear this program in time and stopped; is the computer too busy?",
                  options_.port.string());
-    if (line.starts_with("[MSG:button released"))
-      throw Fail(
-          "{}: the wearer let the button go, and the program is held at its place: to go on, button held, say resume "
-          "and go to lake-stroke talk; to give up, lower the wearer by hand",
-          options_.port.string());
   }
 
   // What the first row after the greeting tells of before; the fault itself is told between them. One that is still
@@ -361,7 +355,6 @@ SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder) {
   if (!std::regex_search(text, match, std::regex("#define LAKE_PROGRAM \"([^\"]*)\"")) ||
       match[1] != identity.program_hash)
     throw Fail("{}: it is not as lake-stroke wrote it: write it again, and upload that sketch", file.string());
-  identity.worn = text.find("#define LAKE_WORN 1\n") != std::string::npos;
   static const std::regex unknown("// CANNOT KNOW: ([^\n]*)");
   for (std::sregex_iterator at(text.begin(), text.end(), unknown), end; at != end; ++at)
     identity.unknowns.push_back((*at)[1]);
@@ -373,19 +366,16 @@ SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder) {
 
 SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sketch, const std::filesystem::path& log,
                          const std::function<void(const std::string&, double)>& poll) {
-  if (options.task == SessionTask::kRunWorn && !sketch.worn)
-    throw Fail("this program may not be run on a person: write it with --worn, and everything that needs wired");
   LogFile file(log);
   Session session(options, file, poll);
   SessionResult result;
   try {
     session.Greet(sketch);
     session.WriteHeader();
-    const bool homes = options.task != SessionTask::kRunWorn && options.home;
-    if (options.task != SessionTask::kRunWorn) session.Ask(homes ? "home" : "zero");
-    if (homes) result.homing_s = session.WaitForDone("homing", options.homing_s);
+    session.Ask(options.home ? "home" : "zero");
+    if (options.home) result.homing_s = session.WaitForDone("homing", options.homing_s);
     if (options.task != SessionTask::kHome) {
-      session.Ask(options.task == SessionTask::kRunWorn ? "worn" : "run");
+      session.Ask("run");
       result.run_s = session.WaitForDone("the program", std::min(options.run_s, 2 * sketch.duration_s + 10));
       result.waited_s = session.Waited();
     }
@@ -430,7 +420,7 @@ std::string ErrorText(int number) {
                                                     "an end stop is pressed in that direction",
                                                     "a soft limit is reached in that direction",
                                                     "the line had no check sum, or a wrong one",
-                                                    "the wearer does not hold the button, or it is never seen released",
+                                                    "no such error",
                                                     "homing has failed three times: mend it, then power off and on"};
   return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
                                                                  : "a reply of a newer firmware";

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "exchange.h"
-#include "lake/certificate/stationary_point.h"
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
 #include "lake/core/uncertain_text.h"
@@ -18,7 +17,10 @@
 namespace lake::synthesis {
 namespace {
 
-using certificate::IsActive;
+bool IsActive(double value, double limit) {
+  constexpr double kTouching = 1e-5;  // far above an interior point's distance to an active limit, mu / price
+  return std::isfinite(limit) && std::abs(value - limit) <= kTouching * std::max(1.0, std::abs(limit));
+}
 
 // Gradients of the rows and bounds that hold with equality, in columns scaled to length one.
 class ActiveGradients {
@@ -174,7 +176,8 @@ class ActiveSetFinder {
     for (std::size_t i = 0; i < rows_.size(); ++i) AddRow(static_cast<int>(i));
     for (std::size_t j = 0; j < solve_.solution.x.size(); ++j) AddVariable(static_cast<int>(j));
     active_.smallest_singular_value = gradients_.SmallestSingularValue();
-    active_.multipliers_unique = active_.smallest_singular_value > certificate::kIndependent;
+    constexpr double kIndependent = 1e-6;
+    active_.multipliers_unique = active_.smallest_singular_value > kIndependent;
     return std::move(active_);
   }
 

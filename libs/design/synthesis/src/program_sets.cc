@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
 
-#include "lake/certificate/enclosure.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/linkage/loop_equations.h"
@@ -13,17 +11,6 @@
 
 namespace lake::synthesis {
 namespace {
-
-// Terms that can also be enclosed: for the proof that an optimum is a stationary point.
-template <std::size_t N, typename F>
-void AddEnclosed(nlp::NonlinearProgram& program, int row, const std::array<int, N>& variables, F f) {
-  program.AddTerm(row, std::make_unique<certificate::EnclosedTerm<static_cast<int>(N), F>>(variables, std::move(f)));
-}
-template <std::size_t N, typename F>
-void AddEnclosedRow(nlp::NonlinearProgram& program, std::string name, double lower, double upper,
-                    const std::array<int, N>& variables, F f) {
-  AddEnclosed(program, program.AddRow(std::move(name), lower, upper), variables, std::move(f));
-}
 
 // Of products of three lengths divided by a length: brings rows near one.
 constexpr double kAreaScale_mm2 = 1e4;
@@ -125,7 +112,7 @@ struct PoseTerm {
 template <std::size_t N, typename Layout, typename Row>
 void AddPoseRow(nlp::NonlinearProgram& program, const std::string& name, double upper,
                 const Reading<N, Layout>& reading, Row row) {
-  AddEnclosedRow(program, name, 0, upper, reading.variables, PoseTerm<Layout, Row>{reading.layout, row});
+  program.AddConstraint(name, 0, upper, reading.variables, PoseTerm<Layout, Row>{reading.layout, row});
 }
 
 // The rows that every pose has, each with what it reads.
@@ -434,7 +421,7 @@ void AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, con
 
 void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose) {
   const OnUsedRange at = PlaceOf(pose);
-  AddEnclosedRow(program, "no turning" + pose.place, 0, nlp::kUnbounded, pose.All(), NoTurningTerm{at});
+  program.AddConstraint("no turning" + pose.place, 0, nlp::kUnbounded, pose.All(), NoTurningTerm{at});
 }
 
 void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
@@ -443,14 +430,14 @@ void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& re
   const std::string name = requirement.name + pose.place;
   const std::array<int, 10> variables = With(pose, limit);
   if (requirement.id.kind == problem::Requirement::Kind::kTransmission) {
-    AddEnclosedRow(program, name, 0, nlp::kUnbounded, variables, TransmissionTerm{at});
+    program.AddConstraint(name, 0, nlp::kUnbounded, variables, TransmissionTerm{at});
     return;
   }
   if (requirement.id.kind == problem::Requirement::Kind::kMomentArm)
-    AddEnclosedRow(program, name, 0, nlp::kUnbounded, variables, MomentArmTerm{at});
+    program.AddConstraint(name, 0, nlp::kUnbounded, variables, MomentArmTerm{at});
   else
-    AddEnclosedRow(program, name, 0, nlp::kUnbounded, variables,
-                   ForceTerm{at, knee_torque_nm * kMillimetresPerMetre, requirement.limit});
+    program.AddConstraint(name, 0, nlp::kUnbounded, variables,
+                          ForceTerm{at, knee_torque_nm * kMillimetresPerMetre, requirement.limit});
 }
 
 void AddStrengthRows(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
@@ -463,8 +450,8 @@ void AddStrengthRows(nlp::NonlinearProgram& program, const problem::Requirement&
     return Bearing{is_safety, capacity_n, is_safety ? typical_n : requirement.limit};
   };
   const auto add = [&](const char* member, const auto& term) {
-    AddEnclosedRow(program, fmt::format("{} of the {}{}", requirement.name, member, pose.place), 0, nlp::kUnbounded,
-                   With(pose, limit), term);
+    program.AddConstraint(fmt::format("{} of the {}{}", requirement.name, member, pose.place), 0, nlp::kUnbounded,
+                          With(pose, limit), term);
   };
   add("coupler", CouplerTerm{at, bearing(capacity.coupler_n, capacity.coupler_n), torque_nmm});
   for (const double side : {1.0, -1.0})
@@ -486,8 +473,8 @@ void AddDurationRow(nlp::NonlinearProgram& program, const PoseVariables& pose, i
   constexpr double kArm_mm = 50;  // usual
   const double torque_nmm = knee_torque_nm * kMillimetresPerMetre;
   const double scale = kAreaScale_mm2 * kAreaScale_mm2 * kArm_mm * line.at_rest_mm_s;
-  AddEnclosedRow(
-      program, "duration" + pose.place, 0, nlp::kUnbounded, With(pose, duration),
+  program.AddConstraint(
+      "duration" + pose.place, 0, nlp::kUnbounded, With(pose, duration),
       DurationTerm{PlaceOf(pose), line.at_rest_mm_s, line.per_newton_mm_s * torque_nmm, rad_per_rise, scale});
 }
 
@@ -499,8 +486,8 @@ void AddSeatRows(nlp::NonlinearProgram& program, const ClearancePose& at, const 
     const int heading =
         program.AddVariable("heading from the seat", start.heading_rad, std::numbers::pi, 1.5 * std::numbers::pi);
     for (const linkage::Pin pin : {part.from, part.to})
-      AddEnclosedRow(program, "seat clearance", 0, nlp::kUnbounded, With(at, std::array{heading}),
-                     SeatTerm{{place, pin}, seat.surface_mm, seat.edge_mm, part.radius_mm});
+      program.AddConstraint("seat clearance", 0, nlp::kUnbounded, With(at, std::array{heading}),
+                            SeatTerm{{place, pin}, seat.surface_mm, seat.edge_mm, part.radius_mm});
   }
 }
 
@@ -518,25 +505,25 @@ void AddLimbRows(nlp::NonlinearProgram& program, const ClearancePose& at, linkag
   const int reach = program.AddVariable("reach" + name, reach_mm, -nlp::kUnbounded, nlp::kUnbounded);
   const OnUsedRange place = PlaceOf(at.pose);
   for (const linkage::Pin pin : {actuator.from, actuator.to})
-    AddEnclosedRow(program, name, 0, nlp::kUnbounded, With(at, std::array{heading, reach}),
-                   LimbTerm{{place, pin}, limb, actuator.radius_mm});
+    program.AddConstraint(name, 0, nlp::kUnbounded, With(at, std::array{heading, reach}),
+                          LimbTerm{{place, pin}, limb, actuator.radius_mm});
   for (const Eigen::Vector2d& corner : corners)
-    AddEnclosedRow(program, "reach for " + name, 0, nlp::kUnbounded, std::array{heading, reach},
-                   CornerTerm{corner.x(), corner.y()});
+    program.AddConstraint("reach for " + name, 0, nlp::kUnbounded, std::array{heading, reach},
+                          CornerTerm{corner.x(), corner.y()});
 }
 
 void AddLinearTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links,
                    const std::array<double, 6>& coefficients) {
-  AddEnclosed(program, row, links, LinearTerm{coefficients});
+  program.AddTerm(row, links, LinearTerm{coefficients});
 }
 
 void AddSingularityTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links, int stroke,
                         double off_mm) {
-  AddEnclosed(program, row, std::array{links[1], links[4], links[5], stroke}, SingularityTerm{off_mm});
+  program.AddTerm(row, std::array{links[1], links[4], links[5], stroke}, SingularityTerm{off_mm});
 }
 
 void AddScaledTerm(nlp::NonlinearProgram& program, int row, int variable, double factor) {
-  AddEnclosed(program, row, std::array{variable}, ScaledTerm{factor});
+  program.AddTerm(row, std::array{variable}, ScaledTerm{factor});
 }
 
 }  // namespace lake::synthesis

@@ -180,7 +180,6 @@ SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const Sy
   if (!outcome.IsSolved()) return outcome;
   const LocalSolve& best = outcome.result.Best();
   outcome.active = FindActiveSet(best);
-  outcome.stationary = certificate::CertifyStationaryPoint(best.program.program, best.solution);
   if (options.certify_gap_deg)
     outcome.certificate = CertifyOptimum(
         outcome.problem, best.end, best.evaluation.range_deg,

@@ -35,10 +35,10 @@ struct StrokeRunOptions {
 void Describe(StrokeRunOptions& o, OptionList& options);
 std::vector<InputFile> InputsOf(const StrokeRunOptions& options);
 
-// Writes the firmware's sources for a board with this stroke_table.h into the folder kSketchFolder of the results,
+// Writes the firmware's sources with this stroke_table.h into the folder kSketchFolder of the results,
 // `notes` on top of the file that one reads first; returns their names.
 // Further files, of this program alone, beside them.
-Json WriteSketch(const std::string& stroke_table, actuator::Board board, const std::string& notes, Run& run,
+Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run& run,
                  const std::vector<actuator::FirmwareFile>& further = {});
 
 // Writes program.csv, program.png; with a duty table the firmware's sketch; with `validate` validation.csv and
@@ -56,14 +56,6 @@ struct StrokeHomeRunOptions {
   StrokeSessionRunOptions run;
 };
 void Describe(StrokeHomeRunOptions& options, OptionList& list);
-
-struct BenchRunOptions {
-  std::optional<std::filesystem::path> folder;  // of the laboratory's logs; none: the plan is written
-};
-void Describe(BenchRunOptions& options, OptionList& list);
-
-// The plan of the bench's tests, bench.csv, or the verdict on their logs, bench_verdicts.csv.
-Json RunBenchValidation(const BenchRunOptions& options, Run& run);
 
 struct StrokeTalkRunOptions {
   actuator::TalkOptions talk;

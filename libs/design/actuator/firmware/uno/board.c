@@ -102,9 +102,6 @@ void board_init(void) {
   // all read high.
   PIN_WRITE(LAKE_PIN_RETRACT, 1);
   PIN_WRITE(LAKE_PIN_EXTEND, 1);
-#if LAKE_WORN
-  PIN_WRITE(LAKE_PIN_BUTTON, 1);
-#endif
 #if LAKE_RELAY
   PIN_OUTPUT(LAKE_PIN_RELAY, 1);
 #endif
@@ -145,14 +142,6 @@ uint8_t board_end_stops(void) {
     open &= open_stops();
   }
   return open;
-}
-
-uint8_t board_button(void) {
-#if LAKE_WORN
-  return !PIN_READ(LAKE_PIN_BUTTON);
-#else
-  return 0;
-#endif
 }
 
 void board_close_relay(uint8_t is_closed) {

@@ -114,20 +114,13 @@ void bridge_direct(int8_t direction) {
   set_inputs(direction > 0, direction < 0);
 }
 
-// The PWM is on ENA (L298N), or on the input that drives (BTS7960, whose outputs follow their inputs while ENA is
-// high).
 void bridge_drive(uint16_t counts) {
   const uint8_t is_full = counts >= LAKE_PWM_PERIOD;
   ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {  // the halves of timer 1's registers share one place with those of the looks
     OCR1A = OCR1B = counts - 1;        // high for one clock more of each period
   }
-#if LAKE_BRIDGE_BTS7960
-  TCCR1A = _BV(WGM11) | (is_full ? 0 : CONNECT_TO(direction_now > 0 ? LAKE_PIN_IN1 : LAKE_PIN_IN2));
-  PIN_WRITE(LAKE_PIN_ENA, 1);
-#else
   TCCR1A = _BV(WGM11) | (is_full ? 0 : CONNECT_TO(LAKE_PIN_ENA));
   PIN_WRITE(LAKE_PIN_ENA, is_full);
-#endif
 }
 
 uint8_t bridge_enable_is_free(void) {

@@ -8,7 +8,7 @@
 
 namespace lake::actuator {
 
-// The schematic as SVG: board, bridge, actuator, end stops and whatever of sensors, relay and button is wired, with
+// The schematic as SVG: board, bridge, actuator, end stops and whatever of sensors and relay is wired, with
 // fuse, emergency stop and pull-down resistors.
 std::string SchematicSvg(const FirmwareOptions& options);
 

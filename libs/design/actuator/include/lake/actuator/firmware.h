@@ -16,12 +16,14 @@ namespace lake::actuator {
 inline constexpr int kPwmPeriod = 4000;     // counts of timer 1 at 16 MHz: 4 kHz
 inline constexpr int kSpeedIntervals = 64;  // of the firmware's own duty-to-speed table
 inline constexpr int kSegmentBytes = 10;    // of a segment in flash
-inline constexpr int kFlashBytes = 32256;   // of the ATmega328P beside the UNO's bootloader, the smaller board
-// Kept for the code, with everything wired, as a person needs it.
+inline constexpr int kFlashBytes = 32256;   // of the ATmega328P beside the UNO's bootloader
+// Kept for the code, with everything wired.
 inline constexpr int kFirmwareBytes = 19456;
 inline constexpr double kUnmeasuredTolerance_percent = 10;  // of speeds, where nobody has measured it
 inline constexpr int kMostSegments = (kFlashBytes - kFirmwareBytes) / kSegmentBytes;
 
+inline constexpr double kReference_v = 5;        // of the converter; the potentiometer is between that and GND
+inline constexpr double kSupplyDivider = 4.9;    // of the supply before A2, by 39 kOhm to it and 10 kOhm to GND
 inline constexpr double kSupplyTolerance = 0.4;  // of the nominal voltage: outside is a fault
 inline constexpr double kLowSupply = 0.7;        // part of the nominal voltage, at which a closed loop is to follow
 inline constexpr double kLeastPace = 2.0 / 3;    // of the program's speed: a slower motor is not waited for (program.c)
@@ -29,40 +31,19 @@ inline constexpr double kOpenLoopSupplyTolerance = 0.1;  // likewise where nothi
 inline constexpr double kDirectionCheck_mm =
     0.3;                                     // off a pressed end stop while it is not known which way the motor turns
 inline constexpr double kStopTravel_mm = 2;  // the default
-inline constexpr double kMostWornTimeout_s = 0.5;
 inline constexpr double kFollowingError_mm = 1;  // at most, in closed loop; at 3 mm the firmware stops
 
 enum class Feedback { kNone, kPotentiometer };
 
-// BTS7960: two half bridges, whose enables are one wire, ENA, and whose PWM inputs are IN1 and IN2.
-enum class Bridge { kL298n, kBts7960 };
+// The UNO's file on top of which stands what belongs to a sketch alone.
+inline constexpr const char* kNotesFile = "lake_stroke.ino";
 
-// Arduino UNO; Nucleo-64 with an STM32F401RE, F411RE or F446RE, whose connectors have the same names.
-enum class Board { kUno, kNucleo };
-
-// What a board is to the numbers of its stroke table and to its wiring. Without its wire an input is pulled to 0 V by
-// the lower resistor.
-struct BoardFacts {
-  std::string name;
-  double reference_v = 0;     // of the converter; the potentiometer is between that and GND
-  double supply_divider = 1;  // of the supply before A2, by two resistors, as the wiring shows them: …
-  std::string supply_upper;   // … between the supply and A2, …
-  std::string supply_lower;   // … and between A2 and GND
-  double sensor_divider = 1;  // of the current sensor, which has 5 V, before A1
-  std::string sensor_upper;   // between the sensor and A1; empty: a wire, …
-  std::string sensor_lower;   // … and between A1 and GND
-  std::string notes_file;     // of the sketch, on top of which stands what belongs to it alone
-};
-const BoardFacts& FactsOf(Board board);
-
-// Which of the board's pins is wired to what; A0 to A5 are 14 to 19. What has the PWM is D9 or D10: ENA of an L298N,
-// IN1 and IN2 of a BTS7960.
+// Which of the board's pins is wired to what; A0 to A5 are 14 to 19. ENA has the PWM: D9 or D10.
 struct Pins {
   int ena = 9, in1 = 7, in2 = 8;
   int retract = 2, extend = 3;      // end stops
   int out1 = 17, out2 = 18;         // the bridge's outputs, with bridge_sense
   std::optional<int> safety_relay;  // none: not wired
-  int button = 4;                   // the wearer's, to ground
 };
 
 struct FirmwareOptions {
@@ -89,19 +70,14 @@ struct FirmwareOptions {
   std::optional<double> force_limit_n;  // of the actuator on the leg: a stall current by the two numbers below, if less
   double force_n_per_a = 0, idle_a = 0;    // the actuator's force per ampere above what it takes without a load
   std::optional<double> speed_limit_mm_s;  // no motion of the closed loop is faster, and no program may be
-  Board board = Board::kUno;
-  Bridge bridge = Bridge::kL298n;
   Pins pins;
-  bool bridge_sense = false;    // the bridge's outputs are read back on A3 and A4: else it is never braked
-  bool worn = false;            // may be run on a person, who holds a button: everything above must be wired
-  double worn_timeout_s = 0.5;  // then the host may be silent for so long
+  bool bridge_sense = false;  // the bridge's outputs are read back on A3 and A4: else it is never braked
   std::string design_hash =
       "unknown";                     // the first digits of the design file's SHA-256: no option, said in the greeting
   double table_tolerance_mm = 0.05;  // allowed when a program has too many knots for the flash
 
   double StopTravel() const { return stop_travel_mm.value_or(kStopTravel_mm); }
   double StallCurrent() const;  // A, by the force limit if that is less
-  const BoardFacts& Facts() const { return FactsOf(board); }
 
   void Check() const;  // throws UsageError
 };
@@ -171,13 +147,13 @@ std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedul
 // The header of a firmware without a program: it jogs, for the logs that a duty table is made of.
 std::string CalibrationHeader(const FirmwareOptions& options, const std::string& made_by);
 
-// The firmware's sources for a board, as in libs/design/actuator/firmware; with stroke_table.h they are all that its
-// compiler needs, for an UNO a sketch for the Arduino IDE, whose folder must have the name of its .ino.
+// The firmware's sources, as in libs/design/actuator/firmware; with stroke_table.h they are all that its compiler
+// needs: a sketch for the Arduino IDE, whose folder must have the name of its .ino.
 inline constexpr const char* kSketchFolder = "lake_stroke";
 struct FirmwareFile {
   std::string name, text;
 };
-const std::vector<FirmwareFile>& FirmwareSources(Board board);
+const std::vector<FirmwareFile>& FirmwareSources();
 
 // Said wherever a person reads about safety.
 inline constexpr const char* kUntried =

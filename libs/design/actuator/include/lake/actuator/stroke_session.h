@@ -10,15 +10,14 @@
 
 namespace lake::actuator {
 
-// What is done with the board. Homing is for an exoskeleton that nobody wears, and a worn program does not home: they
-// are never one command.
-enum class SessionTask { kHomeAndRun, kHome, kRunWorn };
+// What is done with the board, with nobody in the exoskeleton.
+enum class SessionTask { kHomeAndRun, kHome };
 
 struct SessionOptions {
   SessionTask task = SessionTask::kHomeAndRun;
   std::filesystem::path port;
   double keep_alive_s = 0.25;  // between two signs of life
-  double greeting_s = 5;       // an UNO's boot loader takes 2; so does a Nucleo that tidies its flash
+  double greeting_s = 5;       // the UNO's boot loader takes 2
   double silent_s = 1.5;       // without a row from the firmware: it is given up, and stops by its own time-out
   double homing_s = 300;       // at most
   double run_s = 3600;         // at most
@@ -30,7 +29,6 @@ struct SessionOptions {
 struct SketchIdentity {
   std::string design_hash, program_hash;  // the latter of the whole stroke_table.h
   double duration_s = 0;
-  bool worn = false;                  // may be run on a person
   std::vector<std::string> unknowns;  // what it cannot know or do, a sentence each
 };
 
@@ -44,9 +42,8 @@ struct SessionResult {
   std::optional<double> waited_s = 0;
 };
 
-// Homes and runs, or one of the two. A board that has been homed keeps that, since the line's end does not reset it
-// (HUPCL is off); so a worn program begins where homing has left it. When the wearer lets the button go the program is
-// held at its place.
+// Homes and runs, or homes alone. A board that has been homed keeps that, since the line's end does not reset it (HUPCL
+// is off).
 // Writes the log's header first and to the disk: if that fails nothing has been sent and nothing moves. If a row cannot
 // be written, `poll` throws (Ctrl-C), the firmware tells a fault or falls silent, the actuator is told to hold and to
 // reset, and the error goes on. `poll` is called at least every 0.1 s with the state and the program's time so far, s.

@@ -48,7 +48,6 @@ class NonlinearProgram {
   void AddTerm(int row, const std::array<int, N>& variables, F f) {
     AddTerm(row, std::make_unique<FunctorTerm<static_cast<int>(N), F>>(variables, std::move(f)));
   }
-  void AddTerm(int row, std::unique_ptr<Term> term);  // of a kind of its own
   template <std::size_t N, typename F>
   void AddCost(const std::array<int, N>& variables, F f) {
     AddTerm(NlpTerm::kCost, variables, std::move(f));
@@ -73,6 +72,7 @@ class NonlinearProgram {
   double Violation(const std::vector<double>& x) const;
 
  private:
+  void AddTerm(int row, std::unique_ptr<Term> term);
   std::vector<NlpVariable> variables_;
   std::vector<NlpRow> rows_;
   std::vector<NlpTerm> terms_;

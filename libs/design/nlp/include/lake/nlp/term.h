@@ -30,7 +30,7 @@ class Term {
 // The term f(v), where f has `template <typename T> T operator()(const T* v) const` and v are the N variables in the
 // order given.
 template <int N, typename F>
-class FunctorTerm : public Term {
+class FunctorTerm final : public Term {
  public:
   FunctorTerm(const std::array<int, N>& variables, F f)
       : Term({variables.begin(), variables.end()}), f_(std::move(f)) {}

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "lake/certificate/certificate.h"
-#include "lake/certificate/stationary_point.h"
 #include "lake/core/run.h"
 #include "lake/problem/robustness.h"
 #include "lake/synthesis/infeasibility.h"
@@ -50,7 +49,6 @@ struct SynthesisOutcome {
   std::optional<InfeasibilityReport> infeasible;  // if no start is usable
   // The rest is there if a start is usable.
   ActiveSet active;
-  certificate::StationaryPoint stationary;  // of the best start's last program, with its poses
   std::optional<certificate::Certificate> certificate;
   std::vector<problem::SensitivityPoint> sensitivity;
   std::vector<MarginPoint> margins;  // none where the duration is what is sought, or with a tolerance

@@ -25,10 +25,6 @@ void WriteMjcf(const std::filesystem::path& path, const parts::Mechanism& mechan
 // x is anterior, y up the thigh, z along the pins to the right; layers lie towards -z.
 void WriteOsim(const std::filesystem::path& path, const parts::Mechanism& mechanism);
 
-// SDFormat 1.9 (Gazebo): both loops are joints, which a physics engine must support. Joint positions count from the
-// reference pose, as SDFormat has it; a comment in the file says which that is.
-void WriteSdf(const std::filesystem::path& path, const parts::Mechanism& mechanism);
-
 // URDF is a tree and cannot close a loop: the loops are cut at the shank pin and at the actuator's rod end, and the two
 // places that must meet are links without mass, `coupler_end` with `shank_pin` and `rod_end` with `bar_tip`; comments
 // say so. Joints `knee` and `stroke` count from the straight knee and from a length of 0.

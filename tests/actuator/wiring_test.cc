@@ -1,4 +1,4 @@
-// A program on a person: the button, the silent host, what must be wired, and that homing is another command.
+// What is seen where everything is wired; which way the motor turns where nothing measures it; all combinations.
 #include "actuator/combinations.h"
 #include "host/host_fixture.h"
 #include "lake/core/error.h"
@@ -10,10 +10,10 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::ThrowsMessage;
 
-class WornTest : public HostFirmwareTest {
+class EverythingWiredTest : public HostFirmwareTest {
  protected:
   void SetUp() override {
-    WireAllOfAWornOne();
+    WireAll();
     actuator_.potentiometer_mm[0] = 240;
     actuator_.potentiometer_mm[1] = 380;
     actuator_.noise_counts = 0.5;
@@ -24,85 +24,29 @@ class WornTest : public HostFirmwareTest {
     rig_->Run(0.6);
     ASSERT_TRUE(rig_->Asks("zero", "ok"));
   }
-  void StartWorn() {
+  void StartRun() {
     BuildAtStart();
-    rig_->Press(true);
-    rig_->Run(0.1);
-    ASSERT_TRUE(rig_->Asks("worn", "ok")) << rig_->Serial();
+    ASSERT_TRUE(rig_->Asks("run", "ok")) << rig_->Serial();
     rig_->Run(1);
     ASSERT_GT(rig_->Duty(), 0) << rig_->Serial();
   }
 };
 
-TEST_F(WornTest, StartsOnlyWithTheButtonHeld) {
-  BuildAtStart();
-  EXPECT_TRUE(rig_->Asks("worn", "error:10"));
-  rig_->Press(true);
-  rig_->Run(0.1);
-  EXPECT_TRUE(rig_->Asks("worn", "ok"));
-  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
-}
-
-// Its wire at ground is a button that is never released.
-TEST_F(WornTest, AButtonThatIsHeldSinceTheResetDoesNotCount) {
-  BuildAtStart();
-  rig_->Press(true);
-  rig_->PowerUp();
-  rig_->Run(0.7);
-  ASSERT_TRUE(rig_->Asks("zero", "ok"));
-  EXPECT_TRUE(rig_->Asks("worn", "error:10"));
-}
-
-TEST_F(WornTest, LettingGoIsOffWithin50MsAndKeepsThePlace) {
-  StartWorn();
-  const double since = rig_->Time(), from = rig_->Stroke();
-  rig_->Press(false);
-  rig_->Run(0.3);
-  double last = since;
-  for (const HostSample& sample : rig_->Samples())
-    if (sample.motor_duty != 0) last = std::max(last, sample.time_s);
-  EXPECT_LE(last - since, 0.05);
-  EXPECT_LE(std::abs(rig_->Stroke() - from), 0.15);
-  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:button released, stopped]"));
-  EXPECT_TRUE(rig_->Asks("resume", "ok"));
-  EXPECT_TRUE(rig_->Asks("go", "error:10")) << "without the button";
-  rig_->Press(true);
-  rig_->Run(0.1);
-  EXPECT_TRUE(rig_->ResumeAsks());
-  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
-}
-
-TEST_F(WornTest, ASilentHostIsOffWithinHalfASecond) {
-  StartWorn();
-  rig_->KeepTalking(false);
-  rig_->Send("alive");
-  rig_->Run(0.01);
-  const double since = rig_->Time();
-  rig_->Run(0.7);
-  double last = 0;
-  for (const HostSample& sample : rig_->Samples())
-    if (sample.motor_duty != 0) last = sample.time_s;
-  EXPECT_LE(last - since, 0.5);
-  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:host silent, stopped]"));
-}
-
 // 400 N are 1.6 A beyond the idle current.
-TEST_F(WornTest, AForceAboveItsLimitIsOff) {
+TEST_F(EverythingWiredTest, AForceAboveItsLimitIsOff) {
   EXPECT_NEAR(firmware_options_.StallCurrent(), 1.9, 1e-9);
   actuator_.a_per_n = 1 / 250.0;
-  StartWorn();
+  StartRun();
   EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
   rig_->Actuator().load_n = [](double, double) { return 420; };
   EXPECT_TRUE(rig_->RunUntil("ALARM:12\n", 0.4)) << rig_->Serial();
 }
 
 // At rest the relay is open: nothing that the bridge does moves the motor.
-TEST_F(WornTest, TheRelayIsOpenAtRestAndAfterAFault) {
+TEST_F(EverythingWiredTest, TheRelayIsOpenAtRestAndAfterAFault) {
   BuildAtStart();
   EXPECT_EQ(rig_->Board().relay, 0);
-  rig_->Press(true);
-  rig_->Run(0.1);
-  ASSERT_TRUE(rig_->Asks("worn", "ok"));
+  ASSERT_TRUE(rig_->Asks("run", "ok"));
   rig_->Run(1);
   EXPECT_EQ(rig_->Board().relay, 1);
   rig_->PullWire(false, true);
@@ -111,7 +55,7 @@ TEST_F(WornTest, TheRelayIsOpenAtRestAndAfterAFault) {
   EXPECT_EQ(rig_->Board().relay, 0);
 }
 
-TEST_F(WornTest, AWeldedRelayIsFoundBeforeAnythingMoves) {
+TEST_F(EverythingWiredTest, AWeldedRelayIsFoundBeforeAnythingMoves) {
   Build(FreeDesign({{0, 300}, {3, 315}}));
   rig_->Breaks().is_relay_welded = true;
   EXPECT_TRUE(rig_->RunUntil("ALARM:16\n", 1)) << rig_->Serial();
@@ -119,10 +63,10 @@ TEST_F(WornTest, AWeldedRelayIsFoundBeforeAnythingMoves) {
 }
 
 // Power that a shorted transistor takes is off within 100 ms and 1 mm, whichever way it drives and the program goes.
-TEST_F(WornTest, AShortedTransistorIsSwitchedOffByTheRelay) {
+TEST_F(EverythingWiredTest, AShortedTransistorIsSwitchedOffByTheRelay) {
   for (const int way : {1, -1})
     for (const bool is_held : {false, true}) {
-      StartWorn();
+      StartRun();
       if (is_held) {
         rig_->SendNow('!');
         rig_->Run(0.3);
@@ -143,7 +87,7 @@ TEST_F(WornTest, AShortedTransistorIsSwitchedOffByTheRelay) {
     }
 }
 
-TEST_F(WornTest, FaultsAreLoggedBeyondAReset) {
+TEST_F(EverythingWiredTest, FaultsAreLoggedBeyondAReset) {
   BuildAtStart();
   rig_->Breaks().wiper = RigBreaks::Wiper::kLost;
   ASSERT_TRUE(rig_->RunUntil("ALARM:7\n", 0.1));
@@ -160,18 +104,13 @@ TEST_F(WornTest, FaultsAreLoggedBeyondAReset) {
   EXPECT_THAT(rig_->Serial().substr(from), HasSubstr("[FAULT:2,idle,0]\n[FAULT:7,idle,0]\n"));
 }
 
-TEST_F(WornTest, WhatIsNotWiredIsRefused) {
-  firmware_options_.bridge_sense = false;
-  firmware_options_.force_limit_n.reset();
-  EXPECT_THAT([&] { firmware_options_.Check(); },
-              ThrowsMessage<Error>(HasSubstr("--worn needs --bridge-sense, --force-limit N")));
-  firmware_options_.worn = false;
+TEST_F(EverythingWiredTest, OnePinForTwoIsRefused) {
   firmware_options_.Check();
   firmware_options_.pins.in1 = 8;
   EXPECT_THAT([&] { firmware_options_.Check(); }, ThrowsMessage<Error>(HasSubstr("in1 and in2 are both on D8")));
 }
 
-TEST_F(WornTest, AFasterProgramThanItsLimitIsRefused) {
+TEST_F(EverythingWiredTest, AFasterProgramThanItsLimitIsRefused) {
   EXPECT_THAT(
       [&] {
         Build(FreeDesign({{0, 300}, {2, 315}}));
@@ -244,11 +183,11 @@ TEST_F(DirectionTest, HomingEndsBeforeTheDeadPoint) {
   }
 }
 
-// Whatever is wired: it homes and runs, worn where that is allowed, and stands when the button is let go.
+// Whatever is wired: it homes and runs.
 class CombinationsTest : public HostFirmwareTest {};
 
 TEST_F(CombinationsTest, PairsOccurInFewOfThem) {
-  EXPECT_EQ(AllCombinations().size(), 50U) << "24 of what can be wired and a worn one, with either bridge";
+  EXPECT_EQ(AllCombinations().size(), 24U);
   EXPECT_LE(CombinationsOfPairs().size(), 10U);
 }
 
@@ -267,9 +206,7 @@ TEST_F(CombinationsTest, EachHomesAndRuns) {
     ASSERT_TRUE(rig_->Asks("home", "ok"));
     ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 20)) << rig_->Serial();
     rig_->Run(0.3);
-    rig_->Press(true);
-    rig_->Run(0.1);
-    ASSERT_TRUE(rig_->Asks(one.Has(Combination::kWorn) ? "worn" : "run", "ok")) << rig_->Serial();
+    ASSERT_TRUE(rig_->Asks("run", "ok")) << rig_->Serial();
     ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 6)) << rig_->Serial();
     EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
     EXPECT_NEAR(rig_->Stroke(), 302, 0.6);  // the lags of five changes of speed, open loop
