@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <functional>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -14,22 +15,43 @@
 namespace lake::motion {
 namespace {
 
-struct VectorColumn {
-  const char* name;
-  Eigen::Vector2d LegSample::*value;
-};
-constexpr std::array kVectors = {VectorColumn{"ak", &LegSample::ak}, VectorColumn{"kh", &LegSample::kh},
-                                 VectorColumn{"hw", &LegSample::hw}};
+// A column of kinematics.csv; those that are not required are there where some frame has a value.
+struct Column {
+  std::string name;
+  bool is_required;
+  std::function<double&(LegSample&)> value;
 
-struct ScalarColumn {
-  const char* name;
-  double LegSample::*value;
+  double Of(LegSample sample) const { return value(sample); }
 };
-constexpr std::array kScalars = {
-    ScalarColumn{"knee_deg", &LegSample::knee_deg},         ScalarColumn{"knee_sigma_deg", &LegSample::knee_sigma_deg},
-    ScalarColumn{"knee_raw_deg", &LegSample::knee_raw_deg}, ScalarColumn{"shank_deg", &LegSample::shank_deg},
-    ScalarColumn{"thigh_deg", &LegSample::thigh_deg},       ScalarColumn{"trunk_deg", &LegSample::trunk_deg},
-    ScalarColumn{"knee_deg_s", &LegSample::knee_deg_s}};
+
+Column ScalarColumn(std::string name, double LegSample::*value, bool is_required = true) {
+  return {std::move(name), is_required, [value](LegSample& sample) -> double& { return sample.*value; }};
+}
+
+void AddVector(const Segment& segment, LengthUnit unit, std::vector<Column>& columns) {
+  for (const int axis : {0, 1})
+    columns.push_back(
+        {fmt::format("{}_{}_{}", segment.vector_name, axis == 0 ? "x" : "y", ToString(unit)), !segment.Lies(),
+         [vector = segment.vector, axis](LegSample& sample) -> double& { return (sample.*vector)[axis]; }});
+}
+
+// In the order of the file: the leg's, then their standard deviations and what further markers show.
+std::vector<Column> ColumnsOf(LengthUnit unit) {
+  std::vector<Column> columns, further;
+  for (const Segment& segment : kSegments) AddVector(segment, unit, segment.Lies() ? further : columns);
+  columns.push_back(ScalarColumn("knee_deg", &LegSample::knee_deg));
+  columns.push_back(ScalarColumn("knee_sigma_deg", &LegSample::knee_sigma_deg));
+  columns.push_back(ScalarColumn("knee_raw_deg", &LegSample::knee_raw_deg));
+  for (const Angle& angle : Angles().subspan(1)) {
+    const bool is_of_leg = std::ranges::any_of(
+        kSegments, [&](const Segment& segment) { return !segment.Lies() && segment.angle.deg == angle.deg; });
+    (is_of_leg ? columns : further).push_back(ScalarColumn(fmt::format("{}_deg", angle.name), angle.deg, is_of_leg));
+    further.push_back(ScalarColumn(fmt::format("{}_sigma_deg", angle.name), angle.sigma_deg, false));
+  }
+  columns.push_back(ScalarColumn("knee_deg_s", &LegSample::knee_deg_s));
+  std::ranges::move(further, std::back_inserter(columns));
+  return columns;
+}
 
 bool IsLetter(char c) {
   return std::isalpha(static_cast<unsigned char>(c)) != 0;
@@ -109,18 +131,32 @@ std::string_view ToString(StsEventKind kind) {
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
+std::span<const Angle> Angles() {
+  static const std::vector<Angle> angles = [] {
+    std::vector<Angle> all = {{"knee", &LegSample::knee_deg, &LegSample::knee_sigma_deg}};
+    for (const Segment& segment : kSegments) {
+      all.push_back(segment.angle);
+      if (segment.Lies()) all.push_back(segment.joint);
+    }
+    return all;
+  }();
+  return angles;
+}
+
 void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& motion) {
+  std::vector<Column> columns = ColumnsOf(motion.unit);
+  std::erase_if(columns, [&](const Column& column) {
+    return !column.is_required && std::ranges::none_of(motion.samples, [&](const LegSample& sample) {
+      return std::isfinite(column.Of(sample));
+    });
+  });
   std::vector<std::string> header = {"frame", "time_s", "repetition", "percent"};
-  for (const auto& vector : kVectors)
-    for (const char* axis : {"x", "y"})
-      header.push_back(fmt::format("{}_{}_{}", vector.name, axis, ToString(motion.unit)));
-  for (const auto& scalar : kScalars) header.emplace_back(scalar.name);
+  for (const Column& column : columns) header.push_back(column.name);
   CsvWriter csv(header);
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const LegSample& sample = motion.samples[i];
     csv.Add(motion.frame[i]).Add(motion.time_s[i]).Add(sample.repetition).Add(sample.percent);
-    for (const auto& vector : kVectors) csv.Add((sample.*vector.value).x()).Add((sample.*vector.value).y());
-    for (const auto& scalar : kScalars) csv.Add(sample.*scalar.value);
+    for (const Column& column : columns) csv.Add(column.Of(sample));
     csv.EndRow();
   }
   csv.Write(path);
@@ -130,7 +166,8 @@ LegMotion ReadKinematicsCsv(const std::filesystem::path& path) {
   const CsvTable table = CsvTable::Read(path);
   LegMotion motion;
   motion.unit = table.Has("ak_x_mm") ? LengthUnit::kMm : LengthUnit::kPx;
-  const auto unit = ToString(motion.unit);
+  std::vector<Column> columns = ColumnsOf(motion.unit);
+  std::erase_if(columns, [&](const Column& column) { return !column.is_required && !table.Has(column.name); });
   const std::size_t frame = table.Column("frame"), time = table.Column("time_s");
   const std::size_t repetition = table.Column("repetition"), percent = table.Column("percent");
   for (std::size_t row = 0; row < table.Rows(); ++row) {
@@ -142,10 +179,7 @@ LegMotion ReadKinematicsCsv(const std::filesystem::path& path) {
     LegSample sample;
     if (const auto value = table.Number(row, repetition)) sample.repetition = static_cast<int>(*value);
     sample.percent = number(percent);
-    for (const auto& vector : kVectors)
-      sample.*vector.value = {number(table.Column(fmt::format("{}_x_{}", vector.name, unit))),
-                              number(table.Column(fmt::format("{}_y_{}", vector.name, unit)))};
-    for (const auto& scalar : kScalars) sample.*scalar.value = number(table.Column(scalar.name));
+    for (const Column& column : columns) column.value(sample) = number(table.Column(column.name));
     motion.samples.push_back(sample);
   }
   return motion;

@@ -166,8 +166,8 @@ void MistrustIsolated(Detections& d, const std::vector<double>& time_s) {
 }
 
 void CheckIsSeen(const std::array<Detections, kLegMarkers>& leg) {
-  for (const LegSegment& segment : {kLegSegments[kShank], kLegSegments[kThigh]}) {
-    const Detections &lower = leg[segment.lower], &upper = leg[segment.upper];
+  for (const LegSegmentIndex segment : {kShank, kThigh}) {
+    const Detections &lower = leg[motion::kSegments[segment].lower], &upper = leg[motion::kSegments[segment].upper];
     const std::size_t frames = FramesTogether(lower, upper);
     if (frames < kLeastFrames)
       throw Fail("leg fit: '{}' and '{}' are seen together in {} frames only; at least {} are needed", lower.name,

@@ -95,7 +95,7 @@ class Bridge {
  public:
   Bridge(std::span<const SeenPath> seen, std::size_t marker, const Curves& curves)
       : seen_(seen), marker_(marker), curves_(curves) {
-    for (const LegSegment& segment : kLegSegments) {
+    for (const motion::Segment& segment : motion::kSegments) {
       if (segment.lower != marker && segment.upper != marker) continue;
       const std::size_t other = segment.lower == marker ? segment.upper : segment.lower;
       if (other >= seen.size()) continue;

@@ -1,6 +1,7 @@
 #include "lake/gait/leg_angles.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lake/core/angles.h"
@@ -16,7 +17,18 @@ Eigen::Vector2d Anterior(motion::Facing facing, const Eigen::Vector2d& up) {
   return facing == motion::Facing::kRight ? right : Eigen::Vector2d(-right);
 }
 
+constexpr std::array kNames = {&LegMarkers::ankle, &LegMarkers::knee, &LegMarkers::hip, &LegMarkers::waist};
+constexpr std::array kPoints = {&LegPoints::ankle, &LegPoints::knee, &LegPoints::hip, &LegPoints::waist};
+
 }  // namespace
+
+std::string LegMarkers::Of(motion::LegMarker marker) const {
+  return marker < kNames.size() ? this->*kNames[marker] : motion::kMarkerNames.at(marker);
+}
+
+std::optional<Eigen::Vector2d> LegPoints::Of(motion::LegMarker marker) const {
+  return marker < kPoints.size() ? this->*kPoints[marker] : std::nullopt;
+}
 
 Eigen::Vector2d LegFromPlane(const Eigen::Vector2d& in_plane, motion::Facing facing, const Eigen::Vector2d& up) {
   return {in_plane.dot(Anterior(facing, up)), in_plane.dot(up)};
@@ -30,24 +42,21 @@ double SegmentAngleDeg(const Eigen::Vector2d& in_leg) {
   return DegreesFromRadians(std::atan2(in_leg.x(), in_leg.y()));
 }
 
+void SetSegment(const motion::Segment& segment, const Eigen::Vector2d& in_leg, motion::LegSample& sample) {
+  sample.*segment.vector = in_leg;
+  sample.*segment.angle.deg =
+      segment.Lies() ? DegreesFromRadians(std::atan2(in_leg.y(), in_leg.x())) : SegmentAngleDeg(in_leg);
+}
+
 double KneeAngleDeg(const Eigen::Vector2d& ak_in_leg, const Eigen::Vector2d& kh_in_leg) {
   return DegreesFromRadians(std::atan2(Cross(ak_in_leg, kh_in_leg), ak_in_leg.dot(kh_in_leg)));
 }
 
 motion::LegSample MakeLegSample(const LegPoints& points, motion::Facing facing, const Eigen::Vector2d& up) {
   motion::LegSample sample;
-  if (points.ankle && points.knee) {
-    sample.ak = LegFromPlane(*points.knee - *points.ankle, facing, up);
-    sample.shank_deg = SegmentAngleDeg(sample.ak);
-  }
-  if (points.knee && points.hip) {
-    sample.kh = LegFromPlane(*points.hip - *points.knee, facing, up);
-    sample.thigh_deg = SegmentAngleDeg(sample.kh);
-  }
-  if (points.hip && points.waist) {
-    sample.hw = LegFromPlane(*points.waist - *points.hip, facing, up);
-    sample.trunk_deg = SegmentAngleDeg(sample.hw);
-  }
+  for (const motion::Segment& segment : motion::kSegments)
+    if (const auto lower = points.Of(segment.lower), upper = points.Of(segment.upper); lower && upper)
+      SetSegment(segment, LegFromPlane(*upper - *lower, facing, up), sample);
   if (points.ankle && points.knee && points.hip) sample.knee_deg = KneeAngleDeg(sample.ak, sample.kh);
   return sample;
 }

@@ -34,16 +34,16 @@ void AddDeviations(const LegCurves& curves, std::size_t i, StsDeviations& sd) {
 MarkerGradient BetweenEnds(const LegCurves& curves, LegSegmentIndex segment, const Eigen::Vector3d& gradient) {
   MarkerGradient result;
   const Eigen::Vector3d in_plane = curves.leg_from_plane.transpose() * gradient;
-  result.by_marker[kLegSegments[segment].upper] = in_plane;
-  result.by_marker[kLegSegments[segment].lower] = -in_plane;
+  result.by_marker[motion::kSegments[segment].upper] = in_plane;
+  result.by_marker[motion::kSegments[segment].lower] = -in_plane;
   return result;
 }
 
 }  // namespace
 
 Eigen::Vector3d LegCurves::Vector(LegSegmentIndex segment, std::size_t frame) const {
-  const auto& [name, lower, upper] = kLegSegments[segment];
-  return leg_from_plane * (marker[upper].point[frame].position - marker[lower].point[frame].position);
+  const auto place = [&](motion::LegMarker m) { return marker[m].point[frame].position; };
+  return leg_from_plane * (place(motion::kSegments[segment].upper) - place(motion::kSegments[segment].lower));
 }
 
 double LegCurves::AngleRad(LegSegmentIndex segment, std::size_t frame) const {

@@ -122,17 +122,17 @@ double ShankOf(const motion::MarkerRecording& recording, const LegMarkers& names
 std::array<Detections, kLegMarkers> CollectLeg(const motion::MarkerRecording& recording, const LegView& view,
                                                const LegMarkers& names, double skin) {
   std::array<Detections, kLegMarkers> leg;
-  const std::array<const std::string*, kLegMarkers> wanted = {&names.ankle, &names.knee, &names.hip, &names.waist};
-  for (std::size_t m = 0; m < kLegMarkers; ++m) {
-    const motion::MarkerTrack* track = recording.Find(*wanted[m]);
+  for (const motion::LegMarker m : {kAnkle, kKnee, kHip, kWaist}) {
+    const std::string name = names.Of(m);
+    const motion::MarkerTrack* track = recording.Find(name);
     if (track) {
       leg[m] = CollectDetections(recording, *track, view, skin);
       MistrustIsolated(leg[m], recording.time_s);
     } else if (m != kWaist)
-      throw Fail("leg fit: no marker '{}' in the recording (it has: {}); name the leg's markers with --map", *wanted[m],
+      throw Fail("leg fit: no marker '{}' in the recording (it has: {}); name the leg's markers with --map", name,
                  Names(recording));
     else
-      leg[m].name = *wanted[m];
+      leg[m].name = name;
   }
   return leg;
 }

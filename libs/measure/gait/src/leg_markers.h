@@ -1,20 +1,13 @@
-// The markers and the segments of the leg. Not part of the interface.
+// The markers and the segments of the leg, which are fitted together. Not part of the interface.
 #pragma once
 
-#include <array>
-#include <cstdint>
+#include "lake/motion/leg_motion.h"
 
 namespace lake::gait {
 
-enum LegMarker : std::uint8_t { kAnkle, kKnee, kHip, kWaist };
-inline constexpr int kLegMarkers = 4;
-
-struct LegSegment {
-  const char* name;  // of its vector
-  LegMarker lower, upper;
-};
-enum LegSegmentIndex : std::uint8_t { kShank, kThigh, kTrunk };
-inline constexpr std::array<LegSegment, 3> kLegSegments = {
-    {{"ak", kAnkle, kKnee}, {"kh", kKnee, kHip}, {"hw", kHip, kWaist}}};
+using motion::LegMarker;
+using enum motion::LegMarker;
+inline constexpr int kLegMarkers = 4;                            // ankle to waist
+enum LegSegmentIndex : std::uint8_t { kShank, kThigh, kTrunk };  // of motion::kSegments
 
 }  // namespace lake::gait

@@ -11,6 +11,7 @@
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
+#include "lake/gait/field.h"
 #include "leg_curves.h"
 #include "leg_space.h"
 #include "sizes.h"
@@ -164,15 +165,71 @@ motion::MarkerTrack MeasuredOf(const Detections& d) {
   return track;
 }
 
-LegPoints PointsAt(const std::vector<MarkerOutput>& leg, std::size_t frame, bool raw) {
-  LegPoints points;
-  const std::array<std::optional<Eigen::Vector2d>*, kLegMarkers> places = {&points.ankle, &points.knee, &points.hip,
-                                                                           &points.waist};
-  for (std::size_t m = 0; m < leg.size(); ++m) {
-    if (raw && leg[m].detections->seen[frame]) *places[m] = leg[m].detections->in_plane[frame];
-    if (!raw && leg[m].status[frame] != motion::SampleStatus::kMissing) *places[m] = leg[m].shown[frame];
+// As detected.
+LegPoints RawPoints(const std::vector<MarkerOutput>& leg, std::size_t frame) {
+  const auto place = [&](motion::LegMarker marker) -> std::optional<Eigen::Vector2d> {
+    const Detections& d = *leg[marker].detections;
+    return d.seen[frame] ? std::optional(d.in_plane[frame]) : std::nullopt;
+  };
+  return {place(kAnkle), place(kKnee), place(kHip), std::nullopt};
+}
+
+// Where a segment rests on the ground: the middle of the shortest interval that holds a fifth of its angles, and what
+// scatters within it. Of a stride the foot is flat for a quarter (Perry & Burnfield 2010), of a rise all the time.
+Measured RestOf(std::vector<double> angles_deg) {
+  constexpr double kShare = 0.2;
+  std::ranges::sort(angles_deg);
+  const auto width = static_cast<std::size_t>(kShare * static_cast<double>(angles_deg.size()));
+  std::size_t best = 0;
+  for (std::size_t i = 0; i + width < angles_deg.size(); ++i)
+    if (angles_deg[i + width] - angles_deg[i] < angles_deg[best + width] - angles_deg[best]) best = i;
+  const double from_deg = angles_deg[best], to_deg = angles_deg[best + width];
+  return {(from_deg + to_deg) / 2, (to_deg - from_deg) / std::sqrt(12)};
+}
+
+// From the horizontal to where the segment rests, and the joint above it.
+void FromRest(const motion::Segment& segment, motion::LegMotion& motion, std::vector<std::string>& warnings) {
+  std::vector<double> angles_deg;
+  for (const motion::LegSample& sample : motion.samples)
+    if (const double deg = sample.*segment.angle.deg; std::isfinite(deg)) angles_deg.push_back(deg);
+  constexpr double kMost_deg = 90;
+  const double middle_deg = Median(angles_deg);
+  if (std::abs(middle_deg) > kMost_deg)
+    warnings.push_back(fmt::format(
+        "no {0}_deg and {1}_deg: '{2}' is behind '{3}' in most frames: exchange their names, or say where the subject "
+        "faces",
+        segment.angle.name, segment.joint.name, motion::kMarkerNames[segment.upper],
+        motion::kMarkerNames[segment.lower]));
+  const Measured rest = RestOf(std::move(angles_deg));
+  for (motion::LegSample& sample : motion.samples) {
+    double &deg = sample.*segment.angle.deg, &sigma_deg = sample.*segment.angle.sigma_deg;
+    deg = std::abs(middle_deg) > kMost_deg ? motion::LegSample::kUnknown : deg - rest.value;
+    sigma_deg = std::isfinite(deg) ? std::hypot(sigma_deg, rest.sd) : motion::LegSample::kUnknown;
+    sample.*segment.joint.deg = sample.*segment.above_deg + deg;
+    sample.*segment.joint.sigma_deg = std::hypot(sample.*segment.above_sigma_deg, sigma_deg);
   }
-  return points;
+}
+
+// From the markers as they are shown. Each errs independently, and alike along both axes.
+void SetSegments(const motion::MarkerRecording& trajectory, const LegFitOptions& options, motion::LegMotion& motion,
+                 std::vector<std::string>& warnings) {
+  for (const motion::Segment& segment : motion::kSegments) {
+    const motion::MarkerTrack *lower = trajectory.Find(options.markers.Of(segment.lower)),
+                              *upper = trajectory.Find(options.markers.Of(segment.upper));
+    const auto is_known = [&](std::size_t i) { return lower->samples[i].IsKnown() && upper->samples[i].IsKnown(); };
+    int known = 0;
+    for (std::size_t i = 0; lower && upper && i < motion.samples.size(); ++i) known += is_known(i) ? 1 : 0;
+    if (known < static_cast<int>(kLeastFrames)) continue;
+    for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+      if (!is_known(i)) continue;
+      const motion::MarkerSample &below = lower->samples[i], &above = upper->samples[i];
+      const Eigen::Vector2d in_leg = LegFromPlane(above.position - below.position, motion.facing, options.up);
+      SetSegment(segment, in_leg, motion.samples[i]);
+      motion.samples[i].*segment.angle.sigma_deg =
+          DegreesFromRadians(std::hypot(below.sigma, above.sigma) / in_leg.norm());
+    }
+    if (segment.Lies()) FromRest(segment, motion, warnings);
+  }
 }
 
 // From the shown markers' own sigmas, where the fit's covariance does not apply.
@@ -201,17 +258,21 @@ void SetSpeedByDifferences(motion::LegMotion& motion) {
   }
 }
 
-motion::LegMotion MakeMotion(const motion::MarkerRecording& recording, const std::vector<MarkerOutput>& leg,
-                             const LegCurves& curves, const LegView& view, motion::Facing facing,
-                             const LegFitOptions& options) {
+motion::LegMotion MakeMotion(const motion::MarkerRecording& trajectory, const std::vector<MarkerOutput>& leg,
+                             const LegCurves& curves, motion::Facing facing, const LegFitOptions& options,
+                             std::vector<std::string>& warnings) {
   motion::LegMotion motion;
-  motion.unit = PlaneUnit(view);
+  motion.unit = trajectory.unit;
   motion.facing = facing;
-  motion.frame = recording.frame;
-  motion.time_s = recording.time_s;
-  for (std::size_t i = 0; i < recording.Frames(); ++i) {
-    motion::LegSample sample = MakeLegSample(PointsAt(leg, i, false), facing, options.up);
-    const motion::LegSample raw = MakeLegSample(PointsAt(leg, i, true), facing, options.up);
+  motion.frame = trajectory.frame;
+  motion.time_s = trajectory.time_s;
+  motion.samples.resize(trajectory.Frames());
+  SetSegments(trajectory, options, motion, warnings);
+  for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+    motion::LegSample& sample = motion.samples[i];
+    const motion::LegSample raw = MakeLegSample(RawPoints(leg, i), facing, options.up);
+    if (std::isfinite(sample.shank_deg) && std::isfinite(sample.thigh_deg))
+      sample.knee_deg = KneeAngleDeg(sample.ak, sample.kh);
     sample.knee_raw_deg = raw.knee_deg;
     if (!leg[kKnee].shown_lateral.empty()) {
       const Eigen::Vector3d& axis = curves.flexion_axis[i];
@@ -225,7 +286,6 @@ motion::LegMotion MakeMotion(const motion::MarkerRecording& recording, const std
                                   : KneeSigmaDeg(leg, curves, i);
       sample.knee_deg_s = curves.knee_deg_s[i];
     }
-    motion.samples.push_back(sample);
   }
   if (options.filter != LegFilter::kSpline || IsFiltered(options)) SetSpeedByDifferences(motion);
   return motion;
@@ -313,8 +373,8 @@ StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<Mar
 
 SegmentReport ReportSegment(LegSegmentIndex segment, const std::array<Detections, kLegMarkers>& leg,
                             const LegCurves& curves) {
-  const auto& [name, lower, upper] = kLegSegments[segment];
-  const Detections &below = leg[lower], &above = leg[upper];
+  const motion::Segment& of = motion::kSegments[segment];
+  const Detections &below = leg[of.lower], &above = leg[of.upper];
   std::vector<double> lengths, variances, fitted;
   for (std::size_t i = 0; i < below.seen.size(); ++i) {
     if (!below.trusted[i] || !above.trusted[i]) continue;
@@ -324,7 +384,7 @@ SegmentReport ReportSegment(LegSegmentIndex segment, const std::array<Detections
     fitted.push_back(curves.Length(segment, i));
   }
   SegmentReport report;
-  report.name = name;
+  report.name = of.vector_name;
   report.length = Mean(fitted);
   report.length_sigma = std::sqrt(Mean(variances) / static_cast<double>(lengths.size()));
   report.variation = std::sqrt(std::max(0.0, std::pow(StandardDeviation(lengths), 2) - Mean(variances)));
@@ -441,7 +501,7 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
   AddMarkers(recording, leg, view, most_sigma, skin, UnitMm(view, shank), options, result);
   for (const LegSegmentIndex segment : {kShank, kThigh, kTrunk})
     if (segment != kTrunk || curves.HasTrunk()) result.segments.push_back(ReportSegment(segment, detections, curves));
-  result.motion = MakeMotion(recording, leg, curves, view, facing, options);
+  result.motion = MakeMotion(result.trajectory, leg, curves, facing, options, result.warnings);
   if (IsFiltered(options))
     AccountForFilterLoss(KneeTakenByFilter(leg, result.motion, options.up), FilterOf(options).cutoff_hz, result.motion);
   result.signals = MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up);

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,16 +38,60 @@ struct LegSample {
   Eigen::Vector2d ak = Eigen::Vector2d::Constant(kUnknown);  // ankle to knee
   Eigen::Vector2d kh = Eigen::Vector2d::Constant(kUnknown);  // knee to hip
   Eigen::Vector2d hw = Eigen::Vector2d::Constant(kUnknown);  // hip to waist
+  Eigen::Vector2d ht = Eigen::Vector2d::Constant(kUnknown);  // heel to toe
   double knee_deg = kUnknown;
   double knee_sigma_deg = kUnknown;
   double knee_raw_deg = kUnknown;  // the paper's formula on this frame's own detected markers, signed
-  double shank_deg = kUnknown;
-  double thigh_deg = kUnknown;
-  double trunk_deg = kUnknown;
-  double knee_deg_s = kUnknown;   // angular velocity
-  std::optional<int> repetition;  // from 1
-  double percent = kUnknown;      // of the repetition, 0 to 100
+  double shank_deg = kUnknown, shank_sigma_deg = kUnknown;
+  double thigh_deg = kUnknown, thigh_sigma_deg = kUnknown;
+  double trunk_deg = kUnknown, trunk_sigma_deg = kUnknown;
+  double foot_deg = kUnknown, foot_sigma_deg = kUnknown;
+  double ankle_deg = kUnknown, ankle_sigma_deg = kUnknown;  // positive in dorsiflexion
+  double knee_deg_s = kUnknown;                             // angular velocity
+  std::optional<int> repetition;                            // from 1
+  double percent = kUnknown;                                // of the repetition, 0 to 100
 };
+
+// An angle of a sample with its standard deviation, which is the markers' noise: NAME_deg, NAME_sigma_deg.
+struct Angle {
+  const char* name = nullptr;
+  double LegSample::*deg = nullptr;
+  double LegSample::*sigma_deg = nullptr;
+};
+
+// The leg's markers from the ground up, then others; each is called so where nothing else is said.
+enum LegMarker : std::uint8_t { kAnkle, kKnee, kHip, kWaist, kHeel, kToe };
+inline constexpr std::array kMarkerNames = {"ankle", "knee", "hip", "waist", "heel", "toe"};
+
+// A segment of the body, from its lower to its upper marker.
+struct Segment {
+  LegMarker lower, upper;
+  const char* vector_name;
+  Eigen::Vector2d LegSample::*vector;
+  // From the vertical, positive when the upper end leans forward; of a segment that lies on the ground from where it
+  // rests, positive when the upper end rises.
+  Angle angle;
+  // Of a segment that lies: its angle and that of the segment above it, 0 where it rests and the other is upright.
+  Angle joint = {};
+  double LegSample::*above_deg = nullptr, LegSample::*above_sigma_deg = nullptr;
+
+  bool Lies() const { return joint.name != nullptr; }
+};
+inline constexpr std::array kSegments = {
+    Segment{kAnkle, kKnee, "ak", &LegSample::ak, {"shank", &LegSample::shank_deg, &LegSample::shank_sigma_deg}},
+    Segment{kKnee, kHip, "kh", &LegSample::kh, {"thigh", &LegSample::thigh_deg, &LegSample::thigh_sigma_deg}},
+    Segment{kHip, kWaist, "hw", &LegSample::hw, {"trunk", &LegSample::trunk_deg, &LegSample::trunk_sigma_deg}},
+    Segment{kHeel,
+            kToe,
+            "ht",
+            &LegSample::ht,
+            {"foot", &LegSample::foot_deg, &LegSample::foot_sigma_deg},
+            {"ankle", &LegSample::ankle_deg, &LegSample::ankle_sigma_deg},
+            &LegSample::shank_deg,
+            &LegSample::shank_sigma_deg}};
+
+// Of the knee, of the segments and of the joints between them.
+std::span<const Angle> Angles();
 
 struct LegMotion {
   LengthUnit unit = LengthUnit::kPx;  // of the vectors

@@ -16,11 +16,15 @@ struct LegMarkers {
   std::string knee = "knee";
   std::string hip = "hip";
   std::string waist = "waist";
+
+  std::string Of(motion::LegMarker marker) const;  // a marker beside these has its usual name
 };
 
 // Marker positions in the plane frame; nullopt where not known.
 struct LegPoints {
   std::optional<Eigen::Vector2d> ankle, knee, hip, waist;
+
+  std::optional<Eigen::Vector2d> Of(motion::LegMarker marker) const;  // of one beside these nullopt
 };
 
 // The axes of the leg frame: x anterior, y up. `up` is a direction in the plane frame.
@@ -29,6 +33,9 @@ Eigen::Vector2d PlaneFromLeg(const Eigen::Vector2d& in_leg, motion::Facing facin
 
 // From the vertical, positive when the upper end leans forward, −180..180; of a vector in the leg frame's axes.
 double SegmentAngleDeg(const Eigen::Vector2d& in_leg);
+
+// The segment's vector and angle; that of one that lies is from the horizontal.
+void SetSegment(const motion::Segment& segment, const Eigen::Vector2d& in_leg, motion::LegSample& sample);
 
 // cos(theta) = AK·KH / (|AK||KH|) (Gautam, Singla & Singla, Eq. (9)), signed by the side to which the shank folds: 0
 // straight, positive in flexion.
