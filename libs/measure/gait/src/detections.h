@@ -22,7 +22,13 @@ struct Detections {
   std::vector<double> jump;   // recorded unit: how far off a smooth path a person's marker may be, noise apart
   std::vector<Eigen::Vector2d> in_plane;
   std::vector<double> plane_sigma;  // unit of the plane
-  std::vector<double> lateral;      // mm, normal to the plane, NaN where missing; empty for a trial of two dimensions
+  // Unit of the plane, per axis: of places that technical markers give where the marker is hidden (trusted, not seen),
+  // what no frame's neighbours average away; NaN elsewhere, empty without any.
+  std::vector<double> rebuilt_sd;
+  double rebuilt_memory_s = 0;  // for so long their errors stay alike
+  std::vector<double> lateral;  // mm, normal to the plane, NaN where missing; empty for a trial of two dimensions
+
+  bool IsRebuilt(std::size_t frame) const { return !rebuilt_sd.empty() && rebuilt_sd[frame] >= 0; }
 };
 
 // `skin` (recorded unit) is what a marker on skin may jump from frame to frame. Excursions of a few frames are not

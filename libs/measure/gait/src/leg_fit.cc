@@ -13,10 +13,12 @@
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/gait/butterworth.h"
+#include "lake/gait/learnt_knee.h"
 #include "lake/gait/persons_leg.h"
 #include "lake/gait/plausibility.h"
 #include "leg_curves.h"
 #include "leg_space.h"
+#include "rebuilt_knee.h"
 #include "sizes.h"
 
 namespace lake::gait {
@@ -174,7 +176,7 @@ double ResidualRms(const std::array<Detections, kLegMarkers>& leg, const LegCurv
   std::vector<double> squares;
   for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
     for (std::size_t i = 0; i < leg[m].trusted.size(); ++i)
-      if (leg[m].trusted[i])
+      if (leg[m].trusted[i] && leg[m].seen[i])
         squares.push_back((leg[m].in_plane[i] - curves.marker[m].InPlane(i)).squaredNorm() / 2 /
                           std::pow(curves.marker[m].scatter[i] * leg[m].plane_sigma[i], 2));
   return std::sqrt(Mean(squares));
@@ -219,9 +221,12 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   LegFitResult result;
   result.up = options.up;
   result.leg_markers = options.markers;
-  const double skin = options.skin_jump * ShankOf(recording, options.markers);
+  const double shank = ShankOf(recording, options.markers),
+               skin = options.skin_jump * (shank == 0 && options.knee_from ? options.knee_from->shank_mm : shank);
   std::array<Detections, kLegMarkers> leg = CollectLeg(recording, view, options.markers, skin);
   if (!lateral.empty()) SetLateral(lateral, leg);
+  if (options.knee_from)
+    result.rebuilt_knee = RebuildKnee(*options.knee_from, recording, view, lateral, options, leg, result.warnings);
   const FacingFound found = FindFacingOf(leg);
   const motion::Facing facing = options.facing.value_or(found.facing);
   if (!options.facing && !found.IsCertain())

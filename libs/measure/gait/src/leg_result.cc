@@ -44,8 +44,9 @@ std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurv
   std::vector<SampleStatus> status(n, SampleStatus::kMissing);
   for (std::size_t i = 0; i < n; ++i) {
     const auto frame = static_cast<std::ptrdiff_t>(i);
-    if (fits[i] || (frame >= first && frame <= last && curve.plane_sigma[i] <= most_sigma))
-      status[i] = fits[i] ? SampleStatus::kDetected : SampleStatus::kFilled;
+    const bool is_detected = fits[i] && !d.IsRebuilt(i);
+    if (is_detected || (frame >= first && frame <= last && curve.plane_sigma[i] <= most_sigma))
+      status[i] = is_detected ? SampleStatus::kDetected : SampleStatus::kFilled;
   }
   return status;
 }

@@ -168,6 +168,17 @@ class Smoothing {
   std::vector<PathModel> models_;
 };
 
+// What the smoothing takes for the marker's own movement.
+void AddRebuiltErrors(const Detections& d, MarkerCurve& curve) {
+  for (std::size_t i = 0; i < curve.point.size(); ++i) {
+    if (!d.IsRebuilt(i)) continue;
+    const double variance = d.rebuilt_sd[i] * d.rebuilt_sd[i];
+    curve.point[i].position_covariance += variance * Eigen::Matrix3d::Identity();
+    curve.point[i].velocity_variance += variance / (d.rebuilt_memory_s * d.rebuilt_memory_s);
+    curve.plane_sigma[i] = PlaneSigma(curve.point[i]);
+  }
+}
+
 void Project(const LegView& view, double depth_mm, MarkerCurve& curve) {
   for (std::size_t i = 0; i < curve.point.size(); ++i) {
     const Eigen::Vector2d in_plane = curve.InPlane(i);
@@ -219,7 +230,10 @@ LegMarkerCurves SmoothLeg(const std::vector<double>& time_s, int markers, const 
     smoothing.Learn();
     set();
   }
-  for (std::size_t m = 0; m < used.size(); ++m) Project(view, used[m].depth_mm, curves.marker[m]);
+  for (std::size_t m = 0; m < used.size(); ++m) {
+    AddRebuiltErrors(used[m], curves.marker[m]);
+    Project(view, used[m].depth_mm, curves.marker[m]);
+  }
   const PathModel& knee = smoothing.Models()[kKnee];
   curves.lasting_share = knee.lasting / (knee.white + knee.lasting);
   curves.noise_memory_s = knee.memory_s;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/dynamics/rigid_segment.h"
 #include "lake/exchange/point_recording.h"
 
 namespace lake::axis {
@@ -15,26 +16,9 @@ struct SegmentMarkers {
   std::vector<std::string> shank, thigh;  // at least two each, in space three
 };
 
-// The pose of a segment in the file's axes: x_file = turn · x_segment + origin.
-struct Pose {
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d origin = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());  // mm; NaN: not seen
-
-  bool IsSeen() const { return origin.allFinite(); }
-};
-
-// A rigid segment and how its markers move against it. The segment's frame has its origin at the mean of the markers'
-// mean shape, and the file's axes of the first frame that shows all markers.
-struct Segment {
-  std::vector<Pose> poses;                    // one per frame; not seen with fewer than two markers, in space three
-  Eigen::Matrix3Xd shape;                     // a column per marker: mean place in the segment's frame, mm
-  std::vector<Eigen::Matrix3Xd> deformation;  // per frame: places minus `shape`, segment's frame, mm; 0 where not seen
-  double freedom = 0;       // coordinates of the deformation: 3 markers - 6, of planar markers 2 markers - 3
-  double marker_sd_mm = 0;  // of each marker along each axis, if the markers' errors are independent
-
-  // What such errors leave in a point of the segment at this distance from its origin, along each axis, mm.
-  double PointSdMm(double distance_mm) const;
-};
+// In the file's axes, mm.
+using Pose = dynamics::Pose;
+using Segment = dynamics::RigidSegment;
 
 struct SegmentMotion {
   Segment shank, thigh;

@@ -9,6 +9,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,10 @@ enum class LegFilter {
   kNone,         // each frame by itself (gaps from the fit)
 };
 
+// Further markers on the skin of the leg's segments: shank and thigh.
+using TechnicalMarkers = std::map<std::string, std::vector<std::string>>;
+struct LearntKnee;  // learnt_knee.h
+
 struct LegFitOptions {
   LegFilter filter = LegFilter::kSpline;
   std::optional<double> cutoff_hz;  // spline: found from the data; Butterworth: 6 Hz
@@ -49,6 +54,7 @@ struct LegFitOptions {
   bool known_sigmas = false;
   // Of the sigmas' squares, at least: errors that stay alike for some frames, as a film's coding makes them.
   double lasting_share = 0;
+  std::shared_ptr<const LearntKnee> knee_from;  // rebuilds the knee where its marker is hidden
   bool HasSplineCutoff() const { return filter == LegFilter::kSpline && cutoff_hz.has_value(); }
   MovementOptions movement;
   bool quiet = true;  // no progress
@@ -112,6 +118,16 @@ struct LateralReport {
   double largest_thigh_deg = 0;
 };
 
+// Where the knee's marker was hidden and technical markers replaced it.
+struct RebuiltKnee {
+  std::vector<char> frames;  // 0 or 1 per frame
+  // Where the marker is seen: the seen place less the rebuilt one, in the segment's frame (x anterior, y up the leg), mm.
+  std::size_t seen_frames = 0;
+  Eigen::Vector2d difference_mm = Eigen::Vector2d::Zero();  // mean
+  double difference_rms_mm = 0;
+  double sd_mm = 0;  // of the rebuilt places, per axis, root mean square
+};
+
 struct LegFitResult {
   motion::MarkerRecording tracks;      // as recorded, gaps filled where the fit is certain enough
   motion::MarkerRecording trajectory;  // in the plane frame, filtered as asked; unit px without a scale
@@ -125,6 +141,7 @@ struct LegFitResult {
   std::vector<SegmentReport> segments;
   std::vector<OutlierReport> outliers;
   std::optional<LateralReport> lateral;
+  std::optional<RebuiltKnee> rebuilt_knee;
   Eigen::Vector2d up = Eigen::Vector2d::UnitY();  // in the plane, as the options had it
   LegMarkers leg_markers;                         // what they are called in the recording, as the options had it
   std::vector<std::string> warnings;
