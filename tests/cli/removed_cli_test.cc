@@ -1,10 +1,9 @@
 // What earlier versions had: one line says so, and what to use instead.
-#include "lake/core/removed.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "cli/program_run.h"
+#include "lake/core/removed.h"
 
 namespace lake {
 namespace {

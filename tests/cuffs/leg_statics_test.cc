@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "cuffs/leg_energy.h"
 #include "lake/core/error.h"
 
 namespace lake::cuffs {

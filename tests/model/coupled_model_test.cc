@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "cuffs/leg_energy.h"
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"

@@ -11,6 +11,7 @@
 #include <set>
 #include <sstream>
 
+#include "cuffs/leg_energy.h"
 #include "lake/core/angles.h"
 #include "lake/exchange/mot.h"
 #include "lake/model/simulator_model.h"

@@ -170,10 +170,8 @@ double LargestCuffForce(const RedesignProblem& problem, const std::vector<double
   const Eigen::Vector2d place_mm = placement_mm + problem.human.back().slip_mm;
   double largest_mm = 0;
   for (const double theta : theta_rad)
-    for (const cuffs::CuffPlace& cuff : cuffs::PlacesOf(problem.cuffs)) {
-      const auto [x, y] = cuffs::SlipOf(problem.cuffs, cuff, theta, theta_rad.back(), place_mm.x(), place_mm.y());
+    for (const auto& [x, y] : cuffs::SlipsOf(problem.cuffs, theta, theta_rad.back(), place_mm.x(), place_mm.y()))
       largest_mm = LargerOrNaN(largest_mm, std::hypot(x, y));
-    }
   return problem.cuffs.stiffest_n_mm * largest_mm;
 }
 

@@ -107,12 +107,12 @@ struct PressureTerm {
 // v = theta, theta at standing, p_x, p_y. `factor` x the squared slip of a cuff.
 struct CuffSlipTerm {
   cuffs::CuffOptions cuffs;
-  cuffs::CuffPlace cuff;
+  std::size_t cuff;         // of PlacesOf
   Eigen::Vector2d slip_mm;  // of the mount
   double factor;
   template <typename T>
   T operator()(const T* v) const {
-    const auto [x, y] = cuffs::SlipOf(cuffs, cuff, v[0], v[1], T(v[2] + slip_mm.x()), T(v[3] + slip_mm.y()));
+    const auto [x, y] = cuffs::SlipsOf(cuffs, v[0], v[1], T(v[2] + slip_mm.x()), T(v[3] + slip_mm.y()))[cuff];
     return (x * x + y * y) * factor;
   }
 };
@@ -292,14 +292,15 @@ class PersonExtender {
       synthesis_.limits.push_back({{On::kCuffForce, person_}, "N", -1, largest});
     const double stiff = problem_.cuffs.stiffest_n_mm;
     const auto [x, y] = variables_.placement;
+    const std::vector<cuffs::CuffPlace> places = cuffs::PlacesOf(problem_.cuffs);
     for (std::size_t i = 0; i + 1 < problem_.human.size(); ++i)
-      for (const cuffs::CuffPlace& cuff : cuffs::PlacesOf(problem_.cuffs)) {
+      for (std::size_t k = 0; k < places.size(); ++k) {
         const int row =
-            nlp().AddRow(Named(fmt::format("force of {} cuff {} at {:g} %", cuff.on_thigh ? "thigh" : "shank",
-                                           cuff.number + 1, PercentOf(i, problem_.human))),
+            nlp().AddRow(Named(fmt::format("force of {} cuff {} at {:g} %", places[k].on_thigh ? "thigh" : "shank",
+                                           places[k].number + 1, PercentOf(i, problem_.human))),
                          -nlp::kUnbounded, 0);
         nlp().AddTerm(row, std::array{variables_.theta[i], variables_.theta.back(), x, y},
-                      CuffSlipTerm{problem_.cuffs, cuff, problem_.human.back().slip_mm, stiff * stiff / kScale_n2});
+                      CuffSlipTerm{problem_.cuffs, k, problem_.human.back().slip_mm, stiff * stiff / kScale_n2});
         nlp().AddTerm(row, std::array{largest}, SquareTerm{-1 / kScale_n2});
       }
   }

@@ -5,6 +5,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/cross.h"
+#include "lake/cuffs/cuff_course.h"
 #include "lake/exchange/mot.h"
 #include "lake/model/coupled_model.h"
 #include "lake/model/simulator_model.h"
@@ -188,21 +189,18 @@ Eigen::Rotation2Dd Leaning(double lean_deg) {
 
 // Where the cuffs let the exoskeleton rest, its hinge at this angle: from the slip of the first cuff on each segment.
 PlatePlace PlateAt(const WornSample& sample, const Subject& subject, double hinge_deg) {
-  const double stiffness = std::sqrt(subject.cuffs.softest_n_mm * subject.cuffs.stiffest_n_mm);
   const double shank_deg = sample.shank_deg, thigh_deg = shank_deg - sample.knee_deg;
-  const double held_deg = hinge_deg - sample.knee_deg;
-  const Vector2d on_thigh_mm = cuffs::MisfitOf(Vector2d::Zero(), subject.hinge_mm, subject.rise.back().knee_deg, 0);
-  cuffs::CuffOptions weightless = subject.cuffs;
-  weightless.thigh_link_kg = weightless.shank_link_kg = 0;
-  const cuffs::LegLoad load = cuffs::LoadOnLeg({.thigh_deg = thigh_deg,
-                                                .shank_deg = shank_deg,
-                                                .hinge_on_thigh_mm = on_thigh_mm,
-                                                .hinge_on_shank_mm = subject.hinge_mm,
-                                                .held_error_deg = held_deg},
-                                               weightless, {stiffness, stiffness});
+  const double held_deg = hinge_deg - sample.knee_deg, standing_deg = subject.rise.back().knee_deg;
+  const Vector2d on_thigh_mm = cuffs::MisfitOf(Vector2d::Zero(), subject.hinge_mm, standing_deg, 0);
+  const auto slips_mm =
+      cuffs::SlipsOf(subject.cuffs, RadiansFromDegrees(sample.knee_deg), RadiansFromDegrees(standing_deg),
+                     subject.hinge_mm.x(), subject.hinge_mm.y(), RadiansFromDegrees(held_deg));
+  const auto slip = [&](std::size_t cuff) {
+    return Leaning(shank_deg) * Vector2d(slips_mm[cuff][0], slips_mm[cuff][1]);
+  };
   const Vector2d on_thigh(0, subject.cuffs.thigh[0].from_knee_mm), on_shank(0, -subject.cuffs.shank[0].from_knee_mm);
-  const Vector2d thigh_cuff = Leaning(thigh_deg) * (on_thigh + load.thigh[0].slip_mm),  // from the knee
-      shank_cuff = Leaning(shank_deg) * (on_shank + load.shank[0].slip_mm);
+  const Vector2d thigh_cuff = Leaning(thigh_deg) * on_thigh + slip(0),  // from the knee
+      shank_cuff = Leaning(shank_deg) * on_shank + slip(subject.cuffs.thigh.size());
   // The links are as long as ever, and so is the way between their cuffs.
   const Vector2d before = Leaning(thigh_deg) * (on_thigh - on_thigh_mm) -
                           Leaning(shank_deg + held_deg) * (on_shank - subject.hinge_mm),

@@ -55,7 +55,8 @@ double WornSegment::LongInertia() const {
 }
 
 WornBody WornBodyOf(const parts::Mechanism& mechanism, const Subject& subject) {
-  cuffs::LoadOnLeg({}, subject.cuffs, {subject.cuffs.softest_n_mm, subject.cuffs.stiffest_n_mm});
+  cuffs::CheckCuffs(subject.cuffs);
+  cuffs::CheckStiffnesses(subject.cuffs);
   const loads::LegBody& body = subject.body.body;
   const double shank_m = kMetresPerMillimetre * subject.shank_mm, thigh_m = kMetresPerMillimetre * subject.thigh_mm;
   WornBody worn{.mechanism = RigidBodiesOf(mechanism),

@@ -18,58 +18,68 @@ struct CuffForce {
   double force_n = 0, low_n = 0, high_n = 0;
 };
 
-// How far a cuff slips, mm in the shank's frame, of a hinge at p = (x, y) there: what LoadOnLeg gives of a held hinge,
-// as a template. Where cuffs yield alike across and along, their stiffness has no part in it:
-//   m = (turn(θ − θ_standing) − 1) p: how far the hinge's place on the thigh is from that on the shank
-//   d: a cuff from its link's hinge;  J d = (d_y, −d_x);  n: number of cuffs, n_t of them the thigh's
-//   e = Σ d n_t/n − Σ_t d
-//   φ: m·Je cos φ + (Σ d² − |Σ d|²/n − m·e) sin φ + φ Σ L²/12 = 0, the links' turn, by Newton's method
-//   a = (cos φ − 1) d + sin φ J d;  u = (n_t m − Σ a)/n
-//   slip = u + a on the shank,  u − m + a on the thigh
+// How far each cuff slips, in the order of PlacesOf, mm in the shank's frame, of a hinge at p = (x, y) there that the
+// actuator holds at the knee's angle and `error_rad` more: the least energy over all that the two links can do. As
+// cuffs yield alike across and along, their stiffness has no part in it. With R(φ) a turn forward and J d = (d_y,
+// −d_x):
+//   d: a cuff from its link's hinge;  c = d on the shank, on the thigh d + (turn(θ − θ_standing) − 1) p, its misfit
+//   e = d on the thigh, R(error) d on the shank
+//   slip = R(φ) e − c + u,  u = mean c − R(φ) mean e, the hinge's own way
+//   Σ slip² + Σ_t L²/12 φ² + Σ_s L²/12 (φ + error)² is least where a sin φ − b cos φ + Σ_t L²/12 φ + Σ_s L²/12 (φ +
+//   error) is 0,  a = Σ e·c and b = Σ J e·c about their means: the thigh's link turns by φ, found by Newton's
+//   method.
 template <typename T>
-std::array<T, 2> SlipOf(const CuffOptions& cuffs, const CuffPlace& of, const T& flexion_rad, const T& standing_rad,
-                        const T& x_mm, const T& y_mm) {
+std::vector<std::array<T, 2>> SlipsOf(const CuffOptions& cuffs, const T& flexion_rad, const T& standing_rad,
+                                      const T& x_mm, const T& y_mm, double error_rad = 0) {
   using std::cos, std::sin;
-  const T turned_rad = flexion_rad - standing_rad, c = cos(turned_rad), s = sin(turned_rad);
-  const T thigh_x = c * x_mm - s * y_mm, thigh_y = s * x_mm + c * y_mm;  // the hinge's place on the thigh
-  const T m_x = thigh_x - x_mm, m_y = thigh_y - y_mm;
-  const T up_x = -sin(flexion_rad), up_y = cos(flexion_rad);  // along the thigh
-  const auto from_hinge = [&](const CuffPlace& place) {
-    const double r = CuffAt(cuffs, place).from_knee_mm;
-    return place.on_thigh ? std::array<T, 2>{up_x * r - thigh_x, up_y * r - thigh_y}
-                          : std::array<T, 2>{-x_mm, -y_mm - r};
+  struct Point {
+    T x, y;
   };
-  const T none = 0.0 * x_mm;
-  T d_x = none, d_y = none, thigh_d_x = none, thigh_d_y = none, square_mm2 = none;
-  double length_mm2 = 0;
+  const T turned_rad = flexion_rad - standing_rad, none = 0.0 * x_mm;
+  const Point on_thigh{cos(turned_rad) * x_mm - sin(turned_rad) * y_mm,
+                       sin(turned_rad) * x_mm + cos(turned_rad) * y_mm};
+  const Point up{-sin(flexion_rad), cos(flexion_rad)};  // along the thigh
+  const auto less = [](const Point& p, const Point& q) { return Point{p.x - q.x, p.y - q.y}; };
+  const auto plus = [](const Point& p, const Point& q, double q_factor) {
+    return Point{p.x + q.x * q_factor, p.y + q.y * q_factor};
+  };
   const std::vector<CuffPlace> places = PlacesOf(cuffs);
+  std::vector<Point> e, c;
+  Point mean_e{none, none}, mean_c{none, none};
+  double thigh_mm2 = 0, shank_mm2 = 0;
   for (const CuffPlace& place : places) {
-    const auto [x, y] = from_hinge(place);
-    d_x = d_x + x;
-    d_y = d_y + y;
-    square_mm2 = square_mm2 + x * x + y * y;
-    length_mm2 += CuffAt(cuffs, place).length_mm * CuffAt(cuffs, place).length_mm / 12;
-    if (!place.on_thigh) continue;
-    thigh_d_x = thigh_d_x + x;
-    thigh_d_y = thigh_d_y + y;
+    const Cuff& cuff = CuffAt(cuffs, place);
+    if (place.on_thigh) {
+      e.push_back(Point{up.x * cuff.from_knee_mm - on_thigh.x, up.y * cuff.from_knee_mm - on_thigh.y});
+      c.push_back(plus(e.back(), less(on_thigh, {x_mm, y_mm}), 1));
+    } else {
+      c.push_back(Point{-x_mm, -y_mm - cuff.from_knee_mm});
+      e.push_back(Point{cos(error_rad) * c.back().x + sin(error_rad) * c.back().y,
+                        cos(error_rad) * c.back().y - sin(error_rad) * c.back().x});
+    }
+    mean_e = plus(mean_e, e.back(), 1 / static_cast<double>(places.size()));
+    mean_c = plus(mean_c, c.back(), 1 / static_cast<double>(places.size()));
+    (place.on_thigh ? thigh_mm2 : shank_mm2) += cuff.length_mm * cuff.length_mm / 12;
   }
-  const auto all = static_cast<double>(places.size()), thighs = static_cast<double>(cuffs.thigh.size());
-  const T e_x = d_x * (thighs / all) - thigh_d_x, e_y = d_y * (thighs / all) - thigh_d_y;
-  const T of_cos = m_x * e_y - m_y * e_x;
-  const T of_sin = square_mm2 - (d_x * d_x + d_y * d_y) * (1 / all) - (m_x * e_x + m_y * e_y);
+  T a = none, b = none;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    e[i] = less(e[i], mean_e);
+    c[i] = less(c[i], mean_c);
+    a = a + e[i].x * c[i].x + e[i].y * c[i].y;
+    b = b + (e[i].y * c[i].x - e[i].x * c[i].y);
+  }
   // From the solution for small turns; each step doubles the digits, of the derivatives too.
   constexpr int kSteps = 5;
-  T turn = -of_cos / (of_sin + length_mm2);
+  const double length_mm2 = thigh_mm2 + shank_mm2, held_mm2 = shank_mm2 * error_rad;
+  T turn = (b - held_mm2) / (a + length_mm2);
   for (int step = 0; step < kSteps; ++step)
-    turn = turn - (of_cos * cos(turn) + of_sin * sin(turn) + turn * length_mm2) /
-                      (of_sin * cos(turn) - of_cos * sin(turn) + length_mm2);
-  const T less = cos(turn) - 1.0, sine = sin(turn);
-  const T u_x = (m_x * thighs - less * d_x - sine * d_y) * (1 / all);
-  const T u_y = (m_y * thighs - less * d_y + sine * d_x) * (1 / all);
-  const auto [x, y] = from_hinge(of);
-  const T a_x = less * x + sine * y, a_y = less * y - sine * x;
-  if (of.on_thigh) return {u_x - m_x + a_x, u_y - m_y + a_y};
-  return {u_x + a_x, u_y + a_y};
+    turn = turn - (a * sin(turn) - b * cos(turn) + turn * length_mm2 + held_mm2) /
+                      (a * cos(turn) + b * sin(turn) + length_mm2);
+  std::vector<std::array<T, 2>> slips;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    slips.push_back(
+        {cos(turn) * e[i].x + sin(turn) * e[i].y - c[i].x, cos(turn) * e[i].y - sin(turn) * e[i].x - c[i].y});
+  return slips;
 }
 
 // Per sample; of a segment's cuffs the largest.
@@ -88,7 +98,8 @@ struct HingePlace {
 };
 
 // `flexion_deg`: the knee's, per sample; the last is standing, where the cuffs are free of stress. Of the stiffnesses
-// the geometric mean is expected. Throws as LoadOnLeg.
+// the geometric mean is expected. Throws UsageError as CheckCuffs and
+// CheckStiffnesses.
 CuffCourse CourseOf(const std::vector<double>& flexion_deg, const HingePlace& place, const CuffOptions& options);
 
 }  // namespace lake::cuffs
