@@ -11,6 +11,7 @@
 #include <set>
 
 #include "lake/core/angles.h"
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
