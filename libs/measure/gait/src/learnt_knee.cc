@@ -11,6 +11,7 @@
 #include <set>
 
 #include "lake/core/angles.h"
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
@@ -439,11 +440,13 @@ LearntKnee ReadLearntKnee(const std::filesystem::path& trial) {
       row.at("strain_mm").get_to(segment.strain_mm);
       segment.knee_mm = columns(row.at("knee_mm"));
       row.at("residual_sd_mm").get_to(segment.residual_mm);
-      if (std::cmp_not_equal(segment.shape_mm.cols(), segment.markers.size()) || segment.markers.size() < 2 ||
+      if (segment.segment != KneeSegmentOf(segment.segment).name ||
+          std::cmp_not_equal(segment.shape_mm.cols(), segment.markers.size()) || segment.markers.size() < 2 ||
           segment.knee_mm.cols() < 1 || segment.residual_mm.size() < 2)
         throw Fail("{}: '{}' does not fit together", summary.string(), kLearntKnee);
     }
-    if (learnt.segments.empty() || !(learnt.from_deg < learnt.to_deg) || !(learnt.memory_s > 0))
+    if (learnt.segments.empty() || !(learnt.from_deg < learnt.to_deg) || !(learnt.memory_s > 0) ||
+        !(std::abs(learnt.correlation) < 1))
       throw Fail("{}: '{}' does not fit together", summary.string(), kLearntKnee);
     return learnt;
   } catch (const Json::exception& error) {

@@ -39,7 +39,7 @@ double MostStrain(const SegmentKnee& segment) {
 // places that are left out become unknown.
 dynamics::Pose PoseInFrame(const SegmentKnee& segment, Matrix3Xd& places) {
   for (;;) {
-    const dynamics::Pose pose = dynamics::PoseOf(segment.shape_mm, places, NormalOf(segment.in_space));
+    dynamics::Pose pose = dynamics::PoseOf(segment.shape_mm, places, NormalOf(segment.in_space));
     if (!pose.IsSeen() || StrainOf(segment, pose, places) <= MostStrain(segment)) return pose;
     double least = kInfinity;
     Eigen::Index farthest = -1;

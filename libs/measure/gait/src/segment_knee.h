@@ -38,7 +38,8 @@ double StrainOf(const SegmentKnee& segment, const dynamics::Pose& pose, const Ei
 // places in the segment's frame.
 double FlexionDeg(const KneeSegment& segment, const Eigen::Vector3d& knee, const Eigen::Vector3d& other);
 
-// Where a polynomial has the knee; beyond the range it goes on straight, and `beyond_sd` says how uncertain that is.
+// Where a segment carries the knee at this flexion, in its frame, with the standard deviation per axis in the sagittal
+// plane. Beyond the range that was learnt the polynomial goes on straight, and its deviation grows.
 struct KneeAt {
   Eigen::Vector3d place;
   double sd = 0;

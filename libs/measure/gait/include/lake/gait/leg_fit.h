@@ -121,7 +121,8 @@ struct LateralReport {
 // Where the knee's marker was hidden and technical markers replaced it.
 struct RebuiltKnee {
   std::vector<char> frames;  // 0 or 1 per frame
-  // Where the marker is seen: the seen place less the rebuilt one, in the segment's frame (x anterior, y up the leg), mm.
+  // Where the marker is seen: the seen place less the rebuilt one, in the segment's frame (x anterior, y up the leg),
+  // mm.
   std::size_t seen_frames = 0;
   Eigen::Vector2d difference_mm = Eigen::Vector2d::Zero();  // mean
   double difference_rms_mm = 0;
