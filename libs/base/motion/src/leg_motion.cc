@@ -115,12 +115,14 @@ void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& moti
     for (const char* axis : {"x", "y"})
       header.push_back(fmt::format("{}_{}_{}", vector.name, axis, ToString(motion.unit)));
   for (const auto& scalar : kScalars) header.emplace_back(scalar.name);
+  if (!motion.knee_rebuilt.empty()) header.emplace_back("knee_rebuilt");
   CsvWriter csv(header);
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const LegSample& sample = motion.samples[i];
     csv.Add(motion.frame[i]).Add(motion.time_s[i]).Add(sample.repetition).Add(sample.percent);
     for (const auto& vector : kVectors) csv.Add((sample.*vector.value).x()).Add((sample.*vector.value).y());
     for (const auto& scalar : kScalars) csv.Add(sample.*scalar.value);
+    if (!motion.knee_rebuilt.empty()) csv.Add(static_cast<int>(motion.knee_rebuilt[i]));
     csv.EndRow();
   }
   csv.Write(path);
@@ -147,6 +149,8 @@ LegMotion ReadKinematicsCsv(const std::filesystem::path& path) {
                               number(table.Column(fmt::format("{}_y_{}", vector.name, unit)))};
     for (const auto& scalar : kScalars) sample.*scalar.value = number(table.Column(scalar.name));
     motion.samples.push_back(sample);
+    if (table.Has("knee_rebuilt"))
+      motion.knee_rebuilt.push_back(table.RequiredNumber(row, table.Column("knee_rebuilt")) != 0);
   }
   return motion;
 }
