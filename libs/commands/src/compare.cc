@@ -441,6 +441,11 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   compared.event_sd_s = options.budget.event_s;
   const compare::Misalignment misalignment = compare::CompareTrials(pair.human, pair.exo, compared);
   for (const std::string& warning : misalignment.warnings) run.Warn(warning);
+  if (!misalignment.joint && pair.exo_knee != kKnee)
+    run.Warn(
+        "where the joint is on the leg is not known, as {} hides the leg's own knee: two markers on the shank would "
+        "replace it (lake track --technical; the manual's page on the hidden knee)",
+        options.exo.string());
   compare::WriteMisalignmentCsv(run.Result("misalignment.csv"), misalignment);
   const std::string title = fmt::format("{} ({}) against {} ({})", options.exo.filename().string(), exo_knee,
                                         options.human.filename().string(), options.human_knee);

@@ -8,6 +8,7 @@
 #include "lake/core/numbers.h"
 #include "lake/figure/leg_figure.h"
 #include "lake/gait/corrected_events.h"
+#include "lake/gait/learnt_knee.h"
 #include "lake/gait/leg_report.h"
 #include "lake/gait/sit_to_stand.h"
 #include "lake/motion/saved_corrections.h"
@@ -182,6 +183,7 @@ std::vector<InputFile> InputsOf(const GaitRunOptions& options) {
   std::vector<InputFile> inputs = TrialInputs(options.trial, "trial");
   if (options.camera) inputs.push_back({*options.camera, "camera"});
   if (options.events) inputs.push_back({*options.events, "events"});
+  if (options.fit.knee_trial) inputs.push_back({gait::LearntKneeFile(*options.fit.knee_trial), "knee from"});
   return inputs;
 }
 
@@ -206,6 +208,7 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
     fit.said_facing = "--forward";
   }
   fit.unit_question = [&](const std::string& unit) { return UnitQuestion(trial, unit); };
+  gait::ReadKneeFrom(fit);
   gait::LegFitResult result = FitOrName(trial, view, fit);
   gait::ChooseMovement(fit.movement, result);
   if (const auto corrected = CorrectedEventsOf(trial)) TakeEvents(*corrected, result);
@@ -218,6 +221,18 @@ void WarnOfFit(const gait::LegFitResult& fit, Run& run) {
   for (const std::string& warning : fit.warnings) run.Warn(warning);
   for (const std::string& warning : gait::UncertainEvents(fit.events)) run.Warn(warning);
   if (const std::string warning = gait::OnsetsWithoutLean(fit.signals, fit.events); !warning.empty()) run.Warn(warning);
+}
+
+void LearnKnee(const gait::LegFitResult& fit, const gait::LegFitOptions& options, const gait::LateralPlaces& lateral,
+               Json& results, Run& run) {
+  if (options.technical.empty() || options.knee_trial) return;
+  try {
+    results[gait::kLearntKnee] = gait::LearntKneeJson(gait::LearnKnee(fit, options.technical, lateral));
+  } catch (const UsageError&) {
+    throw;
+  } catch (const Error& error) {
+    run.Warn("{}; where an exoskeleton hides the knee, --knee-from takes it from the trial without", error.what());
+  }
 }
 
 Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit) {
@@ -254,6 +269,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
   DrawPngAndSvg("gait", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, result); });
   results.update(gait::LegFitJson(result));
+  LearnKnee(result, options.fit, trial.lateral_mm, results, run);
   WriteMeasures(result.measured, options.measures, results, run);
   if (const auto leg = LegOf(trial, result)) results[exchange::kLegKey] = ToString(*leg);
   return results;

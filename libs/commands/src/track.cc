@@ -15,6 +15,7 @@
 #include "lake/figure/leg_figure.h"
 #include "lake/figure/tracks_figure.h"
 #include "lake/gait/corrected_events.h"
+#include "lake/gait/learnt_knee.h"
 #include "lake/gait/leg_report.h"
 #include "lake/gait/rolling_shutter.h"
 #include "lake/gait/sit_to_stand.h"
@@ -153,10 +154,16 @@ SeenShares SeenSharesOf(const motion::MarkerRecording& tracks, std::size_t repea
   return seen;
 }
 
-void WarnOfUnseen(const SeenShares& seen, Run& run) {
+void WarnOfUnseen(const SeenShares& seen, const gait::LegFitOptions& fit, Run& run) {
   constexpr double kEnough = 0.9;
   for (const auto& [name, share] : seen)
-    if (share < kEnough)
+    if (share < kEnough && name == fit.markers.knee && !fit.technical.empty() && fit.knee_trial)
+      continue;  // the fit says how it was rebuilt
+    else if (share < kEnough && name == fit.markers.knee)
+      run.Warn("knee hidden in {:.0f} % of the frames: {} (the manual's page on the hidden knee)", 100 * (1 - share),
+               fit.technical.empty() ? "two markers on the shank would replace it"
+                                     : "give --knee-from, the folder of the trial that shows it");
+    else if (share < kEnough)
       run.Warn(
           "marker '{}' is seen in {:.0f} % of the frames only: look at the overlay; light, a hidden marker or a wrong "
           "name make gaps",
@@ -317,6 +324,7 @@ gait::LegFitOptions FitOptions(const TrackRunOptions& options, const tracking::T
   };
   fit.ways_out = "leave them out (--start, --end) or say where the markers are (--seed, --corrections)";
   if (const std::optional<Eigen::Vector2d> up = UpInPlane(options, tracked, view, warn)) fit.up = *up;
+  gait::ReadKneeFrom(fit);
   return fit;
 }
 
@@ -359,6 +367,7 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   const bool comparable = shutter.readout_s == 0;  // else what was seen is of another time than the estimate
   WriteOverlay(options, {tracks, &fit.motion, &fit.events, comparable ? &estimates : nullptr}, run);
   results.update(gait::LegFitJson(fit));
+  LearnKnee(fit, fit_options, {}, results, run);
   results[exchange::kLegKey] = ToString(motion::NearLeg(fit.motion.facing));
   WriteMeasures(fit.measured, options.measures, results, run);
   Export(options, tracked.video, view, MarkersToExport(options, fit, tracks, view), &fit, results, run);
@@ -587,6 +596,11 @@ void Describe(TrackRunOptions& o, OptionList& options) {
   Describe(o.person, options);
   Describe(o.measures, options);
   Describe(o.budget, options);
+  options.Check([&o](const OptionList&) {
+    for (const auto& [segment, markers] : o.fit.technical)
+      for (const std::string& marker : markers)
+        if (std::ranges::count(o.track.names, marker) == 0) o.track.names.push_back(marker);
+  });
 }
 
 std::vector<InputFile> InputsOf(const TrackRunOptions& options) {
@@ -594,6 +608,7 @@ std::vector<InputFile> InputsOf(const TrackRunOptions& options) {
   if (options.camera) inputs.push_back({*options.camera, "camera"});
   if (options.corrections) inputs.push_back({*options.corrections, "corrections"});
   if (options.events) inputs.push_back({*options.events, "events"});
+  if (options.fit.knee_trial) inputs.push_back({gait::LearntKneeFile(*options.fit.knee_trial), "knee from"});
   return inputs;
 }
 
@@ -632,7 +647,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
       gait::ShutterOf(readout_s, video.width, video.height, video.rotation_deg, video.mirrored);
 
   const SeenShares seen = SeenSharesOf(tracked.recording, tracked.times.repeated.size());
-  WarnOfUnseen(seen, run);
+  WarnOfUnseen(seen, options.fit, run);
   run.Report(SeenText(seen));
   Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}, {"seen", Json::object()}};
   for (const auto& [name, share] : seen) results["seen"][name] = share;

@@ -243,7 +243,12 @@ OptionalStep HumanStep(const StudyFile& study, const fs::path& out) {
 
 OptionalStep ExoStep(const StudyFile& study, const fs::path& out) {
   if (!study.exo) return std::nullopt;
-  return TrialStep(*study.exo, "the trial with exoskeleton", CameraOf(study, out));
+  StudyTrial trial = *study.exo;
+  if (!trial.Fit().technical.empty() && !trial.Fit().knee_trial) {
+    trial.Fit().knee_trial = out / "human";
+    trial.section.given["knee-from"] = (out / "human").string();
+  }
+  return TrialStep(trial, "the trial with exoskeleton", CameraOf(study, out));
 }
 
 // What was worn, on the body and with the parts that a design of the study is checked with.

@@ -309,6 +309,19 @@ void ReadProblemFile(StudyProblem& problem) {
   TakeClearances(problem);
 }
 
+// Technical markers are on the person in both trials; a knee that the exoskeleton hides is as learnt in the human one.
+void TakeTechnical(StudyFile& study) {
+  const gait::TechnicalMarkers technical = study.human.Fit().technical;
+  if (technical.empty() || !study.exo || study.exo->Fit().knee_trial) return;
+  study.exo->Fit().technical = technical;
+  if (auto* video = std::get_if<commands::TrackRunOptions>(&study.exo->work))
+    for (const auto& [segment, markers] : technical)
+      for (const std::string& marker : markers)
+        if (std::ranges::count(video->track.names, marker) == 0) video->track.names.push_back(marker);
+  study.exo->section.text["technical"] = study.human.section.text["technical"];
+  study.exo->section.given["technical"] = study.human.section.given["technical"];
+}
+
 YamlNode Required(YamlNode& root, const char* key) {
   auto child = root.Child(key);
   if (!child) throw Fail("{}: '{}' is missing", root.Where(), key);
@@ -320,6 +333,11 @@ YamlNode Required(YamlNode& root, const char* key) {
 const fs::path& StudyTrial::Recording() const {
   const auto* video = std::get_if<commands::TrackRunOptions>(&work);
   return video ? video->video : std::get<commands::GaitRunOptions>(work).trial;
+}
+
+gait::LegFitOptions& StudyTrial::Fit() {
+  auto* video = std::get_if<commands::TrackRunOptions>(&work);
+  return video ? video->fit : std::get<commands::GaitRunOptions>(work).fit;
 }
 
 std::string StudyFile::ResultName() const {
@@ -349,6 +367,7 @@ StudyFile ReadStudyFile(const fs::path& path) {
   ReadCamera(root, files, study);
   study.human = ReadTrialSection(Required(root, "human"), files);
   if (auto exo = root.Child("exo")) study.exo = ReadTrialSection(std::move(*exo), files);
+  TakeTechnical(study);
   if (auto compare = root.Child("compare")) ReadCompare(std::move(*compare), files, study);
   if (auto design = root.Child("design")) ReadDesignSection(std::move(*design), files, study);
   if (auto reoptimize = root.Child("reoptimize")) {

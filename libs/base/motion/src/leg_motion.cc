@@ -152,11 +152,13 @@ void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& moti
   });
   std::vector<std::string> header = {"frame", "time_s", "repetition", "percent"};
   for (const Column& column : columns) header.push_back(column.name);
+  if (!motion.knee_rebuilt.empty()) header.emplace_back("knee_rebuilt");
   CsvWriter csv(header);
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const LegSample& sample = motion.samples[i];
     csv.Add(motion.frame[i]).Add(motion.time_s[i]).Add(sample.repetition).Add(sample.percent);
     for (const Column& column : columns) csv.Add(column.Of(sample));
+    if (!motion.knee_rebuilt.empty()) csv.Add(static_cast<int>(motion.knee_rebuilt[i]));
     csv.EndRow();
   }
   csv.Write(path);
@@ -181,6 +183,8 @@ LegMotion ReadKinematicsCsv(const std::filesystem::path& path) {
     sample.percent = number(percent);
     for (const Column& column : columns) column.value(sample) = number(table.Column(column.name));
     motion.samples.push_back(sample);
+    if (table.Has("knee_rebuilt"))
+      motion.knee_rebuilt.push_back(table.RequiredNumber(row, table.Column("knee_rebuilt")) != 0);
   }
   return motion;
 }

@@ -52,6 +52,7 @@ void WriteTable(const std::filesystem::path& path, const MarkerRecording& record
     header.push_back(marker.name + "_status");
     if (measurements) AddHeader(fmt::format("{}{}", marker.name, kRaw), unit, header);
   }
+  if (!recording.knee_rebuilt.empty()) header.emplace_back("knee_rebuilt");
   CsvWriter csv(header);
   for (std::size_t i = 0; i < recording.Frames(); ++i) {
     csv.Add(recording.frame[i]).Add(recording.time_s[i]);
@@ -63,6 +64,7 @@ void WriteTable(const std::filesystem::path& path, const MarkerRecording& record
       const MarkerSample& measured = measurements->markers[m].samples[i];
       AddCells(measured, measured.status == SampleStatus::kDetected, csv);
     }
+    if (!recording.knee_rebuilt.empty()) csv.Add(static_cast<int>(recording.knee_rebuilt[i]));
     csv.EndRow();
   }
   csv.Write(path);

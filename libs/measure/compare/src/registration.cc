@@ -187,6 +187,10 @@ class Registrar {
       curve.knee.push_back(in_leg(knee_));
       curve.hip.push_back(in_leg(hip_));
       if (shows_leg_knee) curve.leg_knee.push_back(in_leg(*leg_knee_));
+      if (shows_leg_knee && !trial_.motion.knee_rebuilt.empty()) {
+        const std::size_t frame = std::min(FrameAfter(time_s, t), time_s.size() - 1);
+        curve.rebuilt_sd_mm.push_back(trial_.motion.knee_rebuilt[frame] ? leg_knee_->sigma[frame] : 0);
+      }
       curve.knee_deg.push_back(ValueAt(time_s, knee_deg, t));
       curve.shank_deg.push_back(ValueAt(time_s, shank_deg, t));
       curve.trunk_deg.push_back(shows_trunk ? ValueAt(time_s, trunk_deg, t) : NAN);
@@ -236,6 +240,9 @@ StsCurve MeanCurve(const std::vector<StsCurve>& curves) {
   mean.hip = MeanOf(curves, &StsCurve::hip);
   if (std::ranges::none_of(curves, [](const StsCurve& curve) { return curve.leg_knee.empty(); }))
     mean.leg_knee = MeanOf(curves, &StsCurve::leg_knee);
+  // What is learnt wrong is wrong in all of them.
+  if (std::ranges::none_of(curves, [](const StsCurve& curve) { return curve.rebuilt_sd_mm.empty(); }))
+    mean.rebuilt_sd_mm = MeanOf(curves, &StsCurve::rebuilt_sd_mm);
   mean.knee_deg = MeanOf(curves, &StsCurve::knee_deg);
   mean.shank_deg = MeanOf(curves, &StsCurve::shank_deg);
   mean.trunk_deg = MeanOf(curves, &StsCurve::trunk_deg);

@@ -68,6 +68,7 @@ Sensitivities OfOffset(const JointMisalignment& joint, int axis, double duration
 }
 
 constexpr const char* kReplacement = "assumed; --replacement-sd";
+constexpr const char* kRebuilding = "hidden knee rebuilt from technical markers";
 
 BudgetRow Detection(double size, const char* unit, double sensitivity) {
   return {.source = kDetection,
@@ -105,6 +106,13 @@ void AddSources(const Sensitivities& s, BudgetRow detection, std::pair<double, c
   add(kSoftTissue, "normal", o.soft_tissue_mm, "mm", s.constant, kTissueReference, false);
 }
 
+// Of a knee that technical markers replace: what its rebuilding may be off by is alike in all repetitions.
+void AddRebuilding(const StsCurve& exo, double sensitivity, std::vector<BudgetRow>& rows) {
+  if (exo.rebuilt_sd_mm.empty()) return;
+  rows.push_back({kRebuilding, "normal", RootMeanSquare(exo.rebuilt_sd_mm), "mm", std::abs(sensitivity),
+                  "repetitions that were left out when it was learnt, and where its marker is seen", true});
+}
+
 // Of how far the joint is from the knee in a frame. Where an axis is known, the skin's sliding is in it as far as the
 // clusters show it.
 Budget JointFrameBudget(const Misalignment& m, double replacement_sd_mm, const ComparisonBudgetOptions& o) {
@@ -118,6 +126,7 @@ Budget JointFrameBudget(const Misalignment& m, double replacement_sd_mm, const C
   s.scale = budget.value / 100;
   AddSources(s, Detection(RootMeanSquare(m.exo.knee_sigma_mm), "mm", s.noise), {replacement_sd_mm, kReplacement},
              o.axes.exo_mm, o, budget.rows);
+  AddRebuilding(m.exo, s.constant, budget.rows);
   if (o.axes.exo_mm) return budget;
   BudgetRow& tissue = *std::ranges::find(budget.rows, kSoftTissue, &BudgetRow::source);
   tissue.source = kFrameTissue;
@@ -239,6 +248,7 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
       Budget budget{name, "mm", value, least, {}};
       AddSources(s, Detection(marker_mm, "mm", std::sqrt(kMarkersOfAJoint) * s.noise),
                  {replacement_sd_mm, kReplacement}, o.axes.exo_mm, o, budget.rows);
+      AddRebuilding(m.exo, s.constant, budget.rows);
       if (joint.intervals) AddOwnVariation(((*joint.intervals).*interval).Deviation(), "mm", budget.rows);
       budgets.push_back(std::move(budget));
     };
@@ -292,6 +302,7 @@ std::string WayOut(const std::string& source, bool has_axis, bool is_of_two_tria
            "--replacement-sd says how well that is repeated";
   if (source == kAxis) return "more markers on shank and thigh, or a larger movement, narrow it";
   if (source == kPlacement && is_of_two_trials) return "leave the same markers on between the trials";
+  if (source == kRebuilding) return "more repetitions without exoskeleton, or a further technical marker, narrow it";
   if (source == kOwnVariation) return "record more repetitions";
   return "";
 }

@@ -388,6 +388,16 @@ void Describe(TechnicalMarkers& technical, OptionList& options) {
       .Repeats();
 }
 
+void DescribeHiddenKnee(LegFitOptions& o, OptionList& options) {
+  Describe(o.technical, options);
+  options
+      .Add("knee-from", o.knee_trial,
+           "Rebuild the knee where its marker is hidden, as learnt in this folder of lake track or lake gait (the "
+           "person "
+           "without exoskeleton, --technical)")
+      .IsPath(Option::Path::kFolder);
+}
+
 Json LearntKneeJson(const LearntKnee& knee) {
   Json segments = Json::array();
   for (const SegmentKnee& segment : knee.segments) {
@@ -411,8 +421,16 @@ Json LearntKneeJson(const LearntKnee& knee) {
           {"segments", segments}};
 }
 
+std::filesystem::path LearntKneeFile(const std::filesystem::path& trial) {
+  return trial.extension() == ".json" ? trial : trial / "summary.json";
+}
+
+void ReadKneeFrom(LegFitOptions& options) {
+  if (options.knee_trial) options.knee_from = std::make_shared<LearntKnee>(ReadLearntKnee(*options.knee_trial));
+}
+
 LearntKnee ReadLearntKnee(const std::filesystem::path& trial) {
-  const std::filesystem::path summary = std::filesystem::is_directory(trial) ? trial / "summary.json" : trial;
+  const std::filesystem::path summary = LearntKneeFile(trial);
   const Json json = ReadJsonFile(summary);
   if (!json.is_object() || !json.contains(kLearntKnee))
     throw Fail("{}: no knee was learnt there; track or fit that trial with --technical shank=A,B", summary.string());

@@ -195,6 +195,7 @@ void Describe(LegFitOptions& o, OptionList& options) {
       .Positive()
       .Otherwise("found from the data (spline), 6 (butterworth)");
   Describe(o.movement, options);
+  DescribeHiddenKnee(o, options);
 }
 
 void DescribeFacing(LegFitOptions& o, OptionList& options) {

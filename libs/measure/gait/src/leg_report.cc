@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 
 #include "lake/core/deviation_text.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::gait {
 namespace {
@@ -90,6 +92,31 @@ Json MarkersJson(const LegFitResult& result) {
   return list;
 }
 
+Json RebuiltKneeJson(const RebuiltKnee& rebuilt) {
+  const auto seen = [&](double value) { return rebuilt.seen_frames > 0 ? Json(value) : Json(); };
+  return {{"learnt_in", rebuilt.trial},
+          {"frames", std::ranges::count(rebuilt.frames, 1)},
+          {"sd_mm", rebuilt.sd_mm},
+          {"seen_frames", rebuilt.seen_frames},
+          {"difference_x_mm", seen(rebuilt.difference_mm.x())},
+          {"difference_y_mm", seen(rebuilt.difference_mm.y())},
+          {"difference_rms_mm", seen(rebuilt.difference_rms_mm)}};
+}
+
+// How often, how well, and what the frames that show the marker say of it.
+std::string RebuiltKneeText(const RebuiltKnee& rebuilt) {
+  const double frames = static_cast<double>(rebuilt.frames.size());
+  std::string text =
+      fmt::format("knee rebuilt from technical markers in {:.0f} % of the frames, ± {:.1f} mm (1 SD per axis)",
+                  100 * static_cast<double>(std::ranges::count(rebuilt.frames, 1)) / frames, rebuilt.sd_mm);
+  if (rebuilt.seen_frames == 0) return text + "; no frame shows its marker to compare\n";
+  return text + fmt::format(
+                    "; in the {} frames that show its marker, that is {:.1f} mm RMS from where it would be rebuilt, "
+                    "{} mm to the front and {} mm up the shank on average\n",
+                    rebuilt.seen_frames, rebuilt.difference_rms_mm, WithSign(RoundedText(rebuilt.difference_mm.x(), 1)),
+                    WithSign(RoundedText(rebuilt.difference_mm.y(), 1)));
+}
+
 }  // namespace
 
 Json LegFitJson(const LegFitResult& result) {
@@ -124,6 +151,7 @@ Json LegFitJson(const LegFitResult& result) {
     json["across_plane"] = {{"rms_mm", result.lateral->rms_mm},
                             {"largest_shank_deg", result.lateral->largest_shank_deg},
                             {"largest_thigh_deg", result.lateral->largest_thigh_deg}};
+  if (result.rebuilt_knee) json["rebuilt_knee"] = RebuiltKneeJson(*result.rebuilt_knee);
   return json;
 }
 
@@ -136,6 +164,7 @@ std::string LegFitText(const LegFitResult& result) {
   if (const auto range = RangeOf(result.motion))
     text += fmt::format("knee {:.2f}° to {:.2f}°, marker noise {} (1 SD): kinematics.csv\n", range->smallest_deg,
                         range->largest_deg, DeviationText(RmsSigmaDeg(result.motion), 3, "°"));
+  if (result.rebuilt_knee) text += RebuiltKneeText(*result.rebuilt_knee);
   return text;
 }
 

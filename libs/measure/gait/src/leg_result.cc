@@ -488,6 +488,16 @@ double MedianLength(const LegCurves& curves, LegSegmentIndex segment) {
   return Median(std::move(lengths));
 }
 
+// Of the frames in which the knee was rebuilt, those in which that is certain enough to be given, and their deviation.
+void TakeRebuilt(const MarkerOutput& knee, RebuiltKnee& rebuilt) {
+  std::vector<double> sd_mm;
+  for (std::size_t i = 0; i < rebuilt.frames.size(); ++i) {
+    rebuilt.frames[i] = rebuilt.frames[i] && knee.status[i] == motion::SampleStatus::kFilled;
+    if (rebuilt.frames[i]) sd_mm.push_back(knee.shown_sigma[i]);
+  }
+  if (!sd_mm.empty()) rebuilt.sd_mm = RootMeanSquare(sd_mm);
+}
+
 }  // namespace
 
 void FillResult(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& detections,
@@ -500,9 +510,13 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
     leg.push_back(MakeOutput(detections[m], {std::shared_ptr<void>(), &curves.marker[m]}, recording.time_s, most_sigma,
                              options));  // not owned
   AddMarkers(recording, leg, view, most_sigma, skin, UnitMm(view, shank), options, result);
+  if (result.rebuilt_knee) TakeRebuilt(leg[kKnee], *result.rebuilt_knee);
   for (const LegSegmentIndex segment : {kShank, kThigh, kTrunk})
     if (segment != kTrunk || curves.HasTrunk()) result.segments.push_back(ReportSegment(segment, detections, curves));
   result.motion = MakeMotion(result.trajectory, leg, curves, facing, options, result.warnings);
+  if (result.rebuilt_knee || !options.technical.empty())
+    result.tracks.knee_rebuilt = result.motion.knee_rebuilt =
+        result.rebuilt_knee ? result.rebuilt_knee->frames : std::vector<char>(recording.Frames(), 0);
   if (IsFiltered(options))
     AccountForFilterLoss(KneeTakenByFilter(leg, result.motion, options.up), FilterOf(options).cutoff_hz, result.motion);
   result.signals = MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up);

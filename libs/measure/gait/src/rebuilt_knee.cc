@@ -368,6 +368,7 @@ RebuiltKnee RebuildKnee(const LearntKnee& learnt, const motion::MarkerRecording&
   const std::vector<Vector3d>& seen = found.places.at(options.markers.knee).place;
   const SeenErrors errors(recording.time_s, found.carried, knee, seen, learnt.memory_s);
   RebuiltKnee rebuilt;
+  rebuilt.trial = learnt.trial;
   rebuilt.frames.assign(n, 0);
   rebuilt.seen_frames = errors.Frames();
   rebuilt.difference_mm = errors.Mean();

@@ -17,6 +17,8 @@ namespace lake::report {
 
 namespace {
 
+constexpr const char* kNoKnee = "the trial does not show the knee; two markers on the shank would replace it";
+
 // "95 %: 8.10 to 9.00 %", or nothing where there is none.
 std::string IntervalNote(const Json& parent, const char* name, double factor, int decimals, const char* unit) {
   if (!parent.contains(name) || parent.at(name).is_null()) return "";
@@ -288,7 +290,7 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
                      .decimals = 1,
                      .unit = "mm",
                      .plus_minus = std::nullopt,
-                     .note = "the trial does not show the knee"};
+                     .note = kNoKnee};
   };
   const Json best = comparison.value("best_placement", Json());
   const auto markers = [](const Json& of, const char* name, const char* interval) {
@@ -303,7 +305,7 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
                    : Uncertain{},
                2, "%");
   const std::string of_repetition = "% of the " + RepetitionIn(comparison);
-  if (!best.is_object()) joint_moved.note = "the trial does not show the knee";
+  if (!best.is_object()) joint_moved.note = kNoKnee;
   return {
       {of_joint("joint misalignment, RMS", worn, rms, kOfAllSources),
        of_joint("joint misalignment, largest", worn, markers(worn, "max_mm", "max_interval_mm"), kOfMarkers),

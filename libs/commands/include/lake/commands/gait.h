@@ -51,6 +51,10 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
                             const gait::PictureScale& picture = {},
                             const std::optional<std::filesystem::path>& events = {});
 
+// Of a trial with technical markers and a visible knee: what it says of where they carry the knee, for the summary.
+void LearnKnee(const gait::LegFitResult& fit, const gait::LegFitOptions& options, const gait::LateralPlaces& lateral,
+               Json& results, Run& run);
+
 // Puts the rows of this file in the places of the fit's events, and returns what a summary says of that. Throws Error
 // naming file and line.
 Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit);

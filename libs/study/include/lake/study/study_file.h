@@ -59,6 +59,7 @@ struct StudyTrial {
 
   bool IsVideo() const { return std::holds_alternative<commands::TrackRunOptions>(work); }
   const std::filesystem::path& Recording() const;
+  gait::LegFitOptions& Fit();
 };
 
 struct StudyCalibration {

@@ -98,7 +98,8 @@ struct LegMotion {
   Facing facing = Facing::kRight;
   std::vector<std::int64_t> frame;
   std::vector<double> time_s;
-  std::vector<LegSample> samples;  // one per frame
+  std::vector<LegSample> samples;       // one per frame
+  std::vector<char> knee_rebuilt = {};  // as MarkerRecording has it
 };
 
 // The median length of a vector of the leg over the frames in which it is known, in the motion's unit; NaN if there is

@@ -43,6 +43,8 @@ struct MarkerRecording {
   std::vector<std::int64_t> frame;  // numbers of the whole file, from 0
   std::vector<double> time_s;       // presentation time stamps, increasing
   std::vector<MarkerTrack> markers;
+  // 1 where technical markers replace the hidden knee, one value per frame: the column knee_rebuilt; empty: none do.
+  std::vector<char> knee_rebuilt = {};
 
   std::size_t Frames() const { return frame.size(); }
   const MarkerTrack* Find(std::string_view name) const;  // nullptr if there is none

@@ -27,6 +27,8 @@ struct StsCurve {
   std::vector<double> knee_deg;
   // Forward lean of shank and trunk (hip to waist); NaN where it is not shown.
   std::vector<double> shank_deg, trunk_deg;
+  // Where technical markers replace the leg's own knee, their standard deviation per axis, else 0; empty: they do not.
+  std::vector<double> rebuilt_sd_mm = {};
   std::vector<double> knee_sigma_mm;  // one standard deviation per axis of the knee relative to the origin
 };
 

@@ -16,8 +16,10 @@
 
 namespace lake::gait {
 
-// Throws UsageError for a segment other than shank and thigh, or fewer than two markers.
+// --technical. Throws UsageError for a segment other than shank and thigh, or fewer than two markers.
 void Describe(TechnicalMarkers& technical, OptionList& options);
+// --technical and --knee-from, of programs that fit a leg.
+void DescribeHiddenKnee(LegFitOptions& o, OptionList& options);
 
 // The segment's frame has its origin at the mean of the markers' mean places, x anterior, y from its lower to its upper
 // end, z to the person's right.
@@ -50,5 +52,7 @@ LearntKnee LearnKnee(const LegFitResult& fit, const TechnicalMarkers& technical,
 inline constexpr const char* kLearntKnee = "learnt_knee";
 Json LearntKneeJson(const LearntKnee& knee);
 LearntKnee ReadLearntKnee(const std::filesystem::path& trial);
+std::filesystem::path LearntKneeFile(const std::filesystem::path& trial);  // that is read
+void ReadKneeFrom(LegFitOptions& options);                                 // of --knee-from, if it is given
 
 }  // namespace lake::gait

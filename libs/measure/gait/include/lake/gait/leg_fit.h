@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -54,7 +55,9 @@ struct LegFitOptions {
   bool known_sigmas = false;
   // Of the sigmas' squares, at least: errors that stay alike for some frames, as a film's coding makes them.
   double lasting_share = 0;
-  std::shared_ptr<const LearntKnee> knee_from;  // rebuilds the knee where its marker is hidden
+  TechnicalMarkers technical;                       // what LearnKnee learns from
+  std::optional<std::filesystem::path> knee_trial;  // --knee-from: ReadKneeFrom takes it in
+  std::shared_ptr<const LearntKnee> knee_from;      // rebuilds the knee where its marker is hidden
   bool HasSplineCutoff() const { return filter == LegFilter::kSpline && cutoff_hz.has_value(); }
   MovementOptions movement;
   bool quiet = true;  // no progress
@@ -120,6 +123,7 @@ struct LateralReport {
 
 // Where the knee's marker was hidden and technical markers replaced it.
 struct RebuiltKnee {
+  std::string trial;         // where it was learnt
   std::vector<char> frames;  // 0 or 1 per frame
   // Where the marker is seen: the seen place less the rebuilt one, in the segment's frame (x anterior, y up the leg),
   // mm.
