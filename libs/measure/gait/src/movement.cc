@@ -7,7 +7,7 @@
 #include <map>
 
 #include "lake/gait/leg_fit.h"
-#include "squat.h"
+#include "lake/gait/squats.h"
 
 namespace lake::gait {
 namespace {
