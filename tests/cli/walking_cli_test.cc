@@ -112,6 +112,11 @@ TEST_F(WalkingProgram, TakesANormAndQuietStanding) {
     for (std::size_t i = 0; i < marker.samples.size(); ++i)
       marker.samples[i].position +=
           walk.Find(marker.name)->samples[kMidStance].position - walk.Find(marker.name)->samples[i].position;
+  // The drawn knee is bent by 30° there.
+  const auto place = [&](const char* name, std::size_t i) { return standing.Find(name)->samples[i].position; };
+  auto knee = std::ranges::find(standing.markers, std::string("knee"), &motion::MarkerTrack::name);
+  for (std::size_t i = 0; i < knee->samples.size(); ++i)
+    knee->samples[i].position = (place("ankle", i) + place("hip", i)) / 2 + Eigen::Vector2d(20, 0);
   motion::WriteMarkerCsv(folder_ / "standing.csv", standing);
   outcome = Gait({}, "--neutral standing.csv");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -81,6 +81,10 @@ TEST_P(PlateContacts, AreOfTheFootThatStays) {
     return;
   }
   ASSERT_EQ(found.size(), 2u);
+  const auto beside = [](const std::string& warning) { return warning.find("beside the plate") != std::string::npos; };
+  EXPECT_EQ(std::ranges::count_if(leg.warnings, beside), std::ranges::count_if(found, [](const gait::PlateEvent& of) {
+              return std::abs(of.markers_later_s) > 0.04;
+            }));
   EXPECT_EQ(found[0].event.kind, is_other ? StsEventKind::kHeelStrikeOther : StsEventKind::kHeelStrike);
   EXPECT_EQ(found[1].event.kind, is_other ? StsEventKind::kToeOffOther : StsEventKind::kToeOff);
   int taken = 0;

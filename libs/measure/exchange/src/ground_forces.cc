@@ -95,13 +95,15 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
 }
 
 std::vector<PlateLoad> LoadsOf(const PlateForces& plate, const std::vector<double>& time_s, const Eigen::Vector3d& up) {
-  constexpr double kShortest_s = 0.1, kShortestGap_s = 0.05, kEmpty = 0.05;
+  constexpr double kShortest_s = 0.1, kShortestGap_s = 0.05, kMostEmpty_n = 100, kLowest = 0.02;
   std::vector<double> force_n, empty_n;
   for (const Eigen::Vector3d& force : plate.force_n) force_n.push_back(force.dot(up));
   if (force_n.size() < 2) return {};
-  const double most_n = *std::ranges::max_element(force_n);
-  std::ranges::copy_if(force_n, std::back_inserter(empty_n), [&](double n) { return n < kEmpty * most_n; });
-  const double reading_n = empty_n.empty() ? 0 : Median(empty_n), limit_n = reading_n + kLeast_n;
+  const double lowest_n = Quantile(force_n, kLowest);
+  std::ranges::copy_if(force_n, std::back_inserter(empty_n), [&](double n) {
+    return std::abs(lowest_n) < kMostEmpty_n && std::abs(n - lowest_n) < kLeast_n;
+  });
+  const double limit_n = (empty_n.empty() ? 0 : Median(empty_n)) + kLeast_n;
   const double noise_n = empty_n.size() > 1 ? RobustDeviation(empty_n) : 0;
   const auto crossing = [&](std::size_t after, double& sd_s) {
     const double step_s = time_s[after] - time_s[after - 1], step_n = force_n[after] - force_n[after - 1];

@@ -1,5 +1,6 @@
 #include "lake/gait/neutral_pose.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lake/core/error.h"
@@ -10,6 +11,8 @@ namespace lake::gait {
 
 motion::LegSample NeutralPose(const LegFitResult& leg, double from_s, double to_s) {
   constexpr double kMostSway_deg = 3, kMostBend_deg = 30;
+  from_s = std::max(from_s, leg.motion.time_s.front());
+  to_s = std::min(to_s, leg.motion.time_s.back());
   motion::LegSample pose;
   for (const motion::Angle& angle : motion::Angles()) {
     std::vector<double> deg, sigma_deg;
