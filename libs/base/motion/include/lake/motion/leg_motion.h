@@ -139,8 +139,8 @@ struct StsEvent {
 void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& motion);
 LegMotion ReadKinematicsCsv(const std::filesystem::path& path);
 
-// events.csv: repetition,event,frame,time_s, of walking and squats sd_s too, in the order of repetitions and, within each, of
-// time; reading throws Error for another order.
+// events.csv: repetition,event,frame,time_s, of walking and squats sd_s too, in the order of repetitions and, within
+// each, of time; reading throws Error for another order.
 void WriteEventsCsv(const std::filesystem::path& path, const std::vector<StsEvent>& events);
 std::vector<StsEvent> ReadEventsCsv(const std::filesystem::path& path);
 
