@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "cli/program_run.h"
 #include "gait/drawn_walk.h"
 #include "gait/worn_joint_marker.h"
@@ -57,6 +59,75 @@ TEST_F(WalkingProgram, SaysWhatItLeavesOut) {
   EXPECT_THAT(outcome.err, HasSubstr("repetition and percent are left empty"));
   EXPECT_FALSE(fs::exists(folder_ / "W/gait_cycles.csv"));
   EXPECT_EQ(Gait({}, "--movement dancing").exit_code, 2);
+}
+
+TEST_F(WalkingProgram, ForcePlatesWinOverTheMarkers) {
+  const fs::path data = SharedData() / "walking_force_plates";
+  if (!fs::exists(data)) GTEST_SKIP() << "no recordings";
+  const CsvTable plates = CsvTable::Read(data / "plate_events.csv");
+  const std::string leg = "--map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS,heel=r_calc,toe=r_toe";
+  const std::string both = leg + ",other_ankle=L_ankle,other_heel=L_calc,other_toe=L_toe";
+  for (const std::string& names : {leg, both}) {
+    const Outcome outcome = Shell(folder_, "lake-gait " + (data / "walking1.trc").string() + " " + names +
+                                               " --forces " + (data / "walking1_grf.mot").string() + " --json -o P");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const CsvTable events = CsvTable::Read(folder_ / "P/events.csv");
+    std::size_t expected = 0;
+    for (std::size_t row = 0; row < plates.Rows(); ++row) {
+      const bool is_other = plates.Text(row, 1) == "L";
+      if (plates.Text(row, 0) != "walking1" || (is_other && names == leg)) continue;
+      ++expected;
+      const std::string kind = plates.Text(row, 2) + (is_other ? "_other" : "");
+      double nearest_s = 1;
+      for (std::size_t i = 0; i < events.Rows(); ++i)
+        if (events.Text(i, 1) == kind)
+          nearest_s = std::min(
+              nearest_s, std::abs(events.RequiredNumber(i, events.Column("time_s")) - plates.RequiredNumber(row, 3)));
+      EXPECT_LT(nearest_s, 1e-3) << kind;
+    }
+    const Json found = Json::parse(outcome.out)["walking"]["force_plates"];
+    EXPECT_EQ(found.size(), expected);
+    for (const Json& event : found) EXPECT_LT(std::abs(NumberOrNaN(event["markers_later_s"])), 0.04) << event;
+  }
+}
+
+TEST_F(WalkingProgram, TakesANormAndQuietStanding) {
+  std::ofstream(folder_ / "norm.csv") << "percent,mean,sd\n0,5,4\n40,10,5\n72,60,6\n100,5,4\n";
+  Outcome outcome = Gait({}, "--reference norm.csv");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(ReadTextFile(folder_ / "W/gait_cycles.svg"), HasSubstr("reference"));
+  EXPECT_EQ(Json::parse(outcome.out).count("neutral"), 0u);
+  EXPECT_THAT(Shell(folder_, "lake-gait walk.csv -o W").out, HasSubstr("--neutral"));
+  outcome = Gait({}, "--neutral 0.5,2.5");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("no quiet standing from 0.5 to 2.5 s"));
+  EXPECT_EQ(Gait({}, "--neutral 2,1").exit_code, 2);
+  // The same walk's markers, standing.
+  DrawnWalkOptions drawn;
+  drawn.noise_mm = 0.3;
+  motion::MarkerRecording standing = DrawWalk(drawn);
+  const motion::MarkerRecording walk = DrawWalk({});
+  constexpr std::size_t kMidStance = 170;  // frame
+  for (motion::MarkerTrack& marker : standing.markers)
+    for (std::size_t i = 0; i < marker.samples.size(); ++i)
+      marker.samples[i].position +=
+          walk.Find(marker.name)->samples[kMidStance].position - walk.Find(marker.name)->samples[i].position;
+  // The drawn knee is bent by 30° there.
+  const auto place = [&](const char* name, std::size_t i) { return standing.Find(name)->samples[i].position; };
+  auto knee = std::ranges::find(standing.markers, std::string("knee"), &motion::MarkerTrack::name);
+  for (std::size_t i = 0; i < knee->samples.size(); ++i)
+    knee->samples[i].position = (place("ankle", i) + place("hip", i)) / 2 + Eigen::Vector2d(20, 0);
+  motion::WriteMarkerCsv(folder_ / "standing.csv", standing);
+  outcome = Gait({}, "--neutral standing.csv");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const double neutral_deg = Json::parse(outcome.out)["neutral"]["knee"]["deg"];
+  const CsvTable kinematics = CsvTable::Read(folder_ / "W/kinematics.csv");
+  for (const char* name : {"knee", "shank", "thigh", "trunk", "foot", "ankle"})
+    EXPECT_TRUE(kinematics.Has(std::string(name) + "_neutral_deg")) << name;
+  EXPECT_NEAR(kinematics.RequiredNumber(50, kinematics.Column("knee_neutral_deg")),
+              kinematics.RequiredNumber(50, kinematics.Column("knee_deg")) - neutral_deg, 1e-9);
+  EXPECT_THAT(ReadTextFile(folder_ / "W/uncertainty_budget.csv"),
+              HasSubstr("knee_neutral_angle_deg,pose of quiet standing"));
 }
 
 // A walk, and a slower one back with the exoskeleton's joint 12 mm from the knee.

@@ -20,7 +20,8 @@ TEST(LegFitText, NamesTheMarkersNoiseAndNeverSaysThatItIsZero) {
   fit.segments = {{.name = "ak", .length = 430}};
   EXPECT_EQ(gait::LegFitText(fit),
             "ak  430.0 mm, varies by < 0.1 (SD)\n"
-            "knee 9.50° to 96.25°, marker noise < 0.001° (1 SD): kinematics.csv\n");
+            "knee 9.50° to 96.25°, marker noise < 0.001° (1 SD): kinematics.csv\n"
+            "0° is where the markers say so, not where the person stands (--neutral)\n");
 }
 
 TEST(LegFitText, LeavesOutAnglesThatAreUncertain) {

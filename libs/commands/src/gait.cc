@@ -145,6 +145,7 @@ void Describe(GaitRunOptions& o, OptionList& options) {
   Describe(o.person, options);
   Describe(o.measures, options);
   Describe(o.budget, options);
+  Describe(static_cast<FurtherInputs&>(o), options);
   options
       .Add("range-limit", o.range_limit_deg,
            "A mechanism's markers: is its knee shown to keep within these limits? range_limit.csv and .html")
@@ -184,6 +185,7 @@ std::vector<InputFile> InputsOf(const GaitRunOptions& options) {
   if (options.camera) inputs.push_back({*options.camera, "camera"});
   if (options.events) inputs.push_back({*options.events, "events"});
   if (options.fit.knee_trial) inputs.push_back({gait::LearntKneeFile(*options.fit.knee_trial), "knee from"});
+  for (InputFile& input : InputsOf(static_cast<const FurtherInputs&>(options))) inputs.push_back(std::move(input));
   return inputs;
 }
 
@@ -197,7 +199,8 @@ exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::
 }
 
 gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run,
-                            const gait::PictureScale& picture, const std::optional<std::filesystem::path>& events) {
+                            const gait::PictureScale& picture, const std::optional<std::filesystem::path>& events,
+                            const FurtherInputs& further) {
   fit.quiet = run.Quiet();
   const gait::LegView view = ViewOf(trial, picture, run);
   if (trial.up) fit.up = UpIn(view, trial);
@@ -210,6 +213,7 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
   fit.unit_question = [&](const std::string& unit) { return UnitQuestion(trial, unit); };
   gait::ReadKneeFrom(fit);
   gait::LegFitResult result = FitOrName(trial, view, fit);
+  fit.movement.walking.contacts = ContactsOf(further, trial, result, run);
   gait::ChooseMovement(fit.movement, result);
   if (const auto corrected = CorrectedEventsOf(trial)) TakeEvents(*corrected, result);
   if (events) CorrectEventsBy(*events, result);
@@ -243,6 +247,7 @@ Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit)
 Json RunGait(const GaitRunOptions& options, Run& run) {
   const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, options);
   run.AddInputs(InputsOf(options));
+  CheckFiles(options);
   gait::CheckMarkers(options.measures, gait::MarkerNames(trial.recording));
   const bool measures_alone = !options.measures.empty() && !HasLeg(trial.recording, options.fit.markers);
   if (measures_alone && options.range_limit_deg)
@@ -251,17 +256,20 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
   run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "sit_to_stand.html", "gait_cycles.csv",
-             "gait_cycles.png", "gait_cycles.svg", "uncertainty_budget.csv", "range_limit.csv", "range_limit.html",
-             "trajectory.csv", "tracks.csv", "gait.png", "gait.svg", "measures.csv", "measures.png", "measures.svg"});
+             "gait_cycles.png", "gait_cycles.svg", "squats.csv", "uncertainty_budget.csv", "range_limit.csv",
+             "range_limit.html", "trajectory.csv", "tracks.csv", "gait.png", "gait.svg", "measures.csv", "measures.png",
+             "measures.svg"});
   if (measures_alone) return MeasureWithoutLeg(trial, options, run);
-  const gait::LegFitResult result = FitTrial(trial, options.fit, run, options, options.events);
+  gait::LegFitResult result = FitTrial(trial, options.fit, run, options, options.events, options);
+  SetNeutral(options, trial, options.reading, options.fit, run, result);
   Json results = Json::object();
   if (CorrectedEventsOf(trial) || options.events) results = {{kEventsCorrected, true}};
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
   run.Report(gait::LegFitText(result));
   WriteUncertaintyBudget(result, options.budget, results, run);
-  const std::string repetitions = WriteMovement(result, options.fit.markers, options.person, results, run);
+  const std::string repetitions =
+      WriteMovement(result, options.fit.markers, options.person, options.reference, results, run);
   if (options.range_limit_deg) WriteRangeLimit(result, options.budget, *options.range_limit_deg, results, run);
   run.Report(repetitions);
   if (result.trajectory.unit == motion::LengthUnit::kMm)

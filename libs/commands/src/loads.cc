@@ -42,7 +42,6 @@ std::string LegOf(const LoadsRunOptions& options, const exchange::Trial& trial, 
 loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::Trial& trial,
                                const gait::LegFitResult& fit, Run& run) {
   const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
-  for (const std::string& warning : file.warnings) run.Warn(warning);
   const Eigen::Matrix3d& plane_from_space = *trial.plane_from_space;
   VerticalOf(file, trial, options.forces);  // both have one
   const std::string leg = LegOf(options, trial, run);
@@ -341,10 +340,7 @@ std::string ReportOf(const loads::LoadsResult& result, const MeanRise& mean, dou
 void Describe(LoadsRunOptions& o, OptionList& options) {
   DescribeTrialFit(o, options);
   Describe(o.loads, options);
-  options.Add("forces", o.forces, "Ground forces: OpenSim's .mot or .sto, or a .c3d")
-      .Otherwise("none: from the trunk down");
-  options.Add("sync", o.sync, "The forces' clock against the trial's: the sync.yaml of lake sync TRIAL FORCES")
-      .Otherwise("they have one clock");
+  DescribeForces(o, options);
   options.Add("plates", o.plates, "The feet's force plates, in the file's order").Value("right=N,left=N");
   options
       .AddChoice("leg", o.leg, OptionList::Choices<std::string>{{"right", "right"}, {"left", "left"}},
@@ -353,17 +349,9 @@ void Describe(LoadsRunOptions& o, OptionList& options) {
   options.Check([&o](const OptionList&) {
     exchange::CheckPlates(o.plates);
     if (!o.plates.empty() && o.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
-    if (o.sync && o.forces.empty()) throw UsageError("--sync: whose clock? Give --forces");
     if (!o.leg.empty() && o.forces.empty())
       throw UsageError("--leg has no effect without --forces: it says which force plate is this leg's; leave it out");
   });
-}
-
-std::vector<InputFile> InputsOf(const LoadsRunOptions& options) {
-  std::vector<InputFile> inputs = InputsOf(static_cast<const GaitRunOptions&>(options));
-  if (!options.forces.empty()) inputs.push_back({options.forces, "forces"});
-  if (options.sync) inputs.push_back({*options.sync, "sync"});
-  return inputs;
 }
 
 Json RunLoads(const LoadsRunOptions& options, Run& run) {
@@ -377,7 +365,7 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
         trial.file.string());
   run.Begin({"summary.json", "loads.csv", "pace.csv", "centre_of_mass.csv", "momentum.csv", "loads.json", "loads.png",
              "loads.svg"});
-  const gait::LegFitResult fit = FitTrial(trial, options.fit, run, options, options.events);
+  const gait::LegFitResult fit = FitTrial(trial, options.fit, run, options, options.events, options);
   std::optional<loads::GroundForces> forces;
   if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
   loads::LegPathOptions path;

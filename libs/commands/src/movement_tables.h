@@ -1,6 +1,7 @@
 // What lake-track and lake-gait write of the repetitions of a recording's movement.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "lake/core/json.h"
@@ -10,10 +11,10 @@
 
 namespace lake::commands {
 
-// Of walking gait_cycles.csv, .png and .svg, and `walking` in the results; of squats their number; else
-// WriteSitToStands. `movement` in the results is null where none was found. Returns what there is to say at the
-// terminal.
+// `reference`: a norm of the knee over the gait cycle; empty: none. Of walking gait_cycles.csv, .png and .svg, and
+// `walking` in the results; of squats squats.csv, and `squats`; else WriteSitToStands. `movement` in the results is
+// null where none was found. Returns what there is to say at the terminal.
 std::string WriteMovement(const gait::LegFitResult& leg, const gait::LegMarkers& markers, const gait::Person& person,
-                          Json& results, Run& run);
+                          const std::filesystem::path& reference, Json& results, Run& run);
 
 }  // namespace lake::commands

@@ -334,7 +334,9 @@ gait::LegFitResult FitOrKeep(const TrackRunOptions& options, const tracking::Tra
                              const gait::LegFitOptions& fit_options, const Json& results, Run& run) {
   try {
     gait::LegFitResult fit = gait::FitLeg(gait::AtFrameTimes(tracked.recording, shutter), view, fit_options);
-    gait::ChooseMovement(fit_options.movement, fit);
+    gait::MovementOptions movement = fit_options.movement;
+    movement.walking.contacts = ContactsOf(options, {}, fit, run);
+    gait::ChooseMovement(movement, fit);
     return fit;
   } catch (const Error& error) {
     WritePoints(options, tracked, view, shutter, "no leg fitted", run);
@@ -350,6 +352,7 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   const gait::LegFitOptions fit_options = FitOptions(options, tracked, view, run.Quiet(), WarnThrough(run));
   gait::LegFitResult fit = FitOrKeep(options, tracked, view, shutter, fit_options, results, run);
   if (options.events) results.update(CorrectEventsBy(*options.events, fit));
+  SetNeutral(options, {}, {}, fit_options, run, fit);
   WarnOfFit(fit, run);
   motion::MarkerRecording tracks = fit.tracks;
   if (shutter.readout_s != 0) TakeSeenPositions(tracked.recording, tracks);
@@ -360,7 +363,8 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
   run.Report(gait::LegFitText(fit));
   WriteUncertaintyBudget(fit, options.budget, results, run);
-  const std::string repetitions = WriteMovement(fit, fit_options.markers, options.person, results, run);
+  const std::string repetitions =
+      WriteMovement(fit, fit_options.markers, options.person, options.reference, results, run);
   run.Report(repetitions);
   DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
   const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);
@@ -494,11 +498,12 @@ void CheckStamps(const TrackRunOptions& options, const std::vector<motion::Corre
 // Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
 std::vector<std::string> ResultNames(const TrackRunOptions& options) {
   if (options.list) return {"summary.json", kCandidatesTable, kCandidatesPicture};
-  std::vector<std::string> names = {"summary.json",    "tracks.csv",       "trajectory.csv",         "kinematics.csv",
-                                    "events.csv",      "sit_to_stand.csv", "sit_to_stand.html",      "gait_cycles.csv",
-                                    "gait_cycles.png", "gait_cycles.svg",  "uncertainty_budget.csv", "track.png",
-                                    "track.svg",       "measures.csv",     "measures.png",           "measures.svg",
-                                    kCandidatesTable,  kCandidatesPicture};
+  std::vector<std::string> names = {
+      "summary.json",    "tracks.csv",       "trajectory.csv",    "kinematics.csv",
+      "events.csv",      "sit_to_stand.csv", "sit_to_stand.html", "gait_cycles.csv",
+      "gait_cycles.png", "gait_cycles.svg",  "squats.csv",        "uncertainty_budget.csv",
+      "track.png",       "track.svg",        "measures.csv",      "measures.png",
+      "measures.svg",    kCandidatesTable,   kCandidatesPicture};
   if (options.overlay) names.push_back("overlay.mp4");
   for (const std::string& format : options.exports)
     names.push_back(exchange::ExportName(format, options.video.stem().string()));
@@ -601,6 +606,7 @@ void Describe(TrackRunOptions& o, OptionList& options) {
       for (const std::string& marker : markers)
         if (std::ranges::count(o.track.names, marker) == 0) o.track.names.push_back(marker);
   });
+  Describe(static_cast<FurtherInputs&>(o), options);
 }
 
 std::vector<InputFile> InputsOf(const TrackRunOptions& options) {
@@ -609,11 +615,13 @@ std::vector<InputFile> InputsOf(const TrackRunOptions& options) {
   if (options.corrections) inputs.push_back({*options.corrections, "corrections"});
   if (options.events) inputs.push_back({*options.events, "events"});
   if (options.fit.knee_trial) inputs.push_back({gait::LearntKneeFile(*options.fit.knee_trial), "knee from"});
+  for (InputFile& input : InputsOf(static_cast<const FurtherInputs&>(options))) inputs.push_back(std::move(input));
   return inputs;
 }
 
 Json RunTrack(const TrackRunOptions& options, Run& run) {
   CheckOptions(options);
+  CheckFiles(options);
   const video::VideoInfo video = video::VideoReader::Open(options.video, options.track.reader)->Info();
   run.AddInputs(InputsOf(options));
   std::string scaled;

@@ -26,6 +26,10 @@ std::int64_t WholeNumber(const CsvTable& table, std::size_t row, std::string_vie
   return static_cast<std::int64_t>(number);
 }
 
+bool IsOfWalking(StsEventKind kind) {
+  return kind >= StsEventKind::kHeelStrike;
+}
+
 std::string NamesOfEvents() {
   std::string names;
   for (int i = 0; i < kEventKinds; ++i) names += (names.empty() ? "" : ", ") + std::string(ToString(KindAt(i)));
@@ -36,11 +40,13 @@ EventCorrection ReadRow(const CsvTable& table, std::size_t row) {
   constexpr double kMostRepetitions = 1e6, kMostFrames = 1e12;
   EventCorrection correction;
   correction.where = table.Where(row);
-  correction.repetition = static_cast<int>(WholeNumber(table, row, "repetition", 1, kMostRepetitions));
   const std::string& name = table.Text(row, table.Column("event"));
   const std::optional<StsEventKind> kind = FindEventKind(name);
   if (!kind) throw Fail("{}: '{}' is not an event; there are {}", table.Where(row), name, NamesOfEvents());
   correction.kind = *kind;
+  correction.repetition =
+      static_cast<int>(WholeNumber(table, row, "repetition", IsOfWalking(*kind) ? 0 : 1, kMostRepetitions));
+  if (table.Has("sd_s")) correction.sd_s = table.Number(row, table.Column("sd_s")).value_or(LegSample::kUnknown);
   if (table.Has("frame") && table.Number(row, table.Column("frame")))
     correction.frame = WholeNumber(table, row, "frame", 0, kMostFrames);
   if (table.Has("time_s")) correction.time_s = table.Number(row, table.Column("time_s"));
@@ -120,6 +126,22 @@ void CheckDurations(const std::vector<StsEvent>& events, const Said& said) {
   }
 }
 
+// The rows as they are, in the order of time.
+std::vector<StsEvent> EventsOfWalk(const std::vector<EventCorrection>& corrections,
+                                   const std::vector<std::int64_t>& frame, const std::vector<double>& time_s) {
+  std::vector<StsEvent> events;
+  for (const EventCorrection& correction : corrections)
+    if (auto event = EventOf(correction, frame, time_s)) {
+      event->sd_s = correction.sd_s;
+      events.push_back(*event);
+    }
+  std::ranges::stable_sort(events, {}, &StsEvent::time_s);
+  for (std::size_t i = 1; i < events.size(); ++i)
+    if (events[i].repetition < events[i - 1].repetition)
+      throw Fail("{}: {} is before {}", corrections.front().where, Told(events[i - 1]), Told(events[i]));
+  return events;
+}
+
 }  // namespace
 
 std::optional<StsEventKind> FindEventKind(std::string_view name) {
@@ -137,7 +159,7 @@ std::vector<EventCorrection> ReadEventCorrections(const std::filesystem::path& p
   for (std::size_t row = 0; row < table.Rows(); ++row) {
     corrections.push_back(ReadRow(table, row));
     const EventCorrection& read = corrections.back();
-    if (!seen.insert({read.repetition, read.kind}).second)
+    if (!seen.insert({read.repetition, read.kind}).second && !IsOfWalking(read.kind))
       throw Fail("{}: {} of repetition {} is given twice", read.where, ToString(read.kind), read.repetition);
   }
   return corrections;
@@ -159,6 +181,8 @@ std::vector<StsEvent> ApplyEventCorrections(const std::vector<EventCorrection>& 
                                             const std::vector<std::int64_t>& frame, const std::vector<double>& time_s,
                                             const std::vector<StsEvent>& found) {
   if (corrections.empty()) return found;
+  if (std::ranges::any_of(corrections, IsOfWalking, &EventCorrection::kind))
+    return EventsOfWalk(corrections, frame, time_s);
   std::map<Key, StsEvent> merged;
   Said said;
   for (const StsEvent& event : found) merged[{event.repetition, event.kind}] = event;

@@ -153,12 +153,18 @@ void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& moti
   std::vector<std::string> header = {"frame", "time_s", "repetition", "percent"};
   for (const Column& column : columns) header.push_back(column.name);
   if (!motion.knee_rebuilt.empty()) header.emplace_back("knee_rebuilt");
+  std::vector<Angle> neutral;
+  if (motion.neutral)
+    std::ranges::copy_if(Angles(), std::back_inserter(neutral),
+                         [&](const Angle& angle) { return std::isfinite((*motion.neutral).*angle.deg); });
+  for (const Angle& angle : neutral) header.push_back(fmt::format("{}_neutral_deg", angle.name));
   CsvWriter csv(header);
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const LegSample& sample = motion.samples[i];
     csv.Add(motion.frame[i]).Add(motion.time_s[i]).Add(sample.repetition).Add(sample.percent);
     for (const Column& column : columns) csv.Add(column.Of(sample));
     if (!motion.knee_rebuilt.empty()) csv.Add(static_cast<int>(motion.knee_rebuilt[i]));
+    for (const Angle& angle : neutral) csv.Add(sample.*angle.deg - (*motion.neutral).*angle.deg);
     csv.EndRow();
   }
   csv.Write(path);
@@ -192,7 +198,7 @@ LegMotion ReadKinematicsCsv(const std::filesystem::path& path) {
 void WriteEventsCsv(const std::filesystem::path& path, const std::vector<StsEvent>& events) {
   std::vector<std::string> header = {"repetition", "event", "frame", "time_s"};
   const bool has_sd =
-      std::ranges::any_of(events, [](const StsEvent& event) { return event.kind >= StsEventKind::kHeelStrike; });
+      std::ranges::any_of(events, [](const StsEvent& event) { return event.kind >= StsEventKind::kBottom; });
   if (has_sd) header.emplace_back("sd_s");
   CsvWriter csv(header);
   for (const StsEvent& event : events) {

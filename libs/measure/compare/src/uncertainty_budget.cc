@@ -185,6 +185,18 @@ Budget KneeAngleBudget(const motion::LegMotion& motion, const RecordingBudgetOpt
   return budget;
 }
 
+// Of the angle less that of quiet standing, which is off by the same misplacement.
+Budget NeutralKneeBudget(const motion::LegMotion& motion, const RecordingBudgetOptions& o) {
+  Budget budget = KneeAngleBudget(motion, o);
+  budget.quantity = "knee_neutral_angle";
+  budget.value -= motion.neutral->knee_deg;
+  std::erase_if(budget.rows,
+                [](const BudgetRow& row) { return row.source == kPlacement || row.source == kAnkleAndHipPlacement; });
+  budget.rows.push_back({"pose of quiet standing", "normal", motion.neutral->knee_sigma_deg, "deg", 1,
+                         "sway of the standing person, --neutral", true});
+  return budget;
+}
+
 // Of the rises whose time is known.
 std::optional<Budget> RiseBudget(const gait::LegFitResult& leg, const RecordingBudgetOptions& o) {
   std::vector<double> rise_s, fit_s;
@@ -266,6 +278,7 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
 std::vector<Budget> BudgetsOf(const gait::LegFitResult& leg, const RecordingBudgetOptions& o) {
   if (leg.motion.unit != motion::LengthUnit::kMm) return {};
   std::vector<Budget> budgets = {KneeAngleBudget(leg.motion, o)};
+  if (leg.motion.neutral) budgets.push_back(NeutralKneeBudget(leg.motion, o));
   if (auto rise = RiseBudget(leg, o)) budgets.push_back(*std::move(rise));
   return budgets;
 }
@@ -279,9 +292,13 @@ double PlaceDeviation(const std::vector<Budget>& budgets) {
 
 std::string QuantityName(const std::string& quantity) {
   constexpr std::pair<const char*, const char*> kNames[] = {
-      {"joint_rms", "joint misalignment, RMS"},   {"joint_offset_x", "joint in front of the knee"},
-      {"joint_offset_y", "joint above the knee"}, {"joint_frame", "joint misalignment, one frame"},
-      {"knee_angle", "knee angle, one frame"},    {"rise", "mean time of a rise"}};
+      {"joint_rms", "joint misalignment, RMS"},
+      {"joint_offset_x", "joint in front of the knee"},
+      {"joint_offset_y", "joint above the knee"},
+      {"joint_frame", "joint misalignment, one frame"},
+      {"knee_angle", "knee angle, one frame"},
+      {"knee_neutral_angle", "knee angle from quiet standing, one frame"},
+      {"rise", "mean time of a rise"}};
   for (const auto& [key, name] : kNames)
     if (quantity == key) return name;
   return quantity;

@@ -270,6 +270,8 @@ struct SagittalPlane {
 // Of the points as `read`, and of those that the names say.
 SagittalPlane FindSagittalPlane(const PointRecording& read, const PointRecording& named, const TrialOptions& options,
                                 const fs::path& path) {
+  if (const auto& given = options.plane_from_space)
+    return {{given->row(0).transpose(), given->row(1).transpose()}, "of the trial that it is held against"};
   const SagittalAxes axes = FindSagittalAxes(named, options, path);
   if (const auto across = AxesAcrossKnee(read, options, axes))
     return {*across, "across the knee's axis, as " + options.names.at("knee") + " show it"};

@@ -8,8 +8,9 @@
 #include <optional>
 
 #include "lake/core/csv.h"
-#include "lake/core/json_or_null.h"
+#include "lake/core/error.h"
 #include "lake/core/statistics.h"
+#include "lake/gait/field_table.h"
 
 namespace lake::gait {
 namespace {
@@ -18,7 +19,6 @@ using motion::StsEventKind;
 
 constexpr const char* kPerry = "Perry and Burnfield 2010, Gait Analysis, 2nd ed.";
 constexpr const char* kWinter = "Winter 1991, Biomechanics and Motor Control of Human Gait, 2nd ed.";
-constexpr const char* kLake = "lake";
 
 constexpr std::array kFields = {
     Field<GaitCycle>{"begin_s", "s", "time of the heel strike with which the stride begins", kPerry,
@@ -55,6 +55,21 @@ constexpr std::array kFields = {
                      &GaitCycle::shank_range_deg, 1},
     Field<GaitCycle>{"trunk_range_deg", "deg", "range of the trunk's angle from the vertical", kPerry,
                      &GaitCycle::trunk_range_deg, 1},
+    Field<GaitCycle>{"foot_heel_strike_deg", "deg",
+                     "angle of the foot to where it rests on the ground, at heel strike: positive with the toe up",
+                     kPerry, &GaitCycle::foot_heel_strike_deg, 1},
+    Field<GaitCycle>{"ankle_heel_strike_deg", "deg",
+                     "dorsiflexion at heel strike: 0 with the shank upright over the resting foot", kPerry,
+                     &GaitCycle::ankle_heel_strike_deg, 1},
+    Field<GaitCycle>{"ankle_dorsiflexion_deg", "deg", "largest dorsiflexion in stance", kPerry,
+                     &GaitCycle::ankle_dorsiflexion_deg, 1},
+    Field<GaitCycle>{"ankle_toe_off_deg", "deg", "dorsiflexion at toe-off: negative in plantarflexion", kPerry,
+                     &GaitCycle::ankle_toe_off_deg, 1},
+    Field<GaitCycle>{"ankle_plantarflexion_deg", "deg",
+                     "least dorsiflexion from half of stance to half of swing: negative in plantarflexion", kPerry,
+                     &GaitCycle::ankle_plantarflexion_deg, 1},
+    Field<GaitCycle>{"ankle_range_deg", "deg", "range of dorsiflexion over the stride", kPerry,
+                     &GaitCycle::ankle_range_deg, 1},
     Field<GaitCycle>{"step_s", "s", "step time: from the other leg's heel strike to this leg's, which ends the stride",
                      kPerry, &GaitCycle::step_s, 3},
     Field<GaitCycle>{"step_mm", "mm",
@@ -68,6 +83,10 @@ constexpr std::array kFields = {
     Field<GaitCycle>{"toe_clearance_mm", "mm",
                      "least height of the toe marker in the middle half of swing over its height in stance", kWinter,
                      &GaitCycle::toe_clearance, 0}};
+
+const motion::Angle& AngleOf(std::string_view name) {
+  return *std::ranges::find_if(motion::Angles(), [&](const motion::Angle& angle) { return angle.name == name; });
+}
 
 // An event's share of its SD that is not alike in all of a person's strides.
 constexpr double kWithinPerson = 0.5;
@@ -110,12 +129,17 @@ class CycleMeasurer {
                      (time_s - m_.time_s[after - 1]) / (m_.time_s[after] - m_.time_s[after - 1]));
   }
 
-  Measured KneeAt(const motion::StsEvent& event) const {
-    const double slope = At(event.time_s, [&](std::size_t i) { return m_.samples[i].knee_deg_s; });
-    const double sigma = At(event.time_s, [&](std::size_t i) { return m_.samples[i].knee_sigma_deg; });
-    return {At(event.time_s, [&](std::size_t i) { return m_.samples[i].knee_deg; }),
-            std::hypot(sigma, slope * event.sd_s, anatomical_sd_deg_)};
+  Measured AngleAt(const motion::Angle& angle, const motion::StsEvent& event) const {
+    const auto deg = [&](std::size_t i) { return m_.samples[i].*angle.deg; };
+    const double sigma_deg = At(event.time_s, [&](std::size_t i) { return m_.samples[i].*angle.sigma_deg; });
+    constexpr double kBeside_s = 0.01;
+    const double from_s = std::max(event.time_s - kBeside_s, m_.time_s.front()),
+                 to_s = std::min(event.time_s + kBeside_s, m_.time_s.back());
+    const double speed_deg_s = (At(to_s, deg) - At(from_s, deg)) / (to_s - from_s);
+    return {At(event.time_s, deg), std::hypot(sigma_deg, speed_deg_s * event.sd_s)};
   }
+
+  Measured Anatomical(Measured knee) const { return {knee.value, std::hypot(knee.sd, anatomical_sd_deg_)}; }
 
   struct Extreme {
     Measured value;
@@ -123,24 +147,19 @@ class CycleMeasurer {
   };
 
   // The largest value of an angle, or with sign −1 the smallest, between two times.
-  Extreme Find(double motion::LegSample::*angle, double from_s, double to_s, double sign) const {
+  Extreme Find(const motion::Angle& angle, double from_s, double to_s, double sign) const {
     Extreme best;
     for (std::size_t i = 0; i < m_.time_s.size(); ++i)
-      if (const double value = m_.samples[i].*angle; m_.time_s[i] >= from_s && m_.time_s[i] <= to_s &&
-                                                     std::isfinite(value) && !(sign * value <= sign * best.value.value))
-        best = {{value, m_.samples[i].knee_sigma_deg}, m_.time_s[i]};
+      if (const double value = m_.samples[i].*angle.deg; m_.time_s[i] >= from_s && m_.time_s[i] <= to_s &&
+                                                         std::isfinite(value) &&
+                                                         !(sign * value <= sign * best.value.value))
+        best = {{value, m_.samples[i].*angle.sigma_deg}, m_.time_s[i]};
     return best;
   }
 
-  Measured Range(double motion::LegSample::*angle, double from_s, double to_s) const {
+  Measured Range(const motion::Angle& angle, double from_s, double to_s) const {
     const Measured high = Find(angle, from_s, to_s, 1).value, low = Find(angle, from_s, to_s, -1).value;
     return {high.value - low.value, std::hypot(high.sd, low.sd)};
-  }
-
-  Measured KneeExtreme(double from_s, double to_s, double sign) const {
-    Measured knee = Find(&motion::LegSample::knee_deg, from_s, to_s, sign).value;
-    knee.sd = std::hypot(knee.sd, anatomical_sd_deg_);
-    return knee;
   }
 
   // Of the heel, or the ankle where no heel is seen; forward (axis 0) or up, with its standard deviation.
@@ -220,16 +239,25 @@ class CycleMeasurer {
     cycle.stance_percent = {100 * cycle.stance_s.value / stride_s, 100 * cycle.stance_s.sd / stride_s};
     cycle.cadence_steps_min = {120 / stride_s, 120 / stride_s * cycle.stride_s.sd / stride_s};
     const double loaded_s = std::min(strike.time_s + 0.25 * stride_s, off.time_s);
-    cycle.knee_heel_strike_deg = KneeAt(strike);
-    cycle.knee_toe_off_deg = KneeAt(off);
-    cycle.knee_loading_deg = KneeExtreme(strike.time_s, loaded_s, 1);
-    const double peak_s = Find(&motion::LegSample::knee_deg, strike.time_s, loaded_s, 1).time_s;
-    cycle.knee_stance_min_deg = KneeExtreme(peak_s, off.time_s, -1);
-    cycle.knee_swing_deg = KneeExtreme(off.time_s, next.time_s, 1);
-    cycle.knee_range_deg = Range(&motion::LegSample::knee_deg, strike.time_s, next.time_s);
-    cycle.thigh_range_deg = Range(&motion::LegSample::thigh_deg, strike.time_s, next.time_s);
-    cycle.shank_range_deg = Range(&motion::LegSample::shank_deg, strike.time_s, next.time_s);
-    cycle.trunk_range_deg = Range(&motion::LegSample::trunk_deg, strike.time_s, next.time_s);
+    const motion::Angle &knee = AngleOf("knee"), &ankle = AngleOf("ankle");
+    const Extreme loading = Find(knee, strike.time_s, loaded_s, 1);
+    cycle.knee_heel_strike_deg = Anatomical(AngleAt(knee, strike));
+    cycle.knee_toe_off_deg = Anatomical(AngleAt(knee, off));
+    cycle.knee_loading_deg = Anatomical(loading.value);
+    cycle.knee_stance_min_deg = Anatomical(Find(knee, loading.time_s, off.time_s, -1).value);
+    cycle.knee_swing_deg = Anatomical(Find(knee, off.time_s, next.time_s, 1).value);
+    cycle.foot_heel_strike_deg = AngleAt(AngleOf("foot"), strike);
+    cycle.ankle_heel_strike_deg = AngleAt(ankle, strike);
+    cycle.ankle_dorsiflexion_deg = Find(ankle, strike.time_s, off.time_s, 1).value;
+    cycle.ankle_toe_off_deg = AngleAt(ankle, off);
+    cycle.ankle_plantarflexion_deg =
+        Find(ankle, (strike.time_s + off.time_s) / 2, (off.time_s + next.time_s) / 2, -1).value;
+    for (const auto& [name, range] : {std::pair{"knee", &GaitCycle::knee_range_deg},
+                                      {"thigh", &GaitCycle::thigh_range_deg},
+                                      {"shank", &GaitCycle::shank_range_deg},
+                                      {"trunk", &GaitCycle::trunk_range_deg},
+                                      {"ankle", &GaitCycle::ankle_range_deg}})
+      cycle.*range = Range(AngleOf(name), strike.time_s, next.time_s);
     MeasureLengths(strike, next, cycle);
     MeasureBothLegs(strike, off, next, cycle);
     cycle.toe_clearance = ToeClearance(strike, off, cycle);
@@ -251,58 +279,50 @@ std::span<const Field<GaitCycle>> GaitCycleFields() {
 
 GaitCycles MeasureGaitCycles(const LegFitResult& leg, double anatomical_sd_deg) {
   GaitCycles cycles{.strides = CycleMeasurer(leg, anatomical_sd_deg).Strides(), .mean = {}, .spread = {}};
-  for (const Field<GaitCycle>& field : kFields) {
-    std::vector<double> values, sds;
-    for (const GaitCycle& cycle : cycles.strides)
-      if (const Measured& measured = cycle.*field.value; std::isfinite(measured.value)) {
-        values.push_back(measured.value);
-        sds.push_back(measured.sd);
-      }
-    if (values.empty() || field.value == &GaitCycle::begin_s) continue;
-    const double spread = values.size() > 1 ? StandardDeviation(values) : NAN;
-    // What is wrong with one stride's events and angles is mostly wrong with all of them.
-    const double of_mean = values.size() > 1 ? spread / std::sqrt(static_cast<double>(values.size())) : 0;
-    cycles.mean.*field.value = {Mean(values), std::hypot(RootMeanSquare(sds), of_mean)};
-    cycles.spread.*field.value = {spread, NAN};
-  }
+  Average<GaitCycle>(kFields, cycles.strides, cycles.mean, cycles.spread);
   return cycles;
 }
 
 void WriteGaitCyclesCsv(const std::filesystem::path& path, const GaitCycles& cycles, motion::LengthUnit of_plane) {
-  std::vector<std::string> header = {"stride"};
-  for (const char* ending : {"", "_sd"})
-    for (const Field<GaitCycle>& field : kFields) header.push_back(field.Column(of_plane) + ending);
-  CsvWriter csv(header);
-  const auto add = [&](const std::string& name, const GaitCycle& cycle) {
-    csv.Add(name);
-    for (const Field<GaitCycle>& field : kFields) csv.Add((cycle.*field.value).value);
-    for (const Field<GaitCycle>& field : kFields) csv.Add((cycle.*field.value).sd);
-    csv.EndRow();
-  };
-  for (const GaitCycle& cycle : cycles.strides) add(std::to_string(cycle.stride), cycle);
-  add("mean", cycles.mean);
-  add("sd", cycles.spread);
-  csv.Write(path);
+  WriteFieldsCsv<GaitCycle>(path, "stride", &GaitCycle::stride, kFields, cycles.strides, cycles.mean, cycles.spread,
+                            of_plane);
+}
+
+ReferenceCurve ReadReferenceCurve(const std::filesystem::path& path) {
+  const CsvTable table = CsvTable::Read(path);
+  ReferenceCurve curve;
+  const std::size_t percent = table.Column("percent"), mean = table.Column("mean"), sd = table.Column("sd");
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    curve.percent.push_back(table.RequiredNumber(row, percent));
+    curve.mean_deg.push_back(table.RequiredNumber(row, mean));
+    curve.sd_deg.push_back(table.RequiredNumber(row, sd));
+    const double at = curve.percent.back(), least = row > 0 ? curve.percent[row - 1] : -1;
+    if (!(at > least && at >= 0 && at <= 100))
+      throw Fail("{}: percent {} is not between the row before and 100", table.Where(row), at);
+    if (curve.sd_deg.back() < 0)
+      throw Fail("{}: a standard deviation of {} is negative", table.Where(row), curve.sd_deg.back());
+  }
+  if (curve.percent.size() < 2) throw Fail("{}: a curve has two rows and more", path.string());
+  return curve;
 }
 
 Json GaitCyclesJson(const GaitCycles& cycles, const LegFitResult& leg) {
-  Json measures = Json::object();
-  for (const Field<GaitCycle>& field : kFields) {
-    const Measured& mean = cycles.mean.*field.value;
-    if (!std::isfinite(mean.value)) continue;
-    const double spread = (cycles.spread.*field.value).value;
-    measures[field.Column(leg.motion.unit)] = {{"mean", mean.value},
-                                               {"mean_sd", NumberOrNull(mean.sd)},
-                                               {"sd", NumberOrNull(spread)},
-                                               {"variation_percent", NumberOrNull(100 * spread / mean.value)}};
-  }
   const Walk& walk = leg.movement.walk;
-  return {{"ground", walk.ground == Ground::kOverground ? "overground" : "treadmill"},
-          {"events_by", walk.by_foot ? "heel and toe" : "ankle"},
-          {"strides", walk.strides},
-          {"incomplete_strides", walk.incomplete},
-          {"left_out", walk.left_out},
-          {"measures", measures}};
+  Json json = {{"ground", walk.ground == Ground::kOverground ? "overground" : "treadmill"},
+               {"events_by", walk.by_foot ? "heel and toe" : "ankle"},
+               {"strides", walk.strides},
+               {"incomplete_strides", walk.incomplete},
+               {"left_out", walk.left_out},
+               {"measures", FieldsJson<GaitCycle>(kFields, cycles.mean, cycles.spread, leg.motion.unit)}};
+  if (walk.by_plate.empty()) return json;
+  Json events = Json::array();
+  for (const PlateEvent& of : walk.by_plate)
+    events.push_back({{"event", ToString(of.event.kind)},
+                      {"time_s", of.event.time_s},
+                      {"sd_s", NumberOrNull(of.event.sd_s)},
+                      {"markers_later_s", NumberOrNull(of.markers_later_s)}});
+  json["force_plates"] = events;
+  return json;
 }
 
 std::string GaitCyclesText(const GaitCycles& cycles, const LegFitResult& leg) {
@@ -310,13 +330,20 @@ std::string GaitCyclesText(const GaitCycles& cycles, const LegFitResult& leg) {
   std::string text =
       fmt::format("walking {}: complete strides: {}; incomplete, left out: {}\n",
                   walk.ground == Ground::kOverground ? "overground" : "on a treadmill", walk.strides, walk.incomplete);
-  for (const Field<GaitCycle>& field : kFields) {
-    const Measured& mean = cycles.mean.*field.value;
-    if (std::isfinite(mean.value))
-      text += fmt::format("{}  {:.{}f} ± {:.{}f}\n", field.Column(leg.motion.unit), mean.value, field.digits, mean.sd,
-                          field.digits);
+  for (const StsEventKind kind :
+       {StsEventKind::kHeelStrike, StsEventKind::kToeOff, StsEventKind::kHeelStrikeOther, StsEventKind::kToeOffOther}) {
+    std::vector<double> later_ms;
+    int events = 0;
+    for (const PlateEvent& of : walk.by_plate) {
+      if (of.event.kind != kind) continue;
+      ++events;
+      if (std::isfinite(of.markers_later_s)) later_ms.push_back(1000 * of.markers_later_s);
+    }
+    if (events > 0) text += fmt::format("{} by force plates: {}", ToString(kind), events);
+    if (!later_ms.empty()) text += fmt::format("; the markers show it {:.0f} ms later (mean)", Mean(later_ms));
+    if (events > 0) text += "\n";
   }
-  return text;
+  return text + FieldsText<GaitCycle>(kFields, cycles.mean, leg.motion.unit);
 }
 
 }  // namespace lake::gait

@@ -147,6 +147,10 @@ Json LegFitJson(const LegFitResult& result) {
                  {"noise_memory_s", fit.noise_memory_s},
                  {"residual_rms_sigmas", fit.residual_rms},
                  {"cutoff_hz", fit.cutoff_hz}}}};
+  if (const auto& neutral = result.motion.neutral)
+    for (const motion::Angle& angle : motion::Angles())
+      if (std::isfinite((*neutral).*angle.deg))
+        json["neutral"][angle.name] = {{"deg", (*neutral).*angle.deg}, {"sd_deg", (*neutral).*angle.sigma_deg}};
   if (result.lateral)
     json["across_plane"] = {{"rms_mm", result.lateral->rms_mm},
                             {"largest_shank_deg", result.lateral->largest_shank_deg},
@@ -161,9 +165,15 @@ std::string LegFitText(const LegFitResult& result) {
   for (const SegmentReport& segment : result.segments)
     text += fmt::format("{}  {:.1f} {}, varies by {} (SD)\n", segment.name, segment.length, unit,
                         DeviationText(segment.variation, 1, ""));
-  if (const auto range = RangeOf(result.motion))
+  if (const auto range = RangeOf(result.motion)) {
     text += fmt::format("knee {:.2f}° to {:.2f}°, marker noise {} (1 SD): kinematics.csv\n", range->smallest_deg,
                         range->largest_deg, DeviationText(RmsSigmaDeg(result.motion), 3, "°"));
+    if (const auto& neutral = result.motion.neutral)
+      text += fmt::format("in quiet standing the knee is at {:.1f}° ± {}: NAME_neutral_deg is relative to that pose\n",
+                          neutral->knee_deg, DeviationText(neutral->knee_sigma_deg, 1, "°"));
+    else
+      text += "0° is where the markers say so, not where the person stands (--neutral)\n";
+  }
   if (result.rebuilt_knee) text += RebuiltKneeText(*result.rebuilt_knee);
   return text;
 }

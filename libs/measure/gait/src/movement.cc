@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "lake/gait/leg_fit.h"
-#include "squat.h"
+#include "lake/gait/squats.h"
 
 namespace lake::gait {
 namespace {
@@ -84,6 +85,15 @@ void ChooseMovement(const MovementOptions& options, LegFitResult& leg) {
   const bool is_walking = leg.movement.kind == MovementKind::kWalking;
   if (is_walking || chosen.empty())
     for (const std::string& sentence : leg.movement.walk.left_out) leg.warnings.push_back("walking: " + sentence);
+  constexpr double kMostBeside_s =
+      0.04;  // markers err by less; heels that struck 14 cm before a plate by 56 ms and more
+  for (const PlateEvent& of : leg.movement.walk.by_plate)
+    if (std::abs(of.markers_later_s) > kMostBeside_s)
+      leg.warnings.push_back(
+          fmt::format("walking: {} at {:.3f} s is where a force plate has it, the markers show it {:.0f} ms {}: was "
+                      "the foot beside the plate there? Give the event with --events, or leave --forces out",
+                      ToString(of.event.kind), of.event.time_s, 1000 * std::abs(of.markers_later_s),
+                      of.markers_later_s < 0 ? "earlier" : "later"));
   if (is_walking && leg.movement.walk.incomplete > 0 && leg.movement.walk.strides == 0)
     leg.warnings.emplace_back(
         "walking: no stride is seen from one heel strike to the next of the same leg: no cycle is measured");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -21,10 +22,11 @@ using Values = std::vector<double>;
 constexpr double kCutoff_hz = 8;   // O'Connor et al. filter at 7 Hz
 constexpr double kGrid_s = 0.005;  // of the filtered signals, whatever the frame rate
 constexpr double kLongestGap_s = 0.15;
-constexpr double kLeastTravel = 0.2;    // of the foot relative to the hip, and over the ground, of the leg's length
-constexpr double kMostRise = 0.15;      // of the hip from one turn of the foot to the next; 0.03 to 0.07 in walking
-constexpr double kLeastLift = 0.01;     // of the foot in swing over the foot in stance, likewise
-constexpr double kUsualStride_s = 1.1;  // windows below scale with the stride
+constexpr double kLeastTravel = 0.2;     // of the foot relative to the hip, and over the ground, of the leg's length
+constexpr double kMostRise = 0.15;       // of the hip from one turn of the foot to the next; 0.03 to 0.07 in walking
+constexpr double kLeastLift = 0.01;      // of the foot in swing over the foot in stance, likewise
+constexpr double kMostFromForce = 0.25;  // of a plate from the heel or ankle of the foot on it, of the leg's length
+constexpr double kUsualStride_s = 1.1;   // windows below scale with the stride
 
 // How one event shows in one signal: an extremum in a window about the foot's turn before or behind the hip.
 struct Estimator {
@@ -143,6 +145,7 @@ class WalkFinder {
     const LegMarkers& names = leg_.leg_markers;
     FindEvents(names.ankle, o_.heel, o_.toe, false);
     FindEvents(o_.other_ankle, o_.other_heel, o_.other_toe, true);
+    TakePlates();
     std::ranges::sort(found_, {}, [](const Found& found) { return found.event.time_s; });
     ChooseGround();
     LeaveOutRunning();
@@ -159,6 +162,7 @@ class WalkFinder {
     bool is_edge = false;
     double speed = NAN;  // of the foot, vertical, at the extremum
     double travel = 0;   // of the hip over that of the foot relative to it: 1 in stance overground, 0 on a treadmill
+    bool by_plate = false;
   };
 
   // A marker's coordinates with x forward and y up, NaN where not known.
@@ -379,15 +383,90 @@ class WalkFinder {
     return found;
   }
 
+  static constexpr double kSamePlate_s = 0.15;  // between a plate's event and the same one by the markers
+
+  // The foot that stays where the force acts: over a contact the other one is carried past from a step behind to a step
+  // before. Where that place is not known, the foot whose events are at the contact's times. nullopt: neither.
+  std::optional<bool> IsOfOtherFoot(const PlateContact& contact) {
+    std::optional<bool> is_other;
+    double least = contact.forward.empty() ? kSamePlate_s : kMostFromForce * leg_.signals.leg_length;
+    for (const bool other : {false, true}) {
+      const double apart = contact.forward.empty() ? ApartInTime(contact, other) : ApartInPlace(contact, other);
+      if (!(apart < least)) continue;
+      least = apart;
+      is_other = other;
+    }
+    return is_other;
+  }
+
+  double ApartInTime(const PlateContact& contact, bool is_other) const {
+    double farthest_s = 0;
+    for (const auto& [time_s, kind] : EventsOf(contact, is_other)) {
+      double nearest_s = std::numeric_limits<double>::infinity();
+      for (const Found& found : found_)
+        if (found.event.kind == kind) nearest_s = std::min(nearest_s, std::abs(found.event.time_s - time_s));
+      farthest_s = std::max(farthest_s, nearest_s);
+    }
+    return farthest_s;
+  }
+
+  // Of heel or ankle from the force, RMS.
+  double ApartInPlace(const PlateContact& contact, bool is_other) {
+    for (const std::string& name :
+         {is_other ? o_.other_heel : o_.heel, is_other ? o_.other_ankle : leg_.leg_markers.ankle}) {
+      Values apart;
+      for (std::size_t i = 0; Has(name) && i < contact.time_s.size(); ++i)
+        if (const double place = Coordinate(name, 0)[NearestFrame(contact.time_s[i])]; std::isfinite(place))
+          apart.push_back(place - contact.forward[i]);
+      if (!apart.empty()) return RootMeanSquare(apart);
+    }
+    return std::numeric_limits<double>::infinity();
+  }
+
+  // Within the recording of the markers.
+  std::vector<std::pair<double, StsEventKind>> EventsOf(const PlateContact& contact, bool is_other) const {
+    std::vector<std::pair<double, StsEventKind>> events = {
+        {contact.begin_s, is_other ? StsEventKind::kHeelStrikeOther : StsEventKind::kHeelStrike},
+        {contact.end_s, is_other ? StsEventKind::kToeOffOther : StsEventKind::kToeOff}};
+    std::erase_if(events, [&](const auto& event) {
+      return !(event.first >= leg_.motion.time_s.front() && event.first <= leg_.motion.time_s.back());
+    });
+    return events;
+  }
+
+  // Of a walk that the markers show.
+  void TakePlates() {
+    if (found_.empty()) return;
+    for (const PlateContact& contact : o_.contacts) {
+      const std::optional<bool> is_other = IsOfOtherFoot(contact);
+      if (!is_other) continue;
+      for (const auto& [time_s, kind] : EventsOf(contact, *is_other)) {
+        const auto apart_s = [&](const Found& found) {
+          return found.event.kind == kind ? std::abs(found.event.time_s - time_s) : kSamePlate_s;
+        };
+        auto same = std::ranges::min_element(found_, {}, apart_s);
+        const bool is_seen = apart_s(*same) < kSamePlate_s;
+        const double later_s = is_seen ? same->event.time_s - time_s : NAN;
+        if (!is_seen) same = found_.insert(found_.end(), {.event = {.kind = kind}, .travel = NAN});
+        same->by_plate = true;
+        same->event.time_s = time_s;
+        same->event.sd_s = time_s == contact.begin_s ? contact.begin_sd_s : contact.end_sd_s;
+        walk_.by_plate.push_back({same->event, later_s});
+      }
+    }
+  }
+
   // By what most of the events' stances show; what differs, as where somebody stops or turns, is left out.
   void ChooseGround() {
     Values travels;
-    for (const Found& found : found_) travels.push_back(found.travel);
+    for (const Found& found : found_)
+      if (std::isfinite(found.travel)) travels.push_back(found.travel);
     const auto ground_of = [](double travel) { return travel > 0.5 ? Ground::kOverground : Ground::kTreadmill; };
     walk_.ground = o_.ground.value_or(travels.empty() ? Ground::kOverground : ground_of(Median(travels)));
     if (o_.ground) return;
     const auto all = std::ssize(found_);
-    std::erase_if(found_, [&](const Found& found) { return ground_of(found.travel) != walk_.ground; });
+    std::erase_if(found_,
+                  [&](const Found& found) { return !found.by_plate && ground_of(found.travel) != walk_.ground; });
     if (const auto left = all - std::ssize(found_); left > 0)
       walk_.left_out.push_back(
           fmt::format("{} steps are left out: the person {} there", left,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -21,30 +22,44 @@ struct Panel {
   const char* name;
 };
 constexpr std::array kPanels = {Panel{&motion::LegSample::knee_deg, "knee flexion (°)"},
+                                Panel{&motion::LegSample::ankle_deg, "ankle dorsiflexion (°)"},
                                 Panel{&motion::LegSample::thigh_deg, "thigh (°)"},
                                 Panel{&motion::LegSample::shank_deg, "shank (°)"}};
 
-// An angle of one stride at 0, 1, … 100 %; empty if too little of it is known.
+// An angle of one stride at 0, 1, … 100 %, less that of quiet standing where it is known; empty if too little of it is
+// known.
 std::vector<double> CurveOf(const motion::LegMotion& motion, const gait::GaitCycle& cycle,
                             double motion::LegSample::*angle) {
+  const double zero_deg = motion.neutral ? (*motion.neutral).*angle : 0;
   constexpr double kBeside = 5;  // percent, so that the curve does not end before the stride
   std::vector<double> percent, values;
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const double at = 100 * (motion.time_s[i] - cycle.begin_s.value) / cycle.stride_s.value;
     if (at < -kBeside || at > 100 + kBeside || !std::isfinite(motion.samples[i].*angle)) continue;
     percent.push_back(at);
-    values.push_back(motion.samples[i].*angle);
+    values.push_back(motion.samples[i].*angle - zero_deg);
   }
   if (values.size() < 2) return {};
   return gait::InterpolateCubic(values, percent, Percents(kPercents));
 }
 
-void DrawPanel(GnuplotFigure& figure, const Panel& panel, const gait::LegFitResult& leg,
-               const gait::GaitCycles& cycles) {
-  std::vector<std::vector<double>> curves;
+using Curves = std::vector<std::vector<double>>;
+
+Curves CurvesOf(const Panel& panel, const gait::LegFitResult& leg, const gait::GaitCycles& cycles) {
+  Curves curves;
   for (const gait::GaitCycle& cycle : cycles.strides)
     if (auto curve = CurveOf(leg.motion, cycle, panel.angle); !curve.empty()) curves.push_back(std::move(curve));
-  if (curves.empty()) return;
+  return curves;
+}
+
+std::string Band(GnuplotFigure& figure, const std::vector<double>& percent, const std::vector<double>& low,
+                 const std::vector<double>& high, const char* colour, const char* title) {
+  return fmt::format("{} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder title '{}', ",
+                     figure.Data({percent, low, high}), colour, title);
+}
+
+void DrawPanel(GnuplotFigure& figure, const std::string& name, const Curves& curves,
+               const gait::ReferenceCurve* reference) {
   std::vector<double> mean, low, high;
   for (int i = 0; i < kPercents; ++i) {
     std::vector<double> at;
@@ -55,26 +70,41 @@ void DrawPanel(GnuplotFigure& figure, const Panel& panel, const gait::LegFitResu
     low.push_back(mean.back() - spread);
     high.push_back(mean.back() + spread);
   }
-  std::string plot = fmt::format(
-      "plot {} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder title 'mean ± 1 SD'",
-      figure.Data({Percents(kPercents), low, high}), colour::kKnee);
+  std::string plot = "plot ";
+  if (reference) {
+    std::vector<double> below, above;
+    for (std::size_t i = 0; i < reference->percent.size(); ++i) {
+      below.push_back(reference->mean_deg[i] - reference->sd_deg[i]);
+      above.push_back(reference->mean_deg[i] + reference->sd_deg[i]);
+    }
+    plot += Band(figure, reference->percent, below, above, colour::kOther, "reference ± 1 SD");
+  }
+  plot += Band(figure, Percents(kPercents), low, high, colour::kKnee, "mean ± 1 SD");
   for (const std::vector<double>& curve : curves)
-    plot += fmt::format(", {} using 1:2 with lines lw 1 lc rgb '{}' notitle", figure.Data({Percents(kPercents), curve}),
+    plot += fmt::format("{} using 1:2 with lines lw 1 lc rgb '{}' notitle, ", figure.Data({Percents(kPercents), curve}),
                         colour::kGuide);
-  plot += fmt::format(", {} using 1:2 with lines lw 3 lc rgb '{}' title 'mean of {} strides'",
+  plot += fmt::format("{} using 1:2 with lines lw 3 lc rgb '{}' title 'mean of {} strides'",
                       figure.Data({Percents(kPercents), mean}), colour::kKnee, curves.size());
-  figure.Line("set ylabel '{}'", panel.name).Line(plot);
+  figure.Line("set ylabel '{}'", name).Line(plot);
 }
 
 }  // namespace
 
-void DrawGaitCycles(const std::filesystem::path& path, const gait::LegFitResult& leg, const gait::GaitCycles& cycles) {
-  GnuplotFigure figure(1000, 1200);
-  figure.Line("set multiplot layout 3,1").Line("set xrange [0:100]; set xlabel 'gait cycle (%)'; set key top left");
+void DrawGaitCycles(const std::filesystem::path& path, const gait::LegFitResult& leg, const gait::GaitCycles& cycles,
+                    const std::optional<gait::ReferenceCurve>& reference) {
+  std::vector<std::pair<Panel, Curves>> panels;
+  for (const Panel& panel : kPanels)
+    if (Curves curves = CurvesOf(panel, leg, cycles); !curves.empty()) panels.emplace_back(panel, std::move(curves));
+  const int count = std::max(1, static_cast<int>(panels.size()));
+  GnuplotFigure figure(1000, 400 * count);
+  figure.Line("set multiplot layout {},1", count)
+      .Line("set xrange [0:100]; set xlabel 'gait cycle (%)'; set key top left");
   if (const double off = cycles.mean.stance_percent.value; std::isfinite(off))
     figure.Line("set arrow from {0}, graph 0 to {0}, graph 1 nohead lw 2 dt (6,4) lc rgb '{1}'", off, colour::kText)
         .Line("set label 'toe-off' at {}, graph 0.05 offset 0.5,0", off);
-  for (const Panel& panel : kPanels) DrawPanel(figure, panel, leg, cycles);
+  for (const auto& [panel, curves] : panels)
+    DrawPanel(figure, std::string(panel.name) + (leg.motion.neutral ? " from quiet standing" : ""), curves,
+              reference && panel.angle == &motion::LegSample::knee_deg ? &*reference : nullptr);
   figure.Line("unset multiplot").Write(path);
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/commands/further_inputs.h"
 #include "lake/compare/uncertainty_budget.h"
 #include "lake/core/json.h"
 #include "lake/core/run.h"
@@ -19,7 +20,7 @@
 namespace lake::commands {
 
 // Camera and scale bar are for trials in px.
-struct GaitRunOptions : gait::PictureScale {
+struct GaitRunOptions : gait::PictureScale, FurtherInputs {
   std::filesystem::path trial;  // a lake-track folder or a file that ReadTrial knows
   exchange::TrialOptions reading;
   gait::LegFitOptions fit;
@@ -44,12 +45,13 @@ bool IsTrialFolder(const std::filesystem::path& trial);
 // The one way in which lake-gait, lake-compare and lake-optimize read a trial and fit a leg to it. Warnings (of the
 // file, of lengths that no leg has, of positions that were smoothed) are said through `run`. Events that a person moved
 // in a folder are those of every fit of its trial. Throws UsageError for a camera or scale bar, given by `picture`,
-// that a trial in mm has no use for. `events`: corrections of those found, before warnings are said of them.
+// that a trial in mm has no use for. `events`: corrections of those found, before warnings are said of them. Of
+// `further` the forces' events win over the markers'.
 exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading,
                              const gait::PictureScale& picture = {});
 gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run,
                             const gait::PictureScale& picture = {},
-                            const std::optional<std::filesystem::path>& events = {});
+                            const std::optional<std::filesystem::path>& events = {}, const FurtherInputs& further = {});
 
 // Of a trial with technical markers and a visible knee: what it says of where they carry the knee, for the summary.
 void LearnKnee(const gait::LegFitResult& fit, const gait::LegFitOptions& options, const gait::LateralPlaces& lateral,

@@ -18,14 +18,11 @@ namespace lake::commands {
 // The trial and its fit are lake-gait's.
 struct LoadsRunOptions : GaitRunOptions {
   loads::LoadsOptions loads;
-  std::filesystem::path forces;               // of OpenSim; empty: without force plates
-  std::optional<std::filesystem::path> sync;  // sync.yaml: the forces' clock; else it is the markers'
-  std::map<std::string, int> plates;          // right, left: which plate, from 1
+  std::map<std::string, int> plates;  // right, left: which plate, from 1
   std::string leg;  // right or left; empty: by the markers' names in the file, else right, with a warning
 };
 
 void Describe(LoadsRunOptions& o, OptionList& options);
-std::vector<InputFile> InputsOf(const LoadsRunOptions& options);
 
 // Writes loads.csv, pace.csv, centre_of_mass.csv, momentum.csv, loads.json, loads.png; returns the results for the
 // summary.

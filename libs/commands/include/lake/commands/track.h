@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/commands/further_inputs.h"
 #include "lake/compare/uncertainty_budget.h"
 #include "lake/core/json.h"
 #include "lake/core/run.h"
@@ -20,7 +21,7 @@
 namespace lake::commands {
 
 // Its camera and scale bar are the picture's.
-struct TrackRunOptions : gait::PictureScale {
+struct TrackRunOptions : gait::PictureScale, FurtherInputs {
   std::filesystem::path video;
   tracking::TrackOptions track;
   gait::LegFitOptions fit;

@@ -1,5 +1,6 @@
 // Events that a person corrected: rows as in events.csv, each with time_s, frame or both. They replace the events
-// found. A row with neither removes the event.
+// found. A row with neither removes the event. Of walking, whose events belong together, they replace all that were
+// found.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +15,12 @@
 namespace lake::motion {
 
 struct EventCorrection {
-  int repetition = 1;  // from 1
+  int repetition = 1;  // from 1; of walking 0 before the first heel strike
   StsEventKind kind = StsEventKind::kOnset;
   std::optional<std::int64_t> frame;  // without a time, the event is at this frame's
   std::optional<double> time_s;       // without a frame, the event's is the one nearest to this
   std::string where = {};             // "events.csv:3"
+  double sd_s = LegSample::kUnknown;  // of the time; only of walking, as in events.csv
 };
 
 // nullopt for an unknown name.
@@ -38,7 +40,8 @@ void CheckAreInside(const std::vector<EventCorrection>& corrections, const std::
 
 // The found events with those of the corrections in their places, in the order of events.csv. Throws Error naming file
 // and line as CheckAreInside, and where events are not in their order (onset, seat_off, standing, descent, seated, then
-// the next repetition's), a rise takes no time, or a repetition has no onset.
+// the next repetition's), a rise takes no time, or a repetition has no onset; of walking, where heel strikes are not in
+// the order of their numbers.
 std::vector<StsEvent> ApplyEventCorrections(const std::vector<EventCorrection>& corrections,
                                             const std::vector<std::int64_t>& frame, const std::vector<double>& time_s,
                                             const std::vector<StsEvent>& found);

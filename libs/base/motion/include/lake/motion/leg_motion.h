@@ -100,6 +100,9 @@ struct LegMotion {
   std::vector<double> time_s;
   std::vector<LegSample> samples;       // one per frame
   std::vector<char> knee_rebuilt = {};  // as MarkerRecording has it
+  // The angles of quiet standing and their standard deviations: where they are known, kinematics.csv has
+  // NAME_neutral_deg too, the angles less these.
+  std::optional<LegSample> neutral;
 };
 
 // The median length of a vector of the leg over the frames in which it is known, in the motion's unit; NaN if there is
@@ -129,7 +132,7 @@ struct StsEvent {
   StsEventKind kind = StsEventKind::kOnset;
   std::int64_t frame = 0;
   double time_s = 0;
-  double sd_s = LegSample::kUnknown;  // of the time, from the fit; in events.csv of walking only
+  double sd_s = LegSample::kUnknown;  // of the time, from the fit; in events.csv of walking and squats only
 };
 
 // kinematics.csv; the vectors' columns end in the motion's unit. Reading throws Error naming file, line and column,
@@ -137,8 +140,8 @@ struct StsEvent {
 void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& motion);
 LegMotion ReadKinematicsCsv(const std::filesystem::path& path);
 
-// events.csv: repetition,event,frame,time_s, of walking sd_s too, in the order of repetitions and, within each, of
-// time; reading throws Error for another order.
+// events.csv: repetition,event,frame,time_s, of walking and squats sd_s too, in the order of repetitions and, within
+// each, of time; reading throws Error for another order.
 void WriteEventsCsv(const std::filesystem::path& path, const std::vector<StsEvent>& events);
 std::vector<StsEvent> ReadEventsCsv(const std::filesystem::path& path);
 

@@ -18,8 +18,10 @@ struct TrialOptions {
   std::map<std::string, std::string> names;  // own name → the file's; "A+B" is the middle of two markers
   std::optional<char> up;                    // x, y or z of a 3-D file; default: the file's own, TRC y, C3D z
   std::string forward;                       // "x", "+x", "-z", …; empty: the plane is fitted to the leg's motion
-  double mm_per_unit = 1;                    // of files that do not say their unit
-  double rate_hz = 0;                        // of files without times (DLTdv)
+  // Of another trial (Trial), if this one is to be seen as that; no option.
+  std::optional<Eigen::Matrix3d> plane_from_space = {};
+  double mm_per_unit = 1;  // of files that do not say their unit
+  double rate_hz = 0;      // of files without times (DLTdv)
   // Of a trajectory.csv, which holds both.
   motion::MarkerValues values = motion::MarkerValues::kMeasured;
 };

@@ -27,7 +27,8 @@ struct Field {
 
  private:
   static std::string InUnit(std::string text, motion::LengthUnit of_plane) {
-    if (const auto mm = text.find("mm"); mm != std::string::npos) text.replace(mm, 2, ToString(of_plane));
+    const auto mm = text.starts_with("mm") ? 0 : text.find("_mm");  // no part of a word
+    if (mm != std::string::npos) text.replace(text.find("mm", mm), 2, ToString(of_plane));
     return text;
   }
 };

@@ -20,6 +20,9 @@ struct GaitCycle {
   Measured knee_heel_strike_deg, knee_loading_deg, knee_stance_min_deg, knee_toe_off_deg, knee_swing_deg,
       knee_range_deg;
   Measured thigh_range_deg, shank_range_deg, trunk_range_deg;
+  // With heel and toe markers.
+  Measured foot_heel_strike_deg, ankle_heel_strike_deg, ankle_dorsiflexion_deg, ankle_toe_off_deg,
+      ankle_plantarflexion_deg, ankle_range_deg;
   // With both legs.
   Measured step_s, step_length, double_support_percent, step_symmetry_percent;
   Measured toe_clearance;  // with a toe marker
@@ -38,6 +41,15 @@ GaitCycles MeasureGaitCycles(const LegFitResult& leg, double anatomical_sd_deg =
 
 // gait_cycles.csv: a row a stride, then `mean` and `sd`; the values, then their standard deviations (…_sd).
 void WriteGaitCyclesCsv(const std::filesystem::path& path, const GaitCycles& cycles, motion::LengthUnit of_plane);
+
+// A laboratory's norm of the knee's flexion over the stride.
+struct ReferenceCurve {
+  std::vector<double> percent, mean_deg, sd_deg;
+};
+
+// percent,mean,sd. Throws Error naming file and line: percent that does not increase from 0 or more to 100 or less, a
+// negative standard deviation, a single row.
+ReferenceCurve ReadReferenceCurve(const std::filesystem::path& path);
 
 // For summaries: by measure mean, sd over strides and coefficient of variation; the ground, complete and incomplete
 // strides.

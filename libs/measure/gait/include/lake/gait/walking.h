@@ -3,6 +3,7 @@
 // heel or toe are farthest before or behind the hip (Zeni et al. 2008, doi:10.1016/j.gaitpost.2007.07.007).
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,12 +16,27 @@ struct LegFitResult;
 
 enum class Ground { kOverground, kTreadmill };
 
+// A foot's load on a force plate. NaN: it is on it when the forces begin, or still when they end.
+struct PlateContact {
+  std::string plate;
+  double begin_s = NAN, end_s = NAN, begin_sd_s = NAN, end_sd_s = NAN;
+  // Where the force acts over the contact, forward in the plane; empty where the plates' place there is not known.
+  std::vector<double> time_s, forward = {};
+};
+
 struct WalkingOptions {
   std::optional<Ground> ground;           // found from the motion
   std::optional<double> belt_speed_mm_s;  // of a treadmill; else that of the foot in stance
   // Markers beside the leg's, used where the recording has them. Heel and toe count as a pair.
   std::string heel = "heel", toe = "toe";
   std::string other_ankle = "other_ankle", other_heel = "other_heel", other_toe = "other_toe";
+  std::vector<PlateContact> contacts = {};  // their events win over the markers'
+};
+
+// A plate's event, and by how much the markers alone show it later.
+struct PlateEvent {
+  motion::StsEvent event;
+  double markers_later_s = NAN;  // NaN: they show none within 0.15 s
 };
 
 struct Walk {
@@ -30,8 +46,9 @@ struct Walk {
   std::vector<motion::StsEvent> events;
   Ground ground = Ground::kOverground;
   bool by_foot = false;  // some event is from heel and toe, not from the ankle alone
-  int strides = 0;       // complete ones of the measured leg
-  int incomplete = 0;    // of which the recording has a part only
+  std::vector<PlateEvent> by_plate = {};
+  int strides = 0;     // complete ones of the measured leg
+  int incomplete = 0;  // of which the recording has a part only
   // Why parts of the recording are left out, or all of it: a sentence each.
   std::vector<std::string> left_out;
 };
