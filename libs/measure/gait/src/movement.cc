@@ -7,6 +7,7 @@
 #include <map>
 
 #include "lake/gait/leg_fit.h"
+#include "oblique_walk.h"
 #include "squat.h"
 
 namespace lake::gait {
@@ -82,9 +83,17 @@ void ChooseMovement(const MovementOptions& options, LegFitResult& leg) {
                                          first.name, movement.name));
   }
   const bool is_walking = leg.movement.kind == MovementKind::kWalking;
+  if (is_walking)
+    if (const std::optional<std::string> oblique = ObliqueWalk(leg)) leg.warnings.push_back("walking: " + *oblique);
+  if (options.kind == MovementKind::kWalking && chosen.empty() && leg.movement.walk.left_out.empty())
+    leg.warnings.emplace_back(
+        "walking: nobody is seen to walk: no foot is carried from behind the hip to before it and put down; no cycle "
+        "is "
+        "measured");
   if (is_walking || chosen.empty())
     for (const std::string& sentence : leg.movement.walk.left_out) leg.warnings.push_back("walking: " + sentence);
-  if (is_walking && leg.movement.walk.incomplete > 0 && leg.movement.walk.strides == 0)
+  const bool was_asked = options.kind == MovementKind::kWalking && !leg.movement.walk.left_out.empty();
+  if ((is_walking || was_asked) && leg.movement.walk.strides == 0)
     leg.warnings.emplace_back(
         "walking: no stride is seen from one heel strike to the next of the same leg: no cycle is measured");
   if (leg.movement.kind == MovementKind::kSquat)
