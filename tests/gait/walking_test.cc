@@ -11,6 +11,7 @@
 #include <random>
 
 #include "drawn_walk.h"
+#include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/ground_forces.h"
