@@ -1,9 +1,9 @@
-// lake-synth: a rendered sit-to-stand recording with its ground truth.
+// lake-synth: a rendered recording of a sit-to-stand or a walk with its ground truth.
 #include "lake/synth/synth_run.h"
 #include "program.h"
 
 int main(int argc, char** argv) {
-  lake::Program program("lake-synth", "Renders a sit-to-stand recording with its ground truth.",
+  lake::Program program("lake-synth", "Renders a recording of a sit-to-stand or a walk with its ground truth.",
                         "lake-synth --scene hard --seed-number 7 --facing left --crf 23 -o renderings/hard7");
   lake::synth::SynthRunOptions options;
   program.Add(lake::OptionsOf(options));

@@ -1,5 +1,6 @@
 #include "body.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <functional>
 
@@ -77,7 +78,8 @@ void AddTrunk(const std::vector<BodyPose>& instants, const Clothes& wear, double
       MakeLayer(instants, wear.skin, [&](const auto& p) { return Limb(at(p, 395, 180), at(p, 425, 200), 34, 30); }));
 }
 
-Polygon Shoe(const Vector2d& ankle, double forward, double top, double bottom) {
+Polygon Shoe(const BodyPose& pose, double forward, double top, double bottom) {
+  const Eigen::Rotation2Dd turn(forward * pose.foot_rad.value_or(0));
   Polygon outline;
   const double profile[][2] = {{-72, bottom},
                                {185, bottom},
@@ -88,7 +90,7 @@ Polygon Shoe(const Vector2d& ankle, double forward, double top, double bottom) {
                                {40, top},
                                {-55, top},
                                {-70, std::min(top, -15.0)}};
-  for (const auto& [x, y] : profile) outline.push_back(ankle + Vector2d(forward * x, y));
+  for (const auto& [x, y] : profile) outline.push_back(*pose.ankle + turn * Vector2d(forward * x, y));
   return outline;
 }
 
@@ -96,28 +98,34 @@ Polygon Shoe(const Vector2d& ankle, double forward, double top, double bottom) {
 
 Wardrobe::Wardrobe(std::uint64_t seed) : denim(seed, "denim", 0.8, 14, 0.6), knit(seed, "knit", 1.2, 20, 0.5) {}
 
-std::vector<Layer> BodyLayers(const std::vector<BodyPose>& instants, const Wardrobe& wardrobe, double forward,
-                              bool bright_clothes) {
-  const Clothes wear = Dress(wardrobe, bright_clothes);
+std::vector<Layer> LegLayers(const std::vector<BodyPose>& instants, const Wardrobe& wardrobe, bool is_bright,
+                             double forward) {
+  const Clothes wear = Dress(wardrobe, is_bright);
   const BodyPose& first = instants.front();
   std::vector<Layer> layers;
-  if (first.hip && first.waist) AddTrunk(instants, wear, forward, layers);
   if (first.knee && first.hip)
     layers.push_back(
         MakeLayer(instants, wear.trousers, [](const auto& p) { return Limb(*p.hip, *p.knee, kThighRadiusAtHip, 62); }));
   if (first.ankle) {
     layers.push_back(MakeLayer(instants, wear.sole, [&](const auto& p) {
-      return Shape{Shoe(*p.ankle, forward, -55, -kSoleBelowAnkle), *p.ankle};
+      return Shape{Shoe(p, forward, -55, -kSoleBelowAnkle), *p.ankle};
     }));
     layers.push_back(MakeLayer(instants, wear.shoe, [&](const auto& p) {
-      return Shape{.outline = Shoe(*p.ankle, forward, 25, -68),
-                   .origin = *p.ankle,
-                   .axis = Vector2d::UnitX(),
-                   .half_width = 400};
+      return Shape{
+          .outline = Shoe(p, forward, 25, -68), .origin = *p.ankle, .axis = Vector2d::UnitX(), .half_width = 400};
     }));
   }
   if (first.ankle && first.knee)
     layers.push_back(MakeLayer(instants, wear.trousers, [](const auto& p) { return Limb(*p.knee, *p.ankle, 62, 44); }));
+  return layers;
+}
+
+std::vector<Layer> BodyLayers(const std::vector<BodyPose>& instants, const Wardrobe& wardrobe, double forward,
+                              bool bright_clothes) {
+  std::vector<Layer> layers;
+  if (instants.front().hip && instants.front().waist)
+    AddTrunk(instants, Dress(wardrobe, bright_clothes), forward, layers);
+  for (Layer& layer : LegLayers(instants, wardrobe, bright_clothes, forward)) layers.push_back(std::move(layer));
   return layers;
 }
 

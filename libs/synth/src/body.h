@@ -10,6 +10,7 @@ namespace lake::synth {
 // Where the body is at one instant, mm in the plane frame; what is not marked is not drawn.
 struct BodyPose {
   std::optional<Eigen::Vector2d> ankle, knee, hip, waist, exo_knee;
+  std::optional<double> foot_rad;  // of the sole above the direction in which the person looks
 };
 
 struct Wardrobe {
@@ -17,7 +18,12 @@ struct Wardrobe {
   explicit Wardrobe(std::uint64_t seed);
 };
 
-// From back to front. `forward` is +1 when the subject faces right, −1 left. The wardrobe must outlive the layers.
+// The leg alone, from back to front.
+std::vector<Layer> LegLayers(const std::vector<BodyPose>& instants, const Wardrobe& wardrobe, bool is_bright,
+                             double forward);
+
+// The trunk and the leg, from back to front. `forward` is +1 when the subject faces right, −1 left. The wardrobe must
+// outlive the layers.
 std::vector<Layer> BodyLayers(const std::vector<BodyPose>& instants, const Wardrobe& wardrobe, double forward,
                               bool bright_clothes);
 

@@ -43,6 +43,10 @@ class RoomPainter {
     const int ankle = IndexOfMarker(motion, "ankle");
     if (ankle >= 0) ankle_ = motion.At(0)[ankle];
     hip_ = SeatedHip(motion);
+    if (ankle < 0 || !options.walk) return;
+    is_seated_ = false;
+    ankle_ = view.Plane({0.5 * view.Size().width, 0.5 * view.Size().height});
+    for (double t = 0; t <= motion.DurationS(); t += 0.05) ankle_.y() = std::min(ankle_.y(), motion.At(t)[ankle].y());
   }
 
   void Paint(Canvas& canvas) {
@@ -56,7 +60,7 @@ class RoomPainter {
     Fill(colours_.baseboard, Box(-3500, ground + 150, 3500, ground + 225));
     Wallware(ground);
     Desk(ground);
-    Chair(ground);
+    if (is_seated_) Chair(ground);
   }
 
  private:
@@ -125,6 +129,7 @@ class RoomPainter {
   Texture plaster_, grain_;
   double forward_;
   Vector2d ankle_{0, 0}, hip_;
+  bool is_seated_ = true;
   Canvas* canvas_ = nullptr;
 };
 

@@ -20,10 +20,21 @@ using Eigen::Vector2d, Eigen::Vector3d;
 
 constexpr double kTicksPerSecond = 90000;  // time stamps are whole ticks, so that a video keeps them exactly
 
+MotionTable TableOf(const SceneOptions& options) {
+  if (!options.motion_table.empty()) return ReadMotionTable(options.motion_table);
+  if (!options.motion_file) return DrawnWalkTable(*options.walk, options.motion.facing);
+  if (!options.walk || options.walk->stride_s == 0) return ReadMotionFile(*options.motion_file, options.duration_s);
+  constexpr double kAfter_s = 0.05;  // and what is around, for the next stride to go on
+  return RepeatStride(ReadMotionFile(*options.motion_file, options.walk->stride_s + kAfter_s), *options.walk);
+}
+
 std::shared_ptr<const MarkerMotion> MakeMotion(const SceneOptions& options) {
-  if (options.motion_file) return MakeTableMotion(ReadMotionFile(*options.motion_file, options.duration_s));
-  if (options.motion_table.empty()) return std::make_shared<StsMotion>(options.motion);
-  return MakeTableMotion(ReadMotionTable(options.motion_table), options.mirror_table);
+  if (options.motion_table.empty() && !options.motion_file && !options.walk)
+    return std::make_shared<StsMotion>(options.motion);
+  MotionTable table = TableOf(options);
+  if (options.motion.exo_knee_mm) AddExoKnee(table, *options.motion.exo_knee_mm);
+  if (options.walk) return MakeWalk(std::move(table), *options.walk);
+  return MakeTableMotion(std::move(table), options.mirror_table);
 }
 
 // The middle of the box around all markers' paths, with more room above than below; that is where the camera looks.
@@ -63,6 +74,7 @@ struct FrameState {
   std::vector<double> fine_s;                  // instants of the shutter for markers
   std::vector<std::vector<Vector3d>> fine_mm;  // [instant][marker]
   std::vector<SeenLayer> hands;                // of all that are near, at the fine instants
+  std::vector<SeenLayer> near_leg;             // likewise; what is before the other leg's markers
 };
 
 }  // namespace
@@ -81,6 +93,8 @@ struct Scene::Impl {
   cv::Mat room_spread;  // the same after the point-spread
   std::unique_ptr<Glint> glint;
   std::vector<Hand> hands;
+  // Of a person with markers at both legs: the far one's names begin with this, the near one's with the other.
+  std::optional<std::string> far_leg, near_leg;
 
   Impl(const SceneOptions& o, std::shared_ptr<const MarkerMotion> m)
       : options(o),
@@ -95,7 +109,27 @@ struct Scene::Impl {
     frames = std::max(1, static_cast<int>(std::floor(duration * o.frame_rate_hz + 1e-9)));
     for (std::size_t i = 0; i < o.occlusions.size(); ++i)
       hands.emplace_back(options, i, *motion, 0.4 * sprites.RadiusPx());
+    if (o.walk) CheckPasses();
+    const int own = IndexOfMarker(*motion, "ankle"), other = IndexOfMarker(*motion, "other_ankle");
+    if (o.body && own >= 0 && other >= 0 && IndexOfMarker(*motion, "other_knee") >= 0) {
+      const std::vector<double> depths = motion->DepthsAt(0);
+      near_leg = depths[own] >= depths[other] ? "" : "other_";
+      far_leg = near_leg->empty() ? "other_" : "";
+    }
     PaintBackground();
+  }
+
+  // The person goes from where a pass ends to where the next begins unseen.
+  void CheckPasses() const {
+    constexpr double kBody_mm = 300;  // around its markers
+    const double around_px = kBody_mm * sprites.RadiusPx() / options.marker_radius_mm;
+    for (const double time_s : PassEnds(*motion, *options.walk))
+      for (const Vector2d& px : sprites.Centres(motion->InSpace(time_s)))
+        if (px.x() > -around_px && px.x() < view.Size().width + around_px)
+          throw UsageError(
+              "--passes: the person is seen at {:.2f} s, where a pass ends or the next begins; more --repetitions make "
+              "a longer way",
+              time_s);
   }
 
   void PaintBackground() {
@@ -159,16 +193,27 @@ struct Scene::Impl {
     for (const double t : state.fine_s) state.fine_mm.push_back(AsRead(t));
     for (const Hand& hand : hands)
       for (SeenLayer& layer : Seen(hand.At(state.fine_s))) state.hands.push_back(std::move(layer));
+    if (near_leg)
+      state.near_leg = Seen(LegLayers(PosesAt(state.fine_s, *near_leg), *wardrobe, options.bright_room, forward));
     return state;
   }
 
-  Cover CoverOf(const FrameState& state) const {
-    if (state.hands.empty()) return {};
-    return [this, &state](const cv::Rect& region, std::size_t instant) {
+  bool IsFar(const std::string& name) const {
+    return far_leg && name != "waist" && name.starts_with("other_") == !far_leg->empty();
+  }
+
+  // Of what is before a marker, or with "" before everything.
+  Cover CoverOf(const FrameState& state, const std::string& marker = "") const {
+    std::vector<const SeenLayer*> before;
+    for (const SeenLayer& layer : state.hands) before.push_back(&layer);
+    if (IsFar(marker))
+      for (const SeenLayer& layer : state.near_leg) before.push_back(&layer);
+    if (before.empty()) return {};
+    return [before](const cv::Rect& region, std::size_t instant) {
       cv::Mat covered;
-      for (const SeenLayer& layer : state.hands) {
-        if ((layer.Region() & region).empty()) continue;
-        const cv::Mat one = layer.Coverage(region, instant, instant);
+      for (const SeenLayer* layer : before) {
+        if ((layer->Region() & region).empty()) continue;
+        const cv::Mat one = layer->Coverage(region, instant, instant);
         covered = covered.empty() ? one.clone() : cv::Mat(covered + one - covered.mul(one));
       }
       return covered;
@@ -189,22 +234,33 @@ struct Scene::Impl {
   std::vector<SeenLayer> MovingLayers(const FrameState& state) const {
     if (!options.body && !options.exoskeleton) return {};
     const int count = std::clamp(static_cast<int>(std::ceil(LongestBlurPx(state.time_s))), 1, 12);
-    std::vector<BodyPose> poses;
-    for (const double t : Instants(state.time_s, OpenS(), count)) poses.push_back(PoseAt(t));
+    const std::vector<double> instants = Instants(state.time_s, OpenS(), count);
+    const std::vector<BodyPose> poses = PosesAt(instants, near_leg.value_or(""));
     std::vector<Layer> layers;
-    if (options.body) layers = BodyLayers(poses, *wardrobe, forward, options.bright_room);
+    if (far_leg) layers = LegLayers(PosesAt(instants, *far_leg), *wardrobe, options.bright_room, forward);
+    if (options.body)
+      for (Layer& layer : BodyLayers(poses, *wardrobe, forward, options.bright_room))
+        layers.push_back(std::move(layer));
     if (options.exoskeleton)
       for (Layer& layer : ExoskeletonLayers(poses, forward)) layers.push_back(std::move(layer));
     return Seen(std::move(layers));
   }
 
-  BodyPose PoseAt(double time_s) const {
-    const std::vector<Vector2d> markers = motion->At(time_s);
-    const auto get = [&](std::string_view name) -> std::optional<Vector2d> {
-      const int index = IndexOfMarker(*motion, name);
-      return index < 0 ? std::nullopt : std::optional(markers[index]);
-    };
-    return {get("ankle"), get("knee"), get("hip"), get("waist"), get("exo_knee")};
+  // With the leg whose markers' names begin with this; the legs meet at one hip where only one is marked.
+  std::vector<BodyPose> PosesAt(const std::vector<double>& times_s, const std::string& leg) const {
+    std::vector<BodyPose> poses;
+    for (const double time_s : times_s) {
+      const std::vector<Vector2d> markers = motion->At(time_s);
+      const auto get = [&](const std::string& name) -> std::optional<Vector2d> {
+        const int index = IndexOfMarker(*motion, name);
+        return index < 0 ? std::nullopt : std::optional(markers[index]);
+      };
+      const auto hip = get(leg + "hip"), heel = get(leg + "heel"), toe = get(leg + "toe");
+      BodyPose& pose = poses.emplace_back(
+          BodyPose{get(leg + "ankle"), get(leg + "knee"), hip ? hip : get("hip"), get("waist"), get("exo_knee"), {}});
+      if (heel && toe) pose.foot_rad = std::atan2(toe->y() - heel->y(), std::abs(toe->x() - heel->x()));
+    }
+    return poses;
   }
 
   double Brightness(int frame) const {
@@ -252,9 +308,11 @@ struct Scene::Impl {
   cv::Mat RenderIdeal(int frame) const {
     const FrameState state = StateOf(frame);
     const std::vector<Sprite> all = SpritesOf(state);
-    const Cover cover = CoverOf(state);
     Composition composition = Compose(state, all);
-    for (const Sprite& sprite : all) {
+    const std::size_t others = all.size() - motion->Names().size();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Sprite& sprite = all[i];
+      const Cover cover = CoverOf(state, i < others ? "" : motion->Names()[i - others]);
       const SpriteCoverage coverage = CoverageOf(sprite, view.Size(), options.psf_sigma_px, cover);
       if (coverage.region.empty()) continue;
       composition.picture(coverage.region) += LightOf(sprite, coverage, composition.under, options.psf_sigma_px);
@@ -270,10 +328,10 @@ struct Scene::Impl {
     const std::vector<Vector2d> px = sprites.Centres(places);
     std::vector<Vector2d> mm;
     for (std::size_t m = 0; m < places.size(); ++m) mm.push_back(sprites.PlaceShown(m, places[m]));
-    const Cover cover = CoverOf(state);
     FrameTruth truth;
     truth.time_s = TimeS(frame);
     for (std::size_t m = 0; m < mm.size(); ++m) {
+      const Cover cover = CoverOf(state, motion->Names()[m]);
       const double covered = CoverageOf(sprites.At(m, state.fine_mm), view.Size(), options.psf_sigma_px, cover).covered;
       truth.markers.push_back({px[m], mm[m], covered, covered < kVisibleLimit});
     }
@@ -289,7 +347,7 @@ struct Scene::Impl {
     const int wanted = IndexOfMarker(*motion, name);
     if (wanted < 0) throw UsageError("no marker '{}'", name);
     const FrameState state = StateOf(frame);
-    const Cover cover = CoverOf(state);
+    const Cover cover = CoverOf(state, name);
     Composition composition = Compose(state, SpritesOf(state));
     Sprite sprite = sprites.At(static_cast<std::size_t>(wanted), state.fine_mm);
     for (SpriteInstant& instant : sprite.instants) {

@@ -122,6 +122,21 @@ Json MotionFileJson(const MotionFile& m) {
           {"facing", m.facing == motion::Facing::kRight ? "right" : "left"}};
 }
 
+Json WalkJson(const SceneOptions& o) {
+  const WalkOptions& w = *o.walk;
+  Json json = {{"strides", w.strides},
+               {"treadmill", w.is_treadmill},
+               {"passes", w.passes},
+               {"pause_s", w.pause_s},
+               {"stride_s", o.motion_file ? w.stride_s : w.drawn.stride_s}};
+  if (!o.motion_file)
+    json.update(Json{{"facing", o.motion.facing == motion::Facing::kRight ? "right" : "left"},
+                     {"stride_mm", w.drawn.stride_mm},
+                     {"stance", w.drawn.stance},
+                     {"markers", w.drawn_markers}});
+  return json;
+}
+
 Json OcclusionsJson(const std::vector<Occlusion>& occlusions) {
   Json json = Json::array();
   for (const Occlusion& o : occlusions)
@@ -137,8 +152,9 @@ Json ToJson(const SceneOptions& o) {
     json["motion_file"] = MotionFileJson(*o.motion_file);
   else if (!o.motion_table.empty())
     json["motion_table"] = {{"file", o.motion_table.string()}, {"mirrored", o.mirror_table}};
-  else
+  else if (!o.walk)
     json["motion"] = MotionJson(o.motion);
+  if (o.walk) json["walk"] = WalkJson(o);
   json.update(Json{{"frame_rate_hz", o.frame_rate_hz},
                    {"duration_s", o.duration_s},
                    {"start_s", o.start_s},

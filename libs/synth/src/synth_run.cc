@@ -17,7 +17,11 @@ void DescribeMotion(SynthRunOptions& o, OptionList& options) {
   const OptionList::Choices<motion::Facing> sides = {{"left", motion::Facing::kLeft},
                                                      {"right", motion::Facing::kRight}};
   options.AddChoice("facing", o.facing, sides, "Where the subject looks");
-  options.Add("repetitions", o.repetitions, "Rises; the video becomes as long as they take").AtLeast(1);
+  const OptionList::Choices<SynthRunOptions::Drawn> movements = {{"sit-to-stand", SynthRunOptions::Drawn::kSitToStand},
+                                                                 {"walking", SynthRunOptions::Drawn::kWalking}};
+  options.AddChoice("movement", o.drawn, movements, "What is drawn");
+  options.Add("repetitions", o.repetitions, "Rises, or strides in each pass; the video becomes as long as they take")
+      .AtLeast(1);
   options.Add("motion-seed", o.motion_seed, "Seed of the motion").Otherwise("--seed-number");
   options.Add("walk-in", o.walk_in_s, "The subject walks in for so long before the motion begins").Unit("s").Positive();
   options
@@ -40,7 +44,19 @@ void DescribeMotion(SynthRunOptions& o, OptionList& options) {
               "A recorded person instead: a file of markers in space (TRC, C3D) or in a plane; seen from the side that "
               "--facing says");
   Describe(o.motion.reading, options);
-  options.Add("extra-markers", o.motion.extra_markers, "With --motion: further markers of the file").Value("NAME,...");
+  options
+      .Add("extra-markers", o.motion.extra_markers,
+           "With --motion: further markers of the file; of a drawn walk: heel, toe, other_ankle, …")
+      .Value("NAME,...");
+  options
+      .Add("stride", o.stride_s,
+           "Of a walk, the duration of a stride; with --motion the stride from --begin on is repeated")
+      .Unit("s")
+      .Positive();
+  options.Add("stride-length", o.stride_mm, "Of a drawn walk").Unit("mm").Positive();
+  options.Add("treadmill", o.treadmill, "Of a walk: without the mean travel");
+  options.Add("passes", o.passes, "Of a walk: times through the picture, --rest apart; the person leaves and enters it")
+      .AtLeast(1);
   options.Add("begin", o.motion.begin_s, "With --motion: begin so long after its first frame").Unit("s").NotNegative();
 }
 
@@ -106,6 +122,25 @@ void Take(const std::optional<T>& given, T& value) {
   if (given) value = *given;
 }
 
+void TakeWalk(const SynthRunOptions& o, SceneOptions& scene) {
+  const bool is_drawn = o.drawn == SynthRunOptions::Drawn::kWalking;
+  if (!is_drawn && !o.stride_s && !o.treadmill && !o.passes) return;
+  if (is_drawn == scene.motion_file.has_value() || !o.motion_table.empty())
+    throw UsageError(
+        "--stride, --treadmill, --passes: of a walk, which is drawn by --movement walking or recorded in a file of "
+        "--motion");
+  WalkOptions& walk = scene.walk.emplace();
+  Take(o.repetitions, walk.strides);
+  Take(o.passes, walk.passes);
+  Take(o.rest_s, walk.pause_s);
+  Take(o.stride_s, is_drawn ? walk.drawn.stride_s : walk.stride_s);
+  Take(o.stride_mm, walk.drawn.stride_mm);
+  walk.drawn_markers = o.motion.extra_markers;
+  walk.is_treadmill = o.treadmill;
+  if (o.repetitions && !is_drawn && !o.stride_s)
+    throw UsageError("--repetitions: of a recorded walk needs --stride, the duration of the stride that is repeated");
+}
+
 void TakeMotion(const SynthRunOptions& o, SceneOptions& scene) {
   StsMotionOptions& motion = scene.motion;
   Take(o.motion_seed, motion.seed);
@@ -125,7 +160,8 @@ void TakeMotion(const SynthRunOptions& o, SceneOptions& scene) {
     scene.motion_file = o.motion;
     scene.motion_file->facing = o.facing;
   }
-  if (o.repetitions || !o.motion_table.empty() || scene.motion_file) scene.duration_s = 0;
+  TakeWalk(o, scene);
+  if (o.repetitions || scene.walk || !o.motion_table.empty() || scene.motion_file) scene.duration_s = 0;
 }
 
 void TakeCamera(const SynthRunOptions& o, SceneOptions& scene) {
@@ -183,8 +219,8 @@ SceneOptions SceneOf(const SynthRunOptions& o) {
 Scene StagedScene(const SynthRunOptions& o) {
   SceneOptions options = SceneOf(o);
   if (!o.walk_in_s && !o.second_person_mm) return Scene(options);
-  if (!options.motion_table.empty() || options.motion_file)
-    throw UsageError("--walk-in, --second-person: not with --motion-table or --motion");
+  if (!options.motion_table.empty() || options.motion_file || options.walk)
+    throw UsageError("--walk-in, --second-person: not with --motion-table, --motion or a walk");
   options.camera = Scene(options).Profile();
   std::shared_ptr<const MarkerMotion> motion = std::make_shared<StsMotion>(options.motion);
   if (o.walk_in_s) {

@@ -369,6 +369,9 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
                                               fmt::join(found.markers, "', '")));
     Blank(FindAllImplausible(result, options.markers, limits), options.markers, result);
   }
+  if (view.camera_from_plane)
+    result.camera_distance =
+        std::abs(view.camera_from_plane->linear().col(2).dot(view.camera_from_plane->translation()));
   WarnOfOutliers(recording, result);
   if (hasty) result.warnings.insert(result.warnings.begin(), *hasty + ": are they in seconds?");
   if (rounded)

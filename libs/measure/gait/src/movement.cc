@@ -9,6 +9,7 @@
 
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/squats.h"
+#include "oblique_walk.h"
 
 namespace lake::gait {
 namespace {
@@ -83,6 +84,12 @@ void ChooseMovement(const MovementOptions& options, LegFitResult& leg) {
                                          first.name, movement.name));
   }
   const bool is_walking = leg.movement.kind == MovementKind::kWalking;
+  if (is_walking)
+    if (const std::optional<std::string> oblique = ObliqueWalk(leg)) leg.warnings.push_back("walking: " + *oblique);
+  if (options.kind == MovementKind::kWalking && chosen.empty() && leg.movement.walk.left_out.empty())
+    leg.warnings.emplace_back(
+        "walking: nobody is seen to walk: no foot is carried from behind the hip to before it and put down; no cycle "
+        "is measured");
   if (is_walking || chosen.empty())
     for (const std::string& sentence : leg.movement.walk.left_out) leg.warnings.push_back("walking: " + sentence);
   constexpr double kMostBeside_s =
@@ -94,7 +101,8 @@ void ChooseMovement(const MovementOptions& options, LegFitResult& leg) {
                       "the foot beside the plate there? Give the event with --events, or leave --forces out",
                       ToString(of.event.kind), of.event.time_s, 1000 * std::abs(of.markers_later_s),
                       of.markers_later_s < 0 ? "earlier" : "later"));
-  if (is_walking && leg.movement.walk.incomplete > 0 && leg.movement.walk.strides == 0)
+  const bool was_asked = options.kind == MovementKind::kWalking && !leg.movement.walk.left_out.empty();
+  if ((is_walking || was_asked) && leg.movement.walk.strides == 0)
     leg.warnings.emplace_back(
         "walking: no stride is seen from one heel strike to the next of the same leg: no cycle is measured");
   if (leg.movement.kind == MovementKind::kSquat)

@@ -368,12 +368,29 @@ class FrameClock {
             .sigma_s = passages.before[after].sigma_s};
   }
 
+  // Where stretches end that hang together, and 0: where nobody is seen for long, as between two passes through the
+  // picture, nothing says how time went on.
+  std::vector<std::size_t> Stretches(const std::vector<std::size_t>& frames) const {
+    constexpr double kLongest_s = 0.5;
+    std::vector<std::size_t> ends = {0};
+    std::optional<double> seen_s;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      if (std::ranges::count_if(recording_.markers, [&](const auto& m) { return m.samples[frames[k]].IsKnown(); }) < 2)
+        continue;
+      const double time_s = recording_.time_s[frames[k]];
+      if (seen_s && time_s - *seen_s > kLongest_s) ends.push_back(k);
+      seen_s = time_s;
+    }
+    ends.push_back(frames.size());
+    return ends;
+  }
+
   // The clearest first, as it spoils the paths on which its neighbours are judged.
   void TakeJumps(FrameTimes& times) {
     constexpr double kCut_mm = 100;  // of 10 joined recordings 326 and more, of 6 whole ones 57 and less
     Passages passages;
     passages.frames = NewFrames();
-    passages.ends = {0, passages.frames.size()};
+    passages.ends = Stretches(passages.frames);
     passages.before.resize(passages.frames.size());
     const TimedPaths paths(recording_, passages.frames);
     const double usual_s = UsualInterval(passages.frames);

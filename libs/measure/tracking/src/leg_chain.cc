@@ -129,16 +129,33 @@ class ChainSearch {
     return cost + Squared(std::log(segment.mean / (kWaist * thigh)) / kWaistDeviation);
   }
 
-  // Ankle, knee and hip: the knee flexes, the hip moves, the ankle hardly; shank and thigh are about as long.
+  // Ankle, knee and hip: the knee flexes; the hip moves, the ankle hardly, or the person walks; shank and thigh are
+  // about as long.
   std::optional<double> CostOfKnee(const std::vector<std::size_t>& chain) const {
     const auto [ankle, knee, hip] = std::tuple(chain[0], chain[1], chain[2]);
     const double shank = tracklets_.Distance(ankle, knee).mean, thigh = tracklets_.Distance(knee, hip).mean;
     if (!Bends(ankle, knee, hip)) return std::nullopt;
-    if (extent_[hip] < 0.2 * thigh || options_.up.dot(tracklets_.MeanWay(ankle, hip)) < 0) return std::nullopt;
+    const bool walks = Walks(ankle, knee, hip, thigh);
+    // Nobody's hip is as low as the ankle; two feet are.
+    constexpr double kLeastHeight = 0.2;  // of the shank's length; in a deep squat it is half of it
+    if (extent_[hip] < (walks ? kCarried : 0.2) * thigh ||
+        options_.up.dot(tracklets_.MeanWay(ankle, hip)) < kLeastHeight * shank)
+      return std::nullopt;
     if (!IsCarried(knee, thigh) && !IsClamped(ankle, knee, thigh)) return std::nullopt;
     constexpr double kRatioDeviation = 0.15;  // of log(shank / thigh); anatomically 0.1, as much again by the markers
     constexpr double kAnkleMotion = 0.15;     // ankle's extent over hip's
-    return Squared(std::log(shank / thigh) / kRatioDeviation) + Squared(AnkleOverHip(ankle, hip, thigh) / kAnkleMotion);
+    constexpr double kWalks = 6;              // −2 ln (1 / 20): the part of all recordings
+    const double stands = Squared(AnkleOverHip(ankle, hip, thigh) / kAnkleMotion);
+    return Squared(std::log(shank / thigh) / kRatioDeviation) + (walks ? std::min(kWalks, stands) : stands);
+  }
+
+  // Whether the ankle swings before and behind the hip, farther than the knee does, while the hip keeps its height.
+  bool Walks(std::size_t ankle, std::size_t knee, std::size_t hip, double thigh) const {
+    constexpr double kLeastSwing = 0.5, kMostRise = 0.3;  // of the thigh's length
+    const Eigen::Vector2d forward(options_.up.y(), -options_.up.x());
+    const double swing = tracklets_.WayRange(hip, ankle, forward);
+    return swing > kLeastSwing * thigh && swing > tracklets_.WayRange(hip, knee, forward) &&
+           tracklets_.Range(hip, options_.up) < kMostRise * thigh;
   }
 
   // The ankle's extent over the hip's while the hip moves as in a sit-to-stand, in the three seconds in which it is

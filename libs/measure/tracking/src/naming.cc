@@ -451,6 +451,39 @@ class Namer {
     return has_discontinuity ? options_.physics.turns_after_s : GapBetween(before, after);
   }
 
+  bool IsAbsence(const PathEnd& before, const PathEnd& after) const {
+    return GapBetween(before, after) > options_.physics.turns_after_s && IsAtBorder(before, 1) && IsAtBorder(after, -1);
+  }
+
+  // Whether another of the names was beyond the border for most of the time between; a marker that stands where it was
+  // lost is carried out later.
+  bool WasLegAbsent(const PathEnd& before, const PathEnd& after) const {
+    constexpr double kMost = 0.5;
+    return std::ranges::any_of(absences_, [&](const auto& absence) {
+      const double common_s =
+          std::min(absence.second, after.back().time_s) - std::max(absence.first, before.back().time_s);
+      return common_s > kMost * (absence.second - absence.first);
+    });
+  }
+
+  // Where a piece is beyond the border before or after what is known of its name.
+  void NoteAbsences(std::size_t name, std::size_t tracklet) {
+    const auto [first, last] = SpanOf(tracklet);
+    for (const auto& [before, after] : {std::pair(KnownBeside(name, first, -1), FirstSamples(tracklets_[tracklet])),
+                                        std::pair(LastSamples(tracklets_[tracklet]), KnownBeside(name, last, 1))})
+      if (!before.empty() && !after.empty() && IsAbsence(before, after))
+        absences_.emplace_back(before.back().time_s, after.back().time_s);
+  }
+
+  // Whether the path goes on beyond the picture's border soon after (sign 1) or came from there soon before (−1).
+  bool IsAtBorder(const PathEnd& end, double sign) const {
+    constexpr double kSoon_s = 0.25;  // the whole picture is searched ten times a second at 60 Hz
+    const double elapsed_s = end.back().time_s - end.front().time_s;
+    if (options_.picture.isEmpty() || elapsed_s == 0) return false;
+    return !options_.picture.contains(end.back().position +
+                                      sign * kSoon_s / elapsed_s * (end.back().position - end.front().position));
+  }
+
   // The logarithm of the odds against one path with what is known of the name before and after; nullopt where none is
   // possible, or nothing is known.
   std::optional<double> ContinuityMisfit(std::size_t tracklet, std::size_t name) const {
@@ -468,6 +501,11 @@ class Namer {
     for (const auto& [before, after] : {std::pair(KnownBeside(name, first, -1), FirstSamples(piece)),
                                         std::pair(LastSamples(piece), KnownBeside(name, last, 1))}) {
       if (before.empty() || after.empty()) continue;
+      // Who left the picture comes back anywhere: only distances tell the markers.
+      if (IsAbsence(before, after) || WasLegAbsent(before, after)) {
+        misfit = misfit.value_or(0);
+        continue;
+      }
       const double radius_px = piece.samples.front().radius_px;
       const PathJoin join = JoinPaths(before, after, TimeToMoveOn(before, after), radius_px, options_.physics);
       constexpr double kFarthest = 30;
@@ -523,14 +561,17 @@ class Namer {
   }
 
   // What is joined next: the best-fitting piece or, where its neighbours are not known or something that is seen with
-  // it fits its name too, all that is seen with it.
+  // it fits its name too, all that is seen with it. Nothing where nothing speaks for it.
   std::vector<NamedPiece> Next(const NamedPiece& best, const Fits& fits, const std::vector<Span>& spans) const {
-    constexpr std::size_t kMostNames = 8, kMostPieces = 3;  // of each name the best-fitting ones
+    constexpr std::size_t kMostNames = 8;
+    constexpr double kMostChoices = 65536;  // of each name the best-fitting pieces, or none of them
     const std::size_t names = anchor_.size();
     bool is_certain = !fits[best.piece * names + best.name]->without_neighbours;
     for (std::size_t t = 0; t < tracklets_.size(); ++t)
       is_certain &= t == best.piece || !fits[t * names + best.name] || !spans[t].Meets(spans[best.piece]);
     if (is_certain || names > kMostNames || !options_.identities.empty()) return {best};
+    const auto most_pieces =
+        static_cast<std::size_t>(std::pow(kMostChoices, 1 / static_cast<double>(names)) + 1e-9) - 1;
     std::vector<std::vector<NamedPiece>> choices(names);
     for (std::size_t n = 0; n < names; ++n) {
       std::vector<NamedPiece>& pieces = choices[n];
@@ -538,11 +579,12 @@ class Namer {
         if (const auto& fit = fits[t * names + n]; fit && spans[t].Meets(spans[best.piece]))
           pieces.push_back({t, n, fit->misfit});
       std::ranges::stable_sort(pieces, {}, &NamedPiece::misfit);
-      pieces.resize(std::min(pieces.size(), kMostPieces));
+      pieces.resize(std::min(pieces.size(), most_pieces));
     }
     std::vector<NamedPiece> together =
         LikeliestTogether(choices, [&](const auto& one, const auto& other) { return DistanceMisfit(one, other); });
-    return together.empty() ? std::vector{best} : together;
+    if (together.empty() && best.misfit < 0) return {best};
+    return together;
   }
 
   // What a piece changes is how those fit that lie beside it, in its own name and in those linked to it: all others'
@@ -550,6 +592,7 @@ class Namer {
   void Join(std::size_t joined, std::size_t name, const std::vector<Span>& spans, Fits& fits) {
     const std::size_t names = anchor_.size();
     const Span own = spans[joined], beside = Widened(own, name);
+    NoteAbsences(name, joined);
     Give(name, joined);
     std::fill_n(fits.begin() + static_cast<std::ptrdiff_t>(joined * names), names, std::nullopt);
     for (std::size_t t = 0; t < tracklets_.size(); ++t) {
@@ -578,8 +621,9 @@ class Namer {
           best = i;
         }
       if (!least) return;
-      for (const NamedPiece& next : Next({best / names, best % names, least->misfit}, fits, spans))
-        Join(next.piece, next.name, spans, fits);
+      const std::vector<NamedPiece> joined = Next({best / names, best % names, least->misfit}, fits, spans);
+      if (joined.empty()) fits[best].reset();
+      for (const NamedPiece& next : joined) Join(next.piece, next.name, spans, fits);
     }
   }
 
@@ -593,6 +637,7 @@ class Namer {
   std::vector<double> time_s_;                                       // of frames, as in TrackletSample
   std::vector<std::vector<std::optional<Eigen::Vector2d>>> metric_;  // by name and frame
   std::vector<Link> links_;
+  std::vector<std::pair<double, double>> absences_;  // of a name from the picture, s
 };
 
 // Puts the seeds that name a candidate by its number where it is.

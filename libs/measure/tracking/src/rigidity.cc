@@ -56,6 +56,12 @@ double MetricTracklets::Extent(std::size_t i) const {
   return box.diagonal().norm();
 }
 
+double MetricTracklets::Range(std::size_t i, const Eigen::Vector2d& along) const {
+  Eigen::AlignedBox<double, 1> range;
+  for (const Eigen::Vector2d& position : metric_[i]) range.extend(Eigen::Matrix<double, 1, 1>(along.dot(position)));
+  return range.isEmpty() ? 0 : range.sizes()[0];
+}
+
 double MetricTracklets::ExtentIn(std::size_t i, double from_s, double to_s) const {
   const std::vector<TrackletSample>& samples = tracklets_[i].samples;
   const auto before = [](const TrackletSample& sample, double t) { return sample.time_s < t; };
@@ -64,6 +70,14 @@ double MetricTracklets::ExtentIn(std::size_t i, double from_s, double to_s) cons
   Eigen::AlignedBox2d box;
   for (auto k = begin; k < end; ++k) box.extend(metric_[i][static_cast<std::size_t>(k)]);
   return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
+double MetricTracklets::WayRange(std::size_t from, std::size_t to, const Eigen::Vector2d& along) const {
+  Eigen::AlignedBox<double, 1> range;
+  ForCommonFrames(tracklets_[from], tracklets_[to], [&](std::size_t a, std::size_t b) {
+    range.extend(Eigen::Matrix<double, 1, 1>(along.dot(metric_[to][b] - metric_[from][a])));
+  });
+  return range.isEmpty() ? 0 : range.sizes()[0];
 }
 
 const PairDistance& MetricTracklets::Distance(std::size_t i, std::size_t j) const {

@@ -27,7 +27,11 @@ class MetricTracklets {
   std::size_t size() const { return tracklets_.size(); }
   const std::vector<Eigen::Vector2d>& Metric(std::size_t i) const { return metric_[i]; }  // one per sample
   double Extent(std::size_t i) const;                                                     // metric units
+  double Range(std::size_t i, const Eigen::Vector2d& along) const;                        // of its places
   double ExtentIn(std::size_t i, double from_s, double to_s) const;                       // of those in this time
+
+  // Range of the way from one to the other along a direction, while both are seen.
+  double WayRange(std::size_t from, std::size_t to, const Eigen::Vector2d& along) const;
 
   const PairDistance& Distance(std::size_t i, std::size_t j) const;  // its way is that from the lower index
   Eigen::Vector2d MeanWay(std::size_t from, std::size_t to) const;   // while both were seen

@@ -127,6 +127,9 @@ double FootMotion(const motion::MarkerRecording& recording) {
 void NameWithEachUp(const std::vector<Tracklet>& tracklets, const TrackOptions& options,
                     const std::vector<std::int64_t>& discontinuities, const std::vector<std::int64_t>& repeated,
                     TrackResult& result) {
+  const cv::Rect seen = options.crop.empty() ? cv::Rect(0, 0, result.video.width, result.video.height) : options.crop;
+  const Eigen::AlignedBox2d picture(Eigen::Vector2d(seen.x, seen.y),
+                                    Eigen::Vector2d(seen.x + seen.width, seen.y + seen.height));
   std::vector<Eigen::Vector2d> ups = {options.up_px};
   ups.insert(ups.end(), options.other_ups_px.begin(), options.other_ups_px.end());
   std::optional<motion::MarkerRecording> best;
@@ -136,7 +139,7 @@ void NameWithEachUp(const std::vector<Tracklet>& tracklets, const TrackOptions& 
     try {
       NameTracklets(tracklets,
                     {options.names, options.seeds, Identities(options), options.metric_from_px, up, options.physics,
-                     discontinuities, repeated, options.reader.rotate_deg},
+                     discontinuities, repeated, picture, options.reader.rotate_deg},
                     named);
     } catch (const UsageError&) {
       throw;

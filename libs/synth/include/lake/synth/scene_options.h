@@ -15,6 +15,7 @@
 #include "lake/synth/motion_file.h"
 #include "lake/synth/noise.h"
 #include "lake/synth/sts_motion.h"
+#include "lake/synth/walk_motion.h"
 
 namespace lake::synth {
 
@@ -36,6 +37,7 @@ struct SceneOptions {
   std::filesystem::path motion_table;  // a recorded motion instead (see ReadMotionTable)
   bool mirror_table = false;
   std::optional<MotionFile> motion_file;  // or a person's in space
+  std::optional<WalkOptions> walk;        // a walk, of the motion file or drawn (facing as the motion's)
 
   // --- time: a frame's time stamp is the middle of its exposure ---
   double frame_rate_hz = 60;

@@ -19,6 +19,7 @@ namespace lake::synth {
 struct SynthRunOptions {
   enum class Scene { kClean, kHard };
   enum class Markers { kDisc, kLed, kAruco };
+  enum class Drawn { kSitToStand, kWalking };
   Scene scene = Scene::kClean;
   std::uint64_t seed = 1;
 
@@ -32,6 +33,10 @@ struct SynthRunOptions {
   std::optional<std::array<double, 2>> exo_knee_mm;
   std::filesystem::path motion_table;
   MotionFile motion;
+  Drawn drawn = Drawn::kSitToStand;
+  std::optional<double> stride_s, stride_mm;
+  std::optional<int> passes;
+  bool treadmill = false;
 
   // --- picture ---
   std::optional<double> duration_s, rate_hz, radius_mm, radius_px, distance_mm, yaw_deg, pitch_deg, roll_deg, level,

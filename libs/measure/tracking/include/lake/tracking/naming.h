@@ -1,7 +1,7 @@
 // Which tracklet is which marker.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <functional>
 #include <string>
@@ -30,6 +30,7 @@ struct NamingOptions {
   // Frames before which time may be missing from the recording: a marker may then have come as far as it ever does.
   std::vector<std::int64_t> discontinuities = {};
   std::vector<std::int64_t> repeated = {};  // frames that may show the picture before once more, increasing
+  Eigen::AlignedBox2d picture = {};         // in px: beyond it nothing is seen; empty: not known
   int rotate_deg = 0;  // by which the pictures were turned clockwise already, for what a message advises
 };
 
