@@ -29,6 +29,7 @@ const std::map<std::string, std::string> kTexts = {
     {"xypts.tsv", "row\tcolumn\tvalue\n3\t2\t0\n1\t1\t10.5\n1\t2\t20\n2\t1\t11\n2\t2\t21\n"},
     {"deeplabcut.csv",
      "scorer,S,S,S\nbodyparts,knee,knee,knee\ncoords,x,y,likelihood\n0,100.5,90.2,0.99\n1,100.6,90.2,0.99\n"},
+    {"sleap.csv", "track,frame_idx,instance.score,knee.x,knee.y,knee.score\n,0,0.9,10,20,0.8\n,2,0.9,11,21,0.7\n"},
     {"motive.csv",
      "Format Version,1.23,Length Units,Meters\n\n,Type,Marker,Marker,Marker\n,Name,a,a,a\n,ID,1,1,1\n"
      ",,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z\n0,0.000,0.1,0.2,0.3\n1,0.010,0.1,0.2,0.4\n"},
@@ -106,7 +107,7 @@ TEST_P(DamagedFiles, CutAnywhereNeverCrash) {
 
 INSTANTIATE_TEST_SUITE_P(, DamagedFiles,
                          testing::Values("a.trc", "a.c3d", "a.txt", "a.trk", "a.trz", "a_kinovea.csv", "a.kva",
-                                         "lake.csv", "dltdv.csv", "xypts.tsv", "deeplabcut.csv",
+                                         "lake.csv", "dltdv.csv", "xypts.tsv", "deeplabcut.csv", "sleap.csv",
                                          "motive.csv", "kinovea.txt", "a.mot"),
                          [](const auto& info) {
                            std::string name = info.param;

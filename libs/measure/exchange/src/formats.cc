@@ -54,6 +54,7 @@ PointRecording ReadDltdv(const fs::path& path, const ReadOptions& options);
 PointRecording ReadDltdvSparse(const fs::path& path, const ReadOptions& options);
 PointRecording ReadDeepLabCut(const fs::path& path, const ReadOptions& options);
 PointRecording ReadMotive(const fs::path& path, const ReadOptions& options);
+PointRecording ReadSleap(const fs::path& path, const ReadOptions& options);
 
 namespace {
 
@@ -72,6 +73,7 @@ const PointFormat kFormats[] = {
     {"DLTdv's sparse table", {"xypts.tsv"}, "", ReadDltdvSparse, kNoTimes},
     {"DeepLabCut", {".csv"}, "scorer", ReadDeepLabCut, kNoTimes},
     {"OptiTrack Motive", {".csv"}, "format version,", ReadMotive, kInSpace},
+    {"SLEAP", {".csv"}, "instance.score", ReadSleap, kNoTimes},
     {"lake", {".csv"}, "time_s", ReadOwnPoints, kEstimates | kFlat, WriteOwnPoints, ".csv"}};
 
 // Files of other programs that are not read, and the way out.
