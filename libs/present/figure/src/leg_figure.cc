@@ -204,7 +204,8 @@ void DrawAngle(GnuplotFigure& figure, const gait::LegFitResult& result, const Kn
                   colour::kText)};
   if (!other.angle_deg.empty())
     parts.push_back(fmt::format("{} using 1:2 with lines lw 2 dt (8,4) lc rgb '{}' title {}",
-                                figure.Data({time_s, other.angle_deg}), colour::kExoskeleton, QuoteForGnuplot(other.name)));
+                                figure.Data({time_s, other.angle_deg}), colour::kExoskeleton,
+                                QuoteForGnuplot(other.name)));
   for (const EventStyle& style : kEvents)
     if (std::any_of(result.events.begin(), result.events.end(),
                     [&](const motion::StsEvent& e) { return e.kind == style.kind; }))
