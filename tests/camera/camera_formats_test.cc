@@ -167,7 +167,7 @@ TEST_F(CameraFormats, DamagedFilesNeverCrash) {
     for (int round = 0; round < 400; ++round) {
       std::string bad = good;
       for (int i = 0; i < 2; ++i) bad[random() % bad.size()] = static_cast<char>(random());
-      if (round % 4 == 0) bad.resize(random() % bad.size());
+      if (round % 4 == 0) bad.resize(1 + random() % bad.size());
       for (const char* number : {"1e308", "nan", "-1", "99999999999"})
         if (const std::size_t at = bad.find_first_of("0123456789", random() % bad.size() / 2);
             round % 5 == 0 && at != std::string::npos)
