@@ -10,10 +10,9 @@ int main(int argc, char** argv) {
   std::filesystem::path in, out;
   lake::exchange::ConvertOptions options;
   lake::OptionList list;
-  list.AddOperand(
-          "in", in,
-          "A lake-track or lake-gait folder, .trc, .c3d, .trk, .trz, .kva, .txt, .csv, .mot, .sto, or a folder with "
-          "one .txt or .csv per marker")
+  list.AddOperand("in", in,
+                  "A lake-track or lake-gait folder, " + lake::exchange::ReadableEndings() +
+                      ", .mot, .sto, or a folder with one .txt or .csv per marker")
       .Required();
   list.AddOperand("out", out, "The file to write").Required();
   Describe(options, list);

@@ -50,19 +50,20 @@ lake::Json DescribePoints(const lake::exchange::PointRecording& points) {
   for (const lake::exchange::PointEvent& event : points.events)
     events.push_back({{"time_s", event.time_s}, {"context", event.context}, {"label", event.label}});
   if (!events.empty()) info["events"] = events;
+  lake::Json outputs = lake::Json::array();
+  for (const lake::exchange::ModelOutput& output : points.outputs)
+    outputs.push_back({{"name", output.name}, {"kind", output.kind}, {"unit", output.unit}});
+  if (!outputs.empty()) info["model_outputs"] = outputs;
   info["warnings"] = points.warnings;
   return info;
 }
 
-lake::Json Describe(const std::filesystem::path& path, double mm_per_unit, double rate_hz) {
+lake::Json Describe(const std::filesystem::path& path, const lake::exchange::TrialOptions& reading) {
   if (!lake::exchange::IsAngleTable(path)) {
-    lake::exchange::TrialOptions reading;
-    reading.mm_per_unit = mm_per_unit;
-    reading.rate_hz = rate_hz;
     lake::exchange::CheckNoneIsUnused(path, lake::exchange::UnusedOptions(path, reading));
-    return DescribePoints(lake::exchange::ReadPoints(path, mm_per_unit, rate_hz));
+    return DescribePoints(lake::exchange::ReadPoints(path, reading.Reading()));
   }
-  if (mm_per_unit != 1 || rate_hz > 0)
+  if (reading.mm_per_unit != 1 || reading.rate_hz > 0)
     throw lake::UsageError("{}: holds angles: --unit and --rate are for points", path.string());
   const lake::exchange::MotTable table = lake::exchange::ReadMot(path);
   lake::Json info = Timing(table.time_s);
@@ -92,6 +93,13 @@ void PrintEvents(const lake::Json& events) {
                event["label"].get<std::string>());
 }
 
+void PrintOutputs(const lake::Json& outputs) {
+  fmt::print("{:<16} {}\n", "model outputs", outputs.size());
+  for (const lake::Json& output : outputs)
+    fmt::print("  {:<16} {} {}\n", output["name"].get<std::string>(), output["kind"].get<std::string>(),
+               output["unit"].get<std::string>());
+}
+
 std::string Text(const lake::Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_number_float()) return value.dump();
@@ -106,6 +114,8 @@ void Print(const lake::Json& info) {
       PrintMarkers(value);
     } else if (key == "events") {
       PrintEvents(value);
+    } else if (key == "model_outputs") {
+      PrintOutputs(value);
     } else if (value.is_array()) {
       if (value.empty()) continue;
       fmt::print("{:<16} {}\n", key, value.size());
@@ -120,17 +130,18 @@ void Print(const lake::Json& info) {
 
 int main(int argc, char** argv) {
   std::filesystem::path file;
-  double mm_per_unit = 1, rate_hz = 0;
+  lake::exchange::TrialOptions reading;
   bool json = false;
   lake::OptionList options;
-  options.AddOperand("file", file, "A lake-track folder, or .trc, .c3d, .trk, .trz, .kva, .txt, .csv, .mot, .sto")
+  options.AddOperand("file", file, "A lake-track folder, or " + lake::exchange::ReadableEndings() + ", .mot, .sto")
       .Required();
-  lake::exchange::DescribeUnit("unit", mm_per_unit, options);
-  lake::exchange::DescribeRate(rate_hz, options);
+  lake::exchange::DescribeUnit("unit", reading.mm_per_unit, options);
+  lake::exchange::DescribeRate(reading.rate_hz, options);
+  lake::exchange::DescribeView(reading.view, options);
   options.Add("json", json, "As JSON");
   return lake::RunTool("lake-info", "What is inside a trial file: frames, rate, unit, markers and their gaps",
                        "Example:\n  lake-info walking.c3d", std::move(options), argc, argv, [&] {
-                         const lake::Json info = Describe(file, mm_per_unit, rate_hz);
+                         const lake::Json info = Describe(file, reading);
                          if (json)
                            fmt::print("{}\n", info.dump(2, ' ', false, lake::Json::error_handler_t::replace));
                          else

@@ -112,10 +112,10 @@ TEST_F(CameraProfileTest, SaysWhichKeyIsWrong) {
       HasSubstr("skew"));
   EXPECT_THAT(Complaint(kHead + kSize + kMatrix), HasSubstr("no key 'distortion_coefficients'"));
   EXPECT_THAT(Complaint(kHead + kSize + kMatrix + Matrix("distortion_coefficients", 1, 3, "1., 2., 3.")),
-              HasSubstr("1x3"));
+              HasSubstr("3 distortion coefficients"));
   EXPECT_THAT(
       Complaint(kHead + kSize + kMatrix + Matrix("distortion_coefficients", 1, 7, "1., 2., 3., 4., 5., 6., 7.")),
-      HasSubstr("1x7"));
+      HasSubstr("7 distortion coefficients"));
   const std::string good = kHead + kSize + kMatrix + kDistortion;
   EXPECT_THAT(Complaint(good + Matrix("plane_rvec", 3, 1, "0., 0., 0.")), HasSubstr("no key 'plane_tvec'"));
   EXPECT_THAT(Complaint(good + Matrix("plane_rvec", 1, 3, "0., 0., 0.") + Matrix("plane_tvec", 1, 3, "0., 0., 900.")),

@@ -4,12 +4,14 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <optional>
 
 #include "lake/core/atomic_file.h"
 #include "lake/exchange/c3d.h"
+#include "lake/exchange/formats.h"
 #include "lake/exchange/ground_forces.h"
 #include "places.h"
 #include "recordings.h"
@@ -44,7 +46,12 @@ struct PlateFile {
   int Stored(std::size_t channel) const { return static_cast<int>(std::lround(Raw()[channel] / Scale() + Offset())); }
   double Scale() const { return is_integer ? 50 : 1; }
   double Offset() const { return is_unsigned ? 40000 : is_integer ? 100 : 0; }
-  bool has_word_offset = false;  // ANALOG:OFFSET as words of 16 bits
+  bool has_word_offset = false;                            // ANALOG:OFFSET as words of 16 bits
+  std::vector<double> channels = {};                       // of another type of plate, in every sample
+  std::vector<std::string> labels = {}, their_units = {};  // of these
+  int points = 1;                                          // 0: forces alone
+
+  std::size_t Channels() const { return channels.empty() ? 6 : channels.size(); }
 
  private:
   Six RawOf(int frame) const { return (frame < empty_frames ? Six::Zero() : Raw()) + offset; }
@@ -97,7 +104,7 @@ std::string PlateFile::Parameters() const {
     text += Entry(group, name, -1, {length, static_cast<int>(texts.size())}, data);
   };
   begin("POINT");
-  add("USED", {1});
+  add("USED", {static_cast<double>(points)});
   add("SCALE", {is_integer ? 0.05 : -1});
   add("RATE", {100});
   add("DATA_START", {4});
@@ -106,15 +113,17 @@ std::string PlateFile::Parameters() const {
   add_texts("Y_SCREEN", 2, {"+Z"});
   add("LONG_FRAMES", {static_cast<double>(frames)});
   begin("ANALOG");
-  add("USED", {6}), add("GEN_SCALE", {0.5}), add("SCALE", std::vector<double>(6, 2 * Scale()));
+  add("USED", {static_cast<double>(Channels())}), add("GEN_SCALE", {0.5});
+  add("SCALE", std::vector<double>(Channels(), 2 * Scale()));
+  if (!labels.empty()) add_texts("LABELS", 5, labels);
   if (has_word_offset) {
     std::string words;
     for (int i = 0; i < 6; ++i) words += Word(static_cast<unsigned>(Offset()));
     text += Entry(group, "OFFSET", 2, {6}, words);
   } else {
-    add("OFFSET", std::vector<double>(6, Offset()));
+    add("OFFSET", std::vector<double>(Channels(), Offset()));
   }
-  add_texts("UNITS", 4, {"N", "N", "N", units, units, units});
+  add_texts("UNITS", 4, channels.empty() ? std::vector<std::string>{"N", "N", "N", units, units, units} : their_units);
   if (is_unsigned) add_texts("FORMAT", 8, {"UNSIGNED"});
   begin("FORCE_PLATFORM");
   const auto of_each = [&](std::vector<double> values) {
@@ -122,10 +131,10 @@ std::string PlateFile::Parameters() const {
     for (int i = 1; i < plates; ++i) values.insert(values.end(), one.begin(), one.end());
     return values;
   };
-  std::vector<double> channels;
-  for (int i = 1; i <= 6 * plates; ++i) channels.push_back(i);
+  std::vector<double> numbers;
+  for (int i = 1; i <= static_cast<int>(Channels()) * plates; ++i) numbers.push_back(i);
   add("USED", {static_cast<double>(plates)}), add("TYPE", of_each({static_cast<double>(type)}));
-  add("CHANNEL", channels);
+  add("CHANNEL", numbers);
   add("CORNERS", of_each({1200, 200, 0, 800, 200, 0, 800, 800, 0, 1200, 800, 0}));
   add("ORIGIN", of_each({0, 0, origin_sign * 40}));
   if (!zero.empty()) add("ZERO", zero);
@@ -135,9 +144,9 @@ std::string PlateFile::Parameters() const {
 
 std::string PlateFile::Bytes() const {
   std::string file{2, 0x50};
-  file += Word(static_cast<unsigned>(header_points.value_or(1)));
-  file += Word(static_cast<unsigned>(header_analog.value_or(6 * samples))) + Word(11) + Word(12) +
-          Word(0);  // frames 11 to 12: LONG_FRAMES says three
+  file += Word(static_cast<unsigned>(header_points.value_or(points)));
+  file += Word(static_cast<unsigned>(header_analog.value_or(static_cast<int>(Channels()) * samples))) + Word(11) +
+          Word(12) + Word(0);  // frames 11 to 12: LONG_FRAMES says three
   file += Float(is_integer ? 0.05 : -1) + Word(4) + Word(static_cast<unsigned>(samples)) + Float(100);
   file.resize(512, '\0');
   file += {1, 0x50, 2, static_cast<char>(is_mips ? 86 : 84)};
@@ -145,11 +154,13 @@ std::string PlateFile::Bytes() const {
   EXPECT_LE(file.size(), 3u * 512);
   file.resize(3 * 512, '\0');
   for (int frame = 0; frame < frames; ++frame) {
-    for (const double x_mm : {1000.0, -500.0, 812.5}) file += is_integer ? Word(std::lround(x_mm / 0.05)) : Float(x_mm);
-    file += is_integer ? Word(0) : Float(0);
+    for (const double x_mm : {1000.0, -500.0, 812.5, 0.0})
+      if (points > 0) file += is_integer ? Word(std::lround(x_mm / 0.05)) : Float(x_mm);
     for (int sample = 0; sample < samples; ++sample)
-      for (std::size_t channel = 0; channel < 6; ++channel)
-        file += is_integer ? Word(static_cast<unsigned>(Stored(channel))) : Float(RawOf(frame)[channel]);
+      for (std::size_t channel = 0; channel < Channels(); ++channel)
+        file += !channels.empty() ? Float(channels[channel])
+                : is_integer      ? Word(static_cast<unsigned>(Stored(channel)))
+                                  : Float(RawOf(frame)[channel]);
   }
   file.resize((file.size() + 511) / 512 * 512, '\0');
   return file;
@@ -222,6 +233,123 @@ TEST_F(C3dForces, OfTypeFourAreMultipliedWithTheCalibrationByColumns) {
   ExpectTheForce(file, 0);
 }
 
+// Four posts under the plate, each with a force of its own (plate axes: x to the right, y back, z down), 0.2 m beside
+// the middle along x, 0.25 m along y and 0.04 m below the surface.
+struct Posts {
+  static constexpr double kA_m = 0.2, kB_m = 0.25;
+  std::array<Eigen::Vector3d, 4> force_n = {Eigen::Vector3d(-10, 3, -250), {5, 1, -180}, {2, -7, -120}, {-4, 2, -90}};
+
+  double Sum(int axis, std::initializer_list<std::size_t> posts) const {
+    double sum = 0;
+    for (const std::size_t post : posts) sum += force_n[post - 1][axis];
+    return sum;
+  }
+  // About the point in the middle between them, laboratory axes.
+  Eigen::Vector3d Moment_nm() const {
+    const Eigen::Vector3d turned(1, -1, -1);
+    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+    const double x[] = {kA_m, -kA_m, -kA_m, kA_m}, y[] = {kB_m, kB_m, -kB_m, -kB_m};
+    for (std::size_t i = 0; i < 4; ++i)
+      moment += turned.cwiseProduct(Eigen::Vector3d(x[i], y[i], 0)).cross(turned.cwiseProduct(force_n[i]));
+    return moment;
+  }
+  Eigen::Vector3d Force_n() const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& force : force_n) sum += force.cwiseProduct(Eigen::Vector3d(1, -1, -1));
+    return sum;
+  }
+  // Kistler's channels: Fx12 Fx34 Fy14 Fy23 Fz1 Fz2 Fz3 Fz4.
+  std::vector<double> Kistler() const {
+    return {Sum(0, {1, 2}), Sum(0, {3, 4}), Sum(1, {1, 4}), Sum(1, {2, 3}),
+            Sum(2, {1}),    Sum(2, {2}),    Sum(2, {3}),    Sum(2, {4})};
+  }
+};
+
+TEST_F(C3dForces, OfKistlersFourPosts) {
+  const Posts posts;
+  PlateFile file;
+  file.type = 3;
+  file.channels = posts.Kistler();
+  file.their_units = std::vector<std::string>(8, "N");
+  for (const double origin_sign : {1.0, -1.0}) {  // of the depth; the distances have no sign
+    file.instead["FORCE_PLATFORM:ORIGIN"] = {200, 250, 40 * origin_sign};
+    const exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+    EXPECT_TRUE(read.warnings.empty()) << read.warnings[0];
+    EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
+    EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+    EXPECT_LT((read.plates.at(0).point_m[3] - kOrigin_m).norm(), 1e-6);
+  }
+  // With the vertical forces first, as their names say; in kN.
+  std::rotate(file.channels.begin(), file.channels.begin() + 4, file.channels.end());
+  for (double& value : file.channels) value /= 1000;
+  file.labels = {"Fz1", "Fz2", "Fz3", "Fz4", "Fx12", "Fx34", "Fy14", "Fy23"};
+  file.their_units = std::vector<std::string>(8, "kN");
+  const exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
+  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+}
+
+TEST_F(C3dForces, OfTwelveChannels) {
+  const Posts posts;
+  PlateFile file;
+  file.type = 6;
+  for (int axis = 0; axis < 3; ++axis)
+    for (std::size_t post = 1; post <= 4; ++post) file.channels.push_back(posts.Sum(axis, {post}));
+  file.their_units = std::vector<std::string>(12, "N");
+  file.instead["FORCE_PLATFORM:ORIGIN"] = {200, 250, 40};
+  const exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
+  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+}
+
+TEST_F(C3dForces, WithTheCentreOfPressureAndTheFreeMoment) {
+  PlateFile file;
+  file.type = 1;  // x is the laboratory's, y and z are turned; the middle of the surface is at (1, 0.5, 0) m
+  const double free_nm = 3;
+  file.channels = {kForce_n.x(), -kForce_n.y(), -kForce_n.z(), 50, 50, -free_nm};
+  file.their_units = {"N", "N", "N", "mm", "mm", "Nm"};
+  const Eigen::Vector3d middle_m(1, 0.5, 0),
+      moment_nm = (kActsAt_m - middle_m).cross(kForce_n) + Eigen::Vector3d(0, 0, free_nm);
+  exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+  EXPECT_LT((read.plates.at(0).force_n[3] - kForce_n).norm(), 1e-3);
+  EXPECT_LT((read.plates.at(0).moment_nm[3] - moment_nm).norm(), 1e-3);
+  EXPECT_LT((read.plates.at(0).point_m[3] - middle_m).norm(), 1e-6);
+  file.channels[3] = file.channels[4] = 5;
+  file.their_units[3] = file.their_units[4] = "cm";
+  read = exchange::ReadGroundForces(Write(file));
+  EXPECT_LT((read.plates.at(0).moment_nm[3] - moment_nm).norm(), 1e-3);
+}
+
+TEST_F(C3dForces, AreCheckedByTheCentreOfPressure) {
+  PlateFile file;
+  file.channels = std::vector<double>(6);
+  const Eigen::Vector3d turned(1, -1, -1), force = turned.cwiseProduct(kForce_n),
+                                           moment = 1000 * turned.cwiseProduct(kMoment_nm);
+  for (int i = 0; i < 3; ++i) file.channels[i] = force[i], file.channels[3 + i] = moment[i];
+  file.their_units = {"N", "N", "N", "Nm", "Nm", "Nm"};  // they are in N mm
+  exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+  EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("its moments are taken to be in N mm")));
+  EXPECT_LT((read.plates.at(0).moment_nm[3] - kMoment_nm).norm(), 1e-3);
+  file.instead["FORCE_PLATFORM:CORNERS"] = {5200, 200, 0, 4800, 200, 0, 4800, 800, 0, 5200, 800, 0};
+  file.channels[4] = -3e6;
+  read = exchange::ReadGroundForces(Write(file));
+  EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("the force acts beyond its edges")));
+}
+
+TEST_F(C3dForces, WithoutAnyPoint) {
+  PlateFile file;
+  file.points = 0;
+  file.frames = 40;
+  const exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+  EXPECT_EQ(read.time_s.size(), 80u);
+  EXPECT_LT((read.plates.at(0).force_n.back() - kForce_n).norm(), 1e-3);
+  EXPECT_TRUE(exchange::HoldsOnlyForces(folder_ / "plate.c3d"));
+  EXPECT_THAT(MessageOf([&] { exchange::ReadPoints(folder_ / "plate.c3d"); }),
+              testing::AllOf(HasSubstr("holds no markers"), HasSubstr("--forces")));
+  file.points = 1;
+  EXPECT_FALSE(exchange::HoldsOnlyForces(Write(file)));
+}
+
 TEST_F(C3dForces, ThatContradictThemselvesAreRefused) {
   const auto with = [](const std::string& name, const std::vector<double>& values) {
     PlateFile file;
@@ -230,16 +358,16 @@ TEST_F(C3dForces, ThatContradictThemselvesAreRefused) {
     return file;
   };
   ExpectRefused(with("FORCE_PLATFORM:USED", {0}), "no force plates");
-  ExpectRefused(with("FORCE_PLATFORM:TYPE", {3}), "plate 1 is of type 3; types 2 and 4 are read");
+  ExpectRefused(with("FORCE_PLATFORM:TYPE", {5}), "plate 1 is of type 5; types 1, 2, 3, 4 and 6 are read");
   ExpectRefused(with("FORCE_PLATFORM:CHANNEL", {1, 2, 3, 4, 5, 7}), "has channel 7, of 6");
   ExpectRefused(with("FORCE_PLATFORM:CORNERS", std::vector<double>(12, 0)), "plate 1 has no corners");
   ExpectRefused(with("FORCE_PLATFORM:CORNERS", {4, 0, 0, 3, 0, 0, 2, 0, 0, 1, 0, 0}), "they lie in one line");
   ExpectRefused(with("ANALOG:USED", {0}), "no analogue channels");
-  ExpectRefused(with("ANALOG:USED", {2.5}), "ANALOG:USED is 2.5, not a count");
+  ExpectRefused(with("ANALOG:USED", {2.5}), "no analogue channels");
   ExpectRefused(with("ANALOG:SCALE", {1, 1}), "fewer values than the 6 channels");
   PlateFile unplaced;
   unplaced.without = {"FORCE_PLATFORM:ORIGIN"};
-  ExpectRefused(unplaced, "no parameter FORCE_PLATFORM:ORIGIN");
+  ExpectRefused(unplaced, "FORCE_PLATFORM:ORIGIN has 0 values");
 }
 
 TEST_F(C3dForces, OfAPlateThatCannotBeReadLeaveTheOthers) {
@@ -282,7 +410,7 @@ TEST_F(C3dForces, WhereTheFileContradictsItselfItsSizeDecides) {
   file.instead["POINT:USED"] = {4};
   EXPECT_THAT(at_the_end(), testing::ElementsAre(HasSubstr("points: 4 by POINT:USED, 1 by the header")));
   file.instead = {{"POINT:LONG_FRAMES", {4000}}};
-  EXPECT_THAT(MessageOf([&] { exchange::ReadC3d(Write(file)); }), HasSubstr("cut off"));
+  EXPECT_THAT(at_the_end(), testing::ElementsAre(HasSubstr("is cut off: 40 of 4000 frames")));
 }
 
 // What a plate measures without anybody on it: in the frames that ZERO names, else where there is no contact.
@@ -355,11 +483,19 @@ TEST(GroundForceTables, WhoseTimesOrColumnsAreWrongAreRefused) {
     return MessageOf([&] { exchange::ReadGroundForces(folder / "f.mot"); });
   };
   const std::string all = "\tg_vx\tg_vy\tg_vz\tg_px\tg_py\tg_pz", zeros = "\t0\t0\t0\t0\t0\t0\n";
-  EXPECT_THAT(message(all, "0.1" + zeros + "0.1" + zeros), HasSubstr("row 2: time 0.1 s does not follow"));
+  EXPECT_EQ(message(all, "0.1" + zeros + "0.1" + zeros), "no error");
+  EXPECT_THAT(exchange::ReadGroundForces(folder / "f.mot").warnings,
+              testing::ElementsAre(HasSubstr("rows"), HasSubstr("f.mot:9: a row without a time that follows")));
   EXPECT_THAT(message("\tknee", "0\t1\n1\t1\n"), HasSubstr("no ground forces"));
   EXPECT_THAT(message("\tg_vx\tg_vy\tg_px\tg_py\tg_pz", "0\t0\t0\t0\t0\t0\n1\t0\t0\t0\t0\t0\n"),
               HasSubstr("of g_vx, y and z one is missing"));
-  EXPECT_THAT(message("\tg_vx\tg_vy\tg_vz", "0\t0\t0\t0\n1\t0\t0\t0\n"), HasSubstr("no point where it acts (g_px)"));
+  EXPECT_EQ(message("\tg_vx\tg_vy\tg_vz", "0\t0\t700\t0\n1\t0\t700\t0\n"), "no error");
+  const auto without_point = exchange::ReadGroundForces(folder / "f.mot");  // of use to lake sync
+  EXPECT_EQ(without_point.plates.at(0).force_n.at(1).y(), 700);
+  EXPECT_THAT(MessageOf([&] {
+                exchange::PlateOf(without_point, {{"left", 1}}, "left", "f.mot");
+              }),
+              HasSubstr("no point where it acts (g_px)"));
   EXPECT_THAT(MessageOf([&] { exchange::ReadGroundForces("forces.txt"); }), HasSubstr("not from '.txt'"));
 }
 

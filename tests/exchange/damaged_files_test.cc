@@ -2,6 +2,7 @@
 // and led by coverage, in tests/fuzz.
 #include <gmock/gmock.h>
 
+#include <map>
 #include <random>
 
 #include "lake/core/atomic_file.h"
@@ -19,8 +20,20 @@ void ReadAny(const fs::path& path) {
   if (path.extension() == ".mot")
     exchange::ReadMot(path);
   else
-    exchange::ReadPoints(path, 1, 50);
+    exchange::ReadPoints(path, {.rate_hz = 50});
 }
+
+// Of programs whose files lake does not write.
+const std::map<std::string, std::string> kTexts = {
+    {"dltdv.csv", "pt1_cam1_X,pt1_cam1_Y,pt2_cam1_X,pt2_cam1_Y\n1,2,3,4\nNaN,NaN,5,6\n7,8,9,10\n"},
+    {"xypts.tsv", "row\tcolumn\tvalue\n3\t2\t0\n1\t1\t10.5\n1\t2\t20\n2\t1\t11\n2\t2\t21\n"},
+    {"deeplabcut.csv",
+     "scorer,S,S,S\nbodyparts,knee,knee,knee\ncoords,x,y,likelihood\n0,100.5,90.2,0.99\n1,100.6,90.2,0.99\n"},
+    {"sleap.csv", "track,frame_idx,instance.score,knee.x,knee.y,knee.score\n,0,0.9,10,20,0.8\n,2,0.9,11,21,0.7\n"},
+    {"motive.csv",
+     "Format Version,1.23,Length Units,Meters\n\n,Type,Marker,Marker,Marker\n,Name,a,a,a\n,ID,1,1,1\n"
+     ",,Position,Position,Position\nFrame,Time (Seconds),X,Y,Z\n0,0.000,0.1,0.2,0.3\n1,0.010,0.1,0.2,0.4\n"},
+    {"kinovea.txt", "#Kinovea Trajectory data export\n#T X Y\n\n# ankle\n0.000 77,20 -21,97 \n0.008 77,19 -21,96 \n"}};
 
 class DamagedFiles : public testing::TestWithParam<const char*> {
  protected:
@@ -32,8 +45,8 @@ class DamagedFiles : public testing::TestWithParam<const char*> {
         MakePoints(in_image ? exchange::PointSpace::kImage : exchange::PointSpace::kPlane, 12, 3, 6);
     if (name.ends_with(".mot"))
       exchange::WriteMot(path, {"knee", true, {"a", "b"}, {0, 0.1, 0.2}, {{1, 2}, {3, std::nan("")}, {5, 6}}});
-    else if (name == "dltdv.csv")
-      WriteFile(path, "pt1_cam1_X,pt1_cam1_Y,pt2_cam1_X,pt2_cam1_Y\n1,2,3,4\nNaN,NaN,5,6\n7,8,9,10\n");
+    else if (const auto text = kTexts.find(name); text != kTexts.end())
+      WriteFile(path, text->second);
     else if (name.ends_with(".trz")) {
       exchange::WritePoints(folder_ / "inner.trk", points);
       WriteZip(path, "inner.trk", ReadTextFile(folder_ / "inner.trk"));
@@ -94,7 +107,8 @@ TEST_P(DamagedFiles, CutAnywhereNeverCrash) {
 
 INSTANTIATE_TEST_SUITE_P(, DamagedFiles,
                          testing::Values("a.trc", "a.c3d", "a.txt", "a.trk", "a.trz", "a_kinovea.csv", "a.kva",
-                                         "lake.csv", "dltdv.csv", "a.mot"),
+                                         "lake.csv", "dltdv.csv", "xypts.tsv", "deeplabcut.csv", "sleap.csv",
+                                         "motive.csv", "kinovea.txt", "a.mot"),
                          [](const auto& info) {
                            std::string name = info.param;
                            std::replace(name.begin(), name.end(), '.', '_');

@@ -88,19 +88,20 @@ TEST_F(Formats, TrcOfCortexHasMoreMarkersThanItsHeaderSays) {
   ASSERT_EQ(points.points.size(), 2u);
   EXPECT_EQ(points.Find("V_Hip")->positions[0], Eigen::Vector3d(4, 5, 6));
   ASSERT_EQ(points.warnings.size(), 1u);
-  EXPECT_THAT(points.warnings[0], testing::HasSubstr("says 1 markers, but there are names and columns of 2"));
+  EXPECT_THAT(points.warnings[0], testing::HasSubstr("says 1 markers, but there are 2 markers"));
   // Labels of the measured markers only; the virtual one is missing at the first row's end.
   const exchange::PointRecording unlabelled = exchange::ReadTrc(Write(
       "u.trc", std::string(kTrcHead) + "100\t100\t2\t1\tmm\t100\t1\t2\nFrame#\tTime\tA\t\t\tB\t\t\n\t\tX1\tY1\tZ1\n\n"
                                        "1\t0\t1\t2\t3\t\t\t\n2\t0.01\t1\t2\t3\t4\t5\t6\n"));
   EXPECT_FALSE(unlabelled.Find("B")->positions[0].allFinite());
   EXPECT_EQ(unlabelled.Find("B")->positions[1], Eigen::Vector3d(4, 5, 6));
-  // Names without columns are damage.
+  // A name without columns is a marker that is never seen.
   EXPECT_THAT(
-      MessageOf([&] {
-        exchange::ReadTrc(Write("d.trc", head + "Frame#\tTime\tA\t\t\tB\t\t\n\t\tX1\tY1\tZ1\n\n1\t0\t1\t2\t3\n"));
+      SaidOf([&] {
+        return exchange::ReadTrc(Write("d.trc", head + "Frame#\tTime\tA\t\t\tB\t\t\n\t\tX1\tY1\tZ1\n\n1\t0\t1\t2\t3\n"))
+            .warnings;
       }),
-      testing::HasSubstr("2 names, but NumMarkers is 1"));
+      testing::HasSubstr("says 1 markers, but there are 2"));
 }
 
 TEST_F(Formats, TrcZerosAreAMissingMarker) {
@@ -190,19 +191,20 @@ TEST_F(Formats, TrcErrorsSayWhere) {
   const std::string head = kTrcHead, values = "100\t100\t1\t1\tmm\t100\t1\t1\n",
                     names = "Frame#\tTime\tA\n\t\tX1\tY1\tZ1\n";
   const auto message = [&](const std::string& text) {
-    return MessageOf([&] { exchange::ReadTrc(Write("e.trc", text)); });
+    return SaidOf([&] { return exchange::ReadTrc(Write("e.trc", text)).warnings; });
   };
-  EXPECT_THAT(message("hello"), testing::HasSubstr("PathFileType"));
-  EXPECT_THAT(message(""), testing::HasSubstr("PathFileType"));
+  EXPECT_THAT(message("hello"), testing::HasSubstr("no row of labels"));
+  EXPECT_THAT(message(""), testing::HasSubstr("no row of labels"));
   EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\tthree\n"),
               testing::AllOf(testing::HasSubstr("e.trc:6"), testing::HasSubstr("three")));
   EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\t3\t4\n"), testing::HasSubstr("e.trc:6"));
   EXPECT_THAT(message(head + values + names + "1\tinf\t1\t2\t3\n"), testing::HasSubstr("e.trc:6"));
-  EXPECT_THAT(message(head + values + names), testing::HasSubstr("cut off"));
-  EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\t3\n2\t0\t1\t2\t3\n"),
-              testing::HasSubstr("does not increase"));
-  EXPECT_THAT(message(head + "100\t100\t1\t99999999999\tmm\t100\t1\t1\n" + names), testing::HasSubstr("NumMarkers"));
-  EXPECT_THAT(message(head + "100\t100\t1\t2\tmm\t100\t1\t1\n" + names), testing::HasSubstr("1 names"));
+  EXPECT_THAT(message(head + values + names), testing::HasSubstr("no row with a time"));
+  EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\t3\n2\t0\t1\t2\t3\n"), testing::HasSubstr("does not follow"));
+  EXPECT_THAT(message(head + "100\t100\t1\t99999999999\tmm\t100\t1\t1\n" + names + "1\t0\t1\t2\t3\n"),
+              testing::HasSubstr("NumMarkers"));
+  EXPECT_THAT(message(head + "100\t100\t1\t2\tmm\t100\t1\t1\n" + names + "1\t0\t1\t2\t3\n"),
+              testing::HasSubstr("says 2 markers, but there are 1"));
   EXPECT_THAT(message(head + "100\t100\t1\t1\tfurlong\t100\t1\t1\n" + names), testing::HasSubstr("furlong"));
   EXPECT_THAT(message(std::string("PathFileType\0\0", 14)), testing::HasSubstr("not a text file"));
   EXPECT_THAT(
@@ -268,7 +270,7 @@ TEST_F(Formats, C3dErrors) {
   exchange::WriteC3d(folder_ / "a.c3d", MakePoints(exchange::PointSpace::kSpace, 20, 3, 5));
   const std::string good = ReadTextFile(folder_ / "a.c3d");
   const auto message = [&](const std::string& bytes) {
-    return MessageOf([&] { exchange::ReadC3d(Write("e.c3d", bytes)); });
+    return SaidOf([&] { return exchange::ReadC3d(Write("e.c3d", bytes)).warnings; });
   };
   EXPECT_THAT(message(""), testing::HasSubstr("not a C3D file"));
   EXPECT_THAT(message(std::string(2000, 'x')), testing::HasSubstr("not a C3D file"));
@@ -336,15 +338,14 @@ TEST_F(Formats, MotSaysTheUnitOfAnglesInSeveralWays) {
 
 TEST_F(Formats, MotErrorsSayWhere) {
   const auto message = [&](const std::string& text) {
-    return MessageOf([&] { exchange::ReadMot(Write("e.mot", text)); });
+    return SaidOf([&] { return exchange::ReadMot(Write("e.mot", text)).warnings; });
   };
   EXPECT_THAT(message("x\ninDegrees=yes\n"), testing::HasSubstr("endheader"));
   EXPECT_THAT(message("x\nendheader\n"), testing::HasSubstr("labels"));
   EXPECT_THAT(message("x\nendheader\nknee\ttime\n"), testing::HasSubstr("not time"));
-  EXPECT_THAT(message("x\nnColumns=3\nendheader\ntime\ta\n0\t1\n"), testing::HasSubstr("3 columns"));
+  EXPECT_THAT(message("x\nnColumns=3\nendheader\ntime\ta\n0\t1\n"), testing::HasSubstr("the header says 3"));
   EXPECT_THAT(message("x\nendheader\ntime\ta\n0\t1\t2\n"), testing::HasSubstr("e.mot:4"));
-  EXPECT_THAT(message("x\nnRows=2\nendheader\ntime\ta\n0\t1\n"), testing::HasSubstr("cut off"));
-  EXPECT_THAT(message("x\nnRows=-2\nendheader\ntime\ta\n0\t1\n"), testing::HasSubstr("e.mot:2"));
+  EXPECT_THAT(message("x\nnRows=2\nendheader\ntime\ta\n0\t1\n"), testing::HasSubstr("1 rows, but the header says 2"));
 }
 
 TEST_F(Formats, TrackerTextReadsBack) {
@@ -373,14 +374,13 @@ TEST_F(Formats, TrackerTextDialects) {
   EXPECT_NEAR(points.Find("hip")->positions[1].y(), 4000, 1e-9);
   EXPECT_EQ(exchange::ReadTrackerText(Write("s.txt", "mass A\nt\tx\ty\n0\t1\t2\n1\t3\t4\n")).points[0].name, "mass A");
   EXPECT_THAT(MessageOf([&] { exchange::ReadTrackerText(Write("e.txt", "a\tb\tc\n")); }), testing::HasSubstr("labels"));
-  EXPECT_THAT(MessageOf([&] { exchange::ReadTrackerText(Write("e.txt", "t\tx\ty\n0\t1\tz\n")); }),
+  EXPECT_THAT(SaidOf([&] { return exchange::ReadTrackerText(Write("e.txt", "t\tx\ty\n0\t1\tz\n")).warnings; }),
               testing::HasSubstr("e.txt:2"));
 }
 
 TEST_F(Formats, KinoveaReadsBackInBothLocales) {
   const exchange::PointRecording written = MakePoints(exchange::PointSpace::kPlane, 30, 3, 8);
   exchange::WriteKinovea(folder_ / "a.csv", written);
-  EXPECT_TRUE(exchange::IsKinovea(folder_ / "a.csv"));
   ExpectSame(written, exchange::ReadKinovea(folder_ / "a.csv"), 0);
   const exchange::PointRecording comma =
       exchange::ReadKinovea(Write("k.csv",
@@ -399,9 +399,7 @@ TEST_F(Formats, KinoveaErrorsSayWhere) {
   };
   EXPECT_THAT(message(""), testing::HasSubstr("empty"));
   EXPECT_THAT(message("\"Time\",\"a/0/X\"\n"), testing::HasSubstr("a/0/Y"));
-  EXPECT_THAT(message("\"Time\",\"a/0/X\",\"a/0/Y\"\n\"0\",\"1\"\n"), testing::HasSubstr("e.csv:2"));
   EXPECT_THAT(message("\"Time\",\"a/0/X\",\"a/0/Y\"\n\"0:00:01\",\"1\",\"2\"\n"), testing::HasSubstr("0:00:01"));
-  EXPECT_THAT(message("\"Time\",\"a/0/X\",\"a/0/Y\"\n\"0\",\"1\",\"2\n"), testing::HasSubstr("quote"));
 }
 
 }  // namespace

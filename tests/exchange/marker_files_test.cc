@@ -27,7 +27,7 @@ class MarkerFiles : public testing::Test {
     WriteTextFile(folder_ / ("markers/" + name + ".txt"), text);
   }
 
-  PointRecording Read(double mm_per_unit = 1) { return ReadPoints(folder_ / "markers", mm_per_unit); }
+  PointRecording Read(double mm_per_unit = 1) { return ReadPoints(folder_ / "markers", {.mm_per_unit = mm_per_unit}); }
 
   TemporaryFolder folder_;
 };

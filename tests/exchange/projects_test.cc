@@ -6,7 +6,7 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/utf8.h"
-#include "lake/exchange/dltdv.h"
+#include "lake/exchange/formats.h"
 #include "lake/exchange/kinovea.h"
 #include "lake/exchange/tracker.h"
 #include "recordings.h"
@@ -171,8 +171,8 @@ TEST(KinoveaAnnotations, ErrorsSayWhatIsWrong) {
               testing::HasSubstr("CaptureFramerate"));
   EXPECT_THAT(message(Kva(kKvaHead, "", "")), testing::HasSubstr("no track"));
   EXPECT_THAT(message(Kva(kKvaHead, "", "<TrackPoint>1;2</TrackPoint>")), testing::HasSubstr("x;y;timestamp"));
-  EXPECT_THAT(message(Kva(kKvaHead, "", "<TrackPoint>1;b;2002</TrackPoint>")), testing::HasSubstr("'b'"));
-  EXPECT_THAT(message(Kva(kKvaHead, "", "<TrackPoint>1;2;-9002</TrackPoint>")), testing::HasSubstr("outside"));
+  EXPECT_THAT(message(Kva(kKvaHead, "", "<TrackPoint>1;b;2002</TrackPoint>")), testing::HasSubstr("'1;b;2002'"));
+  EXPECT_THAT(message(Kva(kKvaHead, "", "<TrackPoint>1;2;-9002</TrackPoint>")), testing::HasSubstr("of the video"));
   EXPECT_THAT(message(Kva(kKvaHead, "", "<TrackPoint>1;2;9009009000</TrackPoint>")),
               testing::HasSubstr("such long video"));
 }
@@ -192,25 +192,25 @@ TEST(Projects, AreUtf8WhateverTheVideosNameIs) {
 
 TEST(Dltdv, PointsOfOneCameraAndOfTwo) {
   const TemporaryFolder folder;
-  const exchange::PointRecording one = exchange::ReadDltdv(
+  const exchange::PointRecording one = exchange::ReadPoints(
       WriteFile(folder / "axypts.csv",
                 "\xEF\xBB\xBFpt1_cam1_X,pt1_cam1_Y,pt2_cam1_X,pt2_cam1_Y\r\n1,1,NaN,NaN\r\n3.5,2,11,12\r\n"),
-      50);
-  EXPECT_TRUE(exchange::IsDltdv(folder / "axypts.csv"));
+      {.rate_hz = 50});
   EXPECT_EQ(one.space, exchange::PointSpace::kImage);
   EXPECT_EQ(one.Find("pt1")->positions[0], Eigen::Vector3d(0, 0, 0));  // the first pixel is 1
   EXPECT_EQ(one.Find("pt1")->positions[1], Eigen::Vector3d(2.5, 1, 0));
   EXPECT_FALSE(one.Find("pt2")->positions[0].allFinite());
   EXPECT_EQ(one.time_s[1], 0.02);
-  const exchange::PointRecording two =
-      exchange::ReadDltdv(WriteFile(folder / "b.csv", "pt1_cam1_X,pt1_cam1_Y,pt1_cam2_X,pt1_cam2_Y\n1,2,3,4\n"), 50);
+  const exchange::PointRecording two = exchange::ReadPoints(
+      WriteFile(folder / "b.csv", "pt1_cam1_X,pt1_cam1_Y,pt1_cam2_X,pt1_cam2_Y\n1,2,3,4\n"), {.rate_hz = 50});
   EXPECT_EQ(two.Find("pt1_cam2")->positions[0], Eigen::Vector3d(2, 3, 0));
 }
 
 TEST(Dltdv, ErrorsSayWhere) {
   const TemporaryFolder folder;
   const auto message = [&](const std::string& text, double rate_hz = 50) {
-    return MessageOf([&] { exchange::ReadDltdv(WriteFile(folder / "e.csv", text), rate_hz); });
+    return SaidOf(
+        [&] { return exchange::ReadPoints(WriteFile(folder / "e.csv", text), {.rate_hz = rate_hz}).warnings; });
   };
   EXPECT_THAT(message("pt1_cam1_X,pt1_cam1_Y\n1,2\n", 0), testing::HasSubstr("--rate"));
   EXPECT_THAT(message("pt1_cam1_X,pt1_cam1_Y\n1,2,3\n"), testing::HasSubstr("e.csv:2"));

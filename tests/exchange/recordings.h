@@ -62,6 +62,15 @@ inline std::string MessageOf(const std::function<void()>& action) {
   return "no error";
 }
 
+// The error of a reader, or the warnings of what it read.
+inline std::string SaidOf(const std::function<std::vector<std::string>()>& read) {
+  std::string said;
+  const std::string error = MessageOf([&] {
+    for (const std::string& warning : read()) said += warning + "; ";
+  });
+  return said.empty() ? error : said;
+}
+
 // Anew, as file systems write to the disk at once what was cut to nothing and is written again: thousands of damaged
 // files would wait for it.
 inline std::filesystem::path WriteFile(const std::filesystem::path& path, const std::string& text) {

@@ -28,7 +28,8 @@ exchange::PointRecording ReadMarkers(const AxisRunOptions& options) {
   reading.mm_per_unit = options.mm_per_unit;
   reading.rate_hz = options.rate_hz;
   exchange::CheckNoneIsUnused(options.trial, exchange::UnusedOptions(options.trial, reading));
-  return exchange::PointsInPlane(exchange::ReadPoints(options.trial, options.mm_per_unit, options.rate_hz));
+  return exchange::PointsInPlane(
+      exchange::ReadPoints(options.trial, {.mm_per_unit = options.mm_per_unit, .rate_hz = options.rate_hz}));
 }
 
 std::size_t WindowFrames(const AxisRunOptions& options, const exchange::PointRecording& points) {

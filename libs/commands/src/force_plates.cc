@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -56,14 +57,18 @@ void WarnOfSwappedPlates(const exchange::GroundForceRecording& forces, const exc
                          const std::string& way_out, Run& run) {
   if (!trial.plane_from_space) return;
   const Vector3d up = trial.plane_from_space->row(1);
-  const Vector3d ankle_m = MeanAnkle(exchange::RenamePoints(
-      exchange::ReadPoints(trial.file, reading.mm_per_unit, reading.rate_hz), reading.names, trial.file));
+  const Vector3d ankle_m =
+      MeanAnkle(exchange::RenamePoints(exchange::ReadPoints(trial.file, reading.Reading()), reading.names, trial.file));
   const auto distance_mm = [&](const exchange::PlateForces& p) {
     const std::optional<Vector3d> point_m = MeanPoint(p, up);
     if (!point_m) return std::numeric_limits<double>::infinity();
     const Vector3d apart_m = *point_m - ankle_m;
     return kMmPerM * (apart_m - apart_m.dot(up) * up).norm();
   };
+  constexpr double kFarthest_mm = 400;  // of a foot's own force from its ankle: a foot's length and more
+  if (const double apart_mm = distance_mm(plate); apart_mm > kFarthest_mm && std::isfinite(apart_mm))
+    run.Warn("the force of {} acts {:.0f} mm from the {} ankle: do plates and markers have the same axes and units?",
+             plate.name, apart_mm, leg);
   const exchange::PlateForces* nearest = &plate;
   for (const exchange::PlateForces& other : forces.plates)
     if (distance_mm(other) < distance_mm(*nearest)) nearest = &other;

@@ -37,7 +37,7 @@ exchange::PointRecording PointsOf(const exchange::TrialOptions& reading, const e
         trial.file.string());
   const exchange::PointRecording points = reading.names.empty() && !trial.plane_from_space
                                               ? exchange::PointsFromMarkers(trial.recording)
-                                              : exchange::ReadPoints(trial.file, reading.mm_per_unit, reading.rate_hz);
+                                              : exchange::ReadPoints(trial.file, reading.Reading());
   return exchange::PointsInPlane(points);
 }
 

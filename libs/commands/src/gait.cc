@@ -13,6 +13,7 @@
 #include "lake/gait/sit_to_stand.h"
 #include "lake/motion/saved_corrections.h"
 #include "measure_tables.h"
+#include "model_output.h"
 #include "movement_tables.h"
 #include "png_and_svg.h"
 #include "range_limit.h"
@@ -151,6 +152,11 @@ void Describe(GaitRunOptions& o, OptionList& options) {
            "A mechanism's markers: is its knee shown to keep within these limits? range_limit.csv and .html")
       .Unit("degrees")
       .Value("LOW,HIGH");
+  options
+      .Add("compare-with", o.compare_with,
+           "An angle of another program's model in the same C3D, beside the knee angle: model_output.csv")
+      .Value("LKneeAngles")
+      .Otherwise("none");
   options.Check([&o](const OptionList&) {
     if (o.range_limit_deg && !((*o.range_limit_deg)[0] < (*o.range_limit_deg)[1]))
       throw UsageError("--range-limit {},{}: the lower limit first", (*o.range_limit_deg)[0], (*o.range_limit_deg)[1]);
@@ -158,8 +164,7 @@ void Describe(GaitRunOptions& o, OptionList& options) {
 }
 
 void DescribeTrialFit(GaitRunOptions& o, OptionList& options) {
-  options.AddOperand("trial", o.trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
-      .Required();
+  options.AddOperand("trial", o.trial, "A lake-track folder, or " + exchange::ReadableEndings()).Required();
   Describe(o.reading, options);
   Describe(static_cast<gait::PictureScale&>(o), options);
   gait::DescribeFacing(o.fit, options);
@@ -255,10 +260,12 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (options.events)
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
-  run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "sit_to_stand.html", "gait_cycles.csv",
-             "gait_cycles.png", "gait_cycles.svg", "squats.csv", "uncertainty_budget.csv", "range_limit.csv",
-             "range_limit.html", "trajectory.csv", "tracks.csv", "gait.png", "gait.svg", "measures.csv", "measures.png",
-             "measures.svg"});
+  const std::vector<double> model_deg =
+      options.compare_with.empty() ? std::vector<double>{} : ModelAngle(trial, options.compare_with);
+  run.Begin({"summary.json",    "kinematics.csv",   "events.csv",       "sit_to_stand.csv", "sit_to_stand.html",
+             "gait_cycles.csv", "gait_cycles.png",  "gait_cycles.svg",  "squats.csv",       "uncertainty_budget.csv",
+             "range_limit.csv", "range_limit.html", "model_output.csv", "trajectory.csv",   "tracks.csv",
+             "gait.png",        "gait.svg",         "measures.csv",     "measures.png",     "measures.svg"});
   if (measures_alone) return MeasureWithoutLeg(trial, options, run);
   gait::LegFitResult result = FitTrial(trial, options.fit, run, options, options.events, options);
   SetNeutral(options, trial, options.reading, options.fit, run, result);
@@ -275,7 +282,10 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (result.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
-  DrawPngAndSvg("gait", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, result); });
+  if (!model_deg.empty()) WriteModelOutput(options.compare_with, model_deg, result.motion, results, run);
+  DrawPngAndSvg("gait", run, [&](const std::filesystem::path& path) {
+    figure::DrawLegFigure(path, result, {.name = options.compare_with, .angle_deg = model_deg});
+  });
   results.update(gait::LegFitJson(result));
   LearnKnee(result, options.fit, trial.lateral_mm, results, run);
   WriteMeasures(result.measured, options.measures, results, run);

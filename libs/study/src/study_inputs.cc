@@ -48,7 +48,7 @@ class InputReader {
 };
 
 void CheckCamera(const InputReader& reader, const char* key, const std::optional<fs::path>& camera) {
-  reader.Check(key, camera, camera::ReadCameraProfile);
+  reader.Check(key, camera, [](const fs::path& file) { camera::ReadCameraProfile(file); });
 }
 
 // A marker's place in the picture is held against the picture by the step itself.

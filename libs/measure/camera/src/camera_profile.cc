@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "camera_formats.h"
 #include "lake/camera/camera.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
@@ -21,12 +22,18 @@ struct Source {
   const cv::FileStorage& file;
   std::string name;
 
-  bool Has(const char* key) const { return !file[key].empty(); }
+  // Old samples of OpenCV begin the words of their keys with capitals.
+  cv::FileNode Node(const std::string& key) const {
+    for (const cv::FileNode& node : file.root())
+      if (cv::toLowerCase(node.name()) == key) return node;
+    return {};
+  }
+  bool Has(const char* key) const { return !Node(key).empty(); }
 };
 
 // A matrix, or a plain list, of finite numbers.
 cv::Mat1d ReadMatrix(const Source& source, const char* key) {
-  const cv::FileNode node = source.file[key];
+  const cv::FileNode node = source.Node(key);
   if (node.empty()) throw Fail("{}: no key '{}'", source.name, key);
   cv::Mat matrix;
   try {
@@ -55,7 +62,7 @@ Eigen::Matrix<double, N, 1> ReadVector(const Source& source, const char* key) {
 }
 
 double ReadNumber(const Source& source, const char* key) {
-  const cv::FileNode node = source.file[key];
+  const cv::FileNode node = source.Node(key);
   if (!node.isReal() && !node.isInt()) throw Fail("{}: no number '{}'", source.name, key);
   const double value = static_cast<double>(node);
   if (!std::isfinite(value)) throw Fail("{}: '{}' is not finite", source.name, key);
@@ -63,48 +70,29 @@ double ReadNumber(const Source& source, const char* key) {
 }
 
 int ReadSize(const Source& source, const char* key) {
-  if (!source.file[key].isInt()) throw Fail("{}: no whole number '{}'", source.name, key);
-  const int size = static_cast<int>(source.file[key]);
+  if (!source.Node(key).isInt()) throw Fail("{}: no whole number '{}'", source.name, key);
+  const int size = static_cast<int>(source.Node(key));
   if (size <= 0 || size > 1 << 16) throw Fail("{}: '{}' is {}, not the size of a picture", source.name, key, size);
   return size;
 }
 
-void ReadIntrinsics(const Source& source, Camera& camera) {
+Camera ReadCamera(const Source& source) {
+  CameraFacts facts;
+  facts.width_px = ReadSize(source, "image_width");
+  facts.height_px = ReadSize(source, "image_height");
   const cv::Mat1d k = ReadMatrix(source, "camera_matrix");
   if (k.rows != 3 || k.cols != 3) throw Fail("{}: 'camera_matrix' is {}x{}, not 3x3", source.name, k.rows, k.cols);
-  camera.fx = k(0, 0);
-  camera.fy = k(1, 1);
-  camera.cx = k(0, 2);
-  camera.cy = k(1, 2);
-  if (camera.fx <= 0 || camera.fy <= 0)
-    throw Fail("{}: a focal length in 'camera_matrix' is not positive", source.name);
-  if (k(0, 1) != 0 || k(1, 0) != 0 || k(2, 0) != 0 || k(2, 1) != 0 || k(2, 2) != 1)
-    throw Fail("{}: 'camera_matrix' must be [fx 0 cx; 0 fy cy; 0 0 1]; skew is not understood", source.name);
-}
-
-// `distortion_model: fisheye`, or OpenCV's calibration sample's `fisheye_model: 1`.
-bool IsFisheye(const Source& source) {
-  const cv::FileNode model = source.file["distortion_model"], flag = source.file["fisheye_model"];
-  if (!model.empty()) {
-    const std::string name = model.isString() ? static_cast<std::string>(model) : "";
-    if (name != "fisheye" && name != "brown_conrady")
-      throw Fail("{}: 'distortion_model' is neither fisheye nor brown_conrady", source.name);
-    return name == "fisheye";
-  }
-  return flag.isInt() && static_cast<int>(flag) != 0;
-}
-
-void ReadDistortion(const Source& source, Camera& camera) {
+  if (k(1, 0) != 0 || k(2, 0) != 0 || k(2, 1) != 0 || k(2, 2) != 1)
+    throw Fail("{}: 'camera_matrix' must be [fx 0 cx; 0 fy cy; 0 0 1]", source.name);
+  facts.matrix << k(0, 0), k(0, 1), k(0, 2), 0, k(1, 1), k(1, 2), 0, 0, 1;
   const cv::Mat1d d = ReadMatrix(source, "distortion_coefficients");
-  const bool fisheye = IsFisheye(source);
-  const std::size_t count = std::min(d.rows, d.cols) == 1 ? d.total() : 0;
-  if (fisheye ? count != 4 && count != 5 : count != 4 && count != 5 && count != 8 && count != 12 && count != 14)
-    throw Fail("{}: 'distortion_coefficients' is {}x{}; {} are needed", source.name, d.rows, d.cols,
-               fisheye ? "k1 k2 k3 k4 of a fisheye" : "k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [τx τy]]]]");
-  camera.model = fisheye ? LensModel::kFisheye : LensModel::kBrownConrady;
-  for (std::size_t i = 0; i < count; ++i) (i < 5 ? camera.distortion[i] : camera.more[i - 5]) = d.ptr<double>()[i];
-  if (fisheye && camera.distortion[4] != 0)
-    throw Fail("{}: a fisheye has four 'distortion_coefficients', and the fifth is not 0", source.name);
+  if (std::min(d.rows, d.cols) != 1)
+    throw Fail("{}: 'distortion_coefficients' is {}x{}, not a list", source.name, d.rows, d.cols);
+  facts.coefficients.assign(d.begin(), d.end());
+  const cv::FileNode model = source.Node("distortion_model"), flag = source.Node("fisheye_model");
+  facts.model = flag.isInt() && static_cast<int>(flag) != 0 ? "fisheye" : "";
+  if (!model.empty()) facts.model = model.isString() ? static_cast<std::string>(model) : "?";
+  return CameraOf(facts, source.name);
 }
 
 PlanePose ReadPlane(const Source& source) {
@@ -124,10 +112,7 @@ PlanePose ReadPlane(const Source& source) {
 
 CameraProfile ReadProfile(const Source& source) {
   CameraProfile profile;
-  profile.camera.image_width = ReadSize(source, "image_width");
-  profile.camera.image_height = ReadSize(source, "image_height");
-  ReadIntrinsics(source, profile.camera);
-  ReadDistortion(source, profile.camera);
+  profile.camera = ReadCamera(source);
   if (source.Has("rms_px")) {
     CameraUncertainty& uncertainty = profile.uncertainty.emplace();
     uncertainty.rms_px = ReadNumber(source, "rms_px");
@@ -219,17 +204,19 @@ void CheckKeys(const cv::FileNode& node, const std::string& text, const std::fil
 // OpenCV 4 tells line and reason, "(4): Incorrect indentation", as the function's name.
 Error NotAFile(const cv::Exception& error, const std::filesystem::path& path) {
   constexpr const char* kWhat = "not an OpenCV FileStorage file";
+  constexpr const char* kOthers = "read are also files of ROS, kalibr, Pose2Sim, caliscope, Vicon and Qualisys";
   for (const std::string& told : {error.func, error.err})
     if (const std::size_t end = told.find("): "); told.starts_with('(') && end != std::string::npos)
-      return Fail("{}:{}: {}: {}", path.string(), told.substr(1, end - 1), kWhat, told.substr(end + 3));
-  return Fail("{}: {}: {}", path.string(), kWhat, error.err);
+      return Fail("{}:{}: {}: {}; {}", path.string(), told.substr(1, end - 1), kWhat, told.substr(end + 3), kOthers);
+  return Fail("{}: {}: {}; {}", path.string(), kWhat, error.err, kOthers);
 }
 
 }  // namespace
 
-CameraProfile ReadCameraProfile(const std::filesystem::path& path) {
+CameraProfile ReadCameraProfile(const std::filesystem::path& path, const std::string& view) {
   const std::string text = ReadTextFile(path, 1 << 24);
   if (text.empty()) throw Fail("{}: is empty", path.string());
+  if (const auto foreign = ReadForeignCamera(path, text, view)) return *foreign;
   CheckDepth(text, path);
   try {
     const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);

@@ -91,48 +91,53 @@ C3dParameters::C3dParameters(const C3dBytes& bytes) : bytes_(bytes) {
   std::vector<std::pair<int, std::pair<std::string, Value>>> parameters;
   const std::size_t begin = bytes.ParameterOffset(), blocks = bytes.Unsigned8(begin + 2);
   const std::size_t end = blocks > 0 ? begin + 512 * blocks : bytes.Size();  // some writers do not state its length
-  for (std::size_t at = begin + 4; at + 1 < end;) {
-    const auto length = static_cast<std::size_t>(std::abs(bytes.Signed8(at)));
-    const int id = bytes.Signed8(at + 1);
-    if (length == 0 || id == 0) break;
-    const std::string name = Upper(bytes.Text(at + 2, length));
-    const std::size_t after = at + 2 + length, next = bytes.Signed16(after) > 0 ? after + bytes.Unsigned16(after) : 0;
-    if (id < 0) {
-      groups[-id] = name;
-    } else {
-      Value value;
-      value.type = bytes.Signed8(after + 2);
-      const std::size_t dimensions = bytes.Unsigned8(after + 3);
-      if (dimensions > 7) throw Fail("{}: parameter {} has {} dimensions, more than 7", bytes.Path(), name, dimensions);
-      for (std::size_t d = 0; d < dimensions; ++d) value.dimensions.push_back(bytes.Unsigned8(after + 4 + d));
-      value.offset = after + 4 + dimensions;
-      parameters.push_back({id, {name, value}});
+  for (std::size_t at = begin + 4; at + 1 < end;) try {
+      const auto length = static_cast<std::size_t>(std::abs(bytes.Signed8(at)));
+      const int id = bytes.Signed8(at + 1);
+      if (length == 0 || id == 0) break;
+      const std::string name = Upper(bytes.Text(at + 2, length));
+      const std::size_t after = at + 2 + length, next = bytes.Signed16(after) > 0 ? after + bytes.Unsigned16(after) : 0;
+      if (id < 0) {
+        groups[-id] = name;
+      } else {
+        Value value;
+        value.type = bytes.Signed8(after + 2);
+        const std::size_t dimensions = bytes.Unsigned8(after + 3);
+        if (dimensions > 7)
+          throw Fail("{}: parameter {} has {} dimensions, more than 7", bytes.Path(), name, dimensions);
+        for (std::size_t d = 0; d < dimensions; ++d) value.dimensions.push_back(bytes.Unsigned8(after + 4 + d));
+        value.offset = after + 4 + dimensions;
+        parameters.push_back({id, {name, value}});
+      }
+      if (next == 0) break;
+      at = next;
+    } catch (const Error& error) {
+      warnings_.push_back(fmt::format("{}; the parameters from there on are left out", error.what()));
+      break;
     }
-    if (next == 0) break;
-    at = next;
+  for (const auto& [id, parameter] : parameters) {
+    const int type = parameter.second.type;
+    if (type == -1 || type == 1 || type == 2 || type == 4)
+      values_.emplace(groups[id] + ":" + parameter.first, parameter.second);
   }
-  for (const auto& [id, parameter] : parameters) values_.emplace(groups[id] + ":" + parameter.first, parameter.second);
 }
 
-const C3dParameters::Value& C3dParameters::Find(const std::string& name) const {
-  const auto found = values_.find(name);
-  if (found == values_.end()) throw Fail("{}: no parameter {}", bytes_.Path(), name);
-  return found->second;
+std::size_t C3dParameters::ElementsOf(const Value& value, std::size_t first_dimension, std::size_t bytes) const {
+  std::size_t count = 1;
+  for (std::size_t d = first_dimension; d < value.dimensions.size(); ++d) count *= value.dimensions[d];
+  return value.offset > bytes_.Size() || count * bytes > bytes_.Size() - value.offset ? 0 : count;
 }
 
 std::vector<double> C3dParameters::NumbersOf(const std::string& name) const {
-  const Value& value = Find(name);
-  if (value.type != 1 && value.type != 2 && value.type != 4)
-    throw Fail("{}: parameter {} is not a number", bytes_.Path(), name);
-  const std::size_t count =
-      std::accumulate(value.dimensions.begin(), value.dimensions.end(), std::size_t{1}, std::multiplies<>());
-  bytes_.Text(value.offset, count * static_cast<std::size_t>(value.type));  // before anything is allocated for it
+  const auto found = values_.find(name);
   std::vector<double> numbers;
+  if (found == values_.end() || found->second.type < 1) return numbers;
+  const Value& value = found->second;
+  const auto bytes = static_cast<std::size_t>(value.type);
+  const std::size_t count = ElementsOf(value, 0, bytes);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t at = value.offset + i * static_cast<std::size_t>(value.type);
-    numbers.push_back(value.type == 1   ? bytes_.Unsigned8(at)
-                      : value.type == 2 ? bytes_.Signed16(at)
-                                        : bytes_.Float(at));
+    const std::size_t at = value.offset + i * bytes;
+    numbers.push_back(bytes == 1 ? bytes_.Unsigned8(at) : bytes == 2 ? bytes_.Signed16(at) : bytes_.Float(at));
   }
   return numbers;
 }
@@ -146,30 +151,28 @@ std::vector<double> C3dParameters::Numbers(const std::string& name) const {
   return numbers;
 }
 
-double C3dParameters::Number(const std::string& name) const {
-  const std::vector<double> numbers = Numbers(name);
-  if (numbers.empty()) throw Fail("{}: parameter {} is empty", bytes_.Path(), name);
+std::optional<double> C3dParameters::Number(const std::string& name) const {
+  const std::vector<double> numbers = NumbersOf(name);
+  if (numbers.empty()) return std::nullopt;
   // Counts beyond 32 767 are stored in the sign bit.
-  return Find(name).type == 2 && numbers[0] < 0 ? numbers[0] + 65536 : numbers[0];
+  return values_.at(name).type == 2 && numbers[0] < 0 ? numbers[0] + 65536 : numbers[0];
 }
 
-std::size_t C3dParameters::Count(const std::string& name) const {
+std::optional<std::size_t> C3dParameters::Count(const std::string& name) const {
   constexpr double kMost = 4294967295;  // of two words
-  const double value = Number(name);
-  if (!(value >= 0 && value <= kMost) || value != std::floor(value))
-    throw Fail("{}: parameter {} is {}, not a count", bytes_.Path(), name, value);
+  const double value = Number(name).value_or(-1);
+  if (!(value >= 0 && value <= kMost) || value != std::floor(value)) return std::nullopt;
   return static_cast<std::size_t>(value);
 }
 
 std::vector<std::string> C3dParameters::TextsOf(const std::string& name) const {
-  const Value& value = Find(name);
-  if (value.type != -1) throw Fail("{}: parameter {} is not a text", bytes_.Path(), name);
+  const auto found = values_.find(name);
+  if (found == values_.end() || found->second.type != -1) return {};
+  const Value& value = found->second;
   const std::size_t length = value.dimensions.empty() ? 1 : value.dimensions[0];
-  std::size_t count = 1;
-  for (std::size_t d = 1; d < value.dimensions.size(); ++d) count *= value.dimensions[d];
   if (length == 0) return {};
-  bytes_.Text(value.offset, length * count);
   std::vector<std::string> texts;
+  const std::size_t count = ElementsOf(value, 1, length);
   for (std::size_t i = 0; i < count; ++i)
     texts.push_back(Utf8FromText(bytes_.TrimmedText(value.offset + i * length, length),
                                  fmt::format("{}: {}", bytes_.Path(), name)));

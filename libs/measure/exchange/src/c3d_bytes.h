@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,18 +39,21 @@ class C3dBytes {
 };
 
 // All parameters, by "GROUP:NAME" in capitals. An array holds 255 values in one dimension; a longer list goes on in
-// NAME2, NAME3, … (user guide, POINT:LABELS2), and is read and written as one here.
+// NAME2, NAME3, … (user guide, POINT:LABELS2), and is read and written as one here. A parameter that is absent, of
+// another type or beyond the file's end has no values.
 class C3dParameters {
  public:
   explicit C3dParameters(const C3dBytes& bytes);
 
   bool Has(const std::string& name) const { return values_.contains(name); }
 
-  // Throw Error naming the parameter if it is absent or of another type.
-  double Number(const std::string& name) const;
-  std::size_t Count(const std::string& name) const;  // a whole number that is not negative
+  std::optional<double> Number(const std::string& name) const;
+  std::optional<std::size_t> Count(const std::string& name) const;  // a whole number that is not negative
   std::vector<double> Numbers(const std::string& name) const;
   std::vector<std::string> Texts(const std::string& name) const;  // trimmed
+
+  // Of a section that cannot be read to its end.
+  const std::vector<std::string>& Warnings() const { return warnings_; }
 
  private:
   struct Value {
@@ -57,12 +61,15 @@ class C3dParameters {
     std::vector<std::size_t> dimensions;
     std::size_t offset = 0;
   };
-  const Value& Find(const std::string& name) const;
-  std::vector<double> NumbersOf(const std::string& name) const;  // of one parameter, without its continuations
+  // Of one parameter, without its continuations.
+  std::vector<double> NumbersOf(const std::string& name) const;
   std::vector<std::string> TextsOf(const std::string& name) const;
+  // How many elements of so many bytes it has; 0 where they do not lie within the file.
+  std::size_t ElementsOf(const Value& value, std::size_t first_dimension, std::size_t bytes) const;
 
   const C3dBytes& bytes_;
   std::map<std::string, Value> values_;
+  std::vector<std::string> warnings_;
 };
 
 // Little-endian output.

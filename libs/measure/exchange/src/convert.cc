@@ -1,5 +1,6 @@
 #include "lake/exchange/convert.h"
 
+#include "lake/camera/camera.h"
 #include "lake/core/error.h"
 #include "lake/core/run.h"
 #include "lake/core/uncertain_text.h"
@@ -38,6 +39,7 @@ FrameRange FindRange(const std::array<double, 2>& crop_s, const fs::path& path, 
 void CropPoints(const std::array<double, 2>& crop_s, const fs::path& path, PointRecording& points) {
   const FrameRange range = FindRange(crop_s, path, points.time_s);
   for (PointTrack& point : points.points) range.Keep(point.positions);
+  for (ModelOutput& output : points.outputs) range.Keep(output.positions);
   range.Keep(points.frame);
   range.Keep(points.time_s);
   std::erase_if(points.events, [&](const PointEvent& e) { return e.time_s < crop_s[0] || e.time_s > crop_s[1]; });
@@ -49,15 +51,15 @@ void CropTable(const std::array<double, 2>& crop_s, const fs::path& path, MotTab
   range.Keep(table.time_s);
 }
 
-void CheckNoPointOptions(const fs::path& out, const ConvertOptions& options) {
+void CheckNoPointOptions(const fs::path& out, const ConvertOptions& options, const char* what = "angles") {
   const TrialOptions& reading = options.reading;
   if (!reading.names.empty() || reading.up || !reading.forward.empty() || options.unit != "mm" ||
       reading.mm_per_unit != 1 || reading.rate_hz > 0 || reading.values == motion::MarkerValues::kEstimated ||
       options.picture.IsGiven())
     throw UsageError(
-        "{}: holds angles: --map, --up, --forward, --unit, --camera, --scale, --rate, --smoothed and --out-unit are "
+        "{}: holds {}: --map, --up, --forward, --unit, --camera, --scale, --rate, --smoothed and --out-unit are "
         "for points",
-        out.string());
+        out.string(), what);
 }
 
 // Which leg the program that wrote a kinematics.csv took it for, as its summary says.
@@ -102,13 +104,13 @@ PointRecording ScaledBy(gait::PictureScale picture, PointRecording points, const
   };
   if (points.space != PointSpace::kImage) refuse(in, "its lengths are in mm");
   const PointFormat& format = FormatOf(out);
-  if (!format.plane && !picture.scale) refuse(out, "it holds px, and at most the scale of a bar");
+  if (!format.Is(kHoldsPlane) && !picture.scale) refuse(out, "it holds px, and at most the scale of a bar");
   std::vector<std::string> warnings;
   const gait::LegView view = gait::ViewOf(picture, MarkersFromPoints(points), points.mm_per_px,
                                           [&](const std::string& text) { warnings.push_back(text); });
   points.warnings.insert(points.warnings.end(), warnings.begin(), warnings.end());
   points.mm_per_px = view.mm_per_px;
-  if (!format.plane || PlaneUnit(view) == motion::LengthUnit::kPx) return points;
+  if (!format.Is(kHoldsPlane) || PlaneUnit(view) == motion::LengthUnit::kPx) return points;
   points.space = PointSpace::kPlane;
   points.mm_per_px.reset();
   points.axes.reset();
@@ -123,28 +125,29 @@ PointRecording FitToFormat(const PointRecording& read, const fs::path& in, const
                            const ConvertOptions& options) {
   const PointFormat& format = FormatOf(out);
   PointRecording points = RenamePoints(read, options.reading.names, in);
-  if (points.space == PointSpace::kImage && !format.image) points = PointsInPlane(points);
+  if (points.space == PointSpace::kImage && !format.Is(kHoldsImage)) points = PointsInPlane(points);
   if (points.space != PointSpace::kSpace && !options.reading.forward.empty())
     CheckNoneIsUnused(in, {{"--forward", "its points lie in a plane"}});
   if (points.space != PointSpace::kSpace) return points;
   if (options.reading.up) points.up_axis = *options.reading.up;
   double out_of_plane_mm = 0;
-  if (!format.space) return ProjectOntoSagittalPlane(read, options.reading, in, &out_of_plane_mm);
+  if (!format.Is(kHoldsSpace)) return ProjectOntoSagittalPlane(read, options.reading, in, &out_of_plane_mm);
   return options.reading.forward.empty() ? points : PointsFacing(points, options.reading);
 }
 
 // Of a folder's tables the one that the format holds: positions in px for projects that lie over a video.
 fs::path TableFor(const fs::path& out, const fs::path& folder) {
   const PointFormat& format = FormatOf(out);
-  if (format.plane) return TableOfFolder(folder);
+  if (format.Is(kHoldsPlane)) return TableOfFolder(folder);
   if (const auto tracks = FindResult(folder, "tracks.csv")) return *tracks;
   throw Fail("{}: has no tracks.csv, and {} holds positions in px", folder.string(), out.filename().string());
 }
 
-// Tables of Tracker and Kinovea have numbers only.
-bool IsUnitless(const fs::path& path) {
-  const std::string name = Lower(path.filename().string());
-  return name.ends_with(".txt") || name.ends_with("_kinovea.csv");
+std::vector<std::string> ConvertCamera(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
+  CheckNoPointOptions(out, options, "a camera");
+  const camera::CameraProfile profile = camera::ReadCameraProfile(in, options.reading.view);
+  camera::WriteCameraProfile(out, profile);
+  return profile.warnings;
 }
 
 }  // namespace
@@ -157,6 +160,8 @@ bool IsAngleTable(const fs::path& path) {
 std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
   if (!fs::exists(in)) throw Fail("{}: no such file", in.string());
   if (fs::exists(out) && fs::equivalent(in, out)) throw UsageError("{}: is the input itself", out.string());
+  const std::string ending = Lower(out.extension().string());
+  if (ending == ".yaml" || ending == ".yml") return ConvertCamera(in, out, options);
   if (IsAngleTable(out)) return ConvertAngles(in, out, options);
   FormatOf(out);  // a wrong ending is told before a long file is read
   if (IsAngleTable(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
@@ -164,15 +169,17 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
     throw UsageError("{} is for a .mot that is written", options.leg ? "--leg" : "--flexion-negative");
   CheckNoneIsUnused(in, UnusedOptions(in, options.reading));
   const fs::path table = fs::is_directory(in) && MarkerFilesOf(in).empty() ? TableFor(out, in) : in;
-  PointRecording points =
-      ReadPoints(table, options.reading.mm_per_unit, options.reading.rate_hz, options.reading.values);
+  PointRecording points = ReadPoints(table, options.reading.Reading());
   if (options.crop_s) CropPoints(*options.crop_s, in, points);
   if (options.picture.IsGiven()) points = ScaledBy(options.picture, std::move(points), in, table, out);
   points = FitToFormat(points, in, out, options);
-  if (!points.events.empty() && Lower(out.extension().string()) != ".c3d")
+  if (!points.events.empty() && ending != ".c3d")
     points.warnings.push_back(
         fmt::format("{}: {} events are left out; only C3D holds them", in.string(), points.events.size()));
-  if (points.space == PointSpace::kImage && IsUnitless(out))
+  if (!points.outputs.empty())
+    points.warnings.push_back(fmt::format("{}: {} outputs of a model ({}, …) are left out; they are no markers",
+                                          in.string(), points.outputs.size(), points.outputs.front().name));
+  if (points.space == PointSpace::kImage && FormatOf(out).Is(kNoUnit))
     points.warnings.push_back(fmt::format(
         "{}: in px, y down, and the format does not say so; what reads it as lengths needs a scale", out.string()));
   WritePoints(out, points, options.unit);

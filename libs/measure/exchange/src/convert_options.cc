@@ -12,6 +12,7 @@ void Describe(ConvertOptions& o, OptionList& options) {
   DescribeUnit("unit", o.reading.mm_per_unit, options);
   Describe(o.picture, options);
   DescribeRate(o.reading.rate_hz, options);
+  DescribeView(o.reading.view, options);
   DescribeValues(o.reading, options);
   using Units = OptionList::Choices<std::string>;
   options.AddChoice("out-unit", o.unit, Units{{"mm", "mm"}, {"cm", "cm"}, {"m", "m"}}, "Length unit of a .trc output");
@@ -26,7 +27,7 @@ void Describe(ConvertOptions& o, OptionList& options) {
 }
 
 Option& DescribeRate(double& rate_hz, OptionList& options) {
-  return options.Add("rate", rate_hz, "Frame rate of files without times (DLTdv)")
+  return options.Add("rate", rate_hz, "Frame rate of files without times (DLTdv, DeepLabCut, SLEAP)")
       .Unit("Hz")
       .Positive()
       .Otherwise("none");

@@ -1,9 +1,12 @@
 #include "lake/exchange/formats.h"
 
+#include <algorithm>
+#include <fstream>
+
 #include "lake/core/error.h"
 #include "lake/core/run.h"
+#include "lake/core/utf8.h"
 #include "lake/exchange/c3d.h"
-#include "lake/exchange/dltdv.h"
 #include "lake/exchange/kinovea.h"
 #include "lake/exchange/mot.h"
 #include "lake/exchange/tracker.h"
@@ -17,58 +20,136 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using PointWriter = void (*)(const fs::path&, const PointRecording&);
-
 constexpr const char* kAngles = "mot";  // of the leg's angles, not of points
 
-struct WritableFormat : PointFormat {
-  PointWriter write;
-};
-
-// A longer ending stands before the shorter one that it ends in.
-const std::vector<WritableFormat>& WritableFormats() {
-  static const std::vector<WritableFormat> kFormats = {
-      {{"trc", ".trc", false, true, true}, [](const fs::path& path, const PointRecording& p) { WriteTrc(path, p); }},
-      {{"c3d", ".c3d", false, true, true}, WriteC3d},
-      {{"tracker", ".txt", true, true, false}, WriteTrackerText},
-      {{"trk", ".trk", true, false, false}, WriteTrk},
-      {{"kinovea", "_kinovea.csv", true, true, false}, WriteKinovea},
-      {{"kva", ".kva", true, false, false}, WriteKva},
-      {{"", ".csv", true, true, false},
-       [](const fs::path& path, const PointRecording& p) { motion::WriteMarkerCsv(path, MarkersFromPoints(p)); }}};
-  return kFormats;
-}
-
-const WritableFormat& WritableFormatOf(const fs::path& path) {
-  const std::string name = Lower(path.filename().string());
-  for (const WritableFormat& format : WritableFormats())
-    if (name.ends_with(format.ending)) return format;
-  throw UsageError("{}: .trc, .c3d, .txt (Tracker), .trk, .csv (lake), _kinovea.csv or .kva can be written",
-                   path.string());
-}
-
 // Of lake's own table: what was measured, or all that a fit estimates.
-PointRecording ReadOwnPoints(const fs::path& path, motion::MarkerValues values) {
-  const motion::MarkerRecording table = ReadTable(path, values);
-  return PointsFromMarkers(values == motion::MarkerValues::kMeasured ? motion::Measurements(table) : table);
+PointRecording ReadOwnPoints(const fs::path& path, const ReadOptions& options) {
+  const motion::MarkerRecording table = ReadTable(path, options.values);
+  return PointsFromMarkers(options.values == motion::MarkerValues::kMeasured ? motion::Measurements(table) : table);
 }
 
-PointRecording ReadCsv(const fs::path& path, double mm_per_unit, double rate_hz, motion::MarkerValues values) {
-  if (IsKinovea(path)) return ReadKinovea(path, mm_per_unit);
-  if (IsDltdv(path)) return ReadDltdv(path, rate_hz);
-  return ReadOwnPoints(path, values);
+void WriteOwnPoints(const fs::path& path, const PointRecording& points) {
+  motion::WriteMarkerCsv(path, MarkersFromPoints(points));
 }
 
-const WritableFormat& ExportFormat(const std::string& name) {
-  for (const WritableFormat& format : WritableFormats())
-    if (!name.empty() && format.name == name) return format;
+void WriteTrcInMm(const fs::path& path, const PointRecording& points) {
+  WriteTrc(path, points);
+}
+
+// Readers of formats that say all themselves, or all but the unit.
+template <PointRecording (*read)(const fs::path&)>
+PointRecording Plain(const fs::path& path, const ReadOptions& /*options*/) {
+  return read(path);
+}
+template <PointRecording (*read)(const fs::path&, double)>
+PointRecording InUnit(const fs::path& path, const ReadOptions& options) {
+  return read(path, options.mm_per_unit);
+}
+
+}  // namespace
+
+// Each in its own source.
+PointRecording ReadKinoveaText(const fs::path& path, const ReadOptions& options);
+PointRecording ReadDltdv(const fs::path& path, const ReadOptions& options);
+PointRecording ReadDltdvSparse(const fs::path& path, const ReadOptions& options);
+PointRecording ReadDeepLabCut(const fs::path& path, const ReadOptions& options);
+PointRecording ReadMotive(const fs::path& path, const ReadOptions& options);
+PointRecording ReadSleap(const fs::path& path, const ReadOptions& options);
+
+namespace {
+
+constexpr unsigned kSolid = kHoldsPlane | kHoldsSpace, kFlat = kHoldsImage | kHoldsPlane;
+
+// In the order in which they are tried: a longer ending before the shorter one that it ends in.
+const PointFormat kFormats[] = {
+    {"TRC", {".trc"}, "", Plain<ReadTrc>, kInSpace | kSolid, WriteTrcInMm, ".trc", "trc"},
+    {"C3D", {".c3d"}, "", Plain<ReadC3d>, kInSpace | kSolid, WriteC3d, ".c3d", "c3d"},
+    {"Kinovea's text", {".txt"}, "#kinovea", ReadKinoveaText, kNoUnit},
+    {"Tracker", {".txt"}, "", InUnit<ReadTrackerText>, kNoUnit | kFlat, WriteTrackerText, ".txt", "tracker"},
+    {"Tracker's project", {".trk", ".trz"}, "", Plain<ReadTrk>, kHoldsImage, WriteTrk, ".trk", "trk"},
+    {"Kinovea", {".csv"}, "/0/x", InUnit<ReadKinovea>, kNoUnit | kFlat, WriteKinovea, "_kinovea.csv", "kinovea"},
+    {"Kinovea's annotations", {".kva"}, "", Plain<ReadKva>, kHoldsImage, WriteKva, ".kva", "kva"},
+    {"DLTdv", {".csv"}, "pt1_cam", ReadDltdv, kNoTimes},
+    {"DLTdv's sparse table", {"xypts.tsv"}, "", ReadDltdvSparse, kNoTimes},
+    {"DeepLabCut", {".csv"}, "scorer", ReadDeepLabCut, kNoTimes},
+    {"OptiTrack Motive", {".csv"}, "format version,", ReadMotive, kInSpace},
+    {"SLEAP", {".csv"}, "instance.score", ReadSleap, kNoTimes},
+    {"lake", {".csv"}, "time_s", ReadOwnPoints, kEstimates | kFlat, WriteOwnPoints, ".csv"}};
+
+// Files of other programs that are not read, and the way out.
+struct ForeignFile {
+  const char *ending, *what, *way;
+};
+constexpr ForeignFile kForeignFiles[] = {
+    {".h5", "a table of DeepLabCut or SLEAP in HDF5", "export it there as CSV"},
+    {".slp", "a project of SLEAP", "export it there as analysis CSV"},
+    {".tak", "a take of OptiTrack Motive", "export it there as CSV, TRC or C3D"},
+    {".qtm", "a measurement of Qualisys QTM", "export it there as C3D"},
+    {".trb", "a binary recording of Cortex", "export it there as TRC or C3D"},
+    {".cap", "a capture of Cortex", "export it there as TRC or C3D"},
+    {".x2d", "the camera data of Vicon", "export the trial there as C3D"},
+    {".mat", "a file of MATLAB", "write its points as TRC, or as a table with the columns frame,time_s,NAME_x_mm,…"},
+    {".bvh", "a skeleton's joint angles", "export the markers as C3D or TRC"},
+    {".fbx", "an animation", "export the markers as C3D or TRC"}};
+
+bool HasEnding(const PointFormat& format, const std::string& name) {
+  return std::ranges::any_of(format.endings, [&](const char* ending) { return ending && name.ends_with(ending); });
+}
+
+std::string FirstLineOf(const fs::path& path) {
+  constexpr std::size_t kBytes = 4096;
+  std::string head(kBytes, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), kBytes);
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  head.resize(std::min(head.find_first_of("\r\n"), head.size()));
+  return head.starts_with("\xEF\xBB\xBF") ? head.substr(3) : head;
+}
+
+[[noreturn]] void ThrowUnknown(const fs::path& path, const std::string& name, const std::string& head) {
+  for (const ForeignFile& file : kForeignFiles)
+    if (name.ends_with(file.ending))
+      throw Fail("{}: is {}, which is not read here: {}", path.string(), file.what, file.way);
+  std::vector<std::string> same;
+  for (const PointFormat& format : kFormats)
+    if (HasEnding(format, name)) same.push_back(format.name);
+  if (same.empty()) throw Fail("{}: unknown kind of file; {} are known", path.string(), ReadableEndings());
+  constexpr std::size_t kShown = 60;
+  throw Fail(
+      "{}: its first line is '{}', as no program known here begins such a file ({}); export TRC or C3D instead, or "
+      "write a table with the columns frame,time_s,NAME_x_mm,NAME_y_mm,…",
+      path.string(), ReadableUtf8(head.substr(0, kShown)), fmt::join(same, ", "));
+}
+
+const PointFormat& ExportFormat(const std::string& name) {
+  for (const PointFormat& format : kFormats)
+    if (!name.empty() && format.export_name == name) return format;
   throw UsageError("--export {}: not a format; there are {}", name, fmt::join(ExportFormats(), ", "));
 }
 
 }  // namespace
 
+const PointFormat& FormatOfFile(const fs::path& path) {
+  const std::string name = Lower(path.filename().string()), head = FirstLineOf(path), line = Lower(head);
+  for (const PointFormat& format : kFormats)
+    if (HasEnding(format, name) && line.find(format.mark) != line.npos) return format;
+  ThrowUnknown(path, name, head);
+}
+
 const PointFormat& FormatOf(const fs::path& path) {
-  return WritableFormatOf(path);
+  const std::string name = Lower(path.filename().string());
+  for (const PointFormat& format : kFormats)
+    if (format.write && name.ends_with(format.written_ending)) return format;
+  throw UsageError("{}: .trc, .c3d, .txt (Tracker), .trk, .csv (lake), _kinovea.csv or .kva can be written",
+                   path.string());
+}
+
+std::string ReadableEndings() {
+  std::vector<std::string> endings;
+  for (const PointFormat& format : kFormats)
+    for (const char* ending : format.endings)
+      if (ending && std::ranges::find(endings, ending) == endings.end()) endings.emplace_back(ending);
+  return fmt::format("{}", fmt::join(endings, ", "));
 }
 
 fs::path TableOfFolder(const fs::path& folder) {
@@ -86,42 +167,36 @@ motion::MarkerRecording ReadTable(const fs::path& path, motion::MarkerValues val
   return table;
 }
 
-PointRecording ReadPoints(const fs::path& path, double mm_per_unit, double rate_hz, motion::MarkerValues values) {
-  if (const std::vector<fs::path> files = MarkerFilesOf(path); !files.empty())
-    return ReadMarkerFiles(files, mm_per_unit, rate_hz);
-  if (fs::is_directory(path)) return ReadOwnPoints(TableOfFolder(path), values);
+PointRecording ReadPoints(const fs::path& path, const ReadOptions& options) {
+  if (const std::vector<fs::path> files = MarkerFilesOf(path); !files.empty()) return ReadMarkerFiles(files, options);
+  if (fs::is_directory(path)) return ReadOwnPoints(TableOfFolder(path), options);
   if (!fs::exists(path)) throw Fail("{}: no such file", path.string());
-  const std::string extension = Lower(path.extension().string());
-  if (extension == ".trc") return ReadTrc(path);
-  if (extension == ".c3d") return ReadC3d(path);
-  if (extension == ".trk" || extension == ".trz") return ReadTrk(path);
-  if (extension == ".kva") return ReadKva(path);
-  if (extension == ".txt") return ReadTrackerText(path, mm_per_unit);
-  if (extension == ".csv") return ReadCsv(path, mm_per_unit, rate_hz, values);
-  throw Fail(
-      "{}: unknown kind of file; .trc, .c3d, .trk, .trz, .kva, .txt (Tracker), .csv (lake, Kinovea, DLTdv) are known",
-      path.string());
+  const PointFormat& format = FormatOfFile(path);
+  if (format.Is(kNoTimes) && !(options.rate_hz > 0))
+    throw UsageError("{}: tables of {} have no times: give the frame rate (lake convert --rate HZ)", path.string(),
+                     format.name);
+  return format.read(path, options);
 }
 
 void WritePoints(const fs::path& path, const PointRecording& points, const std::string& unit) {
-  const WritableFormat& format = WritableFormatOf(path);
-  if (points.space == PointSpace::kSpace && !format.space)
+  const PointFormat& format = FormatOf(path);
+  if (points.space == PointSpace::kSpace && !format.Is(kHoldsSpace))
     throw Fail("{}: holds points of a plane only, and these are in space", path.string());
-  if (format.name == "trc") return WriteTrc(path, points, unit);
+  if (format.write == WriteTrcInMm) return WriteTrc(path, points, unit);
   if (unit != "mm") throw UsageError("{}: is always in mm; only .trc can be in {}", path.string(), unit);
   format.write(path, points);
 }
 
 std::vector<std::string> ExportFormats() {
   std::vector<std::string> names = {kAngles};
-  for (const WritableFormat& format : WritableFormats())
-    if (!format.name.empty()) names.push_back(format.name);
+  for (const PointFormat& format : kFormats)
+    if (*format.export_name) names.emplace_back(format.export_name);
   return names;
 }
 
 void CheckExportFormats(const std::vector<std::string>& formats, bool has_scale, bool has_leg) {
   for (const std::string& format : formats) {
-    if (format != kAngles && !has_scale && !ExportFormat(format).image)
+    if (format != kAngles && !has_scale && !ExportFormat(format).Is(kHoldsImage))
       throw UsageError("--export {}: holds lengths, not px; give --scale, or a --camera with the sagittal plane",
                        format);
     if (format == kAngles && !has_leg)
@@ -133,14 +208,14 @@ void CheckExportFormats(const std::vector<std::string>& formats, bool has_scale,
 std::string ExportName(const std::string& format, const std::string& name) {
   if (format == kAngles) return name + ".mot";
   // Tracker's text says by its name which program it is of, as a .txt may be anything.
-  return name + (format == "tracker" ? "_tracker" : "") + ExportFormat(format).ending;
+  return name + (format == "tracker" ? "_tracker" : "") + ExportFormat(format).written_ending;
 }
 
 void ExportTrial(const std::string& format, const fs::path& path, const ExportedTrial& trial) {
   CheckExportFormats({format}, trial.points.space != PointSpace::kImage, trial.motion != nullptr);
   if (format == kAngles) return WriteMot(path, MotFromLegMotion(*trial.motion, trial.leg));
-  const WritableFormat& writer = ExportFormat(format);
-  writer.write(path, writer.plane ? trial.points : trial.image);
+  const PointFormat& writer = ExportFormat(format);
+  writer.write(path, writer.Is(kHoldsPlane) ? trial.points : trial.image);
 }
 
 }  // namespace lake::exchange

@@ -38,9 +38,14 @@ PointRecording PointsByFrame(const std::vector<FramePoints>& points, std::size_t
   return recording;
 }
 
-void ParseXml(const std::string& text, const std::filesystem::path& path, pugi::xml_document& document) {
+std::vector<std::string> ParseXml(const std::string& text, const std::filesystem::path& path,
+                                  pugi::xml_document& document) {
   const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
-  if (!parsed) throw Fail("{}: not XML: {} at byte {}", path.string(), parsed.description(), parsed.offset);
+  if (parsed) return {};
+  if (!document.document_element().first_child())
+    throw Fail("{}: not XML: {} at byte {}", path.string(), parsed.description(), parsed.offset);
+  return {fmt::format("{}: damaged or cut off at byte {} ({}); what stands before it is read", path.string(),
+                      parsed.offset, parsed.description())};
 }
 
 void WriteXml(const std::filesystem::path& path, const pugi::xml_document& document) {

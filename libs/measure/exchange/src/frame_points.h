@@ -25,8 +25,10 @@ struct FramePoints {
 PointRecording PointsByFrame(const std::vector<FramePoints>& points, std::size_t file_bytes,
                              const std::filesystem::path& path);
 
-// Throws Error naming the file and the byte.
-void ParseXml(const std::string& text, const std::filesystem::path& path, pugi::xml_document& document);
+// What stands before a place where the file is no XML, or cut off, is kept: a warning names the byte. Throws Error if
+// nothing does.
+std::vector<std::string> ParseXml(const std::string& text, const std::filesystem::path& path,
+                                  pugi::xml_document& document);
 
 // Whole and atomically.
 void WriteXml(const std::filesystem::path& path, const pugi::xml_document& document);

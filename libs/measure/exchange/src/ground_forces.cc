@@ -69,9 +69,7 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
   const MotTable table = ReadMot(path);
   GroundForceRecording forces;
   forces.time_s = table.time_s;
-  for (std::size_t i = 1; i < forces.time_s.size(); ++i)
-    if (!(forces.time_s[i] > forces.time_s[i - 1]))
-      throw Fail("{}: row {}: time {} s does not follow the one before", path.string(), i + 1, forces.time_s[i]);
+  forces.warnings = table.warnings;
   std::map<std::string, std::size_t> seen;
   for (const std::string& column : table.columns) {
     if (!column.ends_with("vx")) continue;
@@ -79,7 +77,6 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
     const std::string stem = column.substr(0, column.size() - 2);
     const std::vector<std::size_t> force = FindVector(table, stem + "v", nth, path),
                                    point = FindVector(table, stem + "p", nth, path);
-    if (point.empty()) throw Fail("{}: {} has a force but no point where it acts ({}px)", path.string(), stem, stem);
     std::vector<std::size_t> moment = FindVector(table, stem + "m", nth, path);
     if (moment.empty() && !TorqueStem(stem).empty()) moment = FindVector(table, TorqueStem(stem), nth, path);
     const std::size_t end = stem.find_last_not_of('_');
@@ -88,6 +85,11 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
                              .point_m = TakeVector(table, point),
                              .moment_nm = TakeVector(table, moment),
                              .unusable = {}});
+    if (point.empty()) {
+      forces.plates.back().unusable =
+          fmt::format("{}: {} has a force but no point where it acts ({}px)", path.string(), stem, stem);
+      forces.warnings.push_back(forces.plates.back().unusable + "; only its force is read");
+    }
   }
   if (forces.plates.empty())
     throw Fail("{}: no ground forces: there is no column that ends in 'vx', as in ground_force_1_vx", path.string());
@@ -129,6 +131,11 @@ std::vector<PlateLoad> LoadsOf(const PlateForces& plate, const std::vector<doubl
   }
   std::erase_if(loads, [](const PlateLoad& load) { return load.end_s - load.begin_s < kShortest_s; });
   return loads;
+}
+
+bool HoldsOnlyForces(const std::filesystem::path& path) {
+  const std::string ending = Lower(path.extension().string());
+  return ending == ".mot" || ending == ".sto" || (ending == ".c3d" && IsC3dWithoutPoints(path));
 }
 
 void CheckPlates(const std::map<std::string, int>& plates) {

@@ -1,5 +1,7 @@
 // Kinovea's annotation files. What their parts mean is taken from Kinovea's own serializer (MetadataSerializer,
 // DrawingTrack, CalibrationHelper): track points are "x;y;timestamp", one frame lasts AverageTimeStampsPerFrame.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -8,7 +10,9 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/utf8.h"
+#include "lake/exchange/formats.h"
 #include "lake/exchange/kinovea.h"
+#include "left_out.h"
 #include "text_lines.h"
 
 namespace lake::exchange {
@@ -73,19 +77,21 @@ std::string TrackName(const pugi::xml_node& track) {
 
 // The points of a track; `times_s` gets the times of their frames.
 FramePoints ReadTrack(const pugi::xml_node& track, const KvaClock& clock, const std::string& path,
-                      std::map<std::int64_t, double>& times_s) {
+                      std::map<std::int64_t, double>& times_s, LeftOut& left_out) {
   FramePoints points{TrackName(track), {}};
   for (const pugi::xml_node node : track.child("TrackPointList").children("TrackPoint")) {
     const std::vector<std::string> parts = SplitText(node.text().as_string(), ';');
-    if (parts.size() < 3)
-      throw Fail("{}: track '{}': '{}' is not 'x;y;timestamp'", path, points.name, node.text().as_string());
-    const double frame = clock.Frame(Number(parts[2], "timestamp", path));
-    if (!(frame > -0.5 && frame < static_cast<double>(kMostFrames)))
-      throw Fail("{}: track '{}': timestamp {} lies outside the video", path, points.name, parts[2]);
+    std::array<std::optional<double>, 3> numbers;  // x, y, time stamp
+    for (std::size_t i = 0; i < std::min(parts.size(), numbers.size()); ++i) numbers[i] = ParseNumber(Trim(parts[i]));
+    const double frame = numbers[0] && numbers[1] && numbers[2] ? clock.Frame(*numbers[2]) : -1;
+    if (!(frame > -0.5 && frame < static_cast<double>(kMostFrames))) {
+      left_out.Add("a point that is not 'x;y;timestamp' of the video",
+                   fmt::format("{}: track '{}': '{}'", path, points.name, node.text().as_string()));
+      continue;
+    }
     const std::int64_t index = std::llround(frame);
     times_s[index] = frame / clock.rate_hz;
-    points.positions[index] = {Number(parts[0], "x", path) - kPixelCentre, Number(parts[1], "y", path) - kPixelCentre,
-                               0};
+    points.positions[index] = {*numbers[0] - kPixelCentre, *numbers[1] - kPixelCentre, 0};
   }
   return points;
 }
@@ -139,17 +145,21 @@ void AddCalibration(pugi::xml_node root, double mm_per_px) {
 PointRecording ReadKva(const std::filesystem::path& path) {
   const std::string text = ReadTextFile(path);
   pugi::xml_document document;
-  ParseXml(text, path, document);
+  const std::vector<std::string> warnings = ParseXml(text, path, document);
   const pugi::xml_node root = document.child("KinoveaVideoAnalysis");
   if (!root) throw Fail("{}: not an annotation file of Kinovea (no KinoveaVideoAnalysis)", path.string());
   const KvaClock clock = ReadClock(root, path.string());
   std::vector<FramePoints> tracks;
   std::map<std::int64_t, double> times_s;
+  LeftOut left_out;
   for (const pugi::xml_node track : root.child("Tracks").children("Track")) {
-    FramePoints points = ReadTrack(track, clock, path.string(), times_s);
+    FramePoints points = ReadTrack(track, clock, path.string(), times_s, left_out);
     if (!points.positions.empty()) tracks.push_back(std::move(points));
   }
+  if (tracks.empty()) throw Fail("{}: no track with positions{}", path.string(), left_out.InBrackets());
   PointRecording recording = PointsByFrame(tracks, text.size(), path);
+  recording.warnings.insert(recording.warnings.begin(), warnings.begin(), warnings.end());
+  left_out.AppendTo(recording.warnings);
   recording.mm_per_px = ReadScale(root.child("Calibration"), path.string());
   if (root.child("Calibration").child("CalibrationPlane"))
     recording.warnings.push_back(fmt::format(

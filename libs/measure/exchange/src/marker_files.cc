@@ -33,8 +33,8 @@ std::vector<double> MergeTimes(const std::vector<PointRecording>& files, double 
   return merged;
 }
 
-PointRecording ReadOne(const fs::path& path, double mm_per_unit, double rate_hz) {
-  PointRecording file = ReadPoints(path, mm_per_unit, rate_hz);
+PointRecording ReadOne(const fs::path& path, const ReadOptions& options) {
+  PointRecording file = ReadPoints(path, options);
   if (file.points.size() != 1)
     throw Fail("{}: {} markers, not one; a folder without lake-track's tables must hold one file per marker",
                path.string(), file.points.size());
@@ -75,20 +75,25 @@ std::vector<fs::path> MarkerFilesOf(const fs::path& path) {
   return files;
 }
 
-PointRecording ReadMarkerFiles(const std::vector<fs::path>& paths, double mm_per_unit, double rate_hz) {
+PointRecording ReadMarkerFiles(const std::vector<fs::path>& paths, const ReadOptions& options) {
   std::vector<PointRecording> files;
   files.reserve(paths.size());
-  for (const fs::path& path : paths) files.push_back(ReadOne(path, mm_per_unit, rate_hz));
+  for (const fs::path& path : paths) files.push_back(ReadOne(path, options));
+  for (std::size_t k = 0; k < files.size(); ++k)
+    if (files[k].space != files.front().space || files[k].mm_per_px != files.front().mm_per_px)
+      throw Fail("{}: another kind of positions, or another scale, than {}", paths[k].string(), paths.front().string());
+  return JoinMarkers(files, paths.front().parent_path());
+}
+
+PointRecording JoinMarkers(const std::vector<PointRecording>& files, const fs::path& whole) {
   const double interval_s = FrameInterval(files);
   PointRecording merged = files.front();
   merged.points.clear();
   merged.time_s = MergeTimes(files, interval_s);
-  CheckSteps(merged.time_s, interval_s, paths.front().parent_path());
+  CheckSteps(merged.time_s, interval_s, whole);
   merged.frame.resize(merged.time_s.size());
   for (std::size_t i = 0; i < merged.frame.size(); ++i) merged.frame[i] = static_cast<std::int64_t>(i);
   for (std::size_t k = 0; k < files.size(); ++k) {
-    if (files[k].space != merged.space || files[k].mm_per_px != merged.mm_per_px)
-      throw Fail("{}: another kind of positions, or another scale, than {}", paths[k].string(), paths.front().string());
     merged.points.push_back(AtTimes(merged.time_s, files[k], interval_s));
     if (k > 0) std::ranges::copy(files[k].warnings, std::back_inserter(merged.warnings));
   }

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "lake/exchange/point_recording.h"
+#include "lake/exchange/formats.h"
 
 namespace lake::exchange {
 
@@ -14,6 +14,10 @@ std::vector<std::filesystem::path> MarkerFilesOf(const std::filesystem::path& pa
 // Each file's only marker under the file's name without its ending. A frame that a file lacks is missing there; times
 // less than a tenth of a frame apart are one frame's. Throws Error for a file with no marker or several, for points of
 // different kinds, and for times that lie between those of the other files.
-PointRecording ReadMarkerFiles(const std::vector<std::filesystem::path>& files, double mm_per_unit, double rate_hz);
+PointRecording ReadMarkerFiles(const std::vector<std::filesystem::path>& files, const ReadOptions& options);
+
+// Recordings of one marker each, as one: frames are joined by their times. Throws Error, naming the `whole`, for times
+// that lie between those of another.
+PointRecording JoinMarkers(const std::vector<PointRecording>& files, const std::filesystem::path& whole);
 
 }  // namespace lake::exchange

@@ -7,6 +7,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "left_out.h"
 #include "text_lines.h"
 
 namespace lake::exchange {
@@ -71,10 +72,9 @@ MotHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path, 
     }
     if (lower.find("simm motion file") != std::string::npos || lower.starts_with("datacolumns ")) header.is_simm = true;
     const auto value = [&] { return line.substr(line.find_first_of("= ") + 1); };
-    if (lower.starts_with("nrows=") || lower.starts_with("datarows "))
-      header.rows = ParseCount(value(), "rows", lines.Where(i), kMostRows);
+    if (lower.starts_with("nrows=") || lower.starts_with("datarows ")) header.rows = CountIn(value(), kMostRows);
     if (lower.starts_with("ncolumns=") || lower.starts_with("datacolumns "))
-      header.columns = ParseCount(value(), "columns", lines.Where(i), kMostColumns);
+      header.columns = CountIn(value(), kMostColumns);
     if (i == 0 || lower.starts_with("name ")) continue;
     const std::optional<bool> in_degrees = UnitOfAngles(lower, lines.Where(i));
     if (in_degrees && header.in_degrees.value_or(*in_degrees) != *in_degrees)
@@ -103,24 +103,39 @@ MotTable ReadMot(const std::filesystem::path& path) {
   table.columns = RowCells(lines[line]);
   if (Lower(table.columns.front()) != "time")
     throw Fail("{}: the first column is '{}', not time", lines.Where(line), table.columns.front());
-  if (header.columns && *header.columns != table.columns.size())
-    throw Fail("{}: {} labels, but the header says {} columns", lines.Where(line), table.columns.size(),
-               *header.columns);
+  const auto check = [&](const char* what, std::optional<std::size_t> stated, std::size_t count) {
+    if (stated && *stated != count)
+      table.warnings.push_back(
+          fmt::format("{}: {} {}, but the header says {}: all are read", path.string(), count, what, *stated));
+  };
+  check("columns", header.columns, table.columns.size());
   table.columns.erase(table.columns.begin());
+  LeftOut left_out;
   for (++line; line < lines.Count(); ++line) {
     const std::vector<std::string> cells = RowCells(lines[line]);
     if (cells.empty()) continue;
-    if (cells.size() != table.columns.size() + 1)
-      throw Fail("{}: {} cells, but there are {} columns", lines.Where(line), cells.size(), table.columns.size() + 1);
-    table.time_s.push_back(RequiredNumber(cells[0], lines.Where(line)));
-    std::vector<double> row;
-    for (std::size_t i = 1; i < cells.size(); ++i)
-      row.push_back(NumberOrMissing(cells[i], lines.Where(line)).value_or(std::numeric_limits<double>::quiet_NaN()));
-    table.rows.push_back(std::move(row));
+    bool is_unreadable = false;
+    const std::optional<double> time_s = NumberIn(cells[0], is_unreadable);
+    const bool is_narrow = cells.size() < table.columns.size() + 1;
+    if (is_narrow && lines.EndsWithinLine() && line + 1 == lines.Count())
+      left_out.Add("the last row, which is cut off,", lines.Where(line));
+    else if (!time_s || (!table.time_s.empty() && *time_s <= table.time_s.back()))
+      left_out.Add("a row without a time that follows the one before", lines.Where(line));
+    else {
+      if (cells.size() > table.columns.size() + 1) left_out.Add("a cell behind the last column", lines.Where(line));
+      table.time_s.push_back(*time_s);
+      std::vector<double>& row = table.rows.emplace_back();
+      for (std::size_t i = 1; i <= table.columns.size(); ++i) {
+        is_unreadable = false;
+        row.push_back(i < cells.size()
+                          ? NumberIn(cells[i], is_unreadable).value_or(std::numeric_limits<double>::quiet_NaN())
+                          : std::numeric_limits<double>::quiet_NaN());
+        if (is_unreadable) left_out.Add("a cell that is not a finite number", lines.Where(line));
+      }
+    }
   }
-  if (header.rows && *header.rows != table.rows.size())
-    throw Fail("{}: {} rows, but the header says {}: is the file cut off?", path.string(), table.rows.size(),
-               *header.rows);
+  check("rows", header.rows, table.rows.size());
+  left_out.AppendTo(table.warnings);
   return table;
 }
 

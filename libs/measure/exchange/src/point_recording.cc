@@ -1,5 +1,6 @@
 #include "lake/exchange/point_recording.h"
 
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -95,8 +96,16 @@ void AddPoints(std::vector<std::string> names, const std::string& where, PointRe
 }
 
 std::optional<double> FindMmPerUnit(std::string_view unit) {
-  static const std::map<std::string, double, std::less<>> kUnits = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
-  const auto found = kUnits.find(unit);
+  static const std::map<std::string, double, std::less<>> kUnits = {
+      {"mm", 1},      {"millimeter", 1},  {"millimetre", 1}, {"cm", 10},      {"centimeter", 10}, {"centimetre", 10},
+      {"dm", 100},    {"decimeter", 100}, {"m", 1000},       {"meter", 1000}, {"metre", 1000},    {"in", 25.4},
+      {"inch", 25.4}, {"inche", 25.4},    {"ft", 304.8},     {"foot", 304.8}, {"feet", 304.8}};
+  std::string name;
+  for (const char c : unit)
+    if (!std::isspace(static_cast<unsigned char>(c)))
+      name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (name.size() > 3 && name.back() == 's') name.pop_back();
+  const auto found = kUnits.find(name);
   return found == kUnits.end() ? std::nullopt : std::optional(found->second);
 }
 

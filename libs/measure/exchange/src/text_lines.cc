@@ -1,5 +1,7 @@
 #include "text_lines.h"
 
+#include <csv.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -15,8 +17,10 @@ TextLines::TextLines(const std::filesystem::path& path) : path_(path) {
   if (text.find('\0') != std::string::npos) throw Fail("{}: not a text file", path.string());
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   text = Utf8FromText(std::move(text), path.string());
+  ends_within_line_ = !text.empty() && text.back() != '\n' && text.back() != '\r';
+  const char line_end = text.find('\n') == std::string::npos ? '\r' : '\n';
   for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::size_t end = std::min(text.find(line_end, begin), text.size());
     std::string line = text.substr(begin, end - begin);
     line.erase(line.find_last_not_of(" \r") + 1);
     lines_.push_back(std::move(line));
@@ -30,12 +34,33 @@ std::string TextLines::Where(std::size_t i) const {
 
 std::vector<std::string> SplitCells(std::string_view line, char separator) {
   std::vector<std::string> cells;
+  if (line.find('"') != std::string::npos) {
+    csv_parser parser;
+    if (csv_init(&parser, 0) != 0) throw Fail("cannot set up the CSV parser");
+    csv_set_delim(&parser, static_cast<unsigned char>(separator));
+    const auto add = [](void* field, std::size_t length, void* list) {
+      static_cast<std::vector<std::string>*>(list)->emplace_back(Trim({static_cast<const char*>(field), length}));
+    };
+    csv_parse(&parser, line.data(), line.size(), add, nullptr, &cells);
+    csv_fini(&parser, add, nullptr, &cells);
+    csv_free(&parser);
+    return cells;
+  }
   for (std::size_t begin = 0; begin <= line.size();) {
     const std::size_t end = std::min(line.find(separator, begin), line.size());
     cells.emplace_back(Trim(line.substr(begin, end - begin)));
     begin = end + 1;
   }
   return cells;
+}
+
+char SeparatorOf(std::string_view line) {
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    if (!quoted && (c == '\t' || c == ';' || c == ',')) return c;
+  }
+  return ',';
 }
 
 std::string Lower(std::string_view text) {
@@ -45,7 +70,7 @@ std::string Lower(std::string_view text) {
   return lower;
 }
 
-std::optional<double> NumberOrMissing(std::string_view cell, const std::string& where) {
+std::optional<double> NumberIn(std::string_view cell, bool& is_unreadable) {
   const std::string_view text = Trim(cell);
   if (text.empty()) return std::nullopt;
   const std::string lower = Lower(text);
@@ -53,20 +78,8 @@ std::optional<double> NumberOrMissing(std::string_view cell, const std::string& 
   std::string number(text);
   if (number.find('.') == std::string::npos) std::replace(number.begin(), number.end(), ',', '.');
   const std::optional<double> value = ParseNumber(number);
-  if (!value) throw Fail("{}: '{}' is not a finite number", where, text);
+  is_unreadable = !value;
   return value;
-}
-
-double RequiredNumber(std::string_view cell, const std::string& where) {
-  const std::optional<double> value = NumberOrMissing(cell, where);
-  if (!value) throw Fail("{}: a number is missing", where);
-  return *value;
-}
-
-void AppendTime(std::optional<double> time_s, const std::string& where, std::vector<double>& times_s) {
-  if (!time_s) throw Fail("{}: the time is missing", where);
-  if (!times_s.empty() && *time_s <= times_s.back()) throw Fail("{}: the time does not increase", where);
-  times_s.push_back(*time_s);
 }
 
 void CheckNames(const PointRecording& points, const std::filesystem::path& path) {
@@ -75,10 +88,10 @@ void CheckNames(const PointRecording& points, const std::filesystem::path& path)
       throw Fail("{}: the name '{}' cannot stand in this format: give another with --map", path.string(), point.name);
 }
 
-std::size_t ParseCount(std::string_view cell, const std::string& what, const std::string& where, std::size_t most) {
-  const double value = RequiredNumber(cell, where);
-  if (!(value >= 0 && value <= static_cast<double>(most)) || value != std::floor(value))
-    throw Fail("{}: {} is {}, not a count up to {}", where, what, cell, most);
+std::optional<std::size_t> CountIn(std::string_view cell, std::size_t most) {
+  bool is_unreadable = false;
+  const double value = NumberIn(cell, is_unreadable).value_or(-1);
+  if (!(value >= 0 && value <= static_cast<double>(most)) || value != std::floor(value)) return std::nullopt;
   return static_cast<std::size_t>(value);
 }
 

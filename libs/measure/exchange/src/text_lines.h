@@ -13,29 +13,32 @@ namespace lake::exchange {
 
 class TextLines {
  public:
-  // CR, a byte order mark and trailing blanks (not tabs) are taken off. Throws Error if the file cannot be read.
+  // Lines end with LF, CR LF or CR; a byte order mark and trailing blanks (not tabs) are taken off. Throws Error if the
+  // file cannot be read, or is no text.
   explicit TextLines(const std::filesystem::path& path);
 
   std::size_t Count() const { return lines_.size(); }
   const std::string& operator[](std::size_t i) const { return lines_[i]; }
   std::string Where(std::size_t i) const;  // "file:line"
+  bool EndsWithinLine() const { return ends_within_line_; }
 
  private:
   std::filesystem::path path_;
   std::vector<std::string> lines_;
+  bool ends_within_line_ = false;
 };
 
-// All cells, empty ones too, trimmed.
+// All cells, empty ones too, trimmed; quotes round a cell are taken off.
 std::vector<std::string> SplitCells(std::string_view line, char separator);
+
+// Tab, semicolon or comma: the first of these that stands outside quotes; else a comma.
+char SeparatorOf(std::string_view line);
 
 std::string Lower(std::string_view text);
 
-// Empty cells and NaN in any spelling are missing; a decimal comma is understood. Throws Error naming the place.
-std::optional<double> NumberOrMissing(std::string_view cell, const std::string& where);
-double RequiredNumber(std::string_view cell, const std::string& where);
-
-// A time that must come after the last of those before. Throws Error naming the place.
-void AppendTime(std::optional<double> time_s, const std::string& where, std::vector<double>& times_s);
+// nullopt for an empty cell, for NaN in any spelling, and for a cell that is not a finite number, which sets
+// `is_unreadable`; a decimal comma is understood.
+std::optional<double> NumberIn(std::string_view cell, bool& is_unreadable);
 
 // Of points to be written between tabs: throws Error for an empty name, or one with a tab or a line end.
 void CheckNames(const PointRecording& points, const std::filesystem::path& path);
@@ -43,7 +46,7 @@ void CheckNames(const PointRecording& points, const std::filesystem::path& path)
 // More frames than any trial has; a count or number above it is damage.
 inline constexpr std::size_t kMostFrames = 10'000'000;
 
-// A count from a header. Throws Error unless 0 ≤ count ≤ `most`.
-std::size_t ParseCount(std::string_view cell, const std::string& what, const std::string& where, std::size_t most);
+// A whole number from 0 to `most`; nullopt for any other text.
+std::optional<std::size_t> CountIn(std::string_view cell, std::size_t most = kMostFrames);
 
 }  // namespace lake::exchange

@@ -6,33 +6,28 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "text_lines.h"
+#include "lake/exchange/formats.h"
+#include "point_table.h"
 
 namespace lake::exchange {
 namespace {
 
 constexpr std::size_t kMostTracks = 10'000;
 
-// The columns of one track.
-struct TrackColumns {
-  std::string name;
-  std::size_t x, y;
-};
-
 // Names stand above their columns; a writer that leaves out empty cells is understood if there are as many names as
 // tracks.
-std::vector<TrackColumns> FindColumns(const std::vector<std::string>& labels, const std::vector<std::string>& names) {
-  std::vector<TrackColumns> columns;
+std::vector<PointColumns> FindColumns(const std::vector<std::string>& labels, const std::vector<std::string>& names) {
+  std::vector<PointColumns> columns;
   for (std::size_t i = 1; i + 1 < labels.size(); ++i)
-    if (labels[i] == "x" && labels[i + 1] == "y") columns.push_back({"", i, i + 1});
+    if (labels[i] == "x" && labels[i + 1] == "y") columns.push_back({"", {i, i + 1}});
   std::vector<std::string> given;
   for (const std::string& name : names)
     if (!name.empty() && !name.starts_with('#')) given.push_back(name);
   for (std::size_t k = 0; k < columns.size(); ++k) {
     if (given.size() == columns.size())
       columns[k].name = given[k];
-    else if (columns[k].x < names.size())
-      columns[k].name = names[columns[k].x];
+    else if (columns[k].axes[0] < names.size())
+      columns[k].name = names[columns[k].axes[0]];
     if (columns[k].name.empty()) columns[k].name = fmt::format("track{}", k + 1);
   }
   return columns;
@@ -50,38 +45,23 @@ std::string FormatForTracker(double value) {
 PointRecording ReadTrackerText(const std::filesystem::path& path, double mm_per_unit) {
   const TextLines lines(path);
   std::size_t label_line = 0;
-  const auto is_label_row = [&](std::size_t i) {
-    const std::vector<std::string> cells = SplitCells(lines[i], '\t');
+  const auto cells_of = [&](std::size_t line) { return SplitCells(lines[line], SeparatorOf(lines[label_line])); };
+  const auto is_label_row = [&] {
+    const std::vector<std::string> cells = cells_of(label_line);
     return cells.size() >= 3 && cells[0] == "t" && std::find(cells.begin(), cells.end(), "x") != cells.end();
   };
-  while (label_line < lines.Count() && !is_label_row(label_line)) ++label_line;
+  while (label_line < lines.Count() && !is_label_row()) ++label_line;
   if (label_line == lines.Count()) throw Fail("{}: not a table of Tracker: no row of labels 't, x, y'", path.string());
-  const std::vector<TrackColumns> columns =
-      FindColumns(SplitCells(lines[label_line], '\t'),
-                  label_line > 0 ? SplitCells(lines[label_line - 1], '\t') : std::vector<std::string>{});
-  if (columns.empty() || columns.size() > kMostTracks)
-    throw Fail("{}: {} columns 'x' followed by 'y', not 1 to {}", lines.Where(label_line), columns.size(), kMostTracks);
-
-  PointRecording recording;
-  recording.space = PointSpace::kPlane;
-  std::vector<std::string> names;
-  for (const TrackColumns& column : columns) names.push_back(column.name);
-  AddPoints(std::move(names), lines.Where(label_line), recording);
-  for (std::size_t i = label_line + 1; i < lines.Count(); ++i) {
-    const std::vector<std::string> cells = SplitCells(lines[i], '\t');
-    if (cells.size() == 1 && cells[0].empty()) continue;
-    const auto cell = [&](std::size_t c) {
-      return c < cells.size() ? NumberOrMissing(cells[c], lines.Where(i)) : std::nullopt;
-    };
-    AppendTime(cell(0), lines.Where(i), recording.time_s);
-    recording.frame.push_back(static_cast<std::int64_t>(recording.frame.size()));
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      const auto x = cell(columns[k].x), y = cell(columns[k].y);
-      recording.points[k].positions.push_back(x && y ? Eigen::Vector3d(*x * mm_per_unit, *y * mm_per_unit, 0)
-                                                     : PointTrack::Missing());
-    }
-  }
-  return recording;
+  const PointTable table{.first_row = label_line + 1,
+                         .separator = SeparatorOf(lines[label_line]),
+                         .time = 0,
+                         .points = FindColumns(cells_of(label_line),
+                                               label_line > 0 ? cells_of(label_line - 1) : std::vector<std::string>{}),
+                         .mm_per_unit = mm_per_unit};
+  if (table.points.empty() || table.points.size() > kMostTracks)
+    throw Fail("{}: {} columns 'x' followed by 'y', not 1 to {}", lines.Where(label_line), table.points.size(),
+               kMostTracks);
+  return ReadPointTable(lines, table, path);
 }
 
 void WriteTrackerText(const std::filesystem::path& path, const PointRecording& points) {

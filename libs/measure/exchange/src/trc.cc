@@ -10,138 +10,129 @@
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
-#include "text_lines.h"
+#include "lake/exchange/formats.h"
+#include "point_table.h"
 
 namespace lake::exchange {
 namespace {
 
 constexpr std::array kKeys = {"DataRate", "CameraRate",   "NumFrames",          "NumMarkers",
                               "Units",    "OrigDataRate", "OrigDataStartFrame", "OrigNumFrames"};
-constexpr std::size_t kMostMarkers = 10000;
-constexpr std::size_t kFirstRow = 5;  // index of the line after the head
-
-struct TrcHeader {
-  std::size_t frames = 0, markers = 0;
-  double mm_per_unit = 1;
-  std::optional<double> rate_hz;
-  std::vector<std::string> names;
-  std::vector<std::string> warnings;
+// Where the parts of a file are (lines from 0), whose order all writers share; blank lines stand between them in some.
+struct TrcLines {
+  std::size_t labels = 0, first_row = 0;
+  std::map<std::string, std::string> header;  // each key, in small letters, with the value below it
 };
 
-bool IsBlank(const std::string& line) {
-  return line.find_first_not_of(" \t") == std::string::npos;
+std::vector<std::string> Filled(std::vector<std::string> cells) {
+  std::erase(cells, "");
+  return cells;
 }
 
-// Each key with the value below it; some writers put two tabs after a value where one follows a key.
-std::map<std::string, std::string> HeaderValues(const TextLines& lines) {
-  std::vector<std::string> keys = SplitCells(lines[1], '\t'), values = SplitCells(lines[2], '\t');
-  const auto filled = [](std::vector<std::string> cells) {
-    std::erase(cells, "");
-    return cells;
-  };
-  if (filled(keys).size() == filled(values).size()) {
-    keys = filled(keys);
-    values = filled(values);
+// Some writers put two tabs after a value where one follows a key.
+std::map<std::string, std::string> HeaderValues(const std::string& key_line, const std::string& value_line) {
+  std::vector<std::string> keys = SplitCells(Lower(key_line), '\t'), values = SplitCells(value_line, '\t');
+  if (Filled(keys).size() == Filled(values).size()) {
+    keys = Filled(keys);
+    values = Filled(values);
   }
   std::map<std::string, std::string> header;
   for (std::size_t i = 0; i < keys.size() && i < values.size(); ++i) header[keys[i]] = values[i];
   return header;
 }
 
-// The markers that the widest row of numbers has cells for; 0 where it ends within a marker.
-std::size_t MarkersInRows(const TextLines& lines) {
-  std::size_t width = 0;
-  for (std::size_t line = kFirstRow; line < lines.Count(); ++line) {
-    const std::vector<std::string> cells = SplitCells(lines[line], '\t');
-    const auto last = std::find_if(cells.rbegin(), cells.rend(), [](const std::string& cell) { return !cell.empty(); });
-    width = std::max(width, static_cast<std::size_t>(cells.rend() - last));
-  }
-  return width > 2 && (width - 2) % 3 == 0 ? (width - 2) / 3 : 0;
+TrcLines FindLines(const TextLines& lines, const std::filesystem::path& path) {
+  constexpr std::size_t kMostHeadLines = 50;
+  TrcLines found;
+  while (found.labels < std::min(lines.Count(), kMostHeadLines) && !Lower(lines[found.labels]).starts_with("frame"))
+    ++found.labels;
+  if (found.labels >= std::min(lines.Count(), kMostHeadLines))
+    throw Fail("{}: not a TRC file: no row of labels that begins with Frame#", path.string());
+  for (std::size_t line = 0; line + 1 < found.labels; ++line)
+    if (Lower(lines[line]).find("nummarkers") != std::string::npos ||
+        Lower(lines[line]).find("units") != std::string::npos)
+      found.header = HeaderValues(lines[line], lines[line + 1]);
+  found.first_row = found.labels + 1;
+  const auto is_row = [&](std::size_t line) { return CountIn(SplitCells(lines[line], '\t')[0]).has_value(); };
+  while (found.first_row < lines.Count() && !is_row(found.first_row)) ++found.first_row;
+  return found;
 }
 
-TrcHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path) {
-  if (lines.Count() < kFirstRow || !lines[0].starts_with("PathFileType"))
-    throw Fail("{}: not a TRC file: its first line must begin with PathFileType", path.string());
-  std::map<std::string, std::string> header = HeaderValues(lines);
-  for (const char* key : {"NumFrames", "NumMarkers", "Units"})
-    if (!header.contains(key)) throw Fail("{}: the header has no {}", lines.Where(1), key);
-
-  TrcHeader trc;
-  trc.frames = ParseCount(header["NumFrames"], "NumFrames", lines.Where(2), kMostFrames);
-  trc.markers = ParseCount(header["NumMarkers"], "NumMarkers", lines.Where(2), kMostMarkers);
-  const std::optional<double> mm_per_unit = FindMmPerUnit(header["Units"]);
-  if (!mm_per_unit) throw Fail("{}: the unit '{}' is not mm, cm or m", lines.Where(2), header["Units"]);
-  trc.mm_per_unit = *mm_per_unit;
-  if (header.contains("DataRate")) trc.rate_hz = NumberOrMissing(header["DataRate"], lines.Where(2));
-  const std::vector<std::string> names = SplitCells(lines[3], '\t');
-  for (std::size_t i = 2; i < names.size(); ++i)
-    if (!names[i].empty()) trc.names.push_back(names[i]);
-  if (trc.names.size() != trc.markers) {
-    // Cortex counts (and labels, in some versions) the markers of its template only, and writes names and columns of
-    // all.
-    if (trc.names.size() < trc.markers || trc.names.size() != MarkersInRows(lines))
-      throw Fail("{}: {} names, but NumMarkers is {}", lines.Where(3), trc.names.size(), trc.markers);
-    trc.warnings.push_back(
-        fmt::format("{}: the header says {} markers, but there are names and columns of {}: all are read",
-                    path.string(), trc.markers, trc.names.size()));
-    trc.markers = trc.names.size();
-  }
-  return trc;
-}
-
-void ReadRow(const TextLines& lines, std::size_t line, const TrcHeader& header, PointRecording& recording) {
-  const std::string where = lines.Where(line);
-  const std::vector<std::string> cells = SplitCells(lines[line], '\t');
-  const std::size_t width = 2 + 3 * header.markers;
-  for (std::size_t i = width; i < cells.size(); ++i)
-    if (!cells[i].empty())
-      throw Fail("{}: {} cells, but {} markers need {}", where, cells.size(), header.markers, width);
-  if (cells.size() < 2) throw Fail("{}: a frame number and a time are needed", where);
-  recording.frame.push_back(static_cast<std::int64_t>(ParseCount(cells[0], "the frame", where, kMostFrames)) - 1);
-  AppendTime(NumberOrMissing(cells[1], where), where, recording.time_s);
-  for (std::size_t m = 0; m < header.markers; ++m) {
-    Eigen::Vector3d position = PointTrack::Missing();
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::size_t cell = 2 + 3 * m + axis;
-      if (cell >= cells.size())
-        continue;  // OpenSim leaves out the cells of markers that are missing at the end of a row
-      if (const auto value = NumberOrMissing(cells[cell], where))
-        position[static_cast<int>(axis)] = *value * header.mm_per_unit;
+// Names stand over the first of their three columns, or, with fewer tabs between them, in the columns' order.
+std::vector<PointColumns> FindColumns(const std::vector<std::string>& labels) {
+  std::vector<PointColumns> columns;
+  bool over_columns = true;
+  for (std::size_t i = 2; i < labels.size(); ++i)
+    if (!labels[i].empty()) over_columns = over_columns && (i - 2) % 3 == 0;
+  for (std::size_t i = 2; i < labels.size(); ++i)
+    if (!labels[i].empty()) {
+      const std::size_t first = over_columns ? i : 2 + 3 * columns.size();
+      columns.push_back({labels[i], {first, first + 1, first + 2}});
     }
-    // Some writers mark a missing marker by zeros, as in C3D.
-    recording.points[m].positions.push_back(position.allFinite() && !position.isZero(0) ? position
-                                                                                        : PointTrack::Missing());
+  return columns;
+}
+
+double UnitOf(const TrcLines& found, const TextLines& lines, std::vector<std::string>& warnings) {
+  const auto unit = found.header.find("units");
+  const std::string where = lines.Where(found.labels > 0 ? found.labels - 1 : 0);
+  if (unit == found.header.end()) {
+    warnings.push_back(fmt::format("{}: the header says no unit (Units); mm is assumed, as is the custom", where));
+    return 1;
   }
+  const std::optional<double> mm_per_unit = FindMmPerUnit(unit->second);
+  if (!mm_per_unit) throw Fail("{}: the unit '{}' is none of length: write mm, cm or m there", where, unit->second);
+  return *mm_per_unit;
+}
+
+// What the header counts otherwise than it is.
+void CheckCount(const TrcLines& found, const char* key, const char* what, std::size_t count,
+                const std::filesystem::path& path, std::vector<std::string>& warnings) {
+  const auto stated = found.header.find(Lower(key));
+  const auto value = stated == found.header.end() ? std::nullopt : CountIn(stated->second);
+  if (value != count)
+    warnings.push_back(fmt::format("{}: the header {}, but there are {} {}: all are read", path.string(),
+                                   value ? fmt::format("says {} {}", *value, what) : fmt::format("has no {}", key),
+                                   count, what));
 }
 
 // Exporters that thin a recording out leave its old rate in the header.
-void CheckRate(const std::filesystem::path& path, const TrcHeader& header, PointRecording& recording) {
+void CheckRate(const std::filesystem::path& path, double rate_hz, PointRecording& recording) {
   constexpr double kTolerance = 0.02;
-  if (recording.time_s.size() < 3 || !header.rate_hz) return;
+  if (recording.time_s.size() < 3 || !(rate_hz > 0)) return;
   // Steps rounded to a millisecond spoil the median, a gap in the recording the mean: both must contradict the header.
-  const double step_s = MedianInterval(recording.time_s), rate_hz = FrameRate(recording.time_s);
-  if (std::abs(*header.rate_hz * step_s - 1) > kTolerance && std::abs(*header.rate_hz / rate_hz - 1) > kTolerance)
+  const double step_s = MedianInterval(recording.time_s), mean_hz = FrameRate(recording.time_s);
+  if (std::abs(rate_hz * step_s - 1) > kTolerance && std::abs(rate_hz / mean_hz - 1) > kTolerance)
     recording.warnings.push_back(
         fmt::format("{}: the header says {:g} Hz, but the rows are {} s apart ({} Hz); the time column is believed",
-                    path.string(), *header.rate_hz, SignificantText(step_s, 4), SignificantText(1 / step_s, 4)));
+                    path.string(), rate_hz, SignificantText(step_s, 4), SignificantText(1 / step_s, 4)));
 }
 
 }  // namespace
 
 PointRecording ReadTrc(const std::filesystem::path& path) {
   const TextLines lines(path);
-  const TrcHeader header = ReadHeader(lines, path);
-  PointRecording recording;
-  recording.warnings = header.warnings;
-  AddPoints(header.names, lines.Where(3), recording);
-  for (std::size_t line = kFirstRow; line < lines.Count(); ++line)
-    if (!IsBlank(lines[line])) ReadRow(lines, line, header, recording);
-  if (recording.time_s.size() != header.frames)
-    throw Fail("{}: {} rows, but the header says {} frames: is the file cut off?", path.string(),
-               recording.time_s.size(), header.frames);
-  if (!recording.frame.empty() && recording.frame.front() < 0)  // a writer that counts from 0
-    for (std::int64_t& frame : recording.frame) ++frame;
-  CheckRate(path, header, recording);
+  const TrcLines found = FindLines(lines, path);
+  std::vector<std::string> warnings;
+  const auto rate = found.header.find("datarate"), frames = found.header.find("numframes");
+  bool is_unreadable = false;
+  PointTable table{.space = PointSpace::kSpace,
+                   .first_row = found.first_row,
+                   .separator = '\t',
+                   .time = 1,
+                   .frame = 0,
+                   .first_frame = 1,
+                   .points = FindColumns(SplitCells(lines[found.labels], '\t')),
+                   .mm_per_unit = UnitOf(found, lines, warnings),
+                   .zero_is_missing = true,
+                   .names_all = true};
+  if (rate != found.header.end()) table.rate_hz = NumberIn(rate->second, is_unreadable).value_or(0);
+  if (frames != found.header.end()) table.stated_rows = CountIn(frames->second);
+  if (table.points.empty()) throw Fail("{}: the row of labels names no marker", lines.Where(found.labels));
+  PointRecording recording = ReadPointTable(lines, table, path);
+  CheckCount(found, "NumMarkers", "markers", table.points.size(), path, warnings);
+  CheckCount(found, "NumFrames", "frames", recording.time_s.size(), path, warnings);
+  recording.warnings.insert(recording.warnings.begin(), warnings.begin(), warnings.end());
+  CheckRate(path, table.rate_hz, recording);
   return recording;
 }
 

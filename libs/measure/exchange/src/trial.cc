@@ -9,8 +9,6 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
-#include "lake/exchange/dltdv.h"
-#include "lake/exchange/kinovea.h"
 #include "lake/motion/saved_corrections.h"
 #include "marker_files.h"
 #include "text_lines.h"
@@ -312,28 +310,13 @@ std::map<std::string, std::vector<double>> LateralPlaces(const PointRecording& p
 }
 
 bool IsOwnTable(const fs::path& path) {
-  return Lower(path.extension().string()) == ".csv" && !IsKinovea(path) && !IsDltdv(path);
+  return fs::is_regular_file(path) && FormatOfFile(path).Is(kEstimates);
 }
 
-// What a file of each kind says itself, or leaves to the options.
-struct KindOfTrial {
-  bool has_unit = true, is_in_space = false, has_times = true, has_estimates = false;
-};
-
-KindOfTrial KindOf(const fs::path& path) {
-  const std::string extension = Lower(path.extension().string());
-  const bool is_csv = extension == ".csv";
-  KindOfTrial kind;
-  if (const std::vector<fs::path> files = MarkerFilesOf(path); !files.empty()) {
-    kind = KindOf(files.front());
-    kind.has_estimates = false;
-    return kind;
-  }
-  kind.has_unit = extension != ".txt" && !(is_csv && IsKinovea(path));
-  kind.is_in_space = extension == ".trc" || extension == ".c3d";
-  kind.has_times = !(is_csv && IsDltdv(path));
-  kind.has_estimates = fs::is_directory(path) || (is_csv && IsOwnTable(path));
-  return kind;
+// The format of a file, of the table in a folder that lake wrote, or of a folder's first marker.
+const PointFormat& FormatOfTrial(const fs::path& path) {
+  if (const std::vector<fs::path> files = MarkerFilesOf(path); !files.empty()) return FormatOfFile(files.front());
+  return FormatOfFile(fs::is_directory(path) ? TableOfFolder(path) : path);
 }
 
 }  // namespace
@@ -364,11 +347,18 @@ void Describe(TrialOptions& o, OptionList& options) {
       .Otherwise("found from the movement");
   DescribeUnit("unit", o.mm_per_unit, options);
   DescribeValues(o, options);
+  DescribeView(o.view, options);
 }
 
 Option& DescribeValues(TrialOptions& o, OptionList& options) {
   return options.AddFlag("smoothed", o.values, motion::MarkerValues::kEstimated,
                          "Start from the fit's estimates of a trajectory.csv, not from the measurements");
+}
+
+Option& DescribeView(std::string& view, OptionList& options) {
+  return options.Add("view", view, "Camera of a file that holds several (DLTdv; camera files)")
+      .Value("NAME")
+      .Otherwise("all");
 }
 
 Option& DescribeUp(TrialOptions& o, OptionList& options) {
@@ -380,15 +370,15 @@ Option& DescribeUp(TrialOptions& o, OptionList& options) {
 
 std::vector<UnusedOption> UnusedOptions(const fs::path& path, const TrialOptions& options) {
   if (!fs::exists(path)) return {};
-  const KindOfTrial kind = KindOf(path);
+  const PointFormat& format = FormatOfTrial(path);
   std::vector<UnusedOption> unused;
   const auto add = [&](bool is_unused, const char* option, const char* why) {
     if (is_unused) unused.push_back({option, why});
   };
-  add(options.mm_per_unit != 1 && kind.has_unit, "--unit", "it is in mm or px, or states its unit itself");
-  add(options.up && !kind.is_in_space, "--up", "its points lie in a plane, with y as the vertical");
-  add(options.rate_hz > 0 && kind.has_times, "--rate", "it has times of its own");
-  add(options.values == motion::MarkerValues::kEstimated && !kind.has_estimates, "--smoothed",
+  add(options.mm_per_unit != 1 && !format.Is(kNoUnit), "--unit", "it is in mm or px, or states its unit itself");
+  add(options.up && !format.Is(kInSpace), "--up", "its points lie in a plane, with y as the vertical");
+  add(options.rate_hz > 0 && !format.Is(kNoTimes), "--rate", "it has times of its own");
+  add(options.values == motion::MarkerValues::kEstimated && !format.Is(kEstimates), "--smoothed",
       "it holds no fit's estimates");
   return unused;
 }
@@ -446,10 +436,10 @@ PointRecording ProjectOntoSagittalPlane(const PointRecording& read, const TrialO
 Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
   Trial trial;
   trial.file = fs::is_directory(path) && MarkerFilesOf(path).empty() ? TableOfFolder(path) : path;
-  if (IsOwnTable(trial.file) && fs::exists(trial.file)) {
+  if (IsOwnTable(trial.file)) {
     ReadOwnTable(trial.file, options, trial);
   } else {
-    const PointRecording read = ReadPoints(trial.file, options.mm_per_unit, options.rate_hz);
+    const PointRecording read = ReadPoints(trial.file, options.Reading());
     PointRecording points = RenamePoints(read, options.names, trial.file);
     if (points.axes) points = PointsInPlane(points);
     if (points.space == PointSpace::kSpace) {
@@ -460,6 +450,7 @@ Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
       if (!options.forward.empty()) trial.faces_right = true;
     }
     trial.mm_per_px = points.mm_per_px;
+    trial.outputs = points.outputs;
     trial.warnings = points.warnings;
     trial.recording = MarkersFromPoints(points);
   }

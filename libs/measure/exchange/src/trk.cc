@@ -8,7 +8,9 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/utf8.h"
+#include "lake/exchange/formats.h"
 #include "lake/exchange/tracker.h"
+#include "left_out.h"
 #include "text_lines.h"
 
 namespace lake::exchange {
@@ -20,52 +22,56 @@ pugi::xml_node Property(const pugi::xml_node& object, const char* name) {
   return {};
 }
 
-std::optional<double> PropertyNumber(const pugi::xml_node& object, const char* name, const std::string& path) {
-  const pugi::xml_node property = Property(object, name);
-  if (!property) return std::nullopt;
-  const std::optional<double> value = ParseNumber(property.text().as_string());
-  if (!value) throw Fail("{}: property '{}' is '{}', not a number", path, name, property.text().as_string());
-  return value;
+std::optional<double> PropertyNumber(const pugi::xml_node& object, const char* name) {
+  return ParseNumber(Property(object, name).text().as_string());
 }
 
 void ReadCoordinates(const pugi::xml_node& panel, const std::string& path, PointRecording& recording) {
   const pugi::xml_node frames = Property(Property(panel, "coords").child("object"), "framedata");
   const pugi::xml_node first = frames.child("property").child("object");
-  const auto x = PropertyNumber(first, "xorigin", path), y = PropertyNumber(first, "yorigin", path);
+  const auto x = PropertyNumber(first, "xorigin"), y = PropertyNumber(first, "yorigin");
   if (x && y)
-    recording.axes =
-        ImageAxes{{*x - kPixelCentre, *y - kPixelCentre}, PropertyNumber(first, "angle", path).value_or(0)};
-  const std::optional<double> px_per_unit = PropertyNumber(first, "xscale", path);
-  const std::optional<double> mm_per_unit = FindMmPerUnit(Property(panel, "length_unit").text().as_string());
-  if (mm_per_unit && px_per_unit && *px_per_unit > 0) recording.mm_per_px = *mm_per_unit / *px_per_unit;
+    recording.axes = ImageAxes{{*x - kPixelCentre, *y - kPixelCentre}, PropertyNumber(first, "angle").value_or(0)};
+  const std::optional<double> px_per_unit = PropertyNumber(first, "xscale");
+  const std::string unit = Property(panel, "length_unit").text().as_string();
+  const std::optional<double> mm_per_unit = FindMmPerUnit(unit);
+  // Tracker writes 1 px per unit, and the unit m, where nobody calibrated.
+  const bool is_default = px_per_unit == 1.0 && mm_per_unit == 1000.0;
+  if (mm_per_unit && px_per_unit && *px_per_unit > 0 && !is_default) recording.mm_per_px = *mm_per_unit / *px_per_unit;
+  if (is_default)
+    recording.warnings.push_back(
+        fmt::format("{}: was never calibrated, as 1 px is 1 m in it: positions are in px", path));
   if (first.parent().next_sibling("property"))
     recording.warnings.push_back(
         fmt::format("{}: its axes change from frame to frame; those of the first are taken", path));
 }
 
 // "[12]" as 12.
-std::int64_t FrameIndex(const pugi::xml_node& property, const std::string& path) {
+std::optional<std::size_t> FrameIndex(const pugi::xml_node& property) {
   std::string text = property.attribute("name").value();
   std::erase_if(text, [](char c) { return c == '[' || c == ']'; });
-  return static_cast<std::int64_t>(ParseCount(text, "a frame number", path, kMostFrames));
+  return CountIn(text);
 }
 
-FramePoints ReadPointMass(const pugi::xml_node& mass, const std::string& path) {
+FramePoints ReadPointMass(const pugi::xml_node& mass, const std::string& path, LeftOut& left_out) {
   FramePoints points{Property(mass, "name").text().as_string(), {}};
   for (const pugi::xml_node frame : Property(mass, "framedata").children("property")) {
     const pugi::xml_node data = frame.child("object");
-    const auto x = PropertyNumber(data, "x", path), y = PropertyNumber(data, "y", path);
-    if (x && y) points.positions[FrameIndex(frame, path)] = {*x - kPixelCentre, *y - kPixelCentre, 0};
+    const auto x = PropertyNumber(data, "x"), y = PropertyNumber(data, "y");
+    if (const auto index = FrameIndex(frame); x && y && index)
+      points.positions[static_cast<std::int64_t>(*index)] = {*x - kPixelCentre, *y - kPixelCentre, 0};
+    else if (data)
+      left_out.Add("a position without numbers for x, y and frame", fmt::format("{}: {}", path, points.name));
   }
   return points;
 }
 
 void ReadTimes(const pugi::xml_node& panel, const std::string& path, PointRecording& recording) {
-  const double step_ms = PropertyNumber(Property(panel, "clipcontrol").child("object"), "delta_t", path).value_or(0);
+  const double step_ms = PropertyNumber(Property(panel, "clipcontrol").child("object"), "delta_t").value_or(0);
   if (!(step_ms > 0)) throw Fail("{}: no frame duration (clipcontrol, delta_t)", path);
   const pugi::xml_node clip = Property(panel, "videoclip").child("object");
-  const double start_ms = PropertyNumber(clip, "starttime", path).value_or(0),
-               start_frame = PropertyNumber(clip, "startframe", path).value_or(0);
+  const double start_ms = PropertyNumber(clip, "starttime").value_or(0),
+               start_frame = PropertyNumber(clip, "startframe").value_or(0);
   for (const std::int64_t frame : recording.frame)
     recording.time_s.push_back((start_ms + (static_cast<double>(frame) - start_frame) * step_ms) / 1000);
 }
@@ -156,19 +162,22 @@ void AddPointMass(pugi::xml_node tracks, const PointRecording& recording, const 
 PointRecording ReadTrk(const std::filesystem::path& path) {
   const std::string text = Lower(path.extension().string()) == ".trz" ? ReadZipEntry(path, ".trk") : ReadTextFile(path);
   pugi::xml_document document;
-  ParseXml(text, path, document);
+  const std::vector<std::string> warnings = ParseXml(text, path, document);
   const pugi::xml_node panel = document.child("object");
   if (!std::string_view(panel.attribute("class").value()).ends_with("TrackerPanel"))
     throw Fail("{}: not a project of Tracker (no TrackerPanel)", path.string());
   std::vector<FramePoints> masses;
+  LeftOut left_out;
   for (const pugi::xpath_node found :
        document.select_nodes("//object[contains(@class, 'PointMass') and property[@name='framedata']]")) {
-    FramePoints points = ReadPointMass(found.node(), path.string());
+    FramePoints points = ReadPointMass(found.node(), path.string(), left_out);
     if (!points.positions.empty()) masses.push_back(std::move(points));
   }
   PointRecording recording = PointsByFrame(masses, text.size(), path);
   ReadCoordinates(panel, path.string(), recording);
   ReadTimes(panel, path.string(), recording);
+  recording.warnings.insert(recording.warnings.begin(), warnings.begin(), warnings.end());
+  left_out.AppendTo(recording.warnings);
   return recording;
 }
 

@@ -94,6 +94,7 @@ LegView ViewOf(const PictureScale& picture, const motion::MarkerRecording& recor
   std::optional<camera::CameraProfile> profile;
   if (picture.camera) {
     profile = camera::ReadCameraProfile(*picture.camera);
+    for (const std::string& warning : profile->warnings) warn(warning);
     CheckInPicture(profile->camera, *picture.camera, recording);
   }
   return MakeView(picture, profile, mm_per_px, {}, warn);

@@ -93,7 +93,7 @@ Movement ForceMovement(const fs::path& path) {
 }
 
 Movement MarkerMovement(const fs::path& path, double rate_hz) {
-  const exchange::PointRecording points = exchange::ReadPoints(path, 1, rate_hz);
+  const exchange::PointRecording points = exchange::ReadPoints(path, {.rate_hz = rate_hz});
   const bool in_space = points.space == exchange::PointSpace::kSpace;
   Movement movement{.kind = MovementKind::kMarkers,
                     .file = path,
@@ -196,7 +196,7 @@ std::string_view ToString(MovementKind kind) {
 }
 
 Movement ReadMovement(const fs::path& path, const MovementOptions& options) {
-  if (IsTableOfForces(path)) return ForceMovement(path);
+  if (exchange::HoldsOnlyForces(path)) return ForceMovement(path);
   if (auto sensor = FindSensorMovement(path)) return *sensor;
   return MarkerMovement(path, options.rate_hz);
 }
@@ -219,7 +219,7 @@ std::vector<double> RisesOf(const fs::path& path, const std::string& name, const
                           ColumnOf(table, table.Column(name)), where);
   }
   if (FindSensorColumns(header)) ThrowNoSuchSignal(path, name, header);
-  return RisesOfMarker(exchange::ReadPoints(path, 1, options.rate_hz), path, name);
+  return RisesOfMarker(exchange::ReadPoints(path, {.rate_hz = options.rate_hz}), path, name);
 }
 
 }  // namespace lake::sync

@@ -194,13 +194,18 @@ void DrawPaths(GnuplotFigure& figure, const gait::LegFitResult& result) {
   figure.Line("set size noratio; unset offsets; set xtics autofreq; set ytics autofreq");
 }
 
-void DrawAngle(GnuplotFigure& figure, const gait::LegFitResult& result, const KneeColumns& columns) {
+void DrawAngle(GnuplotFigure& figure, const gait::LegFitResult& result, const KneeColumns& columns,
+               const OtherAngle& other) {
   const std::vector<double>& time_s = result.motion.time_s;
   std::vector<std::string> parts = {
       fmt::format("{} using 1:2 with points pt 6 ps 0.7 lc rgb '#2E8BC0' title 'single frames'",
                   figure.Data({time_s, columns.raw})),
       fmt::format("{} using 1:2 with lines lw 2 lc rgb '{}' title 'fit'", figure.Data({time_s, columns.fit}),
                   colour::kText)};
+  if (!other.angle_deg.empty())
+    parts.push_back(fmt::format("{} using 1:2 with lines lw 2 dt (8,4) lc rgb '{}' title {}",
+                                figure.Data({time_s, other.angle_deg}), colour::kExoskeleton,
+                                QuoteForGnuplot(other.name)));
   for (const EventStyle& style : kEvents)
     if (std::any_of(result.events.begin(), result.events.end(),
                     [&](const motion::StsEvent& e) { return e.kind == style.kind; }))
@@ -228,7 +233,7 @@ void DrawDifference(GnuplotFigure& figure, const gait::LegFitResult& result, con
 
 }  // namespace
 
-void DrawLegFigure(const std::filesystem::path& path, const gait::LegFitResult& result) {
+void DrawLegFigure(const std::filesystem::path& path, const gait::LegFitResult& result, const OtherAngle& other) {
   GnuplotFigure figure(1400, 800);
   const std::vector<double>& time_s = result.motion.time_s;
   const KneeColumns columns = ColumnsOf(result.motion);
@@ -237,7 +242,7 @@ void DrawLegFigure(const std::filesystem::path& path, const gait::LegFitResult& 
   figure.Line("set xrange [{}:{}]", time_s.front(), time_s.back());
   ShadeGaps(figure, result.motion);
   MarkEvents(figure, result.events);
-  DrawAngle(figure, result, columns);
+  DrawAngle(figure, result, columns, other);
   DrawDifference(figure, result, columns);
   figure.Line("unset multiplot");
   figure.Write(path);

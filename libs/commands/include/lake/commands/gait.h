@@ -29,6 +29,7 @@ struct GaitRunOptions : gait::PictureScale, FurtherInputs {
   std::vector<gait::MarkerMeasure> measures;    // of any markers; with them a trial need not have a leg
   compare::RecordingBudgetOptions budget;
   std::optional<std::array<double, 2>> range_limit_deg;  // that a mechanism's knee must keep within
+  std::string compare_with;  // an angle of another program's model in the same C3D; empty: none
 };
 
 void Describe(GaitRunOptions& o, OptionList& options);

@@ -6,6 +6,8 @@
 #include <array>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "lake/camera/lens.h"
 
@@ -48,6 +50,7 @@ struct CameraProfile {
   std::optional<CameraUncertainty> uncertainty;
   std::optional<PlaneUncertainty> plane_uncertainty;
   double readout_s = 0;  // of a rolling shutter: the picture's row y is read at t + (y / height − 1/2) readout_s
+  std::vector<std::string> warnings = {};  // of reading another program's file
 };
 
 // The pixel of a point in the camera frame (x right, y down, z forward). T is double or a ceres::Jet; the point's z
@@ -129,7 +132,9 @@ std::optional<Camera> CameraAtSize(const Camera& camera, int width_px, int heigh
 // 4, 5, 8, 12 or 14 coefficients, or 4 of a fisheye (distortion_model, or fisheye_model: 1). Throws Error naming file
 // and key: a key that is absent, not finite, of a wrong shape, a focal length that is not positive, skew, another
 // number of coefficients, a plane seen from behind.
-CameraProfile ReadCameraProfile(const std::filesystem::path& path);
+// Or a file of another program, whose pose in the laboratory is left out: camera_info of ROS, camchain.yaml of kalibr,
+// TOML of Pose2Sim and caliscope, .xcp of Vicon, XML of Qualisys; of several cameras the one called `view`.
+CameraProfile ReadCameraProfile(const std::filesystem::path& path, const std::string& view = {});
 
 void WriteCameraProfile(const std::filesystem::path& path, const CameraProfile& profile);
 

@@ -19,6 +19,9 @@ PointRecording ReadC3d(const std::filesystem::path& path);
 // The force plates of such a file; ReadGroundForces (ground_forces.h) says which. Throws Error.
 GroundForceRecording ReadC3dForces(const std::filesystem::path& path);
 
+// Whether the file holds no points, only analogue channels. Throws Error.
+bool IsC3dWithoutPoints(const std::filesystem::path& path);
+
 // Intel, float, mm. C3D has a frame rate instead of time stamps: throws Error where these are uneven by more than 5 %
 // of a step, for points in px, and for more names and events than 127 kB hold (some 5000 events).
 void WriteC3d(const std::filesystem::path& path, const PointRecording& points);

@@ -1,6 +1,7 @@
 // The formats of point files by their ending: reading, writing, and the exports of lake-track.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -10,22 +11,52 @@
 
 namespace lake::exchange {
 
-// A format that can be written, with the kinds of points it holds.
-struct PointFormat {
-  std::string name;    // as `lake-track --export` has it; empty for lake's own table
-  std::string ending;  // of the file's name
-  bool image = false, plane = false, space = false;
+// What a file does not say itself.
+struct ReadOptions {
+  double mm_per_unit = 1;                                         // of files that do not say their unit
+  double rate_hz = 0;                                             // of files without times
+  motion::MarkerValues values = motion::MarkerValues::kMeasured;  // of lake's own tables that hold both kinds
+  std::string view = {};  // the camera, of files with the points of several; empty: all
 };
 
-// Throws UsageError naming the endings that are known.
+// What is true of a format, added up.
+enum FormatTraits : unsigned {
+  kNoUnit = 1,       // does not state the unit of its lengths
+  kNoTimes = 2,      // nor the times of its frames
+  kInSpace = 4,      // is read as points in space
+  kEstimates = 8,    // lake's own: has a fit's estimates beside the measurements
+  kHoldsImage = 16,  // kinds of points that are written
+  kHoldsPlane = 32,
+  kHoldsSpace = 64
+};
+
+// A format of point files: a row of the table in formats.cc.
+struct PointFormat {
+  const char* name;                    // of the program or the format, for messages
+  std::array<const char*, 2> endings;  // of files' names, in small letters
+  const char* mark;                    // what the first line of a file holds, in small letters
+  PointRecording (*read)(const std::filesystem::path&, const ReadOptions&);
+  unsigned traits = 0;
+  void (*write)(const std::filesystem::path&, const PointRecording&) = {};
+  const char* written_ending = "";
+  const char* export_name = "";  // as `lake-track --export` has it
+
+  bool Is(FormatTraits trait) const { return traits & trait; }
+};
+
+// The format that a file is read in. Throws Error for a file that is of none: which formats there are, of what program
+// the file seems to be, and how it can be converted.
+const PointFormat& FormatOfFile(const std::filesystem::path& path);
+
+// The format that a file is written in, by its ending. Throws UsageError naming the endings that are known.
 const PointFormat& FormatOf(const std::filesystem::path& path);
 
-// As it stands in the file, before naming and projection: a lake-track folder, .trc, .c3d, .trk, .trz, .kva, .txt
-// (Tracker), .csv (lake's own, Kinovea's, DLTdv's); endings in any case; or a folder with one .txt or .csv per marker,
-// which gives the marker its name. `mm_per_unit` and `rate_hz` are for files that
-// do not say, `values` for those of lake's own tables that hold both kinds. Throws Error for others.
-PointRecording ReadPoints(const std::filesystem::path& path, double mm_per_unit = 1, double rate_hz = 0,
-                          motion::MarkerValues values = motion::MarkerValues::kMeasured);
+// The endings of files that can be read, for help texts: ".trc, .c3d, …".
+std::string ReadableEndings();
+
+// As it stands in the file, before naming and projection: a lake-track folder, a file of any format; or a folder with
+// one .txt or .csv per marker, which gives the marker its name. Throws Error for others.
+PointRecording ReadPoints(const std::filesystem::path& path, const ReadOptions& options = {});
 
 // One of lake's own tables. Throws Error for estimates of a table in px: tracks.csv holds measurements.
 motion::MarkerRecording ReadTable(const std::filesystem::path& path, motion::MarkerValues values);

@@ -14,7 +14,7 @@ namespace lake::exchange {
 struct PlateForces {
   std::string name;  // as the columns begin, without the last underscore: "ground_force_1"
   std::vector<Eigen::Vector3d> force_n, point_m, moment_nm;
-  std::string unusable;  // why nothing of it can be read, and all is zero; empty: it can
+  std::string unusable;  // why it has no force, or no point where that acts, which are zero then; empty: it has both
 };
 
 struct GroundForceRecording {
@@ -25,13 +25,12 @@ struct GroundForceRecording {
 };
 
 // A .mot or .sto file with columns NAMEvx, NAMEvy, NAMEvz and NAMEpx … (m), and the moments as NAMEmx … or as OpenSim
-// has them, with `torque` for `force` and x, y, z. Missing cells are zero force. Or a .c3d file with force plates that
-// give six channels, forces and moments about the plate's origin (types 2 and 4 of the user guide, whose calibration
-// matrix type 4 applies), at the rate of its analogue channels; the ground pushes, so whichever sign the file has, it
-// becomes that of the force on the foot. What an empty plate measures is subtracted, with a warning: its mean in the
-// frames that FORCE_PLATFORM:ZERO names, else in those without contact, if there are any. Of several plates of a C3D
-// file one that cannot be read is left out with a warning. Throws Error naming the file: no forces, some of a plate's
-// absent, no plate that can be read, another ending.
+// has them, with `torque` for `force` and x, y, z. Missing cells are zero force. Or a .c3d file with force plates of
+// types 1 to 4 and 6 of the user guide, at the rate of its analogue channels; the ground pushes, so whichever sign the
+// file has, it becomes that of the force on the foot. What an empty plate measures is subtracted, with a warning: its
+// mean in the frames that FORCE_PLATFORM:ZERO names, else in those without contact, if there are any. Of several plates
+// of a C3D file one that cannot be read is left out with a warning. Throws Error naming the file: no forces, some of a
+// plate's absent, no plate that can be read, another ending.
 GroundForceRecording ReadGroundForces(const std::filesystem::path& path);
 
 // A foot's load on a plate: from where the vertical force rises above 20 N over what the empty plate reads to where it
@@ -43,6 +42,9 @@ struct PlateLoad {
   double begin_sd_s, end_sd_s;  // by the empty plate's noise over the force's slope, and half a sample
 };
 std::vector<PlateLoad> LoadsOf(const PlateForces& plate, const std::vector<double>& time_s, const Eigen::Vector3d& up);
+
+// Whether a file has forces and no markers: a .mot or .sto, or a .c3d without points.
+bool HoldsOnlyForces(const std::filesystem::path& path);
 
 // Plates by leg, right and left, counted from 1. Throws UsageError for other legs and numbers, and for one plate of
 // both.

@@ -15,9 +15,6 @@ PointRecording ReadKinovea(const std::filesystem::path& path, double mm_per_unit
 // With comma and point, times in ms.
 void WriteKinovea(const std::filesystem::path& path, const PointRecording& points);
 
-// Whether the header looks like Kinovea's.
-bool IsKinovea(const std::filesystem::path& path);
-
 // A .kva annotation file: its tracks, in px of the image (Kinovea's 0.5 subtracted), times from the points' own stamps,
 // the scale of a calibration line; a perspective calibration is a warning. Throws Error naming the file and what is
 // wrong.

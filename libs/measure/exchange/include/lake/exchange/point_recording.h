@@ -44,15 +44,22 @@ struct PointEvent {
   std::string context, label;
 };
 
+// What a model worked out from the markers, as the flexion of a knee: three components in each frame, the first of an
+// angle about the joint's own axis as a rule.
+struct ModelOutput : PointTrack {
+  std::string kind, unit;  // "angle", "deg"; the unit is empty where the file does not say it
+};
+
 struct PointRecording {
   PointSpace space = PointSpace::kSpace;
   char up_axis = 'y';               // of kSpace: x, y or z
   std::vector<std::int64_t> frame;  // from 0
   std::vector<double> time_s;       // increasing
   std::vector<PointTrack> points;
-  std::vector<PointEvent> events;   // only C3D has them
-  std::optional<double> mm_per_px;  // of kImage, if the file has a scale
-  std::optional<ImageAxes> axes;    // of kImage, if the file has its own; else x right, y up from the top-left pixel
+  std::vector<PointEvent> events;    // only C3D has them
+  std::vector<ModelOutput> outputs;  // likewise
+  std::optional<double> mm_per_px;   // of kImage, if the file has a scale
+  std::optional<ImageAxes> axes;     // of kImage, if the file has its own; else x right, y up from the top-left pixel
   std::optional<SourceVideo> video;
   std::vector<std::string> warnings;  // oddities of the file, one line each
 
@@ -75,7 +82,7 @@ PointRecording PointsTurnedUp(PointRecording points, char up);
 // recording a warning; `where` is the place of the names in the file.
 void AddPoints(std::vector<std::string> names, const std::string& where, PointRecording& recording);
 
-// mm per unit of "mm", "cm", "m"; nullopt for others.
+// mm per unit of length by its name, in any case and number: "mm", "Meters"; nullopt for others.
 std::optional<double> FindMmPerUnit(std::string_view unit);
 
 // Average frame rate in Hz; 0 for fewer than two frames.

@@ -21,15 +21,21 @@ struct TrialOptions {
   // Of another trial (Trial), if this one is to be seen as that; no option.
   std::optional<Eigen::Matrix3d> plane_from_space = {};
   double mm_per_unit = 1;  // of files that do not say their unit
-  double rate_hz = 0;      // of files without times (DLTdv)
+  double rate_hz = 0;      // of files without times (DLTdv, DeepLabCut, SLEAP)
   // Of a trajectory.csv, which holds both.
   motion::MarkerValues values = motion::MarkerValues::kMeasured;
+  std::string view = {};  // the camera of a file with the points of several
+
+  ReadOptions Reading() const { return {mm_per_unit, rate_hz, values, view}; }
 };
 
 // All but the rate, which only `lake convert` takes.
 void Describe(TrialOptions& o, OptionList& options);
 // The vertical axis of a 3-D file.
 Option& DescribeUp(TrialOptions& o, OptionList& options);
+
+// The camera of a file that holds several.
+Option& DescribeView(std::string& view, OptionList& options);
 
 // Which values of a trajectory.csv are read: measurements or estimates.
 Option& DescribeValues(TrialOptions& o, OptionList& options);
@@ -65,6 +71,7 @@ struct Trial {
   // 3-D files whose points do not lie in one plane: each marker's lateral coordinate in each frame (to the right of a
   // person who faces along the plane), NaN where missing.
   std::map<std::string, std::vector<double>> lateral_mm;
+  std::vector<ModelOutput> outputs;  // of another program's model, in the same frames
   std::vector<std::string> warnings;
 };
 

@@ -1,0 +1,121 @@
+#include "point_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "lake/core/error.h"
+#include "left_out.h"
+
+namespace lake::exchange {
+namespace {
+
+class TableReader {
+ public:
+  TableReader(const TextLines& lines, const PointTable& table, const std::filesystem::path& path)
+      : lines_(lines), table_(table), path_(path) {}
+
+  PointRecording Read() {
+    recording_.space = table_.space;
+    std::vector<std::string> names;
+    for (const PointColumns& point : table_.points) names.push_back(point.name);
+    AddPoints(std::move(names), path_.string(), recording_);
+    for (std::size_t line = table_.first_row; line < lines_.Count(); ++line)
+      if (lines_[line].find_first_not_of(" \t") != std::string::npos) ReadRow(line);
+    if (recording_.time_s.empty())
+      throw Fail("{}: no row with a time and positions{}", path_.string(), left_out_.InBrackets());
+    if (recording_.frame.front() < 0)  // a writer that counts from another number
+      for (std::int64_t shift = recording_.frame.front(); std::int64_t & frame : recording_.frame) frame -= shift;
+    left_out_.AppendTo(recording_.warnings);
+    return std::move(recording_);
+  }
+
+ private:
+  std::optional<double> Number(std::optional<std::size_t> column) {
+    if (!column || *column >= cells_.size()) return std::nullopt;
+    bool is_unreadable = false;
+    const std::optional<double> number = NumberIn(cells_[*column], is_unreadable);
+    if (is_unreadable)
+      left_out_.Add("a cell that is not a finite number", fmt::format("{}: '{}'", where_, cells_[*column]));
+    return number;
+  }
+
+  static std::size_t Decimals(const std::string& cell) {
+    return cell.find('.') == std::string::npos ? 0 : cell.size() - cell.find('.');
+  }
+
+  // Whether the file ends within its last row: there are fewer cells than in the row before, or fewer rows than stated,
+  // and fewer decimals in the last cell.
+  bool IsCutOff(std::size_t line) const {
+    if (line + 1 < lines_.Count() || !lines_.EndsWithinLine() || before_.empty()) return false;
+    return cells_.size() < before_.size() ||
+           (table_.stated_rows && recording_.time_s.size() + 1 < *table_.stated_rows &&
+            Decimals(cells_.back()) < Decimals(before_.back()));
+  }
+
+  void ReadRow(std::size_t line) {
+    before_ = std::exchange(cells_, SplitCells(lines_[line], table_.separator));
+    where_ = lines_.Where(line);
+    if (IsCutOff(line)) return left_out_.Add("the last row, which is cut off,", where_);
+    const std::optional<double> stated = Number(table_.frame);
+    const double index = static_cast<double>(line - table_.first_row),
+                 number = stated.value_or(index + table_.first_frame) - table_.first_frame;
+    std::optional<double> time_s = Number(table_.time);
+    if (!time_s && table_.rate_hz > 0 && (stated || !table_.frame)) time_s = number / table_.rate_hz;
+    if (!time_s) return left_out_.Add("a row without a time", where_);
+    if (!recording_.time_s.empty() && !(*time_s > recording_.time_s.back()))
+      return left_out_.Add("a row whose time does not follow the one before", where_);
+    recording_.time_s.push_back(*time_s);
+    const std::int64_t next = recording_.frame.empty() ? 0 : recording_.frame.back() + 1;
+    const bool is_frame = std::abs(number) <= static_cast<double>(kMostFrames) && number == std::floor(number) &&
+                          (recording_.frame.empty() || number >= static_cast<double>(next));
+    recording_.frame.push_back(is_frame ? static_cast<std::int64_t>(number) : next);
+    for (std::size_t p = 0; p < table_.points.size(); ++p)
+      recording_.points[p].positions.push_back(Position(table_.points[p]));
+    if (table_.names_all) CountUnnamed();
+  }
+
+  Eigen::Vector3d Position(const PointColumns& columns) {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    for (std::size_t axis = 0; axis < columns.axes.size(); ++axis) {
+      const std::optional<double> value = Number(columns.axes[axis]);
+      if (!value) return PointTrack::Missing();
+      position[static_cast<Eigen::Index>(axis)] = (*value - table_.first_pixel) * table_.mm_per_unit;
+    }
+    if (table_.zero_is_missing && position.isZero(0)) return PointTrack::Missing();
+    if (columns.likelihood && !(Number(columns.likelihood).value_or(1) >= table_.least_likelihood)) {
+      left_out_.Add(fmt::format("a point whose likelihood is below {:g}", table_.least_likelihood), where_);
+      return PointTrack::Missing();
+    }
+    return position;
+  }
+
+  void CountUnnamed() {
+    if (known_.empty()) {
+      for (const auto column : {table_.time, table_.frame})
+        if (column) known_.insert(*column);
+      for (const PointColumns& point : table_.points) known_.insert(point.axes.begin(), point.axes.end());
+    }
+    for (std::size_t column = 0; column < cells_.size(); ++column)
+      if (!cells_[column].empty() && known_.insert(column).second)
+        left_out_.Add("a column of values without a name", where_);
+  }
+
+  const TextLines& lines_;
+  const PointTable& table_;
+  const std::filesystem::path& path_;
+  PointRecording recording_;
+  LeftOut left_out_;
+  std::vector<std::string> cells_, before_;  // of the row that is read, and of the one before
+  std::string where_;
+  std::set<std::size_t> known_;  // columns that have a meaning, or were said to have none
+};
+
+}  // namespace
+
+PointRecording ReadPointTable(const TextLines& lines, const PointTable& table, const std::filesystem::path& path) {
+  return TableReader(lines, table, path).Read();
+}
+
+}  // namespace lake::exchange
