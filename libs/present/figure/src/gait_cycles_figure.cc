@@ -98,7 +98,7 @@ void DrawGaitCycles(const std::filesystem::path& path, const gait::LegFitResult&
   const int count = std::max(1, static_cast<int>(panels.size()));
   GnuplotFigure figure(1000, 400 * count);
   figure.Line("set multiplot layout {},1", count)
-      .Line("set xrange [0:100]; set xlabel 'gait cycle (%)'; set key top left");
+      .Line("set xrange [0:100]; set xlabel 'gait cycle (%)'; set key outside top center horizontal");
   if (const double off = cycles.mean.stance_percent.value; std::isfinite(off))
     figure.Line("set arrow from {0}, graph 0 to {0}, graph 1 nohead lw 2 dt (6,4) lc rgb '{1}'", off, colour::kText)
         .Line("set label 'toe-off' at {}, graph 0.05 offset 0.5,0", off);
