@@ -99,7 +99,7 @@ bool IsSeenAround(const RenderedTrial& trial, double time_s) {
   return true;
 }
 
-void TrackAndCompare(const WalkFilm& film) {
+void TrackAndCompareWalk(const WalkFilm& film) {
   if (!film.file.empty() && !std::filesystem::exists(SharedData() / film.file))
     GTEST_SKIP() << "no recording " << SharedData() / film.file;
   const synth::SceneOptions scene = SceneOf(film);
@@ -164,7 +164,7 @@ void TrackAndCompare(const WalkFilm& film) {
 class WalkingFilm : public testing::TestWithParam<WalkFilm> {};
 
 TEST_P(WalkingFilm, IsNamedAndMeasuredWithoutSeeds) {
-  TrackAndCompare(GetParam());
+  TrackAndCompareWalk(GetParam());
 }
 
 constexpr const char* kRight = "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS";
