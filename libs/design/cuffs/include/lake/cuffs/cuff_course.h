@@ -20,14 +20,11 @@ struct CuffForce {
 
 // How far each cuff slips, in the order of PlacesOf, mm in the shank's frame, of a hinge at p = (x, y) there that the
 // actuator holds at the knee's angle and `error_rad` more: the least energy over all that the two links can do. As
-// cuffs yield alike across and along, their stiffness has no part in it. With R(φ) a turn forward and J d = (d_y,
-// −d_x):
+// cuffs yield alike across and along, their stiffness has no part in it. R(φ) is a turn forward, J d = (d_y, −d_x):
 //   d: a cuff from its link's hinge;  c = d on the shank, on the thigh d + (turn(θ − θ_standing) − 1) p, its misfit
-//   e = d on the thigh, R(error) d on the shank
-//   slip = R(φ) e − c + u,  u = mean c − R(φ) mean e, the hinge's own way
-//   Σ slip² + Σ_t L²/12 φ² + Σ_s L²/12 (φ + error)² is least where a sin φ − b cos φ + Σ_t L²/12 φ + Σ_s L²/12 (φ +
-//   error) is 0,  a = Σ e·c and b = Σ J e·c about their means: the thigh's link turns by φ, found by Newton's
-//   method.
+//   e = d on the thigh, R(error) d on the shank;  both about their means
+//   slip = R(φ) e − c, where the thigh's link turns by φ, found by Newton's method:
+//   a sin φ − b cos φ + φ Σ_t L²/12 + (φ + error) Σ_s L²/12 = 0,  a = Σ e·c,  b = Σ J e·c
 template <typename T>
 std::vector<std::array<T, 2>> SlipsOf(const CuffOptions& cuffs, const T& flexion_rad, const T& standing_rad,
                                       const T& x_mm, const T& y_mm, double error_rad = 0) {
