@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector2d;
 using testing::HasSubstr;
 
-const Vector2d kJointOff(3, -2);  // of the knee's marker, shank's frame
+const Vector2d kJointBesideKnee(3, -2);  // of the knee's marker, shank's frame
 
 class HiddenKnee : public testing::Test {
  protected:
@@ -43,7 +43,7 @@ class HiddenKnee : public testing::Test {
       const Vector2d marker = knee + shank * Vector2d(15 * at.knee_deg[0] / 90, 5 * std::pow(at.knee_deg[0] / 90, 2));
       std::vector<Vector2d> places{ankle, marker, hip, hip + Vector2d(10 - 30 * up, 200)};
       for (const Vector2d& place : {Vector2d(35, -110), Vector2d(30, -280)}) places.push_back(knee + shank * place);
-      if (worn) places.push_back(marker + compare::AxesAlong(marker - ankle) * kJointOff);
+      if (worn) places.push_back(marker + compare::AxesAlong(marker - ankle) * kJointBesideKnee);
       csv << i << "," << 0.02 * i;
       for (std::size_t m = 0; m < places.size(); ++m)
         if (worn && m == 1)
@@ -63,8 +63,8 @@ class HiddenKnee : public testing::Test {
 
   void ExpectJoint(const Json& comparison) const {
     ASSERT_FALSE(comparison["joint"].is_null());
-    EXPECT_NEAR(comparison["joint"]["offset_mm"][0].get<double>(), kJointOff.x(), 0.5);
-    EXPECT_NEAR(comparison["joint"]["offset_mm"][1].get<double>(), kJointOff.y(), 0.5);
+    EXPECT_NEAR(comparison["joint"]["offset_mm"][0].get<double>(), kJointBesideKnee.x(), 0.5);
+    EXPECT_NEAR(comparison["joint"]["offset_mm"][1].get<double>(), kJointBesideKnee.y(), 0.5);
     EXPECT_THAT(ReadTextFile(folder_ / "C/uncertainty_budget.csv"),
                 HasSubstr("joint_rms_mm,hidden knee rebuilt from technical markers,normal,"));
   }

@@ -147,7 +147,7 @@ TEST(Foot, OfAPersonTurnsAsInSpace) {
   options.names = NameMap("ankle=RAJC,knee=RKJC,hip=RHJC,waist=RASI+RPSI,heel=RCAL,toe=RMT2");
   const exchange::Trial trial = exchange::ReadTrial(file, options);
   const gait::LegFitResult leg = FitWalk(trial.recording, trial.lateral_mm);
-  const exchange::PointRecording points = exchange::RenamePoints(exchange::ReadPoints(file, 1, 0), options.names, file);
+  const exchange::PointRecording points = exchange::RenamePoints(exchange::ReadPoints(file, {}), options.names, file);
   std::vector<double> difference_deg;
   double least_deg = 90, most_deg = -90;
   for (std::size_t i = 0; i < leg.motion.samples.size(); ++i) {

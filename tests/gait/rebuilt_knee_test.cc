@@ -26,14 +26,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Part {
+struct Excerpt {
   motion::MarkerRecording recording;
   gait::LateralPlaces lateral;
 };
 
 // The frames for which `is_in` holds, by the time since the first.
-Part Cut(const exchange::Trial& trial, const std::function<bool(double time_s)>& is_in, bool in_space) {
-  Part part{{trial.recording.unit, {}, {}, trial.recording.markers}, {}};
+Excerpt Cut(const exchange::Trial& trial, const std::function<bool(double time_s)>& is_in, bool in_space) {
+  Excerpt part{{trial.recording.unit, {}, {}, trial.recording.markers}, {}};
   for (motion::MarkerTrack& marker : part.recording.markers) marker.samples.clear();
   for (std::size_t i = 0; i < trial.recording.Frames(); ++i) {
     if (!is_in(trial.recording.time_s[i] - trial.recording.time_s[0])) continue;
@@ -51,7 +51,7 @@ std::vector<motion::MarkerSample>& SamplesOf(motion::MarkerRecording& recording,
   return std::ranges::find(recording.markers, name, &motion::MarkerTrack::name)->samples;
 }
 
-gait::LearntKnee Learn(const Part& part, const gait::TechnicalMarkers& technical, const gait::LegView& view) {
+gait::LearntKnee Learn(const Excerpt& part, const gait::TechnicalMarkers& technical, const gait::LegView& view) {
   gait::LegFitResult person = gait::FitLeg(part.recording, view, {}, part.lateral);
   gait::ChooseMovement({}, person);
   gait::LearntKnee learnt = gait::LearnKnee(person, technical, part.lateral);
@@ -59,7 +59,7 @@ gait::LearntKnee Learn(const Part& part, const gait::TechnicalMarkers& technical
   return learnt;
 }
 
-gait::LegFitResult Rebuild(const Part& part, const gait::LearntKnee& learnt, const gait::LegView& view) {
+gait::LegFitResult Rebuild(const Excerpt& part, const gait::LearntKnee& learnt, const gait::LegView& view) {
   gait::LegFitOptions options;
   options.knee_from = std::make_shared<gait::LearntKnee>(learnt);
   return gait::FitLeg(part.recording, view, options, part.lateral);
@@ -101,9 +101,9 @@ TEST_P(RebuiltKneeOf, RealLegIsWhereItsMarkerWas) {
   if (!fs::exists(file)) GTEST_SKIP() << file.string() << " is not here";
   const exchange::Trial trial = exchange::ReadTrial(file, {NameMap(c.names), {}, c.forward});
   const gait::LegView view = gait::MakeLegView(motion::LengthUnit::kMm, std::nullopt);
-  const Part before = Cut(
+  const Excerpt before = Cut(
       trial, [&](double time_s) { return time_s < c.from_s; }, c.in_space);
-  Part after = Cut(
+  Excerpt after = Cut(
       trial, [&](double time_s) { return time_s >= c.from_s; }, c.in_space);
   const std::vector<motion::MarkerSample> truth = SamplesOf(after.recording, "knee");
   std::ranges::fill(SamplesOf(after.recording, "knee"), motion::MarkerSample());
@@ -149,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(
 // Drawn rises through a calibrated camera, with two markers on the shank. The knee's skin slides by up to 20 mm with
 // the flexion, not quite alike in each repetition.
 struct Drawn {
-  Part part;
+  Excerpt part;
   std::vector<Eigen::Vector2d> knee_mm;
 };
 
@@ -206,7 +206,7 @@ TEST(RebuiltKnee, OfDrawnLegsIsAsFarOffAsItSays) {
     EXPECT_EQ(worn.motion.facing, motion::Facing::kRight);
     // A cuff presses the skin aside by 10 mm; the marker is seen where the leg is nearly straight.
     const Drawn pressed = Draw(seed + 40, {-8, 6});
-    Part part = pressed.part;
+    Excerpt part = pressed.part;
     HideBetween(15, 180, pressed, part.recording);
     const gait::LegFitResult shown = Rebuild(part, learnt, CalibratedView());
     const Errors rest = ErrorsOf(shown, [&](std::size_t i) { return pressed.knee_mm[i]; });
@@ -225,7 +225,7 @@ TEST(RebuiltKnee, OfDrawnLegsIsAsFarOffAsItSays) {
 // by.
 TEST(RebuiltKnee, IsLessCertainBeyondWhatWasLearnt) {
   const Drawn person = Draw(3);
-  Part straight = person.part;
+  Excerpt straight = person.part;
   HideBetween(50, 180, person, straight.recording);
   gait::LearntKnee learnt = Learn(straight, kTwo, CalibratedView());
   EXPECT_NEAR(learnt.to_deg, 50, 3);
@@ -263,7 +263,7 @@ TEST(RebuiltKnee, IsReadAsItWasWritten) {
 // What `change` makes of a hidden trial, in the error or the warnings.
 std::string SaidOf(const std::function<void(motion::MarkerRecording& recording)>& change, unsigned seed = 30) {
   const gait::LearntKnee learnt = Learn(Draw(1).part, kTwo, CalibratedView());
-  Part part = Draw(seed).part;
+  Excerpt part = Draw(seed).part;
   std::ranges::fill(SamplesOf(part.recording, "knee"), motion::MarkerSample());
   change(part.recording);
   try {
@@ -303,10 +303,10 @@ TEST(RebuiltKnee, SaysWhatIsWrongWithTechnicalMarkers) {
 
 TEST(RebuiltKnee, OfAMovementThatWasNotLearntIsNone) {
   const Drawn person = Draw(3);
-  Part bent = person.part;
+  Excerpt bent = person.part;
   HideBetween(-180, 60, person, bent.recording);
   const gait::LearntKnee learnt = Learn(bent, kTwo, CalibratedView());
-  Part straight = Draw(4).part;
+  Excerpt straight = Draw(4).part;
   for (motion::MarkerTrack& marker : straight.recording.markers) {
     // Standing between two rises.
     const std::vector<motion::MarkerSample> all = marker.samples;

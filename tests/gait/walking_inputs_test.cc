@@ -212,7 +212,7 @@ TEST_P(OpticalKnee, IsThatOfTheJointCentres) {
       NameMap(fmt::format("ankle={0}AJC,knee={0}KJC,hip={0}HJC,waist={0}ASI+{0}PSI,heel={0}CAL,toe={0}MT2", side));
   const exchange::Trial trial = exchange::ReadTrial(file, options);
   gait::LegFitResult leg = FitWith(trial.recording, {}, trial.lateral_mm);
-  const exchange::PointRecording points = exchange::RenamePoints(exchange::ReadPoints(file, 1, 0), options.names, file);
+  const exchange::PointRecording points = exchange::RenamePoints(exchange::ReadPoints(file, {}), options.names, file);
   std::vector<double> knee_deg;
   std::vector<Eigen::Vector3d> normals;
   for (std::size_t i = 0; i < points.time_s.size(); ++i) {
