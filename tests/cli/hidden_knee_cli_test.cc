@@ -103,7 +103,7 @@ TEST_F(HiddenKnee, OfAStudyIsRebuiltByItself) {
   std::ofstream(folder_ / "study.yaml")
       << "name: hub\nhuman: {trial: human.csv, technical: [\"shank=shank1,shank2\"]}\n"
          "exo: {trial: exo.csv}\ncompare: {exo_knee: exo_knee}\n";
-  const Outcome outcome = Shell(folder_, "lake-run study.yaml --only comparison -o S --quiet");
+  const Outcome outcome = Shell(folder_, "lake-run study.yaml -o S --quiet");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json exo = ReadJsonFile(folder_ / "S/exo/summary.json");
   EXPECT_EQ(exo["rebuilt_knee"]["frames"], 900);

@@ -120,6 +120,7 @@ std::optional<CameraProfile> ReadForeignCamera(const std::filesystem::path& path
   if (format == std::end(kFormats)) return std::nullopt;
   std::vector<CameraFacts> cameras = format->read(text, path);
   std::vector<std::string> names;
+  names.reserve(cameras.size());
   for (const CameraFacts& camera : cameras) names.push_back(camera.name);
   if (cameras.empty()) throw Fail("{}: a file of {} without a calibrated camera", path.string(), format->name);
   if (!view.empty()) std::erase_if(cameras, [&](const CameraFacts& camera) { return camera.name != view; });

@@ -96,7 +96,9 @@ bool HasEnding(const PointFormat& format, const std::string& name) {
   return std::ranges::any_of(format.endings, [&](const char* ending) { return ending && name.ends_with(ending); });
 }
 
+// Empty for a pipe, which is read once.
 std::string FirstLineOf(const fs::path& path) {
+  if (!fs::is_regular_file(path)) return {};
   constexpr std::size_t kBytes = 4096;
   std::string head(kBytes, '\0');
   std::ifstream file(path, std::ios::binary);
@@ -213,7 +215,7 @@ std::string ExportName(const std::string& format, const std::string& name) {
 
 void ExportTrial(const std::string& format, const fs::path& path, const ExportedTrial& trial) {
   CheckExportFormats({format}, trial.points.space != PointSpace::kImage, trial.motion != nullptr);
-  if (format == kAngles) return WriteMot(path, MotFromLegMotion(*trial.motion, trial.leg));
+  if (format == kAngles && trial.motion) return WriteMot(path, MotFromLegMotion(*trial.motion, trial.leg));
   const PointFormat& writer = ExportFormat(format);
   writer.write(path, writer.Is(kHoldsPlane) ? trial.points : trial.image);
 }
