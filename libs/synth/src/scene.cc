@@ -111,7 +111,8 @@ struct Scene::Impl {
       hands.emplace_back(options, i, *motion, 0.4 * sprites.RadiusPx());
     if (o.walk) CheckPasses();
     const int own = IndexOfMarker(*motion, "ankle"), other = IndexOfMarker(*motion, "other_ankle");
-    if (o.body && own >= 0 && other >= 0 && IndexOfMarker(*motion, "other_knee") >= 0) {
+    const bool is_one_person = IndexOfMarker(*motion, "other_waist") < 0;
+    if (o.body && is_one_person && own >= 0 && other >= 0 && IndexOfMarker(*motion, "other_knee") >= 0) {
       const std::vector<double> depths = motion->DepthsAt(0);
       near_leg = depths[own] >= depths[other] ? "" : "other_";
       far_leg = near_leg->empty() ? "other_" : "";

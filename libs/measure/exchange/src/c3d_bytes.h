@@ -21,7 +21,10 @@ class C3dBytes {
   std::size_t ParameterOffset() const { return parameter_offset_; }
 
   std::uint8_t Unsigned8(std::size_t offset) const;
-  std::int8_t Signed8(std::size_t offset) const { return static_cast<std::int8_t>(Unsigned8(offset)); }
+  int Signed8(std::size_t offset) const {
+    const int value = Unsigned8(offset);
+    return value < 128 ? value : value - 256;
+  }
   std::uint16_t Unsigned16(std::size_t offset) const;
   std::int16_t Signed16(std::size_t offset) const { return static_cast<std::int16_t>(Unsigned16(offset)); }
   double Float(std::size_t offset) const;

@@ -1,6 +1,8 @@
 // SLEAP (Pereira et al. 2022, doi 10.1038/s41592-022-01426-1): its analysis as CSV, a row per frame and animal with the
 // columns track, frame_idx, instance.score and, for each node, NODE.x, NODE.y, NODE.score; px from 0 at the top-left
 // pixel.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <set>
 
@@ -28,7 +30,7 @@ PointRecording ReadSleap(const std::filesystem::path& path, const ReadOptions& o
     const std::size_t y = table.Column(node + ".y");
     for (std::size_t row = 0; row < table.Rows(); ++row) {
       const std::string& track = table.Text(row, track_column);
-      const std::string name = tracks.size() > 1 ? track + "_" + node : node;
+      const std::string name = tracks.size() > 1 ? fmt::format("{}_{}", track, node) : node;
       bool is_unreadable = false;
       const auto frame = CountIn(table.Text(row, frame_column));
       const auto x_px = NumberIn(table.Text(row, x), is_unreadable), y_px = NumberIn(table.Text(row, y), is_unreadable);
@@ -42,6 +44,7 @@ PointRecording ReadSleap(const std::filesystem::path& path, const ReadOptions& o
     }
   }
   std::vector<FramePoints> found;
+  found.reserve(points.size());
   for (auto& [name, point] : points) found.push_back(std::move(point));
   PointRecording recording = PointsByFrame(found, std::filesystem::file_size(path), path);
   for (const std::int64_t frame : recording.frame)

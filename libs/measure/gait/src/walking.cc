@@ -441,7 +441,7 @@ class WalkFinder {
       const std::optional<bool> is_other = IsOfOtherFoot(contact);
       if (!is_other) continue;
       for (const auto& [time_s, kind] : EventsOf(contact, *is_other)) {
-        const auto apart_s = [&](const Found& found) {
+        const auto apart_s = [kind = kind, time_s = time_s](const Found& found) {
           return found.event.kind == kind ? std::abs(found.event.time_s - time_s) : kSamePlate_s;
         };
         auto same = std::ranges::min_element(found_, {}, apart_s);
