@@ -96,9 +96,7 @@ bool HasEnding(const PointFormat& format, const std::string& name) {
   return std::ranges::any_of(format.endings, [&](const char* ending) { return ending && name.ends_with(ending); });
 }
 
-// Empty for a pipe, which is read once.
 std::string FirstLineOf(const fs::path& path) {
-  if (!fs::is_regular_file(path)) return {};
   constexpr std::size_t kBytes = 4096;
   std::string head(kBytes, '\0');
   std::ifstream file(path, std::ios::binary);
@@ -132,6 +130,7 @@ const PointFormat& ExportFormat(const std::string& name) {
 }  // namespace
 
 const PointFormat& FormatOfFile(const fs::path& path) {
+  if (fs::is_fifo(path)) return FormatOf(path);  // it is read once
   const std::string name = Lower(path.filename().string()), head = FirstLineOf(path), line = Lower(head);
   for (const PointFormat& format : kFormats)
     if (HasEnding(format, name) && line.find(format.mark) != line.npos) return format;
