@@ -1,6 +1,7 @@
 #include "lake/synth/synth_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "lake/core/csv.h"
@@ -135,6 +136,10 @@ void TakeWalk(const SynthRunOptions& o, SceneOptions& scene) {
   Take(o.rest_s, walk.pause_s);
   Take(o.stride_s, is_drawn ? walk.drawn.stride_s : walk.stride_s);
   Take(o.stride_mm, walk.drawn.stride_mm);
+  // Whoever is to walk for so long does not stop before.
+  const double stride_s = is_drawn ? walk.drawn.stride_s : walk.stride_s;
+  if (o.duration_s && !o.repetitions && stride_s > 0)
+    walk.strides = static_cast<int>(std::ceil(*o.duration_s / (stride_s * walk.passes)));
   walk.drawn_markers = o.motion.extra_markers;
   walk.is_treadmill = o.treadmill;
   if (o.repetitions && !is_drawn && !o.stride_s)

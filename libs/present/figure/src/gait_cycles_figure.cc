@@ -83,8 +83,9 @@ void DrawPanel(GnuplotFigure& figure, const std::string& name, const Curves& cur
   for (const std::vector<double>& curve : curves)
     plot += fmt::format("{} using 1:2 with lines lw 1 lc rgb '{}' notitle, ", figure.Data({Percents(kPercents), curve}),
                         colour::kGuide);
-  plot += fmt::format("{} using 1:2 with lines lw 3 lc rgb '{}' title 'mean of {} strides'",
-                      figure.Data({Percents(kPercents), mean}), colour::kKnee, curves.size());
+  plot += fmt::format("{} using 1:2 with lines lw 3 lc rgb '{}' title 'mean of {} stride{}'",
+                      figure.Data({Percents(kPercents), mean}), colour::kKnee, curves.size(),
+                      curves.size() == 1 ? "" : "s");
   figure.Line("set ylabel '{}'", name).Line(plot);
 }
 
