@@ -1,12 +1,12 @@
 #include "lake/compare/joint_misalignment.h"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
 #include "lake/compare/pointwise_error.h"
 #include "lake/core/angles.h"
 #include "lake/core/cross.h"
+#include "lake/core/distributions.h"
 #include "lake/core/statistics.h"
 #include "standard_errors.h"
 
@@ -130,9 +130,9 @@ void AddNextRise(const RegisteredTrial& against, const std::vector<bool>& spike,
   };
   joint.remainder_mm = left(slip_variance);
   if (!interval) return;
-  const boost::math::chi_squared spread(freedom);
   constexpr double kTail = 0.025;
-  *interval = {left(squares / quantile(complement(spread, kTail))), left(squares / quantile(spread, kTail))};
+  *interval = {left(squares / ChiSquaredQuantile(freedom, 1 - kTail)),
+               left(squares / ChiSquaredQuantile(freedom, kTail))};
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "lake/core/angles.h"
+#include "lake/core/distributions.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
@@ -106,8 +105,7 @@ MeanDifference WelchDifference(const ByRise& left, const ByRise& right) {
 SideDifference DifferenceOf(std::string name, const MeanDifference& mean, double placement, double outside) {
   SideDifference difference{.name = std::move(name), .left = mean.left, .right = mean.right};
   difference.difference = mean.left - mean.right;
-  const double upper = 1 - outside / 2, normal = quantile(boost::math::normal(), upper),
-               student = std::isfinite(mean.freedom) ? quantile(boost::math::students_t(mean.freedom), upper) : normal,
+  const double upper = 1 - outside / 2, normal = NormalQuantile(upper), student = StudentQuantile(mean.freedom, upper),
                reach = std::hypot(student * mean.sd, normal * placement);
   difference.interval = {difference.difference - reach, difference.difference + reach};
   const double to_percent = 100 / ((mean.left + mean.right) / 2);

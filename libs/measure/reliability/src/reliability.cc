@@ -1,10 +1,8 @@
 #include "lake/reliability/reliability.h"
 
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "lake/core/distributions.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
@@ -14,17 +12,6 @@ namespace {
 
 constexpr double kUpperTail = 0.975;  // of intervals of 95 %
 constexpr double kNormalQuantile = 1.96;
-
-// Not finite where there are hardly any degrees of freedom.
-double FQuantile(double numerator_df, double denominator_df) {
-  using namespace boost::math::policies;
-  using Quiet = policy<domain_error<ignore_error>, overflow_error<ignore_error>, evaluation_error<ignore_error>>;
-  return quantile(boost::math::fisher_f_distribution<double, Quiet>(numerator_df, denominator_df), kUpperTail);
-}
-
-double TQuantile(double df) {
-  return quantile(boost::math::students_t(df), kUpperTail);
-}
 
 Estimate Around(double value, double half_width) {
   return {value, {value - half_width, value + half_width}};
@@ -64,7 +51,7 @@ Estimate Icc2Single(const MeanSquares& ms) {
   const double b = k * icc * f;
   const double df = (k - 1) * (n - 1) * (b + a) * (b + a) / ((n - 1) * b * b + a * a);
   const double rest = k * jms + (k * n - k - n) * ems;
-  const double f_low = FQuantile(n - 1, df), f_high = FQuantile(df, n - 1);
+  const double f_low = FisherQuantile(n - 1, df, kUpperTail), f_high = FisherQuantile(df, n - 1, kUpperTail);
   if (!std::isfinite(f_low) || !std::isfinite(f_high)) return {icc, {kNaN, kNaN}};
   return {icc,
           {n * (bms - f_low * ems) / (f_low * rest + n * bms), n * (f_high * bms - ems) / (rest + n * f_high * bms)}};
@@ -75,16 +62,16 @@ Estimate Icc3Single(const MeanSquares& ms) {
   const double icc = Ratio(ms.between_targets - ms.residual, ms.between_targets + (k - 1) * ms.residual);
   if (!std::isfinite(icc) || ms.residual == 0) return {icc, {kNaN, kNaN}};
   const double f = ms.between_targets / ms.residual, df = (n - 1) * (k - 1);
-  const double low = f / FQuantile(n - 1, df), high = f * FQuantile(df, n - 1);
+  const double low = f / FisherQuantile(n - 1, df, kUpperTail), high = f * FisherQuantile(df, n - 1, kUpperTail);
   return {icc, {(low - 1) / (low + k - 1), (high - 1) / (high + k - 1)}};
 }
 
 Estimate StandardErrorOfMeasurement(const MeanSquares& ms) {
   const auto df = static_cast<double>((ms.targets - 1) * (ms.judges - 1));
-  const boost::math::chi_squared chi_squared(df);
   const double sum = df * ms.residual;
-  return {std::sqrt(ms.residual),
-          {std::sqrt(sum / quantile(chi_squared, kUpperTail)), std::sqrt(sum / quantile(chi_squared, 1 - kUpperTail))}};
+  return {
+      std::sqrt(ms.residual),
+      {std::sqrt(sum / ChiSquaredQuantile(df, kUpperTail)), std::sqrt(sum / ChiSquaredQuantile(df, 1 - kUpperTail))}};
 }
 
 double MinimalDetectableChange(double standard_error) {
@@ -100,7 +87,7 @@ LimitsOfAgreement LimitsOfAgreementOf(const std::vector<double>& first, const st
   if (mean.subjects < 2) return {mean.mean, {kNaN, {kNaN, kNaN}}, {kNaN, {kNaN, kNaN}}};
   const auto n = static_cast<double>(mean.subjects);
   const double half_width =
-      TQuantile(n - 1) * sd * std::sqrt(1 / n + kNormalQuantile * kNormalQuantile / (2 * (n - 1)));
+      StudentQuantile(n - 1, kUpperTail) * sd * std::sqrt(1 / n + kNormalQuantile * kNormalQuantile / (2 * (n - 1)));
   return {mean.mean, Around(bias - kNormalQuantile * sd, half_width), Around(bias + kNormalQuantile * sd, half_width)};
 }
 
@@ -110,7 +97,7 @@ MeanOfSubjects MeanOf(const std::vector<double>& values) {
                     .mean = {Mean(values), {kNaN, kNaN}}};
   if (values.size() < 2) return of;
   const auto n = static_cast<double>(values.size());
-  of.mean = Around(of.mean.value, TQuantile(n - 1) * of.standard_deviation / std::sqrt(n));
+  of.mean = Around(of.mean.value, StudentQuantile(n - 1, kUpperTail) * of.standard_deviation / std::sqrt(n));
   return of;
 }
 

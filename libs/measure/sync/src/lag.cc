@@ -5,10 +5,10 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numeric>
 
+#include "lake/core/distributions.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 
@@ -226,7 +226,7 @@ Matrix2d JackknifeCovariance(const std::vector<Vector2d>& without) {
   const Vector2d mean = std::accumulate(without.begin(), without.end(), Vector2d(0, 0)) / n;
   Matrix2d square = Matrix2d::Zero();
   for (const Vector2d& estimate : without) square += (estimate - mean) * (estimate - mean).transpose();
-  const double student = quantile(boost::math::students_t(n - 1), 0.975) / kNormal95;
+  const double student = StudentQuantile(n - 1, 0.975) / kNormal95;
   return student * student * (n - 1) / n * square;
 }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "lake/compare/joint_misalignment.h"
 #include "lake/compare/registration.h"
+#include "lake/core/distributions.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/leg_fit.h"
@@ -79,7 +79,7 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
     // Rises differ by the noise at least; by what more, as few of them as there are tell.
     double half_width = kNormal95 * std::sqrt(noise / n);
     if (rises.size() > 1) {
-      const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
+      const double t = StudentQuantile(n - 1, 0.975);
       half_width = std::max(half_width, t * std::sqrt(spread / (n - 1) / n));
     }
     const double plane =
@@ -114,7 +114,7 @@ std::string MoveText(const JointPlace& place, double tolerance_mm) {
     return fmt::format("Move the joint {}{}{} {}", along, along.empty() || up.empty() ? "" : " and ", up, within);
   if (place.DoRisesNarrow())
     return fmt::format("The joint's place is not known well enough yet {}: one more rise", within);
-  return fmt::format("The joint's place cannot be told from {:g} mm {}", tolerance_mm, within);
+  return fmt::format("The joint's distance cannot be distinguished from {:g} mm {}", tolerance_mm, within);
 }
 
 std::string ChangeText(const JointPlace& before, const JointPlace& now) {
@@ -122,7 +122,7 @@ std::string ChangeText(const JointPlace& before, const JointPlace& now) {
   // Scale and parallax are the same before and after; what is left is less than both intervals together.
   const double half_width_mm = std::hypot(before.UncertaintyMm(), now.UncertaintyMm());
   if (std::abs(nearer_mm) < half_width_mm)
-    return fmt::format("Not told apart from before the last move {}{}", PlusMinus(half_width_mm),
+    return fmt::format("No measurable difference from before the last move {}{}", PlusMinus(half_width_mm),
                        now.DoRisesNarrow() ? ": one more rise" : "");
   return fmt::format("{:.0f} mm {} the knee than before the last move {}", std::abs(nearer_mm),
                      nearer_mm > 0 ? "nearer to" : "farther from", PlusMinus(half_width_mm));
