@@ -156,6 +156,32 @@ TEST_F(Server, RefusesAPortInUse) {
   }
 }
 
+// 127.0.0.2 stands for another address of the machine; a container's port has another number outside.
+TEST(ServerElsewhere, AnswersAddressesInFiguresOnly) {
+  LocalServer server(0, "0.0.0.0");
+  server.Get("", [](const LocalRequest&) { return LocalReply{"text/html", "page"}; });
+  const std::string address = server.Address();
+  EXPECT_THAT(address, testing::StartsWith("http://127.0.0.1:"));
+  const std::string port = address.substr(17, address.find('/', 17) - 17), path = address.substr(17 + port.size());
+  std::atomic<bool> done = false;
+  std::thread thread([&] { server.Serve([&] { return done.load(); }); });
+  httplib::Client client("http://127.0.0.2:" + port);
+  const auto status = [&](const httplib::Headers& headers) { return client.Get(path, headers)->status; };
+  EXPECT_EQ(status({}), 200);
+  EXPECT_EQ(status({{"Host", "192.168.1.7:8080"}}), 200);
+  EXPECT_EQ(status({{"Host", "localhost:8080"}}), 200);
+  EXPECT_EQ(status({{"Host", "evil.example:" + port}}), 403) << "a name that is rebound to this machine";
+  EXPECT_EQ(status({{"Host", "192.168.1.7:8080"}, {"Origin", "http://evil.example"}}), 403);
+  EXPECT_EQ(client.Get("/")->status, 403) << "without the token";
+  done = true;
+  thread.join();
+}
+
+TEST(ServerElsewhere, RefusesWhatIsNoAddressOfThisMachine) {
+  EXPECT_THROW(LocalServer(0, "example.org"), UsageError);
+  EXPECT_THROW(LocalServer(0, "203.0.113.1"), Error);  // RFC 5737: nobody's
+}
+
 TEST(ServerToken, IsAnotherEachTime) {
   const LocalServer one(0), other(0);
   const auto token = [](const LocalServer& server) { return server.Address().substr(server.Address().size() - 33); };

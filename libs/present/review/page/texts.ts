@@ -121,7 +121,7 @@ export const TEXTS = allUnbroken({
 
   // Naming
   finding: "Looking for markers",
-  spots: (count: number) => (count === 1 ? "1 spot" : `${count} spots`),
+  spots: (count: number) => (count === 1 ? "1 detection" : `${count} detections`),
   spot: (id: number, x: number, y: number, frame: number, moves: boolean) =>
     `#${id} at (${x.toFixed(0)}, ${y.toFixed(0)}) in frame ${frame}${moves ? "" : ", does not move"}`,
   choose: (name: string) => `Click ${name}`,
@@ -132,7 +132,7 @@ export const TEXTS = allUnbroken({
     color: ["Click a marker of the colour"],
   },
   barLength: "Length of the scale bar (mm)",
-  chooseDone: "All markers have their spots; choose a name to change one",
+  chooseDone: "All markers are named; choose a name to change one",
   taken: (spot: number, name: string) => `#${spot} is ${name}: choose ${name} to change it`,
   addMarker: (name: string) => `Add ${name}`,
   useCamera: (file: string) => `Use ${file}`,
@@ -223,25 +223,25 @@ export const TEXTS = allUnbroken({
   beginTrial: "Begin trial",
   endTrial: "End trial",
   late: (late_s: number) => `The picture is ${late_s.toFixed(0)} s late: this computer is too busy. What is recorded is whole`,
-  measuring: "Stand up and sit down: the joint's place is told after each rise",
-  notNamed: (missing: string[]) => `Not named yet: ${missing.join(", ")}. Stand up and sit down once, or click a name and its spot`,
+  measuring: "Stand up and sit down: the joint's place is shown after each rise",
+  notNamed: (missing: string[]) => `Not named yet: ${missing.join(", ")}. Stand up and sit down once, or click a name and then its marker`,
   toleranceText: ({ verdict, do_rises_narrow }: LivePlace, tolerance: number) =>
     verdict === "within" ? `✓ Within ${tolerance} mm`
     : verdict === "beyond" ? `✗ Not within ${tolerance} mm`
     : do_rises_narrow ? `? Not known yet whether within ${tolerance} mm: one more rise`
-    : `? Cannot be told from ${tolerance} mm`,
+    : `? Cannot be distinguished from ${tolerance} mm`,
   placeDetail: (rises: number, where: string, beneath: number, [x, y]: Pair) =>
-    `${rises === 1 ? "1 rise" : `mean of ${rises} rises`} since the joint was put there: it sits ${where}; of the joint beneath the skin ± ${beneath.toFixed(0)} mm${x !== 0 || y !== 0 ? `; all of it for a marker exactly ${x}, ${y} mm from the joint's axis (--joint-at)` : ""}`,
+    `${rises === 1 ? "1 rise" : `mean of ${rises} rises`} since the joint was put there: it sits ${where}; of the joint beneath the skin ± ${beneath.toFixed(0)} mm${x !== 0 || y !== 0 ? `; assumes that the joint's marker is ${x}, ${y} mm from the axis (--joint-at)` : ""}`,
   riseRow: (rise: number, x: number, y: number, moves: number) =>
     `Rise ${rise}: ${Math.abs(x).toFixed(0)} mm ${x >= 0 ? "in front of" : "behind"}, ${Math.abs(y).toFixed(0)} mm ${y >= 0 ? "above" : "below"} the knee${moves ? ` (after move ${moves})` : ""}`,
   riseCount: (count: number) => (count === 0 ? "No rise yet" : count === 1 ? "1 rise" : `${count} rises`),
   movedSaid: (moves: number) => `Move ${moves} noted; the next rises are of the new place`,
-  clickSpot: (name: string) => `Click the spot that is ${name}; Esc ends it`,
+  clickSpot: (name: string) => `Click the marker ${name}; Esc ends it`,
   named: (name: string) => `${name} named`,
   liveKnee: "Knee angle (°), the last 20 s",
   liveJoint: "Joint against the knee (mm), the last 20 s",
   anterior: "in front",
   above: "above",
   difference: (px: number) => `Live positions differ from the trial's by ${px.toFixed(3)} px (root mean square)`,
-  checkCount: (bad: number) => (bad === 0 ? "Pictures: all good" : bad === 1 ? "Pictures: 1 thing to change" : `Pictures: ${bad} things to change`),
+  checkCount: (bad: number) => (bad === 0 ? "Pictures: all good" : bad === 1 ? "Pictures: 1 change needed" : `Pictures: ${bad} changes needed`),
 });

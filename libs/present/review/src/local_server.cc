@@ -1,5 +1,6 @@
 #include "lake/review/local_server.h"
 
+#include <arpa/inet.h>
 #include <httplib.h>
 #include <sys/random.h>
 
@@ -18,7 +19,7 @@
 namespace lake::review {
 namespace {
 
-constexpr const char* kHost = "127.0.0.1";
+constexpr const char* kLoopback = "127.0.0.1";
 constexpr const char* kJson = "application/json";
 
 // 128 bits of the system's own generator, in hexadecimal digits.
@@ -72,11 +73,19 @@ struct LocalServer::Impl {
     std::function<std::shared_ptr<void>()> hold;  // instead of the handler
   };
 
+  // No name that somebody's DNS server could bind to this machine.
+  bool MayBeAsked(const std::string& host) const {
+    if (host == fmt::format("{}:{}", kLoopback, port) || host == fmt::format("localhost:{}", port)) return true;
+    if (listen == kLoopback) return false;
+    const std::string name = host.substr(0, host.find(':'));
+    in_addr address;
+    return name == "localhost" || inet_pton(AF_INET, name.c_str(), &address) == 1;
+  }
+
   // Whose request it is; an empty text lets it pass.
   std::string Objection(const httplib::Request& request) const {
     const std::string host = request.get_header_value("Host"), origin = request.get_header_value("Origin");
-    const std::string here = fmt::format("{}:{}", kHost, port), by_name = fmt::format("localhost:{}", port);
-    if (host != here && host != by_name) return "this address answers to 127.0.0.1 only";
+    if (!MayBeAsked(host)) return fmt::format("this address answers to {} only", listen);
     if (request.has_header("Origin") && origin != "http://" + host) return "another page's script may not ask this";
     const std::string_view path = request.path;
     if (path.size() < token.size() + 2 || path[0] != '/' || path[token.size() + 1] != '/' ||
@@ -153,11 +162,15 @@ struct LocalServer::Impl {
 
   httplib::Server server;
   int port = 0;
+  std::string listen;
   std::string token = RandomToken();
   std::vector<Route> routes;
 };
 
-LocalServer::LocalServer(int port) : impl_(std::make_unique<Impl>()) {
+LocalServer::LocalServer(int port, const std::string& listen) : impl_(std::make_unique<Impl>()) {
+  if (in_addr address; inet_pton(AF_INET, listen.c_str(), &address) != 1)
+    throw UsageError("--listen {}: an IPv4 address of this machine is needed, such as 0.0.0.0 for all of them", listen);
+  impl_->listen = listen;
   constexpr std::size_t kMostBytes = 1 << 20, kMostRequests = 1000;
   constexpr std::size_t kThreads = 16;  // one for each connection; a browser opens six
   httplib::Server& server = impl_->server;
@@ -176,18 +189,23 @@ LocalServer::LocalServer(int port) : impl_(std::make_unique<Impl>()) {
       [this](const auto& request, auto& response) { return impl_->Answer(request, response); });
   server.Post("/.*", [this](const auto& request, auto& response) { impl_->AnswerPost(request, response); });
   if (port == 0)
-    impl_->port = server.bind_to_any_port(kHost);
+    impl_->port = server.bind_to_any_port(listen);
   else
-    impl_->port = server.bind_to_port(kHost, port) ? port : -1;
+    impl_->port = server.bind_to_port(listen, port) ? port : -1;
   if (impl_->port <= 0)
-    throw port == 0 ? Fail("{}: no port can be opened", kHost)
-                    : Fail("{}:{}: the port is in use or not allowed; choose another with --port", kHost, port);
+    throw port == 0
+        ? Fail("{}: no port can be opened; is it an address of this machine?", listen)
+        : Fail(
+              "{}:{}: the port is in use or not allowed, or the address is none of this machine's; choose another "
+              "with --port",
+              listen, port);
 }
 
 LocalServer::~LocalServer() = default;
 
 std::string LocalServer::Address() const {
-  return fmt::format("http://{}:{}/{}/", kHost, impl_->port, impl_->token);
+  const std::string& host = impl_->listen == "0.0.0.0" ? kLoopback : impl_->listen;
+  return fmt::format("http://{}:{}/{}/", host, impl_->port, impl_->token);
 }
 
 void LocalServer::Get(const std::string& path, Handler handler) {

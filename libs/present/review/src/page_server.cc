@@ -20,7 +20,7 @@ LocalServer::Handler File(const std::string& type, std::string_view text) {
 }  // namespace
 
 PageServer::PageServer(const PageOptions& options, std::function<Json()> state)
-    : options_(options), server_(options.port) {
+    : options_(options), server_(options.port, options.listen) {
   server_.Get("", File("text/html; charset=utf-8", PageHtml()));
   server_.Get("review.css", File("text/css; charset=utf-8", PageStyle()));
   server_.Get("review.js", File("text/javascript; charset=utf-8", PageScript()));

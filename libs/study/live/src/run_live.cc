@@ -10,6 +10,7 @@ extern "C" {
 
 #include "lake/compare/misalignment_options.h"
 #include "lake/core/atomic_file.h"
+#include "lake/core/counted.h"
 #include "lake/core/error.h"
 #include "lake/core/fault_text.h"
 #include "lake/core/interrupt.h"
@@ -25,10 +26,11 @@ namespace fs = std::filesystem;
 namespace {
 
 // The address goes to stderr: stdout has the report, or with --json the summary.
-void Announce(const std::string& address, bool open) {
+void Announce(const std::string& address, const review::PageOptions& page) {
+  if (const std::string warning = WhoCanReach(page); !warning.empty()) fmt::print(stderr, "lake-live: {}\n", warning);
   fmt::print(stderr, "{}\nOpen this address in a browser; Ctrl-C ends the recording.\n", address);
   std::fflush(stderr);
-  if (open) review::OpenInBrowser("lake-live", address);
+  if (page.open) review::OpenInBrowser("lake-live", address);
 }
 
 std::vector<std::string> ArgumentsIn(const fs::path& folder) {
@@ -44,10 +46,9 @@ void DropTornRow(const fs::path& table) {
 
 std::string ReportOf(const LiveFigures& figures) {
   std::string text =
-      fmt::format("{} frames in {:.1f} s recorded; {}\n", figures.frames, figures.recorded_s, figures.ended);
+      fmt::format("{} in {:.1f} s recorded; {}\n", Counted(figures.frames, "frame"), figures.recorded_s, figures.ended);
   if (const auto& place = figures.place)
-    text += fmt::format("after {} rise{} the joint sits {}\n{}\n", place->rises, place->rises == 1 ? "" : "s",
-                        place->where, place->move);
+    text += fmt::format("after {} the joint sits {}\n{}\n", Counted(place->rises, "rise"), place->where, place->move);
   else
     text += "no rise was measured\n";
   if (figures.difference_px)
@@ -125,8 +126,7 @@ void Describe(LiveRunOptions& o, OptionList& options) {
   compare::DescribeJointAt(o.joint_at_mm, options);
   options.Add("tolerance", o.tolerance_mm, "How far the joint may be from the knee").Unit("mm").Positive();
   options.Add("overlay", o.overlay, "Let lake track write overlay.mp4").WithNegation();
-  options.Add("port", o.port, "Port on 127.0.0.1").Between(0, 65535).Otherwise("any that is free");
-  options.Add("open", o.open, "Open the page in the browser");
+  review::Describe(o.page, options);
 }
 
 bool IsFolderToFinish(const LiveRunOptions& options) {
@@ -140,10 +140,9 @@ Json RunLive(const LiveRunOptions& options, const fs::path& programs, Run& run) 
   avdevice_register_all();
 #endif
   Session session(options, programs, run);
-  review::PageOptions page;
-  page.port = options.port;
+  review::PageOptions page = options.page;
   page.ready = [&](const std::string& address) {
-    Announce(address, options.open);
+    Announce(address, options.page);
     session.Start();
   };
   try {

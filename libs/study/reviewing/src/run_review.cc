@@ -19,10 +19,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-void Announce(const std::string& address, bool open) {
+void Announce(const std::string& address, const review::PageOptions& page) {
+  if (const std::string warning = WhoCanReach(page); !warning.empty()) fmt::print(stderr, "lake-review: {}\n", warning);
   fmt::print("{}\nOpen this address in a browser; closing the page or Ctrl-C ends it.\n", address);
   FlushStdout();
-  if (open) review::OpenInBrowser("lake-review", address);
+  if (page.open) review::OpenInBrowser("lake-review", address);
 }
 
 // With the steps of the last session, unless its corrections were changed by hand since.
@@ -76,14 +77,13 @@ void Describe(ReviewRunOptions& o, OptionList& options) {
                   "video whose markers are to be named")
       .Required()
       .IsPath(Option::Path::kVideo);
-  options.Add("port", o.port, "Port on 127.0.0.1").Between(0, 65535).Otherwise("any that is free");
+  review::Describe(o.page, options);
   options.Add("capture-rate", o.capture_rate_hz, "Of a video: the rate at which its pictures were taken")
       .Unit("Hz")
       .Positive()
       .Otherwise("the file's own times");
   options.Add("problem", o.problem, "Of a design: the problem file with its limits")
       .Otherwise("those that it was optimised with, else the paper's");
-  options.Add("open", o.open, "Open the page in the browser");
 }
 
 review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
@@ -145,9 +145,8 @@ bool IsDesignFile(const fs::path& file) {
 }  // namespace
 
 void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
-  review::PageOptions page;
-  page.port = options.port;
-  page.ready = [&options](const std::string& address) { Announce(address, options.open); };
+  review::PageOptions page = options.page;
+  page.ready = [&options](const std::string& address) { Announce(address, options.page); };
   const bool is_folder = fs::is_directory(options.subject);
   const std::string maker = is_folder ? MakerOf(options.subject) : "";
   const bool is_design =

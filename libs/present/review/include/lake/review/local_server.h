@@ -1,8 +1,8 @@
-// A web server for the person at this machine alone.
+// A web server for one person.
 //
-// It listens at 127.0.0.1 only. An address begins with a random token; whatever else is asked for is refused, as is a
-// request by another name of the machine (DNS rebinding), one that another page's script sends, and every method but
-// GET, HEAD and POST. It serves what its handlers return and no files.
+// By default it listens at 127.0.0.1 only. An address begins with a random token; whatever else is asked for is
+// refused, as is a request by another name of the machine (DNS rebinding), one that another page's script sends, and
+// every method but GET, HEAD and POST. It serves what its handlers return and no files.
 #pragma once
 
 #include <functional>
@@ -30,11 +30,13 @@ class LocalServer {
   // An Error that it throws is told to the page, with status 400.
   using Handler = std::function<LocalReply(const LocalRequest&)>;
 
-  // Takes the port, any free one if 0. Throws Error where it is in use.
-  explicit LocalServer(int port);
+  // Takes the port of that IPv4 address of this machine (0.0.0.0: of all), any free one if 0. At another address than
+  // 127.0.0.1, requests by any address in figures are answered, as a container's port may have another number outside.
+  // Throws Error where the port is in use or the address is none of this machine's.
+  explicit LocalServer(int port, const std::string& listen = "127.0.0.1");
   ~LocalServer();
 
-  // http://127.0.0.1:PORT/TOKEN/
+  // http://ADDRESS:PORT/TOKEN/, with 127.0.0.1 for 0.0.0.0.
   std::string Address() const;
 
   // A path below the address, "trial"; all that begins with it if it ends in '/'. To be called before Serve().

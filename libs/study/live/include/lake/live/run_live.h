@@ -11,6 +11,7 @@
 #include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/gait/picture_scale.h"
+#include "lake/review/page_options.h"
 #include "lake/tracking/marker_detector.h"
 #include "lake/video/live_stream.h"
 
@@ -29,8 +30,7 @@ struct LiveRunOptions : gait::PictureScale {
   std::array<double, 2> joint_at_mm = {0, 0};
   double tolerance_mm = 5;
   bool overlay = true;
-  int port = 0;
-  bool open = false;
+  review::PageOptions page;
 };
 
 void Describe(LiveRunOptions& o, OptionList& options);

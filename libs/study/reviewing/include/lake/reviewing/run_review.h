@@ -13,8 +13,7 @@ struct ReviewRunOptions {
   std::filesystem::path subject;  // a folder of results, a design.yaml, or a video
   std::filesystem::path problem;  // of a design: its limits; empty: those it was optimised with, else the paper's
   double capture_rate_hz = 0;     // of a video: as lake-track's
-  int port = 0;                   // 0: any that is free
-  bool open = false;              // in the person's browser
+  review::PageOptions page;
 };
 
 void Describe(ReviewRunOptions& o, OptionList& options);
