@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "lake/core/nearest_name.h"
 #include "lake/core/provenance.h"
 #include "lake/core/standard_output.h"
 
@@ -45,6 +46,12 @@ constexpr std::array kSteps = {
     Step{"synth", "a rendered recording with its ground truth"},
 };
 
+std::vector<std::string> StepNames() {
+  std::vector<std::string> names;
+  for (const Step& step : kSteps) names.emplace_back(step.name);
+  return names;
+}
+
 bool IsInstalled(const fs::path& folder, std::string_view step) {
   return access((folder / fmt::format("lake-{}", step)).c_str(), X_OK) == 0;
 }
@@ -53,7 +60,8 @@ void PrintHelp(const fs::path& folder) {
   fmt::print("lake: from two videos of a sit-to-stand to a better knee exoskeleton\n\nUsage: lake STEP [OPTIONS]\n\n");
   for (const Step& step : kSteps)
     if (IsInstalled(folder, step.name)) fmt::print("  {:<10} {}\n", step.name, step.what);
-  fmt::print("\n`lake STEP --help` tells of a step; each is also a program of its own, lake-STEP.\n");
+  fmt::print(
+      "\n`lake STEP --help` or `lake help STEP` shows the options of a step; each is also a program, lake-STEP.\n");
 }
 
 // Completes the steps, whose descriptions have no quotes; what follows is completed as lake-STEP completes it.
@@ -93,7 +101,14 @@ int Complain(const std::string& text) {
 int PrintOrBecomeStep(int argc, char** argv) {
   const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
   if (argc < 2) return Complain("a step is missing");
-  const std::string_view step = argv[1];
+  std::string_view step = argv[1];
+  if (step == "help" && argc > 2) {  // lake help STEP
+    static std::string help = "--help";
+    step = argv[2];
+    argv[1] = argv[2];
+    argv[2] = help.data();
+    argc = 3;
+  }
   if (step == "--help" || step == "--help-all" || step == "-h" || step == "help") {
     PrintHelp(folder);
     return 0;
@@ -110,7 +125,7 @@ int PrintOrBecomeStep(int argc, char** argv) {
   }
   if (step.starts_with("-")) return Complain(fmt::format("no option '{}'", step));
   if (step.find('/') != std::string_view::npos || !IsInstalled(folder, step))
-    return Complain(fmt::format("no step '{}'", step));
+    return Complain(fmt::format("no step '{}'{}", step, lake::DidYouMean(step, StepNames())));
 
   std::string program = (folder / fmt::format("lake-{}", step)).string();
   std::vector<char*> arguments(argv + 1, argv + argc);

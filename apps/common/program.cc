@@ -22,6 +22,7 @@
 #include "lake/core/error.h"
 #include "lake/core/fault_text.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/nearest_name.h"
 #include "lake/core/options_json.h"
 #include "lake/core/provenance.h"
 #include "lake/core/removed.h"
@@ -175,6 +176,16 @@ std::vector<const CLI::App*> GivenLevels(const CLI::App& cli) {
   return levels;
 }
 
+// The long names of all options, those of its groups and commands too.
+std::vector<std::string> OptionNames(const CLI::App& cli, const std::string& prefix) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : cli.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back(prefix + name);
+  for (const CLI::App* level : cli.get_subcommands([](const CLI::App*) { return true; }))
+    for (std::string& name : OptionNames(*level, prefix)) names.push_back(std::move(name));
+  return names;
+}
+
 void AddEffective(const CLI::Option& option, Json& options) {
   const std::string name = option.get_lnames().empty() ? option.get_name() : option.get_lnames().front();
   if (!option.get_configurable() || name == "help" || name == "version" || name == "config") return;
@@ -223,10 +234,20 @@ std::string TextOf(const CLI::ConfigError& error, const CLI::App& cli) {
   if (!text.ends_with(kSection)) {
     const std::string why =
         WhyRemoved(cli.get_name(), fmt::format("--{}", text.substr(text.rfind('.') + 1)));  // rfind: npos + 1 is 0
-    return why.empty() ? fmt::format("{}: there is no option '{}'", file, text) : fmt::format("{}: {}", file, why);
+    return why.empty()
+               ? fmt::format("{}: there is no option '{}'{}", file, text, DidYouMean(text, OptionNames(cli, "")))
+               : fmt::format("{}: {}", file, why);
   }
   text.remove_suffix(kSection.size());
   return fmt::format("{}: there is no command '{}'", file, text);
+}
+
+std::string TextOf(const CLI::ExtrasError& error, const CLI::App& cli) {
+  const std::vector<std::string> words = cli.remaining(true);
+  const auto option = std::ranges::find_if(words, [](const std::string& word) { return word.starts_with("--"); });
+  if (option == words.end()) return error.what();
+  const std::string name = option->substr(0, option->find('='));
+  return fmt::format("there is no option '{}'{}", name, DidYouMean(name, OptionNames(cli, "--")));
 }
 
 // What CLI11 says of an option that ends the line: "--starts: 1 required INT missing".
@@ -293,6 +314,8 @@ int ParseAndRun(CLI::App& cli, const std::vector<SharedOptions>& lists, int argc
     FlushStdout();
     return code;
   } catch (const CLI::ConfigError& error) {
+    return Complain(name, fmt::format("{}; see {} --help", TextOf(error, cli), name), kWrongUsage);
+  } catch (const CLI::ExtrasError& error) {
     return Complain(name, fmt::format("{}; see {} --help", TextOf(error, cli), name), kWrongUsage);
   } catch (const CLI::ParseError& error) {
     return Complain(name, fmt::format("{}; see {} --help", TextOf(error), name), kWrongUsage);

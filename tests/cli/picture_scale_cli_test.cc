@@ -135,8 +135,7 @@ TEST_F(TracksInPx, AScaleThatHasNoEffectIsRefused) {
                 "--exo-scale: there is no EXO trial with --left and --right; see --right-scale");
   ExpectRefused("human.csv exo.csv --scale 0,0,500,0,1000 --right-camera camera.yaml", 2,
                 "--right-camera is of --left and --right; see --exo-camera");
-  ExpectRefused("human_mm.csv exo_mm.csv --height 1800", 2,
-                "--height is of the person on whom a worn design is checked");
+  ExpectRefused("human_mm.csv exo_mm.csv --height 1800", 2, "--height only applies together with --worn");
 }
 
 // A folder of lake-gait in px is fitted once more, with its scale.

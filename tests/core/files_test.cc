@@ -233,7 +233,8 @@ TEST(Yaml, NamesFileLineAndKey) {
   EXPECT_EQ(root("a: 1e-320\n").Number("a"), 0.0) << "no solver can work with it";
   EXPECT_EQ(root("a: 1e-300\n").Number("a"), 1e-300);
   EXPECT_THAT([&] { root("a: [1\n"); }, ThrowsMessage<Error>(HasSubstr("not YAML")));
-  EXPECT_THAT([&] { root("- 1\n").Number("a"); }, ThrowsMessage<Error>(HasSubstr("a map with 'a' was expected")));
+  EXPECT_THAT([&] { root("- 1\n").Number("a"); },
+              ThrowsMessage<Error>(HasSubstr("'the file' must have keys, such as a")));
 }
 
 TEST(Yaml, RefusesAKeyThatStandsTwice) {

@@ -81,7 +81,7 @@ TEST_F(DesignFile, SaysWhatIsWrongAndWhere) {
   ExpectError("links: {l1: 59, l2: .nan, l3: 55, l4: 71, l5: 118, l6: 287}\nd_min_mm: 242\n",
               ":1: '.nan' is not a finite number");
   ExpectError("links: {l1: 59, l2: 0, l3: 55, l4: 71, l5: 118, l6: 287}\nd_min_mm: 242\n", "link l2 is 0 mm");
-  ExpectError("links: [1, 2]\nd_min_mm: 242\n", ":1: a map with 'l1' was expected");
+  ExpectError("links: [1, 2]\nd_min_mm: 242\n", ":1: 'links' must have keys, such as l1");
   ExpectError(std::string(kLinksLine) + "d_min_mm: -1\n", "d_min_mm must be above 0, not -1");
   ExpectError(std::string(kLinksLine) + "d_min_mm: long\n", ":2: 'long' is not a finite number");
   ExpectError(std::string(kLinksLine) + "d_min_mm: 242\nd_max_mm: 240\n", "d_max_mm = 240 must exceed d_min_mm = 242");

@@ -44,9 +44,10 @@ TEST(JointPlace, DoesNotTakeNotKnowingForAPlace) {
   EXPECT_EQ(live::MoveText(wide, 5), "The joint's place is not known well enough yet (± 18 mm): one more rise");
   wide.fixed_half_width_mm = {17, 17};
   EXPECT_FALSE(wide.DoRisesNarrow());
-  EXPECT_EQ(live::MoveText(wide, 5), "The joint's place cannot be told from 5 mm (± 18 mm)");
-  EXPECT_EQ(live::ChangeText(At(10, 0), wide), "Not told apart from before the last move (± 18 mm)");
-  EXPECT_EQ(live::ChangeText(At(10, 0), At(9, 0)), "Not told apart from before the last move (± 3 mm): one more rise");
+  EXPECT_EQ(live::MoveText(wide, 5), "The joint's distance cannot be distinguished from 5 mm (± 18 mm)");
+  EXPECT_EQ(live::ChangeText(At(10, 0), wide), "No measurable difference from before the last move (± 18 mm)");
+  EXPECT_EQ(live::ChangeText(At(10, 0), At(9, 0)),
+            "No measurable difference from before the last move (± 3 mm): one more rise");
 }
 
 // 10 mm of depth times a slope of 0.1, 1.96 standard deviations.

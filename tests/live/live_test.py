@@ -578,7 +578,7 @@ class Page(Browser):
         for name in NAMES:
             self.assertIn(name, self.part("live-naming").text)
         self.until(lambda: "poor: 30 frames/s" in self.part("live-checks").text)
-        self.assertEqual(self.part("live-check-count").text, "Pictures: 1 thing to change")
+        self.assertEqual(self.part("live-check-count").text, "Pictures: 1 change needed")
         self.click_marker("exo_knee", read_table(self.folder / "before/truth.csv")[0])
         self.shot("begin")
         self.assertFalse(self.part("live-sound").is_selected())

@@ -276,7 +276,7 @@ TEST(StudyPage, TheFirstScreenIsShort) {
   LAKE_SKIP_WITHOUT_BROWSER();
   const Json answer = Browser().Ask(Page(), R"(
     const first = document.querySelector('#section-1');
-    const answers = [...first.querySelectorAll('.answers')].filter(answer => answer.innerText.includes('forbids'));
+    const answers = [...first.querySelectorAll('.answers')].filter(answer => answer.innerText.includes('Limits that are violated'));
     const forbids = Math.max(0, ...answers.map(answer => answer.getBoundingClientRect().bottom));
     for (const part of first.querySelectorAll('figure')) part.style.display = 'none';
     for (const part of document.querySelectorAll('details:not([open]) > :not(summary)')) part.style.display = 'none';
@@ -288,7 +288,7 @@ TEST(StudyPage, TheFirstScreenIsShort) {
                                     1400);
   EXPECT_LE(answer["words"], 80);
   EXPECT_LE(answer["numbers"], 12);
-  EXPECT_LE(answer["forbids"], 600) << "what forbids it stands high on a laptop's screen";
+  EXPECT_LE(answer["forbids"], 600) << "the violated limits stand high on a laptop's screen";
   const Json& rows = answer["rows"];
   ASSERT_EQ(rows.size(), 3u);
   EXPECT_LT(rows[1][1], rows[0][1]);

@@ -700,7 +700,7 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: "--crop=" in self.text("naming-command"))
         for said, asked in zip(self.said_numbers("crop"), (300, 200, 700, 490)):
             self.assertAlmostEqual(said, asked, delta=3)
-        self.until(lambda: "spots" in self.text("state"))
+        self.until(lambda: "detections" in self.text("state"))
         # A reflective marker is no coloured one, which is said.
         self.point("color", self.place("ankle", 0))
         colour = self.browser.find_element(By.CSS_SELECTOR, "input[data-option=color]").get_attribute("value")

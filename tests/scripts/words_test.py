@@ -18,6 +18,14 @@ INSTEAD = {
     "white to the limit": "no marker is overexposed",
     "times a segment's length": "the movement is large enough (",
 }
+# Words that puzzle a reader of the field's papers, with those to use instead (architecture.md, "Words").
+HOUSE_WORDS = {
+    r"told": "predicted, detected, distinguished, reported",
+    r"things?|spots?": "detection, marker, place on the skin",
+    r"passages?|stretch(?:es)?": "interval, frames 120 to 180",
+    r"stray(?:s|ed)?|jolts?|lone": "outlier, jump, isolated",
+    r"manieth": "every n-th",
+}
 ONE_NAME = {"relative error": "misalignment", "stand-up": "rise"}
 
 
@@ -40,6 +48,14 @@ class Words(unittest.TestCase):
                 self.assertEqual([f"{file}: {text}" for file, text in texts if was.lower() in text.lower()], [])
                 if was not in ONE_NAME:
                     self.assertTrue([text for _, text in texts if instead in text], f"nobody says: {instead}")
+
+    def test_no_message_has_a_house_word(self):
+        """Names, such as a page's "#spots button", are no messages."""
+        messages = [(file, text) for file, text in said() if re.search(r"[A-Za-z]{2,} [A-Za-z]{2,}", text) and not text.startswith("#")]
+        self.assertGreater(len(messages), 3000)
+        for word, instead in HOUSE_WORDS.items():
+            with self.subTest(word=word, instead=instead):
+                self.assertEqual([f"{file}: {text}" for file, text in messages if re.search(rf"\b(?:{word})\b", text, re.I)], [])
 
     def test_names_and_comments_have_the_words_of_the_pages(self):
         """But for the columns of files, whose names are kept ("relative_error")."""

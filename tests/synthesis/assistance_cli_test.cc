@@ -50,7 +50,7 @@ class LakeOptimizeWithLoads : public ::testing::Test {
 TEST_F(LakeOptimizeWithLoads, FindsTheShortestDurationOfAnActuator) {
   const Ended ended = Go("--profile @loads.json --assist 0.4 --actuator @own.csv:strong --duration free");
   ASSERT_EQ(ended.exit_code, 0) << ended.text;
-  EXPECT_THAT(ended.text, HasSubstr("strong gives 40 % of what the knee needs in a rise of"));
+  EXPECT_THAT(ended.text, HasSubstr("strong gives 40 % of the knee moment in a rise of"));
   const Json summary = ReadJsonFile(folder_ / "out/summary.json"), &assistance = summary["assistance"];
   EXPECT_THAT(summary["inputs"].dump(), HasSubstr("own.csv")) << "what is known of the actuator stands there";
   EXPECT_FALSE(fs::exists(folder_ / "out/margin.csv")) << "margins of a range that nobody sought";

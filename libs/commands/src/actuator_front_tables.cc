@@ -74,7 +74,7 @@ std::string ActuatorFrontText(const std::vector<synthesis::ActuatorCurve>& curve
     text += "\n";
   }
   return text +
-         fmt::format("shortest rise at a share of what the knee needs; * none is faster; the person's own: {:.2f} s\n",
+         fmt::format("shortest rise at a share of the knee moment; * none is faster; the person's own: {:.2f} s\n",
                      own_s);
 }
 

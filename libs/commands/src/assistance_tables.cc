@@ -66,20 +66,20 @@ std::string AssistanceText(const problem::Assistance& assistance, const problem:
   const AssistanceRow* force = assistance.Largest(&AssistanceRow::force_n);
   const std::string most =
       force ? fmt::format("at most {:.0f} N, at {:.0f} % of the rise", std::abs(force->force_n), force->percent) : "";
-  if (!problem.actuator) return fmt::format("{:.0f} % of what the knee needs take {}", share, most);
+  if (!problem.actuator) return fmt::format("{:.0f} % of the knee moment takes {}", share, most);
   const std::string& name = problem.actuator->name;
   if (const auto lifts_n = problem.actuator->LiftingForce();
       force && lifts_n && std::abs(force->force_n) > *lifts_n * (1 + kRounding))
     return fmt::format(
-        "{} cannot give {:.0f} % of what the knee needs with this linkage: that takes {}, and it lifts {:.0f} N", name,
+        "{} cannot give {:.0f} % of the knee moment with this linkage: that takes {}, and it lifts {:.0f} N", name,
         share, most, *lifts_n);
   if (std::isnan(assistance.shortest_s))
-    return fmt::format("{}: {:.0f} % of what the knee needs take {}; how fast it is is not known", name, share, most);
+    return fmt::format("{}: {:.0f} % of the knee moment takes {}; the actuator's speed is unknown", name, share, most);
   if (std::isinf(assistance.shortest_s))
-    return fmt::format("{} cannot give {:.0f} % of what the knee needs with this linkage: that takes {}", name, share,
+    return fmt::format("{} cannot give {:.0f} % of the knee moment with this linkage: that takes {}", name, share,
                        most);
   std::string text = fmt::format(
-      "{} gives {:.0f} % of what the knee needs in a rise of {:.1f} s or longer (the person's own: {:.1f} s); its "
+      "{} gives {:.0f} % of the knee moment in a rise of {:.1f} s or longer (the person's own: {:.1f} s); its "
       "{} is the limit, at {:.0f} % of the rise; {}",
       name, share, assistance.shortest_s, own_s, assistance.force_is_limit ? "force" : "speed",
       assistance.limiting_percent, most);

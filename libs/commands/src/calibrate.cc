@@ -7,6 +7,7 @@
 #include "lake/camera/calibration_quality.h"
 #include "lake/camera/camera.h"
 #include "lake/camera/plane_fit.h"
+#include "lake/core/counted.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
@@ -102,13 +103,14 @@ std::string ReportOf(const camera::BoardPictures& pictures, const camera::Calibr
   const Eigen::Vector4d sd = camera::UncertaintyOf(result).intrinsics_sd;
   const auto& crossed = quality.cross_validation;
   return fmt::format(
-      "{} views, RMS {:.3f} px (inliers {:.3f} px, {} outliers), worst view {} {:.3f} px\n"
+      "{}, RMS {:.3f} px (inliers {:.3f} px, {}), worst view {} {:.3f} px\n"
       "fx {}  fy {}  cx {}  cy {} px\n"
       "coverage {:.0f} %, largest tilt {:.0f}°{}; lens model {}\n",
-      pictures.views.size(), result.rms_px, result.inlier_rms_px, result.outliers.size(),
-      pictures.views[quality.worst_view].name, result.view_rms_px[quality.worst_view],
-      PlusMinusText(camera.fx, sd[0], 2), PlusMinusText(camera.fy, sd[1], 2), PlusMinusText(camera.cx, sd[2], 2),
-      PlusMinusText(camera.cy, sd[3], 2), 100 * quality.coverage.fraction, quality.largest_tilt_deg,
+      Counted(pictures.views.size(), "view"), result.rms_px, result.inlier_rms_px,
+      Counted(result.outliers.size(), "outlier"), pictures.views[quality.worst_view].name,
+      result.view_rms_px[quality.worst_view], PlusMinusText(camera.fx, sd[0], 2), PlusMinusText(camera.fy, sd[1], 2),
+      PlusMinusText(camera.cx, sd[2], 2), PlusMinusText(camera.cy, sd[3], 2), 100 * quality.coverage.fraction,
+      quality.largest_tilt_deg,
       crossed ? fmt::format(", odd and even views differ by {:.3f} px RMS", crossed->rms_px) : "",
       camera::ToString(lens));
 }

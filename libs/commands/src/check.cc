@@ -56,8 +56,8 @@ overlay::CheckPicture PictureOf(const tracking::RecordingCheck& check, const std
                                 .lines = {},
                                 .title = title,
                                 .legend = check.IsNamed()
-                                              ? "named: the markers that lake track uses; dashed: other spots"
-                                              : "dashed: bright spots; none could be named"};
+                                              ? "named: the markers that lake track uses; dashed: other detections"
+                                              : "dashed: detections; none could be named"};
   for (const tracking::CheckedSpot& spot : check.spots_shown)
     picture.spots.push_back({spot.position, spot.radius_px, spot.name});
   for (const tracking::CheckItem& item : items)

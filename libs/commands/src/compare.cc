@@ -222,10 +222,11 @@ report::Section UncertaintySection(const std::vector<compare::Budget>& budgets) 
                               fmt::format("{} {}", SignificantText(row.Contribution(), 2), budget.unit),
                               fmt::format("{:.1f} %", budget.SharePercent(row)), row.reference});
   }
-  section.blocks = {report::Paragraph{"How precisely the markers are measured is one thing; how far they tell of the "
-                                      "joint beneath the skin is another. " +
-                                      compare::WhatNarrows(budgets.front())},
-                    headlines, sources};
+  section.blocks = {
+      report::Paragraph{
+          "The markers can be measured precisely and still lie some millimetres beside the joint beneath the skin. " +
+          compare::WhatNarrows(budgets.front())},
+      headlines, sources};
   return section;
 }
 
@@ -335,8 +336,7 @@ void CheckIsCompared(const CompareRunOptions& o, const OptionList& list) {
                 : fmt::format("--{} is of --left and --right; see --exo-{}", other, name));
   }
   for (const char* name : {"height", "mass", "seat-edge"})
-    if (!o.worn && list.IsGiven(name))
-      throw UsageError("--{} is of the person on whom a worn design is checked: add --worn, or omit it", name);
+    if (!o.worn && list.IsGiven(name)) throw UsageError("--{} only applies together with --worn", name);
 }
 
 // A joint of the leg that is none of its knees is told from a knee by its name alone.
@@ -357,9 +357,9 @@ void CheckTrials(const CompareRunOptions& o) {
   if (!o.left.empty() && !o.human.empty())
     throw UsageError("--left and --right: both legs of one person stand instead of HUMAN and EXO; leave these out");
   if (!o.IsMarkerOnAxis() && (!o.left.empty() || IsCompared(o.exo)))
-    throw UsageError("--joint-at is of the joint's marker in an EXO trial, and none is read; leave it out");
+    throw UsageError("--joint-at needs an exoskeleton trial with a joint marker");
   if (!o.IsMarkerOnAxis() && !o.knee.exo_segments.shank.empty())
-    throw UsageError("--joint-at is of the joint's marker; --exo-segment finds the axis itself: leave one of them out");
+    throw UsageError("--joint-at and --exo-segment exclude each other: --exo-segment finds the axis itself");
   if (o.left.empty() && !o.forces.empty())
     throw UsageError(
         "--forces: what each foot bears is of both legs, --left A --right B; leave it out, or see lake loads");
@@ -464,8 +464,8 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
     if (!move.text.empty()) comparison["best_placement"]["body_text"] = move.text;
   } else if (options.worn) {
     run.Warn(
-        "{} shows no knee of the leg beside the joint: what seat and limbs allow of the worn design's joint is not "
-        "told",
+        "{} shows no knee of the leg beside the joint, so it is not checked whether seat and limbs leave room for the "
+        "worn design's joint",
         options.exo.filename().string());
   }
   compare::ComparisonBudgetOptions budget = options.budget;
@@ -506,7 +506,7 @@ void Describe(CompareRunOptions& o, OptionList& options) {
       .Value("NAME=MARKER,...")
       .Otherwise("as --map");
   options.Add("forces", o.forces, "Of both legs: ground forces of their recording, OpenSim's .mot or .sto, or a .c3d")
-      .Otherwise("what each foot bears is not told");
+      .Otherwise("the load on each foot is not reported");
   options.Add("plates", o.plates, "The feet's force plates, in the file's order").Value("left=N,right=N");
   options.Add("sync", o.sync, "The forces' clock against the trial's: the sync.yaml of lake sync TRIAL FORCES")
       .Otherwise("one clock");

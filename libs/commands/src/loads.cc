@@ -6,6 +6,7 @@
 
 #include "force_plates.h"
 #include "lake/commands/gait.h"
+#include "lake/core/counted.h"
 #include "lake/core/cross.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -321,10 +322,10 @@ std::string ReportOf(const loads::LoadsResult& result, const MeanRise& mean, dou
   const double half_nm = (mean.peak.high_nm - mean.peak.low_nm) / 2;
   const auto nm = [&](double value) { return KnownText(value, half_nm, 1); };
   std::string text = fmt::format(
-      "peak knee extension moment of one leg: {} N m (95 %: {} to {}), {} N m/kg, at {:.0f}°; mean of {} rise{}, {}\n",
+      "peak knee extension moment of one leg: {} N m (95 %: {} to {}), {} N m/kg, at {:.0f}°; mean of {}, {}\n",
       nm(mean.peak.knee_nm), nm(mean.peak.low_nm), nm(mean.peak.high_nm),
-      KnownText(mean.peak.knee_nm / mass_kg, half_nm / mass_kg, 2), mean.peak.knee_deg, result.rises.size(),
-      result.rises.size() == 1 ? "" : "s", result.from_ground ? "from the ground's forces" : "without force plates");
+      KnownText(mean.peak.knee_nm / mass_kg, half_nm / mass_kg, 2), mean.peak.knee_deg,
+      Counted(result.rises.size(), "rise"), result.from_ground ? "from the ground's forces" : "without force plates");
   text += BalanceReport(result.balance) + MomentumReport(mean.momentum, mass_kg);
   if (result.from_ground) return text;
   text += fmt::format("the 95 % interval is of a leg that bears {:.0f} to {:.0f} % of the body's weight{}\n",

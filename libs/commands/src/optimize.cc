@@ -204,7 +204,7 @@ redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
 void CheckRedesign(const OptimizeRunOptions& options) {
   const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
   if (options.problem.assist && !options.problem.profile)
-    throw UsageError("--assist is a share of what the knee needs: give that with --profile loads.json");
+    throw UsageError("--assist is a share of the knee moment: give that with --profile loads.json");
   if (options.problem.SeeksDuration())
     throw UsageError("--duration free cannot be combined with a human's motion: there the range is sought");
   if (const auto& actuator = options.problem.actuator;
@@ -441,7 +441,7 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
                                                           {"mean", redesign::Across::kMean},
                                                           {"quantile", redesign::Across::kQuantile}},
                     "With several comparisons: which of the people's misalignments limit and penalty are on");
-  options.Add("quantile", o.quantile, "With --across quantile: the part of the people whose misalignment counts")
+  options.Add("quantile", o.quantile, "With --across quantile: fraction of people who must meet the limit")
       .Between(0, 1);
   options
       .Add("sizes", o.sizes,

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "lake/core/counted.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
@@ -250,7 +251,7 @@ std::string WriteSitToStands(const gait::LegFitResult& leg, const gait::LegMarke
   WritePage(leg, rows, person, run);
   std::set<int> repetitions;
   for (const motion::StsEvent& event : leg.events) repetitions.insert(event.repetition);
-  return fmt::format("{} rises, {} outliers\n", repetitions.size(), leg.outliers.size()) +
+  return fmt::format("{}, {}\n", Counted(repetitions.size(), "rise"), Counted(leg.outliers.size(), "outlier")) +
          FiveTimesText({rows.back(), person});
 }
 

@@ -343,10 +343,11 @@ Section ResultChapter(const StudyFile& study, const StudyResults& results) {
   std::vector<std::string> forbids;
   if (std::string collision = CollisionText(ways, redesign); !collision.empty())
     forbids.push_back(std::move(collision));
-  if (MeetsSeat(ways, redesign)) forbids.emplace_back("Moved, the linkage meets the seat.");
-  if (NeedsHolding(results, redesign)) forbids.emplace_back("At the new pace a person must be held.");
+  if (MeetsSeat(ways, redesign)) forbids.emplace_back("If the joint is moved, the linkage touches the seat.");
+  if (NeedsHolding(results, redesign))
+    forbids.emplace_back("At this pace the person cannot keep their balance without support.");
   if (!forbids.empty())
-    section.blocks.push_back(Answers{{{"What forbids it", fmt::format("{}", fmt::join(forbids, " "))}}});
+    section.blocks.push_back(Answers{{{"Limits that are violated", fmt::format("{}", fmt::join(forbids, " "))}}});
   if (results.HasFile(kKneesPicture))
     section.blocks.push_back(Picture{results.Folder() / kKneesPicture, KneesPictureAlt(results), "", Width::kHalf});
   else

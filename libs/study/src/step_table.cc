@@ -87,7 +87,7 @@ const std::vector<StepKind>& StepKinds() {
        .make = AssistanceStep,
        .needs = {.minutes = 120},
        .outputs = {"summary.json"},
-       .files = {{"design.yaml", "the links for the actuator and what the knee needs"},
+       .files = {{"design.yaml", "the links for the actuator and the knee moment"},
                  {"assistance.csv", "its force, speed and power over the rise"},
                  {"actuators_front.csv", "each actuator's shortest rise and links"}},
        .warnings = "Assistance",

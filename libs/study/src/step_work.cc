@@ -287,7 +287,7 @@ OptionalStep LoadsStep(const StudyFile& study, const fs::path& out) {
   commands::LoadsRunOptions options = *study.loads;
   options.trial = out / "human";
   steps::StudyStep step = StepOf(options, commands::RunLoads, study.loads_section, CostOfLoads(study.human));
-  step.what = "what the knee needs";
+  step.what = "the knee moment";
   return step;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "lake/core/counted.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/report/uncertain.h"
 #include "study_chapters.h"
@@ -17,12 +18,10 @@ std::string NeedText(const Json& loads) {
   const double of_mass = NumberOrNaN(loads.at("peak_knee_nm_kg"));
   return fmt::format(
       "One leg extends its knee with {} N m at most (95 % interval {} to {} N m), {} N m per kg of body mass, at a "
-      "knee "
-      "angle of {}; mean of {} rise{}, {}.",
+      "knee angle of {}; mean of {}, {}.",
       peak_nm.Text(1), RoundedText(peak_nm.low, peak_nm.Decimals(1)), RoundedText(peak_nm.high, peak_nm.Decimals(1)),
       KnownText(of_mass, peak_nm.HalfWidth() * of_mass / peak_nm.value, 2),
-      Quantity(NumberOrNaN(loads.at("peak_knee_deg")), "°"), loads.at("rises").size(),
-      loads.at("rises").size() == 1 ? "" : "s",
+      Quantity(NumberOrNaN(loads.at("peak_knee_deg")), "°"), Counted(loads.at("rises").size(), "rise"),
       loads.at("method") == "bottom-up" ? "from the ground's forces" : "without force plates");
 }
 

@@ -252,6 +252,7 @@ StudyRedesign ReadRedesign(YamlNode node, InputFiles& files, const StudyProblem&
 }
 
 commands::LoadsRunOptions ReadLoads(YamlNode node, InputFiles& files, StudySection& section) {
+  if (!node.IsMap()) throw Fail("{}: 'loads' needs mass_kg: write loads: {{mass_kg: …}}", node.Where());
   commands::LoadsRunOptions options;
   ReadSection(node, options, files, section, kGivenToLoads);
   node.Finish();
@@ -384,7 +385,7 @@ StudyFile ReadStudyFile(const fs::path& path) {
     throw Fail("{}: 'balance' needs the person's body: add loads: {{mass_kg: …}}", root.Where());
   if (auto assistance = root.Child("assistance")) {
     if (!study.loads)
-      throw Fail("{}: 'assistance' is a share of what the knee needs: add loads: {{mass_kg: …}}", assistance->Where());
+      throw Fail("{}: 'assistance' is a share of the knee moment: add loads: {{mass_kg: …}}", assistance->Where());
     study.assistance = ReadAssistance(std::move(*assistance), files);
   }
   if (auto simulate = root.Child("simulate")) ReadSimulation(std::move(*simulate), files, study);

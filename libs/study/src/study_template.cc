@@ -69,7 +69,7 @@ std::string StudyTemplate() {
                       KeysOf<commands::ReoptimizeRunOptions>(kGivenToRedesign)) +
          Optional("loads", "The moments at the joints of the trial without exoskeleton.",
                   KeysOf<commands::LoadsRunOptions>(kGivenToLoads)) +
-         Optional("assistance", "The links with which an actuator gives what the knee needs; needs loads.",
+         Optional("assistance", "The links with which an actuator provides the knee moment; needs loads.",
                   Line("problem", "problem.yaml", "as in design") +
                       Line("actuator", "LA31-1000", "a name of the catalogue, or a file") +
                       KeysOf<commands::OptimizeRunOptions>(kGivenToAssistance)) +

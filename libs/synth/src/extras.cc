@@ -32,7 +32,7 @@ Vector2d FreePlace(Random& random, const cv::Size& picture, const MarkerPaths& p
                          random.Uniform(inset, picture.height - 1 - inset));
     if (Clearance(place, paths) > clear_px) return place;
   }
-  throw Fail("no room for bright spots {:.0f} px away from the markers; show more of the room (smaller markers in px)",
+  throw Fail("no room for reflections {:.0f} px away from the markers; show more of the room (smaller markers in px)",
              clear_px);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "lake/core/counted.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/name_value.h"
@@ -104,8 +105,8 @@ void DescribeRoom(SynthRunOptions& o, OptionList& options) {
   options.Add("bright-room", o.bright_room, "Light wall and clothes, dark markers");
   options.Add("exposure", o.exposure, "Factor on everything");
   options.Add("flicker", o.flicker, "Amplitude of the changes in brightness");
-  options.Add("reflections", o.reflections, "Fixed bright spots").AtLeast(0);
-  options.Add("glint", o.glint, "A moving bright spot");
+  options.Add("reflections", o.reflections, "Number of fixed reflections").AtLeast(0);
+  options.Add("glint", o.glint, "A moving reflection");
   options
       .AddCustom("hide", "A hand hides this marker from this time on, for so long",
                  [&o](const OptionTexts& texts, const std::string& said) {
@@ -275,7 +276,7 @@ Json RenderRecording(const SynthRunOptions& o, Run& run) {
     results["hidden_frames"][written.markers[m]] = frames;
     if (frames > 0) hidden += fmt::format(", {} hidden in {}", written.markers[m], frames);
   }
-  run.Report("{} frames{}: {}\n", written.frames, hidden, video);
+  run.Report("{}{}: {}\n", Counted(written.frames, "frame"), hidden, video);
   return results;
 }
 

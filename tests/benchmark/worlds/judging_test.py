@@ -127,7 +127,7 @@ class Judge(unittest.TestCase):
         self.assertEqual(verdict("lake-track: marker 'hip' …"), "refused")
         (self.folder / "candidates.csv").touch()
         self.assertEqual(verdict("lake-track: which is the hip? …"), "asked")
-        self.assertEqual(verdict("lake-track: no leg was found among the 7 things seen: …"), "refused")
+        self.assertEqual(verdict("lake-track: no leg was found among the 7 detections: …"), "refused")
 
 
 class Draw(unittest.TestCase):

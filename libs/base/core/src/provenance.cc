@@ -126,7 +126,7 @@ std::string VersionAndCommit() {
 std::string Sha256OfFile(const fs::path& path) {
   if (fs::is_directory(path)) return Sha256OfFolder(path);
   if (fs::is_other(path))
-    throw Fail("{}: is read only once, so its content cannot be told in the summary; save it as a file", path.string());
+    throw Fail("{}: can be read only once, so the summary cannot record its content; save it as a file", path.string());
   static KnownHashes known;
   return known.Of(path);
 }

@@ -8,13 +8,15 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/nearest_name.h"
 
 namespace lake {
 
 struct YamlNode::Impl {
   YAML::Node node;
   std::string file;
-  std::vector<std::string> taken;
+  std::string name = "the file";  // the key under which it stands
+  std::vector<std::string> taken = {};
 };
 
 namespace {
@@ -94,7 +96,7 @@ YamlNode YamlNode::ReadFile(const std::filesystem::path& path) {
   try {
     const YAML::Node root = YAML::Load(text);
     Checker(path.string()).Check(root);
-    return YamlNode(std::unique_ptr<Impl>(new Impl{root, path.string(), {}}));
+    return YamlNode(std::unique_ptr<Impl>(new Impl{.node = root, .file = path.string()}));
   } catch (const YAML::Exception& error) {
     throw Fail("{}: not YAML: {}", Place(path.string(), error.mark), error.msg);
   }
@@ -112,10 +114,12 @@ bool YamlNode::Has(std::string_view key) const {
 }
 
 std::optional<YamlNode> YamlNode::Child(std::string_view key) {
-  if (!impl_->node.IsNull() && !IsMap()) throw Fail("{}: a map with '{}' was expected", Where(), key);
+  if (!impl_->node.IsNull() && !IsMap())
+    throw Fail("{}: '{}' must have keys, such as {}, not a value or a list", Where(), impl_->name, key);
   impl_->taken.emplace_back(key);
   if (!Has(key)) return std::nullopt;
-  return YamlNode(std::unique_ptr<Impl>(new Impl{std::as_const(impl_->node)[std::string(key)], impl_->file, {}}));
+  return YamlNode(std::unique_ptr<Impl>(
+      new Impl{.node = std::as_const(impl_->node)[std::string(key)], .file = impl_->file, .name = std::string(key)}));
 }
 
 std::optional<double> YamlNode::Number(std::string_view key) {
@@ -142,7 +146,8 @@ std::vector<YamlNode> YamlNode::Elements() const {
   if (!IsList()) throw Fail("{}: a list was expected", Where());
   std::vector<YamlNode> elements;
   for (const YAML::Node& element : impl_->node)
-    elements.push_back(YamlNode(std::unique_ptr<Impl>(new Impl{element, impl_->file, {}})));
+    elements.push_back(
+        YamlNode(std::unique_ptr<Impl>(new Impl{.node = element, .file = impl_->file, .name = impl_->name})));
   return elements;
 }
 
@@ -152,7 +157,8 @@ std::vector<std::pair<std::string, YamlNode>> YamlNode::Pairs() {
   for (const auto& pair : impl_->node) {
     const std::string key = pair.first.as<std::string>();
     impl_->taken.push_back(key);
-    pairs.emplace_back(key, YamlNode(std::unique_ptr<Impl>(new Impl{pair.second, impl_->file, {}})));
+    pairs.emplace_back(
+        key, YamlNode(std::unique_ptr<Impl>(new Impl{.node = pair.second, .file = impl_->file, .name = key})));
   }
   return pairs;
 }
@@ -177,8 +183,8 @@ void YamlNode::Finish() const {
   for (const auto& pair : impl_->node) {
     const std::string key = pair.first.as<std::string>();
     if (std::find(impl_->taken.begin(), impl_->taken.end(), key) == impl_->taken.end())
-      throw Fail("{}: unknown key '{}'; known here: {}", Place(impl_->file, pair.first.Mark()), key,
-                 fmt::join(impl_->taken, ", "));
+      throw Fail("{}: unknown key '{}'{}; known here: {}", Place(impl_->file, pair.first.Mark()), key,
+                 DidYouMean(key, impl_->taken), fmt::join(impl_->taken, ", "));
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/nearest_name.h"
 
 namespace lake::motion {
 
@@ -22,7 +23,8 @@ std::vector<Correction> ReadCorrections(const std::filesystem::path& path, const
   for (std::size_t row = 0; row < table.Rows(); ++row) {
     const std::string& name = table.Text(row, marker);
     if (std::find(names.begin(), names.end(), name) == names.end())
-      throw Fail("{}: no marker '{}'; there are {}", table.Where(row), name, fmt::join(names, ", "));
+      throw Fail("{}: no marker '{}'{}; there are {}", table.Where(row), name, DidYouMean(name, names),
+                 fmt::join(names, ", "));
     const double number = table.RequiredNumber(row, frame);
     if (!(number >= 0 && number <= kMostFrames && number == std::floor(number)))
       throw Fail("{}: frame {} is not a whole number from 0", table.Where(row), number);

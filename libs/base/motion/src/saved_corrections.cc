@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "lake/core/counted.h"
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
 #include "lake/core/provenance.h"
@@ -48,9 +49,9 @@ std::string UnappliedCorrections(const fs::path& folder) {
     count += saved.rows;
   }
   if (are_applied) return "";
-  const std::string what =
-      count == 0 ? "was tracked with corrections that were taken back since"
-                 : fmt::format("was not tracked with the {} correction{} saved in it", count, count == 1 ? "" : "s");
+  const std::string what = count == 0
+                               ? "was tracked with corrections that were taken back since"
+                               : fmt::format("was not tracked with the {} saved in it", Counted(count, "correction"));
   return fmt::format("{}: {}. To track it anew: {}", folder.empty() ? "." : folder.string(), what, CommandIn(folder));
 }
 

@@ -57,7 +57,7 @@ typedef enum {
   FAULT_OVERCURRENT = 12,  // a short or a stall
   FAULT_NO_CURRENT = 13,   // driven, it takes none: motor, supply or sense wire
   FAULT_LATE = 14,         // a tick or a round of conversions did not end within its ms
-  FAULT_BRIDGE = 15,       // the bridge does what it is not told: ENA's jumper, a wire, a transistor
+  FAULT_BRIDGE = 15,       // the bridge does not follow its commands: ENA's jumper, a wire, a transistor
   FAULT_RELAY = 16,        // the safety relay does not open
   FAULT_MEMORY = 17        // what was kept has changed by itself
 } fault_t;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "lake/actuator/robust_slope.h"
+#include "lake/core/counted.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
@@ -223,8 +224,8 @@ DutyCalibration CalibrateDuty(const std::vector<DutyLog>& logs, const CalibrateO
   DutyCalibration calibration;
   calibration.plateaus = FindPlateaus(logs, options, calibration.warnings);
   if (calibration.plateaus.empty())
-    throw Fail("no plateau of constant duty of at least {} s in {} log{}", options.min_plateau_s, logs.size(),
-               logs.size() == 1 ? "" : "s");
+    throw Fail("no plateau of constant duty of at least {} s in {}", options.min_plateau_s,
+               Counted(logs.size(), "log"));
   std::vector<DutySpeed> extend = SpeedsOf(calibration.plateaus, 1, options);
   std::vector<DutySpeed> retract = SpeedsOf(calibration.plateaus, -1, options);
   calibration.largest_adjustment_mm_s = std::max(MakeMonotone(extend), MakeMonotone(retract));

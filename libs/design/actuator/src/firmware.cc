@@ -270,7 +270,9 @@ std::vector<std::string> Unknowns(const FirmwareOptions& options) {
   if (!options.bridge_sense)
     unknown.push_back("The bridge's outputs are not read back: a stop coasts, without a brake.");
   if (!options.pins.safety_relay)
-    unknown.push_back("There is no second way to switch the motor off: a shorted transistor is told, not stopped.");
+    unknown.push_back(
+        "There is no second way to switch the motor off: a shorted transistor is reported, but the motor keeps "
+        "running.");
   return unknown;
 }
 

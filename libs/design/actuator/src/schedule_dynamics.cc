@@ -123,7 +123,7 @@ void LimitAcceleration(StrokeSchedule& schedule, double most_mm_s2, double dead_
     const double missing_s = (rest ? std::min(length_s, dead_time_s) : 0) + ramps_s - length_s;
     if (!rest && missing_s > 1e-9)
       throw Fail(
-          "the stretch of {} mm/s from {} s to {} s is too short for its ramps of {} s together; "
+          "the part at {} mm/s from {} s to {} s is too short for its ramps of {} s together; "
           "raise --max-acceleration ({} mm/s²) or slow the program down",
           SignificantText(speeds[i + 1], 4), SignificantText(knots[i].time_s, 4),
           SignificantText(knots[i + 1].time_s, 4), SignificantText(ramps_s, 4), most_mm_s2);

@@ -403,7 +403,7 @@ std::string AlarmText(int number) {
       "over-current: a short or a stall",
       "driven, it takes no current: motor, supply or sense wire",
       "a tick or a conversion came late: the board, or a bug",
-      "the bridge does what it is not told: ENA's jumper, a wire, a shorted transistor",
+      "the bridge does not follow its commands: ENA's jumper, a wire, a shorted transistor",
       "the safety relay does not open",
       "the board's memory has changed by itself"};
   return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]

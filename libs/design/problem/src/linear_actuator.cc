@@ -5,6 +5,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/nearest_name.h"
 #include "lake/core/numbers.h"
 
 namespace lake::problem {
@@ -116,8 +117,8 @@ const LinearActuator& Named(const std::vector<LinearActuator>& actuators, const 
   if (found != actuators.end()) return *found;
   std::vector<std::string> names;
   for (const LinearActuator& actuator : actuators) names.push_back(actuator.name);
-  throw Fail("there is no actuator '{}' in {}; it has {}. A catalogue of your own: FILE.csv:NAME", name, where,
-             fmt::join(names, ", "));
+  throw Fail("there is no actuator '{}' in {}{}; it has {}. A catalogue of your own: FILE.csv:NAME", name, where,
+             DidYouMean(name, names), fmt::join(names, ", "));
 }
 
 }  // namespace

@@ -112,11 +112,10 @@ double SynthesisProblem::SeatedAngle_rad() const {
 }
 
 void SynthesisProblem::CheckLoad() const {
-  if (assist && !profile)
-    throw UsageError("assist is a share of what the knee needs: give that with --profile loads.json");
+  if (assist && !profile) throw UsageError("assist is a share of the knee moment: give that with --profile loads.json");
   if (!duration_s && goal == Goal::kRange) return;
   if (!HasLoadProfile())
-    throw UsageError("a duration depends on what the knee needs: give --profile loads.json, and an --assist above 0");
+    throw UsageError("a duration depends on the knee moment: give --profile loads.json, and an --assist above 0");
   if (!actuator) throw UsageError("a duration depends on how fast the actuator is: give --actuator");
   if (!actuator->HasSpeed())
     throw UsageError("the speed of the actuator {} is not known, so there is no duration for it", actuator->name);

@@ -109,7 +109,7 @@ const FrontPoint* ActuatorCurve::Last() const {
 std::vector<ActuatorCurve> FindActuatorFront(const SynthesisProblem& problem,
                                              const std::vector<problem::LinearActuator>& actuators,
                                              const std::vector<double>& shares, const OptimizeOptions& options) {
-  if (!problem.profile) throw Fail("actuators are compared over what the knee needs: a load profile is missing");
+  if (!problem.profile) throw Fail("actuators are compared over the knee moment: a load profile is missing");
   options.Check();
   for (const double share : shares)
     if (!(share > 0 && share <= 1)) throw Fail("a share of {} must lie above 0, and not beyond 1", share);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lake/axis/functional_axis.h"
+#include "lake/core/counted.h"
 #include "lake/core/error.h"
 
 namespace lake::axis {
@@ -20,8 +21,7 @@ std::vector<const exchange::PointTrack*> TracksOf(const exchange::PointRecording
                                                   const std::vector<std::string>& names, const char* segment,
                                                   std::size_t least) {
   if (names.size() < least)
-    throw UsageError("--segment {}: {} marker{}, needs at least {}", segment, names.size(),
-                     names.size() == 1 ? "" : "s", least);
+    throw UsageError("--segment {}: {}, needs at least {}", segment, Counted(names.size(), "marker"), least);
   std::vector<const exchange::PointTrack*> tracks;
   for (const std::string& name : names) {
     tracks.push_back(points.Find(name));

@@ -10,6 +10,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "lake/camera/plane_fit.h"
+#include "lake/core/counted.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
@@ -389,8 +390,8 @@ LensChoice ChooseLens(const Board& board, const std::vector<BoardView>& views, i
 CalibrationResult CalibrateCamera(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
                                   const CalibrationOptions& options) {
   if (views.size() < kLeastViews)
-    throw Fail("the board was given in {} view{}; at least {} are needed, 12 to 25 are good", views.size(),
-               views.size() == 1 ? "" : "s", kLeastViews);
+    throw Fail("the board was given in {}; at least {} are needed, 12 to 25 are good", Counted(views.size(), "view"),
+               kLeastViews);
   CheckLens(options);
   Seed seed = SeedOfOpenCv(board, views, {width_px, height_px}, options);
   ceres::LossFunctionWrapper loss(nullptr, ceres::TAKE_OWNERSHIP);

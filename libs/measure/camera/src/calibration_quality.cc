@@ -96,8 +96,8 @@ void WarnOfGeometry(const std::vector<BoardView>& views, const CalibrationResult
     warnings.push_back(fmt::format("only {} views of the board: 12 to 25 are good", views.size()));
   if (tilt_deg < kLeastTiltDeg)
     warnings.push_back(
-        fmt::format("the views are nearly parallel (the largest angle between two is {:.0f} degrees): focal "
-                    "length and distance cannot be told apart; tilt the board by 30 to 45 degrees",
+        fmt::format("the views are nearly parallel (the largest angle between two is {:.0f} degrees): focal length and "
+                    "distance cannot be separated; tilt the board by 30 to 45 degrees",
                     tilt_deg));
   const double sd = std::sqrt(std::max(result.covariance(0, 0), 0.0)) / result.camera.fx;
   if (sd > kLargestFocalSd)

@@ -7,7 +7,8 @@ namespace lake::compare {
 void Describe(MisalignmentOptions& o, OptionList& options) {
   options
       .Add("replacement-sd", o.replacement_sd_mm,
-           "Standard deviation, per axis, of putting a marker back on its spot between trials; 0 if both are in one "
+           "Standard deviation, per axis, of putting a marker back on its place on the skin between trials; 0 if both "
+           "are in one "
            "recording")
       .Unit("mm")
       .Between(kPlausibleMarkerDeviation.low, kPlausibleMarkerDeviation.high);

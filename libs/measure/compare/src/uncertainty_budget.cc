@@ -131,7 +131,8 @@ Budget JointFrameBudget(const Misalignment& m, double replacement_sd_mm, const C
   BudgetRow& tissue = *std::ranges::find(budget.rows, kSoftTissue, &BudgetRow::source);
   tissue.source = kFrameTissue;
   tissue.size = o.FrameTissueMm();
-  tissue.reference = "Benoit et al. 2006, the largest stray, and thirteen legs against skeletal models; --frame-tissue";
+  tissue.reference =
+      "Benoit et al. 2006, the largest deviation, and thirteen legs against skeletal models; --frame-tissue";
   return budget;
 }
 
@@ -409,7 +410,7 @@ void Describe(RecordingBudgetOptions& o, OptionList& options) {
   Describe(static_cast<BudgetOptions&>(o), options);
   options
       .Add("placement-sd", o.placement_mm,
-           "Standard deviation, per axis, of a marker's spot on the skin against that of another day or examiner")
+           "Standard deviation, per axis, of a marker's place on the skin between days or examiners")
       .Unit("mm")
       .Between(kPlausibleMarkerDeviation.low, kPlausibleMarkerDeviation.high);
 }

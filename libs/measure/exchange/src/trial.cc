@@ -9,6 +9,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
+#include "lake/core/nearest_name.h"
 #include "lake/motion/saved_corrections.h"
 #include "marker_files.h"
 #include "text_lines.h"
@@ -41,7 +42,8 @@ PointTrack TakePoint(const PointRecording& points, const std::string& expression
   for (const std::string& part : wanted) {
     const PointTrack* track = points.Find(part);
     if (!track)
-      throw Fail("{}: no marker '{}' (for {}); it has: {}", path.string(), part, name, Names(NamesOf(points)));
+      throw Fail("{}: no marker '{}' (for {}){}; it has: {}", path.string(), part, name,
+                 DidYouMean(part, NamesOf(points)), Names(NamesOf(points)));
     if (result.positions.empty()) result.positions.assign(track->positions.size(), Eigen::Vector3d::Zero());
     for (std::size_t i = 0; i < track->positions.size(); ++i)
       result.positions[i] += track->positions[i] / static_cast<double>(wanted.size());

@@ -9,6 +9,7 @@
 #include "lake/core/cross.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/nearest_name.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/dynamics/path_smoother.h"
@@ -177,7 +178,8 @@ void CheckMarkers(const std::vector<MarkerMeasure>& measures, const std::vector<
   for (const MarkerMeasure& measure : measures)
     for (const std::string& marker : measure.markers)
       if (std::ranges::count(markers, marker) == 0)
-        throw UsageError("'{}': there is no marker '{}'; there are {}", measure.name, marker, fmt::join(markers, ", "));
+        throw UsageError("'{}': there is no marker '{}'{}; there are {}", measure.name, marker,
+                         DidYouMean(marker, markers), fmt::join(markers, ", "));
 }
 
 motion::MarkerRecording InPlane(const motion::MarkerRecording& recorded, const LegView& view) {

@@ -543,8 +543,8 @@ std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std
   }
   for (const Jolt& jolt : times.jolts)
     warnings.push_back(
-        fmt::format("between frames {} and {} two markers at least come {:.0f} mm farther than a leg moves: a jolt, a "
-                    "camera that was pushed, or something else that was taken for a marker; look at these frames",
+        fmt::format("between frames {} and {} two markers or more move {:.0f} mm farther than a leg can: a camera "
+                    "that was pushed, or other objects taken for markers; look at these frames",
                     jolt.before, jolt.after, jolt.jump_mm));
   if (times.chosen_from_hz > 0)
     warnings.push_back(

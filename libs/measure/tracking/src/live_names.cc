@@ -77,7 +77,7 @@ MarkerSeed BesideKnee(const LiveSnapshot& snapshot, const motion::MarkerRecordin
     found.push_back(&thing);
   }
   if (found.empty() || !is_one)
-    throw Fail("{}: {} things beside the knee move with the shank; point at it", name,
+    throw Fail("{}: {} detections beside the knee move with the shank; click the right one", name,
                found.empty() ? "no" : std::to_string(found.size()));
   const TrackletSample& last = found.back()->samples.back();
   return {.name = name, .position = last.position, .frame = last.frame};
@@ -120,7 +120,7 @@ std::vector<MarkerSeed> FindNames(const LiveSnapshot& snapshot, const LiveTrackO
       others.push_back(name);
     if (seed != options.seeds.end()) naming.seeds.push_back(*seed);
   }
-  if (others.size() > 1) throw Fail("which things are {} cannot be told; point at them", fmt::join(others, ", "));
+  if (others.size() > 1) throw Fail("it is not clear which detections are {}; click them", fmt::join(others, ", "));
   motion::MarkerRecording named = snapshot.frames;
   NameTracklets(snapshot.tracklets, naming, named);
   CheckHasMoved(named, options);

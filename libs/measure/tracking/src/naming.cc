@@ -230,7 +230,7 @@ class Namer {
     if (chains.empty()) BlameSeed(names, chain_options);
     if (chains.empty())
       throw Fail(
-          "no leg was found among the {} things seen: no {} of them keep their distances while the knee flexes; say "
+          "no leg was found among the {} detections: no {} of them keep their distances while the knee flexes; say "
           "where the markers are with --seed NAME=X,Y (seen longest: {}){}",
           tracklets_.size(), names.size(), DescribeAll(tracklets_, MostSeen(tracklets_, 8)),
           TurnThatHelps(chain_options));

@@ -22,7 +22,7 @@ void JudgeMarkers(const RecordingCheck& c, int markers, std::vector<CheckItem>& 
       {.name = "all_seen_share",
        .shown = c.IsNamed()
                     ? fmt::format("all markers in {:.0f} % of the frames", 100 * c.all_seen_share)
-                    : fmt::format("{} spots or more in {:.0f} % of the frames", markers, 100 * c.all_seen_share),
+                    : fmt::format("{} detections or more in {:.0f} % of the frames", markers, 100 * c.all_seen_share),
        .verdict = c.IsNamed() ? Judge(-c.all_seen_share, -0.95, -0.8) : Verdict::kNotJudged,
        .advice = "put a lamp beside the lens, turn the markers to the camera, keep hands and clothes off them"});
   if (!c.IsNamed()) {
@@ -91,7 +91,7 @@ void JudgePictures(const RecordingCheck& c, std::vector<CheckItem>& items) {
        .advice = "lamps on direct current, or a shutter of a whole number of the mains' half periods (1/100, 1/50 s; "
                  "1/120, 1/60 s)"});
   items.push_back({.name = "clutter",
-                   .shown = fmt::format("{:.0f} other bright spots{}", c.clutter,
+                   .shown = fmt::format("{:.0f} other detections{}", c.clutter,
                                         c.clutter > 0 ? fmt::format(", the strongest {:.0f} % of the faintest marker",
                                                                     100 * c.strongest_clutter)
                                                       : ""),

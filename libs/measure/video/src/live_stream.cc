@@ -16,6 +16,7 @@ extern "C" {
 #include <utility>
 
 #include "damage_log.h"
+#include "lake/core/counted.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/threads.h"
@@ -546,14 +547,14 @@ void LiveStream::Impl::Finish() {
   if (thread.joinable()) thread.join();
   FinishRecording();
   if (end && times_set_back > 0)
-    end->why +=
-        fmt::format("; the camera's clock was set back {} time{}", times_set_back, times_set_back == 1 ? "" : "s");
-  if (end && left_out > 0) end->why += fmt::format("; {} pictures that came twice or too late were left out", left_out);
-  if (end && torn > 0) end->why += fmt::format("; {} torn raw picture{} left out", torn, torn == 1 ? " was" : "s were");
+    end->why += fmt::format("; the camera's clock was set back {}", Counted(times_set_back, "time"));
+  if (end && left_out > 0)
+    end->why += fmt::format("; {} that came twice or too late left out", Counted(left_out, "picture"));
+  if (end && torn > 0) end->why += fmt::format("; {} left out", Counted(torn, "torn raw picture"));
   if (end && missing > 0)
-    end->why += fmt::format("; {} picture{} missing in {} gap{} of the time stamps, of up to {:.2f} s", missing.load(),
-                            missing == 1 ? " is" : "s are", gaps.Gaps(), gaps.Gaps() == 1 ? "" : "s",
-                            libav::Seconds(gaps.LongestTicks(), input.TimeBase()));
+    end->why +=
+        fmt::format("; {} missing in {} of the time stamps, of up to {:.2f} s", Counted(missing.load(), "picture"),
+                    Counted(gaps.Gaps(), "gap"), libav::Seconds(gaps.LongestTicks(), input.TimeBase()));
   const fs::path part = UnfinishedRecording(recording);
   if (!fs::exists(part)) throw Fail("{}: the recording is gone", part.string());
   std::error_code error;

@@ -153,7 +153,7 @@ void DrawActuatorFront(const std::filesystem::path& path, const std::vector<synt
   figure.Line(
       "set lmargin at screen 0.08; set rmargin at screen 0.80; set tmargin at screen 0.96; set bmargin at screen {}",
       1 - (kPlotHeight_px - 80.0) / height_px);
-  figure.Line("set logscale y; set xlabel 'share of what the knee needs (%)'; set ylabel 'shortest rise (s)'");
+  figure.Line("set logscale y; set xlabel 'share of the knee moment (%)'; set ylabel 'shortest rise (s)'");
   figure.Line("set xrange [0:105]; set key top left samplen 2.5; {}", YRange(curves, own_duration_s));
   for (std::size_t i = 0; i < notes.size(); ++i)
     figure.Line("set label {} at screen 0.02, screen {} left noenhanced font ',12'", QuoteForGnuplot(notes[i]),

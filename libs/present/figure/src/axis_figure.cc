@@ -113,7 +113,7 @@ void DrawAxis(const std::filesystem::path& path, const axis::SegmentMotion& moti
   GnuplotFigure figure(1600, 800);
   figure.Line(
       "set multiplot title {} noenhanced font ',14'",
-      QuoteForGnuplot(fmt::format("Axis over {:.0f} degrees of flexion; markers stray by {:.1f} mm "
+      QuoteForGnuplot(fmt::format("Axis over {:.0f} degrees of flexion; markers deviate by {:.1f} mm "
                                   "on the shank, {:.1f} mm on the thigh",
                                   axes.whole.flexion_deg, motion.shank.marker_sd_mm, motion.thigh.marker_sd_mm)));
   const Square square = SquareAround(axes, view, place);

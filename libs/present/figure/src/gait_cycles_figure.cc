@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "lake/core/colours.h"
+#include "lake/core/counted.h"
 #include "lake/core/statistics.h"
 #include "lake/figure/gnuplot.h"
 #include "lake/gait/butterworth.h"
@@ -83,9 +84,8 @@ void DrawPanel(GnuplotFigure& figure, const std::string& name, const Curves& cur
   for (const std::vector<double>& curve : curves)
     plot += fmt::format("{} using 1:2 with lines lw 1 lc rgb '{}' notitle, ", figure.Data({Percents(kPercents), curve}),
                         colour::kGuide);
-  plot += fmt::format("{} using 1:2 with lines lw 3 lc rgb '{}' title 'mean of {} stride{}'",
-                      figure.Data({Percents(kPercents), mean}), colour::kKnee, curves.size(),
-                      curves.size() == 1 ? "" : "s");
+  plot += fmt::format("{} using 1:2 with lines lw 3 lc rgb '{}' title 'mean of {}'",
+                      figure.Data({Percents(kPercents), mean}), colour::kKnee, Counted(curves.size(), "stride"));
   figure.Line("set ylabel '{}'", name).Line(plot);
 }
 

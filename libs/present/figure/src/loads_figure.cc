@@ -52,7 +52,8 @@ void DrawKnee(GnuplotFigure& figure, const loads::LoadsResult& result) {
                         Masked(mean, &LoadsRow::knee_high_nm, known)});
   };
   std::string plot = fmt::format(
-      "plot {} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.30 noborder title '95 % of the mean', ",
+      "plot {} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.30 noborder title '95 % band of the "
+      "mean', ",
       band(true), colour::kKnee);
   if (!result.from_ground)
     plot += fmt::format(
@@ -87,7 +88,7 @@ void DrawJoints(GnuplotFigure& figure, const loads::LoadsResult& result) {
 void DrawPressure(GnuplotFigure& figure, const loads::LoadsResult& result) {
   const double heel_mm = -kMmPerM * result.body.sole.heel_m, toe_mm = kMmPerM * result.body.sole.toe_m;
   figure.Line(
-      "set tmargin at screen 0.61; set bmargin at screen 0.41; set ytics 100; set ylabel 'ground force at (mm)'");
+      "set tmargin at screen 0.61; set bmargin at screen 0.41; set ytics 100; set ylabel 'centre of pressure (mm)'");
   figure.Line("set yrange [{}:{}]", heel_mm - 60, toe_mm + 60);
   figure.Line("plot " + RisesAndMean(figure, result, &loads::LoadsRow::zmp_mm, colour::kAnkle) +
               fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'heel, toe', {} with lines lw 2 dt 2 lc rgb "

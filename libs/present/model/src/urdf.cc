@@ -89,8 +89,8 @@ void WriteUrdf(const std::filesystem::path& path, const parts::Mechanism& mechan
   const pugi::xml_node robot = Add(document, "robot", {{"name", "knee_exoskeleton"}});
   AddComment(robot, MadeBy());
   AddComment(robot,
-             "URDF is a tree. Two loops are cut: coupler_end must meet shank_pin, and rod_end must meet bar_tip; a "
-             "simulator has to be told so. knee is 0 when straight, stroke is the actuator's length, pin to pin; with "
+             "URDF is a tree. Two loops are cut: coupler_end must meet shank_pin, and rod_end must meet bar_tip; state "
+             "this in the simulator. knee is 0 when straight, stroke is the actuator's length, pin to pin; with "
              "all joints at 0 the tree is not assembled.");
   Add(robot, "link", {{"name", "base"}});
   for (std::size_t i = 0; i < bodies.bodies.size(); ++i)

@@ -9,6 +9,7 @@
 
 #include "lake/compare/knee_axis.h"
 #include "lake/compare/misalignment.h"
+#include "lake/core/counted.h"
 #include "lake/core/json.h"
 #include "lake/report/uncertain.h"
 #include "misalignment_charts.h"
@@ -66,10 +67,10 @@ Section KeySection(const Json& comparison) {
   const Json& duration = comparison.at("duration_s");
   Section section{"The misalignment", {MisalignmentKeyFigures(comparison)}};
   section.blocks.push_back(Paragraph{fmt::format(
-      "We compare the means of {} repetitions of the human trial ({:.1f} s {}) and {} of the "
+      "We compare the means of {} of the human trial ({:.1f} s {}) and {} of the "
       "exoskeleton trial ({:.1f} s). The shank is {:.0f} mm long. Recording noise and marker re-placement alone "
       "would show {} mm RMS, or {} % of the shank length.",
-      repetitions.at("human").get<int>(), NumberOrNaN(duration.at("human")),
+      Counted(repetitions.at("human").get<int>(), "repetition"), NumberOrNaN(duration.at("human")),
       IsOfWalking(comparison) ? "a stride" : "from onset to standing", repetitions.at("exo").get<int>(),
       NumberOrNaN(duration.at("exo")), NumberOrNaN(comparison.at("shank_mm")),
       SignificantText(NumberOrNaN(comparison.at("noise_floor_mm")), 2),

@@ -8,6 +8,7 @@
 #include "group_results.h"
 #include "lake/cohort/cohort_file.h"
 #include "lake/core/atomic_file.h"
+#include "lake/core/counted.h"
 #include "lake/core/error.h"
 #include "lake/core/paths.h"
 #include "lake/core/provenance.h"
@@ -149,10 +150,6 @@ std::size_t FailedStudies(const std::vector<Failure>& failures) {
   return studies.size();
 }
 
-std::string Counted(std::size_t number, const char* what) {
-  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
-}
-
 void CheckLevel(const CohortRunOptions& options) {
   if (options.make_template) return;
   if (options.source.empty()) throw UsageError("the cohort's folder is missing; --template FOLDER makes one");
@@ -237,8 +234,8 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   }
   run.Report("{}, {}\n", Counted(workflow.studies.size(), "recording"), Counted(summary["failures"].size(), "failure"));
   if (const auto group = summary.find("group"); group != summary.end())
-    run.Report("{}, {}: group/group.html\n", Counted(group->at("participants"), "participant"),
-               Counted(group->at("outliers"), "outlier"));
+    run.Report("{}, {}: group/group.html\n", Counted(group->at("participants").get<int>(), "participant"),
+               Counted(group->at("outliers").get<int>(), "outlier"));
   return summary;
 }
 

@@ -79,7 +79,7 @@ Session::Session(const LiveRunOptions& options, fs::path programs, Run& run)
   if (options_.tolerance_mm < LeastUncertaintyMm())
     run_.Warn(
         fmt::format("--tolerance {:g} mm: after however many rises the joint's place is known to ± {:.1f} mm at best, "
-                    "so no joint is told to be within",
+                    "so no joint can be shown to be within it",
                     options_.tolerance_mm, LeastUncertaintyMm()));
   track_.names = options_.markers;
   track_.seeds = options_.seeds;

@@ -48,7 +48,7 @@ commands::TrackRunOptions Chosen(const fs::path& video, const Json& choices, std
   give("markers", {fmt::format("{}", fmt::join(choices.at("markers").get<OptionTexts>(), ","))});
   OptionTexts seeds;
   for (const auto& [name, spot] : choices.at("seeds").items()) {
-    if (!spot.is_number_unsigned()) throw UsageError("marker '{}': that is no number of a spot", name);
+    if (!spot.is_number_unsigned()) throw UsageError("marker '{}': this is not the number of a detection", name);
     seeds.push_back(fmt::format("{}=#{}", name, spot.get<std::uint64_t>()));
   }
   if (!seeds.empty()) give("seed", seeds);
