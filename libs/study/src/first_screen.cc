@@ -357,4 +357,14 @@ Section ResultChapter(const StudyFile& study, const StudyResults& results) {
   return section;
 }
 
+std::string ResultText(const StudyFile& study, const StudyResults& results) {
+  if (!results.Has("redesign")) return "";
+  const Json redesign = results.Summary("redesign");
+  const std::vector<Way> ways = WaysOf(study, results);
+  std::vector<std::string> misalignments;
+  for (const Way& way : ways)
+    misalignments.push_back(fmt::format("{} {}", way.name, UncertainText(way.misalignment_percent, " %")));
+  return fmt::format("{}\npath difference: {}\n", LeadText(results, ways, redesign), fmt::join(misalignments, "; "));
+}
+
 }  // namespace lake::study

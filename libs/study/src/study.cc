@@ -9,6 +9,7 @@
 #include "lake/core/paths.h"
 #include "lake/core/threads.h"
 #include "step_table.h"
+#include "study_chapters.h"
 #include "study_report.h"
 
 namespace lake::study {
@@ -17,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSummary = "summary.json";
+constexpr const char* kReportPage = "report.html";
 
 steps::StudyStep ReportStep(const StudyFile& study, const fs::path& out, const Json& head,
                             const std::vector<steps::StudyStep>& before) {
@@ -30,7 +32,7 @@ steps::StudyStep ReportStep(const StudyFile& study, const fs::path& out, const J
                         .expected = {.seconds = 0.2, .memory_mb = 60}};
   for (const steps::StudyStep& earlier : before) step.whole_steps.push_back(earlier.name);
   step.work = [study, out, head, steps = step.whole_steps](Run& run) {
-    report::WriteReport(run.Result("report.html"), MakeStudyReport(study, {out, steps}, head));
+    report::WriteReport(run.Result(kReportPage), MakeStudyReport(study, {out, steps}, head));
   };
   return step;
 }
@@ -63,7 +65,7 @@ fs::path Absolute(const fs::path& path) {
 
 // The report's row stands for itself.
 const StepKind& KindOf(const std::string& step) {
-  static const StepKind kReport{.name = kReportStep, .program = nullptr, .make = nullptr, .outputs = {"report.html"}};
+  static const StepKind kReport{.name = kReportStep, .program = nullptr, .make = nullptr, .outputs = {kReportPage}};
   for (const StepKind& kind : StepKinds())
     if (step == kind.name) return kind;
   return kReport;
@@ -145,6 +147,11 @@ Json RunStudyFile(const StudyFile& study, Run& run, bool keep_going) {
   const std::vector<steps::StepOutcome> outcomes = steps::RunSteps(steps, options);
   RetireOtherSteps(steps, run.Folder());
   run.Report(StudyText(outcomes));
+  if (fs::is_regular_file(run.Folder() / kReportPage)) {
+    std::vector<std::string> names;
+    for (const steps::StudyStep& step : steps) names.push_back(step.name);
+    run.Report("{}report: {}\n", ResultText(study, {run.Folder(), names}), (run.Folder() / kReportPage).string());
+  }
 
   Json summary = {{"name", study.name}, {"warnings", Json::array()}, {"steps", Json::array()}};
   for (std::size_t i = 0; i < steps.size(); ++i) {

@@ -69,6 +69,9 @@ bool NeedsHolding(const StudyResults& results, const Json& redesign);
 // What stands before the first chapter (first_screen.h); of a study without a design for the person MeasuredResult().
 report::Section ResultChapter(const StudyFile& study, const StudyResults& results);
 report::Section MeasuredResult(const StudyResults& results);
+// What a terminal shows of it, a line each: where the joint is and what to do first, then the misalignment of each way;
+// empty without a design for the person.
+std::string ResultText(const StudyFile& study, const StudyResults& results);
 // The same in words, with every number; needs a design for the person.
 report::Section DetailsChapter(const StudyFile& study, const StudyResults& results);
 report::Section TrialsChapter(const StudyFile& study, const StudyResults& results);

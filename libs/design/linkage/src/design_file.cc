@@ -86,6 +86,9 @@ Mount ReadMount(const YamlNode& node) {
 Design ReadDesign(const std::filesystem::path& path) {
   YamlNode root = YamlNode::ReadFile(path);
   if (!root.IsMap()) throw Fail("{}: a design is a map with the keys links, d_min_mm, …", path.string());
+  if (!root.Has("links") && root.Has("bounds"))
+    throw Fail("{}: this is a problem, as it has bounds; a design has links: lake optimize --problem makes one of it",
+               path.string());
   Design design;
   design.links = ReadLinks(Require(root.Child("links"), root, "links"));
   design.d_min_mm = Require(root.Number("d_min_mm"), root, "d_min_mm");
