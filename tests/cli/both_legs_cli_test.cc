@@ -200,8 +200,8 @@ TEST(CompareProgram, TakesTwoTrialsOrTwoLegs) {
   refused("human", "--left A --right B");
   refused("--left a", "give both");
   refused("human exo --left a --right b", "instead of HUMAN and EXO");
-  refused("human exo --forces f.mot", "--forces: what each foot bears is of both legs");
-  refused("--left a --right b --plates left=1", "--plates: of which file?");
+  refused("human exo --forces f.mot", "--forces only applies to the comparison of both legs");
+  refused("--left a --right b --plates left=1", "--plates needs a file with the forces");
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ TEST_F(RangeLimit, FailsWhereItIsPassedOrNotShownToBeKept) {
                 std::regex_replace(ReadTextFile(folder_ / "trial.csv"), std::regex("knee"), "elbow"));
   const Outcome no_leg = Test("--range-limit 0,120 --distance reach=ankle,elbow");
   EXPECT_EQ(no_leg.exit_code, 2);
-  EXPECT_THAT(no_leg.err, HasSubstr("--range-limit: of which knee?"));
+  EXPECT_THAT(no_leg.err, HasSubstr("--range-limit needs the markers ankle, knee and hip"));
 }
 
 }  // namespace

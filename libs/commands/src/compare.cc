@@ -362,7 +362,7 @@ void CheckTrials(const CompareRunOptions& o) {
     throw UsageError("--joint-at and --exo-segment exclude each other: --exo-segment finds the axis itself");
   if (o.left.empty() && !o.forces.empty())
     throw UsageError(
-        "--forces: what each foot bears is of both legs, --left A --right B; leave it out, or see lake loads");
+        "--forces only applies to the comparison of both legs, --left A --right B; for one recording use lake loads");
   if (!o.left.empty() && o.worn) throw UsageError("--worn is of HUMAN against EXO: omit it, or --left and --right");
   if (o.left.empty() && (o.human.empty() || o.exo.empty()))
     throw UsageError("give a HUMAN and an EXO trial, or both legs of one person: --left A --right B");
@@ -540,7 +540,8 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   // What is said of the human trial alone holds for both.
   options.Check([&o](const OptionList& list) {
     exchange::CheckPlates(o.plates);
-    if (!o.plates.empty() && o.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
+    if (!o.plates.empty() && o.forces.empty())
+      throw UsageError("--plates needs a file with the forces: give it with --forces");
     if (o.sync && o.forces.empty()) throw UsageError("--sync: whose clock? Give --forces");
     CheckIsCompared(o, list);
     o.exo_reading.up = o.human_reading.up;

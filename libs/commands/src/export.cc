@@ -64,7 +64,8 @@ std::filesystem::path MotionOf(const ExportOptions& options) {
 
 void CheckBody(const ExportOptions& options) {
   if (options.body.empty()) {
-    if (!options.motion.empty()) throw UsageError("--motion is of a worn mechanism: give --body loads.json too");
+    if (!options.motion.empty())
+      throw UsageError("--motion only applies to a worn mechanism: give --body loads.json too");
     return;
   }
   if (!FormatNamed(options.format).write_worn)
@@ -196,7 +197,7 @@ void Describe(ExportOptions& o, OptionList& options) {
   options.Check([&o](const OptionList& list) {
     for (const char* name : {"thigh-cuff", "shank-cuff", "cuff-softest", "cuff-stiffest"})
       if (o.body.empty() && list.IsGiven(name))
-        throw UsageError("--{} is of a worn mechanism: give --body loads.json too", name);
+        throw UsageError("--{} only applies to a worn mechanism: give --body loads.json too", name);
   });
 }
 

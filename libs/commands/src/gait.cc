@@ -84,7 +84,7 @@ void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result,
   if (WasSmoothed(trial, result))
     run.Warn(
         "the positions were smoothed before, and the file does not say how certain they are: the standard deviations "
-        "here are those of what is left, and too small");
+        "here describe the remaining noise only, and are too small");
   if (result.events.empty()) run.Warn("no sit-to-stand, walking or squat found: repetition and percent are left empty");
 }
 
@@ -256,7 +256,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   gait::CheckMarkers(options.measures, gait::MarkerNames(trial.recording));
   const bool measures_alone = !options.measures.empty() && !HasLeg(trial.recording, options.fit.markers);
   if (measures_alone && options.range_limit_deg)
-    throw UsageError("--range-limit: of which knee? Ankle, knee and hip are not all among the markers; see --map");
+    throw UsageError("--range-limit needs the markers ankle, knee and hip, which are not all in the file; see --map");
   if (options.events)
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);

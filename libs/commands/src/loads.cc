@@ -299,7 +299,7 @@ Json SummaryJson(const loads::LoadsResult& result, const MeanRise& mean, double 
 
 std::string BalanceReport(const loads::Balance& balance) {
   const std::string text = fmt::format(
-      "balance: as slowly as may be, the ground's force acts {:.0f} mm {} the foot (at {:.0f} % of the rise)",
+      "balance: in a very slow rise the centre of pressure would be {:.0f} mm {} the foot (at {:.0f} % of the rise)",
       std::abs(balance.slow.margin_mm), balance.slow.margin_mm < 0 ? "outside" : "inside", balance.slow.at_percent);
   if (!balance.slowest_s) return text + "\n";
   return text + fmt::format("; along this path balance takes a rise of at most {} s\n",
@@ -328,7 +328,7 @@ std::string ReportOf(const loads::LoadsResult& result, const MeanRise& mean, dou
       Counted(result.rises.size(), "rise"), result.from_ground ? "from the ground's forces" : "without force plates");
   text += BalanceReport(result.balance) + MomentumReport(mean.momentum, mass_kg);
   if (result.from_ground) return text;
-  text += fmt::format("the 95 % interval is of a leg that bears {:.0f} to {:.0f} % of the body's weight{}\n",
+  text += fmt::format("the 95 % interval assumes that the leg bears {:.0f} to {:.0f} % of the body's weight{}\n",
                       100 * result.weight_share[0], 100 * result.weight_share[1],
                       given_share ? "" : "; --share, where it is known, narrows it");
   return text + fmt::format("the trunk's centre of mass: {} mm along and {} mm across the trunk from the table's\n",
@@ -349,7 +349,8 @@ void Describe(LoadsRunOptions& o, OptionList& options) {
       .Otherwise("by the markers' names");
   options.Check([&o](const OptionList&) {
     exchange::CheckPlates(o.plates);
-    if (!o.plates.empty() && o.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
+    if (!o.plates.empty() && o.forces.empty())
+      throw UsageError("--plates needs a file with the forces: give it with --forces");
     if (!o.leg.empty() && o.forces.empty())
       throw UsageError("--leg has no effect without --forces: it says which force plate is this leg's; leave it out");
   });

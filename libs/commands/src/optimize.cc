@@ -150,7 +150,8 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
   const compare::ComparedCurves curves = compare::ReadComparisonOfRises(comparison);
   if (options.knee.knee == KneeFrom::kFunctional && !curves.knee_is_functional)
     throw UsageError(
-        "--knee functional: {} is of the knees' markers; run lake-compare with --knee functional and --segment, and "
+        "--knee functional: {} was made from the knee markers; run lake-compare with --knee functional and --segment, "
+        "and "
         "take its folder",
         comparison.string());
   measured.human = curves.human;
@@ -212,7 +213,7 @@ void CheckRedesign(const OptimizeRunOptions& options) {
     throw UsageError("--max-speed {} mm/s is more than {} has, {} mm/s", reoptimize.program.max_speed_mm_s,
                      actuator->name, actuator->SpeedAt(0));
   if (options.problem.robust_mm)
-    throw UsageError("--robust is of the links alone, and cannot be combined with a human's motion yet: omit one");
+    throw UsageError("--robust varies the links alone and cannot be combined with a human's motion yet: omit one");
   if (reoptimize.comparisons.empty() == reoptimize.human.empty())
     throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: specify exactly one");
   if (reoptimize.comparisons.empty() && reoptimize.human_only)
@@ -220,7 +221,7 @@ void CheckRedesign(const OptimizeRunOptions& options) {
   if (!reoptimize.comparisons.empty() && !reoptimize.knee.segments.shank.empty())
     throw UsageError("--segment is for --human: lake-compare has found the knees of --comparison; omit it");
   if (!reoptimize.knee.exo_segments.shank.empty())
-    throw UsageError("--exo-segment is of an exoskeleton trial, which lake-compare reads: give it there");
+    throw UsageError("--exo-segment belongs to lake-compare, which reads the exoskeleton trial: give it there");
   if (!reoptimize.comparisons.empty() && reoptimize.worn.empty() && !reoptimize.human_only)
     throw UsageError(
         "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "

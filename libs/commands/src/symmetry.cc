@@ -89,7 +89,7 @@ std::vector<compare::RiseQuantity> ReadLoads(const CompareRunOptions& options, c
   if (options.forces.empty()) return {};
   if (!fs::equivalent(options.left, options.right))
     throw UsageError(
-        "--forces: of which recording? The load on each foot needs a recording that shows both legs: give it as "
+        "--forces: the load on each foot needs a recording that shows both legs: give it as "
         "--left and as --right");
   const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
   std::vector<double> time_s = file.time_s;

@@ -207,7 +207,7 @@ void WarnOfVideo(const video::VideoInfo& video, const gait::LegView& view, Run& 
              video.repaired_stamps);
   if (video.HasWidePixels())
     run.Warn(
-        "the video's pixels are {} times as wide as high, as its file says: positions in px are of the picture as "
+        "the video's pixels are {} times as wide as high, as its file says: positions in px refer to the picture as "
         "stored, lengths and angles {}",
         SignificantText(video.pixel_aspect, 3),
         view.camera_from_plane || view.homography ? "of the plane that was calibrated with such pictures"
@@ -596,7 +596,8 @@ void Describe(TrackRunOptions& o, OptionList& options) {
   options
       .Add("export", o.exports, fmt::format("Also write the trial as {}", fmt::join(exchange::ExportFormats(), ", ")))
       .Value("FORMAT,...");
-  options.Add("list", o.list, "Only find and draw what is there, without naming it: candidates.png, candidates.csv");
+  options.Add("list", o.list,
+              "Only find and draw the candidate markers, without naming them: candidates.png, candidates.csv");
   options.Add("smoothed", o.smoothed, "Export the fit's estimates, not the measurements");
   Describe(o.person, options);
   Describe(o.measures, options);

@@ -156,7 +156,7 @@ Table BalanceTable(const Json& balance) {
                           PeakPercent(pace, balance.at("own"))});
   };
   add("the person's own", balance.at("own"), NumberOrNaN(balance.at("own").at("rise_s")));
-  add("as slowly as may be", balance.at("slow"), std::nan(""));
+  add("in a very slow rise", balance.at("slow"), std::nan(""));
   table.rows.push_back(
       {"the slowest in balance", NumberOrNaN(balance.at("slowest_s")), std::nan(""), std::nan(""), std::nan("")});
   return table;

@@ -150,8 +150,8 @@ Table BuildTable(const StudyResults& results, const Json& summary) {
 // What the cuffs do to the leg, worn, with the joint moved, and new; no rows without a prediction.
 Table CuffTable(const Json& summary) {
   Table table{
-      "Largest forces over the rise that come of a joint beside the knee, N, with what the stiffness of cuff and "
-      "flesh and the joint's place leave open (95 %)",
+      "Largest forces caused by misalignment over the rise, N (95 % interval: stiffness of cuff and flesh, "
+      "placement of the joint)",
       {{"Design, predicted"}, {"Thigh cuff"}, {"Shank cuff"}, {"Shear at the knee"}},
       {}};
   constexpr std::pair<const char*, const char*> kDesigns[] = {{"before", "worn"},

@@ -234,7 +234,7 @@ void ReadBalance(YamlNode& node, StudyRedesign& redesign) {
                                    std::pair{"hold_force_n", &redesign.options.aids.hold_n}}) {
     const auto number = balance->Number(key);
     if (!number) continue;
-    if (!(*number >= 0)) throw Fail("{}: '{}' is of this leg, 0 or more", balance->Where(), key);
+    if (!(*number >= 0)) throw Fail("{}: '{}' must be 0 or more, for this leg", balance->Where(), key);
     given[key] = *value = *number;
   }
   balance->Finish();

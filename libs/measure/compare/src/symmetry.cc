@@ -187,7 +187,7 @@ std::map<int, int> LeftByRight(const std::vector<RiseTimes>& left, const std::ve
 }
 
 std::string WithoutMatch(const RiseTimes& rise, const char* side, const char* other) {
-  return fmt::format("rise {} of the {} leg, {:.2f} to {:.2f} s, is none of the {} leg's: it is left out",
+  return fmt::format("rise {} of the {} leg, {:.2f} to {:.2f} s, has no counterpart among the {} leg's: it is left out",
                      rise.repetition, side, rise.from_s, rise.to_s, other);
 }
 

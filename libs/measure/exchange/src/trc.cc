@@ -80,7 +80,8 @@ double UnitOf(const TrcLines& found, const TextLines& lines, std::vector<std::st
     return 1;
   }
   const std::optional<double> mm_per_unit = FindMmPerUnit(unit->second);
-  if (!mm_per_unit) throw Fail("{}: the unit '{}' is none of length: write mm, cm or m there", where, unit->second);
+  if (!mm_per_unit)
+    throw Fail("{}: the unit '{}' is not a unit of length: write mm, cm or m there", where, unit->second);
   return *mm_per_unit;
 }
 

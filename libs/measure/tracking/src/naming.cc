@@ -147,7 +147,8 @@ class Namer {
     const std::ptrdiff_t own = seen(IndexOf(seed.name));
     if (static_cast<double>(own) >= kLeastShare * static_cast<double>(most)) return;
     throw Fail(
-        "{}: what is there is seen in {} frames only, of {} that show the leg: noise, a glint, or a marker that is "
+        "{}: the detection there is seen in only {} of the {} frames that show the leg: noise, a glint, or a marker "
+        "that is "
         "mostly hidden; put the seed on the marker, or leave it out",
         SeedText(seed), own, most);
   }
@@ -251,8 +252,8 @@ class Namer {
       const std::string& name = options_.names[names[m]];
       const TrackletSample& first = tracklets_[upper].samples.front();
       throw Fail(
-          "the markers cannot be named with certainty: what may be the {} and the {} are seen together in {} frames "
-          "only, {} and {}; say where they are, for example --seed {}={:.0f},{:.0f}@{}",
+          "the markers cannot be named with certainty: the candidates for {} and {} are seen together in only {} "
+          "frames, {} and {}; say where they are, for example --seed {}={:.0f},{:.0f}@{}",
           options_.names[names[m - 1]], name, together, Describe(tracklets_[lower]), Describe(tracklets_[upper]), name,
           first.position.x(), first.position.y(), first.frame);
     }

@@ -235,7 +235,7 @@ export const TEXTS = allUnbroken({
   riseRow: (rise: number, x: number, y: number, moves: number) =>
     `Rise ${rise}: ${Math.abs(x).toFixed(0)} mm ${x >= 0 ? "in front of" : "behind"}, ${Math.abs(y).toFixed(0)} mm ${y >= 0 ? "above" : "below"} the knee${moves ? ` (after move ${moves})` : ""}`,
   riseCount: (count: number) => (count === 0 ? "No rise yet" : count === 1 ? "1 rise" : `${count} rises`),
-  movedSaid: (moves: number) => `Move ${moves} noted; the next rises are of the new place`,
+  movedSaid: (moves: number) => `Move ${moves} noted; the next rises show the new place`,
   clickSpot: (name: string) => `Click the marker ${name}; Esc ends it`,
   named: (name: string) => `${name} named`,
   liveKnee: "Knee angle (°), the last 20 s",

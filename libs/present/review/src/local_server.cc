@@ -196,7 +196,7 @@ LocalServer::LocalServer(int port, const std::string& listen) : impl_(std::make_
     throw port == 0
         ? Fail("{}: no port can be opened; is it an address of this machine?", listen)
         : Fail(
-              "{}:{}: the port is in use or not allowed, or the address is none of this machine's; choose another "
+              "{}:{}: the port is in use or not allowed, or this machine does not have that address; choose another "
               "with --port",
               listen, port);
 }

@@ -87,7 +87,7 @@ class StudyServer {
     namespace fs = std::filesystem;
     const fs::path root = fs::weakly_canonical(work_.folder), path = fs::weakly_canonical(root / name);
     if (std::ranges::mismatch(root, path).in1 != root.end() || !fs::exists(path))
-      throw Fail("'{}' is none of the results", name);
+      throw Fail("'{}' is not one of the results", name);
     if (!fs::is_directory(path))
       return {.type = TypeOf(path), .body = ReadTextFile(path), .is_framed = path.extension() == ".html"};
     return {.type = "text/html; charset=utf-8", .body = ListOf(path)};

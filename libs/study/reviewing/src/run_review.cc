@@ -154,7 +154,7 @@ void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
   if (!is_design && !options.problem.empty())
     throw UsageError("--problem has the limits of a design, and this is none");
   if ((is_design || is_folder) && options.capture_rate_hz > 0)
-    throw UsageError("--capture-rate is of a video; a folder of lake track knows the rate");
+    throw UsageError("--capture-rate only applies to a video; a folder of lake track knows its rate");
   if (is_design) return ReviewDesign(options, page, programs);
   if (maker == "lake-compare") return review::ServeComparison(page, ReadComparedPair(options.subject));
   if (maker == "lake-run") return review::ServeStudy(page, StudyWorkOf(options.subject, programs));
