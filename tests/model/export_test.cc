@@ -58,7 +58,8 @@ TEST_F(Export, RefusesWhatItCannotWrite) {
   Refused("design.yaml dxf --pin-diameter 30", 1, "a pin of 30 mm does not fit");
   Refused("design.yaml urdf --body loads.json", 2, "--body is for mjcf and osim, not for urdf");
   Refused("design.yaml mjcf --motion predicted", 2, "give --body loads.json too");
-  Refused("design.yaml mjcf --thigh-cuff 210:80", 2, "--thigh-cuff only applies to a worn mechanism: give --body loads.json too");
+  Refused("design.yaml mjcf --thigh-cuff 210:80", 2,
+          "--thigh-cuff only applies to a worn mechanism: give --body loads.json too");
   Refused("design.yaml mjcf --cuff-softest 2", 2, "--cuff-softest only applies to a worn mechanism");
   Refused("design.yaml mjcf --body loads.json", 2, "predicted is not there: give --motion");
 }

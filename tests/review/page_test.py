@@ -274,6 +274,22 @@ class ReviewPage(unittest.TestCase):
             "return performance.getEntriesByType('resource').map(e => e.name).filter(n => !n.startsWith(location.href))")
         self.assertEqual(elsewhere, [], "fetched from elsewhere")
 
+    def test_goes_to_a_frame_by_its_number_and_plays_to_the_end(self):
+        self.open_trial()
+        self.press("g")
+        self.press("25", Keys.ENTER)
+        self.until(lambda: self.frame() == 25)
+        go_to = self.part("go-to")
+        go_to.clear()
+        go_to.send_keys("99999", Keys.ENTER)
+        last = len(read_table(self.folder / "trial/tracks.csv")) - 1
+        self.until(lambda: f"99999: frames 0 to {last} are there" in self.text("said"))
+        self.assertEqual(self.frame(), 25)
+        self.seek(last - 20)
+        Select(self.part("speed")).select_by_visible_text("0.5 × real time")
+        self.part("play").click()
+        self.until(lambda: self.frame() == last and self.part("play").text == "Play")
+
     def test_drags_snaps_and_takes_back(self):
         review = self.open_trial()
         self.seek(20)
@@ -578,6 +594,7 @@ class ReviewPage(unittest.TestCase):
         Select(self.part("swap-with")).select_by_value("knee")
         self.part("swap").click()
         self.until(lambda: "No leg" not in self.text("warnings") and "saved" in self.text("state"))
+        self.assertRegex(self.text("state"), r"^1 swap: \d+ corrections, saved$")
         repaired = review.ask("trial")["leg"]["knee"]
         tracked = [float(row["knee_deg"]) for row in read_table(self.trial / "kinematics.csv")]
         self.assertEqual(len(repaired), len(tracked))

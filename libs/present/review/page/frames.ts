@@ -1,6 +1,7 @@
 // Pictures of frames as the browser keeps them: the one asked for last comes first, those after it follow.
 const MOST_KEPT = 48;
 const AHEAD = 6;
+const LONGEST_STEP = 12; // beyond it a person jumped
 
 export class Frames {
   private kept = new Map<number, ImageBitmap>();
@@ -21,7 +22,8 @@ export class Frames {
   }
 
   want(frame: number): void {
-    this.step = frame < this.wanted ? -1 : 1;
+    const step = frame - this.wanted;
+    this.step = Math.abs(step) > LONGEST_STEP || step === 0 ? Math.sign(step) || 1 : step;
     this.wanted = frame;
     const picture = this.kept.get(frame);
     if (picture) this.show(frame, picture);

@@ -55,6 +55,7 @@ export interface StateMessage {
   can_undo?: boolean;
   can_redo?: boolean;
   corrections?: number;
+  swaps?: number; // among the steps that made these
 }
 
 export interface MeasureMessage {

@@ -45,8 +45,11 @@ export const TEXTS = allUnbroken({
   // What the program is doing
   loading: "Loading",
   fitting: "Fitting the leg",
-  saved: (corrections: number) =>
-    corrections === 0 ? "No corrections" : corrections === 1 ? "1 correction, saved" : `${corrections} corrections, saved`,
+  saved: (corrections: number, swaps: number) => {
+    if (corrections === 0) return "No corrections";
+    const swapped = swaps === 0 ? "" : swaps === 1 ? "1 swap: " : `${swaps} swaps: `;
+    return `${swapped}${corrections === 1 ? "1 correction" : `${corrections} corrections`}, saved`;
+  },
   ended: "lake review has ended; all corrections are saved. Start it again to go on.",
   noFit: (why: string) => `No leg can be fitted: ${why}`,
 
@@ -56,6 +59,8 @@ export const TEXTS = allUnbroken({
     (knee === null ? "" : `, knee ${knee.toFixed(1)}°${sigma === null ? "" : ` ± ${(2 * sigma).toFixed(2)}°`}`),
   done: { undo: "Undone", redo: "Done again" },
   play: "Play",
+  noFrame: (text: string, first: number, last: number) => `${text}: frames ${first} to ${last} are there`,
+  speed: (factor: number) => (factor === 1 ? "Real time" : `${factor} × real time`),
   pause: "Pause",
   event: (event: string, repetition: number) => `${EVENTS[event] ?? event} ${repetition}`,
 

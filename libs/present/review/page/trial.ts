@@ -102,7 +102,7 @@ export class TrialPage {
 
   private showState(state: StateMessage): void {
     const isFitting = state.fitted !== state.revision;
-    part("state").textContent = isFitting ? TEXTS.fitting : TEXTS.saved(state.corrections ?? 0);
+    part("state").textContent = isFitting ? TEXTS.fitting : TEXTS.saved(state.corrections ?? 0, state.swaps ?? 0);
     part("state").dataset.fitted = String(state.fitted);
     const why = !isFitting && state.fit_error ? [TEXTS.noFit(state.fit_error)] : [];
     part("warnings").replaceChildren(
@@ -143,25 +143,29 @@ export class TrialPage {
     this.isPlaying = !this.isPlaying;
     part("play").textContent = this.isPlaying ? TEXTS.pause : TEXTS.play;
     if (!this.isPlaying) return;
-    if (this.row === this.trial.frame.length - 1) this.seek(0);
-    let began = performance.now();
-    let from = this.row;
+    const { time_s } = this.trial, end = time_s.length - 1;
+    if (this.row === end) this.seek(0);
+    let shown_s = time_s[this.wantedRow], last = performance.now();
+    // It keeps to the time: frames whose pictures come too late are left out.
     const step = (now: number) => {
       if (!this.isPlaying) return;
-      const next = this.row + 1;
-      if (next >= this.trial.frame.length) return this.play();
-      const due = (this.trial.time_s[next] - this.trial.time_s[from]) * 1000;
-      if (now - began >= due && this.wantedRow === this.row) {
-        // Late pictures slow it down: none is left out.
-        if (now - began > due + 250) {
-          began = now;
-          from = next;
-        }
-        this.seek(next);
+      shown_s += (now - last) / 1000 * Number(part<HTMLSelectElement>("speed").value);
+      last = now;
+      if (this.wantedRow === this.row) {
+        if (this.row === end) return this.play();
+        let next = this.row;
+        while (next < end && time_s[next + 1] <= shown_s) ++next;
+        if (next !== this.row) this.seek(next);
       }
       requestAnimationFrame(step);
     };
     requestAnimationFrame(step);
+  }
+
+  private goToFrame(text: string): void {
+    const { frame } = this.trial, row = this.rowOf.get(Number(text));
+    if (text === "" || row === undefined) return say(TEXTS.noFrame(text, frame[0], frame[frame.length - 1]));
+    this.seek(row);
   }
 
   // --- problems
@@ -317,7 +321,18 @@ export class TrialPage {
     if (index < 0 || index >= this.trial.markers.length) return;
     this.selected = index;
     this.showMarkers();
+    this.proposeSwap();
     this.view.redraw();
+  }
+
+  // The marker beside the selected one: names are exchanged where markers meet.
+  private proposeSwap(): void {
+    const here = this.placeOf(this.marker());
+    if (!here) return;
+    const others = this.trial.markers.filter((marker) => marker !== this.marker() && this.placeOf(marker));
+    const away = (marker: MarkerMessage) => distance(here, this.placeOf(marker)!);
+    if (others.length === 0) return;
+    part<HTMLSelectElement>("swap-with").value = others.reduce((a, b) => (away(b) < away(a) ? b : a)).name;
   }
 
   private marker(): MarkerMessage {
@@ -497,6 +512,11 @@ export class TrialPage {
     scrub.addEventListener("input", () => this.seek(Number(scrub.value)));
     part("play").textContent = TEXTS.play;
     onClick("play", () => this.play());
+    const SPEEDS = [1, 0.5, 0.25, 0.1];
+    part("speed").replaceChildren(...SPEEDS.map((factor) => new Option(TEXTS.speed(factor), String(factor))));
+    const goTo = part<HTMLInputElement>("go-to");
+    goTo.max = String(this.trial.frame[this.trial.frame.length - 1]);
+    goTo.addEventListener("change", () => this.goToFrame(goTo.value));
     onClick("back", () => this.seek(this.wantedRow - 1));
     onClick("on", () => this.seek(this.wantedRow + 1));
     onClick("problem-back", () => this.nextProblem(-1));
@@ -541,6 +561,7 @@ export class TrialPage {
       "+": () => this.zoomToMarker(),
       "-": () => this.view.zoomBy(0.5),
       "0": () => this.view.fit(),
+      g: () => part("go-to").focus(),
       a: () => this.startPlacing(),
       h: () => void this.edit({ op: "hide", ...this.here() }),
       r: () => void this.edit({ op: "restore", ...this.here() }),

@@ -224,6 +224,12 @@ void CorrectionBook::MakeEvent(const std::string& op, const Json& edit) {
   MoveEvent(repetition, kind, WholeNumber(edit.at("frame")));
 }
 
+std::size_t CorrectionBook::Swaps() const {
+  std::size_t swaps = 0;
+  for (std::size_t i = 0; i < done_; ++i) swaps += edits_[i].at("op") == "swap" ? 1 : 0;
+  return swaps;
+}
+
 Json CorrectionBook::History() const {
   Json base = Json::array(), base_events = Json::array();
   for (const motion::Correction& correction : base_) base.push_back(CorrectionJson(correction));

@@ -55,7 +55,8 @@ Json TrialSession::State() const {
 
 Json TrialSession::StateNow() const {
   return {{"revision", revision_},       {"fitted", fitted_},           {"fit_error", fit_error_},
-          {"can_undo", book_.CanUndo()}, {"can_redo", book_.CanRedo()}, {"corrections", book_.Count()}};
+          {"can_undo", book_.CanUndo()}, {"can_redo", book_.CanRedo()}, {"corrections", book_.Count()},
+          {"swaps", book_.Swaps()}};
 }
 
 std::string TrialSession::Trial() const {

@@ -58,6 +58,8 @@ class CorrectionBook {
   std::vector<motion::EventCorrection> Events() const;
   bool IsMoved(int repetition, motion::StsEventKind kind) const { return events_.contains({repetition, kind}); }
   std::size_t Count() const { return made_.size() + events_.size(); }
+  // Of the steps that are done; each changes two markers in many frames.
+  std::size_t Swaps() const;
 
  private:
   using Cell = std::pair<std::size_t, std::size_t>;  // row of the recording, marker
