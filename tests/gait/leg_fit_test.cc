@@ -313,7 +313,7 @@ TEST(LegFit, ThreeMarkersAndExtraOnesWork) {
 TEST(LegFit, DepthPutsAMarkerWhereItIs) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
   gait::LegView truth = CalibratedView();
-  truth.depth_mm["knee"] = 40;
+  truth.depths["knee"].mm = 40;
   const motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, truth, {0.03}, 6);
   const gait::LegFitResult with = gait::FitLeg(tracks, truth), without = gait::FitLeg(tracks, CalibratedView());
   double worst_mm = 0, worst_without_mm = 0;
@@ -366,7 +366,7 @@ TEST(PictureScale, ABarIsMeasuredInSquarePixels) {
     gait::PictureScale picture;
     picture.scale = bar;
     picture.pixel_aspect = 1.5;
-    const gait::LegView view = gait::MakeView(picture, {}, {}, {}, [](const std::string&) {});
+    const gait::LegView view = gait::MakeView(picture, {}, {}, [](const std::string&) {});
     EXPECT_EQ(view.pixel_aspect, 1.5);
     return view.mm_per_px.value();
   };
@@ -416,14 +416,14 @@ TEST(PictureScale, KnownPointsGiveThePlane) {
     picture.plane_points.pop_back();
     std::optional<camera::CameraProfile> profile;
     if (knows_lens) profile = {{*truth.camera, {}, {}, {}}};
-    const gait::LegView view = gait::MakeView(picture, profile, {}, {}, warn);
+    const gait::LegView view = gait::MakeView(picture, profile, {}, warn);
     EXPECT_EQ(PlaneUnit(view), motion::LengthUnit::kMm);
     const Eigen::Vector2d mm(300, 250), px = gait::RecordedFromPlane<double>(truth, mm, 0);
     EXPECT_LT((gait::PlaneFromRecorded(view, px, 0) - mm).norm(), 1e-6) << knows_lens;
     EXPECT_LT((gait::RecordedFromPlane<double>(view, mm, 0) - px).norm(), 1e-6) << knows_lens;
     EXPECT_NEAR(gait::PlaneUnitsPerRecorded(view, mm, 0), gait::PlaneUnitsPerRecorded(truth, mm, 0), 1e-6);
     picture.scale = {0, 0, 100, 0, 200};
-    EXPECT_THAT([&] { gait::MakeView(picture, profile, {}, {}, warn); },
+    EXPECT_THAT([&] { gait::MakeView(picture, profile, {}, warn); },
                 testing::ThrowsMessage<UsageError>(testing::HasSubstr("leave one out")));
   }
   EXPECT_TRUE(warnings.empty());

@@ -27,7 +27,7 @@ std::string WarningsOf(const gait::LegFitResult& leg) {
 gait::LegFitResult FitAs(const motion::MarkerRecording& recording, gait::MovementKind kind,
                          double camera_distance = 0) {
   gait::LegFitResult leg = gait::FitLeg(recording, gait::MakeLegView(recording.unit, {}), {});
-  leg.camera_distance = camera_distance;
+  if (camera_distance > 0) leg.sight = {.camera_mm = {0, 0, camera_distance}, .depths = {}};
   gait::MovementOptions options;
   options.kind = kind;
   gait::ChooseMovement(options, leg);

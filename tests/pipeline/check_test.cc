@@ -151,7 +151,11 @@ TEST(Check, JudgesFiguresOneByOne) {
   check.clutter = 60;
   check.strongest_clutter = 0.5;
   EXPECT_THAT(verdict("clutter"), testing::AllOf(testing::StartsWith("2 "), testing::HasSubstr("--crop")));
-  check.why_not_named.clear();  // lamps do not make a recording unfit in which the markers are named all the same
+  EXPECT_EQ(verdict("knee_hidden_share"), "absent");
+  check.knee_hidden_share = 0.83;
+  check.why_not_named.clear();
+  EXPECT_THAT(verdict("knee_hidden_share"), testing::HasSubstr("1 two markers on the shank would replace it"));
+  // Lamps do not make a recording unfit in which the markers are named all the same
   EXPECT_THAT(verdict("clutter"), testing::StartsWith("1 "));
 }
 

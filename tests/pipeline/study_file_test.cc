@@ -164,7 +164,7 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(video.track.reader.start_s, 0.5);
   EXPECT_EQ(video.track.reader.end_s, 9.25);
   EXPECT_EQ(video.track.reader.capture_rate_hz, 240);
-  EXPECT_EQ(video.depth_mm.at("knee"), 12);
+  EXPECT_EQ(video.depths.at("knee").mm, 12);
   EXPECT_EQ(video.fit.filter, gait::LegFilter::kButterworth);
   EXPECT_EQ(video.fit.cutoff_hz, 6);
   EXPECT_EQ(video.corrections, folder_ / "corrections.csv");

@@ -31,6 +31,7 @@ Json ChecksJson(const tracking::RecordingCheck& c) {
           {"frames_seen", c.frames_seen},
           {"places_seen", c.places_seen},
           {"all_seen_share", c.all_seen_share},
+          {"knee_hidden_share", named(c.knee_hidden_share)},
           {"spots", c.spots},
           {"clutter", c.clutter},
           {"strongest_clutter", c.strongest_clutter},

@@ -13,6 +13,7 @@
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/figure/misalignment_figures.h"
+#include "lake/gait/learnt_knee.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/persons_leg.h"
 #include "lake/gait/plausibility.h"
@@ -20,6 +21,7 @@
 #include "lake/motion/saved_corrections.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/report.h"
+#include "lake/tracking/recording_verdicts.h"
 #include "optimum_tables.h"
 #include "png_and_svg.h"
 #include "symmetry.h"
@@ -37,7 +39,16 @@ bool IsTracked(const fs::path& path) {
   return FindResult(path, "kinematics.csv") && FindResult(path, "events.csv");
 }
 
-compare::TrialTables ReadTracked(const fs::path& folder, Run& run) {
+// Of markers that no fit has taken in.
+void PutAtDepths(const gait::MarkerDepths& depths, compare::TrialTables& tables) {
+  for (const char* of_leg : {"ankle", "knee", "hip", "waist"})
+    if (depths.contains(of_leg))
+      throw UsageError("--depth {}: is of the leg, which {} has fitted without: give it to lake track", of_leg,
+                       tables.name);
+  gait::PutAtDepths(depths, tables.sight, tables.trajectory);
+}
+
+compare::TrialTables ReadTracked(const fs::path& folder, const gait::MarkerDepths& depths, Run& run) {
   if (const std::string unapplied = motion::UnappliedCorrections(folder); !unapplied.empty()) run.Warn(unapplied);
   compare::TrialTables tables;
   tables.name = folder.string();
@@ -45,6 +56,9 @@ compare::TrialTables ReadTracked(const fs::path& folder, Run& run) {
   tables.trajectory = motion::ReadMarkerCsv(exchange::TableOfFolder(folder), motion::MarkerValues::kEstimated);
   tables.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   tables.events = motion::ReadEventsCsv(folder / "events.csv");
+  if (const auto summary = FindResult(folder, "summary.json"))
+    tables.sight = gait::PlaneSightIn(ReadJsonFile(*summary), summary->string());
+  PutAtDepths(depths, tables);
   if (const auto rises = FindResult(folder, "sit_to_stand.csv")) gait::ReadEventDeviations(*rises, tables.events);
   gait::LegFitOptions said;
   said.said_facing = "the direction in which the subject was said to face";
@@ -73,8 +87,11 @@ exchange::TrialOptions ReadingOf(const fs::path& path, const exchange::TrialOpti
   return fs::is_directory(path) ? FolderReading(reading) : reading;
 }
 
-exchange::Trial ReadMarkers(const fs::path& path, const exchange::TrialOptions& reading) {
-  return ReadTrialFor(path, ReadingOf(path, reading));
+exchange::Trial ReadMarkers(const fs::path& path, const exchange::TrialOptions& reading,
+                            const gait::PictureScale& picture) {
+  gait::PictureScale depths;  // of a recording in mm; one in px is fitted with its picture
+  depths.depths = picture.depths;
+  return ReadTrialFor(path, ReadingOf(path, reading), depths);
 }
 
 // The leg's knee where `knee` is compared.
@@ -83,12 +100,18 @@ std::string LegKneeOf(const exchange::Trial& trial, const std::string& knee) {
 }
 
 compare::TrialTables FitTables(const fs::path& path, const exchange::Trial& trial, const std::string& leg_knee,
-                               Run& run, const gait::PictureScale& picture) {
+                               Run& run, const gait::PictureScale& picture,
+                               const std::optional<fs::path>& knee_trial = {}) {
   gait::LegFitOptions fit;
+  fit.knee_trial = knee_trial;
   fit.facing_option = "--forward";
   fit.markers.knee = leg_knee;
   const gait::LegFitResult result = FitTrial(trial, fit, run, picture);
-  return {.name = path.string(), .trajectory = result.trajectory, .motion = result.motion, .events = result.events};
+  return {.name = path.string(),
+          .trajectory = result.trajectory,
+          .motion = result.motion,
+          .events = result.events,
+          .sight = result.sight};
 }
 
 // The marker of the exoskeleton's knee, known only once the trial's markers are.
@@ -133,6 +156,7 @@ struct RegisteredPair {
   std::string exo_knee;
   bool is_human_functional = false;  // by this comparison or by the one that the curve is of
   compare::KneeAxes axes;
+  double knee_hidden_share = 1;  // of the exoskeleton trial's frames
 };
 
 // One trial's part of an earlier comparison.
@@ -164,6 +188,25 @@ void CheckMovements(gait::MovementKind human, gait::MovementKind exo, const Comp
                      options.human.string());
 }
 
+double KneeHiddenShare(const motion::MarkerRecording& recording) {
+  const motion::MarkerTrack* knee = recording.Find(kKnee);
+  if (!knee || knee->samples.empty()) return 1;
+  const auto hidden = std::ranges::count_if(knee->samples, [](const motion::MarkerSample& sample) {
+    return sample.status != motion::SampleStatus::kDetected;
+  });
+  return static_cast<double>(hidden) / static_cast<double>(knee->samples.size());
+}
+
+void CheckDepths(const gait::MarkerDepths& depths, const std::optional<FunctionalTables>& human,
+                 const std::optional<FunctionalTables>& exo) {
+  const auto has = [](const std::optional<FunctionalTables>& trial, const std::string& marker) {
+    return trial && trial->tables.trajectory.Find(marker);
+  };
+  for (const auto& [marker, depth] : depths)
+    if (!has(human, marker) && !has(exo, marker))
+      throw UsageError("--depth {}: no trial whose markers are read has it", marker);
+}
+
 RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   std::optional<FunctionalTables> human, exo;
   if (!IsCompared(options.human))
@@ -180,8 +223,10 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   pair.axes.exo_mm = exo ? exo->sd_mm : exo_curves->axes.exo_mm;
   if (options.knee.knee == KneeFrom::kFunctional && !pair.axes.human_mm && !pair.axes.exo_mm)
     throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
+  CheckDepths(options.exo_picture.depths, human, exo);
   if (human && exo) CheckUnits(human->tables, exo->tables);
   if (human && exo) CheckOrder(human->tables, exo->tables, options);
+  if (exo) pair.knee_hidden_share = KneeHiddenShare(exo->tables.trajectory);
   pair.exo_knee = exo ? FindExoKnee(exo->tables.trajectory, options) : options.exo_knee.value_or(kExoKnee);
   if (human) {
     compare::RegistrationOptions registration;
@@ -196,7 +241,10 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   if (exo)
     pair.exo = RegisterExo(exo->tables, pair.exo_knee, options);
   else
-    pair.exo = {.repetitions = {exo_curves->exo}, .warnings = {}, .movement = exo_curves->movement};
+    pair.exo = {.repetitions = {exo_curves->exo},
+                .warnings = {},
+                .movement = exo_curves->movement,
+                .sight = exo_curves->exo_sight};
   CheckMovements(pair.human.movement, pair.exo.movement, options);
   return pair;
 }
@@ -364,6 +412,11 @@ void CheckTrials(const CompareRunOptions& o) {
     throw UsageError(
         "--forces only applies to the comparison of both legs, --left A --right B; for one recording use lake loads");
   if (!o.left.empty() && o.worn) throw UsageError("--worn is of HUMAN against EXO: omit it, or --left and --right");
+  if (o.knee.trial &&
+      (!o.left.empty() || IsCompared(o.exo) || IsTracked(o.exo) || o.knee.knee == KneeFrom::kFunctional))
+    throw UsageError(
+        "--knee-from is of a file of EXO's markers with --knee marker; to lake track or lake gait give it where they "
+        "make the folder");
   if (o.left.empty() && (o.human.empty() || o.exo.empty()))
     throw UsageError("give a HUMAN and an EXO trial, or both legs of one person: --left A --right B");
 }
@@ -375,18 +428,21 @@ void CheckReading(const fs::path& path, const exchange::TrialOptions& reading, c
 }
 
 compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::TrialOptions& reading,
-                                     const std::string& knee, Run& run, const gait::PictureScale& picture) {
-  if (!picture.IsGiven() && IsTracked(path)) return ReadTracked(path, run);
-  const exchange::Trial trial = ReadMarkers(path, reading);
-  if (trial.recording.unit == motion::LengthUnit::kMm && IsTracked(path)) return ReadTracked(path, run);
-  return FitTables(path, trial, LegKneeOf(trial, knee), run, picture);
+                                     const std::string& knee, Run& run, const gait::PictureScale& picture,
+                                     const std::optional<fs::path>& knee_trial) {
+  if (!picture.IsGiven() && IsTracked(path)) return ReadTracked(path, picture.depths, run);
+  const exchange::Trial trial = ReadMarkers(path, reading, picture);
+  if (trial.recording.unit == motion::LengthUnit::kMm && IsTracked(path)) return ReadTracked(path, picture.depths, run);
+  return FitTables(path, trial, knee_trial ? kKnee : LegKneeOf(trial, knee), run, picture, knee_trial);
 }
 
 FunctionalTables ReadFunctionalTables(const fs::path& path, const exchange::TrialOptions& reading,
                                       const std::string& knee, TrialSide side, const KneeOptions& options, Run& run,
                                       const gait::PictureScale& picture) {
-  if (options.knee == KneeFrom::kMarker) return {ReadTrialTables(path, reading, knee, run, picture), {}};
-  exchange::Trial trial = ReadMarkers(path, reading);
+  if (options.knee == KneeFrom::kMarker)
+    return {ReadTrialTables(path, reading, knee, run, picture, side == TrialSide::kExo ? options.trial : std::nullopt),
+            {}};
+  exchange::Trial trial = ReadMarkers(path, reading, picture);
   const auto put = [&](const axis::SegmentMarkers& segments, const std::string& marker) {
     return PutAxis(segments, marker, fs::is_directory(path) ? FolderReading(reading) : reading, trial, run);
   };
@@ -424,6 +480,7 @@ std::vector<InputFile> InputsOf(const CompareRunOptions& options) {
   if (options.sync) inputs.push_back({*options.sync, "sync"});
   if (const auto& camera = options.human_picture.camera) inputs.push_back({*camera, fmt::format("{} camera", first)});
   if (const auto& camera = second_picture.camera) inputs.push_back({*camera, fmt::format("{} camera", second)});
+  if (options.knee.trial) inputs.push_back({gait::LearntKneeFile(*options.knee.trial), "knee from"});
   if (options.worn) inputs.push_back({*options.worn, "worn"});
   return inputs;
 }
@@ -442,10 +499,8 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   const compare::Misalignment misalignment = compare::CompareTrials(pair.human, pair.exo, compared);
   for (const std::string& warning : misalignment.warnings) run.Warn(warning);
   if (!misalignment.joint && pair.exo_knee != kKnee)
-    run.Warn(
-        "where the joint is on the leg is not known, as {} hides the leg's own knee: two markers on the shank would "
-        "replace it (lake track --technical; the manual's page on the hidden knee)",
-        options.exo.string());
+    run.Warn("where the joint is on the leg is not known, knee hidden in {:.0f} % of the frames of {}: {}",
+             100 * pair.knee_hidden_share, options.exo.string(), tracking::kHiddenKneeAdvice);
   compare::WriteMisalignmentCsv(run.Result("misalignment.csv"), misalignment);
   const std::string title = fmt::format("{} ({}) against {} ({})", options.exo.filename().string(), exo_knee,
                                         options.human.filename().string(), options.human_knee);
@@ -454,6 +509,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   Json comparison = compare::ComparisonJson(misalignment);
   comparison["markers"] = {{"human", options.human_knee}, {"exo", exo_knee}};
   comparison["joint_at_mm"] = options.joint_at_mm;
+  if (const auto& sight = misalignment.exo_sight) comparison[gait::kPlaneSight] = gait::PlaneSightJson(sight->plane);
   comparison["knee_from"] = pair.is_human_functional ? "functional" : "marker";
   comparison["knee_axis_sd_mm"] = {{"human", NumberOrNull(pair.axes.human_mm)},
                                    {"exo", NumberOrNull(pair.axes.exo_mm)}};
@@ -514,6 +570,7 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
   compare::DescribeJointAt(o.joint_at_mm, options);
   Describe(o.knee, options);
+  gait::DescribeKneeFrom(o.knee.trial, options);
   Describe(o.misalignment, options);
   options.Add("worn", o.worn,
               "The design that was worn in EXO: whether seat and limbs allow its joint to be moved onto the knee");
@@ -535,6 +592,7 @@ void Describe(CompareRunOptions& o, OptionList& options) {
       .Otherwise("as --map");
   exchange::DescribeUnit("exo-unit", o.exo_reading.mm_per_unit, options).Otherwise("as --unit");
   Describe(o.human_picture, options);
+  gait::DescribeDepths(o.human_picture.depths, options);
   gait::DescribeOther("exo", "the exoskeleton trial", o.exo_picture, options);
   gait::DescribeOther("right", "the right leg's trial", o.right_picture, options);
   // What is said of the human trial alone holds for both.
@@ -551,8 +609,10 @@ void Describe(CompareRunOptions& o, OptionList& options) {
     o.right_reading = o.human_reading;
     if (list.IsGiven("right-map")) o.right_reading.names = right_names;
     if (!list.IsGiven("exo-map")) o.exo_reading.names = o.human_reading.names;
-    for (gait::PictureScale* other : {&o.exo_picture, &o.right_picture})
+    for (gait::PictureScale* other : {&o.exo_picture, &o.right_picture}) {
       if (!other->IsGiven()) *other = o.human_picture;
+      other->depths = o.human_picture.depths;
+    }
     if (!list.IsGiven("exo-unit")) o.exo_reading.mm_per_unit = o.human_reading.mm_per_unit;
   });
 }

@@ -109,8 +109,10 @@ std::optional<motion::Side> LegOf(const exchange::Trial& trial, const gait::LegF
   return motion::NearLeg(fit.motion.facing);
 }
 
-bool HasLeg(const motion::MarkerRecording& recording, const gait::LegMarkers& markers) {
-  return recording.Find(markers.ankle) && recording.Find(markers.knee) && recording.Find(markers.hip);
+bool HasLeg(const motion::MarkerRecording& recording, const gait::LegFitOptions& fit) {
+  const gait::LegMarkers& markers = fit.markers;
+  return recording.Find(markers.ankle) && (fit.knee_trial || recording.Find(markers.knee)) &&
+         recording.Find(markers.hip);
 }
 
 // Markers that are no leg: what is measured of them, and nothing else.
@@ -167,6 +169,7 @@ void DescribeTrialFit(GaitRunOptions& o, OptionList& options) {
   options.AddOperand("trial", o.trial, "A lake-track folder, or " + exchange::ReadableEndings()).Required();
   Describe(o.reading, options);
   Describe(static_cast<gait::PictureScale&>(o), options);
+  gait::DescribeDepths(o.depths, options);
   gait::DescribeFacing(o.fit, options);
   Describe(o.fit, options);
   gait::DescribeEvents(o.events, options);
@@ -198,6 +201,7 @@ exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::
                              const gait::PictureScale& picture) {
   exchange::CheckNoneIsUnused(path, exchange::UnusedOptions(path, reading));
   exchange::Trial trial = exchange::ReadTrial(path, reading);
+  if (trial.recording.unit == motion::LengthUnit::kMm) PutAtDepths(picture.depths, trial.sight, trial.recording);
   if (picture.IsGiven() && trial.recording.unit == motion::LengthUnit::kMm)
     exchange::CheckNoneIsUnused(trial.file, {{picture.OptionName(), "its lengths are in mm"}});
   return trial;
@@ -218,6 +222,7 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
   fit.unit_question = [&](const std::string& unit) { return UnitQuestion(trial, unit); };
   gait::ReadKneeFrom(fit);
   gait::LegFitResult result = FitOrName(trial, view, fit);
+  if (!result.sight) result.sight = trial.sight;
   fit.movement.walking.contacts = ContactsOf(further, trial, result, run);
   gait::ChooseMovement(fit.movement, result);
   if (const auto corrected = CorrectedEventsOf(trial)) TakeEvents(*corrected, result);
@@ -251,10 +256,13 @@ Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit)
 
 Json RunGait(const GaitRunOptions& options, Run& run) {
   const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, options);
+  for (const auto& [name, depth] : options.depths)
+    if (!trial.recording.Find(name))
+      throw UsageError("--depth {}: {} has no such marker", name, options.trial.string());
   run.AddInputs(InputsOf(options));
   CheckFiles(options);
   gait::CheckMarkers(options.measures, gait::MarkerNames(trial.recording));
-  const bool measures_alone = !options.measures.empty() && !HasLeg(trial.recording, options.fit.markers);
+  const bool measures_alone = !options.measures.empty() && !HasLeg(trial.recording, options.fit);
   if (measures_alone && options.range_limit_deg)
     throw UsageError("--range-limit needs the markers ankle, knee and hip, which are not all in the file; see --map");
   if (options.events)

@@ -23,6 +23,7 @@
 #include "lake/motion/corrections.h"
 #include "lake/overlay/numbered_spots.h"
 #include "lake/overlay/overlay_video.h"
+#include "lake/tracking/recording_verdicts.h"
 #include "lake/video/video_files.h"
 #include "measure_tables.h"
 #include "movement_tables.h"
@@ -52,7 +53,7 @@ gait::LegView ViewOf(const TrackRunOptions& options, const video::VideoInfo& vid
                      const std::optional<camera::CameraProfile>& profile, const gait::Warn& warn) {
   gait::PictureScale picture = options;
   picture.pixel_aspect = video.pixel_aspect;
-  return gait::MakeView(picture, profile, {}, options.depth_mm, warn);
+  return gait::MakeView(picture, profile, {}, warn);
 }
 
 using gait::Warn;
@@ -68,9 +69,10 @@ void WarnOfUnit(const gait::LegView& view, bool has_camera, Run& run) {
                         : "none of --camera with a plane, --scale and --plane-points is given: lengths stay in px");
 }
 
-bool HasLeg(const std::vector<std::string>& names) {
-  return std::all_of(tracking::kLegMarkers.begin(), tracking::kLegMarkers.begin() + 3,
-                     [&](std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); });
+// A knee that is hidden in every frame is no marker to track.
+bool HasLeg(const TrackRunOptions& options) {
+  const auto tracks = [&](const char* name) { return std::ranges::count(options.track.names, name) > 0; };
+  return tracks("ankle") && (options.fit.knee_trial || tracks("knee")) && tracks("hip");
 }
 
 // The fit's estimates where the recording was made, which is what is smoothed in px.
@@ -155,13 +157,13 @@ SeenShares SeenSharesOf(const motion::MarkerRecording& tracks, std::size_t repea
 }
 
 void WarnOfUnseen(const SeenShares& seen, const gait::LegFitOptions& fit, Run& run) {
-  constexpr double kEnough = 0.9;
+  constexpr double kEnough = 1 - tracking::kOftenHidden;
   for (const auto& [name, share] : seen)
     if (share < kEnough && name == fit.markers.knee && !fit.technical.empty() && fit.knee_trial)
       continue;  // the fit says how it was rebuilt
     else if (share < kEnough && name == fit.markers.knee)
-      run.Warn("knee hidden in {:.0f} % of the frames: {} (the manual's page on the hidden knee)", 100 * (1 - share),
-               fit.technical.empty() ? "two markers on the shank would replace it"
+      run.Warn("knee hidden in {:.0f} % of the frames: {}", 100 * (1 - share),
+               fit.technical.empty() ? tracking::kHiddenKneeAdvice
                                      : "give --knee-from, the folder of the trial that shows it");
     else if (share < kEnough)
       run.Warn(
@@ -423,20 +425,20 @@ Json RunList(const TrackRunOptions& options, const tracking::TrackOptions& track
 void CheckOptions(const TrackRunOptions& options) {
   options.track.Check();
   gait::CheckMarkers(options.measures, options.track.names);
-  for (const auto& [name, mm] : options.depth_mm)
+  for (const auto& [name, depth] : options.depths)
     if (std::find(options.track.names.begin(), options.track.names.end(), name) == options.track.names.end())
       throw UsageError("--depth {}: not one of the markers ({})", name, fmt::join(options.track.names, ", "));
-  if (options.smoothed && !HasLeg(options.track.names))
+  if (options.smoothed && !HasLeg(options))
     throw UsageError("--smoothed: without ankle, knee and hip among the markers nothing is fitted");
   if (const auto& line = options.vertical; line && std::hypot((*line)[0] - (*line)[2], (*line)[1] - (*line)[3]) < 1)
     throw UsageError("--vertical: the ends of a plumb line must be at least 1 px apart");
   const auto tracks = [&](const char* name) {
     return std::find(options.track.names.begin(), options.track.names.end(), name) != options.track.names.end();
   };
-  if (options.anonymise && !options.list && (!HasLeg(options.track.names) || !(tracks("waist") || tracks("shoulder"))))
+  if (options.anonymise && !options.list && (!HasLeg(options) || !(tracks("waist") || tracks("shoulder"))))
     throw UsageError(
         "--anonymise: takes ankle, knee, hip and waist or shoulder among the markers, to know where the head is");
-  if (options.events && !HasLeg(options.track.names))
+  if (options.events && !HasLeg(options))
     throw UsageError("--events: without ankle, knee and hip among the markers there are no rises");
   for (const auto& file : {options.corrections, options.events})
     if (file && !std::filesystem::exists(*file)) throw Fail("{}: no such file", file->string());
@@ -548,7 +550,7 @@ TrackFit FitTracked(const TrackRunOptions& options, const tracking::TrackResult&
                       tracked.video.rotation_deg, tracked.video.mirrored);
   const motion::MarkerRecording at_frames = gait::AtFrameTimes(tracked.recording, shutter);
   result.tracks = tracked.recording;
-  if (!HasLeg(options.track.names)) {
+  if (!HasLeg(options)) {
     result.in_plane = gait::InPlane(at_frames, view);
     return result;
   }
@@ -582,10 +584,7 @@ void Describe(TrackRunOptions& o, OptionList& options) {
       .Unit("s")
       .NotNegative()
       .Otherwise("the camera file's, else 0");
-  options.Add("depth", o.depth_mm, "Distance of a marker in front of the calibrated plane (may be repeated)")
-      .Unit("mm")
-      .Value("NAME=MM")
-      .Repeats();
+  gait::DescribeDepths(o.depths, options);
   Describe(o.fit, options);
   options.Add("corrections", o.corrections,
               "frame,marker,x_px,y_px rows that overrule the detector; empty: not visible");
@@ -602,11 +601,7 @@ void Describe(TrackRunOptions& o, OptionList& options) {
   Describe(o.person, options);
   Describe(o.measures, options);
   Describe(o.budget, options);
-  options.Check([&o](const OptionList&) {
-    for (const auto& [segment, markers] : o.fit.technical)
-      for (const std::string& marker : markers)
-        if (std::ranges::count(o.track.names, marker) == 0) o.track.names.push_back(marker);
-  });
+  options.Check([&o](const OptionList&) { gait::AddTechnical(o.fit.technical, o.track.names); });
   Describe(static_cast<FurtherInputs&>(o), options);
 }
 
@@ -628,8 +623,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   std::string scaled;
   const std::optional<camera::CameraProfile> profile = ReadCamera(options, video, scaled);
   const gait::LegView view = ViewOf(options, video, profile, WarnThrough(run));
-  exchange::CheckExportFormats(options.exports, gait::PlaneUnit(view) == motion::LengthUnit::kMm,
-                               HasLeg(options.track.names));
+  exchange::CheckExportFormats(options.exports, gait::PlaneUnit(view) == motion::LengthUnit::kMm, HasLeg(options));
   std::vector<motion::Correction> corrections;
   if (options.corrections)
     corrections = motion::ReadCorrections(*options.corrections, options.track.names, video.width, video.height);
@@ -661,8 +655,8 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}, {"seen", Json::object()}};
   for (const auto& [name, share] : seen) results["seen"][name] = share;
   results["video"]["readout_s"] = readout_s;
-  return HasLeg(options.track.names) ? RunLeg(options, tracked, view, shutter, results, run)
-                                     : RunPoints(options, tracked, view, shutter, results, run);
+  return HasLeg(options) ? RunLeg(options, tracked, view, shutter, results, run)
+                         : RunPoints(options, tracked, view, shutter, results, run);
 }
 
 }  // namespace lake::commands

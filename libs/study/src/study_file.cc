@@ -316,9 +316,7 @@ void TakeTechnical(StudyFile& study) {
   if (technical.empty() || !study.exo || study.exo->Fit().knee_trial) return;
   study.exo->Fit().technical = technical;
   if (auto* video = std::get_if<commands::TrackRunOptions>(&study.exo->work))
-    for (const auto& [segment, markers] : technical)
-      for (const std::string& marker : markers)
-        if (std::ranges::count(video->track.names, marker) == 0) video->track.names.push_back(marker);
+    gait::AddTechnical(technical, video->track.names);
   study.exo->section.text["technical"] = study.human.section.text["technical"];
   study.exo->section.given["technical"] = study.human.section.given["technical"];
 }

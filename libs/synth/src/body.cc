@@ -172,4 +172,17 @@ std::vector<Layer> ExoskeletonLayers(const std::vector<BodyPose>& instants, doub
   return layers;
 }
 
+std::vector<Layer> HubLayers(const std::vector<BodyPose>& instants, double radius_mm,
+                             const std::function<Vector2d(const Vector2d&)>& shown) {
+  if (!instants.front().exo_knee) return {};
+  const Surface black{.bgr = {30, 30, 32}, .texture = nullptr, .contrast = 0, .mm_per_texel = 1, .rounding = 0.3f};
+  return {MakeLayer(instants, black, [&](const BodyPose& pose) {
+    Shape disc{.outline = EllipseOutline(*pose.exo_knee, radius_mm, radius_mm, 0),
+               .origin = shown(*pose.exo_knee),
+               .half_width = radius_mm};
+    for (Vector2d& corner : disc.outline) corner = shown(corner);
+    return disc;
+  })};
+}
+
 }  // namespace lake::synth

@@ -1,6 +1,7 @@
 // The clothed person and the exoskeleton, as layers around the markers.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "layer.h"
@@ -29,6 +30,10 @@ std::vector<Layer> BodyLayers(const std::vector<BodyPose>& instants, const Wardr
 
 // Links, joint, straps and actuator; nothing without exo_knee, ankle and hip.
 std::vector<Layer> ExoskeletonLayers(const std::vector<BodyPose>& instants, double forward);
+
+// A disc on the exoskeleton's joint; `shown` is where a point at its depth is seen in the plane.
+std::vector<Layer> HubLayers(const std::vector<BodyPose>& instants, double radius_mm,
+                             const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& shown);
 
 inline constexpr double kSoleBelowAnkle = 85;  // mm
 inline constexpr double kThighRadiusAtHip = 90;

@@ -18,6 +18,7 @@ namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
+constexpr const char* kJoint = "exo_knee";
 constexpr double kTicksPerSecond = 90000;  // time stamps are whole ticks, so that a video keeps them exactly
 
 MotionTable TableOf(const SceneOptions& options) {
@@ -75,6 +76,7 @@ struct FrameState {
   std::vector<std::vector<Vector3d>> fine_mm;  // [instant][marker]
   std::vector<SeenLayer> hands;                // of all that are near, at the fine instants
   std::vector<SeenLayer> near_leg;             // likewise; what is before the other leg's markers
+  std::vector<SeenLayer> hub;                  // likewise; what is before all markers but the joint's
 };
 
 }  // namespace
@@ -110,6 +112,8 @@ struct Scene::Impl {
     for (std::size_t i = 0; i < o.occlusions.size(); ++i)
       hands.emplace_back(options, i, *motion, 0.4 * sprites.RadiusPx());
     if (o.walk) CheckPasses();
+    if (o.hub_mm > 0 && IndexOfMarker(*motion, kJoint) < 0)
+      throw UsageError("--hub: is at the exoskeleton's joint; add its marker, --exo X,Y");
     const int own = IndexOfMarker(*motion, "ankle"), other = IndexOfMarker(*motion, "other_ankle");
     const bool is_one_person = IndexOfMarker(*motion, "other_waist") < 0;
     if (o.body && is_one_person && own >= 0 && other >= 0 && IndexOfMarker(*motion, "other_knee") >= 0) {
@@ -194,6 +198,7 @@ struct Scene::Impl {
     for (const double t : state.fine_s) state.fine_mm.push_back(AsRead(t));
     for (const Hand& hand : hands)
       for (SeenLayer& layer : Seen(hand.At(state.fine_s))) state.hands.push_back(std::move(layer));
+    state.hub = Seen(Hub(state.fine_s));
     if (near_leg)
       state.near_leg = Seen(LegLayers(PosesAt(state.fine_s, *near_leg), *wardrobe, options.bright_room, forward));
     return state;
@@ -207,6 +212,8 @@ struct Scene::Impl {
   Cover CoverOf(const FrameState& state, const std::string& marker = "") const {
     std::vector<const SeenLayer*> before;
     for (const SeenLayer& layer : state.hands) before.push_back(&layer);
+    if (!marker.empty() && marker != kJoint)
+      for (const SeenLayer& layer : state.hub) before.push_back(&layer);
     if (IsFar(marker))
       for (const SeenLayer& layer : state.near_leg) before.push_back(&layer);
     if (before.empty()) return {};
@@ -221,6 +228,14 @@ struct Scene::Impl {
     };
   }
 
+  std::vector<Layer> Hub(const std::vector<double>& times_s) const {
+    if (options.hub_mm == 0) return {};
+    const auto depth = options.marker_depth_mm.find(kJoint);
+    const double depth_mm = depth == options.marker_depth_mm.end() ? 0 : depth->second;
+    return HubLayers(PosesAt(times_s, ""), options.hub_mm,
+                     [&](const Vector2d& mm) { return view.Plane(view.Pixel(mm, depth_mm)); });
+  }
+
   // In the room's light.
   std::vector<SeenLayer> Seen(std::vector<Layer> layers) const {
     std::vector<SeenLayer> seen;
@@ -233,7 +248,7 @@ struct Scene::Impl {
   }
 
   std::vector<SeenLayer> MovingLayers(const FrameState& state) const {
-    if (!options.body && !options.exoskeleton) return {};
+    if (!options.body && !options.exoskeleton && options.hub_mm == 0) return {};
     const int count = std::clamp(static_cast<int>(std::ceil(LongestBlurPx(state.time_s))), 1, 12);
     const std::vector<double> instants = Instants(state.time_s, OpenS(), count);
     const std::vector<BodyPose> poses = PosesAt(instants, near_leg.value_or(""));
@@ -244,6 +259,7 @@ struct Scene::Impl {
         layers.push_back(std::move(layer));
     if (options.exoskeleton)
       for (Layer& layer : ExoskeletonLayers(poses, forward)) layers.push_back(std::move(layer));
+    for (Layer& layer : Hub(instants)) layers.push_back(std::move(layer));
     return Seen(std::move(layers));
   }
 

@@ -38,6 +38,7 @@ void SceneOptions::Check() const {
           "exposure must be positive, brightness and levels not negative");
   Require(flicker >= 0 && flicker < 0.5, "flicker must be 0 to 0.5");
   Require(noise.read_sd >= 0 && noise.gain >= 0, "noise must not be negative");
+  Require(hub_mm >= 0 && hub_mm <= 500, "a hub's radius is 0 to 500 mm");
   Require(reflections >= 0 && reflections <= 100, "0 to 100 reflections");
   for (const Occlusion& occlusion : occlusions) Require(occlusion.hidden_s > 0, "an occlusion must last for some time");
 }
@@ -110,6 +111,7 @@ Json MotionJson(const StsMotionOptions& m) {
                {"skin_mm", m.skin_mm},
                {"pace", m.pace},
                {"time_warp", m.time_warp}};
+  json["extra_markers"] = m.extra_markers;
   json["exo_knee_mm"] = m.exo_knee_mm ? Json{m.exo_knee_mm->x(), m.exo_knee_mm->y()} : Json();
   return json;
 }
@@ -184,6 +186,7 @@ Json ToJson(const SceneOptions& o) {
                    {"brightness", o.brightness},
                    {"bright_room", o.bright_room},
                    {"exoskeleton", o.exoskeleton},
+                   {"hub_mm", o.hub_mm},
                    {"reflections", o.reflections},
                    {"glint", o.glint}});
   json["occlusions"] = OcclusionsJson(o.occlusions);

@@ -40,6 +40,9 @@ void DescribeMotion(SynthRunOptions& o, OptionList& options) {
       .Unit("mm")
       .Value("X,Y");
   options.Add("exoskeleton", o.exoskeleton, "Draw an exoskeleton whose joint is at exo_knee");
+  options.Add("hub", o.hub_mm, "Radius of an opaque disc on that joint, which hides what is behind it")
+      .Unit("mm")
+      .NotNegative();
   options.Add("motion-table", o.motion_table,
               "Markers of this table (time_s, M_x_mm, M_y_mm) instead; --facing left mirrors it");
   options.Add("motion", o.motion.file,
@@ -48,7 +51,8 @@ void DescribeMotion(SynthRunOptions& o, OptionList& options) {
   Describe(o.motion.reading, options);
   options
       .Add("extra-markers", o.motion.extra_markers,
-           "With --motion: further markers of the file; of a drawn walk: heel, toe, other_ankle, …")
+           "With --motion: further markers of the file; of a drawn walk: heel, toe, other_ankle, …; of a drawn "
+           "sit-to-stand: shank1, shank2, thigh1, thigh2")
       .Value("NAME,...");
   options
       .Add("stride", o.stride_s,
@@ -160,6 +164,8 @@ void TakeMotion(const SynthRunOptions& o, SceneOptions& scene) {
   motion.skin_mm = o.skin_mm;
   if (o.still) motion.ankle_sway_mm = motion.body_sway_deg = 0;
   if (o.exo_knee_mm) motion.exo_knee_mm = Eigen::Vector2d((*o.exo_knee_mm)[0], (*o.exo_knee_mm)[1]);
+  const bool is_drawn_rise = o.motion.file.empty() && o.drawn == SynthRunOptions::Drawn::kSitToStand;
+  if (is_drawn_rise) motion.extra_markers = o.motion.extra_markers;
   scene.motion_table = o.motion_table;
   scene.mirror_table = !o.motion_table.empty() && o.facing == motion::Facing::kLeft;
   if (!o.motion.file.empty()) {
@@ -204,6 +210,7 @@ void TakeRoom(const SynthRunOptions& o, SceneOptions& scene) {
   scene.marker_level = o.level.value_or(o.bright_room ? kDarkMarker : scene.marker_level);
   scene.glint = scene.glint || o.glint;
   scene.exoskeleton = o.exoskeleton;
+  scene.hub_mm = o.hub_mm;
   scene.bright_room = o.bright_room;
   if (o.markers == SynthRunOptions::Markers::kAruco) scene.marker_kind = MarkerKind::kAruco;
   const bool is_led = o.markers == SynthRunOptions::Markers::kLed;

@@ -95,6 +95,7 @@ Json CurvesJson(const Misalignment& m) {
   AddVectors("exo_knee", m.exo.knee, curves);
   AddVectors("exo_hip", m.exo.hip, curves);
   AddVectors("exo_leg_knee", m.exo.leg_knee, curves);
+  AddVectors("exo_slope", m.exo.slope, curves);  // mm/mm
   curves["shank_mm"] = m.shank_mm;
   curves["thigh_mm"] = thigh_mm;
   curves["human_knee_deg"] = m.human.knee_deg;
@@ -211,6 +212,10 @@ class ComparisonReader {
       if (percent[i] != static_cast<double>(i)) throw Fail("{}: curves.percent does not run from 0 to 100", file_);
     ComparedCurves curves{Leg("human"), Leg("exo"), Spikes()};
     if (!Entry("exo_leg_knee_x_mm").empty()) curves.exo.leg_knee = Path("exo_leg_knee");
+    if (const auto plane = gait::PlaneSightIn(json_, file_)) {
+      curves.exo.slope = Path("exo_slope");
+      curves.exo_sight = {*plane, gait::DepthOf(*plane, json_.at("markers").at("exo").get<std::string>())};
+    }
     curves.noise_floor_mm = NoiseFloor("noise_floor_mm");
     curves.noise_floor_relative = NoiseFloor("noise_floor_relative");
     const Json uncertainty = json_.value("uncertainty", Json::object());

@@ -94,6 +94,7 @@ Misalignment CompareMeans(const RegisteredTrial& human, const RegisteredTrial& e
   Misalignment m;
   m.human = MeanCurve(human.repetitions);
   m.exo = MeanCurve(exo.repetitions);
+  m.exo_sight = exo.sight;
   m.human_repetitions = static_cast<int>(human.repetitions.size());
   m.exo_repetitions = static_cast<int>(exo.repetitions.size());
   FillErrors(m);

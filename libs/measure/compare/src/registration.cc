@@ -116,6 +116,7 @@ class Registrar {
     const std::vector<StsInterval> intervals = FindStsIntervals(trial_);
     RegisteredTrial registered;
     registered.movement = MovementIn(trial_);
+    if (trial_.sight) registered.sight = {*trial_.sight, gait::DepthOf(*trial_.sight, options_.knee)};
     is_from_hip_ = registered.movement == gait::MovementKind::kWalking;
     if (!is_from_hip_) origin_ = MedianPosition(ankle_, SeatedFrames(trial_, intervals), trial_.name);
     for (const StsInterval& interval : intervals) {
@@ -186,6 +187,7 @@ class Registrar {
       curve.ankle.push_back(in_leg(ankle_));
       curve.knee.push_back(in_leg(knee_));
       curve.hip.push_back(in_leg(hip_));
+      if (trial_.sight) curve.slope.emplace_back(leg_from_plane_ * trial_.sight->Slope(place(knee_)));
       if (shows_leg_knee) curve.leg_knee.push_back(in_leg(*leg_knee_));
       if (shows_leg_knee && !trial_.motion.knee_rebuilt.empty()) {
         const std::size_t frame = std::min(FrameAfter(time_s, t), time_s.size() - 1);
@@ -243,6 +245,8 @@ StsCurve MeanCurve(const std::vector<StsCurve>& curves) {
   // What is learnt wrong is wrong in all of them.
   if (std::ranges::none_of(curves, [](const StsCurve& curve) { return curve.rebuilt_sd_mm.empty(); }))
     mean.rebuilt_sd_mm = MeanOf(curves, &StsCurve::rebuilt_sd_mm);
+  if (std::ranges::none_of(curves, [](const StsCurve& curve) { return curve.slope.empty(); }))
+    mean.slope = MeanOf(curves, &StsCurve::slope);
   mean.knee_deg = MeanOf(curves, &StsCurve::knee_deg);
   mean.shank_deg = MeanOf(curves, &StsCurve::shank_deg);
   mean.trunk_deg = MeanOf(curves, &StsCurve::trunk_deg);

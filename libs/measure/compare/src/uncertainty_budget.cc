@@ -1,6 +1,7 @@
 #include "lake/compare/uncertainty_budget.h"
 
 #include <algorithm>
+#include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -27,10 +28,19 @@ constexpr const char* kPlacement = "marker placement";
 constexpr const char* kAnkleAndHipTissue = "soft tissue at ankle and hip";
 constexpr const char* kAnkleAndHipPlacement = "placement of ankle and hip";
 constexpr const char* kAxis = "axis of rotation";
+constexpr const char* kParallax = "out-of-plane movement and parallax";
+constexpr const char* kPlane = "lens and plane";
 constexpr const char* kOwnVariation = "the person's own variation";
 
 constexpr const char* kTissueReference =
     "Benoit et al. 2006, doi:10.1016/j.gaitpost.2005.04.012; Ancillao et al. 2021, PMC8631460; --soft-tissue";
+
+// Of one marker's depth against another's, as a camera sees it.
+struct Parallax {
+  double size_mm = 0;
+  double sensitivity = 0;  // the headline's unit per mm of depth
+  const char* reference = "";
+};
 
 // What a quantity gains from an error at the knee, the joint or the rise's ends, in its own unit.
 struct Sensitivities {
@@ -80,9 +90,44 @@ BudgetRow Detection(double size, const char* unit, double sensitivity) {
           .is_of_markers = true};
 }
 
+// Of a marker on the skin. `slope`: how the trial's camera saw it, if that is known.
+Parallax OfSkin(const std::optional<double>& slope, double per_mm, const BudgetOptions& o) {
+  return {o.depth_mm.value_or(kSkinDepth_mm), o.view_slope.value_or(slope.value_or(kViewSlope)) * per_mm,
+          slope ? "slope of this trial's camera, depth assumed; --depth-sd" : "assumed; --depth-sd, --view-slope"};
+}
+
+// Of the joint against the knee; `slope` is along the direction in which the headline grows, `assumed` what it gains
+// per mm in any.
+Parallax OfJoint(const Misalignment& m, const std::optional<double>& slope, double assumed, const BudgetOptions& o) {
+  if (!slope || o.view_slope) return OfSkin({}, assumed, o);
+  const std::optional<gait::MarkerDepth>& depth = m.exo_sight->depth;
+  return {JointDepthDeviationMm(depth, o), *slope,
+          depth ? "slope of this trial's camera, depth as --depth says"
+                : "slope of this trial's camera; how far the joint stands proud is not known: --depth"};
+}
+
+// Of the joint's place, per percent, in the shank's frame; empty where the camera is not known.
+std::vector<Vector2d> JointSlopes(const Misalignment& m) {
+  std::vector<Vector2d> slopes;
+  if (m.exo.slope.empty() || !m.exo_sight || m.exo.leg_knee.empty()) return slopes;
+  for (std::size_t i = 0; i < m.exo.slope.size(); ++i)
+    slopes.emplace_back(AxesAlong(m.exo.leg_knee[i] - m.exo.ankle[i]).transpose() * m.exo.slope[i]);
+  return slopes;
+}
+
+// Mean of slope · direction(percent).
+template <typename Direction>
+std::optional<double> SlopeAlong(const std::vector<Vector2d>& slopes, const Direction& direction) {
+  if (slopes.empty()) return std::nullopt;
+  double sum = 0;
+  for (std::size_t i = 0; i < slopes.size(); ++i) sum += slopes[i].dot(direction(i));
+  return sum / static_cast<double>(slopes.size());
+}
+
 // `placement`: its standard deviation in mm and the option that changes it; an axis has none, but its own, `axis_mm`.
-void AddSources(const Sensitivities& s, BudgetRow detection, std::pair<double, const char*> placement,
-                const std::optional<double>& axis_mm, const BudgetOptions& o, std::vector<BudgetRow>& rows) {
+void AddSources(const Sensitivities& s, const Parallax& parallax, BudgetRow detection,
+                std::pair<double, const char*> placement, const std::optional<double>& axis_mm, const BudgetOptions& o,
+                std::vector<BudgetRow>& rows) {
   rows.push_back(std::move(detection));
   const auto add = [&](const char* source, const char* distribution, double size, const char* unit, double sensitivity,
                        const char* reference, bool is_of_markers) {
@@ -94,9 +139,8 @@ void AddSources(const Sensitivities& s, BudgetRow detection, std::pair<double, c
                     .reference = reference,
                     .is_of_markers = is_of_markers});
   };
-  add("lens and plane", "normal", o.scale_percent, "%", s.scale, "assumed; --scale-sd", true);
-  add("out-of-plane movement and parallax", "normal", o.depth_mm, "mm", o.view_slope * s.constant,
-      "assumed; --depth-sd, --view-slope; lake track --depth removes a known depth", true);
+  add(kPlane, "normal", o.scale_percent, "%", s.scale, "assumed; --scale-sd", true);
+  add(kParallax, "normal", parallax.size_mm, "mm", parallax.sensitivity, parallax.reference, true);
   add("event times", "normal", o.event_s, "s", std::hypot(s.event_start, s.event_end), "assumed; --event-sd", true);
   if (axis_mm)
     add(kAxis, "normal", *axis_mm, "mm", s.constant, "how the markers of shank and thigh move against each other",
@@ -113,6 +157,23 @@ void AddRebuilding(const StsCurve& exo, double sensitivity, std::vector<BudgetRo
                   "repetitions that were left out when it was learnt, and where its marker is seen", true});
 }
 
+std::vector<double> Norms(const std::vector<Vector2d>& vectors) {
+  std::vector<double> norms;
+  for (const Vector2d& vector : vectors) norms.push_back(vector.norm());
+  return norms;
+}
+
+// Of a calibrated plane: its distance is a scale, and a turn moves what stands proud of it.
+void AddPlane(const Misalignment& m, std::vector<BudgetRow>& rows) {
+  if (!m.exo_sight) return;
+  const gait::PlaneSight& plane = m.exo_sight->plane;
+  BudgetRow& scale = *std::ranges::find(rows, kPlane, &BudgetRow::source);
+  scale.size = std::hypot(scale.size, 100 * plane.distance_sd_mm / plane.camera_mm.z());
+  if (m.exo_sight->depth && plane.turn_sd_rad > 0)
+    rows.push_back({"turn of the plane", "normal", DegreesFromRadians(plane.turn_sd_rad), "deg",
+                    std::abs(RadiansFromDegrees(m.exo_sight->depth->mm)), "the camera file", true});
+}
+
 // Of how far the joint is from the knee in a frame. Where an axis is known, the skin's sliding is in it as far as the
 // clusters show it.
 Budget JointFrameBudget(const Misalignment& m, double replacement_sd_mm, const ComparisonBudgetOptions& o) {
@@ -124,8 +185,10 @@ Budget JointFrameBudget(const Misalignment& m, double replacement_sd_mm, const C
   s.constant = 1;
   s.noise = std::numbers::sqrt2;  // of both markers
   s.scale = budget.value / 100;
-  AddSources(s, Detection(RootMeanSquare(m.exo.knee_sigma_mm), "mm", s.noise), {replacement_sd_mm, kReplacement},
-             o.axes.exo_mm, o, budget.rows);
+  const auto slope = SlopeAlong(JointSlopes(m), [&](std::size_t i) { return m.joint->shank_mm[i].normalized(); });
+  AddSources(s, OfJoint(m, slope, s.constant, o), Detection(RootMeanSquare(m.exo.knee_sigma_mm), "mm", s.noise),
+             {replacement_sd_mm, kReplacement}, o.axes.exo_mm, o, budget.rows);
+  AddPlane(m, budget.rows);
   AddRebuilding(m.exo, s.constant, budget.rows);
   if (o.axes.exo_mm) return budget;
   BudgetRow& tissue = *std::ranges::find(budget.rows, kSoftTissue, &BudgetRow::source);
@@ -163,13 +226,16 @@ Budget KneeAngleBudget(const Misalignment& m, double replacement_sd_mm, const Bu
   }
   Budget budget{"knee_angle", "deg", Mean(m.human.knee_deg), -180, {}};
   const Sensitivities s = OfKneeAngle(Mean(shank), Mean(thigh));
-  AddSources(s, Detection(RootMeanSquare(m.human.knee_sigma_mm), "mm", s.noise), {replacement_sd_mm, kReplacement},
-             o.axes.human_mm, o, budget.rows);
+  std::optional<double> slope;
+  if (!m.human.slope.empty()) slope = RootMeanSquare(Norms(m.human.slope));
+  AddSources(s, OfSkin(slope, s.constant, o), Detection(RootMeanSquare(m.human.knee_sigma_mm), "mm", s.noise),
+             {replacement_sd_mm, kReplacement}, o.axes.human_mm, o, budget.rows);
   AddAnkleAndHip(Mean(shank), Mean(thigh), {replacement_sd_mm, kReplacement}, o, budget.rows);
   return budget;
 }
 
-Budget KneeAngleBudget(const motion::LegMotion& motion, const RecordingBudgetOptions& o) {
+Budget KneeAngleBudget(const gait::LegFitResult& leg, const RecordingBudgetOptions& o) {
+  const motion::LegMotion& motion = leg.motion;
   std::vector<double> knee_deg, sigma_deg;
   for (const motion::LegSample& sample : motion.samples)
     if (!std::isnan(sample.knee_sigma_deg)) {
@@ -180,15 +246,20 @@ Budget KneeAngleBudget(const motion::LegMotion& motion, const RecordingBudgetOpt
   const double shank_mm = MedianLength(motion, &motion::LegSample::ak),
                thigh_mm = MedianLength(motion, &motion::LegSample::kh);
   const std::pair<double, const char*> placement{o.placement_mm, "assumed; --placement-sd"};
-  AddSources(OfKneeAngle(shank_mm, thigh_mm), Detection(RootMeanSquare(sigma_deg), "deg", 1), placement, {}, o,
+  const Sensitivities s = OfKneeAngle(shank_mm, thigh_mm);
+  std::optional<double> slope;
+  for (const gait::MarkerReport& marker : leg.markers)
+    if (marker.name == leg.leg_markers.knee && marker.parallax_per_depth > 0) slope = marker.parallax_per_depth;
+  AddSources(s, OfSkin(slope, s.constant, o), Detection(RootMeanSquare(sigma_deg), "deg", 1), placement, {}, o,
              budget.rows);
   AddAnkleAndHip(shank_mm, thigh_mm, placement, o, budget.rows);
   return budget;
 }
 
 // Of the angle less that of quiet standing, which is off by the same misplacement.
-Budget NeutralKneeBudget(const motion::LegMotion& motion, const RecordingBudgetOptions& o) {
-  Budget budget = KneeAngleBudget(motion, o);
+Budget NeutralKneeBudget(const gait::LegFitResult& leg, const RecordingBudgetOptions& o) {
+  const motion::LegMotion& motion = leg.motion;
+  Budget budget = KneeAngleBudget(leg, o);
   budget.quantity = "knee_neutral_angle";
   budget.value -= motion.neutral->knee_deg;
   std::erase_if(budget.rows,
@@ -227,7 +298,27 @@ double Square(const Budget& budget, bool markers_alone) {
   return square;
 }
 
-Interval About(const Budget& budget, double deviation) {
+// Of the length of a vector in the plane whose coordinates have this deviation: from the length that is seen to be so
+// long by chance in 2.5 %, to the one that is seen to be so short (Rice's distribution).
+Interval LengthInterval(double length, double deviation) {
+  using Distribution = boost::math::non_central_chi_squared;
+  constexpr double kTail = 0.025;
+  const double square = std::max(1e-6, std::pow(length / deviation, 2));
+  const auto seen_so = [&](double probability) {
+    if (1 - std::exp(-square / 2) <= probability) return 0.0;  // none is so seldom so short
+    return deviation * std::sqrt(Distribution::find_non_centrality(2, square, probability));
+  };
+  return {seen_so(1 - kTail), std::max(seen_so(kTail), kNormal95 * deviation)};
+}
+
+Interval About(const Budget& budget, double deviation, double axis_deviation) {
+  constexpr double kFar = 8;  // deviations from which on a length errs as a coordinate does
+  if (budget.size && budget.size->offset_mm < kFar * axis_deviation) {
+    const double rest_square = budget.value * budget.value - std::pow(budget.size->offset_mm, 2);
+    const Interval offset = LengthInterval(budget.size->offset_mm, axis_deviation);
+    const auto size = [&](double mm) { return std::sqrt(std::max(0.0, mm * mm + rest_square)); };
+    return {size(offset.low), size(offset.high)};
+  }
   return {std::max(budget.least, budget.value - kNormal95 * deviation), budget.value + kNormal95 * deviation};
 }
 
@@ -240,10 +331,10 @@ double Budget::Deviation() const {
   return std::sqrt(Square(*this, false));
 }
 Interval Budget::MarkerInterval() const {
-  return About(*this, MarkerDeviation());
+  return About(*this, MarkerDeviation(), size ? size->marker_sd_mm : 0);
 }
 Interval Budget::AnatomicalInterval() const {
-  return About(*this, Deviation());
+  return About(*this, Deviation(), size ? size->sd_mm : 0);
 }
 
 double Budget::SharePercent(const BudgetRow& row) const {
@@ -256,21 +347,35 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
   if (m.joint) {
     const JointMisalignment& joint = *m.joint;
     const double marker_mm = RootMeanSquare(m.exo.knee_sigma_mm);
-    const auto add = [&](const char* name, double value, double least, const Sensitivities& s,
+    const std::vector<Vector2d> slopes = JointSlopes(m);
+    const auto add = [&](const char* name, double value, double least, const Sensitivities& s, const auto& direction,
                          Interval JointMisalignment::Intervals::*interval) {
       Budget budget{name, "mm", value, least, {}};
-      AddSources(s, Detection(marker_mm, "mm", std::sqrt(kMarkersOfAJoint) * s.noise),
-                 {replacement_sd_mm, kReplacement}, o.axes.exo_mm, o, budget.rows);
+      AddSources(s, OfJoint(m, SlopeAlong(slopes, direction), s.constant, o),
+                 Detection(marker_mm, "mm", std::sqrt(kMarkersOfAJoint) * s.noise), {replacement_sd_mm, kReplacement},
+                 o.axes.exo_mm, o, budget.rows);
+      AddPlane(m, budget.rows);
       AddRebuilding(m.exo, s.constant, budget.rows);
       if (joint.intervals) AddOwnVariation(((*joint.intervals).*interval).Deviation(), "mm", budget.rows);
       budgets.push_back(std::move(budget));
     };
     using Intervals = JointMisalignment::Intervals;
     const double duration_s = m.exo.duration_s;
-    add("joint_rms", joint.rms_mm, 0, OfRms(joint, duration_s), &Intervals::rms_mm);
-    add("joint_offset_x", joint.mean_mm.x(), -kInfinity, OfOffset(joint, 0, duration_s), &Intervals::mean_x_mm);
-    add("joint_offset_y", joint.mean_mm.y(), -kInfinity, OfOffset(joint, 1, duration_s), &Intervals::mean_y_mm);
+    add(
+        "joint_rms", joint.rms_mm, 0, OfRms(joint, duration_s),
+        [&](std::size_t i) { return Vector2d(joint.shank_mm[i] / std::max(joint.rms_mm, 1e-9)); }, &Intervals::rms_mm);
+    add(
+        "joint_offset_x", joint.mean_mm.x(), -kInfinity, OfOffset(joint, 0, duration_s),
+        [](std::size_t) { return Vector2d(Vector2d::UnitX()); }, &Intervals::mean_x_mm);
+    add(
+        "joint_offset_y", joint.mean_mm.y(), -kInfinity, OfOffset(joint, 1, duration_s),
+        [](std::size_t) { return Vector2d(Vector2d::UnitY()); }, &Intervals::mean_y_mm);
     budgets.push_back(JointFrameBudget(m, replacement_sd_mm, o));
+    const auto worse = [&](double (Budget::*deviation)() const) {
+      return std::max((budgets[1].*deviation)(), (budgets[2].*deviation)());
+    };
+    budgets[0].size = {joint.mean_mm.norm(), worse(&Budget::MarkerDeviation), worse(&Budget::Deviation)};
+    budgets[3].size = {budgets[3].value, budgets[3].MarkerDeviation(), budgets[3].Deviation()};
   }
   budgets.push_back(KneeAngleBudget(m, replacement_sd_mm, o));
   return budgets;
@@ -278,10 +383,24 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
 
 std::vector<Budget> BudgetsOf(const gait::LegFitResult& leg, const RecordingBudgetOptions& o) {
   if (leg.motion.unit != motion::LengthUnit::kMm) return {};
-  std::vector<Budget> budgets = {KneeAngleBudget(leg.motion, o)};
-  if (leg.motion.neutral) budgets.push_back(NeutralKneeBudget(leg.motion, o));
+  std::vector<Budget> budgets = {KneeAngleBudget(leg, o)};
+  if (leg.motion.neutral) budgets.push_back(NeutralKneeBudget(leg, o));
   if (auto rise = RiseBudget(leg, o)) budgets.push_back(*std::move(rise));
   return budgets;
+}
+
+double JointDepthDeviationMm(const std::optional<gait::MarkerDepth>& depth, const BudgetOptions& o) {
+  return o.depth_mm.value_or(depth ? depth->sd_mm.value_or(kSkinDepth_mm) : kJointDepth_mm);
+}
+
+Vector2d ParallaxDeviationMm(const Misalignment& m, const BudgetOptions& o) {
+  Vector2d deviation_mm;
+  for (const int axis : {0, 1}) {
+    const auto slope = SlopeAlong(JointSlopes(m), [axis](std::size_t) { return Vector2d(Vector2d::Unit(axis)); });
+    const Parallax parallax = OfJoint(m, slope, 1, o);
+    deviation_mm[axis] = std::abs(parallax.size_mm * parallax.sensitivity);
+  }
+  return deviation_mm;
 }
 
 double PlaceDeviation(const std::vector<Budget>& budgets) {
@@ -322,6 +441,8 @@ std::string WayOut(const std::string& source, bool has_axis, bool is_of_two_tria
   if (source == kPlacement && is_of_two_trials) return "leave the same markers on between the trials";
   if (source == kRebuilding) return "more repetitions without exoskeleton, or a further technical marker, narrow it";
   if (source == kOwnVariation) return "record more repetitions";
+  if (source == kParallax && is_of_two_trials)
+    return "measure how far the joint's marker stands proud of the knee's, towards the camera: --depth exo_knee=MM±SD";
   return "";
 }
 
@@ -388,9 +509,12 @@ void Describe(BudgetOptions& o, OptionList& options) {
       .Between(kPlausibleMarkerDeviation.low, kPlausibleMarkerDeviation.high);
   options.Add("depth-sd", o.depth_mm, "Standard deviation of a marker's distance from the plane against another's")
       .Unit("mm")
-      .NotNegative();
+      .NotNegative()
+      .Otherwise(
+          fmt::format("{:g}; of the joint that of its --depth, {:g} without one", kSkinDepth_mm, kJointDepth_mm));
   options.Add("view-slope", o.view_slope, "How far the joint stands from the camera's axis, over its distance")
-      .NotNegative();
+      .NotNegative()
+      .Otherwise(fmt::format("as the trial's camera saw it, else {:g}", kViewSlope));
   options.Add("scale-sd", o.scale_percent, "Standard deviation of the plane's scale").Unit("percent").NotNegative();
   options.Add("event-sd", o.event_s, "Standard deviation of onset and standing").Unit("s").NotNegative();
 }

@@ -185,6 +185,7 @@ void TakeFromSummary(const fs::path& table, motion::MarkerValues values, Trial& 
   const Json summary = ReadJsonFile(file);
   if (values == motion::MarkerValues::kMeasured) TakeSigmasFrom(summary, file, trial);
   trial.leg = LegInSummary(summary);
+  if (in_mm) trial.sight = gait::PlaneSightIn(summary, file.string());
   if (!summary.contains(kUp)) return;
   const Json& said = summary[kUp];
   const bool is_pair = said.is_array() && said.size() == 2 && said[0].is_number() && said[1].is_number();

@@ -388,14 +388,23 @@ void Describe(TechnicalMarkers& technical, OptionList& options) {
       .Repeats();
 }
 
+void AddTechnical(const TechnicalMarkers& technical, std::vector<std::string>& names) {
+  for (const auto& [segment, markers] : technical)
+    for (const std::string& marker : markers)
+      if (std::ranges::count(names, marker) == 0) names.push_back(marker);
+}
+
+Option& DescribeKneeFrom(std::optional<std::filesystem::path>& trial, OptionList& options) {
+  return options
+      .Add("knee-from", trial,
+           "Rebuild the knee where its marker is hidden, as learnt in this folder of lake track or lake gait (the "
+           "person without exoskeleton, --technical)")
+      .IsPath(Option::Path::kFolder);
+}
+
 void DescribeHiddenKnee(LegFitOptions& o, OptionList& options) {
   Describe(o.technical, options);
-  options
-      .Add("knee-from", o.knee_trial,
-           "Rebuild the knee where its marker is hidden, as learnt in this folder of lake track or lake gait (the "
-           "person "
-           "without exoskeleton, --technical)")
-      .IsPath(Option::Path::kFolder);
+  DescribeKneeFrom(o.knee_trial, options);
 }
 
 Json LearntKneeJson(const LearntKnee& knee) {

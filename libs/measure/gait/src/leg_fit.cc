@@ -351,6 +351,11 @@ void CheckRemains(const motion::MarkerRecording& recording, const LegFitResult& 
 
 LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
                     const LateralPlaces& lateral) {
+  if (options.knee_from && !recording.Find(options.markers.knee)) {  // hidden in every frame
+    motion::MarkerRecording with_knee = recording;
+    with_knee.markers.push_back({options.markers.knee, std::vector<motion::MarkerSample>(recording.Frames())});
+    return FitLeg(with_knee, view, options, lateral);
+  }
   CheckRecording(recording, options);
   const std::optional<std::string> rounded = RoundedTimes(recording);
   PlausibilityLimits limits;
@@ -369,9 +374,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
                                               fmt::join(found.markers, "', '")));
     Blank(FindAllImplausible(result, options.markers, limits), options.markers, result);
   }
-  if (view.camera_from_plane)
-    result.camera_distance =
-        std::abs(view.camera_from_plane->linear().col(2).dot(view.camera_from_plane->translation()));
+  result.sight = SightOf(view);
   WarnOfOutliers(recording, result);
   if (hasty) result.warnings.insert(result.warnings.begin(), *hasty + ": are they in seconds?");
   if (rounded)

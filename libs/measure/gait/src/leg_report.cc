@@ -155,6 +155,7 @@ Json LegFitJson(const LegFitResult& result) {
     json["across_plane"] = {{"rms_mm", result.lateral->rms_mm},
                             {"largest_shank_deg", result.lateral->largest_shank_deg},
                             {"largest_thigh_deg", result.lateral->largest_thigh_deg}};
+  if (result.sight) json[kPlaneSight] = PlaneSightJson(*result.sight);
   if (result.rebuilt_knee) json["rebuilt_knee"] = RebuiltKneeJson(*result.rebuilt_knee);
   return json;
 }

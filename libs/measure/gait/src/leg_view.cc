@@ -1,33 +1,102 @@
 #include "lake/gait/leg_view.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "lake/core/error.h"
 
 namespace lake::gait {
 
 double LegView::Depth(const std::string& marker) const {
-  const auto found = depth_mm.find(marker);
-  return found == depth_mm.end() ? 0 : found->second;
+  const auto found = depths.find(marker);
+  return found == depths.end() ? 0 : found->second.mm;
+}
+
+Option& DescribeDepths(MarkerDepths& depths, OptionList& options) {
+  return options
+      .Add("depth", depths,
+           "How far a marker stands proud of the calibrated plane, towards the camera, with its standard deviation: "
+           "exo_knee=40±5 (may be repeated)")
+      .Unit("mm")
+      .Value("NAME=MM±SD")
+      .Repeats();
 }
 
 LegView MakeLegView(motion::LengthUnit recording_unit, const std::optional<camera::CameraProfile>& profile,
-                    const std::optional<double>& mm_per_px, const std::map<std::string, double>& depth_mm) {
+                    const std::optional<double>& mm_per_px, const MarkerDepths& depths) {
   LegView view;
   view.recorded_in_plane = recording_unit == motion::LengthUnit::kMm;
   if (view.recorded_in_plane) return view;
   if (profile) {
     view.camera = profile->camera;
     view.camera_from_plane = profile->camera_from_plane;
+    view.plane_uncertainty = profile->plane_uncertainty;
   }
   if (mm_per_px && !(*mm_per_px > 0 && std::isfinite(*mm_per_px)))
     throw Fail("scale: {} mm per px is not a positive number", *mm_per_px);
   if (!view.camera_from_plane) view.mm_per_px = mm_per_px;
-  if (!depth_mm.empty() && !view.camera_from_plane)
+  if (!depths.empty() && !view.camera_from_plane)
     throw Fail("depth of marker '{}': a depth needs a camera file with a calibrated plane (lake calibrate plane)",
-               depth_mm.begin()->first);
-  view.depth_mm = depth_mm;
+               depths.begin()->first);
+  view.depths = depths;
   return view;
+}
+
+std::optional<PlaneSight> SightOf(const LegView& view) {
+  if (!view.camera_from_plane || view.recorded_in_plane) return std::nullopt;
+  PlaneSight sight{.camera_mm = view.camera_from_plane->inverse().translation(), .depths = view.depths};
+  if (const auto& plane = view.plane_uncertainty) {
+    sight.turn_sd_rad = plane->rotation_sd_rad.head<2>().norm() / std::sqrt(2.0);
+    const Eigen::Vector3d normal = view.camera_from_plane->linear().col(2);
+    sight.distance_sd_mm = normal.cwiseProduct(plane->translation_sd_mm).norm();
+  }
+  return sight;
+}
+
+std::optional<MarkerDepth> DepthOf(const PlaneSight& sight, const std::string& marker) {
+  const auto found = sight.depths.find(marker);
+  return found == sight.depths.end() ? std::nullopt : std::optional(found->second);
+}
+
+Json PlaneSightJson(const PlaneSight& sight) {
+  Json depths = Json::object();
+  for (const auto& [marker, depth] : sight.depths) depths[marker] = OptionValue<MarkerDepth>::Format(depth);
+  return {{"camera_mm", {sight.camera_mm.x(), sight.camera_mm.y(), sight.camera_mm.z()}},
+          {"turn_sd_rad", sight.turn_sd_rad},
+          {"distance_sd_mm", sight.distance_sd_mm},
+          {"depths_mm", depths}};
+}
+
+std::optional<PlaneSight> PlaneSightIn(const Json& summary, const std::string& file) {
+  if (!summary.is_object() || !summary.contains(kPlaneSight)) return std::nullopt;
+  try {
+    const Json& json = summary[kPlaneSight];
+    PlaneSight sight{.turn_sd_rad = json.at("turn_sd_rad"), .distance_sd_mm = json.at("distance_sd_mm"), .depths = {}};
+    for (int i = 0; i < 3; ++i) sight.camera_mm[i] = json.at("camera_mm").at(static_cast<std::size_t>(i));
+    for (const auto& [marker, depth] : json.at("depths_mm").items())
+      sight.depths[marker] = OptionValue<MarkerDepth>::Parse(depth.get<std::string>(), marker);
+    if (!(sight.camera_mm.z() > 0)) throw Error("the camera is not before the plane");
+    return sight;
+  } catch (const std::exception& error) {
+    throw Fail("{}: '{}' is damaged ({}); track the video again", file, kPlaneSight, error.what());
+  }
+}
+
+void PutAtDepths(const MarkerDepths& depths, std::optional<PlaneSight>& sight, motion::MarkerRecording& recording) {
+  for (const auto& [name, depth] : depths) {
+    const auto track = std::ranges::find(recording.markers, name, &motion::MarkerTrack::name);
+    if (track == recording.markers.end()) continue;
+    if (!sight)
+      throw UsageError("--depth {}: where the camera stood is not known; give --depth to lake track, with --camera",
+                       name);
+    const double to_camera = sight->camera_mm.z(), before_mm = sight->depths[name].mm;
+    const double nearer = (to_camera - depth.mm) / (to_camera - before_mm);
+    for (motion::MarkerSample& sample : track->samples)
+      if (sample.IsKnown())
+        sample.position = sight->camera_mm.head<2>() + nearer * (sample.position - sight->camera_mm.head<2>());
+    sight->depths[name] = depth;
+  }
 }
 
 motion::LengthUnit PlaneUnit(const LegView& view) {
@@ -71,3 +140,21 @@ Eigen::Vector2d UpFromPlumbLine(const LegView& view, const Eigen::Vector2d& one_
 }
 
 }  // namespace lake::gait
+
+namespace lake {
+
+gait::MarkerDepth OptionValue<gait::MarkerDepth>::Parse(const std::string& text, const std::string& said) {
+  constexpr std::string_view kPlusMinus = "±";
+  const std::size_t at = text.find(kPlusMinus);
+  gait::MarkerDepth depth{.mm = OptionValue<double>::Parse(text.substr(0, at), said)};
+  if (at == std::string::npos) return depth;
+  depth.sd_mm = OptionValue<double>::Parse(text.substr(at + kPlusMinus.size()), said);
+  if (*depth.sd_mm < 0) throw UsageError("{}: the standard deviation of '{}' is negative", said, text);
+  return depth;
+}
+
+std::string OptionValue<gait::MarkerDepth>::Format(const gait::MarkerDepth& value) {
+  return OptionValue<double>::Format(value.mm) + (value.sd_mm ? "±" + OptionValue<double>::Format(*value.sd_mm) : "");
+}
+
+}  // namespace lake

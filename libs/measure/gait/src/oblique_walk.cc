@@ -24,7 +24,7 @@ double LargestKneeError(const LegFitResult& leg, const motion::MarkerTrack& hip,
     const motion::LegSample& sample = leg.motion.samples[i];
     if (!std::isfinite(sample.knee_deg) || !hip.samples[i].IsKnown()) continue;
     const double place = LegFromPlane(hip.samples[i].position, leg.motion.facing, leg.up).x() - middle,
-                 seen = std::cos(askance_rad) + place / leg.camera_distance * std::sin(askance_rad);
+                 seen = std::cos(askance_rad) + place / leg.sight->camera_mm.z() * std::sin(askance_rad);
     const auto error_deg = [&](double lean_deg) {
       const double lean_rad = RadiansFromDegrees(lean_deg);
       return DegreesFromRadians(std::atan2(std::sin(lean_rad) / seen, std::cos(lean_rad))) - lean_deg;
@@ -63,13 +63,13 @@ std::optional<std::string> ObliqueWalk(const LegFitResult& leg) {
   const std::string seen =
       fmt::format("the person {} while walking through: shank and thigh become {:.0f} % {} over the way",
                   slope > 0 ? "comes nearer" : "goes away", 100 * change, slope > 0 ? "longer" : "shorter");
-  if (leg.camera_distance == 0) {
+  if (!leg.sight) {
     if (change < kChange) return std::nullopt;
     return seen +
            "; stride lengths and leans are too small; how much that takes from the knee's angle only a camera with a "
            "calibrated plane tells (--camera)";
   }
-  const double askance_rad = std::atan(slope * leg.camera_distance);
+  const double askance_rad = std::atan(slope * leg.sight->camera_mm.z());
   if (std::abs(askance_rad) < RadiansFromDegrees(kOblique_deg)) return std::nullopt;
   return fmt::format(
       "{}, as {:.0f}° from the plane; stride lengths and speed are {:.0f} % too small, and the knee's angle is off by "

@@ -43,6 +43,7 @@ camera::CameraProfile WithPlane(camera::CameraProfile profile, const std::vector
   const camera::PlaneFit fit = camera::FitPlane(profile.camera, points, {.least_sigma_px = motion::kClickSigmaPx});
   for (const std::string& warning : fit.warnings) warn(warning);
   profile.camera_from_plane = fit.camera_from_plane;
+  profile.plane_uncertainty = fit.uncertainty;
   return profile;
 }
 
@@ -67,7 +68,7 @@ void DescribeOther(const std::string& prefix, const std::string& whose, PictureS
 }
 
 LegView MakeView(const PictureScale& picture, const std::optional<camera::CameraProfile>& profile,
-                 std::optional<double> mm_per_px, const std::map<std::string, double>& depth_mm, const Warn& warn) {
+                 std::optional<double> mm_per_px, const Warn& warn) {
   constexpr auto kPx = motion::LengthUnit::kPx;
   if (picture.scale && !picture.plane_points.empty())
     throw UsageError("--scale and --plane-points both give lengths: leave one out");
@@ -75,16 +76,16 @@ LegView MakeView(const PictureScale& picture, const std::optional<camera::Camera
     if (picture.scale || !picture.plane_points.empty())
       warn(fmt::format("{} is not used: the camera file has a calibrated plane",
                        picture.scale ? "--scale" : "--plane-points"));
-    return MakeLegView(kPx, profile, {}, depth_mm);
+    return MakeLegView(kPx, profile, {}, picture.depths);
   }
   if (picture.plane_points.empty()) {
-    LegView view = MakeLegView(kPx, profile, picture.scale ? MmPerPx(picture, profile) : mm_per_px, depth_mm);
+    LegView view = MakeLegView(kPx, profile, picture.scale ? MmPerPx(picture, profile) : mm_per_px, picture.depths);
     view.pixel_aspect = picture.pixel_aspect;
     return view;
   }
   const std::vector<camera::PlaneCorrespondence> points = camera::ParsePlanePoints(picture.plane_points);
-  if (profile) return MakeLegView(kPx, WithPlane(*profile, points, warn), {}, depth_mm);
-  LegView view = MakeLegView(kPx, {}, {}, depth_mm);
+  if (profile) return MakeLegView(kPx, WithPlane(*profile, points, warn), {}, picture.depths);
+  LegView view = MakeLegView(kPx, {}, {}, picture.depths);
   view.homography = camera::PlaneHomography(points);
   return view;
 }
@@ -97,7 +98,7 @@ LegView ViewOf(const PictureScale& picture, const motion::MarkerRecording& recor
     for (const std::string& warning : profile->warnings) warn(warning);
     CheckInPicture(profile->camera, *picture.camera, recording);
   }
-  return MakeView(picture, profile, mm_per_px, {}, warn);
+  return MakeView(picture, profile, mm_per_px, warn);
 }
 
 }  // namespace lake::gait

@@ -343,20 +343,40 @@ Found Find(const LearntKnee& learnt, const Places& places, motion::Facing facing
   return found;
 }
 
+// Where it is not given, as more of the flexions are in the learnt range.
+Found FindFacing(const LearntKnee& learnt, const Places& places, const LegFitOptions& options, std::size_t frames) {
+  using motion::Facing;
+  Found found = Find(learnt, places, options.facing.value_or(Facing::kRight), options, frames);
+  if (options.facing) return found;
+  Found left = Find(learnt, places, Facing::kLeft, options, frames);
+  return left.in_range > found.in_range ? left : found;
+}
+
 }  // namespace
+
+std::optional<CarriedKnee> CarriedKneeIn(const motion::MarkerRecording& frame, const LegView& view,
+                                         const LearntKnee& learnt, const std::optional<motion::Facing>& facing) {
+  LegFitOptions options;
+  options.facing = facing;
+  std::array<Detections, kLegMarkers> leg;
+  for (const motion::LegMarker m : {kAnkle, kHip}) {
+    const motion::MarkerTrack* track = frame.Find(options.markers.Of(m));
+    if (!track) return std::nullopt;
+    leg[m] = CollectDetections(frame, *track, view, 0);
+  }
+  const Found found = FindFacing(learnt, Places(learnt, frame, view, {}, options.markers, leg), options, 1);
+  if (found.in_range == 0) return std::nullopt;
+  return CarriedKnee{PlaneFromLeg(found.carried[0].place.head<2>(), found.facing, options.up), found.facing};
+}
 
 RebuiltKnee RebuildKnee(const LearntKnee& learnt, const motion::MarkerRecording& recording, const LegView& view,
                         const LateralPlaces& lateral, const LegFitOptions& options,
                         std::array<Detections, kLegMarkers>& leg, std::vector<std::string>& warnings) {
-  using motion::Facing;
   if (PlaneUnit(view) != motion::LengthUnit::kMm)
     throw UsageError("--knee-from: lengths are in px; give --scale, or a --camera with the sagittal plane");
   const std::size_t n = recording.Frames();
   const Places places(learnt, recording, view, lateral, options.markers, leg);
-  Found found = Find(learnt, places, options.facing.value_or(Facing::kRight), options, n);
-  if (!options.facing)
-    if (Found left = Find(learnt, places, Facing::kLeft, options, n); left.in_range > found.in_range)
-      found = std::move(left);
+  Found found = FindFacing(learnt, places, options, n);
   for (std::size_t s = 0; s < learnt.segments.size(); ++s)
     SayWhereMarkersAre(learnt, learnt.segments[s], found.courses[s], found.places, options, recording.frame, warnings);
   if (found.known > 0 && found.in_range == 0)

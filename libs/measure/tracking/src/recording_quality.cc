@@ -233,7 +233,10 @@ void TakeNamed(const TrackResult& tracked, RecordingCheck& check) {
     all += std::ranges::all_of(tracked.recording.markers,
                                [&](const motion::MarkerTrack& track) { return track.samples[i].IsKnown(); });
   // A repeated picture shows nothing of its own.
-  check.all_seen_share = static_cast<double>(all) / static_cast<double>(frames - tracked.times.repeated.size());
+  const auto shown = static_cast<double>(frames - tracked.times.repeated.size());
+  check.all_seen_share = static_cast<double>(all) / shown;
+  check.knee_hidden_share =
+      std::max(0.0, 1 - std::ranges::count_if(knee.samples, &motion::MarkerSample::IsKnown) / shown);
   for (const motion::MarkerTrack& track : tracked.recording.markers) {
     std::vector<Eigen::Vector2d> path;
     for (const motion::MarkerSample& sample : track.samples)

@@ -36,6 +36,11 @@ void JudgeMarkers(const RecordingCheck& c, int markers, std::vector<CheckItem>& 
                    "here, lake-track finds them with --detector"});
     return;
   }
+  if (c.knee_hidden_share > kOftenHidden)
+    items.push_back({.name = "knee_hidden_share",
+                     .shown = fmt::format("knee hidden in {:.0f} % of the frames", 100 * c.knee_hidden_share),
+                     .verdict = Verdict::kPoor,
+                     .advice = kHiddenKneeAdvice});
   const MarkerFigures& m = c.markers;
   items.push_back({.name = "radius_px",
                    .shown = fmt::format("marker radius {:.1f} px", m.radius_px),

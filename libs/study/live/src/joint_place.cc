@@ -18,17 +18,22 @@ using Eigen::Vector2d;
 
 namespace {
 
-RiseOffset OffsetOf(const compare::StsCurve& curve, const compare::StsInterval& interval) {
+RiseOffset OffsetOf(const compare::StsCurve& curve, const std::optional<compare::MarkerSight>& sight,
+                    const compare::StsInterval& interval) {
   compare::RegisteredTrial one;
   one.repetitions.push_back(curve);
   const std::vector<bool> no_spikes(curve.knee.size());
   const auto joint = compare::FindJointMisalignment(one, no_spikes);
   if (!joint) throw Error("the recording does not show the leg's own knee");
+  compare::Misalignment seen;
+  seen.exo = curve;
+  seen.exo_sight = sight;
   return {.onset_s = interval.onset_s,
           .standing_s = interval.standing_s,
           .mean_mm = joint->mean_mm,
           .noise_sd_mm = Vector2d::Constant(compare::MarkerNoiseOfMeanMm(curve)),
-          .remainder_mm = joint->remainder_mm};
+          .remainder_mm = joint->remainder_mm,
+          .parallax_sd_mm = compare::ParallaxDeviationMm(seen, {})};
 }
 
 // "12 mm back"; empty where it is not told apart from nothing.
@@ -46,9 +51,10 @@ std::string PlusMinus(double half_width_mm) {
 FoundRises FindRiseOffsets(motion::MarkerRecording recording, const RiseFinding& finding) {
   gait::LegFitOptions fit;
   fit.known_sigmas = true;
+  fit.knee_from = finding.knee_from;
   fit.lasting_share = tracking::CalibrateSigmas(finding.video, recording).lasting_share;
   const gait::LegFitResult leg = gait::FitLeg(gait::AtFrameTimes(recording, finding.shutter), finding.view, fit);
-  const compare::TrialTables tables{"live", leg.trajectory, leg.motion, leg.events};
+  const compare::TrialTables tables{"live", leg.trajectory, leg.motion, leg.events, leg.sight};
   compare::RegistrationOptions registration;
   registration.knee = finding.joint;
   registration.marker_at_mm = finding.marker_at_mm;
@@ -60,7 +66,7 @@ FoundRises FindRiseOffsets(motion::MarkerRecording recording, const RiseFinding&
   for (const compare::StsCurve& curve : trial.repetitions) {
     const auto interval = std::ranges::find(intervals, curve.repetition, &compare::StsInterval::repetition);
     if (interval == intervals.end() || curve.leg_knee.empty()) continue;
-    found.rises.push_back(OffsetOf(curve, *interval));
+    found.rises.push_back(OffsetOf(curve, trial.sight, *interval));
   }
   return found;
 }
@@ -69,7 +75,10 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
   const auto n = static_cast<double>(rises.size());
   JointPlace place;
   place.rises = static_cast<int>(rises.size());
-  for (const RiseOffset& rise : rises) place.offset_mm += rise.mean_mm / n;
+  for (const RiseOffset& rise : rises) {
+    place.offset_mm += rise.mean_mm / n;
+    place.parallax_sd_mm += rise.parallax_sd_mm / n;
+  }
   for (const int axis : {0, 1}) {
     double noise = 0, spread = 0;  // variances
     for (const RiseOffset& rise : rises) {
@@ -82,8 +91,7 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
       const double t = StudentQuantile(n - 1, 0.975);
       half_width = std::max(half_width, t * std::sqrt(spread / (n - 1) / n));
     }
-    const double plane =
-        std::hypot(budget.scale_percent / 100 * place.offset_mm[axis], budget.depth_mm * budget.view_slope);
+    const double plane = std::hypot(budget.scale_percent / 100 * place.offset_mm[axis], place.parallax_sd_mm[axis]);
     const double skin = std::hypot(budget.placement_mm, budget.soft_tissue_mm);
     place.fixed_half_width_mm[axis] = kNormal95 * plane;
     place.half_width_mm[axis] = std::hypot(half_width, place.fixed_half_width_mm[axis]);
@@ -99,9 +107,8 @@ bool JointPlace::DoRisesNarrow() const {
   return all - fixed > fixed;
 }
 
-double LeastUncertaintyMm(const compare::RecordingBudgetOptions& budget) {
-  const RiseOffset at_knee;  // without noise
-  return PlaceOf({&at_knee, 1}, budget).UncertaintyMm();
+double LeastUncertaintyMm(const RiseOffset& at_knee_without_noise) {
+  return PlaceOf({&at_knee_without_noise, 1}).UncertaintyMm();
 }
 
 std::string MoveText(const JointPlace& place, double tolerance_mm) {
@@ -114,7 +121,10 @@ std::string MoveText(const JointPlace& place, double tolerance_mm) {
     return fmt::format("Move the joint {}{}{} {}", along, along.empty() || up.empty() ? "" : " and ", up, within);
   if (place.DoRisesNarrow())
     return fmt::format("The joint's place is not known well enough yet {}: one more rise", within);
-  return fmt::format("The joint's distance cannot be distinguished from {:g} mm {}", tolerance_mm, within);
+  const bool is_of_depth = kNormal95 * place.parallax_sd_mm.maxCoeff() > tolerance_mm;
+  return fmt::format(
+      "The joint's distance cannot be distinguished from {:g} mm {}{}", tolerance_mm, within,
+      is_of_depth ? ": measure how far its marker stands proud of the knee's, --depth exo_knee=MM±SD" : "");
 }
 
 std::string ChangeText(const JointPlace& before, const JointPlace& now) {

@@ -14,6 +14,7 @@ extern "C" {
 #include "lake/core/error.h"
 #include "lake/core/fault_text.h"
 #include "lake/core/interrupt.h"
+#include "lake/gait/learnt_knee.h"
 #include "lake/review/open_browser.h"
 #include "lake/tracking/track_markers.h"
 #include "session.h"
@@ -119,9 +120,12 @@ void Describe(LiveRunOptions& o, OptionList& options) {
       .IsPath(Option::Path::kVideo);
   video::Describe(o.stream, options);
   Describe(static_cast<gait::PictureScale&>(o), options);
+  gait::DescribeDepths(o.depths, options);
   tracking::DescribeNames(o.markers, o.seeds, options);
   tracking::DescribePolarity(o.polarity, options);
   tracking::DescribeCrop(o.crop, options);
+  gait::DescribeHiddenKnee(o.fit, options);
+  options.Check([&o](const OptionList&) { gait::AddTechnical(o.fit.technical, o.markers); });
   options.Add("joint", o.joint, "Which of the markers sits on the exoskeleton's joint").Value("NAME");
   compare::DescribeJointAt(o.joint_at_mm, options);
   options.Add("tolerance", o.tolerance_mm, "How far the joint may be from the knee").Unit("mm").Positive();

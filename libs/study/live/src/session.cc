@@ -65,6 +65,10 @@ void GiveWay() {
 
 Session::Session(const LiveRunOptions& options, fs::path programs, Run& run)
     : options_(options), programs_(std::move(programs)), run_(run), by_hand_(options.seeds) {
+  gait::ReadKneeFrom(options_.fit);
+  if (const auto& learnt = options_.fit.knee_from)
+    for (const gait::SegmentKnee& segment : learnt->segments)
+      gait::AddTechnical({{segment.segment, segment.markers}}, options_.markers);
   CheckMarkers();
   const fs::path recording = run.Folder() / kVideo;
   for (const fs::path& file : {recording, video::UnfinishedRecording(recording)})
@@ -76,11 +80,7 @@ Session::Session(const LiveRunOptions& options, fs::path programs, Run& run)
   stream_ = std::make_unique<video::LiveStream>(options_.input, options_.stream, recording);
   video_ = stream_->Info();
   ReadPlane();
-  if (options_.tolerance_mm < LeastUncertaintyMm())
-    run_.Warn(
-        fmt::format("--tolerance {:g} mm: after however many rises the joint's place is known to ± {:.1f} mm at best, "
-                    "so no joint can be shown to be within it",
-                    options_.tolerance_mm, LeastUncertaintyMm()));
+  WarnOfTolerance();
   track_.names = options_.markers;
   track_.seeds = options_.seeds;
   track_.polarity = options_.polarity;
@@ -108,7 +108,8 @@ void Session::CheckMarkers() const {
     return std::ranges::find(options_.markers, name) != options_.markers.end();
   };
   for (const std::string_view name : {"ankle", "knee", "hip"})
-    if (!has(name)) throw UsageError("--markers: '{}' is missing; the leg's own knee must be seen", name);
+    if (!has(name) && !(options_.fit.knee_from && name == "knee"))
+      throw UsageError("--markers: '{}' is missing; the leg's own knee must be seen, or rebuilt (--knee-from)", name);
   if (!has(options_.joint))
     throw UsageError("--joint {}: is not one of the markers ({})", options_.joint, fmt::join(options_.markers, ", "));
   for (const char* of_leg : {"ankle", "knee", "hip", "waist"})
@@ -132,9 +133,24 @@ void Session::ReadPlane() {
   }
   gait::PictureScale picture = options_;
   picture.pixel_aspect = video_.pixel_aspect;
-  view_ = gait::MakeView(picture, profile, {}, {}, [this](const std::string& text) { run_.Warn(text); });
+  view_ = gait::MakeView(picture, profile, {}, [this](const std::string& text) { run_.Warn(text); });
   if (gait::PlaneUnit(view_) == motion::LengthUnit::kPx)
     throw Fail("no lengths in mm: give a camera file with a sagittal plane (--camera), --scale or --plane-points");
+}
+
+// Where the joint is seen is not known yet: as if in the picture's middle.
+void Session::WarnOfTolerance() {
+  RiseOffset at_knee;
+  const Vector2d middle(0.5 * video_.width, 0.5 * video_.height);
+  if (const auto sight = gait::SightOf(view_))
+    at_knee.parallax_sd_mm = compare::JointDepthDeviationMm(gait::DepthOf(*sight, options_.joint), {}) *
+                             sight->Slope(gait::PlaneFromRecorded(view_, middle, 0)).cwiseAbs();
+  const double least_mm = LeastUncertaintyMm(at_knee);
+  if (options_.tolerance_mm >= least_mm) return;
+  run_.Warn(fmt::format(
+      "--tolerance {:g} mm: after however many rises the joint's place is known to ± {:.1f} mm at best, so no joint is "
+      "told to be within; how far its marker stands proud of the knee's would narrow that: --depth {}=MM±SD",
+      options_.tolerance_mm, least_mm, options_.joint));
 }
 
 void Session::Start() {
@@ -213,9 +229,9 @@ void Session::AddFrame(const video::LiveFrame& live) {
   latencies_ms_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - live.arrived).count());
 }
 
-std::optional<Vector2d> Session::InPlane(const Vector2d& px) const {
+std::optional<Vector2d> Session::InPlane(std::string_view marker, const Vector2d& px) const {
   try {
-    return gait::PlaneFromRecorded(view_, px, 0);
+    return gait::PlaneFromRecorded(view_, px, view_.Depth(std::string(marker)));
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -228,11 +244,12 @@ Session::Sample Session::MeasureFrame() const {
   std::optional<Vector2d> joint;
   const auto in_plane = [&](std::string_view name) -> std::optional<Vector2d> {
     const std::optional<Vector2d> px = PlaceIn(told, name);
-    return px ? InPlane(*px) : std::nullopt;
+    return px ? InPlane(name, *px) : std::nullopt;
   };
   points.ankle = in_plane("ankle");
   points.knee = in_plane("knee");
   points.hip = in_plane("hip");
+  if (!points.knee && options_.fit.knee_from) points.knee = CarriedKnee();
   if (!points.ankle || !points.knee) return sample;
   const motion::Facing facing = facing_.value_or(motion::Facing::kRight);
   const motion::LegSample leg = gait::MakeLegSample(points, facing, kUpInPlane);
@@ -243,9 +260,17 @@ Session::Sample Session::MeasureFrame() const {
   if (const std::optional<JointPlace> place = Place()) {
     const Vector2d target = *joint - gait::PlaneFromLeg(shank * place->offset_mm, facing, kUpInPlane);
     sample.from_px = PlaceIn(told, options_.joint);
-    sample.to_px = gait::RecordedFromPlane<double>(view_, target, 0);
+    sample.to_px = gait::RecordedFromPlane<double>(view_, target, view_.Depth(options_.joint));
   }
   return sample;
+}
+
+// Of a hidden marker.
+std::optional<Vector2d> Session::CarriedKnee() const {
+  const motion::MarkerRecording& told = tracker_->Told();
+  const auto knee =
+      gait::CarriedKneeIn(Rows(told, told.Frames() - 1, told.Frames()), view_, *options_.fit.knee_from, facing_);
+  return knee ? std::optional(knee->in_plane) : std::nullopt;
 }
 
 void Session::WriteTrackRow() {
@@ -283,7 +308,8 @@ std::vector<std::string> Session::SeedsFrom(double start_s) const {
   std::vector<std::string> seeds;
   const motion::MarkerRecording& measured = tracker_->Measured();
   for (const motion::MarkerTrack& track : measured.markers) {
-    const bool is_leg = std::ranges::find(tracking::kLegMarkers, track.name) != tracking::kLegMarkers.end();
+    const bool is_leg =
+        measured.Find("knee") && std::ranges::find(tracking::kLegMarkers, track.name) != tracking::kLegMarkers.end();
     if (is_leg && std::ranges::find(by_hand_, track.name, &tracking::MarkerSeed::name) == by_hand_.end()) continue;
     const auto is_seen = [&](std::size_t row) {
       return track.samples[row].IsKnown() && measured.time_s[row] >= start_s;
@@ -399,12 +425,13 @@ void Session::FindFacing() {
     const std::lock_guard lock(mutex_);
     if (facing_) return;
     const motion::MarkerRecording& measured = tracker_->Measured();
+    if (!measured.Find("knee")) return FindFacingOfCarriedKnee();
     const motion::MarkerTrack &ankle = *measured.Find("ankle"), &knee = *measured.Find("knee"),
                               &hip = *measured.Find("hip");
     for (std::size_t row = 0; row < measured.Frames(); ++row) {
       const auto place = [&](const motion::MarkerTrack& track) {
         const motion::MarkerSample& sample = track.samples[row];
-        return sample.IsKnown() ? InPlane(sample.position) : std::nullopt;
+        return sample.IsKnown() ? InPlane(track.name, sample.position) : std::nullopt;
       };
       const gait::LegPoints leg{.ankle = place(ankle), .knee = place(knee), .hip = place(hip), .waist = {}};
       if (leg.ankle && leg.knee && leg.hip) legs.push_back(leg);
@@ -414,6 +441,15 @@ void Session::FindFacing() {
   const gait::FacingFound found = gait::FindFacing(legs);
   const std::lock_guard lock(mutex_);
   if (found.IsCertain()) facing_ = found.facing;
+}
+
+// Under the mutex; by the last frame that has one.
+void Session::FindFacingOfCarriedKnee() {
+  const motion::MarkerRecording& measured = tracker_->Measured();
+  if (!tracker_->HasAllNames() || measured.Frames() == 0) return;
+  const auto knee =
+      gait::CarriedKneeIn(Rows(measured, measured.Frames() - 1, measured.Frames()), view_, *options_.fit.knee_from, {});
+  if (knee) facing_ = knee->facing;
 }
 
 // From three seconds before the last rise that is known: what the leg fit needs of a rest.
@@ -431,7 +467,12 @@ motion::MarkerRecording Session::Window() const {
 }
 
 void Session::FindTheRises() {
-  RiseFinding finding{.view = view_, .shutter = {}, .video = {}, .joint = options_.joint, .marker_at_mm = MarkerAt()};
+  RiseFinding finding{.view = view_,
+                      .shutter = {},
+                      .video = {},
+                      .joint = options_.joint,
+                      .knee_from = options_.fit.knee_from,
+                      .marker_at_mm = MarkerAt()};
   motion::MarkerRecording window;
   {
     const std::lock_guard lock(mutex_);
@@ -466,8 +507,9 @@ void Session::FindTheRises() {
 
 // Of what lake check judges: that which a recording under way tells of itself.
 void Session::JudgePictures() {
-  constexpr std::array kJudged = {"all_seen_share", "radius_px",     "contrast_over_noise", "saturated_share",
-                                  "blur_px",        "frame_rate_hz", "repeated_frames",     "dropped_frames"};
+  constexpr std::array kJudged = {"all_seen_share",      "knee_hidden_share", "radius_px",
+                                  "contrast_over_noise", "saturated_share",   "blur_px",
+                                  "frame_rate_hz",       "repeated_frames",   "dropped_frames"};
   constexpr std::array kOfMarkers = {"radius_px", "contrast_over_noise", "saturated_share", "blur_px"};
   tracking::RecordingCheck check;
   std::vector<tracking::Tracklet> named;
@@ -491,6 +533,11 @@ void Session::JudgePictures() {
     for (std::size_t row = frames - looked; row < frames; ++row)
       all += std::ranges::all_of(measured.markers, [&](const auto& track) { return track.samples[row].IsKnown(); });
     check.all_seen_share = static_cast<double>(all) / static_cast<double>(looked);
+    if (const motion::MarkerTrack* knee = measured.Find("knee"); knee && !options_.fit.knee_from)
+      check.knee_hidden_share = static_cast<double>(std::count_if(
+                                    knee->samples.end() - static_cast<std::ptrdiff_t>(looked), knee->samples.end(),
+                                    [](const motion::MarkerSample& sample) { return !sample.IsKnown(); })) /
+                                static_cast<double>(looked);
     named = tracker_->Named(looked);
     image = tracker_->Figures();
   }

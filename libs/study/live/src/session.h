@@ -18,6 +18,7 @@
 #include "lake/camera/camera.h"
 #include "lake/core/json.h"
 #include "lake/core/run.h"
+#include "lake/gait/learnt_knee.h"
 #include "lake/gait/leg_angles.h"
 #include "lake/gait/leg_view.h"
 #include "lake/live/joint_place.h"
@@ -81,10 +82,11 @@ class Session {
   };
 
   void ReadPlane();
+  void WarnOfTolerance();
   Eigen::Vector2d MarkerAt() const { return {options_.joint_at_mm[0], options_.joint_at_mm[1]}; }
   void CheckMarkers() const;
   // Of a place that the camera's model puts into the plane.
-  std::optional<Eigen::Vector2d> InPlane(const Eigen::Vector2d& px) const;
+  std::optional<Eigen::Vector2d> InPlane(std::string_view marker, const Eigen::Vector2d& px) const;
 
   // The tracker's thread.
   void Work();
@@ -92,6 +94,7 @@ class Session {
   [[noreturn]] void BreakOff(const std::string& why);
   void AddFrame(const video::LiveFrame& live);
   Sample MeasureFrame() const;
+  std::optional<Eigen::Vector2d> CarriedKnee() const;
   void WriteTrackRow();
   void FinishTrial();
 
@@ -100,6 +103,7 @@ class Session {
   void FindTheNames();
   void FindTheRises();
   void FindFacing();
+  void FindFacingOfCarriedKnee();
   void JudgePictures();
 
   // Under the mutex.

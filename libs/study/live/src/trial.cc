@@ -15,6 +15,11 @@ namespace fs = std::filesystem;
 std::vector<std::string> TrackArguments(const LiveRunOptions& options, const std::vector<std::string>& more) {
   std::vector<std::string> words = {fmt::format("--markers={}", fmt::join(options.markers, ","))};
   if (options.camera) words.push_back("--camera=" + fs::absolute(*options.camera).string());
+  for (const auto& [marker, depth] : options.depths)
+    words.push_back(fmt::format("--depth={}={}", marker, OptionValue<gait::MarkerDepth>::Format(depth)));
+  for (const auto& [segment, names] : options.fit.technical)
+    words.push_back(fmt::format("--technical={}={}", segment, fmt::join(names, ",")));
+  if (options.fit.knee_trial) words.push_back("--knee-from=" + fs::absolute(*options.fit.knee_trial).string());
   if (options.scale) words.push_back(fmt::format("--scale={}", fmt::join(*options.scale, ",")));
   if (!options.plane_points.empty()) words.push_back("--plane-points=" + options.plane_points);
   if (options.polarity == tracking::Polarity::kDark) words.push_back("--polarity=dark");

@@ -15,7 +15,8 @@ enum class KneeFrom { kMarker, kFunctional };
 
 struct KneeOptions {
   KneeFrom knee = KneeFrom::kMarker;
-  axis::SegmentMarkers segments;      // of the person, by their names in the trials' files
+  axis::SegmentMarkers segments;                    // of the person, by their names in the trials' files
+  std::optional<std::filesystem::path> trial = {};  // rebuilds a knee that EXO's file hides, as learnt there
   axis::SegmentMarkers exo_segments;  // of the exoskeleton's parts, likewise; empty: its joint's marker is taken
 };
 

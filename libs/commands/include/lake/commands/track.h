@@ -28,7 +28,6 @@ struct TrackRunOptions : gait::PictureScale, FurtherInputs {
   std::optional<std::array<double, 4>> vertical;     // x1 y1 x2 y2 in px: both ends of a plumb line
   bool vertical_from_leg = false;                    // --vertical auto: that of the leg as it stands
   std::optional<double> readout_s;                   // rolling shutter; default: the camera file's, else 0
-  std::map<std::string, double> depth_mm;            // by marker: how far it stands proud of the plane
   std::optional<std::filesystem::path> corrections;  // frame,marker,x_px,y_px
   std::optional<std::filesystem::path> events;       // repetition,event,time_s or frame: overrule those found
   bool overlay = true;

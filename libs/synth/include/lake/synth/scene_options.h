@@ -71,6 +71,7 @@ struct SceneOptions {
   double brightness = 1;         // factor on everything but the markers
   bool bright_room = false;      // light wall and clothes, for dark markers
   bool exoskeleton = false;      // grey links beside the leg, their joint at exo_knee
+  double hub_mm = 0;             // radius of an opaque disc at exo_knee; 0: none
   int reflections = 0;           // fixed bright discs and streaks, clear of the markers' paths
   bool glint = false;            // a moving, elongated spot of changing brightness
   std::vector<Occlusion> occlusions;

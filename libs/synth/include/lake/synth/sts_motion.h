@@ -42,6 +42,7 @@ struct StsMotionOptions {
   double time_warp = 0;  // at the fraction s of a rise the pose is that of s + time_warp sin(pi s)
   std::optional<Eigen::Vector2d>
       exo_knee_mm;  // adds `exo_knee` here relative to the knee: shank frame (x anterior, y ankle to knee)
+  std::vector<std::string> extra_markers = {};  // on the skin of shank and thigh: shank1, shank2, thigh1, thigh2
 };
 
 struct StsPhase {
@@ -50,10 +51,11 @@ struct StsPhase {
   double start_s = 0, end_s = 0;
 };
 
-// Markers ankle, knee, hip, waist and, if asked for, exo_knee. The ankle rests at (0, 0).
+// Markers ankle, knee, hip, waist and, if asked for, exo_knee and extra ones. The ankle rests at (0, 0).
 class StsMotion : public MarkerMotion {
  public:
-  // Throws UsageError for lengths or durations that are not positive, no repetition, a warp that turns time back.
+  // Throws UsageError for lengths or durations that are not positive, no repetition, a warp that turns time back, an
+  // extra marker that it does not know.
   explicit StsMotion(const StsMotionOptions& options);
 
   const std::vector<std::string>& Names() const override { return names_; }

@@ -45,6 +45,7 @@ struct SynthRunOptions {
   std::filesystem::path camera;
   std::optional<std::array<double, 5>> distortion;
   std::map<std::string, double> depth_mm;
+  double hub_mm = 0;
   Markers markers = Markers::kDisc;
   std::vector<Occlusion> occlusions;
   bool bright_room = false, glint = false, colour = false;

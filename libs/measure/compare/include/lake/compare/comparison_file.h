@@ -14,8 +14,9 @@ struct ComparedCurves {
   StsCurve human, exo;
   std::vector<bool> spike{};                            // per percent
   double noise_floor_mm = 0, noise_floor_relative = 0;  // RMS that noise alone would show
-  bool knee_is_functional = false;                      // the axis of rotation, not the marker
-  KneeAxes axes{};                                      // empty in an older file, which does not say
+  std::optional<MarkerSight> exo_sight{};
+  bool knee_is_functional = false;  // the axis of rotation, not the marker
+  KneeAxes axes{};                  // empty in an older file, which does not say
   // Of the joint's place against the knee beneath the skin, along the worse axis; where it was seen.
   std::optional<double> joint_sd_mm{};
   gait::MovementKind movement = gait::MovementKind::kSitToStand;  // or kWalking; an older file has sit-to-stands

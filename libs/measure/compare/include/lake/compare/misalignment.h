@@ -63,6 +63,7 @@ struct JointMoved {
 struct Misalignment {
   gait::MovementKind movement = gait::MovementKind::kSitToStand;  // of both trials
   StsCurve human, exo;                                            // means over the repetitions
+  std::optional<MarkerSight> exo_sight = {};                      // of the exoskeleton's joint
   std::vector<double> shank_mm;                                   // human, per percent
   std::vector<double> distance_mm, misalignment_ratio, misalignment_ratio_paper;
   std::vector<double> misalignment_ratio_sd;  // over all pairs of repetitions; empty for a single pair

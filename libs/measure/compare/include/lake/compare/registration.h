@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/gait/leg_view.h"
 #include "lake/gait/movement.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/marker_recording.h"
@@ -29,6 +30,8 @@ struct StsCurve {
   std::vector<double> shank_deg, trunk_deg;
   // Where technical markers replace the leg's own knee, their standard deviation per axis, else 0; empty: they do not.
   std::vector<double> rebuilt_sd_mm = {};
+  // How far the compared marker is off for each mm that it stands proud of the plane; empty: not known.
+  std::vector<Eigen::Vector2d> slope = {};
   std::vector<double> knee_sigma_mm;  // one standard deviation per axis of the knee relative to the origin
 };
 
@@ -38,6 +41,7 @@ struct TrialTables {
   motion::MarkerRecording trajectory;  // plane frame
   motion::LegMotion motion;            // of the same frames
   std::vector<motion::StsEvent> events;
+  std::optional<gait::PlaneSight> sight = {};
 };
 
 struct RegistrationOptions {
@@ -50,10 +54,17 @@ struct RegistrationOptions {
   double max_gap_s = 0.2;  // a longer gap in a repetition makes it useless
 };
 
+// How a calibrated camera saw the compared marker, and the depth that it is corrected by.
+struct MarkerSight {
+  gait::PlaneSight plane;
+  std::optional<gait::MarkerDepth> depth;
+};
+
 struct RegisteredTrial {
   std::vector<StsCurve> repetitions;                              // at least one
   std::vector<std::string> warnings;                              // repetitions left out, and why
   gait::MovementKind movement = gait::MovementKind::kSitToStand;  // or kWalking
+  std::optional<MarkerSight> sight = {};
 };
 
 // Walking where the events have a heel strike, else sit-to-stand.

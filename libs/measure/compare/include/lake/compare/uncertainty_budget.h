@@ -21,14 +21,22 @@
 
 namespace lake::compare {
 
+inline constexpr double kSkinDepth_mm = 10;
+inline constexpr double kJointDepth_mm = 30;  // hubs stand 20 to 60 mm proud
+inline constexpr double kViewSlope = 0.1;     // 0.3 m at 3 m
+
 // Standard deviations of what no trial shows of itself.
 struct BudgetOptions {
   // Per axis, of the knee's marker against the joint beneath it. Skin markers stray from bone pins by up to 13.0 mm in
   // walking and 16.1 mm in cutting (Benoit et al. 2006); single markers on leg and thigh by 4 to 16 mm against
   // fluoroscopy (Ancillao et al. 2021). Such a largest stray is some two standard deviations.
   double soft_tissue_mm = 7;
-  double depth_mm = 10;        // of one marker's distance from the plane against another's
-  double view_slope = 0.1;     // how far the joint stands from the camera's axis over its distance: 0.3 m at 3 m
+  // Of one marker's distance from the plane against another's; unset: what --depth says of the joint's, else
+  // kSkinDepth_mm or, of a joint of which nothing is said, kJointDepth_mm.
+  std::optional<double> depth_mm = {};
+  // How far a marker stands from the camera's axis over its distance; unset: as the trial's camera saw it, else
+  // kViewSlope.
+  std::optional<double> view_slope = {};
   double scale_percent = 0.2;  // of the plane's scale
   double event_s = 0.02;       // of onset and standing
   KneeAxes axes{};             // no option: the trials tell
@@ -75,6 +83,12 @@ struct Budget {
   double value = 0;
   double least = 0;  // of the quantity's values: 0 for a root mean square
   std::vector<BudgetRow> rows;
+  // Of a size, √(|offset|² + rest²): the offset, and its deviation along the axis that it is known worse along. Chance
+  // makes a small offset larger, whichever way it goes.
+  struct Size {
+    double offset_mm = 0, marker_sd_mm = 0, sd_mm = 0;
+  };
+  std::optional<Size> size = {};
 
   double MarkerDeviation() const;
   double Deviation() const;  // of all sources
@@ -94,6 +108,13 @@ std::vector<Budget> BudgetsOf(const gait::LegFitResult& leg, const RecordingBudg
 // Of the joint's place against the knee beneath the skin, along the axis that it is known worse along, mm; NaN without
 // the joint's headlines.
 double PlaceDeviation(const std::vector<Budget>& budgets);
+
+// Of the joint's depth against the knee's, where it is corrected by this one, if by any.
+double JointDepthDeviationMm(const std::optional<gait::MarkerDepth>& depth, const BudgetOptions& options);
+
+// What that leaves open of the joint's mean place against the knee, shank's frame: of `misalignment` only `exo` and
+// `exo_sight` are looked at.
+Eigen::Vector2d ParallaxDeviationMm(const Misalignment& misalignment, const BudgetOptions& options);
 
 // As people read it: "joint misalignment, RMS".
 std::string QuantityName(const std::string& quantity);

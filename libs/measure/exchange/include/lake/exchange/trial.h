@@ -11,6 +11,7 @@
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/exchange/formats.h"
+#include "lake/gait/leg_view.h"
 
 namespace lake::exchange {
 
@@ -65,7 +66,8 @@ struct Trial {
   std::optional<motion::Side> leg;    // as the markers' names in the file or a folder's own summary say
   bool known_sigmas = false;          // measurements whose sigmas hold, as a folder's own summary says
   double lasting_share = 0;           // of their errors, for some frames (gait::LegFitOptions), as it says, too
-  double out_of_plane_mm = 0;         // 3-D files: RMS of the leg's lateral movement
+  std::optional<gait::PlaneSight> sight;  // of a recording in mm, as it says, too
+  double out_of_plane_mm = 0;             // 3-D files: RMS of the leg's lateral movement
   // 3-D files: x and y of the plane from the file's axes, and its normal, towards the one who sees x to the right.
   std::optional<Eigen::Matrix3d> plane_from_space;
   // 3-D files whose points do not lie in one plane: each marker's lateral coordinate in each frame (to the right of a

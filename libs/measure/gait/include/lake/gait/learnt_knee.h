@@ -18,6 +18,8 @@ namespace lake::gait {
 
 // --technical. Throws UsageError for a segment other than shank and thigh, or fewer than two markers.
 void Describe(TechnicalMarkers& technical, OptionList& options);
+void AddTechnical(const TechnicalMarkers& technical, std::vector<std::string>& names);  // those not among them yet
+Option& DescribeKneeFrom(std::optional<std::filesystem::path>& trial, OptionList& options);
 // --technical and --knee-from, of programs that fit a leg.
 void DescribeHiddenKnee(LegFitOptions& o, OptionList& options);
 
@@ -47,6 +49,15 @@ struct LearntKnee {
 // repetitions, each quarter of the recording. `lateral` as for FitLeg. Throws Error: a marker is absent, lengths are in
 // px, or the markers are seen together in too few frames.
 LearntKnee LearnKnee(const LegFitResult& fit, const TechnicalMarkers& technical, const LateralPlaces& lateral = {});
+
+// Where the markers of one frame carry the knee, and which way the person faces by them, if that is not known; nullopt
+// where too few of them are seen, or the flexion is none that was learnt.
+struct CarriedKnee {
+  Eigen::Vector2d in_plane;
+  motion::Facing facing = motion::Facing::kRight;
+};
+std::optional<CarriedKnee> CarriedKneeIn(const motion::MarkerRecording& frame, const LegView& view,
+                                         const LearntKnee& learnt, const std::optional<motion::Facing>& facing);
 
 // For summary.json under `kLearntKnee`, and back from a summary in a folder. Throws Error naming the summary.
 inline constexpr const char* kLearntKnee = "learnt_knee";

@@ -148,7 +148,7 @@ struct LegFitResult {
   std::optional<LateralReport> lateral;
   std::optional<RebuiltKnee> rebuilt_knee;
   Eigen::Vector2d up = Eigen::Vector2d::UnitY();  // in the plane, as the options had it
-  double camera_distance = 0;                     // of the camera from the plane, mm; 0: not known
+  std::optional<PlaneSight> sight;                // of a calibrated plane
   LegMarkers leg_markers;                         // what they are called in the recording, as the options had it
   std::vector<std::string> warnings;
   LegFitSummary summary;

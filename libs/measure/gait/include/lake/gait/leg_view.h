@@ -9,9 +9,33 @@
 
 #include "lake/camera/camera.h"
 #include "lake/camera/homography.h"
+#include "lake/core/json.h"
+#include "lake/core/options.h"
 #include "lake/motion/marker_recording.h"
 
 namespace lake::gait {
+
+// How far a marker stands proud of the sagittal plane, towards the camera: "40", or "40±5" with its standard deviation.
+struct MarkerDepth {
+  double mm = 0;
+  std::optional<double> sd_mm = {};  // as it was measured
+
+  bool operator==(const MarkerDepth&) const = default;
+};
+using MarkerDepths = std::map<std::string, MarkerDepth>;
+
+// --depth of all programs that read pictures.
+Option& DescribeDepths(MarkerDepths& depths, OptionList& options);
+
+// How a calibrated camera stands before its plane: what a marker's place has of its depth.
+struct PlaneSight {
+  Eigen::Vector3d camera_mm = Eigen::Vector3d::UnitZ();  // its centre, plane frame; z is its distance from the plane
+  double turn_sd_rad = 0, distance_sd_mm = 0;            // of the plane, as calibrated; 0: not known
+  MarkerDepths depths;                                   // that the markers' places are corrected by
+
+  // By so many mm is a marker at this place off it for each mm that it stands proud.
+  Eigen::Vector2d Slope(const Eigen::Vector2d& place) const { return (place - camera_mm.head<2>()) / camera_mm.z(); }
+};
 
 // Which of the plane's descriptions holds, best first:
 // - camera and camera_from_plane: a calibrated plane, in mm; a marker's depth is how far it stands proud of it, towards
@@ -28,9 +52,10 @@ struct LegView {
   std::optional<camera::PlanePose> camera_from_plane;
   std::optional<camera::HomographyFit> homography;
   std::optional<double> mm_per_px;
-  double pixel_aspect = 1;                 // width over height of a pixel, as the recording's file says
-  std::map<std::string, double> depth_mm;  // by marker; 0 where not named
-  bool recorded_in_plane = false;          // the recording is in mm: nothing to project
+  double pixel_aspect = 1;  // width over height of a pixel, as the recording's file says
+  std::optional<camera::PlaneUncertainty> plane_uncertainty;
+  MarkerDepths depths;             // 0 where not named
+  bool recorded_in_plane = false;  // the recording is in mm: nothing to project
 
   double Depth(const std::string& marker) const;
 };
@@ -38,7 +63,21 @@ struct LegView {
 // From a camera profile (if any), a scale (if any) and the depths. Throws Error for a scale that is not positive, or
 // depths without a calibrated plane.
 LegView MakeLegView(motion::LengthUnit recording_unit, const std::optional<camera::CameraProfile>& profile,
-                    const std::optional<double>& mm_per_px = {}, const std::map<std::string, double>& depth_mm = {});
+                    const std::optional<double>& mm_per_px = {}, const MarkerDepths& depths = {});
+
+std::optional<MarkerDepth> DepthOf(const PlaneSight& sight, const std::string& marker);
+
+// nullopt without a calibrated plane.
+std::optional<PlaneSight> SightOf(const LegView& view);
+
+// For summary.json under `kPlaneSight`, and back; nullopt where a summary has none. Throws Error naming the file.
+inline constexpr const char* kPlaneSight = "plane_sight";
+Json PlaneSightJson(const PlaneSight& sight);
+std::optional<PlaneSight> PlaneSightIn(const Json& summary, const std::string& file);
+
+// Of a recording in the plane: moves its markers to where they are at these depths; others are passed over. Throws
+// UsageError where no sight is known.
+void PutAtDepths(const MarkerDepths& depths, std::optional<PlaneSight>& sight, motion::MarkerRecording& recording);
 
 // The unit of plane coordinates under this view.
 motion::LengthUnit PlaneUnit(const LegView& view);
@@ -82,3 +121,10 @@ Eigen::Vector2d UpFromPlumbLine(const LegView& view, const Eigen::Vector2d& one_
                                 const Eigen::Vector2d& other_end_px, const Eigen::Vector2d& up_px = {0, -1});
 
 }  // namespace lake::gait
+
+template <>
+struct lake::OptionValue<lake::gait::MarkerDepth> {
+  static constexpr const char* kType = "NUMBER";
+  static lake::gait::MarkerDepth Parse(const std::string& text, const std::string& said);
+  static std::string Format(const lake::gait::MarkerDepth& value);
+};

@@ -17,6 +17,7 @@ struct PictureScale {
   std::optional<std::filesystem::path> camera;  // camera.yaml
   std::optional<std::array<double, 5>> scale;   // x1 y1 x2 y2 in px, length in mm
   std::string plane_points;                     // as camera::ParsePlanePoints reads it
+  MarkerDepths depths;                          // an option of its own, --depth
   double pixel_aspect = 1;                      // width over height of a pixel: no option, but what the video says
 
   bool IsGiven() const { return camera || scale || !plane_points.empty(); }
@@ -37,7 +38,7 @@ using Warn = std::function<void(const std::string&)>;
 // per px, else `mm_per_px` does. What is not used is said by a warning. Throws UsageError for a bar without a length,
 // Error as camera::FitPlane and camera::PlaneHomography.
 LegView MakeView(const PictureScale& picture, const std::optional<camera::CameraProfile>& profile,
-                 std::optional<double> mm_per_px, const std::map<std::string, double>& depth_mm, const Warn& warn);
+                 std::optional<double> mm_per_px, const Warn& warn);
 
 // The view of a recording in px whose picture's size is not known. `mm_per_px`: of the recording's own file, where no
 // bar is given. Throws Error as camera::ReadCameraProfile, and for positions outside the picture that the camera was

@@ -63,6 +63,7 @@ struct RecordingCheck {
   // on them is known: `markers`, `compression_px` to `segment_px`, `knee_sd_deg`.
   std::string why_not_named = "not looked for";
   double all_seen_share = 0;     // of the frames: every named marker; without names, as many spots as there are markers
+  double knee_hidden_share = 0;  // of the frames, where the markers are named
   double spots = 0;              // marker-like things in a frame, median
   double clutter = 0;            // of these, more than there are markers
   double strongest_clutter = 0;  // its contrast over the faintest marker's

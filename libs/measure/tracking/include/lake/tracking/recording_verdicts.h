@@ -20,6 +20,11 @@ struct CheckItem {
   std::string advice = {};
 };
 
+// What every program says of a knee that is hidden in more than this part of the frames.
+inline constexpr double kOftenHidden = 0.1;
+inline constexpr const char* kHiddenKneeAdvice =
+    "two markers on the shank would replace it (the manual's page on the hidden knee)";
+
 // Every figure of a check, judged.
 std::vector<CheckItem> JudgeRecording(const RecordingCheck& check, int markers);
 

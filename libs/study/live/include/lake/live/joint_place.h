@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ struct RiseOffset {
   Eigen::Vector2d mean_mm = Eigen::Vector2d::Zero();      // over the rise
   Eigen::Vector2d noise_sd_mm = Eigen::Vector2d::Zero();  // of that, from the markers' noise and the events' times
   double remainder_mm = 0;                                // RMS of what a move of the joint leaves
+  // What the joint's depth against the knee's leaves open of that place.
+  Eigen::Vector2d parallax_sd_mm = Eigen::Vector2d::Constant(compare::kSkinDepth_mm * compare::kViewSlope);
 };
 
 struct RiseFinding {
@@ -27,6 +30,7 @@ struct RiseFinding {
   gait::RollingShutter shutter;
   video::VideoInfo video;
   std::string joint = "exo_knee";
+  std::shared_ptr<const gait::LearntKnee> knee_from = {};  // rebuilds a hidden knee
   Eigen::Vector2d marker_at_mm = Eigen::Vector2d::Zero();  // of that marker, less the joint's axis; shank's frame
 };
 
@@ -48,6 +52,7 @@ struct JointPlace {
   // joint by −offset_mm leaves lies in it.
   Eigen::Vector2d half_width_mm = Eigen::Vector2d::Zero();
   Eigen::Vector2d fixed_half_width_mm = Eigen::Vector2d::Zero();  // of that, what no rise narrows: scale, parallax
+  Eigen::Vector2d parallax_sd_mm = Eigen::Vector2d::Zero();
   // Of the joint beneath the knee's marker: with the marker's placement and soft tissue.
   Eigen::Vector2d anatomical_half_width_mm = Eigen::Vector2d::Zero();
 
@@ -61,7 +66,7 @@ struct JointPlace {
 JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBudgetOptions& budget = {});
 
 // UncertaintyMm() of a joint at the knee after however many rises; a smaller tolerance is never kept for certain.
-double LeastUncertaintyMm(const compare::RecordingBudgetOptions& budget = {});
+double LeastUncertaintyMm(const RiseOffset& at_knee_without_noise = {});
 
 // "Move the joint 12 mm back and 30 mm down (± 3 mm)"; a part that is smaller than its interval is not said. Of a joint
 // within the tolerance: to leave it.

@@ -28,6 +28,7 @@ struct LiveRunOptions : gait::PictureScale {
   std::string joint = "exo_knee";  // of the markers: the exoskeleton's
   // Where that marker is against the joint's axis, shank's frame: beside it where both markers would cover one another.
   std::array<double, 2> joint_at_mm = {0, 0};
+  gait::LegFitOptions fit;  // of these --technical and --knee-from alone
   double tolerance_mm = 5;
   bool overlay = true;
   review::PageOptions page;
