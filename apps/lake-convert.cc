@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   lake::OptionList list;
   list.AddOperand("in", in,
                   "A lake-track or lake-gait folder, " + lake::exchange::ReadableEndings() +
-                      ", .mot, .sto, or a folder with one .txt or .csv per marker")
+                      ", .mot, .sto, a folder with one .txt or .csv per marker, or a camera's file")
       .Required();
   list.AddOperand("out", out, "The file to write").Required();
   Describe(options, list);
@@ -23,7 +23,8 @@ int main(int argc, char** argv) {
                        "  .txt, .trk    Tracker: table in mm or px; project over the video (px)\n"
                        "  _kinovea.csv, .kva   Kinovea: table; annotations over the video (px)\n"
                        "  .csv          lake\n"
-                       "  .mot, .sto    OpenSim: knee angle and tilts, from kinematics.csv or a folder that has one",
+                       "  .mot, .sto    OpenSim: knee angle and tilts, from kinematics.csv or a folder that has one\n"
+                       "  .yaml         a camera of ROS, kalibr, Pose2Sim, caliscope, Vicon, Qualisys or OpenCV",
                        "Examples:\n"
                        "  lake-convert walking.c3d walking.trc --forward +x\n"
                        "  lake-convert trial.trc side.csv --map ankle=RANK,knee=RKNE,hip=RHIP --crop 2.5,6\n"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/camera/camera.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/core/uncertain_text.h"
@@ -58,7 +59,25 @@ lake::Json DescribePoints(const lake::exchange::PointRecording& points) {
   return info;
 }
 
+lake::Json DescribeCamera(const lake::camera::CameraProfile& profile) {
+  const lake::camera::Camera& camera = profile.camera;
+  std::vector<double> coefficients(camera.distortion.begin(), camera.distortion.end());
+  if (!camera.IsPlain()) coefficients.insert(coefficients.end(), camera.more.begin(), camera.more.end());
+  const bool is_fisheye = camera.model == lake::camera::LensModel::kFisheye;
+  if (is_fisheye) coefficients.resize(4);
+  return {{"picture_px", fmt::format("{} x {}", camera.image_width, camera.image_height)},
+          {"fx_px", camera.fx},
+          {"fy_px", camera.fy},
+          {"cx_px", camera.cx},
+          {"cy_px", camera.cy},
+          {"lens", is_fisheye ? "fisheye" : "polynomial"},
+          {"coefficients", fmt::format("{:g}", fmt::join(coefficients, " "))},
+          {"sagittal_plane", profile.camera_from_plane ? "calibrated" : "none"},
+          {"warnings", profile.warnings}};
+}
+
 lake::Json Describe(const std::filesystem::path& path, const lake::exchange::TrialOptions& reading) {
+  if (lake::camera::IsCameraFile(path)) return DescribeCamera(lake::camera::ReadCameraProfile(path, reading.view));
   if (!lake::exchange::IsAngleTable(path)) {
     lake::exchange::CheckNoneIsUnused(path, lake::exchange::UnusedOptions(path, reading));
     return DescribePoints(lake::exchange::ReadPoints(path, reading.Reading()));
@@ -133,13 +152,16 @@ int main(int argc, char** argv) {
   lake::exchange::TrialOptions reading;
   bool json = false;
   lake::OptionList options;
-  options.AddOperand("file", file, "A lake-track folder, or " + lake::exchange::ReadableEndings() + ", .mot, .sto")
+  options
+      .AddOperand("file", file,
+                  "A lake-track folder, or " + lake::exchange::ReadableEndings() + ", .mot, .sto; or a camera's file")
       .Required();
   lake::exchange::DescribeUnit("unit", reading.mm_per_unit, options);
   lake::exchange::DescribeRate(reading.rate_hz, options);
   lake::exchange::DescribeView(reading.view, options);
   options.Add("json", json, "As JSON");
-  return lake::RunTool("lake-info", "What is inside a trial file: frames, rate, unit, markers and their gaps",
+  return lake::RunTool("lake-info",
+                       "What is inside a trial file: frames, rate, unit, markers and their gaps; or a camera's",
                        "Example:\n  lake-info walking.c3d", std::move(options), argc, argv, [&] {
                          const lake::Json info = Describe(file, reading);
                          if (json)

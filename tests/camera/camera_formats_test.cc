@@ -182,5 +182,17 @@ TEST_F(CameraFormats, OfNoneThatIsKnown) {
   EXPECT_THAT(Refusal("a.yaml", "colour: blue\n"), AllOf(HasSubstr("OpenCV"), HasSubstr("kalibr")));
 }
 
+// What lake convert writes of each dialect is the same camera.
+TEST_F(CameraFormats, AreWrittenAsCameraYaml) {
+  for (const auto& [name, text] :
+       {std::pair<std::string, std::string>{
+            "a.yaml", fmt::format(fmt::runtime(kRos), "plumb_bob", 4, "-0.13, 0.03, 0.0004, -0.0003")},
+        {"b.yaml", fmt::format(fmt::runtime(kKalibr), "pinhole", "radtan")},
+        {"c.toml", fmt::format(fmt::runtime(kToml), "cam_01", "false")}}) {
+    camera::WriteCameraProfile(folder_ / "camera.yaml", camera::ReadCameraProfile(Write(name, text)));
+    ExpectTheCamera(camera::ReadCameraProfile(folder_ / "camera.yaml"));
+  }
+}
+
 }  // namespace
 }  // namespace lake

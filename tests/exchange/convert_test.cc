@@ -195,7 +195,7 @@ TEST(Convert, PixelsAreToldFromLengths) {
   const TemporaryFolder folder;
   exchange::WritePoints(folder / "tracks.csv", MakePoints(exchange::PointSpace::kImage, 5, 2, 3));
   EXPECT_THAT(exchange::ConvertFile(folder / "tracks.csv", folder / "a.txt", {}),
-              testing::ElementsAre(testing::HasSubstr("a.txt: in px, y down")));
+              testing::ElementsAre(testing::HasSubstr("a.txt: in px from the picture's top-left corner, y up")));
   EXPECT_THAT(exchange::ConvertFile(folder / "tracks.csv", folder / "a.kva", {}), testing::IsEmpty());
   // A project over a video needs the positions in its frames.
   std::filesystem::create_directory(folder / "trial");

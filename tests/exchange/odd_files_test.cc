@@ -202,7 +202,7 @@ TEST_F(OddFiles, KinoveasTextWithTimecodes) {
                                    "0:00:01:04 847.00 321.00 \n0:00:01:08 840.00 322.00\nbad\n\n\n");
   EXPECT_EQ(NamesOf(text), (std::vector<std::string>{"track1"}));
   EXPECT_THAT(text.time_s, ElementsAre(1, testing::DoubleNear(1.04, 1e-12), testing::DoubleNear(1.08, 1e-12)));
-  EXPECT_THAT(text.warnings, ElementsAre(HasSubstr("a.txt:6: a row that is not 'time x y' is left out")));
+  EXPECT_THAT(text.warnings, ElementsAre(HasSubstr("a.txt:6: a row with fewer numbers than columns is left out")));
 }
 
 TEST_F(OddFiles, OfOtherProgramsAreCalledWhatTheyAre) {

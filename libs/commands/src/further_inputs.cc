@@ -12,6 +12,7 @@
 #include "lake/exchange/ground_forces.h"
 #include "lake/gait/gait_cycles.h"
 #include "lake/gait/neutral_pose.h"
+#include "lake/gait/plate_loads.h"
 #include "lake/sync/clock.h"
 
 namespace lake::commands {
@@ -96,8 +97,10 @@ std::vector<gait::PlateContact> ContactsOf(const FurtherInputs& o, const exchang
     for (double& time_s : forces.time_s) time_s = clock.FromB(time_s);
   }
   std::vector<gait::PlateContact> contacts;
-  for (const exchange::PlateForces& plate : forces.plates)
-    for (const exchange::PlateLoad& load : exchange::LoadsOf(plate, forces.time_s, up)) {
+  for (const exchange::PlateForces& plate : forces.plates) {
+    std::vector<double> vertical_n;
+    for (const Eigen::Vector3d& force : plate.force_n) vertical_n.push_back(force.dot(up));
+    for (const gait::PlateLoad& load : gait::LoadsOf(vertical_n, forces.time_s)) {
       gait::PlateContact& contact = contacts.emplace_back();
       contact.plate = plate.name;
       contact.begin_s = load.begin_s;
@@ -106,6 +109,7 @@ std::vector<gait::PlateContact> ContactsOf(const FurtherInputs& o, const exchang
       contact.end_sd_s = load.end_sd_s;
       if (trial.plane_from_space) AddPlaces(plate, forces.time_s, *trial.plane_from_space, leg, contact);
     }
+  }
   if (contacts.empty()) run.Warn("{}: no plate bears a foot for 0.1 s: events are the markers'", o.forces.string());
   return contacts;
 }

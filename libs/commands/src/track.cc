@@ -32,9 +32,8 @@
 namespace lake::commands {
 namespace {
 
-// Of another size of the same aspect it is scaled, and `note` says so.
-std::optional<camera::CameraProfile> ReadCamera(const TrackRunOptions& options, const video::VideoInfo& video,
-                                                std::string& note) {
+// Of another size of the same aspect it is scaled, with a warning.
+std::optional<camera::CameraProfile> ReadCamera(const TrackRunOptions& options, const video::VideoInfo& video) {
   if (!options.camera) return std::nullopt;
   camera::CameraProfile profile = camera::ReadCameraProfile(*options.camera);
   const camera::Camera as_calibrated = profile.camera;
@@ -42,10 +41,10 @@ std::optional<camera::CameraProfile> ReadCamera(const TrackRunOptions& options, 
   const std::optional<camera::Camera> scaled = camera::CameraAtSize(as_calibrated, video.width, video.height);
   if (!scaled) camera::CheckResolution(as_calibrated, *options.camera, video.width, video.height, options.video);
   profile.camera = *scaled;
-  note = fmt::format(
+  profile.warnings.push_back(fmt::format(
       "{}: calibrated at {}x{} px and scaled to the video's {}x{}; right if this video mode shows the whole of that "
       "picture, uncropped",
-      options.camera->string(), as_calibrated.image_width, as_calibrated.image_height, video.width, video.height);
+      options.camera->string(), as_calibrated.image_width, as_calibrated.image_height, video.width, video.height));
   return profile;
 }
 
@@ -542,8 +541,7 @@ double ReadoutOf(const TrackRunOptions& options, const std::optional<camera::Cam
 TrackFit FitTracked(const TrackRunOptions& options, const tracking::TrackResult& tracked) {
   TrackFit result;
   const Warn warn = [&result](const std::string& text) { result.warnings.push_back(text); };
-  std::string note;
-  const std::optional<camera::CameraProfile> profile = ReadCamera(options, tracked.video, note);
+  const std::optional<camera::CameraProfile> profile = ReadCamera(options, tracked.video);
   const gait::LegView view = ViewOf(options, tracked.video, profile, warn);
   const gait::RollingShutter shutter =
       gait::ShutterOf(ReadoutOf(options, profile), tracked.video.width, tracked.video.height,
@@ -620,8 +618,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   CheckFiles(options);
   const video::VideoInfo video = video::VideoReader::Open(options.video, options.track.reader)->Info();
   run.AddInputs(InputsOf(options));
-  std::string scaled;
-  const std::optional<camera::CameraProfile> profile = ReadCamera(options, video, scaled);
+  const std::optional<camera::CameraProfile> profile = ReadCamera(options, video);
   const gait::LegView view = ViewOf(options, video, profile, WarnThrough(run));
   exchange::CheckExportFormats(options.exports, gait::PlaneUnit(view) == motion::LengthUnit::kMm, HasLeg(options));
   std::vector<motion::Correction> corrections;
@@ -639,7 +636,8 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   if (options.list) return RunList(options, track_options, run);
   tracking::TrackResult tracked = TrackOrShow(options, track_options, run);
   // Only now, as a video that cannot be tracked is told of in one line.
-  if (!scaled.empty()) run.Warn(scaled);
+  if (profile)
+    for (const std::string& warning : profile->warnings) run.Warn(warning);
   WarnOfUnit(view, options.camera.has_value(), run);
   WarnOfVideo(tracked.video, view, run);
   for (const std::string& warning : tracking::Warnings(tracked.times, tracked.recording.frame)) run.Warn(warning);

@@ -86,7 +86,7 @@ CsvTable CsvTable::Read(const std::filesystem::path& path, char delimiter, Twice
 
 CsvTable CsvTable::Parse(std::string text, const std::filesystem::path& path, char delimiter, Twice twice) {
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  text = Utf8FromText(std::move(text), path.string());
+  text = Utf8FromText(std::move(text));
   if (delimiter == ',') delimiter = FindSeparator(text);
   Records records = ParseRecords(text, delimiter, path);
   if (records.rows.empty()) throw Fail("{}: empty, a header line was expected", path.string());

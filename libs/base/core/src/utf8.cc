@@ -3,8 +3,6 @@
 #include <array>
 #include <cstdint>
 
-#include "lake/core/error.h"
-
 namespace lake {
 namespace {
 
@@ -43,15 +41,20 @@ std::string ReadableUtf8(std::string_view text) {
   return readable;
 }
 
-std::string Utf8FromText(std::string text, std::string_view where) {
+std::string Utf8FromText(std::string text) {
+  // Windows-1252 has letters where Latin-1 has none, at 0x80 to 0x9F; five of them are not given.
+  constexpr const char* kWindows[] = {"€", "\uFFFD", "‚",      "ƒ", "„",      "…",      "†", "‡",      "ˆ", "‰", "Š",
+                                      "‹", "Œ",      "\uFFFD", "Ž", "\uFFFD", "\uFFFD", "‘", "’",      "“", "”", "•",
+                                      "–", "—",      "˜",      "™", "š",      "›",      "œ", "\uFFFD", "ž", "Ÿ"};
+  constexpr unsigned char kFirst = 0x80, kFirstOfLatin = 0xA0;
   if (IsUtf8(text)) return text;
   std::string utf8;
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x80) {
+    if (byte < kFirst) {
       utf8 += c;
-    } else if (byte < 0xA0) {
-      throw Fail("{}: byte {:#x} is text neither in UTF-8 nor in Latin-1; save the file as UTF-8", where, byte);
+    } else if (byte < kFirstOfLatin) {
+      utf8 += kWindows[byte - kFirst];
     } else {
       utf8 += static_cast<char>(0xC0 | byte >> 6);
       utf8 += static_cast<char>(0x80 | (byte & 0x3F));

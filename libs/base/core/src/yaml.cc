@@ -92,7 +92,10 @@ YamlNode& YamlNode::operator=(YamlNode&&) noexcept = default;
 
 YamlNode YamlNode::ReadFile(const std::filesystem::path& path) {
   constexpr std::size_t kMostBytes = 1 << 20;
-  const std::string text = ReadTextFile(path, kMostBytes);
+  return ReadText(ReadTextFile(path, kMostBytes), path);
+}
+
+YamlNode YamlNode::ReadText(const std::string& text, const std::filesystem::path& path) {
   try {
     const YAML::Node root = YAML::Load(text);
     Checker(path.string()).Check(root);

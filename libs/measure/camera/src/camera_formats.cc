@@ -1,33 +1,125 @@
 #include "camera_formats.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 
 namespace lake::camera {
-
-// Each in its own source.
-std::vector<CameraFacts> ReadTomlCameras(const std::string& text, const std::filesystem::path& path);
-std::vector<CameraFacts> ReadViconCameras(const std::string& text, const std::filesystem::path& path);
-std::vector<CameraFacts> ReadQualisysCameras(const std::string& text, const std::filesystem::path& path);
-std::vector<CameraFacts> ReadKalibrCameras(const std::string& text, const std::filesystem::path& path);
-std::vector<CameraFacts> ReadRosCamera(const std::string& text, const std::filesystem::path& path);
-
 namespace {
 
-// A program's files: recognised by their ending, or by what their text holds.
-struct CameraFormat {
-  const char *name, *ending, *mark;
-  std::vector<CameraFacts> (*read)(const std::string& text, const std::filesystem::path& path);
+// One camera as its file describes it.
+struct CameraFacts {
+  std::vector<double> size, matrix;  // px; of the matrix fx, fy, cx, cy, or its nine elements by rows
+  std::string model;                 // of the lens, as the program calls it; empty: OpenCV's
+  std::vector<double> coefficients;
+  std::vector<std::string> warnings = {};
 };
-constexpr CameraFormat kFormats[] = {{"Pose2Sim or caliscope", ".toml", "", ReadTomlCameras},
-                                     {"Vicon", ".xcp", "<KeyFrame ", ReadViconCameras},
-                                     {"Qualisys", "", "centerPointU", ReadQualisysCameras},
-                                     {"kalibr", "", "intrinsics:", ReadKalibrCameras},
-                                     {"ROS", "", "\ncamera_matrix:", ReadRosCamera}};
+
+std::string TextOf(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+// Vicon's lens: ideal = d (1 + k1 r² + k2 r⁴ + k3 r⁶) of the distance d from the principal point in the picture, r its
+// length in px: the way back of OpenCV's polynomial, which is fitted to it over the picture. Throws Error where that
+// does not describe it.
+std::vector<double> FitViconLens(const std::vector<double>& k, double focal_px, double corner_px,
+                                 const std::string& where) {
+  constexpr int kRadii = 200;
+  constexpr double kWorst_px = 0.1;
+  Eigen::MatrixXd powers(kRadii, 3);
+  Eigen::VectorXd missing(kRadii);
+  for (int i = 0; i < kRadii; ++i) {
+    const double seen = corner_px * (i + 1) / kRadii, r2 = seen * seen;
+    const double ideal = seen * (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[2]))) / focal_px;
+    powers.row(i) << std::pow(ideal, 3), std::pow(ideal, 5), std::pow(ideal, 7);
+    missing[i] = seen / focal_px - ideal;
+  }
+  const Eigen::VectorXd c = powers.colPivHouseholderQr().solve(missing);
+  const double worst_px = focal_px * (powers * c - missing).cwiseAbs().maxCoeff();
+  if (!(worst_px < kWorst_px))
+    throw Fail("{}: its lens model ViconRadial has no counterpart here within {} px: calibrate by lake calibrate",
+               where, SignificantText(worst_px, 2));
+  return {c[0], c[1], 0, 0, c[2]};
+}
+
+// k1 k2 of VICON_RADIAL, or k1 k2 k3 of VICON_RADIAL2 ("ViconRadial2 x y k1 k2 k3"), which Nexus writes for video
+// cameras. Coefficients that make no sense per px² are of distances in focal lengths, and OpenCV's, as Pose2Sim and
+// OpenCap read them.
+void ReadVicon(const Json& camera, const std::string& where, CameraFacts& facts) {
+  const Json* found = FindKey(*FindKey(camera, "KeyFrames"), "KeyFrame");
+  if (!found) throw Fail("{}: was never calibrated (no KeyFrame)", where);
+  const Json& frame = found->is_array() ? found->front() : *found;
+  const double focal_px = NumberAt(frame, "FOCAL_LENGTH", where),
+               aspect = FindKey(camera, "PIXEL_ASPECT_RATIO") ? NumberAt(camera, "PIXEL_ASPECT_RATIO", where) : 1;
+  const std::vector<double> centre = NumbersAt(frame, "PRINCIPAL_POINT", where, 2);
+  facts.matrix = {focal_px, focal_px / aspect, centre[0], centre[1]};
+  std::vector<double> k = {0, 0};
+  if (const Json* second = FindKey(frame, "VICON_RADIAL2")) {
+    const std::string text = TextOf(*second);
+    k = NumbersAt({{"k", text.substr(std::min(text.size(), text.find_first_of(" \t")))}}, "k", where, 5);
+    k.erase(k.begin(), k.begin() + 2);
+  } else if (FindKey(frame, "VICON_RADIAL")) {
+    k = NumbersAt(frame, "VICON_RADIAL", where, 2);
+  }
+  k.resize(3);
+  const double corner_px =
+      std::hypot(std::max(centre[0], facts.size[0] - centre[0]), std::max(centre[1], facts.size[1] - centre[1]));
+  const double r2 = corner_px * corner_px, scale = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[2]));
+  constexpr double kLeast = 0.5, kMost = 2;  // of a lens that a picture was taken with
+  if (scale > kLeast && scale < kMost) {
+    facts.coefficients = FitViconLens(k, focal_px, corner_px, where);
+    return;
+  }
+  facts.coefficients = {k[0], k[1], 0, 0, k[2]};
+  facts.warnings.push_back(
+      fmt::format("{}: the lens' coefficients {}, {}, {} are not per px², as Vicon has them; they are taken for "
+                  "OpenCV's k1, k2, k3",
+                  where, k[0], k[1], k[2]));
+}
+
+// Lengths are in 64ths of a px of the whole sensor, whose part `fov_video` is the picture; coefficients are OpenCV's.
+void ReadQualisys(const Json& camera, const std::string& where, CameraFacts& facts) {
+  constexpr double kPerPixel = 64;
+  const Json &lens = *FindKey(camera, "intrinsic"), *picture = FindKey(camera, "fov_video");
+  const auto number = [&](const char* name) { return NumberAt(lens, name, where); };
+  const auto edge = [&](const char* name, const char* of_sensor) {
+    return picture ? NumberAt(*picture, name, where) : number(of_sensor) / kPerPixel;
+  };
+  const double left = edge("left", "sensorMinU"), top = edge("top", "sensorMinV");
+  facts.size = {edge("right", "sensorMaxU") - left + 1, edge("bottom", "sensorMaxV") - top + 1};
+  facts.matrix = {number("focalLengthU") / kPerPixel, number("focalLengthV") / kPerPixel,
+                  number("centerPointU") / kPerPixel - left, number("centerPointV") / kPerPixel - top};
+  facts.coefficients = {number("radialDistortion1"), number("radialDistortion2"), number("tangentalDistortion1"),
+                        number("tangentalDistortion2"),
+                        FindKey(lens, "radialDistortion3") ? number("radialDistortion3") : 0};
+  if (const Json* turn = FindKey(camera, "viewrotation"); turn && TextOf(*turn) != "0")
+    facts.warnings.push_back(
+        fmt::format("{}: QTM shows its view turned by {}°; the camera is that of the picture as it was taken", where,
+                    TextOf(*turn)));
+}
+
+// A program's camera is a map with the key `matrix`, at whatever depth; its name stands under `name`, or is its own
+// key.
+struct Dialect {
+  const char *program, *matrix;
+  std::vector<const char*> size;
+  const char *coefficients, *model, *name;
+  void (*read)(const Json& camera, const std::string& where, CameraFacts& facts) = nullptr;  // what the keys do not say
+};
+const Dialect kDialects[] = {{"OpenCV or ROS",
+                              "camera_matrix",
+                              {"image_width", "image_height"},
+                              "distortion_coefficients",
+                              "distortion_model",
+                              "camera_name"},
+                             {"kalibr", "intrinsics", {"resolution"}, "distortion_coeffs", "distortion_model", ""},
+                             {"Pose2Sim or caliscope", "matrix", {"size"}, "distortions", "fisheye", ""},
+                             {"Vicon", "KeyFrames", {"SENSOR_SIZE"}, "", "", "DEVICEID", ReadVicon},
+                             {"Qualisys", "intrinsic", {}, "", "", "serial", ReadQualisys}};
 
 // What other programs call OpenCV's models.
 struct LensName {
@@ -44,15 +136,17 @@ constexpr LensName kLensNames[] = {{"", LensModel::kBrownConrady},
                                    {"equidistant", LensModel::kFisheye},
                                    {"equi", LensModel::kFisheye}};
 
-void SetLens(const std::string& model, const std::vector<double>& coefficients, const std::string& where,
-             Camera& camera) {
-  const auto* known = std::ranges::find(kLensNames, model, &LensName::name);
+LensModel ModelOf(const std::string& name, const std::string& where) {
+  const auto* known = std::ranges::find(kLensNames, name, &LensName::name);
   if (known == std::end(kLensNames))
     throw Fail(
         "{}: its lens model '{}' has no counterpart here; plumb_bob (radtan), rational_polynomial and equidistant "
         "(fisheye) are read: calibrate with one of these, or by lake calibrate",
-        where, model);
-  camera.model = known->model;
+        where, name);
+  return known->model;
+}
+
+void SetCoefficients(const std::vector<double>& coefficients, const std::string& where, Camera& camera) {
   std::size_t count = coefficients.size();
   if (camera.model == LensModel::kFisheye) {
     while (count > 4 && coefficients[count - 1] == 0) --count;
@@ -62,74 +156,99 @@ void SetLens(const std::string& model, const std::vector<double>& coefficients, 
     throw Fail("{}: {} distortion coefficients; k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [τx τy]]]] are needed", where,
                count);
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!std::isfinite(coefficients[i])) throw Fail("{}: a distortion coefficient is not finite", where);
-    (i < 5 ? camera.distortion[i] : camera.more[i - 5]) = coefficients[i];
+  for (std::size_t i = 0; i < count; ++i) (i < 5 ? camera.distortion[i] : camera.more[i - 5]) = coefficients[i];
+}
+
+// A text, or whether it is a fisheye.
+std::string ModelText(const Json& camera, const Dialect& dialect, const std::string& where) {
+  const Json *model = FindKey(camera, dialect.model), *projection = FindKey(camera, "camera_model");
+  if (projection && TextOf(*projection) != "pinhole") return TextOf(*projection);
+  if (FindKey(camera, "fisheye_model") && NumberAt(camera, "fisheye_model", where) != 0) return "fisheye";
+  if (!model || *model == false) return "";
+  return *model == true ? "fisheye" : TextOf(*model);
+}
+
+int PictureSize(double size_px, const std::string& where, const char* key) {
+  constexpr double kLargest_px = 1 << 16;
+  if (!(size_px >= 1 && size_px <= kLargest_px) || size_px != std::floor(size_px))
+    throw Fail("{}: '{}' is {}, not the size of a picture", where, key, size_px);
+  return static_cast<int>(size_px);
+}
+
+Camera ReadCamera(const Json& node, const Dialect& dialect, const std::string& where,
+                  std::vector<std::string>& warnings) {
+  Camera camera;
+  CameraFacts facts;
+  facts.model = ModelText(node, dialect, where);
+  camera.model = ModelOf(facts.model, where);
+  for (const char* key : dialect.size)
+    for (const double number : NumbersAt(node, key, where)) facts.size.push_back(number);
+  if (dialect.read)
+    dialect.read(node, where, facts);
+  else
+    facts.matrix = NumbersAt(node, dialect.matrix, where);
+  if (facts.model != "none" && facts.coefficients.empty())
+    facts.coefficients = NumbersAt(node, dialect.coefficients, where);
+  if (facts.size.size() != 2) throw Fail("{}: its picture has {} sizes, not 2", where, facts.size.size());
+  camera.image_width = PictureSize(facts.size[0], where, dialect.size.empty() ? "width" : dialect.size.front());
+  camera.image_height = PictureSize(facts.size[1], where, dialect.size.empty() ? "height" : dialect.size.back());
+  std::vector<double>& k = facts.matrix;
+  if (k.size() == 9) {
+    if (k[1] != 0) throw Fail("{}: a skew of {} px, which no model here has", where, k[1]);
+    if (k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
+      throw Fail("{}: '{}' must be [fx 0 cx; 0 fy cy; 0 0 1]", where, dialect.matrix);
+    k = {k[0], k[4], k[2], k[5]};
   }
+  if (k.size() != 4) throw Fail("{}: '{}' has {} numbers, not 9 or 4", where, dialect.matrix, k.size());
+  if (!(k[0] > 0) || !(k[1] > 0)) throw Fail("{}: a focal length is not positive: {} and {} px", where, k[0], k[1]);
+  camera.fx = k[0];
+  camera.fy = k[1];
+  camera.cx = k[2];
+  camera.cy = k[3];
+  SetCoefficients(facts.coefficients, where, camera);
+  warnings = facts.warnings;
+  return camera;
+}
+
+struct FoundCamera {
+  std::string name;
+  const Json* node;
+  const Dialect* dialect;
+};
+
+void FindCameras(const Json& tree, const std::string& key, std::vector<FoundCamera>& found) {
+  for (const Dialect& dialect : kDialects)
+    if (FindKey(tree, dialect.matrix)) {
+      const Json* name = FindKey(tree, dialect.name);
+      found.push_back({name ? TextOf(*name) : key, &tree, &dialect});
+      return;
+    }
+  if (tree.is_structured())
+    for (const auto& [inner, child] : tree.items()) FindCameras(child, tree.is_array() ? key : inner, found);
 }
 
 }  // namespace
 
-std::vector<double> NumbersOf(const std::string& text, std::size_t least, const std::string& where) {
-  std::vector<double> numbers;
-  for (const std::string& part : SplitText(text, ' ')) {
-    if (part.empty()) continue;
-    const std::optional<double> number = ParseNumber(part);
-    if (!number) throw Fail("{}: '{}' is not a finite number", where, part);
-    numbers.push_back(*number);
+CameraProfile CameraOf(const Json& tree, const std::filesystem::path& path, const std::string& view) {
+  std::vector<FoundCamera> cameras;
+  FindCameras(tree, "", cameras);
+  if (cameras.empty()) {
+    std::vector<std::string> known;
+    for (const Dialect& dialect : kDialects)
+      known.push_back(fmt::format("'{}' of {}", dialect.matrix, dialect.program));
+    throw Fail("{}: no camera: there is no key {}; lake calibrate makes a file from pictures of a board", path.string(),
+               fmt::join(known, ", nor "));
   }
-  if (numbers.size() < least) throw Fail("{}: '{}' holds fewer than {} numbers", where, text, least);
-  return numbers;
-}
-
-Camera CameraOf(const CameraFacts& facts, const std::string& where) {
-  constexpr double kLargest_px = 1 << 16;
-  Camera camera;
-  for (const double size : {facts.width_px, facts.height_px})
-    if (!(size >= 1 && size <= kLargest_px))
-      throw Fail("{}: {}x{} is not the size of a picture", where, facts.width_px, facts.height_px);
-  camera.image_width = static_cast<int>(std::lround(facts.width_px));
-  camera.image_height = static_cast<int>(std::lround(facts.height_px));
-  const Eigen::Matrix3d& k = facts.matrix;
-  if (!k.allFinite() || !(k(0, 0) > 0) || !(k(1, 1) > 0))
-    throw Fail("{}: a focal length is not positive: {} and {} px", where, k(0, 0), k(1, 1));
-  if (k(0, 1) != 0) throw Fail("{}: a skew of {} px, which no model here has", where, k(0, 1));
-  camera.fx = k(0, 0);
-  camera.fy = k(1, 1);
-  camera.cx = k(0, 2);
-  camera.cy = k(1, 2);
-  SetLens(facts.model, facts.coefficients, where, camera);
-  return camera;
-}
-
-std::optional<CameraProfile> ReadForeignCamera(const std::filesystem::path& path, const std::string& text,
-                                               const std::string& view) {
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (ending == ".cal" || ending == ".mcal")
-    throw Fail(
-        "{}: is a calibration of OptiTrack Motive, whose lens model is not published; film a board with this camera "
-        "and "
-        "run lake calibrate, or take fx, fy, cx, cy and k1, k2, k3 from Motive's camera API into a camera.yaml (lake "
-        "calibrate --template)",
-        path.string());
-  if (text.starts_with("%YAML")) return std::nullopt;  // OpenCV's
-  const auto* format = std::ranges::find_if(kFormats, [&](const CameraFormat& each) {
-    return *each.ending && ending == each.ending ? true : *each.mark && text.find(each.mark) != text.npos;
-  });
-  if (format == std::end(kFormats)) return std::nullopt;
-  std::vector<CameraFacts> cameras = format->read(text, path);
   std::vector<std::string> names;
-  names.reserve(cameras.size());
-  for (const CameraFacts& camera : cameras) names.push_back(camera.name);
-  if (cameras.empty()) throw Fail("{}: a file of {} without a calibrated camera", path.string(), format->name);
-  if (!view.empty()) std::erase_if(cameras, [&](const CameraFacts& camera) { return camera.name != view; });
+  for (const FoundCamera& camera : cameras) names.push_back(camera.name);
+  if (!view.empty()) std::erase_if(cameras, [&](const FoundCamera& camera) { return camera.name != view; });
   if (cameras.size() != 1)
-    throw Fail("{}: holds the cameras {} of {}; choose one: lake convert {} camera.yaml --view {}", path.string(),
-               fmt::join(names, ", "), format->name, path.filename().string(), names.front());
+    throw Fail("{}: holds the cameras {}; choose one by --view: lake convert {} camera.yaml --view {}", path.string(),
+               fmt::join(names, ", "), path.filename().string(), names.front());
+  const auto& [name, node, dialect] = cameras.front();
   CameraProfile profile;
-  profile.camera = CameraOf(cameras.front(), fmt::format("{}: camera {}", path.string(), cameras.front().name));
-  profile.warnings = cameras.front().warnings;
+  const std::string where = name.empty() ? path.string() : fmt::format("{}: camera {}", path.string(), name);
+  profile.camera = ReadCamera(*node, *dialect, where, profile.warnings);
   return profile;
 }
 

@@ -1,36 +1,31 @@
-// Camera files of other programs. Not part of the interface.
+// Camera files of OpenCV, of lake and of other programs. Not part of the interface.
 #pragma once
 
-#include <Eigen/Core>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "lake/camera/camera.h"
+#include "lake/core/json.h"
 
 namespace lake::camera {
 
-// One camera as its file describes it.
-struct CameraFacts {
-  std::string name;                                  // in the file
-  double width_px = 0, height_px = 0;                // of its pictures
-  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();  // fx skew cx, 0 fy cy, 0 0 1; px
-  std::string model;                                 // of the lens, as the program calls it; empty: OpenCV's
-  std::vector<double> coefficients;
-  std::vector<std::string> warnings = {};
-};
+// A file as a tree of maps, lists, numbers and texts, whether it is YAML, JSON, TOML or XML, whose attributes are keys.
+// Throws Error, with the line where the library tells it.
+Json ReadTree(const std::filesystem::path& path);
 
-// The only camera of a file of another program, or the one called `view`; nullopt if it is of none that is known.
-// Throws Error: several cameras and no `view` among them, a lens that no model here describes, by its name.
-std::optional<CameraProfile> ReadForeignCamera(const std::filesystem::path& path, const std::string& text,
-                                               const std::string& view);
+// What stands under a key of a map, whatever the case of its letters; nullptr if nothing does.
+const Json* FindKey(const Json& map, std::string_view key);
 
-// Throws Error, naming `where`: no picture's size, a focal length that is not positive, skew, a lens model that has no
-// counterpart here, a number of coefficients that the model does not have.
-Camera CameraOf(const CameraFacts& facts, const std::string& where);
+// The numbers under a key: of a value, a text "1 2.5 3", a list, lists in it, or a matrix, which is a map with `data`;
+// nothing for an empty key. Throws Error, naming `where`: no such key, other than numbers, or not `count` of them.
+std::vector<double> NumbersAt(const Json& map, std::string_view key, const std::string& where, std::size_t count = 0);
+inline double NumberAt(const Json& map, std::string_view key, const std::string& where) {
+  return NumbersAt(map, key, where, 1)[0];
+}
 
-// "1 2.5 3" as numbers. Throws Error, naming `where`, for another text or fewer than `least`.
-std::vector<double> NumbersOf(const std::string& text, std::size_t least, const std::string& where);
+// The only camera of a tree, or the one called `view`, with what had to be assumed of it as warnings. Throws Error: no
+// camera of a program that is known, several and no `view` among them, a lens that no model here describes.
+CameraProfile CameraOf(const Json& tree, const std::filesystem::path& path, const std::string& view);
 
 }  // namespace lake::camera

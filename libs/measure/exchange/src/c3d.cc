@@ -1,7 +1,6 @@
 #include "lake/exchange/c3d.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <set>
@@ -15,8 +14,8 @@
 namespace lake::exchange {
 namespace {
 
-// Where three values and a residual are stored; a negative residual marks a missing point, and so do, for some writers,
-// zeros alone where they are positions.
+// Where three values and a residual are stored; a negative residual marks a missing point, also as a word without a
+// sign, and so do, for some writers, zeros alone where they are positions.
 Eigen::Vector3d ReadPoint(const C3dBytes& bytes, std::size_t offset, const C3dLayout& layout, bool is_position) {
   Eigen::Vector3d position;
   double residual = 0;
@@ -28,7 +27,9 @@ Eigen::Vector3d ReadPoint(const C3dBytes& bytes, std::size_t offset, const C3dLa
       position[static_cast<int>(axis)] = layout.scale * bytes.Signed16(offset + 2 * axis);
     residual = bytes.Signed16(offset + 6);
   }
-  if (residual < 0 || !position.allFinite() || (is_position && position.isZero(0))) return PointTrack::Missing();
+  constexpr double kSignBit = 32768;
+  if (residual < 0 || residual >= kSignBit || !position.allFinite() || (is_position && position.isZero(0)))
+    return PointTrack::Missing();
   return is_position ? Eigen::Vector3d(position * layout.mm_per_unit) : position;
 }
 
@@ -192,22 +193,22 @@ std::string ShortText(std::string text) {
 void AddEvents(const PointRecording& points, C3dParameterWriter& writer) {
   const double shift_s = static_cast<double>(FirstFrame(points) - 1) / FrameRate(points.time_s) - points.time_s.front();
   std::vector<std::string> contexts, labels;
-  std::vector<std::array<float, 2>> times;  // minutes, seconds
+  std::vector<double> times;  // minutes, seconds
   for (const PointEvent& event : points.events) {
     const double time_s = event.time_s + shift_s, minutes = std::floor(time_s / 60);
     contexts.push_back(ShortText(event.context));
     labels.push_back(ShortText(event.label));
-    times.push_back({static_cast<float>(minutes), static_cast<float>(time_s - 60 * minutes)});
+    times.insert(times.end(), {minutes, time_s - 60 * minutes});
   }
   writer.Group(4, "EVENT");
-  writer.Word(4, "USED", points.events.size());
+  writer.Number(4, "USED", C3dParameterWriter::kWord, static_cast<double>(points.events.size()));
   if (points.events.empty()) return;
   writer.Texts(4, "CONTEXTS", contexts);
   writer.Texts(4, "LABELS", labels);
-  writer.Pairs(4, "TIMES", times);
+  writer.Numbers(4, "TIMES", C3dParameterWriter::kFloat, times, 2);
   const std::set<std::string> distinct(contexts.begin(), contexts.end());
   writer.Group(5, "EVENT_CONTEXT");
-  writer.Word(5, "USED", distinct.size());
+  writer.Number(5, "USED", C3dParameterWriter::kWord, static_cast<double>(distinct.size()));
   writer.Texts(5, "LABELS", {distinct.begin(), distinct.end()});
 }
 
@@ -215,10 +216,10 @@ C3dParameterWriter MakeParameters(const PointRecording& points) {
   const std::size_t count = points.points.size(), frames = points.time_s.size();
   C3dParameterWriter writer;
   writer.Group(1, "POINT");
-  writer.Word(1, "USED", count);
-  writer.Word(1, "FRAMES", std::min<std::size_t>(frames, 65535));
-  writer.Float(1, "SCALE", -1);
-  writer.Float(1, "RATE", static_cast<float>(FrameRate(points.time_s)));
+  writer.Number(1, "USED", C3dParameterWriter::kWord, static_cast<double>(count));
+  writer.Number(1, "FRAMES", C3dParameterWriter::kWord, static_cast<double>(std::min<std::size_t>(frames, 65535)));
+  writer.Number(1, "SCALE", C3dParameterWriter::kFloat, -1);
+  writer.Number(1, "RATE", C3dParameterWriter::kFloat, FrameRate(points.time_s));
   writer.Texts(1, "UNITS", {"mm"});
   writer.Texts(1, "X_SCREEN", {"+X"});
   writer.Texts(1, "Y_SCREEN",
@@ -227,11 +228,12 @@ C3dParameterWriter MakeParameters(const PointRecording& points) {
   for (const PointTrack& point : points.points) labels.push_back(point.name);
   writer.Texts(1, "LABELS", labels);
   writer.Group(2, "ANALOG");
-  writer.Word(2, "USED", 0);
+  writer.Number(2, "USED", C3dParameterWriter::kWord, 0);
   writer.Group(3, "TRIAL");
   const std::size_t first = FirstFrame(points), last = first + frames - 1;
-  writer.Words(3, "ACTUAL_START_FIELD", {first & 0xFFFF, first >> 16});
-  writer.Words(3, "ACTUAL_END_FIELD", {last & 0xFFFF, last >> 16});
+  for (const auto& [name, frame] : {std::pair{"ACTUAL_START_FIELD", first}, {"ACTUAL_END_FIELD", last}})
+    writer.Numbers(3, name, C3dParameterWriter::kWord,
+                   {static_cast<double>(frame & 0xFFFF), static_cast<double>(frame >> 16)});
   AddEvents(points, writer);
   return writer;
 }

@@ -36,12 +36,25 @@ void ForEachPart(const std::string& name, std::size_t count,
 }  // namespace
 
 C3dBytes::C3dBytes(std::string bytes, std::string path) : bytes_(std::move(bytes)), path_(std::move(path)) {
-  if (bytes_.size() < 1024 || Unsigned8(1) != 0x50) throw Fail("{}: not a C3D file", path_);
-  parameter_offset_ = 512 * (std::max<std::size_t>(Unsigned8(0), 1) - 1);
+  constexpr char kKey = 0x50;
+  if (bytes_.size() > 1 && bytes_[1] != kKey)  // some of Vicon's have zeros before the header
+    bytes_.erase(0, std::min(bytes_.find_first_not_of('\0'), bytes_.size()));
+  if (bytes_.size() < 1024 || bytes_[1] != kKey)
+    throw Fail("{}: not a C3D file, whose second byte is 80; export the trial anew as C3D or TRC", path_);
+  const std::size_t block = Unsigned8(0);
+  parameter_offset_ = block > 0 ? 512 * (block - 1) : 512;
   const int processor = Unsigned8(parameter_offset_ + 3);
-  if (processor < kIntel || processor > kMips)
-    throw Fail("{}: the processor type {} is not 84, 85 or 86; is it a C3D file?", path_, processor);
-  processor_ = static_cast<Processor>(processor);
+  if (processor >= kIntel && processor <= kMips) {
+    processor_ = static_cast<Processor>(processor);
+  } else {
+    const auto is_rate = [&](Processor kind) {
+      processor_ = kind;
+      return Float(20) >= 1 && Float(20) <= 1e5;
+    };
+    if (!is_rate(kIntel) && !is_rate(kDec) && !is_rate(kMips))
+      throw Fail("{}: not a C3D file: the processor type {} is not 84, 85 or 86; export the trial anew as C3D or TRC",
+                 path_, processor);
+  }
 }
 
 void C3dBytes::Require(std::size_t offset, std::size_t length) const {
@@ -89,14 +102,17 @@ std::string C3dBytes::TrimmedText(std::size_t offset, std::size_t length) const 
 C3dParameters::C3dParameters(const C3dBytes& bytes) : bytes_(bytes) {
   std::map<int, std::string> groups;
   std::vector<std::pair<int, std::pair<std::string, Value>>> parameters;
-  const std::size_t begin = bytes.ParameterOffset(), blocks = bytes.Unsigned8(begin + 2);
-  const std::size_t end = blocks > 0 ? begin + 512 * blocks : bytes.Size();  // some writers do not state its length
+  // Up to the data, as a stated length may be too short; an entry beyond both is none.
+  const std::size_t begin = bytes.ParameterOffset(), blocks = bytes.Unsigned8(begin + 2), data = bytes.Unsigned16(16);
+  const std::size_t stated = std::max(begin + 512 * blocks, 512 * (std::max<std::size_t>(data, 1) - 1)),
+                    end = stated > begin ? stated : bytes.Size();
   for (std::size_t at = begin + 4; at + 1 < end;) try {
       const auto length = static_cast<std::size_t>(std::abs(bytes.Signed8(at)));
       const int id = bytes.Signed8(at + 1);
       if (length == 0 || id == 0) break;
-      const std::string name = Upper(bytes.Text(at + 2, length));
-      const std::size_t after = at + 2 + length, next = bytes.Signed16(after) > 0 ? after + bytes.Unsigned16(after) : 0;
+      const std::string name = Upper(bytes.TrimmedText(at + 2, length));
+      const std::size_t after = at + 2 + length,
+                        next = bytes.Unsigned16(after) > 0 ? after + bytes.Unsigned16(after) : 0;
       if (id < 0) {
         groups[-id] = name;
       } else {
@@ -174,8 +190,7 @@ std::vector<std::string> C3dParameters::TextsOf(const std::string& name) const {
   std::vector<std::string> texts;
   const std::size_t count = ElementsOf(value, 1, length);
   for (std::size_t i = 0; i < count; ++i)
-    texts.push_back(Utf8FromText(bytes_.TrimmedText(value.offset + i * length, length),
-                                 fmt::format("{}: {}", bytes_.Path(), name)));
+    texts.push_back(Utf8FromText(bytes_.TrimmedText(value.offset + i * length, length)));
   return texts;
 }
 
@@ -224,27 +239,17 @@ void C3dParameterWriter::Group(int id, const std::string& name) {
   Entry(-id, name, std::string(1, '\0'));
 }
 
-void C3dParameterWriter::Words(int group, const std::string& name, const std::vector<std::size_t>& values) {
-  C3dBuffer content;
-  content.Byte(2);
-  if (values.size() == 1)
-    content.Byte(0);
-  else
-    content.Byte(1).Byte(static_cast<int>(values.size()));
-  for (const std::size_t value : values) content.Word(value);
-  Entry(group, name, content.Byte(0).Bytes());
-}
-
-void C3dParameterWriter::Float(int group, const std::string& name, float value) {
-  C3dBuffer content;
-  Entry(group, name, content.Byte(4).Byte(0).Float(value).Byte(0).Bytes());
-}
-
-void C3dParameterWriter::Pairs(int group, const std::string& name, const std::vector<std::array<float, 2>>& values) {
-  ForEachPart(name, values.size(), [&](const std::string& part, std::size_t begin, std::size_t end) {
+void C3dParameterWriter::Numbers(int group, const std::string& name, NumberType type, const std::vector<double>& values,
+                                 std::size_t of_each) {
+  ForEachPart(name, values.size() / of_each, [&](const std::string& part, std::size_t begin, std::size_t end) {
+    std::vector<std::size_t> dimensions;
+    if (of_each > 1) dimensions.push_back(of_each);
+    if (values.size() > 1) dimensions.push_back(end - begin);
     C3dBuffer content;
-    content.Byte(4).Byte(2).Byte(2).Byte(static_cast<int>(end - begin));
-    for (std::size_t i = begin; i < end; ++i) content.Float(values[i][0]).Float(values[i][1]);
+    content.Byte(type).Byte(static_cast<int>(dimensions.size()));
+    for (const std::size_t dimension : dimensions) content.Byte(static_cast<int>(dimension));
+    for (std::size_t i = begin * of_each; i < end * of_each; ++i)
+      type == kFloat ? content.Float(static_cast<float>(values[i])) : content.Word(static_cast<std::size_t>(values[i]));
     Entry(group, part, content.Byte(0).Bytes());
   });
 }
@@ -267,7 +272,7 @@ std::string C3dParameterWriter::Finish(int group, const std::string& data_start_
   constexpr std::size_t kMostBlocks = 255;
   if (blocks > kMostBlocks)
     throw Fail("C3D: names and events take {} kB, and there is room for {} kB", blocks / 2, kMostBlocks / 2);
-  Word(group, data_start_name, 2 + blocks);
+  Number(group, data_start_name, kWord, static_cast<double>(2 + blocks));
   section_.Word(0).PadTo(blocks * 512);
   std::string bytes = section_.Bytes();
   bytes[2] = static_cast<char>(blocks);

@@ -1,7 +1,6 @@
 // The bytes of a C3D file: words of three kinds of processor, and the parameter section. Not part of the interface.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -94,10 +93,13 @@ class C3dParameterWriter {
  public:
   C3dParameterWriter();
   void Group(int id, const std::string& name);
-  void Word(int group, const std::string& name, std::size_t value) { Words(group, name, {value}); }
-  void Words(int group, const std::string& name, const std::vector<std::size_t>& values);
-  void Float(int group, const std::string& name, float value);
-  void Pairs(int group, const std::string& name, const std::vector<std::array<float, 2>>& values);
+  enum NumberType { kWord = 2, kFloat = 4 };
+  void Number(int group, const std::string& name, NumberType type, double value) {
+    Numbers(group, name, type, {value});
+  }
+  // In arrays of `of_each`.
+  void Numbers(int group, const std::string& name, NumberType type, const std::vector<double>& values,
+               std::size_t of_each = 1);
   void Texts(int group, const std::string& name, const std::vector<std::string>& texts);
 
   // Ends the section with the parameter that says in which block the data begin, behind the section itself. Whole

@@ -1,6 +1,7 @@
 #include "c3d_layout.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -12,11 +13,12 @@
 namespace lake::exchange {
 namespace {
 
-double MmPerUnit(const std::vector<std::string>& units, const std::string& path) {
+double MmPerUnit(const std::vector<std::string>& units, const std::string& path, std::vector<std::string>& warnings) {
   if (units.empty() || units[0].empty()) return 1;
   const std::optional<double> mm_per_unit = FindMmPerUnit(units[0]);
-  if (!mm_per_unit) throw Fail("{}: POINT:UNITS is '{}', no unit of length", path, units[0]);
-  return *mm_per_unit;
+  if (!mm_per_unit)
+    warnings.push_back(fmt::format("{}: POINT:UNITS is '{}', no unit of length; mm is assumed", path, units[0]));
+  return mm_per_unit.value_or(1);
 }
 
 char UpAxis(const std::vector<std::string>& y_screen) {
@@ -32,122 +34,92 @@ std::vector<std::string> ReadLabels(const C3dParameters& parameters, std::size_t
   return labels;
 }
 
-// A size as one place of the file states it.
-template <typename Value>
+// What a file states more than once.
+enum Size { kPoints, kAnalog, kBlock, kScale, kFrames, kSizes };
+constexpr const char* kSizeNames[] = {"points", "analogue samples of a frame", "first block of data", "scale"};
+
 struct Stated {
   const char* where;
-  Value value;
+  double value;
+  std::size_t first = 1;  // of frames: the number of the first
 };
+using StatedSizes = std::array<std::vector<Stated>, kSizes>;  // of each, what is believed first stands first
 
-// The first of each distinct value, in order.
-template <typename Value>
-std::vector<Value> DistinctValues(const std::vector<Stated<Value>>& stated) {
-  std::vector<Value> distinct;
-  for (const Stated<Value>& each : stated)
-    if (std::find(distinct.begin(), distinct.end(), each.value) == distinct.end()) distinct.push_back(each.value);
-  return distinct;
+// Of scales the sign says whether the data are floats.
+bool Agree(Size size, double a, double b) {
+  return size == kScale ? (a < 0) == (b < 0) : a == b;
 }
 
-template <typename Value>
-std::ptrdiff_t CountOf(const std::vector<Stated<Value>>& stated, const Value& value) {
-  return std::count_if(stated.begin(), stated.end(), [&](const auto& each) { return each.value == value; });
+constexpr double kMostCut = 65535;
+
+// A count that 16 bits do not hold was not cut by them.
+std::ptrdiff_t Votes(Size size, double value, const StatedSizes& stated) {
+  const auto agreeing =
+      std::ranges::count_if(stated[size], [&](const Stated& s) { return Agree(size, s.value, value); });
+  return agreeing + (size == kFrames && value > kMostCut ? kSizes : 0);
 }
 
-struct FrameNumbers {
-  std::size_t first = 1, count = 0;
-  bool operator==(const FrameNumbers&) const = default;
-};
-
-// All that the file states about the place of its data; what cannot be (a size of 0) is left out where another place
-// states it.
-struct StatedSizes {
-  std::vector<Stated<std::size_t>> points, analog, block;
-  std::vector<Stated<double>> scale;
-  std::vector<Stated<FrameNumbers>> frames;  // in the order in which they are believed
-};
-
-// Samples of all analogue channels in a frame: by the header, and by the channels and their rate.
-std::vector<Stated<std::size_t>> StatedAnalog(const C3dBytes& bytes, const C3dParameters& parameters, double rate_hz) {
-  std::vector<Stated<std::size_t>> stated = {{"the header", bytes.Unsigned16(4)}};
-  const std::optional<std::size_t> used = parameters.Count("ANALOG:USED");
-  if (!used) return stated;
-  const std::size_t channels = *used, samples = bytes.Unsigned16(18);
-  if (channels == 0) {
-    stated.push_back({"ANALOG:USED", 0});
-    return stated;
-  }
-  if (samples > 0) stated.push_back({"ANALOG:USED and the header's samples of a frame", channels * samples});
-  const double ratio = parameters.Number("ANALOG:RATE").value_or(0) / rate_hz;
-  constexpr double kMost = 65535;
-  if (ratio >= 0.5 && ratio < kMost)
-    stated.push_back({"ANALOG:USED and ANALOG:RATE", channels * static_cast<std::size_t>(std::lround(ratio))});
-  return stated;
+// 0 is left out where another place says more, and so is what cannot be.
+bool CanBe(Size size, double value) {
+  constexpr double kLeastScale = 1e-6;  // 16 bits would hold a thirtieth of a millimetre
+  constexpr double kMostBlocks = 65535, kMostCount = 4294967295;
+  if (size == kScale) return std::isfinite(value) && std::abs(value) >= kLeastScale;
+  const double least = size == kBlock ? 2 : size == kAnalog ? 0 : 1;
+  return value >= least && value <= (size == kBlock ? kMostBlocks : kMostCount) && value == std::floor(value);
 }
 
-// Two 16-bit words, low first; 0 where there are none.
+// Two 16-bit words, low first, or one number.
 double LongWord(const C3dParameters& parameters, const char* name) {
   const std::vector<double> words = parameters.Numbers(name);
-  return words.size() < 2 ? 0.0 : Unsigned(words[0]) + 65536 * Unsigned(words[1]);
-}
-
-std::vector<Stated<FrameNumbers>> StatedFrames(const C3dBytes& bytes, const C3dParameters& parameters) {
-  std::vector<Stated<FrameNumbers>> stated;
-  const std::size_t first = std::max<std::size_t>(bytes.Unsigned16(6), 1), last = bytes.Unsigned16(8);
-  const double start = LongWord(parameters, "TRIAL:ACTUAL_START_FIELD"),
-               end = LongWord(parameters, "TRIAL:ACTUAL_END_FIELD");
-  if (end >= start && start >= 1)
-    stated.push_back(
-        {"TRIAL:ACTUAL_END_FIELD", {static_cast<std::size_t>(start), static_cast<std::size_t>(end - start) + 1}});
-  if (const auto count = parameters.Count("POINT:LONG_FRAMES"))
-    stated.push_back({"POINT:LONG_FRAMES", {first, *count}});
-  if (last >= first) stated.push_back({"the header", {first, last - first + 1}});
-  if (const auto count = parameters.Count("POINT:FRAMES")) stated.push_back({"POINT:FRAMES", {first, *count}});
-  std::erase_if(stated, [](const auto& each) { return each.value.count == 0; });
-  if (stated.empty()) stated.push_back({"the header", {first, 0}});
-  return stated;
+  return words.size() < 2 ? parameters.Number(name).value_or(-1) : Unsigned(words[0]) + 65536 * Unsigned(words[1]);
 }
 
 StatedSizes ReadStatedSizes(const C3dBytes& bytes, const C3dParameters& parameters, double rate_hz) {
   StatedSizes stated;
-  if (const auto used = parameters.Count("POINT:USED")) stated.points.push_back({"POINT:USED", *used});
-  stated.points.push_back({"the header", bytes.Unsigned16(2)});
-  std::erase_if(stated.points, [](const auto& each) { return each.value == 0; });
-  if (stated.points.empty()) stated.points.push_back({"POINT:USED", 0});  // a recording of forces alone
-  if (const auto scale = parameters.Number("POINT:SCALE")) stated.scale.push_back({"POINT:SCALE", *scale});
-  stated.scale.push_back({"the header", bytes.Float(12)});
-  const double first_scale = stated.scale.front().value;
-  constexpr double kLeastScale = 1e-6;  // 16 bits would hold a thirtieth of a millimetre
-  std::erase_if(stated.scale, [](const Stated<double>& each) {
-    return !std::isfinite(each.value) || std::abs(each.value) < kLeastScale;
-  });
-  for (Stated<double>& each : stated.scale)
-    if (each.value < 0) each.value = -1;  // floats, which are not scaled
-  if (stated.scale.empty()) throw Fail("{}: POINT:SCALE is {}", bytes.Path(), first_scale);
-  constexpr double kMostBlocks = 65535;
-  double block = bytes.Unsigned16(16);
-  const auto add_block = [&](const char* where) {
-    if (block >= 2 && block <= kMostBlocks) stated.block.push_back({where, static_cast<std::size_t>(block)});
+  const auto add = [&](Size size, const char* where, std::optional<double> value, double first = 1) {
+    if (value && CanBe(size, *value))
+      stated[size].push_back({where, size == kScale && *value < 0 ? -1 : *value,  // floats, which are not scaled
+                              static_cast<std::size_t>(std::max(first, 1.0))});
   };
-  add_block("the header");
-  if (const auto start = parameters.Number("POINT:DATA_START")) {
-    block = *start;
-    add_block("POINT:DATA_START");
+  const auto word = [&](std::size_t offset) { return static_cast<double>(bytes.Unsigned16(offset)); };
+  const std::optional<double> scale = parameters.Number("POINT:SCALE"), start = parameters.Number("POINT:DATA_START");
+  add(kPoints, "POINT:USED", parameters.Number("POINT:USED"));
+  add(kPoints, "the header", word(2));
+  if (stated[kPoints].empty()) stated[kPoints].push_back({"POINT:USED", 0});  // a recording of forces alone
+  add(kScale, "POINT:SCALE", scale);
+  add(kScale, "the header", bytes.Float(12));
+  if (stated[kScale].empty()) throw Fail("{}: POINT:SCALE is {}", bytes.Path(), scale.value_or(bytes.Float(12)));
+  add(kBlock, "POINT:DATA_START", start);
+  add(kBlock, "the header", word(16));
+  if (stated[kBlock].empty())
+    throw Fail("{}: POINT:DATA_START is {}, not a block of the file", bytes.Path(), start.value_or(word(16)));
+  add(kAnalog, "the header", word(4));
+  if (const auto used = parameters.Number("ANALOG:USED")) {
+    if (*used == 0 || word(18) > 0) add(kAnalog, "ANALOG:USED and the header's samples of a frame", *used * word(18));
+    const double ratio = parameters.Number("ANALOG:RATE").value_or(0) / rate_hz;
+    if (*used > 0 && ratio >= 0.5) add(kAnalog, "ANALOG:USED and ANALOG:RATE", *used * std::round(ratio));
   }
-  std::reverse(stated.block.begin(), stated.block.end());
-  if (stated.block.empty()) throw Fail("{}: POINT:DATA_START is {}, not a block of the file", bytes.Path(), block);
-  stated.analog = StatedAnalog(bytes, parameters, rate_hz);
-  stated.frames = StatedFrames(bytes, parameters);
+  const double first = word(6), last = word(8), actual_first = LongWord(parameters, "TRIAL:ACTUAL_START_FIELD"),
+               actual_last = LongWord(parameters, "TRIAL:ACTUAL_END_FIELD");
+  if (actual_first >= 0 && actual_last > 0)
+    add(kFrames, "TRIAL:ACTUAL_END_FIELD", actual_last - actual_first + 1, actual_first);
+  add(kFrames, "POINT:LONG_FRAMES", LongWord(parameters, "POINT:LONG_FRAMES"), first);
+  if (last > 0) add(kFrames, "the header", last - first + 1, first);
+  add(kFrames, "POINT:FRAMES", parameters.Number("POINT:FRAMES"), first);
+  if (stated[kFrames].empty()) stated[kFrames].push_back({"the header", 0});
   return stated;
 }
 
 // Where the data lie if one statement on each size is right, and how many statements agree with it.
 struct Geometry {
-  std::size_t points = 0, analog = 0, block = 0;
-  double scale = -1;
-  std::ptrdiff_t agreeing = 0;
+  std::array<double, kFrames> sizes = {};
+  std::ptrdiff_t votes = 0;
 
-  std::size_t FrameBytes() const { return (scale < 0 ? 4 : 2) * (4 * points + analog); }
-  std::size_t Available(std::size_t size) const { return size - std::min(size, 512 * (block - 1)); }
+  std::size_t FrameBytes() const {
+    return static_cast<std::size_t>((sizes[kScale] < 0 ? 4 : 2) * (4 * sizes[kPoints] + sizes[kAnalog]));
+  }
+  std::size_t DataOffset() const { return 512 * (static_cast<std::size_t>(sizes[kBlock]) - 1); }
+  std::size_t Available(std::size_t size) const { return size - std::min(size, DataOffset()); }
   // A file ends with the block of its last frame.
   bool Fills(std::size_t frames, std::size_t size) const {
     const std::size_t available = Available(size);
@@ -156,21 +128,20 @@ struct Geometry {
 };
 
 std::vector<Geometry> GeometriesOf(const StatedSizes& stated) {
-  std::vector<Geometry> geometries;
-  for (const std::size_t points : DistinctValues(stated.points))
-    for (const std::size_t analog : DistinctValues(stated.analog))
-      for (const std::size_t block : DistinctValues(stated.block))
-        for (const bool is_float : {true, false}) {
-          if (points == 0 && analog == 0) continue;
-          const auto scale = std::find_if(stated.scale.begin(), stated.scale.end(),
-                                          [&](const auto& each) { return (each.value < 0) == is_float; });
-          if (scale == stated.scale.end()) continue;
-          const auto alike = std::count_if(stated.scale.begin(), stated.scale.end(),
-                                           [&](const auto& each) { return (each.value < 0) == is_float; });
-          geometries.push_back(
-              {points, analog, block, scale->value,
-               CountOf(stated.points, points) + CountOf(stated.analog, analog) + CountOf(stated.block, block) + alike});
-        }
+  std::vector<Geometry> geometries(1);
+  for (const Size size : {kPoints, kAnalog, kBlock, kScale}) {
+    std::vector<Geometry> longer;
+    for (const Geometry& geometry : geometries)
+      for (auto each = stated[size].begin(); each != stated[size].end(); ++each) {
+        const auto is_same = [&](const Stated& other) { return Agree(size, other.value, each->value); };
+        if (std::any_of(stated[size].begin(), each, is_same)) continue;
+        longer.push_back(geometry);
+        longer.back().sizes[size] = each->value;
+        longer.back().votes += Votes(size, each->value, stated);
+      }
+    geometries = std::move(longer);
+  }
+  std::erase_if(geometries, [](const Geometry& geometry) { return geometry.FrameBytes() == 0; });
   return geometries;
 }
 
@@ -179,95 +150,101 @@ std::size_t EmptyAtTheEnd(const C3dBytes& bytes, const Geometry& geometry) {
   const std::size_t frame = geometry.FrameBytes(), end = geometry.Available(bytes.Size()) / frame * frame;
   std::size_t empty = 0;
   const auto is_empty = [&] {
-    const std::size_t at = 512 * (geometry.block - 1) + end - (empty + 1) * frame;
+    const std::size_t at = geometry.DataOffset() + end - (empty + 1) * frame;
     return bytes.Text(at, frame).find_first_not_of('\0') == std::string::npos;
   };
   while (empty < 511 / frame && is_empty()) ++empty;
   return empty;
 }
 
-// As many frames as are stated, or as 16 bits cut that number down: to 65535, or by a multiple of 65536.
-std::size_t FramesFilling(const C3dBytes& bytes, const Geometry& geometry, const FrameNumbers& stated) {
+// As many frames as are stated, or, where nothing states more, as 16 bits cut that number down: to 65535, or by a
+// multiple of 65536.
+std::size_t FramesFilling(const C3dBytes& bytes, const Geometry& geometry, std::size_t count, std::size_t first,
+                          bool may_be_cut) {
   constexpr std::size_t kMost = 65535;
   const std::size_t size = bytes.Size();
-  if (geometry.Fills(stated.count, size)) return stated.count;
+  if (geometry.Fills(count, size)) return count;
   const std::size_t held = geometry.Available(size) / geometry.FrameBytes();
-  if (held <= kMost) return 0;
-  if (stated.count == kMost || stated.first + stated.count - 1 == kMost) return held - EmptyAtTheEnd(bytes, geometry);
-  const std::size_t wrapped = held - (held - stated.count) % (kMost + 1);
-  return stated.count <= held && geometry.Fills(wrapped, size) ? wrapped : 0;
+  if (!may_be_cut || held <= kMost) return 0;
+  if (count == kMost || first + count - 1 == kMost) return held - EmptyAtTheEnd(bytes, geometry);
+  const std::size_t wrapped = held - (held - count) % (kMost + 1);
+  return count <= held && geometry.Fills(wrapped, size) ? wrapped : 0;
 }
 
-template <typename Value>
-std::string StatedText(const char* what, const std::vector<Stated<Value>>& stated) {
+// One reading of the file. Its frames end in the file's last block, or something else lies behind them, or the file is
+// cut off and fewer are there than stated.
+enum class Fit { kCutOff, kHeld, kFilled };
+struct Reading {
+  Geometry geometry;
+  Stated frames;
+  std::size_t count = 0;
+  Fit fit = Fit::kCutOff;
+};
+
+std::vector<Reading> ReadingsOf(const StatedSizes& stated, const C3dBytes& bytes) {
+  std::vector<Reading> readings;
+  const bool may_be_cut = std::ranges::none_of(stated[kFrames], [](const Stated& s) { return s.value > kMostCut; });
+  for (const Geometry& geometry : GeometriesOf(stated)) {
+    const std::size_t held = geometry.Available(bytes.Size()) / geometry.FrameBytes();
+    std::vector<Reading> of_this;
+    for (const Stated& frames : stated[kFrames]) {
+      const auto count = static_cast<std::size_t>(frames.value);
+      if (const std::size_t filling = FramesFilling(bytes, geometry, count, frames.first, may_be_cut))
+        of_this.push_back({geometry, frames, filling, Fit::kFilled});
+      else if (held > 0 && count > 0)
+        of_this.push_back({geometry, frames, std::min(count, held), count > held ? Fit::kCutOff : Fit::kHeld});
+    }
+    const auto worse = [&](const Reading& a, const Reading& b) {
+      return std::pair(a.fit, Votes(kFrames, a.frames.value, stated)) <
+             std::pair(b.fit, Votes(kFrames, b.frames.value, stated));
+    };
+    if (const auto best = std::ranges::max_element(of_this, worse); best != of_this.end()) readings.push_back(*best);
+  }
+  return readings;
+}
+
+std::string Contradictions(const StatedSizes& stated, const Reading& reading) {
   std::string text;
-  if (DistinctValues(stated).size() < 2) return text;
-  for (const Stated<Value>& each : stated)
-    text += fmt::format("{}{} by {}", text.empty() ? "" : ", ", each.value, each.where);
-  return fmt::format("{}: {}; ", what, text);
-}
-
-std::string Contradictions(const StatedSizes& stated) {
-  return StatedText("points", stated.points) + StatedText("analogue samples of a frame", stated.analog) +
-         StatedText("first block of data", stated.block) + StatedText("scale", stated.scale);
-}
-
-// Where the frames are others than those that are believed first.
-std::string FrameContradiction(const StatedSizes& stated, const FrameNumbers& read) {
-  const Stated<FrameNumbers>& first = stated.frames.front();
-  if (read.count == first.value.count) return "";
-  return fmt::format("frames: {} by {}, {} in the file; ", first.value.count, first.where, read.count);
+  for (const Size size : {kPoints, kAnalog, kBlock, kScale}) {
+    const std::vector<Stated>& all = stated[size];
+    if (std::ranges::all_of(all, [&](const Stated& each) { return each.value == all.front().value; })) continue;
+    std::vector<std::string> parts;
+    for (const Stated& each : all) parts.push_back(fmt::format("{} by {}", each.value, each.where));
+    text += fmt::format("{}: {}; ", kSizeNames[size], fmt::join(parts, ", "));
+  }
+  const Stated& believed = stated[kFrames].front();
+  if (reading.fit != Fit::kCutOff && static_cast<double>(reading.count) != believed.value)
+    text += fmt::format("frames: {} by {}, {} in the file; ", believed.value, believed.where, reading.count);
+  return text;
 }
 
 void ReadSizes(const StatedSizes& stated, const C3dBytes& bytes, C3dLayout& layout) {
-  const std::vector<Geometry> all = GeometriesOf(stated);
-  std::vector<std::pair<Geometry, FrameNumbers>> possible;
-  for (const Geometry& geometry : all)
-    for (const Stated<FrameNumbers>& frames : stated.frames)
-      if (const std::size_t count = FramesFilling(bytes, geometry, frames.value)) {
-        possible.push_back({geometry, {frames.value.first, count}});
-        break;
-      }
-  const bool is_filled = !possible.empty();
-  const FrameNumbers& believed = stated.frames.front().value;
-  if (!is_filled)  // something else lies behind the data
-    for (const Geometry& geometry : all)
-      if (believed.count <= geometry.Available(bytes.Size()) / geometry.FrameBytes())
-        possible.push_back({geometry, believed});
-  std::size_t stated_frames = 0;  // of a file that is cut off
-  if (possible.empty()) {
-    stated_frames = believed.count;
-    for (const Geometry& geometry : all)
-      if (const std::size_t held = geometry.Available(bytes.Size()) / geometry.FrameBytes(); held > 0)
-        possible.push_back({geometry, {believed.first, held}});
-  }
-  const auto fewer = [](const auto& a, const auto& b) { return a.first.agreeing < b.first.agreeing; };
-  const auto best = std::max_element(possible.begin(), possible.end(), fewer);
-  if (best == possible.end())
+  const std::vector<Reading> readings = ReadingsOf(stated, bytes);
+  const auto rank = [](const Reading& reading) { return std::pair(reading.fit, reading.geometry.votes); };
+  const auto best = std::ranges::max_element(readings, {}, rank);
+  if (best == readings.end())
     throw Fail("{}: holds no frame of points or analogue channels ({} frames of {} points are stated)", bytes.Path(),
-               believed.count, stated.points.front().value);
-  const auto equals = std::count_if(possible.begin(), possible.end(),
-                                    [&](const auto& other) { return other.first.agreeing == best->first.agreeing; });
-  const std::string contradictions =
-      Contradictions(stated) + (stated_frames ? "" : FrameContradiction(stated, best->second));
-  if (equals > 1)
+               stated[kFrames].front().value, stated[kPoints].front().value);
+  const std::string contradictions = Contradictions(stated, *best);
+  if (std::ranges::count(readings, rank(*best), rank) > 1)
     throw Fail("{}: contradicts itself ({}and the file's size does not decide); save it anew from the program it is of",
                bytes.Path(), contradictions);
-  const auto& [geometry, frames] = *best;
-  if (stated_frames)
-    layout.warnings.push_back(
-        fmt::format("{}: is cut off: {} of {} frames are there, and read", bytes.Path(), frames.count, stated_frames));
+  const auto& sizes = best->geometry.sizes;
+  if (best->fit == Fit::kCutOff)
+    layout.warnings.push_back(fmt::format("{}: is cut off: {} of {} frames are there, and read", bytes.Path(),
+                                          best->count, best->frames.value));
   if (!contradictions.empty())
-    layout.warnings.push_back(fmt::format(
-        "{}: contradicts itself ({}the file's size {}); {} frames of {} points and {} analogue samples are read",
-        bytes.Path(), contradictions, is_filled ? "decides" : "agrees with none", frames.count, geometry.points,
-        geometry.analog));
-  layout.points = geometry.points;
-  layout.analog_per_frame = geometry.analog;
-  layout.scale = geometry.scale;
-  layout.data_offset = 512 * (geometry.block - 1);
-  layout.first_frame = frames.first;
-  layout.frames = frames.count;
+    layout.warnings.push_back(
+        fmt::format("{}: contradicts itself ({}the file's size {}); {} frames of {} points and {} analogue samples are "
+                    "read",
+                    bytes.Path(), contradictions, best->fit == Fit::kFilled ? "decides" : "agrees with none",
+                    best->count, sizes[kPoints], sizes[kAnalog]));
+  layout.points = static_cast<std::size_t>(sizes[kPoints]);
+  layout.analog_per_frame = static_cast<std::size_t>(sizes[kAnalog]);
+  layout.scale = sizes[kScale];
+  layout.data_offset = best->geometry.DataOffset();
+  layout.first_frame = best->frames.first;
+  layout.frames = best->count;
 }
 
 // By the parameter, else by the header.
@@ -286,17 +263,20 @@ double ReadRate(const C3dBytes& bytes, const C3dParameters& parameters, C3dLayou
 
 }  // namespace
 
-C3dLayout ReadLayout(const C3dBytes& bytes, const C3dParameters& parameters) {
+C3dLayout ReadLayout(const C3dBytes& bytes, const C3dParameters& parameters) try {
   C3dLayout layout;
   layout.warnings = parameters.Warnings();
   layout.rate_hz = ReadRate(bytes, parameters, layout);
-  layout.mm_per_unit = MmPerUnit(parameters.Texts("POINT:UNITS"), bytes.Path());
+  layout.mm_per_unit = MmPerUnit(parameters.Texts("POINT:UNITS"), bytes.Path(), layout.warnings);
   layout.up_axis = UpAxis(parameters.Texts("POINT:Y_SCREEN"));
-  const StatedSizes stated = ReadStatedSizes(bytes, parameters, layout.rate_hz);
-  ReadSizes(stated, bytes, layout);
-  if (layout.frames == 0) throw Fail("{}: holds no frames", bytes.Path());
+  ReadSizes(ReadStatedSizes(bytes, parameters, layout.rate_hz), bytes, layout);
   layout.labels = ReadLabels(parameters, layout.points);
   return layout;
+} catch (const Error& error) {
+  std::vector<std::string> writer;
+  for (const char* name : {"COMPANY", "SOFTWARE", "VERSION_LABEL", "SOFTWARE_VERSION"})
+    for (const std::string& text : parameters.Texts(std::string("MANUFACTURER:") + name)) writer.push_back(text);
+  throw Fail("{}{}", error.what(), writer.empty() ? "" : fmt::format(" (written by {})", fmt::join(writer, " ")));
 }
 
 }  // namespace lake::exchange

@@ -181,7 +181,8 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
                                           in.string(), points.outputs.size(), points.outputs.front().name));
   if (points.space == PointSpace::kImage && FormatOf(out).Is(kNoUnit))
     points.warnings.push_back(fmt::format(
-        "{}: in px, y down, and the format does not say so; what reads it as lengths needs a scale", out.string()));
+        "{}: in px from the picture's top-left corner, y up, which the format does not say: read it by --unit px",
+        out.string()));
   WritePoints(out, points, options.unit);
   return points.warnings;
 }

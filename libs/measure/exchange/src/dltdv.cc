@@ -117,9 +117,7 @@ PointRecording ReadDltdvSparse(const std::filesystem::path& path, const ReadOpti
       if (const auto y = columns[point.x + 1].find(frame); y != columns[point.x + 1].end())
         track.positions[frame] = {x - kFirstPixel, y->second - kFirstPixel, 0};
   }
-  PointRecording recording = PointsByFrame(found, std::filesystem::file_size(path), path);
-  for (const std::int64_t frame : recording.frame)
-    recording.time_s.push_back(static_cast<double>(frame) / options.rate_hz);
+  PointRecording recording = PointsByFrame(found, std::filesystem::file_size(path), path, options.rate_hz);
   recording.warnings.insert(recording.warnings.begin(), warnings.begin(), warnings.end());
   left_out.AppendTo(recording.warnings);
   WarnOfOrigin(path, recording);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "frame_points.h"
 #include "lake/core/error.h"
 #include "lake/core/run.h"
 #include "lake/core/utf8.h"
@@ -121,6 +122,26 @@ std::string FirstLineOf(const fs::path& path) {
       path.string(), ReadableUtf8(head.substr(0, kShown)), fmt::join(same, ", "));
 }
 
+// An error says what the file was taken for, and how else it comes here.
+PointRecording ReadAs(const PointFormat& format, const fs::path& path, ReadOptions options) {
+  const bool is_in_px = format.Is(kNoUnit) && options.mm_per_unit == kInPixels;
+  if (is_in_px) options.mm_per_unit = 1;
+  PointRecording points;
+  try {
+    points = format.read(path, options);
+  } catch (const UsageError&) {
+    throw;
+  } catch (const Error& error) {
+    if (format.Is(kEstimates)) throw;  // lake's own
+    throw Fail("{}; it is read as a file of {}: save it anew there, or export TRC or C3D", error.what(), format.name);
+  }
+  if (!is_in_px) return points;
+  points.space = PointSpace::kImage;
+  for (PointTrack& point : points.points)
+    for (Eigen::Vector3d& p : point.positions) p = {p.x() - kPixelCentre, -p.y() - kPixelCentre, 0};
+  return points;
+}
+
 const PointFormat& ExportFormat(const std::string& name) {
   for (const PointFormat& format : kFormats)
     if (!name.empty() && format.export_name == name) return format;
@@ -176,7 +197,7 @@ PointRecording ReadPoints(const fs::path& path, const ReadOptions& options) {
   if (format.Is(kNoTimes) && !(options.rate_hz > 0))
     throw UsageError("{}: tables of {} have no times: give the frame rate (lake convert --rate HZ)", path.string(),
                      format.name);
-  return format.read(path, options);
+  return ReadAs(format, path, options);
 }
 
 void WritePoints(const fs::path& path, const PointRecording& points, const std::string& unit) {

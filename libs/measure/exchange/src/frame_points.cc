@@ -11,8 +11,15 @@
 
 namespace lake::exchange {
 
+PointRecording AsDrawn(PointRecording points) {
+  if (points.space == PointSpace::kImage)
+    for (PointTrack& point : points.points)
+      for (Eigen::Vector3d& p : point.positions) p = {p.x() + kPixelCentre, -p.y() - kPixelCentre, p.z()};
+  return points;
+}
+
 PointRecording PointsByFrame(const std::vector<FramePoints>& points, std::size_t file_bytes,
-                             const std::filesystem::path& path) {
+                             const std::filesystem::path& path, double rate_hz) {
   std::int64_t last = -1;
   std::vector<std::string> names;
   for (const FramePoints& point : points) {
@@ -28,7 +35,10 @@ PointRecording PointsByFrame(const std::vector<FramePoints>& points, std::size_t
 
   PointRecording recording;
   recording.space = PointSpace::kImage;
-  for (std::int64_t frame = 0; frame <= last; ++frame) recording.frame.push_back(frame);
+  for (std::int64_t frame = 0; frame <= last; ++frame) {
+    recording.frame.push_back(frame);
+    if (rate_hz > 0) recording.time_s.push_back(static_cast<double>(frame) / rate_hz);
+  }
   AddPoints(std::move(names), path.string(), recording);
   for (std::size_t p = 0; p < points.size(); ++p) {
     recording.points[p].positions.assign(frames, PointTrack::Missing());

@@ -7,8 +7,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "left_out.h"
-#include "text_lines.h"
+#include "point_table.h"
 
 namespace lake::exchange {
 namespace {
@@ -110,32 +109,17 @@ MotTable ReadMot(const std::filesystem::path& path) {
   };
   check("columns", header.columns, table.columns.size());
   table.columns.erase(table.columns.begin());
-  LeftOut left_out;
-  for (++line; line < lines.Count(); ++line) {
-    const std::vector<std::string> cells = RowCells(lines[line]);
-    if (cells.empty()) continue;
-    bool is_unreadable = false;
-    const std::optional<double> time_s = NumberIn(cells[0], is_unreadable);
-    const bool is_narrow = cells.size() < table.columns.size() + 1;
-    if (is_narrow && lines.EndsWithinLine() && line + 1 == lines.Count())
-      left_out.Add("the last row, which is cut off,", lines.Where(line));
-    else if (!time_s || (!table.time_s.empty() && *time_s <= table.time_s.back()))
-      left_out.Add("a row without a time that follows the one before", lines.Where(line));
-    else {
-      if (cells.size() > table.columns.size() + 1) left_out.Add("a cell behind the last column", lines.Where(line));
-      table.time_s.push_back(*time_s);
-      std::vector<double>& row = table.rows.emplace_back();
-      for (std::size_t i = 1; i <= table.columns.size(); ++i) {
-        is_unreadable = false;
-        row.push_back(i < cells.size()
-                          ? NumberIn(cells[i], is_unreadable).value_or(std::numeric_limits<double>::quiet_NaN())
-                          : std::numeric_limits<double>::quiet_NaN());
-        if (is_unreadable) left_out.Add("a cell that is not a finite number", lines.Where(line));
-      }
-    }
+  PointTable values{
+      .space = PointSpace::kSpace, .first_row = line + 1, .separator = '\t', .time = 0, .names_all = true};
+  for (std::size_t c = 1; c <= table.columns.size(); ++c) values.points.push_back({std::to_string(c), {c}});
+  const PointRecording read = ReadPointTable(lines, values, path);
+  table.time_s = read.time_s;
+  for (std::size_t i = 0; i < read.time_s.size(); ++i) {
+    std::vector<double>& row = table.rows.emplace_back();
+    for (const PointTrack& column : read.points) row.push_back(column.positions[i].x());
   }
   check("rows", header.rows, table.rows.size());
-  left_out.AppendTo(table.warnings);
+  std::ranges::copy(read.warnings, std::back_inserter(table.warnings));
   return table;
 }
 

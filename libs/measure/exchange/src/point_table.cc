@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "left_out.h"
 
@@ -19,9 +20,12 @@ class TableReader {
   PointRecording Read() {
     recording_.space = table_.space;
     std::vector<std::string> names;
-    for (const PointColumns& point : table_.points) names.push_back(point.name);
+    for (const PointColumns& point : table_.points) {
+      names.push_back(point.name);
+      width_ = std::max(width_, point.axes.back() + 1);
+    }
     AddPoints(std::move(names), path_.string(), recording_);
-    for (std::size_t line = table_.first_row; line < lines_.Count(); ++line)
+    for (std::size_t line = table_.first_row; line < std::min(lines_.Count(), table_.end_row); ++line)
       if (lines_[line].find_first_not_of(" \t") != std::string::npos) ReadRow(line);
     if (recording_.time_s.empty())
       throw Fail("{}: no row with a time and positions{}", path_.string(), left_out_.InBrackets());
@@ -35,7 +39,12 @@ class TableReader {
   std::optional<double> Number(std::optional<std::size_t> column) {
     if (!column || *column >= cells_.size()) return std::nullopt;
     bool is_unreadable = false;
-    const std::optional<double> number = NumberIn(cells_[*column], is_unreadable);
+    std::optional<double> number = NumberIn(cells_[*column], is_unreadable);
+    if (const std::vector<std::string> parts = SplitText(cells_[*column], ':'); is_unreadable && parts.size() == 4) {
+      number = 0;
+      for (const auto& [part, seconds] : {std::pair{0, 3600.0}, {1, 60.0}, {2, 1.0}, {3, 0.01}})
+        *number += seconds * NumberIn(parts[static_cast<std::size_t>(part)], is_unreadable).value_or(0);
+    }
     if (is_unreadable)
       left_out_.Add("a cell that is not a finite number", fmt::format("{}: '{}'", where_, cells_[*column]));
     return number;
@@ -57,6 +66,8 @@ class TableReader {
   void ReadRow(std::size_t line) {
     before_ = std::exchange(cells_, SplitCells(lines_[line], table_.separator));
     where_ = lines_.Where(line);
+    if (table_.separator == ' ' && cells_.size() < width_)  // nothing says which are missing
+      return left_out_.Add("a row with fewer numbers than columns", where_);
     if (IsCutOff(line)) return left_out_.Add("the last row, which is cut off,", where_);
     const std::optional<double> stated = Number(table_.frame);
     const double index = static_cast<double>(line - table_.first_row),
@@ -109,6 +120,7 @@ class TableReader {
   LeftOut left_out_;
   std::vector<std::string> cells_, before_;  // of the row that is read, and of the one before
   std::string where_;
+  std::size_t width_ = 0;        // columns that have a meaning
   std::set<std::size_t> known_;  // columns that have a meaning, or were said to have none
 };
 

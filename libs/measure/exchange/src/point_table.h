@@ -2,6 +2,7 @@
 // where its columns are, and one reader does the rest. Not part of the interface.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,8 +21,9 @@ struct PointColumns {
 struct PointTable {
   PointSpace space = PointSpace::kPlane;
   std::size_t first_row = 1;  // index of the line
+  std::size_t end_row = std::numeric_limits<std::size_t>::max();
   char separator = ',';
-  std::optional<std::size_t> time = {}, frame = {};  // columns
+  std::optional<std::size_t> time = {}, frame = {};  // columns; a time may be hours:minutes:seconds:hundredths
   double rate_hz = 0;                                // gives the time of a row that has none of its own
   double first_frame = 0;                            // the number by which the file calls it
   std::vector<PointColumns> points = {};

@@ -46,9 +46,7 @@ PointRecording ReadSleap(const std::filesystem::path& path, const ReadOptions& o
   std::vector<FramePoints> found;
   found.reserve(points.size());
   for (auto& [name, point] : points) found.push_back(std::move(point));
-  PointRecording recording = PointsByFrame(found, std::filesystem::file_size(path), path);
-  for (const std::int64_t frame : recording.frame)
-    recording.time_s.push_back(static_cast<double>(frame) / options.rate_hz);
+  PointRecording recording = PointsByFrame(found, std::filesystem::file_size(path), path, options.rate_hz);
   left_out.AppendTo(recording.warnings);
   return recording;
 }

@@ -14,9 +14,10 @@
 namespace lake::exchange {
 TextLines::TextLines(const std::filesystem::path& path) : path_(path) {
   std::string text = ReadTextFile(path);
-  if (text.find('\0') != std::string::npos) throw Fail("{}: not a text file", path.string());
+  if (text.find('\0') != std::string::npos)
+    throw Fail("{}: not a text file, as it holds zero bytes; save it as text in UTF-8", path.string());
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  text = Utf8FromText(std::move(text), path.string());
+  text = Utf8FromText(std::move(text));
   ends_within_line_ = !text.empty() && text.back() != '\n' && text.back() != '\r';
   const char line_end = text.find('\n') == std::string::npos ? '\r' : '\n';
   for (std::size_t begin = 0; begin < text.size();) {
@@ -34,6 +35,11 @@ std::string TextLines::Where(std::size_t i) const {
 
 std::vector<std::string> SplitCells(std::string_view line, char separator) {
   std::vector<std::string> cells;
+  if (separator == ' ') {
+    cells = SplitText(line, separator);
+    std::erase(cells, "");
+    return cells.empty() ? std::vector<std::string>(1) : cells;
+  }
   if (line.find('"') != std::string::npos) {
     csv_parser parser;
     if (csv_init(&parser, 0) != 0) throw Fail("cannot set up the CSV parser");
@@ -74,7 +80,7 @@ std::optional<double> NumberIn(std::string_view cell, bool& is_unreadable) {
   const std::string_view text = Trim(cell);
   if (text.empty()) return std::nullopt;
   const std::string lower = Lower(text);
-  if (lower == "nan" || lower == "-nan" || lower == "-1.#ind" || lower == "1.#qnan") return std::nullopt;
+  if (lower.find("nan") != lower.npos || lower.find("#ind") != lower.npos) return std::nullopt;
   std::string number(text);
   if (number.find('.') == std::string::npos) std::replace(number.begin(), number.end(), ',', '.');
   const std::optional<double> value = ParseNumber(number);

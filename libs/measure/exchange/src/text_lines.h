@@ -28,7 +28,7 @@ class TextLines {
   bool ends_within_line_ = false;
 };
 
-// All cells, empty ones too, trimmed; quotes round a cell are taken off.
+// All cells, empty ones too, trimmed; quotes round a cell are taken off. Between blanks no cell is empty; one at least.
 std::vector<std::string> SplitCells(std::string_view line, char separator);
 
 // Tab, semicolon or comma: the first of these that stands outside quotes; else a comma.

@@ -68,7 +68,7 @@ void WriteTrackerText(const std::filesystem::path& path, const PointRecording& p
   if (points.space == PointSpace::kSpace)
     throw Fail("{}: a table of Tracker holds points of a plane only", path.string());
   CheckNames(points, path);
-  const double offset = points.space == PointSpace::kImage ? kPixelCentre : 0;
+  const PointRecording drawn = AsDrawn(points);
   std::string text = points.points.size() > 1 ? "#multi:\n" : "", labels = "t";
   for (const PointTrack& point : points.points) {
     text.append("\t").append(point.name).append("\t");
@@ -77,10 +77,9 @@ void WriteTrackerText(const std::filesystem::path& path, const PointRecording& p
   text.append("\n").append(labels).append("\n");
   for (std::size_t i = 0; i < points.time_s.size(); ++i) {
     text += FormatForTracker(points.time_s[i]);
-    for (const PointTrack& point : points.points)
+    for (const PointTrack& point : drawn.points)
       for (int axis = 0; axis < 2; ++axis)
-        text.append("\t").append(point.positions[i].allFinite() ? FormatForTracker(point.positions[i][axis] + offset)
-                                                                : "");
+        text.append("\t").append(point.positions[i].allFinite() ? FormatForTracker(point.positions[i][axis]) : "");
     text += "\n";
   }
   WriteTextFile(path, text);

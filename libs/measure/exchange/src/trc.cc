@@ -24,14 +24,19 @@ struct TrcLines {
   std::map<std::string, std::string> header;  // each key, in small letters, with the value below it
 };
 
+// Between tabs, or, of a line without one, between blanks.
+std::vector<std::string> CellsOf(const std::string& line) {
+  return SplitCells(line, line.find('\t') == line.npos ? ' ' : '\t');
+}
+
 std::vector<std::string> Filled(std::vector<std::string> cells) {
   std::erase(cells, "");
   return cells;
 }
 
-// Some writers put two tabs after a value where one follows a key.
+// Some writers put two tabs after a value where one follows a key; some have blanks for tabs.
 std::map<std::string, std::string> HeaderValues(const std::string& key_line, const std::string& value_line) {
-  std::vector<std::string> keys = SplitCells(Lower(key_line), '\t'), values = SplitCells(value_line, '\t');
+  std::vector<std::string> keys = CellsOf(Lower(key_line)), values = CellsOf(value_line);
   if (Filled(keys).size() == Filled(values).size()) {
     keys = Filled(keys);
     values = Filled(values);
@@ -44,16 +49,25 @@ std::map<std::string, std::string> HeaderValues(const std::string& key_line, con
 TrcLines FindLines(const TextLines& lines, const std::filesystem::path& path) {
   constexpr std::size_t kMostHeadLines = 50;
   TrcLines found;
-  while (found.labels < std::min(lines.Count(), kMostHeadLines) && !Lower(lines[found.labels]).starts_with("frame"))
-    ++found.labels;
-  if (found.labels >= std::min(lines.Count(), kMostHeadLines))
-    throw Fail("{}: not a TRC file: no row of labels that begins with Frame#", path.string());
-  for (std::size_t line = 0; line + 1 < found.labels; ++line)
-    if (Lower(lines[line]).find("nummarkers") != std::string::npos ||
-        Lower(lines[line]).find("units") != std::string::npos)
-      found.header = HeaderValues(lines[line], lines[line + 1]);
+  const auto first_cell = [&](std::size_t line) { return Filled(CellsOf(Lower(lines[line]) + " ."))[0]; };
+  const std::size_t end = std::min(lines.Count(), kMostHeadLines);
+  while (found.labels < end && !first_cell(found.labels).starts_with("frame")) ++found.labels;
+  if (found.labels >= end)
+    throw Fail(
+        "{}: not a TRC file, the markers' text of Cortex, OpenSim and others: no row of names that begins with Frame#; "
+        "export it anew, or write a table with the columns frame,time_s,NAME_x_mm,NAME_y_mm,…",
+        path.string());
+  std::size_t keys = 0;  // above the values
+  for (std::size_t line = 0; line < found.labels; ++line) {
+    const std::string text = Lower(lines[line]);
+    if (text.find("nummarkers") != text.npos || text.find("units") != text.npos) {
+      keys = line;
+    } else if (keys > 0 && found.header.empty() && !text.empty()) {
+      found.header = HeaderValues(lines[keys], lines[line]);
+    }
+  }
   found.first_row = found.labels + 1;
-  const auto is_row = [&](std::size_t line) { return CountIn(SplitCells(lines[line], '\t')[0]).has_value(); };
+  const auto is_row = [&](std::size_t line) { return CountIn(CellsOf(lines[line])[0]).has_value(); };
   while (found.first_row < lines.Count() && !is_row(found.first_row)) ++found.first_row;
   return found;
 }
@@ -75,7 +89,7 @@ std::vector<PointColumns> FindColumns(const std::vector<std::string>& labels) {
 double UnitOf(const TrcLines& found, const TextLines& lines, std::vector<std::string>& warnings) {
   const auto unit = found.header.find("units");
   const std::string where = lines.Where(found.labels > 0 ? found.labels - 1 : 0);
-  if (unit == found.header.end()) {
+  if (unit == found.header.end() || unit->second.empty()) {
     warnings.push_back(fmt::format("{}: the header says no unit (Units); mm is assumed, as is the custom", where));
     return 1;
   }
@@ -116,16 +130,18 @@ PointRecording ReadTrc(const std::filesystem::path& path) {
   std::vector<std::string> warnings;
   const auto rate = found.header.find("datarate"), frames = found.header.find("numframes");
   bool is_unreadable = false;
-  PointTable table{.space = PointSpace::kSpace,
-                   .first_row = found.first_row,
-                   .separator = '\t',
-                   .time = 1,
-                   .frame = 0,
-                   .first_frame = 1,
-                   .points = FindColumns(SplitCells(lines[found.labels], '\t')),
-                   .mm_per_unit = UnitOf(found, lines, warnings),
-                   .zero_is_missing = true,
-                   .names_all = true};
+  PointTable table{
+      .space = PointSpace::kSpace,
+      .first_row = found.first_row,
+      .separator =
+          found.first_row < lines.Count() && lines[found.first_row].find('\t') == std::string::npos ? ' ' : '\t',
+      .time = 1,
+      .frame = 0,
+      .first_frame = 1,
+      .points = FindColumns(CellsOf(lines[found.labels])),
+      .mm_per_unit = UnitOf(found, lines, warnings),
+      .zero_is_missing = true,
+      .names_all = true};
   if (rate != found.header.end()) table.rate_hz = NumberIn(rate->second, is_unreadable).value_or(0);
   if (frames != found.header.end()) table.stated_rows = CountIn(frames->second);
   if (table.points.empty()) throw Fail("{}: the row of labels names no marker", lines.Where(found.labels));

@@ -329,14 +329,20 @@ Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& o
     CheckTextCount(texts, 1, said);
     const std::optional<double> unit = FindMmPerUnit(texts.front());
     const std::optional<double> mm = unit ? unit : ParseNumber(texts.front());
-    if (!mm || !(*mm > 0)) throw UsageError("{} '{}': mm, cm, m or its length in mm", said, texts.front());
-    mm_per_unit = *mm;
+    const bool is_px = Lower(texts.front()) == "px";
+    if (!is_px && (!mm || !(*mm > 0)))
+      throw UsageError("{} '{}': mm, cm, m, px or its length in mm", said, texts.front());
+    mm_per_unit = is_px ? kInPixels : *mm;
+  };
+  const auto text = [&mm_per_unit] {
+    return mm_per_unit == kInPixels ? "px" : mm_per_unit == 1 ? "mm" : FormatNumber(mm_per_unit);
   };
   return options
       .AddCustom(name,
-                 "Length unit of files that state none (Tracker text, Kinovea's CSV): mm, cm, m, or its length in mm",
-                 set, [&mm_per_unit] { return mm_per_unit == 1 ? std::string("mm") : FormatNumber(mm_per_unit); })
-      .Value("mm|cm|m|MM");
+                 "Unit of files that state none (Tracker text, Kinovea's CSV): mm, cm, m, its length in mm, or px, "
+                 "with y up",
+                 set, text)
+      .Value("mm|cm|m|MM|px");
 }
 
 void Describe(TrialOptions& o, OptionList& options) {

@@ -125,6 +125,7 @@ void Session::ReadPlane() {
   std::optional<camera::CameraProfile> profile;
   if (options_.camera) {
     profile = camera::ReadCameraProfile(*options_.camera);
+    for (const std::string& warning : profile->warnings) run_.Warn(warning);
     const auto scaled = camera::CameraAtSize(profile->camera, video_.width, video_.height);
     if (!scaled)
       camera::CheckResolution(profile->camera, *options_.camera, video_.width, video_.height, options_.input);

@@ -11,8 +11,7 @@ bool IsUtf8(std::string_view text);
 // UTF-8 as it is; in anything else, as a file's name may be, each byte beyond ASCII becomes U+FFFD.
 std::string ReadableUtf8(std::string_view text);
 
-// UTF-8 as it is; anything else is taken for Latin-1 (ISO 8859-1) and becomes UTF-8. Throws Error, naming `where`, for
-// bytes that are text in neither.
-std::string Utf8FromText(std::string text, std::string_view where);
+// UTF-8 as it is; anything else is taken for Windows-1252, of which Latin-1 (ISO 8859-1) is a part, and becomes UTF-8.
+std::string Utf8FromText(std::string text);
 
 }  // namespace lake

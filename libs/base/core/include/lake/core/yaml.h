@@ -19,6 +19,8 @@ class YamlNode {
   // Throws Error if the file cannot be read, is not YAML, is larger than 1 MiB, holds more than 100 000 values (those
   // of aliases counted each time) or more than 100 levels, or a key stands twice in a map.
   static YamlNode ReadFile(const std::filesystem::path& path);
+  // What was read from there; throws likewise.
+  static YamlNode ReadText(const std::string& text, const std::filesystem::path& path);
 
   ~YamlNode();
   YamlNode(YamlNode&&) noexcept;

@@ -136,6 +136,9 @@ std::optional<Camera> CameraAtSize(const Camera& camera, int width_px, int heigh
 // TOML of Pose2Sim and caliscope, .xcp of Vicon, XML of Qualisys; of several cameras the one called `view`.
 CameraProfile ReadCameraProfile(const std::filesystem::path& path, const std::string& view = {});
 
+// Whether a file's name ends as those of cameras do: .yaml, .toml, .xcp, …
+bool IsCameraFile(const std::filesystem::path& path);
+
 void WriteCameraProfile(const std::filesystem::path& path, const CameraProfile& profile);
 
 }  // namespace lake::camera

@@ -11,9 +11,11 @@
 
 namespace lake::exchange {
 
+constexpr double kInPixels = 0;  // for mm per unit
+
 // What a file does not say itself.
 struct ReadOptions {
-  double mm_per_unit = 1;                                         // of files that do not say their unit
+  double mm_per_unit = 1;                                         // of files that do not say their unit, or kInPixels
   double rate_hz = 0;                                             // of files without times
   motion::MarkerValues values = motion::MarkerValues::kMeasured;  // of lake's own tables that hold both kinds
   std::string view = {};  // the camera, of files with the points of several; empty: all

@@ -12,7 +12,7 @@ namespace lake::exchange {
 // `mm_per_unit`. Throws Error naming file and line.
 PointRecording ReadTrackerText(const std::filesystem::path& path, double mm_per_unit = 1);
 
-// Points in the image are written in px with Tracker's pixel centres at 0.5.
+// Points in the image are written in px from the picture's top-left corner, y up.
 void WriteTrackerText(const std::filesystem::path& path, const PointRecording& points);
 
 // A .trk project, or the first one of a .trz archive: the point masses, in px of the image (Tracker's 0.5 subtracted);
