@@ -149,8 +149,9 @@ void Session::WarnOfTolerance() {
   const double least_mm = LeastUncertaintyMm(at_knee);
   if (options_.tolerance_mm >= least_mm) return;
   run_.Warn(fmt::format(
-      "--tolerance {:g} mm: after however many rises the joint's place is known to ± {:.1f} mm at best, so no joint is "
-      "told to be within; how far its marker stands proud of the knee's would narrow that: --depth {}=MM±SD",
+      "--tolerance {:g} mm: after however many rises the joint's place is known to ± {:.1f} mm at best, so no joint "
+      "can be shown to be within it; the distance by which its marker stands proud of the knee's narrows that: --depth "
+      "{}=MM±SD",
       options_.tolerance_mm, least_mm, options_.joint));
 }
 
