@@ -83,8 +83,9 @@ std::string LegKneeOf(const exchange::Trial& trial, const std::string& knee) {
 }
 
 compare::TrialTables FitTables(const fs::path& path, const exchange::Trial& trial, const std::string& leg_knee,
-                               Run& run, const gait::PictureScale& picture) {
+                               Run& run, const gait::PictureScale& picture, const gait::MovementOptions& movement) {
   gait::LegFitOptions fit;
+  fit.movement = movement;
   fit.facing_option = "--forward";
   fit.markers.knee = leg_knee;
   const gait::LegFitResult result = FitTrial(trial, fit, run, picture);
@@ -375,24 +376,33 @@ void CheckReading(const fs::path& path, const exchange::TrialOptions& reading, c
 }
 
 compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::TrialOptions& reading,
-                                     const std::string& knee, Run& run, const gait::PictureScale& picture) {
-  if (!picture.IsGiven() && IsTracked(path)) return ReadTracked(path, run);
+                                     const std::string& knee, Run& run, const gait::PictureScale& picture,
+                                     const gait::MovementOptions& movement) {
+  const auto tracked = [&] {
+    compare::TrialTables tables = ReadTracked(path, run);
+    if (movement.kind != gait::MovementKind::kAuto && movement.kind != compare::MovementIn(tables))
+      throw Fail("{}: its events are not of {}: run lake-gait on it with --movement {}", path.string(),
+                 gait::MovementOf(movement.kind).name, gait::MovementOf(movement.kind).name);
+    return tables;
+  };
+  if (!picture.IsGiven() && IsTracked(path)) return tracked();
   const exchange::Trial trial = ReadMarkers(path, reading);
-  if (trial.recording.unit == motion::LengthUnit::kMm && IsTracked(path)) return ReadTracked(path, run);
-  return FitTables(path, trial, LegKneeOf(trial, knee), run, picture);
+  if (trial.recording.unit == motion::LengthUnit::kMm && IsTracked(path)) return tracked();
+  return FitTables(path, trial, LegKneeOf(trial, knee), run, picture, movement);
 }
 
 FunctionalTables ReadFunctionalTables(const fs::path& path, const exchange::TrialOptions& reading,
                                       const std::string& knee, TrialSide side, const KneeOptions& options, Run& run,
                                       const gait::PictureScale& picture) {
-  if (options.knee == KneeFrom::kMarker) return {ReadTrialTables(path, reading, knee, run, picture), {}};
+  if (options.knee == KneeFrom::kMarker)
+    return {ReadTrialTables(path, reading, knee, run, picture, options.movement), {}};
   exchange::Trial trial = ReadMarkers(path, reading);
   const auto put = [&](const axis::SegmentMarkers& segments, const std::string& marker) {
     return PutAxis(segments, marker, fs::is_directory(path) ? FolderReading(reading) : reading, trial, run);
   };
   if (side == TrialSide::kHuman) {
     const std::optional<double> sd_mm = put(options.segments, knee);
-    return {FitTables(path, trial, sd_mm ? knee : LegKneeOf(trial, knee), run, picture), sd_mm};
+    return {FitTables(path, trial, sd_mm ? knee : LegKneeOf(trial, knee), run, picture, options.movement), sd_mm};
   }
   const bool has_joint = knee != kKnee && trial.recording.Find(knee);
   const bool is_joint_put = !options.exo_segments.shank.empty() && put(options.exo_segments, knee);
@@ -403,7 +413,7 @@ FunctionalTables ReadFunctionalTables(const fs::path& path, const exchange::Tria
         path.string());
   std::optional<double> sd_mm;
   if (knee != kKnee) sd_mm = put(options.segments, kKnee);  // else the joint has the place of the person's knee
-  return {FitTables(path, trial, LegKneeOf(trial, knee), run, picture), sd_mm};
+  return {FitTables(path, trial, LegKneeOf(trial, knee), run, picture, options.movement), sd_mm};
 }
 
 std::vector<InputFile> TrialTableInputs(const fs::path& path, const std::string& role) {

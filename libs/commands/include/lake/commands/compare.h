@@ -60,7 +60,8 @@ std::vector<InputFile> TrialTableInputs(const std::filesystem::path& path, const
 // Of a lake-track folder its tables, of another trial, or with a scale of its picture, those of a leg fit. `knee` is
 // the compared marker; where the trial has no marker `knee`, it is the leg's knee as well.
 compare::TrialTables ReadTrialTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
-                                     const std::string& knee, Run& run, const gait::PictureScale& picture = {});
+                                     const std::string& knee, Run& run, const gait::PictureScale& picture = {},
+                                     const gait::MovementOptions& movement = {});
 
 // The same by --knee: with `marker` as it is, with `functional` with the axis about which the person's segments turn:
 // of a human trial where the compared marker was, beside an exoskeleton's joint as the marker `knee`. Always of a leg

@@ -8,6 +8,7 @@
 #include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
+#include "lake/gait/movement.h"
 
 namespace lake::commands {
 
@@ -17,6 +18,7 @@ struct KneeOptions {
   KneeFrom knee = KneeFrom::kMarker;
   axis::SegmentMarkers segments;      // of the person, by their names in the trials' files
   axis::SegmentMarkers exo_segments;  // of the exoskeleton's parts, likewise; empty: its joint's marker is taken
+  gait::MovementOptions movement;     // of trials whose events are to be found
 };
 
 // --segment shank=A,B --segment thigh=C,D, as an option of this name.
