@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the sample study data/sts-study again: both recordings are rendered by lake-synth with fixed seeds.
+# Makes the samples data/sts-study and data/walk again: the recordings are rendered by lake-synth with fixed seeds.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -22,4 +22,12 @@ for trial in human exo; do
   cp "$work/$trial/truth.csv" "data/sts-study/$trial-truth.csv"
   cp "$work/$trial/scene.json" "data/sts-study/$trial-scene.json"
 done
-ls -l data/sts-study
+
+build/release/bin/lake-synth --movement walking --repetitions 6 --passes 2 --width 1920 --height 560 --radius-px 3.2 \
+  --crf 20 --seed-number 2026 --quiet -o "$work/walk"
+mkdir -p data/walk
+cp "$work/walk/camera.yaml" data/walk/
+cp "$work/walk/video.mp4" data/walk/walk.mp4
+cp "$work/walk/truth.csv" data/walk/walk-truth.csv
+cp "$work/walk/scene.json" data/walk/walk-scene.json
+ls -l data/sts-study data/walk

@@ -5,7 +5,8 @@ install(CODE "execute_process(COMMAND gzip -9nc \"${CMAKE_CURRENT_LIST_DIR}/chan
   OUTPUT_FILE \"${CMAKE_BINARY_DIR}/changelog.gz\" COMMAND_ERROR_IS_FATAL ANY)")
 install(FILES ${CMAKE_BINARY_DIR}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # study.yaml finds ../../calibration from where it stands here, too.
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/data/sts-study DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples/data)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/data/sts-study ${CMAKE_SOURCE_DIR}/data/walk
+        DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples/data)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/calibration DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 # The Python package, where Debian's interpreter looks for it, and what there is to begin with.
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/apps/python/lake DESTINATION lib/python3/dist-packages PATTERN __pycache__ EXCLUDE)

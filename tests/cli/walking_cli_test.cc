@@ -91,6 +91,49 @@ TEST_F(WalkingProgram, ForcePlatesWinOverTheMarkers) {
   }
 }
 
+TEST_F(WalkingProgram, ExportsItsEvents) {
+  ASSERT_EQ(Gait({}, "").exit_code, 0);
+  Outcome outcome = Shell(folder_, "lake-convert W walk.c3d");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("give --leg"));
+  outcome = Shell(folder_, "lake-convert W walk.c3d --leg left");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const CsvTable events = CsvTable::Read(folder_ / "W/events.csv");
+  const Json info = Json::parse(Shell(folder_, "lake-info walk.c3d --json").out);
+  ASSERT_EQ(info["events"].size(), events.Rows()) << info;
+  for (std::size_t i = 0; i < events.Rows(); ++i) {
+    const bool is_other = events.Text(i, 1).ends_with("_other"), is_strike = events.Text(i, 1).starts_with("heel");
+    EXPECT_EQ(info["events"][i]["context"], is_other ? "Right" : "Left");
+    EXPECT_EQ(info["events"][i]["label"], is_strike ? "Foot Strike" : "Foot Off");
+    EXPECT_NEAR(info["events"][i]["time_s"].get<double>(), events.RequiredNumber(i, events.Column("time_s")), 0.011);
+  }
+  ASSERT_EQ(Shell(folder_, "lake-convert W walk.mot --leg left").exit_code, 0);
+  EXPECT_THAT(ReadTextFile(folder_ / "walk.mot"), HasSubstr("trunk_tilt\trepetition\tpercent\n"));
+}
+
+TEST_F(WalkingProgram, LoadsOverStance) {
+  const fs::path data = SharedData() / "walking_force_plates";
+  if (!fs::exists(data)) GTEST_SKIP() << "no recordings";
+  const std::string trial = "lake-loads " + (data / "walking1.trc").string() + " --mass 70 --draws 20 -o L --map ",
+                    forces = " --forces " + (data / "walking1_grf.mot").string();
+  const std::string left = "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS,heel=L_calc,toe=L_toe";
+  Outcome outcome = Shell(folder_, trial + left + forces);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json stances = ReadJsonFile(folder_ / "L/summary.json")["stances"];
+  ASSERT_EQ(stances.size(), 1u);
+  EXPECT_NEAR(stances[0]["heel_strike_s"].get<double>(), 0.5322, 1e-3);
+  EXPECT_NEAR(stances[0]["toe_off_s"].get<double>(), 1.2075, 1e-3);
+  // Push-off at one's own pace: 1.2 to 1.8 N m/kg (Winter 1991).
+  EXPECT_NEAR(stances[0]["peak_ankle_nm"].get<double>() / 70, 1.5, 0.4);
+  outcome = Shell(folder_, trial + left);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("give --forces"));
+  // The right foot is on the first plate from before the recording on.
+  outcome = Shell(folder_, trial + "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS" + forces);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("no plate bears this foot from heel strike to toe-off"));
+}
+
 TEST_F(WalkingProgram, TakesANormAndQuietStanding) {
   std::ofstream(folder_ / "norm.csv") << "percent,mean,sd\n0,5,4\n40,10,5\n72,60,6\n100,5,4\n";
   Outcome outcome = Gait({}, "--reference norm.csv");
@@ -167,6 +210,35 @@ TEST_F(WalkingComparisonProgram, ComparesWalks) {
   ASSERT_EQ(Shell(folder_, "lake-gait worn.csv -o W").exit_code, 0);
   ASSERT_EQ(Shell(folder_, "lake-compare C W -o D").exit_code, 0);
   EXPECT_NEAR(ReadJsonFile(folder_ / "D/comparison.json")["joint"]["rms_mm"].get<double>(), 12, 0.5);
+}
+
+TEST_F(WalkingComparisonProgram, DesignsOnlyWhatIsQuickEnough) {
+  ASSERT_EQ(Shell(folder_, "lake-compare walk.csv worn.csv -o C").exit_code, 0);
+  const auto optimize = [&](const std::string& options) {
+    return Shell(folder_, "lake-optimize --comparison C --human-only --starts 4 --penalty 1 -o O " + options);
+  };
+  // The paper's actuator, 5 mm/s.
+  Outcome outcome = optimize("");
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("no program follows this walk"));
+  const double needed_s = ReadJsonFile(folder_ / "O/summary.json")["ways_out"][0]["duration_s"];
+  EXPECT_GT(needed_s, 20);
+  outcome = optimize(fmt::format("--duration {}", 1.01 * needed_s));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("NOT USABLE FOR WALKING"));
+  EXPECT_FALSE(ReadJsonFile(folder_ / "O/summary.json")["walking"]["is_quick_enough"]);
+  // As quick as this needs for the person's own stride.
+  outcome = optimize(fmt::format("--max-speed {}", 1.01 * 5 * needed_s / 1.1));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json summary = ReadJsonFile(folder_ / "O/summary.json");
+  EXPECT_TRUE(summary["walking"]["is_quick_enough"]);
+  EXPECT_LE(summary["stroke_program"]["duration_s"].get<double>(), 1.11);
+  EXPECT_NEAR(summary["stroke_program"]["stroke_from_to_mm"][0], summary["stroke_program"]["stroke_from_to_mm"][1],
+              1e-3);
+  EXPECT_LE(summary["after"]["angle_mismatch_max_deg"].get<double>(), 5.001);
+  outcome = optimize("--pareto 3");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--pareto is of sit-to-stands"));
 }
 
 TEST_F(WalkingComparisonProgram, RefusesAnotherMovement) {

@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <random>
+#include <span>
 
 #include "drawn_walk.h"
 #include "lake/core/angles.h"
@@ -32,6 +34,18 @@ using testing::AllOf;
 using testing::Ge;
 using testing::HasSubstr;
 using testing::Le;
+
+// White, of this size per axis; the file says it.
+void AddNoise(double noise_mm, unsigned seed, motion::MarkerRecording& recording) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, noise_mm);
+  for (motion::MarkerTrack& marker : recording.markers)
+    for (motion::MarkerSample& sample : marker.samples) {
+      if (!sample.IsKnown()) continue;
+      sample.position += Eigen::Vector2d(noise(random), noise(random));
+      sample.sigma = noise_mm;
+    }
+}
 
 gait::LegFitResult FitWith(const motion::MarkerRecording& recording, const gait::MovementOptions& movement = {},
                            const gait::LateralPlaces& lateral = {}) {
@@ -120,6 +134,24 @@ TEST(GivenEvents, OfAWalkReplaceAllThatWereFound) {
   }
   EXPECT_EQ(leg.movement.walk.strides, strides);
   EXPECT_EQ(leg.movement.walk.incomplete, incomplete);
+  // One that is moved, and one that is taken away, as lake review writes it.
+  motion::EventCorrection moved{2, StsEventKind::kToeOff, {}, found[0].time_s, {}}, away{1, StsEventKind::kHeelStrike};
+  const auto at = std::ranges::find_if(found, [](const motion::StsEvent& event) {
+    return event.kind == StsEventKind::kToeOff && event.repetition == 2;
+  });
+  moved.time_s = at->time_s + 0.05;
+  motion::WriteEventCorrections(folder / "moved.csv", {moved, away});
+  const std::vector<motion::StsEvent> merged = motion::ApplyEventCorrections(
+      motion::ReadEventCorrections(folder / "moved.csv"), leg.motion.frame, leg.motion.time_s, found);
+  ASSERT_EQ(merged.size(), found.size() - 1);
+  for (const motion::StsEvent& event : merged)
+    if (event.kind == at->kind && event.repetition == 2) {
+      EXPECT_DOUBLE_EQ(event.time_s, at->time_s + 0.05);
+    } else {
+      EXPECT_TRUE(std::ranges::any_of(found, [&](const motion::StsEvent& other) {
+        return other.kind == event.kind && other.time_s == event.time_s && other.sd_s == event.sd_s;
+      }));
+    }
   WriteTextFile(folder / "given.csv",
                 "repetition,event,time_s\n1,heel_strike,1.5\n1,toe_off,2.2\n2,heel_strike,2.55\n");
   gait::CorrectEvents(motion::ReadEventCorrections(folder / "given.csv"), leg);
@@ -307,6 +339,56 @@ TEST(Squats, AreMeasuredAsTheMarkersShowThem) {
   const CsvTable table = CsvTable::Read(folder / "squats.csv");
   EXPECT_EQ(table.Rows(), squats.squats.size() + 2);
   EXPECT_EQ(table.RequiredNumber(0, table.Column("depth_mm")), squats.squats[0].depth.value);
+}
+
+// Each measure's scatter over draws of the markers' noise against its standard deviation.
+template <typename Row>
+std::map<std::string, double> ScatterOverSd(const std::vector<std::vector<Row>>& draws,
+                                            std::span<const gait::Field<Row>> fields) {
+  std::map<std::string, double> ratios;
+  for (const gait::Field<Row>& field : fields) {
+    std::vector<double> scatters, sds;
+    for (std::size_t r = 0; r < draws.front().size(); ++r) {
+      std::vector<double> values;
+      for (const std::vector<Row>& draw : draws) {
+        values.push_back((draw[r].*field.value).value);
+        sds.push_back((draw[r].*field.value).sd);
+      }
+      scatters.push_back(StandardDeviation(values));
+    }
+    ratios[field.name] = RootMeanSquare(scatters) / RootMeanSquare(sds);
+  }
+  return ratios;
+}
+
+TEST(Squats, ScatterAsTheirStandardDeviationsSay) {
+  const fs::path file = SharedData() / "real_motions/subject4_squats1.trc";
+  if (!fs::exists(file)) GTEST_SKIP() << "no recordings";
+  exchange::TrialOptions options;
+  options.names = NameMap(kRightLeg);
+  const exchange::Trial trial = exchange::ReadTrial(file, options);
+  std::vector<std::vector<gait::Squat>> draws;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    motion::MarkerRecording noisy = trial.recording;
+    AddNoise(1, seed, noisy);
+    draws.push_back(gait::MeasureSquats(FitWith(noisy, {}, trial.lateral_mm)).squats);
+    ASSERT_EQ(draws.back().size(), 5u);
+  }
+  for (const auto& [name, ratio] : ScatterOverSd<gait::Squat>(draws, gait::SquatFields()))
+    EXPECT_THAT(ratio, AllOf(Ge(0.6), Le(1.6))) << name;
+}
+
+TEST(GaitCycles, ScatterAsTheirStandardDeviationsSay) {
+  std::vector<std::vector<gait::GaitCycle>> draws;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    DrawnWalkOptions drawn;
+    drawn.noise_mm = 1;
+    drawn.seed = seed;
+    draws.push_back(gait::MeasureGaitCycles(FitWith(DrawWalk(drawn))).strides);
+    ASSERT_EQ(draws.back().size(), draws.front().size());
+  }
+  for (const auto& [name, ratio] : ScatterOverSd<gait::GaitCycle>(draws, gait::GaitCycleFields()))
+    EXPECT_THAT(ratio, AllOf(Ge(0.6), Le(1.6))) << name;
 }
 
 TEST(Squats, ColumnsAreDescribedAsTheFieldsAre) {

@@ -41,6 +41,7 @@ Json ChecksJson(const tracking::RecordingCheck& c) {
           {"position_sd_px", named(c.position_sd_px)},
           {"segment_px", named(c.segment_px)},
           {"travel_px", c.travel_px},
+          {"strides", ValueOrNull(c.strides)},
           {"named", c.IsNamed()},
           {"expected_knee_sd_deg", named(c.knee_sd_deg)},
           {"flicker", c.flicker},

@@ -100,10 +100,7 @@ std::string LegKneeOf(const exchange::Trial& trial, const std::string& knee) {
 }
 
 compare::TrialTables FitTables(const fs::path& path, const exchange::Trial& trial, const std::string& leg_knee,
-                               Run& run, const gait::PictureScale& picture,
-                               const std::optional<fs::path>& knee_trial = {}) {
-  gait::LegFitOptions fit;
-  fit.knee_trial = knee_trial;
+                               Run& run, const gait::PictureScale& picture, gait::LegFitOptions fit) {
   fit.facing_option = "--forward";
   fit.markers.knee = leg_knee;
   const gait::LegFitResult result = FitTrial(trial, fit, run, picture);
@@ -429,26 +426,36 @@ void CheckReading(const fs::path& path, const exchange::TrialOptions& reading, c
 
 compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run, const gait::PictureScale& picture,
-                                     const std::optional<fs::path>& knee_trial) {
-  if (!picture.IsGiven() && IsTracked(path)) return ReadTracked(path, picture.depths, run);
+                                     const gait::LegFitOptions& given) {
+  const auto tracked = [&] {
+    compare::TrialTables tables = ReadTracked(path, picture.depths, run);
+    if (given.movement.kind != gait::MovementKind::kAuto && given.movement.kind != compare::MovementIn(tables))
+      throw Fail("{}: its events are not of {}: run lake-gait on it with --movement {}", path.string(),
+                 gait::MovementOf(given.movement.kind).name, gait::MovementOf(given.movement.kind).name);
+    return tables;
+  };
+  if (!picture.IsGiven() && IsTracked(path)) return tracked();
   const exchange::Trial trial = ReadMarkers(path, reading, picture);
-  if (trial.recording.unit == motion::LengthUnit::kMm && IsTracked(path)) return ReadTracked(path, picture.depths, run);
-  return FitTables(path, trial, knee_trial ? kKnee : LegKneeOf(trial, knee), run, picture, knee_trial);
+  if (trial.recording.unit == motion::LengthUnit::kMm && IsTracked(path)) return tracked();
+  return FitTables(path, trial, given.knee_trial ? kKnee : LegKneeOf(trial, knee), run, picture, given);
 }
 
 FunctionalTables ReadFunctionalTables(const fs::path& path, const exchange::TrialOptions& reading,
                                       const std::string& knee, TrialSide side, const KneeOptions& options, Run& run,
                                       const gait::PictureScale& picture) {
-  if (options.knee == KneeFrom::kMarker)
-    return {ReadTrialTables(path, reading, knee, run, picture, side == TrialSide::kExo ? options.trial : std::nullopt),
-            {}};
+  gait::LegFitOptions given;
+  given.movement = options.movement;
+  if (options.knee == KneeFrom::kMarker) {
+    if (side == TrialSide::kExo) given.knee_trial = options.trial;
+    return {ReadTrialTables(path, reading, knee, run, picture, given), {}};
+  }
   exchange::Trial trial = ReadMarkers(path, reading, picture);
   const auto put = [&](const axis::SegmentMarkers& segments, const std::string& marker) {
     return PutAxis(segments, marker, fs::is_directory(path) ? FolderReading(reading) : reading, trial, run);
   };
   if (side == TrialSide::kHuman) {
     const std::optional<double> sd_mm = put(options.segments, knee);
-    return {FitTables(path, trial, sd_mm ? knee : LegKneeOf(trial, knee), run, picture), sd_mm};
+    return {FitTables(path, trial, sd_mm ? knee : LegKneeOf(trial, knee), run, picture, given), sd_mm};
   }
   const bool has_joint = knee != kKnee && trial.recording.Find(knee);
   const bool is_joint_put = !options.exo_segments.shank.empty() && put(options.exo_segments, knee);
@@ -459,7 +466,7 @@ FunctionalTables ReadFunctionalTables(const fs::path& path, const exchange::Tria
         path.string());
   std::optional<double> sd_mm;
   if (knee != kKnee) sd_mm = put(options.segments, kKnee);  // else the joint has the place of the person's knee
-  return {FitTables(path, trial, LegKneeOf(trial, knee), run, picture), sd_mm};
+  return {FitTables(path, trial, LegKneeOf(trial, knee), run, picture, given), sd_mm};
 }
 
 std::vector<InputFile> TrialTableInputs(const fs::path& path, const std::string& role) {

@@ -83,6 +83,7 @@ void Describe(KneeOptions& o, OptionList& options) {
                    "joint",
                    options)
       .Otherwise("its joint's marker");
+  Describe(o.movement, options);
   options.Check([&o](const OptionList&) {
     for (const auto& [segments, name] :
          {std::pair{&o.segments, "--segment"}, std::pair{&o.exo_segments, "--exo-segment"}}) {

@@ -40,14 +40,37 @@ std::string LegOf(const LoadsRunOptions& options, const exchange::Trial& trial, 
   return "right";
 }
 
-loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::Trial& trial,
-                               const gait::LegFitResult& fit, Run& run) {
-  const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
+// A plate that bears the foot, and when.
+struct BearingPlate {
+  const exchange::PlateForces* plate;
+  double from_s = -std::numeric_limits<double>::infinity(), to_s = -from_s;
+};
+
+// The leg's contacts that begin and end in the recording, and their plates.
+std::pair<std::vector<loads::Stance>, std::vector<BearingPlate>> StancesOf(
+    const gait::LegFitResult& fit, const std::vector<gait::PlateContact>& contacts,
+    const exchange::GroundForceRecording& file) {
+  std::vector<loads::Stance> stances;
+  std::vector<BearingPlate> bearing;
+  constexpr double kEdge_s = 0.05;  // the force below the contact's limit
+  const auto find = [&](motion::StsEventKind kind, double time_s) {
+    return std::ranges::find_if(
+        fit.events, [&](const motion::StsEvent& event) { return event.kind == kind && event.time_s == time_s; });
+  };
+  for (const gait::PlateContact& contact : contacts) {
+    const auto strike = find(motion::StsEventKind::kHeelStrike, contact.begin_s);
+    if (strike == fit.events.end() || find(motion::StsEventKind::kToeOff, contact.end_s) == fit.events.end()) continue;
+    stances.push_back({strike->repetition, contact.begin_s, contact.end_s});
+    bearing.push_back({&*std::ranges::find(file.plates, contact.plate, &exchange::PlateForces::name),
+                       contact.begin_s - kEdge_s, contact.end_s + kEdge_s});
+  }
+  return {stances, bearing};
+}
+
+loads::GroundForces InLeg(const LoadsRunOptions& options, const exchange::GroundForceRecording& file,
+                          const std::vector<BearingPlate>& bearing, const exchange::Trial& trial,
+                          const gait::LegFitResult& fit) {
   const Eigen::Matrix3d& plane_from_space = *trial.plane_from_space;
-  VerticalOf(file, trial, options.forces);  // both have one
-  const std::string leg = LegOf(options, trial, run);
-  const exchange::PlateForces& plate = exchange::PlateOf(file, options.plates, leg, options.forces);
-  WarnOfSwappedPlates(file, plate, leg, trial, options.reading, "Name them with --plates, the leg with --leg", run);
   const motion::Facing facing = fit.motion.facing;
   const double side = facing == motion::Facing::kRight ? 1 : -1;  // the leg's x is the plane's, or its opposite
   const auto in_leg = [&](const Vector3d& v) {
@@ -60,11 +83,26 @@ loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::T
     for (double& time_s : forces.time_s) time_s = clock.FromB(time_s);
   }
   for (std::size_t i = 0; i < file.time_s.size(); ++i) {
-    const Vector2d force_n = in_leg(plate.force_n[i]);
-    const double free_nm = side * plane_from_space.row(2).dot(plate.moment_nm[i]);
-    forces.wrench.push_back({force_n, Cross(in_leg(plate.point_m[i]), force_n) + free_nm});
+    loads::Wrench& wrench = forces.wrench.emplace_back();
+    for (const auto& [plate, from_s, to_s] : bearing) {
+      if (forces.time_s[i] < from_s || forces.time_s[i] > to_s) continue;
+      const Vector2d force_n = in_leg(plate->force_n[i]);
+      wrench.force_n += force_n;
+      wrench.moment_nm +=
+          Cross(in_leg(plate->point_m[i]), force_n) + side * plane_from_space.row(2).dot(plate->moment_nm[i]);
+    }
   }
   return forces;
+}
+
+loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::Trial& trial,
+                               const gait::LegFitResult& fit, Run& run) {
+  const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
+  VerticalOf(file, trial, options.forces);  // both have one
+  const std::string leg = LegOf(options, trial, run);
+  const exchange::PlateForces& plate = exchange::PlateOf(file, options.plates, leg, options.forces);
+  WarnOfSwappedPlates(file, plate, leg, trial, options.reading, "Name them with --plates, the leg with --leg", run);
+  return InLeg(options, file, {{&plate}}, trial, fit);
 }
 
 void WriteTable(const fs::path& path, const loads::LoadsResult& result) {
@@ -265,6 +303,45 @@ Json MomentumJson(const loads::RiseMomentum& mean, double mass_kg) {
       {"com_upward_max_ns", mass_kg * mean.upward_max_m_s},   {"com_forward_lead_s", mean.forward_lead_s}};
 }
 
+// Each stance and the mean of all, over 0 to 100 % of it.
+Json RunStances(const LoadsRunOptions& options, const exchange::Trial& trial, const gait::LegFitResult& fit,
+                const loads::LegPathOptions& path, Run& run) {
+  if (options.forces.empty())
+    throw Fail("{}: a walk's moments are worked out from the ground's forces: give --forces", trial.file.string());
+  const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
+  const auto [stances, bearing] = StancesOf(fit, fit.movement.walking.contacts, file);
+  if (stances.empty())
+    throw Fail("{}: no plate bears this foot from heel strike to toe-off; --map chooses the leg",
+               options.forces.string());
+  const loads::LoadsResult result = loads::FindStanceLoads(fit.trajectory, fit.motion, stances, path, options.loads,
+                                                           InLeg(options, file, bearing, trial, fit));
+  WriteTable(run.Result("loads.csv"), result);
+  DrawPngAndSvg("loads", run,
+                [&](const fs::path& file) { figure::DrawLoads(file, result, options.trial.filename().string()); });
+  Json of_stances = Json::array();
+  for (const loads::RiseLoads& stance : result.rises) {
+    const auto most_nm = [&](double loads::LoadsRow::*member) {
+      return (*std::ranges::max_element(stance.rows, {}, member)).*member;
+    };
+    const Json peak = PeakJson(stance, options.loads.body.mass_kg);
+    run.Report(
+        "stance {}, {:.3f} to {:.3f} s: largest extension moments knee {} N m (95 %: {} to {}) at {:.0f}°, ankle {} N "
+        "m, "
+        "hip {} N m\n",
+        stance.repetition, stance.onset_s, stance.standing_s, SignificantText(stance.peak.knee_nm, 3),
+        SignificantText(stance.peak.low_nm, 3), SignificantText(stance.peak.high_nm, 3), stance.peak.knee_deg,
+        SignificantText(most_nm(&loads::LoadsRow::ankle_nm), 3), SignificantText(most_nm(&loads::LoadsRow::hip_nm), 3));
+    of_stances.push_back({{"repetition", stance.repetition},
+                          {"heel_strike_s", stance.onset_s},
+                          {"toe_off_s", stance.standing_s},
+                          {"peak", peak},
+                          {"peak_ankle_nm", most_nm(&loads::LoadsRow::ankle_nm)},
+                          {"peak_hip_nm", most_nm(&loads::LoadsRow::hip_nm)},
+                          {"knee_energy_j", stance.knee_energy_j}});
+  }
+  return {{"method", Method(result)}, {"stances", of_stances}, {"body", BodyJson(result.body)}};
+}
+
 Json SummaryJson(const loads::LoadsResult& result, const MeanRise& mean, double mass_kg) {
   Json rises = Json::array();
   for (const loads::RiseLoads& rise : result.rises)
@@ -368,12 +445,13 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
   run.Begin({"summary.json", "loads.csv", "pace.csv", "centre_of_mass.csv", "momentum.csv", "loads.json", "loads.png",
              "loads.svg"});
   const gait::LegFitResult fit = FitTrial(trial, options.fit, run, options, options.events, options);
-  std::optional<loads::GroundForces> forces;
-  if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
   loads::LegPathOptions path;
   path.facing = fit.motion.facing;
   path.up = fit.up;
   path.markers = options.fit.markers;
+  if (fit.movement.kind == gait::MovementKind::kWalking) return RunStances(options, trial, fit, path, run);
+  std::optional<loads::GroundForces> forces;
+  if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
   const loads::LoadsResult result =
       loads::FindLoads(fit.trajectory, fit.motion, fit.events, path, options.loads, forces);
   for (const std::string& warning : result.warnings) run.Warn(warning);

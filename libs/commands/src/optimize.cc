@@ -135,11 +135,10 @@ void ReadHuman(const ReoptimizeRunOptions& options, Run& run, redesign::Measured
     throw UsageError("--knee functional: {} has no markers of --segment on shank and thigh", options.human.string());
   compare::RegistrationOptions registration;
   registration.knee = options.human_knee;
-  if (compare::MovementIn(read.tables) == gait::MovementKind::kWalking)
-    throw Fail("{}: it is of walking, and a linkage is designed for sit-to-stands", options.human.string());
   const compare::RegisteredTrial trial = compare::RegisterTrial(read.tables, registration);
   for (const std::string& warning : trial.warnings) run.Warn(warning);
   measured.human = compare::MeanCurve(trial.repetitions);
+  measured.movement = trial.movement;
   measured.joint_sd_mm = PlaceDeviationMm(read.sd_mm);
 }
 
@@ -147,7 +146,7 @@ void ReadHuman(const ReoptimizeRunOptions& options, Run& run, redesign::Measured
 redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::size_t i) {
   redesign::MeasuredMotion measured;
   const fs::path& comparison = options.comparisons[i];
-  const compare::ComparedCurves curves = compare::ReadComparisonOfRises(comparison);
+  const compare::ComparedCurves curves = compare::ReadComparison(comparison);
   if (options.knee.knee == KneeFrom::kFunctional && !curves.knee_is_functional)
     throw UsageError(
         "--knee functional: {} was made from the knee markers; run lake-compare with --knee functional and --segment, "
@@ -155,6 +154,7 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
         "take its folder",
         comparison.string());
   measured.human = curves.human;
+  measured.movement = curves.movement;
   measured.noise_floor_percent = 100 * curves.noise_floor_relative;
   measured.joint_sd_mm = curves.joint_sd_mm.value_or(PlaceDeviationMm({}));
   if (!options.human_only) {
@@ -282,6 +282,20 @@ std::vector<double> ReadHeights(const fs::path& participants, const std::vector<
   return heights_mm;
 }
 
+// The target is the knee's angle over the stride, in its time.
+void SetWalk(const OptimizeRunOptions& options, const redesign::MeasuredMotion& measured,
+             redesign::RedesignProblem& problem) {
+  for (const auto& [is_given, name] : {std::pair{options.reoptimize->pareto_points.has_value(), "--pareto"},
+                                       std::pair{options.reoptimize->balance_mm.has_value(), "--balance"},
+                                       std::pair{!options.reoptimize->body.empty(), "--body"},
+                                       std::pair{options.problem.profile.has_value(), "--profile"}})
+    if (is_given) throw UsageError("{} is of sit-to-stands, and this motion is walking: omit it", name);
+  problem.program.kind = linkage::StrokeProgram::Kind::kFree;
+  problem.program.cyclic = true;
+  if (!problem.program.duration_s) problem.program.duration_s = measured.human.duration_s;
+  if (!problem.max_angle_mismatch_deg) problem.max_angle_mismatch_deg = kAngleMismatch_deg;
+}
+
 Json RunForGroup(const OptimizeRunOptions& options, const redesign::RedesignProblem& shared, Run& run) {
   CheckForGroup(options);
   ReoptimizeRunOptions reoptimize = *options.reoptimize;
@@ -293,6 +307,9 @@ Json RunForGroup(const OptimizeRunOptions& options, const redesign::RedesignProb
       reoptimize.people.empty() ? NamesOfFolders(reoptimize.comparisons) : reoptimize.people;
   std::vector<group::PersonMeasured> people;
   for (std::size_t i = 0; i < names.size(); ++i) people.push_back({names[i], ReadMeasured(reoptimize, i, run)});
+  for (const group::PersonMeasured& person : people)
+    if (person.motion.movement == gait::MovementKind::kWalking)
+      throw Fail("{}: it is of walking, and a linkage for many people is designed for sit-to-stands", person.name);
   if (!reoptimize.participants.empty()) reoptimize.heights_mm = ReadHeights(reoptimize.participants, names);
   run.Begin(GroupResultNames(names, reoptimize.sizes));
   const auto finish = [&](const auto& outcome, Json summary, const std::string& reason) {
@@ -313,11 +330,12 @@ Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
   CheckRedesign(options);
   const redesign::RedesignOptions redesign_options{options.study, options.reoptimize->pareto_points};
   redesign_options.Check();
-  const redesign::RedesignProblem problem = ProblemOf(options);
+  redesign::RedesignProblem problem = ProblemOf(options);
   problem.CheckOptions();
   if (options.reoptimize->comparisons.size() > 1 || options.reoptimize->sizes)
     return RunForGroup(options, problem, run);
   const redesign::MeasuredMotion measured = ReadMeasured(*options.reoptimize, 0, run);
+  if (measured.movement == gait::MovementKind::kWalking) SetWalk(options, measured, problem);
   std::vector<std::string> names =
       ResultNames({"before_after.csv", "cuffs.csv", "program.csv", "knee_paths.png", "knee_paths.svg",
                    "predicted/comparison.json", "predicted/misalignment.csv"});
@@ -401,7 +419,7 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
            "Largest difference of the exoskeleton's knee angle from the human's at any instant")
       .Unit("degrees")
       .Positive()
-      .Otherwise("5 with --misalignment joint, else no limit");
+      .Otherwise("5 with --misalignment joint and of walking, else no limit");
   options
       .Add("balance", o.balance_mm,
            "Centre of pressure at least so far inside the foot once the seat is left; the person may lean otherwise; "

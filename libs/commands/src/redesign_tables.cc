@@ -311,6 +311,43 @@ void WarnOfMoments(const redesign::RedesignOutcome& outcome, Run& run) {
           front.name, SignificantText(front.moments->duration_s, 3), front.moments->off_nm);
 }
 
+// Of walking: whether the actuator is quick enough, for what part of the stride, and how slow a walk it could follow.
+Json WalkJson(const redesign::RedesignOutcome& outcome) {
+  if (!outcome.problem.program.cyclic) return nullptr;
+  const double stride_s = outcome.measured.human.duration_s, speed_mm_s = outcome.problem.program.max_speed_mm_s;
+  constexpr double kRounding = 1 + 1e-5;
+  const bool is_quick_enough = outcome.IsSolved() && outcome.after.duration_s <= kRounding * stride_s;
+  std::string text = fmt::format("A stride takes {} s and the actuator moves {} mm/s.", SignificantText(stride_s, 3),
+                                 SignificantText(speed_mm_s, 3));
+  const auto of = [&](const char* name, const redesign::DesignInMotion& design) -> Json {
+    if (!design.tracking_time_s) return nullptr;
+    const double needed_mm_s = speed_mm_s * *design.tracking_time_s / stride_s,
+                 share_percent = 100 * design.tracked_share.value_or(0),
+                 speed_percent = std::min(100.0, 100 * stride_s / *design.tracking_time_s);
+    text += fmt::format(
+        " To follow the knee exactly the {} linkage needs {} mm/s: it can for {} % of the cycle, or all of it at {} % "
+        "of "
+        "the walking speed.",
+        name, SignificantText(needed_mm_s, 3), SignificantText(share_percent, 2), SignificantText(speed_percent, 2));
+    return {{"needed_mm_s", needed_mm_s},
+            {"share_of_cycle_percent", share_percent},
+            {"shortest_stride_s", *design.tracking_time_s},
+            {"walking_speed_percent", speed_percent}};
+  };
+  Json json = {{"stride_s", stride_s},
+               {"max_speed_mm_s", speed_mm_s},
+               {"is_quick_enough", is_quick_enough},
+               {"worn", outcome.measured.worn ? of("worn", outcome.before) : Json()},
+               {"new", of("new", outcome.after)}};
+  if (is_quick_enough)
+    text += fmt::format(" The new program follows within {}° in that time.",
+                        SignificantText(outcome.after.prediction->angle_mismatch_deg, 2));
+  else
+    text += " NOT USABLE FOR WALKING at this person's speed: the actuator is too slow.";
+  json["text"] = text;
+  return json;
+}
+
 void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   const redesign::RedesignProblem& problem = outcome.problem;
   if (outcome.measured.exo && outcome.measured.worn && !outcome.slip)
@@ -340,6 +377,11 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
         after->balance->at_percent, SignificantText(after->balance->duration_s, 3), -after->balance->margin_mm);
   WarnOfMoments(outcome, run);
   if (!outcome.IsSolved()) return;
+  if (const Json walk = WalkJson(outcome); walk.is_object() && !walk["is_quick_enough"])
+    run.Warn(
+        "this design is not usable for walking at the person's speed: its program takes {} s for a stride of {} s, as "
+        "long as --duration allows",
+        SignificantText(outcome.after.duration_s, 3), SignificantText(outcome.measured.human.duration_s, 3));
   WarnOfMultipliers(outcome.active, run);
   if (outcome.certificate) {
     WarnOfCertificate(*outcome.certificate, NotInBound(problem), run);
@@ -542,6 +584,7 @@ Json MotionJson(const redesign::RedesignOutcome& outcome) {
       {"placement_range", PlacementRangeJson(outcome)},
       {"build_text", outcome.IsSolved() ? Json(BuildText(outcome)) : Json()},
       {"noise_floor_percent", outcome.measured.noise_floor_percent},
+      {"walking", WalkJson(outcome)},
       {"moments", MomentsJson(outcome.moments)},
       {"balance", ProgramBalanceJson(outcome)}};
   for (const NamedDesign& named : DesignsOf(outcome))
@@ -585,6 +628,7 @@ Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
     WriteYields({{"optimum", &*outcome.yield}}, run);
   }
   if (!outcome.fronts.empty()) summary["pareto"] = FrontsJson(outcome);
+  if (const Json walk = WalkJson(outcome); walk.is_object()) run.Report(walk["text"].get<std::string>() + "\n");
   if (best)
     run.Report(RangeText(after.evaluation.range_deg, outcome.certificate) + MotionText(outcome) +
                LinksText(after.design.links) + ActiveText(outcome.active) +

@@ -141,22 +141,30 @@ Json TrackingJson(const tracking::TrackResult& tracked) {
           {"quality", tracked.figures ? FiguresJson(*tracked.figures) : Json()}};
 }
 
-// The part of the frames in which each marker was measured; repeated ones show nothing new.
+// The part of the frames with any marker in which each was measured; repeated ones show nothing new. Beside it the part
+// of all frames that has any.
 using SeenShares = std::vector<std::pair<std::string, double>>;
-SeenShares SeenSharesOf(const motion::MarkerRecording& tracks, std::size_t repeated) {
-  SeenShares seen;
-  const auto frames = static_cast<double>(tracks.Frames() - repeated);
-  for (const motion::MarkerTrack& marker : tracks.markers) {
-    const auto count = std::count_if(marker.samples.begin(), marker.samples.end(), [](const auto& sample) {
-      return sample.status == motion::SampleStatus::kDetected;
-    });
-    seen.emplace_back(marker.name, static_cast<double>(count) / frames);
+std::pair<SeenShares, double> SeenSharesOf(const motion::MarkerRecording& tracks, std::size_t repeated) {
+  const auto is_seen = [](const motion::MarkerTrack& marker, std::size_t i) {
+    return marker.samples[i].status == motion::SampleStatus::kDetected;
+  };
+  std::vector<int> counts(tracks.markers.size());
+  int any = 0;
+  for (std::size_t i = 0; i < tracks.Frames(); ++i) {
+    for (std::size_t m = 0; m < counts.size(); ++m) counts[m] += is_seen(tracks.markers[m], i) ? 1 : 0;
+    any += std::ranges::any_of(tracks.markers, [&](const auto& marker) { return is_seen(marker, i); }) ? 1 : 0;
   }
-  return seen;
+  SeenShares seen;
+  for (std::size_t m = 0; m < counts.size(); ++m)
+    seen.emplace_back(tracks.markers[m].name, static_cast<double>(counts[m]) / std::max(any, 1));
+  return {seen, any / static_cast<double>(tracks.Frames() - repeated)};
 }
 
-void WarnOfUnseen(const SeenShares& seen, const gait::LegFitOptions& fit, Run& run) {
+void WarnOfUnseen(const SeenShares& seen, double any, const gait::LegFitOptions& fit, Run& run) {
   constexpr double kEnough = 1 - tracking::kOftenHidden;
+  if (any < kEnough)
+    run.Warn("{:.0f} % of the frames show no marker: the person is out of the picture there, or in the dark",
+             100 * (1 - any));
   for (const auto& [name, share] : seen)
     if (share < kEnough && name == fit.markers.knee && !fit.technical.empty() && fit.knee_trial)
       continue;  // the fit says how it was rebuilt
@@ -215,13 +223,6 @@ void WarnOfVideo(const video::VideoInfo& video, const gait::LegView& view, Run& 
                                                   : "of the picture stretched by that");
 }
 
-std::vector<exchange::PointEvent> PointEvents(const std::vector<motion::StsEvent>& events) {
-  std::vector<exchange::PointEvent> points;
-  for (const motion::StsEvent& event : events)
-    points.push_back({event.time_s, "General", std::string(ToString(event.kind))});
-  return points;
-}
-
 // What is exported: positions in the picture and in the plane.
 struct ExportedMarkers {
   motion::MarkerRecording tracks, trajectory;
@@ -243,9 +244,9 @@ void Export(const TrackRunOptions& options, const video::VideoInfo& video, const
                                                                                      : markers.tracks),
       exchange::PointsFromMarkers(markers.tracks)};
   if (fit) {
-    trial.points.events = PointEvents(fit->events);
     trial.motion = &fit->motion;
     trial.leg = motion::NearLeg(fit->motion.facing);
+    trial.points.events = exchange::PointEvents(fit->events, trial.leg);
   }
   trial.image.video =
       exchange::SourceVideo{std::filesystem::absolute(options.video).string(), video.width, video.height};
@@ -647,8 +648,8 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   const gait::RollingShutter shutter =
       gait::ShutterOf(readout_s, video.width, video.height, video.rotation_deg, video.mirrored);
 
-  const SeenShares seen = SeenSharesOf(tracked.recording, tracked.times.repeated.size());
-  WarnOfUnseen(seen, options.fit, run);
+  const auto [seen, any] = SeenSharesOf(tracked.recording, tracked.times.repeated.size());
+  WarnOfUnseen(seen, any, options.fit, run);
   run.Report(SeenText(seen));
   Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}, {"seen", Json::object()}};
   for (const auto& [name, share] : seen) results["seen"][name] = share;

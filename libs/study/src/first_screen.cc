@@ -150,8 +150,11 @@ std::string OtherTime(const Json& redesign) {
   return "";
 }
 
-Table WaysTable(const std::vector<Way>& ways, const Json& redesign) {
-  Table table{"", {{"Way"}, {"Misalignment"}, {"Rise time"}, {"To build"}}, {}};
+Table WaysTable(const std::vector<Way>& ways, const Json& redesign, const std::string& repetition) {
+  Table table{
+      "",
+      {{"Way"}, {"Misalignment"}, {(repetition == "rise" ? "Rise" : "Stride") + std::string(" time")}, {"To build"}},
+      {}};
   for (const Way& way : ways) {
     std::string misalignment = UncertainText(way.misalignment_percent, " %"),
                 time = UncertainText(way.rise_s, " s", way.rise_s.value < 10 ? 1 : 0);
@@ -214,7 +217,8 @@ std::string LeadText(const StudyResults& results, const std::vector<Way>& ways, 
   std::string text = side.empty() ? "The joint sits on the knee, as far as is known. "
                                   : fmt::format("The joint sits {} the knee. ", side);
   const Way* first = FirstToTry(ways);
-  if (!first) return text + "No way below is certain to help: record more rises first.";
+  if (!first)
+    return text + fmt::format("No way below is certain to help: record more {}s first.", RepetitionIn(results));
   if (first == &ways.back()) return text + "New links help.";
   return text + fmt::format("Move it {} the knee first.", MeetsSeat(ways, redesign) ? "towards" : "onto");
 }
@@ -258,8 +262,9 @@ std::string CollisionText(const std::vector<Way>& ways, const Json& redesign) {
 // The three ways over the rise, and what a recording could not tell from none.
 LineChart ErrorChart(const StudyResults& results) {
   LineChart chart;
-  chart.alt = "Distance of the knees over the rise: as worn, with the joint moved, with new links, and the noise floor";
-  chart.x = {"rise (%)", 0, 100};
+  chart.alt =
+      "Distance of the knees over the repetition: as worn, with the joint moved, with new links, and the noise floor";
+  chart.x = {RepetitionIn(results) + " (%)", 0, 100};
   chart.y = {"misalignment (%)", 0, std::nullopt};
   chart.width = Width::kHalf;
   const auto add = [&](const char* file, const char* name, const char* colour, Mark mark) {
@@ -304,6 +309,10 @@ Uncertain KneeAngleError(const StudyResults& results, const Json& design) {
   return {error_deg, std::max(0.0, error_deg - strays_deg), error_deg + strays_deg};
 }
 
+std::string RepetitionIn(const StudyResults& results) {
+  return results.Has("human") && results.Summary("human").value("movement", Json()) == "walking" ? "stride" : "rise";
+}
+
 Uncertain RecordedRise(const StudyResults& results) {
   const Json pace = results.Summary("comparison").at("pace");
   return UncertainOf(pace.at("exo_s"), pace.value("exo_interval_s", Json()));
@@ -339,7 +348,10 @@ Section ResultChapter(const StudyFile& study, const StudyResults& results) {
   if (!results.Has("redesign")) return MeasuredResult(results);
   const Json redesign = results.Summary("redesign");
   const std::vector<Way> ways = WaysOf(study, results);
-  Section section{"Result", {Paragraph{LeadText(results, ways, redesign)}, WaysTable(ways, redesign)}};
+  Section section{"Result",
+                  {Paragraph{LeadText(results, ways, redesign)}, WaysTable(ways, redesign, RepetitionIn(results))}};
+  if (const Json walking = redesign.value("walking", Json()); walking.is_object())
+    section.blocks.insert(section.blocks.begin(), Answers{{{"For walking", walking.at("text")}}});
   std::vector<std::string> forbids;
   if (std::string collision = CollisionText(ways, redesign); !collision.empty())
     forbids.push_back(std::move(collision));

@@ -19,6 +19,9 @@ std::string UncertainText(const report::Uncertain& of, const std::string& unit, 
 // Of a prediction: how far the knee angle is from the human's, RMS, as well as the human's own mean is known.
 report::Uncertain KneeAngleError(const StudyResults& results, const Json& design);
 
+// "rise" or, of a person who walks, "stride".
+std::string RepetitionIn(const StudyResults& results);
+
 // Onset to standing in the exoskeleton trial, s: the mean of its rises.
 report::Uncertain RecordedRise(const StudyResults& results);
 

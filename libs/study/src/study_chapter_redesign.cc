@@ -37,7 +37,7 @@ constexpr BeforeAfterRow kRows[] = {
     {"range_deg", "range of rotation (°)", "°"},
     {"placement_x_mm", "joint in front of the knee (mm)", "joint"},
     {"placement_y_mm", "joint above the knee, along the shank (mm)", "joint"},
-    {"program_duration_s", "rise time (s)", "s"},
+    {"program_duration_s", "time (s)", "s"},
     {"exact_tracking_time_s", "minimum time for exact tracking (s)", "s"},
 };
 
@@ -113,7 +113,8 @@ Table BeforeAfterTable(const StudyFile& study, const StudyResults& results, cons
     Uncertain recorded = UncertainOf(measured.value(row.key, Json()), intervals.value(row.key, Json()));
     recorded.value *= row.factor;
     const int decimals = DecimalsOf(row.unit);
-    std::vector<Cell> cells{row.what, UncertainCell(recorded, decimals)};
+    const std::string of = row.key == std::string("program_duration_s") ? RepetitionIn(results) + " " : "";
+    std::vector<Cell> cells{of + row.what, UncertainCell(recorded, decimals)};
     for (const char* design : {"before", "joint_moved", "other_program", "after"})
       cells.push_back(UncertainCell(PredictedHeadline(ways, results, summary, design, row), decimals));
     table.rows.push_back(std::move(cells));
@@ -248,11 +249,11 @@ Series ColumnSeries(const CsvTable& table, const char* x, const char* y, const c
   return series;
 }
 
-LineChart AnglesChart(const fs::path& program) {
+LineChart AnglesChart(const fs::path& program, const std::string& repetition) {
   const CsvTable table = CsvTable::Read(program);
   LineChart chart;
   chart.title = "Knee angles";
-  chart.x = {"rise (%)", 0, 100};
+  chart.x = {repetition + " (%)", 0, 100};
   chart.y.label = "knee flexion (°)";
   chart.width = Width::kHalf;
   chart.caption = "Knee angle of the person and of the new design.";
@@ -441,7 +442,7 @@ Section RedesignChapter(const StudyFile& study, const StudyResults& results) {
       "Knee paths, misalignment, knee angle and stroke over the rise, of the person, the worn and the new "
       "design",
       "Where both knees are, how far apart, and what the actuator does for it.", Width::kFull, section);
-  LineChart angles = AnglesChart(results.Folder() / "redesign/program.csv");
+  LineChart angles = AnglesChart(results.Folder() / "redesign/program.csv", RepetitionIn(results));
   if (summary.contains("pareto")) {
     LineChart pareto = ParetoChart(summary);
     pareto.width = Width::kHalf;

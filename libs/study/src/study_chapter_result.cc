@@ -281,7 +281,7 @@ void NoteInterval(const Uncertain& of, const char* unit, KeyFigure& figure) {
 }
 
 KeyFigures RedesignFigures(const StudyResults& results, const Json& redesign, const Way& way) {
-  const auto figure = [&](const char* label, const char* key, const char* unit) {
+  const auto figure = [&](const std::string& label, const char* key, const char* unit) {
     const double worn = NumberOrNaN(redesign.at("before").at(key));
     return KeyFigure{label,
                      NumberOrNaN(redesign.at("after").at(key)),
@@ -293,7 +293,7 @@ KeyFigures RedesignFigures(const StudyResults& results, const Json& redesign, co
   KeyFigure misalignment = figure("misalignment, predicted RMS", "misalignment_percent", "%");
   NoteInterval(way.misalignment_percent, " %", misalignment);
   if (way.misalignment_is_limit) Note("limit you set", misalignment);
-  KeyFigure rise = figure("rise time", "program_duration_s", "s"),
+  KeyFigure rise = figure(RepetitionIn(results) + " time", "program_duration_s", "s"),
             range = figure("range of rotation", "range_deg", "°"),
             knee = figure("knee angle error, RMS", "knee_rmse_deg", "°");
   Note(way.time_is_limit ? "limit you set" : "exact: set by the stroke program", rise);
@@ -341,8 +341,9 @@ Section MeasuredResult(const StudyResults& results) {
   if (results.Has("comparison")) answers.answers.push_back({"What is wrong", WrongText(results)});
   answers.answers.push_back(
       {"What is possible",
-       fmt::format("The design problem allows a range of rotation of {} (benchmark, no person in it).",
-                   Quantity(NumberOrNaN(results.Summary("optimum").at("range_deg")), "°"))});
+       fmt::format("The design problem allows a range of rotation of {} (benchmark, no person in it{}).",
+                   Quantity(NumberOrNaN(results.Summary("optimum").at("range_deg")), "°"),
+                   RepetitionIn(results) == "stride" ? ", nor is it said to be quick enough for walking" : "")});
   answers.answers.push_back({"What fits", BodyText(results)});
   answers.answers.push_back({"What next", "Add a section reoptimize: to the study file for a design for this person."});
   if (results.Has("comparison")) answers.width = Width::kHalf;

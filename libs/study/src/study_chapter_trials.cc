@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "lake/core/deviation_text.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
+#include "lake/gait/gait_cycles.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/report/misalignment_sections.h"
 #include "study_chapters.h"
@@ -72,6 +74,10 @@ Cell RecordingCell(const StudyTrial& trial, const Json& summary) {
 std::vector<Cell> TrialColumn(const StudyTrial& trial, const Json& summary) {
   const std::vector<double> rises = RiseTimes(summary);
   std::string times = "none found";
+  if (const Json walking = summary.value("walking", Json()); walking.is_object() && walking.at("strides") != 0)
+    times = fmt::format("{} strides, {} s (SD)", walking["strides"].get<int>(),
+                        PlusMinusText(NumberOrNaN(walking["measures"]["stride_s"]["mean"]),
+                                      NumberOrNaN(walking["measures"]["stride_s"]["sd"]), 2));
   if (rises.size() == 1) times = fmt::format("1, {:.1f} s", rises.front());
   if (rises.size() > 1)
     times = fmt::format("{}, {} s (SD)", rises.size(), PlusMinusText(Mean(rises), StandardDeviation(rises), 1));
@@ -84,7 +90,7 @@ Table TrialsTable(const StudyFile& study, const StudyResults& results) {
   Table table{"Trials",
               {{"Quantity"}},
               {{"recording"},
-               {"rises, and mean time from onset to standing"},
+               {"rises (onset to standing) or strides, and their mean time"},
                {"knee angle: range, and standard deviation of a sample"},
                {"shank, ankle to knee"},
                {"thigh, knee to hip"},
@@ -99,12 +105,36 @@ Table TrialsTable(const StudyFile& study, const StudyResults& results) {
   return table;
 }
 
-void AddRises(const std::vector<motion::StsEvent>& events, LineChart& chart) {
-  for (const motion::StsEvent& onset : events)
-    for (const motion::StsEvent& standing : events)
-      if (onset.kind == motion::StsEventKind::kOnset && standing.kind == motion::StsEventKind::kStanding &&
-          onset.repetition == standing.repetition)
-        chart.intervals.push_back({onset.time_s, standing.time_s, fmt::format("rise {}", onset.repetition)});
+// Rises or strides.
+void AddRepetitions(const motion::LegMotion& motion, LineChart& chart) {
+  std::map<int, std::pair<double, double>> times;
+  for (std::size_t i = 0; i < motion.samples.size(); ++i)
+    if (const auto& repetition = motion.samples[i].repetition)
+      times.try_emplace(*repetition, motion.time_s[i], 0).first->second.second = motion.time_s[i];
+  for (const auto& [repetition, of] : times)
+    chart.intervals.push_back({of.first, of.second, fmt::format("repetition {}", repetition)});
+}
+
+// What was measured of the strides, mean and standard deviation over them; no rows where nobody walks.
+Table StridesTable(const StudyResults& results) {
+  Table table{"Strides: mean and standard deviation over them",
+              {{"Quantity"}, {"without exoskeleton"}, {"with exoskeleton"}},
+              {}};
+  const auto measures = [&](const TrialNames& names) {
+    return results.Has(names.step) ? results.Summary(names.step).value("/walking/measures"_json_pointer, Json())
+                                   : Json();
+  };
+  const Json human = measures(kHuman), exo = measures(kExo);
+  for (const gait::Field<gait::GaitCycle>& field : gait::GaitCycleFields()) {
+    const auto cell = [&](const Json& of) -> std::string {
+      const std::string column = field.Column(motion::LengthUnit::kMm);
+      if (!of.contains(column) || of[column].at("mean").is_null()) return "–";
+      return PlusMinusText(NumberOrNaN(of[column]["mean"]), NumberOrNaN(of[column]["sd"]), field.digits);
+    };
+    if (const std::string without = cell(human), with = cell(exo); without != "–" || with != "–")
+      table.rows.push_back({fmt::format("{} ({})", field.meaning, field.Unit(motion::LengthUnit::kMm)), without, with});
+  }
+  return table;
 }
 
 // The band of the joint beneath the skin; without one where the recording's budget is not known (lengths in px).
@@ -140,12 +170,12 @@ LineChart KneeChart(const StudyResults& results, const TrialNames& names) {
   }
   auto beneath = BeneathTheSkin(knee, results.Summary(names.step));
   chart.caption =
-      fmt::format("{} Shaded: from onset to standing.",
+      fmt::format("{} Shaded: from onset to standing, or the whole strides.",
                   beneath ? "Bands: ± 2 standard deviations, of the markers and of the knee beneath the skin."
                           : "Band: ± 2 standard deviations, of the markers.");
   if (beneath) chart.series.push_back(*std::move(beneath));
   chart.series.push_back(std::move(knee));
-  AddRises(motion::ReadEventsCsv(folder / "events.csv"), chart);
+  AddRepetitions(motion, chart);
   return chart;
 }
 
@@ -193,6 +223,7 @@ Section TrialsChapter(const StudyFile& study, const StudyResults& results) {
   if (study.exo) charts.push_back(KneeChart(results, kExo));
   ShareAxis(charts);
   for (LineChart& chart : charts) section.blocks.push_back(std::move(chart));
+  if (Table strides = StridesTable(results); !strides.rows.empty()) section.blocks.push_back(std::move(strides));
   return section;
 }
 
@@ -206,7 +237,7 @@ Section MisalignmentChapter(const StudyFile&, const StudyResults& results) {
       {MisalignmentKeyFigures(comparison), std::move(paths), std::move(error),
        Paragraph{DecompositionAdvice(comparison)}, std::move(parts),
        Paragraph{"Placement is an offset constant in the frame of the shank, which moving the joint removes; timing "
-                 "is a change of pace within the rise, which the stroke program can remove; shape is the rest."}}};
+                 "is a change of pace within the repetition; shape is the rest."}}};
   if (std::string budget = BudgetText(comparison); !budget.empty())
     section.blocks.push_back(Paragraph{std::move(budget)});
   return section;

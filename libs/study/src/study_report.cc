@@ -82,8 +82,7 @@ void StudyResults::AddPicture(const fs::path& name, const std::string& alt, cons
 }
 
 Report MakeStudyReport(const StudyFile& study, const StudyResults& results, const Json& head) {
-  Report report{
-      study.name, "From two recordings of a sit-to-stand to a better knee exoskeleton", WarningsOf(results), {}};
+  Report report{study.name, "From two recordings to a better knee exoskeleton", WarningsOf(results), {}};
   report.sections.push_back(ResultChapter(study, results));
   if (results.Has("redesign")) report.sections.push_back(DetailsChapter(study, results));
   for (const StepKind* kind : InOrder(results, &StepKind::chapter_place))

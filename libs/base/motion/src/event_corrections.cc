@@ -47,6 +47,7 @@ EventCorrection ReadRow(const CsvTable& table, std::size_t row) {
   correction.repetition =
       static_cast<int>(WholeNumber(table, row, "repetition", IsOfWalking(*kind) ? 0 : 1, kMostRepetitions));
   if (table.Has("sd_s")) correction.sd_s = table.Number(row, table.Column("sd_s")).value_or(LegSample::kUnknown);
+  if (table.Has("others")) correction.others_stay = table.Text(row, table.Column("others")) == "stay";
   if (table.Has("frame") && table.Number(row, table.Column("frame")))
     correction.frame = WholeNumber(table, row, "frame", 0, kMostFrames);
   if (table.Has("time_s")) correction.time_s = table.Number(row, table.Column("time_s"));
@@ -166,9 +167,15 @@ std::vector<EventCorrection> ReadEventCorrections(const std::filesystem::path& p
 }
 
 void WriteEventCorrections(const std::filesystem::path& path, const std::vector<EventCorrection>& corrections) {
-  CsvWriter csv({"repetition", "event", "frame", "time_s"});
-  for (const EventCorrection& correction : corrections)
-    csv.AddRow(correction.repetition, ToString(correction.kind), correction.frame, correction.time_s);
+  const bool is_walk = std::ranges::any_of(corrections, IsOfWalking, &EventCorrection::kind);
+  std::vector<std::string> header = {"repetition", "event", "frame", "time_s"};
+  if (is_walk) header.emplace_back("others");
+  CsvWriter csv(header);
+  for (const EventCorrection& correction : corrections) {
+    csv.Add(correction.repetition).Add(ToString(correction.kind)).Add(correction.frame).Add(correction.time_s);
+    if (is_walk) csv.Add("stay");
+    csv.EndRow();
+  }
   csv.Write(path);
 }
 
@@ -181,8 +188,16 @@ std::vector<StsEvent> ApplyEventCorrections(const std::vector<EventCorrection>& 
                                             const std::vector<std::int64_t>& frame, const std::vector<double>& time_s,
                                             const std::vector<StsEvent>& found) {
   if (corrections.empty()) return found;
-  if (std::ranges::any_of(corrections, IsOfWalking, &EventCorrection::kind))
-    return EventsOfWalk(corrections, frame, time_s);
+  if (std::ranges::any_of(corrections, IsOfWalking, &EventCorrection::kind)) {
+    std::vector<EventCorrection> all = corrections;
+    const bool others_stay = std::ranges::all_of(corrections, &EventCorrection::others_stay);
+    for (const StsEvent& event : found)
+      if (others_stay && std::ranges::none_of(corrections, [&](const EventCorrection& correction) {
+            return correction.repetition == event.repetition && correction.kind == event.kind;
+          }))
+        all.push_back({event.repetition, event.kind, {}, event.time_s, {}, event.sd_s});
+    return EventsOfWalk(all, frame, time_s);
+  }
   std::map<Key, StsEvent> merged;
   Said said;
   for (const StsEvent& event : found) merged[{event.repetition, event.kind}] = event;

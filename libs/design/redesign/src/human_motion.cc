@@ -173,6 +173,14 @@ double TrackingTime(const std::vector<double>& tracking_stroke_mm, double max_sp
   return static_cast<double>(tracking_stroke_mm.size() - 1) * largest_mm / max_speed_mm_s;
 }
 
+double TrackedShare(const std::vector<double>& tracking_stroke_mm, double max_speed_mm_s, double duration_s) {
+  const auto steps = static_cast<double>(tracking_stroke_mm.size() - 1);
+  int within = 0;
+  for (std::size_t i = 1; i < tracking_stroke_mm.size(); ++i)
+    if (std::abs(tracking_stroke_mm[i] - tracking_stroke_mm[i - 1]) <= max_speed_mm_s * duration_s / steps) ++within;
+  return within / steps;
+}
+
 std::optional<std::vector<double>> ProgramStrokes(const linkage::Design& design, double standing_deg,
                                                   const HumanMotion& human) {
   std::vector<linkage::StrokeProgram::Knot> knots;

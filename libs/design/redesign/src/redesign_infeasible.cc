@@ -26,6 +26,7 @@ class Explainer {
       : problem_(problem), links_(links), options_(options) {}
 
   MisalignmentInfeasibility Explain() {
+    if (ExplainPace()) return std::move(report_);
     const std::optional<RedesignSolve> least = Least(problem_);
     if (!least) {
       if (!ExplainAngle() && !ExplainCuffs() && !ExplainBalance()) ExplainWithoutMisalignment();
@@ -65,6 +66,31 @@ class Explainer {
     const auto shortest = FindOptimum(problem, links_, options_);
     if (!shortest) return std::nullopt;
     return DurationOf(problem, shortest->point);
+  }
+
+  // Of walking: no linkage follows the knee in the time, however far the joint is off.
+  bool ExplainPace() {
+    if (!problem_.program.cyclic || !problem_.program.duration_s) return false;
+    RedesignProblem problem = WithGoal(problem_, Goal::kDuration);
+    problem.max_cuff_force_n.reset();
+    problem.program.duration_s.reset();
+    const auto quickest = FindOptimum(problem, links_, options_);
+    if (!quickest) return false;
+    const double needed_s = DurationOf(problem, quickest->point), stride_s = *problem_.program.duration_s,
+                 speed_mm_s = problem_.program.max_speed_mm_s;
+    if (needed_s <= stride_s) return false;
+    report_.nearest = quickest->point;
+    report_.ways.push_back(
+        {fmt::format("strides of {} s", SignificantText(RoundedUp(needed_s), 3)), true, {}, needed_s});
+    report_.sentence = fmt::format(
+        "no program follows this walk: within {}° of the knee's angle the quickest linkage takes {} s for a stride at "
+        "{} mm/s, and it may take {} s; {} mm/s would follow it, or {} mm/s at {} % of the walking speed (--duration "
+        "{})",
+        SignificantText(*problem_.max_angle_mismatch_deg, 3), SignificantText(needed_s, 3),
+        SignificantText(speed_mm_s, 4), SignificantText(stride_s, 3),
+        SignificantText(RoundedUp(speed_mm_s * needed_s / stride_s), 3), SignificantText(speed_mm_s, 4),
+        SignificantText(100 * stride_s / needed_s, 2), SignificantText(RoundedUp(needed_s), 3));
+    return true;
   }
 
   // The knee angle's limit cannot be held, however far the joint is off.

@@ -21,11 +21,13 @@ using Eigen::Vector2d;
 using Kind = linkage::StrokeProgram::Kind;
 
 // The predicted path through the comparison's own code; both knees are known without noise.
-compare::Misalignment ComparePredicted(const compare::StsCurve& human, const compare::StsCurve& predicted) {
+compare::Misalignment ComparePredicted(const RedesignProblem& problem, const compare::StsCurve& human,
+                                       const compare::StsCurve& predicted) {
   compare::MisalignmentOptions options;
   options.replacement_sd_mm = 0;
   options.intervals = false;
-  return compare::CompareTrials({{human}, {}}, {{predicted}, {}}, options);
+  const auto movement = problem.program.cyclic ? gait::MovementKind::kWalking : gait::MovementKind::kSitToStand;
+  return compare::CompareTrials({{human}, {}, movement}, {{predicted}, {}, movement}, options);
 }
 
 Vector2d PlacementOf(const linkage::Design& design) {
@@ -92,7 +94,8 @@ void TakeTrial(RedesignOutcome& outcome) {
   if (!measured.exo || !measured.worn) return;
   outcome.slip = SetSlip(*measured.exo, measured.spike, PlacementOf(*measured.worn), outcome.problem.human);
   if (outcome.slip) CheckWorn(measured, *outcome.slip, outcome.problem.human);
-  outcome.measured_percent = 100 * ComparePredicted(measured.human, *measured.exo).metrics.relative_rms;
+  outcome.measured_percent =
+      100 * ComparePredicted(outcome.problem, measured.human, *measured.exo).metrics.relative_rms;
 }
 
 double ProgramDuration(const linkage::Design& design, const Prediction& prediction) {
@@ -316,7 +319,7 @@ std::optional<DesignInMotion> WithJointMoved(const RedesignOutcome& outcome) {
   compare::StsCurve trial = *outcome.measured.exo;
   for (std::size_t i = 0; i < trial.knee.size(); ++i)
     trial.knee[i] -= compare::AxesAlong(trial.leg_knee[i] - trial.ankle[i]) * way_mm;
-  in_motion.misalignment = ComparePredicted(outcome.measured.human, trial);
+  in_motion.misalignment = ComparePredicted(outcome.problem, outcome.measured.human, trial);
   return in_motion;
 }
 
@@ -366,14 +369,17 @@ DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCur
                            .prediction = {},
                            .misalignment = {},
                            .tracking_time_s = {},
+                           .tracked_share = {},
                            .duration_s = 0};
   const double standing_deg = problem.design.standing_deg;
   const Vector2d placement = PlacementOf(design);
   if (const auto strokes = ProgramStrokes(design, standing_deg, problem.human))
     in_motion.prediction =
         Predict(DrivenLinksOf(design, standing_deg), placement, *strokes, Leaning(problem.human, lean.leg_rad));
-  if (const auto tracking = TrackingStrokes(DrivenLinksOf(design, standing_deg), problem.human))
+  if (const auto tracking = TrackingStrokes(DrivenLinksOf(design, standing_deg), problem.human)) {
     in_motion.tracking_time_s = TrackingTime(*tracking, problem.program.max_speed_mm_s);
+    in_motion.tracked_share = TrackedShare(*tracking, problem.program.max_speed_mm_s, human.duration_s);
+  }
   if (!in_motion.prediction) return in_motion;
   in_motion.duration_s = ProgramDuration(design, *in_motion.prediction);
   in_motion.prediction->exo.duration_s = in_motion.duration_s;
@@ -382,7 +388,7 @@ DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCur
   if (problem.body && in_motion.duration_s > 0)
     in_motion.prediction->balance =
         FindBalance(problem.human, *problem.body, in_motion.prediction->theta_rad, lean, in_motion.duration_s);
-  in_motion.misalignment = ComparePredicted(human, in_motion.prediction->exo);
+  in_motion.misalignment = ComparePredicted(problem, human, in_motion.prediction->exo);
   return in_motion;
 }
 

@@ -144,6 +144,7 @@ RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& l
 
 double DurationOf(const RedesignProblem& problem, const RedesignPoint& point) {
   const double needed_s = NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
+  if (problem.program.cyclic) return std::max(needed_s, problem.program.duration_s.value_or(0));
   return problem.balance && problem.program.kind == Kind::kFree ? std::max(needed_s, point.duration_s) : needed_s;
 }
 

@@ -220,6 +220,11 @@ class PersonExtender {
       AddSpeedRow(k, 1, share, problem_.balance && !IsFree() ? 0 : -nlp::kUnbounded);
       AddSpeedRow(k, -1, may_turn_back ? share : 0);
     }
+    if (problem_.program.cyclic) {
+      const int row = nlp().AddRow(Named("end at the beginning"), 0, 0);
+      synthesis::AddScaledTerm(nlp(), row, variables_.knots.front(), 1);
+      synthesis::AddScaledTerm(nlp(), row, variables_.knots.back(), -1);
+    }
     synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.duration,
                              problem_.goal == Goal::kDuration ? 1 : kDurationTie);
   }

@@ -105,6 +105,21 @@ std::vector<PointEvent> ReadEvents(const C3dBytes& bytes, const C3dParameters& p
 
 }  // namespace
 
+std::vector<PointEvent> PointEvents(const std::vector<motion::StsEvent>& events, motion::Side leg) {
+  using enum motion::StsEventKind;
+  std::vector<PointEvent> points;
+  for (const motion::StsEvent& event : events) {
+    const bool is_other = event.kind == kHeelStrikeOther || event.kind == kToeOffOther;
+    const bool is_strike = event.kind == kHeelStrike || event.kind == kHeelStrikeOther;
+    if (event.kind < kHeelStrike)
+      points.push_back({event.time_s, "General", std::string(ToString(event.kind))});
+    else
+      points.push_back({event.time_s, (leg == motion::Side::kLeft) == is_other ? "Right" : "Left",
+                        is_strike ? "Foot Strike" : "Foot Off"});
+  }
+  return points;
+}
+
 void CheckC3dTimes(const std::filesystem::path& path, const std::vector<double>& time_s) {
   const double step_s = 1 / FrameRate(time_s);
   for (std::size_t i = 1; i < time_s.size(); ++i)

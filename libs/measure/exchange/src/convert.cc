@@ -4,6 +4,7 @@
 #include "lake/core/error.h"
 #include "lake/core/run.h"
 #include "lake/core/uncertain_text.h"
+#include "lake/exchange/c3d.h"
 #include "lake/exchange/mot.h"
 #include "marker_files.h"
 #include "text_lines.h"
@@ -72,6 +73,15 @@ std::optional<motion::Side> LegOfSummary(const fs::path& kinematics) {
 motion::Side LegOf(const fs::path& kinematics, const ConvertOptions& options) {
   if (const std::optional<motion::Side> leg = options.leg ? options.leg : LegOfSummary(kinematics)) return *leg;
   throw UsageError("{}: does not say whether this is the left or the right leg: give --leg", kinematics.string());
+}
+
+// None where there is no events.csv; whose foot strikes has to be known.
+std::vector<PointEvent> EventsOfFolder(const fs::path& folder, const ConvertOptions& options) {
+  if (!fs::is_regular_file(folder / "events.csv")) return {};
+  const std::vector<motion::StsEvent> events = motion::ReadEventsCsv(folder / "events.csv");
+  const bool is_walk = std::ranges::any_of(
+      events, [](const motion::StsEvent& event) { return event.kind >= motion::StsEventKind::kHeelStrike; });
+  return PointEvents(events, is_walk ? LegOf(folder / "kinematics.csv", options) : motion::Side::kRight);
 }
 
 std::vector<std::string> ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
@@ -165,11 +175,12 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   if (IsAngleTable(out)) return ConvertAngles(in, out, options);
   FormatOf(out);  // a wrong ending is told before a long file is read
   if (IsAngleTable(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
-  if (options.flexion_negative || options.leg)
+  if (options.flexion_negative || (options.leg && ending != ".c3d"))
     throw UsageError("{} is for a .mot that is written", options.leg ? "--leg" : "--flexion-negative");
   CheckNoneIsUnused(in, UnusedOptions(in, options.reading));
   const fs::path table = fs::is_directory(in) && MarkerFilesOf(in).empty() ? TableFor(out, in) : in;
   PointRecording points = ReadPoints(table, options.reading.Reading());
+  if (ending == ".c3d" && fs::is_directory(in)) points.events = EventsOfFolder(table.parent_path(), options);
   if (options.crop_s) CropPoints(*options.crop_s, in, points);
   if (options.picture.IsGiven()) points = ScaledBy(options.picture, std::move(points), in, table, out);
   points = FitToFormat(points, in, out, options);

@@ -140,14 +140,19 @@ void WriteMot(const std::filesystem::path& path, const MotTable& table) {
 MotTable MotFromLegMotion(const motion::LegMotion& motion, motion::Side leg, bool flexion_negative) {
   MotTable table;
   table.name = "knee angle";
-  table.columns = {leg == motion::Side::kLeft ? "knee_angle_l" : "knee_angle_r", "shank_tilt", "thigh_tilt",
-                   "trunk_tilt"};
+  table.columns = {leg == motion::Side::kLeft ? "knee_angle_l" : "knee_angle_r",
+                   "shank_tilt",
+                   "thigh_tilt",
+                   "trunk_tilt",
+                   "repetition",
+                   "percent"};
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const motion::LegSample& sample = motion.samples[i];
     if (!std::isfinite(sample.knee_deg)) continue;
     table.time_s.push_back(motion.time_s[i]);
-    table.rows.push_back(
-        {flexion_negative ? -sample.knee_deg : sample.knee_deg, sample.shank_deg, sample.thigh_deg, sample.trunk_deg});
+    table.rows.push_back({flexion_negative ? -sample.knee_deg : sample.knee_deg, sample.shank_deg, sample.thigh_deg,
+                          sample.trunk_deg, static_cast<double>(sample.repetition.value_or(0)),
+                          sample.repetition ? sample.percent : 0});
   }
   return table;
 }

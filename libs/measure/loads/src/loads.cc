@@ -659,16 +659,18 @@ Drawn Draw(const Measured& measured, const LoadsOptions& options) {
   return drawn;
 }
 
-RiseLoads RiseOf(const Measured& measured, const Drawn& drawn, const std::vector<RiseMomentum>& momenta,
-                 std::size_t which, const motion::LegMotion& motion, const LoadsOptions& options) {
-  const Rise& rise = measured.rises[which];
-  RiseLoads loads = RiseOf(measured.model, motion, rise, options);
-  SetPeak(loads);
-  SetBands(drawn.curves[which], loads);
-  SetBounds(drawn.bounds[which], loads);
-  loads.momentum = MomentumOf(measured.at_custom, measured.by_motion.body, Vector2d::Zero(), rise, options);
-  loads.momentum_sd = SpreadOf(momenta);
-  return loads;
+// Each rise, and the mean of all.
+void SetRises(const Measured& measured, const Drawn& drawn, const motion::LegMotion& motion,
+              const LoadsOptions& options, LoadsResult& result) {
+  for (std::size_t r = 0; r < measured.rises.size(); ++r) {
+    RiseLoads& loads = result.rises.emplace_back(RiseOf(measured.model, motion, measured.rises[r], options));
+    SetPeak(loads);
+    SetBands(drawn.curves[r], loads);
+    SetBounds(drawn.bounds[r], loads);
+  }
+  result.mean = MeanOf(result.rises);
+  SetPeak(result.mean);
+  SetBands(MeanCurves(drawn.curves), result.mean);
 }
 
 void SetTrunk(const Measured& measured, const Drawn& drawn, LoadsResult& result) {
@@ -708,11 +710,12 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
   result.from_ground = forces.has_value();
   result.has_shoulder = measured.model.path.has_shoulder;
   result.body = measured.model.body;
-  for (std::size_t r = 0; r < measured.rises.size(); ++r)
-    result.rises.push_back(RiseOf(measured, drawn, momenta[r], r, motion, options));
-  result.mean = MeanOf(result.rises);
-  SetPeak(result.mean);
-  SetBands(MeanCurves(drawn.curves), result.mean);
+  SetRises(measured, drawn, motion, options, result);
+  for (std::size_t r = 0; r < measured.rises.size(); ++r) {
+    result.rises[r].momentum =
+        MomentumOf(measured.at_custom, measured.by_motion.body, Vector2d::Zero(), measured.rises[r], options);
+    result.rises[r].momentum_sd = SpreadOf(momenta[r]);
+  }
   result.balance = FindBalance(measured.by_motion, measured.Trunk(), measured.rises, options);
   result.body_path = MeanBodyPath(measured.by_motion, measured.Trunk(), measured.rises, options);
   if (const auto warning = BalanceWarning(result.balance)) result.warnings.push_back(*warning);
@@ -723,6 +726,34 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
     SetTrunk(measured, drawn, result);
     WarnOfTrunk(measured.model, measured.windows, options, result);
   }
+  return result;
+}
+
+LoadsResult FindStanceLoads(const motion::MarkerRecording& trajectory, const motion::LegMotion& motion,
+                            const std::vector<Stance>& stances, LegPathOptions path_options, LoadsOptions options,
+                            const GroundForces& forces) {
+  options.body.Check();
+  options.seat_release_s = 0;  // there is no seat
+  path_options.cutoff_hz = options.cutoff_with_forces_hz;
+  Measured measured;
+  for (const Stance& stance : stances) {
+    Rise& rise = measured.rises.emplace_back();
+    rise.repetition = stance.repetition;
+    rise.onset_s = rise.seat_off_s = stance.begin_s;
+    rise.standing_s = stance.end_s;
+  }
+  measured.cutoffs_hz = {path_options.cutoff_hz};
+  measured.paths = {MakeLegPath(trajectory, path_options)};
+  measured.model = {measured.paths.front(),
+                    MakeLegBody(options.body, measured.paths.front()),
+                    {},
+                    ForcesAtFrames(forces, trajectory.time_s, path_options.cutoff_hz)};
+  CheckForces(measured.model, measured.rises, options);
+  LoadsResult result;
+  result.from_ground = true;
+  result.repetition = "stance";
+  result.body = measured.model.body;
+  SetRises(measured, Draw(measured, options), motion, options, result);
   return result;
 }
 

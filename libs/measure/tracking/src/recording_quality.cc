@@ -218,6 +218,35 @@ double ReachOf(std::span<const Eigen::Vector2d> path) {
   return std::hypot(Quantile(x, 1 - kEnd) - Quantile(x, kEnd), Quantile(y, 1 - kEnd) - Quantile(y, kEnd));
 }
 
+// How often the ankle turns before and behind the hip by this much, in what is seen without a gap; the most.
+int TurnsOfAnkle(const TrackResult& tracked, double least_px) {
+  const motion::MarkerTrack &ankle = TrackOf(tracked, "ankle"), &hip = TrackOf(tracked, "hip");
+  constexpr double kGap_s = 0.5;
+  int most = 0, turns = 0, direction = 0;
+  double low = 0, high = 0, last_s = -1;
+  for (std::size_t i = 0; i < ankle.samples.size(); ++i) {
+    if (!ankle.samples[i].IsKnown() || !hip.samples[i].IsKnown()) continue;
+    const double x = ankle.samples[i].position.x() - hip.samples[i].position.x(), at_s = tracked.recording.time_s[i];
+    if (last_s < 0 || at_s - last_s > kGap_s) {
+      turns = direction = 0;
+      low = high = x;
+    }
+    last_s = at_s;
+    low = std::min(low, x);
+    high = std::max(high, x);
+    const int now = x - low > least_px ? 1 : high - x > least_px ? -1 : 0;
+    if (now == 0 || now == direction) {
+      if (direction != 0) (direction > 0 ? low : high) = x;
+      continue;
+    }
+    turns += direction != 0 ? 1 : 0;
+    most = std::max(most, turns);
+    direction = now;
+    low = high = x;
+  }
+  return most;
+}
+
 void TakeNamed(const TrackResult& tracked, RecordingCheck& check) {
   check.video.bits_per_pixel = tracked.video.bits_per_pixel;
   check.markers = *tracked.figures;
@@ -241,7 +270,11 @@ void TakeNamed(const TrackResult& tracked, RecordingCheck& check) {
     std::vector<Eigen::Vector2d> path;
     for (const motion::MarkerSample& sample : track.samples)
       if (sample.IsKnown()) path.push_back(sample.position);
-    check.travel_px = std::max(check.travel_px, ReachOf(path));
+    const double reach_px = ReachOf(path);
+    check.travel_px = std::max(check.travel_px, reach_px);
+    // In a rise or a squat the ankle stays.
+    if (track.name == "ankle" && reach_px > 0.8 * check.segment_px)
+      check.strides = std::max(0, TurnsOfAnkle(tracked, 0.5 * check.segment_px) - 1) / 2;
   }
 }
 

@@ -79,6 +79,15 @@ void JudgeMovement(const RecordingCheck& c, std::vector<CheckItem>& items) {
                        .advice = advice});
     return;
   }
+  if (c.strides) {
+    items.push_back({.name = "strides",
+                     .shown = fmt::format("the person walks, {} whole stride{} in view", *c.strides,
+                                          *c.strides == 1 ? " is" : "s are"),
+                     .verdict = Judge(-*c.strides, -1, -1),
+                     .advice = "stand farther away or zoom out, so that two strides (3 m) and more of the path are in "
+                               "the picture, or record on a treadmill"});
+    return;
+  }
   constexpr double kEnough = 0.4;  // of a segment's length
   const double travel = c.travel_px / c.segment_px;
   items.push_back({.name = "travel_px",
@@ -119,10 +128,11 @@ void JudgePictures(const RecordingCheck& c, std::vector<CheckItem>& items) {
 }
 
 void JudgeTime(const RecordingCheck& c, std::vector<CheckItem>& items) {
-  items.push_back({.name = "frame_rate_hz",
-                   .shown = fmt::format("{} frames/s", SignificantText(c.video.frame_rate_hz, 4)),
-                   .verdict = Judge(-c.video.frame_rate_hz, -49, -23),
-                   .advice = "60 frames/s or more"});
+  items.push_back(
+      {.name = "frame_rate_hz",
+       .shown = fmt::format("{} frames/s", SignificantText(c.video.frame_rate_hz, 4)),
+       .verdict = c.strides ? Judge(-c.video.frame_rate_hz, -59, -29) : Judge(-c.video.frame_rate_hz, -49, -23),
+       .advice = "60 frames/s or more"});
   const double repeated = c.frames_seen > 0 ? static_cast<double>(c.repeated_frames) / c.frames_seen : 0;
   items.push_back(
       {.name = "repeated_frames",

@@ -45,7 +45,7 @@ void DrawKnee(GnuplotFigure& figure, const loads::LoadsResult& result) {
   using loads::LoadsRow;
   figure.Line(
       "set lmargin at screen 0.09; set rmargin at screen 0.60; set tmargin at screen 0.90; set bmargin at screen 0.09");
-  figure.Line("set xlabel 'rise (%)'; set ylabel 'knee extension moment, one leg (N m)'");
+  figure.Line("set xlabel '{} (%)'; set ylabel 'knee extension moment, one leg (N m)'", result.repetition);
   const loads::RiseLoads& mean = result.mean;
   const auto band = [&](bool known) {
     return figure.Data({Percents(loads::kPercents), Masked(mean, &LoadsRow::knee_low_nm, known),
@@ -65,8 +65,8 @@ void DrawKnee(GnuplotFigure& figure, const loads::LoadsResult& result) {
     percents.push_back(rise.peak.percent);
     peaks.push_back(rise.peak.knee_nm);
   }
-  plot += fmt::format(", {} using 1:2 with points pt 7 ps 1.3 lc rgb '{}' title 'peak of each rise'",
-                      figure.Data({percents, peaks}), colour::kText);
+  plot += fmt::format(", {} using 1:2 with points pt 7 ps 1.3 lc rgb '{}' title 'peak of each {}'",
+                      figure.Data({percents, peaks}), colour::kText, result.repetition);
   figure.Line(plot + ", 0 with lines lw 1 lc rgb '#222222'");
 }
 
@@ -100,7 +100,7 @@ void DrawPower(GnuplotFigure& figure, const loads::LoadsResult& result) {
   figure.Line(
       "set tmargin at screen 0.32; set bmargin at screen 0.09; set yrange [*:*]; set ytics autofreq; set format x "
       "'%g'");
-  figure.Line("set xlabel 'rise (%)'; set ylabel 'knee power (W)'");
+  figure.Line("set xlabel '{} (%)'; set ylabel 'knee power (W)'", result.repetition);
   figure.Line("plot " + RisesAndMean(figure, result, &loads::LoadsRow::knee_power_w, colour::kKnee) +
               ", 0 with lines lw 1 lc rgb '#222222'");
 }

@@ -8,7 +8,13 @@ const EVENTS: { [event: string]: string } = {
   standing: "standing",
   descent: "descent",
   seated: "seated",
+  bottom: "bottom",
+  heel_strike: "heel strike",
+  toe_off: "toe-off",
+  heel_strike_other: "other heel strike",
+  toe_off_other: "other toe-off",
 };
+export const EVENTS_OF_WALKING = Object.entries(EVENTS).slice(-4);
 
 // No finer than a workshop works.
 const short = (value: number) => String(Number(value.toFixed(Math.abs(value) < 10 ? 2 : 1))).replace("-", "−");
@@ -65,11 +71,12 @@ export const TEXTS = allUnbroken({
   event: (event: string, repetition: number) => `${EVENTS[event] ?? event} ${repetition}`,
 
   // Events
-  events: (count: number) => (count === 0 ? "No rise found" : count === 1 ? "1 event" : `${count} events`),
+  events: (count: number) => (count === 0 ? "No rise and no stride found" : count === 1 ? "1 event" : `${count} events`),
   eventAt: (name: string, frame: number, isMoved: boolean) => `${name}, frame ${frame}${isMoved ? ", moved" : ""}`,
   eventMoved: (name: string, frame: number) => `${name} moved to frame ${frame}`,
   eventRestored: (name: string) => `${name} is where it was found`,
   chooseEvent: "Choose an event first (E)",
+  eventIsThere: (name: string) => `${name} is there already: choose and move it`,
 
   // Markers
   status: { d: "detected", f: "filled", m: "missing" } as { [status: string]: string },

@@ -5,7 +5,7 @@ import { Frames } from "./frames";
 import { Measures } from "./measures";
 import { Column, EditMessage, EventMessage, MarkerMessage, ProblemMessage, StateMessage, TrialMessage } from "./messages";
 import { server } from "./server";
-import { TEXTS } from "./texts";
+import { EVENTS_OF_WALKING, TEXTS } from "./texts";
 import { PictureView, Point, distance, strokeCircle } from "./view";
 
 const TRAIL = 25; // rows before and after
@@ -243,6 +243,7 @@ export class TrialPage {
       shown.dataset.event = `${event.event} ${event.repetition}`;
     });
     part<HTMLButtonElement>("event-here").disabled = this.event < 0;
+    part("event-adding").hidden = !events.some(({ event }) => EVENTS_OF_WALKING.some(([name]) => name === event));
     part<HTMLButtonElement>("event-restore").disabled = !events[this.event]?.moved;
     this.timeline.select(this.event);
   }
@@ -273,6 +274,18 @@ export class TrialPage {
     const { repetition, event } = chosen, frame = this.trial.frame[row];
     if (await this.edit({ op: "move_event", repetition, event, frame })) say(TEXTS.eventMoved(this.eventName(chosen), frame));
     else this.timeline.redraw();
+  }
+
+  // Of the stride that the last heel strike before it begins; a heel strike begins the next one, whose number is free
+  // where one was not found.
+  private async addEvent(): Promise<void> {
+    const event = part<HTMLSelectElement>("event-kind").value, frame = this.trial.frame[this.row];
+    const strikes = this.events().filter((other) => other.event === "heel_strike" && other.frame < frame);
+    const repetition = (strikes.at(-1)?.repetition ?? 0) + (event === "heel_strike" && strikes.length > 0 ? 1 : 0);
+    const name = TEXTS.event(event, repetition);
+    if (this.events().some((other) => other.event === event && other.repetition === repetition))
+      return say(TEXTS.eventIsThere(name));
+    if (await this.edit({ op: "move_event", repetition, event, frame })) say(TEXTS.eventMoved(name, frame));
   }
 
   private async restoreEvent(): Promise<void> {
@@ -530,6 +543,8 @@ export class TrialPage {
     onClick("swap", () => void this.swap());
     onClick("event-here", () => void this.moveEvent(this.event, this.row));
     onClick("event-restore", () => void this.restoreEvent());
+    onClick("event-add", () => void this.addEvent());
+    part("event-kind").replaceChildren(...EVENTS_OF_WALKING.map(([event, name]) => new Option(name, event)));
     onClick("undo", () => void this.undo("undo"));
     onClick("redo", () => void this.undo("redo"));
     onKey((event) => this.actionOf(event));

@@ -50,7 +50,7 @@ Json EventJson(const motion::EventCorrection& event) {
 
 motion::EventCorrection EventFrom(const Json& json) {
   const auto repetition = static_cast<int>(WholeNumber(json.at("repetition")));
-  motion::EventCorrection event{repetition, EventKind(json.at("event")), {}, {}, {}};
+  motion::EventCorrection event{repetition, EventKind(json.at("event")), {}, {}, {}, motion::LegSample::kUnknown, true};
   if (!json.at("frame").is_null()) event.frame = WholeNumber(json.at("frame"));
   if (!json.at("time_s").is_null()) event.time_s = json.at("time_s").get<double>();
   return event;
@@ -175,9 +175,11 @@ void CorrectionBook::SwapFrom(std::int64_t frame, const std::string& one, const 
 }
 
 void CorrectionBook::MoveEvent(int repetition, motion::StsEventKind kind, std::int64_t frame) {
-  if (repetition < 1) throw Fail("repetition {} is none: they are counted from 1", repetition);
+  if (repetition < 1 && kind < motion::StsEventKind::kHeelStrike)
+    throw Fail("repetition {} is none: they are counted from 1", repetition);
   const double time_s = detected_.time_s[Row(frame)];
-  DoEvent({repetition, kind}, motion::EventCorrection{repetition, kind, frame, time_s, "the new place"},
+  DoEvent({repetition, kind},
+          motion::EventCorrection{repetition, kind, frame, time_s, "the new place", motion::LegSample::kUnknown, true},
           {{"op", "move_event"}, {"repetition", repetition}, {"event", motion::ToString(kind)}, {"frame", frame}});
 }
 

@@ -7,7 +7,9 @@
 #include "lake/core/json.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "lake/gait/gait_cycles.h"
 #include "lake/gait/sit_to_stand.h"
+#include "lake/gait/squats.h"
 #include "lake/motion/leg_motion.h"
 
 namespace lake::cohort {
@@ -60,6 +62,7 @@ class ResultTable {
  public:
   ResultTable(GroupData& group, const DoneStudy& of) : group_(group), of_(of) {}
 
+  void Set(gait::MovementKind movement) { group_.movement = movement; }
   void Begin(const std::string& trial, std::optional<int> repetition) {
     group_.rows.push_back({of_.participant, of_.session, of_.run, trial, repetition, {}});
   }
@@ -78,16 +81,49 @@ class ResultTable {
   const DoneStudy& of_;
 };
 
-// The durations, angles, speeds and powers of one row of sit_to_stand.csv; NaN where it has none.
-std::map<std::string, double> SitToStandRow(const CsvTable& measured, const std::string& repetition) {
+// The columns of a movement's table that are no times of the recording.
+template <typename Row>
+std::vector<std::string> ColumnsOf(std::span<const gait::Field<Row>> fields) {
+  std::vector<std::string> columns;
+  for (const gait::Field<Row>& field : fields)
+    if (std::string_view(field.name) != "begin_s") columns.push_back(field.Column(motion::LengthUnit::kMm));
+  return columns;
+}
+
+std::vector<std::string> RiseColumns() {
+  std::vector<std::string> columns;
+  for (const gait::SitToStandQuantity& quantity : gait::SitToStandQuantities())
+    if (!quantity.is_time_of_recording) columns.push_back(quantity.Column(motion::LengthUnit::kMm));
+  return columns;
+}
+
+// What a trial's movement left: a row a repetition.
+struct MeasuredTable {
+  gait::MovementKind movement;
+  std::vector<std::string> columns;
+  CsvTable table;
+};
+
+MeasuredTable ReadMeasured(const fs::path& folder) {
+  using enum gait::MovementKind;
+  const auto measured = [&](gait::MovementKind movement, std::vector<std::string> columns, const char* file) {
+    return MeasuredTable{movement, std::move(columns), CsvTable::Read(folder / file)};
+  };
+  if (fs::exists(folder / "gait_cycles.csv"))
+    return measured(kWalking, ColumnsOf(gait::GaitCycleFields()), "gait_cycles.csv");
+  if (fs::exists(folder / "squats.csv")) return measured(kSquat, ColumnsOf(gait::SquatFields()), "squats.csv");
+  return measured(kSitToStand, RiseColumns(), "sit_to_stand.csv");
+}
+
+// The durations, angles, speeds and powers of one row; NaN where it has none.
+std::map<std::string, double> RowOf(const MeasuredTable& measured, const std::string& repetition) {
   std::map<std::string, double> values;
-  for (const gait::SitToStandQuantity& quantity : gait::SitToStandQuantities()) {
-    if (quantity.is_time_of_recording) continue;
-    const std::string column = quantity.Column(motion::LengthUnit::kMm);
+  const CsvTable& table = measured.table;
+  for (const std::string& column : measured.columns) {
     values[column] = kNaN;
-    for (std::size_t row = 0; row < measured.Rows(); ++row)
-      if (measured.Has(column) && measured.Text(row, measured.Column("repetition")) == repetition)
-        values[column] = measured.Number(row, measured.Column(column)).value_or(kNaN);
+    for (std::size_t row = 0; row < table.Rows(); ++row)
+      if (table.Has(column) && table.Text(row, 0) == repetition)
+        values[column] = table.Number(row, table.Column(column)).value_or(kNaN);
   }
   return values;
 }
@@ -104,14 +140,13 @@ void AddMomentum(const CsvTable& momenta, const CsvTable& measured, int repetiti
 }
 
 // `momenta`: momentum.csv, where the loads of this trial are known.
-void AddRises(const motion::LegMotion& leg, const CsvTable& measured, const std::optional<CsvTable>& momenta,
+void AddRises(const motion::LegMotion& leg, const MeasuredTable& measured, const std::optional<CsvTable>& momenta,
               const std::string& trial, ResultTable& table) {
   using motion::LegSample;
   for (const auto& [repetition, rise] : RisesOf(leg)) {
     table.Begin(trial, repetition);
-    for (const auto& [quantity, value] : SitToStandRow(measured, std::to_string(repetition)))
-      table.Add(quantity, value);
-    if (momenta) AddMomentum(*momenta, measured, repetition, table);
+    for (const auto& [quantity, value] : RowOf(measured, std::to_string(repetition))) table.Add(quantity, value);
+    if (momenta) AddMomentum(*momenta, measured.table, repetition, table);
     const double least = Largest(rise, &LegSample::knee_deg, -1);
     table.Add("knee_min_deg", least);
     table.Add("knee_range_deg", Largest(rise, &LegSample::knee_deg) - least);
@@ -123,11 +158,12 @@ void AddRises(const motion::LegMotion& leg, const CsvTable& measured, const std:
 void AddTrial(const fs::path& folder, const std::optional<CsvTable>& momenta, const std::string& trial,
               ResultTable& table) {
   const motion::LegMotion leg = motion::ReadKinematicsCsv(folder / "kinematics.csv");
-  const CsvTable measured = CsvTable::Read(folder / "sit_to_stand.csv");
+  const MeasuredTable measured = ReadMeasured(folder);
+  table.Set(measured.movement);
   AddRises(leg, measured, momenta, trial, table);
-  std::map<std::string, double> five_times = SitToStandRow(measured, "five_times");
-  std::map<std::string, double> whole = {{"five_times_s", five_times["five_times_s"]},
-                                         {"five_times_power_w_kg", five_times["power_w_kg"]}};
+  std::map<std::string, double> whole;
+  if (const auto five_times = RowOf(measured, "five_times"); five_times.contains("five_times_s"))
+    whole = {{"five_times_s", five_times.at("five_times_s")}, {"five_times_power_w_kg", five_times.at("power_w_kg")}};
   if (leg.unit == motion::LengthUnit::kMm) {
     whole["shank_mm"] = motion::MedianLength(leg, &motion::LegSample::ak);
     whole["thigh_mm"] = motion::MedianLength(leg, &motion::LegSample::kh);

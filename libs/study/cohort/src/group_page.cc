@@ -9,6 +9,7 @@
 #include "lake/core/colours.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
+#include "lake/gait/gait_cycles.h"
 #include "lake/gait/sit_to_stand.h"
 
 namespace lake::cohort {
@@ -37,6 +38,8 @@ std::string NameOf(const std::string& column) {
       {"thigh_mm", "thigh, hip to knee (mm)"}};
   for (const auto& [known, name] : kNames)
     if (column == known) return name;
+  for (const gait::Field<gait::GaitCycle>& field : gait::GaitCycleFields())
+    if (column == field.Column(kMm)) return fmt::format("{} ({})", field.meaning, field.Unit(kMm));
   return column;
 }
 
@@ -82,6 +85,10 @@ Section ResultSection(const Workflow& workflow, const GroupData& group, const Gr
        .note = findings.failures.empty() ? "all done" : fmt::format("{} not done", findings.failures.size())});
   for (const auto& [trial, name] : {std::pair{"human", "rise_s"},
                                     {"exo", "rise_s"},
+                                    {"human", "stride_s"},
+                                    {"exo", "stride_s"},
+                                    {"human", "speed_mm_s"},
+                                    {"exo", "speed_mm_s"},
                                     {"human", "knee_range_deg"},
                                     {"exo", "knee_range_deg"},
                                     {"comparison", "joint_rms_mm"},
@@ -136,7 +143,7 @@ LineChart CurveChart(const GroupFindings& findings, const char* quantity, const 
   LineChart chart;
   chart.title = title;
   chart.caption = "Mean over participants; band: 95 % interval of the mean at each percent.";
-  chart.x = {"rise (%)", 0, 100};
+  chart.x = {findings.repetition + " (%)", 0, 100};
   chart.y.label = axis;
   chart.width = Width::kHalf;
   AddCurve(FindCurve(findings.curves, "human", quantity), "without exoskeleton", colour::kHuman, Mark::kLine, false,
@@ -146,30 +153,28 @@ LineChart CurveChart(const GroupFindings& findings, const char* quantity, const 
   return chart;
 }
 
-LineChart EveryoneChart(const CurveRow* row, const char* title, const char* axis) {
+LineChart EveryoneChart(const GroupFindings& findings, const char* trial, const char* quantity, const char* title,
+                        const char* axis) {
   LineChart chart;
   chart.title = title;
   chart.caption = "Thin: each participant; a click on a name hides it.";
-  chart.x = {"rise (%)", 0, 100};
+  chart.x = {findings.repetition + " (%)", 0, 100};
   chart.y.label = axis;
   chart.width = Width::kHalf;
-  AddCurve(row, "mean", colour::kText, Mark::kLine, true, chart);
+  AddCurve(FindCurve(findings.curves, trial, quantity), "mean", colour::kText, Mark::kLine, true, chart);
   return chart;
 }
 
 Section CurvesSection(const GroupFindings& findings) {
-  Section section{"Over the rise", {}};
+  Section section{"Over the " + findings.repetition, {}};
   const auto add = [&](LineChart chart) {
     if (!chart.series.empty()) section.blocks.push_back(std::move(chart));
   };
   add(CurveChart(findings, "knee_deg", "Knee angle", "knee flexion (°)"));
   add(CurveChart(findings, "trunk_deg", "Trunk lean", "trunk from the vertical (°)"));
-  add(EveryoneChart(FindCurve(findings.curves, "human", "knee_deg"), "Knee angle without exoskeleton, everyone",
-                    "knee flexion (°)"));
-  add(EveryoneChart(FindCurve(findings.curves, "exo", "knee_deg"), "Knee angle with exoskeleton, everyone",
-                    "knee flexion (°)"));
-  add(EveryoneChart(FindCurve(findings.curves, "comparison", "distance_mm"), "Misalignment of the knees, everyone",
-                    "distance (mm)"));
+  add(EveryoneChart(findings, "human", "knee_deg", "Knee angle without exoskeleton, everyone", "knee flexion (°)"));
+  add(EveryoneChart(findings, "exo", "knee_deg", "Knee angle with exoskeleton, everyone", "knee flexion (°)"));
+  add(EveryoneChart(findings, "comparison", "distance_mm", "Misalignment of the knees, everyone", "distance (mm)"));
   return section;
 }
 
@@ -311,6 +316,8 @@ double MeanIn(const std::vector<const GroupRow*>& rows, const char* trial, const
 
 // A row each recording and condition.
 Section StudiesSection(const Workflow& workflow, const GroupData& group) {
+  const bool is_walk = group.movement == gait::MovementKind::kWalking;
+  const char *duration = is_walk ? "stride_s" : "rise_s", *lean = is_walk ? "trunk_range_deg" : "trunk_max_deg";
   std::map<std::array<std::string, 3>, std::vector<const GroupRow*>> of_recordings;
   for (const GroupRow& row : group.rows) of_recordings[{row.participant, row.session, row.run}].push_back(&row);
   Table table{"Means over the repetitions of each recording",
@@ -318,9 +325,9 @@ Section StudiesSection(const Workflow& workflow, const GroupData& group) {
                {"Session"},
                {"Run"},
                {"Exoskeleton"},
-               {"Rise time (s)", 2},
+               {is_walk ? "Stride time (s)" : "Rise time (s)", 2},
                {"Knee range (°)", 1},
-               {"Trunk lean (°)", 1},
+               {is_walk ? "Trunk range (°)" : "Trunk lean (°)", 1},
                {"Misalignment, RMS (mm)", 1}},
               {},
               Width::kFull,
@@ -331,9 +338,8 @@ Section StudiesSection(const Workflow& workflow, const GroupData& group) {
       if (std::ranges::none_of(rows, [&, trial = trial](const GroupRow* row) { return row->trial == trial; })) continue;
       const bool is_exo = std::string_view(trial) == "exo";
       table.rows.push_back({LinkTo(of.folder, workflow.out, of.participant), of.session, of.run, condition,
-                            MeanIn(rows, trial, "rise_s"), MeanIn(rows, trial, "knee_range_deg"),
-                            MeanIn(rows, trial, "trunk_max_deg"),
-                            is_exo ? MeanIn(rows, "comparison", "rms_mm") : std::nan("")});
+                            MeanIn(rows, trial, duration), MeanIn(rows, trial, "knee_range_deg"),
+                            MeanIn(rows, trial, lean), is_exo ? MeanIn(rows, "comparison", "rms_mm") : std::nan("")});
     }
   }
   return {"Each participant",
@@ -345,7 +351,7 @@ Section StudiesSection(const Workflow& workflow, const GroupData& group) {
 Section TablesSection() {
   return {"Tables",
           {Files{{{"trials.csv", "every number of every trial and repetition"},
-                  {"curves.csv", "mean, standard deviation and 95 % interval over the rise"},
+                  {"curves.csv", "mean, standard deviation and 95 % interval over 0 to 100 %"},
                   {"reliability.csv", "ICC, SEM, MDC95, limits of agreement"},
                   {"differences.csv", "with exoskeleton minus without"},
                   {"outliers.csv", "who is far from the others, and in what"},
@@ -366,7 +372,10 @@ Section FiguresSection(const std::vector<CurveRow>& curves) {
 
 Report MakeGroupPage(const Workflow& workflow, const GroupData& group, const GroupFindings& findings,
                      const Json& head) {
-  Report page{workflow.name, "Sit-to-stand with and without exoskeleton, over a group", {}, {}};
+  Report page{workflow.name,
+              fmt::format("With and without exoskeleton, over a group: {}", gait::MovementOf(group.movement).name),
+              {},
+              {}};
   for (const Failure& failure : findings.failures) page.warnings.push_back(failure.Text());
   page.sections.push_back(ResultSection(workflow, group, findings));
   page.sections.push_back(CurvesSection(findings));

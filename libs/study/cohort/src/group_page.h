@@ -10,6 +10,7 @@
 namespace lake::cohort {
 
 struct GroupFindings {
+  std::string repetition;  // what one of the movement is called
   std::vector<CurveRow> curves;
   std::vector<ReliabilityRow> reliability;
   std::vector<DifferenceRow> differences;

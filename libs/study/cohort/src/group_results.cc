@@ -103,7 +103,8 @@ Json WriteGroup(const Workflow& workflow, const WorkflowState& state, Run& run) 
   if (group.rows.empty())
     throw Fail("{}: no study has results{}", workflow.out.string(),
                state.failures.empty() ? "" : "; " + state.failures.front().Text());
-  const GroupFindings findings{.curves = CurvesOf(group),
+  const GroupFindings findings{.repetition = gait::MovementOf(group.movement).repetition,
+                               .curves = CurvesOf(group),
                                .reliability = ReliabilityOf(group),
                                .differences = DifferencesOf(group),
                                .outliers = OutliersOf(group),

@@ -118,6 +118,10 @@ const std::vector<MainQuantity>& MainQuantities() {
   static const std::vector<MainQuantity> kMain = {
       {"human", "rise_s", "rise time, human", "s", 2},
       {"exo", "rise_s", "rise time, exoskeleton", "s", 2},
+      {"human", "stride_s", "stride time, human", "s", 2},
+      {"exo", "stride_s", "stride time, exoskeleton", "s", 2},
+      {"human", "speed_mm_s", "walking speed, human", "mm/s", 0},
+      {"exo", "speed_mm_s", "walking speed, exoskeleton", "mm/s", 0},
       {"human", "knee_range_deg", "knee range, human", "°", 1},
       {"exo", "knee_range_deg", "knee range, exoskeleton", "°", 1},
       {"human", "knee_extension_max_deg_s", "knee extension speed, human", "°/s", 1},

@@ -16,6 +16,7 @@
 #include "lake/core/run.h"
 #include "lake/cuffs/cuff_model.h"
 #include "lake/exchange/trial.h"
+#include "lake/gait/leg_fit.h"
 #include "lake/gait/picture_scale.h"
 #include "lake/linkage/body.h"
 
@@ -58,11 +59,11 @@ std::vector<InputFile> InputsOf(const CompareRunOptions& options);
 std::vector<InputFile> TrialTableInputs(const std::filesystem::path& path, const std::string& role);
 
 // Of a lake-track folder its tables, of another trial, or with a scale of its picture, those of a leg fit. `knee` is
-// the compared marker; where the trial has no marker `knee`, it is the leg's knee as well, unless that is rebuilt as
-// learnt in `knee_trial`.
+// the compared marker; where the trial has no marker `knee`, it is the leg's knee as well, unless that is rebuilt.
+// `given`: the movement, and the trial from which a hidden knee is rebuilt.
 compare::TrialTables ReadTrialTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run, const gait::PictureScale& picture = {},
-                                     const std::optional<std::filesystem::path>& knee_trial = {});
+                                     const gait::LegFitOptions& given = {});
 
 // The same by --knee: with `marker` as it is, with `functional` with the axis about which the person's segments turn:
 // of a human trial where the compared marker was, beside an exoskeleton's joint as the marker `knee`. Always of a leg

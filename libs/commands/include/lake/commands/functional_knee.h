@@ -8,6 +8,7 @@
 #include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
+#include "lake/gait/movement.h"
 
 namespace lake::commands {
 
@@ -18,6 +19,7 @@ struct KneeOptions {
   axis::SegmentMarkers segments;                    // of the person, by their names in the trials' files
   std::optional<std::filesystem::path> trial = {};  // rebuilds a knee that EXO's file hides, as learnt there
   axis::SegmentMarkers exo_segments;  // of the exoskeleton's parts, likewise; empty: its joint's marker is taken
+  gait::MovementOptions movement;     // of trials whose events are to be found
 };
 
 // --segment shank=A,B --segment thigh=C,D, as an option of this name.

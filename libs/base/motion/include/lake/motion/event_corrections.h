@@ -1,6 +1,6 @@
 // Events that a person corrected: rows as in events.csv, each with time_s, frame or both. They replace the events
 // found. A row with neither removes the event. Of walking, whose events belong together, they replace all that were
-// found.
+// found, but for those whose column `others` says `stay`, as lake review moves and adds single ones.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +21,7 @@ struct EventCorrection {
   std::optional<double> time_s;       // without a frame, the event's is the one nearest to this
   std::string where = {};             // "events.csv:3"
   double sd_s = LegSample::kUnknown;  // of the time; only of walking, as in events.csv
+  bool others_stay = false;           // likewise
 };
 
 // nullopt for an unknown name.
@@ -30,7 +31,7 @@ std::optional<StsEventKind> FindEventKind(std::string_view name);
 // twice.
 std::vector<EventCorrection> ReadEventCorrections(const std::filesystem::path& path);
 
-// Throws Error if the file cannot be written.
+// Single events, so of walking the others stay. Throws Error if the file cannot be written.
 void WriteEventCorrections(const std::filesystem::path& path, const std::vector<EventCorrection>& corrections);
 
 // Throws Error naming file and line for a row that is outside a recording with these frames and times, or whose frame

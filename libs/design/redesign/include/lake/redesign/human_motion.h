@@ -121,6 +121,9 @@ std::optional<std::vector<double>> TrackingStrokes(const DrivenLinks& linkage, c
 // the stroke is taken as linear.
 double TrackingTime(const std::vector<double>& tracking_stroke_mm, double max_speed_mm_s);
 
+// The share of the motion, 0 to 1, in which that speed is enough where all of it takes `duration_s`.
+double TrackedShare(const std::vector<double>& tracking_stroke_mm, double max_speed_mm_s, double duration_s);
+
 // The strokes of a program, one per percent: of a constant one linear from the human's first knee angle (at least
 // d_min) to the last; of a free one its knots over their own duration. nullopt as above.
 std::optional<std::vector<double>> ProgramStrokes(const linkage::Design& design, double standing_deg,

@@ -19,12 +19,13 @@ namespace lake::redesign {
 // What the redesign starts from.
 struct MeasuredMotion {
   compare::StsCurve human;
-  std::optional<compare::StsCurve> exo{};  // of the trial with an exoskeleton
-  std::vector<bool> spike{};               // per percent of both; empty: none
-  double noise_floor_percent = 0;          // of their comparison, RMS; 0: not known
-  double joint_sd_mm = 0;                  // of the joint's place against the knee
-  std::optional<linkage::Design> worn{};   // in that trial; without a program it was moved by the leg
-  std::string worn_file{};                 // for messages
+  gait::MovementKind movement = gait::MovementKind::kSitToStand;  // or kWalking
+  std::optional<compare::StsCurve> exo{};                         // of the trial with an exoskeleton
+  std::vector<bool> spike{};                                      // per percent of both; empty: none
+  double noise_floor_percent = 0;                                 // of their comparison, RMS; 0: not known
+  double joint_sd_mm = 0;                                         // of the joint's place against the knee
+  std::optional<linkage::Design> worn{};  // in that trial; without a program it was moved by the leg
+  std::string worn_file{};                // for messages
 };
 
 // As a synthesis, but for the rounding: rounded links would have another misalignment.
@@ -43,6 +44,7 @@ struct DesignInMotion {
   std::optional<Prediction> prediction;               // absent: it cannot make the motion
   std::optional<compare::Misalignment> misalignment;  // of the predicted path, by the code of lake-compare
   std::optional<double> tracking_time_s;              // T*
+  std::optional<double> tracked_share;                // of the human's motion in its own time, by the greatest speed
   double duration_s = 0;                              // of its program
 };
 

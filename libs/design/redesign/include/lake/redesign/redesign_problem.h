@@ -28,6 +28,7 @@ struct ProgramLimits {
   std::optional<double> duration_s;  // of one sit-to-stand, at most; absent: no limit
   bool free_ends = false;            // constant: its ends are sought too; not: at the human's first and last knee angle
   bool monotone = false;             // free: the stroke may not turn back where the human's knee does
+  bool cyclic = false;               // of walking: free, and it ends where it begins
   int knots = 21;                    // free: every 5 % of the motion
 };
 
@@ -115,7 +116,8 @@ double NeededDuration(const std::vector<double>& knots_mm, double max_speed_mm_s
 // program for links that cannot be assembled.
 RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& links);
 
-// What a rise takes: what the knots need at the greatest speed, or longer where balance asks for that.
+// What a rise takes: what the knots need at the greatest speed, or longer where balance asks for that. A stride takes
+// the problem's duration, if that is enough.
 double DurationOf(const RedesignProblem& problem, const RedesignPoint& point);
 
 // A point as other programs read it; a constant program with ends of its own as two knots. The lean is the person's,

@@ -6,6 +6,7 @@
 
 #include "lake/exchange/ground_forces.h"
 #include "lake/exchange/point_recording.h"
+#include "lake/motion/leg_motion.h"
 
 namespace lake::exchange {
 
@@ -25,6 +26,9 @@ bool IsC3dWithoutPoints(const std::filesystem::path& path);
 // Intel, float, mm. C3D has a frame rate instead of time stamps: throws Error where these are uneven by more than 5 %
 // of a step, for points in px, and for more names and events than 127 kB hold (some 5000 events).
 void WriteC3d(const std::filesystem::path& path, const PointRecording& points);
+
+// As other programs name them: of a walk "Foot Strike" and "Foot Off" in the context "Left" or "Right", else "General".
+std::vector<PointEvent> PointEvents(const std::vector<motion::StsEvent>& events, motion::Side leg);
 
 // Checks times as WriteC3d does, before the points exist. Throws Error.
 void CheckC3dTimes(const std::filesystem::path& path, const std::vector<double>& time_s);

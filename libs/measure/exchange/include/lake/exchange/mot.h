@@ -27,8 +27,9 @@ struct MotTable {
 MotTable ReadMot(const std::filesystem::path& path);
 void WriteMot(const std::filesystem::path& path, const MotTable& table);
 
-// time, knee_angle_l or knee_angle_r, and the tilt of shank, thigh and trunk. OpenSim's older models (gait2392) count
-// flexion negative: then the knee's sign is turned. Frames without a knee angle are left out.
+// time, knee_angle_l or knee_angle_r, the tilt of shank, thigh and trunk, and which repetition (of a walk, stride) it
+// is at what percent, both 0 between repetitions. OpenSim's older models (gait2392) count flexion negative: then the
+// knee's sign is turned. Frames without a knee angle are left out.
 MotTable MotFromLegMotion(const motion::LegMotion& motion, motion::Side leg, bool flexion_negative = false);
 
 }  // namespace lake::exchange

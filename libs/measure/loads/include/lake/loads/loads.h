@@ -127,6 +127,7 @@ struct Balance {
 
 struct LoadsResult {
   bool from_ground = false;
+  const char* repetition = "rise";  // or "stance"
   LegBody body;
   std::vector<RiseLoads> rises;
   RiseLoads mean;
@@ -146,5 +147,16 @@ struct LoadsResult {
 LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::LegMotion& motion,
                       const std::vector<motion::StsEvent>& events, const LegPathOptions& path,
                       const LoadsOptions& options, const std::optional<GroundForces>& forces = {});
+
+// From a foot's heel strike on a plate to its toe-off.
+struct Stance {
+  int repetition = 0;
+  double begin_s = 0, end_s = 0;
+};
+
+// Of a walk, over these stances (at least one): what is worked out from the ground up alone, rises being the stances.
+LoadsResult FindStanceLoads(const motion::MarkerRecording& trajectory, const motion::LegMotion& motion,
+                            const std::vector<Stance>& stances, LegPathOptions path_options, LoadsOptions options,
+                            const GroundForces& forces);
 
 }  // namespace lake::loads

@@ -73,6 +73,8 @@ struct RecordingCheck {
   double segment_px = 0;      // mean of shank and thigh
   double travel_px = 0;    // how far the paths reach, the farthest marker's; without names, the farthest bright spot's
   double knee_sd_deg = 0;  // expected of one frame's knee angle
+  // Of a person whose foot travels: how many whole strides are in view, from turn to turn of the ankle about the hip.
+  std::optional<int> strides;
 
   double flicker = 0;               // brightness from frame to frame, relative standard deviation
   int repeated_frames = 0;          // of those seen

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "lake/gait/movement.h"
+
 namespace lake::cohort {
 
 constexpr int kPercents = 101;
@@ -29,6 +31,7 @@ struct GroupCurve {
 };
 
 struct GroupData {
+  gait::MovementKind movement = gait::MovementKind::kSitToStand;  // of the last trial
   std::vector<GroupRow> rows;
   std::vector<GroupCurve> curves;       // one per repetition; of comparisons one per recordings
   std::vector<std::string> quantities;  // of the rows, each once, in the order of the tables
