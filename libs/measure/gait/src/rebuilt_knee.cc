@@ -403,7 +403,7 @@ RebuiltKnee RebuildKnee(const LearntKnee& learnt, const motion::MarkerRecording&
     knee.plane_sigma[i] = std::max(carried.noise, 1e-3);
     knee.sigma[i] = knee.plane_sigma[i] / PlaneUnitsPerRecorded(view, knee.in_plane[i], knee.depth_mm);
     if (!knee.lateral.empty())
-      knee.lateral[i] = found.facing == Facing::kRight ? carried.place.z() : -carried.place.z();
+      knee.lateral[i] = found.facing == motion::Facing::kRight ? carried.place.z() : -carried.place.z();
     knee.rebuilt_sd[i] = carried.sd;
     knee.seen[i] = 0;
     knee.trusted[i] = 1;
