@@ -20,7 +20,7 @@ build/release/bin/lake-synth "${common[@]}" --seed-number 2025 --motion-seed 202
 hub=(--repetitions 3 --rest 0.9 --rate 30 --crf 20 --quiet --camera "$work/human/camera.yaml" --motion-seed 2026 --skin 6
   --extra-markers shank1,shank2)
 build/release/bin/lake-synth "${hub[@]}" --seed-number 2026 -o "$work/hub-human"
-build/release/bin/lake-synth "${hub[@]}" --seed-number 2027 --pace 1.1 --exo 3,0 --exoskeleton --hub 17 \
+build/release/bin/lake-synth "${hub[@]}" --seed-number 2027 --pace 1.1 --exo 3,0 --exoskeleton --hub 30 \
   --depth exo_knee=40 -o "$work/hub-exo"
 
 mkdir -p data/sts-study
