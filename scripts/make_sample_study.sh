@@ -15,9 +15,17 @@ build/release/bin/lake-synth "${common[@]}" --seed-number 2024 --yaw 9 --pitch 3
 build/release/bin/lake-synth "${common[@]}" --seed-number 2025 --motion-seed 2024 --camera "$work/human/camera.yaml" \
   --pace 1.25 --warp 0.04 --exo 18,32 --exoskeleton -o "$work/exo"
 
+# Another person with two technical markers on the shank, and an exoskeleton that fits: its joint is 3 mm off the knee,
+# and its hub, 40 mm proud, hides the knee.
+hub=(--repetitions 3 --rest 0.9 --rate 30 --crf 20 --quiet --camera "$work/human/camera.yaml" --motion-seed 2026 --skin 6
+  --extra-markers shank1,shank2)
+build/release/bin/lake-synth "${hub[@]}" --seed-number 2026 -o "$work/hub-human"
+build/release/bin/lake-synth "${hub[@]}" --seed-number 2027 --pace 1.1 --exo 3,0 --exoskeleton --hub 30 \
+  --depth exo_knee=40 -o "$work/hub-exo"
+
 mkdir -p data/sts-study
 cp "$work/human/camera.yaml" data/sts-study/
-for trial in human exo; do
+for trial in human exo hub-human hub-exo; do
   cp "$work/$trial/video.mp4" "data/sts-study/$trial.mp4"
   cp "$work/$trial/truth.csv" "data/sts-study/$trial-truth.csv"
   cp "$work/$trial/scene.json" "data/sts-study/$trial-scene.json"

@@ -157,6 +157,54 @@ TEST(UncertaintyBudget, TheJointsPlaceIsAsUncertainAsAlongItsWorseAxis) {
   EXPECT_TRUE(std::isnan(PlaceDeviation({})));
 }
 
+// A camera 3 m away that sees the joint 0.6 m beside the point that it looks at straight on, as the joint is from the
+// knee: a slope of 0.2 along it.
+TEST(UncertaintyBudget, ParallaxIsTheDepthTimesTheTrialsOwnSlope) {
+  Misalignment measured = Measured(Worn({30, 0}));
+  measured.exo_sight.emplace().plane.camera_mm = {0, 0, 3000};
+  for (int i = 0; i < kPercentSamples; ++i)
+    measured.exo.slope.emplace_back(0.2 * AxesAlong(measured.exo.leg_knee[i] - measured.exo.ankle[i]).col(0));
+  const auto of = [&](const char* quantity, const ComparisonBudgetOptions& options = {}) {
+    return Row(Of(BudgetsOf(measured, 3, options), quantity), "out-of-plane movement and parallax").Contribution();
+  };
+  EXPECT_NEAR(of("joint_offset_x"), 0.2 * kJointDepth_mm, 1e-9);
+  EXPECT_NEAR(of("joint_offset_y"), 0, 1e-9);
+  EXPECT_NEAR(of("joint_rms"), 0.2 * kJointDepth_mm, 0.05);  // it grows along the offset, which turns by a few degrees
+  EXPECT_THAT(WhatNarrows(Of(BudgetsOf(measured, 0, {}), "joint_rms")), HasSubstr("--depth exo_knee=MM±SD"));
+  measured.exo_sight->depth = {40, 5};
+  measured.exo_sight->plane.turn_sd_rad = 0.002;
+  measured.exo_sight->plane.distance_sd_mm = 9;  // 0.3 %
+  EXPECT_NEAR(of("joint_offset_x"), 0.2 * 5, 1e-9);
+  const Budget known = Of(BudgetsOf(measured, 3, {}), "joint_offset_x");
+  EXPECT_NEAR(Row(known, "turn of the plane").Contribution(), 0.002 * 40, 1e-9);
+  EXPECT_NEAR(Row(known, "lens and plane").size, std::hypot(0.2, 0.3), 1e-9);
+  measured.exo_sight->depth->sd_mm.reset();
+  EXPECT_NEAR(of("joint_offset_x"), 0.2 * kSkinDepth_mm, 1e-9);
+  ComparisonBudgetOptions said;
+  said.depth_mm = 3;
+  said.view_slope = 0.5;
+  EXPECT_NEAR(of("joint_offset_y", said), 1.5, 1e-9);
+}
+
+// An error in any direction makes a small offset longer: the interval is of the truth all the same.
+TEST(UncertaintyBudget, AJointAtTheKneeIsNotSaidToBeOffIt) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> error(0, std::hypot(7, 3));
+  for (const double truth_mm : {0.0, 3.0, 10.0, 25.0}) {
+    int held = 0;
+    constexpr int kDraws = 1000;
+    for (int k = 0; k < kDraws; ++k) {
+      Budget budget{"joint_rms", "mm", std::hypot(truth_mm + error(random), error(random)), 0, {}};
+      budget.rows.push_back({"soft tissue", "normal", std::hypot(7, 3), "mm", 1, "", false});
+      budget.size = {budget.value, 0, std::hypot(7, 3)};
+      const Interval interval = budget.AnatomicalInterval();
+      held += interval.low <= truth_mm && truth_mm <= interval.high;
+    }
+    EXPECT_GE(held, 0.935 * kDraws) << truth_mm;  // a standard deviation of 0.7 % below 95 %
+    EXPECT_LE(held, 0.99 * kDraws) << truth_mm;
+  }
+}
+
 TEST(UncertaintyBudget, WithoutTheLegsOwnKneeOnlyTheAngle) {
   Misalignment measured = Measured(Worn({18, 24}));
   measured.joint.reset();

@@ -659,7 +659,7 @@ TEST_F(LegFitErrors, TooShortAndBadOptions) {
   EXPECT_THROW(list.All().front().SetFromCommandLine({"kalman"}), UsageError);
   EXPECT_THAT(MessageOf({}, ScaledView()), testing::HasSubstr("too short"));
   EXPECT_THROW(gait::MakeLegView(motion::LengthUnit::kPx, {}, -1.0), Error);
-  EXPECT_THROW(gait::MakeLegView(motion::LengthUnit::kPx, {}, 2.0, {{"knee", 40}}), Error);
+  EXPECT_THROW(gait::MakeLegView(motion::LengthUnit::kPx, {}, 2.0, {{"knee", {40}}}), Error);
 }
 
 TEST(LegFit, ALegThatHardlyBendsWarnsAboutItsSide) {

@@ -27,6 +27,33 @@ TEST(LegView, ProjectionAndItsInverseAgree) {
   }
 }
 
+// What was taken as in the plane is put at its depth without the camera: where it would have been seen there.
+TEST(PlaneSight, PutsAMarkerAtItsDepth) {
+  const gait::LegView view = CalibratedView();
+  std::optional<gait::PlaneSight> sight = gait::SightOf(view);
+  const Eigen::Vector2d pixel(900, 250), flat = gait::PlaneFromRecorded(view, pixel, 0);
+  EXPECT_LT((gait::PlaneFromRecorded(view, pixel, -1) - flat - sight->Slope(flat)).norm(), 1e-3);
+  motion::MarkerRecording recording{motion::LengthUnit::kMm, {0}, {0}, {}};
+  recording.markers.push_back({"exo_knee", {{flat, 0.1, motion::SampleStatus::kDetected}}});
+  for (const double depth_mm : {40.0, 15.0}) {  // from the plane, and from another depth
+    gait::PutAtDepths({{"exo_knee", {depth_mm, 5}}, {"absent", {1, {}}}}, sight, recording);
+    EXPECT_LT((recording.markers[0].samples[0].position - gait::PlaneFromRecorded(view, pixel, depth_mm)).norm(), 1e-9);
+    sight = gait::PlaneSightIn({{gait::kPlaneSight, gait::PlaneSightJson(*sight)}}, "summary.json");
+    EXPECT_EQ(gait::DepthOf(*sight, "exo_knee"), (gait::MarkerDepth{depth_mm, 5}));
+  }
+  sight.reset();
+  EXPECT_THROW(gait::PutAtDepths({{"exo_knee", {40, 5}}}, sight, recording), UsageError);
+  EXPECT_THROW(gait::PlaneSightIn({{gait::kPlaneSight, 3}}, "summary.json"), Error);
+}
+
+TEST(PlaneSight, ADepthIsANumberWithItsDeviation) {
+  using Value = OptionValue<gait::MarkerDepth>;
+  EXPECT_EQ(Value::Parse("40±5", "--depth"), (gait::MarkerDepth{40, 5}));
+  EXPECT_EQ(Value::Parse("-3.5", "--depth"), (gait::MarkerDepth{-3.5, {}}));
+  EXPECT_EQ(Value::Format({40, 2.5}), "40±2.5");
+  for (const char* bad : {"", "±5", "40±", "40±-1", "40+5"}) EXPECT_THROW(Value::Parse(bad, "--depth"), UsageError);
+}
+
 TEST(LegView, APlumbLineGivesTheVertical) {
   const Eigen::Vector2d up = gait::UpFromPlumbLine(gait::LegView{}, {100, 500}, {110, 100});
   EXPECT_NEAR(up.x(), 10 / std::hypot(10, 400), 1e-12);

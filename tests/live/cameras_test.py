@@ -10,6 +10,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import socket
 import struct
 import subprocess
@@ -239,7 +240,7 @@ class OnThePage(live_test.Browser):
         self.browser.get(live.address)
         self.until(lambda: self.part("live-picture").get_attribute("data-frame"))
         self.until(lambda: len(live.ask("state")["rises"]) == 2)
-        self.until(lambda: self.part("live-move").text == "Move the joint 18 mm back and 32 mm down (± 2 mm)")
+        self.until(lambda: re.fullmatch(self.MOVE, self.part("live-move").text))
         self.shot("udp")
         state = self.until(lambda: (now := live.ask("state"))["phase"] in ("done", "failed") and now)
         self.assertEqual(state["failed"], "")

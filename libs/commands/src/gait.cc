@@ -128,6 +128,15 @@ void TakeEvents(const std::filesystem::path& file, gait::LegFitResult& result) {
   gait::SetRepetitions(result.events, result.motion);
 }
 
+// The other leg's markers, put on alike, have the same distances, and carry another knee.
+void CheckSameLeg(const std::filesystem::path& knee_trial, const Json& results) {
+  const std::filesystem::path summary = gait::LearntKneeFile(knee_trial);
+  const auto learnt = exchange::LegInSummary(ReadJsonFile(summary)), own = exchange::LegInSummary(results);
+  if (learnt && own && learnt != own)
+    throw Fail("{}: the knee was learnt there at the {} leg, and this trial shows the {} one: learn it at the same leg",
+               summary.string(), ToString(*learnt), ToString(*own));
+}
+
 // The fit; what is wrong with it is said with the file's name, as there may be two.
 gait::LegFitResult FitOrName(const exchange::Trial& trial, const gait::LegView& view, const gait::LegFitOptions& fit) {
   try {
@@ -239,7 +248,8 @@ void WarnOfFit(const gait::LegFitResult& fit, Run& run) {
 
 void LearnKnee(const gait::LegFitResult& fit, const gait::LegFitOptions& options, const gait::LateralPlaces& lateral,
                Json& results, Run& run) {
-  if (options.technical.empty() || options.knee_trial) return;
+  if (options.knee_trial) return CheckSameLeg(*options.knee_trial, results);
+  if (options.technical.empty()) return;
   try {
     results[gait::kLearntKnee] = gait::LearntKneeJson(gait::LearnKnee(fit, options.technical, lateral));
   } catch (const UsageError&) {
@@ -295,9 +305,9 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
     figure::DrawLegFigure(path, result, {.name = options.compare_with, .angle_deg = model_deg});
   });
   results.update(gait::LegFitJson(result));
+  if (const auto leg = LegOf(trial, result)) results[exchange::kLegKey] = ToString(*leg);
   LearnKnee(result, options.fit, trial.lateral_mm, results, run);
   WriteMeasures(result.measured, options.measures, results, run);
-  if (const auto leg = LegOf(trial, result)) results[exchange::kLegKey] = ToString(*leg);
   return results;
 }
 

@@ -373,8 +373,8 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   const bool comparable = shutter.readout_s == 0;  // else what was seen is of another time than the estimate
   WriteOverlay(options, {tracks, &fit.motion, &fit.events, comparable ? &estimates : nullptr}, run);
   results.update(gait::LegFitJson(fit));
-  LearnKnee(fit, fit_options, {}, results, run);
   results[exchange::kLegKey] = ToString(motion::NearLeg(fit.motion.facing));
+  LearnKnee(fit, fit_options, {}, results, run);
   WriteMeasures(fit.measured, options.measures, results, run);
   Export(options, tracked.video, view, MarkersToExport(options, fit, tracks, view), &fit, results, run);
   return results;

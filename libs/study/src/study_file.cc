@@ -11,6 +11,7 @@
 #include "lake/core/options_json.h"
 #include "lake/core/removed.h"
 #include "lake/core/yaml.h"
+#include "lake/gait/learnt_knee.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/synthesis/synthesis_options.h"

@@ -139,19 +139,19 @@ void Session::ReadPlane() {
     throw Fail("no lengths in mm: give a camera file with a sagittal plane (--camera), --scale or --plane-points");
 }
 
-// Where the joint is seen is not known yet: as if in the picture's middle.
+// Where the joint is seen is not known yet: as if a quarter of the picture off its middle.
 void Session::WarnOfTolerance() {
   RiseOffset at_knee;
-  const Vector2d middle(0.5 * video_.width, 0.5 * video_.height);
+  const Vector2d aside(0.25 * video_.width, 0.5 * video_.height);
   if (const auto sight = gait::SightOf(view_))
     at_knee.parallax_sd_mm = compare::JointDepthDeviationMm(gait::DepthOf(*sight, options_.joint), {}) *
-                             sight->Slope(gait::PlaneFromRecorded(view_, middle, 0)).cwiseAbs();
+                             sight->Slope(gait::PlaneFromRecorded(view_, aside, 0)).cwiseAbs();
   const double least_mm = LeastUncertaintyMm(at_knee);
   if (options_.tolerance_mm >= least_mm) return;
   run_.Warn(fmt::format(
-      "--tolerance {:g} mm: after however many rises the joint's place is known to ± {:.1f} mm at best, so no joint "
-      "can be shown to be within it; the distance by which its marker stands proud of the knee's narrows that: --depth "
-      "{}=MM±SD",
+      "--tolerance {:g} mm: after however many rises the joint's place is known to ± {:.1f} mm at best where "
+      "it is seen a quarter of the picture off the middle; how far its marker stands proud of the knee's "
+      "would narrow that: --depth {}=MM±SD",
       options_.tolerance_mm, least_mm, options_.joint));
 }
 

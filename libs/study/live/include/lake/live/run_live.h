@@ -10,6 +10,7 @@
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
+#include "lake/gait/leg_fit.h"
 #include "lake/gait/picture_scale.h"
 #include "lake/review/page_options.h"
 #include "lake/tracking/marker_detector.h"
