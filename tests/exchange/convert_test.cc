@@ -8,9 +8,8 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/exchange/c3d.h"
+#include "lake/exchange/formats.h"
 #include "lake/exchange/mot.h"
-#include "lake/exchange/tracker.h"
-#include "lake/exchange/trc.h"
 #include "name_map.h"
 #include "recordings.h"
 #include "temporary_folder.h"
@@ -35,7 +34,7 @@ TEST(Convert, AZUpC3dBecomesAYUpTrc) {
   const exchange::PointRecording lab = Laboratory();
   exchange::WriteC3d(folder / "a.C3D", lab);  // laboratories write endings in capitals
   EXPECT_TRUE(exchange::ConvertFile(folder / "a.C3D", folder / "a.trc", {}).empty());
-  const exchange::PointRecording trc = exchange::ReadTrc(folder / "a.trc");
+  const exchange::PointRecording trc = exchange::ReadPoints(folder / "a.trc");
   for (std::size_t i = 0; i < lab.time_s.size(); ++i) {
     const Eigen::Vector3d &from = lab.points[1].positions[i], &to = trc.points[1].positions[i];
     EXPECT_LT((Eigen::Vector3d(from.x(), from.z(), -from.y()) - to).norm(), 1e-3);
@@ -64,7 +63,7 @@ TEST(Convert, ForwardGivesTheAxesOfAModel) {
   options.unit = "m";
   exchange::ConvertFile(folder / "a.c3d", folder / "a.trc", options);
   EXPECT_THAT(ReadTextFile(folder / "a.trc"), testing::HasSubstr("\tm\t"));
-  const exchange::PointRecording trc = exchange::ReadTrc(folder / "a.trc");
+  const exchange::PointRecording trc = exchange::ReadPoints(folder / "a.trc");
   ASSERT_EQ(trc.points.size(), 2u);
   const Eigen::Vector3d &from = lab.points[1].positions[0], &to = trc.Find("knee")->positions[0];
   // x forward (−y), y up (z), z to the right of someone who looks along −y with z up: −x.
@@ -88,12 +87,12 @@ TEST(Convert, FormatsOfAPlaneGetAProjectionThatIsToldOf) {
 TEST(Convert, PixelsWithAScaleBecomeMillimetresWhereNeeded) {
   const TemporaryFolder folder;
   exchange::PointRecording image = MakePoints(exchange::PointSpace::kImage, 20, 2, 3);
-  exchange::WriteTrk(folder / "no_scale.trk", image);
+  exchange::WritePoints(folder / "no_scale.trk", image);
   image.mm_per_px = 2;
-  exchange::WriteTrk(folder / "a.trk", image);
+  exchange::WritePoints(folder / "a.trk", image);
   exchange::ConvertFile(folder / "a.trk", folder / "a.trc", {});
   const Eigen::Vector3d &px = image.points[0].positions[0],
-                        mm = exchange::ReadTrc(folder / "a.trc").points[0].positions[0];
+                        mm = exchange::ReadPoints(folder / "a.trc").points[0].positions[0];
   EXPECT_LT((Eigen::Vector3d(2 * px.x(), -2 * px.y(), 0) - mm).norm(), 1e-6);
   exchange::ConvertFile(folder / "a.trk", folder / "a.kva", {});  // stays px
   EXPECT_LT((exchange::ReadPoints(folder / "a.kva").points[0].positions[0] - px).norm(), 1e-9);
@@ -111,7 +110,7 @@ TEST(Convert, PixelsAreScaledByABarOrACamera) {
   const Eigen::Vector2d px = image.points[0].positions[0].head<2>();
   const auto first = [&](const exchange::ConvertOptions& options) {
     exchange::ConvertFile(folder / "tracks.csv", folder / "a.trc", options);
-    return Eigen::Vector2d(exchange::ReadTrc(folder / "a.trc").points[0].positions[0].head<2>());
+    return Eigen::Vector2d(exchange::ReadPoints(folder / "a.trc").points[0].positions[0].head<2>());
   };
   exchange::ConvertOptions bar;
   bar.picture.scale = {10, 20, 110, 20, 250};

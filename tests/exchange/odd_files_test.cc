@@ -219,7 +219,7 @@ TEST_F(OddFiles, MotWhoseCountsAreWrong) {
   EXPECT_THAT(
       table.warnings,
       ElementsAre(HasSubstr("2 columns, but the header says 5"), HasSubstr("3 rows, but the header says 9"),
-                  HasSubstr("a.mot:9: a cell that is not a finite number"), HasSubstr("a.mot:11: the last row")));
+                  HasSubstr("a.mot:9: 'x': a cell that is not a finite number"), HasSubstr("a.mot:11: the last row")));
 }
 
 TEST_F(OddFiles, C3dThatIsCutOffGivesTheFramesThatAreThere) {

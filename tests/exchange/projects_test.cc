@@ -7,8 +7,6 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/utf8.h"
 #include "lake/exchange/formats.h"
-#include "lake/exchange/kinovea.h"
-#include "lake/exchange/tracker.h"
 #include "recordings.h"
 #include "temporary_folder.h"
 
@@ -52,8 +50,8 @@ TEST(TrackerProject, ReadsBackWithAxesScaleAndTimes) {
       written.mm_per_px = 1.7;
       written.axes = exchange::ImageAxes{{320.25, 411}, -3.5};
       written.video = exchange::SourceVideo{"/video/a <b> & c.mp4", 1280, 720};
-      exchange::WriteTrk(folder / "a.trk", written);
-      const exchange::PointRecording read = exchange::ReadTrk(folder / "a.trk");
+      exchange::WritePoints(folder / "a.trk", written);
+      const exchange::PointRecording read = exchange::ReadPoints(folder / "a.trk");
       ExpectSameByFrame(written, read, 1e-9);
       EXPECT_NEAR(*read.mm_per_px, 1.7, 1e-12);
       EXPECT_NEAR((read.axes->origin_px - written.axes->origin_px).norm(), 0, 1e-9);
@@ -81,29 +79,29 @@ TEST(TrackerProject, AxesTurnAndScaleAsTrackerHasThem) {
 TEST(TrackerProject, AnArchiveHoldsOne) {
   const TemporaryFolder folder;
   const exchange::PointRecording written = MakeImagePoints(0, 0, 50);
-  exchange::WriteTrk(folder / "a.trk", written);
+  exchange::WritePoints(folder / "a.trk", written);
   WriteZip(folder / "a.trz", "videos/a.trk", ReadTextFile(folder / "a.trk"));
-  ExpectSameByFrame(written, exchange::ReadTrk(folder / "a.trz"), 1e-9);
+  ExpectSameByFrame(written, exchange::ReadPoints(folder / "a.trz"), 1e-9);
   WriteZip(folder / "b.trz", "readme.txt", "nothing");
-  EXPECT_THAT(MessageOf([&] { exchange::ReadTrk(folder / "b.trz"); }), testing::HasSubstr("no *.trk"));
+  EXPECT_THAT(MessageOf([&] { exchange::ReadPoints(folder / "b.trz"); }), testing::HasSubstr("no *.trk"));
   WriteFile(folder / "c.trz", "PK but no archive");
-  EXPECT_THAT(MessageOf([&] { exchange::ReadTrk(folder / "c.trz"); }), testing::HasSubstr("not a zip archive"));
+  EXPECT_THAT(MessageOf([&] { exchange::ReadPoints(folder / "c.trz"); }), testing::HasSubstr("not a zip archive"));
 }
 
 TEST(TrackerProject, AFrameNumberDoesNotAllocateWhatTheFileCannotHold) {
   const TemporaryFolder folder;
-  exchange::WriteTrk(folder / "a.trk", MakeImagePoints(0, 0, 50));
+  exchange::WritePoints(folder / "a.trk", MakeImagePoints(0, 0, 50));
   std::string text = ReadTextFile(folder / "a.trk");
   for (std::size_t at = text.find("\"[29]\""); at != std::string::npos; at = text.find("\"[29]\""))
     text.replace(at, 6, "\"[9999999]\"");
   WriteFile(folder / "b.trk", text);
-  EXPECT_THAT(MessageOf([&] { exchange::ReadTrk(folder / "b.trk"); }), testing::HasSubstr("9999999"));
+  EXPECT_THAT(MessageOf([&] { exchange::ReadPoints(folder / "b.trk"); }), testing::HasSubstr("9999999"));
 }
 
 TEST(TrackerProject, HoldsNoMillimetres) {
   const TemporaryFolder folder;
   EXPECT_THAT(
-      MessageOf([&] { exchange::WriteTrk(folder / "a.trk", MakePoints(exchange::PointSpace::kPlane, 5, 1, 1)); }),
+      MessageOf([&] { exchange::WritePoints(folder / "a.trk", MakePoints(exchange::PointSpace::kPlane, 5, 1, 1)); }),
       testing::HasSubstr("px"));
   EXPECT_FALSE(fs::exists(folder / "a.trk"));
 }
@@ -116,8 +114,8 @@ TEST(KinoveaAnnotations, ReadBackWithScaleAndUnevenTimes) {
     exchange::PointRecording written = MakeImagePoints(4, 4 / rate_hz, rate_hz);
     for (std::size_t i = 1; i + 1 < written.time_s.size(); ++i) written.time_s[i] += jitter(random) / rate_hz;
     written.mm_per_px = 0.8;
-    exchange::WriteKva(folder / "a.kva", written);
-    const exchange::PointRecording read = exchange::ReadKva(folder / "a.kva");
+    exchange::WritePoints(folder / "a.kva", written);
+    const exchange::PointRecording read = exchange::ReadPoints(folder / "a.kva");
     ExpectSameByFrame(written, read, 1e-6);  // stamps are whole numbers, 100 000 a frame
     EXPECT_NEAR(*read.mm_per_px, 0.8, 1e-12);
   }
@@ -141,7 +139,7 @@ TEST(KinoveaAnnotations, AreUnderstood) {
   const std::string line =
       "<Calibration><CalibrationLine><Length>50</Length><Segment><A>10;20</A><B>40;60</B></Segment></CalibrationLine>"
       "<Unit Abbreviation=\"cm\">Centimeters</Unit></Calibration>";
-  const exchange::PointRecording read = exchange::ReadKva(
+  const exchange::PointRecording read = exchange::ReadPoints(
       WriteFile(folder / "a.kva",
                 Kva(kKvaHead, line, "<TrackPoint>10.5;20.25;2002</TrackPoint><TrackPoint>11;21;4004;8</TrackPoint>")));
   ASSERT_EQ(read.time_s.size(), 4u);
@@ -152,8 +150,8 @@ TEST(KinoveaAnnotations, AreUnderstood) {
   EXPECT_NEAR(read.time_s[3], 3 / 29.97, 1e-12);
   EXPECT_NEAR(*read.mm_per_px, 10, 1e-12);  // 500 mm over 50 px
   const exchange::PointRecording plane =
-      exchange::ReadKva(WriteFile(folder / "b.kva", Kva(kKvaHead, "<Calibration><CalibrationPlane/></Calibration>",
-                                                        "<TrackPoint>1;2;2002</TrackPoint>")));
+      exchange::ReadPoints(WriteFile(folder / "b.kva", Kva(kKvaHead, "<Calibration><CalibrationPlane/></Calibration>",
+                                                           "<TrackPoint>1;2;2002</TrackPoint>")));
   EXPECT_FALSE(plane.mm_per_px);
   EXPECT_THAT(plane.warnings, testing::ElementsAre(testing::HasSubstr("perspective")));
 }
@@ -161,7 +159,7 @@ TEST(KinoveaAnnotations, AreUnderstood) {
 TEST(KinoveaAnnotations, ErrorsSayWhatIsWrong) {
   const TemporaryFolder folder;
   const auto message = [&](const std::string& text) {
-    return MessageOf([&] { exchange::ReadKva(WriteFile(folder / "e.kva", text)); });
+    return MessageOf([&] { exchange::ReadPoints(WriteFile(folder / "e.kva", text)); });
   };
   const std::string point = "<TrackPoint>1;2;2002</TrackPoint>";
   EXPECT_THAT(message(""), testing::HasSubstr("not XML"));
@@ -181,8 +179,8 @@ TEST(Projects, AreUtf8WhateverTheVideosNameIs) {
   exchange::PointRecording points = MakeImagePoints(0, 0, 30);
   points.video = exchange::SourceVideo{"J\xFCrgen <&\"a\">.mp4", 640, 480};
   const TemporaryFolder folder;
-  exchange::WriteTrk(folder / "a.trk", points);
-  exchange::WriteKva(folder / "a.kva", points);
+  exchange::WritePoints(folder / "a.trk", points);
+  exchange::WritePoints(folder / "a.kva", points);
   for (const char* name : {"a.trk", "a.kva"}) {
     const std::string text = ReadTextFile(folder / name);
     EXPECT_TRUE(IsUtf8(text)) << name;

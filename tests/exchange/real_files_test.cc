@@ -6,8 +6,6 @@
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/formats.h"
 #include "lake/exchange/mot.h"
-#include "lake/exchange/tracker.h"
-#include "lake/exchange/trc.h"
 #include "places.h"
 #include "recordings.h"
 #include "temporary_folder.h"
@@ -49,7 +47,7 @@ TEST_P(RealFiles, RoundTripsLoseNothing) {
   if (points.space != exchange::PointSpace::kSpace) return;
   points.up_axis = 'y';  // else TRC turns them
   exchange::WritePoints(folder / "a.trc", points);
-  ExpectSame(points, exchange::ReadTrc(folder / "a.trc"), 0);
+  ExpectSame(points, exchange::ReadPoints(folder / "a.trc"), 0);
   // The steps' rounding to a millisecond and a shorter last one are no frame rate.
   if (*GetParam().warning) {
     EXPECT_THAT(MessageOf([&] { exchange::WriteC3d(folder / "a.c3d", points); }), testing::HasSubstr("uneven"));
@@ -90,7 +88,7 @@ TEST(OpensimWalk, TrcFilesAreEveryTenthFrameOfTheC3dFiles) {
   if (!fs::exists(folder)) GTEST_SKIP() << folder.string() << " is not here";
   for (const auto& [trc_name, c3d_name] :
        {std::pair{"std_walking2_markers.trc", "walking2.c3d"}, {"std_walking5_markers.trc", "walking5.c3d"}}) {
-    const exchange::PointRecording trc = exchange::ReadTrc(folder / trc_name),
+    const exchange::PointRecording trc = exchange::ReadPoints(folder / trc_name),
                                    c3d = exchange::ReadC3d(folder / c3d_name);
     int compared = 0;
     for (std::size_t i = 0; i + 1 < trc.time_s.size(); ++i) {
@@ -130,12 +128,12 @@ TEST(TrackerBalltoss, ProjectReadsBack) {
   const fs::path file = SharedData() / "tracker_balltoss/BallToss_BallToss.trk";
   if (!fs::exists(file)) GTEST_SKIP() << file.string() << " is not here";
   const TemporaryFolder folder;
-  const exchange::PointRecording ball = exchange::ReadTrk(file);
+  const exchange::PointRecording ball = exchange::ReadPoints(file);
   EXPECT_NEAR(ball.axes->angle_deg, 0.04401895816986783, 1e-12);
   // The origin of its axes lies on the ball's first place.
   EXPECT_NEAR(exchange::PointsInPlane(ball).points[0].positions[2].norm(), 0, 1e-9);
-  exchange::WriteTrk(folder / "a.trk", ball);
-  const exchange::PointRecording read = exchange::ReadTrk(folder / "a.trk");
+  exchange::WritePoints(folder / "a.trk", ball);
+  const exchange::PointRecording read = exchange::ReadPoints(folder / "a.trk");
   ExpectSame(ball, read, 1e-9);
   EXPECT_NEAR(*read.mm_per_px, *ball.mm_per_px, 1e-12);
 }

@@ -12,8 +12,6 @@
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/convert.h"
 #include "lake/exchange/formats.h"
-#include "lake/exchange/tracker.h"
-#include "lake/exchange/trc.h"
 #include "name_map.h"
 #include "places.h"
 #include "temporary_folder.h"
@@ -319,7 +317,7 @@ TEST(Trial, ExportsOfEveryFormatReadBack) {
 TEST(Trial, TrackerProjectsHoldPixelsAndAScale) {
   const fs::path file = SharedData() / "tracker_balltoss/BallToss_BallToss.trk";
   if (!fs::exists(file)) GTEST_SKIP() << file.string() << " is not here";
-  const exchange::PointRecording points = exchange::ReadTrk(file);
+  const exchange::PointRecording points = exchange::ReadPoints(file);
   ASSERT_EQ(points.points.size(), 1u);
   const auto& ball = points.points[0].positions;
   ASSERT_EQ(ball.size(), 13u);
@@ -346,7 +344,7 @@ TEST(Trial, TrackerProjectsThatAreDamagedAreErrors) {
                            "name='delta_t'>x</property></object>"
                            "</property></object>"}) {
     std::ofstream(folder / "a.trk") << text;
-    EXPECT_THROW(exchange::ReadTrk(folder / "a.trk"), Error) << text;
+    EXPECT_THROW(exchange::ReadPoints(folder / "a.trk"), Error) << text;
   }
 }
 

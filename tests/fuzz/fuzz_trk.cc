@@ -1,6 +1,7 @@
 #include "fuzz_reader.h"
-#include "lake/exchange/tracker.h"
+#include "lake/exchange/formats.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return lake::ReadBytes(data, size, ".trk", [](const std::filesystem::path& path) { lake::exchange::ReadTrk(path); });
+  return lake::ReadBytes(data, size, ".trk",
+                         [](const std::filesystem::path& path) { lake::exchange::ReadPoints(path); });
 }

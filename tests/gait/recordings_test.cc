@@ -12,9 +12,9 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
+#include "lake/exchange/formats.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/exchange/mot.h"
-#include "lake/exchange/trc.h"
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"
 #include "name_map.h"
@@ -164,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(, OpticalSitToStand, testing::Combine(testing::Values('
 TEST(OpticalSitToStandFile, ThreeDimensionalFlexionHasTheListedRange) {
   const fs::path file = SharedData() / "opencap_sts/sts_default_markers.trc";
   REQUIRE_RECORDING(file);
-  const exchange::PointRecording points = exchange::ReadTrc(file);
+  const exchange::PointRecording points = exchange::ReadPoints(file);
   EXPECT_EQ(points.time_s.size(), 861u);
   EXPECT_EQ(points.points.size(), 51u);
   const std::tuple<const char*, const char*, const char*, double, double> legs[] = {
@@ -322,7 +322,7 @@ class OpticalWalk : public testing::TestWithParam<Walk> {};
 TEST_P(OpticalWalk, TrcAndC3dHoldTheSameAngles) {
   const fs::path trc_file = SharedData() / "opensim_walk" / GetParam().trc;
   REQUIRE_RECORDING(trc_file);
-  const exchange::PointRecording trc = exchange::ReadTrc(trc_file),
+  const exchange::PointRecording trc = exchange::ReadPoints(trc_file),
                                  c3d = exchange::ReadC3d(SharedData() / "opensim_walk" / GetParam().c3d);
   EXPECT_EQ(c3d.up_axis, 'z');
   double least = 180, most = 0;

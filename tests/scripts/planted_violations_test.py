@@ -73,7 +73,7 @@ class Layers(Project):
         self.assert_found(r"lake/core/error\.h:\d+: core .*gait")
 
     def test_include_that_no_link_reaches(self):
-        self.plant(self.room("tracking") / "src/planted.cc", '#  include <lake/exchange/trc.h>\n')
+        self.plant(self.room("tracking") / "src/planted.cc", '#  include <lake/exchange/mot.h>\n')
         self.assert_found(r"planted\.cc:1: tracking .*exchange.*link lines do not reach it")
 
     def test_public_header_includes_what_is_linked_privately(self):

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "lake/core/error.h"
-#include "lake/exchange/trc.h"
+#include "lake/exchange/formats.h"
 #include "lake/synth/scene.h"
 #include "temporary_folder.h"
 
@@ -40,7 +40,7 @@ class MotionFileTest : public testing::Test {
       for (const double t : points.time_s) track.positions.push_back(Place(name, t));
     }
     points.points[4].positions[90] = exchange::PointTrack::Missing();
-    exchange::WriteTrc(folder_ / "person.trc", points);
+    exchange::WritePoints(folder_ / "person.trc", points);
     motion_.file = folder_ / "person.trc";
     motion_.reading.names = {{"ankle", "ANK"}, {"knee", "KNE"}, {"hip", "HIP"}};
     motion_.reading.forward = "+x";

@@ -251,8 +251,8 @@ Json RunPlane(const PlaneRunOptions& options, Run& run) {
   camera::CameraProfile profile = camera::ReadCameraProfile(options.camera);
   run.AddInputs(InputsOf(options));
   const camera::PlaneFit fit = FitPlaneOf(options, profile.camera);
-  for (const auto* warnings : {&profile.warnings, &fit.warnings})
-    for (const std::string& warning : *warnings) run.Warn(warning);
+  for (const std::string& warning : profile.warnings) run.Warn(warning);
+  for (const std::string& warning : fit.warnings) run.Warn(warning);
   profile.camera_from_plane = fit.camera_from_plane;
   profile.plane_uncertainty = fit.uncertainty;
   camera::WriteCameraProfile(run.Result("camera.yaml"), profile);

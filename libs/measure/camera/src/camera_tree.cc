@@ -1,3 +1,4 @@
+#define TOML_ASSERT(expression) static_cast<void>(0)  // damaged files reach its assertions, and then its errors
 #include <toml++/toml.h>
 
 #include <algorithm>

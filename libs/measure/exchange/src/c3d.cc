@@ -9,7 +9,6 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/uncertain_text.h"
-#include "lake/exchange/formats.h"
 
 namespace lake::exchange {
 namespace {
@@ -135,7 +134,7 @@ bool IsC3dWithoutPoints(const std::filesystem::path& path) {
   return ReadLayout(bytes, C3dParameters(bytes)).points == 0;
 }
 
-PointRecording ReadC3d(const std::filesystem::path& path) {
+PointRecording ReadC3d(const std::filesystem::path& path, const ReadOptions& /*options*/) {
   const C3dBytes bytes(ReadTextFile(path), path.string());
   const C3dParameters parameters(bytes);
   const C3dLayout layout = ReadLayout(bytes, parameters);

@@ -248,17 +248,15 @@ void ReadSizes(const StatedSizes& stated, const C3dBytes& bytes, C3dLayout& layo
 }
 
 // By the parameter, else by the header.
-double ReadRate(const C3dBytes& bytes, const C3dParameters& parameters, C3dLayout& layout) {
-  constexpr double kLeast_hz = 1e-3;
-  const auto is_rate = [](double rate_hz) { return rate_hz > kLeast_hz && std::isfinite(rate_hz); };
-  const double header_hz = bytes.Float(20), point_hz = parameters.Number("POINT:RATE").value_or(header_hz);
-  if (!is_rate(point_hz) && !is_rate(header_hz))
-    throw Fail("{}: POINT:RATE is {}, not a frame rate", bytes.Path(), point_hz);
-  constexpr double kAlike = 1e-3;
-  if (is_rate(point_hz) && is_rate(header_hz) && std::abs(point_hz / header_hz - 1) > kAlike)
-    layout.warnings.push_back(fmt::format("{}: POINT:RATE is {} Hz, the header's rate {} Hz; the former is taken",
-                                          bytes.Path(), SignificantText(point_hz, 6), SignificantText(header_hz, 6)));
-  return is_rate(point_hz) ? point_hz : header_hz;
+double ReadRate(const C3dBytes& bytes, const C3dParameters& parameters, std::vector<std::string>& warnings) {
+  constexpr double kLeast_hz = 1e-3, kAlike = 1e-3;
+  std::vector<double> rates_hz = {parameters.Number("POINT:RATE").value_or(0), bytes.Float(20)};
+  std::erase_if(rates_hz, [](double rate_hz) { return !(rate_hz > kLeast_hz && std::isfinite(rate_hz)); });
+  if (rates_hz.empty()) throw Fail("{}: neither POINT:RATE nor the header has a frame rate", bytes.Path());
+  if (std::abs(rates_hz.front() / rates_hz.back() - 1) > kAlike)
+    warnings.push_back(fmt::format("{}: POINT:RATE is {} Hz, the header's rate {} Hz; the former is taken",
+                                   bytes.Path(), SignificantText(rates_hz[0], 6), SignificantText(rates_hz[1], 6)));
+  return rates_hz.front();
 }
 
 }  // namespace
@@ -266,7 +264,7 @@ double ReadRate(const C3dBytes& bytes, const C3dParameters& parameters, C3dLayou
 C3dLayout ReadLayout(const C3dBytes& bytes, const C3dParameters& parameters) try {
   C3dLayout layout;
   layout.warnings = parameters.Warnings();
-  layout.rate_hz = ReadRate(bytes, parameters, layout);
+  layout.rate_hz = ReadRate(bytes, parameters, layout.warnings);
   layout.mm_per_unit = MmPerUnit(parameters.Texts("POINT:UNITS"), bytes.Path(), layout.warnings);
   layout.up_axis = UpAxis(parameters.Texts("POINT:Y_SCREEN"));
   ReadSizes(ReadStatedSizes(bytes, parameters, layout.rate_hz), bytes, layout);

@@ -80,7 +80,7 @@ PointRecording ReadDltdv(const std::filesystem::path& path, const ReadOptions& o
   return recording;
 }
 
-// The header names the columns where it has their names; else they are taken in pairs. A value of 0 is a missing one.
+// Its columns are taken in pairs. A value of 0 is a missing one.
 PointRecording ReadDltdvSparse(const std::filesystem::path& path, const ReadOptions& options) {
   const TextLines lines(path);
   if (lines.Count() == 0) throw Fail("{}: empty", path.string());
@@ -98,27 +98,17 @@ PointRecording ReadDltdvSparse(const std::filesystem::path& path, const ReadOpti
       left_out.Add("a row that is not 'frame, column, value'", lines.Where(line));
     }
   }
-  std::vector<std::string> warnings;
-  std::vector<std::string> header = SplitCells(lines[0], '\t');
-  std::vector<DltdvPoint> points;
-  if (Lower(header[0]).starts_with("pt")) {
-    points = OfView(FindPoints(header, lines.Where(0)), options.view, path, warnings);
-  } else {
-    warnings.push_back(fmt::format(
-        "{}: its columns have no names: each two are a point, pt1, pt2, …; of several cameras they take turns",
-        path.string()));
-    for (std::size_t x = 0; !columns.empty() && x <= columns.rbegin()->first; x += 2)
-      points.push_back({fmt::format("pt{}", x / 2 + 1), "", x});
-  }
   std::vector<FramePoints> found;
-  for (const DltdvPoint& point : points) {
-    FramePoints& track = found.emplace_back(FramePoints{point.point, {}});
-    for (const auto& [frame, x] : columns[point.x])
-      if (const auto y = columns[point.x + 1].find(frame); y != columns[point.x + 1].end())
+  for (std::size_t c = 0; !columns.empty() && c <= columns.rbegin()->first; c += 2) {
+    FramePoints& track = found.emplace_back(FramePoints{fmt::format("pt{}", c / 2 + 1), {}});
+    for (const auto& [frame, x] : columns[c])
+      if (const auto y = columns[c + 1].find(frame); y != columns[c + 1].end())
         track.positions[frame] = {x - kFirstPixel, y->second - kFirstPixel, 0};
   }
   PointRecording recording = PointsByFrame(found, std::filesystem::file_size(path), path, options.rate_hz);
-  recording.warnings.insert(recording.warnings.begin(), warnings.begin(), warnings.end());
+  recording.warnings.push_back(fmt::format(
+      "{}: its columns have no names: each two are a point, pt1, pt2, …; of several cameras they take turns",
+      path.string()));
   left_out.AppendTo(recording.warnings);
   WarnOfOrigin(path, recording);
   return recording;

@@ -8,10 +8,7 @@
 #include "lake/core/run.h"
 #include "lake/core/utf8.h"
 #include "lake/exchange/c3d.h"
-#include "lake/exchange/kinovea.h"
 #include "lake/exchange/mot.h"
-#include "lake/exchange/tracker.h"
-#include "lake/exchange/trc.h"
 #include "lake/motion/marker_recording.h"
 #include "marker_files.h"
 #include "text_lines.h"
@@ -33,43 +30,43 @@ void WriteOwnPoints(const fs::path& path, const PointRecording& points) {
   motion::WriteMarkerCsv(path, MarkersFromPoints(points));
 }
 
-void WriteTrcInMm(const fs::path& path, const PointRecording& points) {
-  WriteTrc(path, points);
-}
-
-// Readers of formats that say all themselves, or all but the unit.
-template <PointRecording (*read)(const fs::path&)>
-PointRecording Plain(const fs::path& path, const ReadOptions& /*options*/) {
-  return read(path);
-}
-template <PointRecording (*read)(const fs::path&, double)>
-PointRecording InUnit(const fs::path& path, const ReadOptions& options) {
-  return read(path, options.mm_per_unit);
-}
-
 }  // namespace
 
 // Each in its own source.
+PointRecording ReadTrc(const fs::path& path, const ReadOptions& options);
+PointRecording ReadTrackerText(const fs::path& path, const ReadOptions& options);
+PointRecording ReadTrk(const fs::path& path, const ReadOptions& options);
+PointRecording ReadKinovea(const fs::path& path, const ReadOptions& options);
+PointRecording ReadKva(const fs::path& path, const ReadOptions& options);
 PointRecording ReadKinoveaText(const fs::path& path, const ReadOptions& options);
 PointRecording ReadDltdv(const fs::path& path, const ReadOptions& options);
 PointRecording ReadDltdvSparse(const fs::path& path, const ReadOptions& options);
 PointRecording ReadDeepLabCut(const fs::path& path, const ReadOptions& options);
 PointRecording ReadMotive(const fs::path& path, const ReadOptions& options);
 PointRecording ReadSleap(const fs::path& path, const ReadOptions& options);
+void WriteTrc(const fs::path& path, const PointRecording& points, const std::string& unit);
+void WriteTrackerText(const fs::path& path, const PointRecording& points);
+void WriteTrk(const fs::path& path, const PointRecording& points);
+void WriteKinovea(const fs::path& path, const PointRecording& points);
+void WriteKva(const fs::path& path, const PointRecording& points);
 
 namespace {
+
+void WriteTrcInMm(const fs::path& path, const PointRecording& points) {
+  WriteTrc(path, points, "mm");
+}
 
 constexpr unsigned kSolid = kHoldsPlane | kHoldsSpace, kFlat = kHoldsImage | kHoldsPlane;
 
 // In the order in which they are tried: a longer ending before the shorter one that it ends in.
 const PointFormat kFormats[] = {
-    {"TRC", {".trc"}, "", Plain<ReadTrc>, kInSpace | kSolid, WriteTrcInMm, ".trc", "trc"},
-    {"C3D", {".c3d"}, "", Plain<ReadC3d>, kInSpace | kSolid, WriteC3d, ".c3d", "c3d"},
+    {"TRC", {".trc"}, "", ReadTrc, kInSpace | kSolid, WriteTrcInMm, ".trc", "trc"},
+    {"C3D", {".c3d"}, "", ReadC3d, kInSpace | kSolid, WriteC3d, ".c3d", "c3d"},
     {"Kinovea's text", {".txt"}, "#kinovea", ReadKinoveaText, kNoUnit},
-    {"Tracker", {".txt"}, "", InUnit<ReadTrackerText>, kNoUnit | kFlat, WriteTrackerText, ".txt", "tracker"},
-    {"Tracker's project", {".trk", ".trz"}, "", Plain<ReadTrk>, kHoldsImage, WriteTrk, ".trk", "trk"},
-    {"Kinovea", {".csv"}, "/0/x", InUnit<ReadKinovea>, kNoUnit | kFlat, WriteKinovea, "_kinovea.csv", "kinovea"},
-    {"Kinovea's annotations", {".kva"}, "", Plain<ReadKva>, kHoldsImage, WriteKva, ".kva", "kva"},
+    {"Tracker", {".txt"}, "", ReadTrackerText, kNoUnit | kFlat, WriteTrackerText, ".txt", "tracker"},
+    {"Tracker's project", {".trk", ".trz"}, "", ReadTrk, kHoldsImage, WriteTrk, ".trk", "trk"},
+    {"Kinovea", {".csv"}, "/0/x", ReadKinovea, kNoUnit | kFlat, WriteKinovea, "_kinovea.csv", "kinovea"},
+    {"Kinovea's annotations", {".kva"}, "", ReadKva, kHoldsImage, WriteKva, ".kva", "kva"},
     {"DLTdv", {".csv"}, "pt1_cam", ReadDltdv, kNoTimes},
     {"DLTdv's sparse table", {"xypts.tsv"}, "", ReadDltdvSparse, kNoTimes},
     {"DeepLabCut", {".csv"}, "scorer", ReadDeepLabCut, kNoTimes},

@@ -1,5 +1,5 @@
-#include "lake/exchange/kinovea.h"
-
+// Kinovea (kinovea.org): its CSV export of trajectories, of quoted cells with separators after the writer's locale, and
+// its text. Neither says its unit of length; times of the CSV are in ms or s, as a frame lasts between 1 ms and 1 s.
 #include "frame_points.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
@@ -33,7 +33,7 @@ double SecondsPerUnit(const std::vector<double>& times) {
 
 }  // namespace
 
-PointRecording ReadKinovea(const std::filesystem::path& path, double mm_per_unit) {
+PointRecording ReadKinovea(const std::filesystem::path& path, const ReadOptions& options) {
   const TextLines lines(path);
   if (lines.Count() == 0) throw Fail("{}: empty", path.string());
   const char separator = SeparatorOf(lines[0]);
@@ -41,7 +41,7 @@ PointRecording ReadKinovea(const std::filesystem::path& path, double mm_per_unit
                                             {.separator = separator,
                                              .time = 0,
                                              .points = FindColumns(SplitCells(lines[0], separator), lines.Where(0)),
-                                             .mm_per_unit = mm_per_unit},
+                                             .mm_per_unit = options.mm_per_unit},
                                             path);
   const double seconds = SecondsPerUnit(recording.time_s);
   for (double& time : recording.time_s) time *= seconds;

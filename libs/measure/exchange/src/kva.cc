@@ -11,7 +11,6 @@
 #include "lake/core/error.h"
 #include "lake/core/utf8.h"
 #include "lake/exchange/formats.h"
-#include "lake/exchange/kinovea.h"
 #include "left_out.h"
 #include "text_lines.h"
 
@@ -142,7 +141,7 @@ void AddCalibration(pugi::xml_node root, double mm_per_px) {
 
 }  // namespace
 
-PointRecording ReadKva(const std::filesystem::path& path) {
+PointRecording ReadKva(const std::filesystem::path& path, const ReadOptions& /*options*/) {
   const std::string text = ReadTextFile(path);
   pugi::xml_document document;
   const std::vector<std::string> warnings = ParseXml(text, path, document);

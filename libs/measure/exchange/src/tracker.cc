@@ -1,5 +1,5 @@
-#include "lake/exchange/tracker.h"
-
+// Tracker's text table (physlets.org/tracker): `#multi:` if there are several tracks, a row of names, a row
+// `t x y x y …`, then numbers between tabs, with decimal point or comma. It does not say its unit of length.
 #include <algorithm>
 
 #include "frame_points.h"
@@ -42,7 +42,7 @@ std::string FormatForTracker(double value) {
 
 }  // namespace
 
-PointRecording ReadTrackerText(const std::filesystem::path& path, double mm_per_unit) {
+PointRecording ReadTrackerText(const std::filesystem::path& path, const ReadOptions& options) {
   const TextLines lines(path);
   std::size_t label_line = 0;
   const auto cells_of = [&](std::size_t line) { return SplitCells(lines[line], SeparatorOf(lines[label_line])); };
@@ -57,7 +57,7 @@ PointRecording ReadTrackerText(const std::filesystem::path& path, double mm_per_
                          .time = 0,
                          .points = FindColumns(cells_of(label_line),
                                                label_line > 0 ? cells_of(label_line - 1) : std::vector<std::string>{}),
-                         .mm_per_unit = mm_per_unit};
+                         .mm_per_unit = options.mm_per_unit};
   if (table.points.empty() || table.points.size() > kMostTracks)
     throw Fail("{}: {} columns 'x' followed by 'y', not 1 to {}", lines.Where(label_line), table.points.size(),
                kMostTracks);

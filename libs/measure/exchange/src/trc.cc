@@ -1,5 +1,5 @@
-#include "lake/exchange/trc.h"
-
+// TRC, the marker format of OpenSim and Motion Analysis: tab-separated text, positions in three dimensions, y up as is
+// the custom. Frames of the file count from 1.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -124,7 +124,7 @@ void CheckRate(const std::filesystem::path& path, double rate_hz, PointRecording
 
 }  // namespace
 
-PointRecording ReadTrc(const std::filesystem::path& path) {
+PointRecording ReadTrc(const std::filesystem::path& path, const ReadOptions& /*options*/) {
   const TextLines lines(path);
   const TrcLines found = FindLines(lines, path);
   std::vector<std::string> warnings;

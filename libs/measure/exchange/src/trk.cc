@@ -9,7 +9,6 @@
 #include "lake/core/error.h"
 #include "lake/core/utf8.h"
 #include "lake/exchange/formats.h"
-#include "lake/exchange/tracker.h"
 #include "left_out.h"
 #include "text_lines.h"
 
@@ -159,7 +158,8 @@ void AddPointMass(pugi::xml_node tracks, const PointRecording& recording, const 
 
 }  // namespace
 
-PointRecording ReadTrk(const std::filesystem::path& path) {
+// A .trk project, or the first one of a .trz archive: the point masses, in px of the image.
+PointRecording ReadTrk(const std::filesystem::path& path, const ReadOptions& /*options*/) {
   const std::string text = Lower(path.extension().string()) == ".trz" ? ReadZipEntry(path, ".trk") : ReadTextFile(path);
   pugi::xml_document document;
   const std::vector<std::string> warnings = ParseXml(text, path, document);

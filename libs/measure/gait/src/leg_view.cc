@@ -141,9 +141,8 @@ Eigen::Vector2d UpFromPlumbLine(const LegView& view, const Eigen::Vector2d& one_
 
 }  // namespace lake::gait
 
-namespace lake {
-
-gait::MarkerDepth OptionValue<gait::MarkerDepth>::Parse(const std::string& text, const std::string& said) {
+lake::gait::MarkerDepth lake::OptionValue<lake::gait::MarkerDepth>::Parse(const std::string& text,
+                                                                          const std::string& said) {
   constexpr std::string_view kPlusMinus = "±";
   const std::size_t at = text.find(kPlusMinus);
   gait::MarkerDepth depth{.mm = OptionValue<double>::Parse(text.substr(0, at), said)};
@@ -153,8 +152,6 @@ gait::MarkerDepth OptionValue<gait::MarkerDepth>::Parse(const std::string& text,
   return depth;
 }
 
-std::string OptionValue<gait::MarkerDepth>::Format(const gait::MarkerDepth& value) {
+std::string lake::OptionValue<lake::gait::MarkerDepth>::Format(const gait::MarkerDepth& value) {
   return OptionValue<double>::Format(value.mm) + (value.sd_mm ? "±" + OptionValue<double>::Format(*value.sd_mm) : "");
 }
-
-}  // namespace lake

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "lake/exchange/formats.h"
 #include "lake/exchange/ground_forces.h"
-#include "lake/exchange/point_recording.h"
 #include "lake/motion/leg_motion.h"
 
 namespace lake::exchange {
@@ -15,7 +15,7 @@ namespace lake::exchange {
 // skipped: ReadC3dForces has them. Events are those of the group EVENT and of the header; where they are damaged, a
 // warning says so instead. Up is POINT:Y_SCREEN if it is there, else z. Throws Error naming file and what is wrong: not
 // C3D, a parameter that is absent or contradicts the file's size.
-PointRecording ReadC3d(const std::filesystem::path& path);
+PointRecording ReadC3d(const std::filesystem::path& path, const ReadOptions& options = {});
 
 // The force plates of such a file; ReadGroundForces (ground_forces.h) says which. Throws Error.
 GroundForceRecording ReadC3dForces(const std::filesystem::path& path);
