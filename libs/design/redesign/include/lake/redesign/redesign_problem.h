@@ -116,8 +116,8 @@ double NeededDuration(const std::vector<double>& knots_mm, double max_speed_mm_s
 // program for links that cannot be assembled.
 RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& links);
 
-// What a rise takes: what the knots need at the greatest speed, or longer where balance asks for that. A stride takes the
-// problem's duration, if that is enough.
+// What a rise takes: what the knots need at the greatest speed, or longer where balance asks for that. A stride takes
+// the problem's duration, if that is enough.
 double DurationOf(const RedesignProblem& problem, const RedesignPoint& point);
 
 // A point as other programs read it; a constant program with ends of its own as two knots. The lean is the person's,
