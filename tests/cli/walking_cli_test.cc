@@ -225,7 +225,7 @@ TEST_F(WalkingComparisonProgram, DesignsOnlyWhatIsQuickEnough) {
   EXPECT_GT(needed_s, 20);
   outcome = optimize(fmt::format("--duration {}", 1.01 * needed_s));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("NOT USABLE FOR WALKING"));
+  EXPECT_THAT(outcome.err, HasSubstr("NOT USABLE FOR WALKING"));
   EXPECT_FALSE(ReadJsonFile(folder_ / "O/summary.json")["walking"]["is_quick_enough"]);
   // As quick as this needs for the person's own stride.
   outcome = optimize(fmt::format("--max-speed {}", 1.01 * 5 * needed_s / 1.1));

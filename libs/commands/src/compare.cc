@@ -176,13 +176,14 @@ void CheckOrder(const compare::TrialTables& human, const compare::TrialTables& e
       human.name, kExoKnee, exo.name, CommandLine({"lake", "compare", options.exo.string(), options.human.string()}));
 }
 
-void CheckMovements(gait::MovementKind human, gait::MovementKind exo, const CompareRunOptions& options) {
+void CheckMovements(gait::MovementKind human, gait::MovementKind exo, const CompareRunOptions& options, Run& run) {
   if (human != exo)
     throw Fail("{} is of {} and {} of {}: two trials of one movement can be compared", options.human.string(),
                gait::MovementOf(human).name, options.exo.string(), gait::MovementOf(exo).name);
   if (human == gait::MovementKind::kWalking && options.worn)
-    throw UsageError("--worn: what seat and limbs allow is of sit-to-stands, and {} is of walking: leave it out",
-                     options.human.string());
+    run.Warn(
+        "--worn: what seat and limbs allow of moving the joint is of sit-to-stands, and left out: {} is of walking",
+        options.human.string());
 }
 
 double KneeHiddenShare(const motion::MarkerRecording& recording) {
@@ -242,7 +243,7 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
                 .warnings = {},
                 .movement = exo_curves->movement,
                 .sight = exo_curves->exo_sight};
-  CheckMovements(pair.human.movement, pair.exo.movement, options);
+  CheckMovements(pair.human.movement, pair.exo.movement, options, run);
   return pair;
 }
 

@@ -349,6 +349,8 @@ Json WalkJson(const redesign::RedesignOutcome& outcome) {
 }
 
 void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
+  if (const Json walk = WalkJson(outcome); walk.is_object() && !walk["is_quick_enough"])
+    run.Warn("{}", walk["text"].get<std::string>());
   const redesign::RedesignProblem& problem = outcome.problem;
   if (outcome.measured.exo && outcome.measured.worn && !outcome.slip)
     run.Warn(
@@ -377,11 +379,6 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
         after->balance->at_percent, SignificantText(after->balance->duration_s, 3), -after->balance->margin_mm);
   WarnOfMoments(outcome, run);
   if (!outcome.IsSolved()) return;
-  if (const Json walk = WalkJson(outcome); walk.is_object() && !walk["is_quick_enough"])
-    run.Warn(
-        "this design is not usable for walking at the person's speed: its program takes {} s for a stride of {} s, as "
-        "long as --duration allows",
-        SignificantText(outcome.after.duration_s, 3), SignificantText(outcome.measured.human.duration_s, 3));
   WarnOfMultipliers(outcome.active, run);
   if (outcome.certificate) {
     WarnOfCertificate(*outcome.certificate, NotInBound(problem), run);
@@ -628,7 +625,8 @@ Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
     WriteYields({{"optimum", &*outcome.yield}}, run);
   }
   if (!outcome.fronts.empty()) summary["pareto"] = FrontsJson(outcome);
-  if (const Json walk = WalkJson(outcome); walk.is_object()) run.Report(walk["text"].get<std::string>() + "\n");
+  if (const Json walk = WalkJson(outcome); walk.is_object() && walk["is_quick_enough"])
+    run.Report(walk["text"].get<std::string>() + "\n");
   if (best)
     run.Report(RangeText(after.evaluation.range_deg, outcome.certificate) + MotionText(outcome) +
                LinksText(after.design.links) + ActiveText(outcome.active) +

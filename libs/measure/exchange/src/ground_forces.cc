@@ -69,6 +69,9 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
   GroundForceRecording forces;
   forces.time_s = table.time_s;
   forces.warnings = table.warnings;
+  std::erase_if(forces.warnings, [](const std::string& warning) {  // there is no angle among forces
+    return warning.find("unit of angles") != std::string::npos;
+  });
   std::map<std::string, std::size_t> seen;
   for (const std::string& column : table.columns) {
     if (!column.ends_with("vx")) continue;

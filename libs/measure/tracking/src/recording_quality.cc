@@ -257,12 +257,14 @@ void TakeNamed(const TrackResult& tracked, RecordingCheck& check) {
       (MedianDistance(TrackOf(tracked, "ankle"), knee) + MedianDistance(knee, TrackOf(tracked, "hip"))) / 2;
   check.knee_sd_deg = KneeSdDeg(check.position_sd_px, check.segment_px);
   const std::size_t frames = tracked.recording.time_s.size();
-  std::size_t all = 0;
-  for (std::size_t i = 0; i < frames; ++i)
-    all += std::ranges::all_of(tracked.recording.markers,
-                               [&](const motion::MarkerTrack& track) { return track.samples[i].IsKnown(); });
-  // A repeated picture shows nothing of its own.
-  const auto shown = static_cast<double>(frames - tracked.times.repeated.size());
+  // Where no marker is seen the person is out of the picture; a repeated picture shows nothing of its own, either.
+  std::size_t all = 0, any = 0;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const auto is_seen = [&](const motion::MarkerTrack& track) { return track.samples[i].IsKnown(); };
+    all += std::ranges::all_of(tracked.recording.markers, is_seen);
+    any += std::ranges::any_of(tracked.recording.markers, is_seen);
+  }
+  const auto shown = static_cast<double>(std::max<std::size_t>(any, 1));
   check.all_seen_share = static_cast<double>(all) / shown;
   check.knee_hidden_share =
       std::max(0.0, 1 - std::ranges::count_if(knee.samples, &motion::MarkerSample::IsKnown) / shown);

@@ -23,7 +23,9 @@ void JudgeMarkers(const RecordingCheck& c, int markers, std::vector<CheckItem>& 
        .shown = c.IsNamed()
                     ? fmt::format("all markers in {:.0f} % of the frames", 100 * c.all_seen_share)
                     : fmt::format("{} detections or more in {:.0f} % of the frames", markers, 100 * c.all_seen_share),
-       .verdict = c.IsNamed() ? Judge(-c.all_seen_share, -0.95, -0.8) : Verdict::kNotJudged,
+       // Who walks comes into the picture marker by marker.
+       .verdict = !c.IsNamed() ? Verdict::kNotJudged
+                               : Judge(-c.all_seen_share, c.strides ? -0.8 : -0.95, c.strides ? -0.6 : -0.8),
        .advice = "put a lamp beside the lens, turn the markers to the camera, keep hands and clothes off them"});
   if (!c.IsNamed()) {
     items.push_back(
