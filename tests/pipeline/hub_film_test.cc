@@ -100,7 +100,7 @@ struct Lot {
   explicit Lot(unsigned film) : random(film / 2), sign(film % 2 == 0 ? 1 : -1) {}
   double Uniform(double most) { return sign * std::uniform_real_distribution<double>(-most, most)(random); }
   double Normal(double sd) { return sign * std::normal_distribution<double>(0, sd)(random); }
-  Stance Draw() { return {Uniform(650), Uniform(120), Uniform(10)}; }
+  Stance Draw() { return {Uniform(650), Uniform(80), Uniform(10)}; }
   std::mt19937_64 random;
   double sign;
 };

@@ -10,8 +10,8 @@
 
 #include "lake/core/json.h"
 #include "lake/core/options.h"
-#include "lake/gait/leg_view.h"
 #include "lake/exchange/formats.h"
+#include "lake/gait/leg_view.h"
 
 namespace lake::exchange {
 
