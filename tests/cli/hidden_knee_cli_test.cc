@@ -89,6 +89,12 @@ TEST_F(HiddenKnee, IsLearntInTheOneTrialAndRebuiltInTheOther) {
   ExpectJoint(ReadJsonFile(folder_ / "C/comparison.json"));
 }
 
+TEST_F(HiddenKnee, OfAFileIsRebuiltWhereItIsCompared) {
+  Done("lake-gait human.csv --technical shank=shank1,shank2 -o human");
+  Done("lake-compare human exo.csv --knee-from human -o C");
+  ExpectJoint(ReadJsonFile(folder_ / "C/comparison.json"));
+}
+
 TEST_F(HiddenKnee, WithoutTechnicalMarkersSaysWhatIsMissing) {
   const Outcome no_model = Shell(folder_, "lake-gait human.csv -o human && lake-gait exo.csv --knee-from human -o exo");
   EXPECT_EQ(no_model.exit_code, 1);

@@ -145,13 +145,13 @@ lake::gait::MarkerDepth lake::OptionValue<lake::gait::MarkerDepth>::Parse(const 
                                                                           const std::string& said) {
   constexpr std::string_view kPlusMinus = "±";
   const std::size_t at = text.find(kPlusMinus);
-  gait::MarkerDepth depth{.mm = OptionValue<double>::Parse(text.substr(0, at), said)};
+  lake::gait::MarkerDepth depth{.mm = OptionValue<double>::Parse(text.substr(0, at), said)};
   if (at == std::string::npos) return depth;
   depth.sd_mm = OptionValue<double>::Parse(text.substr(at + kPlusMinus.size()), said);
   if (*depth.sd_mm < 0) throw UsageError("{}: the standard deviation of '{}' is negative", said, text);
   return depth;
 }
 
-std::string lake::OptionValue<lake::gait::MarkerDepth>::Format(const gait::MarkerDepth& value) {
+std::string lake::OptionValue<lake::gait::MarkerDepth>::Format(const lake::gait::MarkerDepth& value) {
   return OptionValue<double>::Format(value.mm) + (value.sd_mm ? "±" + OptionValue<double>::Format(*value.sd_mm) : "");
 }
