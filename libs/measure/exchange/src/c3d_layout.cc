@@ -52,11 +52,8 @@ bool Agree(Size size, double a, double b) {
 
 constexpr double kMostCut = 65535;
 
-// A count that 16 bits do not hold was not cut by them.
 std::ptrdiff_t Votes(Size size, double value, const StatedSizes& stated) {
-  const auto agreeing =
-      std::ranges::count_if(stated[size], [&](const Stated& s) { return Agree(size, s.value, value); });
-  return agreeing + (size == kFrames && value > kMostCut ? kSizes : 0);
+  return std::ranges::count_if(stated[size], [&](const Stated& s) { return Agree(size, s.value, value); });
 }
 
 // 0 is left out where another place says more, and so is what cannot be.
@@ -194,11 +191,13 @@ std::vector<Reading> ReadingsOf(const StatedSizes& stated, const C3dBytes& bytes
       else if (held > 0 && count > 0)
         of_this.push_back({geometry, frames, std::min(count, held), count > held ? Fit::kCutOff : Fit::kHeld});
     }
-    const auto worse = [&](const Reading& a, const Reading& b) {
-      return std::pair(a.fit, Votes(kFrames, a.frames.value, stated)) <
-             std::pair(b.fit, Votes(kFrames, b.frames.value, stated));
+    // A count that 16 bits do not hold was not cut by them.
+    const auto rank = [&](const Reading& reading) {
+      const bool is_long = reading.frames.value > kMostCut && reading.fit != Fit::kCutOff;
+      return std::pair(reading.fit == Fit::kFilled,
+                       Votes(kFrames, reading.frames.value, stated) + (is_long ? kSizes : 0));
     };
-    if (const auto best = std::ranges::max_element(of_this, worse); best != of_this.end()) readings.push_back(*best);
+    if (const auto best = std::ranges::max_element(of_this, {}, rank); best != of_this.end()) readings.push_back(*best);
   }
   return readings;
 }
