@@ -130,7 +130,8 @@ Way NewLinks(const StudyResults& results, const Json& redesign) {
           .build = "links, mount, program",
           .misalignment_is_limit = IsReached(NumberOrNaN(after.at("misalignment_percent")),
                                              NumberOrNaN(redesign.at("max_misalignment_percent"))),
-          .time_is_limit = IsReached(NumberOrNaN(after.at("program_duration_s")),
+          .time_is_limit = RepetitionIn(results) == "rise" &&
+                           IsReached(NumberOrNaN(after.at("program_duration_s")),
                                      NumberOrNaN(redesign.at("stroke_program").at("duration_limit_s"))),
           .time_is_set = true,
           .on_body = SimulatedOnBody(results.Summary("simulation").at("mannequin"))};

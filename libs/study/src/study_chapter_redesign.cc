@@ -412,7 +412,8 @@ LineChart PathsChart(const StudyResults& results) {
   LineChart chart;
   chart.title = "Knee paths";
   chart.alt = "Paths of the human knee, of the exoskeleton's knee as measured and as predicted for the new design";
-  chart.caption = "Seen from the side, one rise. Leg frame: origin at the seated ankle, x forward, y up.";
+  chart.caption = fmt::format("Seen from the side, one {}, x forward, y up from {}.", RepetitionIn(results),
+                              RepetitionIn(results) == "rise" ? "the seated ankle" : "the hip");
   chart.x.label = "anterior (mm)";
   chart.y.label = "up (mm)";
   chart.equal_scales = true;

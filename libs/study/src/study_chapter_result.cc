@@ -103,7 +103,7 @@ std::string CostText(const StudyResults& results, const Json& redesign, const Wa
            (std::isfinite(from) ? fmt::format(" instead of {}", Quantity(from, unit)) : "");
   };
   std::string text = fmt::format("Misalignment {} of the shank length.", from_to("misalignment_percent", "%"));
-  text += fmt::format(" It costs time: a rise takes {}", from_to("program_duration_s", "s"));
+  text += fmt::format(" It costs time: a {} takes {}", RepetitionIn(results), from_to("program_duration_s", "s"));
   if (results.Has("stroke"))
     if (const double rest_s = NumberOrNaN(results.Summary("stroke").at("added_rest_s")); rest_s >= 0.005)
       text += fmt::format(", and {} of rests at reversals", Quantity(rest_s, "s"));
