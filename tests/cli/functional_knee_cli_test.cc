@@ -277,7 +277,7 @@ TEST_F(FunctionalKnee, WrongUseIsToldAndTheRedesignTakesWhatTheComparisonHas) {
   const std::pair<std::string, const char*> kRefused[] = {
       {"", "run lake-compare with --knee functional"},
       {kSegments, "--segment is for --human"},
-      {"--exo-segment shank=e1,e2 --exo-segment thigh=f1,f2", "--exo-segment is of an exoskeleton trial"}};
+      {"--exo-segment shank=e1,e2 --exo-segment thigh=f1,f2", "--exo-segment belongs to lake-compare"}};
   for (const auto& [words, message] : kRefused) {
     const Outcome refused = Shell(folder_, "lake-optimize --comparison C --human-only --knee functional -o O " + words);
     EXPECT_EQ(refused.exit_code, 2) << words << refused.err;

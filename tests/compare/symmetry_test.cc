@@ -148,8 +148,8 @@ TEST(Symmetry, MatchesRisesOfOneRecordingByTheirTimes) {
     if (sample.repetition) of_samples.insert(*sample.repetition);
   EXPECT_THAT(of_events, testing::ElementsAre(1, 3, 4, 5));
   EXPECT_EQ(of_samples, of_events);
-  EXPECT_THAT(matched.warnings, testing::ElementsAre("rise 2 of the left leg, 5.00 to 6.50 s, is none of the right "
-                                                     "leg's: it is left out"));
+  EXPECT_THAT(matched.warnings, testing::ElementsAre("rise 2 of the left leg, 5.00 to 6.50 s, has no counterpart among "
+                                                     "the right leg's: it is left out"));
   const compare::Symmetry symmetry = compare::CompareSides(left, right, {.one_recording = true});
   EXPECT_EQ(symmetry.left_rises, 5u);
   EXPECT_EQ(symmetry.right_rises, 4u);

@@ -620,14 +620,14 @@ TEST(LoadsOfBadInput, ForcesOfAnotherTimeAreRefused) {
   EXPECT_THAT(Failure(options), testing::AllOf(testing::HasSubstr("100.00 to 102.00 s"), testing::HasSubstr("trial")));
 }
 
-TEST(LoadsOfBadInput, AMotionWithoutASeatSaysSo) {
+TEST(LoadsOfBadInput, AWalkWithoutForcesSaysWhatItNeeds) {
   const fs::path walk = SharedData() / "opensim_walk/walking2.c3d";
   if (!fs::exists(walk)) GTEST_SKIP() << walk.string() << " is not here";
   commands::LoadsRunOptions options;
   options.trial = walk;
   options.reading.names = NameMap("ankle=RAJC,knee=RKJC,hip=RHJC");
   options.loads.body.mass_kg = 70;
-  EXPECT_THAT(Failure(options), testing::HasSubstr("no rise from a seat"));
+  EXPECT_THAT(Failure(options), testing::HasSubstr("give --forces"));
 }
 
 TEST(GroundForces, OlderFilesNameAllPlatesAlike) {

@@ -283,7 +283,8 @@ TEST_F(StudyYaml, TellsOfAllMissingFilesAtOnce) {
 }
 
 TEST_F(StudyYaml, RefusesWithTheLine) {
-  ExpectRefused("human: {video: human.mp4}\nexxo: {}\n", "study.yaml:2: unknown key 'exxo'; known here: ");
+  ExpectRefused("human: {video: human.mp4}\nexxo: {}\n",
+                "study.yaml:2: unknown key 'exxo'; did you mean 'exo'?; known here: ");
   ExpectRefused("human:\n  video: human.mp4\n  seed: [a]\n", "study.yaml:3: unknown key 'seed'");
   ExpectRefused("human: {trial: trial.trc, markers: [knee]}\n", "study.yaml:1: unknown key 'markers'");
   ExpectRefused("exo: {video: exo.mp4}\n", "study.yaml:1: 'human' is missing");
@@ -297,7 +298,7 @@ TEST_F(StudyYaml, RefusesWithTheLine) {
   ExpectRefused("human: {video: human.mp4, start_s: early}\n", "'early' is not a finite number");
   ExpectRefused("human: {video: human.mp4, cutoff_hz: .nan}\n", "'.nan' is not a finite number");
   ExpectRefused("human: {video: ''}\n", "a file is needed");
-  ExpectRefused("human: human.mp4\n", "study.yaml:1: a map");
+  ExpectRefused("human: human.mp4\n", "study.yaml:1: 'human' must have keys");
   ExpectRefused("- human\n", "a study is a map");
   ExpectRefused("human: {video: human.mp4\n", "not YAML");
   ExpectRefused("human: {video: human.mp4}\nexo: {video: exo.mp4}\ncompare: {replacement_sd_mm: -1}\n",

@@ -78,7 +78,7 @@ std::string PageOfDrawings() {
 // Of each design its cuff forces with intervals, as the step's summary has them.
 TEST(StudyPage, HasTheForcesAtTheCuffsOfEachDesign) {
   const std::string& page = PageText();
-  const std::size_t table = page.find("Largest forces over the rise that come of a joint beside the knee");
+  const std::size_t table = page.find("Largest forces caused by misalignment over the rise");
   ASSERT_NE(table, page.npos);
   const std::string text = page.substr(table, page.find("</table>", table) - table);
   const Json summary = ReadJsonFile(Results() / "redesign/summary.json");

@@ -605,7 +605,7 @@ TEST(Seeds, OnWhatIsHardlySeenAreContradicted) {
   tracking::NamingOptions options = ExoOptions();
   options.seeds = {{"exo_knee", {900, 300}, 0}};
   EXPECT_THAT(ErrorOf(seen, options),
-              AllOf(HasSubstr("--seed exo_knee="), HasSubstr("seen in 12 frames only, of 300")));
+              AllOf(HasSubstr("--seed exo_knee="), HasSubstr("seen in only 12 of the 300 frames")));
 }
 
 TEST(Seeds, TakeANumberOfTheCandidates) {

@@ -181,9 +181,7 @@ void CheckMovements(gait::MovementKind human, gait::MovementKind exo, const Comp
     throw Fail("{} is of {} and {} of {}: two trials of one movement can be compared", options.human.string(),
                gait::MovementOf(human).name, options.exo.string(), gait::MovementOf(exo).name);
   if (human == gait::MovementKind::kWalking && options.worn)
-    run.Warn(
-        "--worn: what seat and limbs allow of moving the joint is of sit-to-stands, and left out: {} is of walking",
-        options.human.string());
+    run.Warn("--worn applies to sit-to-stands only and is left out: {} is a walk", options.human.string());
 }
 
 double KneeHiddenShare(const motion::MarkerRecording& recording) {

@@ -5,7 +5,7 @@
 // CANNOT KNOW: It does not see the supply's voltage: 10 % less is 10 % and more of stroke.
 // CANNOT KNOW: It does not feel a force: only the fuse limits it.
 // CANNOT KNOW: The bridge's outputs are not read back: a stop coasts, without a brake.
-// CANNOT KNOW: There is no second way to switch the motor off: a shorted transistor is reported, but the motor keeps running.
+// CANNOT KNOW: There is no second way to switch the motor off: a shorted transistor is reported, not stopped.
 #ifndef LAKE_STROKE_TABLE_H
 #define LAKE_STROKE_TABLE_H
 

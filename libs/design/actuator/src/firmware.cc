@@ -270,9 +270,7 @@ std::vector<std::string> Unknowns(const FirmwareOptions& options) {
   if (!options.bridge_sense)
     unknown.push_back("The bridge's outputs are not read back: a stop coasts, without a brake.");
   if (!options.pins.safety_relay)
-    unknown.push_back(
-        "There is no second way to switch the motor off: a shorted transistor is reported, but the motor keeps "
-        "running.");
+    unknown.push_back("There is no second way to switch the motor off: a shorted transistor is reported, not stopped.");
   return unknown;
 }
 

@@ -442,7 +442,8 @@ std::string WayOut(const std::string& source, bool has_axis, bool is_of_two_tria
   if (source == kRebuilding) return "more repetitions without exoskeleton, or a further technical marker, narrow it";
   if (source == kOwnVariation) return "record more repetitions";
   if (source == kParallax && is_of_two_trials)
-    return "measure how far the joint's marker stands proud of the knee's, towards the camera: --depth exo_knee=MM±SD";
+    return "measure how far the joint marker stands proud of the knee marker, towards the camera: --depth "
+           "exo_knee=MM±SD";
   return "";
 }
 

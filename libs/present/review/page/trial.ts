@@ -281,7 +281,7 @@ export class TrialPage {
   private async addEvent(): Promise<void> {
     const event = part<HTMLSelectElement>("event-kind").value, frame = this.trial.frame[this.row];
     const strikes = this.events().filter((other) => other.event === "heel_strike" && other.frame < frame);
-    const repetition = (strikes.at(-1)?.repetition ?? 0) + (event === "heel_strike" && strikes.length > 0 ? 1 : 0);
+    const repetition = (strikes[strikes.length - 1]?.repetition ?? 0) + (event === "heel_strike" && strikes.length > 0 ? 1 : 0);
     const name = TEXTS.event(event, repetition);
     if (this.events().some((other) => other.event === event && other.repetition === repetition))
       return say(TEXTS.eventIsThere(name));
