@@ -223,8 +223,7 @@ TEST(LiveStream, PicturesThatNeverCameAreCounted) {
   const Played played = Play((folder / "film.nut").string(), Replay(), folder / "video.mkv");
   EXPECT_EQ(played.frames.size(), 55u);
   EXPECT_EQ(played.missing, 5);
-  EXPECT_THAT(played.end.why,
-              testing::HasSubstr("5 pictures missing in 3 gaps of the time stamps, of up to 0.13 s"));
+  EXPECT_THAT(played.end.why, testing::HasSubstr("5 pictures missing in 3 gaps of the time stamps, of up to 0.13 s"));
   ExpectRecorded(played, folder / "video.mkv");
 }
 

@@ -61,7 +61,7 @@
 #define LAKE_RETRACT_LEAST_UM_S 720L
 #define LAKE_RETRACT_MOST_UM_S 11280L
 #define LAKE_HOME_KNEE "83.2"  // degrees
-#define LAKE_PROGRAM "179d15c529a7"
+#define LAKE_PROGRAM "9a4f23f22806"
 #define LAKE_DESIGN "unknown"
 #define LAKE_DUTY_TABLE "MODEL, not measured"
 #define LAKE_HOME_UM 297000L  // at the retract end stop

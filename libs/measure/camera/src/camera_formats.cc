@@ -240,6 +240,7 @@ CameraProfile CameraOf(const Json& tree, const std::filesystem::path& path, cons
                fmt::join(known, ", nor "));
   }
   std::vector<std::string> names;
+  names.reserve(cameras.size());
   for (const FoundCamera& camera : cameras) names.push_back(camera.name);
   if (!view.empty()) std::erase_if(cameras, [&](const FoundCamera& camera) { return camera.name != view; });
   if (cameras.size() != 1)

@@ -159,6 +159,7 @@ void AddRebuilding(const StsCurve& exo, double sensitivity, std::vector<BudgetRo
 
 std::vector<double> Norms(const std::vector<Vector2d>& vectors) {
   std::vector<double> norms;
+  norms.reserve(vectors.size());
   for (const Vector2d& vector : vectors) norms.push_back(vector.norm());
   return norms;
 }

@@ -208,6 +208,7 @@ std::string Contradictions(const StatedSizes& stated, const Reading& reading) {
     const std::vector<Stated>& all = stated[size];
     if (std::ranges::all_of(all, [&](const Stated& each) { return each.value == all.front().value; })) continue;
     std::vector<std::string> parts;
+    parts.reserve(all.size());
     for (const Stated& each : all) parts.push_back(fmt::format("{} by {}", each.value, each.where));
     text += fmt::format("{}: {}; ", kSizeNames[size], fmt::join(parts, ", "));
   }
