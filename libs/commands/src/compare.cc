@@ -21,6 +21,7 @@
 #include "lake/motion/saved_corrections.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/report.h"
+#include "lake/tracking/naming.h"
 #include "lake/tracking/recording_verdicts.h"
 #include "optimum_tables.h"
 #include "png_and_svg.h"
@@ -41,8 +42,8 @@ bool IsTracked(const fs::path& path) {
 
 // Of markers that no fit has taken in.
 void PutAtDepths(const gait::MarkerDepths& depths, compare::TrialTables& tables) {
-  for (const char* of_leg : {"ankle", "knee", "hip", "waist"})
-    if (depths.contains(of_leg))
+  for (const std::string_view of_leg : tracking::kLegMarkers)
+    if (depths.contains(std::string(of_leg)))
       throw UsageError("--depth {}: is of the leg, which {} has fitted without: give it to lake track", of_leg,
                        tables.name);
   gait::PutAtDepths(depths, tables.sight, tables.trajectory);

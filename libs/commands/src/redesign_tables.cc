@@ -348,9 +348,17 @@ Json WalkJson(const redesign::RedesignOutcome& outcome) {
   return json;
 }
 
+// What `walk`, of WalkJson(), says: a warning where the actuator is too slow.
+void SayWalk(const Json& walk, Run& run) {
+  if (walk.is_null()) return;
+  const auto text = walk.at("text").get<std::string>();
+  if (walk.at("is_quick_enough").get<bool>())
+    run.Report(text + "\n");
+  else
+    run.Warn("{}", text);
+}
+
 void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
-  if (const Json walk = WalkJson(outcome); walk.is_object() && !walk["is_quick_enough"])
-    run.Warn("{}", walk["text"].get<std::string>());
   const redesign::RedesignProblem& problem = outcome.problem;
   if (outcome.measured.exo && outcome.measured.worn && !outcome.slip)
     run.Warn(
@@ -610,9 +618,10 @@ Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
                             .active = outcome.active,
                             .not_a_solution = best ? "" : outcome.infeasible->sentence};
   WriteTables(outcome, optimum, run);
-  WarnOfRedesign(outcome, run);
   Json summary = HeadJson(optimum, after.evaluation.violation, outcome.certificate);
   summary.update(MotionJson(outcome));
+  SayWalk(summary["walking"], run);
+  WarnOfRedesign(outcome, run);
   summary.update(best ? SolvedJson(*best, outcome.active) : InfeasibleJson(*outcome.infeasible));
   summary["clearances"] = ClearancesJson(outcome.problem.design);
   summary["optimum"] = EvaluationJson(after.evaluation);
@@ -625,8 +634,6 @@ Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
     WriteYields({{"optimum", &*outcome.yield}}, run);
   }
   if (!outcome.fronts.empty()) summary["pareto"] = FrontsJson(outcome);
-  if (const Json walk = WalkJson(outcome); walk.is_object() && walk["is_quick_enough"])
-    run.Report(walk["text"].get<std::string>() + "\n");
   if (best)
     run.Report(RangeText(after.evaluation.range_deg, outcome.certificate) + MotionText(outcome) +
                LinksText(after.design.links) + ActiveText(outcome.active) +

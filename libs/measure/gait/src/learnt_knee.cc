@@ -15,6 +15,7 @@
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "lake/gait/marker_measures.h"
 #include "segment_knee.h"
 
 namespace lake::gait {
@@ -249,11 +250,9 @@ LegPlaces MeasuredPlaces(const LegFitResult& fit, const LateralPlaces& lateral, 
   const double right = facing == motion::Facing::kRight ? 1 : -1;
   for (const std::string& name : markers) {
     const motion::MarkerTrack *measured = fit.measured.Find(name), *track = fit.tracks.Find(name);
-    if (!measured) {
-      std::vector<std::string> there;
-      for (const motion::MarkerTrack& marker : fit.measured.markers) there.push_back(marker.name);
-      throw Fail("--technical: no marker '{}' in the recording (it has: {})", name, fmt::join(there, ", "));
-    }
+    if (!measured)
+      throw Fail("--technical: no marker '{}' in the recording (it has: {})", name,
+                 fmt::join(MarkerNames(fit.measured), ", "));
     const auto across = lateral.find(name);
     MarkerPlaces& of = places[name];
     for (std::size_t i = 0; i < measured->samples.size(); ++i) {
