@@ -7,7 +7,7 @@ A mutation exchanges two operators (+ -, * /, < >, && ||, min max, sin cos), neg
 by a tenth. All are compiled in at once, in a copy of the sources in build/mutation; the environment variable LAKE_MUTANT chooses
 one. What does not compile, such as an exchange in a constant expression, is left out. Each mutation that is drawn runs the test
 program of its room alone, its fast tests first, then the slow and the nightly ones, up to those of --tests; it is noticed if a test
-fails, crashes, or takes four times as long as without it. The result is a table of the shares that each of these sets of tests
+fails, crashes, or takes four times the processor time that it takes without it. The result is a table of the shares that each of these sets of tests
 notices, with 95 % intervals (Wilson), and build/mutation/mutants.csv, one row a mutation: room, file, line, before, after, noticed
 by (fast, default, nightly, or none)."""
 import argparse
@@ -19,6 +19,7 @@ import os
 import pathlib
 import random
 import re
+import resource
 import shutil
 import subprocess
 import sys
@@ -166,17 +167,24 @@ def tests_of(program, labels):
 
 
 def passes(program, filters, number, limit):
-    """Whether all tests pass."""
+    """Whether all tests pass, each run within `limit` seconds of processor time (and, if it only waits, ten times as long by the clock)."""
     for which in filters:
         environment = {**os.environ, "LAKE_MUTANT": str(number), "GTEST_FILTER": which}
         try:
             done = subprocess.run([str(WORK / "build/bin" / program), "--gtest_fail_fast", "--gtest_brief=1"], stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT, timeout=limit, env=environment, cwd=WORK)
+                                  stderr=subprocess.STDOUT, timeout=10 * limit, env=environment, cwd=WORK,
+                                  preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5)))
         except subprocess.TimeoutExpired:
             return False
         if done.returncode != 0:
             return False
     return True
+
+
+def processor_seconds():
+    """Of all processes that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def wilson(noticed, of):
@@ -224,13 +232,13 @@ def main():
     for program in programs:
         for level in levels:
             filters[program, level] = tests_of(program, LEVELS[level])
-            begin = time.monotonic()
-            good = passes(program, filters[program, level], -1, 1800)
-            took = time.monotonic() - begin
-            print(f"{program}, {level}: {took:.0f} s without a mutation{'' if good else '; FAILS without one, and is left out'}", flush=True)
+            begin = processor_seconds()
+            good = passes(program, filters[program, level], -1, 3600)
+            took = processor_seconds() - begin
+            print(f"{program}, {level}: {took:.0f} s of processor without a mutation{'' if good else '; FAILS without one, and is left out'}", flush=True)
             if not good:
                 filters[program, level] = []
-            limits[program, level] = 4 * took + 10
+            limits[program, level] = math.ceil(4 * took) + 10
     chosen = []
     for room in dict.fromkeys(m.room for m in mutants):
         chosen += [m for m in mutants if m.room == room][:options.per_room]
