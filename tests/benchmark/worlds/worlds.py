@@ -27,6 +27,7 @@ import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHARED = pathlib.Path(os.environ.get("LAKE_SHARED_DATA", ROOT / "../shared/data")).resolve()
+NTSC = round(30000 / 1001, 4)  # frames per second of American television
 LEG = ("ankle", "knee", "hip", "waist")
 
 
@@ -213,7 +214,7 @@ def draw_film(seed, world, brief):
     if world.get("variable"):
         change = 1
     if change < 0.18:
-        to = it.choice({24: (25, 30), 25: (30, 50), 30: (25, 60), 50: (25, 30), 60: (25, 30, 50), 120: (30, 60, 25)}[rate])
+        to = it.choice({24: (25, 30), 25: (NTSC, 30, 50), 30: (25, 60), 50: (25, NTSC, 30), 60: (25, 30, 50), 120: (30, 60, 25)}[rate])
         world["to_rate"] = to
     elif change < 0.26:
         world["dropped"] = round(it.uniform(0.02, 0.15), 3)  # a phone in the dark: frames that never came
