@@ -2,6 +2,7 @@
 
 #include <cctype>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <set>
 
@@ -101,8 +102,8 @@ std::optional<double> FindMmPerUnit(std::string_view unit) {
       {"dm", 100},    {"decimeter", 100}, {"m", 1000},       {"meter", 1000}, {"metre", 1000},    {"in", 25.4},
       {"inch", 25.4}, {"inche", 25.4},    {"ft", 304.8},     {"foot", 304.8}, {"feet", 304.8}};
   std::string name;
-  for (const char c : unit)
-    if (!std::isspace(static_cast<unsigned char>(c)))
+  for (const char c : unit)  // "(mm)"
+    if (!std::isspace(static_cast<unsigned char>(c)) && !std::strchr("()[]\"", c))
       name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (name.size() > 3 && name.back() == 's') name.pop_back();
   const auto found = kUnits.find(name);

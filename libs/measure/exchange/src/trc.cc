@@ -21,12 +21,19 @@ constexpr std::array kKeys = {"DataRate", "CameraRate",   "NumFrames",          
 // Where the parts of a file are (lines from 0), whose order all writers share; blank lines stand between them in some.
 struct TrcLines {
   std::size_t labels = 0, first_row = 0;
+  char separator = ' ';                       // of lines without tabs
+  std::string keys_and_values;                // of the header
   std::map<std::string, std::string> header;  // each key, in small letters, with the value below it
 };
 
-// Between tabs, or, of a line without one, between blanks.
-std::vector<std::string> CellsOf(const std::string& line) {
-  return SplitCells(line, line.find('\t') == line.npos ? ' ' : '\t');
+// Of the lines without tabs, by the row of names, in which names may have commas where there are tabs.
+char SeparatorBesideTabs(const std::string& names) {
+  const std::size_t found = names.find('\t') == names.npos ? names.find_first_of(";,") : names.npos;
+  return found == names.npos ? ' ' : names[found];
+}
+
+std::vector<std::string> CellsOf(const std::string& line, char separator) {
+  return SplitCells(line, line.find('\t') == line.npos ? separator : '\t');
 }
 
 std::vector<std::string> Filled(std::vector<std::string> cells) {
@@ -35,8 +42,7 @@ std::vector<std::string> Filled(std::vector<std::string> cells) {
 }
 
 // Some writers put two tabs after a value where one follows a key; some have blanks for tabs.
-std::map<std::string, std::string> HeaderValues(const std::string& key_line, const std::string& value_line) {
-  std::vector<std::string> keys = CellsOf(Lower(key_line)), values = CellsOf(value_line);
+std::map<std::string, std::string> HeaderValues(std::vector<std::string> keys, std::vector<std::string> values) {
   if (Filled(keys).size() == Filled(values).size()) {
     keys = Filled(keys);
     values = Filled(values);
@@ -49,31 +55,42 @@ std::map<std::string, std::string> HeaderValues(const std::string& key_line, con
 TrcLines FindLines(const TextLines& lines, const std::filesystem::path& path) {
   constexpr std::size_t kMostHeadLines = 50;
   TrcLines found;
-  const auto first_cell = [&](std::size_t line) { return Filled(CellsOf(Lower(lines[line]) + " ."))[0]; };
   const std::size_t end = std::min(lines.Count(), kMostHeadLines);
-  while (found.labels < end && !first_cell(found.labels).starts_with("frame")) ++found.labels;
+  while (found.labels < end && !Lower(Trim(lines[found.labels])).starts_with("frame")) ++found.labels;
   if (found.labels >= end)
     throw Fail(
         "{}: not a TRC file, the markers' text of Cortex, OpenSim and others: no row of names that begins with Frame#; "
         "export it anew, or write a table with the columns frame,time_s,NAME_x_mm,NAME_y_mm,…",
         path.string());
-  std::size_t keys = 0;  // above the values
+  found.separator = SeparatorBesideTabs(lines[found.labels]);
+  std::size_t keys = found.labels;  // above the values
   for (std::size_t line = 0; line < found.labels; ++line) {
     const std::string text = Lower(lines[line]);
     if (text.find("nummarkers") != text.npos || text.find("units") != text.npos) {
       keys = line;
-    } else if (keys > 0 && found.header.empty() && !text.empty()) {
-      found.header = HeaderValues(lines[keys], lines[line]);
+      found.keys_and_values = text;
+    } else if (keys < line && found.header.empty() && !text.empty()) {
+      found.header = HeaderValues(CellsOf(Lower(lines[keys]), found.separator), CellsOf(lines[line], found.separator));
+      found.keys_and_values += '\t' + text;
     }
   }
   found.first_row = found.labels + 1;
-  const auto is_row = [&](std::size_t line) { return CountIn(CellsOf(lines[line])[0]).has_value(); };
+  const auto is_row = [&](std::size_t line) { return CountIn(CellsOf(lines[line], found.separator)[0]).has_value(); };
   while (found.first_row < lines.Count() && !is_row(found.first_row)) ++found.first_row;
   return found;
 }
 
-// Names stand over the first of their three columns, or, with fewer tabs between them, in the columns' order.
-std::vector<PointColumns> FindColumns(const std::vector<std::string>& labels) {
+// Of KNEE_x, KNEE_y, KNEE_z it is KNEE, and so of KNEE three times; empty for names of three markers.
+std::string NameOfAxes(const std::string& x, const std::string& y, const std::string& z) {
+  if (x == y && y == z) return x;
+  const std::string stem = x.substr(0, x.size() - 1);
+  const bool are_axes = Lower(x).back() == 'x' && Lower(y) == Lower(stem) + "y" && Lower(z) == Lower(stem) + "z";
+  return are_axes ? stem.substr(0, stem.find_last_not_of(" _.:-") + 1) : "";
+}
+
+// Names stand over the first of their three columns, or, with fewer tabs between them, in the columns' order; or over
+// each of the three.
+std::vector<PointColumns> FindColumns(const std::vector<std::string>& labels, std::size_t width) {
   std::vector<PointColumns> columns;
   bool over_columns = true;
   for (std::size_t i = 2; i < labels.size(); ++i)
@@ -83,27 +100,32 @@ std::vector<PointColumns> FindColumns(const std::vector<std::string>& labels) {
       const std::size_t first = over_columns ? i : 2 + 3 * columns.size();
       columns.push_back({labels[i], {first, first + 1, first + 2}});
     }
-  return columns;
+  std::vector<PointColumns> of_axes;
+  for (std::size_t i = 0; i + 2 < columns.size() && columns.size() % 3 == 0; i += 3)
+    if (const std::string name = NameOfAxes(columns[i].name, columns[i + 1].name, columns[i + 2].name); !name.empty())
+      of_axes.push_back({name, {2 + i, 3 + i, 4 + i}});
+  return 3 * of_axes.size() == columns.size() && width < 3 * columns.size() ? of_axes : columns;
 }
 
+// The word of the header that is a unit, as keys and values do not stand above each other in the files of all writers.
 double UnitOf(const TrcLines& found, const TextLines& lines, std::vector<std::string>& warnings) {
+  std::string words = found.keys_and_values;
+  std::ranges::replace_if(
+      words, [](char c) { return c == '\t' || c == ',' || c == ';'; }, ' ');
+  for (const std::string& word : SplitCells(words, ' '))
+    if (const auto mm_per_unit = FindMmPerUnit(word)) return *mm_per_unit;
   const auto unit = found.header.find("units");
   const std::string where = lines.Where(found.labels > 0 ? found.labels - 1 : 0);
-  if (unit == found.header.end() || unit->second.empty()) {
-    warnings.push_back(fmt::format("{}: the header says no unit (Units); mm is assumed, as is the custom", where));
-    return 1;
-  }
-  const std::optional<double> mm_per_unit = FindMmPerUnit(unit->second);
-  if (!mm_per_unit)
+  if (unit != found.header.end() && !unit->second.empty())
     throw Fail("{}: the unit '{}' is not a unit of length: write mm, cm or m there", where, unit->second);
-  return *mm_per_unit;
+  warnings.push_back(fmt::format("{}: the header says no unit (Units); mm is assumed, as is the custom", where));
+  return 1;
 }
 
 // What the header counts otherwise than it is.
-void CheckCount(const TrcLines& found, const char* key, const char* what, std::size_t count,
+void CheckCount(const std::string& stated, const char* key, const char* what, std::size_t count,
                 const std::filesystem::path& path, std::vector<std::string>& warnings) {
-  const auto stated = found.header.find(Lower(key));
-  const auto value = stated == found.header.end() ? std::nullopt : CountIn(stated->second);
+  const std::optional<std::size_t> value = CountIn(stated);
   if (value != count)
     warnings.push_back(fmt::format("{}: the header {}, but there are {} {}: all are read", path.string(),
                                    value ? fmt::format("says {} {}", *value, what) : fmt::format("has no {}", key),
@@ -128,26 +150,29 @@ PointRecording ReadTrc(const std::filesystem::path& path, const ReadOptions& /*o
   const TextLines lines(path);
   const TrcLines found = FindLines(lines, path);
   std::vector<std::string> warnings;
-  const auto rate = found.header.find("datarate"), frames = found.header.find("numframes");
+  const auto value = [&](const char* key) {
+    const auto stated = found.header.find(key);
+    return stated == found.header.end() ? std::string() : stated->second;
+  };
+  const std::string first_row = found.first_row < lines.Count() ? lines[found.first_row] : "";
   bool is_unreadable = false;
-  PointTable table{
-      .space = PointSpace::kSpace,
-      .first_row = found.first_row,
-      .separator =
-          found.first_row < lines.Count() && lines[found.first_row].find('\t') == std::string::npos ? ' ' : '\t',
-      .time = 1,
-      .frame = 0,
-      .first_frame = 1,
-      .points = FindColumns(CellsOf(lines[found.labels])),
-      .mm_per_unit = UnitOf(found, lines, warnings),
-      .zero_is_missing = true,
-      .names_all = true};
-  if (rate != found.header.end()) table.rate_hz = NumberIn(rate->second, is_unreadable).value_or(0);
-  if (frames != found.header.end()) table.stated_rows = CountIn(frames->second);
+  PointTable table{.space = PointSpace::kSpace,
+                   .first_row = found.first_row,
+                   .separator = first_row.find('\t') != std::string::npos ? '\t' : found.separator,
+                   .time = 1,
+                   .frame = 0,
+                   .rate_hz = NumberIn(value("datarate"), is_unreadable).value_or(0),
+                   .first_frame = 1,
+                   .mm_per_unit = UnitOf(found, lines, warnings),
+                   .zero_is_missing = true,
+                   .names_all = true,
+                   .stated_rows = CountIn(value("numframes"))};
+  table.points =
+      FindColumns(CellsOf(lines[found.labels], found.separator), SplitCells(first_row, table.separator).size());
   if (table.points.empty()) throw Fail("{}: the row of labels names no marker", lines.Where(found.labels));
   PointRecording recording = ReadPointTable(lines, table, path);
-  CheckCount(found, "NumMarkers", "markers", table.points.size(), path, warnings);
-  CheckCount(found, "NumFrames", "frames", recording.time_s.size(), path, warnings);
+  CheckCount(value("nummarkers"), "NumMarkers", "markers", table.points.size(), path, warnings);
+  CheckCount(value("numframes"), "NumFrames", "frames", recording.time_s.size(), path, warnings);
   recording.warnings.insert(recording.warnings.begin(), warnings.begin(), warnings.end());
   CheckRate(path, table.rate_hz, recording);
   return recording;
