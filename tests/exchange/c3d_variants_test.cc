@@ -47,7 +47,7 @@ struct C3dMaker {
 
   void Add(const std::string& group, const std::string& name, int type, std::vector<double> numbers) {
     std::vector<int> dimensions;
-    if (numbers.size() > 1) dimensions = {static_cast<int>(numbers.size())};
+    if (numbers.size() > 1) dimensions.push_back(static_cast<int>(numbers.size()));
     entries.push_back({group, name, type, dimensions, std::move(numbers), {}});
   }
   void AddTexts(const std::string& group, const std::string& name, const std::vector<std::string>& texts, char pad) {
