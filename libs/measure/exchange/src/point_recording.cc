@@ -2,7 +2,6 @@
 
 #include <cctype>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <set>
 
@@ -103,7 +102,7 @@ std::optional<double> FindMmPerUnit(std::string_view unit) {
       {"inch", 25.4}, {"inche", 25.4},    {"ft", 304.8},     {"foot", 304.8}, {"feet", 304.8}};
   std::string name;
   for (const char c : unit)  // "(mm)"
-    if (!std::isspace(static_cast<unsigned char>(c)) && !std::strchr("()[]\"", c))
+    if (!std::isspace(static_cast<unsigned char>(c)) && std::string_view("()[]\"").find(c) == std::string_view::npos)
       name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (name.size() > 3 && name.back() == 's') name.pop_back();
   const auto found = kUnits.find(name);

@@ -24,6 +24,12 @@ struct TrcLines {
   char separator = ' ';                       // of lines without tabs
   std::string keys_and_values;                // of the header
   std::map<std::string, std::string> header;  // each key, in small letters, with the value below it
+
+  // Empty where the header has no such key.
+  std::string Value(const std::string& key) const {
+    const auto stated = header.find(Lower(key));
+    return stated == header.end() ? "" : stated->second;
+  }
 };
 
 // Of the lines without tabs, by the row of names, in which names may have commas where there are tabs.
@@ -107,25 +113,26 @@ std::vector<PointColumns> FindColumns(const std::vector<std::string>& labels, st
   return 3 * of_axes.size() == columns.size() && width < 3 * columns.size() ? of_axes : columns;
 }
 
-// The word of the header that is a unit, as keys and values do not stand above each other in the files of all writers.
+// What stands below its key, or else the word of the header that is a unit, as keys and values do not stand above each
+// other in the files of all writers.
 double UnitOf(const TrcLines& found, const TextLines& lines, std::vector<std::string>& warnings) {
+  const std::string unit = found.Value("Units");
+  if (const auto mm_per_unit = FindMmPerUnit(unit)) return *mm_per_unit;
   std::string words = found.keys_and_values;
   std::ranges::replace_if(
       words, [](char c) { return c == '\t' || c == ',' || c == ';'; }, ' ');
   for (const std::string& word : SplitCells(words, ' '))
     if (const auto mm_per_unit = FindMmPerUnit(word)) return *mm_per_unit;
-  const auto unit = found.header.find("units");
   const std::string where = lines.Where(found.labels > 0 ? found.labels - 1 : 0);
-  if (unit != found.header.end() && !unit->second.empty())
-    throw Fail("{}: the unit '{}' is not a unit of length: write mm, cm or m there", where, unit->second);
+  if (!unit.empty()) throw Fail("{}: the unit '{}' is not a unit of length: write mm, cm or m there", where, unit);
   warnings.push_back(fmt::format("{}: the header says no unit (Units); mm is assumed, as is the custom", where));
   return 1;
 }
 
 // What the header counts otherwise than it is.
-void CheckCount(const std::string& stated, const char* key, const char* what, std::size_t count,
+void CheckCount(const TrcLines& found, const char* key, const char* what, std::size_t count,
                 const std::filesystem::path& path, std::vector<std::string>& warnings) {
-  const std::optional<std::size_t> value = CountIn(stated);
+  const std::optional<std::size_t> value = CountIn(found.Value(key));
   if (value != count)
     warnings.push_back(fmt::format("{}: the header {}, but there are {} {}: all are read", path.string(),
                                    value ? fmt::format("says {} {}", *value, what) : fmt::format("has no {}", key),
@@ -150,10 +157,6 @@ PointRecording ReadTrc(const std::filesystem::path& path, const ReadOptions& /*o
   const TextLines lines(path);
   const TrcLines found = FindLines(lines, path);
   std::vector<std::string> warnings;
-  const auto value = [&](const char* key) {
-    const auto stated = found.header.find(key);
-    return stated == found.header.end() ? std::string() : stated->second;
-  };
   const std::string first_row = found.first_row < lines.Count() ? lines[found.first_row] : "";
   bool is_unreadable = false;
   PointTable table{.space = PointSpace::kSpace,
@@ -161,18 +164,18 @@ PointRecording ReadTrc(const std::filesystem::path& path, const ReadOptions& /*o
                    .separator = first_row.find('\t') != std::string::npos ? '\t' : found.separator,
                    .time = 1,
                    .frame = 0,
-                   .rate_hz = NumberIn(value("datarate"), is_unreadable).value_or(0),
+                   .rate_hz = NumberIn(found.Value("DataRate"), is_unreadable).value_or(0),
                    .first_frame = 1,
                    .mm_per_unit = UnitOf(found, lines, warnings),
                    .zero_is_missing = true,
                    .names_all = true,
-                   .stated_rows = CountIn(value("numframes"))};
+                   .stated_rows = CountIn(found.Value("NumFrames"))};
   table.points =
       FindColumns(CellsOf(lines[found.labels], found.separator), SplitCells(first_row, table.separator).size());
   if (table.points.empty()) throw Fail("{}: the row of labels names no marker", lines.Where(found.labels));
   PointRecording recording = ReadPointTable(lines, table, path);
-  CheckCount(value("nummarkers"), "NumMarkers", "markers", table.points.size(), path, warnings);
-  CheckCount(value("numframes"), "NumFrames", "frames", recording.time_s.size(), path, warnings);
+  CheckCount(found, "NumMarkers", "markers", table.points.size(), path, warnings);
+  CheckCount(found, "NumFrames", "frames", recording.time_s.size(), path, warnings);
   recording.warnings.insert(recording.warnings.begin(), warnings.begin(), warnings.end());
   CheckRate(path, table.rate_hz, recording);
   return recording;
