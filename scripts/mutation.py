@@ -7,9 +7,9 @@ A mutation exchanges two operators (+ -, * /, < >, && ||, min max, sin cos), neg
 by a tenth. All are compiled in at once, in a copy of the sources in build/mutation; the environment variable LAKE_MUTANT chooses
 one. What does not compile, such as an exchange in a constant expression, is left out. Each mutation that is drawn runs the test
 program of its room alone, its fast tests first, then the slow and the nightly ones, up to those of --tests; it is noticed if a test
-fails, crashes, or takes four times the processor time that it takes without it. The result is a table of the shares that each of these sets of tests
-notices, with 95 % intervals (Wilson), and build/mutation/mutants.csv, one row a mutation: room, file, line, before, after, noticed
-by (fast, default, nightly, or none)."""
+fails, crashes, or takes four times the processor time that it takes without it. The result is a table of the shares that each of
+these sets of tests notices, with 95 % intervals (Wilson), and build/mutation/mutants.csv, one row a mutation: room, file, line,
+before, after, noticed by (fast, default, nightly, or none)."""
 import argparse
 import concurrent.futures
 import csv
@@ -167,13 +167,12 @@ def tests_of(program, labels):
 
 
 def passes(program, filters, number, limit):
-    """Whether all tests pass, each run within `limit` seconds of processor time (and, if it only waits, ten times as long by the clock)."""
+    """Whether all tests pass, each run within `limit` seconds of processor time, and ten times that by the clock, if it only waits."""
     for which in filters:
         environment = {**os.environ, "LAKE_MUTANT": str(number), "GTEST_FILTER": which}
         try:
-            done = subprocess.run([str(WORK / "build/bin" / program), "--gtest_fail_fast", "--gtest_brief=1"], stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT, timeout=10 * limit, env=environment, cwd=WORK,
-                                  preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5)))
+            done = subprocess.run(["prlimit", f"--cpu={limit}", str(WORK / "build/bin" / program), "--gtest_fail_fast", "--gtest_brief=1"],
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=10 * limit, env=environment, cwd=WORK)
         except subprocess.TimeoutExpired:
             return False
         if done.returncode != 0:

@@ -27,7 +27,7 @@ import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHARED = pathlib.Path(os.environ.get("LAKE_SHARED_DATA", ROOT / "../shared/data")).resolve()
-NTSC = round(30000 / 1001, 4)  # frames per second of American television
+NTSC = 30000 / 1001  # frames per second of American television
 LEG = ("ankle", "knee", "hip", "waist")
 
 
@@ -256,7 +256,7 @@ def describe(world):
     if world.get("variable"):
         words.append("variable rate")
     if "to_rate" in world:
-        words.append(f"converted to {world['to_rate']} Hz")
+        words.append(f"converted to {world['to_rate']:.6g} Hz")
     if "dropped" in world:
         words.append(f"{100 * world['dropped']:.0f} % of the frames dropped")
     if "gap_s" in world:
