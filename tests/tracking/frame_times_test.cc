@@ -174,8 +174,13 @@ TEST(FrameTimes, OfAFilmShownAt2997AreThoseOfItsFrames) {
 // times are those of the film, up to one that all have in common.
 TEST(FrameTimes, OfConvertedFilmsAreThoseOfTheFilm) {
   constexpr double kNtscHz = 30000 / 1001.0, kLeastStepPx = 1;
-  for (const auto& [film_hz, shown_hz] :
-       {std::pair(25.0, kNtscHz), {25.0, 30.0}, {24.0, 25.0}, {30.0, 25.0}, {50.0, kNtscHz}, {2 * kNtscHz, 50.0}})
+  for (const auto& [film_hz, shown_hz] : {std::pair(25.0, kNtscHz),
+                                          {25.0, 30.0},
+                                          {15.0, 25.0},
+                                          {24.0, 25.0},
+                                          {30.0, 25.0},
+                                          {50.0, kNtscHz},
+                                          {2 * kNtscHz, 50.0}})
     for (const std::uint64_t seed : {921u, 922u, 923u}) {
       const synth::Scene scene = OneRise(seed, film_hz);
       std::vector<int> source;

@@ -98,13 +98,30 @@ struct Window {
   double sigma = 0;  // median
 };
 
-std::vector<Window> SpreadWindows(std::span<const std::vector<PathSample>> paths) {
+// How many samples a window has. By the mean rate, so that other times of the same samples give the same windows and
+// their likelihoods compare.
+std::size_t WindowSize(std::span<const std::vector<PathSample>> paths) {
   constexpr double kLength_s = 0.6;
+  constexpr std::size_t kFewest = 14;
+  double samples = 0, duration_s = 0;
+  for (const std::vector<PathSample>& path : paths) {
+    if (path.empty()) continue;
+    samples += static_cast<double>(path.size() - 1);
+    duration_s += path.back().time_s - path.front().time_s;
+  }
+  return std::max(kFewest,
+                  static_cast<std::size_t>(duration_s > 0 ? std::lround(kLength_s * samples / duration_s) : 0));
+}
+
+std::vector<Window> SpreadWindows(std::span<const std::vector<PathSample>> paths) {
+  constexpr double kLongestGap_s = 0.5;
   constexpr std::size_t kFewest = 10, kMost = 150;
+  const std::size_t size = WindowSize(paths);
   std::vector<Window> windows;
   for (const std::vector<PathSample>& path : paths)
     for (std::size_t begin = 0, end = 0; begin < path.size(); begin = end) {
-      while (end < path.size() && path[end].time_s < path[begin].time_s + kLength_s) ++end;
+      for (end = begin + 1; end < path.size() && end < begin + size; ++end)
+        if (path[end].time_s > path[end - 1].time_s + kLongestGap_s) break;
       if (end - begin < kFewest) continue;
       windows.push_back(
           {{path.begin() + static_cast<std::ptrdiff_t>(begin), path.begin() + static_cast<std::ptrdiff_t>(end)}, 0});

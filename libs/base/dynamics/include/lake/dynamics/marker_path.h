@@ -73,8 +73,8 @@ struct LearntMotion {
   double log_likelihood = 0;  // of the windows, each of a density that is as frequent as it is in all
 };
 
-// By the marginal likelihood of windows of 0.6 s, at most 150 of them spread over the paths, over densities half a
-// decade apart; the errors to 4 %. `unit_mm`: mm to a unit. All paths have increasing times.
+// By the marginal likelihood of windows of 0.6 s and 14 samples at least, at most 150 of them spread over the paths,
+// over densities half a decade apart; the errors to 4 %. `unit_mm`: mm to a unit. All paths have increasing times.
 LearntMotion LearnMotion(std::span<const std::vector<PathSample>> paths, double unit_mm);
 
 // The prior of a person's marker: 1 m/s, 10 m/s², 0.5 m.
