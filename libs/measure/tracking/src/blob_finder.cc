@@ -11,6 +11,8 @@ namespace lake::tracking {
 namespace {
 
 constexpr double kMaxRelativeResidual = 0.12;  // of anything that is taken for a marker
+constexpr double kMatters = 0.1;               // of the radius: by less a streak's length changes the picture little
+constexpr double kKnownShape = 0.1;            // relative standard deviation, of what makes a streak
 
 // A patch that a fit touches must not be much larger than the blob, or the next blob comes in.
 double Reach(const Blob& blob) {
@@ -69,12 +71,15 @@ void ShutterEstimator::Add(const cv::Mat& grey, const Blob& blob, const Eigen::V
   }
   for (std::size_t i = 0; i < cost.size(); ++i) cost_[i] += cost[i];
   if (++samples_ < kEnough) return;
-  // The vertex of the parabola through the best candidate and its neighbours.
+  // The vertex of the parabola through the best candidate and its neighbours, in the square of the fraction: a streak
+  // changes the picture by the square of its length.
   const auto best = static_cast<std::size_t>(std::min_element(cost_.begin(), cost_.end()) - cost_.begin());
   fraction_ = kCandidates[best];
   if (best == 0 || best + 1 == kCandidates.size()) return;
-  const double left = cost_[best - 1] - cost_[best], right = cost_[best + 1] - cost_[best];
-  fraction_ += 0.5 * (kCandidates[1] - kCandidates[0]) * (left - right) / (left + right);
+  const auto square = [&](std::size_t i) { return kCandidates[i] * kCandidates[i]; };
+  const auto slope = [&](std::size_t i) { return (cost_[i] - cost_[i - 1]) / (square(i) - square(i - 1)); };
+  const double turns = (slope(best + 1) - slope(best)) / (0.5 * (square(best + 1) - square(best - 1)));
+  fraction_ = std::sqrt(0.5 * (square(best - 1) + square(best)) - slope(best) / turns);
 }
 
 // How the noise grows with the level comes from the pictures; how strong it is, from the fits, if there are any:
@@ -95,11 +100,19 @@ void BlobFinder::ScaleNoise(double factor) {
   fit_options_.noise.gain *= factor;
 }
 
-Blob BlobFinder::Start(const MarkerPrediction& prediction) const {
+Blob BlobFinder::Start(const MarkerPrediction& prediction, const Eigen::Vector2d& place) const {
   Blob start = prediction.appearance;
-  start.center = prediction.position;
-  start.blur_px = shutter_.Fraction() * prediction.velocity_px;
+  start.center = place;
+  start.blur_px = shutter_.Fraction() * prediction.VelocityAt(place);
   return start;
+}
+
+// Standard deviation of the path of what is found there: by what is not known of the shutter, and of its speed.
+double BlobFinder::StreakDeviation(const MarkerPrediction& prediction, const Eigen::Vector2d& place) const {
+  const Eigen::Vector2d velocity_px = prediction.VelocityAt(place);
+  const double shutter_sd = shutter_.IsKnown() ? 0.03 : 0.3,
+               speed_sd = 0.5 * (velocity_px - prediction.velocity_px).norm() + 0.1 * velocity_px.norm();
+  return std::hypot(shutter_sd * velocity_px.norm(), shutter_.Fraction() * speed_sd);
 }
 
 // Whether a fit is the marker that was followed, whole: a part of it, or it and something else, would be measured in a
@@ -120,30 +133,41 @@ bool BlobFinder::LooksLike(const BlobFit& fit, const MarkerPrediction& predictio
   const double axis_change = (now.unit_circle_from_px - before.unit_circle_from_px).norm() * radius;
   if (axis_change > 1.5 * size_tolerance) return false;
   if (std::abs(now.RadiusPx() / radius - 1) > size_tolerance) return false;
-  if (brightness < 0.6 || brightness > 1.6) return false;
+  if (light < 0.6 || light > 1.6) return false;
   return fit.relative_residual < std::min(kMaxRelativeResidual, 2.5 * prediction.quality + 0.01);
 }
 
 void BlobFinder::FitTogether(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
                              const std::vector<std::size_t>& members, std::vector<std::optional<BlobFit>>& fits) const {
+  if (members.size() == 1) {
+    const MarkerPrediction& alone = predictions[members[0]];
+    fits[members[0]] = FitAt(grey, alone.position, alone);
+    return;
+  }
   BlobFitOptions options = fit_options_;
-  options.shape_freedom = members.size() > 1 ? 0.05 : 0.3;
+  options.shape_freedom = 0.05;
   std::vector<Blob> starts;
-  for (const std::size_t member : members) starts.push_back(Start(predictions[member]));
+  for (const std::size_t member : members) starts.push_back(Start(predictions[member], predictions[member].position));
   if (const auto joint = FitBlobs(grey, starts, options)) {
     for (std::size_t i = 0; i < members.size(); ++i)
       if (LooksLike((*joint)[i], predictions[members[i]])) fits[members[i]] = (*joint)[i];
   }
 }
 
-// While the shutter is unknown, a fast marker may be a streak or as sharp as at rest: what leaves less is believed.
-std::optional<BlobFit> BlobFinder::FitStreak(const cv::Mat& grey, const Eigen::Vector2d& place,
-                                             const MarkerPrediction& prediction, const BlobFitOptions& options) const {
-  Blob streak = Start(prediction);
-  streak.center = place;
-  std::vector<Blob> starts = {streak};
-  if (!shutter_.IsKnown() && streak.blur_px.norm() > streak.RadiusPx()) {
-    starts.push_back(streak);
+// A marker of known shape that moves evenly while the shutter is open: its path then is expected from where it is
+// found, and fitted. While the shutter is unknown it may be as sharp as at rest: what leaves less is believed.
+std::optional<BlobFit> BlobFinder::FitAt(const cv::Mat& grey, const Eigen::Vector2d& place,
+                                         const MarkerPrediction& prediction) const {
+  BlobFitOptions options = fit_options_;
+  options.shape_freedom = 0.3;
+  std::vector<Blob> starts = {Start(prediction, place)};
+  const double radius = starts[0].RadiusPx(), streak_sd_px = StreakDeviation(prediction, place);
+  if (streak_sd_px > kMatters * radius) {
+    options.streak_freedom_px = streak_sd_px;
+    options.shape_freedom = kKnownShape;
+  }
+  if (!shutter_.IsKnown() && starts[0].blur_px.norm() > radius) {
+    starts.push_back(starts[0]);
     starts.back().blur_px.setZero();
   }
   std::optional<BlobFit> best;
@@ -153,16 +177,6 @@ std::optional<BlobFit> BlobFinder::FitStreak(const cv::Mat& grey, const Eigen::V
     if (!best || fit->front().relative_residual < best->relative_residual) best = fit->front();
   }
   return best;
-}
-
-// A marker that turned is as long a streak as it moved, not as it was expected to move.
-std::optional<BlobFit> BlobFinder::FitTurned(const cv::Mat& grey, const Eigen::Vector2d& place,
-                                             MarkerPrediction prediction, const BlobFitOptions& options) const {
-  const Eigen::Vector2d beside = place - prediction.position;
-  const double least_px = 0.5 * prediction.appearance.RadiusPx();  // a shorter one changes the picture little
-  if (!shutter_.IsKnown() || shutter_.Fraction() * beside.norm() < least_px) return std::nullopt;
-  prediction.velocity_px += beside;
-  return FitStreak(grey, place, prediction, options);
 }
 
 // Where a prediction's blob and its surroundings may be.
@@ -182,12 +196,9 @@ std::optional<BlobFit> BlobFinder::SearchAndFit(const cv::Mat& grey, const Marke
   search.max_radius_px = 1.6 * radius;
   search.min_contrast = 0.3 * prediction.appearance.amplitude;
   search.max_count = 6;
-  BlobFitOptions options = fit_options_;
-  options.shape_freedom = 0.3;
   std::optional<BlobFit> nearest;
   for (const BlobCandidate& candidate : FindBlobs(grey, box, search)) {
-    std::optional<BlobFit> fit = FitStreak(grey, candidate.position, prediction, options);
-    if (!fit) fit = FitTurned(grey, candidate.position, prediction, options);
+    const std::optional<BlobFit> fit = FitAt(grey, candidate.position, prediction);
     if (!fit) continue;
     const auto distance = [&](const BlobFit& f) { return (f.blob.center - prediction.position).norm(); };
     if (!nearest || distance(*fit) < distance(*nearest)) nearest = fit;
@@ -206,10 +217,11 @@ void BlobFinder::LearnFromFits(const cv::Mat& grey, std::span<const MarkerPredic
     chi_square_ *= fits[i]->chi_square > chi_square_ ? 1.02 : 1 / 1.02;
     follow(contrast_, fits[i]->blob.amplitude);
     follow(level_, fits[i]->background + 0.5 * fits[i]->blob.amplitude);
-    if (shutter_.Wants(predictions[i].velocity_px)) {
+    const Eigen::Vector2d velocity_px = predictions[i].VelocityAt(fits[i]->blob.center);
+    if (shutter_.Wants(velocity_px)) {
       Blob blob = predictions[i].appearance;
       blob.center = fits[i]->blob.center;
-      shutter_.Add(grey, blob, predictions[i].velocity_px, fit_options_);
+      shutter_.Add(grey, blob, velocity_px, fit_options_);
     }
   }
   if (chi_squares.empty()) {
@@ -288,7 +300,7 @@ std::vector<MarkerDetection> BlobFinder::Detect(const cv::Mat& grey, std::span<c
                                                 bool everywhere) {
   LearnNoise(grey);
   std::vector<Blob> starts;
-  for (const MarkerPrediction& prediction : predictions) starts.push_back(Start(prediction));
+  for (const MarkerPrediction& prediction : predictions) starts.push_back(Start(prediction, prediction.position));
   std::vector<std::optional<BlobFit>> fits(predictions.size());
   for (const auto& members : TouchingGroups(starts)) {
     if (members.size() <= kMaxJointBlobs) FitTogether(grey, predictions, members, fits);

@@ -53,14 +53,13 @@ class BlobFinder {
                      const std::vector<std::optional<BlobFit>>& fits);
   void LearnNoiseFromFits(std::vector<double> chi_squares);
   void ScaleNoise(double factor);
-  Blob Start(const MarkerPrediction& prediction) const;
+  Blob Start(const MarkerPrediction& prediction, const Eigen::Vector2d& place) const;
+  double StreakDeviation(const MarkerPrediction& prediction, const Eigen::Vector2d& place) const;
   bool LooksLike(const BlobFit& fit, const MarkerPrediction& prediction) const;
   void FitTogether(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
                    const std::vector<std::size_t>& members, std::vector<std::optional<BlobFit>>& fits) const;
-  std::optional<BlobFit> FitStreak(const cv::Mat& grey, const Eigen::Vector2d& place,
-                                   const MarkerPrediction& prediction, const BlobFitOptions& options) const;
-  std::optional<BlobFit> FitTurned(const cv::Mat& grey, const Eigen::Vector2d& place, MarkerPrediction prediction,
-                                   const BlobFitOptions& options) const;
+  std::optional<BlobFit> FitAt(const cv::Mat& grey, const Eigen::Vector2d& place,
+                               const MarkerPrediction& prediction) const;
   std::optional<BlobFit> SearchAndFit(const cv::Mat& grey, const MarkerPrediction& prediction) const;
   cv::Rect BoxAround(const cv::Mat& grey, const MarkerPrediction& prediction) const;
   void FindNew(const cv::Mat& grey, const cv::Rect& box, std::span<const MarkerPrediction> predictions,

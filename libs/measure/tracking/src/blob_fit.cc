@@ -60,7 +60,8 @@ LAKE_WIDE_VECTORS void StartModel(const PixelBlock& block, float background, flo
   }
 }
 
-LAKE_WIDE_VECTORS void AddBlob(const Light& light, float amplitude, std::size_t row, Model& model) {
+LAKE_WIDE_VECTORS void AddBlob(const Light& light, float amplitude, bool is_streak_free, std::size_t row,
+                               Model& model) {
   for (std::size_t i = 0; i < kBlock; ++i) {
     model.level.at[i] += amplitude * light.value.at[i];
     model.seen.at[i] -= light.value.at[i];
@@ -69,6 +70,9 @@ LAKE_WIDE_VECTORS void AddBlob(const Light& light, float amplitude, std::size_t 
   for (std::size_t p = 0; p < kAmplitude; ++p)
     for (std::size_t i = 0; i < kBlock; ++i)
       model.rows[row + p].at[i] = (amplitude - model.slope.at[i]) * light.gradient[p].at[i];
+  for (std::size_t axis = 0; axis < 2 && is_streak_free; ++axis)
+    for (std::size_t i = 0; i < kBlock; ++i)
+      model.rows[row + kBlurX + axis].at[i] = (amplitude - model.slope.at[i]) * light.by_blur[axis].at[i];
 }
 
 LAKE_WIDE_VECTORS void AddBackground(const PixelBlock& block, std::size_t row, Model& model) {
@@ -162,7 +166,9 @@ class JointFit {
                    static_cast<float>(options.noise.read_variance), static_cast<float>(options.noise.gain)},
         starts_(starts.begin(), starts.end()),
         blobs_(starts_),
-        parameters_(static_cast<int>(starts.size()) * kBlobParameters + kBackgroundParameters) {
+        is_streak_free_(options.streak_freedom_px > 0),
+        each_(is_streak_free_ ? kBlobParameters : kBlurX),
+        parameters_(static_cast<int>(starts.size()) * each_ + kBackgroundParameters) {
     origin_.setZero();
     for (const Blob& blob : blobs_) origin_ += blob.center / static_cast<double>(blobs_.size());
     ChoosePixels();
@@ -212,7 +218,7 @@ class JointFit {
     const double residual = std::sqrt(square_sum_ / freedom);
     std::vector<BlobFit> fits;
     for (std::size_t i = 0; i < blobs_.size(); ++i) {
-      const int at = static_cast<int>(i) * kBlobParameters;
+      const int at = static_cast<int>(i) * each_;
       BlobFit fit;
       fit.blob = blobs_[i];
       fit.covariance = covariance.block<2, 2>(at, at) * chi_square;
@@ -237,12 +243,15 @@ class JointFit {
   bool HasEnoughPixels() const { return pixels_ > 2 * static_cast<std::size_t>(parameters_); }
   int Blobs() const { return static_cast<int>(blobs_.size()); }
 
+  // A longer streak than is given goes on at both ends.
+  double MarginPx() const { return options_.margin_px + 0.5 * options_.streak_freedom_px; }
+
   // Within reach of each blob's light plus the margin, each pixel once.
   void ChoosePixels() {
     const cv::Rect picture(0, 0, grey_.cols, grey_.rows);
     std::vector<std::uint8_t> marks, marks_of_others;
     for (std::size_t i = 0; i < blobs_.size(); ++i) {
-      const Eigen::Vector2d half = HalfExtent(blobs_[i], options_.margin_px);
+      const Eigen::Vector2d half = HalfExtent(blobs_[i], MarginPx());
       const Eigen::Vector2d low = blobs_[i].center - half, high = blobs_[i].center + half;
       const cv::Rect box =
           cv::Rect(cv::Point(static_cast<int>(std::floor(low.x())), static_cast<int>(std::floor(low.y()))),
@@ -266,7 +275,7 @@ class JointFit {
   }
 
   void Mark(const Blob& blob, int first_x, int y, std::vector<std::uint8_t>& marks) const {
-    MarkSurroundings(blob, kEdgeReach * blob.edge_px + options_.margin_px, first_x, y, marks.size(), marks.data());
+    MarkSurroundings(blob, kEdgeReach * blob.edge_px + MarginPx(), first_x, y, marks.size(), marks.data());
   }
 
   void AddPixel(const Eigen::Vector2d& place, uchar level) {
@@ -351,8 +360,8 @@ class JointFit {
     for (const Blob& blob : blobs_) {
       Light light;
       ComputeLight(blob, origin_, block.x, block.y, light);
-      AddBlob(light, static_cast<float>(blob.amplitude), row, model);
-      row += kBlobParameters;
+      AddBlob(light, static_cast<float>(blob.amplitude), is_streak_free_, row, model);
+      row += static_cast<std::size_t>(each_);
     }
     AddBackground(block, row, model);
   }
@@ -370,11 +379,13 @@ class JointFit {
       const double axis_sd = options_.shape_freedom / start.RadiusPx(),
                    edge_sd = options_.shape_freedom * start.edge_px;
       const Eigen::Matrix2d off = blob.unit_circle_from_px - start.unit_circle_from_px;
-      const int at = static_cast<int>(i) * kBlobParameters;
+      const int at = static_cast<int>(i) * each_;
       pull(at + kM11, off(0, 0), axis_sd);
       pull(at + kM12, off(0, 1), axis_sd);
       pull(at + kM22, off(1, 1), axis_sd);
       pull(at + kEdge, blob.edge_px - start.edge_px, edge_sd);
+      for (int axis = 0; axis < 2 && is_streak_free_; ++axis)
+        pull(at + kBlurX + axis, blob.blur_px[axis] - start.blur_px[axis], options_.streak_freedom_px);
     }
     const double slope_sd = options_.slope_freedom * starts_.front().amplitude;
     for (int axis = 1; axis <= 2; ++axis) pull(parameters_ - kBackgroundParameters + axis, background_[axis], slope_sd);
@@ -389,7 +400,7 @@ class JointFit {
 
   void Apply(const AnyVector& step) {
     for (std::size_t i = 0; i < blobs_.size(); ++i) {
-      const auto s = step.segment<kBlobParameters>(static_cast<Eigen::Index>(i) * kBlobParameters);
+      const auto s = step.segment(static_cast<Eigen::Index>(i) * each_, each_);
       Blob& blob = blobs_[i];
       blob.center += s.segment<2>(kX);
       blob.unit_circle_from_px(0, 0) += s[kM11];
@@ -398,6 +409,7 @@ class JointFit {
       blob.unit_circle_from_px(1, 1) += s[kM22];
       blob.edge_px = std::max(blob.edge_px + s[kEdge], kMinEdgePx);
       blob.amplitude += s[kAmplitude];
+      if (is_streak_free_) blob.blur_px += s.segment<2>(kBlurX);
     }
     background_ += step.tail<3>();
   }
@@ -410,7 +422,7 @@ class JointFit {
 
   double CenterStep(const AnyVector& step) const {
     double largest = 0;
-    for (Eigen::Index at = 0; at + kBackgroundParameters < step.size(); at += kBlobParameters)
+    for (Eigen::Index at = 0; at + kBackgroundParameters < step.size(); at += each_)
       largest = std::max(largest, step.segment<2>(at).norm());
     return largest;
   }
@@ -419,6 +431,8 @@ class JointFit {
   const BlobFitOptions& options_;
   const Weighting weighting_;
   std::vector<Blob> starts_, blobs_;
+  const bool is_streak_free_;
+  const int each_;  // parameters of a blob
   const int parameters_;
   Eigen::Vector2d origin_;
   Eigen::Vector3d background_ = Eigen::Vector3d::Zero();

@@ -44,10 +44,18 @@ LAKE_WIDE_VECTORS void ComputeStillLight(const StillBlob& blob, const Pixels& x,
   }
 }
 
+// A path that is longer moves what is at this part of it, from −1/2 to 1/2.
+LAKE_WIDE_VECTORS void ComputeByBlur(float part, Light& __restrict light) {
+  for (std::size_t axis = 0; axis < light.by_blur.size(); ++axis)
+    for (std::size_t i = 0; i < kBlock; ++i) light.by_blur[axis].at[i] = part * light.gradient[kX + axis].at[i];
+}
+
 LAKE_WIDE_VECTORS void Add(const Light& more, Light& __restrict light) {
   for (std::size_t i = 0; i < kBlock; ++i) light.value.at[i] += more.value.at[i];
   for (std::size_t p = 0; p < kAmplitude; ++p)
     for (std::size_t i = 0; i < kBlock; ++i) light.gradient[p].at[i] += more.gradient[p].at[i];
+  for (std::size_t axis = 0; axis < light.by_blur.size(); ++axis)
+    for (std::size_t i = 0; i < kBlock; ++i) light.by_blur[axis].at[i] += more.by_blur[axis].at[i];
 }
 
 // Exposure: the midpoint rule; nodes 1.5 edge widths apart leave ripples of 2e-4 of the light.
@@ -80,9 +88,11 @@ void ComputeLight(const Blob& blob, const Eigen::Vector2d& origin, const Pixels&
   const Eigen::Matrix2f m = blob.unit_circle_from_px.cast<float>();
   const int nodes = ExposureNodes(blob);
   const auto at_node = [&](int i, Light& part) {
-    const Eigen::Vector2f center = (blob.center - origin + ((i + 0.5) / nodes - 0.5) * blob.blur_px).cast<float>();
+    const double along = (i + 0.5) / nodes - 0.5;
+    const Eigen::Vector2f center = (blob.center - origin + along * blob.blur_px).cast<float>();
     ComputeStillLight({center.x(), center.y(), m(0, 0), m(0, 1), m(1, 1), static_cast<float>(blob.edge_px)}, x, y,
                       1.F / static_cast<float>(nodes), part);
+    ComputeByBlur(static_cast<float>(along), part);
   };
   at_node(0, light);
   for (int i = 1; i < nodes; ++i) {

@@ -12,18 +12,19 @@
 
 namespace lake::tracking {
 
-// Order of a blob's parameters in its fit.
-enum BlobParameter { kX, kY, kM11, kM12, kM22, kEdge, kAmplitude, kBlobParameters };
+// Order of a blob's parameters in its fit; the streak's are the last, as it may be given.
+enum BlobParameter { kX, kY, kM11, kM12, kM22, kEdge, kAmplitude, kBlurX, kBlurY, kBlobParameters };
 
 inline constexpr std::size_t kBlock = 32;
 struct alignas(32) Pixels {  // one value per pixel of a block; not set at first
   std::array<float, kBlock> at;
 };
 
-// A blob's light at unit amplitude, and its derivatives by x, y, m11, m12, m22, edge.
+// A blob's light at unit amplitude, and its derivatives by x, y, m11, m12, m22, edge; by the streak's path.
 struct Light {
   Pixels value;
   std::array<Pixels, kAmplitude> gradient;
+  std::array<Pixels, 2> by_blur;
 };
 
 // At pixels given relative to `origin`, px.
@@ -40,7 +41,7 @@ struct alignas(32) LaneSum {
 void AddSum(const Pixels& pixels, LaneSum& sum);
 
 // Normal equations of residuals with their derivatives, one row for each parameter.
-inline constexpr std::size_t kMostRows = 31;
+inline constexpr std::size_t kMostRows = 39;
 class NormalSums {
  public:
   explicit NormalSums(std::size_t rows) { std::fill_n(sums_.begin(), rows * (rows + 3) / 2, LaneSum{}); }

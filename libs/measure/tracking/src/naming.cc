@@ -609,6 +609,8 @@ class Namer {
     const std::size_t names = anchor_.size();
     Fits fits(tracklets_.size() * names);
     std::vector<Span> spans;
+    for (std::size_t t = 0; t < tracklets_.size(); ++t)
+      for (std::size_t n = 0; n < names && !owner_[t]; ++n) NoteAbsences(n, t);
     for (std::size_t t = 0; t < tracklets_.size(); ++t) {
       spans.push_back(SpanOf(t));
       for (std::size_t n = 0; n < names && !owner_[t]; ++n) fits[t * names + n] = Misfit(t, n);

@@ -186,6 +186,9 @@ MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, doubl
   MarkerPrediction prediction;
   prediction.position = motion.position;
   prediction.velocity_px = motion.velocity * frame_s;
+  // A changed speed displaces what goes on by 2/3 of the change a frame.
+  constexpr double kChanged = 1.5;
+  if (measured.count > 1) prediction.velocity_by_place = kChanged * frame_s / std::max(ahead, 1e-9);
   prediction.gate_px = std::max(2.0, radius) + 0.5 * most_acceleration_px_s2 * ahead * ahead;
   // A marker of unknown velocity may have any; that of two places is hardly known.
   if (measured.count == 1) prediction.gate_px += options_.physics.SpeedRadii() * radius * ahead;

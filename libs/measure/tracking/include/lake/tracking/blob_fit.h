@@ -34,7 +34,7 @@ struct Blob {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();                   // px, image frame
   Eigen::Matrix2d unit_circle_from_px = Eigen::Matrix2d::Identity();  // M, symmetric; 1/radius for a disc
   double edge_px = 0.8;                               // standard deviation of the edge: point-spread and pixel area
-  Eigen::Vector2d blur_px = Eigen::Vector2d::Zero();  // path during the exposure; given, not fitted
+  Eigen::Vector2d blur_px = Eigen::Vector2d::Zero();  // path during the exposure
   double amplitude = 0;                               // grey levels above the background
 
   double RadiusPx() const;  // of the disc of equal area
@@ -60,6 +60,7 @@ struct BlobFit {
 struct BlobFitOptions {
   NoiseModel noise;
   double shape_freedom = 1;  // relative standard deviation of the given axes and edge as prior knowledge
+  double streak_freedom_px = 0;  // standard deviation of the given paths during the exposure; 0: they are as given
   double slope_freedom =
       0.003;             // the background's slope per px over the amplitude: its standard deviation as prior knowledge
   double margin_px = 2;  // background beyond 2.5 edge widths that takes part in the fit

@@ -27,12 +27,18 @@ struct MarkerDetection {
 struct MarkerPrediction {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   Eigen::Vector2d velocity_px = Eigen::Vector2d::Zero();  // px per frame
-  double gate_px = 0;                                     // look no further than this
+  double velocity_by_place = 0;              // by how much it is faster, px per frame, for each px that it is further
+  double gate_px = 0;                        // look no further than this
   std::optional<Eigen::Vector2d> rested_at;  // px: where it is if what looked like repeated frames was a rest
   Blob appearance;                           // running mean of its looks
   double quality = 1;                        // running mean of its detections' quality
   std::optional<int> identity;
   bool was_missed = false;  // in the frame before: what looks otherwise may be it
+
+  // px per frame, of what is found there.
+  Eigen::Vector2d VelocityAt(const Eigen::Vector2d& place) const {
+    return velocity_px + velocity_by_place * (place - position);
+  }
 };
 
 // What a detector has learnt of the pictures.
