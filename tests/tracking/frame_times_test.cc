@@ -355,6 +355,32 @@ TEST(FrameTimes, AFrozenPictureIsNeitherARestNorACut) {
   EXPECT_EQ(wrong, 0);
 }
 
+// Strong coding changes each copy of a picture that stands for a tenth of a second, so that none is the one before.
+TEST(FrameTimes, AShortFreezeIsFoundWhereCodingChangesTheCopies) {
+  constexpr double kSlowHz = 30;
+  for (const int copies : {1, 2, 3})
+    for (const std::uint64_t seed : {775u, 776u, 777u}) {
+      const synth::Scene scene = OneRise(seed, kSlowHz);
+      int fastest = 8;
+      for (int i = 8; i + 12 < scene.Frames(); ++i)
+        if (StepPx(scene, i) > StepPx(scene, fastest)) fastest = i;
+      std::vector<int> source(static_cast<std::size_t>(scene.Frames()));
+      std::iota(source.begin(), source.end(), 0);
+      std::fill_n(source.begin() + fastest, copies + 1, fastest);
+      ShownFrames shown = Show(scene, seed, source, kSlowHz, 0.1);
+      std::mt19937_64 random(seed);
+      std::normal_distribution<double> coding(0, 0.05);
+      for (motion::MarkerTrack& marker : shown.recording.markers)
+        for (int i = fastest + 1; i <= fastest + copies; ++i)
+          marker.samples[static_cast<std::size_t>(i)].position += Eigen::Vector2d(coding(random), coding(random));
+      const FrameTimes times = CorrectFrameTimes({}, shown.recording);
+      std::vector<std::int64_t> repeated(static_cast<std::size_t>(copies));
+      std::iota(repeated.begin(), repeated.end(), fastest + 1);
+      EXPECT_EQ(times.repeated, repeated) << copies << " copies, seed " << seed;
+      EXPECT_TRUE(std::ranges::none_of(times.jumps, &TimeJump::is_applied)) << copies << " copies, seed " << seed;
+    }
+}
+
 // Who comes to rest as quickly as a person can, rests to the last digit, and starts as quickly, is no frozen picture:
 // the markers are where they were.
 TEST(FrameTimes, AStillRestIsMeasured) {

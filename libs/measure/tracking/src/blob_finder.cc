@@ -11,6 +11,7 @@ namespace lake::tracking {
 namespace {
 
 constexpr double kMaxRelativeResidual = 0.12;  // of anything that is taken for a marker
+constexpr double kUnsure = 0.5;                // of the radius: a place that is known less well is no measurement
 constexpr double kMatters = 0.1;               // of the radius: by less a streak's length changes the picture little
 constexpr double kKnownShape = 0.1;            // relative standard deviation, of what makes a streak
 
@@ -122,6 +123,7 @@ bool BlobFinder::LooksLike(const BlobFit& fit, const MarkerPrediction& predictio
   const Blob& before = prediction.appearance;
   if ((now.center - prediction.position).norm() > prediction.gate_px) return false;
   const double radius = before.RadiusPx();
+  if (fit.SigmaPx() > kUnsure * radius) return false;
   // What an error of the assumed streak does to the apparent size.
   const double streak_error = (shutter_.IsKnown() ? 0.1 : 0.4) * prediction.velocity_px.norm();
   // Coding spreads a small streak's light, more in one frame than in the next, and loses none; what hides a part of a

@@ -107,8 +107,8 @@ class FrameClock {
     bool found = false;
     for (std::size_t k = 1, free = 1; k < frames.size(); free = ++k) {
       const bool is_same = looks_the_same(k);
-      if (!is_same && !MayBeCopy(frames, k, kOfNeighbours)) continue;
-      const auto [first, end] = is_same ? Standing(frames, k, free) : Run{k, k + 1};
+      const auto [first, end] = is_same ? Standing(frames, k, free) : Copies(frames, k);
+      if (first == end) continue;
       k = end - 1;
       if (StepBehind(frames, first - 1, end) < kLeastStepPx) continue;
       if (!paths) paths.emplace(recording_, frames);
@@ -140,6 +140,21 @@ class FrameClock {
   struct Run {
     std::size_t first, end;
   };
+
+  // The frames from k on, a tenth of a second of them at most, that may be copies of the one before them, between quick
+  // movements; none if they move on.
+  Run Copies(const std::vector<std::size_t>& frames, std::size_t k) const {
+    constexpr double kLongest_s = 0.15;
+    const auto step_px = [&](std::size_t from, std::size_t to) { return StepPx(recording_, frames[from], frames[to]); };
+    const double into_px = k >= 2 ? kOfNeighbours * step_px(k - 2, k - 1).value_or(0) : 0;
+    for (std::size_t end = k + 1; end < frames.size(); ++end) {
+      if (!(step_px(k - 1, end - 1).value_or(INFINITY) < into_px)) break;
+      if (recording_.time_s[frames[end - 1]] - recording_.time_s[frames[k - 1]] > kLongest_s) break;
+      if (step_px(k - 1, end - 1).value_or(INFINITY) < kOfNeighbours * step_px(end - 1, end).value_or(0))
+        return {k, end};
+    }
+    return {k, k};
+  }
 
   // The frames beside one that shows the picture before once more, from `free` on, that may do so as well: an encoder
   // goes on refining a picture that stands, which moves its markers a little. The first that shows it is not among

@@ -250,6 +250,7 @@ Followed Follow(const std::filesystem::path& video, const TrackOptions& options)
   motion::MarkerRecording& recording = followed.result.recording;
   TrackletOptions tracklet_options;
   tracklet_options.physics = options.physics;
+  tracklet_options.look_back_s = 1;
   for (const MarkerSeed& seed : options.seeds)
     if (!seed.candidate) tracklet_options.seeds.push_back({seed.frame, seed.position});
   TrackletBuilder builder(*detector, tracklet_options);

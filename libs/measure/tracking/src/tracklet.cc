@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 
 #include "lake/core/statistics.h"
 #include "lake/tracking/assignment.h"
@@ -229,17 +230,17 @@ bool TrackletBuilder::IsSeed(std::int64_t frame, const MarkerDetection& detectio
   });
 }
 
-void TrackletBuilder::Extend(Live& live, std::int64_t frame, const MarkerDetection& detection) const {
-  live.tracklet.samples.push_back({.frame = frame,
-                                   .time_s = time_s_,
+void TrackletBuilder::Extend(Live& live, const TrackletSample& when, const MarkerDetection& detection) {
+  live.tracklet.samples.push_back({.frame = when.frame,
+                                   .time_s = when.time_s,
                                    .position = detection.position,
                                    .sigma_px = detection.sigma_px,
                                    .radius_px = detection.appearance.ApparentRadiusPx(),
                                    .amplitude = detection.appearance.amplitude,
                                    .background = detection.background,
                                    .quality = detection.quality,
-                                   .repeated = is_repeated_});
-  live.seen_s = time_s_;
+                                   .repeated = when.repeated});
+  live.seen_s = when.time_s;
   if (!live.tracklet.identity) live.tracklet.identity = detection.identity;
   // The running mean over the last ten or so looks; all of them while there are fewer.
   const double weight = std::max(0.1, 1.0 / static_cast<double>(live.tracklet.samples.size()));
@@ -252,6 +253,7 @@ void TrackletBuilder::Extend(Live& live, std::int64_t frame, const MarkerDetecti
 
 void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPrediction> predictions,
                                 std::vector<MarkerDetection> detections) {
+  const TrackletSample now{.frame = frame, .time_s = time_s_, .repeated = is_repeated_};
   Eigen::MatrixXd cost(live_.size(), detections.size());
   for (std::size_t i = 0; i < live_.size(); ++i)
     for (std::size_t j = 0; j < detections.size(); ++j)
@@ -274,7 +276,7 @@ void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPredic
   for (std::size_t i = 0; i < assigned.size(); ++i) {
     if (assigned[i] < 0 || is_anybodys(i, assigned[i])) continue;
     taken[static_cast<std::size_t>(assigned[i])] = true;
-    Extend(live_[i], frame, detections[static_cast<std::size_t>(assigned[i])]);
+    Extend(live_[i], now, detections[static_cast<std::size_t>(assigned[i])]);
   }
   if (is_repeated_) return;  // nothing new can be seen in it
   for (std::size_t j = 0; j < detections.size(); ++j) {
@@ -282,7 +284,7 @@ void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPredic
     const bool is_seed = IsSeed(frame, detections[j]);
     if (!is_seed && live_.size() >= options_.max_live && !MakePlaceFor(detections[j])) continue;
     live_.push_back({{}, detections[j].appearance, detections[j].quality, time_s_, is_seed, ++things_});
-    Extend(live_.back(), frame, detections[j]);
+    Extend(live_.back(), now, detections[j]);
   }
 }
 
@@ -480,6 +482,58 @@ void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPredic
   });
 }
 
+void TrackletBuilder::Remember(const video::VideoFrame& frame) {
+  constexpr std::size_t kBytes = 96 << 20;
+  if (options_.look_back_s == 0) return;
+  remembered_.emplace_back(frame, time_s_);
+  const std::size_t bytes = 3 * frame.luma.total() / 2 + frame.preview.total();  // the decoder keeps the chroma too
+  while (time_s_ - remembered_.front().second > options_.look_back_s || remembered_.size() * bytes > kBytes)
+    remembered_.pop_front();
+}
+
+bool TrackletBuilder::IsNearAnother(const Live& live, std::int64_t frame, const Eigen::Vector2d& place) const {
+  const double near_px = 2 * live.appearance.RadiusPx();
+  const auto is_near = [&](const Tracklet& other) {
+    const TrackletSample* sample = other.SampleIn(frame);
+    return sample && (sample->position - place).norm() < near_px;
+  };
+  return std::ranges::any_of(finished_, is_near) ||
+         std::ranges::any_of(live_, [&](const Live& other) { return is_near(other.tracklet); });
+}
+
+// What is found late, as it was a streak or hidden at first, is followed once against the course of time, until it is
+// lost or comes near another.
+void TrackletBuilder::FollowBack(Live& live) {
+  if (live.was_followed_back || static_cast<int>(live.tracklet.samples.size()) < options_.min_samples) return;
+  live.was_followed_back = true;
+  const auto reversed = [](TrackletSample sample) {
+    sample.frame = -sample.frame;
+    sample.time_s = -sample.time_s;
+    return sample;
+  };
+  std::vector<TrackletSample>& samples = live.tracklet.samples;
+  Live back = live;
+  std::ranges::transform(samples.rbegin(), samples.rend(), back.tracklet.samples.begin(), reversed);
+  back.seen_s = back.tracklet.samples.back().time_s;
+  for (const auto& [frame, time_s] : std::views::reverse(remembered_)) {
+    if (frame.index >= live.tracklet.FirstFrame() || std::ranges::binary_search(repeated_, frame.index)) continue;
+    if (-time_s - back.seen_s > CoastS()) break;
+    MarkerPrediction prediction = Predict(back, -time_s, frame_s_);
+    prediction.was_missed = false;
+    const std::vector<MarkerDetection> found = detector_.Detect(frame, std::span(&prediction, 1), false);
+    const auto cost = [&](const MarkerDetection& detection) { return PairCost(prediction, detection); };
+    const auto likest = std::ranges::min_element(found, {}, cost);
+    if (likest == found.end() || cost(*likest) >= 1) continue;
+    if (IsNearAnother(live, frame.index, likest->position)) break;
+    Extend(back, {.frame = -frame.index, .time_s = -time_s}, *likest);
+  }
+  std::vector<TrackletSample> earlier(back.tracklet.samples.begin() + static_cast<std::ptrdiff_t>(samples.size()) - 1,
+                                      back.tracklet.samples.end());
+  CutUnsureEnd(earlier, static_cast<std::size_t>(options_.min_samples));
+  std::ranges::transform(earlier, earlier.begin(), reversed);
+  samples.insert(samples.begin(), earlier.rbegin(), earlier.rend() - 1);
+}
+
 std::vector<MarkerPrediction> TrackletBuilder::PredictAll(double time_s) const {
   std::vector<MarkerPrediction> predictions;
   for (const Live& live : live_) predictions.push_back(Predict(live, time_s, frame_s_));
@@ -528,6 +582,8 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
   if (stands_since_ && *stands_since_ < frame.index) JudgeStanding(frame.index);
   NoteBreak(frame.index, predictions);
   RetireLost();
+  for (Live& live : live_) FollowBack(live);
+  Remember(frame);
   previous_ = frame;
   ++frames_seen_;
 }

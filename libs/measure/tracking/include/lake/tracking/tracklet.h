@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lake/tracking/marker_detector.h"
@@ -51,12 +53,13 @@ struct TrackletOptions {
   int urgent_interval = 2;      // … and after something well established was lost, …
   double urgent_s = 0.6;        // … for this long
   int established = 30;         // samples
+  double look_back_s = 0;       // what is found late is followed back in time, as far as this; 0: it is not
 };
 
 struct ExpectedStep;
 
 // Follows everything that the detector sees. Feed frames in order; memory grows with what is found, not with the
-// pictures.
+// pictures, of which the last 96 MB are kept at most.
 class TrackletBuilder {
  public:
   TrackletBuilder(MarkerDetector& detector, const TrackletOptions& options) : detector_(detector), options_(options) {}
@@ -92,6 +95,7 @@ class TrackletBuilder {
     double seen_s = 0;    // time of the last detection
     bool seeded = false;  // began at a seed
     std::int64_t number = 0;
+    bool was_followed_back = false;
 
     bool IsFastStart() const { return seeded && tracklet.samples.size() < 3; }
   };
@@ -116,7 +120,10 @@ class TrackletBuilder {
   void RetireLost();
   void Keep(Tracklet tracklet);
   std::optional<Tracklet> Judged(Tracklet tracklet) const;
-  void Extend(Live& live, std::int64_t frame, const MarkerDetection& detection) const;
+  static void Extend(Live& live, const TrackletSample& when, const MarkerDetection& detection);
+  void Remember(const video::VideoFrame& frame);
+  bool IsNearAnother(const Live& live, std::int64_t frame, const Eigen::Vector2d& place) const;
+  void FollowBack(Live& live);
 
   MarkerDetector& detector_;
   TrackletOptions options_;
@@ -128,7 +135,9 @@ class TrackletBuilder {
   // The frame at work: its time, as in TrackletSample.
   double time_s_ = 0;
   bool is_repeated_ = false;
-  double stood_still_s_ = 0;    // in all
+  double stood_still_s_ = 0;  // in all
+  // Frames before it that things are followed back into, with their times.
+  std::deque<std::pair<video::VideoFrame, double>> remembered_;
   video::VideoFrame previous_;  // its luma is compared with the next one's
   double repeated_since_s_ = 0;
   std::optional<std::int64_t> stands_since_;  // frame: all came to rest at once in it, or the picture froze
