@@ -52,6 +52,46 @@ std::vector<tracking::Tracklet> Follow(const Scripted::Script& script, int frame
   return builder.Finish();
 }
 
+// A streak is seen only where it is expected; from a frame on, everywhere.
+class LateToBeFound : public tracking::MarkerDetector {
+ public:
+  using Path = std::function<Eigen::Vector2d(int frame)>;
+  LateToBeFound(Path path, int found_from, std::vector<Path> others = {})
+      : path_(std::move(path)), others_(std::move(others)), found_from_(found_from) {}
+
+  std::vector<tracking::MarkerDetection> Detect(const video::VideoFrame& frame,
+                                                std::span<const tracking::MarkerPrediction> expected, bool) override {
+    const int at = static_cast<int>(frame.index);
+    std::vector<tracking::MarkerDetection> found;
+    for (const Path& other : others_) found.push_back(Disc(other(at), 3));
+    if (at >= found_from_ || std::ranges::any_of(expected, [&](const auto& prediction) {
+          const bool moves = prediction.velocity_px.norm() > 1;
+          return moves && (prediction.position - path_(at)).norm() < prediction.gate_px;
+        }))
+      found.push_back(Disc(path_(at), 3));
+    return found;
+  }
+
+ private:
+  Path path_;
+  std::vector<Path> others_;
+  int found_from_;
+};
+
+std::vector<tracking::Tracklet> FollowBack(LateToBeFound detector, int frames, double look_back_s) {
+  constexpr double kRateHz = 30;
+  tracking::TrackletOptions options;
+  options.look_back_s = look_back_s;
+  tracking::TrackletBuilder builder(detector, options);
+  for (int i = 0; i < frames; ++i) {
+    video::VideoFrame frame;
+    frame.index = i;
+    frame.time_s = i / kRateHz;
+    builder.Add(frame);
+  }
+  return builder.Finish();
+}
+
 constexpr double kRadius_px = 3;
 
 // One disc that moves, whose measured size scatters, and of which something hides a part from frame 60 to 63.
@@ -269,6 +309,33 @@ TEST(Tracklet, WhatIsFoundAfterAGapMustBeFollowed) {
 }
 
 // A hand passes before a resting marker and goes on as it comes out: of the hand's size, it is no sample of the marker.
+TEST(Tracklet, WhatIsFoundLateIsFollowedBack) {
+  const auto slows_down = [](int frame) { return Eigen::Vector2d(400 - 0.3 * std::pow(30 - frame, 2), 200); };
+  constexpr int kFoundFrom = 24, kFrames = 60;
+  for (const auto& [look_back_s, first] : {std::pair(0.0, kFoundFrom), {0.5, kFoundFrom + 2 - 15}, {2.0, 0}}) {
+    const auto tracklets = FollowBack({slows_down, kFoundFrom}, kFrames, look_back_s);
+    ASSERT_EQ(tracklets.size(), 1u) << look_back_s;
+    EXPECT_EQ(tracklets[0].FirstFrame(), first) << look_back_s;
+    ASSERT_EQ(tracklets[0].samples.size(), static_cast<std::size_t>(kFrames - first)) << look_back_s;
+    for (std::size_t i = 0; i < tracklets[0].samples.size(); ++i) {
+      const int frame = first + static_cast<int>(i);
+      EXPECT_EQ(tracklets[0].samples[i].frame, frame);
+      EXPECT_EQ(tracklets[0].samples[i].position, slows_down(frame));
+      EXPECT_NEAR(tracklets[0].samples[i].time_s, frame / 30.0, 1e-12);
+    }
+  }
+}
+
+// Where its way back leads to what was followed already, that is another, or itself before it was lost.
+TEST(Tracklet, NothingIsFollowedBackIntoAnother) {
+  const auto goes = [](int frame) { return Eigen::Vector2d(100 + 5.0 * frame, 200); };
+  const auto rests = [](int) { return Eigen::Vector2d(170, 200); };
+  const auto tracklets = FollowBack({goes, 24, {rests}}, 60, 2);
+  ASSERT_EQ(tracklets.size(), 2u);
+  EXPECT_EQ(tracklets[0].samples.size(), 60u);
+  EXPECT_EQ(tracklets[1].FirstFrame(), 16);  // 10 px from it, in the frame before 5
+}
+
 TEST(Tracklet, AHandDoesNotGoOnAsTheMarkerThatItUncovers) {
   constexpr int kCovers = 40, kUncovers = 50;
   const Eigen::Vector2d marker(300, 200);
