@@ -552,9 +552,8 @@ class Namer {
   std::optional<double> DistanceMisfit(const NamedPiece& one, const NamedPiece& other) const {
     const Link* link = LinkBetween(one.name, other.name);
     if (!link) return 0;
-    constexpr int kFewest = 5;
     const PairDistance& pair = tracklets_.Distance(one.piece, other.piece);
-    if (pair.frames < kFewest) return 0;
+    if (pair.frames == 0) return 0;
     const double off = std::hypot(pair.mean - link->length, pair.mean * pair.deviation) / link->tolerance;
     if (off > 1 || link->IsTurnedOver(one.name, tracklets_.MeanWay(one.piece, other.piece))) return std::nullopt;
     const double sigma = link->tolerance / kToleranceDeviations, range = 2 * link->length;
