@@ -141,6 +141,8 @@ void CutUnsureEnd(std::vector<TrackletSample>& samples, std::size_t fewest) {
   }
 }
 
+constexpr double kMovedPx = 0.5;  // what has moved so far has left the place where a picture that stands shows it
+
 // Whether a thing is where it was at first and half-way.
 bool Rests(const std::vector<TrackletSample>& samples) {
   constexpr double kStillRadii = 0.25;
@@ -379,6 +381,22 @@ bool TrackletBuilder::StoodStill(const video::VideoFrame& frame, std::span<const
   return without < kAlike && without < Mismatch(previous_.luma, frame.luma, ExpectedSteps(predictions));
 }
 
+// What moved before a frozen picture may be anywhere behind it, and another marker may be where it was: naming joins
+// them.
+void TrackletBuilder::EndWhatLeft(std::int64_t frame) {
+  std::erase_if(live_, [&](Live& live) {
+    std::vector<TrackletSample>& samples = live.tracklet.samples;
+    const bool is_seen = samples.back().frame == frame;
+    if (samples.size() < 2 || !(is_seen ? samples[samples.size() - 2] : samples.back()).repeated) return false;
+    if (is_seen && (samples.back().position - samples[samples.size() - 2].position).norm() < kMovedPx) return false;
+    if (is_seen) samples.pop_back();
+    Keep(std::move(live.tracklet));
+    return true;
+  });
+  if (discontinuities_.empty() || discontinuities_.back() != frame) discontinuities_.push_back(frame);
+  last_loss_s_ = time_s_;
+}
+
 // What has come to rest at once looks like a picture that stands still; that it does not move for so long decides.
 void TrackletBuilder::NoteRepeated(std::int64_t frame) {
   constexpr double kLongest_s = 0.5;
@@ -390,9 +408,8 @@ void TrackletBuilder::NoteRepeated(std::int64_t frame) {
 }
 
 // What came to rest at once has been frozen if it leaves its place at once as well, two things at least; what begins to
-// move, creeps at first.
-void TrackletBuilder::JudgeStanding(std::int64_t frame) {
-  constexpr double kMovedPx = 0.5;
+// move, creeps at first. Whether it was.
+bool TrackletBuilder::JudgeStanding(std::int64_t frame) {
   int jumped = 0, crept = 0;
   for (const Live& live : live_) {
     const TrackletSample *first = live.tracklet.SampleIn(*stands_since_),
@@ -403,23 +420,22 @@ void TrackletBuilder::JudgeStanding(std::int64_t frame) {
     };
     if (is_away(now)) ++(is_away(before) ? crept : jumped);
   }
-  if (jumped + crept < 2) return;
-  if (jumped >= 2 && jumped > crept) {
+  if (jumped + crept < 2) return false;
+  const bool is_frozen = jumped >= 2 && jumped > crept;
+  if (is_frozen) {
     while (!repeated_.empty() && repeated_.back() >= *stands_since_) repeated_.pop_back();
     for (std::int64_t frozen = *stands_since_; frozen < frame; ++frozen) repeated_.push_back(frozen);
     for (Live& live : live_)
       for (TrackletSample& sample : live.tracklet.samples)
         if (sample.frame >= *stands_since_ && sample.frame < frame) sample.repeated = true;
-    discontinuities_.push_back(frame);
-    last_loss_s_ = time_s_;
   }
   stands_since_.reset();
+  return is_frozen;
 }
 
 // Whether the frames before were repeated: only what has moved on when the picture changes again was hidden from sight;
 // where coding leaves things that come to rest a frame behind, nothing was.
 bool TrackletBuilder::IsConfirmed(std::int64_t frame) const {
-  constexpr double kMovedPx = 0.5;
   const auto moved = std::count_if(live_.begin(), live_.end(), [&](const Live& live) {
     const std::vector<TrackletSample>& samples = live.tracklet.samples;
     return samples.size() > 1 && samples.back().frame == frame && samples[samples.size() - 2].repeated &&
@@ -575,12 +591,16 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
     is_repeated_ = false;
     TakeBackRepeated();
   }
+  bool ends_freeze = false;
   if (ends_repetition && !IsConfirmed(frame.index)) {
     TakeBackRepeated();
     SetTimeBack(frame, stood_still_before_s);
+  } else {
+    ends_freeze = ends_repetition && stood_still_s_ == stood_still_before_s && time_s_ - repeated_since_s_ > CoastS();
   }
-  if (stands_since_ && *stands_since_ < frame.index) JudgeStanding(frame.index);
+  if (stands_since_ && *stands_since_ < frame.index) ends_freeze |= JudgeStanding(frame.index);
   NoteBreak(frame.index, predictions);
+  if (ends_freeze) EndWhatLeft(frame.index);
   RetireLost();
   for (Live& live : live_) FollowBack(live);
   Remember(frame);
