@@ -194,7 +194,11 @@ std::optional<BlobFit> BlobFinder::SearchAndFit(const cv::Mat& grey, const Marke
   BlobSearchOptions search;
   search.min_radius_px = 0.6 * radius;
   search.max_radius_px = 1.6 * radius;
-  search.min_contrast = 0.3 * prediction.appearance.amplitude;
+  // A streak's light is spread over its length.
+  const double fastest_px = prediction.velocity_px.norm() + prediction.velocity_by_place * prediction.gate_px,
+               longest = shutter_.Fraction() * fastest_px / radius;
+  search.min_contrast = 0.3 * prediction.appearance.amplitude / (1 + 0.5 * longest);
+  search.streaks = longest > 1;
   search.max_count = 6;
   std::optional<BlobFit> nearest;
   for (const BlobCandidate& candidate : FindBlobs(grey, box, search)) {

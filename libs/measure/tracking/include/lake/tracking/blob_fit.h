@@ -59,7 +59,7 @@ struct BlobFit {
 
 struct BlobFitOptions {
   NoiseModel noise;
-  double shape_freedom = 1;  // relative standard deviation of the given axes and edge as prior knowledge
+  double shape_freedom = 1;      // relative standard deviation of the given axes and edge as prior knowledge
   double streak_freedom_px = 0;  // standard deviation of the given paths during the exposure; 0: they are as given
   double slope_freedom =
       0.003;             // the background's slope per px over the amplitude: its standard deviation as prior knowledge
