@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMaxRelativeResidual = 0.12;  // of anything that is taken for a marker
 constexpr double kMatters = 0.1;               // of the radius: by less a streak's length changes the picture little
-constexpr double kKnownShape = 0.1;            // relative standard deviation, of what makes a streak
+constexpr double kKnownShape = 0.04;           // relative standard deviation, of what makes a streak
 
 // A patch that a fit touches must not be much larger than the blob, or the next blob comes in.
 double Reach(const Blob& blob) {
