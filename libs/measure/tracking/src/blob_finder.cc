@@ -13,7 +13,7 @@ namespace {
 constexpr double kMaxRelativeResidual = 0.12;  // of anything that is taken for a marker
 constexpr double kUnsure = 0.5;                // of the radius: a place that is known less well is no measurement
 constexpr double kMatters = 0.1;               // of the radius: by less a streak's length changes the picture little
-constexpr double kKnownShape = 0.1;            // relative standard deviation, of what makes a streak
+constexpr double kKnownShape = 0.04;           // relative standard deviation, of what makes a streak
 
 // A patch that a fit touches must not be much larger than the blob, or the next blob comes in.
 double Reach(const Blob& blob) {
@@ -196,7 +196,11 @@ std::optional<BlobFit> BlobFinder::SearchAndFit(const cv::Mat& grey, const Marke
   BlobSearchOptions search;
   search.min_radius_px = 0.6 * radius;
   search.max_radius_px = 1.6 * radius;
-  search.min_contrast = 0.3 * prediction.appearance.amplitude;
+  // A streak's light is spread over its length.
+  const double fastest_px = prediction.velocity_px.norm() + prediction.velocity_by_place * prediction.gate_px,
+               longest = shutter_.Fraction() * fastest_px / radius;
+  search.min_contrast = 0.3 * prediction.appearance.amplitude / (1 + 0.5 * longest);
+  search.streaks = longest > 1;
   search.max_count = 6;
   std::optional<BlobFit> nearest;
   for (const BlobCandidate& candidate : FindBlobs(grey, box, search)) {

@@ -28,7 +28,7 @@ double Smooth(const cv::Mat& grey, const cv::Point& place) {
 
 // A blob's surroundings: a ring of eight places is dark but for a neighbour or two. An edge is bright in more, a line
 // in two that face each other.
-bool IsDarkAllRound(const cv::Mat& grey, const cv::Point& place) {
+bool IsDarkAllRound(const cv::Mat& grey, const cv::Point& place, bool may_be_line) {
   constexpr int kFar = 4, kNear = 3;
   constexpr int kMaxBright = 2;
   static const std::array<cv::Point, 8> kRing = {cv::Point(kFar, 0),  {kNear, kNear},   {0, kFar},  {-kNear, kNear},
@@ -39,9 +39,9 @@ bool IsDarkAllRound(const cv::Mat& grey, const cv::Point& place) {
   std::sort(sorted.begin(), sorted.end());
   const double dark = sorted[2];
   const double half = dark + 0.5 * (Smooth(grey, place) - dark);
-  for (std::size_t i = 0; i < kRing.size() / 2; ++i)
+  for (std::size_t i = 0; i < kRing.size() / 2 && !may_be_line; ++i)
     if (levels[i] >= half && levels[i + kRing.size() / 2] >= half) return false;
-  return sorted[kRing.size() - 1 - kMaxBright] < half;
+  return sorted[kRing.size() - 1 - (may_be_line ? 2 : 1) * kMaxBright] < half;
 }
 
 // The row that comes into the sums over columns, and the one that leaves them.
@@ -127,12 +127,13 @@ bool IsHighest(const std::array<ContrastRows::Row, 3>& rows, int y, int x) {
   });
 }
 
-void SearchLevel(const cv::Mat& grey, double scale, const cv::Rect& region, double min_contrast,
+void SearchLevel(const cv::Mat& grey, double scale, const cv::Rect& region, const BlobSearchOptions& options,
                  std::vector<BlobCandidate>& candidates) {
   if (grey.cols <= 2 * kBorder || grey.rows <= 2 * kBorder) return;
   // The centre minus surroundings of a blob of the level's radius is about 0.8 of its contrast.
   constexpr double kResponse = 0.8;
-  const int threshold = static_cast<int>(std::ceil(kSurroundPixels * std::max(2.0, 0.75 * kResponse * min_contrast)));
+  const int threshold =
+      static_cast<int>(std::ceil(kSurroundPixels * std::max(2.0, 0.75 * kResponse * options.min_contrast)));
   ContrastRows contrast(grey);
   std::array<ContrastRows::Row, 3> rows;  // y − 1, y, y + 1, each at its number modulo 3
   rows.fill(ContrastRows::Row(static_cast<std::size_t>(grey.cols)));
@@ -144,7 +145,7 @@ void SearchLevel(const cv::Mat& grey, double scale, const cv::Rect& region, doub
     contrast.Next(row(y + 1));
     FindReaching(row(y), threshold, columns);
     for (const int x : columns) {
-      if (!IsHighest(rows, y, x) || !IsDarkAllRound(grey, {x, y})) continue;
+      if (!IsHighest(rows, y, x) || !IsDarkAllRound(grey, {x, y}, options.streaks)) continue;
       const Eigen::Vector2d position((x + 0.5) * scale - 0.5 + region.x, (y + 0.5) * scale - 0.5 + region.y);
       const double response = static_cast<double>(row(y)[static_cast<std::size_t>(x)]) / kSurroundPixels;
       candidates.push_back({position, kLevelRadius * scale, response / kResponse});
@@ -158,7 +159,7 @@ std::vector<BlobCandidate> FindBlobs(const cv::Mat& grey, const cv::Rect& region
   std::vector<BlobCandidate> found;
   cv::Mat level = grey(region);
   for (double scale = 1; 1.2 * scale <= options.max_radius_px; scale *= 2) {
-    if (2.6 * scale >= options.min_radius_px) SearchLevel(level, scale, region, options.min_contrast, found);
+    if (2.6 * scale >= options.min_radius_px) SearchLevel(level, scale, region, options, found);
     if (level.cols < 2 || level.rows < 2) break;
     cv::Mat half;
     video::Halve(level, half);

@@ -608,6 +608,7 @@ class Namer {
     const std::size_t names = anchor_.size();
     Fits fits(tracklets_.size() * names);
     std::vector<Span> spans;
+    // Who left the picture has left it with all markers, whichever piece tells so.
     for (std::size_t t = 0; t < tracklets_.size(); ++t)
       for (std::size_t n = 0; n < names && !owner_[t]; ++n) NoteAbsences(n, t);
     for (std::size_t t = 0; t < tracklets_.size(); ++t) {

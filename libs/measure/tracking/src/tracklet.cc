@@ -222,7 +222,8 @@ bool TrackletBuilder::SearchEverywhere(std::int64_t frame) const {
   if (at_seed || std::any_of(live_.begin(), live_.end(), [](const Live& live) { return live.IsFastStart(); }))
     return true;
   const bool urgent = last_loss_s_ && time_s_ - *last_loss_s_ < options_.urgent_s;
-  return frames_seen_ % (urgent ? options_.urgent_interval : options_.search_interval) == 0;
+  const double interval_s = urgent ? options_.urgent_interval_s : options_.search_interval_s;
+  return frames_seen_ % std::max(1L, frame_s_ > 0 ? std::lround(interval_s / frame_s_) : 1L) == 0;
 }
 
 bool TrackletBuilder::IsSeed(std::int64_t frame, const MarkerDetection& detection) const {

@@ -18,10 +18,11 @@ struct BlobSearchOptions {
   double max_radius_px = 40;
   double min_contrast = 10;     // grey levels
   std::size_t max_count = 128;  // the strongest are kept
+  bool streaks = false;         // also what goes on as a line
 };
 
 // Bright spots that are darker all round, strongest first: maxima of centre minus surroundings over a pyramid of halved
-// pictures (a difference of boxes; Lindeberg 1998 for the principle), without those that go on as a line or an edge.
+// pictures (a difference of boxes; Lindeberg 1998 for the principle), without edges and, unless `streaks`, lines.
 // `region` limits the search; positions are those of the whole picture.
 std::vector<BlobCandidate> FindBlobs(const cv::Mat& grey, const cv::Rect& region, const BlobSearchOptions& options);
 

@@ -44,16 +44,16 @@ struct TrackletOptions {
   MarkerPhysics physics;
   // What begins here may be fast: it is looked for far and wide until its velocity is known.
   std::vector<TrackletSeed> seeds;
-  double max_coast_s = 0.1;     // lost for longer: the tracklet ends …
-  double max_coast_frames = 3;  // … but not before so many frames
-  int min_samples = 4;          // shorter ones are chance
-  std::size_t max_live = 96;    // things followed at once, besides seeded ones; the most contrasted come first
-  int followed = 8;             // samples; what has so many may look otherwise where it was missed
-  int search_interval = 6;      // frames between searches of the whole picture …
-  int urgent_interval = 2;      // … and after something well established was lost, …
-  double urgent_s = 0.6;        // … for this long
-  int established = 30;         // samples
-  double look_back_s = 0;       // what is found late is followed back in time, as far as this; 0: it is not
+  double max_coast_s = 0.1;             // lost for longer: the tracklet ends …
+  double max_coast_frames = 3;          // … but not before so many frames
+  int min_samples = 4;                  // shorter ones are chance
+  std::size_t max_live = 96;            // things followed at once, besides seeded ones; the most contrasted come first
+  int followed = 8;                     // samples; what has so many may look otherwise where it was missed
+  double search_interval_s = 0.1;       // between searches of the whole picture …
+  double urgent_interval_s = 1.0 / 30;  // … and after something well established was lost, …
+  double urgent_s = 0.6;                // … for this long
+  int established = 30;                 // samples
+  double look_back_s = 0;               // what is found late is followed back in time, as far as this; 0: not
 };
 
 struct ExpectedStep;
