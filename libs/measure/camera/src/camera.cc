@@ -118,10 +118,8 @@ double FoldRadius(const Camera& camera) {
   };
   thread_local std::optional<Known> last;
   if (!last || last->model != camera.model || last->distortion != camera.distortion || last->more != camera.more)
-    last = Known{.model = camera.model,
-                 .distortion = camera.distortion,
-                 .more = camera.more,
-                 .fold = SearchFold(camera)};
+    last =
+        Known{.model = camera.model, .distortion = camera.distortion, .more = camera.more, .fold = SearchFold(camera)};
   return last->fold;
 }
 

@@ -70,7 +70,7 @@ const PointFormat kFormats[] = {
     {"DLTdv", {".csv"}, "pt1_cam", ReadDltdv, kNoTimes},
     {"DLTdv's sparse table", {"xypts.tsv"}, "", ReadDltdvSparse, kNoTimes},
     {"DeepLabCut", {".csv"}, "scorer", ReadDeepLabCut, kNoTimes},
-    {"OptiTrack Motive", {".csv"}, "format version,", ReadMotive, kInSpace},
+    {"OptiTrack Motive", {".csv"}, "format version", ReadMotive, kInSpace},
     {"SLEAP", {".csv"}, "instance.score", ReadSleap, kNoTimes},
     {"lake", {".csv"}, "time_s", ReadOwnPoints, kEstimates | kFlat, WriteOwnPoints, ".csv"}};
 

@@ -64,7 +64,10 @@ class TableReader {
   }
 
   void ReadRow(std::size_t line) {
-    before_ = std::exchange(cells_, SplitCells(lines_[line], table_.separator));
+    std::vector<std::string> cells = SplitCells(lines_[line], table_.separator);
+    if (const auto& only = table_.only; only && (only->first >= cells.size() || cells[only->first] != only->second))
+      return;
+    before_ = std::exchange(cells_, std::move(cells));
     where_ = lines_.Where(line);
     if (table_.separator == ' ' && cells_.size() < width_)  // nothing says which are missing
       return left_out_.Add("a row with fewer numbers than columns", where_);

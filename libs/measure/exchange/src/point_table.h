@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lake/exchange/point_recording.h"
@@ -33,6 +34,7 @@ struct PointTable {
   bool zero_is_missing = false;  // 0, 0, 0 stands for a missing point
   bool names_all = false;        // a value in any other column is of a point without a name
   std::optional<std::size_t> stated_rows = {};
+  std::optional<std::pair<std::size_t, std::string>> only = {};  // the rows with this text in this column
 };
 
 // Cells that are no number are missing; rows without a time, or with one that does not follow the one before, and a

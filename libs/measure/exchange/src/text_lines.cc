@@ -19,6 +19,7 @@ TextLines::TextLines(const std::filesystem::path& path) : path_(path) {
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   text = Utf8FromText(std::move(text));
   ends_within_line_ = !text.empty() && text.back() != '\n' && text.back() != '\r';
+  if (text.empty()) throw Fail("{}: is empty", path.string());
   const char line_end = text.find('\n') == std::string::npos ? '\r' : '\n';
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find(line_end, begin), text.size());
