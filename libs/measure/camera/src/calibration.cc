@@ -167,14 +167,9 @@ Seed SeedOfOpenCv(const Board& board, const std::vector<BoardView>& views, cv::S
                views.size());
   seed.unknowns.intrinsics = {k.at<double>(0, 0), k.at<double>(1, 1), k.at<double>(0, 2), k.at<double>(1, 2)};
   if (options.lens != LensFamily::kFisheye) std::copy_n(d.ptr<double>(), 5, seed.unknowns.distortion.begin());
-  for (std::size_t i = 0, next = 0; i < views.size(); ++i) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
     cv::Mat rotation, translation;
-    if (next < chosen.size() && chosen[next] == i) {
-      rotation = r[next];
-      translation = t[next];
-      ++next;
-    } else
-      cv::solvePnP(points[i], pixels[i], k, d, rotation, translation);
+    cv::solvePnP(points[i], pixels[i], k, d, rotation, translation);
     Unknowns::Pose& pose = seed.unknowns.poses.emplace_back();
     std::copy_n(rotation.ptr<double>(), 3, pose.rotation.begin());
     std::copy_n(translation.ptr<double>(), 3, pose.translation.begin());

@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "c3d_layout.h"
+#include "c3d_bytes.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"

@@ -11,7 +11,6 @@
 #include "lake/core/error.h"
 #include "lake/core/utf8.h"
 #include "lake/exchange/formats.h"
-#include "left_out.h"
 #include "text_lines.h"
 
 namespace lake::exchange {

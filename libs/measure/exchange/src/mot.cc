@@ -92,6 +92,11 @@ std::size_t MotTable::Column(const std::string& column) const {
   return static_cast<std::size_t>(found - columns.begin());
 }
 
+bool IsMot(const std::filesystem::path& path) {
+  const std::string ending = Lower(path.extension().string());
+  return ending == ".mot" || ending == ".sto";
+}
+
 MotTable ReadMot(const std::filesystem::path& path) {
   const TextLines lines(path);
   MotTable table;

@@ -9,8 +9,8 @@
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/formats.h"
-#include "left_out.h"
 #include "point_table.h"
+#include "text_lines.h"
 
 namespace lake::exchange {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "left_out.h"
+#include "text_lines.h"
 
 namespace lake::exchange {
 namespace {

@@ -102,4 +102,23 @@ std::optional<std::size_t> CountIn(std::string_view cell, std::size_t most) {
   return static_cast<std::size_t>(value);
 }
 
+void LeftOut::Add(const std::string& kind, const std::string& where) {
+  const auto found = std::ranges::find(kinds_, kind, &Kind::name);
+  Kind& known = found == kinds_.end() ? kinds_.emplace_back(Kind{kind, where}) : *found;
+  ++known.count;
+}
+
+std::string LeftOut::InBrackets() const {
+  std::vector<std::string> warnings;
+  AppendTo(warnings);
+  return warnings.empty() ? "" : fmt::format(" ({})", warnings.front());
+}
+
+void LeftOut::AppendTo(std::vector<std::string>& warnings) const {
+  for (const Kind& kind : kinds_)
+    warnings.push_back(kind.count == 1 ? fmt::format("{}: {} is left out", kind.first, kind.name)
+                                       : fmt::format("{}: {} is left out, the first of {} such places", kind.first,
+                                                     kind.name, kind.count));
+}
+
 }  // namespace lake::exchange

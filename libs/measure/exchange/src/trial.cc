@@ -19,36 +19,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string Names(const std::vector<std::string>& names) {
+std::string Listed(std::vector<std::string> names) {
   constexpr std::size_t kMost = 60;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i ? ", " : "") + names[i];
-  return names.size() > kMost ? text + ", …" : text;
+  if (names.size() > kMost) names.resize(kMost), names.emplace_back("…");
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::vector<std::string> NamesOf(const PointRecording& points) {
+std::vector<std::string> NamesOf(const auto& tracks) {
   std::vector<std::string> names;
-  for (const PointTrack& point : points.points) names.push_back(point.name);
+  for (const auto& track : tracks) names.push_back(track.name);
   return names;
 }
 
-// "A" or the middle of "A+B".
-PointTrack TakePoint(const PointRecording& points, const std::string& expression, const std::string& name,
-                     const fs::path& path) {
-  PointTrack result{name, {}};
-  const std::vector<std::string> parts = SplitText(expression, '+');
-  // A name that holds a plus sign itself is taken as it is.
-  const std::vector<std::string> wanted = points.Find(expression) ? std::vector<std::string>{expression} : parts;
-  for (const std::string& part : wanted) {
-    const PointTrack* track = points.Find(part);
-    if (!track)
-      throw Fail("{}: no marker '{}' (for {}){}; it has: {}", path.string(), part, name,
-                 DidYouMean(part, NamesOf(points)), Names(NamesOf(points)));
-    if (result.positions.empty()) result.positions.assign(track->positions.size(), Eigen::Vector3d::Zero());
-    for (std::size_t i = 0; i < track->positions.size(); ++i)
-      result.positions[i] += track->positions[i] / static_cast<double>(wanted.size());
-  }
-  return result;
+Eigen::Vector3d MiddleOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return (a + b) / 2;
 }
 
 // The middle is seen where both are; their errors are their own.
@@ -59,20 +43,20 @@ motion::MarkerSample MiddleOf(const motion::MarkerSample& a, const motion::Marke
           both_seen ? motion::SampleStatus::kDetected : motion::SampleStatus::kFilled};
 }
 
-// "A" or the middle of "A+B" in one of Lake's own tables, which keep sigmas and statuses.
-motion::MarkerTrack TakeMarker(const motion::MarkerRecording& markers, const std::string& expression,
-                               const std::string& name, const fs::path& path) {
-  const auto find = [&](const std::string& wanted) -> const motion::MarkerTrack& {
-    if (const motion::MarkerTrack* track = markers.Find(wanted)) return *track;
-    std::vector<std::string> known;
-    for (const motion::MarkerTrack& marker : markers.markers) known.push_back(marker.name);
-    throw Fail("{}: no marker '{}' (for {}); it has: {}", path.string(), wanted, name, Names(known));
+// What a list of tracks has of "A", or the middle of "A+B"; a name that holds a plus sign itself is taken as it is.
+auto TakeFrom(const auto& tracks, auto values, const std::string& expression, const std::string& name,
+              const fs::path& path) {
+  const std::vector<std::string> known = NamesOf(tracks), parts = SplitText(expression, '+');
+  const auto find = [&](const std::string& part) -> const auto& {
+    const auto at = std::ranges::find(known, part);
+    if (at != known.end()) return tracks[static_cast<std::size_t>(at - known.begin())].*values;
+    throw Fail("{}: no marker '{}' (for {}){}; it has: {}", path.string(), part, name, DidYouMean(part, known),
+               Listed(known));
   };
-  const std::vector<std::string> parts = SplitText(expression, '+');
-  if (markers.Find(expression) || parts.size() != 2) return {name, find(expression).samples};
-  const motion::MarkerTrack &a = find(parts[0]), &b = find(parts[1]);
-  motion::MarkerTrack middle{name, {}};
-  for (std::size_t i = 0; i < a.samples.size(); ++i) middle.samples.push_back(MiddleOf(a.samples[i], b.samples[i]));
+  if (parts.size() != 2 || std::ranges::find(known, expression) != known.end()) return find(expression);
+  auto middle = find(parts[0]);
+  const auto& other = find(parts[1]);
+  for (std::size_t i = 0; i < middle.size(); ++i) middle[i] = MiddleOf(middle[i], other[i]);
   return middle;
 }
 
@@ -84,7 +68,8 @@ motion::MarkerRecording Rename(const motion::MarkerRecording& markers, const std
     return names.contains(marker.name) ||
            std::ranges::any_of(names, [&](const auto& name) { return name.second == marker.name; });
   });
-  for (const auto& [name, wanted] : names) renamed.markers.push_back(TakeMarker(markers, wanted, name, path));
+  for (const auto& [name, wanted] : names)
+    renamed.markers.push_back({name, TakeFrom(markers.markers, &motion::MarkerTrack::samples, wanted, name, path)});
   return renamed;
 }
 
@@ -112,7 +97,7 @@ Eigen::Vector3d FitForward(const PointRecording& points, const Eigen::Vector3d& 
       throw Fail(
           "{}: the sagittal plane is fitted to ankle, knee and hip: name them with --map, or give --forward; it has: "
           "{}",
-          path.string(), Names(NamesOf(points)));
+          path.string(), Listed(NamesOf(points.points)));
     std::vector<Eigen::Vector3d> vectors;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < a->positions.size(); ++i) {
@@ -431,7 +416,8 @@ PointRecording RenamePoints(const PointRecording& points, const std::map<std::st
   if (names.empty()) return points;
   PointRecording renamed = points;
   renamed.points.clear();
-  for (const auto& [name, expression] : names) renamed.points.push_back(TakePoint(points, expression, name, path));
+  for (const auto& [name, expression] : names)
+    renamed.points.push_back({name, TakeFrom(points.points, &PointTrack::positions, expression, name, path)});
   return renamed;
 }
 

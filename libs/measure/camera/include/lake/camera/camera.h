@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -140,5 +141,20 @@ CameraProfile ReadCameraProfile(const std::filesystem::path& path, const std::st
 bool IsCameraFile(const std::filesystem::path& path);
 
 void WriteCameraProfile(const std::filesystem::path& path, const CameraProfile& profile);
+
+// A key of camera.yaml, described for the template that a person fills in who has the lens from elsewhere.
+struct CameraKey {
+  const char* name;
+  const char* value;    // an example, as OpenCV's FileStorage has it in YAML
+  const char* meaning;  // with its unit
+  bool is_needed = false;
+};
+
+// In the file's order: all that ReadCameraProfile knows.
+std::span<const CameraKey> CameraKeys();
+
+// A camera.yaml with every key and what it means, those that may be absent as comments. ReadCameraProfile takes it as
+// it is: a camera of 1280 × 720 px without distortion and without a plane.
+std::string CameraTemplate();
 
 }  // namespace lake::camera
