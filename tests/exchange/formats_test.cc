@@ -198,13 +198,14 @@ TEST_F(Formats, TrcErrorsSayWhere) {
   EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\t3\t4\n"), testing::HasSubstr("e.trc:6"));
   EXPECT_THAT(message(head + values + names + "1\tinf\t1\t2\t3\n"), testing::HasSubstr("e.trc:6"));
   EXPECT_THAT(message(head + values + names), testing::HasSubstr("no row with a time"));
-  EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\t3\n2\t0\t1\t2\t3\n"), testing::HasSubstr("does not follow"));
+  EXPECT_THAT(message(head + values + names + "1\t0.000\t1\t2\t3\n2\t0.000\t1\t2\t3\n"),
+              testing::HasSubstr("does not follow"));
   EXPECT_THAT(message(head + "100\t100\t1\t99999999999\tmm\t100\t1\t1\n" + names + "1\t0\t1\t2\t3\n"),
               testing::HasSubstr("NumMarkers"));
   EXPECT_THAT(message(head + "100\t100\t1\t2\tmm\t100\t1\t1\n" + names + "1\t0\t1\t2\t3\n"),
               testing::HasSubstr("says 2 markers, but there are 1"));
   EXPECT_THAT(message(head + "100\t100\t1\t1\tfurlong\t100\t1\t1\n" + names), testing::HasSubstr("furlong"));
-  EXPECT_THAT(message(std::string("PathFileType\0\0", 14)), testing::HasSubstr("not a text file"));
+  EXPECT_THAT(message(std::string("Path\0Type\0\0\0\0", 13)), testing::HasSubstr("not a text file"));
   EXPECT_THAT(
       MessageOf([&] { exchange::WritePoints(folder_ / "x.trc", MakePoints(exchange::PointSpace::kImage, 3, 1, 1)); }),
       testing::HasSubstr("mm"));

@@ -100,8 +100,8 @@ std::string FirstLineOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), kBytes);
   head.resize(static_cast<std::size_t>(file.gcount()));
-  head.resize(std::min(head.find_first_of("\r\n"), head.size()));
-  return head.starts_with("\xEF\xBB\xBF") ? head.substr(3) : head;
+  head = TextFromBytes(std::move(head));
+  return head.substr(0, head.find_first_of("\r\n"));
 }
 
 [[noreturn]] void ThrowUnknown(const fs::path& path, const std::string& name, const std::string& head) {

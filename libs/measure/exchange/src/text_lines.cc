@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <pugixml.hpp>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
@@ -12,12 +13,25 @@
 #include "lake/core/utf8.h"
 
 namespace lake::exchange {
+
+std::string TextFromBytes(std::string bytes) {
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {  // UTF-16
+    const std::size_t high = bytes[0] == '\xFF' ? 1 : 0;
+    std::wstring wide;
+    for (std::size_t i = 2; i + 1 < bytes.size(); i += 2)
+      wide += static_cast<wchar_t>(static_cast<unsigned char>(bytes[i + high]) << 8 |
+                                   static_cast<unsigned char>(bytes[i + 1 - high]));
+    bytes = pugi::as_utf8(wide);
+  }
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.erase(0, 3);
+  bytes.erase(bytes.find_last_not_of('\0') + 1);
+  return Utf8FromText(std::move(bytes));
+}
+
 TextLines::TextLines(const std::filesystem::path& path) : path_(path) {
-  std::string text = ReadTextFile(path);
+  std::string text = TextFromBytes(ReadTextFile(path));
   if (text.find('\0') != std::string::npos)
     throw Fail("{}: not a text file, as it holds zero bytes; save it as text in UTF-8", path.string());
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  text = Utf8FromText(std::move(text));
   ends_within_line_ = !text.empty() && text.back() != '\n' && text.back() != '\r';
   if (text.empty()) throw Fail("{}: is empty", path.string());
   const char line_end = text.find('\n') == std::string::npos ? '\r' : '\n';

@@ -11,6 +11,9 @@
 
 namespace lake::exchange {
 
+// In UTF-8, of UTF-16 with a byte order mark, of UTF-8 and of Windows-1252; without the mark and zero bytes behind.
+std::string TextFromBytes(std::string bytes);
+
 class TextLines {
  public:
   // Lines end with LF, CR LF or CR; a byte order mark and trailing blanks (not tabs) are taken off. Throws Error if the
