@@ -174,9 +174,9 @@ FoundCorners Find(const cv::Mat& grey, const Board& board, bool thorough, Search
 // A board printed dark on light, as the searches expect it.
 std::optional<BoardView> DetectDarkOnLight(const cv::Mat& grey, const Board& board,
                                            const BoardDetectionOptions& options, Search search) {
+  constexpr std::size_t kLeastCorners = 8;  // of a ChArUco board
   FoundCorners found = Find(grey, board, options.thorough, search);
-  if (static_cast<int>(found.corner.size()) < options.least_corners || !SpanThePlane(board, found.corner))
-    return std::nullopt;
+  if (found.corner.size() < kLeastCorners || !SpanThePlane(board, found.corner)) return std::nullopt;
   std::vector<int> half_windows;
   for (const double distance : LineDistances(board, found))
     half_windows.push_back(HalfWindow(board, distance, options.half_window_px));

@@ -31,7 +31,7 @@ T RadialPart(const Camera& camera, const T& r) {
   if (camera.model == LensModel::kFisheye) return DistortFisheye(c, r, T(0)).x();
   c[2] = c[3] = T(0);
   for (std::size_t i = 0; i < 3; ++i) c[5 + i] = T(camera.more[i]);
-  return DistortBrownConrady(c, r, T(0)).x();
+  return DistortBrownConrady(c, 8, r, T(0)).x();
 }
 
 // The first r at which the radial part does not rise; it is looked for in steps of half a degree of the angle from the

@@ -14,7 +14,7 @@
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/point_recording.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {

@@ -8,7 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/point_recording.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {

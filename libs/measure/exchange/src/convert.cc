@@ -6,8 +6,7 @@
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/mot.h"
-#include "marker_files.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {

@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <fstream>
 
-#include "frame_points.h"
 #include "lake/core/error.h"
 #include "lake/core/run.h"
 #include "lake/core/utf8.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/mot.h"
 #include "lake/motion/marker_recording.h"
-#include "marker_files.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {

@@ -6,7 +6,7 @@
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/mot.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {

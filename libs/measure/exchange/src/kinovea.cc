@@ -1,13 +1,17 @@
 // Kinovea (kinovea.org): its CSV of trajectories as it is written, and its text, which does not say its unit of length.
-#include "frame_points.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/statistics.h"
 #include "lake/exchange/formats.h"
-#include "marker_files.h"
-#include "point_table.h"
+#include "readers.h"
 
 namespace lake::exchange {
+void TellMilliseconds(PointRecording& recording) {
+  if (recording.time_s.size() < 2 || MedianInterval(recording.time_s) < 1) return;
+  for (double& time : recording.time_s) time /= 1000;
+}
+
 void WriteKinovea(const std::filesystem::path& path, const PointRecording& points) {
   if (points.space == PointSpace::kSpace) throw Fail("{}: Kinovea's table holds points of a plane only", path.string());
   std::string text = "\"Time\"";
@@ -52,7 +56,9 @@ PointRecording ReadKinoveaText(const std::filesystem::path& path, const ReadOpti
     name.clear();
   }
   if (tracks.empty()) throw Fail("{}: Kinovea's text without a trajectory", path.string());
-  return JoinMarkers(tracks, path);
+  PointRecording recording = JoinMarkers(tracks, path);
+  TellMilliseconds(recording);
+  return recording;
 }
 
 }  // namespace lake::exchange

@@ -7,7 +7,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "point_table.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {

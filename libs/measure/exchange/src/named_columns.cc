@@ -5,12 +5,9 @@
 #include <functional>
 #include <set>
 
-#include "frame_points.h"
 #include "lake/core/error.h"
-#include "lake/core/statistics.h"
 #include "lake/exchange/formats.h"
-#include "point_table.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -255,11 +252,10 @@ PointRecording ReadDltdvSparse(const std::filesystem::path& path, const ReadOpti
       if (const auto y = columns[c + 1].find(frame); y != columns[c + 1].end())
         track.positions[frame] = {x - kFirstPixel, y->second - kFirstPixel, 0};
   }
-  PointRecording recording = PointsByFrame(found, std::filesystem::file_size(path), path, options.rate_hz);
+  PointRecording recording = PointsByFrame(found, std::filesystem::file_size(path), path, options.rate_hz, left_out);
   recording.warnings.push_back(fmt::format(
       "{}: its columns have no names: each two are a point, pt1, pt2, …; of several cameras they take turns",
       path.string()));
-  left_out.AppendTo(recording.warnings);
   WarnOfOrigin(path, recording);
   return recording;
 }
@@ -271,8 +267,7 @@ PointRecording ReadKinovea(const std::filesystem::path& path, const ReadOptions&
   PointRecording recording =
       ReadNamed(lines, {.separator = separator, .time = 0, .mm_per_unit = options.mm_per_unit, .names_all = true},
                 SplitNames(SplitCells(lines[0], separator), "/0/"), "NAME/0/X, NAME/0/Y", path);
-  if (recording.time_s.size() > 1 && MedianInterval(recording.time_s) >= 1)
-    for (double& time : recording.time_s) time /= 1000;
+  TellMilliseconds(recording);
   return recording;
 }
 

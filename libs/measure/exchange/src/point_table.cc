@@ -1,5 +1,3 @@
-#include "point_table.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -7,7 +5,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {

@@ -1,5 +1,3 @@
-#include "text_lines.h"
-
 #include <csv.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/utf8.h"
+#include "readers.h"
 
 namespace lake::exchange {
 

@@ -11,7 +11,7 @@
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/formats.h"
-#include "point_table.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {

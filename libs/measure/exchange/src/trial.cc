@@ -11,8 +11,7 @@
 #include "lake/core/json.h"
 #include "lake/core/nearest_name.h"
 #include "lake/motion/saved_corrections.h"
-#include "marker_files.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -244,10 +243,6 @@ std::optional<SagittalAxes> AxesAcrossKnee(const PointRecording& points, const T
   return SagittalAxes{cosine < 0 ? Eigen::Vector3d(-forward) : forward, axes.up};
 }
 
-std::string DescribePlane(const TrialOptions& options) {
-  return options.forward.empty() ? "in which the leg moves most" : "along " + options.forward;
-}
-
 struct SagittalPlane {
   SagittalAxes axes;
   std::string name;  // which plane that is
@@ -261,7 +256,7 @@ SagittalPlane FindSagittalPlane(const PointRecording& read, const PointRecording
   const SagittalAxes axes = FindSagittalAxes(named, options, path);
   if (const auto across = AxesAcrossKnee(read, options, axes))
     return {*across, "across the knee's axis, as " + options.names.at("knee") + " show it"};
-  return {axes, DescribePlane(options)};
+  return {axes, options.forward.empty() ? "in which the leg moves most" : "along " + options.forward};
 }
 
 PointRecording Project(const PointRecording& points, const SagittalPlane& onto, const fs::path& path,
@@ -401,9 +396,8 @@ std::optional<motion::Side> LegInSummary(const Json& summary) {
 }
 
 PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options) {
-  Eigen::Matrix3d model_from_file;
-  const Eigen::Vector3d up = UpDirection(points, options), forward = GivenForward(options, up);
-  model_from_file << forward.transpose(), up.transpose(), forward.cross(up).transpose();
+  const Eigen::Vector3d up = UpDirection(points, options);
+  const Eigen::Matrix3d model_from_file = SagittalAxes{GivenForward(options, up), up}.PlaneFromSpace();
   PointRecording facing = points;
   facing.up_axis = 'y';
   for (PointTrack& point : facing.points)

@@ -69,7 +69,6 @@ struct BoardDetectionOptions {
   // Of a chessboard: by OpenCV's sector-based search first, which takes longer and finds more. Without it a picture
   // that shows no board is known not to within milliseconds.
   bool thorough = true;
-  int least_corners = 8;  // fewer seen corners of a ChArUco board are no use
 };
 
 // nullopt if the board is not seen. `grey` is CV_8UC1. A chessboard must be seen whole, a ChArUco board may be cut off
