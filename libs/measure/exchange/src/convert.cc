@@ -195,15 +195,13 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
 void Describe(ConvertOptions& o, OptionList& options) {
   options.Add("map", o.reading.names, "Keep these markers only, under these names; A+B is the midpoint of two")
       .Value("NAME=MARKER,...");
-  DescribeUp(o.reading, options);
   options.Add("forward", o.reading.forward, "Turn a 3-D trial so that this axis of the file is x, up is y, right is z")
       .Value("AXIS")
       .Otherwise("axes as they are");
   DescribeUnit("unit", o.reading.mm_per_unit, options);
   Describe(o.picture, options);
   DescribeRate(o.reading.rate_hz, options);
-  DescribeView(o.reading.view, options);
-  DescribeValues(o.reading, options);
+  DescribeReading(o.reading, options);
   using Units = OptionList::Choices<std::string>;
   options.AddChoice("out-unit", o.unit, Units{{"mm", "mm"}, {"cm", "cm"}, {"m", "m"}}, "Length unit of a .trc output");
   options.Add("crop", o.crop_s, "Keep only this time span").Unit("s").Value("START,END");

@@ -234,11 +234,11 @@ PointRecording ReadDltdvSparse(const std::filesystem::path& path, const ReadOpti
   std::map<std::size_t, std::map<std::int64_t, double>> columns;  // column from 0, frame from 0, value
   LeftOut left_out;
   for (std::size_t line = 1; line < lines.Count(); ++line) {
-    const std::vector<std::string> cells = SplitCells(lines[line], '\t');
-    bool is_unreadable = cells.size() != 3;
-    const std::size_t frame = is_unreadable ? 0 : CountIn(cells[0]).value_or(0),
-                      column = is_unreadable ? 0 : CountIn(cells[1], kMostColumns).value_or(0);
-    const double value = is_unreadable ? 0 : NumberIn(cells[2], is_unreadable).value_or(0);
+    std::vector<std::string> cells = SplitCells(lines[line], '\t');
+    if (cells.size() != 3) cells.assign(3, "");
+    bool is_unreadable = false;
+    const std::size_t frame = CountIn(cells[0]).value_or(0), column = CountIn(cells[1], kMostColumns).value_or(0);
+    const double value = NumberIn(cells[2], is_unreadable).value_or(0);
     if (frame > 0 && column > 0 && !is_unreadable) {
       if (value != 0) columns[column - 1][static_cast<std::int64_t>(frame) - 1] = value;
     } else if (!lines[line].empty()) {

@@ -330,18 +330,11 @@ void Describe(TrialOptions& o, OptionList& options) {
       .Add("map", o.names,
            "Each marker's name in the file; A+B is the midpoint of two, for a knee its lateral and medial marker")
       .Value("NAME=MARKER,...");
-  DescribeUp(o, options);
   options.Add("forward", o.forward, "Direction in which the subject of a 3-D file faces: +x, -x, …")
       .Value("AXIS")
       .Otherwise("found from the movement");
   DescribeUnit("unit", o.mm_per_unit, options);
-  DescribeValues(o, options);
-  DescribeView(o.view, options);
-}
-
-Option& DescribeValues(TrialOptions& o, OptionList& options) {
-  return options.AddFlag("smoothed", o.values, motion::MarkerValues::kEstimated,
-                         "Start from the fit's estimates of a trajectory.csv, not from the measurements");
+  DescribeReading(o, options);
 }
 
 Option& DescribeView(std::string& view, OptionList& options) {
@@ -350,11 +343,14 @@ Option& DescribeView(std::string& view, OptionList& options) {
       .Otherwise("all");
 }
 
-Option& DescribeUp(TrialOptions& o, OptionList& options) {
-  return options
+void DescribeReading(TrialOptions& o, OptionList& options) {
+  options
       .AddChoice("up", o.up, OptionList::Choices<char>{{"x", 'x'}, {"y", 'y'}, {"z", 'z'}},
                  "Vertical axis of a 3-D file")
       .Otherwise("TRC y, C3D its own or z");
+  options.AddFlag("smoothed", o.values, motion::MarkerValues::kEstimated,
+                  "Start from the fit's estimates of a trajectory.csv, not from the measurements");
+  DescribeView(o.view, options);
 }
 
 std::vector<UnusedOption> UnusedOptions(const fs::path& path, const TrialOptions& options) {
