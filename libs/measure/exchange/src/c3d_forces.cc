@@ -189,8 +189,7 @@ PlateSamples ReadSamples(const C3dBytes& bytes, const C3dLayout& layout, const A
                                                : bytes.Signed16(at);
     return (stored - analog.offset[channel]) * analog.scale[channel];
   };
-  PlateSamples read;
-  read.plate = plate;
+  PlateSamples read{plate, {}};
   Eigen::MatrixXd channels(plate.channel.size(), layout.frames * analog.samples);
   Eigen::Index column = 0;
   for (std::size_t frame = 0; frame < layout.frames; ++frame)

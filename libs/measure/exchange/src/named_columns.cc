@@ -2,7 +2,6 @@
 // DeepLabCut (Mathis et al. 2018, doi 10.1038/s41593-018-0209-y), SLEAP (Pereira et al. 2022, doi
 // 10.1038/s41592-022-01426-1), DLTdv (Hedrick 2008, doi 10.1088/1748-3182/3/3/034001) and Kinovea (kinovea.org).
 #include <algorithm>
-#include <functional>
 #include <set>
 
 #include "lake/core/error.h"
@@ -146,9 +145,8 @@ PointRecording ReadDeepLabCut(const std::filesystem::path& path, const ReadOptio
   }
   if (parts.size() != coords.size() || coords.empty() || coords[0] != "coords")
     throw Fail("{}: a table of DeepLabCut without its rows 'bodyparts' and 'coords'", path.string());
-  const bool several =
-      individuals.size() == parts.size() &&
-      std::adjacent_find(individuals.begin() + 1, individuals.end(), std::not_equal_to<>()) != individuals.end();
+  const bool several = individuals.size() == parts.size() &&
+                       std::set<std::string>(individuals.begin() + 1, individuals.end()).size() > 1;
   std::vector<ColumnName> names;
   for (std::size_t i = 0; i < parts.size(); ++i)
     names.push_back({several ? individuals[i] + "_" + parts[i] : parts[i], coords[i]});
