@@ -3,7 +3,7 @@
 #include <functional>
 #include <optional>
 
-#include "lake/camera/camera_keys.h"
+#include "lake/camera/camera.h"
 #include "lake/commands/calibrate.h"
 #include "lake/core/option_template.h"
 #include "program.h"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "lake/exchange/convert_options.h"
+#include "lake/exchange/convert.h"
 #include "program.h"
 
 int main(int argc, char** argv) {

@@ -8,7 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/core/uncertain_text.h"
-#include "lake/exchange/convert_options.h"
+#include "lake/exchange/convert.h"
 #include "lake/exchange/mot.h"
 #include "program.h"
 
@@ -78,7 +78,7 @@ lake::Json DescribeCamera(const lake::camera::CameraProfile& profile) {
 
 lake::Json Describe(const std::filesystem::path& path, const lake::exchange::TrialOptions& reading) {
   if (lake::camera::IsCameraFile(path)) return DescribeCamera(lake::camera::ReadCameraProfile(path, reading.view));
-  if (!lake::exchange::IsAngleTable(path)) {
+  if (!lake::exchange::IsMot(path)) {
     lake::exchange::CheckNoneIsUnused(path, lake::exchange::UnusedOptions(path, reading));
     return DescribePoints(lake::exchange::ReadPoints(path, reading.Reading()));
   }

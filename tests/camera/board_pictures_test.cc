@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "board_scene.h"
-#include "lake/camera/board_sheet.h"
+#include "lake/camera/board.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/video/image.h"

@@ -80,6 +80,12 @@ TEST_F(CameraFormats, OfRos) {
   EXPECT_EQ(fisheye.camera.distortion[3], 0.4);
   EXPECT_THAT(Refusal("a.yaml", fmt::format(fmt::runtime(kRos), "division", 1, "0.1")),
               AllOf(HasSubstr("'division' has no counterpart"), HasSubstr("lake calibrate")));
+  for (const char* keys : {"KD", "kd"})  // messages of ROS 1 and 2
+    ExpectTheCamera(camera::ReadCameraProfile(
+        Write("a.yaml", fmt::format("header:\n  frame_id: lab\nheight: 720\nwidth: 1280\ndistortion_model: plumb_bob\n"
+                                    "{}: [-0.13, 0.03, 0.0004, -0.0003, 0.0]\n"
+                                    "{}: [1931.0344827586207, 0, 639.5, 0, 1931.0344827586207, 359.5, 0, 0, 1]\n",
+                                    keys[1], keys[0]))));
 }
 
 TEST_F(CameraFormats, OfKalibr) {
@@ -179,6 +185,9 @@ TEST_F(CameraFormats, DamagedFilesNeverCrash) {
 
 TEST_F(CameraFormats, OfNoneThatIsKnown) {
   EXPECT_THAT(Refusal("a.cal", "x"), AllOf(HasSubstr("OptiTrack Motive"), HasSubstr("lake calibrate")));
+  EXPECT_THAT(Refusal("a.ini", "x"), AllOf(HasSubstr("oST file of ROS"), HasSubstr("camera_calibration_parsers")));
+  EXPECT_THAT(Refusal("a.xcp", "<Camera DEVICEID=\"7\" SENSOR_SIZE=\"1280 720\"><KeyFrames/></Camera>"),
+              AllOf(HasSubstr("never calibrated"), HasSubstr("camera of Vicon")));
   EXPECT_THAT(Refusal("a.yaml", "colour: blue\n"), AllOf(HasSubstr("OpenCV"), HasSubstr("kalibr")));
 }
 

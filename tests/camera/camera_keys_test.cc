@@ -1,4 +1,3 @@
-#include "lake/camera/camera_keys.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

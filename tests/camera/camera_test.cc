@@ -193,8 +193,8 @@ TEST(Camera, JetsAndDoublesProjectAlike) {
   Jet distortion[5];
   for (int i = 0; i < 5; ++i) distortion[i] = Jet(camera.distortion[static_cast<std::size_t>(i)]);
   const Eigen::Vector3d p(0.3, -0.2, 1.7);
-  const auto pixel =
-      camera::ProjectBrownConrady<Jet>(intrinsics, distortion, {Jet(p.x(), 0), Jet(p.y(), 1), Jet(p.z(), 2)});
+  const auto pixel = camera::ProjectLens<Jet>(camera::LensModel::kBrownConrady, 5, intrinsics, distortion,
+                                              {Jet(p.x(), 0), Jet(p.y(), 1), Jet(p.z(), 2)});
   constexpr double kStep = 1e-5;
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);

@@ -1,12 +1,11 @@
 // Views of one camera and of two.
-#include "lake/camera/two_cameras.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "board_scene.h"
+#include "lake/camera/calibration_quality.h"
 #include "lake/video/image.h"
 #include "places.h"
 

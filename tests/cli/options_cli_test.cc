@@ -15,7 +15,7 @@
 #include "lake/commands/sync.h"
 #include "lake/commands/track.h"
 #include "lake/core/yaml.h"
-#include "lake/exchange/convert_options.h"
+#include "lake/exchange/convert.h"
 #include "lake/reviewing/run_review.h"
 #include "pages.h"
 #include "program.h"

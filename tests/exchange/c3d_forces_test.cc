@@ -146,7 +146,7 @@ std::string PlateFile::Bytes() const {
   std::string file{2, 0x50};
   file += Word(static_cast<unsigned>(header_points.value_or(points)));
   file += Word(static_cast<unsigned>(header_analog.value_or(static_cast<int>(Channels()) * samples))) + Word(11) +
-          Word(12) + Word(0);  // frames 11 to 12: LONG_FRAMES says three
+          Word(static_cast<unsigned>(10 + frames)) + Word(0);
   file += Float(is_integer ? 0.05 : -1) + Word(4) + Word(static_cast<unsigned>(samples)) + Float(100);
   file.resize(512, '\0');
   file += {1, 0x50, 2, static_cast<char>(is_mips ? 86 : 84)};
@@ -410,7 +410,7 @@ TEST_F(C3dForces, WhereTheFileContradictsItselfItsSizeDecides) {
   file.instead["POINT:USED"] = {4};
   EXPECT_THAT(at_the_end(), testing::ElementsAre(HasSubstr("points: 4 by POINT:USED, 1 by the header")));
   file.instead = {{"POINT:LONG_FRAMES", {4000}}};
-  EXPECT_THAT(at_the_end(), testing::ElementsAre(HasSubstr("is cut off: 40 of 4000 frames")));
+  EXPECT_THAT(at_the_end(), testing::ElementsAre(HasSubstr("frames: 4000 by POINT:LONG_FRAMES, 40 by the header")));
 }
 
 // What a plate measures without anybody on it: in the frames that ZERO names, else where there is no contact.

@@ -250,6 +250,29 @@ const Variant kVariants[] = {
        c.Add("TRIAL", "ACTUAL_START_FIELD", 2, {1, 0});
        c.Add("TRIAL", "ACTUAL_END_FIELD", 2, {900, 0});
      }},
+    {"a scale with the wrong sign", Nothing,
+     [](C3dMaker& c) {
+       c.h_scale = c.is_float ? c.scale : -c.scale;
+       c.Find("POINT:SCALE")->numbers = {*c.h_scale};
+     }},
+    {"a tiny scale of floats", Nothing,
+     [](C3dMaker& c) {
+       if (!c.is_float) return;
+       c.h_scale = -1e-10;
+       c.Find("POINT:SCALE")->numbers = {*c.h_scale};
+     }},
+    {"a rate of the cameras alone", Nothing,
+     [](C3dMaker& c) {
+       c.Remove("POINT:RATE"), c.h_rate = 0;
+       c.Add("TRIAL", "CAMERA_RATE", 4, {c.rate_hz});
+     }},
+    {"a rate of the channels alone", WithAnalog, [](C3dMaker& c) { c.Remove("POINT:RATE"), c.h_rate = 0; }},
+    {"a frame more in the header", Nothing, [](C3dMaker& c) { c.h_last = 41; }},
+    {"three frames, twice the points in the header", [](C3dMaker& c) { c.frames = 3; },
+     [](C3dMaker& c) { c.h_points = 6; }},
+    {"two frames, the kind of numbers contradicted", [](C3dMaker& c) { c.frames = 2; },
+     [](C3dMaker& c) { c.h_scale = c.is_float ? 0.1 : -1; }},
+    {"65 536 frames", [](C3dMaker& c) { c.points = 1, c.frames = 65'536; }, Nothing},
     {"40 000 frames", [](C3dMaker& c) { c.points = 1, c.frames = 40'000; }, Nothing},
     {"70 000 frames by the file's size", Long, Nothing},
     {"70 000 frames by LONG_FRAMES, something behind", Long,

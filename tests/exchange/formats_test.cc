@@ -148,9 +148,8 @@ TEST_F(Formats, ANameThatStandsTwiceIsNumberedWithAWarningInEveryFormat) {
   points.points[1].positions[0].x() = 3;
   exchange::WriteC3d(folder_ / "n.c3d", points);
   expect(exchange::ReadC3d(folder_ / "n.c3d"), "C3D");
-  EXPECT_THAT(
-      MessageOf([&] { exchange::ReadPoints(Write("x.csv", "Time,knee/0/X,hip/0/X,hip/0/Y\n0,1,2,3\n33,1,2,3\n")); }),
-      testing::HasSubstr("no column 'knee/0/Y' follows 'knee/0/X'"));
+  EXPECT_THAT(exchange::ReadPoints(Write("x.csv", "Time,knee/0/X,hip/0/X,hip/0/Y\n0,1,2,3\n33,1,2,3\n")).warnings,
+              testing::Contains(testing::HasSubstr("follows the x of knee")));
 }
 
 TEST_F(Formats, NamesInLatin1AreReadByEveryFormat) {
@@ -193,19 +192,20 @@ TEST_F(Formats, TrcErrorsSayWhere) {
     return SaidOf([&] { return exchange::ReadPoints(Write("e.trc", text)).warnings; });
   };
   EXPECT_THAT(message("hello"), testing::HasSubstr("no row of names"));
-  EXPECT_THAT(message(""), testing::HasSubstr("no row of names"));
+  EXPECT_THAT(message(""), testing::HasSubstr("is empty"));
   EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\tthree\n"),
               testing::AllOf(testing::HasSubstr("e.trc:6"), testing::HasSubstr("three")));
   EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\t3\t4\n"), testing::HasSubstr("e.trc:6"));
   EXPECT_THAT(message(head + values + names + "1\tinf\t1\t2\t3\n"), testing::HasSubstr("e.trc:6"));
   EXPECT_THAT(message(head + values + names), testing::HasSubstr("no row with a time"));
-  EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\t3\n2\t0\t1\t2\t3\n"), testing::HasSubstr("does not follow"));
+  EXPECT_THAT(message(head + values + names + "1\t0.000\t1\t2\t3\n2\t0.000\t1\t2\t3\n"),
+              testing::HasSubstr("does not follow"));
   EXPECT_THAT(message(head + "100\t100\t1\t99999999999\tmm\t100\t1\t1\n" + names + "1\t0\t1\t2\t3\n"),
               testing::HasSubstr("NumMarkers"));
   EXPECT_THAT(message(head + "100\t100\t1\t2\tmm\t100\t1\t1\n" + names + "1\t0\t1\t2\t3\n"),
               testing::HasSubstr("says 2 markers, but there are 1"));
   EXPECT_THAT(message(head + "100\t100\t1\t1\tfurlong\t100\t1\t1\n" + names), testing::HasSubstr("furlong"));
-  EXPECT_THAT(message(std::string("PathFileType\0\0", 14)), testing::HasSubstr("not a text file"));
+  EXPECT_THAT(message(std::string("Path\0Type\0\0\0\0", 13)), testing::HasSubstr("not a text file"));
   EXPECT_THAT(
       MessageOf([&] { exchange::WritePoints(folder_ / "x.trc", MakePoints(exchange::PointSpace::kImage, 3, 1, 1)); }),
       testing::HasSubstr("mm"));
@@ -406,7 +406,7 @@ TEST_F(Formats, KinoveaErrorsSayWhere) {
     return MessageOf([&] { exchange::ReadPoints(Write("e.csv", text)); });
   };
   EXPECT_THAT(message(""), testing::HasSubstr("its first line is ''"));
-  EXPECT_THAT(message("\"Time\",\"a/0/X\"\n"), testing::HasSubstr("a/0/Y"));
+  EXPECT_THAT(message("\"Time\",\"a/0/X\"\n"), testing::HasSubstr("follows the x of a"));
   EXPECT_THAT(message("\"Time\",\"a/0/X\",\"a/0/Y\"\n\"0:00:01\",\"1\",\"2\"\n"), testing::HasSubstr("0:00:01"));
 }
 

@@ -205,6 +205,24 @@ TEST_F(OddFiles, KinoveasTextWithTimecodes) {
   EXPECT_THAT(text.warnings, ElementsAre(HasSubstr("a.txt:6: a row with fewer numbers than columns is left out")));
 }
 
+TEST_F(OddFiles, KinoveasTextInMilliseconds) {
+  const PointRecording text = Read("a.txt", "#Kinovea Trajectory data export\n#T X Y\n0 8 3\n20 9 4\n40 9 5\n");
+  EXPECT_THAT(text.time_s, ElementsAre(0, testing::DoubleNear(0.02, 1e-12), testing::DoubleNear(0.04, 1e-12)));
+}
+
+// A row per animal and frame, one of which is not there.
+TEST_F(OddFiles, SleapOfTwoAnimals) {
+  WriteFile(folder_ / "a.csv",
+            "track,frame_idx,instance.score,l.ankle.x,l.ankle.y,l.ankle.score\n"
+            "b,0,0.9,1,2,0.8\na,0,0.9,5,6,0.8\na,1,0.9,,,0\nb,2,0.9,3,4,0.8\n");
+  const PointRecording two = ReadPoints(folder_ / "a.csv", {.rate_hz = 50});
+  EXPECT_EQ(NamesOf(two), (std::vector<std::string>{"a_l.ankle", "b_l.ankle"}));
+  EXPECT_THAT(two.time_s, ElementsAre(0, 0.02, 0.04));
+  EXPECT_EQ(two.points[1].positions[2], Eigen::Vector3d(3, 4, 0));
+  EXPECT_FALSE(two.points[0].positions[1].allFinite());
+  EXPECT_FALSE(two.points[1].positions[1].allFinite());
+}
+
 TEST_F(OddFiles, OfOtherProgramsAreCalledWhatTheyAre) {
   EXPECT_THAT(Refusal("a.csv", "alpha,beta\n1,2\n"),
               AllOf(HasSubstr("its first line is 'alpha,beta'"), HasSubstr("DeepLabCut"), HasSubstr("frame,time_s,")));

@@ -214,8 +214,8 @@ TEST(Dltdv, ErrorsSayWhere) {
   EXPECT_THAT(message("pt1_cam1_X,pt1_cam1_Y\n1,2,3\n"), testing::HasSubstr("e.csv:2"));
   EXPECT_THAT(message("pt1_cam1_X,pt1_cam1_Y\n1,b\n"),
               testing::AllOf(testing::HasSubstr("e.csv:2"), testing::HasSubstr("'b'")));
-  EXPECT_THAT(message("pt1_cam1_X,pt2_cam1_Y\n1,2\n"), testing::HasSubstr("pt2_cam1_Y"));
-  EXPECT_THAT(message("pt1_cam1_X\n1\n"), testing::HasSubstr("pairs"));
+  EXPECT_THAT(message("pt1_cam1_X,pt2_cam1_Y\n1,2\n"), testing::HasSubstr("follows the x of pt1"));
+  EXPECT_THAT(message("pt1_cam1_X\n1\n"), testing::HasSubstr("ptN_camM_X, ptN_camM_Y"));
 }
 
 }  // namespace

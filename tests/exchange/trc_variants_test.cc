@@ -81,6 +81,28 @@ const Dialect kDialects[] = {
     {"names over each axis",
      [](const std::string& t) { return Replaced(t, "R\\.(\\w+)\t\t", "R.$1_x\tR.$1_y\tR.$1_z"); }},
     {"names thrice", [](const std::string& t) { return Replaced(t, "R\\.(\\w+)\t\t", "R.$1\tR.$1\tR.$1"); }},
+    {"UTF-16",
+     [](const std::string& t) {
+       std::string wide = "\xFF\xFE";
+       for (const char c : t) wide += {c, '\0'};
+       return wide;
+     }},
+    {"UTF-16, high bytes first",
+     [](const std::string& t) {
+       std::string wide = "\xFE\xFF";
+       for (const char c : t) wide += {'\0', c};
+       return wide;
+     }},
+    {"zeros behind", [](const std::string& t) { return t + std::string(300, '\0'); }},
+    {"Field #", [](const std::string& t) { return Replaced(t, "Frame#", "Field #"); }},
+    {"um",
+     [](const std::string& t) { return Replaced(Replaced(t, "\tmm\t", "\tum\t"), "\t(\\d+)\\.50000", "\t$01500"); }},
+    {"9999999 for missing",
+     [](const std::string& t) {
+       return Replaced(t, "\t\t\t\t(\\d)", "\t9999999.00000\t9999999.00000\t9999999.00000\t$1");
+     }},
+    {"times that rows share", [](const std::string& t) { return Replaced(t, "\t0\\.0\\d000\t", "\t0.0\t"); }},
+    {"times in ms", [](const std::string& t) { return Replaced(t, "\t0\\.0(\\d)000\t", "\t$010.0\t"); }},
     {"no line end at the end", [](const std::string& t) { return t.substr(0, t.size() - 1); }},
     {"blanks for tabs", [](const std::string& t) { return Replaced(Replaced(t, "\t+", "  "), "\n  ", "\n"); }, false},
     {"blanks for tabs in the rows",

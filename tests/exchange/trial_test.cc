@@ -230,7 +230,9 @@ TEST(Trial, MarkersAndDirectionsThatAreNotThereAreTold) {
   };
   exchange::TrialOptions options;
   options.names = {{"knee", "marker 9"}};
-  EXPECT_THAT(message(options), testing::HasSubstr("no marker 'marker 9' (for knee); it has: marker 1, marker 2"));
+  EXPECT_THAT(
+      message(options),
+      testing::HasSubstr("no marker 'marker 9' (for knee); did you mean 'marker 1'?; it has: marker 1, marker 2"));
   for (const auto& [forward, said] :
        {std::pair{"+y", "in a plane it is +x or -x"}, {"+xy", "x, y or z with a sign"}, {"-w", "axis 'w'"}}) {
     options = {};

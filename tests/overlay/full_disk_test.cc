@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "file_limit.h"
-#include "lake/camera/board_sheet.h"
+#include "lake/camera/board.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"

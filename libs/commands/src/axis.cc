@@ -10,7 +10,7 @@
 #include "lake/core/error.h"
 #include "lake/core/plausible.h"
 #include "lake/core/uncertain_text.h"
-#include "lake/exchange/convert_options.h"
+#include "lake/exchange/convert.h"
 #include "lake/exchange/formats.h"
 #include "lake/figure/axis_figure.h"
 #include "png_and_svg.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "lake/camera/board.h"
-#include "lake/camera/board_sheet.h"
 #include "lake/camera/calibration_quality.h"
 #include "lake/camera/camera.h"
 #include "lake/camera/plane_fit.h"

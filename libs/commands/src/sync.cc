@@ -5,7 +5,7 @@
 #include "lake/commands/gait.h"
 #include "lake/core/error.h"
 #include "lake/core/uncertain_text.h"
-#include "lake/exchange/convert_options.h"
+#include "lake/exchange/convert.h"
 #include "lake/figure/sync_figure.h"
 #include "png_and_svg.h"
 

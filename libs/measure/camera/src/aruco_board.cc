@@ -16,18 +16,14 @@ cv::aruco::Dictionary DictionaryOf(const Board& board) {
   return PredefinedArucoDictionary(FindArucoDictionary(board.dictionary)->id);
 }
 
-// Numbered row by row from the top left, as their codes are; mm in the board frame.
-struct MarkerPlace {
-  Eigen::Vector2d top_left = Eigen::Vector2d::Zero();
-};
-
-std::vector<MarkerPlace> MarkerPlaces(const Board& board) {
+// Their top left corners, row by row from the top left, as their codes are; mm in the board frame.
+std::vector<Eigen::Vector2d> MarkerPlaces(const Board& board) {
   const double rim = (board.square_mm - board.marker_mm) / 2;
-  std::vector<MarkerPlace> places;
+  std::vector<Eigen::Vector2d> places;
   for (int row = 0; row < board.rows; ++row)
     for (int column = 0; column < board.columns; ++column)
       if (!board.IsBlack(row, column))
-        places.push_back({{(column - 1) * board.square_mm + rim, (board.rows - 1 - row) * board.square_mm - rim}});
+        places.emplace_back((column - 1) * board.square_mm + rim, (board.rows - 1 - row) * board.square_mm - rim);
   return places;
 }
 
@@ -87,14 +83,13 @@ struct Agreement {
 
 Agreement AgreementOf(const Board& board, const std::vector<SeenMarker>& markers) {
   constexpr double kNeighbours = 1.5, kMostOff = 0.5;  // squares
-  const std::vector<MarkerPlace> places = MarkerPlaces(board);
+  const std::vector<Eigen::Vector2d> places = MarkerPlaces(board);
   Agreement agreement;
   for (const SeenMarker& a : markers)
     for (const SeenMarker& b : markers) {
       const auto count = static_cast<int>(places.size());
       if (a.id == b.id || a.id >= count || b.id >= count) continue;
-      const Eigen::Vector2d on_board =
-          places[static_cast<std::size_t>(b.id)].top_left - places[static_cast<std::size_t>(a.id)].top_left;
+      const Eigen::Vector2d on_board = places[static_cast<std::size_t>(b.id)] - places[static_cast<std::size_t>(a.id)];
       if (on_board.norm() > kNeighbours * board.square_mm || !(std::abs(a.px_from_mm.determinant()) > 0)) continue;
       const Eigen::Vector2d seen = a.px_from_mm.inverse() * (b.centre_px - a.centre_px);
       ++agreement.pairs;
@@ -126,13 +121,13 @@ int DictionarySize(const Board& board) {
 
 std::vector<BoardRectangle> MarkerInk(const Board& board) {
   const cv::aruco::Dictionary dictionary = DictionaryOf(board);
-  const std::vector<MarkerPlace> places = MarkerPlaces(board);
+  const std::vector<Eigen::Vector2d> places = MarkerPlaces(board);
   const int cells = dictionary.markerSize + 2;  // with the black border
   const double cell = board.marker_mm / cells;
   std::vector<BoardRectangle> ink;
   for (std::size_t id = 0; id < places.size(); ++id) {
     const cv::Mat picture = DrawArucoMarker(dictionary, static_cast<int>(id), cells);  // one pixel per cell
-    const Eigen::Vector2d& corner = places[id].top_left;
+    const Eigen::Vector2d& corner = places[id];
     for (int row = 0; row < cells; ++row)
       for (int column = 0; column < cells; ++column)
         if (picture.at<uchar>(row, column) == 0)

@@ -11,29 +11,12 @@
 namespace lake::camera {
 namespace {
 
-constexpr std::array kDictionaries = {
-    ArucoDictionary{"4X4_50", cv::aruco::DICT_4X4_50},
-    ArucoDictionary{"4X4_100", cv::aruco::DICT_4X4_100},
-    ArucoDictionary{"4X4_250", cv::aruco::DICT_4X4_250},
-    ArucoDictionary{"4X4_1000", cv::aruco::DICT_4X4_1000},
-    ArucoDictionary{"5X5_50", cv::aruco::DICT_5X5_50},
-    ArucoDictionary{"5X5_100", cv::aruco::DICT_5X5_100},
-    ArucoDictionary{"5X5_250", cv::aruco::DICT_5X5_250},
-    ArucoDictionary{"5X5_1000", cv::aruco::DICT_5X5_1000},
-    ArucoDictionary{"6X6_50", cv::aruco::DICT_6X6_50},
-    ArucoDictionary{"6X6_100", cv::aruco::DICT_6X6_100},
-    ArucoDictionary{"6X6_250", cv::aruco::DICT_6X6_250},
-    ArucoDictionary{"6X6_1000", cv::aruco::DICT_6X6_1000},
-    ArucoDictionary{"7X7_50", cv::aruco::DICT_7X7_50},
-    ArucoDictionary{"7X7_100", cv::aruco::DICT_7X7_100},
-    ArucoDictionary{"7X7_250", cv::aruco::DICT_7X7_250},
-    ArucoDictionary{"7X7_1000", cv::aruco::DICT_7X7_1000},
-    ArucoDictionary{"ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL},
-    ArucoDictionary{"APRILTAG_16h5", cv::aruco::DICT_APRILTAG_16h5},
-    ArucoDictionary{"APRILTAG_25h9", cv::aruco::DICT_APRILTAG_25h9},
-    ArucoDictionary{"APRILTAG_36h10", cv::aruco::DICT_APRILTAG_36h10},
-    ArucoDictionary{"APRILTAG_36h11", cv::aruco::DICT_APRILTAG_36h11},
-};
+// In the order of OpenCV's enumeration, so that a place in this list is the number there.
+constexpr std::array<std::string_view, 21> kNames = {
+    "4X4_50",   "4X4_100",  "4X4_250",        "4X4_1000",      "5X5_50",        "5X5_100",        "5X5_250",
+    "5X5_1000", "6X6_50",   "6X6_100",        "6X6_250",       "6X6_1000",      "7X7_50",         "7X7_100",
+    "7X7_250",  "7X7_1000", "ARUCO_ORIGINAL", "APRILTAG_16h5", "APRILTAG_25h9", "APRILTAG_36h10", "APRILTAG_36h11"};
+static_assert(kNames[cv::aruco::DICT_APRILTAG_36h11] == kNames.back());
 
 bool SameLetters(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -45,17 +28,13 @@ bool SameLetters(std::string_view a, std::string_view b) {
 std::optional<ArucoDictionary> FindArucoDictionary(std::string_view name) {
   constexpr std::string_view kPrefix = "DICT_";
   if (SameLetters(name.substr(0, kPrefix.size()), kPrefix)) name.remove_prefix(kPrefix.size());
-  const auto found = std::find_if(kDictionaries.begin(), kDictionaries.end(), [&](const ArucoDictionary& dictionary) {
-    return SameLetters(dictionary.name, name);
-  });
-  return found == kDictionaries.end() ? std::nullopt : std::optional(*found);
+  for (std::size_t id = 0; id < kNames.size(); ++id)
+    if (SameLetters(kNames[id], name)) return ArucoDictionary{kNames[id], static_cast<int>(id)};
+  return std::nullopt;
 }
 
 std::string ArucoDictionaryNames() {
-  std::string names;
-  for (const ArucoDictionary& dictionary : kDictionaries)
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", dictionary.name);
-  return names;
+  return fmt::format("{}", fmt::join(kNames, ", "));
 }
 
 }  // namespace lake::camera

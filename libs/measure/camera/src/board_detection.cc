@@ -23,33 +23,24 @@ void OrderRowsUpwards(const Board& board, std::vector<cv::Point2f>& grid) {
     std::swap_ranges(grid.begin() + low * columns, grid.begin() + (low + 1) * columns, grid.begin() + high * columns);
 }
 
-FoundCorners WholeGrid(const Board& board, std::vector<cv::Point2f> pixel) {
+// A chessboard is looked for by the sectors round each corner (A. Duda & U. Frese, Accurate detection and localization
+// of checkerboard corners, 2018), in a second at most and already to a fraction of a pixel; where that fails by the
+// quadrangles of the squares, which takes many seconds where there is none, but milliseconds if only likely ones count.
+enum class Search { kSectors, kQuadrangles, kLikelyQuadrangles };
+
+FoundCorners FindChessboard(const cv::Mat& grey, const Board& board, Search search) {
+  const cv::Size size(board.CornerColumns(), board.CornerRows());
+  const int flags = cv::CALIB_CB_NORMALIZE_IMAGE,
+            likely = search == Search::kLikelyQuadrangles ? cv::CALIB_CB_FAST_CHECK : 0;
   FoundCorners found;
-  OrderRowsUpwards(board, pixel);
-  for (std::size_t i = 0; i < pixel.size(); ++i) found.corner.push_back(static_cast<int>(i));
-  found.pixel = std::move(pixel);
+  const bool is_seen =
+      search == Search::kSectors
+          ? cv::findChessboardCornersSB(grey, size, found.pixel, flags | cv::CALIB_CB_ACCURACY)
+          : cv::findChessboardCorners(grey, size, found.pixel, flags | cv::CALIB_CB_ADAPTIVE_THRESH | likely);
+  if (!is_seen) return {};
+  OrderRowsUpwards(board, found.pixel);
+  for (std::size_t i = 0; i < found.pixel.size(); ++i) found.corner.push_back(static_cast<int>(i));
   return found;
-}
-
-// By the quadrangles of the squares. With `only_if_likely` a picture that shows no board is known not to within
-// milliseconds; without it that takes many seconds.
-FoundCorners FindByQuadrangles(const cv::Mat& grey, const Board& board, bool only_if_likely) {
-  std::vector<cv::Point2f> pixel;
-  const int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
-  if (!cv::findChessboardCorners(grey, {board.CornerColumns(), board.CornerRows()}, pixel,
-                                 only_if_likely ? flags | cv::CALIB_CB_FAST_CHECK : flags))
-    return {};
-  return WholeGrid(board, std::move(pixel));
-}
-
-// By the sectors round each corner (A. Duda & U. Frese, Accurate detection and localization of checkerboard corners,
-// 2018), already to a fraction of a pixel.
-FoundCorners FindBySectors(const cv::Mat& grey, const Board& board) {
-  std::vector<cv::Point2f> pixel;
-  if (!cv::findChessboardCornersSB(grey, {board.CornerColumns(), board.CornerRows()}, pixel,
-                                   cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_ACCURACY))
-    return {};
-  return WholeGrid(board, std::move(pixel));
 }
 
 // How far corners lie off smooth lines: the root mean square of their third differences along rows and columns, which a
@@ -157,15 +148,9 @@ double MedianEdgeWidth(const cv::Mat& grey, const std::vector<cv::Point2f>& pixe
   return widths.empty() ? std::numeric_limits<double>::infinity() : Median(widths);
 }
 
-// A chessboard is looked for by sectors, in a second at most, and where that fails by quadrangles, which takes many
-// seconds where there is none; where the search is not thorough, by quadrangles if they are likely.
-enum class Search { kFirst, kLast };
-
-FoundCorners Find(const cv::Mat& grey, const Board& board, bool thorough, Search search) {
+FoundCorners Find(const cv::Mat& grey, const Board& board, Search search) {
   try {
-    if (board.kind == BoardKind::kCharuco) return FindCharuco(grey, board);
-    return thorough && search == Search::kFirst ? FindBySectors(grey, board)
-                                                : FindByQuadrangles(grey, board, !thorough);
+    return board.kind == BoardKind::kCharuco ? FindCharuco(grey, board) : FindChessboard(grey, board, search);
   } catch (const cv::Exception&) {
     return {};  // OpenCV's searches assert on some pictures without a board, e.g. noise
   }
@@ -174,9 +159,9 @@ FoundCorners Find(const cv::Mat& grey, const Board& board, bool thorough, Search
 // A board printed dark on light, as the searches expect it.
 std::optional<BoardView> DetectDarkOnLight(const cv::Mat& grey, const Board& board,
                                            const BoardDetectionOptions& options, Search search) {
-  FoundCorners found = Find(grey, board, options.thorough, search);
-  if (static_cast<int>(found.corner.size()) < options.least_corners || !SpanThePlane(board, found.corner))
-    return std::nullopt;
+  constexpr std::size_t kLeastCorners = 8;  // of a ChArUco board
+  FoundCorners found = Find(grey, board, search);
+  if (found.corner.size() < kLeastCorners || !SpanThePlane(board, found.corner)) return std::nullopt;
   std::vector<int> half_windows;
   for (const double distance : LineDistances(board, found))
     half_windows.push_back(HalfWindow(board, distance, options.half_window_px));
@@ -199,8 +184,8 @@ std::optional<BoardView> DetectDarkOnLight(const cv::Mat& grey, const Board& boa
 std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board, const BoardDetectionOptions& options) {
   if (grey.type() != CV_8UC1 || grey.empty()) throw Fail("a board is looked for in a grey picture of 8 bits");
   const cv::Mat negative = 255 - grey;
-  std::vector<Search> searches = {Search::kFirst};
-  if (options.thorough && board.kind == BoardKind::kChessboard) searches.push_back(Search::kLast);
+  std::vector<Search> searches = {Search::kLikelyQuadrangles};
+  if (options.thorough && board.kind == BoardKind::kChessboard) searches = {Search::kSectors, Search::kQuadrangles};
   for (const Search search : searches)
     for (const cv::Mat& picture : {grey, negative})
       if (auto view = DetectDarkOnLight(picture, board, options, search)) return view;

@@ -1,5 +1,3 @@
-#include "lake/camera/board_sheet.h"
-
 #include <cairo-pdf.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "lake/camera/board.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 

@@ -57,17 +57,8 @@ struct CornerError {
     in_camera += Eigen::Map<const Eigen::Matrix<T, 3, 1>>(translation);
     if (!(in_camera.z() > T(0))) return false;
     Eigen::Map<Eigen::Matrix<T, 2, 1>> error(residual);
-    error = seen.cast<T>() - Project(intrinsics, distortion, in_camera);
+    error = seen.cast<T>() - ProjectLens<T>(ModelOf(kLens), CoefficientsOf(kLens), intrinsics, distortion, in_camera);
     return true;
-  }
-
-  template <typename T>
-  static Eigen::Matrix<T, 2, 1> Project(const T* intrinsics, const T* distortion, const Eigen::Matrix<T, 3, 1>& point) {
-    if constexpr (kLens == LensFamily::kPolynomial) return ProjectBrownConrady(intrinsics, distortion, point);
-    T all[kLensCoefficients];
-    for (int i = 0; i < static_cast<int>(kLensCoefficients); ++i)
-      all[i] = i < CoefficientsOf(kLens) ? distortion[i] : T(0);
-    return ProjectLens<T>(ModelOf(kLens), intrinsics, all, point);
   }
 
   static ceres::CostFunction* Create(const Eigen::Vector2d& seen, const Eigen::Vector2d& point) {
@@ -167,14 +158,9 @@ Seed SeedOfOpenCv(const Board& board, const std::vector<BoardView>& views, cv::S
                views.size());
   seed.unknowns.intrinsics = {k.at<double>(0, 0), k.at<double>(1, 1), k.at<double>(0, 2), k.at<double>(1, 2)};
   if (options.lens != LensFamily::kFisheye) std::copy_n(d.ptr<double>(), 5, seed.unknowns.distortion.begin());
-  for (std::size_t i = 0, next = 0; i < views.size(); ++i) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
     cv::Mat rotation, translation;
-    if (next < chosen.size() && chosen[next] == i) {
-      rotation = r[next];
-      translation = t[next];
-      ++next;
-    } else
-      cv::solvePnP(points[i], pixels[i], k, d, rotation, translation);
+    cv::solvePnP(points[i], pixels[i], k, d, rotation, translation);
     Unknowns::Pose& pose = seed.unknowns.poses.emplace_back();
     std::copy_n(rotation.ptr<double>(), 3, pose.rotation.begin());
     std::copy_n(translation.ptr<double>(), 3, pose.translation.begin());
@@ -311,11 +297,8 @@ std::vector<double> ErrorsOf(const Camera& camera, const Board& board, const Boa
 double CrossValidationError(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
                             const CalibrationOptions& options) {
   std::vector<double> errors;
-  for (const std::size_t left_out : {0u, 1u}) {
-    std::vector<BoardView> used;
-    for (std::size_t v = 0; v < views.size(); ++v)
-      if (v % 2 != left_out) used.push_back(views[v]);
-    const Camera camera = CalibrateCamera(board, used, width_px, height_px, options).camera;
+  for (const std::size_t left_out : {0, 1}) {
+    const Camera camera = CalibrateCamera(board, EveryOther(views, 1 - left_out), width_px, height_px, options).camera;
     for (std::size_t v = left_out; v < views.size(); v += 2) {
       const std::vector<double> own = ErrorsOf(camera, board, views[v]);
       errors.insert(errors.end(), own.begin(), own.end());
@@ -361,6 +344,12 @@ void FillResiduals(const std::vector<BoardView>& views, const std::vector<Eigen:
 
 std::string ToString(LensFamily lens) {
   return lens == LensFamily::kPolynomial ? "polynomial" : lens == LensFamily::kRational ? "rational" : "fisheye";
+}
+
+std::vector<BoardView> EveryOther(const std::vector<BoardView>& views, std::size_t first) {
+  std::vector<BoardView> chosen;
+  for (std::size_t v = first; v < views.size(); v += 2) chosen.push_back(views[v]);
+  return chosen;
 }
 
 LensChoice ChooseLens(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,

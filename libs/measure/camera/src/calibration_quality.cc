@@ -52,16 +52,6 @@ std::optional<Eigen::Vector3d> RayIfAny(const Camera& camera, const Eigen::Vecto
   }
 }
 
-struct Halves {
-  std::vector<BoardView> odd, even;
-};
-
-Halves Split(const std::vector<BoardView>& views) {
-  Halves halves;
-  for (std::size_t i = 0; i < views.size(); ++i) (i % 2 ? halves.odd : halves.even).push_back(views[i]);
-  return halves;
-}
-
 void WarnOfFit(const std::vector<BoardView>& views, const CalibrationResult& result, std::size_t worst,
                std::vector<std::string>& warnings) {
   if (result.rms_px <= kHighRmsPx) return;
@@ -181,10 +171,9 @@ CameraDifference CompareCameras(const Camera& a, const Camera& b) {
 std::optional<CameraDifference> CrossValidate(const Board& board, const std::vector<BoardView>& views, int width_px,
                                               int height_px, const CalibrationOptions& options) {
   if (views.size() < 6) return std::nullopt;
-  const Halves halves = Split(views);
   try {
-    const CalibrationResult even = CalibrateCamera(board, halves.even, width_px, height_px, options);
-    const CalibrationResult odd = CalibrateCamera(board, halves.odd, width_px, height_px, options);
+    const CalibrationResult even = CalibrateCamera(board, EveryOther(views, 0), width_px, height_px, options);
+    const CalibrationResult odd = CalibrateCamera(board, EveryOther(views, 1), width_px, height_px, options);
     if (!even.summary.usable || !odd.summary.usable) return std::nullopt;
     return CompareCameras(even.camera, odd.camera);
   } catch (const Error&) {

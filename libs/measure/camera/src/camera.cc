@@ -8,24 +8,11 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <vector>
 
 #include "lake/core/error.h"
 
 namespace lake::camera {
 namespace {
-
-// A polynomial in t = r², lowest power first.
-using Cubic = std::array<double, 4>;
-
-double Value(const Cubic& c, double t) {
-  return c[0] + t * (c[1] + t * (c[2] + t * c[3]));
-}
-
-// d (r radial(r²)) / dr, the polynomial whose first positive root is the fold.
-Cubic RadialSlope(const std::array<double, 5>& k) {
-  return {1, 3 * k[0], 5 * k[1], 7 * k[4]};
-}
 
 // Where a falling function crosses zero, from below.
 double Bisect(const auto& function, double low, double high, int halvings) {
@@ -36,49 +23,24 @@ double Bisect(const auto& function, double low, double high, int halvings) {
   return low;
 }
 
-// The positive places where the cubic's slope vanishes, in order: between them it is monotonic.
-std::vector<double> TurningPoints(const Cubic& c) {
-  const double a = 3 * c[3], b = 2 * c[2], d = b * b - 4 * a * c[1];
-  std::vector<double> t;
-  if (a == 0 && b != 0) t = {-c[1] / b};
-  if (a != 0 && d > 0) t = {(-b - std::sqrt(d)) / (2 * a), (-b + std::sqrt(d)) / (2 * a)};
-  std::erase_if(t, [](double x) { return !(x > 0); });
-  std::sort(t.begin(), t.end());
-  return t;
-}
-
-// The smallest positive root of a cubic that is 1 at t = 0; infinite if there is none below kFarthest.
-double FirstRoot(const Cubic& c) {
-  constexpr int kToTheLastBit = 60;
-  constexpr double kFarthest = 1e4;  // r = 100: 89.4 degrees from the axis
-  std::vector<double> ends = TurningPoints(c);
-  ends.push_back(kFarthest);
-  double low = 0;
-  for (const double end : ends) {
-    if (Value(c, end) <= 0) return Bisect([&](double t) { return Value(c, t); }, low, end, kToTheLastBit);
-    low = end;
-  }
-  return std::numeric_limits<double>::infinity();
-}
-
 // The radial part of the lens at a distance r from the axis: where (r, 0) goes without the tangential terms.
-double RadialPart(const Camera& camera, double r) {
-  std::array<double, kLensCoefficients> c = {};
-  std::copy_n(camera.distortion.begin(), 5, c.begin());
-  if (camera.model == LensModel::kFisheye) return DistortFisheye(c.data(), r, 0.0).x();
-  c[2] = c[3] = 0;
-  std::copy_n(camera.more.begin(), 3, c.begin() + 5);
-  return DistortBrownConrady(c.data(), r, 0.0).x();
+template <typename T>
+T RadialPart(const Camera& camera, const T& r) {
+  T c[kLensCoefficients] = {};
+  for (std::size_t i = 0; i < 5; ++i) c[i] = T(camera.distortion[i]);
+  if (camera.model == LensModel::kFisheye) return DistortFisheye(c, r, T(0)).x();
+  c[2] = c[3] = T(0);
+  for (std::size_t i = 0; i < 3; ++i) c[5 + i] = T(camera.more[i]);
+  return DistortBrownConrady(c, 8, r, T(0)).x();
 }
 
 // The first r at which the radial part does not rise; it is looked for in steps of half a degree of the angle from the
 // axis, so that what happens at the very edge is not missed.
 double SearchFold(const Camera& camera) {
   constexpr int kSteps = 178, kToTheLastBit = 60;
-  constexpr double kStep_rad = std::numbers::pi / 360, kDifference = 1e-6;
-  const auto slope = [&](double angle) {
-    return RadialPart(camera, std::tan(angle + kDifference)) - RadialPart(camera, std::tan(angle));
-  };
+  constexpr double kStep_rad = std::numbers::pi / 360;
+  using Jet = ceres::Jet<double, 1>;
+  const auto slope = [&](double angle) { return RadialPart(camera, Jet(std::tan(angle), 0)).v[0]; };
   for (int i = 0; i < kSteps; ++i)
     if (!(slope((i + 1) * kStep_rad) > 0))
       return std::tan(Bisect(slope, i * kStep_rad, (i + 1) * kStep_rad, kToTheLastBit));
@@ -91,21 +53,7 @@ struct Distorted {
   Eigen::Matrix2d jacobian;
 };
 
-Distorted DistortPlain(const std::array<double, 5>& k, const Eigen::Vector2d& p) {
-  const auto [k1, k2, p1, p2, k3] = k;
-  const double x = p.x(), y = p.y(), r2 = p.squaredNorm();
-  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  const double slope = k1 + r2 * (2 * k2 + r2 * 3 * k3);  // d radial / d r2
-  Distorted d;
-  d.point = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
-  d.jacobian(0, 0) = radial + 2 * x * x * slope + 2 * p1 * y + 6 * p2 * x;
-  d.jacobian(0, 1) = d.jacobian(1, 0) = 2 * x * y * slope + 2 * p1 * x + 2 * p2 * y;
-  d.jacobian(1, 1) = radial + 2 * y * y * slope + 6 * p1 * y + 2 * p2 * x;
-  return d;
-}
-
 Distorted Distort(const Camera& camera, const Eigen::Vector2d& p) {
-  if (camera.IsPlain()) return DistortPlain(camera.distortion, p);
   using Jet = ceres::Jet<double, 2>;
   Camera normalised = camera;
   normalised.fx = normalised.fy = 1;
@@ -170,10 +118,8 @@ double FoldRadius(const Camera& camera) {
   };
   thread_local std::optional<Known> last;
   if (!last || last->model != camera.model || last->distortion != camera.distortion || last->more != camera.more)
-    last = Known{.model = camera.model,
-                 .distortion = camera.distortion,
-                 .more = camera.more,
-                 .fold = camera.IsPlain() ? std::sqrt(FirstRoot(RadialSlope(camera.distortion))) : SearchFold(camera)};
+    last =
+        Known{.model = camera.model, .distortion = camera.distortion, .more = camera.more, .fold = SearchFold(camera)};
   return last->fold;
 }
 

@@ -116,6 +116,7 @@ const Dialect kDialects[] = {{"OpenCV or ROS",
                               "distortion_coefficients",
                               "distortion_model",
                               "camera_name"},
+                             {"ROS (a message)", "K", {"width", "height"}, "D", "distortion_model", ""},
                              {"kalibr", "intrinsics", {"resolution"}, "distortion_coeffs", "distortion_model", ""},
                              {"Pose2Sim or caliscope", "matrix", {"size"}, "distortions", "fisheye", ""},
                              {"Vicon", "KeyFrames", {"SENSOR_SIZE"}, "", "", "DEVICEID", ReadVicon},
@@ -249,7 +250,11 @@ CameraProfile CameraOf(const Json& tree, const std::filesystem::path& path, cons
   const auto& [name, node, dialect] = cameras.front();
   CameraProfile profile;
   const std::string where = name.empty() ? path.string() : fmt::format("{}: camera {}", path.string(), name);
-  profile.camera = ReadCamera(*node, *dialect, where, profile.warnings);
+  try {
+    profile.camera = ReadCamera(*node, *dialect, where, profile.warnings);
+  } catch (const Error& error) {
+    throw Fail("{}; it is read as a camera of {}", error.what(), dialect->program);
+  }
   return profile;
 }
 

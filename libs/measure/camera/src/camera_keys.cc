@@ -1,9 +1,8 @@
-#include "lake/camera/camera_keys.h"
-
 #include <fmt/format.h>
 
 #include <array>
 
+#include "lake/camera/camera.h"
 #include "lake/core/option_template.h"
 
 namespace lake::camera {

@@ -82,6 +82,10 @@ CameraProfile ReadCameraProfile(const std::filesystem::path& path, const std::st
         "and run lake calibrate, or take fx, fy, cx, cy and k1, k2, k3 from Motive's camera API into a camera.yaml "
         "(lake calibrate --template)",
         path.string());
+  if (ending == ".ini")
+    throw Fail(
+        "{}: is an oST file of ROS: rosrun camera_calibration_parsers convert {} camera.yaml makes one that is read",
+        path.string(), path.filename().string());
   const Json file = ReadTree(path);
   CameraProfile profile = CameraOf(file, path, view);
   ReadOwnKeys(file, path.string(), profile);
@@ -90,7 +94,8 @@ CameraProfile ReadCameraProfile(const std::filesystem::path& path, const std::st
 
 bool IsCameraFile(const std::filesystem::path& path) {
   const std::string name = cv::toLowerCase(path.filename().string());
-  constexpr const char* kEndings[] = {".yaml", ".yml", ".json", ".xml", ".toml", ".xcp", ".qca.txt", ".cal", ".mcal"};
+  constexpr const char* kEndings[] = {".yaml", ".yml",     ".json", ".xml",  ".toml",
+                                      ".xcp",  ".qca.txt", ".cal",  ".mcal", ".ini"};
   return std::ranges::any_of(kEndings, [&](const char* ending) { return name.ends_with(ending); });
 }
 

@@ -1,11 +1,10 @@
-#include "lake/camera/two_cameras.h"
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <random>
 #include <set>
 
+#include "lake/camera/calibration_quality.h"
 #include "lake/camera/plane_fit.h"
 #include "lake/core/error.h"
 

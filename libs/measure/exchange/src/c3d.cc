@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "c3d_layout.h"
+#include "c3d_bytes.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/uncertain_text.h"

@@ -144,6 +144,13 @@ std::size_t C3dParameters::ElementsOf(const Value& value, std::size_t first_dime
   return value.offset > bytes_.Size() || count * bytes > bytes_.Size() - value.offset ? 0 : count;
 }
 
+auto C3dParameters::JoinedParts(const std::string& name, const auto& values_of) const {
+  auto values = values_of(name);
+  for (std::size_t part = 2; Has(PartName(name, part)); ++part)
+    std::ranges::copy(values_of(PartName(name, part)), std::back_inserter(values));
+  return values;
+}
+
 std::vector<double> C3dParameters::NumbersOf(const std::string& name) const {
   const auto found = values_.find(name);
   std::vector<double> numbers;
@@ -159,12 +166,7 @@ std::vector<double> C3dParameters::NumbersOf(const std::string& name) const {
 }
 
 std::vector<double> C3dParameters::Numbers(const std::string& name) const {
-  std::vector<double> numbers = NumbersOf(name);
-  for (std::size_t part = 2; Has(PartName(name, part)); ++part) {
-    const std::vector<double> more = NumbersOf(PartName(name, part));
-    numbers.insert(numbers.end(), more.begin(), more.end());
-  }
-  return numbers;
+  return JoinedParts(name, [&](const std::string& part) { return NumbersOf(part); });
 }
 
 std::optional<double> C3dParameters::Number(const std::string& name) const {
@@ -195,12 +197,7 @@ std::vector<std::string> C3dParameters::TextsOf(const std::string& name) const {
 }
 
 std::vector<std::string> C3dParameters::Texts(const std::string& name) const {
-  std::vector<std::string> texts = TextsOf(name);
-  for (std::size_t part = 2; Has(PartName(name, part)); ++part) {
-    const std::vector<std::string> more = TextsOf(PartName(name, part));
-    texts.insert(texts.end(), more.begin(), more.end());
-  }
-  return texts;
+  return JoinedParts(name, [&](const std::string& part) { return TextsOf(part); });
 }
 
 C3dBuffer& C3dBuffer::Byte(int value) {

@@ -1,4 +1,5 @@
-// The bytes of a C3D file: words of three kinds of processor, and the parameter section. Not part of the interface.
+// The bytes of a C3D file: words of three kinds of processor, the parameter section, and what it and the header say of
+// the data. Not part of the interface.
 #pragma once
 
 #include <cstdint>
@@ -66,6 +67,7 @@ class C3dParameters {
   // Of one parameter, without its continuations.
   std::vector<double> NumbersOf(const std::string& name) const;
   std::vector<std::string> TextsOf(const std::string& name) const;
+  auto JoinedParts(const std::string& name, const auto& values_of) const;
   // How many elements of so many bytes it has; 0 where they do not lie within the file.
   std::size_t ElementsOf(const Value& value, std::size_t first_dimension, std::size_t bytes) const;
 
@@ -73,6 +75,33 @@ class C3dParameters {
   std::map<std::string, Value> values_;
   std::vector<std::string> warnings_;
 };
+
+// What the header and the parameters say about the points.
+struct C3dLayout {
+  std::size_t points = 0, frames = 0, first_frame = 0;
+  std::size_t analog_per_frame = 0;  // samples of all channels
+  std::size_t data_offset = 0;       // bytes
+  double scale = -1;                 // < 0: floats
+  double rate_hz = 0;
+  double mm_per_unit = 1;
+  char up_axis = 'z';
+  std::vector<std::string> labels;  // of the points
+  std::vector<std::string> warnings;
+
+  bool IsFloat() const { return scale < 0; }
+  std::size_t WordBytes() const { return IsFloat() ? 4 : 2; }
+  std::size_t FrameBytes() const { return WordBytes() * (4 * points + analog_per_frame); }
+};
+
+// A 16-bit word that was read with a sign, where it has none.
+inline double Unsigned(double word) {
+  return word < 0 ? word + 65536 : word;
+}
+
+// The file states its sizes in its header and in its parameters. Where these differ, those hold with which the frames
+// end in the file's last block; among several of them what most places state. Of a file that is cut off the frames that
+// are there. Throws Error where that does not decide, and for a file that holds neither points nor analogue channels.
+C3dLayout ReadLayout(const C3dBytes& bytes, const C3dParameters& parameters);
 
 // Little-endian output.
 class C3dBuffer {

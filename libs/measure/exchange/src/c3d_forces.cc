@@ -7,14 +7,14 @@
 #include <optional>
 #include <span>
 
-#include "c3d_layout.h"
+#include "c3d_bytes.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/point_recording.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -156,21 +156,18 @@ C3dPlate ReadPlate(const C3dParameters& parameters, const C3dLayout& layout, con
   const auto unit = [&](std::size_t i) { return plate.channel[i] < units.size() ? units[plate.channel[i]] : ""; };
   plate.six_from_channels = Eigen::MatrixXd::Identity(6, 6);
   if (!type->sensors.empty()) plate.six_from_channels = SensorMatrix(type->sensors, sensors_m.x(), sensors_m.y());
-  Eigen::MatrixXd newtons(type->channels, type->channels);
-  newtons.setZero();
-  for (std::size_t i = 0; i < type->channels; ++i)
-    newtons(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) = NewtonsPerUnit(unit(i));
+  Eigen::VectorXd newtons(type->channels);
+  for (std::size_t i = 0; i < type->channels; ++i) newtons[static_cast<Eigen::Index>(i)] = NewtonsPerUnit(unit(i));
   if (number == 1) {
     plate.m_per_place = FindMmPerUnit(unit(3)).value_or(layout.mm_per_unit) / kMmPerM;
-    newtons(3, 3) = newtons(4, 4) = 1;
+    newtons[3] = newtons[4] = 1;
   }
-  const std::size_t square = type->channels * type->channels;
+  plate.six_from_channels *= newtons.asDiagonal();
   if (type->has_matrix && (number == 4 || parameters.Has("FORCE_PLATFORM:CAL_MATRIX"))) {
-    const std::vector<double> matrix = numbers("CAL_MATRIX", square);  // by columns
     const auto side = static_cast<Eigen::Index>(type->channels);
-    newtons *= Eigen::Map<const Eigen::MatrixXd>(matrix.data(), side, side);
+    const std::vector<double> matrix = numbers("CAL_MATRIX", type->channels * type->channels);  // by columns
+    plate.six_from_channels *= Eigen::Map<const Eigen::MatrixXd>(matrix.data(), side, side);
   }
-  plate.six_from_channels *= newtons;
   return plate;
 }
 
@@ -192,8 +189,7 @@ PlateSamples ReadSamples(const C3dBytes& bytes, const C3dLayout& layout, const A
                                                : bytes.Signed16(at);
     return (stored - analog.offset[channel]) * analog.scale[channel];
   };
-  PlateSamples read;
-  read.plate = plate;
+  PlateSamples read{plate, {}};
   Eigen::MatrixXd channels(plate.channel.size(), layout.frames * analog.samples);
   Eigen::Index column = 0;
   for (std::size_t frame = 0; frame < layout.frames; ++frame)

@@ -1,14 +1,14 @@
-#include "c3d_layout.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
+#include "c3d_bytes.h"
 #include "lake/core/error.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/point_recording.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -41,7 +41,8 @@ constexpr const char* kSizeNames[] = {"points", "analogue samples of a frame", "
 struct Stated {
   const char* where;
   double value;
-  std::size_t first = 1;  // of frames: the number of the first
+  std::size_t first = 1;     // of frames: the number of the first
+  std::ptrdiff_t votes = 1;  // 0: what no place states, and only the file's size can prove
 };
 using StatedSizes = std::array<std::vector<Stated>, kSizes>;  // of each, what is believed first stands first
 
@@ -50,17 +51,19 @@ bool Agree(Size size, double a, double b) {
   return size == kScale ? (a < 0) == (b < 0) : a == b;
 }
 
-constexpr double kMostCut = 65535;
+constexpr std::size_t kMostCut = 65535;
 
 std::ptrdiff_t Votes(Size size, double value, const StatedSizes& stated) {
-  return std::ranges::count_if(stated[size], [&](const Stated& s) { return Agree(size, s.value, value); });
+  std::ptrdiff_t votes = 0;
+  for (const Stated& each : stated[size]) votes += Agree(size, each.value, value) ? each.votes : 0;
+  return votes;
 }
 
 // 0 is left out where another place says more, and so is what cannot be.
 bool CanBe(Size size, double value) {
-  constexpr double kLeastScale = 1e-6;  // 16 bits would hold a thirtieth of a millimetre
+  constexpr double kLeastScale = 1e-6;  // 16 bits would hold a thirtieth of a millimetre; floats are not scaled
   constexpr double kMostBlocks = 65535, kMostCount = 4294967295;
-  if (size == kScale) return std::isfinite(value) && std::abs(value) >= kLeastScale;
+  if (size == kScale) return std::isfinite(value) && (value < 0 || value >= kLeastScale);
   const double least = size == kBlock ? 2 : size == kAnalog ? 0 : 1;
   return value >= least && value <= (size == kBlock ? kMostBlocks : kMostCount) && value == std::floor(value);
 }
@@ -75,17 +78,22 @@ StatedSizes ReadStatedSizes(const C3dBytes& bytes, const C3dParameters& paramete
   StatedSizes stated;
   const auto add = [&](Size size, const char* where, std::optional<double> value, double first = 1) {
     if (value && CanBe(size, *value))
-      stated[size].push_back({where, size == kScale && *value < 0 ? -1 : *value,  // floats, which are not scaled
-                              static_cast<std::size_t>(std::max(first, 1.0))});
+      stated[size].push_back({where, *value, static_cast<std::size_t>(std::max(first, 1.0))});
   };
   const auto word = [&](std::size_t offset) { return static_cast<double>(bytes.Unsigned16(offset)); };
   const std::optional<double> scale = parameters.Number("POINT:SCALE"), start = parameters.Number("POINT:DATA_START");
   add(kPoints, "POINT:USED", parameters.Number("POINT:USED"));
   add(kPoints, "the header", word(2));
   if (stated[kPoints].empty()) stated[kPoints].push_back({"POINT:USED", 0});  // a recording of forces alone
+  const auto labels = static_cast<double>(parameters.Texts("POINT:LABELS").size());
+  if (Votes(kPoints, labels, stated) > 0) add(kPoints, "POINT:LABELS", labels);
   add(kScale, "POINT:SCALE", scale);
   add(kScale, "the header", bytes.Float(12));
-  if (stated[kScale].empty()) throw Fail("{}: POINT:SCALE is {}", bytes.Path(), scale.value_or(bytes.Float(12)));
+  // Some writers have the sign wrong, which is that of floats.
+  if (stated[kScale].empty())
+    stated[kScale].push_back({"no place, so they are floats", -1, 1, 0});
+  else
+    stated[kScale].push_back({"the data", -stated[kScale].front().value, 1, 0});
   add(kBlock, "POINT:DATA_START", start);
   add(kBlock, "the header", word(16));
   if (stated[kBlock].empty())
@@ -142,15 +150,29 @@ std::vector<Geometry> GeometriesOf(const StatedSizes& stated) {
   return geometries;
 }
 
+// Whether the data's first words, taken for floats, are such as a laboratory has; integers make denormal numbers.
+bool LookLikeFloats(const C3dBytes& bytes, std::size_t offset) {
+  constexpr std::size_t kWords = 256;
+  constexpr double kLeast = 1e-6, kMost = 1e7;
+  bool any = false;
+  for (std::size_t at = offset; at + 4 <= std::min(bytes.Size(), offset + 4 * kWords); at += 4) {
+    const double value = std::abs(bytes.Float(at));
+    if (value < kLeast ? value > 0 : value > kMost) return false;
+    any = any || value > 0;
+  }
+  return any;
+}
+
+bool AreZeros(const C3dBytes& bytes, std::size_t begin, std::size_t end) {
+  return bytes.Text(begin, end - begin).find_first_not_of('\0') == std::string::npos;
+}
+
 // Zeros that fill the last block of a file look like frames.
 std::size_t EmptyAtTheEnd(const C3dBytes& bytes, const Geometry& geometry) {
-  const std::size_t frame = geometry.FrameBytes(), end = geometry.Available(bytes.Size()) / frame * frame;
+  const std::size_t frame = geometry.FrameBytes(), held = geometry.Available(bytes.Size()) / frame;
   std::size_t empty = 0;
-  const auto is_empty = [&] {
-    const std::size_t at = geometry.DataOffset() + end - (empty + 1) * frame;
-    return bytes.Text(at, frame).find_first_not_of('\0') == std::string::npos;
-  };
-  while (empty < 511 / frame && is_empty()) ++empty;
+  const auto end = [&] { return geometry.DataOffset() + (held - empty) * frame; };
+  while (empty < 511 / frame && AreZeros(bytes, end() - frame, end())) ++empty;
   return empty;
 }
 
@@ -158,13 +180,12 @@ std::size_t EmptyAtTheEnd(const C3dBytes& bytes, const Geometry& geometry) {
 // multiple of 65536.
 std::size_t FramesFilling(const C3dBytes& bytes, const Geometry& geometry, std::size_t count, std::size_t first,
                           bool may_be_cut) {
-  constexpr std::size_t kMost = 65535;
-  const std::size_t size = bytes.Size();
+  const std::size_t size = bytes.Size(), held = geometry.Available(size) / geometry.FrameBytes();
+  const bool is_full = may_be_cut && held > kMostCut && (count == kMostCut || first + count - 1 == kMostCut);
+  if (is_full) return held - EmptyAtTheEnd(bytes, geometry);
   if (geometry.Fills(count, size)) return count;
-  const std::size_t held = geometry.Available(size) / geometry.FrameBytes();
-  if (!may_be_cut || held <= kMost) return 0;
-  if (count == kMost || first + count - 1 == kMost) return held - EmptyAtTheEnd(bytes, geometry);
-  const std::size_t wrapped = held - (held - count) % (kMost + 1);
+  if (!may_be_cut || held <= kMostCut) return 0;
+  const std::size_t wrapped = held - (held - count) % (kMostCut + 1);
   return count <= held && geometry.Fills(wrapped, size) ? wrapped : 0;
 }
 
@@ -176,12 +197,21 @@ struct Reading {
   Stated frames;
   std::size_t count = 0;
   Fit fit = Fit::kCutOff;
+
+  // Whether nothing but zeros lies behind the last frame, and more than zeros in it.
+  bool EndsWithData(const C3dBytes& bytes) const {
+    const std::size_t end = geometry.DataOffset() + count * geometry.FrameBytes();
+    return fit == Fit::kFilled && AreZeros(bytes, end, bytes.Size()) &&
+           !AreZeros(bytes, end - geometry.FrameBytes(), end);
+  }
 };
 
 std::vector<Reading> ReadingsOf(const StatedSizes& stated, const C3dBytes& bytes) {
   std::vector<Reading> readings;
   const bool may_be_cut = std::ranges::none_of(stated[kFrames], [](const Stated& s) { return s.value > kMostCut; });
   for (const Geometry& geometry : GeometriesOf(stated)) {
+    const double scale = geometry.sizes[kScale];
+    if (Votes(kScale, scale, stated) == 0 && LookLikeFloats(bytes, geometry.DataOffset()) != (scale < 0)) continue;
     const std::size_t held = geometry.Available(bytes.Size()) / geometry.FrameBytes();
     std::vector<Reading> of_this;
     for (const Stated& frames : stated[kFrames]) {
@@ -194,37 +224,57 @@ std::vector<Reading> ReadingsOf(const StatedSizes& stated, const C3dBytes& bytes
     // A count that 16 bits do not hold was not cut by them.
     const auto rank = [&](const Reading& reading) {
       const bool is_long = reading.frames.value > kMostCut && reading.fit != Fit::kCutOff;
-      return std::pair(reading.fit == Fit::kFilled,
-                       Votes(kFrames, reading.frames.value, stated) + (is_long ? kSizes : 0));
+      return std::tuple(reading.fit == Fit::kFilled,
+                        Votes(kFrames, reading.frames.value, stated) + (is_long ? kSizes : 0),
+                        reading.EndsWithData(bytes));
     };
     if (const auto best = std::ranges::max_element(of_this, {}, rank); best != of_this.end()) readings.push_back(*best);
   }
   return readings;
 }
 
+// Whether a count of frames is the one that is read, or that one as 16 bits cut it.
+bool MeansFrames(const Stated& stated, std::size_t count) {
+  const auto value = static_cast<std::size_t>(stated.value);
+  return value == count || (count > kMostCut && (value == kMostCut || stated.first + value - 1 == kMostCut ||
+                                                 (count - value) % (kMostCut + 1) == 0));
+}
+
 std::string Contradictions(const StatedSizes& stated, const Reading& reading) {
   std::string text;
-  for (const Size size : {kPoints, kAnalog, kBlock, kScale}) {
-    const std::vector<Stated>& all = stated[size];
-    if (std::ranges::all_of(all, [&](const Stated& each) { return each.value == all.front().value; })) continue;
+  const auto add = [&](const char* what, const std::vector<Stated>& all, const std::string& read) {
     std::vector<std::string> parts;
-    parts.reserve(all.size());
-    for (const Stated& each : all) parts.push_back(fmt::format("{} by {}", each.value, each.where));
-    text += fmt::format("{}: {}; ", kSizeNames[size], fmt::join(parts, ", "));
+    for (const Stated& each : all)
+      if (each.votes > 0) parts.push_back(fmt::format("{} by {}", each.value, each.where));
+    if (parts.empty()) parts.emplace_back("not stated");
+    text += fmt::format("{}: {}{}; ", what, fmt::join(parts, ", "), read);
+  };
+  for (const Size size : {kPoints, kAnalog, kBlock, kScale}) {
+    const double read = reading.geometry.sizes[size];
+    const auto differs = [&](const Stated& each) {
+      return each.votes > 0 && each.value != read && !(size == kScale && each.value < 0 && read < 0);
+    };
+    if (Votes(size, read, stated) == 0 || std::ranges::any_of(stated[size], differs))
+      add(kSizeNames[size], stated[size], size == kScale ? read < 0 ? ", floats in the file" : ", integers in it" : "");
   }
-  const Stated& believed = stated[kFrames].front();
-  if (reading.fit != Fit::kCutOff && static_cast<double>(reading.count) != believed.value)
-    text += fmt::format("frames: {} by {}, {} in the file; ", believed.value, believed.where, reading.count);
+  const auto means = [&](const Stated& each) { return MeansFrames(each, reading.count); };
+  if (reading.fit != Fit::kCutOff &&
+      (!std::ranges::all_of(stated[kFrames], means) || Votes(kFrames, static_cast<double>(reading.count), stated) == 0))
+    add("frames", stated[kFrames], fmt::format(", {} in the file", reading.count));
   return text;
 }
 
 void ReadSizes(const StatedSizes& stated, const C3dBytes& bytes, C3dLayout& layout) {
   const std::vector<Reading> readings = ReadingsOf(stated, bytes);
-  const auto rank = [](const Reading& reading) { return std::pair(reading.fit, reading.geometry.votes); };
+  const auto rank = [&](const Reading& reading) {
+    return std::tuple(reading.fit, reading.geometry.votes, reading.EndsWithData(bytes));
+  };
   const auto best = std::ranges::max_element(readings, {}, rank);
   if (best == readings.end())
     throw Fail("{}: holds no frame of points or analogue channels ({} frames of {} points are stated)", bytes.Path(),
                stated[kFrames].front().value, stated[kPoints].front().value);
+  if (best->fit != Fit::kFilled && stated[kScale].front().votes == 0)
+    throw Fail("{}: POINT:SCALE is absent or 0, and the data are not floats by their size", bytes.Path());
   const std::string contradictions = Contradictions(stated, *best);
   if (std::ranges::count(readings, rank(*best), rank) > 1)
     throw Fail("{}: contradicts itself ({}and the file's size does not decide); save it anew from the program it is of",
@@ -247,16 +297,31 @@ void ReadSizes(const StatedSizes& stated, const C3dBytes& bytes, C3dLayout& layo
   layout.frames = best->count;
 }
 
-// By the parameter, else by the header.
+// By the parameter, else by the header, else by what cameras and channels ran at.
 double ReadRate(const C3dBytes& bytes, const C3dParameters& parameters, std::vector<std::string>& warnings) {
   constexpr double kLeast_hz = 1e-3, kAlike = 1e-3;
-  std::vector<double> rates_hz = {parameters.Number("POINT:RATE").value_or(0), bytes.Float(20)};
-  std::erase_if(rates_hz, [](double rate_hz) { return !(rate_hz > kLeast_hz && std::isfinite(rate_hz)); });
-  if (rates_hz.empty()) throw Fail("{}: neither POINT:RATE nor the header has a frame rate", bytes.Path());
-  if (std::abs(rates_hz.front() / rates_hz.back() - 1) > kAlike)
+  struct Rate {
+    std::string_view where;
+    double hz;
+  };
+  const auto number = [&](const char* name) { return parameters.Number(name).value_or(0); };
+  std::vector<Rate> rates = {{"POINT:RATE", number("POINT:RATE")}, {"the header", bytes.Float(20)}};
+  const auto drop_none = [&] {
+    std::erase_if(rates, [](const Rate& rate) { return !(rate.hz > kLeast_hz && std::isfinite(rate.hz)); });
+  };
+  drop_none();
+  if (rates.empty()) {
+    rates = {{"TRIAL:CAMERA_RATE", number("TRIAL:CAMERA_RATE")},
+             {"ANALOG:RATE", number("ANALOG:RATE") / std::max<double>(bytes.Unsigned16(18), 1)}};
+    drop_none();
+    if (rates.empty()) throw Fail("{}: neither POINT:RATE nor the header has a frame rate", bytes.Path());
+    warnings.push_back(fmt::format("{}: neither POINT:RATE nor the header has a frame rate; {} Hz are taken by {}",
+                                   bytes.Path(), SignificantText(rates[0].hz, 6), rates[0].where));
+  } else if (std::abs(rates.front().hz / rates.back().hz - 1) > kAlike) {
     warnings.push_back(fmt::format("{}: POINT:RATE is {} Hz, the header's rate {} Hz; the former is taken",
-                                   bytes.Path(), SignificantText(rates_hz[0], 6), SignificantText(rates_hz[1], 6)));
-  return rates_hz.front();
+                                   bytes.Path(), SignificantText(rates[0].hz, 6), SignificantText(rates[1].hz, 6)));
+  }
+  return rates.front().hz;
 }
 
 }  // namespace

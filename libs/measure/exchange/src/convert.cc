@@ -6,8 +6,7 @@
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/mot.h"
-#include "marker_files.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -87,7 +86,7 @@ std::vector<PointEvent> EventsOfFolder(const fs::path& folder, const ConvertOpti
 std::vector<std::string> ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
   CheckNoPointOptions(out, options);
   MotTable table;
-  if (IsAngleTable(in)) {
+  if (IsMot(in)) {
     if (options.flexion_negative)
       throw UsageError("--flexion-negative is for kinematics.csv; the sign of a .mot stays as it is");
     if (options.leg) throw UsageError("--leg is for kinematics.csv; the columns of a .mot keep their names");
@@ -162,19 +161,14 @@ std::vector<std::string> ConvertCamera(const fs::path& in, const fs::path& out, 
 
 }  // namespace
 
-bool IsAngleTable(const fs::path& path) {
-  const std::string extension = Lower(path.extension().string());
-  return extension == ".mot" || extension == ".sto";
-}
-
 std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
   if (!fs::exists(in)) throw Fail("{}: no such file", in.string());
   if (fs::exists(out) && fs::equivalent(in, out)) throw UsageError("{}: is the input itself", out.string());
   const std::string ending = Lower(out.extension().string());
   if (ending == ".yaml" || ending == ".yml") return ConvertCamera(in, out, options);
-  if (IsAngleTable(out)) return ConvertAngles(in, out, options);
+  if (IsMot(out)) return ConvertAngles(in, out, options);
   FormatOf(out);  // a wrong ending is told before a long file is read
-  if (IsAngleTable(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
+  if (IsMot(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
   if (options.flexion_negative || (options.leg && ending != ".c3d"))
     throw UsageError("{} is for a .mot that is written", options.leg ? "--leg" : "--flexion-negative");
   CheckNoneIsUnused(in, UnusedOptions(in, options.reading));
@@ -196,6 +190,35 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
         out.string()));
   WritePoints(out, points, options.unit);
   return points.warnings;
+}
+
+void Describe(ConvertOptions& o, OptionList& options) {
+  options.Add("map", o.reading.names, "Keep these markers only, under these names; A+B is the midpoint of two")
+      .Value("NAME=MARKER,...");
+  options.Add("forward", o.reading.forward, "Turn a 3-D trial so that this axis of the file is x, up is y, right is z")
+      .Value("AXIS")
+      .Otherwise("axes as they are");
+  DescribeUnit("unit", o.reading.mm_per_unit, options);
+  Describe(o.picture, options);
+  DescribeRate(o.reading.rate_hz, options);
+  DescribeReading(o.reading, options);
+  using Units = OptionList::Choices<std::string>;
+  options.AddChoice("out-unit", o.unit, Units{{"mm", "mm"}, {"cm", "cm"}, {"m", "m"}}, "Length unit of a .trc output");
+  options.Add("crop", o.crop_s, "Keep only this time span").Unit("s").Value("START,END");
+  using Sides = OptionList::Choices<motion::Side>;
+  options
+      .AddChoice("leg", o.leg, Sides{{"left", motion::Side::kLeft}, {"right", motion::Side::kRight}},
+                 "Leg that the knee angle is of: knee_angle_l or knee_angle_r (.mot)")
+      .Otherwise("the one that lake track or lake gait found");
+  options.Add("flexion-negative", o.flexion_negative,
+              "Write the knee angle negative in flexion, as OpenSim's older models expect (.mot)");
+}
+
+Option& DescribeRate(double& rate_hz, OptionList& options) {
+  return options.Add("rate", rate_hz, "Frame rate of files without times (DLTdv, DeepLabCut, SLEAP)")
+      .Unit("Hz")
+      .Positive()
+      .Otherwise("none");
 }
 
 }  // namespace lake::exchange

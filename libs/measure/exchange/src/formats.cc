@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <fstream>
 
-#include "frame_points.h"
 #include "lake/core/error.h"
 #include "lake/core/run.h"
 #include "lake/core/utf8.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/mot.h"
 #include "lake/motion/marker_recording.h"
-#include "marker_files.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -70,7 +68,7 @@ const PointFormat kFormats[] = {
     {"DLTdv", {".csv"}, "pt1_cam", ReadDltdv, kNoTimes},
     {"DLTdv's sparse table", {"xypts.tsv"}, "", ReadDltdvSparse, kNoTimes},
     {"DeepLabCut", {".csv"}, "scorer", ReadDeepLabCut, kNoTimes},
-    {"OptiTrack Motive", {".csv"}, "format version,", ReadMotive, kInSpace},
+    {"OptiTrack Motive", {".csv"}, "format version", ReadMotive, kInSpace},
     {"SLEAP", {".csv"}, "instance.score", ReadSleap, kNoTimes},
     {"lake", {".csv"}, "time_s", ReadOwnPoints, kEstimates | kFlat, WriteOwnPoints, ".csv"}};
 
@@ -100,8 +98,8 @@ std::string FirstLineOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), kBytes);
   head.resize(static_cast<std::size_t>(file.gcount()));
-  head.resize(std::min(head.find_first_of("\r\n"), head.size()));
-  return head.starts_with("\xEF\xBB\xBF") ? head.substr(3) : head;
+  head = TextFromBytes(std::move(head));
+  return head.substr(0, head.find_first_of("\r\n"));
 }
 
 [[noreturn]] void ThrowUnknown(const fs::path& path, const std::string& name, const std::string& head) {

@@ -1,5 +1,3 @@
-#include "frame_points.h"
-
 #include <zip.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "readers.h"
 
 namespace lake::exchange {
 
@@ -19,14 +18,14 @@ PointRecording AsDrawn(PointRecording points) {
 }
 
 PointRecording PointsByFrame(const std::vector<FramePoints>& points, std::size_t file_bytes,
-                             const std::filesystem::path& path, double rate_hz) {
+                             const std::filesystem::path& path, double rate_hz, const LeftOut& left_out) {
   std::int64_t last = -1;
   std::vector<std::string> names;
   for (const FramePoints& point : points) {
     names.push_back(point.name);
     if (!point.positions.empty()) last = std::max(last, point.positions.rbegin()->first);
   }
-  if (last < 0) throw Fail("{}: no track with positions", path.string());
+  if (last < 0) throw Fail("{}: no track with positions{}", path.string(), left_out.InBrackets());
   constexpr std::size_t kAlwaysBelievable = 2'000'000;  // four markers over two hours of a video
   const std::size_t frames = static_cast<std::size_t>(last) + 1;
   if (frames > (kAlwaysBelievable + file_bytes) / points.size())
@@ -45,6 +44,7 @@ PointRecording PointsByFrame(const std::vector<FramePoints>& points, std::size_t
     for (const auto& [frame, position] : points[p].positions)
       recording.points[p].positions[static_cast<std::size_t>(frame)] = position;
   }
+  left_out.AppendTo(recording.warnings);
   return recording;
 }
 
@@ -66,17 +66,9 @@ void WriteXml(const std::filesystem::path& path, const pugi::xml_document& docum
 
 std::string ReadZipEntry(const std::filesystem::path& path, const std::string& ending) {
   constexpr std::size_t kMostBytes = std::size_t{256} << 20;  // unpacked: a small archive may unpack to anything
-  const std::string bytes = ReadTextFile(path);
-  zip_error_t error;
-  zip_error_init(&error);
-  zip_source_t* source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, &error);
-  zip_t* opened = source ? zip_open_from_source(source, ZIP_RDONLY | ZIP_CHECKCONS, &error) : nullptr;
-  if (!opened) {
-    const std::string reason = zip_error_strerror(&error);
-    if (source) zip_source_free(source);
-    zip_error_fini(&error);
-    throw Fail("{}: not a zip archive that can be read: {}", path.string(), reason);
-  }
+  int error = 0;
+  zip_t* opened = zip_open(path.c_str(), ZIP_RDONLY | ZIP_CHECKCONS, &error);
+  if (!opened) throw Fail("{}: not a zip archive that can be read (error {} of libzip)", path.string(), error);
   const std::unique_ptr<zip_t, decltype(&zip_discard)> archive(opened, zip_discard);
   for (zip_int64_t i = 0; i < zip_get_num_entries(archive.get(), 0); ++i) {
     const char* name = zip_get_name(archive.get(), static_cast<zip_uint64_t>(i), ZIP_FL_ENC_RAW);
@@ -84,14 +76,12 @@ std::string ReadZipEntry(const std::filesystem::path& path, const std::string& e
     const std::unique_ptr<zip_file_t, decltype(&zip_fclose)> entry(
         zip_fopen_index(archive.get(), static_cast<zip_uint64_t>(i), 0), zip_fclose);
     if (!entry) throw Fail("{}: {}: {}", path.string(), name, zip_strerror(archive.get()));
-    std::string text;
-    std::vector<char> buffer(std::size_t{64} << 10);
-    for (zip_int64_t read = 1; read > 0;) {
-      read = zip_fread(entry.get(), buffer.data(), buffer.size());
-      if (read < 0) throw Fail("{}: {} cannot be unpacked: {}", path.string(), name, zip_file_strerror(entry.get()));
-      text.append(buffer.data(), static_cast<std::size_t>(read));
-      if (text.size() > kMostBytes) throw Fail("{}: {} unpacks to more than {} bytes", path.string(), name, kMostBytes);
-    }
+    zip_stat_t stat;
+    if (zip_stat_index(archive.get(), static_cast<zip_uint64_t>(i), 0, &stat) != 0 || stat.size > kMostBytes)
+      throw Fail("{}: {} unpacks to more than {} bytes", path.string(), name, kMostBytes);
+    std::string text(stat.size, '\0');
+    if (zip_fread(entry.get(), text.data(), text.size()) != static_cast<zip_int64_t>(text.size()))
+      throw Fail("{}: {} cannot be unpacked: {}", path.string(), name, zip_file_strerror(entry.get()));
     return text;
   }
   throw Fail("{}: the archive holds no *{}", path.string(), ending);

@@ -6,7 +6,7 @@
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/mot.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -63,7 +63,7 @@ bool BearsForce(const PlateForces& plate) {
 GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
   const std::string ending = Lower(path.extension().string());
   if (ending == ".c3d") return ReadC3dForces(path);
-  if (ending != ".mot" && ending != ".sto")
+  if (!IsMot(path))
     throw Fail("{}: ground forces are read from .mot, .sto and .c3d, not from '{}'", path.string(), ending);
   const MotTable table = ReadMot(path);
   GroundForceRecording forces;
@@ -99,8 +99,7 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
 }
 
 bool HoldsOnlyForces(const std::filesystem::path& path) {
-  const std::string ending = Lower(path.extension().string());
-  return ending == ".mot" || ending == ".sto" || (ending == ".c3d" && IsC3dWithoutPoints(path));
+  return IsMot(path) || (Lower(path.extension().string()) == ".c3d" && IsC3dWithoutPoints(path));
 }
 
 void CheckPlates(const std::map<std::string, int>& plates) {

@@ -1,51 +1,15 @@
-// Kinovea (kinovea.org): its CSV export of trajectories, of quoted cells with separators after the writer's locale, and
-// its text. Neither says its unit of length; times of the CSV are in ms or s, as a frame lasts between 1 ms and 1 s.
-#include "frame_points.h"
+// Kinovea (kinovea.org): its CSV of trajectories as it is written, and its text, which does not say its unit of length.
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/formats.h"
-#include "marker_files.h"
-#include "point_table.h"
+#include "readers.h"
 
 namespace lake::exchange {
-namespace {
-
-std::vector<PointColumns> FindColumns(const std::vector<std::string>& header, const std::string& where) {
-  std::vector<PointColumns> columns;
-  for (std::size_t i = 1; i < header.size(); ++i) {
-    if (!header[i].ends_with("/0/X")) continue;
-    const std::string name = header[i].substr(0, header[i].size() - 4);
-    if (i + 1 == header.size() || header[i + 1] != name + "/0/Y")
-      throw Fail("{}: no column '{}/0/Y' follows '{}'", where, name, header[i]);
-    columns.push_back({name, {i, i + 1}});
-  }
-  if (columns.empty()) throw Fail("{}: no column NAME/0/X of Kinovea", where);
-  return columns;
-}
-
-double SecondsPerUnit(const std::vector<double>& times) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
-  return !steps.empty() && Median(steps) >= 1 ? 1e-3 : 1;
-}
-
-}  // namespace
-
-PointRecording ReadKinovea(const std::filesystem::path& path, const ReadOptions& options) {
-  const TextLines lines(path);
-  if (lines.Count() == 0) throw Fail("{}: empty", path.string());
-  const char separator = SeparatorOf(lines[0]);
-  PointRecording recording = ReadPointTable(lines,
-                                            {.separator = separator,
-                                             .time = 0,
-                                             .points = FindColumns(SplitCells(lines[0], separator), lines.Where(0)),
-                                             .mm_per_unit = options.mm_per_unit},
-                                            path);
-  const double seconds = SecondsPerUnit(recording.time_s);
-  for (double& time : recording.time_s) time *= seconds;
-  return recording;
+void TellMilliseconds(PointRecording& recording) {
+  if (recording.time_s.size() < 2 || MedianInterval(recording.time_s) < 1) return;
+  for (double& time : recording.time_s) time /= 1000;
 }
 
 void WriteKinovea(const std::filesystem::path& path, const PointRecording& points) {
@@ -92,7 +56,9 @@ PointRecording ReadKinoveaText(const std::filesystem::path& path, const ReadOpti
     name.clear();
   }
   if (tracks.empty()) throw Fail("{}: Kinovea's text without a trajectory", path.string());
-  return JoinMarkers(tracks, path);
+  PointRecording recording = JoinMarkers(tracks, path);
+  TellMilliseconds(recording);
+  return recording;
 }
 
 }  // namespace lake::exchange

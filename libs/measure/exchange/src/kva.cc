@@ -5,14 +5,12 @@
 #include <cmath>
 #include <optional>
 
-#include "frame_points.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/utf8.h"
 #include "lake/exchange/formats.h"
-#include "left_out.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -151,14 +149,11 @@ PointRecording ReadKva(const std::filesystem::path& path, const ReadOptions& /*o
   std::vector<FramePoints> tracks;
   std::map<std::int64_t, double> times_s;
   LeftOut left_out;
-  for (const pugi::xml_node track : root.child("Tracks").children("Track")) {
-    FramePoints points = ReadTrack(track, clock, path.string(), times_s, left_out);
-    if (!points.positions.empty()) tracks.push_back(std::move(points));
-  }
-  if (tracks.empty()) throw Fail("{}: no track with positions{}", path.string(), left_out.InBrackets());
-  PointRecording recording = PointsByFrame(tracks, text.size(), path);
+  for (const pugi::xml_node track : root.child("Tracks").children("Track"))
+    tracks.push_back(ReadTrack(track, clock, path.string(), times_s, left_out));
+  std::erase_if(tracks, [](const FramePoints& track) { return track.positions.empty(); });
+  PointRecording recording = PointsByFrame(tracks, text.size(), path, 0, left_out);
   recording.warnings.insert(recording.warnings.begin(), warnings.begin(), warnings.end());
-  left_out.AppendTo(recording.warnings);
   recording.mm_per_px = ReadScale(root.child("Calibration"), path.string());
   if (root.child("Calibration").child("CalibrationPlane"))
     recording.warnings.push_back(fmt::format(

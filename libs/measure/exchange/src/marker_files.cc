@@ -1,5 +1,3 @@
-#include "marker_files.h"
-
 #include <algorithm>
 
 #include "lake/core/error.h"
@@ -7,7 +5,7 @@
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/formats.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {

@@ -7,7 +7,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "point_table.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -90,6 +90,11 @@ std::size_t MotTable::Column(const std::string& column) const {
   const auto found = std::find(columns.begin(), columns.end(), column);
   if (found == columns.end()) throw Fail("{}: no column '{}'", name, column);
   return static_cast<std::size_t>(found - columns.begin());
+}
+
+bool IsMot(const std::filesystem::path& path) {
+  const std::string ending = Lower(path.extension().string());
+  return ending == ".mot" || ending == ".sto";
 }
 
 MotTable ReadMot(const std::filesystem::path& path) {

@@ -97,14 +97,15 @@ void AddPoints(std::vector<std::string> names, const std::string& where, PointRe
 
 std::optional<double> FindMmPerUnit(std::string_view unit) {
   static const std::map<std::string, double, std::less<>> kUnits = {
-      {"mm", 1},      {"millimeter", 1},  {"millimetre", 1}, {"cm", 10},      {"centimeter", 10}, {"centimetre", 10},
-      {"dm", 100},    {"decimeter", 100}, {"m", 1000},       {"meter", 1000}, {"metre", 1000},    {"in", 25.4},
-      {"inch", 25.4}, {"inche", 25.4},    {"ft", 304.8},     {"foot", 304.8}, {"feet", 304.8}};
+      {"um", 1e-3},   {"µm", 1e-3},       {"micrometer", 1e-3}, {"mm", 1},       {"millimeter", 1}, {"cm", 10},
+      {"dm", 100},    {"decimeter", 100}, {"centimeter", 10},   {"m", 1000},     {"meter", 1000},   {"in", 25.4},
+      {"inch", 25.4}, {"inche", 25.4},    {"ft", 304.8},        {"foot", 304.8}, {"feet", 304.8}};
   std::string name;
   for (const char c : unit)  // "(mm)"
     if (!std::isspace(static_cast<unsigned char>(c)) && std::string_view("()[]\"").find(c) == std::string_view::npos)
       name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (name.size() > 3 && name.back() == 's') name.pop_back();
+  if (name.ends_with("metre")) name.replace(name.size() - 2, 2, "er");
   const auto found = kUnits.find(name);
   return found == kUnits.end() ? std::nullopt : std::optional(found->second);
 }

@@ -1,5 +1,3 @@
-#include "point_table.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -7,7 +5,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "left_out.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -31,6 +29,13 @@ class TableReader {
       throw Fail("{}: no row with a time and positions{}", path_.string(), left_out_.InBrackets());
     if (recording_.frame.front() < 0)  // a writer that counts from another number
       for (std::int64_t shift = recording_.frame.front(); std::int64_t & frame : recording_.frame) frame -= shift;
+    if (is_rounded_) {
+      for (std::size_t i = 0; i < recording_.time_s.size(); ++i) recording_.time_s[i] = TimeOf(numbers_[i]);
+      recording_.warnings.push_back(
+          fmt::format("{}: rows share a rounded time: taken are those of the frames' numbers "
+                      "at {:g} Hz",
+                      path_.string(), table_.rate_hz));
+    }
     left_out_.AppendTo(recording_.warnings);
     return std::move(recording_);
   }
@@ -51,7 +56,30 @@ class TableReader {
   }
 
   static std::size_t Decimals(const std::string& cell) {
-    return cell.find('.') == std::string::npos ? 0 : cell.size() - cell.find('.');
+    const std::size_t point = cell.find_last_of(".,");
+    return point == std::string::npos ? 0 : cell.size() - point - 1;
+  }
+
+  // The time of a frame's number by the first row and the rate; NaN without a rate.
+  double TimeOf(double number) const {
+    return table_.rate_hz > 0 ? first_s_ + (number - first_number_) / table_.rate_hz : std::nan("");
+  }
+
+  // Whether the time follows that of the row before, or is the same as far as its digits go, and the frames count on.
+  bool Follows(double number, double time_s) {
+    if (recording_.time_s.empty()) {
+      first_s_ = time_s;
+      first_number_ = number;
+    }
+    const double digit_s = table_.time ? std::pow(10, -static_cast<double>(Decimals(cells_[*table_.time]))) : 0;
+    is_as_counted_ = is_as_counted_ && std::abs(time_s - TimeOf(number)) <= digit_s;
+    const bool shares_time = !recording_.time_s.empty() && !(time_s > written_s_);
+    if ((shares_time || is_rounded_) &&
+        !(is_as_counted_ && time_s == std::max(time_s, written_s_) && number > numbers_.back()))
+      return false;
+    is_rounded_ = is_rounded_ || shares_time;
+    written_s_ = time_s;
+    return true;
   }
 
   // Whether the file ends within its last row: there are fewer cells than in the row before, or fewer rows than stated,
@@ -64,7 +92,10 @@ class TableReader {
   }
 
   void ReadRow(std::size_t line) {
-    before_ = std::exchange(cells_, SplitCells(lines_[line], table_.separator));
+    std::vector<std::string> cells = SplitCells(lines_[line], table_.separator);
+    if (const auto& only = table_.only; only && (only->first >= cells.size() || cells[only->first] != only->second))
+      return;
+    before_ = std::exchange(cells_, std::move(cells));
     where_ = lines_.Where(line);
     if (table_.separator == ' ' && cells_.size() < width_)  // nothing says which are missing
       return left_out_.Add("a row with fewer numbers than columns", where_);
@@ -75,9 +106,9 @@ class TableReader {
     std::optional<double> time_s = Number(table_.time);
     if (!time_s && table_.rate_hz > 0 && (stated || !table_.frame)) time_s = number / table_.rate_hz;
     if (!time_s) return left_out_.Add("a row without a time", where_);
-    if (!recording_.time_s.empty() && !(*time_s > recording_.time_s.back()))
-      return left_out_.Add("a row whose time does not follow the one before", where_);
+    if (!Follows(number, *time_s)) return left_out_.Add("a row whose time does not follow the one before", where_);
     recording_.time_s.push_back(*time_s);
+    numbers_.push_back(number);
     const std::int64_t next = recording_.frame.empty() ? 0 : recording_.frame.back() + 1;
     const bool is_frame = std::abs(number) <= static_cast<double>(kMostFrames) && number == std::floor(number) &&
                           (recording_.frame.empty() || number >= static_cast<double>(next));
@@ -91,7 +122,8 @@ class TableReader {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     for (std::size_t axis = 0; axis < columns.axes.size(); ++axis) {
       const std::optional<double> value = Number(columns.axes[axis]);
-      if (!value) return PointTrack::Missing();
+      constexpr double kMissing = 9'999'999;  // as Cortex writes it
+      if (!value || *value == kMissing) return PointTrack::Missing();
       position[static_cast<Eigen::Index>(axis)] = (*value - table_.first_pixel) * table_.mm_per_unit;
     }
     if (table_.zero_is_missing && position.isZero(0)) return PointTrack::Missing();
@@ -120,8 +152,11 @@ class TableReader {
   LeftOut left_out_;
   std::vector<std::string> cells_, before_;  // of the row that is read, and of the one before
   std::string where_;
-  std::size_t width_ = 0;        // columns that have a meaning
-  std::set<std::size_t> known_;  // columns that have a meaning, or were said to have none
+  std::vector<double> numbers_;  // of the frames
+  double first_s_ = 0, first_number_ = 0, written_s_ = 0;
+  bool is_as_counted_ = true, is_rounded_ = false;  // so far, times are those of the numbers; rows share them
+  std::size_t width_ = 0;                           // columns that have a meaning
+  std::set<std::size_t> known_;                     // columns that have a meaning, or were said to have none
 };
 
 }  // namespace

@@ -1,24 +1,38 @@
-#include "text_lines.h"
-
 #include <csv.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <pugixml.hpp>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/utf8.h"
+#include "readers.h"
 
 namespace lake::exchange {
+
+std::string TextFromBytes(std::string bytes) {
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {  // UTF-16
+    const std::size_t high = bytes[0] == '\xFF' ? 1 : 0;
+    std::wstring wide;
+    for (std::size_t i = 2; i + 1 < bytes.size(); i += 2)
+      wide += static_cast<wchar_t>(static_cast<unsigned char>(bytes[i + high]) << 8 |
+                                   static_cast<unsigned char>(bytes[i + 1 - high]));
+    bytes = pugi::as_utf8(wide);
+  }
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.erase(0, 3);
+  bytes.erase(bytes.find_last_not_of('\0') + 1);
+  return Utf8FromText(std::move(bytes));
+}
+
 TextLines::TextLines(const std::filesystem::path& path) : path_(path) {
-  std::string text = ReadTextFile(path);
+  std::string text = TextFromBytes(ReadTextFile(path));
   if (text.find('\0') != std::string::npos)
     throw Fail("{}: not a text file, as it holds zero bytes; save it as text in UTF-8", path.string());
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  text = Utf8FromText(std::move(text));
   ends_within_line_ = !text.empty() && text.back() != '\n' && text.back() != '\r';
+  if (text.empty()) throw Fail("{}: is empty", path.string());
   const char line_end = text.find('\n') == std::string::npos ? '\r' : '\n';
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find(line_end, begin), text.size());
@@ -99,6 +113,25 @@ std::optional<std::size_t> CountIn(std::string_view cell, std::size_t most) {
   const double value = NumberIn(cell, is_unreadable).value_or(-1);
   if (!(value >= 0 && value <= static_cast<double>(most)) || value != std::floor(value)) return std::nullopt;
   return static_cast<std::size_t>(value);
+}
+
+void LeftOut::Add(const std::string& kind, const std::string& where) {
+  const auto found = std::ranges::find(kinds_, kind, &Kind::name);
+  Kind& known = found == kinds_.end() ? kinds_.emplace_back(Kind{kind, where}) : *found;
+  ++known.count;
+}
+
+std::string LeftOut::InBrackets() const {
+  std::vector<std::string> warnings;
+  AppendTo(warnings);
+  return warnings.empty() ? "" : fmt::format(" ({})", warnings.front());
+}
+
+void LeftOut::AppendTo(std::vector<std::string>& warnings) const {
+  for (const Kind& kind : kinds_)
+    warnings.push_back(kind.count == 1 ? fmt::format("{}: {} is left out", kind.first, kind.name)
+                                       : fmt::format("{}: {} is left out, the first of {} such places", kind.first,
+                                                     kind.name, kind.count));
 }
 
 }  // namespace lake::exchange

@@ -2,12 +2,11 @@
 // `t x y x y …`, then numbers between tabs, with decimal point or comma. It does not say its unit of length.
 #include <algorithm>
 
-#include "frame_points.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/exchange/formats.h"
-#include "point_table.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {

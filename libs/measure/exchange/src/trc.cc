@@ -11,7 +11,7 @@
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/formats.h"
-#include "point_table.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -62,7 +62,11 @@ TrcLines FindLines(const TextLines& lines, const std::filesystem::path& path) {
   constexpr std::size_t kMostHeadLines = 50;
   TrcLines found;
   const std::size_t end = std::min(lines.Count(), kMostHeadLines);
-  while (found.labels < end && !Lower(Trim(lines[found.labels])).starts_with("frame")) ++found.labels;
+  const auto are_labels = [&](std::size_t line) {  // "Frame#", "Field #"
+    const std::string text = Lower(Trim(lines[line]));
+    return text.starts_with("frame") || text.starts_with("field");
+  };
+  while (found.labels < end && !are_labels(found.labels)) ++found.labels;
   if (found.labels >= end)
     throw Fail(
         "{}: not a TRC file, the markers' text of Cortex, OpenSim and others: no row of names that begins with Frame#; "
@@ -139,12 +143,18 @@ void CheckCount(const TrcLines& found, const char* key, const char* what, std::s
                                    count, what));
 }
 
-// Exporters that thin a recording out leave its old rate in the header.
+// Exporters that thin a recording out leave its old rate in the header; some write ms.
 void CheckRate(const std::filesystem::path& path, double rate_hz, PointRecording& recording) {
   constexpr double kTolerance = 0.02;
   if (recording.time_s.size() < 3 || !(rate_hz > 0)) return;
   // Steps rounded to a millisecond spoil the median, a gap in the recording the mean: both must contradict the header.
   const double step_s = MedianInterval(recording.time_s), mean_hz = FrameRate(recording.time_s);
+  if (std::abs(rate_hz * step_s / 1000 - 1) <= kTolerance) {
+    for (double& time_s : recording.time_s) time_s /= 1000;
+    recording.warnings.push_back(
+        fmt::format("{}: its times are taken to be in ms, as the header says {:g} Hz", path.string(), rate_hz));
+    return;
+  }
   if (std::abs(rate_hz * step_s - 1) > kTolerance && std::abs(rate_hz / mean_hz - 1) > kTolerance)
     recording.warnings.push_back(
         fmt::format("{}: the header says {:g} Hz, but the rows are {} s apart ({} Hz); the time column is believed",

@@ -11,44 +11,27 @@
 #include "lake/core/json.h"
 #include "lake/core/nearest_name.h"
 #include "lake/motion/saved_corrections.h"
-#include "marker_files.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string Names(const std::vector<std::string>& names) {
+std::string Listed(std::vector<std::string> names) {
   constexpr std::size_t kMost = 60;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i ? ", " : "") + names[i];
-  return names.size() > kMost ? text + ", …" : text;
+  if (names.size() > kMost) names.resize(kMost), names.emplace_back("…");
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::vector<std::string> NamesOf(const PointRecording& points) {
+std::vector<std::string> NamesOf(const auto& tracks) {
   std::vector<std::string> names;
-  for (const PointTrack& point : points.points) names.push_back(point.name);
+  for (const auto& track : tracks) names.push_back(track.name);
   return names;
 }
 
-// "A" or the middle of "A+B".
-PointTrack TakePoint(const PointRecording& points, const std::string& expression, const std::string& name,
-                     const fs::path& path) {
-  PointTrack result{name, {}};
-  const std::vector<std::string> parts = SplitText(expression, '+');
-  // A name that holds a plus sign itself is taken as it is.
-  const std::vector<std::string> wanted = points.Find(expression) ? std::vector<std::string>{expression} : parts;
-  for (const std::string& part : wanted) {
-    const PointTrack* track = points.Find(part);
-    if (!track)
-      throw Fail("{}: no marker '{}' (for {}){}; it has: {}", path.string(), part, name,
-                 DidYouMean(part, NamesOf(points)), Names(NamesOf(points)));
-    if (result.positions.empty()) result.positions.assign(track->positions.size(), Eigen::Vector3d::Zero());
-    for (std::size_t i = 0; i < track->positions.size(); ++i)
-      result.positions[i] += track->positions[i] / static_cast<double>(wanted.size());
-  }
-  return result;
+Eigen::Vector3d MiddleOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return (a + b) / 2;
 }
 
 // The middle is seen where both are; their errors are their own.
@@ -59,20 +42,20 @@ motion::MarkerSample MiddleOf(const motion::MarkerSample& a, const motion::Marke
           both_seen ? motion::SampleStatus::kDetected : motion::SampleStatus::kFilled};
 }
 
-// "A" or the middle of "A+B" in one of Lake's own tables, which keep sigmas and statuses.
-motion::MarkerTrack TakeMarker(const motion::MarkerRecording& markers, const std::string& expression,
-                               const std::string& name, const fs::path& path) {
-  const auto find = [&](const std::string& wanted) -> const motion::MarkerTrack& {
-    if (const motion::MarkerTrack* track = markers.Find(wanted)) return *track;
-    std::vector<std::string> known;
-    for (const motion::MarkerTrack& marker : markers.markers) known.push_back(marker.name);
-    throw Fail("{}: no marker '{}' (for {}); it has: {}", path.string(), wanted, name, Names(known));
+// What a list of tracks has of "A", or the middle of "A+B"; a name that holds a plus sign itself is taken as it is.
+auto TakeFrom(const auto& tracks, auto values, const std::string& expression, const std::string& name,
+              const fs::path& path) {
+  const std::vector<std::string> known = NamesOf(tracks), parts = SplitText(expression, '+');
+  const auto find = [&](const std::string& part) -> const auto& {
+    const auto at = std::ranges::find(known, part);
+    if (at != known.end()) return tracks[static_cast<std::size_t>(at - known.begin())].*values;
+    throw Fail("{}: no marker '{}' (for {}){}; it has: {}", path.string(), part, name, DidYouMean(part, known),
+               Listed(known));
   };
-  const std::vector<std::string> parts = SplitText(expression, '+');
-  if (markers.Find(expression) || parts.size() != 2) return {name, find(expression).samples};
-  const motion::MarkerTrack &a = find(parts[0]), &b = find(parts[1]);
-  motion::MarkerTrack middle{name, {}};
-  for (std::size_t i = 0; i < a.samples.size(); ++i) middle.samples.push_back(MiddleOf(a.samples[i], b.samples[i]));
+  if (parts.size() != 2 || std::ranges::find(known, expression) != known.end()) return find(expression);
+  auto middle = find(parts[0]);
+  const auto& other = find(parts[1]);
+  for (std::size_t i = 0; i < middle.size(); ++i) middle[i] = MiddleOf(middle[i], other[i]);
   return middle;
 }
 
@@ -84,7 +67,8 @@ motion::MarkerRecording Rename(const motion::MarkerRecording& markers, const std
     return names.contains(marker.name) ||
            std::ranges::any_of(names, [&](const auto& name) { return name.second == marker.name; });
   });
-  for (const auto& [name, wanted] : names) renamed.markers.push_back(TakeMarker(markers, wanted, name, path));
+  for (const auto& [name, wanted] : names)
+    renamed.markers.push_back({name, TakeFrom(markers.markers, &motion::MarkerTrack::samples, wanted, name, path)});
   return renamed;
 }
 
@@ -112,7 +96,7 @@ Eigen::Vector3d FitForward(const PointRecording& points, const Eigen::Vector3d& 
       throw Fail(
           "{}: the sagittal plane is fitted to ankle, knee and hip: name them with --map, or give --forward; it has: "
           "{}",
-          path.string(), Names(NamesOf(points)));
+          path.string(), Listed(NamesOf(points.points)));
     std::vector<Eigen::Vector3d> vectors;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < a->positions.size(); ++i) {
@@ -259,10 +243,6 @@ std::optional<SagittalAxes> AxesAcrossKnee(const PointRecording& points, const T
   return SagittalAxes{cosine < 0 ? Eigen::Vector3d(-forward) : forward, axes.up};
 }
 
-std::string DescribePlane(const TrialOptions& options) {
-  return options.forward.empty() ? "in which the leg moves most" : "along " + options.forward;
-}
-
 struct SagittalPlane {
   SagittalAxes axes;
   std::string name;  // which plane that is
@@ -276,7 +256,7 @@ SagittalPlane FindSagittalPlane(const PointRecording& read, const PointRecording
   const SagittalAxes axes = FindSagittalAxes(named, options, path);
   if (const auto across = AxesAcrossKnee(read, options, axes))
     return {*across, "across the knee's axis, as " + options.names.at("knee") + " show it"};
-  return {axes, DescribePlane(options)};
+  return {axes, options.forward.empty() ? "in which the leg moves most" : "along " + options.forward};
 }
 
 PointRecording Project(const PointRecording& points, const SagittalPlane& onto, const fs::path& path,
@@ -350,18 +330,11 @@ void Describe(TrialOptions& o, OptionList& options) {
       .Add("map", o.names,
            "Each marker's name in the file; A+B is the midpoint of two, for a knee its lateral and medial marker")
       .Value("NAME=MARKER,...");
-  DescribeUp(o, options);
   options.Add("forward", o.forward, "Direction in which the subject of a 3-D file faces: +x, -x, …")
       .Value("AXIS")
       .Otherwise("found from the movement");
   DescribeUnit("unit", o.mm_per_unit, options);
-  DescribeValues(o, options);
-  DescribeView(o.view, options);
-}
-
-Option& DescribeValues(TrialOptions& o, OptionList& options) {
-  return options.AddFlag("smoothed", o.values, motion::MarkerValues::kEstimated,
-                         "Start from the fit's estimates of a trajectory.csv, not from the measurements");
+  DescribeReading(o, options);
 }
 
 Option& DescribeView(std::string& view, OptionList& options) {
@@ -370,11 +343,14 @@ Option& DescribeView(std::string& view, OptionList& options) {
       .Otherwise("all");
 }
 
-Option& DescribeUp(TrialOptions& o, OptionList& options) {
-  return options
+void DescribeReading(TrialOptions& o, OptionList& options) {
+  options
       .AddChoice("up", o.up, OptionList::Choices<char>{{"x", 'x'}, {"y", 'y'}, {"z", 'z'}},
                  "Vertical axis of a 3-D file")
       .Otherwise("TRC y, C3D its own or z");
+  options.AddFlag("smoothed", o.values, motion::MarkerValues::kEstimated,
+                  "Start from the fit's estimates of a trajectory.csv, not from the measurements");
+  DescribeView(o.view, options);
 }
 
 std::vector<UnusedOption> UnusedOptions(const fs::path& path, const TrialOptions& options) {
@@ -416,9 +392,8 @@ std::optional<motion::Side> LegInSummary(const Json& summary) {
 }
 
 PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options) {
-  Eigen::Matrix3d model_from_file;
-  const Eigen::Vector3d up = UpDirection(points, options), forward = GivenForward(options, up);
-  model_from_file << forward.transpose(), up.transpose(), forward.cross(up).transpose();
+  const Eigen::Vector3d up = UpDirection(points, options);
+  const Eigen::Matrix3d model_from_file = SagittalAxes{GivenForward(options, up), up}.PlaneFromSpace();
   PointRecording facing = points;
   facing.up_axis = 'y';
   for (PointTrack& point : facing.points)
@@ -431,7 +406,8 @@ PointRecording RenamePoints(const PointRecording& points, const std::map<std::st
   if (names.empty()) return points;
   PointRecording renamed = points;
   renamed.points.clear();
-  for (const auto& [name, expression] : names) renamed.points.push_back(TakePoint(points, expression, name, path));
+  for (const auto& [name, expression] : names)
+    renamed.points.push_back({name, TakeFrom(points.points, &PointTrack::positions, expression, name, path)});
   return renamed;
 }
 

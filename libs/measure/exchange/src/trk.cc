@@ -3,14 +3,12 @@
 // frame) × frame duration.
 #include <optional>
 
-#include "frame_points.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/utf8.h"
 #include "lake/exchange/formats.h"
-#include "left_out.h"
-#include "text_lines.h"
+#include "readers.h"
 
 namespace lake::exchange {
 namespace {
@@ -169,15 +167,13 @@ PointRecording ReadTrk(const std::filesystem::path& path, const ReadOptions& /*o
   std::vector<FramePoints> masses;
   LeftOut left_out;
   for (const pugi::xpath_node found :
-       document.select_nodes("//object[contains(@class, 'PointMass') and property[@name='framedata']]")) {
-    FramePoints points = ReadPointMass(found.node(), path.string(), left_out);
-    if (!points.positions.empty()) masses.push_back(std::move(points));
-  }
-  PointRecording recording = PointsByFrame(masses, text.size(), path);
+       document.select_nodes("//object[contains(@class, 'PointMass') and property[@name='framedata']]"))
+    masses.push_back(ReadPointMass(found.node(), path.string(), left_out));
+  std::erase_if(masses, [](const FramePoints& mass) { return mass.positions.empty(); });
+  PointRecording recording = PointsByFrame(masses, text.size(), path, 0, left_out);
   ReadCoordinates(panel, path.string(), recording);
   ReadTimes(panel, path.string(), recording);
   recording.warnings.insert(recording.warnings.begin(), warnings.begin(), warnings.end());
-  left_out.AppendTo(recording.warnings);
   return recording;
 }
 

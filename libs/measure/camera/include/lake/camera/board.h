@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
@@ -68,7 +69,6 @@ struct BoardDetectionOptions {
   // Of a chessboard: by OpenCV's sector-based search first, which takes longer and finds more. Without it a picture
   // that shows no board is known not to within milliseconds.
   bool thorough = true;
-  int least_corners = 8;  // fewer seen corners of a ChArUco board are no use
 };
 
 // nullopt if the board is not seen. `grey` is CV_8UC1. A chessboard must be seen whole, a ChArUco board may be cut off
@@ -77,5 +77,18 @@ struct BoardDetectionOptions {
 // OpenCV's layouts, is not seen.
 std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board,
                                      const BoardDetectionOptions& options = {});
+
+// The sheet on which a board is printed.
+struct Paper {
+  std::string name;
+  double width_mm = 0, height_mm = 0;  // landscape
+};
+
+// a4, a3 or letter. Throws UsageError.
+Paper ParsePaper(std::string_view name);
+
+// A PDF of one landscape page: the board in the middle, below it a ruler to check the print with, and how to print.
+// Throws Error if the board with its white rim (a third of a square) does not fit, naming the largest square that does.
+void WriteBoardSheet(const std::filesystem::path& path, const Board& board, const Paper& paper);
 
 }  // namespace lake::camera

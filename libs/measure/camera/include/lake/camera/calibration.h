@@ -68,6 +68,9 @@ struct CalibrationResult {
 CalibrationResult CalibrateCamera(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
                                   const CalibrationOptions& options = {});
 
+// Of the views, those with an even (`first` 0) or an odd index.
+std::vector<BoardView> EveryOther(const std::vector<BoardView>& views, std::size_t first);
+
 // Cross-validated error of each family of lenses.
 struct LensChoice {
   LensFamily lens = LensFamily::kPolynomial;

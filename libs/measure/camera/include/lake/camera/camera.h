@@ -4,14 +4,24 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "lake/camera/lens.h"
-
 namespace lake::camera {
+
+// OpenCV's models of lens distortion.
+enum class LensModel {
+  kBrownConrady,  // D. C. Brown, Close-range camera calibration, 1971; with OpenCV's rational, thin-prism and tilt
+                  // terms
+  kFisheye,       // J. Kannala & S. S. Brandt, 2006: the angle from the axis, not its tangent, as an odd polynomial
+};
+
+// k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 τx τy; of a fisheye k1 k2 k3 k4 and zeros.
+inline constexpr std::size_t kLensCoefficients = 14;
 
 // A lens in front of a pinhole, OpenCV's models and order of coefficients. Pixels are in the image frame: centre of the
 // top-left pixel at (0, 0), x right, y down, distorted as recorded.
@@ -53,32 +63,63 @@ struct CameraProfile {
   std::vector<std::string> warnings = {};  // of reading another program's file
 };
 
-// The pixel of a point in the camera frame (x right, y down, z forward). T is double or a ceres::Jet; the point's z
-// must be positive. intrinsics: fx fy cx cy; distortion: k1 k2 p1 p2 k3.
+// Of the normalised point (x, y) = (X/Z, Y/Z).
 template <typename T>
-Eigen::Matrix<T, 2, 1> ProjectBrownConrady(const T* intrinsics, const T* distortion,
-                                           const Eigen::Matrix<T, 3, 1>& point) {
-  const T x = point.x() / point.z(), y = point.y() / point.z();
+Eigen::Matrix<T, 2, 1> DistortFisheye(const T* c, const T& x, const T& y) {
+  using std::atan, std::sqrt;
   const T r2 = x * x + y * y;
-  const T radial = T(1) + r2 * (distortion[0] + r2 * (distortion[1] + r2 * distortion[4]));
-  const T xd = x * radial + T(2) * distortion[2] * x * y + distortion[3] * (r2 + T(2) * x * x);
-  const T yd = y * radial + distortion[2] * (r2 + T(2) * y * y) + T(2) * distortion[3] * x * y;
-  return {intrinsics[0] * xd + intrinsics[2], intrinsics[1] * yd + intrinsics[3]};
+  if (r2 < T(1e-16)) return {x, y};
+  const T r = sqrt(r2), theta = atan(r), t2 = theta * theta;
+  const T scale = theta * (T(1) + t2 * (c[0] + t2 * (c[1] + t2 * (c[2] + t2 * c[3])))) / r;
+  return {x * scale, y * scale};
+}
+
+// The image of a distorted point on a sensor tilted by τx about x, then by τy about y.
+template <typename T>
+Eigen::Matrix<T, 2, 1> OnTiltedSensor(const T& tau_x, const T& tau_y, const T& x, const T& y) {
+  using std::cos, std::sin;
+  const T cx = cos(tau_x), sx = sin(tau_x), cy = cos(tau_y), sy = sin(tau_y);
+  // R = R_y(τy) R_x(τx); the point is projected onto the turned plane: [R33 0 −R13; 0 R33 −R23; 0 0 1] R (x, y, 1).
+  const T rx = cy * x + sy * sx * y - sy * cx, ry = cx * y + sx, rz = sy * x - cy * sx * y + cy * cx;
+  const T r33 = cy * cx, r13 = -sy * cx, r23 = sx;
+  return {(r33 * rx - r13 * rz) / rz, (r33 * ry - r23 * rz) / rz};
+}
+
+// With the first 5, 8 or all 14 of the coefficients.
+template <typename T>
+Eigen::Matrix<T, 2, 1> DistortBrownConrady(const T* c, int count, const T& x, const T& y) {
+  const T r2 = x * x + y * y, r4 = r2 * r2;
+  T radial = T(1) + r2 * (c[0] + r2 * (c[1] + r2 * c[4]));
+  if (count > 5) radial /= T(1) + r2 * (c[5] + r2 * (c[6] + r2 * c[7]));
+  const T xd = x * radial + T(2) * c[2] * x * y + c[3] * (r2 + T(2) * x * x);
+  const T yd = y * radial + c[2] * (r2 + T(2) * y * y) + T(2) * c[3] * x * y;
+  if (count <= 8) return {xd, yd};
+  const T xs = xd + c[8] * r2 + c[9] * r4, ys = yd + c[10] * r2 + c[11] * r4;
+  if (c[12] == T(0) && c[13] == T(0)) return {xs, ys};
+  return OnTiltedSensor(c[12], c[13], xs, ys);
+}
+
+// The pixel of a point in the camera frame (x right, y down, z forward). T is double or a ceres::Jet; the point's z
+// must be positive. intrinsics: fx fy cx cy; coefficients as above.
+template <typename T>
+Eigen::Matrix<T, 2, 1> ProjectLens(LensModel model, int count, const T* intrinsics, const T* coefficients,
+                                   const Eigen::Matrix<T, 3, 1>& point) {
+  const T x = point.x() / point.z(), y = point.y() / point.z();
+  const Eigen::Matrix<T, 2, 1> d = model == LensModel::kFisheye ? DistortFisheye(coefficients, x, y)
+                                                                : DistortBrownConrady(coefficients, count, x, y);
+  return {intrinsics[0] * d.x() + intrinsics[2], intrinsics[1] * d.y() + intrinsics[3]};
 }
 
 // The pixel of a point in the camera frame under any model; T as above.
 template <typename T>
 Eigen::Matrix<T, 2, 1> ProjectAny(const Camera& camera, const Eigen::Matrix<T, 3, 1>& point) {
   const T intrinsics[] = {T(camera.fx), T(camera.fy), T(camera.cx), T(camera.cy)};
-  if (camera.IsPlain()) {
-    T distortion[5];
-    for (std::size_t i = 0; i < 5; ++i) distortion[i] = T(camera.distortion[i]);
-    return ProjectBrownConrady<T>(intrinsics, distortion, point);
-  }
+  const int count = camera.IsPlain() ? 5 : static_cast<int>(kLensCoefficients);
   T coefficients[kLensCoefficients];
-  for (std::size_t i = 0; i < 5; ++i) coefficients[i] = T(camera.distortion[i]);
-  for (std::size_t i = 0; i < 9; ++i) coefficients[5 + i] = T(camera.more[i]);
-  return ProjectLens<T>(camera.model, intrinsics, coefficients, point);
+  for (int i = 0; i < count; ++i)
+    coefficients[i] =
+        T(i < 5 ? camera.distortion[static_cast<std::size_t>(i)] : camera.more[static_cast<std::size_t>(i - 5)]);
+  return ProjectLens<T>(camera.model, count, intrinsics, coefficients, point);
 }
 
 // Throws Error if the point is not in front of the camera.
@@ -140,5 +181,20 @@ CameraProfile ReadCameraProfile(const std::filesystem::path& path, const std::st
 bool IsCameraFile(const std::filesystem::path& path);
 
 void WriteCameraProfile(const std::filesystem::path& path, const CameraProfile& profile);
+
+// A key of camera.yaml, described for the template that a person fills in who has the lens from elsewhere.
+struct CameraKey {
+  const char* name;
+  const char* value;    // an example, as OpenCV's FileStorage has it in YAML
+  const char* meaning;  // with its unit
+  bool is_needed = false;
+};
+
+// In the file's order: all that ReadCameraProfile knows.
+std::span<const CameraKey> CameraKeys();
+
+// A camera.yaml with every key and what it means, those that may be absent as comments. ReadCameraProfile takes it as
+// it is: a camera of 1280 × 720 px without distortion and without a plane.
+std::string CameraTemplate();
 
 }  // namespace lake::camera

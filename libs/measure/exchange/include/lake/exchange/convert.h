@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/core/options.h"
 #include "lake/exchange/trial.h"
 #include "lake/gait/picture_scale.h"
 
@@ -21,6 +22,11 @@ struct ConvertOptions {
   bool flexion_negative = false;                // knee angle of a MOT file as OpenSim's older models have it
 };
 
+void Describe(ConvertOptions& o, OptionList& options);
+
+// The rate of files without times.
+Option& DescribeRate(double& rate_hz, OptionList& options);
+
 // Reads `in`, writes `out` in the format of its ending; returns warnings. Points in space are kept in space where the
 // format allows it: turned so that y is up for TRC, with x forward, y up and z to the right if `forward` is given;
 // formats of a plane get them projected. Px with a scale become mm where the format holds no px, and with `picture`
@@ -28,8 +34,5 @@ struct ConvertOptions {
 // Throws Error or UsageError, also for a .mot of a leg whose side is unknown.
 std::vector<std::string> ConvertFile(const std::filesystem::path& in, const std::filesystem::path& out,
                                      const ConvertOptions& options);
-
-// Whether the ending is .mot or .sto: a table of angles.
-bool IsAngleTable(const std::filesystem::path& path);
 
 }  // namespace lake::exchange

@@ -21,6 +21,9 @@ struct MotTable {
   std::size_t Column(const std::string& column) const;
 };
 
+// Whether the ending is .mot or .sto.
+bool IsMot(const std::filesystem::path& path);
+
 // Of the unit of angles counts what the header says, by the key inDegrees or in a sentence. Where it says nothing,
 // SIMM's form has degrees, any other radians, as OpenSim reads them, with a warning. Throws Error naming file and line:
 // no endheader, a row of another width, counts that contradict the header, a unit that is not understood.

@@ -32,14 +32,11 @@ struct TrialOptions {
 
 // All but the rate, which only `lake convert` takes.
 void Describe(TrialOptions& o, OptionList& options);
-// The vertical axis of a 3-D file.
-Option& DescribeUp(TrialOptions& o, OptionList& options);
+// What a file does not say, but for its unit: the vertical, which values of a trajectory.csv are read, the camera.
+void DescribeReading(TrialOptions& o, OptionList& options);
 
 // The camera of a file that holds several.
 Option& DescribeView(std::string& view, OptionList& options);
-
-// Which values of a trajectory.csv are read: measurements or estimates.
-Option& DescribeValues(TrialOptions& o, OptionList& options);
 
 // The unit of files that do not say theirs: its name, or its length in mm.
 Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options);
