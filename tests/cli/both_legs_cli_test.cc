@@ -160,13 +160,14 @@ class FarLeg : public BothLegs {
                    tracks = CsvTable::Read(folder_ / "trial/tracks.csv");
     constexpr double kRadius_px = 4;  // of a marker: further off it is another's place
     for (const std::string marker : {"ankle", "knee", "hip", "waist"}) {
-      int detected = 0;
+      int detected = 0, elsewhere = 0;
       for (std::size_t row = 0; row < tracks.Rows(); ++row) {
         if (tracks.Text(row, tracks.Column(marker + "_status")) != "detected") continue;
         ++detected;
-        EXPECT_NEAR(Truth(tracks, row, marker, "x"), Truth(truth, row, marker, "x"), kRadius_px) << marker << row;
-        EXPECT_NEAR(Truth(tracks, row, marker, "y"), Truth(truth, row, marker, "y"), kRadius_px) << marker << row;
+        elsewhere += std::hypot(Truth(tracks, row, marker, "x") - Truth(truth, row, marker, "x"),
+                                Truth(tracks, row, marker, "y") - Truth(truth, row, marker, "y")) > kRadius_px;
       }
+      EXPECT_LE(elsewhere, 0.05 * detected) << marker;                           // streaks of both hips overlap
       EXPECT_GE(detected, 0.45 * static_cast<double>(tracks.Rows())) << marker;  // both hips overlap for half the film
     }
   }

@@ -244,6 +244,11 @@ class ReviewPage(unittest.TestCase):
         row = read_table((folder or self.folder / "trial") / "tracks.csv")[frame]
         return float(row[f"{name}_x_px"]), float(row[f"{name}_y_px"])
 
+    def vanishes(self, name):
+        """The frame in which the hand hides a marker."""
+        rows = read_table(self.folder / "trial/tracks.csv")
+        return next(i for i, row in enumerate(rows) if i > 40 and row[f"{name}_status"] != "detected")
+
     def corrections(self):
         path = self.trial / "corrections.csv"
         return read_table(path) if path.exists() else []
@@ -258,17 +263,18 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: self.frame() == 11)
         self.press(Keys.ARROW_LEFT)
         self.until(lambda: self.frame() == 10)
-        while "knee not seen, frames 47 to 58" not in self.text("said"):
+        hidden_from = self.vanishes("knee")
+        while f"knee not seen, frames {hidden_from} to 58" not in self.text("said"):
             self.press("]")
             self.assertNotIn("no further problem", self.text("said"))
-        self.until(lambda: self.frame() == 47)
+        self.until(lambda: self.frame() == hidden_from)
         self.assertEqual((self.status("knee"), self.status("ankle")), ("filled", "detected"))
         self.seek(0)
         self.press("[")
         self.assertIn("no further problem", self.text("said"))
-        self.seek(47)
+        self.seek(hidden_from)
         self.press(" ")
-        self.until(lambda: self.frame() > 49)
+        self.until(lambda: self.frame() > hidden_from + 2)
         self.press(" ")
         elsewhere = self.browser.execute_script(
             "return performance.getEntriesByType('resource').map(e => e.name).filter(n => !n.startsWith(location.href))")
@@ -589,9 +595,10 @@ class ReviewPage(unittest.TestCase):
         review = self.open(self.trial)
         self.until(lambda: "No leg can be fitted" in self.text("warnings"))
         # Where the later of the two vanishes: before that, its name is right.
-        self.browser.find_element(By.XPATH, "//*[@id='problems']//button[contains(., 'hip not seen')]").click()
-        self.until(lambda: self.frame() == 48)
-        Select(self.part("swap-with")).select_by_value("knee")
+        later, other = sorted(("hip", "knee"), key=self.vanishes, reverse=True)
+        self.browser.find_element(By.XPATH, f"//*[@id='problems']//button[contains(., '{later} not seen')]").click()
+        self.until(lambda: self.frame() == self.vanishes(later))
+        Select(self.part("swap-with")).select_by_value(other)
         self.part("swap").click()
         self.until(lambda: "No leg" not in self.text("warnings") and "saved" in self.text("state"))
         self.assertRegex(self.text("state"), r"^1 swap: \d+ corrections, saved$")

@@ -59,10 +59,12 @@ std::ptrdiff_t Votes(Size size, double value, const StatedSizes& stated) {
   return votes;
 }
 
+constexpr double kMostCount = 4294967295;
+
 // 0 is left out where another place says more, and so is what cannot be.
 bool CanBe(Size size, double value) {
   constexpr double kLeastScale = 1e-6;  // 16 bits would hold a thirtieth of a millimetre; floats are not scaled
-  constexpr double kMostBlocks = 65535, kMostCount = 4294967295;
+  constexpr double kMostBlocks = 65535;
   if (size == kScale) return std::isfinite(value) && (value < 0 || value >= kLeastScale);
   const double least = size == kBlock ? 2 : size == kAnalog ? 0 : 1;
   return value >= least && value <= (size == kBlock ? kMostBlocks : kMostCount) && value == std::floor(value);
@@ -77,7 +79,7 @@ double LongWord(const C3dParameters& parameters, const char* name) {
 StatedSizes ReadStatedSizes(const C3dBytes& bytes, const C3dParameters& parameters, double rate_hz) {
   StatedSizes stated;
   const auto add = [&](Size size, const char* where, std::optional<double> value, double first = 1) {
-    if (value && CanBe(size, *value))
+    if (value && CanBe(size, *value) && !(first > kMostCount))
       stated[size].push_back({where, *value, static_cast<std::size_t>(std::max(first, 1.0))});
   };
   const auto word = [&](std::size_t offset) { return static_cast<double>(bytes.Unsigned16(offset)); };
@@ -218,7 +220,7 @@ std::vector<Reading> ReadingsOf(const StatedSizes& stated, const C3dBytes& bytes
       const auto count = static_cast<std::size_t>(frames.value);
       if (const std::size_t filling = FramesFilling(bytes, geometry, count, frames.first, may_be_cut))
         of_this.push_back({geometry, frames, filling, Fit::kFilled});
-      else if (held > 0 && count > 0)
+      else if (held > 0 && count > 0 && Votes(kScale, scale, stated) > 0)
         of_this.push_back({geometry, frames, std::min(count, held), count > held ? Fit::kCutOff : Fit::kHeld});
     }
     // A count that 16 bits do not hold was not cut by them.
@@ -270,11 +272,11 @@ void ReadSizes(const StatedSizes& stated, const C3dBytes& bytes, C3dLayout& layo
     return std::tuple(reading.fit, reading.geometry.votes, reading.EndsWithData(bytes));
   };
   const auto best = std::ranges::max_element(readings, {}, rank);
+  if (stated[kScale].front().votes == 0 && (best == readings.end() || best->fit != Fit::kFilled))
+    throw Fail("{}: POINT:SCALE is absent or 0, and the data are not floats by their size", bytes.Path());
   if (best == readings.end())
     throw Fail("{}: holds no frame of points or analogue channels ({} frames of {} points are stated)", bytes.Path(),
                stated[kFrames].front().value, stated[kPoints].front().value);
-  if (best->fit != Fit::kFilled && stated[kScale].front().votes == 0)
-    throw Fail("{}: POINT:SCALE is absent or 0, and the data are not floats by their size", bytes.Path());
   const std::string contradictions = Contradictions(stated, *best);
   if (std::ranges::count(readings, rank(*best), rank) > 1)
     throw Fail("{}: contradicts itself ({}and the file's size does not decide); save it anew from the program it is of",

@@ -80,7 +80,9 @@ std::string ReadZipEntry(const std::filesystem::path& path, const std::string& e
     if (zip_stat_index(archive.get(), static_cast<zip_uint64_t>(i), 0, &stat) != 0 || stat.size > kMostBytes)
       throw Fail("{}: {} unpacks to more than {} bytes", path.string(), name, kMostBytes);
     std::string text(stat.size, '\0');
-    if (zip_fread(entry.get(), text.data(), text.size()) != static_cast<zip_int64_t>(text.size()))
+    char more = 0;  // the checksum is compared by the read that meets the end
+    if (zip_fread(entry.get(), text.data(), text.size()) != static_cast<zip_int64_t>(text.size()) ||
+        zip_fread(entry.get(), &more, 1) != 0)
       throw Fail("{}: {} cannot be unpacked: {}", path.string(), name, zip_file_strerror(entry.get()));
     return text;
   }

@@ -68,7 +68,7 @@ void ChooseView(const std::string& view, const std::filesystem::path& path, std:
   std::set<std::string> cameras;
   for (ColumnName& name : names) {
     name.point = Lower(name.point);
-    if (!name.point.empty()) cameras.insert(SplitName(name.point, "_").axis);
+    if (const std::string camera = SplitName(name.point, "_").axis; !camera.empty()) cameras.insert(camera);
   }
   const std::string listed = fmt::format("{}", fmt::join(cameras, ", "));
   if (!view.empty() && !cameras.contains(Lower(view)))
@@ -165,6 +165,7 @@ PointRecording ReadDeepLabCut(const std::filesystem::path& path, const ReadOptio
 PointRecording ReadSleap(const std::filesystem::path& path, const ReadOptions& options) {
   const TextLines lines(path);
   const std::vector<std::string> titles = SplitCells(lines[0], SeparatorOf(lines[0]));
+  constexpr std::size_t kMostTracks = 200;
   const std::size_t track = ColumnOf(titles, "track", lines);
   PointTable table{.space = PointSpace::kImage,
                    .separator = SeparatorOf(lines[0]),
@@ -173,8 +174,11 @@ PointRecording ReadSleap(const std::filesystem::path& path, const ReadOptions& o
   std::set<std::string> tracks;
   for (std::size_t line = 1; line < lines.Count(); ++line) {
     const std::vector<std::string> cells = SplitCells(lines[line], table.separator);
-    if (cells.size() > track) tracks.insert(cells[track]);
+    if (cells.size() > std::max(track, *table.frame) && CountIn(cells[*table.frame])) tracks.insert(cells[track]);
   }
+  if (tracks.size() > kMostTracks)
+    throw Fail("{}: has {} tracks, and {} animals at most are read: join the tracks in SLEAP", path.string(),
+               tracks.size(), kMostTracks);
   std::vector<FramePoints> found;
   std::vector<std::string> warnings;
   for (const std::string& name : tracks) {
@@ -262,9 +266,8 @@ PointRecording ReadDltdvSparse(const std::filesystem::path& path, const ReadOpti
 PointRecording ReadKinovea(const std::filesystem::path& path, const ReadOptions& options) {
   const TextLines lines(path);
   const char separator = SeparatorOf(lines[0]);
-  PointRecording recording =
-      ReadNamed(lines, {.separator = separator, .time = 0, .mm_per_unit = options.mm_per_unit, .names_all = true},
-                SplitNames(SplitCells(lines[0], separator), "/0/"), "NAME/0/X, NAME/0/Y", path);
+  PointRecording recording = ReadNamed(lines, {.separator = separator, .time = 0, .mm_per_unit = options.mm_per_unit},
+                                       SplitNames(SplitCells(lines[0], separator), "/0/"), "NAME/0/X, NAME/0/Y", path);
   TellMilliseconds(recording);
   return recording;
 }

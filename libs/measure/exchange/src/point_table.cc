@@ -29,18 +29,14 @@ class TableReader {
       throw Fail("{}: no row with a time and positions{}", path_.string(), left_out_.InBrackets());
     if (recording_.frame.front() < 0)  // a writer that counts from another number
       for (std::int64_t shift = recording_.frame.front(); std::int64_t & frame : recording_.frame) frame -= shift;
-    if (is_rounded_) {
-      for (std::size_t i = 0; i < recording_.time_s.size(); ++i) recording_.time_s[i] = TimeOf(numbers_[i]);
-      recording_.warnings.push_back(
-          fmt::format("{}: rows share a rounded time: taken are those of the frames' numbers "
-                      "at {:g} Hz",
-                      path_.string(), table_.rate_hz));
-    }
+    JudgeSharedTimes();
     left_out_.AppendTo(recording_.warnings);
     return std::move(recording_);
   }
 
  private:
+  static constexpr const char* kDoesNotFollow = "a row whose time does not follow the one before";
+
   std::optional<double> Number(std::optional<std::size_t> column) {
     if (!column || *column >= cells_.size()) return std::nullopt;
     bool is_unreadable = false;
@@ -65,21 +61,45 @@ class TableReader {
     return table_.rate_hz > 0 ? first_s_ + (number - first_number_) / table_.rate_hz : std::nan("");
   }
 
-  // Whether the time follows that of the row before, or is the same as far as its digits go, and the frames count on.
+  // Whether the time is not before that of the row before. Notes whether frames count on at the rate, as far as digits
+  // go.
   bool Follows(double number, double time_s) {
     if (recording_.time_s.empty()) {
       first_s_ = time_s;
       first_number_ = number;
     }
-    const double digit_s = table_.time ? std::pow(10, -static_cast<double>(Decimals(cells_[*table_.time]))) : 0;
-    is_as_counted_ = is_as_counted_ && std::abs(time_s - TimeOf(number)) <= digit_s;
-    const bool shares_time = !recording_.time_s.empty() && !(time_s > written_s_);
-    if ((shares_time || is_rounded_) &&
-        !(is_as_counted_ && time_s == std::max(time_s, written_s_) && number > numbers_.back()))
-      return false;
-    is_rounded_ = is_rounded_ || shares_time;
-    written_s_ = time_s;
-    return true;
+    const bool is_written = table_.time && *table_.time < cells_.size();
+    const double digit_s = is_written ? std::pow(10, -static_cast<double>(Decimals(cells_[*table_.time]))) : 0;
+    is_as_counted_ = is_as_counted_ && std::abs(time_s - TimeOf(number)) <= digit_s &&
+                     (numbers_.empty() || number > numbers_.back());
+    return recording_.time_s.empty() || time_s >= recording_.time_s.back();
+  }
+
+  // Of rows that share a time: the times of the frames' numbers where all count on at the rate, else the first row.
+  void JudgeSharedTimes() {
+    std::vector<double>& time_s = recording_.time_s;
+    if (std::ranges::adjacent_find(time_s) == time_s.end()) return;
+    if (is_as_counted_) {
+      std::ranges::transform(numbers_, time_s.begin(), [&](double number) { return TimeOf(number); });
+      recording_.warnings.push_back(
+          fmt::format("{}: rows share a rounded time: taken are those of the frames' numbers "
+                      "at {:g} Hz",
+                      path_.string(), table_.rate_hz));
+      return;
+    }
+    const std::vector<double> written_s = time_s;
+    const auto keep_first = [&](auto& values) {
+      std::erase_if(values, [&, row = std::size_t{0}](const auto&) mutable {
+        const bool is_shared = row > 0 && written_s[row] == written_s[row - 1];
+        ++row;
+        return is_shared;
+      });
+    };
+    keep_first(time_s);
+    keep_first(recording_.frame);
+    for (PointTrack& point : recording_.points) keep_first(point.positions);
+    for (std::size_t row = 1; row < written_s.size(); ++row)
+      if (written_s[row] == written_s[row - 1]) left_out_.Add(kDoesNotFollow, lines_.Where(line_of_row_[row]));
   }
 
   // Whether the file ends within its last row: there are fewer cells than in the row before, or fewer rows than stated,
@@ -106,9 +126,10 @@ class TableReader {
     std::optional<double> time_s = Number(table_.time);
     if (!time_s && table_.rate_hz > 0 && (stated || !table_.frame)) time_s = number / table_.rate_hz;
     if (!time_s) return left_out_.Add("a row without a time", where_);
-    if (!Follows(number, *time_s)) return left_out_.Add("a row whose time does not follow the one before", where_);
+    if (!Follows(number, *time_s)) return left_out_.Add(kDoesNotFollow, where_);
     recording_.time_s.push_back(*time_s);
     numbers_.push_back(number);
+    line_of_row_.push_back(line);
     const std::int64_t next = recording_.frame.empty() ? 0 : recording_.frame.back() + 1;
     const bool is_frame = std::abs(number) <= static_cast<double>(kMostFrames) && number == std::floor(number) &&
                           (recording_.frame.empty() || number >= static_cast<double>(next));
@@ -153,10 +174,11 @@ class TableReader {
   std::vector<std::string> cells_, before_;  // of the row that is read, and of the one before
   std::string where_;
   std::vector<double> numbers_;  // of the frames
-  double first_s_ = 0, first_number_ = 0, written_s_ = 0;
-  bool is_as_counted_ = true, is_rounded_ = false;  // so far, times are those of the numbers; rows share them
-  std::size_t width_ = 0;                           // columns that have a meaning
-  std::set<std::size_t> known_;                     // columns that have a meaning, or were said to have none
+  std::vector<std::size_t> line_of_row_;
+  double first_s_ = 0, first_number_ = 0;
+  bool is_as_counted_ = true;    // so far, times are those of the numbers
+  std::size_t width_ = 0;        // columns that have a meaning
+  std::set<std::size_t> known_;  // columns that have a meaning, or were said to have none
 };
 
 }  // namespace

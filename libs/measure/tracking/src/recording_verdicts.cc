@@ -65,7 +65,7 @@ void JudgeMarkers(const RecordingCheck& c, int markers, std::vector<CheckItem>& 
   items.push_back(
       {"blur_px",
        fmt::format("blur {:.1f} px at the fastest, a radius being {:.1f} ({})", m.blur_px, m.radius_px, shutter),
-       Judge(m.blur_px / m.radius_px, 1.2, 2.5),
+       Judge(m.blur_px / m.radius_px, 1.2, 6),  // walks with streaks of 6 radii are followed at crf 30
        fmt::format("a shutter of 1/{:.0f} s or shorter, with more light", 4 * std::max(c.video.frame_rate_hz, 25.0))});
 }
 

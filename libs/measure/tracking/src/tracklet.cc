@@ -127,11 +127,12 @@ void SortByFirstFrame(std::vector<Tracklet>& tracklets) {
             [](const Tracklet& a, const Tracklet& b) { return a.FirstFrame() < b.FirstFrame(); });
 }
 
-// What is found after a gap and not followed for `fewest` samples may be something else.
+// What is found after a gap and not followed for `fewest` samples may be something else; of reversed samples, before
+// it.
 void CutUnsureEnd(std::vector<TrackletSample>& samples, std::size_t fewest) {
   const auto last_run = [&] {
     std::size_t first = samples.size() - 1;
-    while (first > 0 && samples[first].frame - samples[first - 1].frame == 1) --first;
+    while (first > 0 && std::abs(samples[first].frame - samples[first - 1].frame) == 1) --first;
     return first;
   };
   while (!samples.empty()) {
@@ -336,7 +337,10 @@ std::optional<Tracklet> TrackletBuilder::Judged(Tracklet tracklet) const {
   if (!detector_.KnowsIdentities()) {
     WidenFirst(tracklet.samples);
     if (!detector_.NeedsColour()) JudgeLooks(tracklet.samples);  // in the chroma size is too uncertain to tell
-    CutUnsureEnd(tracklet.samples, static_cast<std::size_t>(options_.min_samples));
+    for (int end = 0; end < 2; ++end) {
+      CutUnsureEnd(tracklet.samples, static_cast<std::size_t>(options_.min_samples));
+      std::ranges::reverse(tracklet.samples);
+    }
   }
   if (static_cast<int>(tracklet.samples.size()) < options_.min_samples) return std::nullopt;
   return tracklet;
@@ -382,22 +386,6 @@ bool TrackletBuilder::StoodStill(const video::VideoFrame& frame, std::span<const
   return without < kAlike && without < Mismatch(previous_.luma, frame.luma, ExpectedSteps(predictions));
 }
 
-// What moved before a frozen picture may be anywhere behind it, and another marker may be where it was: naming joins
-// them.
-void TrackletBuilder::EndWhatLeft(std::int64_t frame) {
-  std::erase_if(live_, [&](Live& live) {
-    std::vector<TrackletSample>& samples = live.tracklet.samples;
-    const bool is_seen = samples.back().frame == frame;
-    if (samples.size() < 2 || !(is_seen ? samples[samples.size() - 2] : samples.back()).repeated) return false;
-    if (is_seen && (samples.back().position - samples[samples.size() - 2].position).norm() < kMovedPx) return false;
-    if (is_seen) samples.pop_back();
-    Keep(std::move(live.tracklet));
-    return true;
-  });
-  if (discontinuities_.empty() || discontinuities_.back() != frame) discontinuities_.push_back(frame);
-  last_loss_s_ = time_s_;
-}
-
 // What has come to rest at once looks like a picture that stands still; that it does not move for so long decides.
 void TrackletBuilder::NoteRepeated(std::int64_t frame) {
   constexpr double kLongest_s = 0.5;
@@ -409,8 +397,8 @@ void TrackletBuilder::NoteRepeated(std::int64_t frame) {
 }
 
 // What came to rest at once has been frozen if it leaves its place at once as well, two things at least; what begins to
-// move, creeps at first. Whether it was.
-bool TrackletBuilder::JudgeStanding(std::int64_t frame) {
+// move, creeps at first.
+void TrackletBuilder::JudgeStanding(std::int64_t frame) {
   int jumped = 0, crept = 0;
   for (const Live& live : live_) {
     const TrackletSample *first = live.tracklet.SampleIn(*stands_since_),
@@ -421,17 +409,17 @@ bool TrackletBuilder::JudgeStanding(std::int64_t frame) {
     };
     if (is_away(now)) ++(is_away(before) ? crept : jumped);
   }
-  if (jumped + crept < 2) return false;
-  const bool is_frozen = jumped >= 2 && jumped > crept;
-  if (is_frozen) {
+  if (jumped + crept < 2) return;
+  if (jumped >= 2 && jumped > crept) {
     while (!repeated_.empty() && repeated_.back() >= *stands_since_) repeated_.pop_back();
     for (std::int64_t frozen = *stands_since_; frozen < frame; ++frozen) repeated_.push_back(frozen);
     for (Live& live : live_)
       for (TrackletSample& sample : live.tracklet.samples)
         if (sample.frame >= *stands_since_ && sample.frame < frame) sample.repeated = true;
+    discontinuities_.push_back(frame);
+    last_loss_s_ = time_s_;
   }
   stands_since_.reset();
-  return is_frozen;
 }
 
 // Whether the frames before were repeated: only what has moved on when the picture changes again was hidden from sight;
@@ -592,16 +580,12 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
     is_repeated_ = false;
     TakeBackRepeated();
   }
-  bool ends_freeze = false;
   if (ends_repetition && !IsConfirmed(frame.index)) {
     TakeBackRepeated();
     SetTimeBack(frame, stood_still_before_s);
-  } else {
-    ends_freeze = ends_repetition && stood_still_s_ == stood_still_before_s && time_s_ - repeated_since_s_ > CoastS();
   }
-  if (stands_since_ && *stands_since_ < frame.index) ends_freeze |= JudgeStanding(frame.index);
+  if (stands_since_ && *stands_since_ < frame.index) JudgeStanding(frame.index);
   NoteBreak(frame.index, predictions);
-  if (ends_freeze) EndWhatLeft(frame.index);
   RetireLost();
   for (Live& live : live_) FollowBack(live);
   Remember(frame);

@@ -105,12 +105,11 @@ class TrackletBuilder {
   void NoteInterval(double interval_s);
   bool HasCrept() const;
   bool StoodStill(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions) const;
-  void EndWhatLeft(std::int64_t frame);
   void NoteRepeated(std::int64_t frame);
   bool IsConfirmed(std::int64_t frame) const;
   void SetTimeBack(const video::VideoFrame& frame, double stood_still_s);
   std::int64_t TakeBackRepeated();
-  bool JudgeStanding(std::int64_t frame);
+  void JudgeStanding(std::int64_t frame);
   void NoteBreak(std::int64_t frame, std::span<const MarkerPrediction> predictions);
   bool SearchEverywhere(std::int64_t frame) const;
   bool IsSeed(std::int64_t frame, const MarkerDetection& detection) const;
