@@ -249,6 +249,10 @@ class ReviewPage(unittest.TestCase):
         rows = read_table(self.folder / "trial/tracks.csv")
         return next(i for i, row in enumerate(rows) if i > 40 and row[f"{name}_status"] != "detected")
 
+    def comes_back(self, name):
+        rows = read_table(self.folder / "trial/tracks.csv")
+        return next(i for i, row in enumerate(rows) if i > self.vanishes(name) and row[f"{name}_status"] == "detected")
+
     def corrections(self):
         path = self.trial / "corrections.csv"
         return read_table(path) if path.exists() else []
@@ -264,7 +268,7 @@ class ReviewPage(unittest.TestCase):
         self.press(Keys.ARROW_LEFT)
         self.until(lambda: self.frame() == 10)
         hidden_from = self.vanishes("knee")
-        while f"knee not seen, frames {hidden_from} to 58" not in self.text("said"):
+        while f"knee not seen, frames {hidden_from} to" not in self.text("said"):
             self.press("]")
             self.assertNotIn("no further problem", self.text("said"))
         self.until(lambda: self.frame() == hidden_from)
@@ -585,7 +589,7 @@ class ReviewPage(unittest.TestCase):
     def test_names_exchanged_behind_a_hand_are_repaired_with_three_clicks(self):
         self.copy_trial()
         rows = read_table(self.trial / "tracks.csv")
-        for row in rows[59:]:  # the hand has gone
+        for row in rows[min(self.comes_back("knee"), self.comes_back("hip")):]:  # the hand has gone
             for column in ("x_px", "y_px", "sigma_px", "status"):
                 row[f"knee_{column}"], row[f"hip_{column}"] = row[f"hip_{column}"], row[f"knee_{column}"]
         with open(self.trial / "tracks.csv", "w", newline="") as file:

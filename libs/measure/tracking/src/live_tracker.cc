@@ -52,6 +52,9 @@ LiveTracker::LiveTracker(LiveTrackOptions options, const video::VideoInfo& video
       measured_(EmptyRecording(options_.names)) {
   TrackletOptions following;
   following.physics = options_.physics;
+  // Half as often as in a file: what else is found makes names less certain while little has moved.
+  following.search_interval_s = 0.2;
+  following.urgent_interval_s = 1.0 / 15;
   for (const MarkerSeed& seed : options_.seeds) following.seeds.push_back({seed.frame, seed.position});
   builder_ = std::make_unique<TrackletBuilder>(*detector_, following);
 }
