@@ -38,12 +38,9 @@ CodingError CodingErrorOf(const video::VideoInfo& video) {
 
 double AddedOverFit(const video::VideoInfo& video, double scatter, bool holds_still) {
   constexpr double kMostScatter = 10;  // 95 % of the markers had less; more is the person's
-  // Of 40 recordings none had less; where a walk at 30 Hz leaves nothing to learn from, it is 0.
-  constexpr double kLeastScatter = 2;
   if (video.is_lossless) return 0;
   const CodingError error = CodingErrorOf(video);
-  const double added = error.at_usual_bits *
-                       std::pow(std::clamp(scatter, kLeastScatter, kMostScatter), error.of_scatter) *
+  const double added = error.at_usual_bits * std::pow(std::min(scatter, kMostScatter), error.of_scatter) *
                        std::pow(video.bits_per_pixel.value_or(error.usual_bits) / error.usual_bits, -error.of_bits);
   return holds_still && error.of_scatter > 0 ? std::max(added, scatter) : added;
 }
