@@ -132,7 +132,7 @@ void SortByFirstFrame(std::vector<Tracklet>& tracklets) {
 void CutUnsureEnd(std::vector<TrackletSample>& samples, std::size_t fewest) {
   const auto last_run = [&] {
     std::size_t first = samples.size() - 1;
-    while (first > 0 && std::abs(samples[first].frame - samples[first - 1].frame) == 1) --first;
+    while (first > 0 && samples[first].frame - samples[first - 1].frame == 1) --first;
     return first;
   };
   while (!samples.empty()) {
@@ -337,10 +337,7 @@ std::optional<Tracklet> TrackletBuilder::Judged(Tracklet tracklet) const {
   if (!detector_.KnowsIdentities()) {
     WidenFirst(tracklet.samples);
     if (!detector_.NeedsColour()) JudgeLooks(tracklet.samples);  // in the chroma size is too uncertain to tell
-    for (int end = 0; end < 2; ++end) {
-      CutUnsureEnd(tracklet.samples, static_cast<std::size_t>(options_.min_samples));
-      std::ranges::reverse(tracklet.samples);
-    }
+    CutUnsureEnd(tracklet.samples, static_cast<std::size_t>(options_.min_samples));
   }
   if (static_cast<int>(tracklet.samples.size()) < options_.min_samples) return std::nullopt;
   return tracklet;
