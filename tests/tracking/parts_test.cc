@@ -67,7 +67,7 @@ class PointDetector : public tracking::MarkerDetector {
       : places_(std::move(places)), random_(seed) {}
 
   std::vector<tracking::MarkerDetection> Detect(const video::VideoFrame& frame,
-                                                std::span<const tracking::MarkerPrediction>, bool) override {
+                                                std::span<const tracking::MarkerPrediction>, tracking::Look) override {
     std::vector<tracking::MarkerDetection> detections;
     for (const Vector2d& place : places_(frame.index)) {
       tracking::MarkerDetection detection;
@@ -201,7 +201,7 @@ TEST(ReflectiveDetector, LinesAreNoMarkers) {
       for (int i = 0; i < 2; ++i) {
         video::VideoFrame frame;
         frame.luma = AddNoise(line, SceneNoise{}, random);
-        EXPECT_THAT(detector->Detect(frame, {}, true), testing::IsEmpty())
+        EXPECT_THAT(detector->Detect(frame, {}, tracking::Look::kEverywhere), testing::IsEmpty())
             << width_px << " px, " << angle_deg << " deg";
       }
     }

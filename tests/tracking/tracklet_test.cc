@@ -30,7 +30,7 @@ class Scripted : public tracking::MarkerDetector {
   explicit Scripted(Script script) : script_(std::move(script)) {}
 
   std::vector<tracking::MarkerDetection> Detect(const video::VideoFrame& frame,
-                                                std::span<const tracking::MarkerPrediction>, bool) override {
+                                                std::span<const tracking::MarkerPrediction>, tracking::Look) override {
     return script_(static_cast<int>(frame.index));
   }
 
@@ -60,7 +60,8 @@ class LateToBeFound : public tracking::MarkerDetector {
       : path_(std::move(path)), others_(std::move(others)), found_from_(found_from) {}
 
   std::vector<tracking::MarkerDetection> Detect(const video::VideoFrame& frame,
-                                                std::span<const tracking::MarkerPrediction> expected, bool) override {
+                                                std::span<const tracking::MarkerPrediction> expected,
+                                                tracking::Look) override {
     const int at = static_cast<int>(frame.index);
     std::vector<tracking::MarkerDetection> found;
     for (const Path& other : others_) found.push_back(Disc(other(at), 3));

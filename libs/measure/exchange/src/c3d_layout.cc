@@ -79,7 +79,7 @@ double LongWord(const C3dParameters& parameters, const char* name) {
 StatedSizes ReadStatedSizes(const C3dBytes& bytes, const C3dParameters& parameters, double rate_hz) {
   StatedSizes stated;
   const auto add = [&](Size size, const char* where, std::optional<double> value, double first = 1) {
-    if (value && CanBe(size, *value) && !(first > kMostCount))
+    if (value && CanBe(size, *value) && first <= kMostCount)
       stated[size].push_back({where, *value, static_cast<std::size_t>(std::max(first, 1.0))});
   };
   const auto word = [&](std::size_t offset) { return static_cast<double>(bytes.Unsigned16(offset)); };

@@ -2,6 +2,7 @@
 // DeepLabCut (Mathis et al. 2018, doi 10.1038/s41593-018-0209-y), SLEAP (Pereira et al. 2022, doi
 // 10.1038/s41592-022-01426-1), DLTdv (Hedrick 2008, doi 10.1088/1748-3182/3/3/034001) and Kinovea (kinovea.org).
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "lake/core/error.h"
@@ -165,24 +166,21 @@ PointRecording ReadDeepLabCut(const std::filesystem::path& path, const ReadOptio
 PointRecording ReadSleap(const std::filesystem::path& path, const ReadOptions& options) {
   const TextLines lines(path);
   const std::vector<std::string> titles = SplitCells(lines[0], SeparatorOf(lines[0]));
-  constexpr std::size_t kMostTracks = 200;
   const std::size_t track = ColumnOf(titles, "track", lines);
   PointTable table{.space = PointSpace::kImage,
                    .separator = SeparatorOf(lines[0]),
                    .frame = ColumnOf(titles, "frame_idx", lines),
                    .rate_hz = options.rate_hz};
-  std::set<std::string> tracks;
+  std::map<std::string, std::vector<std::size_t>> tracks;  // the lines of each
   for (std::size_t line = 1; line < lines.Count(); ++line) {
     const std::vector<std::string> cells = SplitCells(lines[line], table.separator);
-    if (cells.size() > std::max(track, *table.frame) && CountIn(cells[*table.frame])) tracks.insert(cells[track]);
+    if (cells.size() > std::max(track, *table.frame) && CountIn(cells[*table.frame]))
+      tracks[cells[track]].push_back(line);
   }
-  if (tracks.size() > kMostTracks)
-    throw Fail("{}: has {} tracks, and {} animals at most are read: join the tracks in SLEAP", path.string(),
-               tracks.size(), kMostTracks);
   std::vector<FramePoints> found;
   std::vector<std::string> warnings;
-  for (const std::string& name : tracks) {
-    table.only = {track, name};
+  for (const auto& [name, rows] : tracks) {
+    table.rows = rows;
     const PointRecording read = ReadNamed(lines, table, SplitNames(titles, "."), "NODE.x, NODE.y", path);
     std::ranges::copy(read.warnings, std::back_inserter(warnings));
     for (const PointTrack& point : read.points) {

@@ -23,8 +23,11 @@ class TableReader {
       width_ = std::max(width_, point.axes.back() + 1);
     }
     AddPoints(std::move(names), path_.string(), recording_);
-    for (std::size_t line = table_.first_row; line < std::min(lines_.Count(), table_.end_row); ++line)
-      if (lines_[line].find_first_not_of(" \t") != std::string::npos) ReadRow(line);
+    if (table_.rows)
+      for (const std::size_t line : *table_.rows) ReadRow(line);
+    else
+      for (std::size_t line = table_.first_row; line < std::min(lines_.Count(), table_.end_row); ++line)
+        if (lines_[line].find_first_not_of(" \t") != std::string::npos) ReadRow(line);
     if (recording_.time_s.empty())
       throw Fail("{}: no row with a time and positions{}", path_.string(), left_out_.InBrackets());
     if (recording_.frame.front() < 0)  // a writer that counts from another number
@@ -112,10 +115,7 @@ class TableReader {
   }
 
   void ReadRow(std::size_t line) {
-    std::vector<std::string> cells = SplitCells(lines_[line], table_.separator);
-    if (const auto& only = table_.only; only && (only->first >= cells.size() || cells[only->first] != only->second))
-      return;
-    before_ = std::exchange(cells_, std::move(cells));
+    before_ = std::exchange(cells_, SplitCells(lines_[line], table_.separator));
     where_ = lines_.Where(line);
     if (table_.separator == ' ' && cells_.size() < width_)  // nothing says which are missing
       return left_out_.Add("a row with fewer numbers than columns", where_);

@@ -102,7 +102,7 @@ struct PointTable {
   bool zero_is_missing = false;  // 0, 0, 0 stands for a missing point
   bool names_all = false;        // a value in any other column is of a point without a name
   std::optional<std::size_t> stated_rows = {};
-  std::optional<std::pair<std::size_t, std::string>> only = {};  // the rows with this text in this column
+  std::optional<std::vector<std::size_t>> rows = {};  // indices of their lines, if not all from first_row to end_row
 };
 
 // Cells that are no number are missing; rows without a time, or with one that does not follow the one before, and a

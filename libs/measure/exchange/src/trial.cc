@@ -30,19 +30,23 @@ std::vector<std::string> NamesOf(const auto& tracks) {
   return names;
 }
 
-Eigen::Vector3d MiddleOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return (a + b) / 2;
+// The mean of one place and `count` others whose mean is known.
+Eigen::Vector3d WithAnother(const Eigen::Vector3d& mean, double count, const Eigen::Vector3d& other) {
+  return (count * mean + other) / (count + 1);
 }
 
-// The middle is seen where both are; their errors are their own.
-motion::MarkerSample MiddleOf(const motion::MarkerSample& a, const motion::MarkerSample& b) {
-  if (!a.IsKnown() || !b.IsKnown()) return {};
-  const bool both_seen = a.status == motion::SampleStatus::kDetected && b.status == motion::SampleStatus::kDetected;
-  return {(a.position + b.position) / 2, std::hypot(a.sigma, b.sigma) / 2,
-          both_seen ? motion::SampleStatus::kDetected : motion::SampleStatus::kFilled};
+// It is seen where all are; their errors are their own.
+motion::MarkerSample WithAnother(const motion::MarkerSample& mean, double count, const motion::MarkerSample& other) {
+  if (!mean.IsKnown() || !other.IsKnown()) return {};
+  const auto is_seen = [](const motion::MarkerSample& sample) {
+    return sample.status == motion::SampleStatus::kDetected;
+  };
+  return {(count * mean.position + other.position) / (count + 1),
+          std::hypot(count * mean.sigma, other.sigma) / (count + 1),
+          is_seen(mean) && is_seen(other) ? motion::SampleStatus::kDetected : motion::SampleStatus::kFilled};
 }
 
-// What a list of tracks has of "A", or the middle of "A+B"; a name that holds a plus sign itself is taken as it is.
+// What a list of tracks has of "A", or the mean of "A+B+…"; a name that holds a plus sign itself is taken as it is.
 auto TakeFrom(const auto& tracks, auto values, const std::string& expression, const std::string& name,
               const fs::path& path) {
   const std::vector<std::string> known = NamesOf(tracks), parts = SplitText(expression, '+');
@@ -52,11 +56,13 @@ auto TakeFrom(const auto& tracks, auto values, const std::string& expression, co
     throw Fail("{}: no marker '{}' (for {}){}; it has: {}", path.string(), part, name, DidYouMean(part, known),
                Listed(known));
   };
-  if (parts.size() != 2 || std::ranges::find(known, expression) != known.end()) return find(expression);
-  auto middle = find(parts[0]);
-  const auto& other = find(parts[1]);
-  for (std::size_t i = 0; i < middle.size(); ++i) middle[i] = MiddleOf(middle[i], other[i]);
-  return middle;
+  if (parts.size() < 2 || std::ranges::find(known, expression) != known.end()) return find(expression);
+  auto mean = find(parts[0]);
+  for (std::size_t part = 1; part < parts.size(); ++part) {
+    const auto& other = find(parts[part]);
+    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = WithAnother(mean[i], static_cast<double>(part), other[i]);
+  }
+  return mean;
 }
 
 // Markers that nothing is said of keep their names, unless another gets theirs.

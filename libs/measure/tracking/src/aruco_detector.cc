@@ -139,8 +139,10 @@ class ArucoDetector : public MarkerDetector {
   bool KnowsIdentities() const override { return true; }
 
   std::vector<MarkerDetection> Detect(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions,
-                                      bool everywhere) override {
-    if (!everywhere && AreAllFollowed(predictions))
+                                      Look look) override {
+    if (look == Look::kNearAgain)
+      return FindWhereExpected(frame.luma, predictions).value_or(std::vector<MarkerDetection>());
+    if (look == Look::kNear && AreAllFollowed(predictions))
       if (auto found = FindWhereExpected(frame.luma, predictions)) return *std::move(found);
     return FindIn(frame.luma, region_.Of(frame.luma), kAllWindows);
   }

@@ -13,10 +13,10 @@ class ReflectiveDetector : public MarkerDetector {
   ReflectiveDetector(Polarity polarity, const DetectorRegion& region) : polarity_(polarity), finder_(region) {}
 
   std::vector<MarkerDetection> Detect(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions,
-                                      bool everywhere) override {
-    if (polarity_ == Polarity::kBright) return finder_.Detect(frame.luma, predictions, everywhere);
+                                      Look look) override {
+    if (polarity_ == Polarity::kBright) return finder_.Detect(frame.luma, predictions, look);
     cv::bitwise_not(frame.luma, inverted_);
-    return finder_.Detect(inverted_, predictions, everywhere);
+    return finder_.Detect(inverted_, predictions, look);
   }
 
   std::optional<ImageFigures> Figures() const override {

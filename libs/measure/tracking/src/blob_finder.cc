@@ -141,11 +141,6 @@ bool BlobFinder::LooksLike(const BlobFit& fit, const MarkerPrediction& predictio
 
 void BlobFinder::FitTogether(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
                              const std::vector<std::size_t>& members, std::vector<std::optional<BlobFit>>& fits) const {
-  if (members.size() == 1) {
-    const MarkerPrediction& alone = predictions[members[0]];
-    fits[members[0]] = FitAt(grey, alone.position, alone);
-    return;
-  }
   BlobFitOptions options = fit_options_;
   options.shape_freedom = 0.05;
   std::vector<Blob> starts;
@@ -303,19 +298,19 @@ void BlobFinder::FindNew(const cv::Mat& grey, const cv::Rect& box, std::span<con
 }
 
 std::vector<MarkerDetection> BlobFinder::Detect(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
-                                                bool everywhere) {
-  LearnNoise(grey);
+                                                Look look) {
+  if (look != Look::kNearAgain) LearnNoise(grey);
   std::vector<Blob> starts;
   for (const MarkerPrediction& prediction : predictions) starts.push_back(Start(prediction, prediction.position));
   std::vector<std::optional<BlobFit>> fits(predictions.size());
   for (const auto& members : TouchingGroups(starts)) {
-    if (members.size() <= kMaxJointBlobs) FitTogether(grey, predictions, members, fits);
+    if (members.size() > 1 && members.size() <= kMaxJointBlobs) FitTogether(grey, predictions, members, fits);
     for (const std::size_t member : members)
-      if (!fits[member] && members.size() > 1) FitTogether(grey, predictions, {member}, fits);
+      if (!fits[member]) fits[member] = FitAt(grey, predictions[member].position, predictions[member]);
   }
   for (std::size_t i = 0; i < predictions.size(); ++i)
     if (!fits[i]) fits[i] = SearchAndFit(grey, predictions[i]);
-  LearnFromFits(grey, predictions, fits);
+  if (look != Look::kNearAgain) LearnFromFits(grey, predictions, fits);
 
   std::vector<MarkerDetection> found;
   for (const auto& fit : fits) {
@@ -329,9 +324,9 @@ std::vector<MarkerDetection> BlobFinder::Detect(const cv::Mat& grey, std::span<c
     else if (detection.quality < twin->quality)
       *twin = detection;
   }
-  for (std::size_t i = 0; i < predictions.size() && !everywhere; ++i)
+  for (std::size_t i = 0; i < predictions.size() && look == Look::kNear; ++i)
     if (!fits[i] && predictions[i].was_missed) FindNew(grey, BoxAround(grey, predictions[i]), predictions, found);
-  if (everywhere) {
+  if (look == Look::kEverywhere) {
     std::erase_if(refusals_, [](Refusal& refusal) { return --refusal.searches_left < 0; });
     FindNew(grey, region_.Of(grey), predictions, found);
   }

@@ -39,8 +39,7 @@ class BlobFinder {
  public:
   explicit BlobFinder(const DetectorRegion& region) : region_(region) {}
 
-  std::vector<MarkerDetection> Detect(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
-                                      bool everywhere);
+  std::vector<MarkerDetection> Detect(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, Look look);
 
   ImageFigures Figures() const {
     return {fit_options_.noise, fit_options_.saturation_level,

@@ -309,7 +309,7 @@ class JointFit {
     for (const PixelBlock& block : blocks_) {
       for (std::size_t i = 0; i < blobs_.size(); ++i) {
         Light light;
-        ComputeLight(blobs_[i], origin_, block.x, block.y, light);
+        ComputeLight(blobs_[i], origin_, block.x, block.y, false, light);
         columns[i] = light.value;
       }
       Pixels counts;
@@ -359,7 +359,7 @@ class JointFit {
     std::size_t row = 0;
     for (const Blob& blob : blobs_) {
       Light light;
-      ComputeLight(blob, origin_, block.x, block.y, light);
+      ComputeLight(blob, origin_, block.x, block.y, is_streak_free_, light);
       AddBlob(light, static_cast<float>(blob.amplitude), is_streak_free_, row, model);
       row += static_cast<std::size_t>(each_);
     }

@@ -50,11 +50,11 @@ LAKE_WIDE_VECTORS void ComputeByBlur(float part, Light& __restrict light) {
     for (std::size_t i = 0; i < kBlock; ++i) light.by_blur[axis].at[i] = part * light.gradient[kX + axis].at[i];
 }
 
-LAKE_WIDE_VECTORS void Add(const Light& more, Light& __restrict light) {
+LAKE_WIDE_VECTORS void Add(const Light& more, bool by_blur, Light& __restrict light) {
   for (std::size_t i = 0; i < kBlock; ++i) light.value.at[i] += more.value.at[i];
   for (std::size_t p = 0; p < kAmplitude; ++p)
     for (std::size_t i = 0; i < kBlock; ++i) light.gradient[p].at[i] += more.gradient[p].at[i];
-  for (std::size_t axis = 0; axis < light.by_blur.size(); ++axis)
+  for (std::size_t axis = 0; axis < light.by_blur.size() && by_blur; ++axis)
     for (std::size_t i = 0; i < kBlock; ++i) light.by_blur[axis].at[i] += more.by_blur[axis].at[i];
 }
 
@@ -84,7 +84,8 @@ LAKE_WIDE_VECTORS void AddNormal(const Pixels& weight, const Pixels& residual, c
 
 }  // namespace
 
-void ComputeLight(const Blob& blob, const Eigen::Vector2d& origin, const Pixels& x, const Pixels& y, Light& light) {
+void ComputeLight(const Blob& blob, const Eigen::Vector2d& origin, const Pixels& x, const Pixels& y, bool by_blur,
+                  Light& light) {
   const Eigen::Matrix2f m = blob.unit_circle_from_px.cast<float>();
   const int nodes = ExposureNodes(blob);
   const auto at_node = [&](int i, Light& part) {
@@ -92,13 +93,13 @@ void ComputeLight(const Blob& blob, const Eigen::Vector2d& origin, const Pixels&
     const Eigen::Vector2f center = (blob.center - origin + along * blob.blur_px).cast<float>();
     ComputeStillLight({center.x(), center.y(), m(0, 0), m(0, 1), m(1, 1), static_cast<float>(blob.edge_px)}, x, y,
                       1.F / static_cast<float>(nodes), part);
-    ComputeByBlur(static_cast<float>(along), part);
+    if (by_blur) ComputeByBlur(static_cast<float>(along), part);
   };
   at_node(0, light);
   for (int i = 1; i < nodes; ++i) {
     Light part;
     at_node(i, part);
-    Add(part, light);
+    Add(part, by_blur, light);
   }
 }
 

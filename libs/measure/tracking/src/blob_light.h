@@ -20,7 +20,8 @@ struct alignas(32) Pixels {  // one value per pixel of a block; not set at first
   std::array<float, kBlock> at;
 };
 
-// A blob's light at unit amplitude, and its derivatives by x, y, m11, m12, m22, edge; by the streak's path.
+// A blob's light at unit amplitude, and its derivatives by x, y, m11, m12, m22, edge; by the streak's path, where
+// that is asked for.
 struct Light {
   Pixels value;
   std::array<Pixels, kAmplitude> gradient;
@@ -28,7 +29,8 @@ struct Light {
 };
 
 // At pixels given relative to `origin`, px.
-void ComputeLight(const Blob& blob, const Eigen::Vector2d& origin, const Pixels& x, const Pixels& y, Light& light);
+void ComputeLight(const Blob& blob, const Eigen::Vector2d& origin, const Pixels& x, const Pixels& y, bool by_blur,
+                  Light& light);
 
 // A sum over pixels, a part in each lane: single precision is enough for some hundred of them.
 inline constexpr std::size_t kLanes = 8;

@@ -57,10 +57,10 @@ class ColorDetector : public MarkerDetector {
   bool KnowsIdentities() const override { return hues_.size() > 1; }
 
   std::vector<MarkerDetection> Detect(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions,
-                                      bool everywhere) override {
+                                      Look look) override {
     luma_ = frame.luma;
     chroma_ = ChromaPlanes::Of(frame.preview);
-    LearnNoise();
+    if (look != Look::kNearAgain) LearnNoise();
     found_.clear();
     const cv::Rect region = region_.Of(luma_);
     for (const MarkerPrediction& prediction : predictions)
@@ -68,7 +68,7 @@ class ColorDetector : public MarkerDetector {
         const double reach = prediction.gate_px + 2 * prediction.appearance.RadiusPx() + kMarginPx;
         FindSpots(ChromaBox(prediction.position, reach, chroma_.Size()), *prediction.identity);
       }
-    if (everywhere) {
+    if (look == Look::kEverywhere) {
       const cv::Rect all(region.x / 2, region.y / 2, region.width / 2, region.height / 2);
       for (std::size_t hue = 0; hue < hues_.size(); ++hue) FindSpots(all, static_cast<int>(hue));
     }

@@ -141,17 +141,17 @@ class FrameClock {
     std::size_t first, end;
   };
 
-  // The frames from k on, a tenth of a second of them at most, that may be copies of the one before them, between quick
+  // The frames from k on, 0.15 s of them at most, that may be copies of the one before them, between quick
   // movements; none if they move on.
   Run Copies(const std::vector<std::size_t>& frames, std::size_t k) const {
     constexpr double kLongest_s = 0.15;
     const auto step_px = [&](std::size_t from, std::size_t to) { return StepPx(recording_, frames[from], frames[to]); };
     const double into_px = k >= 2 ? kOfNeighbours * step_px(k - 2, k - 1).value_or(0) : 0;
     for (std::size_t end = k + 1; end < frames.size(); ++end) {
-      if (!(step_px(k - 1, end - 1).value_or(INFINITY) < into_px)) break;
-      if (recording_.time_s[frames[end - 1]] - recording_.time_s[frames[k - 1]] > kLongest_s) break;
-      if (step_px(k - 1, end - 1).value_or(INFINITY) < kOfNeighbours * step_px(end - 1, end).value_or(0))
-        return {k, end};
+      const double changed_px = step_px(k - 1, end - 1).value_or(INFINITY);
+      const double elapsed_s = recording_.time_s[frames[end - 1]] - recording_.time_s[frames[k - 1]];
+      if (!(changed_px < into_px) || elapsed_s > kLongest_s) break;
+      if (changed_px < kOfNeighbours * step_px(end - 1, end).value_or(0)) return {k, end};
     }
     return {k, k};
   }

@@ -122,7 +122,7 @@ class TemplateDetector : public MarkerDetector {
   bool KnowsIdentities() const override { return true; }
 
   std::vector<MarkerDetection> Detect(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions,
-                                      bool everywhere) override {
+                                      Look look) override {
     std::vector<MarkerDetection> found;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const auto prediction = std::find_if(predictions.begin(), predictions.end(), [&](const MarkerPrediction& p) {
@@ -131,7 +131,7 @@ class TemplateDetector : public MarkerDetector {
       std::optional<Match> match;
       if (prediction != predictions.end())
         match = Find(frame.luma, samples_[i], Around(frame.luma, prediction->position, prediction->gate_px));
-      if (!match && everywhere) {
+      if (!match && look == Look::kEverywhere) {
         const bool pointed_at = frame.index == seeds_[i].frame;
         match = Find(frame.luma, samples_[i],
                      pointed_at ? Around(frame.luma, seeds_[i].position, half_) : region_.Of(frame.luma));

@@ -521,8 +521,7 @@ void TrackletBuilder::FollowBack(Live& live) {
     if (frame.index >= live.tracklet.FirstFrame() || std::ranges::binary_search(repeated_, frame.index)) continue;
     if (-time_s - back.seen_s > CoastS()) break;
     MarkerPrediction prediction = Predict(back, -time_s, frame_s_);
-    prediction.was_missed = false;
-    const std::vector<MarkerDetection> found = detector_.Detect(frame, std::span(&prediction, 1), false);
+    const std::vector<MarkerDetection> found = detector_.Detect(frame, std::span(&prediction, 1), Look::kNearAgain);
     const auto cost = [&](const MarkerDetection& detection) { return PairCost(prediction, detection); };
     const auto likest = std::ranges::min_element(found, {}, cost);
     if (likest == found.end() || cost(*likest) >= 1) continue;
@@ -572,7 +571,8 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
     time_s_ = frame.time_s - stood_still_s_;
     predictions = PredictAll(time_s_);
   }
-  Associate(frame.index, predictions, detector_.Detect(frame, predictions, SearchEverywhere(frame.index)));
+  Associate(frame.index, predictions,
+            detector_.Detect(frame, predictions, SearchEverywhere(frame.index) ? Look::kEverywhere : Look::kNear));
   if (is_repeated_ && HasCrept()) {
     is_repeated_ = false;
     TakeBackRepeated();

@@ -45,7 +45,7 @@ std::optional<tracking::MarkerDetection> SnapToMarker(video::VideoFrame frame, c
   if (detector->NeedsColour()) frame.preview = PreviewOf(colours());
   std::optional<tracking::MarkerDetection> nearest;
   double least = reach_px;
-  for (const tracking::MarkerDetection& found : detector->Detect(frame, {}, true)) {
+  for (const tracking::MarkerDetection& found : detector->Detect(frame, {}, tracking::Look::kEverywhere)) {
     const double distance = (found.position - place).norm();
     if (distance <= least) {
       nearest = found;

@@ -48,13 +48,17 @@ struct ImageFigures {
   std::optional<double> shutter_fraction;  // part of the frame time during which the shutter is open, if it showed
 };
 
+// Where a detector looks: near what is expected; everywhere; or near it once more in a frame of before, from which
+// nothing is learnt again.
+enum class Look { kNear, kEverywhere, kNearAgain };
+
 class MarkerDetector {
  public:
   virtual ~MarkerDetector() = default;
 
-  // Detections near the predictions and, if `everywhere`, all others. Each thing is reported once.
+  // Detections near the predictions and, everywhere, all others. Each thing is reported once.
   virtual std::vector<MarkerDetection> Detect(const video::VideoFrame& frame,
-                                              std::span<const MarkerPrediction> predictions, bool everywhere) = 0;
+                                              std::span<const MarkerPrediction> predictions, Look look) = 0;
 
   virtual bool NeedsColour() const { return false; }
 
