@@ -25,6 +25,7 @@ ColumnName SplitName(const std::string& title, std::string_view separator) {
 
 std::vector<ColumnName> SplitNames(const std::vector<std::string>& titles, std::string_view separator) {
   std::vector<ColumnName> names;
+  names.reserve(titles.size());
   for (const std::string& title : titles) names.push_back(SplitName(title, separator));
   return names;
 }

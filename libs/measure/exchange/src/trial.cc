@@ -20,12 +20,14 @@ namespace fs = std::filesystem;
 
 std::string Listed(std::vector<std::string> names) {
   constexpr std::size_t kMost = 60;
-  if (names.size() > kMost) names.resize(kMost), names.emplace_back("…");
+  if (names.size() > kMost) names.erase(names.begin() + kMost + 1, names.end());
+  if (names.size() > kMost) names.back() = "…";
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::vector<std::string> NamesOf(const auto& tracks) {
   std::vector<std::string> names;
+  names.reserve(tracks.size());
   for (const auto& track : tracks) names.push_back(track.name);
   return names;
 }

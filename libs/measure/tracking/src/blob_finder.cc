@@ -144,6 +144,7 @@ void BlobFinder::FitTogether(const cv::Mat& grey, std::span<const MarkerPredicti
   BlobFitOptions options = fit_options_;
   options.shape_freedom = 0.05;
   std::vector<Blob> starts;
+  starts.reserve(members.size());
   for (const std::size_t member : members) starts.push_back(Start(predictions[member], predictions[member].position));
   if (const auto joint = FitBlobs(grey, starts, options)) {
     for (std::size_t i = 0; i < members.size(); ++i)

@@ -30,7 +30,7 @@ double Smooth(const cv::Mat& grey, const cv::Point& place) {
 // in two that face each other.
 bool IsDarkAllRound(const cv::Mat& grey, const cv::Point& place, bool may_be_line) {
   constexpr int kFar = 4, kNear = 3;
-  constexpr int kMaxBright = 2;
+  constexpr std::size_t kMaxBright = 2;
   static const std::array<cv::Point, 8> kRing = {cv::Point(kFar, 0),  {kNear, kNear},   {0, kFar},  {-kNear, kNear},
                                                  cv::Point(-kFar, 0), {-kNear, -kNear}, {0, -kFar}, {kNear, -kNear}};
   std::array<double, 8> levels, sorted;
@@ -41,7 +41,7 @@ bool IsDarkAllRound(const cv::Mat& grey, const cv::Point& place, bool may_be_lin
   const double half = dark + 0.5 * (Smooth(grey, place) - dark);
   for (std::size_t i = 0; i < kRing.size() / 2 && !may_be_line; ++i)
     if (levels[i] >= half && levels[i + kRing.size() / 2] >= half) return false;
-  return sorted[kRing.size() - 1 - (may_be_line ? 2 : 1) * kMaxBright] < half;
+  return sorted[kRing.size() - 1 - (may_be_line ? 2 * kMaxBright : kMaxBright)] < half;
 }
 
 // The row that comes into the sums over columns, and the one that leaves them.

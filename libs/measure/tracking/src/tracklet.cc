@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ranges>
 
 #include "lake/core/statistics.h"
 #include "lake/tracking/assignment.h"
@@ -485,7 +484,7 @@ void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPredic
 }
 
 void TrackletBuilder::Remember(const video::VideoFrame& frame) {
-  constexpr std::size_t kBytes = 96 << 20;
+  constexpr std::size_t kBytes = 48 << 20;
   if (options_.look_back_s == 0) return;
   remembered_.emplace_back(frame, time_s_);
   const std::size_t bytes = 3 * frame.luma.total() / 2 + frame.preview.total();  // the decoder keeps the chroma too
@@ -517,7 +516,8 @@ void TrackletBuilder::FollowBack(Live& live) {
   Live back = live;
   std::ranges::transform(samples.rbegin(), samples.rend(), back.tracklet.samples.begin(), reversed);
   back.seen_s = back.tracklet.samples.back().time_s;
-  for (const auto& [frame, time_s] : std::views::reverse(remembered_)) {
+  for (auto seen = remembered_.rbegin(); seen != remembered_.rend(); ++seen) {
+    const auto& [frame, time_s] = *seen;
     if (frame.index >= live.tracklet.FirstFrame() || std::ranges::binary_search(repeated_, frame.index)) continue;
     if (-time_s - back.seen_s > CoastS()) break;
     MarkerPrediction prediction = Predict(back, -time_s, frame_s_);

@@ -81,8 +81,8 @@ Eigen::Matrix<T, 2, 1> OnTiltedSensor(const T& tau_x, const T& tau_y, const T& x
   const T cx = cos(tau_x), sx = sin(tau_x), cy = cos(tau_y), sy = sin(tau_y);
   // R = R_y(τy) R_x(τx); the point is projected onto the turned plane: [R33 0 −R13; 0 R33 −R23; 0 0 1] R (x, y, 1).
   const T rx = cy * x + sy * sx * y - sy * cx, ry = cx * y + sx, rz = sy * x - cy * sx * y + cy * cx;
-  const T r33 = cy * cx, r13 = -sy * cx, r23 = sx;
-  return {(r33 * rx - r13 * rz) / rz, (r33 * ry - r23 * rz) / rz};
+  const T r33 = cy * cx, r13 = -sy * cx;
+  return {(r33 * rx - r13 * rz) / rz, (r33 * ry - sx * rz) / rz};
 }
 
 // With the first 5, 8 or all 14 of the coefficients.

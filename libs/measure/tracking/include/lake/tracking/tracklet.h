@@ -59,7 +59,7 @@ struct TrackletOptions {
 struct ExpectedStep;
 
 // Follows everything that the detector sees. Feed frames in order; memory grows with what is found, not with the
-// pictures, of which the last 96 MB are kept at most.
+// pictures, of which the last 48 MB are kept at most.
 class TrackletBuilder {
  public:
   TrackletBuilder(MarkerDetector& detector, const TrackletOptions& options) : detector_(detector), options_(options) {}
