@@ -175,6 +175,39 @@ class JointFit {
     if (HasEnoughPixels()) StartBackground();
   }
 
+  // A background that is not even pulls a blob that lies at the side of its surroundings: where it is found farther
+  // from its start than this, it is fitted once more, in the middle of them.
+  bool SolveAround() {
+    constexpr double kAside_px = 0.5;
+    if (!Solve()) return false;
+    double farthest_px = 0;
+    for (std::size_t i = 0; i < blobs_.size(); ++i)
+      farthest_px = std::max(farthest_px, (blobs_[i].center - starts_[i].center).norm());
+    if (farthest_px < kAside_px) return true;
+    ChoosePixels();
+    return Solve();
+  }
+
+  std::vector<BlobFit> Result() const {
+    const AnyMatrix covariance = InverseNormal(normal_);
+    const double freedom = std::max(counting_ - parameters_, 1.0);
+    const double chi_square = weighted_square_sum_ / freedom;
+    const double residual = std::sqrt(square_sum_ / freedom);
+    std::vector<BlobFit> fits;
+    for (std::size_t i = 0; i < blobs_.size(); ++i) {
+      const int at = static_cast<int>(i) * each_;
+      BlobFit fit;
+      fit.blob = blobs_[i];
+      fit.covariance = covariance.block<2, 2>(at, at) * chi_square;
+      fit.background = background_[0] + background_.tail<2>().dot(blobs_[i].center - origin_);
+      fit.chi_square = chi_square;
+      fit.relative_residual = residual / blobs_[i].amplitude;
+      fits.push_back(fit);
+    }
+    return fits;
+  }
+
+ private:
   bool Solve() {
     if (!HasEnoughPixels()) return false;
     constexpr double kCostRounding = 1e-5;  // pixels are in single precision
@@ -211,26 +244,6 @@ class JointFit {
     return last_px < options_.usable_px;
   }
 
-  std::vector<BlobFit> Result() const {
-    const AnyMatrix covariance = InverseNormal(normal_);
-    const double freedom = std::max(counting_ - parameters_, 1.0);
-    const double chi_square = weighted_square_sum_ / freedom;
-    const double residual = std::sqrt(square_sum_ / freedom);
-    std::vector<BlobFit> fits;
-    for (std::size_t i = 0; i < blobs_.size(); ++i) {
-      const int at = static_cast<int>(i) * each_;
-      BlobFit fit;
-      fit.blob = blobs_[i];
-      fit.covariance = covariance.block<2, 2>(at, at) * chi_square;
-      fit.background = background_[0] + background_.tail<2>().dot(blobs_[i].center - origin_);
-      fit.chi_square = chi_square;
-      fit.relative_residual = residual / blobs_[i].amplitude;
-      fits.push_back(fit);
-    }
-    return fits;
-  }
-
- private:
   struct State {
     std::vector<Blob> blobs;
     Eigen::Vector3d background;
@@ -250,6 +263,8 @@ class JointFit {
   void ChoosePixels() {
     const cv::Rect picture(0, 0, grey_.cols, grey_.rows);
     std::vector<std::uint8_t> marks, marks_of_others;
+    blocks_.clear();
+    pixels_ = 0;
     for (std::size_t i = 0; i < blobs_.size(); ++i) {
       const Eigen::Vector2d half = HalfExtent(blobs_[i], MarginPx());
       const Eigen::Vector2d low = blobs_[i].center - half, high = blobs_[i].center + half;
@@ -478,7 +493,7 @@ std::optional<std::vector<BlobFit>> FitBlobs(const cv::Mat& grey, std::span<cons
                                              const BlobFitOptions& options) {
   if (starts.empty() || starts.size() > kMaxJointBlobs) return std::nullopt;
   JointFit fit(grey, starts, options);
-  if (!fit.Solve()) return std::nullopt;
+  if (!fit.SolveAround()) return std::nullopt;
   return fit.Result();
 }
 

@@ -62,6 +62,7 @@ class Namer {
  public:
   Namer(std::vector<Tracklet> tracklets, const NamingOptions& options, motion::MarkerRecording& recording)
       : options_(options),
+        physics_(options.physics),
         recording_(recording),
         pieces_(std::move(tracklets)),
         tracklets_(pieces_, options.metric_from_px),
@@ -89,6 +90,7 @@ class Namer {
     CheckSeeds();
     for (std::size_t n = 0; n < anchor_.size(); ++n) Give(n, *anchor_[n]);
     FindLinks();
+    LearnQuickDensity();
     JoinPieces();
     for (const MarkerSeed& seed : options_.seeds) CheckSeen(seed);
   }
@@ -345,6 +347,22 @@ class Namer {
     }
   }
 
+  // A foot swings more quickly than anybody rises: what the anchors show is believed of their continuations.
+  void LearnQuickDensity() {
+    std::vector<std::vector<dynamics::PathSample>> paths;
+    std::vector<double> radii_px;
+    for (const auto& anchor : anchor_) {
+      const Tracklet& tracklet = tracklets_[*anchor];
+      std::vector<dynamics::PathSample>& path = paths.emplace_back();
+      for (const TrackletSample& sample : tracklet.samples)
+        if (!sample.repeated) path.push_back({sample.time_s, sample.position, sample.sigma_px});
+      radii_px.push_back(tracklet.samples.front().radius_px);
+    }
+    const double mm_per_px = physics_.radius_mm / Median(std::move(radii_px));
+    physics_.quick_mm2_s5 =
+        std::max(physics_.quick_mm2_s5, mm_per_px * mm_per_px * dynamics::LearnMotion(paths, mm_per_px).density);
+  }
+
   // Neighbours in the leg; for other names whatever anchors keep their distance to theirs.
   void FindLinks() {
     // Skin and perspective change a length by more than the anchors may have shown.
@@ -508,7 +526,7 @@ class Namer {
         continue;
       }
       const double radius_px = piece.samples.front().radius_px;
-      const PathJoin join = JoinPaths(before, after, TimeToMoveOn(before, after), radius_px, options_.physics);
+      const PathJoin join = JoinPaths(before, after, TimeToMoveOn(before, after), radius_px, physics_);
       constexpr double kFarthest = 30;
       if (join.squares > kFarthest) return std::nullopt;
       misfit = misfit.value_or(0) - join.log_odds;
@@ -631,6 +649,7 @@ class Namer {
   }
 
   const NamingOptions& options_;
+  MarkerPhysics physics_;
   motion::MarkerRecording& recording_;
   std::vector<Tracklet> pieces_;
   MetricTracklets tracklets_;

@@ -11,9 +11,8 @@
 namespace lake::tracking {
 namespace {
 
-constexpr double kError_mm = 0.4;      // of a position, by coding
-constexpr double kClock = 0.2;         // of a time, in frames: a converted rate shows pictures too early or too late
-constexpr double kQuick_mm2_s5 = 1e9;  // spectral density of jerk in a quick rise
+constexpr double kError_mm = 0.4;  // of a position, by coding
+constexpr double kClock = 0.2;     // of a time, in frames: a converted rate shows pictures too early or too late
 
 // All where there are no others: those of repeated pictures too.
 template <typename Samples>
@@ -62,7 +61,7 @@ double GapBetween(const PathEnd& before, const PathEnd& after) {
 
 PathJoin JoinPaths(const PathEnd& before, const PathEnd& after, double gap_s, double radius_px,
                    const MarkerPhysics& physics) {
-  const double density = kQuick_mm2_s5 / (physics.radius_mm * physics.radius_mm),
+  const double density = physics.quick_mm2_s5 / (physics.radius_mm * physics.radius_mm),
                elapsed_s = std::min(gap_s, physics.turns_after_s);
   const dynamics::PathState last = StateAt(before, radius_px, physics, density),
                             first = StateAt(after, radius_px, physics, density),

@@ -9,6 +9,7 @@ struct MarkerPhysics {
   double radius_mm = 8;
   double max_acceleration_mm_s2 = 9600;  // about 1 g, while the leg stands up
   double max_speed_mm_s = 2000;          // of a quick rise
+  double quick_mm2_s5 = 1e9;             // spectral density of jerk in a quick rise
   double turns_after_s = 0.3;            // s, in which a marker goes one way at most
   double fast_start_mm = 160;            // from one frame to the next, of what begins at a seed: a ball that is thrown
 
