@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "lake/core/statistics.h"
 #include "tracking/marker_scene.h"
@@ -148,6 +149,31 @@ TEST(BlobFit, NeighboursWithinADiameterDoNotPullEachOther) {
   }
   // Overlapping light adds up in this scene, so both edges stay visible: half as much again as a lone marker's bound.
   EXPECT_LE(std::sqrt(square_sum / trials), 1.5 * CramerRaoBound(Disc(4, 150), noise) + 0.002);
+}
+
+// A background that is not even pulls what lies at the side of the pixels that take part: the place that is found must
+// not depend on where it was looked for.
+TEST(BlobFit, StartsAnywhereAndFindsTheSamePlaceBeforeAnUnevenBackground) {
+  const cv::Size size(80, 40);
+  SceneMarker marker;
+  marker.center = {40, 20};
+  marker.radius_px = 3;
+  marker.blur_px = {20, 4};
+  cv::Mat image = DrawMarkers(size, {marker}, kPsf, kBackground);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) image.at<double>(y, x) += 25 * std::pow((x - marker.center.x()) / 20, 2);
+  cv::Mat grey;
+  image.convertTo(grey, CV_8U);
+  for (const double along : {-0.3, -0.15, 0.15, 0.3}) {
+    tracking::Blob start = tracking::DiscBlob(marker.center + along * marker.blur_px, marker.radius_px);
+    start.blur_px = 0.9 * marker.blur_px;
+    tracking::BlobFitOptions options = Options(SceneNoise());
+    options.shape_freedom = 0.04;
+    options.streak_freedom_px = 2;
+    const auto fits = tracking::FitBlobs(grey, std::span(&start, 1), options);
+    ASSERT_TRUE(fits) << along;
+    EXPECT_LE((fits->front().blob.center - marker.center).norm(), 0.1) << along;
+  }
 }
 
 TEST(BlobFit, RefusesWhatIsNoBlob) {

@@ -175,17 +175,21 @@ class JointFit {
     if (HasEnoughPixels()) StartBackground();
   }
 
-  // A background that is not even pulls a blob that lies at the side of its surroundings: where it is found farther
-  // from its start than this, it is fitted once more, in the middle of them.
+  // A background that is not even pulls a blob that lies at the side of its pixels: where it is found farther than this
+  // from their middle, it is fitted again with those round itself.
   bool SolveAround() {
-    constexpr double kAside_px = 0.5;
-    if (!Solve()) return false;
-    double farthest_px = 0;
-    for (std::size_t i = 0; i < blobs_.size(); ++i)
-      farthest_px = std::max(farthest_px, (blobs_[i].center - starts_[i].center).norm());
-    if (farthest_px < kAside_px) return true;
-    ChoosePixels();
-    return Solve();
+    constexpr double kAside_px = 0.3;
+    constexpr int kMost = 3;  // times
+    bool is_aside = true;
+    for (int round = 0; round <= kMost && is_aside; ++round) {
+      if (round > 0) ChoosePixels();
+      const std::vector<Blob> before = blobs_;
+      if (!Solve()) return false;
+      is_aside = false;
+      for (std::size_t i = 0; i < blobs_.size(); ++i)
+        is_aside |= (blobs_[i].center - before[i].center).norm() > kAside_px;
+    }
+    return true;
   }
 
   std::vector<BlobFit> Result() const {
