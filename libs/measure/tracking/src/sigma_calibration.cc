@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <utility>
 
@@ -18,12 +19,12 @@ constexpr std::size_t kEnough = 60;  // samples
 //
 //     at_usual_bits · scatter^of_scatter · (bits per pixel / usual_bits)^−of_bits,
 //
-// `scatter` what the motion's model leaves to the measurement beyond the fits' sigmas, over these. The exponent of the
-// scatter is less than 1: the model tells errors from motion, but not from the skin's tremor, which is as white, and it
-// takes errors that last for some frames for motion. By robust regression on the markers of 593 rendered recordings of
-// people and of drawn motions (24 to 120 Hz, 0.001 to 1.2 bits per pixel), the root mean square of what it leaves in
-// the first factor: a marker's error is within a factor of 1.28 (1 SD), each recording's by the others. Where the
-// scatter tells of coding at all, what holds still at rest errs by the whole of it at least.
+// `scatter` what scatters in the distances of moving neighbours beyond the fits' sigmas, over these. The exponent of
+// the scatter is less than 1: distances hold the skin's tremor too, which is as white as errors, and errors that last
+// for some frames look like slow changes. By robust regression on the markers of 593 rendered recordings of people and
+// of drawn motions (24 to 120 Hz, 0.001 to 1.2 bits per pixel), the root mean square of what it leaves in the first
+// factor: a marker's error is within a factor of 1.28 (1 SD), each recording's by the others. Where the scatter tells
+// of coding at all, what holds still at rest errs by the whole of it at least.
 struct CodingError {
   double at_usual_bits, usual_bits, of_scatter, of_bits;
 };
@@ -94,6 +95,28 @@ Path Moving(const Path& path) {
   return moving;
 }
 
+bool IsIn(const Path& path, double time_s) {
+  return std::ranges::binary_search(path, time_s, {}, &dynamics::PathSample::time_s);
+}
+
+// The distances of each marker to the next while either moves, √2 times smaller, so that they err as markers do: they
+// stay what they are however quickly the leg moves, and what scatters in them is error. Both axes hold the same.
+std::vector<Path> Distances(const std::vector<Path>& detected, const std::vector<Path>& moving) {
+  std::vector<Path> distances;
+  for (std::size_t m = 0; m + 1 < detected.size(); ++m) {
+    Path& path = distances.emplace_back();
+    auto next = detected[m + 1].begin();
+    for (const dynamics::PathSample& one : detected[m]) {
+      while (next != detected[m + 1].end() && next->time_s < one.time_s) ++next;
+      if (next == detected[m + 1].end()) break;
+      if (next->time_s > one.time_s || !(IsIn(moving[m], one.time_s) || IsIn(moving[m + 1], one.time_s))) continue;
+      const double distance = (one.position - next->position).norm() / std::numbers::sqrt2;
+      path.push_back({one.time_s, {distance, distance}, std::hypot(one.sigma, next->sigma) / std::numbers::sqrt2});
+    }
+  }
+  return distances;
+}
+
 // Whether markers hold still at rest, as a mechanism's do, so that all that scatters in movement is coding's, and
 // smoothing may take it away: a person jitters at rest too. By second differences there, of four in five: of drawn
 // motions those of four in five recordings scatter by less than this, or than the fits' own sigma; of people's those of
@@ -131,7 +154,9 @@ SigmaCalibration CalibrateSigmas(const video::VideoInfo& video, motion::MarkerRe
   }
   const std::vector<Path>& compared = Samples(moving) >= kEnough ? moving : detected;
   if (Samples(compared) < kEnough) return {};
-  const dynamics::LearntMotion learnt = dynamics::LearnMotion(compared, MillimetresPerPx(recording));
+  const std::vector<Path> distances = Distances(detected, moving);
+  const dynamics::LearntMotion learnt =
+      dynamics::LearnMotion(Samples(distances) >= kEnough ? distances : compared, MillimetresPerPx(recording));
   SigmaCalibration calibration;
   calibration.fit_px = MedianSigma(compared);
   calibration.scatter_px = std::hypot(calibration.fit_px, learnt.extra_sigma);
