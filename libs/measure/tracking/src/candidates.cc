@@ -13,7 +13,7 @@ constexpr std::size_t kLeastSamples = 12, kMost = 99;
 
 // More than noise, and than what a lamp's flicker or a person who leans on the tripod makes of it.
 bool Moves(const Tracklet& tracklet) {
-  return TrimmedExtentPx(tracklet) > std::max(2.0, 0.5 * tracklet.samples.front().radius_px);
+  return TrimmedExtentPx(tracklet) > std::max(2.0, 0.5 * tracklet.RadiusPx());
 }
 
 // The frame in which most of these are seen; the first of several.

@@ -72,6 +72,7 @@ class Namer {
     recording_.markers.clear();
     for (const std::string& name : options.names)
       recording_.markers.push_back({name, std::vector<motion::MarkerSample>(recording.Frames())});
+    for (const Tracklet& piece : pieces_) radii_px_.push_back(piece.RadiusPx());
     for (std::size_t i = 0; i < recording_.Frames(); ++i) index_of_frame_[recording_.frame[i]] = i;
     for (const Tracklet& piece : pieces_)
       for (const TrackletSample& sample : piece.samples) time_s_[index_of_frame_.at(sample.frame)] = sample.time_s;
@@ -211,7 +212,7 @@ class Namer {
       double seen = 0;
       for (const TrackletSample& sample : tracklets_[i].samples)
         seen += sample.amplitude * sample.amplitude * (sample.quality < kMarkerQuality ? 1 : kNoDisc);
-      if (!stays && TrimmedExtentPx(tracklets_[i]) < tracklets_[i].samples.front().radius_px) seen *= kRests;
+      if (!stays && TrimmedExtentPx(tracklets_[i]) < tracklets_[i].RadiusPx()) seen *= kRests;
       if (seen > most) {
         most = seen;
         best = i;
@@ -270,7 +271,7 @@ class Namer {
       without.fixed[m].reset();
       if (FindLegChains(tracklets_, without).empty()) continue;
       const Tracklet& own = tracklets_[*anchor_[names[m]]];
-      const bool rests = TrimmedExtentPx(own) < own.samples.front().radius_px;
+      const bool rests = TrimmedExtentPx(own) < own.RadiusPx();
       throw Fail("{}: what is at {} makes no leg with the other markers{}; put the seed on the {}, or leave it out",
                  SeedText(*seed), Describe(own),
                  rests ? ", as it stays where it is while they move: a lamp or a reflection"
@@ -356,7 +357,7 @@ class Namer {
       std::vector<dynamics::PathSample>& path = paths.emplace_back();
       for (const TrackletSample& sample : tracklet.samples)
         if (!sample.repeated) path.push_back({sample.time_s, sample.position, sample.sigma_px});
-      radii_px.push_back(tracklet.samples.front().radius_px);
+      radii_px.push_back(radii_px_[*anchor]);
     }
     const double mm_per_px = physics_.radius_mm / Median(std::move(radii_px));
     physics_.quick_mm2_s5 =
@@ -421,28 +422,28 @@ class Namer {
       leg_moves = leg_moves && (reach.isEmpty() || reach.diagonal().norm() > kMoves * link.length);
     }
     if (count > 0 && bad > 0.2 * count) return std::nullopt;
-    if (leg_moves && RestsElsewhere(tracklets_[tracklet], name)) return std::nullopt;
+    if (leg_moves && RestsElsewhere(tracklet, name)) return std::nullopt;
     if (count > 0)
       return FitToName{false, *continuity + 0.5 * kToleranceDeviations * kToleranceDeviations * squares / count};
     return *continuity > 0 ? std::nullopt : std::optional(FitToName{true, *continuity});
   }
 
   // Whether a thing rests where the marker was neither before nor after: a lamp that it passes by.
-  bool RestsElsewhere(const Tracklet& piece, std::size_t name) const {
+  bool RestsElsewhere(std::size_t piece, std::size_t name) const {
     const auto& samples = recording_.markers[name].samples;
-    const double radius = piece.samples.front().radius_px;
-    if (TrimmedExtentPx(piece) > 0.5 * radius) return false;
+    const double radius = radii_px_[piece];
+    if (TrimmedExtentPx(tracklets_[piece]) > 0.5 * radius) return false;
     const auto is_there = [&](std::size_t frame, const TrackletSample& end) {
       constexpr double kSamePlace = 2;  // radii
       return (samples[frame].position - end.position).norm() < kSamePlace * radius;
     };
-    for (std::size_t f = index_of_frame_.at(piece.FirstFrame()); f-- > 0;)
+    for (std::size_t f = index_of_frame_.at(tracklets_[piece].FirstFrame()); f-- > 0;)
       if (samples[f].IsKnown()) {
-        if (is_there(f, piece.samples.front())) return false;
+        if (is_there(f, tracklets_[piece].samples.front())) return false;
         break;
       }
-    for (std::size_t f = index_of_frame_.at(piece.LastFrame()) + 1; f < samples.size(); ++f)
-      if (samples[f].IsKnown()) return !is_there(f, piece.samples.back());
+    for (std::size_t f = index_of_frame_.at(tracklets_[piece].LastFrame()) + 1; f < samples.size(); ++f)
+      if (samples[f].IsKnown()) return !is_there(f, tracklets_[piece].samples.back());
     return true;
   }
 
@@ -513,8 +514,7 @@ class Namer {
     std::size_t overlap = 0;
     for (std::size_t f = first; f <= last; ++f) overlap += samples[f].IsKnown();
     if (overlap > kOverlap) return std::nullopt;
-    const double size =
-        piece.samples[piece.samples.size() / 2].radius_px / tracklets_[*anchor_[name]].samples.front().radius_px;
+    const double size = radii_px_[tracklet] / radii_px_[*anchor_[name]];
     if (size < 0.6 || size > 1.7) return std::nullopt;
     std::optional<double> misfit;
     for (const auto& [before, after] : {std::pair(KnownBeside(name, first, -1), FirstSamples(piece)),
@@ -525,8 +525,7 @@ class Namer {
         misfit = misfit.value_or(0);
         continue;
       }
-      const double radius_px = piece.samples.front().radius_px;
-      const PathJoin join = JoinPaths(before, after, TimeToMoveOn(before, after), radius_px, physics_);
+      const PathJoin join = JoinPaths(before, after, TimeToMoveOn(before, after), radii_px_[tracklet], physics_);
       constexpr double kFarthest = 30;
       if (join.squares > kFarthest) return std::nullopt;
       misfit = misfit.value_or(0) - join.log_odds;
@@ -653,6 +652,7 @@ class Namer {
   motion::MarkerRecording& recording_;
   std::vector<Tracklet> pieces_;
   MetricTracklets tracklets_;
+  std::vector<double> radii_px_;                    // of each tracklet
   std::vector<std::optional<std::size_t>> owner_;   // name of each tracklet
   std::vector<std::optional<std::size_t>> anchor_;  // tracklet of each name
   std::map<std::int64_t, std::size_t> index_of_frame_;

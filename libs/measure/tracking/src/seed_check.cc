@@ -51,7 +51,7 @@ class SeedChecker {
       }
     }
     const Tracklet& own = tracklets_[leg_.tracklets[marker]];
-    const double extent = TrimmedExtentPx(own), radius = own.samples.front().radius_px;
+    const double extent = TrimmedExtentPx(own), radius = own.RadiusPx();
     constexpr double kCarried = 0.02;  // of what the other moves
     if (most < 10 * radius || extent > std::max(kCarried * most, 1.0)) return;
     throw Fail(
@@ -166,7 +166,7 @@ void CheckSeededLeg(const MetricTracklets& tracklets, const SeededLeg& leg) {
 void CheckSeededJoint(const MetricTracklets& tracklets, const MarkerSeed& seed, std::size_t joint, std::size_t knee) {
   const double moved = TrimmedExtentPx(tracklets[joint]), knee_moved = TrimmedExtentPx(tracklets[knee]);
   constexpr double kCarried = 0.1;  // of the knee's way; a joint beside the knee goes most of it
-  if (knee_moved < 4 * tracklets[knee].samples.front().radius_px || moved > kCarried * knee_moved) return;
+  if (knee_moved < 4 * tracklets[knee].RadiusPx() || moved > kCarried * knee_moved) return;
   throw Fail(
       "{}: what is at {} stays where it is (within {:.1f} px) while the knee moves by {:.0f} px: a lamp or a "
       "reflection, no joint on the leg; put the seed on the marker",

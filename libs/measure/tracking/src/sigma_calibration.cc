@@ -117,6 +117,12 @@ std::vector<Path> Distances(const std::vector<Path>& detected, const std::vector
   return distances;
 }
 
+// Beyond the fits' sigmas. A path hides what looks like quick movement, a distance what neighbours share.
+double ExtraScatter(const std::vector<Path>& paths, const std::vector<Path>& distances, double mm_per_px) {
+  return std::max(dynamics::LearnMotion(paths, mm_per_px).extra_sigma,
+                  Samples(distances) < kEnough ? 0 : dynamics::LearnMotion(distances, mm_per_px).extra_sigma);
+}
+
 // Whether markers hold still at rest, as a mechanism's do, so that all that scatters in movement is coding's, and
 // smoothing may take it away: a person jitters at rest too. By second differences there, of four in five: of drawn
 // motions those of four in five recordings scatter by less than this, or than the fits' own sigma; of people's those of
@@ -154,18 +160,16 @@ SigmaCalibration CalibrateSigmas(const video::VideoInfo& video, motion::MarkerRe
   }
   const std::vector<Path>& compared = Samples(moving) >= kEnough ? moving : detected;
   if (Samples(compared) < kEnough) return {};
-  const std::vector<Path> distances = Distances(detected, moving);
-  const dynamics::LearntMotion learnt =
-      dynamics::LearnMotion(Samples(distances) >= kEnough ? distances : compared, MillimetresPerPx(recording));
+  const double extra_px = ExtraScatter(compared, Distances(detected, moving), MillimetresPerPx(recording));
   SigmaCalibration calibration;
   calibration.fit_px = MedianSigma(compared);
-  calibration.scatter_px = std::hypot(calibration.fit_px, learnt.extra_sigma);
+  calibration.scatter_px = std::hypot(calibration.fit_px, extra_px);
   const bool holds_still = HoldsStill(detected, calibration);
   std::vector<double> added, sigmas;
   for (std::size_t m = 0; m < recording.markers.size(); ++m) {
     if (detected[m].empty()) continue;
     const double fit_px = MedianSigma(std::span(&detected[m], 1)),
-                 added_px = fit_px * AddedOverFit(video, learnt.extra_sigma / fit_px, holds_still);
+                 added_px = fit_px * AddedOverFit(video, extra_px / fit_px, holds_still);
     for (motion::MarkerSample& sample : recording.markers[m].samples)
       if (sample.status == motion::SampleStatus::kDetected) sample.sigma = std::hypot(sample.sigma, added_px);
     for (const dynamics::PathSample& sample : compared[m]) {

@@ -18,11 +18,12 @@ bool MayGoOnAs(const Tracklet& ended, const Tracklet& begun, const MarkerPhysics
   const double gap_s = first.time_s - last.time_s;
   if (first.frame <= last.frame || gap_s > kRival_s) return false;
   if (ended.identity != begun.identity) return false;
-  const double ratio = first.radius_px / last.radius_px, radius = std::max(first.radius_px, last.radius_px);
+  const double radius = ended.RadiusPx(), ratio = begun.RadiusPx() / radius;
   if (ratio < 0.7 || ratio > 1.4) return false;
   constexpr double kFarthest = 22.5;
   const PathEnd before = LastSamples(ended), after = FirstSamples(begun);
-  return JoinPaths(before, after, GapBetween(before, after), radius, physics).squares < kFarthest;
+  return JoinPaths(before, after, GapBetween(before, after), std::max(1.0, ratio) * radius, physics).squares <
+         kFarthest;
 }
 
 // Which pieces go on as which.

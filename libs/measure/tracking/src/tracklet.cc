@@ -175,6 +175,13 @@ double PairCost(const MarkerPrediction& prediction, const MarkerDetection& detec
 
 }  // namespace
 
+double Tracklet::RadiusPx() const {
+  std::vector<double> radii;
+  radii.reserve(samples.size());
+  for (const TrackletSample& sample : samples) radii.push_back(sample.radius_px);
+  return Median(std::move(radii));
+}
+
 const TrackletSample* Tracklet::SampleIn(std::int64_t frame) const {
   const auto found = std::lower_bound(samples.begin(), samples.end(), frame,
                                       [](const TrackletSample& sample, std::int64_t f) { return sample.frame < f; });

@@ -8,7 +8,7 @@ namespace lake::tracking {
 
 struct SigmaCalibration {
   double fit_px = 0;          // median of the fits' own sigmas, of the samples that were compared
-  double scatter_px = 0;      // standard deviation of a measurement, per axis, by the distances of neighbours
+  double scatter_px = 0;      // standard deviation of a measurement, per axis, by distances of neighbours or by paths
   double compression_px = 0;  // what is added to the fits' sigmas, in quadrature
   // Of the sigmas' squares: errors that stay alike for some frames, so that a smooth path follows them as it does
   // movement. For the leg fit; 0 of what holds still at rest, as a mechanism, whose paths are smooth.
@@ -18,10 +18,10 @@ struct SigmaCalibration {
 // A fit's sigma knows the noise of its own pixels. A compressed frame is made by shifting blocks of earlier ones by
 // quarter pixels, which displaces a marker without leaving a trace in its picture. The sigmas of detected samples get
 // the usual error of a marker in such a film in quadrature: the marker's own fits' sigma times a power of what scatters
-// in the distances of neighbouring markers while they move (of a marker without neighbours, about its path: what the
-// likelihood of white jerk leaves to the measurement, lake::dynamics), and a power of the bits per pixel, as found in
-// rendered recordings of each codec; of a person's, 0.7 of it lasts for some frames. Without compression nothing is
-// added. `recording`: of at least 60 samples, or nothing is found.
+// in the distances of neighbouring markers while they move, or about their paths (what the likelihood of white jerk
+// leaves to the measurement, lake::dynamics) if that is more, and a power of the bits per pixel, as found in rendered
+// recordings of each codec; of a person's, 0.7 of it lasts for some frames. Without compression nothing is added.
+// `recording`: of at least 60 samples, or nothing is found.
 SigmaCalibration CalibrateSigmas(const video::VideoInfo& video, motion::MarkerRecording& recording);
 
 // The usual error of markers in such a film, in the fits' sigmas.

@@ -32,6 +32,7 @@ struct Tracklet {
   std::int64_t FirstFrame() const { return samples.front().frame; }
   std::int64_t LastFrame() const { return samples.back().frame; }
   const TrackletSample* SampleIn(std::int64_t frame) const;  // nullptr if not seen in that frame
+  double RadiusPx() const;                                   // median: a streak at an end looks larger
 };
 
 // Where a thing that matters certainly is, in px of a frame.
