@@ -94,7 +94,7 @@ TEST_F(CameraProfileTest, SaysWhichKeyIsWrong) {
   using testing::HasSubstr;
   EXPECT_THAT(Complaint(kHead + kMatrix + kDistortion), HasSubstr("no key 'image_width'"));
   EXPECT_THAT(Complaint(kHead + "image_width: -3\nimage_height: 720\n" + kMatrix + kDistortion),
-              HasSubstr("'image_width' is -3"));
+              HasSubstr("the size of its picture is -3 x 720"));
   EXPECT_THAT(Complaint(kHead + kSize + kDistortion), HasSubstr("no key 'camera_matrix'"));
   EXPECT_THAT(Complaint(kHead + kSize + "camera_matrix: hello\n" + kDistortion),
               HasSubstr("'camera_matrix' holds 'hello', not a finite number"));
