@@ -74,6 +74,8 @@ TEST_F(CameraFormats, OfRos) {
   const CameraProfile rational = camera::ReadCameraProfile(
       Write("a.yaml", fmt::format(fmt::runtime(kRos), "rational_polynomial", 8, "1, 2, 3, 4, 5, 6, 7, 8")));
   EXPECT_EQ(rational.camera.more[2], 8);
+  ExpectTheCamera(camera::ReadCameraProfile(
+      Write("a.yaml", fmt::format(fmt::runtime(kRos), "Plumb Bob", 5, "-0.13, 0.03, 0.0004, -0.0003, 0.0"))));
   const CameraProfile fisheye = camera::ReadCameraProfile(
       Write("a.yaml", fmt::format(fmt::runtime(kRos), "equidistant", 4, "0.1, 0.2, 0.3, 0.4")));
   EXPECT_EQ(fisheye.camera.model, camera::LensModel::kFisheye);
@@ -122,17 +124,24 @@ TEST_F(CameraFormats, OfOpenCvsOlderSamplesAndWithRosModels) {
   ExpectTheCamera(camera::ReadCameraProfile(Write("a.yaml", text + "distortion_model: plumb_bob\n")));
 }
 
+std::string Qualisys(const std::string& picture, double left, double top) {
+  return fmt::format(
+      "<calibration><cameras><camera serial=\"26580\" viewrotation=\"0\">{3}"
+      "<intrinsic focallength=\"9\" sensorMinU=\"0\" sensorMaxU=\"81919\" sensorMinV=\"0\" "
+      "sensorMaxV=\"46079\" focalLengthU=\"{0}\" focalLengthV=\"{0}\" centerPointU=\"{1}\" "
+      "centerPointV=\"{2}\" skew=\"0\" radialDistortion1=\"-0.13\" radialDistortion2=\"0.03\" "
+      "radialDistortion3=\"0\" tangentalDistortion1=\"0.0004\" tangentalDistortion2=\"-0.0003\"/>"
+      "</camera></cameras></calibration>",
+      64 * kFocal_px, 64 * (left + 639.5), 64 * (top + 359.5), picture);
+}
+
 TEST_F(CameraFormats, OfQualisys) {
-  ExpectTheCamera(camera::ReadCameraProfile(
-      Write("a.qca.txt",
-            fmt::format("<calibration><cameras><camera serial=\"26580\" viewrotation=\"0\">"
-                        "<fov_video left=\"10\" top=\"20\" right=\"1289\" bottom=\"739\"/>"
-                        "<intrinsic focallength=\"9\" sensorMinU=\"0\" sensorMaxU=\"122879\" sensorMinV=\"0\" "
-                        "sensorMaxV=\"69631\" focalLengthU=\"{0}\" focalLengthV=\"{0}\" centerPointU=\"{1}\" "
-                        "centerPointV=\"{2}\" skew=\"0\" radialDistortion1=\"-0.13\" radialDistortion2=\"0.03\" "
-                        "radialDistortion3=\"0\" tangentalDistortion1=\"0.0004\" tangentalDistortion2=\"-0.0003\"/>"
-                        "</camera></cameras></calibration>",
-                        64 * kFocal_px, 64 * 649.5, 64 * 379.5))));
+  const std::string text = Qualisys("<fov_video left=\"10\" top=\"20\" right=\"1289\" bottom=\"739\"/>", 10, 20);
+  ExpectTheCamera(camera::ReadCameraProfile(Write("a.qca.txt", text)));
+  ExpectTheCamera(camera::ReadCameraProfile(Write("a.qca.txt", Qualisys("", 0, 0))));  // the whole sensor
+  std::string wide = "\xFF\xFE";
+  for (const char c : text) wide += {c, '\0'};
+  ExpectTheCamera(camera::ReadCameraProfile(Write("a.xml", wide)));
 }
 
 // Vicon's polynomial leads from the picture to the ideal point, with distances in px.
@@ -188,6 +197,7 @@ TEST_F(CameraFormats, OfNoneThatIsKnown) {
   EXPECT_THAT(Refusal("a.ini", "x"), AllOf(HasSubstr("oST file of ROS"), HasSubstr("camera_calibration_parsers")));
   EXPECT_THAT(Refusal("a.xcp", "<Camera DEVICEID=\"7\" SENSOR_SIZE=\"1280 720\"><KeyFrames/></Camera>"),
               AllOf(HasSubstr("never calibrated"), HasSubstr("camera of Vicon")));
+  EXPECT_THAT(Refusal("a.npz", "PK"), AllOf(HasSubstr("archive of numpy"), HasSubstr("--template")));
   EXPECT_THAT(Refusal("a.yaml", "colour: blue\n"), AllOf(HasSubstr("OpenCV"), HasSubstr("kalibr")));
 }
 

@@ -94,7 +94,7 @@ TEST_F(CameraProfileTest, SaysWhichKeyIsWrong) {
   using testing::HasSubstr;
   EXPECT_THAT(Complaint(kHead + kMatrix + kDistortion), HasSubstr("no key 'image_width'"));
   EXPECT_THAT(Complaint(kHead + "image_width: -3\nimage_height: 720\n" + kMatrix + kDistortion),
-              HasSubstr("'image_width' is -3"));
+              HasSubstr("the size of its picture is -3 x 720"));
   EXPECT_THAT(Complaint(kHead + kSize + kDistortion), HasSubstr("no key 'camera_matrix'"));
   EXPECT_THAT(Complaint(kHead + kSize + "camera_matrix: hello\n" + kDistortion),
               HasSubstr("'camera_matrix' holds 'hello', not a finite number"));
@@ -150,7 +150,7 @@ TEST_F(CameraProfileTest, AKeyThatStandsTwiceIsRefused) {
                         "<image_width>1920</image_width><image_height>720</image_height><camera_matrix><data>9 0 3 0 "
                         "5 6 0 0 1</data></camera_matrix><distortion_coefficients><data>0 0 0 "
                         "0</data></distortion_coefficients></opencv_storage>\n"),
-              HasSubstr("its picture has 3 sizes, not 2"));
+              HasSubstr("the size of its picture is 1280 x 1920 x 720, not two"));
   EXPECT_THAT(Complaint(kHead + kSize +
                         "camera_matrix: !!opencv-matrix\n   rows: 3\n   rows: 4\n   cols: 3\n   dt: d\n"
                         "   data: [ 1., 0., 3., 0., 5., 6., 0., 0., 1. ]\n" +

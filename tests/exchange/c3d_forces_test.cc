@@ -50,6 +50,7 @@ struct PlateFile {
   std::vector<double> channels = {};                       // of another type of plate, in every sample
   std::vector<std::string> labels = {}, their_units = {};  // of these
   int points = 1;                                          // 0: forces alone
+  std::vector<double> matrix = {};                         // of another type of plate, by columns
 
   std::size_t Channels() const { return channels.empty() ? 6 : channels.size(); }
 
@@ -139,6 +140,7 @@ std::string PlateFile::Parameters() const {
   add("ORIGIN", of_each({0, 0, origin_sign * 40}));
   if (!zero.empty()) add("ZERO", zero);
   if (type == 4) add("CAL_MATRIX", {calibration.data(), calibration.data() + 36});
+  if (!matrix.empty()) add("CAL_MATRIX", matrix);
   return text;
 }
 
@@ -302,6 +304,62 @@ TEST_F(C3dForces, OfTwelveChannels) {
   EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
 }
 
+// Documents differ in whether the twelve stand by axes or by posts: by the names, or as the force is upright.
+TEST_F(C3dForces, OfTwelveChannelsByPosts) {
+  const Posts posts;
+  PlateFile file;
+  file.type = 6;
+  for (std::size_t post = 1; post <= 4; ++post)
+    for (int axis = 0; axis < 3; ++axis) file.channels.push_back(posts.Sum(axis, {post}));
+  file.their_units = std::vector<std::string>(12, "N");
+  file.instead["FORCE_PLATFORM:ORIGIN"] = {200, 250, 40};
+  exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
+  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+  for (const char* post : {"1", "2", "3", "4"})
+    for (const char* axis : {"Fx", "Fy", "Fz"}) file.labels.push_back(std::string(axis) + post);
+  read = exchange::ReadGroundForces(Write(file));
+  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
+  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+}
+
+// Type 7 has Kistler's channels and a matrix of 8 × 8; of type 5 one of 6 × 8 makes forces and moments of eight in V,
+// in N and N times the file's unit of length.
+TEST_F(C3dForces, OfEightChannelsWithACalibration) {
+  const Posts posts;
+  PlateFile file;
+  file.type = 7;
+  file.instead["FORCE_PLATFORM:ORIGIN"] = {200, 250, 40};
+  file.their_units = std::vector<std::string>(8, "V");
+  Eigen::Matrix<double, 8, 8> mixed = 50 * Eigen::Matrix<double, 8, 8>::Identity();
+  mixed(0, 4) = 2, mixed(6, 1) = -3;
+  const std::vector<double> forces_n = posts.Kistler();
+  const Eigen::Matrix<double, 8, 1> volts =
+      mixed.inverse() * Eigen::Map<const Eigen::Matrix<double, 8, 1>>(&forces_n[0]);
+  file.channels = {volts.data(), volts.data() + 8};
+  file.matrix = {mixed.data(), mixed.data() + 64};
+  exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+  EXPECT_TRUE(read.warnings.empty()) << read.warnings[0];
+  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
+  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+
+  file.type = 5;
+  Eigen::Matrix<double, 6, 8> six;
+  six << 1, 1, 0, 0, 0, 0, 0, 0,         // Fx = Fx12 + Fx34
+      0, 0, 1, 1, 0, 0, 0, 0,            // Fy
+      0, 0, 0, 0, 1, 1, 1, 1,            // Fz
+      0, 0, 0, 0, 250, 250, -250, -250,  // Mx, N mm
+      0, 0, 0, 0, -200, 200, 200, -200,  // My
+      -250, 250, 200, -200, 0, 0, 0, 0;  // Mz
+  const Eigen::Matrix<double, 6, 8> of_volts = six * mixed;
+  file.matrix = {of_volts.data(), of_volts.data() + 48};
+  file.instead["FORCE_PLATFORM:ORIGIN"] = {0, 0, 40};
+  read = exchange::ReadGroundForces(Write(file));
+  EXPECT_TRUE(read.warnings.empty()) << read.warnings[0];
+  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
+  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+}
+
 TEST_F(C3dForces, WithTheCentreOfPressureAndTheFreeMoment) {
   PlateFile file;
   file.type = 1;  // x is the laboratory's, y and z are turned; the middle of the surface is at (1, 0.5, 0) m
@@ -358,8 +416,10 @@ TEST_F(C3dForces, ThatContradictThemselvesAreRefused) {
     return file;
   };
   ExpectRefused(with("FORCE_PLATFORM:USED", {0}), "no force plates");
-  ExpectRefused(with("FORCE_PLATFORM:TYPE", {5}), "plate 1 is of type 5; types 1, 2, 3, 4 and 6 are read");
-  ExpectRefused(with("FORCE_PLATFORM:CHANNEL", {1, 2, 3, 4, 5, 7}), "has channel 7, of 6");
+  for (const int type : {8, 11, 21})
+    ExpectRefused(with("FORCE_PLATFORM:TYPE", {static_cast<double>(type)}),
+                  fmt::format("plate 1 is of type {}, and types 1 to 7 are those that are publicly described", type));
+  ExpectRefused(with("FORCE_PLATFORM:CHANNEL", {1, 2, 3, 4, 5, 7}), "names channel 7, but there are 6");
   ExpectRefused(with("FORCE_PLATFORM:CORNERS", std::vector<double>(12, 0)), "plate 1 has no corners");
   ExpectRefused(with("FORCE_PLATFORM:CORNERS", {4, 0, 0, 3, 0, 0, 2, 0, 0, 1, 0, 0}), "they lie in one line");
   ExpectRefused(with("ANALOG:USED", {0}), "no analogue channels");
@@ -377,12 +437,13 @@ TEST_F(C3dForces, OfAPlateThatCannotBeReadLeaveTheOthers) {
   ASSERT_EQ(read.plates.size(), 2u);
   EXPECT_LT((read.plates[0].force_n[3] - kForce_n).norm(), 1e-3);
   EXPECT_EQ(read.plates[1].force_n.size(), read.time_s.size());
-  EXPECT_THAT(read.warnings, testing::ElementsAre(HasSubstr("force plate 2 has channel 7, of 6; it is left out")));
+  EXPECT_THAT(read.warnings,
+              testing::ElementsAre(HasSubstr("force plate 2 names channel 7, but there are 6; it is left out")));
   EXPECT_EQ(exchange::PlateOf(read, {}, "right", "a.c3d").name, "plate 1");
   EXPECT_THAT(MessageOf([&] {
                 exchange::PlateOf(read, {{"right", 2}}, "right", "a.c3d");
               }),
-              HasSubstr("force plate 2 has channel 7, of 6"));
+              HasSubstr("force plate 2 names channel 7, but there are 6"));
 }
 
 // The header says how many analogue samples and points a frame has, the parameters say it again.

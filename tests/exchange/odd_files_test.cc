@@ -86,6 +86,32 @@ std::string Trc(const std::string& values, const std::string& names, const std::
   return kHead + values + "\nFrame#\tTime\t" + names + "\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n" + rows;
 }
 
+std::string Utf16(const std::string& text, bool high_first) {
+  std::string wide;
+  for (const char c : text) wide += high_first ? std::string{'\0', c} : std::string{c, '\0'};
+  return wide;
+}
+
+TEST_F(OddFiles, TrcInUtf16WithoutAMarkAndWithOddUnits) {
+  const std::string rows = "1\t0\t1\t2\t3\n2\t0.01\t1\t2\t3\n";
+  const auto trc = [&](const std::string& unit) { return Trc("100\t100\t2\t1\t" + unit + "\t100\t1\t2", "a", rows); };
+  for (const bool high_first : {false, true})
+    EXPECT_EQ(Read("a.trc", Utf16(trc("mm"), high_first)).points.at(0).positions[1], Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(Read("a.trc", trc("mm.")).points[0].positions[1], Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(Read("a.trc", trc("[Meters].")).points[0].positions[1], Eigen::Vector3d(1000, 2000, 3000));
+  // Values that do not stand below their keys: none of them is a unit.
+  EXPECT_THAT(Read("a.trc", trc("460")).warnings, ElementsAre(HasSubstr("no unit (Units); mm is assumed")));
+}
+
+TEST_F(OddFiles, NameTheAxisThatIsMissing) {
+  EXPECT_THAT(Refusal("a.csv", "scorer,S,S\nbodyparts,knee,knee\ncoords,x,likelihood\n0,100.5,0.99\n", {.rate_hz = 50}),
+              HasSubstr("no y follows the x of knee"));
+  EXPECT_THAT(Refusal("b.csv",
+                      "Format Version,1.23,Length Units,Meters\n\n,Type,Marker,Marker\n,Name,a,a\n,ID,1,1\n"
+                      ",,Position,Position\nFrame,Time (Seconds),X,Y\n0,0.000,0.1,0.2\n"),
+              HasSubstr("no y and z follow the x of a"));
+}
+
 TEST_F(OddFiles, TrcWithABlemishThatNobodyNeeds) {
   const std::string names = "a\t\t\tb\t\t", rows = "1\t0\t1\t2\t3\t4\t5\t6\n2\t0.01\t1\t2\t3\t4\t5\t6\n";
   const auto read = [&](const std::string& values, const std::string& with_names, const std::string& with_rows) {

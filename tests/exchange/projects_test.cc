@@ -154,6 +154,11 @@ TEST(KinoveaAnnotations, AreUnderstood) {
                                                            "<TrackPoint>1;2;2002</TrackPoint>")));
   EXPECT_FALSE(plane.mm_per_px);
   EXPECT_THAT(plane.warnings, testing::ElementsAre(testing::HasSubstr("perspective")));
+  const std::string broken = std::string(line).replace(line.find("40;60"), 5, "40");
+  const exchange::PointRecording in_px =
+      exchange::ReadPoints(WriteFile(folder / "c.kva", Kva(kKvaHead, broken, "<TrackPoint>1;2;2002</TrackPoint>")));
+  EXPECT_FALSE(in_px.mm_per_px);
+  EXPECT_THAT(in_px.warnings, testing::ElementsAre(testing::HasSubstr("calibration line has no readable")));
 }
 
 TEST(KinoveaAnnotations, ErrorsSayWhatIsWrong) {

@@ -41,8 +41,8 @@ std::vector<double> FitViconLens(const std::vector<double>& k, double focal_px, 
   const Eigen::VectorXd c = powers.colPivHouseholderQr().solve(missing);
   const double worst_px = focal_px * (powers * c - missing).cwiseAbs().maxCoeff();
   if (!(worst_px < kWorst_px))
-    throw Fail("{}: its lens model ViconRadial has no counterpart here within {} px: calibrate by lake calibrate",
-               where, SignificantText(worst_px, 2));
+    throw Fail("{}: its lens model ViconRadial has no counterpart here within {} px", where,
+               SignificantText(worst_px, 2));
   return {c[0], c[1], 0, 0, c[2]};
 }
 
@@ -86,8 +86,9 @@ void ReadQualisys(const Json& camera, const std::string& where, CameraFacts& fac
   constexpr double kPerPixel = 64;
   const Json &lens = *FindKey(camera, "intrinsic"), *picture = FindKey(camera, "fov_video");
   const auto number = [&](const char* name) { return NumberAt(lens, name, where); };
+  // The px of the picture's edges; of the whole sensor the last 64th of its last px is stated.
   const auto edge = [&](const char* name, const char* of_sensor) {
-    return picture ? NumberAt(*picture, name, where) : number(of_sensor) / kPerPixel;
+    return picture ? NumberAt(*picture, name, where) : std::floor(number(of_sensor) / kPerPixel);
   };
   const double left = edge("left", "sensorMinU"), top = edge("top", "sensorMinV");
   facts.size = {edge("right", "sensorMaxU") - left + 1, edge("bottom", "sensorMaxV") - top + 1};
@@ -123,28 +124,26 @@ const Dialect kDialects[] = {{"OpenCV or ROS",
                              {"Qualisys", "intrinsic", {}, "", "", "serial", ReadQualisys}};
 
 // What other programs call OpenCV's models.
-struct LensName {
-  std::string_view name;
-  LensModel model;
-};
-constexpr LensName kLensNames[] = {{"", LensModel::kBrownConrady},
-                                   {"brown_conrady", LensModel::kBrownConrady},
-                                   {"plumb_bob", LensModel::kBrownConrady},
-                                   {"rational_polynomial", LensModel::kBrownConrady},
-                                   {"radtan", LensModel::kBrownConrady},
-                                   {"none", LensModel::kBrownConrady},
-                                   {"fisheye", LensModel::kFisheye},
-                                   {"equidistant", LensModel::kFisheye},
-                                   {"equi", LensModel::kFisheye}};
+constexpr std::pair<std::string_view, LensModel> kLensNames[] = {{"", LensModel::kBrownConrady},
+                                                                 {"brown_conrady", LensModel::kBrownConrady},
+                                                                 {"plumb_bob", LensModel::kBrownConrady},
+                                                                 {"rational_polynomial", LensModel::kBrownConrady},
+                                                                 {"radtan", LensModel::kBrownConrady},
+                                                                 {"none", LensModel::kBrownConrady},
+                                                                 {"fisheye", LensModel::kFisheye},
+                                                                 {"equidistant", LensModel::kFisheye},
+                                                                 {"equi", LensModel::kFisheye}};
 
 LensModel ModelOf(const std::string& name, const std::string& where) {
-  const auto* known = std::ranges::find(kLensNames, name, &LensName::name);
+  std::string key = name;  // "Plumb Bob"
+  for (char& c : key) c = c == ' ' || c == '-' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto* known = std::ranges::find(kLensNames, key, [](const auto& known) { return known.first; });
   if (known == std::end(kLensNames))
     throw Fail(
         "{}: its lens model '{}' has no counterpart here; plumb_bob (radtan), rational_polynomial and equidistant "
-        "(fisheye) are read: calibrate with one of these, or by lake calibrate",
+        "(fisheye) are read",
         where, name);
-  return known->model;
+  return known->second;
 }
 
 void SetCoefficients(const std::vector<double>& coefficients, const std::string& where, Camera& camera) {
@@ -169,13 +168,6 @@ std::string ModelText(const Json& camera, const Dialect& dialect, const std::str
   return *model == true ? "fisheye" : TextOf(*model);
 }
 
-int PictureSize(double size_px, const std::string& where, const char* key) {
-  constexpr double kLargest_px = 1 << 16;
-  if (!(size_px >= 1 && size_px <= kLargest_px) || size_px != std::floor(size_px))
-    throw Fail("{}: '{}' is {}, not the size of a picture", where, key, size_px);
-  return static_cast<int>(size_px);
-}
-
 Camera ReadCamera(const Json& node, const Dialect& dialect, const std::string& where,
                   std::vector<std::string>& warnings) {
   Camera camera;
@@ -190,9 +182,12 @@ Camera ReadCamera(const Json& node, const Dialect& dialect, const std::string& w
     facts.matrix = NumbersAt(node, dialect.matrix, where);
   if (facts.model != "none" && facts.coefficients.empty())
     facts.coefficients = NumbersAt(node, dialect.coefficients, where);
-  if (facts.size.size() != 2) throw Fail("{}: its picture has {} sizes, not 2", where, facts.size.size());
-  camera.image_width = PictureSize(facts.size[0], where, dialect.size.empty() ? "width" : dialect.size.front());
-  camera.image_height = PictureSize(facts.size[1], where, dialect.size.empty() ? "height" : dialect.size.back());
+  constexpr double kLargest_px = 1 << 16;
+  const auto is_size = [&](double px) { return px >= 1 && px <= kLargest_px && px == std::floor(px); };
+  if (facts.size.size() != 2 || !std::ranges::all_of(facts.size, is_size))
+    throw Fail("{}: the size of its picture is {}, not two whole numbers of px", where, fmt::join(facts.size, " x "));
+  camera.image_width = static_cast<int>(facts.size[0]);
+  camera.image_height = static_cast<int>(facts.size[1]);
   std::vector<double>& k = facts.matrix;
   if (k.size() == 9) {
     if (k[1] != 0) throw Fail("{}: a skew of {} px, which no model here has", where, k[1]);
@@ -253,7 +248,10 @@ CameraProfile CameraOf(const Json& tree, const std::filesystem::path& path, cons
   try {
     profile.camera = ReadCamera(*node, *dialect, where, profile.warnings);
   } catch (const Error& error) {
-    throw Fail("{}; it is read as a camera of {}", error.what(), dialect->program);
+    throw Fail(
+        "{}; it is read as a camera of {}: mend it there, write a camera.yaml (lake calibrate --template), or run "
+        "lake calibrate",
+        error.what(), dialect->program);
   }
   return profile;
 }

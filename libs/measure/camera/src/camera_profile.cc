@@ -72,20 +72,34 @@ cv::Mat Coefficients(const Camera& camera) {
   return cv::Mat(values, true).t();
 }
 
+constexpr const char* kEndings[] = {".yaml", ".yml", ".json", ".xml", ".toml", ".xcp", ".qca.txt"};
+
+// Camera files that are not read, and the way out.
+struct ForeignCamera {
+  const char *ending, *what;
+};
+constexpr const char* kOfMotive =
+    "a calibration of OptiTrack Motive, whose lens model is not published; film a board with this camera and run lake "
+    "calibrate, or take fx, fy, cx, cy and k1, k2, k3 from Motive's camera API into a camera.yaml (lake calibrate "
+    "--template)";
+constexpr ForeignCamera kForeign[] = {
+    {".cal", kOfMotive},
+    {".mcal", kOfMotive},
+    {".ini",
+     "an oST file of ROS: rosrun camera_calibration_parsers convert FILE.ini camera.yaml makes one that is read"},
+    {".pickle",
+     "a camera of OpenCap in Python's own format: Pose2Sim's calibration converts it to TOML, which is read"},
+    {".npz", "an archive of numpy: write its matrix and coefficients into a camera.yaml (lake calibrate --template)"}};
+
+const ForeignCamera* FindForeign(const std::filesystem::path& path) {
+  const auto* found = std::ranges::find(kForeign, cv::toLowerCase(path.extension().string()), &ForeignCamera::ending);
+  return found == std::end(kForeign) ? nullptr : found;
+}
+
 }  // namespace
 
 CameraProfile ReadCameraProfile(const std::filesystem::path& path, const std::string& view) {
-  const std::string ending = cv::toLowerCase(path.extension().string());
-  if (ending == ".cal" || ending == ".mcal")
-    throw Fail(
-        "{}: is a calibration of OptiTrack Motive, whose lens model is not published; film a board with this camera "
-        "and run lake calibrate, or take fx, fy, cx, cy and k1, k2, k3 from Motive's camera API into a camera.yaml "
-        "(lake calibrate --template)",
-        path.string());
-  if (ending == ".ini")
-    throw Fail(
-        "{}: is an oST file of ROS: rosrun camera_calibration_parsers convert {} camera.yaml makes one that is read",
-        path.string(), path.filename().string());
+  if (const ForeignCamera* foreign = FindForeign(path)) throw Fail("{}: is {}", path.string(), foreign->what);
   const Json file = ReadTree(path);
   CameraProfile profile = CameraOf(file, path, view);
   ReadOwnKeys(file, path.string(), profile);
@@ -94,9 +108,7 @@ CameraProfile ReadCameraProfile(const std::filesystem::path& path, const std::st
 
 bool IsCameraFile(const std::filesystem::path& path) {
   const std::string name = cv::toLowerCase(path.filename().string());
-  constexpr const char* kEndings[] = {".yaml", ".yml",     ".json", ".xml",  ".toml",
-                                      ".xcp",  ".qca.txt", ".cal",  ".mcal", ".ini"};
-  return std::ranges::any_of(kEndings, [&](const char* ending) { return name.ends_with(ending); });
+  return FindForeign(path) || std::ranges::any_of(kEndings, [&](const char* end) { return name.ends_with(end); });
 }
 
 void WriteCameraProfile(const std::filesystem::path& path, const CameraProfile& profile) {

@@ -62,12 +62,14 @@ void AppendNumbers(const Json& value, const std::string& what, std::vector<doubl
 Json ReadTree(const std::filesystem::path& path) {
   constexpr std::size_t kMostBytes = 1 << 24;
   std::string text = ReadTextFile(path, kMostBytes);
-  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  // A byte order mark may stand before it, and the letters of UTF-16 are two bytes.
+  const std::size_t first = text.find_first_not_of(std::string_view(" \t\r\n\xEF\xBB\xBF\xFF\xFE\0", 10));
   if (first == std::string::npos) throw Fail("{}: is empty", path.string());
   if (text[first] == '<') {
     pugi::xml_document document;
     const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
-    if (!parsed) throw Fail("{}: not XML: {} at byte {}", path.string(), parsed.description(), parsed.offset);
+    if (!parsed)
+      throw Fail("{}: not XML, or cut off: {} at byte {}", path.string(), parsed.description(), parsed.offset);
     return TreeOf(document.document_element(), path.string());
   }
   if (IsSame(path.extension().string(), ".toml")) try {

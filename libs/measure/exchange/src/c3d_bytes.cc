@@ -14,12 +14,6 @@
 namespace lake::exchange {
 namespace {
 
-std::string Upper(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return text;
-}
-
 // Of a list that does not fit into one parameter: NAME, NAME2, NAME3, …
 std::string PartName(const std::string& name, std::size_t part) {
   return part == 1 ? name : fmt::format("{}{}", name, part);
@@ -39,22 +33,18 @@ C3dBytes::C3dBytes(std::string bytes, std::string path) : bytes_(std::move(bytes
   constexpr char kKey = 0x50;
   if (bytes_.size() > 1 && bytes_[1] != kKey)  // some of Vicon's have zeros before the header
     bytes_.erase(0, std::min(bytes_.find_first_not_of('\0'), bytes_.size()));
-  if (bytes_.size() < 1024 || bytes_[1] != kKey)
-    throw Fail("{}: not a C3D file, whose second byte is 80; export the trial anew as C3D or TRC", path_);
+  if (bytes_.size() < 1024 || bytes_[1] != kKey) throw Fail("{}: not a C3D file, whose second byte is 80", path_);
   const std::size_t block = Unsigned8(0);
   parameter_offset_ = block > 0 ? 512 * (block - 1) : 512;
   const int processor = Unsigned8(parameter_offset_ + 3);
-  if (processor >= kIntel && processor <= kMips) {
+  const auto has_rate = [&](Processor kind) {
+    processor_ = kind;
+    return Float(20) >= 1 && Float(20) <= 1e5;
+  };
+  if (processor >= kIntel && processor <= kMips)
     processor_ = static_cast<Processor>(processor);
-  } else {
-    const auto is_rate = [&](Processor kind) {
-      processor_ = kind;
-      return Float(20) >= 1 && Float(20) <= 1e5;
-    };
-    if (!is_rate(kIntel) && !is_rate(kDec) && !is_rate(kMips))
-      throw Fail("{}: not a C3D file: the processor type {} is not 84, 85 or 86; export the trial anew as C3D or TRC",
-                 path_, processor);
-  }
+  else if (!has_rate(kIntel) && !has_rate(kDec) && !has_rate(kMips))
+    throw Fail("{}: not a C3D file: the processor type {} is not 84, 85 or 86", path_, processor);
 }
 
 void C3dBytes::Require(std::size_t offset, std::size_t length) const {
@@ -110,7 +100,8 @@ C3dParameters::C3dParameters(const C3dBytes& bytes) : bytes_(bytes) {
       const auto length = static_cast<std::size_t>(std::abs(bytes.Signed8(at)));
       const int id = bytes.Signed8(at + 1);
       if (length == 0 || id == 0) break;
-      const std::string name = Upper(bytes.TrimmedText(at + 2, length));
+      std::string name = bytes.TrimmedText(at + 2, length);
+      std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
       const std::size_t after = at + 2 + length,
                         next = bytes.Unsigned16(after) > 0 ? after + bytes.Unsigned16(after) : 0;
       if (id < 0) {
@@ -131,11 +122,9 @@ C3dParameters::C3dParameters(const C3dBytes& bytes) : bytes_(bytes) {
       warnings_.push_back(fmt::format("{}; the parameters from there on are left out", error.what()));
       break;
     }
-  for (const auto& [id, parameter] : parameters) {
-    const int type = parameter.second.type;
-    if (type == -1 || type == 1 || type == 2 || type == 4)
+  for (const auto& [id, parameter] : parameters)
+    if (const int type = parameter.second.type; type == -1 || type == 1 || type == 2 || type == 4)
       values_.emplace(groups[id] + ":" + parameter.first, parameter.second);
-  }
 }
 
 std::size_t C3dParameters::ElementsOf(const Value& value, std::size_t first_dimension, std::size_t bytes) const {
@@ -144,33 +133,26 @@ std::size_t C3dParameters::ElementsOf(const Value& value, std::size_t first_dime
   return value.offset > bytes_.Size() || count * bytes > bytes_.Size() - value.offset ? 0 : count;
 }
 
-auto C3dParameters::JoinedParts(const std::string& name, const auto& values_of) const {
-  auto values = values_of(name);
-  for (std::size_t part = 2; Has(PartName(name, part)); ++part)
-    std::ranges::copy(values_of(PartName(name, part)), std::back_inserter(values));
-  return values;
+std::vector<const C3dParameters::Value*> C3dParameters::PartsOf(const std::string& name) const {
+  std::vector<const Value*> parts;
+  for (auto found = values_.find(name); found != values_.end(); found = values_.find(PartName(name, parts.size() + 1)))
+    parts.push_back(&found->second);
+  return parts;
 }
 
-std::vector<double> C3dParameters::NumbersOf(const std::string& name) const {
-  const auto found = values_.find(name);
+std::vector<double> C3dParameters::Numbers(const std::string& name) const {
   std::vector<double> numbers;
-  if (found == values_.end() || found->second.type < 1) return numbers;
-  const Value& value = found->second;
-  const auto bytes = static_cast<std::size_t>(value.type);
-  const std::size_t count = ElementsOf(value, 0, bytes);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t at = value.offset + i * bytes;
-    numbers.push_back(bytes == 1 ? bytes_.Unsigned8(at) : bytes == 2 ? bytes_.Signed16(at) : bytes_.Float(at));
+  for (const Value* value : PartsOf(name)) {
+    const auto bytes = static_cast<std::size_t>(std::max(value->type, 0));
+    const std::size_t end = value->offset + bytes * ElementsOf(*value, 0, bytes);
+    for (std::size_t at = value->offset; at < end; at += bytes)
+      numbers.push_back(bytes == 1 ? bytes_.Unsigned8(at) : bytes == 2 ? bytes_.Signed16(at) : bytes_.Float(at));
   }
   return numbers;
 }
 
-std::vector<double> C3dParameters::Numbers(const std::string& name) const {
-  return JoinedParts(name, [&](const std::string& part) { return NumbersOf(part); });
-}
-
 std::optional<double> C3dParameters::Number(const std::string& name) const {
-  const std::vector<double> numbers = NumbersOf(name);
+  const std::vector<double> numbers = Numbers(name);
   if (numbers.empty()) return std::nullopt;
   // Counts beyond 32 767 are stored in the sign bit.
   return values_.at(name).type == 2 && numbers[0] < 0 ? numbers[0] + 65536 : numbers[0];
@@ -183,21 +165,16 @@ std::optional<std::size_t> C3dParameters::Count(const std::string& name) const {
   return static_cast<std::size_t>(value);
 }
 
-std::vector<std::string> C3dParameters::TextsOf(const std::string& name) const {
-  const auto found = values_.find(name);
-  if (found == values_.end() || found->second.type != -1) return {};
-  const Value& value = found->second;
-  const std::size_t length = value.dimensions.empty() ? 1 : value.dimensions[0];
-  if (length == 0) return {};
-  std::vector<std::string> texts;
-  const std::size_t count = ElementsOf(value, 1, length);
-  for (std::size_t i = 0; i < count; ++i)
-    texts.push_back(Utf8FromText(bytes_.TrimmedText(value.offset + i * length, length)));
-  return texts;
-}
-
 std::vector<std::string> C3dParameters::Texts(const std::string& name) const {
-  return JoinedParts(name, [&](const std::string& part) { return TextsOf(part); });
+  std::vector<std::string> texts;
+  for (const Value* value : PartsOf(name)) {
+    const std::size_t length = value->dimensions.empty() ? 1 : value->dimensions[0];
+    if (value->type != -1 || length == 0) continue;
+    const std::size_t count = ElementsOf(*value, 1, length);
+    for (std::size_t i = 0; i < count; ++i)
+      texts.push_back(Utf8FromText(bytes_.TrimmedText(value->offset + i * length, length)));
+  }
+  return texts;
 }
 
 C3dBuffer& C3dBuffer::Byte(int value) {

@@ -64,10 +64,7 @@ class C3dParameters {
     std::vector<std::size_t> dimensions;
     std::size_t offset = 0;
   };
-  // Of one parameter, without its continuations.
-  std::vector<double> NumbersOf(const std::string& name) const;
-  std::vector<std::string> TextsOf(const std::string& name) const;
-  auto JoinedParts(const std::string& name, const auto& values_of) const;
+  std::vector<const Value*> PartsOf(const std::string& name) const;  // NAME, NAME2, NAME3, …
   // How many elements of so many bytes it has; 0 where they do not lie within the file.
   std::size_t ElementsOf(const Value& value, std::size_t first_dimension, std::size_t bytes) const;
 

@@ -30,7 +30,8 @@ AnalogLayout ReadAnalogLayout(const C3dParameters& parameters, const C3dLayout& 
   AnalogLayout analog;
   analog.channels = parameters.Count("ANALOG:USED").value_or(0);
   if (analog.channels == 0 || layout.analog_per_frame == 0 || layout.analog_per_frame % analog.channels != 0)
-    throw Fail("{}: no analogue channels, and so no forces", path);
+    throw Fail("{}: no analogue channels, and so no forces; export it with its plates' channels, or the forces as .mot",
+               path);
   analog.samples = layout.analog_per_frame / analog.channels;
   analog.scale = parameters.Numbers("ANALOG:SCALE");
   analog.offset = parameters.Numbers("ANALOG:OFFSET");
@@ -46,28 +47,28 @@ AnalogLayout ReadAnalogLayout(const C3dParameters& parameters, const C3dLayout& 
 }
 
 // A force along an axis of the plate that a channel measures, and where: x and y in units of the sensors' distances
-// from the plate's middle (ORIGIN of types 3 and 6).
+// from the plate's middle (ORIGIN of types 3, 6 and 7).
 struct Sensor {
+  std::string_view name;
   int axis;
   double x, y;
 };
-constexpr Sensor kKistler[] = {{0, 0, 1}, {0, 0, -1}, {1, 1, 0},   {1, -1, 0},   // Fx12 Fx34 Fy14 Fy23
-                               {2, 1, 1}, {2, -1, 1}, {2, -1, -1}, {2, 1, -1}};  // Fz1 to Fz4
-constexpr Sensor kFourPosts[] = {{0, 1, 1},   {0, -1, 1}, {0, -1, -1}, {0, 1, -1}, {1, 1, 1},   {1, -1, 1},
-                                 {1, -1, -1}, {1, 1, -1}, {2, 1, 1},   {2, -1, 1}, {2, -1, -1}, {2, 1, -1}};
+constexpr Sensor kKistler[] = {{"fx12", 0, 0, 1}, {"fx34", 0, 0, -1}, {"fy14", 1, 1, 0},  {"fy23", 1, -1, 0},
+                               {"fz1", 2, 1, 1},  {"fz2", 2, -1, 1},  {"fz3", 2, -1, -1}, {"fz4", 2, 1, -1}};
+constexpr Sensor kFourPosts[] = {{"fx1", 0, 1, 1}, {"fx2", 0, -1, 1}, {"fx3", 0, -1, -1}, {"fx4", 0, 1, -1},
+                                 {"fy1", 1, 1, 1}, {"fy2", 1, -1, 1}, {"fy3", 1, -1, -1}, {"fy4", 1, 1, -1},
+                                 {"fz1", 2, 1, 1}, {"fz2", 2, -1, 1}, {"fz3", 2, -1, -1}, {"fz4", 2, 1, -1}};
 
-// The types of the user guide that are read.
+// The types that are read: 1 to 4 of the user guide, 5 to 7 of Visual3D's documents.
 struct PlateType {
   double type;
   std::size_t channels;
-  std::span<const Sensor> sensors;  // none: the channels are three forces and three moments
-  bool has_matrix = false;          // CAL_MATRIX, square; type 6 may have none
+  std::span<const Sensor> sensors = {};  // none: three forces and three moments are measured
+  bool has_matrix = false;               // CAL_MATRIX makes those of the channels; type 6 may have none
 };
-const PlateType kPlateTypes[] = {{1, 6, {}},  // whose moments are where the force acts, x and y, and the free moment
-                                 {2, 6, {}},
-                                 {3, 8, kKistler},
-                                 {4, 6, {}, true},
-                                 {6, 12, kFourPosts, true}};
+const PlateType kPlateTypes[] = {{1, 6},  // whose moments are where the force acts, x and y, and the free moment
+                                 {2, 6},           {3, 8, kKistler},          {4, 6, {}, true},
+                                 {5, 8, {}, true}, {6, 12, kFourPosts, true}, {7, 8, kKistler, true}};
 
 // A plate: its channels (from 0), where it lies, and what makes forces and moments of its channels.
 struct C3dPlate {
@@ -77,6 +78,7 @@ struct C3dPlate {
   Eigen::Vector3d below_m;            // from the middle of its surface to the origin, in its own axes
   Eigen::Vector2d half_m;             // of its sides
   Eigen::MatrixXd six_from_channels;  // N, N m
+  Eigen::MatrixXd six_by_posts;       // of type 6, whose documents differ in the order: Fx1 Fy1 Fz1 Fx2, not Fx1 Fx2
   std::optional<double> m_per_place;  // of type 1: where the force acts, metres per unit
 };
 
@@ -86,14 +88,15 @@ double NewtonsPerUnit(const std::string& unit) {
   return (name.starts_with("kn") ? 1000 : 1) * (name.ends_with("mm") ? 1e-3 : name.ends_with("cm") ? 1e-2 : 1);
 }
 
-// The order of Kistler's eight channels where their names say it, as some writers have Fz1 to Fz4 first.
-void SortByNames(const std::vector<std::string>& labels, std::vector<std::size_t>& channels) {
+// The order of the sensors' channels where their names say it, as some writers have Fz1 to Fz4 first.
+void SortByNames(const std::vector<std::string>& labels, std::span<const Sensor> sensors,
+                 std::vector<std::size_t>& channels) {
   std::vector<std::size_t> sorted;
-  for (const char* name : {"fx12", "fx34", "fy14", "fy23", "fz1", "fz2", "fz3", "fz4"})
+  for (const Sensor& sensor : sensors)
     for (const std::size_t channel : channels)
-      if (channel < labels.size() && Lower(labels[channel]).find(name) != std::string::npos) sorted.push_back(channel);
-  if (sorted.size() == channels.size() && std::is_permutation(sorted.begin(), sorted.end(), channels.begin()))
-    channels = sorted;
+      if (channel < labels.size() && Lower(labels[channel]).find(sensor.name) != std::string::npos)
+        sorted.push_back(channel);
+  if (std::is_permutation(sorted.begin(), sorted.end(), channels.begin(), channels.end())) channels = sorted;
 }
 
 Eigen::MatrixXd SensorMatrix(std::span<const Sensor> sensors, double a_m, double b_m) {
@@ -120,14 +123,19 @@ C3dPlate ReadPlate(const C3dParameters& parameters, const C3dLayout& layout, con
   const double number = numbers("TYPE", 1)[0];
   const auto* type = std::ranges::find(kPlateTypes, number, &PlateType::type);
   if (type == std::end(kPlateTypes))
-    throw Fail("{}: force plate {} is of type {}; types 1, 2, 3, 4 and 6 are read", path, index + 1, number);
+    throw Fail(
+        "{}: force plate {} is of type {}, and types 1 to 7 are those that are publicly described, and read: export "
+        "its "
+        "forces as type 2 (three forces and three moments), or as a .mot of OpenSim",
+        path, index + 1, number);
   C3dPlate plate;
   for (const double channel : numbers("CHANNEL", type->channels)) {
     if (!(channel >= 1 && channel <= static_cast<double>(analog.channels)))
-      throw Fail("{}: force plate {} has channel {}, of {}", path, index + 1, channel, analog.channels);
+      throw Fail("{}: force plate {} names channel {}, but there are {}", path, index + 1, channel, analog.channels);
     plate.channel.push_back(static_cast<std::size_t>(channel) - 1);
   }
-  if (number == 3) SortByNames(parameters.Texts("ANALOG:LABELS"), plate.channel);
+  const bool has_matrix = type->has_matrix && (number != 6 || parameters.Has("FORCE_PLATFORM:CAL_MATRIX"));
+  if (!has_matrix) SortByNames(parameters.Texts("ANALOG:LABELS"), type->sensors, plate.channel);
   const double m_per_unit = layout.mm_per_unit / kMmPerM;
   const std::vector<double> corners = numbers("CORNERS", 12);
   const auto corner = [&](std::size_t i) { return Eigen::Vector3d(&corners[3 * i]); };
@@ -154,19 +162,27 @@ C3dPlate ReadPlate(const C3dParameters& parameters, const C3dLayout& layout, con
       m_per_unit * (corner(0) + corner(1) + corner(2) + corner(3)) / 4 + plate.lab_from_plate * plate.below_m;
   const std::vector<std::string> units = parameters.Texts("ANALOG:UNITS");
   const auto unit = [&](std::size_t i) { return plate.channel[i] < units.size() ? units[plate.channel[i]] : ""; };
-  plate.six_from_channels = Eigen::MatrixXd::Identity(6, 6);
-  if (!type->sensors.empty()) plate.six_from_channels = SensorMatrix(type->sensors, sensors_m.x(), sensors_m.y());
-  Eigen::VectorXd newtons(type->channels);
-  for (std::size_t i = 0; i < type->channels; ++i) newtons[static_cast<Eigen::Index>(i)] = NewtonsPerUnit(unit(i));
+  const std::size_t outputs = type->sensors.empty() ? 6 : type->channels;
+  Eigen::VectorXd newtons(outputs);
+  for (std::size_t i = 0; i < outputs; ++i) newtons[static_cast<Eigen::Index>(i)] = NewtonsPerUnit(unit(i));
   if (number == 1) {
     plate.m_per_place = FindMmPerUnit(unit(3)).value_or(layout.mm_per_unit) / kMmPerM;
     newtons[3] = newtons[4] = 1;
   }
-  plate.six_from_channels *= newtons.asDiagonal();
-  if (type->has_matrix && (number == 4 || parameters.Has("FORCE_PLATFORM:CAL_MATRIX"))) {
-    const auto side = static_cast<Eigen::Index>(type->channels);
-    const std::vector<double> matrix = numbers("CAL_MATRIX", type->channels * type->channels);  // by columns
-    plate.six_from_channels *= Eigen::Map<const Eigen::MatrixXd>(matrix.data(), side, side);
+  // The user guide has channels in V, and the matrix makes N and N times the file's unit of length of them.
+  for (std::size_t i = 3; has_matrix && i < 6 && type->sensors.empty(); ++i)
+    if (!Lower(unit(i)).ends_with("m")) newtons[static_cast<Eigen::Index>(i)] *= m_per_unit;
+  Eigen::MatrixXd six = newtons.asDiagonal(), matrix = Eigen::MatrixXd::Identity(outputs, type->channels);
+  if (has_matrix) {
+    const std::vector<double> stored = numbers("CAL_MATRIX", outputs * type->channels);  // by columns
+    matrix = Eigen::Map<const Eigen::MatrixXd>(stored.data(), matrix.rows(), matrix.cols());
+  }
+  if (!type->sensors.empty()) six = SensorMatrix(type->sensors, sensors_m.x(), sensors_m.y()) * six;
+  plate.six_from_channels = six * matrix;
+  if (number == 6) {
+    Eigen::MatrixXd by_posts = six;
+    for (Eigen::Index i = 0; i < 12; ++i) by_posts.col(3 * (i % 4) + i / 4) = six.col(i);
+    plate.six_by_posts = by_posts * matrix;
   }
   return plate;
 }
@@ -197,6 +213,9 @@ PlateSamples ReadSamples(const C3dBytes& bytes, const C3dLayout& layout, const A
       for (std::size_t i = 0; i < plate.channel.size(); ++i)
         channels(static_cast<Eigen::Index>(i), column) = value(frame, sample, plate.channel[i]);
   read.six = plate.six_from_channels * channels;
+  // A force on the ground is more vertical than horizontal.
+  if (plate.six_by_posts.size() > 0 && read.six.row(2).cwiseAbs().sum() < read.six.topRows<2>().colwise().norm().sum())
+    read.six = plate.six_by_posts * channels;
   if (plate.m_per_place)  // the moment of the force where it acts on the surface, and the free moment
     for (Eigen::Index i = 0; i < read.six.cols(); ++i) {
       const Eigen::Vector3d at_m(*plate.m_per_place * read.six(3, i), *plate.m_per_place * read.six(4, i), 0);
@@ -349,7 +368,8 @@ GroundForceRecording ReadC3dForces(const std::filesystem::path& path) {
   const C3dLayout layout = ReadLayout(bytes, parameters);
   const std::size_t count =
       std::min(parameters.Count("FORCE_PLATFORM:USED").value_or(0), parameters.Numbers("FORCE_PLATFORM:TYPE").size());
-  if (count == 0) throw Fail("{}: no force plates (FORCE_PLATFORM:USED)", path.string());
+  if (count == 0)
+    throw Fail("{}: no force plates (FORCE_PLATFORM:USED); export it with them, or the forces as .mot", path.string());
   const AnalogLayout analog = ReadAnalogLayout(parameters, layout, path.string());
   GroundForceRecording forces;
   forces.up_axis = layout.up_axis;

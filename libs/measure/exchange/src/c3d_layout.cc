@@ -178,17 +178,22 @@ std::size_t EmptyAtTheEnd(const C3dBytes& bytes, const Geometry& geometry) {
   return empty;
 }
 
-// As many frames as are stated, or, where nothing states more, as 16 bits cut that number down: to 65535, or by a
-// multiple of 65536.
-std::size_t FramesFilling(const C3dBytes& bytes, const Geometry& geometry, std::size_t count, std::size_t first,
-                          bool may_be_cut) {
+// Whether a count of frames is the one that is read, or that one as 16 bits cut it.
+bool MeansFrames(const Stated& stated, std::size_t count) {
+  const auto value = static_cast<std::size_t>(stated.value);
+  return value == count || (count > kMostCut && (value == kMostCut || stated.first + value - 1 == kMostCut ||
+                                                 (count - value) % (kMostCut + 1) == 0));
+}
+
+// As many frames as are stated, or, where nothing states more, the number that 16 bits cut down to that; 0 if the file
+// does not end with them.
+std::size_t FramesFilling(const C3dBytes& bytes, const Geometry& geometry, const Stated& stated, bool may_be_cut) {
   const std::size_t size = bytes.Size(), held = geometry.Available(size) / geometry.FrameBytes();
-  const bool is_full = may_be_cut && held > kMostCut && (count == kMostCut || first + count - 1 == kMostCut);
-  if (is_full) return held - EmptyAtTheEnd(bytes, geometry);
-  if (geometry.Fills(count, size)) return count;
-  if (!may_be_cut || held <= kMostCut) return 0;
-  const std::size_t wrapped = held - (held - count) % (kMostCut + 1);
-  return count <= held && geometry.Fills(wrapped, size) ? wrapped : 0;
+  const auto count = static_cast<std::size_t>(stated.value);
+  if (may_be_cut && held > kMostCut)
+    for (const std::size_t frames : {held - EmptyAtTheEnd(bytes, geometry), held - (held - count) % (kMostCut + 1)})
+      if (MeansFrames(stated, frames) && geometry.Fills(frames, size)) return frames;
+  return geometry.Fills(count, size) ? count : 0;
 }
 
 // One reading of the file. Its frames end in the file's last block, or something else lies behind them, or the file is
@@ -218,7 +223,7 @@ std::vector<Reading> ReadingsOf(const StatedSizes& stated, const C3dBytes& bytes
     std::vector<Reading> of_this;
     for (const Stated& frames : stated[kFrames]) {
       const auto count = static_cast<std::size_t>(frames.value);
-      if (const std::size_t filling = FramesFilling(bytes, geometry, count, frames.first, may_be_cut))
+      if (const std::size_t filling = FramesFilling(bytes, geometry, frames, may_be_cut))
         of_this.push_back({geometry, frames, filling, Fit::kFilled});
       else if (held > 0 && count > 0 && Votes(kScale, scale, stated) > 0)
         of_this.push_back({geometry, frames, std::min(count, held), count > held ? Fit::kCutOff : Fit::kHeld});
@@ -233,13 +238,6 @@ std::vector<Reading> ReadingsOf(const StatedSizes& stated, const C3dBytes& bytes
     if (const auto best = std::ranges::max_element(of_this, {}, rank); best != of_this.end()) readings.push_back(*best);
   }
   return readings;
-}
-
-// Whether a count of frames is the one that is read, or that one as 16 bits cut it.
-bool MeansFrames(const Stated& stated, std::size_t count) {
-  const auto value = static_cast<std::size_t>(stated.value);
-  return value == count || (count > kMostCut && (value == kMostCut || stated.first + value - 1 == kMostCut ||
-                                                 (count - value) % (kMostCut + 1) == 0));
 }
 
 std::string Contradictions(const StatedSizes& stated, const Reading& reading) {
@@ -302,28 +300,23 @@ void ReadSizes(const StatedSizes& stated, const C3dBytes& bytes, C3dLayout& layo
 // By the parameter, else by the header, else by what cameras and channels ran at.
 double ReadRate(const C3dBytes& bytes, const C3dParameters& parameters, std::vector<std::string>& warnings) {
   constexpr double kLeast_hz = 1e-3, kAlike = 1e-3;
-  struct Rate {
-    std::string_view where;
-    double hz;
-  };
   const auto number = [&](const char* name) { return parameters.Number(name).value_or(0); };
-  std::vector<Rate> rates = {{"POINT:RATE", number("POINT:RATE")}, {"the header", bytes.Float(20)}};
-  const auto drop_none = [&] {
-    std::erase_if(rates, [](const Rate& rate) { return !(rate.hz > kLeast_hz && std::isfinite(rate.hz)); });
-  };
-  drop_none();
-  if (rates.empty()) {
-    rates = {{"TRIAL:CAMERA_RATE", number("TRIAL:CAMERA_RATE")},
-             {"ANALOG:RATE", number("ANALOG:RATE") / std::max<double>(bytes.Unsigned16(18), 1)}};
-    drop_none();
-    if (rates.empty()) throw Fail("{}: neither POINT:RATE nor the header has a frame rate", bytes.Path());
+  const std::pair<const char*, double> stated[] = {
+      {"POINT:RATE", number("POINT:RATE")},
+      {"the header", bytes.Float(20)},
+      {"TRIAL:CAMERA_RATE", number("TRIAL:CAMERA_RATE")},
+      {"ANALOG:RATE", number("ANALOG:RATE") / std::max<double>(bytes.Unsigned16(18), 1)}};
+  const auto is_rate = [&](const auto& rate) { return rate.second > kLeast_hz && std::isfinite(rate.second); };
+  const auto* rate = std::ranges::find_if(stated, is_rate);
+  if (rate == std::end(stated)) throw Fail("{}: neither POINT:RATE nor the header has a frame rate", bytes.Path());
+  const double hz = rate->second, of_header_hz = stated[1].second;
+  if (rate > &stated[1])
     warnings.push_back(fmt::format("{}: neither POINT:RATE nor the header has a frame rate; {} Hz are taken by {}",
-                                   bytes.Path(), SignificantText(rates[0].hz, 6), rates[0].where));
-  } else if (std::abs(rates.front().hz / rates.back().hz - 1) > kAlike) {
+                                   bytes.Path(), SignificantText(hz, 6), rate->first));
+  else if (is_rate(stated[1]) && std::abs(hz / of_header_hz - 1) > kAlike)
     warnings.push_back(fmt::format("{}: POINT:RATE is {} Hz, the header's rate {} Hz; the former is taken",
-                                   bytes.Path(), SignificantText(rates[0].hz, 6), SignificantText(rates[1].hz, 6)));
-  }
-  return rates.front().hz;
+                                   bytes.Path(), SignificantText(hz, 6), SignificantText(of_header_hz, 6)));
+  return hz;
 }
 
 }  // namespace

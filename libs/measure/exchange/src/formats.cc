@@ -128,7 +128,8 @@ PointRecording ReadAs(const PointFormat& format, const fs::path& path, ReadOptio
     throw;
   } catch (const Error& error) {
     if (format.Is(kEstimates)) throw;  // lake's own
-    throw Fail("{}; it is read as a file of {}: save it anew there, or export TRC or C3D", error.what(), format.name);
+    throw Fail("{}; it is taken for {}: export it anew from the program that wrote it, or from there as TRC or C3D",
+               error.what(), format.name);
   }
   if (!is_in_px) return points;
   points.space = PointSpace::kImage;

@@ -18,23 +18,19 @@ std::optional<std::size_t> FindColumn(const MotTable& table, const std::string& 
   return std::nullopt;
 }
 
-// Where a vector's three columns are; empty if the file has none of them.
-std::vector<std::size_t> FindVector(const MotTable& table, const std::string& stem, std::size_t nth,
-                                    const std::filesystem::path& path) {
+// The nth vector of a name, 0 in cells without a number; none if the file has none of its three columns.
+std::vector<Eigen::Vector3d> FindVector(const MotTable& table, const std::string& stem, std::size_t nth,
+                                        const std::filesystem::path& path) {
   std::vector<std::size_t> columns;
   for (const char axis : {'x', 'y', 'z'})
     if (const auto column = FindColumn(table, stem + axis, nth)) columns.push_back(*column);
-  if (!columns.empty() && columns.size() < 3) throw Fail("{}: of {}x, y and z one is missing", path.string(), stem);
-  return columns;
-}
-
-std::vector<Eigen::Vector3d> TakeVector(const MotTable& table, const std::vector<std::size_t>& columns) {
-  std::vector<Eigen::Vector3d> vectors(table.rows.size(), Eigen::Vector3d::Zero());
-  if (columns.empty()) return vectors;
-  for (std::size_t i = 0; i < table.rows.size(); ++i)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      if (const double value = table.rows[i][columns[axis]]; std::isfinite(value))
-        vectors[i][static_cast<Eigen::Index>(axis)] = value;
+  if (columns.empty()) return {};
+  if (columns.size() < 3) throw Fail("{}: of {}x, y and z one is missing", path.string(), stem);
+  std::vector<Eigen::Vector3d> vectors;
+  for (const std::vector<double>& row : table.rows)
+    vectors.push_back(Eigen::Vector3d(row[columns[0]], row[columns[1]], row[columns[2]]).unaryExpr([](double value) {
+      return std::isfinite(value) ? value : 0;
+    }));
   return vectors;
 }
 
@@ -77,21 +73,19 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
     if (!column.ends_with("vx")) continue;
     const std::size_t nth = seen[column]++;
     const std::string stem = column.substr(0, column.size() - 2);
-    const std::vector<std::size_t> force = FindVector(table, stem + "v", nth, path),
-                                   point = FindVector(table, stem + "p", nth, path);
-    std::vector<std::size_t> moment = FindVector(table, stem + "m", nth, path);
-    if (moment.empty() && !TorqueStem(stem).empty()) moment = FindVector(table, TorqueStem(stem), nth, path);
-    const std::size_t end = stem.find_last_not_of('_');
-    forces.plates.push_back({.name = end == std::string::npos ? stem : stem.substr(0, end + 1),
-                             .force_n = TakeVector(table, force),
-                             .point_m = TakeVector(table, point),
-                             .moment_nm = TakeVector(table, moment),
-                             .unusable = {}});
-    if (point.empty()) {
-      forces.plates.back().unusable =
-          fmt::format("{}: {} has a force but no point where it acts ({}px)", path.string(), stem, stem);
-      forces.warnings.push_back(forces.plates.back().unusable + "; only its force is read");
+    PlateForces& plate = forces.plates.emplace_back();
+    plate.name = stem.substr(0, stem.find_last_not_of('_') + 1);
+    plate.force_n = FindVector(table, stem + "v", nth, path);
+    plate.point_m = FindVector(table, stem + "p", nth, path);
+    plate.moment_nm = FindVector(table, stem + "m", nth, path);
+    if (plate.moment_nm.empty() && !TorqueStem(stem).empty())
+      plate.moment_nm = FindVector(table, TorqueStem(stem), nth, path);
+    if (plate.point_m.empty()) {
+      plate.unusable = fmt::format("{}: {} has a force but no point where it acts ({}px)", path.string(), stem, stem);
+      forces.warnings.push_back(plate.unusable + "; only its force is read");
     }
+    for (auto* vectors : {&plate.point_m, &plate.moment_nm})
+      vectors->resize(table.rows.size(), Eigen::Vector3d::Zero());
   }
   if (forces.plates.empty())
     throw Fail("{}: no ground forces: there is no column that ends in 'vx', as in ground_force_1_vx", path.string());

@@ -1,4 +1,6 @@
 // Kinovea (kinovea.org): its CSV of trajectories as it is written, and its text, which does not say its unit of length.
+#include <utility>
+
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -35,25 +37,26 @@ void WriteKinovea(const std::filesystem::path& path, const PointRecording& point
 // Its text: "# NAME" above the rows "time x y" of each trajectory, with decimal points or commas.
 PointRecording ReadKinoveaText(const std::filesystem::path& path, const ReadOptions& options) {
   const TextLines lines(path);
-  const auto is_row = [&](std::size_t line) { return !lines[line].empty() && !lines[line].starts_with('#'); };
   std::vector<PointRecording> tracks;
+  std::vector<std::size_t> rows;
   std::string name;
-  for (std::size_t line = 0, end = 0; line < lines.Count(); line = end) {
-    for (end = line; end < lines.Count() && is_row(end);) ++end;
-    if (end == line) {
-      if (lines[end++].starts_with("# ")) name = lines[line].substr(2);
+  for (std::size_t line = 0; line <= lines.Count(); ++line) {
+    const bool is_end = line == lines.Count();
+    if (!is_end && !lines[line].empty() && !lines[line].starts_with('#')) {
+      rows.push_back(line);
       continue;
     }
-    const PointColumns point{name.empty() ? fmt::format("track{}", tracks.size() + 1) : name, {1, 2}};
-    tracks.push_back(ReadPointTable(lines,
-                                    {.first_row = line,
-                                     .end_row = end,
-                                     .separator = ' ',
-                                     .time = 0,
-                                     .points = {point},
-                                     .mm_per_unit = options.mm_per_unit},
-                                    path));
-    name.clear();
+    if (!rows.empty()) {
+      if (name.empty()) name = fmt::format("track{}", tracks.size() + 1);
+      tracks.push_back(ReadPointTable(lines,
+                                      {.separator = ' ',
+                                       .time = 0,
+                                       .points = {{std::exchange(name, ""), {1, 2}}},
+                                       .mm_per_unit = options.mm_per_unit,
+                                       .rows = std::exchange(rows, {})},
+                                      path));
+    }
+    if (!is_end && lines[line].starts_with("# ")) name = lines[line].substr(2);
   }
   if (tracks.empty()) throw Fail("{}: Kinovea's text without a trajectory", path.string());
   PointRecording recording = JoinMarkers(tracks, path);

@@ -1,7 +1,6 @@
 // Kinovea's annotation files. What their parts mean is taken from Kinovea's own serializer (MetadataSerializer,
 // DrawingTrack, CalibrationHelper): track points are "x;y;timestamp", one frame lasts AverageTimeStampsPerFrame.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
@@ -21,50 +20,42 @@ struct KvaClock {
   double Frame(double stamp) const { return (stamp - first_stamp) / stamps_per_frame; }
 };
 
-double Number(const std::string& text, const std::string& what, const std::string& path) {
-  const std::optional<double> value = ParseNumber(Trim(text));
-  if (!value) throw Fail("{}: {} '{}' is not a number", path, what, text);
-  return *value;
+// Of "x;y;timestamp", up to what is no number.
+std::vector<double> NumbersIn(const pugi::xml_node& node) {
+  std::vector<double> numbers;
+  for (const std::string& part : SplitText(node.text().as_string(), ';')) {
+    const std::optional<double> number = ParseNumber(Trim(part));
+    if (!number) break;
+    numbers.push_back(*number);
+  }
+  return numbers;
 }
 
-std::optional<double> ChildNumber(const pugi::xml_node& node, const char* name, const std::string& path) {
-  const pugi::xml_node child = node.child(name);
-  if (!child) return std::nullopt;
-  return Number(child.text().as_string(), name, path);
+double ChildNumber(const pugi::xml_node& node, const char* name, double otherwise = 0) {
+  const std::vector<double> numbers = NumbersIn(node.child(name));
+  return numbers.empty() ? otherwise : numbers[0];
 }
 
 KvaClock ReadClock(const pugi::xml_node& root, const std::string& path) {
-  KvaClock clock{.stamps_per_frame = ChildNumber(root, "AverageTimeStampsPerFrame", path).value_or(0),
-                 .first_stamp = ChildNumber(root, "FirstTimeStamp", path).value_or(0)};
-  clock.rate_hz =
-      ChildNumber(root, "CaptureFramerate", path).value_or(ChildNumber(root, "UserFramerate", path).value_or(0));
-  if (!(clock.stamps_per_frame > 0)) throw Fail("{}: AverageTimeStampsPerFrame is {}", path, clock.stamps_per_frame);
+  const KvaClock clock{.stamps_per_frame = ChildNumber(root, "AverageTimeStampsPerFrame"),
+                       .first_stamp = ChildNumber(root, "FirstTimeStamp"),
+                       .rate_hz = ChildNumber(root, "CaptureFramerate", ChildNumber(root, "UserFramerate"))};
+  if (!(clock.stamps_per_frame > 0))
+    throw Fail("{}: AverageTimeStampsPerFrame is {}, so that no frame has a time", path, clock.stamps_per_frame);
   if (!(clock.rate_hz > 0))
     throw Fail("{}: no frame rate (CaptureFramerate); save it with Kinovea 0.8.20 or newer", path);
   return clock;
 }
 
-Eigen::Vector2d ParsePair(const std::string& text, const std::string& path) {
-  const std::vector<std::string> parts = SplitText(text, ';');
-  if (parts.size() != 2) throw Fail("{}: '{}' is not 'x;y'", path, text);
-  return {Number(parts[0], "x", path), Number(parts[1], "y", path)};
-}
-
 // mm per px of a calibration line: its length and its ends, or the scale that older versions keep.
-std::optional<double> ReadScale(const pugi::xml_node& calibration, const std::string& path) {
+std::optional<double> ReadScale(const pugi::xml_node& calibration) {
   const std::optional<double> mm_per_unit =
       FindMmPerUnit(calibration.child("Unit").attribute("Abbreviation").as_string());
-  const pugi::xml_node line = calibration.child("CalibrationLine");
-  if (!line || !mm_per_unit) return std::nullopt;
-  if (const auto scale = ChildNumber(line, "Scale", path))
-    return *scale > 0 ? std::optional(*scale * *mm_per_unit) : std::nullopt;
-  const pugi::xml_node segment = line.child("Segment");
-  const std::optional<double> length = ChildNumber(line, "Length", path);
-  if (!segment || !length) return std::nullopt;
-  const double length_px =
-      (ParsePair(segment.child("A").text().as_string(), path) - ParsePair(segment.child("B").text().as_string(), path))
-          .norm();
-  return length_px > 0 && *length > 0 ? std::optional(*length * *mm_per_unit / length_px) : std::nullopt;
+  const pugi::xml_node line = calibration.child("CalibrationLine"), segment = line.child("Segment");
+  const std::vector<double> a = NumbersIn(segment.child("A")), b = NumbersIn(segment.child("B"));
+  const double length_px = a.size() == 2 && b.size() == 2 ? std::hypot(a[0] - b[0], a[1] - b[1]) : 0,
+               scale = ChildNumber(line, "Scale", ChildNumber(line, "Length") / length_px);
+  return mm_per_unit && scale > 0 && std::isfinite(scale) ? std::optional(scale * *mm_per_unit) : std::nullopt;
 }
 
 std::string TrackName(const pugi::xml_node& track) {
@@ -77,10 +68,8 @@ FramePoints ReadTrack(const pugi::xml_node& track, const KvaClock& clock, const 
                       std::map<std::int64_t, double>& times_s, LeftOut& left_out) {
   FramePoints points{TrackName(track), {}};
   for (const pugi::xml_node node : track.child("TrackPointList").children("TrackPoint")) {
-    const std::vector<std::string> parts = SplitText(node.text().as_string(), ';');
-    std::array<std::optional<double>, 3> numbers;  // x, y, time stamp
-    for (std::size_t i = 0; i < std::min(parts.size(), numbers.size()); ++i) numbers[i] = ParseNumber(Trim(parts[i]));
-    const double frame = numbers[0] && numbers[1] && numbers[2] ? clock.Frame(*numbers[2]) : -1;
+    const std::vector<double> numbers = NumbersIn(node);  // x, y, time stamp
+    const double frame = numbers.size() > 2 ? clock.Frame(numbers[2]) : -1;
     if (!(frame > -0.5 && frame < static_cast<double>(kMostFrames))) {
       left_out.Add("a point that is not 'x;y;timestamp' of the video",
                    fmt::format("{}: track '{}': '{}'", path, points.name, node.text().as_string()));
@@ -88,7 +77,7 @@ FramePoints ReadTrack(const pugi::xml_node& track, const KvaClock& clock, const 
     }
     const std::int64_t index = std::llround(frame);
     times_s[index] = frame / clock.rate_hz;
-    points.positions[index] = {*numbers[0] - kPixelCentre, *numbers[1] - kPixelCentre, 0};
+    points.positions[index] = {numbers[0] - kPixelCentre, numbers[1] - kPixelCentre, 0};
   }
   return points;
 }
@@ -154,7 +143,10 @@ PointRecording ReadKva(const std::filesystem::path& path, const ReadOptions& /*o
   std::erase_if(tracks, [](const FramePoints& track) { return track.positions.empty(); });
   PointRecording recording = PointsByFrame(tracks, text.size(), path, 0, left_out);
   recording.warnings.insert(recording.warnings.begin(), warnings.begin(), warnings.end());
-  recording.mm_per_px = ReadScale(root.child("Calibration"), path.string());
+  recording.mm_per_px = ReadScale(root.child("Calibration"));
+  if (root.child("Calibration").child("CalibrationLine") && !recording.mm_per_px)
+    recording.warnings.push_back(fmt::format(
+        "{}: its calibration line has no readable length, ends or unit: positions stay in px", path.string()));
   if (root.child("Calibration").child("CalibrationPlane"))
     recording.warnings.push_back(fmt::format(
         "{}: its perspective calibration is not used: positions stay in px; Kinovea's CSV has them calibrated",

@@ -21,13 +21,20 @@ double FrameInterval(const std::vector<PointRecording>& files) {
   return steps_s.empty() ? 0 : Median(std::move(steps_s));
 }
 
-// The times of all files, those of one frame once.
-std::vector<double> MergeTimes(const std::vector<PointRecording>& files, double interval_s) {
+// The times of all files, those of one frame once. Throws Error, naming the `whole`, for times between those of
+// another.
+std::vector<double> MergeTimes(const std::vector<PointRecording>& files, double interval_s, const fs::path& whole) {
   std::vector<double> all, merged;
   for (const PointRecording& file : files) all.insert(all.end(), file.time_s.begin(), file.time_s.end());
   std::ranges::sort(all);
-  for (const double time_s : all)
-    if (merged.empty() || time_s - merged.back() > kSameFrame * interval_s) merged.push_back(time_s);
+  for (const double time_s : all) {
+    const double step_s = merged.empty() ? interval_s : time_s - merged.back();
+    if (!merged.empty() && step_s <= kSameFrame * interval_s) continue;
+    if (step_s < kLeastStep * interval_s)
+      throw Fail("{}: the files' times do not agree: one has {} s, another {} s, {} of a frame apart", whole.string(),
+                 merged.back(), time_s, SignificantText(step_s / interval_s, 3));
+    merged.push_back(time_s);
+  }
   return merged;
 }
 
@@ -38,13 +45,6 @@ PointRecording ReadOne(const fs::path& path, const ReadOptions& options) {
                path.string(), file.points.size());
   file.points.front().name = path.stem().string();
   return file;
-}
-
-void CheckSteps(const std::vector<double>& time_s, double interval_s, const fs::path& folder) {
-  for (std::size_t i = 1; i < time_s.size(); ++i)
-    if (time_s[i] - time_s[i - 1] < kLeastStep * interval_s)
-      throw Fail("{}: the files' times do not agree: one has {} s, another {} s, {} of a frame apart", folder.string(),
-                 time_s[i - 1], time_s[i], SignificantText((time_s[i] - time_s[i - 1]) / interval_s, 3));
 }
 
 PointTrack AtTimes(const std::vector<double>& time_s, const PointRecording& file, double interval_s) {
@@ -87,8 +87,7 @@ PointRecording JoinMarkers(const std::vector<PointRecording>& files, const fs::p
   const double interval_s = FrameInterval(files);
   PointRecording merged = files.front();
   merged.points.clear();
-  merged.time_s = MergeTimes(files, interval_s);
-  CheckSteps(merged.time_s, interval_s, whole);
+  merged.time_s = MergeTimes(files, interval_s, whole);
   merged.frame.resize(merged.time_s.size());
   for (std::size_t i = 0; i < merged.frame.size(); ++i) merged.frame[i] = static_cast<std::int64_t>(i);
   for (std::size_t k = 0; k < files.size(); ++k) {

@@ -12,8 +12,6 @@
 namespace lake::exchange {
 namespace {
 
-constexpr std::size_t kMostColumns = 100'000, kMostRows = 100'000'000;
-
 // Cells of a row; trailing tabs do not count.
 std::vector<std::string> RowCells(const std::string& line) {
   std::vector<std::string> cells = SplitCells(line, '\t');
@@ -28,25 +26,17 @@ struct MotHeader {
   std::size_t labels = 0;  // index of the line after endheader
 };
 
-// inDegrees=yes; nullopt if it is neither yes nor no.
-std::optional<bool> YesOrNo(const std::string& text) {
-  for (const char* yes : {"yes", "y", "true", "t", "1"})
-    if (text == yes) return true;
-  for (const char* no : {"no", "n", "false", "f", "0"})
-    if (text == no) return false;
-  return std::nullopt;
-}
-
 // What a line of the header, in small letters, says of the unit of angles: "indegrees=yes", or a sentence such as
 // "angles are in degrees." nullopt if it says nothing, or names both units, as OpenSim's explanation of the key does.
 std::optional<bool> UnitOfAngles(const std::string& line, const std::string& where) {
   constexpr std::string_view kKey = "indegrees";
   if (line.starts_with(kKey)) {
     const std::size_t begin = line.find_first_not_of("=: \t", kKey.size());
-    const std::string value = begin == std::string::npos ? "" : line.substr(begin);
-    const std::optional<bool> in_degrees = YesOrNo(value);
-    if (!in_degrees) throw Fail("{}: inDegrees is '{}'; write inDegrees=yes or inDegrees=no", where, value);
-    return in_degrees;
+    const std::string value = begin == std::string::npos ? "" : line.substr(begin), word = fmt::format(" {} ", value);
+    const bool is_yes = std::string_view(" yes y true t 1 ").find(word) != std::string_view::npos;
+    if (!is_yes && std::string_view(" no n false f 0 ").find(word) == std::string_view::npos)
+      throw Fail("{}: inDegrees is '{}'; write inDegrees=yes or inDegrees=no", where, value);
+    return is_yes;
   }
   const bool degrees = line.find("degree") != std::string::npos, radians = line.find("radian") != std::string::npos;
   return degrees == radians ? std::nullopt : std::optional(degrees);
@@ -71,9 +61,8 @@ MotHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path, 
     }
     if (lower.find("simm motion file") != std::string::npos || lower.starts_with("datacolumns ")) header.is_simm = true;
     const auto value = [&] { return line.substr(line.find_first_of("= ") + 1); };
-    if (lower.starts_with("nrows=") || lower.starts_with("datarows ")) header.rows = CountIn(value(), kMostRows);
-    if (lower.starts_with("ncolumns=") || lower.starts_with("datacolumns "))
-      header.columns = CountIn(value(), kMostColumns);
+    if (lower.starts_with("nrows=") || lower.starts_with("datarows ")) header.rows = CountIn(value());
+    if (lower.starts_with("ncolumns=") || lower.starts_with("datacolumns ")) header.columns = CountIn(value());
     if (i == 0 || lower.starts_with("name ")) continue;
     const std::optional<bool> in_degrees = UnitOfAngles(lower, lines.Where(i));
     if (in_degrees && header.in_degrees.value_or(*in_degrees) != *in_degrees)
@@ -81,7 +70,7 @@ MotHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path, 
                  lines.Where(i), *in_degrees ? "degrees" : "radians");
     if (in_degrees) header.in_degrees = in_degrees;
   }
-  throw Fail("{}: not a MOT or STO file: no line 'endheader'", path.string());
+  throw Fail("{}: not a MOT or STO file of OpenSim: no line 'endheader' above its row of labels", path.string());
 }
 
 }  // namespace

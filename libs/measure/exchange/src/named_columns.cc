@@ -49,7 +49,9 @@ PointRecording ReadNamed(const TextLines& lines, PointTable table, const std::ve
     if (follows(axes, "likelihood")) point.likelihood = i + axes;
   }
   const std::string without =
-      incomplete.empty() ? "" : fmt::format("no y or z follows the x of {}", fmt::join(incomplete, ", "));
+      incomplete.empty()
+          ? ""
+          : fmt::format("no {} the x of {}", axes == 3 ? "y and z follow" : "y follows", fmt::join(incomplete, ", "));
   if (table.points.empty())
     throw Fail("{}: its header names no columns of points, which are {}{}", path.string(), example,
                without.empty() ? "" : "; " + without);

@@ -102,7 +102,7 @@ std::optional<double> FindMmPerUnit(std::string_view unit) {
       {"inch", 25.4}, {"inche", 25.4},    {"ft", 304.8},        {"foot", 304.8}, {"feet", 304.8}};
   std::string name;
   for (const char c : unit)  // "(mm)"
-    if (!std::isspace(static_cast<unsigned char>(c)) && std::string_view("()[]\"").find(c) == std::string_view::npos)
+    if (!std::isspace(static_cast<unsigned char>(c)) && std::string_view("()[].\"").find(c) == std::string_view::npos)
       name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (name.size() > 3 && name.back() == 's') name.pop_back();
   if (name.ends_with("metre")) name.replace(name.size() - 2, 2, "er");

@@ -26,7 +26,7 @@ class TableReader {
     if (table_.rows)
       for (const std::size_t line : *table_.rows) ReadRow(line);
     else
-      for (std::size_t line = table_.first_row; line < std::min(lines_.Count(), table_.end_row); ++line)
+      for (std::size_t line = table_.first_row; line < lines_.Count(); ++line)
         if (lines_[line].find_first_not_of(" \t") != std::string::npos) ReadRow(line);
     if (recording_.time_s.empty())
       throw Fail("{}: no row with a time and positions{}", path_.string(), left_out_.InBrackets());
@@ -90,19 +90,19 @@ class TableReader {
                       path_.string(), table_.rate_hz));
       return;
     }
-    const std::vector<double> written_s = time_s;
-    const auto keep_first = [&](auto& values) {
-      std::erase_if(values, [&, row = std::size_t{0}](const auto&) mutable {
-        const bool is_shared = row > 0 && written_s[row] == written_s[row - 1];
-        ++row;
-        return is_shared;
-      });
+    std::vector<std::size_t> kept;
+    for (std::size_t row = 0; row < time_s.size(); ++row)
+      if (row == 0 || time_s[row] != time_s[row - 1])
+        kept.push_back(row);
+      else
+        left_out_.Add(kDoesNotFollow, lines_.Where(line_of_row_[row]));
+    const auto keep = [&](auto& values) {
+      for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+      values.resize(kept.size());
     };
-    keep_first(time_s);
-    keep_first(recording_.frame);
-    for (PointTrack& point : recording_.points) keep_first(point.positions);
-    for (std::size_t row = 1; row < written_s.size(); ++row)
-      if (written_s[row] == written_s[row - 1]) left_out_.Add(kDoesNotFollow, lines_.Where(line_of_row_[row]));
+    keep(time_s);
+    keep(recording_.frame);
+    for (PointTrack& point : recording_.points) keep(point.positions);
   }
 
   // Whether the file ends within its last row: there are fewer cells than in the row before, or fewer rows than stated,

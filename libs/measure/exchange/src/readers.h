@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <optional>
 #include <pugixml.hpp>
@@ -17,7 +16,7 @@
 
 namespace lake::exchange {
 
-// In UTF-8, of UTF-16 with a byte order mark, of UTF-8 and of Windows-1252; without the mark and zero bytes behind.
+// In UTF-8, of UTF-16, of UTF-8 and of Windows-1252; without a byte order mark and zero bytes behind.
 std::string TextFromBytes(std::string bytes);
 
 class TextLines {
@@ -90,7 +89,6 @@ struct PointColumns {
 struct PointTable {
   PointSpace space = PointSpace::kPlane;
   std::size_t first_row = 1;  // index of the line
-  std::size_t end_row = std::numeric_limits<std::size_t>::max();
   char separator = ',';
   std::optional<std::size_t> time = {}, frame = {};  // columns; a time may be hours:minutes:seconds:hundredths
   double rate_hz = 0;                                // gives the time of a row that has none of its own
@@ -102,7 +100,7 @@ struct PointTable {
   bool zero_is_missing = false;  // 0, 0, 0 stands for a missing point
   bool names_all = false;        // a value in any other column is of a point without a name
   std::optional<std::size_t> stated_rows = {};
-  std::optional<std::vector<std::size_t>> rows = {};  // indices of their lines, if not all from first_row to end_row
+  std::optional<std::vector<std::size_t>> rows = {};  // indices of their lines, if not all from first_row
 };
 
 // Cells that are no number are missing; rows without a time, or with one that does not follow the one before, and a

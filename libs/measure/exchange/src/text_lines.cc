@@ -14,10 +14,11 @@
 namespace lake::exchange {
 
 std::string TextFromBytes(std::string bytes) {
-  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {  // UTF-16
-    const std::size_t high = bytes[0] == '\xFF' ? 1 : 0;
+  const bool has_mark = bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF");
+  if (bytes.size() > 1 && (has_mark || !bytes[0] != !bytes[1])) {  // UTF-16, whose letters of ASCII have a zero byte
+    const std::size_t high = bytes[0] == '\xFF' || !bytes[1] ? 1 : 0;
     std::wstring wide;
-    for (std::size_t i = 2; i + 1 < bytes.size(); i += 2)
+    for (std::size_t i = has_mark ? 2 : 0; i + 1 < bytes.size(); i += 2)
       wide += static_cast<wchar_t>(static_cast<unsigned char>(bytes[i + high]) << 8 |
                                    static_cast<unsigned char>(bytes[i + 1 - high]));
     bytes = pugi::as_utf8(wide);

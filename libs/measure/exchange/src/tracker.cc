@@ -11,8 +11,6 @@
 namespace lake::exchange {
 namespace {
 
-constexpr std::size_t kMostTracks = 10'000;
-
 // Names stand above their columns; a writer that leaves out empty cells is understood if there are as many names as
 // tracks.
 std::vector<PointColumns> FindColumns(const std::vector<std::string>& labels, const std::vector<std::string>& names) {
@@ -30,13 +28,6 @@ std::vector<PointColumns> FindColumns(const std::vector<std::string>& labels, co
     if (columns[k].name.empty()) columns[k].name = fmt::format("track{}", k + 1);
   }
   return columns;
-}
-
-// Tracker's own notation, 1.234567890E2: the digits that a double of this size needs at 1e-9 of itself.
-std::string FormatForTracker(double value) {
-  std::string text = fmt::format("{:.12E}", value);
-  const std::size_t exponent = text.find('E');
-  return text.substr(0, exponent + 1) + std::to_string(std::stoi(text.substr(exponent + 1)));
 }
 
 }  // namespace
@@ -57,9 +48,7 @@ PointRecording ReadTrackerText(const std::filesystem::path& path, const ReadOpti
                          .points = FindColumns(cells_of(label_line),
                                                label_line > 0 ? cells_of(label_line - 1) : std::vector<std::string>{}),
                          .mm_per_unit = options.mm_per_unit};
-  if (table.points.empty() || table.points.size() > kMostTracks)
-    throw Fail("{}: {} columns 'x' followed by 'y', not 1 to {}", lines.Where(label_line), table.points.size(),
-               kMostTracks);
+  if (table.points.empty()) throw Fail("{}: no columns 'x' followed by 'y'", lines.Where(label_line));
   return ReadPointTable(lines, table, path);
 }
 
@@ -75,10 +64,10 @@ void WriteTrackerText(const std::filesystem::path& path, const PointRecording& p
   }
   text.append("\n").append(labels).append("\n");
   for (std::size_t i = 0; i < points.time_s.size(); ++i) {
-    text += FormatForTracker(points.time_s[i]);
+    text += FormatNumber(points.time_s[i]);
     for (const PointTrack& point : drawn.points)
       for (int axis = 0; axis < 2; ++axis)
-        text.append("\t").append(point.positions[i].allFinite() ? FormatForTracker(point.positions[i][axis]) : "");
+        text.append("\t").append(point.positions[i].allFinite() ? FormatNumber(point.positions[i][axis]) : "");
     text += "\n";
   }
   WriteTextFile(path, text);

@@ -69,8 +69,7 @@ TrcLines FindLines(const TextLines& lines, const std::filesystem::path& path) {
   while (found.labels < end && !are_labels(found.labels)) ++found.labels;
   if (found.labels >= end)
     throw Fail(
-        "{}: not a TRC file, the markers' text of Cortex, OpenSim and others: no row of names that begins with Frame#; "
-        "export it anew, or write a table with the columns frame,time_s,NAME_x_mm,NAME_y_mm,…",
+        "{}: not a TRC file, the markers' text of Cortex, OpenSim and others: no row of names that begins with Frame#",
         path.string());
   found.separator = SeparatorBesideTabs(lines[found.labels]);
   std::size_t keys = found.labels;  // above the values
@@ -128,7 +127,8 @@ double UnitOf(const TrcLines& found, const TextLines& lines, std::vector<std::st
   for (const std::string& word : SplitCells(words, ' '))
     if (const auto mm_per_unit = FindMmPerUnit(word)) return *mm_per_unit;
   const std::string where = lines.Where(found.labels > 0 ? found.labels - 1 : 0);
-  if (!unit.empty()) throw Fail("{}: the unit '{}' is not a unit of length: write mm, cm or m there", where, unit);
+  if (!unit.empty() && !ParseNumber(unit))
+    throw Fail("{}: the unit '{}' is not a unit of length: write mm, cm or m there", where, unit);
   warnings.push_back(fmt::format("{}: the header says no unit (Units); mm is assumed, as is the custom", where));
   return 1;
 }

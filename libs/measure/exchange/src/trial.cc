@@ -10,6 +10,7 @@
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/core/nearest_name.h"
+#include "lake/core/statistics.h"
 #include "lake/motion/saved_corrections.h"
 #include "readers.h"
 
@@ -18,11 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string Listed(std::vector<std::string> names) {
-  constexpr std::size_t kMost = 60;
-  if (names.size() > kMost) names.erase(names.begin() + kMost + 1, names.end());
-  if (names.size() > kMost) names.back() = "…";
-  return fmt::format("{}", fmt::join(names, ", "));
+std::string Listed(const std::vector<std::string>& names) {
+  const std::size_t shown = std::min<std::size_t>(names.size(), 60);
+  return fmt::format("{}{}", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
+                     shown < names.size() ? ", …" : "");
 }
 
 std::vector<std::string> NamesOf(const auto& tracks) {
@@ -80,6 +80,8 @@ motion::MarkerRecording Rename(const motion::MarkerRecording& markers, const std
   return renamed;
 }
 
+constexpr const char* kLeg[] = {"ankle", "knee", "hip"};
+
 int AxisIndex(char axis) {
   if (axis < 'x' || axis > 'z') throw UsageError("axis '{}': x, y or z", axis);
   return axis - 'x';
@@ -130,29 +132,19 @@ Eigen::Vector3d FitForward(const PointRecording& points, const Eigen::Vector3d& 
   return forward[axis] < 0 ? Eigen::Vector3d(-forward) : forward;
 }
 
-constexpr const char* kLeg[] = {"ankle", "knee", "hip"};
-
 // RMS movement of the leg's points across a plane.
 double OutOfPlane(const PointRecording& points, const Eigen::Vector3d& normal) {
-  double square = 0;
-  std::size_t count = 0;
+  std::vector<double> moved_mm;
   for (const char* name : kLeg) {
     const PointTrack* point = points.Find(name);
     if (!point) continue;
-    double sum = 0, sum2 = 0;
-    std::size_t n = 0;
+    std::vector<double> across_mm;
     for (const Eigen::Vector3d& p : point->positions)
-      if (p.allFinite()) {
-        sum += p.dot(normal);
-        sum2 += std::pow(p.dot(normal), 2);
-        ++n;
-      }
-    if (n > 0) {
-      square += sum2 - sum * sum / static_cast<double>(n);
-      count += n;
-    }
+      if (p.allFinite()) across_mm.push_back(p.dot(normal));
+    const double mean_mm = across_mm.empty() ? 0 : Mean(across_mm);
+    for (const double at_mm : across_mm) moved_mm.push_back(at_mm - mean_mm);
   }
-  return count > 0 ? std::sqrt(std::max(0.0, square / static_cast<double>(count))) : 0;
+  return moved_mm.empty() ? 0 : RootMeanSquare(moved_mm);
 }
 
 // What `lake track` knew of the measurements' sigmas.
@@ -189,7 +181,7 @@ void TakeFromSummary(const fs::path& table, motion::MarkerValues values, Trial& 
 // The side that the file's names of ankle, knee and hip begin with, where they agree.
 std::optional<motion::Side> SideOfLegMarkers(const std::map<std::string, std::string>& names) {
   std::optional<motion::Side> side;
-  for (const char* name : {"ankle", "knee", "hip"}) {
+  for (const char* name : kLeg) {
     const auto found = names.find(name);
     const auto of_marker = found == names.end() ? std::nullopt : motion::SideOfName(found->second);
     if (!of_marker || (side && side != of_marker)) return std::nullopt;
