@@ -267,7 +267,7 @@ class WalkFinder {
     std::vector<Seen> phases;
     for (std::size_t k = 0; k + 1 < turns.size(); ++k) {
       phases.push_back(SeenBetween(foot, turns, k));
-      if (!foot.is_other)
+      if (!foot.is_other && !foot.of_foot)  // the ankle is always marked
         seen_.push_back({phases.back(), foot.Time(static_cast<double>(turns[k].at)),
                          foot.Time(static_cast<double>(turns[k + 1].at))});
     }
@@ -553,14 +553,14 @@ class WalkFinder {
       if (first.what == Seen::kNotLevel)
         walk_.left_out.push_back(when + " the hip rises or falls as on stairs or in a jump");
       if (first.what == Seen::kBackward)
-        walk_.left_out.push_back(when + (LargestBend(first.from_s, seen_[k].to_s) < 0
-                                             ? " the person faces the other way (measure that part by itself: lake "
-                                               "convert --crop)"
-                                             : " the person walks backward"));
+        walk_.left_out.push_back(when + (LargestBend(first.from_s, seen_[k].to_s) > 0
+                                             ? " the person walks backward"
+                                             : " the person faces the other way (measure that part by itself: lake "
+                                               "convert --crop)"));
     }
   }
 
-  // Of the knee, with its sign: negative where the person faces away from the side that the fit has.
+  // Of the knee, with its sign: negative, or left out, where the person faces away from the side that the fit has.
   double LargestBend(double from_s, double to_s) const {
     double bend_deg = 0;
     for (std::size_t i = NearestFrame(from_s); i <= NearestFrame(to_s); ++i)

@@ -336,7 +336,7 @@ Cohort ReadCohort(const fs::path& folder, const std::vector<std::string>& asked)
 void SetMovement(gait::MovementKind movement, Cohort& cohort) {
   for (Recordings& recordings : cohort.recordings)
     for (const char* section : {"human", "exo", "compare"})
-      if (const auto found = recordings.study.find(section); found != recordings.study.end())
+      if (const auto found = recordings.study.find(section); found != recordings.study.end() && found->is_object())
         (*found)["movement"] = gait::NameOf(movement);
 }
 
