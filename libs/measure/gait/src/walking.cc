@@ -267,9 +267,12 @@ class WalkFinder {
     std::vector<Seen> phases;
     for (std::size_t k = 0; k + 1 < turns.size(); ++k) {
       phases.push_back(SeenBetween(foot, turns, k));
-      if (!foot.is_other && !foot.of_foot)  // the ankle is always marked
-        seen_.push_back({phases.back(), foot.Time(static_cast<double>(turns[k].at)),
-                         foot.Time(static_cast<double>(turns[k + 1].at))});
+      const Interval seen{phases.back(), foot.Time(static_cast<double>(turns[k].at)),
+                          foot.Time(static_cast<double>(turns[k + 1].at))};
+      const auto is_same = [&](const Interval& other) {
+        return other.what == seen.what && other.from_s < seen.to_s && other.to_s > seen.from_s;
+      };
+      if (!foot.is_other && std::ranges::none_of(seen_, is_same)) seen_.push_back(seen);
     }
     const double scale = StrideOf(turns) / kUsualStride_s;
     const Values velocity = Derivative(foot.up);
@@ -527,14 +530,19 @@ class WalkFinder {
         fmt::format("the foot is on the ground for {:.0f} % of a stride: the person runs", 100 * Median(shares)));
   }
 
-  // Whoever walks lifts a foot and puts it down, or has come farther than a step.
-  void LeaveOutSingleSteps() {
-    Values places = Coordinate(leg_.leg_markers.hip, 0);
+  // Of the hip over the recording: forward or up.
+  double HipRange(int axis) {
+    Values places = Coordinate(leg_.leg_markers.hip, axis);
     std::erase_if(places, [](double place) { return !std::isfinite(place); });
-    if (!places.empty()) {
-      const auto [least, most] = std::ranges::minmax(places);
-      if (most - least > leg_.signals.leg_length) return;
-    }
+    if (places.empty()) return 0;
+    const auto [least, most] = std::ranges::minmax(places);
+    return most - least;
+  }
+
+  // Whoever walks lifts a foot and puts it down, or has come farther than a step on level ground.
+  void LeaveOutSingleSteps() {
+    const double leg = leg_.signals.leg_length;
+    if (HipRange(0) > leg && HipRange(1) < kMostRise * leg) return;
     const auto has = [&](StsEventKind kind, StsEventKind other) {
       return std::ranges::any_of(
           found_, [&](const Found& found) { return found.event.kind == kind || found.event.kind == other; });
