@@ -8,6 +8,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/option_template.h"
+#include "lake/gait/movement_option.h"
 #include "lake/study/study.h"
 #include "lake/study/study_template.h"
 #include "program.h"
@@ -18,6 +19,7 @@ int main(int argc, char** argv) {
   std::filesystem::path file;
   std::vector<std::string> only;
   std::optional<std::filesystem::path> make_template;
+  std::optional<lake::gait::MovementKind> movement;
   bool plan = false, keep_going = false;
   lake::OptionList options;
   options.AddOperand("study", file, "study.yaml");
@@ -27,6 +29,7 @@ int main(int argc, char** argv) {
       .Value("STEP")
       .Repeats();
   options.Add("keep-going", keep_going, "Where a step fails, do all that does not need it before the study fails");
+  lake::gait::DescribeMovement(movement, options);
   options
       .Add("template", make_template, "Write a study.yaml with every key, its default and its meaning; do nothing else")
       .Value("FILE");
@@ -42,6 +45,7 @@ int main(int argc, char** argv) {
       [&] {
         if (make_template) return std::string("study");
         study = lake::study::ReadStudyFile(file);
+        if (movement) study->SetMovement(*movement);
         return study->ResultName();
       },
       [&](lake::Run& run) {

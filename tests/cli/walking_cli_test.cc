@@ -61,6 +61,25 @@ TEST_F(WalkingProgram, SaysWhatItLeavesOut) {
   EXPECT_EQ(Gait({}, "--movement dancing").exit_code, 2);
 }
 
+// --movement of all programs that measure or have others measure; of lake-run over what the study's trial says.
+TEST_F(WalkingProgram, TakesTheMovementInEveryProgram) {
+  for (const char* program : {"track", "gait", "compare", "run", "cohort", "review"})
+    EXPECT_THAT(Shell(folder_, fmt::format("lake-{} --help", program)).out,
+                HasSubstr("--movement auto|sit-to-stand|walking|squat"))
+        << program;
+  motion::WriteMarkerCsv(folder_ / "walk.csv", DrawWalk({}));
+  std::ofstream(folder_ / "study.yaml") << "human: {trial: walk.csv, movement: sit-to-stand}\n";
+  const auto movement = [&](const std::string& options) {
+    const Outcome outcome = Shell(folder_, "lake-run study.yaml --only human -o S " + options);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return ReadJsonFile(folder_ / "S/human/summary.json")["movement"];
+  };
+  EXPECT_TRUE(movement("").is_null());
+  EXPECT_EQ(movement("--movement walking"), "walking");
+  EXPECT_EQ(movement("--movement auto"), "walking");
+  EXPECT_TRUE(movement("").is_null());
+}
+
 TEST_F(WalkingProgram, ForcePlatesWinOverTheMarkers) {
   const fs::path data = SharedData() / "walking_force_plates";
   if (!fs::exists(data)) GTEST_SKIP() << "no recordings";

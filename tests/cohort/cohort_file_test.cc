@@ -81,6 +81,16 @@ TEST_F(CohortFile, SaysWhatIsDifferentForOne) {
   EXPECT_EQ(cohort.recordings[3].study["human"]["end_s"], 4.0);
 }
 
+TEST_F(CohortFile, TakesAnotherMovementInAllStudies) {
+  WriteYaml("  exo: {trial: exo.trc, movement: squat}\n");
+  cohort::Cohort cohort = ReadCohort(folder_.Path());
+  cohort::SetMovement(gait::MovementKind::kWalking, cohort);
+  for (const cohort::Recordings& of : cohort.recordings) {
+    for (const char* trial : {"human", "exo"}) EXPECT_EQ(of.study[trial]["movement"], "walking");
+    EXPECT_FALSE(of.study.contains("compare"));
+  }
+}
+
 TEST_F(CohortFile, BlursHeadsUnlessToldOtherwise) {
   WriteYaml(
       "  exo: {video: exo.mp4, markers: [ankle, knee, hip, shoulder, exo_knee]}\n"

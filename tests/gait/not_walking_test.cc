@@ -5,12 +5,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <random>
 
 #include "drawn_walk.h"
+#include "lake/exchange/trial.h"
 #include "lake/gait/gait_cycles.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/movement.h"
+#include "name_map.h"
+#include "places.h"
+#include "real_markers.h"
 
 namespace lake {
 namespace {
@@ -109,6 +114,39 @@ TEST(NotWalking, WhoTurnsIsMeasuredOneWayOnly) {
     EXPECT_EQ(cycle.begin_s.value < 6, is_first);
     EXPECT_NEAR(cycle.stride_s.value, 1.1, 0.02);
   }
+}
+
+// A person's own pass: played backward, and followed by its mirror.
+TEST(NotWalking, SaysOfPeopleWhetherTheyWalkBackwardOrFaceTheOtherWay) {
+  const std::filesystem::path file = SharedData() / "walking_force_plates/walking1.trc";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no recordings";
+  exchange::TrialOptions options;
+  options.names = NameMap(std::string(kRightLeg) + ",heel=r_calc,toe=r_toe");
+  const motion::MarkerRecording pass = exchange::ReadTrial(file, options).recording;
+  motion::MarkerRecording back = pass, there_and_back = pass;
+  for (std::size_t m = 0; m < pass.markers.size(); ++m) {
+    std::ranges::reverse(back.markers[m].samples);
+    auto& samples = there_and_back.markers[m].samples;
+    samples.resize(samples.size() + 100);
+    for (motion::MarkerSample sample : pass.markers[m].samples) {
+      sample.position.x() *= -1;
+      samples.push_back(sample);
+    }
+  }
+  for (std::size_t i = pass.frame.size(); i < there_and_back.markers[0].samples.size(); ++i) {
+    there_and_back.frame.push_back(pass.frame.front() + static_cast<std::int64_t>(i));
+    there_and_back.time_s.push_back(static_cast<double>(i) / 100);
+  }
+  const auto times_said = [](const gait::LegFitResult& leg, const char* what) {
+    return std::ranges::count_if(leg.warnings, [&](const auto& said) { return said.find(what) != std::string::npos; });
+  };
+  const gait::LegFitResult backward = FitAs(back, gait::MovementKind::kAuto),
+                           turning = FitAs(there_and_back, gait::MovementKind::kAuto);
+  EXPECT_THAT(backward.events, IsEmpty());
+  EXPECT_EQ(times_said(backward, "walks backward"), 1);
+  EXPECT_EQ(times_said(turning, "walks backward"), 0);
+  EXPECT_EQ(times_said(turning, "faces the other way"), 1);
+  EXPECT_EQ(turning.movement.walk.strides, 0);
 }
 
 // Seen by a camera at this distance: nearer is larger.

@@ -169,6 +169,28 @@ INSTANTIATE_TEST_SUITE_P(Recorded, WalkingOverPlates,
                                          Recorded{true, 1, 3}, Recorded{false, 1, 0}, Recorded{false, 2, 1},
                                          Recorded{false, 3, 0}, Recorded{false, 1, 3}));
 
+// Parts of the recordings that hold a single stance, or a single toe-off.
+TEST(Walking, IsSeenInAStepAlone) {
+  if (!fs::exists(SharedData() / "walking_force_plates")) GTEST_SKIP() << "no recordings";
+  for (const bool by_foot : {true, false})
+    for (const auto& [later_s, earlier_s] : {std::pair{0.4, 0.0}, {0.0, 0.25}})
+      for (Walked walk : WalksOverPlates(by_foot)) {
+        const double from_s = walk.trial.recording.time_s.front() + later_s,
+                     to_s = walk.trial.recording.time_s.back() - earlier_s;
+        for (std::size_t i = 0; i < walk.trial.recording.time_s.size(); ++i)
+          if (const double time_s = walk.trial.recording.time_s[i]; time_s < from_s || time_s > to_s)
+            for (motion::MarkerTrack& marker : walk.trial.recording.markers) marker.samples[i] = {};
+        constexpr double kEdge_s = 0.09;
+        std::erase_if(walk.plate, [&, from_s = from_s, to_s = to_s](const PlateEvent& event) {
+          return event.time_s < from_s + kEdge_s || event.time_s > to_s - kEdge_s;
+        });
+        std::map<StsEventKind, Errors> errors;
+        Compare(walk.plate, FitMovement(walk.trial.recording, walk.trial.lateral_mm).events, errors);
+        for (const auto& [kind, of] : errors)
+          for (const double error_s : of.s) EXPECT_LE(std::abs(error_s), by_foot ? 0.040 : 0.060) << ToString(kind);
+      }
+}
+
 // Another laboratory: fast walks in both directions, joint centres, 250 Hz. The left heels strike 136 and 155 mm before
 // the edges of their plates, whose forces begin with the forefoot, so their heel strikes are not measured.
 TEST(Walking, IsSeenAlikeInAnotherLaboratory) {

@@ -100,6 +100,15 @@ TEST_F(CorrectedTrial, IsTheFoldersOwnBeforeAnyCorrection) {
                              HasSubstr("--corrections " + (Folder("trial") / "corrections.csv").string())));
 }
 
+TEST_F(CorrectedTrial, IsOfTheMovementThatIsAskedFor) {
+  const reviewing::TrackedFolder folder = reviewing::ReadTrackedFolder(Folder("trial"), {{"movement", "walking"}});
+  EXPECT_THAT(folder.command, HasSubstr("--movement=walking"));
+  ReviewedTrial trial = reviewing::ReviewedTrialOf(folder);
+  const review::TrialFit fit = trial.work.fit(trial.book.Corrected());
+  EXPECT_TRUE(fit.leg->events.empty());
+  EXPECT_FALSE(Open(Folder("trial")).work.fit(trial.book.Corrected()).leg->events.empty());
+}
+
 TEST_F(CorrectedTrial, IsWhatLakeTrackMakesOfTheCorrections) {
   ReviewedTrial trial = Open(Copy("exact"));
   Correct(trial.book);

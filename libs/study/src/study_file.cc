@@ -12,6 +12,7 @@
 #include "lake/core/removed.h"
 #include "lake/core/yaml.h"
 #include "lake/gait/learnt_knee.h"
+#include "lake/gait/movement_option.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/synthesis/synthesis_options.h"
@@ -338,6 +339,17 @@ const fs::path& StudyTrial::Recording() const {
 gait::LegFitOptions& StudyTrial::Fit() {
   auto* video = std::get_if<commands::TrackRunOptions>(&work);
   return video ? video->fit : std::get<commands::GaitRunOptions>(work).fit;
+}
+
+void StudyFile::SetMovement(gait::MovementKind movement) {
+  const auto set = [movement](gait::MovementOptions& options, StudySection& section) {
+    options.kind = movement;
+    section.text["movement"] = section.given["movement"] = gait::NameOf(movement);
+  };
+  set(human.Fit().movement, human.section);
+  if (!exo) return;
+  set(exo->Fit().movement, exo->section);
+  set(compare.knee.movement, compare_section);
 }
 
 std::string StudyFile::ResultName() const {

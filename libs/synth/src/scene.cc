@@ -276,8 +276,15 @@ struct Scene::Impl {
       BodyPose& pose = poses.emplace_back(
           BodyPose{get(leg + "ankle"), get(leg + "knee"), hip ? hip : get("hip"), get("waist"), get("exo_knee"), {}});
       if (heel && toe) pose.foot_rad = std::atan2(toe->y() - heel->y(), std::abs(toe->x() - heel->x()));
+      if (options.walk && !pose.foot_rad && pose.ankle && pose.knee) pose.foot_rad = FootOf(*pose.knee - *pose.ankle);
     }
     return poses;
+  }
+
+  // As flat as a shank that leans forward lets it be.
+  double FootOf(const Vector2d& shank) const {
+    constexpr double kMostDorsiflexion_rad = 0.35;
+    return std::min(0.0, kMostDorsiflexion_rad - std::atan2(forward * shank.x(), shank.y()));
   }
 
   double Brightness(int frame) const {

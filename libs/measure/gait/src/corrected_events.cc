@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lake/gait/sts_events.h"
+#include "strides.h"
 
 namespace lake::gait {
 
@@ -15,22 +16,10 @@ void DescribeEvents(std::optional<std::filesystem::path>& file, OptionList& opti
 
 void CorrectEvents(const std::vector<motion::EventCorrection>& corrections, LegFitResult& fit) {
   fit.events = motion::ApplyEventCorrections(corrections, fit.motion.frame, fit.motion.time_s, fit.events);
-  using enum motion::StsEventKind;
-  const auto find = [&](motion::StsEventKind kind, int repetition) {
-    return std::ranges::any_of(fit.events, [&](const motion::StsEvent& event) {
-      return event.kind == kind && event.repetition == repetition;
-    });
-  };
-  Walk& walk = fit.movement.walk;
-  walk.strides = walk.incomplete = 0;
-  for (const motion::StsEvent& event : fit.events) {
-    if (event.kind < kHeelStrike) continue;
+  CountStrides(fit.events, fit.movement.walk);
+  if (std::ranges::any_of(fit.events,
+                          [](const auto& event) { return event.kind >= motion::StsEventKind::kHeelStrike; }))
     fit.movement.kind = MovementKind::kWalking;
-    if (event.kind != kHeelStrike) continue;
-    walk.strides += find(kToeOff, event.repetition) && find(kHeelStrike, event.repetition + 1) ? 1 : 0;
-    walk.incomplete +=
-        (find(kHeelStrike, event.repetition - 1) ? 0 : 1) + (find(kHeelStrike, event.repetition + 1) ? 0 : 1);
-  }
   SetRepetitions(fit.events, fit.motion);
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <optional>
 
 #include "lake/core/angles.h"
@@ -12,6 +11,7 @@
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/field_table.h"
+#include "strides.h"
 
 namespace lake::gait {
 namespace {
@@ -95,24 +95,20 @@ constexpr double kWithinPerson = 0.5;
 class CycleMeasurer {
  public:
   CycleMeasurer(const LegFitResult& leg, double anatomical_sd_deg)
-      : leg_(leg), m_(leg.motion), anatomical_sd_deg_(anatomical_sd_deg) {
-    for (const motion::StsEvent& event : leg.events) events_[{event.repetition, event.kind}].push_back(event);
-  }
+      : leg_(leg), m_(leg.motion), anatomical_sd_deg_(anatomical_sd_deg) {}
 
   std::vector<GaitCycle> Strides() const {
     std::vector<GaitCycle> strides;
-    for (const auto& [key, strike] : events_)
-      if (key.second == StsEventKind::kHeelStrike && First(key.first + 1, StsEventKind::kHeelStrike) &&
-          First(key.first, StsEventKind::kToeOff))
-        strides.push_back(
-            Measure(strike.front(), *First(key.first, StsEventKind::kToeOff), *First(key.first + 1, key.second)));
+    for (const auto& [strike, off, next] : StridesOf(leg_.events)) strides.push_back(Measure(strike, off, next));
     return strides;
   }
 
  private:
   const motion::StsEvent* First(int repetition, StsEventKind kind) const {
-    const auto found = events_.find({repetition, kind});
-    return found == events_.end() ? nullptr : &found->second.front();
+    const auto found = std::ranges::find_if(leg_.events, [&](const motion::StsEvent& event) {
+      return event.repetition == repetition && event.kind == kind;
+    });
+    return found == leg_.events.end() ? nullptr : &*found;
   }
 
   static Measured Between(const motion::StsEvent& from, const motion::StsEvent& to) {
@@ -284,7 +280,6 @@ class CycleMeasurer {
   const motion::LegMotion& m_;
   const WalkingOptions& o_ = leg_.movement.walking;
   double anatomical_sd_deg_;
-  std::map<std::pair<int, StsEventKind>, std::vector<motion::StsEvent>> events_;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "lake/gait/leg_fit.h"
+#include "lake/gait/movement_option.h"
 #include "lake/gait/squats.h"
 #include "oblique_walk.h"
 
@@ -40,12 +41,21 @@ constexpr std::array kMovements = {Movement{MovementKind::kSitToStand, "sit-to-s
                                    Movement{MovementKind::kSquat, "squat", "squat", FoundSquats, StsEventKind::kDescent,
                                             StsEventKind::kStanding, false}};
 
+template <typename Kind>
+Option& AddMovement(Kind& kind, OptionList& options) {
+  OptionList::Choices<MovementKind> choices = {{NameOf(MovementKind::kAuto), MovementKind::kAuto}};
+  for (const Movement& movement : kMovements) choices.emplace_back(movement.name, movement.kind);
+  return options.AddChoice("movement", kind, choices, "Movement whose repetitions are found; auto: by the motion");
+}
+
 }  // namespace
 
+void DescribeMovement(std::optional<MovementKind>& kind, OptionList& options) {
+  AddMovement(kind, options).Otherwise("as the trials say it");
+}
+
 void Describe(MovementOptions& o, OptionList& options) {
-  OptionList::Choices<MovementKind> choices = {{"auto", MovementKind::kAuto}};
-  for (const Movement& movement : kMovements) choices.emplace_back(movement.name, movement.kind);
-  options.AddChoice("movement", o.kind, choices, "Movement whose repetitions are found; auto: by the motion");
+  AddMovement(o.kind, options);
   options
       .AddChoice("walking", o.walking.ground,
                  OptionList::Choices<Ground>{{"overground", Ground::kOverground}, {"treadmill", Ground::kTreadmill}},
@@ -63,6 +73,10 @@ std::span<const Movement> Movements() {
 
 const Movement& MovementOf(MovementKind kind) {
   return *std::ranges::find(kMovements, kind, &Movement::kind);
+}
+
+const char* NameOf(MovementKind kind) {
+  return kind == MovementKind::kAuto ? "auto" : MovementOf(kind).name;
 }
 
 void ChooseMovement(const MovementOptions& options, LegFitResult& leg) {

@@ -51,18 +51,33 @@ class SquatFinder {
   }
 
   motion::StsEvent Event(int repetition, motion::StsEventKind kind, std::size_t i) const {
-    const std::size_t before = i - std::min<std::size_t>(i, 1), after = std::min(i + 1, s_.frame.size() - 1);
-    const double acceleration =
-        (s_.hip_up_speed[after] - s_.hip_up_speed[before]) / (s_.time_s[after] - s_.time_s[before]);
     const double by_frame_s = MedianInterval(s_.time_s) / std::sqrt(12);
     return {.repetition = repetition,
             .kind = kind,
             .frame = s_.frame[i],
             .time_s = s_.time_s[i],
-            .sd_s = std::hypot(by_frame_s, s_.sd.hip_up_speed[i] / acceleration)};
+            .sd_s = std::hypot(by_frame_s, (TimeToDeviation(i, -1) + TimeToDeviation(i, 1)) / 2)};
   }
 
  private:
+  // From a frame, in this direction, until the hip's speed differs by its standard deviation: where it comes to rest
+  // slowly that takes longer than its slope there says.
+  double TimeToDeviation(std::size_t from, int direction) const {
+    const double deviation = s_.sd.hip_up_speed[from];
+    double passed = 0;
+    for (std::size_t i = from; direction < 0 ? i > 0 : i + 1 < s_.frame.size();) {
+      const std::size_t next = direction < 0 ? i - 1 : i + 1;
+      const double change = std::abs(s_.hip_up_speed[next] - s_.hip_up_speed[from]);
+      if (!std::isfinite(change)) return std::abs(s_.time_s[i] - s_.time_s[from]);
+      if (change > deviation)
+        return std::abs(std::lerp(s_.time_s[i], s_.time_s[next], (deviation - passed) / (change - passed)) -
+                        s_.time_s[from]);
+      passed = change;
+      i = next;
+    }
+    return std::abs(s_.time_s[direction < 0 ? 0 : s_.time_s.size() - 1] - s_.time_s[from]);
+  }
+
   static constexpr double kLeastDepth = 0.1;  // of the leg's length
   const LegFitResult& leg_;
   const StsSignals& s_;

@@ -12,6 +12,7 @@
 #include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
 #include "lake/gait/leg_fit.h"
+#include "strides.h"
 
 namespace lake::gait {
 namespace {
@@ -47,9 +48,7 @@ constexpr std::array kEstimators = {Estimator{StsEventKind::kHeelStrike, true, f
                                     Estimator{StsEventKind::kToeOff, false, true, 1, -0.06, 0.08, 0.020, 0.008}};
 
 // Frames over which markers are seen without a long gap.
-struct Run {
-  std::vector<std::size_t> frames;
-};
+using Run = std::vector<std::size_t>;
 
 // Signals of one foot over a run, on a grid of kGrid_s from begin_s; forward is where the subject faces.
 struct Foot {
@@ -148,10 +147,11 @@ class WalkFinder {
     TakePlates();
     std::ranges::sort(found_, {}, [](const Found& found) { return found.event.time_s; });
     ChooseGround();
-    LeaveOutRunning();
     LeaveOutSingleSteps();
-    SayWhatElse();
     Number();
+    LeaveOutRunning();
+    CountStrides(walk_.events, walk_);
+    SayWhatElse();
     return std::move(walk_);
   }
 
@@ -197,21 +197,20 @@ class WalkFinder {
     for (std::size_t i = 0; i < time_s.size(); ++i) {
       if (!std::ranges::all_of(names, [&](const auto& name) { return std::isfinite(Coordinate(name, 0)[i]); }))
         continue;
-      if (runs.empty() || time_s[i] - time_s[runs.back().frames.back()] > std::max(kLongestGap_s, 2 * step_s_))
+      if (runs.empty() || time_s[i] - time_s[runs.back().back()] > std::max(kLongestGap_s, 2 * step_s_))
         runs.emplace_back();
-      runs.back().frames.push_back(i);
+      runs.back().push_back(i);
     }
     constexpr double kShortest_s = 0.3;
-    std::erase_if(runs, [&](const Run& run) {
-      return run.frames.size() < 4 || time_s[run.frames.back()] - time_s[run.frames.front()] < kShortest_s;
-    });
+    std::erase_if(
+        runs, [&](const Run& run) { return run.size() < 4 || time_s[run.back()] - time_s[run.front()] < kShortest_s; });
     return runs;
   }
 
-  Values OnGrid(const Run& run, const Values& values, double share = 1) const {
+  Values OnGrid(const Run& run, const Values& values) const {
     Values known, time_s, grid;
-    for (const std::size_t i : run.frames) {
-      known.push_back(share * values[i]);
+    for (const std::size_t i : run) {
+      known.push_back(values[i]);
       time_s.push_back(leg_.motion.time_s[i]);
     }
     const auto cells = static_cast<std::size_t>((time_s.back() - time_s.front()) / kGrid_s);
@@ -220,7 +219,7 @@ class WalkFinder {
   }
 
   Foot SignalsOf(const Run& run, const std::string& front, const std::string& back, bool is_other) {
-    Foot foot{.of_foot = front != back, .is_other = is_other, .begin_s = leg_.motion.time_s[run.frames.front()]};
+    Foot foot{.of_foot = front != back, .is_other = is_other, .begin_s = leg_.motion.time_s[run.front()]};
     const std::string& hip = leg_.leg_markers.hip;
     foot.hip = OnGrid(run, Coordinate(hip, 0));
     foot.hip_up = OnGrid(run, Coordinate(hip, 1));
@@ -268,9 +267,12 @@ class WalkFinder {
     std::vector<Seen> phases;
     for (std::size_t k = 0; k + 1 < turns.size(); ++k) {
       phases.push_back(SeenBetween(foot, turns, k));
-      if (!foot.is_other)
-        seen_.push_back({phases.back(), foot.Time(static_cast<double>(turns[k].at)),
-                         foot.Time(static_cast<double>(turns[k + 1].at))});
+      const Interval seen{phases.back(), foot.Time(static_cast<double>(turns[k].at)),
+                          foot.Time(static_cast<double>(turns[k + 1].at))};
+      const auto is_same = [&](const Interval& other) {
+        return other.what == seen.what && other.from_s < seen.to_s && other.to_s > seen.from_s;
+      };
+      if (!foot.is_other && std::ranges::none_of(seen_, is_same)) seen_.push_back(seen);
     }
     const double scale = StrideOf(turns) / kUsualStride_s;
     const Values velocity = Derivative(foot.up);
@@ -319,29 +321,34 @@ class WalkFinder {
     return steps.empty() ? kUsualStride_s : std::clamp(Median(steps), 0.6, 2.5);
   }
 
-  static double MeanUp(const Foot& foot, const Turn& from, const Turn& to) {
-    return Mean(std::span(foot.up).subspan(from.at, to.at - from.at + 1));
+  static double MeanUp(const Foot& foot, std::size_t from, std::size_t to) {
+    return Mean(std::span(foot.up).subspan(from, to - from + 1));
   }
 
   // What the subject does from one turn to the next: the foot is carried forward, or pushed back; a swing is higher
   // than the stances beside it.
   Seen SeenBetween(const Foot& foot, const std::vector<Turn>& turns, std::size_t k) const {
     const bool is_swing = turns[k + 1].is_front;
-    const auto travel = [&](std::size_t phase) {
-      return std::abs(foot.forward[turns[phase + 1].at] - foot.forward[turns[phase].at]);
+    const auto travel = [&](std::size_t from, std::size_t to) {
+      return std::abs(foot.forward[to] - foot.forward[from]);
     };
-    double lift = 0, farthest = travel(k);
+    const std::size_t begin = turns[k].at, end = turns[k + 1].at, last = foot.Size() - 1;
+    double lift = 0, farthest = travel(begin, end);
     int neighbours = 0;
-    const auto compare_with = [&](std::size_t beside) {
-      lift += MeanUp(foot, turns[k], turns[k + 1]) - MeanUp(foot, turns[beside], turns[beside + 1]);
-      farthest = std::max(farthest, travel(beside));
+    const auto compare_with = [&](std::size_t from, std::size_t to) {
+      lift += MeanUp(foot, begin, end) - MeanUp(foot, from, to);
+      farthest = std::max(farthest, travel(from, to));
       ++neighbours;
     };
-    if (k > 0) compare_with(k - 1);
-    if (k + 2 < turns.size()) compare_with(k + 1);
+    if (k > 0) compare_with(turns[k - 1].at, begin);
+    if (k + 2 < turns.size()) compare_with(end, turns[k + 2].at);
+    // Of a single phase what is seen of those beside it tells as much.
+    constexpr std::size_t kShortest = 10;
+    if (neighbours == 0 && begin > kShortest) compare_with(0, begin);
+    if (turns.size() == 2 && last > end + kShortest) compare_with(end, last);
     if (neighbours == 0 || farthest < kLeastTravel * leg_.signals.leg_length) return Seen::kFootStays;
     lift *= (is_swing ? 1.0 : -1.0) / neighbours;
-    const auto heights = std::span(foot.hip_up).subspan(turns[k].at, turns[k + 1].at - turns[k].at + 1);
+    const auto heights = std::span(foot.hip_up).subspan(begin, end - begin + 1);
     const auto [lowest, highest] = std::ranges::minmax(heights);
     if (highest - lowest > kMostRise * leg_.signals.leg_length) return Seen::kNotLevel;
     return lift > kLeastLift * leg_.signals.leg_length ? Seen::kForward : Seen::kBackward;
@@ -502,10 +509,7 @@ class WalkFinder {
     for (Found& found : found_) {
       motion::StsEvent& event = found.event;
       if (event.kind == StsEventKind::kHeelStrike) {
-        const bool goes_on = last_s && IsStride(*last_s, event.time_s);
-        number += last_s && !goes_on ? 2 : 1;
-        walk_.strides += goes_on ? 1 : 0;
-        walk_.incomplete += goes_on ? 0 : 2;  // the ones before and after
+        number += last_s && !IsStride(*last_s, event.time_s) ? 2 : 1;
         last_s = event.time_s;
       }
       event.repetition = number;
@@ -518,26 +522,27 @@ class WalkFinder {
   // In running the foot is in the air for more than half of the stride.
   void LeaveOutRunning() {
     Values shares;
-    for (std::size_t i = 0; i < found_.size(); ++i) {
-      const motion::StsEvent& strike = found_[i].event;
-      if (strike.kind != StsEventKind::kHeelStrike) continue;
-      std::optional<double> off_s;
-      for (std::size_t k = i + 1; k < found_.size(); ++k) {
-        const motion::StsEvent& next = found_[k].event;
-        if (next.kind == StsEventKind::kToeOff && !off_s) off_s = next.time_s;
-        if (next.kind != StsEventKind::kHeelStrike) continue;
-        if (off_s) shares.push_back((*off_s - strike.time_s) / (next.time_s - strike.time_s));
-        break;
-      }
-    }
+    for (const auto& [strike, off, next] : StridesOf(walk_.events))
+      shares.push_back((off.time_s - strike.time_s) / (next.time_s - strike.time_s));
     if (shares.empty() || Median(shares) >= 0.5) return;
-    found_.clear();
+    walk_.events.clear();
     walk_.left_out.push_back(
         fmt::format("the foot is on the ground for {:.0f} % of a stride: the person runs", 100 * Median(shares)));
   }
 
-  // Whoever walks lifts a foot and puts it down.
+  // Of the hip over the recording: forward or up.
+  double HipRange(int axis) {
+    Values places = Coordinate(leg_.leg_markers.hip, axis);
+    std::erase_if(places, [](double place) { return !std::isfinite(place); });
+    if (places.empty()) return 0;
+    const auto [least, most] = std::ranges::minmax(places);
+    return most - least;
+  }
+
+  // Whoever walks lifts a foot and puts it down, or has come farther than a step on level ground.
   void LeaveOutSingleSteps() {
+    const double leg = leg_.signals.leg_length;
+    if (HipRange(0) > leg && HipRange(1) < kMostRise * leg) return;
     const auto has = [&](StsEventKind kind, StsEventKind other) {
       return std::ranges::any_of(
           found_, [&](const Found& found) { return found.event.kind == kind || found.event.kind == other; });
@@ -556,14 +561,14 @@ class WalkFinder {
       if (first.what == Seen::kNotLevel)
         walk_.left_out.push_back(when + " the hip rises or falls as on stairs or in a jump");
       if (first.what == Seen::kBackward)
-        walk_.left_out.push_back(when + (LargestBend(first.from_s, seen_[k].to_s) < 0
-                                             ? " the person faces the other way (measure that part by itself: lake "
-                                               "convert --crop)"
-                                             : " the person walks backward"));
+        walk_.left_out.push_back(when + (LargestBend(first.from_s, seen_[k].to_s) > 0
+                                             ? " the person walks backward"
+                                             : " the person faces the other way (measure that part by itself: lake "
+                                               "convert --crop)"));
     }
   }
 
-  // Of the knee, with its sign: negative where the person faces away from the side that the fit has.
+  // Of the knee, with its sign: negative, or left out, where the person faces away from the side that the fit has.
   double LargestBend(double from_s, double to_s) const {
     double bend_deg = 0;
     for (std::size_t i = NearestFrame(from_s); i <= NearestFrame(to_s); ++i)
@@ -587,6 +592,26 @@ class WalkFinder {
 };
 
 }  // namespace
+
+std::vector<Stride> StridesOf(const std::vector<motion::StsEvent>& events) {
+  std::map<std::pair<StsEventKind, int>, motion::StsEvent> numbered;
+  for (const motion::StsEvent& event : events) numbered.try_emplace({event.kind, event.repetition}, event);
+  std::vector<Stride> strides;
+  for (const auto& [key, strike] : numbered) {
+    const auto off = numbered.find({StsEventKind::kToeOff, key.second}),
+               next = numbered.find({key.first, key.second + 1});
+    if (key.first == StsEventKind::kHeelStrike && off != numbered.end() && next != numbered.end())
+      strides.push_back({strike, off->second, next->second});
+  }
+  return strides;
+}
+
+void CountStrides(const std::vector<motion::StsEvent>& events, Walk& walk) {
+  const auto strikes = std::ranges::count(events, StsEventKind::kHeelStrike, &motion::StsEvent::kind);
+  walk.strides = static_cast<int>(StridesOf(events).size());
+  // A stride goes on after each heel strike, and before it.
+  walk.incomplete = static_cast<int>(2 * strikes) - 2 * walk.strides;
+}
 
 Walk FindWalk(const LegFitResult& leg, const WalkingOptions& options) {
   return WalkFinder(leg, options).Find();

@@ -8,6 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/core/plausible.h"
 #include "lake/core/yaml.h"
+#include "lake/gait/movement_option.h"
 
 namespace lake::cohort {
 namespace {
@@ -330,6 +331,13 @@ Cohort ReadCohort(const fs::path& folder, const std::vector<std::string>& asked)
     }
   }
   return cohort;
+}
+
+void SetMovement(gait::MovementKind movement, Cohort& cohort) {
+  for (Recordings& recordings : cohort.recordings)
+    for (const char* section : {"human", "exo", "compare"})
+      if (const auto found = recordings.study.find(section); found != recordings.study.end() && found->is_object())
+        (*found)["movement"] = gait::NameOf(movement);
 }
 
 }  // namespace lake::cohort

@@ -171,6 +171,7 @@ void Describe(CohortRunOptions& o, OptionList& options) {
       .AddOperand("level", o.level, "participant: every study; group: those missing, then the group's tables and page")
       .Value("participant|group");
   options.Add("participant-label", o.participants, "These participants only: 01 02 …").Value("LABEL").Repeats();
+  gait::DescribeMovement(o.movement, options);
   options.Add("cores", o.cores, "Cores of this machine to work with").AtLeast(1).Otherwise("--threads");
   options.Add("slurm", o.slurm, "Hand the steps to Slurm");
   options.Add("jobs", o.jobs, "With --slurm: so many at a time").AtLeast(1);
@@ -196,7 +197,8 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
     RunJob(options, run);
     return {};
   }
-  const Cohort cohort = ReadCohort(options.source, options.participants);
+  Cohort cohort = ReadCohort(options.source, options.participants);
+  if (options.movement) SetMovement(*options.movement, cohort);
   run.AddInputs({{cohort.folder / "participants.tsv", "participants"}, {cohort.folder / "cohort.yaml", "cohort"}});
   CheckFolder(cohort, run.Folder());
   if (options.profile) CheckProfile(*options.profile);

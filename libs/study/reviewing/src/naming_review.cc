@@ -23,14 +23,12 @@ fs::path OutputOf(const fs::path& video) {
   return fs::path("lake-out") / video.stem();
 }
 
-// Those of lake-track's options that the page asks for, beside markers and seeds; and the capture rate, which
-// lake-review was given.
-constexpr const char* kCaptureRate = "capture-rate";
-constexpr std::array kAsked = {"camera",   "scale", "vertical", "crop", "detector",
-                               "polarity", "color", "start",    "end",  kCaptureRate};
+// Those of lake-track's options that the page asks for, beside markers and seeds; and those that lake-review was given.
+constexpr std::array kAsked = {"camera", "scale", "vertical", "crop",         "detector", "polarity",
+                               "color",  "start", "end",      "capture-rate", "movement"};
 
-Json AtRate(Json choices, double capture_rate_hz) {
-  if (capture_rate_hz > 0) choices["options"][kCaptureRate] = fmt::format("{}", capture_rate_hz);
+Json WithGiven(Json choices, const Json& given) {
+  choices["options"].update(given);
   return choices;
 }
 
@@ -121,25 +119,24 @@ review::ReviewedTrial Track(const fs::path& video, const fs::path& programs, con
 
 }  // namespace
 
-review::NamingWork NamingOf(const fs::path& video, double capture_rate_hz, const fs::path& programs) {
+review::NamingWork NamingOf(const fs::path& video, const Json& given, const fs::path& programs) {
   review::NamingWork work;
-  work.find = [video, capture_rate_hz, busy = std::make_shared<std::mutex>()](const Json& options) {
+  work.find = [video, given, busy = std::make_shared<std::mutex>()](const Json& options) {
     const std::lock_guard one_at_a_time(*busy);
     std::vector<std::string> words;
     const Json choices = {{"markers", tracking::kLegMarkers}, {"seeds", Json::object()}, {"options", options}};
-    tracking::TrackOptions track = Chosen(video, AtRate(choices, capture_rate_hz), words).track;
+    tracking::TrackOptions track = Chosen(video, WithGiven(choices, given), words).track;
     track.quiet = true;
     const video::VideoInfo info = video::VideoReader::Open(video, track.reader)->Info();
     return SpotsJson(video, tracking::FindCandidates(video, track), info);
   };
-  work.said = [video, capture_rate_hz](const Json& choices) {
+  work.said = [video, given](const Json& choices) {
     std::vector<std::string> words = {"lake", "track"};
-    for (const std::string& word : ArgumentsOf(video, AtRate(choices, capture_rate_hz)))
-      words.push_back(ShellWord(word));
+    for (const std::string& word : ArgumentsOf(video, WithGiven(choices, given))) words.push_back(ShellWord(word));
     return fmt::format("{}", fmt::join(words, " "));
   };
-  work.track = [video, capture_rate_hz, programs](const Json& choices, const auto& control) {
-    return Track(video, programs, AtRate(choices, capture_rate_hz), control);
+  work.track = [video, given, programs](const Json& choices, const auto& control) {
+    return Track(video, programs, WithGiven(choices, given), control);
   };
   return work;
 }

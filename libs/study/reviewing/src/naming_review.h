@@ -7,8 +7,8 @@
 
 namespace lake::reviewing {
 
-// The capture rate is lake-track's; 0: the file's own times.
-review::NamingWork NamingOf(const std::filesystem::path& video, double capture_rate_hz,
+// `given`: options of lake-track's beside those that the page asks for.
+review::NamingWork NamingOf(const std::filesystem::path& video, const Json& given,
                             const std::filesystem::path& programs);
 
 }  // namespace lake::reviewing

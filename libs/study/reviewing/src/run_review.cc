@@ -82,6 +82,7 @@ void Describe(ReviewRunOptions& o, OptionList& options) {
       .Unit("Hz")
       .Positive()
       .Otherwise("the file's own times");
+  gait::DescribeMovement(o.movement, options);
   options.Add("problem", o.problem, "Of a design: the problem file with its limits")
       .Otherwise("those that it was optimised with, else the paper's");
 }
@@ -121,16 +122,24 @@ void ReviewDesign(const ReviewRunOptions& options, const review::PageOptions& pa
   review::ServeDesign(page, subject.explored, DesignWorkOf(subject, programs));
 }
 
+// What lake-review says over lake-track's own options.
+Json GivenToTrack(const ReviewRunOptions& options) {
+  Json given = Json::object();
+  if (options.capture_rate_hz > 0) given["capture-rate"] = fmt::format("{}", options.capture_rate_hz);
+  if (options.movement) given["movement"] = gait::NameOf(*options.movement);
+  return given;
+}
+
 void ReviewVideo(const ReviewRunOptions& options, const review::PageOptions& page, const fs::path& programs) {
   review::ReviewOptions video;
   video.page = page;
   video.video = options.subject;
   video.reader.capture_rate_hz = options.capture_rate_hz;
-  review::ServeReview(video, std::nullopt, NamingOf(options.subject, options.capture_rate_hz, programs));
+  review::ServeReview(video, std::nullopt, NamingOf(options.subject, GivenToTrack(options), programs));
 }
 
 void ReviewTrial(const ReviewRunOptions& options, const review::PageOptions& page) {
-  TrackedFolder folder = ReadTrackedFolder(options.subject);
+  TrackedFolder folder = ReadTrackedFolder(options.subject, GivenToTrack(options));
   review::ReviewOptions trial;
   trial.page = page;
   trial.video = folder.options.video;
@@ -155,9 +164,11 @@ void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
     throw UsageError("--problem has the limits of a design, and this is none");
   if ((is_design || is_folder) && options.capture_rate_hz > 0)
     throw UsageError("--capture-rate only applies to a video; a folder of lake track knows its rate");
+  if ((is_design || maker == "lake-compare") && options.movement)
+    throw UsageError("--movement is of a trial, a video or a study, and this is none");
   if (is_design) return ReviewDesign(options, page, programs);
   if (maker == "lake-compare") return review::ServeComparison(page, ReadComparedPair(options.subject));
-  if (maker == "lake-run") return review::ServeStudy(page, StudyWorkOf(options.subject, programs));
+  if (maker == "lake-run") return review::ServeStudy(page, StudyWorkOf(options.subject, options.movement, programs));
   if (is_folder && maker.empty())
     throw Fail("{}: holds no results of lake track, compare, optimize, simulate or run", options.subject.string());
   if (is_folder) return ReviewTrial(options, page);

@@ -8,6 +8,7 @@
 #include "lake/core/json.h"
 #include "lake/core/results_subject.h"
 #include "lake/core/shell_word.h"
+#include "lake/gait/movement_option.h"
 #include "lake/study/study.h"
 #include "result_inputs.h"
 
@@ -26,7 +27,8 @@ fs::path StudyFileOf(const Json& summary, const fs::path& folder) {
              folder.string());
 }
 
-review::StudyWork StudyWorkOf(const fs::path& folder, const fs::path& programs) {
+review::StudyWork StudyWorkOf(const fs::path& folder, const std::optional<gait::MovementKind>& movement,
+                              const fs::path& programs) {
   const fs::path program = programs / "lake-run";
   review::StudyWork work;
   fs::path file;
@@ -39,13 +41,17 @@ review::StudyWork StudyWorkOf(const fs::path& folder, const fs::path& programs) 
   }
   work.report = folder / "report.html";
   work.folder = folder;
-  work.command = fmt::format("lake run {} -o {}", ShellWord(file.string()), ShellWord(folder.string()));
-  work.plan = [file, folder, program] {
-    return study::PlanJson(
-        study::PlanStudy(study::ReadStudyFile(file), folder, steps::StepRunOptions::ThisProgram(program)));
+  std::vector<std::string> words = {file.string(), "-o", folder.string()};
+  if (movement) words.insert(words.end(), {"--movement", gait::NameOf(*movement)});
+  work.command = "lake run";
+  for (const std::string& word : words) work.command += " " + ShellWord(word);
+  work.plan = [file, folder, movement, program] {
+    study::StudyFile study = study::ReadStudyFile(file);
+    if (movement) study.SetMovement(*movement);
+    return study::PlanJson(study::PlanStudy(study, folder, steps::StepRunOptions::ThisProgram(program)));
   };
-  work.run = [file, folder, program](const std::string& step, const review::BackgroundJob::Control& control) {
-    std::vector<std::string> asked = {file.string(), "-o", folder.string()};
+  work.run = [words, program](const std::string& step, const review::BackgroundJob::Control& control) {
+    std::vector<std::string> asked = words;
     if (!step.empty()) asked.insert(asked.end(), {"--only", step});
     const ChildEnd end = RunChild(program, asked, control.say, control.throw_if_stopped);
     if (end.code != 0) throw Fail("lake-run ended with code {}: {}", end.code, end.last_line);

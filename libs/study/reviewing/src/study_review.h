@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "lake/core/json.h"
+#include "lake/gait/movement.h"
 #include "lake/review/study_page.h"
 
 namespace lake::reviewing {
@@ -13,6 +14,7 @@ namespace lake::reviewing {
 std::filesystem::path StudyFileOf(const Json& summary, const std::filesystem::path& folder);
 
 // Of a folder of lake-run's. Throws Error: its study file is not to be found or has changed.
-review::StudyWork StudyWorkOf(const std::filesystem::path& folder, const std::filesystem::path& programs);
+review::StudyWork StudyWorkOf(const std::filesystem::path& folder, const std::optional<gait::MovementKind>& movement,
+                              const std::filesystem::path& programs);
 
 }  // namespace lake::reviewing

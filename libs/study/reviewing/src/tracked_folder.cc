@@ -33,8 +33,7 @@ Json ReadSummaryOf(const fs::path& folder) {
   return summary;
 }
 
-void ReadOptionsOf(const fs::path& folder, const Json& summary, OptionList& list) {
-  const Json given = GivenOptions(summary, folder);
+void ReadOptionsOf(const Json& given, OptionList& list) {
   for (Option& option : list.All())
     if (const auto value = given.find(option.Name()); value != given.end())
       option.Give(value->is_array() ? value->get<OptionTexts>() : OptionTexts{value->get<std::string>()});
@@ -67,9 +66,10 @@ std::string CommandOf(const OptionList& list, const commands::TrackRunOptions& o
 }
 
 // The same in a study.
-std::string SectionOf(const fs::path& folder, bool events) {
+std::string SectionOf(const fs::path& folder, const Json& given, bool events) {
   const auto path = [&](const char* name) { return fs::absolute(folder / name).lexically_normal().string(); };
   std::string section = "in its section of the study file: corrections: " + path(kSavedCorrections);
+  for (const auto& [name, value] : given.items()) section += fmt::format(", {}: {}", name, value.get<std::string>());
   return events ? section + ", events: " + path(kSavedEvents) : section;
 }
 
@@ -151,18 +151,20 @@ void ReadTracked(const fs::path& folder, const Json& summary, TrackedFolder& res
 
 }  // namespace
 
-TrackedFolder ReadTrackedFolder(const fs::path& folder) {
+TrackedFolder ReadTrackedFolder(const fs::path& folder, const Json& given) {
   TrackedFolder result;
   result.folder = folder;
   const Json summary = ReadSummaryOf(folder);
   try {
     const bool is_study = IsOfStudy(summary);
     OptionList list = OptionsOf(result.options);
-    ReadOptionsOf(folder, summary, list);
+    Json told = GivenOptions(summary, folder);
+    told.update(given);
+    ReadOptionsOf(told, list);
     ResolveInputs(summary, folder, result.options);
     ReadTracked(folder, summary, result);
     const auto command = [&](bool events) {
-      return is_study ? SectionOf(folder, events)
+      return is_study ? SectionOf(folder, given, events)
                       : CommandOf(list, result.options, fs::absolute(folder).lexically_normal(), events);
     };
     result.command = command(false);

@@ -112,6 +112,9 @@ struct StudyFile {
   StudySection stroke_section;
   std::vector<StudyInput> inputs;  // all files named, each once
 
+  // In the place of what trials and comparison say of it.
+  void SetMovement(gait::MovementKind movement);
+
   // The folder for the results: `out`; else a name below lake-out, that of the file or, of a study.yaml, of its folder.
   std::string ResultName() const;
 };

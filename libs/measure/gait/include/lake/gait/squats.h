@@ -13,8 +13,8 @@
 namespace lake::gait {
 
 // Descent, bottom and standing of each rise without a seat (FoundStsEvents): the hip is lowest at the bottom, and comes
-// down, or goes up, at more than 5 % of its peak speed between the others. Their SDs are that of the hip's speed over
-// its acceleration, and half a frame. A squat that the recording cuts off is left out, and so is one in which the ankle
+// down, or goes up, at more than 5 % of its peak speed between the others. Their SDs are the time in which the hip's speed
+// changes by its own, and half a frame. A squat that the recording cuts off is left out, and so is one in which the ankle
 // rises as in a jump.
 std::vector<motion::StsEvent> FindSquats(const LegFitResult& leg);
 

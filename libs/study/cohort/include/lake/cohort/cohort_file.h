@@ -50,4 +50,7 @@ struct Cohort {
 // table, an unknown key, column or name; UsageError for a participant who is not there.
 Cohort ReadCohort(const std::filesystem::path& folder, const std::vector<std::string>& participants = {});
 
+// In the place of what the studies' trials say of it.
+void SetMovement(gait::MovementKind movement, Cohort& cohort);
+
 }  // namespace lake::cohort

@@ -9,15 +9,17 @@
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
+#include "lake/gait/movement_option.h"
 
 namespace lake::cohort {
 
 // The folder that `lake cohort` is told of by its place, and what follows the folder for results.
 struct CohortRunOptions {
   std::filesystem::path source;
-  std::string level;                      // participant or group
-  std::vector<std::string> participants;  // empty: all
-  std::optional<int> cores;               // on this machine; default: --threads
+  std::string level;                           // participant or group
+  std::vector<std::string> participants;       // empty: all
+  std::optional<gait::MovementKind> movement;  // in the place of what the studies say
+  std::optional<int> cores;                    // on this machine; default: --threads
   bool slurm = false;
   int jobs = 100;  // at a time on a cluster
   std::optional<std::filesystem::path> profile;

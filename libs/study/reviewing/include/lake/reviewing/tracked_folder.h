@@ -30,8 +30,8 @@ struct TrackedFolder {
 };
 
 // Throws Error: not such a folder, a file of it or its video is not to be found or has changed, or it was tracked with
-// corrections that lake-review did not make.
-TrackedFolder ReadTrackedFolder(const std::filesystem::path& folder);
+// corrections that lake-review did not make. `given`: options of lake-track's in the place of what it was told.
+TrackedFolder ReadTrackedFolder(const std::filesystem::path& folder, const Json& given = Json::object());
 
 // Writes corrections.csv, events_corrected.csv once an event was moved, and review.json, which keeps what they and
 // those before them replaced, and the steps in which they were made. Throws Error (a full disk, a folder that cannot be
