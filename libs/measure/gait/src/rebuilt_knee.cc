@@ -65,7 +65,7 @@ struct SegmentCourse {
   std::vector<std::vector<char>> left_out;  // by marker, by frame
   std::vector<double> seen;                 // frames, by marker
   double strain_mm = 0;                     // root mean square over the frames
-  std::ptrdiff_t posed = 0;
+  std::ptrdiff_t shown = 0, posed = 0;      // frames that show enough markers, and those that have them in their places
 };
 
 // What an error of each marker makes of a point of the segment, per axis in the plane.
@@ -93,6 +93,7 @@ SegmentCourse Follow(const LearntKnee& learnt, const SegmentKnee& segment, const
   for (std::size_t i = 0; i < frames; ++i) {
     Matrix3Xd now = PlacesAt(places, segment.markers, i);
     const Matrix3Xd all = now;
+    course.shown += dynamics::PoseOf(segment.shape_mm, now, NormalOf(segment.in_space)).IsSeen();
     const dynamics::Pose pose = PoseInFrame(segment, now);
     double noise = 0, used = 0;
     for (std::size_t m = 0; m < segment.markers.size(); ++m) {
@@ -197,8 +198,7 @@ void SayWhereMarkersAre(const LearntKnee& learnt, const SegmentKnee& segment, co
           "the technical markers {} of the {} are exchanged: their distances are those of {} the other way round; "
           "put their names right, {}",
           *exchanged, segment.segment, learnt.trial, options.ways_out);
-  const double all = *std::ranges::max_element(course.seen);
-  if (static_cast<double>(course.posed) < 0.5 * all)
+  if (2 * course.posed < course.shown)
     throw Fail(
         "the technical markers of the {} are not where they were in {}: {}; are both trials of the same leg, and "
         "were the markers left on?",
