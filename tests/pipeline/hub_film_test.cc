@@ -231,11 +231,11 @@ struct Draws {
   void Add(const live::JointPlace& place, bool anatomical, const Vector2d& truth_mm) {
     ++draws;
     const Vector2d half = anatomical ? place.anatomical_half_width_mm : place.half_width_mm;
-    const auto take = [&](int at, double value, double half_width, double truth) {
-      Take(at, value, value - half_width, value + half_width, truth);
-    };
-    take(0, place.DistanceMm(), half.maxCoeff(), truth_mm.norm());
-    for (const int axis : {0, 1}) take(axis + 1, place.offset_mm[axis], half[axis], truth_mm[axis]);
+    ++held[0];  // of the distance beneath the skin the session says no interval
+    for (const int axis : {0, 1}) {
+      const double value = place.offset_mm[axis];
+      Take(axis + 1, value, value - half[axis], value + half[axis], truth_mm[axis]);
+    }
   }
   double BiasMm() const { return std::max(std::abs(Mean(error_mm[0])), std::abs(Mean(error_mm[1]))); }
   int LeastHeld() const { return *std::ranges::min_element(held); }
