@@ -205,6 +205,17 @@ TEST(UncertaintyBudget, AJointAtTheKneeIsNotSaidToBeOffIt) {
   }
 }
 
+// A joint at the knee whose marker slides: nothing tells that from a joint that moves, but for how far skin can slide.
+TEST(UncertaintyBudget, WhatSkinSlidesWithinARiseMayBeNoMisalignment) {
+  Budget budget{"joint_rms", "mm", 3, 0, {}};
+  budget.rows.push_back({"soft tissue", "normal", 7, "mm", 1, "", false});
+  budget.size = {.offset_mm = 1, .marker_sd_mm = 0.1, .sd_mm = 7, .skin_mm = 17};
+  EXPECT_EQ(budget.AnatomicalInterval().low, 0);
+  EXPECT_GT(budget.MarkerInterval().low, 2.8);
+  budget.size->skin_mm = 2;
+  EXPECT_NEAR(budget.AnatomicalInterval().low, 2, 1e-9);  // √(3² − 1² − 2²)
+}
+
 TEST(UncertaintyBudget, WithoutTheLegsOwnKneeOnlyTheAngle) {
   Misalignment measured = Measured(Worn({18, 24}));
   measured.joint.reset();

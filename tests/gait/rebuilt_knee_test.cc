@@ -91,7 +91,19 @@ struct HiddenCase {
   double from_s;  // the knee is hidden from then on
   bool in_space;  // with the places across the plane
   const char* forward = "+x";
+  double noise_mm = 0;  // that is added to every coordinate
 };
+
+// The same in each run; another one in each part.
+void AddNoise(double noise_mm, unsigned seed, Excerpt& part) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, 1);
+  for (motion::MarkerTrack& marker : part.recording.markers)
+    for (motion::MarkerSample& sample : marker.samples)
+      sample.position += noise_mm * Eigen::Vector2d(normal(random), normal(random));
+  for (auto& [name, across] : part.lateral)
+    for (double& place : across) place += noise_mm * normal(random);
+}
 
 class RebuiltKneeOf : public testing::TestWithParam<HiddenCase> {};
 
@@ -101,12 +113,16 @@ TEST_P(RebuiltKneeOf, RealLegIsWhereItsMarkerWas) {
   if (!fs::exists(file)) GTEST_SKIP() << file.string() << " is not here";
   const exchange::Trial trial = exchange::ReadTrial(file, {NameMap(c.names), {}, c.forward});
   const gait::LegView view = gait::MakeLegView(motion::LengthUnit::kMm, std::nullopt);
-  const Excerpt before = Cut(
+  Excerpt before = Cut(
       trial, [&](double time_s) { return time_s < c.from_s; }, c.in_space);
   Excerpt after = Cut(
       trial, [&](double time_s) { return time_s >= c.from_s; }, c.in_space);
   const std::vector<motion::MarkerSample> truth = SamplesOf(after.recording, "knee");
-  std::ranges::fill(SamplesOf(after.recording, "knee"), motion::MarkerSample());
+  AddNoise(c.noise_mm, 1, before);
+  AddNoise(c.noise_mm, 2, after);
+  // Worn, no marker has this name.
+  std::erase_if(after.recording.markers, [](const motion::MarkerTrack& marker) { return marker.name == "knee"; });
+  after.lateral.erase("knee");
   const gait::LearntKnee learnt = Learn(before, c.technical, view);
   const gait::LegFitResult worn = Rebuild(after, learnt, view);
   const Errors errors = ErrorsOf(worn, [&](std::size_t i) -> Eigen::Vector2d {
@@ -116,14 +132,15 @@ TEST_P(RebuiltKneeOf, RealLegIsWhereItsMarkerWas) {
   RecordProperty("over_sd", std::to_string(errors.over_sd));
   EXPECT_GT(errors.frames, 0.95 * static_cast<double>(std::ranges::count_if(truth, &motion::MarkerSample::IsKnown)));
   EXPECT_LT(errors.rms_mm, 3);  // asked: 4
-  // Sit-to-stands 0.8 to 1.4. The walks' half strides have 0.6 to 0.9: less of the skin is seen in what they are learnt
-  // from than in what is left out of it.
+  // The walks' half strides have 0.6 to 0.9: less of the skin is seen in what they are learnt from than in what is left
+  // out of it.
   EXPECT_GT(errors.over_sd, 0.6);
   EXPECT_LT(errors.over_sd, 1.4);
 }
 
 constexpr const char* kOptical = "opencap_sts/sts_default_markers.trc";
 constexpr const char* kPlates = "sts_force_plates/STS1.trc";
+constexpr const char* kSquats = "real_motions/subject4_squats1.trc";
 constexpr const char* kRight = "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=R_Shoulder,a=r_sh2,b=r_sh3";
 constexpr const char* kLeft = "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L_Shoulder,a=L_sh2,b=L_sh3";
 constexpr const char* kWalkRight = "ankle=RLMAL,knee=RLFC,hip=RHJC,a=RTB1,b=RTB2,c=RTB3,d=RTH1,e=RTH2,f=RTH3";
@@ -140,6 +157,10 @@ INSTANTIATE_TEST_SUITE_P(
                     HiddenCase{"PlatesRight", kPlates, kRight, kShank, 7, true},
                     HiddenCase{"PlatesLeft", kPlates, kLeft, kShank, 7, true},
                     HiddenCase{"PlatesRightInPlane", kPlates, kRight, kShank, 7, false},
+                    HiddenCase{"PlatesLeftFromOneRise", kPlates, kLeft, kShank, 2.7, true},
+                    HiddenCase{"PlatesRightNoisy", kPlates, kRight, kShank, 7, true, "+x", 1},
+                    HiddenCase{"OpticalRightNoisy", kOptical, kRight, kShank, 4.3, false, "+x", 1},
+                    HiddenCase{"SquatsRight", kSquats, kRight, kShank, 6.7, true, ""},
                     HiddenCase{"Walking2Right", "opensim_walk/walking2.c3d", kWalkRight, kBoth, 2.6, true, ""},
                     HiddenCase{"Walking2Left", "opensim_walk/walking2.c3d", kWalkLeft, kBoth, 2.6, true, ""},
                     HiddenCase{"Walking5Right", "opensim_walk/walking5.c3d", kWalkRight, kBoth, 2.6, true, ""},

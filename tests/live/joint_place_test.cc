@@ -59,6 +59,9 @@ TEST(JointPlace, NoRiseNarrowsWhatParallaxLeavesOpen) {
   rises.resize(20, rises[0]);
   EXPECT_FALSE(live::PlaceOf(rises).DoRisesNarrow());
   EXPECT_GT(live::PlaceOf(rises).UncertaintyMm(), live::LeastUncertaintyMm());
+  RiseOffset rebuilt;
+  rebuilt.rebuilt_sd_mm = 2;
+  EXPECT_NEAR(live::LeastUncertaintyMm(rebuilt), 1.96 * std::hypot(1, 2), 0.01);
 }
 
 TEST(JointPlace, ATestOfTheToleranceTakesTheInterval) {

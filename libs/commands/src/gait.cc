@@ -265,7 +265,11 @@ Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit)
 }
 
 Json RunGait(const GaitRunOptions& options, Run& run) {
-  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, options);
+  exchange::TrialOptions reading = options.reading;
+  for (const auto& [segment, markers] : options.fit.technical)
+    for (const std::string& marker : markers)
+      if (!reading.names.empty()) reading.names.try_emplace(marker, marker);  // not renamed: as the file calls it
+  const exchange::Trial trial = ReadTrialFor(options.trial, reading, options);
   for (const auto& [name, depth] : options.depths)
     if (!trial.recording.Find(name))
       throw UsageError("--depth {}: {} has no such marker", name, options.trial.string());

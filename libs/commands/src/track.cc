@@ -160,6 +160,12 @@ std::pair<SeenShares, double> SeenSharesOf(const motion::MarkerRecording& tracks
   return {seen, any / static_cast<double>(tracks.Frames() - repeated)};
 }
 
+void WarnOfHiddenKnee(double share, const gait::LegFitOptions& fit, Run& run) {
+  run.Warn(
+      "knee hidden in {:.0f} % of the frames: {}", 100 * share,
+      fit.technical.empty() ? tracking::kHiddenKneeAdvice : "give --knee-from, the folder of the trial that shows it");
+}
+
 void WarnOfUnseen(const SeenShares& seen, double any, const gait::LegFitOptions& fit, Run& run) {
   constexpr double kEnough = 1 - tracking::kOftenHidden;
   if (any < kEnough)
@@ -169,9 +175,7 @@ void WarnOfUnseen(const SeenShares& seen, double any, const gait::LegFitOptions&
     if (share < kEnough && name == fit.markers.knee && !fit.technical.empty() && fit.knee_trial)
       continue;  // the fit says how it was rebuilt
     else if (share < kEnough && name == fit.markers.knee)
-      run.Warn("knee hidden in {:.0f} % of the frames: {}", 100 * (1 - share),
-               fit.technical.empty() ? tracking::kHiddenKneeAdvice
-                                     : "give --knee-from, the folder of the trial that shows it");
+      WarnOfHiddenKnee(1 - share, fit, run);
     else if (share < kEnough)
       run.Warn(
           "marker '{}' is seen in {:.0f} % of the frames only: look at the overlay; light, a hidden marker or a wrong "
@@ -386,8 +390,11 @@ Json RunPoints(const TrackRunOptions& options, const tracking::TrackResult& trac
   constexpr std::size_t kFew = 3;
   std::vector<gait::MarkerMeasure> measures = options.measures;
   if (measures.empty() && names.size() <= kFew) measures = gait::UsualMeasures(names);
-  if (measures.empty())
+  if (measures.empty()) {
     run.Warn("ankle, knee and hip are not all among the markers: no leg is fitted, gaps are not filled");
+    if (std::ranges::count(names, "ankle") > 0 && std::ranges::count(names, "hip") > 0)
+      WarnOfHiddenKnee(1, options.fit, run);
+  }
   const motion::MarkerRecording trajectory = WritePoints(options, tracked, view, shutter, "", run);
   WriteMeasures(trajectory, measures, results, run);
   Export(options, tracked.video, view, {tracked.recording, trajectory}, nullptr, results, run);

@@ -312,13 +312,13 @@ Interval LengthInterval(double length, double deviation) {
   return {seen_so(1 - kTail), std::max(seen_so(kTail), kNormal95 * deviation)};
 }
 
-Interval About(const Budget& budget, double deviation, double axis_deviation) {
+Interval About(const Budget& budget, double deviation, double axis_deviation, double skin_mm) {
   constexpr double kFar = 8;  // deviations from which on a length errs as a coordinate does
   if (budget.size && budget.size->offset_mm < kFar * axis_deviation) {
     const double rest_square = budget.value * budget.value - std::pow(budget.size->offset_mm, 2);
     const Interval offset = LengthInterval(budget.size->offset_mm, axis_deviation);
-    const auto size = [&](double mm) { return std::sqrt(std::max(0.0, mm * mm + rest_square)); };
-    return {size(offset.low), size(offset.high)};
+    return {std::hypot(offset.low, std::sqrt(std::max(0.0, rest_square - skin_mm * skin_mm))),
+            std::sqrt(std::max(0.0, offset.high * offset.high + rest_square))};
   }
   return {std::max(budget.least, budget.value - kNormal95 * deviation), budget.value + kNormal95 * deviation};
 }
@@ -332,10 +332,10 @@ double Budget::Deviation() const {
   return std::sqrt(Square(*this, false));
 }
 Interval Budget::MarkerInterval() const {
-  return About(*this, MarkerDeviation(), size ? size->marker_sd_mm : 0);
+  return About(*this, MarkerDeviation(), size ? size->marker_sd_mm : 0, 0);
 }
 Interval Budget::AnatomicalInterval() const {
-  return About(*this, Deviation(), size ? size->sd_mm : 0);
+  return About(*this, Deviation(), size ? size->sd_mm : 0, size ? size->skin_mm : 0);
 }
 
 double Budget::SharePercent(const BudgetRow& row) const {
@@ -375,7 +375,10 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
     const auto worse = [&](double (Budget::*deviation)() const) {
       return std::max((budgets[1].*deviation)(), (budgets[2].*deviation)());
     };
-    budgets[0].size = {joint.mean_mm.norm(), worse(&Budget::MarkerDeviation), worse(&Budget::Deviation)};
+    // A single frame's skin, less what is alike in all frames of the rise, along both axes.
+    const double slide_square = o.axes.exo_mm ? 0 : std::pow(o.FrameTissueMm(), 2) - std::pow(o.soft_tissue_mm, 2);
+    budgets[0].size = {joint.mean_mm.norm(), worse(&Budget::MarkerDeviation), worse(&Budget::Deviation),
+                       std::sqrt(2 * std::max(0.0, slide_square))};
     budgets[3].size = {budgets[3].value, budgets[3].MarkerDeviation(), budgets[3].Deviation()};
   }
   budgets.push_back(KneeAngleBudget(m, replacement_sd_mm, o));

@@ -16,6 +16,7 @@
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/marker_measures.h"
+#include "noise_from_differences.h"
 #include "segment_knee.h"
 
 namespace lake::gait {
@@ -80,24 +81,50 @@ Matrix3Xd FitPolynomial(const std::vector<KneeFrame>& frames, const FlexionScale
   return normal.completeOrthogonalDecomposition().solve(right).transpose();
 }
 
-// Sets each frame's error where its part is left out; returns their root mean square, flexions alike.
+// Sets each frame's error where its part is left out, NaN at flexions that the other parts do not reach; returns their
+// root mean square, flexions alike.
 double CrossValidate(const FlexionScale& scale, int degree, std::vector<KneeFrame>& frames) {
-  std::map<int, Matrix3Xd> without;
+  struct Rest {
+    Matrix3Xd fit;
+    double from_deg = kInfinity, to_deg = -kInfinity;
+  };
+  std::map<int, Rest> without;
   double sum = 0, weights = 0;
   for (KneeFrame& frame : frames) {
-    auto [fit, is_new] = without.try_emplace(frame.part);
-    if (is_new) fit->second = FitPolynomial(frames, scale, degree, frame.part);
-    frame.error = (frame.turn * (frame.knee - ValueAt(fit->second, scale(frame.flexion_deg)))).head<2>();
+    auto [rest, is_new] = without.try_emplace(frame.part);
+    Rest& of = rest->second;
+    if (is_new) {
+      of.fit = FitPolynomial(frames, scale, degree, frame.part);
+      for (const KneeFrame& other : frames)
+        if (other.part != frame.part) {
+          of.from_deg = std::min(of.from_deg, other.flexion_deg);
+          of.to_deg = std::max(of.to_deg, other.flexion_deg);
+        }
+    }
+    frame.error.setConstant(kNaN);
+    if (frame.flexion_deg < of.from_deg || frame.flexion_deg > of.to_deg) continue;
+    frame.error = (frame.turn * (frame.knee - ValueAt(of.fit, scale(frame.flexion_deg)))).head<2>();
     sum += frame.weight * frame.error.squaredNorm() / 2;
     weights += frame.weight;
   }
   return std::sqrt(sum / weights);
 }
 
+// Per axis, of the markers from frame to frame: what smoothing averages away.
+double NoiseOf(const std::vector<KneeFrame>& frames) {
+  motion::MarkerTrack errors{"", std::vector<motion::MarkerSample>(frames.back().frame + 1)};
+  std::vector<char> seen(errors.samples.size(), 0);
+  for (const KneeFrame& frame : frames) {
+    errors.samples[frame.frame].position = frame.error;
+    seen[frame.frame] = frame.error.allFinite();
+  }
+  return NoiseFromDifferences(errors, seen);
+}
+
 struct Candidate {
   SegmentKnee knee;
   std::vector<KneeFrame> frames;
-  double error_mm = kInfinity;
+  double error_mm = kInfinity, noise_mm = 0;
 };
 
 // The segment's frame turned so that y leads from its lower to its upper end.
@@ -203,15 +230,20 @@ void Fit(double from_deg, double to_deg, Candidate& candidate) {
   CrossValidate(scale, best, candidate.frames);
   candidate.knee.knee_mm = FitPolynomial(candidate.frames, scale, best, -1);
   candidate.knee.residual_mm.clear();
+  candidate.noise_mm = NoiseOf(candidate.frames);
   for (std::size_t node = 0; node < kNodes; ++node) {
     constexpr double kCommon = 0.1;  // of all flexions in each
     double sum = 0, weights = 0;
     for (const KneeFrame& frame : candidate.frames) {
+      if (!frame.error.allFinite()) continue;
       const double weight = frame.weight * (kCommon + KernelAt(scale(frame.flexion_deg), node));
       sum += weight * frame.error.squaredNorm() / 2;
       weights += weight;
     }
-    candidate.knee.residual_mm.push_back(std::sqrt(sum / weights));
+    constexpr double kLeast = 0.1;  // of the variance
+    const double variance = sum / weights;
+    candidate.knee.residual_mm.push_back(
+        std::sqrt(std::max(kLeast * variance, variance - std::pow(candidate.noise_mm, 2))));
   }
 }
 
@@ -221,7 +253,8 @@ double CorrelationOf(const std::vector<KneeFrame>& a, const std::vector<KneeFram
   for (const KneeFrame& frame : b) of_b[frame.frame] = frame.error;
   double both = 0, square_a = 0, square_b = 0;
   for (const KneeFrame& frame : a)
-    if (const auto other = of_b.find(frame.frame); other != of_b.end()) {
+    if (const auto other = of_b.find(frame.frame);
+        other != of_b.end() && frame.error.allFinite() && other->second.allFinite()) {
       both += frame.error.dot(other->second);
       square_a += frame.error.squaredNorm();
       square_b += other->second.squaredNorm();
@@ -230,14 +263,16 @@ double CorrelationOf(const std::vector<KneeFrame>& a, const std::vector<KneeFram
 }
 
 // By the correlation of errors a tenth of a second apart.
-double MemoryOf(const std::vector<KneeFrame>& frames, const std::vector<double>& time_s) {
+double MemoryOf(const Candidate& candidate, const std::vector<double>& time_s) {
   constexpr double kApart_s = 0.1, kLeast_s = 0.05, kMost_s = 2;
   double both = 0, square = 0;
+  const std::vector<KneeFrame>& frames = candidate.frames;
   for (std::size_t i = 0, j = 0; i < frames.size(); ++i) {
     while (j < frames.size() && time_s[frames[j].frame] < time_s[frames[i].frame] + kApart_s - 1e-9) ++j;
     if (j == frames.size() || time_s[frames[j].frame] > time_s[frames[i].frame] + 1.5 * kApart_s) continue;
+    if (!(frames[i].error + frames[j].error).allFinite()) continue;
     both += frames[i].error.dot(frames[j].error);
-    square += (frames[i].error.squaredNorm() + frames[j].error.squaredNorm()) / 2;
+    square += (frames[i].error.squaredNorm() + frames[j].error.squaredNorm()) / 2 - 2 * std::pow(candidate.noise_mm, 2);
   }
   if (!(both > 0) || both >= square) return both > 0 ? kMost_s : kLeast_s;
   return std::clamp(-kApart_s / std::log(both / square), kLeast_s, kMost_s);
@@ -356,7 +391,7 @@ LearntKnee LearnKnee(const LegFitResult& fit, const TechnicalMarkers& technical,
     learnt.segments.push_back(candidate.knee);
   }
   learnt.shank_mm = motion::MedianLength(fit.motion, &motion::LegSample::ak);
-  learnt.memory_s = MemoryOf(best.front().frames, fit.motion.time_s);
+  learnt.memory_s = MemoryOf(best.front(), fit.motion.time_s);
   if (best.size() > 1) learnt.correlation = CorrelationOf(best[0].frames, best[1].frames);
   return learnt;
 }

@@ -9,6 +9,7 @@
 
 #include "detections.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/progress.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
@@ -354,7 +355,9 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   if (options.knee_from && !recording.Find(options.markers.knee)) {  // hidden in every frame
     motion::MarkerRecording with_knee = recording;
     with_knee.markers.push_back({options.markers.knee, std::vector<motion::MarkerSample>(recording.Frames())});
-    return FitLeg(with_knee, view, options, lateral);
+    LateralPlaces with_lateral = lateral;
+    if (!lateral.empty()) with_lateral[options.markers.knee].assign(recording.Frames(), kNaN);
+    return FitLeg(with_knee, view, options, with_lateral);
   }
   CheckRecording(recording, options);
   const std::optional<std::string> rounded = RoundedTimes(recording);

@@ -62,10 +62,11 @@ dynamics::Pose PoseInFrame(const SegmentKnee& segment, Matrix3Xd& places) {
 // A segment over all frames.
 struct SegmentCourse {
   std::vector<Carried> carried;
-  std::vector<std::vector<char>> left_out;  // by marker, by frame
+  std::vector<std::vector<char>> left_out;  // by marker, by frame: the others keep their places
+  std::vector<char> lost;                   // frames that show enough markers, and which of them moved is not told
   std::vector<double> seen;                 // frames, by marker
   double strain_mm = 0;                     // root mean square over the frames
-  std::ptrdiff_t posed = 0;
+  std::ptrdiff_t shown = 0, posed = 0;      // frames that show enough markers, and those that have them in their places
 };
 
 // What an error of each marker makes of a point of the segment, per axis in the plane.
@@ -88,18 +89,22 @@ SegmentCourse Follow(const LearntKnee& learnt, const SegmentKnee& segment, const
   SegmentCourse course;
   course.carried.resize(frames);
   course.left_out.assign(segment.markers.size(), std::vector<char>(frames, 0));
+  course.lost.assign(frames, 0);
   course.seen.assign(segment.markers.size(), 0);
   double square = 0;
   for (std::size_t i = 0; i < frames; ++i) {
     Matrix3Xd now = PlacesAt(places, segment.markers, i);
     const Matrix3Xd all = now;
+    const bool is_shown = dynamics::PoseOf(segment.shape_mm, now, NormalOf(segment.in_space)).IsSeen();
     const dynamics::Pose pose = PoseInFrame(segment, now);
+    course.shown += is_shown;
+    course.lost[i] = is_shown && !pose.IsSeen();
     double noise = 0, used = 0;
     for (std::size_t m = 0; m < segment.markers.size(); ++m) {
       const auto column = static_cast<Eigen::Index>(m);
       if (!all.col(column).allFinite()) continue;
       ++course.seen[m];
-      course.left_out[m][i] = !pose.IsSeen() || !now.col(column).allFinite();
+      course.left_out[m][i] = pose.IsSeen() && !now.col(column).allFinite();
       if (course.left_out[m][i]) continue;
       noise += std::pow(places.at(segment.markers[m]).noise[i], 2);
       ++used;
@@ -178,7 +183,7 @@ std::optional<std::string> ExchangeOf(const LearntKnee& learnt, const SegmentKne
       std::swap(exchanged[segment.markers[a]], exchanged[segment.markers[b]]);
       const SegmentCourse course = Follow(learnt, segment, exchanged, names, frames);
       const auto out = std::ranges::count(course.left_out[a], 1) + std::ranges::count(course.left_out[b], 1);
-      if (course.posed > 0 && out < course.posed / 10)
+      if (10 * course.posed > 9 * course.shown && out < course.posed / 10)
         return fmt::format("'{}' and '{}'", segment.markers[a], segment.markers[b]);
     }
   return {};
@@ -188,7 +193,7 @@ void SayWhereMarkersAre(const LearntKnee& learnt, const SegmentKnee& segment, co
                         const LegPlaces& places, const LegFitOptions& options, const std::vector<std::int64_t>& frame,
                         std::vector<std::string>& warnings) {
   constexpr double kFew = 0.05;  // of a marker's frames
-  bool some_are_out = false;
+  bool some_are_out = 2 * course.posed < course.shown;
   for (std::size_t m = 0; m < segment.markers.size(); ++m)
     some_are_out |= static_cast<double>(std::ranges::count(course.left_out[m], 1)) > 0.5 * course.seen[m];
   if (some_are_out)
@@ -197,8 +202,7 @@ void SayWhereMarkersAre(const LearntKnee& learnt, const SegmentKnee& segment, co
           "the technical markers {} of the {} are exchanged: their distances are those of {} the other way round; "
           "put their names right, {}",
           *exchanged, segment.segment, learnt.trial, options.ways_out);
-  const double all = *std::ranges::max_element(course.seen);
-  if (static_cast<double>(course.posed) < 0.5 * all)
+  if (2 * course.posed < course.shown)
     throw Fail(
         "the technical markers of the {} are not where they were in {}: {}; are both trials of the same leg, and "
         "were the markers left on?",
@@ -209,6 +213,11 @@ void SayWhereMarkersAre(const LearntKnee& learnt, const SegmentKnee& segment, co
           "frames {}: '{}' is not where it was on the {} in {}: has it come off, or was it put on again? It "
           "is left out there",
           FramesOf(frame, course.left_out[m]), segment.markers[m], segment.segment, learnt.trial));
+  if (static_cast<double>(std::ranges::count(course.lost, 1)) > kFew * static_cast<double>(course.shown))
+    warnings.push_back(
+        fmt::format("frames {}: the technical markers of the {} are not where they were in {}, and too few are left to "
+                    "tell which: has one come off? The knee is not rebuilt there",
+                    FramesOf(frame, course.lost), segment.segment, learnt.trial));
   constexpr double kChanged_mm = 2;
   if (course.strain_mm > kChanged_mm + segment.strain_mm)
     warnings.push_back(fmt::format(

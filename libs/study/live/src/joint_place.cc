@@ -33,7 +33,8 @@ RiseOffset OffsetOf(const compare::StsCurve& curve, const std::optional<compare:
           .mean_mm = joint->mean_mm,
           .noise_sd_mm = Vector2d::Constant(compare::MarkerNoiseOfMeanMm(curve)),
           .remainder_mm = joint->remainder_mm,
-          .parallax_sd_mm = compare::ParallaxDeviationMm(seen, {})};
+          .parallax_sd_mm = compare::ParallaxDeviationMm(seen, {}),
+          .rebuilt_sd_mm = curve.rebuilt_sd_mm.empty() ? 0 : RootMeanSquare(curve.rebuilt_sd_mm)};
 }
 
 // "12 mm back"; empty where it is not told apart from nothing.
@@ -75,9 +76,11 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
   const auto n = static_cast<double>(rises.size());
   JointPlace place;
   place.rises = static_cast<int>(rises.size());
+  double rebuilt_sd_mm = 0;
   for (const RiseOffset& rise : rises) {
     place.offset_mm += rise.mean_mm / n;
     place.parallax_sd_mm += rise.parallax_sd_mm / n;
+    rebuilt_sd_mm += rise.rebuilt_sd_mm / n;
   }
   for (const int axis : {0, 1}) {
     double noise = 0, spread = 0;  // variances
@@ -91,9 +94,9 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
       const double t = StudentQuantile(n - 1, 0.975);
       half_width = std::max(half_width, t * std::sqrt(spread / (n - 1) / n));
     }
-    const double plane = std::hypot(budget.scale_percent / 100 * place.offset_mm[axis], place.parallax_sd_mm[axis]);
+    const double scale = budget.scale_percent / 100 * place.offset_mm[axis];
     const double skin = std::hypot(budget.placement_mm, budget.soft_tissue_mm);
-    place.fixed_half_width_mm[axis] = kNormal95 * plane;
+    place.fixed_half_width_mm[axis] = kNormal95 * std::hypot(scale, place.parallax_sd_mm[axis], rebuilt_sd_mm);
     place.half_width_mm[axis] = std::hypot(half_width, place.fixed_half_width_mm[axis]);
     place.anatomical_half_width_mm[axis] = std::hypot(place.half_width_mm[axis], kNormal95 * skin);
   }

@@ -251,7 +251,8 @@ Session::Sample Session::MeasureFrame() const {
   points.ankle = in_plane("ankle");
   points.knee = in_plane("knee");
   points.hip = in_plane("hip");
-  if (!points.knee && options_.fit.knee_from) points.knee = CarriedKnee();
+  if (!points.knee && options_.fit.knee_from)
+    if (const auto carried = CarriedKnee(told)) points.knee = carried->in_plane;
   if (!points.ankle || !points.knee) return sample;
   const motion::Facing facing = facing_.value_or(motion::Facing::kRight);
   const motion::LegSample leg = gait::MakeLegSample(points, facing, kUpInPlane);
@@ -267,12 +268,9 @@ Session::Sample Session::MeasureFrame() const {
   return sample;
 }
 
-// Of a hidden marker.
-std::optional<Vector2d> Session::CarriedKnee() const {
-  const motion::MarkerRecording& told = tracker_->Told();
-  const auto knee =
-      gait::CarriedKneeIn(Rows(told, told.Frames() - 1, told.Frames()), view_, *options_.fit.knee_from, facing_);
-  return knee ? std::optional(knee->in_plane) : std::nullopt;
+std::optional<gait::CarriedKnee> Session::CarriedKnee(const motion::MarkerRecording& frames) const {
+  const motion::MarkerRecording last = Rows(frames, frames.Frames() - 1, frames.Frames());
+  return gait::CarriedKneeIn(last, view_, *options_.fit.knee_from, facing_);
 }
 
 void Session::WriteTrackRow() {
@@ -427,7 +425,11 @@ void Session::FindFacing() {
     const std::lock_guard lock(mutex_);
     if (facing_) return;
     const motion::MarkerRecording& measured = tracker_->Measured();
-    if (!measured.Find("knee")) return FindFacingOfCarriedKnee();
+    if (!measured.Find("knee")) {
+      const bool is_named = tracker_->HasAllNames() && measured.Frames() > 0;
+      if (const auto carried = is_named ? CarriedKnee(measured) : std::nullopt) facing_ = carried->facing;
+      return;
+    }
     const motion::MarkerTrack &ankle = *measured.Find("ankle"), &knee = *measured.Find("knee"),
                               &hip = *measured.Find("hip");
     for (std::size_t row = 0; row < measured.Frames(); ++row) {
@@ -443,15 +445,6 @@ void Session::FindFacing() {
   const gait::FacingFound found = gait::FindFacing(legs);
   const std::lock_guard lock(mutex_);
   if (found.IsCertain()) facing_ = found.facing;
-}
-
-// Under the mutex; by the last frame that has one.
-void Session::FindFacingOfCarriedKnee() {
-  const motion::MarkerRecording& measured = tracker_->Measured();
-  if (!tracker_->HasAllNames() || measured.Frames() == 0) return;
-  const auto knee =
-      gait::CarriedKneeIn(Rows(measured, measured.Frames() - 1, measured.Frames()), view_, *options_.fit.knee_from, {});
-  if (knee) facing_ = knee->facing;
 }
 
 // From three seconds before the last rise that is known: what the leg fit needs of a rest.

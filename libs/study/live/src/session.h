@@ -94,7 +94,7 @@ class Session {
   [[noreturn]] void BreakOff(const std::string& why);
   void AddFrame(const video::LiveFrame& live);
   Sample MeasureFrame() const;
-  std::optional<Eigen::Vector2d> CarriedKnee() const;
+  std::optional<gait::CarriedKnee> CarriedKnee(const motion::MarkerRecording& frames) const;  // in the last one
   void WriteTrackRow();
   void FinishTrial();
 
@@ -103,7 +103,6 @@ class Session {
   void FindTheNames();
   void FindTheRises();
   void FindFacing();
-  void FindFacingOfCarriedKnee();
   void JudgePictures();
 
   // Under the mutex.

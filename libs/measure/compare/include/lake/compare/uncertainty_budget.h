@@ -83,10 +83,10 @@ struct Budget {
   double value = 0;
   double least = 0;  // of the quantity's values: 0 for a root mean square
   std::vector<BudgetRow> rows;
-  // Of a size, √(|offset|² + rest²): the offset, and its deviation along the axis that it is known worse along. Chance
-  // makes a small offset larger, whichever way it goes.
+  // Of a size, √(|offset|² + rest²): the offset, its deviation along the axis that it is known worse along, and how
+  // much of the rest may be the skin's. Chance makes a small offset larger, whichever way it goes.
   struct Size {
-    double offset_mm = 0, marker_sd_mm = 0, sd_mm = 0;
+    double offset_mm = 0, marker_sd_mm = 0, sd_mm = 0, skin_mm = 0;
   };
   std::optional<Size> size = {};
 

@@ -23,6 +23,7 @@ struct RiseOffset {
   double remainder_mm = 0;                                // RMS of what a move of the joint leaves
   // What the joint's depth against the knee's leaves open of that place.
   Eigen::Vector2d parallax_sd_mm = Eigen::Vector2d::Constant(compare::kSkinDepth_mm * compare::kViewSlope);
+  double rebuilt_sd_mm = 0;  // of the knee, where technical markers replace its marker
 };
 
 struct RiseFinding {
@@ -51,7 +52,8 @@ struct JointPlace {
   // Of the markers: their noise and how the rises differ (Student's t), the plane's scale, parallax. What moving the
   // joint by −offset_mm leaves lies in it.
   Eigen::Vector2d half_width_mm = Eigen::Vector2d::Zero();
-  Eigen::Vector2d fixed_half_width_mm = Eigen::Vector2d::Zero();  // of that, what no rise narrows: scale, parallax
+  // Of that, what no rise narrows: scale, parallax, a rebuilt knee.
+  Eigen::Vector2d fixed_half_width_mm = Eigen::Vector2d::Zero();
   Eigen::Vector2d parallax_sd_mm = Eigen::Vector2d::Zero();
   // Of the joint beneath the knee's marker: with the marker's placement and soft tissue.
   Eigen::Vector2d anatomical_half_width_mm = Eigen::Vector2d::Zero();
