@@ -102,7 +102,7 @@ TEST_F(CorrectedTrial, IsTheFoldersOwnBeforeAnyCorrection) {
 
 TEST_F(CorrectedTrial, IsOfTheMovementThatIsAskedFor) {
   const reviewing::TrackedFolder folder = reviewing::ReadTrackedFolder(Folder("trial"), {{"movement", "walking"}});
-  EXPECT_THAT(folder.command, HasSubstr("--movement=walking"));
+  EXPECT_THAT(folder.command, HasSubstr("--movement walking"));
   ReviewedTrial trial = reviewing::ReviewedTrialOf(folder);
   const review::TrialFit fit = trial.work.fit(trial.book.Corrected());
   EXPECT_TRUE(fit.leg->events.empty());

@@ -125,8 +125,7 @@ C3dPlate ReadPlate(const C3dParameters& parameters, const C3dLayout& layout, con
   if (type == std::end(kPlateTypes))
     throw Fail(
         "{}: force plate {} is of type {}, and types 1 to 7 are those that are publicly described, and read: export "
-        "its "
-        "forces as type 2 (three forces and three moments), or as a .mot of OpenSim",
+        "its forces as type 2 (three forces and three moments), or as a .mot of OpenSim",
         path, index + 1, number);
   C3dPlate plate;
   for (const double channel : numbers("CHANNEL", type->channels)) {
