@@ -99,12 +99,13 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
   const auto save = [folder](const review::CorrectionBook& book) { SaveCorrections(*folder, book); };
   Json measures = Json::array();
   for (const gait::MarkerMeasure& measure : folder->options.measures) measures.push_back(gait::MeasureJson(measure));
+  review::SnapDetector detector = DetectorOf(folder->options.video, folder->options.track);
   const video::VideoInfo& video = folder->tracked.video;
   const std::vector<std::int64_t>& repeated = folder->tracked.times.repeated;
   return {BookOf(*folder),
           repeated,
           {fit, save},
-          DetectorOf(folder->options.video, folder->options.track),
+          std::move(detector),
           {{"name", folder->options.video.filename().string()},
            {"folder", folder->folder.string()},
            {"command", folder->command},
