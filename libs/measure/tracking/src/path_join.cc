@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <ranges>
 
 #include "leg_scale.h"
 
@@ -15,15 +14,12 @@ constexpr double kError_mm = 0.4;  // of a position, by coding
 constexpr double kClock = 0.2;     // of a time, in frames: a converted rate shows pictures too early or too late
 
 // All where there are no others: those of repeated pictures too.
-template <typename Samples>
-PathEnd EndOf(const Samples& from_the_end, bool repeated_too = false) {
+template <typename Iterator>
+PathEnd EndOf(Iterator from_the_end, Iterator to, bool repeated_too = false) {
   PathEnd end;
-  for (const TrackletSample& sample : from_the_end) {
-    if (sample.repeated && !repeated_too) continue;
-    end.push_back({.time_s = sample.time_s, .position = sample.position});
-    if (end.size() == kPathEndSamples) break;
-  }
-  if (end.empty() && !repeated_too) return EndOf(from_the_end, true);
+  for (Iterator sample = from_the_end; sample != to && end.size() < kPathEndSamples; ++sample)
+    if (!sample->repeated || repeated_too) end.push_back({.time_s = sample->time_s, .position = sample->position});
+  if (end.empty() && !repeated_too) return EndOf(from_the_end, to, true);
   std::ranges::reverse(end);
   return end;
 }
@@ -48,11 +44,11 @@ double LogUnrelated(const MarkerPhysics& physics) {
 }  // namespace
 
 PathEnd FirstSamples(const Tracklet& tracklet) {
-  return EndOf(tracklet.samples);
+  return EndOf(tracklet.samples.begin(), tracklet.samples.end());
 }
 
 PathEnd LastSamples(const Tracklet& tracklet) {
-  return EndOf(std::views::reverse(tracklet.samples));
+  return EndOf(tracklet.samples.rbegin(), tracklet.samples.rend());
 }
 
 double GapBetween(const PathEnd& before, const PathEnd& after) {
