@@ -8,7 +8,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/option_template.h"
-#include "lake/gait/movement_option.h"
+#include "lake/gait/movement.h"
 #include "lake/study/study.h"
 #include "lake/study/study_template.h"
 #include "program.h"

@@ -267,6 +267,11 @@ struct Posts {
   }
 };
 
+void ExpectForceOf(const Posts& posts, const exchange::GroundForceRecording& read) {
+  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
+  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+}
+
 TEST_F(C3dForces, OfKistlersFourPosts) {
   const Posts posts;
   PlateFile file;
@@ -287,8 +292,7 @@ TEST_F(C3dForces, OfKistlersFourPosts) {
   file.labels = {"Fz1", "Fz2", "Fz3", "Fz4", "Fx12", "Fx34", "Fy14", "Fy23"};
   file.their_units = std::vector<std::string>(8, "kN");
   const exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
-  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
-  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+  ExpectForceOf(posts, read);
 }
 
 TEST_F(C3dForces, OfTwelveChannels) {
@@ -300,8 +304,7 @@ TEST_F(C3dForces, OfTwelveChannels) {
   file.their_units = std::vector<std::string>(12, "N");
   file.instead["FORCE_PLATFORM:ORIGIN"] = {200, 250, 40};
   const exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
-  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
-  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+  ExpectForceOf(posts, read);
 }
 
 // Documents differ in whether the twelve stand by axes or by posts: by the names, or as the force is upright.
@@ -314,13 +317,11 @@ TEST_F(C3dForces, OfTwelveChannelsByPosts) {
   file.their_units = std::vector<std::string>(12, "N");
   file.instead["FORCE_PLATFORM:ORIGIN"] = {200, 250, 40};
   exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
-  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
-  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+  ExpectForceOf(posts, read);
   for (const char* post : {"1", "2", "3", "4"})
     for (const char* axis : {"Fx", "Fy", "Fz"}) file.labels.push_back(std::string(axis) + post);
   read = exchange::ReadGroundForces(Write(file));
-  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
-  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+  ExpectForceOf(posts, read);
 }
 
 // Type 7 has Kistler's channels and a matrix of 8 × 8; of type 5 one of 6 × 8 makes forces and moments of eight in V,
@@ -340,8 +341,7 @@ TEST_F(C3dForces, OfEightChannelsWithACalibration) {
   file.matrix = {mixed.data(), mixed.data() + 64};
   exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
   EXPECT_TRUE(read.warnings.empty()) << read.warnings[0];
-  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
-  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+  ExpectForceOf(posts, read);
 
   file.type = 5;
   Eigen::Matrix<double, 6, 8> six;
@@ -356,8 +356,7 @@ TEST_F(C3dForces, OfEightChannelsWithACalibration) {
   file.instead["FORCE_PLATFORM:ORIGIN"] = {0, 0, 40};
   read = exchange::ReadGroundForces(Write(file));
   EXPECT_TRUE(read.warnings.empty()) << read.warnings[0];
-  EXPECT_LT((read.plates.at(0).force_n[3] - posts.Force_n()).norm(), 1e-3);
-  EXPECT_LT((read.plates.at(0).moment_nm[3] - posts.Moment_nm()).norm(), 1e-3);
+  ExpectForceOf(posts, read);
 }
 
 TEST_F(C3dForces, WithTheCentreOfPressureAndTheFreeMoment) {

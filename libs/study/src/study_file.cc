@@ -12,7 +12,7 @@
 #include "lake/core/removed.h"
 #include "lake/core/yaml.h"
 #include "lake/gait/learnt_knee.h"
-#include "lake/gait/movement_option.h"
+#include "lake/gait/movement.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/synthesis/synthesis_options.h"

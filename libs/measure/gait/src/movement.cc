@@ -8,7 +8,6 @@
 #include <map>
 
 #include "lake/gait/leg_fit.h"
-#include "lake/gait/movement_option.h"
 #include "lake/gait/squats.h"
 #include "oblique_walk.h"
 

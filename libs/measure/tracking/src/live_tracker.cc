@@ -14,9 +14,6 @@ using Eigen::Vector2d;
 
 namespace {
 
-// Of a quick rise (dynamics' README): nine in ten people move with less. A filter that expects more leans on the
-// measurement more, and never lags.
-constexpr double kQuickDensityMm = 1e9;    // mm²/s⁵
 constexpr double kForetold_s = 0.1;        // as long as a tracklet goes on unseen
 constexpr double kForgotten_s = 0.25;      // a filter that saw nothing for longer begins anew
 constexpr double kLengthTolerance = 0.05;  // of a distance that stays, as in naming
@@ -229,7 +226,8 @@ void LiveTracker::LearnDistances() {
 }
 
 void LiveTracker::FilterAll(double time_s) {
-  const double density_px = kQuickDensityMm / (options_.mm_per_px * options_.mm_per_px);
+  // A filter that expects a quick rise leans on the measurement more than most need, and never lags.
+  const double density_px = options_.physics.quick_mm2_s5 / (options_.mm_per_px * options_.mm_per_px);
   const dynamics::MotionPrior prior = dynamics::PersonPrior(options_.mm_per_px);
   for (std::size_t n = 0; n < filters_.size(); ++n) {
     Filter& filter = filters_[n];

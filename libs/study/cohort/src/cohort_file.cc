@@ -8,7 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/core/plausible.h"
 #include "lake/core/yaml.h"
-#include "lake/gait/movement_option.h"
+#include "lake/gait/movement.h"
 
 namespace lake::cohort {
 namespace {

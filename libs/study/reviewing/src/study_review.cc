@@ -8,7 +8,7 @@
 #include "lake/core/json.h"
 #include "lake/core/results_subject.h"
 #include "lake/core/shell_word.h"
-#include "lake/gait/movement_option.h"
+#include "lake/gait/movement.h"
 #include "lake/study/study.h"
 #include "result_inputs.h"
 

@@ -20,6 +20,10 @@ struct MovementOptions {
 
 // --movement, --walking and --belt-speed.
 void Describe(MovementOptions& o, OptionList& options);
+// --movement of programs that have others measure trials, in place of what these say; nullopt: as they say it.
+void DescribeMovement(std::optional<MovementKind>& kind, OptionList& options);
+
+const char* NameOf(MovementKind kind);  // as --movement has it
 
 // What was found in a recording.
 struct FoundMovement {

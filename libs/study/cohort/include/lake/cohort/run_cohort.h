@@ -9,7 +9,7 @@
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
-#include "lake/gait/movement_option.h"
+#include "lake/gait/movement.h"
 
 namespace lake::cohort {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "lake/core/options.h"
-#include "lake/gait/movement_option.h"
+#include "lake/gait/movement.h"
 #include "lake/review/review.h"
 #include "lake/reviewing/tracked_folder.h"
 
