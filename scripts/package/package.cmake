@@ -22,6 +22,7 @@ and with a knee exoskeleton, fits the leg's motion, tells how far the
 exoskeleton's knee is from the human's and why, and finds the linkage, its
 placement and the actuator's program that mend it, up to the firmware.")
 set(CPACK_GENERATOR DEB)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

@@ -289,7 +289,7 @@ TEST(Interrupt, ThrowsOnceASignalHasArrived) {
         try {
           ThrowIfInterrupted();
         } catch (const Interrupted& interrupted) {
-          std::exit(interrupted.Signal());
+          std::_Exit(interrupted.Signal());
         }
       },
       testing::ExitedWithCode(SIGTERM), "");

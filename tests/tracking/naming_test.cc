@@ -217,7 +217,7 @@ TEST(NamingOfLongRecordings, TakesMemoryInProportion) {
     tracking::NameTracklets(seen.tracklets, LegOptions(), recording);
     const auto& knee = recording.Find("knee")->samples;
     const auto named = std::ranges::count_if(knee, [](const motion::MarkerSample& sample) { return sample.IsKnown(); });
-    std::exit(named == kTimes * (kFrames - kGap) ? 0 : 1);
+    std::_Exit(named == kTimes * (kFrames - kGap) ? 0 : 1);
   };
   EXPECT_EXIT(name(), testing::ExitedWithCode(0), "");
 }

@@ -452,7 +452,7 @@ int CompleteUntilInterrupted() {
 // In a process of its own, as a signal stays.
 TEST(LiveStreamDeathTest, AnInterruptedCompletionLosesNothing) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  EXPECT_EXIT(std::exit(CompleteUntilInterrupted()), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(std::_Exit(CompleteUntilInterrupted()), testing::ExitedWithCode(0), "");
 }
 
 // Each frame that is handed out is the whole film's of its number, to the bit; returns how many were not.

@@ -418,7 +418,7 @@ int ReadUntilInterrupted() {
 
 TEST(VideoReaderDeathTest, EndsCleanlyWhenInterrupted) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  EXPECT_EXIT(std::exit(ReadUntilInterrupted()), ::testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(std::_Exit(ReadUntilInterrupted()), ::testing::ExitedWithCode(0), "");
 }
 
 }  // namespace

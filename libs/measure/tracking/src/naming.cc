@@ -677,7 +677,7 @@ void PlaceCandidates(const std::vector<Tracklet>& tracklets, std::vector<MarkerS
 }
 
 // Without what is seen where no ray meets the plane, such as a reflection above the horizon of an oblique one.
-std::vector<Tracklet> ThatMeetThePlane(const std::vector<Tracklet>& tracklets,
+std::vector<Tracklet> ThatMeetThePlane(std::vector<Tracklet> tracklets,
                                        const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& metric_from_px) {
   const auto misses = [&](const TrackletSample& sample) {
     try {
@@ -686,10 +686,9 @@ std::vector<Tracklet> ThatMeetThePlane(const std::vector<Tracklet>& tracklets,
       return true;
     }
   };
-  std::vector<Tracklet> meeting = tracklets;
-  for (Tracklet& tracklet : meeting) std::erase_if(tracklet.samples, misses);
-  std::erase_if(meeting, [](const Tracklet& tracklet) { return tracklet.samples.empty(); });
-  return meeting;
+  for (Tracklet& tracklet : tracklets) std::erase_if(tracklet.samples, misses);
+  std::erase_if(tracklets, [](const Tracklet& tracklet) { return tracklet.samples.empty(); });
+  return tracklets;
 }
 
 }  // namespace

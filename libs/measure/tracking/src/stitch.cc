@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 
 #include "path_join.h"
 
@@ -13,17 +14,17 @@ constexpr double kRival_s = 1;  // what has been lost for so long may still be w
 
 // Whether what ended may be what begins: of the same size, and where and as fast as a quick movement can bring it: a
 // lamp does not go on as the marker that appears beside it.
-bool MayGoOnAs(const Tracklet& ended, const Tracklet& begun, const MarkerPhysics& physics) {
+bool MayGoOnAs(const Tracklet& ended, double ended_px, const Tracklet& begun, double begun_px,
+               const MarkerPhysics& physics) {
   const TrackletSample &last = ended.samples.back(), &first = begun.samples.front();
   const double gap_s = first.time_s - last.time_s;
   if (first.frame <= last.frame || gap_s > kRival_s) return false;
   if (ended.identity != begun.identity) return false;
-  const double radius = ended.RadiusPx(), ratio = begun.RadiusPx() / radius;
+  const double ratio = begun_px / ended_px;
   if (ratio < 0.7 || ratio > 1.4) return false;
   constexpr double kFarthest = 22.5;
   const PathEnd before = LastSamples(ended), after = FirstSamples(begun);
-  return JoinPaths(before, after, GapBetween(before, after), std::max(1.0, ratio) * radius, physics).squares <
-         kFarthest;
+  return JoinPaths(before, after, GapBetween(before, after), std::max(ended_px, begun_px), physics).squares < kFarthest;
 }
 
 // Which pieces go on as which.
@@ -31,9 +32,11 @@ class Continuations {
  public:
   Continuations(const std::vector<Tracklet>& tracklets, const MarkerPhysics& physics)
       : tracklets_(tracklets), after_(tracklets.size()), before_(tracklets.size()) {
+    std::vector<double> radii_px;
+    for (const Tracklet& tracklet : tracklets) radii_px.push_back(tracklet.RadiusPx());
     for (std::size_t a = 0; a < tracklets.size(); ++a)
       for (std::size_t b = 0; b < tracklets.size(); ++b)
-        if (a != b && MayGoOnAs(tracklets[a], tracklets[b], physics)) {
+        if (a != b && MayGoOnAs(tracklets[a], radii_px[a], tracklets[b], radii_px[b], physics)) {
           after_[a].push_back(b);
           before_[b].push_back(a);
         }
@@ -69,15 +72,22 @@ class Continuations {
 
 }  // namespace
 
-std::vector<Tracklet> StitchPieces(const std::vector<Tracklet>& tracklets, const MarkerPhysics& physics) {
-  const Continuations pieces(tracklets, physics);
+std::vector<Tracklet> StitchPieces(std::vector<Tracklet> tracklets, const MarkerPhysics& physics) {
+  std::vector<std::vector<std::size_t>> chains;
+  {
+    const Continuations pieces(tracklets, physics);
+    for (std::size_t first = 0; first < tracklets.size(); ++first) {
+      if (pieces.Before(first)) continue;
+      chains.emplace_back();
+      for (std::optional piece(first); piece; piece = pieces.After(*piece)) chains.back().push_back(*piece);
+    }
+  }
   std::vector<Tracklet> whole;
-  for (std::size_t a = 0; a < tracklets.size(); ++a) {
-    if (pieces.Before(a)) continue;
-    whole.push_back(tracklets[a]);
-    for (auto b = pieces.After(a); b; b = pieces.After(*b))
-      whole.back().samples.insert(whole.back().samples.end(), tracklets[*b].samples.begin(),
-                                  tracklets[*b].samples.end());
+  for (const std::vector<std::size_t>& chain : chains) {
+    whole.push_back(std::move(tracklets[chain.front()]));
+    for (const std::size_t piece : std::span(chain).subspan(1))
+      whole.back().samples.insert(whole.back().samples.end(), tracklets[piece].samples.begin(),
+                                  tracklets[piece].samples.end());
   }
   return whole;
 }

@@ -11,6 +11,6 @@ namespace lake::tracking {
 
 // Joins a tracklet that ends to the one that begins within a quarter of a second where it must be by then, if it is
 // the only one that does, of its size, and no other ends there.
-std::vector<Tracklet> StitchPieces(const std::vector<Tracklet>& tracklets, const MarkerPhysics& physics);
+std::vector<Tracklet> StitchPieces(std::vector<Tracklet> tracklets, const MarkerPhysics& physics);
 
 }  // namespace lake::tracking
