@@ -1,5 +1,7 @@
 #include "lake/commands/track.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -404,7 +406,9 @@ Json RunPoints(const TrackRunOptions& options, const tracking::TrackResult& trac
 // The markers with their names; where they cannot be named, what was found is shown to the one who can.
 tracking::TrackResult TrackOrShow(const TrackRunOptions& options, const tracking::TrackOptions& track, Run& run) {
   try {
-    return tracking::TrackMarkers(options.video, track);
+    tracking::TrackResult tracked = tracking::TrackMarkers(options.video, track);
+    malloc_trim(0);  // what held pictures and tracklets is free, before the leg fit takes as much
+    return tracked;
   } catch (const tracking::NamingError& error) {
     if (error.List().candidates.empty()) throw;
     WriteCandidates(options, error.List(), run);
