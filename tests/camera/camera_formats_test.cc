@@ -124,21 +124,23 @@ TEST_F(CameraFormats, OfOpenCvsOlderSamplesAndWithRosModels) {
   ExpectTheCamera(camera::ReadCameraProfile(Write("a.yaml", text + "distortion_model: plumb_bob\n")));
 }
 
-std::string Qualisys(const std::string& picture, double left, double top) {
+std::string Qualisys(const std::string& picture, double left, double top, double unit = 64, double last = 1) {
   return fmt::format(
       "<calibration><cameras><camera serial=\"26580\" viewrotation=\"0\">{3}"
-      "<intrinsic focallength=\"9\" sensorMinU=\"0\" sensorMaxU=\"81919\" sensorMinV=\"0\" "
-      "sensorMaxV=\"46079\" focalLengthU=\"{0}\" focalLengthV=\"{0}\" centerPointU=\"{1}\" "
+      "<intrinsic focallength=\"9\" sensorMinU=\"0\" sensorMaxU=\"{4}\" sensorMinV=\"0\" "
+      "sensorMaxV=\"{5}\" focalLengthU=\"{0}\" focalLengthV=\"{0}\" centerPointU=\"{1}\" "
       "centerPointV=\"{2}\" skew=\"0\" radialDistortion1=\"-0.13\" radialDistortion2=\"0.03\" "
       "radialDistortion3=\"0\" tangentalDistortion1=\"0.0004\" tangentalDistortion2=\"-0.0003\"/>"
       "</camera></cameras></calibration>",
-      64 * kFocal_px, 64 * (left + 639.5), 64 * (top + 359.5), picture);
+      unit * kFocal_px, unit * (left + 639.5), unit * (top + 359.5), picture, unit * 1280 - last, unit * 720 - last);
 }
 
 TEST_F(CameraFormats, OfQualisys) {
   const std::string text = Qualisys("<fov_video left=\"10\" top=\"20\" right=\"1289\" bottom=\"739\"/>", 10, 20);
   ExpectTheCamera(camera::ReadCameraProfile(Write("a.qca.txt", text)));
   ExpectTheCamera(camera::ReadCameraProfile(Write("a.qca.txt", Qualisys("", 0, 0))));  // the whole sensor
+  for (const double unit : {64.0, 1.0})  // as Pose2Sim writes it, and Theia, which has px
+    ExpectTheCamera(camera::ReadCameraProfile(Write("a.xml", Qualisys("", 0, 0, unit, 0))));
   std::string wide = "\xFF\xFE";
   for (const char c : text) wide += {c, '\0'};
   ExpectTheCamera(camera::ReadCameraProfile(Write("a.xml", wide)));

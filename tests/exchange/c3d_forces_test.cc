@@ -233,6 +233,36 @@ TEST_F(C3dForces, OfTypeFourAreMultipliedWithTheCalibrationByColumns) {
   file.calibration.diagonal().setConstant(2);
   file.calibration(0, 2) = 0.25, file.calibration(4, 1) = -0.5;
   ExpectTheForce(file, 0);
+  // In an array whose plates have room for 8 x 8, as beside one of type 7.
+  Eigen::Matrix<double, 8, 8> room = Eigen::Matrix<double, 8, 8>::Zero();
+  room.topLeftCorner<6, 6>() = file.calibration;
+  file.instead["FORCE_PLATFORM:CAL_MATRIX"] = {room.data(), room.data() + 64};
+  ExpectTheForce(file, 0);
+}
+
+// Arrays may have room for more plates than are used.
+TEST_F(C3dForces, OfTheSecondPlateOfTwoInArraysOfThree) {
+  PlateFile file;
+  file.plates = 3;
+  file.frames = 40;
+  file.instead["FORCE_PLATFORM:USED"] = {2};
+  file.instead["FORCE_PLATFORM:CHANNEL"] = {1, 2, 3, 4, 5, 6, 1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0};
+  const exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+  ASSERT_EQ(read.plates.size(), 2u);
+  EXPECT_TRUE(read.warnings.empty()) << read.warnings[0];
+  EXPECT_LT((read.plates[1].force_n[0] - kForce_n).norm(), 1e-3);
+  EXPECT_LT((read.plates[1].point_m[0] - kOrigin_m).norm(), 1e-6);
+}
+
+// Motion Analysis has type 4 with channels in N and a matrix without numbers; of channels in V it is needed.
+TEST_F(C3dForces, OfTypeFourInNewtonsNeedNoCalibration) {
+  PlateFile file;
+  file.type = 4;
+  file.instead["FORCE_PLATFORM:CAL_MATRIX"] = {};
+  ExpectTheForce(file, 0);
+  file.channels = std::vector<double>(6, 1);
+  file.their_units = std::vector<std::string>(6, "V");
+  ExpectRefused(file, "CAL_MATRIX has 0 values");
 }
 
 // Four posts under the plate, each with a force of its own (plate axes: x to the right, y back, z down), 0.2 m beside

@@ -251,6 +251,10 @@ TEST(C3dRules, EventsOfTheHeaderCountFromTheFirstFrameStored) {
   EXPECT_TRUE(read.events.empty());
   ASSERT_EQ(read.warnings.size(), 1u);
   EXPECT_THAT(read.warnings[0], testing::HasSubstr("65535 events"));
+  bytes[bytes.find("\4\4USED") + 10] = 1;  // those of the group are read all the same
+  read = exchange::ReadC3d(WriteFile(folder / "b.c3d", bytes));
+  ASSERT_EQ(read.events.size(), 1u);
+  EXPECT_EQ(read.events[0].label, "Foot Strike");
 }
 
 TEST(C3dRules, EventsThatAreDamagedAreLeftOutWithAWarning) {

@@ -206,6 +206,24 @@ TEST_F(OddFiles, SleapAndDeepLabCutOfSeveralAnimals) {
   EXPECT_THAT(animals.warnings, ElementsAre(HasSubstr("likelihood is below 0.6 is left out")));
 }
 
+// SLEAP's score is a likelihood; who is labelled by hand has none.
+TEST_F(OddFiles, SleapsPointOfALowScoreIsAGap) {
+  const PointRecording points = Read("a.csv",
+                                     "track,frame_idx,instance.score,knee.x,knee.y,knee.score\n"
+                                     "A,0,0.9,1,2,0.8\nA,1,0.9,3,4,0.02\nA,2,,5,6,\n",
+                                     {.rate_hz = 10});
+  EXPECT_TRUE(points.points[0].positions[0].allFinite());
+  EXPECT_FALSE(points.points[0].positions[1].allFinite());
+  EXPECT_EQ(points.points[0].positions[2], Eigen::Vector3d(5, 6, 0));
+  EXPECT_THAT(points.warnings, ElementsAre(HasSubstr("a.csv:3: a point whose likelihood is below 0.2 is left out")));
+}
+
+// Triangulated points are not positions in a picture.
+TEST_F(OddFiles, DeepLabCutInSpaceIsNoPicture) {
+  EXPECT_THAT(Refusal("a.csv", "scorer,S,S,S\nbodyparts,knee,knee,knee\ncoords,x,y,z\n0,1,2,3\n", {.rate_hz = 10}),
+              AllOf(HasSubstr("points in space"), HasSubstr("TRC")));
+}
+
 TEST_F(OddFiles, DltdvsSparseTableAndOneOfItsCameras) {
   // Rows, columns and values; a row of zero says how large the whole is.
   const PointRecording sparse = Read(
@@ -214,6 +232,8 @@ TEST_F(OddFiles, DltdvsSparseTableAndOneOfItsCameras) {
   EXPECT_EQ(sparse.Find("pt1")->positions[2], Eigen::Vector3d(11, 21, 0));
   EXPECT_FALSE(sparse.Find("pt1")->positions[1].allFinite());
   EXPECT_EQ(sparse.time_s.size(), 3u);
+  EXPECT_THAT(Refusal("axypts.tsv", "row\tcolumn\tvalue\n1\t1\t11\n1\t2\t21\n", {.rate_hz = 10, .view = "cam2"}),
+              AllOf(HasSubstr("--view cam2"), HasSubstr("--map")));
   const std::string two = "pt1_cam1_X,pt1_cam1_Y,pt1_cam2_X,pt1_cam2_Y\n1,2,3,4\n";
   EXPECT_THAT(Read("xypts.csv", two, {.rate_hz = 10}).warnings, testing::Contains(HasSubstr("2 cameras (cam1, cam2)")));
   const PointRecording second = Read("xypts.csv", two, {.rate_hz = 10, .view = "cam2"});
@@ -234,6 +254,11 @@ TEST_F(OddFiles, KinoveasTextWithTimecodes) {
 TEST_F(OddFiles, KinoveasTextInMilliseconds) {
   const PointRecording text = Read("a.txt", "#Kinovea Trajectory data export\n#T X Y\n0 8 3\n20 9 4\n40 9 5\n");
   EXPECT_THAT(text.time_s, ElementsAre(0, testing::DoubleNear(0.02, 1e-12), testing::DoubleNear(0.04, 1e-12)));
+  const PointRecording fine = Read("a.txt", "#Kinovea Trajectory data export\n#T X Y\n0 8 3\n20000 9 4\n40000 9 5\n");
+  EXPECT_EQ(fine.time_s, text.time_s);  // microseconds
+  EXPECT_TRUE(fine.warnings.empty());
+  EXPECT_THAT(Read("a.txt", "#Kinovea Trajectory data export\n#T X Y\n0 8 3\n1 9 4\n2 9 5\n").warnings,
+              ElementsAre(HasSubstr("1000 Hz")));  // or frames
 }
 
 // A row per animal and frame, one of which is not there.

@@ -39,6 +39,8 @@ void WriteModelOutput(const std::string& name, const std::vector<double>& model_
     difference.push_back(knee_deg - other_deg);
   }
   if (difference.size() < 2) throw Fail("--compare-with {}: no frames have both it and a knee angle", name);
+  if (!(StandardDeviation(theirs) > 0))
+    throw Fail("--compare-with {}: is {:g}° in all frames: was it worked out?", name, theirs.front());
   const double mean_ours = Mean(ours), mean_theirs = Mean(theirs);
   double product = 0;
   for (std::size_t i = 0; i < ours.size(); ++i) product += (ours[i] - mean_ours) * (theirs[i] - mean_theirs);

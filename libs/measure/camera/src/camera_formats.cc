@@ -81,19 +81,20 @@ void ReadVicon(const Json& camera, const std::string& where, CameraFacts& facts)
                   where, k[0], k[1], k[2]));
 }
 
-// Lengths are in 64ths of a px of the whole sensor, whose part `fov_video` is the picture; coefficients are OpenCV's.
+// Lengths are in 64ths of a px, of Theia in px, of the sensor, whose part `fov_video` is the picture.
 void ReadQualisys(const Json& camera, const std::string& where, CameraFacts& facts) {
-  constexpr double kPerPixel = 64;
+  constexpr double kWidest_px = 1 << 14;
   const Json &lens = *FindKey(camera, "intrinsic"), *picture = FindKey(camera, "fov_video");
   const auto number = [&](const char* name) { return NumberAt(lens, name, where); };
-  // The px of the picture's edges; of the whole sensor the last 64th of its last px is stated.
+  const double per_px = number("sensorMaxU") > kWidest_px ? 64 : 1;
+  // The px of the picture's edges; of the whole sensor the last 64th of its last px is stated, or the next px' first.
   const auto edge = [&](const char* name, const char* of_sensor) {
-    return picture ? NumberAt(*picture, name, where) : std::floor(number(of_sensor) / kPerPixel);
+    return picture ? NumberAt(*picture, name, where) : std::max(std::ceil(number(of_sensor) / per_px) - 1, 0.0);
   };
   const double left = edge("left", "sensorMinU"), top = edge("top", "sensorMinV");
   facts.size = {edge("right", "sensorMaxU") - left + 1, edge("bottom", "sensorMaxV") - top + 1};
-  facts.matrix = {number("focalLengthU") / kPerPixel, number("focalLengthV") / kPerPixel,
-                  number("centerPointU") / kPerPixel - left, number("centerPointV") / kPerPixel - top};
+  facts.matrix = {number("focalLengthU") / per_px, number("focalLengthV") / per_px,
+                  number("centerPointU") / per_px - left, number("centerPointV") / per_px - top};
   facts.coefficients = {number("radialDistortion1"), number("radialDistortion2"), number("tangentalDistortion1"),
                         number("tangentalDistortion2"),
                         FindKey(lens, "radialDistortion3") ? number("radialDistortion3") : 0};
@@ -108,20 +109,16 @@ void ReadQualisys(const Json& camera, const std::string& where, CameraFacts& fac
 struct Dialect {
   const char *program, *matrix;
   std::vector<const char*> size;
-  const char *coefficients, *model, *name;
+  const char *coefficients, *name, *model = "distortion_model";
   void (*read)(const Json& camera, const std::string& where, CameraFacts& facts) = nullptr;  // what the keys do not say
 };
-const Dialect kDialects[] = {{"OpenCV or ROS",
-                              "camera_matrix",
-                              {"image_width", "image_height"},
-                              "distortion_coefficients",
-                              "distortion_model",
-                              "camera_name"},
-                             {"ROS (a message)", "K", {"width", "height"}, "D", "distortion_model", ""},
-                             {"kalibr", "intrinsics", {"resolution"}, "distortion_coeffs", "distortion_model", ""},
-                             {"Pose2Sim or caliscope", "matrix", {"size"}, "distortions", "fisheye", ""},
-                             {"Vicon", "KeyFrames", {"SENSOR_SIZE"}, "", "", "DEVICEID", ReadVicon},
-                             {"Qualisys", "intrinsic", {}, "", "", "serial", ReadQualisys}};
+const Dialect kDialects[] = {
+    {"OpenCV or ROS", "camera_matrix", {"image_width", "image_height"}, "distortion_coefficients", "camera_name"},
+    {"ROS (a message)", "K", {"width", "height"}, "D", ""},
+    {"kalibr", "intrinsics", {"resolution"}, "distortion_coeffs", ""},
+    {"Pose2Sim or caliscope", "matrix", {"size"}, "distortions", "", "fisheye"},
+    {"Vicon", "KeyFrames", {"SENSOR_SIZE"}, "", "DEVICEID", "", ReadVicon},
+    {"Qualisys", "intrinsic", {}, "", "serial", "", ReadQualisys}};
 
 // What other programs call OpenCV's models.
 constexpr std::pair<std::string_view, LensModel> kLensNames[] = {{"", LensModel::kBrownConrady},

@@ -52,16 +52,18 @@ std::vector<const OutputKind*> KindsOf(const C3dParameters& parameters, const st
 
 // The header's, with labels of four letters (those of two, without the key, are not read). Their times count from the
 // first frame that is stored.
-std::vector<PointEvent> ReadHeaderEvents(const C3dBytes& bytes, double first_frame_s) {
+std::vector<PointEvent> ReadHeaderEvents(const C3dBytes& bytes, double first_frame_s,
+                                         std::vector<std::string>& warnings) {
   constexpr std::size_t kKey = 298, kCount = 300, kTimes = 304, kLabels = 396;  // bytes
   constexpr std::uint16_t kFourLetterLabels = 12345;
   constexpr std::size_t kMostEvents = 18;
   if (bytes.Unsigned16(kKey) != kFourLetterLabels) return {};
   const std::size_t count = bytes.Unsigned16(kCount);
   if (count > kMostEvents)
-    throw Fail("{}: the header says {} events, and holds {} at most", bytes.Path(), count, kMostEvents);
+    warnings.push_back(fmt::format("{}: the header says {} events, and has room for {}: they are left out",
+                                   bytes.Path(), count, kMostEvents));
   std::vector<PointEvent> events;
-  for (std::size_t i = 0; i < count; ++i)
+  for (std::size_t i = 0; i < count && count <= kMostEvents; ++i)
     events.push_back({first_frame_s + bytes.Float(kTimes + 4 * i), "", bytes.TrimmedText(kLabels + 4 * i, 4)});
   return events;
 }
@@ -86,10 +88,12 @@ std::vector<PointEvent> ReadGroupEvents(const C3dParameters& parameters, const s
 }
 
 // Both, in order of time; the header may say again what the group says.
-std::vector<PointEvent> ReadEvents(const C3dBytes& bytes, const C3dParameters& parameters, const C3dLayout& layout) {
+std::vector<PointEvent> ReadEvents(const C3dBytes& bytes, const C3dParameters& parameters, const C3dLayout& layout,
+                                   std::vector<std::string>& warnings) {
   std::vector<PointEvent> events = ReadGroupEvents(parameters, bytes.Path());
   const std::size_t of_group = events.size();
-  for (PointEvent& event : ReadHeaderEvents(bytes, static_cast<double>(layout.first_frame - 1) / layout.rate_hz)) {
+  const double first_frame_s = static_cast<double>(layout.first_frame - 1) / layout.rate_hz;
+  for (PointEvent& event : ReadHeaderEvents(bytes, first_frame_s, warnings)) {
     const auto end = events.begin() + static_cast<std::ptrdiff_t>(of_group);
     const bool known = std::any_of(events.begin(), end, [&](const PointEvent& other) {
       return std::abs(other.time_s - event.time_s) < 0.5 / layout.rate_hz;
@@ -142,7 +146,7 @@ PointRecording ReadC3d(const std::filesystem::path& path, const ReadOptions& /*o
   recording.up_axis = layout.up_axis;
   recording.warnings = layout.warnings;
   try {
-    recording.events = ReadEvents(bytes, parameters, layout);
+    recording.events = ReadEvents(bytes, parameters, layout, recording.warnings);
   } catch (const Error& error) {
     recording.warnings.push_back(fmt::format("{}; the file's events are left out", error.what()));
   }
@@ -177,9 +181,6 @@ PointRecording ReadC3d(const std::filesystem::path& path, const ReadOptions& /*o
 namespace {
 
 void CheckWritable(const std::filesystem::path& path, const PointRecording& points) {
-  if (points.space == PointSpace::kImage)
-    throw Fail("{}: C3D is in mm, and these positions in px: give --scale, or a --camera with the sagittal plane",
-               path.string());
   constexpr std::size_t kMostPoints = 65535;
   if (points.points.empty() || points.points.size() > kMostPoints)
     throw Fail("{}: C3D holds 1 to {} points, not {}", path.string(), kMostPoints, points.points.size());

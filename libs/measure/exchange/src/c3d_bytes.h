@@ -48,8 +48,6 @@ class C3dParameters {
  public:
   explicit C3dParameters(const C3dBytes& bytes);
 
-  bool Has(const std::string& name) const { return values_.contains(name); }
-
   std::optional<double> Number(const std::string& name) const;
   std::optional<std::size_t> Count(const std::string& name) const;  // a whole number that is not negative
   std::vector<double> Numbers(const std::string& name) const;

@@ -110,8 +110,8 @@ Eigen::MatrixXd SensorMatrix(std::span<const Sensor> sensors, double a_m, double
 
 C3dPlate ReadPlate(const C3dParameters& parameters, const C3dLayout& layout, const AnalogLayout& analog,
                    std::size_t index, const std::string& path) {
-  const std::size_t plates = parameters.Count("FORCE_PLATFORM:USED").value_or(1);
-  // An array has room for the plate that needs most.
+  // An array has room for the plate that needs most, and perhaps for plates that are not used.
+  const std::size_t plates = parameters.Numbers("FORCE_PLATFORM:TYPE").size();
   const auto numbers = [&](const char* name, std::size_t of_each) {
     const std::vector<double> all = parameters.Numbers(fmt::format("FORCE_PLATFORM:{}", name));
     const std::size_t begin = index * std::max(of_each, all.size() / plates);
@@ -133,7 +133,12 @@ C3dPlate ReadPlate(const C3dParameters& parameters, const C3dLayout& layout, con
       throw Fail("{}: force plate {} names channel {}, but there are {}", path, index + 1, channel, analog.channels);
     plate.channel.push_back(static_cast<std::size_t>(channel) - 1);
   }
-  const bool has_matrix = type->has_matrix && (number != 6 || parameters.Has("FORCE_PLATFORM:CAL_MATRIX"));
+  const std::vector<std::string> units = parameters.Texts("ANALOG:UNITS");
+  const auto unit = [&](std::size_t i) { return plate.channel[i] < units.size() ? units[plate.channel[i]] : ""; };
+  // Motion Analysis leaves it out where channels are in N.
+  const std::size_t in_matrix = parameters.Numbers("FORCE_PLATFORM:CAL_MATRIX").size() / plates;
+  const bool is_needed = number == 5 || (number != 6 && !Lower(unit(0)).starts_with("n")),
+             has_matrix = type->has_matrix && (in_matrix > 0 || is_needed);
   if (!has_matrix) SortByNames(parameters.Texts("ANALOG:LABELS"), type->sensors, plate.channel);
   const double m_per_unit = layout.mm_per_unit / kMmPerM;
   const std::vector<double> corners = numbers("CORNERS", 12);
@@ -159,8 +164,6 @@ C3dPlate ReadPlate(const C3dParameters& parameters, const C3dLayout& layout, con
   plate.below_m = m_per_unit * below;
   plate.origin_m =
       m_per_unit * (corner(0) + corner(1) + corner(2) + corner(3)) / 4 + plate.lab_from_plate * plate.below_m;
-  const std::vector<std::string> units = parameters.Texts("ANALOG:UNITS");
-  const auto unit = [&](std::size_t i) { return plate.channel[i] < units.size() ? units[plate.channel[i]] : ""; };
   const std::size_t outputs = type->sensors.empty() ? 6 : type->channels;
   Eigen::VectorXd newtons(outputs);
   for (std::size_t i = 0; i < outputs; ++i) newtons[static_cast<Eigen::Index>(i)] = NewtonsPerUnit(unit(i));
@@ -173,8 +176,10 @@ C3dPlate ReadPlate(const C3dParameters& parameters, const C3dLayout& layout, con
     if (!Lower(unit(i)).ends_with("m")) newtons[static_cast<Eigen::Index>(i)] *= m_per_unit;
   Eigen::MatrixXd six = newtons.asDiagonal(), matrix = Eigen::MatrixXd::Identity(outputs, type->channels);
   if (has_matrix) {
-    const std::vector<double> stored = numbers("CAL_MATRIX", outputs * type->channels);  // by columns
-    matrix = Eigen::Map<const Eigen::MatrixXd>(stored.data(), matrix.rows(), matrix.cols());
+    const auto rows = std::max(outputs, static_cast<std::size_t>(std::sqrt(in_matrix)));  // 8 of 8 x 8, 6 of 6 x 8
+    const std::vector<double> stored = numbers("CAL_MATRIX", rows * type->channels);      // by columns
+    matrix = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(
+        stored.data(), matrix.rows(), matrix.cols(), Eigen::OuterStride<>(static_cast<Eigen::Index>(rows)));
   }
   if (!type->sensors.empty()) six = SensorMatrix(type->sensors, sensors_m.x(), sensors_m.y()) * six;
   plate.six_from_channels = six * matrix;
@@ -394,17 +399,15 @@ GroundForceRecording ReadC3dForces(const std::filesystem::path& path) {
   if (std::none_of(plates.begin(), plates.end(), [](const auto& plate) { return plate.has_value(); }))
     throw Fail("{}", forces.plates.front().unusable);
   SubtractBaselines(parameters, layout, analog.samples, path.string(), plates, forces.warnings);
-  for (std::size_t index = 0; index < count; ++index)
-    if (plates[index])
-      CheckCentreOfPressure(*plates[index], fmt::format("{}: force plate {}", path.string(), index + 1),
-                            forces.warnings);
   const std::vector<Eigen::Vector3d> nothing(forces.time_s.size(), Eigen::Vector3d::Zero());
   for (std::size_t index = 0; index < count; ++index) {
     PlateForces& plate = forces.plates[index];
-    if (plates[index])
-      TurnIntoLaboratory(*plates[index], layout.up_axis - 'x', plate);
-    else
+    if (!plates[index]) {
       plate.force_n = plate.point_m = plate.moment_nm = nothing;
+      continue;
+    }
+    CheckCentreOfPressure(*plates[index], fmt::format("{}: force {}", path.string(), plate.name), forces.warnings);
+    TurnIntoLaboratory(*plates[index], layout.up_axis - 'x', plate);
   }
   return forces;
 }

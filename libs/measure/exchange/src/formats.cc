@@ -72,6 +72,12 @@ const PointFormat kFormats[] = {
     {"SLEAP", {".csv"}, "instance.score", ReadSleap, kNoTimes},
     {"lake", {".csv"}, "time_s", ReadOwnPoints, kEstimates | kFlat, WriteOwnPoints, ".csv"}};
 
+// What a format must have for points of each PointSpace, and what is said where it has not.
+constexpr std::pair<FormatTraits, const char*> kOfSpaces[] = {
+    {kHoldsImage, "is in mm, and these positions in px: give --scale, or a --camera with the sagittal plane"},
+    {kHoldsPlane, "holds px of a video, not mm"},
+    {kHoldsSpace, "holds points of a plane only, and these are in space"}};
+
 // Files of other programs that are not read, and the way out.
 struct ForeignFile {
   const char *ending, *what, *way;
@@ -198,8 +204,8 @@ PointRecording ReadPoints(const fs::path& path, const ReadOptions& options) {
 
 void WritePoints(const fs::path& path, const PointRecording& points, const std::string& unit) {
   const PointFormat& format = FormatOf(path);
-  if (points.space == PointSpace::kSpace && !format.Is(kHoldsSpace))
-    throw Fail("{}: holds points of a plane only, and these are in space", path.string());
+  const auto& [trait, refusal] = kOfSpaces[static_cast<int>(points.space)];
+  if (!format.Is(trait)) throw Fail("{}: {}", path.string(), refusal);
   if (format.write == WriteTrcInMm) return WriteTrc(path, points, unit);
   if (unit != "mm") throw UsageError("{}: is always in mm; only .trc can be in {}", path.string(), unit);
   format.write(path, points);

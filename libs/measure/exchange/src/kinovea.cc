@@ -9,13 +9,15 @@
 #include "readers.h"
 
 namespace lake::exchange {
-void TellMilliseconds(PointRecording& recording) {
-  if (recording.time_s.size() < 2 || MedianInterval(recording.time_s) < 1) return;
-  for (double& time : recording.time_s) time /= 1000;
+void TellMilliseconds(PointRecording& recording, const std::filesystem::path& path) {
+  const double step = recording.time_s.size() < 2 ? 0 : MedianInterval(recording.time_s);
+  if (step == 1)
+    recording.warnings.push_back(
+        fmt::format("{}: times that step by 1 are taken for ms (1000 Hz); of frames export ms", path.string()));
+  for (double& time : recording.time_s) time /= step < 1 ? 1 : step < 1000 ? 1000 : 1e6;
 }
 
 void WriteKinovea(const std::filesystem::path& path, const PointRecording& points) {
-  if (points.space == PointSpace::kSpace) throw Fail("{}: Kinovea's table holds points of a plane only", path.string());
   std::string text = "\"Time\"";
   for (const PointTrack& point : points.points) {
     std::string name;
@@ -60,7 +62,7 @@ PointRecording ReadKinoveaText(const std::filesystem::path& path, const ReadOpti
   }
   if (tracks.empty()) throw Fail("{}: Kinovea's text without a trajectory", path.string());
   PointRecording recording = JoinMarkers(tracks, path);
-  TellMilliseconds(recording);
+  TellMilliseconds(recording, path);
   return recording;
 }
 

@@ -159,8 +159,6 @@ PointRecording ReadKva(const std::filesystem::path& path, const ReadOptions& /*o
 }
 
 void WriteKva(const std::filesystem::path& path, const PointRecording& points) {
-  if (points.space != PointSpace::kImage)
-    throw Fail("{}: an annotation file of Kinovea holds px of a video, not mm", path.string());
   if (points.frame.size() < 2)
     throw Fail("{}: an annotation file of Kinovea needs two frames for its rate", path.string());
   const double rate_hz = FrameRate(points.time_s);

@@ -46,7 +46,9 @@ PointRecording ReadNamed(const TextLines& lines, PointTable table, const std::ve
     }
     PointColumns& point = table.points.emplace_back(PointColumns{names[i].point, {i, i + 1}});
     if (axes == 3) point.axes.push_back(i + 2);
-    if (follows(axes, "likelihood")) point.likelihood = i + axes;
+    if (axes == 2 && follows(2, "z"))
+      throw Fail("{}: holds points in space, and does not say their unit: write them as TRC", path.string());
+    if (follows(axes, "likelihood") || follows(axes, "score")) point.likelihood = i + axes;
   }
   const std::string without =
       incomplete.empty()
@@ -173,7 +175,8 @@ PointRecording ReadSleap(const std::filesystem::path& path, const ReadOptions& o
   PointTable table{.space = PointSpace::kImage,
                    .separator = SeparatorOf(lines[0]),
                    .frame = ColumnOf(titles, "frame_idx", lines),
-                   .rate_hz = options.rate_hz};
+                   .rate_hz = options.rate_hz,
+                   .least_likelihood = 0.2};               // as of the peaks that it finds
   std::map<std::string, std::vector<std::size_t>> tracks;  // the lines of each
   for (std::size_t line = 1; line < lines.Count(); ++line) {
     const std::vector<std::string> cells = SplitCells(lines[line], table.separator);
@@ -232,6 +235,8 @@ PointRecording ReadDltdv(const std::filesystem::path& path, const ReadOptions& o
 
 // DLTdv's rows "frame, column, value", whose columns are taken in pairs. A value of 0 is a missing one.
 PointRecording ReadDltdvSparse(const std::filesystem::path& path, const ReadOptions& options) {
+  if (!options.view.empty())
+    throw UsageError("--view {}: {} names no cameras: choose points by --map", options.view, path.string());
   constexpr std::size_t kMostColumns = 20'000;
   const TextLines lines(path);
   std::map<std::size_t, std::map<std::int64_t, double>> columns;  // column from 0, frame from 0, value
@@ -269,7 +274,7 @@ PointRecording ReadKinovea(const std::filesystem::path& path, const ReadOptions&
   const char separator = SeparatorOf(lines[0]);
   PointRecording recording = ReadNamed(lines, {.separator = separator, .time = 0, .mm_per_unit = options.mm_per_unit},
                                        SplitNames(SplitCells(lines[0], separator), "/0/"), "NAME/0/X, NAME/0/Y", path);
-  TellMilliseconds(recording);
+  TellMilliseconds(recording, path);
   return recording;
 }
 

@@ -53,8 +53,6 @@ PointRecording ReadTrackerText(const std::filesystem::path& path, const ReadOpti
 }
 
 void WriteTrackerText(const std::filesystem::path& path, const PointRecording& points) {
-  if (points.space == PointSpace::kSpace)
-    throw Fail("{}: a table of Tracker holds points of a plane only", path.string());
   CheckNames(points, path);
   const PointRecording drawn = AsDrawn(points);
   std::string text = points.points.size() > 1 ? "#multi:\n" : "", labels = "t";

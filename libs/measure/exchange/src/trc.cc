@@ -192,9 +192,6 @@ PointRecording ReadTrc(const std::filesystem::path& path, const ReadOptions& /*o
 }
 
 void WriteTrc(const std::filesystem::path& path, const PointRecording& recording, const std::string& unit) {
-  if (recording.space == PointSpace::kImage)
-    throw Fail("{}: TRC is in mm, and these positions in px: give --scale, or a --camera with the sagittal plane",
-               path.string());
   CheckNames(recording, path);
   const std::optional<double> mm_per_unit = FindMmPerUnit(unit);
   if (!mm_per_unit) throw UsageError("unit '{}': mm, cm or m", unit);

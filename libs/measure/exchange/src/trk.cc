@@ -178,8 +178,6 @@ PointRecording ReadTrk(const std::filesystem::path& path, const ReadOptions& /*o
 }
 
 void WriteTrk(const std::filesystem::path& path, const PointRecording& points) {
-  if (points.space != PointSpace::kImage)
-    throw Fail("{}: a project of Tracker holds px of a video, not mm", path.string());
   if (points.frame.size() < 2)
     throw Fail("{}: a project of Tracker needs two frames for its frame duration", path.string());
   pugi::xml_document document;

@@ -23,8 +23,8 @@ GroundForceRecording ReadC3dForces(const std::filesystem::path& path);
 // Whether the file holds no points, only analogue channels. Throws Error.
 bool IsC3dWithoutPoints(const std::filesystem::path& path);
 
-// Intel, float, mm. C3D has a frame rate instead of time stamps: throws Error where these are uneven by more than 5 %
-// of a step, for points in px, and for more names and events than 127 kB hold (some 5000 events).
+// Intel, float, of points in mm. C3D has a frame rate instead of time stamps: throws Error where these are uneven by
+// more than 5 % of a step, and for more names and events than 127 kB hold (some 5000 events).
 void WriteC3d(const std::filesystem::path& path, const PointRecording& points);
 
 // As other programs name them: of a walk "Foot Strike" and "Foot Off" in the context "Left" or "Right", else "General".
