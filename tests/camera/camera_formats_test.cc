@@ -71,6 +71,10 @@ TEST_F(CameraFormats, OfSharedData) {
 TEST_F(CameraFormats, OfRos) {
   ExpectTheCamera(camera::ReadCameraProfile(
       Write("a.yaml", fmt::format(fmt::runtime(kRos), "plumb_bob", 5, "-0.13, 0.03, 0.0004, -0.0003, 0.0"))));
+  EXPECT_EQ(
+      camera::ReadCameraProfile(Write("a.yaml", fmt::format(fmt::runtime(kRos), "plumb_bob", 0, ""))).camera.distortion,
+      (std::array<double, 5>{}))
+      << "rectified";
   const CameraProfile rational = camera::ReadCameraProfile(
       Write("a.yaml", fmt::format(fmt::runtime(kRos), "rational_polynomial", 8, "1, 2, 3, 4, 5, 6, 7, 8")));
   EXPECT_EQ(rational.camera.more[2], 8);

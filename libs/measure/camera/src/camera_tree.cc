@@ -96,8 +96,8 @@ std::vector<double> NumbersAt(const Json& map, std::string_view key, const std::
   const Json* value = FindKey(map, key);
   if (!value) throw Fail("{}: no key '{}'", where, key);
   AppendNumbers(*value, fmt::format("{}: '{}'", where, key), numbers);
-  if (numbers.empty() || (count > 0 && numbers.size() != count))
-    throw Fail("{}: '{}' has {} numbers, not {}", where, key, numbers.size(), std::max<std::size_t>(count, 1));
+  if (count > 0 && numbers.size() != count)
+    throw Fail("{}: '{}' has {} numbers, not {}", where, key, numbers.size(), count);
   return numbers;
 }
 
