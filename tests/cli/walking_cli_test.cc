@@ -5,10 +5,13 @@
 #include <fstream>
 
 #include "cli/program_run.h"
+#include "exchange/model_output.h"
 #include "gait/drawn_walk.h"
 #include "gait/worn_joint_marker.h"
+#include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
+#include "lake/exchange/c3d.h"
 
 namespace lake {
 namespace {
@@ -48,6 +51,33 @@ TEST_F(WalkingProgram, WritesTheStrides) {
   EXPECT_NEAR(in_stride, strides * drawn.stride_s * drawn.rate_hz, 5);
   EXPECT_TRUE(fs::exists(folder_ / "W/gait_cycles.png"));
   EXPECT_FALSE(fs::exists(folder_ / "W/sit_to_stand.csv"));
+}
+
+TEST_F(WalkingProgram, IsComparedWithTheModelOfTheSameC3d) {
+  ASSERT_EQ(Gait({}, "").exit_code, 0);
+  const CsvTable kinematics = CsvTable::Read(folder_ / "W/kinematics.csv");
+  constexpr double kOffset_deg = 5;
+  exchange::PointRecording points = exchange::PointsFromMarkers(DrawWalk({}));
+  exchange::PointTrack& output = points.points.emplace_back();
+  output.name = "LKneeAngles";
+  for (std::size_t row = 0; row < kinematics.Rows(); ++row)
+    output.positions.emplace_back(kinematics.RequiredNumber(row, kinematics.Column("knee_deg")) + kOffset_deg, 1, 2);
+  exchange::WriteC3d(folder_ / "plain.c3d", points);
+  const std::string plain = ReadTextFile(folder_ / "plain.c3d");
+  WriteTextFile(folder_ / "angle.c3d", WithModelOutput(plain, "ANGLES", "LKneeAngles", "deg"));
+  WriteTextFile(folder_ / "moment.c3d", WithModelOutput(plain, "MOMENTS", "LKneeAngles", "Nmm"));
+  const auto run = [&](const std::string& file, const std::string& name) {
+    return Shell(folder_, fmt::format("lake-gait {} --json -o C --compare-with {}", file, name));
+  };
+  const Outcome compared = run("angle.c3d", "LKneeAngles");
+  ASSERT_EQ(compared.exit_code, 0) << compared.err;
+  const Json difference = Json::parse(compared.out)["compare_with"];
+  EXPECT_NEAR(difference["offset_deg"], -kOffset_deg, 0.05);
+  EXPECT_LT(difference["sd_deg"], 0.1);
+  EXPECT_GT(difference["correlation"], 0.9999);
+  EXPECT_EQ(CsvTable::Read(folder_ / "C/model_output.csv").Rows(), points.frame.size());
+  EXPECT_THAT(run("angle.c3d", "RKneeAngles").err, HasSubstr("it has: LKneeAngles"));
+  EXPECT_THAT(run("moment.c3d", "LKneeAngles").err, HasSubstr("not an angle"));
 }
 
 TEST_F(WalkingProgram, SaysWhatItLeavesOut) {

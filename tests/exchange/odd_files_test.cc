@@ -2,6 +2,7 @@
 // not read is called what it is. Files of shared/data/odd_files, and dialects made here after the programs' documents.
 #include <gmock/gmock.h>
 
+#include "exchange/model_output.h"
 #include "lake/core/atomic_file.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/formats.h"
@@ -311,21 +312,7 @@ TEST_F(OddFiles, ModelOutputsOfAC3dAreNoMarkers) {
   points.points[1].name = "LKneeAngles";
   points.events.clear();
   exchange::WriteC3d(folder_ / "a.c3d", points);
-  std::string bytes = ReadTextFile(folder_ / "a.c3d");
-  // POINT:ANGLES and ANGLE_UNITS in the place of the group TRIAL's parameters, which nobody needs.
-  const auto entry = [](const std::string& name, const std::string& text) {
-    const int next = 2 + 1 + 1 + 2 + static_cast<int>(text.size()) + 1;
-    return std::string{static_cast<char>(name.size()), 1} + name + static_cast<char>(next) + '\0' + '\xFF' + '\2' +
-           static_cast<char>(text.size()) + '\1' + text + '\0';
-  };
-  const std::string added = entry("ANGLES", "LKneeAngles") + entry("ANGLE_UNITS", "deg");
-  const std::size_t at = bytes.find("DATA_START") - 2, block = bytes.size();
-  bytes.insert(at, added);
-  const std::size_t spare = bytes.find(std::string(added.size(), '\0'), at + added.size() + 30),
-                    data = 512 * (static_cast<unsigned char>(bytes[16]) - 1u);
-  ASSERT_LT(spare, data);
-  bytes.erase(spare, added.size());
-  ASSERT_EQ(bytes.size(), block);
+  const std::string bytes = WithModelOutput(ReadTextFile(folder_ / "a.c3d"), "ANGLES", "LKneeAngles", "deg");
   const PointRecording read = Read("b.c3d", bytes);
   EXPECT_EQ(NamesOf(read), (std::vector<std::string>{"marker 1", "marker 3"}));
   ASSERT_EQ(read.outputs.size(), 1u);
