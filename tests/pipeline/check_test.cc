@@ -202,6 +202,23 @@ TEST(Check, FindsTheSampleStudyFit) {
   }
 }
 
+// Names and places as lake track takes them: a film with more markers than the leg's, whose hub hides the knee.
+TEST(Check, SaysThatAHubHidesTheKnee) {
+  const TemporaryFolder folder;
+  commands::CheckRunOptions options;
+  options.video = SourceDir() / "data/sts-study/hub-exo.mp4";
+  options.check.names = {"ankle", "hip", "waist", "exo_knee", "shank1", "shank2"};
+  options.check.seeds = {{.name = "ankle", .position = {703, 648}},  {.name = "hip", .position = {508, 413}},
+                         {.name = "waist", .position = {519, 304}},  {.name = "exo_knee", .position = {730, 434}},
+                         {.name = "shank1", .position = {741, 505}}, {.name = "shank2", .position = {728, 580}}};
+  Run run({"lake-check", "test", Json::object(), folder / "out", true});
+  const Json check = run.WriteSummary(commands::RunCheck(options, run));
+  EXPECT_TRUE(check["figures"]["named"].get<bool>()) << check["checks"].dump(1);
+  EXPECT_EQ(VerdictOf(check, "knee_hidden_share"), "poor");
+  EXPECT_THAT(check["checks"].dump(), testing::AllOf(testing::HasSubstr("knee hidden in 100 % of the frames"),
+                                                     testing::HasSubstr("two markers on the shank would replace it")));
+}
+
 // Among sixty lamps the rings are round the markers that lake track names, not round the brightest.
 TEST(Check, AmongSixtyLampsItJudgesTheMarkersThatAreTracked) {
   synth::SceneOptions scene = Short(6);
