@@ -247,8 +247,8 @@ double Fit(const std::vector<KneeFrame>& frames, double noise_mm, LearntKnee& kn
     knee.knee_mm = FitPolynomial(knee, frames, degree, -1);
     knee.residual_mm.clear();
     for (const double variance : variances) {
-      const double of_both = ((std::isnan(variance) ? mean : variance) + mean) / 2;  // few parts tell little of one
-      knee.residual_mm.push_back(std::sqrt(std::max(kLeast * of_both, of_both - 2 * noise_mm * noise_mm)));
+      const double here = std::isnan(variance) ? mean : variance;
+      knee.residual_mm.push_back(std::sqrt(std::max(kLeast * here, here - 2 * noise_mm * noise_mm)));
     }
   }
   return least;
