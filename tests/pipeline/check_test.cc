@@ -20,8 +20,8 @@ synth::SceneOptions Short(std::uint64_t seed) {
   return scene;
 }
 
-Json CheckVideo(const std::filesystem::path& video, const std::filesystem::path& out) {
-  commands::CheckRunOptions options;
+Json CheckVideo(const std::filesystem::path& video, const std::filesystem::path& out,
+                commands::CheckRunOptions options = {}) {
   options.video = video;
   Run run({"lake-check", "test", Json::object(), out, true});
   return run.WriteSummary(commands::RunCheck(options, run));
@@ -206,13 +206,11 @@ TEST(Check, FindsTheSampleStudyFit) {
 TEST(Check, SaysThatAHubHidesTheKnee) {
   const TemporaryFolder folder;
   commands::CheckRunOptions options;
-  options.video = SourceDir() / "data/sts-study/hub-exo.mp4";
   options.check.names = {"ankle", "hip", "waist", "exo_knee", "shank1", "shank2"};
   options.check.seeds = {{.name = "ankle", .position = {703, 648}},  {.name = "hip", .position = {508, 413}},
                          {.name = "waist", .position = {519, 304}},  {.name = "exo_knee", .position = {730, 434}},
                          {.name = "shank1", .position = {741, 505}}, {.name = "shank2", .position = {728, 580}}};
-  Run run({"lake-check", "test", Json::object(), folder / "out", true});
-  const Json check = run.WriteSummary(commands::RunCheck(options, run));
+  const Json check = CheckVideo(SourceDir() / "data/sts-study/hub-exo.mp4", folder / "out", options);
   EXPECT_TRUE(check["figures"]["named"].get<bool>()) << check["checks"].dump(1);
   EXPECT_EQ(VerdictOf(check, "knee_hidden_share"), "poor");
   EXPECT_THAT(check["checks"].dump(), testing::AllOf(testing::HasSubstr("knee hidden in 100 % of the frames"),
