@@ -150,10 +150,12 @@ TEST_F(AxisProgram, RefusesWhatGivesNoAxis) {
   WriteSpace();
   Refused("plane.csv --segment shank=s1,none --segment thigh=t1,t2", 1,
           AllOf(HasSubstr("no marker 'none'"), HasSubstr("s1, s2, t1, t2")));
-  Refused("plane.csv --segment shank=s1 --segment thigh=t1,t2", 2, HasSubstr("--segment shank: 1 marker, needs"));
+  Refused("plane.csv --segment shank=s1 --segment thigh=t1,t2", 2,
+          HasSubstr("--segment shank=s1: give two markers or more"));
   Refused("space.trc --segment shank=s1,s2 --segment thigh=t1,t2,t3", 2, HasSubstr("needs at least 3"));
   Refused("plane.csv --segment shank=s1,s2", 2, HasSubstr("add --segment thigh="));
-  Refused("plane.csv --segment shank=s1,s2 --segment foot=t1,t2", 2, HasSubstr("'foot=t1,t2'"));
+  Refused("plane.csv --segment shank=s1,s2 --segment foot=t1,t2", 2,
+          HasSubstr("--segment foot: the segments that end at the knee"));
   Refused(kPlane + " --unit m", 2, HasSubstr("--unit has no effect"));
   Refused(kPlane + " --window 5", 1, HasSubstr("shorter window"));
   WritePlane(0);

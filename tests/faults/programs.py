@@ -194,7 +194,7 @@ def commands(folder):
         "calibrate": ["lake-calibrate"] + [f"board{i}.pgm" for i in range(6)] + ["--board", "chessboard:6x4:25"],
         "calibrate-plane": ["lake-calibrate", "plane", "video.mp4", "--camera", "camera.yaml", "--points", POINTS],
         "calibrate-board": ["lake-calibrate", "board", "--board", "chessboard:9x6:25", "--paper", "a4"],
-        "check": ["lake-check", "video.mp4", "--markers", "4"],
+        "check": ["lake-check", "video.mp4", "--markers", "ankle,knee,hip,waist"],
         "track": track + seeds(folder)[:2] + ["--corrections", "corrections.csv"],
         "track-exo": track + seeds(folder) + ["--markers", MARKERS + ",exo_knee", "--no-overlay", "--export", "trc,c3d,kva"],
         "track-list": ["lake-track", "video.mp4", "--list"],

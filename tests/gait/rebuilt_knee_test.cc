@@ -92,6 +92,7 @@ struct HiddenCase {
   bool in_space;  // with the places across the plane
   const char* forward = "+x";
   double noise_mm = 0;  // that is added to every coordinate
+  double least_over_sd = 0.7;
 };
 
 // The same in each run; another one in each part.
@@ -132,9 +133,7 @@ TEST_P(RebuiltKneeOf, RealLegIsWhereItsMarkerWas) {
   RecordProperty("over_sd", std::to_string(errors.over_sd));
   EXPECT_GT(errors.frames, 0.95 * static_cast<double>(std::ranges::count_if(truth, &motion::MarkerSample::IsKnown)));
   EXPECT_LT(errors.rms_mm, 3);  // asked: 4
-  // The walks' half strides have 0.6 to 0.9: less of the skin is seen in what they are learnt from than in what is left
-  // out of it.
-  EXPECT_GT(errors.over_sd, 0.6);
+  EXPECT_GT(errors.over_sd, c.least_over_sd);
   EXPECT_LT(errors.over_sd, 1.4);
 }
 
@@ -145,26 +144,29 @@ constexpr const char* kRight = "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=R_Shou
 constexpr const char* kLeft = "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L_Shoulder,a=L_sh2,b=L_sh3";
 constexpr const char* kWalkRight = "ankle=RLMAL,knee=RLFC,hip=RHJC,a=RTB1,b=RTB2,c=RTB3,d=RTH1,e=RTH2,f=RTH3";
 constexpr const char* kWalkLeft = "ankle=LLMAL,knee=LLFC,hip=LHJC,a=LTB1,b=LTB2,c=LTB3,d=LTH1,e=LTH2,f=LTH3";
+// Of half strides: less of the skin is seen in what they are learnt from than in what is left out of it.
+constexpr double kOfWalks = 0.4;
 const gait::TechnicalMarkers kShank = {{"shank", {"a", "b"}}},
                              kBoth = {{"shank", {"a", "b", "c"}}, {"thigh", {"d", "e", "f"}}};
 
 INSTANTIATE_TEST_SUITE_P(
     , RebuiltKneeOf,
-    testing::Values(HiddenCase{"OpticalRight", kOptical, kRight, kShank, 4.3, true},
-                    HiddenCase{"OpticalLeft", kOptical, kLeft, kShank, 4.3, true},
-                    HiddenCase{"OpticalRightInPlane", kOptical, kRight, kShank, 4.3, false},
-                    HiddenCase{"OpticalLeftMirrored", kOptical, kLeft, kShank, 4.3, false, "-x"},
-                    HiddenCase{"PlatesRight", kPlates, kRight, kShank, 7, true},
-                    HiddenCase{"PlatesLeft", kPlates, kLeft, kShank, 7, true},
-                    HiddenCase{"PlatesRightInPlane", kPlates, kRight, kShank, 7, false},
-                    HiddenCase{"PlatesLeftFromOneRise", kPlates, kLeft, kShank, 2.7, true},
-                    HiddenCase{"PlatesRightNoisy", kPlates, kRight, kShank, 7, true, "+x", 1},
-                    HiddenCase{"OpticalRightNoisy", kOptical, kRight, kShank, 4.3, false, "+x", 1},
-                    HiddenCase{"SquatsRight", kSquats, kRight, kShank, 6.7, true, ""},
-                    HiddenCase{"Walking2Right", "opensim_walk/walking2.c3d", kWalkRight, kBoth, 2.6, true, ""},
-                    HiddenCase{"Walking2Left", "opensim_walk/walking2.c3d", kWalkLeft, kBoth, 2.6, true, ""},
-                    HiddenCase{"Walking5Right", "opensim_walk/walking5.c3d", kWalkRight, kBoth, 2.6, true, ""},
-                    HiddenCase{"Walking5Left", "opensim_walk/walking5.c3d", kWalkLeft, kBoth, 2.6, true, ""}),
+    testing::Values(
+        HiddenCase{"OpticalRight", kOptical, kRight, kShank, 4.3, true},
+        HiddenCase{"OpticalLeft", kOptical, kLeft, kShank, 4.3, true},
+        HiddenCase{"OpticalRightInPlane", kOptical, kRight, kShank, 4.3, false},
+        HiddenCase{"OpticalLeftMirrored", kOptical, kLeft, kShank, 4.3, false, "-x"},
+        HiddenCase{"PlatesRight", kPlates, kRight, kShank, 7, true},
+        HiddenCase{"PlatesLeft", kPlates, kLeft, kShank, 7, true},
+        HiddenCase{"PlatesRightInPlane", kPlates, kRight, kShank, 7, false},
+        HiddenCase{"PlatesLeftFromOneRise", kPlates, kLeft, kShank, 2.7, true},
+        HiddenCase{"PlatesRightNoisy", kPlates, kRight, kShank, 7, true, "+x", 1},
+        HiddenCase{"OpticalRightNoisy", kOptical, kRight, kShank, 4.3, false, "+x", 1},
+        HiddenCase{"SquatsRight", kSquats, kRight, kShank, 6.7, true, ""},
+        HiddenCase{"Walking2Right", "opensim_walk/walking2.c3d", kWalkRight, kBoth, 2.6, true, "", 0, kOfWalks},
+        HiddenCase{"Walking2Left", "opensim_walk/walking2.c3d", kWalkLeft, kBoth, 2.6, true, "", 0, kOfWalks},
+        HiddenCase{"Walking5Right", "opensim_walk/walking5.c3d", kWalkRight, kBoth, 2.6, true, "", 0, kOfWalks},
+        HiddenCase{"Walking5Left", "opensim_walk/walking5.c3d", kWalkLeft, kBoth, 2.6, true, "", 0, kOfWalks}),
     [](const auto& info) { return info.param.name; });
 
 // Drawn rises through a calibrated camera, with two markers on the shank. The knee's skin slides by up to 20 mm with

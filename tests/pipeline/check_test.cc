@@ -20,8 +20,8 @@ synth::SceneOptions Short(std::uint64_t seed) {
   return scene;
 }
 
-Json CheckVideo(const std::filesystem::path& video, const std::filesystem::path& out) {
-  commands::CheckRunOptions options;
+Json CheckVideo(const std::filesystem::path& video, const std::filesystem::path& out,
+                commands::CheckRunOptions options = {}) {
   options.video = video;
   Run run({"lake-check", "test", Json::object(), out, true});
   return run.WriteSummary(commands::RunCheck(options, run));
@@ -200,6 +200,21 @@ TEST(Check, FindsTheSampleStudyFit) {
     EXPECT_EQ(check["figures"]["repeated_frames"], 0) << video;
     EXPECT_TRUE(check["fit"].get<bool>()) << video << ": " << check["checks"].dump();
   }
+}
+
+// Names and places as lake track takes them: a film with more markers than the leg's, whose hub hides the knee.
+TEST(Check, SaysThatAHubHidesTheKnee) {
+  const TemporaryFolder folder;
+  commands::CheckRunOptions options;
+  options.check.names = {"ankle", "hip", "waist", "exo_knee", "shank1", "shank2"};
+  options.check.seeds = {{.name = "ankle", .position = {703, 648}},  {.name = "hip", .position = {508, 413}},
+                         {.name = "waist", .position = {519, 304}},  {.name = "exo_knee", .position = {730, 434}},
+                         {.name = "shank1", .position = {741, 505}}, {.name = "shank2", .position = {728, 580}}};
+  const Json check = CheckVideo(SourceDir() / "data/sts-study/hub-exo.mp4", folder / "out", options);
+  EXPECT_TRUE(check["figures"]["named"].get<bool>()) << check["checks"].dump(1);
+  EXPECT_EQ(VerdictOf(check, "knee_hidden_share"), "poor");
+  EXPECT_THAT(check["checks"].dump(), testing::AllOf(testing::HasSubstr("knee hidden in 100 % of the frames"),
+                                                     testing::HasSubstr("two markers on the shank would replace it")));
 }
 
 // Among sixty lamps the rings are round the markers that lake track names, not round the brightest.

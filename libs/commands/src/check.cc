@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "lake/core/error.h"
 #include "lake/core/json_or_null.h"
 #include "lake/overlay/check_picture.h"
 #include "lake/tracking/track_markers.h"
@@ -96,18 +97,28 @@ void Describe(CheckRunOptions& o, OptionList& options) {
   options.AddOperand("video", o.video, "Video, or image sequence as frames/%05d.png")
       .Required()
       .IsPath(Option::Path::kVideo);
-  options.Add("markers", o.check.markers, "Number of markers that should be seen").Between(1, 40);
+  tracking::DescribeNames(o.check.names, o.check.seeds, options);
   tracking::DescribePolarity(o.check.polarity, options);
   tracking::DescribeCrop(o.check.crop, options);
   video::DescribeCaptureRate(o.check.reader, options);
   video::DescribeRotation(o.check.reader, options);
+  options.Check([&o](const OptionList&) {
+    tracking::TrackOptions track;
+    track.names = o.check.names;
+    track.seeds = o.check.seeds;
+    track.Check();
+    for (const char* name : {"ankle", "hip"})
+      if (std::ranges::count(track.names, name) == 0)
+        throw UsageError("--markers: '{}' is missing; recordings of a leg are judged", name);
+  });
 }
 
 Json RunCheck(const CheckRunOptions& options, Run& run) {
   const tracking::RecordingCheck check = tracking::CheckRecording(options.video, options.check);
   run.AddInput(video::FilesOfVideo(options.video), "video");
   run.Begin({"summary.json", "check.png"});
-  const std::vector<tracking::CheckItem> items = tracking::JudgeRecording(check, options.check.markers);
+  const std::vector<tracking::CheckItem> items =
+      tracking::JudgeRecording(check, static_cast<int>(options.check.names.size()));
   const auto has = [&](tracking::Verdict verdict) {
     return std::ranges::count(items, verdict, &tracking::CheckItem::verdict) > 0;
   };

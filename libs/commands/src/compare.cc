@@ -188,20 +188,8 @@ void CheckMovements(gait::MovementKind human, gait::MovementKind exo, const Comp
 double KneeHiddenShare(const motion::MarkerRecording& recording) {
   const motion::MarkerTrack* knee = recording.Find(kKnee);
   if (!knee || knee->samples.empty()) return 1;
-  const auto hidden = std::ranges::count_if(knee->samples, [](const motion::MarkerSample& sample) {
-    return sample.status != motion::SampleStatus::kDetected;
-  });
-  return static_cast<double>(hidden) / static_cast<double>(knee->samples.size());
-}
-
-void CheckDepths(const gait::MarkerDepths& depths, const std::optional<FunctionalTables>& human,
-                 const std::optional<FunctionalTables>& exo) {
-  const auto has = [](const std::optional<FunctionalTables>& trial, const std::string& marker) {
-    return trial && trial->tables.trajectory.Find(marker);
-  };
-  for (const auto& [marker, depth] : depths)
-    if (!has(human, marker) && !has(exo, marker))
-      throw UsageError("--depth {}: no trial whose markers are read has it", marker);
+  const auto seen = std::ranges::count(knee->samples, motion::SampleStatus::kDetected, &motion::MarkerSample::status);
+  return 1 - static_cast<double>(seen) / static_cast<double>(knee->samples.size());
 }
 
 RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
@@ -220,7 +208,9 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
   pair.axes.exo_mm = exo ? exo->sd_mm : exo_curves->axes.exo_mm;
   if (options.knee.knee == KneeFrom::kFunctional && !pair.axes.human_mm && !pair.axes.exo_mm)
     throw UsageError("--knee functional: no trial has markers of --segment on shank and thigh");
-  CheckDepths(options.exo_picture.depths, human, exo);
+  for (const auto& [marker, depth] : options.exo_picture.depths)
+    if (!(human && human->tables.trajectory.Find(marker)) && !(exo && exo->tables.trajectory.Find(marker)))
+      throw UsageError("--depth {}: no trial whose markers are read has it", marker);
   if (human && exo) CheckUnits(human->tables, exo->tables);
   if (human && exo) CheckOrder(human->tables, exo->tables, options);
   if (exo) pair.knee_hidden_share = KneeHiddenShare(exo->tables.trajectory);

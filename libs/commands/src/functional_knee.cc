@@ -6,26 +6,16 @@
 #include <cmath>
 #include <utility>
 
-#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/exchange/formats.h"
+#include "lake/gait/learnt_knee.h"
 
 namespace lake::commands {
 namespace {
 
 void SetSegments(const OptionTexts& texts, const std::string& said, axis::SegmentMarkers& segments) {
-  segments = {};
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    const std::string name = text.substr(0, equals);
-    if (equals == std::string::npos || (name != "shank" && name != "thigh"))
-      throw UsageError("{} '{}': give shank=MARKER,MARKER or thigh=MARKER,MARKER", said, text);
-    std::vector<std::string>& markers = name == "shank" ? segments.shank : segments.thigh;
-    if (!markers.empty()) throw UsageError("{}: the {} is given twice", said, name);
-    markers = SplitText(text.substr(equals + 1), ',');
-    if (std::count(markers.begin(), markers.end(), ""))
-      throw UsageError("{} '{}': a marker's name is empty", said, text);
-  }
+  gait::TechnicalMarkers markers = gait::ParseSegmentMarkers(texts, said);
+  segments = {markers["shank"], markers["thigh"]};
 }
 
 // Under the names that they have in the file, mm.

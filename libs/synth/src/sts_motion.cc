@@ -27,22 +27,18 @@ Vector2d Along(double angle_deg) {
   return {std::sin(angle), std::cos(angle)};
 }
 
-// A technical marker in the frame of its segment, y up the leg; the skin slides least at its middle.
+// A technical marker in the shank's frame, y up the leg; the skin slides least at its lower end.
 struct ExtraMarker {
   const char* name;
-  bool is_on_thigh;
   Vector2d from_knee_mm;
   double skin_share;
 };
-const ExtraMarker kExtraMarkers[] = {{"shank1", false, {35, -130}, 0.25},
-                                     {"shank2", false, {30, -270}, 0.15},
-                                     {"thigh1", true, {25, 130}, 0.4},
-                                     {"thigh2", true, {20, 270}, 0.4}};
+const ExtraMarker kExtraMarkers[] = {{"shank1", {35, -130}, 0.25}, {"shank2", {30, -270}, 0.15}};
 
 const ExtraMarker& ExtraMarkerOf(const std::string& name) {
   const auto found = std::ranges::find(kExtraMarkers, name, &ExtraMarker::name);
   if (found == std::end(kExtraMarkers))
-    throw UsageError("--extra-markers {}: a drawn sit-to-stand has shank1, shank2, thigh1 and thigh2", name);
+    throw UsageError("--extra-markers {}: a drawn sit-to-stand has shank1 and shank2", name);
   return *found;
 }
 
@@ -176,14 +172,11 @@ std::vector<Vector2d> StsMotion::At(double time_s) const {
   std::vector<Vector2d> markers = {ankle, knee, hip, hip + options_.trunk_mm * Along(angles.trunk)};
   if (options_.exo_knee_mm)
     markers.push_back(knee + options_.exo_knee_mm->x() * shank_anterior + options_.exo_knee_mm->y() * shank);
-  const Vector2d thigh = Along(angles.thigh), thigh_anterior(thigh.y(), -thigh.x());
   const double flexion = std::sin(0.5 * RadiansFromDegrees(angles.shank - angles.thigh));
   for (const std::string& name : options_.extra_markers) {
     const ExtraMarker& marker = ExtraMarkerOf(name);
-    const Vector2d& up = marker.is_on_thigh ? thigh : shank;
-    const Vector2d& forward = marker.is_on_thigh ? thigh_anterior : shank_anterior;
     const double slid_mm = marker.skin_share * options_.skin_mm * flexion * flexion;
-    markers.push_back(knee + marker.from_knee_mm.x() * forward + (marker.from_knee_mm.y() + slid_mm) * up);
+    markers.push_back(knee + marker.from_knee_mm.x() * shank_anterior + (marker.from_knee_mm.y() + slid_mm) * shank);
   }
   if (options_.skin_mm != 0) SlideSkin(time_s, angles, markers);
   if (options_.facing == motion::Facing::kLeft)

@@ -52,7 +52,7 @@ void DescribeMotion(SynthRunOptions& o, OptionList& options) {
   options
       .Add("extra-markers", o.motion.extra_markers,
            "With --motion: further markers of the file; of a drawn walk: heel, toe, other_ankle, …; of a drawn "
-           "sit-to-stand: shank1, shank2, thigh1, thigh2")
+           "sit-to-stand: shank1, shank2")
       .Value("NAME,...");
   options
       .Add("stride", o.stride_s,

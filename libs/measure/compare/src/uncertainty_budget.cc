@@ -96,32 +96,26 @@ Parallax OfSkin(const std::optional<double>& slope, double per_mm, const BudgetO
           slope ? "slope of this trial's camera, depth assumed; --depth-sd" : "assumed; --depth-sd, --view-slope"};
 }
 
-// Of the joint against the knee; `slope` is along the direction in which the headline grows, `assumed` what it gains
-// per mm in any.
-Parallax OfJoint(const Misalignment& m, const std::optional<double>& slope, double assumed, const BudgetOptions& o) {
+// Of the joint's place against the knee, per mm of its depth: mean along `direction`(percent), shank's frame.
+template <typename Direction>
+std::optional<double> JointSlope(const Misalignment& m, const Direction& direction) {
+  if (m.exo.slope.empty() || !m.exo_sight || m.exo.leg_knee.empty()) return std::nullopt;
+  double sum = 0;
+  for (std::size_t i = 0; i < m.exo.slope.size(); ++i)
+    sum += m.exo.slope[i].dot(AxesAlong(m.exo.leg_knee[i] - m.exo.ankle[i]) * direction(i));
+  return sum / static_cast<double>(m.exo.slope.size());
+}
+
+// Of the joint against the knee, along the direction in which the headline grows; `assumed` is what it gains per mm in
+// any.
+template <typename Direction>
+Parallax OfJoint(const Misalignment& m, const Direction& direction, double assumed, const BudgetOptions& o) {
+  const std::optional<double> slope = JointSlope(m, direction);
   if (!slope || o.view_slope) return OfSkin({}, assumed, o);
   const std::optional<gait::MarkerDepth>& depth = m.exo_sight->depth;
   return {JointDepthDeviationMm(depth, o), *slope,
           depth ? "slope of this trial's camera, depth as --depth says"
                 : "slope of this trial's camera; how far the joint stands proud is not known: --depth"};
-}
-
-// Of the joint's place, per percent, in the shank's frame; empty where the camera is not known.
-std::vector<Vector2d> JointSlopes(const Misalignment& m) {
-  std::vector<Vector2d> slopes;
-  if (m.exo.slope.empty() || !m.exo_sight || m.exo.leg_knee.empty()) return slopes;
-  for (std::size_t i = 0; i < m.exo.slope.size(); ++i)
-    slopes.emplace_back(AxesAlong(m.exo.leg_knee[i] - m.exo.ankle[i]).transpose() * m.exo.slope[i]);
-  return slopes;
-}
-
-// Mean of slope · direction(percent).
-template <typename Direction>
-std::optional<double> SlopeAlong(const std::vector<Vector2d>& slopes, const Direction& direction) {
-  if (slopes.empty()) return std::nullopt;
-  double sum = 0;
-  for (std::size_t i = 0; i < slopes.size(); ++i) sum += slopes[i].dot(direction(i));
-  return sum / static_cast<double>(slopes.size());
 }
 
 // `placement`: its standard deviation in mm and the option that changes it; an axis has none, but its own, `axis_mm`.
@@ -178,16 +172,13 @@ void AddPlane(const Misalignment& m, std::vector<BudgetRow>& rows) {
 // Of how far the joint is from the knee in a frame. Where an axis is known, the skin's sliding is in it as far as the
 // clusters show it.
 Budget JointFrameBudget(const Misalignment& m, double replacement_sd_mm, const ComparisonBudgetOptions& o) {
-  std::vector<double> distance_mm;
-  distance_mm.reserve(m.joint->shank_mm.size());
-  for (const Vector2d& joint : m.joint->shank_mm) distance_mm.push_back(joint.norm());
-  Budget budget{"joint_frame", "mm", Mean(distance_mm), 0, {}};
+  Budget budget{"joint_frame", "mm", Mean(Norms(m.joint->shank_mm)), 0, {}};
   Sensitivities s;
   s.constant = 1;
   s.noise = std::numbers::sqrt2;  // of both markers
   s.scale = budget.value / 100;
-  const auto slope = SlopeAlong(JointSlopes(m), [&](std::size_t i) { return m.joint->shank_mm[i].normalized(); });
-  AddSources(s, OfJoint(m, slope, s.constant, o), Detection(RootMeanSquare(m.exo.knee_sigma_mm), "mm", s.noise),
+  const auto away = [&](std::size_t i) { return m.joint->shank_mm[i].normalized(); };
+  AddSources(s, OfJoint(m, away, s.constant, o), Detection(RootMeanSquare(m.exo.knee_sigma_mm), "mm", s.noise),
              {replacement_sd_mm, kReplacement}, o.axes.exo_mm, o, budget.rows);
   AddPlane(m, budget.rows);
   AddRebuilding(m.exo, s.constant, budget.rows);
@@ -348,11 +339,10 @@ std::vector<Budget> BudgetsOf(const Misalignment& m, double replacement_sd_mm, c
   if (m.joint) {
     const JointMisalignment& joint = *m.joint;
     const double marker_mm = RootMeanSquare(m.exo.knee_sigma_mm);
-    const std::vector<Vector2d> slopes = JointSlopes(m);
     const auto add = [&](const char* name, double value, double least, const Sensitivities& s, const auto& direction,
                          Interval JointMisalignment::Intervals::*interval) {
       Budget budget{name, "mm", value, least, {}};
-      AddSources(s, OfJoint(m, SlopeAlong(slopes, direction), s.constant, o),
+      AddSources(s, OfJoint(m, direction, s.constant, o),
                  Detection(marker_mm, "mm", std::sqrt(kMarkersOfAJoint) * s.noise), {replacement_sd_mm, kReplacement},
                  o.axes.exo_mm, o, budget.rows);
       AddPlane(m, budget.rows);
@@ -400,8 +390,8 @@ double JointDepthDeviationMm(const std::optional<gait::MarkerDepth>& depth, cons
 Vector2d ParallaxDeviationMm(const Misalignment& m, const BudgetOptions& o) {
   Vector2d deviation_mm;
   for (const int axis : {0, 1}) {
-    const auto slope = SlopeAlong(JointSlopes(m), [axis](std::size_t) { return Vector2d(Vector2d::Unit(axis)); });
-    const Parallax parallax = OfJoint(m, slope, 1, o);
+    const Parallax parallax = OfJoint(
+        m, [axis](std::size_t) { return Vector2d(Vector2d::Unit(axis)); }, 1, o);
     deviation_mm[axis] = std::abs(parallax.size_mm * parallax.sensitivity);
   }
   return deviation_mm;

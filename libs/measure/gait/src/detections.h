@@ -25,7 +25,6 @@ struct Detections {
   // Unit of the plane, per axis: of places that technical markers give where the marker is hidden (trusted, not seen),
   // what no frame's neighbours average away; NaN elsewhere, empty without any.
   std::vector<double> rebuilt_sd;
-  double rebuilt_memory_s = 0;  // for so long their errors stay alike
   std::vector<double> lateral;  // mm, normal to the plane, NaN where missing; empty for a trial of two dimensions
 
   bool IsRebuilt(std::size_t frame) const { return !rebuilt_sd.empty() && rebuilt_sd[frame] >= 0; }

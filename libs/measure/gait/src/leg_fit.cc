@@ -196,7 +196,8 @@ void Describe(LegFitOptions& o, OptionList& options) {
       .Positive()
       .Otherwise("found from the data (spline), 6 (butterworth)");
   Describe(o.movement, options);
-  DescribeHiddenKnee(o, options);
+  Describe(o.technical, options);
+  DescribeKneeFrom(o.knee_trial, options);
 }
 
 void DescribeFacing(LegFitOptions& o, OptionList& options) {

@@ -174,7 +174,7 @@ void AddRebuiltErrors(const Detections& d, MarkerCurve& curve) {
     if (!d.IsRebuilt(i)) continue;
     const double variance = d.rebuilt_sd[i] * d.rebuilt_sd[i];
     curve.point[i].position_covariance += variance * Eigen::Matrix3d::Identity();
-    curve.point[i].velocity_variance += variance / (d.rebuilt_memory_s * d.rebuilt_memory_s);
+    curve.point[i].velocity_variance += variance / (kRebuiltMemory_s * kRebuiltMemory_s);
     curve.plane_sigma[i] = PlaneSigma(curve.point[i]);
   }
 }

@@ -166,7 +166,7 @@ void CountSpots(const std::vector<Place>& places, std::size_t markers, Recording
   check.all_seen_share = spots.empty() ? 0 : static_cast<double>(all) / static_cast<double>(spots.size());
 }
 
-// The markers of the leg, as TrackMarkers names them without help; the reason where it cannot.
+// The markers, as TrackMarkers names them; the reason where it cannot.
 struct Named {
   std::optional<TrackResult> tracked;
   std::string why_not;
@@ -174,10 +174,9 @@ struct Named {
 
 Named NameMarkers(const std::filesystem::path& video, const RecordingCheckOptions& options,
                   const video::VideoInfo& info) {
-  constexpr int kFewest = 3;  // are a leg
   TrackOptions track;
-  const auto count = static_cast<std::size_t>(std::max(options.markers, kFewest));
-  while (track.names.size() > count) track.names.pop_back();
+  track.names = options.names;
+  track.seeds = options.seeds;
   track.polarity = options.polarity;
   track.crop = options.crop;
   track.reader = options.reader;
@@ -252,9 +251,10 @@ void TakeNamed(const TrackResult& tracked, RecordingCheck& check) {
   check.markers = *tracked.figures;
   check.compression_px = tracked.sigma.compression_px;
   check.position_sd_px = std::hypot(check.markers.sigma_px, check.compression_px);
-  const motion::MarkerTrack& knee = TrackOf(tracked, "knee");
+  const motion::MarkerTrack &ankle = TrackOf(tracked, "ankle"), &hip = TrackOf(tracked, "hip"),
+                            *knee = tracked.recording.Find("knee");
   check.segment_px =
-      (MedianDistance(TrackOf(tracked, "ankle"), knee) + MedianDistance(knee, TrackOf(tracked, "hip"))) / 2;
+      (knee ? MedianDistance(ankle, *knee) + MedianDistance(*knee, hip) : MedianDistance(ankle, hip)) / 2;
   check.knee_sd_deg = KneeSdDeg(check.position_sd_px, check.segment_px);
   const std::size_t frames = tracked.recording.time_s.size();
   // Where no marker is seen the person is out of the picture; a repeated picture shows nothing of its own, either.
@@ -266,8 +266,8 @@ void TakeNamed(const TrackResult& tracked, RecordingCheck& check) {
   }
   const auto shown = static_cast<double>(std::max<std::size_t>(any, 1));
   check.all_seen_share = static_cast<double>(all) / shown;
-  check.knee_hidden_share =
-      std::max(0.0, 1 - std::ranges::count_if(knee.samples, &motion::MarkerSample::IsKnown) / shown);
+  const auto knee_seen = knee ? std::ranges::count_if(knee->samples, &motion::MarkerSample::IsKnown) : 0;
+  check.knee_hidden_share = std::max(0.0, 1 - static_cast<double>(knee_seen) / shown);
   for (const motion::MarkerTrack& track : tracked.recording.markers) {
     std::vector<Eigen::Vector2d> path;
     for (const motion::MarkerSample& sample : track.samples)
@@ -448,13 +448,13 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
   check.places_seen = static_cast<int>(places.size());
   if (options.reader.capture_rate_hz > 0) check.video.frame_rate_hz = options.reader.capture_rate_hz;
 
-  CountSpots(places, options.markers, check);
+  CountSpots(places, options.names.size(), check);
   const Named named = NameMarkers(video, options, check.video);
   check.why_not_named = named.why_not;
   if (named.tracked)
     TakeNamed(*named.tracked, check);
   else
-    check.travel_px = TravelOfSpots(places, static_cast<std::size_t>(options.markers));
+    check.travel_px = TravelOfSpots(places, options.names.size());
   std::vector<double> tilts;
   for (const Place& place : places)
     if (const auto tilt = TiltDeg(place.middle)) tilts.push_back(*tilt);

@@ -30,11 +30,11 @@ void JudgeMarkers(const RecordingCheck& c, int markers, std::vector<CheckItem>& 
   if (!c.IsNamed()) {
     items.push_back(
         {.name = "markers",
-         .shown = "lake track cannot name the markers of itself, so neither they nor the knee are judged: " +
-                  c.why_not_named,
+         .shown = "lake track cannot name the markers so, and neither they nor the knee are judged: " + c.why_not_named,
          .verdict = Verdict::kNotJudged,
          .advice = "bright round markers on ankle, knee and hip, all in the picture, from sitting to "
-                   "standing; or point at them: lake review VIDEO. Colours and ArUco squares are not judged "
+                   "standing; or name them all with --markers and point at them with --seed. Colours and ArUco squares "
+                   "are not judged "
                    "here, lake-track finds them with --detector"});
     return;
   }

@@ -124,7 +124,8 @@ void Describe(LiveRunOptions& o, OptionList& options) {
   tracking::DescribeNames(o.markers, o.seeds, options);
   tracking::DescribePolarity(o.polarity, options);
   tracking::DescribeCrop(o.crop, options);
-  gait::DescribeHiddenKnee(o.fit, options);
+  gait::Describe(o.fit.technical, options);
+  gait::DescribeKneeFrom(o.fit.knee_trial, options);
   options.Check([&o](const OptionList&) { gait::AddTechnical(o.fit.technical, o.markers); });
   options.Add("joint", o.joint, "Which of the markers sits on the exoskeleton's joint").Value("NAME");
   compare::DescribeJointAt(o.joint_at_mm, options);

@@ -67,8 +67,7 @@ Session::Session(const LiveRunOptions& options, fs::path programs, Run& run)
     : options_(options), programs_(std::move(programs)), run_(run), by_hand_(options.seeds) {
   gait::ReadKneeFrom(options_.fit);
   if (const auto& learnt = options_.fit.knee_from)
-    for (const gait::SegmentKnee& segment : learnt->segments)
-      gait::AddTechnical({{segment.segment, segment.markers}}, options_.markers);
+    gait::AddTechnical({{learnt->segment, learnt->markers}}, options_.markers);
   CheckMarkers();
   const fs::path recording = run.Folder() / kVideo;
   for (const fs::path& file : {recording, video::UnfinishedRecording(recording)})
@@ -524,15 +523,14 @@ void Session::JudgePictures() {
                                 (time_s.back() - time_s.front());  // stamps may be in whole ms
     check.repeated_frames = static_cast<int>(tracker_->RepeatedFrames());
     if (tracker_->HasAllNames()) check.why_not_named.clear();
-    std::size_t all = 0;
-    for (std::size_t row = frames - looked; row < frames; ++row)
+    std::size_t all = 0, hidden = 0;
+    const motion::MarkerTrack* knee = options_.fit.knee_from ? nullptr : measured.Find("knee");
+    for (std::size_t row = frames - looked; row < frames; ++row) {
       all += std::ranges::all_of(measured.markers, [&](const auto& track) { return track.samples[row].IsKnown(); });
+      hidden += knee && !knee->samples[row].IsKnown();
+    }
     check.all_seen_share = static_cast<double>(all) / static_cast<double>(looked);
-    if (const motion::MarkerTrack* knee = measured.Find("knee"); knee && !options_.fit.knee_from)
-      check.knee_hidden_share = static_cast<double>(std::count_if(
-                                    knee->samples.end() - static_cast<std::ptrdiff_t>(looked), knee->samples.end(),
-                                    [](const motion::MarkerSample& sample) { return !sample.IsKnown(); })) /
-                                static_cast<double>(looked);
+    check.knee_hidden_share = static_cast<double>(hidden) / static_cast<double>(looked);
     named = tracker_->Named(looked);
     image = tracker_->Figures();
   }

@@ -42,7 +42,7 @@ struct StsMotionOptions {
   double time_warp = 0;  // at the fraction s of a rise the pose is that of s + time_warp sin(pi s)
   std::optional<Eigen::Vector2d>
       exo_knee_mm;  // adds `exo_knee` here relative to the knee: shank frame (x anterior, y ankle to knee)
-  std::vector<std::string> extra_markers = {};  // on the skin of shank and thigh: shank1, shank2, thigh1, thigh2
+  std::vector<std::string> extra_markers = {};  // on the skin of the shank: shank1, shank2
 };
 
 struct StsPhase {

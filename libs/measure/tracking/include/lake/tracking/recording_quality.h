@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lake/tracking/marker_detector.h"
+#include "lake/tracking/naming.h"
 #include "lake/tracking/tracklet.h"
 #include "lake/video/video_reader.h"
 
@@ -34,7 +35,8 @@ MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFig
                         const video::VideoInfo& video);
 
 struct RecordingCheckOptions {
-  int markers = 4;  // that should be seen
+  std::vector<std::string> names = {kLegMarkers.begin(), kLegMarkers.end()};  // ankle and hip are among them
+  std::vector<MarkerSeed> seeds;
   Polarity polarity = Polarity::kBright;
   cv::Rect crop;  // px; empty: the whole picture
   video::VideoReaderOptions reader;
@@ -59,11 +61,11 @@ struct RecordingCheck {
   std::int64_t frames_in_file = 0;  // from the container's stamps; 0 where it does not say
   int frames_seen = 0, places_seen = 0;
 
-  // Why the markers cannot be named as TrackMarkers does it, of itself; empty if they were, and only then what depends
+  // Why the markers cannot be named as TrackMarkers does it; empty if they were, and only then what depends
   // on them is known: `markers`, `compression_px` to `segment_px`, `knee_sd_deg`.
   std::string why_not_named = "not looked for";
   double all_seen_share = 0;     // of the frames: every named marker; without names, as many spots as there are markers
-  double knee_hidden_share = 0;  // of the frames, where the markers are named
+  double knee_hidden_share = 0;  // of the frames; 1 where no marker has its name
   double spots = 0;              // marker-like things in a frame, median
   double clutter = 0;            // of these, more than there are markers
   double strongest_clutter = 0;  // its contrast over the faintest marker's
