@@ -1,6 +1,4 @@
 // When a foot is on a force plate: of drawn forces with an offset and noise, and of a recording.
-#include "lake/gait/plate_loads.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +9,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/ground_forces.h"
+#include "lake/gait/walking.h"
 #include "places.h"
 
 namespace lake {

@@ -65,7 +65,7 @@ TEST(NotWalking, NoWholeStrideIsSaidAndNoneIsMeasured) {
   for (const double from_s : {1.0, 1.2, 1.4, 1.6, 1.8}) {
     const gait::LegFitResult leg = FitAs(Part(whole, from_s, 0.95), gait::MovementKind::kWalking);
     EXPECT_EQ(leg.movement.walk.strides, 0) << from_s;
-    EXPECT_THAT(gait::MeasureGaitCycles(leg).strides, IsEmpty()) << from_s;
+    EXPECT_THAT(gait::MeasureGaitCycles(leg).rows, IsEmpty()) << from_s;
     EXPECT_THAT(WarningsOf(leg), HasSubstr("no cycle is measured")) << from_s;
     for (const motion::LegSample& sample : leg.motion.samples) EXPECT_FALSE(sample.repetition);
   }
@@ -107,10 +107,10 @@ TEST(NotWalking, WhoTurnsIsMeasuredOneWayOnly) {
   }
   const gait::LegFitResult leg = FitAs(there, gait::MovementKind::kAuto);
   EXPECT_THAT(WarningsOf(leg), HasSubstr("faces the other way"));
-  const gait::GaitCycles cycles = gait::MeasureGaitCycles(leg);
-  EXPECT_GE(cycles.strides.size(), 3u);
-  const bool is_first = cycles.strides.front().begin_s.value < 6;
-  for (const gait::GaitCycle& cycle : cycles.strides) {
+  const gait::Measures<gait::GaitCycle> cycles = gait::MeasureGaitCycles(leg);
+  EXPECT_GE(cycles.rows.size(), 3u);
+  const bool is_first = cycles.rows.front().begin_s.value < 6;
+  for (const gait::GaitCycle& cycle : cycles.rows) {
     EXPECT_EQ(cycle.begin_s.value < 6, is_first);
     EXPECT_NEAR(cycle.stride_s.value, 1.1, 0.02);
   }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lake/gait/corrected_events.h"
+#include "lake/gait/movement.h"
 #include "synthetic_leg.h"
 
 namespace lake {

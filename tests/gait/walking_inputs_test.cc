@@ -15,10 +15,9 @@
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/trial.h"
-#include "lake/gait/corrected_events.h"
 #include "lake/gait/gait_cycles.h"
 #include "lake/gait/leg_fit.h"
-#include "lake/gait/neutral_pose.h"
+#include "lake/gait/movement.h"
 #include "lake/gait/squats.h"
 #include "name_map.h"
 #include "places.h"
@@ -156,10 +155,10 @@ TEST(GivenEvents, OfAWalkReplaceAllThatWereFound) {
   WriteTextFile(folder / "given.csv",
                 "repetition,event,time_s\n1,heel_strike,1.5\n1,toe_off,2.2\n2,heel_strike,2.55\n");
   gait::CorrectEvents(motion::ReadEventCorrections(folder / "given.csv"), leg);
-  const gait::GaitCycles cycles = gait::MeasureGaitCycles(leg);
-  ASSERT_EQ(cycles.strides.size(), 1u);
-  EXPECT_DOUBLE_EQ(cycles.strides[0].stride_s.value, 2.55 - 1.5);
-  EXPECT_TRUE(std::isnan(cycles.strides[0].stride_s.sd));  // nobody said it
+  const gait::Measures<gait::GaitCycle> cycles = gait::MeasureGaitCycles(leg);
+  ASSERT_EQ(cycles.rows.size(), 1u);
+  EXPECT_DOUBLE_EQ(cycles.rows[0].stride_s.value, 2.55 - 1.5);
+  EXPECT_TRUE(std::isnan(cycles.rows[0].stride_s.sd));  // nobody said it
   EXPECT_EQ(leg.movement.walk.strides, 1);
   WriteTextFile(folder / "given.csv", "repetition,event,time_s\n2,heel_strike,1.5\n1,heel_strike,2.55\n");
   EXPECT_THROW(gait::CorrectEvents(motion::ReadEventCorrections(folder / "given.csv"), leg), Error);
@@ -288,9 +287,9 @@ TEST_P(OpticalKnee, IsThatOfTheJointCentres) {
     leg.events.push_back(last);
     strikes.push_back(last);
   }
-  const gait::GaitCycles cycles = gait::MeasureGaitCycles(leg);
-  ASSERT_FALSE(cycles.strides.empty());
-  const gait::GaitCycle& cycle = cycles.strides.front();
+  const gait::Measures<gait::GaitCycle> cycles = gait::MeasureGaitCycles(leg);
+  ASSERT_FALSE(cycles.rows.empty());
+  const gait::GaitCycle& cycle = cycles.rows.front();
   const auto [at_strike, swing, range] = measure(strikes[0], *off, strikes[1].time_s);
   EXPECT_NEAR(cycle.knee_heel_strike_deg.value, at_strike, 1);
   EXPECT_NEAR(cycle.knee_swing_deg.value, swing, 1);
@@ -311,10 +310,10 @@ TEST(Squats, AreMeasuredAsTheMarkersShowThem) {
   const exchange::Trial trial = exchange::ReadTrial(file, options);
   const gait::LegFitResult leg = FitWith(trial.recording, {}, trial.lateral_mm);
   ASSERT_EQ(leg.movement.kind, gait::MovementKind::kSquat);
-  const gait::Squats squats = gait::MeasureSquats(leg);
-  ASSERT_EQ(squats.squats.size(), 5u);
+  const gait::Measures<gait::Squat> squats = gait::MeasureSquats(leg);
+  ASSERT_EQ(squats.rows.size(), 5u);
   const motion::MarkerTrack& hip = *trial.recording.Find("hip");
-  for (const gait::Squat& squat : squats.squats) {
+  for (const gait::Squat& squat : squats.rows) {
     const double from_s = squat.begin_s.value, to_s = from_s + squat.squat_s.value;
     double lowest = 1e9, lowest_s = 0, first = NAN;
     for (std::size_t i = 0; i < trial.recording.time_s.size(); ++i) {
@@ -332,14 +331,14 @@ TEST(Squats, AreMeasuredAsTheMarkersShowThem) {
     // The mean speed of the way down and up, and what a smooth movement has at most (Flash & Hogan 1985: 1.875 times).
     EXPECT_THAT(squat.descent_speed.value * squat.descent_s.value / squat.depth.value, AllOf(Ge(1.2), Le(3.0)));
     EXPECT_THAT(squat.ascent_speed.value * squat.ascent_s.value / squat.depth.value, AllOf(Ge(1.2), Le(3.0)));
-    for (const gait::Field<gait::Squat>& field : gait::SquatFields())
+    for (const gait::Field<gait::Squat>& field : gait::Squat::Fields())
       EXPECT_GE((squat.*field.value).sd, 0) << field.name;
   }
   const TemporaryFolder folder;
-  gait::WriteSquatsCsv(folder / "squats.csv", squats, motion::LengthUnit::kMm);
+  gait::WriteMeasures(folder / "squats.csv", "squat", squats, motion::LengthUnit::kMm);
   const CsvTable table = CsvTable::Read(folder / "squats.csv");
-  EXPECT_EQ(table.Rows(), squats.squats.size() + 2);
-  EXPECT_EQ(table.RequiredNumber(0, table.Column("depth_mm")), squats.squats[0].depth.value);
+  EXPECT_EQ(table.Rows(), squats.rows.size() + 2);
+  EXPECT_EQ(table.RequiredNumber(0, table.Column("depth_mm")), squats.rows[0].depth.value);
 }
 
 // Each measure's scatter over draws of the markers' noise against its standard deviation.
@@ -373,10 +372,10 @@ TEST(Squats, ScatterByNoMoreThanTheirStandardDeviationsSay) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     motion::MarkerRecording noisy = trial.recording;
     AddNoise(1, seed, noisy);
-    draws.push_back(gait::MeasureSquats(FitWith(noisy, {}, trial.lateral_mm)).squats);
+    draws.push_back(gait::MeasureSquats(FitWith(noisy, {}, trial.lateral_mm)).rows);
     ASSERT_EQ(draws.back().size(), 5u);
   }
-  for (const auto& [name, ratio] : ScatterOverSd<gait::Squat>(draws, gait::SquatFields()))
+  for (const auto& [name, ratio] : ScatterOverSd<gait::Squat>(draws, gait::Squat::Fields()))
     EXPECT_THAT(ratio, AllOf(Ge(0.35), Le(1.6))) << name;
 }
 
@@ -410,10 +409,10 @@ TEST(GaitCycles, ScatterAsTheirStandardDeviationsSay) {
     DrawnWalkOptions drawn;
     drawn.noise_mm = 1;
     drawn.seed = seed;
-    draws.push_back(gait::MeasureGaitCycles(FitWith(DrawWalk(drawn))).strides);
+    draws.push_back(gait::MeasureGaitCycles(FitWith(DrawWalk(drawn))).rows);
     ASSERT_EQ(draws.back().size(), draws.front().size());
   }
-  std::map<std::string, double> ratios = ScatterOverSd<gait::GaitCycle>(draws, gait::GaitCycleFields());
+  std::map<std::string, double> ratios = ScatterOverSd<gait::GaitCycle>(draws, gait::GaitCycle::Fields());
   for (const auto& [name, ratio] : ratios) EXPECT_LE(ratio, 1.6) << name;
   for (const char* name : {"knee_swing_deg", "knee_range_deg", "thigh_range_deg", "shank_range_deg", "ankle_range_deg",
                            "stride_mm", "toe_clearance_mm"})
@@ -422,7 +421,7 @@ TEST(GaitCycles, ScatterAsTheirStandardDeviationsSay) {
 
 TEST(Squats, ColumnsAreDescribedAsTheFieldsAre) {
   const std::string described = ReadTextFile(SourceDir() / "apps/python/lake/columns.csv");
-  for (const gait::Field<gait::Squat>& field : gait::SquatFields()) {
+  for (const gait::Field<gait::Squat>& field : gait::Squat::Fields()) {
     EXPECT_THAT(described, HasSubstr(fmt::format("\nsquats,{},{},{},", field.name, field.unit, field.meaning)));
     EXPECT_THAT(described, HasSubstr(fmt::format("\nsquats,{}_sd,", field.Column(motion::LengthUnit::kPx))));
   }

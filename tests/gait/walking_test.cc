@@ -244,10 +244,10 @@ TEST_P(DrawnWalk, HasItsStrides) {
       EXPECT_NEAR(phase - std::round(phase), 0, 0.045) << ToString(kind) << " at " << time_s;
     }
   }
-  const gait::GaitCycles cycles = gait::MeasureGaitCycles(leg);
-  ASSERT_EQ(static_cast<int>(cycles.strides.size()), walk.strides);
+  const gait::Measures<gait::GaitCycle> cycles = gait::MeasureGaitCycles(leg);
+  ASSERT_EQ(static_cast<int>(cycles.rows.size()), walk.strides);
   EXPECT_EQ(walk.incomplete, 2);
-  for (const gait::GaitCycle& cycle : cycles.strides) {
+  for (const gait::GaitCycle& cycle : cycles.rows) {
     EXPECT_NEAR(cycle.stride_s.value, drawn.stride_s, 0.010);
     EXPECT_NEAR(cycle.stance_percent.value, 100 * drawn.stance, 6);
     // Speed in the belt's frame or over the ground, to 2 %.
@@ -264,7 +264,7 @@ TEST_P(DrawnWalk, HasItsStrides) {
       last = *sample.repetition;
       EXPECT_TRUE(sample.percent >= 0 && sample.percent <= 100);
     }
-  EXPECT_EQ(last, cycles.strides.back().stride);
+  EXPECT_EQ(last, cycles.rows.back().repetition);
 }
 
 DrawnWalkOptions With(double rate_hz, double stride_s, double stride_mm, double direction, bool is_treadmill,
@@ -342,14 +342,14 @@ TEST(Movement, IsTheOneAskedFor) {
 
 TEST(GaitCycles, TableHasMeanAndSpread) {
   const gait::LegFitResult leg = FitMovement(DrawWalk({}));
-  const gait::GaitCycles cycles = gait::MeasureGaitCycles(leg);
+  const gait::Measures<gait::GaitCycle> cycles = gait::MeasureGaitCycles(leg);
   const TemporaryFolder folder;
-  gait::WriteGaitCyclesCsv(folder / "gait_cycles.csv", cycles, motion::LengthUnit::kMm);
+  gait::WriteMeasures(folder / "gait_cycles.csv", "stride", cycles, motion::LengthUnit::kMm);
   const CsvTable table = CsvTable::Read(folder / "gait_cycles.csv");
-  ASSERT_EQ(table.Rows(), cycles.strides.size() + 2);
+  ASSERT_EQ(table.Rows(), cycles.rows.size() + 2);
   EXPECT_EQ(table.Text(table.Rows() - 2, 0), "mean");
   EXPECT_EQ(table.Text(table.Rows() - 1, 0), "sd");
-  EXPECT_EQ(table.Header().size(), 1 + 2 * gait::GaitCycleFields().size());
+  EXPECT_EQ(table.Header().size(), 1 + 2 * gait::GaitCycle::Fields().size());
   EXPECT_NEAR(table.RequiredNumber(table.Rows() - 2, table.Column("stride_s")), 1.1, 0.01);
   motion::WriteEventsCsv(folder / "events.csv", leg.events);
   const std::vector<motion::StsEvent> read = motion::ReadEventsCsv(folder / "events.csv");
@@ -359,7 +359,7 @@ TEST(GaitCycles, TableHasMeanAndSpread) {
 
 TEST(GaitCycles, ColumnsAreDescribedAsTheFieldsAre) {
   const std::string described = ReadTextFile(SourceDir() / "apps/python/lake/columns.csv");
-  for (const gait::Field<gait::GaitCycle>& field : gait::GaitCycleFields()) {
+  for (const gait::Field<gait::GaitCycle>& field : gait::GaitCycle::Fields()) {
     const bool is_quoted = std::string(field.meaning).find(',') != std::string::npos;
     EXPECT_THAT(described, HasSubstr(fmt::format("\ngait_cycles,{},{},{}{}", field.name, field.unit,
                                                  is_quoted ? "\"" : "", field.meaning)));

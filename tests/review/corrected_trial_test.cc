@@ -12,7 +12,7 @@
 #include "lake/commands/gait.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
-#include "lake/gait/corrected_events.h"
+#include "lake/gait/movement.h"
 #include "lake/reviewing/run_review.h"
 #include "places.h"
 #include "temporary_folder.h"

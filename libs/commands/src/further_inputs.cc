@@ -11,8 +11,6 @@
 #include "lake/core/numbers.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/gait/gait_cycles.h"
-#include "lake/gait/neutral_pose.h"
-#include "lake/gait/plate_loads.h"
 #include "lake/sync/clock.h"
 
 namespace lake::commands {
@@ -101,12 +99,7 @@ std::vector<gait::PlateContact> ContactsOf(const FurtherInputs& o, const exchang
     std::vector<double> vertical_n;
     for (const Eigen::Vector3d& force : plate.force_n) vertical_n.push_back(force.dot(up));
     for (const gait::PlateLoad& load : gait::LoadsOf(vertical_n, forces.time_s)) {
-      gait::PlateContact& contact = contacts.emplace_back();
-      contact.plate = plate.name;
-      contact.begin_s = load.begin_s;
-      contact.end_s = load.end_s;
-      contact.begin_sd_s = load.begin_sd_s;
-      contact.end_sd_s = load.end_sd_s;
+      gait::PlateContact& contact = contacts.emplace_back(gait::PlateContact{load, plate.name});
       if (trial.plane_from_space) AddPlaces(plate, forces.time_s, *trial.plane_from_space, leg, contact);
     }
   }

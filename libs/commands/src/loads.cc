@@ -326,8 +326,7 @@ Json RunStances(const LoadsRunOptions& options, const exchange::Trial& trial, co
     const Json peak = PeakJson(stance, options.loads.body.mass_kg);
     run.Report(
         "stance {}, {:.3f} to {:.3f} s: largest extension moments knee {} N m (95 %: {} to {}) at {:.0f}°, ankle {} N "
-        "m, "
-        "hip {} N m\n",
+        "m, hip {} N m\n",
         stance.repetition, stance.onset_s, stance.standing_s, SignificantText(stance.peak.knee_nm, 3),
         SignificantText(stance.peak.low_nm, 3), SignificantText(stance.peak.high_nm, 3), stance.peak.knee_deg,
         SignificantText(most_nm(&loads::LoadsRow::ankle_nm), 3), SignificantText(most_nm(&loads::LoadsRow::hip_nm), 3));

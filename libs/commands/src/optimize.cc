@@ -150,8 +150,7 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
   if (options.knee.knee == KneeFrom::kFunctional && !curves.knee_is_functional)
     throw UsageError(
         "--knee functional: {} was made from the knee markers; run lake-compare with --knee functional and --segment, "
-        "and "
-        "take its folder",
+        "and take its folder",
         comparison.string());
   measured.human = curves.human;
   measured.movement = curves.movement;

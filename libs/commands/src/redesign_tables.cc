@@ -326,8 +326,7 @@ Json WalkJson(const redesign::RedesignOutcome& outcome) {
                  speed_percent = std::min(100.0, 100 * stride_s / *design.tracking_time_s);
     text += fmt::format(
         " To follow the knee exactly the {} linkage needs {} mm/s: it can for {} % of the cycle, or all of it at {} % "
-        "of "
-        "the walking speed.",
+        "of the walking speed.",
         name, SignificantText(needed_mm_s, 3), SignificantText(share_percent, 2), SignificantText(speed_percent, 2));
     return {{"needed_mm_s", needed_mm_s},
             {"share_of_cycle_percent", share_percent},

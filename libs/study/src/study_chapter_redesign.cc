@@ -270,8 +270,7 @@ LineChart ParetoChart(const Json& summary) {
   chart.alt = "Pareto fronts: the least misalignment for each range of rotation";
   chart.caption =
       "Misalignment: RMS, of the shank length. Each point is a design of its own. With the same stroke program none "
-      "has more range and less misalignment; the "
-      "programs differ in the time that a rise takes.";
+      "has more range and less misalignment; the programs differ in the time that a rise takes.";
   chart.x.label = "range of rotation (°)";
   chart.y = {"misalignment (%)", 0, std::nullopt};  // short, as a legend of so many names leaves little height
   for (const Json& front : summary.at("pareto")) {
@@ -440,8 +439,7 @@ Section RedesignChapter(const StudyFile& study, const StudyResults& results) {
   section.blocks.push_back(BuildTable(results, summary));
   results.AddPicture(
       "redesign/knee_paths.svg",
-      "Knee paths, misalignment, knee angle and stroke over the rise, of the person, the worn and the new "
-      "design",
+      "Knee paths, misalignment, knee angle and stroke over the rise, of the person, the worn and the new design",
       "Where both knees are, how far apart, and what the actuator does for it.", Width::kFull, section);
   LineChart angles = AnglesChart(results.Folder() / "redesign/program.csv", RepetitionIn(results));
   if (summary.contains("pareto")) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "first_screen.h"
 #include "lake/core/colours.h"
 #include "lake/core/deviation_text.h"
 #include "lake/core/statistics.h"
@@ -90,7 +91,8 @@ Table TrialsTable(const StudyFile& study, const StudyResults& results) {
   Table table{"Trials",
               {{"Quantity"}},
               {{"recording"},
-               {"rises (onset to standing) or strides, and their mean time"},
+               {RepetitionIn(results) == "rise" ? "rises (onset to standing), and their mean time"
+                                                : "whole strides, and their mean time"},
                {"knee angle: range, and standard deviation of a sample"},
                {"shank, ankle to knee"},
                {"thigh, knee to hip"},
@@ -105,14 +107,14 @@ Table TrialsTable(const StudyFile& study, const StudyResults& results) {
   return table;
 }
 
-// Rises or strides.
-void AddRepetitions(const motion::LegMotion& motion, LineChart& chart) {
+// `of`: "rise" or "stride".
+void AddRepetitions(const motion::LegMotion& motion, const std::string& of, LineChart& chart) {
   std::map<int, std::pair<double, double>> times;
   for (std::size_t i = 0; i < motion.samples.size(); ++i)
     if (const auto& repetition = motion.samples[i].repetition)
       times.try_emplace(*repetition, motion.time_s[i], 0).first->second.second = motion.time_s[i];
-  for (const auto& [repetition, of] : times)
-    chart.intervals.push_back({of.first, of.second, fmt::format("repetition {}", repetition)});
+  for (const auto& [repetition, time_s] : times)
+    chart.intervals.push_back({time_s.first, time_s.second, fmt::format("{} {}", of, repetition)});
 }
 
 // What was measured of the strides, mean and standard deviation over them; no rows where nobody walks.
@@ -125,7 +127,7 @@ Table StridesTable(const StudyResults& results) {
                                    : Json();
   };
   const Json human = measures(kHuman), exo = measures(kExo);
-  for (const gait::Field<gait::GaitCycle>& field : gait::GaitCycleFields()) {
+  for (const gait::Field<gait::GaitCycle>& field : gait::GaitCycle::Fields()) {
     const auto cell = [&](const Json& of) -> std::string {
       const std::string column = field.Column(motion::LengthUnit::kMm);
       if (!of.contains(column) || of[column].at("mean").is_null()) return "–";
@@ -169,13 +171,15 @@ LineChart KneeChart(const StudyResults& results, const TrialNames& names) {
     knee.upper.push_back(sample.knee_deg + 2 * sample.knee_sigma_deg);
   }
   auto beneath = BeneathTheSkin(knee, results.Summary(names.step));
+  const std::string of = RepetitionIn(results);
   chart.caption =
-      fmt::format("{} Shaded: from onset to standing, or the whole strides.",
+      fmt::format("{} Shaded: {}.",
                   beneath ? "Bands: ± 2 standard deviations, of the markers and of the knee beneath the skin."
-                          : "Band: ± 2 standard deviations, of the markers.");
+                          : "Band: ± 2 standard deviations, of the markers.",
+                  of == "rise" ? "from onset to standing" : "whole strides");
   if (beneath) chart.series.push_back(*std::move(beneath));
   chart.series.push_back(std::move(knee));
-  AddRepetitions(motion, chart);
+  AddRepetitions(motion, of, chart);
   return chart;
 }
 

@@ -199,8 +199,7 @@ ByRise Of(const std::vector<SitToStand>& rises, Measured SitToStand::*value) {
 }
 
 std::string ColumnName(Measured SitToStand::*value, motion::LengthUnit unit) {
-  const auto quantities = gait::SitToStandQuantities();
-  return std::ranges::find(quantities, value, &gait::SitToStandQuantity::value)->Column(unit);
+  return std::ranges::find(SitToStand::Fields(), value, &gait::Field<SitToStand>::value)->Column(unit);
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 #include "lake/gait/gait_cycles.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -10,8 +8,6 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
-#include "lake/gait/field_table.h"
-#include "strides.h"
 
 namespace lake::gait {
 namespace {
@@ -21,69 +17,52 @@ using motion::StsEventKind;
 constexpr const char* kPerry = "Perry and Burnfield 2010, Gait Analysis, 2nd ed.";
 constexpr const char* kWinter = "Winter 1991, Biomechanics and Motor Control of Human Gait, 2nd ed.";
 
-constexpr std::array kFields = {
-    Field<GaitCycle>{"begin_s", "s", "time of the heel strike with which the stride begins", kPerry,
-                     &GaitCycle::begin_s, 3},
-    Field<GaitCycle>{"stride_s", "s", "stride time: to the next heel strike of the same leg", kPerry,
-                     &GaitCycle::stride_s, 3},
-    Field<GaitCycle>{"stance_s", "s", "stance time: from heel strike to toe-off", kPerry, &GaitCycle::stance_s, 3},
-    Field<GaitCycle>{"stance_percent", "%", "stance time in percent of the stride", kPerry, &GaitCycle::stance_percent,
-                     1},
-    Field<GaitCycle>{"swing_s", "s", "swing time: from toe-off to the next heel strike", kPerry, &GaitCycle::swing_s,
-                     3},
-    Field<GaitCycle>{"cadence_steps_min", "1/min", "steps per minute: two per stride", kWinter,
-                     &GaitCycle::cadence_steps_min, 1},
-    Field<GaitCycle>{"stride_mm", "mm",
-                     "stride length: from heel to heel (ankle to ankle without heel markers), the foot flat on the "
-                     "ground; of a treadmill with the belt's travel",
-                     kWinter, &GaitCycle::stride_length, 0},
-    Field<GaitCycle>{"speed_mm_s", "mm/s", "walking speed: stride length over stride time", kWinter, &GaitCycle::speed,
-                     0},
-    Field<GaitCycle>{"knee_heel_strike_deg", "deg", "knee flexion at heel strike", kPerry,
-                     &GaitCycle::knee_heel_strike_deg, 1},
-    Field<GaitCycle>{"knee_loading_deg", "deg",
-                     "largest knee flexion in loading response: the first 25 % of the stride", kPerry,
-                     &GaitCycle::knee_loading_deg, 1},
-    Field<GaitCycle>{"knee_stance_min_deg", "deg", "least knee flexion between that and toe-off", kPerry,
-                     &GaitCycle::knee_stance_min_deg, 1},
-    Field<GaitCycle>{"knee_toe_off_deg", "deg", "knee flexion at toe-off", kPerry, &GaitCycle::knee_toe_off_deg, 1},
-    Field<GaitCycle>{"knee_swing_deg", "deg", "largest knee flexion in swing", kPerry, &GaitCycle::knee_swing_deg, 1},
-    Field<GaitCycle>{"knee_range_deg", "deg", "range of knee flexion over the stride", kPerry,
-                     &GaitCycle::knee_range_deg, 1},
-    Field<GaitCycle>{"thigh_range_deg", "deg", "range of the thigh's angle from the vertical", kPerry,
-                     &GaitCycle::thigh_range_deg, 1},
-    Field<GaitCycle>{"shank_range_deg", "deg", "range of the shank's angle from the vertical", kPerry,
-                     &GaitCycle::shank_range_deg, 1},
-    Field<GaitCycle>{"trunk_range_deg", "deg", "range of the trunk's angle from the vertical", kPerry,
-                     &GaitCycle::trunk_range_deg, 1},
-    Field<GaitCycle>{"foot_heel_strike_deg", "deg",
-                     "angle of the foot to where it rests on the ground, at heel strike: positive with the toe up",
-                     kPerry, &GaitCycle::foot_heel_strike_deg, 1},
-    Field<GaitCycle>{"ankle_heel_strike_deg", "deg",
-                     "dorsiflexion at heel strike: 0 with the shank upright over the resting foot", kPerry,
-                     &GaitCycle::ankle_heel_strike_deg, 1},
-    Field<GaitCycle>{"ankle_dorsiflexion_deg", "deg", "largest dorsiflexion in stance", kPerry,
-                     &GaitCycle::ankle_dorsiflexion_deg, 1},
-    Field<GaitCycle>{"ankle_toe_off_deg", "deg", "dorsiflexion at toe-off: negative in plantarflexion", kPerry,
-                     &GaitCycle::ankle_toe_off_deg, 1},
-    Field<GaitCycle>{"ankle_plantarflexion_deg", "deg",
-                     "least dorsiflexion from half of stance to half of swing: negative in plantarflexion", kPerry,
-                     &GaitCycle::ankle_plantarflexion_deg, 1},
-    Field<GaitCycle>{"ankle_range_deg", "deg", "range of dorsiflexion over the stride", kPerry,
-                     &GaitCycle::ankle_range_deg, 1},
-    Field<GaitCycle>{"step_s", "s", "step time: from the other leg's heel strike to this leg's, which ends the stride",
-                     kPerry, &GaitCycle::step_s, 3},
-    Field<GaitCycle>{"step_mm", "mm",
-                     "step length: how far the heel (ankle) is before the other one at that heel strike", kWinter,
-                     &GaitCycle::step_length, 0},
-    Field<GaitCycle>{"double_support_percent", "%", "time with both feet on the ground in percent of the stride",
-                     kPerry, &GaitCycle::double_support_percent, 1},
-    Field<GaitCycle>{
-        "step_symmetry_percent", "%", "symmetry index of the step times: this leg's less the other's, over their mean",
-        "Robinson et al. 1987, J Manipulative Physiol Ther 10(4), 172-176", &GaitCycle::step_symmetry_percent, 1},
-    Field<GaitCycle>{"toe_clearance_mm", "mm",
-                     "least height of the toe marker in the middle half of swing over its height in stance", kWinter,
-                     &GaitCycle::toe_clearance, 0}};
+constexpr auto kStrideFields = std::to_array<Field<GaitCycle>>(
+    {{"begin_s", "s", "time of the heel strike with which the stride begins", kPerry, &GaitCycle::begin_s, 3,
+      FieldKind::kMoment},
+     {"stride_s", "s", "stride time: to the next heel strike of the same leg", kPerry, &GaitCycle::stride_s, 3},
+     {"stance_s", "s", "stance time: from heel strike to toe-off", kPerry, &GaitCycle::stance_s, 3},
+     {"stance_percent", "%", "stance time in percent of the stride", kPerry, &GaitCycle::stance_percent, 1},
+     {"swing_s", "s", "swing time: from toe-off to the next heel strike", kPerry, &GaitCycle::swing_s, 3},
+     {"cadence_steps_min", "1/min", "steps per minute: two per stride", kWinter, &GaitCycle::cadence_steps_min, 1},
+     {"stride_mm", "mm",
+      "stride length: from heel to heel (ankle to ankle without heel markers), the foot flat on the "
+      "ground; of a treadmill with the belt's travel",
+      kWinter, &GaitCycle::stride_length, 0},
+     {"speed_mm_s", "mm/s", "walking speed: stride length over stride time", kWinter, &GaitCycle::speed, 0},
+     {"knee_heel_strike_deg", "deg", "knee flexion at heel strike", kPerry, &GaitCycle::knee_heel_strike_deg, 1},
+     {"knee_loading_deg", "deg", "largest knee flexion in loading response: the first 25 % of the stride", kPerry,
+      &GaitCycle::knee_loading_deg, 1},
+     {"knee_stance_min_deg", "deg", "least knee flexion between that and toe-off", kPerry,
+      &GaitCycle::knee_stance_min_deg, 1},
+     {"knee_toe_off_deg", "deg", "knee flexion at toe-off", kPerry, &GaitCycle::knee_toe_off_deg, 1},
+     {"knee_swing_deg", "deg", "largest knee flexion in swing", kPerry, &GaitCycle::knee_swing_deg, 1},
+     {"knee_range_deg", "deg", "range of knee flexion over the stride", kPerry, &GaitCycle::knee_range_deg, 1},
+     {"thigh_range_deg", "deg", "range of the thigh's angle from the vertical", kPerry, &GaitCycle::thigh_range_deg, 1},
+     {"shank_range_deg", "deg", "range of the shank's angle from the vertical", kPerry, &GaitCycle::shank_range_deg, 1},
+     {"trunk_range_deg", "deg", "range of the trunk's angle from the vertical", kPerry, &GaitCycle::trunk_range_deg, 1},
+     {"foot_heel_strike_deg", "deg",
+      "angle of the foot to where it rests on the ground, at heel strike: positive with the toe up", kPerry,
+      &GaitCycle::foot_heel_strike_deg, 1},
+     {"ankle_heel_strike_deg", "deg", "dorsiflexion at heel strike: 0 with the shank upright over the resting foot",
+      kPerry, &GaitCycle::ankle_heel_strike_deg, 1},
+     {"ankle_dorsiflexion_deg", "deg", "largest dorsiflexion in stance", kPerry, &GaitCycle::ankle_dorsiflexion_deg, 1},
+     {"ankle_toe_off_deg", "deg", "dorsiflexion at toe-off: negative in plantarflexion", kPerry,
+      &GaitCycle::ankle_toe_off_deg, 1},
+     {"ankle_plantarflexion_deg", "deg",
+      "least dorsiflexion from half of stance to half of swing: negative in plantarflexion", kPerry,
+      &GaitCycle::ankle_plantarflexion_deg, 1},
+     {"ankle_range_deg", "deg", "range of dorsiflexion over the stride", kPerry, &GaitCycle::ankle_range_deg, 1},
+     {"step_s", "s", "step time: from the other leg's heel strike to this leg's, which ends the stride", kPerry,
+      &GaitCycle::step_s, 3},
+     {"step_mm", "mm", "step length: how far the heel (ankle) is before the other one at that heel strike", kWinter,
+      &GaitCycle::step_length, 0},
+     {"double_support_percent", "%", "time with both feet on the ground in percent of the stride", kPerry,
+      &GaitCycle::double_support_percent, 1},
+     {"step_symmetry_percent", "%", "symmetry index of the step times: this leg's less the other's, over their mean",
+      "Robinson et al. 1987, J Manipulative Physiol Ther 10(4), 172-176", &GaitCycle::step_symmetry_percent, 1},
+     {"toe_clearance_mm", "mm", "least height of the toe marker in the middle half of swing over its height in stance",
+      kWinter, &GaitCycle::toe_clearance, 0}});
 
 const motion::Angle& AngleOf(std::string_view name) {
   return *std::ranges::find_if(motion::Angles(), [&](const motion::Angle& angle) { return angle.name == name; });
@@ -242,7 +221,7 @@ class CycleMeasurer {
 
   GaitCycle Measure(const motion::StsEvent& strike, const motion::StsEvent& off, const motion::StsEvent& next) const {
     GaitCycle cycle;
-    cycle.stride = strike.repetition;
+    cycle.repetition = strike.repetition;
     cycle.begin_s = {strike.time_s, strike.sd_s};
     cycle.stride_s = Between(strike, next);
     cycle.stance_s = Between(strike, off);
@@ -284,19 +263,12 @@ class CycleMeasurer {
 
 }  // namespace
 
-std::span<const Field<GaitCycle>> GaitCycleFields() {
-  return kFields;
+std::span<const Field<GaitCycle>> GaitCycle::Fields() {
+  return kStrideFields;
 }
 
-GaitCycles MeasureGaitCycles(const LegFitResult& leg, double anatomical_sd_deg) {
-  GaitCycles cycles{.strides = CycleMeasurer(leg, anatomical_sd_deg).Strides(), .mean = {}, .spread = {}};
-  Average<GaitCycle>(kFields, cycles.strides, cycles.mean, cycles.spread);
-  return cycles;
-}
-
-void WriteGaitCyclesCsv(const std::filesystem::path& path, const GaitCycles& cycles, motion::LengthUnit of_plane) {
-  WriteFieldsCsv<GaitCycle>(path, "stride", &GaitCycle::stride, kFields, cycles.strides, cycles.mean, cycles.spread,
-                            of_plane);
+Measures<GaitCycle> MeasureGaitCycles(const LegFitResult& leg, double anatomical_sd_deg) {
+  return WithMeans(CycleMeasurer(leg, anatomical_sd_deg).Strides());
 }
 
 ReferenceCurve ReadReferenceCurve(const std::filesystem::path& path) {
@@ -315,46 +287,6 @@ ReferenceCurve ReadReferenceCurve(const std::filesystem::path& path) {
   }
   if (curve.percent.size() < 2) throw Fail("{}: a curve has two rows and more", path.string());
   return curve;
-}
-
-Json GaitCyclesJson(const GaitCycles& cycles, const LegFitResult& leg) {
-  const Walk& walk = leg.movement.walk;
-  Json json = {{"ground", walk.ground == Ground::kOverground ? "overground" : "treadmill"},
-               {"events_by", walk.by_foot ? "heel and toe" : "ankle"},
-               {"strides", walk.strides},
-               {"incomplete_strides", walk.incomplete},
-               {"left_out", walk.left_out},
-               {"measures", FieldsJson<GaitCycle>(kFields, cycles.mean, cycles.spread, leg.motion.unit)}};
-  if (walk.by_plate.empty()) return json;
-  Json events = Json::array();
-  for (const PlateEvent& of : walk.by_plate)
-    events.push_back({{"event", ToString(of.event.kind)},
-                      {"time_s", of.event.time_s},
-                      {"sd_s", NumberOrNull(of.event.sd_s)},
-                      {"markers_later_s", NumberOrNull(of.markers_later_s)}});
-  json["force_plates"] = events;
-  return json;
-}
-
-std::string GaitCyclesText(const GaitCycles& cycles, const LegFitResult& leg) {
-  const Walk& walk = leg.movement.walk;
-  std::string text =
-      fmt::format("walking {}: complete strides: {}; incomplete, left out: {}\n",
-                  walk.ground == Ground::kOverground ? "overground" : "on a treadmill", walk.strides, walk.incomplete);
-  for (const StsEventKind kind :
-       {StsEventKind::kHeelStrike, StsEventKind::kToeOff, StsEventKind::kHeelStrikeOther, StsEventKind::kToeOffOther}) {
-    std::vector<double> later_ms;
-    int events = 0;
-    for (const PlateEvent& of : walk.by_plate) {
-      if (of.event.kind != kind) continue;
-      ++events;
-      if (std::isfinite(of.markers_later_s)) later_ms.push_back(1000 * of.markers_later_s);
-    }
-    if (events > 0) text += fmt::format("{} by force plates: {}", ToString(kind), events);
-    if (!later_ms.empty()) text += fmt::format("; the markers show it {:.0f} ms later (mean)", Mean(later_ms));
-    if (events > 0) text += "\n";
-  }
-  return text + FieldsText<GaitCycle>(kFields, cycles.mean, leg.motion.unit);
 }
 
 }  // namespace lake::gait

@@ -2,20 +2,93 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/squats.h"
-#include "oblique_walk.h"
+#include "sizes.h"
 
 namespace lake::gait {
 namespace {
 
 using motion::StsEvent;
 using motion::StsEventKind;
+
+constexpr double kOblique_deg = 15, kLongWay = 1.5;  // the way of the hip that is needed, in shanks and thighs together
+constexpr double kChange = 0.1;                      // of the lengths, where the camera's distance is not known
+
+// The most that the projection takes from the knee's angle. A segment that leans forward also leans towards the
+// camera, which sees it from where the hip is.
+double LargestKneeError(const LegFitResult& leg, const motion::MarkerTrack& hip, double middle, double askance_rad) {
+  double largest_deg = 0;
+  for (std::size_t i = 0; i < leg.motion.samples.size(); ++i) {
+    const motion::LegSample& sample = leg.motion.samples[i];
+    if (!std::isfinite(sample.knee_deg) || !hip.samples[i].IsKnown()) continue;
+    const double place = LegFromPlane(hip.samples[i].position, leg.motion.facing, leg.up).x() - middle,
+                 seen = std::cos(askance_rad) + place / leg.sight->camera_mm.z() * std::sin(askance_rad);
+    const auto error_deg = [&](double lean_deg) {
+      const double lean_rad = RadiansFromDegrees(lean_deg);
+      return DegreesFromRadians(std::atan2(std::sin(lean_rad) / seen, std::cos(lean_rad))) - lean_deg;
+    };
+    largest_deg = std::max(largest_deg, std::abs(error_deg(sample.shank_deg) - error_deg(sample.thigh_deg)));
+  }
+  return largest_deg;
+}
+
+// A sentence where shank and thigh, of a film or a plane's file, become longer or shorter along the way as those of a
+// person do who comes nearer or goes away by 15 degrees and more: by how much, and what of the leans and of the knee's
+// angle is lost. Without the camera's distance the angle is not known; then it is said of a change of 10 %.
+std::optional<std::string> ObliqueWalk(const LegFitResult& leg) {
+  const motion::MarkerTrack* hip = leg.trajectory.Find(leg.leg_markers.hip);
+  if (!hip || leg.lateral) return std::nullopt;
+  // Lengths over the place on the way, in which they are linear whatever the angle, and over the lean, which changes
+  // them too.
+  std::vector<double> places, lengths, leans;
+  for (std::size_t i = 0; i < leg.motion.samples.size(); ++i) {
+    const motion::LegSample& sample = leg.motion.samples[i];
+    if (!std::isfinite(sample.knee_deg) || !hip->samples[i].IsKnown()) continue;
+    places.push_back(LegFromPlane(hip->samples[i].position, leg.motion.facing, leg.up).x());
+    lengths.push_back(sample.ak.norm() + sample.kh.norm());
+    leans.push_back(std::pow(std::sin(RadiansFromDegrees(sample.shank_deg)), 2));
+  }
+  constexpr std::size_t kFewest = 8;
+  if (places.size() < kFewest) return std::nullopt;
+  const auto [first, last] = std::ranges::minmax(places);
+  const double way = last - first, middle = (first + last) / 2;
+  if (way < kLongWay * Median(lengths)) return std::nullopt;
+  Eigen::MatrixX3d rows(places.size(), 3);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    rows.row(static_cast<Eigen::Index>(i)) << 1, places[i] - middle, leans[i];
+  const Eigen::Vector3d fit = rows.colPivHouseholderQr().solve(
+      Eigen::Map<const Eigen::VectorXd>(lengths.data(), static_cast<Eigen::Index>(lengths.size())));
+  const double slope = fit.y() / fit.x(), change = std::abs(slope) * way;
+  const std::string seen =
+      fmt::format("the person {} while walking through: shank and thigh become {:.0f} % {} over the way",
+                  slope > 0 ? "comes nearer" : "goes away", 100 * change, slope > 0 ? "longer" : "shorter");
+  if (!leg.sight) {
+    if (change < kChange) return std::nullopt;
+    return seen +
+           "; stride lengths and leans are too small; how much that takes from the knee's angle only a camera with a "
+           "calibrated plane tells (--camera)";
+  }
+  const double askance_rad = std::atan(slope * leg.sight->camera_mm.z());
+  if (std::abs(askance_rad) < RadiansFromDegrees(kOblique_deg)) return std::nullopt;
+  return fmt::format(
+      "{}, as {:.0f}° from the plane; stride lengths and speed are {:.0f} % too small, and the knee's angle is off by "
+      "up to {:.0f}°; walk along the plane",
+      seen, DegreesFromRadians(std::abs(askance_rad)), 100 * (1 - std::cos(askance_rad)),
+      LargestKneeError(leg, *hip, middle, askance_rad));
+}
 
 std::vector<StsEvent> FoundRises(const LegFitResult& leg, const MovementOptions&, Walk&) {
   return leg.events;
@@ -143,6 +216,53 @@ void SetRepetitions(const std::vector<StsEvent>& events, motion::LegMotion& moti
         motion.samples[i].percent = duration_s > 0 ? 100 * (motion.time_s[i] - begin_s) / duration_s : 100;
       }
     }
+}
+
+void DescribeEvents(std::optional<std::filesystem::path>& file, OptionList& options) {
+  options.Add(
+      "events", file,
+      "repetition,event,time_s (or frame) rows that overrule the events found (of walking: all of them); empty: no "
+      "such event");
+}
+
+void CorrectEvents(const std::vector<motion::EventCorrection>& corrections, LegFitResult& fit) {
+  fit.events = motion::ApplyEventCorrections(corrections, fit.motion.frame, fit.motion.time_s, fit.events);
+  CountStrides(fit.events, fit.movement.walk);
+  if (std::ranges::any_of(fit.events,
+                          [](const auto& event) { return event.kind >= motion::StsEventKind::kHeelStrike; }))
+    fit.movement.kind = MovementKind::kWalking;
+  SetRepetitions(fit.events, fit.motion);
+}
+
+motion::LegSample NeutralPose(const LegFitResult& leg, double from_s, double to_s) {
+  constexpr double kMostSway_deg = 3, kMostBend_deg = 30;
+  from_s = std::max(from_s, leg.motion.time_s.front());
+  to_s = std::min(to_s, leg.motion.time_s.back());
+  motion::LegSample pose;
+  for (const motion::Angle& angle : motion::Angles()) {
+    std::vector<double> deg, sigma_deg;
+    for (std::size_t i = 0; i < leg.motion.samples.size(); ++i) {
+      const motion::LegSample& sample = leg.motion.samples[i];
+      if (leg.motion.time_s[i] < from_s || leg.motion.time_s[i] > to_s || !std::isfinite(sample.*angle.deg)) continue;
+      deg.push_back(sample.*angle.deg);
+      sigma_deg.push_back(sample.*angle.sigma_deg);
+    }
+    const bool is_of_leg = angle.deg == &motion::LegSample::knee_deg || angle.deg == &motion::LegSample::shank_deg;
+    if (is_of_leg && deg.size() < kLeastFrames)
+      throw Fail("no quiet standing from {:g} to {:g} s: {} frames show the leg there, at least {} are needed", from_s,
+                 to_s, deg.size(), kLeastFrames);
+    if (deg.size() < kLeastFrames) continue;
+    const double sway_deg = StandardDeviation(deg);
+    if (is_of_leg && sway_deg > kMostSway_deg)
+      throw Fail("no quiet standing from {:g} to {:g} s: the {}'s angle sways by {:.1f} deg (SD) there, at most {:g}",
+                 from_s, to_s, angle.name, sway_deg, kMostSway_deg);
+    pose.*angle.deg = Mean(deg);
+    pose.*angle.sigma_deg = std::hypot(sway_deg, RootMeanSquare(sigma_deg));
+  }
+  if (pose.knee_deg > kMostBend_deg)
+    throw Fail("no quiet standing from {:g} to {:g} s: the knee is bent by {:.0f} deg there", from_s, to_s,
+               pose.knee_deg);
+  return pose;
 }
 
 }  // namespace lake::gait

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "lake/core/csv.h"
-#include "lake/core/json_or_null.h"
+#include "lake/core/angles.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 
 namespace lake::gait {
@@ -18,38 +18,45 @@ constexpr int kHalfCycles = 2 * kFive - 1;  // to the fifth standing: five rises
 constexpr std::size_t kSteadied = 3;
 constexpr double kLiftedMass = 0.9, kGravity_m_s2 = 9.81;
 
-using Quantity = SitToStandQuantity;
-constexpr std::array kQuantities = {
-    Quantity{"onset_s", &SitToStand::onset_s, "onset", "s", false, true},
-    Quantity{"seat_off_s", &SitToStand::seat_off_s, "seat-off", "s", false, true},
-    Quantity{"standing_s", &SitToStand::standing_s, "standing", "s", false, true},
-    Quantity{"rise_s", &SitToStand::rise_s, "rise time", "s"},
-    Quantity{"flexion_s", &SitToStand::flexion_s, "flexion momentum: onset to seat-off", "s"},
-    Quantity{"transfer_s", &SitToStand::transfer_s, "momentum transfer: seat-off to largest ankle dorsiflexion", "s"},
-    Quantity{"extension_s", &SitToStand::extension_s, "extension: from there to standing", "s"},
-    Quantity{"stabilisation_s", &SitToStand::stabilisation_s, "stabilisation: from standing until steady", "s"},
-    Quantity{"descent_s", &SitToStand::descent_s, "time to sit down", "s"},
-    Quantity{"knee_seat_off_deg", &SitToStand::knee_seat_off_deg, "knee angle at seat-off", "°"},
-    Quantity{"hip_seat_off_deg", &SitToStand::hip_seat_off_deg, "hip angle at seat-off", "°"},
-    Quantity{"trunk_seat_off_deg", &SitToStand::trunk_seat_off_deg, "trunk lean at seat-off", "°"},
-    Quantity{"knee_max_deg", &SitToStand::knee_max_deg, "largest knee angle", "°"},
-    Quantity{"hip_max_deg", &SitToStand::hip_max_deg, "largest hip angle", "°"},
-    Quantity{"trunk_max_deg", &SitToStand::trunk_max_deg, "largest trunk lean", "°"},
-    Quantity{"knee_extension_max_deg_s", &SitToStand::knee_extension_max_deg_s, "fastest knee extension", "°/s"},
-    Quantity{"trunk_flexion_max_deg_s", &SitToStand::trunk_flexion_max_deg_s, "fastest trunk flexion", "°/s"},
-    Quantity{"hip_rise", &SitToStand::hip_rise, "rise of the hip", "", true},
-    Quantity{"hip_speed", &SitToStand::hip_speed, "mean speed of the hip, seat-off to standing", "/s", true},
-    Quantity{"hip_speed_max", &SitToStand::hip_speed_max, "largest speed of the hip", "/s", true},
-    Quantity{"power_w_kg", &SitToStand::power_w_kg, "mean power over body mass", "W/kg"},
-    Quantity{"five_times_s", &SitToStand::five_times_s, "five-times sit-to-stand", "s"},
-    Quantity{"trunk_pelvis_seat_off_deg", &SitToStand::trunk_pelvis_seat_off_deg,
-             "trunk lean to the pelvis at seat-off", "°"},
-    Quantity{"trunk_pelvis_max_deg", &SitToStand::trunk_pelvis_max_deg, "largest trunk lean to the pelvis", "°"},
-    Quantity{"com_seat_off_mm", &SitToStand::com_seat_off_mm, "centre of mass before the ankle at seat-off", "mm"},
-    Quantity{"com_forward_max_mm_s", &SitToStand::com_forward_max_mm_s, "largest speed forward of the centre of mass",
-             "mm/s"},
-    Quantity{"com_upward_max_mm_s", &SitToStand::com_upward_max_mm_s, "largest speed upward of the centre of mass",
-             "mm/s"}};
+constexpr const char* kSchenkman = "Schenkman et al. 1990, doi:10.1093/ptj/70.10.638";
+constexpr const char* kAlcazar = "Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006";
+constexpr const char* kBohannon = "Bohannon 2006, doi:10.2466/pms.103.1.215-222";
+constexpr const char* kWu = "Wu et al. 2002, doi:10.1016/S0021-9290(01)00222-6";
+constexpr const char* kPai = "Pai and Rogers 1990, Med. Sci. Sports Exerc. 22(3), 378-384";
+
+constexpr auto kRiseFields = std::to_array<Field<SitToStand>>(
+    {{"onset_s", "s", "onset", kLake, &SitToStand::onset_s, 3, FieldKind::kMoment},
+     {"seat_off_s", "s", "seat-off", kLake, &SitToStand::seat_off_s, 3, FieldKind::kMoment},
+     {"standing_s", "s", "standing", kLake, &SitToStand::standing_s, 3, FieldKind::kMoment},
+     {"rise_s", "s", "rise time", kLake, &SitToStand::rise_s, 3},
+     {"flexion_s", "s", "flexion momentum: onset to seat-off", kSchenkman, &SitToStand::flexion_s, 3},
+     {"transfer_s", "s", "momentum transfer: seat-off to largest ankle dorsiflexion", kSchenkman,
+      &SitToStand::transfer_s, 3},
+     {"extension_s", "s", "extension: from there to standing", kSchenkman, &SitToStand::extension_s, 3},
+     {"stabilisation_s", "s", "stabilisation: from standing until steady", kSchenkman, &SitToStand::stabilisation_s, 3},
+     {"descent_s", "s", "time to sit down", kLake, &SitToStand::descent_s, 3},
+     {"knee_seat_off_deg", "deg", "knee angle at seat-off", kLake, &SitToStand::knee_seat_off_deg, 1},
+     {"hip_seat_off_deg", "deg", "hip angle at seat-off", kLake, &SitToStand::hip_seat_off_deg, 1},
+     {"trunk_seat_off_deg", "deg", "trunk lean at seat-off", kLake, &SitToStand::trunk_seat_off_deg, 1},
+     {"knee_max_deg", "deg", "largest knee angle", kLake, &SitToStand::knee_max_deg, 1},
+     {"hip_max_deg", "deg", "largest hip angle", kLake, &SitToStand::hip_max_deg, 1},
+     {"trunk_max_deg", "deg", "largest trunk lean", kLake, &SitToStand::trunk_max_deg, 1},
+     {"knee_extension_max_deg_s", "deg/s", "fastest knee extension", kLake, &SitToStand::knee_extension_max_deg_s, 0},
+     {"trunk_flexion_max_deg_s", "deg/s", "fastest trunk flexion", kLake, &SitToStand::trunk_flexion_max_deg_s, 0},
+     {"hip_rise_mm", "mm", "rise of the hip", kLake, &SitToStand::hip_rise, 0},
+     {"hip_speed_mm_s", "mm/s", "mean speed of the hip, seat-off to standing", kLake, &SitToStand::hip_speed, 0},
+     {"hip_speed_max_mm_s", "mm/s", "largest speed of the hip", kLake, &SitToStand::hip_speed_max, 0},
+     {"power_w_kg", "W/kg", "mean power over body mass", kAlcazar, &SitToStand::power_w_kg, 2},
+     {"five_times_s", "s", "five-times sit-to-stand", kBohannon, &SitToStand::five_times_s, 3},
+     {"trunk_pelvis_seat_off_deg", "deg", "trunk lean to the pelvis at seat-off", kWu,
+      &SitToStand::trunk_pelvis_seat_off_deg, 1},
+     {"trunk_pelvis_max_deg", "deg", "largest trunk lean to the pelvis", kWu, &SitToStand::trunk_pelvis_max_deg, 1},
+     {"com_seat_off_mm", "mm", "centre of mass before the ankle at seat-off", kPai, &SitToStand::com_seat_off_mm, 0,
+      FieldKind::kOnlyMm},
+     {"com_forward_max_mm_s", "mm/s", "largest speed forward of the centre of mass", kPai,
+      &SitToStand::com_forward_max_mm_s, 0, FieldKind::kOnlyMm},
+     {"com_upward_max_mm_s", "mm/s", "largest speed upward of the centre of mass", kPai,
+      &SitToStand::com_upward_max_mm_s, 0, FieldKind::kOnlyMm}});
 
 Measured Difference(const Measured& later, const Measured& earlier) {
   return {later.value - earlier.value, std::hypot(later.sd, earlier.sd)};
@@ -247,11 +254,11 @@ SitToStand FiveTimes(const std::vector<SitToStand>& rises, bool in_mm) {
     if (five.size() < kFive && std::isfinite(rise.rise_s.value)) five.push_back(rise);
   SitToStand test;
   if (five.size() < kFive) return test;
-  for (const Quantity& quantity : kQuantities) {
+  for (const Field<SitToStand>& field : kRiseFields) {
     std::vector<double> values;
     for (const SitToStand& rise : five)
-      if (const double value = (rise.*quantity.value).value; std::isfinite(value)) values.push_back(value);
-    if (values.size() == kFive) test.*quantity.value = {Mean(values), StandardDeviation(values)};
+      if (const double value = (rise.*field.value).value; std::isfinite(value)) values.push_back(value);
+    if (values.size() == kFive) test.*field.value = {Mean(values), StandardDeviation(values)};
   }
   test.onset_s = five.front().onset_s;
   test.standing_s = five.back().standing_s;
@@ -263,19 +270,72 @@ SitToStand FiveTimes(const std::vector<SitToStand>& rises, bool in_mm) {
   return test;
 }
 
+// In the leg frame's axes: from the pelvis' back to its front, and what both are uncertain by on each axis.
+struct PelvisLine {
+  Eigen::Vector2d forward;
+  double sd = kNaN;
+};
+
+PelvisLine LineOf(const LegFitResult& fit, const motion::MarkerSample& asis, const motion::MarkerSample& psis) {
+  return {.forward = LegFromPlane(asis.position - psis.position, fit.motion.facing, fit.up),
+          .sd = std::hypot(asis.sigma, psis.sigma)};
+}
+
+// Why no lean can be told of these markers; empty if one can. `lines` are those of the frames that show both, `waist`
+// how far the waist marker is from the middle between them there.
+std::string WhyUnknown(const std::vector<PelvisLine>& lines, const std::vector<double>& waist) {
+  if (lines.empty()) return fmt::format("the markers '{}' and '{}' are never seen together", kAsis, kPsis);
+  const auto backward = std::ranges::count_if(lines, [](const PelvisLine& line) { return line.forward.x() < 0; });
+  if (2 * backward > std::ssize(lines))
+    return fmt::format("the marker '{}' is behind '{}': exchange their names, or say where the subject faces", kAsis,
+                       kPsis);
+  std::vector<double> lengths;
+  lengths.reserve(lines.size());
+  for (const PelvisLine& line : lines) lengths.push_back(line.forward.norm());
+  if (!waist.empty() && Median(waist) < Median(lengths))
+    return fmt::format(
+        "the waist marker is on the pelvis itself, no farther from '{}' and '{}' than they are apart: give one on the "
+        "trunk above, as on the shoulder",
+        kAsis, kPsis);
+  return "";
+}
+
 }  // namespace
 
-std::string SitToStandQuantity::Unit(motion::LengthUnit of_plane) const {
-  return is_length ? fmt::format("{}{}", ToString(of_plane), unit) : unit;
+TrunkOnPelvis FindTrunkOnPelvis(const LegFitResult& fit) {
+  const std::size_t frames = fit.motion.samples.size();
+  TrunkOnPelvis lean{std::vector<double>(frames, kNaN), std::vector<double>(frames, kNaN), ""};
+  const motion::MarkerTrack *asis = fit.trajectory.Find(kAsis), *psis = fit.trajectory.Find(kPsis);
+  const motion::MarkerTrack* waist = fit.trajectory.Find(fit.leg_markers.waist);
+  if (!asis && !psis) return lean;
+  if (!asis || !psis) {
+    lean.warning = fmt::format("no lean to the pelvis: there is a marker '{}' and none called '{}'",
+                               asis ? kAsis : kPsis, asis ? kPsis : kAsis);
+    return lean;
+  }
+  std::vector<PelvisLine> lines;
+  std::vector<double> from_waist;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const motion::MarkerSample &front = asis->samples[i], &back = psis->samples[i];
+    if (!front.IsKnown() || !back.IsKnown()) continue;
+    const PelvisLine& line = lines.emplace_back(LineOf(fit, front, back));
+    if (waist && waist->samples[i].IsKnown())
+      from_waist.push_back((waist->samples[i].position - (front.position + back.position) / 2).norm());
+    const double tilt_deg = DegreesFromRadians(std::atan2(-line.forward.y(), line.forward.x())),
+                 tilt_sd_deg = DegreesFromRadians(line.sd / line.forward.norm());
+    lean.deg[i] = fit.motion.samples[i].trunk_deg - tilt_deg;
+    lean.sd_deg[i] = std::hypot(fit.signals.sd.trunk_deg.empty() ? kNaN : fit.signals.sd.trunk_deg[i], tilt_sd_deg);
+  }
+  if (const std::string why = WhyUnknown(lines, from_waist); !why.empty()) {
+    std::ranges::fill(lean.deg, kNaN);
+    std::ranges::fill(lean.sd_deg, kNaN);
+    lean.warning = "no lean to the pelvis: " + why;
+  }
+  return lean;
 }
 
-std::string SitToStandQuantity::Column(motion::LengthUnit of_plane) const {
-  if (!is_length) return name;
-  return fmt::format("{}_{}{}", name, ToString(of_plane), *unit ? "_s" : "");
-}
-
-std::span<const SitToStandQuantity> SitToStandQuantities() {
-  return kQuantities;
+std::span<const Field<SitToStand>> SitToStand::Fields() {
+  return kRiseFields;
 }
 
 std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit) {
@@ -313,7 +373,7 @@ Json FiveTimesJson(const SitToStand& five_times, const Person& person) {
     const std::optional<double> reference_s = FiveTimesReference_s(*person.age_years);
     json["age_years"] = *person.age_years;
     json["reference_s"] = ValueOrNull(reference_s);
-    json["source"] = "Bohannon 2006, doi:10.2466/pms.103.1.215-222";
+    json["source"] = kBohannon;
     if (reference_s) json["worse_than_average"] = time_s.value > *reference_s;
   }
   if (person.sex) json["sex"] = *person.sex == motion::Sex::kMale ? "male" : "female";
@@ -343,21 +403,14 @@ void Describe(Person& o, OptionList& options) {
 
 void WriteSitToStandCsv(const std::filesystem::path& path, const std::vector<SitToStand>& rows,
                         motion::LengthUnit of_plane) {
-  auto quantities = kQuantities;  // in the order of the columns: the fourth phase stands before the pelvis' angles
-  const auto phase = std::ranges::find(quantities, &SitToStand::stabilisation_s, &Quantity::value),
-             pelvis = std::ranges::find(quantities, &SitToStand::trunk_pelvis_seat_off_deg, &Quantity::value);
+  auto fields = kRiseFields;  // in the order of the columns: the fourth phase stands before the pelvis' angles
+  const auto phase = std::ranges::find(fields, &SitToStand::stabilisation_s, &Field<SitToStand>::value),
+             pelvis = std::ranges::find(fields, &SitToStand::trunk_pelvis_seat_off_deg, &Field<SitToStand>::value);
   std::rotate(phase, phase + 1, pelvis);
-  std::vector<std::string> header = {"repetition"};
-  for (const char* sd : {"", "_sd"})
-    for (const Quantity& quantity : quantities) header.push_back(quantity.Column(of_plane) + sd);
-  CsvWriter csv(header);
-  for (const SitToStand& row : rows) {
-    csv.Add(row.repetition > 0 ? std::to_string(row.repetition) : "five_times");
-    for (const Quantity& quantity : quantities) csv.Add((row.*quantity.value).value);
-    for (const Quantity& quantity : quantities) csv.Add((row.*quantity.value).sd);
-    csv.EndRow();
-  }
-  csv.Write(path);
+  std::vector<std::pair<std::string, SitToStand>> named;
+  for (const SitToStand& row : rows)
+    named.emplace_back(row.repetition > 0 ? std::to_string(row.repetition) : "five_times", row);
+  WriteRows<SitToStand>(path, "repetition", fields, named, of_plane);
 }
 
 void ReadEventDeviations(const std::filesystem::path& path, std::vector<motion::StsEvent>& events) {

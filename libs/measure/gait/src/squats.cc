@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "lake/core/statistics.h"
-#include "lake/gait/field_table.h"
 
 namespace lake::gait {
 namespace {
@@ -105,23 +104,21 @@ std::vector<motion::StsEvent> FindSquats(const LegFitResult& leg) {
 namespace {
 
 constexpr const char* kSchoenfeld = "Schoenfeld 2010, J Strength Cond Res 24(12), 3497-3506";
-constexpr const char* kLake = "lake";
 
-constexpr std::array kSquatFields = {
-    Field<Squat>{"begin_s", "s", "time at which the descent begins", kLake, &Squat::begin_s, 3},
-    Field<Squat>{"squat_s", "s", "from the beginning of the descent to standing", kLake, &Squat::squat_s, 3},
-    Field<Squat>{"descent_s", "s", "from the beginning of the descent to the bottom", kSchoenfeld, &Squat::descent_s,
-                 3},
-    Field<Squat>{"ascent_s", "s", "from the bottom to standing", kSchoenfeld, &Squat::ascent_s, 3},
-    Field<Squat>{"depth_mm", "mm", "how far the hip goes down from the beginning of the descent to the bottom",
-                 kSchoenfeld, &Squat::depth, 0},
-    Field<Squat>{"knee_max_deg", "deg", "largest knee flexion", kSchoenfeld, &Squat::knee_max_deg, 1},
-    Field<Squat>{"trunk_max_deg", "deg", "largest forward lean of the trunk from the vertical", kSchoenfeld,
-                 &Squat::trunk_max_deg, 1},
-    Field<Squat>{"descent_speed_mm_s", "mm/s", "largest speed of the hip downward", kLake, &Squat::descent_speed, 0},
-    Field<Squat>{"ascent_speed_mm_s", "mm/s", "largest speed of the hip upward", kLake, &Squat::ascent_speed, 0},
-    Field<Squat>{"knee_extension_max_deg_s", "deg/s", "largest speed of the knee's extension", kLake,
-                 &Squat::knee_extension_deg_s, 0}};
+constexpr auto kSquatFields = std::to_array<Field<Squat>>(
+    {{"begin_s", "s", "time at which the descent begins", kLake, &Squat::begin_s, 3, FieldKind::kMoment},
+     {"squat_s", "s", "from the beginning of the descent to standing", kLake, &Squat::squat_s, 3},
+     {"descent_s", "s", "from the beginning of the descent to the bottom", kSchoenfeld, &Squat::descent_s, 3},
+     {"ascent_s", "s", "from the bottom to standing", kSchoenfeld, &Squat::ascent_s, 3},
+     {"depth_mm", "mm", "how far the hip goes down from the beginning of the descent to the bottom", kSchoenfeld,
+      &Squat::depth, 0},
+     {"knee_max_deg", "deg", "largest knee flexion", kSchoenfeld, &Squat::knee_max_deg, 1},
+     {"trunk_max_deg", "deg", "largest forward lean of the trunk from the vertical", kSchoenfeld, &Squat::trunk_max_deg,
+      1},
+     {"descent_speed_mm_s", "mm/s", "largest speed of the hip downward", kLake, &Squat::descent_speed, 0},
+     {"ascent_speed_mm_s", "mm/s", "largest speed of the hip upward", kLake, &Squat::ascent_speed, 0},
+     {"knee_extension_max_deg_s", "deg/s", "largest speed of the knee's extension", kLake, &Squat::knee_extension_deg_s,
+      0}});
 
 // The largest of a signal between two frames, or with sign −1 of its opposite.
 Measured Largest(const std::vector<double>& signal, const std::vector<double>& sd, std::size_t from, std::size_t to,
@@ -139,11 +136,11 @@ Measured BetweenEvents(const motion::StsEvent& from, const motion::StsEvent& to)
 
 }  // namespace
 
-std::span<const Field<Squat>> SquatFields() {
+std::span<const Field<Squat>> Squat::Fields() {
   return kSquatFields;
 }
 
-Squats MeasureSquats(const LegFitResult& leg) {
+Measures<Squat> MeasureSquats(const LegFitResult& leg) {
   using enum motion::StsEventKind;
   const StsSignals& s = leg.signals;
   const auto at = [&](const motion::StsEvent& event) {
@@ -152,12 +149,12 @@ Squats MeasureSquats(const LegFitResult& leg) {
   };
   std::map<int, std::map<motion::StsEventKind, motion::StsEvent>> events;
   for (const motion::StsEvent& event : leg.events) events[event.repetition][event.kind] = event;
-  Squats result;
+  std::vector<Squat> squats;
   for (const auto& [repetition, of] : events) {
     if (!of.contains(kDescent) || !of.contains(kBottom) || !of.contains(kStanding)) continue;
     const motion::StsEvent &descent = of.at(kDescent), &bottom = of.at(kBottom), &standing = of.at(kStanding);
     const std::size_t from = at(descent), low = at(bottom), to = at(standing);
-    Squat& squat = result.squats.emplace_back();
+    Squat& squat = squats.emplace_back();
     squat.repetition = repetition;
     squat.begin_s = {descent.time_s, descent.sd_s};
     squat.squat_s = BetweenEvents(descent, standing);
@@ -171,22 +168,7 @@ Squats MeasureSquats(const LegFitResult& leg) {
     squat.ascent_speed = Largest(s.hip_up_speed, s.sd.hip_up_speed, from, to);
     squat.knee_extension_deg_s = Largest(s.knee_deg_s, s.sd.knee_deg_s, from, to, -1);
   }
-  Average<Squat>(kSquatFields, result.squats, result.mean, result.spread);
-  return result;
-}
-
-void WriteSquatsCsv(const std::filesystem::path& path, const Squats& squats, motion::LengthUnit of_plane) {
-  WriteFieldsCsv<Squat>(path, "squat", &Squat::repetition, kSquatFields, squats.squats, squats.mean, squats.spread,
-                        of_plane);
-}
-
-Json SquatsJson(const Squats& squats, motion::LengthUnit of_plane) {
-  return {{"squats", squats.squats.size()},
-          {"measures", FieldsJson<Squat>(kSquatFields, squats.mean, squats.spread, of_plane)}};
-}
-
-std::string SquatsText(const Squats& squats, motion::LengthUnit of_plane) {
-  return fmt::format("squats: {}\n", squats.squats.size()) + FieldsText<Squat>(kSquatFields, squats.mean, of_plane);
+  return WithMeans(std::move(squats));
 }
 
 }  // namespace lake::gait

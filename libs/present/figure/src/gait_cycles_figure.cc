@@ -46,9 +46,9 @@ std::vector<double> CurveOf(const motion::LegMotion& motion, const gait::GaitCyc
 
 using Curves = std::vector<std::vector<double>>;
 
-Curves CurvesOf(const Panel& panel, const gait::LegFitResult& leg, const gait::GaitCycles& cycles) {
+Curves CurvesOf(const Panel& panel, const gait::LegFitResult& leg, const gait::Measures<gait::GaitCycle>& cycles) {
   Curves curves;
-  for (const gait::GaitCycle& cycle : cycles.strides)
+  for (const gait::GaitCycle& cycle : cycles.rows)
     if (auto curve = CurveOf(leg.motion, cycle, panel.angle); !curve.empty()) curves.push_back(std::move(curve));
   return curves;
 }
@@ -91,7 +91,8 @@ void DrawPanel(GnuplotFigure& figure, const std::string& name, const Curves& cur
 
 }  // namespace
 
-void DrawGaitCycles(const std::filesystem::path& path, const gait::LegFitResult& leg, const gait::GaitCycles& cycles,
+void DrawGaitCycles(const std::filesystem::path& path, const gait::LegFitResult& leg,
+                    const gait::Measures<gait::GaitCycle>& cycles,
                     const std::optional<gait::ReferenceCurve>& reference) {
   std::vector<std::pair<Panel, Curves>> panels;
   for (const Panel& panel : kPanels)

@@ -13,10 +13,10 @@ namespace {
 // In words, with the unit.
 std::string NameOf(const std::string& column) {
   for (const motion::LengthUnit unit : {motion::LengthUnit::kMm, motion::LengthUnit::kPx})
-    for (const gait::SitToStandQuantity& quantity : gait::SitToStandQuantities())
-      if (column == quantity.Column(unit)) {
-        const std::string label = quantity.label;  // a phase's name goes before a colon
-        return fmt::format("{} ({})", label.substr(0, label.find(':')), quantity.Unit(unit));
+    for (const gait::Field<gait::SitToStand>& field : gait::SitToStand::Fields())
+      if (column == field.Column(unit)) {
+        const std::string label = field.meaning;  // a phase's name goes before a colon
+        return fmt::format("{} ({})", label.substr(0, label.find(':')), field.Unit(unit));
       }
   if (column == "load_mean_n") return "mean force under the foot (N)";
   if (column == "load_max_n") return "largest force under the foot (N)";

@@ -235,18 +235,16 @@ Section MethodSection(const Json& comparison) {
               "wears it, at the same instants; neither pace nor posture is in it. The path difference is that between "
               "the two trials at equal percent, in which they are. " +
               repetition +
-              "The "
-              "path difference is the distance between the knees, also divided by the human's distance from ankle to "
-              "knee at "
-              "the same sample; its RMS is the root of the mean square. Placement, timing and shape are fitted "
-              "together: an offset constant in the shank's frame, a monotone piecewise linear registration of time "
-              "with 9 knots, and the rest; a share is the part's projection on the distance vector over its mean "
+              "The path difference is the distance between the knees, also divided by the human's distance from ankle "
+              "to knee at the same sample; its RMS is the root of the mean square. Placement, timing and shape are "
+              "fitted together: an offset constant in the shank's frame, a monotone piecewise linear registration of "
+              "time with 9 knots, and the rest; a share is the part's projection on the distance vector over its mean "
               "square, so the shares add up to 100 % and a small one can be negative. Spikes are samples at which the "
               "distance vector leaves its own smooth course by more than 5 median absolute deviations. Intervals hold "
               "95 %. That of the joint misalignment is by the jackknife over the repetitions, from two on; of the path "
               "difference also by how people vary from repetition to repetition, where repetitions are few, by the "
-              "events' times, "
-              "marker noise and marker re-placement; of its parts from four repetitions in each trial on."}}};
+              "events' times, marker noise and marker re-placement; of its parts from four repetitions in each trial "
+              "on."}}};
 }
 
 }  // namespace

@@ -3,17 +3,207 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <filesystem>
+#include <optional>
+#include <regex>
+#include <string>
+#include <string_view>
 
-#include "chart_data.h"
 #include "html.h"
 #include "lake/core/atomic_file.h"
+#include "lake/core/colours.h"
 #include "lake/core/error.h"
+#include "lake/core/json.h"
+#include "lake/core/json_or_null.h"
+#include "lake/core/provenance.h"
 #include "lake/core/uncertain_text.h"
 #include "page_files.h"
-#include "picture.h"
 
 namespace lake::report {
 namespace {
+
+struct EmbeddedFile {
+  std::string media_type;  // "image/png", …
+  std::string data_uri{};
+  std::string drawing{};  // of an SVG that runs nothing: its element, which stands in the page as it is
+  int width_px = 0;       // of the drawing
+  bool IsVideo() const { return media_type == "video/mp4"; }
+};
+
+constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
+
+std::string MediaType(std::string_view bytes) {
+  using namespace std::string_view_literals;
+  if (bytes.starts_with("\x89PNG\r\n\x1A\n"sv)) return "image/png";
+  if (bytes.starts_with("\xFF\xD8\xFF"sv)) return "image/jpeg";
+  if (bytes.starts_with("GIF87a"sv) || bytes.starts_with("GIF89a"sv)) return "image/gif";
+  if (bytes.substr(0, 12).find("ftyp"sv) == 4) return "video/mp4";
+  if (bytes.substr(0, 1024).find("<svg"sv) != bytes.npos) return "image/svg+xml";
+  return {};
+}
+
+void ReplaceAll(std::string& text, std::string_view from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size()) text.replace(at, from.size(), to);
+}
+
+// What an SVG calls its parts, under names that no other drawing of the page has.
+void NameParts(std::string& svg) {
+  const std::string own = "d" + Sha256OfText(svg).substr(0, 8) + "-";
+  for (const std::string_view before : {"id='", "id=\"", "href='#", "href=\"#", "url(#"})
+    ReplaceAll(svg, before, std::string(before) + own);
+}
+
+// A page may run scripts, so what it takes in as text must have none; pictures never run any.
+bool RunsSomething(const std::string& svg) {
+  static const std::regex kRuns("<script|<foreignObject|\\son[a-z]+\\s*=|javascript:", std::regex::icase);
+  return std::regex_search(svg, kRuns);
+}
+
+// Without what is no part of the element, and without its title, which a page would show over all of it.
+std::optional<std::string> ElementOf(const std::string& svg) {
+  const std::size_t from = svg.find("<svg"), to = svg.rfind("</svg>");
+  if (from == svg.npos || to == svg.npos || to < from || RunsSomething(svg)) return std::nullopt;
+  std::string element = svg.substr(from, to - from) + "</svg>";
+  const std::size_t title = element.find("<title>"), title_end = element.find("</title>");
+  if (title < title_end && title_end != element.npos)
+    element.erase(title, title_end + std::string_view("</title>").size() - title);
+  NameParts(element);
+  return element;
+}
+
+// In the element's own tag; 0 if it does not say.
+int WidthOf(std::string_view element) {
+  constexpr std::string_view kWidth = " width=\"";
+  const std::size_t at = element.substr(0, element.find('>')).find(kWidth);
+  int width_px = 0;
+  if (at != element.npos)
+    std::from_chars(element.data() + at + kWidth.size(), element.data() + element.size(), width_px);
+  return width_px;
+}
+
+// The type is told by the content. Throws Error: unreadable, unknown, larger than 64 MB.
+EmbeddedFile EmbedFile(const std::filesystem::path& file) {
+  const std::string bytes = ReadTextFile(file, kMaxBytes);
+  const std::string type = MediaType(bytes);
+  if (type.empty()) throw Fail("{}: a report takes PNG, JPEG, GIF, SVG and MP4 only", file.string());
+  EmbeddedFile embedded{.media_type = type};
+  if (type == "image/svg+xml")
+    if (auto element = ElementOf(bytes); element && WidthOf(*element) > 0) {
+      embedded.width_px = WidthOf(*element);
+      embedded.drawing = *std::move(element);
+      return embedded;
+    }
+  embedded.data_uri = "data:" + type + ";base64," + Base64(bytes);
+  return embedded;
+}
+
+// Okabe & Ito (2008), as colours.h has them for the figures.
+constexpr std::array kPalette = {colour::kAnkle, colour::kExoskeleton, colour::kHip,
+                                 colour::kWaist, colour::kHuman,       colour::kOther};
+
+std::string ColourOr(const std::string& colour, std::size_t index) {
+  return colour.empty() ? kPalette[index % kPalette.size()] : colour;
+}
+
+// Infinities, like NaN, are gaps.
+Json Numbers(const std::vector<double>& values) {
+  Json numbers = Json::array();
+  for (const double value : values) numbers.push_back(NumberOrNull(value));
+  return numbers;
+}
+
+Json AxisData(const Axis& axis) {
+  return {{"label", axis.label}, {"from", ValueOrNull(axis.from)}, {"to", ValueOrNull(axis.to)}};
+}
+
+void CheckLength(const std::string& chart, const std::string& series, const char* column, std::size_t length,
+                 std::size_t expected, bool may_be_empty) {
+  if (length == expected || (may_be_empty && length == 0)) return;
+  throw Fail("report: chart '{}', series '{}': {} values in {} where {} are needed", chart, series, length, column,
+             expected);
+}
+
+const char* ToString(Mark mark) {
+  switch (mark) {
+    case Mark::kLine:
+      return "line";
+    case Mark::kThin:
+      return "thin";
+    case Mark::kDashed:
+      return "dashed";
+    case Mark::kDotted:
+      return "dotted";
+    case Mark::kPoints:
+      return "points";
+  }
+  return "line";
+}
+
+Json SeriesData(const LineChart& chart, const Series& series, std::size_t index) {
+  const auto check = [&](const char* column, std::size_t length, bool may_be_empty) {
+    CheckLength(chart.title, series.name, column, length, series.x.size(), may_be_empty);
+  };
+  check("y", series.y.size(), false);
+  check("labels", series.labels.size(), true);
+  check("lower", series.lower.size(), true);
+  check("upper", series.upper.size(), series.lower.empty());
+  return {{"name", series.name},
+          {"x", Numbers(series.x)},
+          {"y", Numbers(series.y)},
+          {"lower", Numbers(series.lower)},
+          {"upper", Numbers(series.upper)},
+          {"colour", ColourOr(series.colour, index)},
+          {"mark", ToString(series.mark)},
+          {"labels", series.labels}};
+}
+
+Json BarSeriesData(const BarChart& chart, const BarSeries& series, std::size_t index) {
+  const std::size_t bars = chart.categories.size();
+  const auto check = [&](const char* column, std::size_t length, bool may_be_empty) {
+    CheckLength(chart.title, series.name, column, length, bars, may_be_empty);
+  };
+  check("values", series.values.size(), false);
+  check("lower", series.lower.size(), true);
+  check("upper", series.upper.size(), series.lower.empty());
+  Json colours = Json::array();
+  if (series.colours.size() <= 1) {
+    colours.push_back(ColourOr(series.colours.empty() ? "" : series.colours[0], index));
+  } else {
+    check("colours", series.colours.size(), false);
+    colours = series.colours;
+  }
+  return {{"name", series.name},
+          {"values", Numbers(series.values)},
+          {"lower", Numbers(series.lower)},
+          {"upper", Numbers(series.upper)},
+          {"colours", colours}};
+}
+
+// Throw Error for columns of unequal length.
+Json ChartData(const LineChart& chart) {
+  Json data = {{"kind", "line"},         {"title", chart.title},        {"x", AxisData(chart.x)},
+               {"y", AxisData(chart.y)}, {"equal", chart.equal_scales}, {"series", Json::array()},
+               {"lines", Json::array()}, {"intervals", Json::array()}};
+  for (std::size_t i = 0; i < chart.series.size(); ++i) data["series"].push_back(SeriesData(chart, chart.series[i], i));
+  for (const VerticalLine& line : chart.lines) data["lines"].push_back({{"x", line.x}, {"label", line.label}});
+  for (const ShadedInterval& interval : chart.intervals)
+    data["intervals"].push_back({{"from", interval.from}, {"to", interval.to}, {"label", interval.label}});
+  return data;
+}
+
+Json ChartData(const BarChart& chart) {
+  Json data = {{"kind", "bar"},
+               {"title", chart.title},
+               {"x", AxisData(chart.value_axis)},
+               {"decimals", chart.decimals},
+               {"categories", chart.categories},
+               {"series", Json::array()}};
+  for (std::size_t i = 0; i < chart.series.size(); ++i)
+    data["series"].push_back(BarSeriesData(chart, chart.series[i], i));
+  return data;
+}
 
 // The page may run what it contains and show what it contains; nothing else, so no network access.
 constexpr const char* kSecurityPolicy =

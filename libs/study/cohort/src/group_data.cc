@@ -83,17 +83,10 @@ class ResultTable {
 
 // The columns of a movement's table that are no times of the recording.
 template <typename Row>
-std::vector<std::string> ColumnsOf(std::span<const gait::Field<Row>> fields) {
+std::vector<std::string> ColumnsOf() {
   std::vector<std::string> columns;
-  for (const gait::Field<Row>& field : fields)
-    if (std::string_view(field.name) != "begin_s") columns.push_back(field.Column(motion::LengthUnit::kMm));
-  return columns;
-}
-
-std::vector<std::string> RiseColumns() {
-  std::vector<std::string> columns;
-  for (const gait::SitToStandQuantity& quantity : gait::SitToStandQuantities())
-    if (!quantity.is_time_of_recording) columns.push_back(quantity.Column(motion::LengthUnit::kMm));
+  for (const gait::Field<Row>& field : Row::Fields())
+    if (field.kind != gait::FieldKind::kMoment) columns.push_back(field.Column(motion::LengthUnit::kMm));
   return columns;
 }
 
@@ -106,13 +99,10 @@ struct MeasuredTable {
 
 MeasuredTable ReadMeasured(const fs::path& folder) {
   using enum gait::MovementKind;
-  const auto measured = [&](gait::MovementKind movement, std::vector<std::string> columns, const char* file) {
-    return MeasuredTable{movement, std::move(columns), CsvTable::Read(folder / file)};
-  };
-  if (fs::exists(folder / "gait_cycles.csv"))
-    return measured(kWalking, ColumnsOf(gait::GaitCycleFields()), "gait_cycles.csv");
-  if (fs::exists(folder / "squats.csv")) return measured(kSquat, ColumnsOf(gait::SquatFields()), "squats.csv");
-  return measured(kSitToStand, RiseColumns(), "sit_to_stand.csv");
+  for (auto& [movement, columns, file] : {std::tuple{kWalking, ColumnsOf<gait::GaitCycle>(), "gait_cycles.csv"},
+                                          {kSquat, ColumnsOf<gait::Squat>(), "squats.csv"}})
+    if (fs::exists(folder / file)) return {movement, columns, CsvTable::Read(folder / file)};
+  return {kSitToStand, ColumnsOf<gait::SitToStand>(), CsvTable::Read(folder / "sit_to_stand.csv")};
 }
 
 // The durations, angles, speeds and powers of one row; NaN where it has none.

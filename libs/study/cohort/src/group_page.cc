@@ -23,8 +23,12 @@ namespace fs = std::filesystem;
 // In words, with the unit: a column of trials.csv that both trials have.
 std::string NameOf(const std::string& column) {
   constexpr auto kMm = motion::LengthUnit::kMm;
-  for (const gait::SitToStandQuantity& quantity : gait::SitToStandQuantities())
-    if (column == quantity.Column(kMm)) return fmt::format("{} ({})", quantity.label, quantity.Unit(kMm));
+  const auto name_in = [&](const auto& fields) -> std::string {
+    for (const auto& field : fields)
+      if (column == field.Column(kMm)) return fmt::format("{} ({})", field.meaning, field.Unit(kMm));
+    return "";
+  };
+  if (std::string name = name_in(gait::SitToStand::Fields()); !name.empty()) return name;
   constexpr std::pair<std::string_view, const char*> kNames[] = {
       {"five_times_power_w_kg", "mean power of the five-times test (W/kg)"},
       {"com_forward_seat_off_mm_s", "speed forward of the centre of mass at seat-off (mm/s)"},
@@ -38,9 +42,8 @@ std::string NameOf(const std::string& column) {
       {"thigh_mm", "thigh, hip to knee (mm)"}};
   for (const auto& [known, name] : kNames)
     if (column == known) return name;
-  for (const gait::Field<gait::GaitCycle>& field : gait::GaitCycleFields())
-    if (column == field.Column(kMm)) return fmt::format("{} ({})", field.meaning, field.Unit(kMm));
-  return column;
+  const std::string name = name_in(gait::GaitCycle::Fields());
+  return name.empty() ? column : name;
 }
 
 const MainQuantity* FindMain(const std::string& trial, const std::string& name) {

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "lake/core/json.h"
 #include "lake/gait/field.h"
 #include "lake/gait/leg_fit.h"
 
@@ -15,7 +14,9 @@ namespace lake::gait {
 
 // Standard deviations are the fit's and those of the events' times; lengths are in the plane's unit.
 struct GaitCycle {
-  int stride = 0;  // as in events.csv
+  static std::span<const Field<GaitCycle>> Fields();
+
+  int repetition = 0;  // of the stride
   Measured begin_s, stride_s, stance_s, stance_percent, swing_s, cadence_steps_min, stride_length, speed;
   Measured knee_heel_strike_deg, knee_loading_deg, knee_stance_min_deg, knee_toe_off_deg, knee_swing_deg,
       knee_range_deg;
@@ -27,20 +28,10 @@ struct GaitCycle {
   Measured step_s, step_length, double_support_percent, step_symmetry_percent;
   Measured toe_clearance;  // with a toe marker
 };
-std::span<const Field<GaitCycle>> GaitCycleFields();
 
-struct GaitCycles {
-  std::vector<GaitCycle> strides;  // the complete ones
-  GaitCycle mean;                  // with the standard deviations of the means
-  GaitCycle spread;                // values: standard deviations over the strides; NaN of a single one
-};
-
-// Of a fit whose movement is walking. `anatomical_sd_deg` of the knee's angle is added to that of its values, not to
-// that of its range.
-GaitCycles MeasureGaitCycles(const LegFitResult& leg, double anatomical_sd_deg = 0);
-
-// gait_cycles.csv: a row a stride, then `mean` and `sd`; the values, then their standard deviations (…_sd).
-void WriteGaitCyclesCsv(const std::filesystem::path& path, const GaitCycles& cycles, motion::LengthUnit of_plane);
+// The complete strides of a fit whose movement is walking. `anatomical_sd_deg` of the knee's angle is added to that of
+// its values, not to that of its range.
+Measures<GaitCycle> MeasureGaitCycles(const LegFitResult& leg, double anatomical_sd_deg = 0);
 
 // A laboratory's norm of the knee's flexion over the stride.
 struct ReferenceCurve {
@@ -50,12 +41,5 @@ struct ReferenceCurve {
 // percent,mean,sd. Throws Error naming file and line: percent that does not increase from 0 or more to 100 or less, a
 // negative standard deviation, a single row.
 ReferenceCurve ReadReferenceCurve(const std::filesystem::path& path);
-
-// For summaries: by measure mean, sd over strides and coefficient of variation; the ground, complete and incomplete
-// strides.
-Json GaitCyclesJson(const GaitCycles& cycles, const LegFitResult& leg);
-
-// The main ones in a few lines for the terminal.
-std::string GaitCyclesText(const GaitCycles& cycles, const LegFitResult& leg);
 
 }  // namespace lake::gait

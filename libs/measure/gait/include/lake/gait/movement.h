@@ -1,6 +1,7 @@
 // The movements that are known: how their repetitions are found, and what is 0 and 100 % of them.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "lake/core/options.h"
 #include "lake/gait/walking.h"
+#include "lake/motion/event_corrections.h"
 
 namespace lake::gait {
 
@@ -48,5 +50,18 @@ const Movement& MovementOf(MovementKind kind);
 // place of the fit's, and with them repetition and percent; warns of what it leaves out, and where another movement is
 // seen too. Without any, a warning says so and the events are empty.
 void ChooseMovement(const MovementOptions& options, LegFitResult& leg);
+
+// The option --events: a file of rows where a person knows better than what was found in the motion.
+void DescribeEvents(std::optional<std::filesystem::path>& file, OptionList& options);
+
+// Puts the rows in the places of what was found; repetition and percent of each frame follow. Throws Error as
+// motion::ApplyEventCorrections does.
+void CorrectEvents(const std::vector<motion::EventCorrection>& corrections, LegFitResult& fit);
+
+// Quiet standing: the means of all angles over the frames from one time to another; their standard deviations are the
+// person's sway there, with the markers' noise of a frame. Throws Error: fewer than eight frames show the knee there,
+// its angle or the shank's sways by more than 3° (SD), or the knee is bent by more than 30°: nobody stands quietly
+// there.
+motion::LegSample NeutralPose(const LegFitResult& leg, double from_s, double to_s);
 
 }  // namespace lake::gait

@@ -13,10 +13,22 @@
 #include "lake/core/options.h"
 #include "lake/gait/field.h"
 #include "lake/gait/leg_fit.h"
-#include "lake/gait/trunk_on_pelvis.h"
 #include "lake/motion/person.h"
 
 namespace lake::gait {
+
+// The markers of the pelvis: above its front and its back (spina iliaca anterior and posterior superior), each of the
+// near side, or in three dimensions the middle of both sides.
+inline constexpr const char *kAsis = "asis", *kPsis = "psis";
+
+// One value per frame, NaN where not known: trunk_deg less the pelvis' forward tilt, which is the angle of the line
+// from `psis` to `asis` below the horizontal; its SD. `warning`: why all of it is unknown, although one of the markers
+// is in the recording (the other one is not, they are exchanged, or the waist marker is on the pelvis too); else empty.
+struct TrunkOnPelvis {
+  std::vector<double> deg, sd_deg;
+  std::string warning;
+};
+TrunkOnPelvis FindTrunkOnPelvis(const LegFitResult& fit);
 
 inline constexpr double kSteadyFraction = 0.05;  // as of the knee's extension at standing
 inline constexpr double kSteady_s = 0.5;
@@ -25,6 +37,8 @@ inline constexpr double kSteady_s = 0.5;
 // markers slide on the skin in them, at the onset the sway of the rest before it too. Of the five-times test they are
 // those between its rises.
 struct SitToStand {
+  static std::span<const Field<SitToStand>> Fields();
+
   int repetition = 0;  // from 1; 0: the five-times test
   Measured onset_s, seat_off_s, standing_s;
   Measured rise_s;  // onset to standing
@@ -65,20 +79,6 @@ struct CentreOfMassInRise {
   Measured seat_off_mm, forward_max_mm_s, upward_max_mm_s;
 };
 using CentresOfMass = std::map<int, CentreOfMassInRise>;  // by repetition
-
-// What there is of each row.
-struct SitToStandQuantity {
-  const char* name;  // of the column, without the unit of lengths
-  Measured SitToStand::*value;
-  const char* label;  // in words
-  const char* unit;   // s, °, °/s, W/kg, mm, mm/s; of lengths in the plane's unit what follows that: "" or "/s"
-  bool is_length = false;
-  bool is_time_of_recording = false;  // and no duration
-
-  std::string Column(motion::LengthUnit of_plane) const;
-  std::string Unit(motion::LengthUnit of_plane) const;
-};
-std::span<const SitToStandQuantity> SitToStandQuantities();
 
 // The rises in order, then the five-times test: the first five rises of which onset and standing are known; without
 // five, all of it is NaN. `on_pelvis` is what FindTrunkOnPelvis says of this fit; empty, for whoever does not ask for

@@ -2,11 +2,9 @@
 // doi:10.1519/JSC.0b013e3181bac2d7.
 #pragma once
 
-#include <filesystem>
 #include <span>
 #include <vector>
 
-#include "lake/core/json.h"
 #include "lake/gait/field.h"
 #include "lake/gait/leg_fit.h"
 
@@ -20,24 +18,15 @@ std::vector<motion::StsEvent> FindSquats(const LegFitResult& leg);
 
 // Lengths are in the plane's unit; standard deviations are the fit's and those of the events' times.
 struct Squat {
-  int repetition = 0;  // as in events.csv
+  static std::span<const Field<Squat>> Fields();
+
+  int repetition = 0;
   Measured begin_s, squat_s, descent_s, ascent_s;
   Measured depth, knee_max_deg, trunk_max_deg;
   Measured descent_speed, ascent_speed, knee_extension_deg_s;
 };
-std::span<const Field<Squat>> SquatFields();
-
-struct Squats {
-  std::vector<Squat> squats;
-  Squat mean, spread;  // as GaitCycles'
-};
 
 // Of a fit whose movement is squat.
-Squats MeasureSquats(const LegFitResult& leg);
-
-// squats.csv, the summary and the lines for the terminal, as of gait cycles.
-void WriteSquatsCsv(const std::filesystem::path& path, const Squats& squats, motion::LengthUnit of_plane);
-Json SquatsJson(const Squats& squats, motion::LengthUnit of_plane);
-std::string SquatsText(const Squats& squats, motion::LengthUnit of_plane);
+Measures<Squat> MeasureSquats(const LegFitResult& leg);
 
 }  // namespace lake::gait

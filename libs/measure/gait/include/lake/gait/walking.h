@@ -16,12 +16,20 @@ struct LegFitResult;
 
 enum class Ground { kOverground, kTreadmill };
 
-// A foot's load on a force plate. NaN: it is on it when the forces begin, or still when they end.
-struct PlateContact {
-  std::string plate;
-  double begin_s = NAN, end_s = NAN, begin_sd_s = NAN, end_sd_s = NAN;
+// A foot's load on a force plate: from where the vertical force rises above 20 N over what the empty plate reads to
+// where it falls below, between samples (Zeni et al. 2008); NaN: it bears already when the recording begins, or still
+// when it ends. Loads of less than 0.1 s, and gaps of less than 0.05 s, are the plate's noise.
+struct PlateLoad {
+  double begin_s = NAN, end_s = NAN;
+  double begin_sd_s = NAN, end_sd_s = NAN;  // by the empty plate's noise over the force's slope, and half a sample
+};
+// Of a plate's vertical force.
+std::vector<PlateLoad> LoadsOf(const std::vector<double>& force_n, const std::vector<double>& time_s);
+
+struct PlateContact : PlateLoad {
+  std::string plate = {};
   // Where the force acts over the contact, forward in the plane; empty where the plates' place there is not known.
-  std::vector<double> time_s, forward = {};
+  std::vector<double> time_s = {}, forward = {};
 };
 
 struct WalkingOptions {
@@ -52,6 +60,15 @@ struct Walk {
   // Why parts of the recording are left out, or all of it: a sentence each.
   std::vector<std::string> left_out;
 };
+
+struct Stride {
+  motion::StsEvent strike, off, next;
+};
+// In the order of time: heel strike, toe-off and the next heel strike of the measured leg, by their numbers.
+std::vector<Stride> StridesOf(const std::vector<motion::StsEvent>& events);
+
+// Sets `strides` and `incomplete`.
+void CountStrides(const std::vector<motion::StsEvent>& events, Walk& walk);
 
 // Empty `events` where nobody walks. Lengths are compared with the leg's, so they may be px.
 Walk FindWalk(const LegFitResult& leg, const WalkingOptions& options = {});
