@@ -5,8 +5,8 @@
 
 namespace lake {
 
-// The bytes of a C3D written by lake whose point `name` is stated to be an output: POINT:GROUP and its unit stand in the
-// place of zeros behind the parameters.
+// The bytes of a C3D written by lake whose point `name` is stated to be an output: POINT:GROUP and its unit stand in
+// the place of zeros behind the parameters.
 inline std::string WithModelOutput(std::string bytes, const std::string& group, const std::string& name,
                                    const std::string& unit) {
   const auto entry = [](const std::string& key, const std::string& text) {
