@@ -20,7 +20,7 @@
 #include "rebuilt_knee.h"
 #include "sizes.h"
 
-// As a list of its columns.
+// As a list of its columns. NOLINTBEGIN(readability-identifier-naming): the library's names
 template <>
 struct nlohmann::adl_serializer<Eigen::Matrix3Xd> {
   static void to_json(lake::Json& json, const Eigen::Matrix3Xd& matrix) {
@@ -32,6 +32,7 @@ struct nlohmann::adl_serializer<Eigen::Matrix3Xd> {
       matrix(i) = json.at(static_cast<std::size_t>(i / 3)).at(static_cast<std::size_t>(i % 3));
   }
 };
+// NOLINTEND(readability-identifier-naming)
 
 namespace lake::gait {
 namespace {
@@ -310,9 +311,9 @@ double Learn(const LegPlaces& places, const LegMarkers& names, const std::vector
   if (frames.size() < kLeast) return kInfinity;
   if (repetitions.empty())  // quarters of the frames
     for (std::size_t k = 0; k < frames.size(); ++k) frames[k].part = static_cast<int>(4 * k / frames.size());
-  const auto [least, most] = std::ranges::minmax(frames, {}, &KneeFrame::flexion_deg);
-  knee.from_deg = least.flexion_deg;
-  knee.to_deg = std::max(most.flexion_deg, knee.from_deg + kLeastRange_deg);
+  const auto [least, most] = std::ranges::minmax_element(frames, {}, &KneeFrame::flexion_deg);
+  knee.from_deg = least->flexion_deg;
+  knee.to_deg = std::max(most->flexion_deg, knee.from_deg + kLeastRange_deg);
   return Fit(frames, noise_mm, knee);
 }
 
