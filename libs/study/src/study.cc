@@ -45,24 +45,26 @@ std::vector<std::string> WarningsOf(const StudyResults& results) {
 }
 
 Section MethodsChapter(const StudyResults& results) {
-  return {
-      "Methods",
-      {List{{"Markers: the centre of each from a model of its blob, with its own standard deviation from the "
-             "recording's noise. One robust least-squares fit over all frames gives segment angles and lengths; "
-             "the knee angle is that of the vectors ankle–knee and knee–hip, 0° straight.",
-             RepetitionIn(results) == "rise"
-                 ? "Sit-to-stand: 0 % where hip or trunk leaves rest, 100 % where the knee's extension speed falls "
-                   "below 5 % of its peak. Repetitions are averaged at each percent."
-                 : "Walking: 0 % at heel strike, 100 % at the next one of the same leg, by heel and toe or the ankle "
-                   "against the hip. Strides are averaged at each percent.",
-             "Misalignment: the distance between the exoskeleton's and the human's knee at the same percent, over "
-             "the human's shank length there; its RMS is the root of the mean square. Placement, timing and shape "
-             "are fitted together; their shares add up to 100 %.",
-             "Design: the range of rotation is the knee angle at the actuator's shortest stroke. It is maximised "
-             "over the six links with Ipopt, exact derivatives, from many starts, under Grashof's law, order of "
-             "links, singularity and bounds (Gautam, Singla & Singla).",
-             "Re-optimisation: the same problem with the predicted path of the exoskeleton's knee on this person's "
-             "own motion; its error is the comparison's."}}}};
+  const char* percent =
+      RepetitionIn(results) == "rise"
+          ? "Sit-to-stand: 0 % where hip or trunk leaves rest, 100 % where the knee's extension speed falls below "
+            "5 % of its peak. Repetitions are averaged at each percent."
+          : "Walking: 0 % at heel strike, 100 % at the next one of the same leg, by heel and toe or the ankle against "
+            "the hip. Strides are averaged at each percent.";
+  return {"Methods",
+          // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): sentences over several lines
+          {List{{"Markers: the centre of each from a model of its blob, with its own standard deviation from the "
+                 "recording's noise. Smoothers, whose stiffness and noise are learnt from the recording, give segment "
+                 "angles and lengths; the knee angle is that of the vectors ankle–knee and knee–hip, 0° straight.",
+                 percent,
+                 "Misalignment: the distance between the exoskeleton's and the human's knee at the same percent, over "
+                 "the human's shank length there; its RMS is the root of the mean square. Placement, timing and shape "
+                 "are fitted together; their shares add up to 100 %.",
+                 "Design: the range of rotation is the knee angle at the actuator's shortest stroke. It is maximised "
+                 "over the six links with Ipopt, exact derivatives, from many starts, under Grashof's law, order of "
+                 "links, singularity and bounds (Gautam, Singla & Singla).",
+                 "Re-optimisation: the same problem with the predicted path of the exoskeleton's knee on this person's "
+                 "own motion; its error is the comparison's."}}}};
 }
 
 // Of steps alone there is no summary.
@@ -73,7 +75,7 @@ Section FilesChapter(const StudyFile& study, const StudyResults& results, const 
       if (const fs::path path = kind.name / file.path; results.HasFile(path)) files.files.push_back({path, file.what});
   if (const auto firmware = FirmwareOf(study); firmware && results.HasFile(firmware->path))
     files.files.push_back(*firmware);
-  if (const Json only = head.at("options").value("only", Json("")); only == "")
+  if (const Json only = head.at("options").value("only", Json("")); only.is_string() && only.get<std::string>().empty())
     files.files.push_back({"summary.json", "every number of every step"});
   return {"Output files", {std::move(files)}};
 }

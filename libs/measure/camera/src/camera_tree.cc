@@ -96,8 +96,10 @@ std::vector<double> NumbersAt(const Json& map, std::string_view key, const std::
   const Json* value = FindKey(map, key);
   if (!value) throw Fail("{}: no key '{}'", where, key);
   AppendNumbers(*value, fmt::format("{}: '{}'", where, key), numbers);
-  if (count > 0 && numbers.size() != count)
-    throw Fail("{}: '{}' has {} numbers, not {}", where, key, numbers.size(), count);
+  const Json *data = FindKey(*value, "data"), &list = data ? *data : *value;
+  const bool says_none = list.is_array() && list.empty();  // not one that is cut off
+  if ((numbers.empty() && !says_none) || (count > 0 && numbers.size() != count))
+    throw Fail("{}: '{}' has {} numbers, not {}", where, key, numbers.size(), std::max<std::size_t>(count, 1));
   return numbers;
 }
 

@@ -408,6 +408,7 @@ void WriteSitToStandCsv(const std::filesystem::path& path, const std::vector<Sit
              pelvis = std::ranges::find(fields, &SitToStand::trunk_pelvis_seat_off_deg, &Field<SitToStand>::value);
   std::rotate(phase, phase + 1, pelvis);
   std::vector<std::pair<std::string, SitToStand>> named;
+  named.reserve(rows.size());
   for (const SitToStand& row : rows)
     named.emplace_back(row.repetition > 0 ? std::to_string(row.repetition) : "five_times", row);
   WriteRows<SitToStand>(path, "repetition", fields, named, of_plane);
