@@ -33,6 +33,7 @@ class Continuations {
   Continuations(const std::vector<Tracklet>& tracklets, const MarkerPhysics& physics)
       : tracklets_(tracklets), after_(tracklets.size()), before_(tracklets.size()) {
     std::vector<double> radii_px;
+    radii_px.reserve(tracklets.size());
     for (const Tracklet& tracklet : tracklets) radii_px.push_back(tracklet.RadiusPx());
     for (std::size_t a = 0; a < tracklets.size(); ++a)
       for (std::size_t b = 0; b < tracklets.size(); ++b)
