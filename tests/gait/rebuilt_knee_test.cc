@@ -145,7 +145,9 @@ constexpr const char* kLeft = "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L_Shoul
 constexpr const char* kWalkRight = "ankle=RLMAL,knee=RLFC,hip=RHJC,a=RTB1,b=RTB2,c=RTB3,d=RTH1,e=RTH2,f=RTH3";
 constexpr const char* kWalkLeft = "ankle=LLMAL,knee=LLFC,hip=LHJC,a=LTB1,b=LTB2,c=LTB3,d=LTH1,e=LTH2,f=LTH3";
 // Of half strides: less of the skin is seen in what they are learnt from than in what is left out of it.
-constexpr double kOfWalks = 0.4;
+constexpr double kOfWalks = 0.6;
+// There the markers keep their places less well in the other half, which is taken for more than skin.
+constexpr double kOfUnlikeHalves = 0.4;
 const gait::TechnicalMarkers kShank = {{"shank", {"a", "b"}}},
                              kBoth = {{"shank", {"a", "b", "c"}}, {"thigh", {"d", "e", "f"}}};
 
@@ -165,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
         HiddenCase{"SquatsRight", kSquats, kRight, kShank, 6.7, true, ""},
         HiddenCase{"Walking2Right", "opensim_walk/walking2.c3d", kWalkRight, kBoth, 2.6, true, "", 0, kOfWalks},
         HiddenCase{"Walking2Left", "opensim_walk/walking2.c3d", kWalkLeft, kBoth, 2.6, true, "", 0, kOfWalks},
-        HiddenCase{"Walking5Right", "opensim_walk/walking5.c3d", kWalkRight, kBoth, 2.6, true, "", 0, kOfWalks},
+        HiddenCase{"Walking5Right", "opensim_walk/walking5.c3d", kWalkRight, kBoth, 2.6, true, "", 0, kOfUnlikeHalves},
         HiddenCase{"Walking5Left", "opensim_walk/walking5.c3d", kWalkLeft, kBoth, 2.6, true, "", 0, kOfWalks}),
     [](const auto& info) { return info.param.name; });
 

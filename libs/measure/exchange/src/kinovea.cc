@@ -9,7 +9,7 @@
 #include "readers.h"
 
 namespace lake::exchange {
-void TellMilliseconds(PointRecording& recording, const std::filesystem::path& path) {
+void ToSeconds(PointRecording& recording, const std::filesystem::path& path) {
   const double step = recording.time_s.size() < 2 ? 0 : MedianInterval(recording.time_s);
   if (step == 1)
     recording.warnings.push_back(
@@ -62,7 +62,7 @@ PointRecording ReadKinoveaText(const std::filesystem::path& path, const ReadOpti
   }
   if (tracks.empty()) throw Fail("{}: Kinovea's text without a trajectory", path.string());
   PointRecording recording = JoinMarkers(tracks, path);
-  TellMilliseconds(recording, path);
+  ToSeconds(recording, path);
   return recording;
 }
 

@@ -274,7 +274,7 @@ PointRecording ReadKinovea(const std::filesystem::path& path, const ReadOptions&
   const char separator = SeparatorOf(lines[0]);
   PointRecording recording = ReadNamed(lines, {.separator = separator, .time = 0, .mm_per_unit = options.mm_per_unit},
                                        SplitNames(SplitCells(lines[0], separator), "/0/"), "NAME/0/X, NAME/0/Y", path);
-  TellMilliseconds(recording, path);
+  ToSeconds(recording, path);
   return recording;
 }
 

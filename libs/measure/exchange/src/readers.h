@@ -146,7 +146,7 @@ PointRecording ReadMarkerFiles(const std::vector<std::filesystem::path>& files, 
 // that lie between those of another.
 PointRecording JoinMarkers(const std::vector<PointRecording>& files, const std::filesystem::path& whole);
 
-// Kinovea's times are in s, ms or µs: a frame lasts between 1 ms and 1 s.
-void TellMilliseconds(PointRecording& recording, const std::filesystem::path& path);
+// Kinovea's times, in s, ms or µs, become s: a frame lasts between 1 ms and 1 s.
+void ToSeconds(PointRecording& recording, const std::filesystem::path& path);
 
 }  // namespace lake::exchange

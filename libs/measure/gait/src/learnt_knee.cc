@@ -351,7 +351,9 @@ Carried CarriedBy(const LearntKnee& knee, const Pose& pose, const Vector3d& far_
 
 Found Find(const LearntKnee& knee, const LegPlaces& places, const LegMarkers& names) {
   Found found{.places = places, .course = Follow(knee, places.Of(knee.markers))};
-  found.noise = std::hypot(1 / std::sqrt(knee.markers.size()), knee.knee_mm.col(0).norm() / knee.shape_mm.norm());
+  // A turn in the plane, by errors across the markers' radii, moves the knee across its own.
+  const double lever = knee.knee_mm.col(0).head<2>().norm() / knee.shape_mm.topRows<2>().norm();
+  found.noise = std::hypot(1 / std::sqrt(knee.markers.size()), lever / std::sqrt(2));
   // Markers that keep their places clearly less well than when they were learnt may have been put on again beside them.
   constexpr double kUsual = 1.5;  // from one repetition to another
   const double strain = std::pow(found.course.strain_mm, 2) - std::pow(kUsual * knee.strain_mm, 2);

@@ -33,9 +33,8 @@ void JudgeMarkers(const RecordingCheck& c, int markers, std::vector<CheckItem>& 
          .shown = "lake track cannot name the markers so, and neither they nor the knee are judged: " + c.why_not_named,
          .verdict = Verdict::kNotJudged,
          .advice = "bright round markers on ankle, knee and hip, all in the picture, from sitting to "
-                   "standing; or name them all with --markers and point at them with --seed. Colours and ArUco squares "
-                   "are not judged "
-                   "here, lake-track finds them with --detector"});
+                   "standing; or name them all with --markers and point at them with --seed. Colours and ArUco "
+                   "squares are not judged here, lake-track finds them with --detector"});
     return;
   }
   if (c.knee_hidden_share > kOftenHidden)
