@@ -125,6 +125,7 @@ TEST_P(RebuiltKneeOf, RealLegIsWhereItsMarkerWas) {
   std::erase_if(after.recording.markers, [](const motion::MarkerTrack& marker) { return marker.name == "knee"; });
   after.lateral.erase("knee");
   const gait::LearntKnee learnt = Learn(before, c.technical, view);
+  EXPECT_EQ(learnt.shape_mm.cols(), std::ssize(learnt.markers));
   const gait::LegFitResult worn = Rebuild(after, learnt, view);
   const Errors errors = ErrorsOf(worn, [&](std::size_t i) -> Eigen::Vector2d {
     return truth[i].IsKnown() ? truth[i].position : Eigen::Vector2d::Constant(NAN);
@@ -144,31 +145,29 @@ constexpr const char* kRight = "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=R_Shou
 constexpr const char* kLeft = "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L_Shoulder,a=L_sh2,b=L_sh3";
 constexpr const char* kWalkRight = "ankle=RLMAL,knee=RLFC,hip=RHJC,a=RTB1,b=RTB2,c=RTB3,d=RTH1,e=RTH2,f=RTH3";
 constexpr const char* kWalkLeft = "ankle=LLMAL,knee=LLFC,hip=LHJC,a=LTB1,b=LTB2,c=LTB3,d=LTH1,e=LTH2,f=LTH3";
-// Of half strides: less of the skin is seen in what they are learnt from than in what is left out of it.
-constexpr double kOfWalks = 0.6;
-// There the markers keep their places less well in the other half, which is taken for more than skin.
-constexpr double kOfUnlikeHalves = 0.4;
+// There the markers' skin moves less in the second half than in the first.
+constexpr double kOfUnlikeHalves = 0.6;
 const gait::TechnicalMarkers kShank = {{"shank", {"a", "b"}}},
                              kBoth = {{"shank", {"a", "b", "c"}}, {"thigh", {"d", "e", "f"}}};
 
 INSTANTIATE_TEST_SUITE_P(
     , RebuiltKneeOf,
-    testing::Values(
-        HiddenCase{"OpticalRight", kOptical, kRight, kShank, 4.3, true},
-        HiddenCase{"OpticalLeft", kOptical, kLeft, kShank, 4.3, true},
-        HiddenCase{"OpticalRightInPlane", kOptical, kRight, kShank, 4.3, false},
-        HiddenCase{"OpticalLeftMirrored", kOptical, kLeft, kShank, 4.3, false, "-x"},
-        HiddenCase{"PlatesRight", kPlates, kRight, kShank, 7, true},
-        HiddenCase{"PlatesLeft", kPlates, kLeft, kShank, 7, true},
-        HiddenCase{"PlatesRightInPlane", kPlates, kRight, kShank, 7, false},
-        HiddenCase{"PlatesLeftFromOneRise", kPlates, kLeft, kShank, 2.7, true},
-        HiddenCase{"PlatesRightNoisy", kPlates, kRight, kShank, 7, true, "+x", 1},
-        HiddenCase{"OpticalRightNoisy", kOptical, kRight, kShank, 4.3, false, "+x", 1},
-        HiddenCase{"SquatsRight", kSquats, kRight, kShank, 6.7, true, ""},
-        HiddenCase{"Walking2Right", "opensim_walk/walking2.c3d", kWalkRight, kBoth, 2.6, true, "", 0, kOfWalks},
-        HiddenCase{"Walking2Left", "opensim_walk/walking2.c3d", kWalkLeft, kBoth, 2.6, true, "", 0, kOfWalks},
-        HiddenCase{"Walking5Right", "opensim_walk/walking5.c3d", kWalkRight, kBoth, 2.6, true, "", 0, kOfUnlikeHalves},
-        HiddenCase{"Walking5Left", "opensim_walk/walking5.c3d", kWalkLeft, kBoth, 2.6, true, "", 0, kOfWalks}),
+    testing::Values(HiddenCase{"OpticalRight", kOptical, kRight, kShank, 4.3, true},
+                    HiddenCase{"OpticalLeft", kOptical, kLeft, kShank, 4.3, true},
+                    HiddenCase{"OpticalRightInPlane", kOptical, kRight, kShank, 4.3, false},
+                    HiddenCase{"OpticalLeftMirrored", kOptical, kLeft, kShank, 4.3, false, "-x"},
+                    HiddenCase{"PlatesRight", kPlates, kRight, kShank, 7, true},
+                    HiddenCase{"PlatesLeft", kPlates, kLeft, kShank, 7, true},
+                    HiddenCase{"PlatesRightInPlane", kPlates, kRight, kShank, 7, false},
+                    HiddenCase{"PlatesLeftFromOneRise", kPlates, kLeft, kShank, 2.7, true},
+                    HiddenCase{"PlatesRightNoisy", kPlates, kRight, kShank, 7, true, "+x", 1},
+                    HiddenCase{"OpticalRightNoisy", kOptical, kRight, kShank, 4.3, false, "+x", 1},
+                    HiddenCase{"SquatsRight", kSquats, kRight, kShank, 6.7, true, ""},
+                    HiddenCase{"Walking2Right", "opensim_walk/walking2.c3d", kWalkRight, kBoth, 2.6, true, ""},
+                    HiddenCase{"Walking2Left", "opensim_walk/walking2.c3d", kWalkLeft, kBoth, 2.6, true, ""},
+                    HiddenCase{"Walking5Right", "opensim_walk/walking5.c3d", kWalkRight, kBoth, 2.6, true, "", 0,
+                               kOfUnlikeHalves},
+                    HiddenCase{"Walking5Left", "opensim_walk/walking5.c3d", kWalkLeft, kBoth, 2.6, true, ""}),
     [](const auto& info) { return info.param.name; });
 
 // Drawn rises through a calibrated camera, with two markers on the shank. The knee's skin slides by up to 20 mm with

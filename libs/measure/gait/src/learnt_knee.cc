@@ -188,6 +188,12 @@ struct KneeFrame {
   Eigen::Matrix3d turn;  // leg from segment
 };
 
+std::set<int> Parts(const std::vector<KneeFrame>& frames) {
+  std::set<int> parts;
+  for (const KneeFrame& frame : frames) parts.insert(frame.part);
+  return parts;
+}
+
 // Flexions count alike, however long the leg keeps them.
 Matrix3Xd FitPolynomial(const LearntKnee& knee, const std::vector<KneeFrame>& frames, int degree, int without) {
   std::vector<int> counts(kBins, 0);
@@ -202,6 +208,24 @@ Matrix3Xd FitPolynomial(const LearntKnee& knee, const std::vector<KneeFrame>& fr
     right += weighted * frame.place.transpose();
   }
   return normal.completeOrthogonalDecomposition().solve(right).transpose();
+}
+
+// Where each part is left out in turn: how far the markers are from their places in the shape of the others, as strain.
+double LeftOutStrain(const LearntKnee& knee, const std::vector<Matrix3Xd>& seen, const std::vector<KneeFrame>& frames) {
+  std::vector<double> strains;
+  LearntKnee rest = knee;
+  for (const int part : Parts(frames)) {
+    std::vector<Matrix3Xd> others;
+    for (std::size_t k = 0; k < frames.size(); ++k)
+      if (frames[k].part != part) others.push_back(seen[k]);
+    const auto rigid = dynamics::FitRigidSegment(others, NormalOf(knee));
+    if (!rigid) return knee.strain_mm;
+    rest.shape_mm = rigid->shape;
+    for (std::size_t k = 0; k < frames.size(); ++k)
+      if (frames[k].part == part)
+        strains.push_back(StrainOf(rest, dynamics::PoseOf(rest.shape_mm, seen[k], NormalOf(knee)), seen[k]));
+  }
+  return RootMeanSquare(strains);
 }
 
 // Where each part is left out in turn: variance per axis in the sagittal plane, by flexion; NaN where no other part has
@@ -297,20 +321,24 @@ double Learn(const LegPlaces& places, const LegMarkers& names, const std::vector
   for (std::size_t i = 0; i < leg.size(); ++i)
     if (seen[i].allFinite() && leg[i].allFinite())
       along += segment.upward * (rigid->poses[i].turn.transpose() * (leg[i].col(0) - leg[i].col(1)));
-  knee.shape_mm = Eigen::AngleAxisd(std::atan2(along.x(), along.y()), Vector3d::UnitZ()) * rigid->shape;
+  const Eigen::Matrix3d upright(Eigen::AngleAxisd(std::atan2(along.x(), along.y()), Vector3d::UnitZ()));
+  knee.shape_mm = upright * rigid->shape;
   const Course course = Follow(knee, seen);
   knee.strain_mm = course.strain_mm;
   std::vector<KneeFrame> frames;
+  std::vector<Matrix3Xd> kept;
   for (std::size_t i = 0; i < leg.size(); ++i) {
     if (course.out[i] != Course::kNone || !seen[i].allFinite() || !leg[i].allFinite()) continue;
     const Vector3d place = ToSegment(course.poses[i], leg[i].col(0));
     frames.push_back({repetitions.empty() ? 0 : repetitions[i],
                       segment.FlexionDeg(place, ToSegment(course.poses[i], leg[i].col(2))), place,
                       course.poses[i].turn});
+    kept.push_back(seen[i]);
   }
   if (frames.size() < kLeast) return kInfinity;
   if (repetitions.empty())  // quarters of the frames
     for (std::size_t k = 0; k < frames.size(); ++k) frames[k].part = static_cast<int>(4 * k / frames.size());
+  knee.strain_mm = LeftOutStrain(knee, kept, frames);
   const auto [least, most] = std::ranges::minmax_element(frames, {}, &KneeFrame::flexion_deg);
   knee.from_deg = least->flexion_deg;
   knee.to_deg = std::max(most->flexion_deg, knee.from_deg + kLeastRange_deg);
@@ -355,8 +383,7 @@ Found Find(const LearntKnee& knee, const LegPlaces& places, const LegMarkers& na
   const double lever = knee.knee_mm.col(0).head<2>().norm() / knee.shape_mm.topRows<2>().norm();
   found.noise = std::hypot(1 / std::sqrt(knee.markers.size()), lever / std::sqrt(2));
   // Markers that keep their places clearly less well than when they were learnt may have been put on again beside them.
-  constexpr double kUsual = 1.5;  // from one repetition to another
-  const double strain = std::pow(found.course.strain_mm, 2) - std::pow(kUsual * knee.strain_mm, 2);
+  const double strain = std::pow(found.course.strain_mm, 2) - std::pow(knee.strain_mm, 2);
   for (const Matrix3Xd& far_end : places.Of({names.*SegmentOf(knee.segment).far_end})) {
     const Pose& pose = found.course.poses[found.carried.size()];
     Carried& carried = found.carried.emplace_back();

@@ -323,11 +323,12 @@ class Smoothing {
   std::vector<PathModel> models_;
 };
 
-// What the smoothing takes for the marker's own movement.
-void AddRebuiltErrors(const Detections& d, MarkerCurve& curve) {
+// What the smoothing takes for the marker's own movement; what lasts of the noise is part of a rebuilt place's error.
+void AddRebuiltErrors(const Detections& d, const PathModel& model, MarkerCurve& curve) {
   for (std::size_t i = 0; i < curve.point.size(); ++i) {
     if (!d.IsRebuilt(i)) continue;
-    const double variance = d.rebuilt_sd[i] * d.rebuilt_sd[i];
+    const double lasting = model.lasting * d.plane_sigma[i] * d.plane_sigma[i],
+                 variance = std::max(0.0, d.rebuilt_sd[i] * d.rebuilt_sd[i] - lasting);
     curve.point[i].position_covariance += variance * Eigen::Matrix3d::Identity();
     curve.point[i].velocity_variance += variance / (kRebuiltMemory_s * kRebuiltMemory_s);
     curve.plane_sigma[i] = PlaneSigma(curve.point[i]);
@@ -386,7 +387,7 @@ LegMarkerCurves SmoothLeg(const std::vector<double>& time_s, int markers, const 
     set();
   }
   for (std::size_t m = 0; m < used.size(); ++m) {
-    AddRebuiltErrors(used[m], curves.marker[m]);
+    AddRebuiltErrors(used[m], smoothing.Models()[m], curves.marker[m]);
     Project(view, used[m].depth_mm, curves.marker[m]);
   }
   const PathModel& knee = smoothing.Models()[kKnee];
