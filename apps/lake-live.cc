@@ -8,7 +8,9 @@ int main(int argc, char** argv) {
       "lake-live", "Align an exoskeleton while it is worn: where its joint sits against the knee after each rise",
       "lake-live /dev/video0 --size 1920x1080 --rate 60 --format mjpeg --camera camera.yaml -o trial --open");
   lake::live::LiveRunOptions options;
-  program.Add(lake::OptionsOf(options));
+  program.Add(lake::OptionsOf(options).WithUsual({"size", "rate", "replay", "camera", "scale", "depth", "markers",
+                                                  "seed", "technical", "knee-from", "joint-at", "tolerance", "listen",
+                                                  "port", "open"}));
   const auto name = [&] {
     return lake::live::IsFolderToFinish(options) ? std::filesystem::absolute(options.input).string() : "live";
   };

@@ -27,11 +27,16 @@ int main(int argc, char** argv) {
       .Add("template", make_template,
            "Write a problem.yaml with every key, its default and its meaning; do nothing else")
       .Value("FILE");
-  program.Add(lake::OptionsOf(options));
+  program.Add(
+      lake::OptionsOf(options).WithUsual({"problem", "grashof-margin", "singularity-margin", "profile", "assist",
+                                          "actuator", "duration", "starts", "certify", "yield", "round", "actuators"}));
   program.Add(std::move(other));
   // The duration stands among the problem's options.
-  const auto motion =
-      program.Add(lake::OptionsOf(reoptimize).Without({"duration"}), "Re-optimisation, with --comparison or --human");
+  const auto motion = program.Add(lake::OptionsOf(reoptimize)
+                                      .Without({"duration"})
+                                      .WithUsual({"comparison", "human", "worn", "human-only", "max-misalignment",
+                                                  "penalty", "program", "fit-placement", "pareto"}),
+                                  "Re-optimisation, with --comparison or --human");
   return program.Main(
       argc, argv, [] { return std::string("optimize"); },
       [&](lake::Run& run) {

@@ -49,7 +49,8 @@ int main(int argc, char** argv) {
   lake::Program program("lake-simulate", "Show a knee linkage in its poses: tables, pictures, animation, link plates.",
                         "lake-simulate --links 59.081,68.840,55.964,71.849,118.630,287.310 --angles 2,70,110,148");
   program.Add(lake::OptionsOf(input));
-  program.Add(lake::OptionsOf(options));
+  program.Add(lake::OptionsOf(options).WithUsual(
+      {"angles", "knee-torque", "thigh", "shank", "mount", "profile", "assist", "actuator", "animation"}));
   return program.Main(
       argc, argv, [&] { return input.design_file.empty() ? "links" : input.design_file.stem().string(); },
       [&](lake::Run& run) { return lake::commands::SimulateLinkage(LoadDesign(input, run), options, run); });

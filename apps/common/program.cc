@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <glog/logging.h>
-#include <malloc.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -61,15 +60,6 @@ void PrepareLastWords(const std::string& program) {
   std::signal(SIGABRT, SayLastWords);
 }
 
-// By default the C library gives the heap's free end back to the system soon, which clears its pages anew when they are
-// next asked for. MUMPS takes and frees its workspace in each factorization: a third of the processor time of
-// lake-optimize was this.
-void KeepFreedMemory() {
-  constexpr int kLargestFromHeap = 32 << 20, kMostKept = 64 << 20;  // bytes; the first is the largest glibc takes
-  mallopt(M_MMAP_THRESHOLD, kLargestFromHeap);
-  mallopt(M_TRIM_THRESHOLD, kMostKept);
-}
-
 // What Ceres finds remarkable, such as a Jacobian of less than full rank, is in what it returns, and is said in words
 // of our own where it matters.
 void SilenceCeres() {
@@ -82,6 +72,32 @@ std::string CommandLineOf(int argc, char** argv) {
   words.front() = std::filesystem::path(words.front()).filename();
   return CommandLine(words);
 }
+
+// The heading in --help-all of the options that --help leaves out.
+constexpr const char* kFurther = "Further options";
+
+// --help fits on a screen: it counts the further options, which --help-all shows.
+class HelpPage : public CLI::Formatter {
+ public:
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    is_short_ = mode == CLI::AppFormatMode::Normal;
+    left_out_ = 0;
+    std::string page = CLI::Formatter::make_help(app, name, mode);
+    if (left_out_ > 0) page += fmt::format("\n{} further options: {} --help-all\n", left_out_, app->get_name());
+    return page;
+  }
+
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    if (!is_short_ || group != kFurther) return CLI::Formatter::make_group(group, is_positional, options);
+    left_out_ += options.size();
+    return "";
+  }
+
+ private:
+  mutable bool is_short_ = false;
+  mutable std::size_t left_out_ = 0;
+};
 
 // The command line keeps the list as long as itself.
 void AddFlag(CLI::App& cli, Option& option, const SharedOptions& list) {
@@ -98,9 +114,9 @@ void AddFlag(CLI::App& cli, Option& option, const SharedOptions& list) {
     return is_flag ? "" : fmt::format("must be true or false, not '{}'", text);
   };
   const auto give = [&option, list](std::int64_t value) { option.Give({value > 0 ? "true" : "false"}); };
-  cli.add_flag_function(names, give, option.Help())
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
-      ->check(check);
+  CLI::Option* added = cli.add_flag_function(names, give, option.Help());
+  added->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->check(check);
+  if (option.IsFurther()) added->group(kFurther);
 }
 
 std::string NeedsValue(std::string_view option, std::string_view value) {
@@ -138,6 +154,7 @@ void AddValue(CLI::App& cli, Option& option, const SharedOptions& list) {
     return true;
   };
   CLI::Option* added = cli.add_option((option.IsOperand() ? "" : "--") + option.Name(), give, option.Help());
+  if (option.IsFurther()) added->group(kFurther);
   added->type_name(option.Value())->type_size(1)->default_str(option.DefaultText())->required(option.IsRequired());
   if (option.IsRepeated())
     added->expected(1, CLI::detail::expected_max_vector_size)
@@ -203,7 +220,8 @@ void AddPages(CLI::App& cli) {
     fmt::print("{}", page);
     throw CLI::Success();
   };
-  cli.set_help_all_flag("--help-all", "Help with all commands; the manual page is made of it")->group("");
+  cli.formatter(std::make_shared<HelpPage>());
+  cli.set_help_all_flag("--help-all", "Help with all commands and options; the manual page is made of it")->group("");
   const auto complete = [&cli, print](const std::string& shell) { print(Completion(cli, shell)); };
   cli.add_option_function<std::string>("--completion", complete, "For this shell: bash, zsh, fish")
       ->configurable(false)
@@ -297,7 +315,6 @@ int ParseAndRun(CLI::App& cli, const std::vector<SharedOptions>& lists, int argc
   const std::string name = cli.get_name();
   cli.set_version_flag("--version", fmt::format("{} {}", name, VersionAndCommit()));
   AddPages(cli);
-  KeepFreedMemory();
   SilenceCeres();
   PrepareLastWords(name);
   const auto parse_and_work = [&] {

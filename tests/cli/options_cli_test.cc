@@ -169,7 +169,7 @@ template <typename Options>
 void ExpectHelp(const std::string& program, const std::vector<std::string_view>& others = {}) {
   const TemporaryFolder folder;
   Options options;
-  const std::string help = Shell(folder, program + " --help").out,
+  const std::string help = Shell(folder, program + " --help-all").out,
                     completion = Shell(folder, program + " --completion bash").out;
   const OptionList list = OptionsOf(options).Without(others);
   for (const Option& option : list.All()) {
@@ -180,6 +180,17 @@ void ExpectHelp(const std::string& program, const std::vector<std::string_view>&
     if (option.IsOperand()) continue;
     EXPECT_THAT(completion, HasSubstr(name)) << program;
   }
+}
+
+TEST(Help, FitsOnAScreenAndSaysWhatShowsTheRest) {
+  const TemporaryFolder folder;
+  for (const std::string name : {"track", "compare", "gait", "synth", "loads", "live", "simulate", "optimize"}) {
+    const std::string help = Shell(folder, "lake-" + name + " --help").out;
+    EXPECT_LE(std::ranges::count(help, '\n'), 50) << name;
+    EXPECT_THAT(help, testing::EndsWith(" further options: lake-" + name + " --help-all\n"));
+  }
+  EXPECT_THAT(Shell(folder, "lake-track --help").out,
+              AllOf(HasSubstr("--camera"), testing::Not(HasSubstr("--soft-tissue"))));
 }
 
 TEST(Help, HasEveryDescribedOptionWithItsUnit) {

@@ -8,7 +8,7 @@ The site needs no network. Pages are Markdown in pages/, in the order of mkdocs.
     {{figure FILE | caption}}      a picture that a command wrote
     {{frame VIDEO SECONDS | caption}}   a frame of a video that a command wrote
     {{story | caption}}            the picture story of story.py
-    {{columns}} {{options}} {{rooms}} {{file PATH}} {{template PROGRAM}}   references made of columns.csv, --help, the rooms' READMEs, a file of the
+    {{columns}} {{options}} {{rooms}} {{file PATH}} {{template PROGRAM}}   references made of columns.csv, --help-all, the rooms' READMEs, a file of the
                                    project, the YAML file that a program's --template writes"""
 import argparse
 import os
@@ -76,7 +76,7 @@ class Manual:
     def options(self, _):
         parts = []
         for program in self.programs:
-            said = subprocess.run(["lake", program, "--help"], env=self.environment, text=True, stdout=subprocess.PIPE, check=True).stdout
+            said = subprocess.run(["lake", program, "--help-all"], env=self.environment, text=True, stdout=subprocess.PIPE, check=True).stdout
             parts.append(f"## lake {program}\n\n```text\n{said.strip()}\n```\n")
         return "\n".join(parts)
 

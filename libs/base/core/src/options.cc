@@ -296,6 +296,14 @@ OptionList OptionList::Without(const std::vector<std::string_view>& names) const
   return rest;
 }
 
+OptionList OptionList::WithUsual(const std::vector<std::string_view>& names) const {
+  for (const std::string_view name : names) (*this)[name];
+  OptionList same = *this;
+  for (Option& option : same.options_)
+    option.is_further_ = !option.is_operand_ && std::find(names.begin(), names.end(), option.Name()) == names.end();
+  return same;
+}
+
 const Option* OptionList::Find(std::string_view name) const {
   const auto found = std::find_if(options_.begin(), options_.end(), [&](const Option& o) { return o.Name() == name; });
   return found == options_.end() ? nullptr : &*found;

@@ -78,6 +78,7 @@ class Option {
   bool IsOperand() const { return is_operand_; }  // given by its place, not by --NAME
   bool IsFlag() const { return is_flag_; }
   bool HasNegation() const { return has_negation_; }
+  bool IsFurther() const { return is_further_; }  // shown by --help-all alone
   bool IsRepeated() const { return repeats_; }
   bool IsRequired() const { return is_required_; }
   bool IsGiven() const { return !said_.empty(); }
@@ -107,7 +108,7 @@ class Option {
   OptionTexts given_;
   Path path_ = Path::kNone;
   bool is_operand_ = false, is_flag_ = false, has_negation_ = false, repeats_ = false, is_required_ = false,
-       splits_ = false;
+       splits_ = false, is_further_ = false;
   std::optional<std::pair<double, double>> range_;
   bool low_is_allowed_ = true;
 };
@@ -310,6 +311,10 @@ class OptionList {
 
   // The same without these; checks stay.
   OptionList Without(const std::vector<std::string_view>& names) const;
+
+  // The same, of which --help shows these and the operands alone. Throws std::out_of_range where there is no such
+  // option.
+  OptionList WithUsual(const std::vector<std::string_view>& names) const;
 
   std::deque<Option>& All() & { return options_; }
   const std::deque<Option>& All() const& { return options_; }
