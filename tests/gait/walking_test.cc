@@ -367,6 +367,16 @@ TEST(GaitCycles, TableHasMeanAndSpread) {
   EXPECT_EQ(read.back().sd_s, leg.events.back().sd_s);
 }
 
+// Small as they are of a drawn walk, no standard deviation is rounded to nothing, and values have their digits.
+TEST(GaitCycles, AreToldWithTheDigitsOfTheirStandardDeviations) {
+  DrawnWalkOptions drawn;
+  drawn.noise_mm = 0.02;
+  const std::string text =
+      gait::MeasuresText(gait::MeasureGaitCycles(FitMovement(DrawWalk(drawn))), motion::LengthUnit::kMm);
+  EXPECT_THAT(text, testing::ContainsRegex("stride_mm  [0-9]+[.][0-9]+ ± 0[.]0*[1-9]"));
+  EXPECT_THAT(text, testing::Not(testing::ContainsRegex("± [0.]*\n")));
+}
+
 TEST(GaitCycles, ColumnsAreDescribedAsTheFieldsAre) {
   const std::string described = ReadTextFile(SourceDir() / "apps/python/lake/columns.csv");
   for (const gait::Field<gait::GaitCycle>& field : gait::GaitCycle::Fields()) {
