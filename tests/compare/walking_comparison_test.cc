@@ -139,6 +139,10 @@ TEST(WalkingComparisonFiles, NeedAWholeStride) {
   compare::TrialTables tables = FitWalk(DrawWalk({}));
   std::erase_if(tables.events, [](const motion::StsEvent& event) { return event.repetition > 1; });
   EXPECT_THAT([&] { RegisterWalk(tables, "knee"); }, ThrowsMessage<Error>(HasSubstr("no stride is whole")));
+  tables.events = {{.repetition = 1, .kind = motion::StsEventKind::kDescent, .time_s = 1},
+                   {.repetition = 1, .kind = motion::StsEventKind::kBottom, .time_s = 2},
+                   {.repetition = 1, .kind = motion::StsEventKind::kStanding, .time_s = 3}};
+  EXPECT_THAT([&] { RegisterWalk(tables, "knee"); }, ThrowsMessage<Error>(HasSubstr("it is of squats")));
 }
 
 }  // namespace

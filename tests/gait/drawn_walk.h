@@ -31,16 +31,14 @@ inline motion::MarkerRecording DrawWalk(const DrawnWalkOptions& o) {
   const auto frames = static_cast<int>(o.length_s * o.rate_hz);
   for (int i = 0; i < frames; ++i) {
     const double t = i / o.rate_hz, at = (o.is_backward ? o.length_s - t : t) / o.stride_s - 0.3;
-    const synth::DrawnPose pose =
-        synth::DrawWalk(at, {.stride_s = o.stride_s, .stride_mm = o.stride_mm, .stance = o.stance});
-    const Eigen::Vector2d places[] = {pose.ankle, pose.knee,        pose.hip,        pose.waist,    pose.heel,
-                                      pose.toe,   pose.other_ankle, pose.other_heel, pose.other_toe};
+    const auto pose = synth::DrawWalk(at, {.stride_s = o.stride_s, .stride_mm = o.stride_mm, .stance = o.stance});
     recording.frame.push_back(i);
     recording.time_s.push_back(t);
-    for (std::size_t m = 0; m < recording.markers.size(); ++m) {
-      const double x = places[m].x() - (o.is_treadmill ? at * o.stride_mm : 0);
-      recording.markers[m].samples.push_back(
-          {Eigen::Vector2d(o.direction * x + o.noise_mm * noise(random), places[m].y() + o.noise_mm * noise(random)),
+    for (motion::MarkerTrack& marker : recording.markers) {
+      const Eigen::Vector2d& place = pose.at(marker.name);
+      const double x = place.x() - (o.is_treadmill ? at * o.stride_mm : 0);
+      marker.samples.push_back(
+          {Eigen::Vector2d(o.direction * x + o.noise_mm * noise(random), place.y() + o.noise_mm * noise(random)),
            o.noise_mm, motion::SampleStatus::kDetected});
     }
   }

@@ -326,6 +326,13 @@ TEST(Walking, MovementsThatAreNoneHaveNoEventsOfIt) {
   }
 }
 
+// Slow, so that the hip comes less far in a swing: 8 s of it end in one.
+TEST(Walking, NoStepOfASteadyWalkIsLeftOut) {
+  DrawnWalkOptions drawn = With(100, 1.5, 1100, -1, false, 0.5);
+  for (drawn.length_s = 7; drawn.length_s < 8.5; drawn.length_s += 0.25)
+    EXPECT_THAT(FitMovement(DrawWalk(drawn)).movement.walk.left_out, IsEmpty()) << drawn.length_s;
+}
+
 TEST(Movement, IsTheOneAskedFor) {
   const motion::MarkerRecording walk = DrawWalk({});
   gait::MovementOptions options;
@@ -336,6 +343,9 @@ TEST(Movement, IsTheOneAskedFor) {
   options.walking.belt_speed_mm_s = 500;
   const gait::LegFitResult leg = FitMovement(walk, {}, options);
   EXPECT_EQ(leg.movement.walk.ground, gait::Ground::kTreadmill);
+  EXPECT_THAT(Warnings(leg), testing::Not(HasSubstr("belt")));
+  options.walking.ground.reset();
+  EXPECT_THAT(Warnings(FitMovement(walk, {}, options)), HasSubstr("the belt's speed is left out"));
   // As over the ground, and the belt in addition.
   EXPECT_NEAR(gait::MeasureGaitCycles(leg).mean.speed.value, 1300 / 1.1 + 500, 30);
 }
@@ -355,6 +365,16 @@ TEST(GaitCycles, TableHasMeanAndSpread) {
   const std::vector<motion::StsEvent> read = motion::ReadEventsCsv(folder / "events.csv");
   ASSERT_EQ(read.size(), leg.events.size());
   EXPECT_EQ(read.back().sd_s, leg.events.back().sd_s);
+}
+
+// Small as they are of a drawn walk, no standard deviation is rounded to nothing, and values have their digits.
+TEST(GaitCycles, AreToldWithTheDigitsOfTheirStandardDeviations) {
+  DrawnWalkOptions drawn;
+  drawn.noise_mm = 0.02;
+  const std::string text =
+      gait::MeasuresText(gait::MeasureGaitCycles(FitMovement(DrawWalk(drawn))), motion::LengthUnit::kMm);
+  EXPECT_THAT(text, testing::ContainsRegex("stride_mm  [0-9]+[.][0-9]+ ± 0[.]0*[1-9]"));
+  EXPECT_THAT(text, testing::Not(testing::ContainsRegex("± [0.]*\n")));
 }
 
 TEST(GaitCycles, ColumnsAreDescribedAsTheFieldsAre) {

@@ -8,7 +8,6 @@
 #include "force_plates.h"
 #include "lake/commands/gait.h"
 #include "lake/core/error.h"
-#include "lake/core/numbers.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/gait/gait_cycles.h"
 #include "lake/sync/clock.h"
@@ -30,21 +29,6 @@ std::optional<Interval> IntervalOf(const std::filesystem::path& neutral) {
   if (!(interval.from_s < interval.to_s))
     throw UsageError("--neutral {:g},{:g}: the earlier time first", interval.from_s, interval.to_s);
   return interval;
-}
-
-// Where the force acts at each loaded sample of a contact: forward in the leg's axes, mm.
-void AddPlaces(const exchange::PlateForces& plate, const std::vector<double>& time_s, const Eigen::Matrix3d& plane,
-               const gait::LegFitResult& leg, gait::PlateContact& contact) {
-  const Vector3d up = plane.row(1);
-  const double from_s = std::isnan(contact.begin_s) ? time_s.front() : contact.begin_s,
-               to_s = std::isnan(contact.end_s) ? time_s.back() : contact.end_s;
-  for (std::size_t i = 0; i < time_s.size(); ++i) {
-    const double force_n = plate.force_n[i].dot(up);
-    if (time_s[i] <= from_s || time_s[i] >= to_s || force_n <= 0) continue;
-    const Vector3d point_mm = kMmPerM * (plate.point_m[i] + up.cross(plate.moment_nm[i]) / force_n);
-    contact.time_s.push_back(time_s[i]);
-    contact.forward.push_back(gait::LegFromPlane((plane * point_mm).head<2>(), leg.motion.facing, leg.up).x());
-  }
 }
 
 }  // namespace
@@ -84,8 +68,7 @@ void CheckFiles(const FurtherInputs& o) {
   if (o.sync) sync::ReadClockOf(*o.sync, o.forces);
 }
 
-std::vector<gait::PlateContact> ContactsOf(const FurtherInputs& o, const exchange::Trial& trial,
-                                           const gait::LegFitResult& leg, Run& run) {
+std::vector<gait::PlateContact> ContactsOf(const FurtherInputs& o, const exchange::Trial& trial, Run& run) {
   if (o.forces.empty()) return {};
   exchange::GroundForceRecording forces = exchange::ReadGroundForces(o.forces);
   for (const std::string& warning : forces.warnings) run.Warn(warning);
@@ -98,10 +81,7 @@ std::vector<gait::PlateContact> ContactsOf(const FurtherInputs& o, const exchang
   for (const exchange::PlateForces& plate : forces.plates) {
     std::vector<double> vertical_n;
     for (const Eigen::Vector3d& force : plate.force_n) vertical_n.push_back(force.dot(up));
-    for (const gait::PlateLoad& load : gait::LoadsOf(vertical_n, forces.time_s)) {
-      gait::PlateContact& contact = contacts.emplace_back(gait::PlateContact{load, plate.name});
-      if (trial.plane_from_space) AddPlaces(plate, forces.time_s, *trial.plane_from_space, leg, contact);
-    }
+    for (const gait::PlateLoad& load : gait::LoadsOf(vertical_n, forces.time_s)) contacts.push_back({load, plate.name});
   }
   if (contacts.empty()) run.Warn("{}: no plate bears a foot for 0.1 s: events are the markers'", o.forces.string());
   return contacts;

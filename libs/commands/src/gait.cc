@@ -292,7 +292,7 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
   gait::ReadKneeFrom(fit);
   gait::LegFitResult result = FitOrName(trial, view, fit);
   if (!result.sight) result.sight = trial.sight;
-  fit.movement.walking.contacts = ContactsOf(further, trial, result, run);
+  fit.movement.walking.contacts = ContactsOf(further, trial, run);
   gait::ChooseMovement(fit.movement, result);
   if (const auto corrected = CorrectedEventsOf(trial)) TakeEvents(*corrected, result);
   if (events) CorrectEventsBy(*events, result);

@@ -343,7 +343,7 @@ gait::LegFitResult FitOrKeep(const TrackRunOptions& options, const tracking::Tra
   try {
     gait::LegFitResult fit = gait::FitLeg(gait::AtFrameTimes(tracked.recording, shutter), view, fit_options);
     gait::MovementOptions movement = fit_options.movement;
-    movement.walking.contacts = ContactsOf(options, {}, fit, run);
+    movement.walking.contacts = ContactsOf(options, {}, run);
     gait::ChooseMovement(movement, fit);
     return fit;
   } catch (const Error& error) {

@@ -50,21 +50,6 @@ Vector2d KneeBetween(const Vector2d& ankle, const Vector2d& hip) {
   return ankle + leg / 2 + bent * Vector2d(leg.y(), -leg.x()).normalized();
 }
 
-struct DrawnMarker {
-  const char* name;
-  Vector2d DrawnPose::*place;
-};
-constexpr DrawnMarker kDrawnMarkers[] = {{"ankle", &DrawnPose::ankle},
-                                         {"knee", &DrawnPose::knee},
-                                         {"hip", &DrawnPose::hip},
-                                         {"waist", &DrawnPose::waist},
-                                         {"heel", &DrawnPose::heel},
-                                         {"toe", &DrawnPose::toe},
-                                         {"other_ankle", &DrawnPose::other_ankle},
-                                         {"other_knee", &DrawnPose::other_knee},
-                                         {"other_heel", &DrawnPose::other_heel},
-                                         {"other_toe", &DrawnPose::other_toe}};
-
 constexpr double kBeyond_s = 0.1;  // of the motion, for exposures at its ends
 
 class Passes : public MarkerMotion {
@@ -91,23 +76,22 @@ class Passes : public MarkerMotion {
 
 }  // namespace
 
-DrawnPose DrawWalk(double phase, const DrawnStride& stride) {
-  const Foot own = DrawFoot(phase, stride);
-  Foot other = DrawFoot(phase - 0.5, stride);
-  for (Vector2d* place : {&other.heel, &other.toe, &other.ankle}) place->x() += 0.5 * stride.stride_mm;
+std::map<std::string, Vector2d> DrawWalk(double phase, const DrawnStride& stride) {
+  const Foot own = DrawFoot(phase, stride), other = DrawFoot(phase - 0.5, stride);
+  const Vector2d step(0.5 * stride.stride_mm, 0);
   // The heel strikes a quarter of a stride and some before the hip.
   const Vector2d hip(phase * stride.stride_mm - 0.22 * stride.stride_mm,
                      915 + 15 * std::cos(4 * std::numbers::pi * (phase - 0.25)));
-  return {.ankle = own.ankle,
-          .knee = KneeBetween(own.ankle, hip),
-          .hip = hip,
-          .waist = hip + Vector2d(0, 200),
-          .heel = own.heel,
-          .toe = own.toe,
-          .other_ankle = other.ankle,
-          .other_knee = KneeBetween(other.ankle, hip),
-          .other_heel = other.heel,
-          .other_toe = other.toe};
+  return {{"ankle", own.ankle},
+          {"knee", KneeBetween(own.ankle, hip)},
+          {"hip", hip},
+          {"waist", hip + Vector2d(0, 200)},
+          {"heel", own.heel},
+          {"toe", own.toe},
+          {"other_ankle", other.ankle + step},
+          {"other_knee", KneeBetween(other.ankle + step, hip)},
+          {"other_heel", other.heel + step},
+          {"other_toe", other.toe + step}};
 }
 
 MotionTable RepeatStride(const MotionTable& table, const WalkOptions& walk) {
@@ -151,55 +135,46 @@ MotionTable RepeatStride(const MotionTable& table, const WalkOptions& walk) {
 MotionTable DrawnWalkTable(const WalkOptions& walk, motion::Facing facing) {
   const DrawnStride& stride = walk.drawn;
   constexpr double kRate_hz = 200;
-  constexpr std::size_t kLeg = 4;
   // The drawn foot takes and leaves the ground's speed at once, a person's within some 15 ms (SD).
   constexpr std::pair<double, double> kYields[] = {{-0.03, 0.054}, {-0.02, 0.111}, {-0.01, 0.208}, {0, 0.254},
                                                    {0.01, 0.208},  {0.02, 0.111},  {0.03, 0.054}};
   const double forward = facing == motion::Facing::kRight ? 1 : -1, length_s = walk.strides * stride.stride_s;
   MotionTable table;
   table.before_s = table.after_s = kBeyond_s;
-  std::vector<Vector2d DrawnPose::*> shown;
-  for (std::size_t m = 0; m < std::size(kDrawnMarkers); ++m)
-    if (m < kLeg || std::ranges::count(walk.drawn_markers, kDrawnMarkers[m].name) > 0) {
-      table.names.emplace_back(kDrawnMarkers[m].name);
-      shown.push_back(kDrawnMarkers[m].place);
-    }
-  for (const std::string& name : walk.drawn_markers)
-    if (std::ranges::count(table.names, name) == 0)
+  table.names = {"ankle", "knee", "hip", "waist"};
+  for (const std::string& name : walk.drawn_markers) {
+    if (!DrawWalk(0, stride).contains(name))
       throw UsageError(
           "--extra-markers: a drawn walk has no '{}'; it has heel, toe, other_ankle, other_knee, "
           "other_heel and other_toe",
           name);
-  table.positions.resize(shown.size());
+    if (std::ranges::count(table.names, name) == 0) table.names.push_back(name);
+  }
+  table.positions.resize(table.names.size());
   const auto last = static_cast<int>(std::lround((length_s + kBeyond_s) * kRate_hz));
   for (int i = -static_cast<int>(kBeyond_s * kRate_hz); i <= last; ++i) {
     table.time_s.push_back(i / kRate_hz);
-    std::vector<Vector2d> places(shown.size(), Vector2d::Zero());
+    for (auto& places : table.positions) places.emplace_back(0, 0);
     for (const auto& [after_s, share] : kYields) {
-      const DrawnPose pose = DrawWalk((i / kRate_hz + after_s) / stride.stride_s - 0.3, stride);
-      for (std::size_t m = 0; m < shown.size(); ++m) places[m] += share * pose.*shown[m];
+      const auto pose = DrawWalk((i / kRate_hz + after_s) / stride.stride_s - 0.3, stride);
+      for (std::size_t m = 0; m < table.names.size(); ++m)
+        table.positions[m].back() += share * Vector2d(forward, 1).cwiseProduct(pose.at(table.names[m]));
     }
-    for (std::size_t m = 0; m < shown.size(); ++m)
-      table.positions[m].emplace_back(forward * places[m].x(), places[m].y());
   }
   table.after_s = table.time_s.back() - length_s;
   return table;
 }
 
 std::unique_ptr<MarkerMotion> MakeWalk(MotionTable table, const WalkOptions& walk) {
-  const auto hip = std::ranges::find(table.names, "hip");
-  if (hip == table.names.end()) throw Fail("a walk needs a marker 'hip'");
-  const auto& path = table.positions[static_cast<std::size_t>(hip - table.names.begin())];
-  const auto row = [&](double time_s) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(table.time_s, time_s - 1e-9) - table.time_s.begin());
-  };
-  const std::size_t first = row(table.time_s.front() + table.before_s), last = row(table.time_s.back() - table.after_s);
-  const double speed = (path[last].x() - path[first].x()) / (table.time_s[last] - table.time_s[first]);
-  const double middle = (path[last].x() + path[first].x()) / 2,
-               middle_s = (table.time_s[last] + table.time_s[first]) / 2;
+  const std::unique_ptr<MarkerMotion> once = MakeTableMotion(table);
+  const int hip = IndexOfMarker(*once, "hip");
+  if (hip < 0) throw Fail("a walk needs a marker 'hip'");
+  const double length_s = once->DurationS(), from = once->At(0)[hip].x(), to = once->At(length_s)[hip].x();
   for (auto& places : table.positions)
-    for (std::size_t i = 0; i < places.size(); ++i)
-      places[i].x() -= middle + (walk.is_treadmill ? speed * (table.time_s[i] - middle_s) : 0);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double since_middle_s = table.time_s[i] - table.time_s.front() - table.before_s - length_s / 2;
+      places[i].x() -= (from + to) / 2 + (walk.is_treadmill ? (to - from) / length_s * since_middle_s : 0);
+    }
   std::unique_ptr<MarkerMotion> pass = MakeTableMotion(std::move(table));
   if (walk.passes == 1) return pass;
   return std::make_unique<Passes>(std::move(pass), walk);
@@ -209,8 +184,8 @@ std::vector<double> PassEnds(const MarkerMotion& motion, const WalkOptions& walk
   const double pass_s = (motion.DurationS() - (walk.passes - 1) * walk.pause_s) / walk.passes;
   std::vector<double> ends;
   for (int pass = 1; pass < walk.passes; ++pass) {
-    const double end_s = pass * pass_s + (pass - 1) * walk.pause_s;
-    ends.insert(ends.end(), {end_s, end_s + walk.pause_s});
+    ends.push_back(pass * (pass_s + walk.pause_s) - walk.pause_s);
+    ends.push_back(pass * (pass_s + walk.pause_s));
   }
   return ends;
 }

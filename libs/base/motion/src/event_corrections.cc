@@ -54,14 +54,6 @@ EventCorrection ReadRow(const CsvTable& table, std::size_t row) {
   return correction;
 }
 
-// The row of the recording whose time is nearest.
-std::size_t NearestRow(const std::vector<double>& times, double time_s) {
-  const auto after = std::lower_bound(times.begin(), times.end(), time_s);
-  if (after == times.begin()) return 0;
-  const auto row = static_cast<std::size_t>(after - times.begin());
-  return after == times.end() || time_s - times[row - 1] <= times[row] - time_s ? row - 1 : row;
-}
-
 // nullopt where there is to be none.
 std::optional<StsEvent> EventOf(const EventCorrection& said, const std::vector<std::int64_t>& frame,
                                 const std::vector<double>& time_s) {
@@ -144,6 +136,13 @@ std::vector<StsEvent> EventsOfWalk(const std::vector<EventCorrection>& correctio
 }
 
 }  // namespace
+
+std::size_t NearestRow(const std::vector<double>& times, double time_s) {
+  const auto after = std::lower_bound(times.begin(), times.end(), time_s);
+  if (after == times.begin()) return 0;
+  const auto row = static_cast<std::size_t>(after - times.begin());
+  return after == times.end() || time_s - times[row - 1] <= times[row] - time_s ? row - 1 : row;
+}
 
 std::optional<StsEventKind> FindEventKind(std::string_view name) {
   for (int i = 0; i < kEventKinds; ++i)

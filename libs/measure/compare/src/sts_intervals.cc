@@ -44,6 +44,8 @@ std::vector<StsInterval> FindStsIntervals(const TrialTables& trial) {
     if (const auto seat_off = events.find(motion::StsEventKind::kSeatOff); seat_off != events.end())
       intervals.back().seat_off_s = seat_off->second.time_s;
   }
+  if (intervals.empty() && std::ranges::count(trial.events, motion::StsEventKind::kBottom, &motion::StsEvent::kind) > 0)
+    throw Fail("{}: it is of squats, which lake gait measures: sit-to-stands and walks are compared", trial.name);
   if (intervals.empty() && movement.ends_in_next)
     throw Fail("{}: no {} is whole, from one heel strike to the next of the same leg: record a longer walk", trial.name,
                movement.repetition);

@@ -133,22 +133,10 @@ class CycleMeasurer {
     return best;
   }
 
-  // Of where the foot rests: what the standard deviation of its angle holds beside its markers'.
-  double FootRestSdDeg() const {
-    const motion::MarkerTrack *heel = leg_.trajectory.Find(o_.heel), *toe = leg_.trajectory.Find(o_.toe);
-    for (std::size_t i = 0; heel && toe && i < m_.samples.size(); ++i)
-      if (const motion::LegSample& sample = m_.samples[i]; std::isfinite(sample.foot_sigma_deg)) {
-        const double own_deg =
-            DegreesFromRadians(std::hypot(heel->samples[i].sigma, toe->samples[i].sigma) / sample.ht.norm());
-        return std::sqrt(std::max(sample.foot_sigma_deg * sample.foot_sigma_deg - own_deg * own_deg, 0.0));
-      }
-    return 0;
-  }
-
   Measured Range(const motion::Angle& angle, double from_s, double to_s) const {
     const Measured high = Find(angle, from_s, to_s, 1).value, low = Find(angle, from_s, to_s, -1).value;
     // Where the foot rests is no part of a range.
-    const double alike_deg = angle.name == std::string_view("ankle") ? FootRestSdDeg() : 0;
+    const double alike_deg = angle.name == std::string_view("ankle") ? m_.foot_rest_sd_deg : 0;
     return {high.value - low.value,
             std::sqrt(std::max(high.sd * high.sd + low.sd * low.sd - 2 * alike_deg * alike_deg, 0.0))};
   }

@@ -225,6 +225,7 @@ void FromRest(const motion::Segment& segment, motion::LegMotion& motion, std::ve
         segment.angle.name, segment.joint.name, motion::kMarkerNames[segment.upper],
         motion::kMarkerNames[segment.lower]));
   const Measured rest = RestOf(std::move(angles_deg));
+  motion.foot_rest_sd_deg = rest.sd;
   for (motion::LegSample& sample : motion.samples) {
     double &deg = sample.*segment.angle.deg, &sigma_deg = sample.*segment.angle.sigma_deg;
     deg = std::abs(middle_deg) > kMost_deg ? motion::LegSample::kUnknown : deg - rest.value;

@@ -178,6 +178,9 @@ void ChooseMovement(const MovementOptions& options, LegFitResult& leg) {
         "is measured");
   if (is_walking || chosen.empty())
     for (const std::string& sentence : leg.movement.walk.left_out) leg.warnings.push_back("walking: " + sentence);
+  if (is_walking && options.walking.belt_speed_mm_s && leg.movement.walk.ground == Ground::kOverground)
+    leg.warnings.emplace_back(
+        "walking: overground, so that the belt's speed is left out: if it is on a treadmill, give --walking treadmill");
   constexpr double kMostBeside_s =
       0.04;  // markers err by less; heels that struck 14 cm before a plate by 56 ms and more
   for (const PlateEvent& of : leg.movement.walk.by_plate)

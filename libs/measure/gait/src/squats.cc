@@ -4,103 +4,8 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
-
-#include "lake/core/statistics.h"
 
 namespace lake::gait {
-namespace {
-
-constexpr double kFraction = 0.05;  // of the peak speed, as of standing in a sit-to-stand
-
-class SquatFinder {
- public:
-  explicit SquatFinder(const LegFitResult& leg) : leg_(leg), s_(leg.signals) {}
-
-  // From the bottom to the last frame, in this direction, before the hip stops; nullopt where it does not.
-  std::optional<std::size_t> Stop(std::size_t bottom, int direction) const {
-    double peak = 0;
-    for (std::size_t i = bottom;;) {
-      const double speed = direction * s_.hip_up_speed[i];  // away from the bottom
-      if (!std::isfinite(speed)) return std::nullopt;
-      peak = std::max(peak, speed);
-      const double risen = s_.hip_height[i] - s_.hip_height[bottom];
-      if (risen > kLeastDepth * s_.leg_length && speed < kFraction * peak) return i;
-      if (direction < 0 ? i == 0 : i + 1 == s_.frame.size()) return std::nullopt;
-      i = direction < 0 ? i - 1 : i + 1;
-    }
-  }
-
-  // Where the hip is lowest before the rise is under way.
-  std::size_t Bottom(const motion::StsEvent& rise) const {
-    auto i = static_cast<std::size_t>(std::ranges::lower_bound(s_.frame, rise.frame) - s_.frame.begin());
-    while (i > 0 && s_.hip_height[i - 1] < s_.hip_height[i]) --i;
-    return i;
-  }
-
-  bool FootStays(std::size_t from, std::size_t to) const {
-    constexpr double kMostRise = 0.1;  // of the leg's length
-    const motion::MarkerTrack* ankle = leg_.trajectory.Find(leg_.leg_markers.ankle);
-    std::vector<double> heights;
-    for (std::size_t i = from; ankle && i <= to; ++i)
-      if (ankle->samples[i].IsKnown()) heights.push_back(ankle->samples[i].position.dot(leg_.up));
-    if (heights.empty()) return false;
-    const auto [low, high] = std::ranges::minmax(heights);
-    return high - low < kMostRise * s_.leg_length;
-  }
-
-  motion::StsEvent Event(int repetition, motion::StsEventKind kind, std::size_t i) const {
-    const double by_frame_s = MedianInterval(s_.time_s) / std::sqrt(12);
-    return {.repetition = repetition,
-            .kind = kind,
-            .frame = s_.frame[i],
-            .time_s = s_.time_s[i],
-            .sd_s = std::hypot(by_frame_s, (TimeToDeviation(i, -1) + TimeToDeviation(i, 1)) / 2)};
-  }
-
- private:
-  // From a frame, in this direction, until the hip's speed differs by its standard deviation: where it comes to rest
-  // slowly that takes longer than its slope there says.
-  double TimeToDeviation(std::size_t from, int direction) const {
-    const double deviation = s_.sd.hip_up_speed[from];
-    double passed = 0;
-    for (std::size_t i = from; direction < 0 ? i > 0 : i + 1 < s_.frame.size();) {
-      const std::size_t next = direction < 0 ? i - 1 : i + 1;
-      const double change = std::abs(s_.hip_up_speed[next] - s_.hip_up_speed[from]);
-      if (!std::isfinite(change)) return std::abs(s_.time_s[i] - s_.time_s[from]);
-      if (change > deviation)
-        return std::abs(std::lerp(s_.time_s[i], s_.time_s[next], (deviation - passed) / (change - passed)) -
-                        s_.time_s[from]);
-      passed = change;
-      i = next;
-    }
-    return std::abs(s_.time_s[direction < 0 ? 0 : s_.time_s.size() - 1] - s_.time_s[from]);
-  }
-
-  static constexpr double kLeastDepth = 0.1;  // of the leg's length
-  const LegFitResult& leg_;
-  const StsSignals& s_;
-};
-
-}  // namespace
-
-std::vector<motion::StsEvent> FindSquats(const LegFitResult& leg) {
-  using enum motion::StsEventKind;
-  const SquatFinder finder(leg);
-  std::vector<motion::StsEvent> events;
-  int repetition = 0;
-  for (const motion::StsEvent& rise : leg.without_seat) {
-    const std::size_t bottom = finder.Bottom(rise);
-    const auto descent = finder.Stop(bottom, -1), standing = finder.Stop(bottom, 1);
-    if (!descent || !standing || !finder.FootStays(*descent, *standing)) continue;
-    ++repetition;
-    events.push_back(finder.Event(repetition, kDescent, *descent));
-    events.push_back(finder.Event(repetition, kBottom, bottom));
-    events.push_back(finder.Event(repetition, kStanding, *standing));
-  }
-  return events;
-}
-
 namespace {
 
 constexpr const char* kSchoenfeld = "Schoenfeld 2010, J Strength Cond Res 24(12), 3497-3506";
@@ -134,7 +39,33 @@ Measured BetweenEvents(const motion::StsEvent& from, const motion::StsEvent& to)
   return {to.time_s - from.time_s, std::hypot(from.sd_s, to.sd_s)};
 }
 
+// Whether the ankle keeps its height from one event to another, as it does not in a jump.
+bool FootStays(const LegFitResult& leg, const motion::StsEvent& from, const motion::StsEvent& to) {
+  constexpr double kMostRise = 0.1;  // of the leg's length
+  const motion::MarkerTrack* ankle = leg.trajectory.Find(leg.leg_markers.ankle);
+  std::vector<double> heights;
+  for (std::size_t i = 0; ankle && i < ankle->samples.size(); ++i)
+    if (const double time_s = leg.motion.time_s[i];
+        time_s >= from.time_s && time_s <= to.time_s && ankle->samples[i].IsKnown())
+      heights.push_back(ankle->samples[i].position.dot(leg.up));
+  if (heights.empty()) return false;
+  const auto [low, high] = std::ranges::minmax(heights);
+  return high - low < kMostRise * leg.signals.leg_length;
+}
+
 }  // namespace
+
+std::vector<motion::StsEvent> FindSquats(const LegFitResult& leg) {
+  const std::vector<motion::StsEvent> seen = FindStsEvents(leg.signals).squats;
+  std::vector<motion::StsEvent> events;
+  for (std::size_t i = 0; i < seen.size(); i += 3)
+    if (FootStays(leg, seen[i], seen[i + 2]))
+      for (std::size_t k = i; k < i + 3; ++k) {
+        events.push_back(seen[k]);
+        events.back().repetition = static_cast<int>((events.size() - 1) / 3) + 1;
+      }
+  return events;
+}
 
 std::span<const Field<Squat>> Squat::Fields() {
   return kSquatFields;

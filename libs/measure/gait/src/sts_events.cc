@@ -9,24 +9,11 @@
 #include <span>
 
 #include "lake/core/statistics.h"
+#include "stretches.h"
 
 namespace lake::gait {
-namespace {
 
-using Values = std::vector<double>;
-
-// Frames from `begin` to `end`, both included.
-struct Span {
-  std::size_t begin, end;
-};
-
-// A monotone stretch of the hip's height between two turning points.
-struct Stretch : Span {
-  bool rising;
-};
-
-// Turning points that differ by at least `threshold`, smaller wiggles skipped; the stretches between them.
-std::vector<Stretch> FindStretches(const Values& height, double threshold) {
+std::vector<Stretch> FindStretches(const std::vector<double>& height, double threshold) {
   std::vector<Stretch> stretches;
   if (height.empty()) return stretches;
   std::size_t low = 0, high = 0, start = 0;
@@ -52,6 +39,10 @@ std::vector<Stretch> FindStretches(const Values& height, double threshold) {
   std::erase_if(stretches, [&](const Stretch& s) { return std::abs(height[s.end] - height[s.begin]) < threshold; });
   return stretches;
 }
+
+namespace {
+
+using Values = std::vector<double>;
 
 // The signals without the frames in which one is not known; the trunk's is bridged there.
 struct KnownSignals : StsSignals {
@@ -172,6 +163,7 @@ class EventFinder {
       const std::size_t until = k + 1 < stretches.size() ? Fastest(stretches[k + 1]) : s_.frame.size() - 1;
       if (stretches[k].rising) {
         is_standing = AddIfRepetition(rest_from, stretches[k], until);
+        if (!is_standing && k > 0) AddSquat(stretches[k - 1], stretches[k], until);
       } else {
         rest_from = Fastest(stretches[k]);
         if (is_standing) AddLowering(stretches[k], until);
@@ -235,7 +227,7 @@ class EventFinder {
       found_.begins_during_lean = true;
     }
     Add(left_seat);
-    AddEnd(motion::StsEventKind::kStanding, extension_, o_.standing_fraction, rise, until);
+    Add(End(motion::StsEventKind::kStanding, extension_, o_.standing_fraction, rise, until));
     return true;
   }
 
@@ -243,25 +235,43 @@ class EventFinder {
     const double limit = o_.standing_fraction * Most(flexion_.speed, fall);
     Add(Crossing(motion::StsEventKind::kDescent, flexion_.speed, flexion_.speed_sd, limit,
                  FirstMovement(flexion_, limit, fall)));
-    AddEnd(motion::StsEventKind::kSeated, hip_down_, o_.seat_off_fraction, fall, until);
+    Add(End(motion::StsEventKind::kSeated, hip_down_, o_.seat_off_fraction, fall, until));
+  }
+
+  // Down and up again, if both are recorded.
+  void AddSquat(const Stretch& fall, const Stretch& rise, std::size_t until) {
+    if (found_.without_seat.empty() || found_.without_seat.back().time_s < s_.time_s[rise.begin]) return;
+    const double limit = o_.standing_fraction * Most(hip_down_.speed, fall);
+    const std::size_t descent = FirstMovement(hip_down_, limit, fall);
+    const auto standing = End(motion::StsEventKind::kStanding, hip_up_, o_.standing_fraction, rise, until);
+    if (descent == 0 || !standing) return;
+    std::size_t turned = rise.begin;
+    while (turned < rise.end && hip_up_.speed[turned] <= 0) ++turned;
+    for (motion::StsEvent event :
+         {Crossing(motion::StsEventKind::kDescent, hip_down_.speed, hip_down_.speed_sd, limit, descent),
+          Crossing(motion::StsEventKind::kBottom, hip_up_.speed, hip_up_.speed_sd, 0, turned), *standing}) {
+      event.repetition = static_cast<int>(found_.squats.size() / 3) + 1;
+      found_.squats.push_back(event);
+    }
   }
 
   // The end of a movement, if it is recorded. Where it stops for long and then goes on a little, one of the two stops
   // is it.
-  void AddEnd(motion::StsEventKind kind, const Course& course, double fraction, const Stretch& stretch,
-              std::size_t until) {
+  std::optional<motion::StsEvent> End(motion::StsEventKind kind, const Course& course, double fraction,
+                                      const Stretch& stretch, std::size_t until) const {
     const double limit = fraction * Most(course.speed, stretch);
     const std::size_t after = LastMovement(course, limit, stretch, until, kLikely) + 1,
                       latest = LastMovement(course, limit, stretch, until, kPossible) + 1;
-    if (after == s_.frame.size()) return;
+    if (after == s_.frame.size()) return std::nullopt;
     motion::StsEvent end = Crossing(kind, course.speed, course.speed_sd, limit, after);
     if (latest > after) end.sd_s = std::hypot(end.sd_s, (s_.time_s[latest - 1] - end.time_s) / std::sqrt(2));
-    Add(end);
+    return end;
   }
 
-  void Add(motion::StsEvent event) {
-    event.repetition = repetition_;
-    found_.events.push_back(event);
+  void Add(std::optional<motion::StsEvent> event) {
+    if (!event) return;
+    event->repetition = repetition_;
+    found_.events.push_back(*event);
   }
 
   // Where the values cross a limit in the step that ends at frame i; its middle, of unknown SD, if they do not. `sway`:

@@ -13,6 +13,7 @@
 #include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
 #include "lake/gait/leg_fit.h"
+#include "stretches.h"
 
 namespace lake::gait {
 namespace {
@@ -23,11 +24,10 @@ using Values = std::vector<double>;
 constexpr double kCutoff_hz = 8;   // O'Connor et al. filter at 7 Hz
 constexpr double kGrid_s = 0.005;  // of the filtered signals, whatever the frame rate
 constexpr double kLongestGap_s = 0.15;
-constexpr double kLeastTravel = 0.2;     // of the foot relative to the hip, and over the ground, of the leg's length
-constexpr double kMostRise = 0.15;       // of the hip from one turn of the foot to the next; 0.03 to 0.07 in walking
-constexpr double kLeastLift = 0.01;      // of the foot in swing over the foot in stance, likewise
-constexpr double kMostFromForce = 0.25;  // of a plate from the heel or ankle of the foot on it, of the leg's length
-constexpr double kUsualStride_s = 1.1;   // windows below scale with the stride
+constexpr double kLeastTravel = 0.2;    // of the foot relative to the hip, and over the ground, of the leg's length
+constexpr double kMostRise = 0.15;      // of the hip from one turn of the foot to the next; 0.03 to 0.07 in walking
+constexpr double kLeastLift = 0.01;     // of the foot in swing over the foot in stance, likewise
+constexpr double kUsualStride_s = 1.1;  // windows below scale with the stride
 
 // How one event shows in one signal: an extremum in a window about the foot's turn before or behind the hip.
 struct Estimator {
@@ -50,52 +50,27 @@ constexpr std::array kEstimators = {Estimator{StsEventKind::kHeelStrike, true, f
 // Frames over which markers are seen without a long gap.
 using Run = std::vector<std::size_t>;
 
+// Of the foot relative to the hip.
+struct Turn {
+  std::size_t at;
+  bool is_front, is_edge;  // edge: the recording's, no turn is seen
+};
+
 // Signals of one foot over a run, on a grid of kGrid_s from begin_s; forward is where the subject faces.
 struct Foot {
   bool of_foot = false, is_other = false;
   double begin_s = 0;
-  Values front = {}, back = {};   // forward of the hip: heel and toe, or the ankle twice
-  Values up = {};                 // of the middle of heel and toe, or of the ankle
-  Values forward = {}, hip = {};  // the same's and the hip's places
+  Values front = {}, back = {};  // forward of the hip: heel and toe, or the ankle twice
+  Values up = {};                // of the middle of heel and toe, or of the ankle
+  Values relative = {};          // the same's place forward of the hip
+  std::vector<Turn> turns = {};  // of that
+  Values hip = {};               // its place
   Values hip_up = {};
   double position_sd = 0;  // of front and back after the filter's derivative: of their velocity
   double velocity_sd = 0;  // of the vertical acceleration
   std::size_t Size() const { return up.size(); }
   double Time(double at) const { return begin_s + kGrid_s * at; }
 };
-
-// Turns of the foot relative to the hip.
-struct Turn {
-  std::size_t at;
-  bool is_front, is_edge;  // edge: the recording's, no turn is seen
-};
-
-// From turn to turn that differ by a threshold at least.
-std::vector<Turn> FindTurns(const Values& values, double threshold) {
-  std::vector<Turn> turns;
-  std::size_t low = 0, high = 0;
-  int direction = 0;
-  const auto add = [&](std::size_t at, bool is_front) {
-    turns.push_back({at, is_front, at == 0 || at + 1 == values.size()});
-  };
-  for (std::size_t i = 1; i < values.size(); ++i) {
-    if (values[i] < values[low]) low = i;
-    if (values[i] > values[high]) high = i;
-    if (direction <= 0 && values[i] - values[low] >= threshold) {
-      add(low, false);
-      direction = 1;
-      high = i;
-    } else if (direction >= 0 && values[high] - values[i] >= threshold) {
-      add(high, true);
-      direction = -1;
-      low = i;
-    }
-    if (direction > 0) low = i;
-    if (direction < 0) high = i;
-  }
-  if (direction != 0) add(direction > 0 ? high : low, direction > 0);
-  return turns;
-}
 
 // One signal's extremum in a window, between grid points; nullopt without one inside.
 std::optional<double> Extremum(const Values& values, double from, double to, double sign) {
@@ -116,15 +91,11 @@ std::optional<double> Extremum(const Values& values, double from, double to, dou
 Values Derivative(const Values& values) {
   Values slope(values.size(), 0.0);
   for (std::size_t i = 1; i + 1 < values.size(); ++i) slope[i] = (values[i + 1] - values[i - 1]) / (2 * kGrid_s);
-  if (slope.size() > 2) {
-    slope.front() = slope[1];
-    slope.back() = slope[slope.size() - 2];
-  }
   return slope;
 }
 
 double Curvature(const Values& values, double at) {
-  const auto i = static_cast<std::size_t>(std::clamp(std::round(at), 2.0, static_cast<double>(values.size()) - 3));
+  const auto i = static_cast<std::size_t>(std::round(at));
   return (values[i + 2] - 2 * values[i] + values[i - 2]) / std::pow(2 * kGrid_s, 2);
 }
 
@@ -227,14 +198,21 @@ class WalkFinder {
     foot.back = OnGrid(run, Coordinate(back, 0));
     const Values up_front = OnGrid(run, Coordinate(front, 1)), up_back = OnGrid(run, Coordinate(back, 1));
     for (std::size_t i = 0; i < foot.hip.size(); ++i) {
-      foot.forward.push_back((foot.front[i] + foot.back[i]) / 2);
-      foot.up.push_back((up_front[i] + up_back[i]) / 2);
       foot.front[i] -= foot.hip[i];
       foot.back[i] -= foot.hip[i];
+      foot.relative.push_back((foot.front[i] + foot.back[i]) / 2);
+      foot.up.push_back((up_front[i] + up_back[i]) / 2);
     }
     const double noise = std::max(NoiseOf(front), NoiseOf(back));
     foot.position_sd = DerivativeDeviation(std::hypot(noise, NoiseOf(hip)), step_s_, 1);
     foot.velocity_sd = DerivativeDeviation(foot.of_foot ? noise / std::numbers::sqrt2 : noise, step_s_, 2);
+    const auto add_turn = [&](std::size_t at, bool is_front) {
+      foot.turns.push_back({at, is_front, at == 0 || at + 1 == foot.Size()});
+    };
+    for (const Stretch& phase : FindStretches(foot.relative, kLeastTravel * leg_.signals.leg_length)) {
+      if (foot.turns.empty()) add_turn(phase.begin, !phase.rising);
+      add_turn(phase.end, phase.rising);
+    }
     return foot;
   }
 
@@ -260,13 +238,10 @@ class WalkFinder {
 
   void FindIn(const Foot& foot, std::vector<Found>& all) {
     std::vector<Found> here;
-    Values relative(foot.Size());
-    for (std::size_t i = 0; i < foot.Size(); ++i) relative[i] = foot.forward[i] - foot.hip[i];
-    const double least = kLeastTravel * leg_.signals.leg_length;
-    const std::vector<Turn> turns = FindTurns(relative, least);
+    const std::vector<Turn>& turns = foot.turns;
     std::vector<Seen> phases;
     for (std::size_t k = 0; k + 1 < turns.size(); ++k) {
-      phases.push_back(SeenBetween(foot, turns, k));
+      phases.push_back(SeenBetween(foot, k));
       const Interval seen{phases.back(), foot.Time(static_cast<double>(turns[k].at)),
                           foot.Time(static_cast<double>(turns[k + 1].at))};
       const auto is_same = [&](const Interval& other) {
@@ -282,14 +257,16 @@ class WalkFinder {
           phases.empty())
         continue;
       // What the recording's edge hides is the turn, not always the event.
-      if (turns[k].is_edge && (turns[k].is_front != (turns[k].at == 0) || !IsNearTurn(relative, turns, k))) continue;
+      if (turns[k].is_edge && (turns[k].is_front != (turns[k].at == 0) || !IsNearTurn(foot, k))) continue;
       std::optional<Found> found = Estimate(foot, velocity, turns[k], scale);
       if (!found) continue;
       found->is_edge = turns[k].is_edge;
-      // In stance, or at an edge in the swing beside it.
-      const std::size_t phase = (turns[k].is_front ? has_after : !has_before) ? k : k - 1;
+      // In stance, or at an edge in the swing beside it, in which the hip goes on for some 0.6 of the foot's way.
+      const bool is_stance = turns[k].is_front ? has_after : has_before;
+      const std::size_t phase = turns[k].is_front == is_stance ? k : k - 1;
       const std::size_t from = turns[phase].at, to = turns[phase + 1].at;
-      found->travel = (foot.hip[to] - foot.hip[from]) / std::abs(relative[to] - relative[from]);
+      found->travel = (foot.hip[to] - foot.hip[from]) / std::abs(foot.relative[to] - foot.relative[from]);
+      if (!is_stance) found->travel /= 0.6;
       here.push_back(*found);
     }
     // Where the recording begins or ends near an event, a smaller movement of the foot is not taken for it.
@@ -303,13 +280,14 @@ class WalkFinder {
   }
 
   // Whether the foot is at the recording's edge where it turns otherwise.
-  static bool IsNearTurn(const Values& relative, const std::vector<Turn>& turns, std::size_t edge) {
+  static bool IsNearTurn(const Foot& foot, std::size_t edge) {
     std::array<Values, 2> places;
-    for (const Turn& turn : turns)
-      if (!turn.is_edge) places[turn.is_front ? 1 : 0].push_back(relative[turn.at]);
+    for (const Turn& turn : foot.turns)
+      if (!turn.is_edge) places[turn.is_front ? 1 : 0].push_back(foot.relative[turn.at]);
     constexpr double kNear = 0.15;  // of the way between the turns
     const double back = Median(places[0]), front = Median(places[1]);
-    return std::abs(relative[turns[edge].at] - (turns[edge].is_front ? front : back)) < kNear * (front - back);
+    const auto [at, is_front, is_edge] = foot.turns[edge];
+    return std::abs(foot.relative[at] - (is_front ? front : back)) < kNear * (front - back);
   }
 
   // The median time between turns to the same side, or twice that between two turns.
@@ -327,10 +305,11 @@ class WalkFinder {
 
   // What the subject does from one turn to the next: the foot is carried forward, or pushed back; a swing is higher
   // than the stances beside it.
-  Seen SeenBetween(const Foot& foot, const std::vector<Turn>& turns, std::size_t k) const {
+  Seen SeenBetween(const Foot& foot, std::size_t k) const {
+    const std::vector<Turn>& turns = foot.turns;
     const bool is_swing = turns[k + 1].is_front;
     const auto travel = [&](std::size_t from, std::size_t to) {
-      return std::abs(foot.forward[to] - foot.forward[from]);
+      return std::abs(foot.hip[to] + foot.relative[to] - foot.hip[from] - foot.relative[from]);
     };
     const std::size_t begin = turns[k].at, end = turns[k + 1].at, last = foot.Size() - 1;
     double lift = 0, farthest = travel(begin, end);
@@ -390,77 +369,42 @@ class WalkFinder {
     return found;
   }
 
-  static constexpr double kSamePlate_s = 0.15;  // between a plate's event and the same one by the markers
+  // By a plate; and the same one by the markers, of those found.
+  using Struck = std::pair<motion::StsEvent, std::optional<std::ptrdiff_t>>;
 
-  // The foot that stays where the force acts: over a contact the other one is carried past from a step behind to a step
-  // before. Where that place is not known, the foot whose events are at the contact's times. nullopt: neither.
-  std::optional<bool> IsOfOtherFoot(const PlateContact& contact) {
-    std::optional<bool> is_other;
-    double least = contact.forward.empty() ? kSamePlate_s : kMostFromForce * leg_.signals.leg_length;
-    for (const bool other : {false, true}) {
-      const double apart = contact.forward.empty() ? ApartInTime(contact, other) : ApartInPlace(contact, other);
-      if (!(apart < least)) continue;
-      least = apart;
-      is_other = other;
+  // Of a contact of this foot: both of its events are where the markers show one, or near an end of the recording. The
+  // other foot's are half a stride away.
+  std::vector<Struck> EventsOf(const PlateContact& contact, bool is_other) const {
+    using enum StsEventKind;
+    constexpr double kSame_s = 0.15;
+    std::vector<Struck> events;
+    bool is_seen = false;
+    for (const motion::StsEvent& event :
+         {motion::StsEvent{
+              .kind = is_other ? kHeelStrikeOther : kHeelStrike, .time_s = contact.begin_s, .sd_s = contact.begin_sd_s},
+          {.kind = is_other ? kToeOffOther : kToeOff, .time_s = contact.end_s, .sd_s = contact.end_sd_s}}) {
+      const double to_end_s =
+          std::min(event.time_s - leg_.motion.time_s.front(), leg_.motion.time_s.back() - event.time_s);
+      if (!(to_end_s >= 0)) continue;
+      const auto same = std::ranges::find_if(found_, [&](const Found& found) {
+        return found.event.kind == event.kind && std::abs(found.event.time_s - event.time_s) < kSame_s;
+      });
+      if (same == found_.end() && to_end_s > kSame_s) return {};
+      is_seen |= same != found_.end();
+      events.emplace_back(event, same == found_.end() ? std::nullopt : std::optional(same - found_.begin()));
     }
-    return is_other;
+    return is_seen ? events : std::vector<Struck>();
   }
 
-  double ApartInTime(const PlateContact& contact, bool is_other) const {
-    double farthest_s = 0;
-    for (const auto& [time_s, kind] : EventsOf(contact, is_other)) {
-      double nearest_s = std::numeric_limits<double>::infinity();
-      for (const Found& found : found_)
-        if (found.event.kind == kind) nearest_s = std::min(nearest_s, std::abs(found.event.time_s - time_s));
-      farthest_s = std::max(farthest_s, nearest_s);
-    }
-    return farthest_s;
-  }
-
-  // Of heel or ankle from the force, RMS.
-  double ApartInPlace(const PlateContact& contact, bool is_other) {
-    for (const std::string& name :
-         {is_other ? o_.other_heel : o_.heel, is_other ? o_.other_ankle : leg_.leg_markers.ankle}) {
-      Values apart;
-      for (std::size_t i = 0; Has(name) && i < contact.time_s.size(); ++i)
-        if (const double place = Coordinate(name, 0)[NearestFrame(contact.time_s[i])]; std::isfinite(place))
-          apart.push_back(place - contact.forward[i]);
-      if (!apart.empty()) return RootMeanSquare(apart);
-    }
-    return std::numeric_limits<double>::infinity();
-  }
-
-  // Within the recording of the markers.
-  std::vector<std::pair<double, StsEventKind>> EventsOf(const PlateContact& contact, bool is_other) const {
-    std::vector<std::pair<double, StsEventKind>> events = {
-        {contact.begin_s, is_other ? StsEventKind::kHeelStrikeOther : StsEventKind::kHeelStrike},
-        {contact.end_s, is_other ? StsEventKind::kToeOffOther : StsEventKind::kToeOff}};
-    std::erase_if(events, [&](const auto& event) {
-      return !(event.first >= leg_.motion.time_s.front() && event.first <= leg_.motion.time_s.back());
-    });
-    return events;
-  }
-
-  // Of a walk that the markers show.
   void TakePlates() {
-    if (found_.empty()) return;
-    for (const PlateContact& contact : o_.contacts) {
-      const std::optional<bool> is_other = IsOfOtherFoot(contact);
-      if (!is_other) continue;
-      for (const auto& [time_s, kind] : EventsOf(contact, *is_other)) {
-        const auto apart_s = [kind = kind, time_s = time_s](const Found& found) {
-          return found.event.kind == kind ? std::abs(found.event.time_s - time_s) : kSamePlate_s;
-        };
-        auto same = std::ranges::min_element(found_, {}, apart_s);
-        const bool is_seen = apart_s(*same) < kSamePlate_s;
-        const double later_s = is_seen ? same->event.time_s - time_s : NAN;
-        if (!is_seen) same = found_.insert(found_.end(), {.event = {.kind = kind}, .travel = NAN});
-        same->by_plate = true;
-        same->event.time_s = time_s;
-        same->event.sd_s = time_s == contact.begin_s ? contact.begin_sd_s : contact.end_sd_s;
-        walk_.by_plate.push_back({same->event, later_s});
-      }
-    }
+    for (const PlateContact& contact : o_.contacts)
+      for (const bool is_other : {false, true})
+        for (const auto& [event, same] : EventsOf(contact, is_other)) {
+          walk_.by_plate.push_back({event, same ? found_[*same].event.time_s - event.time_s : NAN});
+          Found& found = same ? found_[*same] : found_.emplace_back(Found{.travel = NAN});
+          found.event = event;
+          found.by_plate = true;
+        }
   }
 
   // By what most of the events' stances show; what differs, as where somebody stops or turns, is left out.
@@ -476,16 +420,11 @@ class WalkFinder {
                   [&](const Found& found) { return !found.by_plate && ground_of(found.travel) != walk_.ground; });
     if (const auto left = all - std::ssize(found_); left > 0)
       walk_.left_out.push_back(
-          fmt::format("{} steps are left out: the person {} there", left,
+          fmt::format("{} left out: the person {} there", left == 1 ? "a step is" : fmt::format("{} steps are", left),
                       walk_.ground == Ground::kOverground ? "stops or turns" : "travels on a treadmill that stands"));
   }
 
-  std::size_t NearestFrame(double time_s) const {
-    const std::vector<double>& times = leg_.motion.time_s;
-    const auto after = static_cast<std::size_t>(std::ranges::lower_bound(times, time_s) - times.begin());
-    if (after == times.size()) return after - 1;
-    return after > 0 && time_s - times[after - 1] < times[after] - time_s ? after - 1 : after;
-  }
+  std::size_t NearestFrame(double time_s) const { return motion::NearestRow(leg_.motion.time_s, time_s); }
 
   // Whether the leg is seen from one heel strike to the next, with one toe-off between.
   bool IsStride(double begin_s, double end_s) {

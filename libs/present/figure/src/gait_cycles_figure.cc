@@ -27,60 +27,49 @@ constexpr std::array kPanels = {Panel{&motion::LegSample::knee_deg, "knee flexio
                                 Panel{&motion::LegSample::thigh_deg, "thigh (°)"},
                                 Panel{&motion::LegSample::shank_deg, "shank (°)"}};
 
-// An angle of one stride at 0, 1, … 100 %, less that of quiet standing where it is known; empty if too little of it is
-// known.
-std::vector<double> CurveOf(const motion::LegMotion& motion, const gait::GaitCycle& cycle,
-                            double motion::LegSample::*angle) {
-  const double zero_deg = motion.neutral ? (*motion.neutral).*angle : 0;
-  constexpr double kBeside = 5;  // percent, so that the curve does not end before the stride
-  std::vector<double> percent, values;
-  for (std::size_t i = 0; i < motion.samples.size(); ++i) {
-    const double at = 100 * (motion.time_s[i] - cycle.begin_s.value) / cycle.stride_s.value;
-    if (at < -kBeside || at > 100 + kBeside || !std::isfinite(motion.samples[i].*angle)) continue;
-    percent.push_back(at);
-    values.push_back(motion.samples[i].*angle - zero_deg);
-  }
-  if (values.size() < 2) return {};
-  return gait::InterpolateCubic(values, percent, Percents(kPercents));
-}
-
 using Curves = std::vector<std::vector<double>>;
 
-Curves CurvesOf(const Panel& panel, const gait::LegFitResult& leg, const gait::Measures<gait::GaitCycle>& cycles) {
+// An angle of each stride at 0, 1, … 100 %, less that of quiet standing where it is known; none of a stride in which
+// too little of it is known.
+Curves CurvesOf(double motion::LegSample::*angle, const motion::LegMotion& motion,
+                const std::vector<gait::GaitCycle>& cycles) {
+  const double zero_deg = motion.neutral ? (*motion.neutral).*angle : 0;
+  constexpr double kBeside = 5;  // percent, so that the curve does not end before the stride
   Curves curves;
-  for (const gait::GaitCycle& cycle : cycles.rows)
-    if (auto curve = CurveOf(leg.motion, cycle, panel.angle); !curve.empty()) curves.push_back(std::move(curve));
+  for (const gait::GaitCycle& cycle : cycles) {
+    std::vector<double> percent, values;
+    for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+      const double at = 100 * (motion.time_s[i] - cycle.begin_s.value) / cycle.stride_s.value;
+      if (at < -kBeside || at > 100 + kBeside || !std::isfinite(motion.samples[i].*angle)) continue;
+      percent.push_back(at);
+      values.push_back(motion.samples[i].*angle - zero_deg);
+    }
+    if (values.size() > 1) curves.push_back(gait::InterpolateCubic(values, percent, Percents(kPercents)));
+  }
   return curves;
 }
 
-std::string Band(GnuplotFigure& figure, const std::vector<double>& percent, const std::vector<double>& low,
-                 const std::vector<double>& high, const char* colour, const char* title) {
-  return fmt::format("{} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder title '{}', ",
-                     figure.Data({percent, low, high}), colour, title);
+std::string Band(GnuplotFigure& figure, const std::vector<double>& percent, const std::vector<double>& mean,
+                 const std::vector<double>& sd, const char* colour, const char* title) {
+  return fmt::format(
+      "{} using 1:($2-$3):($2+$3) with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder title '{} ± 1 SD', ",
+      figure.Data({percent, mean, sd}), colour, title);
 }
 
 void DrawPanel(GnuplotFigure& figure, const std::string& name, const Curves& curves,
                const gait::ReferenceCurve* reference) {
-  std::vector<double> mean, low, high;
+  std::vector<double> mean, sd;
   for (int i = 0; i < kPercents; ++i) {
     std::vector<double> at;
     at.reserve(curves.size());
     for (const std::vector<double>& curve : curves) at.push_back(curve[static_cast<std::size_t>(i)]);
-    const double spread = at.size() > 1 ? StandardDeviation(at) : 0;
     mean.push_back(Mean(at));
-    low.push_back(mean.back() - spread);
-    high.push_back(mean.back() + spread);
+    sd.push_back(at.size() > 1 ? StandardDeviation(at) : 0);
   }
   std::string plot = "plot ";
-  if (reference) {
-    std::vector<double> below, above;
-    for (std::size_t i = 0; i < reference->percent.size(); ++i) {
-      below.push_back(reference->mean_deg[i] - reference->sd_deg[i]);
-      above.push_back(reference->mean_deg[i] + reference->sd_deg[i]);
-    }
-    plot += Band(figure, reference->percent, below, above, colour::kOther, "reference ± 1 SD");
-  }
-  plot += Band(figure, Percents(kPercents), low, high, colour::kKnee, "mean ± 1 SD");
+  if (reference)
+    plot += Band(figure, reference->percent, reference->mean_deg, reference->sd_deg, colour::kOther, "reference");
+  plot += Band(figure, Percents(kPercents), mean, sd, colour::kKnee, "mean");
   for (const std::vector<double>& curve : curves)
     plot += fmt::format("{} using 1:2 with lines lw 1 lc rgb '{}' notitle, ", figure.Data({Percents(kPercents), curve}),
                         colour::kGuide);
@@ -96,7 +85,8 @@ void DrawGaitCycles(const std::filesystem::path& path, const gait::LegFitResult&
                     const std::optional<gait::ReferenceCurve>& reference) {
   std::vector<std::pair<Panel, Curves>> panels;
   for (const Panel& panel : kPanels)
-    if (Curves curves = CurvesOf(panel, leg, cycles); !curves.empty()) panels.emplace_back(panel, std::move(curves));
+    if (Curves curves = CurvesOf(panel.angle, leg.motion, cycles.rows); !curves.empty())
+      panels.emplace_back(panel, std::move(curves));
   const int count = std::max(1, static_cast<int>(panels.size()));
   GnuplotFigure figure(1000, 400 * count);
   figure.Line("set multiplot layout {},1", count)

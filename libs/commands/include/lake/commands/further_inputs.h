@@ -26,10 +26,9 @@ std::vector<InputFile> InputsOf(const FurtherInputs& o);
 // Reads norm, forces and clock, to be known as wrong before minutes of tracking. Throws Error naming the file.
 void CheckFiles(const FurtherInputs& o);
 
-// The plates' contacts in the plane and on the clock of the trial that `leg` was fitted to; none without --forces. Of a
-// trial in a plane their places are not known. Throws Error where plates and markers have different verticals.
-std::vector<gait::PlateContact> ContactsOf(const FurtherInputs& o, const exchange::Trial& trial,
-                                           const gait::LegFitResult& leg, Run& run);
+// The plates' contacts on the trial's clock; none without --forces. Throws Error where plates and markers have
+// different verticals.
+std::vector<gait::PlateContact> ContactsOf(const FurtherInputs& o, const exchange::Trial& trial, Run& run);
 
 // The pose of quiet standing, if it is given: of the fit itself, or of another trial of the same markers, which is read
 // as `reading` says and seen in the plane of `trial`. Throws as gait::NeutralPose does.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,13 +19,9 @@ struct DrawnStride {
   double stride_s = 1.1, stride_mm = 1300, stance = 0.62;
 };
 
-// Markers of a pose, mm; x from the place of the heel at the first strike, positive forward; y above the ground.
-struct DrawnPose {
-  Eigen::Vector2d ankle, knee, hip, waist, heel, toe, other_ankle, other_knee, other_heel, other_toe;
-};
-
-// `phase` in strides; whole numbers are heel strikes.
-DrawnPose DrawWalk(double phase, const DrawnStride& stride);
+// The markers, mm; x from the place of the heel at the first strike, positive forward; y above the ground. `phase` in
+// strides; whole numbers are heel strikes.
+std::map<std::string, Eigen::Vector2d> DrawWalk(double phase, const DrawnStride& stride);
 
 struct WalkOptions {
   double stride_s = 0;        // of a recorded motion: this much from its begin on is repeated; 0: the motion as it is

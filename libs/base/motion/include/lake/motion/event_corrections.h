@@ -24,6 +24,9 @@ struct EventCorrection {
   bool others_stay = false;           // likewise
 };
 
+// The row of a recording whose time is nearest.
+std::size_t NearestRow(const std::vector<double>& times, double time_s);
+
 // nullopt for an unknown name.
 std::optional<StsEventKind> FindEventKind(std::string_view name);
 

@@ -100,6 +100,7 @@ struct LegMotion {
   std::vector<double> time_s;
   std::vector<LegSample> samples;       // one per frame
   std::vector<char> knee_rebuilt = {};  // as MarkerRecording has it
+  double foot_rest_sd_deg = 0;          // of where the foot rests, from which its angle and the ankle's are
   // The angles of quiet standing and their standard deviations: where they are known, kinematics.csv has
   // NAME_neutral_deg too, the angles less these.
   std::optional<LegSample> neutral;

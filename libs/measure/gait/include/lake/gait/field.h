@@ -1,8 +1,6 @@
 // One measure of a movement, described once: CSV, summary, lines for the terminal and the reference of columns follow.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <filesystem>
 #include <span>
@@ -13,6 +11,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/json_or_null.h"
 #include "lake/core/statistics.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/motion/marker_recording.h"
 
 namespace lake::gait {
@@ -37,7 +36,7 @@ struct Field {
   const char* meaning;
   const char* source;  // a publication, or kLake
   Measured Row::*value;
-  int digits;  // decimals at the terminal
+  int digits;  // decimals at the terminal, where the standard deviation is not known
   FieldKind kind = FieldKind::kUsual;
 
   std::string Column(motion::LengthUnit of_plane) const { return InUnit(name, of_plane); }
@@ -131,8 +130,7 @@ std::string MeasuresText(const Measures<Row>& measures, motion::LengthUnit of_pl
   std::string text;
   for (const Field<Row>& field : Row::Fields())
     if (const Measured& of = measures.mean.*field.value; std::isfinite(of.value))
-      text +=
-          fmt::format("{}  {:.{}f} ± {:.{}f}\n", field.Column(of_plane), of.value, field.digits, of.sd, field.digits);
+      text += field.Column(of_plane) + "  " + PlusMinusText(of.value, of.sd, field.digits) + "\n";
   return text;
 }
 

@@ -10,10 +10,7 @@
 
 namespace lake::gait {
 
-// Descent, bottom and standing of each rise without a seat (FoundStsEvents): the hip is lowest at the bottom, and comes
-// down, or goes up, at more than 5 % of its peak speed between the others. Their SDs are the time in which the hip's
-// speed changes by its own, and half a frame. A squat that the recording cuts off is left out, and so is one in which
-// the ankle rises as in a jump.
+// Those of FoundStsEvents in which the ankle does not rise as in a jump.
 std::vector<motion::StsEvent> FindSquats(const LegFitResult& leg);
 
 // Lengths are in the plane's unit; standard deviations are the fit's and those of the events' times.

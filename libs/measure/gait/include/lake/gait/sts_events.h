@@ -66,6 +66,9 @@ struct FoundStsEvents {
   bool begins_during_lean = false;
   // Where rises without a seat begin, as from a squat: they are left out.
   std::vector<motion::StsEvent> without_seat;
+  // Descent, bottom and standing of each such rise whose lowering is recorded too, numbered from 1: where the hip
+  // turns, and goes down, or up, at more than `standing_fraction` of its peak speed.
+  std::vector<motion::StsEvent> squats;
 };
 
 // Events of every repetition in the order of time, each when its limit is crossed, which is between two frames; its

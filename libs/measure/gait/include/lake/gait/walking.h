@@ -28,8 +28,6 @@ std::vector<PlateLoad> LoadsOf(const std::vector<double>& force_n, const std::ve
 
 struct PlateContact : PlateLoad {
   std::string plate = {};
-  // Where the force acts over the contact, forward in the plane; empty where the plates' place there is not known.
-  std::vector<double> time_s = {}, forward = {};
 };
 
 struct WalkingOptions {
