@@ -3,23 +3,32 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
+#include "film_rates.h"
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
-#include "lower_rate.h"
 #include "timed_paths.h"
 
 namespace lake::tracking {
 namespace {
 
-// Prior odds, of a recording.
-constexpr double kCutOdds = 1e-3, kJumpOdds = 1e-2, kConvertedOdds = 0.1;
+// Prior odds of the hypotheses, against frames that were taken at their stamps.
+constexpr struct {
+  double film = 0.1;         // of a recording: its frames were chosen from a film of another rate
+  double cut = 1e-3;         // of a recording: it is cut
+  double missing = 1e-2;     // of a recording: time is missing in it
+  double each_frame = 0.3;   // of a run that repeats a picture: for each frame more, …
+  double frozen = 0.01;      // … down to that of a picture that is frozen, …
+  double stands = 0.01;      // … of it that no time passes meanwhile, …
+  double cut_behind = 1e-6;  // … and that it is none, but a rest with a cut behind it
+  double altered = 1e-3;     // of a copy that coding changes so much that its picture is another
+  double misjudged = 0.03;   // of a frame whose paths say that it is new or repeated
+} kPrior;
 constexpr double kDoubt = 1e-3;      // what the evidence must leave less of before a time is changed, …
 constexpr double kWorthAWord = 2.3;  // … and the logarithm of odds of 10, from which it is said
 
@@ -48,6 +57,103 @@ double FrameInterval(const std::vector<double>& time_s) {
   return (time_s.back() - time_s.front()) / count;
 }
 
+// How far the frames' times are from those at which they were taken, root mean square, as after the conversion of a
+// rate; 0 where they are theirs. By frames whose lateness is known to a tenth of a frame; a few jumps make no
+// unevenness: the half that is off less tells.
+double Unevenness(const TimedPaths& paths) {
+  constexpr std::size_t kFewest = 20;
+  constexpr double kKnown = 0.1, kMedianOfChiSquare = 0.455, kDeviations = 4;
+  const double usual_s = paths.UsualInterval();
+  std::vector<Lateness> late;
+  std::vector<double> across;
+  for (const auto& one : paths.LatenessOfAll()) {
+    if (!one || one->sigma_s > usual_s) continue;
+    late.push_back(*one);
+    across.push_back(one->across);
+  }
+  if (late.size() < kFewest) return 0;
+  // Of the markers over what their variances say, by what no time explains.
+  const double noise = std::sqrt(Median(std::move(across)) / kMedianOfChiSquare);
+  std::vector<double> squares, ratios;
+  for (const Lateness& one : late) {
+    if (noise * one.sigma_s > kKnown * usual_s) continue;
+    squares.push_back(one.late_s * one.late_s);
+    ratios.push_back(squares.back() / std::pow(noise * one.sigma_s, 2));
+  }
+  if (squares.size() < kFewest || Median(std::move(ratios)) < kMedianOfChiSquare * kDeviations) return 0;
+  return std::sqrt(Median(std::move(squares)) / kMedianOfChiSquare);
+}
+
+// The logarithm of the odds that the frames from `first` to `end` − 1, which show hardly anything else than the one
+// before, repeat it, while time goes on or stands, against that everything rested. `frame_s`: the usual interval.
+double LogOddsOfRepeat(const TimedPaths& paths, std::size_t first, std::size_t end, double frame_s) {
+  const Interval interval = paths.Between(first, end);
+  const double passed_s = paths.TimeAt(end) - paths.TimeAt(first - 1),
+               since_last_s = paths.TimeAt(end) - paths.TimeAt(end - 1),
+               repeated = static_cast<double>(end - first - 1) * std::log(kPrior.each_frame);
+  return LogSum({std::max(repeated, std::log(kPrior.frozen)) + interval.LogIfCopied(passed_s),
+                 repeated + std::log(kPrior.stands) + interval.LogIfCopied(frame_s)}) -
+         LogSum({interval.LogIfNew(since_last_s), std::log(kPrior.cut_behind) + interval.LogIfCut(since_last_s)});
+}
+
+// How much time lies between two frames, and how sure that is.
+struct Elapsed {
+  double log_odds = -INFINITY;  // of the likelier of both against the stamp
+  bool is_cut = false;
+  double moved_s = 0, sigma_s = 0;
+  double misfit = 0, jump_mm = 0;
+};
+
+// The time that the motion took, and the logarithm of the density of the paths, averaged over all times up to the
+// longest.
+Elapsed LikeliestTime(const Interval& interval, double usual_s, double longest_s) {
+  constexpr double kShortest = 0.5, kStep = 1.03;
+  double best_s = 0, most = -INFINITY;
+  const auto sample = [&](double elapsed_s) {
+    const double log_density = interval.LogIfNew(elapsed_s);
+    if (log_density <= most) return;
+    most = log_density;
+    best_s = elapsed_s;
+  };
+  for (double elapsed_s = kShortest * usual_s; elapsed_s < longest_s; elapsed_s *= kStep) sample(elapsed_s);
+  for (double width = kStep - 1; width > 1e-4; width /= 2)
+    for (const double times : {1 / (1 + width), 1 + width}) sample(best_s * times);
+  // By the curvature of the logarithm (Laplace's method).
+  const double step_s = 0.01 * usual_s;
+  const double curvature =
+      (2 * most - interval.LogIfNew(best_s - step_s) - interval.LogIfNew(best_s + step_s)) / (step_s * step_s);
+  const double sigma_s = curvature > 0 ? std::min(1 / std::sqrt(curvature), longest_s) : longest_s;
+  return {.log_odds = most + std::log(sigma_s * std::sqrt(2 * std::numbers::pi) / longest_s),
+          .moved_s = best_s,
+          .sigma_s = sigma_s};
+}
+
+// What lies before this frame. `uneven_s`: how far frames are from their stamps, root mean square.
+Elapsed Judge(const TimedPaths& paths, std::size_t at, double usual_s, double uneven_s) {
+  constexpr double kPlain = 1.5, kLong = 2.5, kLongest_s = 0.5;
+  const double stamped_s = paths.TimeAt(at) - paths.TimeAt(at - 1), misfit = paths.Misfit(at);
+  if (stamped_s < kLong * usual_s && misfit < kPlain) return {};
+  const Interval interval = paths.Between(at, at);
+  if (interval.Markers() < 2) return {};
+  const double by_stamp = interval.LogIfNew(stamped_s), each = static_cast<double>(paths.Frames());
+  const Elapsed cut{.log_odds = std::log(kPrior.cut / each) + interval.LogIfCut(stamped_s) - by_stamp,
+                    .is_cut = true,
+                    .misfit = misfit,
+                    .jump_mm = interval.JumpMm(stamped_s)};
+  // Strong coding holds slow markers back for some frames and then lets them jump, as if time stood still or were
+  // lost.
+  constexpr double kHeldBackPx = 1;  // in a frame
+  if (interval.Faster(kHeldBackPx / usual_s) < 2) return cut;
+  Elapsed jump = LikeliestTime(interval, usual_s, std::max(kLongest_s, stamped_s));
+  jump.log_odds += std::log(kPrior.missing / each) - by_stamp;
+  constexpr double kLeastFrames = 0.75, kUneven = 3, kOthers = 3;  // the logarithm of odds of 20
+  if (std::abs(jump.moved_s - stamped_s) < std::max(kLeastFrames * usual_s, kUneven * uneven_s) ||
+      interval.LogRatioWithoutBest(jump.moved_s, stamped_s, 1) < kOthers ||
+      interval.LogRatioWithoutBest(jump.moved_s, stamped_s, 2) < 0)
+    jump.log_odds = -INFINITY;
+  return cut.log_odds > jump.log_odds ? cut : jump;
+}
+
 // Frames by their place in the recording.
 class FrameClock {
  public:
@@ -60,14 +166,16 @@ class FrameClock {
   FrameTimes Correct(const std::vector<std::int64_t>& same_picture) {
     FrameTimes times;
     MarkRepeats(same_picture);
-    if (const std::optional<LowerRate> rate = FindLowerRate(JudgedFrames(), 1 / frame_s_)) {
-      times.captured_hz = TakeLowerRate(*rate);
+    const bool is_regular = IsRegular();
+    if (const std::optional<Film> film = is_regular ? FindSlowerFilm() : std::nullopt) {
+      for (std::size_t i = 0; i < is_repeated_.size(); ++i) is_repeated_[i] = film->Repeats(PlaceOf(i));
+      const TimedPaths paths(recording_, NewFrames());
+      if (TakeTimesOf(*film, 0, paths)) times.captured_hz = film->rate_hz;
       MarkRepeats(same_picture);
     }
     const TimedPaths paths(recording_, NewFrames());
-    uneven_s_ = Unevenness(paths);
-    if (times.captured_hz == 0) times.chosen_from_hz = TakeHigherRate(paths);
-    times.uneven_s = uneven_s_;
+    times.uneven_s = Unevenness(paths);
+    if (is_regular && times.captured_hz == 0 && times.uneven_s > 0) TakeFasterFilm(paths, times);
     TakeJumps(times);
     SpreadTimes();
     times.repeated = RemoveRepeated();
@@ -82,10 +190,16 @@ class FrameClock {
     return frames;
   }
 
-  double UsualInterval(const std::vector<std::size_t>& frames) const {
-    std::vector<double> time_s;
-    for (const std::size_t i : frames) time_s.push_back(recording_.time_s[i]);
-    return MedianInterval(time_s);
+  // In frames since the first one, by its stamp.
+  double PlaceOf(std::size_t i) const { return std::round((stamps_s_[i] - stamps_s_.front()) / frame_s_); }
+
+  // Whether frames are whole numbers of the usual interval apart, as a converter makes them.
+  bool IsRegular() const {
+    constexpr double kRegular = 0.2;  // of a frame
+    return std::ranges::all_of(stamps_s_, [&](double stamp_s) {
+      const double place = (stamp_s - stamps_s_.front()) / frame_s_;
+      return std::abs(place - std::round(place)) < kRegular;
+    });
   }
 
   // Runs of frames whose picture is the one before, or nothing of it has moved, are judged by the paths, as a whole.
@@ -98,10 +212,9 @@ class FrameClock {
   bool MarkMoreRepeats(const std::vector<std::int64_t>& same_picture) {
     constexpr double kCopyPx = 0.01;
     const std::vector<std::size_t> frames = NewFrames();
-    const auto step_px = [&](std::size_t k) { return StepPx(recording_, frames[k - 1], frames[k]); };
     const auto looks_the_same = [&](std::size_t k) {
       return std::ranges::binary_search(same_picture, recording_.frame[frames[k]]) ||
-             step_px(k).value_or(INFINITY) < kCopyPx;
+             StepPx(recording_, frames[k - 1], frames[k]).value_or(INFINITY) < kCopyPx;
     };
     std::optional<TimedPaths> paths;
     bool found = false;
@@ -112,14 +225,15 @@ class FrameClock {
       k = end - 1;
       if (StepBehind(frames, first - 1, end) < kLeastStepPx) continue;
       if (!paths) paths.emplace(recording_, frames);
-      if (paths->LogOddsOfRepeat(frames, first, end, frame_s_) <= (is_same ? 0 : -std::log(kDoubt))) continue;
+      if (LogOddsOfRepeat(*paths, first, end, frame_s_) <= (is_same ? 0 : -std::log(kPrior.altered))) continue;
       for (std::size_t run = first; run < end; ++run) is_repeated_[frames[run]] = true;
       found = true;
     }
     return found;
   }
 
-  // How far the markers come from one frame to another, or to the first behind it in which two are seen again, px.
+  // How far the markers come from one frame to another, or to the first behind it in which two are seen again, px; 0
+  // where none is.
   double StepBehind(const std::vector<std::size_t>& frames, std::size_t from, std::size_t to) const {
     constexpr std::size_t kFarthest = 8;
     for (const std::size_t end = std::min(frames.size(), to + kFarthest); to < end; ++to)
@@ -127,24 +241,15 @@ class FrameClock {
     return 0;
   }
 
-  static constexpr double kOfNeighbours = 0.25;  // what a copy moves at most, of the new pictures beside it
-
-  // Strong coding changes a copy; a marker that turns round stands as still, so other evidence must leave no doubt.
-  bool MayBeCopy(const std::vector<std::size_t>& frames, std::size_t k, double of_neighbours) const {
-    const auto step_px = [&](std::size_t at) { return StepPx(recording_, frames[at - 1], frames[at]); };
-    return k >= 2 && k + 1 < frames.size() &&
-           step_px(k).value_or(INFINITY) <
-               of_neighbours * std::min(step_px(k - 1).value_or(0), step_px(k + 1).value_or(0));
-  }
-
   struct Run {
     std::size_t first, end;
   };
 
   // The frames from k on, 0.15 s of them at most, that may be copies of the one before them, between quick
-  // movements; none if they move on.
+  // movements; none if they move on. Strong coding changes a copy; a marker that turns round stands as still, so other
+  // evidence must leave no doubt.
   Run Copies(const std::vector<std::size_t>& frames, std::size_t k) const {
-    constexpr double kLongest_s = 0.15;
+    constexpr double kLongest_s = 0.15, kOfNeighbours = 0.25;
     const auto step_px = [&](std::size_t from, std::size_t to) { return StepPx(recording_, frames[from], frames[to]); };
     const double into_px = k >= 2 ? kOfNeighbours * step_px(k - 2, k - 1).value_or(0) : 0;
     for (std::size_t end = k + 1; end < frames.size(); ++end) {
@@ -170,281 +275,154 @@ class FrameClock {
     return run;
   }
 
-  // Frames that show the picture before them once more, or look like it, and those that surely are new. A copy moves by
-  // what coding changes: strong coding by up to a pixel, and half as far as the new pictures beside it.
-  std::vector<JudgedFrame> JudgedFrames() const {
-    constexpr double kLeastOfCopyPx = 0.05, kMostOfCopyPx = 1, kOfKnownCopies = 2, kUnsure = 0.5;  // of its neighbours
-    double known_px = 0;
-    for (std::size_t i = 1; i < is_repeated_.size(); ++i)
-      if (is_repeated_[i]) known_px = std::max(known_px, StepPx(recording_, i - 1, i).value_or(0));
-    const double copy_px = std::clamp(kOfKnownCopies * known_px, kLeastOfCopyPx, kMostOfCopyPx);
-    std::vector<JudgedFrame> judged;
+  // Of each frame the logarithm of the odds that it repeats the one before; 0 where nothing moves that would tell.
+  std::vector<double> LogOddsOfRepeats() const {
+    constexpr double kLeastOfCopyPx = 0.05, kOfKnownCopies = 2;
+    const double most = std::log((1 - kPrior.misjudged) / kPrior.misjudged);
+    std::vector<double> log_odds(is_repeated_.size(), most);
     const std::vector<std::size_t> frames = NewFrames();
-    for (std::size_t k = 1; k < frames.size(); ++k) {
-      const bool looks_repeated = MayBeCopy(frames, k, kOfNeighbours) &&
-                                  StepPx(recording_, frames[k - 1], frames[k + 1]).value_or(0) > kMostOfCopyPx;
-      if (!looks_repeated &&
-          (StepPx(recording_, frames[k - 1], frames[k]).value_or(0) < copy_px || MayBeCopy(frames, k, kUnsure)))
-        continue;
-      for (std::size_t i = frames[k - 1] + 1; i <= frames[k]; ++i)
-        judged.push_back({i, is_repeated_[i] || looks_repeated});
-    }
-    return judged;
-  }
-
-  // Every repetition of a lower rate is one, also where nothing moves that would tell. Whether the others were lost,
-  // with the stamps right, or were taken more seldom, equally far apart, the paths decide. Returns that rate, Hz, or 0.
-  double TakeLowerRate(const LowerRate& rate) {
-    for (std::size_t i = 0; i < is_repeated_.size(); ++i) is_repeated_[i] = rate.Repeats(i);
-    std::vector<double> captured = recording_.time_s;
-    double shift = 0;
-    const std::vector<std::size_t> frames = NewFrames();
-    for (std::size_t i = 0; i < captured.size(); ++i)
-      captured[i] = recording_.time_s.front() + (rate.Source(i) - rate.phase) / rate.ratio * frame_s_;
-    for (const std::size_t i : frames) shift += recording_.time_s[i] - captured[i];
-    for (double& time : captured) time += shift / static_cast<double>(frames.size());
     const TimedPaths paths(recording_, frames);
-    const double log_odds = std::log(kConvertedOdds) + paths.LogLikelihood(frames, captured) - paths.LogLikelihood();
-    if (log_odds < -std::log(kDoubt)) return 0;
-    recording_.time_s = std::move(captured);
-    SpreadTimes();
-    return rate.ratio / frame_s_;
+    // A copy moves by what coding changes.
+    double copy_px = kLeastOfCopyPx;
+    for (std::size_t i = 1; i < is_repeated_.size(); ++i)
+      if (is_repeated_[i]) copy_px = std::max(copy_px, kOfKnownCopies * StepPx(recording_, i - 1, i).value_or(0));
+    log_odds[frames.front()] = log_odds[frames.back()] = 0;
+    for (std::size_t k = 1; k + 1 < frames.size(); ++k) {
+      const double step_px = StepPx(recording_, frames[k - 1], frames[k]).value_or(0);
+      const double log = StepBehind(frames, k - 1, k + 1) < kLeastStepPx
+                             ? 0
+                             : std::clamp(LogOddsOfRepeat(paths, k, k + 1, frame_s_), -most, most);
+      log_odds[frames[k]] = log > 0 ? log : step_px > copy_px ? -most : 0;
+    }
+    return log_odds;
   }
 
-  // The times of frames that were chosen from a film of a higher rate, each the nearest one: early or late by up to
-  // half a frame of that film, and how uneven they are then. Returns its rate, Hz, or 0. What is even at its stamps was
-  // taken then.
-  double TakeHigherRate(const TimedPaths& paths) {
-    constexpr int kPhases = 24;
-    constexpr double kFinestPhase = 1e-3;
-    constexpr double kRegular = 0.2, kWhole = 0.02;  // of a frame
-    constexpr double kMuchLess = 0.5;
+  // The film of a lower rate whose frames are repeated where they were found to be: the likeliest. nullopt if it is
+  // likelier that they are repeated at random.
+  std::optional<Film> FindSlowerFilm() const {
+    if (std::ranges::find(is_repeated_, true) == is_repeated_.end()) return std::nullopt;
+    const std::vector<double> log_odds = LogOddsOfRepeats();
+    const auto repeated = static_cast<double>(std::ranges::count_if(log_odds, [](double log) { return log > 0; })),
+               is_new = static_cast<double>(std::ranges::count_if(log_odds, [](double log) { return log < 0; })),
+               share = repeated / (repeated + is_new);
+    double most = 0;  // by now of frames that are repeated at random
+    for (const double log : log_odds) most += std::log(1 - share + share * std::exp(log));
+    constexpr int kPhases = 192;  // enough for 24 of 25 frames
+    std::optional<Film> best;
+    for (Film film : SlowerFilms(1 / frame_s_)) {
+      const double log_likelihood = FindPhase(
+          [&](const Film& tried) {
+            double sum = 0;
+            for (std::size_t i = 0; i < log_odds.size(); ++i)
+              if (tried.Repeats(PlaceOf(i))) sum += log_odds[i];
+            return sum;
+          },
+          kPhases, film);
+      if (log_likelihood + film.log_odds <= most) continue;
+      most = log_likelihood + film.log_odds;
+      best = film;
+    }
+    return best;
+  }
+
+  // Of the recording's frames; on average their stamps.
+  std::vector<double> TimesOf(const Film& film) const {
     const std::vector<std::size_t> frames = NewFrames();
-    const auto place = [&](std::size_t i) { return (stamps_s_[i] - stamps_s_.front()) / frame_s_; };
-    const bool is_regular = std::ranges::all_of(
-        frames, [&](std::size_t i) { return std::abs(place(i) - std::round(place(i))) < kRegular; });
-    if (!is_regular || uneven_s_ == 0) return 0;
-    double most = paths.LogLikelihood() - std::log(kDoubt) -
-                  std::log(kConvertedOdds / static_cast<double>(kFilmRates_hz.size() * kPhases)),
-           best_hz = 0;
-    std::vector<double> best_s;
-    for (const double source_hz : kFilmRates_hz) {
-      const double ratio = source_hz * frame_s_;
-      if (ratio < 1 + kWhole || std::abs(ratio - std::round(ratio)) < kWhole) continue;
-      double most_of_rate = -INFINITY, best_phase = 0.5;
-      // Of a long recording, and a ratio of large numbers, some frames are decided by a thousandth.
-      double width = 1;
-      while (width > kFinestPhase) {
-        const double centre = best_phase;
-        for (int step = 0; step < kPhases; ++step) {
-          const double phase = centre + width * ((step + 0.5) / kPhases - 0.5);
-          const double log_likelihood = paths.LogLikelihoodQuickly(frames, ChosenTimes(source_hz, phase));
-          if (log_likelihood <= most_of_rate) continue;
-          most_of_rate = log_likelihood;
-          best_phase = phase;
-        }
-        width *= 2.0 / kPhases;
-      }
-      std::vector<double> best_of_rate_s = ChosenTimes(source_hz, best_phase);
-      const double log_likelihood = paths.LogLikelihood(frames, best_of_rate_s);
-      if (log_likelihood <= most) continue;
-      most = log_likelihood;
-      best_hz = source_hz;
-      best_s = std::move(best_of_rate_s);
-    }
-    if (best_s.empty()) return 0;
-    std::swap(recording_.time_s, best_s);
-    const double left_s = Unevenness(TimedPaths(recording_, frames));
-    if (left_s <= kMuchLess * uneven_s_) {
-      uneven_s_ = left_s;
-      return best_hz;
-    }
-    recording_.time_s = std::move(best_s);  // a film of another kind
-    return 0;
-  }
-
-  // Of frames that are each the nearest one in a film of another rate, about their stamps.
-  std::vector<double> ChosenTimes(double source_hz, double phase) const {
     std::vector<double> time_s;
     double shift_s = 0;
-    for (const double stamp_s : stamps_s_) {
-      const double place = std::round((stamp_s - stamps_s_.front()) / frame_s_);
-      time_s.push_back(std::floor(source_hz * frame_s_ * place + phase) / source_hz);
-      shift_s += (stamp_s - time_s.back()) / static_cast<double>(stamps_s_.size());
-    }
+    for (std::size_t i = 0; i < stamps_s_.size(); ++i) time_s.push_back(film.Source(PlaceOf(i)) / film.rate_hz);
+    for (const std::size_t i : frames) shift_s += (stamps_s_[i] - time_s[i]) / static_cast<double>(frames.size());
     for (double& time : time_s) time += shift_s;
     return time_s;
   }
 
-  struct Judgement {
-    double log_odds = -INFINITY;  // of the likelier of both against the stamp
-    bool is_cut = false;
-    double moved_s = 0, sigma_s = 0;
-    double misfit = 0, jump_mm = 0;
-  };
-
-  static constexpr std::ptrdiff_t kReach = 32;  // frames: what a path beside a passage rests on at most
-
-  // What lies between frames[after − 1] and frames[after].
-  Judgement Judge(const TimedPaths& paths, const std::vector<std::size_t>& frames, std::size_t after, std::size_t from,
-                  std::size_t to, double usual_s) const {
-    constexpr double kPlain = 1.5, kLong = 2.5, kLongest_s = 0.5;
-    const double stamped_s = recording_.time_s[frames[after]] - recording_.time_s[frames[after - 1]],
-                 misfit = paths.Misfit(frames, after, from, to);
-    if (stamped_s < kLong * usual_s && misfit < kPlain) return {};
-    const Passage passage = paths.Between(frames, after, from, to);
-    if (passage.Markers() < 2) return {};
-    const double by_stamp = passage.LogDensity(stamped_s), each = static_cast<double>(frames.size());
-    const Judgement cut{.log_odds = std::log(kCutOdds / each) + passage.LogDensityOfCut(stamped_s) - by_stamp,
-                        .is_cut = true,
-                        .misfit = misfit,
-                        .jump_mm = passage.JumpMm(stamped_s)};
-    // Strong coding holds slow markers back for some frames and then lets them jump, as if time stood still or were
-    // lost.
-    constexpr double kHeldBackPx = 1;  // in a frame
-    if (passage.Faster(kHeldBackPx / usual_s) < 2) return cut;
-    Judgement jump = Likeliest(passage, usual_s, std::max(kLongest_s, stamped_s));
-    jump.log_odds += std::log(kJumpOdds / each) - by_stamp;
-    constexpr double kLeastFrames = 0.75, kUneven = 3, kOthers = 3;  // the logarithm of odds of 20
-    if (std::abs(jump.moved_s - stamped_s) < std::max(kLeastFrames * usual_s, kUneven * uneven_s_) ||
-        passage.LogRatioWithoutBest(jump.moved_s, stamped_s, 1) < kOthers ||
-        passage.LogRatioWithoutBest(jump.moved_s, stamped_s, 2) < 0)
-      jump.log_odds = -INFINITY;
-    return cut.log_odds > jump.log_odds ? cut : jump;
+  // Takes the film's times where the motion leaves no doubt that they are likelier than the stamps.
+  bool TakeTimesOf(const Film& film, double log_odds, const TimedPaths& paths) {
+    std::vector<double> time_s = TimesOf(film);
+    if (log_odds + std::log(kPrior.film) + paths.LogLikelihood(time_s) - paths.LogLikelihood() < -std::log(kDoubt))
+      return false;
+    recording_.time_s = std::move(time_s);
+    SpreadTimes();
+    return true;
   }
 
-  // The time that the motion took, and the logarithm of the density of the paths, averaged over all times up to the
-  // longest.
-  static Judgement Likeliest(const Passage& passage, double usual_s, double longest_s) {
-    constexpr double kShortest = 0.5, kStep = 1.03;
-    double best_s = 0, most = -INFINITY;
-    const auto sample = [&](double elapsed_s) {
-      const double log_density = passage.LogDensity(elapsed_s);
-      if (log_density <= most) return;
-      most = log_density;
-      best_s = elapsed_s;
-    };
-    for (double elapsed_s = kShortest * usual_s; elapsed_s < longest_s; elapsed_s *= kStep) sample(elapsed_s);
-    for (double width = kStep - 1; width > 1e-4; width /= 2)
-      for (const double times : {1 / (1 + width), 1 + width}) sample(best_s * times);
-    // By the curvature of the logarithm (Laplace's method).
-    const double step_s = 0.01 * usual_s;
-    const double curvature =
-        (2 * most - passage.LogDensity(best_s - step_s) - passage.LogDensity(best_s + step_s)) / (step_s * step_s);
-    const double sigma_s = curvature > 0 ? std::min(1 / std::sqrt(curvature), longest_s) : longest_s;
-    return {.log_odds = most + std::log(sigma_s * std::sqrt(2 * std::numbers::pi) / longest_s),
-            .moved_s = best_s,
-            .sigma_s = sigma_s};
-  }
-
-  // New frames, and what lies before each.
-  struct Passages {
-    std::vector<std::size_t> frames;
-    std::vector<std::size_t> ends;  // of stretches that hang together
-    std::vector<Judgement> before;  // of the first: none
-  };
-
-  void JudgeAround(const TimedPaths& paths, std::ptrdiff_t at, double usual_s, Passages& passages) const {
-    const auto size = static_cast<std::ptrdiff_t>(passages.frames.size());
-    for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(at - kReach, 1); k < std::min(at + kReach, size); ++k) {
-      const auto after = static_cast<std::size_t>(k);
-      const auto end = std::ranges::upper_bound(passages.ends, after);
-      passages.before[after] =
-          *(end - 1) == after ? Judgement{} : Judge(paths, passages.frames, after, *(end - 1), *end, usual_s);
+  // The frames may have been chosen from a film of a higher rate, each the nearest one: early or late by up to half a
+  // frame of that film. What is even at its stamps was taken then.
+  void TakeFasterFilm(const TimedPaths& paths, FrameTimes& times) {
+    constexpr double kMuchLess = 0.5;
+    constexpr int kPhases = 24;
+    std::optional<Film> best;
+    double most = -INFINITY;
+    for (Film film : FasterFilms(1 / frame_s_)) {
+      FindPhase([&](const Film& tried) { return paths.LogLikelihoodQuickly(TimesOf(tried)); }, kPhases, film);
+      const double log_likelihood = paths.LogLikelihood(TimesOf(film));
+      if (log_likelihood <= most) continue;
+      most = log_likelihood;
+      best = film;
+    }
+    const std::vector<double> before_s = recording_.time_s;
+    if (!best || !TakeTimesOf(*best, best->log_odds - std::log(kPhases), paths)) return;
+    const double left_s = Unevenness(TimedPaths(recording_, NewFrames()));
+    if (left_s <= kMuchLess * times.uneven_s) {
+      times.uneven_s = left_s;
+      times.chosen_from_hz = best->rate_hz;
+    } else {
+      recording_.time_s = before_s;  // a film of another kind
     }
   }
 
-  // Whether a frame beside a jump stands where the one before it is, and the stamps hold without it: then it repeats
-  // the picture, too slow a movement to be told by itself.
-  bool TakeOutRepeat(const TimedPaths& paths, std::size_t after, double usual_s, Passages& passages) {
-    for (const std::size_t k : {after - 1, after}) {
-      if (k == 0 || k + 1 >= passages.frames.size()) continue;
-      const auto into = StepPx(recording_, passages.frames[k - 1], passages.frames[k]),
-                 out = StepPx(recording_, passages.frames[k], passages.frames[k + 1]);
-      if (!into || !out || *into > 0.5 * *out) continue;
-      std::vector<std::size_t> others = passages.frames;
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-      if (Judge(paths, others, k, 0, others.size(), usual_s).log_odds > 0) continue;
-      is_repeated_[passages.frames[k]] = true;
-      passages.frames = std::move(others);
-      passages.before.erase(passages.before.begin() + static_cast<std::ptrdiff_t>(k));
-      for (std::size_t& end : passages.ends) end -= end > k;
-      return true;
-    }
-    return false;
-  }
-
-  TimeJump JumpBefore(const Passages& passages, std::size_t after) const {
-    const std::size_t a = passages.frames[after - 1], b = passages.frames[after];
-    return {.before = recording_.frame[a],
-            .after = recording_.frame[b],
-            .stamped_s = recording_.time_s[b] - recording_.time_s[a],
-            .moved_s = passages.before[after].moved_s,
-            .sigma_s = passages.before[after].sigma_s};
-  }
-
-  // Where stretches end that hang together, and 0: where nobody is seen for long, as between two passes through the
-  // picture, nothing says how time went on.
-  std::vector<std::size_t> Stretches(const std::vector<std::size_t>& frames) const {
-    constexpr double kLongest_s = 0.5;
-    std::vector<std::size_t> ends = {0};
-    std::optional<double> seen_s;
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      if (std::ranges::count_if(recording_.markers, [&](const auto& m) { return m.samples[frames[k]].IsKnown(); }) < 2)
-        continue;
-      const double time_s = recording_.time_s[frames[k]];
-      if (seen_s && time_s - *seen_s > kLongest_s) ends.push_back(k);
-      seen_s = time_s;
-    }
-    ends.push_back(frames.size());
-    return ends;
+  TimeJump JumpBefore(const TimedPaths& paths, std::size_t at, const Elapsed& elapsed) const {
+    return {.before = recording_.frame[paths.FrameAt(at - 1)],
+            .after = recording_.frame[paths.FrameAt(at)],
+            .stamped_s = paths.TimeAt(at) - paths.TimeAt(at - 1),
+            .moved_s = elapsed.moved_s,
+            .sigma_s = elapsed.sigma_s};
   }
 
   // The clearest first, as it spoils the paths on which its neighbours are judged.
   void TakeJumps(FrameTimes& times) {
-    constexpr double kCut_mm = 100;  // of 10 joined recordings 326 and more, of 6 whole ones 57 and less
-    Passages passages;
-    passages.frames = NewFrames();
-    passages.ends = Stretches(passages.frames);
-    passages.before.resize(passages.frames.size());
-    const TimedPaths paths(recording_, passages.frames);
-    const double usual_s = UsualInterval(passages.frames);
-    for (std::size_t at = 0; at < passages.frames.size(); at += 2 * kReach)
-      JudgeAround(paths, static_cast<std::ptrdiff_t>(at) + kReach, usual_s, passages);
+    constexpr double kCut_mm = 100;        // of 10 joined recordings 326 and more, of 6 whole ones 57 and less
+    constexpr std::ptrdiff_t kReach = 32;  // frames: what a path beside an interval rests on at most
+    TimedPaths paths(recording_, NewFrames());
+    const double usual_s = paths.UsualInterval();
+    std::vector<Elapsed> before(paths.Frames());
+    const auto judge = [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+      for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(from, 1); k < std::min(to, std::ssize(before)); ++k)
+        before[static_cast<std::size_t>(k)] = Judge(paths, static_cast<std::size_t>(k), usual_s, times.uneven_s);
+    };
+    judge(1, std::ssize(before));
     std::vector<std::pair<std::size_t, std::size_t>> cuts;
     while (true) {
-      auto clearest = std::ranges::max_element(passages.before, {}, &Judgement::log_odds);
-      if (clearest == passages.before.end() || clearest->log_odds < -std::log(kDoubt)) break;
+      auto clearest = std::ranges::max_element(before, {}, &Elapsed::log_odds);
+      if (clearest->log_odds < -std::log(kDoubt)) break;
       // Paths that reach across a cut make its neighbours look like one.
       if (clearest->is_cut)
-        clearest = std::max_element(std::max(clearest - kReach, passages.before.begin()),
-                                    std::min(clearest + kReach, passages.before.end()),
-                                    [](const Judgement& a, const Judgement& b) {
+        clearest = std::max_element(before.begin() + std::max<std::ptrdiff_t>(clearest - before.begin() - kReach, 0),
+                                    before.begin() + std::min(clearest - before.begin() + kReach, std::ssize(before)),
+                                    [](const Elapsed& a, const Elapsed& b) {
                                       return a.is_cut < b.is_cut || (a.is_cut == b.is_cut && a.misfit < b.misfit);
                                     });
-      const std::ptrdiff_t at = clearest - passages.before.begin();
-      const auto after = static_cast<std::size_t>(at);
-      const auto part = [&] { passages.ends.insert(std::ranges::upper_bound(passages.ends, after), after); };
-      if (clearest->is_cut) {
-        const std::size_t a = passages.frames[after - 1], b = passages.frames[after];
-        if (clearest->jump_mm > kCut_mm)
-          cuts.emplace_back(a, b);
-        else
-          times.jolts.push_back({recording_.frame[a], recording_.frame[b], clearest->jump_mm});
-        part();
-      } else if (!TakeOutRepeat(paths, after, usual_s, passages)) {
-        times.jumps.push_back(JumpBefore(passages, after));
+      const std::ptrdiff_t at = clearest - before.begin();
+      const std::size_t a = paths.FrameAt(static_cast<std::size_t>(at) - 1),
+                        b = paths.FrameAt(static_cast<std::size_t>(at));
+      if (!clearest->is_cut) {
+        times.jumps.push_back(JumpBefore(paths, static_cast<std::size_t>(at), *clearest));
         times.jumps.back().is_applied = true;
-        for (std::size_t i = passages.frames[after]; i < recording_.Frames(); ++i)
+        for (std::size_t i = b; i < recording_.Frames(); ++i)
           recording_.time_s[i] += times.jumps.back().moved_s - times.jumps.back().stamped_s;
-        part();
+      } else if (clearest->jump_mm > kCut_mm) {
+        cuts.emplace_back(a, b);
+      } else {
+        times.jolts.push_back({recording_.frame[a], recording_.frame[b], clearest->jump_mm});
       }
-      JudgeAround(paths, at, usual_s, passages);
+      paths.Cut(static_cast<std::size_t>(at));
+      judge(at - kReach, at + kReach);
+      before[static_cast<std::size_t>(at)] = {};
     }
     if (!cuts.empty()) ThrowCuts(cuts);
-    for (std::size_t after = 1; after < passages.frames.size(); ++after)
-      if (passages.before[after].log_odds > kWorthAWord && !passages.before[after].is_cut)
-        times.jumps.push_back(JumpBefore(passages, after));
+    for (std::size_t at = 1; at < before.size(); ++at)
+      if (before[at].log_odds > kWorthAWord && !before[at].is_cut)
+        times.jumps.push_back(JumpBefore(paths, at, before[at]));
     std::ranges::sort(times.jumps, {}, &TimeJump::before);
     std::ranges::sort(times.jolts, {}, &Jolt::before);
   }
@@ -462,35 +440,6 @@ class FrameClock {
         "recording is cut there, or put together from several, or the camera was pushed; track each part by itself "
         "(here --end {:.3f}, then --start {:.3f})",
         frames, cuts.size() > kShown ? ", …" : "", stamps_s_[cuts.front().first], stamps_s_[cuts.front().second]);
-  }
-
-  // How far the frames' times are from those at which they were taken, root mean square, as after the conversion of a
-  // rate; 0 where they are theirs. By frames whose lateness is known to a tenth of a frame; a few jumps make no
-  // unevenness: the half that is off less tells.
-  double Unevenness(const TimedPaths& paths) const {
-    constexpr std::size_t kFewest = 20;
-    constexpr double kKnown = 0.1, kMedianOfChiSquare = 0.455, kDeviations = 4;
-    const std::vector<std::size_t> frames = NewFrames();
-    const double usual_s = UsualInterval(frames);
-    std::vector<Lateness> late;
-    std::vector<double> across;
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      const auto one = paths.LatenessOf(frames, k);
-      if (!one || one->sigma_s > usual_s) continue;
-      late.push_back(*one);
-      across.push_back(one->across);
-    }
-    if (late.size() < kFewest) return 0;
-    // Of the markers over what their variances say, by what no time explains.
-    const double noise = std::sqrt(Median(std::move(across)) / kMedianOfChiSquare);
-    std::vector<double> squares, ratios;
-    for (const Lateness& one : late) {
-      if (noise * one.sigma_s > kKnown * usual_s) continue;
-      squares.push_back(one.late_s * one.late_s);
-      ratios.push_back(squares.back() / std::pow(noise * one.sigma_s, 2));
-    }
-    if (squares.size() < kFewest || Median(std::move(ratios)) < kMedianOfChiSquare * kDeviations) return 0;
-    return std::sqrt(Median(std::move(squares)) / kMedianOfChiSquare);
   }
 
   // Repeated frames have no time of their own: evenly between the new ones on either side.
@@ -520,7 +469,6 @@ class FrameClock {
   motion::MarkerRecording& recording_;
   const std::vector<double> stamps_s_;
   const double frame_s_;  // between frames, usually
-  double uneven_s_ = 0;   // how far frames are from their stamps, root mean square
   std::vector<bool> is_repeated_;
 };
 

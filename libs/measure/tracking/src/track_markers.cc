@@ -277,22 +277,42 @@ Followed Follow(const std::filesystem::path& video, const TrackOptions& options)
   return followed;
 }
 
-}  // namespace
-
-TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options) {
-  auto [result, tracklets, repeated, discontinuities, image] = Follow(video, options);
+void NameAndTime(const std::filesystem::path& video, const TrackOptions& options, const Followed& followed,
+                 TrackResult& result) {
   try {
-    NameWithEachUp(tracklets, options, discontinuities, repeated, result);
+    NameWithEachUp(followed.tracklets, options, followed.discontinuities, followed.repeated, result);
   } catch (const UsageError&) {
     throw;
   } catch (const Error& error) {
-    throw NamingError(fmt::format("{}: {}", video.string(), error.what()), ListCandidates(tracklets));
+    throw NamingError(fmt::format("{}: {}", video.string(), error.what()), ListCandidates(followed.tracklets));
   }
   try {
-    result.times = CorrectFrameTimes(repeated, result.recording);
+    result.times = CorrectFrameTimes(followed.repeated, result.recording);
   } catch (const Error& error) {
     throw Fail("{}: {}", video.string(), error.what());
   }
+}
+
+void MarkRepeated(const std::vector<std::int64_t>& repeated, Followed& followed) {
+  followed.repeated = repeated;
+  for (Tracklet& tracklet : followed.tracklets)
+    for (TrackletSample& sample : tracklet.samples)
+      sample.repeated = std::ranges::binary_search(repeated, sample.frame);
+}
+
+}  // namespace
+
+TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options) {
+  Followed followed = Follow(video, options);
+  TrackResult result = followed.result;
+  NameAndTime(video, options, followed, result);
+  // A path that stands still in a repeated picture goes on as no other, so names are given anew without these frames.
+  if (result.times.repeated != followed.repeated) {
+    MarkRepeated(result.times.repeated, followed);
+    result = followed.result;
+    NameAndTime(video, options, followed, result);
+  }
+  const auto& [unnamed, tracklets, repeated, discontinuities, image] = followed;
   if (image) result.figures = FiguresOf(NamedTracklets(tracklets, result.recording), *image, result.video);
   result.sigma = CalibrateSigmas(result.video, result.recording);
   return result;
