@@ -306,11 +306,16 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
   Followed followed = Follow(video, options);
   TrackResult result = followed.result;
   NameAndTime(video, options, followed, result);
-  // A path that stands still in a repeated picture goes on as no other, so names are given anew without these frames.
+  // A path that stands still in a repeated picture goes on as no other, so names are given anew without these frames;
+  // where that asks, those that were found stand.
   if (result.times.repeated != followed.repeated) {
     MarkRepeated(result.times.repeated, followed);
-    result = followed.result;
-    NameAndTime(video, options, followed, result);
+    TrackResult anew = followed.result;
+    try {
+      NameAndTime(video, options, followed, anew);
+      result = std::move(anew);
+    } catch (const NamingError&) {
+    }
   }
   const auto& [unnamed, tracklets, repeated, discontinuities, image] = followed;
   if (image) result.figures = FiguresOf(NamedTracklets(tracklets, result.recording), *image, result.video);
