@@ -28,6 +28,7 @@ std::vector<Film> SlowerFilms(double shown_hz) {
     for (int m = 1; m < n; ++m)
       if (std::gcd(m, n) == 1) add(shown_hz * m / n, 1.0 / (n * n));
   std::vector<Film> slower;
+  slower.reserve(odds.size());
   for (const auto& [ratio, its_odds] : odds)
     slower.push_back(
         {1e-9 * static_cast<double>(ratio) * shown_hz, 1e-9 * static_cast<double>(ratio), 0.5, std::log(its_odds)});
@@ -46,7 +47,8 @@ std::vector<Film> FasterFilms(double shown_hz) {
 double FindPhase(const std::function<double(const Film&)>& log_likelihood, int phases, Film& film) {
   constexpr double kFinest = 1e-3;  // of a long recording, and a ratio of large numbers, some frames are decided by it
   double most = -INFINITY;
-  for (double width = 1; width > kFinest; width *= 2.0 / phases) {
+  double width = 1;
+  while (width > kFinest) {
     const Film centre = film;
     double first = centre.phase, last = centre.phase;
     bool is_most = false;  // at the phase before
@@ -60,6 +62,7 @@ double FindPhase(const std::function<double(const Film&)>& log_likelihood, int p
       most = std::max(most, log);
     }
     film.phase = (first + last) / 2;
+    width *= 2.0 / phases;
   }
   return most;
 }

@@ -107,7 +107,7 @@ struct Elapsed {
 // The time that the motion took, and the logarithm of the density of the paths, averaged over all times up to the
 // longest.
 Elapsed LikeliestTime(const Interval& interval, double usual_s, double longest_s) {
-  constexpr double kShortest = 0.5, kStep = 1.03;
+  constexpr double kShortest = 0.5, kStep = 1.03, kFinest = 1e-4;
   double best_s = 0, most = -INFINITY;
   const auto sample = [&](double elapsed_s) {
     const double log_density = interval.LogIfNew(elapsed_s);
@@ -115,9 +115,15 @@ Elapsed LikeliestTime(const Interval& interval, double usual_s, double longest_s
     most = log_density;
     best_s = elapsed_s;
   };
-  for (double elapsed_s = kShortest * usual_s; elapsed_s < longest_s; elapsed_s *= kStep) sample(elapsed_s);
-  for (double width = kStep - 1; width > 1e-4; width /= 2)
+  double elapsed_s = kShortest * usual_s, width = kStep - 1;
+  while (elapsed_s < longest_s) {
+    sample(elapsed_s);
+    elapsed_s *= kStep;
+  }
+  while (width > kFinest) {
     for (const double times : {1 / (1 + width), 1 + width}) sample(best_s * times);
+    width /= 2;
+  }
   // By the curvature of the logarithm (Laplace's method).
   const double step_s = 0.01 * usual_s;
   const double curvature =

@@ -221,17 +221,10 @@ bool IsText(const Cell& cell) {
   return std::holds_alternative<std::string>(cell) || std::holds_alternative<Link>(cell);
 }
 
-// A narrow cell ends its lines anywhere, but not in what no-break spaces join.
-std::string WithWholeQuantities(const std::string& html) {
-  static const std::regex whole("[^ ]*\u00A0[^ ]*");
-  return std::regex_replace(html, whole, "<span class=\"whole\">$&</span>");
-}
-
 std::string CellHtml(const Cell& cell, const Column& column, bool first) {
   const bool is_text = IsText(cell);
   std::string text;
-  if (const auto* words = std::get_if<std::string>(&cell))
-    text = column.code ? EscapeHtml(*words) : WithWholeQuantities(TextHtml(*words));
+  if (const auto* words = std::get_if<std::string>(&cell)) text = column.code ? EscapeHtml(*words) : TextHtml(*words);
   if (const auto* link = std::get_if<Link>(&cell))
     text = fmt::format("<a href=\"{}\">{}</a>", EscapeHref(link->path), EscapeHtml(link->text));
   if (const auto* value = std::get_if<double>(&cell)) text = NumberText(*value, column.decimals);
