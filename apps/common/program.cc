@@ -100,7 +100,7 @@ class HelpPage : public CLI::Formatter {
 };
 
 // The command line keeps the list as long as itself.
-void AddFlag(CLI::App& cli, Option& option, const SharedOptions& list) {
+CLI::Option* AddFlag(CLI::App& cli, Option& option, const SharedOptions& list) {
   const std::string names = "--" + option.Name() + (option.HasNegation() ? ",!--no-" + option.Name() : "");
   const auto check = [](const std::string& text) -> std::string {
     bool is_flag = true;
@@ -114,9 +114,9 @@ void AddFlag(CLI::App& cli, Option& option, const SharedOptions& list) {
     return is_flag ? "" : fmt::format("must be true or false, not '{}'", text);
   };
   const auto give = [&option, list](std::int64_t value) { option.Give({value > 0 ? "true" : "false"}); };
-  CLI::Option* added = cli.add_flag_function(names, give, option.Help());
-  added->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->check(check);
-  if (option.IsFurther()) added->group(kFurther);
+  return cli.add_flag_function(names, give, option.Help())
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+      ->check(check);
 }
 
 std::string NeedsValue(std::string_view option, std::string_view value) {
@@ -144,7 +144,7 @@ bool HasForm(const std::string& word, Form form) {
                              [](const std::string& part) { return ParseNumber(part).has_value(); });
 }
 
-void AddValue(CLI::App& cli, Option& option, const SharedOptions& list) {
+CLI::Option* AddValue(CLI::App& cli, Option& option, const SharedOptions& list) {
   const auto give = [&cli, &option, list](const CLI::results_t& texts) {
     // CLI11 takes an option that follows for the value that is missing.
     if (std::ranges::any_of(texts, [&](const std::string& text) { return IsOption(&cli, text); }))
@@ -154,13 +154,13 @@ void AddValue(CLI::App& cli, Option& option, const SharedOptions& list) {
     return true;
   };
   CLI::Option* added = cli.add_option((option.IsOperand() ? "" : "--") + option.Name(), give, option.Help());
-  if (option.IsFurther()) added->group(kFurther);
   added->type_name(option.Value())->type_size(1)->default_str(option.DefaultText())->required(option.IsRequired());
   if (option.IsRepeated())
     added->expected(1, CLI::detail::expected_max_vector_size)
         ->allow_extra_args(FormOf(option) == Form::kText);  // else see NameEachValue()
   else
     added->expected(option.ImpliedText().empty() ? 1 : 0, 1);
+  return added;
 }
 
 // --angles -20 70 design.yaml as --angles -20 --angles 70 design.yaml: CLI11 takes every word that follows for one more
@@ -293,11 +293,10 @@ std::string RemovedIn(const std::string& program, int argc, char** argv) {
 SharedOptions AddOptions(CLI::App& cli, OptionList options, const std::string& group) {
   const auto list = std::make_shared<OptionList>(std::move(options));
   CLI::App& level = group.empty() ? cli : *cli.add_option_group(group);
-  for (Option& option : list->All())
-    if (option.IsFlag())
-      AddFlag(level, option, list);
-    else
-      AddValue(level, option, list);
+  for (Option& option : list->All()) {
+    CLI::Option* added = option.IsFlag() ? AddFlag(level, option, list) : AddValue(level, option, list);
+    if (option.IsFurther()) added->group(kFurther);
+  }
   return list;
 }
 

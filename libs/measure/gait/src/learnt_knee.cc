@@ -186,6 +186,7 @@ struct KneeFrame {
   double flexion_deg;
   Vector3d place;        // of the knee, in the segment's frame
   Eigen::Matrix3d turn;  // leg from segment
+  Matrix3Xd markers;     // the segment's, in the leg's axes
 };
 
 std::set<int> Parts(const std::vector<KneeFrame>& frames) {
@@ -211,19 +212,20 @@ Matrix3Xd FitPolynomial(const LearntKnee& knee, const std::vector<KneeFrame>& fr
 }
 
 // Where each part is left out in turn: how far the markers are from their places in the shape of the others, as strain.
-double LeftOutStrain(const LearntKnee& knee, const std::vector<Matrix3Xd>& seen, const std::vector<KneeFrame>& frames) {
+double LeftOutStrain(const LearntKnee& knee, const std::vector<KneeFrame>& frames) {
   std::vector<double> strains;
   LearntKnee rest = knee;
   for (const int part : Parts(frames)) {
     std::vector<Matrix3Xd> others;
-    for (std::size_t k = 0; k < frames.size(); ++k)
-      if (frames[k].part != part) others.push_back(seen[k]);
+    for (const KneeFrame& frame : frames)
+      if (frame.part != part) others.push_back(frame.markers);
     const auto rigid = dynamics::FitRigidSegment(others, NormalOf(knee));
     if (!rigid) return knee.strain_mm;
     rest.shape_mm = rigid->shape;
-    for (std::size_t k = 0; k < frames.size(); ++k)
-      if (frames[k].part == part)
-        strains.push_back(StrainOf(rest, dynamics::PoseOf(rest.shape_mm, seen[k], NormalOf(knee)), seen[k]));
+    for (const KneeFrame& frame : frames)
+      if (frame.part == part)
+        strains.push_back(
+            StrainOf(rest, dynamics::PoseOf(rest.shape_mm, frame.markers, NormalOf(knee)), frame.markers));
   }
   return RootMeanSquare(strains);
 }
@@ -326,19 +328,17 @@ double Learn(const LegPlaces& places, const LegMarkers& names, const std::vector
   const Course course = Follow(knee, seen);
   knee.strain_mm = course.strain_mm;
   std::vector<KneeFrame> frames;
-  std::vector<Matrix3Xd> kept;
   for (std::size_t i = 0; i < leg.size(); ++i) {
     if (course.out[i] != Course::kNone || !seen[i].allFinite() || !leg[i].allFinite()) continue;
     const Vector3d place = ToSegment(course.poses[i], leg[i].col(0));
     frames.push_back({repetitions.empty() ? 0 : repetitions[i],
-                      segment.FlexionDeg(place, ToSegment(course.poses[i], leg[i].col(2))), place,
-                      course.poses[i].turn});
-    kept.push_back(seen[i]);
+                      segment.FlexionDeg(place, ToSegment(course.poses[i], leg[i].col(2))), place, course.poses[i].turn,
+                      seen[i]});
   }
   if (frames.size() < kLeast) return kInfinity;
   if (repetitions.empty())  // quarters of the frames
     for (std::size_t k = 0; k < frames.size(); ++k) frames[k].part = static_cast<int>(4 * k / frames.size());
-  knee.strain_mm = LeftOutStrain(knee, kept, frames);
+  knee.strain_mm = LeftOutStrain(knee, frames);
   const auto [least, most] = std::ranges::minmax_element(frames, {}, &KneeFrame::flexion_deg);
   knee.from_deg = least->flexion_deg;
   knee.to_deg = std::max(most->flexion_deg, knee.from_deg + kLeastRange_deg);

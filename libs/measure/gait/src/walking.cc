@@ -27,6 +27,7 @@ constexpr double kLongestGap_s = 0.15;
 constexpr double kLeastTravel = 0.2;    // of the foot relative to the hip, and over the ground, of the leg's length
 constexpr double kMostRise = 0.15;      // of the hip from one turn of the foot to the next; 0.03 to 0.07 in walking
 constexpr double kLeastLift = 0.01;     // of the foot in swing over the foot in stance, likewise
+constexpr double kHipInSwing = 0.6;     // the hip goes on in a swing, over the way of the foot relative to it, roughly
 constexpr double kUsualStride_s = 1.1;  // windows below scale with the stride
 
 // How one event shows in one signal: an extremum in a window about the foot's turn before or behind the hip.
@@ -261,12 +262,12 @@ class WalkFinder {
       std::optional<Found> found = Estimate(foot, velocity, turns[k], scale);
       if (!found) continue;
       found->is_edge = turns[k].is_edge;
-      // In stance, or at an edge in the swing beside it, in which the hip goes on for some 0.6 of the foot's way.
+      // In stance, or at an edge in the swing beside it.
       const bool is_stance = turns[k].is_front ? has_after : has_before;
       const std::size_t phase = turns[k].is_front == is_stance ? k : k - 1;
       const std::size_t from = turns[phase].at, to = turns[phase + 1].at;
       found->travel = (foot.hip[to] - foot.hip[from]) / std::abs(foot.relative[to] - foot.relative[from]);
-      if (!is_stance) found->travel /= 0.6;
+      if (!is_stance) found->travel /= kHipInSwing;
       here.push_back(*found);
     }
     // Where the recording begins or ends near an event, a smaller movement of the foot is not taken for it.

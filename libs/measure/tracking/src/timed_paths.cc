@@ -129,10 +129,15 @@ TimedPaths::TimedPaths(const motion::MarkerRecording& recording, std::vector<std
   learnt_ = dynamics::LearnMotion(PathsAt(recording.time_s), unit_mm_);
 }
 
-double TimedPaths::UsualInterval() const {
+std::vector<double> TimedPaths::Times() const {
   std::vector<double> time_s;
+  time_s.reserve(frames_.size());
   for (const std::size_t i : frames_) time_s.push_back(recording_.time_s[i]);
-  return MedianInterval(time_s);
+  return time_s;
+}
+
+double TimedPaths::UsualInterval() const {
+  return MedianInterval(Times());
 }
 
 std::vector<std::vector<dynamics::PathSample>> TimedPaths::PathsAt(const std::vector<double>& time_s) const {
@@ -254,8 +259,7 @@ std::vector<std::optional<Lateness>> TimedPaths::LatenessOfAll() const {
     int seen = 0;
   };
   std::vector<Sums> sums(frames_.size());
-  std::vector<double> time_s;
-  for (const std::size_t i : frames_) time_s.push_back(recording_.time_s[i]);
+  const std::vector<double> time_s = Times();
   for (const motion::MarkerTrack& track : recording_.markers) {
     dynamics::SeenPath seen = dynamics::UnseenPath(2, time_s);
     for (std::size_t at = 0; at < frames_.size(); ++at)

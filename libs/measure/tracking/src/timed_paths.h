@@ -94,6 +94,7 @@ class TimedPaths {
   double LogLikelihood(const std::vector<double>& time_s) const;
 
  private:
+  std::vector<double> Times() const;
   std::vector<std::vector<dynamics::PathSample>> PathsAt(const std::vector<double>& time_s) const;
   std::vector<dynamics::PathSample> Beside(const motion::MarkerTrack& marker, std::size_t nearest, int step) const;
   std::optional<Interval::Marker> MarkerBetween(const motion::MarkerTrack& track, std::size_t first,

@@ -317,8 +317,8 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
     } catch (const NamingError&) {
     }
   }
-  const auto& [unnamed, tracklets, repeated, discontinuities, image] = followed;
-  if (image) result.figures = FiguresOf(NamedTracklets(tracklets, result.recording), *image, result.video);
+  if (followed.image)
+    result.figures = FiguresOf(NamedTracklets(followed.tracklets, result.recording), *followed.image, result.video);
   result.sigma = CalibrateSigmas(result.video, result.recording);
   return result;
 }
