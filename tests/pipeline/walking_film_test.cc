@@ -1,5 +1,7 @@
 // Films of people who walk, drawn and recorded, through the picture and on a treadmill, tracked without seeds: names,
 // knee angle and events against those of the motion itself.
+#include <gmock/gmock.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -165,6 +167,36 @@ class WalkingFilm : public testing::TestWithParam<WalkFilm> {};
 
 TEST_P(WalkingFilm, IsNamedAndMeasuredWithoutSeeds) {
   TrackAndCompareWalk(GetParam());
+}
+
+// A drawn walk along a line that is turned from the plane, right through its middle.
+std::unique_ptr<synth::MarkerMotion> ObliqueWalk(const synth::SceneOptions& scene, double turn_deg) {
+  synth::WalkOptions walk = *scene.walk;
+  synth::MotionTable table = synth::DrawnWalkTable(walk, scene.motion.facing);
+  const double turn_rad = RadiansFromDegrees(turn_deg),
+               middle = (table.positions[2].front().x() + table.positions[2].back().x()) / 2;
+  for (auto& places : table.positions) {
+    std::vector<double>& depths = table.depth_mm.emplace_back();
+    for (Eigen::Vector2d& place : places) {
+      depths.push_back((place.x() - middle) * std::sin(turn_rad));
+      place.x() = middle + (place.x() - middle) * std::cos(turn_rad);
+    }
+  }
+  return synth::MakeWalk(std::move(table), walk);
+}
+
+// Lengths change by a sixth over the way: the leg is found without seeds all the same, and a warning says it.
+TEST(ObliqueWalkingFilm, IsNamedWithoutSeedsAndWarnedOf) {
+  for (const double turn_deg : {-25.0, 18.0, 28.0}) {
+    WalkFilm film{.name = "oblique", .file = "", .names = ""};
+    synth::SceneOptions scene = SceneOf(film);
+    scene.walk->passes = 1;
+    RenderedTrial trial(synth::Scene(scene, ObliqueWalk(scene, turn_deg)), {.preset = kQuickEncoder});
+    const Json summary = trial.Track();
+    EXPECT_LE(CompareTracks(trial.Tracks(), trial).worst_px, 2) << turn_deg;
+    const std::string warnings = summary["warnings"].dump();
+    EXPECT_THAT(warnings, testing::HasSubstr("° from the plane")) << turn_deg;
+  }
 }
 
 constexpr const char* kRight = "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS";

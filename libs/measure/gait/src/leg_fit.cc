@@ -93,8 +93,9 @@ void WarnOfLengths(const std::vector<SegmentReport>& segments, const LegFitOptio
     const bool is_shank = segment.name == "ak";
     if (segment.name == "hw" || segment.variation <= options.most_usual_variation * segment.length) continue;
     warnings.push_back(fmt::format(
-        "the {}'s length varies by {:.0f} % (SD), skin moves by {:.0f} % at most: are {} and {} exchanged? Are the "
-        "picture's width and height in the same scale, and camera and plane those of this recording?",
+        "the {}'s length varies by {:.0f} % (SD), skin moves by {:.0f} % at most: are {} and {} exchanged? Does the "
+        "person come nearer or go away? Are the picture's width and height in the same scale, and camera and plane "
+        "those of this recording?",
         is_shank ? "shank" : "thigh", 100 * segment.variation / segment.length, 100 * options.most_usual_variation,
         !is_shank && !has_trunk ? names.ankle
         : is_shank              ? names.knee

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 
+#include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/tracking/candidates.h"
@@ -56,6 +57,19 @@ std::vector<std::size_t> MostSeen(const MetricTracklets& tracklets, std::size_t 
   });
   order.resize(std::min(order.size(), count));
   return order;
+}
+
+// A person may walk in a plane that is turned about the vertical by an angle. What is seen of such a plane, where it
+// would be seen of the unturned one. The camera is taken to be 1.2 widths of the picture away from the picture's
+// middle.
+Eigen::Vector2d Unturned(const Eigen::Vector2d& px, double turn_rad, const NamingOptions& options) {
+  const double distance = 1.2 * options.picture.sizes().maxCoeff(), cosine = std::cos(turn_rad),
+               receding = std::sin(turn_rad) / distance;
+  const Eigen::Vector2d up = options.up_px.normalized(), right(-up.y(), up.x()), middle = options.picture.center(),
+                        way = px - middle;
+  // A place (x, y) of the turned plane is seen at (x cos α, y) / (1 + x sin α / d).
+  const double x = way.dot(right) / (cosine - receding * way.dot(right)), y = way.dot(up) * (1 + receding * x);
+  return middle + x * right + y * up;
 }
 
 class Namer {
@@ -230,7 +244,7 @@ class Namer {
     for (const std::size_t name : names) chain_options.fixed.push_back(anchor_[name]);
     for (const auto& anchor : anchor_)
       if (anchor) chain_options.excluded.push_back(*anchor);
-    const std::vector<LegChain> chains = FindLegChains(tracklets_, chain_options);
+    const std::vector<LegChain> chains = FindChains(chain_options);
     if (chains.empty()) BlameSeed(names, chain_options);
     if (chains.empty())
       throw Fail(
@@ -241,6 +255,29 @@ class Namer {
     if (const LegChain* rival = FindRival(tracklets_, chains)) ReportAmbiguity(names, chains.front(), *rival);
     RequireEvidence(names, chains.front());
     for (std::size_t m = 0; m < names.size(); ++m) anchor_[names[m]] = chains.front().tracklets[m];
+  }
+
+  // The leg's chains in the calibrated plane, and, at a cost, in planes that are turned about the vertical; distances
+  // are those in the plane of the best.
+  std::vector<LegChain> FindChains(const LegChainOptions& chain_options) {
+    constexpr double kTurned = 6;  // −2 ln (1 / 20): the part of all recordings
+    std::vector<LegChain> all = FindLegChains(tracklets_, chain_options);
+    double least = all.empty() ? INFINITY : all.front().cost;
+    if (options_.picture.isEmpty()) return all;
+    for (const double turn_deg : {-20, 20, -35, 35}) {
+      MetricTracklets turned(pieces_, [&](const Eigen::Vector2d& px) {
+        return options_.metric_from_px(Unturned(px, RadiansFromDegrees(turn_deg), options_));
+      });
+      std::vector<LegChain> chains = FindLegChains(turned, chain_options);
+      for (LegChain& chain : chains) chain.cost += kTurned;
+      if (!chains.empty() && chains.front().cost < least) {
+        least = chains.front().cost;
+        tracklets_ = std::move(turned);
+      }
+      std::ranges::move(chains, std::back_inserter(all));
+    }
+    std::ranges::sort(all, {}, &LegChain::cost);
+    return all;
   }
 
   // A few frames, in which a leg hardly moves, do not say which is ankle, knee and hip.

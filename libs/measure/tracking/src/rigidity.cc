@@ -42,7 +42,7 @@ int CommonFrames(const Tracklet& a, const Tracklet& b) {
 
 MetricTracklets::MetricTracklets(const std::vector<Tracklet>& tracklets,
                                  const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& metric_from_px)
-    : tracklets_(tracklets) {
+    : tracklets_(&tracklets) {
   for (const Tracklet& tracklet : tracklets) {
     auto& positions = metric_.emplace_back();
     positions.reserve(tracklet.samples.size());
@@ -63,7 +63,7 @@ double MetricTracklets::Range(std::size_t i, const Eigen::Vector2d& along) const
 }
 
 double MetricTracklets::ExtentIn(std::size_t i, double from_s, double to_s) const {
-  const std::vector<TrackletSample>& samples = tracklets_[i].samples;
+  const std::vector<TrackletSample>& samples = (*this)[i].samples;
   const auto before = [](const TrackletSample& sample, double t) { return sample.time_s < t; };
   const auto begin = std::lower_bound(samples.begin(), samples.end(), from_s, before) - samples.begin(),
              end = std::lower_bound(samples.begin(), samples.end(), to_s, before) - samples.begin();
@@ -74,7 +74,7 @@ double MetricTracklets::ExtentIn(std::size_t i, double from_s, double to_s) cons
 
 double MetricTracklets::WayRange(std::size_t from, std::size_t to, const Eigen::Vector2d& along) const {
   Eigen::AlignedBox<double, 1> range;
-  ForCommonFrames(tracklets_[from], tracklets_[to], [&](std::size_t a, std::size_t b) {
+  ForCommonFrames((*this)[from], (*this)[to], [&](std::size_t a, std::size_t b) {
     range.extend(Eigen::Matrix<double, 1, 1>(along.dot(metric_[to][b] - metric_[from][a])));
   });
   return range.isEmpty() ? 0 : range.sizes()[0];
@@ -83,7 +83,7 @@ double MetricTracklets::WayRange(std::size_t from, std::size_t to, const Eigen::
 const PairDistance& MetricTracklets::Distance(std::size_t i, std::size_t j) const {
   // Most pairs of a long recording are never seen together, and they grow with the square of its length: not kept.
   static const PairDistance kNeverTogether;
-  if (!AreAtOneTime(tracklets_[i], tracklets_[j])) return kNeverTogether;
+  if (!AreAtOneTime((*this)[i], (*this)[j])) return kNeverTogether;
   const auto key = std::minmax(i, j);
   const auto found = distances_.find(key);
   if (found != distances_.end()) return found->second;
@@ -97,7 +97,7 @@ Eigen::Vector2d MetricTracklets::MeanWay(std::size_t from, std::size_t to) const
 PairDistance MetricTracklets::Measure(std::size_t i, std::size_t j) const {
   PairDistance pair;
   double sum = 0, square_sum = 0;
-  ForCommonFrames(tracklets_[i], tracklets_[j], [&](std::size_t a, std::size_t b) {
+  ForCommonFrames((*this)[i], (*this)[j], [&](std::size_t a, std::size_t b) {
     const Eigen::Vector2d way = metric_[j][b] - metric_[i][a];
     const double distance = way.norm();
     ++pair.frames;

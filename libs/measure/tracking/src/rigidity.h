@@ -23,8 +23,8 @@ class MetricTracklets {
   MetricTracklets(const std::vector<Tracklet>& tracklets,
                   const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& metric_from_px);
 
-  const Tracklet& operator[](std::size_t i) const { return tracklets_[i]; }
-  std::size_t size() const { return tracklets_.size(); }
+  const Tracklet& operator[](std::size_t i) const { return (*tracklets_)[i]; }
+  std::size_t size() const { return tracklets_->size(); }
   const std::vector<Eigen::Vector2d>& Metric(std::size_t i) const { return metric_[i]; }  // one per sample
   double Extent(std::size_t i) const;                                                     // metric units
   double Range(std::size_t i, const Eigen::Vector2d& along) const;                        // of its places
@@ -39,7 +39,7 @@ class MetricTracklets {
  private:
   PairDistance Measure(std::size_t i, std::size_t j) const;
 
-  const std::vector<Tracklet>& tracklets_;
+  const std::vector<Tracklet>* tracklets_;
   std::vector<std::vector<Eigen::Vector2d>> metric_;
   mutable std::map<std::pair<std::size_t, std::size_t>, PairDistance> distances_;
 };
