@@ -109,13 +109,33 @@ INSTANTIATE_TEST_SUITE_P(Contacts, PlateContacts,
                                          Contact{true, false}));
 
 // One foot steps on the plate, and the other one leaves it.
-TEST(PlateContact, OfBothFeetIsOfNeither) {
+TEST(PlateContact, OfBothFeetGivesEachItsOwnEvent) {
   const DrawnWalkOptions drawn;
   gait::PlateContact both = ContactOf(drawn, false, 0);
   both.end_s = ContactOf(drawn, true, 0).end_s;
   gait::MovementOptions movement;
   movement.walking.contacts = {both};
-  EXPECT_TRUE(FitWith(DrawWalk(drawn), movement).movement.walk.by_plate.empty());
+  const std::vector<gait::PlateEvent> found = FitWith(DrawWalk(drawn), movement).movement.walk.by_plate;
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].event.kind, StsEventKind::kHeelStrike);
+  EXPECT_EQ(found[1].event.kind, StsEventKind::kToeOffOther);
+  motion::MarkerRecording one_leg = DrawWalk(drawn);
+  std::erase_if(one_leg.markers, [](const motion::MarkerTrack& marker) { return marker.name.starts_with("other"); });
+  EXPECT_EQ(FitWith(one_leg, movement).movement.walk.by_plate.size(), 1u);
+}
+
+// Where one of its events is hidden from the camera, the other one is still the plate's.
+TEST(PlateContact, WhoseEndTheMarkersMissKeepsItsBegin) {
+  const DrawnWalkOptions drawn;
+  gait::MovementOptions movement;
+  movement.walking.contacts = {ContactOf(drawn, false, 0)};
+  motion::MarkerRecording walk = DrawWalk(drawn);
+  for (motion::MarkerTrack& marker : walk.markers)
+    for (std::size_t i = 0; i < marker.samples.size(); ++i)
+      if (std::abs(walk.time_s[i] - movement.walking.contacts[0].end_s) < 0.25) marker.samples[i] = {};
+  const std::vector<gait::PlateEvent> found = FitWith(walk, movement).movement.walk.by_plate;
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].event.kind, StsEventKind::kHeelStrike);
 }
 
 TEST(GivenEvents, OfAWalkReplaceAllThatWereFound) {

@@ -373,8 +373,8 @@ class WalkFinder {
   // By a plate; and the same one by the markers, of those found.
   using Struck = std::pair<motion::StsEvent, std::optional<std::ptrdiff_t>>;
 
-  // Of a contact of this foot: both of its events are where the markers show one, or near an end of the recording. The
-  // other foot's are half a stride away.
+  // A contact's begin or end is this foot's event where the markers show one within 0.15 s (the other foot's is half a
+  // stride away), or near an end of the recording if the contact's other event is this foot's.
   std::vector<Struck> EventsOf(const PlateContact& contact, bool is_other) const {
     using enum StsEventKind;
     constexpr double kSame_s = 0.15;
@@ -390,7 +390,7 @@ class WalkFinder {
       const auto same = std::ranges::find_if(found_, [&](const Found& found) {
         return found.event.kind == event.kind && std::abs(found.event.time_s - event.time_s) < kSame_s;
       });
-      if (same == found_.end() && to_end_s > kSame_s) return {};
+      if (same == found_.end() && to_end_s > kSame_s) continue;
       is_seen |= same != found_.end();
       events.emplace_back(event, same == found_.end() ? std::nullopt : std::optional(same - found_.begin()));
     }
