@@ -27,7 +27,8 @@ std::optional<Interval> IntervalOf(const std::filesystem::path& neutral) {
   char rest = 0;
   if (std::sscanf(neutral.filename().c_str(), "%lf,%lf%c", &interval.from_s, &interval.to_s, &rest) != 2) return {};
   if (!(interval.from_s < interval.to_s))
-    throw UsageError("--neutral {:g},{:g}: the earlier time first", interval.from_s, interval.to_s);
+    throw UsageError("--neutral {:g},{:g}: two times in seconds, the earlier one first", interval.from_s,
+                     interval.to_s);
   return interval;
 }
 

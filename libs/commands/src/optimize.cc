@@ -221,6 +221,7 @@ void CheckRedesign(const OptimizeRunOptions& options) {
     throw UsageError("--segment is for --human: lake-compare has found the knees of --comparison; omit it");
   if (!reoptimize.knee.exo_segments.shank.empty())
     throw UsageError("--exo-segment belongs to lake-compare, which reads the exoskeleton trial: give it there");
+  for (const fs::path& comparison : reoptimize.comparisons) compare::ReadComparison(comparison);
   if (!reoptimize.comparisons.empty() && reoptimize.worn.empty() && !reoptimize.human_only)
     throw UsageError(
         "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "

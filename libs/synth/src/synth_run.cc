@@ -131,10 +131,10 @@ void Take(const std::optional<T>& given, T& value) {
 void TakeWalk(const SynthRunOptions& o, SceneOptions& scene) {
   const bool is_drawn = o.drawn == SynthRunOptions::Drawn::kWalking;
   if (!is_drawn && !o.stride_s && !o.treadmill && !o.passes) return;
-  if (is_drawn == scene.motion_file.has_value() || !o.motion_table.empty())
-    throw UsageError(
-        "--stride, --treadmill, --passes: of a walk, which is drawn by --movement walking or recorded in a file of "
-        "--motion");
+  if (is_drawn && (scene.motion_file || !o.motion_table.empty()))
+    throw UsageError("--movement walking draws a walk, and --motion has a recorded one: leave --movement out");
+  if (!is_drawn && !scene.motion_file)
+    throw UsageError("--stride, --treadmill and --passes need a walk: --movement walking, or one recorded in --motion");
   WalkOptions& walk = scene.walk.emplace();
   Take(o.repetitions, walk.strides);
   Take(o.passes, walk.passes);

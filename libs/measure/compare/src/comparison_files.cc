@@ -241,6 +241,7 @@ class ComparisonReader {
     if (number > kFormat)
       throw Fail("{}: made by a newer version of lake-compare (format {}, known {}): use that version here too", file_,
                  number, kFormat);
+    if (!json_.contains("curves")) throw Fail("{}: has no curves: give the folder that lake-compare wrote", file_);
   }
 
   gait::MovementKind Movement() const {
@@ -348,7 +349,11 @@ class ComparisonReader {
 }  // namespace
 
 ComparedCurves ReadComparison(const std::filesystem::path& path) {
-  const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "comparison.json" : path;
+  const bool is_folder = std::filesystem::is_directory(path);
+  const std::filesystem::path file = is_folder ? path / "comparison.json" : path, summary = path / "summary.json";
+  if (is_folder && !std::filesystem::exists(file) && std::filesystem::exists(summary))
+    throw Fail("{}: a folder of {}, and a comparison is needed: lake compare writes one from two trials", path.string(),
+               ReadJsonFile(summary).value("program", "another program"));
   if (!std::filesystem::is_regular_file(file))
     throw Fail("{}: not there; a comparison is the folder that lake-compare wrote", file.string());
   return ComparisonReader(file).Read();
