@@ -68,7 +68,7 @@ class CorrectedTrial : public testing::Test {
   }
 
   static ReviewedTrial Open(const fs::path& folder) {
-    return reviewing::ReviewedTrialOf(reviewing::ReadTrackedFolder(folder));
+    return reviewing::ReviewedTrialOf(reviewing::ReadTrackedFolder(folder), BinDir());
   }
 
   // Moved, hidden, and names that were exchanged for three frames.
@@ -103,7 +103,7 @@ TEST_F(CorrectedTrial, IsTheFoldersOwnBeforeAnyCorrection) {
 TEST_F(CorrectedTrial, IsOfTheMovementThatIsAskedFor) {
   const reviewing::TrackedFolder folder = reviewing::ReadTrackedFolder(Folder("trial"), {{"movement", "walking"}});
   EXPECT_THAT(folder.command, HasSubstr("--movement walking"));
-  ReviewedTrial trial = reviewing::ReviewedTrialOf(folder);
+  ReviewedTrial trial = reviewing::ReviewedTrialOf(folder, BinDir());
   const review::TrialFit fit = trial.work.fit(trial.book.Corrected());
   EXPECT_TRUE(fit.leg->events.empty());
   EXPECT_FALSE(Open(Folder("trial")).work.fit(trial.book.Corrected()).leg->events.empty());

@@ -612,6 +612,72 @@ class ReviewPage(unittest.TestCase):
         # As it was before the names were exchanged; the page's numbers have four digits behind the point.
         self.assertLess(max(abs(a - b) for a, b in zip(repaired, tracked)), 1e-4)
 
+    def test_corrections_are_applied_in_the_page(self):
+        review = self.open_trial()
+        self.until(lambda: "No corrections" in self.text("state"))
+        self.assertEqual(self.text("unapplied"), "")
+        self.assertFalse(self.part("apply").is_enabled())
+        self.select("knee")
+        self.seek(20)
+        x, y = self.place("knee", 20)
+        self.drag((x, y), (3, 0), holding=Keys.ALT)
+        self.until(lambda: self.part("apply").is_enabled())
+        self.assertIn("without these corrections", self.text("unapplied"))
+        before = (self.trial / "tracks.csv").read_bytes()
+        self.part("apply").click()
+        self.until(lambda: "made with the corrections" in self.text("said"))
+        self.until(lambda: self.text("unapplied") == "" and not self.part("apply").is_enabled())
+        self.assertNotEqual((self.trial / "tracks.csv").read_bytes(), before)
+        self.assertTrue(self.is_corrected("knee"))
+        self.until(lambda: review.ask("state")["fitted"] == review.ask("state")["revision"])
+        tracked = [float(row["knee_deg"]) for row in read_table(self.trial / "kinematics.csv")]
+        self.assertLess(max(abs(a - b) for a, b in zip(review.ask("trial")["leg"]["knee"], tracked)), 1e-4)
+        # They can be taken back, and that applied in turn.
+        self.part("undo").click()
+        self.until(lambda: self.part("apply").is_enabled() and not self.is_corrected("knee"))
+        self.part("apply").click()
+        self.until(lambda: self.text("unapplied") == "" and not self.part("apply").is_enabled())
+        self.until(lambda: (self.trial / "tracks.csv").read_bytes() == before)
+
+    def select(self, marker):
+        self.browser.find_element(By.CSS_SELECTOR, f"#markers [data-marker={marker}]").click()
+
+    def test_curves_are_copied(self):
+        review = self.open_trial()
+        self.browser.execute_cdp_cmd("Browser.grantPermissions", {
+            "permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"], "origin": review.address.rsplit("/", 2)[0]})
+        self.select("hip")
+        self.assertIn("hip", self.text("places-title"))
+        copy = self.part("places-title").find_element(By.XPATH, "..").find_elements(By.TAG_NAME, "button")[0]
+        copy.click()
+        self.until(lambda: self.text("said") == "Copied")
+        copied = self.browser.execute_async_script("navigator.clipboard.readText().then(arguments[0], arguments[0])")
+        rows, trial = list(csv.DictReader(copied.splitlines())), review.ask("trial")
+        hip, = [marker for marker in trial["markers"] if marker["name"] == "hip"]
+        self.assertEqual(list(rows[0]), ["frame", "time_s", "x", "y"])
+        self.assertEqual([int(row["frame"]) for row in rows], trial["frame"])
+        self.assertAlmostEqual(float(rows[60]["x"]) - float(rows[0]["x"]), hip["x"][60] - hip["x"][0], places=3)
+
+    def test_a_marker_that_is_not_found_is_asked_for(self):
+        shutil.copy(self.folder / "recording/video.mp4", self.folder / "asked.mp4")
+        self.open("asked.mp4")
+        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
+        below = self.part("naming-picture").location["y"]
+        self.part("start-tracking").click()
+        self.until(lambda: "was not found by itself: click it (1–" in self.text("ask"))
+        self.assertEqual(self.part("naming-picture").location["y"], below)
+        for name, spot in SEEDS.items():
+            self.browser.find_element(By.CSS_SELECTOR, f"#choices [data-name={name}]").click()
+            self.browser.execute_script(f"document.querySelector('#spots [data-spot=\"{spot}\"]').click()")
+        self.assertNotIn("not found", self.text("ask"))
+        # A trial that is there is replaced once that was confirmed.
+        shutil.copytree(self.folder / "trial", self.folder / "lake-out/asked", dirs_exist_ok=True)
+        self.open("asked.mp4")
+        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
+        self.part("start-tracking").click()
+        self.until(lambda: "holds a trial already" in self.text("said"))
+        self.assertEqual(self.text("start-tracking"), "Replace the trial")
+
     def test_a_video_is_named_by_clicks(self):
         name = "<b>&'\" sit.mp4"
         shutil.copy(self.folder / "recording/video.mp4", self.folder / name)
@@ -1095,6 +1161,44 @@ class ReviewPage(unittest.TestCase):
         while not self.browser.find_elements(By.CSS_SELECTOR, selector):
             self.assertLess(time.monotonic(), end, selector)
             time.sleep(0.03)
+
+    # A folder to begin in
+
+    def test_a_folder_to_begin_in(self):
+        begin = self.trial
+        begin.mkdir()
+        shutil.copy(self.folder / "recording/video.mp4", begin / "sitting.mp4")
+        shutil.copy(self.folder / "recording/video.mp4", begin)
+        shutil.copytree(self.folder / "trial", begin / "lake-out/video")
+        self.open(begin)
+        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#found li"))
+        line = lambda path: self.browser.find_element(By.CSS_SELECTOR, f"#found [data-path='{path}']")
+        self.assertIn("1280 × 720", line("sitting.mp4").text)
+        self.assertIn("not tracked", line("sitting.mp4").text)
+        self.assertNotIn("not tracked", line("video.mp4").text)
+        self.assertIn("ankle, knee, hip, waist", line("lake-out/video").text)
+        # A trial has a page of its own.
+        line("lake-out/video").find_element(By.TAG_NAME, "button").click()
+        here = self.browser.current_window_handle
+        self.until(lambda: len(self.browser.window_handles) == 2)
+        self.browser.switch_to.window(next(one for one in self.browser.window_handles if one != here))
+        self.until(lambda: self.browser.find_elements(By.ID, "frame") and self.frame() == 0)
+        self.browser.close()
+        self.browser.switch_to.window(here)
+        # What is missing is said; nothing is half made.
+        self.part("make-camera").click()
+        self.until(lambda: "the board (chessboard:9x6:25) is missing" in self.text("said"))
+        self.assertFalse((begin / "camera.yaml").exists())
+        self.assertEqual(Select(self.part("start-human")).first_selected_option.text, "lake-out/video")
+        self.part("make-study").click()
+        self.until(lambda: self.text("said") == "Done")
+        self.assertIn("lake-out/video", (begin / "study.yaml").read_text())
+        self.until(lambda: "✓ lake-out/study" in self.text("step-report"))
+        self.assertTrue((begin / "lake-out/study/report.html").exists())
+        self.part("make-study").click()
+        self.until(lambda: "study.yaml is there already" in self.text("said"))
+        self.narrow_and_dark()
+        self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400)
 
     def test_fits_a_narrow_window_in_the_dark(self):
         self.open_trial()

@@ -241,6 +241,17 @@ export class Chart extends Strip {
     this.redraw();
   }
 
+  /** Column by column after these: a curve by its name, or by this one if it has none, and its SD. */
+  csv(columns: { [name: string]: Column }, name: string): string {
+    const all = { ...columns };
+    for (const curve of this.curves) {
+      all[curve.name || name] = curve.values;
+      if (curve.sigma) all[`${curve.name || name}_sd`] = curve.sigma;
+    }
+    const rows = Array.from({ length: this.rows }, (_, row) => Object.values(all).map((column) => column[row] ?? ""));
+    return [Object.keys(all), ...rows].map((cells) => cells.join()).join("\n") + "\n";
+  }
+
   protected draw(context: CanvasRenderingContext2D): void {
     const [low, high] = this.range();
     const top = this.curves.length > 1 ? NAMES : 4, height = this.canvas.clientHeight - top - 4;

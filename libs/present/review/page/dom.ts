@@ -83,9 +83,20 @@ export function showProgress(bar: HTMLProgressElement, line: string): void {
 }
 
 /** To the clipboard. */
-export function copyText(id: string): Promise<void> {
+export function copy(text: string): Promise<void> {
   return attempt(async () => {
-    await navigator.clipboard.writeText(part(id).textContent ?? "");
+    await navigator.clipboard.writeText(text);
     say(TEXTS.copied);
   });
+}
+
+export const copyText = (id: string) => copy(part(id).textContent ?? "");
+
+/** As a file that the browser downloads. */
+export function save(text: string, name: string): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
 }

@@ -1,4 +1,4 @@
-// Opens what the server has: a tracked trial, a video whose markers are to be named, a design, a comparison, a study, a
+// Opens what the server has: a folder to begin in, a tracked trial, a video whose markers are to be named, a design, a comparison, a study, a
 // camera's session.
 import { ComparisonPage } from "./comparison";
 import { DesignPage } from "./design";
@@ -7,6 +7,7 @@ import { LivePage } from "./live";
 import { LiveStateMessage, StateMessage } from "./messages";
 import { NamingPage } from "./naming";
 import { server } from "./server";
+import { StartPage } from "./start";
 import { StudyPage } from "./study";
 import { TEXTS } from "./texts";
 import { TrialPage } from "./trial";
@@ -18,6 +19,7 @@ let naming: NamingPage | null = null;
 let design: DesignPage | null = null;
 let isComparing = false;
 let study: StudyPage | null = null;
+let start: StartPage | null = null;
 let live: LivePage | null = null;
 let isEnded = false;
 
@@ -31,6 +33,9 @@ async function update(state: StateMessage): Promise<void> {
   } else if (state.mode === "study") {
     study ??= new StudyPage(await server.study());
     study.update(state);
+  } else if (state.mode === "start") {
+    start ??= new StartPage(await server.start());
+    start.update(state);
   } else if (state.mode === "live") {
     live ??= new LivePage(await server.live());
     live.update(state as LiveStateMessage);

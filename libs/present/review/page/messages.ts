@@ -45,7 +45,7 @@ export interface JobMessage {
 }
 
 export interface StateMessage {
-  mode: "trial" | "naming" | "tracking" | "design" | "comparison" | "study" | "live";
+  mode: "trial" | "naming" | "tracking" | "design" | "comparison" | "study" | "live" | "start";
   job?: JobMessage; // tracking, optimising, a step of a study
   step?: string; // of a study: the one that is under way or was the last
   optimum?: { number: number; links: number[] } | null; // of a design: the last one found
@@ -56,6 +56,7 @@ export interface StateMessage {
   can_redo?: boolean;
   corrections?: number;
   swaps?: number; // among the steps that made these
+  is_applied?: boolean; // the folder's results were made with them
 }
 
 export interface MeasureMessage {
@@ -76,6 +77,7 @@ export interface AboutMessage {
   folder: string;
   command: string; // tracks with the corrections …
   command_with_events: string; // … and with events that were moved
+  can_apply: boolean; // from the page
   warnings: string[]; // of the run that tracked it
   measures: MeasureMessage[]; // that it was tracked with
   width: number; // px
@@ -127,6 +129,7 @@ export interface NamingMessage {
   width: number;
   height: number;
   frames: number | null; // of the video, if it says
+  trial_there: string; // the folder that tracking would replace, or empty
   camera_beside: string; // a camera file beside the video; empty: none
   spots: SpotMessage[];
   choices: Choices; // to begin with
@@ -278,6 +281,24 @@ export interface StudyMessage {
   report: string; // its file
   has_report: boolean;
 }
+
+/** What lies in a folder. */
+export interface FoundMessage {
+  path: string; // from the folder
+  kind: "film" | "trial" | "comparison" | "design" | "study" | "study file" | "camera" | "picture" | "pictures" | "result" | "file";
+  what: string;
+  lacks: string; // what it still needs, or why it cannot be read; empty: nothing
+}
+
+export interface StartMessage {
+  folder: string;
+  found: FoundMessage[];
+}
+
+/** Paths are those of what was found. */
+export type MakeQuestion =
+  | { what: "camera"; views: string; board: string; plane: string }
+  | { what: "study"; name: string; human: string; exo: string; worn: string; mass_kg: number };
 
 /** A camera's session, once. */
 export interface LiveMessage {

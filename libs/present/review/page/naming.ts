@@ -24,6 +24,8 @@ export class NamingPage {
   private past: Choices[] = [];
   private frame = 0; // that is shown
   private isTracking = false;
+  private unfound = ""; // the marker that was not found by itself, until it is clicked
+  private mayReplace = false; // a trial that is there
 
   constructor() {
     part("naming").hidden = false;
@@ -79,11 +81,20 @@ export class NamingPage {
 
   update(state: StateMessage): void {
     if (state.mode === "tracking") this.showProgress(state.job?.progress ?? "");
-    else if (this.isTracking && state.job?.failed) say(TEXTS.trackingFailed(state.job.failed), true);
+    else if (this.isTracking && state.job?.failed) this.showFailed(state.job.failed);
     this.isTracking = state.mode === "tracking";
     part("progress").hidden = !this.isTracking;
     part<HTMLButtonElement>("start-tracking").disabled = this.isTracking || !this.message;
     if (!this.isTracking && this.message) part("state").textContent = TEXTS.spots(this.message.spots.length);
+  }
+
+  // lake track says for which marker it asks.
+  private showFailed(why: string): void {
+    const asked = [...why.matchAll(/--seed (\w+)=/g)].map(([, name]) => name);
+    this.unfound = this.choices.markers.find((name) => asked.includes(name) && !(name in this.choices.seeds)) ?? "";
+    if (!this.unfound) return say(TEXTS.trackingFailed(why), true);
+    this.selected = this.choices.markers.indexOf(this.unfound);
+    this.showChoices();
   }
 
   private showProgress(line: string): void {
@@ -196,6 +207,7 @@ export class NamingPage {
     if (owner !== undefined && owner !== name) return say(TEXTS.taken(spot.id, owner));
     this.remember();
     this.choices.seeds[name] = spot.id;
+    if (name === this.unfound) this.unfound = "";
     this.chooseNext();
     this.showChoices();
   }
@@ -240,8 +252,12 @@ export class NamingPage {
     [...document.querySelectorAll<HTMLElement>("#choices button, #spots button")]
       .find(({ dataset }) => dataset.spot === focusedSpot && dataset.name === focusedName)
       ?.focus();
-    part("ask").textContent = isDone ? TEXTS.chooseDone : TEXTS.choose(markers[this.selected]);
+    part("ask").textContent =
+      isDone ? TEXTS.chooseDone
+      : markers[this.selected] === this.unfound ? TEXTS.unfound(this.unfound, spots)
+      : TEXTS.choose(markers[this.selected]);
     part<HTMLButtonElement>("start-tracking").disabled = this.isTracking;
+    part("start-tracking").textContent = this.mayReplace ? TEXTS.replaceTrial : TEXTS.track;
     this.view?.redraw();
     server.command(this.choices).then(({ command }) => {
       part("naming-command").textContent = command;
@@ -249,7 +265,13 @@ export class NamingPage {
     }, sayWhy);
   }
 
-  private track(): Promise<void> {
+  private async track(): Promise<void> {
+    const { trial_there } = this.message!;
+    if (trial_there && !this.mayReplace) {
+      this.mayReplace = true;
+      this.showChoices(TEXTS.trialThere(trial_there));
+      return;
+    }
     say("");
     return attempt(async () => this.update(await server.track(this.choices)));
   }

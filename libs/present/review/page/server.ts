@@ -1,8 +1,8 @@
 // Questions to the server that served this page; addresses are relative, so the token stays in them.
 import {
   Choices, ComparisonMessage, CourseMessage, DesignMessage, EditMessage, ExploreQuestion, ExploredMessage, LiveAct,
-  LiveMessage, LiveStateMessage, LiveViewMessage, MeasureMessage, NamingMessage, SnapAnswer, SnapQuestion, StateMessage,
-  StudyMessage, TrackOptions, TrialMessage,
+  LiveMessage, LiveStateMessage, LiveViewMessage, MakeQuestion, MeasureMessage, NamingMessage, SnapAnswer, SnapQuestion,
+  StartMessage, StateMessage, StudyMessage, TrackOptions, TrialMessage,
 } from "./messages";
 
 /** The server's own words on why not. */
@@ -38,6 +38,7 @@ export const server = {
   state: () => get<StateMessage>("state"),
   trial: () => get<TrialMessage>("trial"),
   edit: (edit: EditMessage) => post<StateMessage>("edit", edit),
+  apply: () => post<StateMessage>("apply", {}),
   measure: (measures: MeasureMessage[]) => post<CourseMessage[]>("measure", { measures }),
   snap: (question: SnapQuestion) => post<SnapAnswer>("snap", question),
   naming: (options: TrackOptions) => post<NamingMessage>("naming", options),
@@ -52,6 +53,9 @@ export const server = {
   comparison: () => get<ComparisonMessage>("comparison"),
   study: () => get<StudyMessage>("study"),
   runStep: (step: string) => post<StateMessage>("run", { step }), // empty: all that is due
+  start: () => get<StartMessage>("start"),
+  open: (path: string) => post<{ address: string }>("open", { path }),
+  make: (asked: MakeQuestion) => post<StateMessage>("make", asked),
   live: () => get<LiveMessage>("live"),
   liveView: (after: number) => post<LiveViewMessage>("view", { after }),
   livePicture: (frame: number) => picture(`picture/${frame}.jpg`),

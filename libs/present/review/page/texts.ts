@@ -56,6 +56,10 @@ export const TEXTS = allUnbroken({
     const swapped = swaps === 0 ? "" : swaps === 1 ? "1 swap: " : `${swaps} swaps: `;
     return `${swapped}${corrections === 1 ? "1 correction" : `${corrections} corrections`}, saved`;
   },
+  unapplied: "The results in the folder were made without these corrections: apply them",
+  applying: "Tracking again with the corrections",
+  applied: "The results in the folder are made with the corrections",
+  notApplied: (why: string) => `The results are as they were: ${why}`,
   ended: "lake review has ended; all corrections are saved. Start it again to go on.",
   noFit: (why: string) => `No leg can be fitted: ${why}`,
 
@@ -127,6 +131,9 @@ export const TEXTS = allUnbroken({
   knee: "Knee angle (°)",
   lengths: "Segment lengths in the picture (% from their median)",
   residuals: "Residuals (px)",
+  places: (marker: string) => `Place of ${marker} (px from its median)`,
+  copyCurves: "Copy",
+  saveCurves: "Save as CSV",
   shank: "shank",
   thigh: "thigh",
   trunk: "trunk",
@@ -144,6 +151,10 @@ export const TEXTS = allUnbroken({
     color: ["Click a marker of the colour"],
   },
   barLength: "Length of the scale bar (mm)",
+  unfound: (name: string, spots: number) => `${name} was not found by itself: click it (1–${spots})`,
+  track: "Track",
+  replaceTrial: "Replace the trial",
+  trialThere: (folder: string) => `${folder} holds a trial already; it is replaced if you go on`,
   chooseDone: "All markers are named; choose a name to change one",
   taken: (spot: number, name: string) => `#${spot} is ${name}: choose ${name} to change it`,
   addMarker: (name: string) => `Add ${name}`,
@@ -182,6 +193,16 @@ export const TEXTS = allUnbroken({
   stepFailed: (step: string, why: string) => `${step || "The study"} failed: ${why}`,
   reportFile: (path: string) => `Links to files work in the report itself: ${path}`,
   noReport: "There is no report yet: run all that is due",
+
+  // Start
+  foundCount: (folder: string, count: number) => `${folder}: ${count === 1 ? "1 file or result" : `${count} files and results`}`,
+  openFound: "Open",
+  choose_one: (kind: string) => `choose a ${kind}`,
+  without: (what: string) => `no ${what}`,
+  done_step: (path: string) => `✓ ${path}`,
+  making: "Under way",
+  made: "Done",
+  notMade: (why: string) => `It failed: ${why}`,
 
   // Design
   links: ["coupler RS", "slewing bar PR", "thigh link KP", "shank link KS", "mount behind thigh", "mount above P"],

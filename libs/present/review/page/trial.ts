@@ -1,6 +1,8 @@
 // A tracked trial: look at it, go from problem to problem, put right what is wrong.
 import { Chart, Mark, Tick, Timeline, colourOf } from "./charts";
-import { attempt, button, isOfControl, item, onClick, onKey, part, say, sayWhy, undoOf } from "./dom";
+import {
+  attempt, button, copy, copyText, isOfControl, item, onClick, onKey, part, save, say, sayWhy, showProgress, undoOf,
+} from "./dom";
 import { Frames } from "./frames";
 import { Measures } from "./measures";
 import { Column, EditMessage, EventMessage, MarkerMessage, ProblemMessage, StateMessage, TrialMessage } from "./messages";
@@ -12,6 +14,12 @@ const TRAIL = 25; // rows before and after
 const SKELETON = ["ankle", "knee", "hip", "waist"];
 const REACH = 14; // screen px in which a marker is taken hold of
 const SNAP = 20; // screen px in which the detector looks for a marker
+
+// What moves is seen, wherever in the picture it is.
+function fromMedian(values: Column): Column {
+  const known = values.filter((value): value is number => value !== null).sort((a, b) => a - b);
+  return values.map((value) => (value === null ? null : value - known[known.length >> 1]));
+}
 
 const colourOfMarker = (index: number) => `--marker-${index % 7}`;
 const colourOverPicture = (index: number) => `--over-${index % 7}`;
@@ -28,10 +36,11 @@ export class TrialPage {
   private frames: Frames;
   private view: PictureView;
   private timeline: Timeline;
-  private charts: { knee: Chart; lengths: Chart; residuals: Chart };
+  private charts: { knee: Chart; lengths: Chart; residuals: Chart; places: Chart };
   private measures: Measures;
   private measuredFit = -1; // the revision that the measures are of
   private isReloading = false;
+  private isApplying = false;
 
   constructor(private trial: TrialMessage) {
     part("trial").hidden = false;
@@ -51,6 +60,7 @@ export class TrialPage {
       knee: new Chart(part("knee-chart"), rows, seek),
       lengths: new Chart(part("lengths-chart"), rows, seek),
       residuals: new Chart(part("residuals-chart"), rows, seek),
+      places: new Chart(part("places-chart"), rows, seek),
     };
     this.measures = new Measures(trial.markers.map((marker) => marker.name), trial.about.measures, rows, seek,
       () => this.showCommand());
@@ -61,8 +71,24 @@ export class TrialPage {
 
   /** The server's state, asked for regularly; another window may have changed the trial. */
   update(state: StateMessage): void {
+    this.showApplying(state);
     if (state.revision === this.trial.state.revision && state.fitted === this.trial.state.fitted) return;
     void this.reload();
+  }
+
+  private showApplying({ job }: StateMessage): void {
+    const { running, progress, failed } = job!, bar = part<HTMLProgressElement>("apply-progress"), was = this.isApplying;
+    this.isApplying = running;
+    bar.hidden = part("apply-stop").hidden = !running;
+    if (running) {
+      part<HTMLButtonElement>("apply").disabled = true;
+      showProgress(bar, progress);
+      say(progress || TEXTS.applying);
+    } else if (was) {
+      say(failed ? TEXTS.notApplied(failed) : TEXTS.applied, failed !== "");
+      this.measuredFit = -1;
+      void this.reload();
+    }
   }
 
   private async reload(): Promise<void> {
@@ -107,6 +133,9 @@ export class TrialPage {
     const why = !isFitting && state.fit_error ? [TEXTS.noFit(state.fit_error)] : [];
     part("warnings").replaceChildren(
       ...[...new Set([...why, ...this.trial.about.warnings, ...this.trial.warnings])].map(item));
+    part("unapplied").textContent = state.is_applied ? "" : TEXTS.unapplied;
+    part("apply").hidden = !this.trial.about.can_apply;
+    part<HTMLButtonElement>("apply").disabled = state.is_applied! || this.isApplying;
     part<HTMLButtonElement>("undo").disabled = !state.can_undo;
     part<HTMLButtonElement>("redo").disabled = !state.can_redo;
   }
@@ -334,6 +363,7 @@ export class TrialPage {
     if (index < 0 || index >= this.trial.markers.length) return;
     this.selected = index;
     this.showMarkers();
+    this.showPlaces();
     this.proposeSwap();
     this.view.redraw();
   }
@@ -500,6 +530,26 @@ export class TrialPage {
     this.charts.residuals.show(
       markers.map((marker, index) => ({ name: marker.name, colour: colourOfMarker(index), values: marker.residual })),
     );
+    this.showPlaces();
+  }
+
+  private showPlaces(): void {
+    const { name, x, y } = this.marker();
+    part("places-title").textContent = TEXTS.places(name);
+    this.charts.places.show([
+      { name: "x", colour: colourOfMarker(0), values: fromMedian(x) },
+      { name: "y", colour: colourOfMarker(1), values: fromMedian(y) },
+    ]);
+  }
+
+  // Beside the title of a chart: its curves, with frames and times, to the clipboard or into a file.
+  private addCurveButtons(chart: keyof TrialPage["charts"]): void {
+    const csv = () => this.charts[chart].csv({ frame: this.trial.frame, time_s: this.trial.time_s }, chart);
+    const name = () => `${this.trial.about.name.replace(/\.[^.]*$/, "")}-${chart}.csv`;
+    const title = part(`${chart}-title`), bar = document.createElement("div");
+    bar.className = "bar";
+    title.replaceWith(bar);
+    bar.append(title, button(TEXTS.copyCurves, () => void copy(csv())), button(TEXTS.saveCurves, () => save(csv(), name())));
   }
 
   // Of the skeleton's segment, also where no leg can be fitted: exchanged names show here.
@@ -541,6 +591,10 @@ export class TrialPage {
     onClick("hide", () => void this.edit({ op: "hide", ...this.here() }));
     onClick("restore", () => void this.edit({ op: "restore", ...this.here() }));
     onClick("swap", () => void this.swap());
+    onClick("apply", () => void attempt(async () => this.update(await server.apply())));
+    onClick("apply-stop", () => void server.stop().catch(sayWhy));
+    onClick("trial-copy", () => void copyText("command"));
+    for (const chart of ["knee", "lengths", "residuals", "places"] as const) this.addCurveButtons(chart);
     onClick("event-here", () => void this.moveEvent(this.event, this.row));
     onClick("event-restore", () => void this.restoreEvent());
     onClick("event-add", () => void this.addEvent());

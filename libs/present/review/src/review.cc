@@ -42,9 +42,20 @@ class ReviewServer {
   }
 
   void AddTrial() {
-    page_.GetOther("trial", [this](const LocalRequest&) { return LocalReply{"application/json", Session().Trial()}; });
-    page_.Post("edit", [this](const Json& edit) { return Session().Edit(edit); });
-    page_.Post("measure", [this](const Json& asked) { return Session().Measure(asked.at("measures")); });
+    page_.GetOther("trial", [this](const LocalRequest&) { return LocalReply{"application/json", Session()->Trial()}; });
+    page_.Post("edit", [this](const Json& edit) {
+      if (tracking_.IsRunning()) throw Error("the corrections are being applied: wait until that has ended");
+      return Session()->Edit(edit);
+    });
+    page_.Post("measure", [this](const Json& asked) { return Session()->Measure(asked.at("measures")); });
+    page_.Post("apply", [this](const Json&) {
+      StartApplying();
+      return State();
+    });
+    page_.Post("stop", [this](const Json&) {
+      tracking_.Stop();
+      return State();
+    });
   }
 
   void AddNaming() {
@@ -79,14 +90,14 @@ class ReviewServer {
     if (!found) return Json();
     // Compression displaces what it does not show in a single frame.
     const double sigma =
-        std::max(std::hypot(found->sigma_px, snapping.sigma_px), marker.empty() ? 0 : Session().UsualSigma(marker));
+        std::max(std::hypot(found->sigma_px, snapping.sigma_px), marker.empty() ? 0 : Session()->UsualSigma(marker));
     return {{"x", found->position.x()}, {"y", found->position.y()}, {"sigma", sigma}};
   }
 
-  TrialSession& Session() const {
+  std::shared_ptr<TrialSession> Session() const {
     const std::lock_guard lock(mutex_);
     if (!session_) throw Error("nothing has been tracked yet");
-    return *session_;
+    return session_;
   }
 
   // What measures a marker in a frame; `sigma_px`: how well the patch that it is compared with is known to be centred.
@@ -100,7 +111,7 @@ class ReviewServer {
       const std::lock_guard lock(mutex_);
       if (snap_to_) return {snap_to_};
     }
-    const auto measured = marker.empty() ? std::nullopt : Session().NearestMeasured(marker, frame);
+    const auto measured = marker.empty() ? std::nullopt : Session()->NearestMeasured(marker, frame);
     if (!measured) return {};
     return {DetectorOfPatch(frames_.Frame(measured->frame).luma, measured->sample.position), measured->sample.sigma};
   }
@@ -111,10 +122,11 @@ class ReviewServer {
   }
 
   void Open(ReviewedTrial trial) {
-    auto session = std::make_unique<TrialSession>(std::move(trial.book), std::move(trial.repeated),
+    auto session = std::make_shared<TrialSession>(std::move(trial.book), std::move(trial.repeated),
                                                   std::move(trial.work), std::move(trial.about));
     const std::lock_guard lock(mutex_);
-    session_ = std::move(session);
+    std::swap(session_, session);
+    apply_ = std::move(trial.apply);
     snap_to_ = trial.snap_to;
   }
 
@@ -127,10 +139,17 @@ class ReviewServer {
     tracking_.Start([this, choices](const BackgroundJob::Control& control) { Open(Naming().track(choices, control)); });
   }
 
+  void StartApplying() {
+    const std::lock_guard lock(mutex_);
+    if (!apply_) throw Error("these results are not of lake track alone: run what made them");
+    tracking_.Start([this, apply = apply_](const BackgroundJob::Control& control) { Open(apply(control)); });
+  }
+
   const std::optional<NamingWork>& naming_;
   FrameStore frames_;
   mutable std::mutex mutex_;
-  std::unique_ptr<TrialSession> session_;  // never replaced once it is there
+  std::shared_ptr<TrialSession> session_;
+  std::function<ReviewedTrial(const BackgroundJob::Control&)> apply_;  // of the session's trial
   SnapDetector snap_to_;
   BackgroundJob tracking_;
   PageServer page_;

@@ -134,6 +134,7 @@ TrialSession::TrialSession(CorrectionBook book, std::vector<std::int64_t> repeat
       repeated_(std::move(repeated)),
       work_(std::move(work)),
       about_(std::move(about)),
+      is_applied_(work_.is_applied()),
       thread_([this] { FitAgain(); }) {}
 
 TrialSession::~TrialSession() {
@@ -175,7 +176,7 @@ Json TrialSession::State() const {
 Json TrialSession::StateNow() const {
   return {{"revision", revision_},       {"fitted", fitted_},           {"fit_error", fit_error_},
           {"can_undo", book_.CanUndo()}, {"can_redo", book_.CanRedo()}, {"corrections", book_.Count()},
-          {"swaps", book_.Swaps()}};
+          {"swaps", book_.Swaps()},      {"is_applied", is_applied_}};
 }
 
 std::string TrialSession::Trial() const {
@@ -195,6 +196,7 @@ Json TrialSession::Edit(const Json& edit) {
   changed.Make(edit);
   if (edit.at("op") == "move_event") CheckEvents(changed);
   work_.save(changed);
+  is_applied_ = work_.is_applied();
   book_ = std::move(changed);
   ++revision_;
   changed_.notify_all();

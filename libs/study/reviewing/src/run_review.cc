@@ -18,6 +18,7 @@
 #include "lake/core/json_or_null.h"
 #include "lake/core/shell_word.h"
 #include "lake/core/standard_output.h"
+#include "lake/motion/saved_corrections.h"
 #include "lake/review/comparison_page.h"
 #include "lake/review/open_browser.h"
 #include "lake/review/review.h"
@@ -25,6 +26,7 @@
 #include "lake/reviewing/tracked_folder.h"
 #include "lake/tracking/track_markers.h"
 #include "result_inputs.h"
+#include "start_review.h"
 #include "study_review.h"
 
 namespace lake::reviewing {
@@ -110,25 +112,26 @@ Json SpotsJson(const fs::path& video, const tracking::CandidateList& list, const
           {"width", info.width},
           {"height", info.height},
           {"frames", ValueOrNull(info.frames)},
+          {"trial_there", fs::exists(OutputOf(video) / "tracks.csv") ? OutputOf(video).string() : ""},
           {"camera_beside", CameraBeside(video)},
           {"spots", spots},
           {"choices", {{"markers", tracking::kLegMarkers}, {"seeds", Json::object()}, {"options", Json::object()}}}};
 }
 
-review::ReviewedTrial Track(const fs::path& video, const fs::path& programs, const Json& choices,
+// Runs lake-track into a folder.
+review::ReviewedTrial Track(const fs::path& programs, const std::vector<std::string>& arguments, const fs::path& folder,
                             const review::BackgroundJob::Control& control) {
-  const fs::path tracks = OutputOf(video) / "tracks.csv";
+  const fs::path tracks = folder / "tracks.csv";
   const auto time_written = [&] {
     return fs::exists(tracks) ? std::optional(fs::last_write_time(tracks)) : std::nullopt;
   };
   const auto before = time_written();
-  const ChildEnd end =
-      RunChild(programs / "lake-track", ArgumentsOf(video, choices), control.say, control.throw_if_stopped);
+  const ChildEnd end = RunChild(programs / "lake-track", arguments, control.say, control.throw_if_stopped);
   // Its tracks are there also where no leg could be fitted: that may be put right. Those of an earlier run do not
   // count.
   if (end.code != 0 && time_written() == before)
     throw Fail("lake-track ended with code {}: {}", end.code, end.last_line);
-  return ReviewedTrialOf(ReadTrackedFolder(OutputOf(video)));
+  return ReviewedTrialOf(ReadTrackedFolder(folder), programs);
 }
 
 // `given`: options of lake-track's beside those that the page asks for.
@@ -149,7 +152,7 @@ review::NamingWork NamingOf(const fs::path& video, const Json& given, const fs::
     return fmt::format("{}", fmt::join(words, " "));
   };
   work.track = [video, given, programs](const Json& choices, const auto& control) {
-    return Track(video, programs, WithGiven(choices, given), control);
+    return Track(programs, ArgumentsOf(video, WithGiven(choices, given)), OutputOf(video), control);
   };
   return work;
 }
@@ -281,9 +284,10 @@ review::SnapDetector DetectorOf(const fs::path& video, const tracking::TrackOpti
 
 void Describe(ReviewRunOptions& o, OptionList& options) {
   options
-      .AddOperand("subject", o.subject,
-                  "A folder of lake-track, lake-compare, lake-optimize, lake-simulate or lake-run; a design.yaml; or a "
-                  "video whose markers are to be named")
+      .AddOperand(
+          "subject", o.subject,
+          "A folder of lake-track, lake-compare, lake-optimize, lake-simulate or lake-run; a design.yaml; a video "
+          "whose markers are to be named; or a folder of films and results, to begin in")
       .Required()
       .IsPath(Option::Path::kVideo);
   review::Describe(o.page, options);
@@ -296,7 +300,7 @@ void Describe(ReviewRunOptions& o, OptionList& options) {
       .Otherwise("those that it was optimised with, else the paper's");
 }
 
-review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
+review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder, const fs::path& programs) {
   const auto folder = std::make_shared<TrackedFolder>(std::move(tracked_folder));
   const auto fit = [folder](const motion::MarkerRecording& corrected) {
     tracking::TrackResult tracked = folder->tracked;
@@ -306,6 +310,15 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
                             std::move(fitted.in_plane), std::move(fitted.warnings)};
   };
   const auto save = [folder](const review::CorrectionBook& book) { SaveCorrections(*folder, book); };
+  const auto is_applied = [folder] { return motion::UnappliedCorrections(folder->folder).empty(); };
+  std::function<review::ReviewedTrial(const review::BackgroundJob::Control&)> apply;
+  if (!folder->arguments.empty())
+    apply = [folder, programs](const review::BackgroundJob::Control& control) {
+      std::vector<std::string> arguments = folder->arguments;
+      if (const fs::path events = folder->folder / motion::kSavedEvents; fs::exists(events))
+        arguments.insert(arguments.end(), {"--events", events.string()});
+      return Track(programs, arguments, folder->folder, control);
+    };
   Json measures = Json::array();
   for (const gait::MarkerMeasure& measure : folder->options.measures) measures.push_back(gait::MeasureJson(measure));
   review::SnapDetector detector = DetectorOf(folder->options.video, folder->options.track);
@@ -313,12 +326,14 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
   const std::vector<std::int64_t>& repeated = folder->tracked.times.repeated;
   return {BookOf(*folder),
           repeated,
-          {fit, save},
+          {fit, save, is_applied},
+          std::move(apply),
           std::move(detector),
           {{"name", folder->options.video.filename().string()},
            {"folder", folder->folder.string()},
            {"command", folder->command},
            {"command_with_events", folder->command_with_events},
+           {"can_apply", !folder->arguments.empty()},
            {"measures", measures},
            {"warnings", folder->warnings},
            {"width", video.width},
@@ -348,13 +363,13 @@ void ReviewVideo(const ReviewRunOptions& options, const review::PageOptions& pag
   review::ServeReview(video, std::nullopt, NamingOf(options.subject, GivenToTrack(options), programs));
 }
 
-void ReviewTrial(const ReviewRunOptions& options, const review::PageOptions& page) {
+void ReviewTrial(const ReviewRunOptions& options, const review::PageOptions& page, const fs::path& programs) {
   TrackedFolder folder = ReadTrackedFolder(options.subject, GivenToTrack(options));
   review::ReviewOptions trial;
   trial.page = page;
   trial.video = folder.options.video;
   trial.reader = folder.options.track.reader;
-  review::ServeReview(trial, ReviewedTrialOf(std::move(folder)), std::nullopt);
+  review::ServeReview(trial, ReviewedTrialOf(std::move(folder), programs), std::nullopt);
 }
 
 bool IsDesignFile(const fs::path& file) {
@@ -379,9 +394,11 @@ void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
   if (is_design) return ReviewDesign(options, page, programs);
   if (maker == "lake-compare") return review::ServeComparison(page, ReadComparedPair(options.subject));
   if (maker == "lake-run") return review::ServeStudy(page, StudyWorkOf(options.subject, options.movement, programs));
-  if (is_folder && maker.empty())
-    throw Fail("{}: holds no results of lake track, compare, optimize, simulate or run", options.subject.string());
-  if (is_folder) return ReviewTrial(options, page);
+  if (is_folder && maker.empty()) {
+    fs::current_path(options.subject);  // what is made from there on lies in it
+    return review::ServeStart(page, StartWorkOf(options.page, programs));
+  }
+  if (is_folder) return ReviewTrial(options, page, programs);
   ReviewVideo(options, page, programs);
 }
 

@@ -50,19 +50,23 @@ void ResolveInputs(const Json& summary, const fs::path& folder, commands::TrackR
   if (options.events && !fs::exists(folder / kSavedEvents)) options.events = FindInput(summary, "events", folder);
 }
 
-// `events`: with those that were moved.
-std::string CommandOf(const OptionList& list, const commands::TrackRunOptions& options, const fs::path& folder,
-                      bool events) {
-  std::string command = "lake track " + ShellWord(options.video.string());
-  if (options.camera) command += " --camera " + ShellWord(options.camera->string());
+std::vector<std::string> ArgumentsOf(const OptionList& list, const commands::TrackRunOptions& options,
+                                     const fs::path& folder) {
+  std::vector<std::string> words = {options.video.string()};
+  if (options.camera) words.insert(words.end(), {"--camera", options.camera->string()});
   for (const Option& option : list.All()) {
     const std::string& name = option.Name();
     if (option.IsOperand() || name == "camera" || name == "corrections" || name == "events") continue;
-    for (const std::string& word : WordsOf(option)) command += fmt::format(" {}", ShellWord(word));
+    std::ranges::copy(WordsOf(option), std::back_inserter(words));
   }
-  command += " --corrections " + ShellWord((folder / kSavedCorrections).string());
-  if (events) command += " --events " + ShellWord((folder / kSavedEvents).string());
-  return fmt::format("{} -o {}", command, ShellWord(folder.string()));
+  words.insert(words.end(), {"--corrections", (folder / kSavedCorrections).string(), "-o", folder.string()});
+  return words;
+}
+
+std::string CommandOf(const std::vector<std::string>& arguments, const fs::path& folder, bool events) {
+  std::string command = "lake track";
+  for (const std::string& word : arguments) command += fmt::format(" {}", ShellWord(word));
+  return events ? command + " --events " + ShellWord((folder / kSavedEvents).string()) : command;
 }
 
 // The same in a study.
@@ -163,9 +167,10 @@ TrackedFolder ReadTrackedFolder(const fs::path& folder, const Json& given) {
     ReadOptionsOf(told, list);
     ResolveInputs(summary, folder, result.options);
     ReadTracked(folder, summary, result);
+    const fs::path absolute = fs::absolute(folder).lexically_normal();
+    if (!is_study) result.arguments = ArgumentsOf(list, result.options, absolute);
     const auto command = [&](bool events) {
-      return is_study ? SectionOf(folder, given, events)
-                      : CommandOf(list, result.options, fs::absolute(folder).lexically_normal(), events);
+      return is_study ? SectionOf(folder, given, events) : CommandOf(result.arguments, absolute, events);
     };
     result.command = command(false);
     result.warnings = summary.at("warnings").get<std::vector<std::string>>();

@@ -20,6 +20,9 @@ struct ReviewedTrial {
   CorrectionBook book;
   std::vector<std::int64_t> repeated;  // frames whose picture is that of the frame before
   TrialWork work;
+  // Tracks again with the corrections that are saved, and gives the trial anew; throws Error. Empty: this is another
+  // program's part.
+  std::function<ReviewedTrial(const BackgroundJob::Control& control)> apply;
   SnapDetector snap_to;  // empty: each marker is a patch, looked for as it is where it was measured last
   Json about;            // AboutMessage in page/messages.ts
 };

@@ -29,6 +29,7 @@ struct TrialFit {
 struct TrialWork {
   std::function<TrialFit(const motion::MarkerRecording& corrected)> fit;  // throws Error where there is no leg in it
   std::function<void(const CorrectionBook& book)> save;                   // throws Error; nothing is half written then
+  std::function<bool()> is_applied;  // whether the results that are there were made with what is saved
 };
 
 // May be asked by several threads.
@@ -76,6 +77,7 @@ class TrialSession {
   std::int64_t revision_ = 0, fitted_ = -1;
   std::optional<TrialFit> fit_;  // of the revision `fitted_`
   std::string fit_error_;
+  bool is_applied_;
   bool stop_ = false;
   std::thread thread_;
 };

@@ -20,12 +20,14 @@ struct ReviewRunOptions {
 
 void Describe(ReviewRunOptions& o, OptionList& options);
 
-// The trial of a folder, for the page: its fit is lake-track's, and each correction is saved in the folder.
-review::ReviewedTrial ReviewedTrialOf(TrackedFolder folder);
+// The trial of a folder, for the page: its fit is lake-track's, each correction is saved in the folder, and
+// `programs`/lake-track applies them.
+review::ReviewedTrial ReviewedTrialOf(TrackedFolder folder, const std::filesystem::path& programs);
 
 // Prints the page's address and serves it until its last window is closed. Corrections are written into the folder:
-// corrections.csv, events_corrected.csv and review.json. Of a video, tracking runs `programs`/lake-track into its
-// default folder. Throws Error, also where the port is taken; Interrupted once a signal has arrived.
+// corrections.csv, events_corrected.csv and review.json. Programs are run from the folder `programs`; of a video,
+// lake-track writes into its default folder. Throws Error, also where the port is taken; Interrupted once a signal has
+// arrived.
 void RunReview(const ReviewRunOptions& options, const std::filesystem::path& programs);
 
 }  // namespace lake::reviewing

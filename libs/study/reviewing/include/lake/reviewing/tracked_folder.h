@@ -24,8 +24,9 @@ struct TrackedFolder {
   std::vector<motion::Correction> known;        // detector's samples of all that lake-review corrected in these tracks
   Json history;                                 // CorrectionBook's, of the last session; null: none
   std::map<std::string, std::string> kept;      // what lake-review's files in the folder last held
-  std::string command;                          // tracks again with corrections.csv …
-  std::string command_with_events;              // … and with events_corrected.csv
+  std::vector<std::string> arguments;           // lake-track's, that apply corrections.csv; empty: a study tracks it
+  std::string command;                          // the same for a person to type, or what to write into the study …
+  std::string command_with_events;              // … with events_corrected.csv too
   std::vector<std::string> warnings;            // of the run that tracked it
 };
 

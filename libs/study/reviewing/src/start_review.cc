@@ -1,0 +1,313 @@
+#include "start_review.h"
+
+#include <fcntl.h>
+#include <fmt/ranges.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/child_program.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/processes.h"
+#include "lake/motion/saved_corrections.h"
+#include "lake/video/video_reader.h"
+#include "result_inputs.h"
+
+namespace lake::reviewing {
+namespace {
+
+namespace fs = std::filesystem;
+
+// ---- what lies in the folder
+
+struct Found {
+  fs::path path;
+  std::string kind, what = {}, lacks = {};
+};
+
+std::string LowerExtension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+bool IsOneOf(const std::string& extension, const std::vector<std::string>& all) {
+  return std::ranges::find(all, extension) != all.end();
+}
+
+bool IsFilm(const fs::path& path) {
+  return IsOneOf(LowerExtension(path), {".mp4", ".mov", ".avi", ".mkv", ".m4v", ".webm", ".mts"});
+}
+
+bool IsPicture(const fs::path& path) {
+  return IsOneOf(LowerExtension(path), {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"});
+}
+
+Found FoundFilm(const fs::path& path) {
+  Found found{path, "film"};
+  try {
+    const video::VideoInfo info = video::VideoReader::Open(path, {})->Info();
+    found.what = fmt::format("{} × {}, {:.4g} frames/s", info.width, info.height, info.frame_rate_hz);
+  } catch (const Error& error) {
+    found.lacks = error.what();
+  }
+  return found;
+}
+
+// By the keys that are in it.
+Found FoundYaml(const fs::path& path) {
+  constexpr std::size_t kMost = 1 << 20;
+  const std::string text = fs::file_size(path) < kMost ? "\n" + ReadTextFile(path) : "";
+  const auto has = [&](const char* key) { return text.find(fmt::format("\n{}:", key)) != std::string::npos; };
+  if (has("camera_matrix"))
+    return {path, "camera", has("plane_rvec") ? "lens and sagittal plane" : "lens",
+            has("plane_rvec") ? "" : "no sagittal plane"};
+  if (has("human")) return {path, "study file"};
+  if (has("links")) return {path, "design"};
+  return {path, ""};
+}
+
+Found FoundTrial(const fs::path& folder, const Json& summary) {
+  Found found{folder, "trial"};
+  std::vector<std::string> names;
+  const fs::path tracks = folder / "tracks.csv";
+  if (!fs::exists(tracks)) return {folder, "trial", "", "its markers are not named"};
+  constexpr std::string_view kPlace = "_x_px";
+  const CsvTable table = CsvTable::Read(tracks);
+  for (const std::string& column : table.Header())
+    if (column.ends_with(kPlace)) names.push_back(column.substr(0, column.size() - kPlace.size()));
+  found.what = fmt::format("{}{}", fmt::join(names, ", "),
+                           summary.contains("movement") ? "; " + summary["movement"].get<std::string>() : "");
+  if (!InputOf(summary, "camera")) found.lacks = "no camera: lengths are in px";
+  if (!motion::UnappliedCorrections(folder).empty()) found.lacks = "its corrections are not applied";
+  return found;
+}
+
+Found FoundResult(const fs::path& folder) {
+  const Json summary = ReadJsonFile(folder / "summary.json");
+  const std::string maker = summary.value("program", "");
+  if (maker == "lake-track") return FoundTrial(folder, summary);
+  if (maker == "lake-compare") return {folder, "comparison"};
+  if (maker == "lake-optimize" || maker == "lake-simulate") return {folder, "design"};
+  if (maker == "lake-run")
+    return {folder, "study", summary.value("name", ""), fs::exists(folder / "report.html") ? "" : "no report yet"};
+  return {folder, ""};
+}
+
+// Films, pictures, results and files that a study begins with; what is inside of results is not looked at, except for
+// those of the default folder.
+std::vector<Found> FindAll() {
+  constexpr int kDeepest = 3;
+  constexpr std::size_t kMost = 300;
+  std::vector<Found> all;
+  std::map<fs::path, std::size_t> pictures;
+  const auto options = fs::directory_options::skip_permission_denied;
+  for (auto at = fs::recursive_directory_iterator(".", options); at != fs::recursive_directory_iterator(); ++at) {
+    const fs::path path = at->path().lexically_normal();
+    std::error_code error;
+    const bool is_folder = at->is_directory(error);
+    if (path.filename().string().starts_with(".") || at.depth() >= kDeepest) {
+      if (is_folder) at.disable_recursion_pending();
+      continue;
+    }
+    Found found;
+    try {
+      if (is_folder && fs::exists(path / "summary.json")) {
+        at.disable_recursion_pending();
+        found = FoundResult(path);
+      } else if (!is_folder && IsFilm(path)) {
+        found = FoundFilm(path);
+      } else if (!is_folder && LowerExtension(path) == ".yaml") {
+        found = FoundYaml(path);
+      } else if (!is_folder && IsPicture(path)) {
+        found = {path, "picture"};
+        ++pictures[path.parent_path()];
+      }
+    } catch (const std::exception& damaged) {
+      found = {path, is_folder ? "result" : "file", "", damaged.what()};
+    }
+    if (!found.kind.empty()) all.push_back(std::move(found));
+    if (all.size() == kMost) break;
+  }
+  constexpr std::size_t kFewestViews = 3;
+  for (const auto& [folder, count] : pictures)
+    if (count >= kFewestViews) all.push_back({folder.empty() ? "." : folder, "pictures", fmt::format("{} pictures", count)});
+  std::ranges::sort(all, {}, &Found::path);
+  return all;
+}
+
+// Films whose trial is there too are tracked.
+Json FoundJson(const std::vector<Found>& all) {
+  std::set<std::string> tracked;
+  for (const Found& found : all)
+    if (found.kind == "trial") {
+      const Json summary = ReadJsonFile(found.path / "summary.json");
+      if (const Json* video = InputOf(summary, "video"))
+        tracked.insert(fs::path(video->value("path", "")).filename().string());
+    }
+  Json list = Json::array();
+  for (const Found& found : all) {
+    const bool is_untracked = found.kind == "film" && !tracked.contains(found.path.filename().string());
+    list.push_back({{"path", found.path.string()},
+                    {"kind", found.kind},
+                    {"what", found.what},
+                    {"lacks", found.lacks.empty() && is_untracked ? "not tracked" : found.lacks}});
+  }
+  return list;
+}
+
+// ---- pages of what was found
+
+// Each is served by a lake-review of its own until its last window is closed.
+class OpenPages {
+ public:
+  OpenPages(const review::PageOptions& page, const fs::path& programs) : page_(page), programs_(programs) {}
+  OpenPages(const OpenPages&) = delete;
+  OpenPages& operator=(const OpenPages&) = delete;
+  ~OpenPages() {
+    for (const auto& [pid, said] : pages_) {
+      kill(pid, SIGTERM);
+      WaitForEnd(pid);
+      close(said);
+    }
+  }
+
+  std::string Open(const fs::path& subject) {
+    std::array<int, 2> pipe;
+    if (pipe2(pipe.data(), O_CLOEXEC) != 0) throw Fail("{}: {}", subject.string(), std::strerror(errno));
+    const pid_t pid = StartChild({(programs_ / "lake-review").string(), subject.string(), "--listen", page_.listen},
+                                 {.out = pipe[1], .err = pipe[1]});
+    close(pipe[1]);
+    std::string line, last;
+    for (char c = 0; read(pipe[0], &c, 1) == 1;) {
+      if (c != '\n') {
+        line += c;
+        continue;
+      }
+      if (line.starts_with("http://")) {
+        const std::lock_guard lock(mutex_);
+        pages_.emplace_back(pid, pipe[0]);
+        return line;
+      }
+      last = std::exchange(line, {});
+    }
+    WaitForEnd(pid);
+    close(pipe[0]);
+    throw Error(last.empty() ? "lake-review ended without a page" : last);
+  }
+
+  bool Any() {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(pages_, [](const auto& page) {
+      const bool has_ended = waitpid(page.first, nullptr, WNOHANG) != 0;
+      if (has_ended) close(page.second);
+      return has_ended;
+    });
+    return !pages_.empty();
+  }
+
+ private:
+  const review::PageOptions page_;
+  const fs::path programs_;
+  std::mutex mutex_;
+  std::vector<std::pair<pid_t, int>> pages_;  // processes, and what they write to
+};
+
+// ---- what the page makes
+
+using Control = review::BackgroundJob::Control;
+
+void RunProgram(const fs::path& program, const std::vector<std::string>& arguments, const Control& control) {
+  const ChildEnd end = RunChild(program, arguments, control.say, control.throw_if_stopped);
+  if (end.code != 0) throw Fail("{} ended with code {}: {}", program.filename().string(), end.code, end.last_line);
+}
+
+std::string Required(const Json& asked, const char* key, const char* what) {
+  const std::string text = asked.value(key, "");
+  if (text.empty()) throw Fail("{} is missing", what);
+  return text;
+}
+
+void CheckIsNew(const char* file) {
+  if (fs::exists(file)) throw Fail("{} is there already: move it away, or use it", file);
+}
+
+// camera.yaml in the folder, of the board's pictures and the picture that shows it in the sagittal plane.
+void MakeCamera(const Json& asked, const fs::path& programs, const Control& control) {
+  constexpr const char* kCamera = "camera.yaml";
+  CheckIsNew(kCamera);
+  const std::string board = Required(asked, "board", "the board (chessboard:9x6:25)"),
+                    plane = Required(asked, "plane", "the picture of the board in the sagittal plane");
+  const fs::path views = Required(asked, "views", "film or pictures of the board"), lens = "lake-out/camera",
+                 whole = "lake-out/plane";
+  std::vector<std::string> arguments = {"--board", board, "-o", lens.string()};
+  if (fs::is_directory(views)) {
+    for (const auto& entry : fs::directory_iterator(views))
+      if (IsPicture(entry.path())) arguments.push_back(entry.path().string());
+    std::sort(arguments.begin() + 4, arguments.end());
+  } else {
+    arguments.push_back(views.string());
+  }
+  RunProgram(programs / "lake-calibrate", arguments, control);
+  RunProgram(programs / "lake-calibrate",
+             {"plane", plane, "--camera", (lens / kCamera).string(), "--board", board, "-o", whole.string()}, control);
+  WriteTextFile(kCamera, ReadTextFile(whole / kCamera));
+}
+
+std::string Quoted(const std::string& text) {
+  return Json(text).dump();  // YAML reads JSON's strings
+}
+
+// study.yaml in the folder, of two trials, and its results.
+void MakeStudy(const Json& asked, const fs::path& programs, const Control& control) {
+  constexpr const char* kStudy = "study.yaml";
+  CheckIsNew(kStudy);
+  std::string text = fmt::format("name: {}\n", Quoted(asked.value("name", "").empty() ? "Study" : asked["name"]));
+  text += fmt::format("human: {{trial: {}}}\n", Quoted(Required(asked, "human", "the trial without exoskeleton")));
+  if (const std::string exo = asked.value("exo", ""); !exo.empty())
+    text += fmt::format("exo: {{trial: {}}}\n", Quoted(exo));
+  if (const std::string worn = asked.value("worn", ""); !worn.empty())
+    text += fmt::format("design: {{worn: {}}}\n", Quoted(worn));
+  if (const double mass_kg = asked.value("mass_kg", 0.0); mass_kg > 0)
+    text += fmt::format("loads: {{mass_kg: {}}}\n", mass_kg);
+  WriteTextFile(kStudy, text);
+  try {
+    RunProgram(programs / "lake-run", {kStudy, "--plan"}, control);
+  } catch (const Error&) {
+    fs::remove(kStudy);  // so that it can be asked for otherwise
+    throw;
+  }
+  RunProgram(programs / "lake-run", {kStudy, "-o", "lake-out/study"}, control);
+}
+
+}  // namespace
+
+review::StartWork StartWorkOf(const review::PageOptions& page, const fs::path& programs) {
+  const auto pages = std::make_shared<OpenPages>(page, programs);
+  review::StartWork work;
+  work.folder = fs::current_path().string();
+  work.found = [] { return FoundJson(FindAll()); };
+  work.open = [pages](const std::string& path) { return pages->Open(path); };
+  work.has_open_pages = [pages] { return pages->Any(); };
+  work.make = [programs](const Json& asked, const Control& control) {
+    if (asked.at("what") == "camera") return MakeCamera(asked, programs, control);
+    if (asked.at("what") == "study") return MakeStudy(asked, programs, control);
+    throw Error("a camera or a study can be made");
+  };
+  return work;
+}
+
+}  // namespace lake::reviewing
