@@ -91,7 +91,7 @@ export class NamingPage {
   // lake track says for which marker it asks.
   private showFailed(why: string): void {
     const asked = [...why.matchAll(/--seed (\w+)=/g)].map(([, name]) => name);
-    this.unfound = this.choices.markers.find((name) => asked.includes(name) && !(name in this.choices.seeds)) ?? "";
+    this.unfound = asked.find((name) => this.choices.markers.includes(name) && !(name in this.choices.seeds)) ?? "";
     if (!this.unfound) return say(TEXTS.trackingFailed(why), true);
     this.selected = this.choices.markers.indexOf(this.unfound);
     this.showChoices();

@@ -87,8 +87,8 @@ export class StartPage {
   }
 
   private show(): void {
-    const { folder, found } = this.start, listed = this.ofKind(...LISTED);
-    part("state").textContent = TEXTS.foundCount(folder, listed.length);
+    const { found } = this.start, listed = this.ofKind(...LISTED);
+    part("state").textContent = TEXTS.foundCount(listed.length);
     for (const id of Object.keys(CHOICES)) this.fill(id);
     const trials = this.ofKind("trial").filter((trial) => trial.what !== "").map((trial) => trial.path);
     this.showStep("camera", found.filter(({ kind, lacks }) => kind === "camera" && lacks === "").map(({ path }) => path));
@@ -122,6 +122,7 @@ export class StartPage {
     const proposed =
       id === "start-exo" ? offered.find(({ path }) => this.isExo(path))
       : id === "start-human" ? offered.find(({ path }) => !this.isExo(path))
+      : id.endsWith("-film") ? offered.find(({ lacks }) => lacks !== "")
       : undefined;
     select.value = offered.some(({ path }) => path === before) ? before : proposed?.path ?? "";
   }

@@ -195,7 +195,7 @@ export const TEXTS = allUnbroken({
   noReport: "There is no report yet: run all that is due",
 
   // Start
-  foundCount: (folder: string, count: number) => `${folder}: ${count === 1 ? "1 file or result" : `${count} files and results`}`,
+  foundCount: (count: number) => (count === 1 ? "1 file or result" : `${count} files and results`),
   openFound: "Open",
   choose_one: (kind: string) => `choose a ${kind}`,
   without: (what: string) => `no ${what}`,
