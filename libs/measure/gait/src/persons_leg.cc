@@ -42,6 +42,32 @@ std::vector<double> LengthsOf(const LegPath& path, Place below, Place above) {
   return PerFrame(path, [&](std::size_t i) { return Segment(path, below, above, i).norm(); });
 }
 
+// Of each frame, how large a film shows the leg: who comes nearer while walking through has all lengths grow with the
+// place on the way. 1 where the hip does not travel by one and a half legs.
+std::vector<double> ScalesOnWay(const LegPath& path) {
+  constexpr double kLongWay = 1.5;
+  const std::vector<double> shanks = LengthsOf(path, kAnkleAt, kKneeAt), thighs = LengthsOf(path, kKneeAt, kHipAt),
+                            places = PerFrame(path, [&](std::size_t i) { return path.marker[kHipAt][i].x(); });
+  std::vector<double> legs = shanks;
+  for (std::size_t i = 0; i < legs.size(); ++i) legs[i] += thighs[i];
+  const double leg = MedianOfKnown(legs), middle = MedianOfKnown(places);
+  double products = 0, squares = 0;
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    if (!std::isfinite(legs[i])) continue;
+    products += (places[i] - middle) * (legs[i] / leg - 1);
+    squares += std::pow(places[i] - middle, 2);
+  }
+  const bool is_long = QuantileOfKnown(places, 1) - QuantileOfKnown(places, 0) > kLongWay * leg;
+  return PerFrame(path, [&](std::size_t i) { return is_long ? 1 + products / squares * (places[i] - middle) : 1; });
+}
+
+std::vector<double> LengthsWithoutWay(const LegPath& path, Place below, Place above) {
+  std::vector<double> lengths = LengthsOf(path, below, above);
+  const std::vector<double> scales = ScalesOnWay(path);
+  for (std::size_t i = 0; i < lengths.size(); ++i) lengths[i] /= scales[i];
+  return lengths;
+}
+
 // 5 % to 95 % quantile over the median.
 double Range(const std::vector<double>& lengths) {
   return (QuantileOfKnown(lengths, 0.95) - QuantileOfKnown(lengths, 0.05)) / MedianOfKnown(lengths);
@@ -79,7 +105,8 @@ Fault LengthFault(const char* segment, double mm, double least, double most, con
 }
 
 Fault LengthsFault(const LegPath& path, const LegFitOptions& options, const PersonsLegLimits& limits) {
-  const std::vector<double> shanks = LengthsOf(path, kAnkleAt, kKneeAt), thighs = LengthsOf(path, kKneeAt, kHipAt);
+  const std::vector<double> shanks = LengthsWithoutWay(path, kAnkleAt, kKneeAt),
+                            thighs = LengthsWithoutWay(path, kKneeAt, kHipAt);
   if (path.has_true_lengths)
     for (const auto& [lengths, below] : {std::pair{&shanks, kAnkleAt}, {&thighs, kKneeAt}})
       if (RangeOfMost(*lengths) > options.most_length_range)
@@ -254,7 +281,7 @@ LegPath PathOf(const motion::LegMotion& motion) {
 std::vector<UnusualLength> UnusualLengths(const LegPath& path, const LegFitOptions& options) {
   std::vector<UnusualLength> unusual;
   for (const Place below : {kAnkleAt, kKneeAt}) {
-    const std::vector<double> lengths = LengthsOf(path, below, static_cast<Place>(below + 1));
+    const std::vector<double> lengths = LengthsWithoutWay(path, below, static_cast<Place>(below + 1));
     if (const double range = RangeOfMost(lengths); range > options.usual_length_range) {
       const double usual = MedianOfKnown(lengths), allowed = options.usual_length_range / 2;
       UnusualLength& found = unusual.emplace_back();

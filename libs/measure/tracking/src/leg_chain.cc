@@ -81,9 +81,16 @@ class ChainSearch {
     return ends.frames >= kMinCommonFrames && ends.deviation >= std::max(kLeast, kStiffer * stiffness);
   }
 
-  bool IsSegment(std::size_t lower, std::size_t upper) const {
+  bool IsFixed(std::size_t marker) const {
+    return marker < options_.fixed.size() && options_.fixed[marker].has_value();
+  }
+
+  // `marker`: the upper one.
+  bool IsSegment(std::size_t lower, std::size_t upper, std::size_t marker) const {
     const PairDistance& pair = tracklets_.Distance(lower, upper);
-    return pair.frames >= kMinCommonFrames && pair.deviation < kMaxDeviation && pair.mean > 0;
+    const bool is_evident =
+        marker > 2 || IsFixed(marker - 1) || IsFixed(marker) || pair.frames >= options_.least_frames;
+    return is_evident && pair.frames >= kMinCommonFrames && pair.deviation < kMaxDeviation && pair.mean > 0;
   }
 
   void Extend(std::vector<std::size_t> chain, double cost) {
@@ -94,7 +101,7 @@ class ChainSearch {
     }
     for (std::size_t i = 0; i < tracklets_.size(); ++i) {
       if (!MayBe(i, marker) || std::find(chain.begin(), chain.end(), i) != chain.end()) continue;
-      if (marker > 0 && !IsSegment(chain.back(), i)) continue;
+      if (marker > 0 && !IsSegment(chain.back(), i, marker)) continue;
       chain.push_back(i);
       if (const auto added = CostOfLast(chain)) Extend(chain, cost + *added);
       chain.pop_back();

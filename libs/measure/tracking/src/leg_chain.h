@@ -19,6 +19,7 @@ struct LegChainOptions {
   std::vector<std::optional<std::size_t>> fixed;  // a marker that is known already, per marker
   std::vector<std::size_t> excluded;              // tracklets that have other names
   Eigen::Vector2d up = {0, 1};                    // in metric units
+  double least_frames = 0;                        // in which ankle and knee, and knee and hip, are seen together
 };
 
 // All chains that can be a leg, the best first.

@@ -144,7 +144,8 @@ std::vector<Found> FindAll() {
   }
   constexpr std::size_t kFewestViews = 3;
   for (const auto& [folder, count] : pictures)
-    if (count >= kFewestViews) all.push_back({folder.empty() ? "." : folder, "pictures", fmt::format("{} pictures", count)});
+    if (count >= kFewestViews)
+      all.push_back({folder.empty() ? "." : folder, "pictures", fmt::format("{} pictures", count)});
   std::ranges::sort(all, {}, &Found::path);
   return all;
 }
