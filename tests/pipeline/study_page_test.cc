@@ -112,7 +112,7 @@ TEST(StudyPage, HasTheBudgetOfTheMisalignment) {
 
 // What is wrong and the first thing to do; the ways, from the cheapest on; a picture, a chart; what next. Then the
 // warnings, folded, and all of it in words.
-TEST(StudyPage, SaysTheCheapestRepairFirst) {
+TEST(StudyPage, SaysWhatToBuildFirst) {
   const std::string& page = PageText();
   const std::size_t warnings = page.find("<h2>Warnings</h2>"), contents = page.find("<nav");
   // On the knee its linkage reaches further into the seat than as worn.
@@ -120,10 +120,12 @@ TEST(StudyPage, SaysTheCheapestRepairFirst) {
   ASSERT_LT(on_body["moved"]["seat_clearance_mm"], on_body["as_worn"]["seat_clearance_mm"]);
   std::size_t last = 0;
   for (const char* part :
-       {"<p>The joint sits in front of and above the knee. Move it onto the knee first.</p>", "as worn</th>",
-        "same links, joint moved</th>", "new links</th>", "<figure class=\"chart half\">",
+       {"<p>The joint sits in front of and above the knee. New links help; those that were worn do not "
+        "keep the limits, wherever their joint is.</p>",
+        "as worn</th>", "same links, joint moved</th>", "new links</th>", "<figure class=\"chart half\">",
         "as worn, with the joint moved", "<dt>Next</dt>", "<h2>Warnings</h2>", "<h2>Why, and how sure</h2>",
-        "; 95 %: ", "<dt>What is wrong</dt>", "<dt>What to build for new links</dt>", "<dt>How sure it is</dt>"}) {
+        "; 95 %: ", "<dt>What is wrong</dt>", "<dt>Why new links</dt>", "<dt>What to build for new links</dt>",
+        "<dt>How sure it is</dt>"}) {
     const std::size_t at = page.find(part, last);
     ASSERT_NE(at, page.npos) << part;
     last = at;
@@ -140,7 +142,7 @@ TEST(StudyPage, SaysTheCheapestRepairFirst) {
   for (const char* file : {"simulation/design.dxf", "simulation/schematic.svg", "redesign/design.yaml"})
     EXPECT_THAT(page, HasSubstr(file));
   // The best evidence is in the page.
-  EXPECT_THAT(page.substr(contents), HasSubstr("Knee paths, misalignment, knee angle and stroke over the rise"));
+  EXPECT_THAT(page.substr(contents), AllOf(HasSubstr("<h3>Knee angles</h3>"), HasSubstr("class=\"folded\"")));
 }
 
 // Nobody asks of a place of the worn joint that it reach less far into seat and limbs than it did: the nearest such
@@ -192,7 +194,7 @@ TEST(StudyPage, SaysItPlainly) {
                           ContainsRegex("To hold [0-9.]+ N m the actuator pushes with at most [0-9.]+ N"),
                           ContainsRegex("Below [0-9.]+ %, the noise floor, a recording shows only noise."),
                           HasSubstr("Knee angle of the person and of the new design.")));
-  EXPECT_THAT(page, AllOf(HasSubstr("Move the mount (an hour), record again (an hour)."),
+  EXPECT_THAT(page, AllOf(HasSubstr("Cut links (a day), test without a person (a day), record again (an hour)."),
                           ContainsRegex("limit you set \\([0-9]+ s: [0-9.]+ %\\)")));
 }
 
@@ -287,7 +289,7 @@ TEST(StudyPage, TheFirstScreenIsShort) {
             numbers: text.match(/\d+(\.\d+)?/g).length};)",
                                     1400);
   EXPECT_LE(answer["words"], 80);
-  EXPECT_LE(answer["numbers"], 12);
+  EXPECT_LE(answer["numbers"], 15);  // three of them forces
   EXPECT_LE(answer["forbids"], 600) << "the violated limits stand high on a laptop's screen";
   const Json& rows = answer["rows"];
   ASSERT_EQ(rows.size(), 3u);

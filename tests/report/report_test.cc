@@ -125,8 +125,9 @@ TEST(Report, WarningsOfALongReportAreFolded) {
 }
 
 TEST(Report, NumbersAsOneReadsThem) {
-  const std::string page = PageOf({Table{"", {{"what"}, {"value", 2}}, {{"a", -1.005}, {"b", kNaN}, {"c", -0.001}}},
-                                   KeyFigures{{{"error", 8.614, 2, "%", 0.3, "note"}}}});
+  const std::string page = PageOf(
+      {Table{"", {{"what"}, {"value", 2}, {"none"}}, {{"a", -1.005, 1.0}, {"b", kNaN, 2.0}, {"c", -0.001, kNaN}}},
+       KeyFigures{{{"error", 8.614, 2, "%", 0.3, "note"}}}});
   EXPECT_THAT(page, HasSubstr("<td class=\"number\">−1.00</td>"));
   EXPECT_THAT(page, HasSubstr("<td class=\"number\">–</td>"));
   EXPECT_THAT(page, HasSubstr("<td class=\"number\">0.00</td>"));

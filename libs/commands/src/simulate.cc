@@ -277,8 +277,8 @@ std::string ReportOf(const linkage::Design& design, const Request& request, cons
   if (weakest)
     text += fmt::format("least safety factor {}: {} of the {} at {:.1f}°\n", SignificantText(weakest->Safety(), 3),
                         weakest->check, weakest->part, weakest->KneeAngle_deg());
-  text += fmt::format("{:>10} {:>9} {:>9} {:>10} {:>9} {:>13} {:>11}\n", "stroke mm", "knee °", "° per mm",
-                      "arm mm/rad", "force N", "transmission °", "actuator °");
+  text += fmt::format("{:>10} {:>9} {:>9} {:>10} {:>9} {:>13} {:>11}\n", "stroke mm", "knee °", "° per mm", "arm mm",
+                      "force N", "transmission °", "actuator °");
   for (const double stroke_mm : request.shown_mm) {
     const Row row(design.links, stroke_mm, knee_torque_nm);
     text +=

@@ -129,10 +129,9 @@ SENTENCES = [
      lambda s: [-s.comparison.best_placement.on_body.moved.seat_clearance_mm,
                 s.comparison.best_placement.on_body.as_worn.seat_clearance_mm - s.comparison.best_placement.on_body.moved.seat_clearance_mm]),
     (PAGES + "design.md", "The published problem's best is {:.2f}°", lambda s: [s.optimum.range_deg]),
-    (PAGES + "design.md", "The study's design has {:.1f} % of misalignment at {:.1f}° of range, with the joint {:.0f} mm in front of the knee and {:.0f} mm lower "
-     "than as worn. With the joint on the knee the range would be {:.1f}°.",
-     lambda s: [s.redesign.after.misalignment_percent, s.redesign.after.range_deg, s.redesign.after.placement_x_mm,
-                s.redesign.before.placement_y_mm - s.redesign.after.placement_y_mm, s.redesign.placement_range.range_at_knee_deg]),
+    (PAGES + "design.md", "has {:.1f} % of misalignment at {:.1f}° of range, with the joint on the knee, {:.0f} mm lower than as worn.",
+     lambda s: [s.redesign.after.misalignment_percent, s.redesign.after.range_deg,
+                s.redesign.before.placement_y_mm - s.redesign.after.placement_y_mm]),
     (PAGES + "design.md", "with their joint moved onto the knee leave {:.1f} %, in the {:.1f} s of their program",
      lambda s: [s.redesign.joint_moved.misalignment_percent, s.redesign.joint_moved.program_duration_s]),
     (PAGES + "loads.md", "The peak extension moment of one knee is {:.0f} N m, with a 95 % interval from {:.0f} to {:.0f} N m",
@@ -160,8 +159,9 @@ SENTENCES = [
     ("libs/measure/tracking/README.md", "the knee's mean error is {:.3f} px in x: the exoskeleton's parts next to the marker are no sloping background. "
      "Its sigma, {:.3f} px RMS, holds that.", lambda s: [s.knee_bias_px("exo"), s.knee_sigma_px("exo")]),
     ("data/sts-study/README.md", "is more than the {:.2f} mm that are left between the program's end", lambda s: [s.stroke.firmware.drift.end_mm - s.stroke.end.stroke_mm]),
-    ("data/sts-study/README.md", "the centre of pressure comes to {:.0f} mm outside the foot (at {:.0f} % of the rise, where the seat lets go; {:.1f}° of range)",
-     lambda s: [-s.redesign.balance.margin_mm, s.redesign.balance.at_percent, s.redesign.after.range_deg]),
+    ("data/sts-study/README.md", "the centre of pressure keeps {:.0f} mm inside the foot (least at {:.0f} % of the rise, where the seat lets go) at {:.1f}° of range; "
+     "without it, it would be {:.0f} mm outside",
+     lambda s: [s.redesign.balance.margin_mm, s.redesign.balance.at_percent, s.redesign.after.range_deg, -s.redesign.balance.without.balance_margin_mm]),
 ]
 
 FORMAT = re.compile(r"\{:(\.\d+f)\}")

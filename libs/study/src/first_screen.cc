@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "lake/core/colours.h"
+#include "lake/core/csv.h"
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/linkage/design_file.h"
@@ -151,11 +152,58 @@ std::string OtherTime(const Json& redesign) {
   return "";
 }
 
-Table WaysTable(const std::vector<Way>& ways, const Json& redesign, const std::string& repetition) {
-  Table table{
-      "",
-      {{"Way"}, {"Misalignment"}, {(repetition == "rise" ? "Rise" : "Stride") + std::string(" time")}, {"To build"}},
-      {}};
+// A limit of the redesign that was asked for, and what the worn and the new links have of it.
+struct Asked {
+  std::string name, unit;
+  double worn = 0, built = 0, least = 0, most = 0;  // NaN: no such limit
+
+  bool IsKeptByWorn() const { return !(worn < least || worn > most); }
+};
+
+// Of the links, wherever their joint is; none where it is not known which were worn.
+std::vector<Asked> AskedOfLinks(const StudyFile& study, const StudyResults& results) {
+  if (!study.worn) return {};
+  const CsvTable table = CsvTable::Read(results.Folder() / "redesign/constraints.csv");
+  const auto number = [&](std::size_t row, const char* column) {
+    return table.Number(row, table.Column(column)).value_or(std::nan(""));
+  };
+  std::vector<Asked> asked;
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    const std::string name = table.Text(row, table.Column("constraint")), unit = table.Text(row, table.Column("unit"));
+    if (unit != "%" && !name.starts_with("balance"))
+      asked.push_back(
+          {name, unit, number(row, "initial"), number(row, "optimum"), number(row, "lower"), number(row, "upper")});
+  }
+  return asked;
+}
+
+// As people say it.
+std::string WordsOf(const Asked& limit) {
+  return limit.name == "force"         ? "actuator force"
+         : limit.name == "grashof"     ? "Grashof margin"
+         : limit.name == "singularity" ? "distance from a singularity"
+                                       : limit.name;
+}
+
+// Of each limit that the worn links do not keep.
+template <typename Text>
+std::string WornFaults(const std::vector<Asked>& asked, const Text& text) {
+  std::vector<std::string> faults;
+  for (const Asked& limit : asked)
+    if (!limit.IsKeptByWorn()) faults.push_back(text(limit));
+  return fmt::format("{}", fmt::join(faults, ", "));
+}
+
+Table WaysTable(const std::vector<Way>& ways, const std::vector<Asked>& asked, const Json& redesign,
+                const std::string& repetition) {
+  const auto force = std::ranges::find(asked, "force", &Asked::name);
+  Table table{"",
+              {{"Way"},
+               {"Misalignment"},
+               {(repetition == "rise" ? "Rise" : "Stride") + std::string(" time")},
+               {"Actuator force (N)", 0},
+               {"To build"}},
+              {}};
   for (const Way& way : ways) {
     std::string misalignment = UncertainText(way.misalignment_percent, " %"),
                 time = UncertainText(way.rise_s, " s", way.rise_s.value < 10 ? 1 : 0);
@@ -166,7 +214,8 @@ Table WaysTable(const std::vector<Way>& ways, const Json& redesign, const std::s
     } else if (way.time_is_set) {
       time += ", programmed";
     }
-    table.rows.push_back({way.name, std::move(misalignment), std::move(time), way.build});
+    const double force_n = force == asked.end() ? std::nan("") : &way == &ways.back() ? force->built : force->worn;
+    table.rows.push_back({way.name, std::move(misalignment), std::move(time), force_n, way.build});
   }
   return table;
 }
@@ -187,11 +236,14 @@ std::string SideOf(const StudyResults& results) {
 }
 
 // The cheapest way that helps for certain: its misalignment lies below the worn one's interval, which holds how rises
-// differ; or, in the trial that shows it, the joint that it moves is off the knee.
-const Way* FirstToTry(const std::vector<Way>& ways) {
+// differ; or, in the trial that shows it, the joint that it moves is off the knee. Worn links that do not keep the
+// limits are no way.
+const Way* FirstToTry(const std::vector<Way>& ways, const std::vector<Asked>& asked) {
   const Uncertain& worn = ways.front().misalignment_percent;
+  const bool can_stay = std::ranges::all_of(asked, &Asked::IsKeptByWorn);
   for (const Way& way : ways)
-    if (&way != &ways.front() && way.misalignment_percent.value < (way.mends_joint ? worn.value : worn.low))
+    if (&way != &ways.front() && (can_stay || &way == &ways.back()) &&
+        way.misalignment_percent.value < (way.mends_joint ? worn.value : worn.low))
       return &way;
   return nullptr;
 }
@@ -212,15 +264,20 @@ bool MeetsSeat(const std::vector<Way>& ways, const Json& redesign) {
   });
 }
 
-std::string LeadText(const StudyResults& results, const std::vector<Way>& ways, const Json& redesign) {
+std::string LeadText(const StudyResults& results, const std::vector<Way>& ways, const std::vector<Asked>& asked,
+                     const Json& redesign) {
   if (!results.Has("comparison")) return "No exoskeleton was recorded: new links for this person's movement.";
   const std::string side = SideOf(results);
   std::string text = side.empty() ? "The joint sits on the knee, as far as is known. "
                                   : fmt::format("The joint sits {} the knee. ", side);
-  const Way* first = FirstToTry(ways);
+  const Way* first = FirstToTry(ways, asked);
   if (!first)
     return text + fmt::format("No way below is certain to help: record more {}s first.", RepetitionIn(results));
-  if (first == &ways.back()) return text + "New links help.";
+  if (first == &ways.back())
+    return text + (std::ranges::all_of(asked, &Asked::IsKeptByWorn)
+                       ? "New links help."
+                       : "New links help; those that were worn do not keep the limits, wherever "
+                         "their joint is.");
   return text + fmt::format("Move it {} the knee first.", MeetsSeat(ways, redesign) ? "towards" : "onto");
 }
 
@@ -287,8 +344,8 @@ LineChart ErrorChart(const StudyResults& results) {
   return chart;
 }
 
-std::string NextSteps(const std::vector<Way>& ways) {
-  if (const Way* first = FirstToTry(ways); first && first != &ways.back())
+std::string NextSteps(const std::vector<Way>& ways, const std::vector<Asked>& asked) {
+  if (const Way* first = FirstToTry(ways, asked); first && first != &ways.back())
     return "Move the mount (an hour), record again (an hour).";
   return "Cut links (a day), test without a person (a day), record again (an hour).";
 }
@@ -349,11 +406,15 @@ Section ResultChapter(const StudyFile& study, const StudyResults& results) {
   if (!results.Has("redesign")) return MeasuredResult(results);
   const Json redesign = results.Summary("redesign");
   const std::vector<Way> ways = WaysOf(study, results);
-  Section section{"Result",
-                  {Paragraph{LeadText(results, ways, redesign)}, WaysTable(ways, redesign, RepetitionIn(results))}};
+  const std::vector<Asked> asked = AskedOfLinks(study, results);
+  Section section{
+      "Result",
+      {Paragraph{LeadText(results, ways, asked, redesign)}, WaysTable(ways, asked, redesign, RepetitionIn(results))}};
   if (const Json walking = redesign.value("walking", Json()); walking.is_object())
     section.blocks.insert(section.blocks.begin(), Answers{{{"For walking", walking.at("text")}}});
   std::vector<std::string> forbids;
+  if (const std::string faults = WornFaults(asked, WordsOf); !faults.empty())
+    forbids.push_back(fmt::format("The worn links: {}.", faults));
   if (std::string collision = CollisionText(ways, redesign); !collision.empty())
     forbids.push_back(std::move(collision));
   if (MeetsSeat(ways, redesign)) forbids.emplace_back("If the joint is moved, the linkage touches the seat.");
@@ -366,8 +427,17 @@ Section ResultChapter(const StudyFile& study, const StudyResults& results) {
   else
     section.blocks.push_back(PathsChart(results));
   section.blocks.push_back(ErrorChart(results));
-  section.blocks.push_back(Answers{{{"Next", NextSteps(ways)}}});
+  section.blocks.push_back(Answers{{{"Next", NextSteps(ways, asked)}}});
   return section;
+}
+
+std::string WhyNewLinks(const StudyFile& study, const StudyResults& results) {
+  const std::string faults = WornFaults(AskedOfLinks(study, results), [](const Asked& limit) {
+    const bool is_most = limit.worn > limit.most;
+    return fmt::format("{} {} ({} {:g})", WordsOf(limit), Quantity(limit.worn, limit.unit == "deg" ? "°" : limit.unit),
+                       is_most ? "at most" : "at least", is_most ? limit.most : limit.least);
+  });
+  return faults.empty() ? "" : fmt::format("Those that were worn do not keep the limits: {}.", faults);
 }
 
 std::string ResultText(const StudyFile& study, const StudyResults& results) {
@@ -377,7 +447,8 @@ std::string ResultText(const StudyFile& study, const StudyResults& results) {
   std::vector<std::string> misalignments;
   for (const Way& way : ways)
     misalignments.push_back(fmt::format("{} {}", way.name, UncertainText(way.misalignment_percent, " %")));
-  return fmt::format("{}\npath difference: {}\n", LeadText(results, ways, redesign), fmt::join(misalignments, "; "));
+  return fmt::format("{}\npath difference: {}\n", LeadText(results, ways, AskedOfLinks(study, results), redesign),
+                     fmt::join(misalignments, "; "));
 }
 
 }  // namespace lake::study

@@ -43,6 +43,9 @@ struct Way {
   bool mends_joint = false;                     // moves a joint that is known to be off the knee
   std::optional<linkage::WearCheck> on_body{};  // absent: not known
 };
+// Which limits the worn links do not keep, with what they have of each; empty if they keep all, or are not known.
+std::string WhyNewLinks(const StudyFile& study, const StudyResults& results);
+
 // As worn, with the joint moved, new; those that there are.
 std::vector<Way> WaysOf(const StudyFile& study, const StudyResults& results);
 

@@ -90,6 +90,8 @@ Report MakeStudyReport(const StudyFile& study, const StudyResults& results, cons
   report.sections.push_back(MethodsChapter(results));
   report.sections.push_back(FilesChapter(study, results, head));
   report.sections.push_back(ProvenanceSection(head));
+  constexpr std::size_t kOpen = 2;  // result, and why
+  for (std::size_t i = kOpen; i < report.sections.size(); ++i) report.sections[i].folded = true;
   return report;
 }
 

@@ -44,18 +44,17 @@ std::string OptimumText(const Json& summary) {
 // Negative: they overlap, seen from the side. Seat and limbs stand there where the linkage meets them.
 Table FitTable(const Json& body) {
   Table table{
-      fmt::format("Clearances on a body of {:.0f} cm and {:.0f} kg, the linkage {} the leg; negative: parts overlap, "
-                  "seen from the side",
-                  NumberOrNaN(body.at("height_mm")) / 10, NumberOrNaN(body.at("mass_kg")),
-                  body.at("mount").get<std::string>()),
+      fmt::format(
+          "Clearances on a body of {:.0f} cm and {:.0f} kg with a thigh of {:.0f} and a shank of {:.0f} mm, the "
+          "linkage {} the leg; negative: parts overlap, seen from the side",
+          NumberOrNaN(body.at("height_mm")) / 10, NumberOrNaN(body.at("mass_kg")), NumberOrNaN(body.at("thigh_mm")),
+          NumberOrNaN(body.at("shank_mm")), body.at("mount").get<std::string>()),
       {{"Quantity"}, {"mm", 1}, {"Overlap (mm)", 1}, {"at knee angle (°)", 1}},
       {}};
   const auto add = [&](const char* what, const char* key, double at_deg) {
     const double clearance = NumberOrNaN(body.at(key));
     table.rows.push_back({what, clearance, clearance < 0 ? -clearance : std::nan(""), at_deg});
   };
-  table.rows.push_back({"thigh, hip to knee", NumberOrNaN(body.at("thigh_mm")), std::nan(""), std::nan("")});
-  table.rows.push_back({"shank, knee to ankle", NumberOrNaN(body.at("shank_mm")), std::nan(""), std::nan("")});
   add("mount to hip, along the thigh", "mount_below_hip_mm", std::nan(""));
   if (!body.at("clears_seat").is_null())
     add("linkage to seat", "seat_clearance_mm", NumberOrNaN(body.at("seated_deg")));
@@ -88,14 +87,11 @@ Section OptimumChapter(const StudyFile& study, const StudyResults& results) {
 
 Section SimulationChapter(const StudyFile&, const StudyResults& results) {
   const Json summary = results.Summary("simulation");
-  Table table{fmt::format("Poses; the force balances {} at the knee",
-                          Quantity(NumberOrNaN(summary.at("knee_torque_nm")), "N m")),
-              {{"Knee (°)", 1},
-               {"Stroke (mm)", 2},
-               {"Moment arm (mm/rad)", 1},
-               {"Force (N)", 0},
-               {"Transmission angle (°)", 1}},
-              {}};
+  Table table{
+      fmt::format("Poses; the force balances {} at the knee",
+                  Quantity(NumberOrNaN(summary.at("knee_torque_nm")), "N m")),
+      {{"Knee (°)", 1}, {"Stroke (mm)", 2}, {"Moment arm (mm)", 1}, {"Force (N)", 0}, {"Transmission angle (°)", 1}},
+      {}};
   for (const Json& pose : summary.at("poses"))
     table.rows.push_back({NumberOrNaN(pose.at("knee_deg")), NumberOrNaN(pose.at("stroke_mm")),
                           NumberOrNaN(pose.at("moment_arm_mm")), NumberOrNaN(pose.at("force_n")),

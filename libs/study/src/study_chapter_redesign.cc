@@ -437,20 +437,11 @@ Section RedesignChapter(const StudyFile& study, const StudyResults& results) {
     section.blocks.push_back(Paragraph{std::move(others)});
   section.blocks.push_back(CuffTable(summary));
   section.blocks.push_back(BuildTable(results, summary));
-  results.AddPicture(
-      "redesign/knee_paths.svg",
-      "Knee paths, misalignment, knee angle and stroke over the rise, of the person, the worn and the new design",
-      "Where both knees are, how far apart, and what the actuator does for it.", Width::kFull, section);
-  LineChart angles = AnglesChart(results.Folder() / "redesign/program.csv", RepetitionIn(results));
+  if (results.HasFile(kKneesPicture)) section.blocks.push_back(PathsChart(results));  // else the first screen has it
+  section.blocks.push_back(AnglesChart(results.Folder() / "redesign/program.csv", RepetitionIn(results)));
   if (summary.contains("pareto")) {
-    LineChart pareto = ParetoChart(summary);
-    pareto.width = Width::kHalf;
-    section.blocks.push_back(std::move(angles));
-    section.blocks.push_back(std::move(pareto));
+    section.blocks.push_back(ParetoChart(summary));
     if (Table trade = TradeTable(summary); !trade.rows.empty()) section.blocks.push_back(std::move(trade));
-  } else {
-    angles.width = Width::kFull;
-    section.blocks.push_back(std::move(angles));
   }
   if (const Json balance = summary.value("balance", Json()); balance.is_object()) {
     section.blocks.push_back(ProgramBalanceTable(results, summary, balance));

@@ -363,6 +363,7 @@ Section DetailsChapter(const StudyFile& study, const StudyResults& results) {
     if (!text.empty()) answers.answers.push_back({question, std::move(text)});
   };
   if (results.Has("comparison")) add("What is wrong", WrongText(results));
+  add("Why new links", WhyNewLinks(study, results));
   add("What another program would give", OtherProgramText(redesign));
   if (results.Has("loads")) add("Can a person follow it", BalanceText(results, redesign));
   add("What to build for new links", BuildText(results, redesign));

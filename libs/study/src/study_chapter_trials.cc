@@ -235,13 +235,14 @@ Section MisalignmentChapter(const StudyFile&, const StudyResults& results) {
   const Json comparison = ReadJsonFile(results.Folder() / "comparison" / "comparison.json");
   LineChart paths = KneePathsChart(comparison), error = PathDifferenceChart(comparison);
   BarChart parts = DecompositionChart(comparison);
-  paths.width = error.width = Width::kHalf;
-  Section section{
-      "Knee misalignment",
-      {MisalignmentKeyFigures(comparison), std::move(paths), std::move(error),
-       Paragraph{DecompositionAdvice(comparison)}, std::move(parts),
-       Paragraph{"Placement is an offset constant in the frame of the shank, which moving the joint removes; timing "
-                 "is a change of pace within the repetition; shape is the rest."}}};
+  paths.width = error.width = parts.width = Width::kHalf;
+  Section section{"Knee misalignment", {MisalignmentKeyFigures(comparison), std::move(paths)}};
+  if (!results.Has("redesign")) section.blocks.push_back(std::move(error));  // else the first screen has it
+  section.blocks.push_back(std::move(parts));
+  section.blocks.push_back(Paragraph{DecompositionAdvice(comparison)});
+  section.blocks.push_back(
+      Paragraph{"Placement is an offset constant in the frame of the shank, which moving the joint removes; timing "
+                "is a change of pace within the repetition; shape is the rest."});
   if (std::string budget = BudgetText(comparison); !budget.empty())
     section.blocks.push_back(Paragraph{std::move(budget)});
   return section;

@@ -201,7 +201,7 @@ std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem) {
                            bool along_profile = false) { add(kind, name, false, limit, unit, along_profile); };
   const bool has_profile = problem.HasLoadProfile();
   at_least(Kind::kSingularity, "singularity", problem.singularity_margin_mm, "mm");
-  at_least(Kind::kMomentArm, "moment arm", problem.min_moment_arm_mm, "mm/rad");
+  at_least(Kind::kMomentArm, "moment arm", problem.min_moment_arm_mm, "mm");
   at_most(Kind::kForce, "force", problem.max_force_n, "N", has_profile);
   at_most(Kind::kPinForce, "pin force", problem.max_pin_force_n, "N", has_profile);
   at_most(Kind::kMountForce, "mount force", problem.max_mount_force_n, "N", has_profile);

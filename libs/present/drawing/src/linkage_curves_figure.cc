@@ -75,7 +75,7 @@ void DrawAngleVsStroke(const std::filesystem::path& path, const LinkageLook& loo
   // Near the singular ends the force grows without bound; the axis shows at most five times its least.
   const auto [least_force, most_force] = std::minmax_element(fine[3].begin(), fine[3].end());
   const double top_n = std::min(1.1 * *most_force, 5 * *least_force);
-  figure.Line("unset offsets\nset ylabel 'moment arm (mm/rad)'\nset yrange [0:*]\nset y2tics\nset border 11");
+  figure.Line("unset offsets\nset ylabel 'moment arm (mm)'\nset yrange [0:*]\nset y2tics\nset border 11");
   figure.Line(
       "set y2label 'force for {:g} N m (N)'\nset y2range [0:{}]\nset key at graph 0.5, graph 1.02 center bottom "
       "horizontal nobox",

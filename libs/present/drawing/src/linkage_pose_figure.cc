@@ -326,7 +326,7 @@ void DrawPosePage(figure::GnuplotFigure& figure, const LinkageLook& look, const 
       "set label 101 '{{/:Italic θ}} = {:.1f}°     {{/:Italic d}} = {:.2f} mm' at screen 0.5,0.962 center font ',17'",
       DegreesFromRadians(pose.theta_rad), pose.stroke_mm);
   figure.Line(
-      "set label 102 'moment arm {:.1f} mm/rad     force {:.0f} N for {:g} N m     transmission angle {:.1f}°     "
+      "set label 102 'moment arm {:.1f} mm     force {:.0f} N for {:g} N m     transmission angle {:.1f}°     "
       "actuator angle {:.1f}°' at screen 0.5,0.918 center font ',12' textcolor rgb '#555555'",
       transmission.moment_arm_mm, linkage::ActuatorForce(transmission, look.knee_torque_nm), look.knee_torque_nm,
       DegreesFromRadians(transmission.transmission_rad), DegreesFromRadians(transmission.actuator_rad));

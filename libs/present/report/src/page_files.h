@@ -10,6 +10,7 @@ std::string_view ChartLicence();  // of the chart library, in words
 std::string_view PageCharts();    // page/charts.js
 std::string_view PageControls();  // page/controls.js
 std::string_view PageFilters();   // page/filters.js
+std::string_view PageFolds();     // page/folds.js
 std::string_view PageStyle();     // page/report.css
 std::string_view PageUnits();     // page/units.json
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <regex>
@@ -221,8 +222,7 @@ bool IsText(const Cell& cell) {
   return std::holds_alternative<std::string>(cell) || std::holds_alternative<Link>(cell);
 }
 
-std::string CellHtml(const Cell& cell, const Column& column, bool first) {
-  const bool is_text = IsText(cell);
+std::string CellHtml(const Cell& cell, const Column& column, bool first, bool is_numeric) {
   std::string text;
   if (const auto* words = std::get_if<std::string>(&cell)) text = column.code ? EscapeHtml(*words) : TextHtml(*words);
   if (const auto* link = std::get_if<Link>(&cell))
@@ -230,12 +230,35 @@ std::string CellHtml(const Cell& cell, const Column& column, bool first) {
   if (const auto* value = std::get_if<double>(&cell)) text = NumberText(*value, column.decimals);
   if (const auto* number = std::get_if<Number>(&cell)) text = NumberText(number->value, number->decimals);
   if (first) return fmt::format("<th scope=\"row\">{}</th>", text);
-  return fmt::format("<td{}>{}</td>", !is_text ? " class=\"number\"" : column.code ? " class=\"code\"" : "", text);
+  return fmt::format("<td{}>{}</td>", is_numeric ? " class=\"number\"" : column.code ? " class=\"code\"" : "", text);
 }
 
-// A column is set as numbers if its first cell is one.
+bool IsNothing(const Cell& cell) {
+  const auto* value = std::get_if<double>(&cell);
+  const auto* number = std::get_if<Number>(&cell);
+  return (value && std::isnan(*value)) || (number && std::isnan(number->value));
+}
+
+// Without rows and columns in which nothing is known, but for what names them.
+Table WithoutNothing(Table table) {
+  const auto known_in = [](const std::vector<Cell>& row) {
+    return row.size() < 2 || !std::all_of(row.begin() + 1, row.end(), IsNothing);
+  };
+  std::erase_if(table.rows, [&](const auto& row) { return !known_in(row); });
+  for (std::size_t column = table.columns.size(); column-- > 1;) {
+    const bool is_known =
+        table.rows.empty() || !std::ranges::all_of(table.rows, [&](const auto& row) { return IsNothing(row[column]); });
+    if (is_known || std::ranges::count(table.filters, column) > 0) continue;
+    table.columns.erase(table.columns.begin() + static_cast<std::ptrdiff_t>(column));
+    for (auto& row : table.rows) row.erase(row.begin() + static_cast<std::ptrdiff_t>(column));
+    for (std::size_t& filter : table.filters) filter -= filter > column ? 1 : 0;
+  }
+  return table;
+}
+
+// A column is set as numbers if one of its cells is one, also where others have an interval.
 bool IsNumeric(const Table& table, std::size_t column) {
-  return !table.rows.empty() && !IsText(table.rows[0][column]);
+  return std::ranges::any_of(table.rows, [&](const auto& row) { return !IsText(row[column]); });
 }
 
 std::string Html(const Paragraph& paragraph) {
@@ -269,11 +292,12 @@ std::string Html(const Answers& answers) {
   return html + "</dl>\n";
 }
 
-std::string Html(const Table& table) {
-  for (const auto& row : table.rows)
-    if (row.size() != table.columns.size())
-      throw Fail("report: table '{}': a row of {} cells under {} columns", table.caption, row.size(),
-                 table.columns.size());
+std::string Html(const Table& given) {
+  for (const auto& row : given.rows)
+    if (row.size() != given.columns.size())
+      throw Fail("report: table '{}': a row of {} cells under {} columns", given.caption, row.size(),
+                 given.columns.size());
+  const Table table = WithoutNothing(given);
   const std::string filters =
       table.filters.empty() ? "" : fmt::format(" data-filters=\"{}\"", fmt::join(table.filters, " "));
   std::string html = fmt::format("<div class=\"table {}\"{}><table>\n", ClassOf(table.width), filters);
@@ -284,7 +308,8 @@ std::string Html(const Table& table) {
   html += "</tr></thead>\n<tbody>\n";
   for (const auto& row : table.rows) {
     html += "<tr>";
-    for (std::size_t i = 0; i < row.size(); ++i) html += CellHtml(row[i], table.columns[i], i == 0);
+    for (std::size_t i = 0; i < row.size(); ++i)
+      html += CellHtml(row[i], table.columns[i], i == 0, IsNumeric(table, i));
     html += "</tr>\n";
   }
   return html + "</tbody></table></div>\n";
@@ -337,9 +362,15 @@ std::string Html(const Files& files) {
 }
 
 std::string SectionHtml(const Section& section, std::size_t index) {
-  std::string html = fmt::format("<section id=\"section-{}\">\n{}", index, Element("h2", section.heading));
-  for (const Block& block : section.blocks) html += std::visit([](const auto& b) { return Html(b); }, block);
-  return html + "</section>\n";
+  std::string blocks;
+  for (const Block& block : section.blocks) blocks += std::visit([](const auto& b) { return Html(b); }, block);
+  if (!section.folded)
+    return fmt::format("<section id=\"section-{}\">\n{}{}</section>\n", index, Element("h2", section.heading), blocks);
+  return fmt::format(
+      "<section id=\"section-{}\" class=\"folded\">\n<details>\n<summary><h2>{}</h2></summary>\n<div "
+      "class=\"blocks\">\n"
+      "{}</div>\n</details>\n</section>\n",
+      index, TextHtml(section.heading), blocks);
 }
 
 bool IsLong(const Report& report) {
@@ -407,6 +438,8 @@ std::string RenderReport(const Report& report) {
     html +=
         fmt::format("<script>\n/*!\n{}*/\n{}\n</script>\n<script>\n'use strict';\n(() => {{\n{}\n{}}})();\n</script>\n",
                     ChartLicence(), ChartLibrary(), PageCharts(), PageControls());
+  if (std::ranges::any_of(report.sections, &Section::folded))
+    html += fmt::format("<script>\n'use strict';\n(() => {{\n{}}})();\n</script>\n", PageFolds());
   if (HasBlock(report.sections, HasFilters))
     html += fmt::format("<script>\n'use strict';\n(() => {{\n{}}})();\n</script>\n", PageFilters());
   return html + "</body>\n</html>\n";

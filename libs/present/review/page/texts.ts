@@ -151,7 +151,7 @@ export const TEXTS = allUnbroken({
     color: ["Click a marker of the colour"],
   },
   barLength: "Length of the scale bar (mm)",
-  unfound: (name: string, spots: number) => `${name} was not found by itself: click it (1–${spots})`,
+  unfound: (name: string, count: number) => `${name} was not found by itself: click it (1–${count})`,
   track: "Track",
   replaceTrial: "Replace the trial",
   trialThere: (folder: string) => `${folder} holds a trial already; it is replaced if you go on`,
@@ -235,9 +235,9 @@ export const TEXTS = allUnbroken({
     worst?.knee_deg !== undefined ? `at ${worst.knee_deg.toFixed(1)}°`
     : worst?.percent !== undefined ? `at ${worst.percent.toFixed(0)} % of the rise` : "",
   pose: (stroke: number, knee: number | null, arm: number | null, force: number | null) =>
-    `d ${stroke.toFixed(1)} mm, θ ${fixed(knee, 1)}°, moment arm ${fixed(arm, 1)} mm/rad, force ${fixed(force, 0)} N`,
+    `d ${stroke.toFixed(1)} mm, θ ${fixed(knee, 1)}°, moment arm ${fixed(arm, 1)} mm, force ${fixed(force, 0)} N`,
   kneeOverStroke: (first: number, last: number) => `Knee angle θ (°) over the stroke d, ${first.toFixed(1)} to ${last.toFixed(1)} mm`,
-  arm: "Moment arm (mm/rad)",
+  arm: "Moment arm (mm)",
   force: (torque: number) => `Actuator force (N) for a knee torque of ${torque} N m`,
   now: "now",
   saved_design: "saved",

@@ -22,6 +22,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/processes.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/motion/saved_corrections.h"
 #include "lake/video/video_reader.h"
 #include "result_inputs.h"
@@ -60,7 +61,7 @@ Found FoundFilm(const fs::path& path) {
   Found found{path, "film"};
   try {
     const video::VideoInfo info = video::VideoReader::Open(path, {})->Info();
-    found.what = fmt::format("{} × {}, {:.4g} frames/s", info.width, info.height, info.frame_rate_hz);
+    found.what = fmt::format("{} × {}, {} frames/s", info.width, info.height, SignificantText(info.frame_rate_hz, 4));
   } catch (const Error& error) {
     found.lacks = error.what();
   }

@@ -162,6 +162,7 @@ using Block = std::variant<Paragraph, List, KeyFigures, Answers, Table, Picture,
 struct Section {
   std::string heading{};  // empty: none
   std::vector<Block> blocks;
+  bool folded = false;  // closed until it is asked for
 };
 
 struct Report {
