@@ -1,5 +1,6 @@
 """The manual is built by its script: every command runs, every picture is there, and the site needs no network."""
 import html.parser
+import json
 import os
 import pathlib
 import re
@@ -73,6 +74,14 @@ class Manual(unittest.TestCase):
                     self.assertTrue((self.site / target.partition("?")[0]).is_file())
         for sheet in self.site.rglob("*.css"):
             self.assertNotRegex(sheet.read_text(encoding="utf-8"), r"(@import|url\()\s*[\"']?(https?:)?//")
+
+    def test_each_section_is_found_by_searching(self):
+        index = json.loads((self.site / "search-index.js").read_text(encoding="utf-8").partition("= ")[2].rstrip(";\n"))
+        self.assertGreater(len(index), 100)
+        for section in index:
+            self.assertIn(section["anchor"], self.pages[section["page"]].ids)
+        found = [section["page"] for section in index if "noise floor" in section["text"].lower()]
+        self.assertIn("method.html", found)
 
     def test_links_lead_somewhere(self):
         for name, page in self.pages.items():

@@ -11,6 +11,7 @@ The site needs no network. Pages are Markdown in pages/, in the order of mkdocs.
     {{columns}} {{options}} {{rooms}} {{file PATH}} {{template PROGRAM}}   references made of columns.csv, --help-all, the rooms' READMEs, a file of the
                                    project, the YAML file that a program's --template writes"""
 import argparse
+import json
 import os
 import pathlib
 import re
@@ -124,6 +125,25 @@ class Manual:
         (self.docs / page).write_text(text, encoding="utf-8")
 
 
+def search_index(docs):
+    """Every section of the pages, for search.js: page, anchor as mkdocs makes it, heading, text."""
+    from markdown.extensions.toc import slugify  # comes with mkdocs
+    sections = []
+    for page in pages():
+        anchors, fenced = {}, False
+        for line in (docs / page).read_text(encoding="utf-8").splitlines():
+            fenced ^= line.startswith("```")
+            heading = None if fenced else re.match(r"#+ +(.*)", line)
+            if heading:
+                title = re.sub(r"[`*]", "", heading[1])
+                slug = slugify(title, "-")
+                anchors[slug] = anchors.get(slug, -1) + 1
+                sections.append({"page": page.replace(".md", ".html"), "anchor": slug + (f"_{anchors[slug]}" if anchors[slug] else ""), "title": title, "text": ""})
+            elif sections:
+                sections[-1]["text"] += re.sub(r"[`*|]+", " ", line) + " "
+    return f"const lakeSearchIndex = {json.dumps(sections, ensure_ascii=False)};\n"
+
+
 def columns():
     parts = []
     for table in dict.fromkeys(column.table for column in lake.columns_of()):
@@ -149,6 +169,9 @@ def main():
         for page in pages():
             manual.write(page)
         shutil.copy(HERE / "mkdocs.yml", site)
+        for name in ("search.js", "search.css"):
+            shutil.copy(HERE / name, site / "docs")
+        (site / "docs/search-index.js").write_text(search_index(site / "docs"), encoding="utf-8")
         out = options.out.resolve()
         done = subprocess.run(["mkdocs", "build", "--quiet", "--strict", "--clean", "--site-dir", out], cwd=site, check=False)
         if done.returncode != 0:
