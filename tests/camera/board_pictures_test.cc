@@ -106,19 +106,20 @@ TEST_F(BoardPicturesTest, OfAVideoSharpSpreadFramesAreChosen) {
 // Twenty looks over the whole of it: searching every picture thoroughly took minutes.
 TEST_F(BoardPicturesTest, AVideoWithoutTheBoardIsToldOfAfterAFewLooks) {
   video::VideoWriterOptions writer_options;
-  writer_options.width = 640;
-  writer_options.height = 480;
   writer_options.grey = true;
   writer_options.frame_rate_hz = 60;
   const auto write = [&](const char* name, const cv::Mat1b& early, const cv::Mat1b& late) {
+    writer_options.width = early.cols;
+    writer_options.height = early.rows;
     video::VideoWriter writer(folder_ / name, writer_options);
     for (int i = 0; i < 240; ++i) writer.Write(i < 180 ? early : late, i / 60.0);
     writer.Finish();
     return folder_ / name;
   };
-  cv::Mat1b room(480, 640, uchar{90});
+  cv::Mat1b room(480, 640, uchar{90}), small;
   cv::rectangle(room, {200, 100, 150, 250}, 190, cv::FILLED);
-  EXPECT_THAT(Complaint({write("without.mp4", room, room)}), testing::HasSubstr("seen in none of 20 frames"));
+  cv::resize(room, small, {}, 0.5, 0.5);
+  EXPECT_THAT(Complaint({write("without.mp4", small, small)}), testing::HasSubstr("seen in none of 20 frames"));
   options_.attempts_per_s = 5;
   const camera::BoardPictures late = camera::FindBoards({write("late.mp4", room, Board(300, 20))}, kBoard, options_);
   EXPECT_EQ(late.attempts, 20);

@@ -168,11 +168,11 @@ TEST(CalibrationQuality, WarningsNameTheirCause) {
     const auto result = camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height);
     return camera::AssessCalibration(kBoard, recording.views, result).warnings;
   };
-  EXPECT_THAT(warnings(Record(truth, 18, 0.1, 5)), testing::IsEmpty());
-  EXPECT_THAT(warnings(Record(truth, 18, 0.6, 6)), Contains(HasSubstr("RMS")));
+  EXPECT_THAT(warnings(Record(truth, 12, 0.1, 5)), testing::IsEmpty());
+  EXPECT_THAT(warnings(Record(truth, 10, 0.6, 6)), Contains(HasSubstr("RMS")));
   EXPECT_THAT(warnings(Record(truth, 5, 0.1, 7)), Contains(HasSubstr("only 5 views")));
-  EXPECT_THAT(warnings(Record(truth, 20, 0.1, 8, 5)), Contains(HasSubstr("nearly parallel")));
-  Recording left = Record(truth, 30, 0.1, 9);
+  EXPECT_THAT(warnings(Record(truth, 12, 0.1, 8, 5)), Contains(HasSubstr("nearly parallel")));
+  Recording left = Record(truth, 20, 0.1, 9);
   std::erase_if(left.views, [](const camera::BoardView& v) {
     return std::any_of(v.pixel.begin(), v.pixel.end(), [](const Eigen::Vector2d& p) { return p.x() > 800; });
   });

@@ -36,7 +36,7 @@ inline Outcome RenderShort(const TemporaryFolder& folder) {
   namespace fs = std::filesystem;
   const fs::path shared = BinDir().parent_path() / "recordings/short_recording";
   if (!fs::exists(shared / "summary.json"))
-    return Shell(folder, "lake-synth -o good --duration 3 --rate 30 --width 720 --quiet");
+    return Shell(folder, "lake-synth -o good --duration 3 --rate 30 --width 720 --crf 23 --quiet");
   fs::copy(shared, folder / "good", fs::copy_options::recursive);
   return {};
 }

@@ -163,6 +163,7 @@ motion::MarkerRecording Askance(double angle_deg, double camera_mm) {
 
 TEST(NotWalking, ObliquelyIsMeasuredWithAWarningThatSaysWhatItDoes) {
   constexpr double kCamera_mm = 6000;
+  const gait::LegFitResult straight = FitAs(Askance(0, kCamera_mm), gait::MovementKind::kAuto, kCamera_mm);
   for (const double angle_deg : {-25.0, -18.0, 18.0, 25.0}) {
     const gait::LegFitResult leg = FitAs(Askance(angle_deg, kCamera_mm), gait::MovementKind::kAuto, kCamera_mm);
     EXPECT_EQ(leg.movement.kind, gait::MovementKind::kWalking);
@@ -174,7 +175,6 @@ TEST(NotWalking, ObliquelyIsMeasuredWithAWarningThatSaysWhatItDoes) {
     const std::size_t off = warnings.find("off by up to ");
     ASSERT_NE(off, std::string::npos);
     // The largest difference of the drawn walk's own knee angle.
-    const gait::LegFitResult straight = FitAs(Askance(0, kCamera_mm), gait::MovementKind::kAuto, kCamera_mm);
     double largest_deg = 0;
     for (std::size_t i = 0; i < leg.motion.samples.size(); ++i)
       largest_deg =

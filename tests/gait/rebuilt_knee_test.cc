@@ -10,6 +10,7 @@
 #include <random>
 #include <string>
 
+#include "draws.h"
 #include "lake/core/error.h"
 #include "lake/core/options.h"
 #include "lake/core/statistics.h"
@@ -217,7 +218,7 @@ void HideBetween(double from_deg, double to_deg, const Drawn& drawn, motion::Mar
 
 TEST(RebuiltKnee, OfDrawnLegsIsAsFarOffAsItSays) {
   std::vector<double> ratios, pressed_ratios;
-  for (unsigned seed = 1; seed <= 5; ++seed) {
+  for (unsigned seed = 1; seed <= Draws(2, 5); ++seed) {
     const gait::LearntKnee learnt = Learn(Draw(seed).part, kTwo, CalibratedView());
     Drawn hidden = Draw(seed + 20);
     std::ranges::fill(SamplesOf(hidden.part.recording, "knee"), motion::MarkerSample());

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "drawn_walk.h"
+#include "draws.h"
 #include "lake/core/angles.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
@@ -392,7 +393,7 @@ TEST(Squats, ScatterByNoMoreThanTheirStandardDeviationsSay) {
   options.names = NameMap(kRightLeg);
   const exchange::Trial trial = exchange::ReadTrial(file, options);
   std::vector<std::vector<gait::Squat>> draws;
-  for (unsigned seed = 1; seed <= 12; ++seed) {
+  for (unsigned seed = 1; seed <= Draws(5, 12); ++seed) {
     motion::MarkerRecording noisy = trial.recording;
     AddNoise(1, seed, noisy);
     draws.push_back(gait::MeasureSquats(FitWith(noisy, {}, trial.lateral_mm)).rows);
@@ -412,7 +413,7 @@ TEST(Squats, EventsErrAsTheirStandardDeviationsSay) {
     options.names = NameMap(leg);
     const exchange::Trial trial = exchange::ReadTrial(file, options);
     const std::vector<motion::StsEvent> truth = FitWith(trial.recording, {}, trial.lateral_mm).events;
-    for (unsigned seed = 1; seed <= 6; ++seed) {
+    for (unsigned seed = 1; seed <= Draws(2, 6); ++seed) {
       motion::MarkerRecording noisy = trial.recording;
       AddNoise(2, seed, noisy);
       const std::vector<motion::StsEvent> found = FitWith(noisy, {}, trial.lateral_mm).events;
@@ -428,7 +429,7 @@ TEST(Squats, EventsErrAsTheirStandardDeviationsSay) {
 // is all.
 TEST(GaitCycles, ScatterAsTheirStandardDeviationsSay) {
   std::vector<std::vector<gait::GaitCycle>> draws;
-  for (unsigned seed = 1; seed <= 12; ++seed) {
+  for (unsigned seed = 1; seed <= Draws(5, 12); ++seed) {
     DrawnWalkOptions drawn;
     drawn.noise_mm = 1;
     drawn.seed = seed;

@@ -48,7 +48,7 @@ TEST(CameraStance, SidewaysRecordingsAreTurnedByOptionOrToldTheirVertical) {
     synth::SceneOptions scene = OneRise(seed);
     scene.roll_deg = roll_deg;
     scene.width_px = 800;  // not its height
-    RenderedTrial trial(scene, {.preset = kQuickEncoder});
+    RenderedTrial trial(scene, kQuickly);
     const auto uncalibrated = [](commands::TrackRunOptions& options) { options.camera.reset(); };
     const Json turned = trial.Track("turned", [&, rotate_deg = rotate_deg](commands::TrackRunOptions& options) {
       uncalibrated(options);
@@ -82,13 +82,13 @@ TEST(CameraStance, TheVerticalIsFoundFromTheLegItself) {
   for (const auto& [roll_deg, seed] : {std::pair{180.0, 6u}, {-35.0, 7u}, {20.0, 8u}}) {
     synth::SceneOptions scene = OneRise(seed);
     scene.roll_deg = roll_deg;
-    RenderedTrial trial(scene, {.preset = kQuickEncoder});
+    RenderedTrial trial(scene, kQuickly);
     ExpectVerticalOfTheLeg(trial, roll_deg);
   }
 }
 
 TEST(CameraStance, ACameraOfAnotherSizeIsScaledAndSaidToBe) {
-  RenderedTrial trial(OneRise(9), {.preset = kQuickEncoder});
+  RenderedTrial trial(OneRise(9), kQuickly);
   camera::CameraProfile profile = camera::ReadCameraProfile(trial.folder / "camera.yaml");
   profile.camera = *camera::CameraAtSize(profile.camera, 1080, 1080);
   camera::WriteCameraProfile(trial.folder / "large.yaml", profile);

@@ -64,19 +64,19 @@ TEST(Check, NamesWhatMakesARecordingUnfit) {
   synth::SceneOptions dark = Short(3);
   dark.exposure = 0.12;
   dark.noise.read_sd = 6;
-  RenderedTrial trial(dark, {.preset = kQuickEncoder});
+  RenderedTrial trial(dark, kQuickly);
   const Json unlit = CheckVideo(trial.folder / "video.mp4", trial.folder / "check");
   EXPECT_FALSE(unlit["fit"].get<bool>());
   EXPECT_THAT(unlit["checks"].dump(), testing::HasSubstr("lamp beside the lens"));
 
   synth::SceneOptions small = Short(4);
   small.marker_radius_px = 1.6;
-  RenderedTrial far(small, {.preset = kQuickEncoder});
+  RenderedTrial far(small, kQuickly);
   EXPECT_EQ(VerdictOf(CheckVideo(far.folder / "video.mp4", far.folder / "check"), "radius_px"), "unfit");
 
   synth::SceneOptions still = Short(5);
   still.duration_s = 0.6;  // before the rise
-  RenderedTrial resting(still, {.preset = kQuickEncoder});
+  RenderedTrial resting(still, kQuickly);
   const Json seated = CheckVideo(resting.folder / "video.mp4", resting.folder / "check");
   EXPECT_EQ(VerdictOf(seated, "travel_px"), "unfit") << seated["checks"].dump(1);
 }
@@ -112,7 +112,7 @@ TEST(Check, KnowsWhiteMarkersFromBrightOnes) {
 
 // What is said of coding rests on the pictures' bits; a file holds sound and more beside them.
 TEST(Check, CountsThePicturesBitsAlone) {
-  RenderedTrial trial(Short(8), {.preset = kQuickEncoder});
+  RenderedTrial trial(Short(8), kQuickly);
   const std::filesystem::path film = trial.folder / "video.mp4", larger = trial.folder / "larger.mp4";
   std::filesystem::copy_file(film, larger);
   constexpr unsigned kMore = 1 << 22;
@@ -221,7 +221,7 @@ TEST(Check, SaysThatAHubHidesTheKnee) {
 TEST(Check, AmongSixtyLampsItJudgesTheMarkersThatAreTracked) {
   synth::SceneOptions scene = Short(6);
   scene.reflections = 60;
-  RenderedTrial trial(scene, {.preset = kQuickEncoder});
+  RenderedTrial trial(scene, kQuickly);
   tracking::RecordingCheckOptions options;
   const tracking::RecordingCheck check = tracking::CheckRecording(trial.folder / "video.mp4", options);
   ASSERT_TRUE(check.IsNamed()) << check.why_not_named;

@@ -101,8 +101,7 @@ Pair Hub(int draw, int draws, double away_mm) {
 class Films {
  public:
   explicit Films(const Pair& pair)
-      : human_(synth::Scene(pair.human), {.preset = kQuickEncoder}),
-        worn_(synth::Scene(pair.worn), {.preset = kQuickEncoder}) {
+      : human_(synth::Scene(pair.human), kQuickly), worn_(synth::Scene(pair.worn), kQuickly) {
     Track(human_, pair.human_names,
           [&](commands::TrackRunOptions& options) { options.fit.technical = pair.technical; });
     const Json worn = Track(worn_, pair.worn_names, [&](commands::TrackRunOptions& options) {

@@ -81,7 +81,7 @@ TEST(RenderedClocks, AreAlignedWithinTwoMilliseconds) {
   if (!leg) GTEST_SKIP() << "no recording in " << SharedData() / "opencap_sts";
   synth::SceneOptions scene = CleanLeg(36001);
   scene.duration_s = 0;
-  RenderedTrial first(synth::Scene(scene, synth::MakeTableMotion(*leg)), {.crf = 17, .preset = kQuickEncoder});
+  RenderedTrial first(synth::Scene(scene, synth::MakeTableMotion(*leg)), kQuickly);
   constexpr std::size_t kLater = 83;  // frames of the recording
   const double later_s = leg->time_s[kLater] - leg->time_s.front();
   leg->time_s.erase(leg->time_s.begin(), leg->time_s.begin() + kLater);
@@ -91,7 +91,7 @@ TEST(RenderedClocks, AreAlignedWithinTwoMilliseconds) {
   scene.frame_rate_hz = 30;
   scene.start_s = 0.2347;
   scene.yaw_deg = 8;
-  RenderedTrial second(synth::Scene(scene, synth::MakeTableMotion(*leg)), {.crf = 17, .preset = kQuickEncoder});
+  RenderedTrial second(synth::Scene(scene, synth::MakeTableMotion(*leg)), kQuickly);
   first.Track();
   second.Track();
   const sync::Alignment found =

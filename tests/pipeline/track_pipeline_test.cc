@@ -193,7 +193,7 @@ TEST(TimeStamps, OfTheFramesThemselvesAreUsed) {
 
 class Corrections : public testing::Test {
  protected:
-  Corrections() : trial_(Short(98143), {.preset = kQuickEncoder}) {}
+  Corrections() : trial_(Short(98143), kQuickly) {}
 
   static synth::SceneOptions Short(std::uint64_t seed) {
     synth::SceneOptions scene = CleanLeg(seed);

@@ -85,6 +85,18 @@ TEST_F(Server, ServesNoFiles) {
   EXPECT_EQ(Client().Get(path_ + "frame/12.jpg")->body, "12.jpg");
 }
 
+// The library would compress a trial's tables for a second and more, which are read on the same machine.
+TEST_F(Server, SendsWhatABrowserAsksForAsItIs) {
+  const std::string text = "{\"text\":\"" + std::string(100'000, 'a') + "\"}";
+  const httplib::Headers as_a_browser = {{"Accept-Encoding", "gzip, deflate, br"}};
+  httplib::Client client = Client();
+  client.set_decompress(false);
+  const auto result = client.Post(path_ + "edit", as_a_browser, text, "application/json");
+  EXPECT_EQ(result->body, text);
+  EXPECT_FALSE(result->has_header("Content-Encoding"));
+  EXPECT_EQ(client.Post(path_ + "edit", "", "application/json")->body, "");
+}
+
 TEST_F(Server, TakesJsonFromItsOwnPageOnly) {
   EXPECT_EQ(Client().Post(path_ + "edit", R"({"op":"undo"})", "application/json")->status, 200);
   EXPECT_EQ(Client().Post(path_ + "edit", "op=undo", "application/x-www-form-urlencoded")->status, 415);

@@ -120,7 +120,7 @@ class ReviewPage(unittest.TestCase):
         cls.temporary = tempfile.TemporaryDirectory(prefix="lake-test-")
         cls.addClassCleanup(cls.temporary.cleanup)
         cls.folder = pathlib.Path(cls.temporary.name)
-        run(BIN / "lake-synth", "--duration", 4, "--rate", 30, "--seed-number", 31, "--hide", "knee=1.6,0.3",
+        run(BIN / "lake-synth", "--duration", 4, "--rate", 30, "--seed-number", 31, "--crf", 23, "--hide", "knee=1.6,0.3",
             "--hide", "hip=1.6,0.3", "--quiet", "-o", cls.folder / "recording")
         run(BIN / "lake-track", "recording/video.mp4", "--list", "--quiet", "-o", "listed", cwd=cls.folder)
         candidates, truth = read_table(cls.folder / "listed/candidates.csv"), read_table(cls.folder / "recording/truth.csv")
@@ -189,7 +189,7 @@ class ReviewPage(unittest.TestCase):
         end = time.monotonic() + WAIT_S
         while not holds():
             self.assertLess(time.monotonic(), end, what or f"{self.text('state')} {self.text('said')}")
-            time.sleep(0.03)
+            time.sleep(0.08)
 
     def frame(self):
         number = self.part("frame").get_attribute("data-frame")
@@ -869,8 +869,7 @@ class ReviewPage(unittest.TestCase):
         self.press("z", holding=Keys.CONTROL)
         self.until(lambda: self.length(6) == 300 and not self.failing())
         before = [self.length(link) for link in range(1, 7)]
-        for _ in range(40):
-            self.press(Keys.ARROW_RIGHT)
+        self.press(*[Keys.ARROW_RIGHT] * 40)
         self.drag_pin("tip", (-4, 3))
         self.until(lambda: self.length(2) != before[1] and self.length(1) != before[0])
         self.assertEqual([self.length(link) for link in (3, 4, 5, 6)], before[2:], "the other pins do not stay")
@@ -890,8 +889,7 @@ class ReviewPage(unittest.TestCase):
         self.open_design()
         before = self.length(2)
         slider = self.browser.find_element(By.CSS_SELECTOR, "[data-link='2'] [type=range]")
-        for _ in range(5):
-            slider.send_keys(Keys.ARROW_RIGHT)
+        slider.send_keys(Keys.ARROW_RIGHT * 5)
         self.until(lambda: abs(self.length(2) - before - 0.5) < 0.06)  # its steps are 0.1 mm, the first to the grid
         self.part("design-reset").send_keys(Keys.ENTER)
         self.until(lambda: self.length(2) == before)
@@ -900,8 +898,7 @@ class ReviewPage(unittest.TestCase):
         self.open_design()
         before = self.length(2)
         slider = self.browser.find_element(By.CSS_SELECTOR, "[data-link='2'] [type=range]")
-        for _ in range(3):
-            slider.send_keys(Keys.ARROW_RIGHT)
+        slider.send_keys(Keys.ARROW_RIGHT * 3)
         self.until(lambda: self.length(2) != before)
         slider.send_keys(Keys.CONTROL, "z")
         self.until(lambda: self.length(2) == before)
@@ -1065,7 +1062,7 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: "99 % of the rise" in self.text("percent"))
 
     def test_another_rise_changes_the_numbers(self):
-        run(BIN / "lake-synth", "--duration", 9, "--rate", 25, "--seed-number", 31, "--quiet", "-o", self.trial, cwd=self.folder)
+        run(BIN / "lake-synth", "--duration", 9, "--rate", 25, "--seed-number", 31, "--crf", 23, "--quiet", "-o", self.trial, cwd=self.folder)
         run(BIN / "lake-track", self.trial / "video.mp4", "--camera", self.trial / "camera.yaml", "--no-overlay", "--quiet",
             "-o", self.trial / "track", cwd=self.folder)
         run(BIN / "lake-compare", self.trial / "track", self.folder / "trial", "--exo-knee", "knee", "--quiet", "-o",
@@ -1158,7 +1155,7 @@ class ReviewPage(unittest.TestCase):
         end = time.monotonic() + WAIT_S
         while not self.browser.find_elements(By.CSS_SELECTOR, selector):
             self.assertLess(time.monotonic(), end, selector)
-            time.sleep(0.03)
+            time.sleep(0.08)
 
     # A folder to begin in
 

@@ -316,7 +316,7 @@ TEST(ActuatorFront, CurvesEndWhereALimitFails) {
   problem::SynthesisProblem problem = Buildable();
   problem.profile = MadeUpProfile();
   synthesis::OptimizeOptions options;
-  options.starts = 4;
+  options.starts = 2;
   const auto curves = synthesis::FindActuatorFront(
       problem, {Known("L16-50-35"), Known("L16-140-150"), Known("LA23-2500")}, {0.05, 0.5}, options);
   ASSERT_EQ(curves.size(), 3u);

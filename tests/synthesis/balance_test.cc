@@ -4,7 +4,10 @@
 
 #include <gmock/gmock.h>
 
+#include <span>
+
 #include "compare/closed_form.h"
+#include "draws.h"
 #include "lake/redesign/redesign_outcome.h"
 #include "synthesis/paper.h"
 
@@ -199,7 +202,8 @@ TEST(BalancedProgram, IsSoughtUnderItsOwnMoments) {
   ASSERT_TRUE(free);
   const std::vector<linkage::Links> links = {problem.design.start, kPublishedLinks};
   const problem::LoadProfile quick = OwnMoments(problem, 1.5);
-  for (const double force_n : {850.0, 1000.0}) {
+  constexpr double kForces_n[] = {1000, 850};
+  for (const double force_n : std::span(kForces_n).first(Draws(1, 2))) {
     SCOPED_TRACE(force_n);
     problem.design.profile = quick;
     problem.design.max_force_n = force_n;

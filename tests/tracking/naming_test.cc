@@ -15,6 +15,7 @@
 #include <numbers>
 #include <random>
 
+#include "draws.h"
 #include "lake/core/error.h"
 #include "lake/tracking/candidates.h"
 
@@ -197,27 +198,29 @@ void LimitMemory(std::size_t mb) {
   setrlimit(RLIMIT_AS, &limit);
 }
 
-// Half an hour in pieces, as its light and its subject make them: all pairs of 6000 things would take 1.7 GB.
+// Half an hour in pieces, as its light and its subject make them: all pairs of 6000 things would take 1.7 GB. Each time
+// a third of it, for which they would take 190 MB.
 TEST(NamingOfLongRecordings, TakesMemoryInProportion) {
-  constexpr int kTimes = 300, kGap = 3;
+  constexpr int kGap = 3;
   const auto name = [] {
+    const int times = static_cast<int>(Draws(100, 300));
     const LegScene scene;
     Seen seen(1, scene.noise_px);
     motion::MarkerRecording recording;
-    for (int k = 0; k < kTimes; ++k) {
+    for (int k = 0; k < times; ++k) {
       const int begin = k * kFrames, end = begin + kFrames - 1 - kGap;
       for (const std::size_t m : {2u, 0u, 3u, 1u})
         seen.Add([=](int frame) { return Leg(scene, Upright(scene, frame - begin))[m]; }, begin, end);
       for (int glint = 0; glint < 16; ++glint)
         seen.Add([=](int) { return Vector2d(100 + 20 * glint, 80); }, begin + 17 * glint, begin + 17 * glint + 15);
     }
-    for (int frame = 0; frame < kTimes * kFrames; ++frame)
+    for (int frame = 0; frame < times * kFrames; ++frame)
       recording.frame.push_back(frame), recording.time_s.push_back(frame / kFrameRateHz);
-    LimitMemory(200);
+    LimitMemory(Draws(70, 200));
     tracking::NameTracklets(seen.tracklets, LegOptions(), recording);
     const auto& knee = recording.Find("knee")->samples;
     const auto named = std::ranges::count_if(knee, [](const motion::MarkerSample& sample) { return sample.IsKnown(); });
-    std::_Exit(named == kTimes * (kFrames - kGap) ? 0 : 1);
+    std::_Exit(named == times * (kFrames - kGap) ? 0 : 1);
   };
   EXPECT_EXIT(name(), testing::ExitedWithCode(0), "");
 }

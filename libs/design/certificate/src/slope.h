@@ -25,27 +25,42 @@ struct Slope {
   }
 };
 
+// Most functions depend on few axes: of the others the derivative is exactly zero, which is not multiplied or widened.
+inline bool IsZero(const Interval& a) {
+  return a.lower == 0 && a.upper == 0;
+}
+inline Interval Times(const Interval& factor, const Interval& derivative) {
+  return IsZero(derivative) ? derivative : factor * derivative;
+}
+inline Interval Sum(const Interval& a, const Interval& b) {
+  return IsZero(a) ? b : IsZero(b) ? a : a + b;
+}
+
 // f(a) with the derivative of f at a.
 inline Slope Chain(const Slope& a, const Interval& value, const Interval& derivative) {
   Slope result(value);
-  for (std::size_t i = 0; i < kAxes; ++i) result.by[i] = derivative * a.by[i];
+  for (std::size_t i = 0; i < kAxes; ++i) result.by[i] = Times(derivative, a.by[i]);
   return result;
 }
 // f(a, b) with its derivatives.
 inline Slope Chain(const Slope& a, const Slope& b, const Interval& value, const Interval& by_a, const Interval& by_b) {
   Slope result(value);
-  for (std::size_t i = 0; i < kAxes; ++i) result.by[i] = by_a * a.by[i] + by_b * b.by[i];
+  for (std::size_t i = 0; i < kAxes; ++i) result.by[i] = Sum(Times(by_a, a.by[i]), Times(by_b, b.by[i]));
   return result;
 }
 
 inline Slope operator-(const Slope& a) {
-  return Chain(a, -a.value, -1);
+  Slope result(-a.value);
+  for (std::size_t i = 0; i < kAxes; ++i) result.by[i] = -a.by[i];
+  return result;
 }
 inline Slope operator+(const Slope& a, const Slope& b) {
-  return Chain(a, b, a.value + b.value, 1, 1);
+  Slope result(a.value + b.value);
+  for (std::size_t i = 0; i < kAxes; ++i) result.by[i] = Sum(a.by[i], b.by[i]);
+  return result;
 }
 inline Slope operator-(const Slope& a, const Slope& b) {
-  return Chain(a, b, a.value - b.value, 1, -1);
+  return a + -b;
 }
 inline Slope operator*(const Slope& a, const Slope& b) {
   return Chain(a, b, a.value * b.value, b.value, a.value);
