@@ -173,6 +173,11 @@ Json FoundJson(const std::vector<Found>& all) {
 
 // ---- pages of what was found
 
+// As a word of a command line that is no option.
+std::string OperandOf(const fs::path& path) {
+  return (path.string().starts_with("-") ? "./" : "") + path.string();
+}
+
 // Each is served by a lake-review of its own until its last window is closed.
 class OpenPages {
  public:
@@ -190,7 +195,7 @@ class OpenPages {
   std::string Open(const fs::path& subject) {
     std::array<int, 2> pipe;
     if (pipe2(pipe.data(), O_CLOEXEC) != 0) throw Fail("{}: {}", subject.string(), std::strerror(errno));
-    const pid_t pid = StartChild({(programs_ / "lake-review").string(), subject.string(), "--listen", page_.listen},
+    const pid_t pid = StartChild({(programs_ / "lake-review").string(), OperandOf(subject), "--listen", page_.listen},
                                  {.out = pipe[1], .err = pipe[1]});
     close(pipe[1]);
     std::string line, last;
@@ -258,14 +263,14 @@ void MakeCamera(const Json& asked, const fs::path& programs, const Control& cont
   std::vector<std::string> arguments = {"--board", board, "-o", lens.string()};
   if (fs::is_directory(views)) {
     for (const auto& entry : fs::directory_iterator(views))
-      if (IsPicture(entry.path())) arguments.push_back(entry.path().string());
+      if (IsPicture(entry.path())) arguments.push_back(OperandOf(entry.path()));
     std::sort(arguments.begin() + 4, arguments.end());
   } else {
-    arguments.push_back(views.string());
+    arguments.push_back(OperandOf(views));
   }
   RunProgram(programs / "lake-calibrate", arguments, control);
   RunProgram(programs / "lake-calibrate",
-             {"plane", plane, "--camera", (lens / kCamera).string(), "--board", board, "-o", whole.string()}, control);
+             {"plane", OperandOf(plane), "--camera", (lens / kCamera).string(), "--board", board, "-o", whole.string()}, control);
   WriteTextFile(kCamera, ReadTextFile(whole / kCamera));
 }
 
