@@ -139,7 +139,7 @@ class SampleReport(unittest.TestCase):
         text = text[:text.index("</dl>")]
         told = [float(time) for time in re.search(
             r"With links that are the best for it, in ([\d.]+) s or longer, where the person takes ([\d.]+) s: .*"
-            r"The new design's own time, ([\d.]+) s, is that of its stroke program, with the study's actuator and its limit of 5 mm/s\..*"
+            r"The new design's own time, ([\d.]+) s, is that of its stroke program, with the study's actuator and its limit of 20 mm/s\..*"
             r"And with the new design\?.* in a rise of ([\d.]+) s or longer", text, re.S).groups()]
         for number, seconds in zip(told, (best["shortest_duration_s"], best["own_duration_s"], redesign["program_duration_s"], new["shortest_duration_s"])):
             self.assertAlmostEqual(number, seconds, delta=0.0501)

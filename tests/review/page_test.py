@@ -800,6 +800,33 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: "error" in self.part("said").get_attribute("class"))
         self.browser.get_log("browser")  # that it was refused is on the console too
 
+    def test_known_points_of_the_plane_are_pointed_at(self):
+        self.open("recording/video.mp4")
+        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
+        self.part("options").find_element(By.TAG_NAME, "summary").click()
+        for place, mm in zip(((200, 600), (600, 600), (600, 300), (200, 300)), ("0,0", "800, 0", "800,600", "0,600")):
+            self.point("plane-points", place)
+            self.browser.switch_to.alert.send_keys(mm)
+            self.browser.switch_to.alert.accept()
+        self.until(lambda: "--plane-points=" in self.text("naming-command"))
+        self.assertRegex(self.text("naming-command"), r"[\d.]+,[\d.]+=800,0; ?[\d.]+,[\d.]+=800,600")
+
+    def test_patches_are_pointed_at(self):
+        shutil.copy(self.folder / "recording/video.mp4", self.folder / "patches.mp4")
+        self.open("patches.mp4")
+        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
+        self.part("options").find_element(By.TAG_NAME, "summary").click()
+        Select(self.browser.find_element(By.CSS_SELECTOR, "[data-option=detector]")).select_by_visible_text("template")
+        self.until(lambda: not self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
+        for name in SEEDS:
+            self.click_picture(*self.place(name, 0))
+        self.until(lambda: re.search(r"--seed=waist=5\d\d\.\d,29\d\.\d@0 ", self.text("naming-command")))
+        self.part("start-tracking").click()
+        self.until(lambda: self.part("trial").is_displayed() and self.frame() == 0)
+        x, y = self.place("ankle", 60)
+        tracked = read_table(self.folder / "lake-out/patches/tracks.csv")[60]
+        self.assertLess(abs(float(tracked["ankle_x_px"]) - x) + abs(float(tracked["ankle_y_px"]) - y), 2)
+
     def said_numbers(self, option):
         return [float(number) for number in self.text("naming-command").split(f"--{option}=")[1].split()[0].split(",")]
 

@@ -241,7 +241,6 @@ class ComparisonReader {
     if (number > kFormat)
       throw Fail("{}: made by a newer version of lake-compare (format {}, known {}): use that version here too", file_,
                  number, kFormat);
-    if (!json_.contains("curves")) throw Fail("{}: has no curves: give the folder that lake-compare wrote", file_);
   }
 
   gait::MovementKind Movement() const {
@@ -255,7 +254,8 @@ class ComparisonReader {
 
   const Json& Entry(const std::string& name) const {
     if (!json_.contains("curves") || !json_["curves"].is_object() || !json_["curves"].contains(name))
-      throw Fail("{}: the curve '{}' is missing: run lake-compare again", file_, name);
+      throw Fail("{}: the curve '{}' is missing: give the folder that lake-compare wrote, or run it again", file_,
+                 name);
     return json_["curves"][name];
   }
 

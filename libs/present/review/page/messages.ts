@@ -139,6 +139,7 @@ export interface NamingMessage {
 export interface TrackOptions {
   camera?: string;
   scale?: string;
+  "plane-points"?: string;
   vertical?: string;
   crop?: string;
   detector?: string;
@@ -152,7 +153,7 @@ export interface TrackOptions {
 export interface Choices {
   markers: string[];
   options: TrackOptions;
-  seeds: { [name: string]: number }; // numbers of spots
+  seeds: { [name: string]: number | [number, number, number] }; // number of a spot, or a place (px) and its frame
 }
 
 /** A part of a leg, mm: a frustum along it. */

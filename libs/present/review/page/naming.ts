@@ -103,8 +103,16 @@ export class NamingPage {
   }
 
   private async find(): Promise<void> {
+    if (this.isOfPatches()) {
+      this.message = { ...this.message!, spots: [] }; // a patch is wherever one points
+      return this.showChoices();
+    }
     part("state").textContent = TEXTS.finding;
     await attempt(async () => this.open(await server.naming(this.choices.options)));
+  }
+
+  private isOfPatches(): boolean {
+    return this.choices.options.detector === "template";
   }
 
   private setOption(option: keyof TrackOptions, text: string): void {
@@ -124,6 +132,7 @@ export class NamingPage {
   private pointed(at: Point): void {
     const { option, first } = this.pointing!;
     if (option === "color") return this.pointedColour(at);
+    if (option === "plane-points") return this.pointedKnown(at);
     if (!first) {
       this.pointing = { option, first: at };
       return say(TEXTS.pointAt[option][1]);
@@ -141,6 +150,19 @@ export class NamingPage {
     }
     this.fill(option, text);
     this.setOption(option, text);
+  }
+
+  // One point more, until Esc.
+  private pointedKnown(at: Point): void {
+    const place = window.prompt(TEXTS.planePlace);
+    if (place === null) return say("");
+    const before = this.choices.options["plane-points"] ?? "";
+    const text = `${before ? `${before}; ` : ""}${at.x.toFixed(1)},${at.y.toFixed(1)}=${place.replace(/\s/g, "")}`;
+    this.fill("plane-points", text);
+    this.choices.options["plane-points"] = text;
+    const count = text.split(";").length;
+    if (count >= 4) this.showChoices(TEXTS.planePoints(count));
+    else say(TEXTS.planePoints(count));
   }
 
   // A colour is that of markers that are found by their colours.
@@ -192,6 +214,7 @@ export class NamingPage {
   private click(at: Point): void {
     if (!this.message || this.isTracking) return;
     if (this.pointing) return this.pointed(at);
+    if (this.isOfPatches()) return this.give([at.x, at.y, this.frame]);
     const reach = REACH / this.view!.scale();
     const near = this.message.spots
       .map((spot) => ({ spot, away: distance(spot, at) }))
@@ -205,8 +228,14 @@ export class NamingPage {
     if (name === undefined) return say(TEXTS.chooseDone);
     const owner = this.choices.markers.find((other) => this.choices.seeds[other] === spot.id);
     if (owner !== undefined && owner !== name) return say(TEXTS.taken(spot.id, owner));
+    this.give(spot.id);
+  }
+
+  private give(seed: Choices["seeds"][string]): void {
+    const name = this.choices.markers[this.selected];
+    if (name === undefined) return say(TEXTS.chooseDone);
     this.remember();
-    this.choices.seeds[name] = spot.id;
+    this.choices.seeds[name] = seed;
     if (name === this.unfound) this.unfound = "";
     this.chooseNext();
     this.showChoices();
@@ -227,7 +256,8 @@ export class NamingPage {
     part("choices").replaceChildren(
       ...markers.map((name, index) => {
         const spot = spotOf(name);
-        const made = button(spot ? `${name}: #${spot.id}` : name, () => {
+        const seed = seeds[name];
+        const made = button(Array.isArray(seed) ? TEXTS.seedAt(name, seed) : spot ? `${name}: #${spot.id}` : name, () => {
           this.selected = index;
           this.showChoices();
         });
@@ -278,6 +308,15 @@ export class NamingPage {
 
   private draw(context: CanvasRenderingContext2D): void {
     const names = new Map(Object.entries(this.choices.seeds).map(([name, id]) => [id, name]));
+    for (const [name, seed] of Object.entries(this.choices.seeds)) {
+      if (!Array.isArray(seed)) continue;
+      const at = this.view!.toScreen({ x: seed[0], y: seed[1] });
+      context.strokeStyle = context.fillStyle = "#56B4E9";
+      context.setLineDash(seed[2] === this.frame ? [] : [3, 4]);
+      strokeCircle(context, at, 8);
+      this.view!.label(context, name, { x: at.x + 10, y: at.y - 4 });
+    }
+    context.setLineDash([]);
     context.font = "bold 13px system-ui, sans-serif";
     const spots = this.message?.spots ?? [];
     const radiusOf = (spot: SpotMessage) => Math.max(spot.radius * this.view!.scale() + 4, 8);

@@ -40,8 +40,8 @@ fs::path OutputOf(const fs::path& video) {
 }
 
 // Those of lake-track's options that the page asks for, beside markers and seeds; and those that lake-review was given.
-constexpr std::array kAsked = {"camera", "scale", "vertical", "crop",         "detector", "polarity",
-                               "color",  "start", "end",      "capture-rate", "movement"};
+constexpr std::array kAsked = {"camera",   "scale", "plane-points", "vertical", "crop",         "detector",
+                               "polarity", "color", "start",        "end",      "capture-rate", "movement"};
 
 Json WithGiven(Json choices, const Json& given) {
   choices["options"].update(given);
@@ -62,8 +62,13 @@ commands::TrackRunOptions Chosen(const fs::path& video, const Json& choices, std
   give("markers", {fmt::format("{}", fmt::join(choices.at("markers").get<OptionTexts>(), ","))});
   OptionTexts seeds;
   for (const auto& [name, spot] : choices.at("seeds").items()) {
-    if (!spot.is_number_unsigned()) throw UsageError("marker '{}': this is not the number of a detection", name);
-    seeds.push_back(fmt::format("{}=#{}", name, spot.get<std::uint64_t>()));
+    if (spot.is_array() && spot.size() == 3)
+      seeds.push_back(fmt::format("{}={:.1f},{:.1f}@{}", name, spot[0].get<double>(), spot[1].get<double>(),
+                                  spot[2].get<std::int64_t>()));
+    else if (spot.is_number_unsigned())
+      seeds.push_back(fmt::format("{}=#{}", name, spot.get<std::uint64_t>()));
+    else
+      throw UsageError("marker '{}': this is not the number of a detection", name);
   }
   if (!seeds.empty()) give("seed", seeds);
   for (const char* name : kAsked)

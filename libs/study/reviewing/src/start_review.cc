@@ -270,7 +270,8 @@ void MakeCamera(const Json& asked, const fs::path& programs, const Control& cont
   }
   RunProgram(programs / "lake-calibrate", arguments, control);
   RunProgram(programs / "lake-calibrate",
-             {"plane", OperandOf(plane), "--camera", (lens / kCamera).string(), "--board", board, "-o", whole.string()}, control);
+             {"plane", OperandOf(plane), "--camera", (lens / kCamera).string(), "--board", board, "-o", whole.string()},
+             control);
   WriteTextFile(kCamera, ReadTextFile(whole / kCamera));
 }
 
