@@ -221,11 +221,12 @@ void CheckRedesign(const OptimizeRunOptions& options) {
     throw UsageError("--segment is for --human: lake-compare has found the knees of --comparison; omit it");
   if (!reoptimize.knee.exo_segments.shank.empty())
     throw UsageError("--exo-segment belongs to lake-compare, which reads the exoskeleton trial: give it there");
-  for (const fs::path& comparison : reoptimize.comparisons) compare::ReadComparison(comparison);
-  if (!reoptimize.comparisons.empty() && reoptimize.worn.empty() && !reoptimize.human_only)
+  if (!reoptimize.comparisons.empty() && reoptimize.worn.empty() && !reoptimize.human_only) {
+    for (const fs::path& comparison : reoptimize.comparisons) compare::ReadComparison(comparison);  // or says what it is
     throw UsageError(
         "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "
         "that trial out with --human-only");
+  }
   if (const std::size_t worn = reoptimize.worn.size(); worn > 1 && worn != reoptimize.comparisons.size())
     throw UsageError("--worn names {} designs for {} comparisons: name one for all, or one for each", worn,
                      reoptimize.comparisons.size());

@@ -169,7 +169,8 @@ std::vector<Asked> AskedOfLinks(const StudyFile& study, const StudyResults& resu
   };
   std::vector<Asked> asked;
   for (std::size_t row = 0; row < table.Rows(); ++row) {
-    const std::string name = table.Text(row, table.Column("constraint")), unit = table.Text(row, table.Column("unit"));
+    const std::string &name = table.Text(row, table.Column("constraint")),
+                      &unit = table.Text(row, table.Column("unit"));
     if (unit != "%" && !name.starts_with("balance"))
       asked.push_back(
           {name, unit, number(row, "initial"), number(row, "optimum"), number(row, "lower"), number(row, "upper")});

@@ -243,7 +243,7 @@ void RunProgram(const fs::path& program, const std::vector<std::string>& argumen
 }
 
 std::string Required(const Json& asked, const char* key, const char* what) {
-  const std::string text = asked.value(key, "");
+  std::string text = asked.value(key, "");
   if (text.empty()) throw Fail("{} is missing", what);
   return text;
 }
