@@ -45,7 +45,7 @@ class ControllerTest : public testing::Test {
     power_init();
     controller_init();
     Tick(10);  // the end stops have been seen closed
-    controller_take_events();
+    controller_take_news();
   }
 
   void Tick(int times = 1) {
@@ -89,7 +89,7 @@ TEST_F(ControllerTest, PlanFollowsTheScheduleTickByTick) {
     ASSERT_NEAR(controller_status().stroke_um / 1e3, schedule.StrokeAt(ms * 1e-3), 0.006) << ms;
     ASSERT_LT(ms, 5000);
   }
-  EXPECT_EQ(controller_take_events(), EVENT_DONE);
+  EXPECT_EQ(controller_take_news(), NEWS_DONE);
   EXPECT_NEAR(controller_status().stroke_um / 1e3, 302.1, 0.002);
   TickTalking(LAKE_DEAD_TIME_MS + 1);
   EXPECT_EQ(fake_board.bridge, kOff);
@@ -104,7 +104,7 @@ TEST_F(ControllerTest, EndStopAheadActsInTheSameTickAndOnlyInItsDirection) {
   fake_board.open = END_STOP_RETRACT | END_STOP_EXTEND;
   TickTalking(1);
   EXPECT_EQ(fake_board.bridge, kOff);
-  EXPECT_EQ(controller_take_events(), EVENT_FAULT);
+  EXPECT_EQ(controller_take_news(), NEWS_FAULT);
   EXPECT_EQ(controller_status().fault, FAULT_BOTH_STOPS);
   EXPECT_EQ(controller_status().knowledge, STROKE_UNKNOWN);
   fake_board.open = END_STOP_EXTEND;
@@ -155,9 +155,9 @@ TEST_F(ControllerTest, SilenceStopsWhateverMoves) {
   Tick();
   EXPECT_EQ(controller_status().state, STATE_HOLD);
   EXPECT_EQ(fake_board.bridge, kOff);
-  EXPECT_EQ(controller_take_events(), EVENT_TIMEOUT);
+  EXPECT_EQ(controller_take_news(), NEWS_TIMEOUT);
   Tick(3 * LAKE_COMMAND_TIMEOUT_MS);
-  EXPECT_EQ(controller_take_events(), 0) << "told once";
+  EXPECT_EQ(controller_take_news(), 0) << "told once";
   ASSERT_EQ(Ask(REQUEST_STOP), REPLY_OK);
   ASSERT_EQ(Ask(REQUEST_JOG, 2000, 9000), REPLY_OK);
   Tick(LAKE_COMMAND_TIMEOUT_MS);
@@ -229,7 +229,7 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
     if (!one_in(50)) controller_heard();
     if (one_in(400 * rare)) fake_board.open = random() % 4;
     if (one_in(100)) fake_board.open = 0;
-    if (calm && controller_status().state == STATE_HOMING) {
+    if (calm && (STATES_HOMING & STATES_OF(controller_status().state))) {
       if (fake_board.direction > 0) fake_board.open = 0;
       if (fake_board.direction < 0 && one_in(150)) fake_board.open = END_STOP_RETRACT;
     }
@@ -249,11 +249,16 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
     ASSERT_FALSE(fake_board.open & (fake_board.direction > 0 ? END_STOP_EXTEND : END_STOP_RETRACT));
     last_direction = fake_board.direction, undriven_ms = 0;
   }
-  // The program's, homing's and a jog's both ways, positioning's one.
-  for (const state_t state : {STATE_RUNNING, STATE_HOMING, STATE_JOGGING})
+  for (const state_t state : {STATE_RUNNING, STATE_JOGGING})
     for (const int direction : {1, -1}) EXPECT_TRUE(driven.contains({state, direction})) << state << " " << direction;
-  EXPECT_TRUE(driven.contains({STATE_POSITIONING, 1}));
-  EXPECT_FALSE(driven.contains({STATE_POSITIONING, -1}));
+  for (const state_t state : {STATE_BACKING_OFF, STATE_RELEASING, STATE_POSITIONING}) {
+    EXPECT_TRUE(driven.contains({state, 1})) << state;
+    EXPECT_FALSE(driven.contains({state, -1})) << state;
+  }
+  for (const state_t state : {STATE_SEEKING, STATE_TOUCHING}) {
+    EXPECT_TRUE(driven.contains({state, -1})) << state;
+    EXPECT_FALSE(driven.contains({state, 1})) << state;
+  }
 }
 
 // Texts in, texts out.

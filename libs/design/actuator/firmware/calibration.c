@@ -29,9 +29,6 @@ motion_t program_run(void) {
 motion_t program_home(void) {
   return motion_rest();
 }
-motion_t program_position(void) {
-  return motion_rest();
-}
 uint8_t program_soft_limit_ahead(int8_t direction) {
   (void)direction;
   return 0;

@@ -32,19 +32,18 @@ static uint16_t silent_ms;
 static reply_t take_jog(int16_t request_counts, uint16_t request_ms) {
   const int8_t direction = request_counts < 0 ? -1 : 1;
   const uint16_t counts = direction * request_counts;
-  if (machine.state != STATE_IDLE) return REPLY_STATE;
   if (!program_is_measured(direction, counts)) return REPLY_BAD_NUMBER;
   if (state_end_stop_ahead(direction)) return REPLY_STOP_AHEAD;
   if (program_soft_limit_ahead(direction)) return REPLY_LIMIT_AHEAD;
   c.jog = program_jog(direction, counts);
   if (machine.knowledge == STROKE_AT_START) machine.knowledge = STROKE_ESTIMATED;
-  state_begin(STATE_JOGGING, request_ms);
+  machine.end_ms = request_ms;
   return REPLY_OK;
 }
 
 static void reset(void) {
   program_reset();
-  machine.state = STATE_IDLE;
+  state_on(ON_RESET);
   machine.fault = FAULT_NONE;
   machine.knowledge = STROKE_UNKNOWN;
   motor_forgive();
@@ -59,22 +58,30 @@ static void drop_requests(void) {
 
 static void abort_all(void) {
   drop_requests();
-  if (machine.state != STATE_FAULT) machine.state = STATE_IDLE;
+  state_on(ON_STOP);
   machine.knowledge = STROKE_UNKNOWN;
 }
 
+// What is to move begins with its checks, unless it was refused or has found a fault.
+static reply_t begin(event_t event, reply_t reply) {
+  if (reply == REPLY_OK) state_on(event);
+  return reply;
+}
+
 static reply_t answer(const asked_t* what) {
+  if (machine.state != STATE_IDLE && what->request != REQUEST_STOP && what->request != REQUEST_RESET)
+    return REPLY_STATE;
   switch (what->request) {
     case REQUEST_RUN:
-      return program_take_run();
+      return begin(ON_RUN, program_take_run());
     case REQUEST_HOME:
-      return program_take_home();
+      return begin(ON_HOME, program_take_home());
     case REQUEST_ZERO:
       return program_take_zero();
     case REQUEST_JOG:
-      return take_jog(what->counts, what->ms);
+      return begin(ON_JOG, take_jog(what->counts, what->ms));
     case REQUEST_STOP:
-      if (machine.state != STATE_FAULT) machine.state = STATE_IDLE;
+      state_on(ON_STOP);
       return REPLY_OK;
     case REQUEST_RESET:
       reset();
@@ -92,26 +99,6 @@ static void take_requests(void) {
   }
 }
 
-static uint8_t is_moving(void) {
-  return machine.state != STATE_IDLE && machine.state != STATE_HOLD && machine.state != STATE_FAULT;
-}
-
-// A program that was stopped says so until `stop`; everything else ends.
-static void suspend(void) {
-  if (machine.state == STATE_RUNNING)
-    machine.state = STATE_HOLD;
-  else if (is_moving())
-    machine.state = STATE_IDLE;
-}
-
-// Of a silent host: homing says so as well.
-static void suspend_silent(void) {
-  if (machine.state == STATE_HOMING || machine.state == STATE_POSITIONING)
-    machine.state = STATE_HOLD;
-  else
-    suspend();
-}
-
 static uint8_t take(uint8_t* flag) {
   uint8_t was;
   ATOMICALLY {
@@ -124,7 +111,7 @@ static uint8_t take(uint8_t* flag) {
 static void take_realtime(void) {
   if (take(&hold_asked)) {
     drop_requests();
-    suspend();
+    state_on(ON_HOLD);
   }
   if (take(&abort_asked)) abort_all();
 }
@@ -134,11 +121,11 @@ static uint8_t is_silent(void) {
 }
 
 static void watch_host(void) {
-  if (take(&heard) || !is_moving()) {
+  if (take(&heard) || !state_is_in(STATES_MOVING)) {
     silent_ms = 0;
   } else if (++silent_ms, is_silent()) {
-    machine.events |= EVENT_TIMEOUT;
-    suspend_silent();
+    machine.news |= NEWS_TIMEOUT;
+    state_on(ON_SILENCE);
   }
 }
 
@@ -146,7 +133,7 @@ static void watch_host(void) {
 static void watch_wires(void) {
   static uint8_t wrong_ms;
   const uint8_t both = end_stops_pressed() == (END_STOP_RETRACT | END_STOP_EXTEND);
-  if (machine.state == STATE_FAULT || is_moving() || !(both || program_stop_contradicts_stroke())) {
+  if (!state_is_in(STATES_OF(STATE_IDLE) | STATES_OF(STATE_HOLD)) || !(both || program_stop_contradicts_stroke())) {
     wrong_ms = 0;
   } else if (++wrong_ms >= WIRE_WRONG_MS) {
     wrong_ms = 0;
@@ -176,6 +163,7 @@ static void watch_memory(void) {
   if (sum_now() == sum_kept && asked_count <= REQUESTS_MOST) return;
   motor_stop();
   asked_count = 0;
+  machine.state = STATE_IDLE;
   machine.fault = FAULT_NONE;
   state_fault(FAULT_MEMORY);
 }
@@ -186,26 +174,22 @@ static motion_t jogging(void) {
     return motion_rest();
   }
   if (state_end_stop_ahead(c.jog.direction) || program_soft_limit_ahead(c.jog.direction)) {
-    machine.state = STATE_IDLE;
-    machine.events |= EVENT_JOG_LIMIT;
+    state_on(ON_DONE);
+    machine.news |= NEWS_JOG_LIMIT;
     return motion_rest();
   }
   return program_careful(c.jog);
 }
 
 static motion_t wanted(void) {
-  if (!machine.is_ready) return motion_rest();
+  if (!power_is_ready()) return motion_rest();
   switch (machine.state) {
     case STATE_RUNNING:
       return program_run();
-    case STATE_HOMING:
-      return program_home();
-    case STATE_POSITIONING:
-      return program_position();
     case STATE_JOGGING:
       return jogging();
     default:
-      return motion_rest();
+      return program_home();
   }
 }
 
@@ -228,7 +212,7 @@ static uint8_t is_allowed(const motion_t* motion) {
 static void keep_books(const motion_t* motion) {
   const uint8_t follows = LAKE_FEEDBACK && machine.state == STATE_RUNNING;
   const uint8_t waits = follows ? program_waits() : motor_direction() != motion->direction;
-  if (is_moving() && machine.is_ready && !waits) ++machine.clock_ms;
+  if (!waits) ++machine.clock_ms;
   const motion_t rest = motion_rest();
   program_keep_books(motor_direction() == 0 ? &rest : motion, motion);
 }
@@ -241,7 +225,7 @@ static void tell(void) {
                         analog_current_ma(),
                         motor_counts(),
                         motor_direction(),
-                        is_moving() && !machine.is_ready ? STATE_CHECKING : machine.state,
+                        machine.state,
                         machine.fault,
                         machine.before_fault,
                         machine.knowledge,
@@ -261,7 +245,7 @@ void controller_init(void) {
   program_init();
   reset();
   asked_count = 0;
-  machine.events = 0;
+  machine.news = 0;
   const uint8_t latched = board_remembered(PLACE_FAULT);
   if (latched != FAULT_NONE) state_fault((fault_t)latched);
   hold_asked = abort_asked = heard = 0;
@@ -279,8 +263,8 @@ void controller_tick(void) {
   watch_host();
   watch_wires();
   watch_inputs();
-  power_tick(is_moving(), machine.state == STATE_FAULT);
-  machine.is_ready = power_is_ready();
+  power_tick(state_is_in(STATES_MOVING), machine.state == STATE_FAULT);
+  if (state_is_in(STATES_CHECKING) && power_is_ready()) state_on(ON_READY);
   motion_t motion = wanted();
   if (!is_allowed(&motion)) motion = motion_rest();
   motor_tick(motion.direction, analog_at_supply(motion.counts));
@@ -362,11 +346,11 @@ reply_t controller_take_reply(void) {
   return taken;
 }
 
-uint8_t controller_take_events(void) {
+uint8_t controller_take_news(void) {
   uint8_t taken;
   ATOMICALLY {
-    taken = machine.events;
-    machine.events = 0;
+    taken = machine.news;
+    machine.news = 0;
   }
   return taken;
 }

@@ -55,7 +55,7 @@ uint8_t controller_has_room(void);
 void controller_request(request_t request, int16_t jog_counts, uint16_t jog_ms);
 void controller_request_reply(reply_t reply);  // in its turn, where nothing is asked of the controller
 reply_t controller_take_reply(void);           // REPLY_NONE until there is one
-uint8_t controller_take_events(void);
+uint8_t controller_take_news(void);
 status_t controller_status(void);
 
 // From interrupts as well; they act at the next tick. A hold stops a running program, which REQUEST_STOP then ends, and

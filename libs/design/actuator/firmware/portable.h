@@ -25,6 +25,7 @@ void portable_restore(uint32_t what);  // as it was
 #define strcmp_P strcmp
 #define strncmp_P strncmp
 #define pgm_read_byte(address) (*(address))
+#define pgm_read_word(address) (*(address))
 #define pgm_read_dword(address) (*(address))
 
 #endif

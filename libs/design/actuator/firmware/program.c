@@ -15,8 +15,6 @@ static lake_segment segment;
 static int32_t stroke_nm;         // um/s during one ms are nm
 static uint32_t way_drift_nm;     // what the tolerance of the speed allows
 static uint32_t lag_drift_nm[2];  // what lag allows: behind by speeding up, ahead by slowing down
-enum { HOME_SEEK, HOME_CHECK, HOME_BACK_OFF, HOME_TOUCH, HOME_RELEASE };
-static uint8_t home_phase;
 static uint8_t home_tries;  // that have failed
 static int8_t start_lies;   // of where homing ended: 1 beyond, -1 before
 
@@ -77,7 +75,7 @@ static uint8_t wait_for(const motion_t* wanted) {
   if (late.is_on) {
     ++late.all_ms;
     late.bucket += 2;
-  } else if (late.bucket > 0 && machine.is_ready) {
+  } else if (late.bucket > 0) {
     --late.bucket;
   }
   return late.bucket > 2 * MOST_WAIT_MS;
@@ -117,11 +115,12 @@ static void count_way(const motion_t* driven) {
   (void)driven;
 }
 
-// A program's plan goes on unless it waits; otherwise the stroke is what the potentiometer says.
+// A program's plan goes on unless it waits, and stands before and after it; otherwise the stroke is what the
+// potentiometer says.
 static void keep_plan(void) {
-  if (machine.state == STATE_RUNNING && machine.is_ready)
+  if (machine.state == STATE_RUNNING)
     stroke_nm += late.is_on ? 0 : segment.velocity_um_s;
-  else if (machine.state != STATE_HOLD && machine.state != STATE_RUNNING)
+  else if (machine.state != STATE_HOLD && machine.state != STATE_CHECKING_RUN)
     stroke_nm = analog_stroke_um() * 1000;
   planned_now_um = thousandth(stroke_nm);
 }
@@ -215,7 +214,7 @@ static void watch_motion(const motion_t* motion) {
 
 // Of a fault while homing that another attempt would only repeat.
 static uint8_t has_failed_to_home(void) {
-  if (machine.before_fault != STATE_HOMING && machine.before_fault != STATE_POSITIONING) return 0;
+  if (!(STATES_HOMING & STATES_OF(machine.before_fault))) return 0;
   return machine.fault == FAULT_STUCK || machine.fault == FAULT_HOME || machine.fault == FAULT_WRONG_WAY ||
          machine.fault == FAULT_NO_MOTION;
 }
@@ -240,7 +239,7 @@ uint16_t program_sum(void) {
 #if LAKE_FEEDBACK
   sum ^= sum_of(&planned_now_um, sizeof planned_now_um) ^ sum_of(&late, sizeof late);
 #endif
-  return sum ^ home_phase ^ (uint16_t)(home_tries << 8) ^ (uint8_t)start_lies;
+  return sum ^ (uint16_t)(home_tries << 8) ^ (uint8_t)start_lies;
 }
 
 // A motion with the greatest speed that its duty can give by the duty table: between two nodes the upper one's, since
@@ -287,18 +286,16 @@ uint8_t program_hard_limit_ahead(int8_t direction) {
 }
 
 reply_t program_take_run(void) {
-  if (machine.state != STATE_IDLE) return REPLY_STATE;
   if (machine.knowledge != STROKE_AT_START || is_away_from(LAKE_START_UM)) return REPLY_POSITION;
   begin_following();
   load_segment(0);
   machine.knowledge = STROKE_ESTIMATED;
-  state_begin(STATE_RUNNING, 0);
   return REPLY_OK;
 }
 
-static void begin_homing(uint8_t phase, uint32_t duration_ms) {
-  home_phase = phase;
-  state_begin(STATE_HOMING, duration_ms);
+static void next_phase(event_t event, uint32_t duration_ms) {
+  state_on(event);
+  machine.end_ms = duration_ms;
 }
 
 // Pressed, though the stroke is known to be somewhere else.
@@ -328,15 +325,10 @@ static uint32_t seeking_ms(void) {
 }
 
 reply_t program_take_home(void) {
-  if (machine.state != STATE_IDLE) return REPLY_STATE;
   if (home_tries >= HOME_TRIES) return REPLY_TRIES;
-  const uint8_t stuck = program_stop_contradicts_stroke();
-  const uint32_t most_ms = seeking_ms();
+  if (program_stop_contradicts_stroke()) state_fault(FAULT_STUCK);
+  machine.end_ms = seeking_ms();
   machine.knowledge = STROKE_UNKNOWN;
-  if (stuck)
-    state_fault(FAULT_STUCK);
-  else
-    begin_homing(HOME_SEEK, most_ms);
   return REPLY_OK;
 }
 
@@ -348,7 +340,6 @@ static void know_stroke(int32_t um, knowledge_t known) {
 }
 
 reply_t program_take_zero(void) {
-  if (machine.state != STATE_IDLE) return REPLY_STATE;
   if (is_away_from(LAKE_START_UM)) return REPLY_POSITION;
   know_stroke(LAKE_START_UM, STROKE_AT_START);
   return REPLY_OK;
@@ -375,7 +366,7 @@ motion_t program_run(void) {
   while (machine.clock_ms >= segment.end_ms) {
     if (segment_index + 1 >= LAKE_SEGMENT_COUNT) {
       state_finish(STROKE_ESTIMATED);
-      if (program_waited_ms() > 0) machine.events |= EVENT_WAITED;
+      if (program_waited_ms() > 0) machine.news |= NEWS_WAITED;
       return motion_rest();
     }
     load_segment(segment_index + 1);
@@ -415,12 +406,11 @@ static motion_t seek(void) {
   if (state_end_stop_ahead(-1)) {
     // It was free before: pressed by a motion towards it.
     if (machine.clock_ms > 0) behind.is_proven = 1;
-    if (home_phase == HOME_TOUCH) know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
-    if (home_phase == HOME_TOUCH && is_away_from(LAKE_HOME_UM)) return home_fault(FAULT_WIPER);
-    if (home_phase == HOME_TOUCH)
-      begin_homing(HOME_RELEASE, LAKE_BACK_OFF_MS);
-    else
-      begin_homing(behind.is_proven ? HOME_BACK_OFF : HOME_CHECK, LAKE_BACK_OFF_MS);
+    if (machine.state == STATE_TOUCHING) {
+      know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
+      if (is_away_from(LAKE_HOME_UM)) return home_fault(FAULT_WIPER);
+    }
+    next_phase(ON_PRESSED, LAKE_BACK_OFF_MS);
     return motion_rest();
   }
   if (machine.clock_ms >= machine.end_ms || has_passed_home()) return home_fault(FAULT_HOME);
@@ -428,9 +418,9 @@ static motion_t seek(void) {
 }
 
 // Off an end stop that was pressed from the beginning, as long as nothing has shown which way the motor turns.
-static motion_t check_direction(void) {
+static motion_t prove(void) {
   if (state_end_stop_ahead(-1) && !behind.is_proven) return program_careful(extend());
-  begin_homing(HOME_BACK_OFF, LAKE_BACK_OFF_MS);
+  next_phase(ON_DONE, LAKE_BACK_OFF_MS);
   return extend();
 }
 
@@ -438,20 +428,13 @@ static motion_t check_direction(void) {
 static motion_t back_off(void) {
   if (machine.clock_ms < machine.end_ms) return extend();
   if (state_end_stop_ahead(-1)) return home_fault(FAULT_STUCK);
-  if (home_phase == HOME_BACK_OFF) {
-    begin_homing(HOME_TOUCH, LAKE_TOUCH_TIMEOUT_MS);
+  if (machine.state == STATE_BACKING_OFF) {
+    next_phase(ON_DONE, LAKE_TOUCH_TIMEOUT_MS);
     return motion_rest();
   }
   start_lies = LAKE_FEEDBACK ? (analog_stroke_um() < LAKE_START_UM ? 1 : -1) : (LAKE_POSITION_MS > 0 ? 1 : -1);
-  state_begin(STATE_POSITIONING, POSITIONING_MS);
+  next_phase(ON_DONE, POSITIONING_MS);
   return start_lies > 0 ? extend() : motion_rest();
-}
-
-// Only an end stop that has been seen to release and to be pressed again, twice, is home: a broken wire looks pressed
-// everywhere, and one that breaks after the first release like the second touch.
-motion_t program_home(void) {
-  if (home_phase == HOME_CHECK) return check_direction();
-  return home_phase == HOME_SEEK || home_phase == HOME_TOUCH ? seek() : back_off();
 }
 
 static void arrive(void) {
@@ -468,13 +451,32 @@ static motion_t come_back(void) {
   return motion_rest();
 }
 
-motion_t program_position(void) {
+static motion_t position(void) {
   if (has_arrived()) {
     arrive();
     return motion_rest();
   }
   if (machine.clock_ms >= machine.end_ms) return home_fault(FAULT_NO_MOTION);
   return start_lies > 0 ? extend() : come_back();
+}
+
+// Only an end stop that has been seen to release and to be pressed again, twice, is home: a broken wire looks pressed
+// everywhere, and one that breaks after the first release like the second touch.
+motion_t program_home(void) {
+  switch (machine.state) {
+    case STATE_SEEKING:
+    case STATE_TOUCHING:
+      return seek();
+    case STATE_PROVING:
+      return prove();
+    case STATE_BACKING_OFF:
+    case STATE_RELEASING:
+      return back_off();
+    case STATE_POSITIONING:
+      return position();
+    default:
+      return motion_rest();
+  }
 }
 
 uint8_t program_stop_is_stuck(void) {

@@ -8,7 +8,7 @@
 void program_init(void);   // after a reset of the chip
 void program_reset(void);  // of a fault
 
-// Answers to requests.
+// Answers to requests, asked for only at rest: whether what is known allows it.
 reply_t program_take_run(void);
 reply_t program_take_home(void);
 reply_t program_take_zero(void);
@@ -20,7 +20,6 @@ uint8_t program_is_measured(int8_t direction, uint16_t counts);
 // What is wanted in this ms.
 motion_t program_run(void);
 motion_t program_home(void);
-motion_t program_position(void);
 
 uint8_t program_soft_limit_ahead(int8_t direction);
 uint8_t program_hard_limit_ahead(int8_t direction);  // what a program that runs must not pass

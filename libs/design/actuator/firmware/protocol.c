@@ -108,7 +108,11 @@ static void tell_state(state_t state) {
     case STATE_IDLE:
       line_text(PSTR("idle"));
       return;
-    case STATE_HOMING:
+    case STATE_SEEKING:
+    case STATE_PROVING:
+    case STATE_BACKING_OFF:
+    case STATE_TOUCHING:
+    case STATE_RELEASING:
       line_text(PSTR("homing"));
       return;
     case STATE_POSITIONING:
@@ -126,8 +130,12 @@ static void tell_state(state_t state) {
     case STATE_FAULT:
       line_text(PSTR("fault"));
       return;
-    case STATE_CHECKING:
+    case STATE_CHECKING_HOME:
+    case STATE_CHECKING_RUN:
+    case STATE_CHECKING_JOG:
       line_text(PSTR("checking"));
+      return;
+    case STATE_COUNT:
       return;
   }
 }
@@ -202,18 +210,18 @@ static void tell_waited(void) {
 }
 #endif
 
-static void tell_events(uint8_t events, fault_t fault) {
-  if (events & EVENT_FAULT) {
+static void tell_news(uint8_t news, fault_t fault) {
+  if (news & NEWS_FAULT) {
     line_text(PSTR("ALARM:"));
     tell_uint(fault);
     line_char('\n');
   }
 #if LAKE_FEEDBACK
-  if (events & EVENT_WAITED) tell_waited();
+  if (news & NEWS_WAITED) tell_waited();
 #endif
-  if (events & EVENT_DONE) tell_message(PSTR("done"));
-  if (events & EVENT_JOG_LIMIT) tell_message(PSTR("jog ended at a limit"));
-  if (events & EVENT_TIMEOUT) tell_message(PSTR("host silent, stopped"));
+  if (news & NEWS_DONE) tell_message(PSTR("done"));
+  if (news & NEWS_JOG_LIMIT) tell_message(PSTR("jog ended at a limit"));
+  if (news & NEWS_TIMEOUT) tell_message(PSTR("host silent, stopped"));
 }
 
 // The next tick replies. A line that was being read when a hold or an abort came is not obeyed.
@@ -330,13 +338,13 @@ void protocol_turn(void) {
     tell_log();
   else if (controller_has_room())
     take_line();
-  const uint8_t events = controller_take_events();
+  const uint8_t news = controller_take_news();
   const status_t now = controller_status();
-  tell_events(events, now.fault);
+  tell_news(news, now.fault);
   if (greeting_asked) {
     greeting_asked = 0;
     protocol_greet(RESET_BY_POWER_OR_BUTTON);
-    if (now.fault != FAULT_NONE) tell_events(EVENT_FAULT, now.fault);
+    if (now.fault != FAULT_NONE) tell_news(NEWS_FAULT, now.fault);
   }
   if (status_asked) {
     status_asked = 0;

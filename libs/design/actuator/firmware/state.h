@@ -6,16 +6,54 @@
 #include <stddef.h>
 #include <stdint.h>
 
+// What the actuator does. Numbers 0 to 7 stand in the EEPROMs of boards (controller_logged).
 typedef enum {
   STATE_IDLE,
-  STATE_HOMING,
+  STATE_SEEKING,  // homing: retracts until the end stop is pressed, …
   STATE_POSITIONING,
   STATE_RUNNING,
   STATE_HOLD,
   STATE_JOGGING,
   STATE_FAULT,
-  STATE_CHECKING  // only told: what is to move waits until the relay is closed and the bridge has been looked at
+  STATE_CHECKING_HOME,  // what was asked for waits until the relay is closed and the bridge has been looked at
+  STATE_PROVING,        // … slowly off it, until the motor has been seen to turn as it is told, …
+  STATE_BACKING_OFF,    // … until it must have released, …
+  STATE_TOUCHING,       // … to it again, …
+  STATE_RELEASING,      // … and off it again
+  STATE_CHECKING_RUN,
+  STATE_CHECKING_JOG,
+  STATE_COUNT
 } state_t;
+
+// Sets of states, a bit each.
+#define STATES_OF(state) ((uint16_t)(1u << (state)))
+#define STATES_HOMING                                                                      \
+  (STATES_OF(STATE_CHECKING_HOME) | STATES_OF(STATE_SEEKING) | STATES_OF(STATE_PROVING) |  \
+   STATES_OF(STATE_BACKING_OFF) | STATES_OF(STATE_TOUCHING) | STATES_OF(STATE_RELEASING) | \
+   STATES_OF(STATE_POSITIONING))
+#define STATES_CHECKING (STATES_OF(STATE_CHECKING_HOME) | STATES_OF(STATE_CHECKING_RUN) | STATES_OF(STATE_CHECKING_JOG))
+#define STATES_PROGRAM (STATES_OF(STATE_CHECKING_RUN) | STATES_OF(STATE_RUNNING))
+#define STATES_JOG (STATES_OF(STATE_CHECKING_JOG) | STATES_OF(STATE_JOGGING))
+#define STATES_MOVING (STATES_HOMING | STATES_PROGRAM | STATES_JOG)
+
+// What changes the state. The first three are asked for, and allowed by what is known of stroke and end stops.
+typedef enum {
+  ON_HOME,
+  ON_RUN,
+  ON_JOG,
+  ON_STOP,  // or Ctrl-X
+  ON_RESET,
+  ON_HOLD,
+  ON_SILENCE,  // of the host, for the time-out
+  ON_READY,    // power_is_ready
+  ON_PRESSED,  // the retract end stop, while homing
+  ON_DONE,     // as planned, or what a jog meets
+  ON_FAULT,
+  ON_COUNT
+} event_t;
+
+// The state after an event; STATE_COUNT where that changes nothing. SAFETY.md has a drawing of it.
+state_t transition(state_t state, event_t event);
 
 // How well the stroke is known.
 typedef enum {
@@ -64,11 +102,11 @@ typedef enum {
 
 // What happened unasked; bits.
 enum {
-  EVENT_FAULT = 1 << 0,      // machine.fault has come
-  EVENT_DONE = 1 << 1,       // the program, homing or a jog ended as planned
-  EVENT_JOG_LIMIT = 1 << 2,  // a jog ended at an end stop or a soft limit
-  EVENT_TIMEOUT = 1 << 3,    // the host was silent for too long while something moved
-  EVENT_WAITED = 1 << 4      // the program has ended later than planned
+  NEWS_FAULT = 1 << 0,      // machine.fault has come
+  NEWS_DONE = 1 << 1,       // the program, homing or a jog ended as planned
+  NEWS_JOG_LIMIT = 1 << 2,  // a jog ended at an end stop or a soft limit
+  NEWS_TIMEOUT = 1 << 3,    // the host was silent for too long while something moved
+  NEWS_WAITED = 1 << 4      // the program has ended later than planned
 };
 
 // What is wanted of the motor in this ms.
@@ -100,14 +138,15 @@ typedef struct {
   uint32_t end_ms;
   fault_t fault;
   state_t before_fault;  // in which it came
-  uint16_t is_ready;     // the motor may be driven: until then clocks stand still. A word, as the sum's
-  uint8_t events;        // the last: the main loop takes them
+  uint8_t news;          // the last: the main loop takes them
 } machine_t;
 extern machine_t machine;
 
 uint16_t state_sum(void);  // as motor_sum
 
-void state_begin(state_t next, uint32_t duration_ms);
+// Nonzero if the event has changed the state; its clock begins anew.
+uint8_t state_on(event_t event);
+uint8_t state_is_in(uint16_t states);
 void state_finish(knowledge_t known);  // as planned
 void state_fault(fault_t what);        // unless there is one
 
