@@ -122,12 +122,18 @@ void AvrRig::OnSerial(avr_irq_t*, std::uint32_t value, void* self) {
 
 void AvrRig::OnTick(avr_irq_t*, std::uint32_t runs, void* self) {
   AvrRig& rig = *static_cast<AvrRig*>(self);
-  if (runs) {
-    rig.tick_began_ = rig.avr_->cycle;
-    ++rig.ticks_;
-  } else if (rig.tick_began_ > 0) {
-    rig.longest_tick_ = std::max(rig.longest_tick_, rig.avr_->cycle - rig.tick_began_);
-  }
+  if (!runs) return;
+  if (rig.turn_began_ == 0) rig.turn_began_ = rig.avr_->cycle;
+  ++rig.ticks_;
+}
+
+// Before the next instruction: is it `sleep`?
+void AvrRig::WatchSleep() {
+  constexpr int kSleep = 0x9588;
+  if (turn_began_ == 0 || avr_->state != cpu_Running) return;
+  if ((avr_->flash[avr_->pc] | avr_->flash[avr_->pc + 1] << 8) != kSleep) return;
+  longest_turn_ = std::max(longest_turn_, avr_->cycle - turn_began_);
+  turn_began_ = 0;
 }
 
 void AvrRig::Send(const std::string& line) {
@@ -225,6 +231,7 @@ void AvrRig::Run(double seconds) {
   std::uint64_t next_ms = (avr_->cycle / kCyclesPerMs + 1) * kCyclesPerMs;
   while (avr_->cycle < until && !HasEnded()) {
     const std::uint64_t before = avr_->cycle;
+    WatchSleep();
     avr_run(avr_);
     WatchInterrupts(before);
     if (const int pointer = avr_->data[kSpl] | avr_->data[kSph] << 8; pointer > 0)  // 0 until the start-up code sets it

@@ -88,8 +88,8 @@ class AvrRig {
   const std::vector<DriveChange>& Changes() const { return changes_; }
   DatasheetAdc& Adc() { return *adc_; }
   const DatasheetReceiver& Receiver() const { return *receiver_; }
-  // Of the interrupt in which all is decided, with those that interrupt it.
-  double LongestTick_us() const { return static_cast<double>(longest_tick_) / 16; }
+  // From the timer's interrupt on until the processor sleeps again, with all interrupts.
+  double LongestTurn_us() const { return static_cast<double>(longest_turn_) / 16; }
   std::uint64_t Ticks() const { return ticks_; }
   // For which interrupts were blocked, since the firmware first allowed them.
   double LongestBlocked_us() const { return static_cast<double>(longest_blocked_) / 16; }
@@ -121,7 +121,8 @@ class AvrRig {
   bool talking_ = false;
   static void OnTick(avr_irq_t* irq, uint32_t runs, void* rig);
   void WatchInterrupts(std::uint64_t before);
-  std::uint64_t tick_began_ = 0, longest_tick_ = 0, ticks_ = 0;
+  void WatchSleep();
+  std::uint64_t turn_began_ = 0, longest_turn_ = 0, ticks_ = 0;
   std::uint64_t blocked_since_ = 0, longest_blocked_ = 0;
   bool has_allowed_interrupts_ = false;
   int deepest_stack_ = 0;

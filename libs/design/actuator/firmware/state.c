@@ -57,8 +57,8 @@ uint8_t state_is_in(uint16_t states) {
   return (states & STATES_OF(machine.state)) != 0;
 }
 
-uint16_t state_sum(void) {
-  return sum_of(&machine, offsetof(machine_t, news));
+uint8_t state_kept(kept_t what) {
+  return kept_pass(&machine, offsetof(machine_t, news), what);
 }
 
 void state_finish(knowledge_t known) {

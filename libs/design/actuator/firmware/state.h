@@ -1,10 +1,12 @@
-// What the parts of the controller share: what the actuator does, how well its stroke is known, what happened. The tick
-// alone changes it; the main loop reads it in ATOMICALLY blocks, which are barriers.
+// What the parts of the controller share: what the actuator does, how well its stroke is known, what happened. No
+// interrupt touches it.
 #ifndef LAKE_STATE_H
 #define LAKE_STATE_H
 
 #include <stddef.h>
 #include <stdint.h>
+
+#include "kept.h"
 
 // What the actuator does. Numbers 0 to 7 stand in the EEPROMs of boards (controller_logged).
 typedef enum {
@@ -64,7 +66,7 @@ typedef enum {
 
 // The answer to a request. Beyond REPLY_OK the number is the N of `error:N`.
 typedef enum {
-  REPLY_NONE = -1,
+  REPLY_NONE = -1,  // nothing was asked, or the reply comes later
   REPLY_OK = 0,
   REPLY_UNKNOWN = 1,      // no such command
   REPLY_BAD_NUMBER = 2,   // not `jog DUTY MS` within its ranges and the duty table's
@@ -100,13 +102,13 @@ typedef enum {
   FAULT_MEMORY = 17        // what was kept has changed by itself
 } fault_t;
 
-// What happened unasked; bits.
+// What happened unasked; bits, in the order in which they are told.
 enum {
   NEWS_FAULT = 1 << 0,      // machine.fault has come
-  NEWS_DONE = 1 << 1,       // the program, homing or a jog ended as planned
-  NEWS_JOG_LIMIT = 1 << 2,  // a jog ended at an end stop or a soft limit
-  NEWS_TIMEOUT = 1 << 3,    // the host was silent for too long while something moved
-  NEWS_WAITED = 1 << 4      // the program has ended later than planned
+  NEWS_WAITED = 1 << 1,     // the program has ended later than planned
+  NEWS_DONE = 1 << 2,       // the program, homing or a jog ended as planned
+  NEWS_JOG_LIMIT = 1 << 3,  // a jog ended at an end stop or a soft limit
+  NEWS_TIMEOUT = 1 << 4     // the host was silent for too long while something moved
 };
 
 // What is wanted of the motor in this ms.
@@ -138,11 +140,11 @@ typedef struct {
   uint32_t end_ms;
   fault_t fault;
   state_t before_fault;  // in which it came
-  uint8_t news;          // the last: the main loop takes them
+  uint8_t news;          // the last: whoever tells takes them
 } machine_t;
 extern machine_t machine;
 
-uint16_t state_sum(void);  // as motor_sum
+uint8_t state_kept(kept_t what);
 
 // Nonzero if the event has changed the state; its clock begins anew.
 uint8_t state_on(event_t event);

@@ -402,7 +402,7 @@ std::string AlarmText(int number) {
       "too far from the plan, or too slow for it",
       "over-current: a short or a stall",
       "driven, it takes no current: motor, supply or sense wire",
-      "a tick or a conversion came late: the board, or a bug",
+      "a conversion or the main loop was late: the board, or a bug",
       "the bridge does not follow its commands: ENA's jumper, a wire, a shorted transistor",
       "the safety relay does not open",
       "the board's memory has changed by itself"};
