@@ -18,8 +18,9 @@ namespace {
 constexpr const char* kNames[] = {"idle",     "seeking",   "positioning",   "running",     "hold",
                                   "jogging",  "fault",     "checking_home", "proving",     "backing_off",
                                   "touching", "releasing", "checking_run",  "checking_jog"};
-constexpr const char* kEvents[] = {"home",  "run",     "jog",  "stop, Ctrl-X", "reset", "!", "time-out of the host",
-                                   "ready", "pressed", "done", "fault"};
+constexpr const char* kEvents[] = {
+    "home",  "run",     "jog",  "stop, Ctrl-X", "reset", "!", "time-out, button released",
+    "ready", "pressed", "done", "fault"};
 const std::vector<std::pair<std::string, unsigned>> kGroups = {
     {"moving", STATES_MOVING}, {"homing", STATES_HOMING}, {"program", STATES_PROGRAM}, {"jog", STATES_JOG}};
 
@@ -75,7 +76,7 @@ TEST(TransitionTest, WhateverMovesStopsAndNothingLeavesAFaultButAReset) {
     if (STATES_MOVING & STATES_OF(state)) {
       EXPECT_EQ(transition(state, ON_STOP), STATE_IDLE);
       EXPECT_EQ(transition(state, ON_FAULT), STATE_FAULT);
-      for (const event_t event : {ON_HOLD, ON_SILENCE})
+      for (const event_t event : {ON_HOLD, ON_LET_GO})
         EXPECT_TRUE(transition(state, event) == STATE_IDLE || transition(state, event) == STATE_HOLD);
     }
     for (int event = 0; event < ON_COUNT; ++event) {

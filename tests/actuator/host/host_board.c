@@ -63,7 +63,7 @@ void board_close_relay(uint8_t is_closed) {
 }
 
 uint8_t board_end_stops(void) {
-  return host_board.open;
+  return host_board.open & (LAKE_BUTTON ? 0xFF : END_STOP_RETRACT | END_STOP_EXTEND);
 }
 uint16_t board_analog(uint8_t channel) {
   return host_board.adc[channel];

@@ -197,7 +197,8 @@ std::uint16_t HostRig::Read(double volt) {
 void HostRig::Sense() {
   board_->open =
       static_cast<std::uint8_t>((pulled_[0] || stroke_mm_ <= actuator_.retract_stop_mm ? END_STOP_RETRACT : 0) |
-                                (pulled_[1] || stroke_mm_ >= actuator_.extend_stop_mm ? END_STOP_EXTEND : 0));
+                                (pulled_[1] || stroke_mm_ >= actuator_.extend_stop_mm ? END_STOP_EXTEND : 0) |
+                                (is_button_released_ ? BUTTON_RELEASED : 0));
   const auto [at_0, at_5] = actuator_.potentiometer_mm;
   using Wiper = RigBreaks::Wiper;
   if (breaks_.wiper != Wiper::kFrozen) frozen_v_ = 5 * (stroke_mm_ - at_0) / (at_5 - at_0);

@@ -75,6 +75,7 @@ class HostRig {
   void SendNow(char c);
   void KeepTalking(bool on) { talking_ = on; }
   void PullWire(bool retract, bool pulled) { pulled_[retract ? 0 : 1] = pulled; }
+  void ReleaseButton(bool released) { is_button_released_ = released; }
   void Hang(bool on) { hangs_ = on; }  // the main loop
 
   double Time() const { return 1e-3 * static_cast<double>(now_ms_); }
@@ -124,7 +125,7 @@ class HostRig {
   std::mt19937 random_;
   double speed_mm_s_ = 0, motor_mm_ = 0, stroke_mm_ = 0;
   bool pulled_[2] = {false, false};
-  bool talking_ = false, hangs_ = false;
+  bool talking_ = false, hangs_ = false, is_button_released_ = false;
   int hung_ms_ = 0;
   int relay_ms_ = 0;  // for which the contacts are as they will be
   bool is_relay_closed_ = false;

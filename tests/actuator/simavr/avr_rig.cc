@@ -34,7 +34,7 @@ constexpr std::uint8_t kTimer2CompareA = 7;  // its vector
 constexpr int kRamEnd = 0x8FF;
 constexpr std::size_t kTalkEverySamples = 500;
 constexpr int kCom1a1 = 7;  // of TCCR1A: the timer drives the pin
-enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kRelay = 5, kIn1 = 7, kOut1 = 3 };
+enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kButton = 4, kRelay = 5, kIn1 = 7, kOut1 = 3 };
 
 bool HasBit(std::uint8_t value, int bit) {
   return (value >> bit) & 1;
@@ -153,16 +153,23 @@ void AvrRig::PullWire(bool retract, bool pulled) {
   SetEndStopPins();
 }
 
+void AvrRig::ReleaseButton(bool released) {
+  is_button_released_ = released;
+  SetEndStopPins();
+}
+
 void AvrRig::SetEndStopPins() {
   const bool retract = pulled_[0] || actuator_.stroke_mm <= actuator_.retract_stop_mm;
   const bool extend = pulled_[1] || actuator_.stroke_mm >= actuator_.extend_stop_mm;
   avr_ioport_external_t pins{};
   pins.name = 'D';
-  pins.mask = (1 << kRetractStop) | (1 << kExtendStop);
-  pins.value = static_cast<unsigned>(retract << kRetractStop | extend << kExtendStop) & 0xFF;
+  pins.mask = (1 << kRetractStop) | (1 << kExtendStop) | (1 << kButton);
+  pins.value =
+      static_cast<unsigned>(retract << kRetractStop | extend << kExtendStop | is_button_released_ << kButton) & 0xFF;
   avr_ioctl(avr_, AVR_IOCTL_IOPORT_SET_EXTERNAL('D'), &pins);
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kRetractStop), retract);
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kExtendStop), extend);
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kButton), is_button_released_);
 }
 
 // ENA as an input: the jumper's 5 V, or the pull-down. The outputs on A3 and A4, of a PWM those of its high or low

@@ -75,6 +75,7 @@ class AvrRig {
   void SendNow(char c);                         // ahead of what waits, as a real-time command
   void KeepTalking(bool on) { talking_ = on; }  // a sign of life every half second, as a host does
   void PullWire(bool retract, bool pulled);     // an end stop's wire off: reads as pressed
+  void ReleaseButton(bool released);            // D4, held otherwise
 
   AvrBreaks& Breaks() { return breaks_; }
   double Time() const;
@@ -111,7 +112,7 @@ class AvrRig {
   AvrBreaks breaks_;
   double speed_mm_s_ = 0, motor_mm_ = 0, wiper_ = 0;
   BridgeInputs inputs_;
-  bool pulled_[2] = {false, false};
+  bool pulled_[2] = {false, false}, is_button_released_ = false;
   std::uint64_t counted_to_ = 0;
   double on_cycles_[4] = {};  // by Drive, in this ms
   std::string serial_, line_;

@@ -19,10 +19,10 @@ uint8_t board_is_due(void);
 void board_done(void);
 void board_sleep(void);
 
-enum { END_STOP_RETRACT = 1, END_STOP_EXTEND = 2 };
+enum { END_STOP_RETRACT = 1, END_STOP_EXTEND = 2, BUTTON_RELEASED = 4, SWITCHES = 3 };
 
-// Bits of the end stops that are open now. Pins are read four times within 20 us and must agree: the
-// bridge's spikes are shorter.
+// Bits of the end stops, and of the button that is held, that are open now. Pins are read four times within 20 us and
+// must agree: the bridge's spikes are shorter.
 uint8_t board_end_stops(void);
 
 void board_close_relay(uint8_t is_closed);  // the safety relay, open after a reset

@@ -44,7 +44,9 @@ static reply_t begin(event_t event, reply_t reply) {
 }
 
 static reply_t answer(request_t request, int16_t jog_counts, uint16_t jog_ms) {
-  if (machine.state != STATE_IDLE && request != REQUEST_STOP && request != REQUEST_RESET) return REPLY_STATE;
+  const uint8_t moves = request == REQUEST_RUN || request == REQUEST_HOME || request == REQUEST_JOG;
+  if (machine.state != STATE_IDLE && (moves || request == REQUEST_ZERO)) return REPLY_STATE;
+  if (moves && end_stops_button_is_released()) return REPLY_BUTTON;
   switch (request) {
     case REQUEST_RUN:
       return begin(ON_RUN, program_take_run());
@@ -77,18 +79,18 @@ static void take_realtime(void) {
   machine.knowledge = STROKE_UNKNOWN;
 }
 
-static uint8_t is_silent(void) {
-  return LAKE_COMMAND_TIMEOUT_MS > 0 && silent_ms >= LAKE_COMMAND_TIMEOUT_MS;
+static void let_go(uint8_t news) {
+  machine.news |= news;
+  state_on(ON_LET_GO);
 }
 
 static void watch_host(void) {
-  if (is_heard || !state_is_in(STATES_MOVING)) {
+  if (is_heard || !state_is_in(STATES_MOVING))
     silent_ms = 0;
-  } else if (++silent_ms, is_silent()) {
-    machine.news |= NEWS_TIMEOUT;
-    state_on(ON_SILENCE);
-  }
+  else if (LAKE_COMMAND_TIMEOUT_MS > 0 && ++silent_ms >= LAKE_COMMAND_TIMEOUT_MS)
+    let_go(NEWS_TIMEOUT);
   is_heard = 0;
+  if (end_stops_button_is_released() && state_is_in(STATES_MOVING)) let_go(NEWS_BUTTON);
 }
 
 // End stops that cannot be pressed as they are, told where nothing moves: is_allowed sees to it while something does.

@@ -249,8 +249,11 @@ static void tell_news(void) {
     case NEWS_JOG_LIMIT:
       tell_message(PSTR("jog ended at a limit"));
       return;
-    default:
+    case NEWS_TIMEOUT:
       tell_message(PSTR("host silent, stopped"));
+      return;
+    default:
+      tell_message(PSTR("button released, stopped"));
   }
 }
 

@@ -46,7 +46,7 @@ typedef enum {
   ON_STOP,  // or Ctrl-X
   ON_RESET,
   ON_HOLD,
-  ON_SILENCE,  // of the host, for the time-out
+  ON_LET_GO,   // the host is silent for the time-out, or the button released
   ON_READY,    // power_is_ready
   ON_PRESSED,  // the retract end stop, while homing
   ON_DONE,     // as planned, or what a jog meets
@@ -77,6 +77,7 @@ typedef enum {
   REPLY_STOP_AHEAD = 7,   // an end stop is pressed in that direction
   REPLY_LIMIT_AHEAD = 8,  // a soft limit is reached in that direction
   REPLY_CHECK_SUM = 9,    // the line has no check sum, or a wrong one
+  REPLY_BUTTON = 10,      // nobody holds the button
   REPLY_TRIES = 11        // homing has failed HOME_TRIES times
 } reply_t;
 
@@ -108,7 +109,8 @@ enum {
   NEWS_WAITED = 1 << 1,     // the program has ended later than planned
   NEWS_DONE = 1 << 2,       // the program, homing or a jog ended as planned
   NEWS_JOG_LIMIT = 1 << 3,  // a jog ended at an end stop or a soft limit
-  NEWS_TIMEOUT = 1 << 4     // the host was silent for too long while something moved
+  NEWS_TIMEOUT = 1 << 4,    // the host was silent for too long while something moved
+  NEWS_BUTTON = 1 << 5      // the button was released while something moved
 };
 
 // What is wanted of the motor in this ms.

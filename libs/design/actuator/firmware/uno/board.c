@@ -97,6 +97,9 @@ void board_init(void) {
   // all read high.
   PIN_WRITE(LAKE_PIN_RETRACT, 1);
   PIN_WRITE(LAKE_PIN_EXTEND, 1);
+#if LAKE_BUTTON
+  PIN_WRITE(LAKE_PIN_BUTTON, 1);  // to ground while it is held: a broken wire reads as released
+#endif
 #if LAKE_RELAY
   PIN_OUTPUT(LAKE_PIN_RELAY, 1);
 #endif
@@ -139,6 +142,9 @@ static uint8_t open_stops(void) {
   uint8_t bits = 0;
   if (PIN_READ(LAKE_PIN_RETRACT)) bits |= END_STOP_RETRACT;
   if (PIN_READ(LAKE_PIN_EXTEND)) bits |= END_STOP_EXTEND;
+#if LAKE_BUTTON
+  if (PIN_READ(LAKE_PIN_BUTTON)) bits |= BUTTON_RELEASED;
+#endif
   return bits;
 }
 
