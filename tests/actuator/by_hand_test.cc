@@ -30,6 +30,37 @@ TEST_F(ByHandTest, HomingWithoutAHostThatTalksIsHeld) {
   EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 20)) << rig_->Serial();
 }
 
+// Whatever moves stops within the ms in which the button is let go, and begins again with homing.
+TEST_F(ByHandTest, TheButtonIsHeldWhileAnythingMoves) {
+  firmware_options_.pins.hold_button = 4;
+  Build(FreeDesign({{0, 300}, {2, 306}}));
+  const auto let_go = [&](const char* line, const char* state) {
+    ASSERT_TRUE(rig_->Asks(line, "ok")) << rig_->Serial();
+    rig_->Run(0.3);
+    ASSERT_NE(rig_->Duty(), 0) << line;
+    const std::size_t from = rig_->Serial().size();
+    rig_->ReleaseButton(true);
+    rig_->Run(0.001);
+    EXPECT_EQ(rig_->Duty(), 0) << line;
+    rig_->Run(0.02);
+    EXPECT_THAT(rig_->Serial().substr(from), HasSubstr("[MSG:button released, stopped]\n")) << line;
+    EXPECT_THAT(rig_->Status(), HasSubstr(state)) << line;
+    rig_->ReleaseButton(false);
+    rig_->Run(1);
+    EXPECT_EQ(rig_->Duty(), 0) << "held again it does not go on";
+    ASSERT_TRUE(rig_->Asks("stop", "ok"));
+  };
+  let_go("home", "<hold");
+  ASSERT_TRUE(rig_->Asks("zero", "ok"));
+  let_go("run", "<hold");
+  EXPECT_TRUE(rig_->Asks("run", "error:5")) << "it begins again with homing";
+  let_go("jog 500 2000", "<idle");
+  rig_->ReleaseButton(true);
+  rig_->Run(0.01);
+  for (const char* line : {"home", "jog 500 100"}) EXPECT_TRUE(rig_->Asks(line, "error:10")) << line;
+  EXPECT_TRUE(rig_->Asks("stop", "ok"));
+}
+
 TEST_F(ByHandTest, StopGivesHomingUpAndHoldEndsIt) {
   Build(FreeDesign({{0, 300}, {2, 306}}));
   rig_->SetStroke(330);

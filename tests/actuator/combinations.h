@@ -14,7 +14,7 @@
 namespace lake {
 
 struct Combination {
-  enum Choice { kPot, kSupply, kCurrent, kSense, kRelay, kChoices };
+  enum Choice { kPot, kSupply, kCurrent, kSense, kRelay, kButton, kChoices };
 
   unsigned choices = 0;  // bits
 
@@ -23,7 +23,7 @@ struct Combination {
   bool IsAllowed() const { return !Has(kRelay) || Has(kSupply); }
 
   std::string Name() const {
-    static constexpr const char* kNames[] = {"pot", "supply", "current", "sense", "relay"};
+    static constexpr const char* kNames[] = {"pot", "supply", "current", "sense", "relay", "button"};
     std::string name;
     for (int choice = 0; choice < kChoices; ++choice)
       if (Has(choice)) name += (name.empty() ? "" : ", ") + std::string(kNames[choice]);
@@ -40,6 +40,7 @@ struct Combination {
     options.current_sense = Has(kCurrent);
     options.bridge_sense = Has(kSense);
     if (Has(kRelay)) options.pins.safety_relay = 5;
+    if (Has(kButton)) options.pins.hold_button = 4;
     return options;
   }
 };

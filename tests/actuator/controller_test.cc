@@ -12,7 +12,8 @@
 #include "config.h"
 #include "divide.h"
 #include "end_stops.h"
-#include "fake_board.h"
+#include "guard.h"
+#include "host_board.h"
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/serial_frame.h"
 #include "lake/core/atomic_file.h"
@@ -29,8 +30,6 @@ namespace {
 using testing::EndsWith;
 using testing::HasSubstr;
 
-constexpr auto kOff = FakeBoard::Bridge::kOff, kDrive = FakeBoard::Bridge::kDrive;
-
 // The program of host/stroke_table.h: up at 5 mm/s, up at 2, back at 4, a rest, up.
 actuator::StrokeSchedule HostSchedule() {
   return FreeSchedule({{0, 300}, {0.5, 302.5}, {1, 303.5}, {1.5, 301.5}, {1.8, 301.5}, {2, 302.1}});
@@ -39,28 +38,28 @@ actuator::StrokeSchedule HostSchedule() {
 class ControllerTest : public testing::Test {
  protected:
   void SetUp() override {
-    fake_board = {};
+    host_board = {};
     end_stops_init();
     motor_init();
     power_init();
     controller_init();
     Tick(10);  // the end stops have been seen closed
-    controller_take_events();
+    controller_take_news();
   }
 
   void Tick(int times = 1) {
-    for (int i = 0; i < times; ++i) controller_tick();
+    for (int i = 0; i < times; ++i) guard_interrupt(), controller_turn();
   }
 
   // A host that talks, so that the command time-out does not act.
   void TickTalking(int times) {
-    for (int i = 0; i < times; ++i) controller_heard(), controller_tick();
+    for (int i = 0; i < times; ++i) controller_heard(), Tick();
   }
 
   reply_t Ask(request_t request, int16_t counts = 0, uint16_t ms = 0) {
-    controller_request(request, counts, ms);
+    const reply_t reply = controller_ask(request, counts, ms);
     Tick();
-    return controller_take_reply();
+    return reply;
   }
 
   void Start() {
@@ -89,25 +88,25 @@ TEST_F(ControllerTest, PlanFollowsTheScheduleTickByTick) {
     ASSERT_NEAR(controller_status().stroke_um / 1e3, schedule.StrokeAt(ms * 1e-3), 0.006) << ms;
     ASSERT_LT(ms, 5000);
   }
-  EXPECT_EQ(controller_take_events(), EVENT_DONE);
+  EXPECT_EQ(controller_take_news(), NEWS_DONE);
   EXPECT_NEAR(controller_status().stroke_um / 1e3, 302.1, 0.002);
   TickTalking(LAKE_DEAD_TIME_MS + 1);
-  EXPECT_EQ(fake_board.bridge, kOff);
-  EXPECT_FALSE(fake_board.shorted);
+  EXPECT_EQ(host_board.bridge, HOST_OFF);
+  EXPECT_FALSE(host_board.shorted);
 }
 
 TEST_F(ControllerTest, EndStopAheadActsInTheSameTickAndOnlyInItsDirection) {
   Start();
-  fake_board.open = END_STOP_RETRACT;  // behind, from the beginning
+  host_board.open = END_STOP_RETRACT;  // behind, from the beginning
   TickTalking(5);
-  ASSERT_EQ(fake_board.bridge, kDrive);
-  fake_board.open = END_STOP_RETRACT | END_STOP_EXTEND;
+  ASSERT_EQ(host_board.bridge, HOST_DRIVE);
+  host_board.open = END_STOP_RETRACT | END_STOP_EXTEND;
   TickTalking(1);
-  EXPECT_EQ(fake_board.bridge, kOff);
-  EXPECT_EQ(controller_take_events(), EVENT_FAULT);
+  EXPECT_EQ(host_board.bridge, HOST_OFF);
+  EXPECT_EQ(controller_take_news(), NEWS_FAULT);
   EXPECT_EQ(controller_status().fault, FAULT_BOTH_STOPS);
   EXPECT_EQ(controller_status().knowledge, STROKE_UNKNOWN);
-  fake_board.open = END_STOP_EXTEND;
+  host_board.open = END_STOP_EXTEND;
   ASSERT_EQ(Ask(REQUEST_RESET), REPLY_OK);
   TickTalking(LAKE_DEAD_TIME_MS);
   EXPECT_EQ(Ask(REQUEST_JOG, 2000, 100), REPLY_STOP_AHEAD);
@@ -119,19 +118,54 @@ TEST_F(ControllerTest, EndStopAheadActsInTheSameTickAndOnlyInItsDirection) {
 TEST_F(ControllerTest, AnEndStopBehindThatIsPressedByTheMotionStopsAtOnce) {
   Start();
   TickTalking(100);  // 0.5 mm
-  fake_board.open = END_STOP_RETRACT;
+  host_board.open = END_STOP_RETRACT;
   TickTalking(2);
   EXPECT_EQ(controller_status().fault, FAULT_STUCK);
-  EXPECT_EQ(fake_board.bridge, kOff);
+  EXPECT_EQ(host_board.bridge, HOST_OFF);
+}
+
+// The interrupt alone, before any turn of the main loop: off, and nothing drives before that was taken for a stop.
+TEST_F(ControllerTest, TheInterruptStopsTheMotorAtAnEndStopAndWhereTheMainLoopIsLate) {
+  for (const bool is_late : {false, true}) {
+    SetUp();
+    Start();
+    TickTalking(100);
+    ASSERT_EQ(host_board.bridge, HOST_DRIVE);
+    host_board.open = END_STOP_RETRACT;  // behind
+    guard_interrupt();
+    ASSERT_EQ(host_board.bridge, HOST_DRIVE);
+    host_board.open = is_late ? 0 : END_STOP_EXTEND;
+    host_board.is_late = is_late;
+    guard_interrupt();
+    EXPECT_EQ(host_board.bridge, HOST_OFF);
+    EXPECT_EQ(host_board.direction, 0);
+    controller_turn();
+    EXPECT_EQ(controller_status().fault, is_late ? FAULT_LATE : FAULT_BOTH_STOPS);
+    EXPECT_EQ(host_board.bridge, HOST_OFF);
+  }
+}
+
+// A spike that only the interrupt has seen costs a stop.
+TEST_F(ControllerTest, WhatTheInterruptHasCutDrivesAgainAfterTheDeadTime) {
+  Start();
+  TickTalking(100);
+  motor_cut();
+  for (int ms = 0; ms < LAKE_DEAD_TIME_MS; ++ms) {
+    TickTalking(1);
+    ASSERT_EQ(host_board.bridge, HOST_OFF) << ms;
+  }
+  TickTalking(2);
+  EXPECT_EQ(host_board.bridge, HOST_DRIVE);
+  EXPECT_EQ(controller_status().fault, FAULT_NONE);
 }
 
 // ENA that something holds high is found before the first count of duty.
 TEST_F(ControllerTest, AJumperOnEnaIsFoundBeforeAnythingMoves) {
-  fake_board.enable_is_held = true;
+  host_board.enable_is_held = 1;
   Start();
   for (int i = 0; i < 20; ++i) {
     TickTalking(1);
-    ASSERT_NE(fake_board.bridge, kDrive);
+    ASSERT_NE(host_board.bridge, HOST_DRIVE);
   }
   EXPECT_EQ(controller_status().fault, FAULT_BRIDGE);
   EXPECT_EQ(Ask(REQUEST_RESET), REPLY_OK);
@@ -145,7 +179,7 @@ TEST_F(ControllerTest, BlocksEnd) {
   Start();
   TickTalking(50);
   protocol_turn();
-  EXPECT_EQ(fake_board.blocked, 0u);
+  EXPECT_EQ(host_board.blocked, 0u);
 }
 
 TEST_F(ControllerTest, SilenceStopsWhateverMoves) {
@@ -154,10 +188,10 @@ TEST_F(ControllerTest, SilenceStopsWhateverMoves) {
   ASSERT_EQ(controller_status().state, STATE_RUNNING);
   Tick();
   EXPECT_EQ(controller_status().state, STATE_HOLD);
-  EXPECT_EQ(fake_board.bridge, kOff);
-  EXPECT_EQ(controller_take_events(), EVENT_TIMEOUT);
+  EXPECT_EQ(host_board.bridge, HOST_OFF);
+  EXPECT_EQ(controller_take_news(), NEWS_TIMEOUT);
   Tick(3 * LAKE_COMMAND_TIMEOUT_MS);
-  EXPECT_EQ(controller_take_events(), 0) << "told once";
+  EXPECT_EQ(controller_take_news(), 0) << "told once";
   ASSERT_EQ(Ask(REQUEST_STOP), REPLY_OK);
   ASSERT_EQ(Ask(REQUEST_JOG, 2000, 9000), REPLY_OK);
   Tick(LAKE_COMMAND_TIMEOUT_MS);
@@ -213,59 +247,60 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
     const bool calm = i / 20'000 % 2 == 1;
     const int rare = calm ? 20 : 1;
     if (one_in(300 * rare)) {
-      const auto request = static_cast<request_t>(1 + random() % REQUEST_JOG);
+      const auto request = static_cast<request_t>(random() % (REQUEST_JOG + 1));
       const auto rate = static_cast<int16_t>(static_cast<int>(random() % 8001) - 4000);
-      controller_request(request, rate, static_cast<uint16_t>(random() % 2000));
+      controller_ask(request, rate, static_cast<uint16_t>(random() % 2000));
     }
     if (calm && controller_status().state == STATE_IDLE && one_in(100))
-      controller_request(one_in(2) ? REQUEST_HOME : REQUEST_RUN, 0, 0);
+      controller_ask(one_in(2) ? REQUEST_HOME : REQUEST_RUN, 0, 0);
     if (one_in(700 * rare)) controller_hold();
-    if (controller_status().state == STATE_HOLD && one_in(300)) controller_request(REQUEST_STOP, 0, 0);
+    if (controller_status().state == STATE_HOLD && one_in(300)) controller_ask(REQUEST_STOP, 0, 0);
     if (one_in(3000 * rare)) controller_abort();
     if (one_in(40'000)) {  // power off and on, which takes longer than a brake
-      fake_board = {}, motor_init(), power_init(), controller_init();
+      host_board = {}, motor_init(), power_init(), controller_init();
       last_direction = 0;
     }
     if (!one_in(50)) controller_heard();
-    if (one_in(400 * rare)) fake_board.open = random() % 4;
-    if (one_in(100)) fake_board.open = 0;
-    if (calm && controller_status().state == STATE_HOMING) {
-      if (fake_board.direction > 0) fake_board.open = 0;
-      if (fake_board.direction < 0 && one_in(150)) fake_board.open = END_STOP_RETRACT;
+    if (one_in(400 * rare)) host_board.open = random() % 4;
+    if (one_in(100)) host_board.open = 0;
+    if (calm && (STATES_HOMING & STATES_OF(controller_status().state))) {
+      if (host_board.direction > 0) host_board.open = 0;
+      if (host_board.direction < 0 && one_in(150)) host_board.open = END_STOP_RETRACT;
     }
     Tick();
-    while (controller_take_reply() != REPLY_NONE) {
-    }
-    ASSERT_FALSE(fake_board.shorted);
-    if (fake_board.bridge != kDrive) {
+    ASSERT_FALSE(host_board.shorted);
+    if (host_board.bridge != HOST_DRIVE) {
       ++undriven_ms;
       continue;
     }
-    ASSERT_EQ(std::abs(fake_board.direction), 1);
-    driven.emplace(controller_status().state, fake_board.direction);
-    if (fake_board.direction == -last_direction) {
+    ASSERT_EQ(std::abs(host_board.direction), 1);
+    driven.emplace(controller_status().state, host_board.direction);
+    if (host_board.direction == -last_direction) {
       ASSERT_GE(undriven_ms, LAKE_DEAD_TIME_MS) << "at " << i << " ms";
     }
-    ASSERT_FALSE(fake_board.open & (fake_board.direction > 0 ? END_STOP_EXTEND : END_STOP_RETRACT));
-    last_direction = fake_board.direction, undriven_ms = 0;
+    ASSERT_FALSE(host_board.open & (host_board.direction > 0 ? END_STOP_EXTEND : END_STOP_RETRACT));
+    last_direction = host_board.direction, undriven_ms = 0;
   }
-  // The program's, homing's and a jog's both ways, positioning's one.
-  for (const state_t state : {STATE_RUNNING, STATE_HOMING, STATE_JOGGING})
+  for (const state_t state : {STATE_RUNNING, STATE_JOGGING})
     for (const int direction : {1, -1}) EXPECT_TRUE(driven.contains({state, direction})) << state << " " << direction;
-  EXPECT_TRUE(driven.contains({STATE_POSITIONING, 1}));
-  EXPECT_FALSE(driven.contains({STATE_POSITIONING, -1}));
+  for (const state_t state : {STATE_BACKING_OFF, STATE_RELEASING, STATE_POSITIONING}) {
+    EXPECT_TRUE(driven.contains({state, 1})) << state;
+    EXPECT_FALSE(driven.contains({state, -1})) << state;
+  }
+  for (const state_t state : {STATE_SEEKING, STATE_TOUCHING}) {
+    EXPECT_TRUE(driven.contains({state, -1})) << state;
+    EXPECT_FALSE(driven.contains({state, 1})) << state;
+  }
 }
 
 // Texts in, texts out.
 class ProtocolTest : public ControllerTest {
  protected:
   std::string Say(const std::string& line) {
-    fake_board.said.clear();
-    fake_board.received = line;
-    protocol_turn();
-    Tick();
-    protocol_turn();
-    return fake_board.said;
+    host_board.said_length = 0;
+    for (const char c : line) host_board.received[host_board.received_head++] = static_cast<std::uint8_t>(c);
+    for (int turn = 0; turn < 10; ++turn) protocol_turn();
+    return {host_board.said, host_board.said_length};
   }
 };
 

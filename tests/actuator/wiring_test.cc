@@ -187,7 +187,7 @@ TEST_F(DirectionTest, HomingEndsBeforeTheDeadPoint) {
 class CombinationsTest : public HostFirmwareTest {};
 
 TEST_F(CombinationsTest, PairsOccurInFewOfThem) {
-  EXPECT_EQ(AllCombinations().size(), 24U);
+  EXPECT_EQ(AllCombinations().size(), 48U);
   EXPECT_LE(CombinationsOfPairs().size(), 10U);
 }
 

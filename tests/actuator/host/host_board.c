@@ -36,6 +36,9 @@ void bridge_drive(uint16_t counts) {
   set(HOST_DRIVE, counts, (int8_t)host_board.direction);
   host_board.counts = counts;
 }
+int8_t bridge_driven(void) {
+  return (int8_t)(host_board.bridge == HOST_DRIVE ? host_board.direction : 0);
+}
 uint8_t bridge_enable_is_free(void) {
   return !host_board.enable_is_held;
 }
@@ -60,7 +63,7 @@ void board_close_relay(uint8_t is_closed) {
 }
 
 uint8_t board_end_stops(void) {
-  return host_board.open;
+  return host_board.open & (LAKE_BUTTON ? 0xFF : END_STOP_RETRACT | END_STOP_EXTEND);
 }
 uint16_t board_analog(uint8_t channel) {
   return host_board.adc[channel];
@@ -74,10 +77,17 @@ void serial_write(char c) {
   if (host_board.said_length < sizeof host_board.said) host_board.said[host_board.said_length++] = c;
 }
 
-uint8_t board_is_late(void) {
-  return 0;
+uint8_t serial_has_room(void) {
+  return 1;
 }
 
+uint8_t board_is_late(void) {
+  return host_board.is_late;
+}
+
+uint8_t board_can_remember(void) {
+  return 1;
+}
 uint8_t board_remembered(uint8_t place) {
   return host_board.remembered[place];
 }

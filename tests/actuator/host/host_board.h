@@ -19,6 +19,7 @@ typedef struct {
   int outputs_contradict;        // what the bridge was told in the last ms
   int in1_is_high, in2_is_high;  // by broken wires
   uint8_t relay;
+  uint8_t is_late;        // the main loop
   uint32_t blocked;       // how deep in blocks that no interrupt divides
   uint16_t adc[3];        // sums of four readings: A0 potentiometer, A1 current, A2 supply
   uint8_t received[256];  // a ring
@@ -27,5 +28,9 @@ typedef struct {
   char said[1 << 16];       // over the serial line since it was last taken
   uint32_t said_length;
 } host_board_t;
+
+#ifdef __cplusplus
+extern host_board_t host_board;  // where the firmware is compiled into the program
+#endif
 
 #endif

@@ -24,6 +24,8 @@ namespace {
 constexpr int kTalkEvery_ms = 500;
 constexpr double kReadsHigh = 0.62;  // of 12 V: 3 V behind the outputs' dividers, which every pin reads as high
 constexpr int kBytesPerMs = 11;      // of 115200 baud
+constexpr int kLate_ms = 4;          // as on the UNO
+constexpr int kTurnsPerMs = 8;       // of the main loop: one for each interrupt, at least
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr const char* kSanitizers = "-fsanitize=address,undefined -fno-sanitize-recover=undefined";
@@ -70,7 +72,8 @@ void HostRig::OpenLibrary() {
   find(power_init_, "power_init");
   find(analog_init_, "analog_init");
   find(controller_init_, "controller_init");
-  find(controller_tick_, "controller_tick");
+  find(guard_interrupt_, "guard_interrupt");
+  find(controller_turn_, "controller_turn");
   find(controller_remember_, "controller_remember");
   find(controller_status_, "controller_status");
   find(protocol_turn_, "protocol_turn");
@@ -120,8 +123,10 @@ void HostRig::Receive(char c) {
 }
 
 void HostRig::TakeSaid() {
-  const std::string said(board_->said, board_->said_length);
-  board_->said_length = 0;
+  // Whole lines: a row is said over some ms.
+  const std::string all(board_->said, board_->said_length), said = all.substr(0, all.rfind('\n') + 1);
+  all.copy(board_->said, std::string::npos, said.size());
+  board_->said_length -= static_cast<std::uint32_t>(said.size());
   wire_ += said;
   std::istringstream lines(said);
   for (std::string line; std::getline(lines, line);) {
@@ -192,7 +197,8 @@ std::uint16_t HostRig::Read(double volt) {
 void HostRig::Sense() {
   board_->open =
       static_cast<std::uint8_t>((pulled_[0] || stroke_mm_ <= actuator_.retract_stop_mm ? END_STOP_RETRACT : 0) |
-                                (pulled_[1] || stroke_mm_ >= actuator_.extend_stop_mm ? END_STOP_EXTEND : 0));
+                                (pulled_[1] || stroke_mm_ >= actuator_.extend_stop_mm ? END_STOP_EXTEND : 0) |
+                                (is_button_released_ ? BUTTON_RELEASED : 0));
   const auto [at_0, at_5] = actuator_.potentiometer_mm;
   using Wiper = RigBreaks::Wiper;
   if (breaks_.wiper != Wiper::kFrozen) frozen_v_ = 5 * (stroke_mm_ - at_0) / (at_5 - at_0);
@@ -225,8 +231,11 @@ void HostRig::TickMs() {
     Receive(to_send_.front());
     to_send_.pop_front();
   }
-  controller_tick_();
-  if (!hangs_) {
+  hung_ms_ = hangs_ ? hung_ms_ + 1 : 0;
+  if (hung_ms_ > kLate_ms) board_->is_late = 1;
+  guard_interrupt_();
+  if (!hangs_) controller_turn_();
+  for (int turn = 0; !hangs_ && turn < kTurnsPerMs; ++turn) {
     protocol_turn_();
     controller_remember_();
   }

@@ -21,8 +21,9 @@ namespace lake {
 
 // Every file of the firmware that knows nothing of the chip; a board's own, the tests' or another chip's, come beside.
 inline constexpr const char* kPortableSources =
-    "controller.c state.c divide.c program.c calibration.c motor.c power.c end_stops.c protocol.c line.c "
-    "analog.c follow.c";
+    "controller.c guard.c state.c kept.c divide.c program.c calibration.c motor.c power.c end_stops.c protocol.c "
+    "line.c "
+    "analog.c plant_open.c plant_pot.c";
 
 // Speed follows the table at duty times supply, less what the load costs, with a time constant while driven, 10 ms when
 // shorted. Off it coasts: what the screw's friction takes of the speed, which is what keeps it still in the dead band
@@ -74,6 +75,7 @@ class HostRig {
   void SendNow(char c);
   void KeepTalking(bool on) { talking_ = on; }
   void PullWire(bool retract, bool pulled) { pulled_[retract ? 0 : 1] = pulled; }
+  void ReleaseButton(bool released) { is_button_released_ = released; }
   void Hang(bool on) { hangs_ = on; }  // the main loop
 
   double Time() const { return 1e-3 * static_cast<double>(now_ms_); }
@@ -111,7 +113,8 @@ class HostRig {
   void (*power_init_)() = nullptr;
   void (*analog_init_)() = nullptr;
   void (*controller_init_)() = nullptr;
-  void (*controller_tick_)() = nullptr;
+  void (*guard_interrupt_)() = nullptr;
+  void (*controller_turn_)() = nullptr;
   void (*controller_remember_)() = nullptr;
   status_t (*controller_status_)() = nullptr;
   void (*protocol_turn_)() = nullptr;
@@ -122,7 +125,8 @@ class HostRig {
   std::mt19937 random_;
   double speed_mm_s_ = 0, motor_mm_ = 0, stroke_mm_ = 0;
   bool pulled_[2] = {false, false};
-  bool talking_ = false, hangs_ = false;
+  bool talking_ = false, hangs_ = false, is_button_released_ = false;
+  int hung_ms_ = 0;
   int relay_ms_ = 0;  // for which the contacts are as they will be
   bool is_relay_closed_ = false;
   std::int64_t now_ms_ = 0;

@@ -24,6 +24,7 @@
 #define LAKE_PIN_OUT2 18
 #define LAKE_BRIDGE_SENSE 0
 #define LAKE_RELAY 0
+#define LAKE_BUTTON 0
 #define LAKE_SUPPLY_SENSE 0
 #define LAKE_SUPPLY_LEAST 0
 #define LAKE_SUPPLY_MOST 0
@@ -61,7 +62,7 @@
 #define LAKE_RETRACT_LEAST_UM_S 720L
 #define LAKE_RETRACT_MOST_UM_S 11280L
 #define LAKE_HOME_KNEE "83.2"  // degrees
-#define LAKE_PROGRAM "9a4f23f22806"
+#define LAKE_PROGRAM "ce55d025781d"
 #define LAKE_DESIGN "unknown"
 #define LAKE_DUTY_TABLE "MODEL, not measured"
 #define LAKE_HOME_UM 297000L  // at the retract end stop

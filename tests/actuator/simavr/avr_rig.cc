@@ -34,7 +34,7 @@ constexpr std::uint8_t kTimer2CompareA = 7;  // its vector
 constexpr int kRamEnd = 0x8FF;
 constexpr std::size_t kTalkEverySamples = 500;
 constexpr int kCom1a1 = 7;  // of TCCR1A: the timer drives the pin
-enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kRelay = 5, kIn1 = 7, kOut1 = 3 };
+enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kButton = 4, kRelay = 5, kIn1 = 7, kOut1 = 3 };
 
 bool HasBit(std::uint8_t value, int bit) {
   return (value >> bit) & 1;
@@ -122,12 +122,18 @@ void AvrRig::OnSerial(avr_irq_t*, std::uint32_t value, void* self) {
 
 void AvrRig::OnTick(avr_irq_t*, std::uint32_t runs, void* self) {
   AvrRig& rig = *static_cast<AvrRig*>(self);
-  if (runs) {
-    rig.tick_began_ = rig.avr_->cycle;
-    ++rig.ticks_;
-  } else if (rig.tick_began_ > 0) {
-    rig.longest_tick_ = std::max(rig.longest_tick_, rig.avr_->cycle - rig.tick_began_);
-  }
+  if (!runs) return;
+  if (rig.turn_began_ == 0) rig.turn_began_ = rig.avr_->cycle;
+  ++rig.ticks_;
+}
+
+// Before the next instruction: is it `sleep`?
+void AvrRig::WatchSleep() {
+  constexpr int kSleep = 0x9588;
+  if (turn_began_ == 0 || avr_->state != cpu_Running) return;
+  if ((avr_->flash[avr_->pc] | avr_->flash[avr_->pc + 1] << 8) != kSleep) return;
+  longest_turn_ = std::max(longest_turn_, avr_->cycle - turn_began_);
+  turn_began_ = 0;
 }
 
 void AvrRig::Send(const std::string& line) {
@@ -147,16 +153,23 @@ void AvrRig::PullWire(bool retract, bool pulled) {
   SetEndStopPins();
 }
 
+void AvrRig::ReleaseButton(bool released) {
+  is_button_released_ = released;
+  SetEndStopPins();
+}
+
 void AvrRig::SetEndStopPins() {
   const bool retract = pulled_[0] || actuator_.stroke_mm <= actuator_.retract_stop_mm;
   const bool extend = pulled_[1] || actuator_.stroke_mm >= actuator_.extend_stop_mm;
   avr_ioport_external_t pins{};
   pins.name = 'D';
-  pins.mask = (1 << kRetractStop) | (1 << kExtendStop);
-  pins.value = static_cast<unsigned>(retract << kRetractStop | extend << kExtendStop) & 0xFF;
+  pins.mask = (1 << kRetractStop) | (1 << kExtendStop) | (1 << kButton);
+  pins.value =
+      static_cast<unsigned>(retract << kRetractStop | extend << kExtendStop | is_button_released_ << kButton) & 0xFF;
   avr_ioctl(avr_, AVR_IOCTL_IOPORT_SET_EXTERNAL('D'), &pins);
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kRetractStop), retract);
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kExtendStop), extend);
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kButton), is_button_released_);
 }
 
 // ENA as an input: the jumper's 5 V, or the pull-down. The outputs on A3 and A4, of a PWM those of its high or low
@@ -225,6 +238,7 @@ void AvrRig::Run(double seconds) {
   std::uint64_t next_ms = (avr_->cycle / kCyclesPerMs + 1) * kCyclesPerMs;
   while (avr_->cycle < until && !HasEnded()) {
     const std::uint64_t before = avr_->cycle;
+    WatchSleep();
     avr_run(avr_);
     WatchInterrupts(before);
     if (const int pointer = avr_->data[kSpl] | avr_->data[kSph] << 8; pointer > 0)  // 0 until the start-up code sets it

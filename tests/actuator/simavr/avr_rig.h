@@ -75,6 +75,7 @@ class AvrRig {
   void SendNow(char c);                         // ahead of what waits, as a real-time command
   void KeepTalking(bool on) { talking_ = on; }  // a sign of life every half second, as a host does
   void PullWire(bool retract, bool pulled);     // an end stop's wire off: reads as pressed
+  void ReleaseButton(bool released);            // D4, held otherwise
 
   AvrBreaks& Breaks() { return breaks_; }
   double Time() const;
@@ -88,8 +89,8 @@ class AvrRig {
   const std::vector<DriveChange>& Changes() const { return changes_; }
   DatasheetAdc& Adc() { return *adc_; }
   const DatasheetReceiver& Receiver() const { return *receiver_; }
-  // Of the interrupt in which all is decided, with those that interrupt it.
-  double LongestTick_us() const { return static_cast<double>(longest_tick_) / 16; }
+  // From the timer's interrupt on until the processor sleeps again, with all interrupts.
+  double LongestTurn_us() const { return static_cast<double>(longest_turn_) / 16; }
   std::uint64_t Ticks() const { return ticks_; }
   // For which interrupts were blocked, since the firmware first allowed them.
   double LongestBlocked_us() const { return static_cast<double>(longest_blocked_) / 16; }
@@ -111,7 +112,7 @@ class AvrRig {
   AvrBreaks breaks_;
   double speed_mm_s_ = 0, motor_mm_ = 0, wiper_ = 0;
   BridgeInputs inputs_;
-  bool pulled_[2] = {false, false};
+  bool pulled_[2] = {false, false}, is_button_released_ = false;
   std::uint64_t counted_to_ = 0;
   double on_cycles_[4] = {};  // by Drive, in this ms
   std::string serial_, line_;
@@ -121,7 +122,8 @@ class AvrRig {
   bool talking_ = false;
   static void OnTick(avr_irq_t* irq, uint32_t runs, void* rig);
   void WatchInterrupts(std::uint64_t before);
-  std::uint64_t tick_began_ = 0, longest_tick_ = 0, ticks_ = 0;
+  void WatchSleep();
+  std::uint64_t turn_began_ = 0, longest_turn_ = 0, ticks_ = 0;
   std::uint64_t blocked_since_ = 0, longest_blocked_ = 0;
   bool has_allowed_interrupts_ = false;
   int deepest_stack_ = 0;

@@ -19,6 +19,9 @@
 
 namespace lake {
 
+// From a tick until all is done: the controller is late by less than a ms. The budget of board.c.
+inline constexpr double kLongestTurn_us = 2000;
+
 // The image of the firmware with this table, compiled once for all tests. Throws if it does not compile without a
 // warning.
 inline std::filesystem::path BuildFirmware(const std::string& stroke_table, const std::string& flags) {

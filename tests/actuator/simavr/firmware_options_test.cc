@@ -55,6 +55,16 @@ TEST_F(FirmwareOptionsTest, EachCombinationIsCompiledAndRuns) {
     rig_->Send("jog 400 2000");
     WaitForDrive(1);
     EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
+    if (one.Has(Combination::kButton)) {
+      rig_->ReleaseButton(true);
+      EXPECT_TRUE(IsStill());
+      ASSERT_TRUE(rig_->RunUntil("[MSG:button released, stopped]", 0.1)) << rig_->Serial();
+      EXPECT_TRUE(Asks("jog 400 2000", "error:10"));
+      rig_->ReleaseButton(false);
+      rig_->Run(0.3);
+      rig_->Send("jog 400 2000");
+      WaitForDrive(1);
+    }
     rig_->PullWire(false, true);
     EXPECT_TRUE(IsStill());
   }

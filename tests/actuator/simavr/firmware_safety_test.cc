@@ -301,7 +301,7 @@ TEST_F(FirmwareTest, ASpikeOnAnEndStopDoesNotStopBothWiresOffDo) {
   EXPECT_EQ(rig_->Samples().back().duty, 0);
 }
 
-TEST_F(FirmwareTest, WatchdogStopsAHangingMainLoop) {
+TEST_F(FirmwareTest, AHangingMainLoopIsOffAtOnceAndResetByTheWatchdog) {
   Build(FreeDesign({{0, 300}, {4, 312}}));
   Start();
   rig_->Run(0.3);
@@ -309,9 +309,7 @@ TEST_F(FirmwareTest, WatchdogStopsAHangingMainLoop) {
   const double hung = rig_->Time();
   rig_->Send("hang");
   EXPECT_TRUE(rig_->RunUntil("[MSG:lake-stroke, reset by the watchdog]", 1)) << rig_->Serial();
-  EXPECT_LE(DriveTimeAfter(hung),
-            0.16);  // 120 ms of the watchdog after 5 ms of sending, and its oscillator's tolerance
-  RecordProperty("drove_on_ms", static_cast<int>(1000 * DriveTimeAfter(hung)));
+  EXPECT_LE(DriveTimeAfter(hung), 0.009);  // 2 ms until it was sent and obeyed, 5 ms late, and a sample
   rig_->Run(0.5);
   EXPECT_EQ(rig_->Samples().back().duty, 0);
   EXPECT_TRUE(Asks("run", "error:5")) << rig_->Serial();
@@ -341,7 +339,7 @@ TEST_F(FirmwareTest, EndStopsActWhileTheMainLoopHangs) {
   Start();
   rig_->Run(0.3);
   rig_->Send("hang");
-  rig_->Run(0.02);
+  rig_->Run(0.003);
   ASSERT_GT(rig_->Samples().back().duty, 0);
   const double pressed = rig_->Time();
   rig_->PullWire(false, true);

@@ -3,6 +3,7 @@
 #include "board.h"
 #include "config.h"
 #include "divide.h"
+#include "portable.h"
 
 // How long something must be wrong, and how long nothing is said after a reset.
 #define WRONG_MS 20
@@ -26,12 +27,12 @@
 
 typedef struct {
   uint16_t last[2];
-  uint32_t smooth;  // << SMOOTHING
+  uint16_t smooth;  // << SMOOTHING
   uint16_t middle;
 } filter_t;
 
 static filter_t filters[ANALOG_COUNT];
-static uint8_t quiet_ms;
+static volatile uint8_t quiet_ms;
 static uint8_t faults;
 
 static uint16_t middle_of(uint16_t a, uint16_t b, uint16_t c) {
@@ -49,7 +50,7 @@ static void read_channel(uint8_t channel) {
 }
 
 static void settle(filter_t* f) {
-  f->smooth = (uint32_t)f->middle << SMOOTHING;
+  f->smooth = (uint16_t)(f->middle << SMOOTHING);
 }
 
 #if LAKE_FEEDBACK || LAKE_CURRENT_SENSE
@@ -139,7 +140,7 @@ int32_t analog_slow_um(void) {
 
 static void tell_stroke(void) {
   // Whole readings and the rest apart, so that 32 bits suffice.
-  const uint16_t smooth = (uint16_t)filters[ANALOG_POTENTIOMETER].smooth;
+  const uint16_t smooth = filters[ANALOG_POTENTIOMETER].smooth;
   const int32_t rest_nm = ((int32_t)(smooth & ((1 << SMOOTHING) - 1)) * LAKE_POT_NM_PER_COUNT) >> SMOOTHING;
   stroke_um = thousandth(LAKE_POT_ZERO_NM + (int32_t)(smooth >> SMOOTHING) * LAKE_POT_NM_PER_COUNT + rest_nm);
 }
@@ -174,6 +175,28 @@ static uint32_t zero;  // what the sensor reads at rest, << ZERO_SMOOTHING
 static uint16_t rest_ms, driven_ms, none_ms;
 static uint8_t had_inrush;
 
+// From so many readings on beside the zero it is more than LAKE_CURRENT_MOST_MA.
+#define SHORT_READINGS \
+  ((int16_t)(((LAKE_CURRENT_MOST_MA + 1L) * 1000 + LAKE_CURRENT_UA_PER_COUNT - 1) / LAKE_CURRENT_UA_PER_COUNT))
+static volatile uint16_t zero_now;
+static volatile uint8_t was_short;  // since the main loop looked
+
+uint8_t analog_interrupt(void) {
+  static uint8_t short_ms;
+  if (quiet_ms > 0) return 0;
+  filter_t* f = &filters[ANALOG_CURRENT];
+  read_channel(ANALOG_CURRENT);
+  smooth(f);
+  const int16_t from_zero = (int16_t)((f->smooth >> SMOOTHING) - zero_now);
+  if (from_zero < SHORT_READINGS && from_zero > -SHORT_READINGS)
+    short_ms = 0;
+  else if (short_ms < SHORT_MS)
+    ++short_ms;
+  if (short_ms < SHORT_MS) return 0;
+  was_short = 1;
+  return 1;
+}
+
 int16_t analog_current_ma(void) {
   return current_ma;
 }
@@ -186,9 +209,16 @@ static uint8_t is_near_zero(uint16_t reading) {
   return reading + ZERO_READINGS > LAKE_CURRENT_ZERO && reading < LAKE_CURRENT_ZERO + ZERO_READINGS;
 }
 
+static void set_zero(uint32_t reading) {  // << ZERO_SMOOTHING
+  zero = reading;
+  ATOMICALLY {
+    zero_now = (uint16_t)(reading >> ZERO_SMOOTHING);
+  }
+}
+
 // A lost wire or a current that flows is not learnt.
 static void learn_zero(uint16_t reading) {
-  if (is_near_zero(reading)) zero += reading - (zero >> ZERO_SMOOTHING);
+  if (is_near_zero(reading)) set_zero(zero + reading - (zero >> ZERO_SMOOTHING));
 }
 
 static uint16_t counted(uint16_t ms, uint8_t goes_on) {
@@ -196,10 +226,11 @@ static uint16_t counted(uint16_t ms, uint8_t goes_on) {
 }
 
 static void watch_current(uint16_t counts) {
-  static uint16_t short_ms, stall_ms, stray_ms;
-  filter_t* f = &filters[ANALOG_CURRENT];
-  smooth(f);
-  const uint16_t reading = f->smooth >> SMOOTHING;
+  static uint16_t stall_ms, stray_ms;
+  uint16_t reading = 0;
+  ATOMICALLY {
+    reading = filters[ANALOG_CURRENT].smooth >> SMOOTHING;
+  }
   const int16_t from_zero = (int16_t)(reading - (uint16_t)(zero >> ZERO_SMOOTHING));
   current_ma = (int16_t)thousandth(from_zero * (int32_t)LAKE_CURRENT_UA_PER_COUNT);
   const int16_t ma = current_ma < 0 ? -current_ma : current_ma;
@@ -209,7 +240,8 @@ static void watch_current(uint16_t counts) {
   had_inrush = counts > 0 && (had_inrush || ma >= LAKE_CURRENT_LEAST_MA);
   const uint8_t is_at_rest = rest_ms >= AT_REST_MS;
   if (is_at_rest && ma < STRAY_MA) learn_zero(reading);
-  judge(ANALOG_OVERCURRENT, ma > LAKE_CURRENT_MOST_MA, &short_ms, SHORT_MS);
+  faults = (uint8_t)(was_short ? faults | ANALOG_OVERCURRENT : faults & ~ANALOG_OVERCURRENT);
+  was_short = 0;
   judge(ANALOG_STALL_CURRENT, ma > LAKE_CURRENT_STALL_MA, &stall_ms, STALL_MS);
   judge(ANALOG_STRAY_CURRENT, is_at_rest && ma > STRAY_MA, &stray_ms, STRAY_MS);
   // A load that helps may leave a motor without current, but not one that is being started.
@@ -219,6 +251,10 @@ static void watch_current(uint16_t counts) {
     faults &= (uint8_t)~ANALOG_NO_INRUSH;
 }
 #else
+uint8_t analog_interrupt(void) {
+  return 0;
+}
+
 int16_t analog_current_ma(void) {
   return 0;
 }
@@ -238,8 +274,10 @@ void analog_init(void) {
 }
 
 void analog_tick(uint16_t counts) {
-  for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) read_channel(channel);
+  read_channel(ANALOG_POTENTIOMETER);
+  read_channel(ANALOG_SUPPLY);
   if (quiet_ms > 0) {
+    read_channel(ANALOG_CURRENT);
     for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) settle(&filters[channel]);
 #if LAKE_FEEDBACK
     tell_stroke();
@@ -247,9 +285,9 @@ void analog_tick(uint16_t counts) {
 #endif
 #if LAKE_CURRENT_SENSE
     const uint16_t reading = filters[ANALOG_CURRENT].middle;
-    zero = (uint32_t)(is_near_zero(reading) ? reading : LAKE_CURRENT_ZERO) << ZERO_SMOOTHING;
+    set_zero((uint32_t)(is_near_zero(reading) ? reading : LAKE_CURRENT_ZERO) << ZERO_SMOOTHING);
 #endif
-    --quiet_ms;
+    quiet_ms = (uint8_t)(quiet_ms - 1);
     return;
   }
   (void)counts;

@@ -16,7 +16,10 @@ enum {
 
 void analog_init(void);
 
-// Once per ms; `counts`: what the bridge drives, 0 if it does not.
+// Once per ms from the interrupt: nonzero while the current is a short's.
+uint8_t analog_interrupt(void);
+
+// Once per ms from the main loop; `counts`: what the bridge drives, 0 if it does not.
 void analog_tick(uint16_t counts);
 
 // Bits of what is wrong now.

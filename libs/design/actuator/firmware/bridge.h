@@ -19,6 +19,9 @@ void bridge_direct(int8_t direction);
 // ENA high for that many of LAKE_PWM_PERIOD counts, at least 1.
 void bridge_drive(uint16_t counts);
 
+// Which way the pins drive now, whatever is thought: 0 with ENA low or inputs that are alike.
+int8_t bridge_driven(void);
+
 // Nonzero if nothing but the firmware holds ENA high: for some us the pin is an input, which 10 kOhm pull down. Only
 // while the bridge is off.
 uint8_t bridge_enable_is_free(void);

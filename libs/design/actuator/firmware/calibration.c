@@ -1,3 +1,5 @@
+#include "motor.h"
+#include "plant.h"
 #include "program.h"
 #include "stroke_table.h"
 
@@ -29,9 +31,6 @@ motion_t program_run(void) {
 motion_t program_home(void) {
   return motion_rest();
 }
-motion_t program_position(void) {
-  return motion_rest();
-}
 uint8_t program_soft_limit_ahead(int8_t direction) {
   (void)direction;
   return 0;
@@ -43,8 +42,9 @@ uint8_t program_hard_limit_ahead(int8_t direction) {
 motion_t program_careful(motion_t motion) {
   return motion;
 }
-uint16_t program_sum(void) {
-  return 0;
+uint8_t program_kept(kept_t what) {
+  (void)what;
+  return 1;
 }
 uint8_t program_stop_contradicts_stroke(void) {
   return 0;
@@ -56,16 +56,16 @@ void program_keep_books(const motion_t* driven, const motion_t* wanted) {
   (void)driven;
   (void)wanted;
 }
-int32_t program_stroke_um(void) {
+int32_t plant_planned_um(void) {
   return 0;
 }
-uint32_t program_drift_um(void) {
+uint32_t plant_drift_um(void) {
   return 0;
 }
-uint8_t program_waits(void) {
-  return 0;
+uint8_t plant_waits(const motion_t* wanted) {
+  return motor_direction() != wanted->direction;
 }
-uint32_t program_waited_ms(void) {
+uint32_t plant_waited_ms(void) {
   return 0;
 }
 

@@ -5,148 +5,99 @@
 #include "config.h"
 #include "end_stops.h"
 #include "motor.h"
+#include "plant.h"
 #include "portable.h"
 #include "power.h"
 #include "program.h"
 
-// Shared by the tick and the main loop, and by the tick and the interrupts that it lets in: whoever may be interrupted
-// by another touches them in ATOMICALLY blocks only, which are barriers.
-static status_t told;  // of the last tick
+static volatile uint8_t hold_asked, abort_asked;  // by an interrupt
 static uint32_t time_ms;
-static struct __attribute__((aligned(2))) {  // of an even size: sum_of
-  motion_t jog;
-} c;
-static uint16_t sum_kept;
-typedef struct {
-  request_t request;
-  reply_t reply;  // REPLY_NONE until a tick has it
-  int16_t counts;
-  uint16_t ms;
-} asked_t;
-static asked_t asked[REQUESTS_MOST];  // in their order; those with a reply come first
-static uint8_t asked_count;
-static uint8_t hold_asked, abort_asked, heard;
-
+static motion_t jog;
+static uint8_t is_heard;
 static uint16_t silent_ms;
 
 static reply_t take_jog(int16_t request_counts, uint16_t request_ms) {
   const int8_t direction = request_counts < 0 ? -1 : 1;
   const uint16_t counts = direction * request_counts;
-  if (machine.state != STATE_IDLE) return REPLY_STATE;
   if (!program_is_measured(direction, counts)) return REPLY_BAD_NUMBER;
   if (state_end_stop_ahead(direction)) return REPLY_STOP_AHEAD;
   if (program_soft_limit_ahead(direction)) return REPLY_LIMIT_AHEAD;
-  c.jog = program_jog(direction, counts);
+  jog = program_jog(direction, counts);
   if (machine.knowledge == STROKE_AT_START) machine.knowledge = STROKE_ESTIMATED;
-  state_begin(STATE_JOGGING, request_ms);
+  machine.end_ms = request_ms;
   return REPLY_OK;
 }
 
 static void reset(void) {
   program_reset();
-  machine.state = STATE_IDLE;
+  state_on(ON_RESET);
   machine.fault = FAULT_NONE;
   machine.knowledge = STROKE_UNKNOWN;
   motor_forgive();
   power_forgive();
 }
 
-// What was asked before a hold or an abort is not done after it.
-static void drop_requests(void) {
-  for (uint8_t i = 0; i < asked_count; ++i)
-    if (asked[i].reply == REPLY_NONE) asked[i].reply = REPLY_STATE;
+// What is to move begins with its checks, unless it was refused or has found a fault.
+static reply_t begin(event_t event, reply_t reply) {
+  if (reply == REPLY_OK) state_on(event);
+  return reply;
 }
 
-static void abort_all(void) {
-  drop_requests();
-  if (machine.state != STATE_FAULT) machine.state = STATE_IDLE;
-  machine.knowledge = STROKE_UNKNOWN;
-}
-
-static reply_t answer(const asked_t* what) {
-  switch (what->request) {
+static reply_t answer(request_t request, int16_t jog_counts, uint16_t jog_ms) {
+  const uint8_t moves = request == REQUEST_RUN || request == REQUEST_HOME || request == REQUEST_JOG;
+  if (machine.state != STATE_IDLE && (moves || request == REQUEST_ZERO)) return REPLY_STATE;
+  if (moves && end_stops_button_is_released()) return REPLY_BUTTON;
+  switch (request) {
     case REQUEST_RUN:
-      return program_take_run();
+      return begin(ON_RUN, program_take_run());
     case REQUEST_HOME:
-      return program_take_home();
+      return begin(ON_HOME, program_take_home());
     case REQUEST_ZERO:
       return program_take_zero();
     case REQUEST_JOG:
-      return take_jog(what->counts, what->ms);
+      return begin(ON_JOG, take_jog(jog_counts, jog_ms));
     case REQUEST_STOP:
-      if (machine.state != STATE_FAULT) machine.state = STATE_IDLE;
+      state_on(ON_STOP);
       return REPLY_OK;
     case REQUEST_RESET:
       reset();
       return REPLY_OK;
-    default:
-      return REPLY_NONE;
   }
+  return REPLY_UNKNOWN;
 }
 
-static void take_requests(void) {
-  for (uint8_t i = 0; i < asked_count; ++i) {
-    if (asked[i].reply != REPLY_NONE) continue;
-    asked[i].reply = answer(&asked[i]);
-    heard = 1;
-  }
-}
-
-static uint8_t is_moving(void) {
-  return machine.state != STATE_IDLE && machine.state != STATE_HOLD && machine.state != STATE_FAULT;
-}
-
-// A program that was stopped says so until `stop`; everything else ends.
-static void suspend(void) {
-  if (machine.state == STATE_RUNNING)
-    machine.state = STATE_HOLD;
-  else if (is_moving())
-    machine.state = STATE_IDLE;
-}
-
-// Of a silent host: homing says so as well.
-static void suspend_silent(void) {
-  if (machine.state == STATE_HOMING || machine.state == STATE_POSITIONING)
-    machine.state = STATE_HOLD;
-  else
-    suspend();
-}
-
-static uint8_t take(uint8_t* flag) {
-  uint8_t was;
-  ATOMICALLY {
-    was = *flag;
-    *flag = 0;
-  }
+static uint8_t take(volatile uint8_t* flag) {
+  const uint8_t was = *flag;
+  if (was) *flag = 0;
   return was;
 }
 
 static void take_realtime(void) {
-  if (take(&hold_asked)) {
-    drop_requests();
-    suspend();
-  }
-  if (take(&abort_asked)) abort_all();
+  if (take(&hold_asked)) state_on(ON_HOLD);
+  if (!take(&abort_asked)) return;
+  state_on(ON_STOP);
+  machine.knowledge = STROKE_UNKNOWN;
 }
 
-static uint8_t is_silent(void) {
-  return LAKE_COMMAND_TIMEOUT_MS > 0 && silent_ms >= LAKE_COMMAND_TIMEOUT_MS;
+static void let_go(uint8_t news) {
+  machine.news |= news;
+  state_on(ON_LET_GO);
 }
 
 static void watch_host(void) {
-  if (take(&heard) || !is_moving()) {
+  if (is_heard || !state_is_in(STATES_MOVING))
     silent_ms = 0;
-  } else if (++silent_ms, is_silent()) {
-    machine.events |= EVENT_TIMEOUT;
-    suspend_silent();
-  }
+  else if (LAKE_COMMAND_TIMEOUT_MS > 0 && ++silent_ms >= LAKE_COMMAND_TIMEOUT_MS)
+    let_go(NEWS_TIMEOUT);
+  is_heard = 0;
+  if (end_stops_button_is_released() && state_is_in(STATES_MOVING)) let_go(NEWS_BUTTON);
 }
 
 // End stops that cannot be pressed as they are, told where nothing moves: is_allowed sees to it while something does.
 static void watch_wires(void) {
   static uint8_t wrong_ms;
   const uint8_t both = end_stops_pressed() == (END_STOP_RETRACT | END_STOP_EXTEND);
-  if (machine.state == STATE_FAULT || is_moving() || !(both || program_stop_contradicts_stroke())) {
+  if (!state_is_in(STATES_OF(STATE_IDLE) | STATES_OF(STATE_HOLD)) || !(both || program_stop_contradicts_stroke())) {
     wrong_ms = 0;
   } else if (++wrong_ms >= WIRE_WRONG_MS) {
     wrong_ms = 0;
@@ -167,15 +118,16 @@ static void watch_inputs(void) {
                                              : FAULT_OVERCURRENT);
 }
 
-// What nothing but the tick changes is as the last tick left it; the fault stays, whatever else has changed.
-static uint16_t sum_now(void) {
-  return state_sum() ^ motor_sum() ^ program_sum() ^ sum_of(&c, sizeof c);
+// What nothing but turns and requests change is as the last one left it; the fault stays, whatever else has changed.
+static uint8_t is_kept(kept_t what) {
+  kept_begin();
+  return state_kept(what) & motor_kept(what) & program_kept(what) & kept_pass(&jog, sizeof jog, what);
 }
 
 static void watch_memory(void) {
-  if (sum_now() == sum_kept && asked_count <= REQUESTS_MOST) return;
+  if (is_kept(KEPT_COMPARE)) return;
   motor_stop();
-  asked_count = 0;
+  machine.state = STATE_IDLE;
   machine.fault = FAULT_NONE;
   state_fault(FAULT_MEMORY);
 }
@@ -185,27 +137,23 @@ static motion_t jogging(void) {
     state_finish(machine.knowledge);
     return motion_rest();
   }
-  if (state_end_stop_ahead(c.jog.direction) || program_soft_limit_ahead(c.jog.direction)) {
-    machine.state = STATE_IDLE;
-    machine.events |= EVENT_JOG_LIMIT;
+  if (state_end_stop_ahead(jog.direction) || program_soft_limit_ahead(jog.direction)) {
+    state_on(ON_DONE);
+    machine.news |= NEWS_JOG_LIMIT;
     return motion_rest();
   }
-  return program_careful(c.jog);
+  return program_careful(jog);
 }
 
 static motion_t wanted(void) {
-  if (!machine.is_ready) return motion_rest();
+  if (!power_is_ready()) return motion_rest();
   switch (machine.state) {
     case STATE_RUNNING:
       return program_run();
-    case STATE_HOMING:
-      return program_home();
-    case STATE_POSITIONING:
-      return program_position();
     case STATE_JOGGING:
       return jogging();
     default:
-      return motion_rest();
+      return program_home();
   }
 }
 
@@ -223,30 +171,11 @@ static uint8_t is_allowed(const motion_t* motion) {
   return machine.state != STATE_FAULT;
 }
 
-// What the bridge does now, and so the estimate. Without feedback a motion's clock stands still until the bridge does
-// what it asks for, so that no brake costs stroke; with feedback a program's until the motor has the speed for it.
+// What the bridge does now, and so the estimate.
 static void keep_books(const motion_t* motion) {
-  const uint8_t follows = LAKE_FEEDBACK && machine.state == STATE_RUNNING;
-  const uint8_t waits = follows ? program_waits() : motor_direction() != motion->direction;
-  if (is_moving() && machine.is_ready && !waits) ++machine.clock_ms;
+  if (!plant_waits(motion)) ++machine.clock_ms;
   const motion_t rest = motion_rest();
   program_keep_books(motor_direction() == 0 ? &rest : motion, motion);
-}
-
-static void tell(void) {
-  const status_t now = {time_ms,
-                        program_stroke_um(),
-                        program_drift_um(),
-                        analog_stroke_um(),
-                        analog_current_ma(),
-                        motor_counts(),
-                        motor_direction(),
-                        is_moving() && !machine.is_ready ? STATE_CHECKING : machine.state,
-                        machine.fault,
-                        machine.before_fault,
-                        machine.knowledge,
-                        end_stops_pressed()};
-  told = now;
 }
 
 // Places of what outlives a reset: the fault, where the log goes on, the log.
@@ -260,48 +189,62 @@ void controller_init(void) {
   machine.before_fault = STATE_IDLE;
   program_init();
   reset();
-  asked_count = 0;
-  machine.events = 0;
   const uint8_t latched = board_remembered(PLACE_FAULT);
   if (latched != FAULT_NONE) state_fault((fault_t)latched);
-  hold_asked = abort_asked = heard = 0;
-  tell();
-  sum_kept = sum_now();
+  machine.news = 0;
+  hold_asked = 0;
+  abort_asked = 0;
+  is_heard = 0;
+  is_kept(KEPT_COPY);
 }
 
-void controller_tick(void) {
+void controller_turn(void) {
   ++time_ms;
   watch_memory();
-  end_stops_tick();
+  end_stops_turn();
   analog_tick(motor_counts());
   take_realtime();
-  take_requests();
   watch_host();
   watch_wires();
   watch_inputs();
-  power_tick(is_moving(), machine.state == STATE_FAULT);
-  machine.is_ready = power_is_ready();
+  power_tick(state_is_in(STATES_MOVING), machine.state == STATE_FAULT);
+  if (state_is_in(STATES_CHECKING) && power_is_ready()) state_on(ON_READY);
   motion_t motion = wanted();
   if (!is_allowed(&motion)) motion = motion_rest();
   motor_tick(motion.direction, analog_at_supply(motion.counts));
   keep_books(&motion);
-  tell();
-  sum_kept = sum_now();
+  is_kept(KEPT_COPY);
+}
+
+reply_t controller_ask(request_t request, int16_t jog_counts, uint16_t jog_ms) {
+  is_heard = 1;
+  if (hold_asked || abort_asked) return REPLY_STATE;
+  watch_memory();
+  const reply_t reply = answer(request, jog_counts, jog_ms);
+  is_kept(KEPT_COPY);
+  return reply;
 }
 
 void controller_remember(void) {
-  const status_t now = controller_status();
-  const uint8_t before = board_remembered(PLACE_FAULT);
-  if (now.fault == before) return;
-  board_remember(PLACE_FAULT, (uint8_t)now.fault);
-  if (now.fault == FAULT_NONE) return;
-  const uint8_t next = board_remembered(PLACE_NEXT) % LOGGED_MOST, place = PLACE_LOG + LOGGED_BYTES * next;
-  const uint16_t time_s = (uint16_t)(now.time_ms / 1000);
-  board_remember(place, (uint8_t)now.fault);
-  board_remember(place + 1, (uint8_t)now.before_fault);
-  board_remember(place + 2, (uint8_t)time_s);
-  board_remember(place + 3, (uint8_t)(time_s >> 8));
-  board_remember(PLACE_NEXT, next + 1);
+  static uint8_t entry[LOGGED_BYTES], next, left;  // of a log's entry
+  if (!board_can_remember()) return;
+  if (left > 1) {
+    --left;
+    board_remember(PLACE_LOG + LOGGED_BYTES * next + left - 1, entry[left - 1]);
+  } else if (left == 1) {
+    left = 0;
+    board_remember(PLACE_NEXT, (uint8_t)(next + 1) % LOGGED_MOST);
+  } else if (board_remembered(PLACE_FAULT) != machine.fault) {
+    const uint16_t time_s = (uint16_t)(time_ms / 1000);
+    next = board_remembered(PLACE_NEXT) % LOGGED_MOST;
+    board_remember(PLACE_FAULT, (uint8_t)machine.fault);
+    if (machine.fault == FAULT_NONE) return;
+    entry[0] = (uint8_t)machine.fault;
+    entry[1] = (uint8_t)machine.before_fault;
+    entry[2] = (uint8_t)time_s;
+    entry[3] = (uint8_t)(time_s >> 8);
+    left = LOGGED_BYTES + 1;
+  }
 }
 
 uint8_t controller_logged(uint8_t which, logged_t* logged) {
@@ -313,25 +256,6 @@ uint8_t controller_logged(uint8_t which, logged_t* logged) {
   return which < LOGGED_MOST && logged->fault != FAULT_NONE;
 }
 
-static void put(request_t request, reply_t reply, int16_t counts, uint16_t ms) {
-  ATOMICALLY {
-    if (asked_count < REQUESTS_MOST) {
-      const asked_t what = {request, reply, counts, ms};
-      asked[asked_count++] = what;
-    }
-  }
-}
-
-uint8_t controller_has_room(void) {
-  return asked_count < REQUESTS_MOST;  // the tick takes none away
-}
-void controller_request(request_t request, int16_t jog_counts, uint16_t jog_ms) {
-  put(request, REPLY_NONE, jog_counts, jog_ms);
-}
-void controller_request_reply(reply_t reply) {
-  put(REQUEST_REPLY, reply, 0, 0);
-}
-
 void controller_hold(void) {
   hold_asked = 1;
 }
@@ -339,34 +263,31 @@ void controller_abort(void) {
   abort_asked = 1;
 }
 void controller_heard(void) {
-  heard = 1;
+  is_heard = 1;
 }
 
 status_t controller_status(void) {
-  status_t now;
-  ATOMICALLY {
-    now = told;
-  }
+  const status_t now = {time_ms,
+                        plant_planned_um(),
+                        plant_drift_um(),
+                        analog_stroke_um(),
+                        analog_current_ma(),
+                        motor_counts(),
+                        motor_direction(),
+                        machine.state,
+                        machine.fault,
+                        machine.before_fault,
+                        machine.knowledge,
+                        end_stops_pressed()};
   return now;
 }
 
-reply_t controller_take_reply(void) {
-  reply_t taken = REPLY_NONE;
-  ATOMICALLY {
-    if (asked_count > 0) taken = asked[0].reply;
-    if (taken != REPLY_NONE) {
-      --asked_count;
-      memmove(asked, asked + 1, asked_count * sizeof *asked);
-    }
-  }
-  return taken;
+uint32_t controller_time_ms(void) {
+  return time_ms;
 }
 
-uint8_t controller_take_events(void) {
-  uint8_t taken;
-  ATOMICALLY {
-    taken = machine.events;
-    machine.events = 0;
-  }
+uint8_t controller_take_news(void) {
+  const uint8_t taken = machine.news;
+  machine.news = 0;
   return taken;
 }

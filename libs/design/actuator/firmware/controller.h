@@ -1,22 +1,14 @@
-// What the actuator does: a state machine that runs once per ms inside the timer's interrupt, so a busy or dead main
-// loop cannot keep it from an end stop. Without feedback the stroke is the plan's, integrated from the speeds of the
-// tables while the bridge drives, with a bound on how far the actuator may be from it; the limits hold for the plan and
-// for what the bound allows. With a potentiometer it follows the plan, and the limits hold for what that says.
-// Before homing no limit holds but the end stops.
+// What the actuator does: the table of state.h, asked and worked off once per ms in the main loop; what cannot wait for
+// that stops the motor in the interrupt (guard.h). Without feedback the stroke is the plan's, integrated from the
+// speeds of the tables while the bridge drives, with a bound on how far the actuator may be from it; the limits hold
+// for the plan and for what the bound allows. With a potentiometer it follows the plan, and the limits hold for what
+// that says. Before homing no limit holds but the end stops.
 #ifndef LAKE_CONTROLLER_H
 #define LAKE_CONTROLLER_H
 
 #include "state.h"
 
-typedef enum {
-  REQUEST_REPLY,
-  REQUEST_RUN,
-  REQUEST_STOP,
-  REQUEST_HOME,
-  REQUEST_ZERO,
-  REQUEST_RESET,
-  REQUEST_JOG
-} request_t;
+typedef enum { REQUEST_RUN, REQUEST_STOP, REQUEST_HOME, REQUEST_ZERO, REQUEST_RESET, REQUEST_JOG } request_t;
 
 typedef struct {
   uint32_t time_ms;
@@ -34,13 +26,13 @@ typedef struct {
 } status_t;
 
 void controller_init(void);  // with the fault that nobody has acknowledged before a reset, if there is one
-void controller_tick(void);
+void controller_turn(void);  // once per ms
 
-// From the main loop: keeps the fault for after a reset, and a new one in the log of faults.
+// Keeps the fault for after a reset, and a new one in the log of faults: a byte of it at most, as board_remember.
 void controller_remember(void);
 
 // The log of faults, the newest first: what went wrong, in what state, how long after the reset. Nonzero if there is a
-// `which`-th.
+// `which`-th. Only while board_can_remember.
 typedef struct {
   uint8_t fault, state;
   uint16_t time_s;
@@ -48,20 +40,16 @@ typedef struct {
 #define LOGGED_MOST 16
 uint8_t controller_logged(uint8_t which, logged_t* logged);
 
-// From the main loop. Requests wait for the next tick, which takes all of them in their order; each has one reply, and
-// as many wait as there is room for with replies that nobody took. `jog`: signed duty in counts and a duration.
-#define REQUESTS_MOST 4
-uint8_t controller_has_room(void);
-void controller_request(request_t request, int16_t jog_counts, uint16_t jog_ms);
-void controller_request_reply(reply_t reply);  // in its turn, where nothing is asked of the controller
-reply_t controller_take_reply(void);           // REPLY_NONE until there is one
-uint8_t controller_take_events(void);
+// Obeyed at once or refused. `jog`: signed duty in counts and a duration.
+reply_t controller_ask(request_t request, int16_t jog_counts, uint16_t jog_ms);
+uint8_t controller_take_news(void);
 status_t controller_status(void);
+uint32_t controller_time_ms(void);
+void controller_heard(void);  // the host is there: LAKE_COMMAND_TIMEOUT_MS begins anew
 
-// From interrupts as well; they act at the next tick. A hold stops a running program, which REQUEST_STOP then ends, and
-// ends homing and jogs; neither leaves a request that waits.
+// From interrupts as well; they act at the next turn, until which nothing else is obeyed. A hold stops a running
+// program, which REQUEST_STOP then ends, and ends homing and jogs.
 void controller_hold(void);
 void controller_abort(void);  // ends what moves and forgets the stroke; a fault stays
-void controller_heard(void);  // the host is there: LAKE_COMMAND_TIMEOUT_MS begins anew
 
 #endif

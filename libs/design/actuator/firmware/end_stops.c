@@ -1,28 +1,41 @@
 #include "end_stops.h"
 
 #include "config.h"
+#include "portable.h"
 
-static uint8_t pressed;
-static uint8_t released_for_ms[2];
+static volatile uint8_t seen;
+static uint8_t open;
+static uint8_t closed_for_ms[SWITCHES];
 
 void end_stops_init(void) {
-  pressed = END_STOP_RETRACT | END_STOP_EXTEND;
-  released_for_ms[0] = released_for_ms[1] = 0;
+  seen = open = END_STOP_RETRACT | END_STOP_EXTEND | (LAKE_BUTTON ? BUTTON_RELEASED : 0);
+  memset(closed_for_ms, 0, sizeof closed_for_ms);
 }
 
-void end_stops_tick(void) {
+uint8_t end_stops_interrupt(void) {
   const uint8_t now = board_end_stops();
-  for (uint8_t i = 0; i < 2; ++i) {
+  uint8_t bits = seen;
+  for (uint8_t i = 0; i < SWITCHES; ++i) {
     const uint8_t bit = (uint8_t)(1 << i);
     if (now & bit) {
-      pressed |= bit;
-      released_for_ms[i] = 0;
-    } else if ((pressed & bit) && ++released_for_ms[i] >= END_STOP_RELEASE_MS) {
-      pressed &= (uint8_t)~bit;
+      bits |= bit;
+      closed_for_ms[i] = 0;
+    } else if ((bits & bit) && ++closed_for_ms[i] >= END_STOP_RELEASE_MS) {
+      bits &= (uint8_t)~bit;
     }
   }
+  seen = bits;
+  return bits;
+}
+
+void end_stops_turn(void) {
+  open = seen;
 }
 
 uint8_t end_stops_pressed(void) {
-  return pressed;
+  return open & (END_STOP_RETRACT | END_STOP_EXTEND);
+}
+
+uint8_t end_stops_button_is_released(void) {
+  return (open & BUTTON_RELEASED) != 0;
 }

@@ -4,13 +4,14 @@
 #include "board.h"
 #include "controller.h"
 #include "end_stops.h"
+#include "guard.h"
 #include "motor.h"
 #include "power.h"
 #include "protocol.h"
 #include "serial.h"
 
-void board_tick(void) {
-  controller_tick();
+void board_interrupt(void) {
+  guard_interrupt();
 }
 
 realtime_t serial_realtime(char c) {
@@ -25,12 +26,13 @@ void firmware_begin(void) {
   power_init();
   controller_init();
   serial_init();
-  board_start();
   protocol_greet(board_reset_cause());
+  board_start();
 }
 
 void firmware_turn(void) {
-  if (!board_wait()) return;
+  for (; board_is_due(); board_done()) controller_turn();
   protocol_turn();
   controller_remember();
+  board_sleep();
 }

@@ -7,7 +7,7 @@
 #define OUTPUT_WRONG_MS 3
 #define DRIVE_WRONG_MS 30  // longer than a supply that is off needs to be told as such: analog.c
 
-static struct __attribute__((aligned(2))) {  // of an even size: sum_of
+static struct {
   int8_t driving, probing;
   uint16_t counts;
   uint16_t dead_left_ms;
@@ -15,10 +15,12 @@ static struct __attribute__((aligned(2))) {  // of an even size: sum_of
   uint8_t wrong_ms;
   uint8_t is_wrong;
 } m;
+static volatile uint8_t is_cut;
 
 void motor_init(void) {
   bridge_init();
   memset(&m, 0, sizeof m);
+  is_cut = 0;
 }
 
 static void be_wrong(void) {
@@ -35,6 +37,11 @@ void motor_stop(void) {
   m.wrong_ms = 0;
   m.dead_left_ms = LAKE_DEAD_TIME_MS;
   m.brakes = LAKE_BRIDGE_SENSE;
+}
+
+void motor_cut(void) {
+  bridge_off();
+  is_cut = 1;
 }
 
 // Both outputs low, or the bridge is off in the same tick.
@@ -74,13 +81,17 @@ static void drive(int8_t direction, uint16_t counts) {
   if (m.driving == direction && m.counts == counts) return;
   if (m.driving == 0) begin(direction);
   if (m.is_wrong) return;
-  bridge_drive(counts);
+  ATOMICALLY {
+    if (!is_cut) bridge_drive(counts);
+  }
   m.counts = counts;
 }
 
 void motor_tick(int8_t direction, uint16_t counts) {
   if (counts == 0 || m.is_wrong) direction = 0;
-  if (m.driving != 0 && direction != m.driving) {
+  const uint8_t was_cut = is_cut;
+  is_cut = 0;
+  if (m.driving != 0 && (was_cut || direction != m.driving)) {
     motor_stop();
     return;
   }
@@ -115,6 +126,6 @@ uint8_t motor_bridge_is_wrong(void) {
 void motor_forgive(void) {
   m.is_wrong = m.wrong_ms = 0;
 }
-uint16_t motor_sum(void) {
-  return sum_of(&m, sizeof m);
+uint8_t motor_kept(kept_t what) {
+  return kept_pass(&m, sizeof m, what);
 }

@@ -6,6 +6,8 @@
 
 #include <stdint.h>
 
+#include "kept.h"
+
 // Bridge off. First thing after a reset.
 void motor_init(void);
 
@@ -14,6 +16,9 @@ void motor_init(void);
 void motor_tick(int8_t direction, uint16_t counts);
 
 void motor_stop(void);  // whatever is thought to be driven
+
+// From an interrupt: off at once, and nothing drives until the next motor_tick has taken that for a stop.
+void motor_cut(void);
 
 // In place of motor_tick while the motor rests: the inputs for a direction with ENA low, where nothing may move; 0 ends
 // it.
@@ -28,7 +33,6 @@ uint16_t motor_counts(void);
 uint8_t motor_bridge_is_wrong(void);
 void motor_forgive(void);
 
-// Of what is kept from tick to tick, to see whether the memory keeps it.
-uint16_t motor_sum(void);
+uint8_t motor_kept(kept_t what);
 
 #endif

@@ -25,17 +25,9 @@ void portable_restore(uint32_t what);  // as it was
 #define strcmp_P strcmp
 #define strncmp_P strncmp
 #define pgm_read_byte(address) (*(address))
+#define pgm_read_word(address) (*(address))
 #define pgm_read_dword(address) (*(address))
 
 #endif
-
-// Of what nothing but its own module changes, in words: a bit that flips changes it. For types of an even size.
-typedef uint16_t __attribute__((may_alias)) word_t;
-static inline uint16_t sum_of(const void* words, uint8_t bytes) {
-  const word_t* w = (const word_t*)words;
-  uint16_t sum = 0x5AA5;
-  for (uint8_t left = bytes / 2; left > 0; --left) sum ^= *w++;
-  return sum;
-}
 
 #endif

@@ -1,24 +1,18 @@
 #include "program.h"
 
-#include "analog.h"
 #include "config.h"
-#include "divide.h"
 #include "end_stops.h"
-#include "follow.h"
-#include "motor.h"
+#include "plant.h"
 #include "portable.h"
 
 #if LAKE_SEGMENT_COUNT > 0
 
-static uint16_t segment_index;
-static lake_segment segment;
-static int32_t stroke_nm;         // um/s during one ms are nm
-static uint32_t way_drift_nm;     // what the tolerance of the speed allows
-static uint32_t lag_drift_nm[2];  // what lag allows: behind by speeding up, ahead by slowing down
-enum { HOME_SEEK, HOME_CHECK, HOME_BACK_OFF, HOME_TOUCH, HOME_RELEASE };
-static uint8_t home_phase;
-static uint8_t home_tries;  // that have failed
-static int8_t start_lies;   // of where homing ended: 1 beyond, -1 before
+static struct {
+  uint16_t index;
+  lake_segment segment;
+  uint8_t home_tries;  // that have failed
+  int8_t start_lies;   // of where homing ended: 1 beyond, -1 before
+} q;
 
 // The end stop behind a motion. One that is pressed must release; one that a motion away from it presses shows that the
 // motor turns the wrong way, or a broken wire. A way stays on the account until the end stop is seen released: a fault
@@ -35,212 +29,30 @@ static struct {
 #define POSITIONING_MS (LAKE_FEEDBACK ? 4 * PLANNED_POSITIONING_MS + 2000 : PLANNED_POSITIONING_MS)
 
 static void load_segment(uint16_t index) {
-  segment_index = index;
-  memcpy_P(&segment, &lake_segments[index], sizeof segment);
+  q.index = index;
+  memcpy_P(&q.segment, &lake_segments[index], sizeof q.segment);
 }
-
-#if LAKE_FEEDBACK
-static int32_t planned_now_um;  // of stroke_nm, divided once per ms
-
-int32_t program_stroke_um(void) {
-  return planned_now_um;
-}
-
-// Where the actuator is, as well as that is known.
-static int32_t stroke_um(void) {
-  return analog_stroke_um();
-}
-
-uint32_t program_drift_um(void) {
-  return LAKE_POT_ERROR_UM;
-}
-
-// What the potentiometer has to say of a place that is known otherwise.
-static uint8_t is_away_from(int32_t um) {
-  const int32_t apart_um = analog_stroke_um() - um;
-  return apart_um > LAKE_PLACE_UM || apart_um < -LAKE_PLACE_UM;
-}
-
-// Where the motor has not the speed the plan waits for it, so that the program takes longer: for MOST_WAIT_MS, of which
-// two ms of the plan give one back. So it takes half as long again and MOST_WAIT_MS at most; a motor that has less than
-// two thirds of the speed falls behind.
-#define MOST_WAIT_MS 500
-static struct {
-  uint16_t bucket;  // what is used up, half ms
-  uint16_t is_on;
-  uint32_t all_ms;
-} late;
-
-// Nonzero once it has waited too long.
-static uint8_t wait_for(const motion_t* wanted) {
-  late.is_on = wanted->direction != 0 && follow_lags();
-  if (late.is_on) {
-    ++late.all_ms;
-    late.bucket += 2;
-  } else if (late.bucket > 0 && machine.is_ready) {
-    --late.bucket;
-  }
-  return late.bucket > 2 * MOST_WAIT_MS;
-}
-
-uint8_t program_waits(void) {
-  return late.is_on != 0;
-}
-
-uint32_t program_waited_ms(void) {
-  uint32_t waited_ms = 0;
-  ATOMICALLY {
-    waited_ms = late.all_ms;
-  }
-  return waited_ms;
-}
-
-static void begin_following(void) {
-  stroke_nm = LAKE_START_UM * 1000;
-  planned_now_um = LAKE_START_UM;
-  follow_begin();
-  memset(&late, 0, sizeof late);
-}
-
-static motion_t follow_segment(void) {
-  follow_limit(motor_counts() >= LAKE_PWM_PERIOD);
-  const int32_t velocity_um_s = follow_speed(planned_now_um, segment.velocity_um_s, analog_stroke_um());
-  const int8_t direction = (velocity_um_s > 0) - (velocity_um_s < 0);
-  return motion_of(direction, follow_counts(velocity_um_s), velocity_um_s);
-}
-
-static uint8_t has_arrived(void) {
-  return start_lies > 0 ? analog_stroke_um() >= LAKE_START_UM : analog_stroke_um() <= LAKE_START_UM;
-}
-
-static void count_way(const motion_t* driven) {
-  (void)driven;
-}
-
-// A program's plan goes on unless it waits; otherwise the stroke is what the potentiometer says.
-static void keep_plan(void) {
-  if (machine.state == STATE_RUNNING && machine.is_ready)
-    stroke_nm += late.is_on ? 0 : segment.velocity_um_s;
-  else if (machine.state != STATE_HOLD && machine.state != STATE_RUNNING)
-    stroke_nm = analog_stroke_um() * 1000;
-  planned_now_um = thousandth(stroke_nm);
-}
-
-static void watch_motion(const motion_t* motion) {
-  if (machine.state == STATE_FAULT) return;
-  const int32_t error_um = planned_now_um - analog_stroke_um();
-  const int32_t driven_um_s = motor_direction() == 0 ? 0 : motion->velocity_um_s;
-  switch (follow_watch(driven_um_s, analog_stroke_um(), analog_slow_um())) {
-    case FOLLOW_NO_MOTION:
-      state_fault(FAULT_NO_MOTION);
-      break;
-    case FOLLOW_WRONG_WAY:
-      state_fault(FAULT_WRONG_WAY);
-      break;
-    case FOLLOW_RUNAWAY:
-      state_fault(FAULT_RUNAWAY);
-      break;
-    case FOLLOW_STILL:
-      if (analog_is_without_current()) state_fault(FAULT_NO_CURRENT);
-      break;
-    case FOLLOW_PROVEN:
-      behind.is_proven = 1;
-      break;
-    default:
-      break;
-  }
-  if (machine.state != STATE_RUNNING) return;
-  if (wait_for(motion) || error_um > LAKE_FOLLOWING_UM || error_um < -LAKE_FOLLOWING_UM) state_fault(FAULT_FOLLOWING);
-}
-#else
-int32_t program_stroke_um(void) {
-  return thousandth(stroke_nm);
-}
-
-static int32_t stroke_um(void) {
-  return program_stroke_um();
-}
-
-uint32_t program_drift_um(void) {
-  // Neither is more than LAKE_DRIFT_MOST_NM and a step: their sum is below 2^31.
-  return (uint32_t)thousandth(
-      (int32_t)(way_drift_nm + (lag_drift_nm[0] > lag_drift_nm[1] ? lag_drift_nm[0] : lag_drift_nm[1])));
-}
-
-static uint8_t is_away_from(int32_t um) {
-  (void)um;
-  return 0;
-}
-
-static void begin_following(void) {}
-
-static motion_t follow_segment(void) {
-  const int32_t velocity_um_s = segment.velocity_um_s;
-  const int8_t direction = (velocity_um_s > 0) - (velocity_um_s < 0);
-  return motion_of(direction, segment.counts, velocity_um_s);
-}
-
-uint8_t program_waits(void) {
-  return 0;
-}
-
-uint32_t program_waited_ms(void) {
-  return 0;
-}
-
-static uint8_t has_arrived(void) {
-  return machine.clock_ms >= machine.end_ms;
-}
-
-// What the tolerances allow in this ms: a part of the way and what it may be less, and what the motor's lag loses as
-// the speed rises, gains as it falls.
-static void count_way(const motion_t* driven) {
-  static int32_t last_um_s;
-  const int32_t velocity_um_s = driven->velocity_um_s;
-  const uint32_t way_nm = velocity_um_s < 0 ? -velocity_um_s : velocity_um_s;
-  const int32_t change = velocity_um_s - last_um_s;
-  last_um_s = velocity_um_s;
-  stroke_nm += velocity_um_s;
-  uint32_t* const lag = &lag_drift_nm[change < 0];
-  if (*lag < LAKE_DRIFT_MOST_NM) *lag += (uint32_t)(change < 0 ? -change : change) * LAKE_LAG_MS;
-  if (way_drift_nm < LAKE_DRIFT_MOST_NM)
-    way_drift_nm += driven->spread_um_s + (way_nm * LAKE_DRIFT_PER_1024 + 1023) / 1024;
-}
-
-static void keep_plan(void) {}
-static void watch_motion(const motion_t* motion) {
-  (void)motion;
-}
-#endif
 
 // Of a fault while homing that another attempt would only repeat.
 static uint8_t has_failed_to_home(void) {
-  if (machine.before_fault != STATE_HOMING && machine.before_fault != STATE_POSITIONING) return 0;
+  if (!(STATES_HOMING & STATES_OF(machine.before_fault))) return 0;
   return machine.fault == FAULT_STUCK || machine.fault == FAULT_HOME || machine.fault == FAULT_WRONG_WAY ||
          machine.fault == FAULT_NO_MOTION;
 }
 
 void program_reset(void) {
-  if (has_failed_to_home()) ++home_tries;
-#if LAKE_FEEDBACK
-  follow_watch_begin();
-#endif
+  if (has_failed_to_home()) ++q.home_tries;
+  plant_reset();
 }
 
 void program_init(void) {
-  home_tries = 0;
+  q.home_tries = 0;
   memset(&behind, 0, sizeof behind);
   program_reset();
 }
 
-uint16_t program_sum(void) {
-  uint16_t sum = sum_of(&segment, sizeof segment) ^ sum_of(&stroke_nm, sizeof stroke_nm) ^
-                 sum_of(&way_drift_nm, sizeof way_drift_nm) ^ sum_of(lag_drift_nm, sizeof lag_drift_nm) ^
-                 sum_of(&behind, sizeof behind) ^ sum_of(&segment_index, sizeof segment_index);
-#if LAKE_FEEDBACK
-  sum ^= sum_of(&planned_now_um, sizeof planned_now_um) ^ sum_of(&late, sizeof late);
-#endif
-  return sum ^ home_phase ^ (uint16_t)(home_tries << 8) ^ (uint8_t)start_lies;
+uint8_t program_kept(kept_t what) {
+  return plant_kept(what) & kept_pass(&q, sizeof q, what) & kept_pass(&behind, sizeof behind, what);
 }
 
 // A motion with the greatest speed that its duty can give by the duty table: between two nodes the upper one's, since
@@ -252,8 +64,8 @@ motion_t program_jog(int8_t direction, uint16_t counts) {
   const uint8_t node = scaled / LAKE_PWM_PERIOD;
   const uint8_t upper = node + (scaled % LAKE_PWM_PERIOD > 0);
   const uint8_t first = retracts ? LAKE_RETRACT_FIRST_NODE : LAKE_EXTEND_FIRST_NODE;
-  const uint32_t most = follow_node_um_s(retracts, upper);
-  const uint32_t least = node < first ? 0 : follow_node_um_s(retracts, node);
+  const uint32_t most = plant_node_um_s(retracts, upper);
+  const uint32_t least = node < first ? 0 : plant_node_um_s(retracts, node);
   const motion_t motion = {direction, counts, direction * (int32_t)most, most - least};
   return motion;
 }
@@ -265,13 +77,13 @@ uint8_t program_is_measured(int8_t direction, uint16_t counts) {
 // The linkage's end, where the actuator may be as far from the plan as the drift allows. At the other end the retract
 // end stop comes first.
 static uint8_t drift_reaches_end(void) {
-  return LAKE_DRIFT_LIMITED && stroke_um() + (int32_t)program_drift_um() >= LAKE_UPPER_END_UM;
+  return LAKE_DRIFT_LIMITED && plant_stroke_um() + (int32_t)plant_drift_um() >= LAKE_UPPER_END_UM;
 }
 
 uint8_t program_soft_limit_ahead(int8_t direction) {
   if (machine.knowledge == STROKE_UNKNOWN) return 0;
-  if (direction > 0) return stroke_um() >= LAKE_UPPER_LIMIT_UM + SOFT_LIMIT_SLACK_UM || drift_reaches_end();
-  return direction < 0 && stroke_um() <= LAKE_LOWER_LIMIT_UM - SOFT_LIMIT_SLACK_UM;
+  if (direction > 0) return plant_stroke_um() >= LAKE_UPPER_LIMIT_UM + SOFT_LIMIT_SLACK_UM || drift_reaches_end();
+  return direction < 0 && plant_stroke_um() <= LAKE_LOWER_LIMIT_UM - SOFT_LIMIT_SLACK_UM;
 }
 
 // A plan ends at the soft limit. What is measured passes it by noise and by the loop's error: three quarters of the way
@@ -282,35 +94,33 @@ uint8_t program_soft_limit_ahead(int8_t direction) {
 uint8_t program_hard_limit_ahead(int8_t direction) {
   if (!LAKE_FEEDBACK) return program_soft_limit_ahead(direction);
   if (machine.knowledge == STROKE_UNKNOWN) return 0;
-  if (direction > 0) return stroke_um() >= HARD_LIMIT_UM;
-  return direction < 0 && stroke_um() <= LAKE_LOWER_LIMIT_UM - LAKE_PLACE_UM;
+  if (direction > 0) return plant_stroke_um() >= HARD_LIMIT_UM;
+  return direction < 0 && plant_stroke_um() <= LAKE_LOWER_LIMIT_UM - LAKE_PLACE_UM;
 }
 
 reply_t program_take_run(void) {
-  if (machine.state != STATE_IDLE) return REPLY_STATE;
-  if (machine.knowledge != STROKE_AT_START || is_away_from(LAKE_START_UM)) return REPLY_POSITION;
-  begin_following();
+  if (machine.knowledge != STROKE_AT_START || plant_contradicts(LAKE_START_UM)) return REPLY_POSITION;
+  plant_begin();
   load_segment(0);
   machine.knowledge = STROKE_ESTIMATED;
-  state_begin(STATE_RUNNING, 0);
   return REPLY_OK;
 }
 
-static void begin_homing(uint8_t phase, uint32_t duration_ms) {
-  home_phase = phase;
-  state_begin(STATE_HOMING, duration_ms);
+static void next_phase(event_t event, uint32_t duration_ms) {
+  state_on(event);
+  machine.end_ms = duration_ms;
 }
 
 // Pressed, though the stroke is known to be somewhere else.
 static uint8_t retract_stop_contradicts_stroke(void) {
   return state_end_stop_ahead(-1) && machine.knowledge != STROKE_UNKNOWN &&
-         stroke_um() - (int32_t)program_drift_um() > LAKE_HOME_UM + LAKE_STOP_TRAVEL_UM;
+         plant_stroke_um() - (int32_t)plant_drift_um() > LAKE_HOME_UM + LAKE_STOP_TRAVEL_UM;
 }
 
 // Likewise the extend end stop, where its place is known.
 static uint8_t extend_stop_contradicts_stroke(void) {
   return LAKE_EXTEND_STOP_UM > 0 && state_end_stop_ahead(1) && machine.knowledge != STROKE_UNKNOWN &&
-         stroke_um() + (int32_t)program_drift_um() < LAKE_EXTEND_STOP_UM - LAKE_STOP_TRAVEL_UM;
+         plant_stroke_um() + (int32_t)plant_drift_um() < LAKE_EXTEND_STOP_UM - LAKE_STOP_TRAVEL_UM;
 }
 
 uint8_t program_stop_contradicts_stroke(void) {
@@ -321,35 +131,27 @@ uint8_t program_stop_contradicts_stroke(void) {
 // does.
 static uint32_t seeking_ms(void) {
   if (!LAKE_FEEDBACK && machine.knowledge == STROKE_UNKNOWN) return LAKE_HOME_TIMEOUT_MS;
-  int32_t way_um = stroke_um() + (int32_t)program_drift_um() + LAKE_CHECK_UM - LAKE_HOME_UM;
+  int32_t way_um = plant_stroke_um() + (int32_t)plant_drift_um() + LAKE_CHECK_UM - LAKE_HOME_UM;
   if (way_um < LAKE_CHECK_UM) way_um = LAKE_CHECK_UM;
   way_um += way_um / 1024 * LAKE_DRIFT_PER_1024;
   return (LAKE_FEEDBACK ? 5000 : 1000) * (uint32_t)way_um / LAKE_HOME_SPEED_UM_S + (LAKE_FEEDBACK ? 200 : 0);
 }
 
 reply_t program_take_home(void) {
-  if (machine.state != STATE_IDLE) return REPLY_STATE;
-  if (home_tries >= HOME_TRIES) return REPLY_TRIES;
-  const uint8_t stuck = program_stop_contradicts_stroke();
-  const uint32_t most_ms = seeking_ms();
+  if (q.home_tries >= HOME_TRIES) return REPLY_TRIES;
+  if (program_stop_contradicts_stroke()) state_fault(FAULT_STUCK);
+  machine.end_ms = seeking_ms();
   machine.knowledge = STROKE_UNKNOWN;
-  if (stuck)
-    state_fault(FAULT_STUCK);
-  else
-    begin_homing(HOME_SEEK, most_ms);
   return REPLY_OK;
 }
 
 static void know_stroke(int32_t um, knowledge_t known) {
-  stroke_nm = um * 1000;
-  way_drift_nm = LAKE_DRIFT_START_UM * 1000L;
-  lag_drift_nm[0] = lag_drift_nm[1] = 0;
+  plant_know(um);
   machine.knowledge = known;
 }
 
 reply_t program_take_zero(void) {
-  if (machine.state != STATE_IDLE) return REPLY_STATE;
-  if (is_away_from(LAKE_START_UM)) return REPLY_POSITION;
+  if (plant_contradicts(LAKE_START_UM)) return REPLY_POSITION;
   know_stroke(LAKE_START_UM, STROKE_AT_START);
   return REPLY_OK;
 }
@@ -358,9 +160,9 @@ reply_t program_take_zero(void) {
 // early or late is not the duty table's.
 static uint8_t is_at_stop(int8_t direction) {
   if (!state_end_stop_ahead(direction)) return 0;
-  const int32_t about_um = STOP_PLACE_UM + (LAKE_FEEDBACK ? (int32_t)program_drift_um() : 0);
-  if (direction < 0) return stroke_um() - about_um <= LAKE_HOME_UM;
-  return LAKE_EXTEND_STOP_UM > 0 && stroke_um() + about_um >= LAKE_EXTEND_STOP_UM;
+  const int32_t about_um = STOP_PLACE_UM + (LAKE_FEEDBACK ? (int32_t)plant_drift_um() : 0);
+  if (direction < 0) return plant_stroke_um() - about_um <= LAKE_HOME_UM;
+  return LAKE_EXTEND_STOP_UM > 0 && plant_stroke_um() + about_um >= LAKE_EXTEND_STOP_UM;
 }
 
 // At an end stop, and where the measured stroke has reached a limit, the motor rests while the program goes on.
@@ -372,15 +174,15 @@ static motion_t within_room(motion_t motion) {
 }
 
 motion_t program_run(void) {
-  while (machine.clock_ms >= segment.end_ms) {
-    if (segment_index + 1 >= LAKE_SEGMENT_COUNT) {
+  while (machine.clock_ms >= q.segment.end_ms) {
+    if (q.index + 1 >= LAKE_SEGMENT_COUNT) {
       state_finish(STROKE_ESTIMATED);
-      if (program_waited_ms() > 0) machine.events |= EVENT_WAITED;
+      if (plant_waited_ms() > 0) machine.news |= NEWS_WAITED;
       return motion_rest();
     }
-    load_segment(segment_index + 1);
+    load_segment(q.index + 1);
   }
-  return within_room(follow_segment());
+  return within_room(plant_follow(q.segment.velocity_um_s, q.segment.counts));
 }
 
 static motion_t extend(void) {
@@ -407,7 +209,7 @@ static motion_t home_fault(fault_t what) {
 
 // The linkage's dead point, where a potentiometer sees that the end stop has not come.
 static uint8_t has_passed_home(void) {
-  return LAKE_FEEDBACK && analog_stroke_um() < LAKE_HOME_GUARD_UM;
+  return LAKE_FEEDBACK && plant_stroke_um() < LAKE_HOME_GUARD_UM;
 }
 
 // Retracts until the end stop is pressed.
@@ -415,12 +217,11 @@ static motion_t seek(void) {
   if (state_end_stop_ahead(-1)) {
     // It was free before: pressed by a motion towards it.
     if (machine.clock_ms > 0) behind.is_proven = 1;
-    if (home_phase == HOME_TOUCH) know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
-    if (home_phase == HOME_TOUCH && is_away_from(LAKE_HOME_UM)) return home_fault(FAULT_WIPER);
-    if (home_phase == HOME_TOUCH)
-      begin_homing(HOME_RELEASE, LAKE_BACK_OFF_MS);
-    else
-      begin_homing(behind.is_proven ? HOME_BACK_OFF : HOME_CHECK, LAKE_BACK_OFF_MS);
+    if (machine.state == STATE_TOUCHING) {
+      know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
+      if (plant_contradicts(LAKE_HOME_UM)) return home_fault(FAULT_WIPER);
+    }
+    next_phase(ON_PRESSED, LAKE_BACK_OFF_MS);
     return motion_rest();
   }
   if (machine.clock_ms >= machine.end_ms || has_passed_home()) return home_fault(FAULT_HOME);
@@ -428,9 +229,9 @@ static motion_t seek(void) {
 }
 
 // Off an end stop that was pressed from the beginning, as long as nothing has shown which way the motor turns.
-static motion_t check_direction(void) {
+static motion_t prove(void) {
   if (state_end_stop_ahead(-1) && !behind.is_proven) return program_careful(extend());
-  begin_homing(HOME_BACK_OFF, LAKE_BACK_OFF_MS);
+  next_phase(ON_DONE, LAKE_BACK_OFF_MS);
   return extend();
 }
 
@@ -438,24 +239,17 @@ static motion_t check_direction(void) {
 static motion_t back_off(void) {
   if (machine.clock_ms < machine.end_ms) return extend();
   if (state_end_stop_ahead(-1)) return home_fault(FAULT_STUCK);
-  if (home_phase == HOME_BACK_OFF) {
-    begin_homing(HOME_TOUCH, LAKE_TOUCH_TIMEOUT_MS);
+  if (machine.state == STATE_BACKING_OFF) {
+    next_phase(ON_DONE, LAKE_TOUCH_TIMEOUT_MS);
     return motion_rest();
   }
-  start_lies = LAKE_FEEDBACK ? (analog_stroke_um() < LAKE_START_UM ? 1 : -1) : (LAKE_POSITION_MS > 0 ? 1 : -1);
-  state_begin(STATE_POSITIONING, POSITIONING_MS);
-  return start_lies > 0 ? extend() : motion_rest();
-}
-
-// Only an end stop that has been seen to release and to be pressed again, twice, is home: a broken wire looks pressed
-// everywhere, and one that breaks after the first release like the second touch.
-motion_t program_home(void) {
-  if (home_phase == HOME_CHECK) return check_direction();
-  return home_phase == HOME_SEEK || home_phase == HOME_TOUCH ? seek() : back_off();
+  q.start_lies = plant_side_of_start();
+  next_phase(ON_DONE, POSITIONING_MS);
+  return q.start_lies > 0 ? extend() : motion_rest();
 }
 
 static void arrive(void) {
-  home_tries = 0;
+  q.home_tries = 0;
   state_finish(STROKE_AT_START);
 }
 
@@ -463,18 +257,37 @@ static void arrive(void) {
 // from it than the drift: that, too, is the start.
 static motion_t come_back(void) {
   if (!state_end_stop_ahead(-1)) return retract();
-  if (stroke_um() - (int32_t)program_drift_um() > LAKE_START_UM) return home_fault(FAULT_STUCK);
+  if (plant_stroke_um() - (int32_t)plant_drift_um() > LAKE_START_UM) return home_fault(FAULT_STUCK);
   arrive();
   return motion_rest();
 }
 
-motion_t program_position(void) {
-  if (has_arrived()) {
+static motion_t position(void) {
+  if (plant_has_arrived(q.start_lies)) {
     arrive();
     return motion_rest();
   }
   if (machine.clock_ms >= machine.end_ms) return home_fault(FAULT_NO_MOTION);
-  return start_lies > 0 ? extend() : come_back();
+  return q.start_lies > 0 ? extend() : come_back();
+}
+
+// Only an end stop that has been seen to release and to be pressed again, twice, is home: a broken wire looks pressed
+// everywhere, and one that breaks after the first release like the second touch.
+motion_t program_home(void) {
+  switch (machine.state) {
+    case STATE_SEEKING:
+    case STATE_TOUCHING:
+      return seek();
+    case STATE_PROVING:
+      return prove();
+    case STATE_BACKING_OFF:
+    case STATE_RELEASING:
+      return back_off();
+    case STATE_POSITIONING:
+      return position();
+    default:
+      return motion_rest();
+  }
 }
 
 uint8_t program_stop_is_stuck(void) {
@@ -502,10 +315,8 @@ static void watch_stop_behind(int32_t velocity_um_s) {
 }
 
 void program_keep_books(const motion_t* driven, const motion_t* wanted) {
-  count_way(driven);
   watch_stop_behind(driven->velocity_um_s);
-  keep_plan();
-  watch_motion(wanted);
+  if (plant_turn(driven, wanted, q.segment.velocity_um_s)) behind.is_proven = 1;
 }
 
 #endif

@@ -8,7 +8,7 @@
 void program_init(void);   // after a reset of the chip
 void program_reset(void);  // of a fault
 
-// Answers to requests.
+// Answers to requests, asked for only at rest: whether what is known allows it.
 reply_t program_take_run(void);
 reply_t program_take_home(void);
 reply_t program_take_zero(void);
@@ -20,7 +20,6 @@ uint8_t program_is_measured(int8_t direction, uint16_t counts);
 // What is wanted in this ms.
 motion_t program_run(void);
 motion_t program_home(void);
-motion_t program_position(void);
 
 uint8_t program_soft_limit_ahead(int8_t direction);
 uint8_t program_hard_limit_ahead(int8_t direction);  // what a program that runs must not pass
@@ -32,17 +31,9 @@ motion_t program_careful(motion_t motion);
 uint8_t program_stop_contradicts_stroke(void);  // pressed, though the stroke is known to be somewhere else
 uint8_t program_stop_is_stuck(void);            // pressed although the actuator moved away from it, or pressed by that
 
-// Whether the program's plan stands still in this ms, as the motor has not the speed for it; for how long it did so,
-// which the main loop reads once the program has ended.
-uint8_t program_waits(void);
-uint32_t program_waited_ms(void);
-
 // Once per ms: what the bridge drives, and what is wanted of it.
 void program_keep_books(const motion_t* driven, const motion_t* wanted);
 
-int32_t program_stroke_um(void);  // as planned
-uint32_t program_drift_um(void);  // how far the actuator may be from it
-
-uint16_t program_sum(void);  // as motor_sum
+uint8_t program_kept(kept_t what);
 
 #endif

@@ -5,13 +5,19 @@
 #include "config.h"
 #include "controller.h"
 #include "line.h"
+#include "plant.h"
 #include "portable.h"
-#include "program.h"
 
-static volatile uint8_t status_asked, greeting_asked, must_forget;
+static volatile uint8_t status_asked, greeting_asked;  // by an interrupt
+static reset_cause_t cause;
+static reply_t reply = REPLY_NONE;
+static uint8_t news;
 static uint32_t next_row_ms = STATUS_PERIOD_MS;
-#define NOT_TELLING 255
-static uint8_t fault_to_tell = NOT_TELLING;  // of the log
+static status_t row;   // that is being said …
+static uint8_t field;  // … from this field on; 0: none is
+#define NOTHING 255
+static uint8_t greeting_at = NOTHING;    // its line
+static uint8_t fault_to_tell = NOTHING;  // of the log
 
 realtime_t protocol_realtime(char c) {
   switch (c) {
@@ -20,50 +26,35 @@ realtime_t protocol_realtime(char c) {
       return REALTIME_DONE;
     case '!':
       controller_hold();
-      must_forget = 1;
       return REALTIME_FORGET;
     case SERIAL_FORGET:  // Ctrl-X
       controller_abort();
       greeting_asked = 1;
-      must_forget = 1;
       return REALTIME_FORGET;
     default:
       return REALTIME_NONE;
   }
 }
 
-static void tell_uint(uint32_t value) {
-  char digits[10];
-  uint8_t count = 0;
-  do {
-    digits[count++] = '0' + value % 10;
-    value /= 10;
-  } while (value > 0);
-  while (count > 0) line_char(digits[--count]);
+// Digit by digit without a division, of which one takes the chip 40 us.
+static const uint32_t powers[] PROGMEM = {1000000000, 100000000, 10000000, 1000000, 100000, 10000, 1000, 100, 10, 1};
+
+// value / 10^decimals, with so many digits after the point: (1234, 3) is 1.234.
+static void tell_unsigned(uint32_t value, uint8_t decimals) {
+  uint8_t has_begun = 0;
+  for (uint8_t place = sizeof powers / sizeof *powers; place-- > 0;) {
+    const uint32_t power = pgm_read_dword(&powers[sizeof powers / sizeof *powers - 1 - place]);
+    char digit = '0';
+    for (; value >= power; value -= power) ++digit;
+    has_begun = has_begun || digit > '0' || place <= decimals;
+    if (has_begun) line_char(digit);
+    if (place == decimals && decimals > 0) line_char('.');
+  }
 }
 
-// value / 10^digits with that many digits after the point: (-1234, 3) is -1.234.
-static void tell_decimal(int32_t value, uint8_t digits) {
-  uint32_t scale = 1;
-  for (uint8_t i = 0; i < digits; ++i) scale *= 10;
+static void tell_decimal(int32_t value, uint8_t decimals) {
   if (value < 0) line_char('-');
-  const uint32_t magnitude = value < 0 ? -(uint32_t)value : (uint32_t)value;
-  tell_uint(magnitude / scale);
-  line_char('.');
-  for (uint32_t rest = magnitude % scale; digits > 0; --digits) {
-    scale /= 10;
-    line_char('0' + rest / scale);
-    rest %= scale;
-  }
-}
-
-static void tell_time(uint32_t ms) {
-  tell_uint(ms / 1000);
-  line_char('.');
-  for (uint16_t scale = 100, rest = ms % 1000; scale > 0; scale /= 10) {
-    line_char('0' + rest / scale);
-    rest %= scale;
-  }
+  tell_unsigned(value < 0 ? -(uint32_t)value : (uint32_t)value, decimals);
 }
 
 static void tell_message(const char* flash_text) {
@@ -83,24 +74,43 @@ static void tell_header(void) {
   line_char('\n');
 }
 
-void protocol_greet(reset_cause_t cause) {
-  if (cause == RESET_BY_WATCHDOG)
-    tell_message(PSTR("lake-stroke, reset by the watchdog"));
-  else if (cause == RESET_BY_LOW_VOLTAGE)
-    tell_message(PSTR("lake-stroke, reset by low voltage"));
-  else
-    tell_message(PSTR("lake-stroke"));
-#if LAKE_SEGMENT_COUNT > 0 && LAKE_DRIFT_ACCEPTED
-  tell_message(PSTR("drift accepted, no person"));
-#endif
+void protocol_greet(reset_cause_t why) {
+  cause = why;
+  greeting_at = 0;
+}
+
+// A line of it, or none where this firmware has nothing to say there.
+static void tell_greeting(void) {
+  switch (greeting_at++) {
+    case 0:
+      tell_message(cause == RESET_BY_WATCHDOG      ? PSTR("lake-stroke, reset by the watchdog")
+                   : cause == RESET_BY_LOW_VOLTAGE ? PSTR("lake-stroke, reset by low voltage")
+                                                   : PSTR("lake-stroke"));
+      return;
 #if LAKE_SEGMENT_COUNT > 0
-  tell_message(PSTR("program " LAKE_PROGRAM));
-  tell_message(PSTR("design " LAKE_DESIGN ", duty table " LAKE_DUTY_TABLE));
+    case 1:
+      if (LAKE_DRIFT_ACCEPTED) tell_message(PSTR("drift accepted, no person"));
+      return;
+    case 2:
+      tell_message(PSTR("program " LAKE_PROGRAM));
+      return;
+    case 3:
+      tell_message(PSTR("design " LAKE_DESIGN ", duty table " LAKE_DUTY_TABLE));
+      return;
+    case 4:
+      if (!LAKE_FEEDBACK) tell_message(PSTR("open loop: the stroke is planned, not measured"));
+      return;
 #endif
-#if LAKE_SEGMENT_COUNT > 0 && !LAKE_FEEDBACK
-  tell_message(PSTR("open loop: the stroke is planned, not measured"));
-#endif
-  tell_header();
+    case 5:
+      tell_header();
+      return;
+    case 6:
+      if (controller_status().fault != FAULT_NONE) news |= NEWS_FAULT;
+      greeting_at = NOTHING;
+      return;
+    default:
+      return;
+  }
 }
 
 static void tell_state(state_t state) {
@@ -108,7 +118,11 @@ static void tell_state(state_t state) {
     case STATE_IDLE:
       line_text(PSTR("idle"));
       return;
-    case STATE_HOMING:
+    case STATE_SEEKING:
+    case STATE_PROVING:
+    case STATE_BACKING_OFF:
+    case STATE_TOUCHING:
+    case STATE_RELEASING:
       line_text(PSTR("homing"));
       return;
     case STATE_POSITIONING:
@@ -126,223 +140,233 @@ static void tell_state(state_t state) {
     case STATE_FAULT:
       line_text(PSTR("fault"));
       return;
-    case STATE_CHECKING:
+    case STATE_CHECKING_HOME:
+    case STATE_CHECKING_RUN:
+    case STATE_CHECKING_JOG:
       line_text(PSTR("checking"));
       return;
+    case STATE_COUNT:
+      return;
   }
-}
-
-// Planned stroke and drift bound, both empty while the stroke is unknown.
-static void tell_stroke(const status_t* now, const char* between) {
-  if (now->knowledge != STROKE_UNKNOWN) tell_decimal(now->stroke_um, 3);
-  line_text(between);
-  if (now->knowledge != STROKE_UNKNOWN) tell_decimal(now->drift_um, 3);
 }
 
 static void tell_duty(const status_t* now) {
   tell_decimal(now->direction * (int32_t)((now->counts * 10000UL + LAKE_PWM_PERIOD / 2) / LAKE_PWM_PERIOD), 4);
 }
 
-static void tell_row(const status_t* now) {
-  tell_time(now->time_ms);
-  line_char(',');
-  tell_stroke(now, PSTR(","));
-  line_char(',');
-  tell_duty(now);
-  line_char(',');
-  if (now->direction < 0) line_char('-');
-  line_char(now->direction ? '1' : '0');
-  line_char(',');
-  tell_state(now->state);
-  line_char(',');
-  tell_uint((board_analog(ANALOG_POTENTIOMETER) + 2) / 4);
-  line_char(',');
-  tell_uint(now->end_stops);
-#if LAKE_FEEDBACK
-  line_char(',');
-  tell_decimal(now->measured_um, 3);
-  line_char(',');
-  if (now->knowledge != STROKE_UNKNOWN) tell_decimal(now->stroke_um - now->measured_um, 3);
-#endif
-#if LAKE_CURRENT_SENSE
-  line_char(',');
-  tell_decimal(now->current_ma, 3);
-#endif
+// A field of the row: one a turn, as all of them take longer than a ms.
+static void tell_field(void) {
+  enum { CURRENT = 10 };
+  if (field > 0) line_char(',');
+  switch (field++) {
+    case 0:
+      row = controller_status();
+      next_row_ms = row.time_ms + STATUS_PERIOD_MS;
+      tell_unsigned(row.time_ms, 3);
+      return;
+    case 1:
+      if (row.knowledge != STROKE_UNKNOWN) tell_decimal(row.stroke_um, 3);
+      return;
+    case 2:
+      if (row.knowledge != STROKE_UNKNOWN) tell_unsigned(row.drift_um, 3);
+      return;
+    case 3:
+      tell_duty(&row);
+      return;
+    case 4:
+      tell_decimal(row.direction, 0);
+      return;
+    case 5:
+      tell_state(row.state);
+      return;
+    case 6:
+      tell_unsigned((board_analog(ANALOG_POTENTIOMETER) + 2u) / 4, 0);
+      return;
+    case 7:
+      tell_unsigned(row.end_stops, 0);
+      if (LAKE_FEEDBACK) return;
+      field = CURRENT;
+      break;
+    case 8:
+      tell_decimal(row.measured_um, 3);
+      return;
+    case 9:
+      if (row.knowledge != STROKE_UNKNOWN) tell_decimal(row.stroke_um - row.measured_um, 3);
+      break;
+    default:
+      tell_decimal(row.current_ma, 3);
+  }
+  if (LAKE_CURRENT_SENSE && field == CURRENT) return;
   line_char('\n');
+  field = 0;
 }
 
 // <state|stroke:MM|drift:MM|duty:D|stops:N>
-static void tell_status(const status_t* now) {
+static void tell_status(void) {
+  const status_t status = controller_status(), *now = &status;
   line_char('<');
   tell_state(now->state);
   line_text(PSTR("|stroke:"));
-  tell_stroke(now, PSTR("|drift:"));
+  if (now->knowledge != STROKE_UNKNOWN) tell_decimal(now->stroke_um, 3);
+  line_text(PSTR("|drift:"));
+  if (now->knowledge != STROKE_UNKNOWN) tell_unsigned(now->drift_um, 3);
   line_text(PSTR("|duty:"));
   tell_duty(now);
   line_text(PSTR("|stops:"));
-  tell_uint(now->end_stops);
+  tell_unsigned(now->end_stops, 0);
   line_text(PSTR(">\n"));
 }
 
-static void tell_reply(reply_t reply) {
+static void tell_reply(void) {
   if (reply == REPLY_OK) {
     line_text(PSTR("ok\n"));
-    return;
-  }
-  line_text(PSTR("error:"));
-  tell_uint(reply);
-  line_char('\n');
-}
-
-#if LAKE_FEEDBACK
-static void tell_waited(void) {
-  line_text(PSTR("[MSG:waited "));
-  tell_decimal((int32_t)program_waited_ms(), 3);
-  line_text(PSTR(" s]\n"));
-}
-#endif
-
-static void tell_events(uint8_t events, fault_t fault) {
-  if (events & EVENT_FAULT) {
-    line_text(PSTR("ALARM:"));
-    tell_uint(fault);
+  } else {
+    line_text(PSTR("error:"));
+    tell_unsigned((uint8_t)reply, 0);
     line_char('\n');
   }
-#if LAKE_FEEDBACK
-  if (events & EVENT_WAITED) tell_waited();
-#endif
-  if (events & EVENT_DONE) tell_message(PSTR("done"));
-  if (events & EVENT_JOG_LIMIT) tell_message(PSTR("jog ended at a limit"));
-  if (events & EVENT_TIMEOUT) tell_message(PSTR("host silent, stopped"));
+  reply = REPLY_NONE;
 }
 
-// The next tick replies. A line that was being read when a hold or an abort came is not obeyed.
-static void ask(request_t request, int16_t jog_counts, uint16_t jog_ms) {
-  ATOMICALLY {
-    if (must_forget)
-      controller_request_reply(REPLY_STATE);
-    else
-      controller_request(request, jog_counts, jog_ms);
+// The first of what is new.
+static void tell_news(void) {
+  const uint8_t first = news & (uint8_t)-news;
+  news &= (uint8_t)~first;
+  switch (first) {
+    case NEWS_FAULT:
+      line_text(PSTR("ALARM:"));
+      tell_unsigned(controller_status().fault, 0);
+      line_char('\n');
+      return;
+    case NEWS_WAITED:
+      line_text(PSTR("[MSG:waited "));
+      tell_unsigned(plant_waited_ms(), 3);
+      line_text(PSTR(" s]\n"));
+      return;
+    case NEWS_DONE:
+      tell_message(PSTR("done"));
+      return;
+    case NEWS_JOG_LIMIT:
+      tell_message(PSTR("jog ended at a limit"));
+      return;
+    case NEWS_TIMEOUT:
+      tell_message(PSTR("host silent, stopped"));
+      return;
+    default:
+      tell_message(PSTR("button released, stopped"));
   }
 }
 
 // "jog DUTY MS": duty in thousandths, signed.
-static void obey_jog(const char* text) {
+static reply_t obey_jog(const char* text) {
   char* rest;
   const long duty = strtol(text, &rest, 10);
   char* end;
   const long duration = strtol(rest, &end, 10);
   if (rest == text || end == rest || *end != 0 || duty == 0 || duty < -1000 || duty > 1000 || duration < 1 ||
-      duration > JOG_MAX_MS) {
-    controller_request_reply(REPLY_BAD_NUMBER);
-    return;
-  }
-  ask(REQUEST_JOG, (int16_t)(duty * LAKE_PWM_PERIOD / 1000), (uint16_t)duration);
+      duration > JOG_MAX_MS)
+    return REPLY_BAD_NUMBER;
+  return controller_ask(REQUEST_JOG, (int16_t)(duty * LAKE_PWM_PERIOD / 1000), (uint16_t)duration);
 }
 
-// [FAULT:n,state,time_s], the newest first; one a turn, as the whole log takes 50 ms to say.
+// [FAULT:n,state,time_s], the newest first.
 static void tell_log(void) {
   logged_t logged;
   if (!controller_logged(fault_to_tell++, &logged)) {
-    fault_to_tell = NOT_TELLING;
-    controller_request_reply(REPLY_OK);
+    fault_to_tell = NOTHING;
+    reply = REPLY_OK;
     return;
   }
   line_text(PSTR("[FAULT:"));
-  tell_uint(logged.fault);
+  tell_unsigned(logged.fault, 0);
   line_char(',');
   tell_state((state_t)logged.state);
   line_char(',');
-  tell_uint(logged.time_s);
+  tell_unsigned(logged.time_s, 0);
   line_text(PSTR("]\n"));
 }
 
-// Those that move nothing and forget nothing; nonzero if it was one.
-static uint8_t obey_harmless(const char* line) {
-  if (!strcmp_P(line, PSTR("stop"))) {
-    ask(REQUEST_STOP, 0, 0);
-  } else if (!strcmp_P(line, PSTR("header"))) {
-    tell_header();
-    controller_request_reply(REPLY_OK);
-  } else if (!strcmp_P(line, PSTR("who"))) {
-    greeting_asked = 1;
-  } else if (!strcmp_P(line, PSTR("faults"))) {
-    fault_to_tell = 0;
-  } else {
-    return 0;
-  }
-  return 1;
+static uint8_t is_harmless(const char* line) {
+  return !strcmp_P(line, PSTR("stop")) || !strcmp_P(line, PSTR("header")) || !strcmp_P(line, PSTR("who")) ||
+         !strcmp_P(line, PSTR("faults"));
 }
 
-static void obey(const char* line) {
-  if (!strcmp_P(line, PSTR("alive"))) {
-    status_asked = 1;
-  } else if (!strcmp_P(line, PSTR("run"))) {
-    ask(REQUEST_RUN, 0, 0);
-  } else if (!strcmp_P(line, PSTR("home"))) {
+static reply_t obey(const char* line) {
+  if (!strcmp_P(line, PSTR("stop"))) return controller_ask(REQUEST_STOP, 0, 0);
+  if (!strcmp_P(line, PSTR("run"))) return controller_ask(REQUEST_RUN, 0, 0);
+  if (!strcmp_P(line, PSTR("zero"))) return controller_ask(REQUEST_ZERO, 0, 0);
+  if (!strcmp_P(line, PSTR("reset"))) return controller_ask(REQUEST_RESET, 0, 0);
+  if (!strncmp_P(line, PSTR("jog "), 4)) return obey_jog(line + 4);
+  if (!strcmp_P(line, PSTR("home"))) {
 #if LAKE_SEGMENT_COUNT > 0
     tell_message(PSTR("unworn only: homing takes the knee to " LAKE_HOME_KNEE " degrees"));
 #endif
-    ask(REQUEST_HOME, 0, 0);
-  } else if (!strcmp_P(line, PSTR("zero"))) {
-    ask(REQUEST_ZERO, 0, 0);
-  } else if (!strcmp_P(line, PSTR("reset"))) {
-    ask(REQUEST_RESET, 0, 0);
-  } else if (!strncmp_P(line, PSTR("jog "), 4)) {
-    obey_jog(line + 4);
+    return controller_ask(REQUEST_HOME, 0, 0);
+  }
+  if (!strcmp_P(line, PSTR("header"))) {
+    tell_header();
+    return REPLY_OK;
+  }
+  // These are answered by what they ask for.
+  if (!strcmp_P(line, PSTR("alive")))
+    status_asked = 1;
+  else if (!strcmp_P(line, PSTR("who")))
+    greeting_asked = 1;
+  else if (!strcmp_P(line, PSTR("faults")))
+    fault_to_tell = 0;
 #ifdef LAKE_SIMULATOR
-  } else if (!strcmp_P(line, PSTR("hang"))) {
+  else if (!strcmp_P(line, PSTR("hang")))
     board_hang();
-  } else if (!strcmp_P(line, PSTR("quit"))) {
+  else if (!strcmp_P(line, PSTR("quit")))
     board_quit();
 #endif
-  } else {
-    controller_request_reply(REPLY_UNKNOWN);
-  }
+  else
+    return REPLY_UNKNOWN;
+  return REPLY_NONE;
 }
 
-static void take_line(void) {
+static reply_t take_line(void) {
   const char* line;
   switch (line_read(&line)) {
     case LINE_FRAMED:
       controller_heard();
-      if (!obey_harmless(line)) obey(line);
-      return;
+      return obey(line);
     case LINE_PLAIN:
-      if (!obey_harmless(line)) controller_request_reply(REPLY_CHECK_SUM);
-      return;
+      return is_harmless(line) ? obey(line) : REPLY_CHECK_SUM;
     case LINE_TOO_LONG:
-      controller_request_reply(REPLY_TOO_LONG);
-      return;
+      return REPLY_TOO_LONG;
     case LINE_DAMAGED:
-      controller_request_reply(REPLY_CHECK_SUM);
-      return;
+      return REPLY_CHECK_SUM;
     case LINE_NONE:
-      return;
+      break;
   }
+  return REPLY_NONE;
 }
 
-// Says the answer to one line, or one fault of the log, at most: the watchdog does not wait while it is said.
 void protocol_turn(void) {
-  for (reply_t reply; (reply = controller_take_reply()) != REPLY_NONE;) tell_reply(reply);
-  must_forget = 0;
-  if (fault_to_tell != NOT_TELLING)
-    tell_log();
-  else if (controller_has_room())
-    take_line();
-  const uint8_t events = controller_take_events();
-  const status_t now = controller_status();
-  tell_events(events, now.fault);
-  if (greeting_asked) {
+  if (field > 0) {
+    tell_field();
+    return;
+  }
+  if (!serial_has_room()) return;
+  news |= controller_take_news();
+  if (reply != REPLY_NONE) {
+    tell_reply();
+  } else if (greeting_at != NOTHING) {
+    tell_greeting();
+  } else if (greeting_asked) {
     greeting_asked = 0;
     protocol_greet(RESET_BY_POWER_OR_BUTTON);
-    if (now.fault != FAULT_NONE) tell_events(EVENT_FAULT, now.fault);
-  }
-  if (status_asked) {
+  } else if (news) {
+    tell_news();
+  } else if (fault_to_tell != NOTHING) {
+    if (board_can_remember()) tell_log();
+  } else if (status_asked) {
     status_asked = 0;
-    tell_status(&now);
+    tell_status();
+  } else if ((int32_t)(controller_time_ms() - next_row_ms) >= 0) {
+    tell_field();
+  } else {
+    reply = take_line();
   }
-  if ((int32_t)(now.time_ms - next_row_ms) < 0) return;
-  next_row_ms = now.time_ms + STATUS_PERIOD_MS;
-  tell_row(&now);
 }

@@ -10,13 +10,13 @@
 #include "board.h"
 #include "serial.h"
 
-// Who it is, why it was reset, and the header of the CSV rows.
-void protocol_greet(reset_cause_t cause);
+// Will say who it is, why it was reset, the header of the CSV rows, and a fault that stays.
+void protocol_greet(reset_cause_t why);
 
 // Obeys a real-time character. For the receiver's interrupt.
 realtime_t protocol_realtime(char c);
 
-// Once per tick: obeys lines, tells what there is to tell.
+// Over and over: says a line at most, if there is room to send it whole; with nothing to say, obeys one.
 void protocol_turn(void);
 
 #endif

@@ -18,6 +18,8 @@ realtime_t serial_realtime(char c);
 enum { SERIAL_LOST = 0, SERIAL_FORGET = 0x18 };
 int16_t serial_read(void);
 
-void serial_write(char c);  // waits while the buffer is full
+uint8_t serial_has_room(void);  // for a line of SERIAL_LINE characters
+#define SERIAL_LINE 104         // the longest is the header of a row with everything wired: 97
+void serial_write(char c);      // waits while there is no room
 
 #endif

@@ -7,7 +7,7 @@
 #include "serial.h"
 
 #define TX_SIZE 128  // powers of two
-#define RX_SIZE 128  // 11 ms of characters back to back; saying a row takes 7 ms
+#define RX_SIZE 128  // 11 ms of characters back to back; sending a row takes 8 ms
 
 static volatile char tx[TX_SIZE];
 static volatile uint8_t tx_head, tx_tail;
@@ -57,6 +57,10 @@ int16_t serial_read(void) {
     }
   }
   return c;
+}
+
+uint8_t serial_has_room(void) {
+  return (uint8_t)(tx_tail - tx_head - 1) % TX_SIZE >= SERIAL_LINE;
 }
 
 // 0 where there is no room.

@@ -1,21 +1,61 @@
-// What the parts of the controller share: what the actuator does, how well its stroke is known, what happened. The tick
-// alone changes it; the main loop reads it in ATOMICALLY blocks, which are barriers.
+// What the parts of the controller share: what the actuator does, how well its stroke is known, what happened. No
+// interrupt touches it.
 #ifndef LAKE_STATE_H
 #define LAKE_STATE_H
 
 #include <stddef.h>
 #include <stdint.h>
 
+#include "kept.h"
+
+// What the actuator does. Numbers 0 to 7 stand in the EEPROMs of boards (controller_logged).
 typedef enum {
   STATE_IDLE,
-  STATE_HOMING,
+  STATE_SEEKING,  // homing: retracts until the end stop is pressed, …
   STATE_POSITIONING,
   STATE_RUNNING,
   STATE_HOLD,
   STATE_JOGGING,
   STATE_FAULT,
-  STATE_CHECKING  // only told: what is to move waits until the relay is closed and the bridge has been looked at
+  STATE_CHECKING_HOME,  // what was asked for waits until the relay is closed and the bridge has been looked at
+  STATE_PROVING,        // … slowly off it, until the motor has been seen to turn as it is told, …
+  STATE_BACKING_OFF,    // … until it must have released, …
+  STATE_TOUCHING,       // … to it again, …
+  STATE_RELEASING,      // … and off it again
+  STATE_CHECKING_RUN,
+  STATE_CHECKING_JOG,
+  STATE_COUNT
 } state_t;
+
+// Sets of states, a bit each.
+#define STATES_OF(state) ((uint16_t)(1u << (state)))
+#define STATES_HOMING                                                                      \
+  (STATES_OF(STATE_CHECKING_HOME) | STATES_OF(STATE_SEEKING) | STATES_OF(STATE_PROVING) |  \
+   STATES_OF(STATE_BACKING_OFF) | STATES_OF(STATE_TOUCHING) | STATES_OF(STATE_RELEASING) | \
+   STATES_OF(STATE_POSITIONING))
+#define STATES_CHECKING (STATES_OF(STATE_CHECKING_HOME) | STATES_OF(STATE_CHECKING_RUN) | STATES_OF(STATE_CHECKING_JOG))
+#define STATES_PROGRAM (STATES_OF(STATE_CHECKING_RUN) | STATES_OF(STATE_RUNNING))
+#define STATES_JOG (STATES_OF(STATE_CHECKING_JOG) | STATES_OF(STATE_JOGGING))
+#define STATES_MOVING (STATES_HOMING | STATES_PROGRAM | STATES_JOG)
+
+// What changes the state. The first three are asked for, and allowed by what is known of stroke and end stops.
+typedef enum {
+  ON_HOME,
+  ON_RUN,
+  ON_JOG,
+  ON_STOP,  // or Ctrl-X
+  ON_RESET,
+  ON_HOLD,
+  ON_LET_GO,   // the host is silent for the time-out, or the button released
+  ON_READY,    // power_is_ready
+  ON_PRESSED,  // the retract end stop, while homing
+  ON_DONE,     // as planned, or what a jog meets
+  ON_FAULT,
+  ON_COUNT
+} event_t;
+
+// The state after an event; STATE_COUNT where that changes nothing. SAFETY.md has a drawing of it.
+state_t transition(state_t state, event_t event);
 
 // How well the stroke is known.
 typedef enum {
@@ -26,7 +66,7 @@ typedef enum {
 
 // The answer to a request. Beyond REPLY_OK the number is the N of `error:N`.
 typedef enum {
-  REPLY_NONE = -1,
+  REPLY_NONE = -1,  // nothing was asked, or the reply comes later
   REPLY_OK = 0,
   REPLY_UNKNOWN = 1,      // no such command
   REPLY_BAD_NUMBER = 2,   // not `jog DUTY MS` within its ranges and the duty table's
@@ -37,6 +77,7 @@ typedef enum {
   REPLY_STOP_AHEAD = 7,   // an end stop is pressed in that direction
   REPLY_LIMIT_AHEAD = 8,  // a soft limit is reached in that direction
   REPLY_CHECK_SUM = 9,    // the line has no check sum, or a wrong one
+  REPLY_BUTTON = 10,      // nobody holds the button
   REPLY_TRIES = 11        // homing has failed HOME_TRIES times
 } reply_t;
 
@@ -62,13 +103,14 @@ typedef enum {
   FAULT_MEMORY = 17        // what was kept has changed by itself
 } fault_t;
 
-// What happened unasked; bits.
+// What happened unasked; bits, in the order in which they are told.
 enum {
-  EVENT_FAULT = 1 << 0,      // machine.fault has come
-  EVENT_DONE = 1 << 1,       // the program, homing or a jog ended as planned
-  EVENT_JOG_LIMIT = 1 << 2,  // a jog ended at an end stop or a soft limit
-  EVENT_TIMEOUT = 1 << 3,    // the host was silent for too long while something moved
-  EVENT_WAITED = 1 << 4      // the program has ended later than planned
+  NEWS_FAULT = 1 << 0,      // machine.fault has come
+  NEWS_WAITED = 1 << 1,     // the program has ended later than planned
+  NEWS_DONE = 1 << 2,       // the program, homing or a jog ended as planned
+  NEWS_JOG_LIMIT = 1 << 3,  // a jog ended at an end stop or a soft limit
+  NEWS_TIMEOUT = 1 << 4,    // the host was silent for too long while something moved
+  NEWS_BUTTON = 1 << 5      // the button was released while something moved
 };
 
 // What is wanted of the motor in this ms.
@@ -100,14 +142,15 @@ typedef struct {
   uint32_t end_ms;
   fault_t fault;
   state_t before_fault;  // in which it came
-  uint16_t is_ready;     // the motor may be driven: until then clocks stand still. A word, as the sum's
-  uint8_t events;        // the last: the main loop takes them
+  uint8_t news;          // the last: whoever tells takes them
 } machine_t;
 extern machine_t machine;
 
-uint16_t state_sum(void);  // as motor_sum
+uint8_t state_kept(kept_t what);
 
-void state_begin(state_t next, uint32_t duration_ms);
+// Nonzero if the event has changed the state; its clock begins anew.
+uint8_t state_on(event_t event);
+uint8_t state_is_in(uint16_t states);
 void state_finish(knowledge_t known);  // as planned
 void state_fault(fault_t what);        // unless there is one
 

@@ -124,6 +124,8 @@ void Describe(FirmwareOptions& o, OptionList& options) {
               "The bridge's outputs are read back on A3 and A4, each through a divider: then a stop may brake");
   options.Add("safety-relay", o.pins.safety_relay, "Pin of a relay in the motor's supply, before the sense of --supply")
       .Value("PIN");
+  options.Add("hold-button", o.pins.hold_button, "Pin of a button to ground: released, whatever moves is stopped")
+      .Value("PIN");
   const auto set_pins = [&o](const OptionTexts& texts, const std::string&) {
     for (const std::string& part : texts) o.pins = WithPins(o.pins, part);
   };

@@ -33,6 +33,8 @@ std::vector<WireRow> RowsOf(const FirmwareOptions& o) {
   if (o.supply_v > 0) rows.push_back({"A2", "39 kΩ", "10 kΩ", "the motor's supply at the bridge"});
   if (pins.safety_relay)
     rows.push_back({PinName(*pins.safety_relay), "", "10 kΩ", "driver of the safety relay's coil"});
+  if (pins.hold_button)
+    rows.push_back({PinName(*pins.hold_button), "", "", "button, normally open, to GND: held while anything moves"});
   rows.push_back({"GND", "", "", "bridge GND, sensors' GND, minus of the supply: at one point"});
   return rows;
 }
@@ -151,6 +153,10 @@ std::string SignOffSheet(const StrokeTable& stroke, const StrokeSchedule& schedu
                  fmt::format("ALARM:12 below {:g} N", *options.force_limit_n));
   if (options.pins.safety_relay)
     text += Tick("safety relay", "open after a reset; its contact bridged, `home` gives ALARM:16");
+  if (options.pins.hold_button) {
+    text += Tick("hold button released, and its wire off, `home`", "error:10, nothing moves");
+    text += Tick("hold button released while it jogs", "it stands; `button released, stopped`");
+  }
   text += Tick("supply limited to half the stall current, actuator off the leg, in the middle",
                "`jog 400 300` extends by some mm; if it retracts, swap OUT1 and OUT2");
   text += Tick("motor's leads swapped on purpose, `home`", "ALARM:5 or ALARM:9 within 1 mm; then swapped back");

@@ -78,8 +78,9 @@ std::string PinDefines(const FirmwareOptions& options) {
                                                                                     {"OUT2", pins.out2}})
     text += fmt::format("#define LAKE_PIN_{} {}\n", name, pin);
   if (pins.safety_relay) text += fmt::format("#define LAKE_PIN_RELAY {}\n", *pins.safety_relay);
-  return text + fmt::format("#define LAKE_BRIDGE_SENSE {}\n#define LAKE_RELAY {}\n", options.bridge_sense ? 1 : 0,
-                            pins.safety_relay ? 1 : 0);
+  if (pins.hold_button) text += fmt::format("#define LAKE_PIN_BUTTON {}\n", *pins.hold_button);
+  return text + fmt::format("#define LAKE_BRIDGE_SENSE {}\n#define LAKE_RELAY {}\n#define LAKE_BUTTON {}\n",
+                            options.bridge_sense ? 1 : 0, pins.safety_relay ? 1 : 0, pins.hold_button ? 1 : 0);
 }
 
 std::string CurrentDefines(const FirmwareOptions& options) {
@@ -216,6 +217,7 @@ void CheckPins(const FirmwareOptions& options) {
     used.emplace_back("out2", pins.out2);
   }
   if (pins.safety_relay) used.emplace_back("--safety-relay", *pins.safety_relay);
+  if (pins.hold_button) used.emplace_back("--hold-button", *pins.hold_button);
   for (auto one = used.begin(); one != used.end(); ++one) {
     if (one->second < 2 || one->second > 19)
       throw UsageError("{}: a pin is 2 to 19 (14 to 19 are A0 to A5; 0 and 1 are the serial line), not {}", one->first,

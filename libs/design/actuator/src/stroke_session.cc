@@ -179,6 +179,8 @@ class Session {
     if (line.starts_with("[MSG:host silent"))
       throw Fail("{}: the firmware did not hear this program in time and stopped; is the computer too busy?",
                  options_.port.string());
+    if (line.starts_with("[MSG:button released"))
+      throw Fail("{}: the button was released, and the firmware stopped", options_.port.string());
   }
 
   // What the first row after the greeting tells of before; the fault itself is told between them. One that is still
@@ -402,7 +404,7 @@ std::string AlarmText(int number) {
       "too far from the plan, or too slow for it",
       "over-current: a short or a stall",
       "driven, it takes no current: motor, supply or sense wire",
-      "a tick or a conversion came late: the board, or a bug",
+      "a conversion or the main loop was late: the board, or a bug",
       "the bridge does not follow its commands: ENA's jumper, a wire, a shorted transistor",
       "the safety relay does not open",
       "the board's memory has changed by itself"};
@@ -420,7 +422,7 @@ std::string ErrorText(int number) {
                                                     "an end stop is pressed in that direction",
                                                     "a soft limit is reached in that direction",
                                                     "the line had no check sum, or a wrong one",
-                                                    "no such error",
+                                                    "nobody holds the button",
                                                     "homing has failed three times: mend it, then power off and on"};
   return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
                                                                  : "a reply of a newer firmware";

@@ -16,14 +16,15 @@
 
 // The time of one ms, with everything wired; FirmwareTimingTest holds the rig's against it.
 //
+//   interrupt  what cannot wait: end stops, current, motor off; nothing interrupts it             <= 50 us
 //   converter  a round of 12 conversions: each 13 clocks of 4 us, at most one to the clock's next edge, and the
 //              interrupt that begins the next                                      12 x 60 us = 720 us
-//   tick       runs beside the round; lets in all interrupts but itself, which add 150 us       <= 700 us
-//   blocked    interrupts, by any of the firmware's parts                                          <= 50 us
+//   main loop  the controller, and what is said meanwhile, a line or a field of a row at a time: it may make the
+//              controller late by less than a ms, which is done after it
 //
 // The converter fixes its channel when a conversion begins and knows no second one beside it. So its own interrupt,
-// which comes when a conversion has ended, begins the next; the tick begins a round only after the last one's end. A
-// tick or a round that has not ended when the next ms begins is late: board_is_late.
+// which comes when a conversion has ended, begins the next; the timer's begins a round only after the last one's end.
+#define LATE_MS 4  // that the main loop may be behind
 #define CONVERSIONS 4  // of each channel in a round
 
 static const uint8_t kWired[] PROGMEM = {
@@ -36,8 +37,7 @@ static const uint8_t kWired[] PROGMEM = {
 #endif
 };
 
-static volatile uint8_t ticks, is_late;
-static uint8_t last_tick;
+static volatile uint8_t ticks, done, is_late;
 static volatile uint16_t readings[ANALOG_COUNT];
 static uint16_t sum;
 static uint8_t wired, conversion;
@@ -87,14 +87,9 @@ static void begin_round(void) {
 }
 
 ISR(TIMER2_COMPA_vect) {
-  TIMSK2 = 0;  // no tick within a tick
   begin_round();
-  sei();
-  board_tick();
-  cli();
-  if (TIFR2 & _BV(OCF2A)) is_late = 1;
-  TIMSK2 = _BV(OCIE2A);
-  ++ticks;
+  if ((uint8_t)(++ticks - done) > LATE_MS) is_late = 1;
+  board_interrupt();
 }
 
 void board_init(void) {
@@ -102,6 +97,9 @@ void board_init(void) {
   // all read high.
   PIN_WRITE(LAKE_PIN_RETRACT, 1);
   PIN_WRITE(LAKE_PIN_EXTEND, 1);
+#if LAKE_BUTTON
+  PIN_WRITE(LAKE_PIN_BUTTON, 1);  // to ground while it is held: a broken wire reads as released
+#endif
 #if LAKE_RELAY
   PIN_OUTPUT(LAKE_PIN_RELAY, 1);
 #endif
@@ -120,25 +118,40 @@ void board_start(void) {
   sei();
 }
 
-uint8_t board_wait(void) {
-  sleep_mode();
-  if (ticks == last_tick) return 0;
-  last_tick = ticks;
+uint8_t board_is_due(void) {
+  return ticks != done;
+}
+
+void board_sleep(void) {
+  cli();
+  if (ticks == done) {
+    sleep_enable();
+    sei();  // acts after the next instruction: no interrupt comes before it sleeps
+    sleep_cpu();
+    sleep_disable();
+  }
+  sei();
+}
+
+void board_done(void) {
+  ++done;
   wdt_reset();
-  return 1;
 }
 
 static uint8_t open_stops(void) {
   uint8_t bits = 0;
   if (PIN_READ(LAKE_PIN_RETRACT)) bits |= END_STOP_RETRACT;
   if (PIN_READ(LAKE_PIN_EXTEND)) bits |= END_STOP_EXTEND;
+#if LAKE_BUTTON
+  if (PIN_READ(LAKE_PIN_BUTTON)) bits |= BUTTON_RELEASED;
+#endif
   return bits;
 }
 
 uint8_t board_end_stops(void) {
   uint8_t open = open_stops();
   for (uint8_t i = 1; i < END_STOP_READINGS; ++i) {
-    _delay_loop_1(32);  // 96 clocks, 6 us
+    _delay_loop_1(26);  // 78 clocks, 5 us
     open &= open_stops();
   }
   return open;
@@ -167,6 +180,10 @@ uint8_t board_is_late(void) {
 // Erased a place reads 255.
 static uint8_t* place_of(uint8_t place) {
   return (uint8_t*)(uint16_t)place;
+}
+
+uint8_t board_can_remember(void) {
+  return eeprom_is_ready() != 0;
 }
 
 uint8_t board_remembered(uint8_t place) {

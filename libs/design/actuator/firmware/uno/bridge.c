@@ -123,6 +123,11 @@ void bridge_drive(uint16_t counts) {
   PIN_WRITE(LAKE_PIN_ENA, is_full);
 }
 
+int8_t bridge_driven(void) {
+  if (!(TCCR1A & CONNECT_TO(LAKE_PIN_ENA)) && !PIN_IS_SET(LAKE_PIN_ENA)) return 0;
+  return (int8_t)((PIN_IS_SET(LAKE_PIN_IN1) != 0) - (PIN_IS_SET(LAKE_PIN_IN2) != 0));
+}
+
 uint8_t bridge_enable_is_free(void) {
   PIN_OUTPUT(LAKE_PIN_ENA, 0);
   _delay_loop_1(SETTLE_LOOPS);

@@ -32,6 +32,7 @@
     else                              \
       port &= (uint8_t)~PIN_BIT(pin); \
   } while (0)
+#define PIN_IS_SET(pin) (((pin) < 8 ? PORTD : (pin) < 14 ? PORTB : PORTC) & PIN_BIT(pin))  // as an output
 #define PIN_READ(pin) (((pin) < 8 ? PIND : (pin) < 14 ? PINB : PINC) & PIN_BIT(pin))
 
 #endif

@@ -44,6 +44,7 @@ struct Pins {
   int retract = 2, extend = 3;      // end stops
   int out1 = 17, out2 = 18;         // the bridge's outputs, with bridge_sense
   std::optional<int> safety_relay;  // none: not wired
+  std::optional<int> hold_button;   // to ground while it is held; none: not wired
 };
 
 struct FirmwareOptions {

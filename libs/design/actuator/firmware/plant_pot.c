@@ -1,15 +1,15 @@
-#include "follow.h"
-
+#include "analog.h"
 #include "config.h"
+#include "divide.h"
+#include "motor.h"
+#include "plant.h"
 #include "portable.h"
 
-#if LAKE_SEGMENT_COUNT > 0
-uint32_t follow_node_um_s(uint8_t retracts, uint8_t node) {
+#if LAKE_SEGMENT_COUNT > 0 && LAKE_FEEDBACK
+
+uint32_t plant_node_um_s(uint8_t retracts, uint8_t node) {
   return pgm_read_dword(&lake_speed_um_s[retracts][node]);
 }
-#endif
-
-#if LAKE_FEEDBACK
 
 #define PROPORTIONAL 8  // per s
 #define INTEGRAL 12     // per s^2
@@ -29,7 +29,7 @@ static uint8_t is_waiting;
 #define LAGS_UM 300
 static uint8_t is_limited, lags;
 
-void follow_begin(void) {
+static void follow_begin(void) {
   summed_error = 0;
   correcting = 0;
   is_waiting = 0;
@@ -70,15 +70,8 @@ static int32_t at_rest(int32_t error_um) {
   return within_table(direction, PROPORTIONAL * error_um + (summed_at_rest >> 10) * INTEGRAL);
 }
 
-void follow_limit(uint8_t is_it) {
-  is_limited = is_it;
-}
-
-uint8_t follow_lags(void) {
-  return lags;
-}
-
-int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_um) {
+// Feed-forward of the plan's speed and PI on the error, within what the duty table has. 0 is rest.
+static int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_um) {
   const int32_t error_um = planned_um - measured_um;
   lags = 0;
   if (planned_um_s == 0) return at_rest(error_um);
@@ -112,28 +105,37 @@ static uint8_t sixty_fourths(uint32_t part, uint32_t whole) {
   return quotient;
 }
 
-uint16_t follow_counts(int32_t speed_um_s) {
+// The inverse of the duty table.
+static uint16_t counts_of(int32_t speed_um_s) {
   const uint8_t retracts = speed_um_s < 0;
   const uint32_t speed = magnitude(speed_um_s);
-  const uint32_t* row = lake_speed_um_s[retracts];
   const uint16_t most = retracts ? LAKE_RETRACT_MOST_COUNTS : LAKE_EXTEND_MOST_COUNTS;
   uint8_t low = retracts ? LAKE_RETRACT_FIRST_NODE : LAKE_EXTEND_FIRST_NODE;
   uint8_t high = LAKE_SPEED_INTERVALS;
   if (speed == 0) return 0;
   while (high - low > 1) {
     const uint8_t middle = (low + high) / 2;
-    if (pgm_read_dword(&row[middle]) < speed)
+    if (plant_node_um_s(retracts, middle) < speed)
       low = middle;
     else
       high = middle;
   }
-  const uint32_t below = pgm_read_dword(&row[low]);
-  const uint32_t step = pgm_read_dword(&row[high]) - below;
+  const uint32_t below = plant_node_um_s(retracts, low);
+  const uint32_t step = plant_node_um_s(retracts, high) - below;
   uint16_t parts = (uint16_t)(low * LAKE_SPEED_INTERVALS);  // of 2^12
   if (speed > below) parts += speed - below < step ? sixty_fourths(speed - below, step) : LAKE_SPEED_INTERVALS;
   const uint16_t counts = (uint16_t)(((uint32_t)parts * (16u * LAKE_PWM_PERIOD)) >> 16);
   return counts > most ? most : counts;
 }
+
+enum {
+  FOLLOW_FINE,
+  FOLLOW_PROVEN,  // it has moved the way it is driven
+  FOLLOW_STILL,   // driven, and not seen to go on
+  FOLLOW_NO_MOTION,
+  FOLLOW_WRONG_WAY,
+  FOLLOW_RUNAWAY
+};
 
 // Watched over stretches of WATCH_NM of driven way.
 #define WATCH_NM 3000000L
@@ -170,7 +172,7 @@ static struct {
   uint8_t place, place_ms, filled, quick;
 } w;
 
-void follow_watch_begin(void) {
+void plant_reset(void) {
   w.rest_ms = 0;
   w.filled = w.quick = 0;
   w.slow_driven = 0;
@@ -230,7 +232,9 @@ static void watch_from(int32_t measured_um, int32_t slow_um) {
   w.driven_nm = w.allowed_nm = 0;
 }
 
-uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um, int32_t slow_um) {
+// The speed that the bridge drives by the duty table, 0 if it does not drive; the stroke as it is measured, and the
+// slow stroke, where small movements count.
+static uint8_t watch(int32_t driven_um_s, int32_t measured_um, int32_t slow_um) {
   const int8_t direction = (driven_um_s > 0) - (driven_um_s < 0);
   if (is_too_quick(driven_um_s, slow_um)) return FOLLOW_RUNAWAY;
   if (direction == 0) return watch_rest(measured_um);
@@ -252,6 +256,110 @@ uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um, int32_t slow_um) 
   if (seen_um * LEAST_PART < (w.driven_nm >> 10)) return FOLLOW_NO_MOTION;
   watch_from(measured_um, slow_um);
   return FOLLOW_FINE;
+}
+
+// Where the motor has not the speed the plan waits for it, so that the program takes longer: for MOST_WAIT_MS, of which
+// two ms of the plan give one back. So it takes half as long again and MOST_WAIT_MS at most; a motor that has less than
+// two thirds of the speed falls behind.
+#define MOST_WAIT_MS 500
+static struct {
+  int32_t stroke_nm;   // as planned: um/s during one ms are nm
+  int32_t planned_um;  // of it, divided once per ms
+  uint16_t bucket;     // what is used up of the wait, half ms
+  uint16_t is_waiting;
+  uint32_t waited_ms;
+} p;
+
+int32_t plant_planned_um(void) {
+  return p.planned_um;
+}
+
+int32_t plant_stroke_um(void) {
+  return analog_stroke_um();
+}
+
+uint32_t plant_drift_um(void) {
+  return LAKE_POT_ERROR_UM;
+}
+
+void plant_know(int32_t um) {
+  p.stroke_nm = um * 1000;
+}
+
+uint8_t plant_contradicts(int32_t um) {
+  return magnitude(analog_stroke_um() - um) > LAKE_PLACE_UM;
+}
+
+void plant_begin(void) {
+  memset(&p, 0, sizeof p);
+  p.stroke_nm = LAKE_START_UM * 1000;
+  p.planned_um = LAKE_START_UM;
+  follow_begin();
+}
+
+motion_t plant_follow(int32_t planned_um_s, uint16_t counts) {
+  (void)counts;
+  is_limited = motor_counts() >= LAKE_PWM_PERIOD;
+  const int32_t velocity_um_s = follow_speed(p.planned_um, planned_um_s, analog_stroke_um());
+  const int8_t direction = (int8_t)((velocity_um_s > 0) - (velocity_um_s < 0));
+  return motion_of(direction, counts_of(velocity_um_s), velocity_um_s);
+}
+
+// A program's until the motor has the speed for it, everything else until the bridge does what is asked for.
+uint8_t plant_waits(const motion_t* wanted) {
+  return machine.state == STATE_RUNNING ? p.is_waiting != 0 : motor_direction() != wanted->direction;
+}
+
+uint32_t plant_waited_ms(void) {
+  return p.waited_ms;
+}
+
+int8_t plant_side_of_start(void) {
+  return analog_stroke_um() < LAKE_START_UM ? 1 : -1;
+}
+
+uint8_t plant_has_arrived(int8_t side) {
+  return side > 0 ? analog_stroke_um() >= LAKE_START_UM : analog_stroke_um() <= LAKE_START_UM;
+}
+
+// Nonzero once it has waited too long.
+static uint8_t wait_for(const motion_t* wanted) {
+  p.is_waiting = wanted->direction != 0 && lags;
+  if (p.is_waiting) {
+    ++p.waited_ms;
+    p.bucket += 2;
+  } else if (p.bucket > 0) {
+    --p.bucket;
+  }
+  return p.bucket > 2 * MOST_WAIT_MS;
+}
+
+// A program's plan goes on unless it waits, and stands before and after it; otherwise the stroke is what the
+// potentiometer says.
+static void keep_plan(int32_t planned_um_s) {
+  if (machine.state == STATE_RUNNING)
+    p.stroke_nm += p.is_waiting ? 0 : planned_um_s;
+  else if (machine.state != STATE_HOLD && machine.state != STATE_CHECKING_RUN)
+    p.stroke_nm = analog_stroke_um() * 1000;
+  p.planned_um = thousandth(p.stroke_nm);
+}
+
+uint8_t plant_turn(const motion_t* driven, const motion_t* wanted, int32_t planned_um_s) {
+  keep_plan(planned_um_s);
+  if (machine.state == STATE_FAULT) return 0;
+  const uint8_t found = watch(driven->velocity_um_s, analog_stroke_um(), analog_slow_um());
+  if (found == FOLLOW_NO_MOTION) state_fault(FAULT_NO_MOTION);
+  if (found == FOLLOW_WRONG_WAY) state_fault(FAULT_WRONG_WAY);
+  if (found == FOLLOW_RUNAWAY) state_fault(FAULT_RUNAWAY);
+  if (found == FOLLOW_STILL && analog_is_without_current()) state_fault(FAULT_NO_CURRENT);
+  if (machine.state == STATE_RUNNING &&
+      (wait_for(wanted) || magnitude(p.planned_um - analog_stroke_um()) > LAKE_FOLLOWING_UM))
+    state_fault(FAULT_FOLLOWING);
+  return found == FOLLOW_PROVEN;
+}
+
+uint8_t plant_kept(kept_t what) {
+  return kept_pass(&p, sizeof p, what);
 }
 
 #endif
