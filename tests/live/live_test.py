@@ -563,7 +563,7 @@ class Page(Browser):
         # One film: the person sits without sway where the two meet, and only the joint's marker is elsewhere.
         one = cls.folder / "before/camera.yaml"
         for name, place, camera in (("before", WORN, ()), ("moved", MOVED, ("--camera", one))):
-            synth(cls.folder / name, (place[0] + MARKER_AT[0], place[1] + MARKER_AT[1]), "--still", "--crf", 23, *camera)
+            synth(cls.folder / name, (place[0] + MARKER_AT[0], place[1] + MARKER_AT[1]), "--still", *camera)
         films = [cls.folder / "before/video.mp4", cls.folder / "moved/video.mp4"]
         (cls.folder / "films.txt").write_text("".join(f"file '{film}'\n" for film in films))
         ffmpeg("-f", "concat", "-safe", 0, "-i", cls.folder / "films.txt", "-c", "copy", cls.folder / "session.ts")

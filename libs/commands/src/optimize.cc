@@ -222,7 +222,8 @@ void CheckRedesign(const OptimizeRunOptions& options) {
   if (!reoptimize.knee.exo_segments.shank.empty())
     throw UsageError("--exo-segment belongs to lake-compare, which reads the exoskeleton trial: give it there");
   if (!reoptimize.comparisons.empty() && reoptimize.worn.empty() && !reoptimize.human_only) {
-    for (const fs::path& comparison : reoptimize.comparisons) compare::ReadComparison(comparison);  // or says what it is
+    for (const fs::path& comparison : reoptimize.comparisons)
+      compare::ReadComparison(comparison);  // or says what it is
     throw UsageError(
         "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "
         "that trial out with --human-only");

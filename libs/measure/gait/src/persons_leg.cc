@@ -137,7 +137,10 @@ Fault HeightFault(const LegPath& path, const LegFitOptions& options, const Perso
   const auto rises = PerFrame(path, [&](std::size_t i) { return Segment(path, kAnkleAt, kHipAt, i).y(); });
   if (MedianOfKnown(rises) < 0) return below(kHipAt, kAnkleAt);
   for (const auto& [lower, upper] : {std::pair{kAnkleAt, kKneeAt}, {kKneeAt, kHipAt}, {kHipAt, kWaistAt}}) {
-    const auto leans = PerFrame(path, [&](std::size_t i) { return std::abs(LeanDeg(path, lower, upper, i)); });
+    const auto lean = [&path, lower = lower, upper = upper](std::size_t i) {
+      return std::abs(LeanDeg(path, lower, upper, i));
+    };
+    const auto leans = PerFrame(path, lean);
     if (MedianOfKnown(leans) > limits.most_lean_deg) return below(upper, lower);
   }
   return {};
