@@ -289,6 +289,10 @@ export class NamingPage {
     part<HTMLButtonElement>("start-tracking").disabled = this.isTracking;
     part("start-tracking").textContent = this.mayReplace ? TEXTS.replaceTrial : TEXTS.track;
     this.view?.redraw();
+    if (this.isOfPatches() && !isDone) {
+      part("naming-command").textContent = ""; // each patch must be pointed at
+      return say(said);
+    }
     server.command(this.choices).then(({ command }) => {
       part("naming-command").textContent = command;
       say(said);
