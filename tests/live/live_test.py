@@ -59,7 +59,7 @@ def ffmpeg(*words):
 
 
 def frames_of(film):
-    shown = run("ffprobe", "-v", "error", "-count_packets", "-select_streams", "v", "-show_entries", "stream=nb_read_packets",
+    shown = run("ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-show_entries", "stream=nb_read_frames",
                 "-of", "csv=p=0", film)
     return int(shown.stdout.split()[0].strip(","))  # a transport stream is told of twice
 
@@ -184,7 +184,7 @@ class Films(unittest.TestCase):
         end = time.monotonic() + wait_s
         while not (found := is_so()):
             self.assertLess(time.monotonic(), end, "waited in vain")
-            time.sleep(0.1)
+            time.sleep(0.05)
         return found
 
     def expect_place(self, place, truth):
