@@ -194,7 +194,9 @@ std::string HashOf(const std::filesystem::path& folder, std::string_view library
 TEST(Provenance, ProgramsThatDifferInTheirCommitAloneAreTheSame) {
   const TemporaryFolder folder;
   const std::filesystem::path bin = std::filesystem::canonical("/proc/self/exe").parent_path();
-  std::string library = ReadTextFile(bin.parent_path() / "lib/lake/liblake.so");
+  const std::filesystem::path file = bin.parent_path() / "lib/lake/liblake.so";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "only the programs that read are built here: no " << file;
+  std::string library = ReadTextFile(file);
   const std::string own = HashOf(folder / "own", library);
   std::string commit(Commit());
   commit.resize(48);  // as it stands in the file, padded
