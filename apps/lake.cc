@@ -99,14 +99,22 @@ int Complain(const std::string& text) {
   return 2;
 }
 
+// `words`: the step and what is given to it.
+int BecomeStep(const fs::path& folder, std::vector<std::string> words) {
+  words.front() = (folder / fmt::format("lake-{}", words.front())).string();
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  execv(arguments.front(), arguments.data());
+  fmt::print(stderr, "lake: {} cannot be started: {}\n", words.front(), std::strerror(errno));
+  return 1;
+}
+
 int PrintOrBecomeStep(int argc, char** argv) {
   const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
-  static std::array<std::string, 3> start = {"review", ".", "--open"};  // in a desktop session
-  std::array<char*, 4> start_words = {argv[0], start[0].data(), start[1].data(), start[2].data()};
   if (argc < 2) {
-    if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return Complain("a step is missing");
-    argv = start_words.data();
-    argc = start_words.size();
+    const bool is_desktop = std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY");
+    return is_desktop ? BecomeStep(folder, {"review", ".", "--open"}) : Complain("a step is missing");
   }
   std::string_view step = argv[1];
   if (step == "help" && argc > 2) {  // lake help STEP
@@ -134,13 +142,7 @@ int PrintOrBecomeStep(int argc, char** argv) {
   if (step.find('/') != std::string_view::npos || !IsInstalled(folder, step))
     return Complain(fmt::format("no step '{}'{}", step, lake::DidYouMean(step, StepNames())));
 
-  std::string program = (folder / fmt::format("lake-{}", step)).string();
-  std::vector<char*> arguments(argv + 1, argv + argc);
-  arguments.front() = program.data();
-  arguments.push_back(nullptr);
-  execv(program.c_str(), arguments.data());
-  fmt::print(stderr, "lake: {} cannot be started: {}\n", program, std::strerror(errno));
-  return 1;
+  return BecomeStep(folder, {argv + 1, argv + argc});
 }
 
 }  // namespace

@@ -20,18 +20,16 @@ import urllib.error
 import urllib.request
 
 try:
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
+    from browser import DRIVER, headless
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.common.exceptions import StaleElementReferenceException
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.support.ui import Select
 except ImportError:
-    webdriver = None
+    DRIVER = None
 
 BIN = pathlib.Path(os.environ.get("LAKE_BIN", "build/test/bin")).resolve()
-DRIVER = shutil.which("chromedriver")
 WAIT_S = 60  # a loaded machine; what is waited for takes a second
 SIZE = (1280, 720)  # of the recording, px
 # lake track needs to be told: a hand hides knee and hip at once, and before and after it the leg bends too little.
@@ -112,7 +110,7 @@ class Review:
         return self.process.returncode, err
 
 
-@unittest.skipIf(webdriver is None or DRIVER is None, "no chromedriver and selenium for this Python "
+@unittest.skipIf(DRIVER is None, "no chromedriver and selenium for this Python "
                  "(Debian packages chromium-driver and python3-selenium)")
 class ReviewPage(unittest.TestCase):
     @classmethod
@@ -131,12 +129,7 @@ class ReviewPage(unittest.TestCase):
             "-o", "trial", *[f"--seed={name}=#{spot}" for name, spot in SEEDS.items()], cwd=cls.folder)
         run(BIN / "lake-optimize", "--problem", "problem.yaml", "--starts", 1, "--quiet", "-o", "optimum", cwd=cls.folder,
             files={cls.folder / "problem.yaml": PROBLEM})
-        options = webdriver.ChromeOptions()
-        for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                         "--window-size=1300,1100", f"--user-data-dir={cls.folder / 'profile'}"):
-            options.add_argument(argument)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        cls.browser = webdriver.Chrome(options=options, service=Service(DRIVER))
+        cls.browser = headless(1300, 1100, cls.folder / "profile")
         cls.addClassCleanup(cls.browser.quit)
 
     def setUp(self):

@@ -13,17 +13,15 @@ import unittest
 try:
     import numpy
     from PIL import Image
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
+    from browser import DRIVER, headless
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.support.ui import Select
 except ImportError:
-    webdriver = None
+    DRIVER = None
 
 BIN = pathlib.Path(os.environ.get("LAKE_BIN", "build/test/bin")).resolve()
 SAMPLE = pathlib.Path(__file__).resolve().parents[2] / "data/sts-study"
-DRIVER = shutil.which("chromedriver")
 WAIT_S = 300
 SQUARE_MM = 60
 # Where the film's fifth marker and the knee beside it are, px; both must be pointed at (data/sts-study/study.yaml).
@@ -69,7 +67,7 @@ def draw_boards(folder):
     draw_board(plane @ numpy.diag([1, -1, -1]), plane @ [-240, 900, 0] + numbers_of("plane_tvec"), folder / "plane.png")
 
 
-@unittest.skipIf(webdriver is None or DRIVER is None, "no chromedriver, selenium, numpy or PIL for this Python")
+@unittest.skipIf(DRIVER is None, "no chromedriver, selenium, numpy or PIL for this Python")
 class Tasks(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -79,10 +77,9 @@ class Tasks(unittest.TestCase):
         for name in ("human.mp4", "exo.mp4", "worn.yaml"):
             shutil.copy(SAMPLE / name, cls.folder)
         draw_boards(cls.folder)
-        options = webdriver.ChromeOptions()
-        for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--window-size=1300,1300"):
-            options.add_argument(argument)
-        cls.browser = webdriver.Chrome(options=options, service=Service(DRIVER))
+        cls.profile = tempfile.TemporaryDirectory(prefix="lake-test-")  # the page lists what lies in the folder
+        cls.addClassCleanup(cls.profile.cleanup)
+        cls.browser = headless(1300, 1300, cls.profile.name)
         cls.addClassCleanup(cls.browser.quit)
         cls.program = subprocess.Popen([BIN / "lake-review", cls.folder], stdout=subprocess.PIPE, text=True)
         cls.addClassCleanup(cls.program.wait)
@@ -119,6 +116,7 @@ class Tasks(unittest.TestCase):
     def to_new_window(self):
         self.until(lambda: len(self.browser.window_handles) == 2, "no window")
         self.browser.switch_to.window(next(window for window in self.browser.window_handles if window != self.start))
+        self.until(lambda: self.browser.find_elements(By.ID, "state"), "no page")
 
     def back(self):
         self.browser.close()

@@ -42,12 +42,17 @@ std::vector<double> LengthsOf(const LegPath& path, Place below, Place above) {
   return PerFrame(path, [&](std::size_t i) { return Segment(path, below, above, i).norm(); });
 }
 
-// Of each frame, how large a film shows the leg: who comes nearer while walking through has all lengths grow with the
-// place on the way. 1 where the hip does not travel by one and a half legs.
-std::vector<double> ScalesOnWay(const LegPath& path) {
+struct LimbLengths {
+  std::vector<double> shanks, thighs;
+};
+
+// As if the person stayed at one distance from the camera: who comes nearer while walking through has all lengths grow
+// with the place on the way. As they are where the hip does not travel by one and a half legs.
+LimbLengths LengthsWithoutWay(const LegPath& path) {
   constexpr double kLongWay = 1.5;
-  const std::vector<double> shanks = LengthsOf(path, kAnkleAt, kKneeAt), thighs = LengthsOf(path, kKneeAt, kHipAt),
-                            places = PerFrame(path, [&](std::size_t i) { return path.marker[kHipAt][i].x(); });
+  LimbLengths lengths{LengthsOf(path, kAnkleAt, kKneeAt), LengthsOf(path, kKneeAt, kHipAt)};
+  auto& [shanks, thighs] = lengths;
+  const std::vector<double> places = PerFrame(path, [&](std::size_t i) { return path.marker[kHipAt][i].x(); });
   std::vector<double> legs = shanks;
   for (std::size_t i = 0; i < legs.size(); ++i) legs[i] += thighs[i];
   const double leg = MedianOfKnown(legs), middle = MedianOfKnown(places);
@@ -57,14 +62,12 @@ std::vector<double> ScalesOnWay(const LegPath& path) {
     products += (places[i] - middle) * (legs[i] / leg - 1);
     squares += std::pow(places[i] - middle, 2);
   }
-  const bool is_long = QuantileOfKnown(places, 1) - QuantileOfKnown(places, 0) > kLongWay * leg;
-  return PerFrame(path, [&](std::size_t i) { return is_long ? 1 + products / squares * (places[i] - middle) : 1; });
-}
-
-std::vector<double> LengthsWithoutWay(const LegPath& path, Place below, Place above) {
-  std::vector<double> lengths = LengthsOf(path, below, above);
-  const std::vector<double> scales = ScalesOnWay(path);
-  for (std::size_t i = 0; i < lengths.size(); ++i) lengths[i] /= scales[i];
+  if (!(QuantileOfKnown(places, 1) - QuantileOfKnown(places, 0) > kLongWay * leg)) return lengths;
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    const double scale = 1 + products / squares * (places[i] - middle);
+    shanks[i] /= scale;
+    thighs[i] /= scale;
+  }
   return lengths;
 }
 
@@ -105,8 +108,7 @@ Fault LengthFault(const char* segment, double mm, double least, double most, con
 }
 
 Fault LengthsFault(const LegPath& path, const LegFitOptions& options, const PersonsLegLimits& limits) {
-  const std::vector<double> shanks = LengthsWithoutWay(path, kAnkleAt, kKneeAt),
-                            thighs = LengthsWithoutWay(path, kKneeAt, kHipAt);
+  const auto [shanks, thighs] = LengthsWithoutWay(path);
   if (path.has_true_lengths)
     for (const auto& [lengths, below] : {std::pair{&shanks, kAnkleAt}, {&thighs, kKneeAt}})
       if (RangeOfMost(*lengths) > options.most_length_range)
@@ -283,8 +285,9 @@ LegPath PathOf(const motion::LegMotion& motion) {
 
 std::vector<UnusualLength> UnusualLengths(const LegPath& path, const LegFitOptions& options) {
   std::vector<UnusualLength> unusual;
+  const LimbLengths limbs = LengthsWithoutWay(path);
   for (const Place below : {kAnkleAt, kKneeAt}) {
-    const std::vector<double> lengths = LengthsWithoutWay(path, below, static_cast<Place>(below + 1));
+    const std::vector<double>& lengths = below == kAnkleAt ? limbs.shanks : limbs.thighs;
     if (const double range = RangeOfMost(lengths); range > options.usual_length_range) {
       const double usual = MedianOfKnown(lengths), allowed = options.usual_length_range / 2;
       UnusualLength& found = unusual.emplace_back();

@@ -243,7 +243,8 @@ class Namer {
     for (const std::size_t name : names) chain_options.fixed.push_back(anchor_[name]);
     for (const auto& anchor : anchor_)
       if (anchor) chain_options.excluded.push_back(*anchor);
-    chain_options.least_frames = EnoughFrames();
+    const double enough = EnoughFrames();
+    chain_options.least_frames = enough;
     std::vector<LegChain> chains = FindChains(chain_options);
     chain_options.least_frames = 0;
     if (chains.empty()) chains = FindChains(chain_options);
@@ -255,18 +256,18 @@ class Namer {
           tracklets_.size(), names.size(), DescribeAll(tracklets_, MostSeen(tracklets_, 8)),
           TurnThatHelps(chain_options));
     if (const LegChain* rival = FindRival(tracklets_, chains)) ReportAmbiguity(names, chains.front(), *rival);
-    RequireEvidence(names, chains.front());
+    RequireEvidence(names, chains.front(), enough);
     for (std::size_t m = 0; m < names.size(); ++m) anchor_[names[m]] = chains.front().tracklets[m];
   }
 
   // Over less of the picture than this a plane that is turned by 12° changes lengths by less than 6 %.
   bool TravelsFar() const {
     constexpr double kFar = 0.25;  // of the picture's larger side
+    if (options_.picture.isEmpty()) return false;
     return std::ranges::any_of(pieces_, [&](const Tracklet& piece) {
       Eigen::AlignedBox2d places;
       for (const TrackletSample& sample : piece.samples) places.extend(sample.position);
-      return !options_.picture.isEmpty() && !places.isEmpty() &&
-             places.sizes().maxCoeff() > kFar * options_.picture.sizes().maxCoeff();
+      return !places.isEmpty() && places.sizes().maxCoeff() > kFar * options_.picture.sizes().maxCoeff();
     });
   }
 
@@ -302,8 +303,7 @@ class Namer {
     return std::min(kEnoughShare * longest, kEnough_s / MedianInterval(recording_.time_s));
   }
 
-  void RequireEvidence(const std::vector<std::size_t>& names, const LegChain& chain) const {
-    const double enough = EnoughFrames();
+  void RequireEvidence(const std::vector<std::size_t>& names, const LegChain& chain, double enough) const {
     for (const std::size_t m : {1u, 2u}) {
       const std::size_t lower = chain.tracklets[m - 1], upper = chain.tracklets[m];
       const int together = tracklets_.Distance(lower, upper).frames;

@@ -302,14 +302,16 @@ std::string Html(const Table& given) {
       table.filters.empty() ? "" : fmt::format(" data-filters=\"{}\"", fmt::join(table.filters, " "));
   std::string html = fmt::format("<div class=\"table {}\"{}><table>\n", ClassOf(table.width), filters);
   html += Element("caption", table.caption) + "<thead><tr>";
-  for (std::size_t i = 0; i < table.columns.size(); ++i)
-    html += fmt::format("<th scope=\"col\"{}>{}</th>", IsNumeric(table, i) ? " class=\"number\"" : "",
+  std::vector<bool> is_numeric;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    is_numeric.push_back(IsNumeric(table, i));
+    html += fmt::format("<th scope=\"col\"{}>{}</th>", is_numeric[i] ? " class=\"number\"" : "",
                         TextHtml(table.columns[i].heading));
+  }
   html += "</tr></thead>\n<tbody>\n";
   for (const auto& row : table.rows) {
     html += "<tr>";
-    for (std::size_t i = 0; i < row.size(); ++i)
-      html += CellHtml(row[i], table.columns[i], i == 0, IsNumeric(table, i));
+    for (std::size_t i = 0; i < row.size(); ++i) html += CellHtml(row[i], table.columns[i], i == 0, is_numeric[i]);
     html += "</tr>\n";
   }
   return html + "</tbody></table></div>\n";

@@ -1,4 +1,5 @@
 // Parts of the page by their id.
+import { JobMessage } from "./messages";
 import { TEXTS } from "./texts";
 
 export function part<T extends HTMLElement = HTMLElement>(id: string): T {
@@ -80,6 +81,15 @@ export function showProgress(bar: HTMLProgressElement, line: string): void {
   const numbers = /(\d+)\/(\d+)/.exec(line);
   if (numbers) bar.value = Number(numbers[1]) / Number(numbers[2]);
   else bar.removeAttribute("value");
+}
+
+/** Long work: its bar and its Stop button, whose ids begin alike, and how far it is. */
+export function showJob(id: string, { running, progress }: JobMessage, doing: string): void {
+  const bar = part<HTMLProgressElement>(`${id}-progress`);
+  bar.hidden = part(`${id}-stop`).hidden = !running;
+  if (!running) return;
+  showProgress(bar, progress);
+  say(progress || doing);
 }
 
 /** To the clipboard. */

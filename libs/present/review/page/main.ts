@@ -1,5 +1,5 @@
-// Opens what the server has: a folder to begin in, a tracked trial, a video whose markers are to be named, a design, a comparison, a study, a
-// camera's session.
+// Opens what the server has: a folder to begin in, a tracked trial, a video whose markers are to be named, a design, a
+// comparison, a study, a camera's session.
 import { ComparisonPage } from "./comparison";
 import { DesignPage } from "./design";
 import { part, say, sayWhy } from "./dom";

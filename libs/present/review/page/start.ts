@@ -1,5 +1,5 @@
 // A folder to begin in: what was found there, and the way from a board and two films to a study in five steps.
-import { attempt, button, onClick, part, say, sayWhy, showProgress } from "./dom";
+import { attempt, button, onClick, part, say, sayWhy, showJob } from "./dom";
 import { FoundMessage, MakeQuestion, StartMessage, StateMessage } from "./messages";
 import { server } from "./server";
 import { TEXTS } from "./texts";
@@ -45,13 +45,9 @@ export class StartPage {
   }
 
   update(state: StateMessage): void {
-    const { running, progress, failed } = state.job!, bar = part<HTMLProgressElement>("start-progress"), was = this.isMaking;
+    const { running, failed } = state.job!, was = this.isMaking;
     this.isMaking = running;
-    bar.hidden = part("start-stop").hidden = !running;
-    if (running) {
-      showProgress(bar, progress);
-      say(progress || TEXTS.making);
-    }
+    showJob("start", state.job!, TEXTS.making);
     if (was === running) return;
     if (!running) say(failed ? TEXTS.notMade(failed) : TEXTS.made, failed !== "");
     if (running) this.show();

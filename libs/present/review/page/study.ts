@@ -1,5 +1,5 @@
 // A study: its report, its steps with their state, and one of them run again.
-import { attempt, button, copyText, onClick, part, say, sayWhy, showProgress } from "./dom";
+import { attempt, button, copyText, onClick, part, say, sayWhy, showJob } from "./dom";
 import { StateMessage, StepMessage, StudyMessage } from "./messages";
 import { server } from "./server";
 import { TEXTS } from "./texts";
@@ -22,13 +22,8 @@ export class StudyPage {
   }
 
   update(state: StateMessage): void {
-    const { running, progress, failed } = state.job!, bar = part<HTMLProgressElement>("study-progress");
-    const step = state.step ?? "", was = this.running;
-    bar.hidden = part("study-stop").hidden = !running;
-    if (running) {
-      showProgress(bar, progress);
-      say(progress || TEXTS.running(step));
-    }
+    const { running, failed } = state.job!, step = state.step ?? "", was = this.running;
+    showJob("study", state.job!, TEXTS.running(step));
     this.running = running ? step : null;
     if (was === this.running) return;
     this.show();

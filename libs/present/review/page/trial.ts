@@ -1,7 +1,7 @@
 // A tracked trial: look at it, go from problem to problem, put right what is wrong.
 import { Chart, Mark, Tick, Timeline, colourOf } from "./charts";
 import {
-  attempt, button, copy, copyText, isOfControl, item, onClick, onKey, part, save, say, sayWhy, showProgress, undoOf,
+  attempt, button, copy, copyText, isOfControl, item, onClick, onKey, part, save, say, sayWhy, showJob, undoOf,
 } from "./dom";
 import { Frames } from "./frames";
 import { Measures } from "./measures";
@@ -77,13 +77,11 @@ export class TrialPage {
   }
 
   private showApplying({ job }: StateMessage): void {
-    const { running, progress, failed } = job!, bar = part<HTMLProgressElement>("apply-progress"), was = this.isApplying;
+    const { running, failed } = job!, was = this.isApplying;
     this.isApplying = running;
-    bar.hidden = part("apply-stop").hidden = !running;
+    showJob("apply", job!, TEXTS.applying);
     if (running) {
       part<HTMLButtonElement>("apply").disabled = true;
-      showProgress(bar, progress);
-      say(progress || TEXTS.applying);
     } else if (was) {
       say(failed ? TEXTS.notApplied(failed) : TEXTS.applied, failed !== "");
       this.measuredFit = -1;

@@ -14,7 +14,6 @@
 #include "lake/commands/optimize.h"
 #include "lake/commands/simulate.h"
 #include "lake/compare/comparison_file.h"
-#include "lake/core/child_program.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
@@ -24,6 +23,7 @@
 #include "lake/problem/problem_file.h"
 #include "lake/redesign/redesign_outcome.h"
 #include "result_inputs.h"
+#include "run_program.h"
 #include "study_review.h"
 
 namespace lake::reviewing {
@@ -312,9 +312,7 @@ fs::path OptimumOf(const DesignSubject& subject) {
 linkage::Design Optimise(const DesignSubject& subject, const fs::path& programs, const linkage::Links& links,
                          const review::BackgroundJob::Control& control) {
   const fs::path out = OptimumOf(subject);
-  const ChildEnd end =
-      RunChild(programs / "lake-optimize", ArgumentsOf(subject, links, out), control.say, control.throw_if_stopped);
-  if (end.code != 0) throw Fail("lake-optimize ended with code {}: {}", end.code, end.last_line);
+  RunProgram(programs / "lake-optimize", ArgumentsOf(subject, links, out), control);
   return linkage::ReadDesign(out / "design.yaml");
 }
 

@@ -104,6 +104,10 @@ std::string MakerOf(const fs::path& folder) {
   return program != summary.end() && program->is_string() ? program->get<std::string>() : "";
 }
 
+std::string OperandOf(const fs::path& path) {
+  return (path.string().starts_with("-") ? "./" : "") + path.string();
+}
+
 std::vector<std::string> WordsOf(const Option& option) {
   std::vector<std::string> words;
   if (option.IsFlag()) {

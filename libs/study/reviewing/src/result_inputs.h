@@ -38,6 +38,9 @@ std::filesystem::path FindInput(const Json& summary, const std::string& role, co
 // The program whose results are in a folder; empty if none.
 std::string MakerOf(const std::filesystem::path& folder);
 
+// A path as a command line says it, that is no option.
+std::string OperandOf(const std::filesystem::path& path);
+
 // An option as a command line says it: --NAME VALUE for each of its values, --NAME or --no-NAME for a flag; nothing
 // where it was not given.
 std::vector<std::string> WordsOf(const Option& option);

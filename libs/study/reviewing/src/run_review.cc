@@ -53,7 +53,7 @@ Json WithGiven(Json choices, const Json& given) {
 commands::TrackRunOptions Chosen(const fs::path& video, const Json& choices, std::vector<std::string>& words) {
   commands::TrackRunOptions options;
   OptionList list = OptionsOf(options);
-  words = {(video.string().starts_with('-') ? "./" : "") + video.string()};
+  words = {OperandOf(video)};
   const auto give = [&](const std::string& name, const OptionTexts& texts) {
     for (Option& option : list.All())
       if (option.Name() == name) option.Give(texts);

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -26,6 +27,7 @@
 #include "lake/motion/saved_corrections.h"
 #include "lake/video/video_reader.h"
 #include "result_inputs.h"
+#include "run_program.h"
 
 namespace lake::reviewing {
 namespace {
@@ -37,6 +39,7 @@ namespace fs = std::filesystem;
 struct Found {
   fs::path path;
   std::string kind, what = {}, lacks = {};
+  std::string film = {};  // of a trial: the file's name
 };
 
 std::string LowerExtension(const fs::path& path) {
@@ -87,11 +90,14 @@ Found FoundTrial(const fs::path& folder, const Json& summary) {
   const fs::path tracks = folder / "tracks.csv";
   if (!fs::exists(tracks)) return {folder, "trial", "", "its markers are not named"};
   constexpr std::string_view kPlace = "_x_px";
-  const CsvTable table = CsvTable::Read(tracks);
-  for (const std::string& column : table.Header())
+  std::string header;
+  std::getline(std::ifstream(tracks), header);
+  for (const std::string& column : SplitText(header, ','))
     if (column.ends_with(kPlace)) names.push_back(column.substr(0, column.size() - kPlace.size()));
   found.what = fmt::format("{}{}", fmt::join(names, ", "),
                            summary.contains("movement") ? "; " + summary["movement"].get<std::string>() : "");
+  if (const Json* video = InputOf(summary, "video"))
+    found.film = fs::path(video->value("path", "")).filename().string();
   if (!InputOf(summary, "camera")) found.lacks = "no camera: lengths are in px";
   if (!motion::UnappliedCorrections(folder).empty()) found.lacks = "its corrections are not applied";
   return found;
@@ -154,12 +160,7 @@ std::vector<Found> FindAll() {
 // Films whose trial is there too are tracked.
 Json FoundJson(const std::vector<Found>& all) {
   std::set<std::string> tracked;
-  for (const Found& found : all)
-    if (found.kind == "trial") {
-      const Json summary = ReadJsonFile(found.path / "summary.json");
-      if (const Json* video = InputOf(summary, "video"))
-        tracked.insert(fs::path(video->value("path", "")).filename().string());
-    }
+  for (const Found& found : all) tracked.insert(found.film);
   Json list = Json::array();
   for (const Found& found : all) {
     const bool is_untracked = found.kind == "film" && !tracked.contains(found.path.filename().string());
@@ -172,11 +173,6 @@ Json FoundJson(const std::vector<Found>& all) {
 }
 
 // ---- pages of what was found
-
-// As a word of a command line that is no option.
-std::string OperandOf(const fs::path& path) {
-  return (path.string().starts_with("-") ? "./" : "") + path.string();
-}
 
 // Each is served by a lake-review of its own until its last window is closed.
 class OpenPages {
@@ -236,11 +232,6 @@ class OpenPages {
 // ---- what the page makes
 
 using Control = review::BackgroundJob::Control;
-
-void RunProgram(const fs::path& program, const std::vector<std::string>& arguments, const Control& control) {
-  const ChildEnd end = RunChild(program, arguments, control.say, control.throw_if_stopped);
-  if (end.code != 0) throw Fail("{} ended with code {}: {}", program.filename().string(), end.code, end.last_line);
-}
 
 std::string Required(const Json& asked, const char* key, const char* what) {
   std::string text = asked.value(key, "");

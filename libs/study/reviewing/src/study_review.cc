@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "lake/core/child_program.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/core/results_subject.h"
@@ -11,6 +10,7 @@
 #include "lake/gait/movement.h"
 #include "lake/study/study.h"
 #include "result_inputs.h"
+#include "run_program.h"
 
 namespace lake::reviewing {
 
@@ -53,8 +53,7 @@ review::StudyWork StudyWorkOf(const fs::path& folder, const std::optional<gait::
   work.run = [words, program](const std::string& step, const review::BackgroundJob::Control& control) {
     std::vector<std::string> asked = words;
     if (!step.empty()) asked.insert(asked.end(), {"--only", step});
-    const ChildEnd end = RunChild(program, asked, control.say, control.throw_if_stopped);
-    if (end.code != 0) throw Fail("lake-run ended with code {}: {}", end.code, end.last_line);
+    RunProgram(program, asked, control);
   };
   return work;
 }
