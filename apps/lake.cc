@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
@@ -102,9 +103,8 @@ int Complain(const std::string& text) {
 // `words`: the step and what is given to it.
 int BecomeStep(const fs::path& folder, std::vector<std::string> words) {
   words.front() = (folder / fmt::format("lake-{}", words.front())).string();
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
+  std::vector<char*> arguments(words.size() + 1, nullptr);  // execv's list ends with a null pointer
+  std::transform(words.begin(), words.end(), arguments.begin(), [](std::string& word) { return word.data(); });
   execv(arguments.front(), arguments.data());
   fmt::print(stderr, "lake: {} cannot be started: {}\n", words.front(), std::strerror(errno));
   return 1;

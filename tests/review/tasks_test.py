@@ -14,6 +14,7 @@ try:
     import numpy
     from PIL import Image
     from browser import DRIVER, headless
+    from selenium.common.exceptions import StaleElementReferenceException
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.support.ui import Select
@@ -100,18 +101,29 @@ class Tasks(unittest.TestCase):
         return self.part(name).text
 
     def until(self, condition, what):
+        def holds():
+            try:
+                return condition()
+            except StaleElementReferenceException:  # the page has made its list anew between two questions
+                return False
+
         end = time.monotonic() + WAIT_S
-        while not condition():
+        while not holds():
             self.assertLess(time.monotonic(), end, what)
             time.sleep(0.1)
 
     def click(self, part):
-        self.clicks += 1
         (self.part(part) if isinstance(part, str) else part).click()
+        self.clicks += 1
+        return True
 
     def choose(self, name, text):
+        def chosen():
+            Select(self.part(name)).select_by_visible_text(text)
+            return True
+
+        self.until(chosen, f"cannot choose {text}")
         self.clicks += 2
-        Select(self.part(name)).select_by_visible_text(text)
 
     def to_new_window(self):
         self.until(lambda: len(self.browser.window_handles) == 2, "no window")
@@ -124,7 +136,7 @@ class Tasks(unittest.TestCase):
         self.click("look-again")
 
     def open_found(self, path):
-        self.click(self.browser.find_element(By.CSS_SELECTOR, f"#found [data-path='{path}'] button"))
+        self.until(lambda: self.click(self.browser.find_element(By.CSS_SELECTOR, f"#found [data-path='{path}'] button")), path)
         self.to_new_window()
 
     def is_tracked(self):
@@ -189,7 +201,7 @@ class Tasks(unittest.TestCase):
             writer.writeheader()
             writer.writerows(rows)
         self.open_found("lake-out/exo")
-        self.until(lambda: self.browser.find_elements(By.ID, "trial") and self.is_tracked(), "no trial")
+        self.until(lambda: self.is_tracked(), "no trial")
         self.click(self.browser.find_element(By.CSS_SELECTOR, "#markers [data-marker=knee]"))
         for frame in (300, 500):
             self.part("go-to").clear()
@@ -204,7 +216,7 @@ class Tasks(unittest.TestCase):
         self.back()
         self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#found [data-path='lake-out/study']"), "no study")
         self.open_found("lake-out/study")
-        self.until(lambda: self.browser.find_elements(By.ID, "run-all") and self.part("run-all").is_enabled(), "nothing is due")
+        self.until(lambda: self.part("run-all").is_displayed() and self.part("run-all").is_enabled(), "nothing is due")
         self.click("run-all")
         self.until(lambda: "up to date" in self.text("state"), "not run")
         self.assertRegex((self.folder / "lake-out/study/report.html").read_text(), r"joint is 3[67]")

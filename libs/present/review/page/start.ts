@@ -50,13 +50,15 @@ export class StartPage {
     showJob("start", state.job!, TEXTS.making);
     if (was === running) return;
     if (!running) say(failed ? TEXTS.notMade(failed) : TEXTS.made, failed !== "");
-    if (running) this.show();
-    else void this.look();
+    this.show();
+    if (!running) void this.look();
   }
 
   private look(): Promise<void> {
     return attempt(async () => {
-      this.start = await server.start();
+      const start = await server.start();
+      if (JSON.stringify(start) === JSON.stringify(this.start)) return; // a list that is open stays open
+      this.start = start;
       this.show();
     });
   }
