@@ -423,6 +423,13 @@ class Streams(Films):
         live = self.live(self.film, "--replay", "-o", "interrupted", "--open",
                          env=dict(os.environ, PATH=f"{opener.parent}:{os.environ['PATH']}"))
         self.until(lambda: (self.folder / "opened").is_file() and (self.folder / "opened").read_text() == f"{live.address}\n")
+        # The film waits, its first picture shown, until the trial begins.
+        self.until(lambda: live.ask("state")["frames"] > 0)
+        time.sleep(1)
+        state = live.ask("state")
+        self.assertTrue(state["is_held"])
+        self.assertLess(state["recorded_s"], 0.2)
+        self.assertFalse(live.ask("act", {"what": "begin"})["is_held"])
         self.until(lambda: live.ask("state")["recorded_s"] > 4)
         live.process.send_signal(signal.SIGINT)
         code, _, err = live.end()

@@ -13,6 +13,7 @@
 #include "lake/core/uncertain_text.h"
 #include "lake/loads/body_path.h"
 #include "lake/redesign/balance.h"
+#include "lake/reviewing/design_review.h"
 #include "page_text.h"
 #include "pipeline/study_trials.h"
 
@@ -97,6 +98,11 @@ TEST(StudyOfBalance, SaysWhetherThePersonCanFollowAndWhatThatCosts) {
     EXPECT_THAT(compared, HasSubstr(RoundedText(redesign[design]["balance_margin_mm"].get<double>(), 1)));
 
   EXPECT_LT(OwnMomentsDifference(study.Out()), 1) << "N m, as the method asks";
+
+  // Its new design can be explored with the limits that it was found under.
+  const reviewing::DesignSubject subject = reviewing::ReadDesignSubject(study.Out() / "redesign", "");
+  EXPECT_EQ(subject.explored.max_misalignment_percent, 4);
+  EXPECT_NE(subject.no_command, "");
 }
 
 TEST(StudyOfBalanceTexts, AJointThatIsNowhereElseIsOnTheKnee) {

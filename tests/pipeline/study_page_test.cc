@@ -208,7 +208,7 @@ TEST(StudyPage, ChartsCanBeComparedAndHaveTheDesignsInThem) {
     };
     const range = title => [chart(title).scales.y.min, chart(title).scales.y.max];
     return {without: range('Knee angle, without exoskeleton'), with: range('Knee angle, with exoskeleton'),
-            designs: chart('Range of rotation against misalignment').data.datasets.filter(set => set.data.length === 1)
+            designs: chart('Range of rotation against path difference').data.datasets.filter(set => set.data.length === 1)
               .map(set => set.label)};)");
   EXPECT_EQ(answer["without"], answer["with"]);
   const std::vector<std::string> designs = answer["designs"];
@@ -226,7 +226,7 @@ TEST(StudyPage, HeadlineNumbersHaveIntervalsOrAreExact) {
     const std::size_t note = page.find("class=\"note\">", page.find(figure));
     return page.substr(note, page.find("</dd>", note) - note);
   };
-  EXPECT_THAT(note_of("<dt>misalignment, predicted RMS"), ContainsRegex("95 %: [0-9.]+ to [0-9.]+ %"));
+  EXPECT_THAT(note_of("<dt>path difference, predicted RMS"), ContainsRegex("95 %: [0-9.]+ to [0-9.]+ %"));
   EXPECT_THAT(note_of("<dt>rise time"), HasSubstr("limit you set"));
   EXPECT_THAT(note_of("<dt>range of rotation"), HasSubstr("exact: follows from the links"));
   EXPECT_THAT(note_of("<dt>knee angle error, RMS"), ContainsRegex("95 %: [0-9.]+ to [0-9.]+°"));

@@ -372,7 +372,7 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   if (const auto& after = outcome.after.misalignment;
       after && 100 * after->metrics.relative_rms < outcome.measured.noise_floor_percent)
     run.Warn(
-        "the predicted misalignment, {:.2f} % of the shank, is below the noise floor of the comparison, {:.2f} %: a "
+        "the predicted path difference, {:.1f} % of the shank, is below the noise floor of the comparison, {:.1f} %: a "
         "recording of the new design cannot be expected to show less than that",
         100 * after->metrics.relative_rms, outcome.measured.noise_floor_percent);
   if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)

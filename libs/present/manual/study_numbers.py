@@ -129,7 +129,7 @@ SENTENCES = [
      lambda s: [-s.comparison.best_placement.on_body.moved.seat_clearance_mm,
                 s.comparison.best_placement.on_body.as_worn.seat_clearance_mm - s.comparison.best_placement.on_body.moved.seat_clearance_mm]),
     (PAGES + "design.md", "The published problem's best is {:.2f}°", lambda s: [s.optimum.range_deg]),
-    (PAGES + "design.md", "has {:.1f} % of misalignment at {:.1f}° of range, with the joint on the knee, {:.0f} mm lower than as worn.",
+    (PAGES + "design.md", "has {:.1f} % of path difference at {:.1f}° of range, with the joint on the knee, {:.0f} mm lower than as worn.",
      lambda s: [s.redesign.after.misalignment_percent, s.redesign.after.range_deg,
                 s.redesign.before.placement_y_mm - s.redesign.after.placement_y_mm]),
     (PAGES + "design.md", "with their joint moved onto the knee leave {:.1f} %, in the {:.1f} s of their program",

@@ -28,12 +28,12 @@ using Eigen::Vector2d;
 Uncertain PutInPlace(double percent, const Vector2d& half_width_mm, double shank_mm) {
   constexpr double kChiSquared = 7.377759;
   const double sd_mm = half_width_mm.norm() / std::sqrt(2.0) / kNormal95;
-  return {percent, percent, std::hypot(percent, 100 * std::sqrt(kChiSquared) * sd_mm / shank_mm)};
+  return {percent, percent, std::hypot(percent, 100 * std::sqrt(kChiSquared) * sd_mm / shank_mm), 1};
 }
 
 Uncertain PredictedPercent(const StudyResults& results, const Json& design) {
   const double percent = NumberOrNaN(design.at("misalignment_percent"));
-  if (!results.Has("comparison")) return {.value = percent};
+  if (!results.Has("comparison")) return {.value = percent, .least_decimals = 1};
   return PutInPlace(percent, PlacementHalfWidth(results), NumberOrNaN(results.Summary("comparison").at("shank_mm")));
 }
 
@@ -91,8 +91,8 @@ Way AsWorn(const StudyFile& study, const StudyResults& results, const Json& rede
   const Json intervals = comparison.value("intervals", Json::object());
   Way way{.name = "as worn",
           .design = "before",
-          .misalignment_percent =
-              UncertainOf(comparison.at("metrics").at("relative_rms"), intervals.value("relative_rms", Json()), 100),
+          .misalignment_percent = PathDifferencePercent(comparison.at("metrics").at("relative_rms"),
+                                                        intervals.value("relative_rms", Json())),
           .rise_s = RecordedRise(results),
           .build = "–"};
   if (study.worn) way.on_body = WornOnBody(study, results, PlacementOf(redesign.at("before")));
@@ -103,8 +103,7 @@ Way AsWorn(const StudyFile& study, const StudyResults& results, const Json& rede
 Uncertain MovedPercent(const StudyResults& results, const Json& moved) {
   const Json best = results.Summary("comparison").value("best_placement", Json());
   if (!best.is_object() || !best.contains("path_relative_rms_interval")) return PredictedPercent(results, moved);
-  return UncertainOf(moved.at("misalignment_percent"), {100 * NumberOrNaN(best["path_relative_rms_interval"].at(0)),
-                                                        100 * NumberOrNaN(best["path_relative_rms_interval"].at(1))});
+  return PathDifferencePercent(NumberOrNaN(moved.at("misalignment_percent")) / 100, best["path_relative_rms_interval"]);
 }
 
 Way JointMoved(const StudyFile& study, const StudyResults& results, const Json& redesign) {
@@ -200,7 +199,7 @@ Table WaysTable(const std::vector<Way>& ways, const std::vector<Asked>& asked, c
   const auto force = std::ranges::find(asked, "force", &Asked::name);
   Table table{"",
               {{"Way"},
-               {"Misalignment"},
+               {"Path difference"},
                {(repetition == "rise" ? "Rise" : "Stride") + std::string(" time")},
                {"Actuator force (N)", 0},
                {"To build"}},
@@ -324,7 +323,7 @@ LineChart ErrorChart(const StudyResults& results) {
   chart.alt =
       "Distance of the knees over the repetition: as worn, with the joint moved, with new links, and the noise floor";
   chart.x = {RepetitionIn(results) + " (%)", 0, 100};
-  chart.y = {"misalignment (%)", 0, std::nullopt};
+  chart.y = {"path difference (%)", 0, std::nullopt};
   chart.width = Width::kHalf;
   const auto add = [&](const char* file, const char* name, const char* colour, Mark mark) {
     if (!results.HasFile(file)) return;

@@ -51,20 +51,21 @@ Section MethodsChapter(const StudyResults& results) {
             "5 % of its peak. Repetitions are averaged at each percent."
           : "Walking: 0 % at heel strike, 100 % at the next one of the same leg, by heel and toe or the ankle against "
             "the hip. Strides are averaged at each percent.";
-  return {"Methods",
-          // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): sentences over several lines
-          {List{{"Markers: the centre of each from a model of its blob, with its own standard deviation from the "
-                 "recording's noise. Smoothers, whose stiffness and noise are learnt from the recording, give segment "
-                 "angles and lengths; the knee angle is that of the vectors ankle–knee and knee–hip, 0° straight.",
-                 percent,
-                 "Misalignment: the distance between the exoskeleton's and the human's knee at the same percent, over "
-                 "the human's shank length there; its RMS is the root of the mean square. Placement, timing and shape "
-                 "are fitted together; their shares add up to 100 %.",
-                 "Design: the range of rotation is the knee angle at the actuator's shortest stroke. It is maximised "
-                 "over the six links with Ipopt, exact derivatives, from many starts, under Grashof's law, order of "
-                 "links, singularity and bounds (Gautam, Singla & Singla).",
-                 "Re-optimisation: the same problem with the predicted path of the exoskeleton's knee on this person's "
-                 "own motion; its error is the comparison's."}}}};
+  return {
+      "Methods",
+      // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): sentences over several lines
+      {List{{"Markers: the centre of each from a model of its blob, with its own standard deviation from the "
+             "recording's noise. Smoothers, whose stiffness and noise are learnt from the recording, give segment "
+             "angles and lengths; the knee angle is that of the vectors ankle–knee and knee–hip, 0° straight.",
+             percent,
+             "Path difference: the distance between the exoskeleton's and the human's knee at the same percent, over "
+             "the human's shank length there; its RMS is the root of the mean square. Placement, timing and shape "
+             "are fitted together; their shares add up to 100 %.",
+             "Design: the range of rotation is the knee angle at the actuator's shortest stroke. It is maximised "
+             "over the six links with Ipopt, exact derivatives, from many starts, under Grashof's law, order of "
+             "links, singularity and bounds (Gautam, Singla & Singla).",
+             "Re-optimisation: the same problem with the predicted path of the exoskeleton's knee on this person's "
+             "own motion; its error is the comparison's."}}}};
 }
 
 // Of steps alone there is no summary.

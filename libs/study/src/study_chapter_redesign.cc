@@ -24,9 +24,9 @@ struct BeforeAfterRow {
   double factor = 1;
 };
 constexpr BeforeAfterRow kRows[] = {
-    {"misalignment_percent", "misalignment, RMS (% of the shank length)", "%"},
-    {"misalignment_rms_mm", "misalignment, RMS (mm)", "mm"},
-    {"misalignment_max_mm", "misalignment, largest (mm)", "mm"},
+    {"misalignment_percent", "path difference, RMS (% of the shank length)", "%"},
+    {"misalignment_rms_mm", "path difference, RMS (mm)", "mm"},
+    {"misalignment_max_mm", "path difference, largest (mm)", "mm"},
     {"part_placement", "placement share (%)", "share", 100},
     {"part_timing", "timing share (%)", "share", 100},
     {"part_shape", "shape share (%)", "share", 100},
@@ -112,6 +112,7 @@ Table BeforeAfterTable(const StudyFile& study, const StudyResults& results, cons
     if (after.at(row.key).is_null() && before.at(row.key).is_null()) continue;
     Uncertain recorded = UncertainOf(measured.value(row.key, Json()), intervals.value(row.key, Json()));
     recorded.value *= row.factor;
+    if (row.unit == std::string("%")) recorded.least_decimals = DecimalsOf("%");
     const int decimals = DecimalsOf(row.unit);
     const std::string of = row.key == std::string("program_duration_s") ? RepetitionIn(results) + " " : "";
     std::vector<Cell> cells{of + row.what, UncertainCell(recorded, decimals)};
@@ -194,7 +195,7 @@ Table ProgramBalanceTable(const StudyResults& results, const Json& summary, cons
   };
   add("centre of pressure inside the foot, least (mm; negative: outside)", "balance_margin_mm", "mm", "margin_mm");
   add("range of rotation (°)", "range_deg", "°", "");
-  add("misalignment, RMS (% of the shank length)", "misalignment_percent", "%", "");
+  add("path difference, RMS (% of the shank length)", "misalignment_percent", "%", "");
   add("knee angle, largest difference from the human's (°)", "angle_mismatch_max_deg", "°", "");
   add("rise time (s)", "program_duration_s", "s", "rise_s");
   const auto own = [&](const char* what, const char* key, const char* unit, const char* did_key) {
@@ -266,13 +267,13 @@ constexpr Mark kFrontMarks[] = {Mark::kLine, Mark::kDashed, Mark::kDotted};
 
 LineChart ParetoChart(const Json& summary) {
   LineChart chart;
-  chart.title = "Range of rotation against misalignment";
-  chart.alt = "Pareto fronts: the least misalignment for each range of rotation";
+  chart.title = "Range of rotation against path difference";
+  chart.alt = "Pareto fronts: the least path difference for each range of rotation";
   chart.caption =
-      "Misalignment: RMS, of the shank length. Each point is a design of its own. With the same stroke program none "
-      "has more range and less misalignment; the programs differ in the time that a rise takes.";
+      "Path difference: RMS, of the shank length. Each point is a design of its own. With the same stroke program none "
+      "has more range and a smaller path difference; the programs differ in the time that a rise takes.";
   chart.x.label = "range of rotation (°)";
-  chart.y = {"misalignment (%)", 0, std::nullopt};  // short, as a legend of so many names leaves little height
+  chart.y = {"path difference (%)", 0, std::nullopt};  // short, as a legend of so many names leaves little height
   for (const Json& front : summary.at("pareto")) {
     Series series;
     series.name = front.at("program").get<std::string>() + " program";
@@ -313,7 +314,7 @@ LineChart ParetoChart(const Json& summary) {
 Table TradeTable(const Json& summary) {
   Table table{
       "What giving up range buys, with the same stroke program",
-      {{"Range of rotation (°)", 1}, {"Range given up (°)", 1}, {"Misalignment, RMS (% of the shank length)", 1}},
+      {{"Range of rotation (°)", 1}, {"Range given up (°)", 1}, {"Path difference, RMS (% of the shank length)", 1}},
       {}};
   // Where all range up to some leaves no misalignment, the points of the front are one design.
   std::vector<std::string> ranges;

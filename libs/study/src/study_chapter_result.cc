@@ -33,12 +33,11 @@ std::string JointText(const StudyResults& results) {
 std::string WrongText(const StudyResults& results) {
   const Json comparison = results.Summary("comparison");
   const Json &metrics = comparison.at("metrics"), intervals = comparison.value("intervals", Json::object());
-  const auto text = [&](const char* name, double factor, int otherwise) {
-    return UncertainOf(metrics.at(name), intervals.value(name, Json()), factor).Text(otherwise);
-  };
   return JointText(results) +
          fmt::format("The knee paths of both trials differ by {} mm RMS, {} % of the shank length. {}",
-                     text("rms_mm", 1, 1), text("relative_rms", 100, 2), DecompositionAdvice(comparison));
+                     UncertainOf(metrics.at("rms_mm"), intervals.value("rms_mm", Json())).Text(1),
+                     PathDifferencePercent(metrics.at("relative_rms"), intervals.value("relative_rms", Json())).Text(1),
+                     DecompositionAdvice(comparison));
 }
 
 std::string BuildText(const StudyResults& results, const Json& redesign) {
@@ -84,7 +83,7 @@ std::string TradeText(const Json& redesign) {
 std::string LimitsText(const Way& way, const Json& redesign) {
   std::vector<std::string> limits;
   if (way.misalignment_is_limit)
-    limits.push_back(Quantity(NumberOrNaN(redesign.at("max_misalignment_percent")), "%") + " of misalignment");
+    limits.push_back(Quantity(NumberOrNaN(redesign.at("max_misalignment_percent")), "%") + " of path difference");
   if (way.time_is_limit)
     limits.push_back(Quantity(NumberOrNaN(redesign.at("stroke_program").at("duration_limit_s")), "s") + " for a rise");
   if (limits.empty()) return "";
@@ -102,7 +101,7 @@ std::string CostText(const StudyResults& results, const Json& redesign, const Wa
     return Quantity(NumberOrNaN(after.at(key)), unit) +
            (std::isfinite(from) ? fmt::format(" instead of {}", Quantity(from, unit)) : "");
   };
-  std::string text = fmt::format("Misalignment {} of the shank length.", from_to("misalignment_percent", "%"));
+  std::string text = fmt::format("Path difference {} of the shank length.", from_to("misalignment_percent", "%"));
   text += fmt::format(" It costs time: a {} takes {}", RepetitionIn(results), from_to("program_duration_s", "s"));
   if (results.Has("stroke"))
     if (const double rest_s = NumberOrNaN(results.Summary("stroke").at("added_rest_s")); rest_s >= 0.005)
@@ -154,7 +153,7 @@ std::string KeptText(const Json& redesign, const Json& balance) {
         ". Against a design of which no balance is required, where the ground's force acts {} {} the foot, it has {}, "
         "{}, {} and {}",
         Quantity(std::abs(margin_mm), "mm"), margin_mm < 0 ? "outside" : "inside", range,
-        against("misalignment_percent", "%", "misalignment"),
+        against("misalignment_percent", "%", "path difference"),
         against("angle_mismatch_max_deg", "°", "largest knee angle difference"),
         against("program_duration_s", "s", "rise time"));
     const bool is_wider = NumberOrNaN(redesign.at("after").at("range_deg")) > NumberOrNaN(without.at("range_deg"));
@@ -232,7 +231,7 @@ std::string BodyText(const StudyResults& results) {
 // "9 %", as far as the recordings tell.
 std::string MeasuredPercent(const StudyResults& results) {
   const Json comparison = results.Summary("comparison"), intervals = comparison.value("intervals", Json::object());
-  return UncertainOf(comparison.at("metrics").at("relative_rms"), intervals.value("relative_rms", Json()), 100)
+  return PathDifferencePercent(comparison.at("metrics").at("relative_rms"), intervals.value("relative_rms", Json()))
              .Text(DecimalsOf("%")) +
          " %";
 }
@@ -290,7 +289,7 @@ KeyFigures RedesignFigures(const StudyResults& results, const Json& redesign, co
                      std::nullopt,
                      std::isnan(worn) ? "" : fmt::format("worn: {}", Quantity(worn, unit))};
   };
-  KeyFigure misalignment = figure("misalignment, predicted RMS", "misalignment_percent", "%");
+  KeyFigure misalignment = figure("path difference, predicted RMS", "misalignment_percent", "%");
   NoteInterval(way.misalignment_percent, " %", misalignment);
   if (way.misalignment_is_limit) Note("limit you set", misalignment);
   KeyFigure rise = figure(RepetitionIn(results) + " time", "program_duration_s", "s"),

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <tuple>
 
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/options.h"
 #include "lake/core/options_json.h"
@@ -231,16 +233,17 @@ void ReadBalance(YamlNode& node, StudyRedesign& redesign) {
   if (!redesign.options.balance_mm || !(*redesign.options.balance_mm >= 0))
     throw Fail("{}: 'balance' needs 'margin_mm', how far the centre of pressure is inside the foot, 0 or more",
                balance->Where());
-  Json given = {{"margin_mm", *redesign.options.balance_mm}};
-  for (const auto& [key, value] : {std::pair{"device_mass_kg", &redesign.options.aids.device_kg},
-                                   std::pair{"hold_force_n", &redesign.options.aids.hold_n}}) {
+  Json& given = redesign.section.given;  // as the options of lake-optimize
+  given["balance"] = FormatNumber(*redesign.options.balance_mm);
+  for (const auto& [key, option, value] :
+       {std::tuple{"device_mass_kg", "device-mass", &redesign.options.aids.device_kg},
+        std::tuple{"hold_force_n", "hold-force", &redesign.options.aids.hold_n}}) {
     const auto number = balance->Number(key);
     if (!number) continue;
     if (!(*number >= 0)) throw Fail("{}: '{}' must be 0 or more, for this leg", balance->Where(), key);
-    given[key] = *value = *number;
+    given[option] = FormatNumber(*value = *number);
   }
   balance->Finish();
-  redesign.section.given["balance"] = given.size() > 1 ? given : given.at("margin_mm");
 }
 
 StudyRedesign ReadRedesign(YamlNode node, InputFiles& files, const StudyProblem& design, const OptionNames& given) {

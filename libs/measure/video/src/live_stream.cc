@@ -63,7 +63,9 @@ void Describe(LiveStreamOptions& o, OptionList& options) {
       .Otherwise("the device's, or the stream's own times");
   options.Add("format", o.format, "Of a device: how it sends its pictures, coded: mjpeg, h264")
       .Otherwise("the device's own");
-  options.Add("replay", o.replay, "The input is a file, whose frames come at the pace at which they were taken");
+  options.Add(
+      "replay", o.replay,
+      "The input is a file, whose frames come at the pace at which they were taken; with --open from Begin trial on");
   options.Add("patience", o.patience_s, "A stream that has sent nothing for so long has ended").Unit("s").Positive();
   options.Add("least-free", o.least_free_mb, "Stop recording before less than so many MB are free on the disk")
       .Value("MB")
@@ -122,7 +124,7 @@ struct LiveStream::Impl {
   LiveStreamOptions options;
   fs::path recording;
   std::atomic<Clock::rep> last_came = Clock::now().time_since_epoch().count();
-  std::atomic<bool> is_stopped = false;
+  std::atomic<bool> is_stopped = false, is_held = false;
   std::atomic<std::int64_t> missing = 0;  // the receiver's `gaps`, for others
   DamageLog log;
   LiveInput input;
@@ -165,10 +167,9 @@ struct LiveStream::Impl {
 };
 
 LiveStream::Impl::Impl(const std::string& input_text, const LiveStreamOptions& o, const fs::path& recording_path)
-    : input_name(input_text),
-      options(o),
-      recording(recording_path),
-      input(input_text, o, [this] { return GivesUp(); }) {
+    : input_name(input_text), options(o), recording(recording_path), is_held(o.is_held), input(input_text, o, [this] {
+        return GivesUp();
+      }) {
   const AVStream& stream = input.Stream();
   if (!input.HasTimes() && options.rate_hz <= 0)
     throw Fail("{}: a raw stream has no time stamps; say how many pictures a second it has, --rate HZ", input_name);
@@ -292,11 +293,16 @@ bool LiveStream::Impl::WaitForPace(const AVPacket& packet) {
     pace_from = ticks;
     began = Clock::now();
   }
+  constexpr std::chrono::milliseconds kLook{50};
   const std::chrono::duration<double> after(libav::Seconds(ticks - pace_from, input.TimeBase()));
   std::unique_lock lock(mutex);
+  while (is_held && packets > input.Stream().codecpar->video_delay) {  // so many are needed to decode the first picture
+    if (is_stopped || IsInterrupted()) return false;
+    changed.wait_for(lock, kLook);
+    began = Clock::now() - std::chrono::duration_cast<Clock::duration>(after);
+  }
   while (Clock::now() < began + after) {
     if (is_stopped || IsInterrupted()) return false;
-    constexpr std::chrono::milliseconds kLook{50};
     changed.wait_until(lock,
                        std::min(Clock::now() + kLook, began + std::chrono::duration_cast<Clock::duration>(after)));
   }
@@ -584,6 +590,10 @@ const VideoInfo& LiveStream::Info() const {
 
 bool LiveStream::Read(LiveFrame& frame) {
   return impl_->Read(frame);
+}
+
+void LiveStream::Release() {
+  impl_->is_held = false;
 }
 
 void LiveStream::Stop() {

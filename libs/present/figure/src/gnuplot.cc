@@ -139,6 +139,14 @@ std::string QuotePath(const std::filesystem::path& path) {
   return quoted + "\"";
 }
 
+// (a), (b), …, above the vertical axis of each panel, of which one alone needs none.
+void LetterPanels(std::string& page, const std::vector<std::size_t>& panels) {
+  if (panels.size() < 2) return;
+  for (std::size_t i = panels.size(); i-- > 0;)  // from the last: what stands before it keeps its place
+    page.insert(panels[i], fmt::format("set label 99 '{{/:Bold {}}}' at graph 0, graph 1 right offset -2.2,0.8\n",
+                                       static_cast<char>('a' + i)));
+}
+
 std::string SetOutput(const std::filesystem::path& path) {
   return fmt::format("set output {}\n", QuotePath(path));
 }
@@ -149,7 +157,11 @@ GnuplotFigure::GnuplotFigure(int width_px, int height_px)
     : width_px_(width_px), height_px_(height_px), pages_{kTheme} {}
 
 GnuplotFigure& GnuplotFigure::Line(std::string_view script) {
-  pages_.back().append(script).append("\n");
+  std::string& page = pages_.back();
+  if (script.starts_with("set multiplot")) panels_.clear();
+  if (script.starts_with("plot ")) panels_.push_back(page.size());
+  if (script == "unset multiplot") LetterPanels(page, panels_);
+  page.append(script).append("\n");
   return *this;
 }
 

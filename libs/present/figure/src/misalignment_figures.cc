@@ -137,8 +137,8 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(
       "set tmargin at screen 0.95; set bmargin at screen 0.60; set lmargin at screen 0.075; set rmargin at screen "
       "0.98");
-  figure.Line("set ylabel \"path difference\\n(% of the shank length)\"; set yrange [0:{}]; set xlabel ''",
-              std::max(top, 1e-3));
+  figure.Line("set ylabel \"path difference\\n(% of the shank length)\"; set yrange [0:{}]; set xlabel '{} (%)'",
+              std::max(top, 1e-3), gait::MovementOf(m.movement).repetition);
   std::string plot = "plot ";
   if (!m.misalignment_ratio_sd.empty())
     plot += fmt::format(
@@ -149,9 +149,9 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
                       figure.Data({percents, error}), colour::kExoskeleton);
   const double rms_percent = 100 * m.metrics.relative_rms, floor_percent = 100 * m.noise_floor_relative;
   plot += fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'RMS {} %'", rms_percent, colour::kText,
-                      KnownTo(m.metrics.relative_rms, m.intervals, &compare::MisalignmentIntervals::relative_rms, 100));
+                      RoundedText(rms_percent, 1));  // the decimals that a path difference has in the report
   plot += fmt::format(", {} with lines lw 2 dt (2,4) lc rgb '#555555' title 'noise floor {} %'", floor_percent,
-                      SignificantText(floor_percent, 2));
+                      RoundedText(floor_percent, 1));
   if (std::count(m.spike.begin(), m.spike.end(), true) > 0)
     plot += fmt::format(", {} using 1:2 with points pt 6 ps 2 lw 2 lc rgb '{}' title 'spike'",
                         figure.Data({percents, spikes}), colour::kWaist);
@@ -161,10 +161,9 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
 void DrawParts(GnuplotFigure& figure, const compare::Misalignment& m) {
   const compare::Decomposition& d = m.decomposition;
   const std::vector<double> percents = Percents(compare::kPercentSamples);
-  figure.Line("set tmargin at screen 0.48; set bmargin at screen 0.11; set rmargin at screen 0.48; set xlabel '{} (%)'",
+  figure.Line("set tmargin at screen 0.46; set bmargin at screen 0.11; set rmargin at screen 0.48; set xlabel '{} (%)'",
               gait::MovementOf(m.movement).repetition);
-  // Room below zero, so that a part that is nothing is seen beside the axis.
-  figure.Line("set ylabel 'size of the part (mm)'; set yrange [*:*]; set offsets 0, 0, graph 0.35, graph 0.05");
+  figure.Line("set ylabel 'size of the part (mm)'; set yrange [0:*]; set offsets 0, 0, graph 0.35, 0");
   using Intervals = compare::PartIntervals;
   const auto part = [&](const std::vector<Vector2d>& vectors, const char* name, double fraction,
                         compare::Interval Intervals::*interval, const std::string& style) {

@@ -107,7 +107,7 @@ void DrawMisalignment(GnuplotFigure& figure, const redesign::RedesignOutcome& ou
     return design.misalignment ? fmt::format("{}: RMS {:.1f} %", what, 100 * design.misalignment->metrics.relative_rms)
                                : what;
   };
-  figure.Line("set title 'Misalignment'; set ylabel '% of the shank length'; set yrange [0:*]");
+  figure.Line("set title 'Path difference'; set ylabel '% of the shank length'; set yrange [0:*]");
   figure.Line("set offsets 0, 0, graph 0.3, 0; set key top right");
   Plot plot(figure);
   plot.AddCurve(percent(outcome.before), kBeforeStyle, name("worn", outcome.before));
@@ -259,7 +259,7 @@ void DrawPareto(const redesign::RedesignOutcome& outcome, const std::filesystem:
   constexpr int kMarks[] = {13, 8, 4};
   GnuplotFigure figure(1000, 700);
   figure.Line("set key at screen 0.5, screen 0.02 center bottom horizontal; set bmargin 8.5");
-  figure.Line("set xlabel 'range of rotation (°)'; set ylabel 'misalignment, RMS (% of the shank length)'");
+  figure.Line("set xlabel 'range of rotation (°)'; set ylabel 'path difference, RMS (% of the shank length)'");
   figure.Line("set offsets graph 0.04, graph 0.04, graph 0.06, 0; set yrange [0:*]");
   Plot plot(figure);
   for (std::size_t i = 0; i < outcome.fronts.size(); ++i) {

@@ -47,7 +47,7 @@ void DrawLengthPanel(GnuplotFigure& figure, const std::vector<problem::Sensitivi
   const std::string data = figure.Data({delta, infeasible, feasible});
   figure.Line("unset object");
   ShadeUnassembled(figure, points);
-  const std::string name = link + 1 < kLengths ? problem::LengthName(link) : "shortest stroke";
+  const std::string name = link + 1 < kLengths ? problem::LengthName(link) : "stroke from";
   figure.Line("set title '{} = {:.2f} mm' offset 0,-0.6", name, length_mm);
   figure.Line("set yrange [{}:{}]", range.lower, range.upper);
   figure.Line(link + kColumns >= kLengths ? "set xlabel 'change (mm)'" : "unset xlabel");
@@ -122,7 +122,7 @@ void DrawConvergence(const synthesis::LocalSolve& solve, const std::string& obje
   }
   GnuplotFigure figure(1000, 720);
   const std::string data = figure.Data({number, range, violation, dual});
-  figure.Line("set multiplot layout 2,1 margins 0.11,0.97,0.11,0.97 spacing 0.1,0.07");
+  figure.Line("set multiplot layout 2,1 margins 0.11,0.97,0.11,0.95 spacing 0.1,0.07");
   figure.Line("set ylabel {}", QuoteForGnuplot(objective)).Line("set format x ''");
   figure.Line("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.8 lc rgb '{}' notitle", data, colour::kAnkle);
   figure.Line("set format x '%g'").Line("set xlabel 'iteration'");

@@ -31,10 +31,11 @@ void DrawTracksFigure(const std::filesystem::path& path, const motion::MarkerRec
   const std::string_view unit = motion::ToString(recording.unit);
   figure.Line("set multiplot layout 2,1 title {} noenhanced", QuoteForGnuplot(title))
       .Line("set key outside right top noenhanced")
-      .Line("set ylabel 'x ({})'\nplot {}", unit, plots[0])
-      // Pixels count downwards.
-      .Line("set xlabel 'time (s)'\nset ylabel 'y ({})'\n{}plot {}", unit,
-            recording.unit == motion::LengthUnit::kPx ? "set yrange [*:*] reverse\n" : "", plots[1])
+      .Line("set ylabel 'x ({})'", unit)
+      .Line("plot {}", plots[0])
+      .Line("set xlabel 'time (s)'; set ylabel 'y ({})'", unit)
+      .Line(recording.unit == motion::LengthUnit::kPx ? "set yrange [*:*] reverse" : "")  // pixels count downwards
+      .Line("plot {}", plots[1])
       .Line("unset multiplot");
   figure.Write(path);
 }

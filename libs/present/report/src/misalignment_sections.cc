@@ -50,13 +50,13 @@ std::string MovedText(const Json& comparison) {
   const Json best = comparison.value("best_placement", Json());
   if (!best.is_object() || !best.contains("path_relative_rms")) return "";
   const Uncertain path =
-      UncertainOf(best.at("path_relative_rms"), best.value("path_relative_rms_interval", Json()), 100);
+      PathDifferencePercent(best.at("path_relative_rms"), best.value("path_relative_rms_interval", Json()));
   std::string text = fmt::format(
       "With the joint moved onto the knee {} % of path difference would be left{}: that of the knees of both trials at "
       "equal percent, as the two differ in pace and posture.",
-      path.Text(2),
-      path.IsKnown() ? fmt::format(" (95 %: {} to {} %)", RoundedText(path.low, path.Decimals(2)),
-                                   RoundedText(path.high, path.Decimals(2)))
+      path.Text(1),
+      path.IsKnown() ? fmt::format(" (95 %: {} to {} %)", RoundedText(path.low, path.Decimals(1)),
+                                   RoundedText(path.high, path.Decimals(1)))
                      : "");
   if (best.contains("body_text")) text += " " + best.at("body_text").get<std::string>();
   return text;
@@ -107,7 +107,7 @@ struct MetricRow {
   double factor;
 };
 constexpr MetricRow kMetricRows[] = {
-    {"relative_rms", "misalignment (path difference), RMS (% of the shank length)", 100},
+    {"relative_rms", "path difference, RMS (% of the shank length)", 100},
     {"relative_max", "path difference, largest (% of the shank length)", 100},
     {"relative_p95", "path difference, 95th percentile (% of the shank length)", 100},
     {"rms_mm", "path difference, RMS (mm)", 1},
@@ -278,8 +278,11 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
     if (interval.is_null() && std::isfinite(figure.value)) figure.note = "too few repetitions for an interval";
     return figure;
   };
-  const auto figure = [&](const char* label, const char* name, double factor, int otherwise, const char* unit) {
-    return FigureOf(label, UncertainOf(metrics.at(name), intervals.value(name, Json()), factor), otherwise, unit);
+  const auto percent = [&](const char* label, const char* name) {
+    return FigureOf(label, PathDifferencePercent(metrics.at(name), intervals.value(name, Json())), 1, "%");
+  };
+  const auto mm = [&](const char* label, const char* name) {
+    return FigureOf(label, UncertainOf(metrics.at(name), intervals.value(name, Json())), 1, "mm");
   };
   const Json worn = comparison.value("joint", Json());
   const auto of_joint = [&](const char* label, const Json& of, const Uncertain& figure, const char* includes) {
@@ -297,12 +300,12 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
   };
   const Uncertain rms = worn.is_object() ? JointFigure(comparison, "joint_rms_mm") : Uncertain{};
   const char* of_place = worn.is_object() ? kOfAllSources : kOfMarkers;
-  KeyFigure joint_moved =
-      FigureOf("path difference, joint moved, of the shank",
-               best.is_object() && best.contains("path_relative_rms")
-                   ? UncertainOf(best.at("path_relative_rms"), best.value("path_relative_rms_interval", Json()), 100)
-                   : Uncertain{},
-               2, "%");
+  KeyFigure joint_moved = FigureOf(
+      "path difference, joint moved, of the shank",
+      best.is_object() && best.contains("path_relative_rms")
+          ? PathDifferencePercent(best.at("path_relative_rms"), best.value("path_relative_rms_interval", Json()))
+          : Uncertain{},
+      1, "%");
   const std::string of_repetition = "% of the " + RepetitionIn(comparison);
   if (!best.is_object()) joint_moved.note = kNoKnee;
   return {
@@ -311,10 +314,10 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
        of_joint("joint misalignment, joint moved", best, best.is_object() ? JointMovedFigure(comparison) : Uncertain{},
                 kOfMarkers),
        joint_moved,
-       figure("path difference, RMS, of the shank", "relative_rms", 100, 2, "%"),
-       figure("path difference, largest, of the shank", "relative_max", 100, 2, "%"),
-       figure("path difference, RMS", "rms_mm", 1, 1, "mm"),
-       figure("path difference, largest", "max_mm", 1, 1, "mm"),
+       percent("path difference, RMS, of the shank", "relative_rms"),
+       percent("path difference, largest, of the shank", "relative_max"),
+       mm("path difference, RMS", "rms_mm"),
+       mm("path difference, largest", "max_mm"),
        share("placement"),
        share("timing"),
        share("shape"),

@@ -231,11 +231,11 @@ export class DesignPage {
     const { curves } = explored;
     if (curves && explored.stroke !== null) this.row = nearestRow(curves.stroke, explored.stroke);
     const exact = explored.stroke !== null && explored.pose ? { stroke: explored.stroke, pose: explored.pose } : null;
+    for (const id of ["theta-chart", "arm-title", "arm-chart", "force-title", "force-chart"]) part(id).hidden = !curves;
     this.charts.theta.show(this.curves((columns) => columns.knee));
     this.charts.arm.show(this.curves((columns) => columns.arm));
     this.charts.force.show(this.curves((columns) => columns.force));
-    const strokes = curves?.stroke ?? [0, 0];
-    part("theta-title").textContent = TEXTS.kneeOverStroke(strokes[0], strokes[strokes.length - 1]);
+    part("theta-title").textContent = curves ? TEXTS.kneeOverStroke(curves.stroke[0], curves.stroke[ROWS - 1]) : TEXTS.noCurves;
     part("arm-title").textContent = TEXTS.arm;
     part("force-title").textContent = TEXTS.force(this.about.torque_nm);
     this.seek(this.row, exact);
@@ -267,7 +267,7 @@ export class DesignPage {
     part("state").textContent = gap
       ? TEXTS.gap(gap)
       : `${TEXTS.range(range_deg)}, ${TEXTS.failing(failed, asked.length)}${of}${TEXTS.notAsked(unmet)}`;
-    part("state").classList.toggle("error", failed > 0 || unmet.length > 0);
+    part("state").classList.toggle("error", failed > 0 || gap !== "");
     part("check-count").textContent = TEXTS.failing(failed, asked.length);
     part("checks").replaceChildren(...checks.map((check) => this.checkLine(check)));
   }

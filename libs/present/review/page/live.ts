@@ -139,15 +139,12 @@ export class LivePage {
     const [from, to] = this.shown.move.map(([x, y]) => this.view.toScreen({ x, y }));
     const length = distance(from, to);
     if (length < 2) return;
-    context.strokeStyle = "#fff";
-    context.lineWidth = 2;
-    strokeCircle(context, to, 5);
-    this.drawPointer(context, from, { x: (to.x - from.x) / length, y: (to.y - from.y) / length }, Math.max(length, LEAST_ARROW_PX));
+    this.drawPointer(context, to, { x: (to.x - from.x) / length, y: (to.y - from.y) / length }, Math.max(length, LEAST_ARROW_PX));
   }
 
-  // The direction is the move's; the place where it ends is the ring's, as an arrow of some millimetres cannot be seen.
-  private drawPointer(context: CanvasRenderingContext2D, from: Point, along: Point, length: number): void {
-    const to = { x: from.x + length * along.x, y: from.y + length * along.y };
+  // It ends where the move ends; as an arrow of some millimetres cannot be seen, it may begin behind the joint.
+  private drawPointer(context: CanvasRenderingContext2D, to: Point, along: Point, length: number): void {
+    const from = { x: to.x - length * along.x, y: to.y - length * along.y };
     const head = 3 * ARROW_PX;
     const corner = (side: number) => ({
       x: to.x - head * along.x - side * 0.6 * head * along.y,

@@ -330,6 +330,7 @@ export interface LivePlace {
 
 export interface LiveStateMessage extends StateMessage {
   phase: "watching" | "trial" | "finishing" | "done" | "failed";
+  is_held: boolean; // a film whose pictures come once the trial begins
   recorded_s: number;
   frames: number;
   moves: number;

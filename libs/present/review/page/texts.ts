@@ -241,6 +241,7 @@ export const TEXTS = allUnbroken({
   pose: (stroke: number, knee: number | null, arm: number | null, force: number | null) =>
     `d ${stroke.toFixed(1)} mm, θ ${fixed(knee, 1)}°, moment arm ${fixed(arm, 1)} mm, force ${fixed(force, 0)} N`,
   kneeOverStroke: (first: number, last: number) => `Knee angle θ (°) over the stroke d, ${first.toFixed(1)} to ${last.toFixed(1)} mm`,
+  noCurves: "No curves: these links cannot be assembled",
   arm: "Moment arm (mm)",
   force: (torque: number) => `Actuator force (N) for a knee torque of ${torque} N m`,
   now: "now",
@@ -252,8 +253,9 @@ export const TEXTS = allUnbroken({
 
   // Live
   liveEnded: "lake live has ended; what was recorded is in its folder",
-  phase: ({ phase, recorded_s, end, has_trial }: LiveStateMessage) =>
-    phase === "watching" ? `Recording, ${recorded_s.toFixed(0)} s; begin the trial when the person sits`
+  phase: ({ phase, is_held, recorded_s, end, has_trial }: LiveStateMessage) =>
+    is_held ? "The film waits for Begin trial"
+    : phase === "watching" ? `Recording, ${recorded_s.toFixed(0)} s; begin the trial when the person sits`
     : phase === "trial" ? `Trial, ${recorded_s.toFixed(0)} s recorded`
     : phase === "finishing" ? `${end ? `The recording has ended: ${end}. ` : ""}Making the trial`
     : has_trial ? `The trial is ready: ${end}` : "There is no trial",

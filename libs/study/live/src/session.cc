@@ -76,6 +76,7 @@ Session::Session(const LiveRunOptions& options, fs::path programs, Run& run)
                  run.Folder().string(), run.Folder().string());
   run.Begin({kVideo, kTracks, kRises, kMoves, kLive});
   run.Publish();  // what is recorded lies in its place from the first frame on
+  options_.stream.is_held = IsHeld();
   stream_ = std::make_unique<video::LiveStream>(options_.input, options_.stream, recording);
   video_ = stream_->Info();
   ReadPlane();

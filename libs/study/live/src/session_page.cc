@@ -103,6 +103,7 @@ Json Session::State() const {
       moves_s_.empty() ? std::vector<RiseOffset>() : RisesAfterMoves(static_cast<int>(moves_s_.size()) - 1);
   if (const auto now = Place(); now && !before.empty()) change = ChangeText(PlaceOf(before), *now);
   return {{"phase", PhaseText()},
+          {"is_held", IsHeld()},
           {"recorded_s", samples_.empty() ? 0 : samples_.back().time_s},
           {"frames", samples_.size()},
           {"moves", moves_s_.size()},
@@ -187,6 +188,7 @@ void Session::Act(const Json& act) {
     if (phase_ == Phase::kTrial) throw Error("the trial is under way");
     begin_s_ = now_s;
     phase_ = Phase::kTrial;
+    stream_->Release();
   } else if (what == "end") {
     end_s_ = now_s;
     phase_ = Phase::kFinishing;

@@ -21,6 +21,7 @@ struct LiveStreamOptions {
   double rate_hz = 0;      // of a device, or of a stream without time stamps of its own; 0: the device's, the stream's
   std::string format;      // of a device: "mjpeg", "h264"; empty: the device's own
   bool replay = false;     // the input is a file, whose frames come at the pace at which they were taken
+  bool is_held = false;    // of a file: its first picture comes, and the others wait for Release()
   double patience_s = 10;  // without data for so long, the stream has ended
   int rotate_deg = 0;      // as in VideoReaderOptions
   double least_free_mb = 64;  // of the recording's disk; recording stops before less is left
@@ -61,6 +62,9 @@ class LiveStream {
   // Waits for the next frame. False after the last one. What is damaged, and what builds on it until the next key
   // frame, is recorded and counted, not handed out.
   bool Read(LiveFrame& frame);
+
+  // From any thread: the pictures that `is_held` kept back come.
+  void Release();
 
   // From any thread: nothing more is received, what has been is handed out.
   void Stop();

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -17,7 +18,8 @@ class GnuplotFigure {
   // Size of the PNG in px; an SVG gets the same proportions.
   GnuplotFigure(int width_px, int height_px);
 
-  // Appends a line of script. Text from outside must go through QuoteForGnuplot.
+  // Appends a line of script. Text from outside must go through QuoteForGnuplot. Between `set multiplot` and
+  // `unset multiplot` each line that begins with `plot` draws a panel, which gets a letter where there are several.
   GnuplotFigure& Line(std::string_view script);
   template <typename... Args>
   requires(sizeof...(Args) > 0) GnuplotFigure& Line(fmt::format_string<Args...> format, Args&&... args) {
@@ -43,7 +45,8 @@ class GnuplotFigure {
  private:
   int width_px_, height_px_;
   int tables_ = 0;
-  std::vector<std::string> pages_;  // each begins with the theme (theme.h)
+  std::vector<std::string> pages_;   // each begins with the theme (theme.h)
+  std::vector<std::size_t> panels_;  // where in the last page the plots of its multiplot stand
 };
 
 // A gnuplot string literal that shows the text as it is.

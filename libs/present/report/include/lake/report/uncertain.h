@@ -11,11 +11,14 @@ namespace lake::report {
 
 struct Uncertain {
   double value = std::nan(""), low = std::nan(""), high = std::nan("");  // NaN: not known
+  int least_decimals = -1000;  // of a quantity whose values are compared, so that each has the same rounding
 
   double HalfWidth() const { return (high - low) / 2; }
   bool IsKnown() const { return HalfWidth() > 0; }
   // Of the value and of the interval's ends; `otherwise` where no interval is known.
-  int Decimals(int otherwise) const { return IsKnown() ? KnownDecimals(HalfWidth()) : otherwise; }
+  int Decimals(int otherwise) const {
+    return std::max(least_decimals, IsKnown() ? KnownDecimals(HalfWidth()) : otherwise);
+  }
   std::string Text(int otherwise) const { return RoundedText(value, Decimals(otherwise)); }
 };
 
@@ -26,6 +29,13 @@ inline Uncertain UncertainOf(const Json& number, const Json& interval, double fa
     of.low = factor * NumberOrNaN(interval.at(0));
     of.high = factor * NumberOrNaN(interval.at(1));
   }
+  return of;
+}
+
+// A path difference, which comparison.json has as a fraction of the shank length, in percent: one decimal at least.
+inline Uncertain PathDifferencePercent(const Json& fraction, const Json& interval) {
+  Uncertain of = UncertainOf(fraction, interval, 100);
+  of.least_decimals = 1;
   return of;
 }
 
