@@ -272,6 +272,12 @@ std::string TextOf(const CLI::ExtrasError& error, const CLI::App& cli) {
 std::string TextOf(const CLI::ParseError& error) {
   constexpr std::string_view kRequired = " required ", kMissing = " missing";
   const std::string_view text = error.what();
+  constexpr std::string_view kNotConverted = "Could not convert: ", kIs = " = ", kTwice = ": At Most 1 required";
+  if (const std::size_t is = text.find(kIs); text.starts_with(kNotConverted) && is != std::string::npos)
+    return fmt::format("{} must be a whole number, not {}",
+                       text.substr(kNotConverted.size(), is - kNotConverted.size()), text.substr(is + kIs.size()));
+  if (const std::size_t twice = text.find(kTwice); twice != std::string::npos)
+    return fmt::format("{} is given twice; give it once", text.substr(0, twice));
   const std::size_t name_end = text.find(": "), required = text.find(kRequired);
   if (name_end == std::string::npos || required == std::string::npos || !text.ends_with(kMissing))
     return std::string(text);

@@ -122,6 +122,33 @@ TEST(Group, PairsTrialsOfTheSamePerson) {
   EXPECT_LT(rows[0].difference.mean.interval.high, 0);
 }
 
+TEST(Group, OrdersDifferencesByTheirCertainty) {
+  const auto differing = [](double mean_mm, double sd_mm, std::size_t subjects) {
+    DifferenceRow row;
+    row.difference.subjects = subjects;
+    row.difference.standard_deviation = sd_mm;
+    row.difference.mean.value = mean_mm;
+    return row;
+  };
+  EXPECT_NEAR(differing(-6, 3, 9).StandardErrors(), -6, 1e-12);
+  EXPECT_TRUE(std::isnan(differing(-6, 0, 1).StandardErrors()));
+  // With eight degrees of freedom 2.306 standard errors are 95 %, and 3.833 are with ten comparisons.
+  EXPECT_TRUE(differing(2.4, 3, 9).IsClearAmong(1));
+  EXPECT_FALSE(differing(2.2, 3, 9).IsClearAmong(1));
+  EXPECT_FALSE(differing(3.7, 3, 9).IsClearAmong(10));
+  EXPECT_TRUE(differing(3.9, 3, 9).IsClearAmong(10));
+  EXPECT_FALSE(differing(6, 0, 1).IsClearAmong(1));
+
+  GroupData group = Group(6);
+  for (GroupRow& row : group.rows)  // with the same scatter, a difference of 15 rather than 5
+    if (row.trial == "exo" || row.trial == "human")
+      row.values["knee_min_deg"] = row.values.at("knee_range_deg") + (row.trial == "exo" ? 20 : 0);
+  group.quantities.emplace_back("knee_min_deg");
+  const std::vector<DifferenceRow> rows = DifferencesOf(group);
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_GT(std::abs(rows[0].StandardErrors()), std::abs(rows[1].StandardErrors()));
+}
+
 TEST(Group, SaysWhoStandsOutAndWhy) {
   GroupData group = Group(8);
   EXPECT_TRUE(OutliersOf(group).empty());

@@ -88,7 +88,7 @@ TEST_F(DesignFile, SaysWhatIsWrongAndWhere) {
   ExpectError(std::string(kLinksLine) + "d_min_mm: 242\nplacement_mm: [1]\n",
               ":3: 'placement_mm' must have 2 numbers, not 1");
   ExpectError(std::string(kLinksLine) + "d_min_mm: 242\nmount: under\n", ":3: a mount is beside or behind the leg");
-  ExpectError("d_min_mm: 242\nbounds: {l1: [40, 60]}\n", "this is a problem");
+  ExpectError("d_min_mm: 242\nbounds: {l1: [40, 60]}\n", "is a problem, not a design");
   ExpectError("- a\n- b\n", "a design is a map");
   ExpectError("", "a design is a map");
   ExpectError("links: {l1: [\n", "not YAML");

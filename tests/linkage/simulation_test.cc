@@ -366,7 +366,7 @@ TEST_F(Simulate, RefusesWrongUsage) {
   ExpectRefusal("", 2, "give either a design file or --links");
   ExpectRefusal("--links 59,68,55,71,118", 2, "--links");
   ExpectRefusal("--links 59,68,55,71,118,nan", 2, "--links");
-  ExpectRefusal(fmt::format("{} --stroke nan", kLinksOption), 2, "--stroke: 'nan' is not a finite number");
+  ExpectRefusal(fmt::format("{} --stroke nan", kLinksOption), 2, "--stroke must be a finite number, not 'nan'");
   ExpectRefusal(fmt::format("{} --rows 1", kLinksOption), 2, "--rows must be at least 2, not 1");
   ExpectRefusal(fmt::format("{} --angles 400", kLinksOption), 2, "--angles must be at most 360, not 400");
   ExpectRefusal(fmt::format("{} --knee-torque 0", kLinksOption), 2, "--knee-torque must not be 0");

@@ -97,7 +97,7 @@ TEST_F(ProblemFile, ErrorsNameFileLineAndReason) {
     const char *text, *line, *reason;
   } cases[] = {
       {"d_min_mm: 242\nmargin: {grashof_mm: 1}\n", ":2:", "unknown key 'margin'; did you mean 'margins'?"},
-      {"links: {l1: 59}\n", ":1:", "this is a design"},
+      {"links: {l1: 59}\n", ":1:", "is a design, not a problem"},
       {"bounds:\n  l1: [90, 80]\n", ":2:", "contradict"},
       {"bounds:\n  l1: [90]\n", ":2:", "2 numbers"},
       {"bounds:\n  l9: [1, 2]\n", ":2:", "unknown key 'l9'"},

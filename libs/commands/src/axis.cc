@@ -147,7 +147,7 @@ void Describe(AxisRunOptions& o, OptionList& options) {
   options.Add("range", o.range_deg, "Also the best pin between these two knee angles").Value("FROM,TO").Unit("degrees");
   options.Check([&o](const OptionList&) {
     if (o.segments.shank.empty() || o.segments.thigh.empty())
-      throw UsageError("--segment: of the {} no marker is given: add --segment {}=MARKER,MARKER",
+      throw UsageError("--segment: no marker of the {} is given: add --segment {}=MARKER,MARKER",
                        o.segments.shank.empty() ? "shank" : "thigh", o.segments.shank.empty() ? "shank" : "thigh");
   });
 }

@@ -398,12 +398,13 @@ void CheckTrials(const CompareRunOptions& o) {
   if (o.left.empty() && !o.forces.empty())
     throw UsageError(
         "--forces only applies to the comparison of both legs, --left A --right B; for one recording use lake loads");
-  if (!o.left.empty() && o.worn) throw UsageError("--worn is of HUMAN against EXO: omit it, or --left and --right");
+  if (!o.left.empty() && o.worn)
+    throw UsageError("--worn only applies to HUMAN against EXO; leave out --worn, or --left and --right");
   if (o.knee.trial &&
       (!o.left.empty() || IsCompared(o.exo) || IsTracked(o.exo) || o.knee.knee == KneeFrom::kFunctional))
     throw UsageError(
-        "--knee-from is of a file of EXO's markers with --knee marker; to lake track or lake gait give it where they "
-        "make the folder");
+        "--knee-from only applies where EXO is a file of markers, with --knee marker; a folder of lake track or lake "
+        "gait has its rebuilt knee from their own --knee-from");
   if (o.left.empty() && (o.human.empty() || o.exo.empty()))
     throw UsageError("give a HUMAN and an EXO trial, or both legs of one person: --left A --right B");
 }

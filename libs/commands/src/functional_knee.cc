@@ -78,7 +78,7 @@ void Describe(KneeOptions& o, OptionList& options) {
     for (const auto& [segments, name] :
          {std::pair{&o.segments, "--segment"}, std::pair{&o.exo_segments, "--exo-segment"}}) {
       if (segments->shank.empty() != segments->thigh.empty())
-        throw UsageError("{0}: of the {1} no marker is given: add {0} {1}=MARKER,MARKER", name,
+        throw UsageError("{0}: no marker of the {1} is given: add {0} {1}=MARKER,MARKER", name,
                          segments->shank.empty() ? "shank" : "thigh");
       if (o.knee == KneeFrom::kMarker && !segments->shank.empty())
         throw UsageError("{} is for --knee functional: give that too, or omit it", name);

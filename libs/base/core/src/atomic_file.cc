@@ -98,7 +98,9 @@ std::string ReadTextFile(const fs::path& path, std::size_t max_bytes) {
     if (size < 0 && errno != EINTR && errno != EAGAIN)
       throw Fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
     text.append(buffer, static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
-    if (text.size() > max_bytes) throw Fail("{}: larger than {} bytes, not read", path.string(), max_bytes);
+    if (text.size() > max_bytes)
+      throw Fail("{}: larger than {} bytes, as no file of its kind is; was another file meant?", path.string(),
+                 max_bytes);
   }
 }
 

@@ -63,7 +63,7 @@ Integer ParseInteger(const std::string& text, const std::string& said) {
 
 double OptionValue<double>::Parse(const std::string& text, const std::string& said) {
   const std::optional<double> number = ParseNumber(text);
-  if (!number) throw UsageError("{}: '{}' is not a finite number", said, text);
+  if (!number) throw UsageError("{} must be a finite number, not '{}'", said, text);
   return *number;
 }
 std::string OptionValue<double>::Format(double value) {

@@ -195,4 +195,22 @@ std::string YamlNode::Where() const {
   return Place(impl_->file, impl_->node.Mark());
 }
 
+void ExpectKind(const YamlNode& file, std::string_view expected) {
+  struct Kind {
+    std::string_view key, what, readers;
+  };
+  constexpr Kind kKinds[] = {{"links", "a design", "lake simulate, lake stroke, lake export and lake review read it"},
+                             {"human", "a study", "lake run reads it"},
+                             {"image_width", "a camera", "--camera reads it"},
+                             {"bounds", "a problem", "lake optimize --problem reads it"},
+                             {"margins", "a problem", "lake optimize --problem reads it"}};
+  const Kind* is = nullptr;
+  for (const Kind& kind : kKinds) {
+    if (!file.Has(kind.key)) continue;
+    if (kind.what == expected) return;
+    if (!is) is = &kind;
+  }
+  if (is) throw Fail("{}: is {}, not {}; {}", file.Where(), is->what, expected, is->readers);
+}
+
 }  // namespace lake

@@ -84,11 +84,11 @@ Mount ReadMount(const YamlNode& node) {
 }  // namespace
 
 Design ReadDesign(const std::filesystem::path& path) {
+  if (std::filesystem::is_regular_file(path / "design.yaml"))
+    throw Fail("{}: is a folder; its design is {}", path.string(), (path / "design.yaml").string());
   YamlNode root = YamlNode::ReadFile(path);
   if (!root.IsMap()) throw Fail("{}: a design is a map with the keys links, d_min_mm, …", path.string());
-  if (!root.Has("links") && root.Has("bounds"))
-    throw Fail("{}: this is a problem, as it has bounds; a design has links: lake optimize --problem makes one of it",
-               path.string());
+  ExpectKind(root, "a design");
   Design design;
   design.links = ReadLinks(Require(root.Child("links"), root, "links"));
   design.d_min_mm = Require(root.Number("d_min_mm"), root, "d_min_mm");

@@ -149,11 +149,7 @@ void SetDuration(const std::string& text, SynthesisProblem& problem) {
 
 SynthesisProblem ReadProblem(YamlNode node, const fs::path& folder) {
   if (!node.IsMap()) throw Fail("{}: a problem is a map with the keys d_min_mm, bounds, margins, …", node.Where());
-  if (node.Has("links"))
-    throw Fail(
-        "{}: this is a design, as it has links; a problem has bounds and limits (lake optimize --template). lake "
-        "simulate and lake review read designs",
-        node.Where());
+  ExpectKind(node, "a problem");
   SynthesisProblem problem;
   Reader(node, problem)
       .Number("d_min_mm", problem.d_min_mm)

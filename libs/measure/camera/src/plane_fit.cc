@@ -202,7 +202,7 @@ std::vector<PlaneCorrespondence> ParsePlanePoints(std::string_view text) {
   for (const std::string& part : SplitText(text, ';')) {
     if (part.empty()) continue;
     const std::vector<std::string> sides = SplitText(part, '=');
-    if (sides.size() != 2) throw UsageError("--points '{}': X,Y=XMM,YMM was expected", part);
+    if (sides.size() != 2) throw UsageError("plane points '{}': write X,Y=XMM,YMM", part);
     const auto pixel = ParseNumbers(sides[0], 2, "--points"), mm = ParseNumbers(sides[1], 2, "--points");
     points.push_back({{pixel[0], pixel[1]}, {mm[0], mm[1]}});
   }

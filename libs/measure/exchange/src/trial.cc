@@ -83,7 +83,8 @@ motion::MarkerRecording Rename(const motion::MarkerRecording& markers, const std
 constexpr const char* kLeg[] = {"ankle", "knee", "hip"};
 
 int AxisIndex(char axis) {
-  if (axis < 'x' || axis > 'z') throw UsageError("axis '{}': x, y or z", axis);
+  if (axis < 'x' || axis > 'z')
+    throw UsageError("axis '{}': must be x, y or z, with - for the opposite direction", axis);
   return axis - 'x';
 }
 

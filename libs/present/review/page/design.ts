@@ -223,7 +223,7 @@ export class DesignPage {
   // --- what is shown
 
   private take(explored: ExploredMessage): void {
-    const isFirst = !this.explored?.curves && explored.curves;
+    const isFirst = !this.explored || (!this.explored.curves && explored.curves);
     this.explored = explored;
     if (explored.stroke !== null) this.links = explored.links;
     this.showLinks();

@@ -45,7 +45,7 @@ export class LinkageView {
   fit(poses: PoseMessage[]): void {
     const { thigh, shank, knee } = this.body;
     const end = (limb: LimbMessage, along: Place): Place => [knee[0] + along[0] * limb.length, knee[1] + along[1] * limb.length];
-    const places = poses.flatMap((pose) => [...PINS.map((pin) => pose[pin]), end(thigh, pose.thigh)]).concat([end(shank, [0, -1])]);
+    const places = poses.flatMap((pose) => [...PINS.map((pin) => pose[pin]), end(thigh, pose.thigh)]).concat([end(shank, [0, -1]), end(thigh, [0, 1])]);
     const [xs, ys] = [0, 1].map((axis) => places.map((place) => place[axis]));
     const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
     this.centre = [(left + right) / 2, (low + high) / 2];

@@ -7,6 +7,7 @@
 
 #include "group_figures.h"
 #include "lake/core/colours.h"
+#include "lake/core/counted.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/gait_cycles.h"
@@ -192,7 +193,20 @@ Section DifferencesSection(const std::vector<DifferenceRow>& rows) {
                           Number{row.exo, decimals}, Number{row.difference.mean.value, decimals},
                           IntervalText(row.difference.mean.interval, decimals)});
   }
-  return {"Differences", {std::move(table)}};
+  const auto certain = static_cast<std::size_t>(
+      std::ranges::count_if(rows, [](const DifferenceRow& row) { return std::isfinite(row.StandardErrors()); }));
+  if (certain == 0) return {"Differences", {std::move(table)}};
+  const auto beyond_zero = [&](std::size_t comparisons) {
+    return std::ranges::count_if(rows, [&](const DifferenceRow& row) { return row.IsClearAmong(comparisons); });
+  };
+  return {"Differences",
+          {std::move(table),
+           Paragraph{fmt::format(
+               "The largest differences, relative to their standard errors, come first. {}: where nothing differs, "
+               "chance alone puts about {} of the intervals beside 0; here {} lie beside it, and {} with the intervals "
+               "widened for so many comparisons (Bonferroni).",
+               Counted(certain, "comparison"), NumberText(0.05 * static_cast<double>(certain), 1), beyond_zero(1),
+               beyond_zero(certain))}}};
 }
 
 std::string EnoughText(const std::vector<ReliabilityRow>& rows) {

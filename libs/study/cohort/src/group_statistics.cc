@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "lake/core/distributions.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
@@ -163,7 +164,27 @@ std::vector<DifferenceRow> DifferencesOf(const GroupData& group) {
     }
     if (!difference.empty()) rows.push_back({quantity, Mean(human), Mean(exo), reliability::MeanOf(difference)});
   }
+  const auto of_certain = [](const DifferenceRow& row) { return std::isfinite(row.StandardErrors()); };
+  const auto uncertain = std::stable_partition(rows.begin(), rows.end(), of_certain);
+  std::stable_sort(rows.begin(), uncertain, [](const DifferenceRow& a, const DifferenceRow& b) {
+    return std::abs(a.StandardErrors()) > std::abs(b.StandardErrors());
+  });
   return rows;
+}
+
+double DifferenceRow::StandardErrors() const {
+  const double subjects = static_cast<double>(difference.subjects);
+  return difference.subjects > 1 && difference.standard_deviation > 0
+             ? difference.mean.value / (difference.standard_deviation / std::sqrt(subjects))
+             : kNaN;
+}
+
+bool DifferenceRow::IsClearAmong(std::size_t comparisons) const {
+  constexpr double kChance = 0.05;
+  if (!std::isfinite(StandardErrors())) return false;
+  const double least = StudentQuantile(static_cast<double>(difference.subjects) - 1,
+                                       1 - kChance / (2 * static_cast<double>(comparisons)));
+  return std::abs(StandardErrors()) > least;
 }
 
 std::string OutlierRow::Why() const {

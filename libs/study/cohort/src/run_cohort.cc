@@ -420,6 +420,8 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
 
 void WriteTemplate(const fs::path& folder) {
   const fs::path from = SharedFile("template");
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    throw Fail("{}: is a file; --template needs a folder, which it makes", folder.string());
   for (const auto& entry : fs::directory_iterator(from))
     if (fs::exists(folder / entry.path().filename()))
       throw Fail("{}: is there already; choose another folder", (folder / entry.path().filename()).string());

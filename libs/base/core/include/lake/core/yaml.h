@@ -65,4 +65,8 @@ class YamlNode {
   std::unique_ptr<Impl> impl_;
 };
 
+// Throws Error if the file is not "a design", "a problem", "a study" or "a camera", whichever is expected, but another
+// of these: what it is, and what reads it.
+void ExpectKind(const YamlNode& file, std::string_view expected);
+
 }  // namespace lake

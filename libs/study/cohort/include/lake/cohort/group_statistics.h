@@ -39,7 +39,12 @@ struct DifferenceRow {
   std::string quantity;
   double human = 0, exo = 0;  // means
   reliability::MeanOfSubjects difference;
+
+  double StandardErrors() const;  // that the mean is from 0; NaN of one participant
+  // Whether the interval of 95 % lies beside 0 where so many differences are compared (Bonferroni; 1: this one alone).
+  bool IsClearAmong(std::size_t comparisons) const;
 };
+// The largest first, relative to their standard errors.
 std::vector<DifferenceRow> DifferencesOf(const GroupData& group);
 
 struct OutlierRow {
