@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
         if (home_command()) return commands::RunStrokeSession(home.run, run);
         if (talk_command()) return commands::RunStrokeTalk(talk, run);
         if (calibrate()) return commands::RunDutyCalibration(duty, run);
-        if (stroke.design.empty()) throw UsageError("which design? see lake-stroke --help");
+        if (stroke.design.empty()) throw UsageError("the design is missing: give design.yaml; see lake-stroke --help");
         return commands::RunStroke(stroke, run);
       });
 }

@@ -134,7 +134,7 @@ TEST_F(TracksInPx, AScaleThatHasNoEffectIsRefused) {
   ExpectRefused("--left human.csv --right exo.csv --scale 0,0,500,0,1000 --exo-scale 0,0,500,0,1000", 2,
                 "--exo-scale: there is no EXO trial with --left and --right; see --right-scale");
   ExpectRefused("human.csv exo.csv --scale 0,0,500,0,1000 --right-camera camera.yaml", 2,
-                "--right-camera is of --left and --right; see --exo-camera");
+                "--right-camera only applies to --left and --right; with HUMAN and EXO give --exo-camera");
   ExpectRefused("human_mm.csv exo_mm.csv --height 1800", 2, "--height only applies together with --worn");
 }
 

@@ -367,8 +367,9 @@ void CheckIsCompared(const CompareRunOptions& o, const OptionList& list) {
     const std::string other = fmt::format("{}-{}", of_legs ? "exo" : "right", name);
     if (!list.IsGiven(other)) continue;
     throw UsageError(
-        of_legs ? fmt::format("--{}: there is no EXO trial with --left and --right; see --right-{}", other, name)
-                : fmt::format("--{} is of --left and --right; see --exo-{}", other, name));
+        of_legs
+            ? fmt::format("--{}: there is no EXO trial with --left and --right; see --right-{}", other, name)
+            : fmt::format("--{} only applies to --left and --right; with HUMAN and EXO give --exo-{}", other, name));
   }
   for (const char* name : {"height", "mass", "seat-edge"})
     if (!o.worn && list.IsGiven(name)) throw UsageError("--{} only applies together with --worn", name);
@@ -598,7 +599,7 @@ void Describe(CompareRunOptions& o, OptionList& options) {
     exchange::CheckPlates(o.plates);
     if (!o.plates.empty() && o.forces.empty())
       throw UsageError("--plates needs a file with the forces: give it with --forces");
-    if (o.sync && o.forces.empty()) throw UsageError("--sync: whose clock? Give --forces");
+    if (o.sync && o.forces.empty()) throw UsageError("--sync only applies together with --forces");
     CheckIsCompared(o, list);
     o.exo_reading.up = o.human_reading.up;
     o.exo_reading.forward = o.human_reading.forward;

@@ -39,7 +39,7 @@ void DescribeForces(FurtherInputs& o, OptionList& options) {
   options.Add("sync", o.sync, "The forces' clock against the trial's: the sync.yaml of lake sync TRIAL FORCES")
       .Otherwise("they have one clock");
   options.Check([&o](const OptionList&) {
-    if (o.sync && o.forces.empty()) throw UsageError("--sync: whose clock? Give --forces");
+    if (o.sync && o.forces.empty()) throw UsageError("--sync only applies together with --forces");
   });
 }
 

@@ -115,7 +115,9 @@ std::string FirstLineOf(const fs::path& path) {
   std::vector<std::string> same;
   for (const PointFormat& format : kFormats)
     if (HasEnding(format, name)) same.push_back(format.name);
-  if (same.empty()) throw Fail("{}: unknown kind of file; {} are known", path.string(), ReadableEndings());
+  if (same.empty())
+    throw Fail("{}: unknown kind of file; {} are known (of a video, lake track makes a trial)", path.string(),
+               ReadableEndings());
   constexpr std::size_t kShown = 60;
   throw Fail(
       "{}: its first line is '{}', as no program known here begins such a file ({}); export TRC or C3D instead, or "

@@ -76,7 +76,8 @@ Json FinishFolder(const LiveRunOptions& options, const fs::path& programs, Run& 
   const fs::path folder = options.input, recording = folder / kVideo;
   std::error_code error;
   if (!fs::equivalent(run.Folder(), folder, error))
-    throw UsageError("-o {}: the trial is made where the recording is, {}", run.Folder().string(), folder.string());
+    throw UsageError("-o {} cannot be given with a recording to finish: its trial is made in {}", run.Folder().string(),
+                     folder.string());
   run.TakeFolder();  // a session may be recording there
   const bool is_unfinished = fs::exists(video::UnfinishedRecording(recording));
   if (!is_unfinished && !fs::exists(recording)) throw Fail("{}: holds no recording of lake live", folder.string());

@@ -1,0 +1,313 @@
+"""Wrong inputs, each with what its message must name: one line, and the way out in it."""
+import concurrent.futures
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+BIN = pathlib.Path(os.environ.get("LAKE_BIN", "build/test/bin")).resolve()
+DATA = pathlib.Path(__file__).resolve().parents[2] / "data/sts-study"
+WAIT_S = 60
+LEAST = 300  # rows
+
+# What is right in each program's command line, to which an option is added: "…" in the rows.
+RIGHT = {
+    "anonymise": "film.mp4 --trial empty",
+    "axis": "trial.csv --segment shank=ankle,knee --segment thigh=hip,waist",
+    "calibrate": "film.mp4 --board chessboard:9x6:25",
+    "check": "film.mp4",
+    "cohort": "empty participant",
+    "compare": "trial.csv trial.csv",
+    "convert": "trial.csv o.trc",
+    "export": "design.yaml mjcf",
+    "gait": "trial.csv",
+    "info": "trial.csv",
+    "live": "film.mp4 --replay",
+    "loads": "trial.csv --mass 70",
+    "optimize": "",
+    "review": "empty",
+    "run": "study.yaml",
+    "simulate": "design.yaml",
+    "stroke": "design.yaml",
+    "sync": "trial.csv trial.csv",
+    "synth": "",
+    "track": "film.mp4",
+}
+
+# Options whose value is a number, given a word.
+NUMBERS = {
+    "anonymise": """threads crf capture-rate""",
+    "axis": """threads rate window least-turn soft-tissue""",
+    "calibrate": """threads max-views""",
+    "check": """threads""",
+    "cohort": """threads cores jobs""",
+    "compare": """threads height mass belt-speed replacement-sd seat-edge depth-sd view-slope scale-sd event-sd frame-tissue cuff-softest cuff-stiffest""",
+    "export": """threads bar-width pin-diameter bore-clearance layer-gap clearance cuff-hole-diameter cuff-hole-spacing actuator-diameter actuator-eye actuator-mass rod-diameter""",
+    "gait": """threads cutoff age placement-sd""",
+    "live": """threads tolerance port patience least-free""",
+    "loads": """threads share rise-time draws seed-number""",
+    "optimize": """threads grashof-margin singularity-margin assist starts certify yield round max-force max-pin-force
+        max-mount-force safety-factor knee-torque min-moment-arm min-transmission max-angle max-length
+        robust clear-seat clear-limb thigh shank certify-time""",
+    "run": """threads""",
+    "simulate": """threads d-min d-max angles stroke rows thigh-link-mass shank-link-mass max-leg-shear max-cuff-force""",
+    "stroke": """threads speed from-angle to-angle smooth hold margin max-speed max-acceleration dead-time tolerance
+        home-stroke home-speed command-timeout speed-tolerance home-error lag stop-travel extend-stop
+        feedback-error supply current-zero current-scale max-current stall-current force-limit force-per-ampere idle-current speed-limit safety-relay hold-button table-tolerance""",
+    "sync": """threads drift-sd""",
+    "synth": """threads repetitions hub duration width height motion-seed walk-in second-person pace rest warp skin
+        stride stride-length passes begin radius radius-px distance yaw pitch roll shutter readout psf read-noise shot-gain start jitter level brightness exposure flicker reflections population sessions""",
+    "track": """threads end""",
+}
+
+# Options whose value is one of several words, given another.
+CHOICES = {
+    "anonymise": """rotate""",
+    "calibrate": """loss lens""",
+    "check": """polarity""",
+    "cohort": """movement""",
+    "compare": """knee walking up""",
+    "convert": """out-unit leg""",
+    "gait": """facing filter sex""",
+    "loads": """leg""",
+    "optimize": """mount""",
+    "stroke": """feedback""",
+    "synth": """scene movement markers""",
+    "track": """detector""",
+}
+
+# Command  ->  what its message must have.
+ROWS = """
+anonymise empty --trial empty  ->  --trial is the folder that lake track made of the video
+anonymise text.csv --trial empty  ->  --trial is the folder that lake track made of the video
+anonymise design.yaml --trial empty  ->  --trial is the folder that lake track made of the video
+anonymise camera.yaml --trial empty  ->  --trial is the folder that lake track made of the video
+anonymise study.yaml --trial empty  ->  --trial is the folder that lake track made of the video
+anonymise page.html --trial empty  ->  --trial is the folder that lake track made of the video
+anonymise … --triax  ->  did you mean '--trial
+axis empty --segment shank=ankle,knee --segment thigh=hip,waist  ->  neither trajectory.csv nor tracks.csv of lake-track
+axis text.csv --segment shank=ankle,knee --segment thigh=hip,waist  ->  write a table with the columns frame
+axis design.yaml --segment shank=ankle,knee --segment thigh=hip,waist  ->  are known
+axis camera.yaml --segment shank=ankle,knee --segment thigh=hip,waist  ->  are known
+axis study.yaml --segment shank=ankle,knee --segment thigh=hip,waist  ->  are known
+axis page.html --segment shank=ankle,knee --segment thigh=hip,waist  ->  are known
+axis … --windox  ->  did you mean '--window
+axis … --segment odd  ->  --segment 'odd': write NAME=…
+axis … --unit odd  ->  mm, cm, m, px or its length in mm
+axis … --range odd  ->  --range must have 2 numbers
+calibrate … --fix-kx  ->  did you mean '--fix-k3
+calibrate … --board odd  ->  see lake-calibrate --help
+check empty  ->  is a folder, not a video; for an image sequence
+check text.csv  ->  not a video that can be read
+check design.yaml  ->  not a video that can be read
+check camera.yaml  ->  not a video that can be read
+check study.yaml  ->  not a video that can be read
+check page.html  ->  not a video that can be read
+check … --polaritx  ->  did you mean '--polarity
+check … --markers odd  ->  recordings of a leg are judged
+check … --seed odd  ->  --seed 'odd': write NAME=…
+check … --crop odd  ->  --crop must have 4 numbers
+cohort  ->  --template FOLDER makes one
+cohort … --corex  ->  did you mean '--cores
+compare  ->  --left A --right B
+compare empty trial.csv  ->  neither trajectory.csv nor tracks.csv of lake-track
+compare text.csv trial.csv  ->  write a table with the columns frame
+compare design.yaml trial.csv  ->  are known
+compare camera.yaml trial.csv  ->  are known
+compare study.yaml trial.csv  ->  are known
+compare page.html trial.csv  ->  are known
+compare … --replacement-sx  ->  did you mean '--replacement-sd
+compare … --forces absent.xyz  ->  for one recording use lake loads
+compare … --sync absent.xyz  ->  only applies together with --forces
+compare … --joint-at odd  ->  --joint-at must have 2 numbers
+compare … --map odd  ->  --map 'odd': write NAME=…
+compare … --exo-map odd  ->  --exo-map 'odd': write NAME=…
+compare … --camera absent.xyz  ->  leave it out
+compare … --scale odd  ->  --scale must have 5 numbers
+compare … --depth odd  ->  --depth 'odd': write NAME=…
+compare … --left absent.xyz  ->  give both
+compare … --right absent.xyz  ->  give both
+compare … --right-map odd  ->  --right-map 'odd': write NAME=…
+compare … --plates odd  ->  --plates 'odd': write NAME=…
+compare … --exo-segment odd  ->  --exo-segment 'odd': write NAME=…
+compare … --thigh-cuff odd  ->  give DISTANCE:LENGTH in mm, as 200:80
+compare … --shank-cuff odd  ->  give DISTANCE:LENGTH in mm, as 200:80
+compare … --forward odd  ->  x, y or z with a sign
+compare … --exo-unit odd  ->  mm, cm, m, px or its length in mm
+compare … --plane-points odd  ->  leave it out
+compare … --exo-camera absent.xyz  ->  leave it out
+compare … --exo-scale odd  ->  --exo-scale must have 5 numbers
+compare … --exo-plane-points odd  ->  leave it out
+compare … --right-scale odd  ->  --right-scale must have 5 numbers
+compare … --right-plane-points odd  ->  give --exo-plane-points
+convert empty o.trc  ->  neither trajectory.csv nor tracks.csv of lake-track
+convert text.csv o.trc  ->  write a table with the columns frame
+convert design.yaml o.trc  ->  are known
+convert camera.yaml o.trc  ->  are known
+convert study.yaml o.trc  ->  are known
+convert page.html o.trc  ->  are known
+convert … --smoothex  ->  did you mean '--smoothed
+convert … --crop odd  ->  --crop must have 2 numbers
+export empty mjcf  ->  is a folder, not a file
+export text.csv mjcf  ->  a design is a map with the keys links, d_min_mm, …
+export camera.yaml mjcf  ->  --camera reads it
+export study.yaml mjcf  ->  lake run reads it
+export page.html mjcf  ->  a design is a map with the keys links, d_min_mm, …
+export … --cuff-hole-spacinx  ->  did you mean '--cuff-hole-spacing
+export … --plate odd  ->  a thickness and a material, such as 4mm,PLA
+gait empty  ->  neither trajectory.csv nor tracks.csv of lake-track
+gait text.csv  ->  write a table with the columns frame
+gait design.yaml  ->  are known
+gait camera.yaml  ->  are known
+gait study.yaml  ->  are known
+gait page.html  ->  are known
+gait … --smoothex  ->  did you mean '--smoothed
+gait … --technical odd  ->  --technical 'odd': write NAME=…
+gait … --angle odd  ->  --angle 'odd': write NAME=…
+gait … --distance odd  ->  --distance 'odd': write NAME=…
+gait … --speed odd  ->  --speed 'odd': write NAME=…
+gait … --range-limit odd  ->  --range-limit must have 2 numbers
+gait … --compare-with odd  ->  it has: none
+info empty  ->  neither trajectory.csv nor tracks.csv of lake-track
+info text.csv  ->  write a table with the columns frame
+info design.yaml  ->  lake calibrate makes a file from pictures of a board
+info study.yaml  ->  lake calibrate makes a file from pictures of a board
+info page.html  ->  are known
+info … --versiox  ->  did you mean '--version
+live empty --replay  ->  holds no recording of lake live
+live … --joint-ax  ->  did you mean '--joint-at
+live … --joint odd  ->  is not one of the markers (ankle, knee, hip, waist, exo_knee
+live … --overlay odd  ->  see lake-live --help
+loads empty --mass 70  ->  neither trajectory.csv nor tracks.csv of lake-track
+loads text.csv --mass 70  ->  write a table with the columns frame
+loads design.yaml --mass 70  ->  are known
+loads camera.yaml --mass 70  ->  are known
+loads study.yaml --mass 70  ->  are known
+loads page.html --mass 70  ->  are known
+loads … --plane-pointx  ->  did you mean '--plane-points
+loads … --foot odd  ->  --foot must have 2 numbers
+loads … --plates odd  ->  --plates 'odd': write NAME=…
+optimize --min-transmissiox  ->  did you mean '--min-transmission
+optimize --actuator odd  ->  it has L16-50-35, L16-100-63, L16-140-150, P16-100-256, LA31
+optimize --duration odd  ->  a duration (--duration, duration_s) is free or a number of s
+optimize --start odd  ->  --start must have 6 numbers
+optimize --rest odd  ->  rest is anywhere or standing, not 'odd
+review text.csv  ->  not a video that can be read
+review camera.yaml  ->  --camera reads it
+review study.yaml  ->  lake run reads it
+review page.html  ->  not a video that can be read
+review … --movemenx  ->  did you mean '--movement
+run  ->  --template FILE writes one to fill in
+run empty  ->  is a folder, not a file
+run text.csv  ->  a study is a map with the keys human, exo, camera, …
+run design.yaml  ->  lake simulate, lake stroke, lake export and lake review read
+run camera.yaml  ->  --camera reads it
+run study.yaml  ->  files are missing
+run page.html  ->  a study is a map with the keys human, exo, camera, …
+run … --keep-goinx  ->  did you mean '--keep-going
+run … --only odd  ->  files are missing
+simulate  ->  give either a design file or --links l1,l2,l3,l4,l5,l6
+simulate empty  ->  is a folder, not a file
+simulate text.csv  ->  a design is a map with the keys links, d_min_mm, …
+simulate camera.yaml  ->  --camera reads it
+simulate study.yaml  ->  lake run reads it
+simulate page.html  ->  a design is a map with the keys links, d_min_mm, …
+simulate … --seat-edgx  ->  did you mean '--seat-edge
+simulate … --links odd  ->  --links must have 6 numbers
+simulate … --animation odd  ->  see lake-simulate --help
+stroke empty  ->  is a folder, not a file
+stroke text.csv  ->  a design is a map with the keys links, d_min_mm, …
+stroke camera.yaml  ->  --camera reads it
+stroke study.yaml  ->  lake run reads it
+stroke page.html  ->  a design is a map with the keys links, d_min_mm, …
+stroke … --speed-tolerancx  ->  did you mean '--speed-tolerance
+stroke … --rod-markers odd  ->  --stroke-log and --rod-markers belong to --validate TRACKDIR
+stroke … --pot odd  ->  give two different points COUNTS=MM,COUNTS=MM, e.g. 102=242,
+stroke … --pins odd  ->  one of ena, in1, in2, retract, extend, out1, out2 and a numb
+sync empty trial.csv  ->  neither trajectory.csv nor tracks.csv of lake-track
+sync text.csv trial.csv  ->  write a table with the columns frame
+sync design.yaml trial.csv  ->  are known
+sync camera.yaml trial.csv  ->  are known
+sync study.yaml trial.csv  ->  are known
+sync page.html trial.csv  ->  are known
+sync … --signal-x  ->  did you mean '--signal-a
+sync … --signal-a odd  ->  give both
+sync … --signal-b odd  ->  give both
+synth --stride-lengtx  ->  did you mean '--stride-length
+synth --exo odd  ->  --exo must have 2 numbers
+synth --extra-markers odd  ->  a drawn sit-to-stand has shank1 and shank2
+synth --distortion odd  ->  --distortion must have 5 numbers
+synth --hide odd  ->  --hide 'odd': write NAME=…
+track empty  ->  is a folder, not a video; for an image sequence
+track text.csv  ->  not a video that can be read
+track design.yaml  ->  not a video that can be read
+track camera.yaml  ->  not a video that can be read
+track study.yaml  ->  not a video that can be read
+track page.html  ->  not a video that can be read
+track … --dictionarx  ->  did you mean '--dictionary
+track … --color odd  ->  --color is for --detector color
+track … --export odd  ->  there are mot, trc, c3d, tracker, trk, kinovea, kva
+track … --vertical odd  ->  --vertical must have 4 numbers
+export absent.yaml mjcf  ->  absent.yaml: no such file
+simulate absent.yaml  ->  absent.yaml: no such file
+stroke absent.yaml  ->  absent.yaml: no such file
+run absent.yaml  ->  absent.yaml: no such file
+optimize --problem absent.yaml  ->  absent.yaml: no such file
+"""
+
+
+def rows():
+    """The words of each command, and what its message must have."""
+    for program, right in RIGHT.items():
+        if right and program not in ("calibrate", "cohort", "compare", "run", "simulate", "stroke"):
+            yield [program], f"is required; see lake-{program} --help"
+        yield [program, *right.split(), "--no-such-option"], f"there is no option '--no-such-option'; see lake-{program} --help"
+    for options, must in ((NUMBERS, "number"), (CHOICES, "one of")):
+        for program, names in options.items():
+            for name in names.split():
+                yield [program, *RIGHT[program].split(), f"--{name}", "odd"], f"--{name} must be %{must}"
+    for row in ROWS.strip().split("\n"):
+        command, said = row.split("  ->  ")
+        program, *words = command.split()
+        yield [program, *(part for word in words for part in (RIGHT[program].split() if word == "…" else [word]))], said
+
+
+class WrongInputs(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="lake-wrong-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        (self.folder / "empty").mkdir()
+        for name in ("study.yaml", "problem.yaml", "camera.yaml"):
+            shutil.copy(DATA / name, self.folder)
+        shutil.copy(DATA / "worn.yaml", self.folder / "design.yaml")
+        (self.folder / "text.csv").write_text("hello\nworld\n")
+        (self.folder / "page.html").write_text("<html>\n<p>page</p>\n</html>\n")
+        markers = ("ankle", "knee", "hip", "waist")
+        header = ["frame", "time_s", *(f"{name}_{axis}_mm" for name in markers for axis in "xy")]
+        lines = [[i, i / 30, *(place for up in (100, 500, 900, 1100) for place in (0, up))] for i in range(60)]
+        (self.folder / "trial.csv").write_text("".join(",".join(map(str, line)) + "\n" for line in [header, *lines]))
+        subprocess.run(["ffmpeg", "-v", "error", "-f", "lavfi", "-i", "color=gray:s=320x240:r=30:d=1", self.folder / "film.mp4"],
+                       check=True, stdin=subprocess.DEVNULL)
+
+    def say(self, words):
+        return subprocess.run([BIN / f"lake-{words[0]}", *words[1:]], cwd=self.folder, capture_output=True, text=True,
+                              stdin=subprocess.DEVNULL, timeout=WAIT_S, check=False)
+
+    def test_each_gets_one_line_with_the_way_out(self):
+        table = list(rows())
+        self.assertGreaterEqual(len(table), LEAST)
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            for (words, must), done in zip(table, pool.map(lambda row: self.say(row[0]), table)):
+                with self.subTest(command=" ".join(words)):
+                    self.assertIn(done.returncode, (1, 2), done.stderr)
+                    self.assertEqual(done.stdout, "")
+                    self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+                    self.assertTrue(done.stderr.startswith(f"lake-{words[0]}: "), done.stderr)
+                    for part in must.split("%"):
+                        self.assertIn(part, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
