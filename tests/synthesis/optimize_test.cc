@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "lake/certificate/certificate.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "paper.h"
@@ -256,6 +257,27 @@ TEST(Optimize, EachRequirementCostsRange) {
   problem::SynthesisProblem problem = WithMargins(1);
   problem.limits["d_max_mm"] = 350;
   EXPECT_LT(range(problem), range(WithMargins(1)));
+}
+
+// The actuator's length at 90 degrees of flexion, as the closed form has it; the certificate knows the limit too.
+TEST(Optimize, HoldsTheActuatorToALengthWhenSitting) {
+  const auto length_of = [](const linkage::Links& links) {
+    const linkage::UsedRange range = linkage::FindUsedRange(links, problem::SynthesisProblem().d_min_mm, {});
+    return linkage::StrokeForAngle(links, range, RadiansFromDegrees(90)).value();
+  };
+  problem::SynthesisProblem problem = WithMargins(1);
+  const synthesis::LocalSolve free = synthesis::SolveFrom(problem, problem.start);
+  ASSERT_TRUE(free.IsUsable());
+  const double limit_mm = length_of(free.end) - 3;
+  problem.limits["max_seated_length_mm"] = limit_mm;
+  const synthesis::LocalSolve held = synthesis::SolveFrom(problem, problem.start);
+  ASSERT_TRUE(held.IsUsable());
+  EXPECT_NEAR(length_of(held.end), limit_mm, 1e-5);
+  EXPECT_LT(held.objective, free.objective);
+  EXPECT_TRUE(synthesis::FindActiveSet(held).Find(synthesis::LimitOn("length when sitting")));
+  const double with_deg = certificate::CertifyRange(problem, held.objective).upper_bound_deg;
+  EXPECT_GE(with_deg, held.objective);
+  EXPECT_LT(with_deg, free.objective);
 }
 
 TEST(Optimize, RefusesSenselessOptions) {

@@ -198,6 +198,19 @@ inline constexpr std::tuple kLimits{
                add("actuator",
                    [off = load.closed_error_mm](const auto& pose) { return OverOne(pose.Stroke_mm() - off); });
              }},
+    LimitRow{{.name = "length when sitting",
+              .unit = "mm",
+              .is_lower = false,
+              .place = Place::kSeated,
+              .key = "max_seated_length_mm",
+              .option = "max-seated-length",
+              .help = "Largest length of the actuator, the knee bent by 90 degrees",
+              .option_unit = "mm",
+              .example = "300"},
+             nullptr,
+             [](const PoseLoad&, auto&& add) {
+               add("actuator", [](const auto& pose) { return OverOne(pose.Stroke_mm()); });
+             }},
     LimitRow{{.name = "holding force", .unit = "N", .is_lower = false, .place = Place::kAtRest, .is_relative = true},
              [](const auto& problem) {
                return problem.actuator ? problem.actuator->holding_force_n : std::optional<double>();
