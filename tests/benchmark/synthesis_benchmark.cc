@@ -44,7 +44,7 @@ struct ClosedForm {
 
   static double Slack(const problem::Requirement& requirement, const problem::SynthesisProblem& problem,
                       const std::vector<double>& x, std::vector<double>* gradient) {
-    if (requirement.id.kind == problem::Requirement::Kind::kSingularity) {
+    if (requirement.name == "singularity") {
       const double l7 = std::hypot(x[4], x[5]);
       if (gradient && !gradient->empty()) *gradient = {0, 1, 0, 0, -x[4] / l7, -x[5] / l7};
       return x[1] + problem.d_min_mm - l7 - requirement.limit;

@@ -323,7 +323,7 @@ TEST_F(StudyYaml, TakesLoadsAndAnActuator) {
   EXPECT_EQ(study.loads->loads.body.mass_kg, 70);
   EXPECT_EQ(study.loads->loads.body.height_mm, 1750);
   const problem::SynthesisProblem& problem = study.assistance->options.problem;
-  EXPECT_EQ(problem.max_force_n, 900);
+  EXPECT_EQ(problem.limits["max_force_n"], 900);
   EXPECT_EQ(problem.actuator->no_load_speed_mm_s, 90);
   EXPECT_EQ(problem.assist, 0.3);
   EXPECT_EQ(problem.duration_s, 4);

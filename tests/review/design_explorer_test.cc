@@ -24,7 +24,7 @@ ExploredDesign Published() {
   explored.name = "design.yaml";
   explored.design.links = {59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
   explored.problem.standing_deg = 5;
-  explored.problem.max_force_n = 2000;
+  explored.problem.limits["max_force_n"] = 2000;
   explored.problem.singularity_margin_mm = 2;
   return explored;
 }
@@ -137,7 +137,7 @@ TEST(DesignExplorer, SaysWhichRequirementFailsAndByHowMuch) {
   const problem::DesignEvaluation evaluation = problem::Evaluate(links, design.problem);
   std::size_t failed = 0;
   for (const problem::RequirementCheck& check : evaluation.checks) {
-    const Json& said = CheckNamed(message, check.requirement.name);
+    const Json& said = CheckNamed(message, std::string(check.requirement.name));
     EXPECT_EQ(said.at("holds").get<bool>(), check.slack >= -1e-6 * std::max(1.0, check.requirement.limit));
     failed += said.at("holds").get<bool>() ? 0 : 1;
     if (std::isfinite(check.slack))
@@ -172,7 +172,7 @@ TEST(DesignExplorer, HoldsClearancesWhereTheJointSits) {
   problem::SynthesisProblem placed = explored.problem;
   placed.clearances.placement_mm = explored.design.placement_mm;
   const problem::DesignEvaluation evaluation = problem::Evaluate(explored.design.links, placed);
-  const double clearance_mm = evaluation.CheckOf({problem::Requirement::Kind::kThigh}).value;
+  const double clearance_mm = evaluation.CheckOf("thigh clearance").value;
   EXPECT_NEAR(CheckNamed(message, "thigh clearance").at("value").get<double>(), clearance_mm, kRounding);
 }
 

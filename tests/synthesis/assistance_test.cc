@@ -19,8 +19,6 @@
 namespace lake {
 namespace {
 
-using Requires = problem::Requirement::Kind;
-
 // calibration/problems/buildable.yaml
 problem::LinearActuator Known(const std::string& name) {
   return problem::FindActuator(name);
@@ -63,8 +61,8 @@ TEST(LoadedDesign, ConstantProfileHasTheForceOfTheConstantTorque) {
     // Three quarters of a moment are the torque; the samples are those of the constant form's grid.
     loaded.profile = ConstantProfile(evaluation.range_deg, 5, 37 / 0.75, 721);
     loaded.assist = 0.75;
-    const double constant = evaluation.CheckOf({Requires::kForce}).value,
-                 profile = problem::Evaluate(links, loaded).CheckOf({Requires::kForce}).value;
+    const double constant = evaluation.CheckOf("force").value,
+                 profile = problem::Evaluate(links, loaded).CheckOf("force").value;
     // Between two samples a smooth force is higher by its curvature, a pole by more.
     if (constant < 5000) {
       EXPECT_NEAR(profile, constant, 1e-3 * constant);
@@ -78,10 +76,10 @@ TEST(LoadedDesign, ConstantProfileHasTheForceOfTheConstantTorque) {
 TEST(LoadedDesign, ConstantProfileHasTheOptimumOfTheConstantTorque) {
   problem::SynthesisProblem plain = WithMargins(10);
   plain.standing_deg = 5;
-  plain.max_force_n = 1200;
+  plain.limits["max_force_n"] = 1200;
   const synthesis::LocalSolve constant = synthesis::SolveFrom(plain, plain.start);
   ASSERT_TRUE(constant.IsUsable());
-  const problem::RequirementCheck& force = constant.evaluation.CheckOf({Requires::kForce});
+  const problem::RequirementCheck& force = constant.evaluation.CheckOf("force");
   ASSERT_NEAR(force.slack, 0, 1e-3) << "the limit is to be active …";
   ASSERT_NEAR(force.fraction, 0, 1e-6) << "… at standing";
   problem::SynthesisProblem loaded = plain;
@@ -133,7 +131,7 @@ TEST(LoadedDesign, ShortestDurationIsTheOneThatTheForceSpeedLawJustAllows) {
   EXPECT_NEAR(excess(1), 0, 1e-9);
   EXPECT_GT(excess(0.99), 0.01);
   EXPECT_LT(excess(1.01), -0.01);
-  EXPECT_NEAR(problem::Evaluate(links, timed).CheckOf({Requires::kDuration}).slack, 0, 1e-9);
+  EXPECT_NEAR(problem::Evaluate(links, timed).CheckOf("duration").slack, 0, 1e-9);
 }
 
 // Whose moment grows as the rise gets slower: momentum helps the person.
@@ -244,13 +242,13 @@ TEST(LoadedDesign, WhatIsNotThereIsSaid) {
 TEST(LoadedDesign, ActuatorSetsLengthsAndForces) {
   const problem::SynthesisProblem problem = WithLoad(0.1, "L16-140-150");
   EXPECT_EQ(problem.d_min_mm, 208);
-  EXPECT_EQ(problem.d_max_mm, 348);
-  EXPECT_EQ(problem.max_force_n, 175);  // of 200, its speed is known up to 175
+  EXPECT_EQ(problem.limits["d_max_mm"], 348);
+  EXPECT_EQ(problem.limits["max_force_n"], 175);  // of 200, its speed is known up to 175
   problem::SynthesisProblem resting = problem;
   const linkage::Links links{60, 60, 55, 60, 50, 215};
-  const double anywhere = problem::Evaluate(links, resting).CheckOf({Requires::kHolding}).value;
+  const double anywhere = problem::Evaluate(links, resting).CheckOf("holding force").value;
   resting.rests_anywhere = false;
-  const problem::RequirementCheck standing = problem::Evaluate(links, resting).CheckOf({Requires::kHolding});
+  const problem::RequirementCheck standing = problem::Evaluate(links, resting).CheckOf("holding force");
   EXPECT_GT(anywhere, standing.value);
   EXPECT_EQ(standing.fraction, 1);
   const problem::Assistance assistance = problem::FindAssistance(links, problem);
@@ -258,7 +256,7 @@ TEST(LoadedDesign, ActuatorSetsLengthsAndForces) {
   EXPECT_NEAR(standing.value, std::abs(assistance.rows.back().force_n), 1e-9);
   const problem::SynthesisProblem unknown = WithLoad(0.1, "LA31-3500");
   EXPECT_EQ(unknown.d_min_mm, 242);
-  EXPECT_FALSE(unknown.d_max_mm);
+  EXPECT_FALSE(unknown.limits["d_max_mm"]);
 }
 
 TEST(LoadedDesign, ProgramHasExactDerivatives) {

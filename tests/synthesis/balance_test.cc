@@ -206,7 +206,7 @@ TEST(BalancedProgram, IsSoughtUnderItsOwnMoments) {
   for (const double force_n : std::span(kForces_n).first(Draws(1, 2))) {
     SCOPED_TRACE(force_n);
     problem.design.profile = quick;
-    problem.design.max_force_n = force_n;
+    problem.design.limits["max_force_n"] = force_n;
     const redesign::MomentsOfProgram moments = redesign::FindMoments(problem, links, Starts(2));
     EXPECT_LE(moments.off_nm, 0.1);
     EXPECT_LE(moments.rounds, 6);
@@ -231,7 +231,7 @@ TEST(BalancedProgram, OfAWholeRedesignSaysOfWhichRiseTheMomentsAre) {
   redesign::RedesignProblem problem = BalancedProblem();
   problem.balance = redesign::BalanceLimits{.margin_mm = 20};
   problem.design.profile = OwnMoments(problem, 1.5);
-  problem.design.max_force_n = 1000;
+  problem.design.limits["max_force_n"] = 1000;
   redesign::RedesignOptions options;
   options.optimize = Starts(2);
   const redesign::RedesignOutcome outcome = redesign::RunRedesign(problem, {.human = MakeCurve({})}, options);
@@ -246,7 +246,7 @@ TEST(BalancedProgram, OfAWholeRedesignHasOtherMomentsThanWhatStandsBeside) {
   redesign::RedesignProblem problem = BalancedProblem();
   problem.balance = redesign::BalanceLimits{.margin_mm = 20};
   problem.design.profile = OwnMoments(problem, 1.5);
-  problem.design.max_force_n = 1000;
+  problem.design.limits["max_force_n"] = 1000;
   problem.design.start = kPublishedLinks;
   redesign::RedesignOptions options;
   options.optimize = Starts(2);
@@ -260,7 +260,7 @@ TEST(BalancedProgram, OfAWholeRedesignHasOtherMomentsThanWhatStandsBeside) {
     EXPECT_GT(redesign::LargestDifferenceNm(along, outcome.moments->profile), 1);
     problem::SynthesisProblem under = outcome.problem.design;
     under.profile = along;
-    const problem::Requirement::Id force{.kind = problem::Requirement::Kind::kForce};
+    const char* force = "force";
     EXPECT_THAT(design->evaluation.CheckOf(force).value,
                 testing::NanSensitiveDoubleEq(problem::Evaluate(design->design.links, under).CheckOf(force).value));
   }

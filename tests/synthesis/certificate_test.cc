@@ -156,13 +156,13 @@ problem::SynthesisProblem RandomUsedProblem(std::mt19937_64& random) {
   problem.grashof_margin_mm = sometimes(0.2, 5).value_or(0);
   problem.singularity_margin_mm = sometimes(0.2, 5).value_or(0);
   problem.standing_deg = uniform(2, 20);
-  problem.max_force_n = sometimes(1500, 6000);
-  problem.min_moment_arm_mm = sometimes(1, 15);
-  problem.min_transmission_deg = sometimes(3, 15);
-  problem.d_max_mm = sometimes(340, 400);
-  problem.max_pin_force_n = sometimes(3000, 9000);
-  problem.max_mount_force_n = sometimes(1500, 6000);
-  problem.safety_factor = sometimes(0.3, 1.5);
+  problem.limits["max_force_n"] = sometimes(1500, 6000);
+  problem.limits["min_moment_arm_mm"] = sometimes(1, 15);
+  problem.limits["min_transmission_deg"] = sometimes(3, 15);
+  problem.limits["d_max_mm"] = sometimes(340, 400);
+  problem.limits["max_pin_force_n"] = sometimes(3000, 9000);
+  problem.limits["max_mount_force_n"] = sometimes(1500, 6000);
+  problem.limits["safety_factor"] = sometimes(0.3, 1.5);
   problem.clearances.seat_mm = sometimes(0, 5);
   problem.clearances.placement_mm = {uniform(-10, 10), uniform(-10, 10)};
   return problem;
@@ -420,7 +420,7 @@ TEST(Certificate, SaysWhenNothingIsFeasible) {
 // The seat counts for every design that satisfies the problem, also where the knee bends no further than sitting.
 TEST(Certificate, TheSeatIsInTheBoundWhereTheKneeBendsNoFurtherThanSitting) {
   problem::SynthesisProblem problem = WithMargins(2);
-  problem.max_angle_deg = 85;
+  problem.limits["max_angle_deg"] = 85;
   problem.standing_deg = 5;
   problem.clearances.seat_mm = 1000;  // more than any linkage within the bounds
   EXPECT_THAT(certificate::NotInBound(problem), ::testing::IsEmpty());

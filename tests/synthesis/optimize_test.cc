@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "lake/certificate/certificate.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "paper.h"
@@ -131,11 +132,11 @@ TEST(Optimize, MultipliersAreNotUniqueAtZeroMargins) {
 problem::SynthesisProblem EverythingOn() {
   problem::SynthesisProblem problem = WithMargins(1);
   problem.standing_deg = 5;
-  problem.max_force_n = 1800;
-  problem.min_moment_arm_mm = 20;
-  problem.min_transmission_deg = 12;
-  problem.d_max_mm = 365;
-  problem.max_angle_deg = 140;
+  problem.limits["max_force_n"] = 1800;
+  problem.limits["min_moment_arm_mm"] = 20;
+  problem.limits["min_transmission_deg"] = 12;
+  problem.limits["d_max_mm"] = 365;
+  problem.limits["max_angle_deg"] = 140;
   return problem;
 }
 
@@ -158,7 +159,7 @@ TEST(SynthesisProgram, LimitsAreFoundByWhatTheyAreOn) {
       synthesis::BuildProgram(EverythingOn(), {60, 70, 55, 75, 90, 260}, {0.3, 0.7});
   for (const synthesis::Limit& limit : program.limits) EXPECT_EQ(program.Find(limit.id), &limit);
   for (const problem::Requirement& requirement : problem::RequirementsOf(EverythingOn())) {
-    const synthesis::Limit* limit = program.Find(synthesis::LimitOn(requirement.id));
+    const synthesis::Limit* limit = program.Find(synthesis::LimitOn(requirement.name));
     ASSERT_TRUE(limit) << requirement.name;
     EXPECT_EQ(program.program.Rows()[limit->row].name, requirement.Text());
     EXPECT_EQ(limit->unit, requirement.unit);
@@ -196,21 +197,21 @@ void ExpectHoldsOnAFineGrid(const problem::SynthesisProblem& problem, const link
     const double angle =
         DegreesFromRadians(std::min(transmission.transmission_rad, std::numbers::pi - transmission.transmission_rad));
     // Relative to the limit, as the solver's tolerance is; a limit that is off holds always.
-    ASSERT_GE(angle, problem.min_transmission_deg.value_or(0) * (1 - 1e-6)) << stroke;
-    ASSERT_GE(transmission.moment_arm_mm, problem.min_moment_arm_mm.value_or(0) * (1 - 1e-6)) << stroke;
+    ASSERT_GE(angle, problem.limits["min_transmission_deg"].value_or(0) * (1 - 1e-6)) << stroke;
+    ASSERT_GE(transmission.moment_arm_mm, problem.limits["min_moment_arm_mm"].value_or(0) * (1 - 1e-6)) << stroke;
     ASSERT_LE(std::abs(linkage::ActuatorForce(transmission, problem.knee_torque_nm)),
-              problem.max_force_n.value_or(nlp::kUnbounded) * (1 + 1e-6))
+              problem.limits["max_force_n"].value_or(nlp::kUnbounded) * (1 + 1e-6))
         << stroke;
-    ASSERT_LE(stroke, problem.d_max_mm.value_or(nlp::kUnbounded) + 1e-6);
+    ASSERT_LE(stroke, problem.limits["d_max_mm"].value_or(nlp::kUnbounded) + 1e-6);
   }
 }
 
 TEST(Optimize, FamiliesHoldEverywhereOnTheUsedRange) {
   problem::SynthesisProblem arm = WithMargins(0), force = WithMargins(1), transmission = WithMargins(1),
                             all = EverythingOn();
-  arm.min_moment_arm_mm = 10;
-  force.max_force_n = 2000;
-  transmission.min_transmission_deg = 45;
+  arm.limits["min_moment_arm_mm"] = 10;
+  force.limits["max_force_n"] = 2000;
+  transmission.limits["min_transmission_deg"] = 45;
   transmission.standing_deg = 20;
   for (const problem::SynthesisProblem& problem : {arm, force, transmission, all}) {
     synthesis::OptimizeOptions options;
@@ -229,7 +230,7 @@ TEST(Optimize, ExchangeFindsTheWorstPoseBetweenCollocationPoints) {
   problem.bounds[4] = {20, 150};
   problem.bounds[5] = {200, 400};
   problem.standing_deg = -8;
-  problem.min_transmission_deg = 30;
+  problem.limits["min_transmission_deg"] = 30;
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
   EXPECT_GT(solve.exchanges, 1);
@@ -239,7 +240,7 @@ TEST(Optimize, ExchangeFindsTheWorstPoseBetweenCollocationPoints) {
 
 TEST(Optimize, CapIsAnUpperLimit) {
   problem::SynthesisProblem problem = WithMargins(1);
-  problem.max_angle_deg = 130;
+  problem.limits["max_angle_deg"] = 130;
   EXPECT_NEAR(synthesis::SolveFrom(problem, problem.start).evaluation.range_deg, 130, 1e-6);
 }
 
@@ -254,8 +255,29 @@ TEST(Optimize, EachRequirementCostsRange) {
     last = next;
   }
   problem::SynthesisProblem problem = WithMargins(1);
-  problem.d_max_mm = 350;
+  problem.limits["d_max_mm"] = 350;
   EXPECT_LT(range(problem), range(WithMargins(1)));
+}
+
+// The actuator's length at 90 degrees of flexion, as the closed form has it; the certificate knows the limit too.
+TEST(Optimize, HoldsTheActuatorToALengthWhenSitting) {
+  const auto length_of = [](const linkage::Links& links) {
+    const linkage::UsedRange range = linkage::FindUsedRange(links, problem::SynthesisProblem().d_min_mm, {});
+    return linkage::StrokeForAngle(links, range, RadiansFromDegrees(90)).value();
+  };
+  problem::SynthesisProblem problem = WithMargins(1);
+  const synthesis::LocalSolve free = synthesis::SolveFrom(problem, problem.start);
+  ASSERT_TRUE(free.IsUsable());
+  const double limit_mm = length_of(free.end) - 3;
+  problem.limits["max_seated_length_mm"] = limit_mm;
+  const synthesis::LocalSolve held = synthesis::SolveFrom(problem, problem.start);
+  ASSERT_TRUE(held.IsUsable());
+  EXPECT_NEAR(length_of(held.end), limit_mm, 1e-5);
+  EXPECT_LT(held.objective, free.objective);
+  EXPECT_TRUE(synthesis::FindActiveSet(held).Find(synthesis::LimitOn("length when sitting")));
+  const double with_deg = certificate::CertifyRange(problem, held.objective).upper_bound_deg;
+  EXPECT_GE(with_deg, held.objective);
+  EXPECT_LT(with_deg, free.objective);
 }
 
 TEST(Optimize, RefusesSenselessOptions) {
@@ -270,11 +292,11 @@ TEST(Optimize, RefusesSenselessOptions) {
 // Only what must hold at many poses has a worst one.
 TEST(UsedPoses, EachKindIsEvaluatedAsItself) {
   problem::SynthesisProblem problem = Buildable();
-  problem.d_max_mm = 380;
-  problem.max_angle_deg = 150;
-  problem.safety_factor = 1.5;
-  problem.max_pin_force_n = problem.max_mount_force_n = 9000;
-  problem.min_moment_arm_mm = 1;
+  problem.limits["d_max_mm"] = 380;
+  problem.limits["max_angle_deg"] = 150;
+  problem.limits["safety_factor"] = 1.5;
+  problem.limits["max_pin_force_n"] = problem.limits["max_mount_force_n"] = 9000;
+  problem.limits["min_moment_arm_mm"] = 1;
   problem.clearances.seat_mm = problem.clearances.thigh_mm = problem.clearances.shank_mm = 0;
   problem::UsedPoses poses({60, 70, 55, 75, 90, 260}, problem);
   ASSERT_TRUE(poses.Range());

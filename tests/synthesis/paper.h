@@ -36,8 +36,8 @@ inline linkage::Links RandomFeasible(const problem::SynthesisProblem& problem, s
 inline problem::SynthesisProblem Buildable() {
   problem::SynthesisProblem problem = WithMargins(2);
   problem.standing_deg = 5;
-  problem.max_force_n = 2000;
-  problem.min_transmission_deg = 10;
+  problem.limits["max_force_n"] = 2000;
+  problem.limits["min_transmission_deg"] = 10;
   return problem;
 }
 

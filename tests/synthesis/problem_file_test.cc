@@ -41,7 +41,7 @@ TEST_F(ProblemFile, TheTemplateIsThePapersProblemAndAllItsKeysAreKnown) {
   const problem::SynthesisProblem read = problem::ReadProblem(Write(problem::ProblemTemplate()));
   const problem::SynthesisProblem paper;
   EXPECT_EQ(read.d_min_mm, paper.d_min_mm);
-  EXPECT_FALSE(read.max_force_n || read.clearances.AreAsked());
+  EXPECT_FALSE(read.limits["max_force_n"] || read.clearances.AreAsked());
   std::istringstream lines(problem::ProblemTemplate());
   std::string text;
   int keys = 0;
@@ -77,7 +77,7 @@ TEST_F(ProblemFile, AllKeysArrive) {
             "9\nmax_angle_deg: 150\n"
             "standing_deg: 3\n"));
   EXPECT_EQ(problem.d_min_mm, 240);
-  EXPECT_EQ(problem.d_max_mm, 360);
+  EXPECT_EQ(problem.limits["d_max_mm"], 360);
   EXPECT_EQ(problem.bounds[4].upper, 60);
   EXPECT_EQ(problem.bounds[0].upper, 100);
   EXPECT_EQ(problem.start.l1, 70);
@@ -85,10 +85,10 @@ TEST_F(ProblemFile, AllKeysArrive) {
   EXPECT_EQ(problem.grashof_margin_mm, 1);
   EXPECT_EQ(problem.singularity_margin_mm, 2);
   EXPECT_EQ(problem.knee_torque_nm, 30);
-  EXPECT_EQ(problem.max_force_n, 1500);
-  EXPECT_EQ(problem.min_moment_arm_mm, 12);
-  EXPECT_EQ(problem.min_transmission_deg, 9);
-  EXPECT_EQ(problem.max_angle_deg, 150);
+  EXPECT_EQ(problem.limits["max_force_n"], 1500);
+  EXPECT_EQ(problem.limits["min_moment_arm_mm"], 12);
+  EXPECT_EQ(problem.limits["min_transmission_deg"], 9);
+  EXPECT_EQ(problem.limits["max_angle_deg"], 150);
   EXPECT_EQ(problem.standing_deg, 3);
 }
 
@@ -146,8 +146,8 @@ TEST_F(ProblemFile, WearableAsksForClearancesAndStrength) {
   EXPECT_EQ(read.clearances.seat_mm, 5);
   EXPECT_FALSE(read.clearances.thigh_mm);
   EXPECT_EQ(read.clearances.body.leg->thigh_mm, 410);
-  EXPECT_EQ(read.safety_factor, 1.5);
-  EXPECT_EQ(read.max_pin_force_n, 4000);
+  EXPECT_EQ(read.limits["safety_factor"], 1.5);
+  EXPECT_EQ(read.limits["max_pin_force_n"], 4000);
   EXPECT_EQ(read.parts.material, "6061-T6");
 }
 

@@ -314,14 +314,13 @@ TEST(Redesign, MultipliersAreDifferenceQuotientsOfTheRange) {
   // The small costs move prices by about 1e-4 of themselves.
   EXPECT_NEAR(PriceOf(active, {On::kMisalignment}), per_percent, 2e-3 * std::abs(per_percent));
   EXPECT_NEAR(PriceOf(active, {On::kDuration}), per_second, 2e-3 * std::abs(per_second));
-  EXPECT_NEAR(PriceOf(active, synthesis::LimitOn({problem::Requirement::Kind::kGrashof})), per_mm,
-              2e-3 * std::abs(per_mm));
+  EXPECT_NEAR(PriceOf(active, synthesis::LimitOn("grashof")), per_mm, 2e-3 * std::abs(per_mm));
   EXPECT_GT(per_percent, 0.1);
 }
 
 TEST(Redesign, ADesignThatBendsLessThanTheHumanStartsAtItsShortestStroke) {
   redesign::RedesignProblem problem = Problem();
-  problem.design.max_angle_deg = 80;  // the human sits at 92
+  problem.design.limits["max_angle_deg"] = 80;  // the human sits at 92
   const redesign::RedesignResult result = Solve(problem);
   ASSERT_TRUE(result.IsSolved());
   EXPECT_NEAR(result.Best().Range_deg(), 80, 1e-5);
@@ -462,15 +461,15 @@ TEST(Redesign, SaysThatTheTimeOrTheDesignIsWhatFails) {
   EXPECT_TRUE(Solve(hurried).IsSolved());
 
   redesign::RedesignProblem impossible = Problem();
-  impossible.design.min_moment_arm_mm = 70;
+  impossible.design.limits["min_moment_arm_mm"] = 70;
   impossible.max_misalignment_percent = 20;
   EXPECT_THAT(redesign::ExplainInfeasible(impossible, links, Starts(2)).sentence, HasSubstr("moment arm"));
 }
 
 TEST(Redesign, RequirementsOverTheUsedRangeHoldTogetherWithTheLimit) {
   redesign::RedesignProblem problem = Free(16);
-  problem.design.min_moment_arm_mm = 15;
-  problem.design.max_force_n = 2500;
+  problem.design.limits["min_moment_arm_mm"] = 15;
+  problem.design.limits["max_force_n"] = 2500;
   problem.max_misalignment_percent = TightLimit(problem);
   const redesign::RedesignResult result = Solve(problem);
   ASSERT_TRUE(result.IsSolved());

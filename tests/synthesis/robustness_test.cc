@@ -18,8 +18,6 @@
 namespace lake {
 namespace {
 
-using Requires = problem::Requirement::Kind;
-
 TEST(Yield, HalfOfThePublishedDesignsBuildsCannotBeAssembled) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     problem::YieldOptions options;
@@ -41,10 +39,10 @@ TEST(Yield, MarginsMakeARobustDesign) {
   EXPECT_LT(yield.safe_grashof_margin_mm, 0.5);
   EXPECT_EQ(yield.assembled.value, 1);
   problem::SynthesisProblem plain;
-  EXPECT_EQ(problem::EstimateYield(solve.end, plain).Find(Requires::kGrashof)->kept.value, 1);
+  EXPECT_EQ(problem::EstimateYield(solve.end, plain).Find("grashof")->kept.value, 1);
   // … but the design stands on them.
-  EXPECT_NEAR(yield.Find(Requires::kGrashof)->kept.value, 0.5, 0.03);
-  EXPECT_NEAR(yield.Find(Requires::kSingularity)->kept.value, 0.5, 0.03);
+  EXPECT_NEAR(yield.Find("grashof")->kept.value, 0.5, 0.03);
+  EXPECT_NEAR(yield.Find("singularity")->kept.value, 0.5, 0.03);
 }
 
 // calibration/problems/buildable.yaml, whose optimum stands on force, Grashof, singularity and l2 ≤ l4, against builds
@@ -86,18 +84,18 @@ TEST(Yield, IsOfEveryLimitOfTheProblem) {
     }
     const auto share = [&](std::size_t i) { return kept[i] / double{kBuilds}; };
     constexpr double kScatter = 0.022;  // three standard errors
-    EXPECT_NEAR(yield.Find(Requires::kForce)->kept.value, share(0), kScatter);
-    EXPECT_NEAR(yield.Find(Requires::kSingularity)->kept.value, share(1), kScatter);
-    EXPECT_NEAR(yield.Find(Requires::kGrashof)->kept.value, share(2), kScatter);
+    EXPECT_NEAR(yield.Find("force")->kept.value, share(0), kScatter);
+    EXPECT_NEAR(yield.Find("singularity")->kept.value, share(1), kScatter);
+    EXPECT_NEAR(yield.Find("grashof")->kept.value, share(2), kScatter);
     EXPECT_NEAR(yield.all.value, share(4), 0.01);
     EXPECT_NEAR(share(3), 0.29, kScatter);
     EXPECT_NEAR(yield.all.value, 0.05, 0.01);
     std::ranges::sort(forces);
-    EXPECT_NEAR(yield.Find(Requires::kForce)->kept_by_95, forces[kBuilds * 95 / 100], 8);
+    EXPECT_NEAR(yield.Find("force")->kept_by_95, forces[kBuilds * 95 / 100], 8);
     if (tolerance_mm == 0.2) {
-      EXPECT_NEAR(yield.Find(Requires::kForce)->kept_by_95, 2077, 12);
+      EXPECT_NEAR(yield.Find("force")->kept_by_95, 2077, 12);
     }
-    EXPECT_LT(yield.Find(Requires::kGrashof)->kept_by_95, 2);
+    EXPECT_LT(yield.Find("grashof")->kept_by_95, 2);
     for (const problem::LimitYield& limit : yield.limits) EXPECT_GE(limit.kept.value, yield.all.value);
     // The play of pins of 0.1 mm changes little.
     options.pin_clearance_mm = 0.1;
@@ -135,7 +133,7 @@ TEST(Yield, SafeMarginsAreJustEnough) {
   const synthesis::LocalSolve full = synthesis::SolveFrom(problem, problem.start);
   const problem::Yield yield = problem::EstimateYield(full.end, problem::SynthesisProblem{}, options);
   EXPECT_EQ(yield.assembled.value, 1);
-  EXPECT_EQ(yield.Find(Requires::kGrashof)->kept.value, 1);
+  EXPECT_EQ(yield.Find("grashof")->kept.value, 1);
 }
 
 // A margin of 0.33 mm holds links that are off by 0.1 mm each (0.1 (1 + (l5 + l6) / l7) = 0.216 mm), with an actuator
@@ -193,7 +191,7 @@ TEST(Sensitivity, IsTwoSidedAndMarksWhatCannotBeAssembled) {
 // the used range.
 TEST(Sensitivity, CallsNothingFeasibleThatBreaksALimitOverTheUsedRange) {
   problem::SynthesisProblem problem = WithMargins(2);
-  problem.max_force_n = 2000;
+  problem.limits["max_force_n"] = 2000;
   problem.clearances.seat_mm = 5;
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   const double optimum_deg = problem::Evaluate(solve.end, problem).range_deg;
@@ -213,7 +211,7 @@ TEST(Sensitivity, CallsNothingFeasibleThatBreaksALimitOverTheUsedRange) {
 // The quick look gives the same answers as the whole evaluation, of every build, whatever the number of threads.
 TEST(Sensitivity, OfATolerancesBuildsIsThatOfTheWorst) {
   problem::SynthesisProblem problem = WithMargins(0);
-  problem.max_force_n = 2000;
+  problem.limits["max_force_n"] = 2000;
   problem.standing_deg = 5;
   problem.robust_mm = 0.2;
   const linkage::Links links = synthesis::SolveFrom(problem, problem.start).end;
@@ -260,7 +258,7 @@ TEST(RoundLinks, GivesTheBestFeasibleGridPoint) {
 
 TEST(RoundLinks, ReEvaluatesTheUsedRange) {
   problem::SynthesisProblem problem = WithMargins(1);
-  problem.max_force_n = 2000;
+  problem.limits["max_force_n"] = 2000;
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   const auto rounded = problem::RoundLinks(solve.end, problem, 0.5);
   ASSERT_TRUE(rounded);
@@ -327,8 +325,8 @@ TEST(Infeasibility, NamesTheFightersAndTheSmallestRelaxation) {
 
 TEST(Infeasibility, ForceAndMomentArmAgreeOnTheLimit) {
   problem::SynthesisProblem arm, force;
-  arm.min_moment_arm_mm = 60;
-  force.max_force_n = 700;
+  arm.limits["min_moment_arm_mm"] = 60;
+  force.limits["max_force_n"] = 700;
   const synthesis::InfeasibilityReport of_arm = synthesis::AnalyseInfeasibility(arm),
                                        of_force = synthesis::AnalyseInfeasibility(force);
   ASSERT_EQ(of_arm.relaxations.size(), 1u) << of_arm.sentence;
@@ -336,9 +334,9 @@ TEST(Infeasibility, ForceAndMomentArmAgreeOnTheLimit) {
   // 40 N m over the largest least moment arm is the smallest largest force.
   EXPECT_NEAR(of_force.relaxations[0].relaxed, 40000 / of_arm.relaxations[0].relaxed, 0.1);
   // The relaxed problem has a solution, a slightly harder one has none.
-  arm.min_moment_arm_mm = of_arm.relaxations[0].relaxed - 0.01;
+  arm.limits["min_moment_arm_mm"] = of_arm.relaxations[0].relaxed - 0.01;
   EXPECT_TRUE(synthesis::SolveFrom(arm, of_arm.links).IsUsable());
-  arm.min_moment_arm_mm = of_arm.relaxations[0].relaxed + 0.01;
+  arm.limits["min_moment_arm_mm"] = of_arm.relaxations[0].relaxed + 0.01;
   EXPECT_FALSE(synthesis::SolveFrom(arm, of_arm.links).IsUsable());
 }
 

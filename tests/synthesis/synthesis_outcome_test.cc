@@ -91,7 +91,7 @@ TEST(SynthesisOutcome, MultipliersAreNotPublishedWhereTheyAreNotUnique) {
 
 TEST(SynthesisOutcome, InfeasibleProblemLeavesItsBestPointMarked) {
   problem::SynthesisProblem problem;
-  problem.min_moment_arm_mm = 60;
+  problem.limits["min_moment_arm_mm"] = 60;
   const auto written = RunAndWrite(problem, FewStarts());
   EXPECT_EQ(written->summary["status"], "infeasible");
   EXPECT_FALSE(written->summary["smallest_relaxation"].empty());
@@ -102,7 +102,7 @@ TEST(SynthesisOutcome, InfeasibleProblemLeavesItsBestPointMarked) {
 // Without the force limit the range is 12.5° larger, which the bound was until it took that limit in.
 TEST(SynthesisOutcome, CertificateHoldsWithRequirementsOverTheUsedRange) {
   problem::SynthesisProblem problem = WithMargins(1);
-  problem.max_force_n = 2000;
+  problem.limits["max_force_n"] = 2000;
   const double range = synthesis::SolveFrom(problem, problem.start).evaluation.range_deg;
   const certificate::Certificate certificate = certificate::CertifyRange(problem, range, {.gap_deg = 8});
   EXPECT_GT(certificate.upper_bound_deg, range);
@@ -132,7 +132,7 @@ TEST(SynthesisOutcome, CertificateAimsAtTheOptimumWithoutWhatItDoesWithout) {
 
 TEST(SynthesisOutcome, CapIsPartOfTheCertificate) {
   problem::SynthesisProblem problem = WithMargins(1);
-  problem.max_angle_deg = 130;
+  problem.limits["max_angle_deg"] = 130;
   const certificate::Certificate certificate = certificate::CertifyRange(problem, 130, {.max_boxes = 1000});
   EXPECT_TRUE(certificate.reached);
   EXPECT_EQ(certificate.upper_bound_deg, 130);

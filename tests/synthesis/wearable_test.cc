@@ -22,7 +22,6 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using Requires = problem::Requirement::Kind;
 
 // calibration/problems/buildable.yaml.
 // On the leg of the sample study.
@@ -52,12 +51,12 @@ TEST(Clearance, OfTheSeatIsThatOfTheClosedFormAndHasItsPrice) {
   EXPECT_LT(WearOf(without.end, problem).seat_clearance_mm, kSeat_mm);
   EXPECT_NEAR(WearOf(solve.end, problem).seat_clearance_mm, kSeat_mm, 1e-5);
   EXPECT_LT(solve.evaluation.range_deg, without.evaluation.range_deg);
-  const auto price = solve.PriceOf(synthesis::LimitOn({Requires::kSeat}));
+  const auto price = solve.PriceOf(synthesis::LimitOn("seat clearance"));
   ASSERT_TRUE(price);
   const double more = SolveAtSeat(kSeat_mm + kStep_mm).evaluation.range_deg,
                less = SolveAtSeat(kSeat_mm - kStep_mm).evaluation.range_deg;
   EXPECT_NEAR(*price, (more - less) / (2 * kStep_mm), 0.01 * std::abs(*price));
-  EXPECT_TRUE(synthesis::FindActiveSet(solve).Find(synthesis::LimitOn({Requires::kSeat})));
+  EXPECT_TRUE(synthesis::FindActiveSet(solve).Find(synthesis::LimitOn("seat clearance")));
 }
 
 // A joint that sits higher on the shank lifts the seated linkage off the seat.
@@ -72,7 +71,7 @@ TEST(Clearance, IsTakenWhereTheJointSits) {
   problem.clearances.placement_reach_mm = 3;
   const synthesis::LocalSolve free = synthesis::SolveFrom(problem, problem.start);
   EXPECT_GT(free.evaluation.range_deg, on_the_knee + 0.1);
-  EXPECT_NEAR(free.evaluation.CheckOf({Requires::kSeat}).value, 5, 1e-5);
+  EXPECT_NEAR(free.evaluation.CheckOf("seat clearance").value, 5, 1e-5);
 }
 
 // The paper's links are too short to bring the bar's tip, which passes the knee, out of the leg.
@@ -133,24 +132,24 @@ double LeastSafety(const linkage::Links& links, const problem::SynthesisProblem&
 // Wide links, so that it is not their bending, which has nothing to do with the links' lengths.
 TEST(Strength, SafetyFactorIsThatOfTheTable) {
   problem::SynthesisProblem problem = Buildable();
-  problem.max_force_n.reset();
-  problem.min_transmission_deg.reset();
+  problem.limits["max_force_n"].reset();
+  problem.limits["min_transmission_deg"].reset();
   problem.parts.bar_width_mm = 40;
   const double asked = 1.3 * LeastSafety(synthesis::SolveFrom(problem, problem.start).end, problem);
-  problem.safety_factor = asked;
+  problem.limits["safety_factor"] = asked;
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
   // The worst pose lies between two of the 2001.
   EXPECT_NEAR(LeastSafety(solve.end, problem), asked, 1e-3);
-  EXPECT_NEAR(solve.evaluation.CheckOf({Requires::kSafety}).value, asked, 1e-5);
-  ASSERT_NE(synthesis::FindActiveSet(solve).Find(synthesis::LimitOn({Requires::kSafety})), nullptr);
+  EXPECT_NEAR(solve.evaluation.CheckOf("safety factor").value, asked, 1e-5);
+  ASSERT_NE(synthesis::FindActiveSet(solve).Find(synthesis::LimitOn("safety factor")), nullptr);
 }
 
 // A thin rod buckles before any plate gives way, and bending of the shank link has nothing to do with the links.
 TEST(Strength, RodAndBendingAreHeldToo) {
   problem::SynthesisProblem problem = Buildable();
-  problem.max_force_n.reset();
-  problem.safety_factor = 2;
+  problem.limits["max_force_n"].reset();
+  problem.limits["safety_factor"] = 2;
   problem.parts.rod_diameter_mm = 6;
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
@@ -158,7 +157,7 @@ TEST(Strength, RodAndBendingAreHeldToo) {
   problem.parts.material = "PLA";
   problem.parts.rod_diameter_mm = 10;
   const double bending = parts::CapacityOf(problem.parts).knee_torque_nm / problem.knee_torque_nm;
-  problem.safety_factor = 2 * bending;
+  problem.limits["safety_factor"] = 2 * bending;
   const synthesis::InfeasibilityReport report = synthesis::AnalyseInfeasibility(problem);
   EXPECT_THAT(report.sentence, HasSubstr("relax safety factor"));
   EXPECT_THAT(report.sentence, ::testing::ContainsRegex("by [0-9.]+ to [0-9.]+"));  // a pure number has no unit
@@ -166,36 +165,36 @@ TEST(Strength, RodAndBendingAreHeldToo) {
 
 TEST(Strength, PinAndMountForcesAreThoseOfStatics) {
   problem::SynthesisProblem problem = Buildable();
-  problem.max_force_n.reset();
+  problem.limits["max_force_n"].reset();
   const auto largest = [&](const linkage::Links& links, double (linkage::MemberForces::*force)() const) {
     double most = 0;
     for (const parts::LoadedPose& at : LoadedPoses(links, problem)) most = std::max(most, (at.forces.*force)());
     return most;
   };
-  problem.max_pin_force_n = 2500;
+  problem.limits["max_pin_force_n"] = 2500;
   const synthesis::LocalSolve pins = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(pins.IsUsable()) << pins.solution.message;
   EXPECT_NEAR(largest(pins.end, &linkage::MemberForces::TipPin), 2500, 2.5);
-  problem.max_pin_force_n.reset();
-  problem.max_mount_force_n = 1200;
+  problem.limits["max_pin_force_n"].reset();
+  problem.limits["max_mount_force_n"] = 1200;
   const synthesis::LocalSolve mount = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(mount.IsUsable()) << mount.solution.message;
   EXPECT_NEAR(largest(mount.end, &linkage::MemberForces::Mount), 1200, 1.2);
   // The mount bears the actuator's force.
-  problem.max_mount_force_n.reset();
-  problem.max_force_n = 1200;
+  problem.limits["max_mount_force_n"].reset();
+  problem.limits["max_force_n"] = 1200;
   EXPECT_NEAR(synthesis::SolveFrom(problem, problem.start).evaluation.range_deg, mount.evaluation.range_deg, 1e-4);
 }
 
 TEST(Strength, AlongAProfileOfConstantMomentIsThatOfTheTorque) {
   problem::SynthesisProblem constant = Buildable();
-  constant.max_force_n.reset();
-  constant.max_pin_force_n = 2500;
+  constant.limits["max_force_n"].reset();
+  constant.limits["max_pin_force_n"] = 2500;
   const synthesis::LocalSolve expected = synthesis::SolveFrom(constant, constant.start);
   ASSERT_TRUE(expected.IsUsable());
   problem::SynthesisProblem profile = constant;
   profile.profile = ConstantProfile(expected.evaluation.range_deg - 1e-6, 5, constant.knee_torque_nm, 301);
-  const auto check = problem::Evaluate(expected.end, profile).CheckOf({Requires::kPinForce});
+  const auto check = problem::Evaluate(expected.end, profile).CheckOf("pin force");
   EXPECT_TRUE(check.requirement.along_profile);
   EXPECT_NEAR(check.value, 2500, 25);  // of 301 angles, near the worst
 }
@@ -208,9 +207,9 @@ TEST(Program, DerivativesOfClearancesStrengthAndBuilds) {
   problem.clearances.shank_mm = 10;
   problem.clearances.placement_mm = {13, 2};
   problem.clearances.placement_reach_mm = 40;
-  problem.safety_factor = 1.2;
-  problem.max_pin_force_n = 4000;
-  problem.max_mount_force_n = 2000;
+  problem.limits["safety_factor"] = 1.2;
+  problem.limits["max_pin_force_n"] = 4000;
+  problem.limits["max_mount_force_n"] = 2000;
   problem.robust_mm = 0.1;
   synthesis::Collocation poses{0.5};
   poses.builds = {problem::Corners(0.1)[37]};
@@ -245,11 +244,11 @@ TEST(Program, ClearanceRowsMeanWhatTheClosedFormSays) {
   const problem::DesignEvaluation evaluation = problem::Evaluate(kPublishedLinks, problem);
   for (const double off_mm : {-0.01, 0.01}) {
     problem::SynthesisProblem asked = problem;
-    asked.clearances.seat_mm = evaluation.CheckOf({Requires::kSeat}).value + off_mm;
-    asked.clearances.thigh_mm = evaluation.CheckOf({Requires::kThigh}).value + off_mm;
-    asked.clearances.shank_mm = evaluation.CheckOf({Requires::kShank}).value + off_mm;
-    const synthesis::Collocation poses{evaluation.CheckOf({Requires::kThigh}).fraction,
-                                       evaluation.CheckOf({Requires::kShank}).fraction};
+    asked.clearances.seat_mm = evaluation.CheckOf("seat clearance").value + off_mm;
+    asked.clearances.thigh_mm = evaluation.CheckOf("thigh clearance").value + off_mm;
+    asked.clearances.shank_mm = evaluation.CheckOf("shank clearance").value + off_mm;
+    const synthesis::Collocation poses{evaluation.CheckOf("thigh clearance").fraction,
+                                       evaluation.CheckOf("shank clearance").fraction};
     const synthesis::SynthesisProgram program = synthesis::BuildProgram(asked, kPublishedLinks, poses);
     std::vector<double> x;
     for (const nlp::NlpVariable& variable : program.program.Variables()) x.push_back(variable.start);
@@ -301,7 +300,7 @@ TEST(Robust, WorstBuildHoldsForRandomOnes) {
 TEST(Robust, LimitsOverTheRangeHoldForBuildsToo) {
   problem::SynthesisProblem problem = WithMargins(0);
   problem.robust_mm = 0.2;
-  problem.max_force_n = 2000;
+  problem.limits["max_force_n"] = 2000;
   problem.standing_deg = 5;
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
@@ -338,7 +337,7 @@ TEST(Wearable, RefusesWhatCannotBe) {
   refuses([](auto& p) { p.clearances.seat_mm = 5, p.clearances.body.mass_kg = 0; }, "a body of 0 kg");
   refuses([](auto& p) { p.clearances.seat_mm = 5, p.clearances.body.leg = {410, 0}; }, "a shank of 0 mm");
   refuses([](auto& p) { p.robust_mm = 0; }, "robust_mm");
-  refuses([](auto& p) { p.safety_factor = -2; }, "safety_factor = -2");
+  refuses([](auto& p) { p.limits["safety_factor"] = -2; }, "safety_factor = -2");
   refuses([](auto& p) { p.start = {0.059, 0.069, 0.056, 0.072, 0.119, 0.287}; }, "write lengths in mm, not in m");
 }
 
@@ -346,7 +345,7 @@ TEST(Wearable, RefusesWhatCannotBe) {
 TEST(ActuatorFront, AnActuatorThatContradictsTheProblemStopsNoOther) {
   problem::SynthesisProblem problem = Buildable();
   problem.profile = MadeUpProfile();
-  problem.d_max_mm = 390;
+  problem.limits["d_max_mm"] = 390;
   problem::LinearActuator strong;
   strong.name = "strong";
   strong.closed_mm = 242;

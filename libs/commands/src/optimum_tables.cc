@@ -53,11 +53,11 @@ void WriteConstraints(const OptimumView& optimum, const std::vector<LimitedRow>&
     const problem::Requirement& requirement = check.requirement;
     problem::Bounds limits{std::nan(""), std::nan("")};
     (requirement.is_lower_limit ? limits.lower : limits.upper) = requirement.limit;
-    rows.push_back({.name = requirement.name,
-                    .before = optimum.before.CheckOf(requirement.id).value,
+    rows.push_back({.name = std::string(requirement.name),
+                    .before = optimum.before.CheckOf(requirement.name).value,
                     .after = check.value,
                     .limits = limits,
-                    .multiplier = optimum.PriceOf(synthesis::LimitOn(requirement.id)),
+                    .multiplier = optimum.PriceOf(synthesis::LimitOn(requirement.name)),
                     .unit = requirement.unit});
   }
   rows.insert(rows.end(), others.begin(), others.end());
@@ -238,8 +238,8 @@ void WriteYields(const std::vector<std::pair<const char*, const problem::Yield*>
     };
     add("assembled", "", kNaN, "", yield->assembled, kNaN);
     for (const problem::LimitYield& limit : yield->limits)
-      add(limit.requirement.name, KindText(limit.requirement), limit.requirement.limit, limit.requirement.unit,
-          limit.kept, limit.kept_by_95);
+      add(std::string(limit.requirement.name), KindText(limit.requirement), limit.requirement.limit,
+          limit.requirement.unit, limit.kept, limit.kept_by_95);
     add("all", "", kNaN, "", yield->all, kNaN);
   }
   table.Write(run.Result("yield.csv"));

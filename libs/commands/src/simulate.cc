@@ -414,7 +414,7 @@ void WarnOfShare(const problem::LinearActuator& actuator, const problem::Assista
 problem::SynthesisProblem LoadOn(const linkage::Design& design, const linkage::UsedRange& range,
                                  problem::SynthesisProblem load) {
   load.d_min_mm = design.d_min_mm;
-  load.d_max_mm = range.stroke.upper_mm;
+  load.limits["d_max_mm"] = range.stroke.upper_mm;
   load.standing_deg = DegreesFromRadians(range.theta_at_upper_rad);
   return load;
 }

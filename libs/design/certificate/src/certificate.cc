@@ -47,7 +47,8 @@ class Search {
         target_rad_(range_deg ? RadiansFromDegrees(*range_deg + options.gap_deg) : -kInfinity),
         relaxation_(problem, range_, floor_rad_),
         options_(options) {
-    if (problem.max_angle_deg) cap_rad_ = (Interval(*problem.max_angle_deg) / 180.0 * kPiInterval).upper;
+    if (const auto& cap_deg = problem.limits["max_angle_deg"])
+      cap_rad_ = (Interval(*cap_deg) / 180.0 * kPiInterval).upper;
     if (range_deg) best_ = fmt::format(", best {:.4f}°", *range_deg);
   }
 
@@ -169,17 +170,17 @@ void CertificateOptions::Check() const {
   if (threads < 1 || max_boxes < 1) throw Fail("the certificate needs at least one thread and one box");
 }
 
+bool IsInBound(const problem::Requirement& requirement, const problem::SynthesisProblem& problem) {
+  const problem::LimitInfo& info = requirement.info;
+  if (info.obstacle == problem::Obstacle::kSeat) return !problem.clearances.placement_reach_mm;
+  if (info.place == problem::Place::kAtRest && requirement.along_profile) return problem.rests_anywhere;
+  return !requirement.IsClearance() && info.place != problem::Place::kProfile;
+}
+
 std::vector<std::string> NotInBound(const problem::SynthesisProblem& problem) {
-  using Kind = problem::Requirement::Kind;
   std::vector<std::string> names;
-  for (const problem::Requirement& requirement : problem::RequirementsOf(problem)) {
-    const Kind kind = requirement.id.kind;
-    const bool is_out = kind == Kind::kThigh || kind == Kind::kShank || kind == Kind::kDuration ||
-                        (kind == Kind::kSeat && problem.clearances.placement_reach_mm) ||
-                        (kind == Kind::kHolding && requirement.along_profile && !problem.rests_anywhere);
-    if (is_out) names.push_back(requirement.name);
-    if (kind == Kind::kSafety) names.emplace_back("buckling of the rod");
-  }
+  for (const problem::Requirement& requirement : problem::RequirementsOf(problem))
+    if (!IsInBound(requirement, problem)) names.emplace_back(requirement.name);
   if (problem.robust_mm) names.emplace_back("tolerance");
   return names;
 }
@@ -197,8 +198,8 @@ Certificate CertifyRange(const problem::SynthesisProblem& problem, std::optional
   certificate.feasible_set_empty = search.BoundRad() == -kInfinity;
   certificate.upper_bound_deg =
       certificate.feasible_set_empty ? -kInfinity : (Interval(search.BoundRad()) * 180.0 / kPiInterval).upper;
-  if (problem.max_angle_deg)
-    certificate.upper_bound_deg = std::min(certificate.upper_bound_deg, *problem.max_angle_deg);
+  if (const auto& cap_deg = problem.limits["max_angle_deg"])
+    certificate.upper_bound_deg = std::min(certificate.upper_bound_deg, *cap_deg);
   if (range_deg) CheckAgainstKnown(certificate.upper_bound_deg, *range_deg);
   certificate.range_deg = range_deg;
   certificate.gap_deg = certificate.upper_bound_deg - range_deg.value_or(std::numeric_limits<double>::quiet_NaN());

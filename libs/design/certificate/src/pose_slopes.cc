@@ -207,30 +207,23 @@ Slope ActuatorSlack(const AxisBox& box, double d_min_mm) {
   return links[kL2] + d_min_mm - Sqrt(Square(links[kL5]) + Square(links[kL6]));
 }
 
-Slope ValueOf(const PoseRow& row, const PoseSlopes& pose) {
-  const auto& l = pose.links;
-  const Slope actuator = l[kL6] * Sin(pose.phi) - l[kL5] * Cos(pose.phi);  // w.R' / l2
-  switch (row.kind) {
-    case PoseRow::Kind::kMomentArm:
-      return pose.ratio ? l[kL2] * actuator * *pose.ratio - row.limit * pose.stroke
-                        : l[kL4] * pose.shank * actuator - row.limit * pose.stroke * pose.turning;
-    case PoseRow::Kind::kTransmission:
-      return pose.shank - row.limit * l[kL1];
-    case PoseRow::Kind::kCoupler:
-      return row.limit * l[kL4] * pose.shank - row.torque_nmm * l[kL1];
-    case PoseRow::Kind::kLongest:
-      return row.limit - pose.stroke;
-    case PoseRow::Kind::kShortest:
-      return pose.stroke - row.limit;
-    default:
-      break;
-  }
-  const Slope coupler_x = l[kL4] * Sin(pose.kappa) - l[kL2] * Sin(pose.phi);
-  const Slope coupler_y = l[kL4] * Cos(pose.kappa) - l[kL3] - l[kL2] * Cos(pose.phi);
-  const Slope actuator_x = l[kL2] * Sin(pose.phi) - l[kL5], actuator_y = l[kL2] * Cos(pose.phi) - l[kL6];
-  const double side = row.kind == PoseRow::Kind::kBar ? 1 : -1;
-  return row.limit * l[kL4] * pose.shank * actuator -
-         side * row.torque_nmm * (coupler_x * actuator_y - coupler_y * actuator_x);
+Slope SlopeQuantities::Actuator() const {
+  const auto& l = pose_.links;
+  return l[kL6] * Sin(pose_.phi) - l[kL5] * Cos(pose_.phi);
+}
+
+problem::Ratio<Slope> SlopeQuantities::MomentArm() const {
+  const auto& l = pose_.links;
+  if (pose_.ratio) return {l[kL2] * actuator_ * *pose_.ratio, pose_.stroke};
+  return {l[kL4] * pose_.shank * actuator_, pose_.stroke * pose_.turning};
+}
+
+problem::Ratio<Slope> SlopeQuantities::BarForce() const {
+  const auto& l = pose_.links;
+  const Slope coupler_x = l[kL4] * Sin(pose_.kappa) - l[kL2] * Sin(pose_.phi);
+  const Slope coupler_y = l[kL4] * Cos(pose_.kappa) - l[kL3] - l[kL2] * Cos(pose_.phi);
+  const Slope actuator_x = l[kL2] * Sin(pose_.phi) - l[kL5], actuator_y = l[kL2] * Cos(pose_.phi) - l[kL6];
+  return {coupler_x * actuator_y - coupler_y * actuator_x, l[kL4] * pose_.shank * actuator_};
 }
 
 }  // namespace lake::certificate

@@ -7,6 +7,7 @@
 //   dphi at d_min = (w.x dl5 + w.y dl6 - w.e dl2) / (w.R'),  w = R - M           w.R' >= 0
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "cuts.h"
@@ -50,19 +51,27 @@ Slope MountAngle(const AxisBox& box);
 // l2 + d_min - l7.
 Slope ActuatorSlack(const AxisBox& box, double d_min_mm);
 
-// A requirement at one pose, as a function that is >= 0 where it holds; torque in N mm, limits in N and mm.
-struct PoseRow {
-  enum class Kind {
-    kMomentArm,     // moment arm >= limit
-    kTransmission,  // sine of the transmission angle >= limit
-    kCoupler,       // its force under the torque <= limit
-    kBar,           // the same of the slewing bar, pushing …
-    kBarPulling,    // … and pulling
-    kLongest,       // stroke <= limit
-    kShortest       // stroke >= limit
-  } kind;
-  double limit = 0, torque_nmm = 0;
+// The quantities of problem::PoseQuantities over a box; where kappa is given their ratios have one range less in them.
+class SlopeQuantities {
+ public:
+  explicit SlopeQuantities(const PoseSlopes& pose) : pose_(pose), actuator_(Actuator()) {}
+
+  Slope Constant(double value) const { return Interval(value); }
+  Slope Stroke_mm() const { return pose_.stroke; }
+  Slope Theta_deg() const { return (kPiInterval - pose_.kappa) * (Interval(180) / kPiInterval); }
+  problem::Ratio<Slope> MomentArm() const;
+  problem::Ratio<Slope> TransmissionSine() const { return {pose_.shank, pose_.links[kL1]}; }
+  problem::Ratio<Slope> CouplerForce() const { return {pose_.links[kL1], pose_.links[kL4] * pose_.shank}; }
+  problem::Ratio<Slope> BarForce() const;
+
+ private:
+  Slope Actuator() const;  // w.R' / l2
+
+  const PoseSlopes& pose_;
+  Slope actuator_;
 };
-Slope ValueOf(const PoseRow& row, const PoseSlopes& pose);
+
+// A requirement at one pose, as a function that is >= 0 where it holds.
+using PoseRow = std::function<Slope(const SlopeQuantities&)>;
 
 }  // namespace lake::certificate

@@ -4,57 +4,28 @@
 #include <cmath>
 #include <numeric>
 
-#include "lake/parts/strength.h"
+#include "lake/certificate/certificate.h"
 
 namespace lake::certificate {
 namespace {
-
-using Kind = problem::Requirement::Kind;
-constexpr double kMillimetresPerMetre = 1000;
 
 Interval KappaOfAngle(double theta_rad) {
   return kPiInterval - Interval(theta_rad);
 }
 
-// The rows of a requirement under a torque in N m.
-void AddRows(const problem::Requirement& requirement, const problem::SynthesisProblem& problem, double torque_nm,
-             std::vector<PoseRow>& rows) {
-  // No more than the torque: every row then holds where the requirement does.
-  const double torque = (Interval(std::abs(torque_nm)) * kMillimetresPerMetre).lower, limit = requirement.limit;
-  const auto arm = [&](double force_n) {
-    rows.push_back({PoseRow::Kind::kMomentArm, (torque / Interval(force_n)).lower, 0});
-  };
-  const auto member = [&](PoseRow::Kind kind, double force_n) { rows.push_back({kind, force_n, torque}); };
-  const auto members = [&](double coupler_n, double bar_n, double actuator_n) {
-    member(PoseRow::Kind::kCoupler, coupler_n);
-    member(PoseRow::Kind::kBar, bar_n);
-    member(PoseRow::Kind::kBarPulling, bar_n);
-    arm(actuator_n);
-  };
-  switch (requirement.id.kind) {
-    case Kind::kMomentArm:
-      rows.push_back({PoseRow::Kind::kMomentArm, limit, 0});
-      break;
-    case Kind::kTransmission:
-      rows.push_back({PoseRow::Kind::kTransmission, Sin(Interval(limit) / 180.0 * kPiInterval).lower, 0});
-      break;
-    case Kind::kForce:
-    case Kind::kHolding:
-    case Kind::kMountForce:
-      arm(limit);
-      break;
-    case Kind::kPinForce:
-      members(limit, limit, limit);
-      break;
-    case Kind::kSafety: {
-      const parts::Capacity capacity = parts::CapacityOf(problem.parts);
-      const auto allowed = [&](double bears_n) { return (Interval(bears_n) / Interval(limit)).upper; };
-      members(allowed(capacity.coupler_n), allowed(capacity.bar_n), allowed(capacity.actuator_n));
-      break;
-    }
-    default:
-      break;
-  }
+// The rows of a requirement under a load.
+void AddRows(const problem::Requirement& requirement, const problem::PoseLoad& load, std::vector<PoseRow>& rows) {
+  const problem::LimitInfo& info = requirement.info;
+  const Interval limit =
+      info.is_sine ? Sin(Interval(requirement.limit) / 180.0 * kPiInterval) : Interval(requirement.limit);
+  const double scale = info.is_relative ? requirement.limit : 1;
+  problem::VisitLimit(static_cast<std::size_t>(requirement.row), [&](const auto& row) {
+    row.parts(load, [&](const char*, auto ratio) {
+      rows.emplace_back([=](const SlopeQuantities& pose) {
+        return problem::MarginOf(info, limit, problem::Ratio<Slope>(ratio(pose)), scale);
+      });
+    });
+  });
 }
 
 }  // namespace
@@ -84,8 +55,8 @@ Relaxation::Relaxation(const problem::SynthesisProblem& problem, const RangeBoun
 std::vector<PoseRow> Relaxation::RowsOverRange(const problem::SynthesisProblem& problem) const {
   std::vector<PoseRow> rows;
   for (const problem::Requirement& requirement : problem::RequirementsOf(problem))
-    if (requirement.IsFamily() && !requirement.along_profile)
-      AddRows(requirement, problem, problem.knee_torque_nm, rows);
+    if (requirement.IsFamily() && !requirement.along_profile && requirement.info.place != problem::Place::kSeated)
+      AddRows(requirement, problem.ConstantLoad(), rows);
   return rows;
 }
 
@@ -108,14 +79,20 @@ void Relaxation::AddPlaces(const problem::SynthesisProblem& problem, double floo
   // Every design that satisfies the problem can sit, whatever the floor. Where a placement is sought, the seat says
   // nothing about the links alone.
   if (problem.clearances.seat_mm && !problem.clearances.placement_reach_mm) seat_.emplace(problem);
+  seated_.kappa_rad = KappaOfAngle(problem.SeatedAngle_rad());
+  for (const problem::Requirement& requirement : requirements)
+    if (requirement.info.place == problem::Place::kSeated) AddRows(requirement, problem.ConstantLoad(), seated_.rows);
   if (!(floor_rad > standing_rad)) return;
   constexpr int kSteps = 4;
   for (int i = 0; i <= kSteps; ++i) {
     const double theta = std::min(floor_rad, std::lerp(standing_rad, floor_rad, static_cast<double>(i) / kSteps));
     Place place{KappaOfAngle(theta), RowsOverRange(problem)};
-    if (i == 0 && problem.d_max_mm)  // past it the stroke is only longer
-      place.rows.push_back({PoseRow::Kind::kLongest, *problem.d_max_mm, 0});
-    if (i == kSteps) place.rows.push_back({PoseRow::Kind::kShortest, problem.d_min_mm, 0});
+    for (const problem::Requirement& requirement : requirements)  // past standing the stroke is only longer
+      if (i == 0 && requirement.info.place == problem::Place::kStanding)
+        AddRows(requirement, problem.ConstantLoad(), place.rows);
+    if (i == kSteps)
+      place.rows.emplace_back(
+          [d_min_mm = problem.d_min_mm](const SlopeQuantities& pose) { return pose.Stroke_mm() - d_min_mm; });
     places_.push_back(place);
   }
   if (problem.HasLoadProfile()) AddSamples(problem, requirements, floor_rad);
@@ -131,8 +108,8 @@ void Relaxation::AddSamples(const problem::SynthesisProblem& problem,
   for (std::size_t i = 0; i < samples.size(); i += step) {
     Place place{KappaOfAngle(samples[i]->knee_rad), {}};
     for (const problem::Requirement& requirement : requirements)
-      if (requirement.along_profile && (requirement.id.kind != Kind::kHolding || problem.rests_anywhere))
-        AddRows(requirement, problem, problem.TorqueAt(*samples[i]), place.rows);
+      if (requirement.along_profile && IsInBound(requirement, problem))
+        AddRows(requirement, problem.LoadAt(*samples[i]), place.rows);
     places_.push_back(place);
   }
 }
@@ -200,11 +177,12 @@ void Relaxation::AddLinear(const AxisBox& box, Cuts& cuts) const {
 // False if a row holds nowhere in the region.
 bool Relaxation::AddPose(const PoseSlopes& pose, const std::optional<PoseSlopes>& at_anchor,
                          const std::vector<PoseRow>& rows, const Region& region, Cuts& cuts) const {
+  const SlopeQuantities quantities(pose);
   for (const PoseRow& row : rows) {
-    const Slope slope = ValueOf(row, pose);
+    const Slope slope = row(quantities);
     if (slope.value.upper < 0) return false;
     if (slope.value.lower < 0 && at_anchor)
-      cuts.Add(UpperCut(slope, ValueOf(row, *at_anchor).value, *region.anchor, region.box));
+      cuts.Add(UpperCut(slope, row(SlopeQuantities(*at_anchor)).value, *region.anchor, region.box));
   }
   return true;
 }
@@ -257,11 +235,13 @@ void Relaxation::AddBarAngle(const Region& region, const Interval& phi_rad, Cuts
   if (above) cuts.phi_spread = above->spread;
 }
 
-bool Relaxation::AddSeat(const Region& region, const std::optional<Region>& point, Cuts& cuts) const {
+bool Relaxation::AddSeated(const Region& region, const std::optional<Region>& point, Cuts& cuts) const {
   // Sitting may be the pose at d_min itself, so the stroke is not held against it: rounding would cut designs off.
-  const auto pose = PoseAtAngle(region, seat_->Kappa(), 0, margins_);
+  const auto pose = PoseAtAngle(region, seated_.kappa_rad, 0, margins_);
   if (!pose) return false;
-  const auto pose_at = point ? PoseAtAngle(*point, seat_->Kappa(), 0, margins_) : std::nullopt;
+  const auto pose_at = point ? PoseAtAngle(*point, seated_.kappa_rad, 0, margins_) : std::nullopt;
+  if (!AddPose(*pose, pose_at, seated_.rows, region, cuts)) return false;
+  if (!seat_) return true;
   const auto rows = seat_->Over(*pose, pose_at.value_or(*pose));
   if (!rows) return false;
   for (const SeatRows::Row& row : *rows) {
@@ -286,7 +266,7 @@ bool Relaxation::AddCuts(const Region& region, const Interval& phi_rad, Cuts& cu
     cuts.goal =
         UpperCut(Slope(kPiInterval) - pose->kappa, kPiInterval - pose_at->kappa.value, *region.anchor, region.box);
   if (!AddPose(*pose, pose_at, at_shortest_, region, cuts)) return false;
-  if (seat_ && !AddSeat(region, point, cuts)) return false;
+  if ((seat_ || !seated_.rows.empty()) && !AddSeated(region, point, cuts)) return false;
   for (const Place& place : places_) {
     const auto used = PoseAtAngle(region, place.kappa_rad, d_min_mm_, margins_);
     if (!used) return false;

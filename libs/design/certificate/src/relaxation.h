@@ -34,7 +34,7 @@ class Relaxation {
                   double floor_rad);
   std::vector<PoseRow> RowsOverRange(const problem::SynthesisProblem& problem) const;
   bool AddCuts(const Region& region, const Interval& phi_rad, Cuts& cuts) const;
-  bool AddSeat(const Region& region, const std::optional<Region>& point, Cuts& cuts) const;
+  bool AddSeated(const Region& region, const std::optional<Region>& point, Cuts& cuts) const;
   void AddBarAngle(const Region& region, const Interval& phi_rad, Cuts& cuts) const;
   void AddMount(const AxisBox& box, const Interval& phi_rad, const AxisPoint& at, Cuts& cuts) const;
   bool AddPose(const PoseSlopes& pose, const std::optional<PoseSlopes>& at_anchor, const std::vector<PoseRow>& rows,
@@ -51,6 +51,7 @@ class Relaxation {
   std::vector<PoseRow> at_shortest_;
   std::vector<Place> places_;
   std::optional<SeatRows> seat_;
+  Place seated_;  // rows where a person sits
   double d_min_mm_, floor_rad_;
   Margins margins_;
 };

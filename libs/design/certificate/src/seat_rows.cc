@@ -5,7 +5,6 @@ namespace lake::certificate {
 SeatRows::SeatRows(const problem::SynthesisProblem& problem)
     : wear_(problem.Wear()), clearance_mm_(*problem.clearances.seat_mm) {
   const Interval theta = problem.SeatedAngle_rad();
-  kappa_rad_ = kPiInterval - theta;
   const linkage::Seat seat = linkage::SeatOf(linkage::BodyOf(problem.clearances.body), wear_);
   const auto& [forward, up] = wear_.placement_mm;  // linkage::PutOnBody
   surface_mm_ = seat.surface_mm + forward * Cos(theta) + up * Sin(theta);

@@ -12,8 +12,6 @@ class SeatRows {
  public:
   explicit SeatRows(const problem::SynthesisProblem& problem);
 
-  Interval Kappa() const { return kappa_rad_; }
-
   // Rows that are >= 0 where the seat is clear, over a box and at its anchor. nullopt: nowhere in the box.
   struct Row {
     Slope over_box;
@@ -30,7 +28,6 @@ class SeatRows {
   static Interval Headings(const Place& from, const Place& to, double distance_mm);
 
   linkage::WearOptions wear_;
-  Interval kappa_rad_;
   Interval surface_mm_, edge_mm_;  // in the frame of the exoskeleton
   double clearance_mm_;
 };

@@ -12,8 +12,6 @@
 namespace lake::problem {
 namespace {
 
-constexpr double kMillimetresPerMetre = 1000;
-
 // A solver leaves a force above its limit, and the pace that it was solved for a little off.
 bool Lifts(const LinearActuator& actuator, double force_n) {
   constexpr double kRounding = 1e-5;
@@ -21,18 +19,19 @@ bool Lifts(const LinearActuator& actuator, double force_n) {
 }
 
 // Where the profile's sample has the linkage; no pace changes that.
-struct Place {
+struct SamplePose {
   double stroke_mm = 0;
   linkage::Transmission transmission;
 };
 
-std::optional<Place> PlaceOf(const linkage::Links& links, const linkage::UsedRange& range, const LoadSample& sample) {
+std::optional<SamplePose> SamplePoseOf(const linkage::Links& links, const linkage::UsedRange& range,
+                                       const LoadSample& sample) {
   const std::optional<double> stroke = ProfileStroke(links, range, sample.knee_rad);
   if (!stroke) return std::nullopt;
-  return Place{*stroke, linkage::TransmissionOf(links, linkage::RequirePose(links, *stroke))};
+  return SamplePose{*stroke, linkage::TransmissionOf(links, linkage::RequirePose(links, *stroke))};
 }
 
-AssistanceRow RowOf(const std::optional<Place>& place, const SynthesisProblem& problem, const LoadSample& sample) {
+AssistanceRow RowOf(const std::optional<SamplePose>& place, const SynthesisProblem& problem, const LoadSample& sample) {
   AssistanceRow row{
       .percent = sample.percent, .knee_deg = DegreesFromRadians(sample.knee_rad), .knee_nm = sample.knee_nm};
   if (!place) return row;
@@ -92,9 +91,9 @@ std::optional<double> LedTo(double from_s, const Needed& needed_s) {
 class AlongProfile {
  public:
   AlongProfile(const linkage::Links& links, const SynthesisProblem& problem) : problem_(problem) {
-    const linkage::UsedRange range =
-        linkage::FindUsedRange(links, problem.d_min_mm, problem.d_max_mm, RadiansFromDegrees(problem.standing_deg));
-    for (const LoadSample& sample : problem.profile->samples) places_.push_back(PlaceOf(links, range, sample));
+    const linkage::UsedRange range = linkage::FindUsedRange(links, problem.d_min_mm, problem.limits["d_max_mm"],
+                                                            RadiansFromDegrees(problem.standing_deg));
+    for (const LoadSample& sample : problem.profile->samples) places_.push_back(SamplePoseOf(links, range, sample));
   }
 
   // Under the moments of a rise in this time, as far as the profile says what pace adds to them.
@@ -131,7 +130,7 @@ class AlongProfile {
 
  private:
   const SynthesisProblem& problem_;
-  std::vector<std::optional<Place>> places_;
+  std::vector<std::optional<SamplePose>> places_;
 };
 
 // The knee's power against the actuator's largest.

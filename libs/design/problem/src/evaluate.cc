@@ -3,19 +3,17 @@
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 
 #include "lake/core/angles.h"
 #include "lake/core/numbers.h"
-#include "lake/linkage/statics.h"
-#include "lake/parts/strength.h"
 #include "lake/problem/assistance.h"
 
 namespace lake::problem {
 namespace {
 
-using Kind = Requirement::Kind;
 constexpr int kGridPoints = 721;  // a quarter of a degree or finer over any range of a knee
 
 // The used range of a design that can stand; nullopt otherwise. An optimum may stand exactly where the actuator is
@@ -44,71 +42,52 @@ std::optional<linkage::Pose> PoseAt(const linkage::Links& links, const linkage::
 }
 
 // mm, of a pose on the body.
-double ClearanceOf(const linkage::Pose& pose, const SynthesisProblem& problem, Kind kind) {
+double ClearanceOf(const linkage::Pose& pose, const SynthesisProblem& problem, Obstacle obstacle) {
   const linkage::Body body = linkage::BodyOf(problem.clearances.body);
   const linkage::WearOptions wear = problem.Wear();
   const linkage::Pose on_body = linkage::PutOnBody(pose, wear.placement_mm);
-  if (kind == Kind::kSeat) return linkage::SeatClearance(on_body, body, wear);
-  const linkage::Limb limb = kind == Kind::kThigh ? linkage::Limb::kThigh : linkage::Limb::kShank;
+  if (obstacle == Obstacle::kSeat) return linkage::SeatClearance(on_body, body, wear);
+  const linkage::Limb limb = obstacle == Obstacle::kThigh ? linkage::Limb::kThigh : linkage::Limb::kShank;
   return linkage::LimbSeparation(limb, on_body, body, wear).distance_mm;
 }
 
-// The family's value in a pose under a knee torque. A kind without a value of its own here does not compile; one that
-// is no family, or is of the load profile alone, is a mistake of the caller's.
-double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem, const linkage::Pose& pose, Kind kind,
-                   double knee_torque_nm) {
-  const linkage::Transmission transmission = linkage::TransmissionOf(links, pose);
-  switch (kind) {
-    case Kind::kMomentArm:
-      return transmission.moment_arm_mm;
-    case Kind::kTransmission:
-      return DegreesFromRadians(
-          std::min(transmission.transmission_rad, std::numbers::pi - transmission.transmission_rad));
-    case Kind::kSeat:
-    case Kind::kThigh:
-    case Kind::kShank:
-      return ClearanceOf(pose, problem, kind);
-    case Kind::kForce:
-    case Kind::kHolding:
-      return std::abs(linkage::ActuatorForce(transmission, knee_torque_nm));
-    case Kind::kPinForce:
-      return linkage::MemberForcesOf(pose, knee_torque_nm).TipPin();  // bears the largest of all
-    case Kind::kMountForce:
-      return linkage::MemberForcesOf(pose, knee_torque_nm).Mount();
-    case Kind::kSafety:
-      return parts::LeastSafety(parts::CapacityOf(problem.parts),
-                                {pose, knee_torque_nm, linkage::MemberForcesOf(pose, knee_torque_nm)});
-    case Kind::kGrashof:
-    case Kind::kOrder:
-    case Kind::kSingularity:
-    case Kind::kMaxStroke:
-    case Kind::kMaxAngle:
-    case Kind::kReach:
-    case Kind::kDuration:
-      break;
+// A requirement's value in any pose of a linkage under one load.
+class PoseValue {
+ public:
+  PoseValue(const linkage::Links& links, const SynthesisProblem& problem, const Requirement& requirement,
+            const PoseLoad& load)
+      : links_(links.Values()), problem_(problem), info_(requirement.info) {
+    VisitLimit(static_cast<std::size_t>(requirement.row), [&](const auto& row) {
+      row.parts(load, [&](const char*, auto ratio) { ratios_.emplace_back(std::move(ratio)); });
+    });
   }
-  throw std::logic_error("this requirement has no value at a pose of the used range");
-}
 
-// At a pose of the used range; NaN where there is none.
-double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem,
-                   const std::optional<linkage::Pose>& pose, Kind kind) {
-  return pose ? FamilyValue(links, problem, *pose, kind, problem.knee_torque_nm) : kNaN;
-}
+  // NaN where there is no pose.
+  double operator()(const std::optional<linkage::Pose>& pose) const {
+    if (!pose) return kNaN;
+    if (info_.obstacle != Obstacle::kNone) return ClearanceOf(*pose, problem_, info_.obstacle);
+    const PoseQuantities<double> quantities(links_.data(), pose->stroke_mm, pose->phi_rad, pose->theta_rad);
+    double worst = info_.is_lower ? kInfinity : ratios_.empty() ? 0 : -kInfinity;
+    for (const auto& ratio : ratios_) {
+      const auto [over, under] = ratio(quantities);
+      // Of the two signs of a force one is never the worst.
+      const double value = under > 0 ? over / under : kInfinity;
+      worst = info_.is_lower ? std::min(worst, value) : std::max(worst, value);
+    }
+    return info_.is_sine ? DegreesFromRadians(std::asin(std::clamp(worst, -1.0, 1.0))) : worst;
+  }
 
-// At a sample of the load profile; NaN where there is no pose.
-double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem, const linkage::UsedRange& range,
-                   Kind kind, const LoadSample& sample) {
-  const std::optional<linkage::Pose> pose = PoseAt(links, ProfileStroke(links, range, sample.knee_rad));
-  if (!pose) return kNaN;
-  return kind == Kind::kDuration ? DurationAt(linkage::TransmissionOf(links, *pose), problem, sample)
-                                 : FamilyValue(links, problem, *pose, kind, problem.TorqueAt(sample));
-}
+ private:
+  std::array<double, 6> links_;
+  const SynthesisProblem& problem_;
+  const LimitInfo& info_;
+  std::vector<std::function<Ratio<double>(const PoseQuantities<double>&)>> ratios_;
+};
 
 // Those of the profile's samples that a requirement is on.
 std::vector<int> SamplesOf(const SynthesisProblem& problem, const Requirement& requirement) {
   const std::vector<int> samples = SamplesInUse(problem);
-  const bool at_the_end = requirement.id.kind == Kind::kHolding && !problem.rests_anywhere;
+  const bool at_the_end = requirement.info.place == Place::kAtRest && !problem.rests_anywhere;
   return at_the_end && !samples.empty() ? std::vector<int>{samples.back()} : samples;
 }
 
@@ -123,7 +102,8 @@ std::vector<WorstPoint> WorstSamples(const linkage::Links& links, const Synthesi
   std::vector<WorstPoint> points;
   for (const int i : SamplesOf(problem, requirement)) {
     const LoadSample& sample = problem.profile->samples[i];
-    points.push_back({sample.percent / 100, FamilyValue(links, problem, range, requirement.id.kind, sample), i});
+    const PoseValue value(links, problem, requirement, problem.LoadAt(sample));
+    points.push_back({sample.percent / 100, value(PoseAt(links, ProfileStroke(links, range, sample.knee_rad))), i});
   }
   const auto slack = [&](std::size_t i) { return requirement.Slack(points[i].value); };
   std::vector<WorstPoint> worst;
@@ -137,10 +117,8 @@ std::vector<WorstPoint> WorstSamples(const linkage::Links& links, const Synthesi
 // Of a requirement that is closed form in the links and the range.
 double LinkValue(const linkage::Links& links, const SynthesisProblem& problem, const Requirement& requirement,
                  double range_deg) {
-  const Kind kind = requirement.id.kind;
-  if (kind == Kind::kSingularity) return links.l2 + problem.d_min_mm - links.L7();
-  if (kind == Kind::kMaxAngle || kind == Kind::kReach) return range_deg;
-  if (!requirement.IsLinear()) throw std::logic_error(requirement.name + " does not follow from the links alone");
+  if (requirement.row >= 0) return range_deg;
+  if (!requirement.IsLinear()) return links.l2 + problem.d_min_mm - links.L7();
   double sum = 0;
   const auto l = links.Values();
   for (std::size_t i = 0; i < l.size(); ++i) sum += requirement.coefficients[i] * l[i];
@@ -153,8 +131,8 @@ RequirementCheck CheckRequirement(const linkage::Links& links, const SynthesisPr
   RequirementCheck check{.requirement = requirement, .value = kNaN, .slack = 0, .fraction = 1};
   if (!requirement.NeedsStanding()) {
     check.value = LinkValue(links, problem, requirement, range_deg);
-  } else if (requirement.id.kind == Kind::kMaxStroke) {
-    if (poses.Range()) check.value = poses.Range()->stroke.upper_mm;
+  } else if (!requirement.IsFamily()) {
+    if (poses.Range()) check.value = poses.At(requirement, 0);
     check.fraction = 0;
   } else if (const auto worst = poses.WorstPoints(requirement); !worst.empty()) {
     check.value = worst.front().value;
@@ -183,15 +161,18 @@ const std::vector<std::optional<linkage::Pose>>& UsedPoses::Grid() {
   return grid_;
 }
 
+double UsedPoses::At(const Requirement& requirement, double fraction) const {
+  return PoseValue(links_, problem_, requirement, problem_.ConstantLoad())(PoseAt(links_, *range_, fraction));
+}
+
 std::vector<WorstPoint> UsedPoses::WorstPoints(const Requirement& requirement) {
-  if (!requirement.IsFamily()) throw std::logic_error(requirement.name + " is no requirement on many poses");
+  if (!requirement.IsFamily())
+    throw std::logic_error(fmt::format("{} is no requirement on many poses", requirement.name));
   if (!range_) return {};
   if (requirement.along_profile) return WorstSamples(links_, problem_, *range_, requirement);
-  const Kind kind = requirement.id.kind;
-  const auto value = [&](double fraction) {
-    return FamilyValue(links_, problem_, PoseAt(links_, *range_, fraction), kind);
-  };
-  if (kind == Kind::kSeat) {
+  const PoseValue of_pose(links_, problem_, requirement, problem_.ConstantLoad());
+  const auto value = [&](double fraction) { return of_pose(PoseAt(links_, *range_, fraction)); };
+  if (requirement.info.place == Place::kSeated) {
     const double seated = (problem_.SeatedAngle_rad() - range_->theta_at_upper_rad) /
                           (range_->theta_at_lower_rad - range_->theta_at_upper_rad);
     const double fraction = std::min(1.0, seated);
@@ -199,8 +180,7 @@ std::vector<WorstPoint> UsedPoses::WorstPoints(const Requirement& requirement) {
   }
   const auto slack = [&](double fraction) { return requirement.Slack(value(fraction)); };
   std::vector<double> grid;
-  for (const std::optional<linkage::Pose>& pose : Grid())
-    grid.push_back(requirement.Slack(FamilyValue(links_, problem_, pose, kind)));
+  for (const std::optional<linkage::Pose>& pose : Grid()) grid.push_back(requirement.Slack(of_pose(pose)));
 
   std::vector<WorstPoint> worst;
   for (int i = 0; i < kGridPoints; ++i) {
@@ -220,9 +200,9 @@ std::vector<WorstPoint> UsedPoses::WorstPoints(const Requirement& requirement) {
   return worst;
 }
 
-const RequirementCheck& DesignEvaluation::CheckOf(const Requirement::Id& id) const {
+const RequirementCheck& DesignEvaluation::CheckOf(std::string_view name) const {
   const auto found =
-      std::ranges::find_if(checks, [&](const RequirementCheck& check) { return check.requirement.id == id; });
+      std::ranges::find_if(checks, [&](const RequirementCheck& check) { return check.requirement.name == name; });
   if (found == checks.end()) throw std::out_of_range("the problem has no such requirement");
   return *found;
 }
@@ -288,7 +268,7 @@ bool IsFeasible(const linkage::Links& links, const SynthesisProblem& problem, do
 
 double GoalOf(const SynthesisProblem& problem, const DesignEvaluation& evaluation) {
   if (problem.goal == SynthesisProblem::Goal::kRange) return evaluation.worst_range_deg;
-  return -evaluation.CheckOf({Kind::kDuration}).value;
+  return -evaluation.CheckOf(Requirement::kDuration).value;
 }
 
 bool MeetsLinkRequirements(const linkage::Links& links, const SynthesisProblem& problem,

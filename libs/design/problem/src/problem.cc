@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <type_traits>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -30,17 +32,29 @@ void CheckBounds(const Bounds& bounds, const std::string& key) {
   if (bounds.upper > kLongest_mm) throw Fail("{} upper bound {} is beyond {} mm", key, bounds.upper, kLongest_mm);
 }
 
-Requirement Order(int smaller, int larger) {
+Requirement LinearRequirement(std::string_view name, const std::array<double, 6>& coefficients, double limit) {
+  Requirement requirement;
+  requirement.name = name;
+  requirement.coefficients = coefficients;
+  requirement.limit = limit;
+  return requirement;
+}
+
+Requirement Order(std::string_view name, int smaller, int larger) {
   std::array<double, 6> coefficients{};
   coefficients[smaller] = -1;
   coefficients[larger] = 1;
-  const std::string name = fmt::format("{} ≤ {}", LinkName(smaller), LinkName(larger));
-  return {.id = {Requirement::Kind::kOrder, smaller, larger},
-          .name = name,
-          .coefficients = coefficients,
-          .is_lower_limit = true,
-          .limit = 0,
-          .unit = "mm"};
+  return LinearRequirement(name, coefficients, 0);
+}
+
+// Of the row of kLimits with this index; nullopt where the problem has no such limit.
+std::optional<double> LimitOf(const SynthesisProblem& problem, std::size_t index) {
+  if (const char* key = kLimitInfos[index].key; *key) return problem.limits[key];
+  std::optional<double> limit;
+  VisitLimit(index, [&](const auto& row) {
+    if constexpr (!std::is_null_pointer_v<std::remove_cvref_t<decltype(row.value)>>) limit = row.value(problem);
+  });
+  return limit;
 }
 
 }  // namespace
@@ -59,9 +73,10 @@ void Clearances::Check() const {
 
 void SynthesisProblem::Check() const {
   CheckPositive(d_min_mm, "d_min_mm");
+  CheckPlausible("d_min_mm", d_min_mm, kPlausibleStroke);
+  const std::optional<double>&d_max_mm = limits["d_max_mm"], &max_angle_deg = limits["max_angle_deg"];
   if (d_max_mm && !(std::isfinite(*d_max_mm) && *d_max_mm > d_min_mm))
     throw Fail("d_max_mm = {} must exceed d_min_mm = {}", *d_max_mm, d_min_mm);
-  CheckPlausible("d_min_mm", d_min_mm, kPlausibleStroke);
   if (d_max_mm) CheckPlausible("d_max_mm", *d_max_mm, kPlausibleStroke);
   for (std::size_t i = 0; i < bounds.size(); ++i) CheckBounds(bounds[i], LinkName(i));
   linkage::CheckLinks(start, "start");
@@ -69,11 +84,15 @@ void SynthesisProblem::Check() const {
   CheckMargin(singularity_margin_mm, "singularity_mm");
   CheckPositive(knee_torque_nm, "knee_torque_nm");
   CheckPlausible("knee_torque_nm", knee_torque_nm, kPlausibleKneeTorque);
-  if (max_force_n) CheckPositive(*max_force_n, "max_force_n");
-  if (max_force_n) CheckPlausible("max_force_n", *max_force_n, kPlausibleForce);
-  if (min_moment_arm_mm) CheckPositive(*min_moment_arm_mm, "min_moment_arm_mm");
-  if (min_transmission_deg && !(*min_transmission_deg > 0 && *min_transmission_deg < 90))
-    throw Fail("min_transmission_deg = {} must lie between 0 and 90", *min_transmission_deg);
+  for (const LimitInfo& info : kLimitInfos) {
+    if (!*info.key || !limits[info.key]) continue;
+    const double value = *limits[info.key];
+    if (info.below == kInfinity)
+      CheckPositive(value, info.key);
+    else if (!(value > 0 && value < info.below))
+      throw Fail("{} = {} must lie between 0 and {}", info.key, value, info.below);
+    if (std::string_view(info.key) == "max_force_n") CheckPlausible(info.key, value, kPlausibleForce);
+  }
   if (!(standing_deg >= -30 && standing_deg < 90))
     throw Fail("standing_deg = {} must lie between -30 and 90", standing_deg);
   if (assist && !(*assist >= 0 && *assist <= 1)) throw Fail("assist = {} must lie between 0 and 1", *assist);
@@ -83,11 +102,8 @@ void SynthesisProblem::Check() const {
   if (actuator) actuator->Check();
   clearances.Check();
   parts.Check();
-  if (max_pin_force_n) CheckPositive(*max_pin_force_n, "max_pin_force_n");
-  if (max_mount_force_n) CheckPositive(*max_mount_force_n, "max_mount_force_n");
   if (robust_mm && !(*robust_mm > 0 && *robust_mm <= kMostTolerance_mm))
     throw Fail("a tolerance (robust_mm) of {} mm must lie above 0, and not beyond {}", *robust_mm, kMostTolerance_mm);
-  if (safety_factor) CheckPositive(*safety_factor, "safety_factor");
   if (duration_s && !(*duration_s > 0 && *duration_s <= kLongestDuration_s))
     throw Fail("duration_s = {} must lie above 0, and not beyond {}", *duration_s, kLongestDuration_s);
   if (max_angle_deg && !(*max_angle_deg > standing_deg && *max_angle_deg <= 180))
@@ -108,7 +124,35 @@ linkage::WearOptions SynthesisProblem::Wear() const {
 }
 
 double SynthesisProblem::SeatedAngle_rad() const {
-  return max_angle_deg ? std::min(linkage::kSeated_rad, RadiansFromDegrees(*max_angle_deg)) : linkage::kSeated_rad;
+  const std::optional<double>& cap_deg = limits["max_angle_deg"];
+  return cap_deg ? std::min(linkage::kSeated_rad, RadiansFromDegrees(*cap_deg)) : linkage::kSeated_rad;
+}
+
+std::optional<double> SynthesisProblem::LeastRange_deg() const {
+  std::optional<double> least_rad;
+  if (HasLoadProfile()) least_rad = profile->LargestAngle();
+  for (std::size_t i = 0; i < kLimitCount; ++i)
+    if (kLimitInfos[i].place == Place::kSeated && LimitOf(*this, i))
+      least_rad = std::max(least_rad.value_or(0), SeatedAngle_rad());
+  return least_rad ? std::optional(DegreesFromRadians(std::max(0.0, *least_rad))) : std::nullopt;
+}
+
+std::optional<double> SynthesisProblem::DurationLimit_s() const {
+  if (!HasLoadProfile() || !(duration_s || SeeksDuration())) return std::nullopt;
+  return duration_s.value_or(kLongestDuration_s);
+}
+
+PoseLoad SynthesisProblem::ConstantLoad() const {
+  return {.torque_nmm = knee_torque_nm * kMillimetresPerMetre,
+          .capacity = parts::CapacityOf(parts),
+          .speed = actuator ? actuator->SpeedLines() : std::vector<SpeedLine>()};
+}
+
+PoseLoad SynthesisProblem::LoadAt(const LoadSample& sample) const {
+  PoseLoad load = ConstantLoad();
+  load.torque_nmm = TorqueAt(sample) * kMillimetresPerMetre;
+  load.rad_per_rise = sample.rad_per_rise;
+  return load;
 }
 
 void SynthesisProblem::CheckLoad() const {
@@ -127,10 +171,13 @@ SynthesisProblem WithActuator(SynthesisProblem problem) {
   if (actuator.closed_mm) problem.d_min_mm = *actuator.closed_mm;
   if (actuator.closed_mm && actuator.stroke_mm) {
     const double longest_mm = *actuator.closed_mm + *actuator.stroke_mm;
-    problem.d_max_mm = std::min(problem.d_max_mm.value_or(longest_mm), longest_mm);
+    auto& d_max_mm = problem.limits["d_max_mm"];
+    d_max_mm = std::min(d_max_mm.value_or(longest_mm), longest_mm);
   }
-  if (const std::optional<double> force_n = actuator.LiftingForce())
-    problem.max_force_n = std::min(problem.max_force_n.value_or(*force_n), *force_n);
+  if (const std::optional<double> force_n = actuator.LiftingForce()) {
+    auto& max_force_n = problem.limits["max_force_n"];
+    max_force_n = std::min(max_force_n.value_or(*force_n), *force_n);
+  }
   try {
     problem.Check();
   } catch (const Error& error) {
@@ -150,7 +197,7 @@ std::vector<BuildError> Corners(double tolerance_mm) {
 
 SynthesisProblem ProblemOf(const BuildError& build, SynthesisProblem problem) {
   problem.d_min_mm += build.back();
-  if (problem.d_max_mm) *problem.d_max_mm += build.back();
+  if (auto& d_max_mm = problem.limits["d_max_mm"]) *d_max_mm += build.back();
   problem.robust_mm.reset();
   problem.bounds.fill({-kInfinity, kInfinity});
   return problem;
@@ -168,59 +215,45 @@ double Requirement::Slack(double value) const {
 }
 
 std::string Requirement::Text() const {
-  if (IsLinear() && limit == 0) return id.kind == Kind::kGrashof ? "Grashof's law" : name;
+  if (IsLinear() && limit == 0) return name == kGrashof ? "Grashof's law" : std::string(name);
   const std::string text = fmt::format("{} {} {}", name, is_lower_limit ? "≥" : "≤", SignificantText(limit, 6));
   return unit == "1" ? text : text + " " + unit;
 }
 
 std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem) {
-  using Kind = Requirement::Kind;
-  std::vector<Requirement> all;
-  all.push_back({.id = {Kind::kGrashof},
-                 .name = "grashof",
-                 .coefficients = {1, 1, -1, -1, 0, 0},
-                 .is_lower_limit = true,
-                 .limit = problem.grashof_margin_mm,
-                 .unit = "mm"});
-  for (const auto& [smaller, larger] : {std::pair{2, 0}, {2, 1}, {2, 3}, {1, 3}, {0, 3}, {4, 5}, {3, 5}})
-    all.push_back(Order(smaller, larger));
-  const auto add = [&](Kind kind, const char* name, bool is_lower_limit, std::optional<double> limit, const char* unit,
-                       bool along_profile) {
-    if (limit)
-      all.push_back({.id = {kind},
-                     .name = name,
-                     .coefficients = {},
-                     .is_lower_limit = is_lower_limit,
-                     .limit = *limit,
-                     .unit = unit,
-                     .along_profile = along_profile});
-  };
-  const auto at_least = [&](Kind kind, const char* name, std::optional<double> limit, const char* unit,
-                            bool along_profile = false) { add(kind, name, true, limit, unit, along_profile); };
-  const auto at_most = [&](Kind kind, const char* name, std::optional<double> limit, const char* unit,
-                           bool along_profile = false) { add(kind, name, false, limit, unit, along_profile); };
-  const bool has_profile = problem.HasLoadProfile();
-  at_least(Kind::kSingularity, "singularity", problem.singularity_margin_mm, "mm");
-  at_least(Kind::kMomentArm, "moment arm", problem.min_moment_arm_mm, "mm");
-  at_most(Kind::kForce, "force", problem.max_force_n, "N", has_profile);
-  at_most(Kind::kPinForce, "pin force", problem.max_pin_force_n, "N", has_profile);
-  at_most(Kind::kMountForce, "mount force", problem.max_mount_force_n, "N", has_profile);
-  at_least(Kind::kSafety, "safety factor", problem.safety_factor, "1", has_profile);
-  at_least(Kind::kTransmission, "transmission angle", problem.min_transmission_deg, "deg");
-  at_most(Kind::kMaxStroke, "stroke when standing", problem.d_max_mm, "mm");
-  if (problem.actuator) at_most(Kind::kHolding, "holding force", problem.actuator->holding_force_n, "N", has_profile);
-  if (has_profile && (problem.duration_s || problem.SeeksDuration()))
-    at_most(Kind::kDuration, "duration", problem.duration_s.value_or(SynthesisProblem::kLongestDuration_s), "s", true);
-  const Clearances& clearances = problem.clearances;
-  const double profile_rad = has_profile ? problem.profile->LargestAngle() : 0;
-  const double seated_rad = clearances.seat_mm ? problem.SeatedAngle_rad() : 0;
-  if (has_profile || clearances.seat_mm)
-    at_least(Kind::kReach, "range", DegreesFromRadians(std::max(profile_rad, seated_rad)), "deg");
-  at_least(Kind::kSeat, "seat clearance", clearances.seat_mm, "mm");
-  at_least(Kind::kThigh, "thigh clearance", clearances.thigh_mm, "mm");
-  at_least(Kind::kShank, "shank clearance", clearances.shank_mm, "mm");
-  at_most(Kind::kMaxAngle, "angle", problem.max_angle_deg, "deg");
+  std::vector<Requirement> all{
+      LinearRequirement(Requirement::kGrashof, {1, 1, -1, -1, 0, 0}, problem.grashof_margin_mm)};
+  for (const auto& [name, smaller, larger] : {std::tuple{"l3 ≤ l1", 2, 0},
+                                              {"l3 ≤ l2", 2, 1},
+                                              {"l3 ≤ l4", 2, 3},
+                                              {"l2 ≤ l4", 1, 3},
+                                              {"l1 ≤ l4", 0, 3},
+                                              {"l5 ≤ l6", 4, 5},
+                                              {"l4 ≤ l6", 3, 5}})
+    all.push_back(Order(name, smaller, larger));
+  all.push_back(LinearRequirement(Requirement::kSingularity, {}, problem.singularity_margin_mm));
+  for (std::size_t i = 0; i < kLimitCount; ++i) {
+    const std::optional<double> limit = LimitOf(problem, i);
+    if (!limit) continue;
+    const LimitInfo& info = kLimitInfos[i];
+    const bool is_loaded = info.place == Place::kLoaded || info.place == Place::kAtRest;
+    all.push_back({.name = info.name,
+                   .coefficients = {},
+                   .is_lower_limit = info.is_lower,
+                   .limit = *limit,
+                   .unit = info.unit,
+                   .row = static_cast<int>(i),
+                   .info = info,
+                   .along_profile = info.place == Place::kProfile || (is_loaded && problem.HasLoadProfile()),
+                   .is_sought = info.name == Requirement::kDuration && problem.SeeksDuration()});
+  }
   return all;
+}
+
+std::size_t LimitValues::IndexOf(std::string_view key) {
+  const auto found = std::ranges::find(kLimitInfos, key, &LimitInfo::key);
+  if (key.empty() || found == kLimitInfos.end()) throw std::logic_error(fmt::format("no limit is called '{}'", key));
+  return static_cast<std::size_t>(found - kLimitInfos.begin());
 }
 
 }  // namespace lake::problem

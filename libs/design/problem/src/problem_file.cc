@@ -32,6 +32,12 @@ class Reader {
     CheckAt(child->Where(), problem_);
     return *this;
   }
+  // Those that stand in this map.
+  Reader& Limits(std::string_view section) {
+    for (const LimitInfo& info : kLimitInfos)
+      if (*info.key && section == info.section) Number(info.key, problem_.limits[info.key]);
+    return *this;
+  }
 
  private:
   YamlNode& node_;
@@ -74,11 +80,8 @@ void SetAt(const YamlNode& node, const SynthesisProblem& problem, const Set& set
 void ReadLoad(YamlNode node, const fs::path& folder, SynthesisProblem& problem) {
   Reader(node, problem)
       .Number("knee_torque_nm", problem.knee_torque_nm)
-      .Number("max_force_n", problem.max_force_n)
-      .Number("max_pin_force_n", problem.max_pin_force_n)
-      .Number("max_mount_force_n", problem.max_mount_force_n)
-      .Number("safety_factor", problem.safety_factor)
-      .Number("assist", problem.assist);
+      .Number("assist", problem.assist)
+      .Limits("load");
   if (const auto profile = node.Child("profile"))
     SetAt(*profile, problem, [&](const std::string& text) { problem.profile = ReadLoadProfile(folder / text); });
   if (const auto rest = node.Child("rest"))
@@ -153,11 +156,8 @@ SynthesisProblem ReadProblem(YamlNode node, const fs::path& folder) {
   SynthesisProblem problem;
   Reader(node, problem)
       .Number("d_min_mm", problem.d_min_mm)
-      .Number("d_max_mm", problem.d_max_mm)
       .Number("standing_deg", problem.standing_deg)
-      .Number("min_moment_arm_mm", problem.min_moment_arm_mm)
-      .Number("min_transmission_deg", problem.min_transmission_deg)
-      .Number("max_angle_deg", problem.max_angle_deg)
+      .Limits("")
       .Number("robust_mm", problem.robust_mm);
   if (auto bounds = node.Child("bounds")) ReadBounds(std::move(*bounds), problem);
   if (auto start = node.Child("start")) ReadStart(std::move(*start), problem);
@@ -236,27 +236,22 @@ Json BoundsJson(const std::array<Bounds, 6>& bounds) {
 }  // namespace
 
 Json ProblemJson(const SynthesisProblem& problem) {
-  const auto& [d_min_mm, d_max_mm, bounds, start, grashof_margin_mm, singularity_margin_mm, knee_torque_nm, max_force_n,
-               min_moment_arm_mm, min_transmission_deg, standing_deg, max_angle_deg, mount, clearances, max_pin_force_n,
-               max_mount_force_n, safety_factor, parts, profile, assist, actuator, rests_anywhere, duration_s,
-               robust_mm, goal] = problem;
+  const auto& [limits, d_min_mm, bounds, start, grashof_margin_mm, singularity_margin_mm, knee_torque_nm, standing_deg,
+               mount, clearances, parts, profile, assist, actuator, rests_anywhere, duration_s, robust_mm, goal] =
+      problem;
+  Json asked;
+  for (const LimitInfo& info : kLimitInfos)
+    if (*info.key) asked[info.key] = NumberOrNull(limits[info.key]);
   return {{"d_min_mm", d_min_mm},
-          {"d_max_mm", NumberOrNull(d_max_mm)},
+          {"limits", asked},
           {"bounds", BoundsJson(bounds)},
           {"start", start.Values()},
           {"grashof_margin_mm", grashof_margin_mm},
           {"singularity_margin_mm", singularity_margin_mm},
           {"knee_torque_nm", knee_torque_nm},
-          {"max_force_n", NumberOrNull(max_force_n)},
-          {"min_moment_arm_mm", NumberOrNull(min_moment_arm_mm)},
-          {"min_transmission_deg", NumberOrNull(min_transmission_deg)},
           {"standing_deg", standing_deg},
-          {"max_angle_deg", NumberOrNull(max_angle_deg)},
           {"mount", linkage::NameOf(mount)},
           {"clearances", ClearancesJson(clearances)},
-          {"max_pin_force_n", NumberOrNull(max_pin_force_n)},
-          {"max_mount_force_n", NumberOrNull(max_mount_force_n)},
-          {"safety_factor", NumberOrNull(safety_factor)},
           {"parts", PartsJson(parts)},
           {"profile", profile ? ProfileJson(*profile) : Json()},
           {"assist", NumberOrNull(assist)},

@@ -149,27 +149,16 @@ void Describe(SynthesisProblem& o, OptionList& options) {
   options.Add("singularity-margin", o.singularity_margin_mm, "Margin from the actuator singularity")
       .Unit("mm")
       .NotNegative();
-  options.Add("max-force", o.max_force_n, "Largest actuator force over the used range").Unit("N").Positive();
-  options.Add("max-pin-force", o.max_pin_force_n, "Largest force in a pin, at K, P, R and S").Unit("N").Positive();
-  options.Add("max-mount-force", o.max_mount_force_n, "Largest force of the mount on the thigh, at M")
-      .Unit("N")
-      .Positive();
-  options
-      .Add("safety-factor", o.safety_factor,
-           "Least safety factor of plates, pins and the actuator's rod, as strength.csv")
-      .Key("safety_factor")
-      .Value("FACTOR")
-      .Positive();
   options.Add("knee-torque", o.knee_torque_nm, "Knee torque that the actuator balances").Unit("N m").Positive();
-  options.Add("min-moment-arm", o.min_moment_arm_mm, "Smallest moment arm over the used range")
-      .Unit("mm per rad")
-      .Positive();
-  options
-      .Add("min-transmission", o.min_transmission_deg,
-           "Smallest transmission angle between coupler and shank link over the used range")
-      .Unit("degrees");
-  options.Add("max-angle", o.max_angle_deg, "Anatomical cap on the knee angle").Unit("degrees");
-  options.Add("max-length", o.d_max_mm, "Longest stroke of the actuator; the knee must be straight by then").Unit("mm");
+  for (const LimitInfo& info : kLimitInfos) {
+    if (!*info.option) continue;
+    Option& option = options.Add(info.option, o.limits[info.key], info.help);
+    if (*info.option_unit)
+      option.Unit(info.option_unit);
+    else
+      option.Key(info.key).Value("FACTOR");
+    if (info.below == kInfinity) option.Positive();
+  }
   options
       .Add("robust", o.robust_mm,
            "Tolerance of every link and of the shortest stroke, play of the pins included: what is optimised is the "

@@ -24,6 +24,14 @@ std::string Line(std::string_view key, std::string_view value, std::string_view 
   return TemplateLine(key, value, meaning, 2);
 }
 
+// Of the limits that stand in one map.
+std::string LimitLines(std::string_view section, int indent) {
+  std::string lines;
+  for (const LimitInfo& info : kLimitInfos)
+    if (*info.key && section == info.section) lines += TemplateLine(info.key, info.example, info.help, indent);
+  return lines;
+}
+
 }  // namespace
 
 std::string ProblemTemplate() {
@@ -38,12 +46,8 @@ std::string ProblemTemplate() {
          "examples.\n" +
          TemplateLine("d_min_mm", number(paper.d_min_mm), "the actuator's shortest stroke") +
          AsComment(
-             TemplateLine("d_max_mm", "400", "its longest; standing straight may need less") +
              TemplateLine("standing_deg", number(paper.standing_deg), "knee angle at which the used range ends") +
-             TemplateLine("max_angle_deg", "140", "the knee bends no further") +
-             TemplateLine("min_moment_arm_mm", "5", "change of stroke per radian of the knee, over the whole range") +
-             TemplateLine("min_transmission_deg", "10", "between coupler and shank link, and its supplement") +
-             TemplateLine("robust_mm", "0.1", "tolerance of each link that a design must bear") +
+             LimitLines("", 0) + TemplateLine("robust_mm", "0.1", "tolerance of each link that a design must bear") +
              TemplateLine("mount", "behind", "beside|behind: where the linkage is on the leg; limb_mm is for behind") +
              TemplateLine("actuator", "LA31-1000",
                           "a name of the catalogue or a file; sets d_min, d_max and max_force") +
@@ -51,11 +55,7 @@ std::string ProblemTemplate() {
              Line("grashof_mm", number(paper.grashof_margin_mm), "l3 + l4 is shorter than l1 + l2 by this") +
              Line("singularity_mm", number(paper.singularity_margin_mm), "of the shortest stroke from the dead point") +
              "load:\n" + Line("knee_torque_nm", number(paper.knee_torque_nm), "constant moment, without a profile") +
-             Line("max_force_n", "2000", "the actuator's force, at every angle of the range") +
-             Line("max_pin_force_n", "4000", "at K, P, R and S") +
-             Line("max_mount_force_n", "3000", "at the mount on the thigh") +
-             Line("safety_factor", "1.5", "least of plates, pins and rod") +
-             Line("profile", "loads.json", "moments over a rise, from lake loads") +
+             LimitLines("load", 2) + Line("profile", "loads.json", "moments over a rise, from lake loads") +
              Line("assist", "0.4", "the actuator's share of them, 0 to 1") +
              Line("rest", "anywhere", "anywhere|standing: where the actuator holds without power") +
              Line("duration_s", "free", "time of the rise; free: as short as the actuator can") + "clearances:\n" +

@@ -60,9 +60,8 @@ double NominalGoal(const linkage::Links& links, const SynthesisProblem& problem,
 std::vector<Candidate> Candidates(const std::array<std::vector<double>, 6>& grid, const SynthesisProblem& problem,
                                   double tolerance_mm) {
   const std::vector<Requirement> requirements = RequirementsOf(problem);
-  const auto duration = std::ranges::find_if(requirements, [&](const Requirement& requirement) {
-    return problem.SeeksDuration() && requirement.id.kind == Requirement::Kind::kDuration;
-  });
+  const auto duration =
+      std::ranges::find_if(requirements, [&](const Requirement& requirement) { return requirement.is_sought; });
   const Requirement* sought = duration == requirements.end() ? nullptr : &*duration;
   std::vector<Candidate> candidates;
   const auto total = std::accumulate(grid.begin(), grid.end(), std::size_t{1},
@@ -211,8 +210,8 @@ double YieldOptions::Most_mm() const {
   return tolerance_mm + pin_clearance_mm / 2 * std::max({kCouplerHoles, kBarHoles, kActuatorHoles});
 }
 
-const LimitYield* Yield::Find(Requirement::Kind kind) const {
-  const auto found = std::ranges::find(limits, kind, [](const LimitYield& limit) { return limit.requirement.id.kind; });
+const LimitYield* Yield::Find(std::string_view name) const {
+  const auto found = std::ranges::find(limits, name, [](const LimitYield& limit) { return limit.requirement.name; });
   return found == limits.end() ? nullptr : &*found;
 }
 

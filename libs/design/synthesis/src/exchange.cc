@@ -43,16 +43,16 @@ bool IsKnown(const problem::WorstPoint& point, const Collocation& poses) {
 }
 
 // The poses at which one linkage violates the problem; false where it turns back or comes apart between two poses.
-bool AddPosesOf(const problem::SynthesisProblem& problem, const linkage::Links& links, double tolerance,
-                Collocation& poses) {
+bool AddPosesOf(const problem::SynthesisProblem& problem, const std::vector<problem::Requirement>& requirements,
+                const linkage::Links& links, double tolerance, Collocation& poses) {
   problem::UsedPoses used(links, problem);
-  for (const problem::Requirement& requirement : problem::RequirementsOf(problem)) {
+  for (const problem::Requirement& requirement : requirements) {
     if (!requirement.NeedsStanding()) continue;
     if (!used.Range()) return false;
     if (!requirement.IsFamily()) continue;
     const std::vector<problem::WorstPoint> worst = used.WorstPoints(requirement);
     if (worst.empty()) return false;
-    if (requirement.id.kind == problem::Requirement::Kind::kSeat) continue;  // one pose, which the program has already
+    if (requirement.info.place == problem::Place::kSeated) continue;  // one pose, which the program has already
     for (const problem::WorstPoint& point : worst) {
       const double allowed = tolerance * std::max(requirement.limit, requirement.IsClearance() ? 1.0 : 0.0);
       if (requirement.Slack(point.value) >= -allowed || IsKnown(point, poses)) continue;
@@ -98,13 +98,13 @@ bool AddWorstBuild(const problem::SynthesisProblem& problem, const linkage::Link
 
 }  // namespace
 
-bool AddViolatedPoses(const problem::SynthesisProblem& problem, const linkage::Links& links, double tolerance,
-                      Collocation& poses) {
+bool AddViolatedPoses(const problem::SynthesisProblem& problem, const std::vector<problem::Requirement>& requirements,
+                      const linkage::Links& links, double tolerance, Collocation& poses) {
   const std::size_t before = poses.Size();
-  bool stand = AddPosesOf(problem, links, tolerance, poses);
+  bool stand = AddPosesOf(problem, requirements, links, tolerance, poses);
   for (std::size_t i = 0; i < poses.builds.size(); ++i)
-    stand = AddPosesOf(problem::ProblemOf(poses.builds[i], problem), problem::LinksOf(poses.builds[i], links),
-                       tolerance, poses) &&
+    stand = AddPosesOf(problem::ProblemOf(poses.builds[i], problem), requirements,
+                       problem::LinksOf(poses.builds[i], links), tolerance, poses) &&
             stand;
   if (!stand && before < kMostPoses) HalveGaps(poses.fractions);
   if (poses.Size() > before) return true;

@@ -11,7 +11,7 @@ Collocation FirstPoses(const problem::SynthesisProblem& problem);
 
 // Adds the local worst poses at which a family is violated by more than `tolerance` x its limit, or, if the linkage
 // cannot go through its used range at all, poses half-way between those there are. False if there is nothing to add.
-bool AddViolatedPoses(const problem::SynthesisProblem& problem, const linkage::Links& links, double tolerance,
-                      Collocation& poses);
+bool AddViolatedPoses(const problem::SynthesisProblem& problem, const std::vector<problem::Requirement>& requirements,
+                      const linkage::Links& links, double tolerance, Collocation& poses);
 
 }  // namespace lake::synthesis

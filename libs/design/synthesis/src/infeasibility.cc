@@ -12,7 +12,6 @@
 namespace lake::synthesis {
 namespace {
 
-using Kind = problem::Requirement::Kind;
 constexpr double kNoSlack =
     1e-5;  // mm, deg or 1 % of a force: what an interior point leaves on a slack that is not needed
 
@@ -25,32 +24,28 @@ struct ElasticSolve {
   }
 };
 
-// The problem with its limits moved by the slacks, as far as the families over the used range need it.
-problem::SynthesisProblem Relaxed(problem::SynthesisProblem problem, const ElasticSolve& solve) {
-  const std::vector<double>& x = solve.solution.x;
-  problem = Placed(std::move(problem), solve.program, x);
-  problem.d_min_mm = x[solve.program.shortest_stroke];
-  for (const RequirementRow& limit : solve.program.requirements) {
-    const double slack = limit.SlackAt(x);
-    if (limit.requirement.id.kind == Kind::kMomentArm) *problem.min_moment_arm_mm -= slack;
-    if (limit.requirement.id.kind == Kind::kForce) *problem.max_force_n += slack;
-    if (limit.requirement.id.kind == Kind::kTransmission) *problem.min_transmission_deg -= slack;
-    if (limit.requirement.id.kind == Kind::kSeat) *problem.clearances.seat_mm -= slack;
-    if (limit.requirement.id.kind == Kind::kThigh) *problem.clearances.thigh_mm -= slack;
-    if (limit.requirement.id.kind == Kind::kShank) *problem.clearances.shank_mm -= slack;
-    if (limit.requirement.id.kind == Kind::kPinForce) *problem.max_pin_force_n += slack;
-    if (limit.requirement.id.kind == Kind::kMountForce) *problem.max_mount_force_n += slack;
-    if (limit.requirement.id.kind == Kind::kSafety) *problem.safety_factor -= slack;
-    if (limit.requirement.id.kind == Kind::kHolding) *problem.actuator->holding_force_n += slack;
-    if (limit.requirement.id.kind == Kind::kDuration) problem.duration_s = limit.requirement.limit + slack;
-  }
+// The problem where a solution has placement and shortest stroke.
+problem::SynthesisProblem Moved(problem::SynthesisProblem problem, const ElasticSolve& solve) {
+  problem = Placed(std::move(problem), solve.program, solve.solution.x);
+  problem.d_min_mm = solve.solution.x[solve.program.shortest_stroke];
   return problem;
 }
 
-bool FamiliesHold(const problem::SynthesisProblem& problem, const linkage::Links& links) {
+// The requirements with their limits moved by the slacks.
+std::vector<problem::Requirement> Relaxed(const ElasticSolve& solve) {
+  std::vector<problem::Requirement> relaxed;
+  for (const RequirementRow& entry : solve.program.requirements) {
+    relaxed.push_back(entry.requirement);
+    relaxed.back().limit += (entry.requirement.is_lower_limit ? -1 : 1) * entry.SlackAt(solve.solution.x);
+  }
+  return relaxed;
+}
+
+bool FamiliesHold(const problem::SynthesisProblem& problem, const std::vector<problem::Requirement>& requirements,
+                  const linkage::Links& links) {
   constexpr double kTolerance = 1e-4;  // of the limit; the moved limits themselves are known no better
   problem::UsedPoses poses(links, problem);
-  for (const problem::Requirement& requirement : problem::RequirementsOf(problem)) {
+  for (const problem::Requirement& requirement : requirements) {
     if (!requirement.IsFamily()) continue;
     const auto worst = poses.WorstPoints(requirement);
     if (worst.empty() || requirement.Slack(worst.front().value) < -kTolerance * std::max(1.0, requirement.limit))
@@ -68,13 +63,15 @@ ElasticSolve SolveElastic(const problem::SynthesisProblem& problem, const linkag
     solve.program = BuildProgram(problem, from, poses, elasticity);
     solve.solution = nlp::SolveNlp(solve.program.program, options.nlp);
     from = LinksAt(solve.program.links, solve.solution.x);
-    if (!solve.solution.IsUsable() || !AddViolatedPoses(Relaxed(problem, solve), from, options.family_tolerance, poses))
+    if (!solve.solution.IsUsable() ||
+        !AddViolatedPoses(Moved(problem, solve), Relaxed(solve), from, options.family_tolerance, poses))
       break;
   }
-  const problem::SynthesisProblem relaxed = Relaxed(problem, solve);
-  solve.holds = solve.solution.IsUsable() && FamiliesHold(relaxed, from) &&
+  const problem::SynthesisProblem moved = Moved(problem, solve);
+  const std::vector<problem::Requirement> relaxed = Relaxed(solve);
+  solve.holds = solve.solution.IsUsable() && FamiliesHold(moved, relaxed, from) &&
                 std::ranges::all_of(poses.builds, [&](const problem::BuildError& build) {
-                  return FamiliesHold(problem::ProblemOf(build, relaxed), problem::LinksOf(build, from));
+                  return FamiliesHold(problem::ProblemOf(build, moved), relaxed, problem::LinksOf(build, from));
                 });
   return solve;
 }

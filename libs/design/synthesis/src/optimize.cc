@@ -108,9 +108,16 @@ problem::SynthesisProblem AsSolved(const problem::SynthesisProblem& problem, con
   problem::SynthesisProblem solved = Placed(problem, solve.program, solve.solution.x);
   if (problem.goal != problem::SynthesisProblem::Goal::kDuration) return solved;
   for (const RequirementRow& entry : solve.program.requirements)
-    if (entry.requirement.id.kind == problem::Requirement::Kind::kDuration)
-      solved.duration_s = solve.solution.x[entry.family_limit];
+    if (entry.requirement.is_sought) solved.duration_s = solve.solution.x[entry.family_limit];
   return solved;
+}
+
+}  // namespace
+
+namespace {
+
+bool AddPosesOf(const problem::SynthesisProblem& solved, LocalSolve& result, const OptimizeOptions& options) {
+  return AddViolatedPoses(solved, problem::RequirementsOf(solved), result.end, options.family_tolerance, result.poses);
 }
 
 }  // namespace
@@ -130,7 +137,7 @@ LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuil
     builder.MoveTo(result.solution.x);
     result.end = builder.Links();
     if (!result.solution.IsUsable() || result.exchanges >= options.max_exchanges ||
-        !AddViolatedPoses(AsSolved(problem, result), result.end, options.family_tolerance, result.poses))
+        !AddPosesOf(AsSolved(problem, result), result, options))
       break;
     nlp.StartWarm();
   }

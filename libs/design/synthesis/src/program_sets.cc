@@ -7,14 +7,12 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/linkage/loop_equations.h"
-#include "lake/parts/strength.h"
 
 namespace lake::synthesis {
 namespace {
 
 // Of products of three lengths divided by a length: brings rows near one.
 constexpr double kAreaScale_mm2 = 1e4;
-constexpr double kMillimetresPerMetre = 1000;
 
 // What the rows of a pose are made of; a length or angle that a row does not read is zero.
 template <typename T>
@@ -141,107 +139,18 @@ struct NoTurningTerm : OnUsedRange {
   }
 };
 
-// v[9] is the limit.
-struct MomentArmTerm : OnUsedRange {
-  template <typename T>
-  T operator()(const T* v) const {
-    const auto vectors = Vectors(v);
-    const T numerator =
-        linkage::Dot(vectors.coupler, vectors.shank_motion) * linkage::Dot(vectors.actuator, vectors.tip_motion) / v[6];
-    return (numerator - v[9] * linkage::Dot(vectors.coupler, vectors.tip_motion)) / kAreaScale_mm2;
-  }
-};
-
-// As the moment arm at torque / force, in units of the force limit so that its multiplier is of that order too.
-struct ForceTerm : OnUsedRange {
-  double torque_nmm, force_scale_n;
-  template <typename T>
-  T operator()(const T* v) const {
-    const auto vectors = Vectors(v);
-    const T numerator =
-        linkage::Dot(vectors.coupler, vectors.shank_motion) * linkage::Dot(vectors.actuator, vectors.tip_motion) / v[6];
-    return (v[9] * numerator - linkage::Dot(vectors.coupler, vectors.tip_motion) * torque_nmm) /
-           (kAreaScale_mm2 * force_scale_n);
-  }
-};
-
-// What a member bears against the limit v[9]: a largest force in N, or a safety factor of what it bears.
-struct Bearing {
-  bool is_safety;
-  double capacity_n, scale_n;
-  template <typename T>
-  T Allowed(const T& limit) const {  // what multiplies the load is the safety factor, else the force is what is allowed
-    return is_safety ? limit * 0.0 + capacity_n : limit;
-  }
-  template <typename T>
-  T Factor(const T& limit) const {
-    return is_safety ? limit : limit * 0.0 + 1.0;
-  }
-};
-
-struct CouplerTerm : OnUsedRange {
-  Bearing bearing;
-  double torque_nmm;
-  template <typename T>
-  T operator()(const T* v) const {
-    const auto vectors = Vectors(v);
-    return (bearing.Allowed(v[9]) * linkage::Dot(vectors.coupler, vectors.shank_motion) -
-            bearing.Factor(v[9]) * Links(v)[0] * torque_nmm) /
-           (kAreaScale_mm2 * bearing.scale_n);
-  }
-};
-
-// `side` is the sign of the force.
-struct BarTerm : OnUsedRange {
-  Bearing bearing;
-  double torque_nmm, side;
-  template <typename T>
-  T operator()(const T* v) const {
-    const auto vectors = Vectors(v);
-    const T cross = vectors.coupler.x * vectors.actuator.y - vectors.coupler.y * vectors.actuator.x;
-    return (bearing.Allowed(v[9]) * linkage::Dot(vectors.coupler, vectors.shank_motion) *
-                linkage::Dot(vectors.actuator, vectors.tip_motion) -
-            bearing.Factor(v[9]) * Links(v)[1] * cross * (side * torque_nmm)) /
-           (kAreaScale_mm2 * kAreaScale_mm2 * bearing.scale_n);
-  }
-};
-
-// A capacity of a member of any length, or in N mm^2 of a rod: of the length that it has.
-struct ActuatorTerm : OnUsedRange {
-  Bearing bearing;
-  double torque_nmm;
-  bool is_rod;
-  template <typename T>
-  T operator()(const T* v) const {
-    const auto vectors = Vectors(v);
-    const T arm =
-        linkage::Dot(vectors.coupler, vectors.shank_motion) * linkage::Dot(vectors.actuator, vectors.tip_motion) / v[6];
-    const T allowed = is_rod ? bearing.Allowed(v[9]) / (v[6] * v[6]) : bearing.Allowed(v[9]);
-    return (allowed * arm - bearing.Factor(v[9]) * linkage::Dot(vectors.coupler, vectors.tip_motion) * torque_nmm) /
-           (kAreaScale_mm2 * bearing.scale_n);
-  }
-};
-
-// v[9] is the duration; in units in which the row is of order one.
-struct DurationTerm : OnUsedRange {
-  double at_rest_mm_s, lost_nmm_mm_s, rad_per_rise, scale;
-  template <typename T>
-  T operator()(const T* v) const {
-    const auto vectors = Vectors(v);
-    const T numerator =
-        linkage::Dot(vectors.coupler, vectors.shank_motion) * linkage::Dot(vectors.actuator, vectors.tip_motion) / v[6];
-    const T denominator = linkage::Dot(vectors.coupler, vectors.tip_motion);
-    return (v[9] * denominator * (numerator * at_rest_mm_s - denominator * lost_nmm_mm_s) -
-            numerator * numerator * rad_per_rise) /
-           scale;
-  }
-};
-
-struct TransmissionTerm : OnUsedRange {
+// A ratio of a pose's quantities against the limit v[9].
+template <typename RatioOf>
+struct LimitTerm : OnUsedRange {
+  problem::LimitInfo info;
+  double scale;
+  RatioOf ratio;
   template <typename T>
   T operator()(const T* v) const {
     using std::sin;
-    return linkage::SinCosTransmission(Links(v).data(), v[7], Theta(v))[0] - sin(v[9] / kDegreesPerRadian);
+    const problem::PoseQuantities<T> pose(Links(v).data(), v[6], v[7], Theta(v));
+    const T limit = info.is_sine ? sin(v[9] / kDegreesPerRadian) : v[9];
+    return problem::MarginOf(info, limit, problem::Ratio<T>(ratio(pose)), scale);
   }
 };
 
@@ -424,58 +333,15 @@ void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose) 
   program.AddConstraint("no turning" + pose.place, 0, nlp::kUnbounded, pose.All(), NoTurningTerm{at});
 }
 
-void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
-                  int limit, double knee_torque_nm) {
-  const OnUsedRange at = PlaceOf(pose);
-  const std::string name = requirement.name + pose.place;
-  const std::array<int, 10> variables = With(pose, limit);
-  if (requirement.id.kind == problem::Requirement::Kind::kTransmission) {
-    program.AddConstraint(name, 0, nlp::kUnbounded, variables, TransmissionTerm{at});
-    return;
-  }
-  if (requirement.id.kind == problem::Requirement::Kind::kMomentArm)
-    program.AddConstraint(name, 0, nlp::kUnbounded, variables, MomentArmTerm{at});
-  else
-    program.AddConstraint(name, 0, nlp::kUnbounded, variables,
-                          ForceTerm{at, knee_torque_nm * kMillimetresPerMetre, requirement.limit});
-}
-
-void AddStrengthRows(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
-                     int limit, double knee_torque_nm, const parts::PartOptions& parts) {
-  const OnUsedRange at = PlaceOf(pose);
-  const bool is_safety = requirement.id.kind == problem::Requirement::Kind::kSafety;
-  const parts::Capacity capacity = parts::CapacityOf(parts);
-  const double torque_nmm = std::abs(knee_torque_nm) * kMillimetresPerMetre;
-  const auto bearing = [&](double capacity_n, double typical_n) {
-    return Bearing{is_safety, capacity_n, is_safety ? typical_n : requirement.limit};
-  };
-  const auto add = [&](const char* member, const auto& term) {
-    program.AddConstraint(fmt::format("{} of the {}{}", requirement.name, member, pose.place), 0, nlp::kUnbounded,
-                          With(pose, limit), term);
-  };
-  add("coupler", CouplerTerm{at, bearing(capacity.coupler_n, capacity.coupler_n), torque_nmm});
-  for (const double side : {1.0, -1.0})
-    add("slewing bar", BarTerm{at, bearing(capacity.bar_n, capacity.bar_n), torque_nmm, side});
-  add("actuator", ActuatorTerm{at, bearing(capacity.actuator_n, capacity.actuator_n), torque_nmm, false});
-  if (!is_safety) return;
-  constexpr double kUsualLength_mm = 300;
-  if (knee_torque_nm > 0)
-    add("rod", ActuatorTerm{at, bearing(capacity.rod_nmm2, capacity.rod_nmm2 / (kUsualLength_mm * kUsualLength_mm)),
-                            torque_nmm, true});
-  // Whatever the links: without a solution it is what has to give way.
-  const int bending = program.AddRow("safety factor of the shank link" + pose.place, -nlp::kUnbounded,
-                                     capacity.knee_torque_nm / std::abs(knee_torque_nm));
-  AddScaledTerm(program, bending, limit, 1);
-}
-
-void AddDurationRow(nlp::NonlinearProgram& program, const PoseVariables& pose, int duration,
-                    const problem::SpeedLine& line, double knee_torque_nm, double rad_per_rise) {
-  constexpr double kArm_mm = 50;  // usual
-  const double torque_nmm = knee_torque_nm * kMillimetresPerMetre;
-  const double scale = kAreaScale_mm2 * kAreaScale_mm2 * kArm_mm * line.at_rest_mm_s;
-  program.AddConstraint(
-      "duration" + pose.place, 0, nlp::kUnbounded, With(pose, duration),
-      DurationTerm{PlaceOf(pose), line.at_rest_mm_s, line.per_newton_mm_s * torque_nmm, rad_per_rise, scale});
+void AddRatioRows(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
+                  int limit, const problem::PoseLoad& load) {
+  const double scale = requirement.info.is_relative ? program.Variables()[limit].start : 1;
+  problem::VisitLimit(static_cast<std::size_t>(requirement.row), [&](const auto& row) {
+    row.parts(load, [&](const char* part, auto ratio) {
+      program.AddConstraint(fmt::format("{} of the {}{}", requirement.name, part, pose.place), 0, nlp::kUnbounded,
+                            With(pose, limit), LimitTerm<decltype(ratio)>{PlaceOf(pose), row.info, scale, ratio});
+    });
+  });
 }
 
 void AddSeatRows(nlp::NonlinearProgram& program, const ClearancePose& at, const linkage::Seat& seat,

@@ -88,8 +88,7 @@ std::vector<MarginPoint> SweepMargins(const SynthesisOutcome& outcome) {
   return points;
 }
 
-// Without the requirements that certificate::NotInBound names, as far as they can be taken out: the rod's buckling is
-// part of a safety factor whose rest is in the bound.
+// Without the requirements that certificate::NotInBound names.
 problem::SynthesisProblem OnlyWhatIsInTheBound(problem::SynthesisProblem problem) {
   problem.clearances.thigh_mm.reset();
   problem.clearances.shank_mm.reset();

@@ -13,7 +13,7 @@
 namespace lake::synthesis {
 namespace {
 
-using Kind = problem::Requirement::Kind;
+using problem::Place;
 constexpr double kShortest_mm = 1, kLongest_mm = 1e4;  // bounds that give way, and strokes, stay within
 
 // Where the variables of a pose start: on the linkage where it can be assembled, else at a plausible place.
@@ -60,6 +60,7 @@ class Builder {
     if (problem_.clearances.AreAsked()) AddPlacement();
     AddShortestPose();
     for (const problem::Requirement& requirement : problem::RequirementsOf(problem_)) AddRequirement(requirement);
+    AddShortestRows();
     AddPoses(poses);
     for (const problem::BuildError& error : poses.builds) AddBuild(error, poses);
     if (!IsElastic()) AddGoal();
@@ -101,19 +102,23 @@ class Builder {
     const int worst = nlp().AddRow("range" + name, 0, nlp::kUnbounded);
     AddScaledTerm(nlp(), worst, current_.range, 1);
     AddScaledTerm(nlp(), worst, result_.worst_range, -1);
-    for (const RequirementRow& entry : result_.requirements)
-      if (entry.requirement.id.kind == Kind::kMaxAngle || entry.requirement.id.kind == Kind::kReach)
-        AddLimitedRow(entry, current_.range, kDegreesPerRadian, 0);
+    AddShortestRows();
     AddPoses(poses);
   }
 
-  // factor x variable + offset against the limit of a requirement that has it as a variable.
-  void AddLimitedRow(const RequirementRow& entry, int variable, double factor, double offset) {
-    const bool is_lower = entry.requirement.is_lower_limit;
-    const int row = nlp().AddRow(entry.requirement.Text() + current_.name, is_lower ? -offset : -nlp::kUnbounded,
-                                 is_lower ? nlp::kUnbounded : -offset);
-    AddScaledTerm(nlp(), row, variable, factor);
-    AddScaledTerm(nlp(), row, entry.family_limit, -1);
+  // What holds at the shortest stroke of the current build.
+  void AddShortestRows() {
+    for (const RequirementRow& entry : result_.requirements)
+      if (entry.family_limit >= 0 && entry.requirement.info.place == Place::kShortest)
+        AddRows(entry, poses_.front(), problem_.ConstantLoad());
+  }
+
+  void AddRows(const RequirementRow& entry, const PoseVariables& pose, problem::PoseLoad load) {
+    load.closed_error_mm = current_.d_min_off_mm;
+    if (entry.requirement.IsClearance())
+      AddClearance(entry, pose);
+    else
+      AddRatioRows(nlp(), entry.requirement, pose, entry.family_limit, load);
   }
 
   nlp::NonlinearProgram& nlp() { return result_.program; }
@@ -178,13 +183,6 @@ class Builder {
     AddScaledTerm(nlp(), row, result_.worst_range, -1);
   }
 
-  // Builds have rows of their own against the limit, which then is a variable as that of a family is.
-  bool HasLimitVariable(const problem::Requirement& requirement) const {
-    const Kind kind = requirement.id.kind;
-    return requirement.IsFamily() ||
-           (problem_.robust_mm && (kind == Kind::kMaxAngle || kind == Kind::kReach || kind == Kind::kMaxStroke));
-  }
-
   // By how much the worst build is worse in a requirement on the links.
   double Loss(const problem::Requirement& requirement) const {
     double sum = 0;
@@ -195,43 +193,38 @@ class Builder {
   void AddRequirement(const problem::Requirement& requirement) {
     const double limit = requirement.limit + (requirement.IsLinear() ? Loss(requirement) : 0);
     RequirementRow& entry = result_.requirements.emplace_back(RequirementRow{requirement});
+    const bool is_on_links = requirement.row < 0;
     // The loop implies it; as a row of its own it would have the loop's gradient and multipliers without bound.
-    if (requirement.id.kind == Kind::kSingularity && limit == 0 && !problem_.robust_mm && !IsElastic()) return;
-    // The limit of a family is a variable of the program, so that its row carries the one price of all poses.
-    const double least = IsSought(requirement) ? 0 : limit;
-    const bool has_variable = HasLimitVariable(requirement);
-    entry.row = has_variable                 ? nlp().AddRow(requirement.Text(), least, limit)
-                : requirement.is_lower_limit ? nlp().AddRow(requirement.Text(), limit, nlp::kUnbounded)
-                                             : nlp().AddRow(requirement.Text(), -nlp::kUnbounded, limit);
-    result_.limits.push_back({LimitOn(requirement.id), requirement.unit, entry.row});
+    if (is_on_links && !requirement.IsLinear() && limit == 0 && !problem_.robust_mm && !IsElastic()) return;
+    // A limit on poses is a variable of the program, so that its row carries the one multiplier of all poses.
+    entry.row =
+        nlp().AddRow(requirement.Text(), IsSought(requirement) ? 0 : limit, is_on_links ? nlp::kUnbounded : limit);
+    result_.limits.push_back({LimitOn(requirement.name), requirement.unit, entry.row});
     if (requirement.IsLinear())
       AddLinearTerm(nlp(), entry.row, result_.links, requirement.coefficients);
-    else if (requirement.id.kind == Kind::kSingularity)
+    else if (is_on_links)
       AddSingularityTerm(nlp(), entry.row, result_.links, result_.shortest_stroke, problem_.robust_mm.value_or(0));
-    else if (!has_variable && (requirement.id.kind == Kind::kMaxAngle || requirement.id.kind == Kind::kReach))
-      AddScaledTerm(nlp(), entry.row, result_.range, kDegreesPerRadian);
-    if (has_variable) {
+    if (!is_on_links) {
       const double start = IsSought(requirement) ? StartDuration() : limit;
-      entry.family_limit = nlp().AddVariable("limit of " + requirement.name, start, -nlp::kUnbounded, nlp::kUnbounded);
+      entry.family_limit =
+          nlp().AddVariable("limit of " + std::string(requirement.name), start, -nlp::kUnbounded, nlp::kUnbounded);
       AddScaledTerm(nlp(), entry.row, entry.family_limit, 1);
-      if (requirement.id.kind == Kind::kMaxAngle || requirement.id.kind == Kind::kReach)
-        AddLimitedRow(entry, result_.range, kDegreesPerRadian, 0);
     }
     // Angles that the linkage does not reach have no force that could be held against a limit.
-    if (IsElastic() && requirement.id.kind != Kind::kReach)
-      entry.slack = AddSlack(entry.row, requirement.name, requirement.is_lower_limit, SlackUnit(requirement));
+    const bool is_reach = requirement.info.place == Place::kShortest && requirement.is_lower_limit && !is_on_links;
+    if (IsElastic() && !is_reach)
+      entry.slack =
+          AddSlack(entry.row, std::string(requirement.name), requirement.is_lower_limit, SlackUnit(requirement));
   }
 
-  // The duration is what is minimised, and its limit no more than a bound.
-  bool IsSought(const problem::Requirement& requirement) const {
-    return requirement.id.kind == Kind::kDuration && problem_.SeeksDuration() && !IsElastic();
-  }
+  // It is what is minimised, and its limit no more than a bound.
+  bool IsSought(const problem::Requirement& requirement) const { return requirement.is_sought && !IsElastic(); }
 
   // The links' own, where they can make the motion at all.
   double StartDuration() const {
     constexpr double kPlausible_s = 20, kLeast_s = 0.1, kMost_s = 600;
     for (const problem::Requirement& requirement : problem::RequirementsOf(problem_)) {
-      if (requirement.id.kind != Kind::kDuration) continue;
+      if (!requirement.is_sought) continue;
       const auto worst = problem::UsedPoses(start_, problem_).WorstPoints(requirement);
       if (!worst.empty() && std::isfinite(worst.front().value))
         return std::clamp(worst.front().value, kLeast_s, kMost_s);
@@ -259,32 +252,16 @@ class Builder {
                                          sample.knee_rad, start.phi_rad, current_.shift);
       AddNoTurningRow(nlp(), pose);
       for (const RequirementRow& entry : result_.requirements)
-        if (entry.requirement.along_profile) AddProfileRow(entry, sample, pose);
+        if (entry.requirement.along_profile && HoldsAt(entry.requirement, sample))
+          AddRows(entry, pose, problem_.LoadAt(sample));
     }
   }
 
-  void AddProfileRow(const RequirementRow& entry, const problem::LoadSample& sample, const PoseVariables& pose) {
-    const double torque_nm = std::abs(problem_.TorqueAt(sample));
-    if (entry.requirement.id.kind == Kind::kDuration) {
-      for (const problem::SpeedLine& line : problem_.actuator->SpeedLines())
-        AddDurationRow(nlp(), pose, entry.family_limit, line, torque_nm, std::abs(sample.rad_per_rise));
-      return;
-    }
-    const bool may_rest = problem_.rests_anywhere || &sample == &LastSampleInUse();
-    if (torque_nm > 0 && (entry.requirement.id.kind != Kind::kHolding || may_rest))
-      AddLoadedRow(entry, pose, problem_.TorqueAt(sample));
-  }
-
-  void AddLoadedRow(const RequirementRow& entry, const PoseVariables& pose, double torque_nm) {
-    const Kind kind = entry.requirement.id.kind;
-    if (kind == Kind::kPinForce || kind == Kind::kSafety)
-      AddStrengthRows(nlp(), entry.requirement, pose, entry.family_limit, torque_nm, problem_.parts);
-    else
-      AddFamilyRow(nlp(), entry.requirement, pose, entry.family_limit, std::abs(torque_nm));
-  }
-
-  const problem::LoadSample& LastSampleInUse() const {
-    return problem_.profile->samples[problem::SamplesInUse(problem_).back()];
+  bool HoldsAt(const problem::Requirement& requirement, const problem::LoadSample& sample) const {
+    if (requirement.info.place == Place::kProfile) return true;
+    if (problem_.TorqueAt(sample) == 0) return false;
+    return requirement.info.place != Place::kAtRest || problem_.rests_anywhere ||
+           &sample == &problem_.profile->samples[problem::SamplesInUse(problem_).back()];
   }
 
   void AddUsedRange(std::vector<double> fractions) {
@@ -306,19 +283,11 @@ class Builder {
     for (const PoseVariables& pose : poses_) AddNoTurningRow(nlp(), pose);
     const PoseVariables& standing = *std::ranges::find(poses_, kStanding, &PoseVariables::fraction);
     for (const RequirementRow& entry : result_.requirements) {
-      if (entry.requirement.id.kind == Kind::kMaxStroke) AddStanding(entry, standing);
-      if (!entry.requirement.IsFamily() || entry.requirement.along_profile) continue;
-      if (entry.requirement.id.kind == Kind::kSeat) continue;
-      for (const PoseVariables& pose : poses_) AddFamilyAt(entry, pose);
+      const problem::Requirement& requirement = entry.requirement;
+      if (requirement.info.place == Place::kStanding) AddRows(entry, standing, problem_.ConstantLoad());
+      if (!requirement.IsFamily() || requirement.along_profile || requirement.info.place == Place::kSeated) continue;
+      for (const PoseVariables& pose : poses_) AddRows(entry, pose, problem_.ConstantLoad());
     }
-  }
-
-  // An actuator that is longer at its shortest is so at its longest.
-  void AddStanding(const RequirementRow& entry, const PoseVariables& standing) {
-    if (HasLimitVariable(entry.requirement))
-      AddLimitedRow(entry, standing.stroke, 1, -current_.d_min_off_mm);
-    else
-      AddScaledTerm(nlp(), entry.row, standing.stroke, 1);
   }
 
   // On the linkage that the current poses are of.
@@ -328,21 +297,21 @@ class Builder {
     return StartAt(of_build, current_.links, at_range_, theta_rad);
   }
 
-  void AddFamilyAt(const RequirementRow& entry, const PoseVariables& pose) {
-    if (!entry.requirement.IsClearance()) {
-      AddLoadedRow(entry, pose, problem_.knee_torque_nm);
-      return;
-    }
-    const linkage::Limb limb =
-        entry.requirement.id.kind == Kind::kThigh ? linkage::Limb::kThigh : linkage::Limb::kShank;
-    AddLimbRows(nlp(), At(pose, entry), limb, linkage::BodyOf(problem_.clearances.body), problem_.Wear());
+  void AddClearance(const RequirementRow& entry, const PoseVariables& pose) {
+    const problem::Obstacle obstacle = entry.requirement.info.obstacle;
+    const linkage::Body body = linkage::BodyOf(problem_.clearances.body);
+    const linkage::WearOptions wear = problem_.Wear();
+    if (obstacle == problem::Obstacle::kSeat)
+      AddSeatRows(nlp(), At(pose, entry), linkage::SeatOf(body, wear), wear);
+    else
+      AddLimbRows(nlp(), At(pose, entry),
+                  obstacle == problem::Obstacle::kThigh ? linkage::Limb::kThigh : linkage::Limb::kShank, body, wear);
   }
 
-  // The pose of sitting, with the rows of the seat.
+  // The pose of sitting, with what holds there.
   void AddSeated() {
-    const auto entry = std::ranges::find_if(
-        result_.requirements, [](const RequirementRow& row) { return row.requirement.id.kind == Kind::kSeat; });
-    if (entry == result_.requirements.end()) return;
+    const auto is_seated = [](const RequirementRow& row) { return row.requirement.info.place == Place::kSeated; };
+    if (std::ranges::none_of(result_.requirements, is_seated)) return;
     const double seated = problem_.SeatedAngle_rad();
     const PoseStart start = StartOf(seated);
     const std::string name = " seated" + current_.name;
@@ -350,8 +319,8 @@ class Builder {
     const PoseVariables pose = AddPose(nlp(), name, result_.links, stroke, current_.range, /*fraction=*/0, seated,
                                        start.phi_rad, current_.shift);
     AddNoTurningRow(nlp(), pose);
-    const linkage::WearOptions wear = problem_.Wear();
-    AddSeatRows(nlp(), At(pose, *entry), linkage::SeatOf(linkage::BodyOf(problem_.clearances.body), wear), wear);
+    for (const RequirementRow& entry : result_.requirements)
+      if (is_seated(entry)) AddRows(entry, pose, problem_.ConstantLoad());
   }
 
   // The pose as the program starts, on the body.
@@ -381,7 +350,7 @@ class Builder {
 
 }  // namespace
 
-LimitId LimitOn(const problem::Requirement::Id& requirement) {
+LimitId LimitOn(std::string_view requirement) {
   return {LimitId::On::kRequirement, 0, requirement};
 }
 
@@ -398,9 +367,7 @@ problem::SynthesisProblem Placed(problem::SynthesisProblem problem, const Synthe
 }
 
 double SlackUnit(const problem::Requirement& requirement) {
-  const bool is_relative = requirement.id.kind == Kind::kForce || requirement.id.kind == Kind::kHolding ||
-                           requirement.id.kind == Kind::kDuration || requirement.IsStrength();
-  return is_relative ? requirement.limit / 100 : 1;
+  return requirement.info.is_relative ? requirement.limit / 100 : 1;
 }
 
 SynthesisProgram BuildProgram(const problem::SynthesisProblem& problem, const linkage::Links& start,

@@ -124,7 +124,7 @@ Json WorstJson(const problem::RequirementCheck& check, const problem::SynthesisP
 // The paper's form of Grashof's law, l3 + l4 <= l1 + l2, is the law where the order of the links holds. Links in
 // another order are held to the law itself.
 void HoldToLaw(const Links& links, problem::RequirementCheck& check) {
-  if (check.requirement.id.kind != problem::Requirement::Kind::kGrashof) return;
+  if (check.requirement.name != problem::Requirement::kGrashof) return;
   check.value = std::min(check.value, linkage::GrashofOf(links).slack_mm);
   check.slack = check.requirement.Slack(check.value);
 }

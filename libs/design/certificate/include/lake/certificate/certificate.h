@@ -34,6 +34,8 @@ struct Certificate {
   bool feasible_set_empty = false;    // proved: no X satisfies the constraints at all; the bound is then -infinity
 };
 
+// Whether the bound takes a requirement into account, at some poses at least.
+bool IsInBound(const problem::Requirement& requirement, const problem::SynthesisProblem& problem);
 // The names of the requirements that the bound does without, and of the tolerance.
 std::vector<std::string> NotInBound(const problem::SynthesisProblem& problem);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lake/problem/problem.h"
@@ -26,10 +27,13 @@ class UsedPoses {
   // nullopt if the linkage cannot be assembled at d_min or does not reach standing.
   const std::optional<linkage::UsedRange>& Range() const { return range_; }
 
+  // The value of a requirement under the constant load at a fraction of the range, which there must be.
+  double At(const Requirement& requirement, double fraction) const;
+
   // The local worst points of a requirement of the family kind, the global one first: over the used range the grid's,
-  // refined by Brent's minimisation, of the seat the seated pose alone; along the load profile those of its samples
-  // that are not straighter than standing, NaN where they are bent more than the linkage can be. Empty without a range.
-  // Throws std::logic_error for a requirement that is no family.
+  // refined by Brent's minimisation, of one where a person sits that pose alone; along the load profile those of its
+  // samples that are not straighter than standing, NaN where they are bent more than the linkage can be. Empty without
+  // a range. Throws std::logic_error for a requirement that is no family.
   std::vector<WorstPoint> WorstPoints(const Requirement& requirement);
 
  private:
@@ -68,7 +72,7 @@ struct DesignEvaluation {
   double violation = 0;
 
   // Throws std::out_of_range where the problem has no such requirement.
-  const RequirementCheck& CheckOf(const Requirement::Id& id) const;
+  const RequirementCheck& CheckOf(std::string_view name) const;
   bool IsFeasible(double tolerance = kHoldsTo) const { return violation <= tolerance; }
 };
 

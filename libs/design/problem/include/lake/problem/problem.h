@@ -11,10 +11,12 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lake/linkage/body.h"
 #include "lake/parts/mechanism.h"
+#include "lake/problem/limits.h"
 #include "lake/problem/linear_actuator.h"
 #include "lake/problem/load_profile.h"
 
@@ -39,8 +41,8 @@ struct Clearances {
 };
 
 struct SynthesisProblem {
-  double d_min_mm = 242;           // shortest stroke; Jain et al.'s actuator
-  std::optional<double> d_max_mm;  // the knee must stand straight at no longer stroke
+  LimitValues limits;     // "max_force_n", …: the rows of kLimits that have a key
+  double d_min_mm = 242;  // shortest stroke; Jain et al.'s actuator
   std::array<Bounds, 6> bounds{{{50, 100}, {50, 100}, {50, 100}, {50, 100}, {50, 120}, {200, 300}}};  // l1..l6, mm
   linkage::Links start{85, 85, 85, 80, 80, 235};  // the paper's Table 1
 
@@ -48,22 +50,13 @@ struct SynthesisProblem {
   double singularity_margin_mm = 0;  // l7 <= l2 + d_min - margin
 
   // Over the whole used range, from d_min until the knee stands at `standing_deg`:
-  double knee_torque_nm = 40;                  // constant load that max_force_n refers to, without a profile
-  std::optional<double> max_force_n;           // actuator force that balances it: the force limit, Kind::kForce below
-  std::optional<double> min_moment_arm_mm;     // |dd/dtheta|, mm per rad
-  std::optional<double> min_transmission_deg;  // angle between coupler and shank link, and its supplement
-  double standing_deg = 0;                     // where the used range ends
-
-  std::optional<double> max_angle_deg;  // anatomical cap on theta(d_min)
+  double knee_torque_nm = 40;  // constant load, without a profile
+  double standing_deg = 0;     // where the used range ends
 
   linkage::Mount mount = linkage::Mount::kBeside;  // clearances to the limbs are for behind
   Clearances clearances;
 
-  // Under knee_torque_nm over the used range, or along the profile, as max_force_n:
-  std::optional<double> max_pin_force_n;    // at K, P, R and S
-  std::optional<double> max_mount_force_n;  // of the mount on the thigh, at M
-  std::optional<double> safety_factor;      // least of plates, pins and rod (parts/strength.h)
-  parts::PartOptions parts;                 // of these, and of the linkage on the body
+  parts::PartOptions parts;  // for the safety factor, and of the linkage on the body
 
   // The load on the knee over a rise and the actuator's share of it. max_force_n then limits assist x moment / moment
   // arm at each percent, and the range must reach the profile's largest angle. A share of 0 is the same as no profile.
@@ -96,6 +89,12 @@ struct SynthesisProblem {
   linkage::WearOptions Wear() const;
   // The knee angle at which a person sits: kSeated_rad, or the cap if that is less.
   double SeatedAngle_rad() const;
+  // The knee angle that the range must reach: the profile's largest, and that of each limit where a person sits.
+  std::optional<double> LeastRange_deg() const;
+  std::optional<double> DurationLimit_s() const;  // where a duration is asked for or sought
+  // What the linkage bears under the constant torque, or at a sample of the profile.
+  PoseLoad ConstantLoad() const;
+  PoseLoad LoadAt(const LoadSample& sample) const;
 
   // Throws Error naming key and value: not finite, not positive, contradictory bounds, negative margins, ...
   void Check() const;
@@ -114,57 +113,35 @@ linkage::Links LinksOf(const BuildError& build, const linkage::Links& links);
 
 // A requirement on designs: value >= limit, or value <= limit.
 struct Requirement {
-  enum class Kind {
-    kGrashof,       // l1 + l2 - l3 - l4, mm
-    kOrder,         // larger - smaller link, mm
-    kSingularity,   // l2 + d_min - l7, mm
-    kMomentArm,     // smallest moment arm over the used range, mm per rad
-    kForce,         // largest actuator force over the used range, or over the load profile, N
-    kTransmission,  // smallest transmission angle over the used range, deg
-    kMaxStroke,     // stroke at standing_deg, mm
-    kMaxAngle,      // theta(d_min), deg
-    kReach,       // the same, not less than the profile's largest angle, and than that of sitting with a seat to clear
-    kHolding,     // largest force where the actuator may rest, N
-    kSeat,        // least distance of the linkage to the seat, seated, mm
-    kThigh,       // least distance of the actuator to the thigh over the used range, mm
-    kShank,       // and to the shank
-    kPinForce,    // largest force in a pin, N; where kForce is
-    kMountForce,  // largest force of the mount on the thigh, N
-    kSafety,      // least safety factor
-    kDuration     // longest duration that a sample of the profile asks for at the actuator's speed under its force, s
-  };
-  // Unique within a problem.
-  struct Id {
-    Kind kind = Kind::kGrashof;
-    int smaller = -1, larger = -1;  // kOrder only: links, 0..5
-    bool operator==(const Id&) const = default;
-  };
-  Id id;
-  std::string name;                      // short, as in the tables: "grashof", "l3 ≤ l1", "moment arm"
+  std::string_view name;  // unique, short, as in the tables: "grashof", "l3 ≤ l1", "moment arm"; of static storage
   std::array<double, 6> coefficients{};  // of the links, if it is linear in them
   bool is_lower_limit = true;            // value >= limit
   double limit = 0;
   std::string unit = "mm";
-  bool along_profile = false;  // of a family: at the samples of the load profile, else over the used range
+  int row = -1;                                                         // of kLimits; -1: on the links alone
+  LimitInfo info{.name = "", .unit = "mm", .place = Place::kShortest};  // then: of that row
+  bool along_profile = false;  // at the samples of the load profile, else over the used range
+  bool is_sought = false;      // the limit is what is minimised
 
-  // Must hold at many poses, or for many parts.
-  bool IsFamily() const {
-    return id.kind == Kind::kMomentArm || id.kind == Kind::kForce || id.kind == Kind::kTransmission ||
-           id.kind == Kind::kHolding || id.kind == Kind::kDuration || IsClearance() || IsStrength();
-  }
-  bool IsStrength() const {
-    return id.kind == Kind::kPinForce || id.kind == Kind::kMountForce || id.kind == Kind::kSafety;
-  }
-  bool IsClearance() const { return id.kind == Kind::kSeat || id.kind == Kind::kThigh || id.kind == Kind::kShank; }
+  // Of a pose other than that at d_min, so the linkage must be able to stand; of many, but for the length at standing.
+  bool NeedsStanding() const { return info.place != Place::kShortest; }
+  bool IsFamily() const { return NeedsStanding() && info.place != Place::kStanding; }
+  bool IsClearance() const { return info.obstacle != Obstacle::kNone; }
   // coefficients . X >= limit
-  bool IsLinear() const { return id.kind == Kind::kGrashof || id.kind == Kind::kOrder; }
-  // Concerns poses other than the one at d_min, so the linkage must be able to stand.
-  bool NeedsStanding() const { return IsFamily() || id.kind == Kind::kMaxStroke; }
+  bool IsLinear() const { return row < 0 && name != kSingularity; }
   // Distance of a value to the limit, positive if satisfied; -infinity for NaN, a value that could not be had.
   double Slack(double value) const;
   // "grashof >= 2 mm"
   std::string Text() const;
+
+  static constexpr std::string_view kGrashof = "grashof", kSingularity = "singularity", kDuration = "duration";
 };
+
+// >= 0 where a ratio keeps a limit, which is divided by `scale` (1, or of its order).
+template <typename T, typename Limit>
+T MarginOf(const LimitInfo& info, const Limit& limit, const Ratio<T>& ratio, double scale = 1) {
+  return info.is_lower ? ratio.over - limit * ratio.under : (limit * ratio.under - ratio.over) * (1 / scale);
+}
 
 // The active requirements of a problem, the paper's fixed ones first. Grashof and singularity are always among them.
 // Evaluate() checks designs against this list; the nonlinear program takes its rows from it (synthesis_program.h).

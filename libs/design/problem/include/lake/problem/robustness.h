@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lake/problem/evaluate.h"
@@ -71,7 +72,7 @@ struct Yield {
   // Margins that no such build can use up: sum of tolerance and play x |derivative|.
   double safe_singularity_margin_mm = 0, safe_grashof_margin_mm = 0;
 
-  const LimitYield* Find(Requirement::Kind kind) const;  // the first; nullptr if the problem has none
+  const LimitYield* Find(std::string_view name) const;  // nullptr if the problem has none
 };
 
 // The builds are held against the problem's limits as they stand: without its bounds on nominal links and its own

@@ -54,29 +54,10 @@ void AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, con
 // u.R' > 0: bar and coupler are not in line, where the knee angle turns back and poses of two branches meet.
 void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose);
 
-// The requirement at one pose, against the variable `limit`: kMomentArm, kForce, kHolding, kMountForce or
-// kTransmission.
-//   moment arm  (u.S')(w.R') / d >= limit (u.R')
-//   force       limit (u.S')(w.R') / d >= torque (u.R')
-//   sine of the transmission angle >= sin(limit)
-// w = R - M, u = S - R; R' and S' by phi and kappa. Multiplied out, so smooth also where the moment arm is infinite.
-void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
-                  int limit, double knee_torque_nm);
-
-// The forces of coupler, slewing bar and actuator at one pose, as linkage/statics.h has them: each at most the variable
-// `limit` (kPinForce), or what it bears over that (kSafety).
-//   coupler     allowed (u.S') >= torque l1
-//   bar         allowed (u.S')(w.R') >= torque l2 |u x w|
-//   actuator    as the force; a rod that pushes bears the less the longer it is
-void AddStrengthRows(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
-                     int limit, double knee_torque_nm, const parts::PartOptions& parts);
-
-// A speed line of the actuator at one pose, r = (u.S')(w.R') / (d (u.R')) its moment arm, against the variable
-// `duration`:
-//   duration (at_rest r - per_newton torque) >= rad_per_rise r^2      times (u.R')^2
-// torque and rad_per_rise are magnitudes.
-void AddDurationRow(nlp::NonlinearProgram& program, const PoseVariables& pose, int duration,
-                    const problem::SpeedLine& line, double knee_torque_nm, double rad_per_rise);
+// The ratios of the requirement at one pose, each as a row, against the variable `limit`; multiplied out (limits.h), so
+// smooth also where the moment arm is infinite.
+void AddRatioRows(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
+                  int limit, const problem::PoseLoad& load);
 
 // What clears what at one pose: the variables of the pose, the limit and the placement of the exoskeleton's knee, and
 // the pose where the program starts, on the body.

@@ -19,6 +19,7 @@
 #include <array>
 #include <initializer_list>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lake/nlp/solve.h"
@@ -49,7 +50,7 @@ struct RequirementRow {
   problem::Requirement requirement;
   int row = -1;           // its limit; -1: left out (singularity at m = 0)
   int slack = -1;         // variable, if elastic; -1: does not give way
-  int family_limit = -1;  // variable, of a family: the limit that all its poses refer to
+  int family_limit = -1;  // variable, of a limit on poses: the limit that all of these refer to
 
   double SlackAt(const std::vector<double>& x) const { return slack < 0 ? 0 : x[slack]; }
 };
@@ -79,11 +80,11 @@ struct LimitId {
     kBalance
   };
   On on = On::kRequirement;
-  int index = 0;                           // link 0..5, or axis of a placement 0..1
-  problem::Requirement::Id requirement{};  // kRequirement only
+  int index = 0;                   // link 0..5, or axis of a placement 0..1
+  std::string_view requirement{};  // its name; kRequirement only
   bool operator==(const LimitId&) const = default;
 };
-LimitId LimitOn(const problem::Requirement::Id& requirement);
+LimitId LimitOn(std::string_view requirement);
 
 // A limit that is reported with its multiplier: a row, named after the limit, or the bounds of a variable.
 struct Limit {
