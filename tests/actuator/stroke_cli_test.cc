@@ -298,7 +298,7 @@ TEST_F(StrokeProgramTest, ErrorsAreOneLineWithTheRightCodeAndLeaveNothing) {
     int exit_code;
     const char* message;
   } cases[] = {
-      {"", 2, "which design"},
+      {"", 2, "the design is missing"},
       {"nowhere.yaml", 1, "nowhere.yaml"},
       {"far.yaml", 1, "stroke 376.0000 mm at 20 s is above the soft limit 374.02"},
       {"long.yaml", 1, "more than 1000000 rows"},

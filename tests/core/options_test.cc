@@ -102,7 +102,7 @@ TEST_F(Options, AreSetFromACommandLine) {
 
 TEST_F(Options, RefuseWhatCannotBe) {
   ExpectRefused("max-speed", {"fast"}, "--max-speed must be a finite number, not 'fast'");
-  ExpectRefused("max-speed", {"inf"}, "--max-speed: 'inf'");
+  ExpectRefused("max-speed", {"inf"}, "--max-speed must be a finite number, not 'inf'");
   ExpectRefused("max-speed", {"0"}, "--max-speed must be positive, not 0");
   ExpectRefused("knots", {"1"}, "--knots must be at least 2, not 1");
   ExpectRefused("knots", {"2.5"}, "--knots must be a whole number, not 2.5");

@@ -295,8 +295,8 @@ TEST_F(StudyYaml, RefusesWithTheLine) {
   ExpectRefused("human:\n  video: human.mp4\n  detector: magic\n", "study.yaml:3: 'detector' must be one of");
   ExpectRefused("human: {video: human.mp4, scale: [1, 2]}\n", "'scale' must have 5 numbers, not 2");
   ExpectRefused("human: {video: human.mp4, start_s: 5, end_s: 3}\n", "'end_s' is before 'start_s'");
-  ExpectRefused("human: {video: human.mp4, start_s: early}\n", "'early' is not a finite number");
-  ExpectRefused("human: {video: human.mp4, cutoff_hz: .nan}\n", "'.nan' is not a finite number");
+  ExpectRefused("human: {video: human.mp4, start_s: early}\n", "must be a finite number, not 'early'");
+  ExpectRefused("human: {video: human.mp4, cutoff_hz: .nan}\n", "must be a finite number, not '.nan'");
   ExpectRefused("human: {video: ''}\n", "a file is needed");
   ExpectRefused("human: human.mp4\n", "study.yaml:1: 'human' must have keys");
   ExpectRefused("- human\n", "a study is a map");

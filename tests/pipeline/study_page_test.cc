@@ -7,6 +7,8 @@
 #include <numbers>
 #include <numeric>
 #include <opencv2/core.hpp>
+#include <regex>
+#include <string>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/colours.h"
@@ -230,6 +232,41 @@ TEST(StudyPage, HeadlineNumbersHaveIntervalsOrAreExact) {
   EXPECT_THAT(note_of("<dt>rise time"), HasSubstr("limit you set"));
   EXPECT_THAT(note_of("<dt>range of rotation"), HasSubstr("exact: follows from the links"));
   EXPECT_THAT(note_of("<dt>knee angle error, RMS"), ContainsRegex("95 %: [0-9.]+ to [0-9.]+°"));
+}
+
+// The path difference of each way is one number with one interval and one rounding, wherever the page has it.
+TEST(StudyPage, ThePathDifferenceOfEachWayHasOneValue) {
+  const std::string& page = PageText();
+  const auto first_of = [&](const std::string& pattern, std::size_t from) {
+    std::smatch found;
+    const std::string text = page.substr(from);
+    EXPECT_TRUE(std::regex_search(text, found, std::regex(pattern))) << pattern;
+    return std::vector<std::string>(found.begin() + (found.empty() ? 0 : 1), found.end());
+  };
+  const std::string number = "([0-9.]+)", with_percent = number + " % \\(" + number + "–" + number + "\\)",
+                    cell = "<td[^>]*>" + number + "(?: \\(" + number + "–" + number + "\\))?</td>";
+  const std::vector<std::string> worn = first_of("as worn</th><td[^>]*>" + with_percent, 0),
+                                 moved = first_of("joint moved</th><td[^>]*>" + with_percent, 0),
+                                 made = first_of("new links</th><td[^>]*>" + with_percent, 0);
+  const std::vector<std::string> cells =
+      first_of("path difference, RMS \\(% of the shank length\\)</th>" + cell + cell + cell + cell + cell,
+               page.find("Worn, repaired and new design"));
+  ASSERT_EQ(cells.size(), 15u);
+  const auto of_column = [&](std::size_t column) {
+    return std::vector<std::string>(cells.begin() + 3 * static_cast<std::ptrdiff_t>(column),
+                                    cells.begin() + 3 * static_cast<std::ptrdiff_t>(column + 1));
+  };
+  EXPECT_EQ(of_column(0), worn);
+  EXPECT_EQ(of_column(2), moved);
+  EXPECT_EQ(of_column(4), made);
+  const std::string of_tile = "<span class=\"value\">" + number + "<.*?95 %: " + number + " to " + number;
+  EXPECT_EQ(first_of(of_tile, page.find("<dt>path difference, predicted RMS")), made);
+  EXPECT_EQ(first_of(of_tile, page.find("<dt>path difference, RMS, of the shank")), worn);
+  EXPECT_EQ(first_of(of_tile, page.find("<dt>path difference, joint moved, of the shank")), moved);
+  const std::string predicted = of_column(1).front();
+  EXPECT_THAT(page, HasSubstr("worn, predicted: " + predicted + " %"));
+  EXPECT_THAT(page, HasSubstr(" % instead of " + predicted + " % of the shank length"));
+  EXPECT_THAT(page, HasSubstr(predicted + " % where " + worn.front() + " % was measured"));
 }
 
 // How well the joint can be put in its place: with all sources of the comparison's budget, not the markers' alone.

@@ -287,7 +287,7 @@ KeyFigures RedesignFigures(const StudyResults& results, const Json& redesign, co
                      DecimalsOf(unit),
                      unit,
                      std::nullopt,
-                     std::isnan(worn) ? "" : fmt::format("worn: {}", Quantity(worn, unit))};
+                     std::isnan(worn) ? "" : fmt::format("worn, predicted: {}", Quantity(worn, unit))};
   };
   KeyFigure misalignment = figure("path difference, predicted RMS", "misalignment_percent", "%");
   NoteInterval(way.misalignment_percent, " %", misalignment);
@@ -298,7 +298,7 @@ KeyFigures RedesignFigures(const StudyResults& results, const Json& redesign, co
   Note(way.time_is_limit ? "limit you set" : "exact: set by the stroke program", rise);
   Note("exact: follows from the links", range);
   if (const Uncertain worn = KneeAngleError(results, redesign.at("before")); std::isfinite(worn.value))
-    knee.note = fmt::format("worn: {}°", worn.Text(DecimalsOf("°")));
+    knee.note = fmt::format("worn, predicted: {}°", worn.Text(DecimalsOf("°")));
   NoteInterval(KneeAngleError(results, redesign.at("after")), "°", knee);
   return {{std::move(misalignment), std::move(rise), std::move(range), std::move(knee)}};
 }

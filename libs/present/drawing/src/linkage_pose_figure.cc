@@ -334,7 +334,7 @@ void DrawPosePage(figure::GnuplotFigure& figure, const LinkageLook& look, const 
   Scene scene(figure);
   const double d_min = look.range.stroke.lower_mm;
   constexpr double kHalfWidth_mm = 6;
-  constexpr Scene::Place kLeft = {0.075, 0.085, 0.44, 0.80}, kRight = {0.54, 0.085, 0.45, 0.80};
+  constexpr Scene::Place kLeft = {0.075, 0.085, 0.44, 0.775}, kRight = {0.54, 0.085, 0.45, 0.775};
   const SceneView whole = WholeView(look), near = FourBarView(look);
   DrawLeg(scene, leg, look.body);
   DrawLinkage(scene, leg, d_min, kHalfWidth_mm, 0.7);
