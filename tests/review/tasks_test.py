@@ -75,7 +75,7 @@ class Tasks(unittest.TestCase):
         cls.temporary = tempfile.TemporaryDirectory(prefix="lake-test-")
         cls.addClassCleanup(cls.temporary.cleanup)
         cls.folder = pathlib.Path(cls.temporary.name)
-        for name in ("human.mp4", "exo.mp4", "worn.yaml"):
+        for name in ("human.mp4", "exo.mp4", "worn.yaml", "problem.yaml"):
             shutil.copy(SAMPLE / name, cls.folder)
         draw_boards(cls.folder)
         cls.profile = tempfile.TemporaryDirectory(prefix="lake-test-")  # the page lists what lies in the folder
@@ -178,6 +178,11 @@ class Tasks(unittest.TestCase):
         self.track("human.mp4", "start-human-film", "track-human")
         self.track("exo.mp4", "start-exo-film", "track-exo", ", exo_knee")
         self.until(lambda: "✓" in self.text("step-human") and "✓" in self.text("step-exo"), "no trials")
+        self.choose("start-worn", "worn.yaml")
+        self.choose("start-problem", "problem.yaml")
+        for name, number in (("start-rise", 12), ("start-speed", 20), ("start-percent", 2)):
+            self.part(name).send_keys(number)
+            self.clicks += 1
         self.click("make-study")
         self.until(lambda: self.text("said") == "Done", self.text("said"))
         self.click("open-report")
@@ -222,6 +227,18 @@ class Tasks(unittest.TestCase):
         self.assertRegex((self.folder / "lake-out/study/report.html").read_text(), r"joint is 3[67]")
         self.back()
         self.assertLessEqual(self.clicks, 12)
+
+    def test_3_whether_new_links_are_worth_it(self):
+        """From the folder's page: the report's first screen compares three ways and says which to take, and why."""
+        self.open_found("lake-out/study")
+        self.until(lambda: self.part("report").is_displayed(), "no report")
+        self.browser.switch_to.frame(self.part("report"))
+        result = self.browser.find_element(By.TAG_NAME, "section").text
+        self.browser.switch_to.default_content()
+        self.back()
+        for said in ("New links help", "as worn", "same links, joint moved", "new links", "Limits that are violated"):
+            self.assertIn(said, result)
+        self.assertLessEqual(self.clicks, 2)
 
 
 if __name__ == "__main__":

@@ -232,8 +232,8 @@ Json YieldJson(const problem::Yield& yield) {
 void WriteYields(const std::vector<std::pair<const char*, const problem::Yield*>>& designs, Run& run) {
   CsvWriter table({"design", "limit", "kind", "limit_value", "unit", "kept", "kept_low", "kept_high", "kept_by_95"});
   for (const auto& [design, yield] : designs) {
-    const auto add = [&](const std::string& what, const char* kind, double limit, const std::string& unit,
-                         const problem::Fraction& kept, double by_95) {
+    const auto add = [&, design = design](const std::string& what, const char* kind, double limit,
+                                          const std::string& unit, const problem::Fraction& kept, double by_95) {
       table.AddRow(design, what, kind, limit, unit, kept.value, kept.lower, kept.upper, by_95);
     };
     add("assembled", "", kNaN, "", yield->assembled, kNaN);

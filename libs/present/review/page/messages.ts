@@ -299,7 +299,8 @@ export interface StartMessage {
 /** Paths are those of what was found. */
 export type MakeQuestion =
   | { what: "camera"; views: string; board: string; plane: string }
-  | { what: "study"; name: string; human: string; exo: string; worn: string; mass_kg: number };
+  | { what: "study"; name: string; human: string; exo: string; worn: string; mass_kg: number;
+      problem: string; percent: number; speed_mm_s: number; rise_s: number };
 
 /** A camera's session, once. */
 export interface LiveMessage {

@@ -5,7 +5,7 @@ import { server } from "./server";
 import { TEXTS } from "./texts";
 
 const OPENED = ["film", "trial", "comparison", "design", "study"]; // that have a page
-const LISTED = [...OPENED, "camera", "study file", "result", "file"];
+const LISTED = [...OPENED, "problem", "camera", "study file", "result", "file"];
 
 // Which kinds are offered, and whether one may do without.
 const CHOICES: { [id: string]: { kinds: string[]; what: string; isOptional?: boolean } } = {
@@ -16,6 +16,7 @@ const CHOICES: { [id: string]: { kinds: string[]; what: string; isOptional?: boo
   "start-human": { kinds: ["trial"], what: "trial" },
   "start-exo": { kinds: ["trial"], what: "trial", isOptional: true },
   "start-worn": { kinds: ["design"], what: "design", isOptional: true },
+  "start-problem": { kinds: ["problem"], what: "problem", isOptional: true },
 };
 
 const valueOf = (id: string) => part<HTMLSelectElement | HTMLInputElement>(id).value;
@@ -34,6 +35,8 @@ export class StartPage {
     onClick("make-study", () => void this.make({
       what: "study", name: valueOf("start-name"), human: valueOf("start-human"), exo: valueOf("start-exo"),
       worn: valueOf("start-worn"), mass_kg: Number(valueOf("start-mass")),
+      problem: valueOf("start-problem"), percent: Number(valueOf("start-percent")),
+      speed_mm_s: Number(valueOf("start-speed")), rise_s: Number(valueOf("start-rise")),
     }));
     onClick("track-human", () => void this.open(valueOf("start-human-film")));
     onClick("track-exo", () => void this.open(valueOf("start-exo-film")));

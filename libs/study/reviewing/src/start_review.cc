@@ -81,6 +81,7 @@ Found FoundYaml(const fs::path& path) {
             has("plane_rvec") ? "" : "no sagittal plane"};
   if (has("human")) return {path, "study file"};
   if (has("links")) return {path, "design"};
+  if (has("bounds") || has("margins")) return {path, "problem"};
   return {path, ""};
 }
 
@@ -270,6 +271,21 @@ std::string Quoted(const std::string& text) {
   return Json(text).dump();  // YAML reads JSON's strings
 }
 
+// The section of the study file that looks for new links; empty where no longest rise is given, which says how far they
+// may go.
+std::string RedesignSection(const Json& asked) {
+  const double rise_s = asked.value("rise_s", 0.0);
+  if (!(rise_s > 0)) return "";
+  std::string text = "reoptimize:\n";
+  if (const std::string problem = asked.value("problem", ""); !problem.empty())
+    text += fmt::format("  problem: {}\n", Quoted(problem));
+  if (const double percent = asked.value("percent", 0.0); percent > 0)
+    text += fmt::format("  max_misalignment_percent: {}\n", percent);
+  if (const double speed_mm_s = asked.value("speed_mm_s", 0.0); speed_mm_s > 0)
+    text += fmt::format("  max_speed_mm_s: {}\n", speed_mm_s);
+  return text + fmt::format("  program: free\n  duration_s: {}\n  fit_placement: true\n", rise_s);
+}
+
 // study.yaml in the folder, of two trials, and its results.
 void MakeStudy(const Json& asked, const fs::path& programs, const Control& control) {
   constexpr const char* kStudy = "study.yaml";
@@ -282,6 +298,7 @@ void MakeStudy(const Json& asked, const fs::path& programs, const Control& contr
     text += fmt::format("design: {{worn: {}}}\n", Quoted(worn));
   if (const double mass_kg = asked.value("mass_kg", 0.0); mass_kg > 0)
     text += fmt::format("loads: {{mass_kg: {}}}\n", mass_kg);
+  text += RedesignSection(asked);
   WriteTextFile(kStudy, text);
   try {
     RunProgram(programs / "lake-run", {kStudy, "--plan"}, control);
