@@ -16,7 +16,7 @@ const CHOICES: { [id: string]: { kinds: string[]; what: string; isOptional?: boo
   "start-human": { kinds: ["trial"], what: "trial" },
   "start-exo": { kinds: ["trial"], what: "trial", isOptional: true },
   "start-worn": { kinds: ["design"], what: "design", isOptional: true },
-  "start-problem": { kinds: ["problem"], what: "problem", isOptional: true },
+  "start-problem": { kinds: ["problem"], what: "problem file", isOptional: true },
 };
 
 const valueOf = (id: string) => part<HTMLSelectElement | HTMLInputElement>(id).value;
