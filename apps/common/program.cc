@@ -268,15 +268,11 @@ std::string TextOf(const CLI::ExtrasError& error, const CLI::App& cli) {
   return fmt::format("there is no option '{}'{}", name, DidYouMean(name, OptionNames(cli, "--")));
 }
 
-// What CLI11 says of an option that ends the line: "--starts: 1 required INT missing".
+// What CLI11 says of an option that ends the line, "--starts: 1 required INT missing", or is given twice.
 std::string TextOf(const CLI::ParseError& error) {
   constexpr std::string_view kRequired = " required ", kMissing = " missing";
   const std::string_view text = error.what();
-  constexpr std::string_view kNotConverted = "Could not convert: ", kIs = " = ", kTwice = ": At Most 1 required";
-  if (const std::size_t is = text.find(kIs); text.starts_with(kNotConverted) && is != std::string::npos)
-    return fmt::format("{} must be a whole number, not {}",
-                       text.substr(kNotConverted.size(), is - kNotConverted.size()), text.substr(is + kIs.size()));
-  if (const std::size_t twice = text.find(kTwice); twice != std::string::npos)
+  if (const std::size_t twice = text.find(": At Most 1 required"); twice != std::string::npos)
     return fmt::format("{} is given twice; give it once", text.substr(0, twice));
   const std::size_t name_end = text.find(": "), required = text.find(kRequired);
   if (name_end == std::string::npos || required == std::string::npos || !text.ends_with(kMissing))
@@ -377,7 +373,9 @@ Program::Program(std::string name, std::string what, std::string example)
   cli_->footer("Example:\n  " + example);
   cli_->option_defaults()->always_capture_default();
   cli_->add_option("-o,--out", out_, "Folder for the results; made if absent (default: ./lake-out/NAME)");
-  cli_->add_option("--threads", threads_, "Threads to work with; results do not depend on it (default: the machine's)")
+  cli_->add_option_function<std::string>(
+          "--threads", [this](const std::string& text) { threads_ = OptionValue<int>::Parse(text, "--threads"); },
+          "Threads to work with; results do not depend on it (default: the machine's)")
       ->type_name("INT");
   cli_->add_flag("--quiet", quiet_, "No progress");
   cli_->add_flag("--json", json_, "Print the summary to stdout as JSON");

@@ -38,45 +38,59 @@ RIGHT = {
 
 # Options whose value is a number, given a word.
 NUMBERS = {
-    "anonymise": """threads crf capture-rate""",
-    "axis": """threads rate window least-turn soft-tissue""",
-    "calibrate": """threads max-views""",
-    "check": """threads""",
-    "cohort": """threads cores jobs""",
-    "compare": """threads height mass belt-speed replacement-sd seat-edge depth-sd view-slope scale-sd event-sd frame-tissue cuff-softest cuff-stiffest""",
-    "export": """threads bar-width pin-diameter bore-clearance layer-gap clearance cuff-hole-diameter cuff-hole-spacing actuator-diameter actuator-eye actuator-mass rod-diameter""",
-    "gait": """threads cutoff age placement-sd""",
-    "live": """threads tolerance port patience least-free""",
-    "loads": """threads share rise-time draws seed-number""",
+    "anonymise": "threads crf capture-rate",
+    "axis": "threads rate window least-turn soft-tissue",
+    "calibrate": "threads max-views",
+    "check": "threads",
+    "cohort": "threads cores jobs",
+    "compare": """threads height mass belt-speed replacement-sd seat-edge depth-sd view-slope scale-sd event-sd frame-tissue
+        cuff-softest cuff-stiffest""",
+    "export": """threads bar-width pin-diameter bore-clearance layer-gap clearance cuff-hole-diameter cuff-hole-spacing
+        actuator-diameter actuator-eye actuator-mass rod-diameter""",
+    "gait": "threads cutoff age placement-sd",
+    "live": "threads tolerance port patience least-free",
+    "loads": "threads share rise-time draws seed-number",
     "optimize": """threads grashof-margin singularity-margin assist starts certify yield round max-force max-pin-force
-        max-mount-force safety-factor knee-torque min-moment-arm min-transmission max-angle max-length
-        robust clear-seat clear-limb thigh shank certify-time""",
-    "run": """threads""",
-    "simulate": """threads d-min d-max angles stroke rows thigh-link-mass shank-link-mass max-leg-shear max-cuff-force""",
+        max-mount-force safety-factor knee-torque min-moment-arm min-transmission max-angle max-length robust
+        clear-seat clear-limb thigh shank certify-time""",
+    "run": "threads",
+    "simulate": "threads d-min d-max angles stroke rows thigh-link-mass shank-link-mass max-leg-shear max-cuff-force",
     "stroke": """threads speed from-angle to-angle smooth hold margin max-speed max-acceleration dead-time tolerance
-        home-stroke home-speed command-timeout speed-tolerance home-error lag stop-travel extend-stop
-        feedback-error supply current-zero current-scale max-current stall-current force-limit force-per-ampere idle-current speed-limit safety-relay hold-button table-tolerance""",
-    "sync": """threads drift-sd""",
-    "synth": """threads repetitions hub duration width height motion-seed walk-in second-person pace rest warp skin
-        stride stride-length passes begin radius radius-px distance yaw pitch roll shutter readout psf read-noise shot-gain start jitter level brightness exposure flicker reflections population sessions""",
-    "track": """threads end""",
+        home-stroke home-speed command-timeout speed-tolerance home-error lag stop-travel extend-stop feedback-error
+        supply current-zero current-scale max-current stall-current force-limit force-per-ampere idle-current
+        speed-limit safety-relay hold-button table-tolerance""",
+    "sync": "threads drift-sd",
+    "synth": """threads repetitions hub duration width height motion-seed walk-in second-person pace rest warp skin stride
+        stride-length passes begin radius radius-px distance yaw pitch roll shutter readout psf read-noise shot-gain
+        start jitter level brightness exposure flicker reflections population sessions""",
+    "track": "threads end",
 }
 
 # Options whose value is one of several words, given another.
 CHOICES = {
-    "anonymise": """rotate""",
-    "calibrate": """loss lens""",
-    "check": """polarity""",
-    "cohort": """movement""",
-    "compare": """knee walking up""",
-    "convert": """out-unit leg""",
-    "gait": """facing filter sex""",
-    "loads": """leg""",
-    "optimize": """mount""",
-    "stroke": """feedback""",
-    "synth": """scene movement markers""",
-    "track": """detector""",
+    "anonymise": "rotate",
+    "calibrate": "loss lens",
+    "check": "polarity",
+    "cohort": "movement",
+    "compare": "knee walking up",
+    "convert": "out-unit leg",
+    "gait": "facing filter sex",
+    "loads": "leg",
+    "optimize": "mount",
+    "stroke": "feedback",
+    "synth": "scene movement markers",
+    "track": "detector",
 }
+
+# What programs say of files of another kind, in the place of their first one.
+TRIALS = {"empty": "neither trajectory.csv nor tracks.csv of lake-track", "text.csv": "write a table with the columns frame",
+          **dict.fromkeys(("design.yaml", "camera.yaml", "study.yaml", "page.html"), "are known")}
+VIDEOS = {"empty": "is a folder, not a video; for an image sequence",
+          **dict.fromkeys(("text.csv", "design.yaml", "camera.yaml", "study.yaml", "page.html"), "not a video that can be read")}
+DESIGNS = {"empty": "is a folder, not a file", "camera.yaml": "--camera reads it", "study.yaml": "lake run reads it",
+           **dict.fromkeys(("text.csv", "page.html"), "a design is a map with the keys links, d_min_mm, …")}
+READERS = {**dict.fromkeys(("axis", "compare", "convert", "gait", "loads", "sync"), TRIALS),
+           **dict.fromkeys(("check", "track"), VIDEOS), **dict.fromkeys(("export", "simulate", "stroke"), DESIGNS)}
 
 # Command  ->  what its message must have.
 ROWS = """
@@ -87,24 +101,12 @@ anonymise camera.yaml --trial empty  ->  --trial is the folder that lake track m
 anonymise study.yaml --trial empty  ->  --trial is the folder that lake track made of the video
 anonymise page.html --trial empty  ->  --trial is the folder that lake track made of the video
 anonymise … --triax  ->  did you mean '--trial
-axis empty --segment shank=ankle,knee --segment thigh=hip,waist  ->  neither trajectory.csv nor tracks.csv of lake-track
-axis text.csv --segment shank=ankle,knee --segment thigh=hip,waist  ->  write a table with the columns frame
-axis design.yaml --segment shank=ankle,knee --segment thigh=hip,waist  ->  are known
-axis camera.yaml --segment shank=ankle,knee --segment thigh=hip,waist  ->  are known
-axis study.yaml --segment shank=ankle,knee --segment thigh=hip,waist  ->  are known
-axis page.html --segment shank=ankle,knee --segment thigh=hip,waist  ->  are known
 axis … --windox  ->  did you mean '--window
 axis … --segment odd  ->  --segment 'odd': write NAME=…
 axis … --unit odd  ->  mm, cm, m, px or its length in mm
 axis … --range odd  ->  --range must have 2 numbers
 calibrate … --fix-kx  ->  did you mean '--fix-k3
 calibrate … --board odd  ->  see lake-calibrate --help
-check empty  ->  is a folder, not a video; for an image sequence
-check text.csv  ->  not a video that can be read
-check design.yaml  ->  not a video that can be read
-check camera.yaml  ->  not a video that can be read
-check study.yaml  ->  not a video that can be read
-check page.html  ->  not a video that can be read
 check … --polaritx  ->  did you mean '--polarity
 check … --markers odd  ->  recordings of a leg are judged
 check … --seed odd  ->  --seed 'odd': write NAME=…
@@ -112,12 +114,6 @@ check … --crop odd  ->  --crop must have 4 numbers
 cohort  ->  --template FOLDER makes one
 cohort … --corex  ->  did you mean '--cores
 compare  ->  --left A --right B
-compare empty trial.csv  ->  neither trajectory.csv nor tracks.csv of lake-track
-compare text.csv trial.csv  ->  write a table with the columns frame
-compare design.yaml trial.csv  ->  are known
-compare camera.yaml trial.csv  ->  are known
-compare study.yaml trial.csv  ->  are known
-compare page.html trial.csv  ->  are known
 compare … --replacement-sx  ->  did you mean '--replacement-sd
 compare … --forces absent.xyz  ->  for one recording use lake loads
 compare … --sync absent.xyz  ->  only applies together with --forces
@@ -142,27 +138,10 @@ compare … --exo-scale odd  ->  --exo-scale must have 5 numbers
 compare … --exo-plane-points odd  ->  leave it out
 compare … --right-scale odd  ->  --right-scale must have 5 numbers
 compare … --right-plane-points odd  ->  give --exo-plane-points
-convert empty o.trc  ->  neither trajectory.csv nor tracks.csv of lake-track
-convert text.csv o.trc  ->  write a table with the columns frame
-convert design.yaml o.trc  ->  are known
-convert camera.yaml o.trc  ->  are known
-convert study.yaml o.trc  ->  are known
-convert page.html o.trc  ->  are known
 convert … --smoothex  ->  did you mean '--smoothed
 convert … --crop odd  ->  --crop must have 2 numbers
-export empty mjcf  ->  is a folder, not a file
-export text.csv mjcf  ->  a design is a map with the keys links, d_min_mm, …
-export camera.yaml mjcf  ->  --camera reads it
-export study.yaml mjcf  ->  lake run reads it
-export page.html mjcf  ->  a design is a map with the keys links, d_min_mm, …
 export … --cuff-hole-spacinx  ->  did you mean '--cuff-hole-spacing
 export … --plate odd  ->  a thickness and a material, such as 4mm,PLA
-gait empty  ->  neither trajectory.csv nor tracks.csv of lake-track
-gait text.csv  ->  write a table with the columns frame
-gait design.yaml  ->  are known
-gait camera.yaml  ->  are known
-gait study.yaml  ->  are known
-gait page.html  ->  are known
 gait … --smoothex  ->  did you mean '--smoothed
 gait … --technical odd  ->  --technical 'odd': write NAME=…
 gait … --angle odd  ->  --angle 'odd': write NAME=…
@@ -180,12 +159,6 @@ live empty --replay  ->  holds no recording of lake live
 live … --joint-ax  ->  did you mean '--joint-at
 live … --joint odd  ->  is not one of the markers (ankle, knee, hip, waist, exo_knee
 live … --overlay odd  ->  see lake-live --help
-loads empty --mass 70  ->  neither trajectory.csv nor tracks.csv of lake-track
-loads text.csv --mass 70  ->  write a table with the columns frame
-loads design.yaml --mass 70  ->  are known
-loads camera.yaml --mass 70  ->  are known
-loads study.yaml --mass 70  ->  are known
-loads page.html --mass 70  ->  are known
 loads … --plane-pointx  ->  did you mean '--plane-points
 loads … --foot odd  ->  --foot must have 2 numbers
 loads … --plates odd  ->  --plates 'odd': write NAME=…
@@ -209,29 +182,13 @@ run page.html  ->  a study is a map with the keys human, exo, camera, …
 run … --keep-goinx  ->  did you mean '--keep-going
 run … --only odd  ->  files are missing
 simulate  ->  give either a design file or --links l1,l2,l3,l4,l5,l6
-simulate empty  ->  is a folder, not a file
-simulate text.csv  ->  a design is a map with the keys links, d_min_mm, …
-simulate camera.yaml  ->  --camera reads it
-simulate study.yaml  ->  lake run reads it
-simulate page.html  ->  a design is a map with the keys links, d_min_mm, …
 simulate … --seat-edgx  ->  did you mean '--seat-edge
 simulate … --links odd  ->  --links must have 6 numbers
 simulate … --animation odd  ->  see lake-simulate --help
-stroke empty  ->  is a folder, not a file
-stroke text.csv  ->  a design is a map with the keys links, d_min_mm, …
-stroke camera.yaml  ->  --camera reads it
-stroke study.yaml  ->  lake run reads it
-stroke page.html  ->  a design is a map with the keys links, d_min_mm, …
 stroke … --speed-tolerancx  ->  did you mean '--speed-tolerance
 stroke … --rod-markers odd  ->  --stroke-log and --rod-markers belong to --validate TRACKDIR
 stroke … --pot odd  ->  give two different points COUNTS=MM,COUNTS=MM, e.g. 102=242,
 stroke … --pins odd  ->  one of ena, in1, in2, retract, extend, out1, out2 and a numb
-sync empty trial.csv  ->  neither trajectory.csv nor tracks.csv of lake-track
-sync text.csv trial.csv  ->  write a table with the columns frame
-sync design.yaml trial.csv  ->  are known
-sync camera.yaml trial.csv  ->  are known
-sync study.yaml trial.csv  ->  are known
-sync page.html trial.csv  ->  are known
 sync … --signal-x  ->  did you mean '--signal-a
 sync … --signal-a odd  ->  give both
 sync … --signal-b odd  ->  give both
@@ -240,12 +197,6 @@ synth --exo odd  ->  --exo must have 2 numbers
 synth --extra-markers odd  ->  a drawn sit-to-stand has shank1 and shank2
 synth --distortion odd  ->  --distortion must have 5 numbers
 synth --hide odd  ->  --hide 'odd': write NAME=…
-track empty  ->  is a folder, not a video; for an image sequence
-track text.csv  ->  not a video that can be read
-track design.yaml  ->  not a video that can be read
-track camera.yaml  ->  not a video that can be read
-track study.yaml  ->  not a video that can be read
-track page.html  ->  not a video that can be read
 track … --dictionarx  ->  did you mean '--dictionary
 track … --color odd  ->  --color is for --detector color
 track … --export odd  ->  there are mot, trc, c3d, tracker, trk, kinovea, kva
@@ -268,6 +219,9 @@ def rows():
         for program, names in options.items():
             for name in names.split():
                 yield [program, *RIGHT[program].split(), f"--{name}", "odd"], f"--{name} must be %{must}"
+    for program, files in READERS.items():
+        for file, said in files.items():
+            yield [program, file, *RIGHT[program].split()[1:]], said
     for row in ROWS.strip().split("\n"):
         command, said = row.split("  ->  ")
         program, *words = command.split()

@@ -28,12 +28,13 @@ using Eigen::Vector2d;
 Uncertain PutInPlace(double percent, const Vector2d& half_width_mm, double shank_mm) {
   constexpr double kChiSquared = 7.377759;
   const double sd_mm = half_width_mm.norm() / std::sqrt(2.0) / kNormal95;
-  return {percent, percent, std::hypot(percent, 100 * std::sqrt(kChiSquared) * sd_mm / shank_mm), 1};
+  return {percent, percent, std::hypot(percent, 100 * std::sqrt(kChiSquared) * sd_mm / shank_mm),
+          kPathDifferenceDecimals};
 }
 
 Uncertain PredictedPercent(const StudyResults& results, const Json& design) {
   const double percent = NumberOrNaN(design.at("misalignment_percent"));
-  if (!results.Has("comparison")) return {.value = percent, .least_decimals = 1};
+  if (!results.Has("comparison")) return {.value = percent, .least_decimals = kPathDifferenceDecimals};
   return PutInPlace(percent, PlacementHalfWidth(results), NumberOrNaN(results.Summary("comparison").at("shank_mm")));
 }
 

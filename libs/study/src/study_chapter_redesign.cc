@@ -112,7 +112,7 @@ Table BeforeAfterTable(const StudyFile& study, const StudyResults& results, cons
     if (after.at(row.key).is_null() && before.at(row.key).is_null()) continue;
     Uncertain recorded = UncertainOf(measured.value(row.key, Json()), intervals.value(row.key, Json()));
     recorded.value *= row.factor;
-    if (row.unit == std::string("%")) recorded.least_decimals = DecimalsOf("%");
+    if (row.unit == std::string("%")) recorded.least_decimals = kPathDifferenceDecimals;
     const int decimals = DecimalsOf(row.unit);
     const std::string of = row.key == std::string("program_duration_s") ? RepetitionIn(results) + " " : "";
     std::vector<Cell> cells{of + row.what, UncertainCell(recorded, decimals)};

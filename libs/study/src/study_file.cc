@@ -374,7 +374,7 @@ StudyRedesign ReadPopulation(YamlNode node, const fs::path& folder) {
 StudyFile ReadStudyFile(const fs::path& path) {
   YamlNode root = YamlNode::ReadFile(path);
   if (!root.IsMap()) throw Fail("{}: a study is a map with the keys human, exo, camera, …", path.string());
-  ExpectKind(root, "a study");
+  ExpectKind(root, "study");
   InputFiles files((path.parent_path() / root.Text("folder").value_or("")).lexically_normal());
   StudyFile study;
   study.file = path;

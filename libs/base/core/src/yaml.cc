@@ -195,22 +195,21 @@ std::string YamlNode::Where() const {
   return Place(impl_->file, impl_->node.Mark());
 }
 
+const YamlKind* KindByKeys(const std::function<bool(std::string_view key)>& has) {
+  static constexpr YamlKind kKinds[] = {
+      {"camera_matrix", "camera", "--camera reads it"},
+      {"human", "study", "lake run reads it"},
+      {"links", "design", "lake simulate, lake stroke, lake export and lake review read it"},
+      {"bounds", "problem", "lake optimize --problem reads it"},
+      {"margins", "problem", "lake optimize --problem reads it"}};
+  const auto* kind = std::ranges::find_if(kKinds, has, &YamlKind::key);
+  return kind == std::end(kKinds) ? nullptr : kind;
+}
+
 void ExpectKind(const YamlNode& file, std::string_view expected) {
-  struct Kind {
-    std::string_view key, what, readers;
-  };
-  constexpr Kind kKinds[] = {{"links", "a design", "lake simulate, lake stroke, lake export and lake review read it"},
-                             {"human", "a study", "lake run reads it"},
-                             {"image_width", "a camera", "--camera reads it"},
-                             {"bounds", "a problem", "lake optimize --problem reads it"},
-                             {"margins", "a problem", "lake optimize --problem reads it"}};
-  const Kind* is = nullptr;
-  for (const Kind& kind : kKinds) {
-    if (!file.Has(kind.key)) continue;
-    if (kind.what == expected) return;
-    if (!is) is = &kind;
-  }
-  if (is) throw Fail("{}: is {}, not {}; {}", file.Where(), is->what, expected, is->readers);
+  const YamlKind* kind = KindByKeys([&](std::string_view key) { return file.Has(key); });
+  if (kind && kind->name != expected)
+    throw Fail("{}: is a {}, not a {}; {}", file.Where(), kind->name, expected, kind->readers);
 }
 
 }  // namespace lake

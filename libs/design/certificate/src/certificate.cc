@@ -171,7 +171,7 @@ void CertificateOptions::Check() const {
 }
 
 bool IsInBound(const problem::Requirement& requirement, const problem::SynthesisProblem& problem) {
-  const problem::LimitInfo& info = requirement.info;
+  const problem::LimitInfo& info = requirement.Info();
   if (info.obstacle == problem::Obstacle::kSeat) return !problem.clearances.placement_reach_mm;
   if (info.place == problem::Place::kAtRest && requirement.along_profile) return problem.rests_anywhere;
   return !requirement.IsClearance() && info.place != problem::Place::kProfile;

@@ -15,7 +15,7 @@ Interval KappaOfAngle(double theta_rad) {
 
 // The rows of a requirement under a load.
 void AddRows(const problem::Requirement& requirement, const problem::PoseLoad& load, std::vector<PoseRow>& rows) {
-  const problem::LimitInfo& info = requirement.info;
+  const problem::LimitInfo& info = requirement.Info();
   const Interval limit =
       info.is_sine ? Sin(Interval(requirement.limit) / 180.0 * kPiInterval) : Interval(requirement.limit);
   const double scale = info.is_relative ? requirement.limit : 1;
@@ -55,7 +55,7 @@ Relaxation::Relaxation(const problem::SynthesisProblem& problem, const RangeBoun
 std::vector<PoseRow> Relaxation::RowsOverRange(const problem::SynthesisProblem& problem) const {
   std::vector<PoseRow> rows;
   for (const problem::Requirement& requirement : problem::RequirementsOf(problem))
-    if (requirement.IsFamily() && !requirement.along_profile && requirement.info.place != problem::Place::kSeated)
+    if (requirement.IsFamily() && !requirement.along_profile && requirement.Info().place != problem::Place::kSeated)
       AddRows(requirement, problem.ConstantLoad(), rows);
   return rows;
 }
@@ -81,14 +81,14 @@ void Relaxation::AddPlaces(const problem::SynthesisProblem& problem, double floo
   if (problem.clearances.seat_mm && !problem.clearances.placement_reach_mm) seat_.emplace(problem);
   seated_.kappa_rad = KappaOfAngle(problem.SeatedAngle_rad());
   for (const problem::Requirement& requirement : requirements)
-    if (requirement.info.place == problem::Place::kSeated) AddRows(requirement, problem.ConstantLoad(), seated_.rows);
+    if (requirement.Info().place == problem::Place::kSeated) AddRows(requirement, problem.ConstantLoad(), seated_.rows);
   if (!(floor_rad > standing_rad)) return;
   constexpr int kSteps = 4;
   for (int i = 0; i <= kSteps; ++i) {
     const double theta = std::min(floor_rad, std::lerp(standing_rad, floor_rad, static_cast<double>(i) / kSteps));
     Place place{KappaOfAngle(theta), RowsOverRange(problem)};
     for (const problem::Requirement& requirement : requirements)  // past standing the stroke is only longer
-      if (i == 0 && requirement.info.place == problem::Place::kStanding)
+      if (i == 0 && requirement.Info().place == problem::Place::kStanding)
         AddRows(requirement, problem.ConstantLoad(), place.rows);
     if (i == kSteps)
       place.rows.emplace_back(
@@ -107,9 +107,9 @@ void Relaxation::AddSamples(const problem::SynthesisProblem& problem,
   const std::size_t step = 1 + samples.size() / kMostSamples;
   for (std::size_t i = 0; i < samples.size(); i += step) {
     Place place{KappaOfAngle(samples[i]->knee_rad), {}};
+    const problem::PoseLoad load = problem.LoadAt(*samples[i]);
     for (const problem::Requirement& requirement : requirements)
-      if (requirement.along_profile && IsInBound(requirement, problem))
-        AddRows(requirement, problem.LoadAt(*samples[i]), place.rows);
+      if (requirement.along_profile && IsInBound(requirement, problem)) AddRows(requirement, load, place.rows);
     places_.push_back(place);
   }
 }

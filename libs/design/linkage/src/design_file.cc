@@ -88,7 +88,7 @@ Design ReadDesign(const std::filesystem::path& path) {
     throw Fail("{}: is a folder; its design is {}", path.string(), (path / "design.yaml").string());
   YamlNode root = YamlNode::ReadFile(path);
   if (!root.IsMap()) throw Fail("{}: a design is a map with the keys links, d_min_mm, …", path.string());
-  ExpectKind(root, "a design");
+  ExpectKind(root, "design");
   Design design;
   design.links = ReadLinks(Require(root.Child("links"), root, "links"));
   design.d_min_mm = Require(root.Number("d_min_mm"), root, "d_min_mm");

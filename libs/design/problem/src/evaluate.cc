@@ -56,7 +56,7 @@ class PoseValue {
  public:
   PoseValue(const linkage::Links& links, const SynthesisProblem& problem, const Requirement& requirement,
             const PoseLoad& load)
-      : links_(links.Values()), problem_(problem), info_(requirement.info) {
+      : links_(links.Values()), problem_(problem), info_(requirement.Info()) {
     VisitLimit(static_cast<std::size_t>(requirement.row), [&](const auto& row) {
       row.parts(load, [&](const char*, auto ratio) { ratios_.emplace_back(std::move(ratio)); });
     });
@@ -87,7 +87,7 @@ class PoseValue {
 // Those of the profile's samples that a requirement is on.
 std::vector<int> SamplesOf(const SynthesisProblem& problem, const Requirement& requirement) {
   const std::vector<int> samples = SamplesInUse(problem);
-  const bool at_the_end = requirement.info.place == Place::kAtRest && !problem.rests_anywhere;
+  const bool at_the_end = requirement.Info().place == Place::kAtRest && !problem.rests_anywhere;
   return at_the_end && !samples.empty() ? std::vector<int>{samples.back()} : samples;
 }
 
@@ -172,7 +172,7 @@ std::vector<WorstPoint> UsedPoses::WorstPoints(const Requirement& requirement) {
   if (requirement.along_profile) return WorstSamples(links_, problem_, *range_, requirement);
   const PoseValue of_pose(links_, problem_, requirement, problem_.ConstantLoad());
   const auto value = [&](double fraction) { return of_pose(PoseAt(links_, *range_, fraction)); };
-  if (requirement.info.place == Place::kSeated) {
+  if (requirement.Info().place == Place::kSeated) {
     const double seated = (problem_.SeatedAngle_rad() - range_->theta_at_upper_rad) /
                           (range_->theta_at_lower_rad - range_->theta_at_upper_rad);
     const double fraction = std::min(1.0, seated);

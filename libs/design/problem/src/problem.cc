@@ -243,7 +243,6 @@ std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem) {
                    .limit = *limit,
                    .unit = info.unit,
                    .row = static_cast<int>(i),
-                   .info = info,
                    .along_profile = info.place == Place::kProfile || (is_loaded && problem.HasLoadProfile()),
                    .is_sought = info.name == Requirement::kDuration && problem.SeeksDuration()});
   }

@@ -152,7 +152,7 @@ void SetDuration(const std::string& text, SynthesisProblem& problem) {
 
 SynthesisProblem ReadProblem(YamlNode node, const fs::path& folder) {
   if (!node.IsMap()) throw Fail("{}: a problem is a map with the keys d_min_mm, bounds, margins, …", node.Where());
-  ExpectKind(node, "a problem");
+  ExpectKind(node, "problem");
   SynthesisProblem problem;
   Reader(node, problem)
       .Number("d_min_mm", problem.d_min_mm)

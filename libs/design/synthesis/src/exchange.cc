@@ -52,7 +52,7 @@ bool AddPosesOf(const problem::SynthesisProblem& problem, const std::vector<prob
     if (!requirement.IsFamily()) continue;
     const std::vector<problem::WorstPoint> worst = used.WorstPoints(requirement);
     if (worst.empty()) return false;
-    if (requirement.info.place == problem::Place::kSeated) continue;  // one pose, which the program has already
+    if (requirement.Info().place == problem::Place::kSeated) continue;  // one pose, which the program has already
     for (const problem::WorstPoint& point : worst) {
       const double allowed = tolerance * std::max(requirement.limit, requirement.IsClearance() ? 1.0 : 0.0);
       if (requirement.Slack(point.value) >= -allowed || IsKnown(point, poses)) continue;

@@ -112,10 +112,6 @@ problem::SynthesisProblem AsSolved(const problem::SynthesisProblem& problem, con
   return solved;
 }
 
-}  // namespace
-
-namespace {
-
 bool AddPosesOf(const problem::SynthesisProblem& solved, LocalSolve& result, const OptimizeOptions& options) {
   return AddViolatedPoses(solved, problem::RequirementsOf(solved), result.end, options.family_tolerance, result.poses);
 }

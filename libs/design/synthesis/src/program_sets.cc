@@ -335,7 +335,7 @@ void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose) 
 
 void AddRatioRows(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
                   int limit, const problem::PoseLoad& load) {
-  const double scale = requirement.info.is_relative ? program.Variables()[limit].start : 1;
+  const double scale = requirement.Info().is_relative ? program.Variables()[limit].start : 1;
   problem::VisitLimit(static_cast<std::size_t>(requirement.row), [&](const auto& row) {
     row.parts(load, [&](const char* part, auto ratio) {
       program.AddConstraint(fmt::format("{} of the {}{}", requirement.name, part, pose.place), 0, nlp::kUnbounded,

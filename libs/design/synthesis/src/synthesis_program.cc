@@ -109,7 +109,7 @@ class Builder {
   // What holds at the shortest stroke of the current build.
   void AddShortestRows() {
     for (const RequirementRow& entry : result_.requirements)
-      if (entry.family_limit >= 0 && entry.requirement.info.place == Place::kShortest)
+      if (entry.family_limit >= 0 && entry.requirement.Info().place == Place::kShortest)
         AddRows(entry, poses_.front(), problem_.ConstantLoad());
   }
 
@@ -211,7 +211,7 @@ class Builder {
       AddScaledTerm(nlp(), entry.row, entry.family_limit, 1);
     }
     // Angles that the linkage does not reach have no force that could be held against a limit.
-    const bool is_reach = requirement.info.place == Place::kShortest && requirement.is_lower_limit && !is_on_links;
+    const bool is_reach = requirement.Info().place == Place::kShortest && requirement.is_lower_limit && !is_on_links;
     if (IsElastic() && !is_reach)
       entry.slack =
           AddSlack(entry.row, std::string(requirement.name), requirement.is_lower_limit, SlackUnit(requirement));
@@ -251,16 +251,16 @@ class Builder {
       const PoseVariables pose = AddPose(nlp(), name, result_.links, stroke, current_.range, /*fraction=*/0,
                                          sample.knee_rad, start.phi_rad, current_.shift);
       AddNoTurningRow(nlp(), pose);
+      const problem::PoseLoad load = problem_.LoadAt(sample);
       for (const RequirementRow& entry : result_.requirements)
-        if (entry.requirement.along_profile && HoldsAt(entry.requirement, sample))
-          AddRows(entry, pose, problem_.LoadAt(sample));
+        if (entry.requirement.along_profile && HoldsAt(entry.requirement, sample)) AddRows(entry, pose, load);
     }
   }
 
   bool HoldsAt(const problem::Requirement& requirement, const problem::LoadSample& sample) const {
-    if (requirement.info.place == Place::kProfile) return true;
+    if (requirement.Info().place == Place::kProfile) return true;
     if (problem_.TorqueAt(sample) == 0) return false;
-    return requirement.info.place != Place::kAtRest || problem_.rests_anywhere ||
+    return requirement.Info().place != Place::kAtRest || problem_.rests_anywhere ||
            &sample == &problem_.profile->samples[problem::SamplesInUse(problem_).back()];
   }
 
@@ -284,8 +284,8 @@ class Builder {
     const PoseVariables& standing = *std::ranges::find(poses_, kStanding, &PoseVariables::fraction);
     for (const RequirementRow& entry : result_.requirements) {
       const problem::Requirement& requirement = entry.requirement;
-      if (requirement.info.place == Place::kStanding) AddRows(entry, standing, problem_.ConstantLoad());
-      if (!requirement.IsFamily() || requirement.along_profile || requirement.info.place == Place::kSeated) continue;
+      if (requirement.Info().place == Place::kStanding) AddRows(entry, standing, problem_.ConstantLoad());
+      if (!requirement.IsFamily() || requirement.along_profile || requirement.Info().place == Place::kSeated) continue;
       for (const PoseVariables& pose : poses_) AddRows(entry, pose, problem_.ConstantLoad());
     }
   }
@@ -298,7 +298,7 @@ class Builder {
   }
 
   void AddClearance(const RequirementRow& entry, const PoseVariables& pose) {
-    const problem::Obstacle obstacle = entry.requirement.info.obstacle;
+    const problem::Obstacle obstacle = entry.requirement.Info().obstacle;
     const linkage::Body body = linkage::BodyOf(problem_.clearances.body);
     const linkage::WearOptions wear = problem_.Wear();
     if (obstacle == problem::Obstacle::kSeat)
@@ -310,7 +310,7 @@ class Builder {
 
   // The pose of sitting, with what holds there.
   void AddSeated() {
-    const auto is_seated = [](const RequirementRow& row) { return row.requirement.info.place == Place::kSeated; };
+    const auto is_seated = [](const RequirementRow& row) { return row.requirement.Info().place == Place::kSeated; };
     if (std::ranges::none_of(result_.requirements, is_seated)) return;
     const double seated = problem_.SeatedAngle_rad();
     const PoseStart start = StartOf(seated);
@@ -367,7 +367,7 @@ problem::SynthesisProblem Placed(problem::SynthesisProblem problem, const Synthe
 }
 
 double SlackUnit(const problem::Requirement& requirement) {
-  return requirement.info.is_relative ? requirement.limit / 100 : 1;
+  return requirement.Info().is_relative ? requirement.limit / 100 : 1;
 }
 
 SynthesisProgram BuildProgram(const problem::SynthesisProblem& problem, const linkage::Links& start,

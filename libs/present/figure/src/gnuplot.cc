@@ -139,7 +139,7 @@ std::string QuotePath(const std::filesystem::path& path) {
   return quoted + "\"";
 }
 
-// (a), (b), …, above the vertical axis of each panel, of which one alone needs none.
+// a, b, …, above the vertical axis of each panel, of which one alone needs none.
 void LetterPanels(std::string& page, const std::vector<std::size_t>& panels) {
   if (panels.size() < 2) return;
   for (std::size_t i = panels.size(); i-- > 0;)  // from the last: what stands before it keeps its place

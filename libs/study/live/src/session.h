@@ -84,7 +84,7 @@ class Session {
   void ReadPlane();
   void WarnOfTolerance();
   // A film that is replayed before a person's eyes begins with the trial.
-  bool IsHeld() const { return options_.stream.replay && options_.page.open && !begin_s_; }
+  bool IsHeld() const { return options_.stream.replay && options_.page.open && phase_ == Phase::kWatching; }
   Eigen::Vector2d MarkerAt() const { return {options_.joint_at_mm[0], options_.joint_at_mm[1]}; }
   void CheckMarkers() const;
   // Of a place that the camera's model puts into the plane.

@@ -24,6 +24,7 @@
 #include "lake/core/error.h"
 #include "lake/core/processes.h"
 #include "lake/core/uncertain_text.h"
+#include "lake/core/yaml.h"
 #include "lake/motion/saved_corrections.h"
 #include "lake/video/video_reader.h"
 #include "result_inputs.h"
@@ -75,14 +76,16 @@ Found FoundFilm(const fs::path& path) {
 Found FoundYaml(const fs::path& path) {
   constexpr std::size_t kMost = 1 << 20;
   const std::string text = fs::file_size(path) < kMost ? "\n" + ReadTextFile(path) : "";
-  const auto has = [&](const char* key) { return text.find(fmt::format("\n{}:", key)) != std::string::npos; };
-  if (has("camera_matrix"))
-    return {path, "camera", has("plane_rvec") ? "lens and sagittal plane" : "lens",
-            has("plane_rvec") ? "" : "no sagittal plane"};
-  if (has("human")) return {path, "study file"};
-  if (has("links")) return {path, "design"};
-  if (has("bounds") || has("margins")) return {path, "problem"};
-  return {path, ""};
+  const auto has = [&](std::string_view key) { return text.find(fmt::format("\n{}:", key)) != std::string::npos; };
+  const YamlKind* kind = KindByKeys(has);
+  if (!kind) return {path, ""};
+  if (kind->name == "study") return {path, "study file"};  // "study": its results
+  Found found{path, std::string(kind->name)};
+  if (kind->name != "camera") return found;
+  const bool has_plane = has("plane_rvec");
+  found.what = has_plane ? "lens and sagittal plane" : "lens";
+  found.lacks = has_plane ? "" : "no sagittal plane";
+  return found;
 }
 
 Found FoundTrial(const fs::path& folder, const Json& summary) {

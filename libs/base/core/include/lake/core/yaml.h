@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -65,8 +66,14 @@ class YamlNode {
   std::unique_ptr<Impl> impl_;
 };
 
-// Throws Error if the file is not "a design", "a problem", "a study" or "a camera", whichever is expected, but another
-// of these: what it is, and what reads it.
+// A kind of YAML file that lake reads, by a key of its own.
+struct YamlKind {
+  std::string_view key, name, readers;
+};
+// "camera", "study", "design" or "problem" (nullptr: none of them) by the keys that a file has.
+const YamlKind* KindByKeys(const std::function<bool(std::string_view key)>& has);
+
+// Throws Error if the file is not of the kind that is expected but of another: what it is, and what reads it.
 void ExpectKind(const YamlNode& file, std::string_view expected);
 
 }  // namespace lake

@@ -118,15 +118,19 @@ struct Requirement {
   bool is_lower_limit = true;            // value >= limit
   double limit = 0;
   std::string unit = "mm";
-  int row = -1;                                                         // of kLimits; -1: on the links alone
-  LimitInfo info{.name = "", .unit = "mm", .place = Place::kShortest};  // then: of that row
+  int row = -1;                // of kLimits; -1: on the links alone
   bool along_profile = false;  // at the samples of the load profile, else over the used range
   bool is_sought = false;      // the limit is what is minimised
 
+  // Of its row; on the links alone, as on the pose at d_min.
+  const LimitInfo& Info() const {
+    static constexpr LimitInfo kOnLinks{.name = "", .unit = "mm", .place = Place::kShortest};
+    return row < 0 ? kOnLinks : kLimitInfos[static_cast<std::size_t>(row)];
+  }
   // Of a pose other than that at d_min, so the linkage must be able to stand; of many, but for the length at standing.
-  bool NeedsStanding() const { return info.place != Place::kShortest; }
-  bool IsFamily() const { return NeedsStanding() && info.place != Place::kStanding; }
-  bool IsClearance() const { return info.obstacle != Obstacle::kNone; }
+  bool NeedsStanding() const { return Info().place != Place::kShortest; }
+  bool IsFamily() const { return NeedsStanding() && Info().place != Place::kStanding; }
+  bool IsClearance() const { return Info().obstacle != Obstacle::kNone; }
   // coefficients . X >= limit
   bool IsLinear() const { return row < 0 && name != kSingularity; }
   // Distance of a value to the limit, positive if satisfied; -infinity for NaN, a value that could not be had.

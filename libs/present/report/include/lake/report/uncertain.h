@@ -32,10 +32,12 @@ inline Uncertain UncertainOf(const Json& number, const Json& interval, double fa
   return of;
 }
 
-// A path difference, which comparison.json has as a fraction of the shank length, in percent: one decimal at least.
+inline constexpr int kPathDifferenceDecimals = 1;  // of a percentage of the shank length, at least
+
+// A path difference, which comparison.json has as a fraction of the shank length, in percent.
 inline Uncertain PathDifferencePercent(const Json& fraction, const Json& interval) {
   Uncertain of = UncertainOf(fraction, interval, 100);
-  of.least_decimals = 1;
+  of.least_decimals = kPathDifferenceDecimals;
   return of;
 }
 
