@@ -94,9 +94,9 @@ class Filter {
   // From the last frame to the first. `state_visit(i, backward)`: what later frames add to frame i's state;
   // `row_visit(i, u, D)`: the measurement's smoothed disturbance over its variance, and that one's own variance;
   // `step_visit(i, backward)`: the same for what frame i and later ones add to the state that is predicted for it.
-  // `transition(i)` is that from the frame before to frame i.
-  template <typename Transition, typename StateVisit, typename RowVisit, typename StepVisit>
-  void Back(const Transition& transition, const StateVisit& state_visit, const RowVisit& row_visit,
+  // `retreat(i, backward)` moves what is added from frame i to the one before.
+  template <typename Retreat, typename StateVisit, typename RowVisit, typename StepVisit>
+  void Back(const Retreat& retreat, const StateVisit& state_visit, const RowVisit& row_visit,
             const StepVisit& step_visit) {
     Backward<N> b{Means<N>::Zero(states_, Values<N>::ColsAtCompileTime), Square<N>::Zero(states_, states_)};
     for (std::size_t i = frames_.size(); i-- > 0;) {
@@ -118,9 +118,7 @@ class Filter {
         b.r.setZero();
         b.n.setZero();
       } else {
-        const Square<N> by = transition(i);
-        b.r = Means<N>(by.transpose() * b.r);
-        b.n = Square<N>(by.transpose() * b.n * by);
+        retreat(i, b);
       }
     }
   }
@@ -134,13 +132,27 @@ class Filter {
 inline constexpr int kAxisStates = 4;
 enum { kPosition, kVelocity, kAcceleration, kLasting };
 
-// What a time T does to an axis: F and the covariance that it adds, that of the jerk for q = 1.
+// What a time t does to an axis: x ← F x, F that of the jerk and of what is kept of the lasting noise; and the
+// covariance that the jerk adds, for q = 1.
 struct AxisStep {
-  Eigen::Matrix3d transition, jerk;
-  double kept = 0;  // of the lasting noise
+  double t = 0, kept = 0;
+  Eigen::Matrix3d jerk;
 
-  AxisStep(double t, double lasting_kept)
-      : transition(JerkTransition(t)), jerk(JerkCovariance(t)), kept(lasting_kept) {}
+  AxisStep(double time_s, double lasting_kept) : t(time_s), kept(lasting_kept), jerk(JerkCovariance(time_s)) {}
+
+  // F is nearly empty, so its products are written out: x ← F x, and x ← Fᵀ x.
+  template <typename Matrix>
+  void Apply(Matrix&& x) const {
+    x.row(kPosition) += t * x.row(kVelocity) + t * t / 2 * x.row(kAcceleration);
+    x.row(kVelocity) += t * x.row(kAcceleration);
+    x.row(kLasting) *= kept;
+  }
+  template <typename Matrix>
+  void ApplyTransposed(Matrix&& x) const {
+    x.row(kAcceleration) += t * x.row(kVelocity) + t * t / 2 * x.row(kPosition);
+    x.row(kVelocity) += t * x.row(kPosition);
+    x.row(kLasting) *= kept;
+  }
 };
 
 inline Eigen::Matrix4d StartCovariance(const PathModel& model, const MotionPrior& prior) {

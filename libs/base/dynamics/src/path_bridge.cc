@@ -93,7 +93,7 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
       BridgeSquare& by = transitions[k];
       for (int a = 0; a < seen.axes; ++a) {
         const int at = layout.Axis(a, 0);
-        by.block<3, 3>(at, at) = step.transition;
+        by.block<3, 3>(at, at) = JerkTransition(t);
         by(at + kLasting, at + kLasting) = step.kept;
         added.block<3, 3>(at, at) = model.density[i] * step.jerk;
         added(at + kLasting, at + kLasting) = model.lasting * (1 - step.kept * step.kept);
@@ -126,23 +126,27 @@ SmoothedPath BridgePath(const SeenPath& seen, const PathModel& model, const Moti
   });
   SmoothedPath path;
   path.point.resize(end - begin);
-  filter.Back([&](std::size_t k) { return transitions[k]; },
-              [&](std::size_t k, const Backward<Eigen::Dynamic>& b) {
-                const Frame<Eigen::Dynamic>& frame = filter.At(k);
-                const BridgeState mean = frame.mean.col(0) + frame.covariance * b.r.col(0);
-                const BridgeSquare covariance = frame.covariance - frame.covariance * b.n * frame.covariance;
-                PathPoint& point = path.point[k];
-                for (int a = 0; a < seen.axes; ++a) {
-                  point.position[a] = mean[layout.Axis(a, kPosition)];
-                  point.velocity[a] = mean[layout.Axis(a, kVelocity)];
-                  point.acceleration[a] = mean[layout.Axis(a, kAcceleration)];
-                  for (int c = 0; c < seen.axes; ++c)
-                    point.position_covariance(a, c) = covariance(layout.Axis(a, kPosition), layout.Axis(c, kPosition));
-                  point.velocity_variance +=
-                      covariance(layout.Axis(a, kVelocity), layout.Axis(a, kVelocity)) / seen.axes;
-                }
-              },
-              [](auto&&...) {}, [](auto&&...) {});
+  filter.Back(
+      [&](std::size_t k, Backward<Eigen::Dynamic>& b) {
+        const BridgeSquare& by = transitions[k];
+        b.r = Means<Eigen::Dynamic>(by.transpose() * b.r);
+        b.n = BridgeSquare(by.transpose() * b.n * by);
+      },
+      [&](std::size_t k, const Backward<Eigen::Dynamic>& b) {
+        const Frame<Eigen::Dynamic>& frame = filter.At(k);
+        const BridgeState mean = frame.mean.col(0) + frame.covariance * b.r.col(0);
+        const BridgeSquare covariance = frame.covariance - frame.covariance * b.n * frame.covariance;
+        PathPoint& point = path.point[k];
+        for (int a = 0; a < seen.axes; ++a) {
+          point.position[a] = mean[layout.Axis(a, kPosition)];
+          point.velocity[a] = mean[layout.Axis(a, kVelocity)];
+          point.acceleration[a] = mean[layout.Axis(a, kAcceleration)];
+          for (int c = 0; c < seen.axes; ++c)
+            point.position_covariance(a, c) = covariance(layout.Axis(a, kPosition), layout.Axis(c, kPosition));
+          point.velocity_variance += covariance(layout.Axis(a, kVelocity), layout.Axis(a, kVelocity)) / seen.axes;
+        }
+      },
+      [](auto&&...) {}, [](auto&&...) {});
   return path;
 }
 

@@ -22,13 +22,6 @@ std::size_t FirstSeen(const SeenPath& seen) {
   return first;
 }
 
-Eigen::Matrix4d TransitionOf(const AxisStep& step) {
-  Eigen::Matrix4d by = Eigen::Matrix4d::Zero();
-  by.topLeftCorner<3, 3>() = step.transition;
-  by(kLasting, kLasting) = step.kept;
-  return by;
-}
-
 // All axes by one filter, as they err alike.
 class PathFilter {
  public:
@@ -56,9 +49,9 @@ class PathFilter {
       const Eigen::RowVector3d before = mean.row(kPosition);
       if (i > 0) {
         const AxisStep step = Step(model, i);
-        const Eigen::Matrix4d by = TransitionOf(step);
-        mean = Means<kAxisStates>(by * mean);
-        covariance = Square<kAxisStates>(by * covariance * by.transpose());
+        step.Apply(mean);
+        step.Apply(covariance);
+        step.Apply(covariance.transpose());
         covariance.topLeftCorner<3, 3>() += model.density[i] * step.jerk;
         covariance(kLasting, kLasting) += model.lasting * (1 - step.kept * step.kept);
       }
@@ -75,7 +68,14 @@ class PathFilter {
   template <typename StateVisit, typename RowVisit, typename StepVisit>
   void Back(const PathModel& model, const StateVisit& state_visit, const RowVisit& row_visit,
             const StepVisit& step_visit) {
-    filter_.Back([&](std::size_t i) { return TransitionOf(Step(model, i)); }, state_visit, row_visit, step_visit);
+    filter_.Back(
+        [&](std::size_t i, Backward<kAxisStates>& b) {
+          const AxisStep step = Step(model, i);
+          step.ApplyTransposed(b.r);
+          step.ApplyTransposed(b.n);
+          step.ApplyTransposed(b.n.transpose());
+        },
+        state_visit, row_visit, step_visit);
   }
 
   AxisStep Step(const PathModel& model, std::size_t frame) const {

@@ -47,7 +47,7 @@ void DrawLengthPanel(GnuplotFigure& figure, const std::vector<problem::Sensitivi
   const std::string data = figure.Data({delta, infeasible, feasible});
   figure.Line("unset object");
   ShadeUnassembled(figure, points);
-  const std::string name = link + 1 < kLengths ? problem::LengthName(link) : "stroke from";
+  const std::string name = link + 1 < kLengths ? fmt::format("{{/:Italic l}}_{}", link + 1) : "{/:Italic d}_{min}";
   figure.Line("set title '{} = {:.2f} mm' offset 0,-0.6", name, length_mm);
   figure.Line("set yrange [{}:{}]", range.lower, range.upper);
   figure.Line(link + kColumns >= kLengths ? "set xlabel 'change (mm)'" : "unset xlabel");
@@ -73,7 +73,7 @@ void DrawSensitivity(const synthesis::SynthesisOutcome& outcome, const std::file
   GnuplotFigure figure(1100, 760);
   figure.Line("set multiplot layout 2,4 margins 0.085,0.985,0.16,0.94 spacing 0.07,0.15");
   figure.Line(
-      "set label 2 'dot: the optimum    solid: feasible    dashed: outside a bound or a requirement    grey: cannot be "
+      "set label 2 'dot: the optimum    solid: feasible    dashed: outside a bound or limit    grey: cannot be "
       "assembled' at screen 0.5,0.03 center textcolor rgb '{}'",
       colour::kText);
   figure.Line("set xrange [-5:5]");
