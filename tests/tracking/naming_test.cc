@@ -436,6 +436,35 @@ TEST(Naming, MarkersOfOneThighAreNoHipAndWaist) {
   }
 }
 
+// Two things at rest keep their distance whatever they are: a foot that hardly moves and a lamp beside it made a better
+// shank than the shank, on which the skin moves.
+TEST(Naming, ALampBesideTheFootIsNotTheAnkle) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const LegScene scene{.seed = seed};
+    const auto leg = [&](int frame) {
+      const double upright = Upright(scene, frame), skin = std::sin(std::numbers::pi * upright);
+      std::array<Vector2d, 4> places = Leg(scene, upright);
+      places[0] += Vector2d(-3, -11) * skin;
+      places[1] += Vector2d(10, -4) * skin;
+      places[2] += 0.05 * skin * (places[2] - places[1]);
+      return places;
+    };
+    Seen seen(seed, scene.noise_px);
+    for (const std::size_t m : {0u, 1u, 2u, 3u}) seen.Add([=](int frame) { return leg(frame)[m]; });
+    seen.Add(
+        [=](int frame) { return Vector2d(leg(frame)[1] + 0.6 * (leg(frame)[2] - leg(frame)[1]) + Vector2d(0, -45)); });
+    seen.Add([](int) { return Vector2d(440, 720); });
+    const std::string error = ErrorOf(seen, LegOptions());
+    if (error != "no error") {
+      EXPECT_THAT(error, HasSubstr("named with certainty"));
+      continue;
+    }
+    const motion::MarkerRecording recording = Name(seen, LegOptions());
+    for (const std::size_t m : {0u, 1u, 2u, 3u})
+      EXPECT_LT((recording.markers[m].samples[0].position - leg(0)[m]).norm(), 1) << seed << " " << m;
+  }
+}
+
 // In a few frames every distance is constant. The knee was taken for the hip where the hip was seen in pieces only.
 TEST(Naming, AFewFramesTogetherAreAQuestion) {
   const LegScene scene{.seed = 5};

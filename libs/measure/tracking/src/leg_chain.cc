@@ -17,7 +17,7 @@ constexpr int kMinCommonFrames = 12;
 constexpr double kMaxDeviation = 0.10;
 // Below this, differences in how constant a length is say nothing.
 constexpr double kDeviationFloor = 0.004;
-// Chains whose costs differ by less are not told apart: a factor of 1.8 in the deviation of one segment.
+// Chains whose costs differ by less are not distinguished: a factor of 1.8 in the deviation of one segment.
 constexpr double kAmbiguousCost = 1.2;
 
 // What is carried along by the leg moves by this share of the thigh's length at least; what rests while the hip moves
@@ -45,7 +45,7 @@ class ChainSearch {
     for (std::size_t i = 0; i < tracklets.size(); ++i) {
       extent_.push_back(tracklets.Extent(i));
       brightness_.push_back(LogAmplitude(tracklets[i]));
-      things_ += IsLongEnough(i) ? 1 : 0;
+      detected_ += IsLongEnough(i) ? 1 : 0;
       longest_ = std::max(longest_, tracklets[i].samples.size());
     }
   }
@@ -69,7 +69,7 @@ class ChainSearch {
 
   // On a bench, with nothing else in sight.
   bool IsClamped(std::size_t ankle, std::size_t knee, double thigh) const {
-    return things_ <= options_.markers && !IsCarried(ankle, thigh) && !IsCarried(knee, thigh);
+    return detected_ <= options_.markers && !IsCarried(ankle, thigh) && !IsCarried(knee, thigh);
   }
 
   // Whether two segments turn against each other in a joint: three markers of one segment keep all of their distances.
@@ -114,8 +114,12 @@ class ChainSearch {
     if (chain.size() == 1) return 0;
     const std::size_t before = chain[chain.size() - 2];
     const PairDistance& segment = tracklets_.Distance(before, last);
+    // Against two objects that have nothing to do with each other: their distance changes as they move. What neither
+    // end's movement tests, as between two lamps, says nothing.
+    constexpr double kTested = 0.2;  // of the length: more movement is no more evidence, as the body moves as a whole
+    const double moved = std::min(kTested, std::hypot(extent_[before], extent_[last]) / segment.mean);
     double cost = std::log(Squared(segment.deviation) + Squared(kDeviationFloor)) -
-                  2 * std::log(CommonShare(before, last)) +
+                  std::log(Squared(moved) + Squared(kDeviationFloor)) - 2 * std::log(CommonShare(before, last)) +
                   Squared((brightness_[last] - brightness_[before]) / kBrightnessDeviation);
     // While both are seen: a seated person's waist is lower than a standing one's hip.
     const double rise = options_.up.dot(tracklets_.MeanWay(before, last));
@@ -191,8 +195,8 @@ class ChainSearch {
   const LegChainOptions& options_;
   std::vector<double> extent_;
   std::vector<double> brightness_;
-  std::size_t longest_ = 1;  // samples
-  std::size_t things_ = 0;   // that were seen for long enough to be a marker
+  std::size_t longest_ = 1;   // samples
+  std::size_t detected_ = 0;  // that were seen for long enough to be a marker
   mutable std::map<std::pair<std::size_t, std::size_t>, double> ankle_over_hip_;
   std::vector<LegChain> chains_;
 };
