@@ -108,7 +108,7 @@ class LiveSession {
 
   // The film from its beginning, as if it had gone on.
   void PlayAgain() {
-    begin_ = Told().frame.back() + 1;
+    begin_ = Reported().frame.back() + 1;
     begin_s_ = last_s_ + 1 / reader_->Info().frame_rate_hz;
     reader_ = video::VideoReader::Open(film_, {});
     RunUntil(std::numeric_limits<double>::infinity());
@@ -123,7 +123,7 @@ class LiveSession {
     return live::FindRiseOffsets(tracker_->Measured(), finding).rises;
   }
 
-  const MarkerRecording& Told() const { return tracker_->Told(); }
+  const MarkerRecording& Reported() const { return tracker_->Reported(); }
   bool HasAllNames() const { return tracker_->HasAllNames(); }
   const tracking::LiveTrackOptions& Options() const { return options_; }
 
@@ -191,14 +191,14 @@ TEST_P(LiveTracking, TellsWhatTheWholeRecordingTells) {
   whole.seeds = {SeedsOf(scene).back()};
   whole.quiet = true;
   const MarkerRecording offline = tracking::TrackMarkers(folder / "video.mp4", whole).recording;
-  const MarkerRecording& told = session.Told();
-  ASSERT_EQ(told.frame, offline.frame);
+  const MarkerRecording& reported = session.Reported();
+  ASSERT_EQ(reported.frame, offline.frame);
   double squares = 0;
   int count = 0;
   for (std::size_t n = 0; n < kNames.size(); ++n) {
     int compared = 0;
-    for (std::size_t row = 0; row < told.Frames(); ++row) {
-      const motion::MarkerSample &live = told.markers[n].samples[row], &after = offline.markers[n].samples[row];
+    for (std::size_t row = 0; row < reported.Frames(); ++row) {
+      const motion::MarkerSample &live = reported.markers[n].samples[row], &after = offline.markers[n].samples[row];
       if (live.status != SampleStatus::kDetected || after.status != SampleStatus::kDetected) continue;
       ++compared;
       EXPECT_LT((live.position - after.position).norm(), 0.1) << kNames[n] << " in frame " << row;
@@ -206,7 +206,7 @@ TEST_P(LiveTracking, TellsWhatTheWholeRecordingTells) {
       squares += off.squaredNorm() / (2 * live.sigma * live.sigma);
       ++count;
     }
-    EXPECT_GT(compared, 0.5 * static_cast<double>(told.Frames())) << kNames[n];
+    EXPECT_GT(compared, 0.5 * static_cast<double>(reported.Frames())) << kNames[n];
   }
   // Its standard deviation is what it is off by; a little more, as it holds what codecs usually add, and this film's
   // crf of 17 adds less.
@@ -263,12 +263,12 @@ TEST(LiveNames, OfAMarkerThatIsCoveredMeanwhile) {
   session.LookForNamesFrom(stands_s + 0.35);
   session.RunUntil(stands_s + 0.36);
   EXPECT_TRUE(session.HasAllNames());
-  EXPECT_EQ(session.Told().markers[joint].samples.back().status, SampleStatus::kMissing);
+  EXPECT_EQ(session.Reported().markers[joint].samples.back().status, SampleStatus::kMissing);
   session.RunUntil(motion->DurationS());
-  const MarkerRecording& told = session.Told();
-  const motion::MarkerSample& last = told.markers[joint].samples.back();
+  const MarkerRecording& reported = session.Reported();
+  const motion::MarkerSample& last = reported.markers[joint].samples.back();
   ASSERT_EQ(last.status, SampleStatus::kDetected);
-  EXPECT_LT((last.position - place_px(told.frame.back())).norm(), 1);
+  EXPECT_LT((last.position - place_px(reported.frame.back())).norm(), 1);
   ExpectHeld(session.Rises(), 2);
 }
 

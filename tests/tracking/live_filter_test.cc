@@ -29,7 +29,7 @@ TEST(LiveFilter, StartsWithWhatAPersonDoesAtTheScaleOfThePicture) {
     DrawMarkers({info.width, info.height}, {marker}, 0.6, 30).convertTo(frame.luma, CV_8U);
     tracker.Add(frame);
   }
-  const motion::MarkerTrack* knee = tracker.Told().Find("knee");
+  const motion::MarkerTrack* knee = tracker.Reported().Find("knee");
   ASSERT_TRUE(knee);
   for (std::size_t i = 0; i < knee->samples.size(); ++i) {
     ASSERT_EQ(knee->samples[i].status, motion::SampleStatus::kDetected) << i;

@@ -295,7 +295,7 @@ struct Scene::Impl {
   }
 
   struct Composition {
-    Canvas under;     // sharp, everything but hands and small bright things
+    Canvas under;     // sharp, everything but hands and small bright objects
     cv::Mat picture;  // whole, after the point-spread, before exposure and flicker
   };
 

@@ -1,4 +1,4 @@
-// Small bright things (markers, reflections, a glint), drawn finely: 4 × 4 cells per pixel, point-spread in the cells.
+// Small bright objects (markers, reflections, a glint), drawn finely: 4 × 4 cells per pixel, point-spread in the cells.
 #pragma once
 
 #include <functional>

@@ -72,9 +72,9 @@ PathEvidence EvidenceAt(std::span<const PathSample> samples, double at_s, double
 }
 
 double LogJoin(const PathState& before, const PathState& after, double elapsed_s, double density) {
-  const PathState told = Moved(before, elapsed_s, density);
-  const Eigen::LLT<Eigen::Matrix3d> covariance(told.covariance + after.covariance);
-  const Eigen::Matrix<double, 3, 2> white = covariance.matrixL().solve(after.mean - told.mean);
+  const PathState predicted = Moved(before, elapsed_s, density);
+  const Eigen::LLT<Eigen::Matrix3d> covariance(predicted.covariance + after.covariance);
+  const Eigen::Matrix<double, 3, 2> white = covariance.matrixL().solve(after.mean - predicted.mean);
   const double log_root = covariance.matrixLLT().diagonal().array().log().sum();
   return -0.5 * white.squaredNorm() - 2 * log_root - 3 * kLogTwoPi;
 }

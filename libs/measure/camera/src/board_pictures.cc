@@ -82,7 +82,7 @@ bool SeenAtALook(const cv::Mat& grey, const Board& board, bool thorough) {
   return DetectBoard(ForALook(grey, board), board, options).has_value();
 }
 
-// Looks at frames over the whole video, so that one without the board is told of within seconds. How the board has to
+// Looks at frames over the whole video, so that one without the board is reported within seconds. How the board has to
 // be looked for: nullopt if it is in none of them, else whether it takes the thorough search to see it.
 std::optional<bool> LookThrough(const fs::path& file, const Board& board, const video::VideoReaderOptions& reader,
                                 int& looked_at) {

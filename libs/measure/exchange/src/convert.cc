@@ -167,7 +167,7 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   const std::string ending = Lower(out.extension().string());
   if (ending == ".yaml" || ending == ".yml") return ConvertCamera(in, out, options);
   if (IsMot(out)) return ConvertAngles(in, out, options);
-  FormatOf(out);  // a wrong ending is told before a long file is read
+  FormatOf(out);  // a wrong ending is reported before a long file is read
   if (IsMot(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
   if (options.flexion_negative || (options.leg && ending != ".c3d"))
     throw UsageError("{} is for a .mot that is written", options.leg ? "--leg" : "--flexion-negative");

@@ -281,8 +281,8 @@ PelvisLine LineOf(const LegFitResult& fit, const motion::MarkerSample& asis, con
           .sd = std::hypot(asis.sigma, psis.sigma)};
 }
 
-// Why no lean can be told of these markers; empty if one can. `lines` are those of the frames that show both, `waist`
-// how far the waist marker is from the middle between them there.
+// Why no lean can be measured by these markers; empty if one can. `lines` are those of the frames that show both,
+// `waist` how far the waist marker is from the middle between them there.
 std::string WhyUnknown(const std::vector<PelvisLine>& lines, const std::vector<double>& waist) {
   if (lines.empty()) return fmt::format("the markers '{}' and '{}' are never seen together", kAsis, kPsis);
   const auto backward = std::ranges::count_if(lines, [](const PelvisLine& line) { return line.forward.x() < 0; });

@@ -97,10 +97,10 @@ std::size_t FirstKnownFrom(const Model& model, double at_s) {
 // Before the feet alone bear the body no force tells where in the trunk its centre is: there it is where it is at first
 // on the feet, so that nothing jumps then.
 TrunkSample TrunkOf(const Model& model, const TrunkFit& trunk, std::size_t frame, std::size_t on_feet) {
-  const std::size_t told = std::max(frame, on_feet);
-  const SegmentMotion segment = TrunkSegment(model, frame), at_told = TrunkSegment(model, told);
-  const Eigen::Vector2d centre_m = model.body.trunk.centre_m * at_told.along + trunk.At(model.path, told).value_m;
-  return {segment.tilt_rad, Eigen::Rotation2Dd(at_told.tilt_rad - segment.tilt_rad) * centre_m};
+  const std::size_t known = std::max(frame, on_feet);
+  const SegmentMotion segment = TrunkSegment(model, frame), at_known = TrunkSegment(model, known);
+  const Eigen::Vector2d centre_m = model.body.trunk.centre_m * at_known.along + trunk.At(model.path, known).value_m;
+  return {segment.tilt_rad, Eigen::Rotation2Dd(at_known.tilt_rad - segment.tilt_rad) * centre_m};
 }
 
 }  // namespace

@@ -593,7 +593,7 @@ Measured Measure(const motion::MarkerRecording& trajectory, const std::vector<mo
   return measured;
 }
 
-// With the trunk's centre where the table has it: where the fitted one lies along the trunk is hardly told by the
+// With the trunk's centre where the table has it: where the fitted one lies along the trunk is hardly determined by the
 // zero-moment point, and the largest velocities hang on it.
 RiseMomentum MomentumOf(const LegPath& path, const LegBody& body, const Vector2d& in_trunk_m, const Rise& rise,
                         const LoadsOptions& options) {

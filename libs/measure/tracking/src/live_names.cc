@@ -26,16 +26,16 @@ std::vector<MarkerSeed> LastPlaces(const motion::MarkerRecording& named) {
   return places;
 }
 
-// Where a thing is in the shank's frame, metric units of length, in each frame that shows it with ankle and knee: x
+// Where an object is in the shank's frame, metric units of length, in each frame that shows it with ankle and knee: x
 // across, y along it from the knee; and how the shank stands, rad.
 struct InShank {
   std::vector<double> across, along, shank, direction_rad;
 };
 
-InShank PlacesInShank(const Tracklet& thing, const motion::MarkerRecording& leg, const LiveTrackOptions& options) {
+InShank PlacesInShank(const Tracklet& tracklet, const motion::MarkerRecording& leg, const LiveTrackOptions& options) {
   const motion::MarkerTrack &ankle = *leg.Find("ankle"), &knee = *leg.Find("knee");
   InShank places;
-  for (const TrackletSample& sample : thing.samples) {
+  for (const TrackletSample& sample : tracklet.samples) {
     const auto found = std::ranges::lower_bound(leg.frame, sample.frame);
     if (sample.frame < options.others_since || found == leg.frame.end() || *found != sample.frame) continue;
     const auto row = static_cast<std::size_t>(found - leg.frame.begin());
@@ -52,7 +52,7 @@ InShank PlacesInShank(const Tracklet& thing, const motion::MarkerRecording& leg,
   return places;
 }
 
-// The one thing beside the knee that moves with the shank and is none of the leg's markers: where it was seen last, as
+// The one object beside the knee that moves with the shank and is none of the leg's markers: where it was seen last, as
 // it may have been lost and found.
 MarkerSeed BesideKnee(const LiveSnapshot& snapshot, const motion::MarkerRecording& leg, const std::string& name,
                       const LiveTrackOptions& options) {
@@ -62,8 +62,8 @@ MarkerSeed BesideKnee(const LiveSnapshot& snapshot, const motion::MarkerRecordin
   constexpr std::size_t kFewest = 20;  // frames
   std::vector<const Tracklet*> found;
   bool is_one = true;
-  for (const Tracklet& thing : snapshot.tracklets) {
-    const InShank in_shank = PlacesInShank(thing, leg, options);
+  for (const Tracklet& tracklet : snapshot.tracklets) {
+    const InShank in_shank = PlacesInShank(tracklet, leg, options);
     if (in_shank.along.size() < kFewest) continue;
     const auto [least, most] = std::ranges::minmax(in_shank.direction_rad);
     if (most - least < kTurned_rad) continue;
@@ -73,8 +73,8 @@ MarkerSeed BesideKnee(const LiveSnapshot& snapshot, const motion::MarkerRecordin
     const bool is_steady =
         std::max(RobustDeviation(in_shank.along), RobustDeviation(in_shank.across)) < kSteady * shank;
     if (is_knee || !is_steady || away >= kFarthest * shank) continue;
-    for (const Tracklet* other : found) is_one = is_one && other->LastFrame() < thing.FirstFrame();
-    found.push_back(&thing);
+    for (const Tracklet* other : found) is_one = is_one && other->LastFrame() < tracklet.FirstFrame();
+    found.push_back(&tracklet);
   }
   if (found.empty() || !is_one)
     throw Fail("{}: {} detections beside the knee move with the shank; click the right one", name,

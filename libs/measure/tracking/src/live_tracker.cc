@@ -41,11 +41,11 @@ LiveTracker::LiveTracker(LiveTrackOptions options, const video::VideoInfo& video
     : options_(std::move(options)),
       sigma_factor_(UsualErrorOverFit(video)),
       detector_(MakeReflectiveDetector(options_.polarity, DetectorRegion{options_.crop})),
-      thing_(options_.names.size()),
+      number_(options_.names.size()),
       why_no_seed_(options_.names.size()),
       last_place_px_(options_.names.size()),
       filters_(options_.names.size()),
-      told_(EmptyRecording(options_.names)),
+      reported_(EmptyRecording(options_.names)),
       measured_(EmptyRecording(options_.names)) {
   TrackletOptions following;
   following.physics = options_.physics;
@@ -58,14 +58,14 @@ LiveTracker::LiveTracker(LiveTrackOptions options, const video::VideoInfo& video
 
 void LiveTracker::Add(const video::VideoFrame& frame) {
   builder_->Add(frame);
-  for (motion::MarkerRecording* recording : {&told_, &measured_}) {
+  for (motion::MarkerRecording* recording : {&reported_, &measured_}) {
     recording->frame.push_back(frame.index);
     recording->time_s.push_back(frame.time_s);
     for (motion::MarkerTrack& track : recording->markers) track.samples.emplace_back();
   }
   TakeSeeds(frame.index);
   Rejoin();
-  for (std::size_t n = 0; n < thing_.size(); ++n)
+  for (std::size_t n = 0; n < number_.size(); ++n)
     if (const TrackletSample* sample = SeenNow(n)) {
       measured_.markers[n].samples.back() = Detected(sample->position, sample->sigma_px);
       last_place_px_[n] = sample->position;
@@ -74,18 +74,18 @@ void LiveTracker::Add(const video::VideoFrame& frame) {
   FilterAll(frame.time_s);
 }
 
-const Tracklet* LiveTracker::ThingOf(std::size_t name) const {
-  if (!thing_[name]) return nullptr;
-  for (const TrackletBuilder::Thing& thing : builder_->Things())
-    if (thing.number == *thing_[name]) return thing.tracklet;
+const Tracklet* LiveTracker::TrackletOf(std::size_t name) const {
+  if (!number_[name]) return nullptr;
+  for (const TrackletBuilder::Followed& followed : builder_->AllFollowed())
+    if (followed.number == *number_[name]) return followed.tracklet;
   return nullptr;
 }
 
 // Not in a picture that repeats the one before.
 const TrackletSample* LiveTracker::SeenNow(std::size_t name) const {
-  const Tracklet* thing = ThingOf(name);
-  if (!thing || measured_.frame.empty()) return nullptr;
-  const TrackletSample& last = thing->samples.back();
+  const Tracklet* tracklet = TrackletOf(name);
+  if (!tracklet || measured_.frame.empty()) return nullptr;
+  const TrackletSample& last = tracklet->samples.back();
   return last.frame == measured_.frame.back() && !last.repeated ? &last : nullptr;
 }
 
@@ -97,13 +97,13 @@ std::size_t LiveTracker::IndexOf(std::string_view name) const {
 }
 
 // With all that was measured of it before.
-void LiveTracker::Give(std::size_t name, const TrackletBuilder::Thing& thing) {
-  for (std::optional<std::int64_t>& other : thing_)
-    if (other == thing.number) other.reset();
-  thing_[name] = thing.number;
+void LiveTracker::Give(std::size_t name, const TrackletBuilder::Followed& followed) {
+  for (std::optional<std::int64_t>& other : number_)
+    if (other == followed.number) other.reset();
+  number_[name] = followed.number;
   filters_[name] = {};
-  last_place_px_[name] = thing.tracklet->samples.back().position;
-  for (const TrackletSample& sample : thing.tracklet->samples) {
+  last_place_px_[name] = followed.tracklet->samples.back().position;
+  for (const TrackletSample& sample : followed.tracklet->samples) {
     const auto found = std::ranges::lower_bound(measured_.frame, sample.frame);
     if (found == measured_.frame.end() || *found != sample.frame || sample.repeated) continue;
     const auto row = static_cast<std::size_t>(found - measured_.frame.begin());
@@ -123,8 +123,8 @@ void LiveTracker::TakeSeeds(std::int64_t frame) {
 }
 
 std::string LiveTracker::WhyNoSeed() const {
-  for (std::size_t n = 0; n < thing_.size(); ++n)
-    if (!thing_[n] && !why_no_seed_[n].empty()) return why_no_seed_[n];
+  for (std::size_t n = 0; n < number_.size(); ++n)
+    if (!number_[n] && !why_no_seed_[n].empty()) return why_no_seed_[n];
   return "";
 }
 
@@ -138,13 +138,13 @@ std::optional<Vector2d> LiveTracker::MetricOf(const Vector2d& px) const {
 
 void LiveTracker::Name(std::string_view name, const Vector2d& place_px) {
   const std::size_t index = IndexOf(name);
-  std::optional<TrackletBuilder::Thing> nearest;
+  std::optional<TrackletBuilder::Followed> nearest;
   double least_px = std::numeric_limits<double>::infinity();
-  for (const TrackletBuilder::Thing& thing : builder_->Things()) {
-    const TrackletSample& last = thing.tracklet->samples.back();
+  for (const TrackletBuilder::Followed& followed : builder_->AllFollowed()) {
+    const TrackletSample& last = followed.tracklet->samples.back();
     const double away_px = (last.position - place_px).norm() - last.radius_px;
     if (last.frame != measured_.frame.back() || away_px > kSeedSlackPx || away_px >= least_px) continue;
-    nearest = thing;
+    nearest = followed;
     least_px = away_px;
   }
   if (!nearest) throw Fail("{}: there is no marker at {:.0f},{:.0f}", name, place_px.x(), place_px.y());
@@ -155,27 +155,27 @@ void LiveTracker::Name(std::string_view name, const Vector2d& place_px) {
 void LiveTracker::TakeNames(const std::vector<MarkerSeed>& found) {
   for (const MarkerSeed& seed : found) {
     const std::size_t name = IndexOf(seed.name);
-    if (ThingOf(name)) continue;
-    const std::optional<TrackletBuilder::Thing> thing = ThingAt(seed, !thing_[name]);
-    if (!thing) continue;
+    if (TrackletOf(name)) continue;
+    const std::optional<TrackletBuilder::Followed> followed = FollowedAt(seed, !number_[name]);
+    if (!followed) continue;
     ForgetDistances(name);
-    Give(name, *thing);
+    Give(name, *followed);
   }
 }
 
-std::optional<TrackletBuilder::Thing> LiveTracker::ThingAt(const MarkerSeed& place, bool may_have_ended) const {
+std::optional<TrackletBuilder::Followed> LiveTracker::FollowedAt(const MarkerSeed& place, bool may_have_ended) const {
   const auto is_it = [&](const Tracklet& tracklet) {
     constexpr double kSamePx = 0.5;
     const TrackletSample* sample = tracklet.SampleIn(place.frame);
     return sample && (sample->position - place.position).norm() < kSamePx;
   };
-  for (const TrackletBuilder::Thing& thing : builder_->Things())
-    if (is_it(*thing.tracklet)) return thing;
+  for (const TrackletBuilder::Followed& followed : builder_->AllFollowed())
+    if (is_it(*followed.tracklet)) return followed;
   if (!may_have_ended) return std::nullopt;
   const auto number =
       -1 - static_cast<std::int64_t>(IndexOf(place.name));  // those of what is followed are not negative
   for (const Tracklet& ended : builder_->Ended())
-    if (is_it(ended)) return TrackletBuilder::Thing{number, &ended};
+    if (is_it(ended)) return TrackletBuilder::Followed{number, &ended};
   return std::nullopt;
 }
 
@@ -186,32 +186,32 @@ void LiveTracker::ForgetDistances(std::size_t name) {
 
 bool LiveTracker::IsAnyLost() const {
   constexpr double kLost_s = 1;
-  for (std::size_t n = 0; n < thing_.size(); ++n)
-    if (!thing_[n] || (!ThingOf(n) && measured_.time_s.back() - filters_[n].seen_s > kLost_s)) return true;
+  for (std::size_t n = 0; n < number_.size(); ++n)
+    if (!number_[n] || (!TrackletOf(n) && measured_.time_s.back() - filters_[n].seen_s > kLost_s)) return true;
   return false;
 }
 
 bool LiveTracker::HasAllNames() const {
-  return std::ranges::all_of(thing_, [](const auto& number) { return number.has_value(); });
+  return std::ranges::all_of(number_, [](const auto& number) { return number.has_value(); });
 }
 
 std::vector<LiveSpot> LiveTracker::Spots() const {
   std::vector<LiveSpot> spots;
-  for (const TrackletBuilder::Thing& thing : builder_->Things()) {
-    const TrackletSample& last = thing.tracklet->samples.back();
+  for (const TrackletBuilder::Followed& followed : builder_->AllFollowed()) {
+    const TrackletSample& last = followed.tracklet->samples.back();
     if (measured_.frame.empty() || last.frame != measured_.frame.back()) continue;
-    const auto named = std::ranges::find(thing_, std::optional(thing.number));
+    const auto named = std::ranges::find(number_, std::optional(followed.number));
     spots.push_back(
-        {.number = thing.number,
+        {.number = followed.number,
          .position = last.position,
          .radius_px = last.radius_px,
-         .name = named == thing_.end() ? "" : options_.names[static_cast<std::size_t>(named - thing_.begin())]});
+         .name = named == number_.end() ? "" : options_.names[static_cast<std::size_t>(named - number_.begin())]});
   }
   return spots;
 }
 
 void LiveTracker::LearnDistances() {
-  std::vector<std::optional<Vector2d>> places(thing_.size());
+  std::vector<std::optional<Vector2d>> places(number_.size());
   for (std::size_t n = 0; n < places.size(); ++n)
     if (const TrackletSample* sample = SeenNow(n)) places[n] = MetricOf(sample->position);
   for (std::size_t a = 0; a < places.size(); ++a)
@@ -244,30 +244,30 @@ void LiveTracker::FilterAll(double time_s) {
     }
     filter.time_s = time_s;
     if (!filter.state || time_s - filter.seen_s > kForetold_s) continue;
-    told_.markers[n].samples.back() = {filter.state->Position(), std::sqrt(filter.state->covariance(0, 0)),
-                                       seen ? motion::SampleStatus::kDetected : motion::SampleStatus::kFilled};
+    reported_.markers[n].samples.back() = {filter.state->Position(), std::sqrt(filter.state->covariance(0, 0)),
+                                           seen ? motion::SampleStatus::kDetected : motion::SampleStatus::kFilled};
   }
 }
 
-// Names that have lost their things, and the things without a name that they may be. The assignment of least cost is
+// Names that have lost their tracklets, and unnamed tracklets that may continue them. The assignment of least cost is
 // taken where no other is nearly as good.
 struct LiveTracker::Rejoining {
-  static constexpr double kUnassigned = 3;  // costs more than any thing that fits
+  static constexpr double kUnassigned = 3;  // costs more than any candidate that fits
   static constexpr double kClear = 0.5;     // between the best and the next
-  static constexpr std::size_t kMostThings = 12;
+  static constexpr std::size_t kMostCandidates = 12;
 
   const LiveTracker& tracker;
   std::vector<std::size_t> lost;
-  std::vector<TrackletBuilder::Thing> things;
-  std::vector<Vector2d> thing_metric;
+  std::vector<TrackletBuilder::Followed> candidates;
+  std::vector<Vector2d> candidate_metric;
   std::vector<std::optional<Vector2d>> name_metric;  // of names that are seen
-  std::vector<int> chosen, best;                     // thing by lost name, -1: none
+  std::vector<int> chosen, best;                     // candidate by lost name, -1: none
   double best_cost = std::numeric_limits<double>::infinity(), next_cost = best_cost;
 
   // Squared, in units of what may be; nullopt for more than that.
-  std::optional<double> Cost(std::size_t lost_index, std::size_t thing) const {
+  std::optional<double> Cost(std::size_t lost_index, std::size_t candidate) const {
     const std::size_t name = lost[lost_index];
-    const TrackletSample& last = things[thing].tracklet->samples.back();
+    const TrackletSample& last = candidates[candidate].tracklet->samples.back();
     constexpr double kReachMm = 500;  // as far as a marker of a person ever goes (MotionPrior)
     const double reach_px = kReachMm / tracker.options_.physics.radius_mm * last.radius_px;
     const double away_px = (last.position - *tracker.last_place_px_[name]).norm();
@@ -278,7 +278,7 @@ struct LiveTracker::Rejoining {
     const auto compare = [&](std::size_t other, const Vector2d& place) {
       const auto found = tracker.distances_.find(std::minmax(name, other));
       if (found == tracker.distances_.end() || !found->second.IsRigid()) return true;
-      const double off = (place - thing_metric[thing]).norm() / found->second.mean - 1;
+      const double off = (place - candidate_metric[candidate]).norm() / found->second.mean - 1;
       cost += std::pow(off / kLengthTolerance, 2);
       has_partner = true;
       return std::abs(off) <= kLengthTolerance;
@@ -286,7 +286,7 @@ struct LiveTracker::Rejoining {
     for (std::size_t other = 0; other < name_metric.size(); ++other)
       if (name_metric[other] && !compare(other, *name_metric[other])) return std::nullopt;
     for (std::size_t before = 0; before < lost_index; ++before)
-      if (chosen[before] >= 0 && !compare(lost[before], thing_metric[static_cast<std::size_t>(chosen[before])]))
+      if (chosen[before] >= 0 && !compare(lost[before], candidate_metric[static_cast<std::size_t>(chosen[before])]))
         return std::nullopt;
     return has_partner ? std::optional(cost) : std::nullopt;
   }
@@ -301,11 +301,11 @@ struct LiveTracker::Rejoining {
       }
       return;
     }
-    for (std::size_t thing = 0; thing < things.size(); ++thing) {
-      if (std::ranges::find(chosen, static_cast<int>(thing)) != chosen.end()) continue;
-      const std::optional<double> more = Cost(lost_index, thing);
+    for (std::size_t candidate = 0; candidate < candidates.size(); ++candidate) {
+      if (std::ranges::find(chosen, static_cast<int>(candidate)) != chosen.end()) continue;
+      const std::optional<double> more = Cost(lost_index, candidate);
       if (!more) continue;
-      chosen[lost_index] = static_cast<int>(thing);
+      chosen[lost_index] = static_cast<int>(candidate);
       Try(lost_index + 1, cost + *more);
       chosen[lost_index] = -1;
     }
@@ -314,24 +314,29 @@ struct LiveTracker::Rejoining {
 };
 
 void LiveTracker::Rejoin() {
-  Rejoining join{
-      .tracker = *this, .lost = {}, .things = {}, .thing_metric = {}, .name_metric = {}, .chosen = {}, .best = {}};
-  for (std::size_t n = 0; n < thing_.size(); ++n)
-    if (thing_[n] && last_place_px_[n] && !ThingOf(n)) join.lost.push_back(n);
+  Rejoining join{.tracker = *this,
+                 .lost = {},
+                 .candidates = {},
+                 .candidate_metric = {},
+                 .name_metric = {},
+                 .chosen = {},
+                 .best = {}};
+  for (std::size_t n = 0; n < number_.size(); ++n)
+    if (number_[n] && last_place_px_[n] && !TrackletOf(n)) join.lost.push_back(n);
   if (join.lost.empty()) return;
   constexpr std::size_t kFollowed = 4;  // frames: shorter is chance
-  for (const TrackletBuilder::Thing& thing : builder_->Things()) {
-    const TrackletSample& last = thing.tracklet->samples.back();
-    const bool is_named = std::ranges::find(thing_, std::optional(thing.number)) != thing_.end();
-    if (is_named || thing.tracklet->samples.size() < kFollowed || last.frame != measured_.frame.back()) continue;
-    if (join.things.size() == Rejoining::kMostThings) break;
+  for (const TrackletBuilder::Followed& followed : builder_->AllFollowed()) {
+    const TrackletSample& last = followed.tracklet->samples.back();
+    const bool is_named = std::ranges::find(number_, std::optional(followed.number)) != number_.end();
+    if (is_named || followed.tracklet->samples.size() < kFollowed || last.frame != measured_.frame.back()) continue;
+    if (join.candidates.size() == Rejoining::kMostCandidates) break;
     const std::optional<Vector2d> metric = MetricOf(last.position);
     if (!metric) continue;
-    join.things.push_back(thing);
-    join.thing_metric.push_back(*metric);
+    join.candidates.push_back(followed);
+    join.candidate_metric.push_back(*metric);
   }
-  if (join.things.empty()) return;
-  for (std::size_t n = 0; n < thing_.size(); ++n) {
+  if (join.candidates.empty()) return;
+  for (std::size_t n = 0; n < number_.size(); ++n) {
     const TrackletSample* sample = SeenNow(n);
     join.name_metric.push_back(sample ? MetricOf(sample->position) : std::nullopt);
   }
@@ -339,7 +344,7 @@ void LiveTracker::Rejoin() {
   join.Try(0, 0);
   if (join.best.empty() || join.next_cost - join.best_cost < Rejoining::kClear) return;
   for (std::size_t i = 0; i < join.lost.size(); ++i)
-    if (join.best[i] >= 0) Give(join.lost[i], join.things[static_cast<std::size_t>(join.best[i])]);
+    if (join.best[i] >= 0) Give(join.lost[i], join.candidates[static_cast<std::size_t>(join.best[i])]);
 }
 
 LiveSnapshot LiveTracker::Snapshot() const {
@@ -354,11 +359,11 @@ LiveSnapshot LiveTracker::Snapshot() const {
 
 std::vector<Tracklet> LiveTracker::Named(std::size_t samples) const {
   std::vector<Tracklet> named;
-  for (std::size_t n = 0; n < thing_.size(); ++n) {
-    const Tracklet* thing = ThingOf(n);
-    if (!thing) continue;
-    const std::size_t count = std::min(samples, thing->samples.size());
-    named.push_back({{thing->samples.end() - static_cast<std::ptrdiff_t>(count), thing->samples.end()}, {}});
+  for (std::size_t n = 0; n < number_.size(); ++n) {
+    const Tracklet* tracklet = TrackletOf(n);
+    if (!tracklet) continue;
+    const std::size_t count = std::min(samples, tracklet->samples.size());
+    named.push_back({{tracklet->samples.end() - static_cast<std::ptrdiff_t>(count), tracklet->samples.end()}, {}});
   }
   return named;
 }

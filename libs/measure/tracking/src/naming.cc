@@ -484,7 +484,7 @@ class Namer {
     return *continuity > 0 ? std::nullopt : std::optional(FitToName{true, *continuity});
   }
 
-  // Whether a thing rests where the marker was neither before nor after: a lamp that it passes by.
+  // Whether an object rests where the marker was neither before nor after: a lamp that it passes by.
   bool RestsElsewhere(std::size_t piece, std::size_t name) const {
     const auto& samples = recording_.markers[name].samples;
     const double radius = radii_px_[piece];
@@ -621,7 +621,7 @@ class Namer {
 
   using Fits = std::vector<std::optional<FitToName>>;  // by tracklet and name
 
-  // By the distance of two pieces whose names are linked, against two things that are up to twice as far apart.
+  // By the distance of two pieces whose names are linked, against two objects that are up to twice as far apart.
   std::optional<double> DistanceMisfit(const NamedPiece& one, const NamedPiece& other) const {
     const Link* link = LinkBetween(one.name, other.name);
     if (!link) return 0;

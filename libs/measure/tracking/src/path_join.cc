@@ -61,9 +61,9 @@ PathJoin JoinPaths(const PathEnd& before, const PathEnd& after, double gap_s, do
                elapsed_s = std::min(gap_s, physics.turns_after_s);
   const dynamics::PathState last = StateAt(before, radius_px, physics, density),
                             first = StateAt(after, radius_px, physics, density),
-                            told = dynamics::Moved(last, elapsed_s, density);
-  const Eigen::Matrix<double, 3, 2> apart = first.mean - told.mean;
-  const Eigen::LLT<Eigen::Matrix3d> covariance(told.covariance + first.covariance);
+                            predicted = dynamics::Moved(last, elapsed_s, density);
+  const Eigen::Matrix<double, 3, 2> apart = first.mean - predicted.mean;
+  const Eigen::LLT<Eigen::Matrix3d> covariance(predicted.covariance + first.covariance);
   return {covariance.matrixL().solve(apart).squaredNorm(),
           dynamics::LogJoin(last, first, elapsed_s, density) - LogUnrelated(physics)};
 }

@@ -9,7 +9,7 @@
 
 namespace lake::tracking {
 
-// Times and places, px, of one thing beside a gap: the farthest first, those of repeated pictures left out. Eight tell
+// Times and places, px, of one object beside a gap: the farthest first, those of repeated pictures left out. Eight tell
 // as much as more do. Their sigmas are
 // not used: a place is as uncertain as coding and the clock make it.
 using PathEnd = std::vector<dynamics::PathSample>;

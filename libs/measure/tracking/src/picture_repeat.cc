@@ -17,7 +17,8 @@ cv::Mat PatchAt(const cv::Mat& picture, const Eigen::Vector2d& center, const cv:
 
 constexpr double kLeastPictureStepPx = 0.5;
 
-// Of the patch that shows a thing and a little of what is round it; nullopt if it does not move or leaves the picture.
+// Of the patch that shows an object and a little of what is round it; nullopt if it does not move or leaves the
+// picture.
 std::optional<cv::Size> PatchSize(const cv::Mat& picture, const ExpectedStep& e) {
   constexpr double kMarginPx = 2;
   if (e.step.norm() < kLeastPictureStepPx) return std::nullopt;
@@ -34,7 +35,7 @@ std::optional<cv::Size> PatchSize(const cv::Mat& picture, const ExpectedStep& e)
 bool IsRepeated(const cv::Mat& before, const cv::Mat& now, const std::vector<ExpectedStep>& expected) {
   constexpr double kMuchLess = 0.35;  // of squares; of a moved picture it is above 1
   constexpr double kStill = 0.12;     // of the expected step
-  // Coding leaves single blocks as they were where things begin to move.
+  // Coding leaves single blocks as they were where objects begin to move.
   constexpr int kFewest = 2;
   int moving = 0;
   double as_before = 0, as_expected = 0;

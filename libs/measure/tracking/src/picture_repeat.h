@@ -15,7 +15,7 @@ struct ExpectedStep {
 
 // Compares two hypotheses about all that should have moved: that the picture is the one before, up to coding noise, and
 // that everything is where it was expected. False also where nothing moves by a third of a pixel or more, as nothing
-// can be told then.
+// can be detected then.
 bool IsRepeated(const cv::Mat& before, const cv::Mat& now, const std::vector<ExpectedStep>& expected);
 
 // How unlike the picture round all places is to that before, if everything made its expected step: of squared grey

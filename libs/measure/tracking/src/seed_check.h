@@ -25,9 +25,9 @@ struct SeededLeg {
   Eigen::Vector2d up = {0, 1};           // metric
 };
 
-// Throws Error naming the seed, what contradicts it, and what to do: it leads to a thing that rests while the leg
+// Throws Error naming the seed, what contradicts it, and what to do: it leads to an object that rests while the leg
 // moves, to one whose distances to its neighbours in the leg change as no limb's do, or to one whose distances change
-// far more than those of another thing, seen at the same time, would in its place.
+// far more than those of another object, seen at the same time, would in its place.
 void CheckSeededLeg(const MetricTracklets& tracklets, const SeededLeg& leg);
 
 // The same for a marker on the exoskeleton's knee: it moves when the leg's knee does.

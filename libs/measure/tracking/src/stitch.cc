@@ -59,7 +59,7 @@ class Continuations {
   }
 
  private:
-  // Whether another could be it as well: one that was seen at the same time, so that they are two things.
+  // Whether another could be it as well: one that was seen at the same time, so that they are two objects.
   bool HasRival(std::size_t piece, const std::vector<std::size_t>& others) const {
     return std::ranges::any_of(others, [&](std::size_t other) {
       return other != piece && tracklets_[other].FirstFrame() <= tracklets_[piece].LastFrame() &&

@@ -1,5 +1,5 @@
-// Pieces of one thing put together where nothing else can be meant, so that all that was seen of it counts when it is
-// named.
+// Tracklets of one object put together where nothing else can be meant, so that all that was seen of it counts when it
+// is named.
 #pragma once
 
 #include <vector>

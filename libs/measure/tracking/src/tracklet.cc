@@ -143,7 +143,7 @@ void CutUnsureEnd(std::vector<TrackletSample>& samples, std::size_t fewest) {
 
 constexpr double kMovedPx = 0.5;  // what has moved so far has left the place where a picture that stands shows it
 
-// Whether a thing is where it was at first and half-way.
+// Whether an object is where it was at first and half-way.
 bool Rests(const std::vector<TrackletSample>& samples) {
   constexpr double kStillRadii = 0.25;
   const TrackletSample& last = samples.back();
@@ -293,12 +293,12 @@ void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPredic
     if (taken[j]) continue;
     const bool is_seed = IsSeed(frame, detections[j]);
     if (!is_seed && live_.size() >= options_.max_live && !MakePlaceFor(detections[j])) continue;
-    live_.push_back({{}, detections[j].appearance, detections[j].quality, time_s_, is_seed, ++things_});
+    live_.push_back({{}, detections[j].appearance, detections[j].quality, time_s_, is_seed, ++last_number_});
     Extend(live_.back(), now, detections[j]);
   }
 }
 
-// Gives up what has rested longest, a lamp most likely, so that what moves is never left out; not for another thing in
+// Gives up what has rested longest, a lamp most likely, so that what moves is never left out; not for another object in
 // a place where one was given up before.
 bool TrackletBuilder::MakePlaceFor(const MarkerDetection& detection) {
   const double radius = detection.appearance.RadiusPx();
@@ -349,11 +349,11 @@ std::optional<Tracklet> TrackletBuilder::Judged(Tracklet tracklet) const {
   return tracklet;
 }
 
-std::vector<TrackletBuilder::Thing> TrackletBuilder::Things() const {
-  std::vector<Thing> things;
-  things.reserve(live_.size());
-  for (const Live& live : live_) things.push_back({live.number, &live.tracklet});
-  return things;
+std::vector<TrackletBuilder::Followed> TrackletBuilder::AllFollowed() const {
+  std::vector<Followed> all;
+  all.reserve(live_.size());
+  for (const Live& live : live_) all.push_back({live.number, &live.tracklet});
+  return all;
 }
 
 // Of all that was seen in the frame before and has a certain place, as a face that is followed by its hue has not.
@@ -368,8 +368,8 @@ std::vector<ExpectedStep> TrackletBuilder::ExpectedSteps(std::span<const MarkerP
   return steps;
 }
 
-// Whether two things at least have left the places that they had before a run of repeated frames: the picture is no
-// repetition, but its things move more slowly than was expected, the more so the longer the expectation goes on.
+// Whether two objects at least have left the places that they had before a run of repeated frames: the picture is no
+// repetition, but its objects move more slowly than was expected, the more so the longer the expectation goes on.
 bool TrackletBuilder::HasCrept() const {
   constexpr double kCreptPx = 1;  // coding that refines a copy moves a marker by less
   const auto crept = std::ranges::count_if(live_, [&](const Live& live) {
@@ -399,8 +399,8 @@ void TrackletBuilder::NoteRepeated(std::int64_t frame) {
   stands_since_ = TakeBackRepeated();
 }
 
-// What came to rest at once has been frozen if it leaves its place at once as well, two things at least; what begins to
-// move, creeps at first.
+// What came to rest at once has been frozen if it leaves its place at once as well, two objects at least; what begins
+// to move, creeps at first.
 void TrackletBuilder::JudgeStanding(std::int64_t frame) {
   int jumped = 0, crept = 0;
   for (const Live& live : live_) {
@@ -426,7 +426,7 @@ void TrackletBuilder::JudgeStanding(std::int64_t frame) {
 }
 
 // Whether the frames before were repeated: only what has moved on when the picture changes again was hidden from sight;
-// where coding leaves things that come to rest a frame behind, nothing was.
+// where coding leaves objects that come to rest a frame behind, nothing was.
 bool TrackletBuilder::IsConfirmed(std::int64_t frame) const {
   const auto moved = std::count_if(live_.begin(), live_.end(), [&](const Live& live) {
     const std::vector<TrackletSample>& samples = live.tracklet.samples;

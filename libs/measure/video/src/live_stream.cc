@@ -326,7 +326,7 @@ bool LiveStream::Impl::TakeTimes(AVPacket& packet) {
 
 // libav's parser loses the stamp of an RTP stream's first picture, on which the next ones build: it is put one interval
 // before the second. Returns the first once the second is there, with its stamp. Where pictures do not come in their
-// order, or at an unknown rate, it cannot be told.
+// order, or at an unknown rate, it is unknown.
 libav::Packet LiveStream::Impl::KeepUnstamped(libav::Packet& packet) {
   const AVStream& stream = input.Stream();
   const AVRational rate = RateOf(stream, options.rate_hz);

@@ -33,8 +33,8 @@ std::vector<std::string> TrackHeader(const std::vector<std::string>& names) {
   return header;
 }
 
-std::optional<Vector2d> PlaceIn(const motion::MarkerRecording& told, std::string_view name) {
-  const motion::MarkerTrack* track = told.Find(name);
+std::optional<Vector2d> PlaceIn(const motion::MarkerRecording& reported, std::string_view name) {
+  const motion::MarkerTrack* track = reported.Find(name);
   if (!track || track->samples.empty() || !track->samples.back().IsKnown()) return std::nullopt;
   return track->samples.back().position;
 }
@@ -240,19 +240,19 @@ std::optional<Vector2d> Session::InPlane(std::string_view marker, const Vector2d
 }
 
 Session::Sample Session::MeasureFrame() const {
-  const motion::MarkerRecording& told = tracker_->Told();
-  Sample sample{.time_s = told.time_s.back()};
+  const motion::MarkerRecording& reported = tracker_->Reported();
+  Sample sample{.time_s = reported.time_s.back()};
   gait::LegPoints points;
   std::optional<Vector2d> joint;
   const auto in_plane = [&](std::string_view name) -> std::optional<Vector2d> {
-    const std::optional<Vector2d> px = PlaceIn(told, name);
+    const std::optional<Vector2d> px = PlaceIn(reported, name);
     return px ? InPlane(name, *px) : std::nullopt;
   };
   points.ankle = in_plane("ankle");
   points.knee = in_plane("knee");
   points.hip = in_plane("hip");
   if (!points.knee && options_.fit.knee_from)
-    if (const auto carried = CarriedKnee(told)) points.knee = carried->in_plane;
+    if (const auto carried = CarriedKnee(reported)) points.knee = carried->in_plane;
   if (!points.ankle || !points.knee) return sample;
   const motion::Facing facing = facing_.value_or(motion::Facing::kRight);
   const motion::LegSample leg = gait::MakeLegSample(points, facing, kUpInPlane);
@@ -262,7 +262,7 @@ Session::Sample Session::MeasureFrame() const {
   sample.joint_mm = shank.transpose() * gait::LegFromPlane(*joint - *points.knee, facing, kUpInPlane) - MarkerAt();
   if (const std::optional<JointPlace> place = Place()) {
     const Vector2d target = *joint - gait::PlaneFromLeg(shank * place->offset_mm, facing, kUpInPlane);
-    sample.from_px = PlaceIn(told, options_.joint);
+    sample.from_px = PlaceIn(reported, options_.joint);
     sample.to_px = gait::RecordedFromPlane<double>(view_, target, view_.Depth(options_.joint));
   }
   return sample;
@@ -274,9 +274,9 @@ std::optional<gait::CarriedKnee> Session::CarriedKnee(const motion::MarkerRecord
 }
 
 void Session::WriteTrackRow() {
-  const motion::MarkerRecording& told = tracker_->Told();
-  std::vector<std::string> cells = {fmt::format("{}", told.frame.back()), FormatNumber(told.time_s.back())};
-  for (const motion::MarkerTrack& track : told.markers) {
+  const motion::MarkerRecording& reported = tracker_->Reported();
+  std::vector<std::string> cells = {fmt::format("{}", reported.frame.back()), FormatNumber(reported.time_s.back())};
+  for (const motion::MarkerTrack& track : reported.markers) {
     const motion::MarkerSample& sample = track.samples.back();
     if (sample.IsKnown())
       for (const double value : {sample.position.x(), sample.position.y(), sample.sigma})
@@ -352,7 +352,7 @@ void Session::FinishTrial() {
   };
   check();
   TrackTrial(programs_, run_.Folder(), arguments, say, check);
-  LiveDifference difference = FindDifference(tracker_->Told(), run_.Folder());
+  LiveDifference difference = FindDifference(tracker_->Reported(), run_.Folder());
   const std::lock_guard lock(mutex_);
   difference_ = std::move(difference);
   SaveLive();

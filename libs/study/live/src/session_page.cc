@@ -1,4 +1,4 @@
-// What the page of a session is told, and what live.json holds.
+// What the page of a session is sent, and what live.json holds.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -125,13 +125,15 @@ Json Session::State() const {
 Json Session::View(std::int64_t after) const {
   std::unique_lock lock(mutex_);
   constexpr std::chrono::milliseconds kWait{500};
-  const auto has_later = [&] { return !tracker_->Told().frame.empty() && tracker_->Told().frame.back() > after; };
+  const auto has_later = [&] {
+    return !tracker_->Reported().frame.empty() && tracker_->Reported().frame.back() > after;
+  };
   changed_.wait_for(lock, kWait, [&] { return has_later() || has_ended_; });
   if (!has_later())
     return {{"frame", after}, {"markers", Json::array()}, {"spots", Json::array()}, {"samples", Json::array()}};
-  const motion::MarkerRecording& told = tracker_->Told();
+  const motion::MarkerRecording& reported = tracker_->Reported();
   Json markers = Json::array(), spots = Json::array(), samples = Json::array();
-  for (const motion::MarkerTrack& track : told.markers) {
+  for (const motion::MarkerTrack& track : reported.markers) {
     const motion::MarkerSample& sample = track.samples.back();
     const bool is_known = sample.IsKnown();
     markers.push_back({{"name", track.name},
@@ -143,8 +145,8 @@ Json Session::View(std::int64_t after) const {
     spots.push_back(
         {{"x", spot.position.x()}, {"y", spot.position.y()}, {"radius", spot.radius_px}, {"name", spot.name}});
   constexpr std::size_t kMost = 600;
-  const auto later = std::ranges::upper_bound(told.frame, after);
-  std::size_t first = static_cast<std::size_t>(later - told.frame.begin());
+  const auto later = std::ranges::upper_bound(reported.frame, after);
+  std::size_t first = static_cast<std::size_t>(later - reported.frame.begin());
   first = std::max(first, samples_.size() > kMost ? samples_.size() - kMost : 0);
   for (std::size_t row = first; row < samples_.size(); ++row) {
     const Sample& sample = samples_[row];
@@ -152,7 +154,7 @@ Json Session::View(std::int64_t after) const {
     samples.push_back({sample.time_s, NumberOrNull(sample.knee_deg), joint(0), joint(1)});
   }
   const Sample& now = samples_.back();
-  return {{"frame", told.frame.back()},
+  return {{"frame", reported.frame.back()},
           {"time_s", now.time_s},
           {"arrived_ms", WallClockMs(pictures_.back().arrived)},
           {"markers", markers},
@@ -195,16 +197,16 @@ void Session::Act(const Json& act) {
     stream_->Stop();
   } else if (what == "moved") {
     moves_s_.push_back(now_s);
-    track_.others_since = tracker_->Told().frame.back();
-    moves_table_->Row(
-        {fmt::format("{}", moves_s_.size()), FormatNumber(now_s), fmt::format("{}", tracker_->Told().frame.back())});
+    track_.others_since = tracker_->Reported().frame.back();
+    moves_table_->Row({fmt::format("{}", moves_s_.size()), FormatNumber(now_s),
+                       fmt::format("{}", tracker_->Reported().frame.back())});
     moves_table_->Flush();
   } else if (what == "name") {
     const std::string name = act.at("name");
     const Vector2d place(act.at("x").get<double>(), act.at("y").get<double>());
     tracker_->Name(name, place);
     std::erase_if(by_hand_, [&](const tracking::MarkerSeed& seed) { return seed.name == name; });
-    by_hand_.push_back({.name = name, .position = place, .frame = tracker_->Told().frame.back()});
+    by_hand_.push_back({.name = name, .position = place, .frame = tracker_->Reported().frame.back()});
   } else {
     throw Fail("'{}' is nothing that can be done", what);
   }

@@ -3,7 +3,7 @@
 
 namespace lake {
 
-// Colours that the colour-blind can tell apart (Okabe & Ito 2008), the same for the same thing in all figures.
+// Colours that the colour-blind can distinguish (Okabe & Ito 2008), the same for one quantity in all figures.
 namespace colour {
 inline constexpr const char* kHuman = "#C17F00";  // yellow-orange, as in the paper, but dark enough for lines on white
 inline constexpr const char* kExoskeleton = "#CC79A7";  // purple: far from the human's and from blue

@@ -16,7 +16,7 @@ namespace lake {
 // A table read from a file; cells stay text until asked for.
 class CsvTable {
  public:
-  // Two columns of one name: allowed where they are told apart by their places.
+  // Two columns of one name: allowed where they are distinguished by their places.
   enum class Twice { kRefused, kAllowed };
 
   // Quoted cells are understood, and tables as spreadsheets save them where the comma is the decimal sign: semicolons

@@ -3,7 +3,7 @@
 //     d³x/dt³ = w(t),   E w(t) w(s) = q δ(t − s),
 //
 // each axis by itself. Over a time T without a measurement the variance of position grows by q T⁵/20, of velocity by
-// q T³/3, of acceleration by q T: what is told ahead over a long gap is worth little, and contradicts nothing.
+// q T³/3, of acceleration by q T: what is predicted over a long gap is worth little, and contradicts nothing.
 // Särkkä, Bayesian Filtering and Smoothing (2013), chapters 4 and 12; Bar-Shalom, Li & Kirubarajan, Estimation with
 // Applications to Tracking and Navigation (2001), 6.2.3.
 //

@@ -39,8 +39,8 @@ CameraDifference CompareCameras(const Camera& a, const Camera& b);
 std::optional<CameraDifference> CrossValidate(const Board& board, const std::vector<BoardView>& views, int width_px,
                                               int height_px, const CalibrationOptions& options = {});
 
-// The largest angle between the planes of two views: with parallel planes focal length and distance cannot be told
-// apart.
+// The largest angle between the planes of two views: with parallel planes focal length and distance cannot be
+// distinguished apart.
 double LargestTiltDeg(const CalibrationResult& result);
 
 // Two groups of views, each of which has a camera of its own, or one camera before and after its zoom or focus changed.

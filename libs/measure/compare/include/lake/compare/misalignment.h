@@ -78,7 +78,7 @@ struct Misalignment {
   // which without it is the one that explains most of the difference of the paths.
   std::optional<JointMisalignment> joint;
   std::optional<JointMoved> joint_moved;  // absent as `joint`
-  // How far the human's mean knee angle strays from that of many rises, RMS over the rise: 95 % stray less. With
+  // How far the human's mean knee angle is from that of many rises, RMS over the rise: 95 % are nearer. With
   // intervals alone.
   std::optional<double> human_angle_strays_deg;
   Pace pace;

@@ -3,7 +3,7 @@
 //
 //   u(y)² = Σ (c_i u_i)²,   c_i = ∂y/∂x_i;  intervals of 95 % are y ± 1.96 u.
 //
-// How precisely the markers are measured and how far they tell of the joint beneath them are two things: each headline
+// How precisely the markers are measured and how far they show the joint beneath them are two questions: each headline
 // has an interval of both kinds.
 #pragma once
 
@@ -27,9 +27,9 @@ inline constexpr double kViewSlope = 0.1;     // 0.3 m at 3 m
 
 // Standard deviations of what no trial shows of itself.
 struct BudgetOptions {
-  // Per axis, of the knee's marker against the joint beneath it. Skin markers stray from bone pins by up to 13.0 mm in
-  // walking and 16.1 mm in cutting (Benoit et al. 2006); single markers on leg and thigh by 4 to 16 mm against
-  // fluoroscopy (Ancillao et al. 2021). Such a largest stray is some two standard deviations.
+  // Per axis, of the knee's marker against the joint beneath it. Skin markers deviate from bone pins by up to 13.0 mm
+  // in walking and 16.1 mm in cutting (Benoit et al. 2006); single markers on leg and thigh by 4 to 16 mm against
+  // fluoroscopy (Ancillao et al. 2021). Such a largest deviation is some two standard deviations.
   double soft_tissue_mm = 7;
   // Of one marker's distance from the plane against another's; unset: what --depth says of the joint's, else
   // kSkinDepth_mm or, of a joint of which nothing is said, kJointDepth_mm.
@@ -46,7 +46,7 @@ void Describe(BudgetOptions& o, OptionList& options);
 
 // Of two trials.
 struct ComparisonBudgetOptions : BudgetOptions {
-  // The soft tissue of a single frame; unset: twice soft_tissue_mm, what is published as the largest stray. Skin slides
+  // The soft tissue of a single frame; unset: twice soft_tissue_mm, what is published as the largest one. Skin slides
   // as the knee bends: over rises, squats, stairs, a jump and walking the knee's marker strayed from the knee of
   // skeletal models by 6 to 14 mm per axis about its mean, of which a mean over the rise keeps a part only.
   std::optional<double> frame_tissue_mm = {};

@@ -48,7 +48,7 @@ struct LegFitOptions {
   double usual_length_range = 0.30, most_length_range = 0.45;
   double most_usual_variation =
       0.06;                      // SD of |AK| and |KH| over their length, warned of beyond it; skin makes 0.05 at most
-  double longest_step_s = 0.25;  // between frames, their median: from fewer no rise can be told
+  double longest_step_s = 0.25;  // between frames, their median: from fewer no rise can be detected
   double longest_pause_s = 0.5;  // between two frames without a warning
   double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
   // The sigmas hold, as the tracker's: what scatters beyond them is the person's own movement. Else it may be noise.

@@ -1,6 +1,7 @@
 // The whole body's centre of mass over a rise, and its momentum: what carries a person off the seat. Both legs are
-// taken to move alike, the feet to stand still, the trunk's centre to turn with the trunk: what needs forces to be told
-// (arms that swing, a spine that bends) is left out, so that the seat, whose force is not known, has no part in it.
+// taken to move alike, the feet to stand still, the trunk's centre to turn with the trunk: what needs forces to be
+// known (arms that swing, a spine that bends) is left out, so that the seat, whose force is not known, has no part in
+// it.
 #pragma once
 
 #include <Eigen/Core>

@@ -135,7 +135,7 @@ struct LoadsResult {
   Eigen::Vector2d trunk_offset_sd_mm = Eigen::Vector2d::Zero();
   bool has_shoulder = false;
   Balance balance;
-  BodyPath body_path;  // with the trunk that balance is told by
+  BodyPath body_path;  // with the trunk that the balance is computed with
   // 95 % of the draws, without plates: the part of the body's weight that this leg bears.
   std::array<double, 2> weight_share = {0, 0};
   std::vector<std::string> warnings;

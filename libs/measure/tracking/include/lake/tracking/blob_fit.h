@@ -11,7 +11,8 @@
 // apart from the centre are symmetric about the centre, so fitting them costs the position no precision, and the
 // position reaches the Cramér–Rao bound of the image noise but for the background's slope: 4 % at a radius of 4 px.
 //
-// Neighbours whose images touch are fitted together with one background, as a neighbour's light would pull a lone fit.
+// Neighbours whose images touch are fitted together with one background, as a neighbour's light would pull an isolated
+// fit.
 #pragma once
 
 #include <Eigen/Core>

@@ -25,7 +25,7 @@ struct CandidateList {
   std::vector<Candidate> candidates;
 };
 
-// At most 99 of the things that were followed for 12 frames or more: what moves comes first, then what was seen
+// At most 99 of the objects that were followed for 12 frames or more: what moves comes first, then what was seen
 // longest. The same tracklets get the same numbers.
 CandidateList ListCandidates(const std::vector<Tracklet>& tracklets);
 

@@ -41,7 +41,7 @@ struct FrameTimes {
 };
 
 // Finds repeated frames, takes their samples out of the recording and sets the times of others where the motion leaves
-// no doubt about them. `same_picture`: frames whose picture told that they show the one before once more.
+// no doubt about them. `same_picture`: frames whose picture showed that they repeat the one before once more.
 //
 // Every decision compares named hypotheses by the likelihood of the markers' paths under white jerk (lake::dynamics),
 // with these prior odds: a recording is cut 1e-3, its clock jumps 1e-2 (over all its frames), its rate was converted
@@ -50,7 +50,7 @@ struct FrameTimes {
 // more than 100 mm and nothing else explains it.
 FrameTimes CorrectFrameTimes(const std::vector<std::int64_t>& same_picture, motion::MarkerRecording& recording);
 
-// One line for each thing found, with frame numbers; `frame`: the recording's.
+// One line for each finding, with frame numbers; `frame`: the recording's.
 std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std::int64_t>& frame);
 
 }  // namespace lake::tracking

@@ -4,7 +4,7 @@
 // Detection and following are TrackMarkers' own. A position is that of a Kalman filter under white jerk
 // (lake::dynamics) and has the filter's standard deviation; nothing later changes it. Names are given once, by a place
 // or by FindNames; a marker that was lost gets its name back where its distances to the others, and the way that it can
-// have come, leave one thing alone for it.
+// have come, leave one tracklet alone for it.
 #pragma once
 
 #include <Eigen/Core>
@@ -65,21 +65,21 @@ class LiveTracker {
 
   std::vector<LiveSpot> Spots() const;
   bool HasAllNames() const;  // every name was given once
-  bool IsAnyLost() const;    // a name has had no thing for so long that Rejoining has no way back to it, or never one
+  bool IsAnyLost() const;  // a name has had no tracklet for so long that Rejoining has no way back to it, or never one
 
-  // Of a name that no thing has had yet: why its seed gave it none; else empty.
+  // Of a name that no tracklet has had yet: why its seed gave it none; else empty.
   std::string WhyNoSeed() const;
 
-  // The thing at a place of the last frame. Throws Error where there is none, or no such name.
+  // The tracklet at a place of the last frame. Throws Error where there is none, or no such name.
   void Name(std::string_view name, const Eigen::Vector2d& place_px);
-  // Those at the places that FindNames found, for names that have no thing; one that has ended meanwhile only for a
-  // name that no thing has had yet.
+  // Those at the places that FindNames found, for names that have no tracklet; one that has ended meanwhile only for a
+  // name that no tracklet has had yet.
   void TakeNames(const std::vector<MarkerSeed>& found);
 
-  // Until the next frame. One sample per frame and name, in px: what was told at each frame's own time (detected: from
-  // a measurement; filled: foretold, for a tenth of a second at most), and the measurements alone with the fits'
-  // sigmas, also those from before a thing had its name.
-  const motion::MarkerRecording& Told() const { return told_; }
+  // Until the next frame. One sample per frame and name, in px: what was reported at each frame's own time (detected:
+  // from a measurement; filled: foretold, for a tenth of a second at most), and the measurements alone with the fits'
+  // sigmas, also those from before a tracklet had its name.
+  const motion::MarkerRecording& Reported() const { return reported_; }
   const motion::MarkerRecording& Measured() const { return measured_; }
 
   LiveSnapshot Snapshot() const;
@@ -101,11 +101,11 @@ class LiveTracker {
   };
   struct Rejoining;
 
-  const Tracklet* ThingOf(std::size_t name) const;
+  const Tracklet* TrackletOf(std::size_t name) const;
   const TrackletSample* SeenNow(std::size_t name) const;
   std::optional<Eigen::Vector2d> MetricOf(const Eigen::Vector2d& px) const;
-  std::optional<TrackletBuilder::Thing> ThingAt(const MarkerSeed& place, bool may_have_ended) const;
-  void Give(std::size_t name, const TrackletBuilder::Thing& thing);
+  std::optional<TrackletBuilder::Followed> FollowedAt(const MarkerSeed& place, bool may_have_ended) const;
+  void Give(std::size_t name, const TrackletBuilder::Followed& followed);
   void ForgetDistances(std::size_t name);
   void TakeSeeds(std::int64_t frame);
   void Rejoin();
@@ -117,17 +117,17 @@ class LiveTracker {
   double sigma_factor_ = 1;  // of the fits' sigmas, for what the codec does
   std::unique_ptr<MarkerDetector> detector_;
   std::unique_ptr<TrackletBuilder> builder_;
-  std::vector<std::optional<std::int64_t>> thing_;  // number, by name
-  std::vector<std::string> why_no_seed_;            // by name
+  std::vector<std::optional<std::int64_t>> number_;  // number, by name
+  std::vector<std::string> why_no_seed_;             // by name
   std::vector<std::optional<Eigen::Vector2d>> last_place_px_;
   std::map<std::pair<std::size_t, std::size_t>, Distance> distances_;  // by names, the lesser first
   std::vector<Filter> filters_;
-  motion::MarkerRecording told_, measured_;
+  motion::MarkerRecording reported_, measured_;
 };
 
 // Where each marker is, in a frame in which it was seen: the leg's by NameTracklets, others by their seeds, and one
-// more as the thing beside the knee that moves with the shank. Long enough to be done in another thread. Throws Error
-// saying what is missing.
+// more as the tracklet beside the knee that moves with the shank. Long enough to be done in another thread. Throws
+// Error saying what is missing.
 std::vector<MarkerSeed> FindNames(const LiveSnapshot& snapshot, const LiveTrackOptions& options);
 
 }  // namespace lake::tracking

@@ -56,7 +56,7 @@ class MarkerDetector {
  public:
   virtual ~MarkerDetector() = default;
 
-  // Detections near the predictions and, everywhere, all others. Each thing is reported once.
+  // Detections near the predictions and, everywhere, all others. Each object is reported once.
   virtual std::vector<MarkerDetection> Detect(const video::VideoFrame& frame,
                                               std::span<const MarkerPrediction> predictions, Look look) = 0;
 
@@ -85,7 +85,7 @@ struct DetectorRegion {
 // Bright blobs on anything darker (or dark ones on anything brighter), in the luma.
 std::unique_ptr<MarkerDetector> MakeReflectiveDetector(Polarity polarity, const DetectorRegion& region);
 
-// A marker's colour as it is told: by its levels, or by a place in a frame where it is to be seen.
+// A marker's colour as it is given: by its levels, or by a place in a frame where it is to be seen.
 struct MarkerColor {
   std::string text;  // as it was written
   std::optional<cv::Vec3b> bgr = {};
@@ -103,9 +103,9 @@ struct MarkerHue {
   double across = 0.5;  // by how much chroma across it weakens it
 };
 
-// Of a colour told by its levels, in video of BT.709 or else BT.601. Throws UsageError for a grey.
+// Of a colour given by its levels, in video of BT.709 or else BT.601. Throws UsageError for a grey.
 MarkerHue HueOfColor(const MarkerColor& color, bool bt709);
-// Of a colour told by a place, in its frame (luma and preview, unreduced). Throws Error where that is outside or grey.
+// Of a colour given by a place, in its frame (luma and preview, unreduced). Throws Error where that is outside or grey.
 MarkerHue HueAt(const video::VideoFrame& frame, const MarkerColor& color);
 
 // Discs and lamps of these hues, in frames with luma and an unreduced preview; identity = index of the hue.

@@ -66,7 +66,7 @@ struct RecordingCheck {
   std::string why_not_named = "not looked for";
   double all_seen_share = 0;     // of the frames: every named marker; without names, as many spots as there are markers
   double knee_hidden_share = 0;  // of the frames; 1 where no marker has its name
-  double spots = 0;              // marker-like things in a frame, median
+  double spots = 0;              // marker-like detections in a frame, median
   double clutter = 0;            // of these, more than there are markers
   double strongest_clutter = 0;  // its contrast over the faintest marker's
   MarkerFigures markers;

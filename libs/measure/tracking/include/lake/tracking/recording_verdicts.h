@@ -12,7 +12,7 @@ enum class Verdict { kGood, kPoor, kUnfit, kNotJudged };
 
 std::string ToString(Verdict verdict);  // good, poor, unfit, not judged
 
-// One thing that was looked at, with what to change where it is not good.
+// One property that was judged, with what to change where it is not good.
 struct CheckItem {
   std::string name;   // of the figure in the summary
   std::string shown;  // the figure in words

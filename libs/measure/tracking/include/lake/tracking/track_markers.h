@@ -49,7 +49,7 @@ Option& DescribeCrop(cv::Rect& crop, OptionList& options);
 struct TrackResult {
   motion::MarkerRecording recording;  // px; detected or missing; times corrected as `times` says
   video::VideoInfo video;
-  std::size_t tracklets = 0;  // things followed, named or not
+  std::size_t tracklets = 0;  // objects followed, named or not
   double radius_px = 0;       // median over what was followed
   SigmaCalibration sigma;
   FrameTimes times;

@@ -1,4 +1,4 @@
-// Detections of one thing over successive frames, as far as that is certain: when it is lost for long, the tracklet
+// Detections of one object over successive frames, as far as that is certain: when it is lost for long, the tracklet
 // ends, and what appears later is another until naming joins them.
 #pragma once
 
@@ -35,7 +35,7 @@ struct Tracklet {
   double RadiusPx() const;                                   // median: a streak at an end looks larger
 };
 
-// Where a thing that matters certainly is, in px of a frame.
+// Where an object that matters certainly is, in px of a frame.
 struct TrackletSeed {
   std::int64_t frame = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
@@ -48,7 +48,7 @@ struct TrackletOptions {
   double max_coast_s = 0.1;             // lost for longer: the tracklet ends …
   double max_coast_frames = 3;          // … but not before so many frames
   int min_samples = 4;                  // shorter ones are chance
-  std::size_t max_live = 96;            // things followed at once, besides seeded ones; the most contrasted come first
+  std::size_t max_live = 96;            // objects followed at once, besides seeded ones; the most contrasted come first
   int followed = 8;                     // samples; what has so many may look otherwise where it was missed
   double search_interval_s = 0.1;       // between searches of the whole picture …
   double urgent_interval_s = 1.0 / 30;  // … and after something well established was lost, …
@@ -68,11 +68,11 @@ class TrackletBuilder {
   void Add(const video::VideoFrame& frame);
 
   // What is followed at the moment, each with a number that stays its own. Valid until the next frame.
-  struct Thing {
+  struct Followed {
     std::int64_t number;
     const Tracklet* tracklet;
   };
-  std::vector<Thing> Things() const;
+  std::vector<Followed> AllFollowed() const;
   // What has ended. Valid until the next frame.
   std::span<const Tracklet> Ended() const { return finished_; }
 
@@ -82,7 +82,7 @@ class TrackletBuilder {
   // All tracklets, in order of their first frame. Call once, after the last frame.
   std::vector<Tracklet> Finish();
 
-  // Frames whose picture is the one before it once more while things should have moved, increasing.
+  // Frames whose picture is the one before it once more while objects should have moved, increasing.
   const std::vector<std::int64_t>& RepeatedFrames() const { return repeated_; }
 
   // Frames in which most of what was moving was not where it was expected, all at once: the subject may be elsewhere.
@@ -117,7 +117,7 @@ class TrackletBuilder {
   void Associate(std::int64_t frame, std::span<const MarkerPrediction> predictions,
                  std::vector<MarkerDetection> detections);
   bool MakePlaceFor(const MarkerDetection& detection);
-  double CoastS() const;  // how long a thing may be lost before its tracklet ends
+  double CoastS() const;  // how long an object may be lost before its tracklet ends
   void RetireLost();
   void Keep(Tracklet tracklet);
   std::optional<Tracklet> Judged(Tracklet tracklet) const;
@@ -130,14 +130,14 @@ class TrackletBuilder {
   TrackletOptions options_;
   std::vector<Live> live_;
   std::vector<Tracklet> finished_;
-  std::vector<Eigen::Vector2d> evicted_;  // where things rested that were given up for others
-  std::int64_t frames_seen_ = 0, things_ = 0;
+  std::vector<Eigen::Vector2d> evicted_;  // where objects rested that were given up for others
+  std::int64_t frames_seen_ = 0, last_number_ = 0;
   double frame_s_ = 0;  // between frames, usually; 0: not known yet
   // The frame at work: its time, as in TrackletSample.
   double time_s_ = 0;
   bool is_repeated_ = false;
   double stood_still_s_ = 0;  // in all
-  // Frames before it that things are followed back into, with their times.
+  // Frames before it that objects are followed back into, with their times.
   std::deque<std::pair<video::VideoFrame, double>> remembered_;
   video::VideoFrame previous_;  // its luma is compared with the next one's
   double repeated_since_s_ = 0;

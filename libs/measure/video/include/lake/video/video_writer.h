@@ -24,8 +24,8 @@ struct VideoWriterOptions {
 
 class VideoWriter {
  public:
-  // H.264 in MP4; BGR becomes limited-range 4:2:0, unless told otherwise BT.709 from 1280 px width or 577 px height on,
-  // else BT.601. Throws Error if the file cannot be made, a side is odd, or an option is out of its range.
+  // H.264 in MP4; BGR becomes limited-range 4:2:0, unless given otherwise BT.709 from 1280 px width or 577 px height
+  // on, else BT.601. Throws Error if the file cannot be made, a side is odd, or an option is out of its range.
   VideoWriter(const std::filesystem::path& path, const VideoWriterOptions& options);
   VideoWriter(VideoWriter&&) noexcept;
   ~VideoWriter();  // without Finish(): removes the unfinished file
