@@ -515,8 +515,8 @@ TEST(SigmaCalibration, IsThatOfTheOthersWhereAPathTellsNothing) {
 
 // Smoothing takes the fits' own errors away, and 0.3 of what coding adds; of what holds still at rest all that changes.
 TEST(SigmaCalibration, SaysWhatOfAPersonsErrorsLasts) {
-  const auto calibrated = [](const video::VideoInfo& video, double jitter_px) {
-    GoingAndResting made = GoAndRest(0.12, 0.5, 0.01, jitter_px, 37);
+  const auto calibrated = [](const video::VideoInfo& video, double jitter_px, double error_px = 0.12) {
+    GoingAndResting made = GoAndRest(error_px, 0.5, 0.01, jitter_px, 37);
     return tracking::CalibrateSigmas(video, made.recording);
   };
   constexpr double kJitter_px = 0.1;
@@ -526,6 +526,8 @@ TEST(SigmaCalibration, SaysWhatOfAPersonsErrorsLasts) {
   EXPECT_GT(added_share, 0.9);
   EXPECT_NEAR(person.lasting_share, 0.7 * added_share, 1e-6);
   EXPECT_EQ(calibrated(Lossless(), kJitter_px).lasting_share, 0);
+  // Coarse coding holds a person still, too.
+  EXPECT_GT(calibrated(kH264, 0, 0.6).lasting_share, 0.5);
 }
 
 // One of little contrast has larger fits' sigmas, and is displaced farther than the others.

@@ -126,9 +126,11 @@ double ExtraScatter(const std::vector<Path>& paths, const std::vector<Path>& dis
 // Whether markers hold still at rest, as a mechanism's do, so that all that scatters in movement is coding's, and
 // smoothing may take it away: a person jitters at rest too. By second differences there, of four in five: of drawn
 // motions those of four in five recordings scatter by less than this, or than the fits' own sigma; of people's those of
-// one in fifteen.
-bool HoldsStill(std::span<const Path> paths, const SigmaCalibration& found) {
+// one in fifteen. Coding that errs by more than a person jitters at rest holds a person still too, and shows neither.
+bool HoldsStill(std::span<const Path> paths, const SigmaCalibration& found, double mm_per_px) {
   constexpr double kStill = 0.15, kUnequal = 1.5, kMost = 0.8, kMostOfNormal = 1.28;  // that quantile in deviations
+  constexpr double kJitterAtRest_mm = 0.2;
+  if (found.scatter_px * mm_per_px > kJitterAtRest_mm) return false;
   std::vector<double> bends_px;
   for (const Path& path : paths) {
     if (path.size() < 3) continue;
@@ -160,11 +162,12 @@ SigmaCalibration CalibrateSigmas(const video::VideoInfo& video, motion::MarkerRe
   }
   const std::vector<Path>& compared = Samples(moving) >= kEnough ? moving : detected;
   if (Samples(compared) < kEnough) return {};
-  const double extra_px = ExtraScatter(compared, Distances(detected, moving), MillimetresPerPx(recording));
+  const double mm_per_px = MillimetresPerPx(recording),
+               extra_px = ExtraScatter(compared, Distances(detected, moving), mm_per_px);
   SigmaCalibration calibration;
   calibration.fit_px = MedianSigma(compared);
   calibration.scatter_px = std::hypot(calibration.fit_px, extra_px);
-  const bool holds_still = HoldsStill(detected, calibration);
+  const bool holds_still = HoldsStill(detected, calibration, mm_per_px);
   std::vector<double> added, sigmas;
   for (std::size_t m = 0; m < recording.markers.size(); ++m) {
     if (detected[m].empty()) continue;
