@@ -88,7 +88,7 @@ struct ColourRecordings {
     const std::string name = video.name + std::string("-tracked");
     trial.Track(name, [&](commands::TrackRunOptions& options) {
       options.video = trial.folder / video.name;
-      options.track.detector = tracking::DetectorKind::kColor;
+      options.track.detector = "color";
       for (const std::string_view marker : tracking::kLegMarkers) options.track.colors.push_back(color(marker));
     });
     const TrackErrors errors = CompareTracks(trial.Tracks(name), trial);
@@ -149,9 +149,8 @@ TEST(MarkerKinds, ArucoMarkersNameThemselves) {
   synth::SceneOptions scene = ThreeSeconds(seed);
   scene.marker_kind = synth::MarkerKind::kAruco;
   RenderedTrial trial(scene, {.crf = 17, .preset = "medium"});
-  const TrackErrors errors = TrackAndCompare(trial, "aruco", seed, [](commands::TrackRunOptions& options) {
-    options.track.detector = tracking::DetectorKind::kAruco;
-  });
+  const TrackErrors errors = TrackAndCompare(
+      trial, "aruco", seed, [](commands::TrackRunOptions& options) { options.track.detector = "aruco"; });
   // Four edges of 30 px each; 0.02 px is usual after H.264.
   EXPECT_LE(errors.rms_px, 0.04);
 }
@@ -163,7 +162,7 @@ TEST(MarkerKinds, PatchesThatWerePointedAt) {
     RenderedTrial trial(ThreeSeconds(seed), {.crf = 17});
     const synth::FrameTruth first = trial.scene.Truth(0);
     const TrackErrors errors = TrackAndCompare(trial, "template", seed, [&](commands::TrackRunOptions& options) {
-      options.track.detector = tracking::DetectorKind::kTemplate;
+      options.track.detector = "template";
       for (const std::string_view name : tracking::kLegMarkers) {
         const auto marker = static_cast<std::size_t>(synth::IndexOfMarker(trial.scene.Motion(), name));
         options.track.seeds.push_back({std::string(name), first.markers[marker].px, 0});

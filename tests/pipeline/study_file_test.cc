@@ -158,7 +158,7 @@ TEST_F(StudyYaml, IsRead) {
   ASSERT_EQ(video.track.seeds.size(), 1u);
   EXPECT_EQ(video.track.seeds[0].frame, 7);
   EXPECT_EQ(video.track.seeds[0].position, Eigen::Vector2d(10, 20.5));
-  EXPECT_EQ(video.track.detector, tracking::DetectorKind::kColor);
+  EXPECT_EQ(video.track.detector, "color");
   EXPECT_EQ(video.scale, (std::array<double, 5>{1, 2, 3, 4, 500}));
   EXPECT_EQ(video.track.crop, cv::Rect(0, 10, 640, 480));
   EXPECT_EQ(video.track.reader.start_s, 0.5);

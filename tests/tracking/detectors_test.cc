@@ -27,7 +27,7 @@ TEST(ColorDetector, LightsOfAWalkingLegGiveTheirPublishedFlexion) {
   if (!fs::exists(video)) GTEST_SKIP() << video << " is not here";
   tracking::TrackOptions options;
   options.names = {"hip", "knee", "ankle", "toe"};
-  options.detector = tracking::DetectorKind::kColor;
+  options.detector = "color";
   options.colors = {"#ff0000", "#00ff00", "#0000ff", "#ffff00"};
   options.crop = {109, 69, 650, 170};
   options.quiet = true;

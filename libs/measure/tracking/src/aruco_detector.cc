@@ -1,6 +1,4 @@
 // ArUco markers: identity by their code, position where the diagonals cross.
-#include "aruco_detector.h"
-
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -11,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "detector_kinds.h"
 #include "lake/camera/aruco_dictionary.h"
 #include "lake/camera/aruco_opencv.h"
 #include "lake/core/error.h"
@@ -219,13 +218,21 @@ class ArucoDetector : public MarkerDetector {
 
 }  // namespace
 
-std::unique_ptr<MarkerDetector> MakeArucoDetector(const std::string& dictionary, const DetectorRegion& region,
-                                                  int markers) {
-  return std::make_unique<ArucoDetector>(dictionary, region, markers);
+std::unique_ptr<MarkerDetector> MakeArucoDetector(const std::string& dictionary, const DetectorRegion& region) {
+  return std::make_unique<ArucoDetector>(dictionary, region, 0);
 }
 
-std::unique_ptr<MarkerDetector> MakeArucoDetector(const std::string& dictionary, const DetectorRegion& region) {
-  return MakeArucoDetector(dictionary, region, 0);
+DetectorKind ArucoKind() {
+  return {.name = "aruco",
+          .prepare = [](const std::filesystem::path&, const TrackOptions& options) -> DetectorMaker {
+            return [dictionary = options.dictionary,
+                    markers = static_cast<int>(options.names.size())](const DetectorRegion& region) {
+              return std::make_unique<ArucoDetector>(dictionary, region, markers);
+            };
+          },
+          .identities = IdentitiesInOrder,
+          .check = [](const TrackOptions&) {},
+          .click = DetectorKind::Click::kAnywhere};
 }
 
 }  // namespace lake::tracking

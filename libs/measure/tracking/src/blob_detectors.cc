@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 
 #include "blob_finder.h"
-#include "lake/tracking/marker_detector.h"
+#include "detector_kinds.h"
 
 namespace lake::tracking {
 namespace {
@@ -35,6 +35,18 @@ class ReflectiveDetector : public MarkerDetector {
 
 std::unique_ptr<MarkerDetector> MakeReflectiveDetector(Polarity polarity, const DetectorRegion& region) {
   return std::make_unique<ReflectiveDetector>(polarity, region);
+}
+
+DetectorKind ReflectiveKind() {
+  return {.name = "reflective",
+          .prepare = [](const std::filesystem::path&, const TrackOptions& options) -> DetectorMaker {
+            return [polarity = options.polarity](const DetectorRegion& region) {
+              return MakeReflectiveDetector(polarity, region);
+            };
+          },
+          .identities = [](const TrackOptions&) { return std::vector<int>(); },
+          .check = [](const TrackOptions&) {},
+          .click = DetectorKind::Click::kNear};
 }
 
 }  // namespace lake::tracking

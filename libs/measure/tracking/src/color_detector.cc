@@ -8,8 +8,9 @@
 
 #include "blob_finder.h"
 #include "chroma_planes.h"
+#include "detector_kinds.h"
+#include "lake/core/error.h"
 #include "lake/core/statistics.h"
-#include "lake/tracking/marker_detector.h"
 
 namespace lake::tracking {
 namespace {
@@ -284,10 +285,60 @@ class ColorDetector : public MarkerDetector {
   std::vector<MarkerDetection> found_;
 };
 
+MarkerHue FindHue(const std::filesystem::path& video, const MarkerColor& color, bool bt709,
+                  const video::VideoReaderOptions& options) {
+  if (color.bgr) return HueOfColor(color, bt709);
+  video::VideoReaderOptions one = WithChroma(options);
+  one.first = one.last.emplace(color.frame);
+  one.start_s = one.end_s = std::nullopt;
+  video::VideoFrame frame;
+  if (!video::VideoReader::Open(video, one)->Read(frame))
+    throw Fail("--color {}: {} has no frame {}", color.text, video.string(), color.frame);
+  return HueAt(frame, color);
+}
+
+// Throws Error where a place has none, or two hardly differ.
+std::vector<MarkerHue> FindHues(const std::filesystem::path& video, const TrackOptions& options) {
+  const bool bt709 = video::VideoReader::Open(video, options.reader)->Info().bt709;
+  std::vector<MarkerHue> hues;
+  for (const std::string& text : options.colors) {
+    hues.push_back(FindHue(video, ParseMarkerColor(text), bt709, options.reader));
+    constexpr double kAlike = 0.98;  // cosine of 11°
+    for (std::size_t other = 0; other + 1 < hues.size(); ++other)
+      if (hues[other].direction.dot(hues.back().direction) > kAlike)
+        throw Fail("--color {} and {}: hardly differ in hue; give one colour for all markers", options.colors[other],
+                   text);
+  }
+  return hues;
+}
+
+void CheckColors(const TrackOptions& options) {
+  if (options.colors.empty())
+    throw UsageError("--detector color needs at least one --color: \"#RRGGBB\", or @X,Y where a marker is");
+  if (options.colors.size() > 1 && options.colors.size() != options.names.size())
+    throw UsageError("--color: {} colours for {} markers; give one for all or one for each", options.colors.size(),
+                     options.names.size());
+}
+
 }  // namespace
 
 std::unique_ptr<MarkerDetector> MakeColorDetector(const std::vector<MarkerHue>& hues, const DetectorRegion& region) {
   return std::make_unique<ColorDetector>(hues, region);
+}
+
+DetectorKind ColorKind() {
+  return {.name = "color",
+          .prepare = [](const std::filesystem::path& video, const TrackOptions& options) -> DetectorMaker {
+            return [hues = FindHues(video, options)](const DetectorRegion& region) {
+              return MakeColorDetector(hues, region);
+            };
+          },
+          .identities =
+              [](const TrackOptions& options) {
+                return options.colors.size() > 1 ? IdentitiesInOrder(options) : std::vector<int>();
+              },
+          .check = CheckColors,
+          .click = DetectorKind::Click::kNear};
 }
 
 }  // namespace lake::tracking

@@ -5,8 +5,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "detector_kinds.h"
 #include "lake/core/error.h"
-#include "lake/tracking/marker_detector.h"
 
 namespace lake::tracking {
 namespace {
@@ -200,12 +200,45 @@ class TemplateDetector : public MarkerDetector {
   std::vector<std::vector<Sample>> samples_;  // by identity
 };
 
+DetectorMaker PreparePatches(const std::filesystem::path& video, const TrackOptions& options) {
+  std::vector<cv::Mat> pictures;
+  for (const MarkerSeed& seed : options.seeds) pictures.push_back(video::ReadLuma(video, seed.frame, options.reader));
+  return [seeds = options.seeds, pictures](const DetectorRegion& region) {
+    return MakeTemplateDetector(seeds, pictures, region);
+  };
+}
+
+// Of each name its seed's index.
+std::vector<int> PatchOfNames(const TrackOptions& options) {
+  std::vector<int> identities;
+  for (const std::string& name : options.names)
+    identities.push_back(
+        static_cast<int>(std::ranges::find(options.seeds, name, &MarkerSeed::name) - options.seeds.begin()));
+  return identities;
+}
+
+void CheckPatches(const TrackOptions& options) {
+  if (options.seeds.size() != options.names.size())
+    throw UsageError("--detector template needs a --seed for each marker: the patch is cut there");
+  for (const MarkerSeed& seed : options.seeds)
+    if (seed.candidate)
+      throw UsageError("--seed {}=#{}: --detector template needs the place in px", seed.name, *seed.candidate);
+}
+
 }  // namespace
 
 std::unique_ptr<MarkerDetector> MakeTemplateDetector(const std::vector<MarkerSeed>& seeds,
                                                      const std::vector<cv::Mat>& pictures,
                                                      const DetectorRegion& region) {
   return std::make_unique<TemplateDetector>(seeds, pictures, region);
+}
+
+DetectorKind TemplateKind() {
+  return {.name = "template",
+          .prepare = PreparePatches,
+          .identities = PatchOfNames,
+          .check = CheckPatches,
+          .click = DetectorKind::Click::kNot};
 }
 
 }  // namespace lake::tracking

@@ -2,11 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <limits>
-#include <numeric>
 #include <set>
 
-#include "aruco_detector.h"
+#include "detector_kinds.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
@@ -21,66 +19,6 @@ bool IsName(const std::string& name) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
            c == '.';
   });
-}
-
-// For the detector of colours: the decoder's own chroma beside the luma.
-video::VideoReaderOptions WithChroma(video::VideoReaderOptions options) {
-  options.preview_max_width_px = std::numeric_limits<int>::max();
-  options.luma_too = options.preview_as_stored = true;
-  return options;
-}
-
-MarkerHue FindHue(const std::filesystem::path& video, const MarkerColor& color, bool bt709,
-                  const video::VideoReaderOptions& options) {
-  if (color.bgr) return HueOfColor(color, bt709);
-  video::VideoReaderOptions one = WithChroma(options);
-  one.first = one.last.emplace(color.frame);
-  one.start_s = one.end_s = std::nullopt;
-  video::VideoFrame frame;
-  if (!video::VideoReader::Open(video, one)->Read(frame))
-    throw Fail("--color {}: {} has no frame {}", color.text, video.string(), color.frame);
-  return HueAt(frame, color);
-}
-
-std::unique_ptr<MarkerDetector> MakeDetector(const std::filesystem::path& video, const TrackOptions& options) {
-  const DetectorRegion region{options.crop};
-  switch (options.detector) {
-    case DetectorKind::kReflective:
-      return MakeReflectiveDetector(options.polarity, region);
-    case DetectorKind::kColor:
-      return MakeColorDetector(FindHues(video, options), region);
-    case DetectorKind::kTemplate: {
-      std::vector<cv::Mat> pictures;
-      for (const MarkerSeed& seed : options.seeds)
-        pictures.push_back(video::ReadLuma(video, seed.frame, options.reader));
-      return MakeTemplateDetector(options.seeds, pictures, region);
-    }
-    case DetectorKind::kAruco:
-      return MakeArucoDetector(options.dictionary, region, static_cast<int>(options.names.size()));
-  }
-  throw UsageError("no such detector");
-}
-
-// The identity that the detector gives to each name; empty where it gives none.
-std::vector<int> Identities(const TrackOptions& options) {
-  std::vector<int> identities(options.names.size());
-  std::iota(identities.begin(), identities.end(), 0);
-  switch (options.detector) {
-    case DetectorKind::kReflective:
-      return {};
-    case DetectorKind::kColor:
-      return options.colors.size() > 1 ? identities : std::vector<int>{};
-    case DetectorKind::kAruco:
-      return identities;
-    case DetectorKind::kTemplate:
-      break;
-  }
-  for (std::size_t n = 0; n < options.names.size(); ++n)
-    identities[n] =
-        static_cast<int>(std::find_if(options.seeds.begin(), options.seeds.end(),
-                                      [&](const MarkerSeed& seed) { return seed.name == options.names[n]; }) -
-                         options.seeds.begin());
-  return identities;
 }
 
 void CheckPlaces(const TrackOptions& options, const video::VideoInfo& video) {
@@ -138,8 +76,8 @@ void NameWithEachUp(const std::vector<Tracklet>& tracklets, const TrackOptions& 
     motion::MarkerRecording named = result.recording;
     try {
       NameTracklets(tracklets,
-                    {options.names, options.seeds, Identities(options), options.metric_from_px, up, options.physics,
-                     discontinuities, repeated, picture, options.reader.rotate_deg},
+                    {options.names, options.seeds, KindOf(options).identities(options), options.metric_from_px, up,
+                     options.physics, discontinuities, repeated, picture, options.reader.rotate_deg},
                     named);
     } catch (const UsageError&) {
       throw;
@@ -173,20 +111,6 @@ std::vector<const Tracklet*> NamedTracklets(const std::vector<Tracklet>& trackle
 
 }  // namespace
 
-std::vector<MarkerHue> FindHues(const std::filesystem::path& video, const TrackOptions& options) {
-  const bool bt709 = video::VideoReader::Open(video, options.reader)->Info().bt709;
-  std::vector<MarkerHue> hues;
-  for (const std::string& text : options.colors) {
-    hues.push_back(FindHue(video, ParseMarkerColor(text), bt709, options.reader));
-    constexpr double kAlike = 0.98;  // cosine of 11°
-    for (std::size_t other = 0; other + 1 < hues.size(); ++other)
-      if (hues[other].direction.dot(hues.back().direction) > kAlike)
-        throw Fail("--color {} and {}: hardly differ in hue; give one colour for all markers", options.colors[other],
-                   text);
-  }
-  return hues;
-}
-
 void CheckPictureSize(const std::filesystem::path& video, const video::VideoInfo& info) {
   constexpr int kLeast_px = 16;
   if (std::min(info.width, info.height) < kLeast_px)
@@ -208,18 +132,10 @@ void TrackOptions::Check() const {
       throw UsageError("--seed {}: not one of the markers ({})", seed.name, fmt::join(names, ", "));
     if (!seeded.insert(seed.name).second) throw UsageError("--seed {}: given twice", seed.name);
   }
-  if (detector == DetectorKind::kColor && colors.size() > 1 && colors.size() != names.size())
-    throw UsageError("--color: {} colours for {} markers; give one for all or one for each", colors.size(),
-                     names.size());
-  if (detector != DetectorKind::kColor && !colors.empty()) throw UsageError("--color is for --detector color");
-  if (detector == DetectorKind::kColor && colors.empty())
-    throw UsageError("--detector color needs at least one --color: \"#RRGGBB\", or @X,Y where a marker is");
+  const DetectorKind& kind = KindOf(*this);
+  if (!colors.empty() && detector != "color") throw UsageError("--color is for --detector color");
+  kind.check(*this);
   for (const std::string& color : colors) ParseMarkerColor(color);
-  if (detector == DetectorKind::kTemplate && seeded.size() != names.size())
-    throw UsageError("--detector template needs a --seed for each marker: the patch is cut there");
-  for (const MarkerSeed& seed : seeds)
-    if (seed.candidate && detector == DetectorKind::kTemplate)
-      throw UsageError("--seed {}=#{}: --detector template needs the place in px", seed.name, *seed.candidate);
 }
 
 namespace {
@@ -234,7 +150,7 @@ struct Followed {
 
 Followed Follow(const std::filesystem::path& video, const TrackOptions& options) {
   options.Check();
-  const std::unique_ptr<MarkerDetector> detector = MakeDetector(video, options);
+  const std::unique_ptr<MarkerDetector> detector = KindOf(options).prepare(video, options)({options.crop});
   const video::VideoReaderOptions reader_options =
       detector->NeedsColour() ? WithChroma(options.reader) : options.reader;
   const std::unique_ptr<video::VideoReader> reader = video::VideoReader::Open(video, reader_options);

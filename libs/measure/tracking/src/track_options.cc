@@ -83,12 +83,9 @@ void DescribeNames(std::vector<std::string>& names, std::vector<MarkerSeed>& see
 
 void Describe(TrackOptions& o, OptionList& options) {
   DescribeNames(o.names, o.seeds, options);
-  options.AddChoice("detector", o.detector,
-                    OptionList::Choices<DetectorKind>{{"reflective", DetectorKind::kReflective},
-                                                      {"color", DetectorKind::kColor},
-                                                      {"template", DetectorKind::kTemplate},
-                                                      {"aruco", DetectorKind::kAruco}},
-                    "Kind of marker");
+  OptionList::Choices<std::string> detectors;
+  for (const std::string& name : DetectorNames()) detectors.emplace_back(name, name);
+  options.AddChoice("detector", o.detector, detectors, "Kind of marker");
   const auto set_colors = [&o](const OptionTexts& texts, const std::string&) { o.colors = SplitColors(texts); };
   options
       .AddCustom(

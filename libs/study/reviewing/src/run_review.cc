@@ -262,29 +262,6 @@ review::CorrectionBook BookOf(const TrackedFolder& folder) {
   return book;
 }
 
-// What measures a marker near a click as the tracker did it; none for patches. An ArUco marker may be larger than what
-// is near.
-review::SnapDetector DetectorOf(const fs::path& video, const tracking::TrackOptions& track) {
-  using tracking::DetectorRegion;
-  switch (track.detector) {
-    case tracking::DetectorKind::kReflective:
-      return [polarity = track.polarity](const DetectorRegion& near) {
-        return tracking::MakeReflectiveDetector(polarity, near);
-      };
-    case tracking::DetectorKind::kColor:
-      return [hues = tracking::FindHues(video, track)](const DetectorRegion& near) {
-        return tracking::MakeColorDetector(hues, near);
-      };
-    case tracking::DetectorKind::kAruco:
-      return [dictionary = track.dictionary](const DetectorRegion&) {
-        return tracking::MakeArucoDetector(dictionary, {});
-      };
-    case tracking::DetectorKind::kTemplate:
-      break;
-  }
-  return {};
-}
-
 }  // namespace
 
 void Describe(ReviewRunOptions& o, OptionList& options) {
@@ -326,7 +303,7 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder, const fs::pa
     };
   Json measures = Json::array();
   for (const gait::MarkerMeasure& measure : folder->options.measures) measures.push_back(gait::MeasureJson(measure));
-  review::SnapDetector detector = DetectorOf(folder->options.video, folder->options.track);
+  review::SnapDetector detector = tracking::ClickDetector(folder->options.video, folder->options.track);
   const video::VideoInfo& video = folder->tracked.video;
   const std::vector<std::int64_t>& repeated = folder->tracked.times.repeated;
   return {BookOf(*folder),

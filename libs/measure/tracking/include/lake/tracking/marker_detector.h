@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -81,6 +82,9 @@ struct DetectorRegion {
     return crop.empty() ? all : crop & all;
   }
 };
+
+// Makes the detector for a part of the picture; what it needs of the film has been read from it.
+using DetectorMaker = std::function<std::unique_ptr<MarkerDetector>(const DetectorRegion&)>;
 
 // Bright blobs on anything darker (or dark ones on anything brighter), in the luma.
 std::unique_ptr<MarkerDetector> MakeReflectiveDetector(Polarity polarity, const DetectorRegion& region);

@@ -18,12 +18,10 @@
 
 namespace lake::tracking {
 
-enum class DetectorKind { kReflective, kColor, kTemplate, kAruco };
-
 struct TrackOptions {
   std::vector<std::string> names = {kLegMarkers.begin(), kLegMarkers.end()};
   std::vector<MarkerSeed> seeds;
-  DetectorKind detector = DetectorKind::kReflective;
+  std::string detector = "reflective";  // one of DetectorNames()
   Polarity polarity = Polarity::kBright;
   std::vector<std::string> colors;         // as ParseMarkerColor reads them, one for all or one per name
   std::string dictionary = "DICT_4X4_50";  // ArUco; ids 0, 1, … are the names in order
@@ -64,8 +62,12 @@ void CheckPictureSize(const std::filesystem::path& video, const video::VideoInfo
 // two frames; NamingError where fewer markers than names are seen, or they cannot be named with certainty.
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options);
 
-// The hues that options.colors name, in this video. Throws Error where a place has none, or two hardly differ.
-std::vector<MarkerHue> FindHues(const std::filesystem::path& video, const TrackOptions& options);
+// The kinds of markers, as options.detector names them.
+std::vector<std::string> DetectorNames();
+
+// Makes what measures a marker near a click as TrackMarkers does; empty for a kind that cannot. Throws Error where the
+// film does not show what the options name.
+DetectorMaker ClickDetector(const std::filesystem::path& video, const TrackOptions& options);
 
 // What a NamingError would list: all that is found, without naming it.
 CandidateList FindCandidates(const std::filesystem::path& video, const TrackOptions& options);

@@ -10,7 +10,7 @@
 namespace lake::review {
 
 // The tracker's detector for a part of the picture.
-using SnapDetector = std::function<std::unique_ptr<tracking::MarkerDetector>(const tracking::DetectorRegion& near)>;
+using SnapDetector = tracking::DetectorMaker;
 
 // Of a marker that has no kind: the patch that it is in this picture, at this place. Throws Error where the picture is
 // even there.
