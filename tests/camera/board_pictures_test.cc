@@ -12,6 +12,7 @@
 #include "lake/core/error.h"
 #include "lake/video/image.h"
 #include "lake/video/video_writer.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -31,12 +32,7 @@ class BoardPicturesTest : public testing::Test {
     return folder_ / name;
   }
   std::string Complaint(const std::vector<fs::path>& files) {
-    try {
-      camera::FindBoards(files, kBoard, options_);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "none";
+    return MessageOf([&] { camera::FindBoards(files, kBoard, options_); });
   }
 
   TemporaryFolder folder_;

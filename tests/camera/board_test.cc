@@ -5,6 +5,7 @@
 
 #include "board_scene.h"
 #include "lake/core/error.h"
+#include "message_of.h"
 
 namespace lake {
 namespace {
@@ -17,15 +18,7 @@ TEST(Board, TextAndBoardAreTheSameThing) {
 }
 
 TEST(Board, WrongTextsAreUsageErrorsThatSayWhatIsWrong) {
-  const auto complaint = [](const char* text) {
-    try {
-      camera::ParseBoard(text);
-    } catch (const UsageError& error) {
-      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
-      return std::string(error.what());
-    }
-    return std::string("none");
-  };
+  const auto complaint = [](const char* text) { return MessageOf<UsageError>([&] { camera::ParseBoard(text); }); };
   using testing::HasSubstr;
   EXPECT_THAT(complaint(""), HasSubstr("must begin with"));
   EXPECT_THAT(complaint("circles:9x6:25"), HasSubstr("must begin with"));

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "lake/core/error.h"
+#include "message_of.h"
 
 namespace lake {
 namespace {
@@ -208,12 +209,7 @@ TEST(CheckResolution, NamesFilesSizesAndTheWayOut) {
   const camera::Camera camera = Pinhole();
   EXPECT_NO_THROW(camera::CheckResolution(camera, "camera.yaml", 1280, 720, "human.mp4"));
   const auto message = [&](int width, int height) {
-    try {
-      camera::CheckResolution(camera, "camera.yaml", width, height, "human.mp4");
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return MessageOf([&] { camera::CheckResolution(camera, "camera.yaml", width, height, "human.mp4"); });
   };
   EXPECT_EQ(message(1920, 1080),
             "camera.yaml: the camera was calibrated at 1280x720 px, but human.mp4 has 1920x1080; calibrate in the same "

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "lake/core/error.h"
+#include "message_of.h"
 #include "places.h"
 
 namespace lake {
@@ -86,14 +87,7 @@ TEST(PlaneHomography, RefinementIsBetterThanItsStartForUnequalWeights) {
 }
 
 TEST(PlaneHomography, SaysWhatIsWrong) {
-  const auto message = [](const Points& points) {
-    try {
-      camera::PlaneHomography(points);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
-  };
+  const auto message = [](const Points& points) { return MessageOf([&] { camera::PlaneHomography(points); }); };
   Points points = Seen(SomeView(), kCorners);
   EXPECT_THAT(message({points.begin(), points.begin() + 3}), testing::HasSubstr("at least 4"));
   EXPECT_THAT(message(Seen(SomeView(), {{0, 0}, {100, 0}, {200, 0}, {0, 100}})), testing::HasSubstr("in one line"));

@@ -7,6 +7,7 @@
 
 #include "board_scene.h"
 #include "lake/core/error.h"
+#include "message_of.h"
 
 namespace lake {
 namespace {
@@ -163,12 +164,7 @@ TEST(FitPlane, KnownPointsDefineTheFrame) {
 TEST(FitPlane, MirroredAndImpossiblePointsAreErrors) {
   const camera::Camera camera = scene::Lens();
   const auto complaint = [&](const std::vector<camera::PlaneCorrespondence>& points) {
-    try {
-      camera::FitPlane(camera, points);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string("none");
+    return MessageOf([&] { camera::FitPlane(camera, points); });
   };
   auto points = SeenPoints(camera, TiltedPlane(20), kFour);
   for (auto& p : points) p.point_in_plane.y() *= -1;

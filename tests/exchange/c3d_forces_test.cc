@@ -573,13 +573,13 @@ TEST(GroundForceTables, WhoseTimesOrColumnsAreWrongAreRefused) {
     return MessageOf([&] { exchange::ReadGroundForces(folder / "f.mot"); });
   };
   const std::string all = "\tg_vx\tg_vy\tg_vz\tg_px\tg_py\tg_pz", zeros = "\t0\t0\t0\t0\t0\t0\n";
-  EXPECT_EQ(message(all, "0.1" + zeros + "0.1" + zeros), "no error");
+  EXPECT_EQ(message(all, "0.1" + zeros + "0.1" + zeros), "");
   EXPECT_THAT(exchange::ReadGroundForces(folder / "f.mot").warnings,
               testing::ElementsAre(HasSubstr("rows"), HasSubstr("f.mot:9: a row whose time does not follow")));
   EXPECT_THAT(message("\tknee", "0\t1\n1\t1\n"), HasSubstr("no ground forces"));
   EXPECT_THAT(message("\tg_vx\tg_vy\tg_px\tg_py\tg_pz", "0\t0\t0\t0\t0\t0\n1\t0\t0\t0\t0\t0\n"),
               HasSubstr("of g_vx, y and z one is missing"));
-  EXPECT_EQ(message("\tg_vx\tg_vy\tg_vz", "0\t0\t700\t0\n1\t0\t700\t0\n"), "no error");
+  EXPECT_EQ(message("\tg_vx\tg_vy\tg_vz", "0\t0\t700\t0\n1\t0\t700\t0\n"), "");
   const auto without_point = exchange::ReadGroundForces(folder / "f.mot");  // of use to lake sync
   EXPECT_EQ(without_point.plates.at(0).force_n.at(1).y(), 700);
   EXPECT_THAT(MessageOf([&] {

@@ -276,7 +276,7 @@ TEST_F(Formats, C3dErrors) {
   EXPECT_THAT(message(good.substr(0, good.size() - 512)), testing::HasSubstr("cut off"));
   std::string processor = good;
   processor[512 + 3] = 77;
-  EXPECT_EQ(message(processor), "no error");  // the rate in the header says which it is
+  EXPECT_EQ(message(processor), "");  // the rate in the header says which it is
   processor.replace(20, 4, 4, '\0');
   EXPECT_THAT(message(processor), testing::HasSubstr("77"));
 }

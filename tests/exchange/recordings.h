@@ -12,6 +12,7 @@
 
 #include "lake/core/error.h"
 #include "lake/exchange/point_recording.h"
+#include "message_of.h"
 
 namespace lake {
 
@@ -50,16 +51,6 @@ inline void ExpectSame(const exchange::PointRecording& a, const exchange::PointR
       EXPECT_TRUE(!x.allFinite() || (x - y).norm() <= tolerance) << x.transpose() << ", " << y.transpose();
     }
   }
-}
-
-inline std::string MessageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
-    return error.what();
-  }
-  return "no error";
 }
 
 // The error of a reader, or the warnings of what it read.

@@ -10,6 +10,7 @@
 #include "draws.h"
 #include "lake/core/error.h"
 #include "lake/gait/picture_scale.h"
+#include "message_of.h"
 #include "synthetic_leg.h"
 #include "temporary_folder.h"
 
@@ -547,14 +548,9 @@ TEST(LegFit, SigmasAreThoseOfTheMotionWhereverItIs) {
   }
 }
 
-std::string MessageOf(const motion::MarkerRecording& tracks, const gait::LegView& view,
-                      const gait::LegFitOptions& options = {}) {
-  try {
-    gait::FitLeg(tracks, view, options);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+std::string FitMessage(const motion::MarkerRecording& tracks, const gait::LegView& view,
+                       const gait::LegFitOptions& options = {}) {
+  return MessageOf([&] { gait::FitLeg(tracks, view, options); });
 }
 
 // A thigh that swings at 1 Hz before a shank at rest: the amplitude that is left of it is the penalised spline's gain,
@@ -574,7 +570,7 @@ TEST(LegFit, AGivenCutoffHasItsGain) {
   gait::LegFitOptions options;
   options.known_sigmas = true;
   options.cutoff_hz = 0.5;  // which leaves 4 % of the swing
-  EXPECT_THAT(MessageOf(tracks, ScaledView(), options), testing::HasSubstr("cutoff of 0.5 Hz takes"));
+  EXPECT_THAT(FitMessage(tracks, ScaledView(), options), testing::HasSubstr("cutoff of 0.5 Hz takes"));
   for (const double cutoff_hz : {1.2, 1.35, 1.5}) {
     options.cutoff_hz = cutoff_hz;
     const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), options);
@@ -592,7 +588,7 @@ class LegFitErrors : public testing::Test {
  protected:
   SyntheticLeg leg_ = MakeSyntheticLeg({.repetitions = 1});
   motion::MarkerRecording tracks_ = MakeTracks(leg_.time_s, leg_.points_mm, ScaledView(), {}, 9);
-  std::string Message() const { return MessageOf(tracks_, ScaledView()); }
+  std::string Message() const { return FitMessage(tracks_, ScaledView()); }
 };
 
 TEST_F(LegFitErrors, SwappedNamesAreFound) {
@@ -600,11 +596,11 @@ TEST_F(LegFitErrors, SwappedNamesAreFound) {
     motion::MarkerRecording swapped = tracks_;
     std::swap(swapped.markers[static_cast<std::size_t>(a)].samples,
               swapped.markers[static_cast<std::size_t>(b)].samples);
-    EXPECT_THAT(MessageOf(swapped, ScaledView()), testing::HasSubstr("names")) << a << b;
+    EXPECT_THAT(FitMessage(swapped, ScaledView()), testing::HasSubstr("names")) << a << b;
   }
   motion::MarkerRecording upside_down = tracks_;
   std::swap(upside_down.markers[0].samples, upside_down.markers[2].samples);
-  EXPECT_THAT(MessageOf(upside_down, ScaledView()), testing::HasSubstr("lies below"));
+  EXPECT_THAT(FitMessage(upside_down, ScaledView()), testing::HasSubstr("lies below"));
 }
 
 TEST_F(LegFitErrors, NotFiniteIsNamedWithMarkerAndFrame) {
@@ -657,11 +653,11 @@ TEST_F(LegFitErrors, TimesInAnotherUnitAreNamedNotTheMarkers) {
 TEST_F(LegFitErrors, TooShortAndBadOptions) {
   gait::LegFitOptions options;
   options.cutoff_hz = -1;
-  EXPECT_THAT(MessageOf(tracks_, ScaledView(), options), testing::HasSubstr("cutoff"));
+  EXPECT_THAT(FitMessage(tracks_, ScaledView(), options), testing::HasSubstr("cutoff"));
   OptionList list;
   Describe(options, list);
   EXPECT_THROW(list.All().front().SetFromCommandLine({"kalman"}), UsageError);
-  EXPECT_THAT(MessageOf({}, ScaledView()), testing::HasSubstr("too short"));
+  EXPECT_THAT(FitMessage({}, ScaledView()), testing::HasSubstr("too short"));
   EXPECT_THROW(gait::MakeLegView(motion::LengthUnit::kPx, {}, -1.0), Error);
   EXPECT_THROW(gait::MakeLegView(motion::LengthUnit::kPx, {}, 2.0, {{"knee", {40}}}), Error);
 }

@@ -10,6 +10,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -110,13 +111,10 @@ TEST(MarkerMeasures, AreGivenByName) {
   EXPECT_THAT(measures[2].markers, ElementsAre("elbow", "wrist"));
   EXPECT_EQ(options.All()[1].Text(), "reach=shoulder,wrist fore=elbow,wrist");
   const auto said = [&](std::size_t option, const OptionTexts& texts) -> std::string {
-    try {
+    return MessageOf<UsageError>([&] {
       give(option, texts);
       options.RunChecks();
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "nothing";
+    });
   };
   EXPECT_THAT(said(0, {"elbow=shoulder,elbow"}), HasSubstr("NAME=A,B,C"));
   EXPECT_THAT(said(2, {"fore=wrist"}), HasSubstr("two are called 'fore'"));

@@ -20,6 +20,7 @@
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/movement.h"
 #include "lake/gait/squats.h"
+#include "message_of.h"
 #include "name_map.h"
 #include "places.h"
 #include "real_markers.h"
@@ -238,12 +239,7 @@ TEST(NeutralPose, IsThatOfQuietStanding) {
 TEST(NeutralPose, SaysWhereNobodyStandsQuietly) {
   const gait::LegFitResult leg = FitWith(StandAndBend(1));
   const auto said = [&](double from_s, double to_s) -> std::string {
-    try {
-      gait::NeutralPose(leg, from_s, to_s);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return MessageOf([&] { gait::NeutralPose(leg, from_s, to_s); });
   };
   EXPECT_THAT(said(3, 5), HasSubstr("the knee's angle sways by"));
   EXPECT_THAT(said(3.98, 4.06), HasSubstr("the knee is bent by"));
@@ -456,12 +452,7 @@ TEST(ReferenceCurve, IsRefusedWhereItIsNone) {
   const TemporaryFolder folder;
   const auto said = [&](const std::string& text) -> std::string {
     WriteTextFile(folder / "norm.csv", text);
-    try {
-      gait::ReadReferenceCurve(folder / "norm.csv");
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return MessageOf([&] { gait::ReadReferenceCurve(folder / "norm.csv"); });
   };
   EXPECT_EQ(said("percent,mean,sd\n0,5,4\n50,20,5\n100,5,4\n"), "");
   EXPECT_THAT(said("percent,mean,sd\n0,5,4\n0,20,5\n"), HasSubstr("norm.csv:3: percent 0"));

@@ -20,6 +20,7 @@
 #include "lake/gait/leg_fit.h"
 #include "lake/loads/loads.h"
 #include "lake/problem/load_profile.h"
+#include "message_of.h"
 #include "name_map.h"
 #include "places.h"
 #include "temporary_folder.h"
@@ -474,12 +475,7 @@ TEST(LoadsTables, TheSameSeedGivesTheSameBands) {
 }
 
 std::string Failure(const commands::LoadsRunOptions& options) {
-  try {
-    RunOn(options);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return MessageOf([&] { RunOn(options); });
 }
 
 TEST(LoadsOfBadInput, SwappedPlatesAreWarnedOfWithNumbers) {

@@ -1,6 +1,4 @@
 // The picture of lake check, as those see it who cannot tell its colours.
-#include "lake/overlay/check_picture.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
+
+#include "lake/overlay/pictures.h"
 
 namespace lake::overlay {
 namespace {

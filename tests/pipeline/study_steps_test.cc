@@ -20,6 +20,7 @@
 #include "lake/study/study.h"
 #include "lake/study/study_file.h"
 #include "lake/video/video_writer.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -226,17 +227,6 @@ TEST_P(Steps, OfACopiedFolderAreItsOwn) {
   suffix_ = "?";
   Go();
   EXPECT_EQ(ReadTextFile(folder_ / "first" / "a" / "copy.txt"), "alph!");
-}
-
-template <typename Exception>
-std::string MessageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Exception& error) {
-    EXPECT_EQ(typeid(error), typeid(Exception)) << "another exit code";
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 TEST_P(Steps, ThatFailSayWhichAndKeepWhatIsFinished) {

@@ -28,7 +28,12 @@ using testing::ThrowsMessage;
 
 class CorrectedTrial : public testing::Test {
  protected:
-  CorrectedTrial() { Track("trial"); }
+  // Tracked once for all.
+  CorrectedTrial() {
+    static const TemporaryFolder tracked;
+    if (!fs::exists(tracked / "trial")) TrackInto(tracked / "trial");
+    fs::copy(tracked / "trial", Folder("trial"));
+  }
 
   // The recording that ctest has rendered (lake_add_recording).
   static fs::path Recording(const std::string& name) {
@@ -39,6 +44,10 @@ class CorrectedTrial : public testing::Test {
   // As the program does it, with what it keeps of its command line.
   void Track(const std::string& name, const std::optional<fs::path>& corrections = {},
              const std::optional<fs::path>& events = {}) const {
+    TrackInto(Folder(name), corrections, events);
+  }
+  static void TrackInto(const fs::path& out, const std::optional<fs::path>& corrections = {},
+                        const std::optional<fs::path>& events = {}) {
     commands::TrackRunOptions options;
     options.video = Recording("video.mp4");
     options.camera = Recording("camera.yaml");
@@ -46,7 +55,7 @@ class CorrectedTrial : public testing::Test {
     options.track.quiet = true;
     options.corrections = corrections;
     options.events = events;
-    Json said = {{"out", Folder(name).string()},
+    Json said = {{"out", out.string()},
                  {"video", options.video.string()},
                  {"camera", options.camera->string()},
                  {"overlay", "false"},
@@ -58,7 +67,7 @@ class CorrectedTrial : public testing::Test {
     };
     give("corrections", corrections);
     give("events", events);
-    lake::Run run({"lake-track", "test", said, Folder(name), true, {}, false, "", given});
+    lake::Run run({"lake-track", "test", said, out, true, {}, false, "", given});
     run.WriteSummary(commands::RunTrack(options, run));
   }
 

@@ -1095,20 +1095,20 @@ class ReviewPage(unittest.TestCase):
             said.add((self.text("state"), self.text("percent")))
         self.assertEqual(len(said), 3)
 
-    def test_a_study_is_shown_and_a_step_done_again(self):
-        self.trial.mkdir()
-        trial = self.folder / "trial"
-        study = self.trial / "study.yaml"
-        study.write_text(f"name: Two <b>trials</b>\nhuman: {{trial: {trial}}}\nexo: {{trial: {trial}}}\n"
-                         "compare: {exo_knee: knee}\n" + NO_ANIMATION)
-        run(BIN / "lake-run", study, "--quiet", "-o", self.trial / "out", cwd=self.folder)
-        review = self.open(self.trial / "out")
-        self.until(lambda: "steps are up to date" in self.text("state"))
-        self.assertEqual(self.text("name"), "Two <b>trials</b>")
-        self.assertFalse(self.part("run-all").is_enabled(), "nothing is to be done")
-        listed = self.browser.find_element(By.LINK_TEXT, "comparison").get_attribute("href")
-        with urllib.request.urlopen(listed, timeout=WAIT_S) as answer:
-            self.assertIn("misalignment.csv", answer.read().decode())
+    def test_a_study_is_shown_and_opens_its_trials_from_any_folder(self):
+        """Its files are named from the folder in which the study was run, which is neither here nor above the results."""
+        trial, results = self.folder / "trial", self.folder / "elsewhere/out"
+        (self.trial / "problems").mkdir(parents=True)
+        (self.trial / "problems/limits.yaml").write_text(PROBLEM)
+        (self.trial / "study.yaml").write_text(
+            f"name: Two <b>trials</b>\nhuman: {{trial: {trial}}}\nexo: {{trial: {trial}}}\ncompare: {{exo_knee: knee}}\n"
+            "design: {problem: problems/limits.yaml, starts: 1}\n" + NO_ANIMATION)
+        run(BIN / "lake-run", "study.yaml", "--quiet", "-o", results, cwd=self.trial)
+        review = Review("/", results)
+        self.addCleanup(review.close)
+        self.browser.get(review.address)
+        self.until(lambda: self.text("name") == "Two <b>trials</b>")
+        self.assertIn("-o", self.text("study-command"))
         with self.assertRaises(urllib.error.HTTPError) as refused:
             urllib.request.urlopen(f"{review.address}results/..%2fstudy.yaml", timeout=WAIT_S)
         refused.exception.close()
@@ -1116,46 +1116,22 @@ class ReviewPage(unittest.TestCase):
         self.until_there("h1")
         self.assertEqual(self.browser.execute_script("return window.origin"), "null", "the report may ask the server")
         self.browser.switch_to.default_content()
-        study.write_text(study.read_text().replace("exo_knee: knee", "exo_knee: knee, replacement_sd_mm: 2"))
-        self.browser.refresh()
-        self.until_there("[data-step=comparison]")
-        step = lambda: self.browser.find_element(By.CSS_SELECTOR, "[data-step=comparison]")
-        self.until(lambda: "to be done" in step().text)
-        step().find_element(By.TAG_NAME, "button").click()
-        self.until(lambda: "comparison: done" in self.text("said"))
-        self.until(lambda: "up to date" in step().text)
-        summary = json.loads((self.trial / "out/comparison/summary.json").read_text())
-        self.assertEqual(summary["options"]["replacement-sd"], "2")
-        # Its report is a step too, which lies beside the study's own summary.
-        self.browser.find_element(By.CSS_SELECTOR, "[data-step=report] button").click()
-        self.until(lambda: "report: done" in self.text("said"))
-        self.until(lambda: "steps are up to date" in self.text("state"))
+        here = self.browser.current_window_handle
+        for step, shown in (("human", "trial"), ("comparison", "comparison"), ("optimum", "design")):
+            self.browser.find_element(By.CSS_SELECTOR, f"[data-step={step}]").click()
+            self.until(lambda: len(self.browser.window_handles) == 2)
+            self.browser.switch_to.window(next(one for one in self.browser.window_handles if one != here))
+            self.until(lambda: self.browser.find_elements(By.ID, shown) and self.part(shown).is_displayed(), shown)
+            self.browser.close()
+            self.browser.switch_to.window(here)
         self.narrow_and_dark()
         self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400)
         self.assertEqual(review.end()[0], 130)
         self.until(lambda: "lake review has ended" in self.text("said"))
         self.forget_unanswered()
-
-    def test_a_study_opens_from_any_folder(self):
-        self.trial.mkdir()
-        (self.trial / "study.yaml").write_text(f"name: Here\nhuman: {{trial: {self.folder / 'trial'}}}\n" + NO_ANIMATION)
-        results = self.folder / "elsewhere/out"
-        run(BIN / "lake-run", "study.yaml", "--quiet", "-o", results, cwd=self.trial)
-        review = Review("/", results)
-        self.addCleanup(review.close)
-        self.assertEqual(review.ask("study")["name"], "Here")
-
-    def test_a_step_of_a_study_opens_from_any_folder(self):
-        """Its files are named from the folder in which the study was run, which is neither here nor above the results."""
-        (self.trial / "problems").mkdir(parents=True)
-        (self.trial / "problems/limits.yaml").write_text(PROBLEM)
-        (self.trial / "study.yaml").write_text("name: Here\ndesign: {problem: problems/limits.yaml, starts: 1}\n"
-                                               f"human: {{trial: {self.folder / 'trial'}}}\n" + NO_ANIMATION)
-        results = self.folder / "steps elsewhere"
-        run(BIN / "lake-run", "study.yaml", "--quiet", "-o", results, cwd=self.trial)
-        review = Review("/", results / "optimum")
-        self.addCleanup(review.close)
-        told = review.ask("explore", {"links": review.ask("design")["links"]})
+        design = Review("/", results / "optimum")
+        self.addCleanup(design.close)
+        told = design.ask("explore", {"links": design.ask("design")["links"]})
         self.assertIn("force", [check["name"] for check in told["checks"]])
 
     def test_a_trial_that_was_carried_away_opens_from_any_folder(self):

@@ -13,6 +13,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "message_of.h"
 #include "places.h"
 #include "recorded_rises.h"
 
@@ -226,12 +227,7 @@ TEST(AlignBySignal, FitsRisesToOneAnother) {
 TEST(AlignBySignal, RefusesWhatFitsNowhereOrAnywhere) {
   const sync::Movement a = Sampled(0, 60, 100), b = a;
   const auto said = [&](const std::vector<double>& in_a, const std::vector<double>& in_b) -> std::string {
-    try {
-      BySignal(in_a, in_b, a, b);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "nothing";
+    return MessageOf([&] { BySignal(in_a, in_b, a, b); });
   };
   EXPECT_THAT(said({1, 2, 3, 4}, {5, 6, 7}), HasSubstr("fits at several offsets"));
   EXPECT_THAT(said({1}, {5, 6}), HasSubstr("fits at several offsets"));

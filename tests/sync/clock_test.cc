@@ -9,6 +9,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/sync/movement.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -16,16 +17,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-template <typename Function>
-std::string ErrorOf(const Function& function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(Clock, IsReadAsItWasWritten) {
   const TemporaryFolder folder;
@@ -45,7 +36,7 @@ TEST(Clock, IsReadAsItWasWritten) {
   EXPECT_EQ(read.a, clock.a);
   EXPECT_DOUBLE_EQ(read.FromB(12), 12 - 1.25 + 40e-6 * 10);
   EXPECT_EQ(sync::ReadClockOf(folder / "sync.yaml", "x/forces.mot").b, clock.b);
-  EXPECT_THAT(ErrorOf([&] { sync::ReadClockOf(folder / "sync.yaml", "trial: 'human'"); }),
+  EXPECT_THAT(MessageOf([&] { sync::ReadClockOf(folder / "sync.yaml", "trial: 'human'"); }),
               HasSubstr("not the other way"));
   WriteTextFile(folder / "least.yaml", "offset_s: 0.5\n");
   EXPECT_EQ(sync::ReadClock(folder / "least.yaml").FromB(1), 1.5);
@@ -55,7 +46,7 @@ TEST(Clock, RefusesWhatIsNone) {
   const TemporaryFolder folder;
   const auto said = [&](const char* text) {
     WriteTextFile(folder / "sync.yaml", text);
-    return ErrorOf([&] { sync::ReadClock(folder / "sync.yaml"); });
+    return MessageOf([&] { sync::ReadClock(folder / "sync.yaml"); });
   };
   EXPECT_THAT(said("drift_ppm: 3\n"), HasSubstr("no offset_s"));
   EXPECT_THAT(said("offset_s: soon\n"), HasSubstr("sync.yaml:1"));
@@ -76,8 +67,8 @@ TEST(Movement, ReadsASensorsTableAndItsTrigger) {
   // Through 2.5, the middle of 0 and 5.
   EXPECT_THAT(sync::RisesOf(folder / "imu.csv", "sync"),
               ElementsAre(testing::DoubleNear(0.01625, 1e-9), testing::DoubleNear(0.05375, 1e-9)));
-  EXPECT_THAT(ErrorOf([&] { sync::RisesOf(folder / "imu.csv", "led"); }), HasSubstr("no signal 'led'"));
-  EXPECT_THAT(ErrorOf([&] { sync::RisesOf(folder / "imu.csv", "Accelerometer X (g)"); }), HasSubstr("never rises"));
+  EXPECT_THAT(MessageOf([&] { sync::RisesOf(folder / "imu.csv", "led"); }), HasSubstr("no signal 'led'"));
+  EXPECT_THAT(MessageOf([&] { sync::RisesOf(folder / "imu.csv", "Accelerometer X (g)"); }), HasSubstr("never rises"));
 }
 
 TEST(Movement, SeesALampAsAMarkerThatComesIntoSight) {
@@ -86,8 +77,8 @@ TEST(Movement, SeesALampAsAMarkerThatComesIntoSight) {
       folder / "tracks.csv",
       "frame,time_s,knee_x_px,knee_y_px,led_x_px,led_y_px\n0,0,1,1,,\n1,0.1,1,1,,\n2,0.2,1,1,9,9\n3,0.3,1,1,9,9\n");
   EXPECT_THAT(sync::RisesOf(folder / "tracks.csv", "led"), ElementsAre(testing::DoubleNear(0.15, 1e-9)));
-  EXPECT_THAT(ErrorOf([&] { sync::RisesOf(folder / "tracks.csv", "knee"); }), HasSubstr("never comes into sight"));
-  EXPECT_THAT(ErrorOf([&] { sync::RisesOf(folder / "tracks.csv", "lamp"); }), HasSubstr("knee, led"));
+  EXPECT_THAT(MessageOf([&] { sync::RisesOf(folder / "tracks.csv", "knee"); }), HasSubstr("never comes into sight"));
+  EXPECT_THAT(MessageOf([&] { sync::RisesOf(folder / "tracks.csv", "lamp"); }), HasSubstr("knee, led"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "lake/core/error.h"
 #include "lake/exchange/formats.h"
 #include "lake/synth/scene.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -47,12 +48,7 @@ class MotionFileTest : public testing::Test {
   }
 
   std::string ErrorOf(double duration_s) const {
-    try {
-      synth::ReadMotionFile(motion_, duration_s);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return MessageOf([&] { synth::ReadMotionFile(motion_, duration_s); });
   }
 
   TemporaryFolder folder_;

@@ -10,6 +10,7 @@
 #include "lake/core/error.h"
 #include "lake/synth/marker_motion.h"
 #include "lake/synth/sts_motion.h"
+#include "message_of.h"
 
 namespace lake {
 namespace {
@@ -203,12 +204,7 @@ TEST(StsMotion, SaysWhichOptionIsWrong) {
   const auto message = [](auto change) {
     synth::StsMotionOptions options;
     change(options);
-    try {
-      synth::StsMotion motion(options);
-    } catch (const UsageError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return MessageOf<UsageError>([&] { synth::StsMotion motion(options); });
   };
   EXPECT_THAT(message([](auto& o) { o.repetitions = 0; }), HasSubstr("0 repetitions"));
   EXPECT_THAT(message([](auto& o) { o.thigh_mm = -1; }), HasSubstr("segment lengths"));
@@ -262,12 +258,7 @@ class MotionTableFile : public ::testing::Test {
   std::string ErrorOf(const std::string& text) {
     const auto path = std::filesystem::path(::testing::TempDir()) / "motion_table_test.csv";
     std::ofstream(path) << text;
-    try {
-      synth::MakeTableMotion(synth::ReadMotionTable(path));
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return MessageOf([&] { synth::MakeTableMotion(synth::ReadMotionTable(path)); });
   }
 };
 

@@ -10,6 +10,7 @@
 
 #include "lake/core/error.h"
 #include "lake/problem/load_profile.h"
+#include "message_of.h"
 #include "places.h"
 
 namespace lake {
@@ -25,12 +26,7 @@ class ActuatorFile : public ::testing::Test {
   }
   template <typename Read>
   std::string ErrorOf(const std::string& text, const Read& read) {
-    try {
-      read(Write(text));
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return MessageOf([&] { read(Write(text)); });
   }
   ~ActuatorFile() override { std::filesystem::remove(path_); }
   const std::filesystem::path path_ =

@@ -11,6 +11,7 @@
 #include "lake/core/error.h"
 #include "lake/problem/load_profile.h"
 #include "lake/problem/problem_template.h"
+#include "message_of.h"
 #include "places.h"
 
 namespace lake {
@@ -23,12 +24,7 @@ class ProblemFile : public ::testing::Test {
     return path_;
   }
   std::string ErrorOf(const std::string& text) {
-    try {
-      problem::ReadProblem(Write(text));
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return MessageOf([&] { problem::ReadProblem(Write(text)); });
   }
   ~ProblemFile() override { std::filesystem::remove(path_); }
   const std::filesystem::path path_ =

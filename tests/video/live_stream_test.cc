@@ -20,6 +20,7 @@
 #include "file_limit.h"
 #include "lake/core/file_descriptor.h"
 #include "lake/core/interrupt.h"
+#include "message_of.h"
 #include "video_files.h"
 
 namespace lake::test {
@@ -60,12 +61,7 @@ LiveStreamOptions Replay() {
 
 std::string ReasonOf(const std::string& input, const LiveStreamOptions& options,
                      const std::filesystem::path& recording) {
-  try {
-    LiveStream stream(input, options, recording);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return MessageOf([&] { LiveStream stream(input, options, recording); });
 }
 
 // The recording holds the frames that were handed out, to the bit, at their times: Matroska keeps milliseconds.

@@ -15,6 +15,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/video/video_reader.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace lake::test {
@@ -103,14 +104,11 @@ inline Recording ReadAll(const std::filesystem::path& path, const video::VideoRe
 // The message of the Error that reading the whole file ends with; empty if it does not. The frames before are kept.
 inline std::string ErrorOf(const std::filesystem::path& path, const video::VideoReaderOptions& options = {},
                            std::vector<video::VideoFrame>* frames = nullptr) {
-  try {
+  return MessageOf([&] {
     const auto reader = video::VideoReader::Open(path, options);
     for (video::VideoFrame frame; reader->Read(frame);)
       if (frames) frames->push_back(frame);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 // The frame of `raw` frames of the picture's size and type that a picture must equal.

@@ -4,7 +4,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/figure/assistance_figures.h"
+#include "lake/figure/design_figures.h"
 #include "optimum_tables.h"
 #include "png_and_svg.h"
 

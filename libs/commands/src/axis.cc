@@ -12,7 +12,7 @@
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/convert.h"
 #include "lake/exchange/formats.h"
-#include "lake/figure/axis_figure.h"
+#include "lake/figure/trial_figures.h"
 #include "png_and_svg.h"
 
 namespace lake::commands {

@@ -6,7 +6,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/json_or_null.h"
-#include "lake/overlay/check_picture.h"
+#include "lake/overlay/pictures.h"
 #include "lake/tracking/track_markers.h"
 #include "lake/video/image.h"
 #include "lake/video/video_files.h"

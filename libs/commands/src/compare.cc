@@ -12,7 +12,7 @@
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/ground_forces.h"
-#include "lake/figure/misalignment_figures.h"
+#include "lake/figure/charts.h"
 #include "lake/gait/learnt_knee.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/persons_leg.h"
@@ -294,6 +294,18 @@ MoveOnBody CheckMove(const compare::Misalignment& misalignment, const CompareRun
   return {WornJointJson(joint), WornJointText(joint, misalignment.joint->remainder_mm)};
 }
 
+void DrawFigures(const Json& comparison, Run& run) {
+  std::vector<report::LineChart> courses = {report::PathDifferenceChart(comparison), report::PartsChart(comparison),
+                                            report::KneeAnglesChart(comparison)};
+  if (auto joint = report::JointChart(comparison)) courses.push_back(*std::move(joint));
+  DrawTogether({{"overlay",
+                 [&](const fs::path& path) {
+                   figure::DrawCharts(path, {report::LegsChart(comparison), report::KneePathsChart(comparison)}, 2);
+                 }},
+                {"misalignment", [&](const fs::path& path) { figure::DrawCharts(path, courses, 2); }}},
+               run);
+}
+
 void WriteComparisonReport(const std::string& title, const Json& comparison, std::vector<report::Section> more,
                            Run& run) {
   report::Report report{.title = "Misalignment of human and exoskeleton knee",
@@ -307,7 +319,7 @@ void WriteComparisonReport(const std::string& title, const Json& comparison, std
                        {"uncertainty_budget.csv", "what each figure is uncertain by, source by source"},
                        {"comparison.json", "all values and curves, as lake-optimize reads them"},
                        {"overlay.svg", "knee paths and legs, a figure for print"},
-                       {"misalignment.svg", "error, parts and angles over the repetition, for print"}}}}});
+                       {"misalignment.svg", "path difference, parts and angles over the repetition, for print"}}}}});
   report.sections.push_back(report::ProvenanceSection(run.Head()));
   report::WriteReport(run.Result("report.html"), report);
 }
@@ -503,8 +515,6 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   compare::WriteMisalignmentCsv(run.Result("misalignment.csv"), misalignment);
   const std::string title = fmt::format("{} ({}) against {} ({})", options.exo.filename().string(), exo_knee,
                                         options.human.filename().string(), options.human_knee);
-  DrawPngAndSvg("overlay", run, [&](const fs::path& path) { figure::DrawOverlayFigure(path, misalignment); });
-  DrawPngAndSvg("misalignment", run, [&](const fs::path& path) { figure::DrawMisalignmentFigure(path, misalignment); });
   Json comparison = compare::ComparisonJson(misalignment);
   comparison["markers"] = {{"human", options.human_knee}, {"exo", exo_knee}};
   comparison["joint_at_mm"] = options.joint_at_mm;
@@ -540,6 +550,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
     sections.push_back(CuffSection(cases, options.cuff));
   }
   WriteJsonFile(run.Result("comparison.json"), comparison);
+  DrawFigures(comparison, run);
   WriteComparisonReport(title, comparison, std::move(sections), run);
   run.Report(ComparisonText(misalignment, budgets, move.text, cases));
   comparison.erase("curves");

@@ -15,7 +15,7 @@
 #include "lake/core/run.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/trial.h"
-#include "lake/figure/leg_figure.h"
+#include "lake/figure/trial_figures.h"
 #include "lake/gait/learnt_knee.h"
 #include "lake/gait/leg_report.h"
 #include "lake/gait/movement.h"

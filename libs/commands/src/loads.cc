@@ -15,7 +15,7 @@
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/ground_forces.h"
-#include "lake/figure/loads_figure.h"
+#include "lake/figure/design_figures.h"
 #include "lake/sync/clock.h"
 #include "png_and_svg.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "lake/core/deviation_text.h"
-#include "lake/figure/measures_figure.h"
+#include "lake/figure/trial_figures.h"
 #include "png_and_svg.h"
 
 namespace lake::commands {

@@ -16,7 +16,7 @@
 #include "lake/core/numbers.h"
 #include "lake/core/run.h"
 #include "lake/core/statistics.h"
-#include "lake/figure/gait_cycles_figure.h"
+#include "lake/figure/trial_figures.h"
 #include "lake/gait/gait_cycles.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/movement.h"

@@ -12,14 +12,14 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/plausible.h"
-#include "lake/figure/assistance_figures.h"
-#include "lake/figure/redesign_figures.h"
-#include "lake/figure/synthesis_figures.h"
+#include "lake/figure/charts.h"
+#include "lake/figure/design_figures.h"
 #include "lake/loads/body_path.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/redesign/program_options.h"
 #include "lake/redesign/redesign_outcome.h"
+#include "lake/report/redesign_charts.h"
 #include "lake/synthesis/synthesis_options.h"
 #include "png_and_svg.h"
 #include "problem_inputs.h"
@@ -240,17 +240,18 @@ void CheckRedesign(const OptimizeRunOptions& options) {
         "--round cannot be combined with a human's motion: rounding the links would change the misalignment");
 }
 
-void DrawFigures(const redesign::RedesignOutcome& outcome, Run& run) {
+void DrawFigures(const redesign::RedesignOutcome& outcome, const Json& summary, Run& run) {
   std::vector<NamedFigure> figures = {
       {"convergence",
        [&](const fs::path& path) {
          figure::DrawConvergence(outcome.result.BestOrFirst().local, "range less penalties (°)", -1, path);
        }},
-      {"knee_paths", [&](const fs::path& path) { figure::DrawKneePaths(outcome, path); }}};
+      {"knee_paths", [&](const fs::path& path) { figure::DrawKneePaths(path, outcome); }}};
   if (outcome.after.prediction && outcome.after.prediction->balance)
-    figures.push_back({"balance", [&](const fs::path& path) { figure::DrawBalance(outcome, path); }});
+    figures.push_back({"balance", [&](const fs::path& path) { figure::DrawBalance(path, outcome); }});
   if (!outcome.fronts.empty())
-    figures.push_back({"pareto", [&](const fs::path& path) { figure::DrawPareto(outcome, path); }});
+    figures.push_back(
+        {"pareto", [&](const fs::path& path) { figure::DrawCharts(path, {report::ParetoChart(summary)}); }});
   DrawTogether(figures, run);
 }
 
@@ -348,7 +349,7 @@ Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
   run.Begin(names);
   const redesign::RedesignOutcome outcome = redesign::RunRedesign(problem, measured, redesign_options);
   Json summary = WriteRedesign(outcome, run);
-  DrawFigures(outcome, run);
+  DrawFigures(outcome, summary, run);
   if (!outcome.IsSolved()) {
     run.WriteFailedSummary(summary, outcome.infeasible->sentence);
     throw SolverError(outcome.infeasible->sentence);

@@ -14,7 +14,7 @@
 #include "lake/drawing/linkage_animation.h"
 #include "lake/drawing/linkage_dxf.h"
 #include "lake/drawing/linkage_figures.h"
-#include "lake/figure/pin_forces_figure.h"
+#include "lake/figure/design_figures.h"
 #include "lake/linkage/statics.h"
 #include "lake/parts/strength.h"
 #include "lake/problem/assistance.h"

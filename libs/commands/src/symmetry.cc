@@ -17,7 +17,7 @@
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/ground_forces.h"
-#include "lake/figure/symmetry_figure.h"
+#include "lake/figure/trial_figures.h"
 #include "lake/gait/sit_to_stand.h"
 #include "lake/sync/clock.h"
 #include "png_and_svg.h"

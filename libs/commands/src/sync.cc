@@ -6,7 +6,7 @@
 #include "lake/core/error.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/exchange/convert.h"
-#include "lake/figure/sync_figure.h"
+#include "lake/figure/trial_figures.h"
 #include "png_and_svg.h"
 
 namespace lake::commands {

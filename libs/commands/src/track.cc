@@ -14,8 +14,7 @@
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/formats.h"
 #include "lake/exchange/trial.h"
-#include "lake/figure/leg_figure.h"
-#include "lake/figure/tracks_figure.h"
+#include "lake/figure/trial_figures.h"
 #include "lake/gait/learnt_knee.h"
 #include "lake/gait/leg_report.h"
 #include "lake/gait/movement.h"
@@ -23,8 +22,8 @@
 #include "lake/gait/sit_to_stand.h"
 #include "lake/gait/standing_leg.h"
 #include "lake/motion/corrections.h"
-#include "lake/overlay/numbered_spots.h"
 #include "lake/overlay/overlay_video.h"
+#include "lake/overlay/pictures.h"
 #include "lake/tracking/recording_verdicts.h"
 #include "lake/video/video_files.h"
 #include "measure_tables.h"
@@ -210,7 +209,7 @@ void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateLi
   csv.Write(run.Result(kCandidatesTable));
   cv::Mat luma = video::ReadLuma(options.video, list.frame, options.track.reader);
   if (options.anonymise) overlay::BlurWhole(luma);  // the spots have no names yet
-  overlay::DrawNumberedSpots(luma, spots, run.Result(kCandidatesPicture));
+  video::WriteImage(run.Result(kCandidatesPicture), overlay::DrawNumberedSpots(luma, spots));
 }
 
 void WarnOfVideo(const video::VideoInfo& video, const gait::LegView& view, Run& run) {

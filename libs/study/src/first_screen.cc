@@ -11,6 +11,7 @@
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/linkage/design_file.h"
+#include "lake/report/misalignment_sections.h"
 #include "step_work.h"
 
 namespace lake::study {
@@ -88,12 +89,9 @@ linkage::WearCheck SimulatedOnBody(const Json& body) {
 }
 
 Way AsWorn(const StudyFile& study, const StudyResults& results, const Json& redesign) {
-  const Json comparison = results.Summary("comparison");
-  const Json intervals = comparison.value("intervals", Json::object());
   Way way{.name = "as worn",
           .design = "before",
-          .misalignment_percent = PathDifferencePercent(comparison.at("metrics").at("relative_rms"),
-                                                        intervals.value("relative_rms", Json())),
+          .misalignment_percent = PathDifference_percent(results.Summary("comparison")),
           .rise_s = RecordedRise(results),
           .build = "–"};
   if (study.worn) way.on_body = WornOnBody(study, results, PlacementOf(redesign.at("before")));

@@ -14,7 +14,7 @@
 #include "lake/core/run.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/marker_recording.h"
-#include "lake/overlay/knees_picture.h"
+#include "lake/overlay/pictures.h"
 #include "lake/problem/problem_file.h"
 #include "lake/study/study_file.h"
 #include "lake/synthesis/synthesis_options.h"

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "first_screen.h"
 #include "lake/core/error.h"
@@ -14,11 +16,149 @@
 #include "lake/core/threads.h"
 #include "lake/report/report.h"
 #include "lake/study/study_file.h"
-#include "step_table.h"
+#include "step_work.h"
 #include "study_chapters.h"
 
 namespace lake::study {
 namespace {
+
+// The one table of a study's steps: what each is called, needs, leaves and shows, and who makes it.
+struct StepKind {
+  const char* name;     // of its folder, too
+  const char* program;  // whose work it is
+  // Nullopt for a study that has no such step. Name, program and folder are those of this table.
+  std::optional<steps::StudyStep> (*make)(const StudyFile& study, const std::filesystem::path& out);
+  StepNeeds needs = {};
+  std::vector<const char*> outputs = {};        // that every run leaves, and others go by
+  std::vector<report::Files::File> files = {};  // figures and tables that the report names, below its folder
+
+  // Its chapter in the report, and the title of its warnings there; both come in the order of these numbers.
+  report::Section (*chapter)(const StudyFile& study, const StudyResults& results) = nullptr;
+  int chapter_place = 0;
+  const char* warnings = "";
+  int warnings_place = 0;
+};
+
+// In an order in which each comes after those that it reads.
+const std::vector<StepKind>& StepKinds() {
+  static const std::vector<StepKind> kInOrder = {
+      {.name = "calibration",
+       .program = "lake-calibrate",
+       .make = CalibrationStep,
+       .needs = {.threads = 2, .memory_mb = 2000, .minutes = 60},
+       .outputs = {"camera.yaml", "summary.json"},
+       .warnings = "Camera",
+       .warnings_place = 10},
+      {.name = "plane",
+       .program = "lake-calibrate",
+       .make = PlaneStep,
+       .outputs = {"camera.yaml", "summary.json"},
+       .warnings = "Sagittal plane",
+       .warnings_place = 9},
+      {.name = "human",
+       .program = nullptr,  // lake-track of a video, lake-gait of a trial
+       .make = HumanStep,
+       .needs = {.threads = 2, .memory_mb = 2000, .minutes = 60},
+       .outputs = {"kinematics.csv", "events.csv", "summary.json"},
+       .files = {{"overlay.mp4", "the human trial with skeleton, trails and angle"},
+                 {"track.png", "figure of the human trial: paths, knee angle, residuals"},
+                 {"kinematics.csv", "angles and vectors frame by frame"}},
+       .chapter = TrialsChapter,
+       .chapter_place = 6,
+       .warnings = "Human trial",
+       .warnings_place = 7},
+      {.name = "exo",
+       .program = nullptr,
+       .make = ExoStep,
+       .needs = {.threads = 2, .memory_mb = 2000, .minutes = 60},
+       .outputs = {"kinematics.csv", "events.csv", "summary.json"},
+       .files = {{"overlay.mp4", "the exoskeleton trial with skeleton, trails and angle"},
+                 {"track.png", "figure of the exoskeleton trial"},
+                 {"kinematics.csv", "the same for the exoskeleton trial"}},
+       .warnings = "Exoskeleton trial",
+       .warnings_place = 8},
+      {.name = "comparison",
+       .program = "lake-compare",
+       .make = ComparisonStep,
+       .outputs = {"comparison.json", "misalignment.csv", "summary.json"},
+       .files = {{"report.html", "the whole comparison, all figures"},
+                 {"misalignment.csv", "its curves, a row per percent"}},
+       .chapter = MisalignmentChapter,
+       .chapter_place = 5,
+       .warnings = "Misalignment",
+       .warnings_place = 6},
+      {.name = "loads",
+       .program = "lake-loads",
+       .make = LoadsStep,
+       .outputs = {"loads.csv", "momentum.csv", "loads.json", "summary.json"},
+       .files = {{"loads.csv", "moments at ankle, knee and hip of each rise"},
+                 {"momentum.csv", "the whole body's centre of mass at seat-off, its largest momenta"},
+                 {"centre_of_mass.csv", "where it is over each rise, and how it moves"},
+                 {"pace.csv", "the same path at other paces: the knee's moment, and whether balance is kept"}},
+       .chapter = LoadsChapter,
+       .chapter_place = 2,
+       .warnings = "Loads",
+       .warnings_place = 5},
+      {.name = "optimum",
+       .program = "lake-optimize",
+       .make = OptimumStep,
+       .needs = {.minutes = 120},
+       .outputs = {"design.yaml", "summary.json"},
+       .files = {{"design.yaml", "the optimum of the design problem"}},
+       .chapter = OptimumChapter,
+       .chapter_place = 7,
+       .warnings = "Benchmark optimum",
+       .warnings_place = 11},
+      {.name = "redesign",
+       .program = "lake-optimize",
+       .make = RedesignStep,
+       .needs = {.minutes = 120},
+       .outputs = {"design.yaml", "summary.json"},
+       .files = {{"design.yaml", "the re-optimised design"},
+                 {"balance.csv", "centre of pressure, knee moment and lean along its program"}},
+       .chapter = RedesignChapter,
+       .chapter_place = 1,
+       .warnings = "New design",
+       .warnings_place = 2},
+      {.name = "assistance",
+       .program = "lake-optimize",
+       .make = AssistanceStep,
+       .needs = {.minutes = 120},
+       .outputs = {"summary.json"},
+       .files = {{"design.yaml", "the links for the actuator and the knee moment"},
+                 {"assistance.csv", "its force, speed and power over the rise"},
+                 {"actuators_front.csv", "each actuator's shortest rise and links"}},
+       .warnings = "Assistance",
+       .warnings_place = 4},
+      {.name = "simulation",
+       .program = "lake-simulate",
+       .make = SimulationStep,
+       .needs = {.minutes = 30},
+       .outputs = {"angle_vs_stroke.csv", "summary.json"},
+       .files = {{"angle_vs_stroke.csv", "angle, moment arm and force over stroke"},
+                 {"animation.mp4", "the linkage moving"},
+                 {"design.dxf", "link plates, 1:1 in mm"},
+                 {"schematic.svg", "schematic with the symbols"},
+                 {"mannequin.png", "the design on the body"}},
+       .chapter = SimulationChapter,
+       .chapter_place = 3,
+       .warnings = "Fit on the body",
+       .warnings_place = 1},
+      {.name = "stroke",
+       .program = "lake-stroke",
+       .make = StrokeStep,
+       .outputs = {"program.csv", "summary.json"},
+       .files = {{"program.csv", "the stroke program"}},
+       .chapter = StrokeChapter,
+       .chapter_place = 4,
+       .warnings = "Stroke program",
+       .warnings_place = 3},
+  };
+  return kInOrder;
+}
+
+// Of all steps: it comes last, into the study's own folder.
+inline constexpr const char* kReportStep = "report";
 
 namespace fs = std::filesystem;
 

@@ -8,6 +8,7 @@
 #include "lake/core/colours.h"
 #include "lake/core/csv.h"
 #include "lake/core/uncertain_text.h"
+#include "lake/report/redesign_charts.h"
 #include "lake/report/uncertain.h"
 #include "study_chapters.h"
 
@@ -260,54 +261,6 @@ LineChart AnglesChart(const fs::path& program, const std::string& repetition) {
   chart.caption = "Knee angle of the person and of the new design.";
   chart.series = {ColumnSeries(table, "percent", "knee_deg", "new design", colour::kNew, Mark::kDashed),
                   ColumnSeries(table, "percent", "human_knee_deg", "human", colour::kHuman, Mark::kLine)};
-  return chart;
-}
-
-constexpr Mark kFrontMarks[] = {Mark::kLine, Mark::kDashed, Mark::kDotted};
-
-LineChart ParetoChart(const Json& summary) {
-  LineChart chart;
-  chart.title = "Range of rotation against path difference";
-  chart.alt = "Pareto fronts: the least path difference for each range of rotation";
-  chart.caption =
-      "Path difference: RMS, of the shank length. Each point is a design of its own. With the same stroke program none "
-      "has more range and a smaller path difference; the programs differ in the time that a rise takes.";
-  chart.x.label = "range of rotation (°)";
-  chart.y = {"path difference (%)", 0, std::nullopt};  // short, as a legend of so many names leaves little height
-  for (const Json& front : summary.at("pareto")) {
-    Series series;
-    series.name = front.at("program").get<std::string>() + " program";
-    series.mark = kFrontMarks[chart.series.size() % std::size(kFrontMarks)];
-    series.colour = colour::kFronts[chart.series.size() % std::size(colour::kFronts)];
-    for (const Json& point : front.at("range_deg_and_misalignment_percent")) {
-      series.x.push_back(NumberOrNaN(point.at(0)));
-      series.y.push_back(NumberOrNaN(point.at(1)));
-    }
-    chart.series.push_back(std::move(series));
-  }
-  const auto add = [&](const char* design, const char* name, const char* colour) {
-    const Json& of = summary.at(design);
-    if (!of.is_object() || !of.at("range_deg").is_number() || !of.at("misalignment_percent").is_number()) return;
-    Series point;
-    point.name = name;
-    point.mark = Mark::kPoints;
-    point.colour = colour;
-    point.x = {NumberOrNaN(of.at("range_deg"))};
-    point.y = {NumberOrNaN(of.at("misalignment_percent"))};
-    chart.series.push_back(std::move(point));
-  };
-  add("before", "worn", colour::kWorn);
-  add("joint_moved", "worn, joint moved", colour::kHip);
-  add("other_program", "worn, other program", colour::kKnee);
-  add("after", "new design", colour::kNew);
-  double least_deg = NumberOrNaN(summary.at("range_deg")), most_deg = least_deg;
-  for (const Series& series : chart.series)
-    for (const double range_deg : series.x) {
-      least_deg = std::min(least_deg, range_deg);
-      most_deg = std::max(most_deg, range_deg);
-    }
-  chart.x.from = std::floor(least_deg / 5 - 0.2) * 5;
-  chart.x.to = std::ceil(most_deg / 5 + 0.2) * 5;
   return chart;
 }
 

@@ -32,11 +32,9 @@ std::string JointText(const StudyResults& results) {
 
 std::string WrongText(const StudyResults& results) {
   const Json comparison = results.Summary("comparison");
-  const Json &metrics = comparison.at("metrics"), intervals = comparison.value("intervals", Json::object());
   return JointText(results) +
          fmt::format("The knee paths of both trials differ by {} mm RMS, {} % of the shank length. {}",
-                     UncertainOf(metrics.at("rms_mm"), intervals.value("rms_mm", Json())).Text(1),
-                     PathDifferencePercent(metrics.at("relative_rms"), intervals.value("relative_rms", Json())).Text(1),
+                     PathDifference_mm(comparison).Text(1), PathDifference_percent(comparison).Text(1),
                      DecompositionAdvice(comparison));
 }
 
@@ -228,22 +226,15 @@ std::string BodyText(const StudyResults& results) {
                      AskedText(AskedClearances(results)));
 }
 
-// "9 %", as far as the recordings tell.
-std::string MeasuredPercent(const StudyResults& results) {
-  const Json comparison = results.Summary("comparison"), intervals = comparison.value("intervals", Json::object());
-  return PathDifferencePercent(comparison.at("metrics").at("relative_rms"), intervals.value("relative_rms", Json()))
-             .Text(DecimalsOf("%")) +
-         " %";
-}
-
 std::string SureText(const StudyResults& results, const Json& redesign) {
   std::string text = "The new design is predicted, not recorded.";
   if (results.Has("comparison")) {
     const Json trial = redesign.at("trial");
     const double worn = NumberOrNaN(redesign.at("before").at("misalignment_percent"));
     if (trial.is_object() && std::isfinite(worn))
-      text += fmt::format(" For the worn design the same prediction gives {} where {} was measured.",
-                          Quantity(worn, "%"), MeasuredPercent(results));
+      text +=
+          fmt::format(" For the worn design the same prediction gives {} where {} was measured.", Quantity(worn, "%"),
+                      PathDifference_percent(results.Summary("comparison")).Text(DecimalsOf("%")) + " %");
     text += fmt::format(
         " Below {}, the noise floor, a recording shows only noise. Intervals on the first screen are "
         "95 %: as worn and with the joint moved how rises differ is in them, of new links only how well the joint can "

@@ -1,17 +1,18 @@
-#include "lake/figure/assistance_figures.h"
-
 #include <fmt/ranges.h>
 
 #include <array>
 #include <cmath>
 
 #include "lake/core/colours.h"
+#include "lake/figure/charts.h"
+#include "lake/figure/design_figures.h"
 #include "lake/figure/gnuplot.h"
 
 namespace lake::figure {
 namespace {
 
 using problem::AssistanceRow;
+using report::LineChart, report::Mark, report::Series;
 
 std::vector<double> Column(const problem::Assistance& assistance, double AssistanceRow::*member) {
   std::vector<double> values;
@@ -19,26 +20,14 @@ std::vector<double> Column(const problem::Assistance& assistance, double Assista
   return values;
 }
 
-void PlaceRow(GnuplotFigure& figure, int row) {
-  constexpr double kHeight = 0.30;
-  const double top = 0.93 - row * kHeight;
-  figure.Line("set tmargin at screen {}; set bmargin at screen {}", top, top - kHeight + 0.06);
-}
-
-// Over percent: a column, and limits beside it.
-void PlotColumn(GnuplotFigure& figure, const problem::Assistance& assistance, double AssistanceRow::*member,
-                const char* title, const std::vector<std::string>& others) {
-  const std::vector<double> percents = Column(assistance, &AssistanceRow::percent);
-  std::string plot =
-      fmt::format("plot 0 with lines lw 1 lc rgb '{}', {} using 1:2 with lines lw 4 lc rgb '{}' title '{}'",
-                  colour::kText, figure.Data({percents, Column(assistance, member)}), colour::kNew, title);
-  for (const std::string& other : others) plot += ", " + other;
-  figure.Line(plot);
-}
-
-std::string LimitLine(double value, const std::string& title) {
-  return fmt::format("{} with lines lw 2 dt (8,4) lc rgb '{}' title {}", value, colour::kExoskeleton,
-                     QuoteForGnuplot(title));
+// Over percent.
+Series Over(const problem::Assistance& assistance, std::string name, std::vector<double> values, const char* colour,
+            Mark mark = Mark::kLine) {
+  return {.name = std::move(name),
+          .x = Column(assistance, &AssistanceRow::percent),
+          .y = std::move(values),
+          .colour = colour,
+          .mark = mark};
 }
 
 // The speed that the actuator reaches under the force of each row, in the direction `sign`.
@@ -106,38 +95,35 @@ std::string YRange(const std::vector<synthesis::ActuatorCurve>& curves, double o
 
 void DrawAssistance(const std::filesystem::path& path, const problem::Assistance& assistance,
                     const problem::SynthesisProblem& problem) {
-  GnuplotFigure figure(1100, 1100);
-  const std::string name = problem.actuator ? problem.actuator->name + ", " : "";
-  figure.Line("set multiplot title {} noenhanced font ',14'",
-              QuoteForGnuplot(fmt::format("{}{:.0f} % of the knee's moment, a rise in {:.1f} s", name,
-                                          100 * problem.assist.value_or(1), assistance.duration_s)));
-  figure.Line("set xrange [0:100]; set lmargin at screen 0.10; set rmargin at screen 0.97");
-  figure.Line(
-      "set key at graph 1, graph 1.15 right top horizontal samplen 2.5; set offsets 0, 0, graph 0.05, graph 0.05; set "
-      "format x ''");
-  std::vector<std::string> force_limits, speed_limits;
+  struct Panel {
+    const char *axis, *title;
+    double AssistanceRow::*member;
+  };
+  std::vector<LineChart> charts;
+  for (const Panel& panel : {Panel{"force (N)", "actuator, pushing", &AssistanceRow::force_n},
+                             Panel{"speed (mm/s)", "actuator, extending", &AssistanceRow::speed_mm_s},
+                             Panel{"power (W)", "actuator, driving", &AssistanceRow::power_w}})
+    charts.push_back({.x = {.label = "rise (%)", .from = 0, .to = 100},
+                      .y = {.label = panel.axis},
+                      .series = {Over(assistance, panel.title, Column(assistance, panel.member), colour::kNew)}});
   if (problem.actuator) {
-    if (const auto force_n = problem.actuator->LiftingForce())
-      force_limits.push_back(LimitLine(*force_n, fmt::format("lifts {:.0f} N", *force_n)));
-    const char* const title =
-        problem.actuator->HasForceSpeedLaw() ? "title 'its limit under this force'" : "title 'its limit without load'";
-    const std::vector<double> percents = Column(assistance, &AssistanceRow::percent);
-    for (const int sign : {1, -1})
-      if (problem.actuator->HasSpeed())
-        speed_limits.push_back(fmt::format("{} using 1:2 with lines lw 2 dt (8,4) lc rgb '{}' {}",
-                                           figure.Data({percents, ReachedSpeeds(assistance, *problem.actuator, sign)}),
-                                           colour::kExoskeleton, sign > 0 ? title : ""));
+    const problem::LinearActuator& actuator = *problem.actuator;
+    const auto limit = [&](std::size_t chart, std::string name, std::vector<double> values) {
+      charts[chart].series.push_back(
+          Over(assistance, std::move(name), std::move(values), colour::kExoskeleton, Mark::kDashed));
+    };
+    if (const auto force_n = actuator.LiftingForce())
+      limit(0, fmt::format("lifts {:.0f} N", *force_n), std::vector<double>(assistance.rows.size(), *force_n));
+    if (actuator.HasSpeed()) {
+      limit(1, actuator.HasForceSpeedLaw() ? "its limit under this force" : "its limit without load",
+            ReachedSpeeds(assistance, actuator, 1));
+      limit(1, "", ReachedSpeeds(assistance, actuator, -1));
+    }
   }
-  PlaceRow(figure, 0);
-  figure.Line("set ylabel 'force (N)'");
-  PlotColumn(figure, assistance, &AssistanceRow::force_n, "actuator, pushing", force_limits);
-  PlaceRow(figure, 1);
-  figure.Line("set ylabel 'speed (mm/s)'");
-  PlotColumn(figure, assistance, &AssistanceRow::speed_mm_s, "actuator, extending", speed_limits);
-  PlaceRow(figure, 2);
-  figure.Line("set ylabel 'power (W)'; set xlabel 'rise (%)'; set format x '%g'");
-  PlotColumn(figure, assistance, &AssistanceRow::power_w, "actuator, driving", {});
-  figure.Line("unset multiplot").Write(path);
+  const std::string name = problem.actuator ? problem.actuator->name + ", " : "";
+  DrawCharts(path, charts, 1,
+             fmt::format("{}{:.0f} % of the knee's moment, a rise in {:.1f} s", name, 100 * problem.assist.value_or(1),
+                         assistance.duration_s));
 }
 
 void DrawActuatorFront(const std::filesystem::path& path, const std::vector<synthesis::ActuatorCurve>& curves,

@@ -20,10 +20,15 @@
 #include "lake/core/error.h"
 #include "lake/core/file_descriptor.h"
 #include "lake/core/processes.h"
-#include "theme.h"
 
 namespace lake::figure {
 namespace {
+
+// The style of all plots: frame, grid, key and sizes of text.
+constexpr const char* kFont = "DejaVu Sans,14";  // readable where a figure is shown at half its size
+constexpr const char* kTheme =
+    "set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#E4E4E4' lt 1 lw 1; set key "
+    "samplen 3 spacing 1.2 noautotitle\n";
 
 // Runs `gnuplot SCRIPT`; what it says goes to `log`. Returns its exit status, or throws if it cannot be started.
 int RunGnuplot(const std::filesystem::path& script, const std::filesystem::path& log) {

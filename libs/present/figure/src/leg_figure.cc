@@ -1,5 +1,3 @@
-#include "lake/figure/leg_figure.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include "lake/core/colours.h"
 #include "lake/core/statistics.h"
 #include "lake/figure/gnuplot.h"
+#include "lake/figure/trial_figures.h"
 
 namespace lake::figure {
 namespace {

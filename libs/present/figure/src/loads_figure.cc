@@ -1,11 +1,10 @@
-#include "lake/figure/loads_figure.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "lake/core/colours.h"
 #include "lake/core/numbers.h"
+#include "lake/figure/design_figures.h"
 #include "lake/figure/gnuplot.h"
 #include "percents.h"
 

@@ -1,25 +1,16 @@
-#include "lake/figure/pin_forces_figure.h"
-
 #include <algorithm>
 #include <cmath>
 
-#include "lake/figure/gnuplot.h"
-#include "theme.h"
+#include "lake/core/colours.h"
+#include "lake/figure/charts.h"
+#include "lake/figure/design_figures.h"
 
 namespace lake::figure {
 namespace {
 
-// Columns: knee angle, actuator, coupler, bar along the members; tip, thigh and knee pin.
-std::vector<std::vector<double>> Columns(const std::vector<PinForcesRow>& rows) {
-  std::vector<std::vector<double>> columns(7);
-  for (const PinForcesRow& row : rows) {
-    const linkage::MemberForces& forces = row.forces;
-    const double values[] = {row.knee_deg,    forces.actuator_n, forces.coupler_n, forces.bar_n,
-                             forces.TipPin(), forces.ThighPin(), forces.KneePin()};
-    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].push_back(values[i]);
-  }
-  return columns;
-}
+using report::LineChart, report::Mark, report::Series;
+
+constexpr const char* kActuatorColour = "#CC0000";
 
 // As much of the forces as a reader wants to see.
 double ShownForce(const std::vector<PinForcesRow>& rows) {
@@ -42,36 +33,39 @@ double LeastMemberForce(const std::vector<PinForcesRow>& rows) {
   return 1.1 * least;
 }
 
-void PlacePanel(GnuplotFigure& figure, double bottom, double top) {
-  figure.Line("set bmargin at screen {}\nset tmargin at screen {}", bottom, top);
+template <typename Force>
+Series ForceOf(const std::vector<PinForcesRow>& rows, const char* name, const char* colour, Mark mark, Force force) {
+  Series series{.name = name, .colour = colour, .mark = mark};
+  for (const PinForcesRow& row : rows) {
+    series.x.push_back(row.knee_deg);
+    series.y.push_back(force(row.forces));
+  }
+  return series;
 }
 
 }  // namespace
 
 void DrawPinForces(const std::filesystem::path& path, const std::vector<PinForcesRow>& rows) {
-  GnuplotFigure figure(1000, 900);
-  const std::string table = figure.Data(Columns(rows));
+  using Forces = linkage::MemberForces;
   const double shown_n = ShownForce(rows);
-  figure.Line("set lmargin at screen 0.13\nset rmargin at screen 0.97\nset multiplot");
-  figure.Line("set key at graph 0.5, graph 1.02 center bottom horizontal");
-  PlacePanel(figure, 0.54, 0.94);
-  figure.Line("set format x ''\nset ylabel 'force, push positive (N)'\nset yrange [{}:{}]",
-              std::max(-shown_n, LeastMemberForce(rows)), shown_n);
-  figure.Line(
-      "plot {0} using 1:2 with lines lw 3.5 lc rgb '#CC0000' title 'actuator', {0} using 1:3 with lines lw 3 dt (12,5) "
-      "lc rgb '{1}' title 'coupler RS', {0} using 1:4 with lines lw 3 dt (3,4) lc rgb '{2}' title 'slewing bar PR', 0 "
-      "with lines lw 1 lc rgb '{3}'",
-      table, colour::kWaist, colour::kNew, colour::kText);
-  PlacePanel(figure, 0.09, 0.46);
-  figure.Line(
-      "set format x '%g'\nset xlabel 'knee angle {{/:Italic θ}} (°)'\nset ylabel 'pin force (N)'\nset yrange [0:{}]",
-      shown_n);
-  figure.Line(
-      "plot {0} using 1:5 with lines lw 3.5 lc rgb '{1}' title 'tip R', {0} using 1:6 with lines lw 3 dt (3,4) lc rgb "
-      "'{2}' title 'thigh pin P', {0} using 1:7 with lines lw 3 dt (12,5) lc rgb '{3}' title 'knee K, shank pin S', "
-      "{0} using 1:(abs($2)) with lines lw 2 lc rgb '#CC0000' title 'mount M'",
-      table, colour::kText, colour::kNew, colour::kWaist);
-  figure.Line("unset multiplot").Write(path);
+  const LineChart members{
+      .x = {.label = "knee angle θ (°)"},
+      .y = {.label = "force, push positive (N)", .from = std::max(-shown_n, LeastMemberForce(rows)), .to = shown_n},
+      .series = {
+          ForceOf(rows, "actuator", kActuatorColour, Mark::kLine, [](const Forces& f) { return f.actuator_n; }),
+          ForceOf(rows, "coupler RS", colour::kWaist, Mark::kDashed, [](const Forces& f) { return f.coupler_n; }),
+          ForceOf(rows, "slewing bar PR", colour::kNew, Mark::kDotted, [](const Forces& f) { return f.bar_n; })}};
+  const LineChart pins{
+      .x = {.label = "knee angle θ (°)"},
+      .y = {.label = "pin force (N)", .from = 0, .to = shown_n},
+      .series = {
+          ForceOf(rows, "tip R", colour::kText, Mark::kLine, [](const Forces& f) { return f.TipPin(); }),
+          ForceOf(rows, "thigh pin P", colour::kNew, Mark::kDotted, [](const Forces& f) { return f.ThighPin(); }),
+          ForceOf(rows, "knee K, shank pin S", colour::kWaist, Mark::kDashed,
+                  [](const Forces& f) { return f.KneePin(); }),
+          ForceOf(rows, "mount M", kActuatorColour, Mark::kThin,
+                  [](const Forces& f) { return std::abs(f.actuator_n); })}};
+  DrawCharts(path, {members, pins});
 }
 
 }  // namespace lake::figure

@@ -7,17 +7,19 @@
 
 #include "lake/core/colours.h"
 #include "lake/core/numbers.h"
-#include "lake/figure/gnuplot.h"
+#include "lake/figure/charts.h"
 
 namespace lake::figure {
 namespace {
 
+using report::LineChart, report::Mark, report::Series;
+
 constexpr const char* kExtendColour = "#0072B2";
 constexpr const char* kRetractColour = "#D55E00";
 
-void Place(GnuplotFigure& figure, double left, double right, double bottom, double top) {
-  figure.Line("set lmargin at screen {}; set rmargin at screen {}; set bmargin at screen {}; set tmargin at screen {}",
-              left, right, bottom, top);
+Series Course(std::string name, std::vector<double> x, std::vector<double> y, const char* colour,
+              Mark mark = Mark::kLine) {
+  return {.name = std::move(name), .x = std::move(x), .y = std::move(y), .colour = colour, .mark = mark};
 }
 
 // Of rows that are too many to draw, every n-th.
@@ -44,73 +46,49 @@ struct ProgramColumns {
   }
 };
 
-void DrawStroke(GnuplotFigure& figure, const actuator::StrokeSchedule& schedule, const ProgramColumns& c) {
+LineChart StrokeChart(const actuator::StrokeSchedule& schedule, const ProgramColumns& c) {
   const double lower = schedule.limits.lower_mm, upper = schedule.limits.upper_mm, pad = 0.12 * (upper - lower);
-  figure.Line("set ylabel 'stroke (mm)'; set yrange [{}:{}]", lower - pad, upper + pad);
-  for (const auto& [limit, side] : {std::pair{lower, -1}, std::pair{upper, 1}})
-    figure.Line("set label 'soft limit {:.2f} mm' at graph 0.5, first {} center offset 0,{} tc rgb '#666666'", limit,
-                limit, 0.7 * side);
-  figure.Line(
-      "plot {0} with lines lw 2 dt 2 lc rgb '{4}', {1} with lines lw 2 dt 2 lc rgb '{4}', {2} using 1:2 with lines lw "
-      "3 lc rgb '{3}'",
-      lower, upper, figure.Data({c.time, c.stroke}), kExtendColour, colour::kGuide);
-  figure.Line("unset label");
+  LineChart chart{.y = {.label = "stroke (mm)", .from = lower - pad, .to = upper + 5 * pad},
+                  .series = {Course("stroke", c.time, c.stroke, kExtendColour)}};
+  for (const double limit : {lower, upper})
+    chart.series.push_back(Course(fmt::format("soft limit {:.2f} mm", limit), {0, schedule.Duration()}, {limit, limit},
+                                  colour::kGuide, Mark::kDashed));
+  return chart;
 }
 
-// Speed on the left, signed duty on the right, their zeros at one height.
-void DrawSpeed(GnuplotFigure& figure, const ProgramColumns& c) {
-  const double top = std::max(0.0, *std::max_element(c.speed.begin(), c.speed.end()));
-  const double least = std::min(0.0, *std::min_element(c.speed.begin(), c.speed.end()));
-  const double pad = 0.12 * (top - least), high = top + 3 * pad;
-  double low = least - pad;
-  const bool has_duty = !std::isnan(c.duty.front());
-  const double percent_per_speed = 105 / std::max(high, -low);
-  if (has_duty) low = std::min(low, 1.1 * *std::min_element(c.duty.begin(), c.duty.end()) / percent_per_speed);
-  figure.Line("set ylabel 'speed (mm/s)'; set yrange [{}:{}]; set key top right horizontal", low, high);
-  if (has_duty) {
-    figure.Line("set y2label 'duty (%), signed'; set y2range [{}:{}]; set y2tics 50; set border 11",
-                percent_per_speed * low, percent_per_speed * high);
-  }
-  std::string plot = fmt::format("plot {} using 1:2 with steps lw 3 lc rgb '{}' title 'speed'",
-                                 figure.Data({c.time, c.speed}), kExtendColour);
-  if (has_duty)
-    plot += fmt::format(", {} using 1:2 axes x1y2 with steps lw 2.5 dt 3 lc rgb '{}' title 'duty'",
-                        figure.Data({c.time, c.duty}), kRetractColour);
-  figure.Line(plot);
-  figure.Line("unset y2label; unset y2tics; set border 3");
-}
-
-// Columns: duty in %, speed, its error.
-std::string TableOf(GnuplotFigure& figure, const std::vector<actuator::DutyRow>& rows, double actuator::DutyRow::*speed,
-                    double actuator::DutyRow::*error) {
-  std::vector<double> duty, speeds, errors;
+// Speeds over duty in %, with their errors.
+Series TableOf(const std::vector<actuator::DutyRow>& rows, double actuator::DutyRow::*speed,
+               double actuator::DutyRow::*error, const char* colour) {
+  Series series{.colour = colour, .mark = Mark::kPoints};
   for (const actuator::DutyRow& row : rows) {
     if (std::isnan(row.*speed)) continue;
-    duty.push_back(100 * row.duty);
-    speeds.push_back(row.*speed);
-    errors.push_back(std::isnan(row.*error) ? 0 : row.*error);
+    const double error_mm_s = std::isnan(row.*error) ? 0 : row.*error;
+    series.x.push_back(100 * row.duty);
+    series.y.push_back(row.*speed);
+    series.lower.push_back(row.*speed - error_mm_s);
+    series.upper.push_back(row.*speed + error_mm_s);
   }
-  return figure.Data({duty, speeds, errors});
+  return series;
 }
 
-std::string CurveOf(GnuplotFigure& figure, const actuator::DutyCurve& curve) {
+Series CurveOf(std::string name, const actuator::DutyCurve& curve, const char* colour) {
   constexpr int kSteps = 200;
-  std::vector<double> duty, speeds;
+  Series series{.name = std::move(name), .colour = colour};
   for (int i = 0; i <= kSteps; ++i) {
-    speeds.push_back(std::lerp(curve.LeastSpeed(), curve.MostSpeed(), i / double{kSteps}));
-    duty.push_back(100 * curve.DutyFor(speeds.back()));
+    series.y.push_back(std::lerp(curve.LeastSpeed(), curve.MostSpeed(), i / double{kSteps}));
+    series.x.push_back(100 * curve.DutyFor(series.y.back()));
   }
-  return figure.Data({duty, speeds});
+  return series;
 }
 
-std::string PlateausOf(GnuplotFigure& figure, const std::vector<actuator::Plateau>& plateaus, bool used) {
-  std::vector<double> duty = {kNaN}, speeds = {kNaN};
+Series PlateausOf(std::string name, const std::vector<actuator::Plateau>& plateaus, bool used, const char* colour) {
+  Series series{.name = std::move(name), .colour = colour, .mark = Mark::kPoints};
   for (const actuator::Plateau& plateau : plateaus)
     if (plateau.used == used) {
-      duty.push_back(100 * std::abs(plateau.duty));
-      speeds.push_back(std::abs(plateau.speed_mm_s));
+      series.x.push_back(100 * std::abs(plateau.duty));
+      series.y.push_back(std::abs(plateau.speed_mm_s));
     }
-  return figure.Data({duty, speeds});
+  return series;
 }
 
 struct ValidationColumns {
@@ -127,96 +105,70 @@ struct ValidationColumns {
   }
 };
 
-std::string AngleCurve(GnuplotFigure& figure, const actuator::StrokeSchedule& schedule) {
+Series AngleCurve(const actuator::StrokeSchedule& schedule) {
   constexpr int kSteps = 400;
-  std::vector<double> strokes, angles;
+  Series curve{.name = "simulation", .colour = colour::kText};
   for (int i = 0; i <= kSteps; ++i) {
-    strokes.push_back(
+    curve.x.push_back(
         std::lerp(schedule.limits.used.stroke.lower_mm, schedule.limits.used.stroke.upper_mm, i / double{kSteps}));
-    angles.push_back(actuator::KneeDegAt(schedule.links, strokes.back()));
+    curve.y.push_back(actuator::KneeDegAt(schedule.links, curve.x.back()));
   }
-  return figure.Data({strokes, angles});
+  return curve;
 }
 
 }  // namespace
 
 void DrawStrokeProgram(const std::filesystem::path& path, const actuator::StrokeSchedule& schedule,
                        const std::vector<actuator::ScheduleRow>& rows) {
-  GnuplotFigure figure(1200, 1000);
-  const ProgramColumns columns(rows);
-  figure.Line("set multiplot");
-  figure.Line("set xrange [0:{}]; set format x ''", schedule.Duration());
-  Place(figure, 0.09, 0.90, 0.68, 0.97);
-  DrawStroke(figure, schedule, columns);
-  Place(figure, 0.09, 0.90, 0.38, 0.64);
-  DrawSpeed(figure, columns);
-  Place(figure, 0.09, 0.90, 0.07, 0.34);
-  figure.Line(
-      "set format x '%g'; set xlabel 'time (s)'; set ylabel 'knee angle (°)'; set yrange [0:*]; set offsets 0, 0, "
-      "graph 0.08, 0");
-  figure.Line("plot {} using 1:2 with lines lw 3 lc rgb '{}'", figure.Data({columns.time, columns.knee}),
-              colour::kExoskeleton);
-  figure.Line("unset multiplot").Write(path);
+  const ProgramColumns c(rows);
+  std::vector<LineChart> charts = {
+      StrokeChart(schedule, c),
+      {.y = {.label = "speed (mm/s)"}, .series = {Course("", c.time, c.speed, kExtendColour)}},
+      {.y = {.label = "knee angle (°)", .from = 0}, .series = {Course("", c.time, c.knee, colour::kExoskeleton)}}};
+  if (!std::isnan(c.duty.front()))
+    charts.insert(charts.begin() + 2, LineChart{.y = {.label = "duty (%), signed"},
+                                                .series = {Course("", c.time, c.duty, kRetractColour)}});
+  for (LineChart& chart : charts) chart.x = {.label = "time (s)", .from = 0, .to = schedule.Duration()};
+  DrawCharts(path, charts);
 }
 
 void DrawDutyCalibration(const std::filesystem::path& path, const actuator::DutyCalibration& calibration) {
-  GnuplotFigure figure(1100, 700);
   const actuator::DutyTable table = actuator::MakeDutyTable(calibration.rows, "the table");
-  figure.Line("set xlabel 'duty (%)'; set ylabel 'speed (mm/s)'; set xrange [0:102]; set yrange [0:*]");
-  figure.Line("set key top left; set rmargin 4; set tmargin 2; set offsets 0, 0, graph 0.06, 0");
-  const auto direction = [&](const actuator::DutyCurve& curve, double actuator::DutyRow::*speed,
-                             double actuator::DutyRow::*error, const char* colour, const char* name,
-                             const actuator::DeadBand& band) {
-    const std::string drawn = CurveOf(figure, curve), rows = TableOf(figure, calibration.rows, speed, error);
-    return fmt::format(
-        "{} using 1:2 with lines lw 2 lc rgb '{}' title '{}, dead band up to {:.1f} %', {} using 1:2:3 with yerrorbars "
-        "pt 7 ps 1.1 lw 2 lc rgb '{}'",
-        drawn, colour, name, 100 * band.duty, rows, colour);
+  LineChart chart{.x = {.label = "duty (%)", .from = 0, .to = 102}, .y = {.label = "speed (mm/s)", .from = 0}};
+  const auto add = [&](const actuator::DutyCurve& curve, double actuator::DutyRow::*speed,
+                       double actuator::DutyRow::*error, const char* colour, const char* name,
+                       const actuator::DeadBand& band) {
+    chart.series.push_back(CurveOf(fmt::format("{}, dead band up to {:.1f} %", name, 100 * band.duty), curve, colour));
+    chart.series.push_back(TableOf(calibration.rows, speed, error, colour));
   };
-  std::string plot =
-      "plot " + direction(table.extend, &actuator::DutyRow::extend_mm_s, &actuator::DutyRow::extend_se_mm_s,
-                          kExtendColour, "extending", calibration.extend);
-  plot += ", " + direction(table.retract, &actuator::DutyRow::retract_mm_s, &actuator::DutyRow::retract_se_mm_s,
-                           kRetractColour, "retracting", calibration.retract);
-  plot += fmt::format(", {} using 1:2 with points pt 6 ps 1.6 lc rgb '#555555' title 'plateaus'",
-                      PlateausOf(figure, calibration.plateaus, true));
-  const bool left_out = std::any_of(calibration.plateaus.begin(), calibration.plateaus.end(),
-                                    [](const actuator::Plateau& plateau) { return !plateau.used; });
-  if (left_out)
-    plot += fmt::format(", {} using 1:2 with points pt 2 ps 1.6 lw 2 lc rgb '#CC79A7' title 'left out, not steady'",
-                        PlateausOf(figure, calibration.plateaus, false));
-  figure.Line(plot).Write(path);
+  using Row = actuator::DutyRow;
+  add(table.extend, &Row::extend_mm_s, &Row::extend_se_mm_s, kExtendColour, "extending", calibration.extend);
+  add(table.retract, &Row::retract_mm_s, &Row::retract_se_mm_s, kRetractColour, "retracting", calibration.retract);
+  for (const auto& [name, used, colour] :
+       {std::tuple{"plateaus", true, "#555555"}, std::tuple{"left out, not steady", false, "#CC79A7"}})
+    if (Series plateaus = PlateausOf(name, calibration.plateaus, used, colour); !plateaus.x.empty())
+      chart.series.push_back(std::move(plateaus));
+  DrawCharts(path, {chart});
 }
 
 void DrawValidation(const std::filesystem::path& path, const actuator::StrokeSchedule& schedule,
                     const actuator::Validation& validation) {
-  GnuplotFigure figure(1600, 800);
   const ValidationColumns c(validation);
-  const std::string curve = AngleCurve(figure, schedule),
-                    samples = figure.Data({c.time, c.stroke, c.predicted, c.measured, c.error});
-  figure.Line("set multiplot");
-  Place(figure, 0.06, 0.47, 0.10, 0.97);
-  figure.Line(
-      "set xlabel 'stroke length (mm)'; set ylabel 'knee angle (°)'; set key top right; set offsets graph 0.02, graph "
-      "0.02, graph 0.05, graph 0.05");
-  figure.Line(
-      "plot {} using 2:4 with points pt 7 ps 0.7 lc rgb '{}' title 'prototype, tracked', {} using 1:2 with lines lw 2 "
-      "lc rgb '{}' title 'simulation'",
-      samples, colour::kHuman, curve, colour::kText);
-  Place(figure, 0.55, 0.98, 0.43, 0.97);
-  figure.Line("set format x ''; unset xlabel");
-  figure.Line(
-      "plot {} using 1:4 with points pt 7 ps 0.7 lc rgb '{}' title 'prototype, tracked', {} using 1:3 with lines lw 2 "
-      "lc rgb '{}' title 'simulation'",
-      samples, colour::kHuman, samples, colour::kText);
-  Place(figure, 0.55, 0.98, 0.10, 0.37);
-  figure.Line(
-      "set format x '%g'; set xlabel 'time since the program began (s)'; set ylabel 'difference (°)'; set offsets 0, "
-      "0, graph 0.35, graph 0.05");
-  figure.Line(
-      "plot {} using 1:5 with lines lw 1.5 lc rgb '{}' title 'RMS {:.2f}°, largest {:.2f}°', 0 lw 1 lc rgb '{}'",
-      samples, colour::kExoskeleton, validation.rms_deg, validation.max_deg, colour::kGuide);
-  figure.Line("unset multiplot").Write(path);
+  const auto tracked = [&](const std::vector<double>& x) {
+    return Course("prototype, tracked", x, c.measured, colour::kHuman, Mark::kPoints);
+  };
+  const LineChart over_stroke{.x = {.label = "stroke length (mm)"},
+                              .y = {.label = "knee angle (°)"},
+                              .series = {AngleCurve(schedule), tracked(c.stroke)}};
+  const LineChart over_time{.x = {.label = "time since the program began (s)"},
+                            .y = {.label = "knee angle (°)"},
+                            .series = {Course("simulation", c.time, c.predicted, colour::kText), tracked(c.time)}};
+  const LineChart difference{
+      .x = {.label = "time since the program began (s)"},
+      .y = {.label = "difference (°)"},
+      .series = {Course(fmt::format("RMS {:.2f}°, largest {:.2f}°", validation.rms_deg, validation.max_deg), c.time,
+                        c.error, colour::kExoskeleton)}};
+  DrawCharts(path, {over_stroke, over_time, difference});
 }
 
 }  // namespace lake::figure

@@ -1,9 +1,8 @@
-#include "lake/figure/symmetry_figure.h"
-
 #include <fmt/format.h>
 
 #include "lake/core/colours.h"
 #include "lake/figure/gnuplot.h"
+#include "lake/figure/trial_figures.h"
 #include "lake/gait/sit_to_stand.h"
 #include "percents.h"
 
@@ -32,7 +31,7 @@ void DrawKnees(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
     low.push_back(at.interval.low);
     high.push_back(at.interval.high);
   }
-  const std::string data = figure.Data({Percents(static_cast<int>(left.size())), left, right, difference, low, high});
+  const std::string data = figure.Data({Percents(left.size()), left, right, difference, low, high});
   figure.Line("set lmargin at screen 0.07; set rmargin at screen 0.45")
       .Line("set tmargin at screen 0.93; set bmargin at screen 0.50; set ylabel 'knee (°)'; set format x ''")
       .Line(

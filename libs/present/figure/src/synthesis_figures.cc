@@ -1,11 +1,10 @@
-#include "lake/figure/synthesis_figures.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "lake/core/colours.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/figure/design_figures.h"
 #include "lake/figure/gnuplot.h"
 
 namespace lake::figure {

@@ -85,7 +85,7 @@ function toggleSeries(event, item, legend) {
 
 function axisOf(axis, extra) {
   return {
-    type: 'linear', min: axis.from ?? undefined, max: axis.to ?? undefined,
+    type: 'linear', reverse: axis.downwards, min: axis.from ?? undefined, max: axis.to ?? undefined,
     title: {display: axis.label !== '', text: axis.label, color: ink},
     grid: {color: grid, borderColor: quiet, tickColor: quiet, tickLength: 5},
     ticks: {

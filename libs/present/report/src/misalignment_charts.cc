@@ -1,5 +1,3 @@
-#include "misalignment_charts.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -114,6 +112,31 @@ bool IsOfWalking(const Json& comparison) {
 std::string RepetitionIn(const Json& comparison) {
   return gait::MovementOf(IsOfWalking(comparison) ? gait::MovementKind::kWalking : gait::MovementKind::kSitToStand)
       .repetition;
+}
+
+// Of walking the legs hang from one hip, and 100 % is 0 % again.
+LineChart LegsChart(const Json& comparison) {
+  const Json& curves = comparison.at("curves");
+  const bool is_walking = IsOfWalking(comparison);
+  const auto legs = [&](const std::string& trial, const char* name, const char* colour, Mark mark) {
+    Series series{.name = name, .colour = colour, .mark = mark};
+    for (const std::size_t percent : {0, 50, 100}) {
+      if (is_walking && percent == 100) continue;
+      for (const char* joint : {"ankle", "knee", "hip"}) {
+        series.x.push_back(NumberOrNaN(curves.at(fmt::format("{}_{}_x_mm", trial, joint)).at(percent)));
+        series.y.push_back(NumberOrNaN(curves.at(fmt::format("{}_{}_y_mm", trial, joint)).at(percent)));
+      }
+      series.x.push_back(kNaN);
+      series.y.push_back(kNaN);
+    }
+    return series;
+  };
+  return {.title = is_walking ? "Legs at 0 and 50 % of the stride, relative to the hip" : "Legs at 0, 50 and 100 %",
+          .x = {.label = "anterior (mm)"},
+          .y = {.label = "up (mm)"},
+          .series = {legs("human", "human", colour::kHuman, Mark::kLine),
+                     legs("exo", "worn exoskeleton", colour::kExoskeleton, Mark::kDotted)},
+          .equal_scales = true};
 }
 
 LineChart KneePathsChart(const Json& comparison) {

@@ -12,7 +12,6 @@
 #include "lake/core/counted.h"
 #include "lake/core/json.h"
 #include "lake/report/uncertain.h"
-#include "misalignment_charts.h"
 
 namespace lake::report {
 
@@ -256,6 +255,16 @@ Uncertain JointFigure(const Json& comparison, const std::string& quantity) {
                                                         : joint.at("offset_mm").at(1);
   const Json budget = comparison.value("uncertainty", Json::object()).value(quantity, Json::object());
   return UncertainOf(value, budget.value("anatomical_interval", Json()));
+}
+
+Uncertain PathDifference_percent(const Json& comparison) {
+  return PathDifferencePercent(comparison.at("metrics").at("relative_rms"),
+                               comparison.value("intervals", Json::object()).value("relative_rms", Json()));
+}
+
+Uncertain PathDifference_mm(const Json& comparison) {
+  return UncertainOf(comparison.at("metrics").at("rms_mm"),
+                     comparison.value("intervals", Json::object()).value("rms_mm", Json()));
 }
 
 Uncertain JointMovedFigure(const Json& comparison) {

@@ -116,7 +116,10 @@ Json Numbers(const std::vector<double>& values) {
 }
 
 Json AxisData(const Axis& axis) {
-  return {{"label", axis.label}, {"from", ValueOrNull(axis.from)}, {"to", ValueOrNull(axis.to)}};
+  return {{"label", axis.label},
+          {"from", ValueOrNull(axis.from)},
+          {"to", ValueOrNull(axis.to)},
+          {"downwards", axis.downwards}};
 }
 
 void CheckLength(const std::string& chart, const std::string& series, const char* column, std::size_t length,
@@ -155,7 +158,7 @@ Json SeriesData(const LineChart& chart, const Series& series, std::size_t index)
           {"y", Numbers(series.y)},
           {"lower", Numbers(series.lower)},
           {"upper", Numbers(series.upper)},
-          {"colour", ColourOr(series.colour, index)},
+          {"colour", ColourOf(series, index)},
           {"mark", ToString(series.mark)},
           {"labels", series.labels}};
 }
@@ -421,6 +424,10 @@ bool HasFilters(const Block& block) {
 
 std::string NumberText(double value, int decimals) {
   return RoundedText(value, decimals);
+}
+
+std::string ColourOf(const Series& series, std::size_t index) {
+  return ColourOr(series.colour, index);
 }
 
 std::string RenderReport(const Report& report) {

@@ -1,6 +1,11 @@
-// Curves over the frames of a recording, in step with the frame that is shown. Each chart is as wide as the timeline, a
-// column of pixels shows the range of all values in it, so a long recording hides no spike.
+// Curves over the frames of a recording, in step with the frame that is shown, and the timeline above them. Each chart
+// is as wide as the timeline; where a pixel has several values it shows the least and the largest, so that a long
+// recording hides no spike.
+import { Chart as ChartJs, Filler, Legend, LinearScale, LineController, LineElement, PointElement } from "chart.js";
 import { Column } from "./messages";
+
+ChartJs.register(Filler, Legend, LinearScale, LineController, LineElement, PointElement);
+ChartJs.defaults.font = { family: "system-ui, sans-serif", size: 11 };
 
 export interface Curve {
   name: string;
@@ -26,38 +31,76 @@ const LEFT = 46, RIGHT = 6; // px beside the curves
 
 export const colourOf = (name: string) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-/** A canvas over the rows of the recording: where one clicks or drags, there the frame is shown. */
-abstract class Strip {
-  protected row = 0;
+/** Where one clicks or drags on the canvas, there the frame is shown. */
+function seekOn(canvas: HTMLCanvasElement, down: (event: PointerEvent) => void, drag: (event: PointerEvent) => void): void {
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    down(event);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (event.buttons !== 0) drag(event);
+  });
+}
 
-  constructor(protected canvas: HTMLCanvasElement, protected rows: number, protected seek: (row: number) => void) {
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      this.down(event);
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      if (event.buttons !== 0) this.drag(event);
-    });
+function rowAt(event: PointerEvent, rows: number): number {
+  const box = (event.target as HTMLElement).getBoundingClientRect();
+  return Math.round(Math.min(Math.max((event.clientX - box.left - LEFT) / (box.width - LEFT - RIGHT), 0), 1) * (rows - 1));
+}
+
+function line(context: CanvasRenderingContext2D, x1: number, y1: number, x2: number, y2: number): void {
+  context.beginPath();
+  context.moveTo(x1, y1);
+  context.lineTo(x2, y2);
+  context.stroke();
+}
+
+// Of the frame that is shown.
+function drawCursor(context: CanvasRenderingContext2D, x: number, top: number, bottom: number): void {
+  context.strokeStyle = colourOf("--accent");
+  context.lineWidth = 1.5;
+  line(context, x, top, x, bottom);
+}
+
+/** The next round number for the step of an axis, and the digits of its labels. */
+function roundStep(rough: number): { step: number; digits: number } {
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((part) => part * power).find((candidate) => candidate >= rough) ?? rough;
+  return { step, digits: Math.max(0, -Math.floor(Math.log10(step))) };
+}
+
+const LANE = 13, HANDLES = 18, AXIS = 15; // px, of a marker's lane, of the strip with the events below, of the times
+const HOLD = 9; // px beside an event in which it is taken hold of
+
+/** Where the problems are, a lane for each marker, and the events, which can be dragged by what is below the lanes. */
+export class Timeline {
+  private row = 0;
+  private lanes: string[] = [];
+  private marks: Mark[] = [];
+  private ticks: Tick[] = [];
+  private selected = -1;
+  private held: { tick: number; row: number } | null = null;
+
+  constructor(
+    private canvas: HTMLCanvasElement, private times: number[], private seek: (row: number) => void,
+    private take: (tick: number) => void,
+    private move: (tick: number, row: number) => void,
+  ) {
+    seekOn(canvas, (event) => this.down(event), (event) => this.drag(event));
     canvas.addEventListener("pointerup", () => this.drop());
     canvas.addEventListener("pointercancel", () => this.cancel());
     new ResizeObserver(() => this.redraw()).observe(canvas);
+    canvas.addEventListener("pointermove", (event) => {
+      canvas.style.cursor = this.held || this.tickAt(event) >= 0 ? "ew-resize" : "";
+    });
   }
 
-  protected down(event: PointerEvent): void {
-    this.seek(this.rowAt(event));
-  }
-
-  protected drag(event: PointerEvent): void {
-    this.seek(this.rowAt(event));
-  }
-
-  protected drop(): void {}
-
-  protected cancel(): void {}
-
-  protected rowAt(event: PointerEvent): number {
-    const x = event.clientX - this.canvas.getBoundingClientRect().left;
-    return Math.round(Math.min(Math.max((x - LEFT) / this.width(), 0), 1) * (this.rows - 1));
+  show(lanes: string[], marks: Mark[], ticks: Tick[]): void {
+    if (ticks.length !== this.ticks.length) this.held = null; // else the new fit does not take an event out of the hand
+    this.lanes = lanes;
+    this.marks = marks;
+    this.ticks = ticks;
+    this.canvas.style.height = `${lanes.length * LANE + HANDLES + AXIS}px`;
+    this.redraw();
   }
 
   showRow(row: number): void {
@@ -74,65 +117,15 @@ abstract class Strip {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.font = "11px system-ui, sans-serif";
     this.draw(context);
-    context.strokeStyle = colourOf("--accent");
-    context.lineWidth = 1.5;
-    line(context, this.x(this.row), 0, this.x(this.row), canvas.clientHeight);
+    drawCursor(context, this.x(this.row), 0, canvas.clientHeight);
   }
 
-  protected abstract draw(context: CanvasRenderingContext2D): void;
-
-  protected width(): number {
+  private width(): number {
     return Math.max(this.canvas.clientWidth - LEFT - RIGHT, 1);
   }
 
-  protected x(row: number): number {
-    return LEFT + (this.rows > 1 ? row / (this.rows - 1) : 0) * this.width();
-  }
-}
-
-function line(context: CanvasRenderingContext2D, x1: number, y1: number, x2: number, y2: number): void {
-  context.beginPath();
-  context.moveTo(x1, y1);
-  context.lineTo(x2, y2);
-  context.stroke();
-}
-
-/** The next round number for the step of an axis, and the digits of its labels. */
-function roundStep(rough: number): { step: number; digits: number } {
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((part) => part * power).find((candidate) => candidate >= rough) ?? rough;
-  return { step, digits: Math.max(0, -Math.floor(Math.log10(step))) };
-}
-
-const LANE = 13, HANDLES = 18, AXIS = 15; // px, of a marker's lane, of the strip with the events below, of the times
-const HOLD = 9; // px beside an event in which it is taken hold of
-
-/** Where the problems are, a lane for each marker, and the events, which can be dragged by what is below the lanes. */
-export class Timeline extends Strip {
-  private lanes: string[] = [];
-  private marks: Mark[] = [];
-  private ticks: Tick[] = [];
-  private selected = -1;
-  private held: { tick: number; row: number } | null = null;
-
-  constructor(
-    canvas: HTMLCanvasElement, private times: number[], seek: (row: number) => void,
-    private take: (tick: number) => void,
-    private move: (tick: number, row: number) => void,
-  ) {
-    super(canvas, times.length, seek);
-    canvas.addEventListener("pointermove", (event) => {
-      canvas.style.cursor = this.held || this.tickAt(event) >= 0 ? "ew-resize" : "";
-    });
-  }
-
-  show(lanes: string[], marks: Mark[], ticks: Tick[]): void {
-    if (ticks.length !== this.ticks.length) this.held = null; // else the new fit does not take an event out of the hand
-    this.lanes = lanes;
-    this.marks = marks;
-    this.ticks = ticks;
-    this.canvas.style.height = `${lanes.length * LANE + HANDLES + AXIS}px`;
-    this.redraw();
+  private x(row: number): number {
+    return LEFT + (this.times.length > 1 ? row / (this.times.length - 1) : 0) * this.width();
   }
 
   select(tick: number): void {
@@ -140,26 +133,27 @@ export class Timeline extends Strip {
     this.redraw();
   }
 
-  protected down(event: PointerEvent): void {
+  private down(event: PointerEvent): void {
     const tick = this.tickAt(event);
-    if (tick < 0) return super.down(event);
+    if (tick < 0) return this.seek(rowAt(event, this.times.length));
     this.held = { tick, row: this.ticks[tick].row };
     this.take(tick);
   }
 
   // The frame that is shown goes with the event.
-  protected drag(event: PointerEvent): void {
-    super.drag(event);
-    if (this.held) this.held.row = this.rowAt(event);
+  private drag(event: PointerEvent): void {
+    const row = rowAt(event, this.times.length);
+    this.seek(row);
+    if (this.held) this.held.row = row;
   }
 
-  protected drop(): void {
+  private drop(): void {
     const held = this.held;
     this.held = null;
     if (held && held.row !== this.ticks[held.tick].row) this.move(held.tick, held.row);
   }
 
-  protected cancel(): void {
+  private cancel(): void {
     this.held = null;
     this.redraw();
   }
@@ -173,7 +167,7 @@ export class Timeline extends Strip {
     return nearest >= 0 && away[nearest] <= HOLD ? nearest : -1;
   }
 
-  protected draw(context: CanvasRenderingContext2D): void {
+  private draw(context: CanvasRenderingContext2D): void {
     context.fillStyle = colourOf("--quiet");
     context.textBaseline = "middle";
     context.strokeStyle = colourOf("--rule");
@@ -231,14 +225,113 @@ export class Timeline extends Strip {
   }
 }
 
-const NAMES = 20; // px above the curves, of their names
+const PARTS = 1500; // in which a long curve keeps its least and its largest value
+const KEPT_SHARE = 0.996; // of all values: single outliers do not flatten the rest
 
-export class Chart extends Strip {
+interface Point {
+  x: number; // row
+  y: number; // NaN: a gap
+}
+
+function pointsOf(values: Column): Point[] {
+  const length = Math.max(1, values.length / PARTS), points: Point[] = [];
+  const add = (row: number) => points.push({ x: row, y: values[row] ?? NaN });
+  for (let from = 0; from < values.length; from += length) {
+    const first = Math.ceil(from), last = Math.min(Math.ceil(from + length), values.length);
+    let least = -1, most = -1, gap = -1;
+    for (let row = first; row < last; ++row) {
+      const value = values[row];
+      if (value === null || value === undefined) gap = row;
+      else {
+        if (least < 0 || value < values[least]!) least = row;
+        if (most < 0 || value > values[most]!) most = row;
+      }
+    }
+    [...new Set([least, most, gap])].filter((row) => row >= 0).sort((a, b) => a - b).forEach(add);
+  }
+  return points;
+}
+
+// A little wider than nearly all values.
+function rangeOf(curves: Curve[]): [number, number] {
+  const values = Float64Array.from(curves.flatMap((curve) => curve.values.filter((value) => value !== null) as number[])).sort();
+  if (values.length === 0) return [0, 1];
+  const at = (part: number) => values[Math.round(part * (values.length - 1))];
+  const low = at((1 - KEPT_SHARE) / 2), high = at((1 + KEPT_SHARE) / 2);
+  const margin = 0.06 * (high - low) || Math.abs(high) * 0.01 || 1;
+  return [low - margin, high + margin];
+}
+
+export class Chart {
   private curves: Curve[] = [];
+  private row = 0;
+  private chart: ChartJs;
+
+  constructor(canvas: HTMLCanvasElement, private rows: number, seek: (row: number) => void) {
+    const box = document.createElement("div"); // has the size: the canvas follows it
+    box.className = canvas.className;
+    canvas.replaceWith(box);
+    box.append(canvas);
+    const seekAt = (event: PointerEvent) => seek(rowAt(event, rows));
+    seekOn(canvas, seekAt, seekAt);
+    const quiet = () => colourOf("--quiet"), rule = () => colourOf("--rule");
+    this.chart = new ChartJs(canvas, {
+      type: "line",
+      data: { datasets: [] },
+      options: {
+        animation: false, parsing: false, normalized: true, maintainAspectRatio: false, events: [],
+        layout: { padding: { right: RIGHT } },
+        scales: {
+          x: { type: "linear", display: false, min: 0, max: Math.max(rows - 1, 1) },
+          y: {
+            grid: { color: rule, borderColor: rule },
+            ticks: { color: quiet, maxTicksLimit: 6, includeBounds: false, format: { useGrouping: false } },
+            afterFit: (scale: { width: number }) => (scale.width = LEFT),
+          },
+        },
+        plugins: {
+          legend: {
+            align: "start",
+            labels: { color: () => colourOf("--ink"), boxWidth: 10, boxHeight: 1, padding: 6, filter: ({ text }: { text: string }) => text !== "" },
+          },
+        },
+      },
+      plugins: [{
+        afterDraw: ({ ctx, scales, chartArea }: ChartJs) =>
+          drawCursor(ctx, scales.x.getPixelForValue(this.row), chartArea.top, chartArea.bottom),
+      }],
+    });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.chart.update("none"));
+  }
+
+  showRow(row: number): void {
+    this.row = row;
+    this.chart.draw();
+  }
 
   show(curves: Curve[]): void {
     this.curves = curves;
-    this.redraw();
+    const thin = { pointRadius: 0, borderWidth: 0, label: "" };
+    this.chart.data.datasets = curves.flatMap(({ name, colour, values, sigma }) => {
+      const edge = (side: number) => pointsOf(values.map((value, row) => value === null ? null : value + side * (sigma![row] ?? NaN)));
+      const band = !sigma ? [] : [
+        { ...thin, data: edge(-2) },
+        { ...thin, data: edge(2), fill: "-1", backgroundColor: () => `${colourOf(colour)}4d` },
+      ];
+      return [...band, {
+        label: name, data: pointsOf(values), borderColor: () => colourOf(colour), borderWidth: 1.5, pointRadius: 0,
+        backgroundColor: () => colourOf(colour),
+      }];
+    });
+    const { y } = this.chart.options.scales;
+    [y.min, y.max] = rangeOf(curves);
+    this.chart.options.plugins.legend.display = curves.length > 1;
+    this.chart.update("none");
+  }
+
+  /** Its canvas goes. */
+  end(): void {
+    this.chart.destroy();
   }
 
   /** Column by column after these: a curve by its name, or by this one if it has none, and its SD. */
@@ -250,106 +343,5 @@ export class Chart extends Strip {
     }
     const rows = Array.from({ length: this.rows }, (_, row) => Object.values(all).map((column) => column[row] ?? ""));
     return [Object.keys(all), ...rows].map((cells) => cells.join()).join("\n") + "\n";
-  }
-
-  protected draw(context: CanvasRenderingContext2D): void {
-    const [low, high] = this.range();
-    const top = this.curves.length > 1 ? NAMES : 4, height = this.canvas.clientHeight - top - 4;
-    const y = (value: number) => top + (1 - (value - low) / (high - low)) * height;
-    this.drawAxis(context, low, high, y);
-    for (const curve of this.curves) {
-      if (curve.sigma) this.drawBand(context, curve, curve.sigma, y);
-      this.drawCurve(context, curve, y);
-    }
-    this.drawNames(context);
-  }
-
-  // Of all values, a little wider; a single outlier does not flatten the rest.
-  private range(): [number, number] {
-    const values: number[] = [];
-    for (const curve of this.curves) for (const value of curve.values) if (value !== null) values.push(value);
-    if (values.length === 0) return [0, 1];
-    values.sort((a, b) => a - b);
-    const [low, high] = [0.002, 0.998].map((part) => values[Math.round(part * (values.length - 1))]);
-    const margin = 0.06 * (high - low) || Math.abs(high) * 0.01 || 1;
-    return [low - margin, high + margin];
-  }
-
-  private drawAxis(context: CanvasRenderingContext2D, low: number, high: number, y: (value: number) => number): void {
-    const { step, digits } = roundStep((high - low) / 5);
-    context.textBaseline = "middle";
-    context.lineWidth = 1;
-    for (let value = Math.ceil(low / step) * step; value <= high; value += step) {
-      context.strokeStyle = colourOf("--rule");
-      line(context, LEFT, y(value), LEFT + this.width(), y(value));
-      context.fillStyle = colourOf("--quiet");
-      // A label at the edge stays whole.
-      const middle = Math.min(Math.max(y(value), 6), this.canvas.clientHeight - 6);
-      context.fillText(value.toFixed(digits), 0, middle, LEFT - 4);
-    }
-  }
-
-  // Within a column of pixels a vertical line from the least to the largest value, between columns the curve.
-  private drawCurve(context: CanvasRenderingContext2D, curve: Curve, y: (value: number) => number): void {
-    context.strokeStyle = colourOf(curve.colour);
-    context.lineWidth = 1.5;
-    context.beginPath();
-    let isDown = false;
-    let column: { x: number; least: number; most: number; last: number } | null = null;
-    const end = () => {
-      if (!column) return;
-      context.moveTo(column.x, y(column.least));
-      context.lineTo(column.x, y(column.most) - 0.5); // a value that stands alone is a dot
-      context.moveTo(column.x, y(column.last));
-    };
-    for (let row = 0; row < curve.values.length; ++row) {
-      const value = curve.values[row], x = Math.round(this.x(row));
-      if (value === null) {
-        isDown = false;
-        continue;
-      }
-      if (column && column.x === x) {
-        column.least = Math.min(column.least, value);
-        column.most = Math.max(column.most, value);
-        column.last = value;
-      } else {
-        end();
-        if (isDown) context.lineTo(x, y(value));
-        column = { x, least: value, most: value, last: value };
-      }
-      isDown = true;
-    }
-    end();
-    context.stroke();
-  }
-
-  private drawBand(context: CanvasRenderingContext2D, curve: Curve, sigma: Column, y: (value: number) => number): void {
-    context.strokeStyle = colourOf(curve.colour);
-    context.globalAlpha = 0.3;
-    context.lineWidth = Math.max(this.width() / this.rows, 1);
-    context.beginPath();
-    curve.values.forEach((value, row) => {
-      const band = sigma[row];
-      if (value === null || band === null) return;
-      context.moveTo(this.x(row), y(value - 2 * band));
-      context.lineTo(this.x(row), y(value + 2 * band));
-    });
-    context.stroke();
-    context.globalAlpha = 1;
-  }
-
-  // In ink beside a piece of the curve: letters take more contrast than lines do.
-  private drawNames(context: CanvasRenderingContext2D): void {
-    const SWATCH = 10;
-    if (this.curves.length < 2) return;
-    let x = LEFT + 6;
-    context.lineWidth = 2;
-    context.fillStyle = colourOf("--ink");
-    for (const curve of this.curves) {
-      context.strokeStyle = colourOf(curve.colour);
-      line(context, x, 10, x + SWATCH, 10);
-      context.fillText(curve.name, x + SWATCH + 4, 10);
-      x += SWATCH + 4 + context.measureText(curve.name).width + 12;
-    }
   }
 }

@@ -1,5 +1,6 @@
 // Parts of the page by their id.
 import { JobMessage } from "./messages";
+import { server } from "./server";
 import { TEXTS } from "./texts";
 
 export function part<T extends HTMLElement = HTMLElement>(id: string): T {
@@ -109,4 +110,17 @@ export function save(text: string, name: string): void {
   link.download = name;
   link.click();
   URL.revokeObjectURL(link.href);
+}
+
+/** The page of a film or of results, in a window that is opened at once, as browsers forbid it later. */
+export async function openPage(path: string): Promise<void> {
+  const page = window.open("about:blank");
+  try {
+    const { address } = await server.open(path);
+    if (page) page.location.href = address;
+    else location.href = address;
+  } catch (why) {
+    page?.close();
+    sayWhy(why);
+  }
 }

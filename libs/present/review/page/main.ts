@@ -8,7 +8,7 @@ import { LiveStateMessage, StateMessage } from "./messages";
 import { NamingPage } from "./naming";
 import { server } from "./server";
 import { StartPage } from "./start";
-import { StudyPage } from "./study";
+import { showStudy } from "./study";
 import { TEXTS } from "./texts";
 import { TrialPage } from "./trial";
 
@@ -17,8 +17,7 @@ const POLL_MS = 400;
 let trial: TrialPage | null = null;
 let naming: NamingPage | null = null;
 let design: DesignPage | null = null;
-let isComparing = false;
-let study: StudyPage | null = null;
+let isShown = false; // what does not change
 let start: StartPage | null = null;
 let live: LivePage | null = null;
 let isEnded = false;
@@ -28,11 +27,11 @@ async function update(state: StateMessage): Promise<void> {
     design ??= new DesignPage(await server.design());
     design.update(state);
   } else if (state.mode === "comparison") {
-    if (!isComparing) new ComparisonPage(await server.comparison());
-    isComparing = true;
+    if (!isShown) new ComparisonPage(await server.comparison());
+    isShown = true;
   } else if (state.mode === "study") {
-    study ??= new StudyPage(await server.study());
-    study.update(state);
+    if (!isShown) showStudy(await server.study());
+    isShown = true;
   } else if (state.mode === "start") {
     start ??= new StartPage(await server.start());
     start.update(state);

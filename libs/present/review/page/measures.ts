@@ -82,6 +82,7 @@ export class Measures {
   }
 
   private show(): void {
+    for (const chart of this.charts) chart.end();
     this.charts = [];
     this.titles = [];
     part("measures").replaceChildren(...this.courses.map((course) => this.block(course)));

@@ -46,8 +46,7 @@ export interface JobMessage {
 
 export interface StateMessage {
   mode: "trial" | "naming" | "tracking" | "design" | "comparison" | "study" | "live" | "start";
-  job?: JobMessage; // tracking, optimising, a step of a study
-  step?: string; // of a study: the one that is under way or was the last
+  job?: JobMessage; // tracking, optimising, a calibration or study that the start page asked for
   optimum?: { number: number; links: number[] } | null; // of a design: the last one found
   revision?: number; // counts changes
   fitted?: number; // the revision that the curves are of
@@ -267,20 +266,18 @@ export interface ComparisonMessage {
   curves: ComparisonCurves;
 }
 
-export interface StepMessage {
-  name: string;
-  what: string;
-  program: string;
-  after: string[]; // steps that must have been done
-  due: string | null; // why it would be done; null: it is up to date
+/** What of a study has a page of its own. */
+export interface StudyPart {
+  step: "human" | "exo" | "comparison" | "redesign" | "optimum";
+  path: string;
 }
 
 export interface StudyMessage {
   name: string;
-  command: string; // does all that is due, and writes the report
-  steps: StepMessage[];
+  command: string; // that made it
   report: string; // its file
   has_report: boolean;
+  parts: StudyPart[];
 }
 
 /** What lies in a folder. */

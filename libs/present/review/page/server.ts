@@ -52,7 +52,6 @@ export const server = {
   stop: () => post<StateMessage>("stop", {}),
   comparison: () => get<ComparisonMessage>("comparison"),
   study: () => get<StudyMessage>("study"),
-  runStep: (step: string) => post<StateMessage>("run", { step }), // empty: all that is due
   start: () => get<StartMessage>("start"),
   open: (path: string) => post<{ address: string }>("open", { path }),
   make: (asked: MakeQuestion) => post<StateMessage>("make", asked),

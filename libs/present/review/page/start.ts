@@ -1,5 +1,5 @@
 // A folder to begin in: what was found there, and the way from a board and two films to a study in five steps.
-import { attempt, button, onClick, part, say, sayWhy, showJob } from "./dom";
+import { attempt, button, onClick, openPage, part, say, sayWhy, showJob } from "./dom";
 import { FoundMessage, MakeQuestion, StartMessage, StateMessage } from "./messages";
 import { server } from "./server";
 import { TEXTS } from "./texts";
@@ -38,9 +38,9 @@ export class StartPage {
       problem: valueOf("start-problem"), percent: Number(valueOf("start-percent")),
       speed_mm_s: Number(valueOf("start-speed")), rise_s: Number(valueOf("start-rise")),
     }));
-    onClick("track-human", () => void this.open(valueOf("start-human-film")));
-    onClick("track-exo", () => void this.open(valueOf("start-exo-film")));
-    onClick("open-report", () => void this.open(this.ofKind("study")[0].path));
+    onClick("track-human", () => void openPage(valueOf("start-human-film")));
+    onClick("track-exo", () => void openPage(valueOf("start-exo-film")));
+    onClick("open-report", () => void openPage(this.ofKind("study")[0].path));
     onClick("start-stop", () => void server.stop().catch(sayWhy));
     // A film that was tracked in another window is found when one comes back.
     window.addEventListener("focus", () => void this.look());
@@ -68,19 +68,6 @@ export class StartPage {
 
   private make(asked: MakeQuestion): Promise<void> {
     return attempt(async () => this.update(await server.make(asked)));
-  }
-
-  // The window is opened at once, as browsers forbid it later.
-  private async open(path: string): Promise<void> {
-    const page = window.open("about:blank");
-    try {
-      const { address } = await server.open(path);
-      if (page) page.location.href = address;
-      else location.href = address;
-    } catch (why) {
-      page?.close();
-      sayWhy(why);
-    }
   }
 
   private ofKind(...kinds: string[]): FoundMessage[] {
@@ -140,7 +127,7 @@ export class StartPage {
       line.append(lacks);
     }
     line.dataset.path = found.path;
-    if (OPENED.includes(found.kind)) line.append(button(TEXTS.openFound, () => void this.open(found.path)));
+    if (OPENED.includes(found.kind)) line.append(button(TEXTS.openFound, () => void openPage(found.path)));
     return line;
   }
 }

@@ -1,6 +1,6 @@
 // Every text of the page, in one place.
 import UNITS from "../../report/page/units.json";
-import { CheckMessage, CourseMessage, LivePlace, LiveStateMessage, MeasureMessage, Pair, PinName, ProblemKind } from "./messages";
+import { CheckMessage, CourseMessage, LivePlace, LiveStateMessage, MeasureMessage, Pair, PinName, ProblemKind, StudyPart } from "./messages";
 
 const EVENTS: { [event: string]: string } = {
   onset: "onset",
@@ -186,17 +186,15 @@ export const TEXTS = allUnbroken({
     `${rms.toFixed(1)} mm RMS: placement ${percentage(placement)}, timing ${percentage(timing)}, shape ${percentage(shape)}`,
 
   // Study
-  studyState: (due: number, all: number) =>
-    due === 0 ? `All ${all} steps are up to date` : due === 1 ? `1 of ${all} steps is to be done` : `${due} of ${all} steps are to be done`,
-  upToDate: "up to date",
-  due: (why: string) => `to be done: ${why}`,
-  waits: (steps: string[]) => `after ${steps.join(", ")}`,
-  runStep: "Run",
-  running: (step: string) => `Running ${step || "the study"}`,
-  ran: (step: string) => `${step || "The study"}: done`,
-  stepFailed: (step: string, why: string) => `${step || "The study"} failed: ${why}`,
+  studyPart: {
+    human: "Trial without exoskeleton",
+    exo: "Trial with exoskeleton",
+    comparison: "Both side by side",
+    redesign: "New design",
+    optimum: "Benchmark optimum",
+  } as { [step in StudyPart["step"]]: string },
   reportFile: (path: string) => `Links to files work in the report itself: ${path}`,
-  noReport: "There is no report yet: run all that is due",
+  noReport: "There is no report yet",
 
   // Start
   foundCount: (count: number) => (count === 1 ? "1 file or result" : `${count} files and results`),

@@ -8,5 +8,6 @@ namespace lake::review {
 std::string_view PageHtml();
 std::string_view PageStyle();
 std::string_view PageScript();
+std::string_view ChartLicence();
 
 }  // namespace lake::review

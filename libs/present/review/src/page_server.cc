@@ -13,17 +13,18 @@ LocalReply JsonReply(const Json& message) {
   return {"application/json", message.dump(-1, ' ', false, Json::error_handler_t::replace)};
 }
 
-LocalServer::Handler File(const std::string& type, std::string_view text) {
-  return [type, text](const LocalRequest&) { return LocalReply{type, std::string(text)}; };
+LocalServer::Handler File(const std::string& type, std::string text) {
+  return [type, text = std::move(text)](const LocalRequest&) { return LocalReply{type, text}; };
 }
 
 }  // namespace
 
 PageServer::PageServer(const PageOptions& options, std::function<Json()> state)
     : options_(options), server_(options.port, options.listen) {
-  server_.Get("", File("text/html; charset=utf-8", PageHtml()));
-  server_.Get("review.css", File("text/css; charset=utf-8", PageStyle()));
-  server_.Get("review.js", File("text/javascript; charset=utf-8", PageScript()));
+  server_.Get("", File("text/html; charset=utf-8", std::string(PageHtml())));
+  server_.Get("review.css", File("text/css; charset=utf-8", std::string(PageStyle())));
+  server_.Get("review.js",
+              File("text/javascript; charset=utf-8", fmt::format("/*!\n{}*/\n{}", ChartLicence(), PageScript())));
   server_.Get("windows.js", File("text/javascript; charset=utf-8", "const open = new EventSource('window');\n"));
   server_.GetHeld("window", [this] { return windows_.Open(); });
   Get("state", std::move(state));

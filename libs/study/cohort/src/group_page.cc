@@ -5,11 +5,11 @@
 #include <cmath>
 #include <map>
 
-#include "group_figures.h"
 #include "lake/core/colours.h"
 #include "lake/core/counted.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
+#include "lake/figure/charts.h"
 #include "lake/gait/gait_cycles.h"
 #include "lake/gait/sit_to_stand.h"
 
@@ -113,13 +113,17 @@ Section FailuresSection(const std::vector<Failure>& failures) {
   return {"Failures", {std::move(table), Paragraph{"The steps after these were not begun; all others count."}}};
 }
 
+// nullptr where there is no such curve.
+const CurveRow* FindCurve(const std::vector<CurveRow>& curves, const std::string& trial, const std::string& quantity) {
+  for (const CurveRow& row : curves)
+    if (row.trial == trial && row.quantity == quantity) return &row;
+  return nullptr;
+}
+
 // The mean with its band; with `all` each participant's own curve too.
 void AddCurve(const CurveRow* row, const std::string& name, const char* colour, Mark mark, bool all, LineChart& chart) {
   if (!row) return;
-  Series mean;
-  mean.name = name;
-  mean.colour = colour;
-  mean.mark = mark;
+  Series mean{.name = name, .colour = colour, .mark = mark};
   for (int percent = 0; percent < kPercents; ++percent) {
     const reliability::Estimate& of = row->percent[static_cast<std::size_t>(percent)].mean;
     mean.x.push_back(percent);
@@ -134,37 +138,33 @@ void AddCurve(const CurveRow* row, const std::string& name, const char* colour, 
   chart.series.push_back(mean);
   if (!all) return;
   for (const auto& [participant, curve] : row->participants) {
-    Series own;
-    own.name = participant;
-    own.mark = Mark::kThin;
-    own.x = mean.x;
-    own.y.assign(curve.begin(), curve.end());
-    chart.series.push_back(std::move(own));
+    chart.series.push_back({.name = participant, .x = mean.x, .y = {curve.begin(), curve.end()}, .mark = Mark::kThin});
   }
 }
 
-LineChart CurveChart(const GroupFindings& findings, const char* quantity, const char* title, const char* axis) {
-  LineChart chart;
-  chart.title = title;
-  chart.caption = "Mean over participants; band: 95 % interval of the mean at each percent.";
-  chart.x = {findings.repetition + " (%)", 0, 100};
-  chart.y.label = axis;
-  chart.width = Width::kHalf;
-  AddCurve(FindCurve(findings.curves, "human", quantity), "without exoskeleton", colour::kHuman, Mark::kLine, false,
-           chart);
-  AddCurve(FindCurve(findings.curves, "exo", quantity), "with exoskeleton", colour::kExoskeleton, Mark::kDashed, false,
-           chart);
+// With and without exoskeleton, or of what is compared between them.
+LineChart CurveChart(const GroupFindings& findings, const GroupFigure& figure) {
+  LineChart chart{.title = figure.title,
+                  .caption = "Mean over participants; band: 95 % interval of the mean at each percent.",
+                  .x = {findings.repetition + " (%)", 0, 100},
+                  .y = {.label = figure.axis},
+                  .width = Width::kHalf};
+  for (const auto& [trial, name, colour, mark] :
+       {std::tuple{"human", "without exoskeleton", colour::kHuman, Mark::kLine},
+        std::tuple{"exo", "with exoskeleton", colour::kExoskeleton, Mark::kDashed},
+        std::tuple{"comparison", "with exoskeleton", colour::kExoskeleton, Mark::kDashed}})
+    if (const CurveRow* row = FindCurve(findings.curves, trial, figure.quantity))
+      AddCurve(row, fmt::format("{} (n = {})", name, row->participants.size()), colour, mark, false, chart);
   return chart;
 }
 
 LineChart EveryoneChart(const GroupFindings& findings, const char* trial, const char* quantity, const char* title,
                         const char* axis) {
-  LineChart chart;
-  chart.title = title;
-  chart.caption = "Thin: each participant; a click on a name hides it.";
-  chart.x = {findings.repetition + " (%)", 0, 100};
-  chart.y.label = axis;
-  chart.width = Width::kHalf;
+  LineChart chart{.title = title,
+                  .caption = "Thin: each participant; a click on a name hides it.",
+                  .x = {findings.repetition + " (%)", 0, 100},
+                  .y = {.label = axis},
+                  .width = Width::kHalf};
   AddCurve(FindCurve(findings.curves, trial, quantity), "mean", colour::kText, Mark::kLine, true, chart);
   return chart;
 }
@@ -174,8 +174,7 @@ Section CurvesSection(const GroupFindings& findings) {
   const auto add = [&](LineChart chart) {
     if (!chart.series.empty()) section.blocks.push_back(std::move(chart));
   };
-  add(CurveChart(findings, "knee_deg", "Knee angle", "knee flexion (°)"));
-  add(CurveChart(findings, "trunk_deg", "Trunk lean", "trunk from the vertical (°)"));
+  for (const GroupFigure& figure : {kGroupFigures[0], kGroupFigures[1]}) add(CurveChart(findings, figure));
   add(EveryoneChart(findings, "human", "knee_deg", "Knee angle without exoskeleton, everyone", "knee flexion (°)"));
   add(EveryoneChart(findings, "exo", "knee_deg", "Knee angle with exoskeleton, everyone", "knee flexion (°)"));
   add(EveryoneChart(findings, "comparison", "distance_mm", "Misalignment of the knees, everyone", "distance (mm)"));
@@ -378,14 +377,20 @@ Section TablesSection() {
 // For a paper.
 Section FiguresSection(const std::vector<CurveRow>& curves) {
   Files files;
-  for (const GroupFigure& figure : GroupFigures())
-    if (std::ranges::any_of(curves, [&](const CurveRow& row) { return row.quantity == figure.quantity; }))
-      for (const std::string& file : FileNames(figure))
-        files.files.push_back({file, fmt::format("{}, means with their 95 % bands", figure.what)});
+  for (const GroupFigure& figure : kGroupFigures)
+    if (std::ranges::find(curves, figure.quantity, &CurveRow::quantity) != curves.end())
+      for (const std::string& file : figure.Files())
+        files.files.push_back({file, fmt::format("{}, means with their 95 % bands", figure.title)});
   return {"Figures", {std::move(files)}};
 }
 
 }  // namespace
+
+void DrawGroupFigures(const GroupFindings& findings, Run& run) {
+  for (const GroupFigure& figure : kGroupFigures)
+    if (const LineChart chart = CurveChart(findings, figure); !chart.series.empty())
+      for (const std::string& file : figure.Files()) figure::DrawCharts(run.Result(file), {chart});
+}
 
 Report MakeGroupPage(const Workflow& workflow, const GroupData& group, const GroupFindings& findings,
                      const Json& head) {

@@ -6,7 +6,6 @@
 #include <set>
 #include <string>
 
-#include "group_figures.h"
 #include "group_page.h"
 #include "lake/cohort/cohort_file.h"
 #include "lake/cohort/group_statistics.h"
@@ -130,7 +129,7 @@ Json WriteGroup(const Workflow& workflow, const WorkflowState& state, Run& run) 
                                .failures = state.failures};
   std::vector<std::string> names = {"trials.csv",   "curves.csv",   "reliability.csv", "differences.csv",
                                     "outliers.csv", "failures.csv", "group.html"};
-  for (const GroupFigure& figure : GroupFigures()) std::ranges::copy(FileNames(figure), std::back_inserter(names));
+  for (const GroupFigure& figure : kGroupFigures) std::ranges::copy(figure.Files(), std::back_inserter(names));
   run.Begin(names);
   WriteTrials(group, run);
   WriteCurves(findings.curves, run);
@@ -138,7 +137,7 @@ Json WriteGroup(const Workflow& workflow, const WorkflowState& state, Run& run) 
   WriteDifferences(findings.differences, run);
   WriteOutliers(findings.outliers, run);
   WriteFailures(findings.failures, run);
-  DrawGroupFigures(findings.curves, run);
+  DrawGroupFigures(findings, run);
   report::WriteReport(run.Result("group.html"), MakeGroupPage(workflow, group, findings, run.Head()));
   return {{"participants", ParticipantsOf(group).size()},
           {"rows", group.rows.size()},

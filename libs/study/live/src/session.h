@@ -7,15 +7,18 @@
 #include <deque>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
-#include "appended_table.h"
 #include "lake/camera/camera.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/core/run.h"
 #include "lake/gait/learnt_knee.h"
@@ -27,10 +30,43 @@
 #include "lake/review/live_page.h"
 #include "lake/tracking/live_tracker.h"
 #include "lake/video/live_stream.h"
-#include "rise_watch.h"
 #include "trial.h"
 
 namespace lake::live {
+
+// A table that grows while the program works, so that nothing of it is lost if that ends.
+class AppendedTable {
+ public:
+  AppendedTable(std::filesystem::path path, const std::vector<std::string>& header)
+      : path_(std::move(path)), file_(path_, std::ios::binary | std::ios::trunc) {
+    Row(header);
+    Flush();
+  }
+
+  void Row(const std::vector<std::string>& cells) { file_ << fmt::format("{}\n", fmt::join(cells, ",")); }
+
+  // Throws Error where the disk takes no more.
+  void Flush() {
+    if (!file_.flush()) throw Fail("{}: cannot be written further; is the disk full?", path_.string());
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::ofstream file_;
+};
+
+// When to look for a rise: the knee was bent, is straighter by far, and keeps still. What a rise is, the leg fit says.
+class RiseWatch {
+ public:
+  // Frame by frame. True each time it is worth looking.
+  bool Add(double time_s, double knee_deg);
+
+ private:
+  std::deque<std::pair<double, double>> last_;  // time and angle
+  double most_deg_ = 0, least_deg_ = 0;
+  double looked_s_ = 0;
+  int looks_ = 0;
+};
 
 // What a person wants to read of a session once it is over.
 struct LiveFigures {

@@ -17,6 +17,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
+#include "lake/core/results_subject.h"
 #include "lake/core/run.h"
 #include "lake/core/shell_word.h"
 #include "lake/core/yaml.h"
@@ -24,7 +25,6 @@
 #include "lake/redesign/redesign_outcome.h"
 #include "result_inputs.h"
 #include "run_program.h"
-#include "study_review.h"
 
 namespace lake::reviewing {
 
@@ -84,6 +84,18 @@ void AddWords(const OptionList& list, std::vector<std::string>& words) {
 }
 
 // The folder of the study file whose step has its results here; that of the results, where it is not to be found.
+// The study file of a folder of lake-run's with this summary, as it is now: it may have been edited since.
+fs::path StudyFileOf(const Json& summary, const fs::path& folder) {
+  const fs::path named = summary.at("options").at("study").get<std::string>();
+  for (const fs::path& told : SubjectsOf(folder))
+    if (told.filename() == named.filename() && fs::exists(told)) return told;
+  for (const fs::path& place : WithAbove(fs::absolute(folder)))
+    if (fs::exists(place / named)) return place / named;
+  if (fs::exists(named)) return named;
+  throw Fail("{}: is not to be found; start lake review in the folder in which {} was made", named.string(),
+             folder.string());
+}
+
 fs::path StudyFolderOf(const fs::path& results) {
   const fs::path above = (fs::absolute(results) / "").lexically_normal().parent_path().parent_path();
   if (MakerOf(above) != "lake-run") return results;

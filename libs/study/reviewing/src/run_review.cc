@@ -25,9 +25,8 @@
 #include "lake/reviewing/design_review.h"
 #include "lake/reviewing/tracked_folder.h"
 #include "lake/tracking/track_markers.h"
+#include "other_reviews.h"
 #include "result_inputs.h"
-#include "start_review.h"
-#include "study_review.h"
 
 namespace lake::reviewing {
 
@@ -184,13 +183,13 @@ Json RisesOf(const fs::path& folder, const std::string& marker, const Eigen::Vec
 
 review::ComparedVideo ReadVideo(const fs::path& folder, const std::string& marker,
                                 const Eigen::Vector2d& marker_at_mm) {
-  TrackedFolder tracked = ReadTrackedFolder(folder);
+  TrackedFolder tracked = ReadTrackedFolder(TrackedTrialOf(folder));
   review::ComparedVideo trial;
   trial.name = fs::path(tracked.options.video).filename().string();
   trial.marker = marker;
   trial.video = tracked.options.video;
   trial.reader = tracked.options.track.reader;
-  trial.tracks = motion::ReadMarkerCsv(folder / "tracks.csv");
+  trial.tracks = motion::ReadMarkerCsv(tracked.folder / "tracks.csv");
   trial.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   trial.rises = RisesOf(folder, marker, marker_at_mm);
   return trial;
@@ -371,11 +370,11 @@ void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
     throw UsageError("--problem has the limits of a design, and this is none");
   if ((is_design || is_folder) && options.capture_rate_hz > 0)
     throw UsageError("--capture-rate only applies to a video; a folder of lake track knows its rate");
-  if ((is_design || maker == "lake-compare") && options.movement)
-    throw UsageError("--movement is of a trial, a video or a study, and this is none");
+  if ((is_design || maker == "lake-compare" || maker == "lake-run") && options.movement)
+    throw UsageError("--movement is of a trial or a video, and this is none");
   if (is_design) return ReviewDesign(options, page, programs);
   if (maker == "lake-compare") return review::ServeComparison(page, ReadComparedPair(options.subject));
-  if (maker == "lake-run") return review::ServeStudy(page, StudyWorkOf(options.subject, options.movement, programs));
+  if (maker == "lake-run") return review::ServeStudy(page, StudyWorkOf(options.subject, options.page, programs));
   if (is_folder && maker.empty()) {
     fs::current_path(options.subject);  // what is made from there on lies in it
     return review::ServeStart(page, StartWorkOf(options.page, programs));

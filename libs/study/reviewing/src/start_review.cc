@@ -1,5 +1,3 @@
-#include "start_review.h"
-
 #include <fcntl.h>
 #include <fmt/ranges.h>
 #include <sys/wait.h>
@@ -27,6 +25,7 @@
 #include "lake/core/yaml.h"
 #include "lake/motion/saved_corrections.h"
 #include "lake/video/video_reader.h"
+#include "other_reviews.h"
 #include "result_inputs.h"
 #include "run_program.h"
 
@@ -312,20 +311,50 @@ void MakeStudy(const Json& asked, const fs::path& programs, const Control& contr
   RunProgram(programs / "lake-run", {kStudy, "-o", "lake-out/study"}, control);
 }
 
+review::OtherPages PagesOf(const review::PageOptions& page, const fs::path& programs) {
+  const auto pages = std::make_shared<OpenPages>(page, programs);
+  return {[pages](const std::string& path) { return pages->Open(path); }, [pages] { return pages->Any(); }};
+}
+
 }  // namespace
 
 review::StartWork StartWorkOf(const review::PageOptions& page, const fs::path& programs) {
-  const auto pages = std::make_shared<OpenPages>(page, programs);
   review::StartWork work;
   work.folder = fs::current_path().string();
   work.found = [] { return FoundJson(FindAll()); };
-  work.open = [pages](const std::string& path) { return pages->Open(path); };
-  work.has_open_pages = [pages] { return pages->Any(); };
+  work.pages = PagesOf(page, programs);
   work.make = [programs](const Json& asked, const Control& control) {
     if (asked.at("what") == "camera") return MakeCamera(asked, programs, control);
     if (asked.at("what") == "study") return MakeStudy(asked, programs, control);
     throw Error("a camera or a study can be made");
   };
+  return work;
+}
+
+fs::path TrackedTrialOf(const fs::path& folder) {
+  if (MakerOf(folder) != "lake-gait") return folder;
+  const fs::path trial = FindInput(ReadSummary(folder / "summary.json"), "trial", folder);
+  if (MakerOf(trial.parent_path()) != "lake-track")
+    throw Fail("{}: is of {}, which is none of lake track's: there is no film to look at", folder.string(),
+               trial.string());
+  return trial.parent_path();
+}
+
+review::StudyWork StudyWorkOf(const fs::path& folder, const review::PageOptions& page, const fs::path& programs) {
+  review::StudyWork work;
+  const Json summary = ReadSummary(folder / "summary.json");
+  try {
+    work.name = summary.at("name");
+    work.command = summary.at("command");
+  } catch (const nlohmann::json::exception& error) {
+    throw Fail("{}: is not a summary as lake run writes it ({})", (folder / "summary.json").string(), error.what());
+  }
+  work.report = folder / "report.html";
+  work.parts = Json::array();
+  for (const char* step : {"human", "exo", "comparison", "redesign", "optimum"})
+    if (!MakerOf(folder / step).empty()) work.parts.push_back({{"step", step}, {"path", (folder / step).string()}});
+  work.pages = PagesOf(page, programs);
+  work.pages.open = [open = work.pages.open](const std::string& path) { return open(TrackedTrialOf(path).string()); };
   return work;
 }
 

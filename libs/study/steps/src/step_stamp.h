@@ -6,11 +6,24 @@
 #include <string>
 #include <vector>
 
-#include "file_state.h"
+#include "lake/core/file_stamp.h"
 #include "lake/core/json.h"
 #include "lake/steps/step_cost.h"
 
 namespace lake::steps {
+
+// The content of a file, found again without reading it where that is certain.
+struct FileState {
+  std::filesystem::path path;
+  std::string sha256;  // "absent" if there is none
+  FileStamp stamp;     // looked up before its content was read
+
+  bool IsAbsent() const;
+};
+
+// Of a file, a folder (its files) or nothing. The hash of `known` is taken over without reading where the file is
+// untouched since (IsUntouched).
+FileState StateOf(const std::filesystem::path& path, const FileState* known = nullptr);
 
 struct StepStamp {
   std::string made_by = {};

@@ -45,7 +45,7 @@ class GnuplotFigure {
  private:
   int width_px_, height_px_;
   int tables_ = 0;
-  std::vector<std::string> pages_;   // each begins with the theme (theme.h)
+  std::vector<std::string> pages_;   // each begins with the theme
   std::vector<std::size_t> panels_;  // where in the last page the plots of its multiplot stand
 };
 

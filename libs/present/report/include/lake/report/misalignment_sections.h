@@ -1,6 +1,7 @@
 // The comparison of a human trial with an exoskeleton trial, as sections of a report.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,21 +13,35 @@ namespace lake::report {
 
 // Of the content of comparison.json (with its curves), whether just computed or read back. Throws Json::exception for
 // another content.
-std::vector<report::Section> MisalignmentSections(const Json& comparison);
+std::vector<Section> MisalignmentSections(const Json& comparison);
 
 // A figure of the joint with its interval (95 %) of all sources, the skin among them, on which a decision rests. Of
 // joint_rms_mm, joint_offset_x_mm or joint_offset_y_mm; the interval is unknown where the comparison has no budget.
 Uncertain JointFigure(const Json& comparison, const std::string& quantity);
 
+// The path difference, RMS, in percent of the shank and in mm.
+Uncertain PathDifference_percent(const Json& comparison);
+Uncertain PathDifference_mm(const Json& comparison);
+
 // What moving the joint leaves of its misalignment at the next rise, with the interval of the slip, stated to
 // no less than a tenth of a millimetre. For a comparison whose exoskeleton trial shows the knee.
 Uncertain JointMovedFigure(const Json& comparison);
 
-// For a longer story: the numbers to see first, and the charts of the paths and of the error alone.
-report::KeyFigures MisalignmentKeyFigures(const Json& comparison);
-report::LineChart KneePathsChart(const Json& comparison);
-report::LineChart PathDifferenceChart(const Json& comparison);
-report::BarChart DecompositionChart(const Json& comparison);
+// The numbers to see first.
+KeyFigures MisalignmentKeyFigures(const Json& comparison);
+
+// Its charts. That of the joint and the knee of the leg that wears it is none where the trial does not show that knee.
+LineChart LegsChart(const Json& comparison);
+LineChart KneePathsChart(const Json& comparison);
+LineChart PathDifferenceChart(const Json& comparison);
+std::optional<LineChart> JointChart(const Json& comparison);
+LineChart PartsChart(const Json& comparison);
+LineChart KneeAnglesChart(const Json& comparison);
+BarChart DecompositionChart(const Json& comparison);
+
+// "rise" or "stride"; of an older comparison, which does not say, a rise.
+std::string RepetitionIn(const Json& comparison);
+bool IsOfWalking(const Json& comparison);
 
 // What the parts say to the designer, in a sentence or two.
 std::string DecompositionAdvice(const Json& comparison);

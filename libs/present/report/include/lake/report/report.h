@@ -98,7 +98,11 @@ struct Series {
 struct Axis {
   std::string label{};                 // with the unit
   std::optional<double> from{}, to{};  // default: around the data
+  bool downwards = false;              // as px count
 };
+
+// Of a series that names none: the next of the palette.
+std::string ColourOf(const Series& series, std::size_t index);
 
 struct VerticalLine {
   double x = 0;
