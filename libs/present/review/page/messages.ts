@@ -130,6 +130,7 @@ export interface NamingMessage {
   frames: number | null; // of the video, if it says
   trial_there: string; // the folder that tracking would replace, or empty
   camera_beside: string; // a camera file beside the video; empty: none
+  detectors: string[]; // kinds of markers; the first is the usual one
   spots: SpotMessage[];
   choices: Choices; // to begin with
 }

@@ -182,7 +182,11 @@ export class NamingPage {
   private open(message: NamingMessage): void {
     const isFirst = !this.message;
     this.message = message;
-    if (isFirst) this.choices = message.choices;
+    if (isFirst) {
+      this.choices = message.choices;
+      const kinds = message.detectors.map((name, i) => new Option(name, i > 0 ? name : ""));
+      document.querySelector("[data-option=detector]")!.replaceChildren(...kinds);
+    }
     part("name").textContent = message.name;
     document.title = `${message.name} – lake review`;
     part<HTMLInputElement>("names").value = this.choices.markers.join(", ");

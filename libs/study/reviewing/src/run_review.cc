@@ -118,6 +118,7 @@ Json SpotsJson(const fs::path& video, const tracking::CandidateList& list, const
           {"frames", ValueOrNull(info.frames)},
           {"trial_there", fs::exists(OutputOf(video) / "tracks.csv") ? OutputOf(video).string() : ""},
           {"camera_beside", CameraBeside(video)},
+          {"detectors", tracking::DetectorNames()},
           {"spots", spots},
           {"choices", {{"markers", tracking::kLegMarkers}, {"seeds", Json::object()}, {"options", Json::object()}}}};
 }
