@@ -14,7 +14,8 @@ namespace {
 
 using report::LineChart, report::Mark, report::Series;
 
-constexpr int kPanelWidth_px = 700, kPanelHeight_px = 450, kTallPanelHeight_px = 650, kTitle_px = 40;
+constexpr int kPanelWidth_px = 700, kOnlyPanelWidth_px = 1000, kPanelHeight_px = 450, kTallPanelHeight_px = 650,
+              kTitle_px = 40;
 
 std::string Quoted(const std::string& text) {
   return QuoteForGnuplot(text) + " noenhanced";
@@ -86,9 +87,9 @@ void DrawPanel(GnuplotFigure& figure, const LineChart& chart) {
               Quoted(chart.y.label));
   figure.Line("set xrange [{}:{}]; set autoscale xfix; set yrange [{}:{}]{}", EndOf(chart.x.from), EndOf(chart.x.to),
               EndOf(chart.y.from), EndOf(chart.y.to), chart.y.downwards ? " reverse" : "");
-  const auto named =
-      std::ranges::count_if(chart.series, [](const Series& series) { return series.mark != Mark::kThin; });
-  const double legend = 0.03 + 0.08 * static_cast<double>(named);  // its share of the panel's height
+  const auto named = std::ranges::count_if(chart.series, [](const Series& series) { return !series.name.empty(); });
+  // The share of the panel's height that the legend has; with equal scales the axis ends farther from the data.
+  const double legend = (chart.equal_scales ? 0.12 : 0.03) + 0.08 * static_cast<double>(named);
   const double room = chart.y.to ? 0 : legend / (1 - legend);
   if (chart.equal_scales)
     SetEqualScales(figure, chart, room);
@@ -117,10 +118,11 @@ void DrawCharts(const std::filesystem::path& path, const std::vector<LineChart>&
   const int rows = (static_cast<int>(charts.size()) + columns - 1) / columns;
   const bool are_tall = std::ranges::all_of(charts, &LineChart::equal_scales);
   const int title_px = title.empty() ? 0 : kTitle_px, panel_px = are_tall ? kTallPanelHeight_px : kPanelHeight_px,
-            height_px = panel_px * rows + title_px, width_px = kPanelWidth_px * columns;
+            height_px = panel_px * rows + title_px,
+            width_px = columns == 1 ? kOnlyPanelWidth_px : kPanelWidth_px * columns;
   GnuplotFigure figure(width_px, height_px);
-  figure.Line("set multiplot layout {},{} margins {},{},{},{} spacing {},{}{}", rows, columns, 110.0 / width_px,
-              1 - 25.0 / width_px, 70.0 / height_px, 1 - (55.0 + title_px) / height_px, 135.0 / width_px,
+  figure.Line("set multiplot layout {},{} margins {},{},{},{} spacing {},{}{}", rows, columns, 125.0 / width_px,
+              1 - 25.0 / width_px, 70.0 / height_px, 1 - (55.0 + title_px) / height_px, 150.0 / width_px,
               130.0 / height_px, title.empty() ? "" : " title " + Quoted(title));
   for (const LineChart& chart : charts) DrawPanel(figure, chart);
   figure.Line("unset multiplot").Write(path);

@@ -50,14 +50,14 @@ LineChart ParetoChart(const Json& summary) {
       least_deg = std::min(least_deg, range_deg);
       most_deg = std::max(most_deg, range_deg);
     }
+  chart.x.from = std::floor(least_deg / 5 - 0.2) * 5;
+  chart.x.to = std::ceil(most_deg / 5 + 0.2) * 5;
   if (const Json limit = summary.value("max_misalignment_percent", Json()); limit.is_number())
     chart.series.push_back({.name = fmt::format("limit {} %", SignificantText(limit.get<double>(), 3)),
-                            .x = {least_deg, most_deg},
+                            .x = {*chart.x.from, *chart.x.to},
                             .y = {limit.get<double>(), limit.get<double>()},
                             .colour = colour::kText,
                             .mark = Mark::kThin});
-  chart.x.from = std::floor(least_deg / 5 - 0.2) * 5;
-  chart.x.to = std::ceil(most_deg / 5 + 0.2) * 5;
   return chart;
 }
 
