@@ -191,7 +191,7 @@ TEST(CuffCourse, TheClosedFormIsTheModel) {
     const double error = draw % 3 == 0 ? 0.2 * some(random) - 0.1 : 0;
     const LegLoad load = LoadOnLeg({-degrees(bent), 0, on_thigh, place, 0, degrees(error)}, options, {1.7, 1.7});
     const auto slips = SlipsOf(options, bent, standing, place.x(), place.y(), error);
-    const std::vector<CuffPlace> places = PlacesOf(options);
+    const std::vector<PlacedCuff> places = CuffsOf(options);
     ASSERT_EQ(slips.size(), places.size());
     for (std::size_t i = 0; i < slips.size(); ++i)
       EXPECT_NEAR(std::hypot(slips[i][0], slips[i][1]),

@@ -8,8 +8,8 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/json.h"
 #include "lake/drawing/linkage_figures.h"
-#include "lake/linkage/body.h"
 #include "lake/linkage/linkage.h"
+#include "lake/linkage/wear.h"
 #include "linkage_page.h"
 #include "published_links.h"
 #include "report/browser.h"
@@ -29,7 +29,7 @@ class Poses {
   explicit Poses(const linkage::Links& links)
       : look_{.links = links,
               .range = linkage::FindUsedRange(links, kShortest_mm, {}),
-              .body = linkage::BodyOf(1800, 80),
+              .body = person::BodyOf(1800, 80),
               .wear = {},
               .knee_torque_nm = 40} {}
 

@@ -14,7 +14,7 @@
 #include "lake/core/colours.h"
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
-#include "lake/linkage/body.h"
+#include "lake/linkage/wear.h"
 #include "lake/report/report.h"
 #include "lake/report/uncertain.h"
 #include "lake/review/design_explorer.h"
@@ -156,9 +156,9 @@ TEST(StudyPage, SaysWhatSeatAndLimbsAllowOfTheMovedJoint) {
     const std::vector<double> lengths = human[curve];
     return std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
   };
-  linkage::BodySize size;
-  size.leg = linkage::LegLengths{mean("thigh_mm"), mean("shank_mm")};
-  const linkage::Body body = linkage::BodyOf(size);
+  person::BodySize size;
+  size.leg = person::LegLengths{mean("thigh_mm"), mean("shank_mm")};
+  const person::Body body = person::BodyOf(size);
   const linkage::Links links = linkage::Links::FromValues({59.081, 68.840, 55.964, 71.849, 118.630, 287.310});
   const linkage::UsedRange range = linkage::FindUsedRange(links, 242, std::nullopt);
   const auto at = [&](double x, double y) {

@@ -78,10 +78,10 @@ TEST(DesignExplorer, ShowsEveryPoseAsTheClosedFormHasIt) {
 // The leg is the problem's, and its knee is where the joint is not.
 TEST(DesignExplorer, DrawsTheBodyThatItsLimitsAreOn) {
   ExploredDesign explored = Published();
-  explored.problem.clearances.body = {.height_mm = 1650, .mass_kg = 55, .leg = linkage::LegLengths{390, 360}};
+  explored.problem.clearances.body = {.height_mm = 1650, .mass_kg = 55, .leg = person::LegLengths{390, 360}};
   explored.design.placement_mm = {13, -4};
   const Json body = DesignExplorer(explored).About().at("body");
-  const linkage::Body own = linkage::BodyOf(explored.problem.clearances.body);
+  const person::Body own = person::BodyOf(explored.problem.clearances.body);
   EXPECT_EQ(body.at("thigh").at("length"), 390);
   EXPECT_EQ(body.at("shank").at("length"), 360);
   EXPECT_EQ(body.at("thigh").at("proximal_radius"), own.thigh.proximal_radius_mm);

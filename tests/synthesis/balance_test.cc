@@ -148,7 +148,7 @@ TEST(BalancedProgram, IsHeldAtEveryInstantAndItsCostIsTold) {
   const auto free = Optimum(problem);
   ASSERT_TRUE(free);
   EXPECT_LT(free->prediction->balance->margin_mm, 0);  // this rise is one of momentum
-  problem.balance = redesign::BalanceLimits{.margin_mm = 20};
+  problem.balance_mm = 20;
   const auto balanced = Optimum(problem);
   ASSERT_TRUE(balanced);
   const redesign::Prediction& prediction = *balanced->prediction;
@@ -168,12 +168,13 @@ TEST(BalancedProgram, IsHeldAtEveryInstantAndItsCostIsTold) {
 TEST(BalancedProgram, WhatCannotBeHadIsToldWithTheMostThatCan) {
   redesign::RedesignProblem problem = BalancedProblem();
   problem.max_angle_mismatch_deg = 5;  // a knee that bends at will brings the hip over the foot
-  problem.balance = redesign::BalanceLimits{.margin_mm = 90, .trunk_deg = 5, .leg_deg = 2};
+  problem.balance_mm = 90;
+  problem.lean_limits = {.trunk_deg = 5, .leg_deg = 2};
   const auto report = redesign::ExplainInfeasible(problem, {problem.design.start, kPublishedLinks}, Starts(1));
   EXPECT_THAT(report.sentence, HasSubstr("(--balance)"));
-  ASSERT_TRUE(report.largest_margin_mm);
-  EXPECT_LT(*report.largest_margin_mm, 90);
-  problem.balance->margin_mm = *report.largest_margin_mm - 0.5;
+  ASSERT_EQ(report.quantity, &redesign::kBalanceMargin);
+  EXPECT_LT(*report.best, 90);
+  problem.balance_mm = *report.best - 0.5;
   problem.max_misalignment_percent = 20;
   EXPECT_TRUE(Optimum(problem));
 }
@@ -197,7 +198,7 @@ problem::LoadProfile OwnMoments(const redesign::RedesignProblem& problem, double
 // which no other way of solving can better; under the quick rise's moments its range would be 7° less.
 TEST(BalancedProgram, IsSoughtUnderItsOwnMoments) {
   redesign::RedesignProblem problem = BalancedProblem();
-  problem.balance = redesign::BalanceLimits{.margin_mm = 20};
+  problem.balance_mm = 20;
   const auto free = Optimum(problem);
   ASSERT_TRUE(free);
   const std::vector<linkage::Links> links = {problem.design.start, kPublishedLinks};
@@ -229,7 +230,7 @@ TEST(BalancedProgram, IsSoughtUnderItsOwnMoments) {
 
 TEST(BalancedProgram, OfAWholeRedesignSaysOfWhichRiseTheMomentsAre) {
   redesign::RedesignProblem problem = BalancedProblem();
-  problem.balance = redesign::BalanceLimits{.margin_mm = 20};
+  problem.balance_mm = 20;
   problem.design.profile = OwnMoments(problem, 1.5);
   problem.design.limits["max_force_n"] = 1000;
   redesign::RedesignOptions options;
@@ -244,7 +245,7 @@ TEST(BalancedProgram, OfAWholeRedesignSaysOfWhichRiseTheMomentsAre) {
 // programs, and of the one whose person need not be in balance.
 TEST(BalancedProgram, OfAWholeRedesignHasOtherMomentsThanWhatStandsBeside) {
   redesign::RedesignProblem problem = BalancedProblem();
-  problem.balance = redesign::BalanceLimits{.margin_mm = 20};
+  problem.balance_mm = 20;
   problem.design.profile = OwnMoments(problem, 1.5);
   problem.design.limits["max_force_n"] = 1000;
   problem.design.start = kPublishedLinks;
@@ -313,15 +314,15 @@ TEST(AngleMismatch, IsALimitOfItsOwnWithAPrice) {
   ASSERT_TRUE(limited);
   EXPECT_NEAR(limited->prediction->angle_mismatch_deg, *problem.max_angle_mismatch_deg, 1e-4);
   EXPECT_LT(limited->Range_deg(), free->Range_deg());
-  const auto price = limited->local.PriceOf(synthesis::LimitId{synthesis::LimitId::On::kAngleMismatch});
-  ASSERT_TRUE(price);
+  const auto multiplier = limited->local.MultiplierOf(synthesis::LimitId{"angle mismatch"});
+  ASSERT_TRUE(multiplier);
   constexpr double kStep_deg = 0.02;
   const auto range = [&](double step_deg) {
     redesign::RedesignProblem near = problem;
     *near.max_angle_mismatch_deg += step_deg;
     return redesign::SolveFrom(near, limited->point).Range_deg();
   };
-  EXPECT_NEAR((range(kStep_deg) - range(-kStep_deg)) / (2 * kStep_deg), *price, 0.05 * *price + 1e-3);
+  EXPECT_NEAR((range(kStep_deg) - range(-kStep_deg)) / (2 * kStep_deg), *multiplier, 0.05 * *multiplier + 1e-3);
 }
 
 TEST(JointMisalignment, IsLimitedByThePlacementAloneAndTheAngleByItsOwnLimit) {
@@ -347,8 +348,8 @@ TEST(JointMisalignment, AConstantProgramCannotFollowAndThatIsTold) {
   problem.misalignment_of = MisalignmentOf::kJoint;
   problem.max_angle_mismatch_deg = 5;
   const auto report = redesign::ExplainInfeasible(problem, {problem.design.start, kPublishedLinks}, Starts(1));
-  ASSERT_TRUE(report.least_angle_mismatch_deg);
-  EXPECT_GT(*report.least_angle_mismatch_deg, 5);
+  ASSERT_EQ(report.quantity, &redesign::kAngleMismatch);
+  EXPECT_GT(*report.best, 5);
   EXPECT_THAT(report.sentence, HasSubstr("--program free"));
 }
 

@@ -9,7 +9,6 @@
 #include "compare/closed_form.h"
 #include "lake/core/error.h"
 #include "lake/core/threads.h"
-#include "lake/group/group_design.h"
 #include "lake/redesign/redesign_program.h"
 #include "synthesis/paper.h"
 

@@ -111,16 +111,16 @@ TEST(Optimize, PricesAreDerivativesOfTheRange) {
   const synthesis::LocalSolve solve = synthesis::SolveFrom(WithMargins(2), problem::SynthesisProblem{}.start);
   const synthesis::ActiveSet active = synthesis::FindActiveSet(solve);
   ASSERT_TRUE(active.multipliers_unique);
-  const auto price = [&](const std::string& name) {
+  const auto multiplier = [&](const std::string& name) {
     for (const auto& entry : active.entries)
-      if (entry.name == name) return entry.price;
+      if (entry.name == name) return entry.multiplier;
     ADD_FAILURE() << name << " is not active";
     return 0.0;
   };
   // Central differences: second-order error step^2 f''' / 6 below 1e-5 deg / mm.
-  EXPECT_NEAR(price("grashof ≥ 2 mm"), (range(2 + step, 2, 50) - range(2 - step, 2, 50)) / (2 * step), 1e-5);
-  EXPECT_NEAR(price("singularity ≥ 2 mm"), (range(2, 2 + step, 50) - range(2, 2 - step, 50)) / (2 * step), 1e-5);
-  EXPECT_NEAR(price("l5 ≥ 50 mm"), (range(2, 2, 50 + step) - range(2, 2, 50 - step)) / (2 * step), 1e-5);
+  EXPECT_NEAR(multiplier("grashof ≥ 2 mm"), (range(2 + step, 2, 50) - range(2 - step, 2, 50)) / (2 * step), 1e-5);
+  EXPECT_NEAR(multiplier("singularity ≥ 2 mm"), (range(2, 2 + step, 50) - range(2, 2 - step, 50)) / (2 * step), 1e-5);
+  EXPECT_NEAR(multiplier("l5 ≥ 50 mm"), (range(2, 2, 50 + step) - range(2, 2, 50 - step)) / (2 * step), 1e-5);
 }
 
 TEST(Optimize, MultipliersAreNotUniqueAtZeroMargins) {
@@ -159,13 +159,13 @@ TEST(SynthesisProgram, LimitsAreFoundByWhatTheyAreOn) {
       synthesis::BuildProgram(EverythingOn(), {60, 70, 55, 75, 90, 260}, {0.3, 0.7});
   for (const synthesis::Limit& limit : program.limits) EXPECT_EQ(program.Find(limit.id), &limit);
   for (const problem::Requirement& requirement : problem::RequirementsOf(EverythingOn())) {
-    const synthesis::Limit* limit = program.Find(synthesis::LimitOn(requirement.name));
+    const synthesis::Limit* limit = program.Find(synthesis::LimitId{requirement.name});
     ASSERT_TRUE(limit) << requirement.name;
     EXPECT_EQ(program.program.Rows()[limit->row].name, requirement.Text());
     EXPECT_EQ(limit->unit, requirement.unit);
   }
-  for (int i = 0; i < 6; ++i) EXPECT_EQ(program.Find({synthesis::LimitId::On::kLink, i})->variable, program.links[i]);
-  EXPECT_EQ(program.Find({synthesis::LimitId::On::kMisalignment}), nullptr);
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(program.Find({synthesis::LimitId::kLink, i})->variable, program.links[i]);
+  EXPECT_EQ(program.Find({"misalignment"}), nullptr);
 }
 
 TEST(SynthesisProgram, HoldsAtAnAssembledDesign) {
@@ -274,7 +274,7 @@ TEST(Optimize, HoldsTheActuatorToALengthWhenSitting) {
   ASSERT_TRUE(held.IsUsable());
   EXPECT_NEAR(length_of(held.end), limit_mm, 1e-5);
   EXPECT_LT(held.objective, free.objective);
-  EXPECT_TRUE(synthesis::FindActiveSet(held).Find(synthesis::LimitOn("length when sitting")));
+  EXPECT_TRUE(synthesis::FindActiveSet(held).Find(synthesis::LimitId{"length when sitting"}));
   const double with_deg = certificate::CertifyRange(problem, held.objective).upper_bound_deg;
   EXPECT_GE(with_deg, held.objective);
   EXPECT_LT(with_deg, free.objective);

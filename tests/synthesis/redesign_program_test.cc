@@ -40,7 +40,7 @@ redesign::RedesignProblem Balanced(Kind kind, Goal goal) {
   body.feet_from_percent = 40;
   for (int i = 0; i < compare::kPercentSamples; ++i) body.trunk.push_back({0.5 - 0.005 * i, {0.1, 0.3}});
   problem.body = std::make_shared<const loads::BodyPath>(body);
-  problem.balance.emplace();
+  problem.balance_mm = 20;
   return problem;
 }
 

@@ -10,7 +10,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
-#include "lake/linkage/body.h"
+#include "lake/linkage/wear.h"
 #include "lake/parts/strength.h"
 #include "lake/synthesis/actuator_front.h"
 #include "lake/synthesis/infeasibility.h"
@@ -34,7 +34,7 @@ problem::SynthesisProblem OnALeg(problem::SynthesisProblem problem) {
 linkage::WearCheck WearOf(const linkage::Links& links, const problem::SynthesisProblem& problem) {
   return linkage::CheckWear(
       links, linkage::FindUsedRange(links, problem.d_min_mm, {}, RadiansFromDegrees(problem.standing_deg)),
-      linkage::BodyOf(problem.clearances.body), problem.Wear());
+      person::BodyOf(problem.clearances.body), problem.Wear());
 }
 
 synthesis::LocalSolve SolveAtSeat(double seat_mm) {
@@ -51,12 +51,12 @@ TEST(Clearance, OfTheSeatIsThatOfTheClosedFormAndHasItsPrice) {
   EXPECT_LT(WearOf(without.end, problem).seat_clearance_mm, kSeat_mm);
   EXPECT_NEAR(WearOf(solve.end, problem).seat_clearance_mm, kSeat_mm, 1e-5);
   EXPECT_LT(solve.evaluation.range_deg, without.evaluation.range_deg);
-  const auto price = solve.PriceOf(synthesis::LimitOn("seat clearance"));
-  ASSERT_TRUE(price);
+  const auto multiplier = solve.MultiplierOf(synthesis::LimitId{"seat clearance"});
+  ASSERT_TRUE(multiplier);
   const double more = SolveAtSeat(kSeat_mm + kStep_mm).evaluation.range_deg,
                less = SolveAtSeat(kSeat_mm - kStep_mm).evaluation.range_deg;
-  EXPECT_NEAR(*price, (more - less) / (2 * kStep_mm), 0.01 * std::abs(*price));
-  EXPECT_TRUE(synthesis::FindActiveSet(solve).Find(synthesis::LimitOn("seat clearance")));
+  EXPECT_NEAR(*multiplier, (more - less) / (2 * kStep_mm), 0.01 * std::abs(*multiplier));
+  EXPECT_TRUE(synthesis::FindActiveSet(solve).Find(synthesis::LimitId{"seat clearance"}));
 }
 
 // A joint that sits higher on the shank lifts the seated linkage off the seat.
@@ -142,7 +142,7 @@ TEST(Strength, SafetyFactorIsThatOfTheTable) {
   // The worst pose lies between two of the 2001.
   EXPECT_NEAR(LeastSafety(solve.end, problem), asked, 1e-3);
   EXPECT_NEAR(solve.evaluation.CheckOf("safety factor").value, asked, 1e-5);
-  ASSERT_NE(synthesis::FindActiveSet(solve).Find(synthesis::LimitOn("safety factor")), nullptr);
+  ASSERT_NE(synthesis::FindActiveSet(solve).Find(synthesis::LimitId{"safety factor"}), nullptr);
 }
 
 // A thin rod buckles before any plate gives way, and bending of the shank link has nothing to do with the links.
@@ -349,7 +349,7 @@ TEST(ActuatorFront, AnActuatorThatContradictsTheProblemStopsNoOther) {
   problem::LinearActuator strong;
   strong.name = "strong";
   strong.closed_mm = 242;
-  strong.stroke_mm = 200;
+  strong.travel_mm = 200;
   strong.max_force_n = 5000;
   problem::LinearActuator longer = strong;
   longer.name = "longer";

@@ -46,7 +46,7 @@ Json ActuatorJson(const problem::LinearActuator& actuator, double duration_s) {
                {"maker", actuator.maker},
                {"source", actuator.source},
                {"closed_mm", NumberOrNull(actuator.closed_mm)},
-               {"stroke_mm", NumberOrNull(actuator.stroke_mm)},
+               {"travel_mm", NumberOrNull(actuator.travel_mm)},
                {"lifting_force_n", NumberOrNull(actuator.LiftingForce())},
                {"no_load_speed_mm_s", NumberOrNull(actuator.no_load_speed_mm_s)},
                {"speed_under_load_is_known", actuator.HasForceSpeedLaw()},

@@ -267,13 +267,13 @@ report::Section UncertaintySection(const std::vector<compare::Budget>& budgets) 
 
 // The worn linkage on the person whom the human trial shows.
 WornJoint CheckWorn(const compare::Misalignment& misalignment, const CompareRunOptions& options) {
-  linkage::BodySize size = options.body;
+  person::BodySize size = options.body;
   std::vector<double> thigh_mm;
   thigh_mm.reserve(misalignment.human.knee.size());
   for (std::size_t i = 0; i < misalignment.human.knee.size(); ++i)
     thigh_mm.push_back((misalignment.human.hip[i] - misalignment.human.knee[i]).norm());
-  size.leg = linkage::LegLengths{Mean(thigh_mm), Mean(misalignment.shank_mm)};
-  return CheckWornJoint(linkage::ReadDesign(*options.worn), misalignment.joint->mean_mm, linkage::BodyOf(size),
+  size.leg = person::LegLengths{Mean(thigh_mm), Mean(misalignment.shank_mm)};
+  return CheckWornJoint(linkage::ReadDesign(*options.worn), misalignment.joint->mean_mm, person::BodyOf(size),
                         options.wear);
 }
 

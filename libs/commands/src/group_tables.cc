@@ -7,6 +7,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "optimum_tables.h"
 #include "program_table.h"
@@ -40,18 +41,22 @@ struct PersonRow {
   std::size_t size = 0;
 };
 
+void AddResult(const redesign::DesignInMotion& design, CsvWriter& table) {
+  table.Add(design.evaluation.range_deg)
+      .Add(ValueOf(redesign::kMisalignment, design))
+      .Add(design.prediction ? design.prediction->Rms().mm : kNaN);
+}
+
 void AddPerson(const PersonRow& row, CsvWriter& table) {
   const PersonOutcome& person = row.group.people[row.index];
   const redesign::DesignInMotion& design = person.with_group;
   const redesign::SegmentLengths leg = redesign::SegmentsOf(row.group.problem.people[row.index].human);
-  double prices = 0;
-  for (const PersonOutcome& other : row.group.people) prices += other.price;
+  double multipliers = 0;
+  for (const PersonOutcome& other : row.group.people) multipliers += other.multiplier;
   table.Add(person.name).Add(row.size + 1).Add(person.counts);
   table.Add(leg.shank_mm).Add(leg.thigh_mm);
-  table.Add(design.evaluation.range_deg)
-      .Add(redesign::MisalignmentPercent(design))
-      .Add(redesign::MisalignmentRms_mm(design));
-  table.Add(prices > 0 ? person.price / prices : 0);
+  AddResult(design, table);
+  table.Add(multipliers > 0 ? person.multiplier / multipliers : 0);
   table.Add(design.design.placement_mm[0]).Add(design.design.placement_mm[1]);
   if (design.prediction)
     table.Add(design.duration_s).Add(design.prediction->stroke_mm.front()).Add(design.prediction->stroke_mm.back());
@@ -62,9 +67,7 @@ void AddPerson(const PersonRow& row, CsvWriter& table) {
     AddNothing(table, 9);
     return;
   }
-  table.Add(person.own->evaluation.range_deg)
-      .Add(redesign::MisalignmentPercent(*person.own))
-      .Add(redesign::MisalignmentRms_mm(*person.own));
+  AddResult(*person.own, table);
   table.Add(person.own->design.links.Values());
 }
 
@@ -178,7 +181,7 @@ Json PeopleJson(const std::vector<PersonRow>& rows) {
     people.push_back({{"person", person.name},
                       {"size", row.size + 1},
                       {"counts", person.counts},
-                      {"misalignment_percent", NumberOrNull(redesign::MisalignmentPercent(person.with_group))},
+                      {"misalignment_percent", NumberOrNull(ValueOf(redesign::kMisalignment, person.with_group))},
                       {"cost_deg", NumberOrNull(person.cost_deg)},
                       {"placement_mm", person.with_group.design.placement_mm},
                       {"program_duration_s", person.with_group.duration_s}});
@@ -188,10 +191,7 @@ Json PeopleJson(const std::vector<PersonRow>& rows) {
 
 void WarnOfGroup(const std::vector<PersonRow>& rows, Run& run) {
   const redesign::RedesignProblem& shared = rows.front().group.problem.shared;
-  if (!shared.max_misalignment_percent && shared.penalty_deg_per_mm == 0)
-    run.Warn(
-        "neither --max-misalignment nor --penalty is given, so only the range is optimised; give one of them to limit "
-        "the misalignment");
+  WarnWithoutLimit(shared, run);
   std::vector<std::string> without_own, left_out;
   for (const PersonRow& row : rows) {
     const PersonOutcome& person = row.group.people[row.index];
@@ -245,8 +245,8 @@ std::string PeopleText(const std::vector<PersonRow>& rows) {
   for (const PersonRow& row : rows) {
     const PersonOutcome& person = row.group.people[row.index];
     text += fmt::format("  {:<20}{:>14} %{:>20} °\n", person.name,
-                        cell(redesign::MisalignmentPercent(person.with_group), 2),
-                        cell(person.cost_deg.value_or(std::nan("")), 1));
+                        cell(ValueOf(redesign::kMisalignment, person.with_group), 2),
+                        cell(person.cost_deg.value_or(kNaN), 1));
   }
   return text;
 }

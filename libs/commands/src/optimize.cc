@@ -17,7 +17,7 @@
 #include "lake/loads/body_path.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
-#include "lake/redesign/program_options.h"
+#include "lake/redesign/quantities.h"
 #include "lake/redesign/redesign_outcome.h"
 #include "lake/report/redesign_charts.h"
 #include "lake/synthesis/synthesis_options.h"
@@ -197,7 +197,6 @@ redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
   } else if (reoptimize.aids.device_kg > 0 || reoptimize.aids.hold_n > 0) {
     throw UsageError("--device-mass and --hold-force are of balance: give --body loads.json too");
   }
-  if (reoptimize.balance_mm) problem.balance = redesign::BalanceLimits{.margin_mm = *reoptimize.balance_mm};
   return problem;
 }
 
@@ -403,11 +402,13 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
            "design.yaml worn in the exoskeleton trial of --comparison; of several one for all, or one for each")
       .Repeats();
   options.Add("human-only", o.human_only, "Do not use the exoskeleton trial of --comparison");
-  options
-      .Add("max-misalignment", o.max_misalignment_percent,
-           "Largest misalignment allowed, RMS relative to the shank length")
-      .Unit("percent")
-      .Positive();
+  for (const redesign::Quantity& quantity : redesign::kQuantities) {
+    if (!*quantity.help) continue;
+    Option& option = options.Add(quantity.option, quantity.limit(o), quantity.help)
+                         .Unit(quantity.option_unit)
+                         .Otherwise(quantity.otherwise);
+    quantity.is_lower ? option.NotNegative() : option.Positive();
+  }
   options.Add("penalty", o.penalty_deg_per_mm, "Weight of the misalignment in the objective")
       .Unit("degrees per mm RMS")
       .Key("penalty")
@@ -417,19 +418,6 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
                                                                   {"path", redesign::MisalignmentOf::kPath}},
                     "What limit and penalty are on: the joint against the knee that it is worn on, or its path against "
                     "that of the human trial");
-  options
-      .Add("max-angle-mismatch", o.max_angle_mismatch_deg,
-           "Largest difference of the exoskeleton's knee angle from the human's at any instant")
-      .Unit("degrees")
-      .Positive()
-      .Otherwise("5 with --misalignment joint and of walking, else no limit");
-  options
-      .Add("balance", o.balance_mm,
-           "Centre of pressure at least so far inside the foot once the seat is left; the person may lean otherwise; "
-           "needs --body")
-      .Unit("mm")
-      .NotNegative()
-      .Otherwise("balance is not asked for");
   options.Add("body", o.body, "loads.json of the human trial, or the folder of lake-loads: whose balance it is")
       .IsPath(Option::Path::kFile)
       .Otherwise("balance is not computed");
@@ -443,11 +431,6 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
            "Upward force on the trunk, for this leg, of arm rests, a helper or a harness, in balance and moments")
       .Unit("N")
       .Between(0, 500);
-  options
-      .Add("max-cuff-force", o.max_cuff_force_n,
-           "Largest force at a cuff over the rise, of the joint's misfit, where cuffs and flesh are stiffest")
-      .Unit("N")
-      .Positive();
   options.Add("cuff-penalty", o.cuff_penalty_deg_per_n, "Weight of the largest force at a cuff in the objective")
       .Unit("degrees per N")
       .Key("cuff_penalty")

@@ -27,8 +27,8 @@ std::string_view ActiveSide(double value, const problem::Bounds& limits) {
 
 }  // namespace
 
-std::optional<double> OptimumView::PriceOf(const synthesis::LimitId& id) const {
-  return best && active.multipliers_unique ? best->PriceOf(id) : std::nullopt;
+std::optional<double> OptimumView::MultiplierOf(const synthesis::LimitId& id) const {
+  return best && active.multipliers_unique ? best->MultiplierOf(id) : std::nullopt;
 }
 
 void WriteOptimum(const OptimumView& optimum, const std::vector<LimitedRow>& others, Run& run) {
@@ -38,7 +38,7 @@ void WriteOptimum(const OptimumView& optimum, const std::vector<LimitedRow>& oth
                     .before = optimum.links_before.Values()[i],
                     .after = optimum.links_after.Values()[i],
                     .limits = optimum.problem.bounds[i],
-                    .multiplier = optimum.PriceOf({synthesis::LimitId::On::kLink, i})});
+                    .multiplier = optimum.MultiplierOf({synthesis::LimitId::kLink, i})});
   rows.insert(rows.end(), others.begin(), others.end());
   CsvWriter table({"variable", "initial", "optimum", "lower", "upper", "active", "multiplier"});
   for (const LimitedRow& row : rows)
@@ -57,7 +57,7 @@ void WriteConstraints(const OptimumView& optimum, const std::vector<LimitedRow>&
                     .before = optimum.before.CheckOf(requirement.name).value,
                     .after = check.value,
                     .limits = limits,
-                    .multiplier = optimum.PriceOf(synthesis::LimitOn(requirement.name)),
+                    .multiplier = optimum.MultiplierOf({requirement.name}),
                     .unit = requirement.unit});
   }
   rows.insert(rows.end(), others.begin(), others.end());
@@ -136,7 +136,7 @@ std::string ActiveText(const synthesis::ActiveSet& active, const std::string& ga
   for (const synthesis::ActiveSet::Entry& entry : active.entries) {
     text += fmt::format("  at its limit: {}", entry.name);
     if (active.multipliers_unique)
-      text += fmt::format(", {} {} per {}", SignificantText(entry.price, 4), gained, entry.unit);
+      text += fmt::format(", {} {} per {}", SignificantText(entry.multiplier, 4), gained, entry.unit);
     text += "\n";
   }
   return text;
@@ -161,7 +161,7 @@ Json LinksJson(const linkage::Links& links) {
 Json ClearancesJson(const problem::SynthesisProblem& problem) {
   const problem::Clearances& clearances = problem.clearances;
   if (!clearances.AreAsked()) return nullptr;
-  const linkage::Body body = linkage::BodyOf(clearances.body);
+  const person::Body body = person::BodyOf(clearances.body);
   return {{"seat_mm", NumberOrNull(clearances.seat_mm)},
           {"limb_mm", NumberOrNull(clearances.thigh_mm)},
           {"height_mm", body.height_mm},
@@ -275,7 +275,7 @@ Json ActiveJson(const synthesis::ActiveSet& active, const std::string& gained) {
   Json entries = Json::array();
   for (const synthesis::ActiveSet::Entry& entry : active.entries)
     entries.push_back({{"limit", entry.name},
-                       {"multiplier", active.multipliers_unique ? Json(entry.price) : Json()},
+                       {"multiplier", active.multipliers_unique ? Json(entry.multiplier) : Json()},
                        {"unit", fmt::format("{} per {}", gained, entry.unit)}});
   return entries;
 }

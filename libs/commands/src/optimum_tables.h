@@ -27,7 +27,7 @@ struct OptimumView {
   std::string not_a_solution;  // why there is none; empty with one
 
   // nullopt where multipliers are not unique, or the limit is none of the program's.
-  std::optional<double> PriceOf(const synthesis::LimitId& id) const;
+  std::optional<double> MultiplierOf(const synthesis::LimitId& id) const;
 };
 
 // A row of optimum.csv or constraints.csv; NaN where there is no such number.

@@ -16,4 +16,11 @@ void WriteProgramTable(const redesign::DesignInMotion& design, const redesign::H
   table.Write(path);
 }
 
+void WarnWithoutLimit(const redesign::MotionLimits& limits, Run& run) {
+  if (!redesign::kMisalignment.Counts(limits))
+    run.Warn(
+        "neither --max-misalignment nor --penalty is given, so only the range is optimised; give one of them to limit "
+        "the misalignment");
+}
+
 }  // namespace lake::commands

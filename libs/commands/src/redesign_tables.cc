@@ -20,49 +20,57 @@
 namespace lake::commands {
 namespace {
 
-using On = synthesis::LimitId::On;
-
-// A quantity of before_after.csv; NaN where the design cannot make the motion.
-struct Quantity {
+// A figure of before_after.csv; NaN where the design cannot make the motion.
+struct Figure {
   std::string name, unit;
   std::function<double(const redesign::DesignInMotion&)> value;
+
+  // As a key of the summary: "cuff_force_max_n".
+  std::string Key() const { return name + KeyEnding(unit); }
+
+  static std::string KeyEnding(std::string_view unit) {
+    if (unit == "1") return "";
+    return unit == "%" ? "_percent" : unit == "N" ? "_n" : fmt::format("_{}", unit);
+  }
 };
 
-std::vector<Quantity> Quantities() {
-  std::vector<Quantity> all;
+std::vector<Figure> Figures() {
+  using Design = redesign::DesignInMotion;
+  const auto limited = [](const redesign::Quantity& quantity) {
+    return Figure{std::string(quantity.column), quantity.unit,
+                  [&quantity](const Design& d) { return ValueOf(quantity, d); }};
+  };
+  const auto compared = [](const char* name, const char* unit, auto value) {
+    return Figure{name, unit, [value](const Design& d) { return d.misalignment ? value(*d.misalignment) : kNaN; }};
+  };
+  const auto predicted = [](const char* name, const char* unit, auto value) {
+    return Figure{name, unit, [value](const Design& d) { return d.prediction ? value(*d.prediction) : kNaN; }};
+  };
+  const auto placement = [](int axis) {
+    return Figure{redesign::PlacementName(axis), "mm", [axis](const Design& d) { return d.design.placement_mm[axis]; }};
+  };
+  using compare::Misalignment, redesign::Prediction;
+  std::vector<Figure> all;
   for (std::size_t i = 0; i < 6; ++i)
-    all.push_back(
-        {problem::LinkName(i), "mm", [i](const redesign::DesignInMotion& d) { return d.design.links.Values()[i]; }});
-  const auto compared = [](auto figure) {
-    return [figure](const redesign::DesignInMotion& d) { return d.misalignment ? figure(*d.misalignment) : kNaN; };
-  };
-  all.push_back({"range", "deg", [](const redesign::DesignInMotion& d) { return d.evaluation.range_deg; }});
-  const auto predicted = [](auto figure) {
-    return [figure](const redesign::DesignInMotion& d) { return d.prediction ? figure(*d.prediction) : kNaN; };
-  };
-  all.push_back({"misalignment", "%", redesign::MisalignmentPercent});
-  all.push_back({"misalignment_rms", "mm", redesign::MisalignmentRms_mm});
-  all.push_back({"misalignment_max", "mm", compared([](const compare::Misalignment& m) { return m.metrics.max_mm; })});
-  all.push_back(
-      {"part_placement", "1", compared([](const compare::Misalignment& m) { return m.decomposition.placement; })});
-  all.push_back({"part_timing", "1", compared([](const compare::Misalignment& m) { return m.decomposition.timing; })});
-  all.push_back({"part_shape", "1", compared([](const compare::Misalignment& m) { return m.decomposition.shape; })});
-  all.push_back({"knee_rmse", "deg", compared([](const compare::Misalignment& m) { return m.metrics.knee_rmse_deg; })});
-  all.push_back({"joint_misalignment_rms", "mm", predicted([](const redesign::Prediction& p) { return p.joint.mm; })});
-  all.push_back(
-      {"angle_mismatch_max", "deg", predicted([](const redesign::Prediction& p) { return p.angle_mismatch_deg; })});
-  all.push_back({"cuff_force_max", "N", predicted([](const redesign::Prediction& p) { return p.cuff_force_n; })});
-  all.push_back({"balance_margin", "mm",
-                 predicted([](const redesign::Prediction& p) { return p.balance ? p.balance->margin_mm : kNaN; })});
-  for (const int axis : {0, 1})
-    all.push_back({redesign::PlacementName(axis), "mm",
-                   [axis](const redesign::DesignInMotion& d) { return d.design.placement_mm[axis]; }});
-  all.push_back(
-      {"program_duration", "s", [](const redesign::DesignInMotion& d) { return d.prediction ? d.duration_s : kNaN; }});
-  all.push_back(
-      {"exact_tracking_time", "s", [](const redesign::DesignInMotion& d) { return d.tracking_time_s.value_or(kNaN); }});
-  all.push_back({"stroke_when_standing", "mm",
-                 [](const redesign::DesignInMotion& d) { return d.evaluation.stands_mm.value_or(kNaN); }});
+    all.push_back({problem::LinkName(i), "mm", [i](const Design& d) { return d.design.links.Values()[i]; }});
+  all.insert(all.end(),
+             {{"range", "deg", [](const Design& d) { return d.evaluation.range_deg; }},
+              limited(redesign::kMisalignment),
+              predicted("misalignment_rms", "mm", [](const Prediction& p) { return p.Rms().mm; }),
+              compared("misalignment_max", "mm", [](const Misalignment& m) { return m.metrics.max_mm; }),
+              compared("part_placement", "1", [](const Misalignment& m) { return m.decomposition.placement; }),
+              compared("part_timing", "1", [](const Misalignment& m) { return m.decomposition.timing; }),
+              compared("part_shape", "1", [](const Misalignment& m) { return m.decomposition.shape; }),
+              compared("knee_rmse", "deg", [](const Misalignment& m) { return m.metrics.knee_rmse_deg; }),
+              predicted("joint_misalignment_rms", "mm", [](const Prediction& p) { return p.joint.mm; }),
+              limited(redesign::kAngleMismatch),
+              limited(redesign::kCuffForce),
+              limited(redesign::kBalanceMargin),
+              placement(0),
+              placement(1),
+              limited(redesign::kDuration),
+              {"exact_tracking_time", "s", [](const Design& d) { return d.tracking_time_s.value_or(kNaN); }},
+              {"stroke_when_standing", "mm", [](const Design& d) { return d.evaluation.stands_mm.value_or(kNaN); }}});
   return all;
 }
 
@@ -94,9 +102,9 @@ void WriteBeforeAfter(const redesign::RedesignOutcome& outcome, Run& run) {
   std::vector<std::string> header = {"quantity", "unit"};
   for (const NamedDesign& named : DesignsOf(outcome)) header.emplace_back(named.name);
   CsvWriter table(header);
-  for (const Quantity& quantity : Quantities()) {
-    table.Add(quantity.name).Add(quantity.unit);
-    for (const NamedDesign& named : DesignsOf(outcome)) table.Add(named.design ? quantity.value(*named.design) : kNaN);
+  for (const Figure& figure : Figures()) {
+    table.Add(figure.name).Add(figure.unit);
+    for (const NamedDesign& named : DesignsOf(outcome)) table.Add(named.design ? figure.value(*named.design) : kNaN);
     table.EndRow();
   }
   table.Write(run.Result("before_after.csv"));
@@ -104,13 +112,7 @@ void WriteBeforeAfter(const redesign::RedesignOutcome& outcome, Run& run) {
 
 Json BeforeAfterJson(const redesign::DesignInMotion& design) {
   Json json = Json::object();
-  for (const Quantity& quantity : Quantities()) {
-    const std::string unit = quantity.unit == "1"   ? ""
-                             : quantity.unit == "%" ? "_percent"
-                             : quantity.unit == "N" ? "_n"
-                                                    : "_" + quantity.unit;
-    json[quantity.name + unit] = NumberOrNull(quantity.value(design));
-  }
+  for (const Figure& figure : Figures()) json[figure.Key()] = NumberOrNull(figure.value(design));
   json["program"] = redesign::ProgramName(design.design.program->kind);
   return json;
 }
@@ -124,48 +126,33 @@ std::vector<LimitedRow> ProgramRows(const redesign::RedesignOutcome& outcome, co
                     .before = outcome.before.design.placement_mm[axis],
                     .after = outcome.after.design.placement_mm[axis],
                     .limits = problem.PlacementBounds(axis),
-                    .multiplier = optimum.PriceOf({On::kPlacement, axis})});
+                    .multiplier = optimum.MultiplierOf({redesign::PlacementName(axis)})});
   rows.push_back({.name = "duration",
                   .before = outcome.before.duration_s,
                   .after = outcome.after.duration_s,
                   .limits = {0, problem.program.duration_s.value_or(kNaN)},
-                  .multiplier = optimum.PriceOf({On::kDuration})});
+                  .multiplier = optimum.MultiplierOf({redesign::kDuration.name})});
   return rows;
 }
 
-LimitedRow MisalignmentRow(const redesign::RedesignOutcome& outcome) {
-  LimitedRow row{.name = "misalignment",
-                 .before = redesign::MisalignmentPercent(outcome.before),
-                 .after = redesign::MisalignmentPercent(outcome.after),
-                 .limits = {kNaN, outcome.problem.max_misalignment_percent.value_or(kNaN)},
-                 .multiplier = {},
-                 .unit = "%"};
-  if (const auto* entry = outcome.active.Find({On::kMisalignment}); entry && outcome.active.multipliers_unique)
-    row.multiplier = entry->price;
-  return row;
-}
-
-// What the person's own limits are on.
+// What the person's own limits are on; the misalignment with or without one.
 std::vector<LimitedRow> PersonRows(const redesign::RedesignOutcome& outcome, const OptimumView& optimum) {
-  std::vector<LimitedRow> rows{MisalignmentRow(outcome)};
-  const auto add = [&](const char* name, const char* unit, On on, problem::Bounds limits, auto figure) {
-    const auto value = [&](const redesign::DesignInMotion& d) { return d.prediction ? figure(*d.prediction) : kNaN; };
-    rows.push_back({.name = name,
-                    .before = value(outcome.before),
-                    .after = value(outcome.after),
+  std::vector<LimitedRow> rows;
+  for (const redesign::Quantity& quantity : redesign::kQuantities) {
+    const std::optional<double>& limit = quantity.limit(outcome.problem);
+    const bool is_variable = &quantity == &redesign::kDuration;  // and in optimum.csv
+    if (is_variable || (!limit && &quantity != &redesign::kMisalignment)) continue;
+    std::string name(quantity.name);
+    std::ranges::replace(name, ' ', '_');
+    problem::Bounds limits{kNaN, kNaN};
+    (quantity.is_lower ? limits.lower : limits.upper) = limit.value_or(kNaN);
+    rows.push_back({.name = std::move(name),
+                    .before = ValueOf(quantity, outcome.before),
+                    .after = ValueOf(quantity, outcome.after),
                     .limits = limits,
-                    .multiplier = optimum.PriceOf({on}),
-                    .unit = unit});
-  };
-  if (const auto& limit = outcome.problem.max_angle_mismatch_deg)
-    add("angle_mismatch", "deg", On::kAngleMismatch, {kNaN, *limit},
-        [](const redesign::Prediction& p) { return p.angle_mismatch_deg; });
-  if (const auto& limit = outcome.problem.max_cuff_force_n)
-    add("cuff_force", "N", On::kCuffForce, {kNaN, *limit},
-        [](const redesign::Prediction& p) { return p.cuff_force_n; });
-  if (const auto& balance = outcome.problem.balance)
-    add("balance_margin", "mm", On::kBalance, {balance->margin_mm, kNaN},
-        [](const redesign::Prediction& p) { return p.balance ? p.balance->margin_mm : kNaN; });
+                    .multiplier = optimum.MultiplierOf({quantity.name}),
+                    .unit = quantity.unit});
+  }
   return rows;
 }
 
@@ -240,25 +227,27 @@ Json FrontsJson(const redesign::RedesignOutcome& outcome) {
   return fronts;
 }
 
-Json InfeasibleJson(const redesign::MisalignmentInfeasibility& report) {
-  Json blocking = Json::array(), ways = Json::array();
+Json InfeasibleJson(const redesign::Infeasibility& report) {
+  Json json = {{"reason", report.sentence}, {"blocking", Json::array()}, {"ways_out", Json::array()}};
+  const redesign::Quantity* held = report.quantity;
+  for (const redesign::Quantity& quantity : redesign::kQuantities) {
+    if (!*quantity.best_key) continue;
+    json[quantity.best_key] = &quantity == held ? Json(*report.best) : Json();
+    json["limit_that_holds" + Figure::KeyEnding(quantity.unit)] =
+        &quantity == held ? NumberOrNull(report.working) : Json();
+  }
   for (const synthesis::ActiveSet::Entry& entry : report.blocking)
-    blocking.push_back({{"limit", entry.name},
-                        {"multiplier", NumberOrNull(-entry.price)},
-                        {"unit", fmt::format("% misalignment per {}", entry.unit)}});
-  for (const redesign::WayOut& way : report.ways)
-    ways.push_back({{"change", way.text},
-                    {"enough", way.enough},
-                    {"misalignment_percent", NumberOrNull(way.misalignment_percent)},
-                    {"duration_s", NumberOrNull(way.duration_s)}});
-  return {{"reason", report.sentence},
-          {"smallest_misalignment_percent", NumberOrNull(report.least_percent)},
-          {"largest_balance_margin_mm", NumberOrNull(report.largest_margin_mm)},
-          {"least_angle_mismatch_deg", NumberOrNull(report.least_angle_mismatch_deg)},
-          {"least_cuff_force_n", NumberOrNull(report.least_cuff_force_n)},
-          {"limit_that_holds_percent", NumberOrNull(report.working_percent)},
-          {"blocking", blocking},
-          {"ways_out", ways}};
+    json["blocking"].push_back({{"limit", entry.name},
+                                {"multiplier", NumberOrNull(held->Merit(entry.multiplier))},
+                                {"unit", fmt::format("{} {} per {}", held->unit, held->name, entry.unit)}});
+  for (const redesign::WayOut& way : report.ways) {
+    json["ways_out"].push_back({{"change", way.text},
+                                {"enough", way.enough},
+                                {"misalignment_percent", nullptr},
+                                {"duration_s", NumberOrNull(way.duration_s)}});
+    if (way.best) json["ways_out"].back()[std::string(held->column) + Figure::KeyEnding(held->unit)] = *way.best;
+  }
+  return json;
 }
 
 Json ProgramJson(const redesign::RedesignOutcome& outcome) {
@@ -278,10 +267,8 @@ Json ProgramJson(const redesign::RedesignOutcome& outcome) {
 std::vector<std::string> NotInBound(const redesign::RedesignProblem& problem) {
   std::vector<std::string> names = certificate::NotInBound(problem.design);
   names.emplace_back("program");
-  if (problem.max_misalignment_percent || problem.penalty_deg_per_mm > 0) names.emplace_back("misalignment");
-  if (problem.max_cuff_force_n || problem.cuff_penalty_deg_per_n > 0) names.emplace_back("cuff force");
-  if (problem.max_angle_mismatch_deg) names.emplace_back("angle mismatch");
-  if (problem.balance) names.emplace_back("balance");
+  for (const redesign::Quantity& quantity : redesign::kQuantities)
+    if (&quantity != &redesign::kDuration && quantity.Counts(problem)) names.emplace_back(quantity.name);
   return names;
 }
 
@@ -375,10 +362,7 @@ void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
         "the predicted path difference, {:.1f} % of the shank, is below the noise floor of the comparison, {:.1f} %: a "
         "recording of the new design cannot be expected to show less than that",
         100 * after->metrics.relative_rms, outcome.measured.noise_floor_percent);
-  if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)
-    run.Warn(
-        "neither --max-misalignment nor --penalty is given, so only the range is optimised; give one of them to limit "
-        "the misalignment");
+  WarnWithoutLimit(problem, run);
   if (const auto& after = outcome.after.prediction; after && after->balance && after->balance->margin_mm < 0)
     run.Warn(
         "nobody keeps the balance along this program: at {:.0f} % of the rise, in {} s, the ground's force has to act "
@@ -476,7 +460,7 @@ std::string TrialText(const redesign::RedesignOutcome& outcome) {
 // For the report: the design that was worn and the new one.
 std::string MotionText(const redesign::RedesignOutcome& outcome) {
   constexpr struct {
-    const char *label, *quantity, *unit;
+    const char *label, *figure, *unit;
   } kLines[] = {{"range", "range", "deg"},
                 {"misalignment", "misalignment", "% of the shank, RMS"},
                 {"", "misalignment_rms", "mm RMS"},
@@ -487,15 +471,15 @@ std::string MotionText(const redesign::RedesignOutcome& outcome) {
                 {"", "placement_y", "mm above it, along the shank"},
                 {"program", "program_duration", "s"},
                 {"exact tracking takes", "exact_tracking_time", "s"}};
-  const std::vector<Quantity> quantities = Quantities();
+  const std::vector<Figure> figures = Figures();
   const auto cell = [](double value) {
     return std::isfinite(value) ? fmt::format("{:>10}", SignificantText(value, 4)) : fmt::format("{:>10}", "-");
   };
   std::string text;
   for (const auto& line : kLines) {
-    const auto quantity = std::ranges::find(quantities, line.quantity, &Quantity::name);
-    text += fmt::format("  {:<22}{} ->{} {}\n", line.label, cell(quantity->value(outcome.before)),
-                        cell(quantity->value(outcome.after)), line.unit);
+    const auto figure = std::ranges::find(figures, line.figure, &Figure::name);
+    text += fmt::format("  {:<22}{} ->{} {}\n", line.label, cell(figure->value(outcome.before)),
+                        cell(figure->value(outcome.after)), line.unit);
   }
   return text + TrialText(outcome) + "\n" + BuildText(outcome) + "\n";
 }
@@ -513,7 +497,7 @@ Json ProgramBalanceJson(const redesign::RedesignOutcome& outcome) {
   if (!outcome.after.prediction || !outcome.after.prediction->balance) return nullptr;
   const redesign::BalanceCourse& course = *outcome.after.prediction->balance;
   const loads::Foot& foot = outcome.problem.body->body.sole;
-  Json json = {{"asked_mm", outcome.problem.balance ? Json(outcome.problem.balance->margin_mm) : Json()},
+  Json json = {{"asked_mm", NumberOrNull(outcome.problem.balance_mm)},
                {"device_mass_kg", outcome.problem.body->aids.device_kg},
                {"hold_force_n", outcome.problem.body->aids.hold_n},
                {"margin_mm", course.margin_mm},
@@ -573,12 +557,9 @@ void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& op
 Json MotionJson(const redesign::RedesignOutcome& outcome) {
   Json json = {
       {"misalignment_of", outcome.problem.misalignment_of == redesign::MisalignmentOf::kJoint ? "joint" : "path"},
-      {"misalignment_percent", NumberOrNull(redesign::MisalignmentPercent(outcome.after))},
-      {"misalignment_rms_mm", NumberOrNull(redesign::MisalignmentRms_mm(outcome.after))},
-      {"max_angle_mismatch_deg", NumberOrNull(outcome.problem.max_angle_mismatch_deg)},
-      {"max_misalignment_percent", NumberOrNull(outcome.problem.max_misalignment_percent)},
+      {"misalignment_percent", NumberOrNull(ValueOf(redesign::kMisalignment, outcome.after))},
+      {"misalignment_rms_mm", outcome.after.prediction ? Json(outcome.after.prediction->Rms().mm) : Json()},
       {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},
-      {"max_cuff_force_n", NumberOrNull(outcome.problem.max_cuff_force_n)},
       {"cuff_penalty_deg_per_n", outcome.problem.cuff_penalty_deg_per_n},
       {"links", LinksJson(outcome.after.design.links)},
       {"placement_mm", outcome.after.design.placement_mm},
@@ -591,6 +572,8 @@ Json MotionJson(const redesign::RedesignOutcome& outcome) {
       {"walking", WalkJson(outcome)},
       {"moments", MomentsJson(outcome.moments)},
       {"balance", ProgramBalanceJson(outcome)}};
+  for (const redesign::Quantity& quantity : redesign::kQuantities)
+    if (*quantity.key) json[quantity.key] = NumberOrNull(quantity.limit(outcome.problem));
   for (const NamedDesign& named : DesignsOf(outcome))
     json[named.name] = named.design ? BeforeAfterJson(*named.design) : Json();
   for (const CuffCase& one : CuffCases(outcome)) json[one.name]["cuffs"] = CuffsJson(one.course);

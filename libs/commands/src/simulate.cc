@@ -290,7 +290,7 @@ std::string ReportOf(const linkage::Design& design, const Request& request, cons
   return text;
 }
 
-Json WearJson(const linkage::Body& body, const linkage::WearCheck& check) {
+Json WearJson(const person::Body& body, const linkage::WearCheck& check) {
   return {{"height_mm", body.height_mm},
           {"mass_kg", body.mass_kg},
           {"thigh_mm", body.thigh.length_mm},
@@ -312,12 +312,12 @@ Json WearJson(const linkage::Body& body, const linkage::WearCheck& check) {
           {"clears_limb", check.meets_limbs ? Json(check.ClearsLimb()) : Json()}};
 }
 
-linkage::Body BodyOf(const SimulationOptions& options) {
-  linkage::BodySize size;
+person::Body BodyOf(const SimulationOptions& options) {
+  person::BodySize size;
   size.height_mm = options.body_height_mm;
   size.mass_kg = options.body_mass_kg;
   if (options.thigh_mm) size.leg = {*options.thigh_mm, *options.shank_mm};
-  return linkage::BodyOf(size);
+  return person::BodyOf(size);
 }
 
 // What collides on the body, each with what to do about it.
@@ -367,10 +367,10 @@ void WarnOfActuator(const problem::LinearActuator& actuator, const linkage::Stro
   if (actuator.closed_mm && *actuator.closed_mm > used.lower_mm + kRounding_mm)
     run.Warn("{} is {} mm long when closed, and the design goes down to {} mm", actuator.name,
              SignificantText(*actuator.closed_mm, 6), SignificantText(used.lower_mm, 6));
-  if (actuator.closed_mm && actuator.stroke_mm &&
-      *actuator.closed_mm + *actuator.stroke_mm < used.upper_mm - kRounding_mm)
+  if (actuator.closed_mm && actuator.travel_mm &&
+      *actuator.closed_mm + *actuator.travel_mm < used.upper_mm - kRounding_mm)
     run.Warn("{} reaches {} mm, and the design goes up to {} mm", actuator.name,
-             SignificantText(*actuator.closed_mm + *actuator.stroke_mm, 6), SignificantText(used.upper_mm, 6));
+             SignificantText(*actuator.closed_mm + *actuator.travel_mm, 6), SignificantText(used.upper_mm, 6));
 }
 
 bool IsAbove(double value, const std::optional<double>& limit) {

@@ -79,7 +79,7 @@ Json ReachJson(const linkage::WearCheck& check) {
 
 }  // namespace
 
-WornJoint CheckWornJoint(const linkage::Design& worn, const Vector2d& offset_mm, const linkage::Body& body,
+WornJoint CheckWornJoint(const linkage::Design& worn, const Vector2d& offset_mm, const person::Body& body,
                          linkage::WearOptions wear) {
   const linkage::UsedRange range = linkage::FindUsedRange(worn.links, worn.d_min_mm, worn.d_max_mm);
   const auto at = [&](const Vector2d& place) {

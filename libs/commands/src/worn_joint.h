@@ -6,8 +6,8 @@
 #include <string>
 
 #include "lake/core/json.h"
-#include "lake/linkage/body.h"
 #include "lake/linkage/design_file.h"
+#include "lake/linkage/wear.h"
 
 namespace lake::commands {
 
@@ -20,7 +20,7 @@ struct WornJoint {
 };
 
 // `offset_mm`: where the joint was from the knee, shank frame. Throws Error where the links cannot be assembled.
-WornJoint CheckWornJoint(const linkage::Design& worn, const Eigen::Vector2d& offset_mm, const linkage::Body& body,
+WornJoint CheckWornJoint(const linkage::Design& worn, const Eigen::Vector2d& offset_mm, const person::Body& body,
                          linkage::WearOptions wear);
 
 // Sentences for people: what is in the way, and how near to the knee the joint may be instead. `unmoved_mm`: what

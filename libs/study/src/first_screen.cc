@@ -62,10 +62,10 @@ std::optional<linkage::WearCheck> WornOnBody(const StudyFile& study, const Study
                                              std::array<double, 2> placement_mm) {
   if (!study.worn || !results.Has("simulation")) return std::nullopt;
   const Json body = results.Summary("simulation").at("mannequin");
-  const linkage::Body person =
-      linkage::BodyOf({.height_mm = NumberOrNaN(body.at("height_mm")),
-                       .mass_kg = NumberOrNaN(body.at("mass_kg")),
-                       .leg = linkage::LegLengths{NumberOrNaN(body.at("thigh_mm")), NumberOrNaN(body.at("shank_mm"))}});
+  const person::Body person =
+      person::BodyOf({.height_mm = NumberOrNaN(body.at("height_mm")),
+                      .mass_kg = NumberOrNaN(body.at("mass_kg")),
+                      .leg = person::LegLengths{NumberOrNaN(body.at("thigh_mm")), NumberOrNaN(body.at("shank_mm"))}});
   const linkage::Design worn = linkage::ReadDesign(*study.worn);
   const commands::SimulationOptions simulation = SimulationOf(study);
   const parts::PartOptions& parts = simulation.parts;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lake/linkage/body.h"
+#include "lake/linkage/wear.h"
 #include "lake/report/uncertain.h"
 #include "study_chapters.h"
 

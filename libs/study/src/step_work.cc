@@ -161,17 +161,17 @@ steps::StudyStep TrialStep(const StudyTrial& trial, const std::string& what, con
 }
 
 // The leg that was measured, if the trial knows millimetres.
-std::optional<linkage::LegLengths> LegOf(const fs::path& kinematics) {
+std::optional<person::LegLengths> LegOf(const fs::path& kinematics) {
   const motion::LegMotion motion = motion::ReadKinematicsCsv(kinematics);
   const double thigh = motion::MedianLength(motion, &motion::LegSample::kh);
   const double shank = motion::MedianLength(motion, &motion::LegSample::ak);
   if (motion.unit != motion::LengthUnit::kMm || std::isnan(thigh + shank)) return std::nullopt;
-  return linkage::LegLengths{thigh, shank};
+  return person::LegLengths{thigh, shank};
 }
 
 // The body that a design is made for and held against: as `simulate` says, else as the problem does, else as the loads
 // do. Leg lengths come from the fit, where the problem has none.
-linkage::BodySize BodyOf(const StudyFile& study, linkage::BodySize body) {
+person::BodySize BodyOf(const StudyFile& study, person::BodySize body) {
   const commands::SimulationOptions& simulation = study.simulation;
   if (simulation.body_mass_kg) body.mass_kg = simulation.body_mass_kg;
   if (simulation.body_height_mm) body.height_mm = simulation.body_height_mm;
@@ -208,7 +208,7 @@ commands::SimulationOptions SimulationOf(const StudyFile& study) {
   if (!study.simulation_section.given.contains("knee-torque")) options.knee_torque_nm = problem.knee_torque_nm;
   if (options.seat_edge_mm == 0) options.seat_edge_mm = problem.clearances.seat_edge_mm;
   options.has_wide_seat = problem.clearances.seat_mm.has_value();
-  const linkage::BodySize body = BodyOf(study, problem.clearances.body);
+  const person::BodySize body = BodyOf(study, problem.clearances.body);
   options.body_mass_kg = body.mass_kg;
   options.body_height_mm = body.height_mm;
   if (body.leg) {

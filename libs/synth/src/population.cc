@@ -9,6 +9,7 @@
 #include "lake/core/interrupt.h"
 #include "lake/core/json.h"
 #include "lake/core/numbers.h"
+#include "lake/person/body.h"
 #include "lake/synth/recording.h"
 #include "lake/synth/scene.h"
 
@@ -17,8 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Parts of the body height (Winter's fig. 4.1): knee to ankle, hip to knee; the waist marker some way up the trunk.
-constexpr double kShank = 0.246, kThigh = 0.245, kTrunk = 0.117;
+constexpr double kTrunk = 0.117;  // part of the body height: the waist marker is some way up
 
 class Lot {
  public:
@@ -122,8 +122,8 @@ std::vector<Session> DrawPopulation(const PopulationOptions& of, const StsMotion
     const double height_m = person.height_mm / kMmPerM;
     person.mass_kg = lot(of.mass_index_kg_m2, of.mass_index_sd) * height_m * height_m;
     StsMotionOptions human = motion;
-    human.shank_mm = kShank * person.height_mm;
-    human.thigh_mm = kThigh * person.height_mm;
+    human.shank_mm = person::kShank * person.height_mm;
+    human.thigh_mm = person::kThigh * person.height_mm;
     human.trunk_mm = kTrunk * person.height_mm;
     human.seated_knee_deg = lot(of.seated_knee_deg, of.seated_knee_sd_deg);
     human.rise_s = lot(of.rise_s, of.rise_sd_s);

@@ -1,5 +1,5 @@
-// The clearance of the linkage from a seat (linkage/body.h) in the pose of sitting, over a box of links: a part of two
-// pins is clear of the seat's corner if for some heading h in [0, pi / 2]
+// The clearance of the linkage from a seat (linkage/wear.h) in the pose of sitting, over a box of links: a part of two
+// pins is clear of the seat's corner if for some separating direction h in [0, pi / 2]
 //   cos h (surface - x) + sin h (edge - y) >= clearance + radius        for both pins.
 #pragma once
 
@@ -24,8 +24,8 @@ class SeatRows {
     Slope below, behind;  // surface - x, edge - y
   };
   Place PlaceOf(linkage::Pin pin, const PoseSlopes& pose) const;
-  // The headings for which both pins may be clear; empty if there are none.
-  static Interval Headings(const Place& from, const Place& to, double distance_mm);
+  // The directions for which both pins may be clear; empty if there are none.
+  static Interval Directions(const Place& from, const Place& to, double distance_mm);
 
   linkage::WearOptions wear_;
   Interval surface_mm_, edge_mm_;  // in the frame of the exoskeleton

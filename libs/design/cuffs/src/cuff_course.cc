@@ -18,16 +18,16 @@ struct Forces {
 };
 Forces ForcesAt(double flexion_deg, double standing_deg, const Vector2d& place_mm, const CuffOptions& options,
                 double stiffness_n_mm) {
-  const std::vector<CuffPlace> places = PlacesOf(options);
+  const std::vector<PlacedCuff> cuffs = CuffsOf(options);
   const auto slips =
       SlipsOf(options, RadiansFromDegrees(flexion_deg), RadiansFromDegrees(standing_deg), place_mm.x(), place_mm.y());
   Forces forces;
   double across_n = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < cuffs.size(); ++i) {
     const auto [x_mm, y_mm] = slips[i];
-    double& largest_n = places[i].on_thigh ? forces.thigh_n : forces.shank_n;
+    double& largest_n = cuffs[i].on_thigh ? forces.thigh_n : forces.shank_n;
     largest_n = LargerOrNaN(largest_n, stiffness_n_mm * std::hypot(x_mm, y_mm));
-    if (!places[i].on_thigh) across_n += stiffness_n_mm * x_mm;
+    if (!cuffs[i].on_thigh) across_n += stiffness_n_mm * x_mm;
   }
   forces.knee_shear_n = std::abs(across_n);
   return forces;

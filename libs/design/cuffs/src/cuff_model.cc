@@ -34,26 +34,20 @@ std::string CuffsText(const std::vector<Cuff>& cuffs) {
 
 }  // namespace
 
-std::vector<CuffPlace> PlacesOf(const CuffOptions& options) {
-  std::vector<CuffPlace> places;
-  places.reserve(options.thigh.size() + options.shank.size());
-  for (const bool on_thigh : {true, false})
-    for (std::size_t k = 0; k < (on_thigh ? options.thigh : options.shank).size(); ++k) places.push_back({on_thigh, k});
-  return places;
-}
-
-const Cuff& CuffAt(const CuffOptions& options, const CuffPlace& place) {
-  return (place.on_thigh ? options.thigh : options.shank).at(place.number);
+std::vector<PlacedCuff> CuffsOf(const CuffOptions& options) {
+  std::vector<PlacedCuff> cuffs;
+  cuffs.reserve(options.thigh.size() + options.shank.size());
+  for (std::size_t k = 0; k < options.thigh.size(); ++k) cuffs.push_back({options.thigh[k], true, k});
+  for (std::size_t k = 0; k < options.shank.size(); ++k) cuffs.push_back({options.shank[k], false, k});
+  return cuffs;
 }
 
 void CheckCuffs(const CuffOptions& o) {
-  for (const auto* cuffs : {&o.thigh, &o.shank}) {
-    if (cuffs->empty()) throw UsageError("a segment without a cuff: each needs one at least");
-    for (const Cuff& cuff : *cuffs)
-      if (!(cuff.from_knee_mm > 0) || !(cuff.length_mm >= 0))
-        throw UsageError("a cuff {} mm from the knee, {} mm long: give a distance above 0", cuff.from_knee_mm,
-                         cuff.length_mm);
-  }
+  if (o.thigh.empty() || o.shank.empty()) throw UsageError("a segment without a cuff: each needs one at least");
+  for (const PlacedCuff& cuff : CuffsOf(o))
+    if (!(cuff.from_knee_mm > 0) || !(cuff.length_mm >= 0))
+      throw UsageError("a cuff {} mm from the knee, {} mm long: give a distance above 0", cuff.from_knee_mm,
+                       cuff.length_mm);
 }
 
 void CheckStiffnesses(const CuffOptions& o) {

@@ -44,8 +44,7 @@ struct HeldLink {
 
 std::array<HeldLink, 2> HeldLinks(const Posture& posture, const CuffOptions& o) {
   double reach_mm = 0;
-  for (const auto* cuffs : {&o.thigh, &o.shank})
-    for (const Cuff& cuff : *cuffs) reach_mm = std::max(reach_mm, cuff.from_knee_mm);
+  for (const PlacedCuff& cuff : CuffsOf(o)) reach_mm = std::max(reach_mm, cuff.from_knee_mm);
   return {
       HeldLink{AxesOf(posture.thigh_deg), kThighTurn, 1, reach_mm, o.thigh, o.thigh_link_kg * kGravity_m_s2},
       HeldLink{AxesOf(posture.shank_deg), kShankTurn, -1, reach_mm, o.shank, o.shank_link_kg * kGravity_m_s2},
@@ -98,19 +97,20 @@ LegStatics StaticsOf(const Posture& posture, double moment_nm, const CuffOptions
   CheckCuffs(cuffs);
   const std::array<HeldLink, 2> links = HeldLinks(posture, cuffs);
   const Vector4d movement = MovementTo(links, moment_nm);
-  const auto& [thigh, shank] = links;
   LegStatics statics;
-  Vector2d on_thigh_n = Vector2d::Zero();
-  for (const Cuff& cuff : cuffs.thigh) {
-    statics.thigh.push_back(ReactionOf(cuff, thigh, movement));
-    statics.largest_thigh_n = LargerOrNaN(statics.largest_thigh_n, statics.thigh.back().pressed_n);
-    on_thigh_n += thigh.axes * statics.thigh.back().force_n;
-  }
-  for (const Cuff& cuff : cuffs.shank) {
-    statics.shank.push_back(ReactionOf(cuff, shank, movement));
-    statics.largest_shank_n = LargerOrNaN(statics.largest_shank_n, statics.shank.back().pressed_n);
-  }
-  const Vector2d on_shank_n = shank.axes.transpose() * on_thigh_n;
+  // The sum of their forces, in the leg frame.
+  const auto react = [&](const HeldLink& link, std::vector<CuffReaction>& reactions, double& largest_n) {
+    Vector2d sum_n = Vector2d::Zero();
+    for (const Cuff& cuff : link.cuffs) {
+      reactions.push_back(ReactionOf(cuff, link, movement));
+      largest_n = LargerOrNaN(largest_n, reactions.back().pressed_n);
+      sum_n += link.axes * reactions.back().force_n;
+    }
+    return sum_n;
+  };
+  const Vector2d on_thigh_n = react(links[0], statics.thigh, statics.largest_thigh_n);
+  react(links[1], statics.shank, statics.largest_shank_n);
+  const Vector2d on_shank_n = links[1].axes.transpose() * on_thigh_n;
   statics.knee_shear_n = std::abs(on_shank_n.x());
   statics.knee_compression_n = -on_shank_n.y();
   return statics;

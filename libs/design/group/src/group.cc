@@ -10,12 +10,11 @@
 #include "lake/core/processes.h"
 #include "lake/core/progress.h"
 #include "lake/core/uncertain_text.h"
-#include "lake/group/group_design.h"
 
 namespace lake::group {
 
 // From one process to another.
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GroupDesign, points, prices, pulls, objective, is_usable)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GroupDesign, points, multipliers, pulls, objective, is_usable)
 
 namespace {
 
@@ -30,7 +29,7 @@ using Starts = std::vector<linkage::Links>;
 // The end of a local solve.
 GroupDesign EndOf(GroupSolve solve) {
   return {.points = std::move(solve.points),
-          .prices = std::move(solve.prices),
+          .multipliers = std::move(solve.multipliers),
           .pulls = std::move(solve.pulls),
           .objective = solve.objective,
           .is_usable = solve.IsUsable()};
@@ -48,16 +47,33 @@ Starts StartsOf(const GroupProblem& problem, const Starts& links, const synthesi
 // A local solve that does not wait for another.
 struct Piece {
   const GroupProblem* problem;
-  std::vector<RedesignPoint> start;
+  std::vector<RedesignPoint> start;  // empty: nothing to be solved
   bool warm = false;
 };
 
+// Of each piece; unusable where there was nothing to be solved.
 std::vector<GroupDesign> SolveAll(const std::vector<Piece>& pieces, const synthesis::OptimizeOptions& options,
                                   Progress& progress) {
-  return ResultsInProcesses(
-      pieces.size(),
-      [&](std::size_t i) { return EndOf(SolveFrom(*pieces[i].problem, pieces[i].start, options, pieces[i].warm)); },
+  std::vector<std::size_t> given;
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    if (!pieces[i].start.empty()) given.push_back(i);
+  std::vector<GroupDesign> ends = ResultsInProcesses(
+      given.size(),
+      [&](std::size_t i) {
+        const Piece& piece = pieces[given[i]];
+        return EndOf(SolveFrom(*piece.problem, piece.start, options, piece.warm));
+      },
       progress);
+  std::vector<GroupDesign> designs(pieces.size());
+  for (std::size_t i = 0; i < given.size(); ++i) designs[given[i]] = std::move(ends[i]);
+  return designs;
+}
+
+std::vector<GroupDesign> SolveWarm(const std::vector<Piece>& pieces, const synthesis::OptimizeOptions& options,
+                                   const char* what) {
+  const auto count = std::ranges::count_if(pieces, [](const Piece& piece) { return !piece.start.empty(); });
+  Progress progress(what, "solves", count, options.quiet);
+  return SolveAll(pieces, options, progress);
 }
 
 // Starts of one problem that are solved at the same time: few enough that none is for nothing, and the same number
@@ -73,9 +89,9 @@ Starts NextStarts(const Search& search, const Starts& starts) {
   return {first, first + std::min<std::ptrdiff_t>(kBatch, starts.end() - first)};
 }
 
-// A problem with its own starts.
+// A problem with its own starts; none: nothing to be searched.
 struct SearchTask {
-  const GroupProblem* problem;
+  GroupProblem problem;
   Starts starts;
 };
 
@@ -91,7 +107,7 @@ std::vector<Search> FindBestOfEach(const std::vector<SearchTask>& tasks, const s
     std::vector<std::size_t> of;
     for (std::size_t k = 0; k < tasks.size(); ++k)
       for (const linkage::Links& start : NextStarts(searches[k], tasks[k].starts)) {
-        pieces.push_back({tasks[k].problem, StartPoints(*tasks[k].problem, start)});
+        pieces.push_back({&tasks[k].problem, StartPoints(tasks[k].problem, start)});
         of.push_back(k);
       }
     if (pieces.empty()) return searches;
@@ -104,7 +120,7 @@ std::vector<double> Misalignments_percent(const GroupProblem& problem, const std
   std::vector<double> of_people;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto prediction = redesign::PredictPoint(problem.Of(i), points[i]);
-    of_people.push_back(prediction ? 100 * prediction->Rms().relative : std::numeric_limits<double>::infinity());
+    of_people.push_back(prediction ? redesign::kMisalignment.value(*prediction) : kInfinity);
   }
   return of_people;
 }
@@ -116,10 +132,10 @@ void LeaveOut(std::size_t count, const GroupDesign& end, GroupProblem& problem) 
   for (std::size_t i = 0; i < problem.people.size(); ++i)
     if (problem.people[i].counts) order.push_back(i);
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    constexpr double kNoPrice = 1e-6;  // of the solver's rounding
-    const double price_a = end.prices[a] > kNoPrice ? end.prices[a] : 0;
-    const double price_b = end.prices[b] > kNoPrice ? end.prices[b] : 0;
-    return std::pair(price_a, percent[a]) > std::pair(price_b, percent[b]);
+    constexpr double kNoMultiplier = 1e-6;  // of the solver's rounding
+    const double multiplier_a = end.multipliers[a] > kNoMultiplier ? end.multipliers[a] : 0;
+    const double multiplier_b = end.multipliers[b] > kNoMultiplier ? end.multipliers[b] : 0;
+    return std::pair(multiplier_a, percent[a]) > std::pair(multiplier_b, percent[b]);
   });
   for (std::size_t k = 0; k < count; ++k) problem.people[order[k]].counts = false;
 }
@@ -130,7 +146,7 @@ void ChooseCounting(const Starts& links, const synthesis::OptimizeOptions& optio
   constexpr std::size_t kRounds = 10;
   std::size_t left = problem.people.size() - problem.Counting();
   if (left == 0) return;
-  GroupDesign all = FindBestOfEach({{&problem, StartsOf(problem, links, options)}}, options, "design for all")
+  GroupDesign all = FindBestOfEach({{problem, StartsOf(problem, links, options)}}, options, "design for all")
                         .front()
                         .TakeBestOrFirst();
   for (std::size_t round = 0; left > 0; ++round) {
@@ -167,11 +183,11 @@ std::optional<double> ObjectiveFor(const RedesignProblem& problem, const redesig
 // Of those whose misalignment is the largest, or holds the design.
 std::string NamesOfBlocking(const GroupOutcome& outcome) {
   std::vector<std::string> names;
-  constexpr double kShare = 0.05;  // of all prices
-  const std::vector<double>& prices = outcome.nearest.prices;
-  const double all = std::accumulate(prices.begin(), prices.end(), 0.0);
-  for (std::size_t i = 0; i < prices.size(); ++i)
-    if (prices[i] > kShare * all) names.push_back(outcome.problem.people[i].name);
+  constexpr double kShare = 0.05;  // of all multipliers
+  const std::vector<double>& multipliers = outcome.nearest.multipliers;
+  const double all = std::accumulate(multipliers.begin(), multipliers.end(), 0.0);
+  for (std::size_t i = 0; i < multipliers.size(); ++i)
+    if (multipliers[i] > kShare * all) names.push_back(outcome.problem.people[i].name);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -202,28 +218,24 @@ std::string WhyNone(const GroupOutcome& outcome) {
 // The least misalignments, where no start held the limit; from there the designs once more.
 void SolveFromNearest(const std::vector<DesignTask>& tasks, const synthesis::OptimizeOptions& options,
                       std::vector<GroupOutcome>& outcomes) {
-  std::vector<std::size_t> unsolved;
-  std::vector<GroupProblem> least;
+  if (std::ranges::all_of(outcomes, &GroupOutcome::IsSolved)) return;
+  std::vector<SearchTask> least(outcomes.size());
+  std::vector<Piece> pieces(outcomes.size());
+  for (std::size_t k = 0; k < outcomes.size(); ++k) {
+    if (outcomes[k].IsSolved()) continue;
+    least[k].problem = WithGoal(outcomes[k].problem, Goal::kMisalignment);
+    least[k].starts = StartsOf(least[k].problem, tasks[k].links, options);
+  }
+  std::vector<Search> searches = FindBestOfEach(least, options, "least misalignment");
   for (std::size_t k = 0; k < outcomes.size(); ++k)
-    if (!outcomes[k].IsSolved()) {
-      unsolved.push_back(k);
-      least.push_back(WithGoal(outcomes[k].problem, Goal::kMisalignment));
-    }
-  if (unsolved.empty()) return;
-  std::vector<SearchTask> of_least;
-  for (std::size_t i = 0; i < unsolved.size(); ++i)
-    of_least.push_back({&least[i], StartsOf(least[i], tasks[unsolved[i]].links, options)});
-  std::vector<Search> searches = FindBestOfEach(of_least, options, "least misalignment");
-  std::vector<Piece> pieces;
-  for (std::size_t i = 0; i < unsolved.size(); ++i)
-    pieces.push_back({&outcomes[unsolved[i]].problem, searches[i].BestOrFirst().points, true});
-  Progress progress("from the least misalignment", "solves", static_cast<std::int64_t>(pieces.size()), options.quiet);
-  std::vector<GroupDesign> ends = SolveAll(pieces, options, progress);
-  for (std::size_t i = 0; i < unsolved.size(); ++i) {
-    GroupOutcome& outcome = outcomes[unsolved[i]];
-    outcome.nearest = DesignOf(std::move(searches[i]));
-    if (ends[i].IsUsable()) {
-      outcome.nearest = DesignOf(std::move(ends[i]), outcome.nearest.starts + 1, 1);
+    if (!outcomes[k].IsSolved()) pieces[k] = {&outcomes[k].problem, searches[k].BestOrFirst().points, true};
+  std::vector<GroupDesign> ends = SolveWarm(pieces, options, "from the least misalignment");
+  for (std::size_t k = 0; k < outcomes.size(); ++k) {
+    GroupOutcome& outcome = outcomes[k];
+    if (outcome.IsSolved()) continue;
+    outcome.nearest = DesignOf(std::move(searches[k]));
+    if (ends[k].IsUsable()) {
+      outcome.nearest = DesignOf(std::move(ends[k]), outcome.nearest.starts + 1, 1);
       outcome.design = outcome.nearest;
     } else {
       outcome.reason = WhyNone(outcome);
@@ -231,63 +243,38 @@ void SolveFromNearest(const std::vector<DesignTask>& tasks, const synthesis::Opt
   }
 }
 
-GroupOutcome Begun(const DesignTask& task, GroupDesign design) {
-  GroupOutcome outcome;
-  outcome.problem = task.problem;
-  outcome.human = task.human;
-  outcome.nearest = std::move(design);
-  if (outcome.nearest.IsUsable()) outcome.design = outcome.nearest;
-  return outcome;
-}
-
 // The solution with few samples of the motions is close by. Of large groups from the given links alone: of all groups
 // measured the starts that succeed met one optimum, and a random start that wanders fills gigabytes.
 void FindCloseBy(const synthesis::OptimizeOptions& options, std::vector<DesignTask>& tasks) {
   constexpr std::size_t kLarge = 20;
-  std::vector<GroupProblem> coarse;
-  std::vector<DesignTask*> of;
-  for (DesignTask& task : tasks) {
-    const std::vector<redesign::Subject>& people = task.problem.people;
-    if (!task.close_by.empty() || people.size() < kLarge || people.front().human.size() < compare::kPercentSamples)
+  std::vector<SearchTask> coarse(tasks.size());
+  for (std::size_t k = 0; k < tasks.size(); ++k) {
+    const std::vector<redesign::Subject>& people = tasks[k].problem.people;
+    if (!tasks[k].close_by.empty() || people.size() < kLarge || people.front().human.size() < compare::kPercentSamples)
       continue;
-    coarse.push_back(Coarse(task.problem));
-    of.push_back(&task);
-  }
-  std::vector<SearchTask> searched;
-  for (std::size_t k = 0; k < of.size(); ++k) {
     synthesis::OptimizeOptions given = options;
-    given.starts = std::min(options.starts, static_cast<int>(of[k]->links.size()));
-    searched.push_back({&coarse[k], StartsOf(coarse[k], of[k]->links, given)});
+    given.starts = std::min(options.starts, static_cast<int>(tasks[k].links.size()));
+    coarse[k].problem = Coarse(tasks[k].problem);
+    coarse[k].starts = StartsOf(coarse[k].problem, tasks[k].links, given);
   }
-  std::vector<Search> searches = FindBestOfEach(searched, options, "design for all");
-  for (std::size_t k = 0; k < of.size(); ++k) {
+  std::vector<Search> searches = FindBestOfEach(coarse, options, "design for all");
+  for (std::size_t k = 0; k < tasks.size(); ++k) {
     if (!searches[k].IsSolved()) continue;
-    of[k]->starts = static_cast<int>(searches[k].starts.size());
-    of[k]->usable_starts = searches[k].Usable();
-    of[k]->close_by = searches[k].TakeBestOrFirst().points;
+    tasks[k].starts = static_cast<int>(searches[k].starts.size());
+    tasks[k].usable_starts = searches[k].Usable();
+    tasks[k].close_by = searches[k].TakeBestOrFirst().points;
   }
 }
 
-// Of the tasks that have one, where the solution of a problem close by leads.
-std::vector<std::optional<GroupDesign>> DesignsFromCloseBy(const std::vector<DesignTask>& tasks,
-                                                           const synthesis::OptimizeOptions& options) {
-  std::vector<Piece> pieces;
-  std::vector<std::size_t> of;
-  for (std::size_t k = 0; k < tasks.size(); ++k)
-    if (!tasks[k].close_by.empty()) {
-      pieces.push_back({&tasks[k].problem, tasks[k].close_by, true});
-      of.push_back(k);
-    }
-  Progress progress("from the designs before", "solves", static_cast<std::int64_t>(pieces.size()), options.quiet);
+// Where the solutions of problems close by lead.
+std::vector<GroupDesign> DesignsFromCloseBy(const std::vector<DesignTask>& tasks, synthesis::OptimizeOptions options) {
   constexpr int kMostIterations = 60;  // those that lead to a solution take fewer; the rest begin anew: quicker
-  synthesis::OptimizeOptions few = options;
-  few.nlp.max_iterations = std::min(few.nlp.max_iterations, kMostIterations);
-  std::vector<GroupDesign> ends = SolveAll(pieces, few, progress);
-  std::vector<std::optional<GroupDesign>> designs(tasks.size());
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    const DesignTask& task = tasks[of[i]];
-    if (ends[i].IsUsable()) designs[of[i]] = DesignOf(std::move(ends[i]), task.starts, task.usable_starts);
-  }
+  options.nlp.max_iterations = std::min(options.nlp.max_iterations, kMostIterations);
+  std::vector<Piece> pieces;
+  for (const DesignTask& task : tasks) pieces.push_back({&task.problem, task.close_by, true});
+  std::vector<GroupDesign> designs = SolveWarm(pieces, options, "from the designs before");
+  for (std::size_t k = 0; k < tasks.size(); ++k)
+    designs[k] = DesignOf(std::move(designs[k]), tasks[k].starts, tasks[k].usable_starts);
   return designs;
 }
 
@@ -299,18 +286,33 @@ std::vector<RedesignPoint> StartPoints(const GroupProblem& problem, const linkag
   return points;
 }
 
-std::vector<linkage::Links> StartLinks(const GroupProblem& problem, const std::vector<PersonMeasured>& people,
-                                       const synthesis::OptimizeOptions& options) {
-  std::vector<linkage::Links> links{problem.shared.design.start};
-  const auto add = [&](const linkage::Links& more) {
-    if (std::ranges::none_of(links, [&](const auto& known) { return known.Values() == more.Values(); }))
-      links.push_back(more);
+DesignTask TaskOf(GroupProblem shared, const std::vector<PersonMeasured>& people,
+                  const synthesis::OptimizeOptions& options) {
+  shared.CheckOptions();
+  shared.people.clear();
+  DesignTask task{.problem = std::move(shared)};
+  const problem::SynthesisProblem& design = task.problem.shared.design;
+  task.links = {design.start};
+  const auto start_at = [&](const linkage::Links& links) {
+    if (std::ranges::none_of(task.links, [&](const auto& known) { return known.Values() == links.Values(); }))
+      task.links.push_back(links);
   };
-  const synthesis::LocalSolve widest = SolveFrom(problem.shared.design, problem.shared.design.start, options);
-  if (widest.IsUsable()) add(widest.end);
+  for (const PersonMeasured& person : people) {
+    try {
+      const RedesignProblem own = redesign::PutMotionInto(task.problem.shared, person.motion).problem;
+      task.problem.people.push_back({person.name, own.human, own.placement_mm});
+    } catch (const UsageError&) {
+      throw;
+    } catch (const Error& error) {
+      throw Fail("{}: {}", person.name, error.what());
+    }
+    task.human.push_back(person.motion.human);
+  }
+  if (const synthesis::LocalSolve widest = SolveFrom(design, design.start, options); widest.IsUsable())
+    start_at(widest.end);
   for (const PersonMeasured& person : people)
-    if (person.motion.worn) add(person.motion.worn->links);
-  return links;
+    if (person.motion.worn) start_at(person.motion.worn->links);
+  return task;
 }
 
 GroupProblem Coarse(GroupProblem problem) {
@@ -319,21 +321,6 @@ GroupProblem Coarse(GroupProblem problem) {
   const auto step = std::ranges::find_if(kSteps, [&](std::size_t of) { return 100 / of + 1 >= knots; });
   if (step == std::end(kSteps)) return problem;
   for (redesign::Subject& person : problem.people) person.human = Thinned(person.human, *step);
-  return problem;
-}
-
-GroupProblem PutMotionsInto(GroupProblem problem, const std::vector<PersonMeasured>& people) {
-  problem.people.clear();
-  for (const PersonMeasured& person : people) {
-    try {
-      const RedesignProblem own = redesign::PutMotionInto(problem.shared, person.motion).problem;
-      problem.people.push_back({person.name, own.human, own.placement_mm});
-    } catch (const UsageError&) {
-      throw;
-    } catch (const Error& error) {
-      throw Fail("{}: {}", person.name, error.what());
-    }
-  }
   return problem;
 }
 
@@ -362,7 +349,7 @@ PersonOutcome OutcomeOf(const GroupOutcome& outcome, std::size_t i, const std::o
   PersonOutcome person{.name = outcome.problem.people[i].name,
                        .with_group = put_in_motion(outcome.nearest.points[i]),
                        .counts = outcome.problem.people[i].counts,
-                       .price = outcome.nearest.prices.empty() ? 0 : outcome.nearest.prices[i],
+                       .multiplier = outcome.nearest.multipliers.empty() ? 0 : outcome.nearest.multipliers[i],
                        .own = {},
                        .cost_deg = {}};
   if (!own) return person;
@@ -384,18 +371,19 @@ std::vector<GroupOutcome> DesignGroups(std::vector<DesignTask> tasks, const synt
     ChooseCounting(task.links, options, task.problem);
   }
   FindCloseBy(options, tasks);
-  std::vector<std::optional<GroupDesign>> designs = DesignsFromCloseBy(tasks, options);
-  std::vector<SearchTask> searched;
-  std::vector<std::size_t> of;
-  for (std::size_t k = 0; k < tasks.size(); ++k) {
-    if (designs[k]) continue;
-    searched.push_back({&tasks[k].problem, StartsOf(tasks[k].problem, tasks[k].links, options)});
-    of.push_back(k);
-  }
+  std::vector<GroupDesign> designs = DesignsFromCloseBy(tasks, options);
+  std::vector<SearchTask> searched(tasks.size());
+  for (std::size_t k = 0; k < tasks.size(); ++k)
+    if (!designs[k].IsUsable()) searched[k] = {tasks[k].problem, StartsOf(tasks[k].problem, tasks[k].links, options)};
   std::vector<Search> searches = FindBestOfEach(searched, options, "design for all");
-  for (std::size_t i = 0; i < of.size(); ++i) designs[of[i]] = DesignOf(std::move(searches[i]));
-  std::vector<GroupOutcome> outcomes;
-  for (std::size_t k = 0; k < tasks.size(); ++k) outcomes.push_back(Begun(tasks[k], std::move(*designs[k])));
+  std::vector<GroupOutcome> outcomes(tasks.size());
+  for (std::size_t k = 0; k < tasks.size(); ++k) {
+    GroupOutcome& outcome = outcomes[k];
+    outcome.problem = tasks[k].problem;
+    outcome.human = tasks[k].human;
+    outcome.nearest = designs[k].IsUsable() ? std::move(designs[k]) : DesignOf(std::move(searches[k]));
+    if (outcome.nearest.IsUsable()) outcome.design = outcome.nearest;
+  }
   SolveFromNearest(tasks, options, outcomes);
   for (GroupOutcome& outcome : outcomes)
     outcome.evaluation = problem::Evaluate(outcome.nearest.Links(), outcome.problem.shared.design);
@@ -404,14 +392,11 @@ std::vector<GroupOutcome> DesignGroups(std::vector<DesignTask> tasks, const synt
 
 GroupOutcome RunGroup(const GroupProblem& shared, const std::vector<PersonMeasured>& people,
                       const synthesis::OptimizeOptions& options) {
-  shared.CheckOptions();
-  const GroupProblem problem = PutMotionsInto(shared, people);
-  std::vector<compare::StsCurve> human;
-  for (const PersonMeasured& person : people) human.push_back(person.motion.human);
-  std::vector<linkage::Links> links = StartLinks(problem, people, options);
-  GroupOutcome outcome = DesignGroups({{problem, human, links}}, options).front();
+  const DesignTask task = TaskOf(shared, people, options);
+  GroupOutcome outcome = DesignGroups({task}, options).front();
+  std::vector<linkage::Links> links = task.links;
   links.insert(links.begin(), outcome.nearest.Links());
-  const std::vector<std::optional<RedesignPoint>> own = OwnPoints(problem, links, options);
+  const std::vector<std::optional<RedesignPoint>> own = OwnPoints(task.problem, links, options);
   for (std::size_t i = 0; i < people.size(); ++i) outcome.people.push_back(OutcomeOf(outcome, i, own[i]));
   return outcome;
 }

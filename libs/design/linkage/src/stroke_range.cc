@@ -35,7 +35,7 @@ struct TipState {
 };
 
 // nullopt if the tip, with the shank pin at S, is on another branch, or on the knee pivot, where the shank is free.
-// Searches come here millions of times: sides are told by cross products, angles worked out on the branch alone.
+// Searches come here millions of times: sides are found by cross products, angles worked out on the branch alone.
 std::optional<TipState> StateOfTip(const Links& l, const Vector2d& tip, const Vector2d& shank_pin) {
   if (tip.norm() <= kPointRounding * l.l2) return std::nullopt;
   const Vector2d thigh_pin(0, l.l3), mount(l.l5, l.l6), bar = tip - thigh_pin;

@@ -45,7 +45,7 @@ class IpoptProgram final : public Ipopt::TNLP {
   // is not finite.
   bool Guard(const std::function<bool()>& work);
 
-  // grad f + J'y, by which the prices and the stationarity are judged.
+  // grad f + J'y, by which the multipliers and the stationarity are judged.
   std::vector<double> LagrangianGradient(const double* x, const double* lambda) const;
 
   const NonlinearProgram& program_;

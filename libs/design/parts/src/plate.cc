@@ -60,7 +60,7 @@ Moments MomentsOf(const Hole& hole) {
 
 std::vector<OutlinePiece> OutlineOf(const Plate& plate) {
   const std::size_t count = plate.corners.size();
-  std::vector<double> outward_rad(count);  // heading of the normal of the side that starts at each corner
+  std::vector<double> outward_rad(count);  // direction of the normal of the side that starts at each corner
   for (std::size_t i = 0; i < count; ++i) {
     const Vector2d side = plate.corners[(i + 1) % count] - plate.corners[i];
     outward_rad[i] = std::atan2(-side.x(), side.y());

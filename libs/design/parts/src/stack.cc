@@ -114,7 +114,7 @@ struct Meeting {
   double least_deg = kInfinity, most_deg = -kInfinity;
   bool Happens() const { return least_deg <= most_deg; }
   void Take(double deg) {
-    constexpr double kTenth = 0.1;                  // as it is told
+    constexpr double kTenth = 0.1;                  // as it is reported
     deg = kTenth * std::round(deg / kTenth) + 0.0;  // no -0
     least_deg = std::min(least_deg, deg);
     most_deg = std::max(most_deg, deg);

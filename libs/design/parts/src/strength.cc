@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
 
 #include "lake/core/angles.h"
@@ -107,17 +106,6 @@ Capacity CapacityOf(const PartOptions& options) {
           .actuator_n = bearing_n,
           .rod_nmm2 = RodStrengthOf(options),
           .knee_torque_nm = yield_mpa / BendingStressPerTorqueOf(options)};
-}
-
-double LeastSafety(const Capacity& capacity, const LoadedPose& at) {
-  const auto safety = [](double allowed, double load) {
-    return load == 0 ? std::numeric_limits<double>::infinity() : allowed / std::abs(load);
-  };
-  const double rod_n = capacity.rod_nmm2 / (at.pose.stroke_mm * at.pose.stroke_mm);
-  return std::min({safety(capacity.coupler_n, at.forces.coupler_n), safety(capacity.bar_n, at.forces.bar_n),
-                   safety(capacity.actuator_n, at.forces.actuator_n),
-                   safety(rod_n, std::max(0.0, at.forces.actuator_n)),
-                   safety(capacity.knee_torque_nm, at.knee_torque_nm)});
 }
 
 std::vector<StrengthCheck> CheckStrength(const Mechanism& mechanism, std::span<const LoadedPose> poses) {

@@ -8,6 +8,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
+#include "lake/problem/evaluate.h"
 
 namespace lake::problem {
 namespace {
@@ -18,31 +19,28 @@ bool Lifts(const LinearActuator& actuator, double force_n) {
   return !(std::abs(force_n) > actuator.LiftingForce().value_or(kInfinity) * (1 + kRounding));
 }
 
-// Where the profile's sample has the linkage; no pace changes that.
-struct SamplePose {
-  double stroke_mm = 0;
-  linkage::Transmission transmission;
-};
-
-std::optional<SamplePose> SamplePoseOf(const linkage::Links& links, const linkage::UsedRange& range,
-                                       const LoadSample& sample) {
+// Where the profile's sample has the linkage; nullopt beyond the used range. No pace changes that.
+std::optional<linkage::Pose> PoseAt(const linkage::Links& links, const linkage::UsedRange& range,
+                                    const LoadSample& sample) {
   const std::optional<double> stroke = ProfileStroke(links, range, sample.knee_rad);
-  if (!stroke) return std::nullopt;
-  return SamplePose{*stroke, linkage::TransmissionOf(links, linkage::RequirePose(links, *stroke))};
+  return stroke ? std::optional(linkage::RequirePose(links, *stroke)) : std::nullopt;
 }
 
-AssistanceRow RowOf(const std::optional<SamplePose>& place, const SynthesisProblem& problem, const LoadSample& sample) {
+AssistanceRow AssistanceAt(const linkage::Links& links, const std::optional<linkage::Pose>& pose,
+                           const SynthesisProblem& problem, const LoadSample& sample) {
   AssistanceRow row{
       .percent = sample.percent, .knee_deg = DegreesFromRadians(sample.knee_rad), .knee_nm = sample.knee_nm};
-  if (!place) return row;
-  const linkage::Transmission& transmission = place->transmission;
-  row.stroke_mm = place->stroke_mm;
+  if (!pose) return row;
+  const linkage::Transmission transmission = linkage::TransmissionOf(links, *pose);
+  row.stroke_mm = pose->stroke_mm;
   row.moment_arm_mm = transmission.moment_arm_mm;
   row.speed_mm_s = sample.rad_per_rise / transmission.radians_per_mm;  // per rise; divided by its duration later
   if (!std::isnan(sample.knee_nm)) row.force_n = linkage::ActuatorForce(transmission, problem.TorqueAt(sample));
   if (problem.actuator && problem.actuator->HasSpeed())
     row.least_duration_s =
-        Lifts(*problem.actuator, row.force_n) ? DurationAt(transmission, problem, sample) : kInfinity;
+        Lifts(*problem.actuator, row.force_n)
+            ? ValueInPose(links, problem, RowOf(Requirement::kDuration), problem.LoadAt(sample), pose)
+            : kInfinity;
   return row;
 }
 
@@ -90,17 +88,18 @@ std::optional<double> LedTo(double from_s, const Needed& needed_s) {
 // A design along the load profile at any pace.
 class AlongProfile {
  public:
-  AlongProfile(const linkage::Links& links, const SynthesisProblem& problem) : problem_(problem) {
+  AlongProfile(const linkage::Links& links, const SynthesisProblem& problem) : links_(links), problem_(problem) {
     const linkage::UsedRange range = linkage::FindUsedRange(links, problem.d_min_mm, problem.limits["d_max_mm"],
                                                             RadiansFromDegrees(problem.standing_deg));
-    for (const LoadSample& sample : problem.profile->samples) places_.push_back(SamplePoseOf(links, range, sample));
+    for (const LoadSample& sample : problem.profile->samples) poses_.push_back(PoseAt(links, range, sample));
   }
 
   // Under the moments of a rise in this time, as far as the profile says what pace adds to them.
   std::vector<AssistanceRow> RowsAt(double duration_s) const {
     const LoadProfile profile = AtPace(*problem_.profile, duration_s).value_or(*problem_.profile);
     std::vector<AssistanceRow> rows;
-    for (std::size_t i = 0; i < places_.size(); ++i) rows.push_back(RowOf(places_[i], problem_, profile.samples[i]));
+    for (std::size_t i = 0; i < poses_.size(); ++i)
+      rows.push_back(AssistanceAt(links_, poses_[i], problem_, profile.samples[i]));
     return rows;
   }
 
@@ -129,8 +128,9 @@ class AlongProfile {
   }
 
  private:
+  const linkage::Links links_;
   const SynthesisProblem& problem_;
-  std::vector<std::optional<SamplePose>> places_;
+  std::vector<std::optional<linkage::Pose>> poses_;
 };
 
 // The knee's power against the actuator's largest.
@@ -175,15 +175,6 @@ std::optional<double> ProfileStroke(const linkage::Links& links, const linkage::
   if (knee_rad < range.theta_at_upper_rad && knee_rad >= range.theta_at_upper_rad - kRounding_rad)
     return range.stroke.upper_mm;
   return linkage::StrokeForAngle(links, range, knee_rad);
-}
-
-double DurationAt(const linkage::Transmission& transmission, const SynthesisProblem& problem,
-                  const LoadSample& sample) {
-  if (!problem.actuator) return 0;
-  const double force_n = std::abs(linkage::ActuatorForce(transmission, problem.TorqueAt(sample)));
-  const double mm_per_rise = std::abs(sample.rad_per_rise) * transmission.moment_arm_mm;
-  const double speed_mm_s = problem.actuator->SpeedAt(force_n);
-  return speed_mm_s > 0 ? mm_per_rise / speed_mm_s : kInfinity;
 }
 
 const AssistanceRow* Assistance::Largest(double AssistanceRow::*column) const {

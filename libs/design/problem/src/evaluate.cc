@@ -43,7 +43,7 @@ std::optional<linkage::Pose> PoseAt(const linkage::Links& links, const linkage::
 
 // mm, of a pose on the body.
 double ClearanceOf(const linkage::Pose& pose, const SynthesisProblem& problem, Obstacle obstacle) {
-  const linkage::Body body = linkage::BodyOf(problem.clearances.body);
+  const person::Body body = person::BodyOf(problem.clearances.body);
   const linkage::WearOptions wear = problem.Wear();
   const linkage::Pose on_body = linkage::PutOnBody(pose, wear.placement_mm);
   if (obstacle == Obstacle::kSeat) return linkage::SeatClearance(on_body, body, wear);
@@ -51,16 +51,18 @@ double ClearanceOf(const linkage::Pose& pose, const SynthesisProblem& problem, O
   return linkage::LimbSeparation(limb, on_body, body, wear).distance_mm;
 }
 
-// A requirement's value in any pose of a linkage under one load.
+// The value of a row of kLimits in any pose of a linkage under one load.
 class PoseValue {
  public:
-  PoseValue(const linkage::Links& links, const SynthesisProblem& problem, const Requirement& requirement,
-            const PoseLoad& load)
-      : links_(links.Values()), problem_(problem), info_(requirement.Info()) {
-    VisitLimit(static_cast<std::size_t>(requirement.row), [&](const auto& row) {
-      row.parts(load, [&](const char*, auto ratio) { ratios_.emplace_back(std::move(ratio)); });
+  PoseValue(const linkage::Links& links, const SynthesisProblem& problem, std::size_t row, const PoseLoad& load)
+      : links_(links.Values()), problem_(problem), info_(kLimitInfos[row]) {
+    VisitLimit(row, [&](const auto& of) {
+      of.parts(load, [&](const char*, auto ratio) { ratios_.emplace_back(std::move(ratio)); });
     });
   }
+  PoseValue(const linkage::Links& links, const SynthesisProblem& problem, const Requirement& requirement,
+            const PoseLoad& load)
+      : PoseValue(links, problem, static_cast<std::size_t>(requirement.row), load) {}
 
   // NaN where there is no pose.
   double operator()(const std::optional<linkage::Pose>& pose) const {
@@ -151,6 +153,11 @@ double BoundViolation(const linkage::Links& links, const SynthesisProblem& probl
 }
 
 }  // namespace
+
+double ValueInPose(const linkage::Links& links, const SynthesisProblem& problem, std::size_t row, const PoseLoad& load,
+                   const std::optional<linkage::Pose>& pose) {
+  return PoseValue(links, problem, row, load)(pose);
+}
 
 UsedPoses::UsedPoses(const linkage::Links& links, const SynthesisProblem& problem)
     : links_(links), problem_(problem), range_(StandingRange(links, problem)) {}

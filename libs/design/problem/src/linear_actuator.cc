@@ -78,7 +78,7 @@ LinearActuator ReadRow(const CsvTable& table, std::size_t row) {
                           .maker = text("maker"),
                           .source = text("source"),
                           .closed_mm = number("closed_mm"),
-                          .stroke_mm = number("stroke_mm"),
+                          .travel_mm = number("stroke_mm"),
                           .max_force_n = number("max_force_n"),
                           .no_load_speed_mm_s = number("no_load_speed_mm_s"),
                           .force_speed = {},
@@ -165,7 +165,7 @@ double LinearActuator::LargestPower() const {
 void LinearActuator::Check() const {
   if (name.empty()) throw Fail("an actuator needs a name");
   CheckWithinReason(closed_mm, "closed_mm");
-  CheckWithinReason(stroke_mm, "stroke_mm");
+  CheckWithinReason(travel_mm, "stroke_mm");
   CheckWithinReason(max_force_n, "max_force_n");
   CheckWithinReason(no_load_speed_mm_s, "no_load_speed_mm_s");
   CheckWithinReason(holding_force_n, "holding_force_n");

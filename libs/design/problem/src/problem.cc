@@ -66,7 +66,7 @@ std::string LinkName(std::size_t index) {
 void Clearances::Check() const {
   for (const auto& [clearance_mm, key] : {std::pair{seat_mm, "seat_mm"}, {thigh_mm, "limb_mm"}, {shank_mm, "limb_mm"}})
     if (clearance_mm) CheckMargin(*clearance_mm, key);
-  if (AreAsked()) linkage::BodyOf(body);
+  if (AreAsked()) person::BodyOf(body);
   if (!(seat_edge_mm >= 0 && seat_edge_mm < 5000))
     throw Fail("seat_edge_mm = {} must lie between 0 and 5000", seat_edge_mm);
 }
@@ -169,8 +169,8 @@ SynthesisProblem WithActuator(SynthesisProblem problem) {
   if (!problem.actuator) return problem;
   const LinearActuator& actuator = *problem.actuator;
   if (actuator.closed_mm) problem.d_min_mm = *actuator.closed_mm;
-  if (actuator.closed_mm && actuator.stroke_mm) {
-    const double longest_mm = *actuator.closed_mm + *actuator.stroke_mm;
+  if (actuator.closed_mm && actuator.travel_mm) {
+    const double longest_mm = *actuator.closed_mm + *actuator.travel_mm;
     auto& d_max_mm = problem.limits["d_max_mm"];
     d_max_mm = std::min(d_max_mm.value_or(longest_mm), longest_mm);
   }

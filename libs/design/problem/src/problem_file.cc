@@ -3,6 +3,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json_or_null.h"
+#include "lake/core/options_json.h"
 #include "load_texts.h"
 
 namespace lake::problem {
@@ -10,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Checks the problem as it now stands, so that an error is told with the line that brought it.
+// Checks the problem as it now stands, so that an error is reported with the line that brought it.
 void CheckAt(const std::string& where, const SynthesisProblem& problem) {
   try {
     problem.Check();
@@ -66,7 +67,7 @@ void ReadStart(YamlNode node, SynthesisProblem& problem) {
   node.Finish();
 }
 
-// Sets what a text says, so that an error is told with its line.
+// Sets what a text says, so that an error is reported with its line.
 template <typename Set>
 void SetAt(const YamlNode& node, const SynthesisProblem& problem, const Set& set) {
   try {
@@ -97,7 +98,7 @@ void SetNumber(YamlNode& node, std::string_view key, std::optional<double>& fiel
 }
 
 void ReadBody(YamlNode node, SynthesisProblem& problem) {
-  linkage::BodySize& body = problem.clearances.body;
+  person::BodySize& body = problem.clearances.body;
   std::optional<double> thigh_mm, shank_mm, seat_edge_mm;
   SetNumber(node, "height_mm", body.height_mm);
   SetNumber(node, "mass_kg", body.mass_kg);
@@ -187,11 +188,11 @@ namespace {
 // Each struct is taken apart whole, so that a new member does not compile until it is written here.
 
 Json ActuatorJson(const LinearActuator& actuator) {
-  const auto& [name, maker, source, file, closed_mm, stroke_mm, max_force_n, no_load_speed_mm_s, force_speed,
+  const auto& [name, maker, source, file, closed_mm, travel_mm, max_force_n, no_load_speed_mm_s, force_speed,
                holding_force_n, mass_g, duty_cycle_percent] = actuator;
   Json json = {name, maker, source};
   for (const auto& number :
-       {closed_mm, stroke_mm, max_force_n, no_load_speed_mm_s, holding_force_n, mass_g, duty_cycle_percent})
+       {closed_mm, travel_mm, max_force_n, no_load_speed_mm_s, holding_force_n, mass_g, duty_cycle_percent})
     json.push_back(NumberOrNull(number));
   for (const auto& [force_n, speed_mm_s] : force_speed) json.push_back({force_n, speed_mm_s});
   return json;
@@ -205,7 +206,7 @@ Json ProfileJson(const LoadProfile& profile) {
   return json;
 }
 
-Json BodyJson(const linkage::BodySize& body) {
+Json BodyJson(const person::BodySize& body) {
   const auto& [height_mm, mass_kg, leg] = body;
   return {NumberOrNull(height_mm), NumberOrNull(mass_kg), leg ? Json{leg->thigh_mm, leg->shank_mm} : Json()};
 }
@@ -216,15 +217,10 @@ Json ClearancesJson(const Clearances& clearances) {
           seat_edge_mm,          placement_mm,           NumberOrNull(placement_reach_mm)};
 }
 
-Json PartsJson(const parts::PartOptions& parts) {
-  const auto& [bar_width_mm, thickness_mm, material, pin_diameter_mm, bore_clearance_mm, gap_mm, actuator_diameter_mm,
-               actuator_eye_mm, actuator_mass_kg, rod_diameter_mm, cuff_hole_diameter_mm, cuff_hole_spacing_mm,
-               clearance_mm] = parts;
-  return {bar_width_mm,         thickness_mm,          material,
-          pin_diameter_mm,      bore_clearance_mm,     gap_mm,
-          actuator_diameter_mm, actuator_eye_mm,       actuator_mass_kg,
-          rod_diameter_mm,      cuff_hole_diameter_mm, cuff_hole_spacing_mm,
-          clearance_mm};
+Json PartsJson(parts::PartOptions parts) {
+  OptionList options;
+  parts::Describe(parts, options);
+  return OptionsJson(options);
 }
 
 Json BoundsJson(const std::array<Bounds, 6>& bounds) {

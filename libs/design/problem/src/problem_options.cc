@@ -51,7 +51,7 @@ void DescribeLoad(SynthesisProblem& o, OptionList& options) {
 void DescribeClearances(SynthesisProblem& o, OptionList& options) {
   DescribeMount(o.mount, options);
   Clearances& asked = o.clearances;
-  linkage::BodySize& body = asked.body;
+  person::BodySize& body = asked.body;
   const auto add = [&options](const char* name, const char* help, auto set, const TellOption& tell) -> Option& {
     const auto set_number = [set](const OptionTexts& texts, const std::string& said) {
       double number = 0;
@@ -73,7 +73,7 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options) {
   add(
       "thigh", "The person's thigh, hip to knee, for --clear-*",
       [&body](double mm) {
-        body.leg = {mm, body.leg.value_or(linkage::LegLengths{}).shank_mm};
+        body.leg = {mm, body.leg.value_or(person::LegLengths{}).shank_mm};
       },
       [&body] { return body.leg ? FormatNumber(body.leg->thigh_mm) : ""; })
       .Unit("mm")
@@ -82,7 +82,7 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options) {
   add(
       "shank", "The person's shank, knee to ankle, for --clear-*",
       [&body](double mm) {
-        body.leg = {body.leg.value_or(linkage::LegLengths{}).thigh_mm, mm};
+        body.leg = {body.leg.value_or(person::LegLengths{}).thigh_mm, mm};
       },
       [&body] { return body.leg ? FormatNumber(body.leg->shank_mm) : ""; })
       .Unit("mm")
@@ -111,7 +111,7 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options) {
 
 void CheckBody(const SynthesisProblem& problem) {
   const Clearances& clearances = problem.clearances;
-  const linkage::BodySize& body = clearances.body;
+  const person::BodySize& body = clearances.body;
   if (!clearances.AreAsked() && (body.height_mm || body.mass_kg || body.leg || clearances.seat_edge_mm > 0))
     throw UsageError(
         "a body (--height, --mass, --thigh, --shank, --seat-edge) is what clearances are to: give --clear-seat or "

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 
 namespace lake::redesign {
@@ -27,7 +28,7 @@ std::size_t GroupProblem::Counting() const {
 
 double GroupProblem::Combine(const std::vector<double>& of_people) const {
   if (across == Across::kMean) return Mean(of_people);
-  double largest = 0;
+  double largest = -kInfinity;
   for (std::size_t i = 0; i < of_people.size(); ++i)
     if (people[i].counts) largest = std::max(largest, of_people[i]);
   return largest;

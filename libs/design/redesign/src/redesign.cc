@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/numbers.h"
 #include "lake/core/progress.h"
+#include "lake/redesign/quantities.h"
 #include "lake/redesign/redesign_program.h"
 
 namespace lake::redesign {
@@ -15,48 +16,38 @@ namespace {
 using Goal = RedesignProblem::Goal;
 using synthesis::Until;
 
-double Percent(const std::optional<Prediction>& prediction) {
-  return prediction ? 100 * prediction->Rms().relative : std::numeric_limits<double>::quiet_NaN();
-}
-
-constexpr double kTolerance = 1e-5;  // of a limit on a path, relative
-
-// One person's own limits.
-bool HoldsOnPath(const RedesignProblem& problem, const RedesignPoint& point, const Prediction& prediction) {
-  constexpr double kTolerance_mm = 0.01;  // of a margin that may be 0
-  const auto holds = [](double value, const std::optional<double>& limit) {
-    return !limit || value <= *limit * (1 + kTolerance);
-  };
-  return holds(DurationOf(problem, point), problem.program.duration_s) &&
-         (problem.goal == Goal::kAngle || holds(prediction.angle_mismatch_deg, problem.max_angle_mismatch_deg)) &&
-         (problem.goal == Goal::kCuffForce || holds(prediction.cuff_force_n, problem.max_cuff_force_n)) &&
-         (!problem.balance || problem.goal == Goal::kBalance ||
-          prediction.balance->margin_mm >= problem.balance->margin_mm - kTolerance_mm);
+std::vector<double> ValuesOf(double (*value)(const Prediction&), const GroupSolve& solve) {
+  std::vector<double> of_people;
+  for (const auto& prediction : solve.predictions) of_people.push_back(prediction ? value(*prediction) : kNaN);
+  return of_people;
 }
 
 // Do the limits hold on the paths that the closed form predicts?
 bool HoldsOnPath(const GroupProblem& group, const GroupSolve& solve) {
+  constexpr double kTolerance = 1e-5;
   const RedesignProblem& problem = group.shared;
-  if (!std::ranges::all_of(solve.predictions, [](const auto& prediction) { return prediction.has_value(); }))
-    return false;
-  if (problem.max_misalignment_percent &&
-      group.Combine(solve.Misalignments_percent()) > *problem.max_misalignment_percent * (1 + kTolerance))
-    return false;
   if (problem.min_range_deg && solve.Range_deg() < *problem.min_range_deg * (1 - kTolerance)) return false;
-  for (std::size_t i = 0; i < solve.points.size(); ++i)
-    if (!HoldsOnPath(problem, solve.points[i], *solve.predictions[i])) return false;
-  return true;
+  return std::ranges::all_of(kQuantities, [&](const Quantity& quantity) {
+    const std::optional<double>& limit = quantity.limit(problem);
+    if (!limit || problem.goal == quantity.goal) return true;
+    std::vector<double> values = ValuesOf(quantity.value, solve);
+    if (&quantity == &kMisalignment) values = {group.Combine(values)};
+    return std::ranges::all_of(values, [&](double value) { return quantity.Holds(value, *limit); });
+  });
 }
 
-// The goal's value for a group; of one person it is the person's own.
 double ObjectiveOf(const GroupProblem& group, const GroupSolve& solve) {
   const RedesignProblem& problem = group.shared;
-  if (group.people.size() == 1)
-    return ObjectiveOf(problem, solve.points.front(), solve.Range_deg(), *solve.predictions.front());
-  if (problem.goal == Goal::kMisalignment) return -group.Combine(solve.Misalignments_percent());
-  std::vector<double> rms_mm;
-  for (const auto& prediction : solve.predictions) rms_mm.push_back(prediction->Rms().mm);
-  return solve.Range_deg() - problem.penalty_deg_per_mm * group.Combine(rms_mm);
+  const auto combined = [&](double (*value)(const Prediction&)) { return group.Combine(ValuesOf(value, solve)); };
+  for (const Quantity& quantity : kQuantities)
+    if (problem.goal == quantity.goal) return quantity.Merit(combined(quantity.value));
+  const Eigen::Vector2d& placement_mm = solve.points.front().placement_mm;
+  if (problem.goal == Goal::kNearest) return -placement_mm.norm();
+  if (problem.goal == Goal::kFarthest) return problem.farthest.dot(placement_mm);
+  double objective = solve.Range_deg();
+  for (const Quantity& quantity : kQuantities)
+    if (quantity.weight) objective -= problem.*quantity.weight * combined(quantity.weighed);
+  return objective;
 }
 
 // Of each person the length of what their rows, with their marginal costs, do to the links. Rows that have links have
@@ -96,17 +87,18 @@ GroupSolve SolveOneSide(const GroupProblem& problem, const std::vector<RedesignP
     solve.predictions.push_back(PredictPoint(problem.Of(i), solve.points[i]));
     const int row = builder.Variables()[i].misalignment_row;
     const std::vector<double>& costs = solve.local.solution.row_marginal_costs;
-    solve.prices.push_back(row >= 0 && !costs.empty() ? std::abs(costs[static_cast<std::size_t>(row)]) : 0);
+    solve.multipliers.push_back(row >= 0 && !costs.empty() ? std::abs(costs[static_cast<std::size_t>(row)]) : 0);
   }
   solve.pulls = PullsOf(builder.Variables(), solve.local);
-  solve.holds_on_path = HoldsOnPath(problem, solve);
-  const bool all = std::ranges::all_of(solve.predictions, [](const auto& of) { return of.has_value(); });
-  if (all) solve.objective = ObjectiveOf(problem, solve);
+  if (std::ranges::all_of(solve.predictions, [](const auto& of) { return of.has_value(); })) {
+    solve.holds_on_path = HoldsOnPath(problem, solve);
+    solve.objective = ObjectiveOf(problem, solve);
+  }
   return solve;
 }
 
 // Without margins multipliers need not be unique, and a solve may stall just short of the tolerance, where all starts
-// meet: it goes on from there to 1e-7 deg, finer than anything that is told.
+// meet: it goes on from there to 1e-7 deg, finer than anything that is reported.
 GroupSolve SolveOrFinish(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
                          const std::vector<ConstantStart>& sides, synthesis::OptimizeOptions options) {
   GroupSolve solve = SolveOneSide(problem, start, sides, options);
@@ -160,13 +152,7 @@ void MakeMonotone(std::vector<ParetoPoint>& front) {
 }  // namespace
 
 double RedesignSolve::Misalignment_percent() const {
-  return Percent(prediction);
-}
-
-std::vector<double> GroupSolve::Misalignments_percent() const {
-  std::vector<double> of_people;
-  for (const auto& prediction : predictions) of_people.push_back(Percent(prediction));
-  return of_people;
+  return prediction ? kMisalignment.value(*prediction) : kNaN;
 }
 
 RedesignProblem WithGoal(RedesignProblem problem, Goal goal, std::optional<double> min_range_deg) {
@@ -175,29 +161,6 @@ RedesignProblem WithGoal(RedesignProblem problem, Goal goal, std::optional<doubl
   problem.max_misalignment_percent.reset();
   problem.penalty_deg_per_mm = problem.cuff_penalty_deg_per_n = 0;
   return problem;
-}
-
-double ObjectiveOf(const RedesignProblem& problem, const RedesignPoint& point, double range_deg,
-                   const Prediction& prediction) {
-  switch (problem.goal) {
-    case Goal::kMisalignment:
-      return -100 * prediction.Rms().relative;
-    case Goal::kDuration:
-      return -DurationOf(problem, point);
-    case Goal::kNearest:
-      return -point.placement_mm.norm();
-    case Goal::kAngle:
-      return -prediction.angle_mismatch_deg;
-    case Goal::kCuffForce:
-      return -prediction.cuff_force_n;
-    case Goal::kBalance:
-      return prediction.balance->margin_mm;
-    case Goal::kFarthest:
-      return problem.farthest.dot(point.placement_mm);
-    default:
-      return range_deg - problem.penalty_deg_per_mm * prediction.Rms().mm -
-             problem.cuff_penalty_deg_per_n * prediction.cuff_force_n;
-  }
 }
 
 GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoint>& start,

@@ -219,7 +219,7 @@ void AssessPlacement(const RedesignPoint& chosen, RedesignOutcome& outcome) {
 // What could be had if the person need not be in balance.
 void FindWithoutBalance(const std::vector<linkage::Links>& links, RedesignOutcome& outcome) {
   RedesignProblem problem = AsMeasured(outcome.problem, outcome);
-  problem.balance.reset();
+  problem.balance_mm.reset();
   std::optional<MomentsOfProgram>& moments = outcome.moments_without_balance;
   if (outcome.moments) {
     moments = FindMoments(problem, links, outcome.options.optimize);
@@ -320,6 +320,8 @@ std::optional<DesignInMotion> WithJointMoved(const RedesignOutcome& outcome) {
   for (std::size_t i = 0; i < trial.knee.size(); ++i)
     trial.knee[i] -= compare::AxesAlong(trial.leg_knee[i] - trial.ankle[i]) * way_mm;
   in_motion.misalignment = ComparePredicted(outcome.problem, outcome.measured.human, trial);
+  const compare::MisalignmentMetrics& metrics = in_motion.misalignment->metrics;
+  if (in_motion.prediction) in_motion.prediction->path = {metrics.relative_rms, metrics.rms_mm};
   return in_motion;
 }
 
@@ -349,15 +351,8 @@ void RedesignOptions::Check() const {
     throw UsageError("--pareto {}: 2 to 1000 points", *pareto_points);
 }
 
-double MisalignmentPercent(const DesignInMotion& design) {
-  if (design.prediction && design.prediction->of == MisalignmentOf::kJoint)
-    return 100 * design.prediction->joint.relative;
-  return design.misalignment ? 100 * design.misalignment->metrics.relative_rms : kNaN;
-}
-
-double MisalignmentRms_mm(const DesignInMotion& design) {
-  if (design.prediction && design.prediction->of == MisalignmentOf::kJoint) return design.prediction->joint.mm;
-  return design.misalignment ? design.misalignment->metrics.rms_mm : kNaN;
+double ValueOf(const Quantity& quantity, const DesignInMotion& design) {
+  return design.prediction ? quantity.value(*design.prediction) : kNaN;
 }
 
 DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,
@@ -382,12 +377,7 @@ DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCur
   }
   if (!in_motion.prediction) return in_motion;
   in_motion.duration_s = ProgramDuration(design, *in_motion.prediction);
-  in_motion.prediction->exo.duration_s = in_motion.duration_s;
-  in_motion.prediction->of = problem.misalignment_of;
-  in_motion.prediction->cuff_force_n = LargestCuffForce(problem, in_motion.prediction->theta_rad, placement);
-  if (problem.body && in_motion.duration_s > 0)
-    in_motion.prediction->balance =
-        FindBalance(problem.human, *problem.body, in_motion.prediction->theta_rad, lean, in_motion.duration_s);
+  Complete(problem, placement, lean, in_motion.duration_s, *in_motion.prediction);
   in_motion.misalignment = ComparePredicted(problem, human, in_motion.prediction->exo);
   return in_motion;
 }
@@ -449,7 +439,7 @@ RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measu
   outcome.after = PutInMotion(problem, measured.human, DesignOf(problem, end), end.lean);
   outcome.lean = end.lean;
   if (outcome.moments) outcome.moments->off_nm = OffMomentsNm(problem, outcome.moments->measured, end);
-  if (problem.balance) FindWithoutBalance(links, outcome);
+  if (problem.balance_mm) FindWithoutBalance(links, outcome);
   if (outcome.IsSolved()) outcome.active = synthesis::FindActiveSet(outcome.result.Best().local);
   if (options.pareto_points) outcome.fronts = Fronts(outcome, links);
   if (!outcome.IsSolved()) return outcome;

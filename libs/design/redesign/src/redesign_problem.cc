@@ -7,6 +7,7 @@
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/cuffs/cuff_course.h"
+#include "lake/redesign/quantities.h"
 
 namespace lake::redesign {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 using Kind = linkage::StrokeProgram::Kind;
 
 void CheckPositive(double value, const char* option, const char* unit) {
-  if (!(std::isfinite(value) && value > 0)) throw UsageError("{} {}: a number of {} above 0", option, value, unit);
+  if (!(std::isfinite(value) && value > 0)) throw UsageError("--{} {}: a number of {} above 0", option, value, unit);
 }
 
 // The strokes of a linkage that nobody can assemble: those of the paper's designs.
@@ -29,6 +30,19 @@ std::vector<double> PlausibleStrokes(const RedesignProblem& problem) {
 
 }  // namespace
 
+void Describe(ProgramLimits& o, OptionList& options) {
+  options.AddChoice("program", o.kind, OptionList::Choices<Kind>{{"constant", Kind::kConstant}, {"free", Kind::kFree}},
+                    "Stroke program: constant (one speed) or free; of walking always free");
+  options.Add("max-speed", o.max_speed_mm_s, "Speed of the actuator").Unit("mm/s").Positive();
+  options.Add("duration", o.duration_s, "Longest duration of a rise, or of a stride")
+      .Unit("s")
+      .Positive()
+      .Otherwise("no limit; of walking the person's stride");
+  options.Add("free-ends", o.free_ends, "The ends of a constant program's stroke are sought too");
+  options.Add("monotone", o.monotone, "A free program must not reverse");
+  options.Add("knots", o.knots, "Number of knots of a free program");
+}
+
 RedesignProblem WithLinks(RedesignProblem problem, const linkage::Links& links) {
   constexpr double kSameLinks_mm = 0.01;
   for (std::size_t i = 0; i < 6; ++i) {
@@ -39,7 +53,7 @@ RedesignProblem WithLinks(RedesignProblem problem, const linkage::Links& links) 
   return problem;
 }
 
-std::string PlacementName(int axis) {
+const char* PlacementName(int axis) {
   return axis == 0 ? "placement_x" : "placement_y";
 }
 
@@ -63,28 +77,25 @@ problem::SynthesisProblem RedesignProblem::DesignAt(const Eigen::Vector2d& place
 }
 
 void RedesignProblem::CheckOptions() const {
-  CheckPositive(program.max_speed_mm_s, "--max-speed", "mm/s");
-  if (program.duration_s) CheckPositive(*program.duration_s, "--duration", "s");
+  CheckPositive(program.max_speed_mm_s, "max-speed", "mm/s");
   constexpr int kFewestKnots = 21;
   if (program.knots < kFewestKnots || program.knots > compare::kPercentSamples)
     throw UsageError("--knots {}: {} to {}", program.knots, kFewestKnots, compare::kPercentSamples);
   if (program.free_ends && program.kind == Kind::kFree)
     throw UsageError("--free-ends is for a constant program: a free one has ends of its own; omit it");
-  if (max_misalignment_percent) CheckPositive(*max_misalignment_percent, "--max-misalignment", "percent");
-  if (!(std::isfinite(penalty_deg_per_mm) && penalty_deg_per_mm >= 0))
-    throw UsageError("--penalty {}: a number of deg per mm, 0 or above", penalty_deg_per_mm);
-  CheckPositive(placement_reach_mm, "--placement-reach", "mm");
-  if (max_cuff_force_n) CheckPositive(*max_cuff_force_n, "--max-cuff-force", "N");
-  if (!(std::isfinite(cuff_penalty_deg_per_n) && cuff_penalty_deg_per_n >= 0))
-    throw UsageError("--cuff-penalty {}: a number of deg per N, 0 or above", cuff_penalty_deg_per_n);
-  if (max_angle_mismatch_deg) CheckPositive(*max_angle_mismatch_deg, "--max-angle-mismatch", "degrees");
-  if (!balance) return;
+  CheckPositive(placement_reach_mm, "placement-reach", "mm");
+  for (const Quantity& quantity : kQuantities) {
+    if (const auto& limit = quantity.limit(*this); limit && !quantity.is_lower)
+      CheckPositive(*limit, quantity.option, quantity.option_unit);
+    if (quantity.weight && !(std::isfinite(this->*quantity.weight) && this->*quantity.weight >= 0))
+      throw UsageError("--{} {}: a number, 0 or above", quantity.weight_option, this->*quantity.weight);
+  }
+  if (!balance_mm) return;
   if (!body)
     throw UsageError("--balance needs the person's body: give --body loads.json, which lake loads writes of the trial");
   const double room_mm = kMmPerM * body->body.sole.Length() / 2;
-  if (!(balance->margin_mm >= 0 && balance->margin_mm < room_mm))
-    throw UsageError("--balance {}: 0 to less than half the foot, {} mm", balance->margin_mm,
-                     SignificantText(room_mm, 4));
+  if (!(*balance_mm >= 0 && *balance_mm < room_mm))
+    throw UsageError("--balance {}: 0 to less than half the foot, {} mm", *balance_mm, SignificantText(room_mm, 4));
 }
 
 void RedesignProblem::Check() const {
@@ -145,7 +156,7 @@ RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& l
 double DurationOf(const RedesignProblem& problem, const RedesignPoint& point) {
   const double needed_s = NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
   if (problem.program.cyclic) return std::max(needed_s, problem.program.duration_s.value_or(0));
-  return problem.balance && problem.program.kind == Kind::kFree ? std::max(needed_s, point.duration_s) : needed_s;
+  return problem.balance_mm && problem.program.kind == Kind::kFree ? std::max(needed_s, point.duration_s) : needed_s;
 }
 
 linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& point) {
@@ -166,14 +177,19 @@ linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& po
   return design;
 }
 
-double LargestCuffForce(const RedesignProblem& problem, const std::vector<double>& theta_rad,
-                        const Eigen::Vector2d& placement_mm) {
+void Complete(const RedesignProblem& problem, const Eigen::Vector2d& placement_mm, const Lean& lean, double duration_s,
+              Prediction& prediction) {
+  const std::vector<double>& theta_rad = prediction.theta_rad;
+  prediction.of = problem.misalignment_of;
+  prediction.exo.duration_s = duration_s;
   const Eigen::Vector2d place_mm = placement_mm + problem.human.back().slip_mm;
   double largest_mm = 0;
   for (const double theta : theta_rad)
     for (const auto& [x, y] : cuffs::SlipsOf(problem.cuffs, theta, theta_rad.back(), place_mm.x(), place_mm.y()))
       largest_mm = LargerOrNaN(largest_mm, std::hypot(x, y));
-  return problem.cuffs.stiffest_n_mm * largest_mm;
+  prediction.cuff_force_n = problem.cuffs.stiffest_n_mm * largest_mm;
+  if (problem.body && duration_s > 0)
+    prediction.balance = FindBalance(problem.human, *problem.body, theta_rad, lean, duration_s);
 }
 
 std::optional<Prediction> PredictPoint(const RedesignProblem& problem, const RedesignPoint& point) {
@@ -182,11 +198,7 @@ std::optional<Prediction> PredictPoint(const RedesignProblem& problem, const Red
   auto prediction =
       Predict(problem.Driven(point.links), point.placement_mm, strokes, Leaning(problem.human, point.lean.leg_rad));
   if (!prediction) return std::nullopt;
-  prediction->of = problem.misalignment_of;
-  prediction->cuff_force_n = LargestCuffForce(problem, prediction->theta_rad, point.placement_mm);
-  if (problem.body)
-    prediction->balance =
-        FindBalance(problem.human, *problem.body, prediction->theta_rad, point.lean, DurationOf(problem, point));
+  Complete(problem, point.placement_mm, point.lean, DurationOf(problem, point), *prediction);
   return prediction;
 }
 

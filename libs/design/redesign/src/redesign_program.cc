@@ -11,12 +11,12 @@
 #include "lake/core/error.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/cuffs/cuff_course.h"
+#include "lake/redesign/quantities.h"
 
 namespace lake::redesign {
 namespace {
 
 using Goal = RedesignProblem::Goal;
-using On = synthesis::LimitId::On;
 
 // Costs that decide only where the goal leaves a choice; each moves the optimum by less than its printed digits.
 constexpr double kMisalignmentTie = 1e-5;   // deg (or s) per percent^2
@@ -107,7 +107,7 @@ struct PressureTerm {
 // v = theta, theta at standing, p_x, p_y. `factor` x the squared slip of a cuff.
 struct CuffSlipTerm {
   cuffs::CuffOptions cuffs;
-  std::size_t cuff;         // of PlacesOf
+  std::size_t cuff;         // of CuffsOf
   Eigen::Vector2d slip_mm;  // of the mount
   double factor;
   template <typename T>
@@ -146,9 +146,9 @@ class PersonExtender {
     AddPlacement();
     AddDuration();
     AddPoses();
-    if (problem_.max_angle_mismatch_deg || problem_.goal == Goal::kAngle) AddAngleMismatch();
-    if (problem_.max_cuff_force_n || WeighsCuffs()) AddCuffForce();
-    if (problem_.balance) AddBalance();
+    if (IsIn(kAngleMismatch)) AddAngleMismatch();
+    if (IsIn(kCuffForce)) AddCuffForce();
+    if (problem_.balance_mm) AddBalance();
   }
 
   // `factor` x the mean squared misalignment (of L) or squared distance (of 1), as terms of a row or the cost.
@@ -161,7 +161,7 @@ class PersonExtender {
       if (problem_.misalignment_of == MisalignmentOf::kJoint)
         nlp().AddTerm(row, std::array{x, y},
                       JointErrorTerm{human.slip_mm, error.factor / (error.shank_mm * error.shank_mm)});
-      else if (problem_.balance)
+      else if (problem_.balance_mm)
         nlp().AddTerm(row, std::array{variables_.theta[i], x, y, variables_.leg_lean[i]}, LeaningErrorTerm{error});
       else
         nlp().AddTerm(row, std::array{variables_.theta[i], x, y}, error);
@@ -176,6 +176,28 @@ class PersonExtender {
 
  private:
   nlp::NonlinearProgram& nlp() { return synthesis_.program; }
+  bool IsSought(const Quantity& quantity) const { return problem_.goal == quantity.goal; }
+  double WeightOf(const Quantity& quantity) const {
+    if (IsSought(quantity)) return 1;
+    return problem_.goal == Goal::kRange && quantity.weight ? problem_.*quantity.weight : 0;
+  }
+  bool IsIn(const Quantity& quantity) const { return quantity.limit(problem_) || WeightOf(quantity) > 0; }
+
+  // The worst value of a quantity is a variable, so that its bound has a multiplier. `tie`: its cost where it is not
+  // sought.
+  int AddWorst(const Quantity& quantity, double start, problem::Bounds bounds, double tie = 0) {
+    const std::optional<double> limit = IsSought(quantity) ? std::nullopt : quantity.limit(problem_);
+    if (limit) (quantity.is_lower ? bounds.lower : bounds.upper) = *limit;
+    bounds.lower = std::min(bounds.lower, bounds.upper);
+    const std::string name(quantity.name);
+    const int worst =
+        nlp().AddVariable(Named(name), std::clamp(start, bounds.lower, bounds.upper), bounds.lower, bounds.upper);
+    const double weight = WeightOf(quantity), cost = weight > 0 ? weight : tie;
+    if (cost > 0) synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, worst, -quantity.Merit(cost));
+    if (limit) synthesis_.limits.push_back({{quantity.name, person_}, quantity.unit, -1, worst});
+    return worst;
+  }
+
   bool IsFree() const { return problem_.program.kind == linkage::StrokeProgram::Kind::kFree; }
   double Standing_rad() const { return RadiansFromDegrees(problem_.design.standing_deg); }
 
@@ -201,32 +223,24 @@ class PersonExtender {
       nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{square});
       if (problem_.goal == Goal::kFarthest)
         synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.placement[axis], -problem_.farthest[axis]);
-      synthesis_.limits.push_back({{On::kPlacement, 2 * person_ + axis}, "mm", -1, variables_.placement[axis]});
+      synthesis_.limits.push_back({{PlacementName(axis), person_}, "mm", -1, variables_.placement[axis]});
     }
   }
 
   void AddDuration() {
     const double speed = problem_.program.max_speed_mm_s;
-    const double longest = problem_.program.duration_s.value_or(kLongest_s);
-    const double shortest = problem_.balance ? std::min(kShortest_s, longest) : 0;
-    variables_.duration =
-        nlp().AddVariable(Named("duration"), std::max(shortest, start_.duration_s), shortest, longest);
-    if (problem_.program.duration_s)
-      synthesis_.limits.push_back({{On::kDuration, person_}, "s", -1, variables_.duration});
+    const double shortest = problem_.balance_mm ? kShortest_s : 0;
+    variables_.duration = AddWorst(kDuration, start_.duration_s, {shortest, kLongest_s}, kDurationTie);
     const double share = speed / static_cast<double>(variables_.knots.size() - 1);
     const bool may_turn_back = IsFree() && !problem_.program.monotone;
     for (std::size_t k = 1; k < variables_.knots.size(); ++k) {
       // At one speed the duration is what the stroke takes, and balance depends on it.
-      AddSpeedRow(k, 1, share, problem_.balance && !IsFree() ? 0 : -nlp::kUnbounded);
+      AddSpeedRow(k, 1, share, problem_.balance_mm && !IsFree() ? 0 : -nlp::kUnbounded);
       AddSpeedRow(k, -1, may_turn_back ? share : 0);
     }
-    if (problem_.program.cyclic) {
-      const int row = nlp().AddRow(Named("end at the beginning"), 0, 0);
-      synthesis::AddScaledTerm(nlp(), row, variables_.knots.front(), 1);
-      synthesis::AddScaledTerm(nlp(), row, variables_.knots.back(), -1);
-    }
-    synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.duration,
-                             problem_.goal == Goal::kDuration ? 1 : kDurationTie);
+    if (problem_.program.cyclic)
+      synthesis::AddLinearRow(nlp(), Named("end at the beginning"), 0, 0,
+                              {{variables_.knots.front(), 1}, {variables_.knots.back(), -1}});
   }
 
   // direction (d_k - d_k-1) <= share T.
@@ -256,54 +270,32 @@ class PersonExtender {
     }
   }
 
-  // The largest difference is a variable, so that its bound has a price.
   void AddAngleMismatch() {
     constexpr double kFarthest_deg = 180;
-    const bool is_sought = problem_.goal == Goal::kAngle;
-    const double most_deg = is_sought ? kFarthest_deg : *problem_.max_angle_mismatch_deg;
-    const int largest = nlp().AddVariable(Named("angle mismatch"), most_deg / 2, 0, most_deg);
-    if (is_sought)
-      synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, largest, 1);
-    else
-      synthesis_.limits.push_back({{On::kAngleMismatch, person_}, "deg", -1, largest});
+    const double most_deg = IsSought(kAngleMismatch) ? kFarthest_deg : *problem_.max_angle_mismatch_deg;
+    const int largest = AddWorst(kAngleMismatch, most_deg / 2, {0, kFarthest_deg});
     for (std::size_t i = 0; i < problem_.human.size(); ++i) {
       const double human_deg = DegreesFromRadians(problem_.human[i].knee_rad);
-      for (const double side : {1.0, -1.0}) {
-        const std::string name = fmt::format("angle mismatch {:+} at {:g} %", side, PercentOf(i, problem_.human));
-        const int row = nlp().AddRow(Named(name), -nlp::kUnbounded, side * human_deg);
-        synthesis::AddScaledTerm(nlp(), row, variables_.theta[i], side * kDegreesPerRadian);
-        synthesis::AddScaledTerm(nlp(), row, largest, -1);
-      }
+      for (const double side : {1.0, -1.0})
+        synthesis::AddLinearRow(
+            nlp(), Named(fmt::format("angle mismatch {:+} at {:g} %", side, PercentOf(i, problem_.human))),
+            -nlp::kUnbounded, side * human_deg, {{variables_.theta[i], side * kDegreesPerRadian}, {largest, -1}});
     }
   }
 
-  bool WeighsCuffs() const {
-    return problem_.goal == Goal::kCuffForce || (problem_.goal == Goal::kRange && problem_.cuff_penalty_deg_per_n > 0);
-  }
-
-  // The largest force at a cuff is a variable too. At standing the cuffs are free of stress.
+  // At standing the cuffs are free of stress.
   void AddCuffForce() {
-    constexpr double kMost_n = 1e5, kLeast_n = 1e-3, kScale_n2 = 100;
-    const bool is_sought = problem_.goal == Goal::kCuffForce;
-    const double most_n = is_sought ? kMost_n : problem_.max_cuff_force_n.value_or(kMost_n);
+    constexpr double kMost_n = 1e5, kLeast_n = 1e-3, kScale_n2 = 100, kPlausible_n = 30;
     const auto predicted = Predicted();
-    constexpr double kPlausible_n = 30;
-    const double least_n = std::min(kLeast_n, most_n),
-                 start_n = std::clamp(predicted ? predicted->cuff_force_n : kPlausible_n, least_n, most_n);
-    const int largest = nlp().AddVariable(Named("cuff force"), start_n, least_n, most_n);
-    if (WeighsCuffs())
-      synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, largest, is_sought ? 1 : problem_.cuff_penalty_deg_per_n);
-    if (!is_sought && problem_.max_cuff_force_n)
-      synthesis_.limits.push_back({{On::kCuffForce, person_}, "N", -1, largest});
+    const int largest = AddWorst(kCuffForce, predicted ? predicted->cuff_force_n : kPlausible_n, {kLeast_n, kMost_n});
     const double stiff = problem_.cuffs.stiffest_n_mm;
     const auto [x, y] = variables_.placement;
-    const std::vector<cuffs::CuffPlace> places = cuffs::PlacesOf(problem_.cuffs);
+    const std::vector<cuffs::PlacedCuff> placed = cuffs::CuffsOf(problem_.cuffs);
     for (std::size_t i = 0; i + 1 < problem_.human.size(); ++i)
-      for (std::size_t k = 0; k < places.size(); ++k) {
-        const int row =
-            nlp().AddRow(Named(fmt::format("force of {} cuff {} at {:g} %", places[k].on_thigh ? "thigh" : "shank",
-                                           places[k].number + 1, PercentOf(i, problem_.human))),
-                         -nlp::kUnbounded, 0);
+      for (std::size_t k = 0; k < placed.size(); ++k) {
+        const int row = nlp().AddRow(Named(fmt::format("force of {} cuff {} at {:g} %", placed[k].Segment(),
+                                                       placed[k].number + 1, PercentOf(i, problem_.human))),
+                                     -nlp::kUnbounded, 0);
         nlp().AddTerm(row, std::array{variables_.theta[i], variables_.theta.back(), x, y},
                       CuffSlipTerm{problem_.cuffs, k, problem_.human.back().slip_mm, stiff * stiff / kScale_n2});
         nlp().AddTerm(row, std::array{largest}, SquareTerm{-1 / kScale_n2});
@@ -311,16 +303,9 @@ class PersonExtender {
   }
 
   void AddBalance() {
-    const BalanceLimits& balance = *problem_.balance;
-    const bool is_sought = problem_.goal == Goal::kBalance;
-    variables_.margin = nlp().AddVariable(Named("balance"), balance.margin_mm,
-                                          is_sought ? -kLongest_mm : balance.margin_mm, kLongest_mm);
-    if (is_sought)
-      synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.margin, -1);
-    else
-      synthesis_.limits.push_back({{On::kBalance, person_}, "mm", -1, variables_.margin});
-    variables_.leg_lean = AddLean("lean of the leg", balance.leg_deg, start_.lean.leg_rad);
-    variables_.trunk_lean = AddLean("lean of the trunk", balance.trunk_deg, start_.lean.trunk_rad);
+    variables_.margin = AddWorst(kBalanceMargin, *problem_.balance_mm, {-kLongest_mm, kLongest_mm});
+    variables_.leg_lean = AddLean("lean of the leg", problem_.lean_limits.leg_deg, start_.lean.leg_rad);
+    variables_.trunk_lean = AddLean("lean of the trunk", problem_.lean_limits.trunk_deg, start_.lean.trunk_rad);
     const std::size_t first = FirstOnFeet(problem_.human, *problem_.body);
     for (std::size_t i = 0; i < first; ++i)
       nlp().AddConstraint(Named(fmt::format("hip on the seat at {:g} %", PercentOf(i, problem_.human))), -kSeatGives_mm,
@@ -369,12 +354,10 @@ class PersonExtender {
     else
       nlp().AddTerm(
           row, std::array{variables_.duration, pressure, a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]}, term);
-    const int heel = nlp().AddRow(Named("before the heel" + place), heel_mm, nlp::kUnbounded);
-    synthesis::AddScaledTerm(nlp(), heel, pressure, 1);
-    synthesis::AddScaledTerm(nlp(), heel, variables_.margin, -1);
-    const int toe = nlp().AddRow(Named("behind the toe" + place), -nlp::kUnbounded, toe_mm);
-    synthesis::AddScaledTerm(nlp(), toe, pressure, 1);
-    synthesis::AddScaledTerm(nlp(), toe, variables_.margin, 1);
+    synthesis::AddLinearRow(nlp(), Named("before the heel" + place), heel_mm, nlp::kUnbounded,
+                            {{pressure, 1}, {variables_.margin, -1}});
+    synthesis::AddLinearRow(nlp(), Named("behind the toe" + place), -nlp::kUnbounded, toe_mm,
+                            {{pressure, 1}, {variables_.margin, 1}});
   }
 
   problem::Bounds AngleBounds(std::size_t sample) const {
@@ -425,7 +408,7 @@ class GroupExtender {
       const int row = nlp().AddRow("mean " + text, -nlp::kUnbounded, limit);
       for (const int root : Roots())
         synthesis::AddScaledTerm(nlp(), row, root, 1 / static_cast<double>(people_.size()));
-      synthesis_.limits.push_back({{On::kMisalignment}, "%", row});
+      synthesis_.limits.push_back({{kMisalignment.name}, kMisalignment.unit, row});
       return;
     }
     for (PersonExtender& person : people_) {
@@ -433,8 +416,8 @@ class GroupExtender {
       const int row = nlp().AddRow(person.Named(text), -nlp::kUnbounded, limit * limit);
       person.AddMeanSquare(row, true, kPercentSquared);
       person.Variables().misalignment_row = row;
-      // d(limit^2) = 2 limit d(limit): the price is published per percent.
-      synthesis_.limits.push_back({{On::kMisalignment, person.Person()}, "%", row, -1, 2 * limit});
+      // d(limit^2) = 2 limit d(limit): the multiplier is published per percent.
+      synthesis_.limits.push_back({{kMisalignment.name, person.Person()}, kMisalignment.unit, row, -1, 2 * limit});
     }
   }
 
@@ -453,10 +436,10 @@ class GroupExtender {
       person.AddMeanSquare(nlp::NlpTerm::kCost, true, kPercentSquared * MisalignmentWeight(problem_));
     if (shared_.goal == Goal::kMisalignment && people_.size() > 1) AddLeastMisalignment();
     if (!shared_.min_range_deg) return;
-    const int row = nlp().AddRow(fmt::format("range ≥ {} deg", SignificantText(*shared_.min_range_deg, 6)),
-                                 *shared_.min_range_deg, nlp::kUnbounded);
-    synthesis::AddScaledTerm(nlp(), row, synthesis_.range, kDegreesPerRadian);
-    synthesis_.limits.push_back({{On::kLeastRange}, "deg", row});
+    const int row =
+        synthesis::AddLinearRow(nlp(), fmt::format("range ≥ {} deg", SignificantText(*shared_.min_range_deg, 6)),
+                                *shared_.min_range_deg, nlp::kUnbounded, {{synthesis_.range, kDegreesPerRadian}});
+    synthesis_.limits.push_back({{"least range"}, "deg", row});
   }
 
   // The percentage itself is the cost.

@@ -1,24 +1,222 @@
 #include "lake/sizes/sizes.h"
 
 #include <algorithm>
-#include <limits>
+#include <array>
+#include <map>
 #include <numeric>
 #include <random>
+#include <utility>
 
 #include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/numbers.h"
 #include "lake/core/processes.h"
 #include "lake/core/progress.h"
 #include "lake/core/statistics.h"
-#include "size_search.h"
 
 namespace lake::sizes {
 
+// From one process to another.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Fit, holds, value, percent, range_deg)
+
+namespace {
+
+using group::DesignTask;
 using group::GroupDesign;
+using group::GroupOutcome;
+using redesign::GroupProblem;
 using redesign::GroupSolve;
+using redesign::RedesignPoint;
 using redesign::RedesignProblem;
 using redesign::RedesignSolve;
 
-namespace {
+using Assignment = std::vector<std::size_t>;  // the size of each person
+using Fits = std::vector<std::vector<Fit>>;   // per person and size
+
+std::vector<std::size_t> MembersOf(const Assignment& sizes, std::size_t size) {
+  std::vector<std::size_t> members;
+  for (std::size_t i = 0; i < sizes.size(); ++i)
+    if (sizes[i] == size) members.push_back(i);
+  return members;
+}
+
+template <typename T>
+std::vector<T> Picked(const std::vector<T>& all, const std::vector<std::size_t>& indices) {
+  std::vector<T> picked;
+  for (const std::size_t i : indices) picked.push_back(all[i]);
+  return picked;
+}
+
+GroupProblem ProblemOf(const GroupProblem& all, const std::vector<std::size_t>& members) {
+  GroupProblem problem = all;
+  problem.people = Picked(all.people, members);
+  return problem;
+}
+
+// Designs for an assignment, and what each is to each person.
+struct Alternation {
+  Assignment assignment;
+  std::vector<GroupOutcome> designs;
+  Fits fits;
+
+  // Of the goal, mean over people.
+  double Value() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < fits.size(); ++i) sum += fits[i][assignment[i]].value;
+    return sum / static_cast<double>(fits.size());
+  }
+};
+
+// Designs and who wears them, assigned to each other in turn; what was solved is kept.
+class SizeSearch {
+ public:
+  // `everybody`: `links` are where designs start.
+  SizeSearch(DesignTask everybody, std::size_t sizes, const synthesis::OptimizeOptions& options)
+      : problem_(std::move(everybody.problem)),
+        human_(std::move(everybody.human)),
+        links_(std::move(everybody.links)),
+        sizes_(sizes),
+        options_(options) {}
+
+  // From few starts, each round from the one before, for as long as it gets better.
+  Alternation Alternate(const Assignment& first) {
+    constexpr int kFewStarts = 4;
+    constexpr double kBetter_deg = 1e-3;
+    Alternation best = DesignFor(first, {}, From::kAllStarts, std::min(kFewStarts, options_.starts));
+    for (int round = 1; round < kMostRounds; ++round) {
+      const Assignment next = BestOf(best);
+      if (next == best.assignment) break;
+      Alternation now = DesignFor(next, best, From::kFound, 1);
+      if (now.Value() < best.Value() + kBetter_deg) break;
+      best = std::move(now);
+    }
+    return best;
+  }
+
+  // Designs from all starts, or from those of `found`, and on from there until everybody wears the size that is best
+  // for them; whether it came to that.
+  enum class From { kAllStarts, kFound };
+  bool Settle(From from, Alternation& found) {
+    found = DesignFor(found.assignment, found, from, from == From::kFound ? 1 : options_.starts);
+    for (int round = 1;; ++round) {
+      const Assignment next = BestOf(found);
+      if (next == found.assignment) return true;
+      if (round == kMostRounds) return false;
+      found = DesignFor(next, found, From::kFound, 1);
+    }
+  }
+
+ private:
+  using Members = std::vector<std::size_t>;
+
+  static constexpr int kMostRounds = 10;
+
+  Alternation DesignFor(const Assignment& assignment, const Alternation& before, From from, int starts) {
+    ThrowIfInterrupted();
+    std::vector<DesignTask> tasks;
+    std::vector<Members> unknown;
+    for (std::size_t k = 0; k < sizes_; ++k) {
+      const Members members = MembersOf(assignment, k);
+      if (designs_.contains({starts, members})) continue;
+      tasks.push_back(TaskFor(members, k, before, from));
+      unknown.push_back(members);
+    }
+    synthesis::OptimizeOptions options = options_;
+    options.starts = starts;
+    std::vector<GroupOutcome> designs = DesignGroups(std::move(tasks), options);
+    for (std::size_t i = 0; i < designs.size(); ++i) designs_[{starts, unknown[i]}] = std::move(designs[i]);
+    Alternation found{assignment, {}, {}};
+    for (std::size_t k = 0; k < sizes_; ++k) found.designs.push_back(designs_.at({starts, MembersOf(assignment, k)}));
+    FindFits(found);
+    return found;
+  }
+
+  DesignTask TaskFor(const Members& members, std::size_t size, const Alternation& before, From from) const {
+    DesignTask task{
+        .problem = ProblemOf(problem_, members), .human = Picked(human_, members), .links = links_, .close_by = {}};
+    if (before.designs.empty()) return task;
+    task.links.insert(task.links.begin(), before.designs[size].nearest.Links());
+    if (from == From::kFound) task.close_by = PointsBefore(members, size, before);
+    return task;
+  }
+
+  // Whoever is new to the size begins with its links.
+  std::vector<RedesignPoint> PointsBefore(const Members& members, std::size_t size, const Alternation& before) const {
+    const group::GroupDesign& design = before.designs[size].nearest;
+    const Members earlier = MembersOf(before.assignment, size);
+    std::vector<RedesignPoint> points;
+    for (const std::size_t i : members) {
+      const auto place = std::ranges::find(earlier, i);
+      points.push_back(place == earlier.end() ? StartPoint(problem_.Of(i), design.Links())
+                                              : design.points[static_cast<std::size_t>(place - earlier.begin())]);
+    }
+    return points;
+  }
+
+  void FindFits(Alternation& found) {
+    const auto key = [&](std::size_t i, std::size_t k) {
+      return std::pair(i, found.designs[k].nearest.Links().Values());
+    };
+    std::vector<std::pair<std::size_t, std::size_t>> unknown;
+    for (std::size_t i = 0; i < problem_.people.size(); ++i)
+      for (std::size_t k = 0; k < sizes_; ++k)
+        if (!fits_.contains(key(i, k))) unknown.emplace_back(i, k);
+    Progress progress("who wears which", "fits", static_cast<std::int64_t>(unknown.size()), options_.quiet);
+    const std::vector<Fit> fits = ResultsInProcesses(
+        unknown.size(),
+        [&](std::size_t piece) {
+          const auto& [i, k] = unknown[piece];
+          return FitOf(problem_.Of(i), found.designs[k].nearest.Links(), options_);
+        },
+        progress);
+    for (std::size_t piece = 0; piece < unknown.size(); ++piece)
+      fits_[key(unknown[piece].first, unknown[piece].second)] = fits[piece];
+    for (std::size_t i = 0; i < problem_.people.size(); ++i) {
+      std::vector<Fit>& of = found.fits.emplace_back();
+      for (std::size_t k = 0; k < sizes_; ++k) of.push_back(fits_.at(key(i, k)));
+    }
+  }
+
+  // Each person's best size; of equals the present one. A size that nobody chose gets the person with the least value
+  // of those who are not the only one of their size.
+  Assignment BestOf(const Alternation& found) const {
+    const Fits& fits = found.fits;
+    constexpr double kEqual_deg = 1e-2;  // a fit is found within its links' tolerance
+    Assignment best = found.assignment;
+    for (std::size_t i = 0; i < fits.size(); ++i)
+      for (std::size_t k = 0; k < sizes_; ++k)
+        if (fits[i][k].value > fits[i][best[i]].value + kEqual_deg) best[i] = k;
+    for (std::size_t k = 0; k < sizes_; ++k) {
+      if (!MembersOf(best, k).empty()) continue;
+      std::optional<std::size_t> least;
+      for (std::size_t i = 0; i < best.size(); ++i)
+        if (MembersOf(best, best[i]).size() > 1 &&
+            (!least || fits[i][best[i]].value < fits[*least][best[*least]].value))
+          least = i;
+      best[*least] = k;
+    }
+    return best;
+  }
+
+  const GroupProblem problem_;
+  const std::vector<compare::StsCurve> human_;
+  const std::vector<linkage::Links> links_;
+  const std::size_t sizes_;
+  const synthesis::OptimizeOptions options_;
+  std::map<std::pair<int, Members>, GroupOutcome> designs_;            // by starts and who wears it
+  std::map<std::pair<std::size_t, std::array<double, 6>>, Fit> fits_;  // by person and links
+};
+
+const std::vector<double>& LengthsOf(const std::vector<BodyQuantity>& quantities, std::string_view name) {
+  return std::ranges::find(quantities, name, &BodyQuantity::name)->mm;
+}
+
+// 0, 1, …
+std::vector<std::size_t> UpTo(std::size_t count) {
+  std::vector<std::size_t> indices(count);
+  std::iota(indices.begin(), indices.end(), std::size_t{0});
+  return indices;
+}
 
 std::vector<BodyQuantity> QuantitiesOf(const GroupProblem& problem, const std::vector<double>& heights_mm) {
   BodyQuantity leg{"leg_mm", {}}, shank{"shank_mm", {}}, thigh{"thigh_mm", {}};
@@ -36,8 +234,7 @@ std::vector<BodyQuantity> QuantitiesOf(const GroupProblem& problem, const std::v
 
 // People in the order of a figure, cut into as many equal parts as there are sizes.
 Assignment InEqualParts(const std::vector<double>& figure, std::size_t sizes) {
-  std::vector<std::size_t> order(figure.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<std::size_t> order = UpTo(figure.size());
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return figure[i]; });
   Assignment assignment(figure.size());
   for (std::size_t k = 0; k < order.size(); ++k) assignment[order[k]] = k * sizes / order.size();
@@ -67,8 +264,7 @@ std::vector<linkage::Links> LinksOf(const std::vector<GroupOutcome>& designs) {
 // Sizes in the order of the legs that they are for.
 void Sort(const std::vector<double>& leg_mm, Alternation& found) {
   const std::size_t sizes = found.designs.size();
-  std::vector<std::size_t> order(sizes), place(sizes);
-  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<std::size_t> order = UpTo(sizes), place(sizes);
   std::ranges::stable_sort(order, {},
                            [&](std::size_t k) { return Mean(Picked(leg_mm, MembersOf(found.assignment, k))); });
   for (std::size_t k = 0; k < sizes; ++k) place[order[k]] = k;
@@ -118,16 +314,14 @@ std::vector<LeftOut> LeaveEachOut(const SizesOutcome& outcome, const GroupProble
                                   const synthesis::OptimizeOptions& options) {
   constexpr double kNoPull_deg_per_mm = 1e-3;
   const std::vector<std::vector<double>> losses = LossesOf(fits);
-  std::vector<std::size_t> everybody(problem.people.size());
-  std::iota(everybody.begin(), everybody.end(), std::size_t{0});
+  const std::vector<std::size_t> everybody = UpTo(problem.people.size());
   std::vector<LeftOut> left_out;
   std::vector<std::size_t> hold;
   for (const std::size_t i : everybody) {
     std::vector<std::size_t> others = everybody;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const SizeRule rule = FindRule(outcome.quantities, losses, others);
-    const std::size_t size =
-        rule.SizeFor(std::ranges::find(outcome.quantities, rule.quantity, &BodyQuantity::name)->mm[i]);
+    const std::size_t size = rule.SizeFor(LengthsOf(outcome.quantities, rule.quantity)[i]);
     left_out.push_back({size, fits[i][size]});
     if (size == outcome.size_of[i] && PullOf(outcome, i) > kNoPull_deg_per_mm) hold.push_back(i);
   }
@@ -163,8 +357,7 @@ std::size_t NotHeld(const Fits& fits, const Assignment& size_of) {
 // What the rule gives to each.
 Assignment SizesBy(const SizeRule& rule, const std::vector<BodyQuantity>& quantities) {
   Assignment sizes;
-  for (const double mm : std::ranges::find(quantities, rule.quantity, &BodyQuantity::name)->mm)
-    sizes.push_back(rule.SizeFor(mm));
+  for (const double mm : LengthsOf(quantities, rule.quantity)) sizes.push_back(rule.SizeFor(mm));
   return sizes;
 }
 
@@ -220,34 +413,30 @@ void CheckSizes(const GroupProblem& shared, int sizes, std::size_t people) {
 
 SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<group::PersonMeasured>& people, int sizes,
                       const std::vector<double>& heights_mm, const synthesis::OptimizeOptions& options) {
-  shared.CheckOptions();
   CheckSizes(shared, sizes, people.size());
   const auto count = static_cast<std::size_t>(sizes);
-  const GroupProblem problem = PutMotionsInto(shared, people);
-  std::vector<compare::StsCurve> human;
-  for (const group::PersonMeasured& person : people) human.push_back(person.motion.human);
-  const std::vector<linkage::Links> links = StartLinks(problem, people, options);
+  const DesignTask task = TaskOf(shared, people, options);
+  const GroupProblem& problem = task.problem;
   SizesOutcome outcome;
   outcome.quantities = QuantitiesOf(problem, heights_mm);
-  const std::vector<double>& leg_mm = std::ranges::find(outcome.quantities, "leg_mm", &BodyQuantity::name)->mm;
+  const std::vector<double>& leg_mm = LengthsOf(outcome.quantities, "leg_mm");
   Alternation best;
-  SizeSearch coarse(group::Coarse(problem), human, links, count, options);
+  DesignTask coarse_task = task;
+  coarse_task.problem = group::Coarse(problem);
+  SizeSearch coarse(coarse_task, count, options);
   for (const Assignment& first : FirstAssignments(problem, leg_mm, count, options.seed)) {
     Alternation found = coarse.Alternate(first);
     if (best.assignment.empty() || found.Value() > best.Value()) best = std::move(found);
   }
   coarse.Settle(SizeSearch::From::kAllStarts, best);
-  outcome.is_settled = SizeSearch(problem, human, links, count, options).Settle(SizeSearch::From::kFound, best);
+  outcome.is_settled = SizeSearch(task, count, options).Settle(SizeSearch::From::kFound, best);
   Sort(leg_mm, best);
   outcome.sizes = std::move(best.designs);
   outcome.size_of = best.assignment;
-  outcome.mean_value_deg =
-      NotHeld(best.fits, best.assignment) ? std::numeric_limits<double>::quiet_NaN() : best.Value();
+  outcome.mean_value_deg = NotHeld(best.fits, best.assignment) ? kNaN : best.Value();
   for (std::size_t k = 0; k < count; ++k) outcome.members.push_back(MembersOf(outcome.size_of, k));
-  AddPeople(problem, links, options, outcome);
-  std::vector<std::size_t> everybody(people.size());
-  std::iota(everybody.begin(), everybody.end(), std::size_t{0});
-  outcome.rule = FindRule(outcome.quantities, LossesOf(best.fits), everybody);
+  AddPeople(problem, task.links, options, outcome);
+  outcome.rule = FindRule(outcome.quantities, LossesOf(best.fits), UpTo(people.size()));
   outcome.rule_not_held = NotHeld(best.fits, SizesBy(outcome.rule, outcome.quantities));
   if (outcome.IsSolved()) outcome.left_out = LeaveEachOut(outcome, problem, best.fits, options);
   return outcome;

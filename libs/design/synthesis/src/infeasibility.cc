@@ -124,14 +124,6 @@ void CollectFighting(const ElasticSolve& solve, InfeasibilityReport& report) {
   }
 }
 
-// By how much, rounded to the safe side: taken as told the limits can be held.
-double RoundedRelaxation(const Relaxation& relaxation) {
-  constexpr double kRoom = 1.001;
-  const double by = kRoom * std::abs(relaxation.relaxed - relaxation.limit);
-  const double digit = std::pow(10, std::floor(std::log10(by)) - 2);
-  return std::ceil(by / digit) * digit;
-}
-
 std::string Sentence(const InfeasibilityReport& report) {
   if (!report.solved) return "no design was found that satisfies the problem, and none that nearly does";
   if (report.relaxations.empty()) return "the problem can be satisfied, but the solver did not reach an optimum";
@@ -140,7 +132,8 @@ std::string Sentence(const InfeasibilityReport& report) {
                   fmt::join(report.fighting, ", "), report.fighting.size() > 1 ? " together" : "");
   for (std::size_t i = 0; i < report.relaxations.size(); ++i) {
     const Relaxation& relaxation = report.relaxations[i];
-    const double by = RoundedRelaxation(relaxation), sign = relaxation.relaxed < relaxation.limit ? -1 : 1;
+    const double by = RoundedUp(std::abs(relaxation.relaxed - relaxation.limit)),
+                 sign = relaxation.relaxed < relaxation.limit ? -1 : 1;
     const std::string unit = relaxation.unit == "1" ? "" : " " + relaxation.unit;
     text += i ? ", " : " ";
     // An order of two lengths, l2 <= l4, has no number of its own.
@@ -154,6 +147,12 @@ std::string Sentence(const InfeasibilityReport& report) {
 }
 
 }  // namespace
+
+double RoundedUp(double value) {
+  constexpr double kRoom = 1.001;
+  const double digit = std::pow(10, std::floor(std::log10(value)) - 2);
+  return std::ceil(kRoom * value / digit) * digit;
+}
 
 InfeasibilityReport AnalyseInfeasibility(const problem::SynthesisProblem& problem, const OptimizeOptions& options) {
   problem.Check();

@@ -18,7 +18,7 @@ namespace lake::synthesis {
 namespace {
 
 bool IsActive(double value, double limit) {
-  constexpr double kTouching = 1e-5;  // far above an interior point's distance to an active limit, mu / price
+  constexpr double kTouching = 1e-5;  // far above an interior point's distance to an active limit, mu / multiplier
   return std::isfinite(limit) && std::abs(value - limit) <= kTouching * std::max(1.0, std::abs(limit));
 }
 
@@ -83,7 +83,7 @@ void OptimizeOptions::Check() const {
   nlp.Check();
 }
 
-double LocalSolve::PriceOf(const Limit& limit) const {
+double LocalSolve::MultiplierOf(const Limit& limit) const {
   const double marginal_cost =
       limit.row >= 0 ? solution.row_marginal_costs[limit.row] : solution.variable_marginal_costs[limit.variable];
   return -marginal_cost * limit.scale;
@@ -96,9 +96,9 @@ void LocalSolve::KeepOutcome() {
   solution.iterations = {};
 }
 
-std::optional<double> LocalSolve::PriceOf(const LimitId& id) const {
+std::optional<double> LocalSolve::MultiplierOf(const LimitId& id) const {
   const Limit* limit = program.Find(id);
-  return limit ? std::optional(PriceOf(*limit)) : std::nullopt;
+  return limit ? std::optional(MultiplierOf(*limit)) : std::nullopt;
 }
 
 namespace {
@@ -164,7 +164,7 @@ class LinkProgramBuilder : public ProgramBuilder {
   LinkVariables variables_{};
 };
 
-// Collects what is at its limit, with its price.
+// Collects what is at its limit, with its multiplier.
 class ActiveSetFinder {
  public:
   explicit ActiveSetFinder(const LocalSolve& solve)
@@ -193,10 +193,10 @@ class ActiveSetFinder {
     const auto found = limit_of_row_.find(index);
     if (found == limit_of_row_.end()) return;
     // The limit of a family is an equality, which holds whether a pose is at it or not.
-    constexpr double kNoPrice = 1e-7;
-    const double price = solve_.PriceOf(*found->second);
-    if (is_equality && std::abs(price) < kNoPrice) return;
-    active_.entries.push_back({found->second->id, row.name, price, found->second->unit});
+    constexpr double kNoMultiplier = 1e-7;
+    const double multiplier = solve_.MultiplierOf(*found->second);
+    if (is_equality && std::abs(multiplier) < kNoMultiplier) return;
+    active_.entries.push_back({found->second->id, row.name, multiplier, found->second->unit});
   }
 
   void AddVariable(int index) {
@@ -211,7 +211,7 @@ class ActiveSetFinder {
     const char* sign = lower && upper ? "=" : lower ? "≥" : "≤";
     const std::string name = fmt::format("{} {} {} {}", variable.name, sign,
                                          SignificantText(lower ? variable.lower : variable.upper, 6), limit.unit);
-    active_.entries.push_back({limit.id, name, solve_.PriceOf(limit), limit.unit});
+    active_.entries.push_back({limit.id, name, solve_.MultiplierOf(limit), limit.unit});
   }
 
   const LocalSolve& solve_;

@@ -198,7 +198,7 @@ struct PinOnBody : OnUsedRange {
 // Of lengths: brings rows near one.
 constexpr double kClearanceScale_mm = 100;
 
-// v[12] is the heading.
+// v[12] is the separating direction.
 struct SeatTerm : PinOnBody {
   double corner_x, corner_y, radius_mm;
   template <typename T>
@@ -209,7 +209,7 @@ struct SeatTerm : PinOnBody {
   }
 };
 
-// v[12] is the heading, v[13] the limb's reach in its direction.
+// v[12] is the separating direction, v[13] the limb's reach in its direction.
 struct LimbTerm : PinOnBody {
   linkage::Limb limb;
   double radius_mm;
@@ -221,7 +221,7 @@ struct LimbTerm : PinOnBody {
   }
 };
 
-// v = heading, reach.
+// v = separating direction, reach.
 struct CornerTerm {
   double x, y;
   template <typename T>
@@ -349,15 +349,15 @@ void AddSeatRows(nlp::NonlinearProgram& program, const ClearancePose& at, const 
   const OnUsedRange place = PlaceOf(at.pose);
   for (const linkage::WornPart& part : linkage::WornPartsOf(wear)) {
     const linkage::Separation start = linkage::SeparationFrom(seat, part, at.start);
-    const int heading =
-        program.AddVariable("heading from the seat", start.heading_rad, std::numbers::pi, 1.5 * std::numbers::pi);
+    const int direction =
+        program.AddVariable("direction from the seat", start.direction_rad, std::numbers::pi, 1.5 * std::numbers::pi);
     for (const linkage::Pin pin : {part.from, part.to})
-      program.AddConstraint("seat clearance", 0, nlp::kUnbounded, With(at, std::array{heading}),
+      program.AddConstraint("seat clearance", 0, nlp::kUnbounded, With(at, std::array{direction}),
                             SeatTerm{{place, pin}, seat.surface_mm, seat.edge_mm, part.radius_mm});
   }
 }
 
-void AddLimbRows(nlp::NonlinearProgram& program, const ClearancePose& at, linkage::Limb limb, const linkage::Body& body,
+void AddLimbRows(nlp::NonlinearProgram& program, const ClearancePose& at, linkage::Limb limb, const person::Body& body,
                  const linkage::WearOptions& wear) {
   const std::string name = (limb == linkage::Limb::kThigh ? "thigh clearance" : "shank clearance") + at.pose.place;
   const linkage::WornPart actuator = linkage::WornPartsOf(wear)[0];
@@ -365,16 +365,18 @@ void AddLimbRows(nlp::NonlinearProgram& program, const ClearancePose& at, linkag
   const auto corners = linkage::OutlineOf(limb, body);
   double reach_mm = -nlp::kUnbounded;
   for (const Eigen::Vector2d& corner : corners)
-    reach_mm = std::max(reach_mm, std::cos(start.heading_rad) * corner.x() + std::sin(start.heading_rad) * corner.y());
-  const int heading = program.AddVariable("heading" + name, start.heading_rad, start.heading_rad - std::numbers::pi,
-                                          start.heading_rad + std::numbers::pi);
+    reach_mm =
+        std::max(reach_mm, std::cos(start.direction_rad) * corner.x() + std::sin(start.direction_rad) * corner.y());
+  const int direction =
+      program.AddVariable("direction" + name, start.direction_rad, start.direction_rad - std::numbers::pi,
+                          start.direction_rad + std::numbers::pi);
   const int reach = program.AddVariable("reach" + name, reach_mm, -nlp::kUnbounded, nlp::kUnbounded);
   const OnUsedRange place = PlaceOf(at.pose);
   for (const linkage::Pin pin : {actuator.from, actuator.to})
-    program.AddConstraint(name, 0, nlp::kUnbounded, With(at, std::array{heading, reach}),
+    program.AddConstraint(name, 0, nlp::kUnbounded, With(at, std::array{direction, reach}),
                           LimbTerm{{place, pin}, limb, actuator.radius_mm});
   for (const Eigen::Vector2d& corner : corners)
-    program.AddConstraint("reach for " + name, 0, nlp::kUnbounded, std::array{heading, reach},
+    program.AddConstraint("reach for " + name, 0, nlp::kUnbounded, std::array{direction, reach},
                           CornerTerm{corner.x(), corner.y()});
 }
 
@@ -390,6 +392,13 @@ void AddSingularityTerm(nlp::NonlinearProgram& program, int row, const LinkVaria
 
 void AddScaledTerm(nlp::NonlinearProgram& program, int row, int variable, double factor) {
   program.AddTerm(row, std::array{variable}, ScaledTerm{factor});
+}
+
+int AddLinearRow(nlp::NonlinearProgram& program, const std::string& name, double lower, double upper,
+                 std::initializer_list<ScaledVariable> terms) {
+  const int row = program.AddRow(name, lower, upper);
+  for (const auto& [variable, factor] : terms) AddScaledTerm(program, row, variable, factor);
+  return row;
 }
 
 }  // namespace lake::synthesis

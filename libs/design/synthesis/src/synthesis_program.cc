@@ -93,15 +93,11 @@ class Builder {
     at_range_ = StartAtRange(of_build, current_.links);
     const std::string& name = current_.name;
     const int stroke = nlp().AddVariable("d_min" + name, of_build.d_min_mm, kShortest_mm, kLongest_mm);
-    const int row = nlp().AddRow("d_min" + name, error.back(), error.back());
-    AddScaledTerm(nlp(), row, stroke, 1);
-    AddScaledTerm(nlp(), row, result_.shortest_stroke, -1);
+    AddLinearRow(nlp(), "d_min" + name, error.back(), error.back(), {{stroke, 1}, {result_.shortest_stroke, -1}});
     current_.range = nlp().AddVariable("theta" + name, at_range_.theta_rad, -std::numbers::pi, std::numbers::pi);
     poses_ = {AddPose(nlp(), name, result_.links, stroke, current_.range, 1, RadiansFromDegrees(problem_.standing_deg),
                       at_range_.phi_rad, current_.shift)};
-    const int worst = nlp().AddRow("range" + name, 0, nlp::kUnbounded);
-    AddScaledTerm(nlp(), worst, current_.range, 1);
-    AddScaledTerm(nlp(), worst, result_.worst_range, -1);
+    AddLinearRow(nlp(), "range" + name, 0, nlp::kUnbounded, {{current_.range, 1}, {result_.worst_range, -1}});
     AddShortestRows();
     AddPoses(poses);
   }
@@ -134,9 +130,8 @@ class Builder {
 
   void AddElasticBound(int variable, const std::string& name, double limit, bool is_lower_limit) {
     const std::string text = fmt::format("{} {} {} mm", name, is_lower_limit ? "≥" : "≤", SignificantText(limit, 6));
-    const int row =
-        is_lower_limit ? nlp().AddRow(text, limit, nlp::kUnbounded) : nlp().AddRow(text, -nlp::kUnbounded, limit);
-    AddScaledTerm(nlp(), row, variable, 1);
+    const int row = AddLinearRow(nlp(), text, is_lower_limit ? limit : -nlp::kUnbounded,
+                                 is_lower_limit ? nlp::kUnbounded : limit, {{variable, 1}});
     result_.elastic_bounds.push_back({text, limit, is_lower_limit, AddSlack(row, text, is_lower_limit, 1), row});
   }
 
@@ -147,8 +142,8 @@ class Builder {
     result_.links = AddLinks(nlp(), bounds, start_);
     const double d = problem_.d_min_mm;
     result_.shortest_stroke = nlp().AddVariable("d_min", d, wide ? kShortest_mm : d, wide ? kLongest_mm : d);
-    for (int i = 0; i < 6; ++i) result_.limits.push_back({{LimitId::On::kLink, i}, "mm", -1, result_.links[i]});
-    result_.limits.push_back({{LimitId::On::kShortestStroke}, "mm", -1, result_.shortest_stroke});
+    for (int i = 0; i < 6; ++i) result_.limits.push_back({{LimitId::kLink, i}, "mm", -1, result_.links[i]});
+    result_.limits.push_back({{LimitId::kShortestStroke}, "mm", -1, result_.shortest_stroke});
     if (!wide) return;
     for (std::size_t i = 0; i < bounds.size(); ++i) {
       AddElasticBound(result_.links[i], problem::LinkName(i), problem_.bounds[i].lower, true);
@@ -178,9 +173,7 @@ class Builder {
 
   void AddWorstRange() {
     result_.worst_range = nlp().AddVariable("worst theta", at_range_.theta_rad, -std::numbers::pi, std::numbers::pi);
-    const int row = nlp().AddRow("range as asked for", 0, nlp::kUnbounded);
-    AddScaledTerm(nlp(), row, result_.range, 1);
-    AddScaledTerm(nlp(), row, result_.worst_range, -1);
+    AddLinearRow(nlp(), "range as asked for", 0, nlp::kUnbounded, {{result_.range, 1}, {result_.worst_range, -1}});
   }
 
   // By how much the worst build is worse in a requirement on the links.
@@ -199,7 +192,7 @@ class Builder {
     // A limit on poses is a variable of the program, so that its row carries the one multiplier of all poses.
     entry.row =
         nlp().AddRow(requirement.Text(), IsSought(requirement) ? 0 : limit, is_on_links ? nlp::kUnbounded : limit);
-    result_.limits.push_back({LimitOn(requirement.name), requirement.unit, entry.row});
+    result_.limits.push_back({{requirement.name}, requirement.unit, entry.row});
     if (requirement.IsLinear())
       AddLinearTerm(nlp(), entry.row, result_.links, requirement.coefficients);
     else if (is_on_links)
@@ -299,7 +292,7 @@ class Builder {
 
   void AddClearance(const RequirementRow& entry, const PoseVariables& pose) {
     const problem::Obstacle obstacle = entry.requirement.Info().obstacle;
-    const linkage::Body body = linkage::BodyOf(problem_.clearances.body);
+    const person::Body body = person::BodyOf(problem_.clearances.body);
     const linkage::WearOptions wear = problem_.Wear();
     if (obstacle == problem::Obstacle::kSeat)
       AddSeatRows(nlp(), At(pose, entry), linkage::SeatOf(body, wear), wear);
@@ -349,10 +342,6 @@ class Builder {
 };
 
 }  // namespace
-
-LimitId LimitOn(std::string_view requirement) {
-  return {LimitId::On::kRequirement, 0, requirement};
-}
 
 const Limit* SynthesisProgram::Find(const LimitId& id) const {
   const auto found = std::ranges::find(limits, id, &Limit::id);

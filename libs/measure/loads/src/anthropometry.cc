@@ -5,6 +5,7 @@
 #include "lake/core/error.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/core/yaml.h"
+#include "lake/person/body.h"
 
 namespace lake::loads {
 namespace {
@@ -77,20 +78,20 @@ Anthropometry ReadAnthropometry(const std::filesystem::path& path) {
 }
 
 Foot FootOfStature(double height_m) {
-  constexpr double kFoot = 0.152, kBehindAnkle = 0.25;
-  return {kBehindAnkle * kFoot * height_m, (1 - kBehindAnkle) * kFoot * height_m};
+  constexpr double kBehindAnkle = 0.25;
+  return {kBehindAnkle * person::kFoot * height_m, (1 - kBehindAnkle) * person::kFoot * height_m};
 }
 
 double AnkleHeightOfStature(double height_m) {
-  return 0.039 * height_m;
+  return person::kAnkleHeight * height_m;
 }
 
 double TrunkOfStature(double height_m) {
-  return 0.288 * height_m;
+  return person::kTrunk * height_m;
 }
 
 double StatureOfLeg(double leg_m) {
-  return leg_m / 0.491;
+  return leg_m / (person::kThigh + person::kShank);
 }
 
 }  // namespace lake::loads

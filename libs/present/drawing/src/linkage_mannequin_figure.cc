@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-void DrawTrunk(Scene& scene, const Vector2d& hip, const linkage::Body& body) {
+void DrawTrunk(Scene& scene, const Vector2d& hip, const person::Body& body) {
   constexpr const char* kSkin = "#F6E7DA";
   constexpr const char* kEdge = "#A07F60";
   const double depth = 0.5 * body.trunk_depth_mm;
@@ -42,7 +42,7 @@ void DrawBody(Scene& scene, const LinkageLook& look, const PosedLeg& leg) {
 }
 
 void DrawPanel(Scene& scene, const LinkageLook& look, const PosedLeg& leg, double left_mm, const Scene::Place& place) {
-  const linkage::Body& body = look.body;
+  const person::Body& body = look.body;
   const double sole = -body.shank.length_mm - body.ankle_height_mm;
   const double floor = std::min(leg.FromShank({-0.25 * body.foot_length_mm, sole}).y(),  // heel
                                 leg.FromShank({0.75 * body.foot_length_mm, sole}).y());  // toes
@@ -77,7 +77,7 @@ void DrawScaleBar(Scene& scene, const Vector2d& from) {
 }
 
 // The height of titles and findings, beside the head.
-double TitleHeight(const linkage::Body& body) {
+double TitleHeight(const person::Body& body) {
   return body.thigh.length_mm + body.trunk_length_mm + body.neck_length_mm + body.head_height_mm;
 }
 

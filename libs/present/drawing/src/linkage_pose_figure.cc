@@ -238,7 +238,7 @@ void AvoidMechanism(LabelRoom& room, const LinkageLook& look, const PosedLeg& le
 
 // Wide enough for the leg in every pose of the range, so that pictures of one design compare.
 SceneView WholeView(const LinkageLook& look) {
-  const linkage::Body& body = look.body;
+  const person::Body& body = look.body;
   const double reach = std::max(body.thigh.length_mm + body.thigh.proximal_radius_mm,
                                 std::hypot(look.links.l5, look.links.l3 + look.links.l6) + 60);
   const double sole = body.shank.length_mm + body.ankle_height_mm;

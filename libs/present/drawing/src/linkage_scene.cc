@@ -15,7 +15,7 @@ Vector2d Turned(const Vector2d& point, double angle) {
           point.x() * std::sin(angle) + point.y() * std::cos(angle)};
 }
 
-PlanePath FootOutline(const PosedLeg& leg, const linkage::Body& body) {
+PlanePath FootOutline(const PosedLeg& leg, const person::Body& body) {
   const double ankle = -body.shank.length_mm, sole = ankle - body.ankle_height_mm, length = body.foot_length_mm;
   const double behind = -0.25 * length, before = 0.75 * length, radius = body.shank.distal_radius_mm;
   PlanePath outline;
@@ -36,14 +36,14 @@ Vector2d PosedLeg::FromShank(const Vector2d& p) const {
   return Turned(p, shank_tilt_rad_);
 }
 
-std::vector<PlanePath> LegOutlines(const PosedLeg& leg, const linkage::Body& body) {
+std::vector<PlanePath> LegOutlines(const PosedLeg& leg, const person::Body& body) {
   const Vector2d hip = leg.FromThigh({0, body.thigh.length_mm}), ankle = leg.FromShank({0, -body.shank.length_mm});
   return {FootOutline(leg, body),
           CapsulePath({0, 0}, ankle, body.shank.proximal_radius_mm, body.shank.distal_radius_mm),
           CapsulePath(hip, {0, 0}, body.thigh.proximal_radius_mm, body.thigh.distal_radius_mm)};
 }
 
-void DrawLeg(Scene& scene, const PosedLeg& leg, const linkage::Body& body) {
+void DrawLeg(Scene& scene, const PosedLeg& leg, const person::Body& body) {
   constexpr const char* kSkin = "#F6E7DA";
   constexpr const char* kEdge = "#A07F60";
   const std::vector<PlanePath> shapes = LegOutlines(leg, body);

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "lake/linkage/body.h"
 #include "lake/linkage/linkage.h"
+#include "lake/linkage/wear.h"
 #include "scene.h"
 
 namespace lake::drawing {
@@ -46,9 +46,9 @@ inline constexpr const char* kCylinder = link_colour::kCylinder;
 }  // namespace link_text
 
 // Foot, shank and thigh.
-std::vector<PlanePath> LegOutlines(const PosedLeg& leg, const linkage::Body& body);
+std::vector<PlanePath> LegOutlines(const PosedLeg& leg, const person::Body& body);
 
-void DrawLeg(Scene& scene, const PosedLeg& leg, const linkage::Body& body);
+void DrawLeg(Scene& scene, const PosedLeg& leg, const person::Body& body);
 
 // The outline of the thigh plate, in the thigh frame, as it is cut: round about its pins K, M and P.
 PlanePath ThighPlate(const linkage::Pose& pose, double radius_mm);

@@ -34,13 +34,12 @@ std::vector<WornCuff> CuffsOf(const Subject& subject, double knee_deg) {
   const Vector2d slip_mm = -cuffs::MisfitOf(Vector2d::Zero(), misfit_mm, knee_deg, 0);  // thigh's axes
   const double stiffness_n_mm = std::sqrt(subject.cuffs.softest_n_mm * subject.cuffs.stiffest_n_mm);
   std::vector<WornCuff> worn;
-  for (const cuffs::CuffPlace& place : cuffs::PlacesOf(subject.cuffs)) {
-    const cuffs::Cuff& cuff = cuffs::CuffAt(subject.cuffs, place);
+  for (const cuffs::PlacedCuff& cuff : cuffs::CuffsOf(subject.cuffs)) {
     worn.push_back(
-        {.name = fmt::format("{}_cuff_{}", place.on_thigh ? "thigh" : "shank", place.number + 1),
-         .on_thigh = place.on_thigh,
-         .up_m = kMetresPerMillimetre * (place.on_thigh ? cuff.from_knee_mm : subject.shank_mm - cuff.from_knee_mm),
-         .slip_m = place.on_thigh ? Vector2d(kMetresPerMillimetre * slip_mm) : Vector2d::Zero(),
+        {.name = fmt::format("{}_cuff_{}", cuff.Segment(), cuff.number + 1),
+         .on_thigh = cuff.on_thigh,
+         .up_m = kMetresPerMillimetre * (cuff.on_thigh ? cuff.from_knee_mm : subject.shank_mm - cuff.from_knee_mm),
+         .slip_m = cuff.on_thigh ? Vector2d(kMetresPerMillimetre * slip_mm) : Vector2d::Zero(),
          .stiffness_n_m = stiffness_n_mm / kMetresPerMillimetre,
          .turn_nm = stiffness_n_mm * cuff.length_mm * cuff.length_mm / 12 * kMetresPerMillimetre});
   }

@@ -11,7 +11,7 @@
 #include "lake/core/json_or_null.h"
 #include "lake/core/numbers.h"
 #include "lake/core/provenance.h"
-#include "lake/linkage/body.h"
+#include "lake/linkage/wear.h"
 #include "lake/problem/evaluate.h"
 
 namespace lake::review {
@@ -164,7 +164,7 @@ Json WearJson(const Links& links, const problem::SynthesisProblem& problem) {
   checks.push_back(NotAskedJson("seated angle", "deg", std::min(range_deg, kSeatedAngle_deg), kSeatedAngle_deg));
   linkage::WearOptions wear = problem.Wear();
   wear.placement_mm = problem.clearances.placement_mm;
-  const linkage::WearCheck check = linkage::CheckWear(links, *range, linkage::BodyOf(problem.clearances.body), wear);
+  const linkage::WearCheck check = linkage::CheckWear(links, *range, person::BodyOf(problem.clearances.body), wear);
   const auto at = [](double knee_deg) { return Json{{"knee_deg", Rounded(knee_deg)}}; };
   const problem::Clearances& asked = problem.clearances;
   if (!asked.seat_mm && check.meets_seat)
@@ -242,9 +242,9 @@ DesignExplorer::DesignExplorer(ExploredDesign explored) : explored_(std::move(ex
 
 Json DesignExplorer::About() const {
   const problem::Clearances& clearances = explored_.problem.clearances;
-  const linkage::Body body = linkage::BodyOf(clearances.body);
+  const person::Body body = person::BodyOf(clearances.body);
   const auto& [joint_x_mm, joint_y_mm] = clearances.placement_mm;
-  const auto segment = [](const linkage::LimbSegment& limb) -> Json {
+  const auto segment = [](const person::LimbSegment& limb) -> Json {
     return {{"length", limb.length_mm},
             {"proximal_radius", limb.proximal_radius_mm},
             {"distal_radius", limb.distal_radius_mm}};

@@ -18,7 +18,7 @@
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/picture_scale.h"
-#include "lake/linkage/body.h"
+#include "lake/linkage/wear.h"
 
 namespace lake::commands {
 
@@ -46,7 +46,7 @@ struct CompareRunOptions {
   KneeOptions knee;
   // The design of the exoskeleton trial: whether seat and limbs of this person allow its joint on the knee.
   std::optional<std::filesystem::path> worn;
-  linkage::BodySize body;     // the leg: that of the human trial
+  person::BodySize body;      // the leg: that of the human trial
   linkage::WearOptions wear;  // but for the mount, which is the design's, and the placement, which is measured
 
   bool IsMarkerOnAxis() const { return joint_at_mm == std::array<double, 2>{0, 0}; }

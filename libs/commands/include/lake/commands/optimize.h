@@ -27,7 +27,6 @@ struct ReoptimizeRunOptions : redesign::MotionLimits {
   std::vector<std::filesystem::path> worn;  // design.yaml worn in the exoskeleton trial, one of all or one for each;
                                             // required with one
   bool human_only = false;                  // the exoskeleton trial of the comparison is left out
-  std::optional<double> balance_mm;         // absent: balance is not asked for
   std::filesystem::path body;               // loads.json of the human trial; empty: the body is not known
   loads::Aids aids;                         // that the person has in balance
   std::optional<int> pareto_points;

@@ -8,8 +8,8 @@
 #include "lake/commands/leg_loads.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
-#include "lake/linkage/body.h"
 #include "lake/linkage/design_file.h"
+#include "lake/linkage/wear.h"
 #include "lake/parts/mechanism.h"
 #include "lake/problem/problem.h"
 

@@ -18,7 +18,7 @@ struct CuffForce {
   double force_n = 0, low_n = 0, high_n = 0;
 };
 
-// How far each cuff slips, in the order of PlacesOf, mm in the shank's frame, of a hinge at p = (x, y) there that the
+// How far each cuff slips, in the order of CuffsOf, mm in the shank's frame, of a hinge at p = (x, y) there that the
 // actuator holds at the knee's angle and `error_rad` more: the least energy over all that the two links can do. As
 // cuffs yield alike across and along, their stiffness has no part in it. R(φ) is a turn forward, J d = (d_y, −d_x):
 //   d: a cuff from its link's hinge;  c = d on the shank, on the thigh d + (turn(θ − θ_standing) − 1) p, its misfit
@@ -40,13 +40,12 @@ std::vector<std::array<T, 2>> SlipsOf(const CuffOptions& cuffs, const T& flexion
   const auto plus = [](const Point& p, const Point& q, double q_factor) {
     return Point{p.x + q.x * q_factor, p.y + q.y * q_factor};
   };
-  const std::vector<CuffPlace> places = PlacesOf(cuffs);
+  const std::vector<PlacedCuff> all = CuffsOf(cuffs);
   std::vector<Point> e, c;
   Point mean_e{none, none}, mean_c{none, none};
   double thigh_mm2 = 0, shank_mm2 = 0;
-  for (const CuffPlace& place : places) {
-    const Cuff& cuff = CuffAt(cuffs, place);
-    if (place.on_thigh) {
+  for (const PlacedCuff& cuff : all) {
+    if (cuff.on_thigh) {
       e.push_back(Point{up.x * cuff.from_knee_mm - on_thigh.x, up.y * cuff.from_knee_mm - on_thigh.y});
       c.push_back(plus(e.back(), less(on_thigh, {x_mm, y_mm}), 1));
     } else {
@@ -54,12 +53,12 @@ std::vector<std::array<T, 2>> SlipsOf(const CuffOptions& cuffs, const T& flexion
       e.push_back(Point{cos(error_rad) * c.back().x + sin(error_rad) * c.back().y,
                         cos(error_rad) * c.back().y - sin(error_rad) * c.back().x});
     }
-    mean_e = plus(mean_e, e.back(), 1 / static_cast<double>(places.size()));
-    mean_c = plus(mean_c, c.back(), 1 / static_cast<double>(places.size()));
-    (place.on_thigh ? thigh_mm2 : shank_mm2) += cuff.length_mm * cuff.length_mm / 12;
+    mean_e = plus(mean_e, e.back(), 1 / static_cast<double>(all.size()));
+    mean_c = plus(mean_c, c.back(), 1 / static_cast<double>(all.size()));
+    (cuff.on_thigh ? thigh_mm2 : shank_mm2) += cuff.length_mm * cuff.length_mm / 12;
   }
   T a = none, b = none;
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
     e[i] = less(e[i], mean_e);
     c[i] = less(c[i], mean_c);
     a = a + e[i].x * c[i].x + e[i].y * c[i].y;
@@ -73,7 +72,7 @@ std::vector<std::array<T, 2>> SlipsOf(const CuffOptions& cuffs, const T& flexion
     turn = turn - (a * sin(turn) - b * cos(turn) + turn * length_mm2 + held_mm2) /
                       (a * cos(turn) + b * sin(turn) + length_mm2);
   std::vector<std::array<T, 2>> slips;
-  for (std::size_t i = 0; i < places.size(); ++i)
+  for (std::size_t i = 0; i < all.size(); ++i)
     slips.push_back(
         {cos(turn) * e[i].x + sin(turn) * e[i].y - c[i].x, cos(turn) * e[i].y - sin(turn) * e[i].x - c[i].y});
   return slips;

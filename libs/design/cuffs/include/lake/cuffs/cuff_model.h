@@ -25,14 +25,14 @@ struct CuffOptions {
   double thigh_link_kg = 0, shank_link_kg = 0;  // half way from the hinge to the outermost cuff
 };
 
-// Which of the cuffs.
-struct CuffPlace {
+// All cuffs, those of the thigh first.
+struct PlacedCuff : Cuff {
   bool on_thigh = true;
   std::size_t number = 0;  // on its segment, from 0
-};
 
-std::vector<CuffPlace> PlacesOf(const CuffOptions& options);
-const Cuff& CuffAt(const CuffOptions& options, const CuffPlace& place);
+  const char* Segment() const { return on_thigh ? "thigh" : "shank"; }
+};
+std::vector<PlacedCuff> CuffsOf(const CuffOptions& options);
 
 void Describe(CuffOptions& o, OptionList& options);
 void DescribePlaces(CuffOptions& o, OptionList& options);  // of the cuffs, without their stiffness

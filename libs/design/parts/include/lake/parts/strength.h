@@ -51,8 +51,6 @@ struct Capacity {
   double knee_torque_nm = 0;                        // bending of the shank link
 };
 Capacity CapacityOf(const PartOptions& options);
-// The least safety factor of all checks; infinite without a load.
-double LeastSafety(const Capacity& capacity, const LoadedPose& at);
 
 // Checks without any load (a rod that only pulls) are left out.
 std::vector<StrengthCheck> CheckStrength(const Mechanism& mechanism, std::span<const LoadedPose> poses);

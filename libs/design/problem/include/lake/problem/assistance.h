@@ -23,11 +23,6 @@ std::vector<int> SamplesInUse(const SynthesisProblem& problem);
 // The stroke for a knee angle of the profile; nullopt beyond the used range.
 std::optional<double> ProfileStroke(const linkage::Links& links, const linkage::UsedRange& range, double knee_rad);
 
-// The shortest duration of the whole rise, s, that one sample allows in a pose, by the actuator's speed under its
-// force, whether or not it can lift that force; 0 if the actuator's speed is unknown. An unknown moment counts as no
-// force.
-double DurationAt(const linkage::Transmission& transmission, const SynthesisProblem& problem, const LoadSample& sample);
-
 // One sample; NaN where not known or, of the linkage, beyond the used range.
 struct AssistanceRow {
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -38,6 +33,8 @@ struct AssistanceRow {
   double force_n = kUnknown;        // of the actuator, positive when it pushes
   double speed_mm_s = kUnknown;     // positive when it grows
   double power_w = kUnknown;        // force x speed, positive where it drives
+  // Of the whole rise, by the actuator's speed under this force; an unknown moment counts as none. Infinite where the
+  // actuator does not lift it.
   double least_duration_s = kUnknown;
 };
 

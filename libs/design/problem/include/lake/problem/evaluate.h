@@ -19,6 +19,10 @@ struct WorstPoint {
   int sample = -1;      // of the load profile
 };
 
+// What a row of kLimits limits, in one pose under one load: the worst of its ratios. NaN where there is no pose.
+double ValueInPose(const linkage::Links& links, const SynthesisProblem& problem, std::size_t row, const PoseLoad& load,
+                   const std::optional<linkage::Pose>& pose);
+
 // A linkage over its used range, whose poses are found once for all requirements on them.
 class UsedPoses {
  public:

@@ -34,7 +34,7 @@ enum class Place {
   kProfile     // at the samples of the load profile
 };
 
-// What a part of the linkage is kept away from (linkage/body.h).
+// What a part of the linkage is kept away from (linkage/wear.h).
 enum class Obstacle { kNone, kSeat, kThigh, kShank };
 
 struct LimitInfo {
@@ -259,6 +259,13 @@ inline constexpr std::tuple kLimits{
 inline constexpr std::size_t kLimitCount = std::tuple_size_v<decltype(kLimits)>;
 inline constexpr std::array<LimitInfo, kLimitCount> kLimitInfos =
     std::apply([](const auto&... rows) { return std::array{rows.info...}; }, kLimits);
+
+// The row of the limit of this name.
+consteval std::size_t RowOf(std::string_view name) {
+  std::size_t row = 0;
+  while (name != kLimitInfos[row].name) ++row;
+  return row;
+}
 
 // Calls visit(row) for the row with this index.
 template <typename Visit>

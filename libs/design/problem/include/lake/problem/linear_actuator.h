@@ -27,7 +27,7 @@ struct LinearActuator {
   std::string name, maker, source;
   std::filesystem::path file = {};           // that it was read from; empty: lake's catalogue
   std::optional<double> closed_mm;           // shortest length, pin to pin: d_min
-  std::optional<double> stroke_mm;           // its travel: d_max is closed + stroke
+  std::optional<double> travel_mm;           // d_max is closed + travel; the column stroke_mm, as makers call it
   std::optional<double> max_force_n;         // that it can lift
   std::optional<double> no_load_speed_mm_s;  //
   std::vector<ForceSpeed> force_speed;       // under load, ascending in force

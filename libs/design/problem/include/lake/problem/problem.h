@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lake/linkage/body.h"
+#include "lake/linkage/wear.h"
 #include "lake/parts/mechanism.h"
 #include "lake/problem/limits.h"
 #include "lake/problem/linear_actuator.h"
@@ -26,11 +26,11 @@ struct Bounds {
   double lower = 0, upper = 0;
 };
 
-// Clearances between linkage and subject in the sagittal plane (linkage/body.h).
+// Clearances between linkage and subject in the sagittal plane (linkage/wear.h).
 struct Clearances {
   std::optional<double> seat_mm;             // mount, links and actuator from the seat, at kSeated_rad
   std::optional<double> thigh_mm, shank_mm;  // the actuator from the limb, over the whole used range
-  linkage::BodySize body;
+  person::BodySize body;
   double seat_edge_mm = 0;                   // as linkage::WearOptions has it
   std::array<double, 2> placement_mm{0, 0};  // of the exoskeleton's knee, where a design is held against them …
   std::optional<double> placement_reach_mm;  // … and within this of the knee, on both axes, a program may vary it

@@ -15,11 +15,9 @@
 
 namespace lake::redesign {
 
-// That a person is in balance along the program, from where the feet alone bear the body.
-struct BalanceLimits {
-  double margin_mm = 20;  // the centre of pressure at least so far inside the foot
-  double trunk_deg = 30;  // most that the trunk leans otherwise than in the human trial …
-  double leg_deg = 10;    // … and the leg
+// The most that a person leans otherwise than in the human trial, to be in balance along the program.
+struct LeanLimits {
+  double trunk_deg = 30, leg_deg = 10;
 };
 
 // While the seat bears a part, the hip is at the human's own height but for what a cushion gives.

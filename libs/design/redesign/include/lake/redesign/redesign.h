@@ -33,17 +33,11 @@ struct RedesignSolve : SolveInMotion {
 struct GroupSolve : SolveInMotion {
   std::vector<RedesignPoint> points;
   std::vector<std::optional<Prediction>> predictions;
-  std::vector<double> prices;  // of what bounds each person's misalignment, 0 where nothing does
+  std::vector<double> multipliers;  // of what bounds each person's misalignment, 0 where nothing does
   // How strongly all that is asked of a person holds the links, in units of the goal per mm. Where the worst counts,
   // those without a pull could be left out: the links would stay an optimum.
   std::vector<double> pulls;
-
-  std::vector<double> Misalignments_percent() const;  // NaN without a prediction
 };
-
-// The goal's value at a design and its path, as RedesignSolve::objective.
-double ObjectiveOf(const RedesignProblem& problem, const RedesignPoint& point, double range_deg,
-                   const Prediction& prediction);
 
 // Of a constant program both sides of max(d(theta_human(0)), d_min) are tried where the first ends on it. `warm`: the
 // start is a solution of a problem close by.

@@ -11,6 +11,7 @@
 #include "lake/cuffs/cuff_course.h"
 #include "lake/problem/robustness.h"
 #include "lake/redesign/program_moments.h"
+#include "lake/redesign/quantities.h"
 #include "lake/redesign/redesign.h"
 #include "lake/synthesis/synthesis_outcome.h"
 
@@ -48,10 +49,8 @@ struct DesignInMotion {
   double duration_s = 0;                              // of its program
 };
 
-// What limit and penalty are on: the joint's misalignment as predicted, or its path's by the comparison. NaN if the
-// design cannot make the motion.
-double MisalignmentPercent(const DesignInMotion& design);
-double MisalignmentRms_mm(const DesignInMotion& design);
+// NaN if the design cannot make the motion.
+double ValueOf(const Quantity& quantity, const DesignInMotion& design);
 
 // The person leaning otherwise than in their trial by `lean`.
 DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,
@@ -66,22 +65,21 @@ std::optional<cuffs::CuffCourse> CuffsOf(const RedesignProblem& problem, const D
 // knees, so that their mean square is that at the optimum and the square of the way there, weighted alike.
 std::optional<Eigen::Vector2d> BestPlacement(const RedesignProblem& problem, const DesignInMotion& design);
 
-// A change of the problem that was tried where the limit on misalignment cannot be held.
+// A change of the problem that was tried where a limit cannot be held.
 struct WayOut {
-  std::string text;                            // "a free program of at least 24 s at 5 mm/s"
-  bool enough = false;                         // holds the limit
-  std::optional<double> misalignment_percent;  // the least it reaches, if that is what was sought
-  std::optional<double> duration_s;            // rounded up, with which the problem was solved, likewise
+  std::string text;                    // "a free program of at least 24 s at 5 mm/s"
+  bool enough = false;                 // holds the limit
+  std::optional<double> best{};        // value of the quantity that it reaches, if that is what was sought
+  std::optional<double> duration_s{};  // rounded up, with which the problem was solved, likewise
 };
 
-struct MisalignmentInfeasibility {
-  bool within_reach = false;                       // the limits can be held after all; the solver did not get there
-  std::optional<double> largest_margin_mm;         // of balance, where that cannot be had: the most that was found
-  std::optional<double> least_angle_mismatch_deg;  // likewise: the least that was found
-  std::optional<double> least_cuff_force_n;        // likewise
-  std::optional<double> least_percent;             // the smallest misalignment found under the given program
-  std::optional<double> working_percent;           // a rounded limit a little above, with which the problem was solved
-  // Limits that hold it there; price in % by which the least misalignment falls per unit that the limit is raised; NaN
+// Why there is no solution: the first quantity whose limit no design holds, under those limits that can be held.
+struct Infeasibility {
+  bool within_reach = false;           // the limits can be held after all; the solver did not get there
+  const Quantity* quantity = nullptr;  // nullptr: the linkage cannot make the motion, or not in the time
+  std::optional<double> best;          // its best value found under the given program
+  std::optional<double> working;       // a rounded limit a little beyond, with which the problem was solved
+  // Limits that hold it there; multiplier: by how much the quantity gets better per unit that the limit is raised; NaN
   // where multipliers are not unique.
   std::vector<synthesis::ActiveSet::Entry> blocking;
   std::vector<WayOut> ways;
@@ -110,11 +108,11 @@ struct RedesignOutcome {
   RedesignResult result;
   std::optional<PlacementRange> placement_range;  // of the design, if its placement is fitted
   std::optional<double> range_at_knee_deg;        // likewise: the range with the joint at the knee; absent: none found
-  std::optional<MisalignmentInfeasibility> infeasible;  // if no start is usable
-  DesignInMotion before;  // the worn design, or the problem's start under a constant program
-  DesignInMotion after;   // the optimum, of equals that with the joint nearest to the knee, or the design of the
-                          // smallest misalignment found
-  Lean lean;              // of the person in `after`
+  std::optional<Infeasibility> infeasible;        // if no start is usable
+  DesignInMotion before;                          // the worn design, or the problem's start under a constant program
+  DesignInMotion after;  // the optimum, of equals that with the joint nearest to the knee, or the design of the
+                         // smallest misalignment found
+  Lean lean;             // of the person in `after`
   std::optional<DesignInMotion> without_balance;            // the optimum without that requirement: what balance costs
   std::optional<MomentsOfProgram> moments_without_balance;  // that it was sought under, with a load profile
   // Cheaper repairs of the worn design; absent without one.
@@ -140,7 +138,7 @@ RedesignOutcome PutMotionInto(RedesignProblem problem, const MeasuredMotion& mea
 RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measured, const RedesignOptions& options);
 
 // Why no start was usable. `links` to start from.
-MisalignmentInfeasibility ExplainInfeasible(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
-                                            const synthesis::OptimizeOptions& options);
+Infeasibility ExplainInfeasible(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+                                const synthesis::OptimizeOptions& options);
 
 }  // namespace lake::redesign

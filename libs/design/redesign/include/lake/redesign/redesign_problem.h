@@ -31,8 +31,9 @@ struct ProgramLimits {
   bool cyclic = false;               // of walking: free, and it ends where it begins
   int knots = 21;                    // free: every 5 % of the motion
 };
+void Describe(ProgramLimits& o, OptionList& options);
 
-// What is asked of a design in anybody's motion.
+// What is asked of a design in anybody's motion; each limit is on a quantity of the list in quantities.h.
 struct MotionLimits {
   ProgramLimits program;
   MisalignmentOf misalignment_of = MisalignmentOf::kPath;  // what limit and penalty are on
@@ -44,6 +45,7 @@ struct MotionLimits {
   cuffs::CuffOptions cuffs;                      // that hold the exoskeleton to the leg
   std::optional<double> max_cuff_force_n;        // at the stiffest, over the motion
   double cuff_penalty_deg_per_n = 0;             // w_f; of one person
+  std::optional<double> balance_mm;  // the centre of pressure at least so far inside the foot, once that bears the body
 };
 
 struct RedesignProblem : MotionLimits {
@@ -51,7 +53,7 @@ struct RedesignProblem : MotionLimits {
   HumanMotion human;
   Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();  // where the joint sits; if it is fitted, a start
   std::shared_ptr<const loads::BodyPath> body;             // the person's, in the same motion; empty: not known
-  std::optional<BalanceLimits> balance;                    // needs the body
+  LeanLimits lean_limits;                                  // where balance is asked for, which needs the body
 
   // What is sought. The other goals make Pareto fronts and explain what cannot be had.
   enum class Goal {
@@ -59,7 +61,7 @@ struct RedesignProblem : MotionLimits {
     kMisalignment,  // least RMS misalignment; no penalty
     kDuration,      // shortest sit-to-stand
     kNearest,       // least |p|: the joint nearest to the knee
-    kBalance,       // largest margin of the centre of pressure inside the foot; needs `balance`
+    kBalance,       // largest margin of the centre of pressure inside the foot; needs `balance_mm`
     kCuffForce,     // least of the largest force at a cuff
     kAngle,         // least of the knee angle's largest difference from the human's
     kFarthest       // largest `farthest` . p
@@ -83,7 +85,7 @@ struct RedesignProblem : MotionLimits {
 RedesignProblem WithLinks(RedesignProblem problem, const linkage::Links& links);
 
 // "placement_x", "placement_y"; "constant", "free".
-std::string PlacementName(int axis);
+const char* PlacementName(int axis);
 std::string ProgramName(linkage::StrokeProgram::Kind kind);
 
 // What a solve varies.
@@ -92,7 +94,7 @@ struct RedesignPoint {
   std::vector<double> knots_mm;  // at equal steps of percent; two for a constant program
   Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();
   double duration_s = 0;
-  Lean lean;  // with `balance` only
+  Lean lean;  // with balance only
 
   // The stroke at a percent: linear between knots.
   double StrokeAt(double percent) const;
@@ -124,10 +126,9 @@ double DurationOf(const RedesignProblem& problem, const RedesignPoint& point);
 // and not in it.
 linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& point);
 
-// The largest force at a cuff over a motion in which the knee bends so, the joint at this placement; where cuffs and
-// flesh are stiffest.
-double LargestCuffForce(const RedesignProblem& problem, const std::vector<double>& theta_rad,
-                        const Eigen::Vector2d& placement_mm);
+// What a prediction has besides its path: forces at the cuffs and, of a known body that rises in a time, balance.
+void Complete(const RedesignProblem& problem, const Eigen::Vector2d& placement_mm, const Lean& lean, double duration_s,
+              Prediction& prediction);
 
 // The point's path by the closed form; nullopt if it cannot make the motion.
 std::optional<Prediction> PredictPoint(const RedesignProblem& problem, const RedesignPoint& point);

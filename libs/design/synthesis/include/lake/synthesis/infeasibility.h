@@ -27,6 +27,9 @@ struct InfeasibilityReport {
   std::string sentence;                 // all of it in words
 };
 
+// Three significant digits, upwards, with room for the solver: what a message proposes.
+double RoundedUp(double value);
+
 InfeasibilityReport AnalyseInfeasibility(const problem::SynthesisProblem& problem, const OptimizeOptions& options = {});
 
 }  // namespace lake::synthesis

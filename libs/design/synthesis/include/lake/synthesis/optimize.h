@@ -39,10 +39,10 @@ struct LocalSolve {
   problem::DesignEvaluation evaluation;  // of `end`, by the closed form
   double objective = 0;                  // what is maximised: the range, or the duration as a negative number
 
-  // The shadow price of a limit, active or not: the change of the objective per unit by which the limit is raised, in
+  // The multiplier of a limit, active or not: the change of the objective per unit by which the limit is raised, in
   // units of the cost. nullopt where the program has no such limit.
-  std::optional<double> PriceOf(const LimitId& id) const;
-  double PriceOf(const Limit& limit) const;
+  std::optional<double> MultiplierOf(const LimitId& id) const;
+  double MultiplierOf(const Limit& limit) const;
   // Solved, and feasible by the closed form within 1e-6.
   bool IsUsable() const { return solution.IsUsable() && evaluation.IsFeasible(); }
   std::optional<linkage::Links> UsableEnd() const { return IsUsable() ? std::optional(end) : std::nullopt; }
@@ -73,9 +73,9 @@ LocalSolve SolveFrom(const problem::SynthesisProblem& problem, const linkage::Li
 struct ActiveSet {
   struct Entry {
     LimitId id;
-    std::string name;  // "grashof ≥ 1 mm", "l3 ≥ 50 mm"
-    double price;      // LocalSolve::PriceOf
-    std::string unit;  // of the limit
+    std::string name;   // "grashof ≥ 1 mm", "l3 ≥ 50 mm"
+    double multiplier;  // LocalSolve::MultiplierOf
+    std::string unit;   // of the limit
   };
   std::vector<Entry> entries;
   double smallest_singular_value = 0;  // of the active gradients, each scaled to length one

@@ -7,10 +7,11 @@
 #pragma once
 
 #include <array>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
-#include "lake/linkage/body.h"
+#include "lake/linkage/wear.h"
 #include "lake/nlp/nonlinear_program.h"
 #include "lake/problem/problem.h"
 
@@ -68,13 +69,13 @@ struct ClearancePose {
   linkage::Pose start;
 };
 
-// Two convex outlines are `limit` apart if in some direction u = (cos, sin) of a heading they are; the heading is a
-// variable, so that the rows are smooth and hold exactly where the distance does (linkage/body.h).
+// Two convex outlines are `limit` apart if in some direction u = (cos, sin) they are; that separating direction is a
+// variable, so that the rows are smooth and hold exactly where the distance does (linkage/wear.h).
 //   u . (pin - corner) - radius >= limit                        for both pins of each part
 void AddSeatRows(nlp::NonlinearProgram& program, const ClearancePose& at, const linkage::Seat& seat,
                  const linkage::WearOptions& wear);
 //   u . pin - h - radius >= limit,  h >= u . corner             for the actuator's pins and the limb's corners
-void AddLimbRows(nlp::NonlinearProgram& program, const ClearancePose& at, linkage::Limb limb, const linkage::Body& body,
+void AddLimbRows(nlp::NonlinearProgram& program, const ClearancePose& at, linkage::Limb limb, const person::Body& body,
                  const linkage::WearOptions& wear);
 
 // coefficients . X, as a term of `row`.
@@ -87,5 +88,13 @@ void AddSingularityTerm(nlp::NonlinearProgram& program, int row, const LinkVaria
 
 // factor x variable, as a term of `row` (NlpTerm::kCost: of the cost).
 void AddScaledTerm(nlp::NonlinearProgram& program, int row, int variable, double factor);
+
+// lower <= sum of factor x variable <= upper.
+struct ScaledVariable {
+  int variable;
+  double factor;
+};
+int AddLinearRow(nlp::NonlinearProgram& program, const std::string& name, double lower, double upper,
+                 std::initializer_list<ScaledVariable> terms);
 
 }  // namespace lake::synthesis

@@ -64,27 +64,13 @@ struct ElasticBound {
   int row;
 };
 
-// What a limit is on.
+// What a limit is on: a requirement, a link's bounds, d_min, or a quantity of what extends the program.
 struct LimitId {
-  enum class On {
-    kRequirement,
-    kLink,            // its bounds
-    kShortestStroke,  // d_min
-    // Of what extends the program:
-    kPlacement,
-    kDuration,
-    kMisalignment,
-    kLeastRange,
-    kAngleMismatch,
-    kCuffForce,
-    kBalance
-  };
-  On on = On::kRequirement;
-  int index = 0;                   // link 0..5, or axis of a placement 0..1
-  std::string_view requirement{};  // its name; kRequirement only
+  static constexpr std::string_view kLink = "link", kShortestStroke = "d_min";
+  std::string_view name;  // of static storage
+  int index = 0;          // of the link, or of the person
   bool operator==(const LimitId&) const = default;
 };
-LimitId LimitOn(std::string_view requirement);
 
 // A limit that is reported with its multiplier: a row, named after the limit, or the bounds of a variable.
 struct Limit {

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "lake/linkage/body.h"
 #include "lake/linkage/linkage.h"
+#include "lake/linkage/wear.h"
 
 namespace lake::drawing {
 
@@ -14,7 +14,7 @@ namespace lake::drawing {
 struct LinkageLook {
   linkage::Links links;
   linkage::UsedRange range;
-  linkage::Body body;
+  person::Body body;
   linkage::WearOptions wear;
   double knee_torque_nm = 40;
 };

@@ -1,4 +1,4 @@
-#include "lake/linkage/body.h"
+#include "lake/linkage/wear.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,64 +15,9 @@
 namespace lake {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
-
-// Volume and centre of mass of a frustum, integrated in slices.
-struct Solid {
-  double volume_mm3 = 0, centre_from_proximal_mm = 0;
-};
-Solid Integrate(const linkage::LimbSegment& limb) {
-  constexpr int kSlices = 20000;
-  Solid solid;
-  for (int i = 0; i < kSlices; ++i) {
-    const double from_distal = limb.length_mm * (i + 0.5) / kSlices;
-    const double slice = std::numbers::pi * std::pow(limb.RadiusAt(from_distal), 2) * limb.length_mm / kSlices;
-    solid.volume_mm3 += slice;
-    solid.centre_from_proximal_mm += slice * (limb.length_mm - from_distal);
-  }
-  solid.centre_from_proximal_mm /= solid.volume_mm3;
-  return solid;
-}
-
-TEST(Body, SegmentsHaveThePublishedLengthMassAndCentre) {
-  for (const auto& [height, mass] : {std::pair(1800.0, 80.0), std::pair(1500.0, 45.0), std::pair(2000.0, 130.0)}) {
-    const linkage::Body body = linkage::BodyOf(height, mass);
-    EXPECT_DOUBLE_EQ(body.thigh.length_mm, 0.245 * height);
-    EXPECT_DOUBLE_EQ(body.shank.length_mm, 0.246 * height);
-    const Solid thigh = Integrate(body.thigh), shank = Integrate(body.shank);
-    // kg; the sum over 20000 slices is exact to 1e-8.
-    EXPECT_NEAR(thigh.volume_mm3 * 1.05e-6, 0.100 * mass, 1e-6);
-    EXPECT_NEAR(shank.volume_mm3 * 1.09e-6, 0.0465 * mass, 1e-6);
-    EXPECT_NEAR(thigh.centre_from_proximal_mm / body.thigh.length_mm, 0.433, 1e-6);
-    EXPECT_NEAR(shank.centre_from_proximal_mm / body.shank.length_mm, 0.433, 1e-6);
-    // The two meet at the knee with nearly one girth, though each comes from its own mass.
-    EXPECT_NEAR(body.thigh.distal_radius_mm / body.shank.proximal_radius_mm, 1, 0.02);
-  }
-}
-
-TEST(Body, RefusesWhatIsNoBody) {
-  EXPECT_THAT([] { linkage::BodyOf(180, 80); }, ThrowsMessage<Error>(HasSubstr("a body of 180 mm")));
-  EXPECT_THAT([] { linkage::BodyOf(1800, 0); }, ThrowsMessage<Error>(HasSubstr("a body of 0 kg")));
-  EXPECT_THAT([] { linkage::BodyOf(std::nan(""), 80); }, ThrowsMessage<Error>(HasSubstr("a body of nan mm")));
-}
-
-TEST(Body, TakesTheLengthsOfAPersonsOwnLeg) {
-  const linkage::LegLengths leg{410, 400};
-  const linkage::Body average = linkage::BodyOf(linkage::HeightOf_mm(leg), 67);
-  EXPECT_NEAR(average.thigh.length_mm + average.shank.length_mm, 810, 1e-9);
-  const linkage::Body own = linkage::WithLeg(average, leg);
-  EXPECT_EQ(own.thigh.length_mm, 410);
-  EXPECT_EQ(own.shank.length_mm, 400);
-  EXPECT_NEAR(Integrate(own.thigh).volume_mm3 * 1.05e-6, 0.100 * 67, 1e-6);
-  EXPECT_NEAR(Integrate(own.shank).volume_mm3 * 1.09e-6, 0.0465 * 67, 1e-6);
-  EXPECT_DOUBLE_EQ(linkage::MassAtHeight_kg(900, 1800, 80), 20);
-  EXPECT_THAT([&] { linkage::WithLeg(average, {41, 400}); }, ThrowsMessage<Error>(HasSubstr("a thigh of 41 mm")));
-}
-
 // The same distances by hand: seated, the thigh is level and the mount is the lowest part.
 TEST(CheckWear, PublishedDesignOnThePapersBody) {
-  const linkage::Body body = linkage::BodyOf(1800, 80);
+  const person::Body body = person::BodyOf(1800, 80);
   linkage::WearOptions options;
   options.mount = linkage::Mount::kBehind;
   const linkage::WearCheck check =
@@ -95,7 +40,7 @@ TEST(CheckWear, BesideTheLegOnlyAWideSeatIsMet) {
   linkage::WearOptions options;
   const auto check = [&] {
     return linkage::CheckWear(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, 242, {}),
-                              linkage::BodyOf(1800, 80), options);
+                              person::BodyOf(1800, 80), options);
   };
   const linkage::WearCheck beside = check();
   EXPECT_TRUE(beside.ClearsSeat());
@@ -113,7 +58,7 @@ TEST(CheckWear, BesideTheLegOnlyAWideSeatIsMet) {
 
 TEST(CheckWear, ASeatThatEndsEarlierIsCleared) {
   const linkage::UsedRange range = linkage::FindUsedRange(kPublishedLinks, 242, {});
-  const linkage::Body body = linkage::BodyOf(1800, 80);
+  const person::Body body = person::BodyOf(1800, 80);
   linkage::WearOptions options;
   const double needed = linkage::CheckWear(kPublishedLinks, range, body, options).seat_edge_needed_mm;
   options.seat_edge_mm = needed + 1;
@@ -125,7 +70,7 @@ TEST(CheckWear, ASeatThatEndsEarlierIsCleared) {
 
 TEST(CheckWear, AShortBodyHasNoRoomForTheMount) {
   const linkage::WearCheck check = linkage::CheckWear(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, 242, {}),
-                                                      linkage::BodyOf(1350, 40), {});
+                                                      person::BodyOf(1350, 40), {});
   EXPECT_FALSE(check.FitsAlongThigh());
 }
 
@@ -146,7 +91,7 @@ TEST(CheckWear, AMountFarBehindClearsTheThigh) {
   ASSERT_FALSE(seated.empty());
   ASSERT_FALSE(standing.empty());
   const linkage::UsedRange range = linkage::FindUsedRange(far, seated.front(), standing.front());
-  const linkage::Body body = linkage::BodyOf(1800, 50);
+  const person::Body body = person::BodyOf(1800, 50);
   const linkage::WearOptions options;
   const linkage::WearCheck check = linkage::CheckWear(far, range, body, options);
   const Eigen::Vector2d knee(0, 0), hip(0, body.thigh.length_mm), hind_knee(body.thigh.distal_radius_mm, 0),
@@ -210,7 +155,7 @@ linkage::Pose RandomPlace(std::mt19937_64& random) {
 
 TEST(LimbSeparation, IsTheDistanceApartAndTheShortestWayOut) {
   std::mt19937_64 random(7);
-  const linkage::Body body = linkage::BodyOf(1750, 70);
+  const person::Body body = person::BodyOf(1750, 70);
   const linkage::WearOptions options;
   int apart = 0, overlapping = 0;
   for (int i = 0; i < 60; ++i) {
@@ -230,11 +175,11 @@ TEST(LimbSeparation, IsTheDistanceApartAndTheShortestWayOut) {
       ++overlapping;
       ASSERT_LE(bare_mm, 0);
       // Moved so far in the direction it just touches; 2 % less in any of 90 directions is not enough.
-      const auto moved = [&](double heading_rad, double by_mm) {
-        const Eigen::Vector2d shift = by_mm * Eigen::Vector2d(std::cos(heading_rad), std::sin(heading_rad));
+      const auto moved = [&](double direction_rad, double by_mm) {
+        const Eigen::Vector2d shift = by_mm * Eigen::Vector2d(std::cos(direction_rad), std::sin(direction_rad));
         return Overlap(outline, from + shift, to + shift);
       };
-      EXPECT_FALSE(moved(separation.heading_rad, -bare_mm + 0.01));
+      EXPECT_FALSE(moved(separation.direction_rad, -bare_mm + 0.01));
       if (bare_mm > -5) continue;  // points are up to 0.4 mm apart, and may pass by a corner that hardly overlaps
       for (int k = 0; k < 90; ++k) EXPECT_TRUE(moved(k * std::numbers::pi / 45, -0.98 * bare_mm)) << k;
     }
@@ -244,7 +189,7 @@ TEST(LimbSeparation, IsTheDistanceApartAndTheShortestWayOut) {
 }
 
 TEST(SeatClearance, IsTheDistanceToTheSeatsCorner) {
-  const linkage::Body body = linkage::BodyOf(1750, 70);
+  const person::Body body = person::BodyOf(1750, 70);
   linkage::WearOptions options;
   options.seat_edge_mm = 200;
   const linkage::Seat seat = linkage::SeatOf(body, options);
@@ -257,7 +202,7 @@ TEST(SeatClearance, IsTheDistanceToTheSeatsCorner) {
   const auto parts = linkage::WornPartsOf(options);
   const linkage::Separation apart = linkage::SeparationFrom(seat, parts[0], pose);
   EXPECT_NEAR(apart.distance_mm, 10 - 20, 1e-9);
-  EXPECT_NEAR(apart.heading_rad, 1.25 * std::numbers::pi, 1e-9);
+  EXPECT_NEAR(apart.direction_rad, 1.25 * std::numbers::pi, 1e-9);
 }
 
 // By hand: seated, forward is away from the hip, and up the shank is away from the seat.
@@ -270,7 +215,7 @@ TEST(PutOnBody, MovesThePinsWithThePlacement) {
   EXPECT_NEAR(placed.mount.y(), pose.mount.y() - 13, 1e-9);
   linkage::WearOptions options;
   options.placement_mm = {13, 2};
-  const linkage::Body body = linkage::BodyOf(1800, 80);
+  const person::Body body = person::BodyOf(1800, 80);
   const auto check = [&] {
     return linkage::CheckWear(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, 242, {}), body, options);
   };

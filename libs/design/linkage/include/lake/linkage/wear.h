@@ -1,60 +1,15 @@
-// A body of given height and mass from published segment ratios, and the clearances of a linkage worn on it: the
-// paper's feasibility check on a mannequin, in numbers.
-//
-// Lengths: Drillis & Contini 1966, as fractions of height in Winter, Biomechanics and Motor Control of Human Movement,
-// 4th ed. 2009, fig. 4.1. Masses, centres of mass and densities: ibid., table 4.1 (after Dempster). A limb segment is
-// the straight circular frustum that has this length, volume and centre of mass.
+// The clearances of a linkage worn on a body: the paper's feasibility check on a mannequin, in numbers.
 #pragma once
 
 #include <array>
 #include <numbers>
-#include <optional>
 
 #include "lake/linkage/linkage.h"
+#include "lake/person/body.h"
 
 namespace lake::linkage {
 
-// A frustum of a cone along a limb.
-struct LimbSegment {
-  double length_mm = 0;
-  double proximal_radius_mm = 0, distal_radius_mm = 0;
-
-  double RadiusAt(double from_distal_mm) const;  // constant beyond the ends
-};
-
-struct Body {
-  double height_mm = 0, mass_kg = 0;
-  LimbSegment thigh, shank;  // hip to knee, knee to ankle
-  double foot_length_mm = 0, ankle_height_mm = 0;
-  double trunk_length_mm = 0;  // hip to shoulder
-  double trunk_depth_mm = 0;   // of an elliptic cylinder as broad as the shoulders
-  double head_height_mm = 0, neck_length_mm = 0;
-};
-
-// Throws Error unless the height is within 500..2500 mm and the mass within 10..400 kg.
-Body BodyOf(double height_mm, double mass_kg);
-
-// A person's own leg: hip to knee and knee to ankle, mm.
-struct LegLengths {
-  double thigh_mm = 0, shank_mm = 0;
-};
-
-// The height of a body with a leg of this length, and the mass that gives it another body's mass index.
-double HeightOf_mm(const LegLengths& leg);
-double MassAtHeight_kg(double height_mm, double other_height_mm, double other_mass_kg);
-
-// The same body with these limbs: their masses and centres of mass stay, so shorter limbs are thicker. Throws Error
-// unless both are within 100..1000 mm.
-Body WithLeg(Body body, const LegLengths& leg);
-
-// Known sizes of a person.
-struct BodySize {
-  std::optional<double> height_mm;  // else of a body with this leg, else the paper's average user's, 1800
-  std::optional<double> mass_kg;    // else as heavy for its height as the paper's average user, 80 kg at 1800 mm
-  std::optional<LegLengths> leg;
-};
-// Throws Error as the functions above.
-Body BodyOf(const BodySize& size);
+using person::Body;
 
 struct WearOptions {
   double bar_width_mm = 24;          // of the link plates, rounded about their pins
@@ -74,11 +29,11 @@ Pose PutOnBody(Pose pose, const std::array<double, 2>& placement_mm);
 
 // Clearances of a pose on the body are signed distances of convex outlines in the sagittal plane: the distance of two
 // outlines that are apart, or the negative of the shortest translation that separates two that overlap. It equals the
-// largest separation over all directions u = (cos heading, sin heading), so a solver that varies the heading finds the
+// largest separation over all directions u = (cos, sin), so a solver that varies the separating direction finds the
 // same value.
 struct Separation {
   double distance_mm = 0;
-  double heading_rad = 0;  // of the direction
+  double direction_rad = 0;  // that separates them
 };
 
 // The pins K, P, R, S and M by these indices, and the straight parts between them, each with rounded ends; the actuator
@@ -98,7 +53,7 @@ struct Seat {
 Seat SeatOf(const Body& body, const WearOptions& options);
 inline constexpr double kSeated_rad = std::numbers::pi / 2;
 
-// Of one part; heading within [pi, 3 pi / 2], upwards and forwards.
+// Of one part; direction within [pi, 3 pi / 2], upwards and forwards.
 Separation SeparationFrom(const Seat& seat, const WornPart& part, const Pose& pose);
 // The least of mount, links and actuator in a pose with the thigh level, mm.
 double SeatClearance(const Pose& pose, const Body& body, const WearOptions& options);
@@ -108,7 +63,7 @@ enum class Limb { kThigh, kShank };
 std::array<Eigen::Vector2d, 4> OutlineOf(Limb limb, const Body& body);
 // A point of the thigh frame in the axes of a limb.
 Eigen::Vector2d InLimb(Limb limb, const Eigen::Vector2d& point, double theta_rad);
-// Of the actuator; the heading is in the limb's axes.
+// Of the actuator; the direction is in the limb's axes.
 Separation LimbSeparation(Limb limb, const Pose& pose, const Body& body, const WearOptions& options);
 
 // Distances in the sagittal plane, mm. A negative clearance is an overlap: parts can share that place only side by

@@ -1,4 +1,4 @@
-#include "lake/linkage/body.h"
+#include "lake/linkage/wear.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,45 +8,16 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/cross.h"
-#include "lake/core/error.h"
-#include "lake/core/plausible.h"
 
 namespace lake::linkage {
 namespace {
 
 using Eigen::Vector2d;
 
-// Ratios of one segment: length / height, mass / body mass, centre of mass from the proximal end / length, density.
-struct SegmentRatios {
-  double length, mass, centre, density_kg_m3;
-};
-constexpr SegmentRatios kThigh{0.245, 0.100, 0.433, 1050};
-constexpr SegmentRatios kShank{0.246, 0.0465, 0.433, 1090};
-constexpr SegmentRatios kTrunk{0.288, 0.497, 0.50, 1030};
-constexpr double kFootLength = 0.152, kAnkleHeight = 0.039, kShoulderBreadth = 0.259, kNeckLength = 0.052,
-                 kHeadHeight = 0.130;
-
-double VolumeOf(const SegmentRatios& ratios, double mass_kg) {
-  constexpr double kCubicMillimetresPerCubicMetre = 1e9;
-  return ratios.mass * mass_kg / ratios.density_kg_m3 * kCubicMillimetresPerCubicMetre;
-}
-
-// Distal over proximal radius k of the frustum with centre of mass c: c = (1 + 2k + 3k^2) / (4 (1 + k + k^2)).
-double TaperOf(double centre) {
-  const double a = 3 - 4 * centre, b = 2 - 4 * centre, c = 1 - 4 * centre;
-  return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
-}
-
-LimbSegment SegmentOf(const SegmentRatios& ratios, double length_mm, double mass_kg) {
-  const double k = TaperOf(ratios.centre);
-  const double radius = std::sqrt(3 * VolumeOf(ratios, mass_kg) / (std::numbers::pi * length_mm * (1 + k + k * k)));
-  return {length_mm, radius, k * radius};
-}
-
 constexpr int kSamples = 100;  // along a part
 
-Vector2d AtHeading(double heading_rad) {
-  return {std::cos(heading_rad), std::sin(heading_rad)};
+Vector2d UnitAt(double direction_rad) {
+  return {std::cos(direction_rad), std::sin(direction_rad)};
 }
 
 // Of all directions that `allowed` takes, that in which the hull of these points is farthest from the origin. The
@@ -56,12 +27,12 @@ template <typename Allowed>
 Separation FarthestFromOrigin(const std::vector<Vector2d>& points, const std::vector<double>& ends,
                               const Allowed& allowed) {
   Separation best{-std::numeric_limits<double>::infinity(), 0};
-  const auto attempt = [&](double heading_rad) {
-    if (!allowed(heading_rad)) return;
-    const Vector2d direction = AtHeading(heading_rad);
+  const auto attempt = [&](double direction_rad) {
+    if (!allowed(direction_rad)) return;
+    const Vector2d direction = UnitAt(direction_rad);
     double least = std::numeric_limits<double>::infinity();
     for (const Vector2d& point : points) least = std::min(least, direction.dot(point));
-    if (least > best.distance_mm) best = {least, heading_rad};
+    if (least > best.distance_mm) best = {least, direction_rad};
   };
   for (const double end : ends) attempt(end);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -125,57 +96,6 @@ void CheckLimbs(const Links& links, const UsedRange& range, const Body& body, co
 
 }  // namespace
 
-double LimbSegment::RadiusAt(double from_distal_mm) const {
-  const double fraction = std::clamp(from_distal_mm / length_mm, 0.0, 1.0);
-  return distal_radius_mm + fraction * (proximal_radius_mm - distal_radius_mm);
-}
-
-Body BodyOf(double height_mm, double mass_kg) {
-  for (const auto& [value, range] : {std::pair{height_mm, kPlausibleStature}, {mass_kg, kPlausibleMass}})
-    if (!range.Holds(value))
-      throw Fail("a body of {} {} is outside {}..{} {}", value, range.unit, range.low, range.high, range.unit);
-  Body body{.height_mm = height_mm,
-            .mass_kg = mass_kg,
-            .thigh = SegmentOf(kThigh, kThigh.length * height_mm, mass_kg),
-            .shank = SegmentOf(kShank, kShank.length * height_mm, mass_kg),
-            .foot_length_mm = kFootLength * height_mm,
-            .ankle_height_mm = kAnkleHeight * height_mm,
-            .trunk_length_mm = kTrunk.length * height_mm};
-  // An ellipse of area pi / 4 x breadth x depth over the trunk's length.
-  body.trunk_depth_mm =
-      VolumeOf(kTrunk, mass_kg) / (std::numbers::pi / 4 * kShoulderBreadth * height_mm * body.trunk_length_mm);
-  body.head_height_mm = kHeadHeight * height_mm;
-  body.neck_length_mm = kNeckLength * height_mm;
-  return body;
-}
-
-double HeightOf_mm(const LegLengths& leg) {
-  return (leg.thigh_mm + leg.shank_mm) / (kThigh.length + kShank.length);
-}
-
-double MassAtHeight_kg(double height_mm, double other_height_mm, double other_mass_kg) {
-  const double ratio = height_mm / other_height_mm;
-  return other_mass_kg * ratio * ratio;
-}
-
-Body WithLeg(Body body, const LegLengths& leg) {
-  for (const double length_mm : {leg.thigh_mm, leg.shank_mm})
-    if (!kPlausibleSegment.Holds(length_mm))
-      throw Fail("a thigh of {} mm and a shank of {} mm: both must be within {}..{} mm", leg.thigh_mm, leg.shank_mm,
-                 kPlausibleSegment.low, kPlausibleSegment.high);
-  body.thigh = SegmentOf(kThigh, leg.thigh_mm, body.mass_kg);
-  body.shank = SegmentOf(kShank, leg.shank_mm, body.mass_kg);
-  return body;
-}
-
-Body BodyOf(const BodySize& size) {
-  constexpr double kAverageHeight_mm = 1800, kAverageMass_kg = 80;
-  const double height_mm = size.height_mm.value_or(size.leg ? HeightOf_mm(*size.leg) : kAverageHeight_mm);
-  const double mass_kg = size.mass_kg.value_or(MassAtHeight_kg(height_mm, kAverageHeight_mm, kAverageMass_kg));
-  const Body body = BodyOf(height_mm, mass_kg);
-  return size.leg ? WithLeg(body, *size.leg) : body;
-}
-
 Pose PutOnBody(Pose pose, const std::array<double, 2>& placement_mm) {
   const double sine = std::sin(pose.theta_rad), cosine = std::cos(pose.theta_rad);
   const Vector2d anterior(-cosine, -sine), up_shank(-sine, cosine);
@@ -216,11 +136,11 @@ Seat SeatOf(const Body& body, const WearOptions& options) {
 Separation SeparationFrom(const Seat& seat, const WornPart& part, const Pose& pose) {
   const Vector2d corner(seat.surface_mm, seat.edge_mm);
   constexpr double kUp_rad = -std::numbers::pi, kForward_rad = -std::numbers::pi / 2;
-  Separation apart =
-      FarthestFromOrigin({PlaceOf(part.from, pose) - corner, PlaceOf(part.to, pose) - corner}, {kUp_rad, kForward_rad},
-                         [](double heading_rad) { return heading_rad >= kUp_rad && heading_rad <= kForward_rad; });
+  Separation apart = FarthestFromOrigin(
+      {PlaceOf(part.from, pose) - corner, PlaceOf(part.to, pose) - corner}, {kUp_rad, kForward_rad},
+      [](double direction_rad) { return direction_rad >= kUp_rad && direction_rad <= kForward_rad; });
   apart.distance_mm -= part.radius_mm;
-  apart.heading_rad += 2 * std::numbers::pi;
+  apart.direction_rad += 2 * std::numbers::pi;
   return apart;
 }
 
@@ -233,7 +153,7 @@ double SeatClearance(const Pose& pose, const Body& body, const WearOptions& opti
 
 std::array<Vector2d, 4> OutlineOf(Limb limb, const Body& body) {
   const bool is_thigh = limb == Limb::kThigh;
-  const LimbSegment& segment = is_thigh ? body.thigh : body.shank;
+  const person::LimbSegment& segment = is_thigh ? body.thigh : body.shank;
   const double at_knee = is_thigh ? segment.distal_radius_mm : segment.proximal_radius_mm;
   const double at_end = is_thigh ? segment.proximal_radius_mm : segment.distal_radius_mm;
   return {Vector2d(at_knee, 0), {at_end, segment.length_mm}, {-at_end, segment.length_mm}, {-at_knee, 0}};
@@ -241,7 +161,7 @@ std::array<Vector2d, 4> OutlineOf(Limb limb, const Body& body) {
 
 Vector2d InLimb(Limb limb, const Vector2d& point, double theta_rad) {
   if (limb == Limb::kThigh) return point;
-  const Vector2d posterior = AtHeading(theta_rad);
+  const Vector2d posterior = UnitAt(theta_rad);
   return {point.dot(posterior), Cross(point, posterior)};
 }
 
