@@ -17,7 +17,9 @@ struct Quantity {
   // Where the limit of a quantity is in a problem.
   struct LimitPlace {
     template <typename In>
-    constexpr LimitPlace(In in) : write(in), read(in) {}
+    constexpr LimitPlace(In)
+        : write([](MotionLimits& limits) -> std::optional<double>& { return In{}(limits); }),
+          read([](const MotionLimits& limits) -> const std::optional<double>& { return In{}(limits); }) {}
     std::optional<double>& operator()(MotionLimits& limits) const { return write(limits); }
     const std::optional<double>& operator()(const MotionLimits& limits) const { return read(limits); }
 
