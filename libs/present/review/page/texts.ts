@@ -123,7 +123,6 @@ export const TEXTS = allUnbroken({
         return `Segment below ${marker} ${value.toFixed(2)} times its usual length, ${frames}; names exchanged?`;
     }
   },
-  kinds: { gap: "gap", outlier: "outlier", uncertain: "uncertain", length: "length" } as { [kind in ProblemKind]: string },
   problems: (count: number) => (count === 0 ? "No problems found" : count === 1 ? "1 problem" : `${count} problems`),
   noProblem: "There is no further problem in this direction",
 

@@ -27,7 +27,7 @@
 #include "lake/live/joint_place.h"
 #include "lake/live/run_live.h"
 #include "lake/live/trial_part.h"
-#include "lake/review/live_page.h"
+#include "lake/review/pages.h"
 #include "lake/tracking/live_tracker.h"
 #include "lake/video/live_stream.h"
 #include "trial.h"

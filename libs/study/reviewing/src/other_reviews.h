@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "lake/review/start_page.h"
+#include "lake/review/pages.h"
 
 namespace lake::reviewing {
 

@@ -1,15 +1,23 @@
-#include "lake/review/comparison_page.h"
+#include "lake/review/pages.h"
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "column.h"
+#include "jpeg_encoder.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
 #include "lake/core/json_or_null.h"
 #include "lake/review/frame_store.h"
 #include "page_server.h"
 
 namespace lake::review {
 namespace {
+
+void AddOthers(const OtherPages& pages, PageServer& page) {
+  page.Post("open", [&pages](const Json& message) { return Json{{"address", pages.open(message.at("path"))}}; });
+}
 
 // The marker's place in each frame of the motion.
 Json MarkerJson(const motion::MarkerRecording& tracks, const motion::MarkerTrack& track,
@@ -56,6 +64,39 @@ void AddFrames(const std::string& path, FrameStore& frames, PageServer& page) {
 
 }  // namespace
 
+void ServeStart(const PageOptions& options, const StartWork& work) {
+  BackgroundJob making;
+  const auto state = [&making] { return Json{{"mode", "start"}, {"job", making.State()}}; };
+  PageServer page(options, state);
+  page.Get("start", [&work] { return Json{{"folder", work.folder}, {"found", work.found()}}; });
+  AddOthers(work.pages, page);
+  page.Post("make", [&](const Json& asked) {
+    making.Start([&work, asked](const BackgroundJob::Control& control) { work.make(asked, control); });
+    return state();
+  });
+  page.Post("stop", [&](const Json&) {
+    making.Stop();
+    return state();
+  });
+  page.Serve([&] { return making.IsRunning() || work.pages.are_open(); });
+}
+
+void ServeStudy(const PageOptions& options, const StudyWork& work) {
+  PageServer page(options, [] { return Json{{"mode", "study"}}; });
+  page.Get("study", [&work] {
+    return Json{{"name", work.name},
+                {"command", work.command},
+                {"report", work.report.string()},
+                {"has_report", std::filesystem::exists(work.report)},
+                {"parts", work.parts}};
+  });
+  page.GetOther("report", [&work](const LocalRequest&) {
+    return LocalReply{.type = "text/html; charset=utf-8", .body = ReadTextFile(work.report), .is_framed = true};
+  });
+  AddOthers(work.pages, page);
+  page.Serve(work.pages.are_open);
+}
+
 void ServeComparison(const PageOptions& options, const ComparedPair& pair) {
   FrameStore human(pair.human.video, pair.human.reader, HalfTheMemory()),
       exo(pair.exo.video, pair.exo.reader, HalfTheMemory());
@@ -69,6 +110,33 @@ void ServeComparison(const PageOptions& options, const ComparedPair& pair) {
   AddFrames("human/", human, page);
   AddFrames("exo/", exo, page);
   page.Serve([] { return false; });
+}
+
+void ServeLive(const PageOptions& options, const LiveWork& work) {
+  constexpr int kQuality = 80;
+  const auto state = [&work] {
+    Json message = work.state();
+    message["mode"] = "live";
+    return message;
+  };
+  PageServer page(options, state);
+  page.Get("live", work.about);
+  page.Post("view", [&work](const Json& message) {
+    const Json& after = message.at("after");
+    const bool fits = after.is_number_integer() &&
+                      (!after.is_number_unsigned() || std::in_range<std::int64_t>(after.get<std::uint64_t>()));
+    if (!fits) throw Fail("{} is not the number of a frame", after.dump());
+    return work.view(after.get<std::int64_t>());
+  });
+  page.GetOther("picture/", [&work](const LocalRequest& request) {
+    return LocalReply{.type = "image/jpeg",
+                      .body = JpegEncoder(kQuality).Encode(work.picture(FrameNumber(request.rest)))};
+  });
+  page.Post("act", [&work, &state](const Json& act) {
+    work.act(act);
+    return state();
+  });
+  page.ServeUntil(work.is_over);
 }
 
 }  // namespace lake::review
