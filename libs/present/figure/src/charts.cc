@@ -89,7 +89,7 @@ void DrawPanel(GnuplotFigure& figure, const LineChart& chart) {
               EndOf(chart.y.from), EndOf(chart.y.to), chart.y.downwards ? " reverse" : "");
   const auto named = std::ranges::count_if(chart.series, [](const Series& series) { return !series.name.empty(); });
   // The share of the panel's height that the legend has; with equal scales the axis ends farther from the data.
-  const double legend = (chart.equal_scales ? 0.12 : 0.03) + 0.08 * static_cast<double>(named);
+  const double legend = (chart.equal_scales ? 0.12 : 0.05) + 0.08 * static_cast<double>(named);
   const double room = chart.y.to ? 0 : legend / (1 - legend);
   if (chart.equal_scales)
     SetEqualScales(figure, chart, room);
