@@ -1,5 +1,5 @@
-// The pages that need no work of their own but what they show: a folder to begin in, a study's report, two trials side by
-// side, a camera's session. Trials and designs have headers of their own.
+// The pages that need no work of their own but what they show: a folder to begin in, a study's report, two trials side
+// by side, a camera's session. Trials and designs have headers of their own.
 #pragma once
 
 #include <cstdint>
@@ -67,8 +67,8 @@ struct LiveWork {
   std::function<bool()> is_over;                       // then the page ends with its last window
 };
 
-// Serve the page until its last window, and the last page opened from it, are closed; that of a session until it is over
-// too. Throw Error where the port is taken or a video cannot be read, Interrupted once a signal has arrived.
+// Serve the page until its last window, and the last page opened from it, are closed; that of a session until it is
+// over too. Throw Error where the port is taken or a video cannot be read, Interrupted once a signal has arrived.
 void ServeStart(const PageOptions& options, const StartWork& work);
 void ServeStudy(const PageOptions& options, const StudyWork& work);
 void ServeComparison(const PageOptions& options, const ComparedPair& pair);
