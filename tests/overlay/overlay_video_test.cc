@@ -14,6 +14,7 @@
 #include "lake/core/threads.h"
 #include "lake/video/video_writer.h"
 #include "temporary_folder.h"
+#include "turned_film.h"
 
 namespace lake {
 namespace {
@@ -242,9 +243,7 @@ TEST_F(OverlayVideoTest, OddSidesBecomeEven) {
 TEST_F(OverlayVideoTest, TurnedVideosAreShownUpright) {
   const auto stored = folder_ / "stored.mp4";
   WriteGreyVideo(stored, 720, 960);
-  const std::string command = "ffmpeg -y -v error -nostdin -i '" + stored.string() +
-                              "' -metadata:s:v rotate=90 -c copy '" + video_.string() + "'";
-  ASSERT_EQ(std::system(command.c_str()), 0);
+  TurnFilm(stored, 90, video_);
   const motion::MarkerRecording tracks = Leg();
   const Decoded decoded = Overlay(0, 0, {tracks});
   EXPECT_EQ(decoded.info.width, 960);

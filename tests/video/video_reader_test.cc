@@ -9,6 +9,7 @@
 #include "lake/core/interrupt.h"
 #include "lake/video/video_files.h"
 #include "places.h"
+#include "turned_film.h"
 #include "video_files.h"
 
 namespace lake::test {
@@ -121,7 +122,11 @@ TEST(VideoReader, KeepsTheContainersStamps) {
     SCOPED_TRACE(c.name);
     Ffmpeg(c.arguments + " " + Quote(folder / c.name));
     const Recording recording = ReadAll(folder / c.name);
-    EXPECT_THAT(recording.Stamps(), Pointwise(DoubleNear(c.rounding_s), c.stamps));
+    // FFmpeg 7 writes a film that begins later than 0 so that its last picture is not shown, by players neither.
+    std::vector<double> shown = c.stamps;
+    shown.resize(ProbeStamps(folder / c.name).size());
+    EXPECT_GE(shown.size() + 1, c.stamps.size());
+    EXPECT_THAT(recording.Stamps(), Pointwise(DoubleNear(c.rounding_s), shown));
     EXPECT_EQ(recording.info.irregular_stamps, c.name.starts_with("variable"));
     EXPECT_EQ(recording.info.repaired_stamps, 0);
     if (c.name.starts_with("variable")) {
@@ -306,11 +311,11 @@ TEST(VideoReader, TurnsByMetadataAndRefusesSlantedPictures) {
   Ffmpeg(TestPicture("size=320x240:rate=30:duration=0.3") + kH264 + Quote(source));
   for (const int angle : {90, 180, 270}) {
     const auto turned = folder / fmt::format("turned{}.mp4", angle);
-    Ffmpeg(fmt::format("-i {} -c copy -metadata:s:v rotate={} {}", Quote(source), angle, Quote(turned)));
+    TurnFilm(source, angle, turned);
     ExpectLumaAsStored(turned);
   }
   const auto slanted = folder / "slanted.mp4";
-  Ffmpeg(fmt::format("-i {} -c copy -metadata:s:v rotate=45 {}", Quote(source), Quote(slanted)));
+  TurnFilm(source, 45, slanted);
   EXPECT_THAT(ErrorOf(slanted), HasSubstr("turned by an angle that is no multiple of 90°"));
 }
 
