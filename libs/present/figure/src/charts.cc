@@ -66,7 +66,10 @@ struct Extent {
   explicit Extent(const LineChart& chart, std::vector<double> Series::*values) {
     for (const Series& series : chart.series)
       for (const double value : series.*values)
-        if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
+        if (std::isfinite(value)) {
+          low = std::min(low, value);
+          high = std::max(high, value);
+        }
   }
   double Length() const { return std::max(high - low, 1e-6); }
 };
