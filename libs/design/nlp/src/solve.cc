@@ -134,10 +134,11 @@ NlpSolution SolveNlp(const NonlinearProgram& program, const NlpOptions& options)
   return solution;
 }
 
-DerivativeReport CheckDerivatives(const NonlinearProgram& program, double relative_tolerance) {
+DerivativeReport CheckDerivatives(const NonlinearProgram& program, double relative_tolerance, double step) {
   const auto ipopt = CreateIpopt();
   Set(*ipopt, "derivative_test", std::string("second-order"));
   Set(*ipopt, "derivative_test_tol", relative_tolerance);
+  Set(*ipopt, "derivative_test_perturbation", step);
   Set(*ipopt, "point_perturbation_radius", 0.0);  // test at the start itself
   Set(*ipopt, "max_iter", 0);
   std::ostringstream log;
