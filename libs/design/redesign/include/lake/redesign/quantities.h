@@ -14,17 +14,20 @@
 namespace lake::redesign {
 
 struct Quantity {
-  // Where the limit of a quantity is in a problem.
-  struct LimitPlace {
-    template <typename In>
-    constexpr LimitPlace(In)
-        : write([](MotionLimits& limits) -> std::optional<double>& { return In{}(limits); }),
-          read([](const MotionLimits& limits) -> const std::optional<double>& { return In{}(limits); }) {}
-    std::optional<double>& operator()(MotionLimits& limits) const { return write(limits); }
-    const std::optional<double>& operator()(const MotionLimits& limits) const { return read(limits); }
+  // Where the limit of a quantity is in a problem: among its own, or its program's.
+  class LimitPlace {
+   public:
+    constexpr LimitPlace(std::optional<double> MotionLimits::*limit) : own_(limit) {}
+    constexpr LimitPlace(std::optional<double> ProgramLimits::*limit) : of_program_(limit) {}
 
-    std::optional<double>& (*write)(MotionLimits&);
-    const std::optional<double>& (*read)(const MotionLimits&);
+    template <typename Limits>
+    auto& operator()(Limits& limits) const {
+      return own_ ? limits.*own_ : limits.program.*of_program_;
+    }
+
+   private:
+    std::optional<double> MotionLimits::*own_ = nullptr;
+    std::optional<double> ProgramLimits::*of_program_ = nullptr;
   };
 
   std::string_view name;    // of its limit, unique: "cuff force"
@@ -57,67 +60,73 @@ struct Quantity {
   bool Counts(const MotionLimits& limits) const { return limit(limits) || (weight && limits.*weight > 0); }
 };
 
-inline constexpr std::array kQuantities{Quantity{.name = "misalignment",
-                                                 .column = "misalignment",
-                                                 .unit = "%",
-                                                 .goal = RedesignProblem::Goal::kMisalignment,
-                                                 .limit = [](auto& of) -> auto& {return of.max_misalignment_percent;
-}  // namespace lake::redesign
-, .value = [](const Prediction& of) { return 100 * of.Rms().relative; }, .weight = &MotionLimits::penalty_deg_per_mm,
-  .weighed = [](const Prediction& of) { return of.Rms().mm; }, .weight_option = "penalty", .option = "max-misalignment",
-  .help = "Largest misalignment allowed, RMS relative to the shank length", .option_unit = "percent",
-  .key = "max_misalignment_percent", .best_key = "smallest_misalignment_percent",
-  .none = "no design has a misalignment of at most {} %"
-}
-, Quantity{.name = "angle mismatch",
-           .column = "angle_mismatch_max",
-           .unit = "deg",
-           .goal = RedesignProblem::Goal::kAngle,
-           .limit = [](auto& of) -> auto& {return of.max_angle_mismatch_deg;
-}
-, .value = [](const Prediction& of) { return of.angle_mismatch_deg; }, .option = "max-angle-mismatch",
-  .help = "Largest difference of the exoskeleton's knee angle from the human's at any instant",
-  .option_unit = "degrees", .otherwise = "5 with --misalignment joint and of walking, else no limit",
-  .key = "max_angle_mismatch_deg", .best_key = "least_angle_mismatch_deg",
-  .none = "no design keeps its knee angle within {}° of the human's at every instant"
-}
-, Quantity{.name = "cuff force",
-           .column = "cuff_force_max",
-           .unit = "N",
-           .goal = RedesignProblem::Goal::kCuffForce,
-           .limit = [](auto& of) -> auto& {return of.max_cuff_force_n;
-}
-, .value = [](const Prediction& of) { return of.cuff_force_n; }, .weight = &MotionLimits::cuff_penalty_deg_per_n,
-  .weighed = [](const Prediction& of) { return of.cuff_force_n; }, .weight_option = "cuff-penalty",
-  .option = "max-cuff-force",
-  .help = "Largest force at a cuff over the rise, of the joint's misfit, where cuffs and flesh are stiffest",
-  .option_unit = "N", .key = "max_cuff_force_n", .best_key = "least_cuff_force_n",
-  .none = "no design keeps the force at each cuff within {} N where cuffs and flesh are stiffest"
-}
-, Quantity{.name = "balance margin",
-           .column = "balance_margin",
-           .unit = "mm",
-           .goal = RedesignProblem::Goal::kBalance,
-           .is_lower = true,
-           .limit = [](auto& of) -> auto& {return of.balance_mm;
-}
-, .value = [](const Prediction& of) { return of.balance ? of.balance->margin_mm : kNaN; }, .option = "balance",
-  .help =
-      "Centre of pressure at least so far inside the foot once the seat is left; the person may lean "
-      "otherwise; needs --body",
-  .option_unit = "mm", .otherwise = "balance is not asked for", .best_key = "largest_balance_margin_mm",
-  .none = "no program keeps the centre of pressure {} mm inside the foot"
-}
-, Quantity {
-  .name = "duration", .column = "program_duration", .unit = "s", .goal = RedesignProblem::Goal::kDuration,
-  .limit = [](auto& of) -> auto& {
-    return of.program.duration_s;
-  }
-  , .value = [](const Prediction& of) { return of.exo.duration_s; }, .option = "duration", .option_unit = "s",
-    .none = "no design stands up within {} s"
-}
-}
-;
+inline constexpr std::array kQuantities = {
+    Quantity{.name = "misalignment",
+             .column = "misalignment",
+             .unit = "%",
+             .goal = RedesignProblem::Goal::kMisalignment,
+             .limit = &MotionLimits::max_misalignment_percent,
+             .value = [](const Prediction& of) { return 100 * of.Rms().relative; },
+             .weight = &MotionLimits::penalty_deg_per_mm,
+             .weighed = [](const Prediction& of) { return of.Rms().mm; },
+             .weight_option = "penalty",
+             .option = "max-misalignment",
+             .help = "Largest misalignment allowed, RMS relative to the shank length",
+             .option_unit = "percent",
+             .key = "max_misalignment_percent",
+             .best_key = "smallest_misalignment_percent",
+             .none = "no design has a misalignment of at most {} %"},
+    Quantity{.name = "angle mismatch",
+             .column = "angle_mismatch_max",
+             .unit = "deg",
+             .goal = RedesignProblem::Goal::kAngle,
+             .limit = &MotionLimits::max_angle_mismatch_deg,
+             .value = [](const Prediction& of) { return of.angle_mismatch_deg; },
+             .option = "max-angle-mismatch",
+             .help = "Largest difference of the exoskeleton's knee angle from the human's at any instant",
+             .option_unit = "degrees",
+             .otherwise = "5 with --misalignment joint and of walking, else no limit",
+             .key = "max_angle_mismatch_deg",
+             .best_key = "least_angle_mismatch_deg",
+             .none = "no design keeps its knee angle within {}° of the human's at every instant"},
+    Quantity{.name = "cuff force",
+             .column = "cuff_force_max",
+             .unit = "N",
+             .goal = RedesignProblem::Goal::kCuffForce,
+             .limit = &MotionLimits::max_cuff_force_n,
+             .value = [](const Prediction& of) { return of.cuff_force_n; },
+             .weight = &MotionLimits::cuff_penalty_deg_per_n,
+             .weighed = [](const Prediction& of) { return of.cuff_force_n; },
+             .weight_option = "cuff-penalty",
+             .option = "max-cuff-force",
+             .help = "Largest force at a cuff over the rise, of the joint's misfit, where cuffs and flesh are stiffest",
+             .option_unit = "N",
+             .key = "max_cuff_force_n",
+             .best_key = "least_cuff_force_n",
+             .none = "no design keeps the force at each cuff within {} N where cuffs and flesh are stiffest"},
+    Quantity{.name = "balance margin",
+             .column = "balance_margin",
+             .unit = "mm",
+             .goal = RedesignProblem::Goal::kBalance,
+             .is_lower = true,
+             .limit = &MotionLimits::balance_mm,
+             .value = [](const Prediction& of) { return of.balance ? of.balance->margin_mm : kNaN; },
+             .option = "balance",
+             .help = "Centre of pressure at least so far inside the foot once the seat is left; the person may lean "
+                     "otherwise; needs --body",
+             .option_unit = "mm",
+             .otherwise = "balance is not asked for",
+             .best_key = "largest_balance_margin_mm",
+             .none = "no program keeps the centre of pressure {} mm inside the foot"},
+    Quantity{.name = "duration",
+             .column = "program_duration",
+             .unit = "s",
+             .goal = RedesignProblem::Goal::kDuration,
+             .limit = &ProgramLimits::duration_s,
+             .value = [](const Prediction& of) { return of.exo.duration_s; },
+             .option = "duration",
+             .option_unit = "s",
+             .none = "no design stands up within {} s"}};
 
 inline constexpr const Quantity &kMisalignment = kQuantities[0], &kAngleMismatch = kQuantities[1],
                                 &kCuffForce = kQuantities[2], &kBalanceMargin = kQuantities[3],
