@@ -266,6 +266,7 @@ export class Chart {
   private curves: Curve[] = [];
   private row = 0;
   private chart: ChartJs;
+  private ended = new AbortController();
 
   constructor(canvas: HTMLCanvasElement, private rows: number, seek: (row: number) => void) {
     const box = document.createElement("div"); // has the size: the canvas follows it
@@ -301,7 +302,8 @@ export class Chart {
           drawCursor(ctx, scales.x.getPixelForValue(this.row), chartArea.top, chartArea.bottom),
       }],
     });
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.chart.update("none"));
+    matchMedia("(prefers-color-scheme: dark)")
+      .addEventListener("change", () => this.chart.update("none"), { signal: this.ended.signal });
   }
 
   showRow(row: number): void {
@@ -331,6 +333,7 @@ export class Chart {
 
   /** Its canvas goes. */
   end(): void {
+    this.ended.abort();
     this.chart.destroy();
   }
 
