@@ -25,13 +25,14 @@ cv::Mat Disc(const cv::Point& middle, double radius_px, const cv::Scalar& colour
   return picture;
 }
 
-std::optional<tracking::MarkerDetection> Snap(const cv::Mat& bgr, const Vector2d& place, const SnapDetector& detector) {
+std::optional<tracking::MarkerDetection> Snap(const cv::Mat& bgr, const Vector2d& place,
+                                              const tracking::DetectorMaker& detector) {
   video::VideoFrame frame;
   cv::cvtColor(bgr, frame.luma, cv::COLOR_BGR2GRAY);
   return SnapToMarker(frame, place, 20, detector, [&] { return bgr; });
 }
 
-SnapDetector Reflective() {
+tracking::DetectorMaker Reflective() {
   return [](const auto& near) { return tracking::MakeReflectiveDetector(tracking::Polarity::kBright, near); };
 }
 
@@ -46,7 +47,7 @@ TEST(Snap, ToABrightDisc) {
 
 TEST(Snap, ToAColouredDisc) {
   const tracking::MarkerHue hue = tracking::HueOfColor(tracking::ParseMarkerColor("#00C832"), false);
-  const SnapDetector green = [&](const auto& near) { return tracking::MakeColorDetector({hue}, near); };
+  const tracking::DetectorMaker green = [&](const auto& near) { return tracking::MakeColorDetector({hue}, near); };
   const cv::Mat picture = Disc({120, 80}, 6, {50, 200, 0}, {110, 110, 110});
   const auto found = Snap(picture, {131, 72}, green);
   ASSERT_TRUE(found);
@@ -79,7 +80,7 @@ TEST(Snap, ToAPatchAsItWasInAnotherFrame) {
 }
 
 TEST(Snap, ToAnArucoMarker) {
-  const SnapDetector aruco = [](const auto&) { return tracking::MakeArucoDetector("4X4_50", {}); };
+  const tracking::DetectorMaker aruco = [](const auto&) { return tracking::MakeArucoDetector("4X4_50", {}); };
   cv::Mat picture(200, 300, CV_8UC3, cv::Scalar(220, 220, 220));
   cv::Mat marker = camera::DrawArucoMarker(camera::PredefinedArucoDictionary(cv::aruco::DICT_4X4_50), 7, 60);
   cv::cvtColor(marker, marker, cv::COLOR_GRAY2BGR);

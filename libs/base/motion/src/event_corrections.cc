@@ -79,7 +79,7 @@ std::optional<StsEvent> EventOf(const EventCorrection& said, const std::vector<s
                   .time_s = said.time_s.value_or(time_s[row])};
 }
 
-std::string Reported(const StsEvent& event) {
+std::string TextOf(const StsEvent& event) {
   return fmt::format("{} of repetition {} at {:.3f} s", ToString(event.kind), event.repetition, event.time_s);
 }
 
@@ -103,7 +103,7 @@ void CheckOrder(const std::vector<StsEvent>& events, const Said& said) {
       throw Fail("{}: repetition {} has no onset; give it, or leave all of its events empty", *where, event.repetition);
     if (before) where = WhereOf(said, {key, {before->repetition, before->kind}});
     if (where && before && event.time_s < before->time_s)
-      throw Fail("{}: {} is before {}", *where, Reported(event), Reported(*before));
+      throw Fail("{}: {} is before {}", *where, TextOf(event), TextOf(*before));
     before = &event;
   }
 }
@@ -115,7 +115,7 @@ void CheckDurations(const std::vector<StsEvent>& events, const Said& said) {
     if (event.kind != StsEventKind::kStanding || event.time_s > onset_s) continue;
     const Key onset{event.repetition, StsEventKind::kOnset};
     if (const std::string* where = WhereOf(said, {{event.repetition, event.kind}, onset}))
-      throw Fail("{}: {} is at its onset: a rise takes time", *where, Reported(event));
+      throw Fail("{}: {} is at its onset: a rise takes time", *where, TextOf(event));
   }
 }
 
@@ -131,7 +131,7 @@ std::vector<StsEvent> EventsOfWalk(const std::vector<EventCorrection>& correctio
   std::ranges::stable_sort(events, {}, &StsEvent::time_s);
   for (std::size_t i = 1; i < events.size(); ++i)
     if (events[i].repetition < events[i - 1].repetition)
-      throw Fail("{}: {} is before {}", corrections.front().where, Reported(events[i - 1]), Reported(events[i]));
+      throw Fail("{}: {} is before {}", corrections.front().where, TextOf(events[i - 1]), TextOf(events[i]));
   return events;
 }
 

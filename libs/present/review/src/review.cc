@@ -102,7 +102,7 @@ class ReviewServer {
 
   // What measures a marker in a frame; `sigma_px`: how well the patch that it is compared with is known to be centred.
   struct Snapping {
-    SnapDetector detector;
+    tracking::DetectorMaker detector;
     double sigma_px = 0;
   };
 
@@ -150,7 +150,7 @@ class ReviewServer {
   mutable std::mutex mutex_;
   std::shared_ptr<TrialSession> session_;
   std::function<ReviewedTrial(const BackgroundJob::Control&)> apply_;  // of the session's trial
-  SnapDetector snap_to_;
+  tracking::DetectorMaker snap_to_;
   BackgroundJob tracking_;
   PageServer page_;
 };

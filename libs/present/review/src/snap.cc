@@ -18,7 +18,7 @@ cv::Mat PreviewOf(const cv::Mat& bgr) {
 
 }  // namespace
 
-SnapDetector DetectorOfPatch(const cv::Mat& luma, const Eigen::Vector2d& place) {
+tracking::DetectorMaker DetectorOfPatch(const cv::Mat& luma, const Eigen::Vector2d& place) {
   constexpr std::int64_t kNoFrame = -1;  // it is looked for in others
   return [luma, seed = tracking::MarkerSeed{"patch", place, kNoFrame}](const tracking::DetectorRegion& near) {
     try {
@@ -32,7 +32,7 @@ SnapDetector DetectorOfPatch(const cv::Mat& luma, const Eigen::Vector2d& place) 
 }
 
 std::optional<tracking::MarkerDetection> SnapToMarker(video::VideoFrame frame, const Eigen::Vector2d& place,
-                                                      double reach_px, const SnapDetector& make_detector,
+                                                      double reach_px, const tracking::DetectorMaker& make_detector,
                                                       const std::function<cv::Mat()>& colours) {
   const cv::Size size = frame.luma.size();
   const auto can_reach = [&](double at, int length) { return at >= -reach_px && at <= length - 1 + reach_px; };

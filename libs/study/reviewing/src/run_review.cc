@@ -303,7 +303,7 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder, const fs::pa
     };
   Json measures = Json::array();
   for (const gait::MarkerMeasure& measure : folder->options.measures) measures.push_back(gait::MeasureJson(measure));
-  review::SnapDetector detector = tracking::ClickDetector(folder->options.video, folder->options.track);
+  tracking::DetectorMaker detector = tracking::ClickDetector(folder->options.video, folder->options.track);
   const video::VideoInfo& video = folder->tracked.video;
   const std::vector<std::int64_t>& repeated = folder->tracked.times.repeated;
   return {BookOf(*folder),

@@ -23,8 +23,8 @@ struct ReviewedTrial {
   // Tracks again with the corrections that are saved, and gives the trial anew; throws Error. Empty: this is another
   // program's part.
   std::function<ReviewedTrial(const BackgroundJob::Control& control)> apply;
-  SnapDetector snap_to;  // empty: each marker is a patch, looked for as it is where it was measured last
-  Json about;            // AboutMessage in page/messages.ts
+  tracking::DetectorMaker snap_to;  // empty: each marker is a patch, looked for as it is where it was measured last
+  Json about;                       // AboutMessage in page/messages.ts
 };
 
 // A recording of which markers are still to be named.

@@ -9,17 +9,14 @@
 
 namespace lake::review {
 
-// The tracker's detector for a part of the picture.
-using SnapDetector = tracking::DetectorMaker;
-
 // Of a marker that has no kind: the patch that it is in this picture, at this place. Throws Error where the picture is
 // even there.
-SnapDetector DetectorOfPatch(const cv::Mat& luma, const Eigen::Vector2d& place);
+tracking::DetectorMaker DetectorOfPatch(const cv::Mat& luma, const Eigen::Vector2d& place);
 
 // The nearest detection within `reach_px`; nullopt if there is none. `frame` has its luma; its colours are asked for if
 // the detector needs them.
 std::optional<tracking::MarkerDetection> SnapToMarker(video::VideoFrame frame, const Eigen::Vector2d& place,
-                                                      double reach_px, const SnapDetector& make_detector,
+                                                      double reach_px, const tracking::DetectorMaker& make_detector,
                                                       const std::function<cv::Mat()>& colours);
 
 }  // namespace lake::review
