@@ -44,17 +44,6 @@ class RunProgram : public testing::Test {
     EXPECT_EQ(FilesIn(folder_ / "results"), 0u);
   }
 
-  // Of a plan on one thread. Each time is rounded to 0.1 s, and so is their sum.
-  static void ExpectSumOfDueSteps(const Json& plan) {
-    double sum_s = 0, rounded_s = 0.05 + 1e-9;
-    for (const Json& step : plan["steps"]) {
-      if (step["due"].is_null()) continue;
-      sum_s += step["expected"]["seconds"].get<double>();
-      rounded_s += 0.05;
-    }
-    EXPECT_NEAR(plan["expected"]["seconds"].get<double>(), sum_s, rounded_s);
-  }
-
   TemporaryFolder folder_;
 };
 
@@ -140,8 +129,7 @@ TEST_F(RunProgram, PlansAndDoesStepsOneByOne) {
   EXPECT_EQ(FilesIn(folder_ / "results"), 0u);
   const Json plan = Json::parse(planned.out);
   EXPECT_EQ(plan["steps"][3]["name"], "optimum");
-  EXPECT_EQ(plan["steps"][3]["expected_from"], "the size of its work");
-  ExpectSumOfDueSteps(plan);
+  EXPECT_TRUE(plan["steps"][3]["last_run"].is_null());
   ExpectRefused("study.yaml --only report", 1, "step human leaves, which has not been done");
   ExpectRefused("study.yaml --only stroke", 1, "no step 'stroke' in this study");
   ExpectRefused("study.yaml --only human --plan", 2, "not with --only");
@@ -150,13 +138,9 @@ TEST_F(RunProgram, PlansAndDoesStepsOneByOne) {
   EXPECT_FALSE(fs::exists(folder_ / "results/summary.json"));
   EXPECT_FALSE(fs::exists(folder_ / "results/human"));
   const Json again = Json::parse(Shell(folder_, kPlan).out);
-  EXPECT_EQ(again["steps"][3]["expected_from"], "its last run");
   EXPECT_TRUE(again["steps"][3]["due"].is_null());
-  ExpectSumOfDueSteps(again);
-  // The table's figure lies within 1.5 of what a process takes; what libraries take differs between systems.
-  const auto memory_mb = [](const Json& said) { return said["steps"][3]["expected"]["memory_mb"].get<double>(); };
-  EXPECT_GT(memory_mb(plan), memory_mb(again) / 2);
-  EXPECT_LT(memory_mb(plan), memory_mb(again) * 2);
+  EXPECT_GT(again["steps"][3]["last_run"]["seconds"], 0);
+  EXPECT_GT(again["steps"][3]["last_run"]["memory_mb"], 10);
 }
 
 }  // namespace

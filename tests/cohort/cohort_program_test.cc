@@ -129,15 +129,14 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
   WriteJsonFile(folder_ / "people/cohort.yaml", cohort);
 
   const auto plan = [&] {
-    const Outcome planned = Shell(folder_, "lake-cohort people out participant --plan --cores 2");
+    const Outcome planned = Shell(folder_, "lake-cohort people out participant --plan");
     EXPECT_EQ(planned.exit_code, 0) << planned.err;
     return Json::parse(planned.out);
   };
   const Json before = plan();
   ASSERT_EQ(before["recordings"].size(), 3u);
   EXPECT_EQ(before["failed"], Json::array({"sub-04: there are no recordings"}));
-  EXPECT_GE(before["expected"]["seconds"], before["recordings"][0]["expected"]["seconds"]);
-  EXPECT_GT(before["expected"]["memory_mb"], before["recordings"][0]["expected"]["memory_mb"]) << "Snakemake's own";
+  EXPECT_EQ(before["recordings"][0]["due"].front(), "human");
   EXPECT_FALSE(fs::exists(folder_ / "out/sub-01/human")) << "nothing is done";
 
   // Killed when one trial of two people is done; what it had started outlives it, and is waited for.
@@ -152,9 +151,7 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
   ASSERT_EQ(again.exit_code, 0) << again.err;
   const Json after = plan();
   EXPECT_EQ(after["recordings"][0]["due"], Json::array()) << "sub-01 is done";
-  EXPECT_EQ(after["recordings"][0]["expected"]["seconds"], 0);
   EXPECT_EQ(after["recordings"][2]["due"].front(), "exo") << "that of sub-03 cannot be read";
-  EXPECT_GT(after["expected"]["seconds"], after["recordings"][2]["expected"]["seconds"]) << "Snakemake looks at all";
   EXPECT_EQ(ExpectDerivativeHolds(folder_ / "out"), 4) << "two people, two trials";
   EXPECT_EQ(ReadJsonFile(folder_ / "out/dataset_description.json")["SourceDatasets"][0]["URL"], "file:../people");
   const std::string page = ReadTextFile(folder_ / "out/group/group.html");

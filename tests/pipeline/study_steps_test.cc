@@ -10,16 +10,12 @@
 #include <chrono>
 #include <fstream>
 #include <functional>
-#include <opencv2/core.hpp>
 #include <thread>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/threads.h"
-#include "lake/study/study.h"
-#include "lake/study/study_file.h"
-#include "lake/video/video_writer.h"
 #include "message_of.h"
 #include "temporary_folder.h"
 
@@ -318,7 +314,7 @@ class StepsAtOnce : public testing::Test {
   ~StepsAtOnce() override { SetThreads(before_); }
 
   steps::StudyStep Step(const std::string& name, const std::function<void(lake::Run&)>& work) {
-    return {name, name, "lake-track", folder_ / name, {}, {}, {}, {}, work};
+    return {.name = name, .what = name, .program = "lake-track", .folder = folder_ / name, .work = work};
   }
 
   const int before_ = Threads();
@@ -359,28 +355,6 @@ TEST_F(StepsAtOnce, ComeToTheirEndWhereAnotherFails) {
   EXPECT_FALSE(fs::exists(folder_ / "later/later.txt")) << "no other is begun";
 }
 
-// Two at a time: the long one and beside it the two short ones, which follow one another; the last waits for both ends.
-TEST(StepCost, StepsOverlapAsTheirOrderAllows) {
-  const std::vector<steps::StepCost> costs{{10, 300}, {4, 100}, {5, 200}, {1, 50}};
-  const std::vector<std::vector<std::size_t>> before{{}, {}, {1}, {0, 2}};
-  const steps::StepCost two = steps::CostOfAll(costs, before, 2).all;
-  EXPECT_EQ(two.seconds, 11);
-  EXPECT_EQ(two.memory_mb, 500);
-  const steps::StepCost one = steps::CostOfAll(costs, before, 1).all;
-  EXPECT_EQ(one.seconds, 20);
-  EXPECT_EQ(one.memory_mb, 300);
-  EXPECT_EQ(steps::CostOfAll({}, {}, 2).all.seconds, 0) << "nothing is due";
-}
-
-// A step that keeps both processors busy, and one that keeps one busy, take half as long again while both go.
-TEST(StepCost, StepsShareTheProcessors) {
-  const std::vector<steps::StepCost> costs{{.seconds = 10, .memory_mb = 1, .processors = 2}, {.seconds = 4}};
-  const steps::CostsOfRun run = steps::CostOfAll(costs, {{}, {}}, 2);
-  EXPECT_EQ(run.all.seconds, 12);  // 24 s of two processors
-  EXPECT_EQ(run.seconds, (std::vector<double>{12, 6}));
-  EXPECT_EQ(steps::CostOfAll({costs[0]}, {{}}, 1).all.seconds, 20) << "half as many processors as it keeps busy";
-}
-
 TEST_F(StepsAtOnce, TheLastCostIsKept) {
   const steps::StudyStep step = Step("a", [&](lake::Run& run) {
     const std::vector<char> memory(100 << 20, 'a');  // written to, so it is there
@@ -392,55 +366,6 @@ TEST_F(StepsAtOnce, TheLastCostIsKept) {
   ASSERT_TRUE(cost);
   EXPECT_GT(cost->seconds, 0);
   EXPECT_GT(cost->memory_mb, 100);
-  EXPECT_GT(cost->processors, 0);
-}
-
-// Tracking a film of so many frames and that size, as its study is planned before it is ever done. All plans of one
-// process know one pace of the machine.
-steps::StepCost PlannedTracking(int frames, int width, const std::string& options = "") {
-  TemporaryFolder folder;
-  video::VideoWriter writer(folder / "human.mp4",
-                            {.width = width, .height = width / 2, .grey = true, .preset = "ultrafast", .threads = 1});
-  for (int i = 0; i < frames; ++i) writer.Write(cv::Mat(width / 2, width, CV_8UC1, cv::Scalar(40)), i / 30.0);
-  writer.Finish();
-  WriteTextFile(folder / "study.yaml", "human: {video: human.mp4" + options + "}\n");
-  return study::PlanStudy(study::ReadStudyFile(folder / "study.yaml"), folder / "out").steps.front().cost;
-}
-
-TEST(StepCost, OfAFilmGrowsWithItsFramesAndTheirPixels) {
-  const double once_s = PlannedTracking(20, 320).seconds, twice_s = PlannedTracking(40, 320).seconds;
-  EXPECT_GT(twice_s, once_s);
-  EXPECT_NEAR(PlannedTracking(80, 320).seconds - twice_s, 2 * (twice_s - once_s), 1e-9);
-  // Of the frames that are read; the rate is the container's mean.
-  EXPECT_NEAR(PlannedTracking(80, 320, ", end_s: 0.6667").seconds, once_s, 0.1 * (twice_s - once_s));
-  const steps::StepCost large = PlannedTracking(20, 640), larger = PlannedTracking(20, 1280);
-  EXPECT_NEAR((larger.seconds - large.seconds) / (large.seconds - once_s), 4, 1e-6);
-  EXPECT_GT(larger.memory_mb, large.memory_mb);
-  EXPECT_LT(PlannedTracking(20, 640, ", overlay: false").seconds, large.seconds);
-}
-
-// Points of a front are computed as many at a time as there are threads.
-TEST(StepCost, OfAFrontGrowsWithItsPoints) {
-  const auto redesign = [](const std::string& points) {
-    TemporaryFolder folder;
-    WriteTextFile(folder / "human.mp4", "");
-    WriteTextFile(folder / "study.yaml", "human: {video: human.mp4}\nreoptimize: {human_only: true" + points + "}\n");
-    const std::vector<study::PlannedStep> steps =
-        study::PlanStudy(study::ReadStudyFile(folder / "study.yaml"), folder / "out").steps;
-    return std::ranges::find(steps, std::string("redesign"), &study::PlannedStep::name)->cost;
-  };
-  const int threads = Threads();
-  SetThreads(2);
-  const steps::StepCost without = redesign(""), four = redesign(", pareto: 4"), eight = redesign(", pareto: 8");
-  SetThreads(1);
-  const steps::StepCost alone = redesign(", pareto: 8");
-  SetThreads(threads);
-  EXPECT_GT(four.seconds, without.seconds);
-  EXPECT_NEAR(eight.seconds - four.seconds, four.seconds - without.seconds, 1e-9);
-  EXPECT_GT(four.processors, 1);
-  EXPECT_LT(four.processors, 2);
-  EXPECT_NEAR(alone.seconds - without.seconds, 2 * (eight.seconds - without.seconds), 1e-9);
-  EXPECT_NEAR(alone.processors, 1, 1e-9);
 }
 
 }  // namespace

@@ -21,7 +21,6 @@
 #include "lake/tracking/naming.h"
 #include "lake/video/image.h"
 #include "lake/video/video_reader.h"
-#include "step_costs.h"
 
 namespace lake::study {
 namespace {
@@ -124,19 +123,13 @@ void AddInputs(const std::vector<InputFile>& inputs, steps::StudyStep& step) {
 
 // One command with these options.
 template <typename Options>
-steps::StudyStep StepOf(Options options, Json (*command)(const Options&, Run&), const StudySection& section,
-                        const steps::StepCost& expected) {
-  steps::StudyStep step{.options = section.text, .expected = expected};
+steps::StudyStep StepOf(Options options, Json (*command)(const Options&, Run&), const StudySection& section) {
+  steps::StudyStep step{.options = section.text};
   step.options["all options"] = KeyOf(options);
   AddInputs(InputsOf(options), step);
   Tell(OptionsOf(options), section.given, step);
   step.work = [options = std::move(options), command](Run& run) { run.WriteSummary(command(options, run)); };
   return step;
-}
-
-template <typename Options>
-steps::StudyStep StepOf(const Options& options, Json (*command)(const Options&, Run&), const StudySection& section) {
-  return StepOf(options, command, section, CostOf(options));
 }
 
 // The camera file that the videos are tracked with.
@@ -341,7 +334,7 @@ OptionalStep LoadsStep(const StudyFile& study, const fs::path& out) {
   if (!study.loads) return std::nullopt;
   commands::LoadsRunOptions options = *study.loads;
   options.trial = out / "human";
-  steps::StudyStep step = StepOf(options, commands::RunLoads, study.loads_section, CostOfLoads(study.human));
+  steps::StudyStep step = StepOf(options, commands::RunLoads, study.loads_section);
   step.what = "the knee moment";
   return step;
 }
@@ -408,8 +401,7 @@ OptionalStep SimulationStep(const StudyFile& study, const fs::path& out) {
   // What the knee needs, where the study has one actuator to give it.
   const bool is_assisted = study.assistance && study.assistance->options.actuators.empty();
   if (is_assisted) TakeAssistance(study.assistance->options.problem, options);
-  steps::StudyStep step{
-      .what = "the design's poses", .options = study.simulation_section.text, .expected = CostOf(options), .keys = {}};
+  steps::StudyStep step{.what = "the design's poses", .options = study.simulation_section.text, .keys = {}};
   step.options["all options"] = KeyOf(options);
   const fs::path design = DesignOf(study, out), leg = out / "human" / "kinematics.csv";
   const std::vector<InputFile> own = {{design, "design"}, {leg, "leg"}};

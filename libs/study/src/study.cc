@@ -13,7 +13,6 @@
 #include "lake/core/json.h"
 #include "lake/core/json_or_null.h"
 #include "lake/core/paths.h"
-#include "lake/core/threads.h"
 #include "lake/report/report.h"
 #include "lake/study/study_file.h"
 #include "step_work.h"
@@ -247,8 +246,7 @@ steps::StudyStep ReportStep(const StudyFile& study, const fs::path& out, const J
                         .program = "lake-run-report",
                         .folder = out,
                         .inputs = {study.file},
-                        .options = {{"name", study.name}},
-                        .expected = {.seconds = 0.2, .memory_mb = 60}};
+                        .options = {{"name", study.name}}};
   for (const steps::StudyStep& earlier : before) step.whole_steps.push_back(earlier.name);
   step.work = [study, out, head, steps = step.whole_steps](Run& run) {
     report::WriteReport(run.Result(kReportPage), MakeStudyReport(study, {out, steps}, head));
@@ -290,17 +288,11 @@ const StepKind& KindOf(const std::string& step) {
   return kReport;
 }
 
-// Measured where the step has been done, else expected of this machine, whose pace is measured for that alone.
-steps::StepCost PlannedCost(const steps::StudyStep& step, const std::optional<steps::StepCost>& last) {
-  if (last) return *last;
-  steps::StepCost expected = step.expected;
-  expected.seconds *= steps::MachinePace();
-  return expected;
+Json CostJson(const steps::StepCost& cost) {
+  return {{"seconds", std::round(10 * cost.seconds) / 10}, {"memory_mb", std::round(cost.memory_mb)}};
 }
 
 PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>& before, const std::string& why) {
-  const std::optional<steps::StepCost> last = steps::LastCost(step);
-  const steps::StepCost cost = PlannedCost(step, last);
   const StepKind& kind = KindOf(step.name);
   PlannedStep plan{.name = step.name,
                    .what = step.what,
@@ -312,9 +304,7 @@ PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>&
                    .due = why.empty() ? std::nullopt : std::optional(why),
                    .failed = steps::StepFailure(step),
                    .needs = kind.needs,
-                   .cost = cost,
-                   .seconds = cost.seconds,
-                   .was_done = last.has_value()};
+                   .last_run = steps::LastCost(step)};
   for (const fs::path& input : step.inputs) plan.inputs.push_back(Absolute(input));
   for (const char* output : kind.outputs) plan.outputs.push_back(Absolute(step.folder / output));
   return plan;
@@ -402,25 +392,6 @@ Json RunStudyFile(const StudyFile& study, Run& run, bool keep_going) {
   return summary;
 }
 
-steps::StepCost CostOfDue(std::vector<PlannedStep>& steps, int at_a_time) {
-  std::vector<PlannedStep*> due;
-  std::vector<steps::StepCost> costs;
-  std::vector<std::vector<std::size_t>> before;
-  std::map<std::string, std::size_t> place;
-  for (PlannedStep& step : steps) {
-    if (!step.due) continue;
-    place[step.name] = costs.size();
-    due.push_back(&step);
-    costs.push_back(step.cost);
-    std::vector<std::size_t>& waits_for = before.emplace_back();
-    for (const std::string& name : step.after)
-      if (const auto found = place.find(name); found != place.end()) waits_for.push_back(found->second);
-  }
-  const steps::CostsOfRun run = steps::CostOfAll(costs, before, at_a_time);
-  for (std::size_t i = 0; i < due.size(); ++i) due[i]->seconds = run.seconds[i];
-  return run.all;
-}
-
 StudyPlan PlanStudy(const StudyFile& study, const fs::path& out, const std::string& made_by) {
   const std::vector<steps::StudyStep> steps = StudySteps(study, out, Json::object());
   const std::vector<std::string> reasons = steps::WhyDoSteps(steps, made_by);
@@ -428,20 +399,12 @@ StudyPlan PlanStudy(const StudyFile& study, const fs::path& out, const std::stri
   plan.steps.reserve(steps.size());
   for (std::size_t i = 0; i < steps.size(); ++i)
     plan.steps.push_back(PlanOf(steps[i], steps::StepsBefore(steps, steps[i]), reasons[i]));
-  plan.cost = CostOfDue(plan.steps, Threads());
   return plan;
 }
 
-Json CostJson(const steps::StepCost& cost) {
-  return {{"seconds", std::round(10 * cost.seconds) / 10}, {"memory_mb", std::round(cost.memory_mb)}};
-}
-
 Json PlanJson(const StudyPlan& plan) {
-  Json json = {{"name", plan.name},
-               {"study", plan.study.string()},
-               {"out", plan.out.string()},
-               {"expected", CostJson(plan.cost)},
-               {"steps", Json::array()}};
+  Json json = {
+      {"name", plan.name}, {"study", plan.study.string()}, {"out", plan.out.string()}, {"steps", Json::array()}};
   for (const PlannedStep& step : plan.steps)
     json["steps"].push_back(
         {{"name", step.name},
@@ -453,8 +416,7 @@ Json PlanJson(const StudyPlan& plan) {
          {"outputs", Texts(step.outputs)},
          {"due", ValueOrNull(step.due)},
          {"failed", ValueOrNull(step.failed)},
-         {"expected", CostJson({.seconds = step.seconds, .memory_mb = step.cost.memory_mb})},
-         {"expected_from", step.was_done ? "its last run" : "the size of its work"},
+         {"last_run", step.last_run ? CostJson(*step.last_run) : Json()},
          {"resources",
           {{"threads", step.needs.threads}, {"memory_mb", step.needs.memory_mb}, {"minutes", step.needs.minutes}}}});
   return json;

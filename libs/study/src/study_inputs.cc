@@ -54,7 +54,7 @@ void CheckCamera(const InputReader& reader, const char* key, const std::optional
 // A marker's place in the picture is held against the picture by the step itself.
 void CheckVideo(const InputReader& reader, const char* key, const commands::TrackRunOptions& options) {
   constexpr int kAnySize_px = 1 << 20;
-  reader.Check(key, options.video, video::SizeOfFilm);
+  reader.Check(key, options.video, video::HasTimes);
   CheckCamera(reader, key, options.camera);
   reader.Check(key, options.events, motion::ReadEventCorrections);
   reader.Check(key, options.corrections, [&](const fs::path& file) {

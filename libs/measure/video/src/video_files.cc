@@ -40,16 +40,6 @@ fs::path FilesOfVideo(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-FilmSize SizeOfFilm(const fs::path& path) {
-  DamageLog log;
-  const Demuxer demuxer(path, 0, log);
-  const AVStream& stream = demuxer.Stream();
-  return {.width = stream.codecpar->width,
-          .height = stream.codecpar->height,
-          .frame_rate_hz = stream.avg_frame_rate.num > 0 ? av_q2d(stream.avg_frame_rate) : 0,
-          .frames = demuxer.FramesPromised()};
-}
-
 bool HasTimes(const fs::path& path) {
   DamageLog log;
   return Demuxer(path, 0, log).HasTimes();

@@ -180,8 +180,7 @@ steps::StudyStep PopulationStep(const Cohort& cohort, const Workflow& workflow, 
                         .what = "the design for all participants",
                         .program = "lake-optimize",
                         .folder = workflow.out / "group" / kPopulationStep,
-                        .options = {{"population", cohort.population->section.text}, {"people", reoptimize.people}},
-                        .expected = {.seconds = static_cast<double>(reoptimize.people.size())}};
+                        .options = {{"population", cohort.population->section.text}, {"people", reoptimize.people}}};
   for (const InputFile& input : InputsOf(options)) step.inputs.push_back(input.path);
   step.work = [options](Run& run) {
     commands::OptimizeRunOptions work = options;
@@ -353,10 +352,7 @@ void Describe(CohortRunOptions& o, OptionList& options) {
   options.Add("jobs", o.jobs, "With --slurm: so many at a time").AtLeast(1);
   options.Add("profile", o.profile, "A Snakemake profile: any other cluster, or accounts and partitions of Slurm")
       .Value("DIR|NAME");
-  options.Add(
-      "plan", o.plan,
-      "Print what is to be done of each recording, and the time and memory that it is expected to take, as JSON; "
-      "do nothing");
+  options.Add("plan", o.plan, "Print what is to be done of each recording, as JSON; do nothing");
   options.Add("template", o.make_template, "Make a folder to fill with recordings, and do nothing else")
       .IsPath(Option::Path::kFolder);
   options.Add("only", o.only, "Do this alone, here and now, as a job of the workflow does").Value("motion|tables");
@@ -381,7 +377,7 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   if (options.slurm) CheckSlurm();
   const fs::path out = fs::absolute(run.Folder()).lexically_normal();
   if (options.plan) {
-    fmt::print("{}\n", WorkflowPlanJson(WorkflowOf(cohort, out), options.cores.value_or(Threads())).dump(2));
+    fmt::print("{}\n", WorkflowPlanJson(WorkflowOf(cohort, out)).dump(2));
     return {};
   }
   WriteDatasetFiles(cohort, run);

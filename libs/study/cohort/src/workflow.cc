@@ -282,33 +282,17 @@ Workflow ReadWorkflow(const fs::path& out) {
   return workflow;
 }
 
-Json WorkflowPlanJson(const Workflow& workflow, int cores) {
-  // Of Snakemake itself, and for each recording of a job's start and its motion files, measured
-  // (tests/benchmark/plan_cost.py).
-  constexpr double kSnakemake_s = 1.5, kSnakemake_mb = 80, kJob_s = 0.4;
+Json WorkflowPlanJson(const Workflow& workflow) {
   const std::string made_by = LakeRun();
   Json recordings = Json::array(), failed = Json::array();
-  std::vector<steps::StepCost> costs;
-  int threads = 1;
   for (const WorkflowStudy& of : workflow.studies) {
-    std::vector<study::PlannedStep> steps = PlanOf(of, made_by).steps;
-    std::erase_if(steps, [&](const study::PlannedStep& step) { return !step.due || !Has(of.steps, step.name); });
-    std::vector<std::string> names;
-    names.reserve(steps.size());
-    for (const study::PlannedStep& step : steps) names.push_back(step.name);
-    steps::StepCost cost = study::CostOfDue(steps, of.needs.threads);
-    recordings.push_back({{"name", of.name}, {"due", names}, {"expected", study::CostJson(cost)}});
-    if (steps.empty()) continue;
-    cost.seconds += kJob_s * steps::MachinePace();
-    costs.push_back(cost);
-    threads = std::max(threads, of.needs.threads);
+    std::vector<std::string> due;
+    for (const study::PlannedStep& step : PlanOf(of, made_by).steps)
+      if (step.due && Has(of.steps, step.name)) due.push_back(step.name);
+    recordings.push_back({{"name", of.name}, {"due", due}});
   }
   for (const Failure& failure : workflow.failed) failed.push_back(failure.Text());
-  const std::vector<std::vector<std::size_t>> independent(costs.size());
-  steps::StepCost all = steps::CostOfAll(costs, independent, std::max(1, cores / threads)).all;
-  all.seconds += kSnakemake_s * steps::MachinePace();
-  all.memory_mb += kSnakemake_mb;
-  return {{"name", workflow.name}, {"expected", study::CostJson(all)}, {"recordings", recordings}, {"failed", failed}};
+  return {{"name", workflow.name}, {"recordings", recordings}, {"failed", failed}};
 }
 
 void WriteMotion(const Workflow& workflow, const WorkflowStudy& of) {

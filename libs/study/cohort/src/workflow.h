@@ -57,9 +57,8 @@ Workflow WorkflowOf(const Cohort& cohort, const std::filesystem::path& out);
 Workflow PrepareWorkflow(const Cohort& cohort, const std::filesystem::path& out);
 Workflow ReadWorkflow(const std::filesystem::path& out);
 
-// What would be done of each study, and what it is expected to take with so many cores, the design for all and the
-// group's tables left out.
-Json WorkflowPlanJson(const Workflow& workflow, int cores);
+// What would be done of each study; the design for all and the group's tables are left out.
+Json WorkflowPlanJson(const Workflow& workflow);
 
 // The trials of a study as motion files, once all of them have been tracked.
 void WriteMotion(const Workflow& workflow, const WorkflowStudy& of);

@@ -94,9 +94,7 @@ std::optional<StepStamp> ReadStamp(const fs::path& folder, const std::string& st
                      .options = json.at("options"),
                      .inputs = StatesFrom(json.at("inputs")),
                      .outputs = OutputsFrom(json.at("outputs"), folder),
-                     .cost = {.seconds = json.at("seconds").get<double>(),
-                              .memory_mb = json.at("memory_mb").get<double>(),
-                              .processors = json.value("processors", 1.0)}};
+                     .cost = {json.at("seconds").get<double>(), json.at("memory_mb").get<double>()}};
   } catch (const Error&) {
     return std::nullopt;
   } catch (const Json::exception&) {
@@ -109,7 +107,6 @@ void WriteStamp(const fs::path& folder, const std::string& step, const StepStamp
                                           {"maker", stamp.made_by},
                                           {"seconds", stamp.cost.seconds},
                                           {"memory_mb", stamp.cost.memory_mb},
-                                          {"processors", stamp.cost.processors},
                                           {"options", stamp.options},
                                           {"inputs", StatesJson(stamp.inputs)},
                                           {"outputs", OutputsJson(stamp.outputs, folder)}});

@@ -8,7 +8,7 @@
 
 #include "lake/core/file_stamp.h"
 #include "lake/core/json.h"
-#include "lake/steps/step_cost.h"
+#include "lake/steps/study_steps.h"
 
 namespace lake::steps {
 

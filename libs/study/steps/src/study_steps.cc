@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <utility>
 
 #include "lake/core/error.h"
 #include "lake/core/fault_text.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/numbers.h"
 #include "lake/core/paths.h"
 #include "lake/core/processes.h"
 #include "lake/core/provenance.h"
@@ -90,30 +92,20 @@ std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp
   }
 }
 
-// So far, of this process and of those that it has started.
-struct Usage {
-  double processor_s = 0;  // of all that have ended, too
-  double peak_mb = 0;      // its own and the largest other's
-};
-
-Usage UsageSoFar() {
+// Of this process and of the largest that it has started.
+double PeakMemoryMb() {
   constexpr double kKilobytesPerMb = 1024;
-  const auto seconds = [](const timeval& time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  };
-  Usage so_far;
+  double peak_mb = 0;
   for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
     rusage usage{};
     getrusage(who, &usage);
-    so_far.processor_s += seconds(usage.ru_utime) + seconds(usage.ru_stime);
-    so_far.peak_mb += static_cast<double>(usage.ru_maxrss) / kKilobytesPerMb;
+    peak_mb += static_cast<double>(usage.ru_maxrss) / kKilobytesPerMb;
   }
-  return so_far;
+  return peak_mb;
 }
 
 StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const StepRunOptions& options) {
   const Clock::time_point start = Clock::now();
-  const double processor_start_s = UsageSoFar().processor_s;
   Run run({.program = step.program,
            .command = options.command,
            .options = step.summary_options,
@@ -129,26 +121,23 @@ StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const 
   } catch (...) {
     RethrowAbout(step);
   }
-  const double seconds = SecondsSince(start);
-  const Usage usage = UsageSoFar();
   StepStamp stamp{.made_by = options.made_by,
                   .options = step.options,
                   .inputs = inputs,
-                  .cost = {.seconds = seconds,
-                           .memory_mb = usage.peak_mb,
-                           .processors = (usage.processor_s - processor_start_s) / seconds}};
+                  .cost = {SecondsSince(start), PeakMemoryMb()}};
   for (const fs::path& path : run.Results()) stamp.outputs.push_back(StateOf(path));
   WriteStamp(step.folder, step.name, stamp);
   return stamp;
 }
 
-// Which step of how many, and how long the rest will take, going by the last time and by what those done now took.
+// Which step of how many, and how long the rest will take, where each has been done before: going by the last time and
+// by what those done now took.
 class StepProgress {
  public:
   StepProgress(const std::vector<StudyStep>& steps, bool quiet) : steps_(steps), quiet_(quiet) {
     for (const StudyStep& step : steps) {
       const auto stamp = ReadStamp(step.folder, step.name);
-      expected_s_.push_back(stamp ? stamp->cost.seconds : step.expected.seconds);
+      expected_s_.push_back(stamp ? stamp->cost.seconds : kNaN);
       left_s_ += expected_s_.back();
     }
   }
@@ -161,7 +150,8 @@ class StepProgress {
   void Begin(std::size_t step, const std::string& why) const {
     const double pace = done_s_ > 0 ? std::clamp(SecondsSince(begin_) / done_s_, 0.1, 10.0) : 1;
     const std::string reason = why == kNotMade ? "" : fmt::format(" ({})", why);  // nobody asks why what is new is made
-    Say(step, fmt::format("{}{}, {:.0f} s left", steps_[step].what, reason, std::max(1.0, pace * left_s_)));
+    const std::string left = std::isnan(left_s_) ? "" : fmt::format(", {:.0f} s left", std::max(1.0, pace * left_s_));
+    Say(step, fmt::format("{}{}{}", steps_[step].what, reason, left));
   }
 
   void Done(std::size_t step, double seconds, bool told) {

@@ -49,9 +49,7 @@ struct PlannedStep {
   std::optional<std::string> due;              // why it would be done; nullopt: it would not be
   std::optional<std::string> failed;           // why it failed the last time
   StepNeeds needs;
-  steps::StepCost cost;   // that is expected if it is done: what it took the last time, else by the size of its work
-  double seconds = 0;     // what cost.seconds becomes beside the other steps that are due
-  bool was_done = false;  // at some time
+  std::optional<steps::StepCost> last_run;  // nullopt: it was never done
 };
 
 // What would be done, for programs that order the steps themselves (Snakemake); all paths absolute.
@@ -59,17 +57,12 @@ struct StudyPlan {
   std::string name;
   std::filesystem::path study, out;
   std::vector<PlannedStep> steps;
-  steps::StepCost cost = {};  // of all that is due, with the threads there are
 };
 
 // `made_by` is lake-run as StepRunOptions has it. Nothing is written.
 StudyPlan PlanStudy(const StudyFile& study, const std::filesystem::path& out,
                     const std::string& made_by = steps::StepRunOptions::ThisProgram());
 Json PlanJson(const StudyPlan& plan);
-
-// Of the steps among them that are due, at most so many at a time; sets their `seconds`.
-steps::StepCost CostOfDue(std::vector<PlannedStep>& steps, int at_a_time);
-Json CostJson(const steps::StepCost& cost);
 
 // A line per step for the terminal: how long it took, and whether it was done this time.
 std::string StudyText(const std::vector<steps::StepOutcome>& outcomes);

@@ -14,16 +14,6 @@ namespace lake::video {
 // (frames/%05d.png), which is the working folder where the pattern names none.
 std::filesystem::path FilesOfVideo(const std::filesystem::path& path);
 
-// What a recording's container says of the whole recording.
-struct FilmSize {
-  int width = 0, height = 0;           // px, as stored
-  double frame_rate_hz = 0;            // on average; 0 where it does not say
-  std::optional<std::int64_t> frames;  // nullopt where it does not say
-};
-
-// Opens the file and decodes nothing. Throws Error as VideoReader::Open does, but not where a rate is missing.
-FilmSize SizeOfFilm(const std::filesystem::path& path);
-
 // Whether the file has time stamps. An image sequence and a stream without a container have none and need a capture
 // rate. Throws Error as VideoReader::Open does.
 bool HasTimes(const std::filesystem::path& path);

@@ -12,10 +12,15 @@
 
 #include "lake/core/json.h"
 #include "lake/core/run.h"
-#include "lake/steps/step_cost.h"
 #include "lake/steps/study_keys.h"
 
 namespace lake::steps {
+
+// What a step took of a machine when it was done last.
+struct StepCost {
+  double seconds = 0;
+  double memory_mb = 0;  // the most at a time, of its process and of the largest that it started
+};
 
 struct StudyStep {
   std::string name = {};                           // "exo"
@@ -25,7 +30,6 @@ struct StudyStep {
   std::vector<std::filesystem::path> inputs = {};  // files and folders it reads; one that is absent counts as such
   std::vector<std::string> whole_steps = {};       // earlier steps all outputs of which it reads
   Json options = Json::object();                   // what else its outputs depend on
-  StepCost expected = {};                          // until its stamp says what it took
   std::function<void(Run&)> work = {};  // writes through the run: its outputs are what the run has given out as results
   Json summary_options = Json::object();  // options for its summary, named as its program's
   std::vector<std::string> given = {};    // those of them that the study gives
