@@ -42,6 +42,8 @@ TEST_F(DesignFile, ReadsBackWhatWasWritten) {
   design.placement_mm = {1.0 / 3, -12.5};
   design.mount = linkage::Mount::kBehind;
   design.made_by = "it's lake-optimize 'x': 1";
+  design.parts = {{"plate", "6mm,S235"}};
+  design.load = {{"profile", "../it's/loads: \"1\".json"}, {"knee_torque_nm", "25"}};
   linkage::StrokeProgram free;
   free.kind = linkage::StrokeProgram::Kind::kFree;
   free.knots = {{0, 250}, {0.1, 251.7}, {1.0 / 7 + 1, 300}};
@@ -57,6 +59,9 @@ TEST_F(DesignFile, ReadsBackWhatWasWritten) {
     EXPECT_EQ(read.placement_mm, design.placement_mm);
     EXPECT_EQ(read.mount, design.mount);
     EXPECT_EQ(read.made_by, design.made_by);
+    EXPECT_EQ(read.parts, design.parts);
+    EXPECT_EQ(read.body, design.body);
+    EXPECT_EQ(read.load, design.load);
     ASSERT_EQ(read.program.has_value(), program.has_value());
     if (!program) continue;
     EXPECT_EQ(read.program->kind, program->kind);
@@ -88,6 +93,7 @@ TEST_F(DesignFile, SaysWhatIsWrongAndWhere) {
   ExpectError(std::string(kLinksLine) + "d_min_mm: 242\nplacement_mm: [1]\n",
               ":3: 'placement_mm' must have 2 numbers, not 1");
   ExpectError(std::string(kLinksLine) + "d_min_mm: 242\nmount: under\n", ":3: a mount is beside or behind the leg");
+  ExpectError(std::string(kLinksLine) + "d_min_mm: 242\nparts: thick\n", ":3: 'parts' must have keys");
   ExpectError("d_min_mm: 242\nbounds: {l1: [40, 60]}\n", "is a problem, not a design");
   ExpectError("- a\n- b\n", "a design is a map");
   ExpectError("", "a design is a map");

@@ -207,6 +207,57 @@ TEST_F(Simulate, TakesADesignFileAndDefaultAngles) {
   EXPECT_FALSE(std::filesystem::exists(Out() / "pose_2.png"));  // d_max ends at 28 degrees
 }
 
+// Parts, body and load stand in the file; an option says otherwise for one run. A file that was carried away without
+// its load is simulated nevertheless.
+TEST_F(Simulate, TakesPartsBodyAndLoadOfTheDesign) {
+  Json profile;
+  for (int percent = 0; percent <= 100; percent += 10) {
+    profile["percent"].push_back(percent);
+    profile["time_s"].push_back(0.02 * percent);
+    profile["knee_deg"].push_back(90 - 0.6 * percent);
+    profile["knee_nm"].push_back(50);
+  }
+  WriteJsonFile(folder_ / "loads.json", profile);
+  const auto design = folder_ / "design.yaml";
+  const std::string links = "links: {l1: 59.081, l2: 68.840, l3: 55.964, l4: 71.849, l5: 118.630, l6: 287.310}\n";
+  WriteTextFile(design, links +
+                            "d_min_mm: 242\nparts: {\"plate\": \"6mm,S235\", bar_width_mm: 28}\n"
+                            "body: {height_mm: 1700, seat_edge_mm: 190}\n"
+                            "load: {profile: loads.json, assist: 0.4, knee_torque_nm: 25}\n");
+  const std::string run = fmt::format("'{}' --angles 70 --rows 11 --no-animation --json", design.string());
+  const auto summary_of = [&](const std::string& more) {
+    const Outcome outcome = RunIt(run + more);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Json::parse(outcome.out);
+  };
+  const Json taken = summary_of("");
+  const Json given = [&] {
+    const Outcome outcome = RunIt(fmt::format(
+        "{} --angles 70 --rows 11 --no-animation --json --plate 6mm,S235 --bar-width 28 --height 1700 --seat-edge 190 "
+        "--profile '{}' --assist 0.4 --knee-torque 25",
+        kLinksOption, (folder_ / "loads.json").string()));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Json::parse(outcome.out);
+  }();
+  for (const char* key : {"knee_torque_nm", "parts", "weakest", "mannequin", "assistance", "poses"})
+    EXPECT_EQ(taken[key], given[key]) << key;
+  EXPECT_EQ(taken["options"]["plate"], "6mm,S235");
+  EXPECT_EQ(summary_of(" --plate 4mm,PLA")["options"]["plate"], "4mm,PLA");
+  EXPECT_EQ(summary_of(" --knee-torque 30")["knee_torque_nm"], 30);
+
+  std::filesystem::remove(folder_ / "loads.json");
+  const Json without = summary_of("");
+  EXPECT_THAT(without["warnings"].dump(), AllOf(HasSubstr("loads.json, which is not there"), HasSubstr("--profile")));
+  EXPECT_FALSE(without.contains("assistance"));
+  EXPECT_EQ(without["parts"], given["parts"]);
+
+  std::filesystem::remove_all(Out());
+  WriteTextFile(design, links + "d_min_mm: 242\nparts: {plat: 6mm}\n");
+  ExpectRefusal(fmt::format("'{}'", design.string()), 1, "design.yaml: unknown key 'plat'");
+  WriteTextFile(design, links + "d_min_mm: 242\nparts: {bar_width_mm: broad}\n");
+  ExpectRefusal(fmt::format("'{}'", design.string()), 1, "design.yaml: 'bar_width_mm'");
+}
+
 // A design's own d_max is the end of its range to the last digit or but one; 377 mm is past standing.
 TEST_F(Simulate, WarnsOfAStrokePastTheUsedRangeButNotOfRounding) {
   const double end_mm = linkage::FindUsedRange(kPublishedLinks, 242, {}).stroke.upper_mm;

@@ -39,7 +39,11 @@ TEST(SynthesisOutcome, TablesAgreeWithTheSummary) {
   options.certify_gap_deg = 0.1;
   options.yield_tolerance_mm = 0.1;
   options.round_mm = 0.5;
-  const auto written = RunAndWrite(WithMargins(2), options);
+  problem::SynthesisProblem problem = WithMargins(2);
+  problem.parts.bar_width_mm = 28;
+  problem.clearances.body.height_mm = 1700;
+  problem.knee_torque_nm = 25;
+  const auto written = RunAndWrite(problem, options);
   const Json& summary = written->summary;
   EXPECT_EQ(summary["status"], "solved");
   EXPECT_LE(summary["constraint_violation"].get<double>(), 1e-6);
@@ -50,6 +54,9 @@ TEST(SynthesisOutcome, TablesAgreeWithTheSummary) {
 
   const linkage::Design design = linkage::ReadDesign(written->folder / "design.yaml");
   EXPECT_EQ(*design.range_deg, range);
+  EXPECT_EQ(design.parts, Json({{"bar_width_mm", "28"}}));
+  EXPECT_EQ(design.body, Json({{"height_mm", "1700"}}));
+  EXPECT_EQ(design.load, Json({{"knee_torque_nm", "25"}}));
   const CsvTable optimum = CsvTable::Read(written->folder / "optimum.csv");
   EXPECT_THAT(optimum.Header(),
               ::testing::ElementsAre("variable", "initial", "optimum", "lower", "upper", "active", "multiplier"));

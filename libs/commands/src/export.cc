@@ -18,6 +18,7 @@
 #include "lake/model/step_file.h"
 #include "lake/redesign/human_motion.h"
 #include "part_tables.h"
+#include "problem_inputs.h"
 
 namespace lake::commands {
 namespace {
@@ -179,7 +180,14 @@ Json RunExport(const ExportOptions& options, Run& run) {
 }
 
 void Describe(ExportOptions& o, OptionList& options) {
-  options.AddOperand("design", o.design, "design.yaml, as lake-optimize writes it").Required();
+  const auto read = [&o](const OptionTexts& texts, const std::string& said) {
+    OptionField<std::filesystem::path>::Set(texts, said, o.design);
+    TakeFromDesign(linkage::ReadDesign(o.design).parts, o.design, OptionsOf(o.parts));
+  };
+  options.AddCustom("design", "design.yaml, as lake-optimize writes it", read, [&o] { return o.design.string(); })
+      .IsPath(Option::Path::kFile)
+      .Operand()
+      .Required();
   std::vector<std::string> names;
   for (const Format& format : Formats()) names.push_back(format.name);
   options.AddOperand("format", o.format, "What to write").Value(fmt::format("{}", fmt::join(names, "|"))).Required();

@@ -110,11 +110,12 @@ void WriteDesigns(const group::GroupOutcome& outcome, const std::string& name, R
   common.links = outcome.nearest.Links();
   common.d_min_mm = outcome.problem.shared.design.d_min_mm;
   common.mount = outcome.problem.shared.design.mount;
-  WriteOptimumDesign(common, outcome.evaluation, remark, run.Result(name));
+  const problem::SynthesisProblem& problem = outcome.problem.shared.design;
+  WriteOptimumDesign(common, problem, outcome.evaluation, remark, name, run);
   for (std::size_t i = 0; i < outcome.people.size(); ++i) {
     const PersonOutcome& person = outcome.people[i];
-    WriteOptimumDesign(person.with_group.design, outcome.evaluation, remark,
-                       run.Result(FileOf(person.name, "design.yaml")));
+    WriteOptimumDesign(person.with_group.design, problem, outcome.evaluation, remark,
+                       FileOf(person.name, "design.yaml"), run);
     WriteProgramTable(person.with_group, outcome.problem.people[i].human,
                       run.Result(FileOf(person.name, "program.csv")));
   }

@@ -100,17 +100,19 @@ void WriteStarts(const std::vector<StartRow>& starts, Run& run) {
   table.Write(run.Result("starts.csv"));
 }
 
-void WriteOptimumDesign(linkage::Design design, const problem::DesignEvaluation& evaluation, const std::string& remark,
-                        const std::filesystem::path& path) {
+void WriteOptimumDesign(linkage::Design design, const problem::SynthesisProblem& problem,
+                        const problem::DesignEvaluation& evaluation, const std::string& remark, const std::string& name,
+                        Run& run) {
+  problem::TakeProblem(problem, (run.Folder() / name).parent_path(), design);
   if (evaluation.pose) design.range_deg = evaluation.range_deg;
   if (evaluation.stands_mm && *evaluation.stands_mm > design.d_min_mm) design.d_max_mm = evaluation.stands_mm;
   design.made_by = fmt::format("lake-optimize {}{}", Version(), remark);
-  linkage::WriteDesign(path, design);
+  linkage::WriteDesign(run.Result(name), design);
 }
 
 void WriteOptimumDesign(const linkage::Design& design, const OptimumView& optimum, Run& run) {
   const std::string remark = optimum.best ? "" : fmt::format(": NOT A SOLUTION: {}", optimum.not_a_solution);
-  WriteOptimumDesign(design, optimum.after, remark, run.Result("design.yaml"));
+  WriteOptimumDesign(design, optimum.problem, optimum.after, remark, "design.yaml", run);
 }
 
 void WarnOfMultipliers(const synthesis::ActiveSet& active, Run& run) {

@@ -58,9 +58,11 @@ void WriteStarts(const std::vector<StartRow>& starts, Run& run);
 // convergence.csv; `objective` names the column of the cost's negative.
 void WriteConvergence(const synthesis::LocalSolve& solve, const std::string& objective, Run& run);
 
-// A design file. The evaluation's range and stroke when standing go into it; `remark` goes behind the program's name.
-void WriteOptimumDesign(linkage::Design design, const problem::DesignEvaluation& evaluation, const std::string& remark,
-                        const std::filesystem::path& path);
+// The file of a design of this problem. The evaluation's range and stroke when standing go into it; `remark` goes
+// behind the program's name.
+void WriteOptimumDesign(linkage::Design design, const problem::SynthesisProblem& problem,
+                        const problem::DesignEvaluation& evaluation, const std::string& remark, const std::string& name,
+                        Run& run);
 // As design.yaml; marked where it is not a solution.
 void WriteOptimumDesign(const linkage::Design& design, const OptimumView& optimum, Run& run);
 

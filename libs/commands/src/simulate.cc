@@ -607,6 +607,45 @@ void Describe(SimulationOptions& o, OptionList& options) {
   Describe(o.parts, options);
   Describe(o.leg_loads, options);
   options.Add("animation", o.animation, "Write animation.mp4 and .gif").WithNegation();
+  options.Check([&o](const OptionList& list) {
+    if (o.thigh_mm && o.shank_mm)
+      problem::CheckHeight(list, person::LegLengths{*o.thigh_mm, *o.shank_mm}, "the design");
+  });
+}
+
+void Describe(DesignSimulation& o, OptionList& options) {
+  const auto read = [&o](const OptionTexts& texts, const std::string& said) {
+    OptionField<std::filesystem::path>::Set(texts, said, o.file);
+    o.design = linkage::ReadDesign(o.file);
+    TakeFromDesign(o.design.parts, o.file, OptionsOf(o.options));
+    TakeFromDesign(o.design.body, o.file, OptionsOf(o.options));
+    o.absent_load = TakeFromDesign(o.design.load, o.file, OptionsOf(o.options));
+  };
+  options.AddCustom("design", "design.yaml, as lake-optimize writes it", read, [&o] { return o.file.string(); })
+      .IsPath(Option::Path::kFile)
+      .Operand();
+  options.Add("links", o.links, "Link lengths in mm, instead of a file").Value("l1,l2,l3,l4,l5,l6");
+  options.Add("d-min", o.d_min_mm, "Shortest stroke; 0: the design's, or 242").Unit("mm");
+  options.Add("d-max", o.d_max_mm, "Longest stroke; 0: the design's, or where the knee is straight").Unit("mm");
+  options.Check([&o](const OptionList&) {
+    if (o.file.empty() == !o.links) throw UsageError("give either a design file or --links l1,l2,l3,l4,l5,l6");
+    if (o.links) {
+      o.design.links = linkage::Links::FromValues(*o.links);
+      linkage::CheckLinks(o.design.links, "--links");
+    }
+    if (o.d_min_mm != 0) o.design.d_min_mm = o.d_min_mm;
+    if (o.d_max_mm != 0) o.design.d_max_mm = o.d_max_mm;
+    if (!(o.design.d_min_mm > 0 && std::isfinite(o.design.d_min_mm)))
+      throw UsageError("--d-min must be above 0, not {}", o.design.d_min_mm);
+  });
+}
+
+Json SimulateLinkage(const DesignSimulation& simulation, Run& run) {
+  if (!simulation.file.empty()) run.AddInput(simulation.file, "design");
+  if (!simulation.absent_load.empty() && !simulation.options.load.profile)
+    run.Warn("{} was made for the load of {}, which is not there: no load is taken from it; give --profile",
+             simulation.file.string(), simulation.absent_load.string());
+  return SimulateLinkage(simulation.design, simulation.options, run);
 }
 
 }  // namespace lake::commands

@@ -50,8 +50,8 @@ void WriteRounded(const problem::RoundedDesign& rounded, const problem::Synthesi
   design.links = rounded.links;
   design.d_min_mm = problem.d_min_mm;
   design.mount = problem.mount;
-  WriteOptimumDesign(design, rounded.evaluation, fmt::format(", rounded to multiples of {} mm", rounded.step_mm),
-                     run.Result("rounded.yaml"));
+  WriteOptimumDesign(design, problem, rounded.evaluation,
+                     fmt::format(", rounded to multiples of {} mm", rounded.step_mm), "rounded.yaml", run);
 }
 
 // The most tolerant design beside the optimum.
@@ -63,9 +63,9 @@ void WriteYieldsOf(const synthesis::SynthesisOutcome& outcome, Run& run) {
     design.links = outcome.tolerant->links;
     design.d_min_mm = outcome.problem.d_min_mm;
     design.mount = outcome.problem.mount;
-    WriteOptimumDesign(design, outcome.tolerant->evaluation,
+    WriteOptimumDesign(design, outcome.problem, outcome.tolerant->evaluation,
                        fmt::format(", limits kept within ±{} mm", SignificantText(outcome.tolerant->robust_mm, 4)),
-                       run.Result("tolerant.yaml"));
+                       "tolerant.yaml", run);
   }
   WriteYields(designs, run);
 }

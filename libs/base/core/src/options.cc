@@ -162,6 +162,11 @@ Option& Option::Repeats() {
   repeats_ = true;
   return *this;
 }
+Option& Option::Operand() {
+  is_operand_ = true;
+  return *this;
+}
+
 Option& Option::Required() {
   is_required_ = true;
   return *this;

@@ -73,6 +73,19 @@ std::string Quoted(std::string_view text) {
   return quoted + "'";
 }
 
+// A map of texts.
+void ReadTexts(YamlNode& root, const char* key, Json& texts) {
+  auto node = root.Child(key);
+  if (!node) return;
+  if (!node->IsMap()) throw Fail("{}: '{}' must have keys", node->Where(), key);
+  for (const auto& [name, value] : node->Pairs()) texts[name] = value.AsText();
+}
+
+// A line of its own; JSON is YAML, too.
+std::string TextsLine(const char* key, const Json& texts) {
+  return texts.empty() ? "" : fmt::format("{}: {}\n", key, texts.dump());
+}
+
 Mount ReadMount(const YamlNode& node) {
   try {
     return MountOf(node.AsText());
@@ -97,6 +110,9 @@ Design ReadDesign(const std::filesystem::path& path) {
   if (const auto placement = root.Numbers("placement_mm", 2)) design.placement_mm = {(*placement)[0], (*placement)[1]};
   if (const auto mount = root.Child("mount")) design.mount = ReadMount(*mount);
   if (auto program = root.Child("program")) design.program = ReadProgram(std::move(*program));
+  ReadTexts(root, "parts", design.parts);
+  ReadTexts(root, "body", design.body);
+  ReadTexts(root, "load", design.load);
   design.made_by = root.Text("made_by").value_or("");
   root.Finish();
   if (!(design.d_min_mm > 0)) throw Fail("{}: d_min_mm must be above 0, not {}", root.Where(), design.d_min_mm);
@@ -116,6 +132,7 @@ void WriteDesign(const std::filesystem::path& path, const Design& design) {
                       FormatNumber(design.placement_mm[1]));
   text += fmt::format("mount: {}\n", NameOf(design.mount));
   if (design.program) text += ProgramText(*design.program);
+  text += TextsLine("parts", design.parts) + TextsLine("body", design.body) + TextsLine("load", design.load);
   if (!design.made_by.empty()) text += fmt::format("made_by: {}\n", Quoted(design.made_by));
   WriteTextFile(path, text);
 }

@@ -4,6 +4,7 @@
 #include "lake/core/error.h"
 #include "lake/core/json_or_null.h"
 #include "lake/core/options_json.h"
+#include "lake/problem/problem_options.h"
 #include "load_texts.h"
 
 namespace lake::problem {
@@ -185,6 +186,23 @@ SynthesisProblem ReadProblem(const std::filesystem::path& path) {
 
 namespace {
 
+// The options of a program that differ from its own values, by their keys; paths from this folder.
+Json OptionsBeside(const SynthesisProblem& problem, const fs::path& folder,
+                   void (*describe)(SynthesisProblem&, OptionList&)) {
+  SynthesisProblem described;
+  OptionList list;
+  describe(described, list);
+  described = problem;
+  Json texts = Json::object();
+  for (const Option& option : list.All()) {
+    const std::string text = option.Text();
+    if (text.empty() || text == option.DefaultText()) continue;
+    const bool is_file = option.PathKind() != Option::Path::kNone || text.find(".csv:") != std::string::npos;
+    texts[option.Key()] = is_file ? fs::absolute(text).lexically_relative(fs::absolute(folder)).string() : text;
+  }
+  return texts;
+}
+
 // Each struct is taken apart whole, so that a new member does not compile until it is written here.
 
 Json ActuatorJson(const LinearActuator& actuator) {
@@ -230,6 +248,15 @@ Json BoundsJson(const std::array<Bounds, 6>& bounds) {
 }
 
 }  // namespace
+
+void TakeProblem(const SynthesisProblem& problem, const fs::path& folder, linkage::Design& design) {
+  design.parts = OptionsBeside(problem, folder,
+                               [](SynthesisProblem& o, OptionList& options) { parts::Describe(o.parts, options); });
+  design.body = OptionsBeside(problem, folder, DescribeBody);
+  design.load = OptionsBeside(problem, folder, DescribeLoad);
+  if (problem.knee_torque_nm != SynthesisProblem().knee_torque_nm)
+    design.load["knee_torque_nm"] = FormatNumber(problem.knee_torque_nm);
+}
 
 Json ProblemJson(const SynthesisProblem& problem) {
   const auto& [limits, d_min_mm, bounds, start, grashof_margin_mm, singularity_margin_mm, knee_torque_nm, standing_deg,

@@ -1,5 +1,7 @@
 #include "lake/problem/problem_options.h"
 
+#include <functional>
+
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "load_texts.h"
@@ -11,6 +13,17 @@ namespace {
 std::string TextOf(const std::optional<LinearActuator>& actuator) {
   if (!actuator) return "";
   return actuator->file.empty() ? actuator->name : fmt::format("{}:{}", actuator->file.string(), actuator->name);
+}
+
+// A number that is more than one field.
+Option& AddNumber(OptionList& options, const char* name, const char* help, const std::function<void(double)>& set,
+                  const TellOption& tell) {
+  const auto set_number = [set](const OptionTexts& texts, const std::string& said) {
+    double number = 0;
+    OptionField<double>::Set(texts, said, number);
+    set(number);
+  };
+  return options.AddCustom(name, help, set_number, tell);
 }
 
 }  // namespace
@@ -48,30 +61,11 @@ void DescribeLoad(SynthesisProblem& o, OptionList& options) {
       .Key("duration_s");
 }
 
-void DescribeClearances(SynthesisProblem& o, OptionList& options) {
-  DescribeMount(o.mount, options);
+void DescribeBody(SynthesisProblem& o, OptionList& options) {
   Clearances& asked = o.clearances;
   person::BodySize& body = asked.body;
-  const auto add = [&options](const char* name, const char* help, auto set, const TellOption& tell) -> Option& {
-    const auto set_number = [set](const OptionTexts& texts, const std::string& said) {
-      double number = 0;
-      OptionField<double>::Set(texts, said, number);
-      set(number);
-    };
-    return options.AddCustom(name, help, set_number, tell);
-  };
-  options.Add("clear-seat", asked.seat_mm, "Least distance of the linkage from the seat, the knee bent by 90 degrees")
-      .Unit("mm")
-      .NotNegative();
-  add(
-      "clear-limb",
-      "Least distance of the actuator from thigh and shank over the used range, seen from the side, for --mount behind",
-      [&asked](double mm) { asked.thigh_mm = asked.shank_mm = mm; },
-      [&asked] { return OptionField<std::optional<double>>::Text(asked.thigh_mm); })
-      .Unit("mm")
-      .NotNegative();
-  add(
-      "thigh", "The person's thigh, hip to knee, for --clear-*",
+  AddNumber(
+      options, "thigh", "The person's thigh, hip to knee, for --clear-*",
       [&body](double mm) {
         body.leg = {mm, body.leg.value_or(person::LegLengths{}).shank_mm};
       },
@@ -79,8 +73,8 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options) {
       .Unit("mm")
       .Positive()
       .Otherwise("by body height");
-  add(
-      "shank", "The person's shank, knee to ankle, for --clear-*",
+  AddNumber(
+      options, "shank", "The person's shank, knee to ankle, for --clear-*",
       [&body](double mm) {
         body.leg = {body.leg.value_or(person::LegLengths{}).thigh_mm, mm};
       },
@@ -100,13 +94,14 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options) {
       .Unit("mm")
       .NotNegative()
       .Otherwise("half the thigh");
-  options.Check([&asked](const OptionList& list) {
-    if (!list.IsGiven("height") || !asked.body.leg || list.IsGiven("thigh") || list.IsGiven("shank")) return;
-    throw UsageError(
-        "--height {} mm: the problem file has the person's own thigh and shank ({} and {} mm), which a height does not "
-        "change; give --thigh and --shank too, or take thigh_mm and shank_mm out of the file",
-        *asked.body.height_mm, asked.body.leg->thigh_mm, asked.body.leg->shank_mm);
-  });
+}
+
+void CheckHeight(const OptionList& list, const std::optional<person::LegLengths>& leg, const char* file) {
+  if (!list.IsGiven("height") || !leg || list.IsGiven("thigh") || list.IsGiven("shank")) return;
+  throw UsageError(
+      "--height {} mm: {} has the person's own thigh and shank ({} and {} mm), which a height does not change; give "
+      "--thigh and --shank too, or take thigh_mm and shank_mm out of the file",
+      list["height"].Text(), file, leg->thigh_mm, leg->shank_mm);
 }
 
 void CheckBody(const SynthesisProblem& problem) {
@@ -132,6 +127,28 @@ void CheckRest(const SynthesisProblem& problem) {
         "rest says where an actuator must hold its share: give --actuator, --profile loads.json, and an --assist above "
         "0");
 }
+
+namespace {
+
+// The options of the mount, of clearances and of the body.
+void DescribeClearances(SynthesisProblem& o, OptionList& options) {
+  DescribeMount(o.mount, options);
+  Clearances& asked = o.clearances;
+  options.Add("clear-seat", asked.seat_mm, "Least distance of the linkage from the seat, the knee bent by 90 degrees")
+      .Unit("mm")
+      .NotNegative();
+  AddNumber(
+      options, "clear-limb",
+      "Least distance of the actuator from thigh and shank over the used range, seen from the side, for --mount behind",
+      [&asked](double mm) { asked.thigh_mm = asked.shank_mm = mm; },
+      [&asked] { return OptionField<std::optional<double>>::Text(asked.thigh_mm); })
+      .Unit("mm")
+      .NotNegative();
+  DescribeBody(o, options);
+  options.Check([&asked](const OptionList& list) { CheckHeight(list, asked.body.leg, "the problem file"); });
+}
+
+}  // namespace
 
 void Describe(SynthesisProblem& o, OptionList& options) {
   const auto set_start = [&o](const OptionTexts& texts, const std::string& said) {

@@ -1,6 +1,7 @@
 // The paper's graphical simulation as one run: tables, pictures, animation, plates and the mannequin check of a design.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -36,6 +37,20 @@ struct SimulationOptions {
 };
 
 void Describe(SimulationOptions& o, OptionList& options);
+
+// A design, by its file or its links, and how to simulate it: with the parts, body and load that it was made for, where
+// an option says nothing else.
+struct DesignSimulation {
+  std::filesystem::path file;
+  std::optional<std::array<double, 6>> links;
+  double d_min_mm = 0, d_max_mm = 0;  // 0: the design's
+  linkage::Design design = {};
+  std::filesystem::path absent_load;  // a file of the load that it was made for
+  SimulationOptions options;
+};
+void Describe(DesignSimulation& o, OptionList& options);
+Json SimulateLinkage(const DesignSimulation& simulation, Run& run);
+
 std::vector<InputFile> InputsOf(const SimulationOptions& options);
 
 // With a load profile also assistance.csv/.png, with cuffs leg_loads.csv. Writes angle_vs_stroke.csv/.png/.svg,

@@ -52,6 +52,8 @@ class Option {
   // May be given several times, or with several values.
   Option& Repeats();
   Option& Required();
+  // Given by its place on the command line.
+  Option& Operand();
   // May be given without a value, which then is this.
   Option& Implied(std::string value);
   // A flag that --no-NAME takes back.
@@ -249,12 +251,9 @@ class OptionList {
     return option;
   }
 
-  // Given by its place on the command line.
   template <typename T>
   Option& AddOperand(std::string name, T& field, std::string help) {
-    Option& option = Add(std::move(name), field, std::move(help));
-    option.is_operand_ = true;
-    return option;
+    return Add(std::move(name), field, std::move(help)).Operand();
   }
 
   // One of these names. `Field` is the choices' type or an optional one.

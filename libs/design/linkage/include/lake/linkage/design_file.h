@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/core/json.h"
 #include "lake/linkage/linkage.h"
 
 namespace lake::linkage {
@@ -29,6 +30,9 @@ struct Design {
   std::array<double, 2> placement_mm{0, 0};  // exo knee against human knee, shank frame: x anterior, y up the shank
   Mount mount = Mount::kBeside;
   std::optional<StrokeProgram> program;
+  // What it was designed for, where that differs from the paper: texts by the keys of the options of lake-simulate and
+  // lake-export, which take them from here. Paths are relative to the file.
+  Json parts = Json::object(), body = Json::object(), load = Json::object();
   std::string made_by;
 };
 

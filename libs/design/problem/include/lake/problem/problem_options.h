@@ -20,11 +20,14 @@ Option& DescribeMount(Field& mount, OptionList& options) {
       "Where the linkage is on the leg: beside it neither the limbs nor a narrow seat are in its way");
 }
 
-// The options of the mount, of clearances and of the body.
-void DescribeClearances(SynthesisProblem& o, OptionList& options);
+// The options of the body that clearances are to.
+void DescribeBody(SynthesisProblem& o, OptionList& options);
 
 // The options of the load profile and of the actuator.
 void DescribeLoad(SynthesisProblem& o, OptionList& options);
+
+// Throws UsageError where --height is given of a leg whose lengths `file` has.
+void CheckHeight(const OptionList& list, const std::optional<person::LegLengths>& leg, const char* file);
 
 // Throws UsageError where a body is given, but no clearance is asked for.
 void CheckBody(const SynthesisProblem& problem);
