@@ -197,8 +197,8 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_TRUE(redesign.fit_placement);
   EXPECT_EQ(redesign.placement_reach_mm, 25);
   EXPECT_EQ(redesign.pareto_points, 5);
-  EXPECT_EQ(study.simulation.body_height_mm, 1650);
-  EXPECT_EQ(study.simulation.body_mass_kg, 60);
+  EXPECT_EQ(study.simulation.body.height_mm, 1650);
+  EXPECT_EQ(study.simulation.body.mass_kg, 60);
   EXPECT_EQ(study.simulation.seat_edge_mm, 150);
   ASSERT_TRUE(study.stroke);
   EXPECT_EQ(study.stroke->duty_table, folder_ / "duty.csv");

@@ -99,7 +99,7 @@ TEST(LakeOptimize, AHeightDoesNotGoWithTheLegOfAProblemFile) {
   const Ended refused =
       RunProgram("--problem " + (folder / "problem.yaml").string() + " --height 1950 -o " + (folder / "out").string());
   EXPECT_EQ(refused.exit_code, 2) << refused.text;
-  EXPECT_THAT(refused.text, testing::HasSubstr("--height 1950 mm: the problem file has the person's own thigh and "
+  EXPECT_THAT(refused.text, testing::HasSubstr("--height 1950 mm: the file has the person's own thigh and "
                                                "shank (410 and 400 mm)"));
   const auto height_mm = [](problem::SynthesisProblem problem, const std::map<std::string, std::string>& given) {
     OptionList options = OptionsOf(problem);

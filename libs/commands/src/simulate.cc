@@ -312,14 +312,6 @@ Json WearJson(const person::Body& body, const linkage::WearCheck& check) {
           {"clears_limb", check.meets_limbs ? Json(check.ClearsLimb()) : Json()}};
 }
 
-person::Body BodyOf(const SimulationOptions& options) {
-  person::BodySize size;
-  size.height_mm = options.body_height_mm;
-  size.mass_kg = options.body_mass_kg;
-  if (options.thigh_mm) size.leg = {*options.thigh_mm, *options.shank_mm};
-  return person::BodyOf(size);
-}
-
 // What collides on the body, each with what to do about it.
 void WarnOfBody(const linkage::WearCheck& check, Run& run) {
   if (!check.FitsAlongThigh())
@@ -356,9 +348,9 @@ void WarnOf(const linkage::Design& design, const linkage::UsedRange& range, Run&
           .actuator_folded_mm;
   if (slack < 1)
     run.Warn(
-        "at the shortest stroke the linkage is {} mm from the actuator's dead point, where the force has no bound; "
+        "at the shortest stroke the linkage is {:.5f} mm from the actuator's dead point, where the force has no bound; "
         "choose a longer one, or a design with --singularity-margin",
-        SignificantText(slack, 3));
+        slack);
 }
 
 // The actuator is as long as the design says; what does not fit its maker's lengths is a warning.
@@ -486,8 +478,6 @@ void SimulationOptions::Check() const {
   leg_loads.Check();
   load.CheckLoad();
   problem::CheckRest(load);
-  if (thigh_mm.has_value() != shank_mm.has_value())
-    throw UsageError("--thigh and --shank are one leg: give both or neither");
 }
 
 std::vector<InputFile> InputsOf(const SimulationOptions& options) {
@@ -514,7 +504,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   const drawing::LinkageLook look{
       .links = design.links,
       .range = request.range,
-      .body = BodyOf(options),
+      .body = person::BodyOf(options.body),
       .wear = {options.parts.bar_width_mm, options.parts.actuator_diameter_mm, options.seat_edge_mm,
                design.placement_mm, options.mount.value_or(design.mount), options.has_wide_seat},
       .knee_torque_nm = options.knee_torque_nm};
@@ -593,10 +583,7 @@ void Describe(SimulationOptions& o, OptionList& options) {
            "Table of extension torques for pin_forces, instead: stroke_mm or knee_deg, then knee_torque_nm")
       .Otherwise("--knee-torque");
   options.Add("rows", o.rows, "Rows of the regular grid of angle_vs_stroke.csv").Between(2, 1'000'000);
-  options.Add("thigh", o.thigh_mm, "The person's thigh, hip to knee").Unit("mm").Otherwise("by body height");
-  options.Add("shank", o.shank_mm, "The person's shank, knee to ankle").Unit("mm").Otherwise("by body height");
-  options.Add("height", o.body_height_mm, "Body height").Unit("mm").Otherwise("1800, or by thigh and shank");
-  options.Add("mass", o.body_mass_kg, "Body mass").Unit("kg").Otherwise("80 at 1800 mm, else of the same BMI");
+  Describe(o.body, options);
   options
       .Add("seat-edge", o.seat_edge_mm,
            "Knee to the front edge of a seat that lies under the linkage, too; 0: half the thigh, for --mount behind")
@@ -607,10 +594,6 @@ void Describe(SimulationOptions& o, OptionList& options) {
   Describe(o.parts, options);
   Describe(o.leg_loads, options);
   options.Add("animation", o.animation, "Write animation.mp4 and .gif").WithNegation();
-  options.Check([&o](const OptionList& list) {
-    if (o.thigh_mm && o.shank_mm)
-      problem::CheckHeight(list, person::LegLengths{*o.thigh_mm, *o.shank_mm}, "the design");
-  });
 }
 
 void Describe(DesignSimulation& o, OptionList& options) {

@@ -165,9 +165,9 @@ std::optional<person::LegLengths> LegOf(const fs::path& kinematics) {
 // The body that a design is made for and held against: as `simulate` says, else as the problem does, else as the loads
 // do. Leg lengths come from the fit, where the problem has none.
 person::BodySize BodyOf(const StudyFile& study, person::BodySize body) {
-  const commands::SimulationOptions& simulation = study.simulation;
-  if (simulation.body_mass_kg) body.mass_kg = simulation.body_mass_kg;
-  if (simulation.body_height_mm) body.height_mm = simulation.body_height_mm;
+  const person::BodySize& simulated = study.simulation.body;
+  if (simulated.mass_kg) body.mass_kg = simulated.mass_kg;
+  if (simulated.height_mm) body.height_mm = simulated.height_mm;
   if (!study.loads) return body;
   if (!body.mass_kg) body.mass_kg = study.loads->loads.body.mass_kg;
   if (!body.height_mm) body.height_mm = study.loads->loads.body.height_mm;
@@ -201,13 +201,8 @@ commands::SimulationOptions SimulationOf(const StudyFile& study) {
   if (!study.simulation_section.given.contains("knee-torque")) options.knee_torque_nm = problem.knee_torque_nm;
   if (options.seat_edge_mm == 0) options.seat_edge_mm = problem.clearances.seat_edge_mm;
   options.has_wide_seat = problem.clearances.seat_mm.has_value();
-  const person::BodySize body = BodyOf(study, problem.clearances.body);
-  options.body_mass_kg = body.mass_kg;
-  options.body_height_mm = body.height_mm;
-  if (body.leg) {
-    options.thigh_mm = body.leg->thigh_mm;
-    options.shank_mm = body.leg->shank_mm;
-  }
+  options.body = BodyOf(study, problem.clearances.body);
+  if (!options.body.leg) options.body.leg = study.simulation.body.leg;
   return options;
 }
 
@@ -304,7 +299,7 @@ void TakeWorn(const StudyFile& study, StudySection& section, commands::CompareRu
   if (!study.worn) return;
   const commands::SimulationOptions simulation = SimulationOf(study);
   options.worn = study.worn;
-  options.body = {.height_mm = simulation.body_height_mm, .mass_kg = simulation.body_mass_kg, .leg = {}};
+  options.body = {.height_mm = simulation.body.height_mm, .mass_kg = simulation.body.mass_kg, .leg = {}};
   options.wear = {.bar_width_mm = simulation.parts.bar_width_mm,
                   .actuator_diameter_mm = simulation.parts.actuator_diameter_mm,
                   .seat_edge_mm = simulation.seat_edge_mm,
@@ -415,10 +410,7 @@ OptionalStep SimulationStep(const StudyFile& study, const fs::path& out) {
   step.work = [options, is_assisted, profile = ProfileIn(out), own, design, leg](Run& run) {
     run.AddInputs(own);
     commands::SimulationOptions of_person = options;
-    if (const auto measured = LegOf(leg); measured && !of_person.thigh_mm) {
-      of_person.thigh_mm = measured->thigh_mm;
-      of_person.shank_mm = measured->shank_mm;
-    }
+    if (!of_person.body.leg) of_person.body.leg = LegOf(leg);
     if (is_assisted) of_person.load.profile = problem::ReadLoadProfile(profile);
     run.WriteSummary(commands::SimulateLinkage(linkage::ReadDesign(design), of_person, run));
   };

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/plausible.h"
 
@@ -86,6 +87,32 @@ Body BodyOf(const BodySize& size) {
   const double mass_kg = size.mass_kg.value_or(MassAtHeight_kg(height_mm, kAverageHeight_mm, kAverageMass_kg));
   const Body body = BodyOf(height_mm, mass_kg);
   return size.leg ? WithLeg(body, *size.leg) : body;
+}
+
+void Describe(BodySize& o, OptionList& options) {
+  const auto add_length = [&](const char* name, const char* help, double LegLengths::*length) {
+    const auto set = [&o, length](const OptionTexts& texts, const std::string& said) {
+      if (!o.leg) o.leg.emplace();
+      OptionField<double>::Set(texts, said, (*o.leg).*length);
+    };
+    options.AddCustom(name, help, set, [&o, length] { return o.leg ? FormatNumber((*o.leg).*length) : ""; })
+        .Unit("mm")
+        .Positive()
+        .Otherwise("by body height");
+  };
+  add_length("thigh", "The person's thigh, hip to knee", &LegLengths::thigh_mm);
+  add_length("shank", "The person's shank, knee to ankle", &LegLengths::shank_mm);
+  options.Add("height", o.height_mm, "Body height").Unit("mm").Positive().Otherwise("1800, or by thigh and shank");
+  options.Add("mass", o.mass_kg, "Body mass").Unit("kg").Positive().Otherwise("80 at 1800 mm, else of the same BMI");
+  options.Check([&o](const OptionList& list) {
+    if (o.leg && (o.leg->thigh_mm == 0 || o.leg->shank_mm == 0))
+      throw UsageError("--thigh and --shank (thigh_mm, shank_mm) are one leg: give both or neither");
+    if (o.leg && list.IsGiven("height") && !list.IsGiven("thigh") && !list.IsGiven("shank"))
+      throw UsageError(
+          "--height {} mm: the file has the person's own thigh and shank ({} and {} mm), which a height does not "
+          "change; give --thigh and --shank too, or take thigh_mm and shank_mm out of the file",
+          *o.height_mm, o.leg->thigh_mm, o.leg->shank_mm);
+  });
 }
 
 }  // namespace lake::person

@@ -3,7 +3,6 @@
 #include <malloc.h>
 
 #include <IpIpoptApplication.hpp>
-#include <sstream>
 
 #include "ipopt_program.h"
 #include "lake/core/error.h"
@@ -132,37 +131,6 @@ NlpSolution SolveNlp(const NonlinearProgram& program, const NlpOptions& options)
       fmt::format("{} after {} iterations: cost {:.9g}, violation {:.1e}, KKT error {:.1e}", NameOf(solution.status),
                   solution.iterations.size(), solution.cost, solution.violation, solution.kkt_error);
   return solution;
-}
-
-DerivativeReport CheckDerivatives(const NonlinearProgram& program, double relative_tolerance, double step) {
-  const auto ipopt = CreateIpopt();
-  Set(*ipopt, "derivative_test", std::string("second-order"));
-  Set(*ipopt, "derivative_test_tol", relative_tolerance);
-  Set(*ipopt, "derivative_test_perturbation", step);
-  Set(*ipopt, "point_perturbation_radius", 0.0);  // test at the start itself
-  Set(*ipopt, "max_iter", 0);
-  std::ostringstream log;
-  const SmartPtr<Ipopt::StreamJournal> journal = new Ipopt::StreamJournal("derivatives", Ipopt::J_ITERSUMMARY);
-  journal->SetOutputStream(&log);
-  if (!ipopt->Jnlst()->AddJournal(GetRawPtr(journal))) throw Fail("Ipopt does not take a journal");
-
-  NlpSolution ignored;
-  const SmartPtr<IpoptProgram> bridge = new IpoptProgram(program, ignored);
-  ipopt->OptimizeTNLP(GetRawPtr(bridge));
-  if (bridge->Failure()) std::rethrow_exception(bridge->Failure());
-
-  // A line of the test that reports a difference starts with '*' and names what it compared.
-  DerivativeReport report;
-  bool ended = false;
-  std::istringstream lines(log.str());
-  for (std::string line; std::getline(lines, line);) {
-    ended = ended || line.find("erivative checker") != std::string::npos;
-    if (!line.starts_with("* ")) continue;
-    report.text += line + "\n";
-    ++(line.find("hess") == std::string::npos ? report.first_order_errors : report.second_order_errors);
-  }
-  if (!ended) throw Fail("Ipopt's derivative test did not run: {}", log.str());
-  return report;
 }
 
 }  // namespace lake::nlp

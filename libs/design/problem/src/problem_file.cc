@@ -98,35 +98,23 @@ void SetNumber(YamlNode& node, std::string_view key, std::optional<double>& fiel
   if (const auto child = node.Child(key)) field = child->AsNumber();
 }
 
-void ReadBody(YamlNode node, SynthesisProblem& problem) {
-  person::BodySize& body = problem.clearances.body;
-  std::optional<double> thigh_mm, shank_mm, seat_edge_mm;
-  SetNumber(node, "height_mm", body.height_mm);
-  SetNumber(node, "mass_kg", body.mass_kg);
-  SetNumber(node, "thigh_mm", thigh_mm);
-  SetNumber(node, "shank_mm", shank_mm);
-  SetNumber(node, "seat_edge_mm", seat_edge_mm);
-  if (thigh_mm.has_value() != shank_mm.has_value())
-    throw Fail("{}: thigh_mm and shank_mm are one leg: give both or neither", node.Where());
-  if (thigh_mm) body.leg = {*thigh_mm, *shank_mm};
-  if (seat_edge_mm) problem.clearances.seat_edge_mm = *seat_edge_mm;
-  CheckAt(node.Where(), problem);
-  node.Finish();
-}
-
 // By the keys of the options that describe them.
-void ReadParts(YamlNode node, SynthesisProblem& problem) {
+void ReadByOptions(YamlNode node, SynthesisProblem& problem, void (*describe)(SynthesisProblem&, OptionList&)) {
   OptionList options;
-  parts::Describe(problem.parts, options);
+  describe(problem, options);
   ReadOptions(node, options, [](const YamlNode& path, const Option&) { return OptionTexts{path.AsText()}; });
   CheckAt(node.Where(), problem);
   node.Finish();
 }
 
+void DescribeParts(SynthesisProblem& problem, OptionList& options) {
+  parts::Describe(problem.parts, options);
+}
+
 }  // namespace
 
 void ReadClearances(YamlNode& node, SynthesisProblem& problem) {
-  if (auto body = node.Child("body")) ReadBody(std::move(*body), problem);
+  if (auto body = node.Child("body")) ReadByOptions(std::move(*body), problem, DescribeBody);
   auto clearances = node.Child("clearances");
   if (!clearances) return;
   Clearances& asked = problem.clearances;
@@ -172,7 +160,7 @@ SynthesisProblem ReadProblem(YamlNode node, const fs::path& folder) {
   if (const auto mount = node.Child("mount"))
     SetAt(*mount, problem, [&](const std::string& text) { problem.mount = linkage::MountOf(text); });
   ReadClearances(node, problem);
-  if (auto parts = node.Child("parts")) ReadParts(std::move(*parts), problem);
+  if (auto parts = node.Child("parts")) ReadByOptions(std::move(*parts), problem, DescribeParts);
   if (auto load = node.Child("load")) ReadLoad(std::move(*load), folder, problem);
   if (const auto actuator = node.Child("actuator"))
     SetAt(*actuator, problem, [&](const std::string& text) { problem.actuator = FindActuator(text, folder); });
@@ -250,8 +238,7 @@ Json BoundsJson(const std::array<Bounds, 6>& bounds) {
 }  // namespace
 
 void TakeProblem(const SynthesisProblem& problem, const fs::path& folder, linkage::Design& design) {
-  design.parts = OptionsBeside(problem, folder,
-                               [](SynthesisProblem& o, OptionList& options) { parts::Describe(o.parts, options); });
+  design.parts = OptionsBeside(problem, folder, DescribeParts);
   design.body = OptionsBeside(problem, folder, DescribeBody);
   design.load = OptionsBeside(problem, folder, DescribeLoad);
   if (problem.knee_torque_nm != SynthesisProblem().knee_torque_nm)

@@ -1,7 +1,5 @@
 #include "lake/problem/problem_options.h"
 
-#include <functional>
-
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "load_texts.h"
@@ -13,17 +11,6 @@ namespace {
 std::string TextOf(const std::optional<LinearActuator>& actuator) {
   if (!actuator) return "";
   return actuator->file.empty() ? actuator->name : fmt::format("{}:{}", actuator->file.string(), actuator->name);
-}
-
-// A number that is more than one field.
-Option& AddNumber(OptionList& options, const char* name, const char* help, const std::function<void(double)>& set,
-                  const TellOption& tell) {
-  const auto set_number = [set](const OptionTexts& texts, const std::string& said) {
-    double number = 0;
-    OptionField<double>::Set(texts, said, number);
-    set(number);
-  };
-  return options.AddCustom(name, help, set_number, tell);
 }
 
 }  // namespace
@@ -62,46 +49,11 @@ void DescribeLoad(SynthesisProblem& o, OptionList& options) {
 }
 
 void DescribeBody(SynthesisProblem& o, OptionList& options) {
-  Clearances& asked = o.clearances;
-  person::BodySize& body = asked.body;
-  AddNumber(
-      options, "thigh", "The person's thigh, hip to knee, for --clear-*",
-      [&body](double mm) {
-        body.leg = {mm, body.leg.value_or(person::LegLengths{}).shank_mm};
-      },
-      [&body] { return body.leg ? FormatNumber(body.leg->thigh_mm) : ""; })
-      .Unit("mm")
-      .Positive()
-      .Otherwise("by body height");
-  AddNumber(
-      options, "shank", "The person's shank, knee to ankle, for --clear-*",
-      [&body](double mm) {
-        body.leg = {body.leg.value_or(person::LegLengths{}).thigh_mm, mm};
-      },
-      [&body] { return body.leg ? FormatNumber(body.leg->shank_mm) : ""; })
-      .Unit("mm")
-      .Positive()
-      .Otherwise("by body height");
-  options.Add("height", body.height_mm, "Body height, for --clear-*")
-      .Unit("mm")
-      .Positive()
-      .Otherwise("1800, or by thigh and shank");
-  options.Add("mass", body.mass_kg, "Body mass, for --clear-*")
-      .Unit("kg")
-      .Positive()
-      .Otherwise("80 at 1800 mm, else of the same BMI");
-  options.Add("seat-edge", asked.seat_edge_mm, "Knee to the seat's front edge, for --clear-seat")
+  Describe(o.clearances.body, options);
+  options.Add("seat-edge", o.clearances.seat_edge_mm, "Knee to the seat's front edge, for --clear-seat")
       .Unit("mm")
       .NotNegative()
       .Otherwise("half the thigh");
-}
-
-void CheckHeight(const OptionList& list, const std::optional<person::LegLengths>& leg, const char* file) {
-  if (!list.IsGiven("height") || !leg || list.IsGiven("thigh") || list.IsGiven("shank")) return;
-  throw UsageError(
-      "--height {} mm: {} has the person's own thigh and shank ({} and {} mm), which a height does not change; give "
-      "--thigh and --shank too, or take thigh_mm and shank_mm out of the file",
-      list["height"].Text(), file, leg->thigh_mm, leg->shank_mm);
 }
 
 void CheckBody(const SynthesisProblem& problem) {
@@ -137,15 +89,19 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options) {
   options.Add("clear-seat", asked.seat_mm, "Least distance of the linkage from the seat, the knee bent by 90 degrees")
       .Unit("mm")
       .NotNegative();
-  AddNumber(
-      options, "clear-limb",
-      "Least distance of the actuator from thigh and shank over the used range, seen from the side, for --mount behind",
-      [&asked](double mm) { asked.thigh_mm = asked.shank_mm = mm; },
-      [&asked] { return OptionField<std::optional<double>>::Text(asked.thigh_mm); })
+  const auto set_limb = [&asked](const OptionTexts& texts, const std::string& said) {
+    OptionField<std::optional<double>>::Set(texts, said, asked.thigh_mm);
+    asked.shank_mm = asked.thigh_mm;
+  };
+  options
+      .AddCustom(
+          "clear-limb",
+          "Least distance of the actuator from thigh and shank over the used range, seen from the side, for --mount "
+          "behind",
+          set_limb, [&asked] { return OptionField<std::optional<double>>::Text(asked.thigh_mm); })
       .Unit("mm")
       .NotNegative();
   DescribeBody(o, options);
-  options.Check([&asked](const OptionList& list) { CheckHeight(list, asked.body.leg, "the problem file"); });
 }
 
 }  // namespace

@@ -22,12 +22,10 @@ struct SimulationOptions {
   double knee_torque_nm = 40;      // for the force column, extension
   std::filesystem::path torques;   // for pin_forces, a torque per stroke or per knee angle; none: knee_torque_nm
   int rows = 201;                  // of the regular grid over the used range
-  std::optional<double> body_height_mm;      // default: of a body with this leg, else the paper's average user
-  std::optional<double> body_mass_kg;        // default: as heavy for its height as the paper's average user
-  std::optional<double> thigh_mm, shank_mm;  // the person's own, hip to knee and knee to ankle; both or none
-  double seat_edge_mm = 0;                   // knee to the seat's front edge; 0: half the thigh
-  bool has_wide_seat = false;                // as linkage::WearOptions has it
-  std::optional<linkage::Mount> mount;       // default: the design's
+  person::BodySize body;
+  double seat_edge_mm = 0;              // knee to the seat's front edge; 0: half the thigh
+  bool has_wide_seat = false;           // as linkage::WearOptions has it
+  std::optional<linkage::Mount> mount;  // default: the design's
   parts::PartOptions parts;
   LegLoadOptions leg_loads;
   bool animation = true;

@@ -7,6 +7,8 @@
 
 #include <optional>
 
+#include "lake/core/options.h"
+
 namespace lake::person {
 
 // Lengths as parts of the height: hip to knee, knee to ankle, hip to shoulder, the foot, the ankle above the ground.
@@ -53,5 +55,8 @@ struct BodySize {
 };
 // Throws Error as the functions above.
 Body BodyOf(const BodySize& size);
+
+// The options of a person's size. A height does not change a leg whose lengths a file has: that is an error.
+void Describe(BodySize& o, OptionList& options);
 
 }  // namespace lake::person

@@ -62,13 +62,4 @@ struct NlpSolution {
 // variables.
 NlpSolution SolveNlp(const NonlinearProgram& program, const NlpOptions& options = {});
 
-// Ipopt's own comparison of all first and second derivatives with finite differences at the start point; `step` of a
-// variable, or of 1 where it is smaller.
-struct DerivativeReport {
-  int first_order_errors = 0, second_order_errors = 0;
-  std::string text;  // Ipopt's lines about what differs
-};
-DerivativeReport CheckDerivatives(const NonlinearProgram& program, double relative_tolerance = 1e-5,
-                                  double step = 1e-8);
-
 }  // namespace lake::nlp

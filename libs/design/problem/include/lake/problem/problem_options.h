@@ -26,9 +26,6 @@ void DescribeBody(SynthesisProblem& o, OptionList& options);
 // The options of the load profile and of the actuator.
 void DescribeLoad(SynthesisProblem& o, OptionList& options);
 
-// Throws UsageError where --height is given of a leg whose lengths `file` has.
-void CheckHeight(const OptionList& list, const std::optional<person::LegLengths>& leg, const char* file);
-
 // Throws UsageError where a body is given, but no clearance is asked for.
 void CheckBody(const SynthesisProblem& problem);
 
