@@ -28,10 +28,11 @@ void AddLoadFiles(const problem::SynthesisProblem& problem, std::vector<InputFil
 
 fs::path TakeFromDesign(const Json& texts, const fs::path& file, OptionList options) {
   std::vector<std::pair<Option*, std::string>> taken;
-  for (const auto& [key, value] : texts.items()) {
+  for (const auto& item : texts.items()) {
+    const std::string& key = item.key();
     const auto option = std::ranges::find_if(options.All(), [&](const Option& o) { return o.Key() == key; });
     if (option == options.All().end()) throw Fail("{}: unknown key '{}'", file.string(), key);
-    auto [named, rest] = FileAndRest(*option, value.get<std::string>());
+    auto [named, rest] = FileAndRest(*option, item.value().get<std::string>());
     if (!named.empty()) named = (file.parent_path() / named).lexically_normal().string();
     if (!named.empty() && !fs::exists(named)) return named;
     taken.emplace_back(&*option, named + rest);
