@@ -49,6 +49,21 @@ TEST_F(Export, WritesEachFormatWithItsPartsAndNothingElseToStdout) {
   }
 }
 
+// Parts are those that the design was made with; an option changes one of them.
+TEST_F(Export, TakesThePartsOfTheDesign) {
+  WriteTextFile(folder_ / "thick.yaml",
+                ReadTextFile(folder_ / "design.yaml") + "parts: {plate: '6mm,S235', bar_width_mm: 28}\n");
+  const auto parts_of = [&](const std::string& arguments) {
+    const Outcome outcome = Shell(folder_, fmt::format("lake-export {} -o out --json --quiet", arguments));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Json::parse(outcome.out)["parts"];
+  };
+  const Json thick = parts_of("thick.yaml dxf");
+  EXPECT_EQ(thick, parts_of("design.yaml dxf --plate 6mm,S235 --bar-width 28"));
+  EXPECT_NE(thick, parts_of("design.yaml dxf"));
+  EXPECT_EQ(parts_of("thick.yaml dxf --plate 5mm,PLA"), parts_of("design.yaml dxf --plate 5mm,PLA --bar-width 28"));
+}
+
 TEST_F(Export, RefusesWhatItCannotWrite) {
   Refused("design.yaml stl", 2, "no format 'stl': there are mjcf, osim, urdf, step, dxf");
   Refused("design.yaml sdf", 2, "sdf is removed: write urdf");

@@ -180,17 +180,18 @@ Json RunExport(const ExportOptions& options, Run& run) {
 }
 
 void Describe(ExportOptions& o, OptionList& options) {
-  const auto read = [&o](const OptionTexts& texts, const std::string& said) {
-    OptionField<std::filesystem::path>::Set(texts, said, o.design);
-    TakeFromDesign(linkage::ReadDesign(o.design).parts, o.design, OptionsOf(o.parts));
-  };
-  options.AddCustom("design", "design.yaml, as lake-optimize writes it", read, [&o] { return o.design.string(); })
-      .IsPath(Option::Path::kFile)
-      .Operand()
-      .Required();
+  options.AddOperand("design", o.design, "design.yaml, as lake-optimize writes it").Required();
   std::vector<std::string> names;
   for (const Format& format : Formats()) names.push_back(format.name);
-  options.AddOperand("format", o.format, "What to write").Value(fmt::format("{}", fmt::join(names, "|"))).Required();
+  const auto take = [&o](const OptionTexts& texts, const std::string& said) {
+    OptionField<std::string>::Set(texts, said, o.format);
+    FormatNamed(o.format);
+    TakeFromDesign(linkage::ReadDesign(o.design).parts, o.design, OptionsOf(o.parts));  // which options below change
+  };
+  options.AddCustom("format", "What to write", take, [&o] { return o.format; })
+      .Operand()
+      .Value(fmt::format("{}", fmt::join(names, "|")))
+      .Required();
   Describe(o.parts, options);
   options
       .Add("body", o.body,
