@@ -954,8 +954,14 @@ class ReviewPage(unittest.TestCase):
         self.assertIn("force", fails(builds))
         self.until(lambda: "also with every length off by up to 0.2 mm" in self.text("state"))
         self.assertEqual(len(self.failing()), len(fails(builds)))
+        # What stands there until the builds are known may be gone before it is looked at.
+        self.browser.execute_script("""
+            const state = document.getElementById("state");
+            window.states = [];
+            new MutationObserver(() => states.push(state.textContent)).observe(state, {childList: true, characterData: true, subtree: true});
+        """)
         self.set_length(1, 60)
-        self.until(lambda: "builds within ± 0.2 mm follow" in self.text("state"))
+        self.until(lambda: any("builds within ± 0.2 mm follow" in state for state in self.browser.execute_script("return states")))
         self.until(lambda: "also with every length off" in self.text("state"))
 
     def test_two_programs_save_under_their_own_names(self):
