@@ -958,7 +958,7 @@ class ReviewPage(unittest.TestCase):
         self.browser.execute_script("""
             const state = document.getElementById("state");
             window.states = [];
-            new MutationObserver(() => states.push(state.textContent)).observe(state, {childList: true, characterData: true, subtree: true});
+            new MutationObserver(() => states.push(state.innerText.replaceAll("\\u00a0", " "))).observe(state, {childList: true});
         """)
         self.set_length(1, 60)
         self.until(lambda: any("builds within ± 0.2 mm follow" in state for state in self.browser.execute_script("return states")))
