@@ -127,7 +127,7 @@ TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
       {"--threads 0", 2, "--threads must be at least 1"},
       {"--start 1,2,3", 2, "6 numbers"},
       {"--height 1750", 2, "give --clear-seat or --clear-limb too"},
-      {"--clear-seat 5 --thigh 410", 2, "a shank of 0 mm"},
+      {"--clear-seat 5 --thigh 410", 2, "--thigh and --shank"},
       {"--clear-limb 5", 2, "give mount: behind"},
       {"--mount below", 2, "--mount"},
       {"--clear-limb -1", 2, "--clear-limb must be at least 0, not -1"},
