@@ -53,6 +53,18 @@ class Simulate : public ::testing::Test {
   }
   std::filesystem::path Out() const { return folder_ / "out"; }
 
+  // loads.json: a constant moment over a rise of 2 s from 90° to 30°, a sample per so many percent.
+  void WriteProfile(double knee_nm, int step_percent) const {
+    Json profile;
+    for (int percent = 0; percent <= 100; percent += step_percent) {
+      profile["percent"].push_back(percent);
+      profile["time_s"].push_back(0.02 * percent);
+      profile["knee_deg"].push_back(90 - 0.6 * percent);
+      profile["knee_nm"].push_back(knee_nm);
+    }
+    WriteJsonFile(folder_ / "loads.json", profile);
+  }
+
   // One line on stderr, this exit code, and nothing left behind.
   void ExpectRefusal(const std::string& arguments, int exit_code, const std::string& message) {
     const Outcome outcome = RunIt(arguments);
@@ -221,14 +233,7 @@ TEST_F(Simulate, TakesADesignFileAndDefaultAngles) {
 // Parts, body and load stand in the file; an option says otherwise for one run. A file that was carried away without
 // its load is simulated nevertheless.
 TEST_F(Simulate, TakesPartsBodyAndLoadOfTheDesign) {
-  Json profile;
-  for (int percent = 0; percent <= 100; percent += 10) {
-    profile["percent"].push_back(percent);
-    profile["time_s"].push_back(0.02 * percent);
-    profile["knee_deg"].push_back(90 - 0.6 * percent);
-    profile["knee_nm"].push_back(50);
-  }
-  WriteJsonFile(folder_ / "loads.json", profile);
+  WriteProfile(50, 10);
   const auto design = folder_ / "design.yaml";
   const std::string links = "links: {l1: 59.081, l2: 68.840, l3: 55.964, l4: 71.849, l5: 118.630, l6: 287.310}\n";
   WriteTextFile(design, links +
@@ -317,14 +322,7 @@ TEST_F(Simulate, HoldsTheDesignAgainstAnActuator) {
   WriteTextFile(folder_ / "own.csv",
                 "name,closed_mm,stroke_mm,max_force_n,no_load_speed_mm_s,holding_force_n\n"
                 "short,250,100,300,20,100\nweak,240,140,20,20,\n");
-  Json profile;
-  for (int percent = 0; percent <= 100; ++percent) {
-    profile["percent"].push_back(percent);
-    profile["time_s"].push_back(0.02 * percent);
-    profile["knee_deg"].push_back(90 - 0.6 * percent);
-    profile["knee_nm"].push_back(12);
-  }
-  WriteJsonFile(folder_ / "loads.json", profile);
+  WriteProfile(12, 1);
   const auto with = [&](const char* actuator, const std::string& more) {
     const Outcome outcome = RunIt(fmt::format("{} --angles 70 --rows 41 --no-animation --actuator '{}:{}' {}",
                                               kLinksOption, (folder_ / "own.csv").string(), actuator, more));
@@ -382,14 +380,7 @@ TEST_F(Simulate, TellsWhatTheLegBears) {
 
 // Of a load profile it is the device's share.
 TEST_F(Simulate, TheLegBearsTheShareOfAProfile) {
-  Json profile;
-  for (int percent = 0; percent <= 100; percent += 10) {
-    profile["percent"].push_back(percent);
-    profile["time_s"].push_back(0.02 * percent);
-    profile["knee_deg"].push_back(90 - 0.6 * percent);
-    profile["knee_nm"].push_back(50);
-  }
-  WriteJsonFile(folder_ / "loads.json", profile);
+  WriteProfile(50, 10);
   const Outcome outcome =
       RunIt(fmt::format("{} --angles 70 --rows 41 --no-animation --profile '{}' --assist 0.4 --thigh-cuff 250:0 "
                         "--shank-cuff 250:0 --thigh-link-mass 0 --shank-link-mass 0",

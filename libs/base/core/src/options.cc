@@ -166,7 +166,6 @@ Option& Option::Operand() {
   is_operand_ = true;
   return *this;
 }
-
 Option& Option::Required() {
   is_required_ = true;
   return *this;
