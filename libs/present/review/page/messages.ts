@@ -46,6 +46,7 @@ export interface JobMessage {
 
 export interface StateMessage {
   mode: "trial" | "naming" | "tracking" | "design" | "comparison" | "study" | "live" | "start";
+  number: number; // grows with every state that the server gives
   job?: JobMessage; // tracking, optimising, a calibration or study that the start page asked for
   optimum?: { number: number; links: number[] } | null; // of a design: the last one found
   revision?: number; // counts changes

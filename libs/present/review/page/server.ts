@@ -25,6 +25,15 @@ const post = async <T>(path: string, message: unknown): Promise<T> =>
     }),
   );
 
+let newest: StateMessage | null = null;
+
+/** The newest state that the server has given: one answer may overtake another. */
+async function newestState<State extends StateMessage>(asked: Promise<State>): Promise<State> {
+  const state = await asked;
+  if (newest === null || state.number > newest.number) newest = state;
+  return newest as State;
+}
+
 async function picture(path: string): Promise<ImageBitmap> {
   const response = await fetch(path);
   if (!response.ok) throw new Refused((await response.json()).error);
@@ -35,30 +44,30 @@ export const server = {
   // Lives as long as a window of this browser does, and holds a connection meanwhile: the program ends with the last
   // one. (A connection of each window's own would be one of the six that a browser opens.)
   windows: new SharedWorker("windows.js"),
-  state: () => get<StateMessage>("state"),
+  state: () => newestState(get<StateMessage>("state")),
   trial: () => get<TrialMessage>("trial"),
   edit: (edit: EditMessage) => post<StateMessage>("edit", edit),
-  apply: () => post<StateMessage>("apply", {}),
+  apply: () => newestState(post<StateMessage>("apply", {})),
   measure: (measures: MeasureMessage[]) => post<CourseMessage[]>("measure", { measures }),
   snap: (question: SnapQuestion) => post<SnapAnswer>("snap", question),
   naming: (options: TrackOptions) => post<NamingMessage>("naming", options),
   command: (choices: Choices) => post<{ command: string }>("command", choices),
-  track: (choices: Choices) => post<StateMessage>("track", choices),
+  track: (choices: Choices) => newestState(post<StateMessage>("track", choices)),
   design: () => get<DesignMessage>("design"),
   explore: (question: ExploreQuestion) => post<ExploredMessage>("explore", question),
   save: (links: number[]) => post<{ saved: string }>("save", { links }),
   optimiseCommand: (links: number[]) => post<{ command?: string; why_not?: string }>("optimise-command", { links }),
-  optimise: (links: number[]) => post<StateMessage>("optimise", { links }),
-  stop: () => post<StateMessage>("stop", {}),
+  optimise: (links: number[]) => newestState(post<StateMessage>("optimise", { links })),
+  stop: () => newestState(post<StateMessage>("stop", {})),
   comparison: () => get<ComparisonMessage>("comparison"),
   study: () => get<StudyMessage>("study"),
   start: () => get<StartMessage>("start"),
   open: (path: string) => post<{ address: string }>("open", { path }),
-  make: (asked: MakeQuestion) => post<StateMessage>("make", asked),
+  make: (asked: MakeQuestion) => newestState(post<StateMessage>("make", asked)),
   live: () => get<LiveMessage>("live"),
   liveView: (after: number) => post<LiveViewMessage>("view", { after }),
   livePicture: (frame: number) => picture(`picture/${frame}.jpg`),
-  act: (act: LiveAct) => post<LiveStateMessage>("act", act),
+  act: (act: LiveAct) => newestState(post<LiveStateMessage>("act", act)),
   frame: (frame: number) => picture(`frame/${frame}.jpg`),
   frameOf: (trial: "human" | "exo") => (frame: number) => picture(`${trial}/${frame}.jpg`),
 };

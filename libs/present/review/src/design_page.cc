@@ -20,7 +20,7 @@ class DesignServer {
     page_.Post("optimise", [this](const Json& message) { return Optimise(LinksFrom(message.at("links"))); });
     page_.Post("stop", [this](const Json&) {
       optimising_.Stop();
-      return State();
+      return page_.State();
     });
   }
 
@@ -58,7 +58,7 @@ class DesignServer {
       const std::lock_guard lock(mutex_);
       optimum_ = {{"number", ++optima_}, {"links", design.links.Values()}};
     });
-    return State();
+    return page_.State();
   }
 
   DesignExplorer explorer_;

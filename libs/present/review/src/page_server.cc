@@ -20,14 +20,21 @@ LocalServer::Handler File(const std::string& type, std::string text) {
 }  // namespace
 
 PageServer::PageServer(const PageOptions& options, std::function<Json()> state)
-    : options_(options), server_(options.port, options.listen) {
+    : options_(options), state_(std::move(state)), server_(options.port, options.listen) {
   server_.Get("", File("text/html; charset=utf-8", std::string(PageHtml())));
   server_.Get("review.css", File("text/css; charset=utf-8", std::string(PageStyle())));
   server_.Get("review.js",
               File("text/javascript; charset=utf-8", fmt::format("/*!\n{}*/\n{}", ChartLicence(), PageScript())));
   server_.Get("windows.js", File("text/javascript; charset=utf-8", "const open = new EventSource('window');\n"));
   server_.GetHeld("window", [this] { return windows_.Open(); });
-  Get("state", std::move(state));
+  Get("state", [this] { return State(); });
+}
+
+Json PageServer::State() {
+  const std::lock_guard lock(mutex_);
+  Json state = state_();
+  state["number"] = ++states_;
+  return state;
 }
 
 void PageServer::Get(const std::string& path, std::function<Json()> answer) {

@@ -3,8 +3,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "lake/core/json.h"
@@ -49,6 +51,8 @@ class PageServer {
   // taken.
   PageServer(const PageOptions& options, std::function<Json()> state);
 
+  // The state with a `number` that grows: a page drops an answer that a newer one has overtaken.
+  Json State();
   void Get(const std::string& path, std::function<Json()> answer);
   void Post(const std::string& path, std::function<Json(const Json& message)> answer);
   // What is no message: pictures, tables.
@@ -62,6 +66,9 @@ class PageServer {
 
  private:
   const PageOptions& options_;
+  std::mutex mutex_;
+  std::function<Json()> state_;
+  std::int64_t states_ = 0;
   Windows windows_;
   LocalServer server_;
 };

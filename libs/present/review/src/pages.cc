@@ -66,17 +66,16 @@ void AddFrames(const std::string& path, FrameStore& frames, PageServer& page) {
 
 void ServeStart(const PageOptions& options, const StartWork& work) {
   BackgroundJob making;
-  const auto state = [&making] { return Json{{"mode", "start"}, {"job", making.State()}}; };
-  PageServer page(options, state);
+  PageServer page(options, [&making] { return Json{{"mode", "start"}, {"job", making.State()}}; });
   page.Get("start", [&work] { return Json{{"folder", work.folder}, {"found", work.found()}}; });
   AddOthers(work.pages, page);
   page.Post("make", [&](const Json& asked) {
     making.Start([&work, asked](const BackgroundJob::Control& control) { work.make(asked, control); });
-    return state();
+    return page.State();
   });
   page.Post("stop", [&](const Json&) {
     making.Stop();
-    return state();
+    return page.State();
   });
   page.Serve([&] { return making.IsRunning() || work.pages.are_open(); });
 }
@@ -114,12 +113,11 @@ void ServeComparison(const PageOptions& options, const ComparedPair& pair) {
 
 void ServeLive(const PageOptions& options, const LiveWork& work) {
   constexpr int kQuality = 80;
-  const auto state = [&work] {
+  PageServer page(options, [&work] {
     Json message = work.state();
     message["mode"] = "live";
     return message;
-  };
-  PageServer page(options, state);
+  });
   page.Get("live", work.about);
   page.Post("view", [&work](const Json& message) {
     const Json& after = message.at("after");
@@ -132,9 +130,9 @@ void ServeLive(const PageOptions& options, const LiveWork& work) {
     return LocalReply{.type = "image/jpeg",
                       .body = JpegEncoder(kQuality).Encode(work.picture(FrameNumber(request.rest)))};
   });
-  page.Post("act", [&work, &state](const Json& act) {
+  page.Post("act", [&work, &page](const Json& act) {
     work.act(act);
-    return state();
+    return page.State();
   });
   page.ServeUntil(work.is_over);
 }

@@ -50,11 +50,11 @@ class ReviewServer {
     page_.Post("measure", [this](const Json& asked) { return Session()->Measure(asked.at("measures")); });
     page_.Post("apply", [this](const Json&) {
       StartApplying();
-      return State();
+      return page_.State();
     });
     page_.Post("stop", [this](const Json&) {
       tracking_.Stop();
-      return State();
+      return page_.State();
     });
   }
 
@@ -63,7 +63,7 @@ class ReviewServer {
     page_.Post("command", [this](const Json& choices) { return Json{{"command", Naming().said(choices)}}; });
     page_.Post("track", [this](const Json& choices) {
       StartTracking(choices);
-      return State();
+      return page_.State();
     });
   }
 
