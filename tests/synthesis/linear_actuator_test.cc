@@ -9,7 +9,9 @@
 #include <fstream>
 
 #include "lake/core/error.h"
+#include "lake/problem/design_of_problem.h"
 #include "lake/problem/load_profile.h"
+#include "lake/problem/problem_options.h"
 #include "message_of.h"
 #include "places.h"
 
@@ -130,6 +132,27 @@ TEST_F(ActuatorFile, ProfileErrorsNameFileAndReason) {
     const std::string error = ErrorOf(text, [](const auto& path) { problem::ReadLoadProfile(path); });
     EXPECT_THAT(error, ::testing::AllOf(HasSubstr(reason), HasSubstr(path_.filename().string()))) << text;
   }
+}
+
+// A design's file may name an actuator's table of its own; both are beside the file, wherever the program is started.
+TEST_F(ActuatorFile, OfADesignIsBesideTheDesign) {
+  Write("name,maker,closed_mm,stroke_mm,max_force_n\nstrong,M,242,150,2000\n");
+  const std::string table = path_.filename().string();
+  for (const std::string& text : {table, table + ":strong"}) {
+    problem::SynthesisProblem problem;
+    OptionList options;
+    problem::DescribeLoad(problem, options);
+    EXPECT_EQ(problem::TakeFromDesign({{"actuator", text}}, path_.parent_path() / "design.yaml", options), "");
+    ASSERT_TRUE(problem.actuator) << text;
+    EXPECT_EQ(problem.actuator->name, "strong");
+    linkage::Design design = problem::DesignOf(problem, {});
+    problem::TakeProblem(problem, path_.parent_path(), design);
+    EXPECT_EQ(design.load["actuator"], table + ":strong");
+  }
+  problem::SynthesisProblem problem;
+  OptionList options;
+  problem::DescribeLoad(problem, options);
+  EXPECT_EQ(problem::TakeFromDesign({{"actuator", "absent.csv"}}, "d/design.yaml", options), "d/absent.csv");
 }
 
 }  // namespace

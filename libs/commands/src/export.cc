@@ -16,9 +16,9 @@
 #include "lake/model/coupled_model.h"
 #include "lake/model/simulator_model.h"
 #include "lake/model/step_file.h"
+#include "lake/problem/design_of_problem.h"
 #include "lake/redesign/human_motion.h"
 #include "part_tables.h"
-#include "problem_inputs.h"
 
 namespace lake::commands {
 namespace {
@@ -186,7 +186,8 @@ void Describe(ExportOptions& o, OptionList& options) {
   const auto take = [&o](const OptionTexts& texts, const std::string& said) {
     OptionField<std::string>::Set(texts, said, o.format);
     FormatNamed(o.format);
-    TakeFromDesign(linkage::ReadDesign(o.design).parts, o.design, OptionsOf(o.parts));  // which options below change
+    problem::TakeFromDesign(linkage::ReadDesign(o.design).parts, o.design,
+                            OptionsOf(o.parts));  // which options below change
   };
   options.AddCustom("format", "What to write", take, [&o] { return o.format; })
       .Operand()

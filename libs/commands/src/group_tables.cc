@@ -9,6 +9,7 @@
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
+#include "lake/problem/design_of_problem.h"
 #include "optimum_tables.h"
 #include "program_table.h"
 
@@ -106,12 +107,8 @@ std::vector<PersonRow> RowsOf(const sizes::SizesOutcome& outcome) {
 // The links, and of each who wears them placement and program.
 void WriteDesigns(const group::GroupOutcome& outcome, const std::string& name, Run& run) {
   const std::string remark = outcome.IsSolved() ? "" : ": NOT A SOLUTION: " + outcome.reason;
-  linkage::Design common;
-  common.links = outcome.nearest.Links();
-  common.d_min_mm = outcome.problem.shared.design.d_min_mm;
-  common.mount = outcome.problem.shared.design.mount;
   const problem::SynthesisProblem& problem = outcome.problem.shared.design;
-  WriteOptimumDesign(common, problem, outcome.evaluation, remark, name, run);
+  WriteOptimumDesign(DesignOf(problem, outcome.nearest.Links()), problem, outcome.evaluation, remark, name, run);
   for (std::size_t i = 0; i < outcome.people.size(); ++i) {
     const PersonOutcome& person = outcome.people[i];
     WriteOptimumDesign(person.with_group.design, problem, outcome.evaluation, remark,

@@ -22,7 +22,6 @@
 #include "lake/report/redesign_charts.h"
 #include "lake/synthesis/synthesis_options.h"
 #include "png_and_svg.h"
-#include "problem_inputs.h"
 
 namespace lake::commands {
 namespace {
@@ -370,9 +369,8 @@ void AddInputs(const ReoptimizeRunOptions& options, std::vector<InputFile>& inpu
 }  // namespace
 
 std::vector<InputFile> InputsOf(const OptimizeRunOptions& options) {
-  std::vector<InputFile> inputs;
+  std::vector<InputFile> inputs = problem::LoadFiles(options.problem);
   if (!options.problem_file.empty()) inputs.push_back({options.problem_file, "problem"});
-  AddLoadFiles(options.problem, inputs);
   if (!options.actuators.empty()) inputs.push_back({options.actuators, "actuators"});
   if (options.reoptimize) AddInputs(*options.reoptimize, inputs);
   return inputs;

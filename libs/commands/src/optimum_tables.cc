@@ -11,7 +11,7 @@
 #include "lake/core/numbers.h"
 #include "lake/core/provenance.h"
 #include "lake/core/uncertain_text.h"
-#include "lake/problem/problem_file.h"
+#include "lake/problem/design_of_problem.h"
 
 namespace lake::commands {
 namespace {
@@ -105,8 +105,7 @@ void WriteOptimumDesign(linkage::Design design, const problem::SynthesisProblem&
                         const problem::DesignEvaluation& evaluation, const std::string& remark, const std::string& name,
                         Run& run) {
   problem::TakeProblem(problem, (run.Folder() / name).parent_path(), design);
-  if (evaluation.pose) design.range_deg = evaluation.range_deg;
-  if (evaluation.stands_mm && *evaluation.stands_mm > design.d_min_mm) design.d_max_mm = evaluation.stands_mm;
+  problem::TakeRange(evaluation, design);
   design.made_by = fmt::format("lake-optimize {}{}", Version(), remark);
   linkage::WriteDesign(run.Result(name), design);
 }

@@ -18,10 +18,11 @@
 #include "lake/linkage/statics.h"
 #include "lake/parts/strength.h"
 #include "lake/problem/assistance.h"
+#include "lake/problem/design_of_problem.h"
+#include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "part_tables.h"
 #include "png_and_svg.h"
-#include "problem_inputs.h"
 #include "torque_table.h"
 
 namespace lake::commands {
@@ -481,9 +482,8 @@ void SimulationOptions::Check() const {
 }
 
 std::vector<InputFile> InputsOf(const SimulationOptions& options) {
-  std::vector<InputFile> inputs;
+  std::vector<InputFile> inputs = problem::LoadFiles(options.load);
   if (!options.torques.empty()) inputs.push_back({options.torques, "torques"});
-  AddLoadFiles(options.load, inputs);
   return inputs;
 }
 
@@ -600,9 +600,9 @@ void Describe(DesignSimulation& o, OptionList& options) {
   const auto read = [&o](const OptionTexts& texts, const std::string& said) {
     OptionField<std::filesystem::path>::Set(texts, said, o.file);
     o.design = linkage::ReadDesign(o.file);
-    TakeFromDesign(o.design.parts, o.file, OptionsOf(o.options));
-    TakeFromDesign(o.design.body, o.file, OptionsOf(o.options));
-    o.absent_load = TakeFromDesign(o.design.load, o.file, OptionsOf(o.options));
+    problem::TakeFromDesign(o.design.parts, o.file, OptionsOf(o.options));
+    problem::TakeFromDesign(o.design.body, o.file, OptionsOf(o.options));
+    o.absent_load = problem::TakeFromDesign(o.design.load, o.file, OptionsOf(o.options));
   };
   options.AddCustom("design", "design.yaml, as lake-optimize writes it", read, [&o] { return o.file.string(); })
       .IsPath(Option::Path::kFile)

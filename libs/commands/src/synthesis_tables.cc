@@ -7,6 +7,7 @@
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
+#include "lake/problem/design_of_problem.h"
 #include "lake/synthesis/synthesis_outcome.h"
 #include "optimum_tables.h"
 
@@ -46,11 +47,7 @@ void WriteMargins(const synthesis::SynthesisOutcome& outcome, Run& run) {
 }
 
 void WriteRounded(const problem::RoundedDesign& rounded, const problem::SynthesisProblem& problem, Run& run) {
-  linkage::Design design;
-  design.links = rounded.links;
-  design.d_min_mm = problem.d_min_mm;
-  design.mount = problem.mount;
-  WriteOptimumDesign(design, problem, rounded.evaluation,
+  WriteOptimumDesign(DesignOf(problem, rounded.links), problem, rounded.evaluation,
                      fmt::format(", rounded to multiples of {} mm", rounded.step_mm), "rounded.yaml", run);
 }
 
@@ -59,11 +56,8 @@ void WriteYieldsOf(const synthesis::SynthesisOutcome& outcome, Run& run) {
   std::vector<std::pair<const char*, const problem::Yield*>> designs{{"optimum", &*outcome.yield}};
   if (outcome.tolerant) {
     designs.emplace_back("tolerant", &outcome.tolerant->yield);
-    linkage::Design design;
-    design.links = outcome.tolerant->links;
-    design.d_min_mm = outcome.problem.d_min_mm;
-    design.mount = outcome.problem.mount;
-    WriteOptimumDesign(design, outcome.problem, outcome.tolerant->evaluation,
+    WriteOptimumDesign(DesignOf(outcome.problem, outcome.tolerant->links), outcome.problem,
+                       outcome.tolerant->evaluation,
                        fmt::format(", limits kept within ±{} mm", SignificantText(outcome.tolerant->robust_mm, 4)),
                        "tolerant.yaml", run);
   }
@@ -178,11 +172,7 @@ Json InfeasibleJson(const synthesis::InfeasibilityReport& report, const problem:
 }
 
 void WriteTables(const synthesis::SynthesisOutcome& outcome, const OptimumView& optimum, Run& run) {
-  linkage::Design design;
-  design.links = optimum.links_after;
-  design.d_min_mm = outcome.problem.d_min_mm;
-  design.mount = outcome.problem.mount;
-  WriteOptimumDesign(design, optimum, run);
+  WriteOptimumDesign(DesignOf(outcome.problem, optimum.links_after), optimum, run);
   WriteOptimum(optimum, PoseRows(optimum.before, optimum.after), run);
   WriteConstraints(optimum, {}, run);
   std::vector<StartRow> starts;

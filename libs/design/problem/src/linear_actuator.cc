@@ -195,20 +195,22 @@ std::vector<LinearActuator> KnownActuators() {
   return ReadTable(CsvTable::Parse(std::string(ActuatorCatalogue()), path), path);
 }
 
+ActuatorPlace PlaceOf(const std::string& text) {
+  const std::size_t table = text.rfind(".csv:");
+  if (table != std::string::npos) return {text.substr(0, table + 4), text.substr(table + 5)};
+  if (text.ends_with(".csv")) return {text, ""};
+  return {"", text};
+}
+
 LinearActuator FindActuator(const std::string& text, const fs::path& folder) {
-  const std::size_t colon = text.rfind(".csv:");
-  if (colon != std::string::npos) {
-    const std::string file = (folder / text.substr(0, colon + 4)).string();
-    LinearActuator actuator = Named(ReadActuators(file), text.substr(colon + 5), file);
-    actuator.file = file;
-    return actuator;
-  }
-  if (!text.ends_with(".csv")) return Named(KnownActuators(), text, "lake's catalogue");
-  const std::vector<LinearActuator> actuators = ReadActuators(folder / text);
-  if (actuators.size() > 1)
+  const auto [file, name] = PlaceOf(text);
+  if (file.empty()) return Named(KnownActuators(), name, "lake's catalogue");
+  const fs::path path = folder / file;
+  const std::vector<LinearActuator> actuators = ReadActuators(path);
+  if (name.empty() && actuators.size() > 1)
     throw Fail("{} has {} actuators: name one, {}:{}", text, actuators.size(), text, actuators.front().name);
-  LinearActuator actuator = actuators.front();
-  actuator.file = folder / text;
+  LinearActuator actuator = name.empty() ? actuators.front() : Named(actuators, name, path.string());
+  actuator.file = path;
   return actuator;
 }
 

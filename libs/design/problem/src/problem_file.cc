@@ -107,10 +107,6 @@ void ReadByOptions(YamlNode node, SynthesisProblem& problem, void (*describe)(Sy
   node.Finish();
 }
 
-void DescribeParts(SynthesisProblem& problem, OptionList& options) {
-  parts::Describe(problem.parts, options);
-}
-
 }  // namespace
 
 void ReadClearances(YamlNode& node, SynthesisProblem& problem) {
@@ -174,23 +170,6 @@ SynthesisProblem ReadProblem(const std::filesystem::path& path) {
 
 namespace {
 
-// The options of a program that differ from its own values, by their keys; paths from this folder.
-Json OptionsBeside(const SynthesisProblem& problem, const fs::path& folder,
-                   void (*describe)(SynthesisProblem&, OptionList&)) {
-  SynthesisProblem described;
-  OptionList list;
-  describe(described, list);
-  described = problem;
-  Json texts = Json::object();
-  for (const Option& option : list.All()) {
-    const std::string text = option.Text();
-    if (text.empty() || text == option.DefaultText()) continue;
-    const bool is_file = option.PathKind() != Option::Path::kNone || text.find(".csv:") != std::string::npos;
-    texts[option.Key()] = is_file ? fs::absolute(text).lexically_relative(fs::absolute(folder)).string() : text;
-  }
-  return texts;
-}
-
 // Each struct is taken apart whole, so that a new member does not compile until it is written here.
 
 Json ActuatorJson(const LinearActuator& actuator) {
@@ -237,12 +216,11 @@ Json BoundsJson(const std::array<Bounds, 6>& bounds) {
 
 }  // namespace
 
-void TakeProblem(const SynthesisProblem& problem, const fs::path& folder, linkage::Design& design) {
-  design.parts = OptionsBeside(problem, folder, DescribeParts);
-  design.body = OptionsBeside(problem, folder, DescribeBody);
-  design.load = OptionsBeside(problem, folder, DescribeLoad);
-  if (problem.knee_torque_nm != SynthesisProblem().knee_torque_nm)
-    design.load["knee_torque_nm"] = FormatNumber(problem.knee_torque_nm);
+std::vector<InputFile> LoadFiles(const SynthesisProblem& problem) {
+  std::vector<InputFile> files;
+  if (problem.profile) files.push_back({problem.profile->file, "profile"});
+  if (problem.actuator && !problem.actuator->file.empty()) files.push_back({problem.actuator->file, "actuator"});
+  return files;
 }
 
 Json ProblemJson(const SynthesisProblem& problem) {

@@ -48,6 +48,10 @@ void DescribeLoad(SynthesisProblem& o, OptionList& options) {
       .Key("duration_s");
 }
 
+void DescribeParts(SynthesisProblem& o, OptionList& options) {
+  parts::Describe(o.parts, options);
+}
+
 void DescribeBody(SynthesisProblem& o, OptionList& options) {
   Describe(o.clearances.body, options);
   options.Add("seat-edge", o.clearances.seat_edge_mm, "Knee to the seat's front edge, for --clear-seat")

@@ -7,6 +7,7 @@
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/cuffs/cuff_course.h"
+#include "lake/problem/design_of_problem.h"
 #include "lake/redesign/quantities.h"
 
 namespace lake::redesign {
@@ -160,10 +161,7 @@ double DurationOf(const RedesignProblem& problem, const RedesignPoint& point) {
 }
 
 linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& point) {
-  linkage::Design design;
-  design.links = point.links;
-  design.d_min_mm = problem.design.d_min_mm;
-  design.mount = problem.design.mount;
+  linkage::Design design = problem::DesignOf(problem.design, point.links);
   design.placement_mm = {point.placement_mm.x(), point.placement_mm.y()};
   linkage::StrokeProgram program;
   program.kind = problem.program.free_ends ? Kind::kFree : problem.program.kind;

@@ -12,6 +12,7 @@
 #include "lake/core/numbers.h"
 #include "lake/core/provenance.h"
 #include "lake/linkage/wear.h"
+#include "lake/problem/design_of_problem.h"
 #include "lake/problem/evaluate.h"
 
 namespace lake::review {
@@ -346,9 +347,8 @@ linkage::Design DesignExplorer::With(const Links& links) const {
   design.links = links;
   design.d_min_mm = explored_.problem.d_min_mm;
   design.mount = explored_.problem.mount;
-  design.range_deg = evaluation.range_deg;
   design.d_max_mm.reset();
-  if (evaluation.stands_mm && *evaluation.stands_mm > design.d_min_mm) design.d_max_mm = evaluation.stands_mm;
+  problem::TakeRange(evaluation, design);
   if (design.program && design.program->kind == linkage::StrokeProgram::Kind::kFree) design.program.reset();
   const bool is_feasible = evaluation.IsFeasible();
   design.made_by = fmt::format("lake-review {}{}", Version(), is_feasible ? "" : ": does not meet all requirements");

@@ -62,6 +62,14 @@ std::vector<LinearActuator> ReadActuators(const std::filesystem::path& path);
 // The catalogue that lake comes with, calibration/actuators.csv.
 std::vector<LinearActuator> KnownActuators();
 
+// How a text names an actuator: NAME of the catalogue that lake comes with (no file), FILE.csv (no name),
+// FILE.csv:NAME.
+struct ActuatorPlace {
+  std::filesystem::path file;
+  std::string name;
+};
+ActuatorPlace PlaceOf(const std::string& text);
+
 // NAME of the catalogue that lake comes with, or a file, relative to `folder`: FILE.csv with a single actuator,
 // FILE.csv:NAME. Throws Error that lists the names there are.
 LinearActuator FindActuator(const std::string& text, const std::filesystem::path& folder = {});

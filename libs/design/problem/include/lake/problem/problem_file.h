@@ -11,10 +11,11 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "lake/core/json.h"
+#include "lake/core/run.h"
 #include "lake/core/yaml.h"
-#include "lake/linkage/design_file.h"
 #include "lake/problem/problem.h"
 
 namespace lake::problem {
@@ -28,8 +29,8 @@ void ReadClearances(YamlNode& node, SynthesisProblem& problem);
 // As above, from a map inside a file in this folder.
 SynthesisProblem ReadProblem(YamlNode node, const std::filesystem::path& folder);
 
-// What later programs need to judge a design of this problem: parts, body and load. `folder` is that of its file.
-void TakeProblem(const SynthesisProblem& problem, const std::filesystem::path& folder, linkage::Design& design);
+// The files that its load comes from, where there are any: "profile", and the "actuator"'s table.
+std::vector<InputFile> LoadFiles(const SynthesisProblem& problem);
 
 // Every value of a problem, units as in the struct, but not the places of its files: problems whose JSON is equal have
 // the same designs.

@@ -20,6 +20,9 @@ Option& DescribeMount(Field& mount, OptionList& options) {
       "Where the linkage is on the leg: beside it neither the limbs nor a narrow seat are in its way");
 }
 
+// The options of the parts, as lake-simulate has them.
+void DescribeParts(SynthesisProblem& o, OptionList& options);
+
 // The options of the body that clearances are to.
 void DescribeBody(SynthesisProblem& o, OptionList& options);
 
