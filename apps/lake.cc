@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -17,40 +16,17 @@
 #include "lake/core/nearest_name.h"
 #include "lake/core/provenance.h"
 #include "lake/core/standard_output.h"
+#include "programs.h"
 
+using lake::kPrograms;
+using lake::ListedProgram;
 namespace fs = std::filesystem;
 
 namespace {
 
-struct Step {
-  std::string_view name, what;
-};
-constexpr std::array kSteps = {
-    Step{"run", "a whole study, from two videos to a better exoskeleton"},
-    Step{"cohort", "the studies of many people, and what they say as a group"},
-    Step{"calibrate", "camera and sagittal plane from pictures of a board"},
-    Step{"check", "in seconds: is a recording fit, and what to change"},
-    Step{"track", "markers, leg vectors and knee angle from a video"},
-    Step{"review", "in the browser: correct a trial, name markers, explore a design"},
-    Step{"live", "an exoskeleton aligned while it is worn, by where its joint sits after each rise"},
-    Step{"anonymise", "a copy of a recording with the head blurred"},
-    Step{"gait", "the leg fit on tracks made before, or by another program"},
-    Step{"compare", "misalignment between a human trial and an exoskeleton trial"},
-    Step{"loads", "the moments at ankle, knee and hip over the rise"},
-    Step{"axis", "the axis about which shank and thigh turn"},
-    Step{"sync", "the clocks of two recordings of one movement, aligned"},
-    Step{"optimize", "the links that give the largest range of rotation"},
-    Step{"simulate", "poses, angle against stroke and animation of a design"},
-    Step{"export", "a design for simulators, CAD and cutters"},
-    Step{"stroke", "stroke program and firmware for the actuator"},
-    Step{"convert", "a trial file in another format"},
-    Step{"info", "what is inside a trial file"},
-    Step{"synth", "a rendered recording with its ground truth"},
-};
-
 std::vector<std::string> StepNames() {
   std::vector<std::string> names;
-  for (const Step& step : kSteps) names.emplace_back(step.name);
+  for (const ListedProgram& step : kPrograms) names.emplace_back(step.name);
   return names;
 }
 
@@ -60,7 +36,7 @@ bool IsInstalled(const fs::path& folder, std::string_view step) {
 
 void PrintHelp(const fs::path& folder) {
   fmt::print("lake: from two videos of a sit-to-stand to a better knee exoskeleton\n\nUsage: lake STEP [OPTIONS]\n\n");
-  for (const Step& step : kSteps)
+  for (const ListedProgram& step : kPrograms)
     if (IsInstalled(folder, step.name)) fmt::print("  {:<10} {}\n", step.name, step.what);
   fmt::print(
       "\n`lake STEP --help` or `lake help STEP` shows the options of a step; each is also a program, lake-STEP.\n");
@@ -69,7 +45,7 @@ void PrintHelp(const fs::path& folder) {
 // Completes the steps, whose descriptions have no quotes; what follows is completed as lake-STEP completes it.
 std::optional<std::string> Completion(const fs::path& folder, std::string_view shell) {
   std::string names, zsh, fish;
-  for (const Step& step : kSteps) {
+  for (const ListedProgram& step : kPrograms) {
     if (!IsInstalled(folder, step.name)) continue;
     names += fmt::format("{}{}", names.empty() ? "" : " ", step.name);
     zsh += fmt::format("    '{}:{}'\n", step.name, step.what);

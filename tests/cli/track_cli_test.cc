@@ -1,11 +1,13 @@
 // lake-track and its fellows on bad input, on a full disk, interrupted: one line, the right exit code, nothing
 // half-written.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "cli/program_run.h"
 #include "lake/core/json.h"
 #include "lake/motion/leg_motion.h"
+#include "programs.h"
 
 namespace lake {
 namespace {
@@ -227,7 +229,7 @@ TEST_F(TrackProgram, SummaryIsOneJsonValueAndTheFrontDoorDoesTheSame) {
     EXPECT_EQ(ReadTextFile(folder_ / "front" / name), ReadTextFile(folder_ / "direct" / name)) << name;
 }
 
-class Programs : public testing::TestWithParam<const char*> {};
+class Programs : public testing::TestWithParam<std::string> {};
 
 TEST_P(Programs, AnswerHelpVersionAndUnknownOptions) {
   const TemporaryFolder folder;
@@ -245,16 +247,17 @@ TEST_P(Programs, AnswerHelpVersionAndUnknownOptions) {
   EXPECT_EQ(unknown.out, "");
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Programs,
-                         testing::Values("lake", "lake-track", "lake-anonymise", "lake-check", "lake-gait",
-                                         "lake-loads", "lake-axis", "lake-sync", "lake-review", "lake-live",
-                                         "lake-cohort", "lake-convert", "lake-info", "lake-simulate", "lake-export",
-                                         "lake-calibrate", "lake-optimize", "lake-stroke", "lake-synth", "lake-run"),
-                         [](const auto& info) {
-                           std::string name = info.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+std::vector<std::string> AllPrograms() {
+  std::vector<std::string> names{"lake"};
+  for (const ListedProgram& program : kPrograms) names.push_back(fmt::format("lake-{}", program.name));
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Programs, testing::ValuesIn(AllPrograms()), [](const auto& info) {
+  std::string name = info.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
 
 }  // namespace
 }  // namespace lake
