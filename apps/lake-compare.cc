@@ -8,8 +8,7 @@ int main(int argc, char** argv) {
                         "lake-compare track/human track/exo --human-knee knee --exo-knee exo_knee -o comparison");
   lake::commands::CompareRunOptions options;
   program.Add(lake::OptionsOf(options).WithUsual({"exo-map", "map", "human-knee", "exo-knee", "joint-at", "movement",
-                                                  "knee-from", "sync", "worn", "camera", "scale", "depth", "forces",
-                                                  "height", "mass"}));
+                                                  "knee-from", "worn", "camera", "scale", "depth", "height", "mass"}));
   return program.Main(
       argc, argv, [] { return std::string("comparison"); },
       [&](lake::Run& run) { return lake::commands::RunCompare(options, run); });

@@ -26,9 +26,9 @@ class BothLegs : public testing::Test {
 };
 
 TEST_F(BothLegs, AreComparedRiseByRise) {
-  const Outcome outcome = Shell(folder_, fmt::format("lake-compare --left {0} --right {0} --map {1} --right-map {2} "
-                                                     "--forward x --quiet --json -o S",
-                                                     Quoted(trial_), kLeft, kRight));
+  const Outcome outcome =
+      Shell(folder_, fmt::format("lake-symmetry {0} --map {1} --right-map {2} --forward x --quiet --json -o S",
+                                 Quoted(trial_), kLeft, kRight));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json summary = Json::parse(outcome.out);
   EXPECT_EQ(summary["matched"], true);
@@ -49,9 +49,8 @@ TEST_F(BothLegs, OfOnePersonAreSymmetricAndOfTwoPeopleAreNot) {
   const std::string other = Quoted(SharedData() / "sts_force_plates/STS1.trc");
   const auto compare = [&](const std::string& left, const std::string& right) {
     const Outcome outcome =
-        Shell(folder_, fmt::format("lake-compare --left {} --right {} --map {} --right-map {} --forward x --quiet "
-                                   "--json -o S",
-                                   left, right, kLeft, kRight));
+        Shell(folder_, fmt::format("lake-symmetry {} {} --map {} --right-map {} --forward x --quiet --json -o S", left,
+                                   right, kLeft, kRight));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
   };
@@ -72,11 +71,9 @@ TEST_F(BothLegs, OfOnePersonAreSymmetricAndOfTwoPeopleAreNot) {
 // quantities Student's t of four degrees of freedom is 5.9, and the interval, −3 to 57 N, just holds zero.
 TEST_F(BothLegs, BearUnequalLoads) {
   const fs::path folder = SharedData() / "sts_force_plates";
-  const std::string
-      both =
-          fmt::format("lake-compare --left {0} --right {0} --map {1} --right-map {2} --forward x --quiet --json -o S ",
-                      Quoted(folder / "STS1.trc"), kLeft, kRight),
-      legs = both + fmt::format("--forces {} ", Quoted(folder / "STS1_grf.mot"));
+  const std::string both = fmt::format("lake-symmetry {0} --map {1} --right-map {2} --forward x --quiet --json -o S ",
+                                       Quoted(folder / "STS1.trc"), kLeft, kRight),
+                    legs = both + fmt::format("--forces {} ", Quoted(folder / "STS1_grf.mot"));
   const Outcome outcome = Shell(folder_, legs + "--plates right=1,left=2");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json summary = Json::parse(outcome.out), &mean = summary["symmetry"]["load_mean_n"],
@@ -190,19 +187,16 @@ TEST_F(FarLeg, IsNotTakenForTheNearOne) {
   ExpectNearLeg();
 }
 
-TEST(CompareProgram, TakesTwoTrialsOrTwoLegs) {
+TEST(SymmetryProgram, SaysWhatIsMissingAndWhereItWas) {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& words, const std::string& message) {
-    const Outcome outcome = Shell(folder, "lake-compare " + words);
+    const Outcome outcome = Shell(folder, words);
     EXPECT_EQ(outcome.exit_code, 2) << words;
     EXPECT_THAT(outcome.err, HasSubstr(message));
   };
-  refused("", "--left A --right B");
-  refused("human", "--left A --right B");
-  refused("--left a", "give both");
-  refused("human exo --left a --right b", "instead of HUMAN and EXO");
-  refused("human exo --forces f.mot", "--forces only applies to the comparison of both legs");
-  refused("--left a --right b --plates left=1", "--plates needs a file with the forces");
+  refused("lake-symmetry", "left");
+  refused("lake-symmetry a b --plates left=1", "--plates needs a file with the forces");
+  refused("lake-compare --left a --right b", "lake symmetry LEFT RIGHT");
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "lake/commands/optimize.h"
 #include "lake/commands/simulate.h"
 #include "lake/commands/stroke.h"
+#include "lake/commands/symmetry.h"
 #include "lake/commands/sync.h"
 #include "lake/commands/track.h"
 #include "lake/core/yaml.h"
@@ -201,6 +202,7 @@ TEST(Help, HasEveryDescribedOptionWithItsUnit) {
   ExpectHelp<commands::SyncRunOptions>("lake-sync");
   ExpectHelp<reviewing::ReviewRunOptions>("lake-review");
   ExpectHelp<commands::CompareRunOptions>("lake-compare");
+  ExpectHelp<commands::SymmetryRunOptions>("lake-symmetry");
   ExpectHelp<commands::OptimizeRunOptions>("lake-optimize");
   ExpectHelp<commands::ReoptimizeRunOptions>("lake-optimize", {"duration"});
   ExpectHelp<commands::StrokeRunOptions>("lake-stroke");

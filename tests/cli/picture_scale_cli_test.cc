@@ -51,14 +51,15 @@ class TracksInPx : public testing::Test {
     }
   }
 
-  Json Compare(const std::string& words) const {
-    const Outcome outcome = Shell(folder_, "lake-compare " + words + " --quiet --json");
+  Json Compare(const std::string& words, const std::string& program = "lake-compare ") const {
+    const Outcome outcome = Shell(folder_, program + words + " --quiet --json");
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
   }
 
-  void ExpectRefused(const std::string& words, int exit_code, const std::string& message) const {
-    const Outcome outcome = Shell(folder_, "lake-compare " + words + " -o R");
+  void ExpectRefused(const std::string& words, int exit_code, const std::string& message,
+                     const std::string& program = "lake-compare ") const {
+    const Outcome outcome = Shell(folder_, program + words + " -o R");
     EXPECT_EQ(outcome.exit_code, exit_code) << words;
     EXPECT_THAT(outcome.err, HasSubstr(message));
     EXPECT_FALSE(fs::exists(folder_ / "R"));
@@ -89,14 +90,15 @@ TEST_F(TracksInPx, OneScaleIsForBothUnlessTheOtherHasItsOwn) {
 }
 
 TEST_F(TracksInPx, OfBothLegsHaveTheirScalesToo) {
-  const Json legs = Compare("--left human.csv --right exo.csv --camera camera.yaml --right-scale 0,0,500,0,1000 -o S");
+  const Json legs =
+      Compare("human.csv exo.csv --camera camera.yaml --right-scale 0,0,500,0,1000 -o S", "lake-symmetry ");
   ASSERT_TRUE(legs.is_object());
   EXPECT_TRUE(legs["symmetry"].contains("hip_rise_mm"));
   EXPECT_LT(std::abs(legs["symmetry"]["hip_rise_mm"]["difference"].get<double>()), 1);
   // Of use for the left one alone is enough, and so is a scale of the right one's own.
-  for (const char* words : {"--left exo.csv --right human_mm.csv --scale 0,0,500,0,1000 -o L",
-                            "--left human_mm.csv --right exo.csv --right-scale 0,0,500,0,1000 -o R"}) {
-    const Json one = Compare(words);
+  for (const char* words :
+       {"exo.csv human_mm.csv --scale 0,0,500,0,1000 -o L", "human_mm.csv exo.csv --right-scale 0,0,500,0,1000 -o R"}) {
+    const Json one = Compare(words, "lake-symmetry ");
     ASSERT_TRUE(one.is_object()) << words;
     EXPECT_LT(std::abs(one["symmetry"]["hip_rise_mm"]["difference"].get<double>()), 1) << words;
   }
@@ -126,15 +128,11 @@ TEST_F(TracksInPx, AScaleThatHasNoEffectIsRefused) {
   ExpectRefused("human_mm.csv exo.csv --exo-scale 0,0,500,0,1000 --camera camera.yaml", 2,
                 "--camera has no effect on human_mm.csv: its lengths are in mm");
   ExpectRefused("human_mm.csv exo.csv", 1, "give the one in px a scale: --exo-camera with a plane, or --exo-scale");
-  ExpectRefused("--left human_mm.csv --right human_mm.csv --scale 0,0,500,0,1000", 2, "--scale has no effect");
-  ExpectRefused("--left human_mm.csv --right exo.csv", 1,
-                "give the one in px a scale: --right-camera with a plane, or --right-scale");
-  ExpectRefused("--left exo.csv --right human_mm.csv", 1,
-                "give the one in px a scale: --camera with a plane, or --scale");
-  ExpectRefused("--left human.csv --right exo.csv --scale 0,0,500,0,1000 --exo-scale 0,0,500,0,1000", 2,
-                "--exo-scale: there is no EXO trial with --left and --right; see --right-scale");
-  ExpectRefused("human.csv exo.csv --scale 0,0,500,0,1000 --right-camera camera.yaml", 2,
-                "--right-camera only applies to --left and --right; with HUMAN and EXO give --exo-camera");
+  ExpectRefused("human_mm.csv human_mm.csv --scale 0,0,500,0,1000", 2, "--scale has no effect", "lake-symmetry ");
+  ExpectRefused("human_mm.csv exo.csv", 1, "give the one in px a scale: --right-camera with a plane, or --right-scale",
+                "lake-symmetry ");
+  ExpectRefused("exo.csv human_mm.csv", 1, "give the one in px a scale: --camera with a plane, or --scale",
+                "lake-symmetry ");
   ExpectRefused("human_mm.csv exo_mm.csv --height 1800", 2, "--height only applies together with --worn");
 }
 

@@ -31,6 +31,7 @@ RIGHT = {
     "run": "study.yaml",
     "simulate": "design.yaml",
     "stroke": "design.yaml",
+    "symmetry": "trial.csv trial.csv",
     "sync": "trial.csv trial.csv",
     "synth": "",
     "track": "film.mp4",
@@ -59,6 +60,7 @@ NUMBERS = {
         home-stroke home-speed command-timeout speed-tolerance home-error lag stop-travel extend-stop feedback-error
         supply current-zero current-scale max-current stall-current force-limit force-per-ampere idle-current
         speed-limit safety-relay hold-button table-tolerance""",
+    "symmetry": "threads replacement-sd",
     "sync": "threads drift-sd",
     "synth": """threads repetitions hub duration width height motion-seed walk-in second-person pace rest warp skin stride
         stride-length passes begin radius radius-px distance yaw pitch roll shutter readout psf read-noise shot-gain
@@ -89,7 +91,7 @@ VIDEOS = {"empty": "is a folder, not a video; for an image sequence",
           **dict.fromkeys(("text.csv", "design.yaml", "camera.yaml", "study.yaml", "page.html"), "not a video that can be read")}
 DESIGNS = {"empty": "is a folder, not a file", "camera.yaml": "--camera reads it", "study.yaml": "lake run reads it",
            **dict.fromkeys(("text.csv", "page.html"), "a design is a map with the keys links, d_min_mm, …")}
-READERS = {**dict.fromkeys(("axis", "compare", "convert", "gait", "loads", "sync"), TRIALS),
+READERS = {**dict.fromkeys(("axis", "compare", "convert", "gait", "loads", "symmetry", "sync"), TRIALS),
            **dict.fromkeys(("check", "track"), VIDEOS), **dict.fromkeys(("export", "simulate", "stroke"), DESIGNS)}
 
 # Command  ->  what its message must have.
@@ -113,20 +115,15 @@ check … --seed odd  ->  --seed 'odd': write NAME=…
 check … --crop odd  ->  --crop must have 4 numbers
 cohort  ->  --template FOLDER makes one
 cohort … --corex  ->  did you mean '--cores
-compare  ->  --left A --right B
+compare  ->  human
 compare … --replacement-sx  ->  did you mean '--replacement-sd
-compare … --forces absent.xyz  ->  for one recording use lake loads
-compare … --sync absent.xyz  ->  only applies together with --forces
 compare … --joint-at odd  ->  --joint-at must have 2 numbers
 compare … --map odd  ->  --map 'odd': write NAME=…
 compare … --exo-map odd  ->  --exo-map 'odd': write NAME=…
 compare … --camera absent.xyz  ->  leave it out
 compare … --scale odd  ->  --scale must have 5 numbers
 compare … --depth odd  ->  --depth 'odd': write NAME=…
-compare … --left absent.xyz  ->  give both
-compare … --right absent.xyz  ->  give both
-compare … --right-map odd  ->  --right-map 'odd': write NAME=…
-compare … --plates odd  ->  --plates 'odd': write NAME=…
+compare --left trial.csv --right trial.csv  ->  lake symmetry LEFT RIGHT
 compare … --exo-segment odd  ->  --exo-segment 'odd': write NAME=…
 compare … --thigh-cuff odd  ->  give DISTANCE:LENGTH in mm, as 200:80
 compare … --shank-cuff odd  ->  give DISTANCE:LENGTH in mm, as 200:80
@@ -136,8 +133,8 @@ compare … --plane-points odd  ->  leave it out
 compare … --exo-camera absent.xyz  ->  leave it out
 compare … --exo-scale odd  ->  --exo-scale must have 5 numbers
 compare … --exo-plane-points odd  ->  leave it out
-compare … --right-scale odd  ->  --right-scale must have 5 numbers
-compare … --right-plane-points odd  ->  give --exo-plane-points
+symmetry … --right-scale odd  ->  --right-scale must have 5 numbers
+symmetry … --right-plane-points odd  ->  --right-plane-points has no effect
 convert … --smoothex  ->  did you mean '--smoothed
 convert … --crop odd  ->  --crop must have 2 numbers
 export … --cuff-hole-spacinx  ->  did you mean '--cuff-hole-spacing
@@ -189,6 +186,10 @@ stroke … --speed-tolerancx  ->  did you mean '--speed-tolerance
 stroke … --rod-markers odd  ->  --stroke-log and --rod-markers belong to --validate TRACKDIR
 stroke … --pot odd  ->  give two different points COUNTS=MM,COUNTS=MM, e.g. 102=242,
 stroke … --pins odd  ->  one of ena, in1, in2, retract, extend, out1, out2 and a numb
+symmetry  ->  left
+symmetry … --sync absent.xyz  ->  only applies together with --forces
+symmetry … --right-map odd  ->  --right-map 'odd': write NAME=…
+symmetry … --plates odd  ->  --plates 'odd': write NAME=…
 sync … --signal-x  ->  did you mean '--signal-a
 sync … --signal-a odd  ->  give both
 sync … --signal-b odd  ->  give both

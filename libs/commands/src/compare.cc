@@ -25,7 +25,6 @@
 #include "lake/tracking/recording_verdicts.h"
 #include "optimum_tables.h"
 #include "png_and_svg.h"
-#include "symmetry.h"
 #include "worn_joint.h"
 
 namespace lake::commands {
@@ -372,21 +371,6 @@ void CheckReadings(const CompareRunOptions& o) {
     if (is_of_one(option)) exchange::CheckNoneIsUnused(o.exo, {{"--exo-" + option.substr(2), why}});
 }
 
-// Options of what is not compared, of which only who gave them knows.
-void CheckIsCompared(const CompareRunOptions& o, const OptionList& list) {
-  const bool of_legs = !o.left.empty() || !o.right.empty();
-  for (const char* name : {"camera", "scale", "plane-points"}) {
-    const std::string other = fmt::format("{}-{}", of_legs ? "exo" : "right", name);
-    if (!list.IsGiven(other)) continue;
-    throw UsageError(
-        of_legs
-            ? fmt::format("--{}: there is no EXO trial with --left and --right; see --right-{}", other, name)
-            : fmt::format("--{} only applies to --left and --right; with HUMAN and EXO give --exo-{}", other, name));
-  }
-  for (const char* name : {"height", "mass", "seat-edge"})
-    if (!o.worn && list.IsGiven(name)) throw UsageError("--{} only applies together with --worn", name);
-}
-
 // A joint of the leg that is none of its knees is told from a knee by its name alone.
 void CheckIsAKnee(const std::string& option, const std::string& marker) {
   for (const char* other : {"ankle", "hip", "waist", "shoulder", "heel", "toe"})
@@ -399,27 +383,14 @@ void CheckIsAKnee(const std::string& option, const std::string& marker) {
 void CheckTrials(const CompareRunOptions& o) {
   CheckIsAKnee("--human-knee", o.human_knee);
   if (o.exo_knee) CheckIsAKnee("--exo-knee", *o.exo_knee);
-  if (o.left.empty() != o.right.empty()) throw UsageError("--left and --right: a symmetry has two sides; give both");
-  if (!o.left.empty() && o.knee.knee == KneeFrom::kFunctional)
-    throw UsageError("--knee functional is of HUMAN against EXO: omit it, or --left and --right");
-  if (!o.left.empty() && !o.human.empty())
-    throw UsageError("--left and --right: both legs of one person stand instead of HUMAN and EXO; leave these out");
-  if (!o.IsMarkerOnAxis() && (!o.left.empty() || IsCompared(o.exo)))
+  if (!o.IsMarkerOnAxis() && IsCompared(o.exo))
     throw UsageError("--joint-at needs an exoskeleton trial with a joint marker");
   if (!o.IsMarkerOnAxis() && !o.knee.exo_segments.shank.empty())
     throw UsageError("--joint-at and --exo-segment exclude each other: --exo-segment finds the axis itself");
-  if (o.left.empty() && !o.forces.empty())
-    throw UsageError(
-        "--forces only applies to the comparison of both legs, --left A --right B; for one recording use lake loads");
-  if (!o.left.empty() && o.worn)
-    throw UsageError("--worn only applies to HUMAN against EXO; leave out --worn, or --left and --right");
-  if (o.knee.trial &&
-      (!o.left.empty() || IsCompared(o.exo) || IsTracked(o.exo) || o.knee.knee == KneeFrom::kFunctional))
+  if (o.knee.trial && (IsCompared(o.exo) || IsTracked(o.exo) || o.knee.knee == KneeFrom::kFunctional))
     throw UsageError(
         "--knee-from only applies where EXO is a file of markers, with --knee marker; a folder of lake track or lake "
         "gait has its rebuilt knee from their own --knee-from");
-  if (o.left.empty() && (o.human.empty() || o.exo.empty()))
-    throw UsageError("give a HUMAN and an EXO trial, or both legs of one person: --left A --right B");
 }
 
 }  // namespace
@@ -481,16 +452,10 @@ std::vector<InputFile> TrialTableInputs(const fs::path& path, const std::string&
 }
 
 std::vector<InputFile> InputsOf(const CompareRunOptions& options) {
-  const bool of_legs = !options.left.empty();
-  const char *first = of_legs ? "left" : "human", *second = of_legs ? "right" : "exo";
-  const gait::PictureScale& second_picture = of_legs ? options.right_picture : options.exo_picture;
-  std::vector<InputFile> inputs = of_legs ? TrialInputs(options.left, first) : TrialTableInputs(options.human, first);
-  for (InputFile& input : of_legs ? TrialInputs(options.right, second) : TrialTableInputs(options.exo, second))
-    inputs.push_back(std::move(input));
-  if (!options.forces.empty()) inputs.push_back({options.forces, "forces"});
-  if (options.sync) inputs.push_back({*options.sync, "sync"});
-  if (const auto& camera = options.human_picture.camera) inputs.push_back({*camera, fmt::format("{} camera", first)});
-  if (const auto& camera = second_picture.camera) inputs.push_back({*camera, fmt::format("{} camera", second)});
+  std::vector<InputFile> inputs = TrialTableInputs(options.human, "human");
+  for (InputFile& input : TrialTableInputs(options.exo, "exo")) inputs.push_back(std::move(input));
+  if (const auto& camera = options.human_picture.camera) inputs.push_back({*camera, "human camera"});
+  if (const auto& camera = options.exo_picture.camera) inputs.push_back({*camera, "exo camera"});
   if (options.knee.trial) inputs.push_back({gait::LearntKneeFile(*options.knee.trial), "knee from"});
   if (options.worn) inputs.push_back({*options.worn, "worn"});
   return inputs;
@@ -498,7 +463,6 @@ std::vector<InputFile> InputsOf(const CompareRunOptions& options) {
 
 Json RunCompare(const CompareRunOptions& options, Run& run) {
   CheckTrials(options);
-  if (!options.left.empty()) return RunSymmetry(options, run);
   CheckReadings(options);
   const RegisteredPair pair = ReadPair(options, run);
   run.AddInputs(InputsOf(options));
@@ -562,20 +526,9 @@ void Describe(CompareRunOptions& o, OptionList& options) {
       .AddOperand(
           "human", o.human,
           "A lake-track folder, .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker), or a comparison's folder")
-      .Otherwise("--left and --right");
+      .Required();
   options.AddOperand("exo", o.exo, "The trial with the exoskeleton, likewise, or lake-optimize's predicted/")
-      .Otherwise("--left and --right");
-  options.Add("left", o.left, "Instead: both legs of one person, their symmetry; the left one's trial")
-      .Otherwise("human against exo");
-  options.Add("right", o.right, "The right leg's trial, or the same file").Otherwise("human against exo");
-  options.Add("right-map", o.right_reading.names, "--map of the right leg")
-      .Value("NAME=MARKER,...")
-      .Otherwise("as --map");
-  options.Add("forces", o.forces, "Of both legs: ground forces of their recording, OpenSim's .mot or .sto, or a .c3d")
-      .Otherwise("the load on each foot is not reported");
-  options.Add("plates", o.plates, "The feet's force plates, in the file's order").Value("left=N,right=N");
-  options.Add("sync", o.sync, "The forces' clock against the trial's: the sync.yaml of lake sync TRIAL FORCES")
-      .Otherwise("one clock");
+      .Required();
   options.Add("human-knee", o.human_knee, "The compared marker of the human trial");
   options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
   compare::DescribeJointAt(o.joint_at_mm, options);
@@ -604,25 +557,16 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   Describe(o.human_picture, options);
   gait::DescribeDepths(o.human_picture.depths, options);
   gait::DescribeOther("exo", "the exoskeleton trial", o.exo_picture, options);
-  gait::DescribeOther("right", "the right leg's trial", o.right_picture, options);
   // What is said of the human trial alone holds for both.
   options.Check([&o](const OptionList& list) {
-    exchange::CheckPlates(o.plates);
-    if (!o.plates.empty() && o.forces.empty())
-      throw UsageError("--plates needs a file with the forces: give it with --forces");
-    if (o.sync && o.forces.empty()) throw UsageError("--sync only applies together with --forces");
-    CheckIsCompared(o, list);
+    for (const char* name : {"height", "mass", "seat-edge"})
+      if (!o.worn && list.IsGiven(name)) throw UsageError("--{} only applies together with --worn", name);
     o.exo_reading.up = o.human_reading.up;
     o.exo_reading.forward = o.human_reading.forward;
     o.exo_reading.values = o.human_reading.values;
-    const std::map<std::string, std::string> right_names = o.right_reading.names;
-    o.right_reading = o.human_reading;
-    if (list.IsGiven("right-map")) o.right_reading.names = right_names;
     if (!list.IsGiven("exo-map")) o.exo_reading.names = o.human_reading.names;
-    for (gait::PictureScale* other : {&o.exo_picture, &o.right_picture}) {
-      if (!other->IsGiven()) *other = o.human_picture;
-      other->depths = o.human_picture.depths;
-    }
+    if (!o.exo_picture.IsGiven()) o.exo_picture = o.human_picture;
+    o.exo_picture.depths = o.human_picture.depths;
     if (!list.IsGiven("exo-unit")) o.exo_reading.mm_per_unit = o.human_reading.mm_per_unit;
   });
 }

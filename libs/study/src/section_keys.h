@@ -10,33 +10,9 @@ using OptionNames = std::vector<std::string_view>;
 
 inline const OptionNames kGivenToCalibration{"pictures"};
 inline const OptionNames kGivenToPlane{"camera"};
-inline const OptionNames kGivenToCompare{"human",
-                                         "exo",
-                                         "map",
-                                         "up",
-                                         "forward",
-                                         "unit",
-                                         "exo-map",
-                                         "exo-unit",
-                                         "left",
-                                         "right",
-                                         "right-map",
-                                         "camera",
-                                         "scale",
-                                         "plane-points",
-                                         "exo-camera",
-                                         "exo-scale",
-                                         "exo-plane-points",
-                                         "right-camera",
-                                         "worn",
-                                         "height",
-                                         "mass",
-                                         "seat-edge",
-                                         "forces",
-                                         "plates",
-                                         "sync",
-                                         "right-scale",
-                                         "right-plane-points"};
+inline const OptionNames kGivenToCompare{
+    "human", "exo",          "map",        "up",        "forward",          "unit", "exo-map", "exo-unit", "camera",
+    "scale", "plane-points", "exo-camera", "exo-scale", "exo-plane-points", "worn", "height",  "mass",     "seat-edge"};
 inline const OptionNames kGivenToPopulation{"comparison", "human",  "human-knee",   "map",  "up",      "forward",
                                             "unit",       "worn",   "participants", "body", "balance", "device-mass",
                                             "hold-force", "pareto", "cuff-penalty", "knee", "segment", "exo-segment"};

@@ -6,6 +6,8 @@ namespace lake {
 
 std::span<const Removed> AllRemoved() {
   static constexpr Removed kRemoved[] = {
+      {"lake-compare", "--left", "", "both legs of one person are compared by lake symmetry LEFT RIGHT"},
+      {"lake-compare", "--right", "", "both legs of one person are compared by lake symmetry LEFT RIGHT"},
       {"lake-export", "sdf", "", "write urdf, which Gazebo reads ('gz sdf -p design.urdf' converts it)"},
       {"lake-stroke", "validate-bench", "", "compare the bench's logs with RISKS.md, as BENCH.md says"},
       {"lake-stroke", "--board", "board", "the firmware is for an Arduino UNO"},

@@ -4,14 +4,17 @@
 
 namespace lake::compare {
 
-void Describe(MisalignmentOptions& o, OptionList& options) {
+void DescribeReplacement(double& sd_mm, OptionList& options) {
   options
-      .Add("replacement-sd", o.replacement_sd_mm,
+      .Add("replacement-sd", sd_mm,
            "Standard deviation, per axis, of putting a marker back on its place on the skin between trials; 0 if both "
-           "are in one "
-           "recording")
+           "are in one recording")
       .Unit("mm")
       .Between(kPlausibleMarkerDeviation.low, kPlausibleMarkerDeviation.high);
+}
+
+void Describe(MisalignmentOptions& o, OptionList& options) {
+  DescribeReplacement(o.replacement_sd_mm, options);
 }
 
 void DescribeJointAt(std::array<double, 2>& joint_at_mm, OptionList& options) {

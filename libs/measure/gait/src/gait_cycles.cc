@@ -61,8 +61,9 @@ constexpr auto kStrideFields = std::to_array<Field<GaitCycle>>(
       &GaitCycle::double_support_percent, 1},
      {"step_symmetry_percent", "%", "symmetry index of the step times: this leg's less the other's, over their mean",
       "Robinson et al. 1987, J Manipulative Physiol Ther 10(4), 172-176", &GaitCycle::step_symmetry_percent, 1},
-     {"toe_clearance_mm", "mm", "least height of the toe marker in the middle half of swing over its height in stance",
-      kWinter, &GaitCycle::toe_clearance, 0}});
+     {"toe_clearance_mm", "mm",
+      "toe clearance: least height of the toe marker in the middle half of swing over its height in stance", kWinter,
+      &GaitCycle::toe_clearance, 0}});
 
 const motion::Angle& AngleOf(std::string_view name) {
   return *std::ranges::find_if(motion::Angles(), [&](const motion::Angle& angle) { return angle.name == name; });

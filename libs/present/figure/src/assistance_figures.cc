@@ -41,7 +41,7 @@ std::vector<double> ReachedSpeeds(const problem::Assistance& assistance, const p
   return speeds;
 }
 
-// The theme's colours are of things; these are of any eight actuators.
+// The theme's colours are of quantities; these are of any eight actuators.
 constexpr std::array kCurveColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                       "#8B6914", "#2E8BC0", "#222222", "#777777"};
 constexpr std::array kMarks = {7, 5, 9, 11, 13, 7, 5, 9};

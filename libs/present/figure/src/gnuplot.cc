@@ -110,8 +110,8 @@ void DropNames(std::string& line) {
   line = std::regex_replace(line, kNames, "");
 }
 
-// What gnuplot cannot be told of an SVG: its title, and that its parts have none; that it follows the reader's theme;
-// that filled shapes, for which gnuplot switches smoothing off, have no jagged edges.
+// What gnuplot has no command for in an SVG: its title, and that its parts have none; that it follows the reader's
+// theme; that filled shapes, for which gnuplot switches smoothing off, have no jagged edges.
 void FinishSvg(const std::filesystem::path& svg, std::string title) {
   std::ranges::replace(title, '_', ' ');
   const std::pair<std::string_view, std::string> kChanges[] = {

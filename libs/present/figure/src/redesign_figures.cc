@@ -16,7 +16,7 @@ namespace {
 using redesign::DesignInMotion, redesign::RedesignOutcome;
 using report::Axis, report::LineChart, report::Mark, report::Series;
 
-// The same thing has the same colour and dash in every figure.
+// The same quantity has the same colour and dash in every figure.
 Series Human(std::vector<double> values, std::string name = "human") {
   return OverPercent(std::move(name), std::move(values), colour::kHuman);
 }
@@ -45,7 +45,7 @@ std::string AfterName(const RedesignOutcome& outcome) {
   return outcome.IsSolved() ? "new" : "least found";
 }
 
-// The paths, and the same instants on each, so that being late can be told from being elsewhere.
+// The paths, and the same instants on each, so that being late can be distinguished from being elsewhere.
 LineChart PathsChart(const RedesignOutcome& outcome) {
   LineChart chart{.title = "Knee paths, leg frame",
                   .x = {.label = "anterior (mm)"},

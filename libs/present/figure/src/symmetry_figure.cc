@@ -1,22 +1,37 @@
 #include <fmt/format.h>
 
+#include <cmath>
+#include <optional>
+#include <string>
+
 #include "lake/core/colours.h"
 #include "lake/figure/gnuplot.h"
 #include "lake/figure/trial_figures.h"
+#include "lake/gait/gait_cycles.h"
 #include "lake/gait/sit_to_stand.h"
+#include "lake/gait/squats.h"
 #include "percents.h"
 
 namespace lake::figure {
 namespace {
 
-// In words, with the unit.
-std::string NameOf(const std::string& column) {
+template <typename Row>
+std::optional<std::string> NameIn(const std::string& column) {
   for (const motion::LengthUnit unit : {motion::LengthUnit::kMm, motion::LengthUnit::kPx})
-    for (const gait::Field<gait::SitToStand>& field : gait::SitToStand::Fields())
+    for (const gait::Field<Row>& field : Row::Fields())
       if (column == field.Column(unit)) {
         const std::string label = field.meaning;  // a phase's name goes before a colon
         return fmt::format("{} ({})", label.substr(0, label.find(':')), field.Unit(unit));
       }
+  return std::nullopt;
+}
+
+// In words, with the unit.
+std::string NameOf(const std::string& column, gait::MovementKind movement) {
+  const auto name = movement == gait::MovementKind::kWalking ? NameIn<gait::GaitCycle>(column)
+                    : movement == gait::MovementKind::kSquat ? NameIn<gait::Squat>(column)
+                                                             : NameIn<gait::SitToStand>(column);
+  if (name) return *name;
   if (column == "load_mean_n") return "mean force under the foot (N)";
   if (column == "load_max_n") return "largest force under the foot (N)";
   return column;
@@ -40,7 +55,7 @@ void DrawKnees(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
           data, colour::kKnee, colour::kHip)
       .Line("set tmargin at screen 0.46; set bmargin at screen 0.09; unset key")
       .Line("set ylabel 'left less right, 95 % (°)'")
-      .Line("set xlabel 'rise (%)'; set format x '%g'")
+      .Line("set xlabel '{} (%)'; set format x '%g'", gait::MovementOf(symmetry.movement).repetition)
       .Line(
           "plot {0} using 1:5:6 with filledcurves fc rgb '{1}' fs transparent solid 0.3 noborder notitle, {0} using "
           "1:4 with lines lw 3 lc rgb '{1}' notitle, 0 with lines lw 1 lc rgb '#222222' notitle",
@@ -54,9 +69,12 @@ void DrawIndices(GnuplotFigure& figure, const compare::Symmetry& symmetry) {
     const compare::SideDifference& of = symmetry.quantities[i];
     row.push_back(-static_cast<double>(i));
     index.push_back(of.index_percent);
-    low.push_back(of.index_interval.low);
-    high.push_back(of.index_interval.high);
-    names += fmt::format("{}{} -{}", names.empty() ? "" : ", ", QuoteForGnuplot(NameOf(of.name)), i);
+    const bool has_interval = std::isfinite(of.index_interval.low);
+    low.push_back(has_interval ? of.index_interval.low : of.index_percent);
+    high.push_back(has_interval ? of.index_interval.high : of.index_percent);
+    std::string name = NameOf(of.name, symmetry.movement);
+    if (const auto percent = name.find('%'); percent != std::string::npos) name.insert(percent, 1, '%');  // a format
+    names += fmt::format("{}{} -{}", names.empty() ? "" : ", ", QuoteForGnuplot(name), i);
   }
   figure.Line("set lmargin at screen 0.76; set rmargin at screen 0.97; set tmargin at screen 0.93")
       .Line("set bmargin at screen 0.09; set ytics ({}) noenhanced; unset ylabel", names)

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,20 +25,13 @@ struct CompareRunOptions {
   // lake-track folders or files that ReadTrial knows; or folders with a comparison.json (of lake-compare, or the
   // predicted path of lake-optimize), whose human or exoskeleton curve is taken.
   std::filesystem::path human, exo;
-  // Instead of these, both legs of one person: their symmetry. The left one is read by `human_reading`.
-  std::filesystem::path left, right;
-  exchange::TrialOptions right_reading;
-  std::filesystem::path forces;               // of both legs' recording: what each foot bears; empty: not told
-  std::map<std::string, int> plates;          // left, right: which plate, from 1
-  std::optional<std::filesystem::path> sync;  // sync.yaml: the forces' clock; else it is the markers'
   std::string human_knee = "knee";
   std::optional<std::string> exo_knee;  // default: exo_knee, or knee where there is neither
                                         // that nor --exo-segment
   // Of that marker, seen from the joint's axis: anterior, up along the shank.
   std::array<double, 2> joint_at_mm = {0, 0};
   exchange::TrialOptions human_reading, exo_reading;  // of files; a folder's markers have their names already
-  // Of trials in px. The left leg's is `human_picture`.
-  gait::PictureScale human_picture, exo_picture, right_picture;
+  gait::PictureScale human_picture, exo_picture;      // of trials in px
   compare::MisalignmentOptions misalignment;
   compare::ComparisonBudgetOptions budget;
   cuffs::CuffOptions cuff;

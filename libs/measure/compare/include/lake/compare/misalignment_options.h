@@ -9,6 +9,7 @@
 namespace lake::compare {
 
 void Describe(MisalignmentOptions& o, OptionList& options);
+void DescribeReplacement(double& sd_mm, OptionList& options);  // --replacement-sd
 
 // --joint-at, RegistrationOptions::marker_at_mm as it is given.
 void DescribeJointAt(std::array<double, 2>& joint_at_mm, OptionList& options);
