@@ -18,7 +18,7 @@ set(CPACK_PACKAGE_CONTACT "lake maintainers <maintainers@users.noreply.github.co
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "knee exoskeletons designed from video of a sit-to-stand")
 set(CPACK_PACKAGE_DESCRIPTION
   "lake tracks reflective markers in two videos of a sit-to-stand, without
-and with a knee exoskeleton, fits the leg's motion, tells how far the
+and with a knee exoskeleton, fits the leg's motion, says how far the
 exoskeleton's knee is from the human's and why, and finds the linkage, its
 placement and the actuator's program that mend it, up to the firmware.")
 set(CPACK_GENERATOR DEB)

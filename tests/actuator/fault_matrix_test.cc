@@ -100,7 +100,7 @@ const std::vector<SingleFault>& SingleFaults() {
        [](HostRig& rig) { rig.Breaks().is_motor_unplugged = true; }},
       {"blocked", "the rod held", {8, 11, 12}, 0.5, [](HostRig& rig) { rig.Breaks().is_blocked = true; }},
       {"shorted_extend",
-       "the bridge has failed and extends, whatever it is told: OUT1 at the supply, OUT2 at ground",
+       "the bridge has failed and extends, whatever its inputs are: OUT1 at the supply, OUT2 at ground",
        {8, 9, 10, 11, 12, 15},
        1,
        [](HostRig& rig) { rig.Breaks().shorted = 1; }},
@@ -308,7 +308,7 @@ std::string RiskTable(const std::vector<std::pair<SingleFault, Risk>>& risks) {
       "of them. The rod's way includes what was asked for until the fault is told. Dangerous is: past the linkage's "
       "end, driven into a pressed end stop, or more than {} mm after a stop, {} mm where the bridge itself has "
       "failed.\n\n"
-      "| fault | how | ALARM | told in | within | rod goes | after a stop | dangerous |\n"
+      "| fault | how | ALARM | reported in | within | rod goes | after a stop | dangerous |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
       States().size(), kStopWay_mm, kFailedBridgeWay_mm);
   for (const auto& [fault, risk] : risks) text += RiskRow(fault, risk) + "\n";

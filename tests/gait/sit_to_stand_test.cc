@@ -402,7 +402,7 @@ TEST(SitToStand, TableTellsTheEventsDeviations) {
   }
 }
 
-// A recording of px has no power, and its lengths are told in px.
+// A recording of px has no power, and its lengths are in px.
 TEST(SitToStand, WithoutAScaleThereIsNoPower) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 50, .repetitions = 1});
   motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {}, 3);

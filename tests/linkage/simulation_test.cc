@@ -130,7 +130,7 @@ TEST_F(Simulate, PosesBeyondTheUsedRangeDoNotCountForStrength) {
   }
 }
 
-// Each row against virtual work; the largest pin force is told in the summary.
+// Each row against virtual work; the largest pin force is in the summary.
 TEST_F(Simulate, WritesTheForcesInMembersAndPins) {
   WriteTextFile(folder_ / "torques.csv", "knee_deg,knee_torque_nm\n90,50\n10,20\n");
   const Outcome outcome = RunIt(fmt::format("{} --angles 50 --rows 41 --no-animation --torques '{}' --json",

@@ -136,7 +136,7 @@ Way NewLinks(const StudyResults& results, const Json& redesign) {
           .on_body = SimulatedOnBody(results.Summary("simulation").at("mannequin"))};
 }
 
-// What a free program of another time would leave at best: "20 s: 7.3 %"; empty where no front tells.
+// What a free program of another time would leave at best: "20 s: 7.3 %"; empty where there is no front.
 std::string OtherTime(const Json& redesign) {
   const double own_s = NumberOrNaN(redesign.at("stroke_program").at("duration_limit_s"));
   for (const Json& front : redesign.value("pareto", Json::array())) {
@@ -316,7 +316,7 @@ std::string CollisionText(const std::vector<Way>& ways, const Json& redesign) {
   return text;
 }
 
-// The three ways over the rise, and what a recording could not tell from none.
+// The three ways over the rise, and what a recording could not distinguish from none.
 LineChart ErrorChart(const StudyResults& results) {
   LineChart chart;
   chart.alt =

@@ -1,4 +1,4 @@
-// What a study's report says before its first chapter: what is wrong and the first thing to do, the ways from the
+// What a study's report says before its first chapter: what is wrong and what to do first, the ways from the
 // cheapest on, what forbids them, and the next steps.
 #pragma once
 

@@ -70,7 +70,7 @@ void DrawKneesOf(const StudyTrial& trial, const fs::path& exo, const std::string
 }
 
 // What a step's summary and its errors say of these options.
-void Tell(const OptionList& list, const Json& given, steps::StudyStep& step) {
+void Describe(const OptionList& list, const Json& given, steps::StudyStep& step) {
   step.summary_options.update(OptionsJson(list));
   step.summary_options.update(given);
   for (const auto& [name, value] : given.items()) step.given.push_back(name);
@@ -127,7 +127,7 @@ steps::StudyStep StepOf(Options options, Json (*command)(const Options&, Run&), 
   steps::StudyStep step{.options = section.text};
   step.options["all options"] = KeyOf(options);
   AddInputs(InputsOf(options), step);
-  Tell(OptionsOf(options), section.given, step);
+  Describe(OptionsOf(options), section.given, step);
   step.work = [options = std::move(options), command](Run& run) { run.WriteSummary(command(options, run)); };
   return step;
 }
@@ -406,7 +406,7 @@ OptionalStep SimulationStep(const StudyFile& study, const fs::path& out) {
     AddInputs(InputsOf(study.assistance->options), step);
     step.inputs.push_back(ProfileIn(out));
   }
-  Tell(OptionsOf(options), study.simulation_section.given, step);
+  Describe(OptionsOf(options), study.simulation_section.given, step);
   step.work = [options, is_assisted, profile = ProfileIn(out), own, design, leg](Run& run) {
     run.AddInputs(own);
     commands::SimulationOptions of_person = options;

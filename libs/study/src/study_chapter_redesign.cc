@@ -62,7 +62,7 @@ Json MeasuredWorn(const StudyResults& results) {
   return measured;
 }
 
-// 95 %, in the rows' units, of what the recording tells.
+// 95 %, in the rows' units, of what the recording shows.
 Json IntervalsOfMeasured(const StudyResults& results) {
   if (!results.Has("comparison")) return Json::object();
   const Json comparison = results.Summary("comparison"), of = comparison.value("intervals", Json::object());
@@ -93,7 +93,7 @@ Uncertain PredictedHeadline(const std::vector<Way>& ways, const StudyResults& re
   return {.value = row.factor * NumberOrNaN(of.at(row.key))};
 }
 
-// The worn design as recorded and as predicted are two things: the prediction leaves pace and lean of its trial out.
+// The worn design as recorded and as predicted are not the same: the prediction leaves pace and lean of its trial out.
 Table BeforeAfterTable(const StudyFile& study, const StudyResults& results, const Json& summary) {
   const Json &before = summary.at("before"), &after = summary.at("after"), measured = MeasuredWorn(results),
              intervals = IntervalsOfMeasured(results);

@@ -202,7 +202,7 @@ void ShareAxis(std::vector<LineChart>& charts) {
   }
 }
 
-// How well the markers tell the headline, how well that tells of the joint beneath the skin, and what would narrow it.
+// The interval of the headline by the markers alone, with skin movement, and what would narrow it.
 std::string BudgetText(const Json& comparison) {
   const Json uncertainty = comparison.value("uncertainty", Json::object());
   if (!uncertainty.contains("joint_rms_mm")) return "";

@@ -33,7 +33,7 @@ std::string EscapedForGlob(const fs::path& folder) {
   return folder.empty() ? "" : escaped;
 }
 
-// Collects the files that a study names, so that all missing ones can be told of at once.
+// Collects the files that a study names, so that one error names all that are missing.
 class InputFiles {
  public:
   explicit InputFiles(fs::path folder) : folder_(std::move(folder)) {}

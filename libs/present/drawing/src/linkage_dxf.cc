@@ -166,7 +166,7 @@ void Draw(Sheet& sheet, const Drawn& drawn, const Vector2d& at) {
                 kTextHeight_mm, drawn.label[i]);
 }
 
-// dxflib does not tell whether it could write. Its stream writes nothing more once a write has failed, so a file that
+// dxflib does not say whether it could write. Its stream writes nothing more once a write has failed, so a file that
 // ends as it should is whole.
 void CheckWhole(const std::filesystem::path& written, const std::filesystem::path& path) {
   if (!Trim(ReadTextFile(written)).ends_with("EOF"))

@@ -1,4 +1,4 @@
-// An OpenSim model as its file says it (format 40000, of OpenSim 4.0 and later), put together from where things are in
+// An OpenSim model as its file says it (format 40000, of OpenSim 4.0 and later), put together from places in
 // one pose. Ground's frame: x anterior, y up, z to the right; m, kg, rad.
 #pragma once
 

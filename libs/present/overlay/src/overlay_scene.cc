@@ -23,7 +23,7 @@ constexpr double kMark = 10;          // what stays free about a marker
 constexpr double kCross[] = {6, 15};  // a cross's arms begin and end so far from its centre
 constexpr double kPanelWidth = 246, kPanelPadding = 10, kInsetSide = 120, kGap = 6;
 constexpr double kLeastTold_px =
-    0.05;  // a background that slopes, lens and compression leave as much: below it no SD is told
+    0.05;  // a background that slopes, lens and compression leave as much: below it no SD is shown
 
 cv::Rect2d Around(cv::Point2d a, cv::Point2d b, double margin) {
   return {std::min(a.x, b.x) - margin, std::min(a.y, b.y) - margin, std::abs(a.x - b.x) + 2 * margin,

@@ -84,7 +84,7 @@ int WidthOf(std::string_view element) {
   return width_px;
 }
 
-// The type is told by the content. Throws Error: unreadable, unknown, larger than 64 MB.
+// The type follows from the content. Throws Error: unreadable, unknown, larger than 64 MB.
 EmbeddedFile EmbedFile(const std::filesystem::path& file) {
   const std::string bytes = ReadTextFile(file, kMaxBytes);
   const std::string type = MediaType(bytes);

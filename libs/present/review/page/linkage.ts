@@ -1,4 +1,4 @@
-// The leg with its linkage, zoomed and moved by mouse and fingers; a pin that is dragged is told where. Places are the
+// The leg with its linkage, zoomed and moved by mouse and fingers; a pin that is dragged says where. Places are the
 // server's: nothing is computed of the mechanism here.
 import { colourOf } from "./charts";
 import { DesignMessage, LimbMessage, PinName, Place, PoseMessage } from "./messages";

@@ -26,7 +26,7 @@ export class LivePage {
   private names = new Map<string, HTMLButtonElement>();
   private charts: { knee: Chart; joint: Chart };
   private chime = new Chime();
-  private chimed = ""; // what was told last
+  private chimed = ""; // what was said last
 
   constructor(private message: LiveMessage) {
     part("live").hidden = false;
@@ -240,9 +240,9 @@ export class LivePage {
 
   // Once for each rise after which the joint is within the tolerance.
   private tellBySound({ place, rises, moves }: LiveStateMessage): void {
-    const told = place?.verdict === "within" ? `${moves} ${rises.length}` : "";
-    if (told !== "" && told !== this.chimed) this.chime.ring();
-    this.chimed = told;
+    const said = place?.verdict === "within" ? `${moves} ${rises.length}` : "";
+    if (said !== "" && said !== this.chimed) this.chime.ring();
+    this.chimed = said;
     part("live-sound").dataset.rung = String(this.chime.rung);
   }
 

@@ -16,7 +16,7 @@ export class Measures {
   private titles: HTMLElement[] = [];
   private row = 0;
 
-  /** `changed` is told what the command line says of those that were added. */
+  /** `changed` gets what the command line says of those that were added. */
   constructor(
     markers: string[], private given: MeasureMessage[], private rows: number,
     private seek: (row: number) => void, private changed: () => void,

@@ -150,7 +150,7 @@ export interface TrackOptions {
   end?: string;
 }
 
-/** What `lake track` is told. */
+/** The options of `lake track`. */
 export interface Choices {
   markers: string[];
   options: TrackOptions;
@@ -208,7 +208,7 @@ export interface CheckMessage {
   value: number | null; // null: it cannot be evaluated
   slack: number | null; // to the limit, negative where it fails
   holds: boolean;
-  asked: boolean; // else nobody asked for it, and it is only told
+  asked: boolean; // else nobody asked for it, and it is only shown
   worst: { knee_deg?: number; percent?: number } | null; // the pose in which it is nearest to its limit
 }
 

@@ -32,7 +32,7 @@ std::string RandomToken() {
   return token;
 }
 
-// Takes as long for every text of that length, so that the time does not tell how much of it was right.
+// Takes as long for every text of that length, so that the time does not show how much of it was right.
 bool IsSame(std::string_view given, std::string_view secret) {
   if (given.size() != secret.size()) return false;
   unsigned differences = 0;

@@ -258,7 +258,7 @@ std::string RuleText(const Json& rule) {
   };
   std::string text;
   if (rule["ranges"].size() == 1)
-    text = fmt::format("No quantity of the body tells who needs which size: the next participant gets size {}.",
+    text = fmt::format("No quantity of the body predicts who needs which size: the next participant gets size {}.",
                        rule["ranges"][0]["size"].get<int>());
   else
     for (const Json& range : rule["ranges"])
@@ -313,7 +313,7 @@ Section OutliersSection(const std::vector<OutlierRow>& rows) {
                                        "1993). They count in all tables above."}}};
 }
 
-// A participant's own page, or the picture that tells most; without either the name alone.
+// A participant's own page, or the picture that shows most; without either the name alone.
 Cell LinkTo(const fs::path& study, const fs::path& out, const std::string& participant) {
   for (const char* file : {"report.html", "comparison/report.html", "human/track.png", "human/gait.png"})
     if (fs::is_regular_file(study / file))

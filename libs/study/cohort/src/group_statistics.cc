@@ -216,7 +216,7 @@ std::string IccCaution(std::size_t participants) {
   if (participants >= kEnough) return "";
   return fmt::format(
       "With {} participants an ICC means nothing yet: its interval holds nearly every value. It takes about {} with "
-      "two measurements each to tell an ICC of 0.9 from one of 0.7 (Walter, Eliasziw & Donner 1998).",
+      "two measurements each to distinguish an ICC of 0.9 from one of 0.7 (Walter, Eliasziw & Donner 1998).",
       participants, kEnough);
 }
 

@@ -392,16 +392,16 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   if (!all_well && (state.failures.empty() || !state.AllWereTried()))
     throw Fail("snakemake ended before every study was tried; {}", SnakemakeSays(out, run));
   Json summary = {{"recordings", workflow.studies.size()}, {"failures", Json::array()}};
-  const auto tell = [&](const std::string& failure) {
+  const auto say = [&](const std::string& failure) {
     run.Warn(failure);
     summary["failures"].push_back(failure);
   };
-  for (const Failure& failure : state.failures) tell(failure.Text());
+  for (const Failure& failure : state.failures) say(failure.Text());
   if (options.level == "group") {
     if (!RunSnakemake(out, "group", arguments, run.Quiet(), lock))
       throw Fail("the group's tables were not made: {}", GroupError(out).value_or(SnakemakeSays(out, run)));
     summary["group"] = ReadJsonFile(out / "group" / "summary.json");
-    for (const Json& warning : summary["group"]["warnings"]) tell(warning);
+    for (const Json& warning : summary["group"]["warnings"]) say(warning);
   } else if (!state.failures.empty()) {
     throw Fail("{} of {} studies failed: {}", FailedStudies(state.failures),
                cohort.recordings.size() + cohort.absent.size(), state.failures.front().Text());

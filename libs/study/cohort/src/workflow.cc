@@ -316,7 +316,7 @@ bool RunSnakemake(const fs::path& out, const std::string& target, const std::vec
                   const FileLock& lock) {
   if (!IsInPath("snakemake")) throw Error("snakemake is not installed; install the package snakemake");
   const fs::path logs = out / "logs";
-  // When this program is killed, snakemake is told to end too.
+  // When this program is killed, snakemake ends too.
   std::vector<std::string> words = {"setpriv",      "--pdeathsig",
                                     "TERM",         "snakemake",
                                     "--snakefile",  SharedFile("Snakefile").string(),

@@ -37,7 +37,7 @@ RiseOffset OffsetOf(const compare::StsCurve& curve, const std::optional<compare:
           .rebuilt_sd_mm = curve.rebuilt_sd_mm.empty() ? 0 : RootMeanSquare(curve.rebuilt_sd_mm)};
 }
 
-// "12 mm back"; empty where it is not told apart from nothing.
+// "12 mm back"; empty where it does not differ from nothing.
 std::string PartText(double move_mm, double half_width_mm, const char* forward, const char* back) {
   if (std::abs(move_mm) < half_width_mm || std::abs(move_mm) < 0.5) return "";
   return fmt::format("{:.0f} mm {}", std::abs(move_mm), move_mm > 0 ? forward : back);
@@ -88,7 +88,7 @@ JointPlace PlaceOf(std::span<const RiseOffset> rises, const compare::RecordingBu
       noise += std::pow(rise.noise_sd_mm[axis], 2) / n;
       spread += std::pow(rise.mean_mm[axis] - place.offset_mm[axis], 2);
     }
-    // Rises differ by the noise at least; by what more, as few of them as there are tell.
+    // Rises differ by the noise at least; by what more, only those that there are can show.
     double half_width = kNormal95 * std::sqrt(noise / n);
     if (rises.size() > 1) {
       const double t = StudentQuantile(n - 1, 0.975);

@@ -523,7 +523,7 @@ void Session::FindTheRises() {
   }
 }
 
-// Of what lake check judges: that which a recording under way tells of itself.
+// Of what lake check judges: that which a recording under way shows.
 void Session::JudgePictures() {
   constexpr std::array kJudged = {"all_seen_share",      "knee_hidden_share", "radius_px",
                                   "contrast_over_noise", "saturated_share",   "blur_px",

@@ -1,4 +1,4 @@
-// A live session at work: frames come, are tracked and told; beside it another thread names the markers and measures
+// A live session at work: frames come, are tracked and shown; beside it another thread names the markers and measures
 // the rises; the page asks and acts.
 #pragma once
 

@@ -52,24 +52,25 @@ std::optional<double> Distances::LargestPx() const {
   return largest_px;
 }
 
-LiveDifference FindDifference(const motion::MarkerRecording& told, const fs::path& folder) {
+LiveDifference FindDifference(const motion::MarkerRecording& recorded, const fs::path& folder) {
   const motion::MarkerRecording offline = motion::ReadMarkerCsv(folder / "tracks.csv");
   // Where a recording was cut, a picture that others are coded from may be missing before its last ones: what has the
   // same number is then not the same picture. Matroska's times are rounded to a millisecond.
   constexpr double kRounding_s = 0.002;
   std::optional<double> first_apart_s;
   LiveDifference difference;
-  difference.markers.reserve(told.markers.size());
-  for (const motion::MarkerTrack& live : told.markers) {
+  difference.markers.reserve(recorded.markers.size());
+  for (const motion::MarkerTrack& live : recorded.markers) {
     const motion::MarkerTrack* track = offline.Find(live.name);
     Distances own;
     for (std::size_t row = 0; track && row < offline.Frames(); ++row) {
-      const auto found = std::ranges::lower_bound(told.frame, offline.frame[row]);
-      if (found == told.frame.end() || *found != offline.frame[row]) continue;
-      const double apart_s = told.time_s[static_cast<std::size_t>(found - told.frame.begin())] - offline.time_s[row];
+      const auto found = std::ranges::lower_bound(recorded.frame, offline.frame[row]);
+      if (found == recorded.frame.end() || *found != offline.frame[row]) continue;
+      const double apart_s =
+          recorded.time_s[static_cast<std::size_t>(found - recorded.frame.begin())] - offline.time_s[row];
       if (!first_apart_s) first_apart_s = apart_s;
       if (std::abs(apart_s - *first_apart_s) > kRounding_s) continue;
-      const motion::MarkerSample& then = live.samples[static_cast<std::size_t>(found - told.frame.begin())];
+      const motion::MarkerSample& then = live.samples[static_cast<std::size_t>(found - recorded.frame.begin())];
       if (then.status != motion::SampleStatus::kDetected ||
           track->samples[row].status != motion::SampleStatus::kDetected)
         continue;

@@ -22,7 +22,7 @@ inline constexpr const char* kMoves = "moves.csv";
 inline constexpr const char* kLive = "live.json";
 inline constexpr const char* kSummary = "summary.json";  // lake-track's, written last: with it the folder is a trial
 
-// What lake-track is told beside the video and the folder. `more`: seeds and the part of the recording.
+// The arguments of lake-track beside the video and the folder. `more`: seeds and the part of the recording.
 std::vector<std::string> TrackArguments(const LiveRunOptions& options, const std::vector<std::string>& more);
 
 // Runs lake-track in the folder. Throws Error with its last line where it fails; what `check` throws passes on.
@@ -44,7 +44,7 @@ struct LiveDifference {
   std::vector<std::pair<std::string, Distances>> markers;
 };
 
-LiveDifference FindDifference(const motion::MarkerRecording& told, const std::filesystem::path& folder);
+LiveDifference FindDifference(const motion::MarkerRecording& recorded, const std::filesystem::path& folder);
 
 // rms_px and largest_px, null where no frame has both, in all and by marker.
 Json DifferenceJson(const LiveDifference& difference);

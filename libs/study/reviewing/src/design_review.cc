@@ -87,8 +87,8 @@ void AddWords(const OptionList& list, std::vector<std::string>& words) {
 // The study file of a folder of lake-run's with this summary, as it is now: it may have been edited since.
 fs::path StudyFileOf(const Json& summary, const fs::path& folder) {
   const fs::path named = summary.at("options").at("study").get<std::string>();
-  for (const fs::path& told : SubjectsOf(folder))
-    if (told.filename() == named.filename() && fs::exists(told)) return told;
+  for (const fs::path& made : SubjectsOf(folder))
+    if (made.filename() == named.filename() && fs::exists(made)) return made;
   for (const fs::path& place : WithAbove(fs::absolute(folder)))
     if (fs::exists(place / named)) return place / named;
   if (fs::exists(named)) return named;

@@ -17,7 +17,7 @@ Json ReadSummary(const std::filesystem::path& file);
 bool IsOfStudy(const Json& summary);
 
 // The options of the summary in this folder that its run was given, the others being defaults or what a file said that
-// one of these names. Throws Error for a summary of an older version, which does not tell.
+// one of these names. Throws Error for a summary of an older version, which does not say.
 Json GivenOptions(const Json& summary, const std::filesystem::path& folder);
 
 // A folder, given as an absolute path, and those above it, the nearest first.

@@ -77,7 +77,7 @@ commands::TrackRunOptions Chosen(const fs::path& video, const Json& choices, std
   return options;
 }
 
-// What lake-track is told, one word each.
+// The arguments of lake-track.
 std::vector<std::string> ArgumentsOf(const fs::path& video, const Json& choices) {
   std::vector<std::string> words;
   Chosen(video, choices, words);

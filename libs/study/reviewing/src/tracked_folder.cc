@@ -162,9 +162,9 @@ TrackedFolder ReadTrackedFolder(const fs::path& folder, const Json& given) {
   try {
     const bool is_study = IsOfStudy(summary);
     OptionList list = OptionsOf(result.options);
-    Json told = GivenOptions(summary, folder);
-    told.update(given);
-    ReadOptionsOf(told, list);
+    Json said = GivenOptions(summary, folder);
+    said.update(given);
+    ReadOptionsOf(said, list);
     ResolveInputs(summary, folder, result.options);
     ReadTracked(folder, summary, result);
     const fs::path absolute = fs::absolute(folder).lexically_normal();

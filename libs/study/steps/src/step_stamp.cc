@@ -117,7 +117,7 @@ void WriteFailure(const fs::path& folder, const std::string& step, const std::st
   fs::create_directories(folder, ignored);
   try {
     WriteJsonFile(StampPath(folder, step), {{"step", step}, {"failed", error}});
-  } catch (const Error&) {  // as on a full disk: the failure itself is told
+  } catch (const Error&) {  // as on a full disk: the failure itself is reported
   }
 }
 

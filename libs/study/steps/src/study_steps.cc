@@ -76,19 +76,19 @@ std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp
 // Throws what is being handled again, the step named before its text, and behind it what the study file says for the
 // options in it.
 [[noreturn]] void RethrowAbout(const StudyStep& step) {
-  const auto told = [&](const std::string& text) {
+  const auto text_of = [&](const std::string& text) {
     return fmt::format("step {} ({}): {}{}", step.name, step.what, text, InStudyFile(text, step.keys));
   };
   try {
     throw;
   } catch (const UsageError& error) {
-    throw UsageError(told(error.what()));
+    throw UsageError(text_of(error.what()));
   } catch (const SolverError& error) {
-    throw SolverError(told(error.what()));
+    throw SolverError(text_of(error.what()));
   } catch (const Interrupted&) {
     throw;
   } catch (const std::exception& error) {
-    throw Error(told(FaultText(error)));
+    throw Error(text_of(FaultText(error)));
   }
 }
 
@@ -154,10 +154,10 @@ class StepProgress {
     Say(step, fmt::format("{}{}{}", steps_[step].what, reason, left));
   }
 
-  void Done(std::size_t step, double seconds, bool told) {
+  void Done(std::size_t step, double seconds, bool is_said) {
     left_s_ -= expected_s_[step];
     done_s_ += expected_s_[step];
-    if (told) Say(step, fmt::format("done in {:.1f} s", seconds));
+    if (is_said) Say(step, fmt::format("done in {:.1f} s", seconds));
   }
 
   void Failed(std::size_t step, const std::string& error) const { Say(step, "failed: " + error); }
@@ -317,7 +317,7 @@ class StepRunner {
     std::vector<const WorkerProcess*> workers;
     for (const std::size_t i : working) workers.push_back(workers_[i].get());
     const std::vector<bool> ready = WaitForWorkers(workers);
-    Progress no_progress("", "", std::nullopt, true);  // steps tell their own
+    Progress no_progress("", "", std::nullopt, true);  // steps show their own
     for (std::size_t w = 0; w < working.size(); ++w) {
       const std::size_t i = working[w];
       if (!ready[w] || workers_[i]->Read(no_progress)) continue;
@@ -334,10 +334,10 @@ class StepRunner {
   }
 
   // A failure is kept until the others that are under way have ended: what they do is not lost.
-  void TakeStep(std::size_t i, bool told, const std::function<StepStamp()>& take) {
+  void TakeStep(std::size_t i, bool is_said, const std::function<StepStamp()>& take) {
     try {
       StepStamp stamp = take();
-      progress_.Done(i, stamp.cost.seconds, told);
+      progress_.Done(i, stamp.cost.seconds, is_said);
       Finish(i, std::move(stamp));
     } catch (const Error& error) {
       failures_[i] = std::current_exception();
@@ -360,7 +360,7 @@ class StepRunner {
   std::vector<std::vector<std::string>> before_;
   std::vector<State> state_;
   std::vector<Due> due_;
-  std::map<std::size_t, std::exception_ptr> failures_;  // by step: the first of them is told
+  std::map<std::size_t, std::exception_ptr> failures_;  // by step: the first of them is reported
   std::vector<StepOutcome> outcomes_;
   std::vector<std::unique_ptr<WorkerProcess>> workers_;
 };

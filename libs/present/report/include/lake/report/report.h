@@ -75,7 +75,7 @@ struct Table {
   std::vector<std::size_t> filters{};  // columns by whose values a reader chooses rows; of the first also thin curves
 };
 
-// PNG, JPEG, GIF, SVG (as <img>, so that no script in it runs), MP4 (with controls); told apart by their content.
+// PNG, JPEG, GIF, SVG (as <img>, so that no script in it runs), MP4 (with controls); distinguished by their content.
 struct Picture {
   std::filesystem::path file{};
   std::string alt{};  // what is to be seen, for those who do not see it

@@ -27,7 +27,7 @@ struct LocalReply {
 
 class LocalServer {
  public:
-  // An Error that it throws is told to the page, with status 400.
+  // An Error that it throws goes to the page, with status 400.
   using Handler = std::function<LocalReply(const LocalRequest&)>;
 
   // Takes the port of that IPv4 address of this machine (0.0.0.0: of all), any free one if 0. At another address than

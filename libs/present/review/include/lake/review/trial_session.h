@@ -17,7 +17,7 @@
 
 namespace lake::review {
 
-// What a fit tells the page.
+// What the page shows of a fit.
 struct TrialFit {
   std::optional<gait::LegFitResult> leg;  // nullopt where the markers are no leg's; its events are those found
   motion::MarkerRecording tracks;         // px, gaps filled

@@ -9,7 +9,7 @@
 
 namespace lake::cohort {
 
-// The quantities of the page and of the search for outliers: one for each thing that is measured.
+// The quantities of the page and of the search for outliers: one for each that is measured.
 struct MainQuantity {
   const char *trial, *name, *label, *unit;
   int decimals;
@@ -30,8 +30,8 @@ struct ReliabilityRow {
 std::vector<ReliabilityRow> ReliabilityOf(const GroupData& group);
 
 // What an ICC of so few participants means, and how many it takes; empty where they are enough. Some 18 with two
-// measurements each tell an ICC of 0.9 from one of 0.7 (one-sided 5 %, power 80 %, Walter, Eliasziw & Donner 1998,
-// doi 10.1002/(SICI)1097-0258(19980115)17:1<101::AID-SIM727>3.0.CO;2-E).
+// measurements each distinguish an ICC of 0.9 from one of 0.7 (one-sided 5 %, power 80 %, Walter, Eliasziw & Donner
+// 1998, doi 10.1002/(SICI)1097-0258(19980115)17:1<101::AID-SIM727>3.0.CO;2-E).
 std::string IccCaution(std::size_t participants);
 
 // Exoskeleton minus human, in those who have both.

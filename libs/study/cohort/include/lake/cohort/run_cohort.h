@@ -13,7 +13,7 @@
 
 namespace lake::cohort {
 
-// The folder that `lake cohort` is told of by its place, and what follows the folder for results.
+// The folder that `lake cohort` is given, and what follows the folder for results.
 struct CohortRunOptions {
   std::filesystem::path source;
   std::string level;                           // participant or group

@@ -12,8 +12,8 @@ namespace lake::reviewing {
 struct DesignSubject {
   review::ExploredDesign explored;
   std::filesystem::path folder;          // where other designs are saved
-  std::vector<std::string> limit_words;  // what lake-optimize is told to have the same limits
-  std::string no_command;                // why it cannot be told; empty: it can
+  std::vector<std::string> limit_words;  // arguments of lake-optimize for the same limits
+  std::string no_command;                // why there is none; empty: there is one
 };
 
 // `problem_file` overrules the limits of a folder; empty: the folder's, else the paper's. A design.yaml that lies in a

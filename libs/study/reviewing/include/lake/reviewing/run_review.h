@@ -14,7 +14,7 @@ struct ReviewRunOptions {
   std::filesystem::path subject;  // a folder of results, a design.yaml, or a video
   std::filesystem::path problem;  // of a design: its limits; empty: those it was optimised with, else the paper's
   double capture_rate_hz = 0;     // of a video: as lake-track's
-  std::optional<gait::MovementKind> movement;  // in the place of what the trial was told
+  std::optional<gait::MovementKind> movement;  // in the place of the trial's own
   review::PageOptions page;
 };
 

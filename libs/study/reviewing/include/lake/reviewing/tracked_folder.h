@@ -1,4 +1,4 @@
-// A lake-track folder as it was made: its recording, what it was told, and what a person corrected in it since.
+// A lake-track folder as it was made: its recording, its options, and what a person corrected in it since.
 #pragma once
 
 #include <filesystem>
@@ -31,7 +31,7 @@ struct TrackedFolder {
 };
 
 // Throws Error: not such a folder, a file of it or its video is not to be found or has changed, or it was tracked with
-// corrections that lake-review did not make. `given`: options of lake-track's in the place of what it was told.
+// corrections that lake-review did not make. `given`: options of lake-track in the place of its own.
 TrackedFolder ReadTrackedFolder(const std::filesystem::path& folder, const Json& given = Json::object());
 
 // Writes corrections.csv, events_corrected.csv once an event was moved, and review.json, which keeps what they and
