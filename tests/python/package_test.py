@@ -29,7 +29,7 @@ def written_tables():
                    lake.run("track", SAMPLE / "human.mp4", list_=True, end=1, out=out / "listed"),
                    lake.run("gait", human, angle="bend=ankle,knee,hip", distance="shank=ankle,knee", speed="rise=hip", range_limit=(0, 100),
                             out=out / "measured"),
-                   lake.run("compare", left=human, right=human, out=out / "symmetry")]
+                   lake.run("symmetry", human, human, out=out / "symmetry")]
         yield from (path for folder in folders for path in sorted(folder.path.rglob("*.csv")))
 
 

@@ -261,17 +261,23 @@ Side::Quantity StepTimes(const LegFitResult& fit, const LegFitResult& other) {
   return steps;
 }
 
-// The left leg's number by the right leg's, of repetitions that overlap in time, each with the one that it overlaps
-// longest.
-std::map<int, int> LeftByRight(const std::vector<Times>& left, const std::vector<Times>& right) {
+// How long both last at the same time. In a walk the legs take turns: a stride goes with that of the right leg which
+// begins in it.
+double Shared(const Times& left, const Times& right, MovementKind movement) {
+  if (movement == MovementKind::kWalking) return right.from_s >= left.from_s && right.from_s < left.to_s ? 1 : 0;
+  return std::min(left.to_s, right.to_s) - std::max(left.from_s, right.from_s);
+}
+
+// The left leg's number by the right leg's, each with the one with which it shares most.
+std::map<int, int> LeftByRight(const std::vector<Times>& left, const std::vector<Times>& right, MovementKind movement) {
   std::map<int, int> left_by_right;
   for (const Times& l : left) {
     const Times* match = nullptr;
-    double most_s = 0;
+    double most = 0;
     for (const Times& r : right) {
-      const double both_s = std::min(l.to_s, r.to_s) - std::max(l.from_s, r.from_s);
-      if (!(both_s > most_s) || left_by_right.contains(r.repetition)) continue;
-      most_s = both_s;
+      const double shared = Shared(l, r, movement);
+      if (!(shared > most) || left_by_right.contains(r.repetition)) continue;
+      most = shared;
       match = &r;
     }
     if (match) left_by_right[match->repetition] = l.repetition;
@@ -279,12 +285,12 @@ std::map<int, int> LeftByRight(const std::vector<Times>& left, const std::vector
   return left_by_right;
 }
 
-MatchedRepetitions Match(const Side& left, const Side& right, const char* repetition) {
-  MatchedRepetitions matched{.left_by_right = LeftByRight(left.times, right.times), .warnings = {}};
+MatchedRepetitions Match(const Side& left, const Side& right, MovementKind movement) {
+  MatchedRepetitions matched{.left_by_right = LeftByRight(left.times, right.times, movement), .warnings = {}};
   const auto warn = [&](const Times& of, const char* side, const char* other) {
     matched.warnings.push_back(
         fmt::format("{} {} of the {} leg, {:.2f} to {:.2f} s, has no counterpart among the {} leg's: it is left out",
-                    repetition, of.repetition, side, of.from_s, of.to_s, other));
+                    gait::MovementOf(movement).repetition, of.repetition, side, of.from_s, of.to_s, other));
   };
   for (const Times& l : left.times)
     if (std::ranges::none_of(matched.left_by_right, [&](const auto& pair) { return pair.second == l.repetition; }))
@@ -317,7 +323,7 @@ void CheckAlike(const LegFitResult& left, const LegFitResult& right) {
 }  // namespace
 
 MatchedRepetitions MatchRepetitions(const LegFitResult& left, const LegFitResult& right) {
-  return Match(SideOf(left, 0), SideOf(right, 0), RepetitionOf(left));
+  return Match(SideOf(left, 0), SideOf(right, 0), KindOf(left));
 }
 
 Symmetry CompareSides(const LegFitResult& left, const LegFitResult& right, const SymmetryOptions& options) {
@@ -327,7 +333,7 @@ Symmetry CompareSides(const LegFitResult& left, const LegFitResult& right, const
   CheckSide(r, right, "right");
   Symmetry symmetry{.movement = KindOf(left), .left_count = l.count, .right_count = r.count};
   if (options.one_recording) {
-    MatchedRepetitions matched = Match(l, r, RepetitionOf(left));
+    MatchedRepetitions matched = Match(l, r, symmetry.movement);
     symmetry.warnings = std::move(matched.warnings);
     if (symmetry.movement == MovementKind::kWalking) {
       l.quantities.push_back(StepTimes(left, right));

@@ -52,8 +52,8 @@ struct Symmetry {
 };
 
 // Of one recording, in which the legs need not have been found to move the same number of times: for each repetition of
-// the right leg the left leg's number of the one that it overlaps longest. One that overlaps none is left out, and a
-// warning names it.
+// the right leg the left leg's number of the one that it overlaps longest, for a stride of the one in which it begins.
+// One that has none is left out, and a warning names it.
 struct MatchedRepetitions {
   std::map<int, int> left_by_right;
   std::vector<std::string> warnings;
