@@ -56,7 +56,7 @@ compare::Misalignment MeasureRises(const Differences& by, const Recordings& how,
 }
 
 struct Quantity {
-  const char* name;
+  std::string name;
   std::function<compare::Interval(const compare::Misalignment&)> interval;
   double truth;
 };
@@ -109,13 +109,14 @@ std::vector<Quantity> TrueQuantities(const Differences& by, bool with_parts) {
   options.intervals = false;
   const compare::Decomposition parts = compare::CompareTrials({{human}, {}}, {{worn}, {}}, options).decomposition;
   quantities.insert(quantities.end(), {{"offset x", of_part(&PartIntervals::offset_x_mm), parts.offset_mm.x()},
-                                       {"offset y", of_part(&PartIntervals::offset_y_mm), parts.offset_mm.y()},
-                                       {"placement", of_part(&PartIntervals::placement_mm), Rms(parts.placement_mm)},
-                                       {"timing", of_part(&PartIntervals::timing_mm), Rms(parts.timing_mm)},
-                                       {"shape", of_part(&PartIntervals::shape_mm), Rms(parts.shape_mm)},
-                                       {"placement's fraction", of_part(&PartIntervals::placement), parts.placement},
-                                       {"timing's fraction", of_part(&PartIntervals::timing), parts.timing},
-                                       {"shape's fraction", of_part(&PartIntervals::shape), parts.shape}});
+                                       {"offset y", of_part(&PartIntervals::offset_y_mm), parts.offset_mm.y()}});
+  for (std::size_t k = 0; k < compare::kParts.size(); ++k) {
+    const compare::Part& part = compare::kParts[k];
+    quantities.push_back(
+        {part.name, [k](const Misalignment& m) { return m.part_intervals->rms_mm[k]; }, Rms(parts.*part.vectors_mm)});
+    quantities.push_back({std::string(part.name) + "'s fraction",
+                          [k](const Misalignment& m) { return m.part_intervals->fraction[k]; }, parts.*part.fraction});
+  }
   return quantities;
 }
 

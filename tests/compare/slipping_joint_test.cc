@@ -118,9 +118,9 @@ TEST(SlippingJoint, IsPlacementAndNoTiming) {
     SlipCoverage placement, timing, x, y, timing_mm;
     for (unsigned seed = 0; seed < kPeople; ++seed) {
       const Misalignment m = Measure({repetitions}, seed);
-      placement.Add(m.part_intervals->placement, 1);
-      timing.Add(m.part_intervals->timing, 0);
-      timing_mm.Add(m.part_intervals->timing_mm, 0);
+      placement.Add(m.part_intervals->fraction[0], 1);
+      timing.Add(m.part_intervals->fraction[1], 0);
+      timing_mm.Add(m.part_intervals->rms_mm[1], 0);
       x.Add(m.part_intervals->offset_x_mm, kPlace_mm.x());
       y.Add(m.part_intervals->offset_y_mm, kPlace_mm.y());
     }

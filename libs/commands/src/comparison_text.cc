@@ -1,6 +1,7 @@
 #include "comparison_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -84,12 +85,11 @@ std::string PathText(const compare::Misalignment& m) {
 std::string PartsText(const compare::Decomposition& parts, const Eigen::Vector2d& joint_mm,
                       const Eigen::Vector2d& half_width_mm) {
   if (!std::isfinite(parts.placement)) return "both paths are one: there are no parts\n";
-  const auto part = [](const char* name, double fraction, const std::vector<Eigen::Vector2d>& vectors_mm) {
-    return fmt::format("{} {:.1f} % ({:.1f} mm)", name, 100 * fraction, std::sqrt(compare::MeanSquare(vectors_mm)));
-  };
-  return fmt::format("{}, {}, {}\nthe exoskeleton's joint sits {}\n",
-                     part("placement", parts.placement, parts.placement_mm),
-                     part("timing", parts.timing, parts.timing_mm), part("shape", parts.shape, parts.shape_mm),
+  std::vector<std::string> each;
+  for (const compare::Part& part : compare::kParts)
+    each.push_back(fmt::format("{} {:.1f} % ({:.1f} mm)", part.name, 100 * (parts.*part.fraction),
+                               std::sqrt(compare::MeanSquare(parts.*part.vectors_mm))));
+  return fmt::format("{}\nthe exoskeleton's joint sits {}\n", fmt::join(each, ", "),
                      compare::DescribeJoint(joint_mm, half_width_mm));
 }
 

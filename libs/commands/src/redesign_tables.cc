@@ -40,7 +40,7 @@ std::vector<Figure> Figures() {
     return Figure{std::string(quantity.column), quantity.unit,
                   [&quantity](const Design& d) { return ValueOf(quantity, d); }};
   };
-  const auto compared = [](const char* name, const char* unit, auto value) {
+  const auto compared = [](const std::string& name, const char* unit, auto value) {
     return Figure{name, unit, [value](const Design& d) { return d.misalignment ? value(*d.misalignment) : kNaN; }};
   };
   const auto predicted = [](const char* name, const char* unit, auto value) {
@@ -53,15 +53,15 @@ std::vector<Figure> Figures() {
   std::vector<Figure> all;
   for (std::size_t i = 0; i < 6; ++i)
     all.push_back({problem::LinkName(i), "mm", [i](const Design& d) { return d.design.links.Values()[i]; }});
+  all.insert(all.end(), {{"range", "deg", [](const Design& d) { return d.evaluation.range_deg; }},
+                         limited(redesign::kMisalignment),
+                         predicted("misalignment_rms", "mm", [](const Prediction& p) { return p.Rms().mm; }),
+                         compared("misalignment_max", "mm", [](const Misalignment& m) { return m.metrics.max_mm; })});
+  for (const compare::Part& part : compare::kParts)
+    all.push_back(compared(fmt::format("part_{}", part.name), "1",
+                           [&part](const Misalignment& m) { return m.decomposition.*part.fraction; }));
   all.insert(all.end(),
-             {{"range", "deg", [](const Design& d) { return d.evaluation.range_deg; }},
-              limited(redesign::kMisalignment),
-              predicted("misalignment_rms", "mm", [](const Prediction& p) { return p.Rms().mm; }),
-              compared("misalignment_max", "mm", [](const Misalignment& m) { return m.metrics.max_mm; }),
-              compared("part_placement", "1", [](const Misalignment& m) { return m.decomposition.placement; }),
-              compared("part_timing", "1", [](const Misalignment& m) { return m.decomposition.timing; }),
-              compared("part_shape", "1", [](const Misalignment& m) { return m.decomposition.shape; }),
-              compared("knee_rmse", "deg", [](const Misalignment& m) { return m.metrics.knee_rmse_deg; }),
+             {compared("knee_rmse", "deg", [](const Misalignment& m) { return m.metrics.knee_rmse_deg; }),
               predicted("joint_misalignment_rms", "mm", [](const Prediction& p) { return p.joint.mm; }),
               limited(redesign::kAngleMismatch),
               limited(redesign::kCuffForce),

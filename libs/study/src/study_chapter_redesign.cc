@@ -5,6 +5,7 @@
 
 #include "first_screen.h"
 #include "lake/actuator/firmware.h"
+#include "lake/compare/decomposition.h"
 #include "lake/core/colours.h"
 #include "lake/core/csv.h"
 #include "lake/core/uncertain_text.h"
@@ -21,26 +22,30 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BeforeAfterRow {
-  const char *key, *what, *unit;
+  std::string key, what;
+  const char* unit;
   double factor = 1;
 };
-constexpr BeforeAfterRow kRows[] = {
-    {"misalignment_percent", "path difference, RMS (% of the shank length)", "%"},
-    {"misalignment_rms_mm", "path difference, RMS (mm)", "mm"},
-    {"misalignment_max_mm", "path difference, largest (mm)", "mm"},
-    {"part_placement", "placement share (%)", "share", 100},
-    {"part_timing", "timing share (%)", "share", 100},
-    {"part_shape", "shape share (%)", "share", 100},
-    {"joint_misalignment_rms_mm", "joint misalignment, RMS (mm)", "joint"},
-    {"knee_rmse_deg", "knee angle, RMS from the human's (°)", "°"},
-    {"angle_mismatch_max_deg", "knee angle, largest difference from the human's (°)", "°"},
-    {"balance_margin_mm", "centre of pressure inside the foot, least (mm; negative: outside)", "mm"},
-    {"range_deg", "range of rotation (°)", "°"},
-    {"placement_x_mm", "joint in front of the knee (mm)", "joint"},
-    {"placement_y_mm", "joint above the knee, along the shank (mm)", "joint"},
-    {"program_duration_s", "time (s)", "s"},
-    {"exact_tracking_time_s", "minimum time for exact tracking (s)", "s"},
-};
+std::vector<BeforeAfterRow> BeforeAfterRows() {
+  std::vector<BeforeAfterRow> rows = {
+      {"misalignment_percent", "path difference, RMS (% of the shank length)", "%"},
+      {"misalignment_rms_mm", "path difference, RMS (mm)", "mm"},
+      {"misalignment_max_mm", "path difference, largest (mm)", "mm"},
+  };
+  for (const compare::Part& part : compare::kParts)
+    rows.push_back({fmt::format("part_{}", part.name), fmt::format("{} share (%)", part.name), "share", 100});
+  rows.insert(rows.end(),
+              {{"joint_misalignment_rms_mm", "joint misalignment, RMS (mm)", "joint"},
+               {"knee_rmse_deg", "knee angle, RMS from the human's (°)", "°"},
+               {"angle_mismatch_max_deg", "knee angle, largest difference from the human's (°)", "°"},
+               {"balance_margin_mm", "centre of pressure inside the foot, least (mm; negative: outside)", "mm"},
+               {"range_deg", "range of rotation (°)", "°"},
+               {"placement_x_mm", "joint in front of the knee (mm)", "joint"},
+               {"placement_y_mm", "joint above the knee, along the shank (mm)", "joint"},
+               {"program_duration_s", "time (s)", "s"},
+               {"exact_tracking_time_s", "minimum time for exact tracking (s)", "s"}});
+  return rows;
+}
 
 // What the recording of the worn design showed, under the keys of the predictions.
 Json MeasuredWorn(const StudyResults& results) {
@@ -52,8 +57,8 @@ Json MeasuredWorn(const StudyResults& results) {
                    {"misalignment_max_mm", metrics.at("max_mm")},
                    {"knee_rmse_deg", metrics.at("knee_rmse_deg")},
                    {"program_duration_s", comparison.at("duration_s").at("exo")}};
-  for (const char* part : {"placement", "timing", "shape"})
-    measured[fmt::format("part_{}", part)] = parts.at(part).at("fraction");
+  for (const compare::Part& part : compare::kParts)
+    measured[fmt::format("part_{}", part.name)] = parts.at(part.name).at("fraction");
   if (const Json joint = comparison.value("joint", Json()); !joint.is_null()) {
     measured["joint_misalignment_rms_mm"] = joint.at("rms_mm");
     measured["placement_x_mm"] = joint.at("offset_mm")[0];
@@ -86,8 +91,8 @@ Uncertain PredictedHeadline(const std::vector<Way>& ways, const StudyResults& re
                             const std::string& design, const BeforeAfterRow& row) {
   const Json& of = summary.at(design);
   if (!of.is_object()) return {};
-  if (row.key == std::string("knee_rmse_deg")) return KneeAngleError(results, of);
-  if (row.key == std::string("misalignment_percent") && (design == "joint_moved" || design == "after"))
+  if (row.key == "knee_rmse_deg") return KneeAngleError(results, of);
+  if (row.key == "misalignment_percent" && (design == "joint_moved" || design == "after"))
     for (const Way& way : ways)
       if (way.design == design) return way.misalignment_percent;
   return {.value = row.factor * NumberOrNaN(of.at(row.key))};
@@ -109,13 +114,13 @@ Table BeforeAfterTable(const StudyFile& study, const StudyResults& results, cons
        {"Other program, predicted"},
        {"New, predicted"}},
       {}};
-  for (const BeforeAfterRow& row : kRows) {
+  for (const BeforeAfterRow& row : BeforeAfterRows()) {
     if (after.at(row.key).is_null() && before.at(row.key).is_null()) continue;
     Uncertain recorded = UncertainOf(measured.value(row.key, Json()), intervals.value(row.key, Json()));
     recorded.value *= row.factor;
     if (row.unit == std::string("%")) recorded.least_decimals = kPathDifferenceDecimals;
     const int decimals = DecimalsOf(row.unit);
-    const std::string of = row.key == std::string("program_duration_s") ? RepetitionIn(results) + " " : "";
+    const std::string of = row.key == "program_duration_s" ? RepetitionIn(results) + " " : "";
     std::vector<Cell> cells{of + row.what, UncertainCell(recorded, decimals)};
     for (const char* design : {"before", "joint_moved", "other_program", "after"})
       cells.push_back(UncertainCell(PredictedHeadline(ways, results, summary, design, row), decimals));

@@ -48,17 +48,12 @@ Json IntervalJson(const Interval& interval) {
   return {interval.low, interval.high};
 }
 
-Json PartJson(double fraction, const std::optional<PartIntervals>& intervals, Interval PartIntervals::*interval) {
-  return {{"fraction", NumberOrNull(fraction)},
-          {"interval", intervals ? IntervalJson(*intervals.*interval) : Json(nullptr)}};
-}
-
 Json DecompositionJson(const Misalignment& m) {
   const Decomposition& d = m.decomposition;
-  Json json = {{"placement", PartJson(d.placement, m.part_intervals, &PartIntervals::placement)},
-               {"timing", PartJson(d.timing, m.part_intervals, &PartIntervals::timing)},
-               {"shape", PartJson(d.shape, m.part_intervals, &PartIntervals::shape)},
-               {"offset_mm", {d.offset_mm.x(), d.offset_mm.y()}}};
+  Json json = {{"offset_mm", {d.offset_mm.x(), d.offset_mm.y()}}};
+  for (std::size_t k = 0; k < kParts.size(); ++k)
+    json[kParts[k].name] = {{"fraction", NumberOrNull(d.*kParts[k].fraction)},
+                            {"interval", m.part_intervals ? IntervalJson(m.part_intervals->fraction[k]) : Json()}};
   if (m.part_intervals)
     json["offset_interval_mm"] = {IntervalJson(m.part_intervals->offset_x_mm),
                                   IntervalJson(m.part_intervals->offset_y_mm)};
@@ -108,9 +103,7 @@ Json CurvesJson(const Misalignment& m) {
   curves["relative_error_sd"] = m.misalignment_ratio_sd;
   curves["spike"] = m.spike;
   curves["timing_percent"] = m.decomposition.timing_percent;
-  AddVectors("placement", m.decomposition.placement_mm, curves);
-  AddVectors("timing", m.decomposition.timing_mm, curves);
-  AddVectors("shape", m.decomposition.shape_mm, curves);
+  for (const Part& part : kParts) AddVectors(part.name, m.decomposition.*part.vectors_mm, curves);
   return curves;
 }
 
@@ -148,13 +141,11 @@ Json BestPlacementJson(const JointMisalignment& joint, const std::optional<Joint
 // Null below four repetitions, of which the parts mean little.
 Json PartsJson(const Misalignment& m) {
   if (std::min(m.human_repetitions, m.exo_repetitions) < kLeastRepetitionsOfParts) return nullptr;
-  const auto part = [&](const std::vector<Vector2d>& vectors_mm, Interval PartIntervals::*interval) {
-    return Json{{"rms_mm", std::sqrt(MeanSquare(vectors_mm))},
-                {"interval_mm", m.part_intervals ? IntervalJson((*m.part_intervals).*interval) : Json()}};
-  };
-  return {{"placement", part(m.decomposition.placement_mm, &PartIntervals::placement_mm)},
-          {"timing", part(m.decomposition.timing_mm, &PartIntervals::timing_mm)},
-          {"shape", part(m.decomposition.shape_mm, &PartIntervals::shape_mm)}};
+  Json parts;
+  for (std::size_t k = 0; k < kParts.size(); ++k)
+    parts[kParts[k].name] = {{"rms_mm", std::sqrt(MeanSquare(m.decomposition.*kParts[k].vectors_mm))},
+                             {"interval_mm", m.part_intervals ? IntervalJson(m.part_intervals->rms_mm[k]) : Json()}};
+  return parts;
 }
 
 // Keys end in the unit: "s" or "deg".

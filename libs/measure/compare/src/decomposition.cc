@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 #include <ceres/cubic_interpolation.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -261,6 +262,13 @@ class Decomposer {
 };
 
 }  // namespace
+
+std::string PartNames() {
+  std::string names = kParts.front().name;
+  for (std::size_t k = 1; k < kParts.size(); ++k)
+    names += fmt::format("{}{}", k + 1 < kParts.size() ? ", " : " and ", kParts[k].name);
+  return names;
+}
 
 Decomposition Decompose(const StsCurve& human, const StsCurve& exo, const DecompositionOptions& options) {
   const Decomposer decomposer(human, exo, options);

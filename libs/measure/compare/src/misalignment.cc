@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "decomposition_beside_knee.h"
 #include "lake/compare/pointwise_error.h"
@@ -113,8 +114,8 @@ Misalignment CompareMeans(const RegisteredTrial& human, const RegisteredTrial& e
 
 // What has an interval, and where that stands; nullptr: not of this comparison.
 struct Quantity {
-  double (*value)(const Misalignment& m);
-  Interval* (*interval)(Misalignment& m);
+  std::function<double(const Misalignment& m)> value;
+  std::function<Interval*(Misalignment& m)> interval;
   bool is_size = true;  // and so not below 0
 };
 
@@ -137,22 +138,28 @@ using All = MisalignmentIntervals;
 using Parts = PartIntervals;
 using Moved = JointMoved::Intervals;
 using M = Misalignment;
-constexpr Quantity kQuantities[] = {
-    {[](const M& m) { return m.metrics.rms_mm; }, Among<&All::rms_mm>},
-    {[](const M& m) { return m.metrics.max_mm; }, Among<&All::max_mm>},
-    {[](const M& m) { return m.metrics.relative_rms; }, Among<&All::relative_rms>},
-    {[](const M& m) { return m.metrics.relative_max; }, Among<&All::relative_max>},
-    {[](const M& m) { return m.metrics.knee_rmse_deg; }, Among<&All::knee_rmse_deg>},
-    {[](const M& m) { return m.joint_moved->rms_mm; }, AmongMoved<&Moved::rms_mm>},
-    {[](const M& m) { return m.joint_moved->relative_rms; }, AmongMoved<&Moved::relative_rms>},
-    {[](const M& m) { return m.decomposition.placement; }, AmongParts<&Parts::placement>, false},
-    {[](const M& m) { return m.decomposition.timing; }, AmongParts<&Parts::timing>, false},
-    {[](const M& m) { return m.decomposition.shape; }, AmongParts<&Parts::shape>, false},
-    {[](const M& m) { return std::sqrt(MeanSquare(m.decomposition.placement_mm)); }, AmongParts<&Parts::placement_mm>},
-    {[](const M& m) { return std::sqrt(MeanSquare(m.decomposition.timing_mm)); }, AmongParts<&Parts::timing_mm>},
-    {[](const M& m) { return std::sqrt(MeanSquare(m.decomposition.shape_mm)); }, AmongParts<&Parts::shape_mm>},
-    {[](const M& m) { return m.decomposition.offset_mm.x(); }, AmongParts<&Parts::offset_x_mm>, false},
-    {[](const M& m) { return m.decomposition.offset_mm.y(); }, AmongParts<&Parts::offset_y_mm>, false}};
+std::vector<Quantity> Quantities() {
+  std::vector<Quantity> quantities = {
+      {[](const M& m) { return m.metrics.rms_mm; }, Among<&All::rms_mm>},
+      {[](const M& m) { return m.metrics.max_mm; }, Among<&All::max_mm>},
+      {[](const M& m) { return m.metrics.relative_rms; }, Among<&All::relative_rms>},
+      {[](const M& m) { return m.metrics.relative_max; }, Among<&All::relative_max>},
+      {[](const M& m) { return m.metrics.knee_rmse_deg; }, Among<&All::knee_rmse_deg>},
+      {[](const M& m) { return m.joint_moved->rms_mm; }, AmongMoved<&Moved::rms_mm>},
+      {[](const M& m) { return m.joint_moved->relative_rms; }, AmongMoved<&Moved::relative_rms>},
+      {[](const M& m) { return m.decomposition.offset_mm.x(); }, AmongParts<&Parts::offset_x_mm>, false},
+      {[](const M& m) { return m.decomposition.offset_mm.y(); }, AmongParts<&Parts::offset_y_mm>, false}};
+  for (std::size_t k = 0; k < kParts.size(); ++k) {
+    const auto among = [k](std::array<Interval, kParts.size()> PartIntervals::*intervals) {
+      return [k, intervals](M& m) { return m.part_intervals ? &((*m.part_intervals).*intervals)[k] : nullptr; };
+    };
+    quantities.push_back(
+        {[k](const M& m) { return m.decomposition.*kParts[k].fraction; }, among(&Parts::fraction), false});
+    quantities.push_back({[k](const M& m) { return std::sqrt(MeanSquare(m.decomposition.*kParts[k].vectors_mm)); },
+                          among(&Parts::rms_mm)});
+  }
+  return quantities;
+}
 
 void SetIntervals(const RegisteredTrial& human, const RegisteredTrial& exo, const MisalignmentOptions& options,
                   Misalignment& m) {
@@ -161,21 +168,20 @@ void SetIntervals(const RegisteredTrial& human, const RegisteredTrial& exo, cons
   if (std::min(m.human_repetitions, m.exo_repetitions) >= kLeastRepetitionsOfParts &&
       std::isfinite(m.decomposition.placement))
     m.part_intervals.emplace();
-  std::vector<const Quantity*> quantities;
-  for (const Quantity& quantity : kQuantities)
-    if (quantity.interval(m)) quantities.push_back(&quantity);
+  std::vector<Quantity> quantities = Quantities();
+  std::erase_if(quantities, [&](const Quantity& quantity) { return !quantity.interval(m); });
   const auto n = static_cast<Eigen::Index>(quantities.size());
   // The human's mean knee angle stands behind the quantities.
   const Estimate estimate = [&](const RegisteredTrial& h, const RegisteredTrial& e) {
     const Misalignment of = CompareMeans(h, e, options, m.part_intervals.has_value());
     Eigen::ArrayXd values(n + kPercentSamples);
-    for (Eigen::Index k = 0; k < n; ++k) values[k] = quantities[static_cast<std::size_t>(k)]->value(of);
+    for (Eigen::Index k = 0; k < n; ++k) values[k] = quantities[static_cast<std::size_t>(k)].value(of);
     for (Eigen::Index i = 0; i < kPercentSamples; ++i) values[n + i] = of.human.knee_deg[static_cast<std::size_t>(i)];
     return values;
   };
   const StandardErrors errors = FindStandardErrors(estimate, human, exo, options);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const Quantity& quantity = *quantities[static_cast<std::size_t>(k)];
+    const Quantity& quantity = quantities[static_cast<std::size_t>(k)];
     Interval& interval = *quantity.interval(m);
     interval = errors.Around(quantity.value(m), k);
     if (quantity.is_size) interval.low = std::max(0.0, interval.low);

@@ -1,8 +1,11 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "lake/compare/decomposition.h"
 #include "lake/core/colours.h"
 #include "lake/core/json.h"
 #include "lake/core/numbers.h"
@@ -15,9 +18,10 @@ namespace lake::report {
 
 namespace {
 
-constexpr const char* kPlacement = colour::kAnkle;
-constexpr const char* kTiming = colour::kHip;
-constexpr const char* kShape = colour::kWaist;
+// Of the misalignment's parts, in their order.
+constexpr std::array kPartColours = {colour::kAnkle, colour::kHip, colour::kWaist, colour::kKnee};
+constexpr std::array kPartMarks = {Mark::kLine, Mark::kDashed, Mark::kDotted, Mark::kLine};
+static_assert(compare::kParts.size() <= kPartColours.size());
 
 Axis PercentAxis(const Json& comparison) {
   return {RepetitionIn(comparison) + " (%)", 0, 100};
@@ -230,19 +234,19 @@ BarChart DecompositionChart(const Json& comparison) {
   chart.value_axis.label = "share of the mean square distance (%)";
   BarSeries share;
   share.name = "share";
-  share.colours = {kPlacement, kTiming, kShape};
-  for (const char* name : {"placement", "timing", "shape"}) {
-    const Json& part = comparison.at("decomposition").at(name);
-    chart.categories.push_back(name);
+  std::vector<std::string> shares;
+  for (const compare::Part& of : compare::kParts) {
+    const Json& part = comparison.at("decomposition").at(of.name);
+    share.colours.push_back(kPartColours[chart.categories.size()]);
+    chart.categories.push_back(of.name);
     share.values.push_back(100 * NumberOrNaN(part.at("fraction")));
+    shares.push_back(fmt::format("{} {} %", of.name, NumberText(share.values.back(), 1)));
     if (part.at("interval").is_null()) continue;
     share.lower.push_back(100 * NumberOrNaN(part.at("interval").at(0)));
     share.upper.push_back(100 * NumberOrNaN(part.at("interval").at(1)));
   }
-  chart.alt = std::isfinite(share.values[0])
-                  ? fmt::format("Placement {} %, timing {} %, shape {} %", NumberText(share.values[0], 1),
-                                NumberText(share.values[1], 1), NumberText(share.values[2], 1))
-                  : "Both paths are one; there are no parts";
+  chart.alt = std::isfinite(share.values[0]) ? fmt::format("Shares: {}", fmt::join(shares, ", "))
+                                             : "Both paths are one; there are no parts";
   if (!share.lower.empty()) chart.caption = "Whiskers: 95 % intervals.";
   chart.series = {std::move(share)};
   return chart;
@@ -255,17 +259,15 @@ LineChart PartsChart(const Json& comparison) {
   chart.caption = "Lengths of three vectors that add up to the distance vector; they need not add up as lengths.";
   chart.x = PercentAxis(comparison);
   chart.y = {"length (mm)", 0, std::nullopt};
-  const auto part = [&](const std::string& name, const char* colour, Mark mark) {
+  for (const compare::Part& part : compare::kParts) {
     Series series;
-    series.name = name;
-    series.colour = colour;
-    series.mark = mark;
+    series.name = part.name;
+    series.colour = kPartColours[chart.series.size()];
+    series.mark = kPartMarks[chart.series.size()];
     series.x = NumbersOrNaN(curves.at("percent"));
-    series.y = Lengths(NumbersOrNaN(curves.at(name + "_x_mm")), NumbersOrNaN(curves.at(name + "_y_mm")));
-    return series;
-  };
-  chart.series = {part("placement", kPlacement, Mark::kLine), part("timing", kTiming, Mark::kDashed),
-                  part("shape", kShape, Mark::kDotted)};
+    series.y = Lengths(NumbersOrNaN(curves.at(series.name + "_x_mm")), NumbersOrNaN(curves.at(series.name + "_y_mm")));
+    chart.series.push_back(std::move(series));
+  }
   return chart;
 }
 

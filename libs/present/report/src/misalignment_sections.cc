@@ -91,13 +91,12 @@ Section PartsSection(const Json& comparison) {
   BarChart shares = DecompositionChart(comparison);
   LineChart parts = PartsChart(comparison);
   shares.width = parts.width = Width::kHalf;
-  const Paragraph what{
-      "Placement is an offset constant in the frame of the shank, which moving the joint removes; timing is a change "
-      "of pace within the " +
-      RepetitionIn(comparison) + (IsOfWalking(comparison) ? "" : ", which the stroke program can remove") +
-      "; shape is the rest, noise included."};
-  return {"Placement, timing, shape",
-          {Paragraph{DecompositionAdvice(comparison)}, std::move(shares), std::move(parts), what}};
+  std::string what;
+  for (const compare::Part& part : compare::kParts)
+    what += fmt::format("{}{} is {}", what.empty() ? "" : "; ", part.name, part.meaning);
+  return {"Parts of the path difference",
+          {Paragraph{DecompositionAdvice(comparison)}, std::move(shares), std::move(parts),
+           Paragraph{fmt::format("The parts: {}.", what)}}};
 }
 
 struct MetricRow {
@@ -182,8 +181,6 @@ Section KneeAxisSection(const Json& comparison) {
   return {"The knee's moving axis", {Paragraph{std::move(text)}}};
 }
 
-constexpr std::array<const char*, 3> kParts = {"placement", "timing", "shape"};
-
 // Where the joint sits: on the exo trial's own leg if it is shown, else the fitted offset with its own interval.
 Uncertain OffsetOf(const Json& comparison, std::size_t axis) {
   const Json worn = comparison.value("joint", Json());
@@ -216,8 +213,8 @@ std::string PartAdvice(const std::string& part, const Json& comparison) {
 // Whether its interval lies above those of the other parts.
 bool IsLargestForSure(const std::string& part, const Json& parts) {
   const Json& interval = parts.at(part).at("interval");
-  return std::all_of(kParts.begin(), kParts.end(), [&](const char* other) {
-    return other == part || NumberOrNaN(parts.at(other).at("interval").at(1)) < NumberOrNaN(interval.at(0));
+  return std::ranges::all_of(compare::kParts, [&](const compare::Part& other) {
+    return other.name == part || NumberOrNaN(parts.at(other.name).at("interval").at(1)) < NumberOrNaN(interval.at(0));
   });
 }
 
@@ -317,38 +314,40 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
       1, "%");
   const std::string of_repetition = "% of the " + RepetitionIn(comparison);
   if (!best.is_object()) joint_moved.note = kNoKnee;
-  return {
-      {of_joint("joint misalignment, RMS", worn, rms, kOfAllSources),
-       of_joint("joint misalignment, largest", worn, markers(worn, "max_mm", "max_interval_mm"), kOfMarkers),
-       of_joint("joint misalignment, joint moved", best, best.is_object() ? JointMovedFigure(comparison) : Uncertain{},
-                kOfMarkers),
-       joint_moved,
-       percent("path difference, RMS, of the shank", "relative_rms"),
-       percent("path difference, largest, of the shank", "relative_max"),
-       mm("path difference, RMS", "rms_mm"),
-       mm("path difference, largest", "max_mm"),
-       share("placement"),
-       share("timing"),
-       share("shape"),
-       FigureOf("joint in front of the knee", OffsetOf(comparison, 0), 0, "mm", of_place),
+  std::vector<KeyFigure> figures = {
+      of_joint("joint misalignment, RMS", worn, rms, kOfAllSources),
+      of_joint("joint misalignment, largest", worn, markers(worn, "max_mm", "max_interval_mm"), kOfMarkers),
+      of_joint("joint misalignment, joint moved", best, best.is_object() ? JointMovedFigure(comparison) : Uncertain{},
+               kOfMarkers),
+      joint_moved,
+      percent("path difference, RMS, of the shank", "relative_rms"),
+      percent("path difference, largest, of the shank", "relative_max"),
+      mm("path difference, RMS", "rms_mm"),
+      mm("path difference, largest", "max_mm")};
+  for (const compare::Part& part : compare::kParts) figures.push_back(share(part.name));
+  figures.insert(
+      figures.end(),
+      {FigureOf("joint in front of the knee", OffsetOf(comparison, 0), 0, "mm", of_place),
        FigureOf("joint above the knee, along the shank", OffsetOf(comparison, 1), 0, "mm", of_place),
-       {"difference in pace, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, of_repetition, std::nullopt, ""}}};
+       {"difference in pace, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, of_repetition, std::nullopt, ""}});
+  return {std::move(figures)};
 }
 
 std::string DecompositionAdvice(const Json& comparison) {
   const Json& parts = comparison.at("decomposition");
   const auto fraction = [&](const std::string& name) { return NumberOrNaN(parts.at(name).at("fraction")); };
   if (std::isnan(fraction("placement"))) return "Both paths are one; there is nothing to divide.";
-  const std::string largest = *std::max_element(
-      kParts.begin(), kParts.end(), [&](const char* a, const char* b) { return fraction(a) < fraction(b); });
+  const std::string largest = std::ranges::max_element(compare::kParts, {}, [&](const compare::Part& part) {
+                                return fraction(part.name);
+                              })->name;
   const Json& share = parts.at(largest);
   static_assert(compare::kLeastRepetitionsOfParts == 4);
   if (share.at("interval").is_null())
     return fmt::format(
-        "{}How much of it is placement, timing and shape cannot be said: a person's own pace differs as much from one "
+        "{}How much of it is {} cannot be said: a person's own pace differs as much from one "
         "{} to the next, and it takes four repetitions in each trial to tell.",
         comparison.value("joint", Json()).is_null() ? "" : fmt::format("The joint sits {}. ", JointText(comparison)),
-        RepetitionIn(comparison));
+        compare::PartNames(), RepetitionIn(comparison));
   return fmt::format("Most of it, {} %, is {}.{}",
                      UncertainOf(share.at("fraction"), share.value("interval", Json()), 100).Text(1),
                      PartAdvice(largest, comparison),

@@ -113,9 +113,8 @@ export class ComparisonPage {
     const areMeans = humanRise === null && exoRise === null;
     const isOnly = this.message.human.rises.length === 1 && this.message.exo.rises.length === 1;
     if (areMeans || isOnly) {
-      const { placement, timing, shape } = curves.parts;
       this.shown = curves;
-      part("state").textContent = TEXTS.comparisonState(curves.rms_mm, placement, timing, shape);
+      part("state").textContent = TEXTS.comparisonState(curves.rms_mm, curves.parts);
     } else if (human && exo) {
       const distance_mm = human.x.map((x, percent) => Math.hypot(exo.x[percent] - x, exo.y[percent] - human.y[percent]));
       this.shown = { distance_mm, human_knee_deg: human.knee_deg, exo_knee_deg: exo.knee_deg };

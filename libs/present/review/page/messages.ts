@@ -258,7 +258,7 @@ export interface ComparisonCurves {
   exo_knee_deg: Column;
   spike: Column; // 1: left out of some metrics
   rms_mm: number;
-  parts: { placement: number; timing: number; shape: number }; // of the whole, 0 to 1
+  parts: Record<string, number>; // of the whole, 0 to 1
 }
 
 export interface ComparisonMessage {

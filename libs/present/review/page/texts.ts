@@ -181,8 +181,8 @@ export const TEXTS = allUnbroken({
   knees: "Knee angles (°)",
   human: "without",
   exo: "with",
-  comparisonState: (rms: number, placement: number, timing: number, shape: number) =>
-    `${rms.toFixed(1)} mm RMS: placement ${percentage(placement)}, timing ${percentage(timing)}, shape ${percentage(shape)}`,
+  comparisonState: (rms: number, parts: Record<string, number>) =>
+    `${rms.toFixed(1)} mm RMS: ${Object.entries(parts).map(([name, share]) => `${name} ${percentage(share)}`).join(", ")}`,
 
   // Study
   studyPart: {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/compare/decomposition.h"
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
 #include "lake/core/numbers.h"
@@ -176,8 +177,8 @@ void AddComparison(const fs::path& folder, ResultTable& table) {
                 NumberOrNaN(joint.at("offset_mm").at(static_cast<std::size_t>(axis))));
   }
   const Json& parts = comparison.at("decomposition");
-  for (const char* part : {"placement", "timing", "shape"})
-    table.Add(fmt::format("{}_fraction", part), NumberOrNaN(parts.at(part).at("fraction")));
+  for (const compare::Part& part : compare::kParts)
+    table.Add(fmt::format("{}_fraction", part.name), NumberOrNaN(parts.at(part.name).at("fraction")));
   for (const int axis : {0, 1})
     table.Add(axis ? "offset_y_mm" : "offset_x_mm",
               NumberOrNaN(parts.at("offset_mm").at(static_cast<std::size_t>(axis))));

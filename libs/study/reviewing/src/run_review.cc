@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lake/commands/compare.h"
+#include "lake/compare/decomposition.h"
 #include "lake/compare/registration.h"
 #include "lake/core/child_program.h"
 #include "lake/core/csv.h"
@@ -217,7 +218,7 @@ Json CurvesOf(const fs::path& folder, const Json& summary) {
   }
   const Json& parts = summary.at("decomposition");
   curves["rms_mm"] = summary.at("metrics").at("rms_mm");
-  for (const char* part : {"placement", "timing", "shape"}) curves["parts"][part] = parts.at(part).at("fraction");
+  for (const compare::Part& part : compare::kParts) curves["parts"][part.name] = parts.at(part.name).at("fraction");
   return curves;
 }
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <string>
 #include <vector>
 
 #include "lake/compare/registration.h"
@@ -36,6 +37,24 @@ struct Decomposition {
   double cost = 0;         // mm², with the roughness
   const char* start = "";  // the start that led to the least cost: placement, timing, zero
 };
+
+// A part of the path difference; Decompose fills its vectors and its fraction. Files, tables, charts and pages go
+// through the list.
+struct Part {
+  const char* name;
+  const char* meaning;  // a clause
+  double Decomposition::*fraction;
+  std::vector<Eigen::Vector2d> Decomposition::*vectors_mm;
+};
+inline constexpr std::array kParts = {
+    Part{"placement", "an offset constant in the frame of the shank, which moving the joint removes",
+         &Decomposition::placement, &Decomposition::placement_mm},
+    Part{"timing", "a change of pace within the repetition, which a program of the actuator removes",
+         &Decomposition::timing, &Decomposition::timing_mm},
+    Part{"shape", "the rest, noise included", &Decomposition::shape, &Decomposition::shape_mm}};
+
+// "placement, timing and shape"
+std::string PartNames();
 
 Decomposition Decompose(const StsCurve& human, const StsCurve& exo, const DecompositionOptions& options = {});
 

@@ -1,6 +1,7 @@
 // The comparison of a human trial with an exoskeleton trial.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -41,8 +42,7 @@ struct MisalignmentIntervals {
 
 // Of the parts of the path difference: fractions, RMS in mm, and the fitted offset.
 struct PartIntervals {
-  Interval placement, timing, shape;
-  Interval placement_mm, timing_mm, shape_mm;
+  std::array<Interval, kParts.size()> fraction, rms_mm;  // in the order of kParts
   Interval offset_x_mm, offset_y_mm;
 };
 
