@@ -167,7 +167,7 @@ Json DifferenceJson(const compare::SideDifference& difference) {
 
 // "+4.1 (95 %: +0.3 to +7.9)": as far as the interval knows the difference.
 std::string DifferenceText(double difference, const compare::Interval& interval, const char* unit, const char* level) {
-  if (std::isnan(interval.low)) return fmt::format("{:+.3g}{}", difference, unit);
+  if (std::isnan(interval.low)) return fmt::format("{}{}", WithSign(SignificantText(difference, 3)), unit);
   const auto text = [&](double value) { return WithSign(KnownText(value, 0.5 * (interval.high - interval.low), 1)); };
   return fmt::format("{}{} ({}{} to {})", text(difference), unit, level, text(interval.low), text(interval.high));
 }
