@@ -34,6 +34,9 @@ async function newestState<State extends StateMessage>(asked: Promise<State>): P
   return newest as State;
 }
 
+const change = <State extends StateMessage = StateMessage>(path: string, message: unknown): Promise<State> =>
+  newestState(post<State>(path, message));
+
 async function picture(path: string): Promise<ImageBitmap> {
   const response = await fetch(path);
   if (!response.ok) throw new Refused((await response.json()).error);
@@ -47,27 +50,27 @@ export const server = {
   state: () => newestState(get<StateMessage>("state")),
   trial: () => get<TrialMessage>("trial"),
   edit: (edit: EditMessage) => post<StateMessage>("edit", edit),
-  apply: () => newestState(post<StateMessage>("apply", {})),
+  apply: () => change("apply", {}),
   measure: (measures: MeasureMessage[]) => post<CourseMessage[]>("measure", { measures }),
   snap: (question: SnapQuestion) => post<SnapAnswer>("snap", question),
   naming: (options: TrackOptions) => post<NamingMessage>("naming", options),
   command: (choices: Choices) => post<{ command: string }>("command", choices),
-  track: (choices: Choices) => newestState(post<StateMessage>("track", choices)),
+  track: (choices: Choices) => change("track", choices),
   design: () => get<DesignMessage>("design"),
   explore: (question: ExploreQuestion) => post<ExploredMessage>("explore", question),
   save: (links: number[]) => post<{ saved: string }>("save", { links }),
   optimiseCommand: (links: number[]) => post<{ command?: string; why_not?: string }>("optimise-command", { links }),
-  optimise: (links: number[]) => newestState(post<StateMessage>("optimise", { links })),
-  stop: () => newestState(post<StateMessage>("stop", {})),
+  optimise: (links: number[]) => change("optimise", { links }),
+  stop: () => change("stop", {}),
   comparison: () => get<ComparisonMessage>("comparison"),
   study: () => get<StudyMessage>("study"),
   start: () => get<StartMessage>("start"),
   open: (path: string) => post<{ address: string }>("open", { path }),
-  make: (asked: MakeQuestion) => newestState(post<StateMessage>("make", asked)),
+  make: (asked: MakeQuestion) => change("make", asked),
   live: () => get<LiveMessage>("live"),
   liveView: (after: number) => post<LiveViewMessage>("view", { after }),
   livePicture: (frame: number) => picture(`picture/${frame}.jpg`),
-  act: (act: LiveAct) => newestState(post<LiveStateMessage>("act", act)),
+  act: (act: LiveAct) => change<LiveStateMessage>("act", act),
   frame: (frame: number) => picture(`frame/${frame}.jpg`),
   frameOf: (trial: "human" | "exo") => (frame: number) => picture(`${trial}/${frame}.jpg`),
 };
