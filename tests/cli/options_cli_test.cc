@@ -114,6 +114,41 @@ TEST(AProblemFile, StandsBetweenDefaultAndCommandLine) {
   EXPECT_EQ(given_said["max-force"], "900");
 }
 
+template <typename Options>
+Options ReadAs(const std::string& words) {
+  Options options;
+  CLI::App cli("A program", "lake-new");
+  const SharedOptions list = AddOptions(cli, OptionsOf(options));
+  cli.parse(words);
+  list->Apply();
+  return options;
+}
+
+void ExpectSecond(const exchange::TrialOptions& reading, const gait::PictureScale& picture) {
+  EXPECT_EQ(reading.view, "cam2");
+  EXPECT_EQ(reading.up, 'z');
+  EXPECT_EQ(reading.forward, "x");
+  EXPECT_EQ(reading.values, motion::MarkerValues::kEstimated);
+  EXPECT_EQ(reading.mm_per_unit, 10);
+  EXPECT_THAT(reading.names, testing::ElementsAre(testing::Pair("knee", "b")));
+  EXPECT_EQ(picture.depths.size(), 1u);
+  EXPECT_EQ(picture.camera, "camera.yaml");
+}
+
+TEST(ASecondTrial, IsReadAsTheFirstUnlessItsOwnOptionsSayOtherwise) {
+  const std::string words =
+      "a.csv b.csv --view cam2 --up z --forward x --smoothed --unit cm --map knee=a --depth knee=5 --camera "
+      "camera.yaml ";
+  const auto compared = ReadAs<commands::CompareRunOptions>(words + "--exo-map knee=b");
+  ExpectSecond(compared.exo_reading, compared.exo_picture);
+  const auto legs = ReadAs<commands::SymmetryRunOptions>(words + "--right-map knee=b");
+  ExpectSecond(legs.right_reading, legs.right_picture);
+  const auto own = ReadAs<commands::SymmetryRunOptions>(words + "--right-unit m --right-scale 0,0,9,9,500");
+  EXPECT_EQ(own.right_reading.mm_per_unit, 1000);
+  EXPECT_THAT(own.right_reading.names, testing::ElementsAre(testing::Pair("knee", "a")));
+  EXPECT_FALSE(own.right_picture.camera);
+}
+
 // What several values leave of a command line, as a program of two operands reads it.
 struct ListOptions {
   std::vector<double> angles_deg;

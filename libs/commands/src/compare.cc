@@ -25,6 +25,7 @@
 #include "lake/tracking/recording_verdicts.h"
 #include "optimum_tables.h"
 #include "png_and_svg.h"
+#include "second_trial.h"
 #include "worn_joint.h"
 
 namespace lake::commands {
@@ -346,6 +347,7 @@ std::vector<exchange::UnusedOption> UnusedReading(const fs::path& path, const ex
   if (reading.up) unused.push_back({"--up", why});
   if (!reading.forward.empty()) unused.push_back({"--forward", why});
   if (reading.mm_per_unit != 1) unused.push_back({"--unit", why});
+  if (!reading.view.empty()) unused.push_back({"--view", why});
   if (!is_fitted && reading.values == motion::MarkerValues::kEstimated)
     unused.push_back({"--smoothed", "its curves are those of a fit already"});
   return unused;
@@ -550,24 +552,13 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   Describe(o.budget, options);
   Describe(o.cuff, options);
   Describe(o.human_reading, options);
-  options.Add("exo-map", o.exo_reading.names, "--map of the exoskeleton trial")
-      .Value("NAME=MARKER,...")
-      .Otherwise("as --map");
-  exchange::DescribeUnit("exo-unit", o.exo_reading.mm_per_unit, options).Otherwise("as --unit");
   Describe(o.human_picture, options);
   gait::DescribeDepths(o.human_picture.depths, options);
-  gait::DescribeOther("exo", "the exoskeleton trial", o.exo_picture, options);
-  // What is said of the human trial alone holds for both.
+  DescribeSecond("exo", "the exoskeleton trial", {o.human_reading, o.human_picture}, {o.exo_reading, o.exo_picture},
+                 options);
   options.Check([&o](const OptionList& list) {
     for (const char* name : {"height", "mass", "seat-edge"})
       if (!o.worn && list.IsGiven(name)) throw UsageError("--{} only applies together with --worn", name);
-    o.exo_reading.up = o.human_reading.up;
-    o.exo_reading.forward = o.human_reading.forward;
-    o.exo_reading.values = o.human_reading.values;
-    if (!list.IsGiven("exo-map")) o.exo_reading.names = o.human_reading.names;
-    if (!o.exo_picture.IsGiven()) o.exo_picture = o.human_picture;
-    o.exo_picture.depths = o.human_picture.depths;
-    if (!list.IsGiven("exo-unit")) o.exo_reading.mm_per_unit = o.human_reading.mm_per_unit;
   });
 }
 

@@ -24,6 +24,7 @@
 #include "lake/gait/sit_to_stand.h"
 #include "lake/sync/clock.h"
 #include "png_and_svg.h"
+#include "second_trial.h"
 
 namespace lake::commands {
 namespace {
@@ -202,9 +203,6 @@ void Describe(SymmetryRunOptions& o, OptionList& options) {
       .Required();
   options.AddOperand("right", o.right, "The right leg's trial").Otherwise("LEFT, which shows both legs");
   Describe(o.left_reading, options);
-  options.Add("right-map", o.right_reading.names, "--map of the right leg")
-      .Value("NAME=MARKER,...")
-      .Otherwise("as --map");
   options.Add("forces", o.forces, "Ground forces of the recording of both legs: OpenSim's .mot or .sto, or a .c3d")
       .Otherwise("the load on each foot is not reported");
   options.Add("plates", o.plates, "The feet's force plates, in the file's order").Value("left=N,right=N");
@@ -214,19 +212,14 @@ void Describe(SymmetryRunOptions& o, OptionList& options) {
   compare::DescribeReplacement(o.replacement_sd_mm, options);
   Describe(o.left_picture, options);
   gait::DescribeDepths(o.left_picture.depths, options);
-  gait::DescribeOther("right", "the right leg's trial", o.right_picture, options);
-  // What is said of the left leg's trial alone holds for both.
-  options.Check([&o](const OptionList& list) {
+  DescribeSecond("right", "the right leg's trial", {o.left_reading, o.left_picture}, {o.right_reading, o.right_picture},
+                 options);
+  options.Check([&o](const OptionList&) {
     exchange::CheckPlates(o.plates);
     if (!o.plates.empty() && o.forces.empty())
       throw UsageError("--plates needs a file with the forces: give it with --forces");
     if (o.sync && o.forces.empty()) throw UsageError("--sync only applies together with --forces");
     if (o.right.empty()) o.right = o.left;
-    const std::map<std::string, std::string> right_names = o.right_reading.names;
-    o.right_reading = o.left_reading;
-    if (list.IsGiven("right-map")) o.right_reading.names = right_names;
-    if (!o.right_picture.IsGiven()) o.right_picture = o.left_picture;
-    o.right_picture.depths = o.left_picture.depths;
   });
 }
 
