@@ -6,10 +6,10 @@
 A mutation exchanges two operators (+ -, * /, < >, && ||, min max, sin cos), negates the condition of an `if`, or changes a number
 by a tenth. All are compiled in at once, in a copy of the sources in build/mutation; the environment variable LAKE_MUTANT chooses
 one. What does not compile, such as an exchange in a constant expression, is left out. Each mutation that is drawn runs the test
-program of its room alone, its fast tests first, then the slow and the nightly ones, up to those of --tests; it is noticed if a test
-fails, crashes, or takes four times the processor time that it takes without it. The result is a table of the shares that each of
-these sets of tests notices, with 95 % intervals (Wilson), and build/mutation/mutants.csv, one row a mutation: room, file, line,
-before, after, noticed by (fast, default, nightly, or none)."""
+program of its room alone, its fast tests first, then the slow ones, then all with as many draws as at night, up to those of
+--tests; it is noticed if a test fails, crashes, or takes four times the processor time that it takes without it. The result is a
+table of the shares that each of these sets of tests notices, with 95 % intervals (Wilson), and build/mutation/mutants.csv, one row
+a mutation: room, file, line, before, after, noticed by (fast, default, nightly, or none)."""
 import argparse
 import concurrent.futures
 import csv
@@ -19,7 +19,6 @@ import os
 import pathlib
 import random
 import re
-import resource
 import shutil
 import subprocess
 import sys
@@ -30,8 +29,9 @@ WORK = ROOT / "build/mutation"
 # Room -> the test program that looks at it, where that has another name.
 TESTS = {"problem": "synthesis", "certificate": "synthesis", "redesign": "synthesis", "group": "synthesis", "sizes": "synthesis"}
 LAYERS = ("base", "measure", "design")
-# Sets of tests, each without those before it, by ctest's labels.
-LEVELS = {"fast": ["-L", "fast", "-LE", "nightly"], "default": ["-LE", "nightly|fast"], "nightly": ["-L", "nightly"]}
+# Sets of tests by ctest's labels; "nightly" runs all anew, with as many draws as at night.
+LEVELS = {"fast": ["-L", "fast", "-LE", "nightly"], "default": ["-LE", "nightly|fast"], "nightly": []}
+LONGEST = 900  # seconds of processor; a room whose tests take longer without a mutation is left out
 HEADER = """#pragma once
 #include <cstdlib>
 inline const int kLakeMutant = std::getenv("LAKE_MUTANT") ? std::atoi(std::getenv("LAKE_MUTANT")) : -1;
@@ -170,24 +170,22 @@ def tests_of(program, labels):
     return but_some + ([named] if named else [])
 
 
-def passes(program, filters, number, limit):
-    """Whether all tests pass, each run within `limit` seconds of processor time, and ten times that by the clock, if it only waits."""
+def run_tests(program, filters, level, number, limit):
+    """Whether all tests pass, each run within `limit` seconds of processor time, and ten times that by the clock, if it only waits;
+    and the processor time of all."""
+    took = 0
     for which in filters:
         environment = {**os.environ, "LAKE_MUTANT": str(number), "GTEST_FILTER": which}
-        try:
-            done = subprocess.run(["prlimit", f"--cpu={limit}", str(WORK / "build/bin" / program), "--gtest_fail_fast", "--gtest_brief=1"],
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=10 * limit, env=environment, cwd=WORK)
-        except subprocess.TimeoutExpired:
-            return False
-        if done.returncode != 0:
-            return False
-    return True
-
-
-def processor_seconds():
-    """Of all processes that have ended."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+        if level == "nightly":
+            environment["LAKE_LONG_TESTS"] = "1"
+        process = subprocess.Popen(["timeout", f"{10 * limit}", "prlimit", f"--cpu={limit}", WORK / "build/bin" / program, "--gtest_fail_fast",
+                                    "--gtest_brief=1"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment, cwd=WORK)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        took += usage.ru_utime + usage.ru_stime
+        if process.returncode != 0:
+            return False, took
+    return True, took
 
 
 def wilson(noticed, of):
@@ -231,51 +229,56 @@ def main():
     build(["programs"])  # which some test programs start
 
     levels = list(LEVELS)[:list(LEVELS).index(options.tests) + 1]
-    filters, limits = {}, {}
-    for program in programs:
-        for level in levels:
-            filters[program, level] = tests_of(program, LEVELS[level])
-            begin = processor_seconds()
-            good = passes(program, filters[program, level], -1, 3600)
-            took = processor_seconds() - begin
-            print(f"{program}, {level}: {took:.0f} s of processor without a mutation{'' if good else '; FAILS without one, and is left out'}", flush=True)
-            if not good:
-                filters[program, level] = []
-            limits[program, level] = math.ceil(4 * took) + 10
     chosen = []
     for room in dict.fromkeys(m.room for m in mutants):
         chosen += [m for m in mutants if m.room == room][:options.per_room]
     draw.shuffle(chosen)  # so that a run that is cut short has some of every room
+    pool = concurrent.futures.ThreadPoolExecutor(max_workers=os.cpu_count())
+    last_took = {}  # by program, seconds of processor
+    noticed_by = {}  # by mutant
+    known = {}       # by level, the mutants of which it is known whether this one or an earlier one notices them
+    for level in levels:
+        left = [m for m in chosen if m not in noticed_by]
+        # Slow rooms first, as their tests end last.
+        names = sorted({program_of(m.room) for m in left}, key=lambda name: -sum(last_took.get(name, [0])))
+        filters = {name: tests_of(name, LEVELS[level]) for name in names}
+        without = dict(zip(names, pool.map(lambda name: run_tests(name, filters[name], level, -1, LONGEST), names)))
+        for name in names:
+            good, took = without[name]
+            last_took.setdefault(name, []).append(took)
+            print(f"{name}, {level}: {took:.0f} s of processor without a mutation" +
+                  ("" if good else "; FAILS without one or takes too long, and is left out"), flush=True)
 
-    def noticed_by(mutant):
-        """The first set of tests that notices it, or none; nothing once the time has passed."""
-        program = program_of(mutant.room)
-        for level in levels:
-            if time.monotonic() > end:
+        def judge(mutant):
+            program = program_of(mutant.room)
+            good, took = without[program]
+            if not good or time.monotonic() > end:
                 return None
-            if not passes(program, filters[program, level], mutant.number, limits[program, level]):
-                return mutant, level
-        return mutant, "none"
+            return not run_tests(program, filters[program], level, mutant.number, math.ceil(4 * took) + 10)[0]
 
-    with concurrent.futures.ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        results = [r for r in pool.map(noticed_by, chosen) if r]
+        verdicts = dict(zip(left, pool.map(judge, left)))
+        noticed_by |= {m: level for m, verdict in verdicts.items() if verdict}
+        # Where the time is up, or a room is left out, those that an earlier set notices do not count either.
+        out = {m.room for m in left if not without[program_of(m.room)][0]}
+        late = [i for i, m in enumerate(chosen) if m.room not in out and m in verdicts and verdicts[m] is None]
+        known[level] = [m for m in chosen[:late[0] if late else None] if m.room not in out]
     with open(WORK / "mutants.csv", "w", newline="") as file:
         rows = csv.writer(file)
         rows.writerow(["room", "file", "line", "before", "after", "noticed_by"])
-        for mutant, level in results:
+        for mutant in known[levels[0]]:
             before = (ROOT / mutant.path).read_text().splitlines()[mutant.line][mutant.begin:mutant.end]
-            rows.writerow([mutant.room, mutant.path, mutant.line + 1, before, mutant.code(), level])
-    print("room         mutants" + "".join(f"  {'with ' + level:>20}" for level in levels))
+            rows.writerow([mutant.room, mutant.path, mutant.line + 1, before, mutant.code(), noticed_by.get(mutant, "none")])
+    print("room         mutants" + "".join(f"  {'with ' + level + ' tests':>24}" for level in levels))
     for room in [*dict.fromkeys(m.room for m in mutants), "all"]:
-        outcome = [level for mutant, level in results if room in (mutant.room, "all")]
-        if not outcome:
-            continue
         shares = ""
-        for i in range(len(levels)):
-            noticed = sum(level in levels[:i + 1] for level in outcome)
-            low, high = wilson(noticed, len(outcome))
-            shares += f"  {noticed / len(outcome):4.0%} ({low:4.0%} to {high:4.0%})"
-        print(f"{room:12} {len(outcome):7}{shares}")
+        for i, level in enumerate(levels):
+            tried = [m for m in known[level] if room in (m.room, "all")]
+            if not tried:
+                continue
+            noticed = sum(noticed_by.get(m) in levels[:i + 1] for m in tried)
+            low, high = wilson(noticed, len(tried))
+            shares += f"  {noticed / len(tried):4.0%} ({low:4.0%} to {high:4.0%} of {len(tried):3})"
+        print(f"{room:12} {sum(room in (m.room, 'all') for m in chosen):7}{shares}")
 
 
 if __name__ == "__main__":

@@ -113,6 +113,45 @@ TEST(SolveNlp, IterationLimitIsNotASolution) {
   EXPECT_FALSE(solution.IsUsable());
 }
 
+// Far from the optimum the error is that of the one condition which each of these programs has: of one variable v, its
+// cost, bounds and row; by the point and the multipliers at which Ipopt is stopped.
+TEST(SolveNlp, OptimalityErrorBeforeTheEndIsTheWorstCondition) {
+  using nlp::kUnbounded;
+  struct Case {
+    const char* name;
+    double slope, lower, upper, row_lower, row_upper;  // cost slope·v + v⁴/100; row 2·v
+  };
+  nlp::NlpOptions options;
+  for (const Case& one : {Case{"stationary", -50, -kUnbounded, kUnbounded, -kUnbounded, kUnbounded},
+                          {"lower bound", 1, 0.5, kUnbounded, -kUnbounded, kUnbounded},
+                          {"upper bound", -1, -kUnbounded, 3, -kUnbounded, kUnbounded},
+                          {"row's lower bound", 1, -kUnbounded, kUnbounded, 1, kUnbounded},
+                          {"row's upper bound", -1, -kUnbounded, kUnbounded, -kUnbounded, 5}})
+    for (options.max_iterations = 1; options.max_iterations <= 5; ++options.max_iterations) {
+      nlp::NonlinearProgram program;
+      program.AddVariable("v", 2, one.lower, one.upper);
+      program.AddCost(std::array{0},
+                      [&](const auto* v) { return one.slope * v[0] + v[0] * v[0] * v[0] * v[0] / 100.0; });
+      const bool has_row = std::isfinite(one.row_lower) || std::isfinite(one.row_upper);
+      if (has_row)
+        program.AddConstraint("row", one.row_lower, one.row_upper, std::array{0},
+                              [](const auto* v) { return 2.0 * v[0]; });
+      const nlp::NlpSolution solution = nlp::SolveNlp(program, options);
+      const double v = solution.x[0], variable = solution.variable_marginal_costs[0],
+                   row = has_row ? solution.row_marginal_costs[0] : 0;
+      const auto complementarity = [](double marginal, double value, double lower, double upper) {
+        const double distance = marginal > 0 ? value - lower : upper - value;
+        return marginal == 0 || !std::isfinite(distance) ? 0 : std::abs(marginal * distance);
+      };
+      const double expected = std::max({std::abs(one.slope + v * v * v / 25 - 2 * row - variable),
+                                        complementarity(variable, v, one.lower, one.upper),
+                                        complementarity(row, 2 * v, one.row_lower, one.row_upper), solution.violation});
+      EXPECT_NEAR(solution.kkt_error, expected, 1e-9 * (1 + expected))
+          << one.name << ", " << options.max_iterations << " iterations";
+      if (options.max_iterations < 3) EXPECT_GT(solution.kkt_error, 1e-4) << one.name;
+    }
+}
+
 TEST(SolveNlp, OnASlowMachineComesToTheSameEnd) {
   const nlp::NlpSolution quick = nlp::SolveNlp(HockSchittkowski71());
   is_slow = true;

@@ -53,5 +53,32 @@ TEST_F(CheckPose, ARodThatPullsDoesNotBuckle) {
   for (const parts::StrengthCheck& check : parts::CheckStrength(mechanism_, poses_)) EXPECT_NE(check.part, "actuator");
 }
 
+// In a wide bar the pins bear least, in a narrow one the section beside the holes.
+TEST(Capacity, IsThatOfTheWeakestCheck) {
+  const linkage::Links links{60, 72, 60, 72, 72, 240};
+  const linkage::Pose pose = linkage::RequirePose(links, 240);
+  const parts::LoadedPose loaded{pose, 50, {.actuator_n = 300, .bar_n = 400, .coupler_n = 500}};
+  for (const double width_mm : {24.0, 14.0}) {
+    parts::PartOptions options;
+    options.bar_width_mm = width_mm;
+    const parts::Capacity capacity = parts::CapacityOf(options);
+    const std::pair<const char*, double> expected[] = {{"coupler", capacity.coupler_n / 500},
+                                                       {"bar", capacity.bar_n / 400},
+                                                       {"actuator", capacity.rod_nmm2 / (240.0 * 240) / 300}};
+    const std::vector<parts::StrengthCheck> checks = parts::CheckStrength(
+        parts::MakeMechanism(links, linkage::FindUsedRange(links, 200, {}), options), {&loaded, 1});
+    for (const auto& [part, safety] : expected) {
+      double least = INFINITY;
+      for (const parts::StrengthCheck& check : checks)
+        if (check.part == part) least = std::min(least, check.Safety());
+      EXPECT_NEAR(safety, least, 1e-9 * least) << part << ", " << width_mm << " mm wide";
+    }
+    for (const parts::StrengthCheck& check : checks) {
+      if (check.check == "bearing at M") EXPECT_NEAR(check.allowed, capacity.actuator_n, 1e-9);
+      if (check.check == "bending at S") EXPECT_NEAR(check.allowed, capacity.knee_torque_nm, 1e-9);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lake
