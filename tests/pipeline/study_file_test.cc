@@ -375,7 +375,7 @@ TEST_F(StudyYaml, StepsKnowTheirActuator) {
     return names;
   };
   EXPECT_THAT(changed(trial + "assistance: {actuator: 'own.csv:fast'}\n"), ElementsAre("assistance", "simulation"));
-  EXPECT_THAT(changed(trial + "design: {problem: {actuator: 'own.csv:fast'}}\n"), ElementsAre("optimum"));
+  EXPECT_THAT(changed(trial + "design: {problem: {actuator: 'own.csv:fast'}}\n"), ElementsAre("optimum", "simulation"));
 }
 
 // Whatever a step is made of counts in what it depends on, wherever it is said.

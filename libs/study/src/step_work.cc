@@ -16,6 +16,7 @@
 #include "lake/motion/marker_recording.h"
 #include "lake/overlay/pictures.h"
 #include "lake/problem/problem_file.h"
+#include "lake/problem/problem_options.h"
 #include "lake/study/study_file.h"
 #include "lake/synthesis/synthesis_options.h"
 #include "lake/tracking/naming.h"
@@ -174,15 +175,39 @@ person::BodySize BodyOf(const StudyFile& study, person::BodySize body) {
   return body;
 }
 
+// Sets these options to what `simulate` says of them.
+void TakeSimulated(const StudyFile& study, OptionList options) {
+  for (Option& option : options.All()) {
+    const auto said = study.simulation_section.given.find(option.Name());
+    if (said == study.simulation_section.given.end()) continue;
+    option.SetFromFile(said->is_array() ? said->get<OptionTexts>() : OptionTexts{said->get<std::string>()});
+  }
+}
+
 // The problem's parts, but for what `simulate` says of them.
 parts::PartOptions PartsOf(const StudyFile& study, parts::PartOptions parts) {
-  OptionList options = OptionsOf(parts);
-  for (Option& option : options.All()) {
-    const auto said = study.simulation_section.text.find(option.Key());
-    if (said != study.simulation_section.text.end())
-      option.SetFromFile({said->is_string() ? said->get<std::string>() : said->dump()});
-  }
+  TakeSimulated(study, OptionsOf(parts));
   return parts;
+}
+
+bool IsAssisted(const StudyFile& study) {
+  return study.assistance && study.assistance->options.actuators.empty();
+}
+
+// What the design is simulated with: the load of its own problem, or where the study has one actuator for what the knee
+// needs, that (its profile is read once it has been found); but for what `simulate` says.
+problem::SynthesisProblem LoadOf(const StudyFile& study, const problem::SynthesisProblem& design) {
+  const problem::SynthesisProblem& from = IsAssisted(study) ? study.assistance->options.problem : design;
+  problem::SynthesisProblem load;
+  load.profile = from.profile;
+  load.assist = from.assist;
+  load.actuator = from.actuator;
+  load.rests_anywhere = from.rests_anywhere;
+  load.duration_s = from.duration_s;
+  OptionList options;
+  problem::DescribeLoad(load, options);
+  TakeSimulated(study, options);
+  return load;
 }
 
 // As the options of lake-optimize, for its summary.
@@ -198,6 +223,7 @@ commands::SimulationOptions SimulationOf(const StudyFile& study) {
   const problem::SynthesisProblem& problem = (study.redesign ? study.redesign->design : study.design).problem;
   commands::SimulationOptions options = study.simulation;
   options.parts = PartsOf(study, problem.parts);
+  options.load = LoadOf(study, problem);
   if (!study.simulation_section.given.contains("knee-torque")) options.knee_torque_nm = problem.knee_torque_nm;
   if (options.seat_edge_mm == 0) options.seat_edge_mm = problem.clearances.seat_edge_mm;
   options.has_wide_seat = problem.clearances.seat_mm.has_value();
@@ -252,14 +278,6 @@ fs::path DesignOf(const StudyFile& study, const fs::path& out) {
 
 fs::path ProfileIn(const fs::path& out) {
   return out / "loads" / "loads.json";
-}
-
-// The design is simulated with the same actuator and share; the profile is read once it has been found.
-void TakeAssistance(const problem::SynthesisProblem& problem, commands::SimulationOptions& options) {
-  options.load.assist = problem.assist;
-  options.load.actuator = problem.actuator;
-  options.load.rests_anywhere = problem.rests_anywhere;
-  options.load.duration_s = problem.duration_s;
 }
 
 }  // namespace
@@ -393,9 +411,7 @@ OptionalStep AssistanceStep(const StudyFile& study, const fs::path& out) {
 
 OptionalStep SimulationStep(const StudyFile& study, const fs::path& out) {
   commands::SimulationOptions options = SimulationOf(study);
-  // What the knee needs, where the study has one actuator to give it.
-  const bool is_assisted = study.assistance && study.assistance->options.actuators.empty();
-  if (is_assisted) TakeAssistance(study.assistance->options.problem, options);
+  const bool is_assisted = IsAssisted(study);
   steps::StudyStep step{.what = "the design's poses", .options = study.simulation_section.text, .keys = {}};
   step.options["all options"] = KeyOf(options);
   const fs::path design = DesignOf(study, out), leg = out / "human" / "kinematics.csv";
