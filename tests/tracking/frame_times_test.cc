@@ -423,9 +423,9 @@ TEST(FrameTimes, AJoltIsSaidAndNoCut) {
         marker.samples[i].position.x() += 20 * px_per_mm;
     FrameTimes times;
     ASSERT_NO_THROW(times = CorrectFrameTimes({}, shown.recording)) << seed;
-    ASSERT_EQ(times.jolts.size(), 1u) << seed;
-    EXPECT_EQ(times.jolts[0].after, at) << seed;
-    EXPECT_NEAR(times.jolts[0].jump_mm, 20, 4) << seed;  // a leg of 850 mm is assumed
+    ASSERT_EQ(times.position_jumps.size(), 1u) << seed;
+    EXPECT_EQ(times.position_jumps[0].after, at) << seed;
+    EXPECT_NEAR(times.position_jumps[0].jump_mm, 20, 4) << seed;  // a leg of 850 mm is assumed
     EXPECT_TRUE(times.repeated.empty()) << seed;
   }
 }

@@ -109,9 +109,9 @@ Json VideoJson(const tracking::TrackResult& tracked) {
                      {"moved_s", jump.moved_s},
                      {"moved_sigma_s", jump.sigma_s},
                      {"applied", jump.is_applied}});
-  Json jolts = Json::array();
-  for (const tracking::Jolt& jolt : tracked.times.jolts)
-    jolts.push_back({{"before_frame", jolt.before}, {"after_frame", jolt.after}, {"jump_mm", jolt.jump_mm}});
+  Json position_jumps = Json::array();
+  for (const tracking::PositionJump& jump : tracked.times.position_jumps)
+    position_jumps.push_back({{"before_frame", jump.before}, {"after_frame", jump.after}, {"jump_mm", jump.jump_mm}});
   return {{"width", video.width},
           {"height", video.height},
           {"pixel_aspect", video.pixel_aspect},
@@ -121,7 +121,7 @@ Json VideoJson(const tracking::TrackResult& tracked) {
           {"captured_rate_hz", tracked.times.captured_hz > 0 ? Json(tracked.times.captured_hz) : Json()},
           {"chosen_from_rate_hz", tracked.times.chosen_from_hz > 0 ? Json(tracked.times.chosen_from_hz) : Json()},
           {"time_jumps", jumps},
-          {"jolts", jolts},
+          {"position_jumps", position_jumps},
           {"uneven_times_s", tracked.times.uneven_s},
           {"frame_rate_hz", video.frame_rate_hz},
           {"codec", video.codec},

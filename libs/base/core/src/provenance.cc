@@ -92,7 +92,7 @@ std::string Sha256OfFolder(const fs::path& folder) {
   return hash.Hex();
 }
 
-// Empty if there is none that tells one user from another.
+// Empty if there is none by which users differ.
 std::string Home() {
   const char* home = std::getenv("HOME");
   const std::string path = home ? fs::path(home).lexically_normal().string() : "";

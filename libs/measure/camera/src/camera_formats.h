@@ -11,7 +11,7 @@
 namespace lake::camera {
 
 // A file as a tree of maps, lists, numbers and texts, whether it is YAML, JSON, TOML or XML, whose attributes are keys.
-// Throws Error, with the line where the library tells it.
+// Throws Error, with the line where the library gives it.
 Json ReadTree(const std::filesystem::path& path);
 
 // What stands under a key of a map, whatever the case of its letters; nullptr if nothing does.

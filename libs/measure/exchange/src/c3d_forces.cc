@@ -247,7 +247,7 @@ double ShareOnPlate(const PlateSamples& plate, double factor) {
   return loaded ? static_cast<double>(on_plate) / static_cast<double>(loaded) : 1;
 }
 
-// The centre of pressure tells whether the moments are in the unit that the file says, or in none if it says none.
+// The centre of pressure shows whether the moments are in the unit that the file says, or in none if it says none.
 void CheckCentreOfPressure(PlateSamples& plate, const std::string& name, std::vector<std::string>& warnings) {
   constexpr double kMostly = 0.9, kHalf = 0.5;
   const double share = ShareOnPlate(plate, 1);

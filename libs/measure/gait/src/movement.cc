@@ -78,8 +78,8 @@ std::optional<std::string> ObliqueWalk(const LegFitResult& leg) {
   if (!leg.sight) {
     if (change < kChange) return std::nullopt;
     return seen +
-           "; stride lengths and leans are too small; how much that takes from the knee's angle only a camera with a "
-           "calibrated plane tells (--camera)";
+           "; stride lengths and leans are too small; how much that takes from the knee's angle is known only with a "
+           "camera that has a calibrated plane (--camera)";
   }
   const double askance_rad = std::atan(slope * leg.sight->camera_mm.z());
   if (std::abs(askance_rad) < RadiansFromDegrees(kOblique_deg)) return std::nullopt;

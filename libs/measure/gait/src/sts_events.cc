@@ -9,25 +9,25 @@
 #include <span>
 
 #include "lake/core/statistics.h"
-#include "stretches.h"
+#include "monotone_phases.h"
 
 namespace lake::gait {
 
-std::vector<Stretch> FindStretches(const std::vector<double>& height, double threshold) {
-  std::vector<Stretch> stretches;
-  if (height.empty()) return stretches;
+std::vector<MonotonePhase> FindMonotonePhases(const std::vector<double>& height, double threshold) {
+  std::vector<MonotonePhase> phases;
+  if (height.empty()) return phases;
   std::size_t low = 0, high = 0, start = 0;
-  int direction = 0;  // of the stretch that is open: 0 not known yet
+  int direction = 0;  // of the phase that is open: 0 not known yet
   for (std::size_t i = 1; i < height.size(); ++i) {
     if (height[i] < height[low]) low = i;
     if (height[i] >= height[high]) high = i;
     if (direction <= 0 && height[i] - height[low] >= threshold) {
-      stretches.push_back({{start, low}, false});
+      phases.push_back({{start, low}, false});
       start = low;
       high = i;
       direction = 1;
     } else if (direction >= 0 && height[high] - height[i] >= threshold) {
-      stretches.push_back({{start, high}, true});
+      phases.push_back({{start, high}, true});
       start = high;
       low = i;
       direction = -1;
@@ -35,9 +35,9 @@ std::vector<Stretch> FindStretches(const std::vector<double>& height, double thr
     if (direction > 0) low = high;
     if (direction < 0) high = low;
   }
-  if (direction != 0) stretches.push_back({{start, direction > 0 ? high : low}, direction > 0});
-  std::erase_if(stretches, [&](const Stretch& s) { return std::abs(height[s.end] - height[s.begin]) < threshold; });
-  return stretches;
+  if (direction != 0) phases.push_back({{start, direction > 0 ? high : low}, direction > 0});
+  std::erase_if(phases, [&](const MonotonePhase& s) { return std::abs(height[s.end] - height[s.begin]) < threshold; });
+  return phases;
 }
 
 namespace {
@@ -155,18 +155,18 @@ class EventFinder {
         extension_{Negative(s_.knee_deg), Negative(s_.knee_deg_s), s_.sd.knee_deg_s} {}
 
   FoundStsEvents Find() {
-    const std::vector<Stretch> stretches = FindStretches(s_.hip_height, o_.least_rise * s_.leg_length);
-    FindSeats(stretches);
+    const std::vector<MonotonePhase> phases = FindMonotonePhases(s_.hip_height, o_.least_rise * s_.leg_length);
+    FindSeats(phases);
     std::size_t rest_from = 0;  // the earliest frame at which the rest before the next rise can begin
     bool is_standing = false;   // since a rise that counts: the next lowering is that repetition's
-    for (std::size_t k = 0; k < stretches.size(); ++k) {
-      const std::size_t until = k + 1 < stretches.size() ? Fastest(stretches[k + 1]) : s_.frame.size() - 1;
-      if (stretches[k].rising) {
-        is_standing = AddIfRepetition(rest_from, stretches[k], until);
-        if (!is_standing && k > 0) AddSquat(stretches[k - 1], stretches[k], until);
+    for (std::size_t k = 0; k < phases.size(); ++k) {
+      const std::size_t until = k + 1 < phases.size() ? Fastest(phases[k + 1]) : s_.frame.size() - 1;
+      if (phases[k].rising) {
+        is_standing = AddIfRepetition(rest_from, phases[k], until);
+        if (!is_standing && k > 0) AddSquat(phases[k - 1], phases[k], until);
       } else {
-        rest_from = Fastest(stretches[k]);
-        if (is_standing) AddLowering(stretches[k], until);
+        rest_from = Fastest(phases[k]);
+        if (is_standing) AddLowering(phases[k], until);
         is_standing = false;
       }
     }
@@ -175,22 +175,22 @@ class EventFinder {
 
  private:
   // Where the hip rises or falls fastest.
-  std::size_t Fastest(const Stretch& stretch) const {
-    return FastestIn(stretch.rising ? hip_up_.speed : hip_down_.speed, stretch);
+  std::size_t Fastest(const MonotonePhase& phase) const {
+    return FastestIn(phase.rising ? hip_up_.speed : hip_down_.speed, phase);
   }
 
   // The hip's heights on seats: where it is before a rise in which nobody could balance on the feet, or rests.
-  void FindSeats(const std::vector<Stretch>& stretches) {
+  void FindSeats(const std::vector<MonotonePhase>& phases) {
     std::size_t rest_from = 0;
-    for (const Stretch& stretch : stretches) {
-      if (!stretch.rising)
-        rest_from = Fastest(stretch);
-      else if (IsOnSeat({rest_from, SeatOff(stretch)}, stretch))
-        seat_heights_.push_back(s_.hip_height[stretch.begin]);
+    for (const MonotonePhase& phase : phases) {
+      if (!phase.rising)
+        rest_from = Fastest(phase);
+      else if (IsOnSeat({rest_from, SeatOff(phase)}, phase))
+        seat_heights_.push_back(s_.hip_height[phase.begin]);
     }
   }
 
-  bool IsOnSeat(Span before, const Stretch& rise) const {
+  bool IsOnSeat(Span before, const MonotonePhase& rise) const {
     before.begin = std::min(before.begin, before.end);
     if (Most(s_.hip_behind, before) >= o_.least_behind * s_.leg_length) return true;
     const double hip = o_.seat_still * Range(s_.hip_height, rise);
@@ -198,14 +198,14 @@ class EventFinder {
         .has_value();
   }
 
-  bool HasSeat(const Stretch& rise) const {
+  bool HasSeat(const MonotonePhase& rise) const {
     return std::any_of(seat_heights_.begin(), seat_heights_.end(), [&](double height) {
       return std::abs(s_.hip_height[rise.begin] - height) <= o_.same_seat_height * s_.leg_length;
     });
   }
 
   // Adds the events of a rise if it is one that counts. `until`: the last frame that can be of it.
-  bool AddIfRepetition(std::size_t rest_from, const Stretch& rise, std::size_t until) {
+  bool AddIfRepetition(std::size_t rest_from, const MonotonePhase& rise, std::size_t until) {
     if (s_.knee_deg[rise.begin] - s_.knee_deg[rise.end] < o_.least_extension_deg) return false;
     const std::size_t seat_off = SeatOff(rise);
     found_.begins_during_rise |= seat_off == 0;
@@ -231,7 +231,7 @@ class EventFinder {
     return true;
   }
 
-  void AddLowering(const Stretch& fall, std::size_t until) {
+  void AddLowering(const MonotonePhase& fall, std::size_t until) {
     const double limit = o_.standing_fraction * Most(flexion_.speed, fall);
     Add(Crossing(motion::StsEventKind::kDescent, flexion_.speed, flexion_.speed_sd, limit,
                  FirstMovement(flexion_, limit, fall)));
@@ -239,7 +239,7 @@ class EventFinder {
   }
 
   // Down and up again, if both are recorded.
-  void AddSquat(const Stretch& fall, const Stretch& rise, std::size_t until) {
+  void AddSquat(const MonotonePhase& fall, const MonotonePhase& rise, std::size_t until) {
     if (found_.without_seat.empty() || found_.without_seat.back().time_s < s_.time_s[rise.begin]) return;
     const double limit = o_.standing_fraction * Most(hip_down_.speed, fall);
     const std::size_t descent = FirstMovement(hip_down_, limit, fall);
@@ -258,10 +258,10 @@ class EventFinder {
   // The end of a movement, if it is recorded. Where it stops for long and then goes on a little, one of the two stops
   // is it.
   std::optional<motion::StsEvent> End(motion::StsEventKind kind, const Course& course, double fraction,
-                                      const Stretch& stretch, std::size_t until) const {
-    const double limit = fraction * Most(course.speed, stretch);
-    const std::size_t after = LastMovement(course, limit, stretch, until, kLikely) + 1,
-                      latest = LastMovement(course, limit, stretch, until, kPossible) + 1;
+                                      const MonotonePhase& phase, std::size_t until) const {
+    const double limit = fraction * Most(course.speed, phase);
+    const std::size_t after = LastMovement(course, limit, phase, until, kLikely) + 1,
+                      latest = LastMovement(course, limit, phase, until, kPossible) + 1;
     if (after == s_.frame.size()) return std::nullopt;
     motion::StsEvent end = Crossing(kind, course.speed, course.speed_sd, limit, after);
     if (latest > after) end.sd_s = std::hypot(end.sd_s, (s_.time_s[latest - 1] - end.time_s) / std::sqrt(2));
@@ -289,7 +289,7 @@ class EventFinder {
     return event;
   }
 
-  std::size_t SeatOff(const Stretch& rise) const {
+  std::size_t SeatOff(const MonotonePhase& rise) const {
     return FirstMovement(hip_up_, o_.seat_off_fraction * Most(hip_up_.speed, rise), rise);
   }
 
@@ -304,17 +304,17 @@ class EventFinder {
     return i;
   }
 
-  double LeastMovement(const Course& course, const Stretch& stretch) const {
-    return (stretch.rising ? o_.least_of_rise : o_.least_of_lowering) * Range(course.value, stretch);
+  double LeastMovement(const Course& course, const MonotonePhase& phase) const {
+    return (phase.rising ? o_.least_of_rise : o_.least_of_lowering) * Range(course.value, phase);
   }
 
-  // The first frame of the first movement that belongs to the stretch: faster than the limit, and not undone later.
-  std::size_t FirstMovement(const Course& course, double limit, const Stretch& stretch) const {
-    const double least = LeastMovement(course, stretch);
-    std::size_t first = RunBegin(course.speed, limit, 0, FastestIn(course.speed, stretch));
+  // The first frame of the first movement that belongs to the phase: faster than the limit, and not undone later.
+  std::size_t FirstMovement(const Course& course, double limit, const MonotonePhase& phase) const {
+    const double least = LeastMovement(course, phase);
+    std::size_t first = RunBegin(course.speed, limit, 0, FastestIn(course.speed, phase));
     double lowest_later = course.value[first];
-    for (std::size_t i = first; i-- > stretch.begin;) {
-      const std::size_t begin = course.speed[i] > limit ? RunBegin(course.speed, limit, stretch.begin, i) : i;
+    for (std::size_t i = first; i-- > phase.begin;) {
+      const std::size_t begin = course.speed[i] > limit ? RunBegin(course.speed, limit, phase.begin, i) : i;
       const double gain = course.value[i] - course.value[begin];
       if (gain >= least && lowest_later >= course.value[begin] + o_.kept * gain) first = begin;
       lowest_later = std::min(lowest_later, Least(course.value, {begin, i}));
@@ -330,15 +330,15 @@ class EventFinder {
   };
   static constexpr LongStop kLikely{0.05, 1}, kPossible{0.02, 2};
 
-  // The last frame of the last movement that belongs to the stretch: faster than the limit, not undone, and after a
+  // The last frame of the last movement that belongs to the phase: faster than the limit, not undone, and after a
   // pause at most, unless much is still to come.
-  std::size_t LastMovement(const Course& course, double limit, const Stretch& stretch, std::size_t until,
+  std::size_t LastMovement(const Course& course, double limit, const MonotonePhase& phase, std::size_t until,
                            const LongStop& longest) const {
-    const double travel = Range(course.value, stretch), pause_s = LongestPause(o_.rest_s, stretch);
-    std::size_t last = RunEnd(course.speed, limit, until, FastestIn(course.speed, stretch));
-    const double begin_s = s_.time_s[FirstMovement(course, limit, stretch)];
+    const double travel = Range(course.value, phase), pause_s = LongestPause(o_.rest_s, phase);
+    std::size_t last = RunEnd(course.speed, limit, until, FastestIn(course.speed, phase));
+    const double begin_s = s_.time_s[FirstMovement(course, limit, phase)];
     for (std::size_t i = last + 1; i <= until; ++i) {
-      const double left = (course.value[stretch.end] - course.value[last]) / travel;
+      const double left = (course.value[phase.end] - course.value[last]) / travel;
       const double longest_s =
           left < longest.left ? pause_s : std::max(pause_s, longest.times * (s_.time_s[last] - begin_s));
       if (s_.time_s[i] - s_.time_s[last] > longest_s && left < o_.standing_left) break;
@@ -346,7 +346,7 @@ class EventFinder {
       const std::size_t end = RunEnd(course.speed, limit, until, i);
       const double gain = course.value[end] - course.value[i];
       const Span after = {end, FrameAt(s_.time_s[end] + pause_s, until)};
-      if (gain >= LeastMovement(course, stretch) && Least(course.value, after) >= course.value[i] + o_.kept * gain)
+      if (gain >= LeastMovement(course, phase) && Least(course.value, after) >= course.value[i] + o_.kept * gain)
         last = end;
       i = end;
     }
@@ -361,13 +361,13 @@ class EventFinder {
   }
 
   // What stops for less than this may be a pause in the movement.
-  double LongestPause(double least_s, const Stretch& stretch) const {
-    const double low = Least(s_.hip_height, stretch), margin = 0.05 * Range(s_.hip_height, stretch);
-    const double high = Most(s_.hip_height, stretch);
+  double LongestPause(double least_s, const MonotonePhase& phase) const {
+    const double low = Least(s_.hip_height, phase), margin = 0.05 * Range(s_.hip_height, phase);
+    const double high = Most(s_.hip_height, phase);
     const auto is_at_end = [&](std::size_t i) {
       return s_.hip_height[i] < low + margin || s_.hip_height[i] > high - margin;
     };
-    Span middle = stretch;
+    Span middle = phase;
     while (middle.begin < middle.end && is_at_end(middle.begin)) ++middle.begin;
     while (middle.end > middle.begin && is_at_end(middle.end)) --middle.end;
     return std::max(least_s, o_.rest_fraction * (s_.time_s[middle.end] - s_.time_s[middle.begin]));
@@ -424,7 +424,7 @@ class EventFinder {
 
   // Where hip, knee and trunk are still before a rise: in the narrowest bands in which they are for long enough, which
   // sway widens, else for the longest time, else in the frame in which they move least.
-  Stillness FindRest(Span before, const Stretch& rise) const {
+  Stillness FindRest(Span before, const MonotonePhase& rise) const {
     const double travel = Range(s_.hip_height, rise), pause_s = LongestPause(o_.rest_s, rise);
     const std::vector<Band> bands = {{&s_.hip_height, o_.rest_hip * travel},
                                      {&s_.hip_behind, o_.rest_hip * travel},
@@ -479,7 +479,7 @@ class EventFinder {
   }
 
   // When the trunk leaves rest, or the hip if it does so before; nullopt if that was before the recording.
-  std::optional<motion::StsEvent> FindOnset(Span before, const Stretch& rise) const {
+  std::optional<motion::StsEvent> FindOnset(Span before, const MonotonePhase& rise) const {
     const Stillness rest = FindRest(before, rise);
     if (before.begin == 0 && Seconds(rest) < o_.first_rest_s) return std::nullopt;
     before.begin = rest.begin;
@@ -512,12 +512,12 @@ class EventFinder {
     return onset;
   }
 
-  double TrunkLimit(Span before, const Stretch& rise) const {
+  double TrunkLimit(Span before, const MonotonePhase& rise) const {
     return o_.onset_fraction * Most(s_.trunk_deg_s, {before.begin, FastestIn(hip_up_.speed, rise)});
   }
 
   // For how long the trunk may have been leaning, unseen, before a frame in which it first leans.
-  double UnseenBefore(std::size_t frame, const Stretch& rise) const {
+  double UnseenBefore(std::size_t frame, const MonotonePhase& rise) const {
     if (s_.has_trunk[frame] && (frame == 0 || s_.has_trunk[frame - 1])) return 0;
     std::size_t seen = frame, before = frame;
     while (seen + 1 < s_.has_trunk.size() && !s_.has_trunk[seen]) ++seen;
@@ -588,7 +588,7 @@ class EventFinder {
 
   // The first frame in which the trunk turns forward for good; 0 if it does so from the beginning of the recording,
   // nullopt if it does not lean forward.
-  std::optional<Departure> TrunkLeaves(Span before, const Stillness& rest, const Stretch& rise) const {
+  std::optional<Departure> TrunkLeaves(Span before, const Stillness& rest, const MonotonePhase& rise) const {
     const Values &angle = s_.trunk_deg, &speed = s_.trunk_deg_s;
     const std::size_t fastest = FastestIn(hip_up_.speed, rise);
     if (!ShowsLean({std::min(rest.end, fastest), fastest})) return std::nullopt;

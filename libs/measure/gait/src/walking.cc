@@ -13,7 +13,7 @@
 #include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
 #include "lake/gait/leg_fit.h"
-#include "stretches.h"
+#include "monotone_phases.h"
 
 namespace lake::gait {
 namespace {
@@ -210,7 +210,7 @@ class WalkFinder {
     const auto add_turn = [&](std::size_t at, bool is_front) {
       foot.turns.push_back({at, is_front, at == 0 || at + 1 == foot.Size()});
     };
-    for (const Stretch& phase : FindStretches(foot.relative, kLeastTravel * leg_.signals.leg_length)) {
+    for (const MonotonePhase& phase : FindMonotonePhases(foot.relative, kLeastTravel * leg_.signals.leg_length)) {
       if (foot.turns.empty()) add_turn(phase.begin, !phase.rising);
       add_turn(phase.end, phase.rising);
     }
@@ -322,7 +322,7 @@ class WalkFinder {
     };
     if (k > 0) compare_with(turns[k - 1].at, begin);
     if (k + 2 < turns.size()) compare_with(end, turns[k + 2].at);
-    // Of a single phase what is seen of those beside it tells as much.
+    // A single phase is compared with the parts of its neighbours that are seen.
     constexpr std::size_t kShortest = 10;
     if (neighbours == 0 && begin > kShortest) compare_with(0, begin);
     if (turns.size() == 2 && last > end + kShortest) compare_with(end, last);

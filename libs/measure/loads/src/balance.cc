@@ -94,7 +94,7 @@ std::size_t FirstKnownFrom(const Model& model, double at_s) {
   return frame;
 }
 
-// Before the feet alone bear the body no force tells where in the trunk its centre is: there it is where it is at first
+// Before the feet alone bear the body no force shows where in the trunk its centre is: there it is where it is at first
 // on the feet, so that nothing jumps then.
 TrunkSample TrunkOf(const Model& model, const TrunkFit& trunk, std::size_t frame, std::size_t on_feet) {
   const std::size_t known = std::max(frame, on_feet);

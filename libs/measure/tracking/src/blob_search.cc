@@ -102,7 +102,7 @@ class ContrastRows {
   Row center_, surround_, surround3_;  // sums over columns of 3 and 9 pixels; of the latter, over three columns
 };
 
-// Columns of a row that reach the threshold; stretches below it are passed over at once, long ones first.
+// Columns of a row that reach the threshold; runs below it are skipped at once, long ones first.
 void FindReaching(const ContrastRows::Row& contrast, int threshold, std::vector<int>& columns) {
   constexpr std::size_t kLong = 256, kShort = 32;
   columns.clear();

@@ -26,7 +26,7 @@ cv::Rect ChromaBox(const Vector2d& center_px, double reach_px, const cv::Size& s
 }
 
 // Where the file says nothing of it, writers put chroma in the middle of two columns or on the left one: half a pixel.
-// What both luma and chroma measure tells.
+// It is found by the blobs that both luma and chroma show.
 class ChromaSite {
  public:
   void Add(const Vector2d& luma_minus_chroma) {

@@ -59,7 +59,7 @@ double FrameInterval(const std::vector<double>& time_s) {
 
 // How far the frames' times are from those at which they were taken, root mean square, as after the conversion of a
 // rate; 0 where they are theirs. By frames whose lateness is known to a tenth of a frame; a few jumps make no
-// unevenness: the half that is off less tells.
+// unevenness: only the half that is off less counts.
 double Unevenness(const TimedPaths& paths) {
   constexpr std::size_t kFewest = 20;
   constexpr double kKnown = 0.1, kMedianOfChiSquare = 0.455, kDeviations = 4;
@@ -419,7 +419,7 @@ class FrameClock {
       } else if (clearest->jump_mm > kCut_mm) {
         cuts.emplace_back(a, b);
       } else {
-        times.jolts.push_back({recording_.frame[a], recording_.frame[b], clearest->jump_mm});
+        times.position_jumps.push_back({recording_.frame[a], recording_.frame[b], clearest->jump_mm});
       }
       paths.Cut(static_cast<std::size_t>(at));
       judge(at - kReach, at + kReach);
@@ -430,7 +430,7 @@ class FrameClock {
       if (before[at].log_odds > kWorthAWord && !before[at].is_cut)
         times.jumps.push_back(JumpBefore(paths, at, before[at]));
     std::ranges::sort(times.jumps, {}, &TimeJump::before);
-    std::ranges::sort(times.jolts, {}, &Jolt::before);
+    std::ranges::sort(times.position_jumps, {}, &PositionJump::before);
   }
 
   // A fit through a cut would bend the leg's paths towards each other, so each part is to be tracked by itself.
@@ -510,11 +510,11 @@ std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std
         fmt::format("between frames {} and {} the motion took {} s where the time stamps say {:.4f} s: {}", jump.before,
                     jump.after, PlusMinusText(jump.moved_s, jump.sigma_s, 4), jump.stamped_s, consequence));
   }
-  for (const Jolt& jolt : times.jolts)
+  for (const PositionJump& jump : times.position_jumps)
     warnings.push_back(
         fmt::format("between frames {} and {} two markers or more move {:.0f} mm farther than a leg can: a camera "
                     "that was pushed, or other objects taken for markers; look at these frames",
-                    jolt.before, jolt.after, jolt.jump_mm));
+                    jump.before, jump.after, jump.jump_mm));
   if (times.chosen_from_hz > 0)
     warnings.push_back(
         fmt::format("the frames were chosen from a film of {} frames per second, as when a rate is converted: the "

@@ -1,4 +1,4 @@
-// How constant the distance between two tracklets stays: what tells a leg from everything else that shines.
+// How constant the distance between two tracklets stays: by this a leg differs from all else that shines.
 #pragma once
 
 #include <functional>

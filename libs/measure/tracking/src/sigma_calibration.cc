@@ -23,8 +23,8 @@ constexpr std::size_t kEnough = 60;  // samples
 // the scatter is less than 1: distances hold the skin's tremor too, which is as white as errors, and errors that last
 // for some frames look like slow changes. By robust regression on the markers of 593 rendered recordings of people and
 // of drawn motions (24 to 120 Hz, 0.001 to 1.2 bits per pixel), the root mean square of what it leaves in the first
-// factor: a marker's error is within a factor of 1.28 (1 SD), each recording's by the others. Where the scatter tells
-// of coding at all, what holds still at rest errs by the whole of it at least.
+// factor: a marker's error is within a factor of 1.28 (1 SD), each recording's by the others. Where the scatter shows
+// coding at all, what holds still at rest errs by the whole of it at least.
 struct CodingError {
   double at_usual_bits, usual_bits, of_scatter, of_bits;
 };

@@ -475,8 +475,8 @@ void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPredic
   if (lost.size() < 2 || 2 * lost.size() < moving) return;
   discontinuities_.push_back(frame);
   last_loss_s_ = time_s_;
-  // Where these lead is wrong: of neighbours each may be found where another is expected. Which goes on as which,
-  // naming tells.
+  // Where these lead is wrong: of neighbours each may be found where another is expected. Which goes on as which
+  // is for naming to decide.
   const auto has_neighbour = [&](std::size_t i) {
     return std::ranges::any_of(lost, [&](std::size_t k) {
       return k != i && (predictions[k].position - predictions[i].position).norm() <

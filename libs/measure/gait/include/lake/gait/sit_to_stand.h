@@ -73,8 +73,8 @@ struct SitToStand {
   Measured com_seat_off_mm, com_forward_max_mm_s, com_upward_max_mm_s;
 };
 
-// The whole body's centre of mass in a rise, as in SitToStand. It takes a table of the segments' masses, so that
-// whoever has one tells it.
+// The whole body's centre of mass in a rise, as in SitToStand. It takes a table of the segments' masses, which
+// the caller gives.
 struct CentreOfMassInRise {
   Measured seat_off_mm, forward_max_mm_s, upward_max_mm_s;
 };

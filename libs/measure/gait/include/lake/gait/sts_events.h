@@ -50,7 +50,7 @@ struct StsOptions {
   double standing_left = 0.15;  // nobody stands, however long the stop, with this fraction of the extension to come
   double least_rise = 0.15;     // of the leg's length: a hip that rises less has not stood up (in gait it moves by 5 %)
   double least_extension_deg = 30;  // the knee's extension during the rise
-  // What tells a seat from a squat, in which the body is balanced over the feet. Before the rise the hip is …
+  // A seat differs from a squat, in which the body is balanced over the feet: before the rise the hip is …
   double least_behind = 0.28;  // … this far behind the ankle, of the leg's length: 0.40 to 0.46 in sit-to-stands with
                                // markers (0.31 with the feet drawn back), 0.20 to 0.23 in squats; or …
   double seat_rest_s = 1;      // … it rests for this long (and for rest_fraction), to seat_still of its rise; or …
@@ -83,8 +83,8 @@ FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& option
 // of the time between the two: the percent of such a rise, and all that is read over it, hang on it.
 std::vector<std::string> UncertainEvents(const std::vector<motion::StsEvent>& events);
 
-// Likewise to be said then: a sentence naming the rises before whose onset no marker shows the trunk lean: it is told
-// by the hip, or is where a marker first shows the lean. Empty without such a rise; an onset that a person gave is
+// Likewise to be said then: a sentence naming the rises before whose onset no marker shows the trunk lean: it is
+// the hip's, or is where a marker first shows the lean. Empty without such a rise; an onset that a person gave is
 // none.
 std::string OnsetsWithoutLean(const StsSignals& signals, const std::vector<motion::StsEvent>& events);
 

@@ -19,8 +19,8 @@ struct TimeJump {
 };
 
 // Between two frames the markers come farther than a leg's motion explains, but not as far as behind a cut: a real
-// jolt, a camera that was pushed, or a marker that something else was taken for.
-struct Jolt {
+// jerk, a camera that was pushed, or a marker that something else was taken for.
+struct PositionJump {
   std::int64_t before = 0, after = 0;  // frames
   double jump_mm = 0;                  // of two markers at least
 };
@@ -34,7 +34,7 @@ struct FrameTimes {
   // there, early or late by up to half a frame of it; 0 otherwise.
   double chosen_from_hz = 0;
   std::vector<TimeJump> jumps;
-  std::vector<Jolt> jolts;
+  std::vector<PositionJump> position_jumps;
   // How far the times of a converted rate's frames are from those at which they were taken, root mean square; 0
   // otherwise. They stand.
   double uneven_s = 0;
