@@ -5,10 +5,10 @@ namespace {
 
 class Combinations {
  public:
-  Combinations(const std::vector<std::vector<NamedPiece>>& choices, const PairMisfit& pair_misfit)
+  Combinations(const std::vector<std::vector<NamedTracklet>>& choices, const PairMisfit& pair_misfit)
       : choices_(choices), pair_misfit_(pair_misfit) {}
 
-  std::vector<NamedPiece> Best() {
+  std::vector<NamedTracklet> Best() {
     Try(0, 0);
     return best_;
   }
@@ -24,7 +24,7 @@ class Combinations {
       return;
     }
     Try(name + 1, misfit);
-    for (const NamedPiece& choice : choices_[name]) {
+    for (const NamedTracklet& choice : choices_[name]) {
       const std::optional<double> own = MisfitBesideChosen(choice);
       if (!own) continue;
       chosen_.push_back(choice);
@@ -33,10 +33,10 @@ class Combinations {
     }
   }
 
-  std::optional<double> MisfitBesideChosen(const NamedPiece& choice) const {
+  std::optional<double> MisfitBesideChosen(const NamedTracklet& choice) const {
     double misfit = choice.misfit;
-    for (const NamedPiece& other : chosen_) {
-      if (other.piece == choice.piece) return std::nullopt;
+    for (const NamedTracklet& other : chosen_) {
+      if (other.tracklet == choice.tracklet) return std::nullopt;
       const std::optional<double> pair = pair_misfit_(other, choice);
       if (!pair) return std::nullopt;
       misfit += *pair;
@@ -44,16 +44,16 @@ class Combinations {
     return misfit;
   }
 
-  const std::vector<std::vector<NamedPiece>>& choices_;
+  const std::vector<std::vector<NamedTracklet>>& choices_;
   const PairMisfit& pair_misfit_;
-  std::vector<NamedPiece> chosen_, best_;
+  std::vector<NamedTracklet> chosen_, best_;
   double least_ = 0;
 };
 
 }  // namespace
 
-std::vector<NamedPiece> LikeliestTogether(const std::vector<std::vector<NamedPiece>>& choices,
-                                          const PairMisfit& pair_misfit) {
+std::vector<NamedTracklet> LikeliestTogether(const std::vector<std::vector<NamedTracklet>>& choices,
+                                             const PairMisfit& pair_misfit) {
   return Combinations(choices, pair_misfit).Best();
 }
 

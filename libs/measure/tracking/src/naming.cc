@@ -77,18 +77,18 @@ class Namer {
       : options_(options),
         physics_(options.physics),
         recording_(recording),
-        pieces_(std::move(tracklets)),
-        tracklets_(pieces_, options.metric_from_px),
-        owner_(pieces_.size()),
+        tracklets_px_(std::move(tracklets)),
+        tracklets_(tracklets_px_, options.metric_from_px),
+        owner_(tracklets_px_.size()),
         time_s_(recording.time_s) {
     anchor_.resize(options.names.size());
     recording_.markers.clear();
     for (const std::string& name : options.names)
       recording_.markers.push_back({name, std::vector<motion::MarkerSample>(recording.Frames())});
-    for (const Tracklet& piece : pieces_) radii_px_.push_back(piece.RadiusPx());
+    for (const Tracklet& tracklet : tracklets_px_) radii_px_.push_back(tracklet.RadiusPx());
     for (std::size_t i = 0; i < recording_.Frames(); ++i) index_of_frame_[recording_.frame[i]] = i;
-    for (const Tracklet& piece : pieces_)
-      for (const TrackletSample& sample : piece.samples) time_s_[index_of_frame_.at(sample.frame)] = sample.time_s;
+    for (const Tracklet& tracklet : tracklets_px_)
+      for (const TrackletSample& sample : tracklet.samples) time_s_[index_of_frame_.at(sample.frame)] = sample.time_s;
     metric_.assign(options.names.size(), std::vector<std::optional<Eigen::Vector2d>>(recording_.Frames()));
   }
 
@@ -264,9 +264,9 @@ class Namer {
   bool TravelsFar() const {
     constexpr double kFar = 0.25;  // of the picture's larger side
     if (options_.picture.isEmpty()) return false;
-    return std::ranges::any_of(pieces_, [&](const Tracklet& piece) {
+    return std::ranges::any_of(tracklets_px_, [&](const Tracklet& tracklet) {
       Eigen::AlignedBox2d places;
-      for (const TrackletSample& sample : piece.samples) places.extend(sample.position);
+      for (const TrackletSample& sample : tracklet.samples) places.extend(sample.position);
       return !places.isEmpty() && places.sizes().maxCoeff() > kFar * options_.picture.sizes().maxCoeff();
     });
   }
@@ -281,7 +281,7 @@ class Namer {
     constexpr int kFirst_deg = 12, kStep_deg = 4, kLast_deg = 44;
     for (int turn_deg = -kLast_deg; turn_deg <= kLast_deg; turn_deg += kStep_deg) {
       if (std::abs(turn_deg) < kFirst_deg) continue;
-      MetricTracklets turned(pieces_, [&](const Eigen::Vector2d& px) {
+      MetricTracklets turned(tracklets_px_, [&](const Eigen::Vector2d& px) {
         return options_.metric_from_px(Unturned(px, RadiansFromDegrees(turn_deg), options_));
       });
       std::vector<LegChain> chains = FindLegChains(turned, chain_options);
@@ -433,7 +433,7 @@ class Namer {
         const bool both_leg = leg_rank(a) < 4 && leg_rank(b) < 4;
         if (pair.frames < 5 || (both_leg ? std::abs(leg_rank(a) - leg_rank(b)) != 1 : pair.deviation > kMaxDeviation))
           continue;
-        // The waist is above the hip, also where a piece that takes its place is as far from it.
+        // The waist is above the hip, also where a tracklet that takes its place is as far from it.
         Eigen::Vector2d side = Eigen::Vector2d::Zero();
         if (both_leg && std::max(leg_rank(a), leg_rank(b)) == 3)
           side = (leg_rank(b) == 3 ? 1 : -1) * MetricUp(options_.up_px);
@@ -441,7 +441,7 @@ class Namer {
       }
   }
 
-  // How badly a tracklet fits a name, best first: pieces whose neighbours are known go before those without.
+  // How badly a tracklet fits a name, best first: tracklets whose neighbours are known go before those without.
   struct FitToName {
     bool without_neighbours = false;
     double misfit = 0;  // minus the logarithm of the odds
@@ -485,21 +485,21 @@ class Namer {
   }
 
   // Whether an object rests where the marker was neither before nor after: a lamp that it passes by.
-  bool RestsElsewhere(std::size_t piece, std::size_t name) const {
+  bool RestsElsewhere(std::size_t tracklet, std::size_t name) const {
     const auto& samples = recording_.markers[name].samples;
-    const double radius = radii_px_[piece];
-    if (TrimmedExtentPx(tracklets_[piece]) > 0.5 * radius) return false;
+    const double radius = radii_px_[tracklet];
+    if (TrimmedExtentPx(tracklets_[tracklet]) > 0.5 * radius) return false;
     const auto is_there = [&](std::size_t frame, const TrackletSample& end) {
       constexpr double kSamePlace = 2;  // radii
       return (samples[frame].position - end.position).norm() < kSamePlace * radius;
     };
-    for (std::size_t f = index_of_frame_.at(tracklets_[piece].FirstFrame()); f-- > 0;)
+    for (std::size_t f = index_of_frame_.at(tracklets_[tracklet].FirstFrame()); f-- > 0;)
       if (samples[f].IsKnown()) {
-        if (is_there(f, tracklets_[piece].samples.front())) return false;
+        if (is_there(f, tracklets_[tracklet].samples.front())) return false;
         break;
       }
-    for (std::size_t f = index_of_frame_.at(tracklets_[piece].LastFrame()) + 1; f < samples.size(); ++f)
-      if (samples[f].IsKnown()) return !is_there(f, tracklets_[piece].samples.back());
+    for (std::size_t f = index_of_frame_.at(tracklets_[tracklet].LastFrame()) + 1; f < samples.size(); ++f)
+      if (samples[f].IsKnown()) return !is_there(f, tracklets_[tracklet].samples.back());
     return true;
   }
 
@@ -542,7 +542,7 @@ class Namer {
     });
   }
 
-  // Where a piece is beyond the border before or after what is known of its name.
+  // Where a tracklet is beyond the border before or after what is known of its name.
   void NoteAbsences(std::size_t name, std::size_t tracklet) {
     const auto [first, last] = SpanOf(tracklet);
     for (const auto& [before, after] : {std::pair(KnownBeside(name, first, -1), FirstSamples(tracklets_[tracklet])),
@@ -563,7 +563,7 @@ class Namer {
   // The logarithm of the odds against one path with what is known of the name before and after; nullopt where none is
   // possible, or nothing is known.
   std::optional<double> ContinuityMisfit(std::size_t tracklet, std::size_t name) const {
-    const Tracklet& piece = tracklets_[tracklet];
+    const Tracklet& whole = tracklets_[tracklet];
     const auto& samples = recording_.markers[name].samples;
     const auto [first, last] = SpanOf(tracklet);
     constexpr std::size_t kOverlap = 1;
@@ -573,8 +573,8 @@ class Namer {
     const double size = radii_px_[tracklet] / radii_px_[*anchor_[name]];
     if (size < 0.6 || size > 1.7) return std::nullopt;
     std::optional<double> misfit;
-    for (const auto& [before, after] : {std::pair(KnownBeside(name, first, -1), FirstSamples(piece)),
-                                        std::pair(LastSamples(piece), KnownBeside(name, last, 1))}) {
+    for (const auto& [before, after] : {std::pair(KnownBeside(name, first, -1), FirstSamples(whole)),
+                                        std::pair(LastSamples(whole), KnownBeside(name, last, 1))}) {
       if (before.empty() || after.empty()) continue;
       // Who left the picture comes back anywhere: only distances tell the markers.
       if (IsAbsence(before, after) || WasLegAbsent(before, after)) {
@@ -621,46 +621,46 @@ class Namer {
 
   using Fits = std::vector<std::optional<FitToName>>;  // by tracklet and name
 
-  // By the distance of two pieces whose names are linked, against two objects that are up to twice as far apart.
-  std::optional<double> DistanceMisfit(const NamedPiece& one, const NamedPiece& other) const {
+  // By the distance of two tracklets whose names are linked, against two objects that are up to twice as far apart.
+  std::optional<double> DistanceMisfit(const NamedTracklet& one, const NamedTracklet& other) const {
     const Link* link = LinkBetween(one.name, other.name);
     if (!link) return 0;
-    const PairDistance& pair = tracklets_.Distance(one.piece, other.piece);
+    const PairDistance& pair = tracklets_.Distance(one.tracklet, other.tracklet);
     if (pair.frames == 0) return 0;
     const double off = std::hypot(pair.mean - link->length, pair.mean * pair.deviation) / link->tolerance;
-    if (off > 1 || link->IsTurnedOver(one.name, tracklets_.MeanWay(one.piece, other.piece))) return std::nullopt;
+    if (off > 1 || link->IsTurnedOver(one.name, tracklets_.MeanWay(one.tracklet, other.tracklet))) return std::nullopt;
     const double sigma = link->tolerance / kToleranceDeviations, range = 2 * link->length;
     return 0.5 * std::pow(kToleranceDeviations * off, 2) + std::log(std::sqrt(2 * std::numbers::pi) * sigma / range);
   }
 
-  // What is joined next: the best-fitting piece or, where its neighbours are not known or something that is seen with
-  // it fits its name too, all that is seen with it. Nothing where nothing speaks for it.
-  std::vector<NamedPiece> Next(const NamedPiece& best, const Fits& fits, const std::vector<Span>& spans) const {
+  // What is joined next: the best-fitting tracklet or, where its neighbours are not known or something that is seen
+  // with it fits its name too, all that is seen with it. Nothing where nothing speaks for it.
+  std::vector<NamedTracklet> Next(const NamedTracklet& best, const Fits& fits, const std::vector<Span>& spans) const {
     constexpr std::size_t kMostNames = 8;
-    constexpr double kMostChoices = 65536;  // of each name the best-fitting pieces, or none of them
+    constexpr double kMostChoices = 65536;  // of each name the best-fitting tracklets, or none of them
     const std::size_t names = anchor_.size();
-    bool is_certain = !fits[best.piece * names + best.name]->without_neighbours;
+    bool is_certain = !fits[best.tracklet * names + best.name]->without_neighbours;
     for (std::size_t t = 0; t < tracklets_.size(); ++t)
-      is_certain &= t == best.piece || !fits[t * names + best.name] || !spans[t].Meets(spans[best.piece]);
+      is_certain &= t == best.tracklet || !fits[t * names + best.name] || !spans[t].Meets(spans[best.tracklet]);
     if (is_certain || names > kMostNames || !options_.identities.empty()) return {best};
-    const auto most_pieces =
+    const auto most_tracklets =
         static_cast<std::size_t>(std::pow(kMostChoices, 1 / static_cast<double>(names)) + 1e-9) - 1;
-    std::vector<std::vector<NamedPiece>> choices(names);
+    std::vector<std::vector<NamedTracklet>> choices(names);
     for (std::size_t n = 0; n < names; ++n) {
-      std::vector<NamedPiece>& pieces = choices[n];
+      std::vector<NamedTracklet>& tracklets = choices[n];
       for (std::size_t t = 0; t < tracklets_.size(); ++t)
-        if (const auto& fit = fits[t * names + n]; fit && spans[t].Meets(spans[best.piece]))
-          pieces.push_back({t, n, fit->misfit});
-      std::ranges::stable_sort(pieces, {}, &NamedPiece::misfit);
-      pieces.resize(std::min(pieces.size(), most_pieces));
+        if (const auto& fit = fits[t * names + n]; fit && spans[t].Meets(spans[best.tracklet]))
+          tracklets.push_back({t, n, fit->misfit});
+      std::ranges::stable_sort(tracklets, {}, &NamedTracklet::misfit);
+      tracklets.resize(std::min(tracklets.size(), most_tracklets));
     }
-    std::vector<NamedPiece> together =
+    std::vector<NamedTracklet> together =
         LikeliestTogether(choices, [&](const auto& one, const auto& other) { return DistanceMisfit(one, other); });
     if (together.empty() && best.misfit < 0) return {best};
     return together;
   }
 
-  // What a piece changes is how those fit that lie beside it, in its own name and in those linked to it: all others'
+  // What a tracklet changes is how those fit that lie beside it, in its own name and in those linked to it: all others'
   // fits are kept.
   void Join(std::size_t joined, std::size_t name, const std::vector<Span>& spans, Fits& fits) {
     const std::size_t names = anchor_.size();
@@ -676,12 +676,12 @@ class Namer {
     }
   }
 
-  // Joins the best-fitting piece that is left to its name until none fits.
+  // Joins the best-fitting tracklet that is left to its name until none fits.
   void JoinPieces() {
     const std::size_t names = anchor_.size();
     Fits fits(tracklets_.size() * names);
     std::vector<Span> spans;
-    // Who left the picture has left it with all markers, whichever piece tells so.
+    // Who left the picture has left it with all markers, whichever tracklet shows it.
     for (std::size_t t = 0; t < tracklets_.size(); ++t)
       for (std::size_t n = 0; n < names && !owner_[t]; ++n) NoteAbsences(n, t);
     for (std::size_t t = 0; t < tracklets_.size(); ++t) {
@@ -697,16 +697,16 @@ class Namer {
           best = i;
         }
       if (!least) return;
-      const std::vector<NamedPiece> joined = Next({best / names, best % names, least->misfit}, fits, spans);
+      const std::vector<NamedTracklet> joined = Next({best / names, best % names, least->misfit}, fits, spans);
       if (joined.empty()) fits[best].reset();
-      for (const NamedPiece& next : joined) Join(next.piece, next.name, spans, fits);
+      for (const NamedTracklet& next : joined) Join(next.tracklet, next.name, spans, fits);
     }
   }
 
   const NamingOptions& options_;
   MarkerPhysics physics_;
   motion::MarkerRecording& recording_;
-  std::vector<Tracklet> pieces_;
+  std::vector<Tracklet> tracklets_px_;
   MetricTracklets tracklets_;
   std::vector<double> radii_px_;                    // of each tracklet
   std::vector<std::optional<std::size_t>> owner_;   // name of each tracklet

@@ -27,7 +27,7 @@ bool MayGoOnAs(const Tracklet& ended, double ended_px, const Tracklet& begun, do
   return JoinPaths(before, after, GapBetween(before, after), std::max(ended_px, begun_px), physics).squares < kFarthest;
 }
 
-// Which pieces go on as which.
+// Which tracklets go on as which.
 class Continuations {
  public:
   Continuations(const std::vector<Tracklet>& tracklets, const MarkerPhysics& physics)
@@ -43,7 +43,7 @@ class Continuations {
         }
   }
 
-  // The piece that this one certainly goes on as.
+  // The tracklet that this one certainly goes on as.
   std::optional<std::size_t> After(std::size_t a) const {
     if (after_[a].empty()) return std::nullopt;
     const std::size_t b =
@@ -52,7 +52,7 @@ class Continuations {
     return HasRival(a, before_[b]) || HasRival(b, after_[a]) ? std::nullopt : std::optional(b);
   }
 
-  // The piece that certainly goes on as this one.
+  // The tracklet that certainly goes on as this one.
   std::optional<std::size_t> Before(std::size_t b) const {
     const auto found = std::ranges::find_if(before_[b], [&](std::size_t a) { return After(a) == b; });
     return found == before_[b].end() ? std::nullopt : std::optional(*found);
@@ -60,10 +60,10 @@ class Continuations {
 
  private:
   // Whether another could be it as well: one that was seen at the same time, so that they are two objects.
-  bool HasRival(std::size_t piece, const std::vector<std::size_t>& others) const {
+  bool HasRival(std::size_t tracklet, const std::vector<std::size_t>& others) const {
     return std::ranges::any_of(others, [&](std::size_t other) {
-      return other != piece && tracklets_[other].FirstFrame() <= tracklets_[piece].LastFrame() &&
-             tracklets_[piece].FirstFrame() <= tracklets_[other].LastFrame();
+      return other != tracklet && tracklets_[other].FirstFrame() <= tracklets_[tracklet].LastFrame() &&
+             tracklets_[tracklet].FirstFrame() <= tracklets_[other].LastFrame();
     });
   }
 
@@ -76,19 +76,20 @@ class Continuations {
 std::vector<Tracklet> StitchPieces(std::vector<Tracklet> tracklets, const MarkerPhysics& physics) {
   std::vector<std::vector<std::size_t>> chains;
   {
-    const Continuations pieces(tracklets, physics);
+    const Continuations continuations(tracklets, physics);
     for (std::size_t first = 0; first < tracklets.size(); ++first) {
-      if (pieces.Before(first)) continue;
+      if (continuations.Before(first)) continue;
       chains.emplace_back();
-      for (std::optional piece(first); piece; piece = pieces.After(*piece)) chains.back().push_back(*piece);
+      for (std::optional tracklet(first); tracklet; tracklet = continuations.After(*tracklet))
+        chains.back().push_back(*tracklet);
     }
   }
   std::vector<Tracklet> whole;
   for (const std::vector<std::size_t>& chain : chains) {
     whole.push_back(std::move(tracklets[chain.front()]));
-    for (const std::size_t piece : std::span(chain).subspan(1))
-      whole.back().samples.insert(whole.back().samples.end(), tracklets[piece].samples.begin(),
-                                  tracklets[piece].samples.end());
+    for (const std::size_t tracklet : std::span(chain).subspan(1))
+      whole.back().samples.insert(whole.back().samples.end(), tracklets[tracklet].samples.begin(),
+                                  tracklets[tracklet].samples.end());
   }
   return whole;
 }
