@@ -91,10 +91,11 @@ TEST_F(Folders, KeepAGoodTrialWhenItsRepetitionFails) {
 
 TEST_F(Folders, TakeOneRunAtATime) {
   Render();
-  // The first is held while the second tries, however busy the machine.
+  // The first is held, once it has said what it works on, while the second tries, however busy the machine.
   const Outcome both = Done(
       "lake-track human.mp4 --no-overlay --quiet -o D 2>first.txt & first=$!; "
-      "until [ -e D/.lake-track.lake-unfinished ] || ! kill -0 $first; do sleep 0.01; done; kill -STOP $first; "
+      "until grep -qs human.mp4 D/.lake-track.lake-unfinished/.lake-track.* || ! kill -0 $first; do sleep 0.01; done; "
+      "kill -STOP $first; "
       "lake-track human.mp4 --no-overlay --quiet -o D 2>second.txt; echo second $?; kill -CONT $first; "
       "wait $first; echo first $?");
   EXPECT_THAT(both.out, AllOf(HasSubstr("second 1"), HasSubstr("first 0")));

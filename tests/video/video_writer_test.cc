@@ -229,8 +229,8 @@ TEST(VideoWriter, FullDiskIsAnErrorAndLeavesNothing) {
   WriteVideo(folder / "v.mp4", {.width = 320, .height = 240, .grey = true}, pictures, stamps);
   const auto whole_bytes = std::filesystem::file_size(folder / "v.mp4");
   std::filesystem::remove(folder / "v.mp4");
-  // x264's films of the same pictures differ by some bytes at times.
-  for (const auto bytes : {std::uintmax_t{0}, std::uintmax_t{20}, whole_bytes / 2, whole_bytes - 500}) {
+  // x264's films of the same pictures differ by up to some thousand bytes, by how busy the machine is.
+  for (const auto bytes : {std::uintmax_t{0}, std::uintmax_t{20}, whole_bytes / 2, whole_bytes * 9 / 10}) {
     SCOPED_TRACE(bytes);
     const FileSizeLimit limit(bytes);
     EXPECT_THAT([&] { WriteVideo(folder / "v.mp4", {.width = 320, .height = 240, .grey = true}, pictures, stamps); },
