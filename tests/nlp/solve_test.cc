@@ -148,7 +148,9 @@ TEST(SolveNlp, OptimalityErrorBeforeTheEndIsTheWorstCondition) {
                                         complementarity(row, 2 * v, one.row_lower, one.row_upper), solution.violation});
       EXPECT_NEAR(solution.kkt_error, expected, 1e-9 * (1 + expected))
           << one.name << ", " << options.max_iterations << " iterations";
-      if (options.max_iterations < 3) EXPECT_GT(solution.kkt_error, 1e-4) << one.name;
+      if (options.max_iterations < 3) {
+        EXPECT_GT(solution.kkt_error, 1e-4) << one.name;
+      }
     }
 }
 

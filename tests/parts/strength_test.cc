@@ -57,7 +57,7 @@ TEST_F(CheckPose, ARodThatPullsDoesNotBuckle) {
 TEST(Capacity, IsThatOfTheWeakestCheck) {
   const linkage::Links links{60, 72, 60, 72, 72, 240};
   const linkage::Pose pose = linkage::RequirePose(links, 240);
-  const parts::LoadedPose loaded{pose, 50, {.actuator_n = 300, .bar_n = 400, .coupler_n = 500}};
+  const parts::LoadedPose loaded{pose, 50, {.actuator_n = 300, .coupler_n = 500, .bar_n = 400}};
   for (const double width_mm : {24.0, 14.0}) {
     parts::PartOptions options;
     options.bar_width_mm = width_mm;
@@ -74,8 +74,12 @@ TEST(Capacity, IsThatOfTheWeakestCheck) {
       EXPECT_NEAR(safety, least, 1e-9 * least) << part << ", " << width_mm << " mm wide";
     }
     for (const parts::StrengthCheck& check : checks) {
-      if (check.check == "bearing at M") EXPECT_NEAR(check.allowed, capacity.actuator_n, 1e-9);
-      if (check.check == "bending at S") EXPECT_NEAR(check.allowed, capacity.knee_torque_nm, 1e-9);
+      if (check.check == "bearing at M") {
+        EXPECT_NEAR(check.allowed, capacity.actuator_n, 1e-9);
+      }
+      if (check.check == "bending at S") {
+        EXPECT_NEAR(check.allowed, capacity.knee_torque_nm, 1e-9);
+      }
     }
   }
 }
