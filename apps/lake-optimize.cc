@@ -1,5 +1,5 @@
-// Finds the links that give the largest range of rotation, proves it, and says what it is worth; with a human's motion,
-// those whose knee also follows it.
+// Finds the links that give the largest range of rotation, proves it, and says what it is worth; with a human's motion
+// it does the work of lake-redesign.
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,13 +12,10 @@
 int main(int argc, char** argv) {
   lake::Program program(
       "lake-optimize",
-      "The links that give the largest range of rotation; with a human's motion, the exoskeleton that follows it.",
+      "The links that give the largest range of rotation. Those that follow a person's knee: lake redesign, whose "
+      "options are known here, too.",
       "lake-optimize --starts 20 --grashof-margin 2 --singularity-margin 2 --certify -o lake-out/design\n"
-      "  lake-optimize --profile lake-out/loads --assist 0.4 --actuator LA31-1000 --duration free\n"
-      "  lake-optimize --comparison lake-out/comparison --worn worn.yaml --max-misalignment 3 --program free "
-      "--duration 25 --fit-placement --pareto 12\n"
-      "  lake-optimize --comparison sub-01/comparison sub-02/comparison sub-03/comparison --human-only "
-      "--max-misalignment 3 --program free --duration 25 --fit-placement");
+      "  lake-optimize --profile lake-out/loads --assist 0.4 --actuator LA31-1000 --duration free");
   lake::commands::OptimizeRunOptions options;
   lake::commands::ReoptimizeRunOptions reoptimize;
   std::optional<std::filesystem::path> make_template;
@@ -32,11 +29,7 @@ int main(int argc, char** argv) {
                                           "actuator", "duration", "starts", "certify", "yield", "round", "actuators"}));
   program.Add(std::move(other));
   // The duration stands among the problem's options.
-  const auto motion = program.Add(lake::OptionsOf(reoptimize)
-                                      .Without({"duration"})
-                                      .WithUsual({"comparison", "human", "worn", "human-only", "max-misalignment",
-                                                  "penalty", "program", "fit-placement", "pareto"}),
-                                  "Re-optimisation, with --comparison or --human");
+  const auto motion = program.Add(lake::OptionsOf(reoptimize).Without({"duration"}).WithUsual({}));
   return program.Main(
       argc, argv, [] { return std::string("optimize"); },
       [&](lake::Run& run) {

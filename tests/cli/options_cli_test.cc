@@ -220,7 +220,8 @@ void ExpectHelp(const std::string& program, const std::vector<std::string_view>&
 
 TEST(Help, FitsOnAScreenAndSaysWhatShowsTheRest) {
   const TemporaryFolder folder;
-  for (const std::string name : {"track", "compare", "gait", "synth", "loads", "live", "simulate", "optimize"}) {
+  for (const std::string name :
+       {"track", "compare", "gait", "synth", "loads", "live", "simulate", "optimize", "redesign"}) {
     const std::string help = Shell(folder, "lake-" + name + " --help").out;
     EXPECT_LE(std::ranges::count(help, '\n'), 50) << name;
     EXPECT_THAT(help, testing::EndsWith(" further options: lake-" + name + " --help-all\n"));
@@ -240,6 +241,7 @@ TEST(Help, HasEveryDescribedOptionWithItsUnit) {
   ExpectHelp<commands::SymmetryRunOptions>("lake-symmetry");
   ExpectHelp<commands::OptimizeRunOptions>("lake-optimize");
   ExpectHelp<commands::ReoptimizeRunOptions>("lake-optimize", {"duration"});
+  ExpectHelp<commands::ReoptimizeRunOptions>("lake-redesign", {"duration"});
   ExpectHelp<commands::StrokeRunOptions>("lake-stroke");
   ExpectHelp<commands::DutyRunOptions>("lake-stroke calibrate");
   ExpectHelp<commands::CalibrateRunOptions>("lake-calibrate");

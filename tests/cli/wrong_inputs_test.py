@@ -27,6 +27,7 @@ RIGHT = {
     "live": "film.mp4 --replay",
     "loads": "trial.csv --mass 70",
     "optimize": "",
+    "redesign": "",
     "review": "empty",
     "run": "study.yaml",
     "simulate": "design.yaml",
@@ -205,6 +206,10 @@ track … --vertical odd  ->  --vertical must have 4 numbers
 export absent.yaml mjcf  ->  absent.yaml: no such file
 simulate absent.yaml  ->  absent.yaml: no such file
 stroke absent.yaml  ->  absent.yaml: no such file
+redesign  ->  --comparison%--human
+redesign --comparison empty  ->  lake-compare
+redesign --human-onlx  ->  did you mean '--human-only
+redesign --pareto odd  ->  --pareto must be %number
 run absent.yaml  ->  absent.yaml: no such file
 optimize --problem absent.yaml  ->  absent.yaml: no such file
 """

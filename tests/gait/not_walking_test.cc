@@ -181,7 +181,7 @@ TEST(NotWalking, ObliquelyIsMeasuredWithAWarningThatSaysWhatItDoes) {
           std::max(largest_deg, std::abs(leg.motion.samples[i].knee_deg - straight.motion.samples[i].knee_deg));
     EXPECT_NEAR(std::stod(warnings.substr(off + 13)), largest_deg, 0.5 + 0.5 * largest_deg);
     EXPECT_THAT(WarningsOf(FitAs(Askance(angle_deg, kCamera_mm), gait::MovementKind::kAuto)),
-                HasSubstr("only a camera with a calibrated plane tells"));
+                HasSubstr("only with a camera that has a calibrated plane"));
   }
   for (const double angle_deg : {-8.0, 0.0, 8.0})
     EXPECT_THAT(WarningsOf(FitAs(Askance(angle_deg, kCamera_mm), gait::MovementKind::kAuto, kCamera_mm)),

@@ -109,7 +109,7 @@ const std::vector<StepKind>& StepKinds() {
        .warnings = "Benchmark optimum",
        .warnings_place = 11},
       {.name = "redesign",
-       .program = "lake-optimize",
+       .program = "lake-redesign",
        .make = RedesignStep,
        .needs = {.minutes = 120},
        .outputs = {"design.yaml", "summary.json"},

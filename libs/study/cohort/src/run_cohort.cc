@@ -178,7 +178,7 @@ steps::StudyStep PopulationStep(const Cohort& cohort, const Workflow& workflow, 
                reoptimize.people.empty() ? "none" : "one");
   steps::StudyStep step{.name = kPopulationStep,
                         .what = "the design for all participants",
-                        .program = "lake-optimize",
+                        .program = "lake-redesign",
                         .folder = workflow.out / "group" / kPopulationStep,
                         .options = {{"population", cohort.population->section.text}, {"people", reoptimize.people}}};
   for (const InputFile& input : InputsOf(options)) step.inputs.push_back(input.path);

@@ -70,9 +70,8 @@ struct Folder {
   }
 };
 
-std::optional<Folder> FolderOf(const fs::path& path, std::string_view program) {
-  if (MakerOf(path) != program) return std::nullopt;
-  return Folder{path, ReadSummary(path / "summary.json")};
+Folder FolderAt(const fs::path& path) {
+  return {path, ReadSummary(path / "summary.json")};
 }
 
 void AddWords(const OptionList& list, std::vector<std::string>& words) {
@@ -260,12 +259,12 @@ void ReadSubject(const fs::path& subject, DesignSubject& result) {
   result.folder = is_folder ? subject : subject.parent_path();
   const fs::path named = fs::absolute(subject).lexically_normal();  // "." has a name
   result.explored.name = (named.has_filename() ? named : named.parent_path()).filename().string();
-  const auto optimum = FolderOf(result.folder, "lake-optimize");
-  const auto simulation = is_folder ? FolderOf(subject, "lake-simulate") : std::nullopt;
+  std::optional<Folder> simulation;
+  if (is_folder && MakerOf(subject) == "lake-simulate") simulation = FolderAt(subject);
   result.explored.design =
       simulation ? DesignOfSimulation(*simulation) : linkage::ReadDesign(is_folder ? subject / "design.yaml" : subject);
-  if (optimum)
-    TakeLimits(*optimum, result);
+  if (FindsDesigns(MakerOf(result.folder)))
+    TakeLimits(FolderAt(result.folder), result);
   else
     TakePapersLimits(result);
   if (simulation && simulation->summary.contains("knee_torque_nm"))

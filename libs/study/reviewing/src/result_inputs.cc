@@ -104,6 +104,10 @@ std::string MakerOf(const fs::path& folder) {
   return program != summary.end() && program->is_string() ? program->get<std::string>() : "";
 }
 
+bool FindsDesigns(const std::string& program) {
+  return program == "lake-optimize" || program == "lake-redesign";
+}
+
 std::string OperandOf(const fs::path& path) {
   return (path.string().starts_with("-") ? "./" : "") + path.string();
 }

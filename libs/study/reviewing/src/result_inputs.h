@@ -38,6 +38,9 @@ std::filesystem::path FindInput(const Json& summary, const std::string& role, co
 // The program whose results are in a folder; empty if none.
 std::string MakerOf(const std::filesystem::path& folder);
 
+// Whether this program finds a design that is best.
+bool FindsDesigns(const std::string& program);
+
 // A path as a command line says it, that is no option.
 std::string OperandOf(const std::filesystem::path& path);
 

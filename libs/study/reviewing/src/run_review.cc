@@ -366,8 +366,7 @@ void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
   page.ready = [&options](const std::string& address) { Announce(address, options.page); };
   const bool is_folder = fs::is_directory(options.subject);
   const std::string maker = is_folder ? MakerOf(options.subject) : "";
-  const bool is_design =
-      is_folder ? maker == "lake-optimize" || maker == "lake-simulate" : IsDesignFile(options.subject);
+  const bool is_design = is_folder ? FindsDesigns(maker) || maker == "lake-simulate" : IsDesignFile(options.subject);
   if (!is_design && !options.problem.empty())
     throw UsageError("--problem has the limits of a design, and this is none");
   if ((is_design || is_folder) && options.capture_rate_hz > 0)

@@ -111,7 +111,7 @@ Found FoundResult(const fs::path& folder) {
   const std::string maker = summary.value("program", "");
   if (maker == "lake-track") return FoundTrial(folder, summary);
   if (maker == "lake-compare") return {folder, "comparison"};
-  if (maker == "lake-optimize" || maker == "lake-simulate") return {folder, "design"};
+  if (FindsDesigns(maker) || maker == "lake-simulate") return {folder, "design"};
   if (maker == "lake-run")
     return {folder, "study", summary.value("name", ""), fs::exists(folder / "report.html") ? "" : "no report yet"};
   return {folder, ""};
