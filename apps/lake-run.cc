@@ -10,7 +10,7 @@
 #include "lake/core/option_template.h"
 #include "lake/gait/movement.h"
 #include "lake/study/study.h"
-#include "lake/study/study_template.h"
+#include "lake/study/study_file.h"
 #include "program.h"
 
 int main(int argc, char** argv) {

@@ -1,9 +1,9 @@
 // Which part of a session becomes its trial.
-#include "lake/live/trial_part.h"
-
 #include <gtest/gtest.h>
 
 #include <vector>
+
+#include "lake/live/joint_place.h"
 
 namespace lake::test {
 namespace {

@@ -11,7 +11,6 @@
 #include "lake/core/error.h"
 #include "lake/core/removed.h"
 #include "lake/study/study.h"
-#include "lake/study/study_template.h"
 #include "temporary_folder.h"
 
 namespace lake {

@@ -1,10 +1,9 @@
 // Messages name options; who wrote a study file is told its keys.
-#include "lake/steps/study_keys.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "lake/commands/track.h"
+#include "lake/steps/study_steps.h"
 #include "lake/study/study.h"
 
 namespace lake {

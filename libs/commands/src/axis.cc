@@ -175,7 +175,7 @@ Json RunAxis(const AxisRunOptions& options, Run& run) {
   for (const std::string& warning : result.warnings) run.Warn(warning);
   WriteAxes(run.Result("axis.csv"), result, points, dimensions);
   WriteCentres(run.Result("centre.csv"), centres, points, dimensions);
-  DrawPngAndSvg("axis", run, [&](const fs::path& path) { figure::DrawAxis(path, motion, result, centres); });
+  DrawPngAndSvg("axis", run, figure::DrawAxis, motion, result, centres);
   const axis::MeanAxis& whole = result.whole;
   run.Report(ReportOf(whole, dimensions));
   return {{"axis_point_mm", PointJson(whole.in_shank, dimensions)},

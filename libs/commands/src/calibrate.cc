@@ -231,12 +231,10 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
 
   camera::WriteCameraProfile(run.Result("camera.yaml"), {result.camera, {}, camera::UncertaintyOf(result), {}});
   WriteResiduals(run.Result("residuals.csv"), pictures.views, result);
-  DrawPngAndSvg("residuals", run,
-                [&](const fs::path& path) { figure::WriteResidualFigure(path, pictures.views, result); });
+  DrawPngAndSvg("residuals", run, figure::WriteResidualFigure, pictures.views, result);
   if (quality.cross_validation)
-    DrawPngAndSvg("cross_validation", run, [&](const fs::path& path) {
-      figure::WriteCrossValidationFigure(path, *quality.cross_validation, pictures.width_px, pictures.height_px);
-    });
+    DrawPngAndSvg("cross_validation", run, figure::WriteCrossValidationFigure, *quality.cross_validation,
+                  pictures.width_px, pictures.height_px);
   Json json = ResultJson(pictures, result, quality);
   json["lens"] = {{"model", camera::ToString(calibration.lens)}, {"chosen", !options.lens}};
   for (const auto& [lens, error_px] : choice.error_px)

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "comparison_text.h"
-#include "cuff_tables.h"
+#include "comparison_tables.h"
 #include "lake/commands/gait.h"
 #include "lake/compare/comparison_file.h"
 #include "lake/compare/misalignment_options.h"
@@ -26,7 +25,6 @@
 #include "optimum_tables.h"
 #include "png_and_svg.h"
 #include "second_trial.h"
-#include "worn_joint.h"
 
 namespace lake::commands {
 namespace {
@@ -279,19 +277,18 @@ WornJoint CheckWorn(const compare::Misalignment& misalignment, const CompareRunO
 
 // What seat and limbs allow of moving the joint: null where the worn links are not known, and in words; of walking
 // nothing.
-struct MoveOnBody {  // NOLINT(bugprone-exception-escape): moving a Json does not throw
-  Json on_body;
-  std::string text;
-};
-
-MoveOnBody CheckMove(const compare::Misalignment& misalignment, const CompareRunOptions& options) {
-  if (misalignment.movement == gait::MovementKind::kWalking) return {nullptr, ""};
-  if (!options.worn)
-    return {nullptr,
-            "What seat and limbs allow of it is not known without the design that was worn (--worn, in a study design: "
-            "worn)."};
+void CheckMove(const compare::Misalignment& misalignment, const CompareRunOptions& options, Json& best_placement) {
+  best_placement["on_body"] = nullptr;
+  if (misalignment.movement == gait::MovementKind::kWalking) return;
+  if (!options.worn) {
+    best_placement["body_text"] =
+        "What seat and limbs allow of it is not known without the design that was worn (--worn, in a study design: "
+        "worn).";
+    return;
+  }
   const WornJoint joint = CheckWorn(misalignment, options);
-  return {WornJointJson(joint), WornJointText(joint, misalignment.joint->remainder_mm)};
+  best_placement["on_body"] = WornJointJson(joint);
+  best_placement["body_text"] = WornJointText(joint, misalignment.joint->remainder_mm);
 }
 
 void DrawFigures(const Json& comparison, Run& run) {
@@ -488,11 +485,8 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   comparison["knee_from"] = pair.is_human_functional ? "functional" : "marker";
   comparison["knee_axis_sd_mm"] = {{"human", NumberOrNull(pair.axes.human_mm)},
                                    {"exo", NumberOrNull(pair.axes.exo_mm)}};
-  MoveOnBody move;
   if (misalignment.joint) {
-    move = CheckMove(misalignment, options);
-    comparison["best_placement"]["on_body"] = move.on_body;
-    if (!move.text.empty()) comparison["best_placement"]["body_text"] = move.text;
+    CheckMove(misalignment, options, comparison["best_placement"]);
   } else if (options.worn) {
     run.Warn(
         "{} shows no knee of the leg beside the joint, so it is not checked whether seat and limbs leave room for the "
@@ -518,7 +512,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   WriteJsonFile(run.Result("comparison.json"), comparison);
   DrawFigures(comparison, run);
   WriteComparisonReport(title, comparison, std::move(sections), run);
-  run.Report(ComparisonText(misalignment, budgets, move.text, cases));
+  run.Report(ComparisonText(comparison));
   comparison.erase("curves");
   return comparison;
 }

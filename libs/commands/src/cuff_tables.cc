@@ -1,7 +1,6 @@
-#include "cuff_tables.h"
-
 #include <cmath>
 
+#include "comparison_tables.h"
 #include "lake/core/angles.h"
 #include "lake/core/cross.h"
 #include "lake/core/csv.h"

@@ -1,12 +1,11 @@
-#include "lake/actuator/duty_video.h"
 #include "lake/commands/stroke.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json_or_null.h"
 #include "lake/core/provenance.h"
 #include "lake/figure/stroke_figures.h"
+#include "lake/motion/marker_recording.h"
 #include "png_and_svg.h"
-#include "rod_film.h"
 
 namespace lake::commands {
 namespace {
@@ -61,7 +60,34 @@ std::string ReportOf(const actuator::DutyCalibration& calibration, const actuato
               : "no duty was tried twice, so the table has no tolerance: lake-stroke will take 10 %\n");
 }
 
+const motion::MarkerTrack& TrackOf(const motion::MarkerRecording& recording, const std::string& name,
+                                   const std::string& file) {
+  if (const motion::MarkerTrack* track = recording.Find(name)) return *track;
+  throw Fail("{}: no marker '{}'; --rod-markers BODY,ROD names the two on the actuator", file, name);
+}
+
 }  // namespace
+
+actuator::ActuatorFilm ReadRodFilm(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+  const std::optional<std::filesystem::path> found = FindResult(folder, "trajectory.csv");
+  if (!found)
+    throw Fail("{}: no trajectory.csv in it; track the video with --scale or a calibrated plane, lengths in mm",
+               folder.string());
+  if (names.size() != 2) throw UsageError("--rod-markers: give two names, BODY,ROD");
+  const std::filesystem::path& file = *found;
+  const motion::MarkerRecording recording = motion::ReadMarkerCsv(file);
+  const motion::MarkerTrack &body = TrackOf(recording, names[0], file.string()),
+                            &rod = TrackOf(recording, names[1], file.string());
+  actuator::ActuatorFilm film;
+  for (std::size_t i = 0; i < recording.Frames(); ++i) {
+    if (body.samples[i].status != motion::SampleStatus::kDetected ||
+        rod.samples[i].status != motion::SampleStatus::kDetected)
+      continue;
+    film.time_s.push_back(recording.time_s[i]);
+    film.length_mm.push_back((rod.samples[i].position - body.samples[i].position).norm());
+  }
+  return film;
+}
 
 Json RunDutyCalibration(const DutyRunOptions& options, Run& run) {
   if (options.write_firmware && !options.logs.empty())
@@ -76,8 +102,7 @@ Json RunDutyCalibration(const DutyRunOptions& options, Run& run) {
   for (const std::string& warning : calibration.warnings) run.Warn(warning);
   actuator::WriteDutyTable(run.Result("duty_table.csv"), calibration.rows);
   WritePlateaus(run.Result("plateaus.csv"), calibration.plateaus);
-  DrawPngAndSvg("duty_table", run,
-                [&](const std::filesystem::path& path) { figure::DrawDutyCalibration(path, calibration); });
+  DrawPngAndSvg("duty_table", run, figure::DrawDutyCalibration, calibration);
   const actuator::DutyTable table = actuator::MakeDutyTable(calibration.rows, "duty_table.csv");
   run.Report(ReportOf(calibration, table));
   return {{"plateaus", calibration.plateaus.size()},

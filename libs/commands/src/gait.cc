@@ -22,10 +22,8 @@
 #include "lake/gait/sit_to_stand.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/saved_corrections.h"
-#include "measure_tables.h"
 #include "movement_tables.h"
 #include "png_and_svg.h"
-#include "range_limit.h"
 
 namespace lake::commands {
 namespace {
@@ -344,30 +342,24 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
                            trial.recording.time_s);
   const std::vector<double> model_deg =
       options.compare_with.empty() ? std::vector<double>{} : ModelAngle(trial, options.compare_with);
-  run.Begin({"summary.json",    "kinematics.csv",   "events.csv",       "sit_to_stand.csv", "sit_to_stand.html",
-             "gait_cycles.csv", "gait_cycles.png",  "gait_cycles.svg",  "squats.csv",       "uncertainty_budget.csv",
-             "range_limit.csv", "range_limit.html", "model_output.csv", "trajectory.csv",   "tracks.csv",
-             "gait.png",        "gait.svg",         "measures.csv",     "measures.png",     "measures.svg"});
+  std::vector<std::string> names = LegResultNames("gait");
+  names.insert(names.end(), {"range_limit.csv", "range_limit.html", "model_output.csv"});
+  run.Begin(names);
   if (measures_alone) return MeasureWithoutLeg(trial, options, run);
   gait::LegFitResult result = FitTrial(trial, options.fit, run, options, options.events, options);
   SetNeutral(options, trial, options.reading, options.fit, run, result);
   Json results = Json::object();
   if (CorrectedEventsOf(trial) || options.events) results = {{kEventsCorrected, true}};
-  motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
-  motion::WriteEventsCsv(run.Result("events.csv"), result.events);
-  run.Report(gait::LegFitText(result));
-  WriteUncertaintyBudget(result, options.budget, results, run);
   const std::string repetitions =
-      WriteMovement(result, options.fit.markers, options.person, options.reference, results, run);
+      WriteMovement(result, options.fit.markers, options.budget, options.person, options.reference, results, run);
   if (options.range_limit_deg) WriteRangeLimit(result, options.budget, *options.range_limit_deg, results, run);
   run.Report(repetitions);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
   if (!model_deg.empty()) WriteModelOutput(options.compare_with, model_deg, result.motion, results, run);
-  DrawPngAndSvg("gait", run, [&](const std::filesystem::path& path) {
-    figure::DrawLegFigure(path, result, {.name = options.compare_with, .angle_deg = model_deg});
-  });
+  DrawPngAndSvg("gait", run, figure::DrawLegFigure, result,
+                figure::OtherAngle{.name = options.compare_with, .angle_deg = model_deg});
   results.update(gait::LegFitJson(result));
   if (const auto leg = LegOf(trial, result)) results[exchange::kLegKey] = ToString(*leg);
   LearnKnee(result, options.fit, trial.lateral_mm, results, run);

@@ -1,17 +1,15 @@
-#include "group_tables.h"
-
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "lake/commands/optimize_tables.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/problem/design_of_problem.h"
 #include "optimum_tables.h"
-#include "program_table.h"
 
 namespace lake::commands {
 namespace {
@@ -147,15 +145,8 @@ void WriteSizeTables(const sizes::SizesOutcome& outcome, Run& run) {
 }
 
 const char* NameOf(redesign::Across across) {
-  switch (across) {
-    case redesign::Across::kWorst:
-      return "worst";
-    case redesign::Across::kMean:
-      return "mean";
-    case redesign::Across::kQuantile:
-      return "quantile";
-  }
-  return "";
+  constexpr const char* kNames[] = {"worst", "mean", "quantile"};
+  return kNames[static_cast<int>(across)];
 }
 
 // Who would gain most by a design of their own.

@@ -105,14 +105,34 @@ loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::T
   return InLeg(options, file, {{&plate}}, trial, fit);
 }
 
+// The columns of loads.csv behind the percent, and of loads.json.
+struct LoadsColumn {
+  const char* name;
+  double loads::LoadsRow::*value;
+  bool is_of_profile = true;  // in loads.json, too
+};
+constexpr LoadsColumn kLoadsColumns[] = {{"time_s", &loads::LoadsRow::time_s},
+                                         {"knee_deg", &loads::LoadsRow::knee_deg},
+                                         {"knee_deg_s", &loads::LoadsRow::knee_deg_s},
+                                         {"ankle_nm", &loads::LoadsRow::ankle_nm},
+                                         {"knee_nm", &loads::LoadsRow::knee_nm},
+                                         {"hip_nm", &loads::LoadsRow::hip_nm},
+                                         {"knee_sd_nm", &loads::LoadsRow::knee_sd_nm},
+                                         {"knee_low_nm", &loads::LoadsRow::knee_low_nm},
+                                         {"knee_high_nm", &loads::LoadsRow::knee_high_nm},
+                                         {"zmp_mm", &loads::LoadsRow::zmp_mm, false},
+                                         {"ground_force_n", &loads::LoadsRow::ground_force_n, false},
+                                         {"knee_power_w", &loads::LoadsRow::knee_power_w}};
+
 void WriteTable(const fs::path& path, const loads::LoadsResult& result) {
-  CsvWriter csv({"repetition", "percent", "time_s", "knee_deg", "knee_deg_s", "ankle_nm", "knee_nm", "hip_nm",
-                 "knee_sd_nm", "knee_low_nm", "knee_high_nm", "zmp_mm", "ground_force_n", "knee_power_w"});
+  std::vector<std::string> header = {"repetition", "percent"};
+  for (const LoadsColumn& column : kLoadsColumns) header.emplace_back(column.name);
+  CsvWriter csv(header);
   const auto add = [&](const loads::RiseLoads& rise, const std::string& name) {
     for (std::size_t percent = 0; percent < rise.rows.size(); ++percent) {
-      const loads::LoadsRow& row = rise.rows[percent];
-      csv.AddRow(name, percent, row.time_s, row.knee_deg, row.knee_deg_s, row.ankle_nm, row.knee_nm, row.hip_nm,
-                 row.knee_sd_nm, row.knee_low_nm, row.knee_high_nm, row.zmp_mm, row.ground_force_n, row.knee_power_w);
+      csv.Add(name).Add(percent);
+      for (const LoadsColumn& column : kLoadsColumns) csv.Add(rise.rows[percent].*column.value);
+      csv.EndRow();
     }
   };
   for (const loads::RiseLoads& rise : result.rises) add(rise, std::to_string(rise.repetition));
@@ -187,20 +207,9 @@ Json BalanceJson(const loads::LoadsResult& result) {
 
 Json ColumnsOf(const loads::RiseLoads& rise) {
   Json columns;
-  const auto add = [&](const char* name, double loads::LoadsRow::*member) {
-    Json& values = columns[name] = Json::array();
-    for (const loads::LoadsRow& row : rise.rows) values.push_back(row.*member);
-  };
-  add("time_s", &loads::LoadsRow::time_s);
-  add("knee_deg", &loads::LoadsRow::knee_deg);
-  add("knee_deg_s", &loads::LoadsRow::knee_deg_s);
-  add("knee_nm", &loads::LoadsRow::knee_nm);
-  add("knee_sd_nm", &loads::LoadsRow::knee_sd_nm);
-  add("knee_low_nm", &loads::LoadsRow::knee_low_nm);
-  add("knee_high_nm", &loads::LoadsRow::knee_high_nm);
-  add("ankle_nm", &loads::LoadsRow::ankle_nm);
-  add("hip_nm", &loads::LoadsRow::hip_nm);
-  add("knee_power_w", &loads::LoadsRow::knee_power_w);
+  for (const LoadsColumn& column : kLoadsColumns)
+    if (column.is_of_profile)
+      for (const loads::LoadsRow& row : rise.rows) columns[column.name].push_back(row.*column.value);
   return columns;
 }
 
@@ -316,8 +325,7 @@ Json RunStances(const LoadsRunOptions& options, const exchange::Trial& trial, co
   const loads::LoadsResult result = loads::FindStanceLoads(fit.trajectory, fit.motion, stances, path, options.loads,
                                                            InLeg(options, file, bearing, trial, fit));
   WriteTable(run.Result("loads.csv"), result);
-  DrawPngAndSvg("loads", run,
-                [&](const fs::path& file) { figure::DrawLoads(file, result, options.trial.filename().string()); });
+  DrawPngAndSvg("loads", run, figure::DrawLoads, result, options.trial.filename().string());
   Json of_stances = Json::array();
   for (const loads::RiseLoads& stance : result.rises) {
     const auto most_nm = [&](double loads::LoadsRow::*member) {
@@ -460,8 +468,7 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
   WriteCentres(run.Result("centre_of_mass.csv"), result, mass_kg);
   WriteMomenta(run.Result("momentum.csv"), result, mass_kg);
   WriteJsonFile(run.Result("loads.json"), ProfileJson(result, options));
-  DrawPngAndSvg("loads", run,
-                [&](const fs::path& path) { figure::DrawLoads(path, result, options.trial.filename().string()); });
+  DrawPngAndSvg("loads", run, figure::DrawLoads, result, options.trial.filename().string());
   const MeanRise mean = MeanOf(result);
   run.Report(ReportOf(result, mean, mass_kg, options.loads.uncertainty.trunk_share.has_value()));
   return SummaryJson(result, mean, mass_kg);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lake/core/counted.h"
+#include "lake/core/deviation_text.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/core/numbers.h"
@@ -19,6 +20,7 @@
 #include "lake/figure/trial_figures.h"
 #include "lake/gait/gait_cycles.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/gait/leg_report.h"
 #include "lake/gait/movement.h"
 #include "lake/gait/sit_to_stand.h"
 #include "lake/gait/squats.h"
@@ -237,10 +239,16 @@ gait::CentresOfMass FindCentresOfMass(const gait::LegFitResult& leg, const loads
   return centres;
 }
 
+// Of the knee's angle from all sources, where the recording has lengths in mm.
+double AnatomicalSdDeg(const Json& results) {
+  if (!results.contains("uncertainty")) return 0;
+  const double sd_deg = NumberOrNaN(results.at("uncertainty").at("knee_angle_deg").at("anatomical_sd"));
+  return std::isfinite(sd_deg) ? sd_deg : 0;
+}
+
 // To each rise's knee angles what the recording's budget has of it: an interval that is narrower here would be another.
 void AddSoftTissue(const Json& results, std::vector<SitToStand>& rows) {
-  if (!results.contains("uncertainty")) return;  // lengths in px
-  const double knee_sd_deg = NumberOrNaN(results.at("uncertainty").at("knee_angle_deg").at("anatomical_sd"));
+  const double knee_sd_deg = AnatomicalSdDeg(results);
   for (SitToStand& rise : rows)
     if (rise.repetition > 0)
       for (Measured* knee : {&rise.knee_seat_off_deg, &rise.knee_max_deg}) knee->sd = std::hypot(knee->sd, knee_sd_deg);
@@ -264,13 +272,6 @@ std::string WriteSitToStands(const gait::LegFitResult& leg, const gait::LegMarke
   for (const motion::StsEvent& event : leg.events) repetitions.insert(event.repetition);
   return fmt::format("{}, {}\n", Counted(repetitions.size(), "rise"), Counted(leg.outliers.size(), "outlier")) +
          FiveTimesText({rows.back(), person});
-}
-
-// Of the knee's angle from all sources, where the recording has lengths in mm.
-double AnatomicalSdDeg(const Json& results) {
-  if (!results.contains("uncertainty")) return 0;
-  const double sd_deg = NumberOrNaN(results.at("uncertainty").at("knee_angle_deg").at("anatomical_sd"));
-  return std::isfinite(sd_deg) ? sd_deg : 0;
 }
 
 Json WalkJson(const gait::Walk& walk, const gait::Measures<gait::GaitCycle>& cycles, motion::LengthUnit unit) {
@@ -324,9 +325,7 @@ std::string WriteGaitCycles(const gait::LegFitResult& leg, const std::filesystem
   const auto cycles = gait::MeasureGaitCycles(leg, AnatomicalSdDeg(results));
   results["walking"] = WalkJson(leg.movement.walk, cycles, unit);
   gait::WriteMeasures(run.Result("gait_cycles.csv"), "stride", cycles, unit);
-  if (!cycles.rows.empty())
-    DrawPngAndSvg("gait_cycles", run,
-                  [&](const std::filesystem::path& path) { figure::DrawGaitCycles(path, leg, cycles, curve); });
+  if (!cycles.rows.empty()) DrawPngAndSvg("gait_cycles", run, figure::DrawGaitCycles, leg, cycles, curve);
   return WalkText(leg.movement.walk) + gait::MeasuresText(cycles, unit);
 }
 
@@ -338,15 +337,63 @@ std::string WriteSquats(const gait::LegFitResult& leg, Json& results, Run& run) 
   return fmt::format("squats: {}\n", squats.rows.size()) + gait::MeasuresText(squats, unit);
 }
 
+// Each one's smallest, largest and mean.
+std::string MeasuresText(const Json& measures) {
+  std::string text;
+  for (const auto& [name, of] : measures.items()) {
+    if (of.is_null()) {
+      text += fmt::format("{}  never seen\n", name);
+      continue;
+    }
+    const std::string unit = gait::UnitForPeople(of["unit"].get<std::string>());
+    text += fmt::format("{}  {:.1f} to {:.1f}{}{}, mean {:.1f}\n", name, of["smallest"]["value"].get<double>(),
+                        of["largest"]["value"].get<double>(), unit == "°" ? "" : " ", unit, of["mean"].get<double>());
+  }
+  return text;
+}
+
+void WriteUncertaintyBudget(const gait::LegFitResult& leg, const compare::RecordingBudgetOptions& options,
+                            Json& results, Run& run) {
+  const std::vector<compare::Budget> budgets = compare::BudgetsOf(leg, options);
+  if (budgets.empty()) return;
+  compare::WriteUncertaintyBudgetCsv(run.Result("uncertainty_budget.csv"), budgets);
+  results["uncertainty"] = compare::BudgetsJson(budgets);
+  const auto knee = std::ranges::find(budgets, std::string("knee_angle"), &compare::Budget::quantity);
+  run.Report("the joint beneath the skin: knee within {} (1 SD; uncertainty_budget.csv)\n",
+             DeviationText(knee->Deviation(), 1, "°"));
+}
+
 }  // namespace
 
-std::string WriteMovement(const gait::LegFitResult& leg, const gait::LegMarkers& markers, const gait::Person& person,
+std::vector<std::string> LegResultNames(const std::string& name) {
+  return {"summary.json",    "kinematics.csv",  "events.csv",      "sit_to_stand.csv", "sit_to_stand.html",
+          "gait_cycles.csv", "gait_cycles.png", "gait_cycles.svg", "squats.csv",       "uncertainty_budget.csv",
+          "trajectory.csv",  "tracks.csv",      "measures.csv",    "measures.png",     "measures.svg",
+          name + ".png",     name + ".svg"};
+}
+
+std::string WriteMovement(const gait::LegFitResult& leg, const gait::LegMarkers& markers,
+                          const compare::RecordingBudgetOptions& budget, const gait::Person& person,
                           const std::filesystem::path& reference, Json& results, Run& run) {
+  motion::WriteKinematicsCsv(run.Result("kinematics.csv"), leg.motion);
+  motion::WriteEventsCsv(run.Result("events.csv"), leg.events);
+  run.Report(gait::LegFitText(leg));
+  WriteUncertaintyBudget(leg, budget, results, run);
   using enum gait::MovementKind;
   results["movement"] = leg.movement.kind ? Json(gait::MovementOf(*leg.movement.kind).name) : Json();
   if (leg.movement.kind == kWalking) return WriteGaitCycles(leg, reference, results, run);
   if (leg.movement.kind == kSquat) return WriteSquats(leg, results, run);
   return WriteSitToStands(leg, markers, person, results, run);
+}
+
+void WriteMeasures(const motion::MarkerRecording& recording, const std::vector<gait::MarkerMeasure>& measures,
+                   Json& results, Run& run) {
+  if (measures.empty()) return;
+  const std::vector<gait::MeasuredCourse> courses = gait::MeasureMarkers(recording, measures);
+  gait::WriteMeasuresCsv(run.Result("measures.csv"), recording, courses);
+  DrawPngAndSvg("measures", run, figure::DrawMeasures, recording, courses);
+  results["measures"] = gait::MeasuresJson(recording, courses);
+  run.Report(MeasuresText(results["measures"]));
 }
 
 }  // namespace lake::commands

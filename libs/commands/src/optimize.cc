@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-#include "actuator_front_tables.h"
 #include "assistance_tables.h"
-#include "group_tables.h"
 #include "lake/commands/compare.h"
 #include "lake/commands/gait.h"
 #include "lake/commands/optimize_tables.h"
@@ -57,6 +55,13 @@ void DrawFigures(const synthesis::SynthesisOutcome& outcome, Run& run) {
   DrawTogether(figures, run);
 }
 
+// The summary; of a failure it is written, too, which `reason` says.
+Json Finished(bool is_solved, Json summary, const std::string& reason, Run& run) {
+  if (is_solved) return summary;
+  run.WriteFailedSummary(summary, reason);
+  throw SolverError(reason);
+}
+
 Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   CheckSynthesis(options);
   const problem::SynthesisProblem problem = problem::WithActuator(options.problem);
@@ -69,10 +74,7 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(problem, options.study);
   Json summary = WriteSynthesis(outcome, run);
   DrawFigures(outcome, run);
-  if (!outcome.IsSolved()) {
-    run.WriteFailedSummary(summary, outcome.infeasible->sentence);
-    throw SolverError(outcome.infeasible->sentence);
-  }
+  if (!outcome.IsSolved()) Finished(false, summary, outcome.infeasible->sentence, run);
   if (problem.HasLoadProfile())
     summary["assistance"] =
         WriteAssistance(problem::FindAssistance(outcome.BestLinks(), outcome.problem), outcome.problem, run);
@@ -105,16 +107,10 @@ Json RunActuatorFront(const OptimizeRunOptions& options, Run& run) {
   const std::vector<synthesis::ActuatorCurve> curves =
       synthesis::FindActuatorFront(options.problem, actuators, SharesOf(options.problem), options.study.optimize);
   WriteActuatorFront(curves, run.Result("actuators_front.csv"));
-  DrawPngAndSvg("actuators_front", run, [&](const fs::path& path) {
-    figure::DrawActuatorFront(path, curves, options.problem.profile->duration_s);
-  });
+  DrawPngAndSvg("actuators_front", run, figure::DrawActuatorFront, curves, options.problem.profile->duration_s);
   const Json summary = ActuatorFrontJson(curves, options.problem);
-  if (std::ranges::none_of(curves, &synthesis::ActuatorCurve::Last)) {
-    const SolverError error(
-        "none of the actuators can be built in within the problem's limits; actuators_front.csv says why");
-    run.WriteFailedSummary(summary, error.what());
-    throw error;
-  }
+  Finished(std::ranges::any_of(curves, &synthesis::ActuatorCurve::Last), summary,
+           "none of the actuators can be built in within the problem's limits; actuators_front.csv says why", run);
   run.Report(ActuatorFrontText(curves, options.problem.profile->duration_s));
   return summary;
 }
@@ -313,18 +309,13 @@ Json RunForGroup(const OptimizeRunOptions& options, const redesign::RedesignProb
       throw Fail("{}: it is of walking, and a linkage for many people is designed for sit-to-stands", person.name);
   if (!reoptimize.participants.empty()) reoptimize.heights_mm = ReadHeights(reoptimize.participants, names);
   run.Begin(GroupResultNames(names, reoptimize.sizes));
-  const auto finish = [&](const auto& outcome, Json summary, const std::string& reason) {
-    if (outcome.IsSolved()) return summary;
-    run.WriteFailedSummary(summary, reason);
-    throw SolverError(reason);
-  };
   if (reoptimize.sizes) {
     const sizes::SizesOutcome outcome =
         sizes::RunSizes(problem, people, *reoptimize.sizes, reoptimize.heights_mm, options.study.optimize);
-    return finish(outcome, WriteSizes(outcome, run), outcome.Reason());
+    return Finished(outcome.IsSolved(), WriteSizes(outcome, run), outcome.Reason(), run);
   }
   const group::GroupOutcome outcome = group::RunGroup(problem, people, options.study.optimize);
-  return finish(outcome, WriteGroup(outcome, run), outcome.reason);
+  return Finished(outcome.IsSolved(), WriteGroup(outcome, run), outcome.reason, run);
 }
 
 Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
@@ -348,11 +339,7 @@ Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
   const redesign::RedesignOutcome outcome = redesign::RunRedesign(problem, measured, redesign_options);
   Json summary = WriteRedesign(outcome, run);
   DrawFigures(outcome, summary, run);
-  if (!outcome.IsSolved()) {
-    run.WriteFailedSummary(summary, outcome.infeasible->sentence);
-    throw SolverError(outcome.infeasible->sentence);
-  }
-  return summary;
+  return Finished(outcome.IsSolved(), std::move(summary), outcome.IsSolved() ? "" : outcome.infeasible->sentence, run);
 }
 
 void AddInputs(const ReoptimizeRunOptions& options, std::vector<InputFile>& inputs) {

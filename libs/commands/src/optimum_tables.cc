@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json_or_null.h"
@@ -284,18 +285,19 @@ Json ActiveJson(const synthesis::ActiveSet& active, const std::string& gained) {
 
 namespace {
 
-std::string_view NameOf(certificate::Certificate::End end) {
-  switch (end) {
-    case certificate::Certificate::End::kGap:
-      return "gap";
-    case certificate::Certificate::End::kBoxes:
-      return "boxes";
-    case certificate::Certificate::End::kTime:
-      return "time";
-    case certificate::Certificate::End::kNothingToSplit:
-      return "nothing_to_split";
-  }
-  return "";
+struct CertificateEnd {
+  const char *name, *why;
+};
+
+// In the order of certificate::Certificate::End.
+constexpr CertificateEnd kCertificateEnds[] = {
+    {"gap", ""},
+    {"boxes", ": the search ended after {} boxes"},
+    {"time", ": the time of --certify-time was over, so another machine may come to another gap"},
+    {"nothing_to_split", ": no box is left that can be split further"}};
+
+const CertificateEnd& EndOf(const certificate::Certificate& certificate) {
+  return kCertificateEnds[static_cast<int>(certificate.end)];
 }
 
 }  // namespace
@@ -305,7 +307,7 @@ Json CertificateJson(const certificate::Certificate& certificate, const std::vec
           {"of_range_deg", NumberOrNull(certificate.range_deg)},
           {"gap_deg", NumberOrNull(certificate.gap_deg)},
           {"reached", certificate.reached},
-          {"ended_by", NameOf(certificate.end)},
+          {"ended_by", EndOf(certificate).name},
           {"boxes", certificate.boxes},
           {"not_in_bound", not_in_bound}};
 }
@@ -315,16 +317,29 @@ void WarnOfCertificate(const certificate::Certificate& certificate, const std::v
   if (certificate.reached) return;
   std::string text = fmt::format("between the range found and the proved bound {}° are open, more than requested",
                                  SignificantText(certificate.gap_deg, 3));
-  if (certificate.end == certificate::Certificate::End::kTime)
-    text += ": the time of --certify-time was over, so another machine may come to another gap";
-  if (certificate.end == certificate::Certificate::End::kBoxes)
-    text += fmt::format(": the search ended after {} boxes", certificate.boxes);
-  if (certificate.end == certificate::Certificate::End::kNothingToSplit)
-    text += ": no box is left that can be split further";
+  text += fmt::format(fmt::runtime(EndOf(certificate).why), certificate.boxes);
   if (!not_in_bound.empty())
     text +=
         fmt::format("; the bound holds for all requirements, but is found without {}", fmt::join(not_in_bound, ", "));
   run.Warn(text);
+}
+
+void WriteProgramTable(const redesign::DesignInMotion& design, const redesign::HumanMotion& human,
+                       const std::filesystem::path& path) {
+  CsvWriter table({"percent", "time_s", "stroke_mm", "knee_deg", "human_knee_deg"});
+  for (std::size_t i = 0; design.prediction && i < human.size(); ++i) {
+    const double percent = static_cast<double>(i);
+    table.AddRow(i, design.duration_s * percent / 100, design.prediction->stroke_mm[i],
+                 DegreesFromRadians(design.prediction->theta_rad[i]), DegreesFromRadians(human[i].knee_rad));
+  }
+  table.Write(path);
+}
+
+void WarnWithoutLimit(const redesign::MotionLimits& limits, Run& run) {
+  if (!redesign::kMisalignment.Counts(limits))
+    run.Warn(
+        "neither --max-misalignment nor --penalty is given, so only the range is optimised; give one of them to limit "
+        "the misalignment");
 }
 
 }  // namespace lake::commands

@@ -1,6 +1,7 @@
 // The tables and the parts of a summary that a synthesis and a redesign both write.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "lake/core/run.h"
 #include "lake/linkage/design_file.h"
 #include "lake/problem/robustness.h"
+#include "lake/redesign/redesign_outcome.h"
 #include "lake/synthesis/optimize.h"
 
 namespace lake::commands {
@@ -94,5 +96,13 @@ void WarnOfCertificate(const certificate::Certificate& certificate, const std::v
 
 // "l1_mm" and so on, with a prefix.
 std::vector<std::string> LinkColumns(std::string_view prefix);
+
+// The program sample by sample, and the knee angles that it is to follow; only the header where the design cannot make
+// the motion.
+void WriteProgramTable(const redesign::DesignInMotion& design, const redesign::HumanMotion& human,
+                       const std::filesystem::path& path);
+
+// Where nothing limits the misalignment.
+void WarnWithoutLimit(const redesign::MotionLimits& limits, Run& run);
 
 }  // namespace lake::commands

@@ -23,10 +23,10 @@ inline std::filesystem::path ResultInBoth(const std::string& name, Run& run) {
   return both;
 }
 
-// Calls draw(path) with the path without extension, of which figure::GnuplotFigure makes both.
-template <typename Draw>
-void DrawPngAndSvg(const std::string& name, Run& run, const Draw& draw) {
-  draw(ResultInBoth(name, run));
+// Calls draw(path, …) with the path without extension, of which figure::GnuplotFigure makes both.
+template <typename Draw, typename... Content>
+void DrawPngAndSvg(const std::string& name, Run& run, const Draw& draw, const Content&... content) {
+  draw(ResultInBoth(name, run), content...);
 }
 
 // Likewise several at the same time: drawing is mostly waiting for a gnuplot, of which each has its own.

@@ -1,5 +1,3 @@
-#include "range_limit.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -9,6 +7,7 @@
 #include "lake/core/error.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/report/report.h"
+#include "movement_tables.h"
 
 namespace lake::commands {
 namespace {

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "cuff_tables.h"
+#include "comparison_tables.h"
 #include "lake/commands/optimize_tables.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -15,63 +14,14 @@
 #include "lake/core/uncertain_text.h"
 #include "lake/redesign/redesign_outcome.h"
 #include "optimum_tables.h"
-#include "program_table.h"
 
 namespace lake::commands {
 namespace {
 
-// A figure of before_after.csv; NaN where the design cannot make the motion.
-struct Figure {
-  std::string name, unit;
-  std::function<double(const redesign::DesignInMotion&)> value;
-
-  // As a key of the summary: "cuff_force_max_n".
-  std::string Key() const { return name + KeyEnding(unit); }
-
-  static std::string KeyEnding(std::string_view unit) {
-    if (unit == "1") return "";
-    return unit == "%" ? "_percent" : unit == "N" ? "_n" : fmt::format("_{}", unit);
-  }
-};
-
-std::vector<Figure> Figures() {
-  using Design = redesign::DesignInMotion;
-  const auto limited = [](const redesign::Quantity& quantity) {
-    return Figure{std::string(quantity.column), quantity.unit,
-                  [&quantity](const Design& d) { return ValueOf(quantity, d); }};
-  };
-  const auto compared = [](const std::string& name, const char* unit, auto value) {
-    return Figure{name, unit, [value](const Design& d) { return d.misalignment ? value(*d.misalignment) : kNaN; }};
-  };
-  const auto predicted = [](const char* name, const char* unit, auto value) {
-    return Figure{name, unit, [value](const Design& d) { return d.prediction ? value(*d.prediction) : kNaN; }};
-  };
-  const auto placement = [](int axis) {
-    return Figure{redesign::PlacementName(axis), "mm", [axis](const Design& d) { return d.design.placement_mm[axis]; }};
-  };
-  using compare::Misalignment, redesign::Prediction;
-  std::vector<Figure> all;
-  for (std::size_t i = 0; i < 6; ++i)
-    all.push_back({problem::LinkName(i), "mm", [i](const Design& d) { return d.design.links.Values()[i]; }});
-  all.insert(all.end(), {{"range", "deg", [](const Design& d) { return d.evaluation.range_deg; }},
-                         limited(redesign::kMisalignment),
-                         predicted("misalignment_rms", "mm", [](const Prediction& p) { return p.Rms().mm; }),
-                         compared("misalignment_max", "mm", [](const Misalignment& m) { return m.metrics.max_mm; })});
-  for (const compare::Part& part : compare::kParts)
-    all.push_back(compared(fmt::format("part_{}", part.name), "1",
-                           [&part](const Misalignment& m) { return m.decomposition.*part.fraction; }));
-  all.insert(all.end(),
-             {compared("knee_rmse", "deg", [](const Misalignment& m) { return m.metrics.knee_rmse_deg; }),
-              predicted("joint_misalignment_rms", "mm", [](const Prediction& p) { return p.joint.mm; }),
-              limited(redesign::kAngleMismatch),
-              limited(redesign::kCuffForce),
-              limited(redesign::kBalanceMargin),
-              placement(0),
-              placement(1),
-              limited(redesign::kDuration),
-              {"exact_tracking_time", "s", [](const Design& d) { return d.tracking_time_s.value_or(kNaN); }},
-              {"stroke_when_standing", "mm", [](const Design& d) { return d.evaluation.stands_mm.value_or(kNaN); }}});
-  return all;
+// As a key ends in it: "_n".
+std::string KeyEnding(std::string_view unit) {
+  if (unit == "1") return "";
+  return unit == "%" ? "_percent" : unit == "N" ? "_n" : fmt::format("_{}", unit);
 }
 
 // The designs that are compared, by the names of their columns and keys.
@@ -102,7 +52,7 @@ void WriteBeforeAfter(const redesign::RedesignOutcome& outcome, Run& run) {
   std::vector<std::string> header = {"quantity", "unit"};
   for (const NamedDesign& named : DesignsOf(outcome)) header.emplace_back(named.name);
   CsvWriter table(header);
-  for (const Figure& figure : Figures()) {
+  for (const DesignFigure& figure : DesignFigures()) {
     table.Add(figure.name).Add(figure.unit);
     for (const NamedDesign& named : DesignsOf(outcome)) table.Add(named.design ? figure.value(*named.design) : kNaN);
     table.EndRow();
@@ -112,7 +62,7 @@ void WriteBeforeAfter(const redesign::RedesignOutcome& outcome, Run& run) {
 
 Json BeforeAfterJson(const redesign::DesignInMotion& design) {
   Json json = Json::object();
-  for (const Figure& figure : Figures()) json[figure.Key()] = NumberOrNull(figure.value(design));
+  for (const DesignFigure& figure : DesignFigures()) json[figure.Key()] = NumberOrNull(figure.value(design));
   json["program"] = redesign::ProgramName(design.design.program->kind);
   return json;
 }
@@ -233,8 +183,7 @@ Json InfeasibleJson(const redesign::Infeasibility& report) {
   for (const redesign::Quantity& quantity : redesign::kQuantities) {
     if (!*quantity.best_key) continue;
     json[quantity.best_key] = &quantity == held ? Json(*report.best) : Json();
-    json["limit_that_holds" + Figure::KeyEnding(quantity.unit)] =
-        &quantity == held ? NumberOrNull(report.working) : Json();
+    json["limit_that_holds" + KeyEnding(quantity.unit)] = &quantity == held ? NumberOrNull(report.working) : Json();
   }
   for (const synthesis::ActiveSet::Entry& entry : report.blocking)
     json["blocking"].push_back({{"limit", entry.name},
@@ -245,7 +194,7 @@ Json InfeasibleJson(const redesign::Infeasibility& report) {
                                 {"enough", way.enough},
                                 {"misalignment_percent", nullptr},
                                 {"duration_s", NumberOrNull(way.duration_s)}});
-    if (way.best) json["ways_out"].back()[std::string(held->column) + Figure::KeyEnding(held->unit)] = *way.best;
+    if (way.best) json["ways_out"].back()[std::string(held->column) + KeyEnding(held->unit)] = *way.best;
   }
   return json;
 }
@@ -471,13 +420,13 @@ std::string MotionText(const redesign::RedesignOutcome& outcome) {
                 {"", "placement_y", "mm above it, along the shank"},
                 {"program", "program_duration", "s"},
                 {"exact tracking takes", "exact_tracking_time", "s"}};
-  const std::vector<Figure> figures = Figures();
+  const std::vector<DesignFigure> figures = DesignFigures();
   const auto cell = [](double value) {
     return std::isfinite(value) ? fmt::format("{:>10}", SignificantText(value, 4)) : fmt::format("{:>10}", "-");
   };
   std::string text;
   for (const auto& line : kLines) {
-    const auto figure = std::ranges::find(figures, line.figure, &Figure::name);
+    const auto figure = std::ranges::find(figures, line.figure, &DesignFigure::name);
     text += fmt::format("  {:<22}{} ->{} {}\n", line.label, cell(figure->value(outcome.before)),
                         cell(figure->value(outcome.after)), line.unit);
   }
@@ -587,6 +536,69 @@ Json SolvedJson(const synthesis::LocalSolve& best, const synthesis::ActiveSet& a
 }
 
 }  // namespace
+
+std::string DesignFigure::Key() const {
+  return name + KeyEnding(unit);
+}
+
+std::vector<DesignFigure> DesignFigures() {
+  using Design = redesign::DesignInMotion;
+  const auto limited = [](const redesign::Quantity& quantity, const char* label = "") {
+    return DesignFigure{std::string(quantity.column), quantity.unit,
+                        [&quantity](const Design& d) { return ValueOf(quantity, d); }, label};
+  };
+  const auto compared = [](const std::string& name, const char* unit, auto value, std::string label,
+                           double factor = 1) {
+    return DesignFigure{name, unit, [value](const Design& d) { return d.misalignment ? value(*d.misalignment) : kNaN; },
+                        std::move(label), factor};
+  };
+  const auto predicted = [](const char* name, auto value, const char* label, int decimals) {
+    return DesignFigure{name,  "mm", [value](const Design& d) { return d.prediction ? value(*d.prediction) : kNaN; },
+                        label, 1,    decimals};
+  };
+  const auto placement = [](int axis, const char* label) {
+    return DesignFigure{redesign::PlacementName(axis),
+                        "mm",
+                        [axis](const Design& d) { return d.design.placement_mm[axis]; },
+                        label,
+                        1,
+                        0};
+  };
+  using compare::Misalignment, redesign::Prediction;
+  std::vector<DesignFigure> all;
+  for (std::size_t i = 0; i < 6; ++i)
+    all.push_back({problem::LinkName(i), "mm", [i](const Design& d) { return d.design.links.Values()[i]; }});
+  all.insert(all.end(),
+             {{"range", "deg", [](const Design& d) { return d.evaluation.range_deg; }, "range of rotation (°)"},
+              limited(redesign::kMisalignment, "path difference, RMS (% of the shank length)"),
+              predicted(
+                  "misalignment_rms", [](const Prediction& p) { return p.Rms().mm; }, "path difference, RMS (mm)", 1),
+              compared(
+                  "misalignment_max", "mm", [](const Misalignment& m) { return m.metrics.max_mm; },
+                  "path difference, largest (mm)")});
+  for (const compare::Part& part : compare::kParts)
+    all.push_back(compared(
+        fmt::format("part_{}", part.name), "1",
+        [&part](const Misalignment& m) { return m.decomposition.*part.fraction; },
+        fmt::format("{} share (%)", part.name), 100));
+  all.insert(
+      all.end(),
+      {compared(
+           "knee_rmse", "deg", [](const Misalignment& m) { return m.metrics.knee_rmse_deg; },
+           "knee angle, RMS from the human's (°)"),
+       predicted(
+           "joint_misalignment_rms", [](const Prediction& p) { return p.joint.mm; }, "joint misalignment, RMS (mm)", 0),
+       limited(redesign::kAngleMismatch, "knee angle, largest difference from the human's (°)"),
+       limited(redesign::kCuffForce),
+       limited(redesign::kBalanceMargin, "centre of pressure inside the foot, least (mm; negative: outside)"),
+       placement(0, "joint in front of the knee (mm)"),
+       placement(1, "joint above the knee, along the shank (mm)"),
+       limited(redesign::kDuration, "time (s)"),
+       {"exact_tracking_time", "s", [](const Design& d) { return d.tracking_time_s.value_or(kNaN); },
+        "minimum time for exact tracking (s)"},
+       {"stroke_when_standing", "mm", [](const Design& d) { return d.evaluation.stands_mm.value_or(kNaN); }}});
+  return all;
+}
 
 Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   const synthesis::LocalSolve* best = outcome.IsSolved() ? &outcome.result.Best().local : nullptr;

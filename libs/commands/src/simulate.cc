@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "assistance_tables.h"
 #include "lake/core/angles.h"
@@ -23,7 +24,6 @@
 #include "lake/problem/problem_options.h"
 #include "part_tables.h"
 #include "png_and_svg.h"
-#include "torque_table.h"
 
 namespace lake::commands {
 namespace {
@@ -106,6 +106,53 @@ void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& l
                  DegreesFromRadians(row.transmission.actuator_rad), static_cast<int>(row.pose.branch));
   }
   table.Write(path);
+}
+
+// The knee's extension torque over the stroke or over the knee angle.
+class TorqueTable {
+ public:
+  explicit TorqueTable(double constant_nm) : constant_nm_(constant_nm) {}
+
+  // A CSV table with stroke_mm or knee_deg, and knee_torque_nm. Throws Error with file and line: no such columns, fewer
+  // than two rows, two rows for one place.
+  static TorqueTable Read(const std::filesystem::path& path);
+
+  // N m, linear between rows; NaN beyond them.
+  double At(const linkage::Pose& pose) const;
+
+ private:
+  double constant_nm_ = 0;
+  std::map<double, double> rows_;  // none: the same torque everywhere
+  bool over_stroke_ = false;
+};
+
+TorqueTable TorqueTable::Read(const std::filesystem::path& path) {
+  const CsvTable table = CsvTable::Read(path);
+  TorqueTable torques(0);
+  torques.over_stroke_ = table.Has("stroke_mm");
+  if (!torques.over_stroke_ && !table.Has("knee_deg"))
+    throw Fail("{}: a table of torques needs a column stroke_mm or knee_deg", path.string());
+  const std::size_t place = table.Column(torques.over_stroke_ ? "stroke_mm" : "knee_deg");
+  const std::size_t torque = table.Column("knee_torque_nm");
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    const double at = table.RequiredNumber(row, place);
+    if (!torques.rows_.emplace(at, table.RequiredNumber(row, torque)).second)
+      throw Fail("{}: a second torque for {} {}", table.Where(row), table.Header()[place], at);
+  }
+  if (torques.rows_.size() < 2) throw Fail("{}: a table of torques needs two rows or more", path.string());
+  return torques;
+}
+
+double TorqueTable::At(const linkage::Pose& pose) const {
+  if (rows_.empty()) return constant_nm_;
+  const double place = over_stroke_ ? pose.stroke_mm : DegreesFromRadians(pose.theta_rad);
+  const auto after = rows_.lower_bound(place);
+  if (after == rows_.end()) return kNaN;
+  if (after->first == place) return after->second;
+  if (after == rows_.begin()) return kNaN;
+  const auto before = std::prev(after);
+  const double part = (place - before->first) / (after->first - before->first);
+  return before->second + part * (after->second - before->second);
 }
 
 TorqueTable ReadTorques(const SimulationOptions& options) {
@@ -467,8 +514,7 @@ void DrawPictures(const drawing::LinkageLook& look, const Request& request, cons
   const double middle = 0.5 * (look.range.stroke.lower_mm + look.range.stroke.upper_mm);
   drawing::DrawLinkageSchematic(run.Result("schematic.svg"), look.links, linkage::RequirePose(look.links, middle));
   progress.Advance();
-  DrawPngAndSvg("mannequin", run,
-                [&](const std::filesystem::path& path) { drawing::DrawMannequin(path, look, check); });
+  DrawPngAndSvg("mannequin", run, drawing::DrawMannequin, look, check);
   progress.Advance();
 }
 
@@ -520,7 +566,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   const std::vector<parts::LoadedPose> used = Within(request.range.stroke, loaded);
   const std::vector<figure::PinForcesRow> used_forces = PinForcesOf(used);
   if (options.load.actuator && !options.load.HasLoadProfile()) WarnOfForce(*options.load.actuator, used_forces, run);
-  DrawPngAndSvg("pin_forces", run, [&](const std::filesystem::path& path) { figure::DrawPinForces(path, pin_forces); });
+  DrawPngAndSvg("pin_forces", run, figure::DrawPinForces, pin_forces);
   drawing::WriteLinkPlates(run.Result("design.dxf"), design.links, options.parts);
   const parts::Mechanism mechanism = parts::MakeMechanism(design.links, request.range, options.parts);
   WarnOfStack(mechanism, run);

@@ -16,7 +16,6 @@
 #include "lake/figure/stroke_figures.h"
 #include "lake/motion/leg_motion.h"
 #include "png_and_svg.h"
-#include "rod_film.h"
 
 namespace lake::commands {
 namespace {
@@ -150,15 +149,9 @@ Json FirmwareJson(const Json& files, const Sketch& sketch, bool accept_drift) {
 }
 
 const char* VerdictText(actuator::Verdict verdict) {
-  switch (verdict) {
-    case actuator::Verdict::kFollows:
-      return "follows the prediction";
-    case actuator::Verdict::kOtherSpeed:
-      return "has the predicted angles at another speed";
-    case actuator::Verdict::kOtherAngles:
-      break;
-  }
-  return "differs from the prediction";
+  constexpr const char* kTexts[] = {"follows the prediction", "has the predicted angles at another speed",
+                                    "differs from the prediction"};
+  return kTexts[static_cast<int>(verdict)];
 }
 
 Json ValidationJson(const actuator::Validation& v, double tolerance_deg) {
@@ -281,7 +274,7 @@ Json WriteValidation(const StrokeRunOptions& options, const actuator::StrokeSche
                      const actuator::Validation& validation, Run& run) {
   WarnOfValidation(validation, schedule, run);
   actuator::WriteValidationCsv(run.Result("validation.csv"), validation);
-  DrawPngAndSvg("validation", run, [&](const fs::path& path) { figure::DrawValidation(path, schedule, validation); });
+  DrawPngAndSvg("validation", run, figure::DrawValidation, schedule, validation);
   return ValidationJson(validation, options.tolerance_deg);
 }
 
@@ -419,7 +412,7 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
         "person",
         sketch->drift.planned_mm, sketch->drift.drift_mm, sketch->drift.end_mm);
   actuator::WriteScheduleCsv(run.Result("program.csv"), rows);
-  DrawPngAndSvg("program", run, [&](const fs::path& path) { figure::DrawStrokeProgram(path, plan.schedule, rows); });
+  DrawPngAndSvg("program", run, figure::DrawStrokeProgram, plan.schedule, rows);
   Json summary = ProgramJson(plan.schedule, rows);
   summary["crawling"] = CrawlJson(plan.crawl);
   summary["firmware"] = Json();

@@ -250,7 +250,7 @@ Json RunSymmetry(const SymmetryRunOptions& options, Run& run) {
   run.Begin({"summary.json", "symmetry.csv", "symmetry_curve.csv", "symmetry.png", "symmetry.svg"});
   WriteQuantities(run.Result("symmetry.csv"), symmetry);
   WriteCurve(run.Result("symmetry_curve.csv"), symmetry);
-  DrawPngAndSvg("symmetry", run, [&](const fs::path& path) { figure::DrawSymmetry(path, symmetry); });
+  DrawPngAndSvg("symmetry", run, figure::DrawSymmetry, symmetry);
   Json quantities = Json::object();
   for (const compare::SideDifference& difference : symmetry.quantities)
     quantities[difference.name] = DifferenceJson(difference);

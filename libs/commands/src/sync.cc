@@ -92,10 +92,8 @@ Json RunSync(const SyncRunOptions& options, Run& run) {
   run.AddInputs(InputsOf(options));
   run.Begin({"summary.json", "sync.yaml", "sync.png", "sync.svg"});
   sync::WriteClock(run.Result("sync.yaml"), alignment.clock);
-  DrawPngAndSvg("sync", run, [&](const fs::path& path) {
-    figure::DrawSync(path, alignment,
-                     fmt::format("{} and {}", options.a.filename().string(), options.b.filename().string()));
-  });
+  DrawPngAndSvg("sync", run, figure::DrawSync, alignment,
+                fmt::format("{} and {}", options.a.filename().string(), options.b.filename().string()));
   run.Report(ReportOf(alignment));
   return AlignmentJson(alignment);
 }

@@ -26,7 +26,6 @@
 #include "lake/overlay/pictures.h"
 #include "lake/tracking/recording_verdicts.h"
 #include "lake/video/video_files.h"
-#include "measure_tables.h"
 #include "movement_tables.h"
 #include "png_and_svg.h"
 
@@ -294,8 +293,7 @@ motion::MarkerRecording WritePoints(const TrackRunOptions& options, const tracki
   if (trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), trajectory, motion::Measurements(trajectory));
   const std::string title = options.video.filename().string() + (note.empty() ? "" : ": " + note);
-  DrawPngAndSvg("track", run,
-                [&](const std::filesystem::path& path) { figure::DrawTracksFigure(path, trajectory, title); });
+  DrawPngAndSvg("track", run, figure::DrawTracksFigure, trajectory, title);
   WriteOverlay(options, {.tracks = tracked.recording, .note = note}, run);
   return trajectory;
 }
@@ -366,14 +364,8 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   motion::WriteMarkerCsv(run.Result("tracks.csv"), tracks);
   if (fit.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), fit.trajectory, fit.measured);
-  motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
-  motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
-  run.Report(gait::LegFitText(fit));
-  WriteUncertaintyBudget(fit, options.budget, results, run);
-  const std::string repetitions =
-      WriteMovement(fit, fit_options.markers, options.person, options.reference, results, run);
-  run.Report(repetitions);
-  DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
+  run.Report(WriteMovement(fit, fit_options.markers, options.budget, options.person, options.reference, results, run));
+  DrawPngAndSvg("track", run, figure::DrawLegFigure, fit, figure::OtherAngle{});
   const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);
   const bool comparable = shutter.readout_s == 0;  // else what was seen is of another time than the estimate
   WriteOverlay(options, {tracks, &fit.motion, &fit.events, comparable ? &estimates : nullptr}, run);
@@ -510,12 +502,8 @@ void CheckStamps(const TrackRunOptions& options, const std::vector<motion::Corre
 // Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
 std::vector<std::string> ResultNames(const TrackRunOptions& options) {
   if (options.list) return {"summary.json", kCandidatesTable, kCandidatesPicture};
-  std::vector<std::string> names = {
-      "summary.json",    "tracks.csv",       "trajectory.csv",    "kinematics.csv",
-      "events.csv",      "sit_to_stand.csv", "sit_to_stand.html", "gait_cycles.csv",
-      "gait_cycles.png", "gait_cycles.svg",  "squats.csv",        "uncertainty_budget.csv",
-      "track.png",       "track.svg",        "measures.csv",      "measures.png",
-      "measures.svg",    kCandidatesTable,   kCandidatesPicture};
+  std::vector<std::string> names = LegResultNames("track");
+  names.insert(names.end(), {kCandidatesTable, kCandidatesPicture});
   if (options.overlay) names.push_back("overlay.mp4");
   for (const std::string& format : options.exports)
     names.push_back(exchange::ExportName(format, options.video.stem().string()));

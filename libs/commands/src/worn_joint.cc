@@ -1,5 +1,3 @@
-#include "worn_joint.h"
-
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "comparison_tables.h"
 #include "lake/compare/misalignment.h"
 
 namespace lake::commands {

@@ -1,5 +1,3 @@
-#include "first_screen.h"
-
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "lake/linkage/design_file.h"
 #include "lake/report/misalignment_sections.h"
 #include "step_work.h"
+#include "study_chapters.h"
 
 namespace lake::study {
 
@@ -34,16 +33,16 @@ Uncertain PutInPlace(double percent, const Vector2d& half_width_mm, double shank
 }
 
 Uncertain PredictedPercent(const StudyResults& results, const Json& design) {
-  const double percent = NumberOrNaN(design.at("misalignment_percent"));
+  const double percent = NumberAt(design, "misalignment_percent");
   if (!results.Has("comparison")) return {.value = percent, .least_decimals = kPathDifferenceDecimals};
-  return PutInPlace(percent, PlacementHalfWidth(results), NumberOrNaN(results.Summary("comparison").at("shank_mm")));
+  return PutInPlace(percent, PlacementHalfWidth(results), NumberAt(results.Summary("comparison"), "shank_mm"));
 }
 
 // "20 mm back, 30 mm lower"; nothing along an axis on which the way is less than what is known of it.
 std::string MoveOf(const Json& from, const Json& to, const Vector2d& half_width_mm) {
   std::vector<std::string> moves;
   const auto add = [&](const char* key, double half_width, const char* less, const char* more) {
-    const double way = NumberOrNaN(to.at(key)) - NumberOrNaN(from.at(key));
+    const double way = NumberAt(to, key) - NumberAt(from, key);
     if (std::isfinite(half_width) ? std::abs(way) > half_width : std::abs(way) >= 1)
       moves.push_back(fmt::format("{} mm {}", KnownText(std::abs(way), half_width, 0), way < 0 ? less : more));
   };
@@ -63,9 +62,9 @@ std::optional<linkage::WearCheck> WornOnBody(const StudyFile& study, const Study
   if (!study.worn || !results.Has("simulation")) return std::nullopt;
   const Json body = results.Summary("simulation").at("mannequin");
   const person::Body person =
-      person::BodyOf({.height_mm = NumberOrNaN(body.at("height_mm")),
-                      .mass_kg = NumberOrNaN(body.at("mass_kg")),
-                      .leg = person::LegLengths{NumberOrNaN(body.at("thigh_mm")), NumberOrNaN(body.at("shank_mm"))}});
+      person::BodyOf({.height_mm = NumberAt(body, "height_mm"),
+                      .mass_kg = NumberAt(body, "mass_kg"),
+                      .leg = person::LegLengths{NumberAt(body, "thigh_mm"), NumberAt(body, "shank_mm")}});
   const linkage::Design worn = linkage::ReadDesign(*study.worn);
   const commands::SimulationOptions simulation = SimulationOf(study);
   const parts::PartOptions& parts = simulation.parts;
@@ -75,23 +74,23 @@ std::optional<linkage::WearCheck> WornOnBody(const StudyFile& study, const Study
 }
 
 std::array<double, 2> PlacementOf(const Json& design) {
-  return {NumberOrNaN(design.at("placement_x_mm")), NumberOrNaN(design.at("placement_y_mm"))};
+  return {NumberAt(design, "placement_x_mm"), NumberAt(design, "placement_y_mm")};
 }
 
 // What the simulation found of the new design.
 linkage::WearCheck SimulatedOnBody(const Json& body) {
   linkage::WearCheck check;
-  check.mount_below_hip_mm = NumberOrNaN(body.at("mount_below_hip_mm"));
-  check.seat_clearance_mm = NumberOrNaN(body.at("seat_clearance_mm"));
-  check.thigh_clearance_mm = NumberOrNaN(body.at("actuator_to_thigh_mm"));
-  check.shank_clearance_mm = NumberOrNaN(body.at("actuator_to_shank_mm"));
+  check.mount_below_hip_mm = NumberAt(body, "mount_below_hip_mm");
+  check.seat_clearance_mm = NumberAt(body, "seat_clearance_mm");
+  check.thigh_clearance_mm = NumberAt(body, "actuator_to_thigh_mm");
+  check.shank_clearance_mm = NumberAt(body, "actuator_to_shank_mm");
   return check;
 }
 
 Way AsWorn(const StudyFile& study, const StudyResults& results, const Json& redesign) {
   Way way{.name = "as worn",
           .design = "before",
-          .misalignment_percent = PathDifference_percent(results.Summary("comparison")),
+          .misalignment_percent = FactOf(results.Summary("comparison"), kPathPercent),
           .rise_s = RecordedRise(results),
           .build = "–"};
   if (study.worn) way.on_body = WornOnBody(study, results, PlacementOf(redesign.at("before")));
@@ -100,24 +99,24 @@ Way AsWorn(const StudyFile& study, const StudyResults& results, const Json& rede
 
 // As the comparison has it, whose interval holds how rises differ; where its trial shows no knee, as predicted.
 Uncertain MovedPercent(const StudyResults& results, const Json& moved) {
-  const Json best = results.Summary("comparison").value("best_placement", Json());
-  if (!best.is_object() || !best.contains("path_relative_rms_interval")) return PredictedPercent(results, moved);
-  return PathDifferencePercent(NumberOrNaN(moved.at("misalignment_percent")) / 100, best["path_relative_rms_interval"]);
+  Uncertain of = FactOf(results.Summary("comparison"), kPathMoved);
+  if (!std::isfinite(of.low)) return PredictedPercent(results, moved);
+  of.value = NumberAt(moved, "misalignment_percent");
+  return of;
 }
 
 Way JointMoved(const StudyFile& study, const StudyResults& results, const Json& redesign) {
   const Json& moved = redesign.at("joint_moved");
   const std::string move = MoveOf(redesign.at("before"), moved, PlacementHalfWidth(results));
   const bool has_program = study.worn && linkage::ReadDesign(*study.worn).program;
-  return {
-      .name = "same links, joint moved",
-      .design = "joint_moved",
-      .misalignment_percent = MovedPercent(results, moved),
-      .rise_s = has_program ? Uncertain{.value = NumberOrNaN(moved.at("program_duration_s"))} : RecordedRise(results),
-      .build = move.empty() ? "–" : "mount " + move,
-      .time_is_set = has_program,
-      .mends_joint = !move.empty(),
-      .on_body = WornOnBody(study, results, PlacementOf(moved))};
+  return {.name = "same links, joint moved",
+          .design = "joint_moved",
+          .misalignment_percent = MovedPercent(results, moved),
+          .rise_s = has_program ? Uncertain{.value = NumberAt(moved, "program_duration_s")} : RecordedRise(results),
+          .build = move.empty() ? "–" : "mount " + move,
+          .time_is_set = has_program,
+          .mends_joint = !move.empty(),
+          .on_body = WornOnBody(study, results, PlacementOf(moved))};
 }
 
 Way NewLinks(const StudyResults& results, const Json& redesign) {
@@ -125,20 +124,20 @@ Way NewLinks(const StudyResults& results, const Json& redesign) {
   return {.name = "new links",
           .design = "after",
           .misalignment_percent = PredictedPercent(results, after),
-          .rise_s = {.value = NumberOrNaN(after.at("program_duration_s"))},
+          .rise_s = {.value = NumberAt(after, "program_duration_s")},
           .build = "links, mount, program",
-          .misalignment_is_limit = IsReached(NumberOrNaN(after.at("misalignment_percent")),
-                                             NumberOrNaN(redesign.at("max_misalignment_percent"))),
-          .time_is_limit = RepetitionIn(results) == "rise" &&
-                           IsReached(NumberOrNaN(after.at("program_duration_s")),
-                                     NumberOrNaN(redesign.at("stroke_program").at("duration_limit_s"))),
+          .misalignment_is_limit =
+              IsReached(NumberAt(after, "misalignment_percent"), NumberAt(redesign, "max_misalignment_percent")),
+          .time_is_limit =
+              RepetitionIn(results) == "rise" &&
+              IsReached(NumberAt(after, "program_duration_s"), NumberAt(redesign, "stroke_program/duration_limit_s")),
           .time_is_set = true,
           .on_body = SimulatedOnBody(results.Summary("simulation").at("mannequin"))};
 }
 
 // What a free program of another time would leave at best: "20 s: 7.3 %"; empty where there is no front.
 std::string OtherTime(const Json& redesign) {
-  const double own_s = NumberOrNaN(redesign.at("stroke_program").at("duration_limit_s"));
+  const double own_s = NumberAt(redesign, "stroke_program/duration_limit_s");
   for (const Json& front : redesign.value("pareto", Json::array())) {
     double limit_s = 0;
     const std::string program = front.at("program");
@@ -201,8 +200,7 @@ Table WaysTable(const std::vector<Way>& ways, const std::vector<Asked>& asked, c
                {"Path difference"},
                {(repetition == "rise" ? "Rise" : "Stride") + std::string(" time")},
                {"Actuator force (N)", 0},
-               {"To build"}},
-              {}};
+               {"To build"}}};
   for (const Way& way : ways) {
     std::string misalignment = UncertainText(way.misalignment_percent, " %"),
                 time = UncertainText(way.rise_s, " s", way.rise_s.value < 10 ? 1 : 0);
@@ -221,9 +219,8 @@ Table WaysTable(const std::vector<Way>& ways, const std::vector<Asked>& asked, c
 
 // Where the joint sits, as far as that is known: "in front of and above"; empty where it may be on the knee.
 std::string SideOf(const StudyResults& results) {
-  const Json comparison = results.Summary("comparison");
-  const Json joint = comparison.value("joint", Json());
-  const Json& offset = (joint.is_null() ? comparison.at("decomposition") : joint).at("offset_mm");
+  const Json comparison = results.Summary("comparison"), joint = Find(comparison, "joint");
+  const Json offset = (joint.is_null() ? comparison.at("decomposition") : joint).at("offset_mm");
   const Vector2d half_width = PlacementHalfWidth(results);
   std::vector<std::string> sides;
   const auto add = [&](double mm, double known, const char* less, const char* more) {
@@ -249,8 +246,7 @@ const Way* FirstToTry(const std::vector<Way>& ways, const std::vector<Asked>& as
 
 // What the redesign was required to keep to a part of body or seat, mm; NaN where nothing was asked.
 double AskedClearance(const Json& redesign, const char* key) {
-  const Json asked = redesign.value("clearances", Json());
-  return asked.is_object() ? NumberOrNaN(asked.at(key)) : std::nan("");
+  return NumberOrNaN(Find(redesign, std::string("clearances/") + key));
 }
 
 // A moved joint takes its linkage with it, further into the seat than it was worn; where the seat is to be cleared.
@@ -336,7 +332,7 @@ LineChart ErrorChart(const StudyResults& results) {
   add("redesign/joint_moved/comparison.json", "joint moved", colour::kHip, Mark::kDotted);
   add("redesign/predicted/comparison.json", "new links", colour::kNew, Mark::kDashed);
   if (results.Has("comparison")) {
-    const double floor = 100 * NumberOrNaN(results.Summary("comparison").at("noise_floor_relative"));
+    const double floor = 100 * NumberAt(results.Summary("comparison"), "noise_floor_relative");
     chart.series.push_back(
         {.name = "noise floor", .x = {0, 100}, .y = {floor, floor}, .colour = colour::kGuide, .mark = Mark::kThin});
   }
@@ -352,41 +348,37 @@ std::string NextSteps(const std::vector<Way>& ways, const std::vector<Asked>& as
 }  // namespace
 
 std::string UncertainText(const Uncertain& of, const std::string& unit, int otherwise) {
-  const int decimals = of.Decimals(otherwise);
-  std::string text = RoundedText(of.value, decimals) + unit;
-  if (!of.IsKnown()) return text;
-  return fmt::format("{} ({}–{})", text, RoundedText(of.low, decimals), RoundedText(of.high, decimals));
+  const std::string text = of.Text(otherwise) + unit;
+  return of.IsKnown() ? fmt::format("{} ({})", text, of.IntervalText(otherwise, "–")) : text;
 }
 
 // The RMS of a prediction against the human's mean is off by no more than that mean is (triangle inequality).
 Uncertain KneeAngleError(const StudyResults& results, const Json& design) {
-  const double error_deg = NumberOrNaN(design.at("knee_rmse_deg"));
+  const double error_deg = NumberAt(design, "knee_rmse_deg");
   if (!results.Has("comparison")) return {.value = error_deg};
-  const double strays_deg = NumberOrNaN(results.Summary("comparison").value("human_angle_strays_deg", Json()));
+  const double strays_deg = NumberOrNaN(Find(results.Summary("comparison"), "human_angle_strays_deg"));
   return {error_deg, std::max(0.0, error_deg - strays_deg), error_deg + strays_deg};
 }
 
 std::string RepetitionIn(const StudyResults& results) {
-  return results.Has("human") && results.Summary("human").value("movement", Json()) == "walking" ? "stride" : "rise";
+  return results.Has("human") && Find(results.Summary("human"), "movement") == "walking" ? "stride" : "rise";
 }
 
 Uncertain RecordedRise(const StudyResults& results) {
-  const Json pace = results.Summary("comparison").at("pace");
-  return UncertainOf(pace.at("exo_s"), pace.value("exo_interval_s", Json()));
+  return FactOf(results.Summary("comparison"), kExoTime);
 }
 
 Vector2d PlacementHalfWidth(const StudyResults& results) {
   Vector2d half_width = Vector2d::Constant(std::nan(""));
   if (!results.Has("comparison")) return half_width;
-  const Json comparison = results.Summary("comparison");
-  const Json uncertainty = comparison.value("uncertainty", Json::object()),
-             intervals = comparison.at("decomposition").value("offset_interval_mm", Json());
-  for (const std::size_t axis : {0, 1}) {
-    const char* quantity = axis == 0 ? "joint_offset_x_mm" : "joint_offset_y_mm";
-    if (uncertainty.contains(quantity))
-      half_width[axis] = kNormal95 * NumberOrNaN(uncertainty[quantity].at("anatomical_sd"));
+  const Json comparison = results.Summary("comparison"),
+             intervals = Find(comparison, "decomposition/offset_interval_mm");
+  for (const int axis : {0, 1}) {
+    const Json sd = Find(comparison, fmt::format("uncertainty/joint_offset_{}_mm/anatomical_sd", "xy"[axis]));
+    if (!sd.is_null())
+      half_width[axis] = kNormal95 * NumberOrNaN(sd);
     else if (intervals.is_array())
-      half_width[axis] = (NumberOrNaN(intervals.at(axis).at(1)) - NumberOrNaN(intervals.at(axis).at(0))) / 2;
+      half_width[axis] = UncertainOf({}, intervals.at(axis)).HalfWidth();
   }
   return half_width;
 }

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "first_screen.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/core/json_or_null.h"

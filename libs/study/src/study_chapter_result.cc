@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 
-#include "first_screen.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/csv.h"
 #include "lake/core/uncertain_text.h"
@@ -18,23 +17,21 @@ namespace {
 namespace fs = std::filesystem;
 
 // Where the joint is on the leg that wears it, with the interval of all sources.
-std::string JointText(const StudyResults& results) {
-  const Json comparison = results.Summary("comparison");
-  const Json joint = comparison.value("joint", Json());
+std::string JointText(const Json& comparison) {
+  const Json joint = Find(comparison, "joint");
   if (joint.is_null()) return "";
-  const Uncertain rms = JointFigure(comparison, "joint_rms_mm");
   return fmt::format(
       "The exoskeleton's joint is {} RMS from the knee of the leg that wears it; in that trial, moving it there leaves "
       "{}{} mm. ",
-      UncertainText(rms, " mm", 1), joint.at("repetitions") == 1 ? "at least " : "",
-      JointMovedFigure(comparison).Text(1));
+      UncertainText(FactOf(comparison, kJointRms), " mm"), joint.at("repetitions") == 1 ? "at least " : "",
+      JointMovedFigure(comparison).Text());
 }
 
 std::string WrongText(const StudyResults& results) {
   const Json comparison = results.Summary("comparison");
-  return JointText(results) +
+  return JointText(comparison) +
          fmt::format("The knee paths of both trials differ by {} mm RMS, {} % of the shank length. {}",
-                     PathDifference_mm(comparison).Text(1), PathDifference_percent(comparison).Text(1),
+                     FactOf(comparison, kPathMm).Text(), FactOf(comparison, kPathPercent).Text(),
                      DecompositionAdvice(comparison));
 }
 
@@ -43,17 +40,16 @@ std::string BuildText(const StudyResults& results, const Json& redesign) {
   for (const auto& [name, length] : redesign.at("links").items())
     links.push_back(fmt::format("{} {}", name, NumberText(NumberOrNaN(length), 2)));
   const Json simulation = results.Summary("simulation");
-  const Json& stroke = simulation.at("used_stroke_mm");
-  const Json& after = redesign.at("after");
   std::string text = fmt::format(
       "Links {} mm; joint {}", fmt::join(links, ", "),
-      compare::DescribeJoint({NumberOrNaN(after.at("placement_x_mm")), NumberOrNaN(after.at("placement_y_mm"))}));
-  text += fmt::format("; actuator from {} to {} mm pin to pin ({} of travel)", NumberText(NumberOrNaN(stroke.at(0)), 2),
-                      NumberText(NumberOrNaN(stroke.at(1)), 2),
-                      fmt::format("{} mm", NumberText(NumberOrNaN(simulation.at("travel_mm")), 2)));
+      compare::DescribeJoint({NumberAt(redesign, "after/placement_x_mm"), NumberAt(redesign, "after/placement_y_mm")}));
+  text += fmt::format("; actuator from {} to {} mm pin to pin ({} mm of travel)",
+                      NumberText(NumberAt(simulation, "used_stroke_mm/0"), 2),
+                      NumberText(NumberAt(simulation, "used_stroke_mm/1"), 2),
+                      NumberText(NumberAt(simulation, "travel_mm"), 2));
   if (const double force_n = LargestForce(results); std::isfinite(force_n))
-    text += fmt::format(". To hold {} the actuator pushes with at most {}",
-                        Quantity(NumberOrNaN(simulation.at("knee_torque_nm")), "N m"), Quantity(force_n, "N"));
+    text += fmt::format(". To hold {} the actuator pushes with at most {}", QuantityAt(simulation, "knee_torque_nm"),
+                        Quantity(force_n, "N"));
   return text + ".";
 }
 
@@ -61,9 +57,8 @@ std::string BuildText(const StudyResults& results, const Json& redesign) {
 // not tell from none, or else the one with the least.
 std::string TradeText(const Json& redesign) {
   const std::vector<TradePoint> front = OwnFront(redesign);
-  const double range_deg = NumberOrNaN(redesign.at("range_deg")),
-               percent = NumberOrNaN(redesign.at("misalignment_percent")),
-               floor = NumberOrNaN(redesign.at("noise_floor_percent"));
+  const double range_deg = NumberAt(redesign, "range_deg"), percent = NumberAt(redesign, "misalignment_percent"),
+               floor = NumberAt(redesign, "noise_floor_percent");
   const TradePoint* best = nullptr;
   for (const TradePoint& point : front) {
     if (point.range_deg >= range_deg || point.misalignment_percent >= percent) continue;
@@ -81,9 +76,8 @@ std::string TradeText(const Json& redesign) {
 std::string LimitsText(const Way& way, const Json& redesign) {
   std::vector<std::string> limits;
   if (way.misalignment_is_limit)
-    limits.push_back(Quantity(NumberOrNaN(redesign.at("max_misalignment_percent")), "%") + " of path difference");
-  if (way.time_is_limit)
-    limits.push_back(Quantity(NumberOrNaN(redesign.at("stroke_program").at("duration_limit_s")), "s") + " for a rise");
+    limits.push_back(QuantityAt(redesign, "max_misalignment_percent") + " of path difference");
+  if (way.time_is_limit) limits.push_back(QuantityAt(redesign, "stroke_program/duration_limit_s") + " for a rise");
   if (limits.empty()) return "";
   return fmt::format(
       " {} {} that you set: the search goes as far as {}, and what other limits give is in the chapter "
@@ -94,21 +88,19 @@ std::string LimitsText(const Way& way, const Json& redesign) {
 
 std::string CostText(const StudyResults& results, const Json& redesign, const Way& way) {
   const Json &before = redesign.at("before"), &after = redesign.at("after");
-  const auto from_to = [&](const char* key, const char* unit) {
-    const double from = NumberOrNaN(before.at(key));
-    return Quantity(NumberOrNaN(after.at(key)), unit) +
-           (std::isfinite(from) ? fmt::format(" instead of {}", Quantity(from, unit)) : "");
+  const auto from_to = [&](const char* key) {
+    const bool has_worn = before.at(key).is_number();
+    return QuantityAt(after, key) + (has_worn ? fmt::format(" instead of {}", QuantityAt(before, key)) : "");
   };
-  std::string text = fmt::format("Path difference {} of the shank length.", from_to("misalignment_percent", "%"));
-  text += fmt::format(" It costs time: a {} takes {}", RepetitionIn(results), from_to("program_duration_s", "s"));
+  std::string text = fmt::format("Path difference {} of the shank length.", from_to("misalignment_percent"));
+  text += fmt::format(" It costs time: a {} takes {}", RepetitionIn(results), from_to("program_duration_s"));
   if (results.Has("stroke"))
-    if (const double rest_s = NumberOrNaN(results.Summary("stroke").at("added_rest_s")); rest_s >= 0.005)
+    if (const double rest_s = NumberAt(results.Summary("stroke"), "added_rest_s"); rest_s >= 0.005)
       text += fmt::format(", and {} of rests at reversals", Quantity(rest_s, "s"));
   const Uncertain knee = KneeAngleError(results, after), worn_knee = KneeAngleError(results, before);
-  text += fmt::format(
-      ". Range of rotation {}; knee angle {}° RMS from the human's{}.", from_to("range_deg", "°"),
-      knee.Text(DecimalsOf("°")),
-      std::isfinite(worn_knee.value) ? fmt::format(" instead of {}°", worn_knee.Text(DecimalsOf("°"))) : "");
+  text +=
+      fmt::format(". Range of rotation {}; knee angle {}° RMS from the human's{}.", from_to("range_deg"), knee.Text(),
+                  std::isfinite(worn_knee.value) ? fmt::format(" instead of {}°", worn_knee.Text()) : "");
   return text + LimitsText(way, redesign) + TradeText(redesign);
 }
 
@@ -117,16 +109,14 @@ std::string OtherProgramText(const Json& redesign) {
   const Json& other = redesign.at("other_program");
   if (!other.is_object()) return "";
   return fmt::format("The worn links, their joint where it was, leave {} with the best stroke program of {}.",
-                     Quantity(NumberOrNaN(other.at("misalignment_percent")), "%"),
-                     Quantity(NumberOrNaN(other.at("program_duration_s")), "s"));
+                     QuantityAt(other, "misalignment_percent"), QuantityAt(other, "program_duration_s"));
 }
 
 // Of a program for which balance was required, or along which it is kept.
 std::string KeptText(const Json& redesign, const Json& balance) {
   std::string text = fmt::format("Yes: in {} the ground's force acts at least {} inside the foot",
-                                 Quantity(NumberOrNaN(balance.at("duration_s")), "s"),
-                                 Quantity(NumberOrNaN(balance.at("margin_mm")), "mm"));
-  const double trunk_deg = NumberOrNaN(balance.at("trunk_lean_deg")), leg_deg = NumberOrNaN(balance.at("leg_lean_deg"));
+                                 QuantityAt(balance, "duration_s"), QuantityAt(balance, "margin_mm"));
+  const double trunk_deg = NumberAt(balance, "trunk_lean_deg"), leg_deg = NumberAt(balance, "leg_lean_deg");
   if (std::abs(trunk_deg) >= 1)
     text += fmt::format(", with the trunk up to {} farther {} than in the person's own rise",
                         Quantity(std::abs(trunk_deg), "°"), trunk_deg < 0 ? "back" : "forward");
@@ -139,22 +129,20 @@ std::string KeptText(const Json& redesign, const Json& balance) {
   if (const double device_kg = balance.value("device_mass_kg", 0.0); device_kg > 0)
     text += fmt::format(". The exoskeleton's own {} on this leg are in it", Quantity(device_kg, "kg"));
   if (const Json& without = balance.at("without"); without.is_object()) {
-    const auto against = [&](const char* key, const char* unit, const char* what) {
-      const std::string without_it = Quantity(NumberOrNaN(without.at(key)), unit),
-                        with_it = Quantity(NumberOrNaN(redesign.at("after").at(key)), unit);
+    const auto against = [&](const char* key, const char* what) {
+      const std::string without_it = QuantityAt(without, key), with_it = QuantityAt(redesign.at("after"), key);
       return without_it == with_it ? fmt::format("the same {}", what)
                                    : fmt::format("{} of {} instead of {}", with_it, what, without_it);
     };
-    const double margin_mm = NumberOrNaN(without.at("balance_margin_mm"));
-    const std::string range = against("range_deg", "°", "range");
+    const double margin_mm = NumberAt(without, "balance_margin_mm");
+    const std::string range = against("range_deg", "range");
     text += fmt::format(
         ". Against a design of which no balance is required, where the ground's force acts {} {} the foot, it has {}, "
         "{}, {} and {}",
         Quantity(std::abs(margin_mm), "mm"), margin_mm < 0 ? "outside" : "inside", range,
-        against("misalignment_percent", "%", "path difference"),
-        against("angle_mismatch_max_deg", "°", "largest knee angle difference"),
-        against("program_duration_s", "s", "rise time"));
-    const bool is_wider = NumberOrNaN(redesign.at("after").at("range_deg")) > NumberOrNaN(without.at("range_deg"));
+        against("misalignment_percent", "path difference"),
+        against("angle_mismatch_max_deg", "largest knee angle difference"), against("program_duration_s", "rise time"));
+    const bool is_wider = NumberAt(redesign, "after/range_deg") > NumberAt(without, "range_deg");
     if (is_wider && !range.starts_with("the same"))
       text += ": a leg that leans otherwise keeps the knee's path with other knee angles, which frees the links";
   }
@@ -164,16 +152,16 @@ std::string KeptText(const Json& redesign, const Json& balance) {
 // Whether a person keeps the balance on the measured path, which the stroke program keeps, in the program's time.
 std::string BalanceText(const StudyResults& results, const Json& redesign) {
   const Json kept = redesign.value("balance", Json());
-  if (kept.is_object() && NumberOrNaN(kept.at("margin_mm")) >= 0) return KeptText(redesign, kept);
+  if (kept.is_object() && NumberAt(kept, "margin_mm") >= 0) return KeptText(redesign, kept);
   const Json balance = results.Summary("loads").at("balance"), &slow = balance.at("slow");
-  const double program_s = NumberOrNaN(redesign.at("after").at("program_duration_s")),
-               slow_mm = NumberOrNaN(slow.at("margin_mm")), slowest_s = NumberOrNaN(balance.at("slowest_s"));
+  const double program_s = NumberAt(redesign, "after/program_duration_s"), slow_mm = NumberAt(slow, "margin_mm"),
+               slowest_s = NumberAt(balance, "slowest_s");
   if (!kept.is_object() && slow_mm >= 0)
     return fmt::format("Yes: however slowly, the ground's force acts at least {} inside the foot.",
                        Quantity(slow_mm, "mm"));
   if (!kept.is_object() && program_s <= slowest_s)
     return fmt::format("Yes, by momentum: along this path a rise takes {} at most.", Quantity(slowest_s, "s"));
-  const double margin_mm = kept.is_object() ? NumberOrNaN(kept.at("margin_mm")) : slow_mm;
+  const double margin_mm = kept.is_object() ? NumberAt(kept, "margin_mm") : slow_mm;
   const Json interval = slow.value("margin_interval_mm", Json());
   // What is not known of the body is not known of the program either, whose pace and aids move the margin.
   const auto of_program_mm = [&](std::size_t end) { return NumberOrNaN(interval.at(end)) + margin_mm - slow_mm; };
@@ -197,8 +185,7 @@ std::string AskedText(const Json& asked) {
   if (asked.is_null()) return "No clearance was required of the design.";
   std::vector<std::string> parts;
   for (const auto& [key, what] : {std::pair{"seat_mm", "the seat"}, {"limb_mm", "thigh and shank"}})
-    if (const double clearance_mm = NumberOrNaN(asked.at(key)); std::isfinite(clearance_mm))
-      parts.push_back(fmt::format("{} from {}", Quantity(clearance_mm, "mm"), what));
+    if (asked.at(key).is_number()) parts.push_back(fmt::format("{} from {}", QuantityAt(asked, key), what));
   return fmt::format("The design was required to keep {}.", fmt::join(parts, " and "));
 }
 
@@ -206,7 +193,7 @@ std::string BodyText(const StudyResults& results) {
   const Json body = results.Summary("simulation").at("mannequin");
   std::vector<std::string> findings, overlaps;
   const auto overlap = [&](const std::string& key) {
-    const double clearance = NumberOrNaN(body.at(key));
+    const double clearance = NumberAt(body, key);
     return clearance < 0 ? Quantity(-clearance, "mm") : "";
   };
   if (const std::string past = overlap("mount_below_hip_mm"); !past.empty())
@@ -219,9 +206,8 @@ std::string BodyText(const StudyResults& results) {
       overlaps.push_back(fmt::format("the {} by {}", limb, by));
   if (!overlaps.empty())
     findings.push_back(fmt::format("the actuator, seen from the side, overlaps {}", fmt::join(overlaps, " and ")));
-  return fmt::format("On a leg of {} thigh and {} shank, with the linkage {} it, {}. {}",
-                     Quantity(NumberOrNaN(body.at("thigh_mm")), "mm"), Quantity(NumberOrNaN(body.at("shank_mm")), "mm"),
-                     body.at("mount").get<std::string>(),
+  return fmt::format("On a leg of {} thigh and {} shank, with the linkage {} it, {}. {}", QuantityAt(body, "thigh_mm"),
+                     QuantityAt(body, "shank_mm"), body.at("mount").get<std::string>(),
                      findings.empty() ? "nothing collides" : fmt::format("{}", fmt::join(findings, "; ")),
                      AskedText(AskedClearances(results)));
 }
@@ -230,16 +216,15 @@ std::string SureText(const StudyResults& results, const Json& redesign) {
   std::string text = "The new design is predicted, not recorded.";
   if (results.Has("comparison")) {
     const Json trial = redesign.at("trial");
-    const double worn = NumberOrNaN(redesign.at("before").at("misalignment_percent"));
+    const double worn = NumberAt(redesign, "before/misalignment_percent");
     if (trial.is_object() && std::isfinite(worn))
-      text +=
-          fmt::format(" For the worn design the same prediction gives {} where {} was measured.", Quantity(worn, "%"),
-                      PathDifference_percent(results.Summary("comparison")).Text(DecimalsOf("%")) + " %");
+      text += fmt::format(" For the worn design the same prediction gives {} where {} was measured.",
+                          Quantity(worn, "%"), FactOf(results.Summary("comparison"), kPathPercent).Text() + " %");
     text += fmt::format(
         " Below {}, the noise floor, a recording shows only noise. Intervals on the first screen are "
         "95 %: as worn and with the joint moved how rises differ is in them, of new links only how well the joint can "
         "be put in its place; the knee angle's say how well the person's own mean is known.",
-        Quantity(NumberOrNaN(redesign.at("noise_floor_percent")), "%"));
+        QuantityAt(redesign, "noise_floor_percent"));
   }
   return text + " " + BodyText(results);
 }
@@ -264,32 +249,30 @@ void Note(const std::string& text, KeyFigure& figure) {
 // Rounds the figure to its interval, which is noted below it.
 void NoteInterval(const Uncertain& of, const char* unit, KeyFigure& figure) {
   if (!of.IsKnown()) return;
+  Note(fmt::format("95 %: {}{}", of.IntervalText(figure.decimals), unit), figure);
   figure.decimals = of.Decimals(figure.decimals);
-  Note(fmt::format("95 %: {} to {}{}", RoundedText(of.low, figure.decimals), RoundedText(of.high, figure.decimals),
-                   unit),
-       figure);
 }
 
 KeyFigures RedesignFigures(const StudyResults& results, const Json& redesign, const Way& way) {
-  const auto figure = [&](const std::string& label, const char* key, const char* unit) {
-    const double worn = NumberOrNaN(redesign.at("before").at(key));
-    return KeyFigure{label,
-                     NumberOrNaN(redesign.at("after").at(key)),
-                     DecimalsOf(unit),
-                     unit,
-                     std::nullopt,
-                     std::isnan(worn) ? "" : fmt::format("worn, predicted: {}", Quantity(worn, unit))};
+  const Json& before = redesign.at("before");
+  const auto figure = [&](const std::string& label, const char* key) {
+    const std::string unit = UnitOf(key);
+    return KeyFigure{
+        .label = label,
+        .value = NumberAt(redesign.at("after"), key),
+        .decimals = DecimalsOf(unit),
+        .unit = unit,
+        .note = before.at(key).is_null() ? "" : fmt::format("worn, predicted: {}", QuantityAt(before, key))};
   };
-  KeyFigure misalignment = figure("path difference, predicted RMS", "misalignment_percent", "%");
+  KeyFigure misalignment = figure("path difference, predicted RMS", "misalignment_percent");
   NoteInterval(way.misalignment_percent, " %", misalignment);
   if (way.misalignment_is_limit) Note("limit you set", misalignment);
-  KeyFigure rise = figure(RepetitionIn(results) + " time", "program_duration_s", "s"),
-            range = figure("range of rotation", "range_deg", "°"),
-            knee = figure("knee angle error, RMS", "knee_rmse_deg", "°");
+  KeyFigure rise = figure(RepetitionIn(results) + " time", "program_duration_s"),
+            range = figure("range of rotation", "range_deg"), knee = figure("knee angle error, RMS", "knee_rmse_deg");
   Note(way.time_is_limit ? "limit you set" : "exact: set by the stroke program", rise);
   Note("exact: follows from the links", range);
   if (const Uncertain worn = KneeAngleError(results, redesign.at("before")); std::isfinite(worn.value))
-    knee.note = fmt::format("worn, predicted: {}°", worn.Text(DecimalsOf("°")));
+    knee.note = fmt::format("worn, predicted: {}°", worn.Text());
   NoteInterval(KneeAngleError(results, redesign.at("after")), "°", knee);
   return {{std::move(misalignment), std::move(rise), std::move(range), std::move(knee)}};
 }
@@ -309,19 +292,18 @@ Files BuildFiles(const StudyFile& study, const StudyResults& results) {
 }  // namespace
 
 std::string KneesPictureAlt(const StudyResults& results) {
-  const Json joint = results.Summary("comparison").value("joint", Json());
+  const Json joint = Find(results.Summary("comparison"), "joint");
   if (joint.is_null()) return "A frame of the exoskeleton trial with both knees";
-  return fmt::format("A frame of the exoskeleton trial: knee and joint, {} apart",
-                     Quantity(NumberOrNaN(joint.at("rms_mm")), "mm"));
+  return fmt::format("A frame of the exoskeleton trial: knee and joint, {} apart", QuantityAt(joint, "rms_mm"));
 }
 
 bool NeedsHolding(const StudyResults& results, const Json& redesign) {
   if (const Json program = redesign.value("balance", Json()); program.is_object())
-    return NumberOrNaN(program.at("margin_mm")) < 0;
+    return NumberAt(program, "margin_mm") < 0;
   if (!results.Has("loads")) return false;
   const Json balance = results.Summary("loads").at("balance");
-  return NumberOrNaN(balance.at("slow").at("margin_mm")) < 0 &&
-         !(NumberOrNaN(redesign.at("after").at("program_duration_s")) <= NumberOrNaN(balance.at("slowest_s")));
+  return NumberAt(balance, "slow/margin_mm") < 0 &&
+         !(NumberAt(redesign, "after/program_duration_s") <= NumberAt(balance, "slowest_s"));
 }
 
 // Without a design for the person: what was measured, and the benchmark.
@@ -332,7 +314,7 @@ Section MeasuredResult(const StudyResults& results) {
   answers.answers.push_back(
       {"What is possible",
        fmt::format("The design problem allows a range of rotation of {} (benchmark, no person in it{}).",
-                   Quantity(NumberOrNaN(results.Summary("optimum").at("range_deg")), "°"),
+                   QuantityAt(results.Summary("optimum"), "range_deg"),
                    RepetitionIn(results) == "stride" ? ", nor is it said to be quick enough for walking" : "")});
   answers.answers.push_back({"What fits", BodyText(results)});
   answers.answers.push_back({"What next", "Add a section reoptimize: to the study file for a design for this person."});

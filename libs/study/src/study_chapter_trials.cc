@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "first_screen.h"
 #include "lake/core/colours.h"
 #include "lake/core/deviation_text.h"
 #include "lake/core/statistics.h"
@@ -59,8 +58,8 @@ Cell DetectedCell(const Json& summary) {
 Cell KneeCell(const Json& summary) {
   const Json& knee = summary.at("knee");
   if (knee.at("largest").is_null()) return "–";
-  return fmt::format("{:.1f}° to {:.1f}°, marker noise {} (SD)", NumberOrNaN(knee["smallest"]["deg"]),
-                     NumberOrNaN(knee["largest"]["deg"]), DeviationText(NumberOrNaN(knee["rms_sigma_deg"]), 3, "°"));
+  return fmt::format("{:.1f}° to {:.1f}°, marker noise {} (SD)", NumberAt(knee, "smallest/deg"),
+                     NumberAt(knee, "largest/deg"), DeviationText(NumberAt(knee, "rms_sigma_deg"), 3, "°"));
 }
 
 Cell RecordingCell(const StudyTrial& trial, const Json& summary) {
@@ -68,7 +67,7 @@ Cell RecordingCell(const StudyTrial& trial, const Json& summary) {
   if (summary.contains("video"))
     text += fmt::format(", {} frames of {}×{} px at {} Hz", summary["video"]["frames"].get<int>(),
                         summary["video"]["width"].get<int>(), summary["video"]["height"].get<int>(),
-                        SignificantText(NumberOrNaN(summary["video"]["frame_rate_hz"]), 4));
+                        SignificantText(NumberAt(summary, "video/frame_rate_hz"), 4));
   return text;
 }
 
@@ -76,9 +75,9 @@ std::vector<Cell> TrialColumn(const StudyTrial& trial, const Json& summary) {
   const std::vector<double> rises = RiseTimes(summary);
   std::string times = "none found";
   if (const Json walking = summary.value("walking", Json()); walking.is_object() && walking.at("strides") != 0)
-    times = fmt::format("{} strides, {} s (SD)", walking["strides"].get<int>(),
-                        PlusMinusText(NumberOrNaN(walking["measures"]["stride_s"]["mean"]),
-                                      NumberOrNaN(walking["measures"]["stride_s"]["sd"]), 2));
+    times = fmt::format(
+        "{} strides, {} s (SD)", walking["strides"].get<int>(),
+        PlusMinusText(NumberAt(walking, "measures/stride_s/mean"), NumberAt(walking, "measures/stride_s/sd"), 2));
   if (rises.size() == 1) times = fmt::format("1, {:.1f} s", rises.front());
   if (rises.size() > 1)
     times = fmt::format("{}, {} s (SD)", rises.size(), PlusMinusText(Mean(rises), StandardDeviation(rises), 1));
@@ -120,8 +119,7 @@ void AddRepetitions(const motion::LegMotion& motion, const std::string& of, Line
 // What was measured of the strides, mean and standard deviation over them; no rows where nobody walks.
 Table StridesTable(const StudyResults& results) {
   Table table{"Strides: mean and standard deviation over them",
-              {{"Quantity"}, {"without exoskeleton"}, {"with exoskeleton"}},
-              {}};
+              {{"Quantity"}, {"without exoskeleton"}, {"with exoskeleton"}}};
   const auto measures = [&](const TrialNames& names) {
     return results.Has(names.step) ? results.Summary(names.step).value("/walking/measures"_json_pointer, Json())
                                    : Json();
@@ -141,10 +139,10 @@ Table StridesTable(const StudyResults& results) {
 
 // The band of the joint beneath the skin; without one where the recording's budget is not known (lengths in px).
 std::optional<Series> BeneathTheSkin(const Series& knee, const Json& summary) {
-  const Json angle = summary.value("uncertainty", Json::object()).value("knee_angle_deg", Json::object());
-  if (!angle.contains("anatomical_sd")) return std::nullopt;
+  const Json sd_deg = Find(summary, "uncertainty/knee_angle_deg/anatomical_sd");
+  if (sd_deg.is_null()) return std::nullopt;
   Series beneath{.name = "beneath the skin", .x = knee.x, .y = knee.y, .colour = colour::kGuide, .mark = Mark::kThin};
-  const double half_deg = 2 * NumberOrNaN(angle["anatomical_sd"]);
+  const double half_deg = 2 * NumberOrNaN(sd_deg);
   for (const double knee_deg : knee.y) {
     beneath.lower.push_back(knee_deg - half_deg);
     beneath.upper.push_back(knee_deg + half_deg);
@@ -204,18 +202,17 @@ void ShareAxis(std::vector<LineChart>& charts) {
 
 // The interval of the headline by the markers alone, with skin movement, and what would narrow it.
 std::string BudgetText(const Json& comparison) {
-  const Json uncertainty = comparison.value("uncertainty", Json::object());
-  if (!uncertainty.contains("joint_rms_mm")) return "";
-  const Json& rms = uncertainty.at("joint_rms_mm");
-  const int decimals = JointFigure(comparison, "joint_rms_mm").Decimals(1);
+  const Json rms = Find(comparison, "uncertainty/joint_rms_mm");
+  if (rms.is_null()) return "";
+  const int decimals = FactOf(comparison, kJointRms).Decimals();
   const auto interval = [&](const char* name) {
-    return fmt::format("{} to {} mm", RoundedText(NumberOrNaN(rms.at(name).at(0)), decimals),
-                       RoundedText(NumberOrNaN(rms.at(name).at(1)), decimals));
+    return fmt::format("{} to {} mm", RoundedText(NumberOrNaN(rms.at(name)[0]), decimals),
+                       RoundedText(NumberOrNaN(rms.at(name)[1]), decimals));
   };
   return fmt::format(
       "The joint misalignment is {} mm RMS between the joints beneath the skin: {} with all sources, {} of the markers "
       "alone (95 % each). {} Each source is in comparison/uncertainty_budget.csv.",
-      RoundedText(NumberOrNaN(rms.at("value")), decimals), interval("anatomical_interval"), interval("marker_interval"),
+      RoundedText(NumberAt(rms, "value"), decimals), interval("anatomical_interval"), interval("marker_interval"),
       rms.at("narrower").get<std::string>());
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,7 +11,9 @@
 #include <vector>
 
 #include "lake/core/json.h"
+#include "lake/linkage/wear.h"
 #include "lake/report/report.h"
+#include "lake/report/uncertain.h"
 #include "lake/study/study_file.h"
 
 namespace lake::study {
@@ -35,11 +38,13 @@ class StudyResults {
   std::vector<std::string> steps_;
 };
 
-// One rounding for each unit where no interval is known, in sentences and tables alike: % and s have two decimals, mm,
-// ° and N m one, N and the place of a joint none. What is made to measure (links, strokes) has two. With an interval:
-// core/uncertain_text.h.
+// A key of a summary ends in its unit, and the unit says with how many decimals its numbers are written where no
+// interval is known, in sentences and tables alike: N with none, all others with one. What is made to measure (links,
+// strokes) has two. With an interval: core/uncertain_text.h.
+std::string UnitOf(const std::string& key);  // "mm/s" of "max_speed_mm_s"; empty where it has none
 int DecimalsOf(const std::string& unit);
-std::string Quantity(double value, const std::string& unit);  // "13.3 mm", "142.2°"
+std::string Quantity(double value, const std::string& unit);           // "13.3 mm", "142.2°"
+std::string QuantityAt(const Json& summary, const std::string& path);  // of the number there, in the unit of its key
 
 report::LineChart PathsChart(const StudyResults& results);
 
@@ -66,7 +71,44 @@ double PeakPercent(const Json& pace, const Json& other);
 // Along the measured path in the program's time the ground's force leaves the foot.
 bool NeedsHolding(const StudyResults& results, const Json& redesign);
 
-// What stands before the first chapter (first_screen.h); of a study without a design for the person MeasuredResult().
+// "2.6 % (1.4–4.0)", "4.3° (3.1–5.5)", rounded to the interval; `otherwise`: decimals where there is none.
+std::string UncertainText(const report::Uncertain& of, const std::string& unit, int otherwise = 1);
+
+// Of a prediction: how far the knee angle is from the human's, RMS, as well as the human's own mean is known.
+report::Uncertain KneeAngleError(const StudyResults& results, const Json& design);
+
+// "rise" or, of a person who walks, "stride".
+std::string RepetitionIn(const StudyResults& results);
+
+// Onset to standing in the exoskeleton trial, s: the mean of its rises.
+report::Uncertain RecordedRise(const StudyResults& results);
+
+// How well it is known where the joint is against the knee, half of the 95 % interval along x and y of the shank, mm:
+// where one trial shows both, with all sources of the comparison's budget; else by the offset between the trials.
+// NaN without a comparison.
+Eigen::Vector2d PlacementHalfWidth(const StudyResults& results);
+
+// One way to wear an exoskeleton: as it was worn, repaired, or built anew.
+struct Way {
+  std::string name;
+  std::string design;                      // its key in the redesign's summary
+  report::Uncertain misalignment_percent;  // RMS of the path difference
+  report::Uncertain rise_s;
+  std::string build;                            // what has to be built for it
+  bool misalignment_is_limit = false;           // asked for in the study file, and reached
+  bool time_is_limit = false;                   // likewise
+  bool time_is_set = false;                     // by a stroke program: exact
+  bool mends_joint = false;                     // moves a joint that is known to be off the knee
+  std::optional<linkage::WearCheck> on_body{};  // absent: not known
+};
+// Which limits the worn links do not keep, with what they have of each; empty if they keep all, or are not known.
+std::string WhyNewLinks(const StudyFile& study, const StudyResults& results);
+
+// As worn, with the joint moved, new; those that there are.
+std::vector<Way> WaysOf(const StudyFile& study, const StudyResults& results);
+
+// What stands before the first chapter: what is wrong and what to do first, the ways from the cheapest on, what forbids
+// them, and the next steps; of a study without a design for the person MeasuredResult().
 report::Section ResultChapter(const StudyFile& study, const StudyResults& results);
 report::Section MeasuredResult(const StudyResults& results);
 // What a terminal shows of it, a line each: where the joint is and what to do first, then the misalignment of each way;

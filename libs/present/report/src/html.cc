@@ -53,28 +53,16 @@ bool IsWithinRange(std::string_view text, std::size_t next) {
 }  // namespace
 
 std::string EscapeHtml(std::string_view text) {
+  constexpr std::pair<char, const char*> kEscapes[] = {
+      {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
   std::string escaped;
   for (const char c : ValidUtf8(text)) {
-    switch (c) {
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&#39;";
-        break;
-      default:
-        const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
-        escaped += control && c != '\n' && c != '\t' ? "\uFFFD" : std::string(1, c);
-    }
+    const auto escape = std::ranges::find(kEscapes, c, [](const auto& of) { return of.first; });
+    const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+    if (escape != std::end(kEscapes))
+      escaped += escape->second;
+    else
+      escaped += control && c != '\n' && c != '\t' ? "\uFFFD" : std::string(1, c);
   }
   return escaped;
 }
@@ -95,11 +83,7 @@ std::string TextHtml(std::string_view text) {
 std::string ScriptJson(const Json& value) {
   std::string json;
   for (const char c : value.dump(-1, ' ', false, Json::error_handler_t::replace)) {
-    if (c == '<') {
-      json += "\\u003c";
-    } else {
-      json += c;
-    }
+    json += c == '<' ? "\\u003c" : std::string(1, c);
   }
   return json;
 }

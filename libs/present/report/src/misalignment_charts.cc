@@ -51,21 +51,16 @@ Series Ties(const Series& human, const Series& exo) {
 }
 
 Series Start(const Series& human, const Series& exo, const char* name) {
-  Series onset{.name = name, .colour = colour::kText, .mark = Mark::kPoints};
-  onset.x = {human.x.front(), exo.x.front()};
-  onset.y = {human.y.front(), exo.y.front()};
-  onset.labels = {human.labels.front(), exo.labels.front()};
-  return onset;
+  return {.name = name,
+          .x = {human.x.front(), exo.x.front()},
+          .y = {human.y.front(), exo.y.front()},
+          .colour = colour::kText,
+          .mark = Mark::kPoints,
+          .labels = {human.labels.front(), exo.labels.front()}};
 }
 
 Series Level(double value, std::string name, std::string colour, Mark mark) {
-  Series level;
-  level.name = std::move(name);
-  level.colour = std::move(colour);
-  level.mark = mark;
-  level.x = {0, 100};
-  level.y = {value, value};
-  return level;
+  return {.name = std::move(name), .x = {0, 100}, .y = {value, value}, .colour = std::move(colour), .mark = mark};
 }
 
 std::vector<double> Lengths(const std::vector<double>& x, const std::vector<double>& y) {
@@ -76,11 +71,10 @@ std::vector<double> Lengths(const std::vector<double>& x, const std::vector<doub
 
 // The misalignment in percent of the shank, with ± 1 SD over the pairs of repetitions if there are several.
 Series ErrorSeries(const Json& curves) {
-  Series error;
-  error.name = "path difference";
-  error.colour = colour::kExoskeleton;
-  error.x = NumbersOrNaN(curves.at("percent"));
-  error.y = Scaled(NumbersOrNaN(curves.at("relative_error")), 100);
+  Series error{.name = "path difference",
+               .x = NumbersOrNaN(curves.at("percent")),
+               .y = Scaled(NumbersOrNaN(curves.at("relative_error")), 100),
+               .colour = colour::kExoskeleton};
   const std::vector<double> sd = Scaled(NumbersOrNaN(curves.at("relative_error_sd")), 100);
   for (std::size_t i = 0; i < sd.size(); ++i) {
     error.lower.push_back(std::max(0.0, error.y[i] - sd[i]));
@@ -89,16 +83,8 @@ Series ErrorSeries(const Json& curves) {
   return error;
 }
 
-Uncertain Metric(const Json& comparison, const char* name, double factor = 1) {
-  return UncertainOf(comparison.at("metrics").at(name),
-                     comparison.value("intervals", Json::object()).value(name, Json()), factor);
-}
-
 Series SpikesOf(const Series& error, const Json& spike) {
-  Series spikes;
-  spikes.name = "spike";
-  spikes.colour = colour::kWaist;
-  spikes.mark = Mark::kPoints;
+  Series spikes{.name = "spike", .colour = colour::kWaist, .mark = Mark::kPoints};
   for (std::size_t i = 0; i < error.x.size(); ++i) {
     if (!spike.at(i).get<bool>()) continue;
     spikes.x.push_back(error.x[i]);
@@ -146,38 +132,34 @@ LineChart LegsChart(const Json& comparison) {
 LineChart KneePathsChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
   const auto path = [&](const std::string& prefix, const char* name, const char* colour) {
-    Series series;
-    series.name = name;
-    series.colour = colour;
-    series.x = NumbersOrNaN(curves.at(prefix + "_x_mm"));
-    series.y = NumbersOrNaN(curves.at(prefix + "_y_mm"));
-    series.labels = PercentLabels(NumbersOrNaN(curves.at("percent")));
-    return series;
+    return Series{.name = name,
+                  .x = NumbersOrNaN(curves.at(prefix + "_x_mm")),
+                  .y = NumbersOrNaN(curves.at(prefix + "_y_mm")),
+                  .colour = colour,
+                  .labels = PercentLabels(NumbersOrNaN(curves.at("percent")))};
   };
   const Series human = path("human_knee", "human knee", colour::kHuman);
   const Series exo = path("exo_knee", "exoskeleton knee", colour::kExoskeleton);
-  LineChart chart;
-  chart.title = "Both knees on the sagittal plane";
   const bool is_walking = IsOfWalking(comparison);
-  chart.alt = fmt::format("Paths of the human knee and of the exoskeleton's knee over the {}, seen from the side",
-                          RepetitionIn(comparison));
-  chart.caption = is_walking ? "Mean paths relative to the hip, x in the direction of walking, y up."
-                             : "Mean paths in the leg frame: origin at the seated ankle, x forward, y up.";
-  chart.x.label = "anterior (mm)";
-  chart.y.label = "up (mm)";
-  chart.equal_scales = true;
-  chart.series = {human, exo, Ties(human, exo), Start(human, exo, is_walking ? "heel strike" : "onset")};
-  return chart;
+  return {.title = "Both knees on the sagittal plane",
+          .alt = fmt::format("Paths of the human knee and of the exoskeleton's knee over the {}, seen from the side",
+                             RepetitionIn(comparison)),
+          .caption = is_walking ? "Mean paths relative to the hip, x in the direction of walking, y up."
+                                : "Mean paths in the leg frame: origin at the seated ankle, x forward, y up.",
+          .x = {.label = "anterior (mm)"},
+          .y = {.label = "up (mm)"},
+          .series = {human, exo, Ties(human, exo), Start(human, exo, is_walking ? "heel strike" : "onset")},
+          .equal_scales = true};
 }
 
 LineChart PathDifferenceChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
-  const Uncertain rms = Metric(comparison, "relative_rms", 100);
-  const double floor = 100 * NumberOrNaN(comparison.at("noise_floor_relative"));
+  const Uncertain rms = FactOf(comparison, kPathPercent);
+  const double floor = 100 * NumberAt(comparison, "noise_floor_relative");
   LineChart chart;
   chart.title = "Path difference over the " + RepetitionIn(comparison);
   chart.alt = fmt::format("Distance of the knees in percent of the shank over the {}; RMS {} %",
-                          RepetitionIn(comparison), rms.Text(1));
+                          RepetitionIn(comparison), rms.Text());
   chart.x = PercentAxis(comparison);
   chart.y = {"path difference (% of the shank)", 0, std::nullopt};
   const Series error = ErrorSeries(curves);
@@ -185,7 +167,7 @@ LineChart PathDifferenceChart(const Json& comparison) {
     chart.caption =
         fmt::format("Band: ± 1 SD over all pairs of a human and an exoskeleton {}.", RepetitionIn(comparison));
   chart.series = {
-      error, Level(rms.value, fmt::format("RMS {} %", rms.Text(1)), colour::kText, Mark::kDashed),
+      error, Level(rms.value, fmt::format("RMS {} %", rms.Text()), colour::kText, Mark::kDashed),
       Level(floor, fmt::format("noise floor {} %", SignificantText(floor, 2)), colour::kAnkle, Mark::kDotted)};
   Series spikes = SpikesOf(error, curves.at("spike"));
   if (!spikes.x.empty()) chart.series.push_back(std::move(spikes));
@@ -239,11 +221,11 @@ BarChart DecompositionChart(const Json& comparison) {
     const Json& part = comparison.at("decomposition").at(of.name);
     share.colours.push_back(kPartColours[chart.categories.size()]);
     chart.categories.push_back(of.name);
-    share.values.push_back(100 * NumberOrNaN(part.at("fraction")));
+    share.values.push_back(100 * NumberAt(part, "fraction"));
     shares.push_back(fmt::format("{} {} %", of.name, NumberText(share.values.back(), 1)));
     if (part.at("interval").is_null()) continue;
-    share.lower.push_back(100 * NumberOrNaN(part.at("interval").at(0)));
-    share.upper.push_back(100 * NumberOrNaN(part.at("interval").at(1)));
+    share.lower.push_back(100 * NumberAt(part, "interval/0"));
+    share.upper.push_back(100 * NumberAt(part, "interval/1"));
   }
   chart.alt = std::isfinite(share.values[0]) ? fmt::format("Shares: {}", fmt::join(shares, ", "))
                                              : "Both paths are one; there are no parts";
@@ -260,36 +242,33 @@ LineChart PartsChart(const Json& comparison) {
   chart.x = PercentAxis(comparison);
   chart.y = {"length (mm)", 0, std::nullopt};
   for (const compare::Part& part : compare::kParts) {
-    Series series;
-    series.name = part.name;
-    series.colour = kPartColours[chart.series.size()];
-    series.mark = kPartMarks[chart.series.size()];
-    series.x = NumbersOrNaN(curves.at("percent"));
-    series.y = Lengths(NumbersOrNaN(curves.at(series.name + "_x_mm")), NumbersOrNaN(curves.at(series.name + "_y_mm")));
-    chart.series.push_back(std::move(series));
+    const std::string name = part.name;
+    chart.series.push_back(
+        {.name = name,
+         .x = NumbersOrNaN(curves.at("percent")),
+         .y = Lengths(NumbersOrNaN(curves.at(name + "_x_mm")), NumbersOrNaN(curves.at(name + "_y_mm"))),
+         .colour = kPartColours[chart.series.size()],
+         .mark = kPartMarks[chart.series.size()]});
   }
   return chart;
 }
 
 LineChart KneeAnglesChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
-  LineChart chart;
-  chart.title = "Knee angles";
-  chart.alt = "Knee angles of both trials over the " + RepetitionIn(comparison);
-  chart.caption = fmt::format("0° is straight. RMS difference {}°.", Metric(comparison, "knee_rmse_deg").Text(1));
-  chart.x = PercentAxis(comparison);
-  chart.y.label = "knee flexion (°)";
-  Series human, exo;
-  human.name = "human";
-  human.colour = colour::kHuman;
-  exo.name = "exoskeleton";
-  exo.colour = colour::kExoskeleton;
-  exo.mark = Mark::kDashed;
-  human.x = exo.x = NumbersOrNaN(curves.at("percent"));
-  human.y = NumbersOrNaN(curves.at("human_knee_deg"));
-  exo.y = NumbersOrNaN(curves.at("exo_knee_deg"));
-  chart.series = {std::move(human), std::move(exo)};
-  return chart;
+  const auto angle = [&](const char* name, const char* column, const char* colour, Mark mark) {
+    return Series{.name = name,
+                  .x = NumbersOrNaN(curves.at("percent")),
+                  .y = NumbersOrNaN(curves.at(column)),
+                  .colour = colour,
+                  .mark = mark};
+  };
+  return {.title = "Knee angles",
+          .alt = "Knee angles of both trials over the " + RepetitionIn(comparison),
+          .caption = fmt::format("0° is straight. RMS difference {}°.", FactOf(comparison, kKneeRmse).Text()),
+          .x = PercentAxis(comparison),
+          .y = {.label = "knee flexion (°)"},
+          .series = {angle("human", "human_knee_deg", colour::kHuman, Mark::kLine),
+                     angle("exoskeleton", "exo_knee_deg", colour::kExoskeleton, Mark::kDashed)}};
 }
 
 }  // namespace lake::report

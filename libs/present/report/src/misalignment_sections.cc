@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "lake/compare/knee_axis.h"
 #include "lake/compare/misalignment.h"
@@ -19,45 +18,24 @@ namespace {
 
 constexpr const char* kNoKnee = "the trial does not show the knee; two markers on the shank would replace it";
 
-// "95 %: 8.10 to 9.00 %", or nothing where there is none.
-std::string IntervalNote(const Json& parent, const char* name, double factor, int decimals, const char* unit) {
-  if (!parent.contains(name) || parent.at(name).is_null()) return "";
-  const Json& interval = parent.at(name);
-  return fmt::format("95 %: {} to {} {}", NumberText(factor * NumberOrNaN(interval.at(0)), decimals),
-                     NumberText(factor * NumberOrNaN(interval.at(1)), decimals), unit);
-}
-
 // A key figure rounded to its interval, which stands below it with what it includes.
 KeyFigure FigureOf(const char* label, const Uncertain& of, int otherwise, const char* unit, const char* includes = "") {
-  const int decimals = of.Decimals(otherwise);
-  return {.label = label,
-          .value = of.value,
-          .decimals = decimals,
-          .unit = unit,
-          .plus_minus = std::nullopt,
-          .note = of.IsKnown() ? fmt::format("95 %{}: {} to {} {}", includes, RoundedText(of.low, decimals),
-                                             RoundedText(of.high, decimals), unit)
-                               : ""};
+  KeyFigure figure{.label = label, .value = of.value, .decimals = of.Decimals(otherwise), .unit = unit};
+  if (of.IsKnown()) figure.note = fmt::format("95 %{}: {} {}", includes, of.IntervalText(otherwise), unit);
+  return figure;
 }
-
-constexpr const char* kOfAllSources = ", all sources";
-constexpr const char* kOfMarkers = ", of the markers alone";
 
 // What moving the joint leaves and why its paths still differ, and what seat and limbs allow of it; empty where the
 // trial shows no knee beside the joint.
 std::string MovedText(const Json& comparison) {
-  const Json best = comparison.value("best_placement", Json());
-  if (!best.is_object() || !best.contains("path_relative_rms")) return "";
-  const Uncertain path =
-      PathDifferencePercent(best.at("path_relative_rms"), best.value("path_relative_rms_interval", Json()));
+  const Uncertain path = FactOf(comparison, kPathMoved);
+  if (Find(comparison, kPathMoved.value).is_null()) return "";
   std::string text = fmt::format(
       "With the joint moved onto the knee {} % of path difference would be left{}: that of the knees of both trials at "
       "equal percent, as the two differ in pace and posture.",
-      path.Text(1),
-      path.IsKnown() ? fmt::format(" (95 %: {} to {} %)", RoundedText(path.low, path.Decimals(1)),
-                                   RoundedText(path.high, path.Decimals(1)))
-                     : "");
-  if (best.contains("body_text")) text += " " + best.at("body_text").get<std::string>();
+      path.Text(), path.IsKnown() ? fmt::format(" (95 %: {} %)", path.IntervalText()) : "");
+  if (const Json body = Find(comparison, "best_placement/body_text"); body.is_string())
+    text += " " + body.get<std::string>();
   return text;
 }
 
@@ -69,11 +47,11 @@ Section KeySection(const Json& comparison) {
       "We compare the means of {} of the human trial ({:.1f} s {}) and {} of the "
       "exoskeleton trial ({:.1f} s). The shank is {:.0f} mm long. Recording noise and marker re-placement alone "
       "would show {} mm RMS, or {} % of the shank length.",
-      Counted(repetitions.at("human").get<int>(), "repetition"), NumberOrNaN(duration.at("human")),
+      Counted(repetitions.at("human").get<int>(), "repetition"), NumberAt(duration, "human"),
       IsOfWalking(comparison) ? "a stride" : "from onset to standing", repetitions.at("exo").get<int>(),
-      NumberOrNaN(duration.at("exo")), NumberOrNaN(comparison.at("shank_mm")),
-      SignificantText(NumberOrNaN(comparison.at("noise_floor_mm")), 2),
-      SignificantText(100 * NumberOrNaN(comparison.at("noise_floor_relative")), 2))});
+      NumberAt(duration, "exo"), NumberAt(comparison, "shank_mm"),
+      SignificantText(NumberAt(comparison, "noise_floor_mm"), 2),
+      SignificantText(100 * NumberAt(comparison, "noise_floor_relative"), 2))});
   if (std::string moved = MovedText(comparison); !moved.empty()) section.blocks.push_back(Paragraph{std::move(moved)});
   return section;
 }
@@ -132,8 +110,8 @@ Section MetricsSection(const Json& comparison) {
               {{"Figure"}, {"All samples", 3}, {"Without spikes", 3}},
               {}};
   for (const MetricRow& row : kMetricRows)
-    table.rows.push_back({row.what, row.factor * NumberOrNaN(metrics.at(row.name)),
-                          row.factor * NumberOrNaN(metrics.at(std::string(row.name) + "_without_spikes"))});
+    table.rows.push_back({row.what, row.factor * NumberAt(metrics, row.name),
+                          row.factor * NumberAt(metrics, std::string(row.name) + "_without_spikes")});
   return {"Figures", {std::move(table)}};
 }
 
@@ -144,10 +122,12 @@ Section PaceAndPostureSection(const Json& comparison) {
               {}};
   const auto add = [&](const char* what, const Json& difference, const std::string& unit) {
     if (difference.is_null()) return;
-    const std::string interval = "difference_interval_" + unit;
-    table.rows.push_back({what, unit == "deg" ? "°" : unit, NumberOrNaN(difference.at("human_" + unit)),
-                          NumberOrNaN(difference.at("exo_" + unit)), NumberOrNaN(difference.at("difference_" + unit)),
-                          IntervalNote(difference, interval.c_str(), 1, 2, "")});
+    const Json interval = Find(difference, "difference_interval_" + unit);
+    table.rows.push_back({what, unit == "deg" ? "°" : unit, NumberAt(difference, "human_" + unit),
+                          NumberAt(difference, "exo_" + unit), NumberAt(difference, "difference_" + unit),
+                          interval.is_null() ? ""
+                                             : fmt::format("95 %: {} to {} ", NumberText(NumberOrNaN(interval[0]), 2),
+                                                           NumberText(NumberOrNaN(interval[1]), 2))});
   };
   const Json &pace = comparison.at("pace"), &posture = comparison.at("posture");
   if (IsOfWalking(comparison)) {
@@ -176,23 +156,18 @@ Section KneeAxisSection(const Json& comparison) {
       "In the knee model of Yamaguchi and Zajac the best hinge for this subject's {} to {}° leaves a gap of {:.2f} mm "
       "RMS and {:.2f} mm at most (at {:.0f}°). A hinge beside the best one by δ adds 2 δ sin(θ/2): 10 mm add {:.1f} mm "
       "at 90°. Where the joint sits matters, the moving axis hardly does.",
-      NumberText(*low, 0), NumberText(*high, 0), NumberOrNaN(axis.at("gap_rms_mm")), NumberOrNaN(axis.at("gap_max_mm")),
-      NumberOrNaN(axis.at("gap_max_at_deg")), compare::OffsetGap(10, 90));
+      NumberText(*low, 0), NumberText(*high, 0), NumberAt(axis, "gap_rms_mm"), NumberAt(axis, "gap_max_mm"),
+      NumberAt(axis, "gap_max_at_deg"), compare::OffsetGap(10, 90));
   return {"The knee's moving axis", {Paragraph{std::move(text)}}};
 }
 
 // Where the joint sits: on the exo trial's own leg if it is shown, else the fitted offset with its own interval.
 Uncertain OffsetOf(const Json& comparison, std::size_t axis) {
-  const Json worn = comparison.value("joint", Json());
-  if (!worn.is_null()) return JointFigure(comparison, axis == 0 ? "joint_offset_x_mm" : "joint_offset_y_mm");
-  const Json& fitted = comparison.at("decomposition");
-  const Json intervals = fitted.value("offset_interval_mm", Json());
-  return UncertainOf(fitted.at("offset_mm").at(axis), intervals.is_array() ? intervals.at(axis) : Json());
-}
-
-std::string JointText(const Json& comparison) {
-  const Uncertain x = OffsetOf(comparison, 0), y = OffsetOf(comparison, 1);
-  return compare::DescribeJoint({x.value, y.value}, {x.HalfWidth(), y.HalfWidth()});
+  constexpr Fact kWorn[] = {{"", "mm", "joint/offset_mm/0", "uncertainty/joint_offset_x_mm/anatomical_interval"},
+                            {"", "mm", "joint/offset_mm/1", "uncertainty/joint_offset_y_mm/anatomical_interval"}};
+  constexpr Fact kFitted[] = {{"", "mm", "decomposition/offset_mm/0", "decomposition/offset_interval_mm/0"},
+                              {"", "mm", "decomposition/offset_mm/1", "decomposition/offset_interval_mm/1"}};
+  return FactOf(comparison, (Find(comparison, "joint").is_null() ? kFitted : kWorn)[axis]);
 }
 
 // What the part is for the designer.
@@ -201,13 +176,13 @@ std::string PartAdvice(const std::string& part, const Json& comparison) {
   if (part == "timing")
     return fmt::format(
         "timing: the exoskeleton runs at another pace within the {} ({:.1f} % RMS){}", RepetitionIn(comparison),
-        NumberOrNaN(parts.at("timing_rms_percent")),
+        NumberAt(parts, "timing_rms_percent"),
         IsOfWalking(comparison) ? "" : ", which the stroke program and the linkage's angle over stroke decide");
   if (part == "shape")
     return "shape: neither moving the joint nor another pace removes it. Soft tissue, straps that slip, a movement out "
            "of the plane or a different movement of the leg remain";
   return fmt::format("placement: the joint sits {}. Moving the joint onto the knee removes this part",
-                     JointText(comparison));
+                     JointPlaceText(comparison));
 }
 
 // Whether its interval lies above those of the other parts.
@@ -245,29 +220,14 @@ Section MethodSection(const Json& comparison) {
 
 }  // namespace
 
-Uncertain JointFigure(const Json& comparison, const std::string& quantity) {
-  const Json& joint = comparison.at("joint");
-  const Json& value = quantity == "joint_rms_mm"        ? joint.at("rms_mm")
-                      : quantity == "joint_offset_x_mm" ? joint.at("offset_mm").at(0)
-                                                        : joint.at("offset_mm").at(1);
-  const Json budget = comparison.value("uncertainty", Json::object()).value(quantity, Json::object());
-  return UncertainOf(value, budget.value("anatomical_interval", Json()));
-}
-
-Uncertain PathDifference_percent(const Json& comparison) {
-  return PathDifferencePercent(comparison.at("metrics").at("relative_rms"),
-                               comparison.value("intervals", Json::object()).value("relative_rms", Json()));
-}
-
-Uncertain PathDifference_mm(const Json& comparison) {
-  return UncertainOf(comparison.at("metrics").at("rms_mm"),
-                     comparison.value("intervals", Json::object()).value("rms_mm", Json()));
+std::string JointPlaceText(const Json& comparison) {
+  const Uncertain x = OffsetOf(comparison, 0), y = OffsetOf(comparison, 1);
+  return compare::DescribeJoint({x.value, y.value}, {x.HalfWidth(), y.HalfWidth()});
 }
 
 Uncertain JointMovedFigure(const Json& comparison) {
   constexpr double kLeastHalfWidth_mm = 0.05;
-  const Json& best = comparison.at("best_placement");
-  Uncertain left = UncertainOf(best.at("rms_mm"), best.value("rms_interval_mm", Json()));
+  Uncertain left = FactOf(comparison, kJointMoved);
   if (!left.IsKnown()) return left;
   left.low = std::min(left.low, left.value - kLeastHalfWidth_mm);
   left.high = std::max(left.high, left.value + kLeastHalfWidth_mm);
@@ -275,62 +235,31 @@ Uncertain JointMovedFigure(const Json& comparison) {
 }
 
 KeyFigures MisalignmentKeyFigures(const Json& comparison) {
-  const Json& metrics = comparison.at("metrics");
   const Json& parts = comparison.at("decomposition");
-  const Json intervals = comparison.value("intervals", Json::object());
-  const auto share = [&](const char* name) {
-    const Json interval = parts.at(name).value("interval", Json());
-    KeyFigure figure = FigureOf(name, UncertainOf(parts.at(name).at("fraction"), interval, 100), 1, "%");
-    if (interval.is_null() && std::isfinite(figure.value)) figure.note = "too few repetitions for an interval";
-    return figure;
-  };
-  const auto percent = [&](const char* label, const char* name) {
-    return FigureOf(label, PathDifferencePercent(metrics.at(name), intervals.value(name, Json())), 1, "%");
-  };
-  const auto mm = [&](const char* label, const char* name) {
-    return FigureOf(label, UncertainOf(metrics.at(name), intervals.value(name, Json())), 1, "mm");
-  };
-  const Json worn = comparison.value("joint", Json());
-  const auto of_joint = [&](const char* label, const Json& of, const Uncertain& figure, const char* includes) {
-    if (of.is_object()) return FigureOf(label, figure, 1, "mm", includes);
-    return KeyFigure{.label = label,
-                     .value = std::numeric_limits<double>::quiet_NaN(),
-                     .decimals = 1,
-                     .unit = "mm",
-                     .plus_minus = std::nullopt,
-                     .note = kNoKnee};
-  };
-  const Json best = comparison.value("best_placement", Json());
-  const auto markers = [](const Json& of, const char* name, const char* interval) {
-    return of.is_object() ? UncertainOf(of.at(name), of.value(interval, Json())) : Uncertain{};
-  };
-  const Uncertain rms = worn.is_object() ? JointFigure(comparison, "joint_rms_mm") : Uncertain{};
-  const char* of_place = worn.is_object() ? kOfAllSources : kOfMarkers;
-  KeyFigure joint_moved = FigureOf(
-      "path difference, joint moved, of the shank",
-      best.is_object() && best.contains("path_relative_rms")
-          ? PathDifferencePercent(best.at("path_relative_rms"), best.value("path_relative_rms_interval", Json()))
-          : Uncertain{},
-      1, "%");
-  const std::string of_repetition = "% of the " + RepetitionIn(comparison);
-  if (!best.is_object()) joint_moved.note = kNoKnee;
-  std::vector<KeyFigure> figures = {
-      of_joint("joint misalignment, RMS", worn, rms, kOfAllSources),
-      of_joint("joint misalignment, largest", worn, markers(worn, "max_mm", "max_interval_mm"), kOfMarkers),
-      of_joint("joint misalignment, joint moved", best, best.is_object() ? JointMovedFigure(comparison) : Uncertain{},
-               kOfMarkers),
-      joint_moved,
-      percent("path difference, RMS, of the shank", "relative_rms"),
-      percent("path difference, largest, of the shank", "relative_max"),
-      mm("path difference, RMS", "rms_mm"),
-      mm("path difference, largest", "max_mm")};
-  for (const compare::Part& part : compare::kParts) figures.push_back(share(part.name));
-  figures.insert(
-      figures.end(),
-      {FigureOf("joint in front of the knee", OffsetOf(comparison, 0), 0, "mm", of_place),
-       FigureOf("joint above the knee, along the shank", OffsetOf(comparison, 1), 0, "mm", of_place),
-       {"difference in pace, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, of_repetition, std::nullopt, ""}});
-  return {std::move(figures)};
+  const bool has_knee = Find(comparison, "joint").is_object();
+  KeyFigures all;
+  for (const Fact* fact :
+       {&kJointRms, &kJointMax, &kJointMoved, &kPathMoved, &kPathPercent, &kPathMaxPercent, &kPathMm, &kPathMaxMm}) {
+    const Uncertain of = fact == &kJointMoved ? JointMovedFigure(comparison) : FactOf(comparison, *fact);
+    all.figures.push_back(FigureOf(fact->label, of, 1, fact->unit, fact->includes));
+    const std::string_view from = fact->value;
+    if (!has_knee && (from.starts_with("joint") || from.starts_with("best"))) all.figures.back().note = kNoKnee;
+  }
+  for (const compare::Part& part : compare::kParts) {
+    const Json interval = Find(parts, part.name + std::string("/interval"));
+    const Uncertain share = UncertainOf(parts.at(part.name).at("fraction"), interval, 100);
+    all.figures.push_back(FigureOf(part.name, share, 1, "%"));
+    if (interval.is_null() && std::isfinite(share.value))
+      all.figures.back().note = "too few repetitions for an interval";
+  }
+  const char* of_place = has_knee ? kOfAllSources : kOfMarkers;
+  all.figures.insert(all.figures.end(),
+                     {FigureOf("joint in front of the knee", OffsetOf(comparison, 0), 0, "mm", of_place),
+                      FigureOf("joint above the knee, along the shank", OffsetOf(comparison, 1), 0, "mm", of_place),
+                      {.label = "difference in pace, RMS",
+                       .value = NumberAt(parts, "timing_rms_percent"),
+                       .unit = "% of the " + RepetitionIn(comparison)}});
+  return all;
 }
 
 std::string DecompositionAdvice(const Json& comparison) {
@@ -346,7 +275,8 @@ std::string DecompositionAdvice(const Json& comparison) {
     return fmt::format(
         "{}How much of it is {} cannot be said: a person's own pace differs as much from one "
         "{} to the next, and it takes four repetitions in each trial to tell.",
-        comparison.value("joint", Json()).is_null() ? "" : fmt::format("The joint sits {}. ", JointText(comparison)),
+        comparison.value("joint", Json()).is_null() ? ""
+                                                    : fmt::format("The joint sits {}. ", JointPlaceText(comparison)),
         compare::PartNames(), RepetitionIn(comparison));
   return fmt::format("Most of it, {} %, is {}.{}",
                      UncertainOf(share.at("fraction"), share.value("interval", Json()), 100).Text(1),

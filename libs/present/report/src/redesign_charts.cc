@@ -8,6 +8,7 @@
 
 #include "lake/core/colours.h"
 #include "lake/core/uncertain_text.h"
+#include "lake/report/uncertain.h"
 
 namespace lake::report {
 
@@ -35,8 +36,8 @@ LineChart ParetoChart(const Json& summary) {
     const Json& of = summary.at(design);
     if (!of.is_object() || !of.at("range_deg").is_number() || !of.at("misalignment_percent").is_number()) return;
     chart.series.push_back({.name = name,
-                            .x = {NumberOrNaN(of.at("range_deg"))},
-                            .y = {NumberOrNaN(of.at("misalignment_percent"))},
+                            .x = {NumberAt(of, "range_deg")},
+                            .y = {NumberAt(of, "misalignment_percent")},
                             .colour = colour,
                             .mark = Mark::kPoints});
   };
@@ -44,7 +45,7 @@ LineChart ParetoChart(const Json& summary) {
   add("joint_moved", "worn, joint moved", colour::kHip);
   add("other_program", "worn, other program", colour::kKnee);
   add("after", "new design", colour::kNew);
-  double least_deg = NumberOrNaN(summary.at("range_deg")), most_deg = least_deg;
+  double least_deg = NumberAt(summary, "range_deg"), most_deg = least_deg;
   for (const Series& series : chart.series)
     for (const double range_deg : series.x) {
       least_deg = std::min(least_deg, range_deg);

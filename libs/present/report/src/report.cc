@@ -130,19 +130,8 @@ void CheckLength(const std::string& chart, const std::string& series, const char
 }
 
 const char* ToString(Mark mark) {
-  switch (mark) {
-    case Mark::kLine:
-      return "line";
-    case Mark::kThin:
-      return "thin";
-    case Mark::kDashed:
-      return "dashed";
-    case Mark::kDotted:
-      return "dotted";
-    case Mark::kPoints:
-      return "points";
-  }
-  return "line";
+  constexpr const char* kNames[] = {"line", "thin", "dashed", "dotted", "points"};
+  return kNames[static_cast<int>(mark)];
 }
 
 Json SeriesData(const LineChart& chart, const Series& series, std::size_t index) {
@@ -341,21 +330,13 @@ std::string Html(const Picture& picture) {
 
 // The figure of both kinds of charts; page/charts.js draws the data in its script element on its canvas.
 template <typename Chart>
-std::string ChartHtml(const Chart& chart) {
+std::string Html(const Chart& chart) {
   return fmt::format(
       "<figure class=\"chart {}\">\n{}<div class=\"plot\"><canvas role=\"img\" aria-label=\"{}\"></canvas></div>\n"
       "<noscript><p>This chart needs JavaScript.</p></noscript>\n{}"
       "<script type=\"application/json\">{}</script>\n</figure>\n",
       ClassOf(chart.width), Element("h3", chart.title), EscapeHtml(chart.alt.empty() ? chart.title : chart.alt),
       Element("figcaption", chart.caption), ScriptJson(ChartData(chart)));
-}
-
-std::string Html(const LineChart& chart) {
-  return ChartHtml(chart);
-}
-
-std::string Html(const BarChart& chart) {
-  return ChartHtml(chart);
 }
 
 std::string Html(const Files& files) {
@@ -420,6 +401,15 @@ bool HasFilters(const Block& block) {
   return table && !table->filters.empty();
 }
 
+// An option that was left at nothing says nothing.
+bool IsUnset(const Json& value) {
+  return value.empty() || value == "" || value == false;
+}
+
+std::string OptionText(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
 }  // namespace
 
 std::string NumberText(double value, int decimals) {
@@ -443,19 +433,34 @@ std::string RenderReport(const Report& report) {
     if (i == 0) html += WarningsHtml(report) + ContentsHtml(report);
   }
   html += "</main>\n";
+  const auto script = [](const std::string& code) {
+    return fmt::format("<script>\n'use strict';\n(() => {{\n{}}})();\n</script>\n", code);
+  };
   if (HasBlock(report.sections, IsChart))
-    html +=
-        fmt::format("<script>\n/*!\n{}*/\n{}\n</script>\n<script>\n'use strict';\n(() => {{\n{}\n{}}})();\n</script>\n",
-                    ChartLicence(), ChartLibrary(), PageCharts(), PageControls());
-  if (std::ranges::any_of(report.sections, &Section::folded))
-    html += fmt::format("<script>\n'use strict';\n(() => {{\n{}}})();\n</script>\n", PageFolds());
-  if (HasBlock(report.sections, HasFilters))
-    html += fmt::format("<script>\n'use strict';\n(() => {{\n{}}})();\n</script>\n", PageFilters());
+    html += fmt::format("<script>\n/*!\n{}*/\n{}\n</script>\n{}", ChartLicence(), ChartLibrary(),
+                        script(fmt::format("{}\n{}", PageCharts(), PageControls())));
+  if (std::ranges::any_of(report.sections, &Section::folded)) html += script(std::string(PageFolds()));
+  if (HasBlock(report.sections, HasFilters)) html += script(std::string(PageFilters()));
   return html + "</body>\n</html>\n";
 }
 
 void WriteReport(const std::filesystem::path& path, const Report& report) {
   WriteTextFile(path, RenderReport(report));
+}
+
+Section ProvenanceSection(const Json& head) {
+  Section section{"Provenance", {}};
+  Table made{"", {{"What"}, {.heading = "Value", .code = true}}, {}};
+  made.rows.push_back({"program", head.at("program").get<std::string>() + " " + head.at("version").get<std::string>()});
+  made.rows.push_back({"command", head.at("command").get<std::string>()});
+  for (const auto& [name, value] : head.at("options").items())
+    if (!IsUnset(value)) made.rows.push_back({"option " + name, OptionText(value)});
+  Table inputs{"Inputs", {{"File"}, {.heading = "SHA-256", .code = true}}, {}};
+  for (const Json& input : head.at("inputs"))
+    inputs.rows.push_back({input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});
+  section.blocks.push_back(std::move(made));
+  if (!inputs.rows.empty()) section.blocks.push_back(std::move(inputs));
+  return section;
 }
 
 }  // namespace lake::report

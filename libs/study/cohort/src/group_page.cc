@@ -12,6 +12,7 @@
 #include "lake/figure/charts.h"
 #include "lake/gait/gait_cycles.h"
 #include "lake/gait/sit_to_stand.h"
+#include "lake/report/uncertain.h"
 
 namespace lake::cohort {
 
@@ -106,7 +107,7 @@ Section ResultSection(const Workflow& workflow, const GroupData& group, const Gr
 }
 
 Section FailuresSection(const std::vector<Failure>& failures) {
-  Table table{"What was not done", {{"Recordings"}, {"Step"}, {"Error"}}, {}, Width::kFull};
+  Table table{"What was not done", {{"Recordings"}, {"Step"}, {"Error"}}};
   for (const Failure& failure : failures)
     table.rows.push_back(
         {Recordings{failure.participant, failure.session, failure.run, {}, {}}.Name(), failure.step, failure.error});
@@ -183,9 +184,7 @@ Section CurvesSection(const GroupFindings& findings) {
 
 Section DifferencesSection(const std::vector<DifferenceRow>& rows) {
   Table table{"With exoskeleton minus without, in the same participants",
-              {{"Quantity"}, {"Participants"}, {"Without"}, {"With"}, {"Difference"}, {"95 % interval"}},
-              {},
-              Width::kFull};
+              {{"Quantity"}, {"Participants"}, {"Without"}, {"With"}, {"Difference"}, {"95 % interval"}}};
   for (const DifferenceRow& row : rows) {
     const int decimals = row.quantity.ends_with("_s") && !row.quantity.ends_with("deg_s") ? 2 : 1;
     table.rows.push_back({NameOf(row.quantity), fmt::format("{}", row.difference.subjects), Number{row.human, decimals},
@@ -224,9 +223,7 @@ Section ReliabilitySection(const std::vector<ReliabilityRow>& rows) {
                {"SEM"},
                {"MDC95"},
                {"Bias"},
-               {"Limits of agreement"}},
-              {},
-              Width::kFull};
+               {"Limits of agreement"}}};
   for (const ReliabilityRow& row : rows) {
     const MainQuantity* main = FindMain(row.trial, row.quantity);
     if (!main) continue;
@@ -275,10 +272,10 @@ std::string RuleText(const Json& rule) {
 Section PopulationSection(const Json& summary) {
   const bool has_sizes = summary.contains("sizes");
   Section section{has_sizes ? "Sizes for all" : "One design for all", {}};
-  Table designs{"Designs", {{"Size"}, {"Range (°)"}, {"Largest misalignment (% of the shank)"}}, {}, Width::kFull};
+  Table designs{"Designs", {{"Size"}, {"Range (°)"}, {"Largest misalignment (% of the shank)"}}};
   const auto add = [&](const std::string& name, const Json& design) {
     designs.rows.push_back(
-        {name, Number{NumberOrNaN(design["range_deg"]), 1}, Number{NumberOrNaN(design["misalignment_percent"]), 2}});
+        {name, Number{NumberAt(design, "range_deg"), 1}, Number{NumberAt(design, "misalignment_percent"), 2}});
   };
   if (has_sizes) {
     for (const Json& size : summary["sizes"]) add(fmt::format("{}", size["size"].get<int>()), size);
@@ -286,18 +283,16 @@ Section PopulationSection(const Json& summary) {
     section.blocks.push_back(Paragraph{RuleText(summary["rule"])});
   }
   Table people{has_sizes ? "Who wears which" : "What it is to each",
-               {{"Participant"}, {"Size"}, {"Misalignment (% of the shank)"}, {"Costs, against their own (°)"}},
-               {},
-               Width::kFull};
+               {{"Participant"}, {"Size"}, {"Misalignment (% of the shank)"}, {"Costs, against their own (°)"}}};
   for (const Json& person : summary["people"])
     people.rows.push_back({person["person"].get<std::string>(), fmt::format("{}", person["size"].get<int>()),
-                           Number{NumberOrNaN(person["misalignment_percent"]), 2},
-                           Number{NumberOrNaN(person["cost_deg"]), 1}});
+                           Number{NumberAt(person, "misalignment_percent"), 2},
+                           Number{NumberAt(person, "cost_deg"), 1}});
   if (!has_sizes)
     section.blocks.push_back(Paragraph{fmt::format(
         "The links with the largest range that all wear, each with placement and program of their own: {:.1f}°. "
         "population/design.yaml has them.",
-        NumberOrNaN(summary["range_deg"]))});
+        NumberAt(summary, "range_deg"))});
   section.blocks.push_back(std::move(people));
   section.blocks.push_back(Paragraph{
       "The cost is the range of the best design for this participant alone, under the same limits, less that of the "
@@ -306,7 +301,7 @@ Section PopulationSection(const Json& summary) {
 }
 
 Section OutliersSection(const std::vector<OutlierRow>& rows) {
-  Table table{"Participants far from the others", {{"Participant"}, {"Why"}}, {}, Width::kFull};
+  Table table{"Participants far from the others", {{"Participant"}, {"Why"}}};
   for (const OutlierRow& row : rows) table.rows.push_back({row.participant, row.Why()});
   return {"Outliers",
           {std::move(table), Paragraph{"More than 3.5 robust standard deviations from the median (Iglewicz & Hoaglin "

@@ -21,7 +21,6 @@
 #include "lake/core/threads.h"
 #include "lake/steps/study_steps.h"
 #include "lake/study/study.h"
-#include "program_files.h"
 #include "workflow.h"
 
 namespace lake::cohort {

@@ -21,7 +21,6 @@
 #include "lake/core/paths.h"
 #include "lake/core/processes.h"
 #include "lake/study/study.h"
-#include "program_files.h"
 
 namespace lake::cohort {
 namespace {
@@ -372,6 +371,16 @@ std::optional<std::string> GroupError(const fs::path& out) {
 
 bool WorkflowState::AllWereTried() const {
   return std::ranges::none_of(failures, [](const Failure& failure) { return failure.error == kNotBegun; });
+}
+
+fs::path ProgramFolder() {
+  return fs::read_symlink("/proc/self/exe").parent_path();
+}
+
+fs::path SharedFile(const std::string& name) {
+  const fs::path path = (ProgramFolder() / "../share/lake/cohort" / name).lexically_normal();
+  if (!fs::exists(path)) throw Fail("{}: missing from the installation; install lake again", path.string());
+  return path;
 }
 
 }  // namespace lake::cohort

@@ -87,4 +87,10 @@ WorkflowState StateOf(const Workflow& workflow);
 std::optional<std::string> GroupError(const std::filesystem::path& out);
 void ForgetGroup(const std::filesystem::path& out);
 
+// The folder of the running program.
+std::filesystem::path ProgramFolder();
+
+// A file of ../share/lake/cohort beside that folder. Throws Error if it is not there.
+std::filesystem::path SharedFile(const std::string& name);
+
 }  // namespace lake::cohort

@@ -26,7 +26,6 @@
 #include "lake/gait/leg_view.h"
 #include "lake/live/joint_place.h"
 #include "lake/live/run_live.h"
-#include "lake/live/trial_part.h"
 #include "lake/review/pages.h"
 #include "lake/tracking/live_tracker.h"
 #include "lake/video/live_stream.h"

@@ -65,19 +65,8 @@ Json Session::About() const {
 }
 
 std::string Session::PhaseText() const {
-  switch (phase_) {
-    case Phase::kWatching:
-      return "watching";
-    case Phase::kTrial:
-      return "trial";
-    case Phase::kFinishing:
-      return "finishing";
-    case Phase::kDone:
-      return "done";
-    case Phase::kFailed:
-      return "failed";
-  }
-  return "failed";
+  constexpr const char* kTexts[] = {"watching", "trial", "finishing", "done", "failed"};
+  return kTexts[static_cast<int>(phase_)];
 }
 
 // The place since the last move, what to do, and what the last move did.

@@ -4,11 +4,13 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <map>
 #include <utility>
 
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/fault_text.h"
 #include "lake/core/interrupt.h"
@@ -365,6 +367,32 @@ class StepRunner {
   std::vector<std::unique_ptr<WorkerProcess>> workers_;
 };
 
+// The word that stands at a place, where it is a value: a number or NAME=….
+std::optional<std::string> ValueAt(const std::string& message, std::size_t begin) {
+  std::string word = message.substr(begin, message.find_first_of(" )", begin) - begin);
+  word.erase(word.find_last_not_of(",;:.") + 1);
+  if (ParseNumber(word)) return word;
+  return word.find('=') == std::string::npos ? std::nullopt : std::optional(fmt::format("\"{}\"", word));
+}
+
+// The key, with the values that the message gives; empty where it does not name the option.
+std::string Line(const std::string& message, const StudyKey& key) {
+  const std::string name = "--" + key.option;
+  bool is_named = false;
+  std::vector<std::string> values;
+  for (std::size_t at = message.find(name); at != std::string::npos; at = message.find(name, at + 1)) {
+    const std::size_t end = at + name.size();
+    if (end < message.size() && (std::isalnum(static_cast<unsigned char>(message[end])) || message[end] == '-'))
+      continue;
+    is_named = true;
+    if (end == message.size()) continue;
+    if (const auto value = ValueAt(message, end + 1)) values.push_back(*value);
+  }
+  if (!is_named || values.empty()) return is_named ? key.key : "";
+  return key.is_list ? fmt::format("{}: [{}]", key.key, fmt::join(values, ", "))
+                     : fmt::format("{}: {}", key.key, values.front());
+}
+
 }  // namespace
 
 void RetireStudyStep(const fs::path& folder, const std::string& step) {
@@ -418,6 +446,20 @@ std::optional<StepCost> LastCost(const StudyStep& step) {
 
 std::optional<std::string> StepFailure(const StudyStep& step) {
   return ReadFailure(step.folder, step.name);
+}
+
+std::vector<StudyKey> KeysOf(const OptionList& options) {
+  std::vector<StudyKey> keys;
+  for (const Option& option : options.All())
+    if (!option.IsOperand()) keys.push_back({option.Name(), option.Key(), option.IsRepeated()});
+  return keys;
+}
+
+std::string InStudyFile(const std::string& message, const std::vector<StudyKey>& keys) {
+  std::vector<std::string> lines;
+  for (const StudyKey& key : keys)
+    if (std::string line = Line(message, key); !line.empty()) lines.push_back(std::move(line));
+  return lines.empty() ? "" : fmt::format(" (in the study file: {})", fmt::join(lines, ", "));
 }
 
 }  // namespace lake::steps

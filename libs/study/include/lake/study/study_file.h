@@ -127,4 +127,8 @@ StudyFile ReadStudyFile(const std::filesystem::path& path);
 // relative to `folder`. Throws Error with file and line.
 StudyRedesign ReadPopulation(YamlNode node, const std::filesystem::path& folder);
 
+// Every key of every section, with its default and what it means. What may be left out stands behind a '#'; the rest is
+// a study of human.mp4, exo.mp4 and camera.yaml beside the file.
+std::string StudyTemplate();
+
 }  // namespace lake::study

@@ -15,14 +15,6 @@ namespace lake::report {
 // another content.
 std::vector<Section> MisalignmentSections(const Json& comparison);
 
-// A figure of the joint with its interval (95 %) of all sources, the skin among them, on which a decision rests. Of
-// joint_rms_mm, joint_offset_x_mm or joint_offset_y_mm; the interval is unknown where the comparison has no budget.
-Uncertain JointFigure(const Json& comparison, const std::string& quantity);
-
-// The path difference, RMS, in percent of the shank and in mm.
-Uncertain PathDifference_percent(const Json& comparison);
-Uncertain PathDifference_mm(const Json& comparison);
-
 // What moving the joint leaves of its misalignment at the next rise, with the interval of the slip, stated to
 // no less than a tenth of a millimetre. For a comparison whose exoskeleton trial shows the knee.
 Uncertain JointMovedFigure(const Json& comparison);
@@ -42,6 +34,9 @@ BarChart DecompositionChart(const Json& comparison);
 // "rise" or "stride"; of an older comparison, which does not say, a rise.
 std::string RepetitionIn(const Json& comparison);
 bool IsOfWalking(const Json& comparison);
+
+// "18 mm in front of the knee and 32 mm above it along the shank", each as far as it is known.
+std::string JointPlaceText(const Json& comparison);
 
 // What the parts say to the designer, in a sentence or two.
 std::string DecompositionAdvice(const Json& comparison);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -80,5 +81,15 @@ std::string ChangeText(const JointPlace& before, const JointPlace& now);
 enum class ToleranceVerdict { kWithin, kBeyond, kUndecided };  // undecided: its interval holds the limit
 ToleranceVerdict JudgeTolerance(const JointPlace& place, double tolerance_mm);
 std::string ToString(ToleranceVerdict verdict);  // within, beyond, undecided
+
+// Which part of a session's recording becomes its trial, in s of the recording; nullopt: its own begin or end.
+struct TrialPart {
+  std::optional<double> begin_s, end_s;
+};
+
+// Of what a person asked for, the part with one place of the joint: from the last move after which there was a rise to
+// the move after it. Where there was no rise all that was asked for. `moves_s`: when the joint was moved, increasing;
+// `onsets_s`: of the rises.
+TrialPart PartOfTrial(const TrialPart& asked, std::span<const double> moves_s, std::span<const double> onsets_s);
 
 }  // namespace lake::live

@@ -11,10 +11,23 @@
 #include <vector>
 
 #include "lake/core/json.h"
+#include "lake/core/options.h"
 #include "lake/core/run.h"
-#include "lake/steps/study_keys.h"
 
 namespace lake::steps {
+
+// An option's key in a section of a study file.
+struct StudyKey {
+  std::string option;    // "seed"
+  std::string key;       // "seeds"
+  bool is_list = false;  // takes several values
+};
+
+std::vector<StudyKey> KeysOf(const OptionList& options);
+
+// What a message's options are in a study file: ' (in the study file: seeds: ["knee=1,2"])' where it names --seed
+// knee=1,2; the key alone where no value follows; empty where it names none of them.
+std::string InStudyFile(const std::string& message, const std::vector<StudyKey>& keys);
 
 // What a step took of a machine when it was done last.
 struct StepCost {
