@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/marker_recording.h"
@@ -65,6 +66,23 @@ TEST(MarkerCsv, RefusesBadTables) {
   EXPECT_THAT([&] { read((head + "0,0,1,2,-1,detected\n").c_str()); }, ThrowsMessage<Error>(HasSubstr("negative")));
   EXPECT_THAT([&] { read("k_x_px,k_y_px\n1,2\n"); }, ThrowsMessage<Error>(HasSubstr("no column 'time_s'")));
   EXPECT_THAT([&] { read("time_s,k_x_px\n0,2\n"); }, ThrowsMessage<Error>(HasSubstr("no column 'k_y_px'")));
+}
+
+TEST(KinematicsCsv, HasTheHipsFlexionWhereTheTrunkIsKnown) {
+  const TemporaryFolder folder;
+  motion::LegMotion motion;
+  motion.frame = {0, 1};
+  motion.time_s = {0, 0.1};
+  motion.samples.resize(2);
+  motion.samples[0].thigh_deg = -85;
+  const auto table = [&] {
+    motion::WriteKinematicsCsv(folder / "kinematics.csv", motion);
+    return CsvTable::Read(folder / "kinematics.csv");
+  };
+  EXPECT_FALSE(table().Has("hip_deg"));
+  motion.samples[0].trunk_deg = 25;
+  EXPECT_EQ(table().Number(0, table().Column("hip_deg")), 110) << "seated and leaning forward";
+  EXPECT_EQ(table().Number(1, table().Column("hip_deg")), std::nullopt);
 }
 
 TEST(KinematicsCsv, ReadsBackWhatWasWritten) {

@@ -53,6 +53,14 @@ std::vector<Column> ColumnsOf(LengthUnit unit) {
   return columns;
 }
 
+// A column that follows from others: written where it is known in some frame, and not read back.
+struct DerivedColumn {
+  const char* name;
+  double (*value)(const LegSample& sample);
+};
+constexpr DerivedColumn kDerivedColumns[] = {
+    {"hip_deg", [](const LegSample& sample) { return sample.trunk_deg - sample.thigh_deg; }}};
+
 bool IsLetter(char c) {
   return std::isalpha(static_cast<unsigned char>(c)) != 0;
 }
@@ -152,6 +160,10 @@ void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& moti
   });
   std::vector<std::string> header = {"frame", "time_s", "repetition", "percent"};
   for (const Column& column : columns) header.push_back(column.name);
+  std::vector<DerivedColumn> derived;
+  for (const DerivedColumn& column : kDerivedColumns)
+    if (std::ranges::any_of(motion.samples, [&](const LegSample& of) { return std::isfinite(column.value(of)); }))
+      header.emplace_back(derived.emplace_back(column).name);
   if (!motion.knee_rebuilt.empty()) header.emplace_back("knee_rebuilt");
   std::vector<Angle> neutral;
   if (motion.neutral)
@@ -163,6 +175,7 @@ void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& moti
     const LegSample& sample = motion.samples[i];
     csv.Add(motion.frame[i]).Add(motion.time_s[i]).Add(sample.repetition).Add(sample.percent);
     for (const Column& column : columns) csv.Add(column.Of(sample));
+    for (const DerivedColumn& column : derived) csv.Add(column.value(sample));
     if (!motion.knee_rebuilt.empty()) csv.Add(static_cast<int>(motion.knee_rebuilt[i]));
     for (const Angle& angle : neutral) csv.Add(sample.*angle.deg - (*motion.neutral).*angle.deg);
     csv.EndRow();
