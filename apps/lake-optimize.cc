@@ -6,7 +6,7 @@
 
 #include "lake/commands/optimize.h"
 #include "lake/core/option_template.h"
-#include "lake/problem/problem_template.h"
+#include "lake/problem/problem_file.h"
 #include "program.h"
 
 int main(int argc, char** argv) {

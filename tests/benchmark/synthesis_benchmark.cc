@@ -50,9 +50,9 @@ struct ClosedForm {
       return x[1] + problem.d_min_mm - l7 - requirement.limit;
     }
     double sum = -requirement.limit;
-    for (int i = 0; i < 6; ++i) sum += requirement.coefficients[i] * x[i];
+    for (int i = 0; i < 6; ++i) sum += requirement.Info().coefficients[i] * x[i];
     if (gradient && !gradient->empty())
-      gradient->assign(requirement.coefficients.begin(), requirement.coefficients.end());
+      gradient->assign(requirement.Info().coefficients.begin(), requirement.Info().coefficients.end());
     return sum;
   }
 

@@ -439,18 +439,9 @@ TEST(Certificate, TheSeatIsInTheBoundWhereTheKneeBendsNoFurtherThanSitting) {
 }
 
 TEST(Certificate, RefusesSenselessOptions) {
-  certificate::CertificateOptions options;
-  options.gap_deg = 0;
-  EXPECT_THROW(certificate::CertifyRange(problem::SynthesisProblem{}, 170, options), Error);
-  options = {};
-  options.threads = 0;
-  EXPECT_THROW(certificate::CertifyRange(problem::SynthesisProblem{}, 170, options), Error);
-  options = {};
-  options.max_boxes = 0;
-  EXPECT_THROW(certificate::CertifyRange(problem::SynthesisProblem{}, 170, options), Error);
-  options = {};
-  options.time_s = 0;
-  EXPECT_THROW(certificate::CertifyRange(problem::SynthesisProblem{}, 170, options), Error);
+  for (const certificate::CertificateOptions& options :
+       {certificate::CertificateOptions{.gap_deg = 0}, {.max_boxes = 0}, {.time_s = 0}, {.threads = 0}})
+    EXPECT_THROW(certificate::CertifyRange(problem::SynthesisProblem{}, 170, options), Error);
   EXPECT_THROW(certificate::CertifyRange(problem::SynthesisProblem{}, NAN), Error);
 }
 

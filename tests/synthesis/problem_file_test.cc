@@ -10,7 +10,6 @@
 
 #include "lake/core/error.h"
 #include "lake/problem/load_profile.h"
-#include "lake/problem/problem_template.h"
 #include "message_of.h"
 #include "places.h"
 
@@ -98,20 +97,20 @@ TEST_F(ProblemFile, ErrorsNameFileLineAndReason) {
       {"bounds:\n  l1: [90]\n", ":2:", "2 numbers"},
       {"bounds:\n  l9: [1, 2]\n", ":2:", "unknown key 'l9'"},
       {"bounds:\n  l1: [0, 80]\n", ":2:", "above 0"},
-      {"bounds:\n  l1: [50, .nan]\n", ":2:", "not a finite number"},
+      {"bounds:\n  l1: [50, .nan]\n", ":2:", "a finite number, not"},
       {"start:\n  l1: -3\n", ":2:", "l1 is -3 mm"},
       {"d_min_mm: 242\nd_max_mm: 200\n", ":2:", "must exceed"},
-      {"margins:\n  grashof_mm: -1\n", ":2:", "0 or above"},
-      {"load:\n  max_force_n: 0\n", ":2:", "above 0"},
+      {"margins:\n  grashof_mm: -1\n", ":2:", "at least 0"},
+      {"load:\n  max_force_n: 0\n", ":2:", "must be positive"},
       {"min_transmission_deg: 95\n", ":1:", "between 0 and 90"},
       {"max_angle_deg: 200\n", ":1:", "not beyond 180"},
       {"load:\n  assist: 1.2\n", ":2:", "between 0 and 1"},
       {"load:\n  profile: none.json\n", ":2:", "none.json"},
       {"load:\n  duration_s: soon\n", ":2:", "free or a number"},
       {"load:\n  duration_s: 0\n", ":2:", "above 0"},
-      {"load:\n  rest: bed\n", ":2:", "anywhere or standing"},
+      {"load:\n  rest: bed\n", ":2:", "anywhere, standing"},
       {"d_min_mm: 240\nactuator: L17\n", ":2:", "no actuator 'L17'"},
-      {"d_min_mm: many\n", ":1:", "not a finite number"},
+      {"d_min_mm: many\n", ":1:", "a finite number, not 'many'"},
       {"- 1\n- 2\n", ":1:", "a map"},
       {"d_min_mm: [\n", ".yaml", "not YAML"},
   };
@@ -153,11 +152,13 @@ TEST_F(ProblemFile, SaysWhereTheLinkageIsMounted) {
   const problem::SynthesisProblem behind = read("mount: behind\nclearances: {limb_mm: 5}\n");
   EXPECT_EQ(behind.mount, linkage::Mount::kBehind);
   EXPECT_NE(problem::ProblemJson(behind), problem::ProblemJson(read("clearances: {limb_mm: 5}\n")));
-  EXPECT_THAT(ErrorOf("d_min_mm: 242\nmount: under\n"), ::testing::HasSubstr(":2: a mount is beside or behind"));
+  EXPECT_THAT(ErrorOf("d_min_mm: 242\nmount: under\n"),
+              ::testing::HasSubstr(":2: 'mount' must be one of beside, behind"));
 }
 
 TEST_F(ProblemFile, RefusesBodiesPartsAndTolerancesWithTheirLine) {
-  EXPECT_THAT(ErrorOf("d_min_mm: 242\nclearances: {seat_mm: -5}\n"), ::testing::HasSubstr(":2: seat_mm = -5"));
+  EXPECT_THAT(ErrorOf("d_min_mm: 242\nclearances: {seat_mm: -5}\n"),
+              ::testing::HasSubstr(":2: 'seat_mm' must be at least 0, not -5"));
   EXPECT_THAT(ErrorOf("clearances: {leg_mm: 5}\n"), ::testing::HasSubstr("unknown key 'leg_mm'"));
   EXPECT_THAT(ErrorOf("body: {thigh_mm: 410}\n"), ::testing::HasSubstr("give both or neither"));
   EXPECT_THAT(ErrorOf("parts: {plate: \"4mm,butter\"}\n"), ::testing::HasSubstr("butter"));

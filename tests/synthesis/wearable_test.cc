@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "central_differences.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/linkage/wear.h"
@@ -23,7 +24,6 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-// calibration/problems/buildable.yaml.
 // On the leg of the sample study.
 problem::SynthesisProblem OnALeg(problem::SynthesisProblem problem) {
   problem.clearances.body.leg = {410, 400};
@@ -219,21 +219,8 @@ TEST(Program, DerivativesOfClearancesStrengthAndBuilds) {
   std::vector<double> x;
   for (const nlp::NlpVariable& variable : program.program.Variables())
     x.push_back(variable.start + 0.05 * unit(random));
-  for (const nlp::NlpTerm& term : program.program.Terms()) {
-    const auto variables = term.term->Variables();
-    std::vector<double> gradient(variables.size());
-    term.term->Gradient(x.data(), gradient.data());
-    for (std::size_t i = 0; i < variables.size(); ++i) {
-      const double step = 1e-5 * std::max(1.0, std::abs(x[variables[i]])), kept = x[variables[i]];
-      x[variables[i]] = kept + step;
-      const double above = term.term->Value(x.data());
-      x[variables[i]] = kept - step;
-      const double below = term.term->Value(x.data());
-      x[variables[i]] = kept;
-      // Of a central difference: its truncation, and the rounding of values up to a few hundred.
-      EXPECT_NEAR(gradient[i], (above - below) / (2 * step), 1e-5 + 1e-6 * std::abs(gradient[i]));
-    }
-  }
+  // Of a central difference: its truncation, and the rounding of values up to a few hundred.
+  for (const nlp::NlpTerm& term : program.program.Terms()) EXPECT_EQ(WrongDerivatives(*term.term, x, 1e-5), "");
 }
 
 // The rows of a design that clears hold, and those of one that does not fail, by the same number.

@@ -18,7 +18,7 @@
 #include "lake/redesign/quantities.h"
 #include "lake/redesign/redesign_outcome.h"
 #include "lake/report/redesign_charts.h"
-#include "lake/synthesis/synthesis_options.h"
+#include "lake/synthesis/synthesis_outcome.h"
 #include "png_and_svg.h"
 
 namespace lake::commands {

@@ -18,7 +18,7 @@
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/study/study_file.h"
-#include "lake/synthesis/synthesis_options.h"
+#include "lake/synthesis/synthesis_outcome.h"
 #include "lake/tracking/naming.h"
 #include "lake/video/image.h"
 #include "lake/video/video_reader.h"

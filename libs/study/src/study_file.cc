@@ -18,7 +18,7 @@
 #include "lake/gait/movement.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
-#include "lake/synthesis/synthesis_options.h"
+#include "lake/synthesis/synthesis_outcome.h"
 #include "lake/video/video_files.h"
 
 namespace lake::study {

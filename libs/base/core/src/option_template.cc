@@ -18,7 +18,7 @@ std::string Scalar(const std::string& text) {
 }
 
 std::string ValueOf(const Option& option) {
-  const std::string text = option.DefaultText();
+  const std::string text = option.Text();
   if (text.empty()) return "";
   const OptionTexts parts = option.Split({text});
   if (!option.IsRepeated() && parts.size() < 2) return Scalar(text);

@@ -61,13 +61,13 @@ bool RangeBound::Contract(LinkBox& box) const {
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (const problem::Requirement& row : linear_)
       for (std::size_t i = 0; i < box.size(); ++i) {
-        if (row.coefficients[i] == 0) continue;
+        if (row.Info().coefficients[i] == 0) continue;
         Interval rest = row.limit;
         for (std::size_t j = 0; j < box.size(); ++j)
-          if (j != i && row.coefficients[j] != 0) rest = rest - row.coefficients[j] * box[j];
+          if (j != i && row.Info().coefficients[j] != 0) rest = rest - row.Info().coefficients[j] * box[j];
         // coefficient x link >= rest for some point of the others.
-        const Interval end = rest / Interval(row.coefficients[i]);
-        if (row.coefficients[i] > 0)
+        const Interval end = rest / Interval(row.Info().coefficients[i]);
+        if (row.Info().coefficients[i] > 0)
           box[i].lower = std::max(box[i].lower, end.lower);
         else
           box[i].upper = std::min(box[i].upper, end.upper);

@@ -19,7 +19,7 @@ void AddRows(const problem::Requirement& requirement, const problem::PoseLoad& l
   const Interval limit =
       info.is_sine ? Sin(Interval(requirement.limit) / 180.0 * kPiInterval) : Interval(requirement.limit);
   const double scale = info.is_relative ? requirement.limit : 1;
-  problem::VisitLimit(static_cast<std::size_t>(requirement.row), [&](const auto& row) {
+  problem::VisitLimit(requirement.row, [&](const auto& row) {
     row.parts(load, [&](const char*, auto ratio) {
       rows.emplace_back([=](const SlopeQuantities& pose) {
         return problem::MarginOf(info, limit, problem::Ratio<Slope>(ratio(pose)), scale);
@@ -118,7 +118,7 @@ bool Relaxation::IsInSet(const AxisPoint& at) const {
   for (const problem::Requirement& row : linear_) {
     Interval sum = 0;
     for (std::size_t i = 0; i < 6; ++i)
-      if (row.coefficients[i] != 0) sum = sum + Interval(row.coefficients[i]) * at[i];
+      if (row.Info().coefficients[i] != 0) sum = sum + Interval(row.Info().coefficients[i]) * at[i];
     if (!(sum.lower >= row.limit - kRounding_mm)) return false;
   }
   const Interval l7 = Sqrt(Square(Interval(at[kL5])) + Square(Interval(at[kL6])));
@@ -135,17 +135,18 @@ std::optional<AxisPoint> Relaxation::AnchorIn(const AxisBox& box, const AxisPoin
   // Moves of the same length along each link of a row that can still move.
   const auto meet = [&](const problem::Requirement& row) {
     double missing = row.limit;
-    for (std::size_t i = 0; i < 6; ++i) missing -= row.coefficients[i] * at[i];
+    for (std::size_t i = 0; i < 6; ++i) missing -= row.Info().coefficients[i] * at[i];
     for (int pass = 0; pass < 3 && missing > 0; ++pass) {
       int free = 0;
       for (std::size_t i = 0; i < 6; ++i) {
-        const double end = row.coefficients[i] > 0 ? box[i].upper : box[i].lower;
-        free += row.coefficients[i] != 0 && at[i] != end;
+        const double end = row.Info().coefficients[i] > 0 ? box[i].upper : box[i].lower;
+        free += row.Info().coefficients[i] != 0 && at[i] != end;
       }
       if (free == 0) return;
       const double step = missing / free;
       for (std::size_t i = 0; i < 6; ++i)
-        if (row.coefficients[i] != 0) missing -= row.coefficients[i] * move(i, row.coefficients[i] * step);
+        if (row.Info().coefficients[i] != 0)
+          missing -= row.Info().coefficients[i] * move(i, row.Info().coefficients[i] * step);
     }
   };
   constexpr int kSweeps = 40;
@@ -166,8 +167,8 @@ void Relaxation::AddLinear(const AxisBox& box, Cuts& cuts) const {
     Cut cut;
     Interval constant = -row.limit;
     for (std::size_t i = 0; i < 6; ++i) {
-      constant = constant + Interval(row.coefficients[i]) * box[i].lower;
-      cut.coefficients[i] = row.coefficients[i];
+      constant = constant + Interval(row.Info().coefficients[i]) * box[i].lower;
+      cut.coefficients[i] = row.Info().coefficients[i];
     }
     cut.constant = constant.upper;
     cuts.all.push_back(cut);

@@ -13,26 +13,8 @@ SeatRows::SeatRows(const problem::SynthesisProblem& problem)
 
 SeatRows::Place SeatRows::PlaceOf(linkage::Pin pin, const PoseSlopes& pose) const {
   const auto& l = pose.links;
-  Slope x, y;
-  switch (pin) {
-    case linkage::kPinK:
-      break;
-    case linkage::kPinP:
-      y = l[2];
-      break;
-    case linkage::kPinR:
-      x = l[1] * Sin(pose.phi);
-      y = l[2] + l[1] * Cos(pose.phi);
-      break;
-    case linkage::kPinS:
-      x = l[3] * Sin(pose.kappa);
-      y = l[3] * Cos(pose.kappa);
-      break;
-    case linkage::kPinM:
-      x = l[4];
-      y = l[2] + l[5];
-      break;
-  }
+  const auto [x, y] = problem::PinAt<Slope>(pin, l.data(), {l[1] * Sin(pose.phi), l[1] * Cos(pose.phi)},
+                                            {l[3] * Sin(pose.kappa), l[3] * Cos(pose.kappa)});
   return {surface_mm_ - x, edge_mm_ - y};
 }
 

@@ -14,15 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The file that an option's text names, and what follows it: a path, or an actuator of a table.
-ActuatorPlace FileIn(const Option& option, const std::string& text) {
-  return option.PathKind() == Option::Path::kNone ? PlaceOf(text) : ActuatorPlace{text, ""};
-}
-
-std::string TextOf(const ActuatorPlace& place) {
-  return place.name.empty() ? place.file.string() : fmt::format("{}:{}", place.file.string(), place.name);
-}
-
 // The options of a program that differ from its own values, by their keys; paths from this folder.
 Json OptionsBeside(const SynthesisProblem& problem, const fs::path& folder,
                    void (*describe)(SynthesisProblem&, OptionList&)) {
@@ -32,14 +23,11 @@ Json OptionsBeside(const SynthesisProblem& problem, const fs::path& folder,
   described = problem;
   Json texts = Json::object();
   for (const Option& option : list.All()) {
-    std::string text = option.Text();
+    const std::string text = option.Text();
     if (text.empty() || text == option.DefaultText()) continue;
-    ActuatorPlace place = FileIn(option, text);
-    if (!place.file.empty()) {
-      place.file = fs::absolute(place.file).lexically_relative(fs::absolute(folder));
-      text = TextOf(place);
-    }
-    texts[option.Key()] = text;
+    texts[option.Key()] = WithFile(option, text, [&](const fs::path& file) {
+      return fs::absolute(file).lexically_relative(fs::absolute(folder));
+    });
   }
   return texts;
 }
@@ -73,13 +61,13 @@ fs::path TakeFromDesign(const Json& texts, const fs::path& file, OptionList opti
     const std::string& key = item.key();
     const auto option = std::ranges::find_if(options.All(), [&](const Option& o) { return o.Key() == key; });
     if (option == options.All().end()) throw Fail("{}: unknown key '{}'", file.string(), key);
-    std::string text = item.value().get<std::string>();
-    ActuatorPlace place = FileIn(*option, text);
-    if (!place.file.empty()) {
-      place.file = (file.parent_path() / place.file).lexically_normal();
-      if (!fs::exists(place.file)) return place.file;
-      text = TextOf(place);
-    }
+    fs::path absent;
+    const std::string text = WithFile(*option, item.value().get<std::string>(), [&](const fs::path& named) {
+      const fs::path place = (file.parent_path() / named).lexically_normal();
+      if (!fs::exists(place)) absent = place;
+      return place;
+    });
+    if (!absent.empty()) return absent;
     taken.emplace_back(&*option, text);
   }
   try {

@@ -60,9 +60,6 @@ class PoseValue {
       of.parts(load, [&](const char*, auto ratio) { ratios_.emplace_back(std::move(ratio)); });
     });
   }
-  PoseValue(const linkage::Links& links, const SynthesisProblem& problem, const Requirement& requirement,
-            const PoseLoad& load)
-      : PoseValue(links, problem, static_cast<std::size_t>(requirement.row), load) {}
 
   // NaN where there is no pose.
   double operator()(const std::optional<linkage::Pose>& pose) const {
@@ -104,7 +101,7 @@ std::vector<WorstPoint> WorstSamples(const linkage::Links& links, const Synthesi
   std::vector<WorstPoint> points;
   for (const int i : SamplesOf(problem, requirement)) {
     const LoadSample& sample = problem.profile->samples[i];
-    const PoseValue value(links, problem, requirement, problem.LoadAt(sample));
+    const PoseValue value(links, problem, requirement.row, problem.LoadAt(sample));
     points.push_back({sample.percent / 100, value(PoseAt(links, ProfileStroke(links, range, sample.knee_rad))), i});
   }
   const auto slack = [&](std::size_t i) { return requirement.Slack(points[i].value); };
@@ -119,11 +116,11 @@ std::vector<WorstPoint> WorstSamples(const linkage::Links& links, const Synthesi
 // Of a requirement that is closed form in the links and the range.
 double LinkValue(const linkage::Links& links, const SynthesisProblem& problem, const Requirement& requirement,
                  double range_deg) {
-  if (requirement.row >= 0) return range_deg;
+  if (!requirement.IsOnLinks()) return range_deg;
   if (!requirement.IsLinear()) return links.l2 + problem.d_min_mm - links.L7();
   double sum = 0;
   const auto l = links.Values();
-  for (std::size_t i = 0; i < l.size(); ++i) sum += requirement.coefficients[i] * l[i];
+  for (std::size_t i = 0; i < l.size(); ++i) sum += requirement.Info().coefficients[i] * l[i];
   return sum;
 }
 
@@ -169,7 +166,7 @@ const std::vector<std::optional<linkage::Pose>>& UsedPoses::Grid() {
 }
 
 double UsedPoses::At(const Requirement& requirement, double fraction) const {
-  return PoseValue(links_, problem_, requirement, problem_.ConstantLoad())(PoseAt(links_, *range_, fraction));
+  return PoseValue(links_, problem_, requirement.row, problem_.ConstantLoad())(PoseAt(links_, *range_, fraction));
 }
 
 std::vector<WorstPoint> UsedPoses::WorstPoints(const Requirement& requirement) {
@@ -177,7 +174,7 @@ std::vector<WorstPoint> UsedPoses::WorstPoints(const Requirement& requirement) {
     throw std::logic_error(fmt::format("{} is no requirement on many poses", requirement.name));
   if (!range_) return {};
   if (requirement.along_profile) return WorstSamples(links_, problem_, *range_, requirement);
-  const PoseValue of_pose(links_, problem_, requirement, problem_.ConstantLoad());
+  const PoseValue of_pose(links_, problem_, requirement.row, problem_.ConstantLoad());
   const auto value = [&](double fraction) { return of_pose(PoseAt(links_, *range_, fraction)); };
   if (requirement.Info().place == Place::kSeated) {
     const double seated = (problem_.SeatedAngle_rad() - range_->theta_at_upper_rad) /

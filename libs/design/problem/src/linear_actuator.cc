@@ -1,7 +1,6 @@
 #include "lake/problem/linear_actuator.h"
 
 #include <algorithm>
-#include <array>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -18,24 +17,30 @@ namespace {
 namespace fs = std::filesystem;
 using ForceSpeed = LinearActuator::ForceSpeed;
 
-constexpr std::array kColumns = {"name",
-                                 "maker",
-                                 "closed_mm",
-                                 "stroke_mm",
-                                 "max_force_n",
-                                 "no_load_speed_mm_s",
-                                 "holding_force_n",
-                                 "force_speed_points",
-                                 "mass_g",
-                                 "voltage_v",
-                                 "feedback",
-                                 "duty_cycle_percent",
-                                 "source"};
+constexpr double kMostOfAnything = 1e6;
 
-void CheckWithinReason(std::optional<double> value, const char* what) {
-  constexpr double kMost = 1e6;
-  if (value && !(*value > 0 && *value <= kMost))
-    throw Fail("{} = {} must lie above 0, and not beyond 1e6", what, *value);
+// The columns that hold a number.
+constexpr struct {
+  const char* name;
+  std::optional<double> LinearActuator::*value;
+  double most = kMostOfAnything;
+} kNumbers[] = {{"closed_mm", &LinearActuator::closed_mm},
+                {"stroke_mm", &LinearActuator::travel_mm},
+                {"max_force_n", &LinearActuator::max_force_n},
+                {"no_load_speed_mm_s", &LinearActuator::no_load_speed_mm_s},
+                {"holding_force_n", &LinearActuator::holding_force_n},
+                {"mass_g", &LinearActuator::mass_g},
+                {"duty_cycle_percent", &LinearActuator::duty_cycle_percent, 100}};
+
+std::vector<std::string> Columns() {
+  std::vector<std::string> columns = {"name", "maker", "force_speed_points", "voltage_v", "feedback", "source"};
+  for (const auto& number : kNumbers) columns.emplace_back(number.name);
+  return columns;
+}
+
+void CheckWithinReason(std::optional<double> value, const char* what, double most = kMostOfAnything) {
+  if (value && !(*value > 0 && *value <= most))
+    throw Fail("{} = {} must lie above 0, and not beyond {}", what, *value, most);
 }
 
 // The points known, ascending in force, with the speed without load; below the first a speed is at least the first's.
@@ -71,20 +76,12 @@ LinearActuator ReadRow(const CsvTable& table, std::size_t row) {
   const auto text = [&](const char* column) {
     return table.Has(column) ? std::string(Trim(table.Text(row, table.Column(column)))) : "";
   };
-  const auto number = [&](const char* column) {
-    return table.Has(column) ? table.Number(row, table.Column(column)) : std::nullopt;
-  };
-  LinearActuator actuator{.name = text("name"),
-                          .maker = text("maker"),
-                          .source = text("source"),
-                          .closed_mm = number("closed_mm"),
-                          .travel_mm = number("stroke_mm"),
-                          .max_force_n = number("max_force_n"),
-                          .no_load_speed_mm_s = number("no_load_speed_mm_s"),
-                          .force_speed = {},
-                          .holding_force_n = number("holding_force_n"),
-                          .mass_g = number("mass_g"),
-                          .duty_cycle_percent = number("duty_cycle_percent")};
+  LinearActuator actuator;
+  actuator.name = text("name");
+  actuator.maker = text("maker");
+  actuator.source = text("source");
+  for (const auto& number : kNumbers)
+    if (table.Has(number.name)) actuator.*number.value = table.Number(row, table.Column(number.name));
   try {
     actuator.force_speed = ParsePoints(text("force_speed_points"));
     actuator.Check();
@@ -95,10 +92,11 @@ LinearActuator ReadRow(const CsvTable& table, std::size_t row) {
 }
 
 std::vector<LinearActuator> ReadTable(const CsvTable& table, const fs::path& path) {
+  const std::vector<std::string> columns = Columns();
   for (const std::string& column : table.Header())
-    if (std::ranges::find(kColumns, column) == kColumns.end())
+    if (std::ranges::find(columns, column) == columns.end())
       throw Fail("{}: unknown column '{}'; a catalogue of actuators has {}", path.string(), column,
-                 fmt::join(kColumns, ", "));
+                 fmt::join(columns, ", "));
   table.Column("name");
   std::vector<LinearActuator> actuators;
   for (std::size_t row = 0; row < table.Rows(); ++row) {
@@ -164,14 +162,7 @@ double LinearActuator::LargestPower() const {
 
 void LinearActuator::Check() const {
   if (name.empty()) throw Fail("an actuator needs a name");
-  CheckWithinReason(closed_mm, "closed_mm");
-  CheckWithinReason(travel_mm, "stroke_mm");
-  CheckWithinReason(max_force_n, "max_force_n");
-  CheckWithinReason(no_load_speed_mm_s, "no_load_speed_mm_s");
-  CheckWithinReason(holding_force_n, "holding_force_n");
-  CheckWithinReason(mass_g, "mass_g");
-  if (duty_cycle_percent && !(*duty_cycle_percent > 0 && *duty_cycle_percent <= 100))
-    throw Fail("duty_cycle_percent = {} must lie above 0, and not beyond 100", *duty_cycle_percent);
+  for (const auto& number : kNumbers) CheckWithinReason(this->*number.value, number.name, number.most);
   for (const ForceSpeed& point : force_speed) {
     CheckWithinReason(point.force_n, "a force of force_speed_points");
     CheckWithinReason(point.speed_mm_s, "a speed of force_speed_points");

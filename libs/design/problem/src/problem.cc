@@ -32,21 +32,6 @@ void CheckBounds(const Bounds& bounds, const std::string& key) {
   if (bounds.upper > kLongest_mm) throw Fail("{} upper bound {} is beyond {} mm", key, bounds.upper, kLongest_mm);
 }
 
-Requirement LinearRequirement(std::string_view name, const std::array<double, 6>& coefficients, double limit) {
-  Requirement requirement;
-  requirement.name = name;
-  requirement.coefficients = coefficients;
-  requirement.limit = limit;
-  return requirement;
-}
-
-Requirement Order(std::string_view name, int smaller, int larger) {
-  std::array<double, 6> coefficients{};
-  coefficients[smaller] = -1;
-  coefficients[larger] = 1;
-  return LinearRequirement(name, coefficients, 0);
-}
-
 // Of the row of kLimits with this index; nullopt where the problem has no such limit.
 std::optional<double> LimitOf(const SynthesisProblem& problem, std::size_t index) {
   if (const char* key = kLimitInfos[index].key; *key) return problem.limits[key];
@@ -221,28 +206,17 @@ std::string Requirement::Text() const {
 }
 
 std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem) {
-  std::vector<Requirement> all{
-      LinearRequirement(Requirement::kGrashof, {1, 1, -1, -1, 0, 0}, problem.grashof_margin_mm)};
-  for (const auto& [name, smaller, larger] : {std::tuple{"l3 ≤ l1", 2, 0},
-                                              {"l3 ≤ l2", 2, 1},
-                                              {"l3 ≤ l4", 2, 3},
-                                              {"l2 ≤ l4", 1, 3},
-                                              {"l1 ≤ l4", 0, 3},
-                                              {"l5 ≤ l6", 4, 5},
-                                              {"l4 ≤ l6", 3, 5}})
-    all.push_back(Order(name, smaller, larger));
-  all.push_back(LinearRequirement(Requirement::kSingularity, {}, problem.singularity_margin_mm));
+  std::vector<Requirement> all;
   for (std::size_t i = 0; i < kLimitCount; ++i) {
     const std::optional<double> limit = LimitOf(problem, i);
     if (!limit) continue;
     const LimitInfo& info = kLimitInfos[i];
     const bool is_loaded = info.place == Place::kLoaded || info.place == Place::kAtRest;
     all.push_back({.name = info.name,
-                   .coefficients = {},
                    .is_lower_limit = info.is_lower,
                    .limit = *limit,
                    .unit = info.unit,
-                   .row = static_cast<int>(i),
+                   .row = i,
                    .along_profile = info.place == Place::kProfile || (is_loaded && problem.HasLoadProfile()),
                    .is_sought = info.name == Requirement::kDuration && problem.SeeksDuration()});
   }

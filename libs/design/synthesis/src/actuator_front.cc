@@ -5,7 +5,6 @@
 
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
-#include "lake/synthesis/at_its_pace.h"
 
 namespace lake::synthesis {
 namespace {

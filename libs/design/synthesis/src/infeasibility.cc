@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "exchange.h"
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
 #include "lake/core/uncertain_text.h"

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/problem/evaluate.h"
-#include "lake/synthesis/at_its_pace.h"
 
 namespace lake::synthesis {
 namespace {
@@ -138,6 +138,35 @@ void SynthesisOptions::Check() const {
     throw UsageError("--yield {}: a tolerance between 0 and 10 mm", *yield_tolerance_mm);
   if (round_mm && !(std::isfinite(*round_mm) && *round_mm > 0))
     throw UsageError("--round {}: a step above 0 mm", *round_mm);
+}
+
+void Describe(OptimizeOptions& o, OptionList& options) {
+  options.Add("starts", o.starts, "Number of starts; all but the first are random within the bounds").AtLeast(1);
+  options.Add("seed-number", o.seed, "Random seed");
+}
+
+void Describe(SynthesisOptions& o, OptionList& options) {
+  Describe(o.optimize, options);
+  options.Add("certify", o.certify_gap_deg, "Prove an upper bound on the range to within this gap")
+      .Unit("degrees")
+      .Positive()
+      .Implied(FormatNumber(certificate::CertificateOptions{}.gap_deg));
+  options
+      .Add("certify-time", o.certify_time_s,
+           fmt::format(
+               "End that proof after this time with the gap so far, which then depends on the machine, and those "
+               "for all margins after as long again together; with or without it each ends after {} steps",
+               certificate::CertificateOptions{}.max_boxes))
+      .Unit("s")
+      .Positive();
+  options
+      .Add(
+          "yield", o.yield_tolerance_mm,
+          "The share of builds that keep each limit, and all of them, where every link and the shortest stroke are off "
+          "by up to this, and the design whose builds keep them most often; not a requirement")
+      .Unit("mm")
+      .Positive();
+  options.Add("round", o.round_mm, "Also find the best design whose links are multiples of this").Unit("mm").Positive();
 }
 
 certificate::CertificateOptions CertificateOptionsOf(double gap_deg, std::optional<double> time_s, bool quiet) {

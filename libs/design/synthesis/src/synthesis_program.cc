@@ -179,14 +179,14 @@ class Builder {
   // By how much the worst build is worse in a requirement on the links.
   double Loss(const problem::Requirement& requirement) const {
     double sum = 0;
-    for (const double coefficient : requirement.coefficients) sum += std::abs(coefficient);
+    for (const double coefficient : requirement.Info().coefficients) sum += std::abs(coefficient);
     return sum * problem_.robust_mm.value_or(0);
   }
 
   void AddRequirement(const problem::Requirement& requirement) {
     const double limit = requirement.limit + (requirement.IsLinear() ? Loss(requirement) : 0);
     RequirementRow& entry = result_.requirements.emplace_back(RequirementRow{requirement});
-    const bool is_on_links = requirement.row < 0;
+    const bool is_on_links = requirement.IsOnLinks();
     // The loop implies it; as a row of its own it would have the loop's gradient and multipliers without bound.
     if (is_on_links && !requirement.IsLinear() && limit == 0 && !problem_.robust_mm && !IsElastic()) return;
     // A limit on poses is a variable of the program, so that its row carries the one multiplier of all poses.
@@ -194,7 +194,7 @@ class Builder {
         nlp().AddRow(requirement.Text(), IsSought(requirement) ? 0 : limit, is_on_links ? nlp::kUnbounded : limit);
     result_.limits.push_back({{requirement.name}, requirement.unit, entry.row});
     if (requirement.IsLinear())
-      AddLinearTerm(nlp(), entry.row, result_.links, requirement.coefficients);
+      AddLinearTerm(nlp(), entry.row, result_.links, requirement.Info().coefficients);
     else if (is_on_links)
       AddSingularityTerm(nlp(), entry.row, result_.links, result_.shortest_stroke, problem_.robust_mm.value_or(0));
     if (!is_on_links) {
@@ -204,7 +204,7 @@ class Builder {
       AddScaledTerm(nlp(), entry.row, entry.family_limit, 1);
     }
     // Angles that the linkage does not reach have no force that could be held against a limit.
-    const bool is_reach = requirement.Info().place == Place::kShortest && requirement.is_lower_limit && !is_on_links;
+    const bool is_reach = requirement.Info().place == Place::kShortest && requirement.is_lower_limit;
     if (IsElastic() && !is_reach)
       entry.slack =
           AddSlack(entry.row, std::string(requirement.name), requirement.is_lower_limit, SlackUnit(requirement));

@@ -9,7 +9,7 @@
 
 namespace lake {
 
-// A line for each option, `indent` spaces from the margin, with its default if there is one.
+// A line for each option, `indent` spaces from the margin, with its value if there is one.
 std::string OptionTemplate(const OptionList& options, int indent);
 
 // One line of it: "key: value                # meaning".

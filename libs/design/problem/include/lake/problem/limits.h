@@ -1,7 +1,8 @@
 // The list of limits on a design. A row says what is limited and is all that a limit needs: options, problem files,
 // evaluation, nonlinear program, certificate, yield and the explanation of infeasibility go through the list.
 //
-// A limit is on the worst of one or several ratios over / under in a pose, under >= 0, so that
+// A limit on the links alone is linear in them, but for the actuator's singularity. Any other is on the worst of one or
+// several ratios over / under in a pose, under >= 0, so that
 //   at least:  over - limit under >= 0        at most:  limit under - over >= 0
 // are smooth where the ratio itself is infinite. They are functions of a pose's quantities (pose_quantities.h) in
 // numbers of any kind: double, numbers with derivatives, slopes over a box of links.
@@ -25,6 +26,7 @@ struct SynthesisProblem;
 
 // Where a limit holds.
 enum class Place {
+  kLinks,      // on the links alone
   kShortest,   // at d_min
   kStanding,   // at standing_deg
   kSeated,     // at SynthesisProblem::SeatedAngle_rad(), which the range then must reach
@@ -45,6 +47,7 @@ struct LimitInfo {
   bool is_relative = false;  // a solver may move it by percents, not by millimetres or degrees
   bool is_sine = false;      // the ratio is the sine of a limit in degrees
   Obstacle obstacle = Obstacle::kNone;
+  std::array<double, 6> coefficients{};  // of the links, where it is on those alone and linear
   // Of limits that a problem has in SynthesisProblem::limits: key of its file and the map that holds it there, option,
   // what the option's help says and its unit, an example, and what the limit must be below.
   const char* key = "";
@@ -52,7 +55,7 @@ struct LimitInfo {
   const char* option = "";
   const char* help = "";
   const char* option_unit = "";
-  const char* example = "";
+  double example = 0;
   double below = kInfinity;
 };
 
@@ -89,14 +92,35 @@ inline constexpr auto kRangeAngle = [](const PoseLoad&, auto&& add) {
   add("knee", [](const auto& pose) { return OverOne(pose.Theta_deg()); });
 };
 
+// One link is no longer than another.
+constexpr auto OrderOf(const char* name, std::size_t smaller, std::size_t larger) {
+  LimitInfo info{.name = name, .unit = "mm", .place = Place::kLinks};
+  info.coefficients[smaller] = -1;
+  info.coefficients[larger] = 1;
+  return LimitRow{info, [](const auto&) { return std::optional(0.0); }, kNoParts};
+}
+
 inline constexpr std::tuple kLimits{
+    LimitRow{{.name = "grashof", .unit = "mm", .place = Place::kLinks, .coefficients = {1, 1, -1, -1, 0, 0}},
+             [](const auto& problem) { return std::optional(problem.grashof_margin_mm); },
+             kNoParts},
+    OrderOf("l3 ≤ l1", 2, 0),
+    OrderOf("l3 ≤ l2", 2, 1),
+    OrderOf("l3 ≤ l4", 2, 3),
+    OrderOf("l2 ≤ l4", 1, 3),
+    OrderOf("l1 ≤ l4", 0, 3),
+    OrderOf("l5 ≤ l6", 4, 5),
+    OrderOf("l4 ≤ l6", 3, 5),
+    LimitRow{{.name = "singularity", .unit = "mm", .place = Place::kLinks},  // l2 + d_min - l7
+             [](const auto& problem) { return std::optional(problem.singularity_margin_mm); },
+             kNoParts},
     LimitRow{{.name = "moment arm",
               .unit = "mm",
               .key = "min_moment_arm_mm",
               .option = "min-moment-arm",
               .help = "Smallest moment arm over the used range",
               .option_unit = "mm per rad",
-              .example = "5"},
+              .example = 5},
              nullptr,
              [](const PoseLoad&, auto&& add) { add("knee", [](const auto& pose) { return pose.MomentArm(); }); }},
     LimitRow{{.name = "force",
@@ -109,7 +133,7 @@ inline constexpr std::tuple kLimits{
               .option = "max-force",
               .help = "Largest actuator force over the used range",
               .option_unit = "N",
-              .example = "2000"},
+              .example = 2000},
              nullptr,
              kActuatorForce},
     LimitRow{{.name = "pin force",
@@ -122,7 +146,7 @@ inline constexpr std::tuple kLimits{
               .option = "max-pin-force",
               .help = "Largest force in a pin, at K, P, R and S",
               .option_unit = "N",
-              .example = "4000"},
+              .example = 4000},
              nullptr,
              [](const PoseLoad& load, auto&& add) {  // at the tip R, where the three members meet
                const double torque = std::abs(load.torque_nmm);
@@ -141,7 +165,7 @@ inline constexpr std::tuple kLimits{
               .option = "max-mount-force",
               .help = "Largest force of the mount on the thigh, at M",
               .option_unit = "N",
-              .example = "3000"},
+              .example = 3000},
              nullptr,
              kActuatorForce},
     LimitRow{{.name = "safety factor",
@@ -152,7 +176,7 @@ inline constexpr std::tuple kLimits{
               .section = "load",
               .option = "safety-factor",
               .help = "Least safety factor of plates, pins and the actuator's rod, as strength.csv",
-              .example = "1.5"},
+              .example = 1.5},
              nullptr,
              [](const PoseLoad& load, auto&& add) {  // what is borne over what is there, as parts::CheckStrength
                const parts::Capacity& bears = load.capacity;
@@ -180,7 +204,7 @@ inline constexpr std::tuple kLimits{
          .option = "min-transmission",
          .help = "Smallest transmission angle between coupler and shank link over the used range",
          .option_unit = "degrees",
-         .example = "10",
+         .example = 10,
          .below = 90},
         nullptr,
         [](const PoseLoad&, auto&& add) { add("coupler", [](const auto& pose) { return pose.TransmissionSine(); }); }},
@@ -192,7 +216,7 @@ inline constexpr std::tuple kLimits{
               .option = "max-length",
               .help = "Longest stroke of the actuator; the knee must be straight by then",
               .option_unit = "mm",
-              .example = "400"},
+              .example = 400},
              nullptr,
              [](const PoseLoad& load, auto&& add) {  // an actuator that is longer at its shortest is so at its longest
                add("actuator",
@@ -206,7 +230,7 @@ inline constexpr std::tuple kLimits{
               .option = "max-seated-length",
               .help = "Largest length of the actuator, the knee bent by 90 degrees",
               .option_unit = "mm",
-              .example = "300"},
+              .example = 300},
              nullptr,
              [](const PoseLoad&, auto&& add) {
                add("actuator", [](const auto& pose) { return OverOne(pose.Stroke_mm()); });
@@ -252,7 +276,7 @@ inline constexpr std::tuple kLimits{
               .option = "max-angle",
               .help = "Anatomical cap on the knee angle",
               .option_unit = "degrees",
-              .example = "140"},
+              .example = 140},
              nullptr,
              kRangeAngle}};
 

@@ -4,6 +4,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/linkage/loop_equations.h"
+#include "lake/linkage/wear.h"
 
 namespace lake::problem {
 
@@ -35,6 +36,24 @@ Ratio<T> OverOne(const T& over) {
 }
 
 inline constexpr double kMillimetresPerMetre = 1000;
+
+// A pin in the thigh frame of the exoskeleton, whose y is up and x backward, by the vectors of the bar PR and the shank
+// link KS.
+template <typename T>
+linkage::Planar<T> PinAt(linkage::Pin pin, const T* l, const linkage::Planar<T>& bar, const linkage::Planar<T>& shank) {
+  switch (pin) {
+    case linkage::kPinK:
+      return {T{}, T{}};
+    case linkage::kPinP:
+      return {T{}, l[2]};
+    case linkage::kPinR:
+      return {bar.x, l[2] + bar.y};
+    case linkage::kPinS:
+      return shank;
+    default:
+      return {l[4], l[2] + l[5]};
+  }
+}
 
 // By the velocities of R and S: (u . S') kappa' = (u . R') phi', (w . R') phi' = d d', with w = R - M, u = S - R and a
 // prime for the derivative by phi or kappa = pi - theta.

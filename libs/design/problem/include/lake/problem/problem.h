@@ -114,25 +114,21 @@ linkage::Links LinksOf(const BuildError& build, const linkage::Links& links);
 // A requirement on designs: value >= limit, or value <= limit.
 struct Requirement {
   std::string_view name;  // unique, short, as in the tables: "grashof", "l3 ≤ l1", "moment arm"; of static storage
-  std::array<double, 6> coefficients{};  // of the links, if it is linear in them
-  bool is_lower_limit = true;            // value >= limit
+  bool is_lower_limit = true;  // value >= limit
   double limit = 0;
   std::string unit = "mm";
-  int row = -1;                // of kLimits; -1: on the links alone
+  std::size_t row = 0;         // of kLimits
   bool along_profile = false;  // at the samples of the load profile, else over the used range
   bool is_sought = false;      // the limit is what is minimised
 
-  // Of its row; on the links alone, as on the pose at d_min.
-  const LimitInfo& Info() const {
-    static constexpr LimitInfo kOnLinks{.name = "", .unit = "mm", .place = Place::kShortest};
-    return row < 0 ? kOnLinks : kLimitInfos[static_cast<std::size_t>(row)];
-  }
+  const LimitInfo& Info() const { return kLimitInfos[row]; }
+  bool IsOnLinks() const { return Info().place == Place::kLinks; }
   // Of a pose other than that at d_min, so the linkage must be able to stand; of many, but for the length at standing.
-  bool NeedsStanding() const { return Info().place != Place::kShortest; }
+  bool NeedsStanding() const { return Info().place != Place::kShortest && !IsOnLinks(); }
   bool IsFamily() const { return NeedsStanding() && Info().place != Place::kStanding; }
   bool IsClearance() const { return Info().obstacle != Obstacle::kNone; }
   // coefficients . X >= limit
-  bool IsLinear() const { return row < 0 && name != kSingularity; }
+  bool IsLinear() const { return IsOnLinks() && name != kSingularity; }
   // Distance of a value to the limit, positive if satisfied; -infinity for NaN, a value that could not be had.
   double Slack(double value) const;
   // "grashof >= 2 mm"

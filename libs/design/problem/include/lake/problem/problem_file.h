@@ -7,7 +7,7 @@
 //   rest: anywhere|standing, duration_s: number or free} clearances: {seat_mm, limb_mm}: least distances on the body
 //   parts: {plate: "4mm,6061-T6", pin_diameter_mm, rod_diameter_mm, …}: as the options of lake-simulate
 //   body: {height_mm, mass_kg, thigh_mm, shank_mm, seat_edge_mm}     mount: beside|behind, which limb_mm is for
-// Paths are relative to the file.
+// Paths are relative to the file. The keys are those of SectionsOf (problem_options.h).
 #pragma once
 
 #include <filesystem>
@@ -31,6 +31,9 @@ SynthesisProblem ReadProblem(YamlNode node, const std::filesystem::path& folder)
 
 // The files that its load comes from, where there are any: "profile", and the "actuator"'s table.
 std::vector<InputFile> LoadFiles(const SynthesisProblem& problem);
+
+// Every key that ReadProblem takes, all but the first behind a '#': the paper's values and those of an example.
+std::string ProblemTemplate();
 
 // Every value of a problem, units as in the struct, but not the places of its files: problems whose JSON is equal have
 // the same designs.

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,6 +62,17 @@ class ProgramBuilder {
   virtual const linkage::Links& Links() const = 0;  // at which the next program starts
 };
 
+// The exchange step: which poses of the used range to add to the program.
+
+// Poses to begin with: interior ones of the used range, as its ends are always there, and some samples of a load
+// profile.
+Collocation FirstPoses(const problem::SynthesisProblem& problem);
+
+// Adds the local worst poses at which a family is violated by more than `tolerance` x its limit, or, if the linkage
+// cannot go through its used range at all, poses half-way between those there are. False if there is nothing to add.
+bool AddViolatedPoses(const problem::SynthesisProblem& problem, const std::vector<problem::Requirement>& requirements,
+                      const linkage::Links& links, double tolerance, Collocation& poses);
+
 // Builds, solves and moves until no pose of the used range violates the problem.
 LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuilder& builder,
                            const OptimizeOptions& options);
@@ -99,5 +111,16 @@ std::vector<linkage::Links> RandomStarts(const problem::SynthesisProblem& proble
 // Where a search starts: `given` links in turn, then random ones; `count` in all.
 std::vector<linkage::Links> StartsOf(const problem::SynthesisProblem& problem, std::vector<linkage::Links> given,
                                      int count, std::uint64_t seed);
+
+// A problem whose loads are those of its own optimum's rise. What the knee needs depends on the pace, the pace on the
+// design (FindAssistance in problem/assistance.h), and the design on what the knee needs: a problem is solved again
+// under the moments of the rise that was found, until they stay.
+//
+// Calls `solve`, which gives the links of a usable optimum or nothing, until the moments of `problem` are those of the
+// rise that it found last, to 2e-6 of the duration, or 12 times; once where the profile does not say what pace adds
+// to them. Where nothing is found at the pace given, the slowest rise is tried too. `problem` is left with the moments
+// of the last call.
+void SolveAtItsPace(problem::SynthesisProblem& problem,
+                    const std::function<std::optional<linkage::Links>(const problem::SynthesisProblem&)>& solve);
 
 }  // namespace lake::synthesis

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lake/certificate/certificate.h"
+#include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/problem/robustness.h"
 #include "lake/synthesis/infeasibility.h"
@@ -60,6 +61,10 @@ struct SynthesisOutcome {
   // The optimum, or the design nearest to feasible.
   linkage::Links BestLinks() const { return IsSolved() ? result.Best().end : infeasible->links; }
 };
+
+// The options of an optimum: how it is sought, and with those how it is proved and judged.
+void Describe(OptimizeOptions& o, OptionList& options);
+void Describe(SynthesisOptions& o, OptionList& options);
 
 // Throws Error for a problem or options that fail Check(), Interrupted on a signal.
 SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const SynthesisOptions& options);
