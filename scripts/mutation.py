@@ -27,7 +27,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORK = ROOT / "build/mutation"
 # Room -> the test program that looks at it, where that has another name.
-TESTS = {"problem": "synthesis", "certificate": "synthesis", "redesign": "synthesis", "group": "synthesis", "sizes": "synthesis"}
+TESTS = {"problem": "synthesis", "certificate": "synthesis", "redesign": "synthesis"}
 LAYERS = ("base", "measure", "design")
 # Sets of tests by ctest's labels; "nightly" runs all anew, with as many draws as at night.
 LEVELS = {"fast": ["-L", "fast", "-LE", "nightly"], "default": ["-LE", "nightly|fast"], "nightly": []}

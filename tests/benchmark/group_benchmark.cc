@@ -18,15 +18,15 @@
 #include "lake/compare/comparison_file.h"
 #include "lake/core/json.h"
 #include "lake/core/threads.h"
-#include "lake/sizes/sizes.h"
+#include "lake/redesign/sizes.h"
 
 namespace lake {
 namespace {
 
 // Legs, seats and paces as in adult populations: Winter's parts of a height of 1710 ± 90 mm, 92 ± 5 degrees seated.
-std::vector<group::PersonMeasured> Draw(int count, std::uint64_t seed) {
+std::vector<redesign::PersonMeasured> Draw(int count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  std::vector<group::PersonMeasured> people;
+  std::vector<redesign::PersonMeasured> people;
   for (int i = 0; i < count; ++i) {
     std::normal_distribution<double> height(1710, 90), seated(92, 5), peak(18, 2);
     const double height_mm = height(random);
@@ -65,11 +65,11 @@ double Processor_s() {
 void Measure(int count) {
   redesign::GroupProblem problem = Problem(3);
   std::vector<redesign::RedesignPoint> start;
-  for (const group::PersonMeasured& person : Draw(count, 1))
+  for (const redesign::PersonMeasured& person : Draw(count, 1))
     problem.people.push_back({person.name, redesign::MakeHumanMotion(person.motion.human)});
   for (int i = 0; i < count; ++i) start.push_back(redesign::StartPoint(problem.Of(i), problem.shared.design.start));
   const double before_s = Processor_s();
-  const redesign::GroupSolve solve = redesign::SolveFrom(problem, start);
+  const redesign::RedesignSolve solve = redesign::SolveFrom(problem, start);
   const double took_s = Processor_s() - before_s;
   fmt::print("| {} | {} | {} | {} | {:.2f} | {:.1f} | {:.4f} |\n", count,
              solve.local.program.program.Variables().size(), solve.IsUsable() ? "solved" : solve.local.solution.message,
@@ -103,21 +103,21 @@ void MeasureWhole(int count, const std::function<std::string()>& work) {
 }
 
 std::string CommonDesign(int count) {
-  const group::GroupOutcome outcome = group::RunGroup(Problem(kLimit_percent), Draw(count, 1), {});
+  const redesign::GroupOutcome outcome = redesign::RunGroup(Problem(kLimit_percent), Draw(count, 1), {});
   return fmt::format("{:.4f} | {}", outcome.evaluation.range_deg, outcome.reason);
 }
 
 std::string Sizes(int sizes, int count) {
-  const sizes::SizesOutcome outcome = sizes::RunSizes(Problem(kLimit_percent), Draw(count, 1), sizes, {}, {});
+  const redesign::SizesOutcome outcome = redesign::RunSizes(Problem(kLimit_percent), Draw(count, 1), sizes, {}, {});
   std::string ranges;
-  for (const group::GroupOutcome& size : outcome.sizes)
+  for (const redesign::GroupOutcome& size : outcome.sizes)
     ranges += fmt::format(" {}: {:.3f}", size.people.size(), size.evaluation.range_deg);
   return fmt::format("{:.4f} | {} |{} | {}", outcome.mean_value_deg, outcome.is_settled ? "yes" : "no", ranges,
                      outcome.Reason());
 }
 
 void Write(const std::filesystem::path& folder, int count) {
-  for (const group::PersonMeasured& person : Draw(count, 1)) {
+  for (const redesign::PersonMeasured& person : Draw(count, 1)) {
     compare::MisalignmentOptions options;
     options.intervals = false;
     const compare::Misalignment misalignment =

@@ -147,20 +147,20 @@ TEST(BalancedProgram, IsHeldAtEveryInstantAndItsCostIsTold) {
   redesign::RedesignProblem problem = BalancedProblem();
   const auto free = Optimum(problem);
   ASSERT_TRUE(free);
-  EXPECT_LT(free->prediction->balance->margin_mm, 0);  // this rise is one of momentum
+  EXPECT_LT(free->Predicted()->balance->margin_mm, 0);  // this rise is one of momentum
   problem.balance_mm = 20;
   const auto balanced = Optimum(problem);
   ASSERT_TRUE(balanced);
-  const redesign::Prediction& prediction = *balanced->prediction;
+  const redesign::Prediction& prediction = *balanced->Predicted();
   EXPECT_GE(prediction.balance->margin_mm, 20 - 0.01);
   EXPECT_LE(balanced->Misalignment_percent(), 2 * (1 + 1e-5));
   EXPECT_LE(balanced->Range_deg(), free->Range_deg() + 1e-3);
   EXPECT_LE(prediction.balance->duration_s, 30 * (1 + 1e-5));
   for (std::size_t i = 0; i < kSamples; ++i) {
-    EXPECT_LE(std::abs(balanced->point.lean.trunk_rad[i]), RadiansFromDegrees(30) + 1e-9);
-    EXPECT_LE(std::abs(balanced->point.lean.leg_rad[i]), RadiansFromDegrees(10) + 1e-9);
+    EXPECT_LE(std::abs(balanced->Point().lean.trunk_rad[i]), RadiansFromDegrees(30) + 1e-9);
+    EXPECT_LE(std::abs(balanced->Point().lean.leg_rad[i]), RadiansFromDegrees(10) + 1e-9);
     if (i >= 40) continue;
-    EXPECT_NEAR(redesign::HipHeight(problem.human[i], prediction.theta_rad[i], balanced->point.lean.leg_rad[i]),
+    EXPECT_NEAR(redesign::HipHeight(problem.human[i], prediction.theta_rad[i], balanced->Point().lean.leg_rad[i]),
                 redesign::HipHeight(problem.human[i], problem.human[i].knee_rad, 0.0), 20 + 1e-3);
   }
 }
@@ -216,7 +216,7 @@ TEST(BalancedProgram, IsSoughtUnderItsOwnMoments) {
     const auto under_own = Optimum(problem);
     ASSERT_TRUE(under_quick && under_own);
     const auto off_nm = [&](const redesign::RedesignSolve& solve, const problem::LoadProfile& sought_under) {
-      return redesign::LargestDifferenceNm(redesign::ProfileOf(problem, quick, solve.point), sought_under);
+      return redesign::LargestDifferenceNm(redesign::ProfileOf(problem, quick, solve.Point()), sought_under);
     };
     EXPECT_LE(off_nm(*under_own, moments.profile), 0.5);
     EXPECT_GE(off_nm(*under_quick, quick), 15);
@@ -309,10 +309,10 @@ TEST(AngleMismatch, IsALimitOfItsOwnWithAPrice) {
   problem.program.duration_s = 26;  // too short to follow exactly
   const auto free = Optimum(problem);
   ASSERT_TRUE(free);
-  problem.max_angle_mismatch_deg = 0.7 * free->prediction->angle_mismatch_deg;
+  problem.max_angle_mismatch_deg = 0.7 * free->Predicted()->angle_mismatch_deg;
   const auto limited = Optimum(problem);
   ASSERT_TRUE(limited);
-  EXPECT_NEAR(limited->prediction->angle_mismatch_deg, *problem.max_angle_mismatch_deg, 1e-4);
+  EXPECT_NEAR(limited->Predicted()->angle_mismatch_deg, *problem.max_angle_mismatch_deg, 1e-4);
   EXPECT_LT(limited->Range_deg(), free->Range_deg());
   const auto multiplier = limited->local.MultiplierOf(synthesis::LimitId{"angle mismatch"});
   ASSERT_TRUE(multiplier);
@@ -320,7 +320,7 @@ TEST(AngleMismatch, IsALimitOfItsOwnWithAPrice) {
   const auto range = [&](double step_deg) {
     redesign::RedesignProblem near = problem;
     *near.max_angle_mismatch_deg += step_deg;
-    return redesign::SolveFrom(near, limited->point).Range_deg();
+    return redesign::SolveFrom(near, limited->Point()).Range_deg();
   };
   EXPECT_NEAR((range(kStep_deg) - range(-kStep_deg)) / (2 * kStep_deg), *multiplier, 0.05 * *multiplier + 1e-3);
 }
@@ -334,8 +334,8 @@ TEST(JointMisalignment, IsLimitedByThePlacementAloneAndTheAngleByItsOwnLimit) {
   problem.max_misalignment_percent = 0.5;
   const auto solve = Optimum(problem);
   ASSERT_TRUE(solve);
-  const redesign::Prediction& prediction = *solve->prediction;
-  EXPECT_NEAR(prediction.joint.mm, (solve->point.placement_mm + Eigen::Vector2d(12, -5)).norm(), 1e-9);
+  const redesign::Prediction& prediction = *solve->Predicted();
+  EXPECT_NEAR(prediction.joint.mm, (solve->Point().placement_mm + Eigen::Vector2d(12, -5)).norm(), 1e-9);
   EXPECT_LE(100 * prediction.joint.relative, 0.5 * (1 + 1e-5));
   EXPECT_EQ(solve->Misalignment_percent(), 100 * prediction.joint.relative);
   EXPECT_LE(prediction.angle_mismatch_deg, 5 + 1e-4);

@@ -37,12 +37,6 @@ class LakeOptimizeGroup : public testing::Test {
     return fmt::format("--comparison {} ", (folder_ / name / "comparison").string());
   }
 
-  void ExpectRefused(const std::string& arguments, const std::string& what) const {
-    const Ended ended = RunProgram(arguments + " --quiet -o " + (folder_ / "refused").string());
-    EXPECT_EQ(ended.exit_code, 2) << ended.text;
-    EXPECT_THAT(ended.text, HasSubstr(what));
-  }
-
   TemporaryFolder folder_;
 };
 
@@ -77,17 +71,21 @@ TEST_F(LakeOptimizeGroup, SaysWhatDoesNotGoTogether) {
   AddPerson("sub-01", 400, 88);
   AddPerson("sub-02", 430, 95);
   const std::string both = Comparison("sub-01") + Comparison("sub-02");
-  ExpectRefused(both, "--worn");
-  ExpectRefused(Comparison("sub-01") + Comparison("sub-01") + "--human-only", "is named twice");
-  ExpectRefused(both + "--human-only --pareto 5", "--pareto is for one person");
-  ExpectRefused(both + "--human-only --quantile 0 --across quantile", "--quantile 0");
-  ExpectRefused(both + "--human-only --sizes 2", "at least two people for each; there are 2");
-  ExpectRefused(both + "--human-only --sizes 2 --across mean", "omit --across");
-  ExpectRefused(Comparison("sub-01") + "--human-only --sizes 2", "at least two people for each; there are 1");
-  ExpectRefused(both + "--human-only --participants people.tsv", "--participants is for the rule of --sizes");
-  ExpectRefused(both + "--human-only --quantile 0.5", "--quantile is for --across quantile");
-  ExpectRefused(Comparison("a_b/c") + Comparison("a/b_c") + "--human-only", "both would be called a_b_c");
-  ExpectRefused(both + "--worn a.yaml --worn b.yaml --worn c.yaml", "names 3 designs for 2 comparisons");
+  ExpectRefused(
+      {
+          {both, 2, "--worn"},
+          {Comparison("sub-01") + Comparison("sub-01") + "--human-only", 2, "is named twice"},
+          {both + "--human-only --pareto 5", 2, "--pareto is for one person"},
+          {both + "--human-only --quantile 0 --across quantile", 2, "--quantile 0"},
+          {both + "--human-only --sizes 2", 2, "at least two people for each; there are 2"},
+          {both + "--human-only --sizes 2 --across mean", 2, "omit --across"},
+          {Comparison("sub-01") + "--human-only --sizes 2", 2, "at least two people for each; there are 1"},
+          {both + "--human-only --participants people.tsv", 2, "--participants is for the rule of --sizes"},
+          {both + "--human-only --quantile 0.5", 2, "--quantile is for --across quantile"},
+          {Comparison("a_b/c") + Comparison("a/b_c") + "--human-only", 2, "both would be called a_b_c"},
+          {both + "--worn a.yaml --worn b.yaml --worn c.yaml", 2, "names 3 designs for 2 comparisons"},
+      },
+      folder_ / "refused");
 }
 
 TEST_F(LakeOptimizeGroup, RefusesHeightsThatNobodyHas) {

@@ -1,5 +1,5 @@
 // One design for many people against designs for each, other choices of whom to leave out, and its own limits.
-#include "lake/group/group.h"
+#include "lake/redesign/group.h"
 
 #include <gmock/gmock.h>
 
@@ -39,8 +39,8 @@ ClosedFormLeg Leg(double shank_mm, double seated_knee_deg) {
   return leg;
 }
 
-std::vector<group::PersonMeasured> People(const std::vector<ClosedFormLeg>& legs) {
-  std::vector<group::PersonMeasured> people;
+std::vector<redesign::PersonMeasured> People(const std::vector<ClosedFormLeg>& legs) {
+  std::vector<redesign::PersonMeasured> people;
   for (const ClosedFormLeg& leg : legs) people.push_back({fmt::format("sub-{}", people.size() + 1), {MakeCurve(leg)}});
   return people;
 }
@@ -48,7 +48,7 @@ std::vector<group::PersonMeasured> People(const std::vector<ClosedFormLeg>& legs
 const std::vector<ClosedFormLeg> kThree = {Leg(400, 88), Leg(420, 98), Leg(440, 92)};
 
 redesign::GroupProblem WithPeople(redesign::GroupProblem problem, const std::vector<ClosedFormLeg>& legs) {
-  for (const group::PersonMeasured& person : People(legs))
+  for (const redesign::PersonMeasured& person : People(legs))
     problem.people.push_back({person.name, redesign::MakeHumanMotion(person.motion.human)});
   return problem;
 }
@@ -133,8 +133,10 @@ TEST(GroupProgram, RowsAgreeWithTheClosedForm) {
   }
 }
 
-group::GroupDesign DesignOf(const redesign::GroupProblem& problem, const synthesis::OptimizeOptions& options) {
-  return group::DesignGroups({{.problem = problem, .links = {problem.shared.design.start}}}, options).front().nearest;
+redesign::RedesignEnd DesignOf(const redesign::GroupProblem& problem, const synthesis::OptimizeOptions& options) {
+  return redesign::DesignGroups({{.problem = problem, .links = {problem.shared.design.start}}}, options)
+      .front()
+      .nearest;
 }
 
 // Two who move alike need no compromise: the design is the one of either alone.
@@ -146,7 +148,7 @@ TEST(Group, ThatIsAllAlikeGetsTheDesignOfOne) {
   for (const Across across : {Across::kWorst, Across::kMean}) {
     redesign::GroupProblem problem = WithPeople(SharedProblem(), {kThree[1], kThree[1]});
     problem.across = across;
-    const group::GroupDesign design = DesignOf(problem, Starts(2));
+    const redesign::RedesignEnd design = DesignOf(problem, Starts(2));
     ASSERT_TRUE(design.is_usable);
     // Small costs are counted once for each person; they move a range by less than this.
     EXPECT_NEAR(design.objective, one->objective, 2e-3);
@@ -157,38 +159,38 @@ TEST(Group, ThatIsAllAlikeGetsTheDesignOfOne) {
 TEST(Group, IsDesignedTheSameBesideAnother) {
   std::vector<ClosedFormLeg> legs;
   for (int i = 0; i < 20; ++i) legs.push_back(Leg(400 + 2 * i, 88 + i % 7));  // many enough to be thinned first
-  group::DesignTask task{WithPeople(SharedProblem(), legs)};
+  redesign::DesignTask task{WithPeople(SharedProblem(), legs)};
   task.problem.shared.program.kind = Kind::kConstant;
   task.problem.shared.fit_placement = false;
   task.problem.shared.max_misalignment_percent.reset();
   task.problem.shared.program.duration_s.reset();
   for (const ClosedFormLeg& leg : legs) task.human.push_back(MakeCurve(leg));
   const linkage::Links& start = task.problem.shared.design.start;
-  group::DesignTask other = task;
+  redesign::DesignTask other = task;
   task.links = {start, kPublishedLinks};
   other.links = {start};
-  const group::GroupDesign alone = group::DesignGroups({task}, Starts(4)).front().nearest;
-  const group::GroupDesign beside = group::DesignGroups({task, other}, Starts(4)).front().nearest;
+  const redesign::GroupOutcome alone = redesign::DesignGroups({task}, Starts(4)).front();
+  const redesign::GroupOutcome beside = redesign::DesignGroups({task, other}, Starts(4)).front();
   EXPECT_EQ(alone.starts, 2);
   EXPECT_EQ(beside.starts, alone.starts);
-  EXPECT_EQ(beside.Links().Values(), alone.Links().Values());
+  EXPECT_EQ(beside.nearest.Links().Values(), alone.nearest.Links().Values());
 }
 
 class GroupOfThree : public testing::Test {
  protected:
-  static group::GroupOutcome Solve(Across across, double quantile = 1, double limit_percent = 3) {
+  static redesign::GroupOutcome Solve(Across across, double quantile = 1, double limit_percent = 3) {
     redesign::GroupProblem problem = SharedProblem(limit_percent);
     problem.across = across;
     problem.quantile = quantile;
-    return group::RunGroup(problem, People(kThree), Starts(2));
+    return redesign::RunGroup(problem, People(kThree), Starts(2));
   }
 
   // With three threads.
-  static const group::GroupOutcome& Worst() {
-    static const group::GroupOutcome outcome = [] {
+  static const redesign::GroupOutcome& Worst() {
+    static const redesign::GroupOutcome outcome = [] {
       const int threads = Threads();
       SetThreads(3);
-      group::GroupOutcome worst = Solve(Across::kWorst);
+      redesign::GroupOutcome worst = Solve(Across::kWorst);
       SetThreads(threads);
       return worst;
     }();
@@ -198,11 +200,11 @@ class GroupOfThree : public testing::Test {
 
 // The limit holds for each by the comparison's own code, and someone is at it; nobody's own design is worse for them.
 TEST_F(GroupOfThree, HoldsTheLimitForEachAndCostsEachSomething) {
-  const group::GroupOutcome& outcome = Worst();
+  const redesign::GroupOutcome& outcome = Worst();
   ASSERT_TRUE(outcome.IsSolved()) << outcome.reason;
   EXPECT_TRUE(outcome.evaluation.IsFeasible());
   double largest = 0, largest_cost = 0;
-  for (const group::PersonOutcome& person : outcome.people) {
+  for (const redesign::PersonOutcome& person : outcome.people) {
     ASSERT_TRUE(person.with_group.misalignment);
     EXPECT_EQ(person.with_group.design.links.Values(), outcome.people[0].with_group.design.links.Values());
     largest = std::max(largest, 100 * person.with_group.misalignment->metrics.relative_rms);
@@ -219,12 +221,12 @@ TEST_F(GroupOfThree, HoldsTheLimitForEachAndCostsEachSomething) {
 TEST_F(GroupOfThree, WithoutWhoeverHasNoPullTheLinksAreTheSame) {
   redesign::GroupProblem problem = WithPeople(SharedProblem(), {kThree[1], Leg(420, 80)});
   const std::vector<redesign::RedesignPoint> start = DesignOf(problem, Starts(1)).points;
-  const redesign::GroupSolve both = redesign::SolveFrom(problem, start, {}, true);
+  const redesign::RedesignSolve both = redesign::SolveFrom(problem, start, {}, true);
   ASSERT_TRUE(both.IsUsable());
   EXPECT_GT(both.pulls[0], 0.1);
   EXPECT_LT(both.pulls[1], 1e-3);
   problem.people.pop_back();
-  const redesign::GroupSolve alone = redesign::SolveFrom(problem, {both.points[0]}, {}, true);
+  const redesign::RedesignSolve alone = redesign::SolveFrom(problem, {both.points[0]}, {}, true);
   ASSERT_TRUE(alone.IsUsable());
   // Small costs are each person's too.
   for (std::size_t i = 0; i < 6; ++i)
@@ -234,10 +236,10 @@ TEST_F(GroupOfThree, WithoutWhoeverHasNoPullTheLinksAreTheSame) {
 
 // The mean is at its limit, and someone above it.
 TEST_F(GroupOfThree, TheMeanIsHeldWhereOneIsAsked) {
-  const group::GroupOutcome outcome = Solve(Across::kMean, 1, 2);
+  const redesign::GroupOutcome outcome = Solve(Across::kMean, 1, 2);
   ASSERT_TRUE(outcome.IsSolved()) << outcome.reason;
   double sum = 0, largest = 0;
-  for (const group::PersonOutcome& person : outcome.people) {
+  for (const redesign::PersonOutcome& person : outcome.people) {
     const double percent = 100 * person.with_group.misalignment->metrics.relative_rms;
     sum += percent / 3;
     largest = std::max(largest, percent);
@@ -249,22 +251,22 @@ TEST_F(GroupOfThree, TheMeanIsHeldWhereOneIsAsked) {
 
 // Of three one may be left out: the best choice among all is found.
 TEST_F(GroupOfThree, TheQuantileLeavesOutWhoCostsMost) {
-  const group::GroupOutcome outcome = Solve(Across::kQuantile, 0.66);
+  const redesign::GroupOutcome outcome = Solve(Across::kQuantile, 0.66);
   ASSERT_TRUE(outcome.IsSolved());
   double best = 0;
   std::size_t left_out = 0;
   for (std::size_t i = 0; i < kThree.size(); ++i) {
     redesign::GroupProblem problem = WithPeople(SharedProblem(), kThree);
     problem.people[i].counts = false;
-    const group::GroupDesign design = DesignOf(problem, Starts(2));
+    const redesign::RedesignEnd design = DesignOf(problem, Starts(2));
     if (design.is_usable && design.objective > best) best = design.objective, left_out = i;
   }
-  EXPECT_NEAR(outcome.design->objective, best, 2e-3);
+  EXPECT_NEAR(outcome.nearest.objective, best, 2e-3);
   for (std::size_t i = 0; i < kThree.size(); ++i) EXPECT_EQ(outcome.people[i].counts, i != left_out);
 }
 
 TEST_F(GroupOfThree, WhatCannotBeHeldIsSaidWithTheNames) {
-  const group::GroupOutcome outcome = Solve(Across::kWorst, 1, 0.02);
+  const redesign::GroupOutcome outcome = Solve(Across::kWorst, 1, 0.02);
   ASSERT_FALSE(outcome.IsSolved());
   EXPECT_THAT(outcome.reason, HasSubstr("no design for 3 people keeps the worst misalignment within 0.02 %"));
   EXPECT_THAT(outcome.reason, HasSubstr("sub-"));
@@ -274,7 +276,7 @@ TEST_F(GroupOfThree, WhatCannotBeHeldIsSaidWithTheNames) {
 TEST_F(GroupOfThree, IsTheSameForAnyNumberOfThreads) {
   const int threads = Threads();
   SetThreads(1);
-  const group::GroupOutcome one = Solve(Across::kWorst);
+  const redesign::GroupOutcome one = Solve(Across::kWorst);
   SetThreads(threads);
   EXPECT_EQ(one.nearest.Links().Values(), Worst().nearest.Links().Values());
   for (std::size_t i = 0; i < kThree.size(); ++i) {

@@ -87,7 +87,7 @@ TEST_F(RealMotion, TrackingTimes) {
   problem_.goal = Goal::kRange;
   const redesign::RedesignSolve widest = SolveFrom(problem_, redesign::StartPoint(problem_, kPublishedLinks));
   ASSERT_TRUE(widest.IsUsable());
-  EXPECT_NEAR(TrackingTimeOf(widest.point.links), 28.3, 0.02 * 28.3);
+  EXPECT_NEAR(TrackingTimeOf(widest.Point().links), 28.3, 0.02 * 28.3);
   // The linkage that tracks fastest: none of a search found less than 23.4 s.
   problem_.goal = Goal::kDuration;
   problem_.program.kind = Kind::kFree;
@@ -96,7 +96,7 @@ TEST_F(RealMotion, TrackingTimes) {
   options.starts = 6;
   const redesign::RedesignResult fastest = redesign::Redesign(problem_, {kPublishedLinks}, options);
   ASSERT_TRUE(fastest.IsSolved());
-  EXPECT_NEAR(TrackingTimeOf(fastest.Best().point.links), 23.4, 0.02 * 23.4);
+  EXPECT_NEAR(TrackingTimeOf(fastest.Best().Point().links), 23.4, 0.02 * 23.4);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "central_differences.h"
 #include "compare/closed_form.h"
 #include "synthesis/paper.h"
 
@@ -70,30 +71,8 @@ TEST(RedesignProgram, DerivativesAreThoseOfTheValues) {
     const nlp::NonlinearProgram program = Build(problem, redesign::StartPoint(problem, kPublishedLinks));
     std::vector<double> x;
     for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start + 0.05 * unit(random));
-    for (const nlp::NlpTerm& term : program.Terms()) {
-      const auto variables = term.term->Variables();
-      const std::size_t n = variables.size();
-      std::vector<double> gradient(n), hessian(n * (n + 1) / 2), above(n), below(n);
-      term.term->Gradient(x.data(), gradient.data());
-      term.term->Hessian(x.data(), hessian.data());
-      for (std::size_t i = 0; i < n; ++i) {
-        const double step = 1e-5 * std::max(1.0, std::abs(x[variables[i]])), kept = x[variables[i]];
-        x[variables[i]] = kept + step;
-        const double value_above = term.term->Value(x.data());
-        term.term->Gradient(x.data(), above.data());
-        x[variables[i]] = kept - step;
-        const double value_below = term.term->Value(x.data());
-        term.term->Gradient(x.data(), below.data());
-        x[variables[i]] = kept;
-        // Of a central difference: its truncation and the rounding of values up to a few hundred.
-        const auto tolerance = [](double value) { return 1e-5 + 1e-6 * std::abs(value); };
-        EXPECT_NEAR(gradient[i], (value_above - value_below) / (2 * step), tolerance(gradient[i]));
-        for (std::size_t j = 0; j <= i; ++j) {
-          const double second = hessian[i * (i + 1) / 2 + j];
-          EXPECT_NEAR(second, (above[j] - below[j]) / (2 * step), tolerance(second));
-        }
-      }
-    }
+    // Of a central difference: its truncation and the rounding of values up to a few hundred.
+    for (const nlp::NlpTerm& term : program.Terms()) EXPECT_EQ(WrongDerivatives(*term.term, x, 1e-5), "");
   }
 }
 

@@ -64,7 +64,7 @@ TEST(Redesign, TheLimitHoldsWhenTheComparisonReEvaluatesThePredictedPath) {
       const redesign::RedesignResult result = Solve(problem);
       ASSERT_TRUE(result.IsSolved());
       const redesign::DesignInMotion after =
-          redesign::PutInMotion(problem, MakeCurve(leg), redesign::DesignOf(problem, result.Best().point));
+          redesign::PutInMotion(problem, MakeCurve(leg), redesign::DesignOf(problem, result.Best().Point()));
       ASSERT_TRUE(after.misalignment);
       // The bound; the limit is active, so it is met from below and above.
       EXPECT_NEAR(100 * after.misalignment->metrics.relative_rms / *problem.max_misalignment_percent, 1, 1e-4);
@@ -97,19 +97,19 @@ TEST(Redesign, TheLimitOnCuffForcesHoldsInThePredictedPathAndHasAPrice) {
   problem.max_misalignment_percent = TightLimit(problem);
   const redesign::RedesignResult free = Solve(problem);
   ASSERT_TRUE(free.IsSolved());
-  const double free_n = CuffForceOfPath(problem, free.Best().point);
-  EXPECT_NEAR(free.Best().prediction->cuff_force_n, free_n, 1e-9 * free_n);
+  const double free_n = CuffForceOfPath(problem, free.Best().Point());
+  EXPECT_NEAR(free.Best().Predicted()->cuff_force_n, free_n, 1e-9 * free_n);
   problem.max_cuff_force_n = 0.8 * free_n;
   const redesign::RedesignResult limited = Solve(problem);
   ASSERT_TRUE(limited.IsSolved());
-  EXPECT_NEAR(CuffForceOfPath(problem, limited.Best().point) / *problem.max_cuff_force_n, 1, 1e-5);
+  EXPECT_NEAR(CuffForceOfPath(problem, limited.Best().Point()) / *problem.max_cuff_force_n, 1, 1e-5);
   EXPECT_LT(limited.Best().Range_deg(), free.Best().Range_deg());
   const auto multiplier = limited.Best().local.MultiplierOf(synthesis::LimitId{"cuff force"});
   ASSERT_TRUE(multiplier);
   const auto range = [&](double step_n) {
     redesign::RedesignProblem near = problem;
     *near.max_cuff_force_n += step_n;
-    return redesign::SolveFrom(near, limited.Best().point).Range_deg();
+    return redesign::SolveFrom(near, limited.Best().Point()).Range_deg();
   };
   constexpr double kStep_n = 0.02;
   EXPECT_NEAR((range(kStep_n) - range(-kStep_n)) / (2 * kStep_n), *multiplier, 0.05 * *multiplier + 1e-3);
@@ -118,7 +118,7 @@ TEST(Redesign, TheLimitOnCuffForcesHoldsInThePredictedPathAndHasAPrice) {
   problem.cuff_penalty_deg_per_n = *multiplier;
   const redesign::RedesignResult penalised = Solve(problem);
   ASSERT_TRUE(penalised.IsSolved());
-  EXPECT_NEAR(penalised.Best().prediction->cuff_force_n, 0.8 * free_n, 0.02 * free_n);
+  EXPECT_NEAR(penalised.Best().Predicted()->cuff_force_n, 0.8 * free_n, 0.02 * free_n);
 }
 
 TEST(Redesign, SaysWhichForceAtTheCuffsIsPossible) {
@@ -139,7 +139,7 @@ TEST(Redesign, SaysWhichForceAtTheCuffsIsPossible) {
   problem.fit_placement = true;
   const redesign::RedesignResult fitted = Solve(problem, 2);
   ASSERT_TRUE(fitted.IsSolved());
-  EXPECT_LE(CuffForceOfPath(problem, fitted.Best().point), 1 + 1e-4);
+  EXPECT_LE(CuffForceOfPath(problem, fitted.Best().Point()), 1 + 1e-4);
 }
 
 // What a search may vary, as a point; a constant program's strokes follow from the links.
@@ -192,7 +192,7 @@ TEST(Redesign, NoRandomSearchFindsABetterObjective) {
     for (; feasible < kFeasible && tried < 100 * kFeasible; ++tried) {
       // Mostly near by, where most are feasible; from the whole of the bounds few are.
       constexpr double kSpreads_mm[] = {0.05, 0.5, 0.05, 3, 0.05, 0.5, 0.05, 100};
-      const redesign::RedesignPoint point = RandomPoint(problem, result.Best().point, kSpreads_mm[tried % 8], random);
+      const redesign::RedesignPoint point = RandomPoint(problem, result.Best().Point(), kSpreads_mm[tried % 8], random);
       if (const auto objective = Objective(problem, point)) ++feasible, best = std::max(best, *objective);
     }
     EXPECT_GE(feasible, kFeasible);
@@ -256,7 +256,7 @@ TEST(Redesign, AFreeProgramOfTheTrackingTimeCutsTheMisalignmentAtLeastFivefold) 
   for (const ClosedFormLeg& leg : Legs()) {
     const redesign::RedesignResult constant = Least(Problem(leg));
     ASSERT_TRUE(constant.IsSolved());
-    const linkage::Links& links = constant.Best().point.links;
+    const linkage::Links& links = constant.Best().Point().links;
     redesign::RedesignProblem free = Free(1, leg);
     free.program.duration_s =
         redesign::TrackingTime(*redesign::TrackingStrokes({links}, free.human), free.program.max_speed_mm_s);
@@ -286,7 +286,7 @@ TEST(Redesign, PenaltyAndLimitAgree) {
   ASSERT_TRUE(other.IsSolved());
   // Along the front range and misalignment trade at this multiplier, so each may be off by what the other makes good.
   EXPECT_NEAR(other.Best().objective,
-              result.Best().Range_deg() - penalised.penalty_deg_per_mm * result.Best().prediction->path.mm, 1e-3);
+              result.Best().Range_deg() - penalised.penalty_deg_per_mm * result.Best().Predicted()->path.mm, 1e-3);
   EXPECT_NEAR(other.Best().Misalignment_percent(), result.Best().Misalignment_percent(), 0.02);
 }
 
@@ -302,7 +302,7 @@ TEST(Redesign, MultipliersAreDifferenceQuotientsOfTheRange) {
     change(above, step);
     change(below, -step);
     const auto range = [&](const redesign::RedesignProblem& p) {
-      return SolveFrom(p, result.Best().point, {}).Range_deg();
+      return SolveFrom(p, result.Best().Point(), {}).Range_deg();
     };
     return (range(above) - range(below)) / (2 * step);
   };
@@ -322,11 +322,11 @@ TEST(Redesign, ADesignThatBendsLessThanTheHumanStartsAtItsShortestStroke) {
   const redesign::RedesignResult result = Solve(problem);
   ASSERT_TRUE(result.IsSolved());
   EXPECT_NEAR(result.Best().Range_deg(), 80, 1e-5);
-  EXPECT_NEAR(result.Best().point.knots_mm.front(), 242, 1e-6);
-  const linkage::Design design = redesign::DesignOf(problem, result.Best().point);
+  EXPECT_NEAR(result.Best().Point().knots_mm.front(), 242, 1e-6);
+  const linkage::Design design = redesign::DesignOf(problem, result.Best().Point());
   const auto strokes = redesign::ProgramStrokes(design, 0, problem.human);
   ASSERT_TRUE(strokes);
-  EXPECT_NEAR(strokes->back(), result.Best().point.knots_mm.back(), 1e-5);
+  EXPECT_NEAR(strokes->back(), result.Best().Point().knots_mm.back(), 1e-5);
 }
 
 // What is written as "constant" is read back as the very program that was optimised.
@@ -335,10 +335,10 @@ TEST(Redesign, AConstantProgramReadsBackAsTheSameStrokes) {
   problem.max_misalignment_percent = TightLimit(problem);
   const redesign::RedesignResult result = Solve(problem);
   ASSERT_TRUE(result.IsSolved());
-  const auto strokes = redesign::ProgramStrokes(redesign::DesignOf(problem, result.Best().point), 0, problem.human);
+  const auto strokes = redesign::ProgramStrokes(redesign::DesignOf(problem, result.Best().Point()), 0, problem.human);
   ASSERT_TRUE(strokes);
   for (int percent = 0; percent < compare::kPercentSamples; ++percent)
-    EXPECT_NEAR((*strokes)[percent], result.Best().point.StrokeAt(percent), 1e-6);
+    EXPECT_NEAR((*strokes)[percent], result.Best().Point().StrokeAt(percent), 1e-6);
 }
 
 // Against a search over both ends on a grid, with the same links.
@@ -356,7 +356,7 @@ TEST(Redesign, TheEndsOfAConstantProgramMayBeSoughtToo) {
   for (const double step : {1.0, 0.1, 0.01})  // each grid about the best of the one before
     for (double center_from = best_from, center_to = best_to, i = -25; i <= 25; ++i)
       for (double k = -25; k <= 25; ++k) {
-        redesign::RedesignPoint tried = solve.point;
+        redesign::RedesignPoint tried = solve.Point();
         tried.knots_mm = {center_from + i * step, center_to + k * step};
         const auto prediction = redesign::PredictPoint(free, tried);
         if (!prediction || 100 * prediction->path.relative >= least) continue;
@@ -367,7 +367,7 @@ TEST(Redesign, TheEndsOfAConstantProgramMayBeSoughtToo) {
   EXPECT_LE(solve.Misalignment_percent(), least + 1e-6);
   EXPECT_GE(solve.Misalignment_percent(), least - 0.02) << best_from << " to " << best_to;
   // It reads back as two knots at one speed.
-  const linkage::Design design = redesign::DesignOf(free, solve.point);
+  const linkage::Design design = redesign::DesignOf(free, solve.Point());
   ASSERT_EQ(design.program->knots.size(), 2u);
   EXPECT_NEAR(design.program->knots.back().stroke_mm - design.program->knots.front().stroke_mm,
               5 * design.program->knots.back().time_s, 1e-9);
@@ -385,8 +385,8 @@ TEST(Redesign, MonotoneForbidsTurningBackWhereTheHumanDoes) {
   }
   problem.human = redesign::MakeHumanMotion(curve);
   const auto turns_back = [](const redesign::RedesignSolve& solve) {
-    for (std::size_t k = 1; k < solve.point.knots_mm.size(); ++k)
-      if (solve.point.knots_mm[k] < solve.point.knots_mm[k - 1] - 1e-3) return true;
+    for (std::size_t k = 1; k < solve.Point().knots_mm.size(); ++k)
+      if (solve.Point().knots_mm[k] < solve.Point().knots_mm[k - 1] - 1e-3) return true;
     return false;
   };
   const redesign::RedesignResult free = Least(problem);
@@ -471,7 +471,7 @@ TEST(Redesign, RequirementsOverTheUsedRangeHoldTogetherWithTheLimit) {
   problem.max_misalignment_percent = TightLimit(problem);
   const redesign::RedesignResult result = Solve(problem);
   ASSERT_TRUE(result.IsSolved());
-  EXPECT_TRUE(problem::Evaluate(result.Best().point.links, problem.design).IsFeasible());
+  EXPECT_TRUE(problem::Evaluate(result.Best().Point().links, problem.design).IsFeasible());
   EXPECT_LE(result.Best().Misalignment_percent(), *problem.max_misalignment_percent * (1 + 1e-5));
 }
 

@@ -1,5 +1,5 @@
 // Several sizes for many people: who wears which, and the rule for the next person.
-#include "lake/sizes/sizes.h"
+#include "lake/redesign/sizes.h"
 
 #include <gmock/gmock.h>
 
@@ -15,7 +15,7 @@
 namespace lake {
 namespace {
 
-using sizes::BodyQuantity;
+using redesign::BodyQuantity;
 using testing::ElementsAre;
 
 // Losses of people who each lose nothing in their own size and 1 degree in any other.
@@ -33,7 +33,7 @@ TEST(SizeRule, CutsWhereTheLossIsLeast) {
                                                 {"leg_mm", {800, 801, 802, 803, 804, 805}}};
   // By height: sizes 1 1 1 0 0 2, if it were not for one person in the middle.
   const auto losses = LossesFor({1, 2, 1, 0, 0, 1}, 3);
-  const sizes::SizeRule rule = sizes::FindRule(quantities, losses, {0, 1, 2, 3, 4, 5});
+  const redesign::SizeRule rule = redesign::FindRule(quantities, losses, {0, 1, 2, 3, 4, 5});
   EXPECT_EQ(rule.quantity, "height_mm");
   EXPECT_EQ(rule.loss_deg, 0);
   ASSERT_EQ(rule.ranges.size(), 3u);
@@ -66,7 +66,7 @@ TEST(SizeRule, IsTheBestOfAllRules) {
         for (const std::size_t i : people) loss += losses[i][quantity.mm[i] < cut ? low : 1 - low];
         best = std::min(best, loss / 7);
       }
-    const sizes::SizeRule rule = sizes::FindRule({quantity}, losses, people);
+    const redesign::SizeRule rule = redesign::FindRule({quantity}, losses, people);
     EXPECT_NEAR(rule.loss_deg, best, 1e-12);
     double said = 0;
     for (const std::size_t i : people) said += losses[i][rule.SizeFor(quantity.mm[i])];
@@ -93,7 +93,7 @@ TEST(Fit, OfALinkageThatIsFlatAtItsEndIsFound) {
     ClosedFormLeg leg;
     leg.seated_knee_deg = seated_deg;
     problem.human = redesign::Thinned(redesign::MakeHumanMotion(MakeCurve(leg)), 5);
-    const sizes::Fit fit = sizes::FitOf(problem, widest, {});
+    const redesign::Fit fit = redesign::FitOf(problem, widest, {});
     EXPECT_LT(fit.percent, 3) << seated_deg;  // 25 s are enough to follow nearly all of the motion
     EXPECT_GT(fit.percent, before_percent) << seated_deg;
     EXPECT_EQ(fit.holds, fit.percent <= 2) << seated_deg;
@@ -134,22 +134,22 @@ TEST(Fit, DesignsWithoutMarginsAreFoundWhereAllStartsMeet) {
 }
 
 // No other size is better for a person than theirs, but for what a solve is within.
-void ExpectWearsTheBest(redesign::GroupProblem problem, const std::vector<group::PersonMeasured>& people,
-                        const sizes::SizesOutcome& outcome, std::size_t person,
+void ExpectWearsTheBest(redesign::GroupProblem problem, const std::vector<redesign::PersonMeasured>& people,
+                        const redesign::SizesOutcome& outcome, std::size_t person,
                         const synthesis::OptimizeOptions& options) {
   const redesign::RedesignProblem own = redesign::PutMotionInto(problem.shared, people[person].motion).problem;
   std::vector<double> values;
-  for (const group::GroupOutcome& size : outcome.sizes)
-    values.push_back(sizes::FitOf(own, size.nearest.Links(), options).value);
+  for (const redesign::GroupOutcome& size : outcome.sizes)
+    values.push_back(redesign::FitOf(own, size.nearest.Links(), options).value);
   EXPECT_GE(values[outcome.size_of[person]], *std::ranges::max_element(values) - 0.02);
 }
 
-sizes::SizesOutcome WithThreads(int threads, const redesign::GroupProblem& problem,
-                                const std::vector<group::PersonMeasured>& people,
-                                const synthesis::OptimizeOptions& options) {
+redesign::SizesOutcome WithThreads(int threads, const redesign::GroupProblem& problem,
+                                   const std::vector<redesign::PersonMeasured>& people,
+                                   const synthesis::OptimizeOptions& options) {
   const int before = Threads();
   SetThreads(threads);
-  sizes::SizesOutcome outcome = sizes::RunSizes(problem, people, 2, {}, options);
+  redesign::SizesOutcome outcome = redesign::RunSizes(problem, people, 2, {}, options);
   SetThreads(before);
   return outcome;
 }
@@ -165,7 +165,7 @@ TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
   problem.shared.max_misalignment_percent = 2.5;
   synthesis::OptimizeOptions options;
   options.starts = 1;
-  std::vector<group::PersonMeasured> people;
+  std::vector<redesign::PersonMeasured> people;
   for (const auto& [shank_mm, seated_deg] : {std::pair{390.0, 98.0}, {450.0, 86.0}, {395.0, 97.0}, {455.0, 85.0}}) {
     ClosedFormLeg leg;
     leg.shank_mm = shank_mm;
@@ -173,13 +173,13 @@ TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
     leg.seated_knee_deg = seated_deg;
     people.push_back({fmt::format("sub-{}", people.size() + 1), {MakeCurve(leg)}});
   }
-  const sizes::SizesOutcome outcome = WithThreads(2, problem, people, options);
+  const redesign::SizesOutcome outcome = WithThreads(2, problem, people, options);
   ASSERT_TRUE(outcome.IsSolved()) << outcome.Reason();
   EXPECT_THAT(outcome.size_of, ElementsAre(0, 1, 0, 1));
   EXPECT_TRUE(outcome.is_settled);
   for (std::size_t i = 0; i < 4; ++i) ExpectWearsTheBest(problem, people, outcome, i, options);
   EXPECT_GT(outcome.sizes[1].evaluation.range_deg, outcome.sizes[0].evaluation.range_deg + 0.5);
-  for (const group::GroupOutcome& size : outcome.sizes) EXPECT_LE(size.Misalignment_percent(), 2.5 * (1 + 1e-4));
+  for (const redesign::GroupOutcome& size : outcome.sizes) EXPECT_LE(size.Misalignment_percent(), 2.5 * (1 + 1e-4));
   EXPECT_EQ(outcome.rule.quantity, "leg_mm");
   ASSERT_EQ(outcome.left_out.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(outcome.left_out[i].size, outcome.size_of[i]);
@@ -187,7 +187,7 @@ TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
   EXPECT_TRUE(outcome.left_out[2].fit.holds);
   EXPECT_TRUE(outcome.left_out[3].fit.holds);
 
-  const sizes::SizesOutcome one_thread = WithThreads(1, problem, people, options);
+  const redesign::SizesOutcome one_thread = WithThreads(1, problem, people, options);
   EXPECT_EQ(one_thread.size_of, outcome.size_of);
   for (std::size_t k = 0; k < 2; ++k)
     EXPECT_EQ(one_thread.sizes[k].nearest.Links().Values(), outcome.sizes[k].nearest.Links().Values());

@@ -15,7 +15,7 @@ namespace lake::commands {
 namespace {
 
 namespace fs = std::filesystem;
-using group::PersonOutcome;
+using redesign::PersonOutcome;
 
 std::vector<std::string> PartsOf(const fs::path& path) {
   std::vector<std::string> parts;
@@ -35,8 +35,8 @@ void AddNothing(CsvWriter& table, int cells) {
 
 // A row of people.csv.
 struct PersonRow {
-  const group::GroupOutcome& group;  // of the size that is worn, or of all
-  std::size_t index;                 // in it
+  const redesign::GroupOutcome& group;  // of the size that is worn, or of all
+  std::size_t index;                    // in it
   std::size_t size = 0;
 };
 
@@ -85,14 +85,14 @@ void WritePeople(const std::vector<PersonRow>& rows, Run& run) {
   table.Write(run.Result("people.csv"));
 }
 
-std::vector<PersonRow> RowsOf(const group::GroupOutcome& outcome) {
+std::vector<PersonRow> RowsOf(const redesign::GroupOutcome& outcome) {
   std::vector<PersonRow> rows;
   for (std::size_t i = 0; i < outcome.people.size(); ++i) rows.push_back({outcome, i});
   return rows;
 }
 
 // In the order in which people were given.
-std::vector<PersonRow> RowsOf(const sizes::SizesOutcome& outcome) {
+std::vector<PersonRow> RowsOf(const redesign::SizesOutcome& outcome) {
   std::vector<PersonRow> rows;
   for (std::size_t i = 0; i < outcome.size_of.size(); ++i) {
     const std::size_t size = outcome.size_of[i];
@@ -103,7 +103,7 @@ std::vector<PersonRow> RowsOf(const sizes::SizesOutcome& outcome) {
 }
 
 // The links, and of each who wears them placement and program.
-void WriteDesigns(const group::GroupOutcome& outcome, const std::string& name, Run& run) {
+void WriteDesigns(const redesign::GroupOutcome& outcome, const std::string& name, Run& run) {
   const std::string remark = outcome.IsSolved() ? "" : ": NOT A SOLUTION: " + outcome.reason;
   const problem::SynthesisProblem& problem = outcome.problem.shared.design;
   WriteOptimumDesign(DesignOf(problem, outcome.nearest.Links()), problem, outcome.evaluation, remark, name, run);
@@ -120,24 +120,24 @@ std::string SizeFile(std::size_t size) {
   return fmt::format("sizes/{}/design.yaml", size + 1);
 }
 
-void WriteSizeTables(const sizes::SizesOutcome& outcome, Run& run) {
+void WriteSizeTables(const redesign::SizesOutcome& outcome, Run& run) {
   std::vector<std::string> header = {"size", "people", "range_deg", "misalignment_percent"};
   std::ranges::copy(LinkColumns(""), std::back_inserter(header));
   CsvWriter sizes(header);
   for (std::size_t k = 0; k < outcome.sizes.size(); ++k) {
-    const group::GroupOutcome& size = outcome.sizes[k];
+    const redesign::GroupOutcome& size = outcome.sizes[k];
     sizes.AddRow(k + 1, size.people.size(), size.evaluation.range_deg, size.Misalignment_percent(),
                  size.nearest.Links().Values());
   }
   sizes.Write(run.Result("sizes.csv"));
   CsvWriter rule({"quantity", "from_mm", "to_mm", "size"});
-  for (const sizes::RuleRange& range : outcome.rule.ranges)
+  for (const redesign::RuleRange& range : outcome.rule.ranges)
     rule.AddRow(outcome.rule.quantity, range.from_mm, range.to_mm, range.size + 1);
   rule.Write(run.Result("size_rule.csv"));
   CsvWriter left_out({"person", "size", "size_by_rule", "holds", "misalignment_percent", "range_deg"});
   const std::vector<PersonRow> rows = RowsOf(outcome);
   for (std::size_t i = 0; i < outcome.left_out.size(); ++i) {
-    const sizes::LeftOut& of = outcome.left_out[i];
+    const redesign::LeftOut& of = outcome.left_out[i];
     left_out.AddRow(rows[i].group.people[rows[i].index].name, outcome.size_of[i] + 1, of.size + 1, of.fit.holds,
                     of.fit.percent, of.fit.range_deg);
   }
@@ -198,7 +198,7 @@ struct LeftOutCounts {
   std::size_t same_size = 0, hold = 0;
 };
 
-LeftOutCounts CountLeftOut(const sizes::SizesOutcome& outcome) {
+LeftOutCounts CountLeftOut(const redesign::SizesOutcome& outcome) {
   LeftOutCounts counts;
   for (std::size_t i = 0; i < outcome.left_out.size(); ++i) {
     counts.same_size += outcome.left_out[i].size == outcome.size_of[i];
@@ -208,9 +208,9 @@ LeftOutCounts CountLeftOut(const sizes::SizesOutcome& outcome) {
 }
 
 // By which quantity, and what became of those who were left out.
-Json RuleJson(const sizes::SizesOutcome& outcome) {
+Json RuleJson(const redesign::SizesOutcome& outcome) {
   Json ranges = Json::array();
-  for (const sizes::RuleRange& range : outcome.rule.ranges)
+  for (const redesign::RuleRange& range : outcome.rule.ranges)
     ranges.push_back(
         {{"from_mm", NumberOrNull(range.from_mm)}, {"to_mm", NumberOrNull(range.to_mm)}, {"size", range.size + 1}});
   const LeftOutCounts counts = CountLeftOut(outcome);
@@ -241,13 +241,13 @@ std::string PeopleText(const std::vector<PersonRow>& rows) {
 }
 
 // Each size, who gets it by which rule, and how that went for those who were left out.
-std::string SizesText(const sizes::SizesOutcome& outcome) {
+std::string SizesText(const redesign::SizesOutcome& outcome) {
   std::string text;
   for (std::size_t k = 0; k < outcome.sizes.size(); ++k)
     text += fmt::format("size {}: range {:.2f} deg, {} people\n", k + 1, outcome.sizes[k].evaluation.range_deg,
                         outcome.sizes[k].people.size());
-  const std::vector<sizes::RuleRange>& ranges = outcome.rule.ranges;
-  for (const sizes::RuleRange& range : ranges)
+  const std::vector<redesign::RuleRange>& ranges = outcome.rule.ranges;
+  for (const redesign::RuleRange& range : ranges)
     if (std::isfinite(range.to_mm))
       text += fmt::format("  {} up to {:.1f}: size {}\n", outcome.rule.quantity, range.to_mm, range.size + 1);
     else
@@ -301,7 +301,7 @@ std::vector<std::string> GroupResultNames(const std::vector<std::string>& people
   return names;
 }
 
-Json WriteGroup(const group::GroupOutcome& outcome, Run& run) {
+Json WriteGroup(const redesign::GroupOutcome& outcome, Run& run) {
   const std::vector<PersonRow> rows = RowsOf(outcome);
   WriteDesigns(outcome, "design.yaml", run);
   WritePeople(rows, run);
@@ -316,8 +316,8 @@ Json WriteGroup(const group::GroupOutcome& outcome, Run& run) {
                   {"misalignment_percent", NumberOrNull(outcome.Misalignment_percent())},
                   {"max_misalignment_percent", NumberOrNull(problem.shared.max_misalignment_percent)},
                   {"penalty_deg_per_mm", problem.shared.penalty_deg_per_mm},
-                  {"starts", outcome.nearest.starts},
-                  {"usable_starts", outcome.nearest.usable_starts},
+                  {"starts", outcome.starts},
+                  {"usable_starts", outcome.usable_starts},
                   {"cost", CostJson(rows)},
                   {"people", PeopleJson(rows)},
                   {"optimum", EvaluationJson(outcome.evaluation)}};
@@ -329,11 +329,11 @@ Json WriteGroup(const group::GroupOutcome& outcome, Run& run) {
   return summary;
 }
 
-Json WriteSizes(const sizes::SizesOutcome& outcome, Run& run) {
+Json WriteSizes(const redesign::SizesOutcome& outcome, Run& run) {
   const std::vector<PersonRow> rows = RowsOf(outcome);
   Json sizes = Json::array();
   for (std::size_t k = 0; k < outcome.sizes.size(); ++k) {
-    const group::GroupOutcome& size = outcome.sizes[k];
+    const redesign::GroupOutcome& size = outcome.sizes[k];
     WriteDesigns(size, SizeFile(k), run);
     sizes.push_back({{"size", k + 1},
                      {"people", size.people.size()},

@@ -299,22 +299,22 @@ Json RunForGroup(const OptimizeRunOptions& options, const redesign::RedesignProb
   redesign::GroupProblem problem{
       .shared = shared, .people = {}, .across = reoptimize.across, .quantile = reoptimize.quantile};
   problem.CheckOptions();
-  if (reoptimize.sizes) sizes::CheckSizes(problem, *reoptimize.sizes, reoptimize.comparisons.size());
+  if (reoptimize.sizes) redesign::CheckSizes(problem, *reoptimize.sizes, reoptimize.comparisons.size());
   const std::vector<std::string> names =
       reoptimize.people.empty() ? NamesOfFolders(reoptimize.comparisons) : reoptimize.people;
-  std::vector<group::PersonMeasured> people;
+  std::vector<redesign::PersonMeasured> people;
   for (std::size_t i = 0; i < names.size(); ++i) people.push_back({names[i], ReadMeasured(reoptimize, i, run)});
-  for (const group::PersonMeasured& person : people)
+  for (const redesign::PersonMeasured& person : people)
     if (person.motion.movement == gait::MovementKind::kWalking)
       throw Fail("{}: it is of walking, and a linkage for many people is designed for sit-to-stands", person.name);
   if (!reoptimize.participants.empty()) reoptimize.heights_mm = ReadHeights(reoptimize.participants, names);
   run.Begin(GroupResultNames(names, reoptimize.sizes));
   if (reoptimize.sizes) {
-    const sizes::SizesOutcome outcome =
-        sizes::RunSizes(problem, people, *reoptimize.sizes, reoptimize.heights_mm, options.study.optimize);
+    const redesign::SizesOutcome outcome =
+        redesign::RunSizes(problem, people, *reoptimize.sizes, reoptimize.heights_mm, options.study.optimize);
     return Finished(outcome.IsSolved(), WriteSizes(outcome, run), outcome.Reason(), run);
   }
-  const group::GroupOutcome outcome = group::RunGroup(problem, people, options.study.optimize);
+  const redesign::GroupOutcome outcome = redesign::RunGroup(problem, people, options.study.optimize);
   return Finished(outcome.IsSolved(), WriteGroup(outcome, run), outcome.reason, run);
 }
 

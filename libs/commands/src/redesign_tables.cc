@@ -112,7 +112,7 @@ std::vector<StartRow> StartRows(const redesign::RedesignResult& result) {
     rows.push_back(
         {solve.local,
          {},
-         StartRow::Motion{solve.IsUsable(), solve.prediction ? solve.objective : kNaN, solve.Misalignment_percent()}});
+         StartRow::Motion{solve.IsUsable(), solve.Predicted() ? solve.objective : kNaN, solve.Misalignment_percent()}});
   return rows;
 }
 

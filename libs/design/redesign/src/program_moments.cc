@@ -93,7 +93,7 @@ MomentsOfProgram FindMoments(const RedesignProblem& problem, std::vector<Redesig
     RedesignResult search;
     for (const RedesignPoint& start : starts) search.Add(SolveFrom(under, start, options));
     if (!search.IsSolved()) break;
-    const RedesignPoint point = search.Best().point;
+    const RedesignPoint point = search.Best().Point();
     ++found.rounds;
     found.profile = ProfileOf(problem, measured, point);
     found.off_nm = LargestDifferenceNm(found.profile, *under.design.profile);

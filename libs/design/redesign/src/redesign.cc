@@ -16,14 +16,14 @@ namespace {
 using Goal = RedesignProblem::Goal;
 using synthesis::Until;
 
-std::vector<double> ValuesOf(double (*value)(const Prediction&), const GroupSolve& solve) {
+std::vector<double> ValuesOf(double (*value)(const Prediction&), const RedesignSolve& solve) {
   std::vector<double> of_people;
   for (const auto& prediction : solve.predictions) of_people.push_back(prediction ? value(*prediction) : kNaN);
   return of_people;
 }
 
 // Do the limits hold on the paths that the closed form predicts?
-bool HoldsOnPath(const GroupProblem& group, const GroupSolve& solve) {
+bool HoldsOnPath(const GroupProblem& group, const RedesignSolve& solve) {
   constexpr double kTolerance = 1e-5;
   const RedesignProblem& problem = group.shared;
   if (problem.min_range_deg && solve.Range_deg() < *problem.min_range_deg * (1 - kTolerance)) return false;
@@ -36,12 +36,12 @@ bool HoldsOnPath(const GroupProblem& group, const GroupSolve& solve) {
   });
 }
 
-double ObjectiveOf(const GroupProblem& group, const GroupSolve& solve) {
+double ObjectiveOf(const GroupProblem& group, const RedesignSolve& solve) {
   const RedesignProblem& problem = group.shared;
   const auto combined = [&](double (*value)(const Prediction&)) { return group.Combine(ValuesOf(value, solve)); };
   for (const Quantity& quantity : kQuantities)
     if (problem.goal == quantity.goal) return quantity.Merit(combined(quantity.value));
-  const Eigen::Vector2d& placement_mm = solve.points.front().placement_mm;
+  const Eigen::Vector2d& placement_mm = solve.Point().placement_mm;
   if (problem.goal == Goal::kNearest) return -placement_mm.norm();
   if (problem.goal == Goal::kFarthest) return problem.farthest.dot(placement_mm);
   double objective = solve.Range_deg();
@@ -77,9 +77,9 @@ std::vector<double> PullsOf(const std::vector<RedesignVariables>& people, const 
   return lengths;
 }
 
-GroupSolve SolveOneSide(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
-                        const std::vector<ConstantStart>& sides, const synthesis::OptimizeOptions& options) {
-  GroupSolve solve;
+RedesignSolve SolveOneSide(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
+                           const std::vector<ConstantStart>& sides, const synthesis::OptimizeOptions& options) {
+  RedesignSolve solve;
   RedesignBuilder builder(problem, start, sides);
   solve.local = synthesis::SolveByExchange(problem.shared.design, builder, options);
   solve.points = builder.Points();
@@ -92,6 +92,7 @@ GroupSolve SolveOneSide(const GroupProblem& problem, const std::vector<RedesignP
   solve.pulls = PullsOf(builder.Variables(), solve.local);
   if (std::ranges::all_of(solve.predictions, [](const auto& of) { return of.has_value(); })) {
     solve.holds_on_path = HoldsOnPath(problem, solve);
+    solve.is_usable = solve.local.IsUsable() && solve.holds_on_path;
     solve.objective = ObjectiveOf(problem, solve);
   }
   return solve;
@@ -99,24 +100,24 @@ GroupSolve SolveOneSide(const GroupProblem& problem, const std::vector<RedesignP
 
 // Without margins multipliers need not be unique, and a solve may stall just short of the tolerance, where all starts
 // meet: it goes on from there to 1e-7 deg, finer than anything that is reported.
-GroupSolve SolveOrFinish(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
-                         const std::vector<ConstantStart>& sides, synthesis::OptimizeOptions options) {
-  GroupSolve solve = SolveOneSide(problem, start, sides, options);
+RedesignSolve SolveOrFinish(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
+                            const std::vector<ConstantStart>& sides, synthesis::OptimizeOptions options) {
+  RedesignSolve solve = SolveOneSide(problem, start, sides, options);
   if (solve.local.solution.status != nlp::NlpStatus::kStalled || !solve.holds_on_path) return solve;
   constexpr double kFine = 1e-7;
   options.nlp.tolerance = std::max(options.nlp.tolerance, kFine);
   options.nlp.StartWarm();
-  GroupSolve finished = SolveOneSide(problem, solve.points, sides, options);
+  RedesignSolve finished = SolveOneSide(problem, solve.points, sides, options);
   finished.local.iterations += solve.local.iterations;
   return finished.IsUsable() ? std::move(finished) : std::move(solve);
 }
 
 ParetoPoint ParetoPointOf(const RedesignSolve& solve, double least_range_deg) {
   return {.least_range_deg = least_range_deg,
-          .point = solve.point,
+          .point = solve.Point(),
           .range_deg = solve.Range_deg(),
           .misalignment_percent = solve.Misalignment_percent(),
-          .rms_mm = solve.prediction->Rms().mm};
+          .rms_mm = solve.Predicted()->Rms().mm};
 }
 
 using Front = std::vector<std::optional<ParetoPoint>>;
@@ -152,7 +153,7 @@ void MakeMonotone(std::vector<ParetoPoint>& front) {
 }  // namespace
 
 double RedesignSolve::Misalignment_percent() const {
-  return prediction ? kMisalignment.value(*prediction) : kNaN;
+  return Predicted() ? kMisalignment.value(*Predicted()) : kNaN;
 }
 
 RedesignProblem WithGoal(RedesignProblem problem, Goal goal, std::optional<double> min_range_deg) {
@@ -163,8 +164,8 @@ RedesignProblem WithGoal(RedesignProblem problem, Goal goal, std::optional<doubl
   return problem;
 }
 
-GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
-                     const synthesis::OptimizeOptions& options, bool warm) {
+RedesignSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
+                        const synthesis::OptimizeOptions& options, bool warm) {
   synthesis::OptimizeOptions inner = options;
   constexpr int kMostIterations = 150;  // solves that succeed take 12 to 60; the others wander until stopped
   inner.nlp.max_iterations = std::min(inner.nlp.max_iterations, kMostIterations);
@@ -174,7 +175,7 @@ GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoin
   if (problem.people.size() > 1) inner.nlp.max_restoration_iterations = kMostRestoration;
   if (warm) inner.nlp.StartWarm();
   std::vector<ConstantStart> sides(problem.people.size(), ConstantStart::kAtHumanAngle);
-  GroupSolve solve = SolveOrFinish(problem, start, sides, inner);
+  RedesignSolve solve = SolveOrFinish(problem, start, sides, inner);
   if (problem.shared.program.kind == linkage::StrokeProgram::Kind::kFree || problem.shared.program.free_ends)
     return solve;
   constexpr double kTouching_mm = 1e-3;
@@ -186,8 +187,8 @@ GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoin
   }
   if (!touches) return solve;
   const std::vector<RedesignPoint>& from = solve.IsUsable() ? solve.points : start;
-  GroupSolve other = SolveOrFinish(problem, from, sides, inner);
-  synthesis::MultiStart<GroupSolve> both;
+  RedesignSolve other = SolveOrFinish(problem, from, sides, inner);
+  synthesis::MultiStart<RedesignSolve> both;
   both.Add(std::move(solve));
   both.Add(std::move(other));
   return both.TakeBestOrFirst();
@@ -195,8 +196,7 @@ GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoin
 
 RedesignSolve SolveFrom(const RedesignProblem& problem, const RedesignPoint& start,
                         const synthesis::OptimizeOptions& options, bool warm) {
-  GroupSolve solve = SolveFrom(GroupProblem::OfOne(problem), std::vector{start}, options, warm);
-  return {std::move(solve), std::move(solve.points.front()), std::move(solve.predictions.front())};
+  return SolveFrom(GroupProblem::OfOne(problem), std::vector{start}, options, warm);
 }
 
 namespace {
@@ -232,15 +232,15 @@ bool HasSolution(const RedesignProblem& problem, const std::vector<linkage::Link
 
 RedesignPoint NearestToKnee(const RedesignProblem& problem, const RedesignSolve& optimum,
                             const synthesis::OptimizeOptions& options) {
-  if (!problem.fit_placement) return optimum.point;
+  if (!problem.fit_placement) return optimum.Point();
   RedesignProblem nearest = WithGoal(problem, Goal::kNearest, optimum.Range_deg() - kEqualRange_deg);
   nearest.max_misalignment_percent = optimum.Misalignment_percent() + kEqualMisalignment_percent;
   if (problem.max_misalignment_percent)
     nearest.max_misalignment_percent = std::min(*nearest.max_misalignment_percent, *problem.max_misalignment_percent);
-  if (problem.cuff_penalty_deg_per_n > 0) nearest.max_cuff_force_n = optimum.prediction->cuff_force_n;
-  const RedesignSolve solve = SolveFrom(nearest, optimum.point, options, true);
-  const bool nearer = solve.IsUsable() && solve.point.placement_mm.norm() < optimum.point.placement_mm.norm();
-  return nearer ? solve.point : optimum.point;
+  if (problem.cuff_penalty_deg_per_n > 0) nearest.max_cuff_force_n = optimum.Predicted()->cuff_force_n;
+  const RedesignSolve solve = SolveFrom(nearest, optimum.Point(), options, true);
+  const bool nearer = solve.IsUsable() && solve.Point().placement_mm.norm() < optimum.Point().placement_mm.norm();
+  return nearer ? solve.Point() : optimum.Point();
 }
 
 std::optional<PlacementRange> FindPlacementRange(const RedesignProblem& problem, const RedesignPoint& point,
@@ -259,7 +259,7 @@ std::optional<PlacementRange> FindPlacementRange(const RedesignProblem& problem,
       const RedesignSolve solve = SolveFrom(farthest, point, options, true);
       if (!solve.IsUsable()) return std::nullopt;
       problem::Bounds& bounds = axis == 0 ? range.x_mm : range.y_mm;
-      (side < 0 ? bounds.lower : bounds.upper) = solve.point.placement_mm[axis];
+      (side < 0 ? bounds.lower : bounds.upper) = solve.Point().placement_mm[axis];
     }
   return range;
 }

@@ -40,7 +40,7 @@ class Explainer {
     if (ExplainStride()) return std::move(report_);
     if (const auto least = Best(kMisalignment, problem_)) {
       if (Explain(kMisalignment, *least, problem_)) return std::move(report_);
-      report_.nearest = least->point;
+      report_.nearest = least->Point();
       report_.within_reach = true;
       report_.sentence = "the limits can be held, but the solver did not reach an optimum; ask for more --starts";
       return std::move(report_);
@@ -71,7 +71,7 @@ class Explainer {
   bool CanBeSolved(const RedesignProblem& problem) const {
     if (HasSolution(problem, links_, options_)) return true;
     const auto least = Best(kMisalignment, problem);
-    return least && SolveFrom(problem, least->point, options_, true).IsUsable();
+    return least && SolveFrom(problem, least->Point(), options_, true).IsUsable();
   }
 
   // A rounded limit, from the best value on, with which the problem can be solved.
@@ -89,7 +89,7 @@ class Explainer {
   }
   std::optional<double> Working(const Quantity& quantity, const RedesignProblem& problem) const {
     const auto best = Best(quantity, problem);
-    return best ? Working(quantity, quantity.value(*best->prediction), problem) : std::nullopt;
+    return best ? Working(quantity, quantity.value(*best->Predicted()), problem) : std::nullopt;
   }
 
   // Of walking: no linkage follows the knee in the time, however far the joint is off.
@@ -99,10 +99,10 @@ class Explainer {
     for (const Quantity* quantity : {&kMisalignment, &kCuffForce}) quantity->limit(within).reset();
     const auto quickest = Best(kDuration, within);
     if (!quickest) return false;
-    const double needed_s = kDuration.value(*quickest->prediction), stride_s = *problem_.program.duration_s,
+    const double needed_s = kDuration.value(*quickest->Predicted()), stride_s = *problem_.program.duration_s,
                  speed_mm_s = problem_.program.max_speed_mm_s;
     if (needed_s <= stride_s) return false;
-    report_.nearest = quickest->point;
+    report_.nearest = quickest->Point();
     report_.ways.push_back(
         {fmt::format("strides of {} s", SignificantText(RoundedUp(needed_s), 3)), true, {}, needed_s});
     report_.sentence = fmt::format(
@@ -143,11 +143,11 @@ class Explainer {
   // held, with what holds it there and what would free it.
   bool Explain(const Quantity& quantity, const RedesignSolve& best, const RedesignProblem& within) {
     const std::optional<double> limit = quantity.limit(problem_);
-    const double value = quantity.value(*best.prediction);
+    const double value = quantity.value(*best.Predicted());
     if (!limit || quantity.Holds(value, *limit)) return false;
     report_.quantity = &quantity;
     report_.best = value;
-    report_.nearest = best.point;
+    report_.nearest = best.Point();
     CollectBlocking(best);
     report_.working = Working(quantity, value, within);
     TryPlacement(within);
@@ -155,7 +155,7 @@ class Explainer {
     TryReversing(within);
     TryWithoutBalance(within);
     TryCuffs(within);
-    report_.sentence = Sentence(*limit, *best.prediction);
+    report_.sentence = Sentence(*limit, *best.Predicted());
     return true;
   }
 
@@ -180,8 +180,8 @@ class Explainer {
     const auto best = Best(quantity, other);
     if (!best) return;
     quantity.limit(other) = quantity.limit(problem_);
-    const bool enough = SolveFrom(other, best->point, options_, true).IsUsable();
-    report_.ways.push_back({text, enough, quantity.value(*best->prediction), {}});
+    const bool enough = SolveFrom(other, best->Point(), options_, true).IsUsable();
+    report_.ways.push_back({text, enough, quantity.value(*best->Predicted()), {}});
   }
 
   void TryPlacement(RedesignProblem other) {

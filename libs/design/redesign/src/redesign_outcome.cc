@@ -227,8 +227,8 @@ void FindWithoutBalance(const std::vector<linkage::Links>& links, RedesignOutcom
   }
   const auto optimum = FindOptimum(problem, links, outcome.options.optimize);
   if (!optimum) return;
-  if (moments) moments->off_nm = OffMomentsNm(problem, moments->measured, optimum->point);
-  outcome.without_balance = PutBeside(outcome, DesignOf(problem, optimum->point));
+  if (moments) moments->off_nm = OffMomentsNm(problem, moments->measured, optimum->Point());
+  outcome.without_balance = PutBeside(outcome, DesignOf(problem, optimum->Point()));
 }
 
 // Of the range alone: the misalignment's limit holds the design's own range down, and a bound never comes near that.
@@ -236,7 +236,7 @@ void CertifyWidest(RedesignOutcome& outcome) {
   const synthesis::SynthesisResult widest = synthesis::Optimize(outcome.problem.design, outcome.options.optimize);
   outcome.widest_deg = outcome.result.Best().Range_deg();
   if (widest.best >= 0) outcome.widest_deg = std::max(*outcome.widest_deg, widest.Best().evaluation.range_deg);
-  const linkage::Links links = widest.best >= 0 ? widest.Best().end : outcome.result.Best().point.links;
+  const linkage::Links links = widest.best >= 0 ? widest.Best().end : outcome.result.Best().Point().links;
   outcome.certificate =
       synthesis::CertifyOptimum(outcome.problem.design, links, *outcome.widest_deg,
                                 synthesis::CertificateOptionsOf(*outcome.options.certify_gap_deg,
@@ -266,7 +266,7 @@ void FindDesign(std::vector<linkage::Links> links, RedesignOutcome& outcome) {
   SearchOrExplain(links, outcome);
   for (int i = 0; i < kMostTimes && outcome.moments && outcome.IsSolved(); ++i) {
     const MomentsOfProgram& before = *outcome.moments;
-    const RedesignPoint optimum = outcome.result.Best().point;
+    const RedesignPoint optimum = outcome.result.Best().Point();
     if (OffMomentsNm(outcome.problem, before.measured, optimum) <= kOtherMoments_nm) return;
     MomentsOfProgram moments =
         FindMoments(AsMeasured(outcome.problem, outcome), std::vector{optimum}, outcome.options.optimize);
@@ -297,7 +297,7 @@ std::optional<DesignInMotion> WithOtherProgram(const RedesignOutcome& outcome) {
   same.placement_mm = PlacementOf(worn);
   const RedesignSolve solve = SolveFrom(same, StartPoint(same, worn.links), outcome.options.optimize);
   if (!solve.IsUsable()) return std::nullopt;
-  linkage::Design design = DesignOf(same, solve.point);
+  linkage::Design design = DesignOf(same, solve.Point());
   design.links = worn.links;
   return PutBeside(outcome, design);
 }

@@ -29,101 +29,10 @@ constexpr double kLeanTie = 1e-5;           // per deg^2 of mean square
 constexpr double kLeanBend = 1e-2;          // per deg^2 of each second difference of a lean: it changes smoothly
 constexpr double kLongest_mm = 1e4, kLongest_s = 1e5, kShortest_s = 0.3;
 
-// v = theta, p_x, p_y. `factor` x the comparison's squared misalignment, or squared distance where `shank_mm` is 1.
-struct SquaredErrorTerm {
-  HumanSample human;
-  double shank_mm, factor;
-  template <typename T>
-  T operator()(const T* v) const {
-    return compare::SquaredMisalignment(PredictKnee(human, v[0], v[1], v[2]), human.knee, shank_mm) * factor;
-  }
-};
-
-// v = theta, p_x, p_y, lean of the leg.
-struct LeaningErrorTerm {
-  SquaredErrorTerm upright;
-  template <typename T>
-  T operator()(const T* v) const {
-    using std::cos, std::sin;
-    const T lean = v[3] + LeanOf(upright.human);
-    const Eigen::Matrix<T, 2, 1> knee = PredictKnee(upright.human, T(sin(lean)), T(cos(lean)), v[0], v[1], v[2]);
-    return compare::SquaredMisalignment(knee, upright.human.knee, upright.shank_mm) * upright.factor;
-  }
-};
-
-// v = p_x, p_y. The joint against the knee: |p + delta|^2.
-struct JointErrorTerm {
-  Eigen::Vector2d slip_mm;
-  double factor;
-  template <typename T>
-  T operator()(const T* v) const {
-    const T x = v[0] + slip_mm.x(), y = v[1] + slip_mm.y();
-    return (x * x + y * y) * factor;
-  }
-};
-
-// v = leans a, b, c of neighbours.
-struct BendTerm {
-  double factor;
-  template <typename T>
-  T operator()(const T* v) const {
-    const T bend = v[0] + v[2] - v[1] * 2.0;
-    return bend * bend * factor;
-  }
-};
-
-// v = theta, lean of the leg. The hip's height above that of the human, mm.
-struct HipHeightTerm {
-  HumanSample human;
-  template <typename T>
-  T operator()(const T* v) const {
-    return HipHeight(human, v[0], v[1]) - HipHeight(human, human.knee_rad, 0.0);
-  }
-};
-
-// v = duration, centre of pressure in mm, then theta and the leans of leg and trunk of the sample before, the sample
-// and, unless the body stays there, the sample after. 0 where the ground's force acts at that centre; mm.
-struct PressureTerm {
-  std::shared_ptr<const loads::BodyPath> body;
-  std::array<HumanSample, 3> human;
-  std::array<std::size_t, 3> at;  // indices of the three samples
-  double step;                    // between them, of the rise
-  bool stays;
-
-  template <typename T>
-  T operator()(const T* v) const {
-    const auto pose = [&](std::size_t i) {
-      const T* w = v + 2 + 3 * (stays ? std::min<std::size_t>(i, 1) : i);
-      return PoseOf(human[i], body->trunk[at[i]], body->body, w[0], w[1], w[2]);
-    };
-    const loads::Support<T> ground =
-        loads::FindGroundSupport(std::array{pose(0), pose(1), pose(2)}, T(v[0] * step), *body);
-    const double weight_n = loads::kGravity_m_s2 * (body->body.foot.mass_kg + body->body.shank.mass_kg +
-                                                    body->body.thigh.mass_kg + body->body.trunk.mass_kg);
-    return (ground.moment_nm * kMmPerM - ground.force_n * v[1]) / weight_n;
-  }
-};
-
-// v = theta, theta at standing, p_x, p_y. `factor` x the squared slip of a cuff.
-struct CuffSlipTerm {
-  cuffs::CuffOptions cuffs;
-  std::size_t cuff;         // of CuffsOf
-  Eigen::Vector2d slip_mm;  // of the mount
-  double factor;
-  template <typename T>
-  T operator()(const T* v) const {
-    const auto [x, y] = cuffs::SlipsOf(cuffs, v[0], v[1], T(v[2] + slip_mm.x()), T(v[3] + slip_mm.y()))[cuff];
-    return (x * x + y * y) * factor;
-  }
-};
-
-struct SquareTerm {
-  double factor;
-  template <typename T>
-  T operator()(const T* v) const {
-    return v[0] * v[0] * factor;
-  }
-};
+// factor x v^2
+auto SquareTerm(double factor) {
+  return [factor](const auto* v) { return v[0] * v[0] * factor; };
+}
 
 // What one person adds.
 class PersonExtender {
@@ -154,17 +63,30 @@ class PersonExtender {
   // `factor` x the mean squared misalignment (of L) or squared distance (of 1), as terms of a row or the cost.
   void AddMeanSquare(int row, bool relative, double factor) {
     const auto [x, y] = variables_.placement;
+    const double share = factor / static_cast<double>(problem_.human.size());
     for (std::size_t i = 0; i < problem_.human.size(); ++i) {
       const HumanSample& human = problem_.human[i];
-      const SquaredErrorTerm error{human, relative ? human.shank_mm : 1.0,
-                                   factor / static_cast<double>(problem_.human.size())};
-      if (problem_.misalignment_of == MisalignmentOf::kJoint)
+      const double shank_mm = relative ? human.shank_mm : 1.0;
+      const auto error = [human, shank_mm, share](const auto* v, const auto& sin_lean, const auto& cos_lean) {
+        const auto knee = PredictKnee(human, sin_lean, cos_lean, v[0], v[1], v[2]);
+        return compare::SquaredMisalignment(knee, human.knee, shank_mm) * share;
+      };
+      if (problem_.misalignment_of == MisalignmentOf::kJoint)  // |p + delta|^2
         nlp().AddTerm(row, std::array{x, y},
-                      JointErrorTerm{human.slip_mm, error.factor / (error.shank_mm * error.shank_mm)});
+                      [slip_mm = human.slip_mm, scale = share / (shank_mm * shank_mm)](const auto* v) {
+                        const auto off_x = v[0] + slip_mm.x(), off_y = v[1] + slip_mm.y();
+                        return (off_x * off_x + off_y * off_y) * scale;
+                      });
       else if (problem_.balance_mm)
-        nlp().AddTerm(row, std::array{variables_.theta[i], x, y, variables_.leg_lean[i]}, LeaningErrorTerm{error});
+        nlp().AddTerm(row, std::array{variables_.theta[i], x, y, variables_.leg_lean[i]},
+                      [error, of_human = LeanOf(human)](const auto* v) {
+                        using std::cos, std::sin;
+                        const auto lean = v[3] + of_human;
+                        return error(v, sin(lean), cos(lean));
+                      });
       else
-        nlp().AddTerm(row, std::array{variables_.theta[i], x, y}, error);
+        nlp().AddTerm(row, std::array{variables_.theta[i], x, y},
+                      [error, human](const auto* v) { return error(v, human.sin_lean, human.cos_lean); });
     }
   }
 
@@ -220,7 +142,7 @@ class PersonExtender {
           is_there ? synthesis_.placement[axis] : nlp().AddVariable(Named(PlacementName(axis)), start, lower, upper);
       if (!problem_.fit_placement) continue;
       const double square = problem_.goal == Goal::kNearest ? kNearestWeight : kPlacementRidge * weight_;
-      nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{square});
+      nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm(square));
       if (problem_.goal == Goal::kFarthest)
         synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.placement[axis], -problem_.farthest[axis]);
       synthesis_.limits.push_back({{PlacementName(axis), person_}, "mm", -1, variables_.placement[axis]});
@@ -297,8 +219,13 @@ class PersonExtender {
                                                        placed[k].number + 1, PercentOf(i, problem_.human))),
                                      -nlp::kUnbounded, 0);
         nlp().AddTerm(row, std::array{variables_.theta[i], variables_.theta.back(), x, y},
-                      CuffSlipTerm{problem_.cuffs, k, problem_.human.back().slip_mm, stiff * stiff / kScale_n2});
-        nlp().AddTerm(row, std::array{largest}, SquareTerm{-1 / kScale_n2});
+                      [cuffs = problem_.cuffs, k, slip_mm = problem_.human.back().slip_mm,
+                       factor = stiff * stiff / kScale_n2]<typename T>(const T* v) {
+                        const T at_x = v[2] + slip_mm.x(), at_y = v[3] + slip_mm.y();
+                        const auto [slip_x, slip_y] = cuffs::SlipsOf(cuffs, v[0], v[1], at_x, at_y)[k];
+                        return T((slip_x * slip_x + slip_y * slip_y) * factor);
+                      });
+        nlp().AddTerm(row, std::array{largest}, SquareTerm(-1 / kScale_n2));
       }
   }
 
@@ -310,7 +237,9 @@ class PersonExtender {
     for (std::size_t i = 0; i < first; ++i)
       nlp().AddConstraint(Named(fmt::format("hip on the seat at {:g} %", PercentOf(i, problem_.human))), -kSeatGives_mm,
                           kSeatGives_mm, std::array{variables_.theta[i], variables_.leg_lean[i]},
-                          HipHeightTerm{problem_.human[i]});
+                          [human = problem_.human[i]](const auto* v) {
+                            return HipHeight(human, v[0], v[1]) - HipHeight(human, human.knee_rad, 0.0);
+                          });
     for (std::size_t i = first; i < problem_.human.size(); ++i) AddPressure(i);
   }
 
@@ -323,8 +252,12 @@ class PersonExtender {
       const std::string name = fmt::format("{} at {:g} %", what, PercentOf(i, problem_.human));
       leans.push_back(nlp().AddVariable(Named(name), start_rad.empty() ? 0 : start_rad[i], -most_rad, most_rad));
       nlp().AddCost(std::array{leans.back()},
-                    SquareTerm{kLeanTie * kSquareDegrees / static_cast<double>(problem_.human.size())});
-      if (i >= 2) nlp().AddCost(std::array{leans[i - 2], leans[i - 1], leans[i]}, BendTerm{kLeanBend * kSquareDegrees});
+                    SquareTerm(kLeanTie * kSquareDegrees / static_cast<double>(problem_.human.size())));
+      if (i >= 2)
+        nlp().AddCost(std::array{leans[i - 2], leans[i - 1], leans[i]}, [](const auto* v) {
+          const auto bend = v[0] + v[2] - v[1] * 2.0;
+          return bend * bend * (kLeanBend * kSquareDegrees);
+        });
     }
     return leans;
   }
@@ -337,23 +270,32 @@ class PersonExtender {
     const int pressure = nlp().AddVariable(Named("centre of pressure" + place), std::midpoint(heel_mm, toe_mm),
                                            -kLongest_mm, kLongest_mm);
     const std::size_t last = problem_.human.size() - 1, reach = BalanceReach(problem_.human);
-    PressureTerm term{problem_.body,
-                      {},
-                      {sample - std::min(sample, reach), sample, std::min(sample + reach, last)},
-                      static_cast<double>(reach) / static_cast<double>(last),
-                      sample == last};
-    for (std::size_t k = 0; k < term.at.size(); ++k) term.human[k] = problem_.human[term.at[k]];
+    const std::array at = {sample - std::min(sample, reach), sample, std::min(sample + reach, last)};
+    const std::array human = {problem_.human[at[0]], problem_.human[at[1]], problem_.human[at[2]]};
+    const double step = static_cast<double>(reach) / static_cast<double>(last);  // between them, of the rise
+    // v = duration, centre of pressure in mm, then theta and the leans of leg and trunk of the sample before, the
+    // sample and, unless the body stays there, the sample after. 0 where the ground's force acts at that centre; mm.
+    const auto off = [body = problem_.body, human, at, step, stays = sample == last](const auto* v) {
+      const auto pose = [&](std::size_t i) {
+        const auto* w = v + 2 + 3 * (stays ? std::min<std::size_t>(i, 1) : i);
+        return PoseOf(human[i], body->trunk[at[i]], body->body, w[0], w[1], w[2]);
+      };
+      const std::array poses = {pose(0), pose(1), pose(2)};
+      const auto ground = loads::FindGroundSupport(poses, v[0] * step, *body);
+      const double weight_n = loads::kGravity_m_s2 * (body->body.foot.mass_kg + body->body.shank.mass_kg +
+                                                      body->body.thigh.mass_kg + body->body.trunk.mass_kg);
+      return (ground.moment_nm * kMmPerM - ground.force_n * v[1]) / weight_n;
+    };
     const int row = nlp().AddRow(Named("ground" + place), 0, 0);
     const auto of = [&](std::size_t k) {
-      const std::size_t i = term.at[k];
-      return std::array{variables_.theta[i], variables_.leg_lean[i], variables_.trunk_lean[i]};
+      return std::array{variables_.theta[at[k]], variables_.leg_lean[at[k]], variables_.trunk_lean[at[k]]};
     };
     const auto [a, b, c] = std::array{of(0), of(1), of(2)};
-    if (term.stays)
-      nlp().AddTerm(row, std::array{variables_.duration, pressure, a[0], a[1], a[2], b[0], b[1], b[2]}, term);
+    const int duration = variables_.duration;
+    if (sample == last)
+      nlp().AddTerm(row, std::array{duration, pressure, a[0], a[1], a[2], b[0], b[1], b[2]}, off);
     else
-      nlp().AddTerm(
-          row, std::array{variables_.duration, pressure, a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]}, term);
+      nlp().AddTerm(row, std::array{duration, pressure, a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]}, off);
     synthesis::AddLinearRow(nlp(), Named("before the heel" + place), heel_mm, nlp::kUnbounded,
                             {{pressure, 1}, {variables_.margin, -1}});
     synthesis::AddLinearRow(nlp(), Named("behind the toe" + place), -nlp::kUnbounded, toe_mm,
@@ -483,7 +425,7 @@ class GroupExtender {
       if (IsMean()) add(person.Named(name), start(person));
       const int row = nlp().AddRow(person.Named(name), -nlp::kUnbounded, 0);
       person.AddMeanSquare(row, relative, factor);
-      nlp().AddTerm(row, std::array{roots.back()}, SquareTerm{-own_factor});
+      nlp().AddTerm(row, std::array{roots.back()}, SquareTerm(-own_factor));
       if (person.Variables().misalignment_row < 0) person.Variables().misalignment_row = row;
     }
     if (weight > 0)

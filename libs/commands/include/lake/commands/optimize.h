@@ -11,7 +11,7 @@
 #include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
-#include "lake/redesign/group_problem.h"
+#include "lake/redesign/redesign_problem.h"
 #include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::commands {

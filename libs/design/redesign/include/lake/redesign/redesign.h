@@ -5,47 +5,47 @@
 #include <optional>
 #include <vector>
 
-#include "lake/redesign/group_problem.h"
+#include "lake/redesign/redesign_problem.h"
 #include "lake/synthesis/optimize.h"
 
 namespace lake::redesign {
 
-// One local solve, exchange included.
-struct SolveInMotion {
-  synthesis::LocalSolve local;
+// Where a local solve ends: for one person, or for a group with the same links.
+struct RedesignEnd {
   // Of the goal, larger is better: RoR less penalties in deg; -percent; -s; -N; -|p|, farthest . p or a margin in mm.
   double objective = 0;
-  bool holds_on_path = false;  // the limits on misalignment, range and time, within 1e-5
-
-  // Solved; feasible by the closed form; the limits hold on the predicted path.
-  bool IsUsable() const { return local.IsUsable() && holds_on_path; }
-  double Range_deg() const { return local.evaluation.range_deg; }
-};
-
-struct RedesignSolve : SolveInMotion {
-  RedesignPoint point;                   // the end
-  std::optional<Prediction> prediction;  // of the end, by the closed form and the comparison's error
-
-  double Misalignment_percent() const;  // NaN without a prediction
-};
-
-// The same for a group: ends and predictions of each person, all with the same links.
-struct GroupSolve : SolveInMotion {
-  std::vector<RedesignPoint> points;
-  std::vector<std::optional<Prediction>> predictions;
-  std::vector<double> multipliers;  // of what bounds each person's misalignment, 0 where nothing does
+  bool is_usable = false;             // solved; feasible by the closed form; the limits hold on the predicted path
+  std::vector<RedesignPoint> points;  // of each person
+  std::vector<double> multipliers;    // of what bounds each person's misalignment, 0 where nothing does
   // How strongly all that is asked of a person holds the links, in units of the goal per mm. Where the worst counts,
   // those without a pull could be left out: the links would stay an optimum.
   std::vector<double> pulls;
+
+  bool IsUsable() const { return is_usable; }
+  const linkage::Links& Links() const { return points.front().links; }
+  const RedesignPoint& Point() const { return points.front(); }  // of one person
+};
+// From one process to another.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RedesignEnd, objective, is_usable, points, multipliers, pulls)
+
+// One local solve, exchange included.
+struct RedesignSolve : RedesignEnd {
+  synthesis::LocalSolve local;
+  bool holds_on_path = false;                          // the limits on misalignment, range and time, within 1e-5
+  std::vector<std::optional<Prediction>> predictions;  // of the ends, by the closed form and the comparison's error
+
+  double Range_deg() const { return local.evaluation.range_deg; }
+  // Of one person.
+  const std::optional<Prediction>& Predicted() const { return predictions.front(); }
+  double Misalignment_percent() const;  // NaN without a prediction
 };
 
-// Of a constant program both sides of max(d(theta_human(0)), d_min) are tried where the first ends on it. `warm`: the
-// start is a solution of a problem close by.
+// From a point for each person. Of a constant program both sides of max(d(theta_human(0)), d_min) are tried where the
+// first ends on it. `warm`: the start is a solution of a problem close by.
+RedesignSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
+                        const synthesis::OptimizeOptions& options = {}, bool warm = false);
 RedesignSolve SolveFrom(const RedesignProblem& problem, const RedesignPoint& start,
                         const synthesis::OptimizeOptions& options = {}, bool warm = false);
-// The same for a group, from a point for each person.
-GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
-                     const synthesis::OptimizeOptions& options = {}, bool warm = false);
 
 // The same problem with another goal, without penalty and limit on the misalignment.
 RedesignProblem WithGoal(RedesignProblem problem, RedesignProblem::Goal goal, std::optional<double> min_range_deg = {});

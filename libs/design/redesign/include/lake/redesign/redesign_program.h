@@ -21,7 +21,7 @@
 // placement, on time, and on leaning otherwise than the person did.
 #pragma once
 
-#include "lake/redesign/group_problem.h"
+#include "lake/redesign/redesign_problem.h"
 #include "lake/synthesis/optimize.h"
 
 namespace lake::redesign {

@@ -1,4 +1,4 @@
-#include "lake/sizes/sizes.h"
+#include "lake/redesign/sizes.h"
 
 #include <algorithm>
 #include <array>
@@ -14,21 +14,12 @@
 #include "lake/core/progress.h"
 #include "lake/core/statistics.h"
 
-namespace lake::sizes {
+namespace lake::redesign {
 
 // From one process to another.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Fit, holds, value, percent, range_deg)
 
 namespace {
-
-using group::DesignTask;
-using group::GroupDesign;
-using group::GroupOutcome;
-using redesign::GroupProblem;
-using redesign::GroupSolve;
-using redesign::RedesignPoint;
-using redesign::RedesignProblem;
-using redesign::RedesignSolve;
 
 using Assignment = std::vector<std::size_t>;  // the size of each person
 using Fits = std::vector<std::vector<Fit>>;   // per person and size
@@ -142,7 +133,7 @@ class SizeSearch {
 
   // Whoever is new to the size begins with its links.
   std::vector<RedesignPoint> PointsBefore(const Members& members, std::size_t size, const Alternation& before) const {
-    const group::GroupDesign& design = before.designs[size].nearest;
+    const RedesignEnd& design = before.designs[size].nearest;
     const Members earlier = MembersOf(before.assignment, size);
     std::vector<RedesignPoint> points;
     for (const std::size_t i : members) {
@@ -220,8 +211,8 @@ std::vector<std::size_t> UpTo(std::size_t count) {
 
 std::vector<BodyQuantity> QuantitiesOf(const GroupProblem& problem, const std::vector<double>& heights_mm) {
   BodyQuantity leg{"leg_mm", {}}, shank{"shank_mm", {}}, thigh{"thigh_mm", {}};
-  for (const redesign::Subject& person : problem.people) {
-    const redesign::SegmentLengths lengths = redesign::SegmentsOf(person.human);
+  for (const Subject& person : problem.people) {
+    const SegmentLengths lengths = SegmentsOf(person.human);
     leg.mm.push_back(lengths.shank_mm + lengths.thigh_mm);
     shank.mm.push_back(lengths.shank_mm);
     thigh.mm.push_back(lengths.thigh_mm);
@@ -246,9 +237,9 @@ std::vector<Assignment> FirstAssignments(const GroupProblem& problem, const std:
                                          std::size_t sizes, std::uint64_t seed) {
   std::vector<double> bend, chance;
   std::mt19937_64 random(seed);
-  for (const redesign::Subject& person : problem.people) {
+  for (const Subject& person : problem.people) {
     double largest = 0;
-    for (const redesign::HumanSample& sample : person.human) largest = std::max(largest, sample.knee_rad);
+    for (const HumanSample& sample : person.human) largest = std::max(largest, sample.knee_rad);
     bend.push_back(largest);
     chance.push_back(static_cast<double>(random() >> 11));
   }
@@ -293,7 +284,7 @@ double PullOf(const SizesOutcome& outcome, std::size_t person) {
 linkage::Links LinksWithout(const SizesOutcome& outcome, const GroupProblem& problem, std::size_t person,
                             const synthesis::OptimizeOptions& options) {
   const std::size_t size = outcome.size_of[person];
-  const GroupDesign& design = outcome.sizes[size].nearest;
+  const RedesignEnd& design = outcome.sizes[size].nearest;
   std::vector<std::size_t> others;
   std::vector<RedesignPoint> points;
   for (std::size_t k = 0; k < outcome.members[size].size(); ++k) {
@@ -303,9 +294,9 @@ linkage::Links LinksWithout(const SizesOutcome& outcome, const GroupProblem& pro
   }
   if (others.empty()) return design.Links();
   const GroupProblem without = ProblemOf(problem, others);
-  GroupSolve solve = SolveFrom(without, points, options, true);
-  if (!solve.IsUsable()) solve = SolveFrom(without, group::StartPoints(without, design.Links()), options);
-  return solve.IsUsable() ? solve.points.front().links : design.Links();
+  RedesignSolve solve = SolveFrom(without, points, options, true);
+  if (!solve.IsUsable()) solve = SolveFrom(without, StartPoints(without, design.Links()), options);
+  return solve.IsUsable() ? solve.Links() : design.Links();
 }
 
 // What whoever is left out gets: the size that the rule of the others says, without them if it was theirs. A size that
@@ -341,7 +332,7 @@ void AddPeople(const GroupProblem& problem, const std::vector<linkage::Links>& l
                const synthesis::OptimizeOptions& options, SizesOutcome& outcome) {
   std::vector<linkage::Links> starts = LinksOf(outcome.sizes);
   starts.insert(starts.end(), links.begin(), links.end());
-  const std::vector<std::optional<RedesignPoint>> own = group::OwnPoints(problem, starts, options);
+  const std::vector<RedesignEnd> own = OwnDesigns(problem, starts, options);
   for (std::size_t k = 0; k < outcome.sizes.size(); ++k)
     for (std::size_t i = 0; i < outcome.members[k].size(); ++i)
       outcome.sizes[k].people.push_back(OutcomeOf(outcome.sizes[k], i, own[outcome.members[k][i]]));
@@ -372,7 +363,7 @@ Fit FitOf(const RedesignProblem& person, const linkage::Links& links, const synt
   const auto hold = [&](const RedesignSolve& solve) {
     fit.holds = true;
     fit.percent = solve.Misalignment_percent();
-    fit.value = fit.range_deg - person.penalty_deg_per_mm * solve.prediction->Rms().mm;
+    fit.value = fit.range_deg - person.penalty_deg_per_mm * solve.Predicted()->Rms().mm;
   };
   if (person.penalty_deg_per_mm > 0) {
     const RedesignSolve best = SolveFrom(fixed, start, options);
@@ -405,13 +396,12 @@ std::string SizesOutcome::Reason() const {
 
 void CheckSizes(const GroupProblem& shared, int sizes, std::size_t people) {
   constexpr int kMostSizes = 8;
-  if (shared.across != redesign::Across::kWorst)
-    throw UsageError("--sizes: the limit holds for every person; omit --across");
+  if (shared.across != Across::kWorst) throw UsageError("--sizes: the limit holds for every person; omit --across");
   if (sizes < 2 || sizes > kMostSizes || people < 2 * static_cast<std::size_t>(sizes))
     throw UsageError("--sizes {}: 2 to {}, and at least two people for each; there are {}", sizes, kMostSizes, people);
 }
 
-SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<group::PersonMeasured>& people, int sizes,
+SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<PersonMeasured>& people, int sizes,
                       const std::vector<double>& heights_mm, const synthesis::OptimizeOptions& options) {
   CheckSizes(shared, sizes, people.size());
   const auto count = static_cast<std::size_t>(sizes);
@@ -422,7 +412,7 @@ SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<group::Perso
   const std::vector<double>& leg_mm = LengthsOf(outcome.quantities, "leg_mm");
   Alternation best;
   DesignTask coarse_task = task;
-  coarse_task.problem = group::Coarse(problem);
+  coarse_task.problem = Coarse(problem);
   SizeSearch coarse(coarse_task, count, options);
   for (const Assignment& first : FirstAssignments(problem, leg_mm, count, options.seed)) {
     Alternation found = coarse.Alternate(first);
@@ -442,4 +432,4 @@ SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<group::Perso
   return outcome;
 }
 
-}  // namespace lake::sizes
+}  // namespace lake::redesign

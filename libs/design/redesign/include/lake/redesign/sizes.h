@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "lake/group/group.h"
+#include "lake/redesign/group.h"
 
-namespace lake::sizes {
+namespace lake::redesign {
 
 // The fit of one size to one person, placement and program adapted.
 struct Fit {
@@ -16,8 +16,7 @@ struct Fit {
   double percent = 0;  // misalignment; infinite where the linkage cannot follow the person
   double range_deg = 0;
 };
-Fit FitOf(const redesign::RedesignProblem& person, const linkage::Links& links,
-          const synthesis::OptimizeOptions& options);
+Fit FitOf(const RedesignProblem& person, const linkage::Links& links, const synthesis::OptimizeOptions& options);
 
 // Of one quantity of the body: whoever is within (from, to] gets this size. Ranges lie side by side from -inf to inf.
 struct RuleRange {
@@ -50,7 +49,7 @@ struct LeftOut {
 };
 
 struct SizesOutcome {
-  std::vector<group::GroupOutcome> sizes;         // each for those who wear it, in the order of their legs' lengths
+  std::vector<GroupOutcome> sizes;                // each for those who wear it, in the order of their legs' lengths
   std::vector<std::vector<std::size_t>> members;  // of each size, as indices of people
   std::vector<std::size_t> size_of;               // of each person
   std::vector<BodyQuantity> quantities;
@@ -65,12 +64,12 @@ struct SizesOutcome {
 };
 
 // Throws UsageError: 2 to 8 sizes, at least two people for each, and a limit or penalty on the worst misalignment.
-void CheckSizes(const redesign::GroupProblem& shared, int sizes, std::size_t people);
+void CheckSizes(const GroupProblem& shared, int sizes, std::size_t people);
 
 // `heights_mm`: of all people, or empty. Alternates designing and assigning, which never lowers the mean over people,
 // from several first assignments, until no assignment changes or for ten rounds at most. Throws as CheckSizes() and
 // RunGroup().
-SizesOutcome RunSizes(const redesign::GroupProblem& shared, const std::vector<group::PersonMeasured>& people, int sizes,
+SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<PersonMeasured>& people, int sizes,
                       const std::vector<double>& heights_mm, const synthesis::OptimizeOptions& options);
 
-}  // namespace lake::sizes
+}  // namespace lake::redesign
