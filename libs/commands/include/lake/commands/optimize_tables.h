@@ -10,7 +10,7 @@
 #include "lake/core/json.h"
 #include "lake/core/run.h"
 #include "lake/redesign/redesign_outcome.h"
-#include "lake/sizes/sizes.h"
+#include "lake/redesign/sizes.h"
 #include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::commands {
@@ -48,9 +48,9 @@ std::vector<std::string> GroupResultNames(const std::vector<std::string>& people
 
 // Writes design.yaml (the common links), people.csv and of each person people/NAME/design.yaml and program.csv; returns
 // the results for summary.json. Warns through the run of what a reader must know.
-Json WriteGroup(const group::GroupOutcome& outcome, Run& run);
+Json WriteGroup(const redesign::GroupOutcome& outcome, Run& run);
 
 // The same with sizes/K/design.yaml of each size, sizes.csv, size_rule.csv and left_out.csv.
-Json WriteSizes(const sizes::SizesOutcome& outcome, Run& run);
+Json WriteSizes(const redesign::SizesOutcome& outcome, Run& run);
 
 }  // namespace lake::commands
