@@ -61,23 +61,6 @@ TEST_F(ByHandTest, TheButtonIsHeldWhileAnythingMoves) {
   EXPECT_TRUE(rig_->Asks("stop", "ok"));
 }
 
-TEST_F(ByHandTest, StopGivesHomingUpAndHoldEndsIt) {
-  Build(FreeDesign({{0, 300}, {2, 306}}));
-  rig_->SetStroke(330);
-  rig_->KeepTalking(false);
-  ASSERT_TRUE(rig_->Asks("home", "ok"));
-  rig_->Run(3);
-  ASSERT_TRUE(rig_->Asks("stop", "ok"));
-  rig_->Run(1);
-  EXPECT_EQ(rig_->Duty(), 0);
-  EXPECT_TRUE(rig_->Asks("run", "error:5"));
-  ASSERT_TRUE(rig_->Asks("home", "ok"));
-  rig_->Run(0.5);
-  rig_->SendNow('!');
-  rig_->Run(0.2);
-  EXPECT_THAT(rig_->Status(), HasSubstr("<idle"));
-}
-
 TEST_F(ByHandTest, IsToldWhoMayWearItAndWhatTheProgramIs) {
   firmware_options_.design_hash = "0123456789ab";
   Build(FreeDesign({{0, 300}, {2, 306}}));
@@ -90,21 +73,18 @@ TEST_F(ByHandTest, IsToldWhoMayWearItAndWhatTheProgramIs) {
 }
 
 TEST(SketchNotes, SayWhatIsOfThisSketchAlone) {
-  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {2, 306}});
-  const actuator::DutyTable table = ModelTable();
   actuator::FirmwareOptions options;
   options.design_hash = "0123456789ab", options.extend_stop_mm = 0.6;
-  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, options);
-  const std::string notes = actuator::SketchNotes(stroke, schedule, table, options, "from design.yaml");
+  actuator::Sketch sketch(FreeSchedule({{0, 300}, {2, 306}}), ModelTable(), options);
+  const std::string notes = actuator::SketchNotes(sketch, "from design.yaml");
   for (const char* part :
        {"0123456789ab (SHA-256)", actuator::kUntried, "MODEL duty table", "UNWORN ONLY: home takes the knee to 14",
         "open loop", "Retract end stop at 242.498 mm", "extend end stop at 373.9", "README.txt"})
     EXPECT_THAT(notes, HasSubstr(part));
   std::istringstream lines(notes);
   for (std::string line; std::getline(lines, line);) EXPECT_TRUE(line.empty() || line.starts_with("//")) << line;
-  actuator::DutyTable measured = table;
-  measured.rows.front().extend_se_mm_s = 0.1;
-  EXPECT_THAT(actuator::SketchNotes(stroke, schedule, measured, options, ""), Not(HasSubstr("MODEL")));
+  sketch.table.rows.front().extend_se_mm_s = 0.1;
+  EXPECT_THAT(actuator::SketchNotes(sketch, ""), Not(HasSubstr("MODEL")));
 }
 
 // Wherever a person reads about safety; what `lake-stroke` prints is in stroke_cli_test.cc.

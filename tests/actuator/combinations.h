@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "lake/actuator/firmware.h"
+#include "actuator/program_fixture.h"
 
 namespace lake {
 
@@ -32,10 +32,7 @@ struct Combination {
 
   actuator::FirmwareOptions Options() const {
     actuator::FirmwareOptions options;
-    if (Has(kPot)) {
-      options.feedback = actuator::Feedback::kPotentiometer;
-      options.potentiometer = {0, 240, 1023, 380};
-    }
+    if (Has(kPot)) WirePotentiometer(options);
     if (Has(kSupply)) options.supply_v = 12;
     options.current_sense = Has(kCurrent);
     options.bridge_sense = Has(kSense);

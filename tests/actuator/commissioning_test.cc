@@ -1,12 +1,7 @@
 // The schematic and the sign-off sheet of a sketch.
-#include "lake/actuator/commissioning.h"
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <set>
 
-#include "model_program.h"
+#include "program_fixture.h"
 
 namespace lake {
 namespace {
@@ -17,11 +12,8 @@ using testing::Not;
 
 actuator::FirmwareOptions Everything() {
   actuator::FirmwareOptions options;
-  options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
-  options.supply_v = 12, options.current_sense = true, options.bridge_sense = true;
-  options.pins.safety_relay = 5, options.pins.hold_button = 4, options.pins.in1 = 6;
-  options.speed_limit_mm_s = 6;
-  options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
+  WireAll(options);
+  options.pins.hold_button = 4, options.pins.in1 = 6;
   return options;
 }
 
@@ -35,11 +27,9 @@ TEST(Commissioning, TheSchematicHasThisSketchsPins) {
 }
 
 TEST(Commissioning, TheSignOffSheetSaysWhatTheFirmwareCannotKnow) {
-  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {2, 306}});
-  const actuator::DutyTable table = ModelTable();
   actuator::FirmwareOptions options;
   const auto sheet = [&] {
-    return actuator::SignOffSheet(actuator::MakeStrokeTable(schedule, table, options), schedule, table, options);
+    return actuator::SignOffSheet({FreeSchedule({{0, 300}, {2, 306}}), ModelTable(), options});
   };
   EXPECT_THAT(sheet(), AllOf(HasSubstr("not been tried on a board"), HasSubstr("It does not see the emergency stop"),
                              HasSubstr("ENA's jumper removed")));

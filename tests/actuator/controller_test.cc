@@ -9,17 +9,14 @@
 #include <set>
 #include <utility>
 
+#include "board.h"
 #include "config.h"
 #include "divide.h"
 #include "end_stops.h"
-#include "guard.h"
 #include "host_board.h"
-#include "lake/actuator/firmware.h"
 #include "lake/actuator/serial_frame.h"
-#include "lake/core/atomic_file.h"
 #include "model_program.h"
 #include "motor.h"
-#include "places.h"
 #include "power.h"
 #include "protocol.h"
 #include "serial.h"
@@ -29,11 +26,6 @@ namespace {
 
 using testing::EndsWith;
 using testing::HasSubstr;
-
-// The program of host/stroke_table.h: up at 5 mm/s, up at 2, back at 4, a rest, up.
-actuator::StrokeSchedule HostSchedule() {
-  return FreeSchedule({{0, 300}, {0.5, 302.5}, {1, 303.5}, {1.5, 301.5}, {1.8, 301.5}, {2, 302.1}});
-}
 
 class ControllerTest : public testing::Test {
  protected:
@@ -48,7 +40,7 @@ class ControllerTest : public testing::Test {
   }
 
   void Tick(int times = 1) {
-    for (int i = 0; i < times; ++i) guard_interrupt(), controller_turn();
+    for (int i = 0; i < times; ++i) board_interrupt(), controller_turn();
   }
 
   // A host that talks, so that the command time-out does not act.
@@ -67,17 +59,6 @@ class ControllerTest : public testing::Test {
     ASSERT_EQ(Ask(REQUEST_RUN), REPLY_OK);
   }
 };
-
-TEST(HostTable, IsWhatTheProgramWrites) {
-  const actuator::StrokeSchedule schedule = HostSchedule();
-  const actuator::DutyTable table = ModelTable();
-  actuator::FirmwareOptions options;
-  options.home_stroke_mm = 297, options.speed_tolerance_percent = 10;
-  const std::string header = actuator::StrokeTableHeader(actuator::MakeStrokeTable(schedule, table, options), schedule,
-                                                         table, options, "For the tests of the portable part.");
-  EXPECT_EQ(ReadTextFile(SourceDir() / "tests/actuator/host/stroke_table.h"), header)
-      << "lake-stroke --home-stroke 297 with this program writes it";
-}
 
 TEST_F(ControllerTest, PlanFollowsTheScheduleTickByTick) {
   Start();
@@ -132,11 +113,11 @@ TEST_F(ControllerTest, TheInterruptStopsTheMotorAtAnEndStopAndWhereTheMainLoopIs
     TickTalking(100);
     ASSERT_EQ(host_board.bridge, HOST_DRIVE);
     host_board.open = END_STOP_RETRACT;  // behind
-    guard_interrupt();
+    board_interrupt();
     ASSERT_EQ(host_board.bridge, HOST_DRIVE);
     host_board.open = is_late ? 0 : END_STOP_EXTEND;
     host_board.is_late = is_late;
-    guard_interrupt();
+    board_interrupt();
     EXPECT_EQ(host_board.bridge, HOST_OFF);
     EXPECT_EQ(host_board.direction, 0);
     controller_turn();
@@ -320,9 +301,9 @@ TEST_F(ProtocolTest, EveryLineHasOneReply) {
 
 TEST_F(ProtocolTest, RealTimeCharactersAreNoPartOfALine) {
   for (int c = 0; c < 256; ++c)
-    EXPECT_EQ(protocol_realtime(static_cast<char>(c)), c == '?'                ? REALTIME_DONE
-                                                       : c == '!' || c == 0x18 ? REALTIME_FORGET
-                                                                               : REALTIME_NONE)
+    EXPECT_EQ(serial_realtime(static_cast<char>(c)), c == '?'                ? REALTIME_DONE
+                                                     : c == '!' || c == 0x18 ? REALTIME_FORGET
+                                                                             : REALTIME_NONE)
         << c;
   const std::string said = Say("");
   EXPECT_THAT(said.substr(0, said.rfind('*')), EndsWith("|duty:0.0000|stops:0>"));

@@ -26,8 +26,6 @@ constexpr double kFailedBridgeWay_mm = 1;  // where the bridge drives by itself:
 constexpr double kFailedBridgeTold_s = 0.085;  // then: the relay opens within 100 ms of the fault
 constexpr const char* kAtLimit = "running, at the upper limit";
 
-using Act = std::function<void(HostRig&)>;
-
 // A single fault, and what is to be seen of it in whatever state it comes: the numbers are those of RISKS.md, rounded
 // up.
 struct SingleFault {
@@ -39,38 +37,27 @@ struct SingleFault {
 };
 
 const std::vector<SingleFault>& SingleFaults() {
-  static const auto wire = [](Wire RigBreaks::*which, Wire how) {
-    return [=](HostRig& rig) { rig.Breaks().*which = how; };
-  };
-  static const auto supply = [](double part) {
+  using B = RigBreaks;
+  using enum Wire;
+  static const auto supply = [](double part) -> Act {
     return [=](HostRig& rig) { rig.Actuator().supply = [part](double) { return part; }; };
   };
+  static const std::vector<int> kStill = {8, 11, 13, 15}, kMoves = {8, 9, 11, 13, 15}, kStops = {1, 2, 5},
+                                kShorted = {8, 9, 10, 11, 12, 15};
   static const std::vector<SingleFault> faults = {
       {"none", "nothing is broken: a stop alone", {}, 0.5, [](HostRig&) {}},
-      {"ena_open", "ENA's wire off at the UNO", {8, 11, 13, 15}, 0.5, wire(&RigBreaks::ena, Wire::kOpen)},
-      {"ena_ground", "ENA's wire at ground", {8, 11, 13, 15}, 0.5, wire(&RigBreaks::ena, Wire::kGround)},
-      {"ena_5v", "ENA's jumper on, or its wire at 5 V", {8, 9, 10, 11, 15}, 7, wire(&RigBreaks::ena, Wire::kFive)},
-      {"in1_open", "IN1's wire off at the UNO", {8, 9, 11, 13, 15}, 7, wire(&RigBreaks::in1, Wire::kOpen)},
-      {"in1_ground", "IN1's wire at ground", {8, 11, 13, 15}, 7, wire(&RigBreaks::in1, Wire::kGround)},
-      {"in1_5v", "IN1's wire at 5 V", {8, 9, 11, 13, 15}, 7, wire(&RigBreaks::in1, Wire::kFive)},
-      {"in2_open", "IN2's wire off at the UNO", {8, 9, 11, 13, 15}, 7, wire(&RigBreaks::in2, Wire::kOpen)},
-      {"in2_ground", "IN2's wire at ground", {8, 11, 13, 15}, 7, wire(&RigBreaks::in2, Wire::kGround)},
-      {"in2_5v", "IN2's wire at 5 V", {8, 9, 11, 13, 15}, 7, wire(&RigBreaks::in2, Wire::kFive)},
-      {"retract_wire",
-       "the retract end stop's wire off",
-       {1, 2, 5},
-       2.5,
-       [](HostRig& rig) { rig.PullWire(true, true); }},
-      {"extend_wire",
-       "the extend end stop's wire off",
-       {1, 2, 5},
-       2.5,
-       [](HostRig& rig) { rig.PullWire(false, true); }},
-      {"both_wires",
-       "both end stops' wires off",
-       {2},
-       0.5,
-       [](HostRig& rig) { rig.PullWire(true, true), rig.PullWire(false, true); }},
+      {"ena_open", "ENA's wire off at the UNO", kStill, 0.5, Breaks(&B::ena, kOpen)},
+      {"ena_ground", "ENA's wire at ground", kStill, 0.5, Breaks(&B::ena, kGround)},
+      {"ena_5v", "ENA's jumper on, or its wire at 5 V", {8, 9, 10, 11, 15}, 7, Breaks(&B::ena, kFive)},
+      {"in1_open", "IN1's wire off at the UNO", kMoves, 7, Breaks(&B::in1, kOpen)},
+      {"in1_ground", "IN1's wire at ground", kStill, 7, Breaks(&B::in1, kGround)},
+      {"in1_5v", "IN1's wire at 5 V", kMoves, 7, Breaks(&B::in1, kFive)},
+      {"in2_open", "IN2's wire off at the UNO", kMoves, 7, Breaks(&B::in2, kOpen)},
+      {"in2_ground", "IN2's wire at ground", kStill, 7, Breaks(&B::in2, kGround)},
+      {"in2_5v", "IN2's wire at 5 V", kMoves, 7, Breaks(&B::in2, kFive)},
+      {"retract_wire", "the retract end stop's wire off", kStops, 2.5, PullsWires(true, false)},
+      {"extend_wire", "the extend end stop's wire off", kStops, 2.5, PullsWires(false, true)},
+      {"both_wires", "both end stops' wires off", {2}, 0.5, PullsWires(true, true)},
       {"retract_shorted",
        "the retract end stop's wire at ground",
        {4, 12},
@@ -79,52 +66,31 @@ const std::vector<SingleFault>& SingleFaults() {
       {"supply_off", "the emergency stop pressed", {6, 8, 11, 12, 13}, 0.5, supply(0)},
       {"supply_low", "the supply at half its voltage", {6}, 0.5, supply(0.5)},
       {"supply_high", "the supply at one and a half times its voltage", {6}, 0.5, supply(1.5)},
-      {"supply_sense", "the wire of A2 off", {6, 16}, 0.5, [](HostRig& rig) { rig.Breaks().supply_wire = true; }},
-      {"wiper_lost",
-       "the wire of A0 off",
-       {7},
-       0.5,
-       [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kLost; }},
-      {"wiper_shorted", "A0 at 5 V", {7}, 0.5, [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kShorted; }},
+      {"supply_sense", "the wire of A2 off", {6, 16}, 0.5, Breaks(&B::supply_wire, true)},
+      {"wiper_lost", "the wire of A0 off", {7}, 0.5, Breaks(&B::wiper, B::Wiper::kLost)},
+      {"wiper_shorted", "A0 at 5 V", {7}, 0.5, Breaks(&B::wiper, B::Wiper::kShorted)},
       {"wiper_frozen",
        "the wiper's wire at a fixed voltage",
        {1, 4, 7, 8, 9, 10, 11},
        6,
-       [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kFrozen; }},
-      {"current_sense", "the wire of A1 off", {12}, 0.5, [](HostRig& rig) { rig.Breaks().current_wire = true; }},
+       Breaks(&B::wiper, B::Wiper::kFrozen)},
+      {"current_sense", "the wire of A1 off", {12}, 0.5, Breaks(&B::current_wire, true)},
       {"short", "the motor's leads shorted", {12}, 0.5, [](HostRig& rig) { rig.Actuator().idle_a = 6; }},
-      {"motor_unplugged",
-       "one of the motor's leads off",
-       {8, 11, 13},
-       0.5,
-       [](HostRig& rig) { rig.Breaks().is_motor_unplugged = true; }},
-      {"blocked", "the rod held", {8, 11, 12}, 0.5, [](HostRig& rig) { rig.Breaks().is_blocked = true; }},
+      {"motor_unplugged", "one of the motor's leads off", {8, 11, 13}, 0.5, Breaks(&B::is_motor_unplugged, true)},
+      {"blocked", "the rod held", {8, 11, 12}, 0.5, Breaks(&B::is_blocked, true)},
       {"shorted_extend",
-       "the bridge has failed and extends, whatever its inputs are: OUT1 at the supply, OUT2 at ground",
-       {8, 9, 10, 11, 12, 15},
-       1,
-       [](HostRig& rig) { rig.Breaks().shorted = 1; }},
-      {"shorted_retract",
-       "the bridge has failed and retracts: OUT2 at the supply, OUT1 at ground",
-       {8, 9, 10, 11, 12, 15},
-       1,
-       [](HostRig& rig) { rig.Breaks().shorted = -1; }},
-      {"relay_welded",
-       "the safety relay's contact bridged",
-       {16},
-       3,
-       [](HostRig& rig) { rig.Breaks().is_relay_welded = true; }},
+       "the bridge has failed and extends, whatever its inputs are: OUT1 at the supply, OUT2 at ground", kShorted, 1,
+       Breaks(&B::shorted, 1)},
+      {"shorted_retract", "the bridge has failed and retracts: OUT2 at the supply, OUT1 at ground", kShorted, 1,
+       Breaks(&B::shorted, -1)},
+      {"relay_welded", "the safety relay's contact bridged", {16}, 3, Breaks(&B::is_relay_welded, true)},
       {"host_silent", "the USB cable out", {}, 10, [](HostRig& rig) { rig.KeepTalking(false); }},
       {"main_hangs",
        "the main loop hangs (a firmware with LAKE_SIMULATOR)",
        {},
        2,
        [](HostRig& rig) { rig.Hang(true); }},
-      {"current_offset",
-       "the current sensor 30 mV off",
-       {},
-       0.5,
-       [](HostRig& rig) { rig.Breaks().current_offset_v = 0.03; }},
+      {"current_offset", "the current sensor 30 mV off", {}, 0.5, Breaks(&B::current_offset_v, 0.03)},
   };
   return faults;
 }
@@ -158,13 +124,8 @@ struct Found {
 class FaultMatrixTest : public HostFirmwareTest {
  protected:
   void SetUp() override {
-    actuator::FirmwareOptions& options = firmware_options_;
-    options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
-    options.supply_v = 12, options.current_sense = true, options.bridge_sense = true;
-    options.pins.safety_relay = 5;
-    options.speed_limit_mm_s = 6, options.extend_stop_mm = 0.7;
-    options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    WireAll(firmware_options_);
+    firmware_options_.extend_stop_mm = 0.7;
     actuator_.noise_counts = 0.5;
     actuator_.has_relay = true;
     actuator_.extend_stop_mm = 374.5205 - 0.7;
@@ -221,7 +182,7 @@ class FaultMatrixTest : public HostFirmwareTest {
   std::string Danger(std::size_t from, int most_driven_ms) const {
     int driven_ms = 0;
     for (std::size_t i = from; i < rig_->Samples().size(); ++i) {
-      const HostSample& sample = rig_->Samples()[i];
+      const RigSample& sample = rig_->Samples()[i];
       if (sample.stroke_mm > schedule_.limits.upper_end_mm || sample.stroke_mm < schedule_.limits.lower_end_mm)
         return fmt::format("at {:.3f} mm, past the linkage's end", sample.stroke_mm);
       const bool into_stop = (sample.motor_duty > 0 && sample.stroke_mm >= actuator_.extend_stop_mm) ||

@@ -84,10 +84,8 @@ TEST(StrokeTable, WhatDoesNotFitIsAnError) {
 }
 
 TEST(StrokeTable, HeaderCannotBeBrokenByAFileName) {
-  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 305}});
-  const actuator::DutyTable table = ModelTable();
-  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, {});
-  const std::string header = actuator::StrokeTableHeader(stroke, schedule, table, {}, "from a\n#error b\\\nfile");
+  const std::string header =
+      actuator::StrokeTableHeader({FreeSchedule({{0, 300}, {1, 305}}), ModelTable(), {}}, "from a\n#error b\\\nfile");
   EXPECT_EQ(header.find("\n#error"), std::string::npos);
   EXPECT_EQ(header.find('\\'), std::string::npos);
 }
@@ -95,11 +93,11 @@ TEST(StrokeTable, HeaderCannotBeBrokenByAFileName) {
 // Up at 5 mm/s from 300 to 340 mm, home at 290 mm, a tolerance of 10 %: start error, a tenth of 50 mm, and the lag of
 // the three times that the speed rises (homing's stop, to the start, the program) or the two that it falls.
 TEST(Drift, ForecastIsTheClosedFormOfAConstantProgram) {
-  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {8, 340}});
   actuator::FirmwareOptions options;
   options.home_stroke_mm = 290, options.speed_tolerance_percent = 10;
-  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, ModelTable(), options);
-  const actuator::DriftForecast forecast = actuator::ForecastDrift(stroke, schedule, ModelTable(), options);
+  const actuator::Sketch sketch(FreeSchedule({{0, 300}, {8, 340}}), ModelTable(), options);
+  const actuator::StrokeTable& stroke = sketch.stroke;
+  const actuator::DriftForecast forecast = actuator::ForecastDrift(sketch);
   // 10 % are rounded up to 103/1024; 1 um of the start, 10 um of rounding up per ms.
   EXPECT_NEAR(forecast.last_drift_mm, 0.1 + stroke.pwm_error_mm + 50 * 103 / 1024.0 + 3 * 5 * 0.05, 0.012);
   EXPECT_NEAR(forecast.planned_mm, 340, 1e-9);
@@ -124,13 +122,12 @@ TEST(Drift, WhatARefusalProposesWorks) {
     const actuator::StrokeSchedule schedule = FreeSchedule(knots);
     actuator::DutyTable table = ModelTable();
     for (actuator::DutyRow& row : table.rows) row.tolerance_percent = 10;
-    const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, {});
-    const actuator::DriftForecast forecast = actuator::ForecastDrift(stroke, schedule, table, {});
+    const actuator::DriftForecast forecast = actuator::ForecastDrift({schedule, table, {}});
     EXPECT_TRUE(forecast.is_measured);
     const auto fits = [&](double percent) {
       actuator::FirmwareOptions options;
       options.speed_tolerance_percent = percent;
-      return actuator::ForecastDrift(stroke, schedule, table, options).Fits();
+      return actuator::ForecastDrift({schedule, table, options}).Fits();
     };
     if (forecast.Fits()) {
       EXPECT_GE(forecast.tolerable_percent, 9.8) << "seed " << seed;  // it rounds down, twice by a tenth
@@ -143,9 +140,7 @@ TEST(Drift, WhatARefusalProposesWorks) {
     }
     EXPECT_FALSE(fits(std::max(forecast.tolerable_percent, 0.0) + 0.3)) << "seed " << seed;
     knots.back().stroke_mm -= std::ceil(10 * (forecast.drift_mm - forecast.Room()) + 0.01) / 10;
-    const actuator::StrokeSchedule earlier = FreeSchedule(knots);
-    EXPECT_TRUE(actuator::ForecastDrift(actuator::MakeStrokeTable(earlier, table, {}), earlier, table, {}).Fits())
-        << "seed " << seed;
+    EXPECT_TRUE(actuator::ForecastDrift({FreeSchedule(knots), table, {}}).Fits()) << "seed " << seed;
   }
   EXPECT_GT(refused, 10);
   EXPECT_LT(refused, 40);
@@ -153,16 +148,15 @@ TEST(Drift, WhatARefusalProposesWorks) {
 
 // An end stop before the linkage's end holds what the drift would carry past it, from where its run-on leaves room.
 TEST(Drift, AnExtendEndStopBeforeTheLinkagesEndIsAWayOut) {
-  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 260}, {24, 373.5}});  // 1.02 mm before the end
-  const actuator::DutyTable table = ModelTable();
-  actuator::FirmwareOptions options;
-  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, options);
-  const auto header = [&] { return actuator::StrokeTableHeader(stroke, schedule, table, options, "t"); };
+  // 1.02 mm before the end
+  actuator::Sketch sketch(FreeSchedule({{0, 260}, {24, 373.5}}), ModelTable(), {});
+  actuator::FirmwareOptions& options = sketch.options;
+  const auto header = [&] { return actuator::StrokeTableHeader(sketch, "t"); };
   EXPECT_THAT(header, ThrowsMessage<Error>(HasSubstr("(--extend-stop 0.6)")));
-  EXPECT_EQ(actuator::ExtendStop(schedule, options), std::nullopt);
+  EXPECT_EQ(sketch.ExtendStop(), std::nullopt);
   options.extend_stop_mm = 0.6;  // 0.1 mm and 50 ms of 9.68 mm/s, 3 % faster, are 0.599 mm
   EXPECT_THAT(header(), HasSubstr("#define LAKE_DRIFT_LIMITED 0"));
-  EXPECT_NEAR(*actuator::ExtendStop(schedule, options), 374.5205 - 0.6, 1e-4);
+  EXPECT_NEAR(*sketch.ExtendStop(), 374.5205 - 0.6, 1e-4);
   options.extend_stop_mm = 0.5;
   EXPECT_THAT(header, ThrowsMessage<Error>(HasSubstr("run on by 0.599 mm, to the linkage's end at 374.52")));
   options.extend_stop_mm = 1.1;
@@ -171,29 +165,21 @@ TEST(Drift, AnExtendEndStopBeforeTheLinkagesEndIsAWayOut) {
 }
 
 TEST(Drift, HomeKeepsTheLowerSoftLimit) {
-  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 250}, {8, 290}});
-  const actuator::DutyTable table = ModelTable();
-  actuator::FirmwareOptions options;
-  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, options);
-  const auto header = [&](const actuator::StrokeSchedule& plan) {
-    return actuator::StrokeTableHeader(stroke, plan, table, options, "t");
-  };
-  EXPECT_NEAR(actuator::HomeStroke(stroke, schedule, options), 241.9978 + 0.5, 1e-3);
-  EXPECT_THAT(header(schedule), HasSubstr("#define LAKE_HOME_UM 242498L"));
-  options.home_stroke_mm = 242;
-  EXPECT_THAT([&] { header(schedule); },
+  actuator::Sketch sketch(FreeSchedule({{0, 250}, {8, 290}}), ModelTable(), {});
+  const auto header = [&] { return actuator::StrokeTableHeader(sketch, "t"); };
+  EXPECT_NEAR(sketch.HomeStroke(), 241.9978 + 0.5, 1e-3);
+  EXPECT_THAT(header(), HasSubstr("#define LAKE_HOME_UM 242498L"));
+  sketch.options.home_stroke_mm = 242;
+  EXPECT_THAT(header,
               ThrowsMessage<UsageError>(HasSubstr("--home-stroke 242.000 mm is below the soft limit 242.498 mm")));
-  options.accept_drift = true;
-  EXPECT_THAT(header(schedule), HasSubstr("#define LAKE_HOME_UM 242000L"));
+  sketch.options.accept_drift = true;
+  EXPECT_THAT(header(), HasSubstr("#define LAKE_HOME_UM 242000L"));
   // A soft limit nearer to the dead point than the run-on past the switch.
-  options = {};
+  sketch.options = {};
   actuator::ScheduleOptions near;
   near.margin_mm = 0.2;
-  EXPECT_THAT(
-      [&] {
-        header(actuator::MakeSchedule(FreeDesign({{0, 250}, {8, 290}}), near));
-      },
-      ThrowsMessage<Error>(HasSubstr("may run on by 0.358 mm, past the linkage's end at 241.998 mm")));
+  sketch.schedule = actuator::MakeSchedule(FreeDesign({{0, 250}, {8, 290}}), near);
+  EXPECT_THAT(header, ThrowsMessage<Error>(HasSubstr("may run on by 0.358 mm, past the linkage's end at 241.998 mm")));
 }
 
 // 242.5 mm (home) to 330 mm in the program. The converter has 0 to 1023 counts and 10 at either end are not believed.
@@ -204,8 +190,7 @@ TEST(Potentiometer, IsOneThatSeesTheProgramFinelyEnough) {
     options.feedback = actuator::Feedback::kPotentiometer, options.feedback_error_mm = error_mm;
     options.potentiometer = actuator::ParsePotentiometerScale(scale);
     options.Check();
-    const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, ModelTable(), options);
-    return actuator::StrokeTableHeader(stroke, schedule, ModelTable(), options, "t");
+    return actuator::StrokeTableHeader({schedule, ModelTable(), options}, "t");
   };
   const auto refused = [&](const char* scale, const char* text, double error_mm = 0.5) {
     EXPECT_THAT([&] { header(scale, error_mm); }, ThrowsMessage<UsageError>(HasSubstr(text))) << scale;

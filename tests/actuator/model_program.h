@@ -33,4 +33,10 @@ inline actuator::StrokeSchedule FreeSchedule(std::vector<linkage::StrokeProgram:
   return actuator::MakeSchedule(FreeDesign(std::move(knots)), {});
 }
 
+// The program with which the firmware's portable part is compiled into the tests: up at 5 mm/s, up at 2, back at 4, a
+// rest, up.
+inline actuator::StrokeSchedule HostSchedule() {
+  return FreeSchedule({{0, 300}, {0.5, 302.5}, {1, 303.5}, {1.5, 301.5}, {1.8, 301.5}, {2, 302.1}});
+}
+
 }  // namespace lake

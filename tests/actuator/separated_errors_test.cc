@@ -1,6 +1,4 @@
 // A prototype with a slow actuator, one with a wrong link, one with both: each error is told where it is.
-#include "lake/actuator/separated_errors.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

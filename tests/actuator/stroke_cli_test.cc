@@ -280,7 +280,8 @@ TEST_F(StrokeProgramTest, CalibrateMakesATable) {
   EXPECT_NEAR(summary["dead_band"]["retract"]["duty"].get<double>(), 0.1, 1e-3);
   EXPECT_EQ(Run("design.yaml --margin 15 -o out --duty-table duty/duty_table.csv").exit_code, 0);
   EXPECT_EQ(Run("calibrate --write-firmware -o cal").exit_code, 0);
-  EXPECT_THAT(ReadTextFile(folder_ / "cal/lake_stroke/stroke_table.h"), HasSubstr("#define LAKE_SEGMENT_COUNT 0"));
+  EXPECT_THAT(ReadTextFile(folder_ / "cal/lake_stroke/stroke_table.h"), HasSubstr("#define LAKE_HAS_PROGRAM 0"));
+  EXPECT_THAT(Run("run cal --port /dev/null -o log").err, HasSubstr("no program of lake-stroke"));
 }
 
 TEST_F(StrokeProgramTest, ErrorsAreOneLineWithTheRightCodeAndLeaveNothing) {
@@ -312,7 +313,7 @@ TEST_F(StrokeProgramTest, ErrorsAreOneLineWithTheRightCodeAndLeaveNothing) {
       {"design.yaml --margin 500", 1, "leaves nothing"},
       {"design.yaml --max-speed 3", 1, "--max-speed is 3 mm/s"},
       {"design.yaml --max-acceleration 0", 2, "--max-acceleration"},
-      {"design.yaml --dead-time 0.05", 2, "--dead-time must be within 0.1"},
+      {"design.yaml --dead-time 0.05", 2, "--dead-time"},
       {"design.yaml --tolerance 0", 2, "--tolerance"},
       {"design.yaml --duty-table bad.csv", 1, "bad.csv"},
       {"design.yaml --duty-table empty.csv", 1, "empty.csv"},

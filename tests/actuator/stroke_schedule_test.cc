@@ -126,10 +126,6 @@ TEST(StrokeSchedule, WhatCannotBeDoneIsNamed) {
       },
       ThrowsMessage<Error>(HasSubstr("below the soft limit 242.49")));
   EXPECT_THAT([] { actuator::MakeSchedule(PublishedDesign(), {}); }, ThrowsMessage<UsageError>(HasSubstr("--speed")));
-  EXPECT_THAT([] { actuator::MakeSchedule(PublishedDesign(), AtSpeed(0)); },
-              ThrowsMessage<UsageError>(HasSubstr("--speed")));
-  EXPECT_THAT([] { actuator::MakeSchedule(PublishedDesign(), AtSpeed(NAN)); },
-              ThrowsMessage<UsageError>(HasSubstr("--speed")));
   actuator::ScheduleOptions options;
   options.max_speed_mm_s = 4;
   EXPECT_THAT(

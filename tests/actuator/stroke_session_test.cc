@@ -164,9 +164,7 @@ class StrokeSessionTest : public HostFirmwareTest {
   // behind.
   void HaveTooSlowAMotor() {
     board_.reset();
-    firmware_options_.feedback = actuator::Feedback::kPotentiometer;
-    firmware_options_.potentiometer = {0, 240, 1023, 380};
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    WirePotentiometer(firmware_options_);
     actuator_.supply = [](double) { return actuator::kLowSupply; };
     Build(FreeDesign({{0, 300}, {3, 319.5}}));
     WriteTextFile(folder_ / "stroke_table.h", header_);
@@ -238,7 +236,7 @@ TEST_F(StrokeSessionTest, NothingMovesIfTheLogCannotBeWritten) {
       },
       ThrowsMessage<Error>(HasSubstr("the log cannot be written")));
   ExpectStill();
-  for (const HostSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
+  for (const RigSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
 }
 
 TEST_F(StrokeSessionTest, AFaultEndsItWithItsMeaning) {
@@ -286,7 +284,7 @@ TEST_F(StrokeSessionTest, AnotherProgramInTheBoardIsRefused) {
       [&] { actuator::RunSession(options_, other, folder_ / "log.csv", [](const std::string&, double) {}); },
       ThrowsMessage<Error>(HasSubstr("the board has the program of design 0123456789ab, the folder that of ffff")));
   ExpectStill();
-  for (const HostSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
+  for (const RigSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
 }
 
 // The same design, but for one option, one number of the duty table or one stroke of the program.
@@ -298,9 +296,7 @@ TEST_F(StrokeSessionTest, AnotherProgramOfTheSameDesignIsRefusedBeforeAnythingMo
         actuator::MakeSchedule(FreeDesign({{0, 300}, {4, 316}, {6, last_mm}}), {});
     std::vector<actuator::DutyRow> rows = table_.rows;
     rows.back().extend_mm_s *= speed;
-    const actuator::DutyTable table = actuator::MakeDutyTable(rows, "other");
-    return actuator::StrokeTableHeader(actuator::MakeStrokeTable(schedule, table, options), schedule, table, options,
-                                       "test");
+    return actuator::StrokeTableHeader({schedule, actuator::MakeDutyTable(rows, "other"), options}, "test");
   };
   const auto same = [](actuator::FirmwareOptions&) {};
   ASSERT_EQ(header(same, 310, 1), header_);
@@ -315,7 +311,7 @@ TEST_F(StrokeSessionTest, AnotherProgramOfTheSameDesignIsRefusedBeforeAnythingMo
   WriteTextFile(folder_ / "stroke_table.h", by_hand);
   EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("it is not as lake-stroke wrote it")));
   ExpectStill();
-  for (const HostSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
+  for (const RigSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
 }
 
 TEST_F(StrokeSessionTest, APortThatIsNoneIsAnError) {

@@ -13,9 +13,7 @@ using testing::ThrowsMessage;
 class EverythingWiredTest : public HostFirmwareTest {
  protected:
   void SetUp() override {
-    WireAll();
-    actuator_.potentiometer_mm[0] = 240;
-    actuator_.potentiometer_mm[1] = 380;
+    WireAll(firmware_options_);
     actuator_.noise_counts = 0.5;
     actuator_.has_relay = true;
   }
@@ -59,7 +57,7 @@ TEST_F(EverythingWiredTest, AWeldedRelayIsFoundBeforeAnythingMoves) {
   Build(FreeDesign({{0, 300}, {3, 315}}));
   rig_->Breaks().is_relay_welded = true;
   EXPECT_TRUE(rig_->RunUntil("ALARM:16\n", 1)) << rig_->Serial();
-  for (const HostSample& sample : rig_->Samples()) ASSERT_EQ(sample.motor_duty, 0);
+  for (const RigSample& sample : rig_->Samples()) ASSERT_EQ(sample.motor_duty, 0);
 }
 
 // Power that a shorted transistor takes is off within 100 ms and 1 mm, whichever way it drives and the program goes.
@@ -75,7 +73,7 @@ TEST_F(EverythingWiredTest, AShortedTransistorIsSwitchedOffByTheRelay) {
       rig_->Breaks().shorted = way;
       rig_->Run(0.3);
       double last = since, way_mm = 0;
-      for (const HostSample& sample : rig_->Samples())
+      for (const RigSample& sample : rig_->Samples())
         if (sample.time_s > since && sample.motor_duty != 0) {
           last = sample.time_s;
           way_mm = std::abs(sample.stroke_mm - from);
@@ -163,12 +161,7 @@ TEST_F(DirectionTest, AStopTravelThatTheLinkageHasNoRoomForIsRefused) {
 // Where the retract end stop does not come, by its wire at ground: the stroke is known, or a potentiometer sees it.
 TEST_F(DirectionTest, HomingEndsBeforeTheDeadPoint) {
   for (const bool pot : {false, true}) {
-    if (pot) {
-      firmware_options_.feedback = actuator::Feedback::kPotentiometer;
-      firmware_options_.potentiometer = {0, 240, 1023, 380};
-      actuator_.potentiometer_mm[0] = 240;
-      actuator_.potentiometer_mm[1] = 380;
-    }
+    if (pot) WirePotentiometer(firmware_options_);
     firmware_options_.home_stroke_mm = 244;
     Build(FreeDesign({{0, 245}, {2, 250}}));
     ASSERT_TRUE(rig_->Asks("zero", "ok"));
@@ -196,8 +189,6 @@ TEST_F(CombinationsTest, EachHomesAndRuns) {
     SCOPED_TRACE(one.Name());
     firmware_options_ = one.Options();
     actuator_ = {};
-    actuator_.potentiometer_mm[0] = 240;
-    actuator_.potentiometer_mm[1] = 380;
     actuator_.has_relay = one.Has(Combination::kRelay);
     Build(FreeDesign({{0, 300}, {2, 306}, {2.5, 306}, {4, 302}}));
     rig_->SetStroke(304);

@@ -1,3 +1,4 @@
+#include "lake/actuator/duty_calibration.h"
 #include "lake/commands/stroke.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -68,7 +69,7 @@ const motion::MarkerTrack& TrackOf(const motion::MarkerRecording& recording, con
 
 }  // namespace
 
-actuator::ActuatorFilm ReadRodFilm(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+actuator::StrokeSeries ReadRodFilm(const std::filesystem::path& folder, const std::vector<std::string>& names) {
   const std::optional<std::filesystem::path> found = FindResult(folder, "trajectory.csv");
   if (!found)
     throw Fail("{}: no trajectory.csv in it; track the video with --scale or a calibrated plane, lengths in mm",
@@ -78,13 +79,13 @@ actuator::ActuatorFilm ReadRodFilm(const std::filesystem::path& folder, const st
   const motion::MarkerRecording recording = motion::ReadMarkerCsv(file);
   const motion::MarkerTrack &body = TrackOf(recording, names[0], file.string()),
                             &rod = TrackOf(recording, names[1], file.string());
-  actuator::ActuatorFilm film;
+  actuator::StrokeSeries film{folder.string(), {}, {}};
   for (std::size_t i = 0; i < recording.Frames(); ++i) {
     if (body.samples[i].status != motion::SampleStatus::kDetected ||
         rod.samples[i].status != motion::SampleStatus::kDetected)
       continue;
     film.time_s.push_back(recording.time_s[i]);
-    film.length_mm.push_back((rod.samples[i].position - body.samples[i].position).norm());
+    film.stroke_mm.push_back((rod.samples[i].position - body.samples[i].position).norm());
   }
   return film;
 }

@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lake/actuator/actuator_options.h"
-#include "lake/actuator/commissioning.h"
 #include "lake/actuator/prototype_validation.h"
-#include "lake/actuator/separated_errors.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/json_or_null.h"
@@ -116,10 +113,8 @@ Json CrawlJson(const actuator::CrawlSummary& crawl) {
 constexpr const char *kSchematic = "schematic.svg", *kSignOff = "SIGN-OFF.md";
 
 // What goes into the flash, and what belongs beside it.
-struct Sketch {
-  actuator::StrokeTable table;
-  double home_stroke_mm = 0;
-  std::optional<double> extend_stop_mm;
+struct SketchFiles {
+  actuator::Sketch sketch;
   actuator::DriftForecast drift;
   std::string header, notes;
   std::vector<actuator::FirmwareFile> commissioning;
@@ -136,16 +131,16 @@ Json DriftJson(const actuator::DriftForecast& drift, bool accepted) {
           {"accepted", accepted}};
 }
 
-Json FirmwareJson(const Json& files, const Sketch& sketch, bool accept_drift) {
-  const actuator::StrokeTable& stroke = sketch.table;
+Json FirmwareJson(const Json& files, const SketchFiles& made) {
+  const actuator::StrokeTable& stroke = made.sketch.stroke;
   return {{"files", files},
           {"segments", stroke.segments.size()},
           {"segment_bytes", stroke.segments.size() * actuator::kSegmentBytes},
           {"rounding_error_mm", stroke.rounding_error_mm},
           {"pwm_error_mm", stroke.pwm_error_mm},
-          {"home_stroke_mm", sketch.home_stroke_mm},
-          {"extend_stop_mm", ValueOrNull(sketch.extend_stop_mm)},
-          {"drift", DriftJson(sketch.drift, accept_drift)}};
+          {"home_stroke_mm", made.sketch.HomeStroke()},
+          {"extend_stop_mm", ValueOrNull(made.sketch.ExtendStop())},
+          {"drift", DriftJson(made.drift, made.sketch.options.accept_drift)}};
 }
 
 const char* VerdictText(actuator::Verdict verdict) {
@@ -205,9 +200,8 @@ std::optional<MeasuredApart> Separate(const StrokeRunOptions& options, const act
     return MeasuredApart{
         "log", actuator::SeparateErrorsByLog(schedule, actuator::ReadMeasuredStrokes(*options.stroke_log), angles)};
   if (options.rod.empty()) return std::nullopt;
-  const actuator::ActuatorFilm film = ReadRodFilm(*options.validate, options.rod);
-  return MeasuredApart{"video", actuator::SeparateErrorsByVideo(
-                                    schedule, {options.validate->string(), film.time_s, film.length_mm}, angles)};
+  return MeasuredApart{"video",
+                       actuator::SeparateErrorsByVideo(schedule, ReadRodFilm(*options.validate, options.rod), angles)};
 }
 
 actuator::Validation Validate(const actuator::StrokeSchedule& schedule,
@@ -252,22 +246,20 @@ StrokePlan MakePlan(const StrokeRunOptions& options, const linkage::Design& desi
 }
 
 // None without a duty table.
-std::optional<Sketch> MakeSketch(const StrokeRunOptions& options, const StrokePlan& plan) {
+std::optional<SketchFiles> MakeSketch(const StrokeRunOptions& options, const StrokePlan& plan) {
   if (!plan.table) return std::nullopt;
   actuator::FirmwareOptions firmware = options.firmware;
   firmware.dead_time_s = options.schedule.dead_time_s;
   firmware.design_hash = Sha256OfFile(options.design).substr(0, 12);
-  const actuator::StrokeTable table = actuator::MakeStrokeTable(plan.schedule, *plan.table, firmware);
-  const std::string from =
-      fmt::format("{} and {}", options.design.filename().string(), options.duty_table->filename().string());
-  return Sketch{.table = table,
-                .home_stroke_mm = actuator::HomeStroke(table, plan.schedule, firmware),
-                .extend_stop_mm = actuator::ExtendStop(plan.schedule, firmware),
-                .drift = actuator::ForecastDrift(table, plan.schedule, *plan.table, firmware),
-                .header = actuator::StrokeTableHeader(table, plan.schedule, *plan.table, firmware, MadeBy(from)),
-                .notes = actuator::SketchNotes(table, plan.schedule, *plan.table, firmware, MadeBy(from)),
-                .commissioning = {{kSchematic, actuator::SchematicSvg(firmware)},
-                                  {kSignOff, actuator::SignOffSheet(table, plan.schedule, *plan.table, firmware)}}};
+  const actuator::Sketch sketch(plan.schedule, *plan.table, firmware);
+  const std::string made_by =
+      MadeBy(fmt::format("{} and {}", options.design.filename().string(), options.duty_table->filename().string()));
+  return SketchFiles{
+      .sketch = sketch,
+      .drift = actuator::ForecastDrift(sketch),
+      .header = actuator::StrokeTableHeader(sketch, made_by),
+      .notes = actuator::SketchNotes(sketch, made_by),
+      .commissioning = {{kSchematic, actuator::SchematicSvg(firmware)}, {kSignOff, actuator::SignOffSheet(sketch)}}};
 }
 
 Json WriteValidation(const StrokeRunOptions& options, const actuator::StrokeSchedule& schedule,
@@ -299,19 +291,20 @@ std::string ReportOf(const actuator::CrawlSummary& crawl) {
       crawl.duration_s, crawl.stroke_error_mm, crawl.knee_error_deg);
 }
 
-std::string ReportOf(const Sketch& sketch, bool accept_drift) {
-  const actuator::DriftForecast& drift = sketch.drift;
+std::string ReportOf(const SketchFiles& made) {
+  const actuator::DriftForecast& drift = made.drift;
+  const actuator::Sketch& sketch = made.sketch;
   std::string text =
       fmt::format("firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n",
-                  sketch.table.segments.size(), sketch.table.rounding_error_mm, sketch.table.pwm_error_mm);
+                  sketch.stroke.segments.size(), sketch.stroke.rounding_error_mm, sketch.stroke.pwm_error_mm);
   text += fmt::format(
       "drift: with speeds within {} % of the duty table{} {:.3f} ± {:.3f} mm at most, the linkage ends at {:.3f} mm\n",
       SignificantText(drift.tolerance_percent, 3), drift.is_measured ? "" : " (not measured)", drift.planned_mm,
       drift.drift_mm, drift.end_mm);
-  text += fmt::format("home: put the retract end stop at {:.3f} mm\n", sketch.home_stroke_mm);
-  if (sketch.extend_stop_mm)
-    text += fmt::format("extend end stop: put it at {:.3f} mm; it catches the drift\n", *sketch.extend_stop_mm);
-  if (accept_drift) text += "DRIFT ACCEPTED: only for a bench without a person\n";
+  text += fmt::format("home: put the retract end stop at {:.3f} mm\n", sketch.HomeStroke());
+  if (const std::optional<double> stop_mm = sketch.ExtendStop())
+    text += fmt::format("extend end stop: put it at {:.3f} mm; it catches the drift\n", *stop_mm);
+  if (sketch.options.accept_drift) text += "DRIFT ACCEPTED: only for a bench without a person\n";
   return text + actuator::kUntried + "\n";
 }
 
@@ -359,7 +352,7 @@ Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run&
   WriteTextFile(place("stroke_table.h"), stroke_table);
   WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // where the interfaces have it
   Json files = {"stroke_table.h", InSketch("stroke_table.h")};
-  for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) {
+  for (const actuator::FirmwareFile& file : actuator::SketchSources(stroke_table)) {
     const bool has_notes = file.name == actuator::kNotesFile;
     WriteTextFile(place(file.name), has_notes ? notes + file.text : file.text);
     files.push_back(InSketch(file.name));
@@ -391,7 +384,7 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   const linkage::Design design = linkage::ReadDesign(options.design);
   run.AddInputs(InputsOf(options));
   const StrokePlan plan = MakePlan(options, design, run);
-  const std::optional<Sketch> sketch = MakeSketch(options, plan);
+  const std::optional<SketchFiles> sketch = MakeSketch(options, plan);
   std::vector<actuator::AngleSample> angles;
   if (options.validate) angles = KneeAngles(*options.validate);
   run.Begin(ResultNames(sketch.has_value(), options.validate.has_value()));
@@ -418,9 +411,8 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   summary["firmware"] = Json();
   run.Report(ReportOf(plan.schedule, rows) + ReportOf(plan.crawl));
   if (sketch) {
-    summary["firmware"] = FirmwareJson(WriteSketch(sketch->header, sketch->notes, run, sketch->commissioning), *sketch,
-                                       options.firmware.accept_drift);
-    run.Report(ReportOf(*sketch, options.firmware.accept_drift));
+    summary["firmware"] = FirmwareJson(WriteSketch(sketch->header, sketch->notes, run, sketch->commissioning), *sketch);
+    run.Report(ReportOf(*sketch));
   }
   if (validation) {
     summary["validation"] = WriteValidation(options, plan.schedule, *validation, run);
@@ -468,11 +460,13 @@ void Describe(DutyRunOptions& o, OptionList& options) {
   Describe(o.calibrate, options);
   options.Add("write-firmware", o.write_firmware, "No logs yet: write the firmware that makes them");
   options.Add("dead-time", o.firmware.dead_time_s, "Firmware of --write-firmware: braking time before a reversal")
-      .Unit("s");
+      .Unit("s")
+      .Between(actuator::kLeastDeadTime_s, 5);
   options
       .Add("command-timeout", o.firmware.command_timeout_s,
            "Firmware of --write-firmware: stop after the host has been silent this long; 0: never")
-      .Unit("s");
+      .Unit("s")
+      .Between(0, 60);
 }
 
 }  // namespace lake::commands

@@ -2,7 +2,7 @@
 #include <variant>
 
 #include "lake/actuator/duty_table.h"
-#include "lake/actuator/separated_errors.h"
+#include "lake/actuator/prototype_validation.h"
 #include "lake/camera/camera.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"

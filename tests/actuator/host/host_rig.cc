@@ -11,7 +11,6 @@
 #include <stdexcept>
 
 #include "actuator/compiled_once.h"
-#include "actuator/screw_speed.h"
 #include "board.h"
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/serial_frame.h"
@@ -45,11 +44,10 @@ std::filesystem::path Library(const std::string& stroke_table) {
 
 }  // namespace
 
-HostRig::HostRig(const std::string& stroke_table, const HostActuator& actuator)
-    : actuator_(actuator), random_(actuator.seed) {
+HostRig::HostRig(const std::string& stroke_table, const lake::Actuator& actuator)
+    : plant_(actuator), random_(actuator.seed) {
   // A copy: a library that is loaded twice would share its variables.
   std::filesystem::copy_file(Library(stroke_table), folder_ / "firmware.so");
-  SetStroke(actuator.stroke_mm);
   PowerUp();
 }
 
@@ -72,12 +70,12 @@ void HostRig::OpenLibrary() {
   find(power_init_, "power_init");
   find(analog_init_, "analog_init");
   find(controller_init_, "controller_init");
-  find(guard_interrupt_, "guard_interrupt");
+  find(board_interrupt_, "board_interrupt");
   find(controller_turn_, "controller_turn");
   find(controller_remember_, "controller_remember");
   find(controller_status_, "controller_status");
   find(protocol_turn_, "protocol_turn");
-  find(protocol_realtime_, "protocol_realtime");
+  find(serial_realtime_, "serial_realtime");
 }
 
 void HostRig::PowerUp() {
@@ -92,11 +90,6 @@ void HostRig::PowerUp() {
   power_init_();
   analog_init_();
   controller_init_();
-}
-
-void HostRig::SetStroke(double stroke_mm) {
-  motor_mm_ = stroke_mm_ = stroke_mm;
-  speed_mm_s_ = 0;
 }
 
 double HostRig::Duty() const {
@@ -115,7 +108,7 @@ void HostRig::SendNow(char c) {
 
 // As the receiver's interrupt does.
 void HostRig::Receive(char c) {
-  const realtime_t realtime = protocol_realtime_(c);
+  const realtime_t realtime = serial_realtime_(c);
   if (realtime == REALTIME_DONE) return;
   if (realtime == REALTIME_FORGET) board_->received_tail = board_->received_head;
   board_->received[board_->received_head++] =
@@ -136,13 +129,8 @@ void HostRig::TakeSaid() {
   }
 }
 
-double HostRig::Load() const {
-  return actuator_.load_n ? actuator_.load_n(Time(), stroke_mm_) : 0;
-}
-
 double HostRig::Supply() const {
-  if (actuator_.has_relay && !is_relay_closed_) return 0;
-  return actuator_.supply ? actuator_.supply(Time()) : 1;
+  return plant_.actuator.has_relay && !is_relay_closed_ ? 0 : plant_.Supply(Time());
 }
 
 BridgeInputs HostRig::Sent() const {
@@ -151,72 +139,37 @@ BridgeInputs HostRig::Sent() const {
 
 // What arrives at the motor: the firmware's inputs through whole or broken wires.
 double HostRig::MotorDuty() const {
-  if (Supply() <= 0 || breaks_.is_motor_unplugged) return 0;
-  if (breaks_.shorted != 0) return breaks_.shorted;
-  return breaks_.Arriving(Sent()).Duty();
-}
-
-void HostRig::Move() {
-  const double duty = breaks_.is_reversed ? -MotorDuty() : MotorDuty(), supply = Supply();
-  free_mm_s_ = actuator_.speed_factor * FreeSpeed(*actuator_.table, duty, supply);
-  target_mm_s_ = LoadedSpeed(free_mm_s_, duty, Load(), actuator_.mm_s_per_n);
-  const bool is_brake = breaks_.Arriving(Sent()).IsBrake() && supply > 0;
-  if (duty == 0 && !is_brake)
-    speed_mm_s_ = std::copysign(std::max(0.0, std::abs(speed_mm_s_) - actuator_.coast_mm_s2 * 1e-3), speed_mm_s_);
-  else
-    speed_mm_s_ += (target_mm_s_ - speed_mm_s_) * (1 - std::exp(-1e-3 / (is_brake ? 0.01 : actuator_.time_constant_s)));
-  if (breaks_.is_blocked) speed_mm_s_ = 0;
-  motor_mm_ += (speed_mm_s_ + breaks_.runs_away_mm_s) * 1e-3;
-  stroke_mm_ = std::clamp(stroke_mm_, motor_mm_ - actuator_.play_mm / 2, motor_mm_ + actuator_.play_mm / 2);
-}
-
-// Friction, load, and the torque that still accelerates it; no more than a motor takes at standstill with that voltage,
-// but where the friction alone takes more, which stands for a short.
-double HostRig::Current() const {
-  const double duty = MotorDuty();
-  if (duty == 0) return 0;
-  const double lacks = free_mm_s_ > 0 ? (std::abs(target_mm_s_) - std::abs(speed_mm_s_)) / free_mm_s_ : 1;
-  const double load_n = std::max(0.0, (duty > 0 ? 1 : -1) * Load());
-  const double torque_a =
-      actuator_.idle_a + actuator_.a_per_n * load_n + actuator_.stall_a * std::abs(duty) * std::max(0.0, lacks);
-  const double most_a = std::max(actuator_.idle_a, actuator_.stall_a * std::abs(duty) * Supply());
-  return std::copysign(std::min(torque_a, most_a), duty);
+  if (Supply() <= 0 || plant_.breaks.is_motor_unplugged) return 0;
+  if (plant_.breaks.shorted != 0) return plant_.breaks.shorted;
+  return plant_.breaks.Arriving(Sent()).Duty();
 }
 
 std::uint16_t HostRig::Read(double volt) {
   std::normal_distribution<double> noise(0, 1);
   std::uniform_real_distribution<double> any(0, 1);
-  if (any(random_) < actuator_.spikes) return static_cast<std::uint16_t>(4092 * any(random_));
+  if (any(random_) < plant_.actuator.spikes) return static_cast<std::uint16_t>(4092 * any(random_));
   int sum = 0;
   for (int i = 0; i < 4; ++i)
     sum += static_cast<int>(
-        std::clamp(std::floor(1023 * volt / 5 + 0.5 + actuator_.noise_counts * noise(random_)), 0.0, 1023.0));
+        std::clamp(std::floor(1023 * volt / 5 + 0.5 + plant_.actuator.noise_counts * noise(random_)), 0.0, 1023.0));
   return static_cast<std::uint16_t>(sum);
 }
 
 void HostRig::Sense() {
-  board_->open =
-      static_cast<std::uint8_t>((pulled_[0] || stroke_mm_ <= actuator_.retract_stop_mm ? END_STOP_RETRACT : 0) |
-                                (pulled_[1] || stroke_mm_ >= actuator_.extend_stop_mm ? END_STOP_EXTEND : 0) |
-                                (is_button_released_ ? BUTTON_RELEASED : 0));
-  const auto [at_0, at_5] = actuator_.potentiometer_mm;
-  using Wiper = RigBreaks::Wiper;
-  if (breaks_.wiper != Wiper::kFrozen) frozen_v_ = 5 * (stroke_mm_ - at_0) / (at_5 - at_0);
-  const double wiper_v = breaks_.wiper == Wiper::kLost ? 0 : breaks_.wiper == Wiper::kShorted ? 5 : frozen_v_;
-  const double supply = Supply();
-  board_->adc[0] = Read(wiper_v);
-  board_->adc[1] = Read(breaks_.current_wire ? 0 : 2.5 + breaks_.current_offset_v + 0.185 * Current());
-  board_->adc[2] = Read(breaks_.supply_wire ? 0 : supply * actuator_.supply_v / actuator_.supply_divider);
+  board_->open = static_cast<std::uint8_t>((plant_.IsPressed(true) ? END_STOP_RETRACT : 0) |
+                                           (plant_.IsPressed(false) ? END_STOP_EXTEND : 0) |
+                                           (plant_.is_button_released ? BUTTON_RELEASED : 0));
+  for (const int channel : {0, 1, 2}) board_->adc[channel] = Read(plant_.Volt(channel));
 }
 
 // What the pins of the UNO feel of broken wires, and of the relay.
 void HostRig::SetLevels() {
-  board_->enable_is_held = breaks_.ena == Wire::kFive;
-  board_->in1_is_high = breaks_.in1 == Wire::kOpen || breaks_.in1 == Wire::kFive;
-  board_->in2_is_high = breaks_.in2 == Wire::kOpen || breaks_.in2 == Wire::kFive;
-  board_->output_is_stuck = breaks_.shorted != 0 && Supply() > 0;
-  board_->outputs_contradict = board_->bridge == HOST_DRIVE && breaks_.Contradict(Sent(), Supply() > kReadsHigh);
-  const bool is_closed = board_->relay || breaks_.is_relay_welded;
+  board_->enable_is_held = plant_.breaks.ena == Wire::kFive;
+  board_->in1_is_high = plant_.breaks.in1 == Wire::kOpen || plant_.breaks.in1 == Wire::kFive;
+  board_->in2_is_high = plant_.breaks.in2 == Wire::kOpen || plant_.breaks.in2 == Wire::kFive;
+  board_->output_is_stuck = plant_.breaks.shorted != 0 && Supply() > 0;
+  board_->outputs_contradict = board_->bridge == HOST_DRIVE && plant_.breaks.Contradict(Sent(), Supply() > kReadsHigh);
+  const bool is_closed = board_->relay || plant_.breaks.is_relay_welded;
   relay_ms_ = is_closed == is_relay_closed_ ? 0 : relay_ms_ + 1;
   if (relay_ms_ >= (is_closed ? 15 : 10)) is_relay_closed_ = is_closed;
 }
@@ -224,7 +177,7 @@ void HostRig::SetLevels() {
 void HostRig::TickMs() {
   ++now_ms_;
   SetLevels();
-  Move();
+  plant_.Move(Time(), MotorDuty(), plant_.breaks.Arriving(Sent()).IsBrake() && Supply() > 0, Supply());
   Sense();
   if (talking_ && now_ms_ % kTalkEvery_ms == 0) Send("alive");
   for (int i = 0; i < kBytesPerMs && !to_send_.empty(); ++i) {
@@ -233,7 +186,7 @@ void HostRig::TickMs() {
   }
   hung_ms_ = hangs_ ? hung_ms_ + 1 : 0;
   if (hung_ms_ > kLate_ms) board_->is_late = 1;
-  guard_interrupt_();
+  board_interrupt_();
   if (!hangs_) controller_turn_();
   for (int turn = 0; !hangs_ && turn < kTurnsPerMs; ++turn) {
     protocol_turn_();
@@ -241,7 +194,7 @@ void HostRig::TickMs() {
   }
   TakeSaid();
   samples_.push_back(
-      {Time(), stroke_mm_, Duty(), board_->bridge == HOST_BRAKE, 1e-3 * controller_status_().stroke_um, MotorDuty()});
+      {Time(), Stroke(), Duty(), board_->bridge == HOST_BRAKE, 1e-3 * controller_status_().stroke_um, MotorDuty()});
 }
 
 void HostRig::Run(double seconds) {

@@ -8,10 +8,8 @@
 #include <simavr/sim_irq.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
-#include "actuator/screw_speed.h"
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/serial_frame.h"
 
@@ -42,8 +40,7 @@ bool HasBit(std::uint8_t value, int bit) {
 
 }  // namespace
 
-AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator)
-    : actuator_(actuator), motor_mm_(actuator.stroke_mm) {
+AvrRig::AvrRig(const std::filesystem::path& elf, const lake::Actuator& actuator) : plant_(actuator) {
   elf_firmware_t firmware{};
   if (elf_read_firmware(elf.c_str(), &firmware) != 0) throw std::runtime_error("not an ELF file: " + elf.string());
   avr_ = avr_make_mcu_by_name("atmega328p");
@@ -62,7 +59,7 @@ AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator)
   std::uint32_t flags = 0;
   avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);  // nothing to the test's own output
   adc_ = std::make_unique<DatasheetAdc>(avr_);
-  adc_->SetNoise(actuator_.noise_counts, actuator_.seed);
+  adc_->SetNoise(actuator.noise_counts, actuator.seed);
   receiver_ = std::make_unique<DatasheetReceiver>(avr_);
   pwm_ = std::make_unique<DatasheetPwm>(avr_, [this](bool is_high) { SetBridgePins(is_high); });
   SetEndStopPins();
@@ -100,7 +97,7 @@ BridgeInputs AvrRig::ReadInputs() const {
   inputs.in1 = level(kPortD, kDdrD, kIn1);
   inputs.in2 = level(kPortB, kDdrB, kIn2);
   inputs.enable = IsPwm() || level(kPortB, kDdrB, kEna) ? duty : 0;
-  return breaks_.Arriving(inputs);
+  return plant_.breaks.Arriving(inputs);
 }
 
 void AvrRig::CountOnTime() {
@@ -149,37 +146,35 @@ void AvrRig::SendNow(char c) {
 }
 
 void AvrRig::PullWire(bool retract, bool pulled) {
-  pulled_[retract ? 0 : 1] = pulled;
+  plant_.PullWire(retract, pulled);
   SetEndStopPins();
 }
 
 void AvrRig::ReleaseButton(bool released) {
-  is_button_released_ = released;
+  plant_.is_button_released = released;
   SetEndStopPins();
 }
 
 void AvrRig::SetEndStopPins() {
-  const bool retract = pulled_[0] || actuator_.stroke_mm <= actuator_.retract_stop_mm;
-  const bool extend = pulled_[1] || actuator_.stroke_mm >= actuator_.extend_stop_mm;
+  const bool retract = plant_.IsPressed(true), extend = plant_.IsPressed(false), released = plant_.is_button_released;
   avr_ioport_external_t pins{};
   pins.name = 'D';
   pins.mask = (1 << kRetractStop) | (1 << kExtendStop) | (1 << kButton);
-  pins.value =
-      static_cast<unsigned>(retract << kRetractStop | extend << kExtendStop | is_button_released_ << kButton) & 0xFF;
+  pins.value = static_cast<unsigned>(retract << kRetractStop | extend << kExtendStop | released << kButton) & 0xFF;
   avr_ioctl(avr_, AVR_IOCTL_IOPORT_SET_EXTERNAL('D'), &pins);
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kRetractStop), retract);
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kExtendStop), extend);
-  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kButton), is_button_released_);
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kButton), released);
 }
 
 // ENA as an input: the jumper's 5 V, or the pull-down. The outputs on A3 and A4, of a PWM those of its high or low
 // part. In the low part the motor's current holds the driven one at ground.
 void AvrRig::SetBridgePins(bool is_high) {
-  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('B'), kEna), breaks_.ena == Wire::kFive);
-  const bool is_off = inputs_.enable == 0 || (IsPwm() && breaks_.ena == Wire::kWhole && !is_high),
-             is_on = breaks_.shorted == 0 && !is_off;
-  const bool levels[] = {HasSupply() && (breaks_.shorted > 0 || (is_on && inputs_.in1)),
-                         HasSupply() && (breaks_.shorted < 0 || (is_on && inputs_.in2))};
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('B'), kEna), plant_.breaks.ena == Wire::kFive);
+  const bool is_off = inputs_.enable == 0 || (IsPwm() && plant_.breaks.ena == Wire::kWhole && !is_high),
+             is_on = plant_.breaks.shorted == 0 && !is_off;
+  const bool levels[] = {HasSupply() && (plant_.breaks.shorted > 0 || (is_on && inputs_.in1)),
+                         HasSupply() && (plant_.breaks.shorted < 0 || (is_on && inputs_.in2))};
   for (const int output : {0, 1})
     avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('C'), kOut1 + output), levels[output]);
 }
@@ -189,36 +184,13 @@ void AvrRig::EndMillisecond() {
   double total = 0;
   for (const double cycles : on_cycles_) total += cycles;
   const auto share = [&](Drive drive) { return on_cycles_[static_cast<int>(drive)] / total; };
-  const double driven = HasSupply() ? share(Drive::kExtend) - share(Drive::kRetract) : 0,
-               duty = breaks_.is_reversed ? -driven : driven;
+  const double driven = HasSupply() ? share(Drive::kExtend) - share(Drive::kRetract) : 0;
   const bool brake = share(Drive::kBrake) > 0.5;
-  const double free_mm_s = actuator_.speed_factor * FreeSpeed(*actuator_.table, duty, actuator_.supply);
-  const double target = LoadedSpeed(free_mm_s, duty, actuator_.load_n, actuator_.mm_s_per_n);
-  if (duty == 0 && !brake)
-    speed_mm_s_ = std::copysign(std::max(0.0, std::abs(speed_mm_s_) - actuator_.coast_mm_s2 * 1e-3), speed_mm_s_);
-  else
-    speed_mm_s_ += (target - speed_mm_s_) * (1 - std::exp(-1e-3 / (brake ? 0.01 : actuator_.time_constant_s)));
-  if (breaks_.is_blocked) speed_mm_s_ = 0;
-  motor_mm_ += (speed_mm_s_ + breaks_.runs_away_mm_s) * 1e-3;
-  actuator_.stroke_mm =
-      std::clamp(actuator_.stroke_mm, motor_mm_ - actuator_.play_mm / 2, motor_mm_ + actuator_.play_mm / 2);
-  samples_.push_back({Time(), actuator_.stroke_mm, speed_mm_s_, driven, brake});
+  plant_.Move(Time(), driven, brake, HasSupply() ? plant_.Supply(Time()) : 0);
+  samples_.push_back({Time(), Stroke(), driven, brake});
   for (double& cycles : on_cycles_) cycles = 0;
   SetEndStopPins();
-  Sense(driven);
-}
-
-void AvrRig::Sense(double duty) {
-  using Wiper = RigBreaks::Wiper;
-  const auto [at_0, at_5] = actuator_.potentiometer_mm;
-  if (breaks_.wiper != Wiper::kFrozen) wiper_ = std::clamp((actuator_.stroke_mm - at_0) / (at_5 - at_0), 0.0, 1.0);
-  const double wiper = breaks_.wiper == Wiper::kLost ? 0 : breaks_.wiper == Wiper::kShorted ? 1 : wiper_;
-  const double current_a = duty == 0 ? 0 : std::copysign(breaks_.motor_a, duty);
-  adc_->SetMillivolt(0, wiper * kSupply_mv);
-  adc_->SetMillivolt(1, breaks_.current_wire ? 0 : 2500 + 1e3 * breaks_.current_offset_v + 185 * current_a);
-  adc_->SetMillivolt(2, breaks_.supply_wire || !HasSupply()
-                            ? 0
-                            : 1e3 * actuator_.supply * actuator_.supply_v / actuator::kSupplyDivider);
+  for (const int channel : {0, 1, 2}) adc_->SetMillivolt(channel, 1e3 * plant_.Volt(channel));
 }
 
 void AvrRig::WatchInterrupts(std::uint64_t before) {

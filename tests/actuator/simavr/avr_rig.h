@@ -10,9 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "actuator/rig_breaks.h"
+#include "actuator/plant_model.h"
 #include "datasheet_peripherals.h"
-#include "lake/actuator/duty_table.h"
 
 namespace lake {
 
@@ -23,13 +22,6 @@ inline Drive DriveOf(const BridgeInputs& inputs) {
   return inputs.in1 == inputs.in2 ? Drive::kBrake : inputs.in1 ? Drive::kExtend : Drive::kRetract;
 }
 
-// One ms of the simulation.
-struct RigSample {
-  double time_s = 0, stroke_mm = 0, speed_mm_s = 0;
-  double duty = 0;  // signed mean over the ms
-  bool brake = false;
-};
-
 // A change of IN1 and IN2.
 struct DriveChange {
   double time_s = 0;
@@ -37,32 +29,9 @@ struct DriveChange {
   double enable = 0;          // of ENA at that moment
 };
 
-// Speed follows the table, times a factor, with a time constant while driven, 10 ms when shorted; off it coasts, as in
-// HostActuator.
-struct ActuatorModel {
-  const actuator::DutyTable* table = nullptr;
-  double speed_factor = 1;
-  double stroke_mm = 0;
-  double retract_stop_mm = 0, extend_stop_mm = 1000;  // where the switches act
-  double time_constant_s = 0.03;
-  double coast_mm_s2 = 100;
-  double supply_v = 12;
-  bool has_relay = false;                 // in the supply, before its sense
-  double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
-  double noise_counts = 0;                // SD of each conversion, of every channel
-  double play_mm = 0;                     // between motor and rod
-  double supply = 1, load_n = 0;          // part of the nominal voltage; against extension, …
-  double mm_s_per_n = 0;                  // … of the force-speed line
-  unsigned seed = 1;
-};
-
-struct AvrBreaks : RigBreaks {
-  double motor_a = 0.5;  // while it is driven
-};
-
 class AvrRig {
  public:
-  AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator);
+  AvrRig(const std::filesystem::path& elf, const lake::Actuator& actuator);
   AvrRig(const AvrRig&) = delete;
   AvrRig& operator=(const AvrRig&) = delete;
   ~AvrRig();
@@ -77,10 +46,11 @@ class AvrRig {
   void PullWire(bool retract, bool pulled);     // an end stop's wire off: reads as pressed
   void ReleaseButton(bool released);            // D4, held otherwise
 
-  AvrBreaks& Breaks() { return breaks_; }
+  lake::Actuator& Actuator() { return plant_.actuator; }
+  RigBreaks& Breaks() { return plant_.breaks; }
   double Time() const;
-  double Stroke() const { return actuator_.stroke_mm; }
-  void SetStroke(double stroke_mm) { actuator_.stroke_mm = motor_mm_ = stroke_mm; }
+  double Stroke() const { return plant_.Stroke(); }
+  void SetStroke(double stroke_mm) { plant_.SetStroke(stroke_mm); }
   bool IsRelayClosed() const;  // its pin, D5
   void FlipBit(int address, int bit) { avr_->data[address] ^= static_cast<std::uint8_t>(1 << bit); }
   bool HasEnded() const;                                 // `quit`
@@ -99,20 +69,16 @@ class AvrRig {
  private:
   static void OnSerial(avr_irq_t* irq, uint32_t value, void* rig);
   BridgeInputs ReadInputs() const;
-  bool HasSupply() const { return !actuator_.has_relay || IsRelayClosed(); }
+  bool HasSupply() const { return !plant_.actuator.has_relay || IsRelayClosed(); }
   bool IsPwm() const;  // whether the timer drives ENA
   void SetBridgePins(bool is_high);
   void CountOnTime();
   void EndMillisecond();
   void SetEndStopPins();
-  void Sense(double duty);
 
   avr_t* avr_ = nullptr;
-  ActuatorModel actuator_;
-  AvrBreaks breaks_;
-  double speed_mm_s_ = 0, motor_mm_ = 0, wiper_ = 0;
+  Plant plant_;
   BridgeInputs inputs_;
-  bool pulled_[2] = {false, false}, is_button_released_ = false;
   std::uint64_t counted_to_ = 0;
   double on_cycles_[4] = {};  // by Drive, in this ms
   std::string serial_, line_;

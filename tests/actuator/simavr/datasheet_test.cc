@@ -29,14 +29,14 @@ int main(void) {
     const std::string command = LAKE_AVR_GCC " -mmcu=atmega328p -DF_CPU=16000000UL -std=gnu99 -Os '" +
                                 (folder_ / "probe.c").string() + "' -o '" + (folder_ / "probe.elf").string() + "'";
     if (std::system(command.c_str()) != 0) throw std::runtime_error(command);
-    actuator_.stroke_mm = 100, actuator_.potentiometer_mm[1] = 500;  // A0: 1 V
+    actuator_.stroke_mm = 268;  // A0: 1 V
     rig_ = std::make_unique<AvrRig>(folder_ / "probe.elf", actuator_);
     rig_->Run(seconds);
     return *rig_;
   }
 
   TemporaryFolder folder_;
-  ActuatorModel actuator_;
+  Actuator actuator_;
   std::unique_ptr<AvrRig> rig_;
 };
 

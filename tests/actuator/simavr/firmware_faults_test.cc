@@ -67,7 +67,7 @@ TEST_F(FirmwareFaultsTest, ALostSupplySenseIsOffWithin30MsInEveryState) {
   double longest_s = 0;
   for (const bool everything : {false, true}) {
     firmware_options_.supply_v = 12, home_below_start_mm_ = 5;
-    if (everything) WireEverything();
+    if (everything) WireSensors(firmware_options_);
     for (const Case& one : cases) {
       BuildAndStand(kBothWays, 303);
       one.reach();
@@ -89,25 +89,25 @@ TEST_F(FirmwareFaultsTest, ALostSupplySenseIsOffWithin30MsInEveryState) {
 TEST_F(FirmwareFaultsTest, WhateverBreaksWhileItRunsIsOffInTheTimeOfSafetyMd) {
   struct Break {
     const char* name;
-    std::function<void(AvrBreaks&)> act;
+    std::function<void(AvrRig&)> act;
     const char* alarm;
     double most_s;
   };
-  using Wiper = AvrBreaks::Wiper;
+  using Wiper = RigBreaks::Wiper;
   const Break breaks[] = {
-      {"supply off", [](AvrBreaks& b) { b.supply_wire = true; }, "ALARM:6\n", 0.03},
-      {"wiper lost", [](AvrBreaks& b) { b.wiper = Wiper::kLost; }, "ALARM:7\n", 0.02},
-      {"wiper shorted", [](AvrBreaks& b) { b.wiper = Wiper::kShorted; }, "ALARM:7\n", 0.02},
-      {"wiper frozen", [](AvrBreaks& b) { b.wiper = Wiper::kFrozen; }, "ALARM:", 1.5},
-      {"rod blocked", [](AvrBreaks& b) { b.is_blocked = true; }, "ALARM:", 1.5},
-      {"motor reversed", [](AvrBreaks& b) { b.is_reversed = true; }, "ALARM:", 0.5},
-      {"runs away", [](AvrBreaks& b) { b.runs_away_mm_s = 12; }, "ALARM:", 0.26},
-      {"short", [](AvrBreaks& b) { b.motor_a = 6; }, "ALARM:12\n", 0.03},
-      {"stall current", [](AvrBreaks& b) { b.motor_a = 2.5; }, "ALARM:12\n", 0.35},
-      {"unplugged", [](AvrBreaks& b) { b.motor_a = 0, b.is_blocked = true; }, "ALARM:13\n", 0.35},
-      {"current wire lost", [](AvrBreaks& b) { b.current_wire = true; }, "ALARM:12\n", 0.03},
+      {"supply off", [](AvrRig& rig) { rig.Breaks().supply_wire = true; }, "ALARM:6\n", 0.03},
+      {"wiper lost", [](AvrRig& rig) { rig.Breaks().wiper = Wiper::kLost; }, "ALARM:7\n", 0.02},
+      {"wiper shorted", [](AvrRig& rig) { rig.Breaks().wiper = Wiper::kShorted; }, "ALARM:7\n", 0.02},
+      {"wiper frozen", [](AvrRig& rig) { rig.Breaks().wiper = Wiper::kFrozen; }, "ALARM:", 1.5},
+      {"rod blocked", [](AvrRig& rig) { rig.Breaks().is_blocked = true; }, "ALARM:", 1.5},
+      {"motor reversed", [](AvrRig& rig) { rig.Breaks().is_reversed = true; }, "ALARM:", 0.5},
+      {"runs away", [](AvrRig& rig) { rig.Breaks().runs_away_mm_s = 12; }, "ALARM:", 0.26},
+      {"short", [](AvrRig& rig) { rig.Actuator().idle_a = 6; }, "ALARM:12\n", 0.03},
+      {"stall current", [](AvrRig& rig) { rig.Actuator().idle_a = 2.5; }, "ALARM:12\n", 0.35},
+      {"unplugged", [](AvrRig& rig) { rig.Actuator().idle_a = 0, rig.Breaks().is_blocked = true; }, "ALARM:13\n", 0.35},
+      {"current wire lost", [](AvrRig& rig) { rig.Breaks().current_wire = true; }, "ALARM:12\n", 0.03},
   };
-  WireEverything();
+  WireSensors(firmware_options_);
   for (const Break& one : breaks) {
     double longest_s = 0;
     for (const double moment_s : {0.4, 2.0}) {
@@ -117,7 +117,7 @@ TEST_F(FirmwareFaultsTest, WhateverBreaksWhileItRunsIsOffInTheTimeOfSafetyMd) {
       rig_->Run(moment_s);
       ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << one.name;
       const double since = rig_->Time();
-      one.act(rig_->Breaks());
+      one.act(*rig_);
       ASSERT_LE(ToldAfter(since, one.alarm), one.most_s) << one.name << "\n" << rig_->Serial();
       const double driven_s = DriveTimeAfter(since);
       EXPECT_LE(driven_s, one.most_s) << one.name;
@@ -133,7 +133,7 @@ TEST_F(FirmwareFaultsTest, WhateverBreaksWhileItRunsIsOffInTheTimeOfSafetyMd) {
 // the relay opens. From 96 % of duty on there is no low part to be seen, and what drives the same way adds next to
 // nothing.
 TEST_F(FirmwareFaultsTest, ABridgeThatDoesNotFollowThePwmIsSwitchedOff) {
-  WireEverything();
+  WireSensors(firmware_options_);
   firmware_options_.bridge_sense = true, firmware_options_.pins.safety_relay = 5;
   actuator_.has_relay = true;
   struct Case {
@@ -163,7 +163,7 @@ TEST_F(FirmwareFaultsTest, ABridgeThatDoesNotFollowThePwmIsSwitchedOff) {
     rig_->Run(0.15);
     ASSERT_TRUE(rig_->IsRelayClosed());
     const double since = rig_->Time();
-    AvrBreaks& breaks = rig_->Breaks();
+    RigBreaks& breaks = rig_->Breaks();
     breaks.shorted = one.shorted, breaks.ena = one.ena, breaks.in1 = one.in1, breaks.in2 = one.in2;
     rig_->Run(0.1);
     const std::string what = fmt::format("{}, shorted {}, {}{}{}", one.jog, one.shorted, static_cast<int>(one.ena),

@@ -1,9 +1,6 @@
 // The firmware, compiled as a user does, in a simulator of the ATmega328P with a model of bridge, motor and end stops.
 #pragma once
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -11,9 +8,8 @@
 #include <vector>
 
 #include "actuator/compiled_once.h"
-#include "actuator/model_program.h"
+#include "actuator/program_fixture.h"
 #include "avr_rig.h"
-#include "lake/actuator/firmware.h"
 #include "lake/core/atomic_file.h"
 #include "temporary_folder.h"
 
@@ -35,31 +31,24 @@ inline std::filesystem::path BuildFirmware(const std::string& stroke_table, cons
 inline const std::vector<linkage::StrokeProgram::Knot> kKnots = {{0, 300},   {0.8, 304.8}, {1.6, 307.2},
                                                                  {2.4, 302}, {2.7, 302},   {3.5, 305}};
 
-class FirmwareTest : public testing::Test {
+// Whose motor takes 0.5 A whatever it does: the times of alarms do not depend on a model of its current.
+inline Actuator SteadyActuator() {
+  Actuator actuator;
+  actuator.idle_a = 0.5, actuator.a_per_n = actuator.stall_a = 0;
+  return actuator;
+}
+
+class FirmwareTest : public ProgramFixture {
  protected:
   void Build(const linkage::Design& design, const std::string& flags = "-DLAKE_SIMULATOR",
              const actuator::ScheduleOptions& how = {}) {
-    schedule_ = actuator::MakeSchedule(design, how);
-    actuator::FirmwareOptions& options = firmware_options_;
-    options.home_stroke_mm = schedule_.knots.front().stroke_mm - home_below_start_mm_;
-    if (!options.speed_tolerance_percent) options.speed_tolerance_percent = 10;
-    stroke_table_ = actuator::MakeStrokeTable(schedule_, table_, options);
-    elf_ = BuildFirmware(actuator::StrokeTableHeader(stroke_table_, schedule_, table_, options, "test"), flags);
+    firmware_options_.home_stroke_mm = 0;
+    MakeProgram(design, how);
+    elf_ = BuildFirmware(header_, flags);
     actuator_.table = &table_;
     actuator_.stroke_mm = schedule_.knots.front().stroke_mm;
-    actuator_.retract_stop_mm = options.home_stroke_mm;
+    actuator_.retract_stop_mm = firmware_options_.home_stroke_mm;
     PowerUp();
-  }
-
-  // Potentiometer, sense of the supply and of the current.
-  void WireEverything() {
-    actuator::FirmwareOptions& options = firmware_options_;
-    options.feedback = actuator::Feedback::kPotentiometer;
-    options.potentiometer = {0, 240, 1023, 380};
-    options.supply_v = 12;
-    options.current_sense = true;
-    actuator_.potentiometer_mm[0] = 240;
-    actuator_.potentiometer_mm[1] = 380;
   }
 
   // The UNO starts, the actuator standing where the model says.
@@ -102,13 +91,8 @@ class FirmwareTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  double home_below_start_mm_ = 2;  // the retract end stop
-  actuator::FirmwareOptions firmware_options_;
-  actuator::DutyTable table_ = ModelTable();
-  actuator::StrokeSchedule schedule_;
-  actuator::StrokeTable stroke_table_;
   std::filesystem::path elf_;
-  ActuatorModel actuator_;
+  Actuator actuator_ = SteadyActuator();
   std::unique_ptr<AvrRig> rig_;
 };
 

@@ -20,44 +20,31 @@ class FirmwareImageTest : public FirmwareTest {
   }
 };
 
-// What a user uploads: without the simulator's hooks, and within the flash next to the largest table. Warnings are
-// errors of BuildFirmware.
+// What a user uploads: without the simulator's hooks, and within the flash next to the largest table, half of the RAM
+// free. Warnings are errors of BuildFirmware.
 TEST_F(FirmwareImageTest, FlashRamAndStackFitWithRoom) {
-  Build(FreeDesign(kKnots), "");
-  const std::string line = OutputOf(fmt::format("avr-size '{}' | awk 'NR==2 {{print $1+$2, $2+$3}}'", elf_.string()));
-  int flash = 0, ram = 0;
-  ASSERT_EQ(std::sscanf(line.c_str(), "%d %d", &flash, &ram), 2);
-  const int code = flash - static_cast<int>(stroke_table_.segments.size()) * actuator::kSegmentBytes;
-  EXPECT_LT(code, actuator::kFirmwareBytes);
-  Start();
-  for (int i = 0; i < 20; ++i) rig_->Send("jog 1 2 3"), rig_->SendNow('?'), rig_->Run(0.05);
-  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
-  EXPECT_GT(rig_->DeepestStack(), 20);
-  EXPECT_LT(ram + rig_->DeepestStack(), kRamBytes / 2) << "half of the RAM stays free";
-  EXPECT_TRUE(Asks("hang", "error:1")) << "the simulator's hooks are not in it";
-  std::printf("flash %d bytes and %d per segment (of %d), RAM %d bytes and stack %d (of %d)\n", code,
-              actuator::kSegmentBytes, actuator::kFlashBytes, ram, rig_->DeepestStack(), kRamBytes);
-}
-
-// With everything wired: within the same flash, half of the RAM free.
-TEST_F(FirmwareImageTest, WithEverythingWiredItFitsWithRoom) {
-  actuator::FirmwareOptions& options = firmware_options_;
-  WireEverything();
-  options.bridge_sense = true, options.pins.safety_relay = 5, options.speed_limit_mm_s = 7;
-  options.force_limit_n = 400, options.force_n_per_a = 250, options.idle_a = 0.3;
-  Build(FreeDesign(kKnots), "");
-  const std::string line = OutputOf(fmt::format("avr-size '{}' | awk 'NR==2 {{print $1+$2, $2+$3}}'", elf_.string()));
-  int flash = 0, ram = 0;
-  ASSERT_EQ(std::sscanf(line.c_str(), "%d %d", &flash, &ram), 2);
-  EXPECT_LT(flash - static_cast<int>(stroke_table_.segments.size()) * actuator::kSegmentBytes,
-            actuator::kFirmwareBytes);
-  rig_->Run(0.2);
-  for (int i = 0; i < 10; ++i) rig_->Send("jog 1 2 3"), rig_->SendNow('?'), rig_->Run(0.03);
-  EXPECT_LT(ram + rig_->DeepestStack(), kRamBytes / 2);
-  EXPECT_LT(rig_->LongestTurn_us(), kLongestTurn_us);
-  EXPECT_GT(rig_->LongestTurn_us(), 30);
-  std::printf("flash %d bytes, RAM %d and stack %d, turn %.0f us\n", flash, ram, rig_->DeepestStack(),
-              rig_->LongestTurn_us());
+  for (const bool is_all_wired : {false, true}) {
+    if (is_all_wired) WireAll(firmware_options_);
+    if (is_all_wired) firmware_options_.speed_limit_mm_s = 7;
+    Build(FreeDesign(kKnots), "");
+    const std::string line = OutputOf(fmt::format("avr-size '{}' | awk 'NR==2 {{print $1+$2, $2+$3}}'", elf_.string()));
+    int flash = 0, ram = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%d %d", &flash, &ram), 2);
+    const int code = flash - static_cast<int>(Sketch().stroke.segments.size()) * actuator::kSegmentBytes;
+    EXPECT_LT(code, actuator::kFirmwareBytes);
+    if (is_all_wired)
+      rig_->Run(0.2);
+    else
+      Start();
+    for (int i = 0; i < 20; ++i) rig_->Send("jog 1 2 3"), rig_->SendNow('?'), rig_->Run(0.05);
+    EXPECT_GT(rig_->DeepestStack(), 20);
+    EXPECT_LT(ram + rig_->DeepestStack(), kRamBytes / 2) << "half of the RAM stays free";
+    EXPECT_LT(rig_->LongestTurn_us(), kLongestTurn_us);
+    EXPECT_TRUE(Asks("hang", "error:1")) << "the simulator's hooks are not in it";
+    std::printf("flash %d bytes and %d per segment (of %d), RAM %d bytes and stack %d (of %d), turn %.0f us\n", code,
+                actuator::kSegmentBytes, actuator::kFlashBytes, ram, rig_->DeepestStack(), kRamBytes,
+                rig_->LongestTurn_us());
+  }
 }
 
 // The controller and what is said end within the budget of board.c, with everything that there is, closed loop and
@@ -65,10 +52,9 @@ TEST_F(FirmwareImageTest, WithEverythingWiredItFitsWithRoom) {
 TEST_F(FirmwareImageTest, TheTurnEndsWithinItsBudget) {
   for (const bool closed_loop : {false, true}) {
     actuator::FirmwareOptions& options = firmware_options_;
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
     if (closed_loop) {
-      options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
-      options.supply_v = 12, options.current_sense = options.bridge_sense = true;
+      WireSensors(options);
+      options.bridge_sense = true;
     }
     Build(FreeDesign(kKnots), "");
     rig_->Run(0.1);

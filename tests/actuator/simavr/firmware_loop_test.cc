@@ -21,7 +21,7 @@ constexpr double kLoad_n = 400;
 class FirmwareLoopTest : public FirmwareTest {
  protected:
   void SetUp() override {
-    WireEverything();
+    WireSensors(firmware_options_);
     actuator_.play_mm = 0.2;
     actuator_.time_constant_s = 0.04;
     actuator_.mm_s_per_n = 0.003;
@@ -29,8 +29,8 @@ class FirmwareLoopTest : public FirmwareTest {
 
   // Every second plant is 2 % slower than the duty table, the others faster.
   void TakePlant(double supply, double load_n, double noise_counts) {
-    actuator_.supply = supply;
-    actuator_.load_n = load_n;
+    actuator_.supply = [supply](double) { return supply; };
+    actuator_.load_n = [load_n](double, double) { return load_n; };
     actuator_.noise_counts = noise_counts;
     actuator_.speed_factor = actuator_.seed % 2 ? 0.98 : 1.02;
     ++actuator_.seed;
@@ -93,7 +93,7 @@ TEST_F(FirmwareLoopTest, TheSampleStudysProgramEndsUnderAnySupplyAndLoad) {
     for (const double load_n : {-kLoad_n, kLoad_n}) {
       SCOPED_TRACE(fmt::format("supply {}, load {} N", supply, load_n));
       TakePlant(supply, load_n, 5);
-      actuator_.extend_stop_mm = *actuator::ExtendStop(actuator::MakeSchedule(design, {}), firmware_options_) - 0.4;
+      actuator_.extend_stop_mm = actuator::SoftLimitsOf(design, 0.5).upper_end_mm - 0.7 - 0.4;
       Build(design, "");
       Start();
       const std::size_t from = rig_->Samples().size();

@@ -92,27 +92,7 @@ TEST_F(FirmwareTest, ClosedLoopStrokeFollowsTheProgram) {
   PowerUp();
   Start();
   rig_->Run(schedule_.Duration() + 0.3);
-  EXPECT_NEAR(rig_->Stroke(), schedule_.knots.back().stroke_mm, stroke_table_.pwm_error_mm + 0.13);
-}
-
-TEST_F(FirmwareTest, PlannedStrokeOnTheSerialLineIsTheProgram) {
-  Build(FreeDesign(kKnots));
-  Start();
-  rig_->Run(schedule_.Duration() + 0.3);
-  const double start = FirstDrive();
-  std::istringstream lines(rig_->Serial());
-  int compared = 0;
-  for (std::string line; std::getline(lines, line);) {
-    double time = 0, planned = 0, drift = 0;
-    if (std::sscanf(line.c_str(), "%lf,%lf,%lf,", &time, &planned, &drift) != 3 ||
-        line.find("running") == std::string::npos)
-      continue;
-    // Half a micrometre of the print, the table's rounding, and a tick of 1 ms at up to 6.5 mm/s either way.
-    EXPECT_NEAR(planned, schedule_.StrokeAt(time - start), 0.0005 + stroke_table_.rounding_error_mm + 2 * 0.0065)
-        << line;
-    ++compared;
-  }
-  EXPECT_GE(compared, 30);
+  EXPECT_NEAR(rig_->Stroke(), schedule_.knots.back().stroke_mm, PwmError() + 0.13);
 }
 
 // The whole sit-to-stand: constant speed between two knee angles of the published linkage.
@@ -174,7 +154,7 @@ TEST_F(SitToStandTest, KneeAngleIsTheProgramsWithinHalfADegree) {
   firmware_options_.accept_drift = true;  // to standing but for 0.5 mm: a bench
   RunProgram(100, 1, 0.5);
   EXPECT_LT(WorstKneeError(), 0.5);
-  EXPECT_NEAR(rig_->Stroke(), schedule_.knots.back().stroke_mm, 0.10 + stroke_table_.pwm_error_mm + 0.02);
+  EXPECT_NEAR(rig_->Stroke(), schedule_.knots.back().stroke_mm, 0.10 + PwmError() + 0.02);
   EXPECT_LE(std::abs(rig_->Stroke() - schedule_.knots.back().stroke_mm), SaidDrift());
   std::printf("100 degrees to standing: knee within %.3f degrees, stroke ends %+.3f mm off, drift bound %.3f mm\n",
               WorstKneeError(), rig_->Stroke() - schedule_.knots.back().stroke_mm, SaidDrift());
@@ -192,11 +172,11 @@ TEST_F(SitToStandTest, DriftOfASlowActuatorIsTold) {
   RunProgram(100, 0.9, kRoomForATenth_mm);
   const double travel = schedule_.knots.back().stroke_mm - schedule_.knots.front().stroke_mm;
   const double drift = rig_->Stroke() - schedule_.knots.back().stroke_mm;
-  EXPECT_NEAR(drift, -0.1 * travel, 0.12 + stroke_table_.pwm_error_mm);  // and the lag of 0.10 mm
+  EXPECT_NEAR(drift, -0.1 * travel, 0.12 + PwmError());  // and the lag of 0.10 mm
   EXPECT_GE(SaidDrift(), -drift);
   // A tenth of the way rounded up to 103/1024, 0.1 mm after homing, 50 ms of lag of one change of speed (at the
   // beginning it loses what it gains at the end).
-  EXPECT_NEAR(SaidDrift(), travel * 103 / 1024 + 0.1 + stroke_table_.pwm_error_mm + 5 * 0.05, 0.01);
+  EXPECT_NEAR(SaidDrift(), travel * 103 / 1024 + 0.1 + PwmError() + 5 * 0.05, 0.01);
   const actuator::Validation film = actuator::ValidatePrototype(schedule_, Film(60));
   EXPECT_EQ(actuator::Judge(film, 0.5), actuator::Verdict::kOtherSpeed);
   EXPECT_NEAR(film.speed_mm_s, 4.5, 0.01);
@@ -211,7 +191,7 @@ TEST_F(SitToStandTest, AFastActuatorStaysWithinTheBoundAndTheLinkage) {
   RunProgram(100, 1.1, kRoomForATenth_mm);
   const double travel = schedule_.knots.back().stroke_mm - schedule_.knots.front().stroke_mm;
   const double drift = rig_->Stroke() - schedule_.knots.back().stroke_mm;
-  EXPECT_NEAR(drift, 0.1 * travel, 0.12 + stroke_table_.pwm_error_mm);  // less the lag of 0.11 mm
+  EXPECT_NEAR(drift, 0.1 * travel, 0.12 + PwmError());  // less the lag of 0.11 mm
   EXPECT_LE(drift, SaidDrift());
   EXPECT_LT(Farthest(), schedule_.limits.upper_end_mm);
   EXPECT_NEAR(actuator::ValidatePrototype(schedule_, Film(60)).travel_factor, 1.1, 0.002);
@@ -221,15 +201,7 @@ TEST_F(SitToStandTest, AFastActuatorStaysWithinTheBoundAndTheLinkage) {
 TEST_F(SitToStandTest, AFastActuatorWithoutRoomPassesTheLinkagesEnd) {
   EXPECT_THROW(RunProgram(100, 1.1, 0.5), Error);
   firmware_options_.accept_drift = true;
-  linkage::Design design;
-  design.links = kPublishedLinks;
-  design.program.emplace().speed_mm_s = 5;
-  actuator::ScheduleOptions how;
-  how.from_deg = 100;
-  actuator_.speed_factor = 1.1;
-  Build(design, "-DLAKE_SIMULATOR", how);
-  Start();
-  ASSERT_TRUE(rig_->RunUntil("[MSG:done]", schedule_.Duration() + 1)) << rig_->Serial();
+  RunProgram(100, 1.1, 0.5);
   EXPECT_GT(Farthest(), schedule_.limits.upper_end_mm + 5);
 }
 
@@ -245,7 +217,7 @@ TEST_F(SitToStandTest, AFastActuatorIsHeldByTheExtendEndStop) {
   actuator_.speed_factor = 1.1;
   actuator_.extend_stop_mm = actuator::SoftLimitsOf(design, 0.5).upper_end_mm - firmware_options_.extend_stop_mm;
   Build(design, "-DLAKE_SIMULATOR", how);
-  ASSERT_NEAR(actuator_.extend_stop_mm, *actuator::ExtendStop(schedule_, firmware_options_), 1e-9);
+  ASSERT_NEAR(actuator_.extend_stop_mm, *Sketch().ExtendStop(), 1e-9);
   Start();
   EXPECT_TRUE(rig_->RunUntil("ALARM:1\n", schedule_.Duration() + 1)) << rig_->Serial();
   rig_->Run(0.3);
@@ -274,8 +246,7 @@ TEST_F(FirmwareTest, TheBoundIsTheForecastAndHoldsFromHomingOn) {
     ASSERT_EQ(std::sscanf(rig_->Serial().substr(rig_->Serial().find('<', from)).c_str(), "<idle|stroke:%lf|drift:%lf",
                           &planned, &drift),
               2);
-    const actuator::DriftForecast forecast =
-        actuator::ForecastDrift(stroke_table_, schedule_, table_, firmware_options_);
+    const actuator::DriftForecast forecast = actuator::ForecastDrift(Sketch());
     EXPECT_NEAR(drift, forecast.last_drift_mm, 0.0011);  // it says whole um
     EXPECT_LE(std::abs(rig_->Stroke() - planned), drift);
   }

@@ -14,9 +14,7 @@ class FirmwareOptionsTest : public FirmwareTest {
  protected:
   void BuildWith(const Combination& one) {
     firmware_options_ = one.Options();
-    actuator_ = {};
-    actuator_.potentiometer_mm[0] = 240;
-    actuator_.potentiometer_mm[1] = 380;
+    actuator_ = SteadyActuator();
     actuator_.has_relay = one.Has(Combination::kRelay);
     Build(FreeDesign({{0, 300}, {1, 303}}), "");
     rig_->KeepTalking(true);

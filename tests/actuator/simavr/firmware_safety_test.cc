@@ -9,18 +9,6 @@ using testing::HasSubstr;
 using testing::Not;
 using namespace std::string_literals;
 
-TEST_F(FirmwareTest, IsSafeAfterResetUntilToldToStart) {
-  Build(FreeDesign(kKnots));
-  rig_->Run(0.5);
-  for (const RigSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0) << sample.time_s;
-  EXPECT_TRUE(rig_->Changes().empty());
-  EXPECT_THAT(rig_->Serial(), HasSubstr("time_s,planned_mm,drift_mm,duty,direction,state,adc,end_stops\n"));
-  EXPECT_THAT(rig_->Serial(), HasSubstr(",,,0.0000,0,idle,"));  // stroke unknown, bridge off
-  EXPECT_TRUE(Asks("run", "error:5")) << rig_->Serial();
-  rig_->Run(0.1);
-  EXPECT_EQ(rig_->Samples().back().duty, 0);
-}
-
 // The power fails in the middle of a program; when it is back nothing moves until the actuator has been homed.
 TEST_F(FirmwareTest, PowerUpInMidStrokeIsStillAndAsksToBeHomed) {
   Build(FreeDesign({{0, 300}, {2, 308}}));
@@ -40,7 +28,7 @@ TEST_F(FirmwareTest, PowerUpInMidStrokeIsStillAndAsksToBeHomed) {
   ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
   EXPECT_TRUE(Asks("run", "ok"));
   ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 4)) << rig_->Serial();
-  // Run-on past the switch and lags, as in HomesToTheEndStopThenToTheStart.
+  // Run-on past the switch and lags, 5 mm/s x (4 ms + 10 ms), 5 mm/s x (30 - 10) ms.
   EXPECT_NEAR(rig_->Stroke(), 308, 0.07 + 0.2 + 0.03);
 }
 
@@ -106,152 +94,14 @@ TEST_F(FirmwareTest, GarbageIsNoHost) {
   EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:host silent, stopped]"));
 }
 
-// An end stop behind that releases within its travel is where the actuator comes from: no reason to stop.
-TEST_F(FirmwareTest, AnEndStopBehindThatReleasesDoesNotStop) {
-  for (const bool retract : {true, false}) {
-    Build(FreeDesign(retract ? std::vector<linkage::StrokeProgram::Knot>{{0, 300}, {2, 306}}
-                             : std::vector<linkage::StrokeProgram::Knot>{{0, 306}, {2, 300}}));
-    // It releases 0.15 mm before the way is over on which it is found out which way the motor turns.
-    actuator_.retract_stop_mm = retract ? 300 + actuator::kDirectionCheck_mm - 0.15 : 0;
-    actuator_.extend_stop_mm = retract ? 1000 : 306 - actuator::kDirectionCheck_mm + 0.15;
-    PowerUp();
-    Start();
-    rig_->SendNow('?');
-    EXPECT_TRUE(rig_->RunUntil(retract ? "|stops:1>" : "|stops:2>", 0.1)) << "it is pressed at the start";
-    EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 3)) << rig_->Serial();
-    EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
-  }
-}
-
-// One that stays pressed is a broken wire, and would not stop the actuator on its way back either.
-TEST_F(FirmwareTest, AnEndStopBehindThatStaysPressedIsAFault) {
-  for (const bool retract : {true, false}) {
-    Build(FreeDesign(retract ? std::vector<linkage::StrokeProgram::Knot>{{0, 300}, {4, 320}}
-                             : std::vector<linkage::StrokeProgram::Knot>{{0, 320}, {4, 300}}));
-    actuator_.retract_stop_mm = 0;
-    PowerUp();
-    Start();
-    rig_->Run(1);
-    const double from = rig_->Stroke();
-    rig_->PullWire(retract, true);
-    ASSERT_TRUE(rig_->RunUntil("ALARM:5\n", 1)) << rig_->Serial();
-    rig_->Run(0.2);
-    EXPECT_EQ(rig_->Samples().back().duty, 0);
-    // Pressed by a motion away from it: at once. 5 mm/s coast for 0.125 mm, and a tick.
-    EXPECT_LE(std::abs(rig_->Stroke() - from), 0.125 + 0.02);
-    EXPECT_TRUE(Asks("run", "error:4"));
-    EXPECT_TRUE(Asks("reset", "ok"));
-    EXPECT_TRUE(Asks("run", "error:5"));
-  }
-}
-
-// A broken wire reads as pressed wherever the actuator is: homing must see the end stop release and come again.
-class BrokenWireTest : public FirmwareTest {
- protected:
-  void SetUp() override {
-    Build(FreeDesign({{0, 300}, {2, 306}}));
-    rig_->SetStroke(340);
-    rig_->Run(0.05);
-    rig_->KeepTalking(true);
-  }
-  // A fault, and no run from wherever it is.
-  void ExpectFault(const char* alarm) {
-    // It may have come with the answer to `home`.
-    EXPECT_TRUE(rig_->Serial().find(alarm) != std::string::npos || rig_->RunUntil(alarm, 12)) << rig_->Serial();
-    EXPECT_THAT(rig_->Serial(), Not(HasSubstr("[MSG:done]")));
-    rig_->Run(0.2);
-    EXPECT_EQ(rig_->Samples().back().duty, 0);
-    EXPECT_TRUE(Asks("run", "error:4"));
-    EXPECT_TRUE(Asks("reset", "ok"));
-    EXPECT_TRUE(Asks("run", "error:5")) << "it does not know where it is";
-  }
-};
-
-TEST_F(BrokenWireTest, ARetractWireThatIsBrokenBeforeHomingIsNotHome) {
-  rig_->PullWire(true, true);
-  ASSERT_TRUE(Asks("home", "ok"));
-  ExpectFault("ALARM:5\n");
-  EXPECT_NEAR(rig_->Stroke(), 340, actuator::kDirectionCheck_mm + 0.08) << "it backed off no farther";
-}
-
-TEST_F(BrokenWireTest, ARetractWireThatBreaksWhileItSeeksIsNotHome) {
-  ASSERT_TRUE(Asks("home", "ok"));
-  rig_->Run(1);
-  ASSERT_LT(rig_->Samples().back().duty, 0);
-  rig_->PullWire(true, true);
-  ExpectFault("ALARM:5\n");
-}
-
-TEST_F(BrokenWireTest, ARetractWireThatBreaksWhileItPositionsIsFound) {
-  Build(FreeDesign({{0, 310}, {2, 316}}));
-  firmware_options_.home_stroke_mm = 300;
-  elf_ = BuildFirmware(actuator::StrokeTableHeader(stroke_table_, schedule_, table_, firmware_options_, "test"),
-                       "-DLAKE_SIMULATOR");
-  actuator_.stroke_mm = 301, actuator_.retract_stop_mm = 300;
-  PowerUp();
-  rig_->Run(0.05);
-  rig_->KeepTalking(true);
-  ASSERT_TRUE(Asks("home", "ok"));
-  ASSERT_TRUE(rig_->RunUntil(",positioning,", 5)) << rig_->Serial();
-  rig_->Run(0.5);
-  rig_->PullWire(true, true);
-  ExpectFault("ALARM:5\n");
-}
-
-TEST_F(BrokenWireTest, AnExtendWireIsFoundWhenHomingBacksOff) {
-  rig_->PullWire(false, true);
-  rig_->SetStroke(304);
-  ASSERT_TRUE(Asks("home", "ok"));
-  // It retracts away from a stop that stays pressed: told after the stop's travel.
-  ExpectFault("ALARM:5\n");
-  Build(FreeDesign({{0, 300}, {2, 306}}));
-  rig_->Run(0.05);
-  rig_->KeepTalking(true);
-  rig_->SetStroke(297);  // on the retract stop, so that it backs off at once
-  rig_->PullWire(false, true);
-  ASSERT_TRUE(Asks("home", "ok"));
-  ExpectFault("ALARM:2\n");
-}
-
-TEST_F(BrokenWireTest, BothWiresAreAFault) {
-  rig_->PullWire(true, true), rig_->PullWire(false, true);
-  ExpectFault("ALARM:2\n");  // without being asked for anything
-  EXPECT_NEAR(rig_->Stroke(), 340, 1e-9) << "without a move";
-}
-
-// Where the stroke is known nothing needs to move to find it out.
-TEST_F(BrokenWireTest, APressedStopThatContradictsTheKnownStrokeIsAFaultWithoutAMove) {
-  ASSERT_TRUE(Asks("zero", "ok"));
-  rig_->Send("jog 700 1000");
-  ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 2)) << rig_->Serial();
-  rig_->Run(0.2);
-  const double stroke = rig_->Stroke();
-  rig_->PullWire(true, true);
-  rig_->Send("home");
-  EXPECT_TRUE(rig_->RunUntil("ALARM:5\n", 0.5)) << rig_->Serial();
-  rig_->Run(0.5);
-  EXPECT_NEAR(rig_->Stroke(), stroke, 1e-4) << "but for the last of the jog's run-down";
-}
-
-TEST_F(BrokenWireTest, HomesFromThePressedStopByBackingOff) {
-  rig_->SetStroke(297.9);  // the stop acts at 298
-  rig_->Run(0.05);
-  ASSERT_TRUE(Asks("home", "ok"));
-  ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 8)) << rig_->Serial();
-  rig_->Run(0.2);
-  EXPECT_NEAR(rig_->Stroke(), 300, 0.07 + 0.10 + 0.03);  // as in HomesToTheEndStopThenToTheStart
-  EXPECT_TRUE(Asks("run", "ok"));
-}
-
 // A limit in the flash that homing would leave: the firmware itself does not.
 TEST_F(FirmwareTest, PositioningAndRunningKeepTheLimitsWithTheDrift) {
   Build(FreeDesign({{0, 300}, {4, 320}}));
-  const std::string header = actuator::StrokeTableHeader(stroke_table_, schedule_, table_, firmware_options_, "test");
   const auto with = [&](const std::string& name, const std::string& value) {
-    const std::size_t from = header.find("#define " + name + " ");
+    const std::size_t from = header_.find("#define " + name + " ");
     EXPECT_NE(from, std::string::npos) << name;
-    std::string changed = header;
-    return changed.replace(from, header.find('\n', from) - from, "#define " + name + " " + value);
+    std::string changed = header_;
+    return changed.replace(from, header_.find('\n', from) - from, "#define " + name + " " + value);
   };
   const auto power_up = [&](const std::string& text) {
     elf_ = BuildFirmware(text, "-DLAKE_SIMULATOR");
@@ -271,7 +121,7 @@ TEST_F(FirmwareTest, PositioningAndRunningKeepTheLimitsWithTheDrift) {
   ASSERT_TRUE(Asks("run", "ok"));
   EXPECT_TRUE(rig_->RunUntil("ALARM:3\n", 4)) << rig_->Serial();
   rig_->Run(0.2);
-  EXPECT_NEAR(rig_->Stroke(), 300 + (10 - 0.35 - stroke_table_.pwm_error_mm) / (1 + 103 / 1024.0), 0.1 + 0.05);
+  EXPECT_NEAR(rig_->Stroke(), 300 + (10 - 0.35 - PwmError()) / (1 + 103 / 1024.0), 0.1 + 0.05);
 }
 
 // On a bench without a person the user may do without that limit, and the firmware says so.

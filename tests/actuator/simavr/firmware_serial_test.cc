@@ -16,7 +16,7 @@ using testing::Not;
 class FirmwareSerialTest : public FirmwareTest {
  protected:
   void SetUp() override {
-    WireEverything();
+    WireSensors(firmware_options_);
     Build(FreeDesign({{0, 300}, {30, 330}}), "");
     rig_->Run(0.1);
   }

@@ -14,7 +14,7 @@ using testing::Not;
 class FirmwareTimingTest : public FirmwareTest {
  protected:
   void BuildWithEverythingWired() {
-    WireEverything();
+    WireSensors(firmware_options_);
     Build(FreeDesign({{0, 300}, {0.8, 304.8}, {1.6, 307.2}, {2.4, 302}, {2.7, 302}, {3.1, 300}}), "");
     rig_->Run(0.1);
     rig_->KeepTalking(true);

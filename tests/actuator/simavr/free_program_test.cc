@@ -37,7 +37,7 @@ TEST_F(FirmwareTest, VideoToDesignToProgramToKneeAngle) {
   lake::Run run({"lake-run", "test", Json::object(), person.folder / "out", true});
   const Json stroke = study::RunStudyFile(study::ReadStudyFile(person.folder / "study.yaml"), run)["stroke"];
 
-  // The folder that a user would open in the Arduino IDE, built as its main.c says.
+  // The folder that a user would open in the Arduino IDE, built as its firmware.c says.
   const auto out = person.folder / "out/stroke";
   elf_ = out / "lake_stroke.elf";
   ASSERT_EQ(std::system(fmt::format("cd '{}' && {} -mmcu=atmega328p -std=gnu99 -Os -Wall -Wextra -Werror *.c -o '{}'",

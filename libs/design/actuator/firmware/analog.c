@@ -53,25 +53,22 @@ static void settle(filter_t* f) {
   f->smooth = (uint16_t)(f->middle << SMOOTHING);
 }
 
-#if LAKE_FEEDBACK || LAKE_CURRENT_SENSE
 static void smooth(filter_t* f) {
   f->smooth += f->middle - (f->smooth >> SMOOTHING);
 }
-#endif
 
-#if LAKE_SUPPLY_SENSE || LAKE_FEEDBACK || LAKE_CURRENT_SENSE
+static void set_fault(uint8_t bit, uint8_t is_wrong) {
+  faults = (uint8_t)(is_wrong ? faults | bit : faults & ~bit);
+}
+
 // Sets the bit once something has been wrong for so long, takes it back when it is right.
 static void judge(uint8_t bit, uint8_t wrong, uint16_t* wrong_ms, uint16_t most_ms) {
   if (!wrong)
     *wrong_ms = 0;
   else if (*wrong_ms < most_ms)
     ++*wrong_ms;
-  if (*wrong_ms >= most_ms)
-    faults |= bit;
-  else
-    faults &= (uint8_t)~bit;
+  set_fault(bit, *wrong_ms >= most_ms);
 }
-#endif
 
 static uint8_t is_supply_expected;
 
@@ -83,25 +80,19 @@ uint8_t analog_has_supply(void) {
   return LAKE_SUPPLY_SENSE && filters[ANALOG_SUPPLY].middle > LAKE_SUPPLY_LEAST / 3;
 }
 
-#if LAKE_SUPPLY_SENSE
 static void watch_supply(void) {
   static uint16_t wrong_ms, far_ms;
   const uint16_t now = filters[ANALOG_SUPPLY].middle;
   const uint8_t is_off = now < LAKE_SUPPLY_LEAST || now > LAKE_SUPPLY_MOST;
   judge(ANALOG_NO_SUPPLY, is_supply_expected && is_off, &wrong_ms, WRONG_MS);
-#if !LAKE_FEEDBACK
-  if (faults & ANALOG_NO_SUPPLY) return;
+  if (LAKE_FEEDBACK || faults & ANALOG_NO_SUPPLY) return;
   const uint8_t is_far = now < LAKE_SUPPLY_NEAR_LEAST || now > LAKE_SUPPLY_NEAR_MOST;
   judge(ANALOG_NO_SUPPLY, is_supply_expected && is_far, &far_ms, NEAR_MS);
-#else
-  (void)far_ms;
-#endif
 }
-#endif
 
-#if LAKE_SUPPLY_SENSE && LAKE_FEEDBACK
 // How much more duty it takes than at the nominal supply, in parts of 2^31. Moved by what it is wrong by, it comes to
 // nominal / reading without a division, with a time constant of 2^16 / reading ms: 33 at 12 V, 98 at 4 V.
+#define WEIGHS_SUPPLY (LAKE_SUPPLY_SENSE && LAKE_FEEDBACK)
 #define NOMINAL_DUTY ((uint32_t)1 << 31)
 static uint32_t more;
 
@@ -116,16 +107,10 @@ static void weigh_supply(void) {
 }
 
 uint16_t analog_at_supply(uint16_t counts) {
+  if (!WEIGHS_SUPPLY) return counts;
   const uint16_t all = (uint16_t)(((uint32_t)(uint16_t)(2 * counts) * more_15()) >> 16);
   return all > LAKE_PWM_PERIOD ? LAKE_PWM_PERIOD : all;
 }
-#else
-uint16_t analog_at_supply(uint16_t counts) {
-  return counts;
-}
-#endif
-
-#if LAKE_FEEDBACK
 // Worked out once per ms: a division takes the chip 40 us.
 static int32_t stroke_um;
 static int32_t slow;  // the same, um << SLOW
@@ -159,17 +144,7 @@ static void watch_wiper(void) {
   tell_stroke();
   slow += stroke_um - (slow >> SLOW);
 }
-#else
-int32_t analog_stroke_um(void) {
-  return 0;
-}
 
-int32_t analog_slow_um(void) {
-  return 0;
-}
-#endif
-
-#if LAKE_CURRENT_SENSE
 static int16_t current_ma;
 static uint32_t zero;  // what the sensor reads at rest, << ZERO_SMOOTHING
 static uint16_t rest_ms, driven_ms, none_ms;
@@ -183,7 +158,7 @@ static volatile uint8_t was_short;  // since the main loop looked
 
 uint8_t analog_interrupt(void) {
   static uint8_t short_ms;
-  if (quiet_ms > 0) return 0;
+  if (!LAKE_CURRENT_SENSE || quiet_ms > 0) return 0;
   filter_t* f = &filters[ANALOG_CURRENT];
   read_channel(ANALOG_CURRENT);
   smooth(f);
@@ -240,69 +215,47 @@ static void watch_current(uint16_t counts) {
   had_inrush = counts > 0 && (had_inrush || ma >= LAKE_CURRENT_LEAST_MA);
   const uint8_t is_at_rest = rest_ms >= AT_REST_MS;
   if (is_at_rest && ma < STRAY_MA) learn_zero(reading);
-  faults = (uint8_t)(was_short ? faults | ANALOG_OVERCURRENT : faults & ~ANALOG_OVERCURRENT);
+  set_fault(ANALOG_OVERCURRENT, was_short);
   was_short = 0;
   judge(ANALOG_STALL_CURRENT, ma > LAKE_CURRENT_STALL_MA, &stall_ms, STALL_MS);
   judge(ANALOG_STRAY_CURRENT, is_at_rest && ma > STRAY_MA, &stray_ms, STRAY_MS);
   // A load that helps may leave a motor without current, but not one that is being started.
-  if (driven_ms >= NO_CURRENT_MS && !had_inrush)
-    faults |= ANALOG_NO_INRUSH;
-  else
-    faults &= (uint8_t)~ANALOG_NO_INRUSH;
+  set_fault(ANALOG_NO_INRUSH, driven_ms >= NO_CURRENT_MS && !had_inrush);
 }
-#else
-uint8_t analog_interrupt(void) {
-  return 0;
-}
-
-int16_t analog_current_ma(void) {
-  return 0;
-}
-
-uint8_t analog_is_without_current(void) {
-  return 0;
-}
-#endif
 
 void analog_init(void) {
   quiet_ms = QUIET_MS;
   faults = 0;
   is_supply_expected = 1;
-#if LAKE_SUPPLY_SENSE && LAKE_FEEDBACK
   more = NOMINAL_DUTY;
-#endif
+}
+
+// After a reset the filters begin with what they read.
+static void begin(void) {
+  read_channel(ANALOG_CURRENT);
+  for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) settle(&filters[channel]);
+  if (LAKE_FEEDBACK) {
+    tell_stroke();
+    slow = stroke_um * ((int32_t)1 << SLOW);
+  }
+  if (LAKE_CURRENT_SENSE) {
+    const uint16_t reading = filters[ANALOG_CURRENT].middle;
+    set_zero((uint32_t)(is_near_zero(reading) ? reading : LAKE_CURRENT_ZERO) << ZERO_SMOOTHING);
+  }
+  quiet_ms = (uint8_t)(quiet_ms - 1);
 }
 
 void analog_tick(uint16_t counts) {
   read_channel(ANALOG_POTENTIOMETER);
   read_channel(ANALOG_SUPPLY);
   if (quiet_ms > 0) {
-    read_channel(ANALOG_CURRENT);
-    for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) settle(&filters[channel]);
-#if LAKE_FEEDBACK
-    tell_stroke();
-    slow = stroke_um * ((int32_t)1 << SLOW);
-#endif
-#if LAKE_CURRENT_SENSE
-    const uint16_t reading = filters[ANALOG_CURRENT].middle;
-    set_zero((uint32_t)(is_near_zero(reading) ? reading : LAKE_CURRENT_ZERO) << ZERO_SMOOTHING);
-#endif
-    quiet_ms = (uint8_t)(quiet_ms - 1);
+    begin();
     return;
   }
-  (void)counts;
-#if LAKE_SUPPLY_SENSE
-  watch_supply();
-#endif
-#if LAKE_SUPPLY_SENSE && LAKE_FEEDBACK
-  weigh_supply();
-#endif
-#if LAKE_FEEDBACK
-  watch_wiper();
-#endif
-#if LAKE_CURRENT_SENSE
-  watch_current(counts);
-#endif
+  if (LAKE_SUPPLY_SENSE) watch_supply();
+  if (WEIGHS_SUPPLY) weigh_supply();
+  if (LAKE_FEEDBACK) watch_wiper();
+  if (LAKE_CURRENT_SENSE) watch_current(counts);
 }
 
 uint8_t analog_faults(void) {

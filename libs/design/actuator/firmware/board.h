@@ -11,7 +11,7 @@ void board_init(void);
 
 // Interrupts on, board_interrupt once per ms inside the timer's, which nothing interrupts; watchdog of some 0.1 s.
 void board_start(void);
-void board_interrupt(void);  // whoever knows what cannot wait defines it: no pointer in RAM that a bit could turn
+void board_interrupt(void);  // guard.c: no pointer in RAM that a bit could turn
 
 // Nonzero if a ms waits to be done; board_done ends it and feeds the watchdog, which so is fed only while interrupt and
 // controller both run. To sleep is to wait for an interrupt, unless a ms waits.

@@ -4,19 +4,10 @@
 #include "board.h"
 #include "controller.h"
 #include "end_stops.h"
-#include "guard.h"
 #include "motor.h"
 #include "power.h"
 #include "protocol.h"
 #include "serial.h"
-
-void board_interrupt(void) {
-  guard_interrupt();
-}
-
-realtime_t serial_realtime(char c) {
-  return protocol_realtime(c);
-}
 
 void firmware_begin(void) {
   motor_init();
@@ -36,3 +27,14 @@ void firmware_turn(void) {
   controller_remember();
   board_sleep();
 }
+
+// Without the Arduino IDE:
+//   avr-gcc -mmcu=atmega328p -std=gnu99 -Os -flto *.c -o lake_stroke.elf
+//   avr-objcopy -O ihex lake_stroke.elf lake_stroke.hex
+//   avrdude -c arduino -p m328p -P /dev/ttyACM0 -b 115200 -U flash:w:lake_stroke.hex
+#ifndef ARDUINO
+int main(void) {
+  firmware_begin();
+  for (;;) firmware_turn();
+}
+#endif

@@ -1,12 +1,13 @@
-#include "guard.h"
-
+// What cannot wait for the main loop: the motor is off within the ms at an end stop that it is driven towards, once the
+// button is let go, at a short, and once the main loop or the converter is late. It looks at the pins, not at what the
+// controller thinks; what it came from the controller finds out by itself.
 #include "analog.h"
 #include "board.h"
 #include "bridge.h"
 #include "end_stops.h"
 #include "motor.h"
 
-void guard_interrupt(void) {
+void board_interrupt(void) {
   const uint8_t open = end_stops_interrupt();
   const uint8_t is_short = analog_interrupt();
   const int8_t driven = bridge_driven();

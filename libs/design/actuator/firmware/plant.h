@@ -1,5 +1,5 @@
 // How the stroke is known, and what a program's plan asks of the motor: plant_open.c, where the stroke is planned, or
-// plant_pot.c, where a potentiometer measures it. One of them is compiled, by LAKE_FEEDBACK of stroke_table.h. Strokes
+// plant_pot.c, where a potentiometer measures it. The sketch has the one that its stroke_table.h is for. Strokes
 // in um, speeds in um/s, positive extends.
 #ifndef LAKE_PLANT_H
 #define LAKE_PLANT_H

@@ -4,8 +4,6 @@
 #include "plant.h"
 #include "portable.h"
 
-#if LAKE_SEGMENT_COUNT > 0 && !LAKE_FEEDBACK
-
 static struct {
   int32_t stroke_nm;         // um/s during one ms are nm
   uint32_t way_drift_nm;     // what the tolerance of the speed allows
@@ -87,5 +85,3 @@ uint8_t plant_turn(const motion_t* driven, const motion_t* wanted, int32_t plann
 uint8_t plant_kept(kept_t what) {
   return kept_pass(&p, sizeof p, what);
 }
-
-#endif

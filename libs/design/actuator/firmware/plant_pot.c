@@ -5,8 +5,6 @@
 #include "plant.h"
 #include "portable.h"
 
-#if LAKE_SEGMENT_COUNT > 0 && LAKE_FEEDBACK
-
 uint32_t plant_node_um_s(uint8_t retracts, uint8_t node) {
   return pgm_read_dword(&lake_speed_um_s[retracts][node]);
 }
@@ -361,5 +359,3 @@ uint8_t plant_turn(const motion_t* driven, const motion_t* wanted, int32_t plann
 uint8_t plant_kept(kept_t what) {
   return kept_pass(&p, sizeof p, what);
 }
-
-#endif

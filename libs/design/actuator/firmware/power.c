@@ -40,7 +40,6 @@ void power_forgive(void) {
   p.probed_ms = CAN_SEE_MOTION ? 0 : PROBES_MS;
 }
 
-#if LAKE_RELAY
 static void switch_relay(uint8_t is_closed) {
   if (p.is_closed == is_closed) return;
   p.is_closed = is_closed;
@@ -62,7 +61,6 @@ static void watch_relay(uint8_t is_wanted, uint8_t is_fault) {
   board_close_relay(p.is_closed);
   analog_expect_supply(p.is_closed && p.since_ms >= CLOSE_MS - 40);
 }
-#endif
 
 static uint8_t is_on(void) {
   return p.is_closed && (!LAKE_RELAY || p.since_ms >= CLOSE_MS);
@@ -83,9 +81,7 @@ static void probe(void) {
 }
 
 void power_tick(uint8_t is_wanted, uint8_t is_fault) {
-#if LAKE_RELAY
-  watch_relay(is_wanted, is_fault);
-#endif
+  if (LAKE_RELAY) watch_relay(is_wanted, is_fault);
   if (is_wanted && !is_fault && is_on() && p.probed_ms < PROBES_MS)
     probe();
   else if (p.probed_ms < PROBES_MS) {

@@ -5,8 +5,6 @@
 #include "plant.h"
 #include "portable.h"
 
-#if LAKE_SEGMENT_COUNT > 0
-
 static struct {
   uint16_t index;
   lake_segment segment;
@@ -99,6 +97,7 @@ uint8_t program_hard_limit_ahead(int8_t direction) {
 }
 
 reply_t program_take_run(void) {
+  if (!LAKE_HAS_PROGRAM) return REPLY_NO_PROGRAM;
   if (machine.knowledge != STROKE_AT_START || plant_contradicts(LAKE_START_UM)) return REPLY_POSITION;
   plant_begin();
   load_segment(0);
@@ -138,6 +137,7 @@ static uint32_t seeking_ms(void) {
 }
 
 reply_t program_take_home(void) {
+  if (!LAKE_HAS_PROGRAM) return REPLY_NO_PROGRAM;
   if (q.home_tries >= HOME_TRIES) return REPLY_TRIES;
   if (program_stop_contradicts_stroke()) state_fault(FAULT_STUCK);
   machine.end_ms = seeking_ms();
@@ -151,6 +151,7 @@ static void know_stroke(int32_t um, knowledge_t known) {
 }
 
 reply_t program_take_zero(void) {
+  if (!LAKE_HAS_PROGRAM) return REPLY_NO_PROGRAM;
   if (plant_contradicts(LAKE_START_UM)) return REPLY_POSITION;
   know_stroke(LAKE_START_UM, STROKE_AT_START);
   return REPLY_OK;
@@ -318,5 +319,3 @@ void program_keep_books(const motion_t* driven, const motion_t* wanted) {
   watch_stop_behind(driven->velocity_um_s);
   if (plant_turn(driven, wanted, q.segment.velocity_um_s)) behind.is_proven = 1;
 }
-
-#endif

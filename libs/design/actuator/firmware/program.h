@@ -1,5 +1,5 @@
-// What a firmware with a stroke program does (program.c), and one that only jogs, for calibration, does not
-// (calibration.c): one of the two is compiled, by LAKE_SEGMENT_COUNT of stroke_table.h.
+// The stroke program, homing and the limits. A firmware for calibration has no segments and no speeds: it only jogs,
+// and no limit holds but the end stops.
 #ifndef LAKE_PROGRAM_H
 #define LAKE_PROGRAM_H
 

@@ -7,6 +7,7 @@
 #include "line.h"
 #include "plant.h"
 #include "portable.h"
+#include "serial.h"
 
 static volatile uint8_t status_asked, greeting_asked;  // by an interrupt
 static reset_cause_t cause;
@@ -19,7 +20,7 @@ static uint8_t field;  // … from this field on; 0: none is
 static uint8_t greeting_at = NOTHING;    // its line
 static uint8_t fault_to_tell = NOTHING;  // of the log
 
-realtime_t protocol_realtime(char c) {
+realtime_t serial_realtime(char c) {
   switch (c) {
     case '?':
       status_asked = 1;
@@ -65,12 +66,8 @@ static void tell_message(const char* flash_text) {
 
 static void tell_header(void) {
   line_text(PSTR("time_s,planned_mm,drift_mm,duty,direction,state,adc,end_stops"));
-#if LAKE_FEEDBACK
-  line_text(PSTR(",measured_mm,error_mm"));
-#endif
-#if LAKE_CURRENT_SENSE
-  line_text(PSTR(",current_a"));
-#endif
+  if (LAKE_FEEDBACK) line_text(PSTR(",measured_mm,error_mm"));
+  if (LAKE_CURRENT_SENSE) line_text(PSTR(",current_a"));
   line_char('\n');
 }
 
@@ -87,67 +84,41 @@ static void tell_greeting(void) {
                    : cause == RESET_BY_LOW_VOLTAGE ? PSTR("lake-stroke, reset by low voltage")
                                                    : PSTR("lake-stroke"));
       return;
-#if LAKE_SEGMENT_COUNT > 0
     case 1:
       if (LAKE_DRIFT_ACCEPTED) tell_message(PSTR("drift accepted, no person"));
       return;
     case 2:
-      tell_message(PSTR("program " LAKE_PROGRAM));
+      if (LAKE_HAS_PROGRAM) tell_message(PSTR("program " LAKE_PROGRAM));
       return;
     case 3:
-      tell_message(PSTR("design " LAKE_DESIGN ", duty table " LAKE_DUTY_TABLE));
+      if (LAKE_HAS_PROGRAM) tell_message(PSTR("design " LAKE_DESIGN ", duty table " LAKE_DUTY_TABLE));
       return;
     case 4:
-      if (!LAKE_FEEDBACK) tell_message(PSTR("open loop: the stroke is planned, not measured"));
+      if (LAKE_HAS_PROGRAM && !LAKE_FEEDBACK)
+        tell_message(PSTR("open loop: the stroke is planned, not measured"));
       return;
-#endif
     case 5:
       tell_header();
       return;
-    case 6:
+    default:
       if (controller_status().fault != FAULT_NONE) news |= NEWS_FAULT;
       greeting_at = NOTHING;
-      return;
-    default:
-      return;
   }
 }
 
-static void tell_state(state_t state) {
-  switch (state) {
-    case STATE_IDLE:
-      line_text(PSTR("idle"));
-      return;
-    case STATE_SEEKING:
-    case STATE_PROVING:
-    case STATE_BACKING_OFF:
-    case STATE_TOUCHING:
-    case STATE_RELEASING:
-      line_text(PSTR("homing"));
-      return;
-    case STATE_POSITIONING:
-      line_text(PSTR("positioning"));
-      return;
-    case STATE_RUNNING:
-      line_text(PSTR("running"));
-      return;
-    case STATE_HOLD:
-      line_text(PSTR("hold"));
-      return;
-    case STATE_JOGGING:
-      line_text(PSTR("jogging"));
-      return;
-    case STATE_FAULT:
-      line_text(PSTR("fault"));
-      return;
-    case STATE_CHECKING_HOME:
-    case STATE_CHECKING_RUN:
-    case STATE_CHECKING_JOG:
-      line_text(PSTR("checking"));
-      return;
-    case STATE_COUNT:
-      return;
-  }
+// As rows, `?` and the log of faults call the first states; those of homing and of checking beyond have the same names.
+static const char kStates[][12] PROGMEM = {"idle", "homing",  "positioning", "running",
+                                           "hold", "jogging", "fault",       "checking"};
+
+static void tell_state(uint8_t state) {
+  if (state >= STATE_COUNT) return;
+  if (state > STATE_CHECKING_HOME) state = state < STATE_CHECKING_RUN ? STATE_SEEKING : STATE_CHECKING_HOME;
+  line_text(kStates[state]);
+}
+
+// Nothing while the stroke is unknown.
+static void tell_if_known(const status_t* now, int32_t um) {
+  if (now->knowledge != STROKE_UNKNOWN) tell_decimal(um, 3);
 }
 
 static void tell_duty(const status_t* now) {
@@ -165,10 +136,10 @@ static void tell_field(void) {
       tell_unsigned(row.time_ms, 3);
       return;
     case 1:
-      if (row.knowledge != STROKE_UNKNOWN) tell_decimal(row.stroke_um, 3);
+      tell_if_known(&row, row.stroke_um);
       return;
     case 2:
-      if (row.knowledge != STROKE_UNKNOWN) tell_unsigned(row.drift_um, 3);
+      tell_if_known(&row, (int32_t)row.drift_um);
       return;
     case 3:
       tell_duty(&row);
@@ -177,7 +148,7 @@ static void tell_field(void) {
       tell_decimal(row.direction, 0);
       return;
     case 5:
-      tell_state(row.state);
+      tell_state((uint8_t)row.state);
       return;
     case 6:
       tell_unsigned((board_analog(ANALOG_POTENTIOMETER) + 2u) / 4, 0);
@@ -191,7 +162,7 @@ static void tell_field(void) {
       tell_decimal(row.measured_um, 3);
       return;
     case 9:
-      if (row.knowledge != STROKE_UNKNOWN) tell_decimal(row.stroke_um - row.measured_um, 3);
+      tell_if_known(&row, row.stroke_um - row.measured_um);
       break;
     default:
       tell_decimal(row.current_ma, 3);
@@ -205,11 +176,11 @@ static void tell_field(void) {
 static void tell_status(void) {
   const status_t status = controller_status(), *now = &status;
   line_char('<');
-  tell_state(now->state);
+  tell_state((uint8_t)now->state);
   line_text(PSTR("|stroke:"));
-  if (now->knowledge != STROKE_UNKNOWN) tell_decimal(now->stroke_um, 3);
+  tell_if_known(now, now->stroke_um);
   line_text(PSTR("|drift:"));
-  if (now->knowledge != STROKE_UNKNOWN) tell_unsigned(now->drift_um, 3);
+  tell_if_known(now, (int32_t)now->drift_um);
   line_text(PSTR("|duty:"));
   tell_duty(now);
   line_text(PSTR("|stops:"));
@@ -228,32 +199,26 @@ static void tell_reply(void) {
   reply = REPLY_NONE;
 }
 
+// What is new beyond NEWS_WAITED, in the order of its bits.
+static const char kNews[][26] PROGMEM = {"done", "jog ended at a limit", "host silent, stopped",
+                                         "button released, stopped"};
+
 // The first of what is new.
 static void tell_news(void) {
   const uint8_t first = news & (uint8_t)-news;
   news &= (uint8_t)~first;
-  switch (first) {
-    case NEWS_FAULT:
-      line_text(PSTR("ALARM:"));
-      tell_unsigned(controller_status().fault, 0);
-      line_char('\n');
-      return;
-    case NEWS_WAITED:
-      line_text(PSTR("[MSG:waited "));
-      tell_unsigned(plant_waited_ms(), 3);
-      line_text(PSTR(" s]\n"));
-      return;
-    case NEWS_DONE:
-      tell_message(PSTR("done"));
-      return;
-    case NEWS_JOG_LIMIT:
-      tell_message(PSTR("jog ended at a limit"));
-      return;
-    case NEWS_TIMEOUT:
-      tell_message(PSTR("host silent, stopped"));
-      return;
-    default:
-      tell_message(PSTR("button released, stopped"));
+  if (first == NEWS_FAULT) {
+    line_text(PSTR("ALARM:"));
+    tell_unsigned(controller_status().fault, 0);
+    line_char('\n');
+  } else if (first == NEWS_WAITED) {
+    line_text(PSTR("[MSG:waited "));
+    tell_unsigned(plant_waited_ms(), 3);
+    line_text(PSTR(" s]\n"));
+  } else {
+    uint8_t which = 0;
+    while (NEWS_DONE << which != first) ++which;
+    tell_message(kNews[which]);
   }
 }
 
@@ -280,7 +245,7 @@ static void tell_log(void) {
   line_text(PSTR("[FAULT:"));
   tell_unsigned(logged.fault, 0);
   line_char(',');
-  tell_state((state_t)logged.state);
+  tell_state(logged.state);
   line_char(',');
   tell_unsigned(logged.time_s, 0);
   line_text(PSTR("]\n"));
@@ -298,9 +263,8 @@ static reply_t obey(const char* line) {
   if (!strcmp_P(line, PSTR("reset"))) return controller_ask(REQUEST_RESET, 0, 0);
   if (!strncmp_P(line, PSTR("jog "), 4)) return obey_jog(line + 4);
   if (!strcmp_P(line, PSTR("home"))) {
-#if LAKE_SEGMENT_COUNT > 0
-    tell_message(PSTR("unworn only: homing takes the knee to " LAKE_HOME_KNEE " degrees"));
-#endif
+    if (LAKE_HAS_PROGRAM)
+      tell_message(PSTR("unworn only: homing takes the knee to " LAKE_HOME_KNEE " degrees"));
     return controller_ask(REQUEST_HOME, 0, 0);
   }
   if (!strcmp_P(line, PSTR("header"))) {

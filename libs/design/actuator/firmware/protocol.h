@@ -8,13 +8,9 @@
 #include <stdint.h>
 
 #include "board.h"
-#include "serial.h"
 
 // Will say who it is, why it was reset, the header of the CSV rows, and a fault that stays.
 void protocol_greet(reset_cause_t why);
-
-// Obeys a real-time character. For the receiver's interrupt.
-realtime_t protocol_realtime(char c);
 
 // Over and over: says a line at most, if there is room to send it whole; with nothing to say, obeys one.
 void protocol_turn(void);

@@ -9,8 +9,8 @@ typedef enum { REALTIME_NONE, REALTIME_DONE, REALTIME_FORGET } realtime_t;
 
 void serial_init(void);
 
-// Called for every character inside the receiver's interrupt; what it obeys does not become part of a line. Whoever
-// knows the real-time characters defines it.
+// Called for every character inside the receiver's interrupt; what it obeys does not become part of a line.
+// protocol.c defines it.
 realtime_t serial_realtime(char c);
 
 // The next character that was received, -1 if there is none. SERIAL_FORGET: what was read before belongs to nothing.

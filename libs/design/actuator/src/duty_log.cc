@@ -1,71 +1,19 @@
+// Logs of duties, and the video that has their strokes.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <regex>
-#include <string>
-#include <vector>
 
-#include "lake/actuator/duty_video.h"
+#include "lake/actuator/duty_calibration.h"
 #include "lake/actuator/serial_frame.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/numbers.h"
 
 namespace lake::actuator {
 namespace {
-
-// Columns of interest of a log's header.
-struct Columns {
-  std::size_t time = 0, duty = 0, stroke = 0, width = 0;
-};
-
-std::size_t Find(const std::vector<std::string>& header, std::string_view name) {
-  std::size_t i = 0;
-  while (i < header.size() && header[i] != name) ++i;
-  return i;
-}
-
-Columns FindColumns(const std::vector<std::string>& header, const char* stroke, const std::string& where) {
-  Columns columns{
-      .time = Find(header, "time_s"), .duty = Find(header, "duty"), .stroke = header.size(), .width = header.size()};
-  if (columns.time == header.size() || columns.duty == header.size())
-    throw Fail("{}: no header with the columns time_s and duty", where);
-  if (!stroke) return columns;
-  columns.stroke = Find(header, stroke);
-  if (columns.stroke == header.size())
-    throw Fail(
-        "{}: no column '{}'; the log must hold measured strokes: stroke_mm, or adc with --pot C0=MM0,C1=MM1, or a "
-        "video with --video",
-        where, stroke);
-  return columns;
-}
-
-double Number(const std::string& cell, const char* column, const std::string& where) {
-  const auto value = ParseNumber(cell);
-  if (!value) throw Fail("{}: {} '{}' is not a number", where, column, cell);
-  return *value;
-}
-
-// One row; `stroke` names the column of the stroke, 0: none is read.
-void AddRow(DutyLog& log, const std::vector<std::string>& cells, const Columns& columns, const char* stroke,
-            const std::string& where) {
-  if (cells.size() != columns.width)
-    throw Fail("{}: {} cells under a header of {}", where, cells.size(), columns.width);
-  if (stroke && cells[columns.stroke].empty()) return;
-  const double time = Number(cells[columns.time], "time_s", where);
-  const double duty = Number(cells[columns.duty], "duty", where);
-  if (!log.time_s.empty() && !(time > log.time_s.back()))
-    throw Fail("{}: the times must ascend; {} s after {} s does not", where, time, log.time_s.back());
-  if (!(std::abs(duty) <= 1)) throw Fail("{}: duty {} is not within -1..1", where, duty);
-  log.time_s.push_back(time);
-  log.duty.push_back(duty);
-  if (stroke) log.stroke_mm.push_back(Number(cells[columns.stroke], stroke, where));
-}
-
-// SplitText gives no last part for a trailing empty cell of a text that is empty altogether; a row is never that.
-std::vector<std::string> Cells(std::string line) {
-  if (!line.empty() && line.back() == '\r') line.pop_back();
-  return SplitText(line, ',');
-}
 
 // What stands between the firmware's rows: replies, alarms, messages and status; and comments.
 bool IsRemark(const std::string& line) {
@@ -74,39 +22,113 @@ bool IsRemark(const std::string& line) {
          line.starts_with("ALARM:");
 }
 
-// As a terminal logged it: `…*HHHH`.
-bool HasCheckSum(const std::string& line) {
-  static const std::regex at_the_end("\\*[0-9A-F]{4}\\r?$");
-  return line.find('*') != std::string::npos && std::regex_search(line, at_the_end);
-}
-
+// A line as a terminal logged it, `…*HHHH`, without its check sum.
 std::string WithoutCheckSum(std::string line, const std::string& where) {
-  if (line.back() == '\r') line.pop_back();
+  static const std::regex check_sum("\\*[0-9A-F]{4}$");
+  if (line.ends_with('\r')) line.pop_back();
+  if (line.find('*') == std::string::npos || !std::regex_search(line, check_sum)) return line;
   const std::optional<std::string> text = Unframed(line);
   if (!text) throw Fail("{}: the line's check sum is wrong: it was damaged on its way; take it out", where);
   return *text;
 }
 
-DutyLog ReadRows(const std::filesystem::path& path, const char* stroke) {
+// The header and the rows alone; other lines are left empty, so that messages name the right one.
+CsvTable ReadTable(const std::filesystem::path& path) {
   const std::string text = ReadTextFile(path, std::size_t{1} << 28);
-  DutyLog log{.name = path.string(), .time_s = {}, .stroke_mm = {}, .duty = {}};
-  std::optional<Columns> columns;
-  std::size_t number = 0, begin = 0;
-  while (begin < text.size()) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string line = text.substr(begin, end - begin);
-    begin = end + 1;
+  std::string rows, header;
+  std::size_t number = 0;
+  for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
+    end = std::min(text.find('\n', begin), text.size());
     const std::string where = fmt::format("{}:{}", path.string(), ++number);
-    if (HasCheckSum(line)) line = WithoutCheckSum(line, where);
-    if (IsRemark(line)) continue;
-    const std::vector<std::string> cells = Cells(line);
-    if (!columns || cells.front() == "time_s")
-      columns = FindColumns(cells, stroke, where);
-    else
-      AddRow(log, cells, *columns, stroke, where);
+    const std::string line = WithoutCheckSum(text.substr(begin, end - begin), where);
+    const bool is_row = !IsRemark(line), is_header = is_row && header.empty();
+    if (is_header && (line.find("time_s") == std::string::npos || line.find("duty") == std::string::npos))
+      throw Fail("{}: no header with the columns time_s and duty", where);
+    if (is_row && line != header) rows += line;
+    if (is_header) header = line;
+    rows += '\n';
   }
-  if (!columns) throw Fail("{}: empty; a log has the columns time_s,stroke_mm,duty", path.string());
+  if (header.empty()) throw Fail("{}: empty; a log has the columns time_s,stroke_mm,duty", path.string());
+  return CsvTable::Parse(rows, path);
+}
+
+// `stroke` names the column of the stroke, whose empty cells leave their rows out; null: none is read.
+DutyLog ReadRows(const std::filesystem::path& path, const char* stroke) {
+  const CsvTable table = ReadTable(path);
+  const std::size_t time_s = table.Column("time_s"), duty = table.Column("duty");
+  if (stroke && !table.Has(stroke))
+    throw Fail(
+        "{}: no column '{}'; the log must hold measured strokes: stroke_mm, or adc with --pot C0=MM0,C1=MM1, or a "
+        "video with --video",
+        path.string(), stroke);
+  DutyLog log{.name = path.string(), .time_s = {}, .stroke_mm = {}, .duty = {}};
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    const std::optional<double> stroke_mm = stroke ? table.Number(row, table.Column(stroke)) : 0;
+    if (!stroke_mm) continue;
+    const double now_s = table.RequiredNumber(row, time_s), driven = table.RequiredNumber(row, duty);
+    if (!log.time_s.empty() && !(now_s > log.time_s.back()))
+      throw Fail("{}: the times must ascend; {} s after {} s does not", table.Where(row), now_s, log.time_s.back());
+    if (!(std::abs(driven) <= 1)) throw Fail("{}: duty {} is not within -1..1", table.Where(row), driven);
+    log.time_s.push_back(now_s);
+    log.duty.push_back(driven);
+    if (stroke) log.stroke_mm.push_back(*stroke_mm);
+  }
   return log;
+}
+
+constexpr std::size_t kFewest = 20;  // rows of the log, frames of the film
+constexpr double kShiftStep_s = 0.005;
+constexpr double kSpeedWindow_s = 0.1;  // to either side, for the film's speed
+constexpr double kLeastCorrelation = 0.7;
+constexpr double kLongestGap_s = 1;  // between rows of the log, across which a duty is taken to last
+
+// The duty that rows before and after a time share; NaN where they do not, or there is none.
+double DutyAt(const DutyLog& commands, double time_s) {
+  const auto after = std::upper_bound(commands.time_s.begin(), commands.time_s.end(), time_s);
+  if (after == commands.time_s.begin() || after == commands.time_s.end()) return kNaN;
+  const auto i = static_cast<std::size_t>(after - commands.time_s.begin());
+  if (commands.time_s[i] - commands.time_s[i - 1] > kLongestGap_s) return kNaN;
+  return commands.duty[i] == commands.duty[i - 1] ? commands.duty[i] : kNaN;
+}
+
+struct SpeedSample {
+  double time_s, speed_mm_s;
+};
+
+std::vector<SpeedSample> SpeedsOf(const StrokeSeries& film) {
+  std::vector<SpeedSample> speeds;
+  std::size_t before = 0, after = 0;
+  for (std::size_t i = 0; i < film.time_s.size(); ++i) {
+    while (film.time_s[before] < film.time_s[i] - kSpeedWindow_s) ++before;
+    while (after + 1 < film.time_s.size() && film.time_s[after + 1] <= film.time_s[i] + kSpeedWindow_s) ++after;
+    const double span = film.time_s[after] - film.time_s[before];
+    if (span >= kSpeedWindow_s)
+      speeds.push_back({film.time_s[i], (film.stroke_mm[after] - film.stroke_mm[before]) / span});
+  }
+  return speeds;
+}
+
+struct Agreement {
+  double product = 0, correlation = 0;
+};
+
+Agreement AgreementAt(const DutyLog& commands, const std::vector<SpeedSample>& speeds, double shift_s) {
+  double product = 0, duties = 0, squares = 0;
+  for (const SpeedSample& sample : speeds) {
+    const double duty = DutyAt(commands, sample.time_s + shift_s);
+    if (std::isnan(duty)) continue;
+    product += duty * sample.speed_mm_s;
+    duties += duty * duty;
+    squares += sample.speed_mm_s * sample.speed_mm_s;
+  }
+  return {product, duties > 0 && squares > 0 ? product / std::sqrt(duties * squares) : 0};
+}
+
+void Check(const DutyLog& commands, const StrokeSeries& film, const std::vector<SpeedSample>& speeds) {
+  if (commands.time_s.size() < kFewest)
+    throw Fail("{}: {} rows are too few to be aligned with a video", commands.name, commands.time_s.size());
+  if (film.time_s.size() < kFewest || speeds.size() < kFewest)
+    throw Fail("{} frames with the actuator's two markers are too few to be aligned with a log", film.time_s.size());
 }
 
 }  // namespace
@@ -131,9 +153,36 @@ DutyLog ReadDutyLog(const std::filesystem::path& path, const std::optional<Poten
   return log;
 }
 
-DutyCommands ReadDutyCommands(const std::filesystem::path& path) {
-  DutyLog log = ReadRows(path, nullptr);
-  return {std::move(log.name), std::move(log.time_s), std::move(log.duty)};
+DutyLog ReadDutyCommands(const std::filesystem::path& path) {
+  return ReadRows(path, nullptr);
+}
+
+AlignedLog AlignWithFilm(const DutyLog& commands, const StrokeSeries& film) {
+  const std::vector<SpeedSample> speeds = film.time_s.empty() ? std::vector<SpeedSample>{} : SpeedsOf(film);
+  Check(commands, film, speeds);
+  AlignedLog aligned;
+  double most = -1;
+  const double low = commands.time_s.front() - film.time_s.back(), high = commands.time_s.back() - film.time_s.front();
+  for (double shift = low; shift <= high; shift += kShiftStep_s) {
+    ThrowIfInterrupted();
+    const Agreement agreement = AgreementAt(commands, speeds, shift);
+    if (std::abs(agreement.product) <= most) continue;
+    most = std::abs(agreement.product);
+    aligned.shift_s = shift;
+    aligned.correlation = agreement.correlation;
+  }
+  if (std::abs(aligned.correlation) < kLeastCorrelation)
+    throw Fail("{}: its duties and the speeds of the video agree nowhere (correlation {:.2f}); are they of one run?",
+               commands.name, aligned.correlation);
+  aligned.log.name = commands.name;
+  for (std::size_t i = 0; i < film.time_s.size(); ++i) {
+    const double time = film.time_s[i] + aligned.shift_s, duty = DutyAt(commands, time);
+    if (std::isnan(duty)) continue;
+    aligned.log.time_s.push_back(time);
+    aligned.log.duty.push_back(duty);
+    aligned.log.stroke_mm.push_back(film.stroke_mm[i]);
+  }
+  return aligned;
 }
 
 }  // namespace lake::actuator

@@ -1,5 +1,5 @@
-// How the actuator gets from the retract end stop to the program's start, and how far it may be from its plan. Not part
-// of the interface.
+// How the actuator gets from the retract end stop to the program's start, how far it may be from its plan, and what is
+// wired to the board. Not part of the interface.
 #pragma once
 
 #include <cmath>
@@ -20,30 +20,26 @@ int CountsFor(const DutyTable& table, double speed_mm_s);
 
 // Where the program starts, how the actuator gets there from the retract end stop.
 struct Homing {
-  double stroke_mm, speed_mm_s, position_speed_mm_s;
-  int counts, position_counts;
-  std::int64_t timeout_ms, back_off_ms, touch_timeout_ms;
+  double stroke_mm = 0, speed_mm_s = 0, position_speed_mm_s = 0;
+  int counts = 0, position_counts = 0;
+  std::int64_t timeout_ms = 0, back_off_ms = 0, touch_timeout_ms = 0;
   // From where the end stop was seen to release, one of them 0: on to the start, or back to it.
   std::int64_t position_ms = 0, return_ms = 0;
   // Off a pressed end stop while it is not known which way the motor turns: the way, the speeds.
-  double check_mm, extend_creep_mm_s, retract_creep_mm_s;
-  double guard_mm;  // below it the end stop has not come: by the potentiometer
+  double check_mm = 0, extend_creep_mm_s = 0, retract_creep_mm_s = 0;
+  double guard_mm = 0;  // below it the end stop has not come: by the potentiometer
 };
 
-Homing HomingOf(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
-                const FirmwareOptions& options);
-
-// How far speeds may differ from the table, percent.
-double ToleranceOf(const DutyTable& table, const FirmwareOptions& options);
+Homing HomingOf(const Sketch& sketch);
 
 // The bound as the firmware has it: integers, ms by ms.
 class DriftBound {
  public:
-  DriftBound(const StrokeTable& stroke, const DutyTable& table, const FirmwareOptions& options,
-             std::int64_t velocity_um_s = 0)
-      : start_um_(std::llround(std::ceil(1e3 * (options.home_error_mm + stroke.pwm_error_mm)))),
-        per_1024_(std::llround(std::ceil(10.24 * ToleranceOf(table, options)))),
-        lag_ms_(std::llround(std::ceil(1e3 * options.lag_s))),
+  DriftBound() = default;
+  explicit DriftBound(const Sketch& sketch, std::int64_t velocity_um_s = 0)
+      : start_um_(std::llround(std::ceil(1e3 * (sketch.options.home_error_mm + sketch.stroke.pwm_error_mm)))),
+        per_1024_(std::llround(std::ceil(10.24 * sketch.TolerancePercent()))),
+        lag_ms_(std::llround(std::ceil(1e3 * sketch.options.lag_s))),
         velocity_um_s_(velocity_um_s) {}
 
   std::int64_t StartUm() const { return start_um_; }
@@ -71,13 +67,24 @@ class DriftBound {
  private:
   std::int64_t FixedNm() const { return 1000 * start_um_ + std::max(speeding_nm_, slowing_nm_); }
 
-  std::int64_t start_um_, per_1024_, lag_ms_;
-  std::int64_t velocity_um_s_;
+  std::int64_t start_um_ = 0, per_1024_ = 0, lag_ms_ = 0, velocity_um_s_ = 0;
   std::int64_t way_nm_ = 0, rounding_nm_ = 0, tolerance_nm_ = 0, speeding_nm_ = 0, slowing_nm_ = 0;
 };
 
 // Throws Error, with ways out, where homing or the drift may carry the actuator past the linkage's ends.
-void RequireRoomForDrift(const Homing& homing, const StrokeTable& stroke, const StrokeSchedule& schedule,
-                         const DutyTable& table, const FirmwareOptions& options);
+void RequireRoomForDrift(const Sketch& sketch, const Homing& homing);
+
+// What may be wired to a pin of the board: its LAKE_PIN_… in stroke_table.h (none: the pin is always the same), its
+// name in messages, and on the schematic what stands in the wire, what pulls it down, where it goes.
+struct Connection {
+  const char *define, *name;
+  int pin;
+  bool is_wired;
+  const char *in_line, *pull_down, *to;
+};
+std::vector<Connection> ConnectionsOf(const FirmwareOptions& options);
+
+// As it is printed on the board.
+std::string PinName(int pin);
 
 }  // namespace lake::actuator

@@ -170,25 +170,6 @@ void RestBeforeReversals(StrokeSchedule& schedule, double dead_time_s) {
 
 }  // namespace
 
-void ScheduleOptions::Check() const {
-  const auto require = [](bool good, const char* option, double value, const char* what) {
-    if (!good) throw UsageError("{} must be {}, not {}", option, what, value);
-  };
-  require(margin_mm >= 0 && margin_mm < 1000, "--margin", margin_mm, "within 0..1000 mm");
-  if (speed_mm_s) require(*speed_mm_s >= 0.01 && *speed_mm_s <= 1000, "--speed", *speed_mm_s, "within 0.01..1000 mm/s");
-  if (max_speed_mm_s)
-    require(*max_speed_mm_s > 0 && *max_speed_mm_s <= 1000, "--max-speed", *max_speed_mm_s,
-            "above 0 and at most 1000 mm/s");
-  if (max_acceleration_mm_s2)
-    require(*max_acceleration_mm_s2 > 0 && *max_acceleration_mm_s2 <= 1e6, "--max-acceleration",
-            *max_acceleration_mm_s2, "above 0 and at most 1e6 mm/s²");
-  if (from_deg) require(*from_deg >= 0 && *from_deg <= 360, "--from-angle", *from_deg, "within 0..360 degrees");
-  if (to_deg) require(*to_deg >= 0 && *to_deg <= 360, "--to-angle", *to_deg, "within 0..360 degrees");
-  require(smooth_mm >= 0 && smooth_mm <= 5, "--smooth", smooth_mm, "within 0..5 mm");
-  require(hold_s >= 0 && hold_s <= 3600, "--hold", hold_s, "within 0..3600 s");
-  require(dead_time_s >= kLeastDeadTime_s && dead_time_s <= 5, "--dead-time", dead_time_s, "within 0.1..5 s");
-}
-
 int DirectionOf(double speed) {
   return speed >= kRestSpeed_mm_s ? 1 : speed <= -kRestSpeed_mm_s ? -1 : 0;
 }
@@ -227,7 +208,6 @@ double StrokeSchedule::StrokeAt(double time_s) const {
 }
 
 StrokeSchedule MakeSchedule(const linkage::Design& design, const ScheduleOptions& options) {
-  options.Check();
   StrokeSchedule schedule{design.links, SoftLimitsOf(design, options.margin_mm), {}};
   schedule.knots = BaseKnots(design, schedule.limits, options);
   CheckLimits(schedule.knots, schedule.limits, options.margin_mm);

@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/file.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +11,7 @@
 #include <cctype>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
@@ -21,7 +24,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "serial_port.h"
+#include "lake/core/file_descriptor.h"
 
 namespace lake::actuator {
 namespace {
@@ -36,6 +39,68 @@ constexpr std::string_view kAlarm = "ALARM:", kWaited = "[MSG:waited ";
 
 double Since(Clock::time_point when) {
   return std::chrono::duration<double>(Clock::now() - when).count();
+}
+
+// A serial line of the operating system (POSIX termios), raw, 8N1.
+class SerialPort {
+ public:
+  // 115200 baud. Throws Error naming the port: it cannot be opened, is no serial line, or another program has it.
+  explicit SerialPort(const std::filesystem::path& path);
+
+  // What has arrived, after waiting for at most so long; empty if nothing has. Throws Error if the line is gone.
+  std::string Read(double most_s);
+
+  // Throws Error if the line is gone or takes nothing for a second.
+  void Write(std::string_view text);
+
+ private:
+  std::filesystem::path path_;
+  FileDescriptor file_;
+};
+
+constexpr int kPatience_ms = 1000;
+
+bool WaitFor(int file, short events, int most_ms) {
+  pollfd poll_file{file, events, 0};
+  return poll(&poll_file, 1, most_ms) > 0;
+}
+
+SerialPort::SerialPort(const std::filesystem::path& path)
+    : path_(path), file_(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
+  if (file_ < 0)
+    throw Fail("{}: the serial line cannot be opened ({}); is the board plugged in, and are you in the group dialout?",
+               path.string(), std::strerror(errno));
+  termios settings{};
+  const bool is_line = tcgetattr(file_, &settings) == 0;
+  if (!is_line || flock(file_, LOCK_EX | LOCK_NB) != 0)
+    throw Fail("{}: {}", path.string(),
+               is_line ? "another program has this serial line; close its serial monitor" : "this is no serial line");
+  cfmakeraw(&settings);
+  settings.c_cflag |= CLOCAL | CREAD;
+  settings.c_cflag &= ~static_cast<tcflag_t>(HUPCL);  // the line's end does not reset the board
+  cfsetspeed(&settings, B115200);
+  tcsetattr(file_, TCSANOW, &settings);
+  tcflush(file_, TCIOFLUSH);
+}
+
+std::string SerialPort::Read(double most_s) {
+  std::array<char, 512> buffer;
+  if (!WaitFor(file_, POLLIN, static_cast<int>(std::lround(1e3 * most_s)))) return {};
+  const ssize_t count = read(file_, buffer.data(), buffer.size());
+  if (count < 0 && (errno == EAGAIN || errno == EINTR)) return {};
+  if (count <= 0) throw Fail("{}: the serial line is gone; was the board unplugged?", path_.string());
+  return {buffer.data(), static_cast<std::size_t>(count)};
+}
+
+void SerialPort::Write(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t count = write(file_, text.data(), text.size());
+    if (count > 0) {
+      text.remove_prefix(static_cast<std::size_t>(count));
+    } else if (!(count < 0 && (errno == EAGAIN || errno == EINTR) && WaitFor(file_, POLLOUT, kPatience_ms))) {
+      throw Fail("{}: the serial line takes nothing; was the board unplugged?", path_.string());
+    }
+  }
 }
 
 // Every line is on its way to the disk when Write returns: what was moved is known even if the computer fails.
@@ -77,10 +142,49 @@ std::string Field(const std::string& row, int index) {
   return row.substr(begin, row.find(',', begin) - begin);
 }
 
+// The board at the other end of the line.
+class Board {
+ public:
+  Board(const std::filesystem::path& port, double keep_alive_s) : port_(port), keep_alive_s_(keep_alive_s) {}
+
+  void Say(std::string_view text) { port_.Write(text); }
+  void SayLine(const std::string& line) { port_.Write(Framed(line) + "\n"); }
+
+  // The next whole line as it came, if there is one within kPoll_s; meanwhile it says that somebody is there.
+  std::optional<std::string> Line() {
+    if (Since(last_said_) > keep_alive_s_) {
+      SayLine("alive");
+      last_said_ = Clock::now();
+    }
+    if (buffer_.find('\n') == std::string::npos) buffer_ += port_.Read(kPoll_s);
+    const std::size_t end = buffer_.find('\n');
+    if (end == std::string::npos) return std::nullopt;
+    std::string line = buffer_.substr(0, end);
+    buffer_.erase(0, end + 1);
+    return line;
+  }
+
+  // Whatever it does.
+  void Stop() noexcept {
+    try {
+      port_.Write(kReset);
+      for (const auto begin = Clock::now(); Since(begin) < 0.3;) buffer_ += port_.Read(kPoll_s);
+    } catch (const std::exception&) {
+      // The line is gone: the firmware stops by its time-out.
+    }
+  }
+
+ private:
+  SerialPort port_;
+  double keep_alive_s_;
+  std::string buffer_;
+  Clock::time_point last_said_ = Clock::now();
+};
+
 class Session {
  public:
   Session(const SessionOptions& options, LogFile& log, const std::function<void(const std::string&, double)>& poll)
-      : options_(options), log_(log), poll_(poll), port_(options.port) {}
+      : options_(options), log_(log), poll_(poll), board_(options.port, options.keep_alive_s) {}
 
   // Opening the port resets an UNO unless it has been open before. Then Ctrl-X makes it greet.
   void Greet(const SketchIdentity& sketch) {
@@ -92,7 +196,7 @@ class Session {
         throw Fail("{}: no greeting of lake-stroke's firmware within {} s: is it uploaded?", options_.port.string(),
                    options_.greeting_s);
       if (Since(begin) > (asked + 1) * options_.greeting_s / 4) {
-        port_.Write(kReset);
+        board_.Say(kReset);
         ++asked;
       }
       const std::optional<std::string> line = Line();
@@ -122,7 +226,7 @@ class Session {
   }
 
   void Ask(const std::string& command) {
-    port_.Write(Framed(command) + "\n");
+    board_.SayLine(command);
     for (const auto begin = Clock::now(); Since(begin) < kReply_s;) {
       const std::optional<std::string> line = Line();
       if (line == "ok") return;
@@ -155,15 +259,7 @@ class Session {
     throw Fail("{}: {} has not ended within {:.0f} s", options_.port.string(), what, most_s);
   }
 
-  // Whatever it does.
-  void Stop() noexcept {
-    try {
-      port_.Write(kReset);
-      for (const auto begin = Clock::now(); Since(begin) < 0.3;) buffer_ += port_.Read(kPoll_s);
-    } catch (const std::exception&) {
-      // The line is gone: the firmware stops by its time-out.
-    }
-  }
+  void Stop() noexcept { board_.Stop(); }
 
   std::size_t Rows() const { return rows_; }
   // Of the program, s: the firmware tells it once, after the last row of the running program. Without a potentiometer
@@ -201,25 +297,18 @@ class Session {
     return line.starts_with(kAlarm) ? std::atoi(line.c_str() + kAlarm.size()) : 0;
   }
 
-  // The next whole line, if one has come; meanwhile it says that it is there. Throws on a fault or long silence.
+  // The next whole line, if one has come. Throws on a fault or long silence.
   std::optional<std::string> Line() {
-    if (Since(last_said_) > options_.keep_alive_s) {
-      port_.Write(Framed("alive") + "\n");
-      last_said_ = Clock::now();
-    }
-    if (buffer_.find('\n') == std::string::npos) buffer_ += port_.Read(kPoll_s);
-    const std::size_t end = buffer_.find('\n');
-    if (end == std::string::npos) {
+    const std::optional<std::string> line = board_.Line();
+    if (!line) {
       if (is_logging_ && Since(last_heard_) > options_.silent_s)
         throw Fail("{}: the firmware has been silent for {} s", options_.port.string(), options_.silent_s);
       return std::nullopt;
     }
     last_heard_ = Clock::now();
-    const std::string line = buffer_.substr(0, end);
-    buffer_.erase(0, end + 1);
     // A line that was damaged on its way says nothing: rows come again, a reply that does not come is an error, and
     // each row says whether there is a fault, a hold or an end.
-    std::optional<std::string> text = Unframed(line);
+    std::optional<std::string> text = Unframed(*line);
     has_lost_line_ = has_lost_line_ || !text;
     if (text) Take(*text);
     return text;
@@ -261,9 +350,9 @@ class Session {
   const SessionOptions& options_;
   LogFile& log_;
   const std::function<void(const std::string&, double)>& poll_;
-  SerialPort port_;
-  std::string buffer_, header_, state_, alarm_;
-  Clock::time_point last_said_ = Clock::now(), last_heard_ = Clock::now();
+  Board board_;
+  std::string header_, state_, alarm_;
+  Clock::time_point last_heard_ = Clock::now();
   bool is_logging_ = false;
   double last_time_s_ = 0, before_s_ = 0;
   std::size_t rows_ = 0;
@@ -275,7 +364,7 @@ class Session {
 class Talk {
  public:
   Talk(const TalkOptions& options, LogFile& log, std::ostream& out)
-      : options_(options), log_(log), out_(out), port_(options.port) {}
+      : log_(log), out_(out), board_(options.port, options.keep_alive_s) {}
 
   // What the person has said meanwhile; false at the end.
   bool Hear(int in) {
@@ -288,43 +377,30 @@ class Talk {
     for (std::size_t end; (end = said_.find('\n')) != std::string::npos; said_.erase(0, end + 1)) {
       const std::string line(Trim(said_.substr(0, end)));
       is_status_asked_ = is_status_asked_ || line == "?";
-      if (!line.empty()) port_.Write(line == "?" || line == "!" ? line : Framed(line) + "\n");
+      if (!line.empty()) board_.Say(line == "?" || line == "!" ? line : Framed(line) + "\n");
     }
     return true;
   }
 
-  // What the firmware says; and that somebody is there.
+  // What the firmware says.
   void Pass() {
-    if (Since(last_alive_) > options_.keep_alive_s) {
-      port_.Write(Framed("alive") + "\n");
-      last_alive_ = Clock::now();
-    }
-    heard_ += port_.Read(kPoll_s);
-    for (std::size_t end; (end = heard_.find('\n')) != std::string::npos; heard_.erase(0, end + 1)) {
-      const std::optional<std::string> text = Unframed(std::string_view(heard_).substr(0, end));
-      if (text && text->starts_with("<") && !std::exchange(is_status_asked_, false)) continue;  // of a sign of life
-      const std::string line = text.value_or("# a line was damaged");
-      log_.Write(line);
-      out_ << line << std::endl;
-    }
+    const std::optional<std::string> heard = board_.Line();
+    if (!heard) return;
+    const std::optional<std::string> text = Unframed(*heard);
+    if (text && text->starts_with("<") && !std::exchange(is_status_asked_, false)) return;  // of a sign of life
+    const std::string line = text.value_or("# a line was damaged");
+    log_.Write(line);
+    out_ << line << std::endl;
   }
 
-  void Stop() noexcept {
-    try {
-      port_.Write(kReset);
-    } catch (const std::exception&) {
-      // The line is gone: the firmware stops by its time-out.
-    }
-  }
+  void Stop() noexcept { board_.Stop(); }
 
  private:
-  const TalkOptions& options_;
   LogFile& log_;
   std::ostream& out_;
-  SerialPort port_;
-  std::string said_, heard_;
+  Board board_;
+  std::string said_;
   bool is_status_asked_ = false;
-  Clock::time_point last_alive_ = Clock::now();
 };
 
 }  // namespace
@@ -350,7 +426,8 @@ SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder) {
   const std::string text = ReadTextFile(file);
   SketchIdentity identity;
   std::smatch match;
-  if (!std::regex_search(text, match, std::regex("#define LAKE_DESIGN \"([^\"]*)\"")))
+  if (text.find("#define LAKE_HAS_PROGRAM 0") != std::string::npos ||
+      !std::regex_search(text, match, std::regex("#define LAKE_DESIGN \"([^\"]*)\"")))
     throw Fail("{}: no program of lake-stroke with a design in it; write it again with lake-stroke", file.string());
   identity.design_hash = match[1];
   identity.program_hash = ProgramHash(text);

@@ -97,12 +97,8 @@ void board_init(void) {
   // all read high.
   PIN_WRITE(LAKE_PIN_RETRACT, 1);
   PIN_WRITE(LAKE_PIN_EXTEND, 1);
-#if LAKE_BUTTON
-  PIN_WRITE(LAKE_PIN_BUTTON, 1);  // to ground while it is held: a broken wire reads as released
-#endif
-#if LAKE_RELAY
-  PIN_OUTPUT(LAKE_PIN_RELAY, 1);
-#endif
+  if (LAKE_BUTTON) PIN_WRITE(LAKE_PIN_BUTTON, 1);  // to ground while it is held: a broken wire reads as released
+  if (LAKE_RELAY) PIN_OUTPUT(LAKE_PIN_RELAY, 1);
   ADMUX = _BV(REFS0);
   ADCSRA = _BV(ADEN) | _BV(ADIE) | _BV(ADPS2) | _BV(ADPS1);  // 250 kHz
 }
@@ -142,9 +138,7 @@ static uint8_t open_stops(void) {
   uint8_t bits = 0;
   if (PIN_READ(LAKE_PIN_RETRACT)) bits |= END_STOP_RETRACT;
   if (PIN_READ(LAKE_PIN_EXTEND)) bits |= END_STOP_EXTEND;
-#if LAKE_BUTTON
-  if (PIN_READ(LAKE_PIN_BUTTON)) bits |= BUTTON_RELEASED;
-#endif
+  if (LAKE_BUTTON && PIN_READ(LAKE_PIN_BUTTON)) bits |= BUTTON_RELEASED;
   return bits;
 }
 
@@ -158,11 +152,7 @@ uint8_t board_end_stops(void) {
 }
 
 void board_close_relay(uint8_t is_closed) {
-#if LAKE_RELAY
-  PIN_WRITE(LAKE_PIN_RELAY, is_closed);
-#else
-  (void)is_closed;
-#endif
+  if (LAKE_RELAY) PIN_WRITE(LAKE_PIN_RELAY, is_closed);
 }
 
 uint16_t board_analog(uint8_t which) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lake/actuator/duty_table.h"
+#include "lake/actuator/stroke_schedule.h"
 
 namespace lake::actuator {
 
@@ -29,6 +30,21 @@ PotentiometerScale ParsePotentiometerScale(const std::string& text);
 // left out. Throws Error naming file and line: times that do not ascend, a duty outside -1..1, no stroke column.
 DutyLog ReadDutyLog(const std::filesystem::path& path, const std::optional<PotentiometerScale>& scale);
 
+// The same of a log whose strokes another measurement has: the duties alone.
+DutyLog ReadDutyCommands(const std::filesystem::path& path);
+
+struct AlignedLog {
+  DutyLog log;         // at the video's frames, in the log's time; frames at which a duty begins or ends are left out
+  double shift_s = 0;  // the log's time at the video's time 0
+  double correlation = 0;  // of duty and speed at that shift, 1 or -1 if they were proportional
+};
+
+// A log of duties and a video of the actuator that was tracked beside it: the lengths between a marker on its body and
+// one on its rod are the strokes of a calibration without a potentiometer. The shift at which duty and speed of the
+// film agree best: the largest inner product over all overlaps, to 5 ms. Throws Error if log or film are too short, or
+// the correlation is below 0.7: then they are not of the same motion.
+AlignedLog AlignWithFilm(const DutyLog& commands, const StrokeSeries& film);
+
 struct CalibrateOptions {
   double settle_s = 0.2;         // left out at the beginning of each plateau: the motor's and the screw's run-up
   double min_plateau_s = 0.4;    // shorter stretches of constant duty are left out
@@ -36,8 +52,10 @@ struct CalibrateOptions {
   double steady_fraction = 0.1;  // a plateau whose halves differ by more (and by 5 standard errors) is left out: its
                                  // stroke met an end, or the load changed
 
-  void Check() const;  // throws UsageError
+  void Check() const;  // throws UsageError where min_plateau_s does not exceed settle_s
 };
+
+void Describe(CalibrateOptions& o, OptionList& options);
 
 // A stretch of constant duty and its speed.
 struct Plateau {

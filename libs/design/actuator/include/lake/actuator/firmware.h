@@ -1,15 +1,14 @@
 // The schedule as the firmware has it: whole ms, um/s and PWM counts, in a header that is compiled with the firmware's
-// sources.
+// sources; and what a laboratory needs beside such a sketch before anything moves.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lake/actuator/duty_calibration.h"
-#include "lake/actuator/duty_table.h"
-#include "lake/actuator/stroke_schedule.h"
 
 namespace lake::actuator {
 
@@ -79,13 +78,13 @@ struct FirmwareOptions {
 
   double StopTravel() const { return stop_travel_mm.value_or(kStopTravel_mm); }
   double StallCurrent() const;  // A, by the force limit if that is less
+  bool HasFeedback() const { return feedback != Feedback::kNone; }
 
-  void Check() const;  // throws UsageError
+  void Check() const;  // throws UsageError where options contradict each other
 };
 
-// What a firmware with these options cannot know or do, a sentence each: said on the sketch, by lake-stroke, and before
-// a run.
-std::vector<std::string> Unknowns(const FirmwareOptions& options);
+// All but the dead time, which is the schedule's.
+void Describe(FirmwareOptions& o, OptionList& options);
 
 // One stretch of constant speed.
 struct StrokeSegment {
@@ -101,17 +100,30 @@ struct StrokeTable {
   double pwm_error_mm = 0;       // the same if the actuator follows the duty table exactly at these counts
 };
 
-// Likewise with a program: also where a closed loop cannot follow it at kLowSupply.
-std::vector<std::string> Unknowns(const FirmwareOptions& options, const StrokeTable& stroke, const DutyTable& table);
-
 // Throws Error if it does not fit into the flash within the tolerance, or a number into the firmware's types.
 StrokeTable MakeStrokeTable(const StrokeSchedule& schedule, const DutyTable& table, const FirmwareOptions& options);
 
-// The stroke at which the extend end stop acts; none without options.extend_stop_mm.
-std::optional<double> ExtendStop(const StrokeSchedule& schedule, const FirmwareOptions& options);
+// All that the firmware of one program is made of.
+struct Sketch {
+  Sketch(StrokeSchedule program, DutyTable duties, FirmwareOptions how)  // throws as MakeStrokeTable
+      : schedule(std::move(program)),
+        table(std::move(duties)),
+        options(std::move(how)),
+        stroke(MakeStrokeTable(schedule, table, options)) {}
 
-// The stroke of the retract end stop, which is home.
-double HomeStroke(const StrokeTable& stroke, const StrokeSchedule& schedule, const FirmwareOptions& options);
+  StrokeSchedule schedule;
+  DutyTable table;
+  FirmwareOptions options;
+  StrokeTable stroke;
+
+  double HomeStroke() const;                 // of the retract end stop
+  std::optional<double> ExtendStop() const;  // the stroke at which it acts; none without options.extend_stop_mm
+  double TolerancePercent() const;           // by which speeds may differ from the table
+};
+
+// What a firmware cannot know or do, a sentence each: said on the sketch, by lake-stroke, and before a run. Also where
+// a closed loop cannot follow its program at kLowSupply.
+std::vector<std::string> Unknowns(const Sketch& sketch);
 
 // What the firmware's bound on the drift comes to, from homing to the program's end, where planned stroke and bound
 // together come nearest to the linkage's upper end. At its lower end the retract end stop comes first.
@@ -127,14 +139,12 @@ struct DriftForecast {
   double Room() const { return end_mm - planned_mm; }
   bool Fits() const { return drift_mm < Room(); }
 };
-DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
-                            const FirmwareOptions& options);
+DriftForecast ForecastDrift(const Sketch& sketch);
 
 // The text of stroke_table.h; `made_by` goes into its comment. Unless options.accept_drift, throws Error with the
 // numbers and the ways out if the drift may leave the linkage's room and no extend end stop comes first, if an end stop
 // acts too near to the linkage's end, or UsageError if home lies below the soft limit.
-std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
-                              const FirmwareOptions& options, const std::string& made_by);
+std::string StrokeTableHeader(const Sketch& sketch, const std::string& made_by);
 
 // The first digits of the SHA-256 of a stroke_table.h but for the line that has them: of the whole table, of every
 // option that went into it and of what it was made from. The firmware greets with them.
@@ -142,11 +152,18 @@ std::string ProgramHash(const std::string& stroke_table_header);
 
 // What belongs to this sketch and to no other, for the top of the .ino: where it comes from, warnings, end stops,
 // sizes, as comment lines. `from` names design and duty table.
-std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
-                        const FirmwareOptions& options, const std::string& from);
+std::string SketchNotes(const Sketch& sketch, const std::string& from);
 
 // The header of a firmware without a program: it jogs, for the logs that a duty table is made of.
 std::string CalibrationHeader(const FirmwareOptions& options, const std::string& made_by);
+
+// The wiring drawn with this firmware's pins, as SVG: board, bridge, actuator, end stops and whatever of sensors and
+// relay is wired, with fuse, emergency stop and pull-down resistors.
+std::string SchematicSvg(const FirmwareOptions& options);
+
+// As Markdown: what is checked in which order before the first motion, what must be seen, and room for name, date and
+// the value that was found.
+std::string SignOffSheet(const Sketch& sketch);
 
 // The firmware's sources, as in libs/design/actuator/firmware; with stroke_table.h they are all that its compiler
 // needs: a sketch for the Arduino IDE, whose folder must have the name of its .ino.
@@ -155,6 +172,9 @@ struct FirmwareFile {
   std::string name, text;
 };
 const std::vector<FirmwareFile>& FirmwareSources();
+
+// Those of them that a stroke_table.h is for: plant_pot.c if it has a potentiometer, else plant_open.c.
+std::vector<FirmwareFile> SketchSources(const std::string& stroke_table_header);
 
 // Said wherever a person reads about safety.
 inline constexpr const char* kUntried =

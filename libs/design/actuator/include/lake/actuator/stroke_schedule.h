@@ -3,9 +3,11 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "lake/actuator/duty_table.h"
+#include "lake/core/options.h"
 #include "lake/linkage/design_file.h"
 
 namespace lake::actuator {
@@ -27,9 +29,9 @@ struct ScheduleOptions {
   double smooth_mm = 0;                          // reversals of at most twice that become rests half way between
   double hold_s = 2;                             // rest before the return trip
   double dead_time_s = 0.1;                      // brake before a reversal: at least so long a rest
-
-  void Check() const;  // throws UsageError
 };
+
+void Describe(ScheduleOptions& o, OptionList& options);
 
 // The strokes the actuator may be sent to.
 struct SoftLimits {
@@ -96,6 +98,12 @@ struct ScheduleRow {
 inline constexpr std::size_t kMostScheduleRows = 1'000'000;
 std::vector<ScheduleRow> SampleSchedule(const StrokeSchedule& schedule, double rate_hz, const DutyTable* table);
 void WriteScheduleCsv(const std::filesystem::path& path, const std::vector<ScheduleRow>& rows);
+
+// Measured strokes, mm; times ascend, s.
+struct StrokeSeries {
+  std::string name;  // for messages
+  std::vector<double> time_s, stroke_mm;
+};
 
 // Knee angle at a stroke of the schedule's linkage.
 double KneeDegAt(const linkage::Links& links, double stroke_mm);
