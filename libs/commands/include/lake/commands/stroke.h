@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lake/actuator/duty_calibration.h"
-#include "lake/actuator/duty_video.h"
+#include "lake/actuator/duty_calibration.h"
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/stroke_schedule.h"
 #include "lake/actuator/stroke_session.h"
@@ -71,7 +71,7 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run);
 
 // The actuator's length in a tracked video: the distance of two markers, on the actuator's body and on its rod, in the
 // frames that show both, mm. Throws Error naming the file: no trajectory in mm, no such marker.
-actuator::ActuatorFilm ReadRodFilm(const std::filesystem::path& folder, const std::vector<std::string>& names);
+actuator::StrokeSeries ReadRodFilm(const std::filesystem::path& folder, const std::vector<std::string>& names);
 
 struct DutyRunOptions {
   std::vector<std::filesystem::path> logs;
