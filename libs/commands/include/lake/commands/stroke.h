@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "lake/actuator/duty_calibration.h"
-#include "lake/actuator/duty_calibration.h"
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/stroke_schedule.h"
 #include "lake/actuator/stroke_session.h"
