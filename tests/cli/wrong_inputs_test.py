@@ -164,7 +164,7 @@ optimize --min-transmissiox  ->  did you mean '--min-transmission
 optimize --actuator odd  ->  it has L16-50-35, L16-100-63, L16-140-150, P16-100-256, LA31
 optimize --duration odd  ->  a duration (--duration, duration_s) is free or a number of s
 optimize --start odd  ->  --start must have 6 numbers
-optimize --rest odd  ->  rest is anywhere or standing, not 'odd
+optimize --rest odd  ->  --rest must be one of anywhere, standing
 review text.csv  ->  not a video that can be read
 review camera.yaml  ->  --camera reads it
 review study.yaml  ->  lake run reads it
@@ -186,7 +186,8 @@ simulate … --animation odd  ->  see lake-simulate --help
 stroke … --speed-tolerancx  ->  did you mean '--speed-tolerance
 stroke … --rod-markers odd  ->  --stroke-log and --rod-markers belong to --validate TRACKDIR
 stroke … --pot odd  ->  give two different points COUNTS=MM,COUNTS=MM, e.g. 102=242,
-stroke … --pins odd  ->  one of ena, in1, in2, retract, extend, out1, out2 and a numb
+stroke … --pins odd  ->  --pins 'odd': write NAME=
+stroke … --pins odd=3  ->  ena, in1, in2, retract, extend, out1, out2
 symmetry  ->  left
 symmetry … --sync absent.xyz  ->  only applies together with --forces
 symmetry … --right-map odd  ->  --right-map 'odd': write NAME=…

@@ -449,7 +449,7 @@ TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
   ExpectRefused(trial + "reoptimize: {pareto: 1}\n", "'pareto' must be at least 2");
   ExpectRefused(trial + "reoptimize: {max_misalignment: 1}\n", "study.yaml:2: unknown key 'max_misalignment'");
   ExpectRefused(trial + "reoptimize: {clearances: {seat: 5}}\n", "study.yaml:2: unknown key 'seat'");
-  ExpectRefused(trial + "reoptimize: {clearances: {limb_mm: -5}}\n", "study.yaml:2: limb_mm = -5");
+  ExpectRefused(trial + "reoptimize: {clearances: {limb_mm: -5}}\n", "study.yaml:2: 'limb_mm' must be at least 0");
   ExpectRefused(trial + "reoptimize: {duration_s: -1}\n", "'duration_s' must be positive");
   const std::string both = trial + "exo: {video: exo.mp4}\n";
   ExpectRefused(both + "reoptimize: {pareto: 3}\n", "human_only: true");

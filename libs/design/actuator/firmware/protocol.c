@@ -217,7 +217,7 @@ static void tell_news(void) {
     line_text(PSTR(" s]\n"));
   } else {
     uint8_t which = 0;
-    while (NEWS_DONE << which != first) ++which;
+    while (which + 1u < sizeof kNews / sizeof kNews[0] && NEWS_DONE << which != first) ++which;
     tell_message(kNews[which]);
   }
 }
