@@ -24,7 +24,7 @@ const std::vector<std::set<std::string>> kLayers = {{"divide", "kept", "portable
                                                     {"stroke_table", "pins"},
                                                     {"config"},
                                                     {"board", "bridge", "serial"},
-                                                    {"analog", "end_stops", "line", "motor"},
+                                                    {"analog", "end_stops", "motor"},
                                                     {"guard", "power"},
                                                     {"state"},
                                                     {"plant"},
@@ -77,7 +77,7 @@ Files With(const std::string& file, const std::string& include) {
 
 TEST(FirmwareLayers, IncludesGoDown) {
   EXPECT_THAT(NotBelow(actuator::FirmwareSources()), IsEmpty());
-  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(27)) << "every module was read";
+  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(26)) << "every module was read";
   EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config", "kept", "portable"));
 }
 

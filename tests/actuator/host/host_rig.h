@@ -19,7 +19,7 @@ namespace lake {
 
 // Every file of the firmware that knows nothing of the chip; a board's own, the tests' or another chip's, come beside.
 inline constexpr const char* kPortableSources =
-    "controller.c guard.c state.c kept.c divide.c program.c motor.c power.c end_stops.c protocol.c line.c analog.c "
+    "controller.c guard.c state.c kept.c divide.c program.c motor.c power.c end_stops.c protocol.c analog.c "
     "plant_*.c";
 
 class HostRig {

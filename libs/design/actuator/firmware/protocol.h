@@ -1,6 +1,6 @@
 // The serial line in the manner of Grbl: a line is a command and gets one `ok` or `error:N`; `?`, `!` and Ctrl-X act at
 // once, without a line's end; the last two also forget the lines that wait. Unasked come a CSV row every 100 ms,
-// `ALARM:N` and `[MSG:…]`. Every line that is said has a check sum (line.h), and so must those that are obeyed, but for
+// `ALARM:N` and `[MSG:…]`. Every line that is said has a check sum, and so must those that are obeyed, but for
 // `stop` and `header`: what a terminal, noise or another program says starts nothing.
 #ifndef LAKE_PROTOCOL_H
 #define LAKE_PROTOCOL_H

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/crc.hpp>
 #include <cctype>
 #include <cerrno>
 #include <chrono>
@@ -403,6 +404,12 @@ class Talk {
   bool is_status_asked_ = false;
 };
 
+// The first has number 1.
+std::string NumberedText(const std::vector<std::string>& texts, int number, const char* otherwise) {
+  return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number) - 1]
+                                                                 : otherwise;
+}
+
 }  // namespace
 
 void RunTalk(const TalkOptions& options, int in, std::ostream& out, const std::filesystem::path& log,
@@ -467,7 +474,7 @@ SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sk
 }
 
 std::string AlarmText(int number) {
-  static const std::array<const char*, 17> texts = {
+  static const std::vector<std::string> texts = {
       "an end stop in the direction of motion",
       "both end stops at once: their wires",
       "a limit was reached, of the program or of the linkage",
@@ -485,24 +492,34 @@ std::string AlarmText(int number) {
       "the bridge does not follow its commands: ENA's jumper, a wire, a shorted transistor",
       "the safety relay does not open",
       "the board's memory has changed by itself"};
-  return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
-                                                                 : "a fault of a newer firmware";
+  return NumberedText(texts, number, "a fault of a newer firmware");
 }
 
 std::string ErrorText(int number) {
-  static const std::array<const char*, 11> texts = {"no such command",
-                                                    "a number out of range",
-                                                    "the line is too long",
-                                                    "not in this state",
-                                                    "it is not at the program's start",
-                                                    "the firmware has no program",
-                                                    "an end stop is pressed in that direction",
-                                                    "a soft limit is reached in that direction",
-                                                    "the line had no check sum, or a wrong one",
-                                                    "nobody holds the button",
-                                                    "homing has failed three times: mend it, then power off and on"};
-  return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
-                                                                 : "a reply of a newer firmware";
+  static const std::vector<std::string> texts = {"no such command",
+                                                 "a number out of range",
+                                                 "the line is too long",
+                                                 "not in this state",
+                                                 "it is not at the program's start",
+                                                 "the firmware has no program",
+                                                 "an end stop is pressed in that direction",
+                                                 "a soft limit is reached in that direction",
+                                                 "the line had no check sum, or a wrong one",
+                                                 "nobody holds the button",
+                                                 "homing has failed three times: mend it, then power off and on"};
+  return NumberedText(texts, number, "a reply of a newer firmware");
+}
+
+std::string Framed(std::string_view text) {
+  boost::crc_optimal<16, 0x1021, 0xFFFF, 0, true, true> crc;
+  crc.process_bytes(text.data(), text.size());
+  return fmt::format("{}*{:04X}", text, crc.checksum());
+}
+
+std::optional<std::string> Unframed(std::string_view line) {
+  std::string text(line.substr(0, line.rfind('*')));
+  if (Framed(text) != line) return std::nullopt;
+  return text;
 }
 
 }  // namespace lake::actuator

@@ -1,5 +1,5 @@
 // A line of the firmware with its check sum: `text*HHHH`, where HHHH is the CRC-16/MCRF4XX of the text (polynomial
-// 0x1021 from the lowest bit on, from 0xFFFF) in hexadecimal digits. The firmware's end is firmware/line.c.
+// 0x1021 from the lowest bit on, from 0xFFFF) in hexadecimal digits. The firmware's end is in firmware/protocol.c.
 #pragma once
 
 #include <optional>
