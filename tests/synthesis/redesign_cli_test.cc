@@ -130,6 +130,15 @@ TEST_F(LakeRedesign, RepairsOfTheWornDesignStandBesideTheNewOne) {
       EXPECT_EQ(table.RequiredNumber(row, table.Column("joint_moved")), moved["misalignment_percent"]);
       EXPECT_EQ(table.RequiredNumber(row, table.Column("other_program")), other["misalignment_percent"]);
     }
+  // A row of the designs' figures is a row of the table and a key of each design.
+  const CsvTable program = CsvTable::Read(folder_ / "out/program.csv");
+  std::vector<double> strokes_mm;
+  for (std::size_t row = 0; row < program.Rows(); ++row)
+    strokes_mm.push_back(program.RequiredNumber(row, program.Column("stroke_mm")));
+  const double travel_mm = std::ranges::max(strokes_mm) - std::ranges::min(strokes_mm);
+  EXPECT_EQ(table.Text(table.Rows() - 1, table.Column("quantity")), "program_travel");
+  EXPECT_NEAR(table.RequiredNumber(table.Rows() - 1, table.Column("after")), travel_mm, 1e-9);
+  EXPECT_NEAR(summary["after"]["program_travel_mm"].get<double>(), travel_mm, 1e-9);
   std::vector<std::string> designs;
   for (std::size_t row = 0; row < front.Rows(); ++row)
     if (const std::string design = front.Text(row, front.Column("design")); design != "front")

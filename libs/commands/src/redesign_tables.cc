@@ -596,7 +596,11 @@ std::vector<DesignFigure> DesignFigures() {
        limited(redesign::kDuration, "time (s)"),
        {"exact_tracking_time", "s", [](const Design& d) { return d.tracking_time_s.value_or(kNaN); },
         "minimum time for exact tracking (s)"},
-       {"stroke_when_standing", "mm", [](const Design& d) { return d.evaluation.stands_mm.value_or(kNaN); }}});
+       {"stroke_when_standing", "mm", [](const Design& d) { return d.evaluation.stands_mm.value_or(kNaN); }},
+       predicted(
+           "program_travel",
+           [](const Prediction& p) { return std::ranges::max(p.stroke_mm) - std::ranges::min(p.stroke_mm); },
+           "actuator travel along the program (mm)", 1)});
   return all;
 }
 
