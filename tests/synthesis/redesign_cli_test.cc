@@ -22,18 +22,23 @@ namespace {
 
 using testing::HasSubstr;
 
-// A comparison on disk: an exoskeleton that is late and sits 8 mm too far forward, on a leg of its own lean.
+// An exoskeleton that is late, on a leg of its own lean.
+compare::Misalignment CompareWithJointAt(const Eigen::Vector2d& offset_mm) {
+  compare::MisalignmentOptions options;
+  options.intervals = false;
+  const auto late = [](double u) { return u - 0.06 * std::sin(std::numbers::pi * u); };
+  ClosedFormLeg leaning;
+  leaning.peak_shank_deg = 22;
+  compare::StsCurve exo = MakeCurve(leaning, late, offset_mm);
+  exo.leg_knee = MakeCurve(leaning, late).knee;
+  return compare::CompareTrials({{MakeCurve({})}, {}}, {{exo}, {}}, options);
+}
+
+// A comparison on disk: the joint sits 8 mm too far forward.
 class LakeRedesign : public testing::Test {
  protected:
   void SetUp() override {
-    compare::MisalignmentOptions options;
-    options.intervals = false;
-    const auto late = [](double u) { return u - 0.06 * std::sin(std::numbers::pi * u); };
-    ClosedFormLeg leaning;
-    leaning.peak_shank_deg = 22;
-    compare::StsCurve exo = MakeCurve(leaning, late, {8, 0});
-    exo.leg_knee = MakeCurve(leaning, late).knee;
-    const compare::Misalignment misalignment = compare::CompareTrials({{MakeCurve({})}, {}}, {{exo}, {}}, options);
+    const compare::Misalignment misalignment = CompareWithJointAt({8, 0});
     WriteJsonFile(folder_ / "comparison.json", compare::ComparisonJson(misalignment));
     linkage::Design worn;
     worn.links = kPublishedLinks;
@@ -110,13 +115,7 @@ TEST_F(LakeRedesign, RepairsOfTheWornDesignStandBesideTheNewOne) {
       EXPECT_NEAR((*repaired)[same].get<double>(), before[same].get<double>(), 1e-9) << same;
   EXPECT_EQ(moved["program_duration_s"], before["program_duration_s"]);
   EXPECT_NEAR(moved["placement_x_mm"].get<double>(), before["placement_x_mm"].get<double>() - 8, 1e-6);
-  compare::MisalignmentOptions options;
-  options.intervals = false;
-  const auto late = [](double u) { return u - 0.06 * std::sin(std::numbers::pi * u); };
-  ClosedFormLeg leaning;
-  leaning.peak_shank_deg = 22;
-  const compare::Misalignment on_knee =
-      compare::CompareTrials({{MakeCurve({})}, {}}, {{MakeCurve(leaning, late)}, {}}, options);
+  const compare::Misalignment on_knee = CompareWithJointAt({0, 0});
   EXPECT_NEAR(moved["misalignment_percent"].get<double>(), 100 * on_knee.metrics.relative_rms, 1e-6);
   EXPECT_EQ(other["placement_x_mm"], before["placement_x_mm"]);
   EXPECT_LE(other["program_duration_s"].get<double>(), 45 * (1 + 1e-5));

@@ -149,7 +149,7 @@ std::optional<double> Objective(const redesign::RedesignProblem& problem, const 
   if (problem.max_misalignment_percent && 100 * prediction->path.relative > *problem.max_misalignment_percent)
     return std::nullopt;
   if (problem.program.duration_s &&
-      redesign::NeededDuration(point.knots_mm, problem.program.max_speed_mm_s) > *problem.program.duration_s)
+      redesign::TrackingTime(point.knots_mm, problem.program.max_speed_mm_s) > *problem.program.duration_s)
     return std::nullopt;
   const problem::DesignEvaluation evaluation = problem::Evaluate(point.links, problem.design);  // takes longest
   if (!evaluation.IsFeasible()) return std::nullopt;

@@ -213,36 +213,23 @@ const RequirementCheck& DesignEvaluation::CheckOf(std::string_view name) const {
 
 namespace {
 
-// Before any requirement is checked.
-DesignEvaluation BeginEvaluation(const linkage::Links& links, const SynthesisProblem& problem, const UsedPoses& poses) {
+// Ends where more than `most` is violated.
+DesignEvaluation EvaluateAsMade(const linkage::Links& links, const SynthesisProblem& problem, double most = kInfinity) {
+  UsedPoses poses(links, problem);
   DesignEvaluation evaluation;
   evaluation.pose = linkage::SolvePose(links, problem.d_min_mm);
+  if (const auto gap = linkage::FindAssemblyGap(links, problem.d_min_mm)) evaluation.gap = gap->text;
   evaluation.range_deg = evaluation.pose ? DegreesFromRadians(evaluation.pose->theta_rad) : kNaN;
   evaluation.worst_range_deg = evaluation.range_deg;
   if (poses.Range()) evaluation.stands_mm = poses.Range()->stroke.upper_mm;
   evaluation.bound_violation_mm = BoundViolation(links, problem);
   evaluation.violation = std::max(evaluation.pose ? 0 : kInfinity, evaluation.bound_violation_mm);
-  return evaluation;
-}
-
-DesignEvaluation EvaluateAsMade(const linkage::Links& links, const SynthesisProblem& problem) {
-  UsedPoses poses(links, problem);
-  DesignEvaluation evaluation = BeginEvaluation(links, problem, poses);
-  if (const auto gap = linkage::FindAssemblyGap(links, problem.d_min_mm)) evaluation.gap = gap->text;
   for (const Requirement& requirement : RequirementsOf(problem)) {
+    if (evaluation.violation > most) break;
     evaluation.checks.push_back(CheckRequirement(links, problem, requirement, evaluation.range_deg, poses));
     evaluation.violation = std::max(evaluation.violation, evaluation.checks.back().Violation());
   }
   return evaluation;
-}
-
-bool IsFeasibleAsMade(const linkage::Links& links, const SynthesisProblem& problem, double tolerance) {
-  UsedPoses poses(links, problem);
-  const DesignEvaluation begun = BeginEvaluation(links, problem, poses);
-  return begun.IsFeasible(tolerance) &&
-         std::ranges::all_of(RequirementsOf(problem), [&](const Requirement& requirement) {
-           return CheckRequirement(links, problem, requirement, begun.range_deg, poses).Violation() <= tolerance;
-         });
 }
 
 // Takes what is worse of a build.
@@ -264,10 +251,13 @@ DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& p
 }
 
 bool IsFeasible(const linkage::Links& links, const SynthesisProblem& problem, double tolerance) {
-  if (!IsFeasibleAsMade(links, problem, tolerance)) return false;
-  return !problem.robust_mm || std::ranges::all_of(Corners(*problem.robust_mm), [&](const BuildError& build) {
-    return IsFeasibleAsMade(LinksOf(build, links), ProblemOf(build, problem), tolerance);
-  });
+  const auto is_feasible = [tolerance](const linkage::Links& of, const SynthesisProblem& as) {
+    return EvaluateAsMade(of, as, tolerance).IsFeasible(tolerance);
+  };
+  return is_feasible(links, problem) &&
+         (!problem.robust_mm || std::ranges::all_of(Corners(*problem.robust_mm), [&](const BuildError& build) {
+           return is_feasible(LinksOf(build, links), ProblemOf(build, problem));
+         }));
 }
 
 double GoalOf(const SynthesisProblem& problem, const DesignEvaluation& evaluation) {

@@ -237,11 +237,11 @@ void CertifyWidest(RedesignOutcome& outcome) {
   outcome.widest_deg = outcome.result.Best().Range_deg();
   if (widest.best >= 0) outcome.widest_deg = std::max(*outcome.widest_deg, widest.Best().evaluation.range_deg);
   const linkage::Links links = widest.best >= 0 ? widest.Best().end : outcome.result.Best().Point().links;
-  outcome.certificate =
-      synthesis::CertifyOptimum(outcome.problem.design, links, *outcome.widest_deg,
-                                synthesis::CertificateOptionsOf(*outcome.options.certify_gap_deg,
-                                                                outcome.options.certify_time_s, outcome.options.quiet),
-                                outcome.options.optimize);
+  outcome.certificate = synthesis::CertifyOptimum(outcome.problem.design, links, *outcome.widest_deg,
+                                                  {.gap_deg = *outcome.options.certify_gap_deg,
+                                                   .time_s = outcome.options.certify_time_s,
+                                                   .quiet = outcome.options.quiet},
+                                                  outcome.options.optimize);
 }
 
 // No start found a way, but the least misalignment holds the limit: one more start from there.

@@ -175,10 +175,6 @@ double RedesignPoint::StrokeAt(double percent) const {
   return std::lerp(knots_mm[span.from], knots_mm[span.from + 1], span.weight);
 }
 
-double NeededDuration(const std::vector<double>& knots_mm, double max_speed_mm_s) {
-  return TrackingTime(knots_mm, max_speed_mm_s);
-}
-
 RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& links) {
   RedesignPoint point{
       .links = links, .knots_mm = {}, .placement_mm = problem.placement_mm, .duration_s = 0, .lean = {}};
@@ -188,13 +184,13 @@ RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& l
   for (int k = 0; k < knots; ++k)
     point.knots_mm.push_back(
         strokes[static_cast<std::size_t>(std::lround(static_cast<double>(strokes.size() - 1) * k / (knots - 1)))]);
-  point.duration_s = NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
+  point.duration_s = TrackingTime(point.knots_mm, problem.program.max_speed_mm_s);
   if (problem.program.duration_s) point.duration_s = std::min(point.duration_s, *problem.program.duration_s);
   return point;
 }
 
 double DurationOf(const RedesignProblem& problem, const RedesignPoint& point) {
-  const double needed_s = NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
+  const double needed_s = TrackingTime(point.knots_mm, problem.program.max_speed_mm_s);
   if (problem.program.cyclic) return std::max(needed_s, problem.program.duration_s.value_or(0));
   return problem.balance_mm && problem.program.kind == Kind::kFree ? std::max(needed_s, point.duration_s) : needed_s;
 }

@@ -169,14 +169,6 @@ void Describe(SynthesisOptions& o, OptionList& options) {
   options.Add("round", o.round_mm, "Also find the best design whose links are multiples of this").Unit("mm").Positive();
 }
 
-certificate::CertificateOptions CertificateOptionsOf(double gap_deg, std::optional<double> time_s, bool quiet) {
-  certificate::CertificateOptions options;
-  options.gap_deg = gap_deg;
-  options.time_s = time_s;
-  options.quiet = quiet;
-  return options;
-}
-
 certificate::Certificate CertifyOptimum(const problem::SynthesisProblem& problem, const linkage::Links& optimum,
                                         double range_deg, const certificate::CertificateOptions& certificate_options,
                                         const OptimizeOptions& options) {
@@ -209,9 +201,10 @@ SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const Sy
   const LocalSolve& best = outcome.result.Best();
   outcome.active = FindActiveSet(best);
   if (options.certify_gap_deg)
-    outcome.certificate = CertifyOptimum(
-        outcome.problem, best.end, best.evaluation.range_deg,
-        CertificateOptionsOf(*options.certify_gap_deg, options.certify_time_s, options.quiet), options.optimize);
+    outcome.certificate =
+        CertifyOptimum(outcome.problem, best.end, best.evaluation.range_deg,
+                       {.gap_deg = *options.certify_gap_deg, .time_s = options.certify_time_s, .quiet = options.quiet},
+                       options.optimize);
   {
     constexpr double kSpan_mm = 5;
     constexpr int kSteps = 100;

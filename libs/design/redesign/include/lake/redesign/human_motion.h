@@ -139,7 +139,7 @@ std::optional<std::vector<double>> StrokesForAngles(const DrivenLinks& linkage, 
 std::optional<std::vector<double>> TrackingStrokes(const DrivenLinks& linkage, const HumanMotion& human);
 
 // T* = 100 max |dd/ds| / max_speed: the time of a sit-to-stand that follows the human's knee exactly. Between samples
-// the stroke is taken as linear.
+// the stroke is taken as linear; so the knots of a program need this time.
 double TrackingTime(const std::vector<double>& tracking_stroke_mm, double max_speed_mm_s);
 
 // The share of the motion, 0 to 1, in which that speed is enough where all of it takes `duration_s`.

@@ -149,9 +149,6 @@ struct KnotSpan {
 };
 KnotSpan SpanOf(std::size_t knots, double percent);
 
-// The time that these knots need at the greatest speed.
-double NeededDuration(const std::vector<double>& knots_mm, double max_speed_mm_s);
-
 // Links with the program that follows the human as well as its kind can, and the problem's placement; a plausible
 // program for links that cannot be assembled.
 RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& links);

@@ -24,9 +24,12 @@
 
 #include "lake/nlp/solve.h"
 #include "lake/problem/problem.h"
-#include "lake/synthesis/program_sets.h"
 
 namespace lake::synthesis {
+
+// Indices of the variables l1..l6 in the program.
+using LinkVariables = std::array<int, 6>;
+linkage::Links LinksAt(const LinkVariables& links, const std::vector<double>& x);
 
 enum class Elasticity {
   kNone,          // maximise the range
@@ -106,5 +109,29 @@ problem::SynthesisProblem Placed(problem::SynthesisProblem problem, const Synthe
 
 // The size of slack that costs 1: a millimetre, a degree, 1 % of a force or a duration.
 double SlackUnit(const problem::Requirement& requirement);
+
+// What extends the program (redesign_program.h) adds by these.
+
+// A stroke between those of two knots: (1 - weight) from + weight to.
+struct StrokeBetween {
+  int from, to;
+  double weight;
+};
+
+// A pose on the way of a stroke program, with a knee angle of its own; adds phi and the rows of any
+// pose: its loops and branches.
+void AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links,
+                    const StrokeBetween& stroke, int theta, double phi_start_rad);
+
+// factor x variable, as a term of `row` (NlpTerm::kCost: of the cost).
+void AddScaledTerm(nlp::NonlinearProgram& program, int row, int variable, double factor);
+
+// lower <= sum of factor x variable <= upper.
+struct ScaledVariable {
+  int variable;
+  double factor;
+};
+int AddLinearRow(nlp::NonlinearProgram& program, const std::string& name, double lower, double upper,
+                 std::initializer_list<ScaledVariable> terms);
 
 }  // namespace lake::synthesis
