@@ -370,7 +370,7 @@ void CheckReadings(const CompareRunOptions& o) {
     if (is_of_one(option)) exchange::CheckNoneIsUnused(o.exo, {{"--exo-" + option.substr(2), why}});
 }
 
-// A joint of the leg that is none of its knees is told from a knee by its name alone.
+// Another joint of the leg is known by its name alone.
 void CheckIsAKnee(const std::string& option, const std::string& marker) {
   for (const char* other : {"ankle", "hip", "waist", "shoulder", "heel", "toe"})
     if (marker == other)

@@ -440,8 +440,8 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
       .Otherwise("one design");
   options
       .Add("participants", o.participants,
-           "With --sizes: participants.tsv, whose height_mm the rule may use; participant_id is what tells the "
-           "comparisons' folders apart")
+           "With --sizes: participants.tsv, whose height_mm the rule may use; participant_id is the part by which "
+           "the comparisons' folders differ")
       .Otherwise("segment lengths alone");
   options.Add("pareto", o.pareto_points, "Number of points of each Pareto front of range against misalignment")
       .AtLeast(2);

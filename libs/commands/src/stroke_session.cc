@@ -15,7 +15,7 @@ namespace lake::commands {
 namespace {
 
 std::string WaitedText(const std::optional<double>& waited_s) {
-  if (!waited_s) return ", perhaps longer than planned: the firmware's line that tells it was damaged";
+  if (!waited_s) return ", perhaps longer than planned: the firmware's line about it was damaged";
   if (*waited_s < 0.05) return "";
   return fmt::format(", {:.1f} s longer than planned, as the actuator had not the speed", *waited_s);
 }

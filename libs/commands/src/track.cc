@@ -345,10 +345,10 @@ gait::LegFitResult FitOrKeep(const TrackRunOptions& options, const tracking::Tra
     return fit;
   } catch (const Error& error) {
     WritePoints(options, tracked, view, shutter, "no leg fitted", run);
-    const Error told =
+    const Error failure =
         Fail("{}; what was tracked, without a leg, is in {}", error.what(), run.FolderIfFailed().string());
-    run.WriteFailedSummary(results, told.what());
-    throw told;
+    run.WriteFailedSummary(results, failure.what());
+    throw failure;
   }
 }
 
@@ -403,10 +403,10 @@ tracking::TrackResult TrackOrShow(const TrackRunOptions& options, const tracking
   } catch (const tracking::NamingError& error) {
     if (error.List().candidates.empty()) throw;
     WriteCandidates(options, error.List(), run);
-    const Error told = Fail("{}; {} shows what was found, numbered: --seed knee=#7 takes number 7", error.what(),
-                            (run.FolderIfFailed() / kCandidatesPicture).string());
-    run.WriteFailedSummary(Json::object(), told.what());
-    throw told;
+    const Error failure = Fail("{}; {} shows what was found, numbered: --seed knee=#7 takes number 7", error.what(),
+                               (run.FolderIfFailed() / kCandidatesPicture).string());
+    run.WriteFailedSummary(Json::object(), failure.what());
+    throw failure;
   }
 }
 
@@ -520,7 +520,7 @@ void CheckNotRepeated(const std::vector<motion::Correction>& corrections, const 
 }
 
 // In which directions of the picture up may be. Of a line that lies flatter than it stands, either end may be the upper
-// one: the leg tells.
+// one, by the leg.
 void SetUps(const TrackRunOptions& options, tracking::TrackOptions& track) {
   if (options.vertical_from_leg) track.other_ups_px = {{1, 0}, {0, 1}, {-1, 0}};
   if (!options.vertical) return;
@@ -634,7 +634,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   SetUps(options, track_options);
   if (options.list) return RunList(options, track_options, run);
   tracking::TrackResult tracked = TrackOrShow(options, track_options, run);
-  // Only now, as a video that cannot be tracked is told of in one line.
+  // Only now, as a video that cannot be tracked is refused in one line.
   if (profile)
     for (const std::string& warning : profile->warnings) run.Warn(warning);
   WarnOfUnit(view, options.camera.has_value(), run);

@@ -109,7 +109,7 @@ std::vector<SensitivityPoint> Sensitivity(const linkage::Links& links, const Syn
   constexpr double kTolerance_mm = 1e-6;
   std::vector<std::optional<SensitivityPoint>> points(static_cast<std::size_t>(PointsOfSensitivity(steps)));
   // Points take the longer the nearer they are to the design: by such strides all parts of the work are alike, and
-  // what is done tells what is left.
+  // what is left follows from what is done.
   auto stride = static_cast<std::size_t>(0.618 * static_cast<double>(points.size())) + 1;
   while (std::gcd(stride, points.size()) != 1) ++stride;
   std::mutex stepping;

@@ -28,7 +28,7 @@ GroupProblem WithGoal(GroupProblem problem, Goal goal) {
 
 // From these links, then from random ones, a few at a time: few enough that none is for nothing, and the same number
 // whatever the machine, as what follows depends on all of them. Where no start of the first few is usable the limit
-// cannot be held, or hardly: the least misalignment tells more than further starts.
+// cannot be held, or hardly: the least misalignment says more than further starts.
 synthesis::MultiStart<RedesignEnd> FindBest(const GroupProblem& problem, const Starts& links,
                                             const synthesis::OptimizeOptions& options, const char* what) {
   constexpr std::size_t kBatch = 4;

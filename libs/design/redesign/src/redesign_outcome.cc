@@ -88,7 +88,7 @@ double AngleOff_deg(const Prediction& worn, const compare::StsCurve& exo) {
   return RootMeanSquare(off);
 }
 
-// What the exoskeleton trial tells: delta, and whether the worn design fits it.
+// By the exoskeleton trial: delta, and whether the worn design fits it.
 void TakeTrial(RedesignOutcome& outcome) {
   const MeasuredMotion& measured = outcome.measured;
   if (!measured.exo || !measured.worn) return;

@@ -24,7 +24,7 @@ constexpr double kRangeTie = 1e-5;          // percent^2 (or s) per deg
 constexpr double kPlacementRidge = 1e-5;    // percent^2 per mm^2, as misalignment counts
 constexpr double kDurationTie = 1e-6;       // per s
 constexpr double kNearestWeight = 1e-2;     // per mm^2
-constexpr double kLeastDistance_mm = 1e-3;  // RMS that a penalty tells from zero, where its root has no derivative
+constexpr double kLeastDistance_mm = 1e-3;  // RMS that a penalty takes as above zero, where its root has no derivative
 constexpr double kLeanTie = 1e-5;           // per deg^2 of mean square
 constexpr double kLeanBend = 1e-2;          // per deg^2 of each second difference of a lean: it changes smoothly
 constexpr double kLongest_mm = 1e4, kLongest_s = 1e5, kShortest_s = 0.3;

@@ -39,7 +39,7 @@ std::vector<DesignFigure> DesignFigures();
 // summary.json. Warns through the run of what a reader must know.
 Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run);
 
-// What tells the folders apart: the parts of their paths less those that all begin and end with; "sub-01" of
+// The names by which folders differ: the parts of their paths less those that all begin and end with; "sub-01" of
 // sub-01/comparison. Throws UsageError for a folder that is named twice.
 std::vector<std::string> NamesOfFolders(const std::vector<std::filesystem::path>& folders);
 

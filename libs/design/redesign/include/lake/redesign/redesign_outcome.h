@@ -128,7 +128,7 @@ struct RedesignOutcome {
   bool IsSolved() const { return result.IsSolved(); }
 };
 
-// The problem with the measured motion, delta if a worn design is known, and what the exoskeleton trial tells of it;
+// The problem with the measured motion, delta if a worn design is known, and how the exoskeleton trial agrees with it;
 // nothing is solved. Throws as RunRedesign.
 RedesignOutcome PutMotionInto(RedesignProblem problem, const MeasuredMotion& measured);
 
