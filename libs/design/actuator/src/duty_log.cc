@@ -163,8 +163,9 @@ AlignedLog AlignWithFilm(const DutyLog& commands, const StrokeSeries& film) {
   AlignedLog aligned;
   double most = -1;
   const double low = commands.time_s.front() - film.time_s.back(), high = commands.time_s.back() - film.time_s.front();
-  for (double shift = low; shift <= high; shift += kShiftStep_s) {
+  for (int i = 0; low + i * kShiftStep_s <= high; ++i) {
     ThrowIfInterrupted();
+    const double shift = low + i * kShiftStep_s;
     const Agreement agreement = AgreementAt(commands, speeds, shift);
     if (std::abs(agreement.product) <= most) continue;
     most = std::abs(agreement.product);

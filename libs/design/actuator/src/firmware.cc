@@ -186,7 +186,9 @@ struct TableSide {
   explicit TableSide(const char* direction) : name(direction) {}
   TableSide(const char* direction, const DutyTable& table, double creep_speed_mm_s, int sign) : name(direction) {
     const DutyCurve& curve = table.Curve(sign);
-    least_mm_s = curve.LeastMovingSpeed(), most_mm_s = curve.MostSpeed(), creep_mm_s = creep_speed_mm_s;
+    least_mm_s = curve.LeastMovingSpeed();
+    most_mm_s = curve.MostSpeed();
+    creep_mm_s = creep_speed_mm_s;
     creep_counts = CountsFor(table, sign * creep_speed_mm_s);
     most_counts = static_cast<int>(std::lround(curve.MostDuty() * kPwmPeriod));
     first_node = static_cast<int>(std::ceil(curve.DeadBandDuty() * kSpeedIntervals - 1e-9));

@@ -137,14 +137,14 @@ PoseVariables AddPose(nlp::NonlinearProgram& program, const std::string& name, c
                       int range, double fraction, double standing_rad, double phi_start_rad,
                       const std::array<double, 6>& shift = {}) {
   const int phi = AddBarAngle(program, name, phi_start_rad);
-  const PoseVariables pose{.links = links,
-                           .stroke = stroke,
-                           .phi = phi,
-                           .range = range,
-                           .fraction = fraction,
-                           .standing_rad = standing_rad,
-                           .place = name,
-                           .shift = shift};
+  PoseVariables pose{.links = links,
+                     .stroke = stroke,
+                     .phi = phi,
+                     .range = range,
+                     .fraction = fraction,
+                     .standing_rad = standing_rad,
+                     .place = name,
+                     .shift = shift};
   const auto read = [at = OnUsedRange(pose)](const auto* v) {
     return PoseValues{at.Links(v), v[6], v[7], at.Theta(v)};
   };
