@@ -109,8 +109,9 @@ TEST(UncertaintyBudget, SaysWhatWouldNarrowIt) {
   EXPECT_THAT(angle, HasSubstr("% from soft tissue at ankle and hip: two or more markers on shank and thigh"));
   EXPECT_THAT(angle, HasSubstr("% from placement of ankle and hip: find malleolus and greater trochanter"));
   budget.rows.back().size = 0.3;
-  EXPECT_THAT(WhatNarrows(budget),
-              HasSubstr("; less than 1 % from what repetitions differ by: more repetitions would not narrow it."));
+  EXPECT_THAT(
+      WhatNarrows(budget),
+      HasSubstr("; the scatter of the repetitions is less than 1 % of it: more repetitions would not narrow it."));
   budget.rows.pop_back();
   EXPECT_THAT(WhatNarrows(budget),
               HasSubstr("; one repetition does not show how far they differ: record more repetitions."));

@@ -61,8 +61,8 @@ TEST_F(StudyYaml, EveryKeyOfTheTemplateIsKnown) {
   std::string trial = "video: human.mp4";
   int keys = 0;
   for (std::string line; std::getline(lines, line);) {
-    if (const std::size_t hash = line.find("# "); hash == line.find_first_not_of(' ') && hash != line.npos)
-      line.erase(hash, 2);
+    if (const std::size_t hash = line.find('#'); hash == line.find_first_not_of(' ') && hash != line.npos)
+      line.erase(hash, 1);
     const std::size_t indent = line.find_first_not_of(' '), colon = line.find(':');
     const bool is_key =
         indent != line.npos && colon != line.npos && indent % 2 == 0 &&

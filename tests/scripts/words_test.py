@@ -10,7 +10,7 @@ INSTEAD = {
     "more range would lower the misalignment": "With {}° of range it would be {} %.",
     "N for {} at the knee": "To hold {} the actuator pushes with at most {}",
     "recording resolves no less": "a recording shows only noise",
-    "sensitivities are not reported": "no sensitivities: several limits bind at once",
+    "sensitivities are not reported": "no sensitivities: the limits that bind depend on one another",
     "its speed decides": "its speed is the limit, at ",
     "the design's under its stroke program": "Knee angle of the person and of the new design.",
     "which ends what the drift": "the extend end stop, which catches the drift",

@@ -45,7 +45,7 @@ TEST_F(ProblemFile, TheTemplateIsThePapersProblemAndAllItsKeysAreKnown) {
     const bool needs_a_file = line.find("actuator:") != line.npos || line.find("profile:") != line.npos ||
                               line.find("assist:") != line.npos || line.find("duration_s:") != line.npos;
     if (!is_key || needs_a_file || line.find(" for `lake") != line.npos) continue;
-    text += (line.starts_with("# ") ? line.substr(2) : line) + "\n";
+    text += (line.starts_with('#') ? line.substr(1) : line) + "\n";
     ++keys;
   }
   EXPECT_GT(keys, 40);

@@ -118,7 +118,7 @@ void WriteOptimumDesign(const linkage::Design& design, const OptimumView& optimu
 
 void WarnOfMultipliers(const synthesis::ActiveSet& active, Run& run) {
   if (active.multipliers_unique) return;
-  run.Warn("no sensitivities: several limits bind at once. Add margins to obtain them");
+  run.Warn("no sensitivities: the limits that bind depend on one another, so what each of them costs is not unique");
 }
 
 std::string RangeText(double range_deg, const std::optional<certificate::Certificate>& certificate) {

@@ -64,8 +64,9 @@ Warn WarnThrough(Run& run) {
 void WarnOfUnit(const gait::LegView& view, bool has_camera, Run& run) {
   if (gait::PlaneUnit(view) == motion::LengthUnit::kPx)
     run.Warn(has_camera ? "the camera file has no sagittal plane, and neither --scale nor --plane-points is given: "
-                          "lengths stay in px"
-                        : "none of --camera with a plane, --scale and --plane-points is given: lengths stay in px");
+                          "lengths stay in px (angles need no scale)"
+                        : "none of --camera with a plane, --scale and --plane-points is given: lengths stay in px "
+                          "(angles need no scale)");
 }
 
 // A knee that is hidden in every frame is no marker to track.

@@ -53,7 +53,7 @@ std::string AsComment(std::string_view text, int indent) {
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size()),
                       column = begin + static_cast<std::size_t>(indent);
-    commented += fmt::format("{}# {}\n", text.substr(begin, column - begin), text.substr(column, end - column));
+    commented += fmt::format("{}#{}\n", text.substr(begin, column - begin), text.substr(column, end - column));
     begin = end + 1;
   }
   return commented;

@@ -449,8 +449,9 @@ std::string AboutRepetitions(const Budget& budget, double least_percent) {
   const auto own = std::ranges::find(budget.rows, kOwnVariation, &BudgetRow::source);
   if (own == budget.rows.end()) return "; one repetition does not show how far they differ: record more repetitions";
   if (budget.SharePercent(*own) >= least_percent) return "";
-  return fmt::format("; less than {:.0f} % from what repetitions differ by: more repetitions would not narrow it",
-                     least_percent);
+  return fmt::format(
+      "; the scatter of the repetitions is less than {:.0f} % of it: more repetitions would not narrow it",
+      least_percent);
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ std::string OptionTemplate(const OptionList& options, int indent);
 // One line of it: "key: value                # meaning".
 std::string TemplateLine(std::string_view key, std::string_view value, std::string_view meaning, int indent = 0);
 
-// Each line behind a '#' that stands `indent` spaces from the margin, for what may be left out.
+// Each line with a '#' before it, `indent` spaces from the margin, for what may be left out: without the '#' it is as
+// it was.
 std::string AsComment(std::string_view text, int indent = 0);
 
 // Throws Error if a file is there already.
