@@ -25,6 +25,7 @@
 #include "lake/overlay/overlay_video.h"
 #include "lake/overlay/pictures.h"
 #include "lake/tracking/recording_verdicts.h"
+#include "lake/video/image.h"
 #include "lake/video/video_files.h"
 #include "movement_tables.h"
 #include "png_and_svg.h"
