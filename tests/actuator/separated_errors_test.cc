@@ -1,10 +1,11 @@
-// A prototype with a slow actuator, one with a wrong link, one with both: each error is told where it is.
+// A prototype with a slow actuator, one with a wrong link, one with both: each error is found where it is.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
+#include "lake/actuator/prototype_validation.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "model_program.h"
