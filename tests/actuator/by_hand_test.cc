@@ -61,6 +61,23 @@ TEST_F(ByHandTest, TheButtonIsHeldWhileAnythingMoves) {
   EXPECT_TRUE(rig_->Asks("stop", "ok"));
 }
 
+TEST_F(ByHandTest, StopGivesHomingUpAndHoldEndsIt) {
+  Build(FreeDesign({{0, 300}, {2, 306}}));
+  rig_->SetStroke(330);
+  rig_->KeepTalking(false);
+  ASSERT_TRUE(rig_->Asks("home", "ok"));
+  rig_->Run(3);
+  ASSERT_TRUE(rig_->Asks("stop", "ok"));
+  rig_->Run(1);
+  EXPECT_EQ(rig_->Duty(), 0);
+  EXPECT_TRUE(rig_->Asks("run", "error:5"));
+  ASSERT_TRUE(rig_->Asks("home", "ok"));
+  rig_->Run(0.5);
+  rig_->SendNow('!');
+  rig_->Run(0.2);
+  EXPECT_THAT(rig_->Status(), HasSubstr("<idle"));
+}
+
 TEST_F(ByHandTest, IsToldWhoMayWearItAndWhatTheProgramIs) {
   firmware_options_.design_hash = "0123456789ab";
   Build(FreeDesign({{0, 300}, {2, 306}}));

@@ -1,4 +1,4 @@
-// The calibration firmware; ByHandTest and ControllerTest have what a serial monitor meets.
+// The calibration firmware and the soft reset; ByHandTest and ControllerTest have what else a serial monitor meets.
 #include <fmt/format.h>
 
 #include "firmware_fixture.h"
@@ -6,6 +6,18 @@
 
 namespace lake {
 namespace {
+
+// Grbl's soft reset: everything ends, the place is forgotten, the greeting says so.
+TEST_F(FirmwareTest, ControlXResets) {
+  Build(FreeDesign({{0, 300}, {2, 310}}));
+  Start();
+  rig_->Run(0.5);
+  rig_->SendNow('\x18');
+  EXPECT_TRUE(rig_->RunUntil("[MSG:lake-stroke]\n", 0.1)) << rig_->Serial();
+  rig_->Run(0.1);
+  EXPECT_EQ(rig_->Samples().back().duty, 0);
+  EXPECT_TRUE(Asks("run", "error:5"));
+}
 
 // The whole way of a new actuator: the calibration firmware jogs it, its serial output with the potentiometer's
 // readings becomes a duty table, and that table is the actuator's.
