@@ -6,11 +6,9 @@ int main(int argc, char** argv) {
   lake::Program program(
       "lake-redesign",
       "The exoskeleton whose knee follows a person's, by the trials that lake-compare compared or a human trial alone; "
-      "of "
-      "several people, one design or some sizes for all.",
-      "lake-redesign --comparison lake-out/comparison --worn worn.yaml --max-misalignment 3 --program free --duration "
-      "25 "
-      "--fit-placement --pareto 12\n"
+      "of several people, one design or some sizes for all.",
+      "lake-redesign --comparison lake-out/comparison --worn worn.yaml --max-misalignment 3 --program free "
+      "--duration 25 --fit-placement --pareto 12\n"
       "  lake-redesign --comparison sub-01/comparison sub-02/comparison sub-03/comparison --human-only "
       "--max-misalignment 3 --program free --duration 25 --fit-placement");
   lake::commands::OptimizeRunOptions options;

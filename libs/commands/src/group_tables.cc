@@ -145,8 +145,15 @@ void WriteSizeTables(const redesign::SizesOutcome& outcome, Run& run) {
 }
 
 const char* NameOf(redesign::Across across) {
-  constexpr const char* kNames[] = {"worst", "mean", "quantile"};
-  return kNames[static_cast<int>(across)];
+  switch (across) {
+    case redesign::Across::kWorst:
+      return "worst";
+    case redesign::Across::kMean:
+      return "mean";
+    case redesign::Across::kQuantile:
+      return "quantile";
+  }
+  return "";
 }
 
 // Who would gain most by a design of their own.

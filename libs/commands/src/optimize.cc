@@ -74,11 +74,10 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(problem, options.study);
   Json summary = WriteSynthesis(outcome, run);
   DrawFigures(outcome, run);
-  if (!outcome.IsSolved()) Finished(false, summary, outcome.infeasible->sentence, run);
-  if (problem.HasLoadProfile())
+  if (outcome.IsSolved() && problem.HasLoadProfile())
     summary["assistance"] =
         WriteAssistance(problem::FindAssistance(outcome.BestLinks(), outcome.problem), outcome.problem, run);
-  return summary;
+  return Finished(outcome.IsSolved(), std::move(summary), outcome.IsSolved() ? "" : outcome.infeasible->sentence, run);
 }
 
 // Those of a catalogue, and between them that of the problem.
@@ -108,11 +107,11 @@ Json RunActuatorFront(const OptimizeRunOptions& options, Run& run) {
       synthesis::FindActuatorFront(options.problem, actuators, SharesOf(options.problem), options.study.optimize);
   WriteActuatorFront(curves, run.Result("actuators_front.csv"));
   DrawPngAndSvg("actuators_front", run, figure::DrawActuatorFront, curves, options.problem.profile->duration_s);
-  const Json summary = ActuatorFrontJson(curves, options.problem);
-  Finished(std::ranges::any_of(curves, &synthesis::ActuatorCurve::Last), summary,
-           "none of the actuators can be built in within the problem's limits; actuators_front.csv says why", run);
-  run.Report(ActuatorFrontText(curves, options.problem.profile->duration_s));
-  return summary;
+  const bool is_solved = std::ranges::any_of(curves, &synthesis::ActuatorCurve::Last);
+  if (is_solved) run.Report(ActuatorFrontText(curves, options.problem.profile->duration_s));
+  return Finished(is_solved, ActuatorFrontJson(curves, options.problem),
+                  "none of the actuators can be built in within the problem's limits; actuators_front.csv says why",
+                  run);
 }
 
 // Of a joint against the knee where no trial showed both: what skin and the marker's placement, or the axis that stands

@@ -285,19 +285,18 @@ Json ActiveJson(const synthesis::ActiveSet& active, const std::string& gained) {
 
 namespace {
 
-struct CertificateEnd {
-  const char *name, *why;
-};
-
-// In the order of certificate::Certificate::End.
-constexpr CertificateEnd kCertificateEnds[] = {
-    {"gap", ""},
-    {"boxes", ": the search ended after {} boxes"},
-    {"time", ": the time of --certify-time was over, so another machine may come to another gap"},
-    {"nothing_to_split", ": no box is left that can be split further"}};
-
-const CertificateEnd& EndOf(const certificate::Certificate& certificate) {
-  return kCertificateEnds[static_cast<int>(certificate.end)];
+std::string_view NameOf(certificate::Certificate::End end) {
+  switch (end) {
+    case certificate::Certificate::End::kGap:
+      return "gap";
+    case certificate::Certificate::End::kBoxes:
+      return "boxes";
+    case certificate::Certificate::End::kTime:
+      return "time";
+    case certificate::Certificate::End::kNothingToSplit:
+      return "nothing_to_split";
+  }
+  return "";
 }
 
 }  // namespace
@@ -307,7 +306,7 @@ Json CertificateJson(const certificate::Certificate& certificate, const std::vec
           {"of_range_deg", NumberOrNull(certificate.range_deg)},
           {"gap_deg", NumberOrNull(certificate.gap_deg)},
           {"reached", certificate.reached},
-          {"ended_by", EndOf(certificate).name},
+          {"ended_by", NameOf(certificate.end)},
           {"boxes", certificate.boxes},
           {"not_in_bound", not_in_bound}};
 }
@@ -317,7 +316,12 @@ void WarnOfCertificate(const certificate::Certificate& certificate, const std::v
   if (certificate.reached) return;
   std::string text = fmt::format("between the range found and the proved bound {}° are open, more than requested",
                                  SignificantText(certificate.gap_deg, 3));
-  text += fmt::format(fmt::runtime(EndOf(certificate).why), certificate.boxes);
+  if (certificate.end == certificate::Certificate::End::kTime)
+    text += ": the time of --certify-time was over, so another machine may come to another gap";
+  if (certificate.end == certificate::Certificate::End::kBoxes)
+    text += fmt::format(": the search ended after {} boxes", certificate.boxes);
+  if (certificate.end == certificate::Certificate::End::kNothingToSplit)
+    text += ": no box is left that can be split further";
   if (!not_in_bound.empty())
     text +=
         fmt::format("; the bound holds for all requirements, but is found without {}", fmt::join(not_in_bound, ", "));

@@ -144,9 +144,15 @@ Json FirmwareJson(const Json& files, const SketchFiles& made) {
 }
 
 const char* VerdictText(actuator::Verdict verdict) {
-  constexpr const char* kTexts[] = {"follows the prediction", "has the predicted angles at another speed",
-                                    "differs from the prediction"};
-  return kTexts[static_cast<int>(verdict)];
+  switch (verdict) {
+    case actuator::Verdict::kFollows:
+      return "follows the prediction";
+    case actuator::Verdict::kOtherSpeed:
+      return "has the predicted angles at another speed";
+    case actuator::Verdict::kOtherAngles:
+      break;
+  }
+  return "differs from the prediction";
 }
 
 Json ValidationJson(const actuator::Validation& v, double tolerance_deg) {

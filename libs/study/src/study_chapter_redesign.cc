@@ -20,6 +20,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// "rise time (s)", "stride time (s)".
+std::string LabelIn(const StudyResults& results, const commands::DesignFigure& figure) {
+  return (figure.name == "program_duration" ? RepetitionIn(results) + " " : "") + figure.label;
+}
+
 // What the recording of the worn design showed of a figure of the predictions, with its interval.
 Uncertain MeasuredWorn(const Json& comparison, const std::string& key) {
   constexpr std::pair<const char*, Fact> kMeasured[] = {
@@ -76,8 +81,7 @@ Table BeforeAfterTable(const StudyFile& study, const StudyResults& results, cons
     const std::string key = figure.Key();
     if (figure.label.empty() || (summary.at("after").at(key).is_null() && summary.at("before").at(key).is_null()))
       continue;
-    const std::string of = key == "program_duration_s" ? RepetitionIn(results) + " " : "";
-    std::vector<Cell> cells{of + figure.label, UncertainCell(MeasuredWorn(comparison, key), figure.decimals)};
+    std::vector<Cell> cells{LabelIn(results, figure), UncertainCell(MeasuredWorn(comparison, key), figure.decimals)};
     for (const char* design : {"before", "joint_moved", "other_program", "after"})
       cells.push_back(UncertainCell(PredictedHeadline(ways, results, summary, design, figure), figure.decimals));
     table.rows.push_back(std::move(cells));
@@ -158,7 +162,7 @@ Table ProgramBalanceTable(const StudyResults& results, const Json& summary, cons
                                       {"angle_mismatch_max", ""},
                                       {"program_duration", "rise_s"}}) {
     const auto figure = std::ranges::find(figures, name, &commands::DesignFigure::name);
-    add((*did_key == 'r' ? "rise " : "") + figure->label, after, without, figure->Key(), did_key);
+    add(LabelIn(results, *figure), after, without, figure->Key(), did_key);
   }
   add("trunk leans farther forward than in the person's own rise, most (°; negative: back)", balance, {},
       "trunk_lean_deg", "");

@@ -130,8 +130,19 @@ void CheckLength(const std::string& chart, const std::string& series, const char
 }
 
 const char* ToString(Mark mark) {
-  constexpr const char* kNames[] = {"line", "thin", "dashed", "dotted", "points"};
-  return kNames[static_cast<int>(mark)];
+  switch (mark) {
+    case Mark::kLine:
+      return "line";
+    case Mark::kThin:
+      return "thin";
+    case Mark::kDashed:
+      return "dashed";
+    case Mark::kDotted:
+      return "dotted";
+    case Mark::kPoints:
+      return "points";
+  }
+  return "line";
 }
 
 Json SeriesData(const LineChart& chart, const Series& series, std::size_t index) {

@@ -65,8 +65,19 @@ Json Session::About() const {
 }
 
 std::string Session::PhaseText() const {
-  constexpr const char* kTexts[] = {"watching", "trial", "finishing", "done", "failed"};
-  return kTexts[static_cast<int>(phase_)];
+  switch (phase_) {
+    case Phase::kWatching:
+      return "watching";
+    case Phase::kTrial:
+      return "trial";
+    case Phase::kFinishing:
+      return "finishing";
+    case Phase::kDone:
+      return "done";
+    case Phase::kFailed:
+      return "failed";
+  }
+  return "failed";
 }
 
 // The place since the last move, what to do, and what the last move did.
