@@ -202,6 +202,16 @@ class ReviewPage(unittest.TestCase):
             };""", question)
         self.until(lambda: self.browser.execute_script("return window.isHeld === true"))
 
+    def answer_late(self, question):
+        """On a busy machine an answer arrives after what the person did meanwhile."""
+        self.browser.execute_script("""
+            const ask = window.fetch;
+            window.fetch = async (path, ...rest) => {
+              const answer = await ask(path, ...rest);
+              if (path === arguments[0]) await new Promise((resolve) => setTimeout(resolve, 500));
+              return answer;
+            };""", question)
+
     def frame(self):
         number = self.part("frame").get_attribute("data-frame")
         return None if number is None else int(number)
@@ -749,8 +759,10 @@ class ReviewPage(unittest.TestCase):
         self.assertIn("choose a name", self.text("said"))
         self.part("camera-beside").click()
         self.until(lambda: "--camera=" in self.text("naming-command"))
+        self.answer_late("command")
         self.browser.find_element(By.XPATH, "//*[@id='choices']//button[.='Add exo_knee']").click()
         spot(SEEDS["waist"])
+        self.until(lambda: "exo_knee" in self.text("naming-command"))
         self.assertIn(f"#{SEEDS['waist']} is waist", self.text("said"))
         spot(2)
         self.assertEqual(names(), named + ["exo_knee: #2"])

@@ -293,14 +293,12 @@ export class NamingPage {
     part<HTMLButtonElement>("start-tracking").disabled = this.isTracking;
     part("start-tracking").textContent = this.mayReplace ? TEXTS.replaceTrial : TEXTS.track;
     this.view?.redraw();
+    say(said);
     if (this.isOfPatches() && !isDone) {
       part("naming-command").textContent = ""; // each patch must be pointed at
-      return say(said);
+      return;
     }
-    server.command(this.choices).then(({ command }) => {
-      part("naming-command").textContent = command;
-      say(said);
-    }, sayWhy);
+    server.command(this.choices).then(({ command }) => (part("naming-command").textContent = command), sayWhy);
   }
 
   private async track(): Promise<void> {

@@ -37,6 +37,19 @@ async function newestState<State extends StateMessage>(asked: Promise<State>): P
 const change = <State extends StateMessage = StateMessage>(path: string, message: unknown): Promise<State> =>
   newestState(post<State>(path, message));
 
+/** The same question, whose answer never arrives where it is asked again before: one answer may overtake another. */
+function ofNewest<Asked, Answer>(ask: (asked: Asked) => Promise<Answer>): (asked: Asked) => Promise<Answer> {
+  let newestQuestion = 0;
+  return async (asked) => {
+    const question = ++newestQuestion;
+    try {
+      return await ask(asked);
+    } finally {
+      if (question !== newestQuestion) await new Promise(() => {});
+    }
+  };
+}
+
 async function picture(path: string): Promise<ImageBitmap> {
   const response = await fetch(path);
   if (!response.ok) throw new Refused((await response.json()).error);
@@ -51,15 +64,15 @@ export const server = {
   trial: () => get<TrialMessage>("trial"),
   edit: (edit: EditMessage) => post<StateMessage>("edit", edit),
   apply: () => change("apply", {}),
-  measure: (measures: MeasureMessage[]) => post<CourseMessage[]>("measure", { measures }),
+  measure: ofNewest((measures: MeasureMessage[]) => post<CourseMessage[]>("measure", { measures })),
   snap: (question: SnapQuestion) => post<SnapAnswer>("snap", question),
-  naming: (options: TrackOptions) => post<NamingMessage>("naming", options),
-  command: (choices: Choices) => post<{ command: string }>("command", choices),
+  naming: ofNewest((options: TrackOptions) => post<NamingMessage>("naming", options)),
+  command: ofNewest((choices: Choices) => post<{ command: string }>("command", choices)),
   track: (choices: Choices) => change("track", choices),
   design: () => get<DesignMessage>("design"),
   explore: (question: ExploreQuestion) => post<ExploredMessage>("explore", question),
   save: (links: number[]) => post<{ saved: string }>("save", { links }),
-  optimiseCommand: (links: number[]) => post<{ command?: string; why_not?: string }>("optimise-command", { links }),
+  optimiseCommand: ofNewest((links: number[]) => post<{ command?: string; why_not?: string }>("optimise-command", { links })),
   optimise: (links: number[]) => change("optimise", { links }),
   stop: () => change("stop", {}),
   comparison: () => get<ComparisonMessage>("comparison"),
