@@ -19,9 +19,9 @@ TEST(LegFitText, NamesTheMarkersNoiseAndNeverSaysThatItIsZero) {
   fit.motion.samples = {Sample(9.5, 0.0001), Sample(96.25, 0.0001)};
   fit.segments = {{.name = "ak", .length = 430}};
   EXPECT_EQ(gait::LegFitText(fit),
-            "ak  430.0 mm, varies by < 0.1 (SD)\n"
+            "shank (ankle to knee)  430.0 mm, varies by < 0.1 (SD)\n"
             "knee 9.50° to 96.25°, marker noise < 0.001° (1 SD): kinematics.csv\n"
-            "0° is where the markers say so, not where the person stands (--neutral)\n");
+            "0°: ankle, knee and hip markers in line, which need not be how the person stands (--neutral)\n");
 }
 
 TEST(LegFitText, LeavesOutAnglesThatAreUncertain) {

@@ -108,6 +108,7 @@ TEST_F(LakeRedesign, RepairsOfTheWornDesignStandBesideTheNewOne) {
   const Ended ended =
       RunProgram(Common("out") + "--max-misalignment 2.5 --program free --duration 45 --fit-placement --pareto 2");
   ASSERT_EQ(ended.exit_code, 0) << ended.text;
+  EXPECT_THAT(ended.text, testing::ContainsRegex("worn +joint moved +other program +new links"));
   const Json summary = ReadJsonFile(folder_ / "out/summary.json");
   const Json &before = summary["before"], &moved = summary["joint_moved"], &other = summary["other_program"];
   for (const char* same : {"l1_mm", "l2_mm", "l3_mm", "l4_mm", "l5_mm", "l6_mm", "range_deg"})

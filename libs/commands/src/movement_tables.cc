@@ -359,7 +359,7 @@ void WriteUncertaintyBudget(const gait::LegFitResult& leg, const compare::Record
   compare::WriteUncertaintyBudgetCsv(run.Result("uncertainty_budget.csv"), budgets);
   results["uncertainty"] = compare::BudgetsJson(budgets);
   const auto knee = std::ranges::find(budgets, std::string("knee_angle"), &compare::Budget::quantity);
-  run.Report("the joint beneath the skin: knee within {} (1 SD; uncertainty_budget.csv)\n",
+  run.Report("the knee beneath the skin: within {} of these angles (1 SD; uncertainty_budget.csv)\n",
              DeviationText(knee->Deviation(), 1, "°"));
 }
 

@@ -406,30 +406,38 @@ std::string TrialText(const redesign::RedesignOutcome& outcome) {
       SignificantText(outcome.slip->pace_mm, 2), SignificantText(outcome.slip->lean_mm, 2));
 }
 
-// For the report: the design that was worn and the new one.
+// For the terminal: the designs side by side, as a joint that is moved may do as well as new links.
 std::string MotionText(const redesign::RedesignOutcome& outcome) {
   constexpr struct {
-    const char *label, *figure, *unit;
-  } kLines[] = {{"range", "range", "deg"},
-                {"misalignment", "misalignment", "% of the shank, RMS"},
-                {"", "misalignment_rms", "mm RMS"},
-                {"  placement", "part_placement", "of it"},
-                {"  timing", "part_timing", "of it"},
-                {"  shape", "part_shape", "of it"},
-                {"joint sits", "placement_x", "mm in front of the knee"},
-                {"", "placement_y", "mm above it, along the shank"},
-                {"program", "program_duration", "s"},
-                {"exact tracking takes", "exact_tracking_time", "s"}};
-  const std::vector<DesignFigure> figures = DesignFigures();
-  const auto cell = [](double value) {
-    return std::isfinite(value) ? fmt::format("{:>10}", SignificantText(value, 4)) : fmt::format("{:>10}", "-");
-  };
+    const char *label, *figure;
+  } kRows[] = {{"range (°)", "range"},
+               {"misalignment (% of the shank)", "misalignment"},
+               {"misalignment (mm RMS)", "misalignment_rms"},
+               {"joint before the knee (mm)", "placement_x"},
+               {"joint above the knee (mm)", "placement_y"},
+               {"program (s)", "program_duration"},
+               {"exact tracking (s)", "exact_tracking_time"}};
+  const std::array<const char*, 4> headings = {outcome.measured.worn ? "worn" : "start", "joint moved", "other program",
+                                               "new links"};
+  const std::array<NamedDesign, 4> designs = DesignsOf(outcome);
   std::string text;
-  for (const auto& line : kLines) {
-    const auto figure = std::ranges::find(figures, line.figure, &DesignFigure::name);
-    text += fmt::format("  {:<22}{} ->{} {}\n", line.label, cell(figure->value(outcome.before)),
-                        cell(figure->value(outcome.after)), line.unit);
+  const auto add_row = [&](const char* label, const auto& cell_of) {
+    text += fmt::format("  {:<30}", label);
+    for (std::size_t i = 0; i < designs.size(); ++i)
+      if (designs[i].design) text += fmt::format("{:>14}", cell_of(i));
+    text += "\n";
+  };
+  add_row("", [&](std::size_t i) { return headings[i]; });
+  const std::vector<DesignFigure> figures = DesignFigures();
+  for (const auto& row : kRows) {
+    const auto figure = std::ranges::find(figures, row.figure, &DesignFigure::name);
+    add_row(row.label, [&](std::size_t i) {
+      const double value = figure->value(*designs[i].design);
+      return std::isfinite(value) ? RoundedText(value, 1) : "-";
+    });
   }
+  add_row("keeps the limits on links",
+          [&](std::size_t i) { return designs[i].design->evaluation.IsFeasible() ? "yes" : "no"; });
   return text + TrialText(outcome) + "\n" + BuildText(outcome) + "\n";
 }
 

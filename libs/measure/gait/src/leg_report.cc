@@ -163,9 +163,11 @@ Json LegFitJson(const LegFitResult& result) {
 std::string LegFitText(const LegFitResult& result) {
   const std::string unit(ToString(result.motion.unit));
   std::string text;
-  for (const SegmentReport& segment : result.segments)
-    text += fmt::format("{}  {:.1f} {}, varies by {} (SD)\n", segment.name, segment.length, unit,
-                        DeviationText(segment.variation, 1, ""));
+  for (const SegmentReport& segment : result.segments) {
+    const auto& of = *std::ranges::find(motion::kSegments, segment.name, &motion::Segment::vector_name);
+    text += fmt::format("{} ({} to {})  {:.1f} {}, varies by {} (SD)\n", of.angle.name, motion::kMarkerNames[of.lower],
+                        motion::kMarkerNames[of.upper], segment.length, unit, DeviationText(segment.variation, 1, ""));
+  }
   if (const auto range = RangeOf(result.motion)) {
     text += fmt::format("knee {:.2f}° to {:.2f}°, marker noise {} (1 SD): kinematics.csv\n", range->smallest_deg,
                         range->largest_deg, DeviationText(RmsSigmaDeg(result.motion), 3, "°"));
@@ -173,7 +175,7 @@ std::string LegFitText(const LegFitResult& result) {
       text += fmt::format("in quiet standing the knee is at {:.1f}° ± {}: NAME_neutral_deg is relative to that pose\n",
                           neutral->knee_deg, DeviationText(neutral->knee_sigma_deg, 1, "°"));
     else
-      text += "0° is where the markers say so, not where the person stands (--neutral)\n";
+      text += "0°: ankle, knee and hip markers in line, which need not be how the person stands (--neutral)\n";
   }
   if (result.rebuilt_knee) text += RebuiltKneeText(*result.rebuilt_knee);
   return text;
