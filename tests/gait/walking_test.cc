@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <random>
 
@@ -222,6 +223,21 @@ TEST(Walking, IsSeenAlikeInAnotherLaboratory) {
 
 class DrawnWalk : public testing::TestWithParam<DrawnWalkOptions> {};
 
+// The toe's lowest place in a frame of the middle half of its swing, above where it stands; mm.
+double DrawnToeClearance(const DrawnWalkOptions& drawn, const gait::GaitCycle& cycle) {
+  const auto toe_mm = [&](double time_s) {
+    return synth::DrawWalk(time_s / drawn.stride_s - 0.3, {drawn.stride_s, drawn.stride_mm, drawn.stance})
+        .at("toe")
+        .y();
+  };
+  const double strike_s = cycle.begin_s.value, off_s = strike_s + cycle.stance_s.value, swing_s = cycle.swing_s.value;
+  double least_mm = std::numeric_limits<double>::infinity();
+  for (double frame = std::ceil((off_s + 0.25 * swing_s) * drawn.rate_hz);
+       frame <= (off_s + 0.75 * swing_s) * drawn.rate_hz; ++frame)
+    least_mm = std::min(least_mm, toe_mm(frame / drawn.rate_hz));
+  return least_mm - toe_mm((strike_s + off_s) / 2);
+}
+
 // The drawn foot stops at once, where a person's yields, and its heel goes on rising after toe-off: events are off by
 // up to 4.5 % of the stride, alike in all strides; how well they are found in people the plates say. Strides are within
 // 10 ms.
@@ -256,6 +272,7 @@ TEST_P(DrawnWalk, HasItsStrides) {
     EXPECT_NEAR(cycle.step_s.value, drawn.stride_s / 2, 0.015);
     EXPECT_NEAR(cycle.step_length.value, drawn.stride_mm / 2, 0.05 * drawn.stride_mm);
     EXPECT_NEAR(cycle.double_support_percent.value, 100 * (2 * drawn.stance - 1), 12);
+    EXPECT_NEAR(cycle.toe_clearance.value, DrawnToeClearance(drawn, cycle), 1 + 3 * drawn.noise_mm);
   }
   int last = 0;
   for (const motion::LegSample& sample : leg.motion.samples)
