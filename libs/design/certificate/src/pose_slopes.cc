@@ -40,15 +40,9 @@ void Tighten(Slope& f, const Function& at, const Region& region) {
   if (std::isfinite(around.lower) && std::isfinite(around.upper)) f.value = Intersection(f.value, around);
 }
 
-Interval KappaOf(const AxisBox& l) {
-  const Interval squared = Square(l[kL2] - l[kL3]) + 4.0 * l[kL2] * l[kL3] * Square(Cos(l[kPhi] / 2.0));
-  const Interval beta1 = AngleFromY(l[kL2] * Sin(l[kPhi]), l[kL3] + l[kL2] * Cos(l[kPhi]));
-  return beta1 + ArcCos((squared + Square(l[kL4]) - Square(l[kL1])) / (2.0 * Sqrt(squared) * l[kL4]));
-}
-
 void DifferentiateKappa(const AxisBox& l, const Margins& margins, Slope& kappa) {
   const Interval phi = l[kPhi], between = kappa.value - phi;
-  const Interval l8 = Sqrt(Square(l[kL2] - l[kL3]) + 4.0 * l[kL2] * l[kL3] * Square(Cos(phi / 2.0)));
+  const Interval l8 = Sqrt(SquaredTipDistance(l));
   const Interval grashof = margins.grashof_mm - 4 * kRounding_mm;
   const Interval past_folded = 4.0 * l[kL2] * l[kL3] * Square(Cos(phi / 2.0)) / (l8 + NotNegative(l[kL2] - l[kL3]));
   const Interval short_of_straight = 4.0 * l[kL2] * l[kL3] * Square(Sin(phi / 2.0)) / (l[kL2] + l[kL3] + l8);
@@ -136,6 +130,20 @@ Slope StrokeOf(const std::array<Slope, 6>& l, const Slope& phi) {
 }
 
 }  // namespace
+
+Interval SquaredTipDistance(const AxisBox& l) {
+  return Square(l[kL2] - l[kL3]) + 4.0 * l[kL2] * l[kL3] * Square(Cos(l[kPhi] / 2.0));
+}
+
+Interval Beta1Of(const AxisBox& l) {
+  return AngleFromY(l[kL2] * Sin(l[kPhi]), l[kL3] + l[kL2] * Cos(l[kPhi]));
+}
+
+Interval KappaOf(const AxisBox& l) {
+  const Interval squared = SquaredTipDistance(l);
+  const Interval beta2 = ArcCos((squared + Square(l[kL4]) - Square(l[kL1])) / (2.0 * Sqrt(squared) * l[kL4]));
+  return beta2.IsEmpty() ? beta2 : Beta1Of(l) + beta2;
+}
 
 std::optional<PoseSlopes> PoseAtShortestStroke(const Region& region, double d_min_mm, const Margins& margins) {
   const AxisBox& box = region.box;

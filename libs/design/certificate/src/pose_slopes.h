@@ -23,6 +23,12 @@ struct Margins {
 };
 inline constexpr double kRounding_mm = 1e-9;
 
+// l8^2 = |KR|^2 as (l2 - l3)^2 + 4 l2 l3 cos^2(phi/2): no cancellation.
+Interval SquaredTipDistance(const AxisBox& box);
+// Eq. (2), and kappa = beta1 + beta2, Eq. (3); empty where no linkage of the box closes.
+Interval Beta1Of(const AxisBox& box);
+Interval KappaOf(const AxisBox& box);
+
 struct PoseSlopes {
   std::array<Slope, 6> links;
   Slope phi, kappa, stroke;

@@ -5,6 +5,7 @@
 
 #include "lake/certificate/interval.h"
 #include "lake/problem/problem.h"
+#include "pose_slopes.h"
 
 namespace lake::certificate {
 
@@ -16,6 +17,8 @@ class RangeBound {
   explicit RangeBound(const problem::SynthesisProblem& problem);
 
   LinkBox Root() const { return root_; }
+  const std::vector<problem::Requirement>& Linear() const { return linear_; }  // requirements
+  Margins Margin() const { return margins_; }
 
   // Removes what the constraints exclude; false if nothing is left.
   bool Contract(LinkBox& box) const;
@@ -39,7 +42,8 @@ class RangeBound {
 
   LinkBox root_;
   std::vector<problem::Requirement> linear_;
-  double d_min_, grashof_margin_, singularity_margin_;
+  double d_min_;
+  Margins margins_;
 };
 
 }  // namespace lake::certificate

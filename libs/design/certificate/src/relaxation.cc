@@ -93,12 +93,7 @@ struct Relaxation::Cuts {
 };
 
 Relaxation::Relaxation(const problem::SynthesisProblem& problem, const RangeBound& range, double floor_rad)
-    : range_(range),
-      d_min_mm_(problem.d_min_mm),
-      floor_rad_(floor_rad),
-      margins_{problem.grashof_margin_mm, problem.singularity_margin_mm} {
-  for (const problem::Requirement& requirement : problem::RequirementsOf(problem))
-    if (requirement.IsLinear()) linear_.push_back(requirement);
+    : range_(range), d_min_mm_(problem.d_min_mm), floor_rad_(floor_rad), margins_(range.Margin()) {
   AddPlaces(problem, floor_rad);
 }
 
@@ -165,7 +160,7 @@ void Relaxation::AddSamples(const problem::SynthesisProblem& problem,
 }
 
 bool Relaxation::IsInSet(const AxisPoint& at) const {
-  for (const problem::Requirement& row : linear_) {
+  for (const problem::Requirement& row : range_.Linear()) {
     Interval sum = 0;
     for (std::size_t i = 0; i < 6; ++i)
       if (row.Info().coefficients[i] != 0) sum = sum + Interval(row.Info().coefficients[i]) * at[i];
@@ -202,7 +197,7 @@ std::optional<AxisPoint> Relaxation::AnchorIn(const AxisBox& box, const AxisPoin
   constexpr int kSweeps = 40;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     if (IsInSet(at)) return at;
-    for (const problem::Requirement& row : linear_) meet(row);
+    for (const problem::Requirement& row : range_.Linear()) meet(row);
     const double l7 = std::hypot(at[kL5], at[kL6]);
     const double missing = l7 + margins_.singularity_mm - at[kL2] - d_min_mm_;
     if (missing <= 0) continue;
@@ -213,7 +208,7 @@ std::optional<AxisPoint> Relaxation::AnchorIn(const AxisBox& box, const AxisPoin
 }
 
 void Relaxation::AddLinear(const AxisBox& box, Cuts& cuts) const {
-  for (const problem::Requirement& row : linear_) {
+  for (const problem::Requirement& row : range_.Linear()) {
     Cut cut;
     Interval constant = -row.limit;
     for (std::size_t i = 0; i < 6; ++i) {

@@ -73,7 +73,6 @@ class Relaxation {
   bool IsInSet(const AxisPoint& at) const;
 
   const RangeBound& range_;
-  std::vector<problem::Requirement> linear_;
   std::vector<PoseRow> at_shortest_;
   std::vector<Place> places_;
   std::optional<SeatRows> seat_;
