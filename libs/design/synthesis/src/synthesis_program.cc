@@ -314,21 +314,6 @@ PoseStart StartAtRange(const problem::SynthesisProblem& problem, const linkage::
   return {problem.d_min_mm, kPlausiblePhi_rad, kPlausibleTheta_rad};
 }
 
-PoseStart StartAt(const problem::SynthesisProblem& problem, const linkage::Links& start, const PoseStart& at_range,
-                  double theta) {
-  const double standing = RadiansFromDegrees(problem.standing_deg);
-  if (linkage::SolvePose(start, problem.d_min_mm)) {
-    const linkage::UsedRange range = linkage::FindUsedRange(start, problem.d_min_mm, std::nullopt, standing);
-    const auto stroke = linkage::StrokeForAngle(start, range, theta);
-    const auto pose = stroke ? linkage::SolvePose(start, *stroke) : std::nullopt;
-    if (pose) return {*stroke, pose->phi_rad, theta};
-  }
-  constexpr double kPlausibleTravel_mm = 120;
-  const double fraction = (theta - standing) / (at_range.theta_rad - standing);
-  return {problem.d_min_mm + (1 - fraction) * kPlausibleTravel_mm,
-          std::lerp(std::numbers::pi, at_range.phi_rad, fraction), theta};
-}
-
 class Builder {
  public:
   Builder(const problem::SynthesisProblem& problem, const linkage::Links& start, Elasticity elasticity,
@@ -390,17 +375,32 @@ class Builder {
 
   // What holds at the shortest stroke of the current build.
   void AddShortestRows() {
-    for (const RequirementRow& entry : result_.requirements)
-      if (entry.family_limit >= 0 && entry.requirement.Info().place == Place::kShortest)
-        AddRows(entry, poses_.front(), problem_.ConstantLoad());
+    AddRows(poses_.front(), problem_.ConstantLoad(),
+            [](const problem::Requirement& requirement) { return requirement.Info().place == Place::kShortest; });
   }
 
-  void AddRows(const RequirementRow& entry, const PoseVariables& pose, problem::PoseLoad load) {
+  // Of the requirements that hold at a pose.
+  template <typename Holds>
+  void AddRows(const PoseVariables& pose, problem::PoseLoad load, const Holds& holds) {
     load.closed_error_mm = current_.d_min_off_mm;
-    if (entry.requirement.IsClearance())
-      AddClearance(entry, pose);
-    else
-      AddRatioRows(nlp(), entry.requirement, pose, entry.family_limit, load);
+    for (const RequirementRow& entry : result_.requirements) {
+      if (!holds(entry.requirement)) continue;
+      if (entry.requirement.IsClearance())
+        AddClearance(entry, pose);
+      else
+        AddRatioRows(nlp(), entry.requirement, pose, entry.family_limit, load);
+    }
+  }
+
+  // A pose of the current build on its way, at a fraction of the range from `standing_rad` on.
+  PoseVariables AddPoseAt(const std::string& place, double fraction, double standing_rad) {
+    const std::string name = place + current_.name;
+    const PoseStart start = StartOf(std::lerp(standing_rad, at_range_.theta_rad, fraction));
+    const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
+    const PoseVariables pose = AddPose(nlp(), name, result_.links, stroke, current_.range, fraction, standing_rad,
+                                       start.phi_rad, current_.shift);
+    AddNoTurningRow(nlp(), pose);
+    return pose;
   }
 
   nlp::NonlinearProgram& nlp() { return result_.program; }
@@ -524,15 +524,11 @@ class Builder {
   void AddProfile(const std::vector<int>& samples) {
     for (const int i : samples) {
       const problem::LoadSample& sample = problem_.profile->samples[i];
-      const std::string name = fmt::format(" at {} %{}", SignificantText(sample.percent, 4), current_.name);
-      const PoseStart start = StartOf(sample.knee_rad);
-      const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
-      const PoseVariables pose = AddPose(nlp(), name, result_.links, stroke, current_.range, /*fraction=*/0,
-                                         sample.knee_rad, start.phi_rad, current_.shift);
-      AddNoTurningRow(nlp(), pose);
-      const problem::PoseLoad load = problem_.LoadAt(sample);
-      for (const RequirementRow& entry : result_.requirements)
-        if (entry.requirement.along_profile && HoldsAt(entry.requirement, sample)) AddRows(entry, pose, load);
+      const PoseVariables pose =
+          AddPoseAt(fmt::format(" at {} %", SignificantText(sample.percent, 4)), /*fraction=*/0, sample.knee_rad);
+      AddRows(pose, problem_.LoadAt(sample), [&](const problem::Requirement& requirement) {
+        return requirement.along_profile && HoldsAt(requirement, sample);
+      });
     }
   }
 
@@ -551,29 +547,32 @@ class Builder {
     fractions.push_back(kStanding);
     std::sort(fractions.begin(), fractions.end());
     fractions.erase(std::unique(fractions.begin(), fractions.end()), fractions.end());
-    for (const double fraction : fractions) {
-      const std::string name = fmt::format(" at {}{}", SignificantText(fraction, 4), current_.name);
-      const double standing = RadiansFromDegrees(problem_.standing_deg);
-      const PoseStart start = StartOf(std::lerp(standing, at_range_.theta_rad, fraction));
-      const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
-      poses_.push_back(AddPose(nlp(), name, result_.links, stroke, current_.range, fraction, standing, start.phi_rad,
-                               current_.shift));
-    }
-    for (const PoseVariables& pose : poses_) AddNoTurningRow(nlp(), pose);
-    const PoseVariables& standing = *std::ranges::find(poses_, kStanding, &PoseVariables::fraction);
-    for (const RequirementRow& entry : result_.requirements) {
-      const problem::Requirement& requirement = entry.requirement;
-      if (requirement.Info().place == Place::kStanding) AddRows(entry, standing, problem_.ConstantLoad());
-      if (!requirement.IsFamily() || requirement.along_profile || requirement.Info().place == Place::kSeated) continue;
-      for (const PoseVariables& pose : poses_) AddRows(entry, pose, problem_.ConstantLoad());
-    }
+    AddNoTurningRow(nlp(), poses_.front());
+    for (const double fraction : fractions)
+      poses_.push_back(AddPoseAt(fmt::format(" at {}", SignificantText(fraction, 4)), fraction,
+                                 RadiansFromDegrees(problem_.standing_deg)));
+    for (const PoseVariables& pose : poses_)
+      AddRows(pose, problem_.ConstantLoad(), [&](const problem::Requirement& requirement) {
+        const Place place = requirement.Info().place;
+        if (place == Place::kStanding) return pose.fraction == kStanding;
+        return requirement.IsFamily() && !requirement.along_profile && place != Place::kSeated;
+      });
   }
 
-  // On the linkage that the current poses are of.
+  // Where the current build is at a knee angle, or else a plausible place.
   PoseStart StartOf(double theta_rad) const {
-    problem::SynthesisProblem of_build = problem_;
-    of_build.d_min_mm += current_.d_min_off_mm;
-    return StartAt(of_build, current_.links, at_range_, theta_rad);
+    const double standing = RadiansFromDegrees(problem_.standing_deg);
+    const double d_min_mm = problem_.d_min_mm + current_.d_min_off_mm;
+    if (linkage::SolvePose(current_.links, d_min_mm)) {
+      const linkage::UsedRange range = linkage::FindUsedRange(current_.links, d_min_mm, std::nullopt, standing);
+      const auto stroke = linkage::StrokeForAngle(current_.links, range, theta_rad);
+      const auto pose = stroke ? linkage::SolvePose(current_.links, *stroke) : std::nullopt;
+      if (pose) return {*stroke, pose->phi_rad, theta_rad};
+    }
+    constexpr double kPlausibleTravel_mm = 120;
+    const double fraction = (theta_rad - standing) / (at_range_.theta_rad - standing);
+    return {d_min_mm + (1 - fraction) * kPlausibleTravel_mm, std::lerp(std::numbers::pi, at_range_.phi_rad, fraction),
+            theta_rad};
   }
 
   void AddClearance(const RequirementRow& entry, const PoseVariables& pose) {
@@ -589,17 +588,11 @@ class Builder {
 
   // The pose of sitting, with what holds there.
   void AddSeated() {
-    const auto is_seated = [](const RequirementRow& row) { return row.requirement.Info().place == Place::kSeated; };
-    if (std::ranges::none_of(result_.requirements, is_seated)) return;
-    const double seated = problem_.SeatedAngle_rad();
-    const PoseStart start = StartOf(seated);
-    const std::string name = " seated" + current_.name;
-    const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
-    const PoseVariables pose = AddPose(nlp(), name, result_.links, stroke, current_.range, /*fraction=*/0, seated,
-                                       start.phi_rad, current_.shift);
-    AddNoTurningRow(nlp(), pose);
-    for (const RequirementRow& entry : result_.requirements)
-      if (is_seated(entry)) AddRows(entry, pose, problem_.ConstantLoad());
+    const auto is_seated = [](const problem::Requirement& requirement) {
+      return requirement.Info().place == Place::kSeated;
+    };
+    if (std::ranges::none_of(result_.requirements, is_seated, &RequirementRow::requirement)) return;
+    AddRows(AddPoseAt(" seated", /*fraction=*/0, problem_.SeatedAngle_rad()), problem_.ConstantLoad(), is_seated);
   }
 
   // The pose as the program starts, on the body.
