@@ -36,7 +36,6 @@ std::vector<std::string> ResultNames(std::initializer_list<const char*> own) {
 
 void CheckSynthesis(const OptimizeRunOptions& options) {
   options.problem.CheckLoad();
-  problem::CheckRest(options.problem);
   if (options.study.certify_gap_deg && options.problem.SeeksDuration())
     throw UsageError("--certify bounds the range, and --duration free seeks the shortest duration: omit one");
 }

@@ -524,7 +524,6 @@ void SimulationOptions::Check() const {
   if (knee_torque_nm == 0) throw UsageError("--knee-torque must not be 0: the force is given for it");
   leg_loads.Check();
   load.CheckLoad();
-  problem::CheckRest(load);
 }
 
 std::vector<InputFile> InputsOf(const SimulationOptions& options) {

@@ -244,9 +244,8 @@ void TakeWorst(const DesignEvaluation& build, DesignEvaluation& worst) {
 
 DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& problem) {
   DesignEvaluation evaluation = EvaluateAsMade(links, problem);
-  if (problem.robust_mm)
-    for (const BuildError& build : Corners(*problem.robust_mm))
-      TakeWorst(EvaluateAsMade(LinksOf(build, links), ProblemOf(build, problem)), evaluation);
+  for (const BuildError& build : Corners(problem.robust_mm))
+    TakeWorst(EvaluateAsMade(LinksOf(build, links), ProblemOf(build, problem)), evaluation);
   return evaluation;
 }
 
@@ -254,10 +253,9 @@ bool IsFeasible(const linkage::Links& links, const SynthesisProblem& problem, do
   const auto is_feasible = [tolerance](const linkage::Links& of, const SynthesisProblem& as) {
     return EvaluateAsMade(of, as, tolerance).IsFeasible(tolerance);
   };
-  return is_feasible(links, problem) &&
-         (!problem.robust_mm || std::ranges::all_of(Corners(*problem.robust_mm), [&](const BuildError& build) {
+  return is_feasible(links, problem) && std::ranges::all_of(Corners(problem.robust_mm), [&](const BuildError& build) {
            return is_feasible(LinksOf(build, links), ProblemOf(build, problem));
-         }));
+         });
 }
 
 double GoalOf(const SynthesisProblem& problem, const DesignEvaluation& evaluation) {

@@ -142,6 +142,10 @@ PoseLoad SynthesisProblem::LoadAt(const LoadSample& sample) const {
 
 void SynthesisProblem::CheckLoad() const {
   if (assist && !profile) throw UsageError("assist is a share of the knee moment: give that with --profile loads.json");
+  if (!rests_anywhere && !(actuator && HasLoadProfile()))
+    throw UsageError(
+        "rest says where an actuator must hold its share: give --actuator, --profile loads.json, and an --assist above "
+        "0");
   if (!duration_s && goal == Goal::kRange) return;
   if (!HasLoadProfile())
     throw UsageError("a duration depends on the knee moment: give --profile loads.json, and an --assist above 0");
@@ -171,12 +175,13 @@ SynthesisProblem WithActuator(SynthesisProblem problem) {
   return problem;
 }
 
-std::vector<BuildError> Corners(double tolerance_mm) {
+std::vector<BuildError> Corners(std::optional<double> tolerance_mm) {
+  if (!tolerance_mm) return {};
   constexpr unsigned kCorners = 1u << std::tuple_size_v<BuildError>;
   std::vector<BuildError> corners(kCorners);
   for (unsigned corner = 0; corner < kCorners; ++corner)
     for (std::size_t i = 0; i < corners[corner].size(); ++i)
-      corners[corner][i] = corner >> i & 1u ? tolerance_mm : -tolerance_mm;
+      corners[corner][i] = corner >> i & 1u ? *tolerance_mm : -*tolerance_mm;
   return corners;
 }
 

@@ -92,13 +92,6 @@ void CheckMount(const SynthesisProblem& problem) {
         "them; give mount: behind (--mount behind) too, or leave the clearance out");
 }
 
-void CheckRest(const SynthesisProblem& problem) {
-  if (!problem.rests_anywhere && !(problem.actuator && problem.HasLoadProfile()))
-    throw UsageError(
-        "rest says where an actuator must hold its share: give --actuator, --profile loads.json, and an --assist above "
-        "0");
-}
-
 std::string WithFile(const Option& option, const std::string& text,
                      const std::function<fs::path(const fs::path&)>& place) {
   const ActuatorPlace named = option.PathKind() == Option::Path::kNone ? PlaceOf(text) : ActuatorPlace{text, ""};

@@ -79,11 +79,14 @@ double LargestDifferenceNm(const problem::LoadProfile& a, const problem::LoadPro
   return largest_nm;
 }
 
-MomentsOfProgram FindMoments(const RedesignProblem& problem, std::vector<RedesignPoint> starts,
-                             const synthesis::OptimizeOptions& options) {
+MomentsOfProgram FindMoments(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+                             const synthesis::OptimizeOptions& options, const std::optional<RedesignPoint>& start) {
   constexpr int kMostRounds = 8;
   constexpr double kSame_nm = 0.1;
   const problem::LoadProfile& measured = *problem.design.profile;
+  std::vector<RedesignPoint> starts;
+  if (start) starts.push_back(*start);
+  for (const linkage::Links& one : links) starts.push_back(StartPoint(problem, one));
   MomentsOfProgram found{.measured = measured,
                          .profile = ProfileOf(problem, measured, starts.front()),
                          .duration_s = DurationOf(problem, starts.front())};
@@ -101,14 +104,6 @@ MomentsOfProgram FindMoments(const RedesignProblem& problem, std::vector<Redesig
     starts = {point};
   } while (found.off_nm > kSame_nm && found.rounds < kMostRounds);
   return found;
-}
-
-MomentsOfProgram FindMoments(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
-                             const synthesis::OptimizeOptions& options) {
-  std::vector<RedesignPoint> starts;
-  starts.reserve(links.size());
-  for (const linkage::Links& one : links) starts.push_back(StartPoint(problem, one));
-  return FindMoments(problem, std::move(starts), options);
 }
 
 }  // namespace lake::redesign

@@ -184,6 +184,12 @@ std::vector<linkage::Links> StartLinks(RedesignOutcome& outcome) {
   return links;
 }
 
+// Where a design has the exoskeleton's knee.
+problem::SynthesisProblem PlacedAs(const linkage::Design& design, problem::SynthesisProblem problem) {
+  problem.clearances.placement_mm = design.placement_mm;
+  return problem;
+}
+
 // The moments of the program that is sought, in place of those of the person's own rise.
 void TakeMoments(MomentsOfProgram moments, RedesignOutcome& outcome) {
   outcome.problem.design.profile = moments.profile;
@@ -193,8 +199,7 @@ void TakeMoments(MomentsOfProgram moments, RedesignOutcome& outcome) {
 // Evaluated under the moments along its own program.
 DesignInMotion UnderOwnMoments(const RedesignOutcome& outcome, DesignInMotion in_motion) {
   if (!outcome.moments) return in_motion;
-  problem::SynthesisProblem under = outcome.problem.design;
-  under.clearances.placement_mm = in_motion.design.placement_mm;
+  problem::SynthesisProblem under = PlacedAs(in_motion.design, outcome.problem.design);
   under.profile =
       ProfileAlong(outcome.problem.human, outcome.moments->measured, in_motion.prediction, in_motion.duration_s);
   in_motion.evaluation = problem::Evaluate(in_motion.design.links, under);
@@ -268,8 +273,7 @@ void FindDesign(std::vector<linkage::Links> links, RedesignOutcome& outcome) {
     const MomentsOfProgram& before = *outcome.moments;
     const RedesignPoint optimum = outcome.result.Best().Point();
     if (OffMomentsNm(outcome.problem, before.measured, optimum) <= kOtherMoments_nm) return;
-    MomentsOfProgram moments =
-        FindMoments(AsMeasured(outcome.problem, outcome), std::vector{optimum}, outcome.options.optimize);
+    MomentsOfProgram moments = FindMoments(AsMeasured(outcome.problem, outcome), {}, outcome.options.optimize, optimum);
     if (moments.rounds == 0) return;
     moments.rounds += before.rounds;
     TakeMoments(std::move(moments), outcome);
@@ -357,10 +361,8 @@ double ValueOf(const Quantity& quantity, const DesignInMotion& design) {
 
 DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,
                            const linkage::Design& design, const Lean& lean) {
-  problem::SynthesisProblem placed = problem.design;
-  placed.clearances.placement_mm = design.placement_mm;
   DesignInMotion in_motion{.design = design,
-                           .evaluation = problem::Evaluate(design.links, placed),
+                           .evaluation = problem::Evaluate(design.links, PlacedAs(design, problem.design)),
                            .prediction = {},
                            .misalignment = {},
                            .tracking_time_s = {},
@@ -445,14 +447,8 @@ RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measu
   if (!outcome.IsSolved()) return outcome;
   if (problem.fit_placement) AssessPlacement(end, outcome);
   if (options.certify_gap_deg) CertifyWidest(outcome);
-  if (options.yield_tolerance_mm) {
-    problem::SynthesisProblem placed = problem.design;
-    placed.clearances.placement_mm = outcome.after.design.placement_mm;
-    outcome.yield = problem::EstimateYield(end.links, placed,
-                                           {.tolerance_mm = *options.yield_tolerance_mm,
-                                            .pin_clearance_mm = placed.parts.bore_clearance_mm,
-                                            .seed = options.optimize.seed});
-  }
+  if (options.yield_tolerance_mm)
+    outcome.yield = synthesis::YieldOf(end.links, PlacedAs(outcome.after.design, problem.design), options);
   return outcome;
 }
 

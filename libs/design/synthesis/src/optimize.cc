@@ -163,10 +163,9 @@ bool AddPosesOf(const problem::SynthesisProblem& problem, const std::vector<prob
 bool AddWorstBuild(const problem::SynthesisProblem& problem, const linkage::Links& links, double tolerance,
                    Collocation& poses) {
   constexpr double kWorse_deg = 1e-6;
-  const problem::BuildError* worst = nullptr;
+  const problem::BuildError *worst = nullptr, *least = nullptr;
   double worst_violation = 10 * tolerance, known_deg = std::numeric_limits<double>::infinity(), least_deg = known_deg;
-  const problem::BuildError* least = nullptr;
-  const std::vector<problem::BuildError> corners = problem::Corners(*problem.robust_mm);
+  const std::vector<problem::BuildError> corners = problem::Corners(problem.robust_mm);
   for (const problem::BuildError& corner : corners) {
     const problem::DesignEvaluation build =
         problem::Evaluate(problem::LinksOf(corner, links), problem::ProblemOf(corner, problem));
@@ -200,8 +199,7 @@ bool AddViolatedPoses(const problem::SynthesisProblem& problem, const std::vecto
                        problem::LinksOf(poses.builds[i], links), tolerance, poses) &&
             stand;
   if (!stand && before < kMostPoses) HalveGaps(poses.fractions);
-  if (poses.Size() > before) return true;
-  return problem.robust_mm && AddWorstBuild(problem, links, tolerance, poses);
+  return poses.Size() > before || AddWorstBuild(problem, links, tolerance, poses);
 }
 
 namespace {

@@ -33,11 +33,6 @@ problem::YieldOptions YieldOptionsOf(const problem::SynthesisProblem& problem, c
           .seed = options.optimize.seed};
 }
 
-problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem,
-                       const SynthesisOptions& options) {
-  return problem::EstimateYield(links, problem, YieldOptionsOf(problem, options));
-}
-
 // Of designs that keep the limits within a part of what a build can be off, the one whose builds keep them most often;
 // of equals that with the largest range, which comes first.
 std::optional<TolerantDesign> FindTolerant(const SynthesisOutcome& outcome) {
@@ -167,6 +162,11 @@ void Describe(SynthesisOptions& o, OptionList& options) {
       .Unit("mm")
       .Positive();
   options.Add("round", o.round_mm, "Also find the best design whose links are multiples of this").Unit("mm").Positive();
+}
+
+problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem,
+                       const SynthesisOptions& options) {
+  return problem::EstimateYield(links, problem, YieldOptionsOf(problem, options));
 }
 
 certificate::Certificate CertifyOptimum(const problem::SynthesisProblem& problem, const linkage::Links& optimum,

@@ -98,15 +98,15 @@ struct SynthesisProblem {
 
   // Throws Error naming key and value: not finite, not positive, contradictory bounds, negative margins, ...
   void Check() const;
-  // Throws UsageError where a share or a duration is asked for, but no load profile or, for a duration, no actuator
-  // with a known speed is there.
+  // Throws UsageError where a share, a rest or a duration is asked for, but no load profile, for a rest no actuator or,
+  // for a duration, none with a known speed is there.
   void CheckLoad() const;
 };
 
 // Errors of a build: l1..l6 and the strokes, mm.
 using BuildError = std::array<double, 7>;
-// All 128 builds with every length off by the whole tolerance, either way.
-std::vector<BuildError> Corners(double tolerance_mm);
+// All 128 builds with every length off by the whole tolerance, either way; none without a tolerance.
+std::vector<BuildError> Corners(std::optional<double> tolerance_mm);
 // The problem that a build must satisfy: with its strokes, without tolerance and bounds on the links.
 SynthesisProblem ProblemOf(const BuildError& build, SynthesisProblem problem);
 linkage::Links LinksOf(const BuildError& build, const linkage::Links& links);

@@ -52,7 +52,4 @@ void CheckBody(const SynthesisProblem& problem);
 // Throws UsageError where a clearance to the limbs is asked for, but the linkage is beside the leg.
 void CheckMount(const SynthesisProblem& problem);
 
-// Throws UsageError where --rest was changed, but no actuator has a share to hold.
-void CheckRest(const SynthesisProblem& problem);
-
 }  // namespace lake::problem

@@ -33,11 +33,9 @@ struct MomentsOfProgram {
   double off_nm = 0;                       // of the profile from the moments of the program that is found under it
 };
 
-// The moments of the optimum that is found under them, from the best of these starts on; where none is usable, those of
-// the first one's program, after no round. The problem has the measured profile.
-MomentsOfProgram FindMoments(const RedesignProblem& problem, std::vector<RedesignPoint> starts,
-                             const synthesis::OptimizeOptions& options);
+// The moments of the optimum that is found under them, from the best of `start` and these links on; where none is
+// usable, those of the first one's program, after no round. The problem has the measured profile.
 MomentsOfProgram FindMoments(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
-                             const synthesis::OptimizeOptions& options);
+                             const synthesis::OptimizeOptions& options, const std::optional<RedesignPoint>& start = {});
 
 }  // namespace lake::redesign

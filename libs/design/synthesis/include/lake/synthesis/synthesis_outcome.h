@@ -69,6 +69,10 @@ void Describe(SynthesisOptions& o, OptionList& options);
 // Throws Error for a problem or options that fail Check(), Interrupted on a signal.
 SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const SynthesisOptions& options);
 
+// Of the tolerance that is asked for.
+problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem,
+                       const SynthesisOptions& options);
+
 // A certificate for the range of an optimum. Where the bound does without requirements (certificate::NotInBound), the
 // search aims at the optimum without these, as it cannot come below that.
 certificate::Certificate CertifyOptimum(const problem::SynthesisProblem& problem, const linkage::Links& optimum,
