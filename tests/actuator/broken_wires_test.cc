@@ -29,13 +29,11 @@ TEST_F(BrokenWiresTest, HomingFindsAStartAtAnyDistanceFromTheEndStop) {
   for (const double home_mm : kBesidesTheStart_mm) {
     BuildAbove(home_mm);
     if (home_mm == 1.9) rig_->SetStroke(300 - home_mm - 0.1), rig_->Run(0.05);  // from the pressed end stop
-    ASSERT_TRUE(rig_->Asks("home", "ok"));
-    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 12)) << rig_->Serial();
+    Home(12);
     rig_->Run(0.3);
     // Run-on past the switch (5 mm/s x 11 ms), and what run-ups lose: 20 ms each.
     EXPECT_NEAR(rig_->Stroke(), 300, 0.2) << home_mm;
-    EXPECT_TRUE(rig_->Asks("run", "ok")) << home_mm;
-    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 6)) << rig_->Serial();
+    RunToEnd(6);
     const auto [stroke, drift] = SaidStrokeAndDrift();
     EXPECT_LE(std::abs(rig_->Stroke() - stroke), drift) << home_mm;
     const actuator::DriftForecast forecast = actuator::ForecastDrift(Sketch());
@@ -49,7 +47,7 @@ TEST_F(BrokenWiresTest, ARetractWireThatBreaksBeforeTheSecondTouchIsNotHome) {
   for (const double home_mm : kBesidesTheStart_mm)
     for (const double later_s : {0.0, 0.05, 0.2}) {
       BuildAbove(home_mm);
-      ASSERT_TRUE(rig_->Asks("home", "ok"));
+      ASSERT_TRUE(Asks("home", "ok"));
       RunUntilDuty(1), RunUntilDuty(-1);  // it has released and comes again
       rig_->Run(later_s);
       const double from = rig_->Stroke();
@@ -58,8 +56,8 @@ TEST_F(BrokenWiresTest, ARetractWireThatBreaksBeforeTheSecondTouchIsNotHome) {
       rig_->Run(0.3);
       EXPECT_LE(std::abs(rig_->Stroke() - from), firmware_options_.StopTravel() + 0.1);
       EXPECT_THAT(rig_->Serial(), Not(HasSubstr("[MSG:done]")));
-      EXPECT_TRUE(rig_->Asks("reset", "ok"));
-      EXPECT_TRUE(rig_->Asks("run", "error:5"));
+      EXPECT_TRUE(Asks("reset", "ok"));
+      EXPECT_TRUE(Asks("run", "error:5"));
     }
 }
 
@@ -123,13 +121,13 @@ TEST_F(BrokenWiresTest, AFaultIsLatchedUntilItIsAcknowledged) {
     rig_->SendPlain("reset\n");
     rig_->Run(0.1);
     EXPECT_NE(rig_->Serial().find("ALARM:2\n", from), std::string::npos) << "it is told again";
-    for (const char* line : {"home", "zero", "run", "jog 300 100"}) EXPECT_TRUE(rig_->Asks(line, "error:4")) << line;
+    for (const char* line : {"home", "zero", "run", "jog 300 100"}) EXPECT_TRUE(Asks(line, "error:4")) << line;
   }
-  EXPECT_TRUE(rig_->Asks("reset", "ok"));
-  EXPECT_TRUE(rig_->Asks("zero", "ok"));
+  EXPECT_TRUE(Asks("reset", "ok"));
+  EXPECT_TRUE(Asks("zero", "ok"));
   rig_->PowerUp();
   rig_->Run(0.1);
-  EXPECT_TRUE(rig_->Asks("zero", "ok"));
+  EXPECT_TRUE(Asks("zero", "ok"));
 }
 
 // Off at the emergency stop or sagging, the supply is told, and what moves ends; within the tolerance it does not. Open
@@ -138,8 +136,7 @@ TEST_F(BrokenWiresTest, TheSupplyIsTold) {
   firmware_options_.supply_v = 12;
   for (const double part : {0.0, 0.55, 0.65, 0.88, 0.92, 1.0, 1.08, 1.12, 1.35, 1.45}) {
     Build(FreeDesign({{0, 300}, {2, 306}}));
-    ASSERT_TRUE(rig_->Asks("zero", "ok"));
-    ASSERT_TRUE(rig_->Asks("run", "ok"));
+    ZeroAndRun();
     rig_->Run(0.5);
     const double since = rig_->Time();
     rig_->Actuator().supply = [part](double) { return part; };

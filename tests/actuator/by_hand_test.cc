@@ -19,15 +19,14 @@ TEST_F(ByHandTest, HomingWithoutAHostThatTalksIsHeld) {
   Build(FreeDesign({{0, 300}, {2, 306}}));
   rig_->SetStroke(330);
   rig_->KeepTalking(false);
-  ASSERT_TRUE(rig_->Asks("home", "ok"));
+  ASSERT_TRUE(Asks("home", "ok"));
   EXPECT_FALSE(rig_->RunUntil("[MSG:done]", 4));
   EXPECT_THAT(rig_->Status(), HasSubstr("<hold"));
   EXPECT_EQ(rig_->Duty(), 0);
-  EXPECT_TRUE(rig_->Asks("home", "error:4"));
-  EXPECT_TRUE(rig_->Asks("stop", "ok"));
+  EXPECT_TRUE(Asks("home", "error:4"));
+  EXPECT_TRUE(Asks("stop", "ok"));
   rig_->KeepTalking(true);
-  EXPECT_TRUE(rig_->Asks("home", "ok"));
-  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 20)) << rig_->Serial();
+  Home(20);
 }
 
 // Whatever moves stops within the ms in which the button is let go, and begins again with homing.
@@ -35,7 +34,7 @@ TEST_F(ByHandTest, TheButtonIsHeldWhileAnythingMoves) {
   firmware_options_.pins.hold_button = 4;
   Build(FreeDesign({{0, 300}, {2, 306}}));
   const auto let_go = [&](const char* line, const char* state) {
-    ASSERT_TRUE(rig_->Asks(line, "ok")) << rig_->Serial();
+    ASSERT_TRUE(Asks(line, "ok")) << rig_->Serial();
     rig_->Run(0.3);
     ASSERT_NE(rig_->Duty(), 0) << line;
     const std::size_t from = rig_->Serial().size();
@@ -48,30 +47,30 @@ TEST_F(ByHandTest, TheButtonIsHeldWhileAnythingMoves) {
     rig_->ReleaseButton(false);
     rig_->Run(1);
     EXPECT_EQ(rig_->Duty(), 0) << "held again it does not go on";
-    ASSERT_TRUE(rig_->Asks("stop", "ok"));
+    ASSERT_TRUE(Asks("stop", "ok"));
   };
   let_go("home", "<hold");
-  ASSERT_TRUE(rig_->Asks("zero", "ok"));
+  ASSERT_TRUE(Asks("zero", "ok"));
   let_go("run", "<hold");
-  EXPECT_TRUE(rig_->Asks("run", "error:5")) << "it begins again with homing";
+  EXPECT_TRUE(Asks("run", "error:5")) << "it begins again with homing";
   let_go("jog 500 2000", "<idle");
   rig_->ReleaseButton(true);
   rig_->Run(0.01);
-  for (const char* line : {"home", "jog 500 100"}) EXPECT_TRUE(rig_->Asks(line, "error:10")) << line;
-  EXPECT_TRUE(rig_->Asks("stop", "ok"));
+  for (const char* line : {"home", "jog 500 100"}) EXPECT_TRUE(Asks(line, "error:10")) << line;
+  EXPECT_TRUE(Asks("stop", "ok"));
 }
 
 TEST_F(ByHandTest, StopGivesHomingUpAndHoldEndsIt) {
   Build(FreeDesign({{0, 300}, {2, 306}}));
   rig_->SetStroke(330);
   rig_->KeepTalking(false);
-  ASSERT_TRUE(rig_->Asks("home", "ok"));
+  ASSERT_TRUE(Asks("home", "ok"));
   rig_->Run(3);
-  ASSERT_TRUE(rig_->Asks("stop", "ok"));
+  ASSERT_TRUE(Asks("stop", "ok"));
   rig_->Run(1);
   EXPECT_EQ(rig_->Duty(), 0);
-  EXPECT_TRUE(rig_->Asks("run", "error:5"));
-  ASSERT_TRUE(rig_->Asks("home", "ok"));
+  EXPECT_TRUE(Asks("run", "error:5"));
+  ASSERT_TRUE(Asks("home", "ok"));
   rig_->Run(0.5);
   rig_->SendNow('!');
   rig_->Run(0.2);
@@ -85,7 +84,7 @@ TEST_F(ByHandTest, IsToldWhoMayWearItAndWhatTheProgramIs) {
   rig_->Run(0.1);
   EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:design 0123456789ab, duty table MODEL, not measured]\n"));
   EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:open loop: the stroke is planned, not measured]\n"));
-  ASSERT_TRUE(rig_->Asks("home", "ok"));
+  ASSERT_TRUE(Asks("home", "ok"));
   EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:unworn only: homing takes the knee to "));
 }
 

@@ -51,8 +51,7 @@ class ClosedLoopTest : public HostFirmwareTest {
   }
 
   void HomeAndRun() {
-    ASSERT_TRUE(rig_->Asks("home", "ok")) << rig_->Serial();
-    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 60)) << rig_->Serial();
+    Home(60);
     rig_->Run(0.3);
     rig_->Send("run");
     ASSERT_TRUE(rig_->RunUntil("ok\n", 0.01)) << rig_->Serial();
@@ -370,8 +369,8 @@ TEST_F(ClosedLoopTest, AWrongScaleIsFoundAtHome) {
   for (const double off_mm : {3.0, -3.0}) {
     actuator_.potentiometer_mm[0] = 240 + off_mm, actuator_.potentiometer_mm[1] = 380 + off_mm;
     Build(FreeDesign(kProgram));
-    ASSERT_TRUE(rig_->Asks("zero", "error:5"));
-    ASSERT_TRUE(rig_->Asks("home", "ok"));
+    ASSERT_TRUE(Asks("zero", "error:5"));
+    ASSERT_TRUE(Asks("home", "ok"));
     // It has passed home before the end stop comes, or the stop comes before home.
     EXPECT_TRUE(rig_->RunUntil(off_mm > 0 ? "ALARM:4\n" : "ALARM:7\n", 10)) << rig_->Serial();
     EXPECT_THAT(rig_->Serial(), Not(HasSubstr("[MSG:done]")));
@@ -388,7 +387,7 @@ TEST_F(ClosedLoopTest, ABrownOutInMidRunIsStillAndAsksToBeHomed) {
   const double stroke = rig_->Stroke();
   rig_->Run(1);
   EXPECT_NEAR(rig_->Stroke(), stroke, 1e-6);
-  EXPECT_TRUE(rig_->Asks("run", "error:5"));
+  EXPECT_TRUE(Asks("run", "error:5"));
   HomeAndRun();
   EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 22)) << rig_->Serial();
 }
@@ -407,7 +406,7 @@ TEST_F(ClosedLoopTest, WhatWasMovedAtRestCanBeReset) {
   rig_->Send("reset");
   rig_->Run(1);
   EXPECT_EQ(rig_->Serial().find("ALARM", told), std::string::npos) << rig_->Serial().substr(told);
-  EXPECT_TRUE(rig_->Asks("home", "ok"));
+  EXPECT_TRUE(Asks("home", "ok"));
 }
 
 // A million ms of random requests, wires, breaks, loads and resets: never a shorted bridge, never far past a limit.

@@ -17,10 +17,12 @@ namespace lake {
 
 // The firmware with this table and `others` (to the name, what else is compiled) compiled by a shell command
 // that makes `product` in its folder. Throws if it fails.
-inline std::filesystem::path CompiledOnce(const std::string& stroke_table, const std::string& command,
-                                          const std::string& product, const std::string& others = "") {
+inline std::filesystem::path CompiledOnce(actuator::Feedback feedback, const std::string& stroke_table,
+                                          const std::string& command, const std::string& product,
+                                          const std::string& others = "") {
+  const std::vector<actuator::FirmwareFile> sources = actuator::SketchSources(feedback);
   std::string all = stroke_table + command + others;
-  for (const actuator::FirmwareFile& file : actuator::SketchSources(stroke_table)) all += file.name + file.text;
+  for (const actuator::FirmwareFile& file : sources) all += file.name + file.text;
   const std::filesystem::path cache = BinDir().parent_path() / "firmware",
                               folder = cache / Sha256OfText(all).substr(0, 20);
   if (std::filesystem::exists(folder / product)) return folder / product;
@@ -28,8 +30,7 @@ inline std::filesystem::path CompiledOnce(const std::string& stroke_table, const
   const std::filesystem::path aside = folder.string() + "-" + std::to_string(getpid());
   std::filesystem::create_directories(aside);
   WriteTextFile(aside / "stroke_table.h", stroke_table);
-  for (const actuator::FirmwareFile& file : actuator::SketchSources(stroke_table))
-    WriteTextFile(aside / file.name, file.text);
+  for (const actuator::FirmwareFile& file : sources) WriteTextFile(aside / file.name, file.text);
   if (std::system(("cd " + Quoted(aside) + " && " + command).c_str()) != 0)
     throw std::runtime_error("it does not compile in " + aside.string() + ": " + command);
   std::error_code made_by_another;

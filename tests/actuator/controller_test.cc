@@ -14,7 +14,7 @@
 #include "divide.h"
 #include "end_stops.h"
 #include "host_board.h"
-#include "lake/actuator/serial_frame.h"
+#include "lake/actuator/stroke_session.h"
 #include "model_program.h"
 #include "motor.h"
 #include "power.h"

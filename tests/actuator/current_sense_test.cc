@@ -15,8 +15,7 @@ class CurrentSenseTest : public HostFirmwareTest {
   }
   void Start() {
     Build(FreeDesign({{0, 300}, {8, 340}}));
-    ASSERT_TRUE(rig_->Asks("zero", "ok"));
-    ASSERT_TRUE(rig_->Asks("run", "ok"));
+    ZeroAndRun();
     rig_->Run(1);
     ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
   }
@@ -63,8 +62,7 @@ TEST_F(CurrentSenseTest, WhateverBreaksIsReportedInTime) {
 TEST_F(CurrentSenseTest, AMotorThatIsUnpluggedIsToldAtItsStart) {
   Build(FreeDesign({{0, 300}, {8, 340}}));
   rig_->Breaks().is_motor_unplugged = true;
-  ASSERT_TRUE(rig_->Asks("zero", "ok"));
-  ASSERT_TRUE(rig_->Asks("run", "ok"));
+  ZeroAndRun();
   ExpectAlarm("ALARM:13\n", 0.42);  // 60 ms of checks before it is driven
 }
 
@@ -81,8 +79,7 @@ TEST_F(CurrentSenseTest, AnOffsetIsLearntAtRest) {
     rig_->Breaks().current_offset_v = offset_v;
     rig_->PowerUp();
     rig_->Run(0.1);
-    ASSERT_TRUE(rig_->Asks("zero", "ok"));
-    ASSERT_TRUE(rig_->Asks("run", "ok"));
+    ZeroAndRun();
     EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 9)) << offset_v << rig_->Serial();
     EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
   }

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "lake/actuator/robust_slope.h"
-#include "lake/actuator/serial_frame.h"
+#include "lake/actuator/stroke_session.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"

@@ -26,14 +26,14 @@ TEST_F(JogLimitsTest, TheBoundHoldsAtEveryDuty) {
     Build(FreeDesign({{0, 300}, {2, 310}}));
     for (double duty = dead_band - 0.03; duty < 1; duty += duty < dead_band + 0.03 ? 0.002 : 0.05)
       for (const int sign : {1, -1}) {
-        ASSERT_TRUE(rig_->Asks("zero", "ok")) << rig_->Serial();
+        ASSERT_TRUE(Asks("zero", "ok")) << rig_->Serial();
         rig_->SetStroke(300);
         rig_->Send(fmt::format("jog {} 3000", sign * std::lround(1000 * duty)));
         ASSERT_TRUE(rig_->RunUntil("[MSG:", 4)) << rig_->Serial();
         rig_->Run(0.3);
         const auto [stroke, drift] = SaidStrokeAndDrift();
         EXPECT_LE(std::abs(rig_->Stroke() - stroke), drift) << "jog at " << sign * duty << ", dead band " << dead_band;
-        ASSERT_TRUE(rig_->Asks("reset", "ok"));
+        ASSERT_TRUE(Asks("reset", "ok"));
       }
   }
 }
@@ -42,7 +42,7 @@ TEST_F(JogLimitsTest, ALongJogKeepsTheSoftLimit) {
   for (const int duty : {262, 265, 270, 275, 280, 300, 320}) {
     table_ = Steep(0.26, 3);
     Build(FreeDesign({{0, 350}, {2, 356}}));  // the upper soft limit is 374.02 mm
-    ASSERT_TRUE(rig_->Asks("zero", "ok"));
+    ASSERT_TRUE(Asks("zero", "ok"));
     for (int i = 0; i < 3 && rig_->Serial().find("at a limit") == std::string::npos; ++i) {
       rig_->Send(fmt::format("jog {} 10000", duty));
       ASSERT_TRUE(rig_->RunUntil("[MSG:", 11)) << rig_->Serial();
@@ -57,10 +57,9 @@ TEST_F(JogLimitsTest, ALongJogKeepsTheSoftLimit) {
 TEST_F(JogLimitsTest, ADutyBeyondTheTableIsRefused) {
   table_ = actuator::MakeDutyTable({{0.2, 0, 0}, {0.5, 5, 5}, {0.8, 8, std::nan("")}}, "to 0.8");
   Build(FreeDesign({{0, 300}, {2, 304}}));
-  for (const char* line : {"jog 810 100", "jog -510 100", "jog 1000 100"})
-    EXPECT_TRUE(rig_->Asks(line, "error:2")) << line;
+  for (const char* line : {"jog 810 100", "jog -510 100", "jog 1000 100"}) EXPECT_TRUE(Asks(line, "error:2")) << line;
   for (const char* line : {"jog 800 100", "jog -500 100"}) {
-    EXPECT_TRUE(rig_->Asks(line, "ok")) << line;
+    EXPECT_TRUE(Asks(line, "ok")) << line;
     rig_->Run(0.3);
   }
 }
@@ -71,7 +70,7 @@ TEST_F(JogLimitsTest, BelowAFirstRowThatMovesTheWayIsBounded) {
   for (const auto& truth : {Steep(0.1, 2), Steep(0.28, 3)}) {
     actuator_.table = &truth;
     Build(FreeDesign({{0, 300}, {2, 310}}));
-    ASSERT_TRUE(rig_->Asks("zero", "ok"));
+    ASSERT_TRUE(Asks("zero", "ok"));
     rig_->Send("jog 250 1500");
     ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 4)) << rig_->Serial();
     rig_->Run(0.3);

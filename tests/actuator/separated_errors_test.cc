@@ -26,7 +26,7 @@ constexpr double kRestBefore_s = 2, kAngleNoise_deg = 0.05, kStrokeNoise_mm = 0.
 // runs, on a clock of its own.
 struct Prototype {
   actuator::StrokeSchedule plan = FreeSchedule({{0, 300}, {5, 325}, {6, 325}, {10, 309}});
-  StrokeSeries log{"log.csv", {}, {}}, lengths{"trajectory.csv", {}, {}};
+  StrokeSeries log{"log.csv", {}}, lengths{"trajectory.csv", {}};
   std::vector<AngleSample> angles;
   double linkage_rms_deg = 0;  // over the program, without noise
 
@@ -40,16 +40,13 @@ struct Prototype {
     for (double t = -kRestBefore_s; t < plan.Duration() + 2; t += 1 / 30.0) {
       const double stroke = stroke_at(t), angle = actuator::KneeDegAt(links, stroke);
       angles.push_back({t + kRestBefore_s, angle + kAngleNoise_deg * noise(random)});
-      lengths.time_s.push_back(t + kRestBefore_s);
-      lengths.stroke_mm.push_back(stroke + kMarkers_mm + kStrokeNoise_mm * noise(random));
+      lengths.knots.push_back({t + kRestBefore_s, stroke + kMarkers_mm + kStrokeNoise_mm * noise(random)});
       if (t < 0 || t > plan.Duration()) continue;
       linkage_rms_deg += std::pow(angle - actuator::KneeDegAt(kPublishedLinks, stroke), 2), ++moving;
     }
     linkage_rms_deg = std::sqrt(linkage_rms_deg / moving);
-    for (double t = 0; t <= plan.Duration(); t += 0.1) {
-      log.time_s.push_back(t + 51.3);
-      log.stroke_mm.push_back(stroke_at(t) + kStrokeNoise_mm * noise(random));
-    }
+    for (double t = 0; t <= plan.Duration(); t += 0.1)
+      log.knots.push_back({t + 51.3, stroke_at(t) + kStrokeNoise_mm * noise(random)});
   }
 };
 
@@ -105,7 +102,10 @@ TEST(SeparatedErrors, ALogWithoutMeasuredStrokesIsRefused) {
               ThrowsMessage<Error>(HasSubstr("no column measured_mm")));
   WriteTextFile(folder / "log.csv",
                 "time_s,state,measured_mm\n0.1,idle,5\n0.2,running,300\n0.3,running,300.5\n0.4,idle,300.5\n");
-  EXPECT_EQ(actuator::ReadMeasuredStrokes(folder / "log.csv").stroke_mm, (std::vector<double>{300, 300.5}));
+  const StrokeSeries running = actuator::ReadMeasuredStrokes(folder / "log.csv");
+  ASSERT_EQ(running.knots.size(), 2u);
+  EXPECT_EQ(running.knots[0].stroke_mm, 300);
+  EXPECT_EQ(running.knots[1].stroke_mm, 300.5);
 }
 
 }  // namespace

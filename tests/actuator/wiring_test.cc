@@ -20,11 +20,11 @@ class EverythingWiredTest : public HostFirmwareTest {
   void BuildAtStart() {
     Build(FreeDesign({{0, 300}, {3, 315}}));
     rig_->Run(0.6);
-    ASSERT_TRUE(rig_->Asks("zero", "ok"));
+    ASSERT_TRUE(Asks("zero", "ok"));
   }
   void StartRun() {
     BuildAtStart();
-    ASSERT_TRUE(rig_->Asks("run", "ok")) << rig_->Serial();
+    ASSERT_TRUE(Asks("run", "ok")) << rig_->Serial();
     rig_->Run(1);
     ASSERT_GT(rig_->Duty(), 0) << rig_->Serial();
   }
@@ -44,7 +44,7 @@ TEST_F(EverythingWiredTest, AForceAboveItsLimitIsOff) {
 TEST_F(EverythingWiredTest, TheRelayIsOpenAtRestAndAfterAFault) {
   BuildAtStart();
   EXPECT_EQ(rig_->Board().relay, 0);
-  ASSERT_TRUE(rig_->Asks("run", "ok"));
+  ASSERT_TRUE(Asks("run", "ok"));
   rig_->Run(1);
   EXPECT_EQ(rig_->Board().relay, 1);
   rig_->PullWire(false, true);
@@ -91,14 +91,14 @@ TEST_F(EverythingWiredTest, FaultsAreLoggedBeyondAReset) {
   ASSERT_TRUE(rig_->RunUntil("ALARM:7\n", 0.1));
   rig_->Breaks().wiper = RigBreaks::Wiper::kFine;
   rig_->Run(0.1);
-  ASSERT_TRUE(rig_->Asks("reset", "ok"));
+  ASSERT_TRUE(Asks("reset", "ok"));
   rig_->PullWire(true, true);
   rig_->PullWire(false, true);
   ASSERT_TRUE(rig_->RunUntil("ALARM:2\n", 0.1));
   rig_->PowerUp();
   rig_->Run(0.1);
   const std::size_t from = rig_->Serial().size();
-  ASSERT_TRUE(rig_->Asks("faults", "ok"));
+  ASSERT_TRUE(Asks("faults", "ok"));
   EXPECT_THAT(rig_->Serial().substr(from), HasSubstr("[FAULT:2,idle,0]\n[FAULT:7,idle,0]\n"));
 }
 
@@ -142,7 +142,7 @@ TEST_F(DirectionTest, AReversedMotorDoesNotPassTheLinkagesEnd) {
       rig_->Run(0.1);
     }
     EXPECT_THAT(rig_->Serial(), HasSubstr("ALARM:5\n"));
-    EXPECT_TRUE(rig_->Asks("home", "error:11")) << "attempts are counted";
+    EXPECT_TRUE(Asks("home", "error:11")) << "attempts are counted";
   }
 }
 
@@ -164,12 +164,12 @@ TEST_F(DirectionTest, HomingEndsBeforeTheDeadPoint) {
     if (pot) WirePotentiometer(firmware_options_);
     firmware_options_.home_stroke_mm = 244;
     Build(FreeDesign({{0, 245}, {2, 250}}));
-    ASSERT_TRUE(rig_->Asks("zero", "ok"));
-    ASSERT_TRUE(rig_->Asks("jog 500 1000", "ok"));
+    ASSERT_TRUE(Asks("zero", "ok"));
+    ASSERT_TRUE(Asks("jog 500 1000", "ok"));
     ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 2));
     rig_->Actuator().retract_stop_mm = -1000;
     rig_->Run(0.3);
-    ASSERT_TRUE(rig_->Asks("home", "ok"));
+    ASSERT_TRUE(Asks("home", "ok"));
     EXPECT_TRUE(rig_->RunUntil("ALARM:4\n", 10)) << rig_->Serial();
     rig_->Run(0.3);
     EXPECT_GT(rig_->Stroke(), schedule_.limits.lower_end_mm) << (pot ? "pot" : "planned");
@@ -194,11 +194,9 @@ TEST_F(CombinationsTest, EachHomesAndRuns) {
     rig_->SetStroke(304);
     rig_->PowerUp();
     rig_->Run(0.6);
-    ASSERT_TRUE(rig_->Asks("home", "ok"));
-    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 20)) << rig_->Serial();
+    Home(20);
     rig_->Run(0.3);
-    ASSERT_TRUE(rig_->Asks("run", "ok")) << rig_->Serial();
-    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 6)) << rig_->Serial();
+    RunToEnd(6);
     EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
     EXPECT_NEAR(rig_->Stroke(), 302, 0.6);  // the lags of five changes of speed, open loop
   }

@@ -27,7 +27,7 @@ Json WriteCalibrationFirmware(const DutyRunOptions& options, Run& run) {
   const std::string header =
       actuator::CalibrationHeader(options.firmware, fmt::format("Made by lake-stroke {}.", Version()));
   run.Report("calibration firmware written; it obeys jog and stop\n{}\n", actuator::kUntried);
-  return {{"firmware", {{"files", WriteSketch(header, "", run)}, {"segments", 0}}}};
+  return {{"firmware", {{"files", WriteSketch(options.firmware.feedback, header, "", run)}, {"segments", 0}}}};
 }
 
 std::vector<actuator::DutyLog> ReadLogs(const DutyRunOptions& options, Run& run, Json& alignment) {
@@ -79,13 +79,12 @@ actuator::StrokeSeries ReadRodFilm(const std::filesystem::path& folder, const st
   const motion::MarkerRecording recording = motion::ReadMarkerCsv(file);
   const motion::MarkerTrack &body = TrackOf(recording, names[0], file.string()),
                             &rod = TrackOf(recording, names[1], file.string());
-  actuator::StrokeSeries film{folder.string(), {}, {}};
+  actuator::StrokeSeries film{folder.string(), {}};
   for (std::size_t i = 0; i < recording.Frames(); ++i) {
     if (body.samples[i].status != motion::SampleStatus::kDetected ||
         rod.samples[i].status != motion::SampleStatus::kDetected)
       continue;
-    film.time_s.push_back(recording.time_s[i]);
-    film.stroke_mm.push_back((rod.samples[i].position - body.samples[i].position).norm());
+    film.knots.push_back({recording.time_s[i], (rod.samples[i].position - body.samples[i].position).norm()});
   }
   return film;
 }

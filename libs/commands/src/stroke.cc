@@ -352,13 +352,13 @@ std::vector<std::string> ResultNames(bool has_sketch, bool has_validation) {
 
 }  // namespace
 
-Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run& run,
+Json WriteSketch(actuator::Feedback feedback, const std::string& stroke_table, const std::string& notes, Run& run,
                  const std::vector<actuator::FirmwareFile>& further) {
   const auto place = [&](const std::string& name) { return run.Result(InSketch(name)); };
   WriteTextFile(place("stroke_table.h"), stroke_table);
   WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // where the interfaces have it
   Json files = {"stroke_table.h", InSketch("stroke_table.h")};
-  for (const actuator::FirmwareFile& file : actuator::SketchSources(stroke_table)) {
+  for (const actuator::FirmwareFile& file : actuator::SketchSources(feedback)) {
     const bool has_notes = file.name == actuator::kNotesFile;
     WriteTextFile(place(file.name), has_notes ? notes + file.text : file.text);
     files.push_back(InSketch(file.name));
@@ -417,7 +417,9 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   summary["firmware"] = Json();
   run.Report(ReportOf(plan.schedule, rows) + ReportOf(plan.crawl));
   if (sketch) {
-    summary["firmware"] = FirmwareJson(WriteSketch(sketch->header, sketch->notes, run, sketch->commissioning), *sketch);
+    const actuator::Feedback feedback = options.firmware.feedback;
+    summary["firmware"] =
+        FirmwareJson(WriteSketch(feedback, sketch->header, sketch->notes, run, sketch->commissioning), *sketch);
     run.Report(ReportOf(*sketch));
   }
   if (validation) {

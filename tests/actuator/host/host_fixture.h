@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <functional>
 #include <memory>
+#include <utility>
 
 #include "actuator/program_fixture.h"
 #include "host_rig.h"
@@ -27,15 +28,12 @@ inline Act PullsWires(bool retract, bool extend) {
   };
 }
 
-class HostFirmwareTest : public ProgramFixture {
+class HostFirmwareTest : public RigTest<HostRig> {
  protected:
   void Build(const linkage::Design& design, const actuator::ScheduleOptions& how = {}) {
     MakeProgram(design, how);
-    actuator_.stroke_mm = schedule_.knots.front().stroke_mm;
-    actuator_.retract_stop_mm = firmware_options_.home_stroke_mm;
     actuator_.supply_v = firmware_options_.supply_v;
-    if (!actuator_.table) actuator_.table = &table_;
-    rig_ = std::make_unique<HostRig>(header_, actuator_);
+    rig_ = std::make_unique<HostRig>(firmware_options_.feedback, header_, actuator_);
     rig_->Run(0.05);
     rig_->KeepTalking(true);
   }
@@ -47,9 +45,6 @@ class HostFirmwareTest : public ProgramFixture {
     EXPECT_EQ(std::sscanf(status.c_str(), "<%*[a-z]|stroke:%lf|drift:%lf", &stroke, &drift), 2) << status;
     return {stroke, drift};
   }
-
-  Actuator actuator_;
-  std::unique_ptr<HostRig> rig_;
 };
 
 }  // namespace lake

@@ -13,7 +13,7 @@
 #include "actuator/compiled_once.h"
 #include "board.h"
 #include "lake/actuator/firmware.h"
-#include "lake/actuator/serial_frame.h"
+#include "lake/actuator/stroke_session.h"
 #include "lake/core/atomic_file.h"
 #include "places.h"
 
@@ -32,22 +32,22 @@ constexpr const char* kSanitizers = "-fsanitize=address,undefined -fno-sanitize-
 constexpr const char* kSanitizers = "";
 #endif
 
-std::filesystem::path Library(const std::string& stroke_table) {
+std::filesystem::path Library(actuator::Feedback feedback, const std::string& stroke_table) {
   const std::filesystem::path host = SourceDir() / "tests/actuator/host";
   const std::string command = fmt::format(
       "{} -std=gnu99 -O1 -g1 -fPIC -shared -Wl,-Bsymbolic -Wall -Wextra -Werror {} -I. -I{} {} {} "
       "-o firmware.so",
       LAKE_HOST_CC, kSanitizers, Quoted(host), kPortableSources, Quoted(host / "host_board.c"));
-  return CompiledOnce(stroke_table, command, "firmware.so",
+  return CompiledOnce(feedback, stroke_table, command, "firmware.so",
                       ReadTextFile(host / "host_board.c") + ReadTextFile(host / "host_board.h"));
 }
 
 }  // namespace
 
-HostRig::HostRig(const std::string& stroke_table, const lake::Actuator& actuator)
+HostRig::HostRig(actuator::Feedback feedback, const std::string& stroke_table, const lake::Actuator& actuator)
     : plant_(actuator), random_(actuator.seed) {
   // A copy: a library that is loaded twice would share its variables.
-  std::filesystem::copy_file(Library(stroke_table), folder_ / "firmware.so");
+  std::filesystem::copy_file(Library(feedback, stroke_table), folder_ / "firmware.so");
   PowerUp();
 }
 
@@ -208,11 +208,6 @@ bool HostRig::RunUntil(const std::string& text, double most_seconds) {
     if (serial_.find(text, from) != std::string::npos) return true;
   }
   return false;
-}
-
-bool HostRig::Asks(const std::string& line, const std::string& answer) {
-  Send(line);
-  return RunUntil(answer + "\n", 0.2);
 }
 
 std::string HostRig::Status() {

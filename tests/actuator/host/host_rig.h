@@ -12,6 +12,7 @@
 #include "actuator/plant_model.h"
 #include "controller.h"
 #include "host_board.h"
+#include "lake/actuator/firmware.h"
 #include "serial.h"
 #include "temporary_folder.h"
 
@@ -25,7 +26,7 @@ inline constexpr const char* kPortableSources =
 class HostRig {
  public:
   // Compiles the firmware with this stroke table, once per table. Throws if it does not without a warning.
-  HostRig(const std::string& stroke_table, const Actuator& actuator);
+  HostRig(actuator::Feedback feedback, const std::string& stroke_table, const lake::Actuator& actuator);
   HostRig(const HostRig&) = delete;
   HostRig& operator=(const HostRig&) = delete;
   ~HostRig();
@@ -33,7 +34,6 @@ class HostRig {
   void PowerUp();  // as after a reset: the actuator stays where it is
   void Run(double seconds);
   bool RunUntil(const std::string& serial_text, double most_seconds);  // false if it was not said in time
-  bool Asks(const std::string& line, const std::string& answer);       // whether it answers so within 0.2 s
   std::string Status();                                                // the answer to `?`
 
   void Send(const std::string& line);        // with its check sum

@@ -41,9 +41,9 @@ class HostStatesTest : public HostFirmwareTest {
   }
 
   void Begin(const char* command) {
-    ASSERT_TRUE(rig_->Asks("zero", "ok"));
+    ASSERT_TRUE(Asks("zero", "ok"));
     if (*command == 0) return;
-    ASSERT_TRUE(rig_->Asks(command, "ok")) << rig_->Serial();
+    ASSERT_TRUE(Asks(command, "ok")) << rig_->Serial();
   }
 
   void Reach(const std::string& state) {

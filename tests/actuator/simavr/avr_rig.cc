@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include "lake/actuator/firmware.h"
-#include "lake/actuator/serial_frame.h"
+#include "lake/actuator/stroke_session.h"
 
 // simavr does not free what avr_make_mcu_by_name and elf_read_firmware allocate; the leak check of the asan preset asks
 // here.

@@ -24,8 +24,8 @@ TEST_F(FirmwareTest, ControlXResets) {
 TEST_F(FirmwareTest, SerialOutputOfJogsBecomesTheActuatorsDutyTable) {
   actuator_.table = &table_;
   actuator_.stroke_mm = 300;
-  rig_ =
-      std::make_unique<AvrRig>(BuildFirmware(actuator::CalibrationHeader({}, "test"), "-DLAKE_SIMULATOR"), actuator_);
+  elf_ = BuildFirmware(actuator::Feedback::kNone, actuator::CalibrationHeader({}, "test"), "-DLAKE_SIMULATOR");
+  PowerUp();
   rig_->Run(0.05);
   EXPECT_TRUE(Asks("run", "error:6")) << rig_->Serial();
   for (const int duty : {200, 400, 700, 1000})

@@ -112,8 +112,7 @@ TEST_F(FirmwareFaultsTest, WhateverBreaksWhileItRunsIsOffInTheTimeOfSafetyMd) {
     double longest_s = 0;
     for (const double moment_s : {0.4, 2.0}) {
       BuildAndStand({{0, 303}, {1.5, 307.5}, {1.7, 307.5}, {3.8, 303}}, 303);
-      ASSERT_TRUE(Asks("zero", "ok")) << rig_->Serial();
-      ASSERT_TRUE(Asks("run", "ok")) << rig_->Serial();
+      ZeroAndRun();
       rig_->Run(moment_s);
       ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << one.name;
       const double since = rig_->Time();

@@ -20,9 +20,10 @@ inline constexpr double kLongestTurn_us = 2000;
 
 // The image of the firmware with this table, compiled once for all tests. Throws if it does not compile without a
 // warning.
-inline std::filesystem::path BuildFirmware(const std::string& stroke_table, const std::string& flags) {
+inline std::filesystem::path BuildFirmware(actuator::Feedback feedback, const std::string& stroke_table,
+                                           const std::string& flags) {
   return CompiledOnce(
-      stroke_table,
+      feedback, stroke_table,
       LAKE_AVR_GCC " -mmcu=atmega328p -std=gnu99 -Os -flto -Wall -Wextra -Werror " + flags + " *.c -o firmware.elf",
       "firmware.elf");
 }
@@ -38,27 +39,20 @@ inline Actuator SteadyActuator() {
   return actuator;
 }
 
-class FirmwareTest : public ProgramFixture {
+class FirmwareTest : public RigTest<AvrRig> {
  protected:
+  FirmwareTest() { actuator_ = SteadyActuator(); }
+
   void Build(const linkage::Design& design, const std::string& flags = "-DLAKE_SIMULATOR",
              const actuator::ScheduleOptions& how = {}) {
     firmware_options_.home_stroke_mm = 0;
     MakeProgram(design, how);
-    elf_ = BuildFirmware(header_, flags);
-    actuator_.table = &table_;
-    actuator_.stroke_mm = schedule_.knots.front().stroke_mm;
-    actuator_.retract_stop_mm = firmware_options_.home_stroke_mm;
+    elf_ = BuildFirmware(firmware_options_.feedback, header_, flags);
     PowerUp();
   }
 
   // The UNO starts, the actuator standing where the model says.
   void PowerUp() { rig_ = std::make_unique<AvrRig>(elf_, actuator_); }
-
-  // Whether the answer to a line comes within 0.2 s.
-  bool Asks(const std::string& line, const std::string& answer) {
-    rig_->Send(line);
-    return rig_->RunUntil(answer + "\n", 0.2);
-  }
 
   // The time from `since` on until the motor is braked; NaN if it is not.
   double BrakeAfter(double since_s) const {
@@ -71,8 +65,7 @@ class FirmwareTest : public ProgramFixture {
   void Start() {
     rig_->Run(0.05);
     rig_->KeepTalking(true);
-    ASSERT_TRUE(Asks("zero", "ok")) << rig_->Serial();
-    ASSERT_TRUE(Asks("run", "ok")) << rig_->Serial();
+    ZeroAndRun();
   }
 
   // The first ms in which the bridge drives.
@@ -92,8 +85,6 @@ class FirmwareTest : public ProgramFixture {
 
   TemporaryFolder folder_;
   std::filesystem::path elf_;
-  Actuator actuator_ = SteadyActuator();
-  std::unique_ptr<AvrRig> rig_;
 };
 
 }  // namespace lake

@@ -115,11 +115,9 @@ TEST_F(FirmwareLoopTest, AProgramAtTheLimitsOfTravelEnds) {
       Build(FreeDesign({{0, 368.2}, {3, 373.7}, {4, 373.7}, {7, 368.2}}), "");
       rig_->Run(0.1);
       rig_->KeepTalking(true);
-      ASSERT_TRUE(Asks("home", "ok"));
-      ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 20)) << rig_->Serial();
+      Home(20);
       rig_->Run(0.3);
-      ASSERT_TRUE(Asks("run", "ok")) << rig_->Serial();
-      EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 8)) << rig_->Serial();
+      RunToEnd(8);
       EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
     }
 }

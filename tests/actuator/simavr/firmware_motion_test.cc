@@ -227,10 +227,8 @@ TEST_F(FirmwareTest, TheBoundIsTheForecastAndHoldsFromHomingOn) {
     rig_->SetStroke(301);
     rig_->Run(0.05);
     rig_->KeepTalking(true);
-    ASSERT_TRUE(Asks("home", "ok"));
-    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 8)) << rig_->Serial();
-    ASSERT_TRUE(Asks("run", "ok"));
-    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
+    Home(8);
+    RunToEnd(5);
     rig_->Run(0.2);
     const std::size_t from = rig_->Serial().size();
     rig_->SendNow('?');

@@ -38,8 +38,7 @@ TEST_F(FirmwareOptionsTest, EachCombinationIsCompiledAndRuns) {
   for (const Combination& one : CombinationsToTry()) {
     SCOPED_TRACE(one.Name());
     BuildWith(one);
-    ASSERT_TRUE(Asks("zero", "ok")) << rig_->Serial();
-    ASSERT_TRUE(Asks("run", "ok")) << rig_->Serial();
+    ZeroAndRun();
     WaitForDrive(1);
     ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 3)) << rig_->Serial();
     EXPECT_NEAR(rig_->Stroke(), 303, 0.4) << "the lag";

@@ -1,6 +1,6 @@
 // What stops the motor, and within which time.
 #include "firmware_fixture.h"
-#include "lake/actuator/serial_frame.h"
+#include "lake/actuator/stroke_session.h"
 
 namespace lake {
 namespace {
@@ -24,10 +24,8 @@ TEST_F(FirmwareTest, PowerUpInMidStrokeIsStillAndAsksToBeHomed) {
   EXPECT_TRUE(rig_->Changes().empty());
   EXPECT_THAT(rig_->Serial(), HasSubstr("<idle|stroke:|drift:|duty:0.0000|stops:0>"));
   EXPECT_TRUE(Asks("run", "error:5")) << rig_->Serial();
-  ASSERT_TRUE(Asks("home", "ok"));
-  ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
-  EXPECT_TRUE(Asks("run", "ok"));
-  ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 4)) << rig_->Serial();
+  Home(5);
+  RunToEnd(4);
   // Run-on past the switch and lags, 5 mm/s x (4 ms + 10 ms), 5 mm/s x (30 - 10) ms.
   EXPECT_NEAR(rig_->Stroke(), 308, 0.07 + 0.2 + 0.03);
 }
@@ -104,7 +102,7 @@ TEST_F(FirmwareTest, PositioningAndRunningKeepTheLimitsWithTheDrift) {
     return changed.replace(from, header_.find('\n', from) - from, "#define " + name + " " + value);
   };
   const auto power_up = [&](const std::string& text) {
-    elf_ = BuildFirmware(text, "-DLAKE_SIMULATOR");
+    elf_ = BuildFirmware(actuator::Feedback::kNone, text, "-DLAKE_SIMULATOR");
     actuator_.stroke_mm = 300;
     PowerUp();
     rig_->Run(0.05);
@@ -117,8 +115,7 @@ TEST_F(FirmwareTest, PositioningAndRunningKeepTheLimitsWithTheDrift) {
 
   // 310 mm less the drift there: 0.1 mm of homing, 0.25 of lag, a tenth of the way.
   power_up(with("LAKE_UPPER_END_UM", "310000L"));
-  ASSERT_TRUE(Asks("zero", "ok"));
-  ASSERT_TRUE(Asks("run", "ok"));
+  ZeroAndRun();
   EXPECT_TRUE(rig_->RunUntil("ALARM:3\n", 4)) << rig_->Serial();
   rig_->Run(0.2);
   EXPECT_NEAR(rig_->Stroke(), 300 + (10 - 0.35 - PwmError()) / (1 + 103 / 1024.0), 0.1 + 0.05);

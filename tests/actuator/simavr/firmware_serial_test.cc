@@ -5,7 +5,7 @@
 #include <random>
 
 #include "firmware_fixture.h"
-#include "lake/actuator/serial_frame.h"
+#include "lake/actuator/stroke_session.h"
 
 namespace lake {
 namespace {
@@ -147,8 +147,7 @@ TEST_F(FirmwareSerialTest, WhatCameBeforeAnAbortOrAHoldIsForgotten) {
 
 // Noise, plain text and lines of another program: a million bytes with LAKE_LONG_TESTS=1 in the environment.
 TEST_F(FirmwareSerialTest, RandomBytesStartNothing) {
-  ASSERT_TRUE(Asks("zero", "ok"));
-  ASSERT_TRUE(Asks("run", "ok"));
+  ZeroAndRun();
   rig_->Run(0.3);
   rig_->SendNow('!');
   rig_->Run(0.5);

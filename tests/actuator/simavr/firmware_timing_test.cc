@@ -27,8 +27,7 @@ TEST_F(FirmwareTimingTest, NoTickAndNoConversionIsLateWithEverythingWired) {
   const std::uint64_t most = std::getenv("LAKE_LONG_TESTS") ? 1'000'000 : 3'000;
   const std::uint64_t conversions = rig_->Adc().Conversions(), ticks = rig_->Ticks();
   while (rig_->Ticks() - ticks < most) {
-    ASSERT_TRUE(Asks("zero", "ok")) << rig_->Serial();
-    ASSERT_TRUE(Asks("run", "ok")) << rig_->Serial();
+    ZeroAndRun();
     for (int i = 0; i < 25; ++i) rig_->SendNow('?'), rig_->Run(0.1 + 1e-5 * i);
     ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 3)) << rig_->Serial();
     rig_->Run(0.3);

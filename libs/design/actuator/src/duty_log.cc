@@ -5,7 +5,7 @@
 #include <regex>
 
 #include "lake/actuator/duty_calibration.h"
-#include "lake/actuator/serial_frame.h"
+#include "lake/actuator/stroke_session.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -97,13 +97,11 @@ struct SpeedSample {
 
 std::vector<SpeedSample> SpeedsOf(const StrokeSeries& film) {
   std::vector<SpeedSample> speeds;
-  std::size_t before = 0, after = 0;
-  for (std::size_t i = 0; i < film.time_s.size(); ++i) {
-    while (film.time_s[before] < film.time_s[i] - kSpeedWindow_s) ++before;
-    while (after + 1 < film.time_s.size() && film.time_s[after + 1] <= film.time_s[i] + kSpeedWindow_s) ++after;
-    const double span = film.time_s[after] - film.time_s[before];
-    if (span >= kSpeedWindow_s)
-      speeds.push_back({film.time_s[i], (film.stroke_mm[after] - film.stroke_mm[before]) / span});
+  auto before = film.knots.begin(), after = before;
+  for (const linkage::StrokeProgram::Knot& knot : film.knots) {
+    while (before->time_s < knot.time_s - kSpeedWindow_s) ++before;
+    while (after + 1 < film.knots.end() && (after + 1)->time_s <= knot.time_s + kSpeedWindow_s) ++after;
+    if (after->time_s - before->time_s >= kSpeedWindow_s) speeds.push_back({knot.time_s, SpeedOf(*before, *after)});
   }
   return speeds;
 }
@@ -127,8 +125,8 @@ Agreement AgreementAt(const DutyLog& commands, const std::vector<SpeedSample>& s
 void Check(const DutyLog& commands, const StrokeSeries& film, const std::vector<SpeedSample>& speeds) {
   if (commands.time_s.size() < kFewest)
     throw Fail("{}: {} rows are too few to be aligned with a video", commands.name, commands.time_s.size());
-  if (film.time_s.size() < kFewest || speeds.size() < kFewest)
-    throw Fail("{} frames with the actuator's two markers are too few to be aligned with a log", film.time_s.size());
+  if (film.knots.size() < kFewest || speeds.size() < kFewest)
+    throw Fail("{} frames with the actuator's two markers are too few to be aligned with a log", film.knots.size());
 }
 
 }  // namespace
@@ -158,11 +156,12 @@ DutyLog ReadDutyCommands(const std::filesystem::path& path) {
 }
 
 AlignedLog AlignWithFilm(const DutyLog& commands, const StrokeSeries& film) {
-  const std::vector<SpeedSample> speeds = film.time_s.empty() ? std::vector<SpeedSample>{} : SpeedsOf(film);
+  const std::vector<SpeedSample> speeds = SpeedsOf(film);
   Check(commands, film, speeds);
   AlignedLog aligned;
   double most = -1;
-  const double low = commands.time_s.front() - film.time_s.back(), high = commands.time_s.back() - film.time_s.front();
+  const double low = commands.time_s.front() - film.knots.back().time_s,
+               high = commands.time_s.back() - film.knots.front().time_s;
   for (int i = 0; low + i * kShiftStep_s <= high; ++i) {
     ThrowIfInterrupted();
     const double shift = low + i * kShiftStep_s;
@@ -176,12 +175,12 @@ AlignedLog AlignWithFilm(const DutyLog& commands, const StrokeSeries& film) {
     throw Fail("{}: its duties and the speeds of the video agree nowhere (correlation {:.2f}); are they of one run?",
                commands.name, aligned.correlation);
   aligned.log.name = commands.name;
-  for (std::size_t i = 0; i < film.time_s.size(); ++i) {
-    const double time = film.time_s[i] + aligned.shift_s, duty = DutyAt(commands, time);
+  for (const linkage::StrokeProgram::Knot& knot : film.knots) {
+    const double time = knot.time_s + aligned.shift_s, duty = DutyAt(commands, time);
     if (std::isnan(duty)) continue;
     aligned.log.time_s.push_back(time);
     aligned.log.duty.push_back(duty);
-    aligned.log.stroke_mm.push_back(film.stroke_mm[i]);
+    aligned.log.stroke_mm.push_back(knot.stroke_mm);
   }
   return aligned;
 }

@@ -386,11 +386,10 @@ void FirmwareOptions::Check() const {
   CheckPins(*this);
 }
 
-std::vector<FirmwareFile> SketchSources(const std::string& stroke_table_header) {
-  const bool has_pot = stroke_table_header.find("#define LAKE_FEEDBACK 1\n") != std::string::npos;
+std::vector<FirmwareFile> SketchSources(Feedback feedback) {
+  const char* const other = feedback == Feedback::kNone ? "plant_pot.c" : "plant_open.c";
   std::vector<FirmwareFile> files = FirmwareSources();
-  std::erase_if(files,
-                [&](const FirmwareFile& file) { return file.name == (has_pot ? "plant_open.c" : "plant_pot.c"); });
+  std::erase_if(files, [&](const FirmwareFile& file) { return file.name == other; });
   return files;
 }
 

@@ -59,10 +59,22 @@ void CheckSamples(const std::vector<AngleSample>& samples) {
                SignificantText(high - low, 3));
 }
 
-std::vector<double> ErrorsAt(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, double shift_s) {
+// A prototype that runs its program open loop, `factor` as fast as planned, from `shift_s` on.
+struct OwnSpeed {
+  double shift_s, factor = 1;
+};
+
+double AngleOf(const StrokeSchedule& schedule, const OwnSpeed& own, double time_s) {
+  const double start = schedule.knots.front().stroke_mm;
+  const double stroke = start + own.factor * (schedule.StrokeAt(time_s - own.shift_s) - start);
+  const linkage::StrokeRange& used = schedule.limits.used.stroke;
+  return KneeDegAt(schedule.links, std::clamp(stroke, used.lower_mm, used.upper_mm));
+}
+
+std::vector<double> ErrorsOf(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples,
+                             const OwnSpeed& own) {
   std::vector<double> errors;
-  for (const AngleSample& sample : samples)
-    errors.push_back(sample.knee_deg - KneeDegAt(schedule.links, schedule.StrokeAt(sample.time_s - shift_s)));
+  for (const AngleSample& sample : samples) errors.push_back(sample.knee_deg - AngleOf(schedule, own, sample.time_s));
   return errors;
 }
 
@@ -81,35 +93,16 @@ double BestShift(const StrokeSchedule& schedule, const std::vector<AngleSample>&
   const std::vector<AngleSample> few = Few(samples);
   return LeastErrorShift(
       samples.front().time_s - schedule.Duration(), samples.back().time_s,
-      [&](double shift) { return size(ErrorsAt(schedule, few, shift)); },
-      [&](double shift) { return size(ErrorsAt(schedule, samples, shift)); });
+      [&](double shift) { return size(ErrorsOf(schedule, few, {shift})); },
+      [&](double shift) { return size(ErrorsOf(schedule, samples, {shift})); });
 }
 
 // The best shift when the measured angle may have a constant offset.
 void FitOffset(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, Validation& v) {
   const double shift = BestShift(schedule, samples, StandardDeviation);
-  const std::vector<double> errors = ErrorsAt(schedule, samples, shift);
+  const std::vector<double> errors = ErrorsOf(schedule, samples, {shift});
   v.offset_deg = Mean(errors);
   v.rms_with_offset_deg = StandardDeviation(errors);
-}
-
-// A prototype that runs its program open loop, `factor` as fast as planned, from `shift_s` on.
-struct OwnSpeed {
-  double shift_s, factor;
-};
-
-double AngleOf(const StrokeSchedule& schedule, const OwnSpeed& own, double time_s) {
-  const double start = schedule.knots.front().stroke_mm;
-  const double stroke = start + own.factor * (schedule.StrokeAt(time_s - own.shift_s) - start);
-  const linkage::StrokeRange& used = schedule.limits.used.stroke;
-  return KneeDegAt(schedule.links, std::clamp(stroke, used.lower_mm, used.upper_mm));
-}
-
-std::vector<double> ErrorsOf(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples,
-                             const OwnSpeed& own) {
-  std::vector<double> errors;
-  for (const AngleSample& sample : samples) errors.push_back(sample.knee_deg - AngleOf(schedule, own, sample.time_s));
-  return errors;
 }
 
 // The errors over start and speed, with differences for derivatives, as ceres::TinySolver asks for them.
@@ -151,7 +144,7 @@ void FitTravel(const StrokeSchedule& schedule, const std::vector<AngleSample>& s
   double least = std::numeric_limits<double>::infinity();
   OwnSpeed best{};
   for (const double shift_s : {v.shift_s, BestShift(schedule, samples, StandardDeviation)}) {
-    const OwnSpeed own = FitOwnSpeed(schedule, samples, {shift_s, 1});
+    const OwnSpeed own = FitOwnSpeed(schedule, samples, {shift_s});
     const double rms = RootMeanSquare(ErrorsOf(schedule, samples, own));
     if (rms < least) {
       least = rms;
@@ -211,35 +204,28 @@ Size SizeOf(const std::vector<double>& errors) {
 }
 
 void RequireEnough(const StrokeSeries& strokes) {
-  if (strokes.time_s.size() < kFewestSamples)
-    throw Fail("{}: {} measured strokes; at least {} are needed", strokes.name, strokes.time_s.size(), kFewestSamples);
+  if (strokes.knots.size() < kFewestSamples)
+    throw Fail("{}: {} measured strokes; at least {} are needed", strokes.name, strokes.knots.size(), kFewestSamples);
 }
 
-std::vector<double> StrokeErrors(const StrokeSchedule& plan, const StrokeSeries& strokes, double start_s) {
+// Of all strokes, or of those within the program alone, which begins at `start_s`.
+std::vector<double> StrokeErrors(const StrokeSchedule& plan, const StrokeSeries& strokes, double start_s, bool all) {
   std::vector<double> errors;
-  for (std::size_t i = 0; i < strokes.time_s.size(); ++i) {
-    const double time_s = strokes.time_s[i] - start_s;
-    if (time_s >= 0 && time_s <= plan.Duration()) errors.push_back(strokes.stroke_mm[i] - plan.StrokeAt(time_s));
-  }
+  for (const linkage::StrokeProgram::Knot& knot : strokes.knots)
+    if (const double time_s = knot.time_s - start_s; all || (time_s >= 0 && time_s <= plan.Duration()))
+      errors.push_back(knot.stroke_mm - plan.StrokeAt(time_s));
   return errors;
 }
 
-// Against all samples, at rest before the start and after the end, so that no overlap is too short to count.
-double RmsAt(const StrokeSchedule& plan, const StrokeSeries& strokes, double start_s) {
-  double sum = 0;
-  for (std::size_t i = 0; i < strokes.time_s.size(); ++i)
-    sum += std::pow(strokes.stroke_mm[i] - plan.StrokeAt(strokes.time_s[i] - start_s), 2);
-  return std::sqrt(sum / static_cast<double>(strokes.time_s.size()));
-}
-
+// By all strokes, at rest before the start and after the end, so that no overlap is too short to count.
 double BestStart(const StrokeSchedule& plan, const StrokeSeries& strokes) {
-  const auto rms_at = [&](double start_s) { return RmsAt(plan, strokes, start_s); };
-  return LeastErrorShift(strokes.time_s.front() - plan.Duration(), strokes.time_s.back(), rms_at, rms_at);
+  const auto rms_at = [&](double start_s) { return RootMeanSquare(StrokeErrors(plan, strokes, start_s, true)); };
+  return LeastErrorShift(strokes.knots.front().time_s - plan.Duration(), strokes.knots.back().time_s, rms_at, rms_at);
 }
 
 void FillActuator(const StrokeSchedule& plan, const StrokeSeries& strokes, SeparatedErrors& separated) {
   separated.program_start_s = BestStart(plan, strokes);
-  const std::vector<double> errors = StrokeErrors(plan, strokes, separated.program_start_s);
+  const std::vector<double> errors = StrokeErrors(plan, strokes, separated.program_start_s, false);
   if (errors.size() < kFewestSamples)
     throw Fail("{}: {} measured strokes within the program; at least {} are needed", strokes.name, errors.size(),
                kFewestSamples);
@@ -247,13 +233,6 @@ void FillActuator(const StrokeSchedule& plan, const StrokeSeries& strokes, Separ
   separated.actuator_rms_mm = size.rms;
   separated.actuator_max_mm = size.most;
   separated.actuator_end_mm = errors.back();
-}
-
-double Interpolated(const StrokeSeries& strokes, double time_s) {
-  const auto after = std::upper_bound(strokes.time_s.begin() + 1, strokes.time_s.end() - 1, time_s);
-  const auto i = static_cast<std::size_t>(after - strokes.time_s.begin());
-  const double part = (time_s - strokes.time_s[i - 1]) / (strokes.time_s[i] - strokes.time_s[i - 1]);
-  return std::lerp(strokes.stroke_mm[i - 1], strokes.stroke_mm[i], std::clamp(part, 0.0, 1.0));
 }
 
 }  // namespace
@@ -302,9 +281,8 @@ SeparatedErrors SeparateErrorsByLog(const StrokeSchedule& plan, const StrokeSeri
                                     const std::vector<AngleSample>& angles) {
   RequireEnough(strokes);
   StrokeSchedule measured = plan;
-  measured.knots.clear();
-  for (std::size_t i = 0; i < strokes.time_s.size(); ++i)
-    measured.knots.push_back({strokes.time_s[i] - strokes.time_s.front(), strokes.stroke_mm[i]});
+  measured.knots = strokes.knots;
+  for (auto& knot : measured.knots) knot.time_s -= strokes.knots.front().time_s;
   const Validation linkage = ValidatePrototype(measured, angles);
   SeparatedErrors separated{.linkage_rms_deg = linkage.rms_deg, .linkage_max_deg = linkage.max_deg};
   FillActuator(plan, strokes, separated);
@@ -317,9 +295,9 @@ SeparatedErrors SeparateErrorsByVideo(const StrokeSchedule& plan, const StrokeSe
   std::vector<std::pair<double, double>> pairs;  // length, angle
   std::vector<double> offsets;
   for (const AngleSample& angle : angles) {
-    if (angle.time_s < lengths.time_s.front() || angle.time_s > lengths.time_s.back()) continue;
+    if (angle.time_s < lengths.knots.front().time_s || angle.time_s > lengths.knots.back().time_s) continue;
     const auto stroke = linkage::StrokeForAngle(plan.links, plan.limits.used, RadiansFromDegrees(angle.knee_deg));
-    const double length = Interpolated(lengths, angle.time_s);
+    const double length = linkage::StrokeAt(lengths.knots, angle.time_s);
     pairs.emplace_back(length, angle.knee_deg);
     if (stroke) offsets.push_back(length - *stroke);
   }
@@ -338,7 +316,7 @@ SeparatedErrors SeparateErrorsByVideo(const StrokeSchedule& plan, const StrokeSe
   separated.linkage_rms_deg = size.rms;
   separated.linkage_max_deg = size.most;
   StrokeSeries strokes = lengths;
-  for (double& stroke : strokes.stroke_mm) stroke -= separated.stroke_offset_mm;
+  for (auto& knot : strokes.knots) knot.stroke_mm -= separated.stroke_offset_mm;
   FillActuator(plan, strokes, separated);
   return separated;
 }
@@ -349,12 +327,10 @@ StrokeSeries ReadMeasuredStrokes(const std::filesystem::path& path) {
     throw Fail("{}: no column measured_mm; a firmware without potentiometer measures no stroke (--feedback pot)",
                path.string());
   const std::size_t time = table.Column("time_s"), state = table.Column("state"), stroke = table.Column("measured_mm");
-  StrokeSeries strokes{path.string(), {}, {}};
-  for (std::size_t i = 0; i < table.Rows(); ++i) {
-    if (table.Text(i, state) != "running") continue;
-    strokes.time_s.push_back(table.RequiredNumber(i, time));
-    strokes.stroke_mm.push_back(table.RequiredNumber(i, stroke));
-  }
+  StrokeSeries strokes{path.string(), {}};
+  for (std::size_t i = 0; i < table.Rows(); ++i)
+    if (table.Text(i, state) == "running")
+      strokes.knots.push_back({table.RequiredNumber(i, time), table.RequiredNumber(i, stroke)});
   return strokes;
 }
 

@@ -19,26 +19,12 @@ constexpr double kRounding = 1e-9;      // of a whole number of steps
 constexpr double kRampStep_s = 0.02;    // of a ramp, made of short stretches of constant speed
 constexpr double kLeastRamp_s = 0.001;  // shorter ramps are none: the firmware counts in ms
 
-double SpeedFrom(const Knots& knots, std::size_t i) {
-  return (knots[i + 1].stroke_mm - knots[i].stroke_mm) / (knots[i + 1].time_s - knots[i].time_s);
-}
-
 // 0 unless the stretch after a knot is slower than the table's slowest; else its direction.
 int CrawlAt(const StrokeSchedule& schedule, std::size_t i, const DutyTable& table) {
-  const double speed = SpeedFrom(schedule.knots, i);
+  const double speed = SpeedOf(schedule.knots[i], schedule.knots[i + 1]);
   const int direction = DirectionOf(speed);
   if (direction == 0) return 0;
   return std::abs(speed) < 0.999 * table.Curve(direction).LeastMovingSpeed() ? direction : 0;
-}
-
-// When the plan, on its way from knot first to last without turning, is at a stroke.
-double TimeAt(const Knots& knots, std::size_t first, std::size_t last, double stroke_mm) {
-  for (std::size_t i = first; i < last; ++i) {
-    const Knot &a = knots[i], &b = knots[i + 1];
-    const double part = (stroke_mm - a.stroke_mm) / (b.stroke_mm - a.stroke_mm);
-    if (part <= 1 || i + 1 == last) return std::lerp(a.time_s, b.time_s, std::clamp(part, 0.0, 1.0));
-  }
-  return knots[last].time_s;
 }
 
 // Rest, then catch up at `speed`, in steps that are as short as the brake and kLeastMove_s allow.
@@ -111,7 +97,7 @@ void LimitAcceleration(StrokeSchedule& schedule, double most_mm_s2, double dead_
   Knots& knots = schedule.knots;
   const std::size_t count = knots.size();
   std::vector<double> speeds = {0}, half_s;  // speeds[i] before knot i
-  for (std::size_t i = 0; i + 1 < count; ++i) speeds.push_back(SpeedFrom(knots, i));
+  for (std::size_t i = 0; i + 1 < count; ++i) speeds.push_back(SpeedOf(knots[i], knots[i + 1]));
   speeds.push_back(0);
   for (std::size_t i = 0; i < count; ++i) half_s.push_back(HalfRamp(speeds[i + 1] - speeds[i], most_mm_s2));
   double later_s = half_s.front();

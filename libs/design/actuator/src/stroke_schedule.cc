@@ -18,10 +18,6 @@ using Knots = std::vector<Knot>;
 constexpr double kStrokeTolerance_mm = 1e-6;  // of a solver's last digits
 constexpr double kSpeedTolerance = 1e-6;      // relative, likewise
 
-double SpeedOf(const Knot& a, const Knot& b) {
-  return (b.stroke_mm - a.stroke_mm) / (b.time_s - a.time_s);
-}
-
 double StrokeAtAngle(const linkage::Design& design, const SoftLimits& limits, double angle_deg, const char* option) {
   const auto stroke = linkage::StrokeForAngle(design.links, limits.used, RadiansFromDegrees(angle_deg));
   if (stroke && *stroke >= limits.lower_mm - kStrokeTolerance_mm && *stroke <= limits.upper_mm + kStrokeTolerance_mm)
@@ -98,15 +94,6 @@ std::vector<std::size_t> Extremes(const Knots& knots) {
   return extremes;
 }
 
-// When the plan is at a stroke between two knots, from which on it runs towards the second without turning.
-double CrossingTime(const Knots& knots, std::size_t first, std::size_t last, double stroke_mm) {
-  for (std::size_t i = first; i < last; ++i) {
-    const double a = knots[i].stroke_mm - stroke_mm, b = knots[i + 1].stroke_mm - stroke_mm;
-    if (a * b <= 0 && a != b) return std::lerp(knots[i].time_s, knots[i + 1].time_s, a / (a - b));
-  }
-  return knots[last].time_s;
-}
-
 // The smallest reversal there and back becomes a rest half way between its two extremes, over and over: that moves the
 // program by half of it.
 void RestInsteadOfSmallReversals(StrokeSchedule& schedule, double most_mm) {
@@ -128,7 +115,7 @@ void RestInsteadOfSmallReversals(StrokeSchedule& schedule, double most_mm) {
     const std::size_t from = extremes[smallest - 1], a = extremes[smallest], b = extremes[smallest + 1],
                       to = extremes[smallest + 2];
     const double level = (knots[a].stroke_mm + knots[b].stroke_mm) / 2;
-    const double arrives_s = CrossingTime(knots, from, a, level), leaves_s = CrossingTime(knots, b, to, level);
+    const double arrives_s = TimeAt(knots, from, a, level), leaves_s = TimeAt(knots, b, to, level);
     Knots rested;
     for (const Knot& knot : knots)
       if (knot.time_s < arrives_s) rested.push_back(knot);
@@ -170,8 +157,17 @@ void RestBeforeReversals(StrokeSchedule& schedule, double dead_time_s) {
 
 }  // namespace
 
-int DirectionOf(double speed) {
-  return speed >= kRestSpeed_mm_s ? 1 : speed <= -kRestSpeed_mm_s ? -1 : 0;
+int DirectionOf(double speed_mm_s) {
+  constexpr double kRest_mm_s = 0.0005;
+  return speed_mm_s >= kRest_mm_s ? 1 : speed_mm_s <= -kRest_mm_s ? -1 : 0;
+}
+
+double TimeAt(const Knots& knots, std::size_t first, std::size_t last, double stroke_mm) {
+  for (std::size_t i = first; i < last; ++i) {
+    const double a = knots[i].stroke_mm - stroke_mm, b = knots[i + 1].stroke_mm - stroke_mm;
+    if (a * b <= 0 && a != b) return std::lerp(knots[i].time_s, knots[i + 1].time_s, a / (a - b));
+  }
+  return knots[last].time_s;
 }
 
 double KneeDegAt(const linkage::Links& links, double stroke_mm) {
@@ -196,15 +192,6 @@ SoftLimits SoftLimitsOf(const linkage::Design& design, double margin_mm) {
     throw Fail("a margin of {} mm leaves nothing of the used strokes {:.4f}..{:.4f} mm", margin_mm, used.lower_mm,
                used.upper_mm);
   return limits;
-}
-
-double StrokeSchedule::StrokeAt(double time_s) const {
-  if (time_s <= knots.front().time_s) return knots.front().stroke_mm;
-  if (time_s >= knots.back().time_s) return knots.back().stroke_mm;
-  const auto after =
-      std::upper_bound(knots.begin(), knots.end(), time_s, [](double t, const Knot& knot) { return t < knot.time_s; });
-  const Knot &a = *(after - 1), &b = *after;
-  return std::lerp(a.stroke_mm, b.stroke_mm, (time_s - a.time_s) / (b.time_s - a.time_s));
 }
 
 StrokeSchedule MakeSchedule(const linkage::Design& design, const ScheduleOptions& options) {

@@ -21,7 +21,6 @@
 #include <utility>
 
 #include "lake/actuator/firmware.h"
-#include "lake/actuator/serial_frame.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"

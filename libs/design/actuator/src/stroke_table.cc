@@ -42,9 +42,7 @@ void Thin(const std::vector<Knot>& knots, std::size_t first, std::size_t last, d
 // Turning points and rests stay, so that the reversals keep their pauses.
 std::vector<Knot> Thinned(const std::vector<Knot>& knots, double tolerance_mm) {
   std::vector<bool> keep(knots.size(), false);
-  const auto direction = [&](std::size_t i) {
-    return DirectionOf((knots[i + 1].stroke_mm - knots[i].stroke_mm) / (knots[i + 1].time_s - knots[i].time_s));
-  };
+  const auto direction = [&](std::size_t i) { return DirectionOf(SpeedOf(knots[i], knots[i + 1])); };
   keep.front() = keep.back() = true;
   std::size_t first = 0;
   for (std::size_t i = 1; i < knots.size(); ++i) {
@@ -128,7 +126,7 @@ StrokeTable MakeStrokeTable(const StrokeSchedule& schedule, const DutyTable& tab
     segment.end_ms = std::llround(1e3 * knots[i].time_s);
     if (segment.end_ms <= begin_ms) continue;
     const double duration_s = (segment.end_ms - begin_ms) / 1e3;
-    const double exact = (knots[i].stroke_mm - knots[i - 1].stroke_mm) / (knots[i].time_s - knots[i - 1].time_s);
+    const double exact = SpeedOf(knots[i - 1], knots[i]);
     // Towards the knot from where rounding has left the plan, so that errors do not add up.
     const long velocity = std::lround((1e3 * knots[i].stroke_mm - plan_um) / duration_s);
     if (velocity * DirectionOf(exact) > 0) {

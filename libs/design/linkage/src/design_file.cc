@@ -1,5 +1,8 @@
 #include "lake/linkage/design_file.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -119,6 +122,13 @@ Design ReadDesign(const std::filesystem::path& path) {
   if (design.d_max_mm && !(*design.d_max_mm > design.d_min_mm))
     throw Fail("{}: d_max_mm = {} must exceed d_min_mm = {}", root.Where(), *design.d_max_mm, design.d_min_mm);
   return design;
+}
+
+double StrokeAt(const std::vector<StrokeProgram::Knot>& knots, double time_s) {
+  if (time_s <= knots.front().time_s) return knots.front().stroke_mm;
+  if (time_s >= knots.back().time_s) return knots.back().stroke_mm;
+  const auto after = std::ranges::upper_bound(knots, time_s, {}, &StrokeProgram::Knot::time_s), before = after - 1;
+  return std::lerp(before->stroke_mm, after->stroke_mm, (time_s - before->time_s) / (after->time_s - before->time_s));
 }
 
 void WriteDesign(const std::filesystem::path& path, const Design& design) {

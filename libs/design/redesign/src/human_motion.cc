@@ -25,14 +25,6 @@ std::optional<linkage::UsedRange> UsedRangeOf(const DrivenLinks& linkage) {
                                 RadiansFromDegrees(linkage.standing_deg));
 }
 
-// Linear between the knots.
-double StrokeAt(const std::vector<linkage::StrokeProgram::Knot>& knots, double time_s) {
-  const auto after = std::find_if(knots.begin() + 1, knots.end() - 1,
-                                  [&](const linkage::StrokeProgram::Knot& knot) { return knot.time_s >= time_s; });
-  const auto before = after - 1;
-  return std::lerp(before->stroke_mm, after->stroke_mm, (time_s - before->time_s) / (after->time_s - before->time_s));
-}
-
 // The vectors of spikes are taken from the line between the samples around them, at the ends from the next sample.
 void BridgeSpikes(const std::vector<bool>& spike, std::vector<Vector2d>& vectors) {
   std::vector<std::size_t> quiet;
@@ -193,8 +185,8 @@ std::optional<std::vector<double>> ProgramStrokes(const linkage::Design& design,
   }
   std::vector<double> strokes;
   for (std::size_t i = 0; i < human.size(); ++i)
-    strokes.push_back(StrokeAt(knots, std::lerp(knots.front().time_s, knots.back().time_s,
-                                                static_cast<double>(i) / static_cast<double>(human.size() - 1))));
+    strokes.push_back(
+        linkage::StrokeAt(knots, std::lerp(knots.front().time_s, knots.back().time_s, PercentOf(i, human) / 100)));
   return strokes;
 }
 

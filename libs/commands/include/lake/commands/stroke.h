@@ -38,7 +38,7 @@ std::vector<InputFile> InputsOf(const StrokeRunOptions& options);
 // Writes the firmware's sources with this stroke_table.h into the folder kSketchFolder of the results,
 // `notes` on top of the file that one reads first; returns their names.
 // Further files, of this program alone, beside them.
-Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run& run,
+Json WriteSketch(actuator::Feedback feedback, const std::string& stroke_table, const std::string& notes, Run& run,
                  const std::vector<actuator::FirmwareFile>& further = {});
 
 // Writes program.csv, program.png; with a duty table the firmware's sketch; with `validate` validation.csv and

@@ -173,8 +173,8 @@ struct FirmwareFile {
 };
 const std::vector<FirmwareFile>& FirmwareSources();
 
-// Those of them that a stroke_table.h is for: plant_pot.c if it has a potentiometer, else plant_open.c.
-std::vector<FirmwareFile> SketchSources(const std::string& stroke_table_header);
+// Those of them that a sketch has: of plant_pot.c and plant_open.c that of its feedback.
+std::vector<FirmwareFile> SketchSources(Feedback feedback);
 
 // Said wherever a person reads about safety.
 inline constexpr const char* kUntried =

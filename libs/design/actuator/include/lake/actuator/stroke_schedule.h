@@ -54,7 +54,7 @@ struct StrokeSchedule {
   double added_rest_s = 0;  // by the pauses that were put in before reversals
 
   double Duration() const { return knots.back().time_s; }
-  double StrokeAt(double time_s) const;  // the ends' stroke before and after
+  double StrokeAt(double time_s) const { return linkage::StrokeAt(knots, time_s); }
 };
 
 // The program as the design has it; StepInsteadOfCrawling and LimitAcceleration then fit it to the actuator. Throws
@@ -82,9 +82,17 @@ void LimitAcceleration(StrokeSchedule& schedule, double most_mm_s2, double dead_
 // Throws Error naming time, speed and limit if the schedule asks for a speed that the table does not have.
 void CheckSpeeds(const StrokeSchedule& schedule, const DutyTable& table);
 
-// Slower than this is rest: less than the firmware's unit of speed, 1 um/s, can hold.
-inline constexpr double kRestSpeed_mm_s = 0.0005;
-int DirectionOf(double speed_mm_s);  // 1 extending, -1 retracting, 0 at rest
+// Between two knots.
+inline double SpeedOf(const linkage::StrokeProgram::Knot& from, const linkage::StrokeProgram::Knot& to) {
+  return (to.stroke_mm - from.stroke_mm) / (to.time_s - from.time_s);
+}
+
+// 1 extending, -1 retracting, 0 at rest: slower than the firmware's unit of speed, 1 um/s, can hold.
+int DirectionOf(double speed_mm_s);
+
+// When the plan between two knots is at a stroke for the first time; at the second knot where it never is.
+double TimeAt(const std::vector<linkage::StrokeProgram::Knot>& knots, std::size_t first, std::size_t last,
+              double stroke_mm);
 
 // program.csv: a row per sample, and one at each knot and at the end. Speed and duty hold until the next row; speed is
 // positive extending, 0 in the last row; duty 0..1, NaN without a table.
@@ -99,10 +107,10 @@ inline constexpr std::size_t kMostScheduleRows = 1'000'000;
 std::vector<ScheduleRow> SampleSchedule(const StrokeSchedule& schedule, double rate_hz, const DutyTable* table);
 void WriteScheduleCsv(const std::filesystem::path& path, const std::vector<ScheduleRow>& rows);
 
-// Measured strokes, mm; times ascend, s.
+// Measured strokes; times ascend.
 struct StrokeSeries {
   std::string name;  // for messages
-  std::vector<double> time_s, stroke_mm;
+  std::vector<linkage::StrokeProgram::Knot> knots;
 };
 
 // Knee angle at a stroke of the schedule's linkage.

@@ -6,6 +6,7 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lake::actuator {
@@ -63,6 +64,12 @@ struct TalkOptions {
 // port.
 void RunTalk(const TalkOptions& options, int in, std::ostream& out, const std::filesystem::path& log,
              const std::function<void()>& poll);
+
+// A line of the firmware with its check sum: `text*HHHH`, where HHHH is the CRC-16/MCRF4XX of the text (polynomial
+// 0x1021 from the lowest bit on, from 0xFFFF) in hexadecimal digits. The firmware's end is in firmware/protocol.c.
+std::string Framed(std::string_view text);
+// The text of a line without its end; nothing if the check sum is missing or wrong.
+std::optional<std::string> Unframed(std::string_view line);
 
 // What ALARM:N and error:N mean.
 std::string AlarmText(int number);

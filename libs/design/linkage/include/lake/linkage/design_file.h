@@ -22,6 +22,9 @@ struct StrokeProgram {
   std::vector<Knot> knots;  // free: piecewise linear between knots, times ascending
 };
 
+// Linear between the knots, of which there are at least two; before and after them as at their ends.
+double StrokeAt(const std::vector<StrokeProgram::Knot>& knots, double time_s);
+
 struct Design {
   Links links;
   double d_min_mm = 242;                     // shortest stroke (Jain et al.'s actuator, as in the paper)
