@@ -41,10 +41,15 @@ inline std::string WrongDerivatives(const nlp::Term& term, std::vector<double> x
   return wrong;
 }
 
-// Of all terms, at the program's start.
-inline std::string WrongDerivatives(const nlp::NonlinearProgram& program, double tolerance = 1e-6) {
+inline std::vector<double> StartOf(const nlp::NonlinearProgram& program) {
   std::vector<double> start;
   for (const nlp::NlpVariable& variable : program.Variables()) start.push_back(variable.start);
+  return start;
+}
+
+// Of all terms, at the program's start.
+inline std::string WrongDerivatives(const nlp::NonlinearProgram& program, double tolerance = 1e-6) {
+  const std::vector<double> start = StartOf(program);
   std::string wrong;
   for (const nlp::NlpTerm& term : program.Terms())
     if (const std::string of_term = WrongDerivatives(*term.term, start, tolerance); !of_term.empty())

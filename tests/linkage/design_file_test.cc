@@ -8,6 +8,7 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "temporary_folder.h"
 
 namespace lake {
 namespace {
@@ -19,18 +20,13 @@ constexpr const char* kLinksLine = "links: {l1: 59.081, l2: 68.84, l3: 55.964, l
 
 class DesignFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() / fmt::format("lake_design_{}_{}.yaml", test->name(), getpid());
-  }
-  void TearDown() override { std::filesystem::remove(path_); }
-
   void ExpectError(const std::string& text, const std::string& message) {
     WriteTextFile(path_, text);
     EXPECT_THAT([&] { linkage::ReadDesign(path_); }, ThrowsMessage<Error>(HasSubstr(message))) << text;
   }
 
-  std::filesystem::path path_;
+  TemporaryFolder folder_;
+  const std::filesystem::path path_ = folder_ / "design.yaml";
 };
 
 TEST_F(DesignFile, ReadsBackWhatWasWritten) {

@@ -12,6 +12,7 @@
 #include "load_profile.h"
 #include "places.h"
 #include "program_run.h"
+#include "temporary_folder.h"
 
 namespace lake {
 namespace {
@@ -22,7 +23,6 @@ using ::testing::HasSubstr;
 class LakeOptimizeWithLoads : public ::testing::Test {
  protected:
   LakeOptimizeWithLoads() {
-    fs::create_directories(folder_);
     Json profile;
     for (const problem::LoadSample& sample : MadeUpProfile().samples) {
       profile["percent"].push_back(sample.percent);
@@ -34,19 +34,18 @@ class LakeOptimizeWithLoads : public ::testing::Test {
     std::ofstream(folder_ / "own.csv") << "name,closed_mm,stroke_mm,max_force_n,no_load_speed_mm_s,force_speed_points\n"
                                           "weak,240,120,20,30,\nstrong,240,120,1500,60,20 mm/s at 1500 N\n";
   }
-  ~LakeOptimizeWithLoads() override { fs::remove_all(folder_); }
 
   // `text`: options, in which @ stands for the folder.
   std::string Arguments(std::string text) {
-    for (std::size_t at; (at = text.find('@')) != std::string::npos;) text.replace(at, 1, folder_.string() + "/");
+    for (std::size_t at; (at = text.find('@')) != std::string::npos;)
+      text.replace(at, 1, folder_.Path().string() + "/");
     return "--problem " + Quoted(SourceDir() / "calibration/problems/buildable.yaml") + " --starts 2 " + text;
   }
   Ended Go(const std::string& text) {
     return RunProgram(Arguments(text) + " --quiet -o " + (folder_ / "out").string());
   }
 
-  const fs::path folder_ = fs::temp_directory_path() /
-                           (std::string("lake_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  TemporaryFolder folder_;
 };
 
 TEST_F(LakeOptimizeWithLoads, FindsTheShortestDurationOfAnActuator) {

@@ -293,9 +293,7 @@ TEST(ActuatorOptimum, DifferentialEvolutionFindsNothingFaster) {
   for (const auto& [name, assist] : rows) {
     problem::SynthesisProblem problem = WithLoad(assist, name);
     problem.goal = problem::SynthesisProblem::Goal::kDuration;
-    synthesis::OptimizeOptions options;
-    options.starts = 6;
-    const synthesis::SynthesisResult result = synthesis::Optimize(problem, options);
+    const synthesis::SynthesisResult result = synthesis::Optimize(problem, Starts(6));
     ASSERT_GE(result.best, 0) << name;
     const double optimum_s = -problem::GoalOf(problem, result.Best().evaluation);
     const Evolved evolved = Evolve(
@@ -312,10 +310,8 @@ TEST(ActuatorOptimum, DifferentialEvolutionFindsNothingFaster) {
 TEST(ActuatorFront, CurvesEndWhereALimitFails) {
   problem::SynthesisProblem problem = Buildable();
   problem.profile = MadeUpProfile();
-  synthesis::OptimizeOptions options;
-  options.starts = 2;
   const auto curves = synthesis::FindActuatorFront(
-      problem, {Known("L16-50-35"), Known("L16-140-150"), Known("LA23-2500")}, {0.05, 0.5}, options);
+      problem, {Known("L16-50-35"), Known("L16-140-150"), Known("LA23-2500")}, {0.05, 0.5}, Starts(2));
   ASSERT_EQ(curves.size(), 3u);
   EXPECT_EQ(curves[0].Last(), nullptr);
   EXPECT_THAT(curves[0].limits, ::testing::Contains(::testing::HasSubstr("stroke when standing ≤ 168 mm")));

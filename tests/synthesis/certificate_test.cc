@@ -350,9 +350,7 @@ TEST(Certificate, MeetsTheOptimumOfRandomProblems) {
     problem::SynthesisProblem problem = RandomProblem(random);
     const bool like_paper = trial % 3 > 0;  // l1 may follow Grashof's law
     if (like_paper) problem.bounds[0] = {problem.bounds[2].lower, problem.bounds[2].lower + 40};
-    synthesis::OptimizeOptions options;
-    options.starts = 3;
-    const synthesis::SynthesisResult result = synthesis::Optimize(problem, options);
+    const synthesis::SynthesisResult result = synthesis::Optimize(problem, Starts(3));
     if (result.best < 0) continue;
     ++solved;
     like_the_papers += like_paper;

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "central_differences.h"
 #include "compare/closed_form.h"
 #include "lake/core/error.h"
 #include "lake/core/threads.h"
@@ -113,9 +114,7 @@ TEST(GroupProgram, RowsAgreeWithTheClosedForm) {
     problem.across = across;
     redesign::RedesignBuilder builder = BuilderOf(problem);
     const nlp::NonlinearProgram program = builder.Build({}).program;
-    std::vector<double> x;
-    for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start);
-    const std::vector<double> rows = program.RowValues(x);
+    const std::vector<double> rows = program.RowValues(StartOf(program));
     double mean = 0;
     for (std::size_t i = 0; i < kThree.size(); ++i) {
       const double percent = 100 * redesign::PredictPoint(problem.Of(i), builder.Points()[i])->path.relative;

@@ -6,14 +6,15 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
+#include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/problem/design_of_problem.h"
 #include "lake/problem/load_profile.h"
 #include "lake/problem/problem_options.h"
 #include "message_of.h"
 #include "places.h"
+#include "temporary_folder.h"
 
 namespace lake {
 namespace {
@@ -23,17 +24,15 @@ using ::testing::HasSubstr;
 class ActuatorFile : public ::testing::Test {
  protected:
   std::filesystem::path Write(const std::string& text) {
-    std::ofstream(path_) << text;
+    WriteTextFile(path_, text);
     return path_;
   }
   template <typename Read>
   std::string ErrorOf(const std::string& text, const Read& read) {
     return MessageOf([&] { read(Write(text)); });
   }
-  ~ActuatorFile() override { std::filesystem::remove(path_); }
-  const std::filesystem::path path_ =
-      std::filesystem::temp_directory_path() /
-      (std::string("lake_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv");
+  TemporaryFolder folder_;
+  const std::filesystem::path path_ = folder_ / "table.csv";
 };
 
 TEST(Actuators, CatalogueIsTheFile) {

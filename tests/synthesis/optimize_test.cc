@@ -39,8 +39,7 @@ TEST(Optimize, PapersStartAloneReachesTheSupremum) {
 TEST(Optimize, StartsAgree) {
   for (const double margin : {0.0, 1.0, 10.0})
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
-      synthesis::OptimizeOptions options;
-      options.starts = 20;
+      synthesis::OptimizeOptions options = Starts(20);
       options.seed = seed;
       const synthesis::SynthesisResult result = synthesis::Optimize(WithMargins(margin), options);
       const auto stuck = std::ranges::count(result.basin, -1);
@@ -170,9 +169,7 @@ TEST(SynthesisProgram, LimitsAreFoundByWhatTheyAreOn) {
 TEST(SynthesisProgram, HoldsAtAnAssembledDesign) {
   const synthesis::SynthesisProgram program =
       synthesis::BuildProgram(EverythingOn(), {60, 70, 55, 75, 90, 260}, {0.3, 0.7});
-  std::vector<double> x;
-  for (const nlp::NlpVariable& variable : program.program.Variables()) x.push_back(variable.start);
-  const std::vector<double> rows = program.program.RowValues(x);
+  const std::vector<double> rows = program.program.RowValues(StartOf(program.program));
   int loops = 0;
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (program.program.Rows()[i].name.find("loop") != std::string::npos) {
@@ -213,9 +210,7 @@ TEST(Optimize, FamiliesHoldEverywhereOnTheUsedRange) {
   transmission.limits["min_transmission_deg"] = 45;
   transmission.standing_deg = 20;
   for (const problem::SynthesisProblem& problem : {arm, force, transmission, all}) {
-    synthesis::OptimizeOptions options;
-    options.starts = 4;
-    const synthesis::SynthesisResult result = synthesis::Optimize(problem, options);
+    const synthesis::SynthesisResult result = synthesis::Optimize(problem, Starts(4));
     ASSERT_GE(result.best, 0);
     ExpectHoldsOnAFineGrid(problem, result.Best().end);
   }
@@ -280,9 +275,7 @@ TEST(Optimize, HoldsTheActuatorToALengthWhenSitting) {
 }
 
 TEST(Optimize, RefusesSenselessOptions) {
-  synthesis::OptimizeOptions options;
-  options.starts = 0;
-  EXPECT_THROW(synthesis::Optimize(problem::SynthesisProblem{}, options), Error);
+  EXPECT_THROW(synthesis::Optimize(problem::SynthesisProblem{}, Starts(0)), Error);
   problem::SynthesisProblem problem;
   problem.bounds[2] = {60, 50};
   EXPECT_THROW(synthesis::Optimize(problem, {}), Error);

@@ -5,13 +5,14 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
+#include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/problem/load_profile.h"
 #include "message_of.h"
 #include "places.h"
+#include "temporary_folder.h"
 
 namespace lake {
 namespace {
@@ -19,16 +20,13 @@ namespace {
 class ProblemFile : public ::testing::Test {
  protected:
   std::filesystem::path Write(const std::string& text) {
-    std::ofstream(path_) << text;
-    return path_;
+    WriteTextFile(folder_ / "problem.yaml", text);
+    return folder_ / "problem.yaml";
   }
   std::string ErrorOf(const std::string& text) {
     return MessageOf([&] { problem::ReadProblem(Write(text)); });
   }
-  ~ProblemFile() override { std::filesystem::remove(path_); }
-  const std::filesystem::path path_ =
-      std::filesystem::temp_directory_path() /
-      (std::string("lake_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml");
+  TemporaryFolder folder_;
 };
 
 // As it is written it is the paper's problem; with every key set that needs no other file, each is known.

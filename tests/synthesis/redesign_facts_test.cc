@@ -35,9 +35,7 @@ class RealMotion : public testing::Test {
   }
 
   static double Least(const redesign::RedesignProblem& problem, int starts) {
-    synthesis::OptimizeOptions options;
-    options.starts = starts;
-    const redesign::RedesignResult result = redesign::Redesign(problem, {kPublishedLinks}, options);
+    const redesign::RedesignResult result = redesign::Redesign(problem, {kPublishedLinks}, Starts(starts));
     return result.IsSolved() ? result.Best().Misalignment_percent() : NAN;
   }
 
@@ -63,9 +61,7 @@ TEST_F(RealMotion, ConstantProgram) {
 
 TEST_F(RealMotion, ParetoFrontIsNearlyFlat) {
   problem_.fit_placement = true;
-  synthesis::OptimizeOptions options;
-  options.starts = 10;
-  const auto front = redesign::ParetoFront(problem_, 5, {kPublishedLinks}, options);
+  const auto front = redesign::ParetoFront(problem_, 5, {kPublishedLinks}, Starts(10));
   ASSERT_EQ(front.size(), 5u);
   EXPECT_NEAR(front.front().range_deg, 93, 1.5);
   EXPECT_NEAR(front.front().misalignment_percent, 7.02, kPercent);
@@ -92,9 +88,7 @@ TEST_F(RealMotion, TrackingTimes) {
   problem_.goal = Goal::kDuration;
   problem_.program.kind = Kind::kFree;
   problem_.max_misalignment_percent = 0.1;
-  synthesis::OptimizeOptions options;
-  options.starts = 6;
-  const redesign::RedesignResult fastest = redesign::Redesign(problem_, {kPublishedLinks}, options);
+  const redesign::RedesignResult fastest = redesign::Redesign(problem_, {kPublishedLinks}, Starts(6));
   ASSERT_TRUE(fastest.IsSolved());
   EXPECT_NEAR(TrackingTimeOf(fastest.Best().Point().links), 23.4, 0.02 * 23.4);
 }

@@ -69,8 +69,8 @@ TEST(RedesignProgram, DerivativesAreThoseOfTheValues) {
   }
   for (const redesign::RedesignProblem& problem : problems) {
     const nlp::NonlinearProgram program = Build(problem, redesign::StartPoint(problem, kPublishedLinks));
-    std::vector<double> x;
-    for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start + 0.05 * unit(random));
+    std::vector<double> x = StartOf(program);
+    for (double& value : x) value += 0.05 * unit(random);
     // Of a central difference: its truncation and the rounding of values up to a few hundred.
     for (const nlp::NlpTerm& term : program.Terms()) EXPECT_EQ(WrongDerivatives(*term.term, x, 1e-5), "");
   }
@@ -84,8 +84,7 @@ TEST(RedesignProgram, RowsAndCostAgreeWithTheClosedForm) {
     redesign::RedesignPoint point = redesign::StartPoint(problem, kPublishedLinks);
     point.placement_mm = {9, -4};
     const nlp::NonlinearProgram nlp = Build(problem, point);
-    std::vector<double> x;
-    for (const nlp::NlpVariable& variable : nlp.Variables()) x.push_back(variable.start);
+    const std::vector<double> x = StartOf(nlp);
     const std::vector<double> rows = nlp.RowValues(x);
     const auto prediction = redesign::PredictPoint(problem, point);
     ASSERT_TRUE(prediction);
@@ -111,9 +110,7 @@ TEST(RedesignProgram, PointsSurviveTheProgram) {
   const redesign::RedesignPoint point = redesign::StartPoint(problem, kPublishedLinks);
   redesign::RedesignBuilder builder(problem, point, redesign::ConstantStart::kAtHumanAngle);
   const nlp::NonlinearProgram program = builder.Build({}).program;
-  std::vector<double> x;
-  for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start);
-  builder.MoveTo(x);
+  builder.MoveTo(StartOf(program));
   const redesign::RedesignPoint again = builder.Point();
   EXPECT_EQ(again.links.Values(), point.links.Values());
   EXPECT_EQ(again.knots_mm, point.knots_mm);

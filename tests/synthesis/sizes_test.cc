@@ -163,8 +163,7 @@ TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
   problem.shared.program.duration_s = 22;
   problem.shared.fit_placement = true;
   problem.shared.max_misalignment_percent = 2.5;
-  synthesis::OptimizeOptions options;
-  options.starts = 1;
+  const synthesis::OptimizeOptions options = Starts(1);
   std::vector<redesign::PersonMeasured> people;
   for (const auto& [shank_mm, seated_deg] : {std::pair{390.0, 98.0}, {450.0, 86.0}, {395.0, 97.0}, {455.0, 85.0}}) {
     ClosedFormLeg leg;

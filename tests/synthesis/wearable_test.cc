@@ -98,9 +98,7 @@ TEST(Clearance, OfTheLimbIsHeldWhereLinksMayBeLonger) {
   problem.bounds = {{{50, 250}, {50, 250}, {50, 250}, {50, 250}, {50, 250}, {200, 350}}};
   problem.standing_deg = 10;
   problem.clearances.thigh_mm = 10;
-  synthesis::OptimizeOptions options;
-  options.starts = 8;
-  const synthesis::SynthesisResult result = synthesis::Optimize(problem, options);
+  const synthesis::SynthesisResult result = synthesis::Optimize(problem, Starts(8));
   ASSERT_GE(result.best, 0);
   const synthesis::LocalSolve& best = result.Best();
   EXPECT_GE(WearOf(best.end, problem).thigh_clearance_mm, 10 - 1e-4);
@@ -216,9 +214,8 @@ TEST(Program, DerivativesOfClearancesStrengthAndBuilds) {
   const synthesis::SynthesisProgram program = synthesis::BuildProgram(problem, kPublishedLinks, poses);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
-  std::vector<double> x;
-  for (const nlp::NlpVariable& variable : program.program.Variables())
-    x.push_back(variable.start + 0.05 * unit(random));
+  std::vector<double> x = StartOf(program.program);
+  for (double& value : x) value += 0.05 * unit(random);
   // Of a central difference: its truncation, and the rounding of values up to a few hundred.
   for (const nlp::NlpTerm& term : program.program.Terms()) EXPECT_EQ(WrongDerivatives(*term.term, x, 1e-5), "");
 }
@@ -237,8 +234,7 @@ TEST(Program, ClearanceRowsMeanWhatTheClosedFormSays) {
     const synthesis::Collocation poses{evaluation.CheckOf("thigh clearance").fraction,
                                        evaluation.CheckOf("shank clearance").fraction};
     const synthesis::SynthesisProgram program = synthesis::BuildProgram(asked, kPublishedLinks, poses);
-    std::vector<double> x;
-    for (const nlp::NlpVariable& variable : program.program.Variables()) x.push_back(variable.start);
+    const std::vector<double> x = StartOf(program.program);
     const std::vector<double> values = program.program.RowValues(x);
     for (const char* name : {"seat clearance", "thigh clearance", "shank clearance"}) {
       double least = HUGE_VAL;
@@ -341,9 +337,7 @@ TEST(ActuatorFront, AnActuatorThatContradictsTheProblemStopsNoOther) {
   problem::LinearActuator longer = strong;
   longer.name = "longer";
   longer.closed_mm = 400;
-  synthesis::OptimizeOptions options;
-  options.starts = 2;
-  const auto curves = synthesis::FindActuatorFront(problem, {longer, strong}, {0.1}, options);
+  const auto curves = synthesis::FindActuatorFront(problem, {longer, strong}, {0.1}, Starts(2));
   ASSERT_EQ(curves.size(), 2u);
   EXPECT_EQ(curves[0].Actuator().name, "longer");
   EXPECT_EQ(curves[0].Last(), nullptr);
