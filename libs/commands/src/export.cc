@@ -16,7 +16,7 @@
 #include "lake/model/coupled_model.h"
 #include "lake/model/simulator_model.h"
 #include "lake/model/step_file.h"
-#include "lake/problem/design_of_problem.h"
+#include "lake/problem/problem_file.h"
 #include "lake/redesign/human_motion.h"
 #include "part_tables.h"
 

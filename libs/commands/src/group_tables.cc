@@ -8,7 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
-#include "lake/problem/design_of_problem.h"
+#include "lake/problem/problem_file.h"
 #include "optimum_tables.h"
 
 namespace lake::commands {

@@ -15,7 +15,6 @@
 #include "lake/loads/body_path.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
-#include "lake/redesign/quantities.h"
 #include "lake/redesign/redesign_outcome.h"
 #include "lake/report/redesign_charts.h"
 #include "lake/synthesis/synthesis_outcome.h"

@@ -12,7 +12,7 @@
 #include "lake/core/numbers.h"
 #include "lake/core/provenance.h"
 #include "lake/core/uncertain_text.h"
-#include "lake/problem/design_of_problem.h"
+#include "lake/problem/problem_file.h"
 
 namespace lake::commands {
 namespace {

@@ -7,7 +7,7 @@
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
-#include "lake/problem/design_of_problem.h"
+#include "lake/problem/problem_file.h"
 #include "lake/synthesis/synthesis_outcome.h"
 #include "optimum_tables.h"
 

@@ -5,7 +5,6 @@
 #include <map>
 #include <span>
 
-#include "lake/actuator/robust_slope.h"
 #include "lake/core/counted.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"

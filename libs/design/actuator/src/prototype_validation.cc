@@ -9,7 +9,7 @@
 #include <limits>
 #include <span>
 
-#include "lake/actuator/robust_slope.h"
+#include "lake/actuator/duty_calibration.h"
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"

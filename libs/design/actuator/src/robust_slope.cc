@@ -1,9 +1,9 @@
-#include "lake/actuator/robust_slope.h"
-
+// The slope of a plateau.
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "lake/actuator/duty_calibration.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 

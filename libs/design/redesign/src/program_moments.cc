@@ -1,5 +1,4 @@
-#include "lake/redesign/program_moments.h"
-
+// What the knee needs along a stroke program.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/numbers.h"
+#include "lake/redesign/redesign.h"
 
 namespace lake::redesign {
 namespace {

@@ -7,7 +7,6 @@
 #include "lake/core/interrupt.h"
 #include "lake/core/numbers.h"
 #include "lake/core/progress.h"
-#include "lake/redesign/quantities.h"
 #include "lake/redesign/redesign_program.h"
 
 namespace lake::redesign {

@@ -4,7 +4,6 @@
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/uncertain_text.h"
-#include "lake/redesign/quantities.h"
 #include "lake/redesign/redesign_outcome.h"
 #include "lake/synthesis/infeasibility.h"
 

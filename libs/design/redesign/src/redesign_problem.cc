@@ -8,8 +8,7 @@
 #include "lake/core/statistics.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/cuffs/cuff_course.h"
-#include "lake/problem/design_of_problem.h"
-#include "lake/redesign/quantities.h"
+#include "lake/problem/problem_file.h"
 
 namespace lake::redesign {
 namespace {

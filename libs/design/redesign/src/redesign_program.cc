@@ -11,7 +11,6 @@
 #include "lake/core/error.h"
 #include "lake/core/uncertain_text.h"
 #include "lake/cuffs/cuff_course.h"
-#include "lake/redesign/quantities.h"
 
 namespace lake::redesign {
 namespace {

@@ -12,8 +12,8 @@
 #include "lake/core/numbers.h"
 #include "lake/core/provenance.h"
 #include "lake/linkage/wear.h"
-#include "lake/problem/design_of_problem.h"
 #include "lake/problem/evaluate.h"
+#include "lake/problem/problem_file.h"
 
 namespace lake::review {
 namespace {

@@ -19,10 +19,24 @@
 
 #include "lake/core/options.h"
 #include "lake/linkage/linkage.h"
-#include "lake/parts/material.h"
 #include "lake/parts/plate.h"
 
 namespace lake::parts {
+
+// Of plates.
+struct Material {
+  std::string_view name;
+  double density_kg_m3;
+  double yield_mpa;  // in tension, least direction
+  std::string_view source;
+};
+
+// Throws UsageError that lists the known ones.
+const Material& MaterialOf(std::string_view name);
+
+// Of pins and the actuator's rod: structural steel, EN 10025-2 and EN 1993-1-1, 3.2.6.
+inline constexpr double kSteelDensity_kg_m3 = 7850;
+inline constexpr double kSteelModulus_mpa = 210'000;
 
 struct PartOptions {
   double bar_width_mm = 24;          // of all plates, rounded about their pins (the paper: all links of one width)

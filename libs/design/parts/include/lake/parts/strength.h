@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "lake/linkage/statics.h"
+#include "lake/linkage/linkage.h"
 #include "lake/parts/mechanism.h"
 
 namespace lake::parts {

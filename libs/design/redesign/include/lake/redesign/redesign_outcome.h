@@ -10,8 +10,6 @@
 #include "lake/core/run.h"
 #include "lake/cuffs/cuff_course.h"
 #include "lake/problem/robustness.h"
-#include "lake/redesign/program_moments.h"
-#include "lake/redesign/quantities.h"
 #include "lake/redesign/redesign.h"
 #include "lake/synthesis/synthesis_outcome.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lake/linkage/statics.h"
+#include "lake/linkage/linkage.h"
 #include "lake/loads/loads.h"
 #include "lake/problem/assistance.h"
 #include "lake/redesign/redesign_outcome.h"
