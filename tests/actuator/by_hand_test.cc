@@ -1,16 +1,12 @@
 // What somebody with a serial monitor meets.
-#include <algorithm>
-#include <cctype>
+#include <fmt/format.h>
 
 #include "host/host_fixture.h"
-#include "lake/core/atomic_file.h"
-#include "places.h"
 
 namespace lake {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 
 using ByHandTest = HostFirmwareTest;
 
@@ -88,40 +84,81 @@ TEST_F(ByHandTest, IsToldWhoMayWearItAndWhatTheProgramIs) {
   EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:unworn only: homing takes the knee to "));
 }
 
-TEST(SketchNotes, SayWhatIsOfThisSketchAlone) {
-  actuator::FirmwareOptions options;
-  options.design_hash = "0123456789ab", options.extend_stop_mm = 0.6;
-  actuator::Sketch sketch(FreeSchedule({{0, 300}, {2, 306}}), ModelTable(), options);
-  const std::string notes = actuator::SketchNotes(sketch, "from design.yaml");
-  for (const char* part :
-       {"0123456789ab (SHA-256)", actuator::kUntried, "MODEL duty table", "UNWORN ONLY: home takes the knee to 14",
-        "open loop", "Retract end stop at 242.498 mm", "extend end stop at 373.9", "README.txt"})
-    EXPECT_THAT(notes, HasSubstr(part));
-  std::istringstream lines(notes);
-  for (std::string line; std::getline(lines, line);) EXPECT_TRUE(line.empty() || line.starts_with("//")) << line;
-  sketch.table.rows.front().extend_se_mm_s = 0.1;
-  EXPECT_THAT(actuator::SketchNotes(sketch, ""), Not(HasSubstr("MODEL")));
+// Where the curve of speed over duty is steep or bent, near the dead band, the stroke that a jog plans is still the
+// largest that its duty can give, and the drift has what it may be less: the limits hold, and the bound holds.
+
+// A table whose speeds rise at once behind the dead band, as those of a screw that breaks loose.
+actuator::DutyTable Steep(double dead_band, double speed_mm_s) {
+  return actuator::MakeDutyTable({{dead_band, 0, 0},
+                                  {dead_band + 0.01, speed_mm_s, speed_mm_s},
+                                  {0.6, 2 * speed_mm_s, 2 * speed_mm_s},
+                                  {1, 9.7, 9.7}},
+                                 "steep");
 }
 
-// Wherever a person reads about safety; what `lake-stroke` prints is in stroke_cli_test.cc.
-TEST(Untried, IsSaidWhereverSomebodyReadsAboutSafety) {
-  for (const char* page : {"libs/design/actuator/SAFETY.md", "libs/design/actuator/README.md",
-                           "libs/design/actuator/RISKS.md", "libs/design/actuator/BENCH.md",
-                           "libs/design/actuator/firmware/README.txt", "libs/present/manual/pages/prototype.md"}) {
-    std::string text = ReadTextFile(SourceDir() / page);
-    std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-    EXPECT_THAT(text, HasSubstr("been tried on a board")) << page;
-    EXPECT_THAT(text, HasSubstr("nobody may wear")) << page;
+using JogLimitsTest = HostFirmwareTest;
+
+TEST_F(JogLimitsTest, TheBoundHoldsAtEveryDuty) {
+  for (const auto& [dead_band, speed] : {std::pair{0.26, 3.0}, {0.21, 4.5}, {0.32, 1.5}}) {
+    table_ = Steep(dead_band, speed);
+    Build(FreeDesign({{0, 300}, {2, 310}}));
+    for (double duty = dead_band - 0.03; duty < 1; duty += duty < dead_band + 0.03 ? 0.002 : 0.05)
+      for (const int sign : {1, -1}) {
+        ASSERT_TRUE(Asks("zero", "ok")) << rig_->Serial();
+        rig_->SetStroke(300);
+        rig_->Send(fmt::format("jog {} 3000", sign * std::lround(1000 * duty)));
+        ASSERT_TRUE(rig_->RunUntil("[MSG:", 4)) << rig_->Serial();
+        rig_->Run(0.3);
+        const auto [stroke, drift] = SaidStrokeAndDrift();
+        EXPECT_LE(std::abs(rig_->Stroke() - stroke), drift) << "jog at " << sign * duty << ", dead band " << dead_band;
+        ASSERT_TRUE(Asks("reset", "ok"));
+      }
   }
 }
 
-// The folder needs no other: pins, commands, what the numbers mean.
-TEST(SketchNotes, TheFolderExplainsItself) {
-  std::string readme;
-  for (const actuator::FirmwareFile& file : actuator::FirmwareSources())
-    if (file.name == "README.txt") readme = file.text;
-  for (const char* part : {"D9", "D2, D3", "NORMALLY CLOSED", "A0", "115200", "jog DUTY MS", "ALARM:N", "error:N"})
-    EXPECT_THAT(readme, HasSubstr(part));
+TEST_F(JogLimitsTest, ALongJogKeepsTheSoftLimit) {
+  for (const int duty : {262, 265, 270, 275, 280, 300, 320}) {
+    table_ = Steep(0.26, 3);
+    Build(FreeDesign({{0, 350}, {2, 356}}));  // the upper soft limit is 374.02 mm
+    ASSERT_TRUE(Asks("zero", "ok"));
+    for (int i = 0; i < 3 && rig_->Serial().find("at a limit") == std::string::npos; ++i) {
+      rig_->Send(fmt::format("jog {} 10000", duty));
+      ASSERT_TRUE(rig_->RunUntil("[MSG:", 11)) << rig_->Serial();
+      rig_->Run(0.2);
+    }
+    EXPECT_LT(rig_->Stroke(), schedule_.limits.upper_mm) << duty;
+    EXPECT_GT(rig_->Stroke(), 355) << duty << ": and does not end at once";
+  }
+}
+
+// What was not measured is not known to be slow.
+TEST_F(JogLimitsTest, ADutyBeyondTheTableIsRefused) {
+  table_ = actuator::MakeDutyTable({{0.2, 0, 0}, {0.5, 5, 5}, {0.8, 8, std::nan("")}}, "to 0.8");
+  Build(FreeDesign({{0, 300}, {2, 304}}));
+  for (const char* line : {"jog 810 100", "jog -510 100", "jog 1000 100"}) EXPECT_TRUE(Asks(line, "error:2")) << line;
+  for (const char* line : {"jog 800 100", "jog -500 100"}) {
+    EXPECT_TRUE(Asks(line, "ok")) << line;
+    rig_->Run(0.3);
+  }
+}
+
+// A first row that moves says nothing of smaller duties: they may move as fast, or not at all.
+TEST_F(JogLimitsTest, BelowAFirstRowThatMovesTheWayIsBounded) {
+  table_ = actuator::MakeDutyTable({{0.3, 3, 3}, {1, 9.7, 9.7}}, "moves from its first row on");
+  for (const auto& truth : {Steep(0.1, 2), Steep(0.28, 3)}) {
+    actuator_.table = &truth;
+    Build(FreeDesign({{0, 300}, {2, 310}}));
+    ASSERT_TRUE(Asks("zero", "ok"));
+    rig_->Send("jog 250 1500");
+    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 4)) << rig_->Serial();
+    rig_->Run(0.3);
+    const auto [stroke, drift] = SaidStrokeAndDrift();
+    EXPECT_LE(std::abs(rig_->Stroke() - stroke), drift);
+    // A wire that breaks is found on such a jog as well.
+    rig_->PullWire(true, true);
+    rig_->Send("jog 250 4000");
+    EXPECT_TRUE(rig_->RunUntil("ALARM:5\n", 3)) << rig_->Serial();
+  }
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <random>
 
-#include "lake/actuator/robust_slope.h"
 #include "lake/actuator/stroke_session.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"

@@ -128,5 +128,14 @@ TEST(FirmwareLayers, NoFileDeclaresAnothersFunctions) {
   }
 }
 
+#ifndef LAKE_AVR_GCC
+
+// Says so where the tests of simavr/ cannot be built.
+TEST(Firmware, RunsInSimulator) {
+  GTEST_SKIP() << "avr-gcc, libsimavr-dev or libelf-dev is not installed";
+}
+
+#endif
+
 }  // namespace
 }  // namespace lake

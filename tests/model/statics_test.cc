@@ -1,13 +1,12 @@
 // The forces in the mechanism's members against MuJoCo: links that are joined by hinges and cut open at S stay at rest
 // under them.
-#include "lake/linkage/statics.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <random>
 
+#include "lake/linkage/linkage.h"
 #include "model/mujoco_model.h"
 #include "temporary_folder.h"
 

@@ -9,8 +9,8 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
-#include "lake/problem/design_of_problem.h"
 #include "lake/problem/load_profile.h"
+#include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "message_of.h"
 #include "places.h"
