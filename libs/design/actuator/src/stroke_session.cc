@@ -1,6 +1,7 @@
 #include "lake/actuator/stroke_session.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/file.h>
 #include <termios.h>
@@ -193,8 +194,7 @@ class Session {
     int asked = 0;
     for (const auto begin = Clock::now(); design.empty() || program.empty() || !has_header;) {
       if (Since(begin) > options_.greeting_s)
-        throw Fail("{}: no greeting of lake-stroke's firmware within {} s: is it uploaded?", options_.port.string(),
-                   options_.greeting_s);
+        Refuse("no greeting of lake-stroke's firmware within {} s: is it uploaded?", options_.greeting_s);
       if (Since(begin) > (asked + 1) * options_.greeting_s / 4) {
         board_.Say(kReset);
         ++asked;
@@ -209,13 +209,13 @@ class Session {
       }
     }
     if (design != sketch.design_hash)
-      throw Fail("{}: the board has the program of design {}, the folder that of {}: upload the folder's sketch",
-                 options_.port.string(), design, sketch.design_hash);
+      Refuse("the board has the program of design {}, the folder that of {}: upload the folder's sketch", design,
+             sketch.design_hash);
     if (program != sketch.program_hash)
-      throw Fail(
-          "{}: the board has another program of this design, {}, than the folder, {} (strokes, duty table or options "
+      Refuse(
+          "the board has another program of this design, {}, than the folder, {} (strokes, duty table or options "
           "differ): upload the folder's sketch",
-          options_.port.string(), program, sketch.program_hash);
+          program, sketch.program_hash);
     TakeUpFault();
   }
 
@@ -231,10 +231,9 @@ class Session {
       const std::optional<std::string> line = Line();
       if (line == "ok") return;
       if (line && line->starts_with("error:"))
-        throw Fail("{}: '{}' was refused, {}: {}", options_.port.string(), command, *line,
-                   ErrorText(std::atoi(line->c_str() + 6)));
+        Refuse("'{}' was refused, {}: {}", command, *line, ErrorText(std::atoi(line->c_str() + 6)));
     }
-    throw Fail("{}: no answer to '{}'", options_.port.string(), command);
+    Refuse("no answer to '{}'", command);
   }
 
   // Until what moves says that it is done, or the rows do: the remark may be damaged on its way.
@@ -253,10 +252,9 @@ class Session {
       has_moved = has_moved || state_ != "idle";
       rows_in_hold = state_ == "hold" ? rows_in_hold + 1 : 0;
       if (rows_in_hold > kHoldRows)
-        throw Fail("{}: {} is held at its place, and the firmware's reason was damaged on the line",
-                   options_.port.string(), what);
+        Refuse("{} is held at its place, and the firmware's reason was damaged on the line", what);
     }
-    throw Fail("{}: {} has not ended within {:.0f} s", options_.port.string(), what, most_s);
+    Refuse("{} has not ended within {:.0f} s", what, most_s);
   }
 
   void Stop() noexcept { board_.Stop(); }
@@ -271,12 +269,16 @@ class Session {
   }
 
  private:
+  // Names the port.
+  template <typename... Values>
+  [[noreturn]] void Refuse(fmt::format_string<Values...> text, Values&&... values) const {
+    throw Fail("{}: {}", options_.port.string(), fmt::format(text, std::forward<Values>(values)...));
+  }
+
   void RefuseIfHeld(const std::string& line) const {
     if (line.starts_with("[MSG:host silent"))
-      throw Fail("{}: the firmware did not hear this program in time and stopped; is the computer too busy?",
-                 options_.port.string());
-    if (line.starts_with("[MSG:button released"))
-      throw Fail("{}: the button was released, and the firmware stopped", options_.port.string());
+      Refuse("the firmware did not hear this program in time and stopped; is the computer too busy?");
+    if (line.starts_with("[MSG:button released")) Refuse("the button was released, and the firmware stopped");
   }
 
   // What the first row after the greeting tells of before; the fault itself is told between them. One that is still
@@ -284,12 +286,11 @@ class Session {
   void TakeUpFault() {
     state_.clear();
     for (const auto begin = Clock::now(); state_.empty() && Since(begin) < kReply_s;) Line();
-    if (state_.empty()) throw Fail("{}: no row within {} s", options_.port.string(), kReply_s);
+    if (state_.empty()) Refuse("no row within {} s", kReply_s);
     if (state_ != "fault") return;
     if (!options_.acknowledge)
-      throw Fail(
-          "{}: the board has a fault that nobody has acknowledged, {}: {}; see to it, then run with --acknowledge",
-          options_.port.string(), alarm_, AlarmText(AlarmNumber(alarm_)));
+      Refuse("the board has a fault that nobody has acknowledged, {}: {}; see to it, then run with --acknowledge",
+             alarm_, AlarmText(AlarmNumber(alarm_)));
     Ask("reset");
   }
 
@@ -302,7 +303,7 @@ class Session {
     const std::optional<std::string> line = board_.Line();
     if (!line) {
       if (is_logging_ && Since(last_heard_) > options_.silent_s)
-        throw Fail("{}: the firmware has been silent for {} s", options_.port.string(), options_.silent_s);
+        Refuse("the firmware has been silent for {} s", options_.silent_s);
       return std::nullopt;
     }
     last_heard_ = Clock::now();
@@ -322,14 +323,13 @@ class Session {
       has_lost_line_ = has_lost_line_ && state_ == "idle";
     }
     if (!is_logging_) return;
-    if (line.starts_with(kAlarm))
-      throw Fail("{}: the firmware stopped with {}: {}", options_.port.string(), line, AlarmText(AlarmNumber(line)));
-    if (line.starts_with("[MSG:lake-stroke")) throw Fail("{}: the board was reset", options_.port.string());
+    if (line.starts_with(kAlarm)) Refuse("the firmware stopped with {}: {}", line, AlarmText(AlarmNumber(line)));
+    if (line.starts_with("[MSG:lake-stroke")) Refuse("the board was reset");
     if (!IsRow(line)) return;
     RefuseIfReset(line);
     log_.Write(WithWholeTime(line));
     ++rows_;
-    if (state_ == "fault") throw Fail("{}: the firmware stopped with a fault", options_.port.string());
+    if (state_ == "fault") Refuse("the firmware stopped with a fault");
   }
 
   // The firmware counts ms in 32 bits and begins anew after 49.7 days; where it does so earlier it was reset, whether
@@ -337,7 +337,7 @@ class Session {
   void RefuseIfReset(const std::string& row) const {
     constexpr double kRowsLost_s = 60;
     if (std::strtod(row.c_str(), nullptr) < last_time_s_ && last_time_s_ < kCounted_s - kRowsLost_s)
-      throw Fail("{}: the board was reset", options_.port.string());
+      Refuse("the board was reset");
   }
 
   std::string WithWholeTime(const std::string& row) {
