@@ -1,6 +1,4 @@
-#include "range_bound.h"
-
-#include "pose_slopes.h"
+#include "relaxation.h"
 
 namespace lake::certificate {
 namespace {
