@@ -1,13 +1,11 @@
 // lake-anonymise on a rendering that shows a head.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "cli/program_run.h"
 #include "lake/core/csv.h"
-#include "lake/core/json.h"
 #include "lake/motion/marker_recording.h"
 #include "lake/video/video_reader.h"
 
@@ -15,7 +13,6 @@ namespace lake {
 namespace {
 
 using Eigen::Vector2d;
-using testing::HasSubstr;
 
 // The programs' true pixels of one frame, and how many of them are a mm.
 struct Body {
@@ -42,23 +39,19 @@ class AnonymiseProgram : public testing::Test {
   // 60 frames, from the seat to standing and back, with the whole person in the picture.
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
-    const Outcome made =
-        Shell(*folder_,
-              "lake-synth --repetitions 1 --width 360 --height 600 --rate 12 --distance 5600 --radius-px 2.5 "
-              "--seed-number 731 -o good --quiet && lake-track good/video.mp4 --camera good/camera.yaml "
-              "--no-overlay --quiet -o trial");
-    ASSERT_EQ(made.exit_code, 0) << made.err;
+    Done(*folder_,
+         "lake-synth --repetitions 1 --width 360 --height 600 --rate 12 --distance 5600 --radius-px 2.5 "
+         "--seed-number 731 -o good --quiet && lake-track good/video.mp4 --camera good/camera.yaml "
+         "--no-overlay --quiet -o trial");
   }
   static void TearDownTestSuite() { folder_.reset(); }
-
-  static Outcome Anonymise(const std::string& arguments) {
-    return Shell(*folder_, "lake-anonymise --quiet -o copy " + arguments);
-  }
 
   static std::unique_ptr<TemporaryFolder> folder_;
 };
 
 std::unique_ptr<TemporaryFolder> AnonymiseProgram::folder_;
+
+const std::string kAnonymise = "lake-anonymise --quiet -o copy ";
 
 // The steepest step between neighbours.
 double Edge(const cv::Mat& luma, const Vector2d& place) {
@@ -75,8 +68,7 @@ double Edge(const cv::Mat& luma, const Vector2d& place) {
 }
 
 TEST_F(AnonymiseProgram, BlursTheWholeHeadInEveryFrameAndNothingOfTheLeg) {
-  const Outcome outcome = Anonymise("good/video.mp4 --trial trial");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  Done(*folder_, kAnonymise + "good/video.mp4 --trial trial");
   const CsvTable truth = CsvTable::Read(*folder_ / "good/truth.csv");
   const auto before = video::VideoReader::Open(*folder_ / "good/video.mp4"),
              after = video::VideoReader::Open(*folder_ / "copy/anonymised.mp4");
@@ -108,10 +100,8 @@ TEST_F(AnonymiseProgram, BlursTheWholeHeadInEveryFrameAndNothingOfTheLeg) {
 }
 
 TEST_F(AnonymiseProgram, TheCopyIsTrackedAsTheRecording) {
-  ASSERT_EQ(Anonymise("good/video.mp4 --trial trial").exit_code, 0);
-  const Outcome tracked =
-      Shell(*folder_, "lake-track copy/anonymised.mp4 --camera good/camera.yaml --no-overlay --quiet -o again");
-  ASSERT_EQ(tracked.exit_code, 0) << tracked.err;
+  Done(*folder_, kAnonymise + "good/video.mp4 --trial trial");
+  Done(*folder_, "lake-track copy/anonymised.mp4 --camera good/camera.yaml --no-overlay --quiet -o again");
   const motion::MarkerRecording first = motion::ReadMarkerCsv(*folder_ / "trial/tracks.csv"),
                                 second = motion::ReadMarkerCsv(*folder_ / "again/tracks.csv");
   for (const char* name : {"ankle", "knee", "hip"})
@@ -124,29 +114,24 @@ TEST_F(AnonymiseProgram, TheCopyIsTrackedAsTheRecording) {
 }
 
 TEST_F(AnonymiseProgram, RefusesAnotherVideosTrialAndTheSummaryOfNone) {
-  Outcome outcome = Shell(*folder_, "ffmpeg -y -v error -i good/video.mp4 -t 1 other.mp4");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  outcome = Anonymise("other.mp4 --trial trial");
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("contents differ"));
-  EXPECT_EQ(outcome.ErrorLines(), 1);
-  EXPECT_EQ(Anonymise("good/video.mp4 --trial nowhere").exit_code, 1);
-  EXPECT_EQ(Anonymise("good/video.mp4").exit_code, 2);
-  EXPECT_EQ(Anonymise("good/video.mp4 --trial trial --rotate 90").exit_code, 1);
+  Done(*folder_, "ffmpeg -y -v error -i good/video.mp4 -t 1 other.mp4");
+  ExpectRefused(*folder_, kAnonymise + "other.mp4 --trial trial", 1, "contents differ");
+  ExpectRefused(*folder_, kAnonymise + "good/video.mp4 --trial nowhere", 1, "nowhere");
+  ExpectRefused(*folder_, kAnonymise + "good/video.mp4", 2, "--trial");
+  ExpectRefused(*folder_, kAnonymise + "good/video.mp4 --trial trial --rotate 90", 1, "--rotate");
 }
 
 TEST_F(AnonymiseProgram, TrackingMakesAnOverlayWithoutAFace) {
-  const Outcome outcome = Shell(*folder_,
-                                "lake-track good/video.mp4 --anonymise --quiet -o shown && "
-                                "lake-track good/video.mp4 --anonymise --list --quiet -o listed");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  Done(*folder_,
+       "lake-track good/video.mp4 --anonymise --quiet -o shown && "
+       "lake-track good/video.mp4 --anonymise --list --quiet -o listed");
   const CsvTable truth = CsvTable::Read(*folder_ / "good/truth.csv");
   const cv::Mat overlay = video::ReadLuma(*folder_ / "shown/overlay.mp4", 30);
   const Body body = BodyIn(truth, 30);
   for (double angle = 0; angle < 6.28; angle += 0.2)
     EXPECT_LT(Edge(overlay, body.OnTrunk(700 + 95 * std::sin(angle), 18 + 95 * std::cos(angle))), 15);
   EXPECT_TRUE(std::filesystem::exists(*folder_ / "listed/candidates.png"));
-  EXPECT_EQ(Shell(*folder_, "lake-track good/video.mp4 --anonymise --markers ankle,knee,hip -o none").exit_code, 2);
+  ExpectRefused(*folder_, "lake-track good/video.mp4 --anonymise --markers ankle,knee,hip -o none", 2, "--anonymise");
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // Both legs of a person, and other measures of its markers, by the programs.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "cli/program_run.h"
 #include "lake/core/csv.h"
@@ -21,16 +20,17 @@ class BothLegs : public testing::Test {
   void SetUp() override {
     if (!fs::exists(trial_)) GTEST_SKIP() << trial_.string() << " is not here";
   }
+  static std::string Symmetry(const std::string& trials) {
+    return fmt::format("lake-symmetry {} --map {} --right-map {} --forward x --quiet --json -o S ", trials, kLeft,
+                       kRight);
+  }
+
   fs::path trial_ = SharedData() / "opencap_sts/sts_default_markers.trc";
   TemporaryFolder folder_;
 };
 
 TEST_F(BothLegs, AreComparedRiseByRise) {
-  const Outcome outcome =
-      Shell(folder_, fmt::format("lake-symmetry {0} --map {1} --right-map {2} --forward x --quiet --json -o S",
-                                 Quoted(trial_), kLeft, kRight));
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const Json summary = Json::parse(outcome.out);
+  const Json summary = DoneJson(folder_, Symmetry(Quoted(trial_)));
   EXPECT_EQ(summary["matched"], true);
   EXPECT_GE(summary["left_rises"], 4);
   // In space the left knee bends to 96.1 degrees and the right one to 93.4 (the recording's description).
@@ -46,21 +46,14 @@ TEST_F(BothLegs, AreComparedRiseByRise) {
 // Of the legs of one person, whose knees bend alike within what 3 mm of a marker are, every interval holds zero; of the
 // legs of two people, whose thighs are unlike, not all do.
 TEST_F(BothLegs, OfOnePersonAreSymmetricAndOfTwoPeopleAreNot) {
-  const std::string other = Quoted(SharedData() / "sts_force_plates/STS1.trc");
-  const auto compare = [&](const std::string& left, const std::string& right) {
-    const Outcome outcome =
-        Shell(folder_, fmt::format("lake-symmetry {} {} --map {} --right-map {} --forward x --quiet --json -o S", left,
-                                   right, kLeft, kRight));
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
-  };
-  for (const std::string& trial : {Quoted(trial_), other}) {
-    const Json same = compare(trial, trial);
+  const std::string one = Quoted(trial_), other = Quoted(SharedData() / "sts_force_plates/STS1.trc");
+  for (const std::string& trial : {one, other}) {
+    const Json same = DoneJson(folder_, Symmetry(trial + " " + trial));
     EXPECT_EQ(same["asymmetric"], false) << trial;
     for (const auto& [name, difference] : same["symmetry"].items())
       EXPECT_TRUE(difference["interval"][0] < 0 && difference["interval"][1] > 0) << trial << name;
   }
-  const Json unlike = compare(other, Quoted(trial_));
+  const Json unlike = DoneJson(folder_, Symmetry(other + " " + one));
   EXPECT_EQ(unlike["asymmetric"], true);
   EXPECT_LT(unlike["symmetry"]["hip_rise_mm"]["interval"][1], 0);
   EXPECT_EQ(unlike["matched"], false);
@@ -71,12 +64,9 @@ TEST_F(BothLegs, OfOnePersonAreSymmetricAndOfTwoPeopleAreNot) {
 // quantities Student's t of four degrees of freedom is 5.9, and the interval, −3 to 57 N, just holds zero.
 TEST_F(BothLegs, BearUnequalLoads) {
   const fs::path folder = SharedData() / "sts_force_plates";
-  const std::string both = fmt::format("lake-symmetry {0} --map {1} --right-map {2} --forward x --quiet --json -o S ",
-                                       Quoted(folder / "STS1.trc"), kLeft, kRight),
+  const std::string both = Symmetry(Quoted(folder / "STS1.trc")),
                     legs = both + fmt::format("--forces {} ", Quoted(folder / "STS1_grf.mot"));
-  const Outcome outcome = Shell(folder_, legs + "--plates right=1,left=2");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const Json summary = Json::parse(outcome.out), &mean = summary["symmetry"]["load_mean_n"],
+  const Json summary = DoneJson(folder_, legs + "--plates right=1,left=2"), &mean = summary["symmetry"]["load_mean_n"],
              &largest = summary["symmetry"]["load_max_n"];
   EXPECT_NEAR(mean["left"], 280, 3);  // the events of both legs are 10 ms apart
   EXPECT_NEAR(mean["right"], 253, 3);
@@ -87,66 +77,42 @@ TEST_F(BothLegs, BearUnequalLoads) {
   EXPECT_NEAR(largest["difference"], -5.5, 0.5);
   EXPECT_LT(largest["interval"][0], 0);
   EXPECT_GT(largest["interval"][1], 0);
-  const Outcome swapped = Shell(folder_, legs + "--plates right=2,left=1");
-  EXPECT_EQ(swapped.exit_code, 0) << swapped.err;
-  EXPECT_THAT(swapped.err, HasSubstr("are the plates swapped? Name them with --plates"));
-  const Outcome unnamed = Shell(folder_, legs);
-  EXPECT_EQ(unnamed.exit_code, 1);
-  EXPECT_THAT(unnamed.err, HasSubstr("say which is the left foot's, as --plates left=1"));
+  EXPECT_THAT(Done(folder_, legs + "--plates right=2,left=1").err, HasSubstr("are the plates swapped?"));
+  ExpectRefused(folder_, legs, 1, "say which is the left foot's, as --plates left=1");
   WriteTextFile(folder_ / "one.mot",
                 "forces\nversion=1\nnRows=2\nnColumns=7\ninDegrees=no\nendheader\n"
                 "time\tboth_vx\tboth_vy\tboth_vz\tboth_px\tboth_py\tboth_pz\n"
                 "0\t0\t500\t0\t0\t0\t0\n15\t0\t500\t0\t0\t0\t0\n");
-  const Outcome one_plate = Shell(folder_, both + "--forces one.mot");
-  EXPECT_EQ(one_plate.exit_code, 1);
-  EXPECT_THAT(one_plate.err, HasSubstr("both is the only plate that bears a force"));
+  ExpectRefused(folder_, both + "--forces one.mot", 1, "both is the only plate that bears a force");
   WriteTextFile(folder_ / "sync.yaml", "offset_s: 60\n");
-  const Outcome apart = Shell(folder_, legs + "--plates right=1,left=2 --sync sync.yaml");
-  EXPECT_EQ(apart.exit_code, 1);
-  EXPECT_THAT(apart.err, HasSubstr("it has the forces of 0 of the 5 rises"));
+  ExpectRefused(folder_, legs + "--plates right=1,left=2 --sync sync.yaml", 1, "the forces of 0 of the 5 rises");
 }
 
 TEST_F(BothLegs, AnyMarkersAreMeasuredBesideALegAndWithoutOne) {
   const std::string elbow = "--angle elbow=shoulder,elbow,wrist --speed hand=wrist",
                     arm = "shoulder=R_Shoulder,elbow=R_elbow_lat,wrist=R_wrist_radius";
-  const auto run = [&](const std::string& map) {
-    return Shell(folder_, fmt::format("lake-gait {} --map {} --forward x {} --quiet -o G", Quoted(trial_), map, elbow));
+  const auto gait = [&](const std::string& map) {
+    return fmt::format("lake-gait {} --map {} --forward x {} --quiet -o G", Quoted(trial_), map, elbow);
   };
-  const Outcome both = run(kRight + "," + arm);
-  ASSERT_EQ(both.exit_code, 0) << both.err;
+  const Outcome both = Done(folder_, gait(kRight + "," + arm));
   EXPECT_TRUE(fs::exists(folder_ / "G/kinematics.csv"));
   const CsvTable table = CsvTable::Read(folder_ / "G/measures.csv");
   EXPECT_TRUE(table.Has("elbow_sd_deg_s") && table.Has("hand_mm_s"));
   EXPECT_EQ(table.Rows(), 861u);
   // Whoever measures an arm alone has asked for no leg, and is not told that there is none.
-  const Outcome alone = run(arm);
-  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  const Outcome alone = Done(folder_, gait(arm));
   EXPECT_THAT(alone.err, testing::Not(HasSubstr("leg")));
   for (const Outcome& outcome : {both, alone}) {
     EXPECT_THAT(outcome.out, testing::ContainsRegex("elbow  [0-9.]+ to [0-9.]+°, mean [0-9.]+\n"));
     EXPECT_THAT(outcome.out, testing::ContainsRegex("hand  [0-9.]+ to [0-9.]+ mm/s, mean [0-9.]+\n"));
   }
-  const Outcome missing = run(kRight);
-  EXPECT_EQ(missing.exit_code, 2);
-  EXPECT_THAT(missing.err, HasSubstr("'elbow': there is no marker 'shoulder'"));
+  ExpectRefused(folder_, gait(kRight), 2, "'elbow': there is no marker 'shoulder'");
 }
 
 // The markers of the far leg are in the picture too, beside and behind those of the near one.
 class FarLeg : public BothLegs {
  protected:
   FarLeg() { trial_ = SharedData() / "sts_force_plates/STS1.trc"; }
-
-  void Render() {
-    const Outcome outcome = Shell(
-        folder_, fmt::format("lake-synth --motion {} --map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS "
-                             "--extra-markers L_ankle,L_knee,L_HJC,L.ASIS --rate 30 --duration 5 --quiet -o film",
-                             Quoted(trial_)));
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  }
-
-  Outcome Track(const std::string& options) {
-    return Shell(folder_, "lake-track film/video.mp4 --camera film/camera.yaml --quiet -o trial " + options);
-  }
 
   double Truth(const CsvTable& truth, std::size_t row, const std::string& marker, const char* axis) {
     return truth.RequiredNumber(row, truth.Column(fmt::format("{}_{}_px", marker, axis)));
@@ -171,8 +137,11 @@ class FarLeg : public BothLegs {
 };
 
 TEST_F(FarLeg, IsNotTakenForTheNearOne) {
-  ASSERT_NO_FATAL_FAILURE(Render());
-  const Outcome alone = Track("");
+  const std::string track = "lake-track film/video.mp4 --camera film/camera.yaml --quiet -o trial";
+  Done(folder_, fmt::format("lake-synth --motion {} --map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS "
+                            "--extra-markers L_ankle,L_knee,L_HJC,L.ASIS --rate 30 --duration 5 --quiet -o film",
+                            Quoted(trial_)));
+  const Outcome alone = Shell(folder_, track);
   if (alone.exit_code == 0)
     ExpectNearLeg();
   else
@@ -182,21 +151,15 @@ TEST_F(FarLeg, IsNotTakenForTheNearOne) {
   for (const char* marker : {"ankle", "knee", "hip", "waist"})
     seeds +=
         fmt::format(" --seed {}={:.0f},{:.0f}@0", marker, Truth(truth, 0, marker, "x"), Truth(truth, 0, marker, "y"));
-  const Outcome named = Track(seeds);
-  ASSERT_EQ(named.exit_code, 0) << named.err;
+  Done(folder_, track + seeds);
   ExpectNearLeg();
 }
 
 TEST(SymmetryProgram, SaysWhatIsMissingAndWhereItWas) {
   const TemporaryFolder folder;
-  const auto refused = [&](const std::string& words, const std::string& message) {
-    const Outcome outcome = Shell(folder, words);
-    EXPECT_EQ(outcome.exit_code, 2) << words;
-    EXPECT_THAT(outcome.err, HasSubstr(message));
-  };
-  refused("lake-symmetry", "left");
-  refused("lake-symmetry a b --plates left=1", "--plates needs a file with the forces");
-  refused("lake-compare --left a --right b", "lake symmetry LEFT RIGHT");
+  ExpectRefused(folder, "lake-symmetry", 2, "left");
+  ExpectRefused(folder, "lake-symmetry a b --plates left=1", 2, "--plates needs a file with the forces");
+  ExpectRefused(folder, "lake-compare --left a --right b", 2, "lake symmetry LEFT RIGHT");
 }
 
 }  // namespace

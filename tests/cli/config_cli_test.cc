@@ -1,6 +1,5 @@
 // Options from a file: what it says is used, or is an error.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "cli/program_run.h"
 #include "lake/core/json.h"
@@ -8,8 +7,6 @@
 
 namespace lake {
 namespace {
-
-using testing::HasSubstr;
 
 class ConfigFile : public testing::Test {
  protected:
@@ -19,10 +16,7 @@ class ConfigFile : public testing::Test {
 
   void ExpectRefused(const std::string& program, const std::string& text, const std::string& message) {
     WriteTextFile(folder_ / "options.toml", text);
-    const Outcome outcome = Shell(folder_, program + " --config options.toml");
-    EXPECT_EQ(outcome.exit_code, 2) << text;
-    EXPECT_THAT(outcome.err, HasSubstr("options.toml: " + message)) << text;
-    EXPECT_EQ(outcome.ErrorLines(), 1) << outcome.err;
+    lake::ExpectRefused(folder_, program + " --config options.toml", 2, "options.toml: " + message);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
   }
 
@@ -31,9 +25,7 @@ class ConfigFile : public testing::Test {
 
 TEST_F(ConfigFile, StandsBelowTheCommandLine) {
   WriteTextFile(folder_ / "options.toml", "pin-diameter = 12\nbar-width = 40\n");
-  const Outcome outcome = Shell(folder_, Export() + " --config options.toml --bar-width 42 --json");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const Json options = Json::parse(outcome.out)["options"];
+  const Json options = DoneJson(folder_, Export() + " --config options.toml --bar-width 42 --json")["options"];
   EXPECT_EQ(options["pin-diameter"], "12");
   EXPECT_EQ(options["bar-width"], "42");
 }
@@ -43,7 +35,7 @@ TEST_F(ConfigFile, WithWhatIsNoOptionIsRefused) {
   ExpectRefused(Export(), "pin-diameter = 12\nbar-width = 40\npin-diameter = 8\n", "'pin-diameter' stands twice");
   ExpectRefused(Export(), "[calibrate]\nmarkers = 3\n", "there is no command 'calibrate'");
   ExpectRefused("lake-stroke -o out", "[calibrate]\nthresh = 3\n", "there is no option 'calibrate.thresh'");
-  EXPECT_EQ(Shell(folder_, Export() + " --config absent.toml").exit_code, 2);
+  lake::ExpectRefused(folder_, Export() + " --config absent.toml", 2, "absent.toml");
 }
 
 }  // namespace

@@ -62,9 +62,7 @@ class FunctionalKnee : public testing::Test {
   }
 
   Json Compared(const std::string& words) const {
-    const Outcome outcome = Shell(folder_, "lake-compare human.csv exo.csv " + words + " -o C --quiet --json");
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
+    return DoneJson(folder_, "lake-compare human.csv exo.csv " + words + " -o C --quiet --json");
   }
 
   TemporaryFolder folder_;
@@ -89,28 +87,19 @@ TEST_F(FunctionalKnee, TheJointIsAgainstTheAxisNotTheMarker) {
   EXPECT_LT(x["anatomical_sd"].get<double>(), 0.6 * with_marker["anatomical_sd"].get<double>());
 }
 
-// The human's knee is its axis too, with its own angle and lengths.
+// The human's knee is its axis too, with its own angle and lengths; also where another marker is compared, and a marker
+// `knee`, which then is not the leg's either, stands beside it.
 TEST_F(FunctionalKnee, TheLegBendsAtTheAxis) {
-  Write("human.csv", "");
   Write("exo.csv", "exo_knee");
-  Compared("--knee functional " + kSegments);
-  const Json curves = ReadJsonFile(folder_ / "C/comparison.json")["curves"];
   const ClosedFormLeg leg;
-  EXPECT_NEAR(curves["human_knee_deg"].front().get<double>(), leg.seated_knee_deg, 0.3);
-  EXPECT_NEAR(curves["human_knee_deg"].back().get<double>(), leg.standing_knee_deg, 0.5);
-  EXPECT_NEAR(curves["shank_mm"].front().get<double>(), leg.shank_mm, 0.5);
-}
-
-// Beside a marker `knee` as well, which then is not the leg's either.
-TEST_F(FunctionalKnee, TheAxisStandsForTheMarkerThatIsCompared) {
-  Write("human.csv", "patella");
-  Write("exo.csv", "exo_knee");
-  const Json compared = Compared("--human-knee patella --knee functional " + kSegments);
-  EXPECT_EQ(compared["knee_from"], "functional");
-  const Json curves = ReadJsonFile(folder_ / "C/comparison.json")["curves"];
-  const ClosedFormLeg leg;
-  EXPECT_NEAR(curves["shank_mm"].front().get<double>(), leg.shank_mm, 0.5);
-  EXPECT_NEAR(curves["human_knee_deg"].front().get<double>(), leg.seated_knee_deg, 0.3);
+  for (const auto& [beside, words] : {std::pair{"", ""}, std::pair{"patella", "--human-knee patella "}}) {
+    Write("human.csv", beside);
+    EXPECT_EQ(Compared(words + ("--knee functional " + kSegments))["knee_from"], "functional");
+    const Json curves = ReadJsonFile(folder_ / "C/comparison.json")["curves"];
+    EXPECT_NEAR(curves["human_knee_deg"].front().get<double>(), leg.seated_knee_deg, 0.3) << beside;
+    EXPECT_NEAR(curves["human_knee_deg"].back().get<double>(), leg.standing_knee_deg, 0.5) << beside;
+    EXPECT_NEAR(curves["shank_mm"].front().get<double>(), leg.shank_mm, 0.5) << beside;
+  }
 }
 
 // An exoskeleton trial's `knee` alone is the joint's: the person's axis is not put over it.
@@ -118,9 +107,8 @@ TEST_F(FunctionalKnee, AJointWithoutMarkerOfItsOwnIsTheAxisOfItsParts) {
   Write("human.csv", "");
   Write("exo.csv", "", true, true);
   const std::string words = "--knee functional " + kSegments;
-  const Outcome refused = Shell(folder_, "lake-compare human.csv exo.csv " + words + "-o C");
-  EXPECT_EQ(refused.exit_code, 2) << refused.err;
-  EXPECT_THAT(refused.err, HasSubstr("exo.csv shows no joint of the exoskeleton"));
+  const Outcome refused = ExpectRefused(folder_, "lake-compare human.csv exo.csv " + words + "-o C", 2,
+                                        "exo.csv shows no joint of the exoskeleton");
   EXPECT_THAT(refused.err, HasSubstr("--exo-segment shank=A,B"));
   const Json joint = Compared(words + "--exo-segment shank=e1,e2 --exo-segment thigh=f1,f2")["joint"];
   EXPECT_NEAR(joint["offset_mm"][0].get<double>(), kJointOff.x(), 0.5);
@@ -131,9 +119,7 @@ TEST_F(FunctionalKnee, AComparisonsHumanKneeStaysWhatItWas) {
   Write("human.csv", "");
   Write("exo.csv", "exo_knee");
   const auto again = [&](const std::string& words) {
-    const Outcome outcome = Shell(folder_, "lake-compare C exo.csv -o D --quiet --json " + words);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    return outcome.exit_code == 0 ? Json::parse(outcome.out)["knee_from"] : Json();
+    return DoneJson(folder_, "lake-compare C exo.csv -o D --quiet --json " + words)["knee_from"];
   };
   const Json sd_mm = Compared("--knee functional " + kSegments)["knee_axis_sd_mm"]["human"];
   EXPECT_EQ(again(""), "functional");
@@ -142,9 +128,8 @@ TEST_F(FunctionalKnee, AComparisonsHumanKneeStaysWhatItWas) {
   Json before = ReadJsonFile(folder_ / "C/comparison.json");
   before.erase("knee_axis_sd_mm");
   WriteJsonFile(folder_ / "C/comparison.json", before);
-  const Outcome outcome = Shell(folder_, "lake-compare C exo.csv -o E --quiet");
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("does not say how precise its functional knee is"));
+  EXPECT_THAT(Done(folder_, "lake-compare C exo.csv -o E --quiet").err,
+              HasSubstr("how precise its functional knee is"));
   Compared("--knee marker");
   EXPECT_EQ(again("--knee functional " + kSegments), "marker");
 }
@@ -152,17 +137,14 @@ TEST_F(FunctionalKnee, AComparisonsHumanKneeStaysWhatItWas) {
 TEST_F(FunctionalKnee, WhereATrialHasNoSegmentsItsMarkerIsTakenAndThatIsSaid) {
   Write("human.csv", "", false);
   Write("exo.csv", "exo_knee");
-  const Outcome outcome = Shell(folder_, "lake-compare human.csv exo.csv --knee functional " + kSegments + " -o C");
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("human.csv: it has none of the markers s1, s2, t1, t2: its marker knee is taken"));
+  const std::string words = " --knee functional " + kSegments, compare = "lake-compare human.csv exo.csv" + words;
+  EXPECT_THAT(Done(folder_, compare + "-o C").err,
+              HasSubstr("human.csv: it has none of the markers s1, s2, t1, t2: its marker knee is taken"));
   EXPECT_EQ(ReadJsonFile(folder_ / "C/comparison.json")["knee_from"], "marker");
-  const Outcome alone = Shell(folder_, "lake-optimize --human human.csv --knee functional " + kSegments + "-o O");
-  EXPECT_EQ(alone.exit_code, 2) << alone.err;
-  EXPECT_THAT(alone.err, HasSubstr("human.csv has no markers of --segment"));
+  ExpectRefused(folder_, "lake-optimize --human human.csv" + words + "-o O", 2,
+                "human.csv has no markers of --segment");
   Write("exo.csv", "exo_knee", false);
-  const Outcome none = Shell(folder_, "lake-compare human.csv exo.csv --knee functional " + kSegments + " -o D");
-  EXPECT_EQ(none.exit_code, 2) << none.err;
-  EXPECT_THAT(none.err, HasSubstr("no trial has markers of --segment"));
+  ExpectRefused(folder_, compare + "-o D", 2, "no trial has markers of --segment");
 }
 
 // Optical rises in space, skin markers: from the ankle to the axis is nearly one length (2.2 mm SD measured), to the
@@ -171,11 +153,9 @@ TEST_F(FunctionalKnee, OnARealLegTheShankKeepsItsLength) {
   const std::filesystem::path trial = SharedData() / "opencap_sts/sts_default_markers.trc";
   if (!std::filesystem::exists(trial)) GTEST_SKIP() << trial << " is absent";
   const auto variation_mm = [&](const std::string& words) {
-    const Outcome outcome =
-        Shell(folder_, fmt::format("lake-compare {0} {0} --map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=R_Shoulder "
-                                   "--exo-knee knee {1} -o R --quiet",
-                                   Quoted(trial), words));
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    Done(folder_, fmt::format("lake-compare {0} {0} --map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=R_Shoulder "
+                              "--exo-knee knee {1} -o R --quiet",
+                              Quoted(trial), words));
     return StandardDeviation(NumbersOrNaN(ReadJsonFile(folder_ / "R/comparison.json")["curves"]["shank_mm"]));
   };
   // Nobody wears an exoskeleton: its joint is the knee.
@@ -239,12 +219,11 @@ TEST_F(FunctionalKnee, TheBandOfTheKneeAngleHoldsASkeletalModels) {
   double frames = 0, held = 0;
   for (const auto& [side, model] : {std::pair("R", "r"), std::pair("L", "l")}) {
     const std::string marker = side == std::string("R") ? "r" : "L";
-    const Outcome outcome =
-        Shell(folder_, fmt::format("lake-gait {} --map ankle={}_ankle,knee={}_knee,hip={}_HJC,waist={}_Shoulder -o {} "
-                                   "--quiet --json",
-                                   Quoted(data / "sts_default_markers.trc"), marker, marker, side, side, side));
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    const Json angle = Json::parse(outcome.out)["uncertainty"]["knee_angle_deg"];
+    const Json summary = DoneJson(
+        folder_, fmt::format("lake-gait {0} --map ankle={1}_ankle,knee={1}_knee,hip={2}_HJC,waist={2}_Shoulder -o {2} "
+                             "--quiet --json",
+                             Quoted(data / "sts_default_markers.trc"), marker, side));
+    const Json& angle = summary["uncertainty"]["knee_angle_deg"];
     const double anatomical_deg = angle["anatomical_sd"].get<double>();
     EXPECT_LT(angle["marker_sd"].get<double>(), 0.2 * anatomical_deg);
     const CsvTable kinematics = CsvTable::Read(folder_ / side / "kinematics.csv");
@@ -268,21 +247,15 @@ TEST_F(FunctionalKnee, WrongUseIsToldAndTheRedesignTakesWhatTheComparisonHas) {
   for (const auto& [words, message] :
        {std::pair{"--knee functional", "--segment shank=A,B"},
         std::pair{"--segment shank=s1,s2", "thigh=MARKER,MARKER"},
-        std::pair{"--segment shank=s1,s2 --segment thigh=t1,t2", "for --knee functional"}}) {
-    const Outcome outcome = Shell(folder_, std::string("lake-compare human.csv exo.csv -o C ") + words);
-    EXPECT_EQ(outcome.exit_code, 2) << words;
-    EXPECT_THAT(outcome.err, HasSubstr(message)) << words;
-  }
+        std::pair{"--segment shank=s1,s2 --segment thigh=t1,t2", "for --knee functional"}})
+    ExpectRefused(folder_, std::string("lake-compare human.csv exo.csv -o C ") + words, 2, message);
   Compared("--knee marker");
   const std::pair<std::string, const char*> kRefused[] = {
       {"", "run lake-compare with --knee functional"},
       {kSegments, "--segment is for --human"},
       {"--exo-segment shank=e1,e2 --exo-segment thigh=f1,f2", "--exo-segment belongs to lake-compare"}};
-  for (const auto& [words, message] : kRefused) {
-    const Outcome refused = Shell(folder_, "lake-optimize --comparison C --human-only --knee functional -o O " + words);
-    EXPECT_EQ(refused.exit_code, 2) << words << refused.err;
-    EXPECT_THAT(refused.err, HasSubstr(message)) << words;
-  }
+  for (const auto& [words, message] : kRefused)
+    ExpectRefused(folder_, "lake-optimize --comparison C --human-only --knee functional -o O " + words, 2, message);
 }
 
 }  // namespace

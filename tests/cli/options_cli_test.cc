@@ -1,6 +1,5 @@
 // One line that describes an option is all that is needed for it; and every program's help has what is described.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "cli/program_run.h"
 #include "lake/commands/axis.h"

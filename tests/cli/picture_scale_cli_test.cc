@@ -19,7 +19,6 @@ namespace lake {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
 
 class TracksInPx : public testing::Test {
  protected:
@@ -52,16 +51,12 @@ class TracksInPx : public testing::Test {
   }
 
   Json Compare(const std::string& words, const std::string& program = "lake-compare ") const {
-    const Outcome outcome = Shell(folder_, program + words + " --quiet --json");
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
+    return DoneJson(folder_, program + words + " --quiet --json");
   }
 
   void ExpectRefused(const std::string& words, int exit_code, const std::string& message,
                      const std::string& program = "lake-compare ") const {
-    const Outcome outcome = Shell(folder_, program + words + " -o R");
-    EXPECT_EQ(outcome.exit_code, exit_code) << words;
-    EXPECT_THAT(outcome.err, HasSubstr(message));
+    lake::ExpectRefused(folder_, program + words + " -o R", exit_code, message);
     EXPECT_FALSE(fs::exists(folder_ / "R"));
   }
 
@@ -71,7 +66,6 @@ class TracksInPx : public testing::Test {
 TEST_F(TracksInPx, AreComparedAsTheSameTracksInMm) {
   const Json mm = Compare("human_mm.csv exo_mm.csv -o M"),
              px = Compare("human.csv exo.csv --camera camera.yaml --exo-scale 0,0,500,0,1000 -o P");
-  ASSERT_TRUE(px.is_object() && mm.is_object());
   // 0.02 px are up to 0.06 mm, of each of some hundred samples.
   EXPECT_NEAR(px["joint"]["rms_mm"], mm["joint"]["rms_mm"], 0.05);
   EXPECT_NEAR(px["joint"]["rms_mm"], std::hypot(20, 10), 0.2);
@@ -92,14 +86,11 @@ TEST_F(TracksInPx, OneScaleIsForBothUnlessTheOtherHasItsOwn) {
 TEST_F(TracksInPx, OfBothLegsHaveTheirScalesToo) {
   const Json legs =
       Compare("human.csv exo.csv --camera camera.yaml --right-scale 0,0,500,0,1000 -o S", "lake-symmetry ");
-  ASSERT_TRUE(legs.is_object());
-  EXPECT_TRUE(legs["symmetry"].contains("hip_rise_mm"));
   EXPECT_LT(std::abs(legs["symmetry"]["hip_rise_mm"]["difference"].get<double>()), 1);
   // Of use for the left one alone is enough, and so is a scale of the right one's own.
   for (const char* words :
        {"exo.csv human_mm.csv --scale 0,0,500,0,1000 -o L", "human_mm.csv exo.csv --right-scale 0,0,500,0,1000 -o R"}) {
     const Json one = Compare(words, "lake-symmetry ");
-    ASSERT_TRUE(one.is_object()) << words;
     EXPECT_LT(std::abs(one["symmetry"]["hip_rise_mm"]["difference"].get<double>()), 1) << words;
   }
 }
@@ -138,10 +129,10 @@ TEST_F(TracksInPx, AScaleThatHasNoEffectIsRefused) {
 
 // A folder of lake-gait in px is fitted once more, with its scale.
 TEST_F(TracksInPx, AFolderWithoutScaleIsGivenOne) {
-  ASSERT_EQ(Shell(folder_, "lake-gait exo.csv --quiet -o E").exit_code, 0);
+  Done(folder_, "lake-gait exo.csv --quiet -o E");
   const Json folder = Compare("human_mm.csv E --exo-scale 0,0,500,0,1000 -o F");
   EXPECT_NEAR(folder["joint"]["rms_mm"], std::hypot(20, 10), 0.2);
-  ASSERT_EQ(Shell(folder_, "lake-gait human_mm.csv --quiet -o H").exit_code, 0);
+  Done(folder_, "lake-gait human_mm.csv --quiet -o H");
   ExpectRefused("H E --camera camera.yaml --exo-scale 0,0,500,0,1000", 2, "--camera has no effect on H");
   ExpectRefused("F E --camera camera.yaml --exo-scale 0,0,500,0,1000", 2, "--camera has no effect on F");
 }

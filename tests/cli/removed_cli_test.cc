@@ -1,6 +1,5 @@
 // What earlier versions had: one line says so, and what to use instead.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "cli/program_run.h"
 #include "lake/core/removed.h"

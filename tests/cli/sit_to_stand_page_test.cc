@@ -1,6 +1,5 @@
 // The page of a recording's sit-to-stands, as lake-gait writes it.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -17,21 +16,29 @@
 namespace lake {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
 
-TEST(SitToStandPage, ShowsWhatTheTableHolds) {
-  const fs::path trial = SharedData() / "sts_force_plates/STS1.trc";
-  if (!fs::exists(trial)) GTEST_SKIP() << trial.string() << " is not here";
-  const TemporaryFolder folder;
-  const Outcome outcome =
-      Shell(folder, fmt::format("lake-gait {} --map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS --forward "
-                                "x --age 72 --quiet -o G",
-                                Quoted(trial)));
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const std::string page = ReadPageText(folder / "G/sit_to_stand.html");
-  const CsvTable table = CsvTable::Read(folder / "G/sit_to_stand.csv");
+class SitToStandPage : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(trial_)) GTEST_SKIP() << trial_.string() << " is not here";
+  }
+
+  // The trial's right leg, as a program reads it, with these markers beside those of the leg.
+  std::string Leg(const std::string& program, const std::string& others) const {
+    return fmt::format("{} {} --forward x --quiet --map ankle=r_ankle,knee=r_knee,hip=R_HJC{}", program, Quoted(trial_),
+                       others);
+  }
+
+  const std::filesystem::path trial_ = SharedData() / "sts_force_plates/STS1.trc";
+  const TemporaryFolder folder_;
+};
+
+TEST_F(SitToStandPage, ShowsWhatTheTableHolds) {
+  Done(folder_, Leg("lake-gait", ",waist=r.ASIS+r.PSIS --age 72 -o G"));
+  const std::string page = ReadPageText(folder_ / "G/sit_to_stand.html");
+  const CsvTable table = CsvTable::Read(folder_ / "G/sit_to_stand.csv");
   const std::size_t test = table.Rows() - 1, five = table.Column("five_times_s");
   ASSERT_EQ(table.Text(test, 0), "five_times");
   EXPECT_THAT(page, HasSubstr(fmt::format("{:.2f}", table.RequiredNumber(test, five))));
@@ -44,24 +51,17 @@ TEST(SitToStandPage, ShowsWhatTheTableHolds) {
 
 // What the file's own coordinates give, x forward and y up; they are smooth, and the fit changes them by hundredths of
 // a degree.
-TEST(SitToStandPage, LeanToThePelvisIsThatOfTheMarkers) {
-  const fs::path trial = SharedData() / "sts_force_plates/STS1.trc";
-  if (!fs::exists(trial)) GTEST_SKIP() << trial.string() << " is not here";
-  const TemporaryFolder folder;
-  const std::string leg = "ankle=r_ankle,knee=r_knee,hip=R_HJC,";
+TEST_F(SitToStandPage, LeanToThePelvisIsThatOfTheMarkers) {
   const std::string pelvis = ",asis=r.ASIS+L.ASIS,psis=r.PSIS+L.PSIS";
-  const Outcome outcome = Shell(folder, fmt::format("lake-gait {} --map {}waist=R_Shoulder{} --forward x --sex female "
-                                                    "--age 70 --quiet -o G",
-                                                    Quoted(trial), leg, pelvis));
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const exchange::PointRecording points = exchange::ReadPoints(trial);
+  Done(folder_, Leg("lake-gait", ",waist=R_Shoulder" + pelvis + " --sex female --age 70 -o G"));
+  const exchange::PointRecording points = exchange::ReadPoints(trial_);
   const auto at = [&](const char* name, std::size_t i) { return points.Find(name)->positions[i]; };
   const auto lean_deg = [&](std::size_t i) {
     const Eigen::Vector3d trunk = at("R_Shoulder", i) - at("R_HJC", i),
                           front = (at("r.ASIS", i) + at("L.ASIS", i) - at("r.PSIS", i) - at("L.PSIS", i)) / 2;
     return DegreesFromRadians(std::atan2(trunk.x(), trunk.y()) + std::atan2(front.y(), front.x()));
   };
-  const CsvTable table = CsvTable::Read(folder / "G/sit_to_stand.csv");
+  const CsvTable table = CsvTable::Read(folder_ / "G/sit_to_stand.csv");
   ASSERT_EQ(table.Rows(), 6U);
   for (std::size_t row = 0; row < 5; ++row) {
     const auto number = [&](const char* column) { return table.RequiredNumber(row, table.Column(column)); };
@@ -76,32 +76,24 @@ TEST(SitToStandPage, LeanToThePelvisIsThatOfTheMarkers) {
     EXPECT_GT(number("trunk_pelvis_max_deg_sd"), 0);
     EXPECT_LT(number("trunk_pelvis_max_deg_sd"), 1);
   }
-  const Json five = ReadJsonFile(folder / "G/summary.json")["five_times"];
+  const Json five = ReadJsonFile(folder_ / "G/summary.json")["five_times"];
   EXPECT_EQ(five["low_power"], five["power_w_kg"].get<double>() < 1.9);
-  EXPECT_THAT(ReadPageText(folder / "G/sit_to_stand.html"), HasSubstr("for older women (below 1.9 W/kg is low"));
+  EXPECT_THAT(ReadPageText(folder_ / "G/sit_to_stand.html"), HasSubstr("for older women (below 1.9 W/kg is low"));
   // With the middle of the pelvis for a waist, as a leg alone would have it, there is no trunk to lean on it.
-  const Outcome low = Shell(folder, fmt::format("lake-gait {} --map {}waist=r.ASIS+r.PSIS{} --forward x --quiet -o L",
-                                                Quoted(trial), leg, pelvis));
-  ASSERT_EQ(low.exit_code, 0) << low.err;
-  EXPECT_THAT(low.err, HasSubstr("the waist marker is on the pelvis itself"));
-  EXPECT_THAT(ReadTextFile(folder / "L/sit_to_stand.csv"), Not(HasSubstr("nan")));
+  EXPECT_THAT(Done(folder_, Leg("lake-gait", ",waist=r.ASIS+r.PSIS" + pelvis + " -o L")).err,
+              HasSubstr("the waist marker is on the pelvis itself"));
+  EXPECT_THAT(ReadTextFile(folder_ / "L/sit_to_stand.csv"), Not(HasSubstr("nan")));
 }
 
 // Places and velocities are those of lake-loads, whatever the body's mass; momentum.csv is held against both plates'
 // impulses (loads_test.cc). Deviations are of fewer draws, 100 and 400: within 7 % and 4 % of the same.
-TEST(SitToStandPage, CentreOfMassIsThatOfTheLoads) {
-  const fs::path trial = SharedData() / "sts_force_plates/STS1.trc";
-  if (!fs::exists(trial)) GTEST_SKIP() << trial.string() << " is not here";
-  const TemporaryFolder folder;
-  const std::string leg = Quoted(trial) + " --forward x --quiet --map ankle=r_ankle,knee=r_knee,hip=R_HJC,";
-  for (const char* trunk : {"waist=r.ASIS+r.PSIS", "waist=r.ASIS+r.PSIS,shoulder=R_Shoulder"}) {
+TEST_F(SitToStandPage, CentreOfMassIsThatOfTheLoads) {
+  for (const std::string trunk : {",waist=r.ASIS+r.PSIS", ",waist=r.ASIS+r.PSIS,shoulder=R_Shoulder"}) {
     SCOPED_TRACE(trunk);
-    const Outcome gait = Shell(folder, fmt::format("lake-gait {}{} -o G", leg, trunk)),
-                  loads = Shell(folder, fmt::format("lake-loads {}{} --mass 62.6 -o L", leg, trunk));
-    ASSERT_EQ(gait.exit_code, 0) << gait.err;
-    ASSERT_EQ(loads.exit_code, 0) << loads.err;
-    const CsvTable measured = CsvTable::Read(folder / "G/sit_to_stand.csv"),
-                   momenta = CsvTable::Read(folder / "L/momentum.csv");
+    Done(folder_, Leg("lake-gait", trunk + " -o G"));
+    Done(folder_, Leg("lake-loads", trunk + " --mass 62.6 -o L"));
+    const CsvTable measured = CsvTable::Read(folder_ / "G/sit_to_stand.csv"),
+                   momenta = CsvTable::Read(folder_ / "L/momentum.csv");
     ASSERT_EQ(measured.Rows(), 6u);
     ASSERT_EQ(momenta.Rows(), 5u);
     for (std::size_t row = 0; row < 5; ++row)
@@ -114,12 +106,11 @@ TEST(SitToStandPage, CentreOfMassIsThatOfTheLoads) {
       }
     EXPECT_LT(measured.RequiredNumber(5, measured.Column("com_seat_off_mm")), -50);  // behind the heel
   }
-  EXPECT_THAT(ReadPageText(folder / "G/sit_to_stand.html"),
+  EXPECT_THAT(ReadPageText(folder_ / "G/sit_to_stand.html"),
               HasSubstr("centre of mass before the ankle at seat-off (mm)"));
   // Without a trunk there is none of the body either, and nothing is made of it.
-  const Outcome alone = Shell(folder, fmt::format("lake-gait {} -o N", leg.substr(0, leg.size() - 1)));
-  ASSERT_EQ(alone.exit_code, 0) << alone.err;
-  const CsvTable measured = CsvTable::Read(folder / "N/sit_to_stand.csv");
+  const Outcome alone = Done(folder_, Leg("lake-gait", " -o N"));
+  const CsvTable measured = CsvTable::Read(folder_ / "N/sit_to_stand.csv");
   EXPECT_TRUE(measured.Number(0, measured.Column("hip_rise_mm")));
   EXPECT_FALSE(measured.Number(0, measured.Column("com_seat_off_mm")));
   EXPECT_THAT(alone.err, Not(HasSubstr("centre of mass")));

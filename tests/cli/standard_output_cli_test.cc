@@ -1,14 +1,11 @@
 // What a program prints arrives, or the program has failed.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "cli/program_run.h"
 #include "places.h"
 
 namespace lake {
 namespace {
-
-using testing::HasSubstr;
 
 // Short texts, which wait in a buffer until the end, and those that do not.
 TEST(StandardOutput, ThatIsFullIsAnError) {
@@ -19,12 +16,9 @@ TEST(StandardOutput, ThatIsFullIsAnError) {
         std::string("lake-gait --version"), std::string("lake-gait --help"), std::string("lake --version"),
         std::string("lake --help"),
         fmt::format("lake-export '{}/data/sts-study/worn.yaml' dxf --quiet -o out --json", SourceDir().string())}) {
-    const Outcome full = Shell(folder, command + " > /dev/full");
-    EXPECT_EQ(full.exit_code, 1) << command;
-    EXPECT_THAT(full.err, HasSubstr(": stdout: cannot ")) << command;
-    EXPECT_EQ(full.ErrorLines(), 1) << full.err;
+    ExpectRefused(folder, command + " > /dev/full", 1, ": stdout: cannot ");
   }
-  EXPECT_EQ(Shell(folder, "lake-info trial.csv").exit_code, 0);
+  Done(folder, "lake-info trial.csv");
   EXPECT_EQ(Shell(folder, "lake-info trial.csv >&-").exit_code, 1) << "closed";
 }
 

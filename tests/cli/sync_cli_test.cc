@@ -1,6 +1,5 @@
 // lake-sync on two tables of one movement, and on a person's markers and force plates.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>
@@ -11,8 +10,6 @@
 
 namespace lake {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr double kOffset_s = 2.5;
 
@@ -38,15 +35,11 @@ class SyncProgram : public testing::Test {
     WriteTable(folder_ / "b.csv", 60, 3, 22, kOffset_s, 1);
     WriteTable(folder_ / "other.csv", 60, 3, 22, kOffset_s, 1.3);
   }
-  Outcome Go(const std::string& words) const { return Shell(folder_, "lake-sync " + words + " -o S"); }
-
   TemporaryFolder folder_;
 };
 
 TEST_F(SyncProgram, WritesTheClockThatLakeLoadsReads) {
-  const Outcome outcome = Go("a.csv b.csv --quiet --json");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const Json summary = Json::parse(outcome.out);
+  const Json summary = DoneJson(folder_, "lake-sync a.csv b.csv --quiet --json -o S");
   EXPECT_NEAR(summary["offset_s"], kOffset_s, 0.002);
   EXPECT_EQ(summary["method"], "motion");
   const sync::Clock clock = sync::ReadClockOf(folder_ / "S/sync.yaml", "b.csv");
@@ -56,19 +49,14 @@ TEST_F(SyncProgram, WritesTheClockThatLakeLoadsReads) {
 }
 
 TEST_F(SyncProgram, TakesASignal) {
-  const Outcome outcome = Go("a.csv b.csv --signal-a lamp --signal-b lamp --quiet --json");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const Json summary = Json::parse(outcome.out);
+  const Json summary = DoneJson(folder_, "lake-sync a.csv b.csv --signal-a lamp --signal-b lamp --quiet --json -o S");
   EXPECT_EQ(summary["method"], "signal");
   EXPECT_NEAR(summary["offset_s"], kOffset_s, 0.5 / 60 + 0.5 / 100) << "half a frame of each";
 }
 
 TEST_F(SyncProgram, RefusesWhatCannotBeAligned) {
   const auto refused = [&](const std::string& words, int exit_code, const std::string& message) {
-    const Outcome outcome = Go(words);
-    EXPECT_EQ(outcome.exit_code, exit_code) << words;
-    EXPECT_THAT(outcome.err, HasSubstr(message));
-    EXPECT_EQ(outcome.ErrorLines(), 1) << outcome.err;
+    ExpectRefused(folder_, "lake-sync " + words + " -o S", exit_code, message);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "S/sync.yaml"));
   };
   refused("a.csv other.csv", 1, "cannot be aligned");

@@ -2,7 +2,6 @@
 // half-written.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "cli/program_run.h"
 #include "lake/core/json.h"
@@ -19,25 +18,17 @@ using testing::HasSubstr;
 class TrackProgram : public testing::Test {
  protected:
   void Render() {
-    ASSERT_EQ(RenderShort(folder_).exit_code, 0);
+    RenderShort(folder_);
     fs::copy_file(folder_ / "good/video.mp4", folder_ / "good.mp4");
   }
 
-  void Ffmpeg(const std::string& arguments) {
-    const Outcome made = Shell(folder_, "ffmpeg -y -v error -nostdin " + arguments);
-    ASSERT_EQ(made.exit_code, 0) << made.err;
-  }
+  void Ffmpeg(const std::string& arguments) { Done(folder_, "ffmpeg -y -v error -nostdin " + arguments); }
 
-  Outcome Track(const std::string& arguments) {
-    return Shell(folder_, "lake-track --no-overlay --quiet -o results " + arguments);
-  }
+  const std::string kTrack = "lake-track --no-overlay --quiet -o results ";
 
   void ExpectRefused(const std::string& arguments, int exit_code, const std::string& text) {
-    const Outcome outcome = Track(arguments);
-    EXPECT_EQ(outcome.exit_code, exit_code) << arguments << ": " << outcome.err;
-    EXPECT_THAT(outcome.err, testing::StartsWith("lake-track: "));
-    EXPECT_THAT(outcome.err, HasSubstr(text)) << arguments;
-    EXPECT_EQ(outcome.ErrorLines(), 1) << arguments << ": " << outcome.err;
+    const Outcome outcome = lake::ExpectRefused(folder_, kTrack + arguments, exit_code, text);
+    EXPECT_EQ(outcome.ErrorLines(), 1) << outcome.err;
     EXPECT_EQ(outcome.out, "") << arguments;
     EXPECT_EQ(FilesIn(folder_ / "results"), 0u) << arguments;
   }
@@ -68,7 +59,7 @@ TEST_F(TrackProgram, RefusesWhatIsNoVideo) {
 
 // Nobody writes to it: a video is not waited for, a table is, until the first signal.
 TEST_F(TrackProgram, IsNotHungByAPipe) {
-  ASSERT_EQ(Shell(folder_, "mkfifo pipe.mp4 pipe.csv").exit_code, 0);
+  Done(folder_, "mkfifo pipe.mp4 pipe.csv");
   ExpectRefused("pipe.mp4", 1, "pipe.mp4: is a pipe or a device");
   fs::create_directory(folder_ / "trial");
   for (const char* name : {"tracks.csv", "summary.json"}) WriteTextFile(folder_ / "trial" / name, "{}");
@@ -99,10 +90,8 @@ TEST_F(TrackProgram, ShowsWhatItCannotName) {
   Render();
   for (const auto& [names, text] : {std::pair("a,b,c,d,e,f,g,h,i,j,k,l,m,n,o,p,q,r,s,t", "20 markers are wanted"),
                                     {"ankle,knee,hip,waist,toe", "toe"}}) {
-    const Outcome outcome = Track(std::string("good.mp4 --markers ") + names);
-    EXPECT_EQ(outcome.exit_code, 1) << names;
-    EXPECT_THAT(outcome.err, testing::AllOf(HasSubstr(text), HasSubstr("results/candidates.png"))) << names;
-    EXPECT_EQ(outcome.ErrorLines(), 1) << outcome.err;
+    const Outcome outcome = lake::ExpectRefused(folder_, kTrack + "good.mp4 --markers " + names, 1, text);
+    EXPECT_THAT(outcome.err, HasSubstr("results/candidates.png")) << names;
     for (const char* name : {"candidates.png", "candidates.csv", "summary.json"})
       EXPECT_TRUE(fs::exists(folder_ / "results" / name)) << name;
     EXPECT_FALSE(fs::exists(folder_ / "results" / "tracks.csv"));
@@ -117,8 +106,7 @@ TEST_F(TrackProgram, RefusesOptionsThatDoNotFitTheVideo) {
   ExpectRefused("good.mp4 --crop 1000,0,1000,100", 1, "--crop");
   ExpectRefused("good.mp4 --scale 10,10,500,10,0.5", 2, "is 0.5 in m?");
   ExpectRefused("good.mp4 --camera absent.yaml", 1, "absent.yaml");
-  const Outcome other = Shell(folder_, "lake-synth -o other --duration 0.2 --width 640 --height 480 --quiet");
-  ASSERT_EQ(other.exit_code, 0) << other.err;
+  Done(folder_, "lake-synth -o other --duration 0.2 --width 640 --height 480 --quiet");
   ExpectRefused("good.mp4 --camera other/camera.yaml", 1, "640x480");
   WriteTextFile(folder_ / "broken.yaml", "%YAML:1.0\nimage_width: [\n");
   ExpectRefused("good.mp4 --camera broken.yaml", 1, "broken.yaml");
@@ -145,19 +133,14 @@ TEST_F(TrackProgram, RefusesWrongUsage) {
 TEST_F(TrackProgram, SaysThatItsFolderCannotBeWritten) {
   Render();
   WriteTextFile(folder_ / "file", "in the way\n");
-  const Outcome outcome = Shell(folder_, "lake-track good.mp4 --no-overlay --quiet -o file/results");
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("file/results"));
+  lake::ExpectRefused(folder_, "lake-track good.mp4 --no-overlay --quiet -o file/results", 1, "file/results");
   EXPECT_EQ(ReadTextFile(folder_ / "file"), "in the way\n");
 }
 
 // Files may not grow beyond four kilobytes, as on a disk with no more room.
 TEST_F(TrackProgram, LeavesNothingHalfWrittenOnAFullDisk) {
   Render();
-  const Outcome outcome =
-      Shell(folder_, "ulimit -f 4; trap '' XFSZ; lake-track good.mp4 --no-overlay --quiet -o results");
-  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("results"));
+  lake::ExpectRefused(folder_, "ulimit -f 4; trap '' XFSZ; " + kTrack + "good.mp4", 1, "results");
   EXPECT_FALSE(fs::exists(folder_ / "results" / "tracks.csv"));
   EXPECT_FALSE(fs::exists(folder_ / "results" / "summary.json"));
 }
@@ -185,12 +168,10 @@ TEST_F(TrackProgram, EndsCleanlyWhenInterrupted) {
 TEST_F(TrackProgram, AFilmStoredNarrowerThanShownGivesTheSameAngles) {
   Render();
   Ffmpeg("-i good.mp4 -vf scale=540:ih,setsar=4/3 -c:v libx264 -crf 8 narrow.mp4");
-  ASSERT_EQ(Shell(folder_, "lake-track good.mp4 --no-overlay --quiet -o square").exit_code, 0);
-  const Outcome outcome = Track("narrow.mp4");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("pixels are 1.33 times as wide as high"));
+  Done(folder_, "lake-track good.mp4 --no-overlay --quiet -o square");
+  EXPECT_THAT(Done(folder_, kTrack + "narrow.mp4").err, HasSubstr("pixels are 1.33 times as wide as high"));
   EXPECT_NEAR(ReadJsonFile(folder_ / "results/summary.json")["video"]["pixel_aspect"].get<double>(), 4 / 3.0, 1e-9);
-  ASSERT_EQ(Shell(folder_, "lake-gait results --quiet -o again").exit_code, 0);
+  Done(folder_, "lake-gait results --quiet -o again");
   const motion::LegMotion truth = motion::ReadKinematicsCsv(folder_ / "square/kinematics.csv");
   for (const char* folder : {"results", "again"}) {
     const motion::LegMotion narrow = motion::ReadKinematicsCsv(folder_ / folder / "kinematics.csv");
@@ -206,25 +187,20 @@ TEST_F(TrackProgram, PicturesThatAreTooSmallAreRefusedInOneLine) {
   for (const char* size : {"2x2", "64x2", "8x64"}) {
     Ffmpeg(fmt::format("-f lavfi -i testsrc=size={}:rate=30:duration=1 -c:v ffv1 tiny.mkv", size));
     ExpectRefused("tiny.mkv", 1, fmt::format("its pictures are of {} px", size));
-    const Outcome check = Shell(folder_, "lake-check tiny.mkv --quiet -o check");
-    EXPECT_EQ(check.exit_code, 1);
-    EXPECT_THAT(check.err, HasSubstr("its pictures are of"));
-    EXPECT_EQ(check.ErrorLines(), 1) << check.err;
+    lake::ExpectRefused(folder_, "lake-check tiny.mkv --quiet -o check", 1, "its pictures are of");
   }
 }
 
 TEST_F(TrackProgram, SummaryIsOneJsonValueAndTheFrontDoorDoesTheSame) {
   Render();
-  const Outcome direct = Shell(folder_, "lake-track good.mp4 --no-overlay --quiet --json -o direct");
-  ASSERT_EQ(direct.exit_code, 0) << direct.err;
-  const Json summary = Json::parse(direct.out);  // throws on anything before or after the value
+  // Throws on anything before or after the value.
+  const Json summary = DoneJson(folder_, "lake-track good.mp4 --no-overlay --quiet --json -o direct");
   EXPECT_EQ(summary["program"], "lake-track");
   for (const char* key : {"version", "command", "options", "inputs", "warnings", "video", "tracking"})
     EXPECT_TRUE(summary.contains(key)) << key;
   EXPECT_EQ(summary, Json::parse(ReadTextFile(folder_ / "direct" / "summary.json")));
 
-  const Outcome front = Shell(folder_, "lake track good.mp4 --no-overlay --quiet -o front");
-  ASSERT_EQ(front.exit_code, 0) << front.err;
+  Done(folder_, "lake track good.mp4 --no-overlay --quiet -o front");
   for (const char* name : {"tracks.csv", "kinematics.csv", "events.csv"})
     EXPECT_EQ(ReadTextFile(folder_ / "front" / name), ReadTextFile(folder_ / "direct" / name)) << name;
 }
@@ -234,17 +210,11 @@ class Programs : public testing::TestWithParam<std::string> {};
 TEST_P(Programs, AnswerHelpVersionAndUnknownOptions) {
   const TemporaryFolder folder;
   const std::string program = GetParam();
-  const Outcome help = Shell(folder, program + " --help");
-  EXPECT_EQ(help.exit_code, 0);
+  const Outcome help = Done(folder, program + " --help");
   EXPECT_EQ(help.err, "");
   EXPECT_THAT(help.out, HasSubstr("lake"));
-  const Outcome version = Shell(folder, program + " --version");
-  EXPECT_EQ(version.exit_code, 0);
-  EXPECT_THAT(version.out, testing::StartsWith(program + " "));
-  const Outcome unknown = Shell(folder, program + " --no-such-option");
-  EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_EQ(unknown.ErrorLines(), 1) << unknown.err;
-  EXPECT_EQ(unknown.out, "");
+  EXPECT_THAT(Done(folder, program + " --version").out, testing::StartsWith(program + " "));
+  EXPECT_EQ(ExpectRefused(folder, program + " --no-such-option", 2, program + ": ").out, "");
 }
 
 std::vector<std::string> AllPrograms() {

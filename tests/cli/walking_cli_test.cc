@@ -1,6 +1,5 @@
 // Walking by lake-gait and lake-compare: their files, and what is said where nobody walks forward.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <fstream>
 
@@ -22,19 +21,17 @@ using testing::Not;
 
 class WalkingProgram : public testing::Test {
  protected:
-  Outcome Gait(const DrawnWalkOptions& drawn, const std::string& options) {
-    motion::WriteMarkerCsv(folder_ / "walk.csv", DrawWalk(drawn));
-    return Shell(folder_, "lake-gait walk.csv --json -o W " + options);
-  }
+  void Write(const DrawnWalkOptions& drawn) { motion::WriteMarkerCsv(folder_ / "walk.csv", DrawWalk(drawn)); }
+
+  const std::string kGait = "lake-gait walk.csv --json -o W ";
   TemporaryFolder folder_;
 };
 
 TEST_F(WalkingProgram, WritesTheStrides) {
   DrawnWalkOptions drawn;
   drawn.noise_mm = 0.5;
-  const Outcome outcome = Gait(drawn, "");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const Json summary = Json::parse(outcome.out);
+  Write(drawn);
+  const Json summary = DoneJson(folder_, kGait);
   EXPECT_EQ(summary["movement"], "walking");
   EXPECT_EQ(summary["walking"]["ground"], "overground");
   EXPECT_EQ(summary["walking"]["incomplete_strides"], 2);
@@ -54,7 +51,8 @@ TEST_F(WalkingProgram, WritesTheStrides) {
 }
 
 TEST_F(WalkingProgram, IsComparedWithTheModelOfTheSameC3d) {
-  ASSERT_EQ(Gait({}, "").exit_code, 0);
+  Write({});
+  Done(folder_, kGait);
   const CsvTable kinematics = CsvTable::Read(folder_ / "W/kinematics.csv");
   constexpr double kOffset_deg = 5;
   exchange::PointRecording points = exchange::PointsFromMarkers(DrawWalk({}));
@@ -66,29 +64,25 @@ TEST_F(WalkingProgram, IsComparedWithTheModelOfTheSameC3d) {
   const std::string plain = ReadTextFile(folder_ / "plain.c3d");
   WriteTextFile(folder_ / "angle.c3d", WithModelOutput(plain, "ANGLES", "LKneeAngles", "deg"));
   WriteTextFile(folder_ / "moment.c3d", WithModelOutput(plain, "MOMENTS", "LKneeAngles", "Nmm"));
-  const auto run = [&](const std::string& file, const std::string& name) {
-    return Shell(folder_, fmt::format("lake-gait {} --json -o C --compare-with {}", file, name));
-  };
-  const Outcome compared = run("angle.c3d", "LKneeAngles");
-  ASSERT_EQ(compared.exit_code, 0) << compared.err;
-  const Json difference = Json::parse(compared.out)["compare_with"];
+  const std::string compare = " --json -o C --compare-with ";
+  const Json difference = DoneJson(folder_, "lake-gait angle.c3d" + compare + "LKneeAngles")["compare_with"];
   EXPECT_NEAR(difference["offset_deg"], -kOffset_deg, 0.05);
   EXPECT_LT(difference["sd_deg"], 0.1);
   EXPECT_GT(difference["correlation"], 0.9999);
   EXPECT_EQ(CsvTable::Read(folder_ / "C/model_output.csv").Rows(), points.frame.size());
-  EXPECT_THAT(run("angle.c3d", "RKneeAngles").err, HasSubstr("it has: LKneeAngles"));
-  EXPECT_THAT(run("moment.c3d", "LKneeAngles").err, HasSubstr("not an angle"));
+  EXPECT_THAT(Shell(folder_, "lake-gait angle.c3d" + compare + "RKneeAngles").err, HasSubstr("it has: LKneeAngles"));
+  EXPECT_THAT(Shell(folder_, "lake-gait moment.c3d" + compare + "LKneeAngles").err, HasSubstr("not an angle"));
 }
 
 TEST_F(WalkingProgram, SaysWhatItLeavesOut) {
   DrawnWalkOptions drawn;
   drawn.is_backward = true;
-  const Outcome outcome = Gait(drawn, "");
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  Write(drawn);
+  const Outcome outcome = Done(folder_, kGait);
   EXPECT_THAT(outcome.err, HasSubstr("the person walks backward"));
   EXPECT_THAT(outcome.err, HasSubstr("repetition and percent are left empty"));
   EXPECT_FALSE(fs::exists(folder_ / "W/gait_cycles.csv"));
-  EXPECT_EQ(Gait({}, "--movement dancing").exit_code, 2);
+  ExpectRefused(folder_, kGait + "--movement dancing", 2, "--movement");
 }
 
 // --movement of all programs that measure or have others measure; of lake-run over what the study's trial says.
@@ -97,11 +91,10 @@ TEST_F(WalkingProgram, TakesTheMovementInEveryProgram) {
     EXPECT_THAT(Shell(folder_, fmt::format("lake-{} --help", program)).out,
                 HasSubstr("--movement auto|sit-to-stand|walking|squat"))
         << program;
-  motion::WriteMarkerCsv(folder_ / "walk.csv", DrawWalk({}));
+  Write({});
   std::ofstream(folder_ / "study.yaml") << "human: {trial: walk.csv, movement: sit-to-stand}\n";
   const auto movement = [&](const std::string& options) {
-    const Outcome outcome = Shell(folder_, "lake-run study.yaml --only human -o S " + options);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    Done(folder_, "lake-run study.yaml --only human -o S " + options);
     return ReadJsonFile(folder_ / "S/human/summary.json")["movement"];
   };
   EXPECT_TRUE(movement("").is_null());
@@ -117,9 +110,9 @@ TEST_F(WalkingProgram, ForcePlatesWinOverTheMarkers) {
   const std::string leg = "--map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS,heel=r_calc,toe=r_toe";
   const std::string both = leg + ",other_ankle=L_ankle,other_heel=L_calc,other_toe=L_toe";
   for (const std::string& names : {leg, both}) {
-    const Outcome outcome = Shell(folder_, "lake-gait " + (data / "walking1.trc").string() + " " + names +
-                                               " --forces " + (data / "walking1_grf.mot").string() + " --json -o P");
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Json summary =
+        DoneJson(folder_, fmt::format("lake-gait {} {} --forces {} --json -o P", Quoted(data / "walking1.trc"), names,
+                                      Quoted(data / "walking1_grf.mot")));
     const CsvTable events = CsvTable::Read(folder_ / "P/events.csv");
     std::size_t expected = 0;
     for (std::size_t row = 0; row < plates.Rows(); ++row) {
@@ -134,21 +127,19 @@ TEST_F(WalkingProgram, ForcePlatesWinOverTheMarkers) {
               nearest_s, std::abs(events.RequiredNumber(i, events.Column("time_s")) - plates.RequiredNumber(row, 3)));
       EXPECT_LT(nearest_s, 1e-3) << kind;
     }
-    const Json found = Json::parse(outcome.out)["walking"]["force_plates"];
+    const Json& found = summary["walking"]["force_plates"];
     EXPECT_EQ(found.size(), expected);
     for (const Json& event : found) EXPECT_LT(std::abs(NumberOrNaN(event["markers_later_s"])), 0.04) << event;
   }
 }
 
 TEST_F(WalkingProgram, ExportsItsEvents) {
-  ASSERT_EQ(Gait({}, "").exit_code, 0);
-  Outcome outcome = Shell(folder_, "lake-convert W walk.c3d");
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("give --leg"));
-  outcome = Shell(folder_, "lake-convert W walk.c3d --leg left");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  Write({});
+  Done(folder_, kGait);
+  ExpectRefused(folder_, "lake-convert W walk.c3d", 2, "give --leg");
+  Done(folder_, "lake-convert W walk.c3d --leg left");
   const CsvTable events = CsvTable::Read(folder_ / "W/events.csv");
-  const Json info = Json::parse(Shell(folder_, "lake-info walk.c3d --json").out);
+  const Json info = DoneJson(folder_, "lake-info walk.c3d --json");
   ASSERT_EQ(info["events"].size(), events.Rows()) << info;
   for (std::size_t i = 0; i < events.Rows(); ++i) {
     const bool is_other = events.Text(i, 1).ends_with("_other"), is_strike = events.Text(i, 1).starts_with("heel");
@@ -156,7 +147,7 @@ TEST_F(WalkingProgram, ExportsItsEvents) {
     EXPECT_EQ(info["events"][i]["label"], is_strike ? "Foot Strike" : "Foot Off");
     EXPECT_NEAR(info["events"][i]["time_s"].get<double>(), events.RequiredNumber(i, events.Column("time_s")), 0.011);
   }
-  ASSERT_EQ(Shell(folder_, "lake-convert W walk.mot --leg left").exit_code, 0);
+  Done(folder_, "lake-convert W walk.mot --leg left");
   EXPECT_THAT(ReadTextFile(folder_ / "walk.mot"), HasSubstr("trunk_tilt\trepetition\tpercent\n"));
 }
 
@@ -166,34 +157,27 @@ TEST_F(WalkingProgram, LoadsOverStance) {
   const std::string trial = "lake-loads " + (data / "walking1.trc").string() + " --mass 70 --draws 20 -o L --map ",
                     forces = " --forces " + (data / "walking1_grf.mot").string();
   const std::string left = "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS,heel=L_calc,toe=L_toe";
-  Outcome outcome = Shell(folder_, trial + left + forces);
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  Done(folder_, trial + left + forces);
   const Json stances = ReadJsonFile(folder_ / "L/summary.json")["stances"];
   ASSERT_EQ(stances.size(), 1u);
   EXPECT_NEAR(stances[0]["heel_strike_s"].get<double>(), 0.5322, 1e-3);
   EXPECT_NEAR(stances[0]["toe_off_s"].get<double>(), 1.2075, 1e-3);
   // Push-off at one's own pace: 1.2 to 1.8 N m/kg (Winter 1991).
   EXPECT_NEAR(stances[0]["peak_ankle_nm"].get<double>() / 70, 1.5, 0.4);
-  outcome = Shell(folder_, trial + left);
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("give --forces"));
+  ExpectRefused(folder_, trial + left, 1, "give --forces");
   // The right foot is on the first plate from before the recording on.
-  outcome = Shell(folder_, trial + "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS" + forces);
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("no plate bears this foot from heel strike to toe-off"));
+  ExpectRefused(folder_, trial + "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS" + forces, 1,
+                "no plate bears this foot from heel strike to toe-off");
 }
 
 TEST_F(WalkingProgram, TakesANormAndQuietStanding) {
   std::ofstream(folder_ / "norm.csv") << "percent,mean,sd\n0,5,4\n40,10,5\n72,60,6\n100,5,4\n";
-  Outcome outcome = Gait({}, "--reference norm.csv");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  Write({});
+  EXPECT_FALSE(DoneJson(folder_, kGait + "--reference norm.csv").contains("neutral"));
   EXPECT_THAT(ReadTextFile(folder_ / "W/gait_cycles.svg"), HasSubstr("reference"));
-  EXPECT_EQ(Json::parse(outcome.out).count("neutral"), 0u);
-  EXPECT_THAT(Shell(folder_, "lake-gait walk.csv -o W").out, HasSubstr("--neutral"));
-  outcome = Gait({}, "--neutral 0.5,2.5");
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("no quiet standing from 0.5 to 2.5 s"));
-  EXPECT_EQ(Gait({}, "--neutral 2,1").exit_code, 2);
+  EXPECT_THAT(Done(folder_, "lake-gait walk.csv -o W").out, HasSubstr("--neutral"));
+  ExpectRefused(folder_, kGait + "--neutral 0.5,2.5", 1, "no quiet standing from 0.5 to 2.5 s");
+  ExpectRefused(folder_, kGait + "--neutral 2,1", 2, "--neutral");
   // The same walk's markers, standing.
   DrawnWalkOptions drawn;
   drawn.noise_mm = 0.3;
@@ -210,9 +194,7 @@ TEST_F(WalkingProgram, TakesANormAndQuietStanding) {
   for (std::size_t i = 0; i < knee->samples.size(); ++i)
     knee->samples[i].position = (place("ankle", i) + place("hip", i)) / 2 + Eigen::Vector2d(20, 0);
   motion::WriteMarkerCsv(folder_ / "standing.csv", standing);
-  outcome = Gait({}, "--neutral standing.csv");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const double neutral_deg = Json::parse(outcome.out)["neutral"]["knee"]["deg"];
+  const double neutral_deg = DoneJson(folder_, kGait + "--neutral standing.csv")["neutral"]["knee"]["deg"];
   const CsvTable kinematics = CsvTable::Read(folder_ / "W/kinematics.csv");
   for (const char* name : {"knee", "shank", "thigh", "trunk", "foot", "ankle"})
     EXPECT_TRUE(kinematics.Has(std::string(name) + "_neutral_deg")) << name;
@@ -241,8 +223,7 @@ class WalkingComparisonProgram : public testing::Test {
 };
 
 TEST_F(WalkingComparisonProgram, ComparesWalks) {
-  const Outcome outcome = Shell(folder_, "lake-compare walk.csv worn.csv -o C");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Outcome outcome = Done(folder_, "lake-compare walk.csv worn.csv -o C");
   EXPECT_THAT(outcome.out, HasSubstr("path difference at equal percent of the stride, relative to the hip,"));
   const Json comparison = ReadJsonFile(folder_ / "C/comparison.json");
   EXPECT_EQ(comparison["movement"], "walking");
@@ -256,48 +237,39 @@ TEST_F(WalkingComparisonProgram, ComparesWalks) {
       EXPECT_THAT(text, Not(HasSubstr(of_rises)));
   EXPECT_FALSE(fs::exists(folder_ / "C/cuffs.csv"));
   // By what lake-gait wrote, and by the first comparison's curve.
-  ASSERT_EQ(Shell(folder_, "lake-gait worn.csv -o W").exit_code, 0);
-  ASSERT_EQ(Shell(folder_, "lake-compare C W -o D").exit_code, 0);
+  Done(folder_, "lake-gait worn.csv -o W && lake-compare C W -o D");
   EXPECT_NEAR(ReadJsonFile(folder_ / "D/comparison.json")["joint"]["rms_mm"].get<double>(), 12, 0.5);
 }
 
 TEST_F(WalkingComparisonProgram, DesignsOnlyWhatIsQuickEnough) {
-  ASSERT_EQ(Shell(folder_, "lake-compare walk.csv worn.csv -o C").exit_code, 0);
-  const auto optimize = [&](const std::string& options) {
-    return Shell(folder_, "lake-optimize --comparison C --human-only --starts 4 --penalty 1 -o O " + options);
-  };
+  Done(folder_, "lake-compare walk.csv worn.csv -o C");
+  const std::string optimize = "lake-optimize --comparison C --human-only --starts 4 --penalty 1 -o O ";
   // The paper's actuator, 5 mm/s.
-  Outcome outcome = optimize("");
-  EXPECT_EQ(outcome.exit_code, 3) << outcome.out;
-  EXPECT_THAT(outcome.err, HasSubstr("no program follows this walk"));
+  const Outcome slow = Shell(folder_, optimize);
+  EXPECT_EQ(slow.exit_code, 3) << slow.out;
+  EXPECT_THAT(slow.err, HasSubstr("no program follows this walk"));
   const double needed_s = ReadJsonFile(folder_ / "O/summary.json")["ways_out"][0]["duration_s"];
   EXPECT_GT(needed_s, 20);
-  outcome = optimize(fmt::format("--duration {}", 1.01 * needed_s));
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("NOT USABLE FOR WALKING"));
+  EXPECT_THAT(Done(folder_, fmt::format("{}--duration {}", optimize, 1.01 * needed_s)).err,
+              HasSubstr("NOT USABLE FOR WALKING"));
   EXPECT_FALSE(ReadJsonFile(folder_ / "O/summary.json")["walking"]["is_quick_enough"]);
   // As quick as this needs for the person's own stride.
-  outcome = optimize(fmt::format("--max-speed {}", 1.01 * 5 * needed_s / 1.1));
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  Done(folder_, fmt::format("{}--max-speed {}", optimize, 1.01 * 5 * needed_s / 1.1));
   const Json summary = ReadJsonFile(folder_ / "O/summary.json");
   EXPECT_TRUE(summary["walking"]["is_quick_enough"]);
   EXPECT_LE(summary["stroke_program"]["duration_s"].get<double>(), 1.11);
   EXPECT_NEAR(summary["stroke_program"]["stroke_from_to_mm"][0], summary["stroke_program"]["stroke_from_to_mm"][1],
               1e-3);
   EXPECT_LE(summary["after"]["angle_mismatch_max_deg"].get<double>(), 5.001);
-  outcome = optimize("--pareto 3");
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("--pareto is of sit-to-stands"));
+  ExpectRefused(folder_, optimize + "--pareto 3", 2, "--pareto is of sit-to-stands");
 }
 
 TEST_F(WalkingComparisonProgram, RefusesAnotherMovement) {
-  ASSERT_EQ(Shell(folder_, "lake-compare walk.csv worn.csv -o C").exit_code, 0);
+  Done(folder_, "lake-compare walk.csv worn.csv -o C");
   Json of_rises = ReadJsonFile(folder_ / "C/comparison.json");
   of_rises["movement"] = "sit-to-stand";
   WriteJsonFile(folder_ / "C/comparison.json", of_rises);
-  const Outcome outcome = Shell(folder_, "lake-compare C worn.csv -o D");
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("C is of sit-to-stand and worn.csv of walking"));
+  ExpectRefused(folder_, "lake-compare C worn.csv -o D", 1, "C is of sit-to-stand and worn.csv of walking");
 }
 
 }  // namespace

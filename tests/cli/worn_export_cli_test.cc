@@ -46,7 +46,7 @@ class WornExport : public testing::Test {
   }
 
   Outcome Export() const {
-    return Shell(folder_, "lake-export design.yaml mjcf --body loads.json --motion C -o out --quiet");
+    return Done(folder_, "lake-export design.yaml mjcf --body loads.json --motion C -o out --quiet");
   }
 
   linkage::Design design_;
@@ -54,9 +54,7 @@ class WornExport : public testing::Test {
 };
 
 TEST_F(WornExport, ADesignWithoutProgramFollowsItsTrialsKnee) {
-  const Outcome outcome = Export();
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, Not(HasSubstr("balance")));
+  EXPECT_THAT(Export().err, Not(HasSubstr("balance")));
   const CsvTable course = CsvTable::Read(folder_ / "out/course.csv");
   std::vector<double> knee_rad;
   for (const double knee_deg : compare::ReadComparison(folder_ / "C").exo.knee_deg)
@@ -75,10 +73,8 @@ TEST_F(WornExport, ADesignWithoutProgramFollowsItsTrialsKnee) {
 }
 
 TEST_F(WornExport, OsimIsOfTheSameRise) {
-  const Outcome outcome =
-      Shell(folder_, "lake-export design.yaml osim --body loads.json --motion C -o out --quiet --json");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(Json::parse(outcome.out)["file"], "design.osim");
+  EXPECT_EQ(DoneJson(folder_, "lake-export design.yaml osim --body loads.json --motion C -o out --json")["file"],
+            "design.osim");
   EXPECT_THAT(ReadTextFile(folder_ / "out/design.osim"), HasSubstr("worn_knee_exoskeleton"));
   const CsvTable course = CsvTable::Read(folder_ / "out/course.csv");
   const exchange::MotTable motion = exchange::ReadMot(folder_ / "out/course.mot");
@@ -92,9 +88,7 @@ TEST_F(WornExport, OsimIsOfTheSameRise) {
 
 TEST_F(WornExport, SaysThatTheTrunksLeanForBalanceIsNotTaken) {
   WriteTextFile(folder_ / "balance.csv", "percent,trunk_lean_deg\n0,0\n50,-12\n100,3\n");
-  const Outcome outcome = Export();
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("up to 12 degrees otherwise for balance, as balance.csv says"));
+  EXPECT_THAT(Export().err, HasSubstr("up to 12 degrees otherwise for balance, as balance.csv says"));
 }
 
 }  // namespace
