@@ -7,7 +7,6 @@
 #include <random>
 
 #include "lake/core/error.h"
-#include "lake/core/statistics.h"
 
 namespace lake {
 namespace {

@@ -1,20 +1,18 @@
 // The foot and the ankle: of drawn walks and rises whose angles are known, and of a person.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
 
 #include "drawn_walk.h"
+#include "fitted_movement.h"
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/trial.h"
-#include "lake/gait/gait_cycles.h"
 #include "lake/gait/leg_fit.h"
 #include "name_map.h"
 #include "places.h"
-#include "real_markers.h"
 #include "synthetic_leg.h"
 #include "temporary_folder.h"
 
@@ -27,12 +25,6 @@ using testing::AllOf;
 using testing::Ge;
 using testing::HasSubstr;
 using testing::Le;
-
-gait::LegFitResult FitWalk(const motion::MarkerRecording& recording, const gait::LateralPlaces& lateral = {}) {
-  gait::LegFitResult leg = gait::FitLeg(recording, gait::MakeLegView(recording.unit, {}), {}, lateral);
-  gait::ChooseMovement({}, leg);
-  return leg;
-}
 
 // From lower to upper marker as drawn, x forward.
 Eigen::Vector2d DrawnVector(const motion::MarkerRecording& drawn, const char* lower, const char* upper,
@@ -58,7 +50,7 @@ TEST_P(DrawnFootAngles, AreThoseDrawn) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     DrawnWalkOptions drawn = GetParam();
     drawn.seed = seed;
-    const gait::LegFitResult leg = FitWalk(DrawWalk(drawn));
+    const gait::LegFitResult leg = FitMovement(DrawWalk(drawn));
     drawn.noise_mm = 0;
     const motion::MarkerRecording truth = DrawWalk(drawn);
     for (std::size_t i = 0; i < leg.motion.samples.size(); ++i) {
@@ -107,7 +99,7 @@ motion::MarkerRecording WithFoot(motion::MarkerRecording rise, double toe_mm) {
 }
 
 TEST(Foot, OfARiseRestsOnTheGround) {
-  const gait::LegFitResult fit = FitWalk(WithFoot(MarkedRise(), 150));
+  const gait::LegFitResult fit = FitMovement(WithFoot(MarkedRise(), 150));
   for (const LegSample& sample : fit.motion.samples) {
     EXPECT_NEAR(sample.foot_deg, 0, 0.5);
     EXPECT_DOUBLE_EQ(sample.ankle_deg, sample.shank_deg + sample.foot_deg);
@@ -122,7 +114,7 @@ TEST(Foot, OfARiseRestsOnTheGround) {
 }
 
 TEST(Foot, HasNoColumnsWithoutItsMarkers) {
-  const gait::LegFitResult fit = FitWalk(MarkedRise());
+  const gait::LegFitResult fit = FitMovement(MarkedRise());
   const TemporaryFolder folder;
   motion::WriteKinematicsCsv(folder / "kinematics.csv", fit.motion);
   EXPECT_FALSE(CsvTable::Read(folder / "kinematics.csv").Has("foot_deg"));
@@ -130,10 +122,8 @@ TEST(Foot, HasNoColumnsWithoutItsMarkers) {
 }
 
 TEST(Foot, WithItsMarkersExchangedIsLeftOut) {
-  const gait::LegFitResult fit = FitWalk(WithFoot(MarkedRise(), -250));
-  std::string warnings;
-  for (const std::string& warning : fit.warnings) warnings += warning;
-  EXPECT_THAT(warnings, HasSubstr("'toe' is behind 'heel' in most frames: exchange their names"));
+  const gait::LegFitResult fit = FitMovement(WithFoot(MarkedRise(), -250));
+  EXPECT_THAT(WarningsOf(fit), HasSubstr("'toe' is behind 'heel' in most frames: exchange their names"));
   for (const LegSample& sample : fit.motion.samples)
     EXPECT_TRUE(std::isnan(sample.foot_deg) && std::isnan(sample.ankle_sigma_deg));
 }
@@ -143,11 +133,9 @@ TEST(Foot, WithItsMarkersExchangedIsLeftOut) {
 TEST(Foot, OfAPersonTurnsAsInSpace) {
   const fs::path file = SharedData() / "opensim_walk/walking2.c3d";
   if (!fs::exists(file)) GTEST_SKIP() << "no recordings";
-  exchange::TrialOptions options;
-  options.names = NameMap("ankle=RAJC,knee=RKJC,hip=RHJC,waist=RASI+RPSI,heel=RCAL,toe=RMT2");
-  const exchange::Trial trial = exchange::ReadTrial(file, options);
-  const gait::LegFitResult leg = FitWalk(trial.recording, trial.lateral_mm);
-  const exchange::PointRecording points = exchange::RenamePoints(exchange::ReadPoints(file, {}), options.names, file);
+  const auto names = NameMap("ankle=RAJC,knee=RKJC,hip=RHJC,waist=RASI+RPSI,heel=RCAL,toe=RMT2");
+  const gait::LegFitResult leg = FitMovement(exchange::ReadTrial(file, {names, {}, ""}));
+  const exchange::PointRecording points = exchange::RenamePoints(exchange::ReadPoints(file, {}), names, file);
   std::vector<double> difference_deg;
   double least_deg = 90, most_deg = -90;
   for (std::size_t i = 0; i < leg.motion.samples.size(); ++i) {

@@ -1,5 +1,4 @@
 // The knee angle's standard deviation where the markers' noise lasts for some frames, or grows with their speed.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

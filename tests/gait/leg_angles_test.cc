@@ -25,14 +25,18 @@ gait::LegPoints LegAt(double shank_deg, double thigh_deg, double trunk_deg) {
   return points;
 }
 
+motion::LegSample SampleOf(const gait::LegPoints& points, motion::Facing facing = motion::Facing::kRight,
+                           const Eigen::Vector2d& up = Eigen::Vector2d::UnitY()) {
+  return gait::MakeLegSample(points, facing, up);
+}
+
 gait::LegPoints Mirrored(gait::LegPoints points) {
   for (auto* point : {&points.ankle, &points.knee, &points.hip, &points.waist}) (*point)->x() *= -1;
   return points;
 }
 
 TEST(LegAngles, SeatedLegHasItsKneeInFront) {
-  const motion::LegSample sample =
-      gait::MakeLegSample(LegAt(15, -75, 20), motion::Facing::kRight, Eigen::Vector2d::UnitY());
+  const motion::LegSample sample = SampleOf(LegAt(15, -75, 20));
   EXPECT_NEAR(sample.shank_deg, 15, 1e-12);
   EXPECT_NEAR(sample.thigh_deg, -75, 1e-12);
   EXPECT_NEAR(sample.trunk_deg, 20, 1e-12);
@@ -41,24 +45,20 @@ TEST(LegAngles, SeatedLegHasItsKneeInFront) {
   EXPECT_LT(sample.kh.x(), 0);  // the hip behind the knee
 }
 
-TEST(LegAngles, FacingLeftGivesTheSameSample) {
-  const gait::LegPoints points = LegAt(12, -60, 30);
-  const motion::LegSample right = gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY());
-  const motion::LegSample left = gait::MakeLegSample(Mirrored(points), motion::Facing::kLeft, Eigen::Vector2d::UnitY());
-  EXPECT_NEAR((right.ak - left.ak).norm() + (right.kh - left.kh).norm() + (right.hw - left.hw).norm(), 0, 1e-12);
-  EXPECT_NEAR(right.knee_deg, left.knee_deg, 1e-12);
-  EXPECT_NEAR(right.trunk_deg, left.trunk_deg, 1e-12);
-}
-
-TEST(LegAngles, TiltedPictureNeedsOnlyItsPlumbLine) {
+TEST(LegAngles, FacingLeftOrInATiltedPictureALegGivesTheSameSample) {
   const Eigen::Rotation2D<double> tilt(RadiansFromDegrees(7));
-  gait::LegPoints points = LegAt(12, -60, 30);
-  const motion::LegSample upright = gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY());
-  for (auto* point : {&points.ankle, &points.knee, &points.hip, &points.waist})
+  const gait::LegPoints points = LegAt(12, -60, 30);
+  gait::LegPoints turned = points;
+  for (auto* point : {&turned.ankle, &turned.knee, &turned.hip, &turned.waist})
     *point = Eigen::Vector2d(tilt * **point);
-  const motion::LegSample tilted = gait::MakeLegSample(points, motion::Facing::kRight, tilt * Eigen::Vector2d::UnitY());
-  EXPECT_NEAR(tilted.shank_deg, upright.shank_deg, 1e-12);
-  EXPECT_NEAR(tilted.knee_deg, upright.knee_deg, 1e-12);
+  const motion::LegSample right = SampleOf(points);
+  for (const motion::LegSample& same : {SampleOf(Mirrored(points), motion::Facing::kLeft),
+                                        SampleOf(turned, motion::Facing::kRight, tilt * Eigen::Vector2d::UnitY())}) {
+    EXPECT_NEAR((right.ak - same.ak).norm() + (right.kh - same.kh).norm() + (right.hw - same.hw).norm(), 0, 1e-9);
+    EXPECT_NEAR(right.shank_deg, same.shank_deg, 1e-12);
+    EXPECT_NEAR(right.knee_deg, same.knee_deg, 1e-12);
+    EXPECT_NEAR(right.trunk_deg, same.trunk_deg, 1e-12);
+  }
 }
 
 TEST(LegAngles, KneeAngleIsThePapersFormulaWithASign) {
@@ -77,11 +77,11 @@ TEST(LegAngles, KneeAngleIsThePapersFormulaWithASign) {
 TEST(LegAngles, MissingMarkersLeaveUnknowns) {
   gait::LegPoints points = LegAt(10, -20, 5);
   points.waist.reset();
-  motion::LegSample sample = gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY());
+  motion::LegSample sample = SampleOf(points);
   EXPECT_TRUE(std::isnan(sample.trunk_deg));
   EXPECT_NEAR(sample.knee_deg, 30, 1e-12);
   points.hip.reset();
-  sample = gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY());
+  sample = SampleOf(points);
   EXPECT_TRUE(std::isnan(sample.knee_deg));
   EXPECT_NEAR(sample.shank_deg, 10, 1e-12);
 }

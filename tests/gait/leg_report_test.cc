@@ -1,7 +1,6 @@
 #include "lake/gait/leg_report.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace lake {
 namespace {

@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"
+#include "message_of.h"
 #include "synthetic_leg.h"
 #include "temporary_folder.h"
 
@@ -102,15 +102,17 @@ TEST(LegInSpace, LengthsAndFlexionOfASquatWithOpeningKneesAreThreeDimensional) {
 
 TEST(LegInSpace, SpeedIsThatOfTheAngleAndOtherFiltersAgree) {
   const Squat squat = MakeSquat(50, 100, 0.05, 7);
-  for (const gait::LegFilter filter : {gait::LegFilter::kSpline, gait::LegFilter::kButterworth, gait::LegFilter::kNone})
-    for (std::size_t i = 20; const gait::LegFitResult& result : {FitSquat(squat, "+x", filter)})
-      for (; i + 20 < squat.knee_deg.size(); ++i) {
-        const double slope = (squat.knee_deg[i + 1] - squat.knee_deg[i - 1]) * 50;
-        ASSERT_NEAR(result.motion.samples[i].knee_deg, squat.knee_deg[i], 0.3) << i;
-        if (filter == gait::LegFilter::kSpline) {
-          ASSERT_NEAR(result.motion.samples[i].knee_deg_s, slope, 3) << i;
-        }
+  using gait::LegFilter;
+  for (const LegFilter filter : {LegFilter::kSpline, LegFilter::kButterworth, LegFilter::kNone}) {
+    const gait::LegFitResult result = FitSquat(squat, "+x", filter);
+    for (std::size_t i = 20; i + 20 < squat.knee_deg.size(); ++i) {
+      const double slope = (squat.knee_deg[i + 1] - squat.knee_deg[i - 1]) * 50;
+      ASSERT_NEAR(result.motion.samples[i].knee_deg, squat.knee_deg[i], 0.3) << i;
+      if (filter == LegFilter::kSpline) {
+        ASSERT_NEAR(result.motion.samples[i].knee_deg_s, slope, 3) << i;
       }
+    }
+  }
 }
 
 struct Stance {
@@ -162,19 +164,20 @@ StandingTrial MakeStandingTrial(const Stance& stance, unsigned seed) {
   return trial;
 }
 
-gait::LegFitResult FitFile(const std::filesystem::path& file) {
-  const exchange::Trial trial = exchange::ReadTrial(file, {});
-  return gait::FitLeg(trial.recording, gait::MakeLegView(trial.recording.unit, std::nullopt), {}, trial.lateral_mm);
+// As a file has them: a .trc of space, a .csv of a plane.
+gait::LegFitResult FitFile(const exchange::PointRecording& points, const std::string& name = "a.trc",
+                           const gait::LegFitOptions& options = {}) {
+  const TemporaryFolder folder;
+  exchange::WritePoints(folder / name, points);
+  const exchange::Trial trial = exchange::ReadTrial(folder / name, {});
+  return gait::FitLeg(trial.recording, gait::MakeLegView(trial.recording.unit, {}), options, trial.lateral_mm);
 }
 
 class Hyperextension : public testing::TestWithParam<Stance> {};
 
 TEST_P(Hyperextension, IsNegativeInSpaceAsInThePlane) {
   const StandingTrial trial = MakeStandingTrial(GetParam(), 11);
-  const TemporaryFolder folder;
-  exchange::WritePoints(folder / "a.trc", trial.in_space);
-  exchange::WritePoints(folder / "a.csv", trial.in_plane);
-  const gait::LegFitResult space = FitFile(folder / "a.trc"), plane = FitFile(folder / "a.csv");
+  const gait::LegFitResult space = FitFile(trial.in_space), plane = FitFile(trial.in_plane, "a.csv");
   EXPECT_TRUE(space.lateral) << "the file of space was read as one of a plane";
   double square = 0, raw = 0, between = 0, mean_standing = 0;
   int standing = 0;
@@ -210,9 +213,7 @@ TEST(LegInSpace, ABendToTheSideLetsTheAnglePassThroughStraight) {
   StandingTrial trial = MakeStandingTrial({-8, 0, 0, 1, false, 0.02, ""}, 3);
   for (std::size_t i = 0; i < trial.knee_deg.size(); ++i)
     trial.in_space.points[2].positions[i].z() += 410 * std::tan(RadiansFromDegrees(6));
-  const TemporaryFolder folder;
-  exchange::WritePoints(folder / "a.trc", trial.in_space);
-  const gait::LegFitResult result = FitFile(folder / "a.trc");
+  const gait::LegFitResult result = FitFile(trial.in_space);
   double steepest = 0, fastest = 0;
   for (std::size_t i = 1; i < trial.knee_deg.size(); ++i) {
     const double step = result.motion.samples[i].knee_deg - result.motion.samples[i - 1].knee_deg,
@@ -227,32 +228,19 @@ TEST(LegInSpace, ABendToTheSideLetsTheAnglePassThroughStraight) {
 
 TEST(LegInSpace, AFacingThatIsWrongMakesFlexionNegative) {
   const StandingTrial trial = MakeStandingTrial({0, 10, 0, 1, false, 0.3, ""}, 5);
-  const TemporaryFolder folder;
-  exchange::WritePoints(folder / "a.trc", trial.in_space);
-  const exchange::Trial read = exchange::ReadTrial(folder / "a.trc", {});
-  for (const motion::Facing facing : {motion::Facing::kRight, motion::Facing::kLeft}) {
-    gait::LegFitOptions options;
-    options.facing = facing;
-    const auto fit = [&] {
-      return gait::FitLeg(read.recording, gait::MakeLegView(read.recording.unit, {}), options, read.lateral_mm);
-    };
-    if (facing == motion::Facing::kRight)
-      EXPECT_GT(fit().motion.samples.front().knee_deg, 90);
-    else
-      EXPECT_THROW(fit(), Error);
-  }
+  gait::LegFitOptions options;
+  options.facing = motion::Facing::kRight;
+  EXPECT_GT(FitFile(trial.in_space, "a.trc", options).motion.samples.front().knee_deg, 90);
+  options.facing = motion::Facing::kLeft;
+  EXPECT_THROW(FitFile(trial.in_space, "a.trc", options), Error);
 }
 
 TEST(LegInSpace, ALimbThatChangesItsLengthInSpaceIsRefusedStill) {
   Squat squat = MakeSquat(0, 100, 0.1, 5);
   for (std::size_t i = 0; i < squat.knee_deg.size(); ++i)
     squat.points.points[2].positions[i].z() += 5 * squat.knee_deg[i];  // up to 540 mm sideways
-  try {
-    FitSquat(squat, "+x", gait::LegFilter::kSpline);
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("'knee' to 'hip' changes by"));
-  }
+  EXPECT_THAT(MessageOf([&] { FitSquat(squat, "+x", gait::LegFilter::kSpline); }),
+              testing::HasSubstr("'knee' to 'hip' changes by"));
 }
 
 // Points of a program that needs no markers: the thigh is a third shorter in the deep squat than in standing. The trial

@@ -2,7 +2,6 @@
 #include "lake/gait/marker_measures.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>

@@ -1,7 +1,6 @@
 // Recordings of walking that are none, or in which no stride is whole: a sentence says what was seen, and no cycle is
 // made up.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <random>
 
 #include "drawn_walk.h"
+#include "fitted_movement.h"
 #include "lake/exchange/trial.h"
 #include "lake/gait/gait_cycles.h"
 #include "lake/gait/leg_fit.h"
@@ -22,12 +22,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-std::string WarningsOf(const gait::LegFitResult& leg) {
-  std::string text;
-  for (const std::string& warning : leg.warnings) text += warning + "\n";
-  return text;
-}
 
 gait::LegFitResult FitAs(const motion::MarkerRecording& recording, gait::MovementKind kind,
                          double camera_distance = 0) {
@@ -88,24 +82,31 @@ TEST(NotWalking, WhoStandsIsSaidNotToWalk) {
   EXPECT_THAT(FitAs(standing, gait::MovementKind::kAuto).events, IsEmpty());
 }
 
+// The way of a recording, a second out of sight, and the way back as `back` makes it of each sample.
+template <typename Back>
+motion::MarkerRecording ThereAndBack(const motion::MarkerRecording& way, const Back& back) {
+  motion::MarkerRecording both = way;
+  for (std::size_t m = 0; m < way.markers.size(); ++m) {
+    auto& samples = both.markers[m].samples;
+    samples.resize(samples.size() + 100);
+    for (const motion::MarkerSample& sample : way.markers[m].samples) samples.push_back(back(sample));
+  }
+  for (std::size_t i = way.frame.size(); i < both.markers[0].samples.size(); ++i) {
+    both.frame.push_back(way.frame.front() + static_cast<std::int64_t>(i));
+    both.time_s.push_back(static_cast<double>(i) / 100);
+  }
+  return both;
+}
+
 // Through the picture, out of sight, and back with the other side to the camera.
 TEST(NotWalking, WhoTurnsIsMeasuredOneWayOnly) {
-  motion::MarkerRecording there = DrawWalk(Quiet(6));
-  const motion::MarkerRecording way = there;
+  const motion::MarkerRecording way = DrawWalk(Quiet(6));
   const double far = way.Find("hip")->samples.back().position.x();
-  for (std::size_t m = 0; m < there.markers.size(); ++m) {
-    for (std::size_t i = 0; i < 100; ++i) there.markers[m].samples.push_back({});
-    for (const motion::MarkerSample& sample : way.markers[m].samples) {
-      motion::MarkerSample back = sample;
-      back.position.x() = far - sample.position.x();
-      there.markers[m].samples.push_back(back);
-    }
-  }
-  for (std::size_t i = there.frame.size(); i < there.markers[0].samples.size(); ++i) {
-    there.frame.push_back(static_cast<std::int64_t>(i));
-    there.time_s.push_back(static_cast<double>(i) / 100);
-  }
-  const gait::LegFitResult leg = FitAs(there, gait::MovementKind::kAuto);
+  const auto back = [&](motion::MarkerSample sample) {
+    sample.position.x() = far - sample.position.x();
+    return sample;
+  };
+  const gait::LegFitResult leg = FitAs(ThereAndBack(way, back), gait::MovementKind::kAuto);
   EXPECT_THAT(WarningsOf(leg), HasSubstr("faces the other way"));
   const gait::Measures<gait::GaitCycle> cycles = gait::MeasureGaitCycles(leg);
   EXPECT_GE(cycles.rows.size(), 3u);
@@ -120,28 +121,19 @@ TEST(NotWalking, WhoTurnsIsMeasuredOneWayOnly) {
 TEST(NotWalking, SaysOfPeopleWhetherTheyWalkBackwardOrFaceTheOtherWay) {
   const std::filesystem::path file = SharedData() / "walking_force_plates/walking1.trc";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no recordings";
-  exchange::TrialOptions options;
-  options.names = NameMap(std::string(kRightLeg) + ",heel=r_calc,toe=r_toe");
-  const motion::MarkerRecording pass = exchange::ReadTrial(file, options).recording;
-  motion::MarkerRecording back = pass, there_and_back = pass;
-  for (std::size_t m = 0; m < pass.markers.size(); ++m) {
-    std::ranges::reverse(back.markers[m].samples);
-    auto& samples = there_and_back.markers[m].samples;
-    samples.resize(samples.size() + 100);
-    for (motion::MarkerSample sample : pass.markers[m].samples) {
-      sample.position.x() *= -1;
-      samples.push_back(sample);
-    }
-  }
-  for (std::size_t i = pass.frame.size(); i < there_and_back.markers[0].samples.size(); ++i) {
-    there_and_back.frame.push_back(pass.frame.front() + static_cast<std::int64_t>(i));
-    there_and_back.time_s.push_back(static_cast<double>(i) / 100);
-  }
+  const motion::MarkerRecording pass =
+      exchange::ReadTrial(file, {NameMap(std::string(kRightLeg) + ",heel=r_calc,toe=r_toe"), {}, ""}).recording;
+  motion::MarkerRecording back = pass;
+  for (motion::MarkerTrack& marker : back.markers) std::ranges::reverse(marker.samples);
+  const auto mirrored = [](motion::MarkerSample sample) {
+    sample.position.x() *= -1;
+    return sample;
+  };
   const auto times_said = [](const gait::LegFitResult& leg, const char* what) {
     return std::ranges::count_if(leg.warnings, [&](const auto& said) { return said.find(what) != std::string::npos; });
   };
   const gait::LegFitResult backward = FitAs(back, gait::MovementKind::kAuto),
-                           turning = FitAs(there_and_back, gait::MovementKind::kAuto);
+                           turning = FitAs(ThereAndBack(pass, mirrored), gait::MovementKind::kAuto);
   EXPECT_THAT(backward.events, IsEmpty());
   EXPECT_EQ(times_said(backward, "walks backward"), 1);
   EXPECT_EQ(times_said(turning, "walks backward"), 0);

@@ -2,12 +2,13 @@
 #include "lake/gait/persons_leg.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
 
-#include "lake/core/error.h"
+#include "fitted_movement.h"
 #include "lake/exchange/trial.h"
+#include "message_of.h"
 #include "name_map.h"
 #include "places.h"
 #include "real_markers.h"
@@ -23,14 +24,11 @@ using testing::HasSubstr;
 #define REQUIRE_TRIAL(name) \
   if (!fs::exists(SharedData() / name)) GTEST_SKIP() << (SharedData() / name).string() << " is not here"
 
-gait::LegFitResult Fit(const exchange::Trial& trial, gait::LegFitOptions options = {}) {
+gait::LegFitResult Fit(const std::string& file, const std::string& names, char up, const std::string& forward = "") {
+  const exchange::Trial trial = exchange::ReadTrial(SharedData() / file, {NameMap(names), up, forward});
+  gait::LegFitOptions options;
   if (trial.faces_right) options.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
-  return gait::FitLeg(trial.recording, gait::MakeLegView(trial.recording.unit, {}), options, trial.lateral_mm);
-}
-
-gait::LegFitResult Fit(const std::string& file, const std::string& names, std::optional<char> up = {},
-                       const std::string& forward = "", const gait::LegFitOptions& options = {}) {
-  return Fit(exchange::ReadTrial(SharedData() / file, {NameMap(names), up, forward}), options);
+  return FitTrial(trial, options);
 }
 
 struct TrueTrial {
@@ -79,12 +77,8 @@ class WrongTrials : public testing::TestWithParam<WrongTrial> {};
 TEST_P(WrongTrials, AreRefusedWithWhatToDo) {
   for (const char* file : {"sts_force_plates/STS1.trc", "opencap_sts/sts_default_markers.trc"}) {
     REQUIRE_TRIAL(file);
-    try {
-      Fit(file, GetParam().names, 'y', GetParam().forward);
-      ADD_FAILURE() << file << " was taken";
-    } catch (const Error& error) {
-      EXPECT_THAT(error.what(), HasSubstr(GetParam().message)) << file;
-    }
+    EXPECT_THAT(MessageOf([&] { Fit(file, GetParam().names, 'y', GetParam().forward); }), HasSubstr(GetParam().message))
+        << file;
   }
 }
 
@@ -111,13 +105,8 @@ TEST(PersonsLeg, AFacingThatIsWrongIsNamedInThePlane) {
   options.facing = motion::Facing::kLeft;
   for (const char* said : {"--facing left", "--forward"}) {
     if (said != std::string("--facing left")) options.said_facing = said;
-    try {
-      gait::FitLeg(tracks, ScaledView(), options);
-      ADD_FAILURE() << "no error";
-    } catch (const Error& error) {
-      EXPECT_THAT(error.what(),
-                  AllOf(HasSubstr("the knee angle is -10"), HasSubstr(fmt::format("or {} is wrong", said))));
-    }
+    EXPECT_THAT(MessageOf([&] { gait::FitLeg(tracks, ScaledView(), options); }),
+                AllOf(HasSubstr("the knee angle is -10"), HasSubstr(fmt::format("or {} is wrong", said))));
   }
 }
 
@@ -129,12 +118,8 @@ TEST(PersonsLeg, AUnitThatIsNotMmIsAskedAboutBeforeTheFit) {
     view.mm_per_px = *view.mm_per_px / mm_per_unit;
     gait::LegFitOptions options;
     options.unit_question = [](const std::string& fits) { return "asked about " + fits; };
-    try {
-      gait::FitLeg(tracks, view, options);
-      ADD_FAILURE() << "a leg of " << 430 / mm_per_unit << " mm was taken";
-    } catch (const Error& error) {
-      EXPECT_THAT(error.what(), AllOf(HasSubstr("the shank is"), HasSubstr(std::string("asked about ") + unit)));
-    }
+    EXPECT_THAT(MessageOf([&] { gait::FitLeg(tracks, view, options); }),
+                AllOf(HasSubstr("the shank is"), HasSubstr(std::string("asked about ") + unit)));
   }
 }
 
@@ -148,12 +133,7 @@ TEST(PersonsLeg, AMotionWhoseTrunkFallsBackwardOrWhoseShankLiesIsRefused) {
   const auto refused = [&](const std::function<void(motion::LegSample&)>& change, const std::string& message) {
     motion::LegMotion motion = good.motion;
     for (motion::LegSample& sample : motion.samples) change(sample);
-    try {
-      gait::CheckPersonsLeg(gait::PathOf(motion), good.events, {});
-      ADD_FAILURE() << message << ": was taken";
-    } catch (const Error& error) {
-      EXPECT_THAT(error.what(), HasSubstr(message));
-    }
+    EXPECT_THAT(MessageOf([&] { gait::CheckPersonsLeg(gait::PathOf(motion), good.events, {}); }), HasSubstr(message));
   };
   const auto turned = [](const Eigen::Vector2d& v, double deg) {
     return Eigen::Vector2d(Eigen::Rotation2Dd(-RadiansFromDegrees(deg)) * v);

@@ -1,6 +1,5 @@
 // The leg fit on real motions, seen with noise of known size: people move less smoothly than drawn figures.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -97,27 +96,39 @@ ResampledLeg Resample(const exchange::Trial& trial, double rate_hz) {
   return leg;
 }
 
-class RealMotionFit : public testing::TestWithParam<RealMotion> {};
+std::vector<motion::LegSample> TruthOf(const ResampledLeg& leg, motion::Facing facing) {
+  std::vector<motion::LegSample> truth;
+  for (const gait::LegPoints& points : leg.points_mm)
+    truth.push_back(gait::MakeLegSample(points, facing, Eigen::Vector2d::UnitY()));
+  return truth;
+}
+
+gait::LegFitOptions KnownSigmas() {
+  gait::LegFitOptions options;
+  options.known_sigmas = true;
+  return options;
+}
+
+class RealMotionFit : public testing::TestWithParam<RealMotion> {
+ protected:
+  void SetUp() override {
+    if (!fs::exists(FileOf(GetParam()))) GTEST_SKIP() << FileOf(GetParam()) << " is not here";
+  }
+};
 
 // A marker's path has jolts that the density of a tenth of a second does not know: where the noise is a few hundredths
 // of a millimetre, errors are up to 1.75 SD.
 constexpr double kMostNormalized = 1.4, kMostNormalizedByJolts = 1.75;
 
 TEST_P(RealMotionFit, TheEstimateIsNoWorseThanTheMeasurement) {
-  if (!fs::exists(FileOf(GetParam()))) GTEST_SKIP() << FileOf(GetParam()) << " is not here";
   const exchange::Trial trial = Read(GetParam());
-  gait::LegFitOptions options;
-  options.known_sigmas = true;
   unsigned seed = 0;
   for (const double rate_hz : {25.0, 60.0})
     for (const double sigma_px : {0.03, 0.1, 0.3}) {
       const ResampledLeg leg = Resample(trial, rate_hz);
-      const gait::LegFitResult result =
-          gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {sigma_px}, ++seed), ScaledView(), options);
-      std::vector<motion::LegSample> truth;
-      for (const gait::LegPoints& points : leg.points_mm)
-        truth.push_back(gait::MakeLegSample(points, result.motion.facing, Eigen::Vector2d::UnitY()));
-      const KneeErrors errors = CompareKnee(result.motion, truth);
+      const auto tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {sigma_px}, ++seed);
+      const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), KnownSigmas());
+      const KneeErrors errors = CompareKnee(result.motion, TruthOf(leg, result.motion.facing));
       SCOPED_TRACE(testing::Message() << rate_hz << " Hz, " << sigma_px << " px");
       EXPECT_LE(errors.rms_deg, 1.03 * errors.raw_rms_deg);
       EXPECT_GE(errors.normalized, 0.7);
@@ -129,17 +140,12 @@ TEST_P(RealMotionFit, TheEstimateIsNoWorseThanTheMeasurement) {
 // What coding displaces lasts for some frames: the path goes along with it, so nothing is gained by taking it away.
 // Where all noise was taken for white, error/SD was up to 1.6.
 TEST_P(RealMotionFit, ErrorsThatLastForSomeFramesAreStatedAndDoNotBendTheEstimate) {
-  if (!fs::exists(FileOf(GetParam()))) GTEST_SKIP() << FileOf(GetParam()) << " is not here";
   const ResampledLeg leg = Resample(Read(GetParam()), 30);
-  gait::LegFitOptions options;
-  options.known_sigmas = true;
+  gait::LegFitOptions options = KnownSigmas();
   options.lasting_share = 0.7;
   const gait::LegFitResult result = gait::FitLeg(
       MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.1, NoiseKind::kBrief}, 7), ScaledView(), options);
-  std::vector<motion::LegSample> truth;
-  for (const gait::LegPoints& points : leg.points_mm)
-    truth.push_back(gait::MakeLegSample(points, result.motion.facing, Eigen::Vector2d::UnitY()));
-  const KneeErrors errors = CompareKnee(result.motion, truth);
+  const KneeErrors errors = CompareKnee(result.motion, TruthOf(leg, result.motion.facing));
   EXPECT_GE(errors.normalized, 0.8);
   EXPECT_LE(errors.normalized, 1.55);  // in five of these six at most 1.4
   EXPECT_LE(errors.rms_deg, 1.03 * errors.raw_rms_deg);
@@ -160,8 +166,7 @@ gait::LegFitResult FitInSpace(const ResampledLeg& leg, const gait::LegView& view
   std::normal_distribution<double> noise(0, sigma_mm);
   for (auto& [name, values] : lateral_mm)
     for (double& value : values) value += noise(random);
-  gait::LegFitOptions options;
-  options.known_sigmas = true;
+  gait::LegFitOptions options = KnownSigmas();
   options.facing = facing;
   return gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, view, {sigma_mm}, seed), view, options, lateral_mm);
 }
@@ -181,7 +186,6 @@ double PositionDeviations(const motion::MarkerRecording& estimate, const motion:
 
 // In space, with the noise of laboratories and of cameras.
 TEST_P(RealMotionFit, InSpaceTheEstimateIsNoWorseThanTheMeasurement) {
-  if (!fs::exists(FileOf(GetParam()))) GTEST_SKIP() << FileOf(GetParam()) << " is not here";
   const exchange::Trial trial = Read(GetParam());
   unsigned seed = 0;
   const gait::LegView view = gait::MakeLegView(motion::LengthUnit::kMm, {});
@@ -236,8 +240,6 @@ TEST(RealMotionGaps, TheSdHoldsWhereAMarkerIsHidden) {
     }
   } seen, brief, hidden;
   constexpr double kBrief_s = 0.1;
-  gait::LegFitOptions options;
-  options.known_sigmas = true;
   std::mt19937 random(11);
   for (const RealMotion& motion : kRealMotions) {
     if (!fs::exists(FileOf(motion))) GTEST_SKIP() << FileOf(motion) << " is not here";
@@ -247,14 +249,13 @@ TEST(RealMotionGaps, TheSdHoldsWhereAMarkerIsHidden) {
       for (const double sigma_px : {0.05, 0.2}) {
         motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {sigma_px}, random());
         const std::vector<std::size_t> gaps = Hide(tracks, random);
-        const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), options);
+        const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), KnownSigmas());
+        const std::vector<motion::LegSample> truth = TruthOf(leg, result.motion.facing);
         for (std::size_t i = 0; i < gaps.size(); ++i) {
           const motion::LegSample& sample = result.motion.samples[i];
           if (!std::isfinite(sample.knee_deg)) continue;
-          const double truth_deg =
-              gait::MakeLegSample(leg.points_mm[i], result.motion.facing, Eigen::Vector2d::UnitY()).knee_deg;
           Frames& frames = gaps[i] == 0 ? seen : static_cast<double>(gaps[i]) < kBrief_s * rate_hz ? brief : hidden;
-          frames.deviations.push_back((sample.knee_deg - truth_deg) / sample.knee_sigma_deg);
+          frames.deviations.push_back((sample.knee_deg - truth[i].knee_deg) / sample.knee_sigma_deg);
           frames.sigmas_deg.push_back(sample.knee_sigma_deg);
         }
       }
@@ -271,13 +272,20 @@ TEST(RealMotionGaps, TheSdHoldsWhereAMarkerIsHidden) {
   EXPECT_LE(Median(brief.sigmas_deg), 2.3 * Median(seen.sigmas_deg));
 }
 
-// Of the knee angle from the truth, in its SDs, in frames begin..end − 1.
-double WorstInGap(const motion::LegMotion& motion, const ResampledLeg& leg, std::size_t begin, std::size_t end) {
+// Of the knee angle from the truth, in its SDs, where a marker is hidden in frames begin..end − 1; the worst of three
+// draws of noise.
+double WorstInGap(const ResampledLeg& leg, const char* hidden, std::size_t begin, std::size_t end, double sigma_px) {
   double worst = 0;
-  for (std::size_t i = begin; i < end; ++i) {
-    const motion::LegSample& sample = motion.samples[i];
-    const double truth_deg = gait::MakeLegSample(leg.points_mm[i], motion.facing, Eigen::Vector2d::UnitY()).knee_deg;
-    worst = std::max(worst, std::abs(sample.knee_deg - truth_deg) / sample.knee_sigma_deg);
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {sigma_px}, seed);
+    const auto marker = std::ranges::find(tracks.markers, hidden, &motion::MarkerTrack::name);
+    for (std::size_t i = begin; i < end; ++i) marker->samples[i] = {};
+    const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), KnownSigmas());
+    const std::vector<motion::LegSample> truth = TruthOf(leg, result.motion.facing);
+    for (std::size_t i = begin; i < end; ++i) {
+      const motion::LegSample& sample = result.motion.samples[i];
+      worst = std::max(worst, std::abs(sample.knee_deg - truth[i].knee_deg) / sample.knee_sigma_deg);
+    }
   }
   return worst;
 }
@@ -298,16 +306,8 @@ TEST(RealMotionGaps, TheSdHoldsWhereOnlyOtherSegmentsAreSeenToStop) {
                return knee_deg(points) < 10 && knee_deg(*(&points + 1)) > knee_deg(points);
              });
   const auto at = static_cast<std::size_t>(stops - leg.points_mm.begin());
-  gait::LegFitOptions options;
-  options.known_sigmas = true;
-  for (const unsigned seed : {1u, 2u, 3u}) {
-    motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.05}, seed);
-    const auto hip = std::ranges::find(tracks.markers, "hip", &motion::MarkerTrack::name);
-    const std::size_t begin = at - std::lround(kBefore_s * kRateHz), end = at + std::lround(kAfter_s * kRateHz);
-    for (std::size_t i = begin; i < end; ++i) hip->samples[i] = {};
-    const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), options);
-    EXPECT_LT(WorstInGap(result.motion, leg, begin, end), 4) << seed;
-  }
+  const std::size_t begin = at - std::lround(kBefore_s * kRateHz), end = at + std::lround(kAfter_s * kRateHz);
+  EXPECT_LT(WorstInGap(leg, "hip", begin, end, 0.05), 4);
 }
 
 // The knee is hidden while the person meets the seat, where the thigh's skin is jolted. The angle was off by 5.3 SD in
@@ -321,16 +321,7 @@ TEST(RealMotionGaps, TheSdHoldsWhereTheSeatIsMet) {
   const auto index_of = [&](double at_s) {
     return static_cast<std::size_t>(std::ranges::lower_bound(leg.time_s, at_s) - leg.time_s.begin());
   };
-  const std::size_t begin = index_of(kFrom_s), end = index_of(kTo_s);
-  gait::LegFitOptions options;
-  options.known_sigmas = true;
-  for (const unsigned seed : {1u, 2u, 3u}) {
-    motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.1}, seed);
-    const auto knee = std::ranges::find(tracks.markers, "knee", &motion::MarkerTrack::name);
-    for (std::size_t i = begin; i < end; ++i) knee->samples[i] = {};
-    const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), options);
-    EXPECT_LT(WorstInGap(result.motion, leg, begin, end), 4.7) << seed;
-  }
+  EXPECT_LT(WorstInGap(leg, "knee", index_of(kFrom_s), index_of(kTo_s), 0.1), 4.7);
 }
 
 class GoldStandard : public testing::TestWithParam<RealMotion> {};

@@ -8,7 +8,6 @@
 #include <random>
 #include <vector>
 
-#include "lake/core/statistics.h"
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"
 #include "name_map.h"

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -341,18 +340,16 @@ TEST(SitToStand, TableHasARowARiseAndTheTest) {
   gait::WriteSitToStandCsv(folder / "sit_to_stand.csv", gait::MeasureSitToStands(fit), fit.motion.unit);
   const CsvTable table = CsvTable::Read(folder / "sit_to_stand.csv");
   ASSERT_EQ(table.Rows(), 3u);
-  EXPECT_THAT(ReadTextFile(folder / "sit_to_stand.csv"),
-              testing::StartsWith("repetition,onset_s,seat_off_s,standing_s,rise_s,flexion_s,transfer_s,extension_s,"
-                                  "descent_s,"));
   // The fourth phase, the pelvis and the centre of mass came later, and stand behind for those who read columns by
   // their order.
+  const std::string later =
+      ",five_times_s{0},stabilisation_s{0},trunk_pelvis_seat_off_deg{0},trunk_pelvis_max_deg{0},com_seat_off_mm{0},"
+      "com_forward_max_mm_s{0},com_upward_max_mm_s{0}";
   EXPECT_THAT(ReadTextFile(folder / "sit_to_stand.csv"),
-              testing::HasSubstr(",five_times_s,stabilisation_s,trunk_pelvis_seat_off_deg,trunk_pelvis_max_deg,"
-                                 "com_seat_off_mm,com_forward_max_mm_s,com_upward_max_mm_s,onset_s_sd,"));
-  EXPECT_THAT(ReadTextFile(folder / "sit_to_stand.csv"),
-              testing::HasSubstr(",five_times_s_sd,stabilisation_s_sd,trunk_pelvis_seat_off_deg_sd,"
-                                 "trunk_pelvis_max_deg_sd,com_seat_off_mm_sd,com_forward_max_mm_s_sd,"
-                                 "com_upward_max_mm_s_sd\n"));
+              testing::AllOf(testing::StartsWith("repetition,onset_s,seat_off_s,standing_s,rise_s,flexion_s,transfer_s,"
+                                                 "extension_s,descent_s,"),
+                             testing::HasSubstr(fmt::format(fmt::runtime(later), "") + ",onset_s_sd,"),
+                             testing::HasSubstr(fmt::format(fmt::runtime(later), "_sd") + "\n")));
   EXPECT_TRUE(table.Has("hip_speed_max_mm_s_sd"));
   EXPECT_TRUE(table.Number(0, table.Column("rise_s")));
   EXPECT_FALSE(table.Number(1, table.Column("rise_s")));  // the recording ends before the person stands
@@ -405,10 +402,7 @@ TEST(SitToStand, TableTellsTheEventsDeviations) {
 // A recording of px has no power, and its lengths are in px.
 TEST(SitToStand, WithoutAScaleThereIsNoPower) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 50, .repetitions = 1});
-  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {}, 3);
-  gait::LegView view;
-  gait::LegFitOptions options;
-  const gait::LegFitResult fit = gait::FitLeg(tracks, view, options);
+  const gait::LegFitResult fit = gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {}, 3), {});
   const TemporaryFolder folder;
   gait::WriteSitToStandCsv(folder / "sit_to_stand.csv", gait::MeasureSitToStands(fit), fit.motion.unit);
   const CsvTable table = CsvTable::Read(folder / "sit_to_stand.csv");

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <map>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "lake/exchange/trial.h"

@@ -1,7 +1,6 @@
 #include "lake/gait/sts_events.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>

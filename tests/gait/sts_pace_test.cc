@@ -78,6 +78,11 @@ motion::StsEvent OnsetOf(const gait::StsSignals& signals) {
 
 constexpr double kLength_s = kRest_s + kRise_s + 2;
 
+// So long a rise after the same rest.
+Warp Lasting(double rise_s) {
+  return [=](double t) { return kRest_s + (t - kRest_s) * kRise_s / rise_s; };
+}
+
 Events Natural() {
   return EventsOf(Play([](double t) { return t; }, kLength_s, 60));
 }
@@ -123,8 +128,7 @@ TEST(StsPace, EventsAreThoseOfThePath) {
     for (const double slide_mm : {0.0, 60.0}) {
       const double factor = rise_s / kRise_s;
       const auto at = [&](double event_s) { return kRest_s + (event_s - kRest_s) * factor; };
-      const Events slow = EventsOf(
-          Play([&](double t) { return kRest_s + (t - kRest_s) / factor; }, kRest_s + rise_s + 2, 60, {}, slide_mm));
+      const Events slow = EventsOf(Play(Lasting(rise_s), kRest_s + rise_s + 2, 60, {}, slide_mm));
       SCOPED_TRACE(testing::Message() << rise_s << " s, sliding by " << slide_mm << " mm");
       EXPECT_NEAR(slow.onset_s, at(natural.onset_s), 0.005 * rise_s + 0.01);
       EXPECT_NEAR(slow.seat_off_s, at(natural.seat_off_s), 0.005 * rise_s + 0.01);
@@ -140,8 +144,7 @@ TEST(StsPace, SwayHardlyMovesTheEvents) {
     for (const double rise_s : {2.0, 4.0, 8.0, 16.0, 35.0})
       for (unsigned seed = 1; seed <= 20; ++seed) {
         const double factor = rise_s / kRise_s;
-        const Events slow = EventsOf(Play([&](double t) { return kRest_s + (t - kRest_s) / factor; },
-                                          kRest_s + rise_s + 3, 60, {0.2, 0.2, 1, seed}, slide_mm));
+        const Events slow = EventsOf(Play(Lasting(rise_s), kRest_s + rise_s + 3, 60, {0.2, 0.2, 1, seed}, slide_mm));
         const auto error_s = [&](double found_s, double event_s) {
           return std::abs(found_s - kRest_s - (event_s - kRest_s) * factor);
         };
@@ -312,9 +315,7 @@ TEST(StsPace, TheOnsetsDeviationHoldsTheSway) {
 // Who keeps still has an onset that is known as well as the markers are, here exactly.
 TEST(StsPace, WithoutSwayNothingIsAddedToTheDeviation) {
   for (const double rise_s : {2.0, 8.0, 35.0}) {
-    const double factor = rise_s / kRise_s;
-    const motion::StsEvent onset =
-        OnsetOf(Play([&](double t) { return kRest_s + (t - kRest_s) / factor; }, kRest_s + rise_s + 3, 60));
+    const motion::StsEvent onset = OnsetOf(Play(Lasting(rise_s), kRest_s + rise_s + 3, 60));
     EXPECT_LT(onset.sd_s, 0.001 * rise_s) << rise_s;
   }
 }

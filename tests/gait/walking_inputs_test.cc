@@ -1,6 +1,5 @@
 // What is given beside the markers of a walk: force plates, events, quiet standing; and squats' measures.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
@@ -10,6 +9,7 @@
 
 #include "drawn_walk.h"
 #include "draws.h"
+#include "fitted_movement.h"
 #include "lake/core/angles.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
@@ -48,11 +48,10 @@ void AddNoise(double noise_mm, unsigned seed, motion::MarkerRecording& recording
     }
 }
 
-gait::LegFitResult FitWith(const motion::MarkerRecording& recording, const gait::MovementOptions& movement = {},
-                           const gait::LateralPlaces& lateral = {}) {
-  gait::LegFitResult leg = gait::FitLeg(recording, gait::MakeLegView(recording.unit, {}), {}, lateral);
-  gait::ChooseMovement(movement, leg);
-  return leg;
+gait::LegFitResult FitWith(const motion::MarkerRecording& recording, const gait::PlateContact& contact) {
+  gait::MovementOptions movement;
+  movement.walking.contacts = {contact};
+  return FitMovement(recording, {}, movement);
 }
 
 // The contact of the drawn walk's own or other foot in its second stride, by an amount later than it is drawn.
@@ -64,6 +63,10 @@ gait::PlateContact ContactOf(const DrawnWalkOptions& drawn, bool is_other, doubl
   contact.end_s = contact.begin_s + drawn.stance * drawn.stride_s;
   contact.begin_sd_s = contact.end_sd_s = 0.001;
   return contact;
+}
+
+void RemoveOther(motion::MarkerRecording& walk) {
+  std::erase_if(walk.markers, [](const motion::MarkerTrack& marker) { return marker.name.starts_with("other"); });
 }
 
 struct Contact {
@@ -78,13 +81,10 @@ TEST_P(PlateContacts, AreOfTheFootThatStays) {
   DrawnWalkOptions drawn;
   drawn.noise_mm = 0.5;
   motion::MarkerRecording walk = DrawWalk(drawn);
-  if (!has_other_markers)
-    std::erase_if(walk.markers, [](const motion::MarkerTrack& marker) { return marker.name.starts_with("other"); });
+  if (!has_other_markers) RemoveOther(walk);
   const double later_s = 0.04;
-  gait::MovementOptions movement;
-  movement.walking.contacts = {ContactOf(drawn, is_other, later_s)};
-  const gait::PlateContact& contact = movement.walking.contacts.front();
-  const gait::LegFitResult leg = FitWith(walk, movement);
+  const gait::PlateContact contact = ContactOf(drawn, is_other, later_s);
+  const gait::LegFitResult leg = FitWith(walk, contact);
   const std::vector<gait::PlateEvent>& found = leg.movement.walk.by_plate;
   if (is_other && !has_other_markers) {
     EXPECT_TRUE(found.empty());
@@ -103,7 +103,7 @@ TEST_P(PlateContacts, AreOfTheFootThatStays) {
   EXPECT_EQ(taken, 2);
   // As the drawn events are found within 4.5 % of the stride (walking_test.cc).
   for (const gait::PlateEvent& of : found) EXPECT_NEAR(of.markers_later_s, -later_s, 0.045 * drawn.stride_s);
-  EXPECT_EQ(leg.events.size(), FitWith(walk).events.size());
+  EXPECT_EQ(leg.events.size(), FitMovement(walk).events.size());
 }
 
 INSTANTIATE_TEST_SUITE_P(Contacts, PlateContacts,
@@ -115,27 +115,24 @@ TEST(PlateContact, OfBothFeetGivesEachItsOwnEvent) {
   const DrawnWalkOptions drawn;
   gait::PlateContact both = ContactOf(drawn, false, 0);
   both.end_s = ContactOf(drawn, true, 0).end_s;
-  gait::MovementOptions movement;
-  movement.walking.contacts = {both};
-  const std::vector<gait::PlateEvent> found = FitWith(DrawWalk(drawn), movement).movement.walk.by_plate;
+  motion::MarkerRecording walk = DrawWalk(drawn);
+  const std::vector<gait::PlateEvent> found = FitWith(walk, both).movement.walk.by_plate;
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].event.kind, StsEventKind::kHeelStrike);
   EXPECT_EQ(found[1].event.kind, StsEventKind::kToeOffOther);
-  motion::MarkerRecording one_leg = DrawWalk(drawn);
-  std::erase_if(one_leg.markers, [](const motion::MarkerTrack& marker) { return marker.name.starts_with("other"); });
-  EXPECT_EQ(FitWith(one_leg, movement).movement.walk.by_plate.size(), 1u);
+  RemoveOther(walk);
+  EXPECT_EQ(FitWith(walk, both).movement.walk.by_plate.size(), 1u);
 }
 
 // Where one of its events is hidden from the camera, the other one is still the plate's.
 TEST(PlateContact, WhoseEndTheMarkersMissKeepsItsBegin) {
   const DrawnWalkOptions drawn;
-  gait::MovementOptions movement;
-  movement.walking.contacts = {ContactOf(drawn, false, 0)};
+  const gait::PlateContact contact = ContactOf(drawn, false, 0);
   motion::MarkerRecording walk = DrawWalk(drawn);
   for (motion::MarkerTrack& marker : walk.markers)
     for (std::size_t i = 0; i < marker.samples.size(); ++i)
-      if (std::abs(walk.time_s[i] - movement.walking.contacts[0].end_s) < 0.25) marker.samples[i] = {};
-  const std::vector<gait::PlateEvent> found = FitWith(walk, movement).movement.walk.by_plate;
+      if (std::abs(walk.time_s[i] - contact.end_s) < 0.25) marker.samples[i] = {};
+  const std::vector<gait::PlateEvent> found = FitWith(walk, contact).movement.walk.by_plate;
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].event.kind, StsEventKind::kHeelStrike);
 }
@@ -143,7 +140,7 @@ TEST(PlateContact, WhoseEndTheMarkersMissKeepsItsBegin) {
 TEST(GivenEvents, OfAWalkReplaceAllThatWereFound) {
   DrawnWalkOptions drawn;
   drawn.noise_mm = 0.5;
-  gait::LegFitResult leg = FitWith(DrawWalk(drawn));
+  gait::LegFitResult leg = FitMovement(DrawWalk(drawn));
   const TemporaryFolder folder;
   motion::WriteEventsCsv(folder / "events.csv", leg.events);
   const std::vector<motion::StsEvent> found = leg.events;
@@ -217,7 +214,7 @@ motion::MarkerRecording StandAndBend(unsigned seed) {
 TEST(NeutralPose, IsThatOfQuietStanding) {
   std::vector<double> errors_sd;
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    gait::LegFitResult leg = FitWith(StandAndBend(seed));
+    gait::LegFitResult leg = FitMovement(StandAndBend(seed));
     const motion::LegSample pose = gait::NeutralPose(leg, 0.2, 2.8);
     EXPECT_NEAR(pose.knee_deg, 4, 0.3);
     EXPECT_NEAR(pose.shank_deg, 5, 0.3);
@@ -237,8 +234,8 @@ TEST(NeutralPose, IsThatOfQuietStanding) {
 }
 
 TEST(NeutralPose, SaysWhereNobodyStandsQuietly) {
-  const gait::LegFitResult leg = FitWith(StandAndBend(1));
-  const auto said = [&](double from_s, double to_s) -> std::string {
+  const gait::LegFitResult leg = FitMovement(StandAndBend(1));
+  const auto said = [&](double from_s, double to_s) {
     return MessageOf([&] { gait::NeutralPose(leg, from_s, to_s); });
   };
   EXPECT_THAT(said(3, 5), HasSubstr("the knee's angle sways by"));
@@ -259,12 +256,10 @@ TEST_P(OpticalKnee, IsThatOfTheJointCentres) {
   const auto [name, side] = GetParam();
   const fs::path file = SharedData() / "opensim_walk" / name;
   if (!fs::exists(file)) GTEST_SKIP() << "no recordings";
-  exchange::TrialOptions options;
-  options.names =
+  const auto names =
       NameMap(fmt::format("ankle={0}AJC,knee={0}KJC,hip={0}HJC,waist={0}ASI+{0}PSI,heel={0}CAL,toe={0}MT2", side));
-  const exchange::Trial trial = exchange::ReadTrial(file, options);
-  gait::LegFitResult leg = FitWith(trial.recording, {}, trial.lateral_mm);
-  const exchange::PointRecording points = exchange::RenamePoints(exchange::ReadPoints(file, {}), options.names, file);
+  gait::LegFitResult leg = FitMovement(exchange::ReadTrial(file, {names, {}, ""}));
+  const exchange::PointRecording points = exchange::RenamePoints(exchange::ReadPoints(file, {}), names, file);
   std::vector<double> knee_deg;
   std::vector<Eigen::Vector3d> normals;
   for (std::size_t i = 0; i < points.time_s.size(); ++i) {
@@ -321,14 +316,21 @@ INSTANTIATE_TEST_SUITE_P(OpenSim, OpticalKnee,
                          testing::Values(OpticalStrides{"walking2.c3d", 'R'}, OpticalStrides{"walking5.c3d", 'R'},
                                          OpticalStrides{"walking2.c3d", 'L'}, OpticalStrides{"walking5.c3d", 'L'}));
 
+// Five of a person.
+class Squats : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!fs::exists(file_)) GTEST_SKIP() << "no recordings";
+  }
+  exchange::Trial Read(const char* leg) const { return exchange::ReadTrial(file_, {NameMap(leg), {}, ""}); }
+
+  const fs::path file_ = SharedData() / "real_motions/subject4_squats1.trc";
+};
+
 // Against the hip's marker itself: its height, and the frames in which it is lowest.
-TEST(Squats, AreMeasuredAsTheMarkersShowThem) {
-  const fs::path file = SharedData() / "real_motions/subject4_squats1.trc";
-  if (!fs::exists(file)) GTEST_SKIP() << "no recordings";
-  exchange::TrialOptions options;
-  options.names = NameMap(kRightLeg);
-  const exchange::Trial trial = exchange::ReadTrial(file, options);
-  const gait::LegFitResult leg = FitWith(trial.recording, {}, trial.lateral_mm);
+TEST_F(Squats, AreMeasuredAsTheMarkersShowThem) {
+  const exchange::Trial trial = Read(kRightLeg);
+  const gait::LegFitResult leg = FitMovement(trial);
   ASSERT_EQ(leg.movement.kind, gait::MovementKind::kSquat);
   const gait::Measures<gait::Squat> squats = gait::MeasureSquats(leg);
   ASSERT_EQ(squats.rows.size(), 5u);
@@ -382,17 +384,13 @@ std::map<std::string, double> ScatterOverSd(const std::vector<std::vector<Row>>&
 }
 
 // The standard deviations hold what the person's own markers lack, too: 0.40 to 0.52 of them are the noise drawn here.
-TEST(Squats, ScatterByNoMoreThanTheirStandardDeviationsSay) {
-  const fs::path file = SharedData() / "real_motions/subject4_squats1.trc";
-  if (!fs::exists(file)) GTEST_SKIP() << "no recordings";
-  exchange::TrialOptions options;
-  options.names = NameMap(kRightLeg);
-  const exchange::Trial trial = exchange::ReadTrial(file, options);
+TEST_F(Squats, ScatterByNoMoreThanTheirStandardDeviationsSay) {
+  const exchange::Trial trial = Read(kRightLeg);
   std::vector<std::vector<gait::Squat>> draws;
   for (unsigned seed = 1; seed <= Draws(5, 12); ++seed) {
     motion::MarkerRecording noisy = trial.recording;
     AddNoise(1, seed, noisy);
-    draws.push_back(gait::MeasureSquats(FitWith(noisy, {}, trial.lateral_mm)).rows);
+    draws.push_back(gait::MeasureSquats(FitMovement(noisy, trial.lateral_mm)).rows);
     ASSERT_EQ(draws.back().size(), 5u);
   }
   for (const auto& [name, ratio] : ScatterOverSd<gait::Squat>(draws, gait::Squat::Fields()))
@@ -400,19 +398,15 @@ TEST(Squats, ScatterByNoMoreThanTheirStandardDeviationsSay) {
 }
 
 // Against the events of the markers as they are; where the hip comes to rest slowly its speed's slope says too little.
-TEST(Squats, EventsErrAsTheirStandardDeviationsSay) {
-  const fs::path file = SharedData() / "real_motions/subject4_squats1.trc";
-  if (!fs::exists(file)) GTEST_SKIP() << "no recordings";
+TEST_F(Squats, EventsErrAsTheirStandardDeviationsSay) {
   std::map<StsEventKind, std::vector<double>> errors_sd;
   for (const char* leg : {kRightLeg, kLeftLeg}) {
-    exchange::TrialOptions options;
-    options.names = NameMap(leg);
-    const exchange::Trial trial = exchange::ReadTrial(file, options);
-    const std::vector<motion::StsEvent> truth = FitWith(trial.recording, {}, trial.lateral_mm).events;
+    const exchange::Trial trial = Read(leg);
+    const std::vector<motion::StsEvent> truth = FitMovement(trial).events;
     for (unsigned seed = 1; seed <= Draws(2, 6); ++seed) {
       motion::MarkerRecording noisy = trial.recording;
       AddNoise(2, seed, noisy);
-      const std::vector<motion::StsEvent> found = FitWith(noisy, {}, trial.lateral_mm).events;
+      const std::vector<motion::StsEvent> found = FitMovement(noisy, trial.lateral_mm).events;
       ASSERT_EQ(found.size(), truth.size());
       for (std::size_t i = 0; i < found.size(); ++i)
         errors_sd[found[i].kind].push_back((found[i].time_s - truth[i].time_s) / found[i].sd_s);
@@ -429,7 +423,7 @@ TEST(GaitCycles, ScatterAsTheirStandardDeviationsSay) {
     DrawnWalkOptions drawn;
     drawn.noise_mm = 1;
     drawn.seed = seed;
-    draws.push_back(gait::MeasureGaitCycles(FitWith(DrawWalk(drawn))).rows);
+    draws.push_back(gait::MeasureGaitCycles(FitMovement(DrawWalk(drawn))).rows);
     ASSERT_EQ(draws.back().size(), draws.front().size());
   }
   std::map<std::string, double> ratios = ScatterOverSd<gait::GaitCycle>(draws, gait::GaitCycle::Fields());
@@ -439,18 +433,26 @@ TEST(GaitCycles, ScatterAsTheirStandardDeviationsSay) {
     EXPECT_GE(ratios.at(name), 0.6) << name;
 }
 
-TEST(Squats, ColumnsAreDescribedAsTheFieldsAre) {
+template <typename Row>
+void ExpectDescribed(const std::string& table) {
   const std::string described = ReadTextFile(SourceDir() / "apps/python/lake/columns.csv");
-  for (const gait::Field<gait::Squat>& field : gait::Squat::Fields()) {
-    EXPECT_THAT(described, HasSubstr(fmt::format("\nsquats,{},{},{},", field.name, field.unit, field.meaning)));
-    EXPECT_THAT(described, HasSubstr(fmt::format("\nsquats,{}_sd,", field.Column(motion::LengthUnit::kPx))));
+  for (const gait::Field<Row>& field : Row::Fields()) {
+    const char* quote = std::string(field.meaning).find(',') == std::string::npos ? "" : "\"";
+    EXPECT_THAT(described, HasSubstr(fmt::format("\n{0},{1},{2},{4}{3}{4},", table, field.name, field.unit,
+                                                 field.meaning, quote)));
+    EXPECT_THAT(described, HasSubstr(fmt::format("\n{},{}_sd,", table, field.Column(motion::LengthUnit::kPx))));
   }
+}
+
+TEST(MeasuresColumns, AreDescribedAsTheFieldsAre) {
+  ExpectDescribed<gait::Squat>("squats");
+  ExpectDescribed<gait::GaitCycle>("gait_cycles");
 }
 
 // A norm that nobody could have measured gets a sentence.
 TEST(ReferenceCurve, IsRefusedWhereItIsNone) {
   const TemporaryFolder folder;
-  const auto said = [&](const std::string& text) -> std::string {
+  const auto said = [&](const std::string& text) {
     WriteTextFile(folder / "norm.csv", text);
     return MessageOf([&] { gait::ReadReferenceCurve(folder / "norm.csv"); });
   };

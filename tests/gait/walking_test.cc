@@ -2,7 +2,6 @@
 #include "lake/gait/walking.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +11,7 @@
 #include <random>
 
 #include "drawn_walk.h"
-#include "lake/core/atomic_file.h"
+#include "fitted_movement.h"
 #include "lake/core/csv.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/ground_forces.h"
@@ -33,13 +32,6 @@ using motion::StsEventKind;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-gait::LegFitResult FitMovement(const motion::MarkerRecording& recording, const gait::LateralPlaces& lateral = {},
-                               const gait::MovementOptions& movement = {}) {
-  gait::LegFitResult leg = gait::FitLeg(recording, gait::MakeLegView(recording.unit, {}), {}, lateral);
-  gait::ChooseMovement(movement, leg);
-  return leg;
-}
 
 std::vector<double> StepTimes(const std::vector<motion::StsEvent>& events, StsEventKind kind) {
   std::vector<double> times;
@@ -65,9 +57,7 @@ struct Walked {
 };
 
 exchange::Trial ReadWalk(const fs::path& file, const std::string& names) {
-  exchange::TrialOptions options;
-  options.names = NameMap(names);
-  return exchange::ReadTrial(file, options);
+  return exchange::ReadTrial(file, {NameMap(names), {}, ""});
 }
 
 std::vector<Walked> WalksOverPlates(bool by_foot) {
@@ -186,7 +176,7 @@ TEST(Walking, IsSeenInAStepAlone) {
           return event.time_s < from_s + kEdge_s || event.time_s > to_s - kEdge_s;
         });
         std::map<StsEventKind, Errors> errors;
-        Compare(walk.plate, FitMovement(walk.trial.recording, walk.trial.lateral_mm).events, errors);
+        Compare(walk.plate, FitMovement(walk.trial).events, errors);
         for (const auto& [kind, of] : errors)
           for (const double error_s : of.s) EXPECT_LE(std::abs(error_s), by_foot ? 0.040 : 0.060) << ToString(kind);
       }
@@ -215,8 +205,7 @@ TEST(Walking, IsSeenAlikeInAnotherLaboratory) {
       if (side == 'R') events.push_back({StsEventKind::kHeelStrike, forces.time_s[static_cast<std::size_t>(first)]});
       const std::string names = fmt::format("ankle={0}AJC,knee={0}KJC,hip={0}HJC,waist={0}ASI+{0}PSI", side) +
                                 (by_foot ? fmt::format(",heel={0}CAL,toe={0}MT2", side) : "");
-      const exchange::Trial trial = ReadWalk(folder / name, names);
-      Compare(events, FitMovement(trial.recording, trial.lateral_mm).events, errors);
+      Compare(events, FitMovement(ReadWalk(folder / name, names)).events, errors);
     }
   for (const auto& [kind, of] : errors) EXPECT_LE(RootMeanSquare(of.s), 0.020) << ToString(kind);
 }
@@ -301,23 +290,17 @@ INSTANTIATE_TEST_SUITE_P(Paces, DrawnWalk,
                                          With(30, 1.3, 1000, 1, false, 0.5), With(60, 1.1, 1300, 1, true, 1),
                                          With(120, 1.5, 800, -1, true, 0.3)));
 
-std::string Warnings(const gait::LegFitResult& leg) {
-  std::string text;
-  for (const std::string& warning : leg.warnings) text += warning + "\n";
-  return text;
-}
-
 TEST(Walking, BackwardAndRunningAreSaidAndGiveNoCycle) {
   DrawnWalkOptions backward = With(100, 1.1, 1300, 1, false, 0.3);
   backward.is_backward = true;
   const gait::LegFitResult back = FitMovement(DrawWalk(backward));
   EXPECT_THAT(back.events, IsEmpty());
-  EXPECT_THAT(Warnings(back), HasSubstr("the person walks backward"));
+  EXPECT_THAT(WarningsOf(back), HasSubstr("the person walks backward"));
   DrawnWalkOptions running = With(100, 0.7, 1600, 1, false, 0.3);
   running.stance = 0.36;
   const gait::LegFitResult run = FitMovement(DrawWalk(running));
   EXPECT_THAT(run.events, IsEmpty());
-  EXPECT_THAT(Warnings(run), HasSubstr("the person runs"));
+  EXPECT_THAT(WarningsOf(run), HasSubstr("the person runs"));
 }
 
 TEST(Walking, MovementsThatAreNoneHaveNoEventsOfIt) {
@@ -336,8 +319,7 @@ TEST(Walking, MovementsThatAreNoneHaveNoEventsOfIt) {
         {"opencap_sts/sts_default_markers.trc", "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=R_Shoulder",
          gait::MovementKind::kSitToStand},
         {"sts_force_plates/STS1.trc", kRightLeg, gait::MovementKind::kSitToStand}}) {
-    const exchange::Trial trial = ReadWalk(SharedData() / file, names);
-    const gait::LegFitResult leg = FitMovement(trial.recording, trial.lateral_mm);
+    const gait::LegFitResult leg = FitMovement(ReadWalk(SharedData() / file, names));
     EXPECT_EQ(leg.movement.kind, kind) << file;
     for (const motion::StsEvent& event : leg.events) EXPECT_LT(event.kind, StsEventKind::kHeelStrike) << file;
   }
@@ -360,9 +342,9 @@ TEST(Movement, IsTheOneAskedFor) {
   options.walking.belt_speed_mm_s = 500;
   const gait::LegFitResult leg = FitMovement(walk, {}, options);
   EXPECT_EQ(leg.movement.walk.ground, gait::Ground::kTreadmill);
-  EXPECT_THAT(Warnings(leg), testing::Not(HasSubstr("belt")));
+  EXPECT_THAT(WarningsOf(leg), testing::Not(HasSubstr("belt")));
   options.walking.ground.reset();
-  EXPECT_THAT(Warnings(FitMovement(walk, {}, options)), HasSubstr("the belt's speed is left out"));
+  EXPECT_THAT(WarningsOf(FitMovement(walk, {}, options)), HasSubstr("the belt's speed is left out"));
   // As over the ground, and the belt in addition.
   EXPECT_NEAR(gait::MeasureGaitCycles(leg).mean.speed.value, 1300 / 1.1 + 500, 30);
 }
@@ -392,16 +374,6 @@ TEST(GaitCycles, AreToldWithTheDigitsOfTheirStandardDeviations) {
       gait::MeasuresText(gait::MeasureGaitCycles(FitMovement(DrawWalk(drawn))), motion::LengthUnit::kMm);
   EXPECT_THAT(text, testing::ContainsRegex("stride_mm  [0-9]+[.][0-9]+ ± 0[.]0*[1-9]"));
   EXPECT_THAT(text, testing::Not(testing::ContainsRegex("± [0.]*\n")));
-}
-
-TEST(GaitCycles, ColumnsAreDescribedAsTheFieldsAre) {
-  const std::string described = ReadTextFile(SourceDir() / "apps/python/lake/columns.csv");
-  for (const gait::Field<gait::GaitCycle>& field : gait::GaitCycle::Fields()) {
-    const bool is_quoted = std::string(field.meaning).find(',') != std::string::npos;
-    EXPECT_THAT(described, HasSubstr(fmt::format("\ngait_cycles,{},{},{}{}", field.name, field.unit,
-                                                 is_quoted ? "\"" : "", field.meaning)));
-    EXPECT_THAT(described, HasSubstr(fmt::format("\ngait_cycles,{}_sd,", field.Column(motion::LengthUnit::kPx))));
-  }
 }
 
 }  // namespace
